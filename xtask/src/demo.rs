@@ -1,0 +1,6 @@
+//! x
+use crate::workspace::Workspace;
+/// x
+pub fn run(_w: &Workspace) -> anyhow::Result<bool> {
+    Ok(true)
+}

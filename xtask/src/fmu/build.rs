@@ -1,0 +1,179 @@
+//! Builds the C libraries of the FMUs for the platform at hand.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use anyhow::{Context, Result, bail, ensure};
+use cargo_metadata::{Message, Package, Target};
+
+use crate::process;
+use crate::workspace::Workspace;
+
+/// Newest version of the GNU C library whose symbols a Linux FMU may need.
+pub const GLIBC: (u32, u32) = (2, 17);
+
+/// True where the build needs the programs of `.venv`: on Linux, `cargo-zigbuild` links for an old C library.
+pub fn needs_environment() -> bool {
+    cfg!(target_os = "linux")
+}
+
+/// Folder of the binary inside an FMU, as FMI 2.0.4 names the platform.
+///
+/// # Errors
+/// When FMI has no name for this platform.
+pub fn platform() -> Result<&'static str> {
+    Ok(match (std::env::consts::OS, std::env::consts::ARCH) {
+        ("linux", "x86_64") => "linux64",
+        ("windows", "x86_64") => "win64",
+        ("macos", "x86_64") => "darwin64",
+        ("linux", "aarch64") => "aarch64-linux",
+        ("windows", "aarch64") => "aarch64-windows",
+        ("macos", "aarch64") => "aarch64-darwin",
+        (system, processor) => {
+            bail!("FMI 2.0 has no binary folder for `{system}` on `{processor}`")
+        }
+    })
+}
+
+/// File name extension of a C library on this platform.
+pub fn extension() -> &'static str {
+    std::env::consts::DLL_EXTENSION
+}
+
+/// Builds these packages in release mode; returns their C libraries in the same order.
+///
+/// # Errors
+/// When the build fails.
+pub fn libraries(workspace: &Workspace, packages: &[&Package]) -> Result<Vec<PathBuf>> {
+    let mut command = release(workspace);
+    for package in packages {
+        command.args(["--package", &package.name]);
+    }
+    let names = packages
+        .iter()
+        .map(|package| format!("`{}`", package.name))
+        .collect::<Vec<_>>()
+        .join(", ");
+    let built = artefacts(&format!("build {names}"), command)?;
+    packages
+        .iter()
+        .map(|package| find(&built, &package.name.replace('-', "_"), Target::is_cdylib))
+        .collect()
+}
+
+/// Builds an example of a package as a C library, in the same way as the FMUs.
+///
+/// # Errors
+/// When the build fails.
+pub fn example(workspace: &Workspace, package: &str, name: &str) -> Result<PathBuf> {
+    let mut command = release(workspace);
+    command.args(["--package", package, "--example", name]);
+    let built = artefacts(
+        &format!("build the example `{name}` of `{package}`"),
+        command,
+    )?;
+    find(&built, name, Target::is_example)
+}
+
+fn release(workspace: &Workspace) -> Command {
+    let mut command = if needs_environment() {
+        let mut command = workspace.cargo("zigbuild");
+        let (major, minor) = GLIBC;
+        command.arg(format!(
+            "--target={}-unknown-linux-gnu.{major}.{minor}",
+            std::env::consts::ARCH
+        ));
+        command
+    } else {
+        workspace.cargo("build")
+    };
+    command.args([
+        "--release",
+        "--locked",
+        "--message-format=json-render-diagnostics",
+    ]);
+    command.env(
+        "CARGO_ENCODED_RUSTFLAGS",
+        remap_flags(workspace).join("\u{1f}"),
+    );
+    command
+}
+
+/// Compiler flags that keep the builder's folders out of the binary: in it, paths start at the checkout, at `crates`
+/// or at `rust`.
+fn remap_flags(workspace: &Workspace) -> Vec<String> {
+    let mut flags = vec![remap(&workspace.root, ".")];
+    for sources in dependency_folders(workspace) {
+        flags.push(remap(&sources, "crates"));
+    }
+    if let Ok(sysroot) = process::text(Command::new("rustc").args(["--print", "sysroot"])) {
+        flags.push(remap(
+            &Path::new(sysroot.trim()).join("lib/rustlib/src/rust"),
+            "rust",
+        ));
+    }
+    flags
+}
+
+/// The folders that hold the sources of the dependencies.
+pub fn dependency_folders(workspace: &Workspace) -> Vec<PathBuf> {
+    let outside = workspace
+        .metadata
+        .packages
+        .iter()
+        .filter(|package| package.source.is_some());
+    let mut folders: Vec<_> = outside
+        .filter_map(|package| {
+            Some(
+                package
+                    .manifest_path
+                    .parent()?
+                    .parent()?
+                    .to_path_buf()
+                    .into(),
+            )
+        })
+        .collect();
+    folders.sort();
+    folders.dedup();
+    folders
+}
+
+fn remap(from: &Path, to: &str) -> String {
+    format!("--remap-path-prefix={}={to}", from.display())
+}
+
+fn artefacts(title: &str, mut command: Command) -> Result<Vec<cargo_metadata::Artifact>> {
+    process::header(title);
+    let output = process::status_and_text(command.stderr(Stdio::inherit()))?;
+    ensure!(
+        output.0.success(),
+        "`{}` failed: {}",
+        process::display(&command),
+        output.0
+    );
+    let mut built = Vec::new();
+    for message in Message::parse_stream(output.1.as_slice()) {
+        if let Message::CompilerArtifact(artefact) =
+            message.context("cargo's messages are unreadable")?
+        {
+            built.push(artefact);
+        }
+    }
+    Ok(built)
+}
+
+fn find(
+    built: &[cargo_metadata::Artifact],
+    name: &str,
+    kind: fn(&Target) -> bool,
+) -> Result<PathBuf> {
+    let matching = built.iter().filter(|artefact| {
+        kind(&artefact.target) && artefact.target.name.replace('-', "_") == name
+    });
+    let mut files = matching.flat_map(|artefact| &artefact.filenames);
+    let library = files.find(|file| file.extension() == Some(extension()));
+    library
+        .map(|file| file.clone().into())
+        .with_context(|| format!("the build left no C library `{name}`"))
+}

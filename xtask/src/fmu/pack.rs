@@ -1,0 +1,178 @@
+//! Packs an FMU: a zip file that every importer reads, with the same bytes for the same content.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::io::{Cursor, Write};
+use std::path::Path;
+
+use anyhow::{Context, Result, ensure};
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, DateTime, ZipWriter};
+
+/// Files of an FMU by their path inside it, sorted.
+#[derive(Default)]
+pub struct Content(BTreeMap<String, Vec<u8>>);
+
+impl Content {
+    /// Adds a file.
+    ///
+    /// # Errors
+    /// When the path is not a plain relative one with forward slashes, or is there already.
+    pub fn add(&mut self, path: impl Into<String>, bytes: Vec<u8>) -> Result<()> {
+        let path = path.into();
+        let plain = path.split('/').all(|part| !matches!(part, "" | "." | ".."));
+        ensure!(
+            plain && !path.contains(['\\', ':']),
+            "`{path}` is no path for a file inside an FMU"
+        );
+        ensure!(
+            !self.0.contains_key(&path),
+            "`{path}` would be in the FMU twice"
+        );
+        self.0.insert(path, bytes);
+        Ok(())
+    }
+
+    /// Adds everything in a folder of the disk, below `prefix`; a folder that is not there adds nothing.
+    ///
+    /// # Errors
+    /// When a file cannot be read.
+    pub fn add_folder(&mut self, prefix: &str, folder: &Path) -> Result<()> {
+        if !folder.is_dir() {
+            return Ok(());
+        }
+        for entry in
+            fs::read_dir(folder).with_context(|| format!("cannot list `{}`", folder.display()))?
+        {
+            let entry = entry?;
+            let path = format!("{prefix}/{}", entry.file_name().to_string_lossy());
+            if entry.path().is_dir() {
+                self.add_folder(&path, &entry.path())?;
+            } else if !entry.file_name().to_string_lossy().starts_with('.') {
+                let bytes = fs::read(entry.path())
+                    .with_context(|| format!("cannot read `{}`", entry.path().display()))?;
+                self.add(path, bytes)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// A text file of the content.
+    pub fn text(&self, path: &str) -> Option<&str> {
+        std::str::from_utf8(self.0.get(path)?).ok()
+    }
+}
+
+/// The FMU as bytes: deflate, sorted, with one fixed time stamp, so that equal content gives equal bytes.
+///
+/// # Errors
+/// When `modelDescription.xml` is missing.
+pub fn to_bytes(content: &Content) -> Result<Vec<u8>> {
+    ensure!(
+        content.0.contains_key("modelDescription.xml"),
+        "an FMU needs a `modelDescription.xml`"
+    );
+    let options = SimpleFileOptions::default()
+        .compression_method(CompressionMethod::Deflated)
+        .compression_level(Some(9))
+        .last_modified_time(DateTime::default())
+        .unix_permissions(0o644);
+    let mut writer = ZipWriter::new(Cursor::new(Vec::new()));
+    for (path, bytes) in &content.0 {
+        writer.start_file(path.as_str(), options)?;
+        writer.write_all(bytes)?;
+    }
+    Ok(writer.finish()?.into_inner())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Read;
+
+    fn content(order: &[&str]) -> Content {
+        let mut content = Content::default();
+        for path in order {
+            content.add(*path, path.repeat(100).into_bytes()).unwrap();
+        }
+        content
+    }
+
+    #[test]
+    fn the_same_content_gives_the_same_bytes() {
+        let one = to_bytes(&content(&[
+            "modelDescription.xml",
+            "resources/a.csv",
+            "binaries/linux64/m.so",
+        ]))
+        .unwrap();
+        let two = to_bytes(&content(&[
+            "binaries/linux64/m.so",
+            "modelDescription.xml",
+            "resources/a.csv",
+        ]))
+        .unwrap();
+        assert_eq!(one, two);
+    }
+
+    #[test]
+    fn every_entry_needs_zip_2_0_at_most_and_comes_back_whole() {
+        let bytes = to_bytes(&content(&[
+            "modelDescription.xml",
+            "documentation/index.html",
+        ]))
+        .unwrap();
+        let local_headers = bytes
+            .windows(4)
+            .enumerate()
+            .filter(|(_, window)| *window == b"PK\x03\x04");
+        let versions: Vec<_> = local_headers
+            .map(|(at, _)| u16::from_le_bytes([bytes[at + 4], bytes[at + 5]]))
+            .collect();
+        assert_eq!(versions.len(), 2);
+        assert!(
+            versions.iter().all(|version| *version <= 20),
+            "{versions:?}"
+        );
+
+        let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).unwrap();
+        let mut text = String::new();
+        archive
+            .by_name("documentation/index.html")
+            .unwrap()
+            .read_to_string(&mut text)
+            .unwrap();
+        assert_eq!(text, "documentation/index.html".repeat(100));
+    }
+
+    #[test]
+    fn bad_paths_are_refused() {
+        for path in ["/etc/passwd", "../up", "a\\b", "C:/x", "a//b", "", "a/./b"] {
+            assert!(Content::default().add(path, Vec::new()).is_err(), "{path}");
+        }
+        let mut twice = content(&["modelDescription.xml"]);
+        assert!(twice.add("modelDescription.xml", Vec::new()).is_err());
+    }
+
+    #[test]
+    fn a_folder_is_added_with_what_lies_below_it() {
+        let folder = tempfile::tempdir().unwrap();
+        fs::create_dir(folder.path().join("maps")).unwrap();
+        fs::write(folder.path().join("maps/one.csv"), "1").unwrap();
+        fs::write(folder.path().join(".hidden"), "").unwrap();
+        let mut content = Content::default();
+        content.add_folder("resources", folder.path()).unwrap();
+        content
+            .add_folder("resources", &folder.path().join("missing"))
+            .unwrap();
+        assert_eq!(
+            content.0.keys().collect::<Vec<_>>(),
+            ["resources/maps/one.csv"]
+        );
+    }
+
+    #[test]
+    fn without_a_model_description_nothing_is_packed() {
+        assert!(to_bytes(&content(&["resources/a.csv"])).is_err());
+    }
+}

@@ -1,0 +1,14 @@
+//! The project's commands as a library: `cargo xtask setup | fmu | demo | test | bench`.
+//!
+//! `main.rs` is only the command line. Each command is one module; [`workspace`], [`process`], [`fingerprint`] and
+//! [`python`] are what they share. Tests of other crates may use [`fmu::pack`] to pack a test FMU.
+
+pub mod bench;
+pub mod demo;
+pub mod fingerprint;
+pub mod fmu;
+pub mod process;
+pub mod python;
+pub mod setup;
+pub mod test;
+pub mod workspace;

@@ -1,0 +1,56 @@
+//! Command line of the project: `cargo xtask setup | fmu | demo | test | bench`.
+
+use std::process::ExitCode;
+
+use anyhow::Result;
+use clap::{Parser, Subcommand};
+use xtask::workspace::Workspace;
+use xtask::{bench, demo, fmu, setup, test};
+
+/// Builds, demonstrates, tests and measures the project. Steps that are up to date are skipped.
+#[derive(Parser)]
+#[command(name = "cargo xtask", bin_name = "cargo xtask")]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Make `.venv` with the pinned Python requirements and build the native half of the plants
+    Setup,
+    /// Build and pack the FMUs into `target/fmu/`
+    Fmu {
+        /// Controllers to build, such as `dob` or `fmu-dob`; all of them when none is named
+        names: Vec<String>,
+    },
+    /// Run every closed loop and print the acceptance table; results land in `target/demo/`
+    Demo,
+    /// Prove the project: rustfmt, clippy, cargo test, ruff, mypy, pytest
+    Test,
+    /// Measure the FMUs and the reference loop; results land in `target/bench/`
+    Bench,
+}
+
+fn main() -> ExitCode {
+    match run(&Cli::parse().command) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::from(1),
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Runs one command; false when it ran to its end and something does not hold.
+fn run(command: &Command) -> Result<bool> {
+    let workspace = Workspace::load()?;
+    match command {
+        Command::Setup => setup::run(&workspace).map(|()| true),
+        Command::Fmu { names } => fmu::run(&workspace, names).map(|_| true),
+        Command::Demo => demo::run(&workspace),
+        Command::Test => test::run(&workspace),
+        Command::Bench => bench::run(&workspace).map(|()| true),
+    }
+}

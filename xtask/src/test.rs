@@ -1,0 +1,122 @@
+//! `cargo xtask test`: everything that proves the project, step by step, with its times.
+
+use std::process::Command;
+use std::time::{Duration, Instant};
+
+use anyhow::Result;
+
+use crate::fmu;
+use crate::process;
+use crate::setup;
+use crate::workspace::Workspace;
+
+/// Runs all checks in order and stops at the first that fails; true when all passed.
+///
+/// # Errors
+/// When something that the checks need is missing or does not build.
+pub fn run(workspace: &Workspace) -> Result<bool> {
+    let mut times = Vec::new();
+    timed(&mut times, "setup", || setup::run(workspace))?;
+    timed(&mut times, "FMUs", || fmu::run(workspace, &[]).map(|_| ()))?;
+
+    let fmpy = setup::fmpy_folder(workspace)?;
+    for (name, mut command) in checks(workspace) {
+        command.env("FMPY_DIR", &fmpy);
+        if let Err(error) = timed(&mut times, name, || process::run(name, &mut command)) {
+            summary(&times);
+            eprintln!("error: {error:#}");
+            eprintln!("hint: this step alone: `{}`", process::display(&command));
+            return Ok(false);
+        }
+    }
+    summary(&times);
+    Ok(true)
+}
+
+/// The checks by name, quick ones first.
+fn checks(workspace: &Workspace) -> Vec<(&'static str, Command)> {
+    let with = |mut command: Command, words: &[&str]| {
+        command.args(words);
+        command
+    };
+    let cargo = |words: &[&str]| with(workspace.cargo(words[0]), &words[1..]);
+    let venv = |words: &[&str]| with(workspace.venv_command(words[0]), &words[1..]);
+    vec![
+        ("rustfmt", cargo(&["fmt", "--all", "--check"])),
+        ("ruff format", venv(&["ruff", "format", "--check"])),
+        ("ruff", venv(&["ruff", "check"])),
+        ("mypy", venv(&["mypy"])),
+        (
+            "clippy",
+            cargo(&[
+                "clippy",
+                "--workspace",
+                "--all-targets",
+                "--locked",
+                "--",
+                "-D",
+                "warnings",
+            ]),
+        ),
+        ("cargo test", cargo(&["test", "--workspace", "--locked"])),
+        (
+            "pytest",
+            venv(&["pytest", "--numprocesses", "auto", "--durations", "10"]),
+        ),
+    ]
+}
+
+fn timed(
+    times: &mut Vec<(&'static str, Duration, bool)>,
+    name: &'static str,
+    step: impl FnOnce() -> Result<()>,
+) -> Result<()> {
+    let start = Instant::now();
+    let result = step();
+    times.push((name, start.elapsed(), result.is_ok()));
+    result
+}
+
+fn summary(times: &[(&str, Duration, bool)]) {
+    eprintln!("\n==> summary");
+    for (name, time, passed) in times {
+        eprintln!(
+            "{name:<12} {:>7.1} s  {}",
+            time.as_secs_f64(),
+            if *passed { "passed" } else { "FAILED" }
+        );
+    }
+    let total: Duration = times.iter().map(|(_, time, _)| *time).sum();
+    eprintln!("{:<12} {:>7.1} s", "total", total.as_secs_f64());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn warnings_fail_and_formatting_is_only_checked() {
+        let checks = checks(&Workspace::load().unwrap());
+        let line = |wanted: &str| {
+            let (_, command) = checks.iter().find(|(name, _)| *name == wanted).unwrap();
+            process::display(command)
+        };
+        assert!(line("clippy").ends_with("-- -D warnings"));
+        assert!(line("rustfmt").ends_with("--check") && line("ruff format").ends_with("--check"));
+        assert!(line("cargo test").contains("test --workspace"));
+    }
+
+    #[test]
+    fn a_step_keeps_its_time_and_its_result() {
+        let mut times = Vec::new();
+        timed(&mut times, "good", || Ok(())).unwrap();
+        timed(&mut times, "bad", || anyhow::bail!("broken")).unwrap_err();
+        assert_eq!(
+            times
+                .iter()
+                .map(|(name, _, passed)| (*name, *passed))
+                .collect::<Vec<_>>(),
+            [("good", true), ("bad", false)]
+        );
+    }
+}
