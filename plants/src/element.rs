@@ -1,0 +1,24 @@
+//! What every element is.
+
+/// Names of the inputs and outputs of an element, in the order of the slices of [`Element::step`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Ports {
+    /// input names
+    pub inputs: &'static [&'static str],
+    /// output names
+    pub outputs: &'static [&'static str],
+}
+
+/// One block of a plant: it reads its inputs and writes its outputs once per plant step.
+///
+/// The call at time `t` sees the inputs of `t`; its outputs act during `[t, t + h)`.
+pub trait Element: Send + Sync {
+    /// Names of the inputs and outputs.
+    fn ports(&self) -> Ports;
+
+    /// Back to the state at time zero.
+    fn reset(&mut self);
+
+    /// One plant step of `h` seconds; `h = 0` writes the outputs of time zero.
+    fn step(&mut self, inputs: &[f64], outputs: &mut [f64], h: f64);
+}
