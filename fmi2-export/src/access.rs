@@ -1,0 +1,172 @@
+//! Typed reading, checking and writing of a variable.
+
+use crate::phase::Status;
+use crate::variable::{Kind, Variable};
+use std::fmt::Display;
+
+/// Why a call was refused, and how badly.
+#[derive(Debug)]
+pub struct Refusal {
+    pub status: Status,
+    pub text: String,
+}
+
+impl Refusal {
+    pub fn error(text: impl Into<String>) -> Self {
+        Self { status: Status::Error, text: text.into() }
+    }
+
+    pub fn discard(text: impl Into<String>) -> Self {
+        Self { status: Status::Discard, text: text.into() }
+    }
+}
+
+/// A value of one of the types that cross the C API.
+pub trait Value<V>: Copy {
+    /// What the accessing functions are called, for messages.
+    const KIND: &'static str;
+    /// Whether the variable has this value now; `None` when it is of another type.
+    fn equals(self, row: &Variable<V>, vars: &V, element: usize) -> Option<bool>;
+    /// Whether the variable takes the value; its type has been checked.
+    fn verify(self, row: &Variable<V>, element: usize) -> Result<(), Refusal>;
+    /// Writes a verified value.
+    fn write(self, row: &Variable<V>, vars: &mut V, element: usize);
+}
+
+/// A value that is copied out of the variables.
+pub trait Scalar<V>: Value<V> {
+    /// The present value, or `None` when the variable is of another type.
+    fn read(row: &Variable<V>, vars: &V, element: usize) -> Option<Self>;
+}
+
+impl<V> Value<V> for f64 {
+    const KIND: &'static str = "Real";
+
+    fn equals(self, row: &Variable<V>, vars: &V, element: usize) -> Option<bool> {
+        Self::read(row, vars, element).map(|now| now == self)
+    }
+
+    fn verify(self, row: &Variable<V>, element: usize) -> Result<(), Refusal> {
+        let Kind::Real { real, .. } = &row.kind else { return Ok(()) };
+        let name = || row.element_name(element);
+        if !self.is_finite() {
+            return if real.accepts_nan {
+                Ok(())
+            } else {
+                Err(Refusal::error(format!("`{}` = {self} is not finite", name())))
+            };
+        }
+        if self < real.min || self > real.max {
+            let unit = real.unit.map_or(String::new(), |unit| format!(" {}", unit.name));
+            return Err(out_of_range(&name(), self, real.min, real.max, &unit));
+        }
+        Ok(())
+    }
+
+    fn write(self, row: &Variable<V>, vars: &mut V, element: usize) {
+        if let Kind::Real { set, .. } = row.kind {
+            set(vars, element, self);
+        }
+    }
+}
+
+impl<V> Scalar<V> for f64 {
+    fn read(row: &Variable<V>, vars: &V, element: usize) -> Option<Self> {
+        match row.kind {
+            Kind::Real { get, .. } => Some(get(vars, element)),
+            _ => None,
+        }
+    }
+}
+
+impl<V> Value<V> for i32 {
+    const KIND: &'static str = "Integer";
+
+    fn equals(self, row: &Variable<V>, vars: &V, element: usize) -> Option<bool> {
+        Self::read(row, vars, element).map(|now| now == self)
+    }
+
+    fn verify(self, row: &Variable<V>, element: usize) -> Result<(), Refusal> {
+        match &row.kind {
+            Kind::Integer { min, max, .. } if self < *min || self > *max => {
+                Err(out_of_range(&row.element_name(element), self, *min, *max, ""))
+            }
+            Kind::Choice { ty, .. } if self < 1 || self as usize > ty.items.len() => {
+                let items = ty.items.iter().zip(1..).map(|(item, number)| format!("{number} {}", item.name));
+                let items = items.collect::<Vec<_>>().join(", ");
+                Err(Refusal::discard(format!("`{}` = {self} is no item of `{}` ({items})", row.name, ty.name)))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn write(self, row: &Variable<V>, vars: &mut V, element: usize) {
+        match row.kind {
+            Kind::Integer { set, .. } => set(vars, element, self),
+            Kind::Choice { set, .. } => set(vars, self),
+            _ => (),
+        }
+    }
+}
+
+impl<V> Scalar<V> for i32 {
+    fn read(row: &Variable<V>, vars: &V, element: usize) -> Option<Self> {
+        match row.kind {
+            Kind::Integer { get, .. } => Some(get(vars, element)),
+            Kind::Choice { get, .. } => Some(get(vars)),
+            _ => None,
+        }
+    }
+}
+
+impl<V> Value<V> for bool {
+    const KIND: &'static str = "Boolean";
+
+    fn equals(self, row: &Variable<V>, vars: &V, element: usize) -> Option<bool> {
+        Self::read(row, vars, element).map(|now| now == self)
+    }
+
+    fn verify(self, _: &Variable<V>, _: usize) -> Result<(), Refusal> {
+        Ok(())
+    }
+
+    fn write(self, row: &Variable<V>, vars: &mut V, element: usize) {
+        if let Kind::Boolean { set, .. } = row.kind {
+            set(vars, element, self);
+        }
+    }
+}
+
+impl<V> Scalar<V> for bool {
+    fn read(row: &Variable<V>, vars: &V, element: usize) -> Option<Self> {
+        match row.kind {
+            Kind::Boolean { get, .. } => Some(get(vars, element)),
+            _ => None,
+        }
+    }
+}
+
+fn out_of_range<T: Display>(name: &str, value: T, min: T, max: T, unit: &str) -> Refusal {
+    Refusal::discard(format!("`{name}` = {value}{unit} is outside {min} .. {max}{unit}; the old value stays"))
+}
+
+impl<V> Value<V> for &str {
+    const KIND: &'static str = "String";
+
+    fn equals(self, row: &Variable<V>, vars: &V, _: usize) -> Option<bool> {
+        match row.kind {
+            Kind::Text { get, .. } => Some(get(vars) == self),
+            _ => None,
+        }
+    }
+
+    fn verify(self, _: &Variable<V>, _: usize) -> Result<(), Refusal> {
+        Ok(())
+    }
+
+    fn write(self, row: &Variable<V>, vars: &mut V, _: usize) {
+        if let Kind::Text { set, .. } = row.kind {
+            set(vars, self);
+        }
+    }
+}

@@ -1,0 +1,123 @@
+//! The tick clock: counts sample periods for any sequence of communication steps without drift.
+
+use serde::{Deserialize, Serialize};
+use std::ops::Range;
+
+/// A position closer than this to a tick is that tick. In ticks.
+const SNAP: f64 = 1e-6;
+
+/// Longest communication step, in ticks: keeps a wrong step size from hanging the master.
+pub const MAX_TICKS: f64 = 1e9;
+
+/// Position in whole ticks and a fraction of one, so that hours lose no resolution.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Clock {
+    /// Sample period, s.
+    pub period: f64,
+    /// Whole ticks passed since the start.
+    whole: u64,
+    /// Part of a tick passed since then, 0 <= fraction < 1.
+    fraction: f64,
+}
+
+impl Clock {
+    pub fn new(period: f64) -> Self {
+        Self { period, whole: 0, fraction: 0.0 }
+    }
+
+    /// Whether the numbers make sense; restored state bytes may hold anything.
+    pub fn is_sane(&self) -> bool {
+        self.period.is_finite() && self.period > 0.0 && (0.0..1.0).contains(&self.fraction)
+    }
+
+    /// Moves by a communication step of `h` seconds and returns the ticks in `[here, here + h)`.
+    ///
+    /// Positions are rounded to a tick when within [`SNAP`], or within a thousandth of the step
+    /// when that is less, so that rounding of `h` never costs a tick and tiny steps still advance.
+    pub fn advance(&mut self, h: f64) -> Range<u64> {
+        let first = self.next_tick();
+        let steps = h / self.period;
+        let end = self.fraction + steps;
+        let snap = SNAP.min(1e-3 * steps);
+        let nearest = end.round();
+        let (whole, fraction) = if (end - nearest).abs() <= snap { (nearest, 0.0) } else { (end.floor(), end.fract()) };
+        self.whole += whole as u64;
+        self.fraction = fraction;
+        first..self.next_tick()
+    }
+
+    /// Seconds from the present position to a tick; negative for a tick of the past.
+    pub fn until(&self, tick: u64) -> f64 {
+        ((tick as f64 - self.whole as f64) - self.fraction) * self.period
+    }
+
+    /// Time of a tick since the start, s.
+    pub fn time_of(&self, tick: u64) -> f64 {
+        tick as f64 * self.period
+    }
+
+    fn next_tick(&self) -> u64 {
+        self.whole + u64::from(self.fraction > 0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn count(clock: &mut Clock, h: f64, steps: usize) -> u64 {
+        (0..steps).map(|_| clock.advance(h).count() as u64).sum()
+    }
+
+    #[test]
+    fn one_tick_for_each_step_of_one_period() {
+        let mut clock = Clock::new(1e-4);
+        for k in 0..2_000_000 {
+            assert_eq!(clock.advance(1e-4), k..k + 1);
+        }
+    }
+
+    #[test]
+    fn thirds_tenfolds_and_odd_multiples_count_exactly() {
+        assert_eq!(count(&mut Clock::new(1e-4), 1e-4 / 3.0, 3_000_000), 1_000_000);
+        assert_eq!(count(&mut Clock::new(1e-4), 1e-3, 1000), 10_000);
+        assert_eq!(count(&mut Clock::new(1e-4), 0.7e-4, 1_000_000), 700_000);
+        assert_eq!(count(&mut Clock::new(1e-4), 3.3e-4, 100_000), 330_000);
+    }
+
+    #[test]
+    fn steps_from_differences_of_rounded_times_lose_no_tick() {
+        // a master that hands over t[k+1] - t[k] with t near 1e5 s
+        let mut clock = Clock::new(1e-4);
+        let mut ticks = 0;
+        let t = |k: u64| 1e5 + k as f64 * 1e-4;
+        for k in 0..100_000 {
+            ticks += clock.advance(t(k + 1) - t(k)).count();
+        }
+        assert_eq!(ticks, 100_000);
+    }
+
+    #[test]
+    fn a_shortened_last_step_runs_the_tick_at_its_start_only() {
+        let mut clock = Clock::new(1e-2);
+        assert_eq!(clock.advance(1e-2), 0..1);
+        assert_eq!(clock.advance(1e-2 * (1.0 - 1e-7)), 1..2);
+        assert_eq!(clock.advance(0.25e-2), 2..3);
+        assert_eq!(clock.advance(0.25e-2), 3..3);
+        assert_eq!(clock.advance(0.5e-2), 3..3);
+        assert_eq!(clock.advance(1e-2), 3..4);
+    }
+
+    #[test]
+    fn tiny_steps_advance() {
+        let mut clock = Clock::new(1.0);
+        assert_eq!(count(&mut clock, 1e-8, 100), 1);
+        assert!((clock.until(1) - (1.0 - 1e-6)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn tick_times_do_not_accumulate_rounding() {
+        let clock = Clock::new(1e-4);
+        assert_eq!(clock.time_of(36_000_000), 36_000_000.0 * 1e-4);
+    }
+}

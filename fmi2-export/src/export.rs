@@ -1,0 +1,155 @@
+//! What a shared library offers: its files and its instances.
+
+use crate::documentation;
+use crate::instance::{Instance, Slave};
+use crate::logger::Logger;
+use crate::model::{Info, Model};
+use crate::model_description::{self, elements};
+use crate::variable::{Kind, Role, Variable, check, is_structured_name};
+use std::ffi::{CStr, CString};
+use std::marker::PhantomData;
+use std::path::PathBuf;
+use std::sync::OnceLock;
+
+/// Everything the C API needs to know of a model, whatever its type.
+pub trait Factory: Sync {
+    /// GUID of the model description.
+    fn guid(&self) -> &str;
+    /// Text of a generated file of the FMU; `""` lists their paths, one per line.
+    fn file(&self, path: &str) -> Option<&CStr>;
+    /// A new instance with all variables at their start values.
+    fn instantiate(&'static self, resources: Option<PathBuf>, logger: Logger) -> Box<dyn Slave>;
+}
+
+/// The export of one model; made once by [`export!`](crate::export).
+pub struct Export<M: Model> {
+    shared: OnceLock<Shared>,
+    model: PhantomData<fn() -> M>,
+}
+
+/// What all instances share, derived from the table on first use.
+struct Shared {
+    guid: String,
+    files: [(&'static str, CString); 2],
+    list: CString,
+    index: Index,
+}
+
+/// Rows and elements behind the value references.
+pub struct Index {
+    /// Row and element of each value reference.
+    pub entries: Vec<(usize, usize)>,
+    /// Value references of the Reals that the model writes.
+    pub computed: Vec<u32>,
+}
+
+impl<M: Model> Default for Export<M> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<M: Model> Export<M> {
+    /// Checks the model's table and facts; in a `static`, a wrong one does not compile.
+    pub const fn new() -> Self {
+        check(M::VARIABLES);
+        check_info(&M::INFO);
+        Self { shared: OnceLock::new(), model: PhantomData }
+    }
+
+    pub(crate) fn index(&self) -> &Index {
+        &self.shared().index
+    }
+
+    fn shared(&self) -> &Shared {
+        self.shared.get_or_init(|| {
+            let (description, guid) = model_description::write::<M>();
+            let files = [
+                ("modelDescription.xml", c_string(description)),
+                ("documentation/index.html", c_string(documentation::write::<M>())),
+            ];
+            let list = c_string(files.each_ref().map(|(path, _)| *path).join("\n"));
+            Shared { guid, files, list, index: index(M::VARIABLES) }
+        })
+    }
+}
+
+impl<M: Model> Factory for Export<M> {
+    fn guid(&self) -> &str {
+        &self.shared().guid
+    }
+
+    fn file(&self, path: &str) -> Option<&CStr> {
+        let shared = self.shared();
+        if path.is_empty() {
+            return Some(&shared.list);
+        }
+        shared.files.iter().find(|(name, _)| *name == path).map(|(_, text)| text.as_c_str())
+    }
+
+    fn instantiate(&'static self, resources: Option<PathBuf>, logger: Logger) -> Box<dyn Slave> {
+        Box::new(Instance::new(self, resources, logger))
+    }
+}
+
+fn index<V>(table: &'static [Variable<V>]) -> Index {
+    let entries = table.iter().enumerate().flat_map(|(i, row)| (0..row.len()).map(move |element| (i, element)));
+    let computed = elements(table).zip(0..).filter(|((row, _), _)| {
+        let written = matches!(row.role(), Role::Output | Role::Local | Role::Calculated);
+        written && matches!(row.kind, Kind::Real { .. })
+    });
+    Index { computed: computed.map(|(_, reference)| reference).collect(), entries: entries.collect() }
+}
+
+const fn check_info(info: &Info) {
+    assert!(is_structured_name(info.identifier), "the model identifier must be a C identifier");
+    let mut i = 0;
+    while i < info.identifier.len() {
+        assert!(info.identifier.as_bytes()[i] != b'.', "the model identifier must be a C identifier");
+        i += 1;
+    }
+    assert!(!info.name.is_empty() && !info.description.is_empty(), "an FMU needs a name and a description");
+    assert!(info.step_size > 0.0 && info.stop_time > 0.0, "step size and stop time are positive");
+}
+
+/// A C string without the NUL bytes that `text` may hold.
+pub(crate) fn c_string(text: impl Into<String>) -> CString {
+    let mut bytes = text.into().into_bytes();
+    bytes.retain(|byte| *byte != 0);
+    CString::new(bytes).unwrap_or_default()
+}
+
+/// Exports a [`Model`](crate::Model) from this library as an FMI 2.0 co-simulation FMU.
+///
+/// One library holds one model. A wrong table does not compile:
+///
+/// ```compile_fail
+/// # use fmi2_export::*;
+/// # #[derive(Clone, serde::Serialize, serde::Deserialize)] struct Vars { kp: f64 }
+/// # impl Start for Vars { const START: Self = Self { kp: 3.0 }; }
+/// struct Wrong;
+/// impl Model for Wrong {
+///     const INFO: Info = Info { name: "Wrong", identifier: "wrong", description: "x", ..Info::DEFAULT };
+///     const VARIABLES: &'static [Variable<Vars>] =
+///         &[real!(Vars => kp).parameter().range(0.0, 1.0).describe("starts outside its range")];
+///     # type Vars = Vars; type State = ();
+///     # fn period(_: &Vars) -> f64 { 1.0 }
+///     # fn initialise(_: &mut Vars, _: &mut Env) -> Result<(), Error> { Ok(()) }
+///     # fn tick(_: &mut Vars, _: &mut (), _: &mut Env) -> Result<(), Error> { Ok(()) }
+/// }
+/// export!(Wrong);
+/// # fn main() {}
+/// ```
+#[macro_export]
+macro_rules! export {
+    ($model:ty) => {
+        const _: () = {
+            static EXPORT: $crate::Export<$model> = $crate::Export::new();
+
+            #[unsafe(no_mangle)]
+            extern "Rust" fn fmi2_export_factory() -> &'static dyn $crate::Factory {
+                &EXPORT
+            }
+        };
+    };
+}

@@ -1,0 +1,77 @@
+//! FMI 2.0 co-simulation export.
+//!
+//! One `const` table of [`Variable`]s per FMU gives get and set, start values, range checks,
+//! `modelDescription.xml` and `documentation/index.html`. A wrong table does not compile.
+//! A controller implements [`Model`] and calls [`export!`]; the shared library then exports the
+//! whole C API of FMI 2.0.5 for co-simulation.
+//!
+//! ```
+//! use fmi2_export::{Env, Error, Info, Model, Start, Variable, export, real, units};
+//! use serde::{Deserialize, Serialize};
+//!
+//! #[derive(Clone, Serialize, Deserialize)]
+//! struct Vars { position: f64, force: f64, stiffness: f64 }
+//!
+//! impl Start for Vars {
+//!     const START: Self = Self { position: 0.0, force: 0.0, stiffness: 100.0 };
+//! }
+//!
+//! struct Spring;
+//!
+//! impl Model for Spring {
+//!     const INFO: Info = Info {
+//!         name: "Spring", identifier: "spring", description: "A sampled spring",
+//!         step_size: 1e-3, ..Info::DEFAULT
+//!     };
+//!     type Vars = Vars;
+//!     type State = ();
+//!     const VARIABLES: &'static [Variable<Vars>] = &[
+//!         real!(Vars => position).input().unit(&units::METRE).display("mm").describe("Position"),
+//!         real!(Vars => force).output().unit(&units::NEWTON).describe("Restoring force"),
+//!         real!(Vars => stiffness).tunable().unit(&units::NEWTON_PER_METRE).range(0.0, 1e6).describe("Stiffness"),
+//!     ];
+//!     fn period(_: &Vars) -> f64 { 1e-3 }
+//!     fn initialise(_: &mut Vars, _: &mut Env) -> Result<(), Error> { Ok(()) }
+//!     fn tick(vars: &mut Vars, _: &mut (), _: &mut Env) -> Result<(), Error> {
+//!         vars.force = -vars.stiffness * vars.position;
+//!         Ok(())
+//!     }
+//! }
+//!
+//! export!(Spring);
+//! # fn main() {}
+//! ```
+//!
+//! All `unsafe` code is in [`c_api`]; every other module is safe Rust.
+//!
+//! Timing: the model ticks at `start + n * period`. A communication step `[t, t + h)` runs every
+//! tick that lies in it, with the inputs set at `t`; outputs are held between ticks.
+#![deny(unsafe_code)]
+
+mod access;
+pub mod c_api;
+mod clock;
+mod documentation;
+mod enumeration;
+mod export;
+mod hash;
+mod hook;
+mod instance;
+mod logger;
+mod model;
+mod model_description;
+mod phase;
+mod resources;
+mod snapshot;
+pub mod units;
+mod variable;
+mod xml;
+
+pub use enumeration::{EnumType, Enumeration, Item};
+pub use export::{Export, Factory};
+pub use instance::Slave;
+pub use logger::{Callback, Category, Logger};
+pub use model::{Env, Error, Info, Model, Start};
+pub use phase::Status;
+pub use units::{DisplayUnit, Unit};
+pub use variable::Variable;

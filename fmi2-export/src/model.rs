@@ -1,0 +1,138 @@
+//! What a controller implements to become an FMU.
+
+use crate::logger::{Category, Logger};
+use crate::variable::Variable;
+use serde::{Serialize, de::DeserializeOwned};
+use std::fmt::{self, Display};
+use std::path::Path;
+
+/// Facts about an FMU for its model description.
+#[derive(Clone, Copy, Debug)]
+pub struct Info {
+    /// Model name as tools show it.
+    pub name: &'static str,
+    /// Model identifier: a C identifier, and the file name of the shared library.
+    pub identifier: &'static str,
+    /// One sentence.
+    pub description: &'static str,
+    /// Version of the model.
+    pub version: &'static str,
+    /// Authors.
+    pub author: &'static str,
+    /// Copyright line.
+    pub copyright: &'static str,
+    /// Licence.
+    pub license: &'static str,
+    /// Raise it whenever `Vars` or `State` change their layout or meaning: the GUID changes and
+    /// state bytes of the older version are refused.
+    pub state_version: u32,
+    /// Suggested stop time, s.
+    pub stop_time: f64,
+    /// Suggested communication step, s.
+    pub step_size: f64,
+}
+
+impl Info {
+    /// Common values; name, identifier and description are still to be given.
+    pub const DEFAULT: Self = Self {
+        name: "",
+        identifier: "",
+        description: "",
+        version: env!("CARGO_PKG_VERSION"),
+        author: "The Machining FMUs developers",
+        copyright: "Copyright (c) 2026 The Machining FMUs developers",
+        license: "MIT OR Apache-2.0",
+        state_version: 1,
+        stop_time: 1.0,
+        step_size: 1e-3,
+    };
+}
+
+/// Start values of all variables, known when the FMU is compiled.
+pub trait Start {
+    /// The value of every field before anything is set.
+    const START: Self;
+}
+
+/// A sampled controller.
+pub trait Model: Sized + 'static {
+    /// Facts for the model description.
+    const INFO: Info;
+    /// All variables of the FMU, as plain fields.
+    type Vars: Start + Clone + Serialize + DeserializeOwned + Send + 'static;
+    /// Hidden state between samples.
+    type State: Clone + Serialize + DeserializeOwned + Send + 'static;
+    /// The variable table; value references are the positions in it.
+    const VARIABLES: &'static [Variable<Self::Vars>];
+
+    /// Sample period, s; may depend on fixed parameters.
+    fn period(vars: &Self::Vars) -> f64;
+
+    /// Computes the calculated parameters from the others.
+    fn calculate(_vars: &mut Self::Vars) {}
+
+    /// Checks parameters against each other and makes the state of time zero.
+    ///
+    /// # Errors
+    /// The parameter's name, value and limit.
+    fn initialise(vars: &mut Self::Vars, env: &mut Env) -> Result<Self::State, Error>;
+
+    /// One sample: reads inputs and parameters, writes outputs and state.
+    ///
+    /// # Errors
+    /// Only what the controller cannot answer with a fault state of its own.
+    fn tick(vars: &mut Self::Vars, state: &mut Self::State, env: &mut Env) -> Result<(), Error>;
+}
+
+/// What a model sees of the world beside its variables.
+pub struct Env<'a> {
+    pub(crate) time: f64,
+    pub(crate) resources: Option<&'a Path>,
+    pub(crate) logger: &'a Logger,
+}
+
+impl Env<'_> {
+    /// Time of this sample, s.
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// The folder `resources` of the FMU, if the importer told it.
+    pub fn resources(&self) -> Option<&Path> {
+        self.resources
+    }
+
+    /// Tells a change of state; shown when the importer switches events on.
+    pub fn event(&self, text: impl Display) {
+        self.logger.send(Category::Events, format_args!("t = {} s: {text}", self.time));
+    }
+
+    /// Tells something that deserves a look; always shown.
+    pub fn warn(&self, text: impl Display) {
+        self.logger.send(Category::Warning, format_args!("t = {} s: {text}", self.time));
+    }
+}
+
+/// Why a model cannot go on: a text with names, values and limits.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Error(String);
+
+impl Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for Error {}
+
+impl From<String> for Error {
+    fn from(text: String) -> Self {
+        Self(text)
+    }
+}
+
+impl From<&str> for Error {
+    fn from(text: &str) -> Self {
+        Self(text.to_owned())
+    }
+}

@@ -1,0 +1,451 @@
+//! The variable table: one row per variable, written once, checked when it is compiled.
+
+use crate::enumeration::EnumType;
+use crate::units::Unit;
+
+/// One row of the table: name, accessors, role, unit, range, start value and text.
+///
+/// Made by [`real!`](crate::real), [`integer!`](crate::integer), [`boolean!`](crate::boolean),
+/// [`text!`](crate::text) and [`choice!`](crate::choice), then refined by the methods below.
+#[derive(Debug)]
+pub struct Variable<V: 'static> {
+    pub(crate) name: &'static str,
+    pub(crate) role: Option<Role>,
+    pub(crate) description: &'static str,
+    /// Number of elements when the variable is an array.
+    pub(crate) size: Option<usize>,
+    pub(crate) kind: Kind<V>,
+}
+
+/// Causality and variability in one: the combinations a sampled controller needs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Role {
+    Input,
+    Output,
+    Local,
+    Parameter,
+    Tunable,
+    Calculated,
+}
+
+impl Role {
+    pub const fn is_parameter(self) -> bool {
+        matches!(self, Role::Parameter | Role::Tunable)
+    }
+}
+
+/// Accessors of a variable in `V`; the number is the element of an array.
+#[derive(Debug)]
+pub(crate) enum Kind<V: 'static> {
+    Real { get: fn(&V, usize) -> f64, set: fn(&mut V, usize, f64), start: &'static [f64], real: Real },
+    Integer { get: fn(&V, usize) -> i32, set: fn(&mut V, usize, i32), start: &'static [i32], min: i32, max: i32 },
+    Boolean { get: fn(&V, usize) -> bool, set: fn(&mut V, usize, bool), start: &'static [bool] },
+    Text { get: fn(&V) -> &str, set: fn(&mut V, &str), start: &'static str },
+    Choice { get: fn(&V) -> i32, set: fn(&mut V, i32), start: i32, ty: &'static EnumType },
+}
+
+/// What only a Real has.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Real {
+    pub min: f64,
+    pub max: f64,
+    pub nominal: f64,
+    pub unit: Option<&'static Unit>,
+    pub display: Option<&'static str>,
+    pub accepts_nan: bool,
+}
+
+impl<V> Kind<V> {
+    pub const fn type_name(&self) -> &'static str {
+        match self {
+            Kind::Real { .. } => "Real",
+            Kind::Integer { .. } => "Integer",
+            Kind::Boolean { .. } => "Boolean",
+            Kind::Text { .. } => "String",
+            Kind::Choice { .. } => "Enumeration",
+        }
+    }
+}
+
+/// Constructors for the macros of this module.
+#[doc(hidden)]
+impl<V> Variable<V> {
+    const fn new(name: &'static str, size: Option<usize>, kind: Kind<V>) -> Self {
+        Self { name, role: None, description: "", size, kind }
+    }
+
+    pub const fn new_real(
+        name: &'static str,
+        size: Option<usize>,
+        start: &'static [f64],
+        get: fn(&V, usize) -> f64,
+        set: fn(&mut V, usize, f64),
+    ) -> Self {
+        let (min, max) = (f64::NEG_INFINITY, f64::INFINITY);
+        let real = Real { min, max, nominal: 1.0, unit: None, display: None, accepts_nan: false };
+        Self::new(name, size, Kind::Real { get, set, start, real })
+    }
+
+    pub const fn new_integer(
+        name: &'static str,
+        size: Option<usize>,
+        start: &'static [i32],
+        get: fn(&V, usize) -> i32,
+        set: fn(&mut V, usize, i32),
+    ) -> Self {
+        Self::new(name, size, Kind::Integer { get, set, start, min: i32::MIN, max: i32::MAX })
+    }
+
+    pub const fn new_boolean(
+        name: &'static str,
+        size: Option<usize>,
+        start: &'static [bool],
+        get: fn(&V, usize) -> bool,
+        set: fn(&mut V, usize, bool),
+    ) -> Self {
+        Self::new(name, size, Kind::Boolean { get, set, start })
+    }
+
+    pub const fn new_text(name: &'static str, get: fn(&V) -> &str, set: fn(&mut V, &str)) -> Self {
+        Self::new(name, None, Kind::Text { get, set, start: "" })
+    }
+
+    pub const fn new_choice(
+        name: &'static str,
+        ty: &'static EnumType,
+        start: i32,
+        get: fn(&V) -> i32,
+        set: fn(&mut V, i32),
+    ) -> Self {
+        Self::new(name, None, Kind::Choice { get, set, start, ty })
+    }
+}
+
+impl<V> Variable<V> {
+    /// An input, set by the importer before a step.
+    pub const fn input(self) -> Self {
+        self.with_role(Role::Input)
+    }
+
+    /// An output, held between samples.
+    pub const fn output(self) -> Self {
+        self.with_role(Role::Output)
+    }
+
+    /// An internal quantity worth plotting.
+    pub const fn local(self) -> Self {
+        self.with_role(Role::Local)
+    }
+
+    /// A parameter that is fixed after initialization.
+    pub const fn parameter(self) -> Self {
+        self.with_role(Role::Parameter)
+    }
+
+    /// A parameter that may also change between steps.
+    pub const fn tunable(self) -> Self {
+        self.with_role(Role::Tunable)
+    }
+
+    /// A parameter computed from others by [`Model::calculate`](crate::Model::calculate).
+    pub const fn calculated(self) -> Self {
+        self.with_role(Role::Calculated)
+    }
+
+    /// One line that says what the variable is.
+    pub const fn describe(mut self, text: &'static str) -> Self {
+        self.description = text;
+        self
+    }
+
+    /// Unit of a Real.
+    pub const fn unit(mut self, unit: &'static Unit) -> Self {
+        self.real("only a Real has a unit").unit = Some(unit);
+        self
+    }
+
+    /// Display unit of a Real, one of its unit's.
+    pub const fn display(mut self, name: &'static str) -> Self {
+        self.real("only a Real has a display unit").display = Some(name);
+        self
+    }
+
+    /// Allowed values of a Real parameter, limits included.
+    pub const fn range(mut self, min: f64, max: f64) -> Self {
+        let real = self.real("`range` is for a Real; an Integer has `range_int`");
+        real.min = min;
+        real.max = max;
+        self
+    }
+
+    /// Usual magnitude of a Real, for the importer's tolerances and plots.
+    pub const fn nominal(mut self, magnitude: f64) -> Self {
+        self.real("only a Real has a nominal value").nominal = magnitude;
+        self
+    }
+
+    /// Lets NaN and infinities of a Real input reach the model, which answers with a fault of its
+    /// own; without it they are an fmi2Error.
+    pub const fn accepts_nan(mut self) -> Self {
+        self.real("only a Real can be NaN").accepts_nan = true;
+        self
+    }
+
+    /// Allowed values of an Integer parameter, limits included.
+    pub const fn range_int(mut self, low: i32, high: i32) -> Self {
+        match &mut self.kind {
+            Kind::Integer { min, max, .. } => {
+                *min = low;
+                *max = high;
+            }
+            _ => panic!("`range_int` is for an Integer"),
+        }
+        self
+    }
+
+    /// Start value of a String.
+    pub const fn start_text(mut self, text: &'static str) -> Self {
+        match &mut self.kind {
+            Kind::Text { start, .. } => *start = text,
+            _ => panic!("only a String takes its start value from the table"),
+        }
+        self
+    }
+
+    const fn with_role(mut self, role: Role) -> Self {
+        assert!(self.role.is_none(), "a variable has one role: input, output, local, parameter, tunable or calculated");
+        self.role = Some(role);
+        self
+    }
+
+    const fn real(&mut self, message: &'static str) -> &mut Real {
+        match &mut self.kind {
+            Kind::Real { real, .. } => real,
+            _ => panic!("{}", message),
+        }
+    }
+
+    /// Number of value references the variable takes.
+    pub(crate) const fn len(&self) -> usize {
+        match self.size {
+            Some(size) => size,
+            None => 1,
+        }
+    }
+
+    /// Role of a checked variable.
+    pub(crate) const fn role(&self) -> Role {
+        match self.role {
+            Some(role) => role,
+            None => panic!("a variable needs a role: input, output, local, parameter, tunable or calculated"),
+        }
+    }
+
+    /// FMI name of an element.
+    pub(crate) fn element_name(&self, element: usize) -> String {
+        match self.size {
+            Some(_) => format!("{}[{}]", self.name, element + 1),
+            None => self.name.to_owned(),
+        }
+    }
+}
+
+/// Refuses a wrong table when it is compiled; called by [`export!`](crate::export).
+pub(crate) const fn check<V>(table: &[Variable<V>]) {
+    assert!(!table.is_empty(), "an FMU needs variables");
+    let mut i = 0;
+    while i < table.len() {
+        let row = &table[i];
+        assert!(is_structured_name(row.name), "a name is made of identifiers joined by dots");
+        assert!(!row.description.is_empty(), "every variable needs a description");
+        assert!(row.len() > 0, "an array needs elements");
+        check_value(row);
+        let mut j = 0;
+        while j < i {
+            assert!(!same(row.name, table[j].name), "two variables have the same name");
+            j += 1;
+        }
+        i += 1;
+    }
+}
+
+const fn check_value<V>(row: &Variable<V>) {
+    let role = row.role();
+    let (count, limited) = match &row.kind {
+        Kind::Real { start, real, .. } => {
+            check_real(start, real, role);
+            (start.len(), real.min > f64::NEG_INFINITY || real.max < f64::INFINITY)
+        }
+        Kind::Integer { start, min, max, .. } => {
+            check_integer(start, *min, *max);
+            (start.len(), *min > i32::MIN || *max < i32::MAX)
+        }
+        Kind::Boolean { start, .. } => (start.len(), false),
+        Kind::Text { .. } => (1, false),
+        Kind::Choice { start, ty, .. } => {
+            assert!(*start >= 1 && *start as usize <= ty.items.len(), "the start value is no item of the enumeration");
+            (1, false)
+        }
+    };
+    assert!(count == row.len(), "an array and its start values differ in length");
+    assert!(!limited || role.is_parameter(), "only parameters have a range: inputs are limited by the model");
+}
+
+const fn check_real(start: &[f64], real: &Real, role: Role) {
+    assert!(real.min <= real.max, "a range needs minimum <= maximum");
+    assert!(real.nominal > 0.0 && real.nominal < f64::INFINITY, "a nominal value is positive");
+    assert!(!real.accepts_nan || matches!(role, Role::Input), "only an input accepts NaN");
+    let mut i = 0;
+    while i < start.len() {
+        assert!(start[i].is_finite(), "a start value must be finite");
+        assert!(real.min <= start[i] && start[i] <= real.max, "a start value is outside its range");
+        i += 1;
+    }
+    match (real.unit, real.display) {
+        (Some(unit), display) => {
+            assert!(unit.factor != 0.0, "a unit's factor is not zero");
+            assert!(has_display(unit, display), "the unit has no such display unit");
+        }
+        (None, display) => assert!(display.is_none(), "a display unit needs a unit"),
+    }
+}
+
+const fn check_integer(start: &[i32], min: i32, max: i32) {
+    assert!(min <= max, "a range needs minimum <= maximum");
+    let mut i = 0;
+    while i < start.len() {
+        assert!(min <= start[i] && start[i] <= max, "a start value is outside its range");
+        i += 1;
+    }
+}
+
+const fn has_display(unit: &Unit, display: Option<&str>) -> bool {
+    let Some(name) = display else { return true };
+    let mut i = 0;
+    while i < unit.display.len() {
+        if same(unit.display[i].name, name) {
+            return unit.display[i].factor != 0.0;
+        }
+        i += 1;
+    }
+    false
+}
+
+/// Identifiers joined by dots, as the structured naming convention of FMI 2.0 wants it.
+pub(crate) const fn is_structured_name(name: &str) -> bool {
+    let bytes = name.as_bytes();
+    let mut at_start = true;
+    let mut i = 0;
+    while i < bytes.len() {
+        match bytes[i] {
+            b'a'..=b'z' | b'A'..=b'Z' | b'_' => at_start = false,
+            b'0'..=b'9' if !at_start => (),
+            b'.' if !at_start => at_start = true,
+            _ => return false,
+        }
+        i += 1;
+    }
+    !at_start
+}
+
+const fn same(a: &str, b: &str) -> bool {
+    let (a, b) = (a.as_bytes(), b.as_bytes());
+    if a.len() != b.len() {
+        return false;
+    }
+    let mut i = 0;
+    while i < a.len() {
+        if a[i] != b[i] {
+            return false;
+        }
+        i += 1;
+    }
+    true
+}
+
+/// A Real row. The path after `=>` is the FMI name and the accessor below `Vars.group`; the start
+/// value is read from [`Start`](crate::Start) there. `real!(Vars => bias[3])` is an array.
+#[macro_export]
+macro_rules! real {
+    ($($row:tt)+) => { $crate::__row!(new_real $($row)+) };
+}
+
+/// An Integer row (`i32`); see [`real!`](crate::real).
+#[macro_export]
+macro_rules! integer {
+    ($($row:tt)+) => { $crate::__row!(new_integer $($row)+) };
+}
+
+/// A Boolean row (`bool`); see [`real!`](crate::real).
+#[macro_export]
+macro_rules! boolean {
+    ($($row:tt)+) => { $crate::__row!(new_boolean $($row)+) };
+}
+
+/// A String row; its start value comes from `.start_text(...)`. See [`real!`](crate::real).
+#[macro_export]
+macro_rules! text {
+    ($vars:ident $(. $group:ident)* => $first:ident $(. $rest:ident)*) => {
+        $crate::Variable::<$vars>::new_text(
+            $crate::__name!($first $(. $rest)*),
+            |vars| &vars $(.$group)* .$first $(.$rest)*,
+            |vars, value| value.clone_into(&mut vars $(.$group)* .$first $(.$rest)*),
+        )
+    };
+}
+
+/// A row for an enumeration: `choice!(Vars.output => state: State)`. See [`real!`](crate::real).
+#[macro_export]
+macro_rules! choice {
+    ($vars:ident $(. $group:ident)* => $first:ident $(. $rest:ident)* : $type:ty) => {
+        $crate::Variable::<$vars>::new_choice(
+            $crate::__name!($first $(. $rest)*),
+            <$type as $crate::Enumeration>::TYPE,
+            {
+                const START: &$vars = &<$vars as $crate::Start>::START;
+                START $(.$group)* .$first $(.$rest)* as i32
+            },
+            |vars| vars $(.$group)* .$first $(.$rest)* as i32,
+            |vars, number| {
+                if let Some(item) = <$type as $crate::Enumeration>::from_number(number) {
+                    vars $(.$group)* .$first $(.$rest)* = item;
+                }
+            },
+        )
+    };
+}
+
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __row {
+    ($new:ident $vars:ident $(. $group:ident)* => $first:ident $(. $rest:ident)*) => {
+        $crate::Variable::<$vars>::$new(
+            $crate::__name!($first $(. $rest)*),
+            None,
+            {
+                const START: &$vars = &<$vars as $crate::Start>::START;
+                ::core::slice::from_ref(&START $(.$group)* .$first $(.$rest)*)
+            },
+            |vars, _| vars $(.$group)* .$first $(.$rest)*,
+            |vars, _, value| vars $(.$group)* .$first $(.$rest)* = value,
+        )
+    };
+    ($new:ident $vars:ident $(. $group:ident)* => $first:ident $(. $rest:ident)* [ $size:expr ]) => {
+        $crate::Variable::<$vars>::$new(
+            $crate::__name!($first $(. $rest)*),
+            Some($size),
+            {
+                const START: &$vars = &<$vars as $crate::Start>::START;
+                &START $(.$group)* .$first $(.$rest)*
+            },
+            |vars, i| vars $(.$group)* .$first $(.$rest)* [i],
+            |vars, i, value| vars $(.$group)* .$first $(.$rest)* [i] = value,
+        )
+    };
+}
+
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __name {
+    ($first:ident $(. $rest:ident)*) => { concat!(stringify!($first) $(, ".", stringify!($rest))*) };
+}
