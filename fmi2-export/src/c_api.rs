@@ -15,10 +15,9 @@ use crate::instance::{Slave, TakenState};
 use crate::logger::{Callback, Category, Logger};
 use crate::phase::{Function, Status};
 use crate::resources;
-use std::cell::UnsafeCell;
+use std::cell::{Cell, UnsafeCell};
 use std::ffi::{CStr, CString, c_char, c_int, c_uint, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::atomic::{AtomicBool, Ordering};
 
 pub type fmi2Component = *mut c_void;
 pub type fmi2ComponentEnvironment = *mut c_void;
@@ -76,8 +75,9 @@ unsafe extern "Rust" {
 
 /// What a `fmi2Component` points to.
 struct Component {
-    /// Set while a call runs, so that a logger that calls back finds a closed door.
-    busy: AtomicBool,
+    /// Set while a call runs, so that a logger that calls back finds a closed door. Not atomic:
+    /// the standard forbids overlapping calls, and an atomic swap would cost more than the call.
+    busy: Cell<bool>,
     slave: UnsafeCell<Box<dyn Slave>>,
 }
 
@@ -97,7 +97,7 @@ impl From<Status> for fmi2Status {
 fn with(component: fmi2Component, body: impl FnOnce(&mut dyn Slave) -> Status) -> fmi2Status {
     // SAFETY: the caller gives a pointer from `fmi2Instantiate`, or NULL.
     let Some(component) = (unsafe { component.cast::<Component>().as_ref() }) else { return fmi2Error };
-    if component.busy.swap(true, Ordering::Acquire) {
+    if component.busy.replace(true) {
         return fmi2Error;
     }
     // SAFETY: `busy` was false, so no other reference to the instance exists until it is again.
@@ -109,7 +109,7 @@ fn with(component: fmi2Component, body: impl FnOnce(&mut dyn Slave) -> Status) -
             Err(_) => fmi2Fatal,
         },
     };
-    component.busy.store(false, Ordering::Release);
+    component.busy.set(false);
     status
 }
 
@@ -207,7 +207,7 @@ pub unsafe extern "C" fn fmi2Instantiate(
             return std::ptr::null_mut();
         }
         let slave = factory.instantiate(text(fmuResourceLocation).and_then(resources::folder), logger);
-        let component = Component { busy: AtomicBool::new(false), slave: UnsafeCell::new(slave) };
+        let component = Component { busy: Cell::new(false), slave: UnsafeCell::new(slave) };
         Box::into_raw(Box::new(component)).cast()
     };
     catch_unwind(AssertUnwindSafe(instantiate)).unwrap_or(std::ptr::null_mut())
@@ -262,7 +262,7 @@ fn callback(functions: Option<&fmi2CallbackFunctions>, name: &str) -> Option<Cal
 pub unsafe extern "C" fn fmi2FreeInstance(c: fmi2Component) {
     // SAFETY: the caller gives a pointer from `fmi2Instantiate`, or NULL.
     let Some(component) = (unsafe { c.cast::<Component>().as_ref() }) else { return };
-    if component.busy.load(Ordering::Acquire) {
+    if component.busy.get() {
         return;
     }
     // SAFETY: no call is running, and the caller does not use the pointer again.
