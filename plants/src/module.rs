@@ -62,7 +62,7 @@ mod _native {
     /// ValueError
     ///     More terms than a sum can have.
     #[pyfunction]
-    fn sum(terms: usize) -> PyResult<Unbound> {
+    fn summing_junction(terms: usize) -> PyResult<Unbound> {
         let limit = Sum::TERMS_MAX;
         let refused =
             || PyValueError::new_err(format!("`terms` of a sum: `{terms}`, limit `{limit}`"));

@@ -1,0 +1,65 @@
+"""Parameters of a plant: dataclass fields with unit, description, source and range."""
+
+import math
+from dataclasses import Field, field, fields
+from typing import Any
+
+
+class ParameterError(ValueError):
+    """A parameter has the wrong type or is outside its range."""
+
+
+def parameter(
+    default: float | bool,
+    unit: str,
+    description: str,
+    source: str,
+    minimum: float = -math.inf,
+    maximum: float = math.inf,
+) -> Any:
+    """Field of a parameter dataclass.
+
+    Parameters
+    ----------
+    default : float or bool
+        Value of the nominal plant.
+    unit : str
+        SI unit, `1` for a plain number and for a Boolean.
+    description : str
+        What it is, in one sentence.
+    source : str
+        Where the default comes from.
+    minimum, maximum : float
+        Closed range of the value.
+    """
+    metadata = {
+        "unit": unit,
+        "description": description,
+        "source": source,
+        "minimum": minimum,
+        "maximum": maximum,
+    }
+    return field(default=default, metadata=metadata)
+
+
+def check(parameters: Any, plant: str) -> None:
+    """Check every field of a parameter dataclass against its type and range.
+
+    Raises
+    ------
+    ParameterError
+        The first field that does not fit: its name, value and limit.
+    """
+    for item in fields(parameters):
+        _check_field(f"plant.{item.name}", getattr(parameters, item.name), item, plant)
+
+
+def _check_field(name: str, value: object, item: Field[Any], plant: str) -> None:
+    boolean = isinstance(item.default, bool)
+    if isinstance(value, bool) != boolean or not isinstance(value, int | float):
+        wanted = "true or false" if boolean else "a number"
+        raise ParameterError(f"parameter `{name}` of plant `{plant}`: value `{value!r}`, expected {wanted}")
+    low, high, unit = item.metadata["minimum"], item.metadata["maximum"], item.metadata["unit"]
+    if not low <= value <= high:  # also refuses NaN
+        limit = f"limit `{low:g}` to `{high:g}` {unit}"
+        raise ParameterError(f"parameter `{name}` of plant `{plant}`: value `{value:g}` {unit}, {limit}")

@@ -1,0 +1,230 @@
+"""What every plant is: an MJCF file, native elements for what MJCF cannot say, and named channels."""
+
+import math
+import sys
+import zlib
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar
+
+import mujoco
+import numpy as np
+from numpy.random import Generator, SeedSequence
+from numpy.typing import NDArray
+
+from plants._native import Cell, Circuit
+from plants.parameters import check
+
+Array = NDArray[np.float64]
+
+
+class PlantError(RuntimeError):
+    """A plant cannot go on: the message names plant, time and cause."""
+
+
+@dataclass(frozen=True)
+class Channel:
+    """One reading, command or truth.
+
+    Parameters
+    ----------
+    name : str
+        Name, unique among the readings, among the commands and among the truths.
+    unit : str
+        SI unit, `1` for a plain number.
+    description : str
+        What it is, in one sentence.
+    noise : float
+        Readings: standard deviation of the noise that the harness adds before it quantises.
+    quantum : float
+        Resolution to which the harness rounds, 0 for none.
+    minimum, maximum : float
+        Limits that the harness applies.
+    """
+
+    name: str
+    unit: str
+    description: str
+    noise: float = 0.0
+    quantum: float = 0.0
+    minimum: float = -math.inf
+    maximum: float = math.inf
+
+
+class Plant(ABC):
+    """A MuJoCo model that is stepped by a harness: sense, command, advance.
+
+    A subclass lives in `<plant>.py` beside `<plant>.xml`. It names its channels in `readings`, `commands`
+    and `truths`, writes its parameters into the MJCF in `shape`, and in `begin` draws what is random and
+    ties every channel to a cell. One communication step is `sense`, `command`, `advance`; `truth` describes
+    the time of the last `sense`.
+
+    Parameters
+    ----------
+    parameters : dataclass, optional
+        An instance of the `Parameters` of the class, its defaults if left out.
+
+    Raises
+    ------
+    ParameterError
+        A parameter has the wrong type or is outside its range.
+    PlantError
+        The MJCF asks for the integrator RK4.
+    """
+
+    Parameters: ClassVar[type]
+    wires: ClassVar[tuple[str, ...]] = ()
+
+    readings: tuple[Channel, ...]
+    commands: tuple[Channel, ...]
+    truths: tuple[Channel, ...]
+
+    def __init__(self, parameters: Any = None) -> None:
+        self.parameters = self.Parameters() if parameters is None else parameters
+        self.name = type(self).__module__.rpartition(".")[2]
+        check(self.parameters, self.name)
+        spec = mujoco.MjSpec.from_file(str(self._mjcf()))
+        self.shape(spec)
+        self.model = spec.compile()
+        self._refuse_rk4()
+        self.data = mujoco.MjData(self.model)
+        self.timestep = float(self.model.opt.timestep)
+        self.circuit = Circuit()
+        self._signals = np.zeros(max(len(self.wires), 1))
+        self._warnings = self.data.warning.number
+        self._sensed = False
+
+    @classmethod
+    def _mjcf(cls) -> Path:
+        return Path(str(sys.modules[cls.__module__].__file__)).with_suffix(".xml")
+
+    def _refuse_rk4(self) -> None:
+        # mj_step2 would silently integrate with Euler
+        if self.model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4:
+            raise PlantError(
+                f"plant `{self.name}`: integrator `RK4` cannot be split at the sensors\n"
+                "hint: use `implicitfast` in the <option> of the MJCF"
+            )
+
+    # what a subclass says
+
+    @abstractmethod
+    def shape(self, spec: Any) -> None:
+        """Write the parameters into the MJCF (`mujoco.MjSpec`) before it is compiled."""
+
+    @abstractmethod
+    def begin(self, steps: int) -> None:
+        """Draw what is random, set the initial state, bind the elements and `connect` the channels.
+
+        `steps` is the number of plant steps for which signals need a sample.
+        """
+
+    # what a subclass uses
+
+    def stream(self, source: str) -> Generator:
+        """Random numbers of one named source; other sources do not shift them."""
+        key = (*self._seed.spawn_key, zlib.crc32(source.encode()))
+        return np.random.default_rng(SeedSequence(self._seed.entropy, spawn_key=key))
+
+    def wire(self, name: str, **options: Any) -> Cell:
+        """Cell of a named wire between elements."""
+        return Cell(self._signals, self.wires.index(name), **options)
+
+    def constant(self, value: float) -> Cell:
+        """Cell that always reads `value`."""
+        return Cell(np.array([value]))
+
+    def normals(self, source: str, steps: int) -> Cell:
+        """Signal of standard normal numbers, one per plant step."""
+        return Cell(self.stream(source).standard_normal(steps), stride=1)
+
+    def connect(
+        self, readings: Mapping[str, Cell], commands: Mapping[str, Cell], truths: Mapping[str, Cell]
+    ) -> None:
+        """Tie the channels to cells by name."""
+        self.reading_cells = _in_order(self.readings, readings)
+        self.command_cells = _in_order(self.commands, commands)
+        self.truth_cells = _in_order(self.truths, truths)
+
+    # what a harness calls
+
+    def reset(self, seed: int | SeedSequence, duration: float) -> None:
+        """Back to time zero; all random numbers of a run of `duration` seconds are drawn here.
+
+        Parameters
+        ----------
+        seed : int or numpy.random.SeedSequence
+            The same seed gives the same run, bit for bit.
+        duration : float
+            Time for which the plant can be advanced, s.
+        """
+        self._seed = seed if isinstance(seed, SeedSequence) else SeedSequence(seed)
+        mujoco.mj_resetData(self.model, self.data)
+        self._signals[:] = 0.0
+        self.circuit = Circuit()
+        self.begin(round(duration / self.timestep) + 1)
+        # a step of no time writes the outputs of time zero
+        mujoco.mj_forward(self.model, self.data)
+        self.circuit.step(0.0)
+        self.circuit.reset()
+        self._sensed = False
+
+    def sense(self) -> Array:
+        """Ideal readings at this time, in the order of `readings`."""
+        self._attempt(mujoco.mj_step1, self.model, self.data)
+        if self._warnings.any():
+            kinds = [mujoco.mjtWarning(int(i)).name for i in np.flatnonzero(self._warnings)]
+            raise self._error(f"MuJoCo warns: `{'`, `'.join(kinds)}`")
+        self._sensed = True
+        values = np.array([cell.read() for cell in self.reading_cells])
+        if not math.isfinite(values.sum()):
+            raise self._error(_not_finite("reading", self.readings, values))
+        return values
+
+    def command(self, values: Array) -> None:
+        """Set the commands, in the order of `commands`; they hold until the next call."""
+        if not math.isfinite(sum(values)):
+            raise self._error(_not_finite("command", self.commands, values))
+        for cell, value in zip(self.command_cells, values, strict=True):
+            cell.write(value)
+
+    def advance(self, substeps: int) -> None:
+        """Go on by `substeps` plant steps from the last `sense`."""
+        if not self._sensed:
+            raise self._error("`advance` before `sense`")
+        self._sensed = False
+        for substep in range(substeps):
+            if substep > 0:
+                self._attempt(mujoco.mj_step1, self.model, self.data)
+            self._attempt(self.circuit.step, self.timestep)
+            self._attempt(mujoco.mj_step2, self.model, self.data)
+
+    def truth(self) -> Array:
+        """Return what an ideal observer knows at the last `sense`, in the order of `truths`."""
+        return np.array([cell.read() for cell in self.truth_cells])
+
+    def _attempt(self, function: Callable[..., None], *arguments: object) -> None:
+        try:
+            function(*arguments)
+        except IndexError as error:
+            hint = "hint: `reset` with the duration of the whole run"
+            raise self._error(f"{error}\n{hint}") from error
+        except (FloatingPointError, mujoco.FatalError) as error:
+            raise self._error(str(error)) from error
+
+    def _error(self, cause: str) -> PlantError:
+        return PlantError(f"plant `{self.name}` at t = `{self.data.time:.6g}` s: {cause}")
+
+
+def _in_order(channels: Sequence[Channel], cells: Mapping[str, Cell]) -> tuple[Cell, ...]:
+    names = [channel.name for channel in channels]
+    if sorted(names) != sorted(cells):
+        raise ValueError(f"channels `{names}` are connected as `{list(cells)}`")
+    return tuple(cells[name] for name in names)
+
+
+def _not_finite(kind: str, channels: Sequence[Channel], values: Array) -> str:
+    pairs = [(c, v) for c, v in zip(channels, values, strict=True) if not math.isfinite(v)]
+    return f"{kind} " + ", ".join(f"`{channel.name}` is `{value}` {channel.unit}" for channel, value in pairs)

@@ -1,0 +1,240 @@
+"""Air-bearing slide with a linear motor that carries a rotating micro end mill towards a workpiece.
+
+The machine is that of Kakinuma and Nagakari, "Sensor-less micro-tool contact detection for ultra-precision
+machine tools utilizing the disturbance observer technique", CIRP Annals 66 (2017). The paper gives its kind,
+the 16 bit current and the nanometre scale; the other numbers are typical of such machines and our choice.
+Position is positive towards the workpiece.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import mujoco
+
+from plants import _native
+from plants._native import Cell
+from plants.parameters import parameter
+from plants.plant import Channel, Plant
+
+TURN = 2.0 * math.pi
+NOWHERE = 1.0
+"""Position of the surface when there is no workpiece, m: beyond the travel."""
+
+
+@dataclass(frozen=True)
+class SlideParameters:
+    """Parameters of the slide."""
+
+    timestep: float = parameter(5e-5, "s", "Plant step", "our choice: half a sample of 10 kHz", 1e-6, 1e-3)
+    mass: float = parameter(10.4, "kg", "Moving mass", "our choice: 4 % above nominal", 0.1, 1e3)
+    force_constant: float = parameter(19.4, "N/A", "Thrust per A", "our choice: 3 % below nominal", 0.1, 1e3)
+    force_ripple: float = parameter(0.01, "1", "Relative ripple of the thrust", "our choice", 0.0, 0.5)
+    magnetic_pitch: float = parameter(0.03, "m", "Period of ripple and cogging", "our choice", 1e-3, 1.0)
+    damping: float = parameter(10.0, "N.s/m", "Viscous friction", "our choice: air bearing", 0.0, 1e4)
+    cogging: float = parameter(0.2, "N", "Cogging at the pitch, amplitude", "our choice", 0.0, 1e2)
+    cogging_half: float = parameter(0.05, "N", "Cogging at half the pitch, amplitude", "our choice", 0.0, 1e2)
+    balancer_residual: float = parameter(
+        0.5, "N", "Weight left over, drawn within +-", "our choice", 0.0, 1e2
+    )
+    balancer_sway: float = parameter(0.02, "N", "Balancer noise, deviation", "our choice", 0.0, 10.0)
+    balancer_time: float = parameter(0.5, "s", "Correlation time of that noise", "our choice", 1e-3, 1e3)
+    air_noise: float = parameter(1e-3, "N", "Air bearing noise, deviation", "our choice", 0.0, 10.0)
+    air_bandwidth: float = parameter(500.0, "Hz", "Bandwidth of that noise", "our choice", 1.0, 1e5)
+    spindle_speed: float = parameter(
+        1000.0 * math.pi, "rad/s", "Spindle speed", "our choice: 30 000 rpm", 0.0, 2e4
+    )
+    spindle_force: float = parameter(0.02, "N", "Axial force once a turn, amplitude", "our choice", 0.0, 10.0)
+    spindle_force_twice: float = parameter(0.01, "N", "The same twice a turn", "our choice", 0.0, 10.0)
+    encoder_noise: float = parameter(5e-10, "m", "Encoder noise, deviation", "our choice", 0.0, 1e-3)
+    encoder_resolution: float = parameter(1e-9, "m", "Encoder step", "paper: 1 nm is usual", 0.0, 1e-3)
+    current_limit: float = parameter(5.0, "A", "Largest current", "our choice", 1e-3, 1e3)
+    current_resolution: float = parameter(
+        10.0 / 65_536.0, "A", "Step of the current command", "paper: 16 bit, here for +-5 A", 0.0, 1.0
+    )
+    current_bandwidth: float = parameter(1e3, "Hz", "Bandwidth of the current loop", "our choice", 10.0, 1e5)
+    amplifier_noise: float = parameter(
+        5e-5, "A", "Current noise within the bandwidth, deviation", "our choice", 0.0, 1.0
+    )
+    stiffness: float = parameter(
+        2e5, "N/m", "Contact of one flute: tool, spindle and work in series", "our choice", 0.0, 1e8
+    )
+    yield_depth: float = parameter(
+        0.0, "m", "Elastic depth of one flute before the surface yields, 0: never", "our choice", 0.0, 1e-3
+    )
+    tilt: float = parameter(5e-8, "m", "Axial run-out of the flutes, amplitude", "our choice", 0.0, 1e-4)
+    flute_shortfall: float = parameter(1e-7, "m", "What the second flute lacks", "our choice", 0.0, 1e-4)
+    workpiece: bool = parameter(True, "1", "Whether there is a workpiece", "our choice")
+    surface_distance: float = parameter(
+        1e-4, "m", "Least distance from the start to the surface", "our choice", 0.0, 0.5
+    )
+    surface_spread: float = parameter(5e-5, "m", "Extra distance, drawn from 0 to", "our choice", 0.0, 0.1)
+    start_spread: float = parameter(1e-3, "m", "Start position, drawn within +-", "our choice", 0.0, 0.1)
+
+
+class Slide(Plant):
+    """The slide. Channels: encoder and spindle speed in, motor current out; see the tables below."""
+
+    Parameters: ClassVar[type] = SlideParameters
+    wires: ClassVar[tuple[str, ...]] = (
+        "command", "amplifier_noise", "current", "angle", "angle_next", "spindle_force",
+        "disturbance", "position_peak", "touched",
+    )  # fmt: skip
+
+    def __init__(self, parameters: SlideParameters | None = None) -> None:
+        super().__init__(parameters)
+        p: SlideParameters = self.parameters
+        limit = p.current_limit
+        self.readings = (
+            Channel("position", "m", "Encoder", noise=p.encoder_noise, quantum=p.encoder_resolution),
+            Channel("spindle_speed", "rad/s", "Speed of the spindle drive"),
+        )
+        self.commands = (
+            Channel("current", "A", "Current command", 0.0, p.current_resolution, -limit, limit),
+        )
+        self.truths = (
+            Channel("position", "m", "Position of the slide"),
+            Channel("velocity", "m/s", "Velocity of the slide"),
+            Channel("surface", "m", "Position at which the longest flute can first touch"),
+            Channel("depth", "m", "Travel beyond the first possible touch, negative before"),
+            Channel("depth_max", "m", "Largest depth so far"),
+            Channel("contact_force", "N", "Force of the workpiece on the tool, sum of the flutes"),
+            Channel("touched", "1", "1 from the first contact force on"),
+            Channel("indentation", "m", "Permanent indentation of the surface by the longest flute"),
+            Channel("disturbance", "N", "What holds the slide back besides the contact, last plant step"),
+            Channel("current", "A", "Motor current, mean of the last plant step"),
+        )
+        self._z = int(self.model.joint("z").qposadr[0])
+        self._flutes = [self.model.tendon(name).id for name in ("flute1", "flute2")]
+
+    def shape(self, spec: Any) -> None:
+        """Write mass, damping, stiffness and yield depth into the MJCF."""
+        p = self.parameters
+        spec.option.timestep = p.timestep
+        spec.body("slide").mass = p.mass
+        spec.joint("z").damping[0] = p.damping
+        for tendon in (spec.tendon("flute1"), spec.tendon("flute2")):
+            tendon.stiffness[0] = p.stiffness
+            tendon.springyield = p.yield_depth
+
+    def begin(self, steps: int) -> None:
+        """Draw places and phases, lay the workpiece, bind the elements."""
+        self._place()
+        self._cogging()
+        self._motor(steps)
+        self._spindle()
+        self._disturbances(steps)
+        self._observers()
+
+    def _place(self) -> None:
+        p, random = self.parameters, self.stream("places")
+        start = random.uniform(-p.start_spread, p.start_spread)
+        distance = p.surface_distance + random.uniform(0.0, p.surface_spread)
+        self.surface = start + distance if p.workpiece else NOWHERE
+        self.model.tendon_lengthspring[self._flutes, 1] = self.surface
+        # reset again: a yielding spring keeps its own copy of the surface
+        mujoco.mj_resetData(self.model, self.data)
+        self.data.qpos[self._z] = start
+
+    def _cogging(self) -> None:
+        # passive MuJoCo elements: amplitude sin(wavenumber position + phase)
+        p, random = self.parameters, self.stream("cogging")
+        wavenumber = TURN / p.magnetic_pitch
+        for name, amplitude, order in (("cogging1", p.cogging, 1), ("cogging2", p.cogging_half, 2)):
+            phase = random.uniform(0.0, TURN)
+            row = self.model.actuator(name).id
+            self.model.actuator_biasprm[row, :3] = amplitude, order * wavenumber, phase
+
+    def _motor(self, steps: int) -> None:
+        p, wire = self.parameters, self.wire
+        bandwidth = TURN * p.current_bandwidth
+        phase = self.stream("force_ripple").uniform(0.0, TURN)
+        thrust = Cell(self.data.ctrl, self.model.actuator_ctrladr[self.model.actuator("thrust").id])
+        bind = self.circuit.bind
+        bind(
+            "amplifier_noise",
+            _native.coloured_noise(p.amplifier_noise, 1.0 / bandwidth),
+            [self.normals("amplifier", steps)],
+            [wire("amplifier_noise")],
+        )
+        bind(
+            "current_loop",
+            _native.current_loop(bandwidth),
+            [wire("command"), wire("amplifier_noise")],
+            [wire("current")],
+        )
+        bind(
+            "thrust",
+            _native.thrust(p.force_constant, p.force_ripple, p.magnetic_pitch, phase),
+            [wire("current"), Cell(self.data.qpos, self._z)],
+            [thrust],
+        )
+
+    def _spindle(self) -> None:
+        p, wire, random = self.parameters, self.wire, self.stream("spindle")
+        angle, first, second = random.uniform(0.0, TURN, 3)
+        self.speed = self.constant(p.spindle_speed)
+        bind = self.circuit.bind
+        bind("spindle", _native.rotation(angle), [self.speed], [wire("angle"), wire("angle_next")])
+        bind(
+            "spindle_force",
+            _native.harmonics([(p.spindle_force, first), (p.spindle_force_twice, second)]),
+            [wire("angle")],
+            [self._force()],
+        )
+        # mj_step2 only moves the slide, so the flutes are placed for the end of the step
+        flutes = (("retreat1", 0.0, 0.0), ("retreat2", p.flute_shortfall, math.pi))
+        for joint, shortfall, offset in flutes:
+            place = Cell(self.data.qpos, int(self.model.joint(joint).qposadr[0]))
+            bind(joint, _native.flute(shortfall, p.tilt, offset), [wire("angle_next")], [place])
+
+    def _disturbances(self, steps: int) -> None:
+        p, residual = self.parameters, self.parameters.balancer_residual
+        weight = self.stream("balancer_residual").uniform(-residual, residual)
+        bind = self.circuit.bind
+        bind(
+            "balancer",
+            _native.coloured_noise(p.balancer_sway, p.balancer_time),
+            [self.normals("balancer_sway", steps)],
+            [self._force(offset=weight)],
+        )
+        bind(
+            "air",
+            _native.coloured_noise(p.air_noise, 1.0 / (TURN * p.air_bandwidth)),
+            [self.normals("air", steps)],
+            [self._force()],
+        )
+
+    def _observers(self) -> None:
+        wire, data, z = self.wire, self.data, self._z
+        position, contact = Cell(data.qpos, z), Cell(data.qfrc_spring, z, scale=-1.0)
+        actuators = [self.model.actuator(name).id for name in ("cogging1", "cogging2")]
+        cogging = [Cell(data.actuator_force, actuator, scale=-1.0) for actuator in actuators]
+        friction = Cell(data.qvel, z, scale=self.parameters.damping)
+        applied = Cell(data.qfrc_applied, z, scale=-1.0)
+        bind = self.circuit.bind
+        bind("position_peak", _native.peak(), [position], [wire("position_peak")])
+        bind("touched", _native.latch(), [contact], [wire("touched")])
+        bind("disturbance", _native.summing_junction(4), [applied, *cogging, friction], [wire("disturbance")])
+        truths = {
+            "position": position,
+            "velocity": Cell(data.qvel, z),
+            "surface": self.constant(self.surface),
+            "depth": Cell(data.qpos, z, offset=-self.surface),
+            "depth_max": wire("position_peak", offset=-self.surface),
+            "contact_force": contact,
+            "touched": wire("touched"),
+            "indentation": self._indentation(),
+            "disturbance": wire("disturbance"),
+            "current": wire("current"),
+        }
+        readings = {"position": Cell(data.sensordata, 0), "spindle_speed": self.speed}
+        self.connect(readings, {"current": wire("command")}, truths)
+
+    def _indentation(self) -> Cell:
+        # the longest flute goes deepest
+        row = int(self.model.tendon_plasticadr[self._flutes[0]])
+        return self.constant(0.0) if row < 0 else Cell(self.data.plastic, row + 1, offset=-self.surface)
+
+    def _force(self, offset: float = 0.0) -> Cell:
+        return Cell(self.data.qfrc_applied, self._z, offset=offset, add=True)
