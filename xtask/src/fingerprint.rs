@@ -32,16 +32,9 @@ pub fn of(root: &Path, paths: &[&str], words: &[&str]) -> Result<String> {
         update(&mut hash, word.as_bytes());
     }
     for file in files {
-        let name = file
-            .strip_prefix(root)
-            .unwrap_or(&file)
-            .to_string_lossy()
-            .replace('\\', "/");
+        let name = file.strip_prefix(root).unwrap_or(&file).to_string_lossy().replace('\\', "/");
         update(&mut hash, name.as_bytes());
-        update(
-            &mut hash,
-            &fs::read(&file).with_context(|| format!("cannot read `{}`", file.display()))?,
-        );
+        update(&mut hash, &fs::read(&file).with_context(|| format!("cannot read `{}`", file.display()))?);
     }
     Ok(hexadecimal(&hash.finalize()))
 }
@@ -60,8 +53,7 @@ impl Stamp {
     /// # Errors
     /// When the file cannot be written.
     pub fn set(&self, fingerprint: &str) -> Result<()> {
-        fs::write(&self.0, format!("{fingerprint}\n"))
-            .with_context(|| format!("cannot write `{}`", self.0.display()))
+        fs::write(&self.0, format!("{fingerprint}\n")).with_context(|| format!("cannot write `{}`", self.0.display()))
     }
 }
 
@@ -69,9 +61,7 @@ fn collect(path: &Path, files: &mut Vec<PathBuf>) -> Result<()> {
     if path.is_file() {
         files.push(path.to_path_buf());
     } else if path.is_dir() {
-        for entry in
-            fs::read_dir(path).with_context(|| format!("cannot list `{}`", path.display()))?
-        {
+        for entry in fs::read_dir(path).with_context(|| format!("cannot list `{}`", path.display()))? {
             let path = entry?.path();
             if !is_made(&path) {
                 collect(&path, files)?;
@@ -84,9 +74,7 @@ fn collect(path: &Path, files: &mut Vec<PathBuf>) -> Result<()> {
 fn is_made(path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let extension = path.extension().unwrap_or_default().to_string_lossy();
-    name.starts_with('.')
-        || name == "__pycache__"
-        || matches!(&*extension, "pyc" | "so" | "pyd" | "dylib")
+    name.starts_with('.') || name == "__pycache__" || matches!(&*extension, "pyc" | "so" | "pyd" | "dylib")
 }
 
 // the length before the bytes keeps "ab" + "c" apart from "a" + "bc"
@@ -116,28 +104,17 @@ mod tests {
 
     #[test]
     fn sha256_is_the_standard_one() {
-        assert_eq!(
-            sha256(b"abc"),
-            "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"
-        );
+        assert_eq!(sha256(b"abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
     }
 
     #[test]
     fn contents_names_and_words_count() {
         let folder = folder();
         let before = of(folder.path(), &["a"], &["v1"]).unwrap();
-        assert_eq!(
-            before,
-            of(folder.path(), &["a", "a/b"], &["v1"]).unwrap(),
-            "a file counts once"
-        );
+        assert_eq!(before, of(folder.path(), &["a", "a/b"], &["v1"]).unwrap(), "a file counts once");
         assert_ne!(before, of(folder.path(), &["a"], &["v2"]).unwrap());
 
-        fs::rename(
-            folder.path().join("a/one.py"),
-            folder.path().join("a/uno.py"),
-        )
-        .unwrap();
+        fs::rename(folder.path().join("a/one.py"), folder.path().join("a/uno.py")).unwrap();
         let renamed = of(folder.path(), &["a"], &["v1"]).unwrap();
         assert_ne!(before, renamed);
         fs::write(folder.path().join("a/b/two.toml"), "3").unwrap();

@@ -10,5 +10,6 @@ pub mod fmu;
 pub mod process;
 pub mod python;
 pub mod setup;
+pub mod table;
 pub mod test;
 pub mod workspace;

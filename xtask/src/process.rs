@@ -31,9 +31,7 @@ pub fn run(title: &str, command: &mut Command) -> Result<()> {
 /// # Errors
 /// When the program is missing.
 pub fn status(command: &mut Command) -> Result<ExitStatus> {
-    command
-        .status()
-        .map_err(|error| not_started(command, error))
+    command.status().map_err(|error| not_started(command, error))
 }
 
 /// Runs a command and returns how it ended and its standard output; its standard error goes where the command says.
@@ -41,11 +39,8 @@ pub fn status(command: &mut Command) -> Result<ExitStatus> {
 /// # Errors
 /// When the program is missing.
 pub fn status_and_text(command: &mut Command) -> Result<(ExitStatus, Vec<u8>)> {
-    let child = command
-        .stdin(Stdio::null())
-        .stdout(Stdio::piped())
-        .spawn()
-        .map_err(|error| not_started(command, error))?;
+    let child =
+        command.stdin(Stdio::null()).stdout(Stdio::piped()).spawn().map_err(|error| not_started(command, error))?;
     let output = child.wait_with_output()?;
     Ok((output.status, output.stdout))
 }
@@ -55,10 +50,7 @@ pub fn status_and_text(command: &mut Command) -> Result<(ExitStatus, Vec<u8>)> {
 /// # Errors
 /// When the program is missing.
 pub fn output(command: &mut Command) -> Result<Output> {
-    command
-        .stdin(Stdio::null())
-        .output()
-        .map_err(|error| not_started(command, error))
+    command.stdin(Stdio::null()).output().map_err(|error| not_started(command, error))
 }
 
 /// Runs a command and returns its standard output as text.
@@ -68,35 +60,21 @@ pub fn output(command: &mut Command) -> Result<Output> {
 pub fn text(command: &mut Command) -> Result<String> {
     let output = output(command)?;
     let stderr = String::from_utf8_lossy(&output.stderr);
-    ensure!(
-        output.status.success(),
-        "`{}` failed: {}\n{}",
-        display(command),
-        output.status,
-        stderr.trim_end()
-    );
-    String::from_utf8(output.stdout)
-        .with_context(|| format!("`{}` printed no UTF-8", display(command)))
+    ensure!(output.status.success(), "`{}` failed: {}\n{}", display(command), output.status, stderr.trim_end());
+    String::from_utf8(output.stdout).with_context(|| format!("`{}` printed no UTF-8", display(command)))
 }
 
 /// The command as one would type it.
 pub fn display(command: &Command) -> String {
     let words = std::iter::once(command.get_program()).chain(command.get_args());
-    words
-        .map(|word| word.to_string_lossy().into_owned())
-        .collect::<Vec<_>>()
-        .join(" ")
+    words.map(|word| word.to_string_lossy().into_owned()).collect::<Vec<_>>().join(" ")
 }
 
 fn not_started(command: &Command, error: std::io::Error) -> Error {
     let program = command.get_program().to_string_lossy().into_owned();
     let missing = error.kind() == ErrorKind::NotFound;
     let error = Error::new(error).context(format!("cannot start `{program}`"));
-    if missing {
-        error.context(format!("`{program}` is not installed"))
-    } else {
-        error
-    }
+    if missing { error.context(format!("`{program}` is not installed")) } else { error }
 }
 
 #[cfg(test)]
@@ -113,9 +91,6 @@ mod tests {
     fn a_failure_carries_the_command_and_its_last_words() {
         let error = text(Command::new(env!("CARGO")).arg("no-such-subcommand")).unwrap_err();
         let message = format!("{error:#}");
-        assert!(
-            message.contains("cargo") && message.contains("no-such-subcommand"),
-            "{message}"
-        );
+        assert!(message.contains("cargo") && message.contains("no-such-subcommand"), "{message}");
     }
 }

@@ -10,14 +10,7 @@ use crate::process;
 /// The oldest Python the project runs on.
 pub const OLDEST: (u32, u32) = (3, 11);
 
-const NAMES: &[&str] = &[
-    "python3",
-    "python",
-    "python3.14",
-    "python3.13",
-    "python3.12",
-    "python3.11",
-];
+const NAMES: &[&str] = &["python3", "python", "python3.14", "python3.13", "python3.12", "python3.11"];
 const HINT: &str = "hint: install it (Debian, Ubuntu: `apt install python3 python3-venv`; macOS: `brew install python`; \
                     Windows: `winget install Python.Python.3.13`), or name one with the environment variable `PYTHON`";
 
@@ -35,22 +28,12 @@ pub fn find() -> Result<PathBuf> {
     for candidate in candidates {
         match version(&candidate) {
             Some(version) if version >= OLDEST => return with_venv(candidate),
-            Some((major, minor)) => {
-                too_old.push(format!("`{}` is {major}.{minor}", candidate.display()))
-            }
+            Some((major, minor)) => too_old.push(format!("`{}` is {major}.{minor}", candidate.display())),
             None => {}
         }
     }
-    let found = if too_old.is_empty() {
-        String::new()
-    } else {
-        format!(" ({})", too_old.join(", "))
-    };
-    bail!(
-        "Python >= {}.{} not found{found}\n{HINT}",
-        OLDEST.0,
-        OLDEST.1
-    )
+    let found = if too_old.is_empty() { String::new() } else { format!(" ({})", too_old.join(", ")) };
+    bail!("Python >= {}.{} not found{found}\n{HINT}", OLDEST.0, OLDEST.1)
 }
 
 /// Version of an interpreter, None when it does not run.
@@ -83,11 +66,7 @@ mod tests {
     #[test]
     fn versions_compare_as_numbers() {
         assert_eq!(parse("3.11\n"), Some((3, 11)));
-        assert!(
-            parse("3.9").unwrap() < OLDEST
-                && parse("3.14").unwrap() > OLDEST
-                && parse("4.0").unwrap() > OLDEST
-        );
+        assert!(parse("3.9").unwrap() < OLDEST && parse("3.14").unwrap() > OLDEST && parse("4.0").unwrap() > OLDEST);
         assert_eq!(parse("Python"), None);
     }
 }

@@ -28,9 +28,7 @@ pub fn environment(workspace: &Workspace) -> Result<()> {
     let interpreter = workspace.venv_program("python");
     if python::version(&interpreter).is_none_or(|version| version < python::OLDEST) {
         let mut command = Command::new(python::find()?);
-        command
-            .args(["-m", "venv", "--clear"])
-            .arg(workspace.path(".venv"));
+        command.args(["-m", "venv", "--clear"]).arg(workspace.path(".venv"));
         process::run("make `.venv`", &mut command)?;
     }
 
@@ -42,14 +40,7 @@ pub fn environment(workspace: &Workspace) -> Result<()> {
         return Ok(());
     }
     let mut pip = workspace.venv_command("python");
-    pip.args([
-        "-m",
-        "pip",
-        "install",
-        "--quiet",
-        "--disable-pip-version-check",
-        "--require-hashes",
-    ]);
+    pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--require-hashes"]);
     pip.args(["-r", "requirements.txt"]);
     process::run("install the pinned requirements into `.venv`", &mut pip)
         .context("cannot install the Python requirements\nhint: this step needs a package index that `pip` reaches")?;
@@ -61,13 +52,7 @@ pub fn environment(workspace: &Workspace) -> Result<()> {
 /// # Errors
 /// When the build fails.
 pub fn native(workspace: &Workspace) -> Result<()> {
-    let sources = [
-        "pyproject.toml",
-        "Cargo.toml",
-        "Cargo.lock",
-        "plants/Cargo.toml",
-        "plants/src",
-    ];
+    let sources = ["pyproject.toml", "Cargo.toml", "Cargo.lock", "plants/Cargo.toml", "plants/src"];
     let toolchain = process::text(Command::new("rustc").arg("--version"))?;
     let wanted = fingerprint::of(&workspace.root, &sources, &[&toolchain])?;
     let stamp = Stamp(workspace.path(".venv/.native"));
@@ -76,19 +61,10 @@ pub fn native(workspace: &Workspace) -> Result<()> {
         return Ok(());
     }
     let mut pip = workspace.venv_command("python");
-    pip.args([
-        "-m",
-        "pip",
-        "install",
-        "--quiet",
-        "--disable-pip-version-check",
-    ]);
+    pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"]);
     pip.args(["--no-deps", "--no-build-isolation", "--editable", "."]);
     process::run("build the native module of the plants", &mut pip)?;
-    ensure!(
-        built_module(workspace)?.is_some(),
-        "the build left no module `plants/_native`"
-    );
+    ensure!(built_module(workspace)?.is_some(), "the build left no module `plants/_native`");
     stamp.set(&wanted)
 }
 
@@ -105,15 +81,9 @@ pub fn fmpy_folder(workspace: &Workspace) -> Result<PathBuf> {
 
 fn built_module(workspace: &Workspace) -> Result<Option<PathBuf>> {
     let folder = workspace.path("plants");
-    for entry in
-        fs::read_dir(&folder).with_context(|| format!("cannot list `{}`", folder.display()))?
-    {
+    for entry in fs::read_dir(&folder).with_context(|| format!("cannot list `{}`", folder.display()))? {
         let path = entry?.path();
-        let name = path
-            .file_name()
-            .unwrap_or_default()
-            .to_string_lossy()
-            .into_owned();
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         if name.starts_with("_native.") && (name.ends_with(".so") || name.ends_with(".pyd")) {
             return Ok(Some(path));
         }

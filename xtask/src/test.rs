@@ -46,23 +46,9 @@ fn checks(workspace: &Workspace) -> Vec<(&'static str, Command)> {
         ("ruff format", venv(&["ruff", "format", "--check"])),
         ("ruff", venv(&["ruff", "check"])),
         ("mypy", venv(&["mypy"])),
-        (
-            "clippy",
-            cargo(&[
-                "clippy",
-                "--workspace",
-                "--all-targets",
-                "--locked",
-                "--",
-                "-D",
-                "warnings",
-            ]),
-        ),
+        ("clippy", cargo(&["clippy", "--workspace", "--all-targets", "--locked", "--", "-D", "warnings"])),
         ("cargo test", cargo(&["test", "--workspace", "--locked"])),
-        (
-            "pytest",
-            venv(&["pytest", "--numprocesses", "auto", "--durations", "10"]),
-        ),
+        ("pytest", venv(&["pytest", "--numprocesses", "auto", "--durations", "10"])),
     ]
 }
 
@@ -80,11 +66,7 @@ fn timed(
 fn summary(times: &[(&str, Duration, bool)]) {
     eprintln!("\n==> summary");
     for (name, time, passed) in times {
-        eprintln!(
-            "{name:<12} {:>7.1} s  {}",
-            time.as_secs_f64(),
-            if *passed { "passed" } else { "FAILED" }
-        );
+        eprintln!("{name:<12} {:>7.1} s  {}", time.as_secs_f64(), if *passed { "passed" } else { "FAILED" });
     }
     let total: Duration = times.iter().map(|(_, time, _)| *time).sum();
     eprintln!("{:<12} {:>7.1} s", "total", total.as_secs_f64());
@@ -112,10 +94,7 @@ mod tests {
         timed(&mut times, "good", || Ok(())).unwrap();
         timed(&mut times, "bad", || anyhow::bail!("broken")).unwrap_err();
         assert_eq!(
-            times
-                .iter()
-                .map(|(name, _, passed)| (*name, *passed))
-                .collect::<Vec<_>>(),
+            times.iter().map(|(name, _, passed)| (*name, *passed)).collect::<Vec<_>>(),
             [("good", true), ("bad", false)]
         );
     }

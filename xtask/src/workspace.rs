@@ -21,13 +21,8 @@ impl Workspace {
     /// # Errors
     /// When `cargo metadata` fails, for example because a `Cargo.toml` is broken.
     pub fn load() -> Result<Self> {
-        let metadata = MetadataCommand::new()
-            .exec()
-            .context("cannot read the workspace with `cargo metadata`")?;
-        Ok(Self {
-            root: metadata.workspace_root.clone().into_std_path_buf(),
-            metadata,
-        })
+        let metadata = MetadataCommand::new().exec().context("cannot read the workspace with `cargo metadata`")?;
+        Ok(Self { root: metadata.workspace_root.clone().into_std_path_buf(), metadata })
     }
 
     /// A path inside the checkout.
@@ -37,8 +32,7 @@ impl Workspace {
 
     /// A program of the virtual environment.
     pub fn venv_program(&self, name: &str) -> PathBuf {
-        self.venv_programs()
-            .join(format!("{name}{}", std::env::consts::EXE_SUFFIX))
+        self.venv_programs().join(format!("{name}{}", std::env::consts::EXE_SUFFIX))
     }
 
     /// `cargo` with this subcommand, in the root of the checkout, with the environment's programs first on `PATH`.
@@ -55,22 +49,17 @@ impl Workspace {
 
     fn command(&self, program: impl Into<OsString>) -> Command {
         let mut command = Command::new(program.into());
-        command
-            .current_dir(&self.root)
-            .env("PATH", self.search_path())
-            .env("VIRTUAL_ENV", self.path(".venv"));
+        command.current_dir(&self.root).env("PATH", self.search_path()).env("VIRTUAL_ENV", self.path(".venv"));
         command
     }
 
     fn venv_programs(&self) -> PathBuf {
-        self.path(".venv")
-            .join(if cfg!(windows) { "Scripts" } else { "bin" })
+        self.path(".venv").join(if cfg!(windows) { "Scripts" } else { "bin" })
     }
 
     fn search_path(&self) -> OsString {
         let inherited = std::env::var_os("PATH").unwrap_or_default();
-        let folders =
-            std::iter::once(self.venv_programs()).chain(std::env::split_paths(&inherited));
+        let folders = std::iter::once(self.venv_programs()).chain(std::env::split_paths(&inherited));
         std::env::join_paths(folders).unwrap_or(inherited)
     }
 }

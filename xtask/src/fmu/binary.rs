@@ -17,25 +17,17 @@ type ExportFile = unsafe extern "C" fn(*const c_char) -> *const c_char;
 pub fn files(library: &Path) -> Result<Vec<(String, String)>> {
     let shown = library.display();
     // SAFETY: the library is one of this workspace's, built a moment ago; loading it runs no code of ours.
-    let library =
-        unsafe { Library::new(library) }.with_context(|| format!("cannot load `{shown}`"))?;
+    let library = unsafe { Library::new(library) }.with_context(|| format!("cannot load `{shown}`"))?;
     // SAFETY: `fmi2-export` defines the function with this signature.
     let export_file = unsafe { library.get::<ExportFile>(b"fmi2_export_file\0") }
         .with_context(|| format!("`{shown}` does not export `fmi2_export_file`"))?;
 
     let list = ask(*export_file, "").with_context(|| format!("`{shown}` lists no files"))?;
-    let paths: Vec<_> = list
-        .lines()
-        .filter(|path| !path.is_empty())
-        .map(str::to_owned)
-        .collect();
-    ensure!(
-        paths.iter().any(|path| path == "modelDescription.xml"),
-        "`{shown}` lists no `modelDescription.xml`"
-    );
+    let paths: Vec<_> = list.lines().filter(|path| !path.is_empty()).map(str::to_owned).collect();
+    ensure!(paths.iter().any(|path| path == "modelDescription.xml"), "`{shown}` lists no `modelDescription.xml`");
     let text = |path: String| {
-        let text = ask(*export_file, &path)
-            .with_context(|| format!("`{shown}` lists `{path}` but does not hold it"))?;
+        let text =
+            ask(*export_file, &path).with_context(|| format!("`{shown}` lists `{path}` but does not hold it"))?;
         Ok((path, text))
     };
     paths.into_iter().map(text).collect()

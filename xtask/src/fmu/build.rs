@@ -49,16 +49,9 @@ pub fn libraries(workspace: &Workspace, packages: &[&Package]) -> Result<Vec<Pat
     for package in packages {
         command.args(["--package", &package.name]);
     }
-    let names = packages
-        .iter()
-        .map(|package| format!("`{}`", package.name))
-        .collect::<Vec<_>>()
-        .join(", ");
+    let names = packages.iter().map(|package| format!("`{}`", package.name)).collect::<Vec<_>>().join(", ");
     let built = artefacts(&format!("build {names}"), command)?;
-    packages
-        .iter()
-        .map(|package| find(&built, &package.name.replace('-', "_"), Target::is_cdylib))
-        .collect()
+    packages.iter().map(|package| find(&built, &package.name.replace('-', "_"), Target::is_cdylib)).collect()
 }
 
 /// Builds an example of a package as a C library, in the same way as the FMUs.
@@ -68,10 +61,7 @@ pub fn libraries(workspace: &Workspace, packages: &[&Package]) -> Result<Vec<Pat
 pub fn example(workspace: &Workspace, package: &str, name: &str) -> Result<PathBuf> {
     let mut command = release(workspace);
     command.args(["--package", package, "--example", name]);
-    let built = artefacts(
-        &format!("build the example `{name}` of `{package}`"),
-        command,
-    )?;
+    let built = artefacts(&format!("build the example `{name}` of `{package}`"), command)?;
     find(&built, name, Target::is_example)
 }
 
@@ -79,23 +69,13 @@ fn release(workspace: &Workspace) -> Command {
     let mut command = if needs_environment() {
         let mut command = workspace.cargo("zigbuild");
         let (major, minor) = GLIBC;
-        command.arg(format!(
-            "--target={}-unknown-linux-gnu.{major}.{minor}",
-            std::env::consts::ARCH
-        ));
+        command.arg(format!("--target={}-unknown-linux-gnu.{major}.{minor}", std::env::consts::ARCH));
         command
     } else {
         workspace.cargo("build")
     };
-    command.args([
-        "--release",
-        "--locked",
-        "--message-format=json-render-diagnostics",
-    ]);
-    command.env(
-        "CARGO_ENCODED_RUSTFLAGS",
-        remap_flags(workspace).join("\u{1f}"),
-    );
+    command.args(["--release", "--locked", "--message-format=json-render-diagnostics"]);
+    command.env("CARGO_ENCODED_RUSTFLAGS", remap_flags(workspace).join("\u{1f}"));
     command
 }
 
@@ -107,33 +87,16 @@ fn remap_flags(workspace: &Workspace) -> Vec<String> {
         flags.push(remap(&sources, "crates"));
     }
     if let Ok(sysroot) = process::text(Command::new("rustc").args(["--print", "sysroot"])) {
-        flags.push(remap(
-            &Path::new(sysroot.trim()).join("lib/rustlib/src/rust"),
-            "rust",
-        ));
+        flags.push(remap(&Path::new(sysroot.trim()).join("lib/rustlib/src/rust"), "rust"));
     }
     flags
 }
 
 /// The folders that hold the sources of the dependencies.
 pub fn dependency_folders(workspace: &Workspace) -> Vec<PathBuf> {
-    let outside = workspace
-        .metadata
-        .packages
-        .iter()
-        .filter(|package| package.source.is_some());
-    let mut folders: Vec<_> = outside
-        .filter_map(|package| {
-            Some(
-                package
-                    .manifest_path
-                    .parent()?
-                    .parent()?
-                    .to_path_buf()
-                    .into(),
-            )
-        })
-        .collect();
+    let outside = workspace.metadata.packages.iter().filter(|package| package.source.is_some());
+    let mut folders: Vec<_> =
+        outside.filter_map(|package| Some(package.manifest_path.parent()?.parent()?.to_path_buf().into())).collect();
     folders.sort();
     folders.dedup();
     folders
@@ -146,34 +109,20 @@ fn remap(from: &Path, to: &str) -> String {
 fn artefacts(title: &str, mut command: Command) -> Result<Vec<cargo_metadata::Artifact>> {
     process::header(title);
     let output = process::status_and_text(command.stderr(Stdio::inherit()))?;
-    ensure!(
-        output.0.success(),
-        "`{}` failed: {}",
-        process::display(&command),
-        output.0
-    );
+    ensure!(output.0.success(), "`{}` failed: {}", process::display(&command), output.0);
     let mut built = Vec::new();
     for message in Message::parse_stream(output.1.as_slice()) {
-        if let Message::CompilerArtifact(artefact) =
-            message.context("cargo's messages are unreadable")?
-        {
+        if let Message::CompilerArtifact(artefact) = message.context("cargo's messages are unreadable")? {
             built.push(artefact);
         }
     }
     Ok(built)
 }
 
-fn find(
-    built: &[cargo_metadata::Artifact],
-    name: &str,
-    kind: fn(&Target) -> bool,
-) -> Result<PathBuf> {
-    let matching = built.iter().filter(|artefact| {
-        kind(&artefact.target) && artefact.target.name.replace('-', "_") == name
-    });
+fn find(built: &[cargo_metadata::Artifact], name: &str, kind: fn(&Target) -> bool) -> Result<PathBuf> {
+    let matching =
+        built.iter().filter(|artefact| kind(&artefact.target) && artefact.target.name.replace('-', "_") == name);
     let mut files = matching.flat_map(|artefact| &artefact.filenames);
     let library = files.find(|file| file.extension() == Some(extension()));
-    library
-        .map(|file| file.clone().into())
-        .with_context(|| format!("the build left no C library `{name}`"))
+    library.map(|file| file.clone().into()).with_context(|| format!("the build left no C library `{name}`"))
 }

@@ -49,14 +49,7 @@ pub const FMI2_FUNCTIONS: [&str; 34] = [
 ];
 
 // the parts of the GNU C library, and nothing else
-const SYSTEM_LIBRARIES: &[&str] = &[
-    "libc.so.",
-    "libm.so.",
-    "libdl.so.",
-    "libpthread.so.",
-    "librt.so.",
-    "ld-linux",
-];
+const SYSTEM_LIBRARIES: &[&str] = &["libc.so.", "libm.so.", "libdl.so.", "libpthread.so.", "librt.so.", "ld-linux"];
 
 /// What the library may hold.
 pub struct Rules {
@@ -75,11 +68,7 @@ impl Rules {
         folders.push(workspace.root.clone());
         folders.extend(std::env::home_dir());
         let exports = FMI2_FUNCTIONS.iter().chain(&["fmi2_export_file"]);
-        Self {
-            exports: exports.map(ToString::to_string).collect(),
-            glibc: build::GLIBC,
-            folders,
-        }
+        Self { exports: exports.map(ToString::to_string).collect(), glibc: build::GLIBC, folders }
     }
 }
 
@@ -103,29 +92,14 @@ fn exports(library: &[u8], rules: &Rules, faults: &mut Vec<String>) -> Result<()
     let mut found = BTreeSet::new();
     for export in file.exports()? {
         let export = export?;
-        let object::NameOrOrdinal::Name(name) = export.name() else {
-            bail!("an export has a number and no name")
-        };
+        let object::NameOrOrdinal::Name(name) = export.name() else { bail!("an export has a number and no name") };
         let name = String::from_utf8_lossy(name).into_owned();
         // Mach-O puts an underscore before every C name
         let macho = file.format() == object::BinaryFormat::MachO;
-        found.insert(if macho {
-            name.trim_start_matches('_').to_owned()
-        } else {
-            name
-        });
+        found.insert(if macho { name.trim_start_matches('_').to_owned() } else { name });
     }
-    faults.extend(
-        rules
-            .exports
-            .difference(&found)
-            .map(|name| format!("`{name}` is not exported")),
-    );
-    faults.extend(
-        found
-            .difference(&rules.exports)
-            .map(|name| format!("`{name}` is exported and should not be")),
-    );
+    faults.extend(rules.exports.difference(&found).map(|name| format!("`{name}` is not exported")));
+    faults.extend(found.difference(&rules.exports).map(|name| format!("`{name}` is exported and should not be")));
     Ok(())
 }
 
@@ -150,17 +124,14 @@ fn linux(library: &[u8], rules: &Rules, faults: &mut Vec<String>) -> Result<()> 
     let symbols = file.elf_dynamic_symbol_table();
     if let Some(versions) = file.elf_section_table().versions(endian, library)? {
         for (index, symbol) in symbols.enumerate() {
-            let Some(version) = versions.version(versions.version_index(endian, index).index())?
-            else {
+            let Some(version) = versions.version(versions.version_index(endian, index).index())? else {
                 continue;
             };
             let version = String::from_utf8_lossy(version.name());
             if glibc_version(&version).is_some_and(|version| version > rules.glibc) {
                 let name = String::from_utf8_lossy(symbol.name(endian, symbols.strings())?);
                 let (major, minor) = rules.glibc;
-                faults.push(format!(
-                    "`{name}` needs {version}, newer than GLIBC_{major}.{minor}"
-                ));
+                faults.push(format!("`{name}` needs {version}, newer than GLIBC_{major}.{minor}"));
             }
         }
     }
@@ -176,20 +147,14 @@ fn linux(library: &[u8], rules: &Rules, faults: &mut Vec<String>) -> Result<()> 
         }
         if entry.tag == elf::DT_NEEDED {
             let name = String::from_utf8_lossy(dynamic.string(entry)?);
-            if !SYSTEM_LIBRARIES
-                .iter()
-                .any(|system| name.starts_with(system))
-            {
+            if !SYSTEM_LIBRARIES.iter().any(|system| name.starts_with(system)) {
                 faults.push(format!("it needs the library `{name}`"));
             }
         }
     }
 
     // without the header the kernel assumes an executable stack
-    let stack = file
-        .elf_program_headers()
-        .iter()
-        .find(|header| header.p_type(endian) == elf::PT_GNU_STACK);
+    let stack = file.elf_program_headers().iter().find(|header| header.p_type(endian) == elf::PT_GNU_STACK);
     if stack.is_none_or(|header| header.p_flags(endian).contains(elf::PF_X)) {
         faults.push("it asks for an executable stack".into());
     }

@@ -23,15 +23,11 @@ const OWN: [&str; 2] = ["LICENSE-APACHE", "LICENSE-MIT"];
 pub fn files(workspace: &Workspace, package: &Package) -> Result<Vec<(String, String)>> {
     let mut files = Vec::new();
     for name in OWN {
-        let text = fs::read_to_string(workspace.path(name))
-            .with_context(|| format!("cannot read `{name}`"))?;
+        let text = fs::read_to_string(workspace.path(name)).with_context(|| format!("cannot read `{name}`"))?;
         files.push((format!("{FOLDER}/{name}.txt"), text));
     }
     files.push((format!("{FOLDER}/license.txt"), SUMMARY.into()));
-    files.push((
-        format!("{FOLDER}/third-party.txt"),
-        third_party(workspace, package)?,
-    ));
+    files.push((format!("{FOLDER}/third-party.txt"), third_party(workspace, package)?));
     Ok(files)
 }
 
@@ -43,17 +39,9 @@ fn third_party(workspace: &Workspace, package: &Package) -> Result<String> {
     for package in compiled_in(workspace, package) {
         let licence = package.license.as_deref().unwrap_or("see the text below");
         let rule = "=".repeat(100);
-        let _ = write!(
-            text,
-            "\n{rule}\n{} {}: {licence}\n{rule}\n",
-            package.name, package.version
-        );
+        let _ = write!(text, "\n{rule}\n{} {}: {licence}\n{rule}\n", package.name, package.version);
         for (name, licence) in licence_texts(package)? {
-            let _ = write!(
-                text,
-                "\n--- {name} ---\n\n{}\n",
-                licence.replace("\r\n", "\n").trim_end()
-            );
+            let _ = write!(text, "\n--- {name} ---\n\n{}\n", licence.replace("\r\n", "\n").trim_end());
         }
     }
     Ok(text)
@@ -62,70 +50,37 @@ fn third_party(workspace: &Workspace, package: &Package) -> Result<String> {
 /// The crates of others that this package links, by name. Crates that only run in the build do not count.
 fn compiled_in<'a>(workspace: &'a Workspace, package: &Package) -> Vec<&'a Package> {
     let metadata = &workspace.metadata;
-    let nodes: BTreeMap<&PackageId, _> = metadata
-        .resolve
-        .iter()
-        .flat_map(|resolve| &resolve.nodes)
-        .map(|node| (&node.id, node))
-        .collect();
-    let packages: BTreeMap<&PackageId, &Package> = metadata
-        .packages
-        .iter()
-        .map(|package| (&package.id, package))
-        .collect();
+    let nodes: BTreeMap<&PackageId, _> =
+        metadata.resolve.iter().flat_map(|resolve| &resolve.nodes).map(|node| (&node.id, node)).collect();
+    let packages: BTreeMap<&PackageId, &Package> =
+        metadata.packages.iter().map(|package| (&package.id, package)).collect();
 
     let mut found = BTreeSet::new();
     let mut open = vec![&package.id];
     while let Some(id) = open.pop() {
         for dependency in nodes.get(id).into_iter().flat_map(|node| &node.deps) {
-            let linked = dependency
-                .dep_kinds
-                .iter()
-                .any(|kind| kind.kind == DependencyKind::Normal);
-            let macros = packages[&dependency.pkg]
-                .targets
-                .iter()
-                .any(cargo_metadata::Target::is_proc_macro);
+            let linked = dependency.dep_kinds.iter().any(|kind| kind.kind == DependencyKind::Normal);
+            let macros = packages[&dependency.pkg].targets.iter().any(cargo_metadata::Target::is_proc_macro);
             if linked && !macros && found.insert(&dependency.pkg) {
                 open.push(&dependency.pkg);
             }
         }
     }
-    let mut crates: Vec<_> = found
-        .into_iter()
-        .map(|id| packages[id])
-        .filter(|package| package.source.is_some())
-        .collect();
+    let mut crates: Vec<_> =
+        found.into_iter().map(|id| packages[id]).filter(|package| package.source.is_some()).collect();
     crates.sort_by_key(|package| (package.name.to_string(), package.version.clone()));
     crates
 }
 
 fn licence_texts(package: &Package) -> Result<Vec<(String, String)>> {
-    let folder = package
-        .manifest_path
-        .parent()
-        .context("a manifest lies in a folder")?;
+    let folder = package.manifest_path.parent().context("a manifest lies in a folder")?;
     let mut texts = Vec::new();
-    for entry in fs::read_dir(folder)
-        .with_context(|| format!("cannot list the sources of `{}`", package.name))?
-    {
+    for entry in fs::read_dir(folder).with_context(|| format!("cannot list the sources of `{}`", package.name))? {
         let path = entry?.path();
-        let name = path
-            .file_name()
-            .unwrap_or_default()
-            .to_string_lossy()
-            .into_owned();
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let upper = name.to_uppercase();
-        if path.is_file()
-            && ["LICENSE", "LICENCE", "COPYING", "NOTICE"]
-                .iter()
-                .any(|start| upper.starts_with(start))
-        {
-            texts.push((
-                name,
-                fs::read_to_string(&path)
-                    .with_context(|| format!("cannot read `{}`", path.display()))?,
-            ));
+        if path.is_file() && ["LICENSE", "LICENCE", "COPYING", "NOTICE"].iter().any(|start| upper.starts_with(start)) {
+            texts.push((name, fs::read_to_string(&path).with_context(|| format!("cannot read `{}`", path.display()))?));
         }
     }
     texts.sort();
@@ -138,12 +93,8 @@ mod tests {
 
     fn dob() -> (Workspace, String) {
         let workspace = Workspace::load().unwrap();
-        let package = workspace
-            .metadata
-            .workspace_packages()
-            .into_iter()
-            .find(|package| *package.name == "fmu-dob")
-            .unwrap();
+        let package =
+            workspace.metadata.workspace_packages().into_iter().find(|package| *package.name == "fmu-dob").unwrap();
         let text = third_party(&workspace, package).unwrap();
         (workspace, text)
     }
@@ -151,13 +102,7 @@ mod tests {
     #[test]
     fn what_is_linked_is_named_with_its_licence_texts() {
         let (_, text) = dob();
-        for part in [
-            "\npostcard ",
-            "\ncobs ",
-            "\nserde_core ",
-            "Apache License",
-            "Permission is hereby granted",
-        ] {
+        for part in ["\npostcard ", "\ncobs ", "\nserde_core ", "Apache License", "Permission is hereby granted"] {
             assert!(text.contains(part), "{part}");
         }
     }
@@ -165,12 +110,7 @@ mod tests {
     #[test]
     fn what_only_runs_in_the_build_is_not_named() {
         let (_, text) = dob();
-        for part in [
-            "\nserde_derive ",
-            "\nsyn ",
-            "\nlibloading ",
-            "\nfmi2-export ",
-        ] {
+        for part in ["\nserde_derive ", "\nsyn ", "\nlibloading ", "\nfmi2-export "] {
             assert!(!text.contains(part), "{part}");
         }
     }
@@ -178,26 +118,10 @@ mod tests {
     #[test]
     fn every_fmu_holds_both_licences_of_the_project() {
         let (workspace, _) = dob();
-        let package = workspace
-            .metadata
-            .workspace_packages()
-            .into_iter()
-            .find(|package| *package.name == "fmu-dob")
-            .unwrap();
-        let paths: Vec<_> = files(&workspace, package)
-            .unwrap()
-            .into_iter()
-            .map(|(path, _)| path)
-            .collect();
-        let names = [
-            "LICENSE-APACHE.txt",
-            "LICENSE-MIT.txt",
-            "license.txt",
-            "third-party.txt",
-        ];
-        assert_eq!(
-            paths,
-            names.map(|name| format!("documentation/licenses/{name}"))
-        );
+        let package =
+            workspace.metadata.workspace_packages().into_iter().find(|package| *package.name == "fmu-dob").unwrap();
+        let paths: Vec<_> = files(&workspace, package).unwrap().into_iter().map(|(path, _)| path).collect();
+        let names = ["LICENSE-APACHE.txt", "LICENSE-MIT.txt", "license.txt", "third-party.txt"];
+        assert_eq!(paths, names.map(|name| format!("documentation/licenses/{name}")));
     }
 }

@@ -47,11 +47,7 @@ pub fn run(workspace: &Workspace, names: &[String]) -> Result<Vec<PathBuf>> {
 pub fn controllers(workspace: &Workspace) -> Vec<&Package> {
     let mut packages = workspace.metadata.workspace_packages();
     packages.retain(|package| {
-        package.name.starts_with("fmu-")
-            && package
-                .targets
-                .iter()
-                .any(cargo_metadata::Target::is_cdylib)
+        package.name.starts_with("fmu-") && package.targets.iter().any(cargo_metadata::Target::is_cdylib)
     });
     packages.sort_by(|a, b| a.name.cmp(&b.name));
     packages
@@ -61,21 +57,10 @@ fn select<'a>(packages: &[&'a Package], names: &[String]) -> Result<Vec<&'a Pack
     if names.is_empty() {
         return Ok(packages.to_vec());
     }
-    let known = packages
-        .iter()
-        .map(|package| format!("`{}`", package.name))
-        .collect::<Vec<_>>()
-        .join(", ");
+    let known = packages.iter().map(|package| format!("`{}`", package.name)).collect::<Vec<_>>().join(", ");
     let find = |name: &String| {
-        let full = if name.starts_with("fmu-") {
-            name.clone()
-        } else {
-            format!("fmu-{name}")
-        };
-        let found = packages
-            .iter()
-            .copied()
-            .find(|package| *package.name == full);
+        let full = if name.starts_with("fmu-") { name.clone() } else { format!("fmu-{name}") };
+        let found = packages.iter().copied().find(|package| *package.name == full);
         found.with_context(|| format!("no controller `{name}`\nhint: the controllers are {known}"))
     };
     names.iter().map(find).collect()
@@ -83,14 +68,9 @@ fn select<'a>(packages: &[&'a Package], names: &[String]) -> Result<Vec<&'a Pack
 
 fn pack_controller(workspace: &Workspace, package: &Package, library: &Path) -> Result<Vec<u8>> {
     let identifier = package.name.replace('-', "_");
-    let bytes =
-        fs::read(library).with_context(|| format!("cannot read `{}`", library.display()))?;
-    inspect::check(&bytes, &inspect::Rules::for_host(workspace)).with_context(|| {
-        format!(
-            "the library of `{}` breaks the rules of a portable FMU",
-            package.name
-        )
-    })?;
+    let bytes = fs::read(library).with_context(|| format!("cannot read `{}`", library.display()))?;
+    inspect::check(&bytes, &inspect::Rules::for_host(workspace))
+        .with_context(|| format!("the library of `{}` breaks the rules of a portable FMU", package.name))?;
 
     let mut content = pack::Content::default();
     for (path, text) in binary::files(library)? {
@@ -103,21 +83,8 @@ fn pack_controller(workspace: &Workspace, package: &Package, library: &Path) -> 
         "modelDescription.xml of `{}` does not name the modelIdentifier `{identifier}`",
         package.name
     );
-    content.add(
-        format!(
-            "binaries/{}/{identifier}.{}",
-            build::platform()?,
-            build::extension()
-        ),
-        bytes,
-    )?;
-    content.add_folder(
-        "resources",
-        &package
-            .manifest_path
-            .with_file_name("resources")
-            .into_std_path_buf(),
-    )?;
+    content.add(format!("binaries/{}/{identifier}.{}", build::platform()?, build::extension()), bytes)?;
+    content.add_folder("resources", &package.manifest_path.with_file_name("resources").into_std_path_buf())?;
     for (path, text) in licences::files(workspace, package)? {
         content.add(path, text.into_bytes())?;
     }
@@ -130,15 +97,10 @@ fn write_if_different(file: &Path, bytes: &[u8]) -> Result<()> {
         process::up_to_date(&format!("`{shown}`"));
         return Ok(());
     }
-    process::header(&format!(
-        "write `{shown}` ({} kB)",
-        bytes.len().div_ceil(1000)
-    ));
+    process::header(&format!("write `{shown}` ({} kB)", bytes.len().div_ceil(1000)));
     // a reader must never see half an FMU
     let part = file.with_extension("part");
-    fs::write(&part, bytes)
-        .and_then(|()| fs::rename(&part, file))
-        .with_context(|| format!("cannot write `{shown}`"))
+    fs::write(&part, bytes).and_then(|()| fs::rename(&part, file)).with_context(|| format!("cannot write `{shown}`"))
 }
 
 fn sums(folder: &Path) -> Result<String> {
@@ -146,11 +108,7 @@ fn sums(folder: &Path) -> Result<String> {
     for entry in fs::read_dir(folder)? {
         let path = entry?.path();
         if path.extension().is_some_and(|extension| extension == "fmu") {
-            let name = path
-                .file_name()
-                .unwrap_or_default()
-                .to_string_lossy()
-                .into_owned();
+            let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
             lines.push((name, fingerprint::sha256(&fs::read(&path)?)));
         }
     }
@@ -158,10 +116,7 @@ fn sums(folder: &Path) -> Result<String> {
         bail!("`{}` holds no FMU", folder.display());
     }
     lines.sort();
-    Ok(lines
-        .iter()
-        .map(|(name, sum)| format!("{sum}  {name}\n"))
-        .collect())
+    Ok(lines.iter().map(|(name, sum)| format!("{sum}  {name}\n")).collect())
 }
 
 #[cfg(test)]
@@ -182,13 +137,8 @@ mod tests {
     #[test]
     fn an_unknown_controller_is_refused_with_the_known_ones() {
         let workspace = Workspace::load().unwrap();
-        let error = select(&controllers(&workspace), &["dop".into()])
-            .unwrap_err()
-            .to_string();
-        assert!(
-            error.starts_with("no controller `dop`") && error.contains("`fmu-dob`"),
-            "{error}"
-        );
+        let error = select(&controllers(&workspace), &["dop".into()]).unwrap_err().to_string();
+        assert!(error.starts_with("no controller `dop`") && error.contains("`fmu-dob`"), "{error}");
     }
 
     #[test]
@@ -198,14 +148,9 @@ mod tests {
         fs::write(folder.path().join("fmu-a.fmu"), "").unwrap();
         fs::write(folder.path().join("other.txt"), "").unwrap();
         let text = sums(folder.path()).unwrap();
-        let names: Vec<_> = text
-            .lines()
-            .map(|line| line.split_once("  ").unwrap().1)
-            .collect();
+        let names: Vec<_> = text.lines().map(|line| line.split_once("  ").unwrap().1).collect();
         assert_eq!(names, ["fmu-a.fmu", "fmu-b.fmu"]);
-        assert!(text.ends_with(
-            "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad  fmu-b.fmu\n"
-        ));
+        assert!(text.ends_with("ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad  fmu-b.fmu\n"));
     }
 
     #[test]

@@ -21,14 +21,8 @@ impl Content {
     pub fn add(&mut self, path: impl Into<String>, bytes: Vec<u8>) -> Result<()> {
         let path = path.into();
         let plain = path.split('/').all(|part| !matches!(part, "" | "." | ".."));
-        ensure!(
-            plain && !path.contains(['\\', ':']),
-            "`{path}` is no path for a file inside an FMU"
-        );
-        ensure!(
-            !self.0.contains_key(&path),
-            "`{path}` would be in the FMU twice"
-        );
+        ensure!(plain && !path.contains(['\\', ':']), "`{path}` is no path for a file inside an FMU");
+        ensure!(!self.0.contains_key(&path), "`{path}` would be in the FMU twice");
         self.0.insert(path, bytes);
         Ok(())
     }
@@ -41,16 +35,14 @@ impl Content {
         if !folder.is_dir() {
             return Ok(());
         }
-        for entry in
-            fs::read_dir(folder).with_context(|| format!("cannot list `{}`", folder.display()))?
-        {
+        for entry in fs::read_dir(folder).with_context(|| format!("cannot list `{}`", folder.display()))? {
             let entry = entry?;
             let path = format!("{prefix}/{}", entry.file_name().to_string_lossy());
             if entry.path().is_dir() {
                 self.add_folder(&path, &entry.path())?;
             } else if !entry.file_name().to_string_lossy().starts_with('.') {
-                let bytes = fs::read(entry.path())
-                    .with_context(|| format!("cannot read `{}`", entry.path().display()))?;
+                let bytes =
+                    fs::read(entry.path()).with_context(|| format!("cannot read `{}`", entry.path().display()))?;
                 self.add(path, bytes)?;
             }
         }
@@ -68,10 +60,7 @@ impl Content {
 /// # Errors
 /// When `modelDescription.xml` is missing.
 pub fn to_bytes(content: &Content) -> Result<Vec<u8>> {
-    ensure!(
-        content.0.contains_key("modelDescription.xml"),
-        "an FMU needs a `modelDescription.xml`"
-    );
+    ensure!(content.0.contains_key("modelDescription.xml"), "an FMU needs a `modelDescription.xml`");
     let options = SimpleFileOptions::default()
         .compression_method(CompressionMethod::Deflated)
         .compression_level(Some(9))
@@ -100,48 +89,23 @@ mod tests {
 
     #[test]
     fn the_same_content_gives_the_same_bytes() {
-        let one = to_bytes(&content(&[
-            "modelDescription.xml",
-            "resources/a.csv",
-            "binaries/linux64/m.so",
-        ]))
-        .unwrap();
-        let two = to_bytes(&content(&[
-            "binaries/linux64/m.so",
-            "modelDescription.xml",
-            "resources/a.csv",
-        ]))
-        .unwrap();
+        let one = to_bytes(&content(&["modelDescription.xml", "resources/a.csv", "binaries/linux64/m.so"])).unwrap();
+        let two = to_bytes(&content(&["binaries/linux64/m.so", "modelDescription.xml", "resources/a.csv"])).unwrap();
         assert_eq!(one, two);
     }
 
     #[test]
     fn every_entry_needs_zip_2_0_at_most_and_comes_back_whole() {
-        let bytes = to_bytes(&content(&[
-            "modelDescription.xml",
-            "documentation/index.html",
-        ]))
-        .unwrap();
-        let local_headers = bytes
-            .windows(4)
-            .enumerate()
-            .filter(|(_, window)| *window == b"PK\x03\x04");
-        let versions: Vec<_> = local_headers
-            .map(|(at, _)| u16::from_le_bytes([bytes[at + 4], bytes[at + 5]]))
-            .collect();
+        let bytes = to_bytes(&content(&["modelDescription.xml", "documentation/index.html"])).unwrap();
+        let local_headers = bytes.windows(4).enumerate().filter(|(_, window)| *window == b"PK\x03\x04");
+        let versions: Vec<_> =
+            local_headers.map(|(at, _)| u16::from_le_bytes([bytes[at + 4], bytes[at + 5]])).collect();
         assert_eq!(versions.len(), 2);
-        assert!(
-            versions.iter().all(|version| *version <= 20),
-            "{versions:?}"
-        );
+        assert!(versions.iter().all(|version| *version <= 20), "{versions:?}");
 
         let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).unwrap();
         let mut text = String::new();
-        archive
-            .by_name("documentation/index.html")
-            .unwrap()
-            .read_to_string(&mut text)
-            .unwrap();
+        archive.by_name("documentation/index.html").unwrap().read_to_string(&mut text).unwrap();
         assert_eq!(text, "documentation/index.html".repeat(100));
     }
 
@@ -162,13 +126,8 @@ mod tests {
         fs::write(folder.path().join(".hidden"), "").unwrap();
         let mut content = Content::default();
         content.add_folder("resources", folder.path()).unwrap();
-        content
-            .add_folder("resources", &folder.path().join("missing"))
-            .unwrap();
-        assert_eq!(
-            content.0.keys().collect::<Vec<_>>(),
-            ["resources/maps/one.csv"]
-        );
+        content.add_folder("resources", &folder.path().join("missing")).unwrap();
+        assert_eq!(content.0.keys().collect::<Vec<_>>(), ["resources/maps/one.csv"]);
     }
 
     #[test]
