@@ -97,7 +97,7 @@ class Slide(Plant):
             Channel("velocity", "m/s", "Velocity of the slide"),
             Channel("surface", "m", "Position at which the longest flute can first touch"),
             Channel("depth", "m", "Travel beyond the first possible touch, negative before"),
-            Channel("depth_max", "m", "Largest depth so far"),
+            Channel("depth_max", "m", "Largest depth up to the last plant step"),
             Channel("contact_force", "N", "Force of the workpiece on the tool, sum of the flutes"),
             Channel("touched", "1", "1 from the first contact force on"),
             Channel("indentation", "m", "Permanent indentation of the surface by the longest flute"),

@@ -1,0 +1,340 @@
+"""The slide against closed forms."""
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import plants
+from plants.plant import PlantError
+from plants.slide import Slide, SlideParameters
+
+TURN = 2.0 * math.pi
+
+# nothing but mass, motor and one rigidly placed pair of flutes
+QUIET = SlideParameters(
+    mass=10.0, force_constant=20.0, force_ripple=0.0, damping=0.0, cogging=0.0, cogging_half=0.0,
+    balancer_residual=0.0, balancer_sway=0.0, air_noise=0.0, spindle_force=0.0, spindle_force_twice=0.0,
+    amplifier_noise=0.0, tilt=0.0, flute_shortfall=0.0, surface_distance=0.0, surface_spread=0.0,
+    start_spread=0.0,
+)  # fmt: skip
+
+
+def slide(duration: float = 1.0, seed: int = 1, **changes: Any) -> Slide:
+    plant = Slide(replace(QUIET, **changes))
+    plant.reset(seed, duration)
+    return plant
+
+
+def run(plant: Slide, current: float, ticks: int, substeps: int = 2) -> dict[str, np.ndarray[Any, Any]]:
+    """Truths by name, one row per tick and one at the end."""
+    rows = []
+    for _ in range(ticks):
+        plant.sense()
+        rows.append(plant.truth())
+        plant.command(np.array([current]))
+        plant.advance(substeps)
+    plant.sense()
+    rows.append(plant.truth())
+    table = np.array(rows).T
+    return {channel.name: column for channel, column in zip(plant.truths, table, strict=True)}
+
+
+def at(plant: Slide, position: float, flute_retreat: tuple[float, float] = (0.0, 0.0)) -> dict[str, float]:
+    """Truths with the slide and its flutes put at a place."""
+    plant.data.qpos[:] = position, *flute_retreat
+    plant.sense()
+    return {channel.name: value for channel, value in zip(plant.truths, plant.truth(), strict=True)}
+
+
+# contact
+
+
+@pytest.mark.parametrize(("force", "depth"), [(1e-3, 5e-9), (50e-3, 250e-9), (1.0, 5e-6)])
+def test_one_flute_is_a_spring_of_200_kilonewton_per_metre(force: float, depth: float) -> None:
+    plant = slide(stiffness=2e5)
+    # the second flute stays far behind
+    assert at(plant, plant.surface + depth, (0.0, 1e-3))["contact_force"] == pytest.approx(force, rel=1e-9)
+
+
+def test_no_force_before_the_first_touch() -> None:
+    plant = slide(surface_distance=1e-5)
+    for depth in (-1e-5, -1e-9, 0.0):
+        assert at(plant, plant.surface + depth)["contact_force"] == 0.0
+
+
+def test_two_flutes_add_and_the_short_one_comes_later() -> None:
+    plant = slide()
+    assert at(plant, plant.surface + 80e-9, (0.0, 100e-9))["contact_force"] == pytest.approx(16e-3, rel=1e-9)
+    assert at(plant, plant.surface + 180e-9, (0.0, 100e-9))["contact_force"] == pytest.approx(52e-3, rel=1e-9)
+
+
+def test_a_constant_thrust_comes_to_rest_at_the_depth_of_both_springs() -> None:
+    # 0.05 A * 20 N/A = 1 N on 2 * 2e5 N/m, heavily damped
+    plant = slide(damping=4e3)
+    truth = run(plant, 0.05, 3000)
+    assert truth["depth"][-1] == pytest.approx(2.5e-6, rel=1e-6)
+    assert truth["contact_force"][-1] == pytest.approx(1.0, rel=1e-6)
+    assert truth["touched"][-1] == 1.0
+    # the peak sees every plant step but the present one
+    assert truth["depth"][:-1].max() <= truth["depth_max"][-1] <= truth["depth"].max()
+
+
+def test_without_damping_contact_keeps_its_energy() -> None:
+    # dropped onto the spring at 1 mm/s: depth v sqrt(m / 2k), and the speed comes back
+    plant = slide()
+    plant.data.qvel[0] = 1e-3
+    truth = run(plant, 0.0, 400)
+    assert truth["depth"].max() == pytest.approx(1e-3 * math.sqrt(10.0 / 4e5), rel=1e-2)
+    assert truth["velocity"][-1] == pytest.approx(-1e-3, rel=1e-2)
+
+
+def test_a_yielding_surface_keeps_the_indentation() -> None:
+    plant = slide(yield_depth=100e-9)
+    at(plant, plant.surface + 150e-9, (0.0, 1e-3))
+    plant.advance(1)
+    after = at(plant, plant.surface - 1e-6, (0.0, 1e-3))
+    assert after["indentation"] == pytest.approx(50e-9, rel=1e-3)
+    assert after["contact_force"] == 0.0
+    # the surface truth stays where the first touch was possible; the force starts deeper
+    assert at(plant, plant.surface + 40e-9, (0.0, 1e-3))["contact_force"] == 0.0
+    assert at(plant, plant.surface + 60e-9, (0.0, 1e-3))["contact_force"] == pytest.approx(2e-3, rel=1e-2)
+    # and a reset brings a new workpiece
+    plant.reset(1, 1.0)
+    assert at(plant, plant.surface)["indentation"] == 0.0
+
+
+def test_without_workpiece_there_is_no_contact() -> None:
+    plant = slide(workpiece=False)
+    truth = run(plant, 1.0, 1000)
+    assert truth["position"][-1] > 5e-3
+    assert truth["touched"][-1] == 0.0
+
+
+# flutes and spindle
+
+
+def test_flutes_follow_the_spindle() -> None:
+    speed, tilt, shortfall = 1000.0 * math.pi, 50e-9, 100e-9
+    plant = slide(tilt=tilt, flute_shortfall=shortfall, surface_distance=1e-3, spindle_speed=speed)
+    plant.sense()
+    # the angle at time zero is random: read it off the wires
+    start = plant.wire("angle").read()
+    for k in range(200):
+        angle = start + speed * k * plant.timestep
+        exact = tilt * (1.0 - math.cos(angle)), shortfall + tilt * (1.0 + math.cos(angle))
+        assert plant.data.qpos[1:] == pytest.approx(exact, abs=1e-15), f"step {k}"
+        plant.advance(1)
+        plant.sense()
+
+
+def test_spindle_force_has_its_two_lines() -> None:
+    speed = 1000.0 * math.pi  # 500 Hz: 20 ticks of 1e-4 s per turn
+    plant = slide(spindle_force=0.02, spindle_force_twice=0.01, surface_distance=1e-2, spindle_speed=speed)
+    truth = run(plant, 0.0, 2000)
+    lines = 2.0 * np.abs(np.fft.rfft(truth["disturbance"][1:])) / 2000
+    assert lines[100] == pytest.approx(0.02, rel=1e-6)
+    assert lines[200] == pytest.approx(0.01, rel=1e-6)
+    assert np.delete(lines, [100, 200]).max() < 1e-9
+
+
+# motor and stage
+
+
+def test_a_free_mass_accelerates_with_force_over_mass() -> None:
+    plant = slide(workpiece=False, current_bandwidth=1e5)
+    truth = run(plant, 0.5, 1000)
+    assert truth["velocity"][-1] == pytest.approx(0.5 * 20.0 / 10.0 * 0.1, rel=1e-4)
+    assert truth["position"][-1] == pytest.approx(0.5 * 1.0 * 0.1**2, rel=1e-3)
+
+
+def test_a_free_mass_drifts_at_constant_speed() -> None:
+    plant = slide(workpiece=False)
+    plant.data.qvel[0] = 1e-4
+    truth = run(plant, 0.0, 5000)
+    assert truth["velocity"][-1] == 1e-4
+    assert truth["position"][-1] == pytest.approx(0.5e-4, rel=1e-9)
+
+
+def test_viscous_friction_decays() -> None:
+    plant = slide(workpiece=False, damping=100.0)
+    plant.data.qvel[0] = 1e-2
+    truth = run(plant, 0.0, 1000)
+    assert truth["velocity"][-1] == pytest.approx(1e-2 * math.exp(-1.0), rel=1e-3)
+    assert truth["disturbance"][1] == pytest.approx(1.0, rel=1e-3)
+
+
+def test_current_reaches_63_percent_after_its_time_constant() -> None:
+    bandwidth = 100.0  # Hz: 1.59 ms
+    plant = slide(workpiece=False, current_bandwidth=bandwidth, timestep=1e-5)
+    truth = run(plant, 1.0, 1000, substeps=1)
+    # row k is the mean over the step before: centred half a step earlier
+    time = (np.arange(len(truth["current"])) - 0.5) * 1e-5
+    reached = np.interp(1.0 - math.exp(-1.0), truth["current"], time)
+    assert reached == pytest.approx(1.0 / (TURN * bandwidth), rel=1e-4)
+
+
+def test_cogging_is_a_sine_of_the_position() -> None:
+    plant = slide(cogging=0.2, cogging_half=0.05, workpiece=False)
+    positions = np.linspace(0.0, 0.03, 200, endpoint=False)
+    force = []
+    for position in positions:
+        plant.data.qpos[0] = position
+        plant.sense()
+        plant.advance(1)
+        force.append(float(plant.data.actuator_force[1:].sum()))
+    lines = 2.0 * np.abs(np.fft.rfft(force)) / len(force)
+    assert lines[1:3] == pytest.approx([0.2, 0.05], rel=1e-9)
+    assert lines[3:].max() < 1e-9
+
+
+def test_thrust_ripples_along_the_track() -> None:
+    plant = slide(force_ripple=0.01, workpiece=False)
+    run(plant, 1.0, 100)
+    thrust = []
+    for position in np.linspace(0.0, 0.03, 100, endpoint=False):
+        plant.data.qpos[0] = position
+        plant.sense()
+        plant.advance(1)
+        thrust.append(float(plant.data.ctrl[0]))
+    assert (max(thrust) - min(thrust)) / 2.0 == pytest.approx(0.2, rel=1e-3)
+    assert np.mean(thrust) == pytest.approx(20.0, rel=1e-6)
+
+
+def test_disturbance_and_contact_close_the_balance_of_forces() -> None:
+    # thrust - disturbance - contact = mass * acceleration, with every source on
+    plant = Slide(replace(SlideParameters(), surface_distance=1e-6, surface_spread=0.0, mass=10.0))
+    plant.reset(5, 1.0)
+    for _ in range(400):
+        plant.sense()
+        truth = dict(zip([channel.name for channel in plant.truths], plant.truth(), strict=True))
+        plant.command(np.array([0.05]))
+        contact = truth["contact_force"]
+        plant.advance(1)
+        disturbance = plant.wire("disturbance").read()
+        inertia = 10.0 * float(plant.data.qacc[0])
+        assert plant.data.ctrl[0] - disturbance - contact - inertia == pytest.approx(0.0, abs=1e-4)
+    assert truth["touched"] == 1.0
+
+
+# noise and seeds
+
+
+@pytest.mark.parametrize(
+    ("source", "rms"), [("balancer_sway", 0.02), ("air_noise", 1e-3), ("amplifier_noise", 5e-5)]
+)
+def test_noise_has_its_standard_deviation(source: str, rms: float) -> None:
+    changes: dict[str, Any] = {"damping": 1e4, "balancer_time": 1e-2, source: rms}
+    plant = slide(8.0, workpiece=False, **changes)
+    truth = run(plant, 0.0, 40_000)
+    column = "current" if source == "amplifier_noise" else "disturbance"
+    friction = 1e4 * truth["velocity"] if column == "disturbance" else 0.0
+    # 8 s hold at least 400 independent values: 4 standard errors of a standard deviation are 14 %
+    assert np.std((truth[column] - friction)[100:]) == pytest.approx(rms, rel=0.15)
+
+
+def trace(plant: Slide, seed: int | np.random.SeedSequence) -> bytes:
+    plant.reset(seed, 0.5)
+    return b"".join(column.tobytes() for column in run(plant, 0.02, 500).values())
+
+
+def test_same_seed_same_bytes_other_seed_other_bytes() -> None:
+    plant = Slide()
+    first = trace(plant, 11)
+    assert trace(plant, 12) != first
+    assert trace(plant, 11) == first
+    assert trace(Slide(), np.random.SeedSequence(11)) == first
+
+
+def test_a_source_does_not_shift_another() -> None:
+    one, other = slide(seed=3, balancer_residual=0.5), slide(seed=3)
+    assert one.stream("air").standard_normal() == other.stream("air").standard_normal()
+    assert one.stream("air").standard_normal() != one.stream("spindle").standard_normal()
+
+
+def test_start_and_surface_are_drawn_within_their_ranges() -> None:
+    plant = Slide(replace(SlideParameters(), start_spread=1e-3, surface_distance=2e-4, surface_spread=1e-4))
+    starts, distances = [], []
+    for seed in range(100):
+        plant.reset(seed, 0.01)
+        start = plant.sense()[0]
+        starts.append(start)
+        distances.append(plant.surface - start)
+    assert -1e-3 <= min(starts) < -0.5e-3 < 0.5e-3 < max(starts) <= 1e-3
+    assert 2e-4 <= min(distances) < 2.2e-4 < 2.8e-4 < max(distances) <= 3e-4
+
+
+@pytest.mark.parametrize("substeps", [1, 5])
+def test_substeps_agree(substeps: int) -> None:
+    # a push into the surface, noise off: 100 us ticks of 1, 2 or 5 plant steps
+    def push(count: int) -> dict[str, np.ndarray[Any, Any]]:
+        spindle: dict[str, Any] = {"spindle_force": 0.02, "spindle_force_twice": 0.01, "tilt": 50e-9}
+        plant = slide(timestep=1e-4 / count, cogging=0.2, damping=2e3, surface_distance=1e-7, **spindle)
+        return run(plant, 0.05, 500, count)
+
+    nominal = push(2)
+    assert nominal["depth_max"][-1] > 2e-6
+    assert np.abs(push(substeps)["position"] - nominal["position"]).max() < 5e-9
+
+
+# errors
+
+
+def test_every_parameter_is_documented() -> None:
+    for item in SlideParameters.__dataclass_fields__.values():
+        assert set(item.metadata) == {"unit", "description", "source", "minimum", "maximum"}
+        assert item.metadata["unit"]
+        assert item.metadata["description"]
+        assert item.metadata["source"].split(":")[0] in ("paper", "our choice")
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"mass": -1.0}, r"parameter `plant.mass`.*`-1` kg.*`0.1` to `1000` kg"),
+        ({"mass": math.nan}, r"parameter `plant.mass`.*`nan` kg"),
+        ({"mass": "10"}, r"parameter `plant.mass`.*`'10'`, expected a number"),
+        ({"mass": True}, r"parameter `plant.mass`.*`True`, expected a number"),
+        ({"workpiece": 1}, r"parameter `plant.workpiece`.*`1`, expected true or false"),
+    ],
+)
+def test_bad_parameters_are_named(changes: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        Slide(replace(QUIET, **changes))
+
+
+def test_a_run_longer_than_its_noise_is_an_error_with_time_and_hint() -> None:
+    plant = slide(0.001)
+    with pytest.raises(PlantError, match=r"`slide` at t = `0.0010.*s:.*(?s:.)*hint: `reset`"):
+        run(plant, 0.0, 20)
+
+
+def test_a_command_that_is_not_finite_is_an_error() -> None:
+    plant = slide()
+    plant.sense()
+    with pytest.raises(PlantError, match=r"`slide` at t = `0` s: command `current` is `nan` A"):
+        plant.command(np.array([math.nan]))
+
+
+def test_a_state_that_is_not_finite_is_an_error() -> None:
+    plant = slide()
+    plant.sense()
+    plant.data.qpos[0] = math.nan
+    with pytest.raises(
+        PlantError, match=r"`slide` at t = `0` s: element `thrust`: input `position` is `NaN`"
+    ):
+        plant.advance(1)
+
+
+def test_advance_needs_sense() -> None:
+    with pytest.raises(PlantError, match="`advance` before `sense`"):
+        slide().advance(1)
+
+
+def test_registry() -> None:
+    assert plants.names() == ["slide"]
+    assert plants.load("slide") is Slide
+    with pytest.raises(KeyError, match=r"no plant `slid`.*hint: the plants are `slide`"):
+        plants.load("slid")
