@@ -48,6 +48,9 @@ pub const FMI2_FUNCTIONS: [&str; 34] = [
     "fmi2Terminate",
 ];
 
+// what `fmi2-export` adds: the files of the FMU, and the seam between the C functions and the model
+const OWN_FUNCTIONS: [&str; 2] = ["fmi2_export_factory", "fmi2_export_file"];
+
 // the parts of the GNU C library, and nothing else
 const SYSTEM_LIBRARIES: &[&str] = &["libc.so.", "libm.so.", "libdl.so.", "libpthread.so.", "librt.so.", "ld-linux"];
 
@@ -67,7 +70,7 @@ impl Rules {
         let mut folders = build::dependency_folders(workspace);
         folders.push(workspace.root.clone());
         folders.extend(std::env::home_dir());
-        let exports = FMI2_FUNCTIONS.iter().chain(&["fmi2_export_file"]);
+        let exports = FMI2_FUNCTIONS.iter().chain(&OWN_FUNCTIONS);
         Self { exports: exports.map(ToString::to_string).collect(), glibc: build::GLIBC, folders }
     }
 }
@@ -117,33 +120,52 @@ fn contains(bytes: &[u8], part: &[u8]) -> bool {
 }
 
 fn linux(library: &[u8], rules: &Rules, faults: &mut Vec<String>) -> Result<()> {
-    let file = ElfFile64::<object::Endianness>::parse(library)?;
-    let endian = file.endian();
+    let file = Elf::parse(library)?;
+    symbol_versions(&file, rules, faults)?;
+    own_symbols(&file, faults)?;
+    libraries(&file, faults)?;
+    stack(&file, faults);
+    Ok(())
+}
 
-    // symbol versions
-    let symbols = file.elf_dynamic_symbol_table();
-    if let Some(versions) = file.elf_section_table().versions(endian, library)? {
-        for (index, symbol) in symbols.enumerate() {
-            let Some(version) = versions.version(versions.version_index(endian, index).index())? else {
-                continue;
-            };
-            let version = String::from_utf8_lossy(version.name());
-            if glibc_version(&version).is_some_and(|version| version > rules.glibc) {
-                let name = String::from_utf8_lossy(symbol.name(endian, symbols.strings())?);
-                let (major, minor) = rules.glibc;
-                faults.push(format!("`{name}` needs {version}, newer than GLIBC_{major}.{minor}"));
-            }
+type Elf<'a> = ElfFile64<'a, object::Endianness>;
+
+fn symbol_versions(file: &Elf, rules: &Rules, faults: &mut Vec<String>) -> Result<()> {
+    let (endian, symbols) = (file.endian(), file.elf_dynamic_symbol_table());
+    let Some(versions) = file.elf_section_table().versions(endian, file.data())? else { return Ok(()) };
+    for (index, symbol) in symbols.enumerate() {
+        let Some(version) = versions.version(versions.version_index(endian, index).index())? else { continue };
+        let version = String::from_utf8_lossy(version.name());
+        if glibc_version(&version).is_some_and(|version| version > rules.glibc) {
+            let name = String::from_utf8_lossy(symbol.name(endian, symbols.strings())?);
+            let (major, minor) = rules.glibc;
+            faults.push(format!("`{name}` needs {version}, newer than GLIBC_{major}.{minor}"));
         }
     }
+    Ok(())
+}
 
-    // other libraries and where they are searched
+// own functions that are looked up by name at run time: another FMU of the process could take their place
+fn own_symbols(file: &Elf, faults: &mut Vec<String>) -> Result<()> {
+    let (endian, symbols) = (file.endian(), file.elf_dynamic_symbol_table());
+    for (_, relocation) in file.dynamic_relocations().into_iter().flatten() {
+        let object::RelocationTarget::Symbol(index) = relocation.target() else { continue };
+        let symbol = symbols.symbol(index)?;
+        if !symbol.is_undefined(endian) {
+            let name = String::from_utf8_lossy(symbol.name(endian, symbols.strings())?);
+            faults.push(format!("it does not bind its own `{name}` at build time"));
+        }
+    }
+    Ok(())
+}
+
+// other libraries, and where they are searched
+fn libraries(file: &Elf, faults: &mut Vec<String>) -> Result<()> {
     let dynamic = file.elf_dynamic_table()?;
     for entry in dynamic.iter() {
         if entry.tag == elf::DT_RPATH || entry.tag == elf::DT_RUNPATH {
-            faults.push(format!(
-                "it searches libraries in `{}` (RPATH)",
-                String::from_utf8_lossy(dynamic.string(entry)?)
-            ));
+            let folders = String::from_utf8_lossy(dynamic.string(entry)?);
+            faults.push(format!("it searches libraries in `{folders}` (RPATH)"));
         }
         if entry.tag == elf::DT_NEEDED {
             let name = String::from_utf8_lossy(dynamic.string(entry)?);
@@ -152,13 +174,16 @@ fn linux(library: &[u8], rules: &Rules, faults: &mut Vec<String>) -> Result<()> 
             }
         }
     }
+    Ok(())
+}
 
-    // without the header the kernel assumes an executable stack
-    let stack = file.elf_program_headers().iter().find(|header| header.p_type(endian) == elf::PT_GNU_STACK);
-    if stack.is_none_or(|header| header.p_flags(endian).contains(elf::PF_X)) {
+// without the header the kernel assumes an executable stack
+fn stack(file: &Elf, faults: &mut Vec<String>) {
+    let endian = file.endian();
+    let header = file.elf_program_headers().iter().find(|header| header.p_type(endian) == elf::PT_GNU_STACK);
+    if header.is_none_or(|header| header.p_flags(endian).contains(elf::PF_X)) {
         faults.push("it asks for an executable stack".into());
     }
-    Ok(())
 }
 
 fn glibc_version(symbol_version: &str) -> Option<(u32, u32)> {

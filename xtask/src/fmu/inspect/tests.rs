@@ -66,6 +66,15 @@ fn a_new_c_library_and_a_foreign_one_are_refused() {
     assert!(foreign.contains("it needs the library `libgcc_s.so.1`"), "{foreign}");
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+fn a_function_that_another_library_could_replace_is_refused() {
+    let code = "int f(void) { return 0; } int g(void) { return f() + 1; }";
+    let faults = faults(&compile(code, &["-O0"]), &rules(&["f", "g"]));
+    assert_eq!(faults, "it does not bind its own `f` at build time");
+    check(&compile(code, &["-O0", "-Wl,-Bsymbolic"]), &rules(&["f", "g"])).unwrap();
+}
+
 #[test]
 fn a_path_of_the_builder_is_refused() {
     let library = compile("const char *f(void) { return \"/home/builder/src/law.rs\"; }", &[]);
