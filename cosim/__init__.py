@@ -1,0 +1,13 @@
+"""Co-simulation of FMI 2.0 FMUs with plants: scenarios, the reference loop, results and criteria.
+
+>>> import cosim
+>>> result = cosim.run(cosim.load("dob", set=["plant.gap=2e-4"]), seed=7)  # doctest: +SKIP
+>>> result.passed, result.metrics["depth"].value, result.trace["controller.current"]  # doctest: +SKIP
+"""
+
+from cosim.errors import CosimError
+from cosim.result import Result
+from cosim.scenario import Scenario, load
+from cosim.session import Session, run, run_many
+
+__all__ = ["CosimError", "Result", "Scenario", "Session", "load", "run", "run_many"]

@@ -1,0 +1,231 @@
+"""The command line `cosim`: data on stdout, progress and messages on stderr, exit codes for scripts."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import os
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated, Any, NoReturn
+
+import typer
+import typer.exceptions
+from rich.console import Console
+from typer import Argument, Option
+
+from cosim import layers, paths
+from cosim.errors import CosimError, closest
+from cosim.loop import Progress
+
+FAILED = 1
+"""Exit code: a criterion does not hold."""
+COULD_NOT_RUN = 2
+"""Exit code: the run could not be done."""
+INTERRUPTED = 130
+"""Exit code: Ctrl-C."""
+ENGINES = ("reference",)
+WIDTH_IN_FILES = 120
+"""Columns of tables that do not go to a terminal."""
+
+app = typer.Typer(
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+    help="Run FMI 2.0 FMUs in closed loop with plants and hold criteria against the results.",
+    epilog="Exit code: 0 all criteria hold, 1 some do not, 2 could not run.",
+)
+log = logging.getLogger("cosim")
+
+Verbose = Annotated[
+    bool, Option("-v", "--verbose", help="Log what the FMU reports, and where an error came from.")
+]
+Quiet = Annotated[bool, Option("-q", "--quiet", help="Log errors only, no progress.")]
+Loop = Annotated[str, Argument(metavar="LOOP|FILE.toml", help="Name from `cosim list`, or a scenario file.")]
+Set = Annotated[
+    list[str] | None,
+    Option(
+        "--set",
+        metavar="KEY=VALUE",
+        help="Override `controller.<variable>`, `plant.<parameter>`, `loop.<key>`, "
+        "`wire.<to>.<key>`, `signal.<to>.<key>`, `inject.<to>.<key>`, `metric.<name>.<key>` or "
+        "`criterion.<id>.<key>`. May be given again.",
+    ),
+]
+
+
+@app.command("list")
+def list_scenarios(verbose: Verbose = False, quiet: Quiet = False) -> None:
+    """List the scenarios by name and title."""
+    configure_logging(verbose, quiet)
+    from cosim import display
+
+    entries = []
+    for name, file in paths.list_scenarios():
+        try:
+            entries.append((name, str(layers.read(file).table.get("title", ""))))
+        except CosimError as error:
+            log.warning("%s", error.message)
+    if not entries:
+        raise CosimError(
+            f"no scenario files in {paths.folders_text()}", f"set {paths.SCENARIOS_ENV} to your folder"
+        )
+    output().print(display.scenarios(entries))
+
+
+@app.command()
+def show(loop: Loop, set_: Set = None, verbose: Verbose = False, quiet: Quiet = False) -> None:
+    """Show a loop: FMU variables and plant parameters with units, defaults and ranges; the wires."""
+    configure_logging(verbose, quiet)
+    from cosim import display
+    from cosim.scenario import load
+    from cosim.session import Session
+
+    scenario = load(loop, set_ or ())
+    with Session(scenario) as session:
+        output().print(display.scenario(scenario, session.file, session.plant))
+
+
+@app.command()
+def run(
+    loop: Loop,
+    set_: Set = None,
+    seed: Annotated[int | None, Option(min=0, help="Seed of all noise, instead of the scenario's.")] = None,
+    engine: Annotated[str, Option(help="Engine: reference.")] = "reference",
+    delay: Annotated[int | None, Option(help="Steps by which commands act later: 0 or 1.")] = None,
+    duration: Annotated[float | None, Option(metavar="S", help="Simulated time in s.")] = None,
+    json: Annotated[
+        str | None, Option(metavar="FILE|-", help="Write the result as JSON; `-` is stdout.")
+    ] = None,
+    trace: Annotated[Path | None, Option(metavar="FILE.npz|.csv", help="Write the trace.")] = None,
+    plot: Annotated[Path | None, Option(metavar="FILE.svg|.png", help="Plot the run.")] = None,
+    verbose: Verbose = False,
+    quiet: Quiet = False,
+) -> None:
+    """Run a scenario once and print its metrics and criteria."""
+    configure_logging(verbose, quiet)
+    from cosim import display
+    from cosim import plot as plots
+    from cosim.scenario import load
+    from cosim.session import Session
+
+    check_engine(engine)
+    options = {"loop.seed": seed, "loop.compute_delay": delay, "loop.duration": duration}
+    given = [f"{key}={value!r}" for key, value in options.items() if value is not None]
+    scenario = load(loop, [*(set_ or ()), *given])
+    check_outputs(json, trace, plot)
+    with Session(scenario, log_events=verbose) as session:
+        if plot is not None:
+            plots.check(scenario, session.columns, plot)
+        with progress_bar(scenario.name, quiet) as progress:
+            result = session.run(progress=progress)
+
+    if trace is not None:
+        result.save_trace(trace)
+    if plot is not None:
+        plots.save(scenario, result, plot)
+    if json is not None and json != "-":
+        result.save_json(Path(json))
+    if json == "-":
+        sys.stdout.write(result.to_json())
+    else:
+        output().print(display.result(result))
+    raise typer.Exit(0 if result.passed else FAILED)
+
+
+def check_engine(engine: str) -> None:
+    """Refuse engines that do not exist."""
+    if engine not in ENGINES:
+        raise CosimError(f"there is no engine `{engine}`", closest(engine, ENGINES))
+
+
+def check_outputs(json: str | None, trace: Path | None, plot: Path | None) -> None:
+    """Check before a long run that its files can be written."""
+    if trace is not None and trace.suffix not in (".npz", ".csv"):
+        raise CosimError(f"cannot save a trace as `{trace}`", "the name must end in `.npz` or `.csv`")
+    files = [Path(json) if json and json != "-" else None, trace, plot]
+    for file in files:
+        if file is not None and not file.absolute().parent.is_dir():
+            raise CosimError(f"cannot write `{file}`: the folder `{file.absolute().parent}` does not exist")
+
+
+@contextlib.contextmanager
+def progress_bar(title: str, quiet: bool) -> Iterator[Progress | None]:
+    """Progress bar on stderr; none if that is not a terminal."""
+    console = Console(stderr=True)
+    if quiet or not console.is_terminal:
+        yield None
+        return
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+    bar = Progress(
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TextColumn("{task.percentage:>3.0f} %"),
+        TimeRemainingColumn(),
+        console=console,
+        transient=True,
+    )
+    with bar:
+        task = bar.add_task(title)
+        yield lambda done, total: bar.update(task, completed=done, total=total)
+
+
+def output() -> Console:
+    """Console on stdout; `NO_COLOR` and pipes get plain text."""
+    console = Console(highlight=False)
+    if not console.is_terminal and "COLUMNS" not in os.environ:
+        return Console(highlight=False, width=WIDTH_IN_FILES)
+    return console
+
+
+def configure_logging(verbose: bool, quiet: bool) -> None:
+    """Log to stderr, one line a message."""
+    level = logging.DEBUG if verbose else (logging.ERROR if quiet else logging.WARNING)
+    handler = logging.StreamHandler(sys.stderr)
+    handler.setFormatter(logging.Formatter("%(levelname)s: %(message)s"))
+    for number, name in (
+        (logging.DEBUG, "debug"),
+        (logging.INFO, "info"),
+        (logging.WARNING, "warning"),
+        (logging.ERROR, "error"),
+    ):
+        logging.addLevelName(number, name)
+    log.handlers[:] = [handler]
+    log.setLevel(level)
+    log.propagate = False
+
+
+def report(message: str, hint: str = "") -> None:
+    """Print an error and its hint on stderr, never wrapped."""
+    print(f"error: {message}", file=sys.stderr)
+    if hint:
+        print(f"hint: {hint}", file=sys.stderr)
+
+
+def main() -> NoReturn:
+    """Run the command line and exit."""
+    sys.exit(status_of(app))
+
+
+def status_of(command: Any) -> int:
+    """Exit code of a command; every error a user can cause is one message without a traceback."""
+    try:
+        code = command(standalone_mode=False)
+        return code if isinstance(code, int) else 0
+    except CosimError as error:
+        log.debug("here:", exc_info=error)
+        report(error.message, error.hint)
+        return COULD_NOT_RUN
+    except typer.exceptions.TyperException as error:
+        report(error.format_message(), "`cosim --help` shows commands and options")
+        return COULD_NOT_RUN
+    except (KeyboardInterrupt, typer.Abort):
+        report("interrupted")
+        return INTERRUPTED
+    except BrokenPipeError:
+        # the reader of stdout went away; nothing may be written while closing it
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return COULD_NOT_RUN

@@ -1,0 +1,91 @@
+"""Operators and functions of the expression language."""
+
+from __future__ import annotations
+
+import ast
+import math
+import operator
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+
+def reduction(function: Callable[[Any], Any], empty: float = math.nan) -> Callable[[Any], Any]:
+    """One number from a column; `empty` from a column without rows."""
+    return lambda values: function(values) if np.size(values) else np.float64(empty)
+
+
+BINARY: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: np.divide,
+    ast.Mod: np.mod,
+    ast.Pow: np.power,
+    ast.BitAnd: np.logical_and,
+    ast.BitOr: np.logical_or,
+}
+UNARY: dict[type[ast.unaryop], Callable[[Any], Any]] = {
+    ast.USub: operator.neg,
+    ast.UAdd: operator.pos,
+    ast.Invert: np.logical_not,
+    ast.Not: np.logical_not,
+}
+COMPARE: dict[type[ast.cmpop], Callable[[Any, Any], Any]] = {
+    ast.Eq: operator.eq,
+    ast.NotEq: operator.ne,
+    ast.Lt: operator.lt,
+    ast.LtE: operator.le,
+    ast.Gt: operator.gt,
+    ast.GtE: operator.ge,
+}
+ROWWISE: dict[str, tuple[int, Callable[..., Any]]] = {
+    "abs": (1, np.abs),
+    "sqrt": (1, np.sqrt),
+    "exp": (1, np.exp),
+    "log": (1, np.log),
+    "sin": (1, np.sin),
+    "cos": (1, np.cos),
+    "sign": (1, np.sign),
+    "isfinite": (1, np.isfinite),
+    "where": (3, lambda condition, yes, no: np.where(np.not_equal(condition, 0), yes, no)),
+    "minimum": (2, np.minimum),
+    "maximum": (2, np.maximum),
+}
+"""Functions that work on each row by itself, with their number of arguments."""
+WHOLE: dict[str, tuple[int, Callable[..., Any]]] = {
+    "min": (1, reduction(np.min)),
+    "max": (1, reduction(np.max)),
+    "mean": (1, reduction(np.mean)),
+    "std": (1, reduction(np.std)),
+    "rms": (1, reduction(lambda values: np.sqrt(np.mean(np.square(values))))),
+    "sum": (1, np.sum),
+    "count": (1, np.count_nonzero),
+    "any": (1, np.any),
+    "all": (1, np.all),
+    "first": (1, reduction(lambda values: np.atleast_1d(values)[0])),
+    "last": (1, reduction(lambda values: np.atleast_1d(values)[-1])),
+    "median": (1, reduction(np.median)),
+    "percentile": (
+        2,
+        lambda values, q: np.percentile(values, q) if np.size(values) else np.float64(math.nan),
+    ),
+    "cummax": (1, np.maximum.accumulate),
+    "cummin": (1, np.minimum.accumulate),
+    "diff": (1, lambda values: np.diff(values, prepend=values[:1])),
+}
+"""Functions that need the whole trace."""
+TIMES: dict[str, tuple[int, Callable[..., Any]]] = {
+    "first_time": (1, lambda time, condition: time_at(time, condition, 0, math.inf)),
+    "last_time": (1, lambda time, condition: time_at(time, condition, -1, -math.inf)),
+}
+"""Time of a row where a condition holds: `inf` for the first, `-inf` for the last if it never does."""
+KEEP_ITEMS = {"first", "last", "min", "max", "cummax", "cummin"}
+CONSTANTS = {"pi": math.pi, "inf": math.inf, "nan": math.nan, "true": 1.0, "false": 0.0}
+
+
+def time_at(time: Any, condition: Any, index: int, never: float) -> Any:
+    """Time of the first (0) or last (-1) row where the condition holds."""
+    times = time[np.broadcast_to(np.not_equal(condition, 0), np.shape(time))]
+    return times[index] if times.size else np.float64(never)

@@ -1,0 +1,127 @@
+"""The reference loop: plain, and the specification of what one step of a closed loop is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from fmpy.fmi1 import FMICallException
+from numpy.typing import NDArray
+
+from cosim.connect import Connector, Links
+from cosim.errors import CosimError, FmuError, PlantError
+from cosim.expression import Expression
+from cosim.fmu import Instance
+from cosim.plant import Plant
+from cosim.scenario import Scenario
+from cosim.trace import Recorder
+
+Progress = Callable[[int, int], None]
+"""Told the steps done and the steps in all, now and then."""
+PROGRESS_EVERY = 500
+
+
+def run(
+    scenario: Scenario,
+    fmu: Instance,
+    plant: Plant,
+    seed: int,
+    stop_when: Expression | None = None,
+    progress: Progress | None = None,
+) -> NDArray[np.float64]:
+    """Run an initialised FMU and a plant that was reset in closed loop; returns the trace as a table.
+
+    Row `k` holds the time `k * step`, the inputs that the controller got then, the outputs it computed from
+    them and the truths of the plant at that time.
+
+    Raises
+    ------
+    CosimError
+        The FMU returned an error, the plant failed, or a value on a wire is not finite; names step and time.
+    """
+    loop = scenario.loop
+    commands = np.zeros(len(plant.commands))
+    links = Connector(scenario, fmu, plant, commands, seed).links()
+    recorder = Recorder(fmu, plant, loop.steps)
+
+    k = 0
+    try:
+        for k in range(loop.steps):
+            # time is never accumulated
+            time = k * loop.step
+            # sample: ideal readings become what the controller sees
+            carry_readings(links, plant, k)
+            # compute: the controller moves first
+            fmu.set()
+            fmu.step(time, loop.step)
+            fmu.get()
+            # act: the commands of this step, or of `compute_delay` steps ago
+            carry_outputs(links, k)
+            plant.command(commands)
+            row = recorder.record(k, time)
+            # move the plant to the next communication point
+            plant.advance(loop.substeps)
+
+            if stop_when is not None and stop_when(row):
+                break
+            if progress is not None and k % PROGRESS_EVERY == 0:
+                progress(k, loop.steps)
+    except Exception as error:
+        raise located(error, fmu, scenario, k) from error
+    return recorder.table[: k + 1]
+
+
+def reset_plant(plant: Plant, scenario: Scenario, seed: np.random.SeedSequence) -> None:
+    """Reset the plant for a new run.
+
+    Raises
+    ------
+    PlantError
+        The plant failed.
+    """
+    try:
+        plant.reset(seed, scenario.loop.duration)
+    except CosimError:
+        raise
+    except Exception as error:
+        where = f"the plant `{scenario.plant.name}` cannot be reset"
+        raise PlantError(f"{where}: {type(error).__name__}: {error}", "`-v` shows where") from error
+
+
+def carry_readings(links: Links, plant: Plant, k: int) -> None:
+    """Carry readings through their wires, then signals, then injections, into the inputs of the FMU."""
+    readings = plant.sense().tolist()
+    for link in links.readings:
+        value = link.delay(link.shape(readings[link.source.index], k), k)
+        link.target.array[link.target.index] = link.target.convert(value)
+    for drive in links.drives:
+        drive.target.array[drive.target.index] = drive.target.convert(drive.course.item(k))
+    inject(links, k)
+
+
+def carry_outputs(links: Links, k: int) -> None:
+    """Carry outputs of the FMU through their wires into the commands of the plant."""
+    for link in links.outputs:
+        value = float(link.source.array[link.source.index])
+        link.target.array[link.target.index] = link.delay(link.shape(value, k), k)
+
+
+def inject(links: Links, k: int) -> None:
+    """Replace values that arrive by those of the injections that are active."""
+    for fault in links.faults:
+        if fault.begin <= k < fault.end:
+            fault.target.array[fault.target.index] = fault.value
+
+
+def located(error: Exception, fmu: Instance, scenario: Scenario, k: int) -> CosimError:
+    """Error of a run with step and time, and with the FMU's own words if it was the FMU."""
+    when = f"at t = {k * scenario.loop.step:.9g} s (step {k})"
+    if isinstance(error, FMICallException):
+        try:
+            fmu.failed(f"the FMU failed {when}", error)
+        except FmuError as failure:
+            return failure
+    if isinstance(error, CosimError):
+        return type(error)(f"{error.message} {when}", error.hint)
+    where = f"the plant `{scenario.plant.name}` failed {when}"
+    return PlantError(f"{where}: {type(error).__name__}: {error}", "`-v` shows where")

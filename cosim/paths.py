@@ -1,0 +1,129 @@
+"""Where scenarios, FMUs and the extraction cache are found."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+from cosim.errors import FmuError, ScenarioError, closest
+
+ROOT = Path(__file__).resolve().parent.parent
+"""Project root of an editable install."""
+SCENARIOS_ENV = "COSIM_SCENARIOS"
+FMU_PATH_ENV = "COSIM_FMU_PATH"
+CACHE_ENV = "COSIM_CACHE"
+
+
+def scenario_folders() -> list[Path]:
+    """Folders searched for scenario names: `COSIM_SCENARIOS`, `./scenarios`, the project's own."""
+    return unique([*from_env(SCENARIOS_ENV), Path.cwd() / "scenarios", ROOT / "scenarios"])
+
+
+def fmu_folders() -> list[Path]:
+    """Folders searched for FMU names: `COSIM_FMU_PATH`, `./target/fmu`, the project's own."""
+    return unique([*from_env(FMU_PATH_ENV), Path.cwd() / "target" / "fmu", ROOT / "target" / "fmu"])
+
+
+def find_scenario(name: str, near: Path | None = None) -> Path:
+    """File of a scenario given by path (`*.toml`) or by name (`dob`, `dob/paper`).
+
+    Parameters
+    ----------
+    name
+        Name, or path relative to `near` or to the working directory.
+    near
+        Folder of the file that refers to it.
+
+    Raises
+    ------
+    ScenarioError
+        No such file.
+    """
+    bases = [near] if near else []
+    if name.endswith(".toml"):
+        for base in [*bases, Path.cwd()]:
+            if (file := base / name).is_file():
+                return file
+        raise ScenarioError(
+            f"the scenario file `{name}` does not exist", "`cosim list` shows the known names"
+        )
+    for folder in [*bases, *scenario_folders()]:
+        if (file := folder / f"{name}.toml").is_file():
+            return file
+    hint = closest(name, dict(list_scenarios()))
+    raise ScenarioError(f"there is no scenario `{name}`", hint or f"no scenario files in {folders_text()}")
+
+
+def list_scenarios() -> Iterator[tuple[str, Path]]:
+    """Name and file of every scenario in the folders, sorted; a name found twice is the first one's."""
+    seen: set[str] = set()
+    for folder in scenario_folders():
+        for file in sorted(folder.glob("**/*.toml")):
+            name = file.relative_to(folder).with_suffix("").as_posix()
+            if name not in seen:
+                seen.add(name)
+                yield name, file
+
+
+def scenario_name(file: Path) -> str:
+    """Name of a scenario file: relative to its folder where it lies in one, else its stem."""
+    for folder in scenario_folders():
+        if file.resolve().is_relative_to(folder.resolve()):
+            return file.resolve().relative_to(folder.resolve()).with_suffix("").as_posix()
+    return file.stem
+
+
+def find_fmu(name: str, near: Path) -> Path:
+    """File of an FMU given by path or by name (`fmu-dob` is `fmu-dob.fmu` in one of the FMU folders).
+
+    Raises
+    ------
+    FmuError
+        No such file; the hint says how to build it or where it was looked for.
+    """
+    if name.endswith(".fmu") or "/" in name or os.sep in name:
+        for base in (near, Path.cwd()):
+            if (file := base / Path(name).expanduser()).is_file():
+                return file
+        raise FmuError(f"the FMU file `{name}` does not exist", f"looked in `{near}` and `{Path.cwd()}`")
+    folders = [near, *fmu_folders()]
+    for folder in folders:
+        if (file := folder / f"{name}.fmu").is_file():
+            return file
+    searched = ", ".join(f"`{shown(folder)}`" for folder in folders)
+    build = f"build it with `cargo xtask fmu {name.removeprefix('fmu-')}`"
+    raise FmuError(
+        f"the FMU `{name}.fmu` does not exist", f"{build}, or set {FMU_PATH_ENV}; looked in {searched}"
+    )
+
+
+def cache_folder() -> Path:
+    """Folder of the extracted FMUs: `COSIM_CACHE`, else the user's cache folder."""
+    if CACHE_ENV in os.environ:
+        return Path(os.environ[CACHE_ENV])
+    base = os.environ.get("XDG_CACHE_HOME") or os.environ.get("LOCALAPPDATA")
+    return (Path(base) if base else Path.home() / ".cache") / "machining-fmus" / "extracted"
+
+
+def shown(path: Path) -> str:
+    """Path as shown to the user: relative to the working directory where that is shorter."""
+    try:
+        return str(path.resolve().relative_to(Path.cwd())) or "."
+    except ValueError:
+        return str(path)
+
+
+def folders_text() -> str:
+    """Scenario folders as text."""
+    return ", ".join(f"`{shown(folder)}`" for folder in scenario_folders())
+
+
+def from_env(name: str) -> list[Path]:
+    """Folders in an environment variable, separated as in PATH."""
+    return [Path(part) for part in os.environ.get(name, "").split(os.pathsep) if part]
+
+
+def unique(folders: list[Path]) -> list[Path]:
+    """Remove repeated folders."""
+    return list(dict.fromkeys(folder.resolve() for folder in folders))

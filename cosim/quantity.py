@@ -1,0 +1,32 @@
+"""Numbers with units as people write them."""
+
+from __future__ import annotations
+
+import math
+
+PREFIXES = {-12: "p", -9: "n", -6: "u", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
+PREFIXED = {"m", "s", "N", "A", "V", "W", "J", "Pa", "Hz", "m/s", "N/s", "N.m", "m/s2"}
+"""Units that take a prefix; others (rad, kg, 1, ...) are shown as they are."""
+
+
+def text(value: float, unit: str = "", digits: int = 4) -> str:
+    """Value and unit with a prefix: `text(4.5e-7, "m")` is `450 nm`."""
+    if unit in ("", "1"):
+        return number(value, digits)
+    if unit not in PREFIXED or value == 0.0 or not math.isfinite(value):
+        return f"{number(value, digits)} {unit}"
+    exponent = 3 * math.floor(math.log10(abs(value)) / 3.0)
+    # rounding may carry into the next prefix: 999.96 nm is 1 um
+    if abs(float(f"{value / 10.0**exponent:.{digits}g}")) >= 1000.0:
+        exponent += 3
+    exponent = min(max(exponent, min(PREFIXES)), max(PREFIXES))
+    if abs(exponent) == 3 and unit == "s" and exponent > 0:
+        exponent = 0
+    return f"{number(value / 10.0**exponent, digits)} {PREFIXES[exponent]}{unit}"
+
+
+def number(value: float, digits: int = 4) -> str:
+    """Format a number with up to `digits` significant digits, whole numbers in full."""
+    if float(value).is_integer() and abs(value) < 1e9:
+        return f"{value:.0f}"
+    return f"{value:.{digits}g}"

@@ -1,0 +1,218 @@
+"""Runs of scenarios: one, or many with different seeds on several processes."""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import multiprocessing
+import time
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from types import TracebackType
+
+from cosim import criteria, loop, paths, plant, trace
+from cosim.archive import open_fmu
+from cosim.connect import driven
+from cosim.errors import CosimError, concerning
+from cosim.expression import Expression
+from cosim.fmu import Instance
+from cosim.loop import Progress
+from cosim.result import Result
+from cosim.scenario import Scenario
+from cosim.wiring import child
+
+TIMESTEP_TOLERANCE = 1e-9
+
+
+class Session:
+    """A scenario with its FMU and plant opened once; each `run` resets both.
+
+    Raises
+    ------
+    CosimError
+        The FMU or plant cannot be opened, or does not fit the scenario.
+    """
+
+    def __init__(self, scenario: Scenario, log_events: bool = False) -> None:
+        self.scenario = scenario
+        with located(scenario):
+            with concerning("controller.fmu"):
+                self.file = open_fmu(paths.find_fmu(scenario.controller.fmu, scenario.folder))
+            self.plant = plant.build(scenario.plant.name, scenario.plant.parameters, scenario.folder)
+            check_timestep(scenario, self.plant.timestep)
+            inputs = driven(scenario, self.file)
+            self.fmu = Instance(self.file, inputs, trace.numeric_outputs(self.file), log_events)
+            try:
+                self._compile()
+            except CosimError:
+                self.fmu.close()
+                raise
+
+    def _compile(self) -> None:
+        """Compile all expressions against the columns of the trace."""
+        found = trace.columns(self.fmu, self.plant)
+        columns = {name: dict(v.items) if v and v.items else None for name, v in found.items()}
+        self.columns = list(columns)
+        with concerning("metric"):
+            self.metrics = criteria.compile_metrics(self.scenario.metric, columns)
+        stop = self.scenario.loop.stop_when
+        with concerning("loop.stop_when"):
+            self.stop = Expression(stop, columns, "`loop.stop_when`", rowwise=True) if stop else None
+
+    def run(self, seed: int | None = None, progress: Progress | None = None) -> Result:
+        """Run the scenario once.
+
+        Parameters
+        ----------
+        seed
+            Seed of all noise; None is the scenario's.
+        progress
+            Told the steps done and in all.
+        """
+        scenario = self.scenario
+        seed = scenario.loop.seed if seed is None else seed
+        with located(scenario):
+            self.fmu.initialise(scenario.controller.parameters)
+            loop.reset_plant(self.plant, scenario, child(seed, "plant"))
+            begin = time.perf_counter()
+            table = loop.run(scenario, self.fmu, self.plant, seed, self.stop, progress)
+            wall = time.perf_counter() - begin
+            pairs = zip(scenario.metric, self.metrics, strict=True)
+            measured = [criteria.measure(metric, expression, table.T) for metric, expression in pairs]
+        by_name = {entry.name: entry for entry in measured}
+        units = trace.units(self.file, self.plant)
+        return Result(
+            scenario=scenario.name,
+            title=scenario.title,
+            seed=seed,
+            engine="reference",
+            metrics=by_name,
+            criteria=criteria.judge(scenario.criterion, by_name),
+            simulated_s=len(table) * scenario.loop.step,
+            wall_s=wall,
+            trace=trace.structured(table, self.columns),
+            units={name: units[name] for name in self.columns},
+        )
+
+    def close(self) -> None:
+        """Free the FMU."""
+        self.fmu.close()
+
+    def __enter__(self) -> Session:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, where: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+def run(scenario: Scenario, seed: int | None = None, progress: Progress | None = None) -> Result:
+    """Run a scenario once with a fresh FMU and plant.
+
+    Parameters
+    ----------
+    scenario
+        The scenario, see `cosim.load`.
+    seed
+        Seed of all noise; None is the scenario's. The same seed gives the same bytes.
+    progress
+        Told the steps done and in all.
+
+    Raises
+    ------
+    CosimError
+        The run could not be done.
+    """
+    with Session(scenario) as session:
+        return session.run(seed, progress)
+
+
+def run_many(
+    scenario: Scenario, seeds: Sequence[int], workers: int | None = None, keep_trace: bool = False
+) -> list[Result]:
+    """Run a scenario with many seeds; results in the order of the seeds, each the same as `run` gives.
+
+    Parameters
+    ----------
+    scenario
+        The scenario.
+    seeds
+        One run each.
+    workers
+        Processes; None is one per core, 1 runs in this process. Scripts need the usual
+        `if __name__ == "__main__":` around their calls.
+    keep_trace
+        Whether the results hold their traces.
+
+    Raises
+    ------
+    CosimError
+        A run could not be done, or a worker process died.
+    """
+    count = workers or multiprocessing.cpu_count()
+    if count == 1:
+        with Session(scenario) as session:
+            return [without_trace(session.run(seed), keep_trace) for seed in seeds]
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(
+        min(count, len(seeds) or 1), context, open_worker, (scenario, keep_trace)
+    ) as pool:
+        try:
+            return list(pool.map(run_in_worker, seeds))
+        except BrokenProcessPool:
+            raise CosimError(
+                f"a worker process died while it ran `{scenario.name}`",
+                "the FMU or the plant crashed it: `run_many(..., workers=1)` finds the seed",
+            ) from None
+
+
+_worker: list[tuple[Scenario, bool]] = []
+_sessions: list[Session] = []
+
+
+def open_worker(scenario: Scenario, keep_trace: bool) -> None:
+    """Note what this worker process runs; it is opened with the first seed, where errors reach the caller."""
+    _worker[:] = [(scenario, keep_trace)]
+
+
+def run_in_worker(seed: int) -> Result:
+    """Run one seed in a worker process."""
+    scenario, keep_trace = _worker[0]
+    if not _sessions:
+        _sessions.append(Session(scenario))
+    return without_trace(_sessions[0].run(seed), keep_trace)
+
+
+def without_trace(result: Result, keep_trace: bool) -> Result:
+    """Return the result as it is kept."""
+    return result if keep_trace else dataclasses.replace(result, trace=None)
+
+
+def check_timestep(scenario: Scenario, timestep: float) -> None:
+    """Check that the plant's substeps fill the communication step exactly."""
+    step, substeps = scenario.loop.step, scenario.loop.substeps
+    if abs(substeps * timestep - step) > TIMESTEP_TOLERANCE * step:
+        fitting = round(step / timestep)
+        fits = abs(fitting * timestep - step) <= TIMESTEP_TOLERANCE * step and fitting >= 1
+        hint = (
+            f"set `loop.substeps = {fitting}`"
+            if fits
+            else f"`loop.step` must be a multiple of {timestep:g} s"
+        )
+        steps = f"`loop.substeps` = `{substeps}` plant steps of {timestep:g} s"
+        with concerning("loop.substeps"):
+            raise CosimError(f"{steps} do not fill `loop.step` = `{step:g}` s", hint)
+
+
+@contextlib.contextmanager
+def located(scenario: Scenario) -> Iterator[None]:
+    """Put the file or override in front of errors that concern a key of the scenario."""
+    try:
+        yield
+    except CosimError as error:
+        if error.key:
+            error.message = f"{scenario.origin(error.key)}: {error.message}"
+            error.key = ""
+        raise

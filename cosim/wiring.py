@@ -1,0 +1,108 @@
+"""The mathematics of wires and signals: what happens to a value between the plant and the controller."""
+
+from __future__ import annotations
+
+import math
+import zlib
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cosim.errors import CosimError
+from cosim.plant import Channel
+from cosim.scenario import Signal, Wire
+
+Shape = Callable[[float, int], float]
+"""Value that leaves a wire in step `k`, from the one that enters it."""
+
+
+def child(seed: int, name: str) -> np.random.SeedSequence:
+    """Independent seed of one consumer of random numbers.
+
+    It depends on the seed of the run and the consumer's name only: a new wire changes no other wire's noise.
+    """
+    return np.random.SeedSequence(seed, spawn_key=(zlib.crc32(name.encode()),))
+
+
+def noise(wire: Wire, channel: Channel, seed: int, steps: int) -> NDArray[np.float64] | None:
+    """White Gaussian noise of a wire for a whole run, shape (steps,), in the unit of the plant's channel."""
+    deviation = channel.noise if wire.noise is None else wire.noise
+    if deviation == 0.0:
+        return None
+    return np.random.default_rng(child(seed, f"wire.{wire.to}")).normal(0.0, deviation, steps)
+
+
+def shaper(wire: Wire, channel: Channel, from_plant: bool, samples: NDArray[np.float64] | None) -> Shape:
+    """Scale, offset, noise, quantisation and limits of one wire.
+
+    Noise, quantum and limits act on the plant's side, in the unit of its channel: before the conversion of a
+    reading, after that of a command.
+
+    Parameters
+    ----------
+    wire, channel
+        The wire, and the plant's channel it starts or ends at.
+    from_plant
+        Whether the wire carries a reading (else a command).
+    samples
+        Noise of every step, or None.
+    """
+    quantum = channel.quantum if wire.quantum is None else wire.quantum
+    minimum = channel.minimum if wire.minimum is None else wire.minimum
+    maximum = channel.maximum if wire.maximum is None else wire.maximum
+    scale, offset = wire.scale, wire.offset
+
+    def disturb(value: float, k: int) -> float:
+        if samples is not None:
+            value += samples.item(k)
+        # before the clamp, which would hide a value that is not finite
+        if not math.isfinite(value):
+            raise CosimError(f"`{wire.source}` is `{value}`, it must be finite")
+        # round half to even
+        if quantum > 0.0:
+            value = float(np.rint(value / quantum)) * quantum
+        return min(max(value, minimum), maximum)
+
+    def reading(value: float, k: int) -> float:
+        return scale * disturb(value, k) + offset
+
+    def command(value: float, k: int) -> float:
+        return disturb(scale * value + offset, k)
+
+    return reading if from_plant else command
+
+
+class Delay:
+    """Ring that gives back the value of `steps` steps ago; before there is one, the first value."""
+
+    def __init__(self, steps: int) -> None:
+        self.steps = steps
+        self.ring: list[float] = []
+
+    def prime(self, value: float) -> None:
+        """Fill the ring with the value that holds before the first step."""
+        self.ring = [value] * self.steps
+
+    def __call__(self, value: float, k: int) -> float:
+        """Store the value of step `k` and return the one of step `k - steps`."""
+        if not self.steps:
+            return value
+        if not self.ring:
+            self.prime(value)
+        slot = k % self.steps
+        delayed, self.ring[slot] = self.ring[slot], value
+        return delayed
+
+
+def first_step(time: float, step: float) -> int:
+    """First step `k` with `k * step >= time`, forgiving the rounding of `k * step`."""
+    return math.ceil(time / step - 1e-6)
+
+
+def schedule(signal: Signal, values: Sequence[float], step: float, steps: int) -> NDArray[np.float64]:
+    """Value of a signal in every step, shape (steps,); `values` are the signal's as numbers."""
+    course = np.zeros(steps)
+    for time, value in zip(signal.times, values, strict=True):
+        course[first_step(time, step) :] = value
+    return course

@@ -1,0 +1,101 @@
+"""The probe FMU, compiled once, and scenarios around it."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+
+import fmpy
+import pytest
+
+DATA = Path(__file__).parent / "data"
+HEADERS = Path(fmpy.__file__).parent / "c-code"
+
+SCENARIO = """
+title = "Lag with a probe"
+
+[loop]
+step = 0.001
+duration = 0.05
+
+[controller]
+fmu = "probe"
+
+[plant]
+name = "probe_plants:Lag"
+
+[[wire]]
+from = "plant.x"
+to = "controller.in"
+
+[[wire]]
+from = "controller.out"
+to = "plant.u"
+"""
+
+
+def pack(target: Path, description: str, members: dict[str, bytes]) -> Path:
+    """Write an FMU."""
+    with zipfile.ZipFile(target, "w") as archive:
+        archive.writestr("modelDescription.xml", description)
+        for name, content in members.items():
+            archive.writestr(name, content)
+    return target
+
+
+@pytest.fixture(scope="session")
+def probe_library(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    """Compile the probe."""
+    compiler = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
+    if compiler is None:
+        pytest.fail("a C compiler is needed to build the probe FMU")
+    library = tmp_path_factory.mktemp("probe") / "probe.so"
+    command = [
+        compiler,
+        "-shared",
+        "-fPIC",
+        "-O1",
+        f"-I{HEADERS}",
+        str(DATA / "probe.c"),
+        "-o",
+        str(library),
+        "-lm",
+    ]
+    subprocess.run(command, check=True)
+    return library.read_bytes()
+
+
+@pytest.fixture(scope="session")
+def probe(tmp_path_factory: pytest.TempPathFactory, probe_library: bytes) -> Path:
+    """Pack the FMU `probe.fmu`."""
+    member = f"binaries/{fmpy.platform}/probe{fmpy.sharedLibraryExtension}"
+    description = (DATA / "probe.xml").read_text()
+    return pack(tmp_path_factory.mktemp("fmu") / "probe.fmu", description, {member: probe_library})
+
+
+@pytest.fixture
+def folder(tmp_path: Path, probe: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Folder of a user: the FMU, the plants, no scenario yet; caches and searches stay inside."""
+    shutil.copy(probe, tmp_path / "probe.fmu")
+    shutil.copy(DATA / "probe_plants.py", tmp_path / "probe_plants.py")
+    monkeypatch.setenv("COSIM_CACHE", str(tmp_path / "cache"))
+    monkeypatch.delenv("COSIM_SCENARIOS", raising=False)
+    monkeypatch.delenv("COSIM_FMU_PATH", raising=False)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def write(folder: Path) -> Callable[..., Path]:
+    """Write a scenario file: the lag scenario and what is added."""
+
+    def write_scenario(added: str = "", name: str = "lag.toml", text: str = SCENARIO) -> Path:
+        file = folder / name
+        file.parent.mkdir(exist_ok=True)
+        file.write_text(text + added)
+        return file
+
+    return write_scenario

@@ -1,0 +1,153 @@
+/* A small FMI 2.0 co-simulation FMU for the tests of the harness.
+ *
+ * out = gain * in + bias[1] + bias[2] (a NaN or an error on demand), sum = mean input since the start times time,
+ * flag_out = !flag, count_out = count + 1, mode_out = mode, text_out = text, calls = steps done.
+ */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "fmi2Functions.h"
+
+enum { IN, GAIN, BIAS_1, BIAS_2, OUT, SUM, TIME, LIMIT, REALS };
+enum { COUNT, COUNT_OUT, MODE, MODE_OUT, CALLS, FAIL_AT, NAN_AT, FATAL_AT, INTEGERS };
+enum { FLAG, FLAG_OUT, BOOLEANS };
+
+typedef struct {
+    fmi2Real real[REALS];
+    fmi2Integer integer[INTEGERS];
+    fmi2Boolean boolean[BOOLEANS];
+    char text[64];
+    const fmi2CallbackFunctions *functions;
+    char name[64];
+    int initialised;
+} Probe;
+
+static void tell(Probe *p, fmi2Status status, const char *category, const char *text, double value) {
+    p->functions->logger(p->functions->componentEnvironment, p->name, status, category, text, value);
+}
+
+static void start(Probe *p) {
+    memset(p->real, 0, sizeof p->real);
+    memset(p->integer, 0, sizeof p->integer);
+    memset(p->boolean, 0, sizeof p->boolean);
+    p->real[GAIN] = 1.0;
+    p->real[LIMIT] = 10.0;
+    p->integer[MODE] = p->integer[MODE_OUT] = 1;
+    p->integer[FAIL_AT] = p->integer[NAN_AT] = p->integer[FATAL_AT] = -1;
+    strcpy(p->text, "hello");
+    p->initialised = 0;
+}
+
+const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }
+const char *fmi2GetVersion(void) { return fmi2Version; }
+fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t n, const fmi2String names[]) { return fmi2OK; }
+
+fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
+                              const fmi2CallbackFunctions *functions, fmi2Boolean visible, fmi2Boolean logging) {
+    Probe *p = calloc(1, sizeof *p);
+    p->functions = functions;
+    strncpy(p->name, name, sizeof p->name - 1);
+    start(p);
+    if (strcmp(guid, "probe-guid") != 0) {
+        tell(p, fmi2Error, "logStatusError", "wrong GUID", 0.0);
+        free(p);
+        return NULL;
+    }
+    return p;
+}
+
+void fmi2FreeInstance(fmi2Component c) { free(c); }
+fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean td, fmi2Real t, fmi2Real begin, fmi2Boolean sd, fmi2Real stop) {
+    return fmi2OK;
+}
+fmi2Status fmi2EnterInitializationMode(fmi2Component c) { return fmi2OK; }
+
+fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
+    Probe *p = c;
+    if (p->real[BIAS_1] + p->real[BIAS_2] > 100.0) {
+        tell(p, fmi2Error, "logStatusError", "the sum of `bias` is %g, its limit is 100", p->real[BIAS_1] + p->real[BIAS_2]);
+        return fmi2Error;
+    }
+    p->real[OUT] = p->real[GAIN] * p->real[IN] + p->real[BIAS_1] + p->real[BIAS_2];
+    p->initialised = 1;
+    return fmi2OK;
+}
+
+fmi2Status fmi2Terminate(fmi2Component c) { return fmi2OK; }
+fmi2Status fmi2Reset(fmi2Component c) { start(c); return fmi2OK; }
+
+#define ACCESS(Name, Type, field)                                                                            \
+    fmi2Status fmi2Get##Name(fmi2Component c, const fmi2ValueReference vr[], size_t n, Type value[]) {       \
+        for (size_t i = 0; i < n; i++) value[i] = ((Probe *)c)->field[vr[i]];                                \
+        return fmi2OK;                                                                                       \
+    }
+#define ASSIGN(Name, Type, field)                                                                            \
+    fmi2Status fmi2Set##Name(fmi2Component c, const fmi2ValueReference vr[], size_t n, const Type value[]) { \
+        for (size_t i = 0; i < n; i++) ((Probe *)c)->field[vr[i]] = value[i];                                \
+        return fmi2OK;                                                                                       \
+    }
+ACCESS(Real, fmi2Real, real)
+ACCESS(Integer, fmi2Integer, integer)
+ACCESS(Boolean, fmi2Boolean, boolean)
+ASSIGN(Integer, fmi2Integer, integer)
+ASSIGN(Boolean, fmi2Boolean, boolean)
+
+fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Real value[]) {
+    Probe *p = c;
+    for (size_t i = 0; i < n; i++) {
+        if (vr[i] == GAIN && value[i] > p->real[LIMIT]) {
+            tell(p, fmi2Error, "logStatusError", "`gain` = %g is above its limit", value[i]);
+            return fmi2Error;
+        }
+        p->real[vr[i]] = value[i];
+    }
+    return fmi2OK;
+}
+
+fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2String value[]) {
+    for (size_t i = 0; i < n; i++) value[i] = ((Probe *)c)->text;
+    return fmi2OK;
+}
+
+fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2String value[]) {
+    for (size_t i = 0; i < n; i++) strncpy(((Probe *)c)->text, value[i], 63);
+    return fmi2OK;
+}
+
+fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step, fmi2Boolean prior) {
+    Probe *p = c;
+    int k = p->integer[CALLS]++;
+    if (k == p->integer[FAIL_AT]) {
+        tell(p, fmi2Error, "logStatusError", "told to fail at %g s", time);
+        return fmi2Error;
+    }
+    if (k == p->integer[FATAL_AT]) return fmi2Fatal;
+    p->real[TIME] = time;
+    p->real[SUM] += step * p->real[IN];
+    p->real[OUT] = p->real[GAIN] * p->real[IN] + p->real[BIAS_1] + p->real[BIAS_2];
+    if (k == p->integer[NAN_AT]) p->real[OUT] = NAN;
+    p->integer[COUNT_OUT] = p->integer[COUNT] + 1;
+    p->integer[MODE_OUT] = p->integer[MODE];
+    p->boolean[FLAG_OUT] = !p->boolean[FLAG];
+    return fmi2OK;
+}
+
+fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *s) { return fmi2Error; }
+fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate s) { return fmi2Error; }
+fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *s) { return fmi2Error; }
+fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate s, size_t *n) { return fmi2Error; }
+fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate s, fmi2Byte b[], size_t n) { return fmi2Error; }
+fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte b[], size_t n, fmi2FMUstate *s) { return fmi2Error; }
+fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference u[], size_t nu, const fmi2ValueReference k[],
+                                        size_t nk, const fmi2Real dk[], fmi2Real du[]) { return fmi2Error; }
+fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Integer order[],
+                                       const fmi2Real value[]) { return fmi2Error; }
+fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Integer order[],
+                                        fmi2Real value[]) { return fmi2Error; }
+fmi2Status fmi2CancelStep(fmi2Component c) { return fmi2Error; }
+fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind s, fmi2Status *v) { return fmi2Discard; }
+fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind s, fmi2Real *v) { return fmi2Discard; }
+fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind s, fmi2Integer *v) { return fmi2Discard; }
+fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind s, fmi2Boolean *v) { return fmi2Discard; }
+fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind s, fmi2String *v) { return fmi2Discard; }
