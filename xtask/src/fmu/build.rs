@@ -75,7 +75,12 @@ fn release(workspace: &Workspace) -> Command {
         workspace.cargo("build")
     };
     command.args(["--release", "--locked", "--message-format=json-render-diagnostics"]);
-    command.env("CARGO_ENCODED_RUSTFLAGS", remap_flags(workspace).join("\u{1f}"));
+    let mut flags = remap_flags(workspace);
+    if cfg!(target_os = "linux") {
+        // an FMU calls its own functions, even in a process that has loaded another one globally
+        flags.push("-Clink-arg=-Wl,-Bsymbolic".into());
+    }
+    command.env("CARGO_ENCODED_RUSTFLAGS", flags.join("\u{1f}"));
     command
 }
 

@@ -31,20 +31,27 @@ pub fn files(workspace: &Workspace, package: &Package) -> Result<Vec<(String, St
     Ok(files)
 }
 
+/// The crates with their licences, then every licence text once, with the crates it belongs to.
 fn third_party(workspace: &Workspace, package: &Package) -> Result<String> {
-    let mut text = String::from(
-        "The Rust standard library: MIT OR Apache-2.0, the Rust Project Developers.\n\
-         The crates below, each with its own licence texts.\n",
+    let mut list = String::from(
+        "Compiled into this FMU:\n- the Rust standard library, by the Rust Project Developers: MIT OR Apache-2.0\n",
     );
+    let mut texts: BTreeMap<String, Vec<String>> = BTreeMap::new();
     for package in compiled_in(workspace, package) {
-        let licence = package.license.as_deref().unwrap_or("see the text below");
-        let rule = "=".repeat(100);
-        let _ = write!(text, "\n{rule}\n{} {}: {licence}\n{rule}\n", package.name, package.version);
-        for (name, licence) in licence_texts(package)? {
-            let _ = write!(text, "\n--- {name} ---\n\n{}\n", licence.replace("\r\n", "\n").trim_end());
+        let name = format!("{} {}", package.name, package.version);
+        let licence = package.license.as_deref().unwrap_or("see its text below");
+        let _ = writeln!(list, "- {name}: {licence}");
+        for text in licence_texts(package)? {
+            texts.entry(text).or_default().push(name.clone());
         }
     }
-    Ok(text)
+    let mut texts: Vec<_> = texts.into_iter().map(|(text, names)| (names, text)).collect();
+    texts.sort();
+    for (names, text) in texts {
+        let rule = "=".repeat(80);
+        let _ = write!(list, "\n{rule}\n{}\n{rule}\n\n{text}\n", names.join(", "));
+    }
+    Ok(list)
 }
 
 /// The crates of others that this package links, by name. Crates that only run in the build do not count.
@@ -72,18 +79,17 @@ fn compiled_in<'a>(workspace: &'a Workspace, package: &Package) -> Vec<&'a Packa
     crates
 }
 
-fn licence_texts(package: &Package) -> Result<Vec<(String, String)>> {
+fn licence_texts(package: &Package) -> Result<Vec<String>> {
     let folder = package.manifest_path.parent().context("a manifest lies in a folder")?;
     let mut texts = Vec::new();
     for entry in fs::read_dir(folder).with_context(|| format!("cannot list the sources of `{}`", package.name))? {
         let path = entry?.path();
-        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let upper = name.to_uppercase();
-        if path.is_file() && ["LICENSE", "LICENCE", "COPYING", "NOTICE"].iter().any(|start| upper.starts_with(start)) {
-            texts.push((name, fs::read_to_string(&path).with_context(|| format!("cannot read `{}`", path.display()))?));
+        let name = path.file_name().unwrap_or_default().to_string_lossy().to_uppercase();
+        if path.is_file() && ["LICENSE", "LICENCE", "COPYING", "NOTICE"].iter().any(|start| name.starts_with(start)) {
+            let text = fs::read_to_string(&path).with_context(|| format!("cannot read `{}`", path.display()))?;
+            texts.push(text.replace("\r\n", "\n").trim().to_owned());
         }
     }
-    texts.sort();
     Ok(texts)
 }
 
@@ -102,7 +108,7 @@ mod tests {
     #[test]
     fn what_is_linked_is_named_with_its_licence_texts() {
         let (_, text) = dob();
-        for part in ["\npostcard ", "\ncobs ", "\nserde_core ", "Apache License", "Permission is hereby granted"] {
+        for part in ["- postcard ", "- cobs ", "- serde_core ", "Apache License", "Permission is hereby granted"] {
             assert!(text.contains(part), "{part}");
         }
     }
@@ -110,7 +116,7 @@ mod tests {
     #[test]
     fn what_only_runs_in_the_build_is_not_named() {
         let (_, text) = dob();
-        for part in ["\nserde_derive ", "\nsyn ", "\nlibloading ", "\nfmi2-export "] {
+        for part in ["- serde_derive ", "- syn ", "- libloading ", "- fmi2-export "] {
             assert!(!text.contains(part), "{part}");
         }
     }
