@@ -28,7 +28,7 @@ const SPINDLE_SPEED: f64 = 2094.4;
 pub fn measure(workspace: &Workspace) -> Result<Samples> {
     let packages = controllers(workspace);
     let package = packages.into_iter().find(|package| *package.name == "fmu-dob").context("no package `fmu-dob`")?;
-    let library = build::libraries(workspace, &[package])?.remove(0);
+    let library = build::library(workspace, package)?.library;
     process::header("measure the contact detection");
     replay(&library)
 }

@@ -1,10 +1,11 @@
 //! Builds the C libraries of the FMUs for the platform at hand.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, bail, ensure};
-use cargo_metadata::{Message, Package, Target};
+use cargo_metadata::{Artifact, Message, Package, PackageId, Target};
 
 use crate::process;
 use crate::workspace::Workspace;
@@ -40,18 +41,24 @@ pub fn extension() -> &'static str {
     std::env::consts::DLL_EXTENSION
 }
 
-/// Builds these packages in release mode; returns their C libraries in the same order.
+/// A C library and the packages that were compiled for it, build scripts and macros included.
+pub struct Built {
+    /// The library.
+    pub library: PathBuf,
+    /// The packages.
+    pub packages: BTreeSet<PackageId>,
+}
+
+/// Builds a package in release mode. Alone, so that its bytes do not depend on what else is built.
 ///
 /// # Errors
 /// When the build fails.
-pub fn libraries(workspace: &Workspace, packages: &[&Package]) -> Result<Vec<PathBuf>> {
+pub fn library(workspace: &Workspace, package: &Package) -> Result<Built> {
     let mut command = release(workspace);
-    for package in packages {
-        command.args(["--package", &package.name]);
-    }
-    let names = packages.iter().map(|package| format!("`{}`", package.name)).collect::<Vec<_>>().join(", ");
-    let built = artefacts(&format!("build {names}"), command)?;
-    packages.iter().map(|package| find(&built, &package.name.replace('-', "_"), Target::is_cdylib)).collect()
+    command.args(["--package", &package.name]);
+    let artefacts = artefacts(&format!("build `{}`", package.name), command)?;
+    let library = find(&artefacts, &package.name.replace('-', "_"), Target::is_cdylib)?;
+    Ok(Built { library, packages: artefacts.into_iter().map(|artefact| artefact.package_id).collect() })
 }
 
 /// Builds an example of a package as a C library, in the same way as the FMUs.
@@ -61,8 +68,8 @@ pub fn libraries(workspace: &Workspace, packages: &[&Package]) -> Result<Vec<Pat
 pub fn example(workspace: &Workspace, package: &str, name: &str) -> Result<PathBuf> {
     let mut command = release(workspace);
     command.args(["--package", package, "--example", name]);
-    let built = artefacts(&format!("build the example `{name}` of `{package}`"), command)?;
-    find(&built, name, Target::is_example)
+    let artefacts = artefacts(&format!("build the example `{name}` of `{package}`"), command)?;
+    find(&artefacts, name, Target::is_example)
 }
 
 fn release(workspace: &Workspace) -> Command {
@@ -111,7 +118,7 @@ fn remap(from: &Path, to: &str) -> String {
     format!("--remap-path-prefix={}={to}", from.display())
 }
 
-fn artefacts(title: &str, mut command: Command) -> Result<Vec<cargo_metadata::Artifact>> {
+fn artefacts(title: &str, mut command: Command) -> Result<Vec<Artifact>> {
     process::header(title);
     let output = process::status_and_text(command.stderr(Stdio::inherit()))?;
     ensure!(output.0.success(), "`{}` failed: {}", process::display(&command), output.0);
@@ -124,7 +131,7 @@ fn artefacts(title: &str, mut command: Command) -> Result<Vec<cargo_metadata::Ar
     Ok(built)
 }
 
-fn find(built: &[cargo_metadata::Artifact], name: &str, kind: fn(&Target) -> bool) -> Result<PathBuf> {
+fn find(built: &[Artifact], name: &str, kind: fn(&Target) -> bool) -> Result<PathBuf> {
     let matching =
         built.iter().filter(|artefact| kind(&artefact.target) && artefact.target.name.replace('-', "_") == name);
     let mut files = matching.flat_map(|artefact| &artefact.filenames);

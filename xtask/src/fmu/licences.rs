@@ -16,28 +16,30 @@ Software of others that is compiled into it, and its licences: see third-party.t
 ";
 const OWN: [&str; 2] = ["LICENSE-APACHE", "LICENSE-MIT"];
 
-/// Licence files of an FMU: path inside it and text.
+/// Licence files of an FMU: path inside it and text. `built` are the packages that were compiled for it.
 ///
 /// # Errors
 /// When a licence file of the project is missing.
-pub fn files(workspace: &Workspace, package: &Package) -> Result<Vec<(String, String)>> {
+pub fn files(workspace: &Workspace, package: &Package, built: &BTreeSet<PackageId>) -> Result<Vec<(String, String)>> {
     let mut files = Vec::new();
     for name in OWN {
         let text = fs::read_to_string(workspace.path(name)).with_context(|| format!("cannot read `{name}`"))?;
         files.push((format!("{FOLDER}/{name}.txt"), text));
     }
     files.push((format!("{FOLDER}/license.txt"), SUMMARY.into()));
-    files.push((format!("{FOLDER}/third-party.txt"), third_party(workspace, package)?));
+    files.push((format!("{FOLDER}/third-party.txt"), third_party(workspace, package, built)?));
     Ok(files)
 }
 
 /// The crates with their licences, then every licence text once, with the crates it belongs to.
-fn third_party(workspace: &Workspace, package: &Package) -> Result<String> {
+fn third_party(workspace: &Workspace, package: &Package, built: &BTreeSet<PackageId>) -> Result<String> {
     let mut list = String::from(
         "Compiled into this FMU:\n- the Rust standard library, by the Rust Project Developers: MIT OR Apache-2.0\n",
     );
     let mut texts: BTreeMap<String, Vec<String>> = BTreeMap::new();
-    for package in compiled_in(workspace, package) {
+    // the dependency graph also holds crates that no chosen feature asks for
+    let linked = compiled_in(workspace, package).into_iter().filter(|package| built.contains(&package.id));
+    for package in linked {
         let name = format!("{} {}", package.name, package.version);
         let licence = package.license.as_deref().unwrap_or("see its text below");
         let _ = writeln!(list, "- {name}: {licence}");
@@ -97,25 +99,31 @@ fn licence_texts(package: &Package) -> Result<Vec<String>> {
 mod tests {
     use super::*;
 
-    fn dob() -> (Workspace, String) {
+    fn dob(workspace: &Workspace) -> &Package {
+        let packages = workspace.metadata.workspace_packages();
+        packages.into_iter().find(|package| *package.name == "fmu-dob").unwrap()
+    }
+
+    /// Notices of `fmu-dob` as if everything of the workspace but one crate had been compiled.
+    fn notices_without(left_out: &str) -> String {
         let workspace = Workspace::load().unwrap();
-        let package =
-            workspace.metadata.workspace_packages().into_iter().find(|package| *package.name == "fmu-dob").unwrap();
-        let text = third_party(&workspace, package).unwrap();
-        (workspace, text)
+        let built = workspace.metadata.packages.iter().filter(|package| *package.name != left_out);
+        let built = built.map(|package| package.id.clone()).collect();
+        third_party(&workspace, dob(&workspace), &built).unwrap()
     }
 
     #[test]
     fn what_is_linked_is_named_with_its_licence_texts() {
-        let (_, text) = dob();
-        for part in ["- postcard ", "- cobs ", "- serde_core ", "Apache License", "Permission is hereby granted"] {
+        let text = notices_without("cobs");
+        for part in ["- postcard ", "- serde_core ", "Apache License", "Permission is hereby granted"] {
             assert!(text.contains(part), "{part}");
         }
+        assert!(!text.contains("- cobs "));
     }
 
     #[test]
     fn what_only_runs_in_the_build_is_not_named() {
-        let (_, text) = dob();
+        let text = notices_without("");
         for part in ["- serde_derive ", "- syn ", "- libloading ", "- fmi2-export "] {
             assert!(!text.contains(part), "{part}");
         }
@@ -123,10 +131,9 @@ mod tests {
 
     #[test]
     fn every_fmu_holds_both_licences_of_the_project() {
-        let (workspace, _) = dob();
-        let package =
-            workspace.metadata.workspace_packages().into_iter().find(|package| *package.name == "fmu-dob").unwrap();
-        let paths: Vec<_> = files(&workspace, package).unwrap().into_iter().map(|(path, _)| path).collect();
+        let workspace = Workspace::load().unwrap();
+        let files = files(&workspace, dob(&workspace), &BTreeSet::new()).unwrap();
+        let paths: Vec<_> = files.into_iter().map(|(path, _)| path).collect();
         let names = ["LICENSE-APACHE.txt", "LICENSE-MIT.txt", "license.txt", "third-party.txt"];
         assert_eq!(paths, names.map(|name| format!("documentation/licenses/{name}")));
     }

@@ -31,11 +31,10 @@ pub fn run(workspace: &Workspace, names: &[String]) -> Result<Vec<PathBuf>> {
     let folder = workspace.path("target/fmu");
     fs::create_dir_all(&folder).with_context(|| format!("cannot make `{}`", folder.display()))?;
 
-    let libraries = build::libraries(workspace, &packages)?;
     let mut files = Vec::new();
-    for (package, library) in packages.iter().zip(&libraries) {
+    for package in packages {
         let file = folder.join(format!("{}.fmu", package.name));
-        let bytes = pack_controller(workspace, package, library)?;
+        let bytes = pack_controller(workspace, package, &build::library(workspace, package)?)?;
         write_if_different(&file, &bytes)?;
         files.push(file);
     }
@@ -66,7 +65,8 @@ fn select<'a>(packages: &[&'a Package], names: &[String]) -> Result<Vec<&'a Pack
     names.iter().map(find).collect()
 }
 
-fn pack_controller(workspace: &Workspace, package: &Package, library: &Path) -> Result<Vec<u8>> {
+fn pack_controller(workspace: &Workspace, package: &Package, built: &build::Built) -> Result<Vec<u8>> {
+    let library = built.library.as_path();
     let identifier = package.name.replace('-', "_");
     let bytes = fs::read(library).with_context(|| format!("cannot read `{}`", library.display()))?;
     inspect::check(&bytes, &inspect::Rules::for_host(workspace))
@@ -85,7 +85,7 @@ fn pack_controller(workspace: &Workspace, package: &Package, library: &Path) -> 
     );
     content.add(format!("binaries/{}/{identifier}.{}", build::platform()?, build::extension()), bytes)?;
     content.add_folder("resources", &package.manifest_path.with_file_name("resources").into_std_path_buf())?;
-    for (path, text) in licences::files(workspace, package)? {
+    for (path, text) in licences::files(workspace, package, &built.packages)? {
         content.add(path, text.into_bytes())?;
     }
     pack::to_bytes(&content)
