@@ -29,7 +29,7 @@ const SOURCES: &[&str] = &["scenarios", "plants", "cosim", "requirements.txt", "
 /// When something does not build or a scenario cannot be run.
 pub fn run(workspace: &Workspace) -> Result<bool> {
     setup::run(workspace)?;
-    fmu::run(workspace, &[])?;
+    fmu::pack_all(workspace, &fmu::controllers(workspace))?;
 
     let scenarios = scenarios(&workspace.path("scenarios"))?;
     let stamp = Stamp(workspace.path(FOLDER).join(".fingerprint"));

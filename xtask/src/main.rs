@@ -48,7 +48,7 @@ fn run(command: &Command) -> Result<bool> {
     let workspace = Workspace::load()?;
     match command {
         Command::Setup => setup::run(&workspace).map(|()| true),
-        Command::Fmu { names } => fmu::run(&workspace, names).map(|_| true),
+        Command::Fmu { names } => fmu::run(&workspace, names).map(|()| true),
         Command::Demo => demo::run(&workspace),
         Command::Test => test::run(&workspace),
         Command::Bench => bench::run(&workspace).map(|()| true),

@@ -17,7 +17,7 @@ use crate::workspace::Workspace;
 pub fn run(workspace: &Workspace) -> Result<bool> {
     let mut times = Vec::new();
     timed(&mut times, "setup", || setup::run(workspace))?;
-    timed(&mut times, "FMUs", || fmu::run(workspace, &[]).map(|_| ()))?;
+    timed(&mut times, "FMUs", || fmu::pack_all(workspace, &fmu::controllers(workspace)))?;
 
     let fmpy = setup::fmpy_folder(workspace)?;
     for (name, mut command) in checks(workspace) {

@@ -34,7 +34,7 @@ struct Row {
 /// When something that is measured does not build or run.
 pub fn run(workspace: &Workspace) -> Result<()> {
     setup::run(workspace)?;
-    fmu::run(workspace, &[])?;
+    fmu::pack_all(workspace, &fmu::controllers(workspace))?;
     let folder = workspace.path("target/bench");
     fs::create_dir_all(&folder).with_context(|| format!("cannot make `{}`", folder.display()))?;
 

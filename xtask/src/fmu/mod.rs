@@ -7,7 +7,7 @@ pub mod licences;
 pub mod pack;
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use anyhow::{Context, Result, bail, ensure};
 use cargo_metadata::Package;
@@ -19,27 +19,30 @@ use crate::workspace::Workspace;
 
 /// Builds and packs the named controllers (`dob` or `fmu-dob`), all of them when none is named.
 ///
-/// Returns the FMU files. A file whose bytes would not change is left alone.
-///
 /// # Errors
 /// When a name is unknown, a build fails, or a binary breaks a rule of [`inspect`].
-pub fn run(workspace: &Workspace, names: &[String]) -> Result<Vec<PathBuf>> {
+pub fn run(workspace: &Workspace, names: &[String]) -> Result<()> {
     let packages = select(&controllers(workspace), names)?;
     if build::needs_environment() {
         setup::environment(workspace)?;
     }
+    pack_all(workspace, &packages)
+}
+
+/// Builds and packs these controllers; `.venv` must be there. A file whose bytes would not change is left alone.
+///
+/// # Errors
+/// As [`run`].
+pub fn pack_all(workspace: &Workspace, packages: &[&Package]) -> Result<()> {
     let folder = workspace.path("target/fmu");
     fs::create_dir_all(&folder).with_context(|| format!("cannot make `{}`", folder.display()))?;
 
-    let mut files = Vec::new();
     for package in packages {
         let file = folder.join(format!("{}.fmu", package.name));
         let bytes = pack_controller(workspace, package, &build::library(workspace, package)?)?;
         write_if_different(&file, &bytes)?;
-        files.push(file);
     }
-    write_if_different(&folder.join("SHA256SUMS"), sums(&folder)?.as_bytes())?;
-    Ok(files)
+    write_if_different(&folder.join("SHA256SUMS"), sums(&folder)?.as_bytes())
 }
 
 /// The packages `fmu-*` of the workspace that make a C library, by name.
