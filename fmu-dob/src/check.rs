@@ -1,0 +1,150 @@
+//! Checks of parameters against each other; single ranges are in the variable table of the FMU.
+
+use std::fmt;
+
+use crate::detector::Detector;
+use crate::parameters::Parameters;
+use crate::trajectory::stopping_distance;
+
+/// Learning needs this many independent windows.
+const LEARN_WINDOWS: i32 = 5;
+
+/// A parameter that does not fit the others.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ParameterError {
+    /// FMI name of the parameter.
+    pub name: &'static str,
+    /// Its value with unit.
+    pub value: String,
+    /// What it must be.
+    pub limit: String,
+    /// What to do.
+    pub hint: &'static str,
+}
+
+impl fmt::Display for ParameterError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { name, value, limit, hint } = self;
+        write!(f, "parameter `{name}` is `{value}`, must be {limit}\nhint: {hint}")
+    }
+}
+
+impl std::error::Error for ParameterError {}
+
+type Check = fn(&Parameters) -> Result<(), ParameterError>;
+
+/// Checks all combinations; the first that fails is the error.
+pub fn check(p: &Parameters) -> Result<(), ParameterError> {
+    const CHECKS: [Check; 6] = [direction, velocity_bandwidth, settle_time, learn_time, travel, guard];
+    CHECKS.iter().try_for_each(|check| check(p))
+}
+
+fn require(holds: bool, error: impl FnOnce() -> ParameterError) -> Result<(), ParameterError> {
+    if holds { Ok(()) } else { Err(error()) }
+}
+
+fn direction(p: &Parameters) -> Result<(), ParameterError> {
+    require(p.approach.direction.abs() == 1, || ParameterError {
+        name: "approach.direction",
+        value: p.approach.direction.to_string(),
+        limit: "`1` or `-1`".into(),
+        hint: "use `1` if the encoder counts up towards the workpiece, `-1` if it counts down",
+    })
+}
+
+fn velocity_bandwidth(p: &Parameters) -> Result<(), ParameterError> {
+    let least = 4.0 * p.servo.bandwidth;
+    require(p.observer.velocity_bandwidth >= least, || ParameterError {
+        name: "observer.velocity_bandwidth",
+        value: format!("{} rad/s", p.observer.velocity_bandwidth),
+        limit: format!("at least `{least} rad/s`, four times `servo.bandwidth`"),
+        hint: "lower `servo.bandwidth`, or the late velocity makes the servo swing",
+    })
+}
+
+fn settle_time(p: &Parameters) -> Result<(), ParameterError> {
+    let ticks = Detector::settling(p);
+    let least = f64::from(ticks) * p.sample_period;
+    require(p.ticks(p.learn.settle_time) >= ticks as u32, || ParameterError {
+        name: "learn.settle_time",
+        value: format!("{} s", p.learn.settle_time),
+        limit: format!("at least `{least} s`, the `{ticks}` samples that `detector` needs at constant speed"),
+        hint: "shorten `deviation.window` or `slope.window`, or settle longer",
+    })
+}
+
+fn learn_time(p: &Parameters) -> Result<(), ParameterError> {
+    let ticks = LEARN_WINDOWS * Detector::window(p);
+    let least = f64::from(ticks) * p.sample_period;
+    require(p.ticks(p.learn.time) >= ticks as u32, || ParameterError {
+        name: "learn.time",
+        value: format!("{} s", p.learn.time),
+        limit: format!("at least `{least} s`, `{LEARN_WINDOWS}` times the longest slope window"),
+        hint: "learn longer, or shorten `slope.window`",
+    })
+}
+
+fn travel(p: &Parameters) -> Result<(), ParameterError> {
+    let v = p.approach.velocity;
+    let least = stopping_distance(v, p.approach.acceleration) + v * (p.learn.settle_time + p.learn.time);
+    require(p.approach.travel_max > least, || ParameterError {
+        name: "approach.travel_max",
+        value: format!("{} m", p.approach.travel_max),
+        limit: format!("more than `{least} m`, the way until the detector is armed"),
+        hint: "allow more travel, approach slower, or learn for less time",
+    })
+}
+
+fn guard(p: &Parameters) -> Result<(), ParameterError> {
+    let most = p.stage.force_constant * p.stage.current_max;
+    require(p.guard.force < most, || ParameterError {
+        name: "guard.force",
+        value: format!("{} N", p.guard.force),
+        limit: format!("less than `{most} N`, the largest force of the drive"),
+        hint: "the guard must trip before the current saturates",
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::detector::DetectorKind;
+
+    fn error(change: impl FnOnce(&mut Parameters)) -> String {
+        let mut p = Parameters::DEFAULT;
+        change(&mut p);
+        check(&p).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn defaults_and_paper_mode_fit_with_every_detector() {
+        check(&Parameters::PAPER).unwrap();
+        for detector in [
+            DetectorKind::Raw,
+            DetectorKind::Deviation,
+            DetectorKind::Slope,
+            DetectorKind::MultiSlope,
+            DetectorKind::Cusum,
+            DetectorKind::Glr,
+        ] {
+            check(&Parameters { detector, ..Parameters::DEFAULT }).unwrap();
+        }
+    }
+
+    #[test]
+    fn each_error_names_parameter_value_and_limit() {
+        let cases = [
+            (error(|p| p.approach.direction = 0), "approach.direction", "`0`", "`-1`"),
+            (error(|p| p.servo.bandwidth = 1000.0), "observer.velocity_bandwidth", "`3142 rad/s`", "`4000 rad/s`"),
+            (error(|p| p.deviation.window = 5000), "learn.settle_time", "`0.25 s`", "`0.52 s`"),
+            (error(|p| p.learn.time = 0.05), "learn.time", "`0.05 s`", "`0.1 s`"),
+            (error(|p| p.approach.travel_max = 5e-5), "approach.travel_max", "`0.00005 m`", "armed"),
+            (error(|p| p.guard.force = 100.0), "guard.force", "`100 N`", "`100 N`"),
+        ];
+        for (message, name, value, limit) in cases {
+            assert!(message.starts_with(&format!("parameter `{name}` is {value}")), "{message}");
+            assert!(message.contains(limit), "{message}");
+            assert!(message.contains("hint:"), "{message}");
+        }
+    }
+}

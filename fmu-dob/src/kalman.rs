@@ -1,0 +1,261 @@
+//! Kalman filter of the stage, its disturbance and the spindle harmonics; its innovation is white before contact.
+
+use std::f64::consts::PI;
+
+use nalgebra::{SMatrix, SVector};
+use serde::{Deserialize, Serialize};
+
+use crate::notch::HARMONICS_MAX;
+use crate::parameters::Parameters;
+
+/// Position, velocity, disturbance, then sine and cosine of each harmonic.
+const STATES: usize = 3 + 2 * HARMONICS_MAX;
+/// Riccati iterations, one per sample, after a start or a speed change; then the gain is constant.
+pub const ITERATIONS: u32 = 2000;
+/// Relative speed change that makes a new gain.
+const RETUNE: f64 = 1e-3;
+/// Harmonics above this share of the Nyquist frequency are not modelled.
+const NYQUIST_SHARE: f64 = 0.9;
+/// Standard deviations at the start: velocity (m/s), disturbance (N), harmonic (N).
+const START_SIGMA: [f64; 3] = [1e-3, 1.0, 0.1];
+
+type Vector = SVector<f64, STATES>;
+type Matrix = SMatrix<f64, STATES, STATES>;
+
+/// Predictor with one Riccati iteration per sample until its gain is constant.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct KalmanFilter {
+    sample_period: f64,
+    force_constant: f64,
+    harmonics: usize,
+    /// share of the current step that is left at the end of a sample, and on average over it
+    lag: [f64; 2],
+    current: f64,
+    tuned_speed: f64,
+    iterations_left: u32,
+    noise: NoiseModel,
+    force_input: Vector,
+    transition: Matrix,
+    process: Matrix,
+    covariance: Matrix,
+    gain: Vector,
+    state: Vector,
+}
+
+/// Variances of the model.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct NoiseModel {
+    force: f64,
+    disturbance: f64,
+    harmonic: f64,
+    position: f64,
+}
+
+impl KalmanFilter {
+    /// Filter at rest at position 0, spindle unknown.
+    pub fn new(p: &Parameters) -> Self {
+        let (dt, mass) = (p.sample_period, p.stage.mass);
+        let decay = p.stage.current_bandwidth * dt;
+        let mut force_input = Vector::zeros();
+        (force_input[0], force_input[1]) = (0.5 * dt * dt / mass, dt / mass);
+        let mut filter = Self {
+            sample_period: dt,
+            force_constant: p.stage.force_constant,
+            harmonics: p.notch.harmonics as usize,
+            lag: [(-decay).exp(), (1.0 - (-decay).exp()) / decay],
+            current: 0.0,
+            tuned_speed: 0.0,
+            iterations_left: 0,
+            noise: NoiseModel {
+                force: p.kalman.force_noise.powi(2),
+                disturbance: p.kalman.disturbance_walk.powi(2),
+                harmonic: p.kalman.harmonic_walk.powi(2),
+                position: p.kalman.position_noise.powi(2),
+            },
+            force_input,
+            transition: Matrix::zeros(),
+            process: Matrix::zeros(),
+            covariance: Matrix::zeros(),
+            gain: Vector::zeros(),
+            state: Vector::zeros(),
+        };
+        filter.tune(0.0);
+        filter.reset(0.0);
+        filter
+    }
+
+    /// Starts again at rest at `position` m, with everything else unknown.
+    pub fn reset(&mut self, position: f64) {
+        let [velocity, disturbance, harmonic] = START_SIGMA.map(|sigma| sigma * sigma);
+        let mut variances = Vector::from_element(harmonic);
+        variances[0] = self.noise.position;
+        variances[1] = velocity;
+        variances[2] = disturbance;
+        self.covariance = Matrix::from_diagonal(&variances);
+        self.state = Vector::zeros();
+        self.state[0] = position;
+        self.iterations_left = ITERATIONS;
+    }
+
+    /// Innovation (m) of the position (m), given the current that acted since the last sample (A);
+    /// without a position the filter only predicts and the innovation is 0.
+    pub fn update(&mut self, position: Option<f64>, acted: f64, spindle_speed: f64) -> f64 {
+        let speed = spindle_speed.abs();
+        if (speed - self.tuned_speed).abs() > RETUNE * self.tuned_speed {
+            self.tune(speed);
+            self.iterations_left = ITERATIONS;
+        }
+        let force = self.force_constant * self.mean_current(acted);
+        self.state = self.transition * self.state + self.force_input * force;
+        if self.iterations_left > 0 {
+            self.iterations_left -= 1;
+            self.iterate();
+        }
+        let innovation = position.map_or(0.0, |z| z - self.state[0]);
+        self.state += self.gain * innovation;
+        innovation
+    }
+
+    /// Whether the gain is constant.
+    pub fn settled(&self) -> bool {
+        self.iterations_left == 0
+    }
+
+    /// One sample of the prediction error under an extra `force` (N) against the stage: (innovation, next error).
+    pub fn error_step(&self, error: &Vector, force: f64) -> (f64, Vector) {
+        let predicted = self.transition * error - self.force_input * force;
+        (predicted[0], predicted - self.gain * predicted[0])
+    }
+
+    /// Mean current over the last sample behind a first-order current loop.
+    fn mean_current(&mut self, command: f64) -> f64 {
+        let step = self.current - command;
+        self.current = command + step * self.lag[0];
+        command + step * self.lag[1]
+    }
+
+    /// One iteration of the Riccati equation.
+    fn iterate(&mut self) {
+        let predicted = self.transition * self.covariance * self.transition.transpose() + self.process;
+        let cross = predicted.column(0).into_owned();
+        self.gain = cross / (cross[0] + self.noise.position);
+        let corrected = predicted - self.gain * cross.transpose();
+        self.covariance = 0.5 * (corrected + corrected.transpose());
+    }
+
+    /// Model for the speed: M z'' = K_tn I - d - sum c_h, where (c_h, s_h) turns by h omega T_s per sample.
+    fn tune(&mut self, speed: f64) {
+        self.tuned_speed = speed;
+        self.transition = Matrix::identity();
+        self.transition[(0, 1)] = self.sample_period;
+        self.process = self.force_input * self.force_input.transpose() * self.noise.force;
+        self.process[(2, 2)] = self.noise.disturbance;
+        self.couple(2);
+        for harmonic in 1..=self.harmonics {
+            let theta = harmonic as f64 * speed * self.sample_period;
+            if theta > 0.0 && theta <= NYQUIST_SHARE * PI {
+                self.turn(1 + 2 * harmonic, theta);
+            }
+        }
+    }
+
+    /// Lets the force in `state` act against the stage.
+    fn couple(&mut self, state: usize) {
+        self.transition[(0, state)] = -self.force_input[0];
+        self.transition[(1, state)] = -self.force_input[1];
+    }
+
+    /// Makes the pair at `first` a harmonic that turns by `theta` rad per sample.
+    fn turn(&mut self, first: usize, theta: f64) {
+        let (sine, cosine) = theta.sin_cos();
+        self.couple(first);
+        for i in [first, first + 1] {
+            self.transition[(i, i)] = cosine;
+            self.process[(i, i)] = self.noise.harmonic;
+        }
+        self.transition[(first, first + 1)] = -sine;
+        self.transition[(first + 1, first)] = sine;
+    }
+}
+
+/// Prediction error of the filter, one per state.
+pub type PredictionError = Vector;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SPEED: f64 = 3141.592653589793;
+
+    /// Innovations of a stage at nominal mass under `force(t)` N, current 0, after the gain is constant.
+    fn innovations(force: impl Fn(f64) -> f64) -> (KalmanFilter, Vec<f64>) {
+        let p = Parameters::DEFAULT;
+        let (dt, sub) = (p.sample_period, 100);
+        let mut filter = KalmanFilter::new(&p);
+        let (mut z, mut v) = (0.0, 0.0);
+        let mut trace = Vec::new();
+        for k in 0..6000 {
+            trace.push(filter.update(Some(z), 0.0, SPEED));
+            for i in 0..sub {
+                let h = dt / f64::from(sub);
+                let a = -force(f64::from(k) * dt + (f64::from(i) + 0.5) * h) / p.stage.mass;
+                z += h * v + 0.5 * h * h * a;
+                v += h * a;
+            }
+        }
+        (filter, trace)
+    }
+
+    #[test]
+    fn learns_a_constant_force_and_the_harmonics() {
+        let (filter, trace) = innovations(|t| 0.3 + 0.02 * (SPEED * t).sin() + 0.01 * (2.0 * SPEED * t).cos());
+        assert!(filter.settled());
+        let largest = trace[5000..].iter().fold(0.0, |m, x| f64::max(m, x.abs()));
+        assert!(largest < 1e-13, "innovation {largest} m");
+        assert!((filter.state[2] - 0.3).abs() < 1e-3, "{}", filter.state[2]);
+    }
+
+    #[test]
+    fn gain_is_close_to_the_riccati_solution() {
+        let (filter, _) = innovations(|_| 0.0);
+        let mut solution = filter.clone();
+        (0..100_000).for_each(|_| solution.iterate());
+        // position, velocity and disturbance; the harmonics come slower and matter less
+        for i in 0..3 {
+            let ratio = filter.gain[i] / solution.gain[i];
+            assert!((ratio - 1.0).abs() < 0.01, "gain {i}: ratio {ratio}");
+        }
+        let mut next = solution.clone();
+        next.iterate();
+        assert!((next.gain - solution.gain).norm() < 1e-12 * solution.gain.norm());
+    }
+
+    #[test]
+    fn contact_ramp_gives_the_predicted_innovation() {
+        let onset = 0.55;
+        let ramp = 20.0;
+        let (filter, trace) = innovations(|t| ramp * (t - onset).max(0.0));
+        let mut error = PredictionError::zeros();
+        for (n, innovation) in trace[5501..5560].iter().enumerate() {
+            let force = ramp * (n as f64 + 0.5) * 1e-4;
+            let (expected, next) = filter.error_step(&error, force);
+            error = next;
+            assert!((innovation - expected).abs() < 1e-2 * expected.abs() + 1e-12, "{n}: {innovation} {expected}");
+        }
+    }
+
+    #[test]
+    fn missing_positions_are_predicted() {
+        let p = Parameters::DEFAULT;
+        let mut filter = KalmanFilter::new(&p);
+        let position = |k: i32| 1e-4 * f64::from(k) * p.sample_period;
+        for k in 0..5000 {
+            filter.update(Some(position(k)), 0.0, 0.0);
+        }
+        for _ in 5000..5003 {
+            assert_eq!(filter.update(None, 0.0, 0.0), 0.0);
+        }
+        let innovation = filter.update(Some(position(5003)), 0.0, 0.0);
+        assert!(innovation.abs() < 1e-11, "{innovation} m");
+    }
+}

@@ -1,0 +1,149 @@
+//! Disturbance observer, eq. 1: F_dis = K_tn I - M_n z'', low-passed so that nothing is differentiated twice.
+
+use serde::{Deserialize, Serialize};
+
+use crate::parameters::{Observer, Parameters, Stage};
+
+/// Velocity-form disturbance observer, discretised by backward Euler.
+///
+/// With Q(s) = g / (s + g) and v = g_v s / (s + g_v) z the filtered eq. 1 is
+/// F = Q [K_tn I + g M_n v] - g M_n v. Backward Euler keeps both low-passes and their gains
+/// consistent, so that the inertia term is exact at low frequency.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct DisturbanceObserver {
+    velocity_gain: f64,
+    velocity_share: f64,
+    momentum_gain: f64,
+    force_share: f64,
+    force_constant: f64,
+    position_filter: f64,
+    force_filter: f64,
+    velocity: f64,
+}
+
+impl DisturbanceObserver {
+    /// Observer at rest at position 0.
+    pub fn new(p: &Parameters) -> Self {
+        let Observer { bandwidth, velocity_bandwidth } = p.observer;
+        let Stage { mass, force_constant, .. } = p.stage;
+        let share = |g: f64| g * p.sample_period / (1.0 + g * p.sample_period);
+        Self {
+            velocity_gain: velocity_bandwidth,
+            velocity_share: share(velocity_bandwidth),
+            momentum_gain: bandwidth * mass,
+            force_share: share(bandwidth),
+            force_constant,
+            position_filter: 0.0,
+            force_filter: 0.0,
+            velocity: 0.0,
+        }
+    }
+
+    /// Takes the position (m) and the current that acted since the last sample (A).
+    pub fn update(&mut self, position: f64, acted: f64) {
+        self.position_filter += self.velocity_share * (position - self.position_filter);
+        self.velocity = self.velocity_gain * (position - self.position_filter);
+        let input = self.force_constant * acted + self.momentum_gain * self.velocity;
+        self.force_filter += self.force_share * (input - self.force_filter);
+    }
+
+    /// Bridges a sample of `dt` s without a position: velocity and force stay.
+    pub fn coast(&mut self, dt: f64) {
+        self.position_filter += self.velocity * dt;
+    }
+
+    /// Moves to a position (m) and velocity (m/s) without changing the estimated force.
+    pub fn reseat(&mut self, position: f64, velocity: f64) {
+        let force = self.force();
+        self.velocity = velocity;
+        self.position_filter = position - velocity / self.velocity_gain;
+        self.force_filter = force + self.momentum_gain * velocity;
+    }
+
+    /// Estimated disturbance force, N; positive against the positive axis.
+    pub fn force(&self) -> f64 {
+        self.force_filter - self.momentum_gain * self.velocity
+    }
+
+    /// Estimated velocity, m/s.
+    pub fn velocity(&self) -> f64 {
+        self.velocity
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Force estimates after a step of 0.1 N on a free mass of `mass` kg that starts at rest.
+    fn step_response(mass: f64) -> Vec<f64> {
+        let p = Parameters::DEFAULT;
+        let (dt, force) = (p.sample_period, 0.1);
+        let mut observer = DisturbanceObserver::new(&p);
+        (1..=1000)
+            .map(|k| {
+                let t = f64::from(k) * dt;
+                observer.update(-0.5 * force / mass * t * t, 0.0);
+                observer.force()
+            })
+            .collect()
+    }
+
+    #[test]
+    fn force_step_reaches_63_percent_in_two_milliseconds() {
+        let response = step_response(Parameters::DEFAULT.stage.mass);
+        let ticks = response.iter().position(|f| *f >= 0.0632).unwrap() + 1;
+        let rise = ticks as f64 * 1e-4;
+        assert!((1.8e-3..=2.5e-3).contains(&rise), "63 % after {rise} s");
+        let last = response.last().unwrap();
+        assert!((last - 0.1).abs() < 1e-3 * 0.1, "final {last} N");
+    }
+
+    #[test]
+    fn wrong_mass_scales_the_final_force() {
+        let mass = 10.4;
+        let last = *step_response(mass).last().unwrap();
+        let expected = 0.1 * Parameters::DEFAULT.stage.mass / mass;
+        assert!((last - expected).abs() < 1e-4 * expected, "final {last} N, expected {expected} N");
+    }
+
+    #[test]
+    fn acted_current_on_the_nominal_mass_is_no_disturbance() {
+        let p = Parameters::DEFAULT;
+        let mut observer = DisturbanceObserver::new(&p);
+        let (current, dt) = (0.5, p.sample_period);
+        let acceleration = p.stage.force_constant * current / p.stage.mass;
+        for k in 1..=2000 {
+            let t = f64::from(k) * dt;
+            observer.update(0.5 * acceleration * t * t, current);
+        }
+        // 10 N of thrust, all of it accelerates
+        assert!(observer.force().abs() < 1e-6, "{} N", observer.force());
+    }
+
+    #[test]
+    fn coasting_bridges_a_constant_velocity() {
+        let p = Parameters::DEFAULT;
+        let mut observer = DisturbanceObserver::new(&p);
+        let position = |k: i32| 1e-3 * f64::from(k) * p.sample_period;
+        (0..3000).for_each(|k| observer.update(position(k), 0.0));
+        (0..3).for_each(|_| observer.coast(p.sample_period));
+        observer.update(position(3003), 0.0);
+        assert!(observer.force().abs() < 1e-9, "{} N", observer.force());
+        assert!((observer.velocity() - 1e-3).abs() < 1e-12);
+    }
+
+    #[test]
+    fn reseat_keeps_the_force() {
+        let p = Parameters::DEFAULT;
+        let mut observer = DisturbanceObserver::new(&p);
+        for _ in 0..200 {
+            observer.update(0.0, 0.01);
+        }
+        let before = observer.force();
+        assert!(before > 0.1);
+        observer.reseat(0.3, 1e-3);
+        assert!((observer.force() - before).abs() < 1e-12);
+        assert!((observer.velocity() - 1e-3).abs() < 1e-15);
+    }
+}

@@ -1,0 +1,77 @@
+//! Reference with limited acceleration: position and velocity never jump by themselves.
+
+use serde::{Deserialize, Serialize};
+
+/// Position (m), velocity (m/s) and acceleration (m/s2) of the reference.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Trajectory {
+    /// Position, m.
+    pub position: f64,
+    /// Velocity, m/s.
+    pub velocity: f64,
+    /// Acceleration over the last sample, m/s2.
+    pub acceleration: f64,
+}
+
+impl Trajectory {
+    /// Moves for `dt` s towards the velocity `target` (m/s) with at most `acceleration_max` (m/s2).
+    pub fn step(&mut self, target: f64, acceleration_max: f64, dt: f64) {
+        let change = acceleration_max * dt;
+        let velocity = self.velocity + (target - self.velocity).clamp(-change, change);
+        self.acceleration = (velocity - self.velocity) / dt;
+        self.position += 0.5 * (self.velocity + velocity) * dt;
+        self.velocity = velocity;
+    }
+}
+
+/// Distance (m) to stop from `velocity` (m/s) with `deceleration` (m/s2).
+pub fn stopping_distance(velocity: f64, deceleration: f64) -> f64 {
+    velocity * velocity / (2.0 * deceleration)
+}
+
+/// Least travel (m) between touch and standstill, eq. 7: v (1.5 + io_delay) T_s + v^2 / (2 a_stop).
+///
+/// Half a sample of waiting, one of hold and the delay of the current, then braking; noise adds to it.
+pub fn depth_limit(p: &crate::parameters::Parameters) -> f64 {
+    let delay = (1.5 + f64::from(p.stage.io_delay)) * p.sample_period;
+    let v = p.approach.velocity;
+    v * delay + stopping_distance(v, p.retract.deceleration)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parameters::Parameters;
+
+    #[test]
+    fn keeps_its_limits_and_its_continuity() {
+        let (dt, limit) = (1e-4, 0.05);
+        let mut reference = Trajectory { position: 0.7, ..Trajectory::default() };
+        for k in 0..600 {
+            let before = reference;
+            let target = if k < 300 { 1e-4 } else { -1e-3 };
+            reference.step(target, limit, dt);
+            assert!(reference.acceleration.abs() <= limit * (1.0 + 1e-9));
+            let travel = reference.position - before.position;
+            let mean = 0.5 * (before.velocity + reference.velocity);
+            assert!((travel - mean * dt).abs() < 1e-15);
+        }
+        assert_eq!(reference.velocity, -1e-3);
+        assert_eq!(reference.acceleration, 0.0);
+    }
+
+    #[test]
+    fn stops_in_its_stopping_distance() {
+        let mut reference = Trajectory { velocity: 1e-3, ..Trajectory::default() };
+        while reference.velocity > 0.0 {
+            reference.step(0.0, 2.0, 1e-4);
+        }
+        assert!((reference.position - stopping_distance(1e-3, 2.0)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn depth_limit_of_the_defaults() {
+        // 100 um/s: 25 nm of delay and 2.5 nm of braking
+        assert!((depth_limit(&Parameters::DEFAULT) - 27.5e-9).abs() < 1e-15);
+    }
+}

@@ -1,0 +1,292 @@
+//! Faults, abort, guard and restart on the slide: the named fault, a safe motion, finite outputs.
+
+mod slide;
+
+use fmu_dob::controller::Controller;
+use fmu_dob::machine::{ContactSource, Fault, State};
+use fmu_dob::parameters::Parameters;
+use fmu_dob::signals::{Input, Output};
+use rand::{RngExt, SeedableRng};
+use slide::closed_loop::Loop;
+
+/// Out of reach, m.
+const NO_WORKPIECE: f64 = 1.0;
+
+fn finite(o: &Output) -> bool {
+    let reals = [
+        o.current,
+        o.contact_position,
+        o.contact_position_estimate,
+        o.contact_time,
+        o.force.disturbance,
+        o.force.notched,
+        o.force.deviation,
+        o.force.slope,
+        o.threshold.mean,
+        o.threshold.sigma,
+        o.threshold.value,
+        o.threshold.alpha_used,
+        o.threshold.crossing_rate,
+        o.reference.position,
+        o.reference.velocity,
+        o.tracking_error,
+    ];
+    reals.iter().all(|x| x.is_finite())
+}
+
+/// A loop in `state`, without a workpiece.
+fn running(p: &Parameters, seed: u64, state: State) -> Loop {
+    let mut run = Loop::new(p, seed, NO_WORKPIECE);
+    assert!(run.run_to(state, 2.0), "{:?}", run.output);
+    run
+}
+
+/// Checks the fault and that the stage then retreats from where it was and holds.
+fn retreats(mut run: Loop, fault: Fault) {
+    assert_eq!((run.output.state, run.output.fault), (State::Fault, fault));
+    let from = run.output.reference.position;
+    for _ in 0..3000 {
+        run.step();
+        assert!(finite(&run.output));
+        assert_eq!((run.output.state, run.output.fault), (State::Fault, fault));
+    }
+    let way = from - run.output.reference.position;
+    assert!((way - 20e-6).abs() < 0.2e-6, "retreat of {way} m");
+    assert_eq!(run.output.reference.velocity, 0.0);
+    assert!(run.output.tracking_error.abs() < 20e-9, "{} m", run.output.tracking_error);
+    assert!(!run.output.contact);
+}
+
+#[test]
+fn travel_limit_without_contact() {
+    let mut p = Parameters::DEFAULT;
+    p.approach.travel_max = 1e-4;
+    let mut run = running(&p, 1, State::Detect);
+    assert!(run.run_to(State::Fault, 2.0));
+    let travel = run.output.reference.position;
+    assert!(travel > 0.99e-4 && travel < 1e-4 + 20e-9, "{travel} m");
+    retreats(run, Fault::TravelLimit);
+}
+
+#[test]
+fn lost_sync_of_ten_samples() {
+    let mut run = running(&Parameters::DEFAULT, 2, State::Detect);
+    for k in 0..10 {
+        run.step_with(|input| input.position_valid = false);
+        assert!(finite(&run.output));
+        assert_eq!(run.output.state == State::Fault, k >= 3, "sample {k}");
+    }
+    retreats(run, Fault::LostSync);
+}
+
+#[test]
+fn lost_sync_in_every_approaching_state() {
+    for state in [State::Approach, State::Learn, State::Detect] {
+        let mut run = running(&Parameters::DEFAULT, 3, state);
+        (0..4).for_each(|_| run.step_with(|input| input.position_valid = false));
+        retreats(run, Fault::LostSync);
+    }
+}
+
+#[test]
+fn three_lost_samples_are_bridged() {
+    let mut run = running(&Parameters::DEFAULT, 4, State::Detect);
+    for k in 0..3000 {
+        let lost = k % 300 < 3;
+        run.step_with(|input| {
+            input.position_valid = !lost;
+            input.position = if lost { f64::NAN } else { input.position };
+        });
+        assert!(finite(&run.output));
+        assert_eq!(run.output.state, State::Detect, "sample {k}: {:?}", run.output);
+        assert!(run.output.tracking_error.abs() < 15e-9);
+    }
+}
+
+#[test]
+fn a_long_blackout_is_survived() {
+    let mut run = running(&Parameters::DEFAULT, 5, State::Detect);
+    for _ in 0..5000 {
+        run.step_with(|input| input.position_valid = false);
+        assert!(finite(&run.output));
+    }
+    // the stage has drifted; it goes on from where it is
+    retreats_after_drift(run);
+}
+
+fn retreats_after_drift(mut run: Loop) {
+    run.step();
+    let from = run.output.reference.position;
+    (0..5000).for_each(|_| run.step());
+    let way = from - run.output.reference.position;
+    assert!((way - 20e-6).abs() < 0.2e-6, "retreat of {way} m");
+    assert!(run.output.tracking_error.abs() < 20e-9);
+    assert_eq!(run.output.fault, Fault::LostSync);
+}
+
+#[test]
+fn nonsense_for_one_sample() {
+    for nonsense in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300] {
+        let mut run = running(&Parameters::DEFAULT, 6, State::Detect);
+        run.step_with(|input| input.position = nonsense);
+        retreats(run, Fault::InvalidInput);
+        let mut run = running(&Parameters::DEFAULT, 7, State::Learn);
+        run.step_with(|input| input.spindle_speed = nonsense);
+        retreats(run, Fault::InvalidInput);
+    }
+}
+
+#[test]
+fn saturation_for_more_than_fifty_samples() {
+    let mut p = Parameters::DEFAULT;
+    p.guard.force = 99.0;
+    let mut run = running(&p, 8, State::Learn);
+    run.slide.push = -300.0;
+    assert!(run.run_to(State::Fault, 2.0));
+    assert_eq!(run.output.fault, Fault::Saturation);
+    run.slide.push = 0.0;
+    (0..50_000).for_each(|_| run.step());
+    assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::Saturation));
+    assert_eq!(run.output.reference.velocity, 0.0);
+    assert!(finite(&run.output) && run.output.tracking_error.abs() < 20e-9, "{:?}", run.output);
+}
+
+#[test]
+fn wild_noise_is_rejected() {
+    let mut p = Parameters::DEFAULT;
+    p.learn.slope_sigma_max = 0.1;
+    let mut run = running(&p, 9, State::Learn);
+    assert!(run.run_to(State::Fault, 2.0));
+    assert!(run.output.threshold.sigma > 0.1);
+    retreats(run, Fault::LearnRejected);
+}
+
+#[test]
+fn drifting_force_is_rejected() {
+    let mut run = running(&Parameters::DEFAULT, 10, State::Learn);
+    // a pull whose slope grows all the time: the deviation has a slope that is not around zero
+    let mut k = 0.0;
+    while run.output.state == State::Learn {
+        run.slide.push = -8.0 * (k * 1e-4f64).powi(2);
+        k += 1.0;
+        run.step();
+    }
+    retreats(run, Fault::LearnRejected);
+}
+
+#[test]
+fn a_fault_at_rest_moves_nothing() {
+    let mut run = Loop::new(&Parameters::DEFAULT, 11, NO_WORKPIECE);
+    (0..100).for_each(|_| run.step());
+    let held = run.output.reference.position;
+    run.step_with(|input| input.position = f64::NAN);
+    for _ in 0..2000 {
+        run.step_with(|input| input.start = false);
+        assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::InvalidInput));
+        assert_eq!(run.output.reference.position, held);
+    }
+}
+
+#[test]
+fn no_position_from_the_beginning() {
+    let mut run = Loop::new(&Parameters::DEFAULT, 12, NO_WORKPIECE);
+    for k in 0..1000 {
+        run.step_with(|input| {
+            input.position_valid = false;
+            input.start = k == 500;
+        });
+        assert_eq!(run.output.current, 0.0);
+    }
+    assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::LostSync));
+    // it comes back: hold where it is, and begin when told
+    (0..2000).for_each(|_| run.step_with(|input| input.start = false));
+    assert_eq!(run.output.reference.velocity, 0.0);
+    run.step();
+    assert_eq!((run.output.state, run.output.fault), (State::Approach, Fault::None));
+}
+
+#[test]
+fn abort_decelerates_retracts_and_is_done() {
+    for state in [State::Approach, State::Learn, State::Detect] {
+        let mut run = running(&Parameters::DEFAULT, 13, state);
+        (0..100).for_each(|_| run.step());
+        let from = run.output.reference.position;
+        run.step_with(|input| input.abort = true);
+        assert_eq!(run.output.state, State::Retract);
+        assert!(run.run_to(State::Done, 2.0));
+        assert!(run.output.aborted && !run.output.contact);
+        let way = from - run.output.reference.position;
+        assert!((way - 20e-6).abs() < 0.2e-6, "{way} m");
+    }
+}
+
+#[test]
+fn starts_again_after_done_and_after_a_fault() {
+    let mut run = running(&Parameters::DEFAULT, 14, State::Detect);
+    run.step_with(|input| input.abort = true);
+    assert!(run.run_to(State::Done, 2.0));
+    run.step_with(|input| input.start = false);
+    run.step();
+    assert_eq!((run.output.state, run.output.aborted), (State::Approach, false));
+    run.step_with(|input| input.position = f64::NAN);
+    // too early: the retreat is not over
+    run.step_with(|input| input.start = false);
+    run.step();
+    assert_eq!(run.output.state, State::Fault);
+    (0..2000).for_each(|_| run.step_with(|input| input.start = false));
+    run.step();
+    assert_eq!((run.output.state, run.output.fault), (State::Approach, Fault::None));
+    assert!(run.run_to(State::Detect, 4.0));
+}
+
+#[test]
+fn contact_before_the_detector_is_armed_is_caught_by_the_guard() {
+    let p = Parameters::DEFAULT;
+    for (share, seed) in [(0.2, 15), (0.5, 16), (0.7, 17), (0.9, 18), (0.97, 19)] {
+        let surface = p.approach.velocity * (p.learn.settle_time + share * p.learn.time);
+        let mut run = Loop::new(&p, seed, surface);
+        assert!(run.run_to(State::Done, 3.0), "{:?}", run.output);
+        assert_eq!(run.output.contact_source, ContactSource::ForceGuard);
+        let depth = run.slide.depth;
+        assert!(depth <= 1.5e-6, "contact after {share} of learning: depth {depth} m");
+    }
+}
+
+#[test]
+fn contact_while_settling_is_caught_by_the_guard() {
+    let p = Parameters::DEFAULT;
+    for (time, seed) in [(0.06, 20), (0.15, 21), (0.22, 22)] {
+        let mut run = Loop::new(&p, seed, p.approach.velocity * time);
+        assert!(run.run_to(State::Done, 3.0), "{:?}", run.output);
+        assert_eq!(run.output.contact_source, ContactSource::ForceGuard);
+        println!("contact after {time} s: depth {} m", run.slide.depth);
+        assert!(run.slide.depth <= 6e-6, "depth {} m", run.slide.depth);
+    }
+}
+
+/// Whatever comes in, what goes out is finite and within the limits.
+#[test]
+fn hostile_inputs_never_give_a_wild_output() {
+    let p = Parameters::DEFAULT;
+    let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(23);
+    let mut controller = Controller::new(&p).unwrap();
+    let wild = [f64::NAN, f64::INFINITY, -1e308, 1e3, -1e3, 1e5, 0.0, 5e-324, 1e-9];
+    let mut faults = 0;
+    for k in 0..200_000 {
+        let calm = (k / 10_000) % 2 == 0;
+        let mut pick = || if calm { 0.1 } else { wild[random.random_range(0..wild.len())] };
+        let (position, spindle_speed) = (pick(), pick());
+        let input = Input {
+            position,
+            spindle_speed,
+            position_valid: calm || random.random_bool(0.7),
+            start: random.random_bool(0.5),
+            abort: random.random_bool(0.001),
+        };
+        let output = controller.tick(&p, f64::from(k) * 1e-4, &input);
+        assert!(finite(&output), "sample {k}: {output:?}");
+        assert!(output.current.abs() <= p.stage.current_max);
+        faults += u32::from(output.state == State::Fault);
+    }
+    assert!(faults > 0);
+}

@@ -1,0 +1,156 @@
+//! The closed loop itself: tracking, mirror image, state bytes, reproducibility, cost.
+
+mod slide;
+
+use std::time::Instant;
+
+use fmu_dob::controller::Controller;
+use fmu_dob::detector::DetectorKind;
+use fmu_dob::machine::State;
+use fmu_dob::parameters::Parameters;
+use fmu_dob::signals::{Input, Output};
+use slide::closed_loop::Loop;
+use slide::{SPINDLE_SPEED, STEP, Slide};
+
+#[test]
+fn tracks_within_ten_nanometres_at_constant_speed() {
+    let mut run = Loop::new(&Parameters::DEFAULT, 31, 1.0);
+    assert!(run.run_to(State::Learn, 1.0));
+    let (mut sum, mut largest, n) = (0.0, 0.0, 5000);
+    for _ in 0..n {
+        run.step();
+        sum += run.output.tracking_error;
+        largest = f64::max(largest, run.output.tracking_error.abs());
+    }
+    let mean = sum / f64::from(n);
+    println!("tracking error: mean {mean:e} m, largest {largest:e} m");
+    assert!(largest < 10e-9, "largest {largest} m");
+    assert!(mean.abs() < 1e-9, "mean {mean} m");
+}
+
+#[test]
+fn integral_action_replaces_the_compensation() {
+    let mut p = Parameters::DEFAULT;
+    p.servo.disturbance_compensation = false;
+    let mut run = Loop::new(&p, 32, 80e-6);
+    assert!(run.run_to(State::Detect, 1.0));
+    assert!(run.output.tracking_error.abs() < 50e-9, "{}", run.output.tracking_error);
+    assert!(run.run_to(State::Done, 3.0));
+    assert!(run.slide.depth > 0.0 && run.slide.depth < 0.5e-6, "{} m", run.slide.depth);
+}
+
+#[test]
+fn starts_at_rest_anywhere() {
+    let p = Parameters::DEFAULT;
+    for position in [0.0, -0.75, 123.456] {
+        let mut controller = Controller::new(&p).unwrap();
+        let input = Input { position, start: true, ..Input::START };
+        let output = controller.tick(&p, 0.0, &input);
+        assert_eq!(output.state, State::Approach);
+        assert!((output.reference.position - position).abs() < 1e-8);
+        // one tick of the acceleration feed-forward, nothing else
+        assert!(output.current.abs() < 0.05, "{} A", output.current);
+    }
+}
+
+#[test]
+fn negative_direction_is_the_mirror_image() {
+    let forward = Parameters::DEFAULT;
+    let mut backward = forward.clone();
+    backward.approach.direction = -1;
+    let mut left = Controller::new(&forward).unwrap();
+    let mut right = Controller::new(&backward).unwrap();
+    let mut slide = Slide::new(33, 90e-6);
+    for k in 0..14_000 {
+        let time = f64::from(k) * STEP;
+        let there = Input { position: slide.encoder(), spindle_speed: SPINDLE_SPEED, start: k > 100, ..Input::START };
+        let here = Input { position: -there.position, ..there.clone() };
+        let (a, b) = (left.tick(&forward, time, &there), right.tick(&backward, time, &here));
+        assert_eq!(a.current, -b.current);
+        assert_eq!(a.contact_position, -b.contact_position);
+        assert_eq!(a.reference.position, -b.reference.position);
+        assert_eq!((a.state, &a.force, &a.threshold), (b.state, &b.force, &b.threshold));
+        slide.advance(a.current);
+    }
+    assert!(slide.touch.is_some());
+}
+
+#[test]
+fn calibrated_bias_moves_the_estimate_only() {
+    for direction in [1, -1] {
+        let mut p = Parameters::DEFAULT;
+        p.approach.direction = direction;
+        p.contact.bias = 300e-9;
+        p.guard.force = 0.05;
+        let mut controller = Controller::new(&p).unwrap();
+        let mut output = Output::START;
+        for k in 0..4000 {
+            // jump back of the stage: a push
+            let lag = if k > 3000 { 1e-6 } else { 0.0 };
+            let sign = f64::from(direction);
+            let position = output.reference.position - sign * lag;
+            let input = Input { position, start: k > 0, ..Input::START };
+            output = controller.tick(&p, f64::from(k) * STEP, &input);
+        }
+        assert!(output.contact);
+        let shift = output.contact_position - output.contact_position_estimate;
+        assert!((shift - f64::from(direction) * 300e-9).abs() < 1e-15, "{shift}");
+    }
+}
+
+#[test]
+fn state_bytes_continue_bit_for_bit() {
+    for detector in [DetectorKind::MultiSlope, DetectorKind::Cusum, DetectorKind::Glr] {
+        let p = Parameters { detector, ..Parameters::DEFAULT };
+        let mut run = Loop::new(&p, 34, 90e-6);
+        assert!(run.run_to(State::Detect, 2.0));
+        let bytes = postcard::to_allocvec(&run.controller).unwrap();
+        let mut copy: Controller = postcard::from_bytes(&bytes).unwrap();
+        while run.output.state != State::Done {
+            let time = run.time();
+            let mut seen = Input::START;
+            run.step_with(|input| seen = input.clone());
+            assert_eq!(copy.tick(&p, time, &seen), run.output);
+        }
+    }
+}
+
+#[test]
+fn same_seed_same_numbers() {
+    let trace = || {
+        let mut run = Loop::new(&Parameters::DEFAULT, 35, 90e-6);
+        let step = |_| {
+            run.step();
+            run.output.current.to_bits()
+        };
+        (0..12_000).map(step).collect::<Vec<u64>>()
+    };
+    assert!(trace() == trace());
+}
+
+/// `cargo test --release -p fmu-dob --test loop -- --ignored --nocapture`
+#[test]
+#[ignore = "a measurement: cost of one tick"]
+fn tick_takes_less_than_a_microsecond() {
+    for detector in [DetectorKind::Slope, DetectorKind::MultiSlope, DetectorKind::Cusum, DetectorKind::Glr] {
+        let p = Parameters { detector, ..Parameters::DEFAULT };
+        let mut run = Loop::new(&p, 36, 1.0);
+        assert!(run.run_to(State::Detect, 2.0));
+        let positions: Vec<f64> = (0..100_000)
+            .map(|_| {
+                run.step();
+                run.slide.encoder()
+            })
+            .collect();
+        let mut controller = run.controller.clone();
+        let begin = Instant::now();
+        let mut sum = 0.0;
+        for position in &positions {
+            let input = Input { position: *position, spindle_speed: SPINDLE_SPEED, ..Input::START };
+            sum += controller.tick(&p, 0.0, &input).current;
+        }
+        let cost = begin.elapsed().as_secs_f64() / positions.len() as f64;
+        println!("{detector:?}: {:.0} ns ({sum})", 1e9 * cost);
+        assert!(detector == DetectorKind::Glr || cost < 1e-6, "{cost} s");
+    }
+}

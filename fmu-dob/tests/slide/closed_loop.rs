@@ -1,0 +1,71 @@
+//! The controller on the slide, one communication step at a time.
+
+use fmu_dob::controller::Controller;
+use fmu_dob::machine::State;
+use fmu_dob::parameters::Parameters;
+use fmu_dob::signals::{Input, Output};
+
+use super::{SPINDLE_SPEED, STEP, Slide};
+
+/// Idle steps before the approach starts.
+const IDLE: u32 = 200;
+
+/// The closed loop.
+pub struct Loop {
+    /// Plant.
+    pub slide: Slide,
+    /// Law.
+    pub controller: Controller,
+    /// The last outputs.
+    pub output: Output,
+    parameters: Parameters,
+    steps: u32,
+}
+
+impl Loop {
+    /// A slide from `seed` with its workpiece at `surface` m, the controller idle.
+    pub fn new(parameters: &Parameters, seed: u64, surface: f64) -> Self {
+        Self {
+            slide: Slide::new(seed, surface),
+            controller: Controller::new(parameters).unwrap(),
+            output: Output::START,
+            parameters: parameters.clone(),
+            steps: 0,
+        }
+    }
+
+    /// Time of the next step, s.
+    pub fn time(&self) -> f64 {
+        f64::from(self.steps) * STEP
+    }
+
+    /// One communication step; the approach starts after 0.02 s.
+    pub fn step(&mut self) {
+        self.step_with(|_| ());
+    }
+
+    /// One communication step with changed inputs.
+    pub fn step_with(&mut self, change: impl FnOnce(&mut Input)) {
+        let mut input = Input {
+            position: self.slide.encoder(),
+            spindle_speed: SPINDLE_SPEED,
+            start: self.steps >= IDLE,
+            ..Input::START
+        };
+        change(&mut input);
+        self.output = self.controller.tick(&self.parameters, self.time(), &input);
+        self.slide.advance(self.output.current);
+        self.steps += 1;
+    }
+
+    /// Steps until `state`; false if that takes longer than to the time `limit` s.
+    pub fn run_to(&mut self, state: State, limit: f64) -> bool {
+        while self.output.state != state {
+            if self.time() > limit {
+                return false;
+            }
+            self.step();
+        }
+        true
+    }
+}
