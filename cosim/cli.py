@@ -30,7 +30,6 @@ WIDTH_IN_FILES = 120
 """Columns of tables that do not go to a terminal."""
 
 app = typer.Typer(
-    no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
@@ -207,6 +206,8 @@ def report(message: str, hint: str = "") -> None:
 
 def main() -> NoReturn:
     """Run the command line and exit."""
+    if len(sys.argv) == 1:
+        sys.argv.append("--help")
     sys.exit(status_of(app))
 
 

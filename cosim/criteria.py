@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from cosim.errors import ExpressionError
+from cosim.errors import ExpressionError, concerning
 from cosim.expression import Columns, Expression, Items
 from cosim.scenario import Criterion, Metric
 
@@ -54,7 +54,11 @@ class Verdict:
 
 def compile_metrics(metrics: tuple[Metric, ...], columns: Mapping[str, Items | None]) -> list[Expression]:
     """Compile the expressions of metrics, so that a mistake is found before the run."""
-    return [Expression(metric.value, columns, f"`metric.{metric.name}.value`") for metric in metrics]
+    compiled = []
+    for metric in metrics:
+        with concerning(f"metric.{metric.name}.value"):
+            compiled.append(Expression(metric.value, columns, f"`metric.{metric.name}.value`"))
+    return compiled
 
 
 def measure(metric: Metric, expression: Expression, columns: Columns) -> Measured:

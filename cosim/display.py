@@ -182,15 +182,24 @@ def criteria_table(verdicts: list[Verdict]) -> Table:
         table.add_row(
             Text(verdict.criterion.claim),
             Text(verdict.criterion.paper),
-            text(verdict.value, verdict.unit),
+            measured(verdict),
             limits(verdict),
             passed,
         )
     return table
 
 
+def measured(verdict: Verdict) -> str:
+    """Value that was held against the limits; yes or no where the limit is."""
+    if isinstance(verdict.criterion.equals, bool) and verdict.value in (0.0, 1.0):
+        return "yes" if verdict.value else "no"
+    return text(verdict.value, verdict.unit)
+
+
 def limits(verdict: Verdict) -> str:
     """Limits of a criterion."""
+    if isinstance(verdict.criterion.equals, bool):
+        return "= yes" if verdict.criterion.equals else "= no"
     return " ".join(f"{relation} {text(limit, verdict.unit)}" for relation, limit in verdict.limits)
 
 

@@ -50,12 +50,17 @@ class PlantError(CosimError):
     """A plant cannot be found or built, or failed in a step."""
 
 
+def similar(name: str, choices: Iterable[str]) -> str:
+    """Hint that names the closest of `choices`, empty when none is close."""
+    match = difflib.get_close_matches(name, list(choices), n=1, cutoff=0.6)
+    return f"did you mean `{match[0]}`?" if match else ""
+
+
 def closest(name: str, choices: Iterable[str]) -> str:
     """Hint that names the closest of `choices`, or lists them when none is close."""
     known = list(choices)
-    match = difflib.get_close_matches(name, known, n=1, cutoff=0.6)
-    if match:
-        return f"did you mean `{match[0]}`?"
+    if hint := similar(name, known):
+        return hint
     if not known:
         return ""
     shown = ", ".join(f"`{choice}`" for choice in known[:20])

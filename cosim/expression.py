@@ -66,9 +66,8 @@ class Expression:
             tree = ast.parse(text.strip(), mode="eval")
         except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
             reason = error.msg if isinstance(error, SyntaxError) else str(error)
-            raise self.error(
-                f"is not an expression: {reason}", '`column("name")` takes a name that is no Python name'
-            )
+            hint = '`column("name")` takes a name that is no Python name'
+            raise self.error(f"is not an expression: {reason}", hint) from None
         try:
             self.root = self.build(tree.body)
         except RecursionError:
@@ -86,10 +85,8 @@ class Expression:
             try:
                 return self.root.evaluate(columns)
             except (ValueError, IndexError, TypeError) as error:
-                raise self.error(
-                    f"cannot be computed: {error}",
-                    "a condition in `[...]` keeps only the rows where it holds",
-                )
+                hint = "a condition in `[...]` keeps only the rows where it holds"
+                raise self.error(f"cannot be computed: {error}", hint) from None
 
     def error(self, problem: str, hint: str = "") -> ExpressionError:
         """Make an error that quotes the expression."""

@@ -84,8 +84,7 @@ def reset_plant(plant: Plant, scenario: Scenario, seed: np.random.SeedSequence) 
     except CosimError:
         raise
     except Exception as error:
-        where = f"the plant `{scenario.plant.name}` cannot be reset"
-        raise PlantError(f"{where}: {type(error).__name__}: {error}", "`-v` shows where") from error
+        raise failed_plant(f"the plant `{scenario.plant.name}` cannot be reset", error) from error
 
 
 def carry_readings(links: Links, plant: Plant, k: int) -> None:
@@ -123,5 +122,10 @@ def located(error: Exception, fmu: Instance, scenario: Scenario, k: int) -> Cosi
             return failure
     if isinstance(error, CosimError):
         return type(error)(f"{error.message} {when}", error.hint)
-    where = f"the plant `{scenario.plant.name}` failed {when}"
-    return PlantError(f"{where}: {type(error).__name__}: {error}", "`-v` shows where")
+    return failed_plant(f"the plant `{scenario.plant.name}` failed {when}", error)
+
+
+def failed_plant(action: str, error: Exception) -> PlantError:
+    """Error of a plant's own code; a hint in its text becomes ours."""
+    problem, _, hint = str(error).partition("\nhint: ")
+    return PlantError(f"{action}: {type(error).__name__}: {problem}", hint or "`-v` shows where")

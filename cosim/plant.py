@@ -143,7 +143,8 @@ def build(name: str, parameters: dict[str, Any], folder: Path) -> Plant:
     except CosimError:
         raise
     except Exception as error:
-        raise PlantError(f"the plant `{name}` refused its parameters: {error}") from error
+        problem, _, hint = str(error).partition("\nhint: ")
+        raise PlantError(f"the plant `{name}` refused its parameters: {problem}", hint) from error
     return plant
 
 
@@ -154,7 +155,7 @@ def check_range(field: dataclasses.Field[Any], value: Any) -> None:
         if not isinstance(number, int | float):
             continue
         if (low is not None and not number >= low) or (high is not None and not number <= high):
-            unit = field.metadata.get("unit", "")
+            unit = field.metadata.get("unit", "").removeprefix("1")
             limits = " .. ".join("" if limit is None else f"{limit:g}" for limit in (low, high))
             refuse(f"plant.{field.name}", f"is `{number}`, it must lie in {limits} {unit}".rstrip(), "")
 

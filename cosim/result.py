@@ -28,6 +28,8 @@ class Result:
         None where it was not kept (`run_many`).
     units
         Unit of every column of the trace.
+    items
+        Names and numbers of the columns that are enumerations.
     metrics
         Value and unit of every metric, by name.
     criteria
@@ -46,6 +48,7 @@ class Result:
     wall_s: float
     trace: NDArray[Any] | None = None
     units: dict[str, str] = field(default_factory=dict)
+    items: dict[str, dict[str, int]] = field(default_factory=dict)
 
     @property
     def loop(self) -> str:

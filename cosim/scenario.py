@@ -152,9 +152,22 @@ class Panel:
 
 @dataclass(frozen=True)
 class Plot:
-    """The plot of a run, from top to bottom."""
+    """The plot of a run, from top to bottom.
+
+    Parameters
+    ----------
+    panels
+        The panels; none draws all columns that move, by unit.
+    zoom
+        Condition; a second column of axes shows the time around the first row where it holds.
+    before, after
+        How much of it, s.
+    """
 
     panels: tuple[Panel, ...] = ()
+    zoom: str = ""
+    before: float = 0.01
+    after: float = 0.01
 
 
 @dataclass(frozen=True)

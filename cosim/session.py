@@ -53,9 +53,8 @@ class Session:
         """Compile all expressions against the columns of the trace."""
         found = trace.columns(self.fmu, self.plant)
         columns = {name: dict(v.items) if v and v.items else None for name, v in found.items()}
-        self.columns = list(columns)
-        with concerning("metric"):
-            self.metrics = criteria.compile_metrics(self.scenario.metric, columns)
+        self.columns = columns
+        self.metrics = criteria.compile_metrics(self.scenario.metric, columns)
         stop = self.scenario.loop.stop_when
         with concerning("loop.stop_when"):
             self.stop = Expression(stop, columns, "`loop.stop_when`", rowwise=True) if stop else None
@@ -91,8 +90,9 @@ class Session:
             criteria=criteria.judge(scenario.criterion, by_name),
             simulated_s=len(table) * scenario.loop.step,
             wall_s=wall,
-            trace=trace.structured(table, self.columns),
+            trace=trace.structured(table, list(self.columns)),
             units={name: units[name] for name in self.columns},
+            items={name: items for name, items in self.columns.items() if items},
         )
 
     def close(self) -> None:

@@ -8,7 +8,7 @@ import typing
 from collections.abc import Callable
 from typing import Any, Literal, NoReturn, TypeVar
 
-from cosim.errors import closest
+from cosim.errors import closest, similar
 
 T = TypeVar("T")
 Fail = Callable[[str, str, str], NoReturn]
@@ -55,7 +55,7 @@ def convert(kind: Any, value: Any, key: str, fail: Fail) -> Any:
     if origin is Literal:
         if value not in arguments or isinstance(value, bool):
             choices = " or ".join(f"`{argument}`" for argument in arguments)
-            fail(key, f"is {show(value)}, it must be {choices}", closest(str(value), map(str, arguments)))
+            fail(key, f"is {show(value)}, it must be {choices}", similar(str(value), map(str, arguments)))
         return value
     if origin is tuple:
         return tuple(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from cosim.archive import Variable
-from cosim.errors import FmuError, closest, concerning
+from cosim.errors import FmuError, closest, concerning, similar
 from cosim.tables import show
 
 Value = float | int | bool | str
@@ -46,7 +46,7 @@ def item_number(variable: Variable, value: Any) -> int:
     names = ", ".join(f"`{name}`" for name in items)
     raise FmuError(
         f"`controller.{variable.name}` is {show(value)}, it must be one of {names}",
-        closest(value, items) if isinstance(value, str) else "",
+        similar(value, items) if isinstance(value, str) else "",
     )
 
 
