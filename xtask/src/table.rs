@@ -1,18 +1,14 @@
 //! Tables for people, and numbers as people write them.
 
-use comfy_table::{ContentArrangement, Table, presets};
+use comfy_table::{ContentArrangement, Table, TableComponent, presets};
 
-/// An empty table with these column names.
+/// An empty table with these column names; as wide as the terminal, or as it needs to be when there is none.
 pub fn new(columns: &[&str]) -> Table {
     let mut table = Table::new();
-    table.load_preset(presets::UTF8_HORIZONTAL_ONLY);
-    table.set_content_arrangement(ContentArrangement::Dynamic).set_width(width());
-    table.set_header(columns.iter().copied());
+    table.load_preset(presets::UTF8_HORIZONTAL_ONLY).remove_style(TableComponent::HorizontalLines);
+    table.remove_style(TableComponent::MiddleIntersections);
+    table.set_content_arrangement(ContentArrangement::Dynamic).set_header(columns.iter().copied());
     table
-}
-
-fn width() -> u16 {
-    std::env::var("COLUMNS").ok().and_then(|text| text.parse().ok()).unwrap_or(120).clamp(80, 200)
 }
 
 /// A number with three digits and its unit, with the SI prefix that fits: 4.5e-7 m is `450 nm`.

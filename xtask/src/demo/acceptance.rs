@@ -51,7 +51,7 @@ pub fn read(file: &Path) -> Result<Outcome> {
 
 /// The acceptance table, with a closing line that counts.
 pub fn table(outcomes: &[Outcome]) -> String {
-    let mut shown = table::new(&["loop", "claim", "paper", "measured", "limit", "pass"]);
+    let mut shown = table::new(&["scenario", "claim", "paper", "measured", "limit", "pass"]);
     let (mut held, mut count) = (0, 0);
     for outcome in outcomes {
         for (index, criterion) in outcome.criteria.iter().enumerate() {
