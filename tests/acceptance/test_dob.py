@@ -1,6 +1,6 @@
 """Tool contact detection against the claims of Kakinuma and Nagakari (2017), in closed loop with the slide.
 
-The large samples of the statistics run with `pytest -m full tests/acceptance` (about half an hour on two cores).
+The large samples of the statistics run with `pytest -m full tests/acceptance`.
 """
 
 import functools
@@ -19,10 +19,8 @@ import cosim
 pytestmark = pytest.mark.acceptance
 
 ROOT = Path(__file__).parents[2]
-SCENARIOS = sorted(
-    file.relative_to(ROOT / "scenarios").with_suffix("").as_posix()
-    for file in (ROOT / "scenarios").glob("dob*/**/*.toml")
-) + ["dob"]
+FOLDER = ROOT / "scenarios"
+VARIANTS = [f"dob/{file.stem}" for file in sorted((FOLDER / "dob").glob("*.toml"))]
 
 # nothing was tuned on these seeds
 FEW = tuple(range(52_001, 52_004))
@@ -48,11 +46,11 @@ def trace(name: str, seed: int, *changes: str) -> np.ndarray[Any, Any]:
 # every scenario, a few seeds
 
 
-@pytest.mark.parametrize("name", SCENARIOS)
+@pytest.mark.parametrize("name", ["dob", *VARIANTS])
 def test_criteria_hold(name: str) -> None:
     results = runs(name, FEW)
     failed = [
-        f"seed {result.seed}: {verdict.criterion.id} = {verdict.value:g} {verdict.unit}, limit {verdict.limits}"
+        f"seed {result.seed}: {verdict.criterion.id} = {verdict.value:g} {verdict.unit}, {verdict.limits}"
         for result in results
         for verdict in result.criteria
         if not verdict.passed
@@ -70,7 +68,7 @@ def test_both_timings_detect_at_nearly_the_same_depth() -> None:
 
 
 def test_observer_step_response() -> None:
-    # 0.1 N at time zero on the nominal stage, held by the servo, nothing else in the world
+    # up to 0.1 N from time zero on the nominal stage, which nothing holds: the observer alone
     quiet = (
         "mass=10", "force_constant=20", "force_ripple=0", "damping=0", "cogging=0", "cogging_half=0",
         "balancer_residual=0.1", "balancer_sway=0", "air_noise=0", "spindle_speed=0", "spindle_force=0",
@@ -78,12 +76,14 @@ def test_observer_step_response() -> None:
         "current_resolution=0", "current_bandwidth=1e5", "workpiece=false",
     )  # fmt: skip
     changes = [f"plant.{change}" for change in quiet]
-    changes += ["loop.duration=0.2", "signal.controller.start.values=[false, false]"]
+    free = ("servo.bandwidth=1", "servo.disturbance_compensation=false", "servo.integral_gain=0")
+    changes += [f"controller.{change}" for change in (*free, "stage.current_bits=24")]
+    changes += ["loop.duration=0.02", "signal.controller.start.values=[false, false]"]
     force = trace("dob/no-delay", 1, *changes)
     step = force["plant.disturbance"][-1]
     response = force["controller.force.disturbance"] / step
     assert abs(step) > 1e-3
-    assert response[-100:] == pytest.approx(1.0, abs=0.01)
+    assert response[-50:] == pytest.approx(1.0, abs=0.01)
     assert 1.8e-3 <= force["time"][np.argmax(response >= 1.0 - np.exp(-1.0))] <= 2.5e-3
 
 
@@ -94,7 +94,8 @@ def test_slope_and_threshold_are_those_of_the_textbook() -> None:
     time = (np.arange(n) - (n - 1) / 2.0) * period
     slope = sliding_window_view(rows["controller.force.deviation"], n) @ time / (time @ time)
     state = rows["controller.state"]
-    learning = np.flatnonzero(state == 3)
+    # a sample that ends a state is still part of it
+    learning = np.flatnonzero(state == 3) + 1
     watched = np.flatnonzero((state == 3) | (state == 4))
     assert np.abs(slope[watched - (n - 1)] - rows["controller.force.slope"][watched]).max() < 1e-9
     # mean and standard deviation of what was learned
