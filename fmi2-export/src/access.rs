@@ -22,7 +22,7 @@ impl Refusal {
 }
 
 /// A value of one of the types that cross the C API.
-pub trait Value<V>: Copy {
+pub trait Value<V>: Copy + Display {
     /// What the accessing functions are called, for messages.
     const KIND: &'static str;
     /// Whether the variable has this value now; `None` when it is of another type.

@@ -119,7 +119,8 @@ impl<M: Model> Instance<M> {
         for (&reference, value) in references.iter().zip(values) {
             let (row, element) = self.entry(reference)?;
             let unchanged = value.equals(row, &self.now.vars, element).ok_or_else(|| wrong_type(row, T::KIND))?;
-            self.may_set(row, unchanged)?;
+            self.may_set(row, unchanged)
+                .map_err(|reason| Refusal::error(format!("`{}` = {value}: {reason}", row.element_name(element))))?;
             value.verify(row, element)?;
         }
         let mut parameters = false;
@@ -134,17 +135,17 @@ impl<M: Model> Instance<M> {
         Ok(())
     }
 
-    /// Whether a variable may be set in this phase.
-    fn may_set(&self, row: &Variable<M::Vars>, unchanged: bool) -> Result<(), Refusal> {
+    /// Whether a variable may be set in this phase, or why not.
+    fn may_set(&self, row: &Variable<M::Vars>, unchanged: bool) -> Result<(), &'static str> {
         let running = self.now.phase == Phase::StepComplete;
         match row.role() {
             Role::Input | Role::Tunable => Ok(()),
             // some importers write fixed parameters again after initialization
             Role::Parameter if !running || unchanged => Ok(()),
-            Role::Parameter => Err(Refusal::error(format!("`{}` is fixed after initialization", row.name))),
-            Role::Calculated => Err(Refusal::error(format!("`{}` is calculated from other parameters", row.name))),
+            Role::Parameter => Err("it is fixed after initialization"),
+            Role::Calculated => Err("it is calculated from other parameters"),
             Role::Output | Role::Local if !running => Ok(()),
-            Role::Output | Role::Local => Err(Refusal::error(format!("`{}` is written by the FMU", row.name))),
+            Role::Output | Role::Local => Err("it is written by the FMU"),
         }
     }
 
@@ -275,8 +276,7 @@ fn check_step<S>(running: &Running<S>, stop: Option<f64>, time: f64, step: f64) 
     }
     // importers accumulate time with rounding: the point is checked, never counted with
     let tolerance = 0.01 * step + 1e-9 * time.abs();
-    let distance = (time - running.time).abs();
-    if distance.is_nan() || distance > tolerance {
+    if !(time.is_finite() && (time - running.time).abs() <= tolerance) {
         let expected = running.time;
         return Err(Refusal::error(format!(
             "the communication point {time} s is not the end of the last step, {expected} s"

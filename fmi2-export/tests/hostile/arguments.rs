@@ -1,0 +1,177 @@
+//! NULL, unknown references and wrong types.
+
+use crate::common::*;
+use std::ptr::{null, null_mut};
+
+#[test]
+fn null_components_are_an_error_everywhere() {
+    let fmu = Fmu::probe();
+    let c = null_mut();
+    let statuses = unsafe {
+        (fmu.free_instance)(c);
+        [
+            (fmu.set_debug_logging)(c, 1, 0, null()),
+            (fmu.setup_experiment)(c, 0, 0.0, 0.0, 0, 0.0),
+            (fmu.enter_initialization_mode)(c),
+            (fmu.exit_initialization_mode)(c),
+            (fmu.terminate)(c),
+            (fmu.reset)(c),
+            (fmu.get_real)(c, null(), 0, null_mut()),
+            (fmu.get_integer)(c, null(), 0, null_mut()),
+            (fmu.get_boolean)(c, null(), 0, null_mut()),
+            (fmu.get_string)(c, null(), 0, null_mut()),
+            (fmu.set_real)(c, null(), 0, null()),
+            (fmu.set_integer)(c, null(), 0, null()),
+            (fmu.set_boolean)(c, null(), 0, null()),
+            (fmu.set_string)(c, null(), 0, null()),
+            (fmu.get_fmu_state)(c, null_mut()),
+            (fmu.set_fmu_state)(c, null_mut()),
+            (fmu.free_fmu_state)(c, null_mut()),
+            (fmu.serialized_size)(c, null_mut(), null_mut()),
+            (fmu.serialize)(c, null_mut(), null_mut(), 0),
+            (fmu.deserialize)(c, null(), 0, null_mut()),
+            (fmu.get_directional_derivative)(c, null(), 0, null(), 0, null(), null_mut()),
+            (fmu.set_input_derivatives)(c, null(), 0, null(), null()),
+            (fmu.get_output_derivatives)(c, null(), 0, null(), null_mut()),
+            (fmu.do_step)(c, 0.0, 1.0, 1),
+            (fmu.cancel_step)(c),
+            (fmu.get_status)(c, 0, null_mut()),
+            (fmu.get_real_status)(c, 0, null_mut()),
+            (fmu.get_integer_status)(c, 0, null_mut()),
+            (fmu.get_boolean_status)(c, 0, null_mut()),
+            (fmu.get_string_status)(c, 0, null_mut()),
+        ]
+    };
+    assert_eq!(statuses, [ERROR; 30]);
+}
+
+/// One call on a fresh instance between steps, which must be refused with an error.
+fn is_refused(fmu: &Fmu, words: &[&str], call: impl FnOnce(&Fmu, Component) -> Status) {
+    let instance = Instance::started(fmu);
+    instance.refused(call(fmu, instance.component), ERROR, words);
+    assert_eq!(instance.end_phase(), Phase::Error, "{words:?}");
+}
+
+#[test]
+#[rustfmt::skip]
+fn null_arrays_that_should_hold_something_are_an_error() {
+    let fmu = Fmu::probe();
+    let r = &0_u32;
+    is_refused(&fmu, &["fmi2GetReal", "NULL"], |f, c| unsafe { (f.get_real)(c, null(), 1, &mut 0.0) });
+    is_refused(&fmu, &["fmi2GetReal", "NULL"], |f, c| unsafe { (f.get_real)(c, r, 1, null_mut()) });
+    is_refused(&fmu, &["fmi2GetInteger", "NULL"], |f, c| unsafe { (f.get_integer)(c, null(), 1, &mut 0) });
+    is_refused(&fmu, &["fmi2GetInteger", "NULL"], |f, c| unsafe { (f.get_integer)(c, r, 1, null_mut()) });
+    is_refused(&fmu, &["fmi2GetBoolean", "NULL"], |f, c| unsafe { (f.get_boolean)(c, null(), 1, &mut 0) });
+    is_refused(&fmu, &["fmi2GetBoolean", "NULL"], |f, c| unsafe { (f.get_boolean)(c, r, 1, null_mut()) });
+    is_refused(&fmu, &["fmi2GetString", "NULL"], |f, c| unsafe { (f.get_string)(c, null(), 1, &mut null()) });
+    is_refused(&fmu, &["fmi2GetString", "NULL"], |f, c| unsafe { (f.get_string)(c, r, 1, null_mut()) });
+    is_refused(&fmu, &["fmi2SetReal", "NULL"], |f, c| unsafe { (f.set_real)(c, null(), 1, &0.0) });
+    is_refused(&fmu, &["fmi2SetReal", "NULL"], |f, c| unsafe { (f.set_real)(c, r, 1, null()) });
+    is_refused(&fmu, &["fmi2SetInteger", "NULL"], |f, c| unsafe { (f.set_integer)(c, null(), 1, &0) });
+    is_refused(&fmu, &["fmi2SetInteger", "NULL"], |f, c| unsafe { (f.set_integer)(c, r, 1, null()) });
+    is_refused(&fmu, &["fmi2SetBoolean", "NULL"], |f, c| unsafe { (f.set_boolean)(c, null(), 1, &0) });
+    is_refused(&fmu, &["fmi2SetBoolean", "NULL"], |f, c| unsafe { (f.set_boolean)(c, r, 1, null()) });
+    is_refused(&fmu, &["fmi2SetString", "NULL"], |f, c| unsafe { (f.set_string)(c, null(), 1, &c"".as_ptr()) });
+    is_refused(&fmu, &["fmi2SetString", "NULL"], |f, c| unsafe { (f.set_string)(c, r, 1, null()) });
+    is_refused(&fmu, &["fmi2SetRealInputDerivatives", "NULL"], |f, c| unsafe { (f.set_input_derivatives)(c, null(), 1, &1, &0.0) });
+    is_refused(&fmu, &["fmi2SetRealInputDerivatives", "NULL"], |f, c| unsafe { (f.set_input_derivatives)(c, r, 1, null(), &0.0) });
+    is_refused(&fmu, &["fmi2SetRealInputDerivatives", "NULL"], |f, c| unsafe { (f.set_input_derivatives)(c, r, 1, &1, null()) });
+    is_refused(&fmu, &["fmi2SetDebugLogging", "NULL"], |f, c| unsafe { (f.set_debug_logging)(c, 1, 1, null()) });
+    is_refused(&fmu, &["fmi2SetDebugLogging", "NULL"], |f, c| unsafe { (f.set_debug_logging)(c, 1, 1, &null()) });
+    is_refused(&fmu, &["fmi2SetDebugLogging", "`nonsense`"], |f, c| unsafe { (f.set_debug_logging)(c, 1, 1, &c"nonsense".as_ptr()) });
+}
+
+#[test]
+fn strings_are_neither_null_nor_broken() {
+    let fmu = Fmu::probe();
+    for broken in [null(), c"\xff".as_ptr()] {
+        let instance = Instance::in_phase(&fmu, Phase::Initialization);
+        let status = unsafe { (fmu.set_string)(instance.component, &fmu.reference("label"), 1, &broken) };
+        instance.refused(status, ERROR, &["fmi2SetString", "NULL or not UTF-8"]);
+        assert_eq!(instance.text("label"), "100 % <probe>");
+    }
+}
+
+#[test]
+#[rustfmt::skip]
+fn references_that_do_not_exist_are_named() {
+    let fmu = Fmu::probe();
+    for reference in [fmu.count(), fmu.count() + 1, 1 << 31, u32::MAX] {
+        let (name, last) = (reference.to_string(), format!("0 .. {}", fmu.count() - 1));
+        let r = &reference;
+        is_refused(&fmu, &["fmi2GetReal", &name, &last], |f, c| unsafe { (f.get_real)(c, r, 1, &mut 0.0) });
+        is_refused(&fmu, &["fmi2GetInteger", &name, &last], |f, c| unsafe { (f.get_integer)(c, r, 1, &mut 0) });
+        is_refused(&fmu, &["fmi2GetBoolean", &name, &last], |f, c| unsafe { (f.get_boolean)(c, r, 1, &mut 0) });
+        is_refused(&fmu, &["fmi2GetString", &name, &last], |f, c| unsafe { (f.get_string)(c, r, 1, &mut null()) });
+        is_refused(&fmu, &["fmi2SetReal", &name, &last], |f, c| unsafe { (f.set_real)(c, r, 1, &0.0) });
+        is_refused(&fmu, &["fmi2SetInteger", &name, &last], |f, c| unsafe { (f.set_integer)(c, r, 1, &0) });
+        is_refused(&fmu, &["fmi2SetBoolean", &name, &last], |f, c| unsafe { (f.set_boolean)(c, r, 1, &0) });
+        is_refused(&fmu, &["fmi2SetString", &name, &last], |f, c| unsafe { (f.set_string)(c, r, 1, &c"".as_ptr()) });
+        is_refused(&fmu, &["fmi2SetRealInputDerivatives", &name, &last], |f, c| unsafe { (f.set_input_derivatives)(c, r, 1, &1, &0.0) });
+    }
+}
+
+/// One variable of each type, and the name of the functions that fit.
+const TYPED: [(&str, &str); 5] =
+    [("position", "Real"), ("count", "Integer"), ("enable", "Boolean"), ("label", "String"), ("mode", "Integer")];
+
+#[test]
+fn wrong_types_are_refused_with_the_right_function() {
+    let fmu = Fmu::probe();
+    for (name, fitting) in TYPED {
+        let r = &fmu.reference(name);
+        for used in ["Real", "Integer", "Boolean", "String"] {
+            if used == fitting {
+                continue;
+            }
+            let quoted = format!("`{name}`");
+            let hint = format!("fmi2Get{fitting}");
+            is_refused(&fmu, &[&format!("fmi2Get{used}"), &quoted, &hint], |f, c| unsafe {
+                match used {
+                    "Real" => (f.get_real)(c, r, 1, &mut 0.0),
+                    "Integer" => (f.get_integer)(c, r, 1, &mut 0),
+                    "Boolean" => (f.get_boolean)(c, r, 1, &mut 0),
+                    _ => (f.get_string)(c, r, 1, &mut null()),
+                }
+            });
+            is_refused(&fmu, &[&format!("fmi2Set{used}"), &quoted, &hint], |f, c| unsafe {
+                match used {
+                    "Real" => (f.set_real)(c, r, 1, &0.0),
+                    "Integer" => (f.set_integer)(c, r, 1, &1),
+                    "Boolean" => (f.set_boolean)(c, r, 1, &0),
+                    _ => (f.set_string)(c, r, 1, &c"".as_ptr()),
+                }
+            });
+        }
+    }
+}
+
+#[test]
+fn missing_places_for_an_answer_are_an_error() {
+    let fmu = Fmu::probe();
+    is_refused(&fmu, &["fmi2GetFMUstate", "NULL"], |f, c| unsafe { (f.get_fmu_state)(c, null_mut()) });
+    is_refused(&fmu, &["fmi2SetFMUstate", "NULL"], |f, c| unsafe { (f.set_fmu_state)(c, null_mut()) });
+    is_refused(&fmu, &["fmi2SerializedFMUstateSize", "NULL"], |f, c| unsafe {
+        (f.serialized_size)(c, null_mut(), &mut 0)
+    });
+    is_refused(&fmu, &["fmi2SerializeFMUstate", "NULL"], |f, c| unsafe {
+        (f.serialize)(c, null_mut(), [0; 8].as_mut_ptr(), 8)
+    });
+    is_refused(&fmu, &["fmi2DeSerializeFMUstate", "NULL"], |f, c| unsafe {
+        (f.deserialize)(c, [0; 8].as_ptr(), 8, null_mut())
+    });
+    is_refused(&fmu, &["fmi2DeSerializeFMUstate", "NULL"], |f, c| unsafe {
+        (f.deserialize)(c, null(), 8, &mut null_mut())
+    });
+    is_refused(&fmu, &["fmi2GetRealStatus", "NULL"], |f, c| unsafe {
+        (f.get_real_status)(c, LAST_SUCCESSFUL_TIME, null_mut())
+    });
+    is_refused(&fmu, &["fmi2GetBooleanStatus", "NULL"], |f, c| unsafe {
+        (f.get_boolean_status)(c, TERMINATED, null_mut())
+    });
+    let instance = Instance::started(&fmu);
+    unsafe {
+        assert_eq!((fmu.free_fmu_state)(instance.component, null_mut()), OK);
+        assert_eq!((fmu.free_fmu_state)(instance.component, &mut null_mut()), OK);
+    }
+}

@@ -1,0 +1,95 @@
+//! Real inputs with first derivatives: extrapolated inside the step, gone after it.
+
+use crate::common::*;
+
+/// Gain 2, biases 0.5 + 1 and samples of 1 ms: the force at a position.
+fn force(position: f64) -> f64 {
+    2.0 * position + 1.5
+}
+
+fn close(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-12 * b.abs().max(1.0)
+}
+
+#[test]
+fn ten_samples_of_a_ramp_match_the_closed_form() {
+    let fmu = Fmu::probe();
+    let instance = Instance::started(&fmu);
+    assert_eq!(instance.set_real("position", 0.1), OK);
+    assert_eq!(instance.set_derivatives(&["position"], &[1], &[30.0]), OK);
+    assert_eq!(instance.step(0.0, 1e-2), OK);
+    let last = force(0.1 + 30.0 * 9e-3);
+    assert!(close(instance.real("force"), last));
+    assert!(close(instance.real("sum"), 10.0 * (force(0.1) + last) / 2.0));
+    // the input is what the master has set, and the next step holds it
+    assert_eq!(instance.real("position"), 0.1);
+    assert_eq!(instance.step(1e-2, 1e-2), OK);
+    assert!(close(instance.real("force"), force(0.1)));
+}
+
+#[test]
+fn extrapolation_counts_from_the_communication_point_not_from_the_sample() {
+    let fmu = Fmu::probe();
+    let instance = Instance::started(&fmu);
+    assert_eq!(instance.step(0.0, 0.25e-3), OK);
+    assert_eq!(instance.set_derivatives(&["position"], &[1], &[1000.0]), OK);
+    assert_eq!(instance.step(0.25e-3, 1e-3), OK);
+    assert_eq!(instance.integer("ticks"), 2);
+    assert!(close(instance.real("force"), force(1000.0 * 0.75e-3)), "{}", instance.real("force"));
+}
+
+#[test]
+fn the_last_derivative_counts_and_belongs_to_the_state() {
+    let fmu = Fmu::probe();
+    let instance = Instance::in_phase(&fmu, Phase::Initialization);
+    assert_eq!(instance.set_derivatives(&["position"], &[1], &[5.0]), OK);
+    assert_eq!(instance.set_derivatives(&["position"], &[1], &[10.0]), OK);
+    assert_eq!(instance.exit(), OK);
+    let bytes = instance.bytes();
+    let fresh = Instance::new(&fmu);
+    fresh.restore(&bytes);
+    for instance in [&instance, &fresh] {
+        assert_eq!(instance.step(0.0, 2e-3), OK);
+        assert!(close(instance.real("force"), force(10.0 * 1e-3)));
+    }
+}
+
+#[test]
+fn what_cannot_be_extrapolated_is_refused_whole() {
+    let fmu = Fmu::probe();
+    for (name, order, value, words) in [
+        ("sensor", 2, 1.0, ["`sensor`", "order 2"]),
+        ("sensor", 0, 1.0, ["`sensor`", "order 0"]),
+        ("sensor", -1, 1.0, ["`sensor`", "order -1"]),
+        ("sensor", 1, f64::NAN, ["`sensor`", "NaN"]),
+        ("sensor", 1, f64::INFINITY, ["`sensor`", "inf"]),
+        ("gain", 1, 1.0, ["`gain`", "no Real input"]),
+        ("force", 1, 1.0, ["`force`", "no Real input"]),
+        ("count", 1, 1.0, ["`count`", "no Real input"]),
+    ] {
+        let instance = Instance::started(&fmu);
+        let state = instance.take_state();
+        let status = instance.set_derivatives(&["position", name], &[1, order], &[1.0, value]);
+        instance.refused(status, ERROR, &[&["fmi2SetRealInputDerivatives"][..], &words[..]].concat());
+        // the good derivative beside it was not taken
+        let after = instance.bytes();
+        assert_eq!(instance.put_state(state), OK);
+        let before = instance.bytes();
+        assert_eq!(before.len(), after.len());
+        assert_eq!(instance.step(0.0, 1e-2), OK);
+        assert!(close(instance.real("force"), force(0.0)));
+        instance.free_state(state);
+    }
+}
+
+#[test]
+fn a_ramp_that_leaves_the_numbers_does_not_leave_the_fmu() {
+    let fmu = Fmu::probe();
+    let instance = Instance::started(&fmu);
+    assert_eq!(instance.set_real("position", f64::MAX), OK);
+    assert_eq!(instance.set_derivatives(&["position"], &[1], &[f64::MAX]), OK);
+    instance.step(0.0, 10.0);
+    for name in ["position", "force", "sum"] {
+        assert!(instance.real(name).is_finite(), "{name} = {}", instance.real(name));
+    }
+}

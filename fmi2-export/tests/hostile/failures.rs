@@ -1,0 +1,144 @@
+//! A model that fails in a sample: error, panic, NaN, warnings.
+
+use crate::common::*;
+
+const NONE: i32 = 1;
+const FAIL: i32 = 2;
+const PANIC: i32 = 3;
+const NOT_A_NUMBER: i32 = 4;
+const WARN: i32 = 5;
+
+/// An instance after ten samples, with the next one prepared to fail.
+fn about_to_fail(fmu: &Fmu, failure: i32) -> Instance<'_> {
+    let instance = Instance::started(fmu);
+    assert_eq!(instance.set_real("position", 1.0), OK);
+    assert_eq!(instance.step(0.0, 1e-2), OK);
+    assert_eq!(instance.set_integer("failure", failure), OK);
+    instance
+}
+
+/// What is left after an error: reading, reset, freeing; and nothing else moves.
+fn is_stuck_but_readable(instance: &Instance) {
+    for name in ["force", "sum", "natural_frequency", "position"] {
+        assert!(instance.real(name).is_finite(), "{name}");
+    }
+    instance.messages();
+    instance.refused(instance.step(1.1e-2, 1e-3), ERROR, &["fmi2DoStep", "may not be called after an error"]);
+    instance.refused(instance.set_real("gain", 1.0), ERROR, &["fmi2SetReal", "may not be called after an error"]);
+    instance.refused(instance.terminate(), ERROR, &["fmi2Terminate", "may not be called after an error"]);
+}
+
+fn works_after_reset(instance: &Instance) {
+    assert_eq!(instance.reset(), OK);
+    assert_eq!((instance.setup(0.0, None), instance.enter(), instance.exit()), (OK, OK, OK));
+    assert_eq!(instance.set_real("position", 1.0), OK);
+    assert_eq!(instance.step(0.0, 1e-2), OK);
+    assert_eq!((instance.real("force"), instance.integer("ticks")), (3.5, 10));
+}
+
+#[test]
+fn an_error_in_a_sample_ends_the_run_with_its_text() {
+    let fmu = Fmu::probe();
+    let instance = about_to_fail(&fmu, FAIL);
+    instance.refused(instance.step(1e-2, 1e-3), ERROR, &["fmi2DoStep", "provoked error"]);
+    is_stuck_but_readable(&instance);
+    works_after_reset(&instance);
+}
+
+#[test]
+fn a_panic_is_caught_and_logged_with_its_place() {
+    let fmu = Fmu::probe();
+    let (instance, other) = (about_to_fail(&fmu, PANIC), about_to_fail(&fmu, NONE));
+    let line = include_str!("../../examples/probe.rs").lines().position(|line| line.contains("panic!(")).unwrap() + 1;
+    let place = format!("examples/probe.rs:{line}");
+    instance.refused(instance.step(1e-2, 1e-3), ERROR, &["panicked at", &place, "provoked panic"]);
+    is_stuck_but_readable(&instance);
+    // other instances do not notice
+    assert_eq!(other.step(1e-2, 1e-3), OK);
+    assert_eq!((other.integer("ticks"), other.messages()), (11, vec![]));
+    works_after_reset(&instance);
+}
+
+#[test]
+fn nan_never_leaves_the_fmu() {
+    let fmu = Fmu::probe();
+    let instance = about_to_fail(&fmu, NOT_A_NUMBER);
+    instance.refused(instance.step(1e-2, 1e-3), ERROR, &["fmi2DoStep", "`force` = NaN"]);
+    is_stuck_but_readable(&instance);
+    works_after_reset(&instance);
+}
+
+#[test]
+fn a_state_from_before_the_failure_undoes_it() {
+    let fmu = Fmu::probe();
+    for failure in [FAIL, PANIC, NOT_A_NUMBER] {
+        let (instance, twin) = (about_to_fail(&fmu, failure), about_to_fail(&fmu, NONE));
+        let (state, bytes) = (instance.take_state(), instance.bytes());
+        assert_eq!(instance.step(1e-2, 1e-3), ERROR);
+        assert_eq!(instance.put_state(state), OK);
+        assert_eq!(instance.set_integer("failure", NONE), OK);
+        assert_eq!((instance.step(1e-2, 1e-3), twin.step(1e-2, 1e-3)), (OK, OK));
+        assert_eq!(instance.outputs(), twin.outputs());
+        // and once more, from bytes
+        assert_eq!(instance.step(5.0, 1e-3), ERROR);
+        instance.restore(&bytes);
+        assert_eq!(instance.set_integer("failure", NONE), OK);
+        assert_eq!(instance.step(1e-2, 1e-3), OK);
+        assert_eq!(instance.outputs(), twin.outputs());
+        instance.free_state(state);
+    }
+}
+
+#[test]
+fn parameters_that_do_not_fit_together_fail_at_the_end_of_initialization() {
+    let fmu = Fmu::probe();
+    let instance = Instance::in_phase(&fmu, Phase::Initialization);
+    assert_eq!(instance.set_real("limits.low", 12.5), OK);
+    let words = ["fmi2ExitInitializationMode", "`limits.low` = 12.5 N", "`limits.high` = 10 N"];
+    instance.refused(instance.exit(), ERROR, &words);
+    works_after_reset(&instance);
+}
+
+fn switch(instance: &Instance, on: i32, categories: &[&std::ffi::CStr]) -> Status {
+    let names: Vec<Text> = categories.iter().map(|name| name.as_ptr()).collect();
+    unsafe { (instance.fmu.set_debug_logging)(instance.component, on, names.len(), names.as_ptr()) }
+}
+
+#[test]
+fn warnings_are_always_told_and_events_only_when_switched_on() {
+    let fmu = Fmu::probe();
+    let instance = about_to_fail(&fmu, WARN);
+    let mut time = 1e-2;
+    let mut categories = || {
+        assert_eq!(instance.step(time, 1e-3), OK);
+        time += 1e-3;
+        let messages = instance.messages();
+        // '%' is doubled, for importers that take the text for a printf format
+        assert!(messages[0].text.contains("50 %% of a warning"), "{messages:?}");
+        assert_eq!((messages[0].status, messages[0].instance.as_str()), (1, "test"));
+        assert!(messages.iter().all(|m| fmu.description.contains(&format!("<Category name=\"{}\"", m.category))));
+        messages.into_iter().map(|message| message.category).collect::<Vec<_>>()
+    };
+    let (quiet, all) = (["logStatusWarning"], ["logStatusWarning", "logEvents"]);
+    assert_eq!(categories(), quiet);
+    for (on, names, wanted) in [
+        (1, &[][..], &all[..]),
+        (0, &[], &quiet),
+        (1, &[c"logEvents"], &all),
+        (0, &[c"logStatusWarning"], &all),
+        (0, &[c"logStatusError", c"logEvents"], &quiet),
+        (1, &[c"logAll"], &all),
+        (0, &[], &quiet),
+    ] {
+        assert_eq!(switch(&instance, on, names), OK);
+        assert_eq!(categories(), wanted, "{on} {names:?}");
+    }
+}
+
+#[test]
+fn an_undeclared_category_is_named() {
+    let fmu = Fmu::probe();
+    let instance = Instance::started(&fmu);
+    let status = switch(&instance, 1, &[c"logEvents", c"logNonsense"]);
+    instance.refused(status, ERROR, &["fmi2SetDebugLogging", "`logNonsense`", "`logEvents`"]);
+}

@@ -1,0 +1,146 @@
+//! Every function in every phase, against the table of FMI 2.0.5, section 4.2.4.
+
+use crate::common::*;
+use std::ptr::{null, null_mut};
+
+/// What an allowed call answers, and where it leads; `None` stays in the phase.
+type Answer = (Status, Option<Phase>);
+
+const STAYS: Answer = (OK, None);
+/// Not offered by a sampled controller: allowed by the table, answered with an error.
+const NOT_OFFERED: Answer = (ERROR, Some(Phase::Error));
+/// Synchronous steps: nothing is pending, so a status is discarded (section 4.2.3).
+const DISCARDED: Answer = (DISCARD, None);
+
+struct Row {
+    function: &'static str,
+    /// Letters of the phases: Instantiated, iNitialization, Step complete, Terminated, Error.
+    phases: &'static str,
+    answer: Answer,
+    call: fn(&Instance, State) -> Status,
+}
+
+macro_rules! rows {
+    ($($function:ident $phases:literal $answer:expr, |$i:ident, $s:pat_param| $call:expr;)+) => {
+        &[$(Row {
+            function: stringify!($function),
+            phases: $phases,
+            answer: $answer,
+            call: |$i, $s| unsafe { $call },
+        }),+]
+    };
+}
+
+/// The table has no error column entry for fmi2GetXxxStatus; here they also answer after an error, so that a master can
+/// ask how far the instance came.
+#[rustfmt::skip]
+#[allow(unused_unsafe, reason = "some rows call short forms, which are safe")]
+const TABLE: &[Row] = rows! {
+    fmi2SetDebugLogging          "INSTE" STAYS, |i, _| (i.fmu.set_debug_logging)(i.component, 1, 0, null());
+    fmi2SetupExperiment          "I"     STAYS, |i, _| i.setup(0.0, None);
+    fmi2EnterInitializationMode  "I"     (OK, Some(Phase::Initialization)), |i, _| i.enter();
+    fmi2ExitInitializationMode   "N"     (OK, Some(Phase::StepComplete)), |i, _| i.exit();
+    fmi2Terminate                "S"     (OK, Some(Phase::Terminated)), |i, _| i.terminate();
+    fmi2Reset                    "INSTE" (OK, Some(Phase::Instantiated)), |i, _| i.reset();
+    fmi2GetReal                  "NSTE"  STAYS, |i, _| (i.fmu.get_real)(i.component, null(), 0, null_mut());
+    fmi2GetInteger               "NSTE"  STAYS, |i, _| (i.fmu.get_integer)(i.component, null(), 0, null_mut());
+    fmi2GetBoolean               "NSTE"  STAYS, |i, _| (i.fmu.get_boolean)(i.component, null(), 0, null_mut());
+    fmi2GetString                "NSTE"  STAYS, |i, _| (i.fmu.get_string)(i.component, null(), 0, null_mut());
+    fmi2SetReal                  "INS"   STAYS, |i, _| (i.fmu.set_real)(i.component, null(), 0, null());
+    fmi2SetInteger               "INS"   STAYS, |i, _| (i.fmu.set_integer)(i.component, null(), 0, null());
+    fmi2SetBoolean               "INS"   STAYS, |i, _| (i.fmu.set_boolean)(i.component, null(), 0, null());
+    fmi2SetString                "INS"   STAYS, |i, _| (i.fmu.set_string)(i.component, null(), 0, null());
+    fmi2GetFMUstate              "INSTE" STAYS, |i, mut s| (i.fmu.get_fmu_state)(i.component, &mut s);
+    fmi2SetFMUstate              "INSTE" STAYS, |i, s| i.put_state(s);
+    fmi2FreeFMUstate             "INSTE" STAYS, |i, _| (i.fmu.free_fmu_state)(i.component, &mut null_mut());
+    fmi2SerializedFMUstateSize   "INSTE" STAYS, |i, s| (i.fmu.serialized_size)(i.component, s, &mut 0);
+    fmi2SerializeFMUstate        "INSTE" STAYS, |i, s| (i.fmu.serialize)(i.component, s, [0; 4096].as_mut_ptr(), 4096);
+    fmi2DeSerializeFMUstate      "INSTE" STAYS, |i, mut s| {
+        let bytes = i.bytes();
+        (i.fmu.deserialize)(i.component, bytes.as_ptr().cast(), bytes.len(), &mut s)
+    };
+    fmi2GetDirectionalDerivative "NSTE"  NOT_OFFERED, |i, _| (i.fmu.get_directional_derivative)(i.component, null(), 0, null(), 0, null(), null_mut());
+    fmi2SetRealInputDerivatives  "INS"   STAYS, |i, _| (i.fmu.set_input_derivatives)(i.component, null(), 0, null(), null());
+    fmi2GetRealOutputDerivatives "STE"   NOT_OFFERED, |i, _| (i.fmu.get_output_derivatives)(i.component, null(), 0, null(), null_mut());
+    fmi2DoStep                   "S"     STAYS, |i, _| i.step(0.0, 1e-3);
+    fmi2CancelStep               ""      STAYS, |i, _| (i.fmu.cancel_step)(i.component);
+    fmi2GetStatus                "STE"   DISCARDED, |i, _| (i.fmu.get_status)(i.component, DO_STEP_STATUS, &mut 0);
+    fmi2GetRealStatus            "STE"   STAYS, |i, _| (i.fmu.get_real_status)(i.component, LAST_SUCCESSFUL_TIME, &mut 0.0);
+    fmi2GetIntegerStatus         "STE"   DISCARDED, |i, _| (i.fmu.get_integer_status)(i.component, PENDING_STATUS, &mut 0);
+    fmi2GetBooleanStatus         "STE"   STAYS, |i, _| (i.fmu.get_boolean_status)(i.component, TERMINATED, &mut 0);
+    fmi2GetStringStatus          "STE"   DISCARDED, |i, _| (i.fmu.get_string_status)(i.component, PENDING_STATUS, &mut null());
+};
+
+fn letter(phase: Phase) -> char {
+    match phase {
+        Phase::Instantiated => 'I',
+        Phase::Initialization => 'N',
+        Phase::StepComplete => 'S',
+        Phase::Terminated => 'T',
+        Phase::Error => 'E',
+    }
+}
+
+#[test]
+fn the_table_holds_every_function_that_takes_an_instance() {
+    let others = ["fmi2GetTypesPlatform", "fmi2GetVersion", "fmi2Instantiate", "fmi2FreeInstance"];
+    let listed: Vec<_> = TABLE.iter().map(|row| row.function).chain(others).collect();
+    assert_eq!(listed.len(), 34);
+    assert!(Fmu::FUNCTIONS.len() == 34 && Fmu::FUNCTIONS.iter().all(|name| listed.contains(name)));
+}
+
+#[test]
+fn every_function_in_every_phase() {
+    let fmu = Fmu::probe();
+    for row in TABLE {
+        for phase in PHASES {
+            let what = format!("{} in {phase:?}", row.function);
+            let instance = Instance::in_phase(&fmu, phase);
+            if row.function == "fmi2EnterInitializationMode" && phase == Phase::Instantiated {
+                assert_eq!(instance.setup(0.0, None), OK);
+            }
+            let state = instance.take_state();
+            let status = (row.call)(&instance, state);
+            instance.free_state(state);
+            let (wanted, next) = match row.phases.contains(letter(phase)) {
+                true => row.answer,
+                false => (ERROR, Some(Phase::Error)),
+            };
+            match (wanted, row.phases.contains(letter(phase))) {
+                (OK, _) => assert_eq!((status, instance.messages()), (OK, vec![]), "{what}"),
+                (_, true) => instance.refused(status, wanted, &[row.function]),
+                (_, false) => instance.refused(status, ERROR, &[row.function, "may not be called"]),
+            }
+            assert_eq!(instance.end_phase(), next.unwrap_or(phase), "{what}");
+        }
+    }
+}
+
+#[test]
+fn an_instance_can_be_freed_in_every_phase() {
+    let fmu = Fmu::probe();
+    PHASES.iter().for_each(|phase| drop(Instance::in_phase(&fmu, *phase)));
+}
+
+#[test]
+fn initialization_needs_an_experiment() {
+    let fmu = Fmu::probe();
+    let instance = Instance::new(&fmu);
+    instance.refused(instance.enter(), ERROR, &["fmi2EnterInitializationMode", "fmi2SetupExperiment was not called"]);
+}
+
+#[test]
+fn reset_gives_start_values_and_a_whole_new_run() {
+    let fmu = Fmu::probe();
+    let instance = Instance::started(&fmu);
+    assert_eq!(instance.set_real("gain", 7.0), OK);
+    assert_eq!(instance.set_real("position", 1.0), OK);
+    assert_eq!(instance.step(0.0, 1e-2), OK);
+    assert_eq!(instance.reset(), OK);
+    for (call, name) in [(instance.setup(5.0, None), "setup"), (instance.enter(), "enter"), (instance.exit(), "exit")] {
+        assert_eq!(call, OK, "{name}");
+    }
+    assert_eq!((instance.real("gain"), instance.integer("ticks")), (2.0, 0));
+    assert_eq!(instance.step(5.0, 1e-3), OK);
+    assert_eq!((instance.real("force"), instance.integer("ticks")), (1.5, 1));
+}

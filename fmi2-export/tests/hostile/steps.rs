@@ -1,0 +1,97 @@
+//! Communication points, step sizes, start and stop times that make no sense.
+
+use crate::common::*;
+
+#[test]
+fn step_sizes_that_make_no_sense_are_an_error() {
+    let fmu = Fmu::probe();
+    for step in [0.0, -0.0, -1e-3, f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::MIN] {
+        let instance = Instance::started(&fmu);
+        instance.refused(instance.step(0.0, step), ERROR, &["fmi2DoStep", &format!("{step} s"), "not positive"]);
+        assert_eq!(instance.end_phase(), Phase::Error);
+    }
+    // so long that the call would not come back
+    for step in [2e6, 1e300, f64::MAX] {
+        let instance = Instance::started(&fmu);
+        instance.refused(instance.step(0.0, step), ERROR, &["fmi2DoStep", &format!("{step} s"), "sample periods"]);
+        assert_eq!(instance.integer("ticks"), 0);
+    }
+}
+
+#[test]
+fn a_communication_point_away_from_the_last_step_is_an_error() {
+    let fmu = Fmu::probe();
+    for time in [1e-3, -1e-3, 1.0, 1e300, f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        let instance = Instance::started(&fmu);
+        instance.refused(
+            instance.step(time, 1e-3),
+            ERROR,
+            &["fmi2DoStep", &format!("{time} s"), "end of the last step"],
+        );
+        assert_eq!(instance.integer("ticks"), 0);
+    }
+    let instance = Instance::started(&fmu);
+    assert_eq!(instance.step(0.0, 1e-3), OK);
+    instance.refused(instance.step(0.0, 1e-3), ERROR, &["0 s", "0.001 s"]);
+}
+
+#[test]
+fn accumulated_rounding_of_time_is_taken() {
+    let fmu = Fmu::probe();
+    let instance = Instance::in_phase(&fmu, Phase::Initialization);
+    assert_eq!(instance.exit(), OK);
+    let (step, mut time) = (1e-3, 0.0);
+    for _ in 0..100_000 {
+        assert_eq!(instance.step(time, step), OK, "{time}");
+        time += step;
+    }
+    assert!(time != 100.0, "this sum was chosen because it is rounded");
+    assert_eq!(instance.integer("ticks"), 100_000);
+    // a master that computes k h goes on where one that adds has come to
+    assert_eq!(instance.step(100.0, step), OK);
+}
+
+#[test]
+fn the_stop_time_is_kept_with_a_tolerance_for_rounding() {
+    let fmu = Fmu::probe();
+    let started = || {
+        let instance = Instance::new(&fmu);
+        assert_eq!((instance.setup(0.0, Some(0.01)), instance.enter(), instance.exit()), (OK, OK, OK));
+        (0..9).for_each(|k| assert_eq!(instance.step(f64::from(k) * 1e-3, 1e-3), OK));
+        instance
+    };
+    for last in [1e-3, 1e-3 * (1.0 + 1e-9), 1e-3 * (1.0 - 1e-9), 0.5e-3] {
+        assert_eq!(started().step(9e-3, last), OK, "{last}");
+    }
+    for last in [1.001e-3, 1e-2, 1.0] {
+        let instance = started();
+        let words = ["fmi2DoStep", "0.009 s", &format!("{last} s"), "stop time 0.01 s"];
+        instance.refused(instance.step(9e-3, last), ERROR, &words);
+        assert_eq!((instance.integer("ticks"), instance.end_phase()), (9, Phase::Error));
+    }
+}
+
+#[test]
+fn without_a_stop_time_the_number_beside_it_is_not_read() {
+    let fmu = Fmu::probe();
+    let instance = Instance::new(&fmu);
+    assert_eq!(unsafe { (fmu.setup_experiment)(instance.component, 0, 0.0, 0.0, 0, -1.0) }, OK);
+    assert_eq!((instance.enter(), instance.exit(), instance.step(0.0, 1.0)), (OK, OK, OK));
+}
+
+#[test]
+fn experiments_that_make_no_sense_are_an_error() {
+    let fmu = Fmu::probe();
+    for (start, stop, words) in [
+        (f64::NAN, None, "start time NaN"),
+        (f64::INFINITY, None, "start time inf"),
+        (0.0, Some(f64::NAN), "stop time NaN"),
+        (1.0, Some(0.5), "stop time 0.5"),
+        (0.0, Some(f64::NEG_INFINITY), "stop time -inf"),
+    ] {
+        let instance = Instance::new(&fmu);
+        instance.refused(instance.setup(start, stop), ERROR, &["fmi2SetupExperiment", words]);
+    }
+    // a stop time that never comes is one
+    assert_eq!(Instance::new(&fmu).setup(0.0, Some(f64::INFINITY)), OK);
+}
