@@ -67,32 +67,16 @@ impl Cell {
         let buffer = PyBuffer::<f64>::get(array)?;
         let count = buffer.item_count();
         if !buffer.is_c_contiguous() {
-            return Err(PyValueError::new_err(
-                "the array of a cell must be C-contiguous",
-            ));
+            return Err(PyValueError::new_err("the array of a cell must be C-contiguous"));
         }
         if index >= count {
-            return Err(PyIndexError::new_err(format!(
-                "cell index `{index}`, limit `{count}`"
-            )));
+            return Err(PyIndexError::new_err(format!("cell index `{index}`, limit `{count}`")));
         }
         // SAFETY: `index` is inside the buffer, whose items are contiguous f64.
         let pointer = unsafe { buffer.buf_ptr().cast::<f64>().add(index) };
         let pointer = NonNull::new(pointer).expect("a buffer with items has an address");
-        let steps = if stride == 0 {
-            usize::MAX
-        } else {
-            (count - index).div_ceil(stride)
-        };
-        Ok(Self {
-            pointer,
-            scale,
-            offset,
-            stride,
-            add,
-            steps,
-            buffer,
-        })
+        let steps = if stride == 0 { usize::MAX } else { (count - index).div_ceil(stride) };
+        Ok(Self { pointer, scale, offset, stride, add, steps, buffer })
     }
 
     /// The value now.
@@ -116,9 +100,7 @@ impl Cell {
 impl Cell {
     fn check_writable(&self) -> PyResult<()> {
         if self.buffer.readonly() || self.stride != 0 {
-            return Err(PyValueError::new_err(
-                "cannot write to a signal or to a read-only array",
-            ));
+            return Err(PyValueError::new_err("cannot write to a signal or to a read-only array"));
         }
         Ok(())
     }
@@ -136,8 +118,7 @@ impl Cell {
         // SAFETY: a fixed place inside a writable exported buffer.
         unsafe {
             let before = if self.add { self.pointer.read() } else { 0.0 };
-            self.pointer
-                .write(before + (self.scale * value + self.offset));
+            self.pointer.write(before + (self.scale * value + self.offset));
         }
     }
 
@@ -181,36 +162,20 @@ pub(crate) struct Circuit {
 /// Why a step could not be made.
 enum StepError {
     /// a signal has no sample for this step
-    Exhausted {
-        element: String,
-        input: &'static str,
-        steps: usize,
-    },
+    Exhausted { element: String, input: &'static str, steps: usize },
     /// an input is NaN or infinite
-    NotFinite {
-        element: String,
-        input: &'static str,
-        value: f64,
-    },
+    NotFinite { element: String, input: &'static str, value: f64 },
 }
 
 impl From<StepError> for PyErr {
     fn from(error: StepError) -> Self {
         match error {
-            StepError::Exhausted {
-                element,
-                input,
-                steps,
-            } => PyIndexError::new_err(format!(
-                "element `{element}`: input `{input}` ends after `{steps}` plant steps"
-            )),
-            StepError::NotFinite {
-                element,
-                input,
-                value,
-            } => PyFloatingPointError::new_err(format!(
-                "element `{element}`: input `{input}` is `{value}`"
-            )),
+            StepError::Exhausted { element, input, steps } => {
+                PyIndexError::new_err(format!("element `{element}`: input `{input}` ends after `{steps}` plant steps"))
+            }
+            StepError::NotFinite { element, input, value } => {
+                PyFloatingPointError::new_err(format!("element `{element}`: input `{input}` is `{value}`"))
+            }
         }
     }
 }
@@ -219,10 +184,7 @@ impl Circuit {
     /// One plant step of `h` seconds; needs no Python.
     fn advance(&mut self, h: f64) -> Result<(), StepError> {
         let outputs = self.elements.iter().flat_map(|bound| &bound.outputs);
-        outputs
-            .map(Py::get)
-            .filter(|cell| cell.add)
-            .for_each(Cell::clear);
+        outputs.map(Py::get).filter(|cell| cell.add).for_each(Cell::clear);
         for bound in &mut self.elements {
             bound.step(self.k, h)?;
         }
@@ -237,20 +199,12 @@ impl Wired {
             let input = || (self.name.clone(), self.element.ports().inputs[port]);
             if k >= cell.steps {
                 let (element, input) = input();
-                return Err(StepError::Exhausted {
-                    element,
-                    input,
-                    steps: cell.steps,
-                });
+                return Err(StepError::Exhausted { element, input, steps: cell.steps });
             }
             let value = cell.sample(k);
             if !value.is_finite() {
                 let (element, input) = input();
-                return Err(StepError::NotFinite {
-                    element,
-                    input,
-                    value,
-                });
+                return Err(StepError::NotFinite { element, input, value });
             }
             self.read[port] = value;
         }
@@ -284,9 +238,7 @@ impl Circuit {
         outputs: Vec<Py<Cell>>,
     ) -> PyResult<()> {
         let Some(ports) = element.0.as_ref().map(|element| element.ports()) else {
-            return Err(PyValueError::new_err(format!(
-                "element `{name}` is bound already"
-            )));
+            return Err(PyValueError::new_err(format!("element `{name}` is bound already")));
         };
         for (cells, wanted) in [(&inputs, ports.inputs), (&outputs, ports.outputs)] {
             if cells.len() != wanted.len() {
@@ -295,19 +247,10 @@ impl Circuit {
                 return Err(PyValueError::new_err(message));
             }
         }
-        outputs
-            .iter()
-            .try_for_each(|cell| cell.get().check_writable())?;
+        outputs.iter().try_for_each(|cell| cell.get().check_writable())?;
         let (read, written) = (vec![0.0; inputs.len()], vec![0.0; outputs.len()]);
         if let Some(element) = element.0.take() {
-            self.elements.push(Wired {
-                name,
-                element,
-                inputs,
-                outputs,
-                read,
-                written,
-            });
+            self.elements.push(Wired { name, element, inputs, outputs, read, written });
         }
         Ok(())
     }

@@ -18,20 +18,13 @@ pub struct ColouredNoise {
 impl ColouredNoise {
     /// Noise of standard deviation `rms` and correlation time `time` s.
     pub fn new(rms: f64, time: f64) -> Self {
-        Self {
-            rms,
-            time,
-            value: None,
-        }
+        Self { rms, time, value: None }
     }
 }
 
 impl Element for ColouredNoise {
     fn ports(&self) -> Ports {
-        Ports {
-            inputs: &["normal"],
-            outputs: &["value"],
-        }
+        Ports { inputs: &["normal"], outputs: &["value"] }
     }
 
     fn reset(&mut self) {
@@ -75,14 +68,8 @@ mod tests {
     fn spread_and_correlation_do_not_depend_on_the_step() {
         for h in [1e-5, 5e-5, 1e-4] {
             let (deviation, correlation) = statistics(h);
-            assert!(
-                (deviation - 2.0).abs() < 1e-9,
-                "step {h}: deviation {deviation}"
-            );
-            assert!(
-                (correlation - (-h / 1e-3_f64).exp()).abs() < 1e-9,
-                "step {h}: correlation {correlation}"
-            );
+            assert!((deviation - 2.0).abs() < 1e-9, "step {h}: deviation {deviation}");
+            assert!((correlation - (-h / 1e-3_f64).exp()).abs() < 1e-9, "step {h}: correlation {correlation}");
         }
     }
 

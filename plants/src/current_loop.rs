@@ -14,19 +14,13 @@ pub struct CurrentLoop {
 impl CurrentLoop {
     /// A loop of `bandwidth` rad/s at zero current.
     pub fn new(bandwidth: f64) -> Self {
-        Self {
-            bandwidth,
-            current: 0.0,
-        }
+        Self { bandwidth, current: 0.0 }
     }
 }
 
 impl Element for CurrentLoop {
     fn ports(&self) -> Ports {
-        Ports {
-            inputs: &["command", "noise"],
-            outputs: &["current"],
-        }
+        Ports { inputs: &["command", "noise"], outputs: &["current"] }
     }
 
     fn reset(&mut self) {
@@ -38,11 +32,7 @@ impl Element for CurrentLoop {
         // mean of the exponential over the step: the impulse of the force is exact
         let x = self.bandwidth * h;
         let next = command + (self.current - command) * (-x).exp();
-        let mean = if x > 0.0 {
-            command + (self.current - next) / x
-        } else {
-            self.current
-        };
+        let mean = if x > 0.0 { command + (self.current - next) / x } else { self.current };
         self.current = next;
         outputs[0] = mean + noise;
     }

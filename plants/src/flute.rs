@@ -16,20 +16,13 @@ pub struct Flute {
 impl Flute {
     /// An edge at `offset` rad, `shortfall` m short, on a tool with an axial run-out amplitude of `tilt` m.
     pub fn new(shortfall: f64, tilt: f64, offset: f64) -> Self {
-        Self {
-            shortfall,
-            tilt,
-            offset,
-        }
+        Self { shortfall, tilt, offset }
     }
 }
 
 impl Element for Flute {
     fn ports(&self) -> Ports {
-        Ports {
-            inputs: &["angle"],
-            outputs: &["retreat"],
-        }
+        Ports { inputs: &["angle"], outputs: &["retreat"] }
     }
 
     fn reset(&mut self) {}
@@ -50,11 +43,7 @@ mod tests {
         let mut out = [0.0];
         for (angle, retreat) in [(PI, 1e-7), (0.0, 2e-7), (PI / 2.0, 1.5e-7)] {
             flute.step(&[angle], &mut out, 1e-4);
-            assert!(
-                (out[0] - retreat).abs() < 1e-20,
-                "at {angle} rad: {} m",
-                out[0]
-            );
+            assert!((out[0] - retreat).abs() < 1e-20, "at {angle} rad: {} m", out[0]);
         }
     }
 }

@@ -18,19 +18,14 @@ impl Harmonics {
 
 impl Element for Harmonics {
     fn ports(&self) -> Ports {
-        Ports {
-            inputs: &["angle"],
-            outputs: &["value"],
-        }
+        Ports { inputs: &["angle"], outputs: &["value"] }
     }
 
     fn reset(&mut self) {}
 
     fn step(&mut self, inputs: &[f64], outputs: &mut [f64], _h: f64) {
         let orders = (1..).zip(&self.orders);
-        outputs[0] = orders
-            .map(|(n, (amplitude, phase))| amplitude * (f64::from(n) * inputs[0] + phase).sin())
-            .sum();
+        outputs[0] = orders.map(|(n, (amplitude, phase))| amplitude * (f64::from(n) * inputs[0] + phase).sin()).sum();
     }
 }
 
@@ -44,12 +39,7 @@ mod tests {
         let mut harmonics = Harmonics::new(vec![(3.0, 0.0), (0.5, FRAC_PI_2)]);
         let mut out = [0.0];
         // 3 sin(a) + 0.5 cos(2 a)
-        for (angle, value) in [
-            (0.0, 0.5),
-            (FRAC_PI_2, 2.5),
-            (PI, 0.5),
-            (3.0 * FRAC_PI_2, -3.5),
-        ] {
+        for (angle, value) in [(0.0, 0.5), (FRAC_PI_2, 2.5), (PI, 0.5), (3.0 * FRAC_PI_2, -3.5)] {
             harmonics.step(&[angle], &mut out, 1e-4);
             assert!((out[0] - value).abs() < 1e-14, "at {angle} rad: {}", out[0]);
         }

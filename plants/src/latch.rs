@@ -17,10 +17,7 @@ impl Latch {
 
 impl Element for Latch {
     fn ports(&self) -> Ports {
-        Ports {
-            inputs: &["value"],
-            outputs: &["seen"],
-        }
+        Ports { inputs: &["value"], outputs: &["seen"] }
     }
 
     fn reset(&mut self) {

@@ -64,8 +64,7 @@ mod _native {
     #[pyfunction]
     fn summing_junction(terms: usize) -> PyResult<Unbound> {
         let limit = Sum::TERMS_MAX;
-        let refused =
-            || PyValueError::new_err(format!("`terms` of a sum: `{terms}`, limit `{limit}`"));
+        let refused = || PyValueError::new_err(format!("`terms` of a sum: `{terms}`, limit `{limit}`"));
         Ok(Unbound::new(Sum::new(terms).ok_or_else(refused)?))
     }
 

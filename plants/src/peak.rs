@@ -11,9 +11,7 @@ pub struct Peak {
 impl Peak {
     /// A peak that has seen nothing.
     pub fn new() -> Self {
-        Self {
-            maximum: f64::NEG_INFINITY,
-        }
+        Self { maximum: f64::NEG_INFINITY }
     }
 }
 
@@ -25,10 +23,7 @@ impl Default for Peak {
 
 impl Element for Peak {
     fn ports(&self) -> Ports {
-        Ports {
-            inputs: &["value"],
-            outputs: &["maximum"],
-        }
+        Ports { inputs: &["value"], outputs: &["maximum"] }
     }
 
     fn reset(&mut self) {

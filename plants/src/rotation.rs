@@ -16,19 +16,13 @@ pub struct Rotation {
 impl Rotation {
     /// A shaft at `start` rad.
     pub fn new(start: f64) -> Self {
-        Self {
-            start,
-            angle: start,
-        }
+        Self { start, angle: start }
     }
 }
 
 impl Element for Rotation {
     fn ports(&self) -> Ports {
-        Ports {
-            inputs: &["speed"],
-            outputs: &["angle", "angle_next"],
-        }
+        Ports { inputs: &["speed"], outputs: &["angle", "angle_next"] }
     }
 
     fn reset(&mut self) {

@@ -22,10 +22,7 @@ impl Sum {
 
 impl Element for Sum {
     fn ports(&self) -> Ports {
-        Ports {
-            inputs: &NAMES[..self.terms],
-            outputs: &["sum"],
-        }
+        Ports { inputs: &NAMES[..self.terms], outputs: &["sum"] }
     }
 
     fn reset(&mut self) {}

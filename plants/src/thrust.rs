@@ -20,21 +20,13 @@ pub struct Thrust {
 impl Thrust {
     /// A motor of `force_constant` N/A with a relative `ripple` of period `pitch` m.
     pub fn new(force_constant: f64, ripple: f64, pitch: f64, phase: f64) -> Self {
-        Self {
-            force_constant,
-            ripple,
-            wavenumber: TAU / pitch,
-            phase,
-        }
+        Self { force_constant, ripple, wavenumber: TAU / pitch, phase }
     }
 }
 
 impl Element for Thrust {
     fn ports(&self) -> Ports {
-        Ports {
-            inputs: &["current", "position"],
-            outputs: &["force"],
-        }
+        Ports { inputs: &["current", "position"], outputs: &["force"] }
     }
 
     fn reset(&mut self) {}
@@ -57,11 +49,7 @@ mod tests {
         // zero, crest and trough of the ripple
         for (position, force) in [(0.0, 30.0), (0.0075, 30.3), (0.0225, 29.7)] {
             thrust.step(&[1.5, position], &mut out, 1e-4);
-            assert!(
-                (out[0] - force).abs() < 1e-12,
-                "at {position} m: {} N",
-                out[0]
-            );
+            assert!((out[0] - force).abs() < 1e-12, "at {position} m: {} N", out[0]);
         }
     }
 }
