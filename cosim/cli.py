@@ -215,6 +215,8 @@ def status_of(command: Any) -> int:
     """Exit code of a command; every error a user can cause is one message without a traceback."""
     try:
         code = command(standalone_mode=False)
+        if code == INTERRUPTED:
+            report("interrupted")
         return code if isinstance(code, int) else 0
     except CosimError as error:
         log.debug("here:", exc_info=error)

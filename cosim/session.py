@@ -216,3 +216,6 @@ def located(scenario: Scenario) -> Iterator[None]:
             error.message = f"{scenario.origin(error.key)}: {error.message}"
             error.key = ""
         raise
+    except MemoryError:
+        problem = f"a run of `loop.duration` = `{scenario.loop.duration:g}` s does not fit into memory"
+        raise CosimError(problem, "several shorter runs with other seeds need less") from None

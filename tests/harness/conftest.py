@@ -94,7 +94,7 @@ def write(folder: Path) -> Callable[..., Path]:
 
     def write_scenario(added: str = "", name: str = "lag.toml", text: str = SCENARIO) -> Path:
         file = folder / name
-        file.parent.mkdir(exist_ok=True)
+        file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(text + added)
         return file
 

@@ -19,7 +19,7 @@ class Channel:
 
 
 @dataclasses.dataclass(frozen=True)
-class Parameters:
+class LagParameters:
     pole: float = dataclasses.field(
         default=0.5,
         metadata={"unit": "1", "description": "Pole", "minimum": 0.0, "maximum": 1.0, "source": "test"},
@@ -34,13 +34,13 @@ class Parameters:
 class Lag:
     """x[n+1] = pole x[n] + (1 - pole) u, one plant step each; `ramp` is the time."""
 
-    Parameters: ClassVar[type] = Parameters
+    Parameters: ClassVar[type] = LagParameters
     readings = (Channel("x", "m"), Channel("ramp", "s"), Channel("flag"), Channel("count"))
     commands = (Channel("u", "m"), Channel("extra"))
     truths = (Channel("x", "m"), Channel("u", "m"), Channel("extra"), Channel("random"))
     timestep = 0.001
 
-    def __init__(self, parameters: Parameters) -> None:
+    def __init__(self, parameters: LagParameters) -> None:
         self.parameters = parameters
 
     def reset(self, seed: np.random.SeedSequence, duration: float) -> None:
@@ -67,5 +67,5 @@ class Lag:
 
 
 class Refusing(Lag):
-    def __init__(self, parameters: Parameters) -> None:
+    def __init__(self, parameters: LagParameters) -> None:
         raise ValueError("pole and label do not go together")

@@ -1,0 +1,210 @@
+"""The command line as a user or a script meets it: exit codes, streams, messages."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from .conftest import DATA, SCENARIO, pack
+
+Write = Callable[..., Path]
+ROOT = Path(__file__).resolve().parents[2]
+
+CRITERION = """
+[[metric]]
+name = "end"
+unit = "m"
+value = "last(plant.x)"
+[[criterion]]
+id = "end"
+claim = "The lag settles"
+paper = "about 0.7 m"
+metric = "end"
+maximum = 0.7
+"""
+
+
+def cosim(*arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:
+    """Run the command line in the working directory."""
+    variables = {**os.environ, "PYTHONPATH": str(ROOT), **environment}
+    command = [sys.executable, "-m", "cosim", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, env=variables, check=False, timeout=120)
+
+
+def test_exit_code_0_and_the_table_on_stdout(write: Write) -> None:
+    write(CRITERION)
+    done = cosim("run", "lag.toml")
+    assert done.returncode == 0
+    assert done.stderr == ""
+    for part in ("claim", "paper", "measured", "limit", "pass"):
+        assert part in done.stdout
+    assert re.search(r"The lag settles *│ about 0.7 m *│ 666.7 mm *│ <= 700 mm *│ yes", done.stdout)
+    assert "the criterion holds; seed 1, 0.05 s simulated" in done.stdout
+    assert "\x1b" not in done.stdout
+
+
+def test_exit_code_1_when_a_criterion_does_not_hold(write: Write) -> None:
+    write(CRITERION)
+    done = cosim("run", "lag.toml", "--set", "criterion.end.maximum=0.1")
+    assert done.returncode == 1
+    assert "1 of 1 criteria do not hold" in done.stdout
+    assert done.stderr == ""
+
+
+def test_json_to_stdout_is_nothing_but_json(write: Write) -> None:
+    write(CRITERION)
+    done = cosim("run", "lag.toml", "--json", "-", "--seed", "9", "--delay", "0", "--duration", "0.02")
+    assert done.returncode == 1
+    found = json.loads(done.stdout)
+    assert (found["seed"], found["simulated_s"], found["passed"]) == (9, 0.02, False)
+    assert found["metrics"]["end"]["value"] == 1.0
+
+
+def test_all_files_are_written(write: Write, folder: Path) -> None:
+    write(CRITERION)
+    done = cosim("run", "lag.toml", "--json", "a.json", "--trace", "a.npz", "--plot", "a.svg")
+    assert done.returncode == 0
+    assert json.loads((folder / "a.json").read_text())["passed"] is True
+    assert len(np.load(folder / "a.npz")["trace"]) == 50
+    assert (folder / "a.svg").read_text().startswith("<?xml")
+
+
+def test_options_win_over_overrides(write: Write) -> None:
+    write()
+    done = cosim("run", "lag.toml", "--set", "loop.seed=3", "--seed", "4", "--json", "-")
+    assert json.loads(done.stdout)["seed"] == 4
+
+
+def test_list_shows_names_and_titles_and_survives_a_broken_file(write: Write) -> None:
+    write(name="scenarios/lag.toml")
+    write(name="scenarios/lag/fast.toml", text='extends = "lag"\ntitle = "Fast lag"\n')
+    write(name="scenarios/broken.toml", text="title = ")
+    done = cosim("list")
+    assert done.returncode == 0
+    assert re.search(r"^lag +Lag with a probe *$", done.stdout, re.MULTILINE)
+    assert re.search(r"^lag/fast +Fast lag *$", done.stdout, re.MULTILINE)
+    assert "warning: `scenarios/broken.toml` is not valid TOML" in done.stderr
+
+
+def test_show_tells_variables_parameters_and_wires(write: Write) -> None:
+    write("[controller.parameters]\ngain = 3.0\n")
+    done = cosim("show", "lag.toml", "--set", "plant.pole=0.25", "--set", "wire.controller.in.noise=0.5")
+    assert done.returncode == 0
+    assert re.search(r"gain +3 \(default 1\) +.. 10 +Gain", done.stdout)
+    assert re.search(r"pole +0.25 \(default 0.5\) +1 +0 .. 1 +Pole +test", done.stdout)
+    assert re.search(r"mode +Off +Off Slow Fast", done.stdout)
+    assert re.search(r"controller.in +plant.x +noise 0.5", done.stdout)
+
+
+def test_colour_goes_to_terminals_only_and_never_with_no_color(write: Write) -> None:
+    write(CRITERION)
+    coloured = cosim("run", "lag.toml", FORCE_COLOR="1")
+    plain = cosim("run", "lag.toml", FORCE_COLOR="1", NO_COLOR="1")
+    assert "\x1b[32m" in coloured.stdout.replace("\x1b[1;32m", "\x1b[32m")
+    assert not re.search(r"\x1b\[[0-9;]*3\dm", plain.stdout)
+
+
+BAD = {
+    "unknown --set key": (["run", "lag.toml", "--set", "loop.dration=1"], "did you mean `duration`?"),
+    "unknown FMU variable": (["run", "lag.toml", "--set", "controller.gian=1"], "did you mean `gain`?"),
+    "unknown plant parameter": (["run", "lag.toml", "--set", "plant.ploe=1"], "did you mean `pole`?"),
+    "wrong type": (["run", "lag.toml", "--set", "plant.pole=high"], ""),
+    "missing scenario": (["run", "nothing.toml"], "`cosim list`"),
+    "missing scenario name": (["run", "lagg"], "did you mean `lag`?"),
+    "missing FMU": (["run", "lag.toml", "--set", "controller.fmu=fmu-none"], "cargo xtask fmu none"),
+    "FMU is no zip": (["run", "lag.toml", "--set", "controller.fmu=text.fmu"], "again"),
+    "other platform": (["run", "lag.toml", "--set", "controller.fmu=other.fmu"], "this machine"),
+    "broken TOML": (["run", "broken.toml"], "quotes"),
+    "FMU error in a step": (["run", "lag.toml", "--set", "controller.fail_at=3"], ""),
+    "parameter refused": (["run", "lag.toml", "--set", "controller.gain=99"], ""),
+    "exception in the plant": (["run", "lag.toml", "--set", "plant.fail_at=3"], "`-v` shows where"),
+    "unknown engine": (["run", "lag.toml", "--engine", "native"], "`reference`"),
+    "bad delay": (["run", "lag.toml", "--delay", "2"], ""),
+    "bad duration": (["run", "lag.toml", "--duration", "0"], ""),
+    "endless duration": (["run", "lag.toml", "--duration", "1e12"], "shorter runs"),
+    "bad seed": (["run", "lag.toml", "--seed", "one"], "--help"),
+    "negative seed": (["run", "lag.toml", "--seed", "-1"], "--help"),
+    "bad trace name": (["run", "lag.toml", "--trace", "a.xls"], "`.npz`"),
+    "bad plot name": (["run", "lag.toml", "--plot", "a.gif"], "`.svg`"),
+    "missing folder": (["run", "lag.toml", "--json", "none/a.json"], ""),
+    "unknown command": (["rnu", "lag.toml"], "--help"),
+    "unknown option": (["run", "lag.toml", "--sede", "1"], "--help"),
+    "no loop": (["run"], "--help"),
+    "show without FMU": (["show", "lag.toml", "--set", "controller.fmu=fmu-none"], "cargo xtask fmu none"),
+}
+
+
+@pytest.mark.parametrize(("arguments", "hint"), BAD.values(), ids=BAD.keys())
+def test_bad_input_is_one_message_and_exit_code_2(
+    write: Write, folder: Path, arguments: list[str], hint: str
+) -> None:
+    write()
+    write(name="scenarios/lag.toml")
+    write(name="broken.toml", text=SCENARIO + "\nwrong = one")
+    (folder / "text.fmu").write_text("text")
+    pack(folder / "other.fmu", (DATA / "probe.xml").read_text(), {"binaries/win32/probe.dll": b""})
+    done = cosim(*arguments)
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert "Traceback" not in done.stderr
+    lines = done.stderr.strip().splitlines()
+    assert lines[0].startswith("error: ")
+    assert len(lines[0]) > len("error: ") + 10
+    assert len(lines) <= 2
+    if hint:
+        assert lines[1].startswith("hint: ")
+        assert hint in lines[1]
+
+
+def test_verbose_shows_where_a_plant_failed(write: Write) -> None:
+    write()
+    done = cosim("run", "lag.toml", "--set", "plant.fail_at=3", "-v")
+    assert done.returncode == 2
+    assert "probe_plants.py" in done.stderr
+    assert "RuntimeError: told to fail" in done.stderr
+
+
+@pytest.mark.skipif(os.name == "nt", reason="POSIX signals")
+def test_ctrl_c_is_exit_code_130_without_traceback(write: Write) -> None:
+    write()
+    command = [sys.executable, "-m", "cosim", "run", "lag.toml", "--duration", "1000", "--json", "-"]
+    variables = {**os.environ, "PYTHONPATH": str(ROOT)}
+    process = subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=variables
+    )
+    time.sleep(3.0)
+    process.send_signal(signal.SIGINT)
+    stdout, stderr = process.communicate(timeout=30)
+    assert process.returncode == 130
+    assert stdout == ""
+    assert stderr.strip() == "error: interrupted"
+
+
+def test_no_arguments_show_the_help() -> None:
+    done = cosim()
+    assert done.returncode == 0
+    assert "Usage" in done.stdout
+    for command in ("list", "show", "run"):
+        assert command in done.stdout
+
+
+def test_importing_the_package_loads_nothing_heavy() -> None:
+    code = (
+        "import sys, cosim; heavy = {'mujoco', 'matplotlib', 'typer', 'rich', 'plants', 'scipy', 'pandas'};"
+        " print(sorted(heavy & {name.partition('.')[0] for name in sys.modules}))"
+    )
+    variables = {**os.environ, "PYTHONPATH": str(ROOT)}
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, env=variables, check=True
+    )
+    assert done.stdout.strip() == "[]"

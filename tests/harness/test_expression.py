@@ -1,0 +1,163 @@
+"""The expression language: what it computes, and that it can do nothing else."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cosim.errors import ExpressionError
+from cosim.expression import Expression, Items
+
+ITEMS = {"Idle": 1, "Detect": 4}
+NAMES: dict[str, Items | None] = {
+    "time": None,
+    "plant.x": None,
+    "controller.state": ITEMS,
+    "controller.on": None,
+    "controller.bias[1]": None,
+    "controller.m[1,2]": None,
+    "controller.der(x)": None,
+}
+TABLE = np.array(
+    [
+        [0.0, 1.0, 1.0, 0.0, 7.0, 8.0, 9.0],
+        [0.1, -3.0, 4.0, 0.0, 7.0, 8.0, 9.0],
+        [0.2, 2.0, 4.0, 1.0, 7.0, 8.0, 9.0],
+        [0.3, 0.5, 1.0, 1.0, 7.0, 8.0, 9.0],
+    ]
+)
+
+
+def evaluate(text: str) -> float:
+    return float(Expression(text, NAMES, "`metric`")(TABLE.T))
+
+
+VALUES = {
+    "1 + 2 * 3 - 4 / 8": 6.5,
+    "-2 ** 2": -4.0,
+    "7 % 4": 3.0,
+    "max(plant.x)": 2.0,
+    "min(plant.x)": -3.0,
+    "max(first(plant.x), 5)": 5.0,
+    "mean(plant.x)": 0.125,
+    "std(plant.x)": float(np.std(TABLE[:, 1])),
+    "rms(plant.x)": float(np.sqrt(np.mean(TABLE[:, 1] ** 2))),
+    "max(abs(plant.x))": 3.0,
+    "first(plant.x)": 1.0,
+    "last(plant.x)": 0.5,
+    "median(plant.x)": 0.75,
+    "percentile(plant.x, 50)": 0.75,
+    "sum(plant.x > 0)": 3.0,
+    "count(plant.x > 0)": 3.0,
+    "any(plant.x < 0)": 1.0,
+    "all(plant.x < 0)": 0.0,
+    "sqrt(sum(where(controller.on, 4, 0)))": math.sqrt(8.0),
+    "last(cummax(plant.x))": 2.0,
+    "min(cummin(plant.x))": -3.0,
+    "max(diff(plant.x))": 5.0,
+    "max(plant.x[controller.on])": 2.0,
+    "mean(plant.x[time >= 0.2])": 1.25,
+    "first_time(plant.x < 0)": 0.1,
+    "last_time(plant.x > 1)": 0.2,
+    "first_time(plant.x > 99)": math.inf,
+    "last_time(plant.x > 99)": -math.inf,
+    'count(controller.state == "Detect")': 2.0,
+    'count("Detect" != controller.state)': 2.0,
+    'last(controller.state) == "Idle"': 1.0,
+    'first(controller.state[controller.on]) == "Detect"': 1.0,
+    "count(0 < plant.x < 2)": 2.0,
+    "count((plant.x > 0) & ~(controller.on > 0))": 1.0,
+    "count(plant.x > 0 and not controller.on)": 1.0,
+    "count(plant.x < 0 or controller.on)": 3.0,
+    "last(controller.bias[1])": 7.0,
+    "last(controller.m[1,2])": 8.0,
+    'last(column("controller.der(x)"))': 9.0,
+    "pi": math.pi,
+    "max(\n    plant.x\n)": 2.0,
+}
+
+
+@pytest.mark.parametrize(("text", "value"), VALUES.items(), ids=VALUES.keys())
+def test_value(text: str, value: float) -> None:
+    assert evaluate(text) == pytest.approx(value)
+
+
+@pytest.mark.parametrize("function", ["min", "max", "mean", "std", "rms", "first", "last", "median"])
+def test_a_column_without_rows_has_no_value(function: str) -> None:
+    assert math.isnan(evaluate(f"{function}(plant.x[time > 99])"))
+    assert math.isnan(evaluate("percentile(plant.x[time > 99], 50)"))
+
+
+@given(st.floats(-1e3, 1e3), st.floats(-1e3, 1e3), st.floats(0.1, 1e3))
+def test_arithmetic_is_that_of_floats(a: float, b: float, c: float) -> None:
+    assert evaluate(f"({a!r} + {b!r}) * {a!r} / {c!r} - {b!r}") == (a + b) * a / c - b
+
+
+def test_numbers_never_become_huge() -> None:
+    assert evaluate("9 ** 9 ** 9 ** 9") == math.inf
+    assert math.isnan(evaluate("0 / 0"))
+
+
+WRONG = {
+    "plant.y": "names `plant.y`, which is no column of the trace\nhint: did you mean `plant.x`",
+    "__import__('os')": "calls `__import__`, which is no function",
+    "plant.x.__class__": "names `plant.x.__class__`, which is no column",
+    "(1).__class__": "which is no column",
+    "max.__globals__": "which is no column",
+    "max(plant.x).real": "which is no column",
+    "eval('1')": "calls `eval`, which is no function",
+    "plant.x.sum()": "calls `plant.x.sum`, which is no function",
+    "lambda: 1": "which this language does not have",
+    "[x for x in plant.x]": "which this language does not have",
+    "{1: 2}": "which this language does not have",
+    "f'{time}'": "which this language does not have",
+    "1 if time else 2": "which this language does not have",
+    "(x := 1)": "which this language does not have",
+    "1 << 99999": "which this language does not have",
+    "time is time": "which this language does not have",
+    "time @ time": "which this language does not have",
+    "'text'": "holds the text `text`",
+    "time == 'Idle'": "compares `time` with a text, but it is no enumeration",
+    "controller.state == 'Detct'": "none of its items\nhint: did you mean `Detect`",
+    "max(plant.x, key=1)": "more than plain arguments",
+    "max(*plant.x)": "more than plain arguments",
+    "sqrt(1, 2)": "calls `sqrt` with 2 arguments, it takes 1",
+    "maxx(plant.x)": "no function here\nhint: did you mean `max`",
+    "column(1)": "something else than one name",
+    "column('plant.z')": "which is not in the trace",
+    "1 +": "is not an expression",
+    "import os": "is not an expression",
+    "1; 2": "is not an expression",
+    "": "is not an expression",
+    "1e999999 * 1" + "0" * 2000: "is longer than 2000 characters",
+    "1" + "0" * 400: "a number that is too large",
+    "(" * 300 + "1" + ")" * 300: "is not an expression",
+    "-" * 1900 + "1": "is nested too deeply|is not an expression",
+    "controller.bias[7]": "names `controller.bias\\[7\\]`",
+}
+
+
+@pytest.mark.parametrize(("text", "message"), WRONG.items(), ids=[text[:40] or "empty" for text in WRONG])
+def test_what_the_language_does_not_have_is_refused_when_it_is_compiled(text: str, message: str) -> None:
+    with pytest.raises(ExpressionError, match=message) as caught:
+        Expression(text, NAMES, "`metric.m.value`")
+    assert caught.value.message.startswith("`metric.m.value` = `")
+
+
+def test_a_condition_of_another_length_is_refused() -> None:
+    with pytest.raises(ExpressionError, match="cannot be computed"):
+        evaluate("max(plant.x[plant.x[time > 0.05] > 0])")
+
+
+def test_a_row_takes_the_same_expressions_but_nothing_that_needs_the_trace() -> None:
+    row = Expression('controller.state == "Detect" and plant.x > 0', NAMES, "`stop`", rowwise=True)
+    assert [bool(row(line)) for line in TABLE] == [False, False, True, False]
+    for text in ("max(plant.x) > 1", "first_time(controller.on) > 1"):
+        with pytest.raises(ExpressionError, match="needs the whole trace"):
+            Expression(text, NAMES, "`stop`", rowwise=True)
+    with pytest.raises(ExpressionError, match="one row at a time"):
+        Expression("plant.x[controller.on]", NAMES, "`stop`", rowwise=True)

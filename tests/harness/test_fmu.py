@@ -1,0 +1,236 @@
+"""FMU files: what is accepted, what is refused and how, the cache, values of every type."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import time
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+
+import fmpy
+import pytest
+
+import cosim
+from cosim import archive
+from cosim.archive import open_fmu
+from cosim.errors import FmuError
+from cosim.fmu import Instance
+
+from .conftest import DATA, pack
+
+Write = Callable[..., Path]
+LIBRARY = f"binaries/{fmpy.platform}/probe{fmpy.sharedLibraryExtension}"
+
+
+def description(*replacements: tuple[str, str]) -> str:
+    text = (DATA / "probe.xml").read_text()
+    for old, new in replacements:
+        assert old in text
+        text = text.replace(old, new)
+    return text
+
+
+def test_an_fmu_is_described(folder: Path) -> None:
+    file = open_fmu(folder / "probe.fmu")
+    assert (file.name, file.identifier) == ("Probe", "probe")
+    assert [variable.name for variable in file.named("input")] == ["in", "count", "mode", "flag"]
+    gain = file.variables["gain"]
+    assert (gain.kind, gain.start, gain.maximum, gain.variability) == ("Real", "1", "10", "tunable")
+    assert file.variables["in"].unit == "m"
+    assert file.variables["mode"].items == (("Off", 1), ("Slow", 2), ("Fast", 4))
+
+
+def test_a_file_that_is_no_zip_is_refused(folder: Path) -> None:
+    (folder / "bad.fmu").write_text("no zip")
+    with pytest.raises(FmuError, match=r"`bad.fmu` is not an FMU: it is not a zip file\nhint: "):
+        open_fmu(folder / "bad.fmu")
+
+
+def test_a_zip_without_description_is_refused(folder: Path) -> None:
+    with zipfile.ZipFile(folder / "bad.fmu", "w") as empty:
+        empty.writestr("readme.txt", "hello")
+    with pytest.raises(FmuError, match=r"it holds no `modelDescription.xml`"):
+        open_fmu(folder / "bad.fmu")
+
+
+def test_an_fmu_for_another_platform_is_refused(folder: Path) -> None:
+    members = {"binaries/win32/probe.dll": b"", "binaries/darwin64/probe.dylib": b""}
+    pack(folder / "bad.fmu", description(), members)
+    expected = (
+        rf"`bad.fmu` has no binary for this platform, `{fmpy.platform}`; it has `darwin64`, `win32`\nhint: "
+    )
+    with pytest.raises(FmuError, match=expected):
+        open_fmu(folder / "bad.fmu")
+
+
+def test_an_fmu_for_model_exchange_is_refused(folder: Path) -> None:
+    exchange = ('<CoSimulation modelIdentifier="probe" canHandleVariableCommunicationStepSize="true"/>',
+                '<ModelExchange modelIdentifier="probe"/>')  # fmt: skip
+    pack(folder / "bad.fmu", description(exchange), {LIBRARY: b""})
+    with pytest.raises(FmuError, match=r"`bad.fmu` offers only ModelExchange, not co-simulation\nhint: "):
+        open_fmu(folder / "bad.fmu")
+
+
+@pytest.mark.parametrize("version", ["1.0", "3.0"])
+def test_an_fmu_of_another_version_is_refused(folder: Path, version: str) -> None:
+    pack(folder / "bad.fmu", description(('fmiVersion="2.0"', f'fmiVersion="{version}"')), {LIBRARY: b""})
+    with pytest.raises(FmuError, match=rf"`bad.fmu` is an FMI {version} FMU, only FMI 2.0 is supported"):
+        open_fmu(folder / "bad.fmu")
+
+
+@pytest.mark.parametrize(
+    ("old", "new"), [("<ModelStructure>", "<ModelStrcture>"), ('causality="input"', 'causality="inpt"')]
+)
+def test_a_broken_description_is_refused(folder: Path, old: str, new: str) -> None:
+    pack(folder / "bad.fmu", description((old, new)), {LIBRARY: b""})
+    with pytest.raises(
+        FmuError, match=r"the model description of `bad.fmu` is not valid: .*\nhint: `fmpy validate"
+    ):
+        open_fmu(folder / "bad.fmu")
+
+
+def test_a_library_that_cannot_be_loaded_is_refused_and_the_folder_put_back(folder: Path) -> None:
+    pack(folder / "bad.fmu", description(), {LIBRARY: b"not a library"})
+    file = open_fmu(folder / "bad.fmu")
+    with pytest.raises(FmuError, match=r"cannot load the library of `Probe`: .*\nhint: "):
+        Instance(file, [], [])
+    assert Path.cwd() == folder
+
+
+def test_a_library_without_a_function_is_refused(folder: Path, tmp_path: Path) -> None:
+    source = tmp_path / "empty.c"
+    source.write_text("int fmi2GetNothing(void) { return 0; }\n")
+    library = tmp_path / "empty.so"
+    compiler = shutil.which("cc") or "gcc"
+    subprocess.run([compiler, "-shared", "-fPIC", str(source), "-o", str(library)], check=True)
+    pack(folder / "bad.fmu", description(), {LIBRARY: library.read_bytes()})
+    with pytest.raises(FmuError, match=r"the library of `Probe` lacks an FMI function: .*fmi2"):
+        Instance(open_fmu(folder / "bad.fmu"), [], [])
+
+
+def test_an_fmu_that_does_not_instantiate_tells_why(folder: Path, probe_library: bytes) -> None:
+    pack(folder / "bad.fmu", description(("probe-guid", "other-guid")), {LIBRARY: probe_library})
+    with pytest.raises(FmuError, match=r"cannot instantiate the FMU `Probe`: wrong GUID"):
+        Instance(open_fmu(folder / "bad.fmu"), [], [])
+
+
+def test_an_fmu_is_extracted_once_and_by_content(folder: Path) -> None:
+    first = open_fmu(folder / "probe.fmu").folder
+    marker = first / "marker"
+    marker.touch()
+    assert open_fmu(folder / "probe.fmu").folder == first
+    assert marker.exists()
+    pack(folder / "probe.fmu", description(("Gain", "Other")), {LIBRARY: b"rebuilt"})
+    assert open_fmu(folder / "probe.fmu").folder != first
+    assert not [path for path in first.parent.iterdir() if path.name.startswith(".partial")]
+
+
+def test_what_was_not_used_for_long_is_removed(folder: Path) -> None:
+    first = open_fmu(folder / "probe.fmu").folder
+    old = time.time() - (archive.UNUSED_DAYS + 1) * 86400
+    os.utime(first, (old, old))
+    pack(folder / "other.fmu", description(("Gain", "Other")), {LIBRARY: b""})
+    second = open_fmu(folder / "other.fmu").folder
+    assert second.is_dir()
+    assert not first.exists()
+
+
+def test_an_unwritable_cache_falls_back(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (folder / "file").touch()
+    monkeypatch.setenv("COSIM_CACHE", str(folder / "file" / "below"))
+    monkeypatch.setattr("tempfile.tempdir", str(folder / "temporary"))
+    (folder / "temporary").mkdir()
+    assert open_fmu(folder / "probe.fmu").folder.is_relative_to(folder / "temporary")
+
+
+def parameters(write: Write, *overrides: str) -> cosim.Result:
+    return cosim.run(cosim.load(write(), set=["loop.duration=0.002", *overrides]))
+
+
+def last(result: cosim.Result, name: str) -> float:
+    assert result.trace is not None
+    return float(result.trace[f"controller.{name}"][-1])
+
+
+def test_values_of_every_type_are_set(write: Write) -> None:
+    given = ["bias=[1, 2.5]", "mode=Slow", "flag=true", "count=3", "label=any text", "gain=0"]
+    result = parameters(write, *(f"controller.{entry}" for entry in given))
+    names = ("out", "mode_out", "flag_out", "count_out")
+    assert [last(result, name) for name in names] == [3.5, 2.0, 0.0, 4.0]
+    assert last(parameters(write, "controller.mode=4"), "mode_out") == 4.0
+    assert last(parameters(write, "controller.flag=1"), "flag_out") == 0.0
+
+
+REFUSED = {
+    "unknown": ("gian=1", "the FMU has no variable `gian`\nhint: did you mean `gain`"),
+    "by the FMU": (
+        "gain=20",
+        r"refused `controller.gain` = `20.0`: `gain` = 20 is above its limit \(fmi2SetReal",
+    ),
+    "at the end": (
+        "bias=[90, 20]",
+        "the FMU refused its parameters: the sum of `bias` is 110, its limit is 100",
+    ),
+    "text for a number": ("gain=big", "`controller.gain` is `'big'`, it must be a number"),
+    "Boolean for a number": ("gain=true", "`controller.gain` is `true`, it must be a number"),
+    "fraction": ("count=1.5", "`controller.count` is `1.5`, it must be an integer"),
+    "number for a Boolean": ("flag=2", "`controller.flag` is `2`, it must be true or false"),
+    "number for a text": ("label=2", "`controller.label` is `2`, it must be a text"),
+    "item": (
+        "mode=Fst",
+        "`controller.mode` is `'Fst'`, it must be one of `Off`, `Slow`, `Fast`\nhint: did you mean `Fast`",
+    ),
+    "item number": ("mode=3", "`controller.mode` is `3`, it must be one of"),
+    "short array": ("bias=[1]", "`controller.bias` has 1 values, it takes 2"),
+    "output": ("out=1", "`controller.out` is of causality `output`, it cannot be set"),
+}
+
+
+@pytest.mark.parametrize(("override", "message"), REFUSED.values(), ids=REFUSED.keys())
+def test_a_refused_parameter_is_explained(write: Write, override: str, message: str) -> None:
+    with pytest.raises(FmuError, match=message):
+        parameters(write, f"controller.{override}")
+
+
+def test_a_missing_fmu_says_how_to_build_it(write: Write) -> None:
+    with pytest.raises(
+        FmuError, match=r"`fmu-none.fmu` does not exist\nhint: build it with `cargo xtask fmu none`"
+    ):
+        parameters(write, "controller.fmu=fmu-none")
+    with pytest.raises(FmuError, match=r"the FMU file `none.fmu` does not exist\nhint: looked in"):
+        parameters(write, "controller.fmu=none.fmu")
+
+
+def test_fmus_are_found_by_path_and_environment(
+    write: Write, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = write()
+    (folder / "elsewhere").mkdir()
+    (folder / "probe.fmu").rename(folder / "elsewhere" / "probe.fmu")
+    overrides = ["controller.fmu=elsewhere/probe.fmu"]
+    assert cosim.run(cosim.load(file, set=overrides)).passed
+    monkeypatch.setenv("COSIM_FMU_PATH", str(folder / "elsewhere"))
+    assert cosim.run(cosim.load(file)).passed
+
+
+def test_a_thousand_instances_leave_nothing_behind(folder: Path) -> None:
+    file = open_fmu(folder / "probe.fmu")
+
+    def cycle() -> None:
+        with Instance(file, file.named("input"), []) as instance:
+            instance.initialise({"gain": 2.0})
+
+    cycle()
+    before = mappings()
+    for _ in range(1000):
+        cycle()
+    assert mappings() == before
+
+
+def mappings() -> int:
+    """Count the mappings of the probe's library in this process (0 where the system does not tell)."""
+    maps = Path("/proc/self/maps")
+    return maps.read_text().count("/probe.so") if maps.exists() else 0

@@ -1,0 +1,45 @@
+"""Plants written by users: found by name, parameters checked."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+import cosim
+from cosim.errors import PlantError
+
+Write = Callable[..., Path]
+
+REFUSED = {
+    "plant.name=none": r"there is no plant `none`\nhint: .*`module:Class`",
+    "plant.name=none:Lag": r"cannot import the plant `none:Lag`: ModuleNotFoundError.*\nhint: ",
+    "plant.name=probe_plants:Lg": r"the module `probe_plants` has no class `Lg`\nhint: did you mean `Lag`",
+    "plant.name=probe_plants:Refusing": r"`probe_plants:Refusing` refused its parameters: pole and label",
+    "plant.ploe=1": r"`--set plant.ploe`: `plant.ploe` is not a parameter .*\nhint: did you mean `pole`",
+    "plant.pole=2": r"`--set plant.pole`: `plant.pole` is `2.0`, it must lie in 0 .. 1$",
+    "plant.pole=nan": r"`plant.pole` is `nan`, it must lie in 0 .. 1",
+    "plant.pole=high": r"`plant.pole` is `'high'` \(a text\), it must be a number",
+    "plant.label=1": r"`plant.label` is `1` \(an integer\), it must be a text",
+    "plant.fail_at=0.5": r"`plant.fail_at` is `0.5` \(a number\), it must be an integer",
+}
+
+
+@pytest.mark.parametrize(("override", "message"), REFUSED.items(), ids=REFUSED.keys())
+def test_a_wrong_plant_is_explained(write: Write, override: str, message: str) -> None:
+    with pytest.raises(PlantError, match=message):
+        cosim.run(cosim.load(write(), set=[override]))
+
+
+def test_a_plant_gets_its_parameters(write: Write) -> None:
+    result = cosim.run(cosim.load(write(), set=["plant.pole=0.25", "controller.gain=0"]))
+    assert result.trace is not None
+    assert result.trace["plant.x"][:3].tolist() == [1.0, 0.25, 0.0625]
+
+
+def test_the_plants_of_the_project_are_found_by_name(write: Write) -> None:
+    import plants
+
+    with pytest.raises(PlantError, match=plants.names()[0]):
+        cosim.run(cosim.load(write(), set=["plant.name=none"]))

@@ -1,0 +1,204 @@
+"""Results: criteria, JSON, trace files, plots."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+import fmpy
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import cosim
+from cosim import plot
+from cosim.criteria import Verdict
+from cosim.errors import CosimError
+from cosim.quantity import text
+from cosim.scenario import Criterion
+
+Write = Callable[..., Path]
+
+MEASURED = """
+[[metric]]
+name = "end"
+unit = "m"
+value = "last(plant.x)"
+[[metric]]
+name = "never"
+unit = "s"
+value = "first_time(plant.x > 99)"
+[[metric]]
+name = "undefined"
+value = "0 / 0"
+[[criterion]]
+id = "end"
+claim = "settles"
+paper = "about 0.7"
+metric = "end"
+minimum = 0.6
+maximum = 0.7
+[[criterion]]
+id = "late"
+claim = "not before 1 s"
+metric = "never"
+minimum = 1.0
+"""
+
+
+def criterion(minimum: float | None, maximum: float | None, equals: float | bool | None) -> Criterion:
+    return Criterion("c", "claim", "m", minimum=minimum, maximum=maximum, equals=equals)
+
+
+limits = st.none() | st.floats(allow_nan=False)
+
+
+@given(limits, limits, limits)
+def test_nan_never_passes(minimum: float | None, maximum: float | None, equals: float | None) -> None:
+    assert not Verdict(criterion(minimum, maximum, equals), math.nan, "1").passed
+
+
+@given(st.floats(allow_nan=False), st.floats(allow_nan=False))
+def test_limits_are_inclusive(value: float, limit: float) -> None:
+    assert Verdict(criterion(limit, None, None), value, "1").passed == (value >= limit)
+    assert Verdict(criterion(None, limit, None), value, "1").passed == (value <= limit)
+    assert Verdict(criterion(None, None, limit), value, "1").passed == (value == limit)
+    assert Verdict(criterion(limit, limit, limit), limit, "1").passed
+
+
+def test_equals_takes_booleans() -> None:
+    assert Verdict(criterion(None, None, True), 1.0, "1").passed
+    assert not Verdict(criterion(None, None, True), 0.0, "1").passed
+
+
+def test_the_json_holds_what_the_run_measured(write: Write) -> None:
+    result = cosim.run(cosim.load(write(MEASURED)), seed=7)
+    found = json.loads(result.to_json(), parse_constant=lambda name: pytest.fail(f"not strict JSON: {name}"))
+    assert list(found) == [
+        "loop", "scenario", "seed", "engine", "metrics", "criteria", "passed", "simulated_s", "wall_s"
+    ]  # fmt: skip
+    assert (found["loop"], found["scenario"], found["seed"], found["engine"]) == (
+        "lag",
+        "lag",
+        7,
+        "reference",
+    )
+    assert found["metrics"]["end"] == {"value": result.metrics["end"].value, "unit": "m"}
+    assert found["metrics"]["never"] == {"value": "Infinity", "unit": "s"}
+    assert found["metrics"]["undefined"]["value"] == "NaN"
+    assert math.isinf(float(found["metrics"]["never"]["value"]))
+    assert found["criteria"][0] == {
+        "id": "end",
+        "claim": "settles",
+        "paper": "about 0.7",
+        "value": result.metrics["end"].value,
+        "limit": ">= 0.6 and <= 0.7",
+        "unit": "m",
+        "passed": True,
+    }
+    assert found["criteria"][1]["passed"] is True
+    assert found["passed"] is True
+    assert found["simulated_s"] == 0.05
+    assert found["wall_s"] > 0.0
+
+
+def test_a_run_fails_with_any_criterion(write: Write) -> None:
+    result = cosim.run(cosim.load(write(MEASURED), set=["criterion.late.metric=undefined"]))
+    assert [verdict.passed for verdict in result.criteria] == [True, False]
+    assert not result.passed
+
+
+def test_a_metric_must_be_one_number(write: Write) -> None:
+    scenario = cosim.load(write(MEASURED), set=["metric.end.value=plant.x"])
+    with pytest.raises(CosimError, match=r"`metric.end.value` = `plant.x` gives 50 values, not one\nhint: "):
+        cosim.run(scenario)
+
+
+def test_the_csv_is_read_by_fmpy(write: Write, folder: Path) -> None:
+    result = cosim.run(cosim.load(write()))
+    assert result.trace is not None
+    result.save_trace(folder / "trace.csv")
+    ours = fmpy.read_csv(folder / "trace.csv")
+    assert ours.dtype.names == result.trace.dtype.names
+    assert ours.dtype.names[0] == "time"
+    for name in ours.dtype.names:
+        assert ours[name].tobytes() == result.trace[name].tobytes()
+    fmpy.write_csv(folder / "fmpy.csv", result.trace)
+    theirs = fmpy.read_csv(folder / "fmpy.csv")
+    assert theirs["plant.x"].tobytes() == result.trace["plant.x"].tobytes()
+
+
+def test_the_npz_is_read_by_numpy_alone(write: Write, folder: Path) -> None:
+    result = cosim.run(cosim.load(write()))
+    assert result.trace is not None
+    result.save_trace(folder / "trace.npz")
+    with np.load(folder / "trace.npz", allow_pickle=False) as saved:
+        assert saved["trace"].dtype == result.trace.dtype
+        assert saved["trace"].tobytes() == result.trace.tobytes()
+
+
+def test_units_of_columns_are_known(write: Write) -> None:
+    result = cosim.run(cosim.load(write()))
+    assert result.units["time"] == "s"
+    assert result.units["controller.in"] == "m"
+    assert result.units["plant.x"] == "m"
+
+
+PANELS = """
+[plot]
+zoom = "controller.calls == 20"
+[[plot.panels]]
+title = "Lag"
+columns = ["plant.x", "controller.in"]
+unit = "mm"
+scale = 1e3
+[[plot.panels]]
+columns = ["controller.mode_out"]
+"""
+
+
+@pytest.mark.parametrize("added", ["", PANELS, PANELS.replace("== 20", "> 999")])
+def test_a_plot_is_drawn_and_the_same_each_time(write: Write, folder: Path, added: str) -> None:
+    scenario = cosim.load(write(added))
+    with cosim.Session(scenario) as session:
+        plot.check(scenario, session.columns, folder / "plot.svg")
+        result = session.run()
+    for name in ("one.svg", "two.svg", "one.png"):
+        plot.save(scenario, result, folder / name)
+    assert (folder / "one.svg").read_bytes() == (folder / "two.svg").read_bytes()
+    assert (folder / "one.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_wrong_column_of_a_plot_is_found_before_the_run(write: Write, folder: Path) -> None:
+    scenario = cosim.load(write(PANELS.replace("plant.x", "plant.xx")))
+    with (
+        cosim.Session(scenario) as session,
+        pytest.raises(CosimError, match=r"`plant\.xx`, which is no column"),
+    ):
+        plot.check(scenario, session.columns, folder / "plot.svg")
+
+
+QUANTITIES = [
+    (4.5e-7, "m", "450 nm"),
+    (9.9999e-7, "m", "1 um"),
+    (-1.234567e-3, "m", "-1.235 mm"),
+    (0.0, "m", "0 m"),
+    (12.0, "m", "12 m"),
+    (3600.0, "s", "3600 s"),
+    (2.5e-3, "s", "2.5 ms"),
+    (5e4, "Hz", "50 kHz"),
+    (1e-30, "m", "1e-18 pm"),
+    (math.inf, "s", "inf s"),
+    (math.nan, "m", "nan m"),
+    (7.0, "1", "7"),
+    (0.123456, "1", "0.1235"),
+    (100.0, "rad/s", "100 rad/s"),
+]
+
+
+@pytest.mark.parametrize(("value", "unit", "shown"), QUANTITIES)
+def test_quantities_are_shown_with_a_prefix(value: float, unit: str, shown: str) -> None:
+    assert text(value, unit) == shown

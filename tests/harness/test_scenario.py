@@ -1,0 +1,259 @@
+"""Scenario files: layers, overrides, and every mistake with its message."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+import cosim
+from cosim.errors import CosimError, ScenarioError
+
+Write = Callable[..., Path]
+
+MEASURED = """
+[[metric]]
+name = "end"
+unit = "m"
+value = "last(plant.x)"
+
+[[metric]]
+name = "peak"
+value = "max(plant.x)"
+
+[[criterion]]
+id = "small"
+claim = "it gets small"
+metric = "end"
+maximum = 0.7
+
+[[criterion]]
+id = "start"
+claim = "it starts at one"
+metric = "peak"
+equals = 1
+"""
+
+
+def test_a_scenario_is_loaded_with_its_defaults(write: Write) -> None:
+    scenario = cosim.load(write(MEASURED))
+    assert scenario.name == "lag"
+    assert scenario.loop.steps == 50
+    assert (scenario.loop.seed, scenario.loop.substeps, scenario.loop.compute_delay) == (1, 1, 1)
+    assert [wire.source for wire in scenario.wire] == ["plant.x", "controller.out"]
+    assert scenario.criterion[0].maximum == 0.7
+
+
+def test_a_variant_holds_only_what_differs(write: Write) -> None:
+    write(MEASURED)
+    variant = """
+extends = "lag.toml"
+title = "Variant"
+[loop]
+duration = 0.02
+[controller.parameters]
+gain = 2.0
+[[wire]]
+from = "plant.ramp"
+to = "controller.in"
+[[criterion]]
+id = "small"
+claim = "even smaller"
+metric = "end"
+maximum = 0.5
+"""
+    scenario = cosim.load(write(name="variant.toml", text=variant))
+    assert (scenario.title, scenario.loop.duration, scenario.loop.step) == ("Variant", 0.02, 0.001)
+    assert [(wire.source, wire.to) for wire in scenario.wire] == [
+        ("plant.ramp", "controller.in"),
+        ("controller.out", "plant.u"),
+    ]
+    assert [(criterion.id, criterion.maximum) for criterion in scenario.criterion] == [
+        ("small", 0.5),
+        ("start", None),
+    ]
+
+
+def test_a_variant_drops_what_it_inherits(write: Write) -> None:
+    write(MEASURED)
+    text = 'extends = "lag.toml"\ndrop = ["criterion.start", "metric.peak"]\n'
+    scenario = cosim.load(write(name="variant.toml", text=text))
+    assert [criterion.id for criterion in scenario.criterion] == ["small"]
+    assert [metric.name for metric in scenario.metric] == ["end"]
+    with pytest.raises(
+        ScenarioError, match=r"`drop` holds `criterion.strat`, which is not inherited\n.*criterion.start"
+    ):
+        cosim.load(write(name="wrong.toml", text='extends = "lag.toml"\ndrop = ["criterion.strat"]\n'))
+
+
+def test_several_injections_at_one_target_are_replaced_together(write: Write) -> None:
+    pulse = '[[inject]]\nto = "controller.in"\nfrom_time = {0}\nto_time = {1}\nvalue = 1.0\n'
+    write(pulse.format(0.0, 0.01) + pulse.format(0.02, 0.03))
+    text = 'extends = "lag.toml"\n' + pulse.format(0.04, 0.05)
+    scenario = cosim.load(write(name="variant.toml", text=text))
+    assert [entry.from_time for entry in scenario.inject] == [0.04]
+
+
+def test_names_are_found_in_the_folders(write: Write, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write(name="scenarios/lag/fast.toml")
+    assert cosim.load("lag/fast").name == "lag/fast"
+    monkeypatch.chdir("/")
+    monkeypatch.setenv("COSIM_SCENARIOS", str(folder / "scenarios"))
+    assert cosim.load("lag/fast").name == "lag/fast"
+    with pytest.raises(ScenarioError, match="there is no scenario `lag/fats`\nhint: did you mean `lag/fast`"):
+        cosim.load("lag/fats")
+
+
+def test_overrides_win_and_the_last_one_wins(write: Write) -> None:
+    overrides = [
+        "loop.duration=0.03",
+        "loop.duration=0.01",
+        "controller.gain=2",
+        "controller.parameters.label=plain text",
+        "plant.pole=0.25",
+        "wire.controller.in.noise=1e-3",
+        "metric.end.value=first(plant.x)",
+        "criterion.small.maximum=2",
+        "title=Other",
+    ]
+    scenario = cosim.load(write(MEASURED + "[controller.parameters]\nbias = [1.0, 2.0]\n"), set=overrides)
+    assert scenario.loop.duration == 0.01
+    assert scenario.controller.parameters == {"bias": [1.0, 2.0], "gain": 2, "label": "plain text"}
+    assert scenario.plant.parameters == {"pole": 0.25}
+    assert scenario.wire[0].noise == 1e-3
+    assert scenario.metric[0].value == "first(plant.x)"
+    assert scenario.criterion[0].maximum == 2.0
+    assert scenario.title == "Other"
+
+
+def test_overriding_a_scenario_leaves_other_loads_alone(write: Write) -> None:
+    file = write(MEASURED)
+    cosim.load(file, set=["wire.controller.in.noise=1"])
+    assert cosim.load(file).wire[0].noise is None
+
+
+def test_parameter_tables_may_be_nested(write: Write) -> None:
+    scenario = cosim.load(write("[controller.parameters.observer]\nbandwidth = 1.0\nfast.pole = 2.0\n"))
+    assert scenario.controller.parameters == {"observer.bandwidth": 1.0, "observer.fast.pole": 2.0}
+
+
+WRONG = {
+    "unknown key": (
+        "[loopp]\nstep = 1",
+        r"`lag.toml`: `loopp` is not a known key\nhint: did you mean `loop`",
+    ),
+    "number as text": (
+        "[plot]\nzoom = 1",
+        r"`lag.toml`: `plot.zoom` is `1` \(an integer\), it must be a text",
+    ),
+    "missing key": ("[[metric]]\nname = 'm'", r"`lag.toml`: `metric.m.value` is missing"),
+    "target twice": (
+        "[[signal]]\nto = 'controller.in'\ntimes = [0.0]\nvalues = [1.0]",
+        r"`signal.controller.in` is there twice, as `wire`",
+    ),
+    "signal starts late": (
+        "[[signal]]\nto = 'controller.count'\ntimes = [1.0]\nvalues = [1]",
+        r"times` must start with 0",
+    ),
+    "signal goes back": (
+        "[[signal]]\nto = 'controller.count'\ntimes = [0, 2, 1]\nvalues = [1, 2, 3]",
+        "must rise",
+    ),
+    "signal lengths": (
+        "[[signal]]\nto = 'controller.count'\ntimes = [0]\nvalues = [1, 2]",
+        "1 `times` and 2 `values`",
+    ),
+    "empty injection": (
+        "[[inject]]\nto = 'controller.in'\nfrom_time = 1\nto_time = 1\nvalue = 0",
+        r"`inject.controller.in.to_time` is `1.0` s, it must be later",
+    ),
+    "no limit": (
+        "[[metric]]\nname='m'\nvalue='1'\n[[criterion]]\nid='c'\nclaim=''\nmetric='m'",
+        "`criterion.c` has no limit",
+    ),
+    "unknown metric": (
+        "[[criterion]]\nid='c'\nclaim=''\nmetric='m'\nmaximum=1",
+        "`criterion.c.metric` is `m`, there is no such",
+    ),
+    "broken TOML": ("x = [1,\n2\n= 3", r"`lag.toml` is not valid TOML: .*line 23.*\nhint: "),
+    "not an array": ("[metric]\nname = 'm'", r"`metric` is .* \(a table\), it must be an array"),
+}
+
+
+@pytest.mark.parametrize(("added", "message"), WRONG.values(), ids=WRONG.keys())
+def test_a_mistake_in_a_file_names_file_and_key(write: Write, added: str, message: str) -> None:
+    with pytest.raises(ScenarioError, match=message):
+        cosim.load(write(added))
+
+
+WRONG_SET = {
+    "unknown key": (
+        "loop.dration=1",
+        r"`--set loop.dration`: .* not a known key\nhint: did you mean `duration`",
+    ),
+    "wrong type": (
+        "loop.substeps=1.5",
+        r"`--set loop.substeps`: .* `1.5` \(a number\), it must be an integer",
+    ),
+    "text for a number": (
+        "loop.step=fast",
+        r"`--set loop.step`: .* `'fast'` \(a text\), it must be a number",
+    ),
+    "Boolean for a number": ("loop.step=true", r"`true` \(true or false\), it must be a number"),
+    "no value": ("loop.step", "is not of the form KEY=VALUE"),
+    "unknown section": ("controler.gain=1", "no such key in a scenario\nhint: did you mean `controller.`"),
+    "unknown wire": (
+        "wire.controller.on.noise=1",
+        "has no wire `controller.on`\nhint: did you mean `wire.controller.in`",
+    ),
+    "unknown wire key": ("wire.controller.in.nose=1", "not a known key\nhint: did you mean `noise`"),
+    "not on the grid": (
+        "loop.duration=0.0505",
+        "it must be a multiple of `loop.step` = `0.001` s\nhint: the nearest is 0.05 s",
+    ),
+    "not finite": ("loop.step=nan", "it must be positive and finite"),
+    "negative": ("loop.duration=-1", "it must be positive and finite"),
+    "delay": ("loop.compute_delay=2", "is `2`, it must be `0` or `1`"),
+    "order": ("loop.order=plant_first", "it must be `controller_first`"),
+    "negative noise": ("wire.controller.in.noise=-1", "it must be finite and not negative"),
+    "negative delay": ("wire.controller.in.delay=-1", "it must not be negative"),
+    "seed": ("loop.seed=-1", "it must not be negative"),
+}
+
+
+@pytest.mark.parametrize(("override", "message"), WRONG_SET.values(), ids=WRONG_SET.keys())
+def test_a_mistake_in_an_override_names_the_override(write: Write, override: str, message: str) -> None:
+    with pytest.raises(ScenarioError, match=message):
+        cosim.load(write(), set=[override])
+
+
+def test_a_circle_of_files_is_refused(write: Write) -> None:
+    write(name="a.toml", text='extends = "b.toml"\n')
+    write(name="b.toml", text='extends = "a.toml"\n')
+    with pytest.raises(
+        ScenarioError, match=r"`extends` = `b.toml` leads back|`extends` = `a.toml` leads back"
+    ):
+        cosim.load("a.toml")
+
+
+WRONG_NAMES = {
+    "wire from": ("wire.controller.in.from=plant.y", "has no reading `y`"),
+    "wire from the wrong side": ("wire.controller.in.from=controller.out", "takes a `plant.` reading"),
+    "command from the plant": ("wire.plant.u.from=plant.x", "takes a `controller.` output"),
+    "wire to": ("wire.controller.in.to=controller.inn", r"no variable `inn`\nhint: did you mean `in`"),
+    "wire to an output": ("wire.controller.in.to=controller.out", "no input and no tunable parameter"),
+    "wire to a command": ("wire.plant.u.to=plant.v", "has no command `v`"),
+    "wire from a text": ("wire.plant.u.from=controller.label_out", "is no numeric output"),
+    "wire to nowhere": ("wire.plant.u.to=nowhere", "`to` = `nowhere`, it must be `controller.<input>` or"),
+    "substeps": ("loop.substeps=2", "do not fill `loop.step` = `0.001` s\nhint: set `loop.substeps = 1`"),
+    "stop_when": ("loop.stop_when=plant.y > 1", "names `plant.y`, which is no column"),
+}
+
+
+@pytest.mark.parametrize(("override", "message"), WRONG_NAMES.values(), ids=WRONG_NAMES.keys())
+def test_a_wrong_name_is_found_before_the_run(write: Write, override: str, message: str) -> None:
+    scenario = cosim.load(write(), set=[override])
+    with pytest.raises(CosimError, match=message) as caught:
+        cosim.run(scenario)
+    assert "lag.toml" in caught.value.message or "--set" in caught.value.message
