@@ -1,6 +1,7 @@
 //! What a shared library offers: its files and its instances.
 
 use crate::documentation;
+use crate::hash::GUID;
 use crate::instance::{Instance, Slave};
 use crate::logger::Logger;
 use crate::model::{Info, Model};
@@ -23,24 +24,25 @@ pub trait Factory: Sync {
 
 /// The export of one model; made once by [`export!`](crate::export).
 pub struct Export<M: Model> {
-    shared: OnceLock<Shared>,
+    /// Kept inline: what a library has allocated for itself is lost when it is unloaded.
+    guid: OnceLock<[u8; GUID]>,
+    /// Made only for packers; importers never ask for it.
+    files: OnceLock<Files>,
     model: PhantomData<fn() -> M>,
 }
 
-/// What all instances share, derived from the table on first use.
-struct Shared {
-    guid: String,
-    files: [(&'static str, CString); 2],
+/// The generated files by their paths, and the list of the paths.
+struct Files {
+    texts: [(&'static str, CString); 2],
     list: CString,
-    index: Index,
 }
 
 /// Rows and elements behind the value references.
-pub struct Index {
+pub struct Index<V: 'static> {
     /// Row and element of each value reference.
-    pub entries: Vec<(usize, usize)>,
-    /// Value references of the Reals that the model writes.
-    pub computed: Vec<u32>,
+    pub entries: Vec<(&'static Variable<V>, usize)>,
+    /// Those of the Reals that the model writes.
+    pub computed: Vec<(&'static Variable<V>, usize)>,
 }
 
 impl<M: Model> Default for Export<M> {
@@ -54,37 +56,36 @@ impl<M: Model> Export<M> {
     pub const fn new() -> Self {
         check(M::VARIABLES);
         check_info(&M::INFO);
-        Self { shared: OnceLock::new(), model: PhantomData }
+        Self { guid: OnceLock::new(), files: OnceLock::new(), model: PhantomData }
     }
 
-    pub(crate) fn index(&self) -> &Index {
-        &self.shared().index
-    }
-
-    fn shared(&self) -> &Shared {
-        self.shared.get_or_init(|| {
-            let (description, guid) = model_description::write::<M>();
-            let files = [
-                ("modelDescription.xml", c_string(description)),
+    fn files(&self) -> &Files {
+        self.files.get_or_init(|| {
+            let texts = [
+                ("modelDescription.xml", c_string(model_description::write::<M>().0)),
                 ("documentation/index.html", c_string(documentation::write::<M>())),
             ];
-            let list = c_string(files.each_ref().map(|(path, _)| *path).join("\n"));
-            Shared { guid, files, list, index: index(M::VARIABLES) }
+            let list = c_string(texts.each_ref().map(|(path, _)| *path).join("\n"));
+            Files { texts, list }
         })
     }
 }
 
 impl<M: Model> Factory for Export<M> {
     fn guid(&self) -> &str {
-        &self.shared().guid
+        let guid = self.guid.get_or_init(|| {
+            let (_, guid) = model_description::write::<M>();
+            guid.into_bytes().try_into().expect("a GUID has 36 characters")
+        });
+        std::str::from_utf8(guid).expect("a GUID is hexadecimal")
     }
 
     fn file(&self, path: &str) -> Option<&CStr> {
-        let shared = self.shared();
+        let files = self.files();
         if path.is_empty() {
-            return Some(&shared.list);
+            return Some(&files.list);
         }
-        shared.files.iter().find(|(name, _)| *name == path).map(|(_, text)| text.as_c_str())
+        files.texts.iter().find(|(name, _)| *name == path).map(|(_, text)| text.as_c_str())
     }
 
     fn instantiate(&'static self, resources: Option<PathBuf>, logger: Logger) -> Box<dyn Slave> {
@@ -92,13 +93,15 @@ impl<M: Model> Factory for Export<M> {
     }
 }
 
-fn index<V>(table: &'static [Variable<V>]) -> Index {
-    let entries = table.iter().enumerate().flat_map(|(i, row)| (0..row.len()).map(move |element| (i, element)));
-    let computed = elements(table).zip(0..).filter(|((row, _), _)| {
-        let written = matches!(row.role(), Role::Output | Role::Local | Role::Calculated);
-        written && matches!(row.kind, Kind::Real { .. })
-    });
-    Index { computed: computed.map(|(_, reference)| reference).collect(), entries: entries.collect() }
+impl<V> Index<V> {
+    pub fn new(table: &'static [Variable<V>]) -> Self {
+        let computed = |row: &Variable<V>| {
+            matches!(row.kind, Kind::Real { .. }) && matches!(row.role(), Role::Output | Role::Local | Role::Calculated)
+        };
+        let entries: Vec<_> = elements(table).collect();
+        let computed = entries.iter().copied().filter(|(row, _)| computed(row)).collect();
+        Self { entries, computed }
+    }
 }
 
 const fn check_info(info: &Info) {

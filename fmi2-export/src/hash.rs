@@ -13,6 +13,9 @@ pub const fn fnv1a(mut seed: u128, bytes: &[u8]) -> u128 {
 /// The offset basis of FNV-1a-128.
 pub const OFFSET: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
 
+/// Number of characters of a [`guid`].
+pub const GUID: usize = 36;
+
 /// A hash as 8-4-4-4-12 hexadecimal digits, without braces: importers make folders of it.
 pub fn guid(hash: u128) -> String {
     let digits = format!("{hash:032x}");

@@ -2,7 +2,7 @@
 
 use crate::access::{Refusal, Scalar, Value};
 use crate::clock::{Clock, MAX_TICKS};
-use crate::export::{Export, Factory, c_string};
+use crate::export::{Export, Factory, Index, c_string};
 use crate::logger::{Category, Logger};
 use crate::model::{Env, Model, Start};
 use crate::phase::{Function, Phase, Status};
@@ -72,6 +72,7 @@ type SnapshotOf<M> = Snapshot<<M as Model>::Vars, <M as Model>::State>;
 /// An instance of the model `M`.
 pub struct Instance<M: Model> {
     export: &'static Export<M>,
+    index: Index<M::Vars>,
     resources: Option<PathBuf>,
     logger: Logger,
     now: SnapshotOf<M>,
@@ -81,7 +82,7 @@ pub struct Instance<M: Model> {
 
 impl<M: Model> Instance<M> {
     pub fn new(export: &'static Export<M>, resources: Option<PathBuf>, logger: Logger) -> Self {
-        Self { export, resources, logger, now: fresh::<M>(), strings: Vec::new() }
+        Self { export, index: Index::new(M::VARIABLES), resources, logger, now: fresh::<M>(), strings: Vec::new() }
     }
 
     /// The only way through every call: phase check, message, error phase.
@@ -99,11 +100,10 @@ impl<M: Model> Instance<M> {
 
     /// Row and element of a value reference.
     fn entry(&self, reference: u32) -> Result<(&'static Variable<M::Vars>, usize), Refusal> {
-        let entries = &self.export.index().entries;
-        match entries.get(reference as usize) {
-            Some(&(row, element)) => Ok((&M::VARIABLES[row], element)),
+        match self.index.entries.get(reference as usize) {
+            Some(&entry) => Ok(entry),
             None => {
-                let last = entries.len() - 1;
+                let last = self.index.entries.len() - 1;
                 Err(Refusal::error(format!("there is no variable with the value reference {reference} (0 .. {last})")))
             }
         }
@@ -168,7 +168,7 @@ impl<M: Model> Instance<M> {
         };
         check_step(running, experiment.stop, time, step)?;
         let vars = &mut self.now.vars;
-        let bases: Vec<_> = self.now.slopes.drain(..).map(|slope| Slope::new(self.export, vars, slope)).collect();
+        let bases: Vec<_> = self.now.slopes.drain(..).map(|slope| Slope::new(&self.index, vars, slope)).collect();
         let here = running.clock;
         for tick in running.clock.advance(step) {
             bases.iter().for_each(|slope| slope.apply(vars, here.until(tick)));
@@ -183,10 +183,9 @@ impl<M: Model> Instance<M> {
 
     /// No NaN leaves an FMU: names the first value that is not finite.
     fn check_computed(&self) -> Result<(), Refusal> {
-        for &reference in &self.export.index().computed {
-            let value: f64 = self.get(reference)?;
+        for &(row, element) in &self.index.computed {
+            let value = <f64 as Scalar<M::Vars>>::read(row, &self.now.vars, element).unwrap_or_default();
             if !value.is_finite() {
-                let (row, element) = self.entry(reference)?;
                 return Err(Refusal::error(format!("the model computed `{}` = {value}", row.element_name(element))));
             }
         }
@@ -196,9 +195,8 @@ impl<M: Model> Instance<M> {
     /// Puts start values where a failed step left numbers that are not finite.
     fn make_finite(&mut self) {
         let start = fresh::<M>().vars;
-        for &reference in &self.export.index().computed {
-            let (row, element) = self.export.index().entries[reference as usize];
-            if let Kind::Real { get, set, .. } = M::VARIABLES[row].kind
+        for &(row, element) in &self.index.computed {
+            if let Kind::Real { get, set, .. } = row.kind
                 && !get(&self.now.vars, element).is_finite()
             {
                 set(&mut self.now.vars, element, get(&start, element));
@@ -232,8 +230,7 @@ impl<M: Model> Instance<M> {
 
     /// Restored bytes may hold any numbers: takes only such as the instance could have reached.
     fn check_restored(&self, restored: &SnapshotOf<M>) -> Result<(), Refusal> {
-        for &(row, element) in &self.export.index().entries {
-            let row = &M::VARIABLES[row];
+        for &(row, element) in &self.index.entries {
             if let Some(value) = <f64 as Scalar<M::Vars>>::read(row, &restored.vars, element) {
                 value.verify(row, element)?;
             }
@@ -244,7 +241,7 @@ impl<M: Model> Instance<M> {
 }
 
 /// A Real input that is extrapolated inside a step.
-struct Slope<V> {
+struct Slope<V: 'static> {
     set: fn(&mut V, usize, f64),
     element: usize,
     base: f64,
@@ -252,9 +249,9 @@ struct Slope<V> {
 }
 
 impl<V> Slope<V> {
-    fn new<M: Model<Vars = V>>(export: &Export<M>, vars: &V, (reference, slope): (u32, f64)) -> Self {
-        let (row, element) = export.index().entries[reference as usize];
-        match M::VARIABLES[row].kind {
+    fn new(index: &Index<V>, vars: &V, (reference, slope): (u32, f64)) -> Self {
+        let (row, element) = index.entries[reference as usize];
+        match row.kind {
             Kind::Real { get, set, .. } => Self { set, element, base: get(vars, element), slope },
             _ => unreachable!("derivatives are accepted for Real inputs only"),
         }

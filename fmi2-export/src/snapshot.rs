@@ -1,7 +1,7 @@
 //! The whole state of an instance, and its form as bytes.
 
 use crate::clock::Clock;
-use crate::hash;
+use crate::hash::{self, GUID};
 use crate::phase::Phase;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
@@ -35,7 +35,6 @@ pub struct Experiment {
 }
 
 const MAGIC: &[u8; 8] = b"FMU2ST\x01\n";
-const GUID: usize = 36;
 const LENGTH: usize = 8;
 const HEADER: usize = MAGIC.len() + GUID + LENGTH;
 const CHECKSUM: usize = 16;

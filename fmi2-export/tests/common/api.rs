@@ -52,19 +52,24 @@ macro_rules! api {
 
             /// Loads a library and looks up every function.
             pub fn load(path: &Path) -> Self {
+                let mut fmu = Self::load_described(path, String::new());
+                fmu.description = fmu.file("modelDescription.xml").expect("an FMU describes itself");
+                fmu.guid = guid(&fmu.description);
+                fmu
+            }
+
+            /// The same for a library whose description is known, as it is to an importer: the library is not asked.
+            pub fn load_described(path: &Path, description: String) -> Self {
                 // SAFETY: the library is an FMU built by cargo; the types are those of the headers.
                 unsafe {
                     let library = Library::new(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-                    let mut fmu = Self {
+                    Self {
                         $($field: *library.get(concat!(stringify!($symbol), "\0").as_bytes()).unwrap(),)+
                         export_file: *library.get(b"fmi2_export_file\0").unwrap(),
-                        guid: CString::default(),
-                        description: String::new(),
+                        guid: guid(&description),
+                        description,
                         _library: library,
-                    };
-                    fmu.description = fmu.file("modelDescription.xml").expect("an FMU describes itself");
-                    fmu.guid = CString::new(between(&fmu.description, "guid=\"", "\"")).unwrap();
-                    fmu
+                    }
                 }
             }
         }
@@ -134,6 +139,11 @@ impl Fmu {
     pub fn count(&self) -> u32 {
         self.description.matches("<ScalarVariable ").count() as u32
     }
+}
+
+fn guid(description: &str) -> CString {
+    let guid = description.split_once("guid=\"").map_or("", |(_, tail)| between(tail, "", "\""));
+    CString::new(guid).unwrap()
 }
 
 /// The text between the first `start` and the next `end`.
