@@ -121,7 +121,7 @@ impl Controller {
         self.aborted |= abort && (self.state.approaching() || matches!(self.state, State::Contact | State::Retract));
         let state = next(self.state, &events);
         if state != self.state {
-            self.leave(p, state, &events, reading, time);
+            self.enter(p, state, &events, reading, time);
             (self.state, self.ticks) = (state, 0);
         }
     }
@@ -183,8 +183,8 @@ impl Controller {
         }
     }
 
-    /// What happens once, on the way into `state`.
-    fn leave(&mut self, p: &Parameters, state: State, events: &Events, reading: &Reading, time: f64) {
+    /// What happens once, when `state` begins.
+    fn enter(&mut self, p: &Parameters, state: State, events: &Events, reading: &Reading, time: f64) {
         match (state, reading.position) {
             (State::Approach, Some(position)) => self.restart(p, position),
             (State::Contact, Some(position)) => {
@@ -200,6 +200,7 @@ impl Controller {
     /// Forgets the last approach and begins a new one at rest at `position` m.
     fn restart(&mut self, p: &Parameters, position: f64) {
         self.motion.start(position, &p.approach);
+        self.deviation.clear();
         self.detector.reset(position);
         self.guard = ForceGuard::default();
         (self.fault, self.aborted, self.touch) = (Fault::None, false, None);
@@ -207,7 +208,9 @@ impl Controller {
 
     /// Names the fault; retreats if the stage was approaching, and does not press on after a saturation.
     fn fail(&mut self, p: &Parameters, events: &Events, reading: &Reading) {
-        self.fault = events.fault.unwrap_or(Fault::None);
+        if let Some(fault) = events.fault {
+            self.fault = fault;
+        }
         if let (Fault::Saturation, Some(position)) = (self.fault, reading.position) {
             self.motion.reseat(position, self.observer.velocity());
         }

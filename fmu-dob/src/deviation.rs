@@ -34,6 +34,12 @@ impl MovingDeviation {
         deviation
     }
 
+    /// Forgets all forces.
+    pub fn clear(&mut self) {
+        self.past.fill(0.0);
+        (self.next, self.count, self.sum) = (0, 0, 0.0);
+    }
+
     /// Whether the window is full.
     pub fn full(&self) -> bool {
         self.count == self.past.len()
@@ -61,6 +67,17 @@ mod tests {
             assert!(filter.update(10.0).abs() < 1e-11, "tick {k}");
             assert_eq!(filter.full(), k >= 999);
         }
+    }
+
+    #[test]
+    fn a_cleared_filter_starts_again() {
+        let mut filter = MovingDeviation::new(4);
+        (0..9).for_each(|_| _ = filter.update(100.0));
+        filter.clear();
+        assert!(!filter.full());
+        assert_eq!(filter.update(3.0), 0.0);
+        assert_eq!(filter.update(5.0), 2.0);
+        assert_eq!(filter.update(4.0), 0.0);
     }
 
     #[test]

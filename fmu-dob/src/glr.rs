@@ -11,8 +11,10 @@ pub struct OnsetBank {
     sample_period: f64,
     /// innovation response s_n of the filter to a force ramp of 1 N/s, m
     template: Vec<f64>,
-    /// sum of s_i^2 up to the same age
-    energy: Vec<f64>,
+    /// energy E_n, the sum of s_i^2 up to the newest sample of the template
+    energy: f64,
+    /// 1 / (2 E_n), by age
+    weight: Vec<f64>,
     /// correlation T_n of the innovations with the template, by age
     correlation: Vec<f64>,
     built: usize,
@@ -26,7 +28,8 @@ impl OnsetBank {
         Self {
             sample_period: p.sample_period,
             template: vec![0.0; onsets],
-            energy: vec![0.0; onsets],
+            energy: 0.0,
+            weight: vec![0.0; onsets],
             correlation: vec![0.0; onsets],
             built: 0,
             error: PredictionError::zeros(),
@@ -36,14 +39,14 @@ impl OnsetBank {
     /// Builds one sample of the template per call, once the gain of the filter is constant.
     pub fn build(&mut self, filter: &KalmanFilter) {
         if !filter.settled() {
-            (self.built, self.error) = (0, PredictionError::zeros());
+            (self.built, self.energy, self.error) = (0, 0.0, PredictionError::zeros());
         } else if !self.ready() {
             let n = self.built;
             let force = (n as f64 + 0.5) * self.sample_period;
             let (response, error) = filter.error_step(&self.error, force);
-            let before = if n > 0 { self.energy[n - 1] } else { 0.0 };
+            self.energy += response * response;
             self.template[n] = response;
-            self.energy[n] = before + response * response;
+            self.weight[n] = 0.5 / self.energy;
             (self.built, self.error) = (n + 1, error);
         }
     }
@@ -65,11 +68,11 @@ impl OnsetBank {
         self.correlation.copy_within(..last, 1);
         self.correlation[0] = 0.0;
         let mut largest = 0.0;
-        for ((t, s), energy) in self.correlation.iter_mut().zip(&self.template).zip(&self.energy) {
+        for ((t, s), weight) in self.correlation.iter_mut().zip(&self.template).zip(&self.weight) {
             *t += s * innovation;
-            largest = f64::max(largest, t.max(0.0) * *t / energy);
+            largest = f64::max(largest, t.max(0.0) * *t * weight);
         }
-        0.5 * largest / (sigma * sigma)
+        largest / (sigma * sigma)
     }
 }
 
@@ -92,9 +95,9 @@ mod tests {
     #[test]
     fn matched_ramp_collects_all_its_energy() {
         let mut bank = ready_bank();
-        let (sigma, slope) = (1e-9, 20.0);
+        let (sigma, slope) = (1e-9f64, 20.0);
         let ages = 120;
-        let expected = slope * slope * bank.energy[ages - 1] / (2.0 * sigma * sigma);
+        let expected = (slope / sigma).powi(2) * bank.template[..ages].iter().map(|s| s * s).sum::<f64>() / 2.0;
         let response: Vec<f64> = bank.template[..ages].iter().map(|s| slope * s).collect();
         let ratio = response.iter().map(|nu| bank.update(*nu, sigma)).last();
         assert!((ratio.unwrap() / expected - 1.0).abs() < 1e-9);

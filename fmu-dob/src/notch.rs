@@ -71,13 +71,6 @@ impl NotchCascade {
         }
     }
 
-    /// Sets all past values to `force` (N), the steady state of a constant force.
-    pub fn preload(&mut self, force: f64) {
-        for section in &mut self.sections {
-            (section.x, section.y) = ([force; 2], [force; 2]);
-        }
-    }
-
     /// Filters one sample of force (N) at the spindle speed (rad/s); 0 passes everything.
     pub fn update(&mut self, force: f64, spindle_speed: f64) -> f64 {
         let speed = spindle_speed.abs();
@@ -146,7 +139,7 @@ mod tests {
     #[test]
     fn speed_change_makes_no_bump() {
         let mut notch = cascade();
-        notch.preload(2.0);
+        (0..5000).for_each(|_| _ = notch.update(2.0, SPEED));
         let speeds = [SPEED, 0.9 * SPEED, 0.0, 2.0 * SPEED, 100.0, SPEED];
         for k in 0..6000 {
             let y = notch.update(2.0, speeds[k / 1000]);

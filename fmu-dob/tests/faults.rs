@@ -149,6 +149,10 @@ fn saturation_for_more_than_fifty_samples() {
     assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::Saturation));
     assert_eq!(run.output.reference.velocity, 0.0);
     assert!(finite(&run.output) && run.output.tracking_error.abs() < 20e-9, "{:?}", run.output);
+    // the 300 N are forgotten at the next start
+    run.step_with(|input| input.start = false);
+    run.step();
+    assert!(run.output.state == State::Approach && run.run_to(State::Detect, 9.0), "{:?}", run.output);
 }
 
 #[test]
