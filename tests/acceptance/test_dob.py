@@ -193,3 +193,26 @@ def test_force_guard_in_200_contacts_while_learning() -> None:
     results = runs("dob/contact-while-learning", MANY)
     assert values(results, "detected").all()
     assert values(results, "depth").max() <= 1.5e-6
+
+
+@pytest.mark.full
+@pytest.mark.parametrize(
+    ("mode", "least", "most"),
+    [
+        # overlapping windows are not independent: the paper's logic expects 1e-6 per hour
+        (("detector=Slope", "threshold.mode=Fixed", "threshold.alpha=4"), 40.0, 200.0),
+        ((), 0.0, 2.0),
+    ],
+    ids=["paper", "default"],
+)
+def test_false_alarms_in_one_hour_of_noise(mode: Sequence[str], least: float, most: float) -> None:
+    changes = [f"controller.{change}" for change in mode]
+    changes += ["loop.duration=20.77", "loop.stop_when=controller.contact"]
+    seeds = iter(range(70_001, 80_000))
+    armed, alarms = 0.0, 0.0
+    # every run learns afresh, watches for 20 s and ends with the first alarm
+    while armed < 3600.0:
+        batch = runs("dob/noise-only", tuple(next(seeds) for _ in range(60)), *changes)
+        armed += values(batch, "armed").sum()
+        alarms += values(batch, "detected").sum()
+    assert least <= alarms * 3600.0 / armed <= most

@@ -144,10 +144,10 @@ def test_spindle_force_has_its_two_lines() -> None:
 
 
 def test_a_free_mass_accelerates_with_force_over_mass() -> None:
-    plant = slide(workpiece=False, current_bandwidth=1e5)
+    plant = slide(mass=4.0, workpiece=False, current_bandwidth=1e5)
     truth = run(plant, 0.5, 1000)
-    assert truth["velocity"][-1] == pytest.approx(0.5 * 20.0 / 10.0 * 0.1, rel=1e-4)
-    assert truth["position"][-1] == pytest.approx(0.5 * 1.0 * 0.1**2, rel=1e-3)
+    assert truth["velocity"][-1] == pytest.approx(0.5 * 20.0 / 4.0 * 0.1, rel=1e-4)
+    assert truth["position"][-1] == pytest.approx(0.5 * 2.5 * 0.1**2, rel=1e-3)
 
 
 def test_a_free_mass_drifts_at_constant_speed() -> None:
@@ -266,6 +266,40 @@ def test_start_and_surface_are_drawn_within_their_ranges() -> None:
     assert 2e-4 <= min(distances) < 2.2e-4 < 2.8e-4 < max(distances) <= 3e-4
 
 
+def test_balancer_leaves_a_weight_of_either_sign() -> None:
+    plant = Slide(replace(QUIET, balancer_residual=0.5))
+    weights = []
+    for seed in range(100):
+        plant.reset(seed, 0.01)
+        weights.append(plant.truth()[[channel.name for channel in plant.truths].index("disturbance")])
+    assert -0.5 <= min(weights) < -0.4 < 0.4 < max(weights) <= 0.5
+
+
+def test_two_substeps_are_two_steps() -> None:
+    one, two = Slide(), Slide()
+    one.reset(9, 0.1)
+    two.reset(9, 0.1)
+    for _ in range(200):
+        one.sense()
+        one.command(np.array([0.2]))
+        one.advance(2)
+        for _ in range(2):
+            two.sense()
+            two.command(np.array([0.2]))
+            two.advance(1)
+    assert one.sense().tobytes() == two.sense().tobytes()
+    assert one.truth().tobytes() == two.truth().tobytes()
+
+
+def test_a_reset_forgets_the_command() -> None:
+    plant = slide(workpiece=False)
+    run(plant, 1.0, 10)
+    plant.reset(1, 0.1)
+    plant.sense()
+    plant.advance(10)
+    assert plant.sense()[0] == 0.0
+
+
 @pytest.mark.parametrize("substeps", [1, 5])
 def test_substeps_agree(substeps: int) -> None:
     # a push into the surface, noise off: 100 us ticks of 1, 2 or 5 plant steps
@@ -329,8 +363,13 @@ def test_a_state_that_is_not_finite_is_an_error() -> None:
 
 
 def test_advance_needs_sense() -> None:
+    plant = slide()
     with pytest.raises(PlantError, match="`advance` before `sense`"):
-        slide().advance(1)
+        plant.advance(1)
+    plant.sense()
+    plant.advance(1)
+    with pytest.raises(PlantError, match="`advance` before `sense`"):
+        plant.advance(1)
 
 
 def test_registry() -> None:
