@@ -26,7 +26,7 @@ COULD_NOT_RUN = 2
 INTERRUPTED = 130
 """Exit code: Ctrl-C."""
 ENGINES = ("reference",)
-WIDTH_IN_FILES = 120
+WIDTH_IN_FILES = 132
 """Columns of tables that do not go to a terminal."""
 
 app = typer.Typer(

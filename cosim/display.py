@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 import typing
 from collections.abc import Iterable
 from typing import Any
 
 from rich.console import Group, RenderableType
-from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
@@ -72,13 +72,23 @@ def variable_table(variables: list[Variable], given: dict[str, Any]) -> Table:
     for variable in variables:
         value = given.get(variable.name)
         start = start_text(variable)
-        shown = Text(start) if value is None else Text(f"{shorten(value)} (default {start})", style="bold")
-        table.add_row(variable.name, shown, variable.unit, range_text(variable), variable.description)
+        table.add_row(
+            variable.name, value_text(value, start), variable.unit, range_text(variable), variable.description
+        )
     return table
+
+
+def value_text(given: Any, default: str) -> Text:
+    """Value in use; one that differs from the default is bold and shows both."""
+    if given is None or shorten(given) == default:
+        return Text(default)
+    return Text(f"{shorten(given)} (default {default})", style="bold")
 
 
 def start_text(variable: Variable) -> str:
     """Start value, enumerations by name."""
+    if variable.kind == "Real" and variable.start:
+        return f"{float(variable.start):g}"
     names = {str(number): name for name, number in variable.items}
     return names.get(variable.start, variable.start)
 
@@ -92,7 +102,8 @@ def range_text(variable: Variable) -> str:
 
 def limits_text(minimum: Any, maximum: Any) -> str:
     """Two limits, of which any may be missing."""
-    low, high = ("" if limit in (None, "") else f"{float(limit):g}" for limit in (minimum, maximum))
+    known = [limit not in (None, "") and math.isfinite(float(limit)) for limit in (minimum, maximum)]
+    low, high = (f"{float(limit):g}" if k else "" for k, limit in zip(known, (minimum, maximum), strict=True))
     return f"{low} .. {high}" if low or high else ""
 
 
@@ -103,9 +114,9 @@ def parameter_table(plant: Plant, given: dict[str, Any]) -> Table:
         default = field.default
         if field.default_factory is not dataclasses.MISSING:
             default = field.default_factory()
-        shown = Text("required" if default is dataclasses.MISSING else shorten(default))
-        if field.name in given:
-            shown = Text(f"{shorten(given[field.name])} (default {shown.plain})", style="bold")
+        shown = value_text(
+            given.get(field.name), "required" if default is dataclasses.MISSING else shorten(default)
+        )
         meta = field.metadata
         table.add_row(
             field.name,
@@ -127,7 +138,7 @@ def channel_table(channels: tuple[Channel, ...]) -> Table:
             channel.unit,
             text(channel.noise, channel.unit) if channel.noise else "",
             text(channel.quantum, channel.unit) if channel.quantum else "",
-            limits_text(finite(channel.minimum), finite(channel.maximum)),
+            limits_text(channel.minimum, channel.maximum),
             channel.description,
         )
     return table
@@ -146,7 +157,8 @@ def wire_table(found: Scenario) -> Table:
         table.add_row(wire.to, wire.source, ", ".join(options))
     for signal in found.signal:
         course = ", ".join(
-            f"{value} from {time:g} s" for time, value in zip(signal.times, signal.values, strict=False)
+            f"{shorten(value)} from {time:g} s"
+            for time, value in zip(signal.times, signal.values, strict=False)
         )
         table.add_row(signal.to, "signal", course)
     for entry in found.inject:
@@ -239,9 +251,6 @@ def heading(title: str) -> Text:
 
 def shorten(value: Any) -> str:
     """Value of a parameter as text."""
-    return f"{value:g}" if isinstance(value, float) else escape(str(value))
-
-
-def finite(value: float) -> float | None:
-    """Value, or None if it is infinite."""
-    return value if abs(value) != float("inf") else None
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f"{value:g}" if isinstance(value, float) else str(value)

@@ -80,8 +80,7 @@ class Instance:
         self.outputs = banks(outputs)
         self.messages = Messages(file.name)
         self.slave = load_library(file)
-        self.used = False
-        self.dead = False
+        self.used = self.running = self.dead = False
         with self.errors("instantiate the FMU"):
             self.slave.instantiate(callbacks=self.messages.callbacks, loggingOn=log_events)
         self._setters = [self._mover("Set", bank) for bank in self.inputs]
@@ -113,7 +112,7 @@ class Instance:
         if self.used:
             with self.errors("reset the FMU"):
                 self.slave.reset()
-        self.used = True
+        self.used, self.running = True, False
         with self.errors("set up the experiment"):
             self.slave.setupExperiment(startTime=0.0)
         for variable, value in expand(self.file.variables, parameters):
@@ -123,6 +122,7 @@ class Instance:
         with self.errors("the FMU refused its parameters"):
             self.slave.enterInitializationMode()
             self.slave.exitInitializationMode()
+        self.running = True
         self.get()
 
     def read(self, variable: Variable) -> float:
@@ -168,13 +168,13 @@ class Instance:
 
     def close(self) -> None:
         """Terminate and free the instance; errors on this way out are of no interest."""
+        if not self.dead and self.slave.component is not None:
+            if self.running:
+                with contextlib.suppress(FMICallException):
+                    self.slave.terminate()
+            self.slave.freeInstance()
+            self.slave.component = None
         self.messages.close()
-        if self.dead or self.slave.component is None:
-            return
-        with contextlib.suppress(FMICallException):
-            self.slave.terminate()
-        self.slave.freeInstance()
-        self.slave.component = None
 
     def __enter__(self) -> Instance:
         return self

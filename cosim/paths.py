@@ -59,8 +59,10 @@ def list_scenarios() -> Iterator[tuple[str, Path]]:
     """Name and file of every scenario in the folders, sorted; a name found twice is the first one's."""
     seen: set[str] = set()
     for folder in scenario_folders():
-        for file in sorted(folder.glob("**/*.toml")):
-            name = file.relative_to(folder).with_suffix("").as_posix()
+        names = {
+            file.relative_to(folder).with_suffix("").as_posix(): file for file in folder.glob("**/*.toml")
+        }
+        for name, file in sorted(names.items()):
             if name not in seen:
                 seen.add(name)
                 yield name, file

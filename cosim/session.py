@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
+import logging
 import multiprocessing
 import time
 from collections.abc import Iterator, Sequence
@@ -21,6 +22,8 @@ from cosim.loop import Progress
 from cosim.result import Result
 from cosim.scenario import Scenario
 from cosim.wiring import child
+
+log = logging.getLogger("cosim")
 
 TIMESTEP_TOLERANCE = 1e-9
 
@@ -42,6 +45,7 @@ class Session:
             self.plant = plant.build(scenario.plant.name, scenario.plant.parameters, scenario.folder)
             check_timestep(scenario, self.plant.timestep)
             inputs = driven(scenario, self.file)
+            tell_idle(scenario, self.plant)
             self.fmu = Instance(self.file, inputs, trace.numeric_outputs(self.file), log_events)
             try:
                 self._compile()
@@ -164,7 +168,7 @@ def run_many(
         except BrokenProcessPool:
             raise CosimError(
                 f"a worker process died while it ran `{scenario.name}`",
-                "the FMU or the plant crashed it: `run_many(..., workers=1)` finds the seed",
+                '`workers=1` shows which seed crashes; a script needs `if __name__ == "__main__":` around its calls',
             ) from None
 
 
@@ -188,6 +192,14 @@ def run_in_worker(seed: int) -> Result:
 def without_trace(result: Result, keep_trace: bool) -> Result:
     """Return the result as it is kept."""
     return result if keep_trace else dataclasses.replace(result, trace=None)
+
+
+def tell_idle(scenario: Scenario, driven_plant: plant.Plant) -> None:
+    """Log the commands that nothing drives."""
+    written = {wire.to for wire in scenario.wire} | {signal.to for signal in scenario.signal}
+    for channel in driven_plant.commands:
+        if f"plant.{channel.name}" not in written:
+            log.info("nothing drives `plant.%s`, it stays 0", channel.name)
 
 
 def check_timestep(scenario: Scenario, timestep: float) -> None:

@@ -1,0 +1,67 @@
+"""The examples of the harness's README are true."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from pathlib import Path
+
+import cosim
+from cosim.functions import ROWWISE, TIMES, WHOLE
+
+README = (Path(cosim.__file__).parent / "README.md").read_text(encoding="utf-8")
+
+
+def blocks(language: str) -> list[str]:
+    return re.findall(rf"```{language}\n(.*?)```", README, re.DOTALL)
+
+
+def test_the_scenario_loads_and_shows_every_key(folder: Path) -> None:
+    (folder / "readme.toml").write_text(blocks("toml")[0])
+    scenario = cosim.load("readme.toml")
+    assert scenario.loop.steps == 10_000
+    raw = tomllib.loads(blocks("toml")[0])
+    assert set(raw["loop"]) == set(cosim.scenario.Loop.__dataclass_fields__)
+    shown = set(raw["wire"][0])
+    assert shown == {"from", "to", "scale", "offset", "delay", "noise", "quantum", "minimum", "maximum"}
+    assert set(raw["plot"]) == set(cosim.scenario.Plot.__dataclass_fields__)
+
+
+def test_all_functions_are_listed() -> None:
+    for name in [*ROWWISE, *WHOLE, *TIMES]:
+        assert re.search(rf"\b{name}\b", README), name
+
+
+def test_the_plant_of_the_readme_runs(folder: Path) -> None:
+    (folder / "tank.py").write_text(blocks("python")[1])
+    text = """
+title = "Tank"
+[loop]
+step = 0.1
+duration = 5.0
+[controller]
+fmu = "probe"
+[controller.parameters]
+gain = -0.05
+bias = [0.05, 0.0]
+[plant]
+name = "tank:Tank"
+[[wire]]
+from = "plant.level"
+to = "controller.in"
+[[wire]]
+from = "controller.out"
+to = "plant.inflow"
+[[metric]]
+name = "level"
+value = "last(plant.level)"
+[[criterion]]
+id = "level"
+claim = "fills to 1 m"
+metric = "level"
+minimum = 0.85
+maximum = 1.0
+"""
+    (folder / "tank.toml").write_text(text)
+    result = cosim.run(cosim.load("tank.toml"))
+    assert result.passed, result.metrics
