@@ -31,12 +31,8 @@ class Place:
 
 @dataclass(frozen=True)
 class Link:
-    """One wire, ready to carry values.
+    """One wire, ready to carry values."""
 
-    `source` is the place among the FMU's outputs, or among the readings of a step.
-    """
-
-    wire: Wire
     source: Place
     target: Place
     shape: Shape
@@ -63,12 +59,14 @@ class Fault:
 
 @dataclass(frozen=True)
 class Links:
-    """All connections of a run."""
+    """All connections of a run; `sensed` takes the ideal readings of a step."""
 
+    sensed: NDArray[np.float64]
     readings: list[Link]
     drives: list[Drive]
-    faults: list[Fault]
+    input_faults: list[Fault]
     outputs: list[Link]
+    command_faults: list[Fault]
 
 
 def driven(scenario: Scenario, file: FmuFile) -> list[Variable]:
@@ -125,10 +123,11 @@ class Connector:
                     readings.append(self.reading(wire))
                 else:
                     outputs.append(self.output(wire))
-        drives = [self.drive(signal) for signal in self.scenario.signal]
-        return Links(
-            readings, [*drives, *self.holds()], [self.fault(entry) for entry in self.scenario.inject], outputs
-        )
+        drives = [*(self.drive(signal) for signal in self.scenario.signal), *self.holds()]
+        faults: dict[bool, list[Fault]] = {True: [], False: []}
+        for injection in self.scenario.inject:
+            faults[injection.to.startswith("controller.")].append(self.fault(injection))
+        return Links(self.sensed, readings, drives, faults[True], outputs, faults[False])
 
     def reading(self, wire: Wire) -> Link:
         """Wire from a reading of the plant to an input of the FMU."""
@@ -139,7 +138,7 @@ class Connector:
             )
         index, channel = self.channel(self.readings, name, "reading")
         shape = shaper(wire, channel, True, noise(wire, channel, self.seed, self.scenario.loop.steps))
-        return Link(wire, Place(self.sensed, index, float), self.target(wire.to), shape, Delay(wire.delay))
+        return Link(Place(self.sensed, index, float), self.target(wire.to), shape, Delay(wire.delay))
 
     def output(self, wire: Wire) -> Link:
         """Wire from an output of the FMU to a command of the plant."""
@@ -162,7 +161,7 @@ class Connector:
         delay = Delay(wire.delay + loop.compute_delay)
         # before its first result arrives the plant gets what the initialised FMU puts out
         delay.prime(shape(float(source.array[source.index]), 0))
-        return Link(wire, source, target, shape, delay)
+        return Link(source, target, shape, delay)
 
     def drive(self, signal: Signal) -> Drive:
         """Signal to an input of the FMU or a command of the plant."""

@@ -7,7 +7,7 @@ import ctypes
 import os
 from collections.abc import Callable, Iterator
 from types import TracebackType
-from typing import Any, NoReturn
+from typing import Any
 
 import numpy as np
 from fmpy.fmi1 import FMICallException
@@ -152,19 +152,19 @@ class Instance:
         except FmuError:
             raise
         except FMICallException as error:
-            self.failed(action, error)
+            raise self.failure(action, error) from None
         except Exception as error:  # FMPy raises bare exceptions, for example when instantiation fails
             words = self.messages.take()
             raise FmuError(f"cannot {action} `{self.file.name}`: {words or error}") from None
         self.messages.take()
 
-    def failed(self, action: str, error: FMICallException) -> NoReturn:
-        """Raise for a failed FMI call; nothing may be called after fmi2Fatal."""
+    def failure(self, action: str, error: FMICallException) -> FmuError:
+        """Error that tells of a failed FMI call; after fmi2Fatal the instance is not touched again."""
         self.dead = error.status >= 4
         words = self.messages.take() or "the FMU logged no reason"
         status = STATUS.get(error.status, str(error.status))
         refused = action if action.startswith("the FMU") else f"cannot {action}"
-        raise FmuError(f"{refused}: {words} ({error.function} returned {status})") from None
+        return FmuError(f"{refused}: {words} ({error.function} returned {status})")
 
     def close(self) -> None:
         """Terminate and free the instance; errors on this way out are of no interest."""

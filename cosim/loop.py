@@ -8,8 +8,8 @@ import numpy as np
 from fmpy.fmi1 import FMICallException
 from numpy.typing import NDArray
 
-from cosim.connect import Connector, Links
-from cosim.errors import CosimError, FmuError, PlantError
+from cosim.connect import Connector, Fault, Link, Links
+from cosim.errors import CosimError, PlantError
 from cosim.expression import Expression
 from cosim.fmu import Instance
 from cosim.plant import Plant
@@ -89,25 +89,30 @@ def reset_plant(plant: Plant, scenario: Scenario, seed: np.random.SeedSequence) 
 
 def carry_readings(links: Links, plant: Plant, k: int) -> None:
     """Carry readings through their wires, then signals, then injections, into the inputs of the FMU."""
-    readings = plant.sense().tolist()
+    links.sensed[:] = plant.sense()
     for link in links.readings:
-        value = link.delay(link.shape(readings[link.source.index], k), k)
-        link.target.array[link.target.index] = link.target.convert(value)
+        carry(link, k)
     for drive in links.drives:
         drive.target.array[drive.target.index] = drive.target.convert(drive.course.item(k))
-    inject(links, k)
+    inject(links.input_faults, k)
 
 
 def carry_outputs(links: Links, k: int) -> None:
-    """Carry outputs of the FMU through their wires into the commands of the plant."""
+    """Carry outputs of the FMU through their wires, then injections, into the commands of the plant."""
     for link in links.outputs:
-        value = float(link.source.array[link.source.index])
-        link.target.array[link.target.index] = link.delay(link.shape(value, k), k)
+        carry(link, k)
+    inject(links.command_faults, k)
 
 
-def inject(links: Links, k: int) -> None:
+def carry(link: Link, k: int) -> None:
+    """Carry one value through its wire."""
+    value = link.shape(float(link.source.array[link.source.index]), k)
+    link.target.array[link.target.index] = link.target.convert(link.delay(value, k))
+
+
+def inject(faults: list[Fault], k: int) -> None:
     """Replace values that arrive by those of the injections that are active."""
-    for fault in links.faults:
+    for fault in faults:
         if fault.begin <= k < fault.end:
             fault.target.array[fault.target.index] = fault.value
 
@@ -116,10 +121,7 @@ def located(error: Exception, fmu: Instance, scenario: Scenario, k: int) -> Cosi
     """Error of a run with step and time, and with the FMU's own words if it was the FMU."""
     when = f"at t = {k * scenario.loop.step:.9g} s (step {k})"
     if isinstance(error, FMICallException):
-        try:
-            fmu.failed(f"the FMU failed {when}", error)
-        except FmuError as failure:
-            return failure
+        return fmu.failure(f"the FMU failed {when}", error)
     if isinstance(error, CosimError):
         return type(error)(f"{error.message} {when}", error.hint)
     return failed_plant(f"the plant `{scenario.plant.name}` failed {when}", error)

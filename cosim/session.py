@@ -166,10 +166,8 @@ def run_many(
         try:
             return list(pool.map(run_in_worker, seeds))
         except BrokenProcessPool:
-            raise CosimError(
-                f"a worker process died while it ran `{scenario.name}`",
-                '`workers=1` shows which seed crashes; a script needs `if __name__ == "__main__":` around its calls',
-            ) from None
+            hint = '`workers=1` shows the seed; a script needs `if __name__ == "__main__":` around its calls'
+            raise CosimError(f"a worker process died while it ran `{scenario.name}`", hint) from None
 
 
 _worker: list[tuple[Scenario, bool]] = []

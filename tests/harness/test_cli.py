@@ -79,6 +79,15 @@ def test_all_files_are_written(write: Write, folder: Path) -> None:
     assert (folder / "a.svg").read_text().startswith("<?xml")
 
 
+def test_the_same_seed_gives_the_same_bytes_in_two_processes(write: Write, folder: Path) -> None:
+    write()
+    noisy = ("--set", "wire.controller.in.noise=0.1", "--seed", "5")
+    for name in ("one.csv", "two.csv", "one.npz", "two.npz"):
+        assert cosim("run", "lag.toml", *noisy, "--trace", name).returncode == 0
+    assert (folder / "one.csv").read_bytes() == (folder / "two.csv").read_bytes()
+    assert (folder / "one.npz").read_bytes() == (folder / "two.npz").read_bytes()
+
+
 def test_options_win_over_overrides(write: Write) -> None:
     write()
     done = cosim("run", "lag.toml", "--set", "loop.seed=3", "--seed", "4", "--json", "-")

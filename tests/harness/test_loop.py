@@ -139,6 +139,18 @@ value = 1
     assert np.flatnonzero(column(result, "controller.flag")).tolist() == [20]
 
 
+def test_commands_can_be_injected(write: Write) -> None:
+    added = "".join(
+        f'[[inject]]\nto = "plant.{name}"\nfrom_time = 0.01\nto_time = 0.012\nvalue = 9.0\n'
+        for name in ("u", "extra")
+    )
+    result, plain = run(write(added)), run(write(name="plain.toml"))
+    assert column(result, "plant.u")[10:12].tolist() == [9.0, 9.0]
+    assert column(result, "plant.u")[:10].tolist() == column(plain, "plant.u")[:10].tolist()
+    assert np.flatnonzero(column(result, "plant.extra")).tolist() == [10, 11]
+    assert column(result, "plant.u")[12] == column(result, "controller.out")[11]
+
+
 def test_nan_can_be_injected(write: Write) -> None:
     added = '[[inject]]\nto = "controller.in"\nfrom_time = 0.01\nto_time = 0.011\nvalue = nan\n'
     with pytest.raises(
