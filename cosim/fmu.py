@@ -89,17 +89,8 @@ class Instance:
     def _mover(self, verb: str, bank: Bank) -> Callable[[], int]:
         """One FMI get or set call with its arguments bound."""
         function = getattr(self.slave, f"fmi2{verb}{bank.base}")
-        component, references, count, buffer = (
-            self.slave.component,
-            bank.references,
-            len(bank.variables),
-            bank.buffer,
-        )
-
-        def move() -> int:
-            return int(function(component, references, count, buffer))
-
-        return move
+        arguments = (self.slave.component, bank.references, len(bank.variables), bank.buffer)
+        return lambda: int(function(*arguments))
 
     def initialise(self, parameters: dict[str, Any]) -> None:
         """Give the start values and pass the initialisation mode; a used instance is reset before.
@@ -109,6 +100,10 @@ class Instance:
         FmuError
             Unknown variable, a value of the wrong type, or the FMU refused it (with the FMU's own words).
         """
+        if self.dead:
+            raise FmuError(
+                f"`{self.file.name}` has failed for good (fmi2Fatal), a new run needs a new instance"
+            )
         if self.used:
             with self.errors("reset the FMU"):
                 self.slave.reset()
@@ -123,7 +118,9 @@ class Instance:
             self.slave.enterInitializationMode()
             self.slave.exitInitializationMode()
         self.running = True
-        self.get()
+        # the arrays start with what the FMU holds
+        for bank in [*self.inputs, *self.outputs]:
+            self._mover("Get", bank)()
 
     def read(self, variable: Variable) -> float:
         """Read the present value of one variable as a number."""
@@ -160,7 +157,7 @@ class Instance:
 
     def failure(self, action: str, error: FMICallException) -> FmuError:
         """Error that tells of a failed FMI call; after fmi2Fatal the instance is not touched again."""
-        self.dead = error.status >= 4
+        self.running, self.dead = False, error.status >= 4
         words = self.messages.take() or "the FMU logged no reason"
         status = STATUS.get(error.status, str(error.status))
         refused = action if action.startswith("the FMU") else f"cannot {action}"

@@ -139,6 +139,17 @@ value = 1
     assert np.flatnonzero(column(result, "controller.flag")).tolist() == [20]
 
 
+def test_start_values_come_back_after_an_injection_in_every_run(write: Write) -> None:
+    pulse = '[[inject]]\nto = "controller.{0}"\nfrom_time = 0.01\nto_time = {2}\nvalue = {1}\n'
+    added = pulse.format("gain", 3.0, 0.02) + pulse.format("mode", 4, 1.0)
+    with cosim.Session(cosim.load(write(added), set=["controller.gain=0.5"])) as session:
+        for _ in range(2):
+            result = session.run()
+            ratio = column(result, "controller.out") / column(result, "controller.in")
+            assert ratio == pytest.approx([0.5] * 10 + [3.0] * 10 + [0.5] * 30)
+            assert column(result, "controller.mode_out").tolist() == [1.0] * 10 + [4.0] * 40
+
+
 def test_commands_can_be_injected(write: Write) -> None:
     added = "".join(
         f'[[inject]]\nto = "plant.{name}"\nfrom_time = 0.01\nto_time = 0.012\nvalue = 9.0\n'
@@ -224,6 +235,18 @@ def test_an_error_of_the_fmu_names_step_time_and_its_words(write: Write) -> None
 def test_nothing_is_called_after_a_fatal_error(write: Write) -> None:
     with pytest.raises(FmuError, match="fmi2Fatal"):
         run(write(), "controller.fatal_at=0")
+    with cosim.Session(cosim.load(write(), set=["controller.fatal_at=0"])) as session:
+        with pytest.raises(FmuError, match="fmi2Fatal"):
+            session.run()
+        with pytest.raises(FmuError, match="a new run needs a new instance"):
+            session.run()
+
+
+def test_a_session_goes_on_after_an_error(write: Write) -> None:
+    with cosim.Session(cosim.load(write(), set=["plant.fail_at=5"])) as session:
+        for _ in range(2):
+            with pytest.raises(PlantError, match=r"step 5"):
+                session.run()
 
 
 def test_an_output_that_is_not_finite_names_the_variable(write: Write) -> None:
