@@ -241,8 +241,7 @@ impl Detector {
         match &mut self.core {
             Core::Raw(monitor) | Core::Deviation(monitor) => monitor.test(p),
             Core::Slope => self.slope.test(p),
-            // every scale counts its own row
-            Core::MultiSlope(scales) => scales.iter_mut().fold(false, |hit, s| s.monitor.test(p) | hit),
+            Core::MultiSlope(scales) => scales.iter_mut().any(|s| s.monitor.test(p)),
             // a contact makes the stage lag behind its prediction
             Core::Cusum(inner) => {
                 let (innovation, sum) = &mut **inner;

@@ -70,7 +70,10 @@ impl OnsetBank {
         let mut largest = 0.0;
         for ((t, s), weight) in self.correlation.iter_mut().zip(&self.template).zip(&self.weight) {
             *t += s * innovation;
-            largest = f64::max(largest, t.max(0.0) * *t * weight);
+            let ratio = *t * t.abs() * weight;
+            if ratio > largest {
+                largest = ratio;
+            }
         }
         largest / (sigma * sigma)
     }

@@ -245,6 +245,16 @@ mod tests {
     }
 
     #[test]
+    fn a_new_speed_makes_a_new_gain() {
+        let (mut filter, _) = innovations(|_| 0.0);
+        let gain = filter.gain;
+        filter.update(Some(0.0), 0.0, 1.0005 * SPEED);
+        assert!(filter.settled() && filter.gain == gain);
+        filter.update(Some(0.0), 0.0, 1.1 * SPEED);
+        assert!(!filter.settled() && filter.gain != gain);
+    }
+
+    #[test]
     fn missing_positions_are_predicted() {
         let p = Parameters::DEFAULT;
         let mut filter = KalmanFilter::new(&p);

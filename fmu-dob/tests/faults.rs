@@ -144,15 +144,13 @@ fn saturation_for_more_than_fifty_samples() {
     run.slide.push = -300.0;
     assert!(run.run_to(State::Fault, 2.0));
     assert_eq!(run.output.fault, Fault::Saturation);
+    // it does not fight for the position it has lost
+    assert!(run.output.tracking_error.abs() < 20e-6, "{} m", run.output.tracking_error);
     run.slide.push = 0.0;
     (0..50_000).for_each(|_| run.step());
     assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::Saturation));
     assert_eq!(run.output.reference.velocity, 0.0);
     assert!(finite(&run.output) && run.output.tracking_error.abs() < 20e-9, "{:?}", run.output);
-    // the 300 N are forgotten at the next start
-    run.step_with(|input| input.start = false);
-    run.step();
-    assert!(run.output.state == State::Approach && run.run_to(State::Detect, 9.0), "{:?}", run.output);
 }
 
 #[test]
@@ -241,6 +239,20 @@ fn starts_again_after_done_and_after_a_fault() {
     run.step();
     assert_eq!((run.output.state, run.output.fault), (State::Approach, Fault::None));
     assert!(run.run_to(State::Detect, 4.0));
+}
+
+#[test]
+fn a_new_start_forgets_the_forces_before() {
+    let mut run = running(&Parameters::DEFAULT, 24, State::Detect);
+    run.slide.push = -0.9;
+    (0..1500).for_each(|_| run.step());
+    run.slide.push = 0.0;
+    run.step_with(|input| input.abort = true);
+    assert!(run.run_to(State::Done, 2.0));
+    run.step_with(|input| input.start = false);
+    // the end of the pull would look like a push
+    assert!(run.run_to(State::Detect, 3.0), "{:?}", run.output);
+    assert!(!run.output.contact);
 }
 
 #[test]
