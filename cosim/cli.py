@@ -128,7 +128,7 @@ def run(
     if json is not None and json != "-":
         result.save_json(Path(json))
     if json == "-":
-        sys.stdout.write(result.to_json())
+        print(result.to_json(), end="", flush=True)
     else:
         output().print(display.result(result))
     raise typer.Exit(0 if result.passed else FAILED)
@@ -228,7 +228,3 @@ def status_of(command: Any) -> int:
     except (KeyboardInterrupt, typer.Abort):
         report("interrupted")
         return INTERRUPTED
-    except BrokenPipeError:
-        # the reader of stdout went away; nothing may be written while closing it
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return COULD_NOT_RUN

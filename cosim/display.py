@@ -212,6 +212,8 @@ def limits(verdict: Verdict) -> str:
     """Limits of a criterion."""
     if isinstance(verdict.criterion.equals, bool):
         return "= yes" if verdict.criterion.equals else "= no"
+    if [relation for relation, _ in verdict.limits] == [">=", "<="]:
+        return " .. ".join(text(limit, verdict.unit) for _, limit in verdict.limits)
     return " ".join(f"{relation} {text(limit, verdict.unit)}" for relation, limit in verdict.limits)
 
 

@@ -15,6 +15,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from cosim.cli import main
+
 from .conftest import DATA, SCENARIO, pack
 
 Write = Callable[..., Path]
@@ -88,6 +90,17 @@ def test_the_same_seed_gives_the_same_bytes_in_two_processes(write: Write, folde
     assert (folder / "one.npz").read_bytes() == (folder / "two.npz").read_bytes()
 
 
+@pytest.mark.skipif(os.name == "nt", reason="POSIX pipes")
+@pytest.mark.parametrize("command", ["list", "show lag.toml", "run lag.toml --json -"])
+def test_a_reader_that_goes_away_causes_no_traceback(write: Write, command: str) -> None:
+    write(name="scenarios/lag.toml")
+    write()
+    variables = {**os.environ, "PYTHONPATH": str(ROOT)}
+    pipeline = f"{sys.executable} -m cosim {command} | true"
+    done = subprocess.run(pipeline, shell=True, capture_output=True, text=True, env=variables, check=False)
+    assert done.stderr == ""
+
+
 def test_options_win_over_overrides(write: Write) -> None:
     write()
     done = cosim("run", "lag.toml", "--set", "loop.seed=3", "--seed", "4", "--json", "-")
@@ -153,26 +166,56 @@ BAD = {
 }
 
 
-@pytest.mark.parametrize(("arguments", "hint"), BAD.values(), ids=BAD.keys())
-def test_bad_input_is_one_message_and_exit_code_2(
-    write: Write, folder: Path, arguments: list[str], hint: str
-) -> None:
+IN_OWN_PROCESS = (
+    "unknown --set key",
+    "wrong type",
+    "missing FMU",
+    "other platform",
+    "broken TOML",
+    "bad seed",
+)
+
+
+@pytest.fixture
+def mistakes(write: Write, folder: Path) -> None:
+    """Write the files that the bad command lines speak of."""
     write()
     write(name="scenarios/lag.toml")
     write(name="broken.toml", text=SCENARIO + "\nwrong = one")
     (folder / "text.fmu").write_text("text")
     pack(folder / "other.fmu", (DATA / "probe.xml").read_text(), {"binaries/win32/probe.dll": b""})
-    done = cosim(*arguments)
-    assert done.returncode == 2
-    assert done.stdout == ""
-    assert "Traceback" not in done.stderr
-    lines = done.stderr.strip().splitlines()
+
+
+def check_refusal(code: object, stdout: str, stderr: str, hint: str) -> None:
+    assert code == 2
+    assert stdout == ""
+    assert "Traceback" not in stderr
+    lines = stderr.strip().splitlines()
     assert lines[0].startswith("error: ")
     assert len(lines[0]) > len("error: ") + 10
     assert len(lines) <= 2
     if hint:
         assert lines[1].startswith("hint: ")
         assert hint in lines[1]
+
+
+@pytest.mark.usefixtures("mistakes")
+@pytest.mark.parametrize(("arguments", "hint"), BAD.values(), ids=BAD.keys())
+def test_bad_input_is_one_message_and_exit_code_2(
+    arguments: list[str], hint: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(sys, "argv", ["cosim", *arguments])
+    with pytest.raises(SystemExit) as exited:
+        main()
+    check_refusal(exited.value.code, *capsys.readouterr(), hint)
+
+
+@pytest.mark.usefixtures("mistakes")
+@pytest.mark.parametrize("name", IN_OWN_PROCESS)
+def test_bad_input_is_the_same_in_a_process_of_its_own(name: str) -> None:
+    arguments, hint = BAD[name]
+    done = cosim(*arguments)
+    check_refusal(done.returncode, done.stdout, done.stderr, hint)
 
 
 def test_verbose_shows_where_a_plant_failed(write: Write) -> None:
