@@ -1,0 +1,106 @@
+//! An importer of others, fmi-rs, loads and steps the packed FMU.
+#![cfg(not(target_os = "windows"))]
+
+mod common;
+
+use common::example;
+use fmi_rs::fmi2::builder::FMU2Builder;
+use fmi_rs::fmi2::types::{fmi2Status, fmi2StatusKind};
+use fmi_rs::fmi2::{CS, FMU2};
+use fmi_rs::model_description::fmi2::{Causality, ModelDescription};
+use std::path::PathBuf;
+use std::sync::Arc;
+use xtask::fmu::{binary, build, pack};
+
+/// The probe, packed by the project's own packer.
+fn packed(folder: &tempfile::TempDir) -> PathBuf {
+    let library = example("probe");
+    let mut content = pack::Content::default();
+    for (path, text) in binary::files(&library).unwrap() {
+        content.add(path, text.into_bytes()).unwrap();
+    }
+    let inside = format!("binaries/{}/probe.{}", build::platform().unwrap(), build::extension());
+    content.add(inside, std::fs::read(&library).unwrap()).unwrap();
+    let file = folder.path().join("probe \u{e9}.fmu");
+    std::fs::write(&file, pack::to_bytes(&content).unwrap()).unwrap();
+    file
+}
+
+fn reference(description: &ModelDescription, name: &str) -> [u32; 1] {
+    let variable = description.modelVariables.iter().find(|variable| variable.name == name);
+    [variable.unwrap_or_else(|| panic!("fmi-rs reads no variable `{name}`")).valueReference]
+}
+
+fn real(fmu: &FMU2<CS>, reference: &[u32; 1]) -> f64 {
+    let mut value = [f64::NAN];
+    assert_eq!(fmu.getReal(reference, &mut value), fmi2Status::Ok);
+    value[0]
+}
+
+#[test]
+fn fmi_rs_reads_the_description() {
+    let folder = tempfile::tempdir().unwrap();
+    let description = FMU2Builder::new(&packed(&folder)).unwrap().model_description;
+    assert_eq!((description.modelName.as_str(), description.modelVariables.len()), ("Probe", 23));
+    let count = |causality| description.modelVariables.iter().filter(|v| v.causality == causality).count();
+    assert_eq!((count(Causality::Input), count(Causality::Output)), (4, 5));
+}
+
+#[test]
+fn fmi_rs_steps_the_fmu() {
+    let folder = tempfile::tempdir().unwrap();
+    let builder = FMU2Builder::new(&packed(&folder)).unwrap();
+    let find = |name| reference(&builder.model_description, name);
+    let (position, gain, force, ticks, label) =
+        (find("position"), find("gain"), find("force"), find("ticks"), find("label"));
+    let fmu: Arc<FMU2<CS>> = builder.instantiate_cs("a name with blanks").unwrap();
+    assert_eq!((fmu.getVersion().as_str(), fmu.getTypesPlatform().as_str()), ("2.0", "default"));
+    assert_eq!(fmu.setString(&label, &["fmi-rs \u{b5}"]), fmi2Status::Ok);
+    assert_eq!(fmu.setReal(&gain, &[4.0]), fmi2Status::Ok);
+    assert_eq!(fmu.setupExperiment(Some(1e-6), 0.0, Some(1.0)), fmi2Status::Ok);
+    assert_eq!(fmu.enterInitializationMode(), fmi2Status::Ok);
+    assert_eq!(fmu.exitInitializationMode(), fmi2Status::Ok);
+
+    for k in 0..100 {
+        let time = f64::from(k) * 0.01;
+        assert_eq!(fmu.setReal(&position, &[time]), fmi2Status::Ok);
+        assert_eq!(fmu.doStep(time, 0.01, 1), fmi2Status::Ok);
+        assert_eq!(real(&fmu, &force), (4.0 * time + 1.5).min(10.0));
+    }
+    let (mut count, mut time) = ([0], f64::NAN);
+    assert_eq!(fmu.getInteger(&ticks, &mut count), fmi2Status::Ok);
+    assert_eq!(count, [1000]);
+    assert_eq!(fmu.getRealStatus(&fmi2StatusKind::LastSuccessfulTime, &mut time), fmi2Status::Ok);
+    assert!((time - 1.0).abs() < 1e-12);
+    // one step more would pass the stop time
+    assert_eq!(fmu.doStep(1.0, 0.01, 1), fmi2Status::Error);
+    assert_eq!(fmu.reset(), fmi2Status::Ok);
+}
+
+#[test]
+fn fmi_rs_takes_and_restores_states() {
+    let folder = tempfile::tempdir().unwrap();
+    let builder = FMU2Builder::new(&packed(&folder)).unwrap();
+    let find = |name| reference(&builder.model_description, name);
+    let (position, force) = (find("position"), find("force"));
+    let fmu: Arc<FMU2<CS>> = builder.instantiate_cs("probe").unwrap();
+    assert_eq!(fmu.setupExperiment(None, 0.0, None), fmi2Status::Ok);
+    assert_eq!((fmu.enterInitializationMode(), fmu.exitInitializationMode()), (fmi2Status::Ok, fmi2Status::Ok));
+
+    let (mut state, mut restored, mut size) = (std::ptr::null_mut(), std::ptr::null_mut(), 0);
+    assert_eq!(fmu.getFMUstate(&mut state), fmi2Status::Ok);
+    assert_eq!(fmu.serializedFMUstateSize(state, &mut size), fmi2Status::Ok);
+    let mut bytes = vec![0; size];
+    assert_eq!(fmu.serializeFMUstate(state, &mut bytes), fmi2Status::Ok);
+    let run = || {
+        assert_eq!(fmu.setReal(&position, &[1.0]), fmi2Status::Ok);
+        assert_eq!(fmu.doStep(0.0, 0.01, 0), fmi2Status::Ok);
+        real(&fmu, &force)
+    };
+    assert_eq!(run(), 3.5);
+    assert_eq!(fmu.deSerializeFMUstate(&bytes, &mut restored), fmi2Status::Ok);
+    assert_eq!(fmu.setFMUstate(restored), fmi2Status::Ok);
+    assert_eq!(run(), 3.5);
+    assert_eq!(fmu.freeFMUstate(&mut state), fmi2Status::Ok);
+    assert_eq!(fmu.freeFMUstate(&mut restored), fmi2Status::Ok);
+}
