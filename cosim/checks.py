@@ -12,6 +12,8 @@ from cosim.layers import Layers
 if TYPE_CHECKING:
     from cosim.scenario import Criterion, Loop, Scenario, Signal, Wire
 
+MOST_STEPS = 1e12
+"""More steps than any run has; times beyond are never reached."""
 Fail = Callable[..., NoReturn]
 """Raises an error from key, problem and hint."""
 
@@ -29,7 +31,7 @@ def check(scenario: Scenario, merged: Layers) -> None:
     check_unique([("metric", metric.name) for metric in scenario.metric], merged.fail)
     check_unique([("criterion", criterion.id) for criterion in scenario.criterion], merged.fail)
     for wire in scenario.wire:
-        check_wire(wire, merged.fail)
+        check_wire(wire, scenario.loop, merged.fail)
     for signal in scenario.signal:
         check_signal(signal, merged.fail)
     for injection in scenario.inject:
@@ -49,6 +51,8 @@ def check_loop(loop: Loop, fail: Fail) -> None:
         value = getattr(loop, key)
         if not (math.isfinite(value) and value > 0.0):
             fail(f"loop.{key}", f"is `{value}` s, it must be positive and finite")
+    if loop.duration / loop.step > MOST_STEPS:
+        fail("loop.duration", f"is `{loop.duration}` s, that is more than {MOST_STEPS:g} steps")
     if loop.substeps < 1:
         fail("loop.substeps", f"is `{loop.substeps}`, it must be at least 1")
     if loop.seed < 0:
@@ -76,11 +80,13 @@ def check_unique(keys: list[tuple[str, str]], fail: Fail) -> None:
         seen[name] = section
 
 
-def check_wire(wire: Wire, fail: Fail) -> None:
+def check_wire(wire: Wire, loop: Loop, fail: Fail) -> None:
     """Check the numbers of a wire."""
     key = f"wire.{wire.to}"
-    if wire.delay < 0:
-        fail(f"{key}.delay", f"is `{wire.delay}` steps, it must not be negative")
+    if not 0 <= wire.delay <= loop.steps:
+        fail(
+            f"{key}.delay", f"is `{wire.delay}` steps, it must lie in 0 .. {loop.steps}, the steps of the run"
+        )
     for name in ("scale", "offset"):
         if not math.isfinite(getattr(wire, name)):
             fail(f"{key}.{name}", f"is `{getattr(wire, name)}`, it must be finite")

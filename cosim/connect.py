@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, MutableSequence
 from dataclasses import dataclass
 from typing import Any
@@ -241,6 +240,6 @@ def truth(value: float) -> int:
 
 def whole(value: float) -> int:
     """Integer of a number, rounded half to even."""
-    if not math.isfinite(value):
-        raise CosimError(f"an integer input got `{value}`")
+    if not abs(value) < 2**31:
+        raise CosimError(f"an integer input got `{value}`, it takes 32 bits")
     return round(value)

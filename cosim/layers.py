@@ -128,17 +128,17 @@ def merge(base: dict[str, Any], over: dict[str, Any]) -> dict[str, Any]:
 def merge_items(name: str, base: list[Any], over: list[Any]) -> list[Any]:
     """Replace items of the same identity in place (all of them), append the others."""
     identity = IDENTITY[name]
-    replaced = {item.get(identity) for item in over}
+    replaced = {str(item.get(identity)) for item in over}
     merged: list[Any] = []
-    placed: set[Any] = set()
+    placed: set[str] = set()
     for item in base:
-        key = item.get(identity)
+        key = str(item.get(identity))
         if key not in replaced:
             merged.append(item)
         elif key not in placed:
-            merged += [new for new in over if new.get(identity) == key]
+            merged += [new for new in over if str(new.get(identity)) == key]
             placed.add(key)
-    return merged + [item for item in over if item.get(identity) not in placed]
+    return merged + [item for item in over if str(item.get(identity)) not in placed]
 
 
 def is_tables(value: Any) -> bool:
@@ -169,7 +169,7 @@ def drop(table: dict[str, Any], entry: str, origin: str) -> None:
             f"{origin}: `drop` holds `{entry}`, which starts with no known name", closest(name, IDENTITY)
         )
     items = table.get(name, [])
-    if not wanted:
+    if not wanted or not is_tables(items):
         table.pop(name, None)
         return
     kept = [item for item in items if item.get(IDENTITY[name]) != wanted]

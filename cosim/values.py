@@ -24,7 +24,7 @@ def encode(variable: Variable, value: Any) -> Value:
     match variable.kind:
         case "Real" if is_number(value):
             return float(value)
-        case "Integer" if is_whole(value):
+        case "Integer" if is_whole(value) and abs(value) < 2**31:
             return int(value)
         case "Boolean" if isinstance(value, bool) or (is_number(value) and value in (0, 1)):
             return bool(value)
@@ -32,7 +32,12 @@ def encode(variable: Variable, value: Any) -> Value:
             return value
         case "Enumeration":
             return item_number(variable, value)
-    kinds = {"Real": "a number", "Integer": "an integer", "Boolean": "true or false", "String": "a text"}
+    kinds = {
+        "Real": "a number",
+        "Integer": "an integer of 32 bits",
+        "Boolean": "true or false",
+        "String": "a text",
+    }
     raise FmuError(f"`controller.{variable.name}` is {show(value)}, it must be {kinds[variable.kind]}")
 
 

@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from cosim.checks import MOST_STEPS
 from cosim.errors import CosimError
 from cosim.plant import Channel
 from cosim.scenario import Signal, Wire
@@ -97,7 +98,7 @@ class Delay:
 
 def first_step(time: float, step: float) -> int:
     """First step `k` with `k * step >= time`, forgiving the rounding of `k * step`."""
-    return math.ceil(time / step - 1e-6)
+    return math.ceil(min(max(time / step - 1e-6, 0.0), MOST_STEPS))
 
 
 def schedule(signal: Signal, values: Sequence[float], step: float, steps: int) -> NDArray[np.float64]:

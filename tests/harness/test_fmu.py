@@ -176,7 +176,7 @@ REFUSED = {
     ),
     "text for a number": ("gain=big", "`controller.gain` is `'big'`, it must be a number"),
     "Boolean for a number": ("gain=true", "`controller.gain` is `true`, it must be a number"),
-    "fraction": ("count=1.5", "`controller.count` is `1.5`, it must be an integer"),
+    "fraction": ("count=1.5", "`controller.count` is `1.5`, it must be an integer of 32 bits"),
     "number for a Boolean": ("flag=2", "`controller.flag` is `2`, it must be true or false"),
     "number for a text": ("label=2", "`controller.label` is `2`, it must be a text"),
     "item": (

@@ -217,7 +217,7 @@ WRONG_SET = {
     "delay": ("loop.compute_delay=2", "is `2`, it must be `0` or `1`"),
     "order": ("loop.order=plant_first", "it must be `controller_first`"),
     "negative noise": ("wire.controller.in.noise=-1", "it must be finite and not negative"),
-    "negative delay": ("wire.controller.in.delay=-1", "it must not be negative"),
+    "negative delay": ("wire.controller.in.delay=-1", "it must lie in 0 .. 50"),
     "seed": ("loop.seed=-1", "it must not be negative"),
 }
 
