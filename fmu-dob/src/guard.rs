@@ -32,8 +32,8 @@ mod tests {
         let mut guard = ForceGuard::default();
         [2.9, 3.1, 3.0].iter().for_each(|f| guard.settle(*f));
         let p = Guard::DEFAULT;
-        assert!(!guard.exceeded(&p, 3.49));
-        assert!(guard.exceeded(&p, 3.51));
+        assert!(!guard.exceeded(&p, 3.39));
+        assert!(guard.exceeded(&p, 3.41));
         assert!(!guard.exceeded(&p, -9.0));
     }
 }

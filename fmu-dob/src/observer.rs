@@ -94,6 +94,7 @@ mod tests {
         let response = step_response(Parameters::DEFAULT.stage.mass);
         let ticks = response.iter().position(|f| *f >= 0.0632).unwrap() + 1;
         let rise = ticks as f64 * 1e-4;
+        println!("63 % after {rise} s");
         assert!((1.8e-3..=2.5e-3).contains(&rise), "63 % after {rise} s");
         let last = response.last().unwrap();
         assert!((last - 0.1).abs() < 1e-3 * 0.1, "final {last} N");
