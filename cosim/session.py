@@ -218,12 +218,13 @@ def check_timestep(scenario: Scenario, timestep: float) -> None:
 
 @contextlib.contextmanager
 def located(scenario: Scenario) -> Iterator[None]:
-    """Put the file or override in front of errors that concern a key of the scenario."""
+    """Put the file or override in front of errors that concern a key of the scenario, and a hint behind."""
     try:
         yield
     except CosimError as error:
         if error.key:
             error.message = f"{scenario.origin(error.key)}: {error.message}"
+            error.hint = error.hint or "`cosim show` lists types, units and ranges"
             error.key = ""
         raise
     except MemoryError:

@@ -2,7 +2,7 @@
 
 use crate::phase::Status;
 use crate::variable::{Kind, Variable};
-use std::fmt::Display;
+use std::fmt::{Debug, Display};
 
 /// Why a call was refused, and how badly.
 #[derive(Debug)]
@@ -146,8 +146,8 @@ impl<V> Scalar<V> for bool {
     }
 }
 
-fn out_of_range<T: Display>(name: &str, value: T, min: T, max: T, unit: &str) -> Refusal {
-    Refusal::discard(format!("`{name}` = {value}{unit} is outside {min} .. {max}{unit}; the old value stays"))
+fn out_of_range<T: Debug>(name: &str, value: T, min: T, max: T, unit: &str) -> Refusal {
+    Refusal::discard(format!("`{name}` = {value:?}{unit} is outside {min:?} .. {max:?}{unit}; the old value stays"))
 }
 
 impl<V> Value<V> for &str {
