@@ -125,7 +125,7 @@ pub struct Servo {
     pub damping: f64,
     /// Feed the estimated disturbance back (robust acceleration control); default true (our choice).
     pub disturbance_compensation: bool,
-    /// Integral gain used instead when the compensation is off, rad3/s3; 0 to 1e9, default 2e6 (our choice).
+    /// Integral gain used instead when the compensation is off, 1/s3; 0 to 1e9, default 2e6 (our choice).
     pub integral_gain: f64,
 }
 

@@ -29,7 +29,7 @@ pub fn stopping_distance(velocity: f64, deceleration: f64) -> f64 {
     velocity * velocity / (2.0 * deceleration)
 }
 
-/// Least travel (m) between touch and standstill, eq. 7: v (1.5 + io_delay) T_s + v^2 / (2 a_stop).
+/// Least travel (m) between touch and standstill: v (1.5 + io_delay) T_s + v^2 / (2 a_stop).
 ///
 /// Half a sample of waiting, one of hold and the delay of the current, then braking; noise adds to it.
 pub fn depth_limit(p: &crate::parameters::Parameters) -> f64 {
