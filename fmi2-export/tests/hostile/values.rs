@@ -36,14 +36,14 @@ fn an_input_that_accepts_nan_takes_every_number() {
 fn values_out_of_range_are_discarded_and_the_old_one_stays() {
     let fmu = Fmu::probe();
     for (name, value, limits) in [
-        ("gain", -1.0, "0 .. 1000000 N/m"),
-        ("gain", 1_000_001.0, "0 .. 1000000 N/m"),
-        ("gain", f64::MAX, "0 .. 1000000 N/m"),
-        ("gain", -f64::from_bits(1), "0 .. 1000000 N/m"),
+        ("gain", -1.0, "0.0 .. 1000000.0 N/m"),
+        ("gain", 1_000_001.0, "0.0 .. 1000000.0 N/m"),
+        ("gain", f64::MAX, "0.0 .. 1000000.0 N/m"),
+        ("gain", -f64::from_bits(1), "0.0 .. 1000000.0 N/m"),
     ] {
         for phase in [Phase::Initialization, Phase::StepComplete] {
             let instance = Instance::in_phase(&fmu, phase);
-            let words = ["fmi2SetReal", &format!("`{name}` = {value}"), limits];
+            let words = ["fmi2SetReal", &format!("`{name}` = {value:?}"), limits];
             instance.refused(instance.set_real(name, value), DISCARD, &words);
             assert_eq!(instance.real(name), 2.0);
             assert_eq!(instance.end_phase(), phase);
