@@ -1,0 +1,144 @@
+/* Runs an FMU binary from loading to unloading, for a memory checker: `driver LIBRARY GUID`. */
+#include <dlfcn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "fmi2Functions.h"
+
+#define STEPS 100
+
+static fmi2InstantiateTYPE *instantiate;
+static fmi2FreeInstanceTYPE *free_instance;
+static fmi2SetupExperimentTYPE *setup_experiment;
+static fmi2EnterInitializationModeTYPE *enter_initialization_mode;
+static fmi2ExitInitializationModeTYPE *exit_initialization_mode;
+static fmi2ResetTYPE *reset;
+static fmi2TerminateTYPE *terminate;
+static fmi2DoStepTYPE *do_step;
+static fmi2GetRealTYPE *get_real;
+static fmi2SetRealTYPE *set_real;
+static fmi2GetStringTYPE *get_string;
+static fmi2GetFMUstateTYPE *get_state;
+static fmi2SetFMUstateTYPE *set_state;
+static fmi2FreeFMUstateTYPE *free_state;
+static fmi2SerializedFMUstateSizeTYPE *serialized_size;
+static fmi2SerializeFMUstateTYPE *serialize;
+static fmi2DeSerializeFMUstateTYPE *deserialize;
+
+static int messages;
+
+static void count(fmi2ComponentEnvironment environment, fmi2String instance, fmi2Status status, fmi2String category,
+                  fmi2String message, ...) {
+    (void)environment;
+    (void)status;
+    /* every byte of the texts is read */
+    messages += strlen(instance) + strlen(category) + strlen(message) > 0;
+}
+
+static void check(int good, const char *what) {
+    if (!good) {
+        fprintf(stderr, "%s\n", what);
+        exit(1);
+    }
+}
+#define OK(call) check((call) == fmi2OK, #call)
+#define FIND(library, pointer, name) check((*(void **)&pointer = dlsym(library, name)) != NULL, name)
+
+static void find(void *library) {
+    FIND(library, instantiate, "fmi2Instantiate");
+    FIND(library, free_instance, "fmi2FreeInstance");
+    FIND(library, setup_experiment, "fmi2SetupExperiment");
+    FIND(library, enter_initialization_mode, "fmi2EnterInitializationMode");
+    FIND(library, exit_initialization_mode, "fmi2ExitInitializationMode");
+    FIND(library, reset, "fmi2Reset");
+    FIND(library, terminate, "fmi2Terminate");
+    FIND(library, do_step, "fmi2DoStep");
+    FIND(library, get_real, "fmi2GetReal");
+    FIND(library, set_real, "fmi2SetReal");
+    FIND(library, get_string, "fmi2GetString");
+    FIND(library, get_state, "fmi2GetFMUstate");
+    FIND(library, set_state, "fmi2SetFMUstate");
+    FIND(library, free_state, "fmi2FreeFMUstate");
+    FIND(library, serialized_size, "fmi2SerializedFMUstateSize");
+    FIND(library, serialize, "fmi2SerializeFMUstate");
+    FIND(library, deserialize, "fmi2DeSerializeFMUstate");
+}
+
+static void start(fmi2Component c) {
+    OK(setup_experiment(c, fmi2False, 0.0, 0.0, fmi2False, 0.0));
+    OK(enter_initialization_mode(c));
+    OK(exit_initialization_mode(c));
+}
+
+/* steps from step number `first` on; the answer is the sum of the first variable, an input */
+static void step(fmi2Component c, int first) {
+    const fmi2ValueReference input = 0;
+    for (int k = first; k < first + STEPS; k++) {
+        const fmi2Real value = 1e-6 * k;
+        fmi2Real read = 0.0;
+        OK(set_real(c, &input, 1, &value));
+        OK(do_step(c, 1e-3 * k, 1e-3, fmi2False));
+        OK(get_real(c, &input, 1, &read));
+        check(read == value, "the input was not kept");
+    }
+}
+
+/* state of one instance through bytes into the other */
+static void hand_over(fmi2Component from, fmi2Component to) {
+    fmi2FMUstate taken = NULL, restored = NULL;
+    size_t size = 0;
+    OK(get_state(from, &taken));
+    OK(get_state(from, &taken));
+    OK(serialized_size(from, taken, &size));
+    fmi2Byte *bytes = malloc(size);
+    check(bytes != NULL, "malloc");
+    OK(serialize(from, taken, bytes, size));
+    OK(deserialize(to, bytes, size, &restored));
+    OK(set_state(to, restored));
+    OK(set_state(from, taken));
+    check(deserialize(to, bytes, size - 1, &restored) == fmi2Error, "half a state was taken");
+    OK(set_state(to, restored));
+    free(bytes);
+    OK(free_state(from, &taken));
+    OK(free_state(to, &restored));
+}
+
+/* refusals of every kind make texts, which must be freed like everything else */
+static void refuse(fmi2Component c) {
+    const fmi2ValueReference unknown = 1000000, input = 0;
+    const fmi2Real nan = 0.0 / 0.0;
+    fmi2String text = NULL;
+    check(get_string(c, &input, 1, &text) == fmi2Error, "a Real was read as a String");
+    OK(reset(c));
+    start(c);
+    check(set_real(c, &unknown, 1, &nan) == fmi2Error, "an unknown variable was set");
+    check(do_step(c, nan, nan, fmi2True) == fmi2Error, "a step was done after an error");
+    OK(reset(c));
+}
+
+int main(int argc, char **argv) {
+    check(argc == 3, "usage: driver LIBRARY GUID");
+    void *library = dlopen(argv[1], RTLD_NOW | RTLD_LOCAL);
+    check(library != NULL, "dlopen");
+    find(library);
+    const fmi2CallbackFunctions callbacks = {count, calloc, free, NULL, NULL};
+    check(instantiate("wrong", fmi2CoSimulation, "wrong", NULL, &callbacks, fmi2False, fmi2False) == NULL,
+          "a wrong GUID was taken");
+    fmi2Component one = instantiate("one", fmi2CoSimulation, argv[2], "file:///x", &callbacks, fmi2False, fmi2True);
+    fmi2Component two = instantiate("two", fmi2CoSimulation, argv[2], NULL, NULL, fmi2False, fmi2True);
+    check(one != NULL && two != NULL, "fmi2Instantiate");
+    start(one);
+    step(one, 0);
+    hand_over(one, two);
+    step(one, STEPS);
+    step(two, STEPS);
+    OK(terminate(two));
+    refuse(one);
+    free_instance(one);
+    free_instance(two);
+    free_instance(NULL);
+    check(messages >= 4, "the logger was not called");
+    check(dlclose(library) == 0, "dlclose");
+    puts("done");
+    return 0;
+}

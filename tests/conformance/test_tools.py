@@ -1,0 +1,42 @@
+"""FMUs in the checkers and masters of others."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from .conftest import PROBE, Fmu, need
+
+
+def run(*command: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+def test_fmutool_finds_it_compliant(fmu: Fmu) -> None:
+    program = need("fmutool", shutil.which("fmutool", path=Path(sys.executable).parent))
+    result = run(program, "-input", str(fmu.file), "-check")
+    told = result.stdout + result.stderr
+    assert result.returncode == 0, told
+    assert "This FMU seems to be compliant with FMI-2.0." in told
+    assert "No semantic error against the FMI-2 standard." in told
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="libcosimpy has no wheel for this platform")
+def test_libcosim_runs_it(fmu: Fmu) -> None:
+    need("libcosimpy", "libcosimpy" if importlib.util.find_spec("libcosimpy") else None)
+    result = run(sys.executable, str(Path(__file__).with_name("cosim_execution.py")), str(fmu.file))
+    assert result.returncode == 0, result.stderr
+    seen = json.loads(result.stdout)
+    assert (seen["stepped"], seen["time"]) == (True, 10**9)
+    # libcosim leaves out enumerations
+    assert seen["variables"] == [v.name for v in fmu.variables() if v.type != "Enumeration"]
+    starts = {v.name: float(v.start) for v in fmu.variables("parameter", "Real")}
+    assert {name: seen["reals"][name] for name in starts} == starts
+    if fmu.description.modelName.lower() == PROBE:
+        assert (seen["reals"]["force"], seen["reals"]["sum"]) == (1.5, pytest.approx(1500.0))
