@@ -159,7 +159,8 @@ pub fn example(name: &str) -> PathBuf {
     let (prefix, suffix) = (std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
     let library = profile.join("examples").join(format!("{prefix}{name}{suffix}"));
     let built = changed(&library);
-    let package = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let folders = Path::new(env!("CARGO_MANIFEST_DIR")).ancestors();
+    let package = folders.into_iter().find(|folder| folder.join("src/c_api.rs").is_file()).unwrap();
     let sources = std::fs::read_dir(package.join("src")).unwrap().map(|entry| entry.unwrap().path());
     let newest = sources.chain([package.join(format!("examples/{name}.rs"))]).filter_map(|file| changed(&file)).max();
     assert!(

@@ -1,7 +1,8 @@
-//! The C API of this crate is that of the official headers: cbindgen writes a header from `src/c_api.rs`, and a C
+//! The C API of fmi2-export is that of the official headers: cbindgen writes a header from `src/c_api.rs`, and a C
 //! compiler compares it with the standard's. Mutations of the source show that it would notice.
 #![cfg(unix)]
 
+#[path = "../../tests/common/mod.rs"]
 mod common;
 
 use common::Fmu;
@@ -51,7 +52,7 @@ VALUE(fmi2Pending);
 
 /// The installed FMPy, which holds the official headers.
 fn fmpy() -> PathBuf {
-    let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+    let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let environments = fs::read_dir(workspace.join(".venv/lib")).into_iter().flatten().flatten();
     let installed = environments.map(|entry| entry.path().join("site-packages/fmpy"));
     let told = std::env::var_os("FMPY_DIR").map(PathBuf::from);
@@ -60,7 +61,7 @@ fn fmpy() -> PathBuf {
 }
 
 fn source() -> String {
-    fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("src/c_api.rs")).unwrap()
+    fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../src/c_api.rs")).unwrap()
 }
 
 /// `names.h` and `layout.h` of a source text, in a folder.

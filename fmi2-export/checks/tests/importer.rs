@@ -1,6 +1,7 @@
 //! An importer of others, fmi-rs, loads and steps the packed FMU.
 #![cfg(not(target_os = "windows"))]
 
+#[path = "../../tests/common/mod.rs"]
 mod common;
 
 use common::example;
