@@ -1,12 +1,13 @@
 //! What a shared library offers: its files and its instances.
 
+use crate::check;
 use crate::documentation;
 use crate::hash::GUID;
 use crate::instance::{Instance, Slave};
 use crate::logger::Logger;
-use crate::model::{Info, Model};
+use crate::model::Model;
 use crate::model_description::{self, elements};
-use crate::variable::{Kind, Role, Variable, check, is_structured_name};
+use crate::variable::{Kind, Role, Variable};
 use std::ffi::{CStr, CString};
 use std::marker::PhantomData;
 use std::path::PathBuf;
@@ -54,8 +55,8 @@ impl<M: Model> Default for Export<M> {
 impl<M: Model> Export<M> {
     /// Checks the model's table and facts; in a `static`, a wrong one does not compile.
     pub const fn new() -> Self {
-        check(M::VARIABLES);
-        check_info(&M::INFO);
+        check::table(M::VARIABLES);
+        check::info(&M::INFO);
         Self { guid: OnceLock::new(), files: OnceLock::new(), model: PhantomData }
     }
 
@@ -102,17 +103,6 @@ impl<V> Index<V> {
         let computed = entries.iter().copied().filter(|(row, _)| computed(row)).collect();
         Self { entries, computed }
     }
-}
-
-const fn check_info(info: &Info) {
-    assert!(is_structured_name(info.identifier), "the model identifier must be a C identifier");
-    let mut i = 0;
-    while i < info.identifier.len() {
-        assert!(info.identifier.as_bytes()[i] != b'.', "the model identifier must be a C identifier");
-        i += 1;
-    }
-    assert!(!info.name.is_empty() && !info.description.is_empty(), "an FMU needs a name and a description");
-    assert!(info.step_size > 0.0 && info.stop_time > 0.0, "step size and stop time are positive");
 }
 
 /// A C string without the NUL bytes that `text` may hold.

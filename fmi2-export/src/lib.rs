@@ -50,6 +50,7 @@
 
 mod access;
 pub mod c_api;
+mod check;
 mod clock;
 mod documentation;
 mod enumeration;
