@@ -155,3 +155,83 @@ const fn same(a: &str, b: &str) -> bool {
     }
     true
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{EnumType, Item, Start, boolean, integer, real, text, units};
+    use std::panic::catch_unwind;
+
+    struct Vars {
+        x: f64,
+        pair: [f64; 2],
+        n: i32,
+        on: bool,
+        label: String,
+    }
+
+    impl Start for Vars {
+        const START: Self = Self { x: 3.0, pair: [0.0, 1.0], n: 3, on: false, label: String::new() };
+    }
+
+    const MODE: EnumType =
+        EnumType { name: "Mode", description: "x", items: &[Item { name: "Off", description: "x" }] };
+
+    fn choice(start: i32) -> Variable<Vars> {
+        Variable::new_choice("mode", &MODE, start, |_| 1, |_, _| ())
+    }
+
+    fn refusal(rows: &[Variable<Vars>]) -> String {
+        let panic = catch_unwind(|| table(rows)).expect_err("the table is accepted");
+        match panic.downcast::<String>() {
+            Ok(text) => *text,
+            Err(panic) => (*panic.downcast::<&str>().expect("a panic with a text")).to_owned(),
+        }
+    }
+
+    #[test]
+    fn a_right_table_is_accepted() {
+        table(&[
+            real!(Vars => x).tunable().unit(&units::METRE).display("um").range(3.0, 3.0).describe("x"),
+            real!(Vars => pair[2]).input().describe("x"),
+            integer!(Vars => n).parameter().range_int(3, 3).describe("x"),
+            boolean!(Vars => on).output().describe("x"),
+            text!(Vars => label).local().describe("x"),
+            choice(1).parameter().describe("x"),
+        ]);
+    }
+
+    #[test]
+    fn a_wrong_table_is_refused_with_the_name_of_the_variable_and_the_rule() {
+        let x = || real!(Vars => x).describe("x");
+        let n = || integer!(Vars => n).describe("x");
+        for (row, expected) in [
+            (x(), "variable `x`: needs a role"),
+            (real!(Vars => x).input(), "variable `x`: every variable needs a description"),
+            (x().tunable().range(4.0, 5.0), "variable `x`: the start value is outside its range"),
+            (x().tunable().range(5.0, 1.0), "variable `x`: a range needs minimum <= maximum"),
+            (x().tunable().range(f64::NAN, 1.0), "variable `x`: a range needs minimum <= maximum"),
+            (x().output().range(0.0, 5.0), "variable `x`: only parameters have a range"),
+            (x().input().nominal(0.0), "variable `x`: a nominal value is positive"),
+            (x().output().accepts_nan(), "variable `x`: only an input accepts NaN"),
+            (x().input().unit(&units::METRE).display("kg"), "variable `x`: the unit has no such display unit"),
+            (x().input().display("um"), "variable `x`: a display unit needs a unit"),
+            (n().parameter().range_int(4, 5), "variable `n`: the start value is outside its range"),
+            (choice(2).parameter().describe("x"), "variable `mode`: the start value is no item of the enumeration"),
+        ] {
+            assert!(refusal(&[row]).starts_with(expected), "{expected}");
+        }
+        assert_eq!(refusal(&[x().input(), x().output()]), "variable `x`: two variables have this name");
+        assert_eq!(refusal(&[]), "an FMU needs variables");
+    }
+
+    #[test]
+    fn names_follow_the_structured_convention() {
+        for name in ["x", "gains.kp", "_a1.b2"] {
+            assert!(is_structured_name(name), "{name}");
+        }
+        for name in ["", ".", "a.", ".a", "1a", "a b", "a..b", "a-b", "\u{e9}"] {
+            assert!(!is_structured_name(name), "{name}");
+        }
+    }
+}
