@@ -37,7 +37,7 @@ def instance(folder: str) -> tuple[Any, Any]:
 def steps(description: Any, slave: Any, first: int) -> list[str]:
     """Step from a step number on, with moving inputs; return all Reals and Integers, bit for bit."""
     # not a multiple of the sample period: the state is taken between two samples
-    step = 0.73 * float(description.defaultExperiment.stepSize)
+    step = 0.7317 * float(description.defaultExperiment.stepSize)
     inputs = [v for v in description.modelVariables if v.causality == "input" and v.type == "Real"]
     reals = [v.valueReference for v in description.modelVariables if v.type == "Real"]
     numbers = [v.valueReference for v in description.modelVariables if v.type in ("Integer", "Enumeration")]
