@@ -1,23 +1,28 @@
 //! Typed reading, checking and writing of a variable.
 
 use crate::phase::Status;
-use crate::variable::{Kind, Variable};
+use crate::variable::{Kind, Real, Variable};
 use std::fmt::{Debug, Display};
 
-/// Why a call was refused, and how badly.
+/// Why a call was refused, and how badly. Boxed, so that the answer of a good call fits a register.
 #[derive(Debug)]
-pub struct Refusal {
-    pub status: Status,
-    pub text: String,
-}
+pub struct Refusal(Box<(Status, String)>);
 
 impl Refusal {
     pub fn error(text: impl Into<String>) -> Self {
-        Self { status: Status::Error, text: text.into() }
+        Self(Box::new((Status::Error, text.into())))
     }
 
     pub fn discard(text: impl Into<String>) -> Self {
-        Self { status: Status::Discard, text: text.into() }
+        Self(Box::new((Status::Discard, text.into())))
+    }
+
+    pub fn status(&self) -> Status {
+        self.0.0
+    }
+
+    pub fn text(&self) -> &str {
+        &self.0.1
     }
 }
 
@@ -25,8 +30,10 @@ impl Refusal {
 pub trait Value<V>: Copy + Display {
     /// What the accessing functions are called, for messages.
     const KIND: &'static str;
-    /// Whether the variable has this value now; `None` when it is of another type.
-    fn equals(self, row: &Variable<V>, vars: &V, element: usize) -> Option<bool>;
+    /// Whether the variable is of this type.
+    fn fits(row: &Variable<V>) -> bool;
+    /// Whether the variable has this value now.
+    fn equals(self, row: &Variable<V>, vars: &V, element: usize) -> bool;
     /// Whether the variable takes the value; its type has been checked.
     fn verify(self, row: &Variable<V>, element: usize) -> Result<(), Refusal>;
     /// Writes a verified value.
@@ -42,25 +49,22 @@ pub trait Scalar<V>: Value<V> {
 impl<V> Value<V> for f64 {
     const KIND: &'static str = "Real";
 
-    fn equals(self, row: &Variable<V>, vars: &V, element: usize) -> Option<bool> {
-        Self::read(row, vars, element).map(|now| now == self)
+    fn fits(row: &Variable<V>) -> bool {
+        matches!(row.kind, Kind::Real { .. })
     }
 
+    fn equals(self, row: &Variable<V>, vars: &V, element: usize) -> bool {
+        Self::read(row, vars, element) == Some(self)
+    }
+
+    #[inline]
     fn verify(self, row: &Variable<V>, element: usize) -> Result<(), Refusal> {
-        let Kind::Real { real, .. } = &row.kind else { return Ok(()) };
-        let name = || row.element_name(element);
-        if !self.is_finite() {
-            return if real.accepts_nan {
-                Ok(())
-            } else {
-                Err(Refusal::error(format!("`{}` = {self} is not finite", name())))
-            };
+        match &row.kind {
+            Kind::Real { real, .. } if !(self.is_finite() && real.min <= self && self <= real.max) => {
+                refuse_real(self, row, element, real)
+            }
+            _ => Ok(()),
         }
-        if self < real.min || self > real.max {
-            let unit = real.unit.map_or(String::new(), |unit| format!(" {}", unit.name));
-            return Err(out_of_range(&name(), self, real.min, real.max, &unit));
-        }
-        Ok(())
     }
 
     fn write(self, row: &Variable<V>, vars: &mut V, element: usize) {
@@ -82,8 +86,12 @@ impl<V> Scalar<V> for f64 {
 impl<V> Value<V> for i32 {
     const KIND: &'static str = "Integer";
 
-    fn equals(self, row: &Variable<V>, vars: &V, element: usize) -> Option<bool> {
-        Self::read(row, vars, element).map(|now| now == self)
+    fn fits(row: &Variable<V>) -> bool {
+        matches!(row.kind, Kind::Integer { .. } | Kind::Choice { .. })
+    }
+
+    fn equals(self, row: &Variable<V>, vars: &V, element: usize) -> bool {
+        Self::read(row, vars, element) == Some(self)
     }
 
     fn verify(self, row: &Variable<V>, element: usize) -> Result<(), Refusal> {
@@ -122,8 +130,12 @@ impl<V> Scalar<V> for i32 {
 impl<V> Value<V> for bool {
     const KIND: &'static str = "Boolean";
 
-    fn equals(self, row: &Variable<V>, vars: &V, element: usize) -> Option<bool> {
-        Self::read(row, vars, element).map(|now| now == self)
+    fn fits(row: &Variable<V>) -> bool {
+        matches!(row.kind, Kind::Boolean { .. })
+    }
+
+    fn equals(self, row: &Variable<V>, vars: &V, element: usize) -> bool {
+        Self::read(row, vars, element) == Some(self)
     }
 
     fn verify(self, _: &Variable<V>, _: usize) -> Result<(), Refusal> {
@@ -146,6 +158,17 @@ impl<V> Scalar<V> for bool {
     }
 }
 
+#[cold]
+fn refuse_real<V>(value: f64, row: &Variable<V>, element: usize, real: &Real) -> Result<(), Refusal> {
+    let name = row.element_name(element);
+    if value.is_finite() {
+        let unit = real.unit.map_or(String::new(), |unit| format!(" {}", unit.name));
+        return Err(out_of_range(&name, value, real.min, real.max, &unit));
+    }
+    if real.accepts_nan { Ok(()) } else { Err(Refusal::error(format!("`{name}` = {value} is not finite"))) }
+}
+
+#[cold]
 fn out_of_range<T: Debug>(name: &str, value: T, min: T, max: T, unit: &str) -> Refusal {
     Refusal::discard(format!("`{name}` = {value:?}{unit} is outside {min:?} .. {max:?}{unit}; the old value stays"))
 }
@@ -153,10 +176,14 @@ fn out_of_range<T: Debug>(name: &str, value: T, min: T, max: T, unit: &str) -> R
 impl<V> Value<V> for &str {
     const KIND: &'static str = "String";
 
-    fn equals(self, row: &Variable<V>, vars: &V, _: usize) -> Option<bool> {
+    fn fits(row: &Variable<V>) -> bool {
+        matches!(row.kind, Kind::Text { .. })
+    }
+
+    fn equals(self, row: &Variable<V>, vars: &V, _: usize) -> bool {
         match row.kind {
-            Kind::Text { get, .. } => Some(get(vars) == self),
-            _ => None,
+            Kind::Text { get, .. } => get(vars) == self,
+            _ => false,
         }
     }
 

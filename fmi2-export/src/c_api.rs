@@ -62,6 +62,8 @@ pub struct fmi2CallbackFunctions {
     pub componentEnvironment: fmi2ComponentEnvironment,
 }
 
+/// No array of the elements of this API can be longer.
+const LONGEST_ARRAY: usize = isize::MAX as usize / size_of::<fmi2Real>();
 const CO_SIMULATION: fmi2Type = 1;
 const DO_STEP_STATUS: fmi2StatusKind = 0;
 const PENDING_STATUS: fmi2StatusKind = 1;
@@ -94,7 +96,7 @@ impl From<Status> for fmi2Status {
 }
 
 /// The way into an instance: NULL check, re-entrance check, panic barrier.
-fn with(component: fmi2Component, body: impl FnOnce(&mut dyn Slave) -> Status) -> fmi2Status {
+fn with(component: fmi2Component, function: Function, body: impl FnOnce(&mut dyn Slave) -> Status) -> fmi2Status {
     // SAFETY: the caller gives a pointer from `fmi2Instantiate`, or NULL.
     let Some(component) = (unsafe { component.cast::<Component>().as_ref() }) else { return fmi2Error };
     if component.busy.replace(true) {
@@ -104,7 +106,7 @@ fn with(component: fmi2Component, body: impl FnOnce(&mut dyn Slave) -> Status) -
     let slave = unsafe { &mut *component.slave.get() };
     let status = match catch_unwind(AssertUnwindSafe(|| body(slave.as_mut()))) {
         Ok(status) => status.into(),
-        Err(_) => match catch_unwind(AssertUnwindSafe(|| slave.poison(&hook::last_panic()))) {
+        Err(_) => match catch_unwind(AssertUnwindSafe(|| slave.poison(function, &hook::last_panic()))) {
             Ok(()) => fmi2Error,
             Err(_) => fmi2Fatal,
         },
@@ -113,9 +115,11 @@ fn with(component: fmi2Component, body: impl FnOnce(&mut dyn Slave) -> Status) -
     status
 }
 
-/// An array argument; `None` when it is NULL although it should hold something.
+// The helpers below take the importer's pointers at its word, as the whole module does.
+
+/// An array argument; `None` when it is NULL although it should hold something, or impossibly long.
 fn slice<'a, T>(pointer: *const T, count: usize) -> Option<&'a [T]> {
-    match (count, pointer.is_null()) {
+    match (count, pointer.is_null() || count > LONGEST_ARRAY) {
         (0, _) => Some(&[]),
         (_, true) => None,
         // SAFETY: the caller gives `count` readable elements.
@@ -123,9 +127,9 @@ fn slice<'a, T>(pointer: *const T, count: usize) -> Option<&'a [T]> {
     }
 }
 
-/// An array to write to; `None` when it is NULL although it should hold something.
+/// An array to write to; `None` when it is NULL although it should hold something, or impossibly long.
 fn slice_mut<'a, T>(pointer: *mut T, count: usize) -> Option<&'a mut [T]> {
-    match (count, pointer.is_null()) {
+    match (count, pointer.is_null() || count > LONGEST_ARRAY) {
         (0, _) => Some(&mut []),
         (_, true) => None,
         // SAFETY: the caller gives `count` writable elements.
@@ -147,7 +151,7 @@ fn texts<'a>(pointer: *const fmi2String, count: usize) -> Option<Vec<&'a str>> {
     slice(pointer, count)?.iter().map(|&string| text(string)).collect()
 }
 
-const NULL_ARRAY: &str = "an array argument is NULL";
+const NULL_ARRAY: &str = "an array argument is NULL or impossibly long";
 const BAD_STRING: &str = "a string argument is NULL or not UTF-8";
 
 /// A call with an array of value references and one of values.
@@ -157,7 +161,7 @@ fn with_arrays<A, B>(
     arrays: (Option<A>, Option<B>),
     body: impl FnOnce(&mut dyn Slave, A, B) -> Status,
 ) -> fmi2Status {
-    with(component, |slave| match arrays {
+    with(component, function, |slave| match arrays {
         (Some(references), Some(values)) => body(slave, references, values),
         _ => slave.refuse(function, Status::Error, NULL_ARRAY),
     })
@@ -180,9 +184,9 @@ pub unsafe extern "C" fn fmi2SetDebugLogging(
     nCategories: usize,
     categories: *const fmi2String,
 ) -> fmi2Status {
-    with(c, |slave| match texts(categories, nCategories) {
+    with(c, Function::SetDebugLogging, |slave| match texts(categories, nCategories) {
         Some(categories) => slave.set_debug_logging(loggingOn != 0, &categories),
-        None => slave.refuse(Function::SET_DEBUG_LOGGING, Status::Error, BAD_STRING),
+        None => slave.refuse(Function::SetDebugLogging, Status::Error, BAD_STRING),
     })
 }
 
@@ -279,27 +283,29 @@ pub unsafe extern "C" fn fmi2SetupExperiment(
     stopTimeDefined: fmi2Boolean,
     stopTime: fmi2Real,
 ) -> fmi2Status {
-    with(c, |slave| slave.setup_experiment(startTime, (stopTimeDefined != 0).then_some(stopTime)))
+    with(c, Function::SetupExperiment, |slave| {
+        slave.setup_experiment(startTime, (stopTimeDefined != 0).then_some(stopTime))
+    })
 }
 
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2EnterInitializationMode(c: fmi2Component) -> fmi2Status {
-    with(c, |slave| slave.enter_initialization_mode())
+    with(c, Function::EnterInitializationMode, |slave| slave.enter_initialization_mode())
 }
 
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2ExitInitializationMode(c: fmi2Component) -> fmi2Status {
-    with(c, |slave| slave.exit_initialization_mode())
+    with(c, Function::ExitInitializationMode, |slave| slave.exit_initialization_mode())
 }
 
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2Terminate(c: fmi2Component) -> fmi2Status {
-    with(c, |slave| slave.terminate())
+    with(c, Function::Terminate, |slave| slave.terminate())
 }
 
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2Reset(c: fmi2Component) -> fmi2Status {
-    with(c, |slave| slave.reset())
+    with(c, Function::Reset, |slave| slave.reset())
 }
 
 #[unsafe(no_mangle)]
@@ -310,7 +316,7 @@ pub unsafe extern "C" fn fmi2GetReal(
     value: *mut fmi2Real,
 ) -> fmi2Status {
     let arrays = (slice(vr, nvr), slice_mut(value, nvr));
-    with_arrays(c, Function::GET_REAL, arrays, |slave, vr, value| slave.get_real(vr, value))
+    with_arrays(c, Function::GetReal, arrays, |slave, vr, value| slave.get_real(vr, value))
 }
 
 #[unsafe(no_mangle)]
@@ -321,7 +327,7 @@ pub unsafe extern "C" fn fmi2GetInteger(
     value: *mut fmi2Integer,
 ) -> fmi2Status {
     let arrays = (slice(vr, nvr), slice_mut(value, nvr));
-    with_arrays(c, Function::GET_INTEGER, arrays, |slave, vr, value| slave.get_integer(vr, value))
+    with_arrays(c, Function::GetInteger, arrays, |slave, vr, value| slave.get_integer(vr, value))
 }
 
 #[unsafe(no_mangle)]
@@ -332,7 +338,7 @@ pub unsafe extern "C" fn fmi2GetBoolean(
     value: *mut fmi2Boolean,
 ) -> fmi2Status {
     let arrays = (slice(vr, nvr), slice_mut(value, nvr));
-    with_arrays(c, Function::GET_BOOLEAN, arrays, |slave, vr, value| {
+    with_arrays(c, Function::GetBoolean, arrays, |slave, vr, value| {
         slave.get_boolean(vr, &mut |i, x| value[i] = fmi2Boolean::from(x))
     })
 }
@@ -345,7 +351,7 @@ pub unsafe extern "C" fn fmi2GetString(
     value: *mut fmi2String,
 ) -> fmi2Status {
     let arrays = (slice(vr, nvr), slice_mut(value, nvr));
-    with_arrays(c, Function::GET_STRING, arrays, |slave, vr, value| {
+    with_arrays(c, Function::GetString, arrays, |slave, vr, value| {
         slave.get_string(vr, &mut |i, x| value[i] = x.as_ptr())
     })
 }
@@ -358,7 +364,7 @@ pub unsafe extern "C" fn fmi2SetReal(
     value: *const fmi2Real,
 ) -> fmi2Status {
     let arrays = (slice(vr, nvr), slice(value, nvr));
-    with_arrays(c, Function::SET_REAL, arrays, |slave, vr, value| slave.set_real(vr, value))
+    with_arrays(c, Function::SetReal, arrays, |slave, vr, value| slave.set_real(vr, value))
 }
 
 #[unsafe(no_mangle)]
@@ -369,7 +375,7 @@ pub unsafe extern "C" fn fmi2SetInteger(
     value: *const fmi2Integer,
 ) -> fmi2Status {
     let arrays = (slice(vr, nvr), slice(value, nvr));
-    with_arrays(c, Function::SET_INTEGER, arrays, |slave, vr, value| slave.set_integer(vr, value))
+    with_arrays(c, Function::SetInteger, arrays, |slave, vr, value| slave.set_integer(vr, value))
 }
 
 #[unsafe(no_mangle)]
@@ -380,7 +386,7 @@ pub unsafe extern "C" fn fmi2SetBoolean(
     value: *const fmi2Boolean,
 ) -> fmi2Status {
     let arrays = (slice(vr, nvr), slice(value, nvr));
-    with_arrays(c, Function::SET_BOOLEAN, arrays, |slave, vr, value| {
+    with_arrays(c, Function::SetBoolean, arrays, |slave, vr, value| {
         let value: Vec<bool> = value.iter().map(|x| *x != 0).collect();
         slave.set_boolean(vr, &value)
     })
@@ -393,26 +399,26 @@ pub unsafe extern "C" fn fmi2SetString(
     nvr: usize,
     value: *const fmi2String,
 ) -> fmi2Status {
-    with(c, |slave| match (slice(vr, nvr), texts(value, nvr)) {
+    with(c, Function::SetString, |slave| match (slice(vr, nvr), texts(value, nvr)) {
         (Some(vr), Some(value)) => slave.set_string(vr, &value),
-        (None, _) => slave.refuse(Function::SET_STRING, Status::Error, NULL_ARRAY),
-        _ => slave.refuse(Function::SET_STRING, Status::Error, BAD_STRING),
+        (None, _) => slave.refuse(Function::SetString, Status::Error, NULL_ARRAY),
+        _ => slave.refuse(Function::SetString, Status::Error, BAD_STRING),
     })
 }
 
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetFMUstate(c: fmi2Component, FMUstate: *mut fmi2FMUstate) -> fmi2Status {
-    with_slot(c, Function::GET_FMU_STATE, FMUstate, |slave, slot| slave.take_state(slot))
+    with_slot(c, Function::GetFMUstate, FMUstate, |slave, slot| slave.take_state(slot))
 }
 
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2SetFMUstate(c: fmi2Component, FMUstate: fmi2FMUstate) -> fmi2Status {
-    with_state(c, Function::SET_FMU_STATE, FMUstate, |slave, state| slave.put_state(state))
+    with_state(c, Function::SetFMUstate, FMUstate, |slave, state| slave.put_state(state))
 }
 
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2FreeFMUstate(c: fmi2Component, FMUstate: *mut fmi2FMUstate) -> fmi2Status {
-    with(c, |slave| {
+    with(c, Function::FreeFMUstate, |slave| {
         // SAFETY: the caller gives a place for a state, or NULL, which is nothing to free.
         let Some(place) = (unsafe { FMUstate.as_mut() }) else { return Status::Ok };
         let state = std::mem::replace(place, std::ptr::null_mut());
@@ -420,7 +426,7 @@ pub unsafe extern "C" fn fmi2FreeFMUstate(c: fmi2Component, FMUstate: *mut fmi2F
             // SAFETY: the state comes from this API and is not used again.
             drop(unsafe { Box::from_raw(state.cast::<TakenState>()) });
         }
-        slave.permit(Function::FREE_FMU_STATE)
+        slave.permit(Function::FreeFMUstate)
     })
 }
 
@@ -430,7 +436,7 @@ pub unsafe extern "C" fn fmi2SerializedFMUstateSize(
     FMUstate: fmi2FMUstate,
     size: *mut usize,
 ) -> fmi2Status {
-    const THIS: Function = Function::SERIALIZED_STATE_SIZE;
+    const THIS: Function = Function::SerializedFMUstateSize;
     with_state(c, THIS, FMUstate, |slave, state| {
         // SAFETY: the caller gives a place for a number, or NULL.
         let Some(size) = (unsafe { size.as_mut() }) else {
@@ -450,7 +456,7 @@ pub unsafe extern "C" fn fmi2SerializeFMUstate(
     serializedState: *mut fmi2Byte,
     size: usize,
 ) -> fmi2Status {
-    const THIS: Function = Function::SERIALIZE_STATE;
+    const THIS: Function = Function::SerializeFMUstate;
     with_state(c, THIS, FMUstate, |slave, state| {
         let mut bytes = Vec::new();
         let status = slave.serialize(THIS, state, &mut bytes);
@@ -476,7 +482,7 @@ pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
     size: usize,
     FMUstate: *mut fmi2FMUstate,
 ) -> fmi2Status {
-    const THIS: Function = Function::DESERIALIZE_STATE;
+    const THIS: Function = Function::DeSerializeFMUstate;
     with_slot(c, THIS, FMUstate, |slave, slot| match slice(serializedState.cast::<u8>(), size) {
         Some(bytes) => slave.deserialize(bytes, slot),
         None => slave.refuse(THIS, Status::Error, NULL_ARRAY),
@@ -491,7 +497,7 @@ fn with_state(
     body: impl FnOnce(&mut dyn Slave, &TakenState) -> Status,
 ) -> fmi2Status {
     // SAFETY: the caller gives a state from this API, or NULL.
-    with(component, |slave| match unsafe { state.cast::<TakenState>().as_ref() } {
+    with(component, function, |slave| match unsafe { state.cast::<TakenState>().as_ref() } {
         Some(state) => body(slave, state),
         None => slave.refuse(function, Status::Error, "`FMUstate` is NULL"),
     })
@@ -504,7 +510,7 @@ fn with_slot(
     place: *mut fmi2FMUstate,
     body: impl FnOnce(&mut dyn Slave, &mut Option<TakenState>) -> Status,
 ) -> fmi2Status {
-    with(component, |slave| {
+    with(component, function, |slave| {
         // SAFETY: the caller gives a place for a state, or NULL.
         let Some(place) = (unsafe { place.as_mut() }) else {
             return slave.refuse(function, Status::Error, "`FMUstate` is NULL");
@@ -533,7 +539,7 @@ pub unsafe extern "C" fn fmi2GetDirectionalDerivative(
     _dvKnown: *const fmi2Real,
     _dvUnknown: *mut fmi2Real,
 ) -> fmi2Status {
-    not_offered(c, Function::DIRECTIONAL_DERIVATIVE, "a sampled controller has no directional derivatives")
+    not_offered(c, Function::GetDirectionalDerivative, "a sampled controller has no directional derivatives")
 }
 
 #[unsafe(no_mangle)]
@@ -545,7 +551,7 @@ pub unsafe extern "C" fn fmi2SetRealInputDerivatives(
     value: *const fmi2Real,
 ) -> fmi2Status {
     let arrays = (slice(vr, nvr), slice(order, nvr).zip(slice(value, nvr)));
-    with_arrays(c, Function::SET_INPUT_DERIVATIVES, arrays, |slave, vr, (order, value)| {
+    with_arrays(c, Function::SetRealInputDerivatives, arrays, |slave, vr, (order, value)| {
         slave.set_input_derivatives(vr, order, value)
     })
 }
@@ -558,7 +564,7 @@ pub unsafe extern "C" fn fmi2GetRealOutputDerivatives(
     _order: *const fmi2Integer,
     _value: *mut fmi2Real,
 ) -> fmi2Status {
-    not_offered(c, Function::GET_OUTPUT_DERIVATIVES, "outputs are held between samples and have no derivatives")
+    not_offered(c, Function::GetRealOutputDerivatives, "outputs are held between samples and have no derivatives")
 }
 
 #[unsafe(no_mangle)]
@@ -568,26 +574,26 @@ pub unsafe extern "C" fn fmi2DoStep(
     communicationStepSize: fmi2Real,
     _noSetFMUStatePriorToCurrentPoint: fmi2Boolean,
 ) -> fmi2Status {
-    with(c, |slave| slave.do_step(currentCommunicationPoint, communicationStepSize))
+    with(c, Function::DoStep, |slave| slave.do_step(currentCommunicationPoint, communicationStepSize))
 }
 
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2CancelStep(c: fmi2Component) -> fmi2Status {
-    with(c, |slave| slave.permit(Function::CANCEL_STEP))
+    with(c, Function::CancelStep, |slave| slave.permit(Function::CancelStep))
 }
 
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetStatus(c: fmi2Component, s: fmi2StatusKind, _value: *mut fmi2Status) -> fmi2Status {
-    with(c, |slave| no_status(slave, Function::GET_STATUS, s))
+    with(c, Function::GetStatus, |slave| no_status(slave, Function::GetStatus, s))
 }
 
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetRealStatus(c: fmi2Component, s: fmi2StatusKind, value: *mut fmi2Real) -> fmi2Status {
     // SAFETY: the caller gives a place for a number, or NULL.
-    with(c, |slave| match unsafe { value.as_mut() } {
+    with(c, Function::GetRealStatus, |slave| match unsafe { value.as_mut() } {
         Some(value) if s == LAST_SUCCESSFUL_TIME => slave.last_successful_time(value),
-        Some(_) => no_status(slave, Function::GET_REAL_STATUS, s),
-        None => slave.refuse(Function::GET_REAL_STATUS, Status::Error, "`value` is NULL"),
+        Some(_) => no_status(slave, Function::GetRealStatus, s),
+        None => slave.refuse(Function::GetRealStatus, Status::Error, "`value` is NULL"),
     })
 }
 
@@ -597,7 +603,7 @@ pub unsafe extern "C" fn fmi2GetIntegerStatus(
     s: fmi2StatusKind,
     _value: *mut fmi2Integer,
 ) -> fmi2Status {
-    with(c, |slave| no_status(slave, Function::GET_INTEGER_STATUS, s))
+    with(c, Function::GetIntegerStatus, |slave| no_status(slave, Function::GetIntegerStatus, s))
 }
 
 #[unsafe(no_mangle)]
@@ -606,9 +612,9 @@ pub unsafe extern "C" fn fmi2GetBooleanStatus(
     s: fmi2StatusKind,
     value: *mut fmi2Boolean,
 ) -> fmi2Status {
-    const THIS: Function = Function::GET_BOOLEAN_STATUS;
+    const THIS: Function = Function::GetBooleanStatus;
     // SAFETY: the caller gives a place for a Boolean, or NULL.
-    with(c, |slave| match unsafe { value.as_mut() } {
+    with(c, Function::GetBooleanStatus, |slave| match unsafe { value.as_mut() } {
         Some(value) if s == TERMINATED => {
             // a controller never asks to end the simulation
             *value = 0;
@@ -625,7 +631,7 @@ pub unsafe extern "C" fn fmi2GetStringStatus(
     s: fmi2StatusKind,
     _value: *mut fmi2String,
 ) -> fmi2Status {
-    with(c, |slave| no_status(slave, Function::GET_STRING_STATUS, s))
+    with(c, Function::GetStringStatus, |slave| no_status(slave, Function::GetStringStatus, s))
 }
 
 /// A generated file of the FMU: `modelDescription.xml` or `documentation/index.html`; an empty
@@ -638,7 +644,7 @@ pub unsafe extern "C" fn fmi2_export_file(path: *const c_char) -> *const c_char 
 
 /// A function that must exist but has nothing to do in this kind of FMU.
 fn not_offered(component: fmi2Component, function: Function, reason: &str) -> fmi2Status {
-    with(component, |slave| match slave.permit(function) {
+    with(component, function, |slave| match slave.permit(function) {
         Status::Ok => slave.refuse(function, Status::Error, reason),
         status => status,
     })

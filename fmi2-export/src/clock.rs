@@ -39,8 +39,10 @@ impl Clock {
         let steps = h / self.period;
         let end = self.fraction + steps;
         let snap = SNAP.min(1e-3 * steps);
-        let nearest = end.round();
-        let (whole, fraction) = if (end - nearest).abs() <= snap { (nearest, 0.0) } else { (end.floor(), end.fract()) };
+        // whole numbers by conversion: `round` and `floor` are library calls on plain x86-64
+        let nearest = (end + 0.5) as i64;
+        let (whole, fraction) =
+            if (end - nearest as f64).abs() <= snap { (nearest, 0.0) } else { (end as i64, end - (end as i64) as f64) };
         self.whole += whole as u64;
         self.fraction = fraction;
         first..self.next_tick()

@@ -10,6 +10,7 @@ use crate::snapshot::{self, Experiment, Running, Snapshot};
 use crate::variable::{Kind, Role, Variable};
 use std::any::Any;
 use std::ffi::{CStr, CString};
+use std::fmt::Display;
 use std::path::PathBuf;
 
 /// A taken state; only an instance of the same model can use it.
@@ -64,7 +65,7 @@ pub trait Slave: Send {
     /// A call that is refused for a reason the C API has found.
     fn refuse(&mut self, function: Function, status: Status, text: &str) -> Status;
     /// After a panic: only reset, restoring a state and freeing are left.
-    fn poison(&mut self, text: &str);
+    fn poison(&mut self, function: Function, text: &str);
 }
 
 type SnapshotOf<M> = Snapshot<<M as Model>::Vars, <M as Model>::State>;
@@ -86,27 +87,20 @@ impl<M: Model> Instance<M> {
     }
 
     /// The only way through every call: phase check, message, error phase.
+    #[inline]
     fn call(&mut self, function: Function, body: impl FnOnce(&mut Self) -> Result<(), Refusal>) -> Status {
-        let result = if function.is_allowed(self.now.phase) {
-            body(self)
-        } else {
-            Err(Refusal::error(format!("may not be called {}", self.now.phase.name())))
-        };
+        let result = if function.is_allowed(self.now.phase) { body(self) } else { Err(illegal(self.now.phase)) };
         match result {
             Ok(()) => Status::Ok,
-            Err(Refusal { status, text }) => self.refuse(function, status, &text),
+            Err(refusal) => self.refuse(function, refusal.status(), refusal.text()),
         }
     }
 
     /// Row and element of a value reference.
+    #[inline]
     fn entry(&self, reference: u32) -> Result<(&'static Variable<M::Vars>, usize), Refusal> {
-        match self.index.entries.get(reference as usize) {
-            Some(&entry) => Ok(entry),
-            None => {
-                let last = self.index.entries.len() - 1;
-                Err(Refusal::error(format!("there is no variable with the value reference {reference} (0 .. {last})")))
-            }
-        }
+        let entries = &self.index.entries;
+        entries.get(reference as usize).copied().ok_or_else(|| unknown(reference, entries.len()))
     }
 
     fn get<T: Scalar<M::Vars>>(&self, reference: u32) -> Result<T, Refusal> {
@@ -118,9 +112,11 @@ impl<M: Model> Instance<M> {
     fn set<T: Value<M::Vars>>(&mut self, references: &[u32], values: &[T]) -> Result<(), Refusal> {
         for (&reference, value) in references.iter().zip(values) {
             let (row, element) = self.entry(reference)?;
-            let unchanged = value.equals(row, &self.now.vars, element).ok_or_else(|| wrong_type(row, T::KIND))?;
-            self.may_set(row, unchanged)
-                .map_err(|reason| Refusal::error(format!("`{}` = {value}: {reason}", row.element_name(element))))?;
+            if !T::fits(row) {
+                return Err(wrong_type(row, T::KIND));
+            }
+            self.may_set(row, || value.equals(row, &self.now.vars, element))
+                .map_err(|reason| forbidden(row, element, value, reason))?;
             value.verify(row, element)?;
         }
         let mut parameters = false;
@@ -136,12 +132,12 @@ impl<M: Model> Instance<M> {
     }
 
     /// Whether a variable may be set in this phase, or why not.
-    fn may_set(&self, row: &Variable<M::Vars>, unchanged: bool) -> Result<(), &'static str> {
+    fn may_set(&self, row: &Variable<M::Vars>, unchanged: impl FnOnce() -> bool) -> Result<(), &'static str> {
         let running = self.now.phase == Phase::StepComplete;
         match row.role() {
             Role::Input | Role::Tunable => Ok(()),
             // some importers write fixed parameters again after initialization
-            Role::Parameter if !running || unchanged => Ok(()),
+            Role::Parameter if !running || unchanged() => Ok(()),
             Role::Parameter => Err("it is fixed after initialization"),
             Role::Calculated => Err("it is calculated from other parameters"),
             Role::Output | Role::Local if !running => Ok(()),
@@ -266,18 +262,16 @@ fn check_step<S>(running: &Running<S>, stop: Option<f64>, time: f64, step: f64) 
     if !(step > 0.0 && step.is_finite()) {
         return Err(Refusal::error(format!("the communication step {step} s is not positive")));
     }
-    if step / running.clock.period > MAX_TICKS {
-        return Err(Refusal::error(format!(
-            "the communication step {step} s is longer than {MAX_TICKS} sample periods"
-        )));
+    if step > MAX_TICKS * running.clock.period {
+        let text = format!("the communication step {step} s is longer than {MAX_TICKS} sample periods");
+        return Err(Refusal::error(text));
     }
     // importers accumulate time with rounding: the point is checked, never counted with
     let tolerance = 0.01 * step + 1e-9 * time.abs();
-    if !(time.is_finite() && (time - running.time).abs() <= tolerance) {
-        let expected = running.time;
-        return Err(Refusal::error(format!(
-            "the communication point {time} s is not the end of the last step, {expected} s"
-        )));
+    let expected = running.time;
+    if !(time.is_finite() && (time - expected).abs() <= tolerance) {
+        let text = format!("the communication point {time} s is not the end of the last step, {expected} s");
+        return Err(Refusal::error(text));
     }
     match stop {
         Some(stop) if time + step > stop + 1e-6 * step + 1e-9 * stop.abs() => {
@@ -298,6 +292,24 @@ fn fresh<M: Model>() -> SnapshotOf<M> {
     Snapshot { phase: Phase::Instantiated, vars, running: None, experiment: None, slopes: Vec::new() }
 }
 
+// what a good call never builds is kept out of its way
+
+#[cold]
+fn illegal(phase: Phase) -> Refusal {
+    Refusal::error(format!("may not be called {}", phase.name()))
+}
+
+#[cold]
+fn unknown(reference: u32, count: usize) -> Refusal {
+    Refusal::error(format!("there is no variable with the value reference {reference} (0 .. {})", count - 1))
+}
+
+#[cold]
+fn forbidden<V>(row: &Variable<V>, element: usize, value: impl Display, reason: &str) -> Refusal {
+    Refusal::error(format!("`{}` = {value}: {reason}", row.element_name(element)))
+}
+
+#[cold]
 fn wrong_type<V>(row: &Variable<V>, kind: &str) -> Refusal {
     let own = row.kind.type_name();
     let hint = match own {
@@ -309,11 +321,11 @@ fn wrong_type<V>(row: &Variable<V>, kind: &str) -> Refusal {
 
 impl<M: Model> Slave for Instance<M> {
     fn set_debug_logging(&mut self, on: bool, categories: &[&str]) -> Status {
-        self.call(Function::SET_DEBUG_LOGGING, |this| this.logger.configure(on, categories).map_err(Refusal::error))
+        self.call(Function::SetDebugLogging, |this| this.logger.configure(on, categories).map_err(Refusal::error))
     }
 
     fn setup_experiment(&mut self, start: f64, stop: Option<f64>) -> Status {
-        self.call(Function::SETUP_EXPERIMENT, |this| {
+        self.call(Function::SetupExperiment, |this| {
             if !start.is_finite() {
                 return Err(Refusal::error(format!("the start time {start} s is not finite")));
             }
@@ -328,7 +340,7 @@ impl<M: Model> Slave for Instance<M> {
     }
 
     fn enter_initialization_mode(&mut self) -> Status {
-        self.call(Function::ENTER_INITIALIZATION_MODE, |this| {
+        self.call(Function::EnterInitializationMode, |this| {
             if this.now.experiment.is_none() {
                 return Err(Refusal::error("fmi2SetupExperiment was not called"));
             }
@@ -338,43 +350,43 @@ impl<M: Model> Slave for Instance<M> {
     }
 
     fn exit_initialization_mode(&mut self) -> Status {
-        self.call(Function::EXIT_INITIALIZATION_MODE, Self::start)
+        self.call(Function::ExitInitializationMode, Self::start)
     }
 
     fn terminate(&mut self) -> Status {
-        self.call(Function::TERMINATE, |this| {
+        self.call(Function::Terminate, |this| {
             this.now.phase = Phase::Terminated;
             Ok(())
         })
     }
 
     fn reset(&mut self) -> Status {
-        self.call(Function::RESET, |this| {
+        self.call(Function::Reset, |this| {
             this.now = fresh::<M>();
             Ok(())
         })
     }
 
     fn get_real(&mut self, references: &[u32], values: &mut [f64]) -> Status {
-        self.call(Function::GET_REAL, |this| {
+        self.call(Function::GetReal, |this| {
             references.iter().zip(values).try_for_each(|(&reference, value)| this.get(reference).map(|x| *value = x))
         })
     }
 
     fn get_integer(&mut self, references: &[u32], values: &mut [i32]) -> Status {
-        self.call(Function::GET_INTEGER, |this| {
+        self.call(Function::GetInteger, |this| {
             references.iter().zip(values).try_for_each(|(&reference, value)| this.get(reference).map(|x| *value = x))
         })
     }
 
     fn get_boolean(&mut self, references: &[u32], give: &mut dyn FnMut(usize, bool)) -> Status {
-        self.call(Function::GET_BOOLEAN, |this| {
+        self.call(Function::GetBoolean, |this| {
             references.iter().enumerate().try_for_each(|(i, &reference)| this.get(reference).map(|x| give(i, x)))
         })
     }
 
     fn get_string(&mut self, references: &[u32], give: &mut dyn FnMut(usize, &CStr)) -> Status {
-        self.call(Function::GET_STRING, |this| {
+        self.call(Function::GetString, |this| {
             let read = |&reference| {
                 let (row, _) = this.entry(reference)?;
                 match row.kind {
@@ -389,31 +401,31 @@ impl<M: Model> Slave for Instance<M> {
     }
 
     fn set_real(&mut self, references: &[u32], values: &[f64]) -> Status {
-        self.call(Function::SET_REAL, |this| this.set(references, values))
+        self.call(Function::SetReal, |this| this.set(references, values))
     }
 
     fn set_integer(&mut self, references: &[u32], values: &[i32]) -> Status {
-        self.call(Function::SET_INTEGER, |this| this.set(references, values))
+        self.call(Function::SetInteger, |this| this.set(references, values))
     }
 
     fn set_boolean(&mut self, references: &[u32], values: &[bool]) -> Status {
-        self.call(Function::SET_BOOLEAN, |this| this.set(references, values))
+        self.call(Function::SetBoolean, |this| this.set(references, values))
     }
 
     fn set_string(&mut self, references: &[u32], values: &[&str]) -> Status {
-        self.call(Function::SET_STRING, |this| this.set(references, values))
+        self.call(Function::SetString, |this| this.set(references, values))
     }
 
     fn set_input_derivatives(&mut self, references: &[u32], orders: &[i32], values: &[f64]) -> Status {
-        self.call(Function::SET_INPUT_DERIVATIVES, |this| this.set_slopes(references, orders, values))
+        self.call(Function::SetRealInputDerivatives, |this| this.set_slopes(references, orders, values))
     }
 
     fn do_step(&mut self, time: f64, step: f64) -> Status {
-        self.call(Function::DO_STEP, |this| this.step(time, step))
+        self.call(Function::DoStep, |this| this.step(time, step))
     }
 
     fn last_successful_time(&mut self, value: &mut f64) -> Status {
-        self.call(Function::GET_REAL_STATUS, |this| match &this.now.running {
+        self.call(Function::GetRealStatus, |this| match &this.now.running {
             Some(running) => {
                 *value = running.time;
                 Ok(())
@@ -423,14 +435,14 @@ impl<M: Model> Slave for Instance<M> {
     }
 
     fn take_state(&mut self, slot: &mut Option<TakenState>) -> Status {
-        self.call(Function::GET_FMU_STATE, |this| {
+        self.call(Function::GetFMUstate, |this| {
             *slot = Some(Box::new(this.now.clone()));
             Ok(())
         })
     }
 
     fn put_state(&mut self, state: &TakenState) -> Status {
-        self.call(Function::SET_FMU_STATE, |this| {
+        self.call(Function::SetFMUstate, |this| {
             this.now = this.taken(state)?.clone();
             Ok(())
         })
@@ -444,7 +456,7 @@ impl<M: Model> Slave for Instance<M> {
     }
 
     fn deserialize(&mut self, bytes: &[u8], slot: &mut Option<TakenState>) -> Status {
-        self.call(Function::DESERIALIZE_STATE, |this| {
+        self.call(Function::DeSerializeFMUstate, |this| {
             let restored: SnapshotOf<M> = snapshot::from_bytes(this.export.guid(), bytes).map_err(Refusal::error)?;
             this.check_restored(&restored)?;
             *slot = Some(Box::new(restored));
@@ -461,7 +473,7 @@ impl<M: Model> Slave for Instance<M> {
             Status::Discard => Category::Discard,
             _ => Category::Error,
         };
-        self.logger.send(category, format_args!("{}: {text}", function.name));
+        self.logger.send(category, format_args!("{}: {text}", function.name()));
         if category == Category::Error {
             self.now.phase = Phase::Error;
             self.make_finite();
@@ -469,8 +481,8 @@ impl<M: Model> Slave for Instance<M> {
         status
     }
 
-    fn poison(&mut self, text: &str) {
-        self.logger.send(Category::Error, text);
+    fn poison(&mut self, function: Function, text: &str) {
+        self.logger.send(Category::Error, format_args!("{}: {text}", function.name()));
         self.now.phase = Phase::Error;
         self.make_finite();
     }

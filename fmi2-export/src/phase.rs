@@ -42,13 +42,6 @@ impl Phase {
     }
 }
 
-/// A function of the C API that works on an instance.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Function {
-    pub name: &'static str,
-    allowed: u8,
-}
-
 const I: u8 = 1 << Phase::Instantiated as u8;
 const M: u8 = 1 << Phase::Initialization as u8;
 const S: u8 = 1 << Phase::StepComplete as u8;
@@ -57,47 +50,56 @@ const E: u8 = 1 << Phase::Error as u8;
 const ANY: u8 = I | M | S | T | E;
 
 macro_rules! functions {
-    ($($constant:ident $name:literal $allowed:expr;)+) => {
-        impl Function { $(pub const $constant: Self = Self { name: $name, allowed: $allowed };)+ }
+    ($($function:ident $allowed:expr;)+) => {
+        /// A function of the C API that works on an instance.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum Function { $($function),+ }
+
+        impl Function {
+            /// Name of the function in the C API.
+            pub fn name(self) -> &'static str {
+                match self { $(Self::$function => concat!("fmi2", stringify!($function))),+ }
+            }
+
+            /// Whether the function may be called in a phase.
+            #[inline]
+            pub fn is_allowed(self, phase: Phase) -> bool {
+                const ALLOWED: &[u8] = &[$($allowed),+];
+                ALLOWED[self as usize] & (1 << phase as u8) != 0
+            }
+        }
     };
 }
 
 functions! {
-    SET_DEBUG_LOGGING         "fmi2SetDebugLogging"         ANY;
-    SETUP_EXPERIMENT          "fmi2SetupExperiment"         I;
-    ENTER_INITIALIZATION_MODE "fmi2EnterInitializationMode" I;
-    EXIT_INITIALIZATION_MODE  "fmi2ExitInitializationMode"  M;
-    TERMINATE                 "fmi2Terminate"               S;
-    RESET                     "fmi2Reset"                   ANY;
-    GET_REAL                  "fmi2GetReal"                 M | S | T | E;
-    GET_INTEGER               "fmi2GetInteger"              M | S | T | E;
-    GET_BOOLEAN               "fmi2GetBoolean"              M | S | T | E;
-    GET_STRING                "fmi2GetString"               M | S | T | E;
-    SET_REAL                  "fmi2SetReal"                 I | M | S;
-    SET_INTEGER               "fmi2SetInteger"              I | M | S;
-    SET_BOOLEAN               "fmi2SetBoolean"              I | M | S;
-    SET_STRING                "fmi2SetString"               I | M | S;
-    GET_FMU_STATE             "fmi2GetFMUstate"             ANY;
-    SET_FMU_STATE             "fmi2SetFMUstate"             ANY;
-    FREE_FMU_STATE            "fmi2FreeFMUstate"            ANY;
-    SERIALIZED_STATE_SIZE     "fmi2SerializedFMUstateSize"  ANY;
-    SERIALIZE_STATE           "fmi2SerializeFMUstate"       ANY;
-    DESERIALIZE_STATE         "fmi2DeSerializeFMUstate"     ANY;
-    DIRECTIONAL_DERIVATIVE    "fmi2GetDirectionalDerivative" M | S | T | E;
-    SET_INPUT_DERIVATIVES     "fmi2SetRealInputDerivatives" I | M | S;
-    GET_OUTPUT_DERIVATIVES    "fmi2GetRealOutputDerivatives" S | T | E;
-    DO_STEP                   "fmi2DoStep"                  S;
-    CANCEL_STEP               "fmi2CancelStep"              0;
-    GET_STATUS                "fmi2GetStatus"               S | T | E;
-    GET_REAL_STATUS           "fmi2GetRealStatus"           S | T | E;
-    GET_INTEGER_STATUS        "fmi2GetIntegerStatus"        S | T | E;
-    GET_BOOLEAN_STATUS        "fmi2GetBooleanStatus"        S | T | E;
-    GET_STRING_STATUS         "fmi2GetStringStatus"         S | T | E;
-}
-
-impl Function {
-    /// Whether the function may be called in a phase.
-    pub fn is_allowed(self, phase: Phase) -> bool {
-        self.allowed & (1 << phase as u8) != 0
-    }
+    SetDebugLogging          ANY;
+    SetupExperiment          I;
+    EnterInitializationMode  I;
+    ExitInitializationMode   M;
+    Terminate                S;
+    Reset                    ANY;
+    GetReal                  M | S | T | E;
+    GetInteger               M | S | T | E;
+    GetBoolean               M | S | T | E;
+    GetString                M | S | T | E;
+    SetReal                  I | M | S;
+    SetInteger               I | M | S;
+    SetBoolean               I | M | S;
+    SetString                I | M | S;
+    GetFMUstate              ANY;
+    SetFMUstate              ANY;
+    FreeFMUstate             ANY;
+    SerializedFMUstateSize   ANY;
+    SerializeFMUstate        ANY;
+    DeSerializeFMUstate      ANY;
+    GetDirectionalDerivative M | S | T | E;
+    SetRealInputDerivatives  I | M | S;
+    GetRealOutputDerivatives S | T | E;
+    DoStep                   S;
+    CancelStep               0;
+    GetStatus                S | T | E;
+    GetRealStatus            S | T | E;
+    GetIntegerStatus         S | T | E;
+    GetBooleanStatus         S | T | E;
+    GetStringStatus          S | T | E;
 }

@@ -51,7 +51,7 @@ fn a_panic_is_caught_and_logged_with_its_place() {
     let (instance, other) = (about_to_fail(&fmu, PANIC), about_to_fail(&fmu, NONE));
     let line = include_str!("../../examples/probe.rs").lines().position(|line| line.contains("panic!(")).unwrap() + 1;
     let place = format!("examples/probe.rs:{line}");
-    instance.refused(instance.step(1e-2, 1e-3), ERROR, &["panicked at", &place, "provoked panic"]);
+    instance.refused(instance.step(1e-2, 1e-3), ERROR, &["fmi2DoStep", "panicked at", &place, "provoked panic"]);
     is_stuck_but_readable(&instance);
     // other instances do not notice
     assert_eq!(other.step(1e-2, 1e-3), OK);
