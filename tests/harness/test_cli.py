@@ -232,7 +232,13 @@ def test_ctrl_c_is_exit_code_130_without_traceback(write: Write) -> None:
     command = [sys.executable, "-m", "cosim", "run", "lag.toml", "--duration", "1000", "--json", "-"]
     variables = {**os.environ, "PYTHONPATH": str(ROOT)}
     process = subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=variables
+        command,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=variables,
+        # a shell that starts the tests in the background lets them ignore the signal
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     time.sleep(3.0)
     process.send_signal(signal.SIGINT)
