@@ -34,9 +34,9 @@ class Verdict:
 
     @property
     def passed(self) -> bool:
-        """Whether the value keeps every limit; a value that is not a number keeps none."""
+        """Whether the value keeps every limit; NaN and inf, such as the time of no event, keep none."""
         criterion, value = self.criterion, self.value
-        if math.isnan(value):
+        if not math.isfinite(value):
             return False
         return (
             (criterion.minimum is None or value >= criterion.minimum)

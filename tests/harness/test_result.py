@@ -42,10 +42,10 @@ metric = "end"
 minimum = 0.6
 maximum = 0.7
 [[criterion]]
-id = "late"
-claim = "not before 1 s"
-metric = "never"
-minimum = 1.0
+id = "moved"
+claim = "leaves zero"
+metric = "end"
+minimum = 0.1
 """
 
 
@@ -56,12 +56,18 @@ def criterion(minimum: float | None, maximum: float | None, equals: float | bool
 limits = st.none() | st.floats(allow_nan=False)
 
 
-@given(limits, limits, limits)
-def test_nan_never_passes(minimum: float | None, maximum: float | None, equals: float | None) -> None:
-    assert not Verdict(criterion(minimum, maximum, equals), math.nan, "1").passed
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+@given(minimum=limits, maximum=limits, equals=limits)
+def test_what_is_not_finite_never_passes(
+    value: float, minimum: float | None, maximum: float | None, equals: float | None
+) -> None:
+    assert not Verdict(criterion(minimum, maximum, equals), value, "1").passed
 
 
-@given(st.floats(allow_nan=False), st.floats(allow_nan=False))
+finite = st.floats(allow_nan=False, allow_infinity=False)
+
+
+@given(finite, finite)
 def test_limits_are_inclusive(value: float, limit: float) -> None:
     assert Verdict(criterion(limit, None, None), value, "1").passed == (value >= limit)
     assert Verdict(criterion(None, limit, None), value, "1").passed == (value <= limit)
@@ -106,7 +112,7 @@ def test_the_json_holds_what_the_run_measured(write: Write) -> None:
 
 
 def test_a_run_fails_with_any_criterion(write: Write) -> None:
-    result = cosim.run(cosim.load(write(MEASURED), set=["criterion.late.metric=undefined"]))
+    result = cosim.run(cosim.load(write(MEASURED), set=["criterion.moved.metric=undefined"]))
     assert [verdict.passed for verdict in result.criteria] == [True, False]
     assert not result.passed
 
