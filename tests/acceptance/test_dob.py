@@ -1,6 +1,6 @@
 """Tool contact detection against the claims of Kakinuma and Nagakari (2017), in closed loop with the slide.
 
-The large samples of the statistics run with `pytest -m full tests/acceptance`.
+The large samples run with `pytest -m full -rP tests/acceptance`, which prints what they measured.
 """
 
 import functools
@@ -147,7 +147,18 @@ def test_same_seed_same_bytes(tmp_path: Path) -> None:
 # large samples
 
 
+def tell(results: list[cosim.Result]) -> None:
+    """Print what a large sample measured; `pytest -rP` shows it."""
+    depth = values(results, "depth")
+    median, high, most = (f"{1e6 * np.percentile(depth, q):.3f}" for q in (50, 99, 100))
+    missed, early = (
+        int(count) for count in (np.sum(values(results, "detected") == 0), values(results, "early").sum())
+    )
+    print(f"{len(results)} runs: depth {median} um, 99 % {high}, most {most}; {missed} missed, {early} early")
+
+
 def default_mode(results: list[cosim.Result], depth: float) -> None:
+    tell(results)
     assert [r.seed for r in results if not r.metrics["detected"].value] == [], "missed"
     assert [r.seed for r in results if r.metrics["early"].value] == [], "stopped early"
     assert np.percentile(values(results, "depth"), 99) <= depth
@@ -156,6 +167,7 @@ def default_mode(results: list[cosim.Result], depth: float) -> None:
 
 
 def paper_mode(results: list[cosim.Result], depth: float) -> None:
+    tell(results)
     assert [r.seed for r in results if not r.metrics["detected"].value] == [], "missed"
     early = values(results, "early")
     assert early.mean() <= 0.05
@@ -191,6 +203,7 @@ def test_paper_mode_in_200_approaches(name: str, depth: float) -> None:
 @pytest.mark.full
 def test_force_guard_in_200_contacts_while_learning() -> None:
     results = runs("dob/contact-while-learning", MANY)
+    tell(results)
     assert values(results, "detected").all()
     assert values(results, "depth").max() <= 1.5e-6
 
@@ -215,4 +228,5 @@ def test_false_alarms_in_one_hour_of_noise(mode: Sequence[str], least: float, mo
         batch = runs("dob/noise-only", tuple(next(seeds) for _ in range(60)), *changes)
         armed += values(batch, "armed").sum()
         alarms += values(batch, "detected").sum()
+    print(f"{alarms:.0f} alarms in {armed:.0f} s")
     assert least <= alarms * 3600.0 / armed <= most
