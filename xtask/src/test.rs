@@ -35,20 +35,25 @@ pub fn run(workspace: &Workspace) -> Result<bool> {
 
 /// The checks by name, quick ones first.
 fn checks(workspace: &Workspace) -> Vec<(&'static str, Command)> {
-    let with = |mut command: Command, words: &[&str]| {
-        command.args(words);
+    let words = |mut command: Command, line: &str| {
+        command.args(line.split_whitespace().skip(1));
         command
     };
-    let cargo = |words: &[&str]| with(workspace.cargo(words[0]), &words[1..]);
-    let venv = |words: &[&str]| with(workspace.venv_command(words[0]), &words[1..]);
+    let program = |line: &str| line.split_whitespace().next().unwrap_or_default().to_owned();
+    let cargo = |line: &str| words(workspace.cargo(&program(line)), line);
+    let venv = |line: &str| words(workspace.venv_command(&program(line)), line);
     vec![
-        ("rustfmt", cargo(&["fmt", "--all", "--check"])),
-        ("ruff format", venv(&["ruff", "format", "--check"])),
-        ("ruff", venv(&["ruff", "check"])),
-        ("mypy", venv(&["mypy"])),
-        ("clippy", cargo(&["clippy", "--workspace", "--all-targets", "--locked", "--", "-D", "warnings"])),
-        ("cargo test", cargo(&["test", "--workspace", "--locked"])),
-        ("pytest", venv(&["pytest", "--numprocesses", "auto", "--durations", "10"])),
+        ("rustfmt", cargo("fmt --all --check")),
+        ("ruff format", venv("ruff format --check")),
+        ("ruff", venv("ruff check")),
+        ("mypy", venv("mypy")),
+        // with the part of the plants that only a Python module needs
+        (
+            "clippy",
+            cargo("clippy --workspace --all-targets --features plants/extension-module --locked -- -D warnings"),
+        ),
+        ("cargo test", cargo("test --workspace --locked")),
+        ("pytest", venv("pytest --numprocesses auto --durations 10")),
     ]
 }
 
