@@ -45,6 +45,11 @@ class Verdict:
         )
 
     @property
+    def logical(self) -> bool:
+        """Whether the value is a yes or no that was asked for as such."""
+        return isinstance(self.criterion.equals, bool) and self.value in (0.0, 1.0)
+
+    @property
     def limits(self) -> list[tuple[str, float]]:
         """Relations and limits, for example `[("<=", 4.5e-07)]`."""
         criterion = self.criterion

@@ -203,7 +203,7 @@ def criteria_table(verdicts: list[Verdict]) -> Table:
 
 def measured(verdict: Verdict) -> str:
     """Value that was held against the limits; yes or no where the limit is."""
-    if isinstance(verdict.criterion.equals, bool) and verdict.value in (0.0, 1.0):
+    if verdict.logical:
         return "yes" if verdict.value else "no"
     return text(verdict.value, verdict.unit)
 

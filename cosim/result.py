@@ -93,13 +93,14 @@ class Result:
 
 
 def criterion(verdict: Verdict) -> dict[str, Any]:
-    """One criterion as in the JSON file; `limit` is text such as `<= 4.5e-07`."""
+    """One criterion as in the JSON file; `limit` is text such as `<= 4.5e-07` or `= true`."""
+    limits = [(relation, bool(limit) if verdict.logical else limit) for relation, limit in verdict.limits]
     return {
         "id": verdict.criterion.id,
         "claim": verdict.criterion.claim,
         "paper": verdict.criterion.paper,
-        "value": plain(verdict.value),
-        "limit": " and ".join(f"{relation} {limit!r}" for relation, limit in verdict.limits),
+        "value": bool(verdict.value) if verdict.logical else plain(verdict.value),
+        "limit": " and ".join(f"{relation} {json.dumps(limit)}" for relation, limit in limits),
         "unit": verdict.unit,
         "passed": verdict.passed,
     }

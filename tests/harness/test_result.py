@@ -48,6 +48,17 @@ metric = "end"
 minimum = 0.1
 """
 
+MEASURED_YES = """
+[[metric]]
+name = "moves"
+value = "any(plant.x > 0)"
+[[criterion]]
+id = "moves"
+claim = "moves"
+metric = "moves"
+equals = true
+"""
+
 
 def criterion(minimum: float | None, maximum: float | None, equals: float | bool | None) -> Criterion:
     return Criterion("c", "claim", "m", minimum=minimum, maximum=maximum, equals=equals)
@@ -73,6 +84,13 @@ def test_limits_are_inclusive(value: float, limit: float) -> None:
     assert Verdict(criterion(None, limit, None), value, "1").passed == (value <= limit)
     assert Verdict(criterion(None, None, limit), value, "1").passed == (value == limit)
     assert Verdict(criterion(limit, limit, limit), limit, "1").passed
+
+
+def test_yes_and_no_are_booleans_in_the_json(write: Write) -> None:
+    scenario = cosim.load(write(MEASURED), set=["metric.end.value=any(plant.x > 0)"])
+    found = cosim.run(cosim.load(write(MEASURED_YES))).to_dict()["criteria"][0]
+    assert (found["value"], found["limit"]) == (True, "= true")
+    assert cosim.run(scenario).to_dict()["criteria"][0]["value"] == 1.0
 
 
 def test_equals_takes_booleans() -> None:

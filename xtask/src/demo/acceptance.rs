@@ -80,7 +80,11 @@ fn add(shown: &mut Table, scenario: &str, criterion: &Criterion) {
 fn limit(text: &str, unit: &str) -> String {
     let part = |part: &str| {
         let (relation, number) = part.split_once(' ')?;
-        Some(format!("{relation} {}", table::quantity(number.parse().ok()?, unit)))
+        let shown = match number.parse() {
+            Ok(holds) => yes_or_no(holds).to_owned(),
+            Err(_) => table::quantity(number.parse().ok()?, unit),
+        };
+        Some(format!("{relation} {shown}"))
     };
     text.split(" and ").map(|words| part(words).unwrap_or_else(|| words.to_owned())).collect::<Vec<_>>().join(", ")
 }
@@ -90,8 +94,13 @@ fn text(value: &Value, unit: &str) -> String {
         Value::Number(number) => table::quantity(number.as_f64().unwrap_or(f64::NAN), unit),
         // what JSON has no number for: NaN, Infinity
         Value::String(text) => text.clone(),
+        Value::Bool(holds) => yes_or_no(*holds).to_owned(),
         other => other.to_string(),
     }
+}
+
+fn yes_or_no(holds: bool) -> &'static str {
+    if holds { "yes" } else { "no" }
 }
 
 #[cfg(test)]
@@ -124,6 +133,7 @@ mod tests {
         assert_eq!(limit("<= 4.5e-07", "m"), "<= 450 nm");
         assert_eq!(limit(">= 1.0 and <= 2.0", "1"), ">= 1, <= 2");
         assert_eq!(limit("= 7.0", ""), "= 7");
+        assert_eq!(limit("= false", ""), "= no");
     }
 
     #[test]
