@@ -11,10 +11,10 @@
 
 use crate::export::{Factory, c_string};
 use crate::hook;
-use crate::instance::{Slave, TakenState};
 use crate::logger::{Callback, Category, Logger};
 use crate::phase::{Function, Status};
 use crate::resources;
+use crate::slave::{Slave, TakenState};
 use std::cell::{Cell, UnsafeCell};
 use std::ffi::{CStr, CString, c_char, c_int, c_uint, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};

@@ -3,10 +3,11 @@
 use crate::check;
 use crate::documentation;
 use crate::hash::GUID;
-use crate::instance::{Instance, Slave};
+use crate::instance::Instance;
 use crate::logger::Logger;
 use crate::model::Model;
 use crate::model_description::{self, elements};
+use crate::slave::Slave;
 use crate::variable::{Kind, Role, Variable};
 use std::ffi::{CStr, CString};
 use std::marker::PhantomData;

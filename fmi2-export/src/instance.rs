@@ -6,67 +6,13 @@ use crate::export::{Export, Factory, Index, c_string};
 use crate::logger::{Category, Logger};
 use crate::model::{Env, Model, Start};
 use crate::phase::{Function, Phase, Status};
+use crate::slave::{Slave, TakenState};
+use crate::slope::Slope;
 use crate::snapshot::{self, Experiment, Running, Snapshot};
 use crate::variable::{Kind, Role, Variable};
-use std::any::Any;
 use std::ffi::{CStr, CString};
 use std::fmt::Display;
 use std::path::PathBuf;
-
-/// A taken state; only an instance of the same model can use it.
-pub type TakenState = Box<dyn Any + Send>;
-
-/// An instance as the C API sees it. Every method answers with a status and tells a reason.
-pub trait Slave: Send {
-    /// fmi2SetDebugLogging
-    fn set_debug_logging(&mut self, on: bool, categories: &[&str]) -> Status;
-    /// fmi2SetupExperiment
-    fn setup_experiment(&mut self, start: f64, stop: Option<f64>) -> Status;
-    /// fmi2EnterInitializationMode
-    fn enter_initialization_mode(&mut self) -> Status;
-    /// fmi2ExitInitializationMode
-    fn exit_initialization_mode(&mut self) -> Status;
-    /// fmi2Terminate
-    fn terminate(&mut self) -> Status;
-    /// fmi2Reset
-    fn reset(&mut self) -> Status;
-    /// fmi2GetReal
-    fn get_real(&mut self, references: &[u32], values: &mut [f64]) -> Status;
-    /// fmi2GetInteger
-    fn get_integer(&mut self, references: &[u32], values: &mut [i32]) -> Status;
-    /// fmi2GetBoolean
-    fn get_boolean(&mut self, references: &[u32], give: &mut dyn FnMut(usize, bool)) -> Status;
-    /// fmi2GetString; the texts live until the next call.
-    fn get_string(&mut self, references: &[u32], give: &mut dyn FnMut(usize, &CStr)) -> Status;
-    /// fmi2SetReal
-    fn set_real(&mut self, references: &[u32], values: &[f64]) -> Status;
-    /// fmi2SetInteger
-    fn set_integer(&mut self, references: &[u32], values: &[i32]) -> Status;
-    /// fmi2SetBoolean
-    fn set_boolean(&mut self, references: &[u32], values: &[bool]) -> Status;
-    /// fmi2SetString
-    fn set_string(&mut self, references: &[u32], values: &[&str]) -> Status;
-    /// fmi2SetRealInputDerivatives
-    fn set_input_derivatives(&mut self, references: &[u32], orders: &[i32], values: &[f64]) -> Status;
-    /// fmi2DoStep
-    fn do_step(&mut self, time: f64, step: f64) -> Status;
-    /// fmi2GetRealStatus with fmi2LastSuccessfulTime
-    fn last_successful_time(&mut self, value: &mut f64) -> Status;
-    /// fmi2GetFMUstate
-    fn take_state(&mut self, slot: &mut Option<TakenState>) -> Status;
-    /// fmi2SetFMUstate
-    fn put_state(&mut self, state: &TakenState) -> Status;
-    /// fmi2SerializeFMUstate and fmi2SerializedFMUstateSize
-    fn serialize(&mut self, function: Function, state: &TakenState, bytes: &mut Vec<u8>) -> Status;
-    /// fmi2DeSerializeFMUstate
-    fn deserialize(&mut self, bytes: &[u8], slot: &mut Option<TakenState>) -> Status;
-    /// Any function: whether it may be called now.
-    fn permit(&mut self, function: Function) -> Status;
-    /// A call that is refused for a reason the C API has found.
-    fn refuse(&mut self, function: Function, status: Status, text: &str) -> Status;
-    /// After a panic: only reset, restoring a state and freeing are left.
-    fn poison(&mut self, function: Function, text: &str);
-}
 
 type SnapshotOf<M> = Snapshot<<M as Model>::Vars, <M as Model>::State>;
 
@@ -233,28 +179,6 @@ impl<M: Model> Instance<M> {
         }
         let sane = restored.running.as_ref().is_none_or(|running| running.clock.is_sane() && running.time.is_finite());
         if sane { Ok(()) } else { Err(Refusal::error("the state bytes hold an impossible clock")) }
-    }
-}
-
-/// A Real input that is extrapolated inside a step.
-struct Slope<V: 'static> {
-    set: fn(&mut V, usize, f64),
-    element: usize,
-    base: f64,
-    slope: f64,
-}
-
-impl<V> Slope<V> {
-    fn new(index: &Index<V>, vars: &V, (reference, slope): (u32, f64)) -> Self {
-        let (row, element) = index.entries[reference as usize];
-        match row.kind {
-            Kind::Real { get, set, .. } => Self { set, element, base: get(vars, element), slope },
-            _ => unreachable!("derivatives are accepted for Real inputs only"),
-        }
-    }
-
-    fn apply(&self, vars: &mut V, after: f64) {
-        (self.set)(vars, self.element, self.base + self.slope * after);
     }
 }
 
