@@ -209,6 +209,7 @@ mod tests {
             (x(), "variable `x`: needs a role"),
             (real!(Vars => x).input(), "variable `x`: every variable needs a description"),
             (x().tunable().range(4.0, 5.0), "variable `x`: the start value is outside its range"),
+            (x().tunable().range(1.0, 2.0), "variable `x`: the start value is outside its range"),
             (x().tunable().range(5.0, 1.0), "variable `x`: a range needs minimum <= maximum"),
             (x().tunable().range(f64::NAN, 1.0), "variable `x`: a range needs minimum <= maximum"),
             (x().output().range(0.0, 5.0), "variable `x`: only parameters have a range"),
@@ -217,6 +218,7 @@ mod tests {
             (x().input().unit(&units::METRE).display("kg"), "variable `x`: the unit has no such display unit"),
             (x().input().display("um"), "variable `x`: a display unit needs a unit"),
             (n().parameter().range_int(4, 5), "variable `n`: the start value is outside its range"),
+            (n().parameter().range_int(1, 2), "variable `n`: the start value is outside its range"),
             (choice(2).parameter().describe("x"), "variable `mode`: the start value is no item of the enumeration"),
         ] {
             assert!(refusal(&[row]).starts_with(expected), "{expected}");

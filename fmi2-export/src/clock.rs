@@ -111,6 +111,18 @@ mod tests {
     }
 
     #[test]
+    fn a_position_close_to_a_tick_is_that_tick_from_both_sides() {
+        for error in [-9e-7, -1e-9, 1e-9, 9e-7] {
+            let mut clock = Clock::new(1e-2);
+            clock.advance(1e-2 * (1.0 + error));
+            assert_eq!(clock.until(1), 0.0, "{error}");
+        }
+        let mut clock = Clock::new(1e-2);
+        clock.advance(1e-2 * (1.0 - 1e-5));
+        assert!((clock.until(1) - 1e-7).abs() < 1e-15);
+    }
+
+    #[test]
     fn tiny_steps_advance() {
         let mut clock = Clock::new(1.0);
         assert_eq!(count(&mut clock, 1e-8, 100), 1);

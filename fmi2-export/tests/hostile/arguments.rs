@@ -53,6 +53,15 @@ fn is_refused(fmu: &Fmu, words: &[&str], call: impl FnOnce(&Fmu, Component) -> S
 }
 
 #[test]
+fn arrays_longer_than_memory_are_an_error() {
+    let fmu = Fmu::probe();
+    for count in [usize::MAX, isize::MAX as usize] {
+        is_refused(&fmu, &["fmi2GetReal", "long"], |f, c| unsafe { (f.get_real)(c, &0, count, &mut 0.0) });
+        is_refused(&fmu, &["fmi2SetReal", "long"], |f, c| unsafe { (f.set_real)(c, &0, count, &0.0) });
+    }
+}
+
+#[test]
 #[rustfmt::skip]
 fn null_arrays_that_should_hold_something_are_an_error() {
     let fmu = Fmu::probe();
