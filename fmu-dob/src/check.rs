@@ -1,35 +1,12 @@
 //! Checks of parameters against each other; single ranges are in the variable table of the FMU.
 
-use std::fmt;
+use control_blocks::{ParameterError, require, stopping_distance};
 
 use crate::detector::Detector;
 use crate::parameters::Parameters;
-use crate::trajectory::stopping_distance;
 
 /// Learning needs this many independent windows.
 const LEARN_WINDOWS: i32 = 5;
-
-/// A parameter that does not fit the others.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ParameterError {
-    /// FMI name of the parameter.
-    pub name: &'static str,
-    /// Its value with unit.
-    pub value: String,
-    /// What it must be.
-    pub limit: String,
-    /// What to do.
-    pub hint: &'static str,
-}
-
-impl fmt::Display for ParameterError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { name, value, limit, hint } = self;
-        write!(f, "parameter `{name}` is `{value}`, must be {limit}\nhint: {hint}")
-    }
-}
-
-impl std::error::Error for ParameterError {}
 
 type Check = fn(&Parameters) -> Result<(), ParameterError>;
 
@@ -37,10 +14,6 @@ type Check = fn(&Parameters) -> Result<(), ParameterError>;
 pub fn check(p: &Parameters) -> Result<(), ParameterError> {
     const CHECKS: [Check; 6] = [direction, velocity_bandwidth, settle_time, learn_time, travel, guard];
     CHECKS.iter().try_for_each(|check| check(p))
-}
-
-fn require(holds: bool, error: impl FnOnce() -> ParameterError) -> Result<(), ParameterError> {
-    if holds { Ok(()) } else { Err(error()) }
 }
 
 fn direction(p: &Parameters) -> Result<(), ParameterError> {

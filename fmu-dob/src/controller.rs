@@ -1,8 +1,9 @@
 //! One sample of the whole law: read, estimate, decide, move, act, report.
 
+use control_blocks::ParameterError;
 use serde::{Deserialize, Serialize};
 
-use crate::check::{ParameterError, check};
+use crate::check::check;
 use crate::contact::Touch;
 use crate::detector::{Detector, Sample};
 use crate::deviation::MovingDeviation;

@@ -8,6 +8,7 @@ pub mod check;
 pub mod contact;
 pub mod controller;
 pub mod cusum;
+pub mod depth_limit;
 pub mod detector;
 pub mod deviation;
 pub mod glr;
@@ -23,7 +24,6 @@ pub mod servo;
 pub mod signals;
 pub mod slope;
 pub mod threshold;
-pub mod trajectory;
 
 use fmi2_export::units::{
     AMPERE, HERTZ, KILOGRAM, METRE, METRE_PER_SECOND, METRE_PER_SECOND_SQUARED, NEWTON, NEWTON_PER_AMPERE,
@@ -226,7 +226,7 @@ impl Model for Dob {
     }
 
     fn calculate(vars: &mut Vars) {
-        vars.calculated.approach.depth_limit = trajectory::depth_limit(&vars.parameters);
+        vars.calculated.approach.depth_limit = depth_limit::depth_limit(&vars.parameters);
     }
 
     fn initialise(vars: &mut Vars, _: &mut Env) -> Result<Controller, Error> {

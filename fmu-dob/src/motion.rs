@@ -1,10 +1,10 @@
 //! What the reference does in each state: approach, brake, retreat, hold.
 
+use control_blocks::{Trajectory, stopping_distance};
 use serde::{Deserialize, Serialize};
 
 use crate::machine::State;
 use crate::parameters::{Approach, Parameters};
-use crate::trajectory::{Trajectory, stopping_distance};
 
 /// Reference of the servo in the frame where the workpiece is in the positive direction.
 #[derive(Clone, Debug, Serialize, Deserialize)]

@@ -1,9 +1,9 @@
 //! Position servo: proportional-derivative control of the acceleration over the disturbance observer.
 
+use control_blocks::Trajectory;
 use serde::{Deserialize, Serialize};
 
 use crate::parameters::Parameters;
-use crate::trajectory::Trajectory;
 
 /// Commanded acceleration (m/s2): reference acceleration and PD control of position and velocity.
 pub fn acceleration(p: &Parameters, reference: &Trajectory, position: f64, velocity: f64) -> f64 {

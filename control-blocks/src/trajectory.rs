@@ -29,19 +29,9 @@ pub fn stopping_distance(velocity: f64, deceleration: f64) -> f64 {
     velocity * velocity / (2.0 * deceleration)
 }
 
-/// Least travel (m) between touch and standstill: v (1.5 + io_delay) T_s + v^2 / (2 a_stop).
-///
-/// Half a sample of waiting, one of hold and the delay of the current, then braking; noise adds to it.
-pub fn depth_limit(p: &crate::parameters::Parameters) -> f64 {
-    let delay = (1.5 + f64::from(p.stage.io_delay)) * p.sample_period;
-    let v = p.approach.velocity;
-    v * delay + stopping_distance(v, p.retract.deceleration)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parameters::Parameters;
 
     #[test]
     fn keeps_its_limits_and_its_continuity() {
@@ -67,11 +57,5 @@ mod tests {
             reference.step(0.0, 2.0, 1e-4);
         }
         assert!((reference.position - stopping_distance(1e-3, 2.0)).abs() < 1e-12);
-    }
-
-    #[test]
-    fn depth_limit_of_the_defaults() {
-        // 100 um/s: 25 nm of delay and 2.5 nm of braking
-        assert!((depth_limit(&Parameters::DEFAULT) - 27.5e-9).abs() < 1e-15);
     }
 }

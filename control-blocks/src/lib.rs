@@ -1,0 +1,8 @@
+//! Blocks that at least two of the controllers share, one per file. They know neither FMI nor any controller.
+#![forbid(unsafe_code)]
+
+pub mod parameter_error;
+pub mod trajectory;
+
+pub use parameter_error::{ParameterError, require};
+pub use trajectory::{Trajectory, stopping_distance};

@@ -1,0 +1,51 @@
+//! The error that says which parameter does not fit the others, and what to do.
+
+use std::fmt;
+
+/// A parameter that does not fit the others.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ParameterError {
+    /// FMI name of the parameter.
+    pub name: &'static str,
+    /// Its value with unit.
+    pub value: String,
+    /// What it must be.
+    pub limit: String,
+    /// What to do.
+    pub hint: &'static str,
+}
+
+impl fmt::Display for ParameterError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { name, value, limit, hint } = self;
+        write!(f, "parameter `{name}` is `{value}`, must be {limit}\nhint: {hint}")
+    }
+}
+
+impl std::error::Error for ParameterError {}
+
+/// Nothing if the condition holds, the error if not.
+///
+/// # Errors
+/// The given one.
+pub fn require(holds: bool, error: impl FnOnce() -> ParameterError) -> Result<(), ParameterError> {
+    if holds { Ok(()) } else { Err(error()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_message_names_parameter_value_limit_and_hint() {
+        let error = || ParameterError {
+            name: "servo.bandwidth",
+            value: "9 rad/s".into(),
+            limit: "at most `5 rad/s`".into(),
+            hint: "lower it",
+        };
+        assert_eq!(require(true, error), Ok(()));
+        let message = require(false, error).unwrap_err().to_string();
+        assert_eq!(message, "parameter `servo.bandwidth` is `9 rad/s`, must be at most `5 rad/s`\nhint: lower it");
+    }
+}
