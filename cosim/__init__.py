@@ -6,8 +6,9 @@
 """
 
 from cosim.errors import CosimError
+from cosim.many import run_each, run_many
 from cosim.result import Result
 from cosim.scenario import Scenario, load
-from cosim.session import Session, run, run_many
+from cosim.session import Session, run
 
-__all__ = ["CosimError", "Result", "Scenario", "Session", "load", "run", "run_many"]
+__all__ = ["CosimError", "Result", "Scenario", "Session", "load", "run", "run_each", "run_many"]

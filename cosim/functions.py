@@ -52,6 +52,7 @@ ROWWISE: dict[str, tuple[int, Callable[..., Any]]] = {
     "where": (3, lambda condition, yes, no: np.where(np.not_equal(condition, 0), yes, no)),
     "minimum": (2, np.minimum),
     "maximum": (2, np.maximum),
+    "hypot": (2, np.hypot),
 }
 """Functions that work on each row by itself, with their number of arguments."""
 WHOLE: dict[str, tuple[int, Callable[..., Any]]] = {
@@ -74,14 +75,16 @@ WHOLE: dict[str, tuple[int, Callable[..., Any]]] = {
     "cummax": (1, np.maximum.accumulate),
     "cummin": (1, np.minimum.accumulate),
     "diff": (1, lambda values: np.diff(values, prepend=values[:1])),
+    "hold": (2, lambda values, condition: held(values, condition)),
 }
 """Functions that need the whole trace."""
 TIMES: dict[str, tuple[int, Callable[..., Any]]] = {
     "first_time": (1, lambda time, condition: time_at(time, condition, 0, math.inf)),
     "last_time": (1, lambda time, condition: time_at(time, condition, -1, -math.inf)),
+    "longest_time": (1, lambda time, condition: longest(time, condition)),
 }
-"""Time of a row where a condition holds: `inf` for the first, `-inf` for the last if it never does."""
-KEEP_ITEMS = {"first", "last", "min", "max", "cummax", "cummin"}
+"""Times of a condition: of its first row (`inf` if it never holds), its last (`-inf`), its longest run."""
+KEEP_ITEMS = {"first", "last", "min", "max", "cummax", "cummin", "hold"}
 CONSTANTS = {"pi": math.pi, "inf": math.inf, "nan": math.nan, "true": 1.0, "false": 0.0}
 
 
@@ -89,3 +92,18 @@ def time_at(time: Any, condition: Any, index: int, never: float) -> Any:
     """Time of the first (0) or last (-1) row where the condition holds."""
     times = time[np.broadcast_to(np.not_equal(condition, 0), np.shape(time))]
     return times[index] if times.size else np.float64(never)
+
+
+def longest(time: Any, condition: Any) -> Any:
+    """Longest time for which the condition holds without a break: up to the next row, or the end."""
+    holds = np.broadcast_to(np.not_equal(condition, 0), np.shape(time))
+    edges = np.diff(np.concatenate(([False], holds, [False])).astype(np.int8))
+    begins, ends = np.flatnonzero(edges > 0), np.flatnonzero(edges < 0)
+    return np.max(time[np.minimum(ends, len(time) - 1)] - time[begins], initial=0.0)
+
+
+def held(values: Any, condition: Any) -> Any:
+    """Value in the last row, up to each row, where the condition holds; NaN before the first."""
+    values, holds = np.broadcast_arrays(values, np.not_equal(condition, 0))
+    latest = np.maximum.accumulate(np.where(holds, np.arange(len(holds)), -1))
+    return np.where(latest >= 0, values[latest], math.nan)

@@ -1,15 +1,11 @@
-"""Runs of scenarios: one, or many with different seeds on several processes."""
+"""One run of a scenario."""
 
 from __future__ import annotations
 
 import contextlib
-import dataclasses
 import logging
-import multiprocessing
 import time
-from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
+from collections.abc import Iterator
 from types import TracebackType
 
 from cosim import criteria, loop, paths, plant, trace
@@ -131,65 +127,6 @@ def run(scenario: Scenario, seed: int | None = None, progress: Progress | None =
     """
     with Session(scenario) as session:
         return session.run(seed, progress)
-
-
-def run_many(
-    scenario: Scenario, seeds: Sequence[int], workers: int | None = None, keep_trace: bool = False
-) -> list[Result]:
-    """Run a scenario with many seeds; results in the order of the seeds, each the same as `run` gives.
-
-    Parameters
-    ----------
-    scenario
-        The scenario.
-    seeds
-        One run each.
-    workers
-        Processes; None is one per core, 1 runs in this process. Scripts need the usual
-        `if __name__ == "__main__":` around their calls.
-    keep_trace
-        Whether the results hold their traces.
-
-    Raises
-    ------
-    CosimError
-        A run could not be done, or a worker process died.
-    """
-    count = workers or multiprocessing.cpu_count()
-    if count == 1:
-        with Session(scenario) as session:
-            return [without_trace(session.run(seed), keep_trace) for seed in seeds]
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(
-        min(count, len(seeds) or 1), context, open_worker, (scenario, keep_trace)
-    ) as pool:
-        try:
-            return list(pool.map(run_in_worker, seeds))
-        except BrokenProcessPool:
-            hint = '`workers=1` shows the seed; a script needs `if __name__ == "__main__":` around its calls'
-            raise CosimError(f"a worker process died while it ran `{scenario.name}`", hint) from None
-
-
-_worker: list[tuple[Scenario, bool]] = []
-_sessions: list[Session] = []
-
-
-def open_worker(scenario: Scenario, keep_trace: bool) -> None:
-    """Note what this worker process runs; it is opened with the first seed, where errors reach the caller."""
-    _worker[:] = [(scenario, keep_trace)]
-
-
-def run_in_worker(seed: int) -> Result:
-    """Run one seed in a worker process."""
-    scenario, keep_trace = _worker[0]
-    if not _sessions:
-        _sessions.append(Session(scenario))
-    return without_trace(_sessions[0].run(seed), keep_trace)
-
-
-def without_trace(result: Result, keep_trace: bool) -> Result:
-    """Return the result as it is kept."""
-    return result if keep_trace else dataclasses.replace(result, trace=None)
 
 
 def tell_idle(scenario: Scenario, driven_plant: plant.Plant) -> None:

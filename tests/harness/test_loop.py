@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -216,6 +217,47 @@ def test_many_runs_on_processes_equal_single_runs(write: Write) -> None:
         assert [result.seed for result in many] == seeds
         assert [result.metrics["end"].value for result in many] == single
         assert all(result.trace is None for result in many)
+
+
+def test_each_of_many_scenarios_runs_with_its_own_seed_and_parameters(write: Write) -> None:
+    added = '[[metric]]\nname = "end"\nvalue = "last(plant.x) + last(plant.random)"\n'
+    file = write(added)
+    changes = [
+        ["controller.gain=0.2", "loop.seed=3"],
+        ["plant.pole=0.1"],
+        ["controller.gain=0.2", "loop.seed=4"],
+    ]
+    scenarios = [cosim.load(file, set=change) for change in changes]
+    single = [cosim.run(scenario).metrics["end"].value for scenario in scenarios]
+    assert len(set(single)) == 3
+    for workers in (1, 2):
+        each = [done for done in cosim.run_each(scenarios, workers) if isinstance(done, cosim.Result)]
+        assert [result.seed for result in each] == [3, 1, 4]
+        assert [result.metrics["end"].value for result in each] == single
+    assert cosim.run_each([]) == []
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_a_run_that_cannot_be_done_stops_no_other_scenario(write: Write, workers: int) -> None:
+    file = write()
+    changes = ["controller.fatal_at=5", "plant.fail_at=7", "plant.pole=9", "plant.pole=0.1"]
+    scenarios = [cosim.load(file, set=[change]) for change in changes]
+    fatal, failed, refused, good = cosim.run_each(scenarios, workers, keep_trace=True)
+    assert isinstance(fatal, FmuError)
+    assert isinstance(failed, PlantError)
+    assert "failed at t = 0.007 s (step 7)" in failed.message
+    assert isinstance(refused, CosimError)
+    assert isinstance(good, cosim.Result)
+    assert good.trace is not None
+    assert len(good.trace) == 50
+
+
+def test_the_first_error_of_many_seeds_ends_them(write: Write) -> None:
+    scenario = cosim.load(write(), set=["plant.fail_at=5"])
+    begin = time.perf_counter()
+    with pytest.raises(PlantError):
+        cosim.run_many(scenario, range(20_000), workers=2)
+    assert time.perf_counter() - begin < 20.0
 
 
 def test_an_error_in_a_worker_process_keeps_its_message(write: Write) -> None:
