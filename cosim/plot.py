@@ -112,6 +112,8 @@ def draw(axes: Any, trace: NDArray[Any], panel: Panel, result: Result) -> None:
     unit = panel.unit or (result.units.get(panel.columns[0], "") if panel.scale == 1.0 else "")
     axes.set_ylabel(unit.removeprefix("1"))
     axes.margins(x=0.0)
+    if panel.log:
+        axes.set_yscale("log", nonpositive="mask")
     items = result.items.get(panel.columns[0])
     if items and len(panel.columns) == 1:
         present = {name: number for name, number in items.items() if number in trace[panel.columns[0]]}

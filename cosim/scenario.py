@@ -142,12 +142,13 @@ class Criterion:
 
 @dataclass(frozen=True)
 class Panel:
-    """One set of axes of the plot: columns drawn as `scale * column`, in `unit`."""
+    """One set of axes of the plot: columns drawn as `scale * column`, in `unit`; `log` draws values above 0."""
 
     columns: tuple[str, ...]
     unit: str = ""
     scale: float = 1.0
     title: str = ""
+    log: bool = False
 
 
 @dataclass(frozen=True)

@@ -25,6 +25,7 @@ def test_the_scenario_loads_and_shows_every_key(folder: Path) -> None:
     shown = set(raw["wire"][0])
     assert shown == {"from", "to", "scale", "offset", "delay", "noise", "quantum", "minimum", "maximum"}
     assert set(raw["plot"]) == set(cosim.scenario.Plot.__dataclass_fields__)
+    assert set(raw["plot"]["panels"][0]) == set(cosim.scenario.Panel.__dataclass_fields__)
 
 
 def test_all_functions_are_listed() -> None:

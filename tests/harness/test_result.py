@@ -185,7 +185,10 @@ columns = ["controller.mode_out"]
 """
 
 
-@pytest.mark.parametrize("added", ["", PANELS, PANELS.replace("== 20", "> 999")])
+VARIANTS = ["", PANELS, PANELS.replace("== 20", "> 999"), PANELS.replace("scale = 1e3", "log = true")]
+
+
+@pytest.mark.parametrize("added", VARIANTS)
 def test_a_plot_is_drawn_and_the_same_each_time(write: Write, folder: Path, added: str) -> None:
     scenario = cosim.load(write(added))
     with cosim.Session(scenario) as session:
