@@ -142,7 +142,7 @@ class Criterion:
 
 @dataclass(frozen=True)
 class Panel:
-    """One set of axes of the plot: columns drawn as `scale * column`, in `unit`; `log` draws values above 0."""
+    """One set of axes: columns drawn as `scale * column`, in `unit`; with `log` only what is above 0."""
 
     columns: tuple[str, ...]
     unit: str = ""
