@@ -59,7 +59,8 @@ class Plant(ABC):
     A subclass lives in `<plant>.py` beside `<plant>.xml`. It names its channels in `readings`, `commands`
     and `truths`, writes its parameters into the MJCF in `shape`, and in `begin` draws what is random and
     ties every channel to a cell. One communication step is `sense`, `command`, `advance`; `truth` describes
-    the time of the last `sense`.
+    the time of the last `sense`. Elements of `circuit` act in every plant step; those of `sensing` act when
+    readings are taken, for readings and truths that have to be computed from the state of that instant.
 
     Parameters
     ----------
@@ -92,6 +93,7 @@ class Plant(ABC):
         self.data = mujoco.MjData(self.model)
         self.timestep = float(self.model.opt.timestep)
         self.circuit = Circuit()
+        self.sensing = Circuit()
         self._signals = np.zeros(max(len(self.wires), 1))
         self._warnings = self.data.warning.number
         self._sensed = False
@@ -164,11 +166,13 @@ class Plant(ABC):
         mujoco.mj_resetData(self.model, self.data)
         self._signals[:] = 0.0
         self.circuit = Circuit()
+        self.sensing = Circuit()
         self.begin(round(duration / self.timestep) + 1)
         # a step of no time writes the outputs of time zero
         mujoco.mj_forward(self.model, self.data)
-        self.circuit.step(0.0)
-        self.circuit.reset()
+        for circuit in (self.circuit, self.sensing):
+            circuit.step(0.0)
+            circuit.reset()
         self._sensed = False
 
     def sense(self) -> Array:
@@ -177,6 +181,7 @@ class Plant(ABC):
         if self._warnings.any():
             kinds = [mujoco.mjtWarning(int(i)).name for i in np.flatnonzero(self._warnings)]
             raise self._error(f"MuJoCo warns: `{'`, `'.join(kinds)}`")
+        self._attempt(self.sensing.step, 0.0)
         self._sensed = True
         values = np.array([cell.read() for cell in self.reading_cells])
         if not math.isfinite(values.sum()):
@@ -195,11 +200,15 @@ class Plant(ABC):
         if not self._sensed:
             raise self._error("`advance` before `sense`")
         self._sensed = False
+        self._attempt(self._advance, substeps)
+
+    def _advance(self, substeps: int) -> None:
+        model, data, step, h = self.model, self.data, self.circuit.step, self.timestep
         for substep in range(substeps):
             if substep > 0:
-                self._attempt(mujoco.mj_step1, self.model, self.data)
-            self._attempt(self.circuit.step, self.timestep)
-            self._attempt(mujoco.mj_step2, self.model, self.data)
+                mujoco.mj_step1(model, data)
+            step(h)
+            mujoco.mj_step2(model, data)
 
     def truth(self) -> Array:
         """Return what an ideal observer knows at the last `sense`, in the order of `truths`."""
@@ -211,7 +220,7 @@ class Plant(ABC):
         except IndexError as error:
             hint = "hint: `reset` with the duration of the whole run"
             raise self._error(f"{error}\n{hint}") from error
-        except (FloatingPointError, mujoco.FatalError) as error:
+        except (FloatingPointError, RuntimeError, mujoco.FatalError) as error:
             raise self._error(str(error)) from error
 
     def _error(self, cause: str) -> PlantError:

@@ -7,7 +7,7 @@
 use std::ptr::NonNull;
 
 use pyo3::buffer::PyBuffer;
-use pyo3::exceptions::{PyFloatingPointError, PyIndexError, PyValueError};
+use pyo3::exceptions::{PyFloatingPointError, PyIndexError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 
 use crate::Element;
@@ -165,6 +165,8 @@ enum StepError {
     Exhausted { element: String, input: &'static str, steps: usize },
     /// an input is NaN or infinite
     NotFinite { element: String, input: &'static str, value: f64 },
+    /// the element says that the plant cannot go on
+    Stopped { element: String, cause: String },
 }
 
 impl From<StepError> for PyErr {
@@ -176,6 +178,7 @@ impl From<StepError> for PyErr {
             StepError::NotFinite { element, input, value } => {
                 PyFloatingPointError::new_err(format!("element `{element}`: input `{input}` is `{value}`"))
             }
+            StepError::Stopped { element, cause } => PyRuntimeError::new_err(format!("element `{element}`: {cause}")),
         }
     }
 }
@@ -212,7 +215,10 @@ impl Wired {
         for (cell, value) in self.outputs.iter().zip(&self.written) {
             cell.get().put(*value);
         }
-        Ok(())
+        match self.element.stop() {
+            Some(cause) => Err(StepError::Stopped { element: self.name.clone(), cause }),
+            None => Ok(()),
+        }
     }
 }
 
@@ -271,6 +277,8 @@ impl Circuit {
     ///     An input is NaN or infinite.
     /// IndexError
     ///     A signal has no sample for this step.
+    /// RuntimeError
+    ///     An element says that the plant cannot go on.
     fn step(&mut self, h: f64) -> PyResult<()> {
         Ok(self.advance(h)?)
     }

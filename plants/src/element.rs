@@ -21,4 +21,9 @@ pub trait Element: Send + Sync {
 
     /// One plant step of `h` seconds; `h = 0` writes the outputs of time zero.
     fn step(&mut self, inputs: &[f64], outputs: &mut [f64], h: f64);
+
+    /// Why the plant cannot go on after the last step, with value, limit and hint; the step then ends here.
+    fn stop(&self) -> Option<String> {
+        None
+    }
 }

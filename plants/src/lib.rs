@@ -6,16 +6,26 @@
 
 #![deny(unsafe_code)]
 
+mod bristle;
 mod coloured_noise;
 mod current_loop;
 mod element;
 mod flute;
+mod foot;
 mod harmonics;
 mod latch;
+mod limit;
+mod lookup;
+mod motion_board;
+mod outline;
 mod peak;
 mod rotation;
+mod stribeck;
 mod sum;
 mod thrust;
+mod tip;
+mod turntable;
+mod wrench;
 
 #[cfg(feature = "extension-module")]
 #[allow(unsafe_code)]
@@ -23,13 +33,23 @@ mod binding;
 #[cfg(feature = "extension-module")]
 mod module;
 
+pub use bristle::Bristle;
 pub use coloured_noise::ColouredNoise;
 pub use current_loop::CurrentLoop;
 pub use element::{Element, Ports};
 pub use flute::Flute;
+pub use foot::Foot;
 pub use harmonics::Harmonics;
 pub use latch::Latch;
+pub use limit::Limit;
+pub use lookup::Lookup;
+pub use motion_board::MotionBoard;
+pub use outline::Outline;
 pub use peak::Peak;
 pub use rotation::Rotation;
+pub use stribeck::Stribeck;
 pub use sum::Sum;
 pub use thrust::Thrust;
+pub use tip::Tip;
+pub use turntable::Turntable;
+pub use wrench::Wrench;

@@ -8,10 +8,22 @@ mod _native {
     use pyo3::exceptions::PyValueError;
     use pyo3::prelude::*;
 
-    use crate::{ColouredNoise, CurrentLoop, Flute, Harmonics, Latch, Peak, Rotation, Sum, Thrust};
+    use crate::{
+        Bristle, ColouredNoise, CurrentLoop, Flute, Foot, Harmonics, Latch, Limit, Lookup, MotionBoard, Outline, Peak,
+        Rotation, Stribeck, Sum, Thrust, Tip, Turntable, Wrench,
+    };
 
     #[pymodule_export]
     use crate::binding::{Cell, Circuit, Unbound};
+
+    /// Elasto-plastic friction of a part on a table (N, friction law, m, N/m, N.s/m, break-away share).
+    ///
+    /// vx, vy, yaw_rate -> fx, fy, torque, all in the frame of the table. The law is static coefficient, kinetic
+    /// coefficient and Stribeck speed in m/s.
+    #[pyfunction]
+    fn bristle(load: f64, law: (f64, f64, f64), radius: f64, stiffness: f64, damping: f64, break_away: f64) -> Unbound {
+        Unbound::new(Bristle::new(load, stribeck(law), radius, stiffness, damping, break_away))
+    }
 
     /// Noise of standard deviation `rms` and correlation time `time` s: normal -> value.
     #[pyfunction]
@@ -31,6 +43,14 @@ mod _native {
         Unbound::new(Flute::new(shortfall, tilt, offset))
     }
 
+    /// Foot at `place` m on a part that slides, with a friction law: yaw, vx, vy, yaw_rate -> mu_1, mu_2.
+    ///
+    /// The law is static coefficient, kinetic coefficient and Stribeck speed in m/s.
+    #[pyfunction]
+    fn foot(place: (f64, f64), law: (f64, f64, f64)) -> Unbound {
+        Unbound::new(Foot::new(place, stribeck(law)))
+    }
+
     /// Harmonics 1, 2, ... as (amplitude, phase in rad): angle -> value.
     #[pyfunction]
     fn harmonics(orders: Vec<(f64, f64)>) -> Unbound {
@@ -41,6 +61,42 @@ mod _native {
     #[pyfunction]
     fn latch() -> Unbound {
         Unbound::new(Latch::new())
+    }
+
+    /// Range in which the plant means something: value -> nothing; the step fails outside.
+    #[pyfunction]
+    fn limit(quantity: String, unit: String, low: f64, high: f64, hint: String) -> Unbound {
+        Unbound::new(Limit::new(quantity, unit, low, high, hint))
+    }
+
+    /// Periodic table of one turn, linear between its samples: angle -> value.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     There is no sample.
+    #[pyfunction]
+    fn lookup(samples: Vec<f64>) -> PyResult<Unbound> {
+        Ok(Unbound::new(table(samples)?))
+    }
+
+    /// Servo of one axis (N/m, N.s/m, N, s): position_setpoint, velocity_setpoint, position, velocity -> force.
+    #[pyfunction]
+    fn motion_board(stiffness: f64, damping: f64, force_limit: f64, period: f64) -> Unbound {
+        Unbound::new(MotionBoard::new(stiffness, damping, force_limit, period))
+    }
+
+    /// Round part with a table of its radius over one turn, m, met by the line y = 0.
+    ///
+    /// cx, cy, vcx, vcy, orientation, turn_rate -> surface, normal_x, normal_y, vx, vy, phase.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     There is no sample.
+    #[pyfunction]
+    fn outline(radius: Vec<f64>) -> PyResult<Unbound> {
+        Ok(Unbound::new(Outline::new(table(radius)?)))
     }
 
     /// Largest value so far: value -> maximum.
@@ -72,5 +128,36 @@ mod _native {
     #[pyfunction]
     fn thrust(force_constant: f64, ripple: f64, pitch: f64, phase: f64) -> Unbound {
         Unbound::new(Thrust::new(force_constant, ripple, pitch, phase))
+    }
+
+    /// One-sided spring with friction (N, m, N/m, N.s/m, 1) that presses on a surface along the line y = 0.
+    ///
+    /// tip, tip_speed, surface, normal_x, normal_y, vx, vy -> collapse, force, fx, fy.
+    #[pyfunction]
+    fn tip(preload: f64, ramp: f64, stiffness: f64, damping: f64, friction: f64) -> Unbound {
+        Unbound::new(Tip { preload, ramp, stiffness, damping, friction })
+    }
+
+    /// Part on a turning table, seen from the room.
+    ///
+    /// angle, rate, x, y, yaw, vx, vy, yaw_rate, error_x, error_y -> cx, cy, vcx, vcy, orientation, turn_rate,
+    /// eccentricity, slip_speed.
+    #[pyfunction]
+    fn turntable() -> Unbound {
+        Unbound::new(Turntable)
+    }
+
+    /// Force on a part on a turning table: fx, fy, place, cx, cy, angle -> table, x, y, torque.
+    #[pyfunction]
+    fn wrench() -> Unbound {
+        Unbound::new(Wrench)
+    }
+
+    fn stribeck((at_rest, kinetic, speed): (f64, f64, f64)) -> Stribeck {
+        Stribeck { at_rest, kinetic, speed }
+    }
+
+    fn table(samples: Vec<f64>) -> PyResult<Lookup> {
+        Lookup::new(samples).ok_or_else(|| PyValueError::new_err("a table needs at least one sample"))
     }
 }
