@@ -1,4 +1,4 @@
-"""Where one step of the reference loop spends its time; prints JSON for `cargo xtask bench`."""
+"""Where a step of the reference loop spends its time, and what the FMU read; JSON for `cargo xtask bench`."""
 
 from __future__ import annotations
 
@@ -8,7 +8,13 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+import fmpy
+import numpy as np
+
 import cosim
+from cosim.archive import Variable
+from cosim.fmu import BASE
+from cosim.values import expand
 
 FMU_CALLS = ("set", "step", "get")
 PLANT_CALLS = ("sense", "command", "advance", "truth")
@@ -34,6 +40,45 @@ class Stopwatch:
         return call
 
 
+def recording(session: cosim.Session, result: cosim.Result) -> dict[str, Any]:
+    """Everything that makes the FMU go through this run again."""
+    file, trace, scenario = session.file, result.trace, session.scenario
+    assert trace is not None
+    reals = [v for v in file.named("input") if v.kind == "Real"]
+    others = [v for v in file.named("input") if v.kind not in ("Real", "String")]
+    sources = [wire.source.partition(".") for wire in scenario.wire]
+    outputs = [file.variables[name] for part, _, name in sources if part == "controller"]
+    return {
+        "library": str(
+            file.folder / "binaries" / str(fmpy.platform) / f"{file.identifier}{fmpy.sharedLibraryExtension}"
+        ),
+        "guid": file.guid,
+        "step": scenario.loop.step,
+        "start": [
+            (spoken(v), float(value)) for v, value in expand(file.variables, scenario.controller.parameters)
+        ],
+        "inputs": [v.reference for v in reals],
+        "rows": rows(trace, reals),
+        "switches": [spoken(v) for v in others],
+        "switched": rows(trace, others),
+        "outputs": [v.reference for v in outputs if v.kind == "Real"],
+        "state": file.variables["state"].reference,
+        "states": dict(file.variables["state"].items),
+        "visited": trace["controller.state"].astype(int).tolist(),
+    }
+
+
+def spoken(variable: Variable) -> dict[str, Any]:
+    """Value reference and FMI's way to move the values."""
+    return {"reference": variable.reference, "base": BASE[variable.kind]}
+
+
+def rows(trace: Any, variables: list[Variable]) -> list[list[float]]:
+    """Values of inputs, row by row."""
+    columns = [trace[f"controller.{variable.name}"] for variable in variables]
+    return np.transpose(columns).tolist() if columns else [[] for _ in trace]
+
+
 def main(scenario: str, repeats: int) -> None:
     """Run a scenario plainly and under stopwatches, `repeats` times each."""
     loaded = cosim.load(scenario)
@@ -53,6 +98,7 @@ def main(scenario: str, repeats: int) -> None:
         "step": [1e6 * run.wall_s / steps for run in plain],
         "fmu": [1e6 * fmu / steps for fmu, _ in parts],
         "plant": [1e6 * plant / steps for _, plant in parts],
+        "recording": recording(session, plain[-1]),
     }
     json.dump(measured, sys.stdout)
 

@@ -45,6 +45,14 @@ pub fn run(workspace: &Workspace) -> Result<bool> {
     report(workspace, &scenarios)
 }
 
+/// Names of the closed loops, without variants.
+///
+/// # Errors
+/// When the scenarios cannot be listed.
+pub fn loops(workspace: &Workspace) -> Result<Vec<String>> {
+    toml_stems(&workspace.path("scenarios"))
+}
+
 /// Names of all scenarios, each loop followed by its variants: `dob`, `dob/paper`.
 fn scenarios(folder: &Path) -> Result<Vec<String>> {
     let mut names = Vec::new();

@@ -1,17 +1,18 @@
-//! `cargo xtask bench`: what the FMUs and the reference loop cost, as ratios taken in one run.
+//! `cargo xtask bench`: what FMI, every controller and every closed loop cost, taken in one run.
 
 pub mod description;
-pub mod dob;
 pub mod pass_through;
 pub mod reference_loop;
 pub mod slave;
 pub mod statistics;
+pub mod tick;
 
 use std::fs;
 
 use anyhow::{Context, Result};
 use serde::Serialize;
 
+use crate::demo;
 use crate::fmu;
 use crate::process;
 use crate::setup;
@@ -21,7 +22,7 @@ use crate::workspace::Workspace;
 /// One line of the result.
 #[derive(Serialize)]
 struct Row {
-    quantity: &'static str,
+    quantity: String,
     unit: &'static str,
     minimum: f64,
     median: f64,
@@ -39,9 +40,9 @@ pub fn run(workspace: &Workspace) -> Result<()> {
     fs::create_dir_all(&folder).with_context(|| format!("cannot make `{}`", folder.display()))?;
 
     let mut rows = pass_through_rows(&pass_through::measure(workspace, &folder)?);
-    let tick = dob::measure(workspace)?;
-    rows.push(row("contact detection, one sample in Detect", "ns", &tick, Some(1000.0)));
-    rows.extend(reference_rows(&reference_loop::measure(workspace)?));
+    for scenario in demo::loops(workspace)? {
+        rows.extend(loop_rows(&scenario, &reference_loop::measure(workspace, &scenario)?)?);
+    }
 
     let file = folder.join("bench.json");
     fs::write(&file, serde_json::to_string_pretty(&rows)? + "\n").context("cannot write `target/bench/bench.json`")?;
@@ -51,8 +52,8 @@ pub fn run(workspace: &Workspace) -> Result<()> {
 }
 
 fn pass_through_rows(costs: &pass_through::Costs) -> Vec<Row> {
-    let ratio = |quantity, base: &statistics::Samples, goal| Row {
-        quantity,
+    let ratio = |quantity: &str, base: &statistics::Samples, goal| Row {
+        quantity: quantity.to_owned(),
         unit: "1",
         minimum: costs.rust.minimum() / base.minimum(),
         median: costs.rust.median() / base.median(),
@@ -67,18 +68,20 @@ fn pass_through_rows(costs: &pass_through::Costs) -> Vec<Row> {
     ]
 }
 
-fn reference_rows(costs: &reference_loop::Costs) -> Vec<Row> {
-    vec![
-        row("reference loop: simulated time / wall time", "1", &costs.real_time_factor, None),
-        row("reference loop: one step", "us", &costs.step, None),
+fn loop_rows(scenario: &str, costs: &reference_loop::Costs) -> Result<Vec<Row>> {
+    let (state, tick) = tick::measure(&costs.recording)?;
+    Ok(vec![
+        row(&format!("{scenario}: one sample of the FMU in its busiest state, {state}"), "ns", &tick, Some(1000.0)),
+        row(&format!("{scenario}: simulated time / wall time"), "1", &costs.real_time_factor, None),
+        row(&format!("{scenario}: one step of the reference loop"), "us", &costs.step, None),
         row("  of which the FMU, called through FMPy", "us", &costs.fmu, None),
         row("  of which the plant", "us", &costs.plant, None),
         row("  of which wiring, noise, trace", "us", &costs.rest(), None),
-    ]
+    ])
 }
 
-fn row(quantity: &'static str, unit: &'static str, samples: &statistics::Samples, goal: Option<f64>) -> Row {
-    Row { quantity, unit, minimum: samples.minimum(), median: samples.median(), goal }
+fn row(quantity: &str, unit: &'static str, samples: &statistics::Samples, goal: Option<f64>) -> Row {
+    Row { quantity: quantity.to_owned(), unit, minimum: samples.minimum(), median: samples.median(), goal }
 }
 
 fn show(rows: &[Row]) -> String {
@@ -86,7 +89,7 @@ fn show(rows: &[Row]) -> String {
     for row in rows {
         let goal = row.goal.map(|goal| format!("<= {goal}")).unwrap_or_default();
         shown.add_row([
-            row.quantity.to_owned(),
+            row.quantity.clone(),
             row.unit.to_owned(),
             format!("{:.2}", row.minimum),
             format!("{:.2}", row.median),

@@ -73,7 +73,7 @@ struct Runner {
 
 impl Runner {
     fn new(library: &Path, guid: &str, input: u32, output: u32) -> Result<Self> {
-        Ok(Self { slave: Slave::start(library, guid)?, input, output, done: 0 })
+        Ok(Self { slave: Slave::start(library, guid, &[])?, input, output, done: 0 })
     }
 
     fn nanoseconds_per_step(&mut self) -> Result<f64> {

@@ -1,13 +1,13 @@
-//! How fast the reference loop runs, and where its time goes.
+//! How fast the reference loop runs a scenario, where its time goes, and what the controller read meanwhile.
 
 use anyhow::{Context, Result};
 use serde::Deserialize;
 
 use super::statistics::Samples;
+use super::tick::Recording;
 use crate::process;
 use crate::workspace::Workspace;
 
-const SCENARIO: &str = "dob";
 const REPEATS: &str = "5";
 
 /// What the runs took; times are us per communication step.
@@ -21,6 +21,8 @@ pub struct Costs {
     pub fmu: Samples,
     /// Sensors, commands and MuJoCo's steps.
     pub plant: Samples,
+    /// The last run as the FMU saw it.
+    pub recording: Recording,
 }
 
 impl Costs {
@@ -31,13 +33,13 @@ impl Costs {
     }
 }
 
-/// Runs the contact detection against its plant several times.
+/// Runs a controller against its plant several times.
 ///
 /// # Errors
 /// When the loop does not run.
-pub fn measure(workspace: &Workspace) -> Result<Costs> {
-    process::header(&format!("measure the reference loop `{SCENARIO}`"));
+pub fn measure(workspace: &Workspace, scenario: &str) -> Result<Costs> {
+    process::header(&format!("measure `{scenario}`"));
     let mut command = workspace.venv_command("python");
-    command.args(["xtask/bench/reference_loop.py", SCENARIO, REPEATS]);
+    command.args(["xtask/bench/reference_loop.py", scenario, REPEATS]);
     serde_json::from_str(&process::text(&mut command)?).context("the reference loop printed no times")
 }

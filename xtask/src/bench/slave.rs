@@ -6,6 +6,7 @@ use std::ptr;
 
 use anyhow::{Context, Result, ensure};
 use libloading::Library;
+use serde::Deserialize;
 
 type Component = *mut c_void;
 type State = *mut c_void;
@@ -34,6 +35,26 @@ struct Callbacks {
 
 const CO_SIMULATION: i32 = 1;
 
+/// A variable that takes numbers.
+#[derive(Clone, Copy, Deserialize)]
+pub struct Variable {
+    /// Value reference.
+    pub reference: u32,
+    /// How FMI moves it.
+    pub base: Base,
+}
+
+/// How FMI moves a number; enumerations travel as integers.
+#[derive(Clone, Copy, Deserialize)]
+pub enum Base {
+    /// `fmi2SetReal`.
+    Real,
+    /// `fmi2SetInteger`.
+    Integer,
+    /// `fmi2SetBoolean`.
+    Boolean,
+}
+
 /// An instance that is being stepped. The time of the next step is counted by the caller.
 pub struct Slave {
     component: Component,
@@ -46,11 +67,11 @@ pub struct Slave {
 }
 
 impl Slave {
-    /// Loads a library and brings one instance to its first step at time 0.
+    /// Loads a library, gives start values, and brings one instance to its first step at time 0.
     ///
     /// # Errors
     /// When the library does not load, a function is missing, or a call fails.
-    pub fn start(library: &Path, guid: &str) -> Result<Self> {
+    pub fn start(library: &Path, guid: &str, values: &[(Variable, f64)]) -> Result<Self> {
         let shown = library.display();
         // SAFETY: the library is an FMU built a moment ago from this workspace.
         let library = unsafe { Library::new(library) }.with_context(|| format!("cannot load `{shown}`"))?;
@@ -77,14 +98,17 @@ impl Slave {
                 _callbacks: callbacks,
             }
         };
-        slave.initialise()?;
+        slave.initialise(values)?;
         Ok(slave)
     }
 
-    fn initialise(&self) -> Result<()> {
+    fn initialise(&self, values: &[(Variable, f64)]) -> Result<()> {
         let setup = self.function::<SetupExperiment>("fmi2SetupExperiment")?;
         // SAFETY: the component is alive; no tolerance and no stop time are defined.
         passed("fmi2SetupExperiment", unsafe { setup(self.component, 0, 0.0, 0.0, 0, 0.0) })?;
+        for (variable, value) in values {
+            self.set(*variable, *value)?;
+        }
         for name in ["fmi2EnterInitializationMode", "fmi2ExitInitializationMode"] {
             let transition = self.function::<Transition>(name)?;
             // SAFETY: the component is alive.
@@ -105,14 +129,25 @@ impl Slave {
         }
     }
 
-    /// Sets one Boolean.
+    /// Sets one variable.
     ///
     /// # Errors
     /// When the FMU refuses.
-    pub fn set_boolean(&self, reference: u32, value: bool) -> Result<()> {
-        let set = self.function::<SetInteger>("fmi2SetBoolean")?;
-        // SAFETY: the component is alive; one reference and one value.
-        passed("fmi2SetBoolean", unsafe { set(self.component, &raw const reference, 1, &i32::from(value)) })
+    pub fn set(&self, variable: Variable, value: f64) -> Result<()> {
+        let name = match variable.base {
+            Base::Real => {
+                // SAFETY: the component is alive; one reference and one value.
+                let status =
+                    unsafe { (self.set_real)(self.component, &raw const variable.reference, 1, &raw const value) };
+                return passed("fmi2SetReal", status);
+            }
+            Base::Integer => "fmi2SetInteger",
+            Base::Boolean => "fmi2SetBoolean",
+        };
+        let set = self.function::<SetInteger>(name)?;
+        let value = value as i32;
+        // SAFETY: the component is alive; one reference and one value; Booleans are ints in C.
+        passed(name, unsafe { set(self.component, &raw const variable.reference, 1, &raw const value) })
     }
 
     /// Gets one Integer or enumeration.
