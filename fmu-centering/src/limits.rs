@@ -1,0 +1,65 @@
+//! Speed and look-ahead limits of the machine, eq. 2 and 4 to 9.
+
+use std::f64::consts::TAU;
+
+use control_blocks::stopping_distance;
+
+use crate::parameters::Parameters;
+
+/// Gravity as the paper takes it, m/s2.
+pub const GRAVITY: f64 = 9.807;
+
+/// Spindle speed (rad/s) at which the centrifugal force equals the friction `mu` at the eccentricity `e` m.
+pub fn speed_limit(mu: f64, e: f64) -> f64 {
+    // eq. 2
+    (mu * GRAVITY / e).sqrt()
+}
+
+/// Largest velocity (m/s) of the surface along the probe: radius `r`, eccentricity `e` < r (m), speed `w` (rad/s).
+pub fn surface_velocity(e: f64, r: f64, w: f64) -> f64 {
+    // eq. 5, a smooth function of the angle: its maximum within 1e-5
+    let velocity = |angle: f64| {
+        let (sine, cosine) = angle.sin_cos();
+        e * w.abs() * sine * (1.0 + e * cosine / (r * r - e * e * sine * sine).sqrt())
+    };
+    (0..720).map(|k| velocity(TAU / 2.0 * f64::from(k) / 720.0)).fold(0.0, f64::max)
+}
+
+/// Stroke (m) of the probe before the pusher that the fastest permissible approach needs.
+pub fn look_ahead(p: &Parameters) -> f64 {
+    let (e, r) = (p.ring.eccentricity_max, p.ring.radius);
+    let surface = surface_velocity(e, r, speed_limit(p.friction.mu_limit, e));
+    // eq. 7 to 9
+    stopping_distance(p.approach.velocity + surface, p.slide.acceleration_max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_papers_numbers() {
+        // eq. 3: mu 0.05, e 25 mm
+        let speed = speed_limit(0.05, 0.025);
+        assert!((speed * 60.0 / TAU - 42.3).abs() < 0.05, "{speed}");
+        // eq. 6: r 30 mm
+        let surface = surface_velocity(0.025, 0.030, speed);
+        assert!((surface - 0.1543).abs() < 2e-4, "{surface}");
+        // eq. 9
+        let mut p = Parameters::PAPER;
+        p.ring.radius = 0.030;
+        let distance = look_ahead(&p);
+        assert!((distance - 0.0147).abs() < 5e-5, "{distance}");
+    }
+
+    #[test]
+    fn without_eccentricity_the_surface_stands_still() {
+        assert_eq!(surface_velocity(0.0, 0.05, 4.0), 0.0);
+        assert!(speed_limit(0.05, 0.0).is_infinite());
+    }
+
+    #[test]
+    fn both_directions_are_equally_fast() {
+        assert_eq!(surface_velocity(0.01, 0.05, 4.0), surface_velocity(0.01, 0.05, -4.0));
+    }
+}

@@ -1,0 +1,166 @@
+//! Push plan: when to push, how far and how fast.
+
+use std::f64::consts::TAU;
+
+use serde::{Deserialize, Serialize};
+
+use crate::centre::Estimate;
+use crate::launch::Crossing;
+use crate::parameters::Parameters;
+use crate::push::{distance, lead_angle, velocity};
+use crate::reading::Sample;
+
+/// How distance and launch are planned.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum PushPlan {
+    /// The push ends when the ring is nearest, eq. 28 to 36.
+    Lead = 1,
+}
+
+/// What a planner sees in one tick.
+#[derive(Clone, Copy, Debug)]
+pub struct Scene<'a> {
+    /// The ring.
+    pub estimate: &'a Estimate,
+    /// Smoothed spindle angle, rad.
+    pub angle: f64,
+    /// Spindle speed, rad/s.
+    pub speed: f64,
+    /// The encoders.
+    pub sample: Sample,
+    /// Learned offset P, m.
+    pub offset: f64,
+    /// The control loop runs in this tick.
+    pub control: bool,
+}
+
+/// A push at its launch.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Push {
+    /// Travel d of the slide from its measured position, m.
+    pub distance: f64,
+    /// Slide position at the end, m.
+    pub end: f64,
+    /// Velocity v, m/s.
+    pub velocity: f64,
+    /// Lead angle L, rad.
+    pub lead: f64,
+}
+
+/// The plan that the parameters choose.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub enum Planner {
+    /// The paper's.
+    Lead(LeadPlanner),
+}
+
+impl Planner {
+    /// Planner that has seen nothing.
+    pub fn new(p: &Parameters) -> Self {
+        match p.push.plan {
+            PushPlan::Lead => Self::Lead(LeadPlanner::default()),
+        }
+    }
+
+    /// Begins to wait for a new launch.
+    pub fn begin(&mut self) {
+        match self {
+            Self::Lead(planner) => *planner = LeadPlanner::default(),
+        }
+    }
+
+    /// The push, in the tick of its launch.
+    pub fn update(&mut self, p: &Parameters, scene: &Scene) -> Option<Push> {
+        match self {
+            Self::Lead(planner) if scene.control => planner.update(p, scene),
+            Self::Lead(_) => None,
+        }
+    }
+}
+
+/// The paper's plan: planned anew at each control beat from the gap of this moment.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct LeadPlanner {
+    crossing: Crossing,
+}
+
+impl LeadPlanner {
+    fn update(&mut self, p: &Parameters, scene: &Scene) -> Option<Push> {
+        let (b, r) = (scene.estimate.centre.eccentricity(), p.ring.radius);
+        // eq. 29 with its sign put right: positive while following
+        let gap = p.probe.at_pusher - scene.sample.probe;
+        let travel = |lead: f64| distance(r, b, lead, gap, scene.offset);
+        let velocity = velocity(&p.push, b);
+        let lead = lead_angle(scene.speed, velocity, p.slide.acceleration_max, travel);
+        let left = scene.speed.signum() * (scene.estimate.centre.nearest() - scene.angle);
+        if !self.crossing.update(left - lead - scene.speed.abs() * launch_delay(p)) {
+            return None;
+        }
+        let distance = travel(left);
+        Some(Push { distance, end: scene.sample.slide + distance, velocity, lead: left.rem_euclid(TAU) })
+    }
+}
+
+/// Mean time (s) from the wished launch to the control beat that sees it and to the action of its first setpoint.
+fn launch_delay(p: &Parameters) -> f64 {
+    // the first setpoint belongs to the end of its sample
+    0.5 / p.rates.control + (f64::from(p.slide.io_delay) - 1.0) * p.sample_period
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::centre::Centre;
+    use crate::profile::duration;
+    use crate::spindle::wrap;
+
+    const P: Parameters = Parameters::PAPER;
+
+    /// Angle of the spindle at the launch and the push, for a ring 0.3 mm off, nearest at 1 rad.
+    fn launched(speed: f64, phase: f64) -> (f64, Push) {
+        let (x, y) = (3e-4 * 1f64.cos(), -3e-4 * 1f64.sin());
+        let estimate = Estimate { centre: Centre { x, y }, mean: 0.08, sigma: 0.0 };
+        let mut planner = Planner::new(&P);
+        for k in 0..400 {
+            let angle = phase + speed * f64::from(k) / P.rates.control;
+            let sample = Sample { angle, slide: 0.1, probe: P.null() };
+            let scene = Scene { estimate: &estimate, angle, speed, sample, offset: 0.0, control: true };
+            if let Some(push) = planner.update(&P, &scene) {
+                return (angle, push);
+            }
+        }
+        panic!("no launch within a revolution");
+    }
+
+    #[test]
+    fn the_ring_is_nearest_when_the_slide_comes_to_rest() {
+        for speed in [2.0944, -2.0944, 4.712, -4.712] {
+            for k in 0..50 {
+                let (angle, push) = launched(speed, 0.13 * f64::from(k));
+                let end = angle + speed * duration(push.distance, push.velocity, P.slide.acceleration_max);
+                // half a control beat, and what the ring turns in the longer way of a late launch
+                let limit = speed.abs() * 0.0051 * (1.0 + speed.abs() * 3e-4 / push.velocity);
+                assert!(wrap(end - 1.0).abs() < limit, "{speed} rad/s: {} rad late", wrap(end - 1.0));
+            }
+        }
+    }
+
+    #[test]
+    fn reverse_rotation_is_the_mirror() {
+        let (forth, back) = (launched(2.0, 1.0 - 2.5), launched(-2.0, 1.0 + 2.5));
+        assert!((forth.0 - 1.0 + (back.0 - 1.0)).abs() < 1e-9);
+        assert!((forth.1.distance - back.1.distance).abs() < 1e-12);
+        assert!((forth.1.lead - back.1.lead).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_spindle_at_rest_launches_nothing_and_stays_finite() {
+        let estimate = Estimate { centre: Centre { x: 3e-4, y: 0.0 }, mean: 0.08, sigma: 0.0 };
+        let mut planner = Planner::new(&P);
+        for angle in [0.0, 0.0, -0.0, 1e-3, 0.0] {
+            let sample = Sample { angle, slide: 0.1, probe: P.null() };
+            let scene = Scene { estimate: &estimate, angle, speed: 0.0, sample, offset: 0.0, control: true };
+            assert_eq!(planner.update(&P, &scene), None);
+        }
+    }
+}
