@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::centre::Estimate;
 use crate::launch::Crossing;
 use crate::parameters::Parameters;
+use crate::profile::duration;
 use crate::push::{distance, lead_angle, velocity};
 use crate::reading::Sample;
 
@@ -91,9 +92,13 @@ impl LeadPlanner {
         let gap = p.probe.at_pusher - scene.sample.probe;
         let travel = |lead: f64| distance(r, b, lead, gap, scene.offset);
         let velocity = velocity(&p.push, b);
-        let lead = lead_angle(scene.speed, velocity, p.slide.acceleration_max, travel);
+        let delay = start_delay(p);
+        let time = |lead: f64| (duration(travel(lead), velocity, p.slide.acceleration_max) + delay).max(0.0);
+        let lead = lead_angle(scene.speed, time);
         let left = scene.speed.signum() * (scene.estimate.centre.nearest() - scene.angle);
-        if !self.crossing.update(left - lead - scene.speed.abs() * launch_delay(p)) {
+        // the beat after a crossing is half a beat late on average
+        let early = 0.5 * scene.speed.abs() / p.rates.control;
+        if !self.crossing.update(left - lead - early) {
             return None;
         }
         let distance = travel(left);
@@ -101,31 +106,36 @@ impl LeadPlanner {
     }
 }
 
-/// Mean time (s) from the wished launch to the control beat that sees it and to the action of its first setpoint.
-fn launch_delay(p: &Parameters) -> f64 {
+/// Time (s) from the sample of the launch to the start of the stroke.
+fn start_delay(p: &Parameters) -> f64 {
     // the first setpoint belongs to the end of its sample
-    0.5 / p.rates.control + (f64::from(p.slide.io_delay) - 1.0) * p.sample_period
+    (f64::from(p.slide.io_delay) - 1.0) * p.sample_period
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::centre::Centre;
-    use crate::profile::duration;
     use crate::spindle::wrap;
 
     const P: Parameters = Parameters::PAPER;
+    /// 20 rpm, rad/s.
+    const SPEED: f64 = TAU / 3.0;
 
     /// Angle of the spindle at the launch and the push, for a ring 0.3 mm off, nearest at 1 rad.
     fn launched(speed: f64, phase: f64) -> (f64, Push) {
+        launched_with(&P, speed, phase)
+    }
+
+    fn launched_with(p: &Parameters, speed: f64, phase: f64) -> (f64, Push) {
         let (x, y) = (3e-4 * 1f64.cos(), -3e-4 * 1f64.sin());
         let estimate = Estimate { centre: Centre { x, y }, mean: 0.08, sigma: 0.0 };
-        let mut planner = Planner::new(&P);
+        let mut planner = Planner::new(p);
         for k in 0..400 {
-            let angle = phase + speed * f64::from(k) / P.rates.control;
-            let sample = Sample { angle, slide: 0.1, probe: P.null() };
+            let angle = phase + speed * f64::from(k) / p.rates.control;
+            let sample = Sample { angle, slide: 0.1, probe: p.null() };
             let scene = Scene { estimate: &estimate, angle, speed, sample, offset: 0.0, control: true };
-            if let Some(push) = planner.update(&P, &scene) {
+            if let Some(push) = planner.update(p, &scene) {
                 return (angle, push);
             }
         }
@@ -134,7 +144,7 @@ mod tests {
 
     #[test]
     fn the_ring_is_nearest_when_the_slide_comes_to_rest() {
-        for speed in [2.0944, -2.0944, 4.712, -4.712] {
+        for speed in [SPEED, -SPEED, 4.712, -4.712] {
             for k in 0..50 {
                 let (angle, push) = launched(speed, 0.13 * f64::from(k));
                 let end = angle + speed * duration(push.distance, push.velocity, P.slide.acceleration_max);
@@ -142,6 +152,22 @@ mod tests {
                 let limit = speed.abs() * 0.0051 * (1.0 + speed.abs() * 3e-4 / push.velocity);
                 assert!(wrap(end - 1.0).abs() < limit, "{speed} rad/s: {} rad late", wrap(end - 1.0));
             }
+        }
+    }
+
+    #[test]
+    fn a_known_delay_is_launched_ahead_of() {
+        for io_delay in [0, 1, 8] {
+            let mut p = P;
+            p.slide.io_delay = io_delay;
+            let delay = (f64::from(io_delay) - 1.0) * p.sample_period;
+            let late = |k: i32| {
+                let (angle, push) = launched_with(&p, SPEED, 0.0317 * f64::from(k));
+                let t3 = duration(push.distance, push.velocity, p.slide.acceleration_max);
+                wrap(angle - 1.0 + SPEED * (delay + t3)) / SPEED
+            };
+            let mean = (0..200).map(late).sum::<f64>() / 200.0;
+            assert!(mean.abs() < 5e-4, "io_delay {io_delay}: {mean} s late on average");
         }
     }
 
