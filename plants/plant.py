@@ -4,7 +4,7 @@ import math
 import sys
 import zlib
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
@@ -178,15 +178,15 @@ class Plant(ABC):
     def sense(self) -> Array:
         """Ideal readings at this time, in the order of `readings`."""
         self._attempt(mujoco.mj_step1, self.model, self.data)
-        if self._warnings.any():
+        if any(self._warnings.tolist()):
             kinds = [mujoco.mjtWarning(int(i)).name for i in np.flatnonzero(self._warnings)]
             raise self._error(f"MuJoCo warns: `{'`, `'.join(kinds)}`")
         self._attempt(self.sensing.step, 0.0)
         self._sensed = True
-        values = np.array([cell.read() for cell in self.reading_cells])
-        if not math.isfinite(values.sum()):
+        values = [cell.read() for cell in self.reading_cells]
+        if not math.isfinite(sum(values)):
             raise self._error(_not_finite("reading", self.readings, values))
-        return values
+        return np.array(values)
 
     def command(self, values: Array) -> None:
         """Set the commands, in the order of `commands`; they hold until the next call."""
@@ -234,6 +234,6 @@ def _in_order(channels: Sequence[Channel], cells: Mapping[str, Cell]) -> tuple[C
     return tuple(cells[name] for name in names)
 
 
-def _not_finite(kind: str, channels: Sequence[Channel], values: Array) -> str:
+def _not_finite(kind: str, channels: Sequence[Channel], values: Iterable[float]) -> str:
     pairs = [(c, v) for c, v in zip(channels, values, strict=True) if not math.isfinite(v)]
     return f"{kind} " + ", ".join(f"`{channel.name}` is `{value}` {channel.unit}" for channel, value in pairs)

@@ -12,6 +12,7 @@ import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
@@ -21,7 +22,6 @@ from plants.parameters import ParameterError, parameter
 from plants.plant import Channel, Plant
 
 TURN = 2.0 * math.pi
-GRAVITY = 9.80665
 SAMPLES = 8192
 """Samples of the outline of the ring over one turn."""
 ROUGHNESS_ORDERS = range(15, 101)
@@ -35,6 +35,7 @@ LINE_LIMIT = 0.95
 NOWHERE = -1.0
 """Surface when there is no ring, m: beyond the travel."""
 RING = ("ring_x", "ring_y", "ring_yaw")
+FEET = ("foot1", "foot2", "foot3")
 
 
 @dataclass(frozen=True)
@@ -218,6 +219,8 @@ class SpindleRing(Plant):
         # the pusher tip is here when the slide is at zero
         self.pusher_start = p.radius + p.start_distance + p.probe_at_pusher
         self._at = {name: int(self.model.joint(name).qposadr[0]) for name in ("spindle", "slide", *RING)}
+        self._weight = -p.mass * float(self.model.opt.gravity[2])
+        self._load_feet()
 
     def shape(self, spec: Any) -> None:
         """Write masses and sizes into the MJCF; the bristle takes the place of the contacts."""
@@ -230,12 +233,22 @@ class SpindleRing(Plant):
         spec.body("ring").inertia = 0.5 * inertia, 0.5 * inertia, inertia
         spec.body("slide").mass = p.slide_mass
         spec.body("slide").pos[0] = p.radius + p.start_distance + p.probe_at_pusher
-        for foot, (x, y) in zip(("foot1", "foot2", "foot3"), _feet(p), strict=True):
+        for foot, (x, y) in zip(FEET, _feet(p), strict=True):
             spec.geom(foot).pos[:2] = x, y
         if p.bristle:
             for pair in list(spec.pairs):
                 spec.delete(pair)
-            spec.delete(spec.joint("ring_z"))
+        for pair in spec.pairs:
+            # slip is gone after one step: the largest stiffness that does not overshoot
+            pair.solreffriction[0] = 2.0 * p.timestep / pair.solimp[1]
+
+    def _load_feet(self) -> None:
+        # the load of a foot is proportional to its margin
+        mujoco.mj_forward(self.model, self.data)
+        force = np.zeros(6)
+        for foot in range(self.model.npair):
+            mujoco.mj_contactForce(self.model, self.data, foot, force)
+            self.model.pair_margin[foot] *= self._weight / len(FEET) / force[0]
 
     def begin(self, steps: int) -> None:
         """Place the ring, draw outline, dirt and errors, bind the elements."""
@@ -382,15 +395,15 @@ class SpindleRing(Plant):
         yaw, yaw_rate = self._state("ring_yaw")
         speeds = [self._state("ring_x")[1], self._state("ring_y")[1], yaw_rate]
         if p.bristle:
-            stiffness = p.mu_static * p.mass * GRAVITY / p.presliding
+            stiffness = p.mu_static * self._weight / p.presliding
             damping = 2.0 * p.bristle_damping * math.sqrt(stiffness * p.mass)
-            bristle = _native.bristle(p.mass * GRAVITY, law, p.feet_radius, stiffness, damping, p.break_away)
+            bristle = _native.bristle(self._weight, law, p.feet_radius, stiffness, damping, p.break_away)
             bind("friction", bristle, speeds, [self._force(joint) for joint in RING])
             return
         columns = self.model.pair_friction.shape[1]
-        for row, place in enumerate(_feet(p)):
+        for row, (foot, place) in enumerate(zip(FEET, _feet(p), strict=True)):
             tangents = [Cell(self.model.pair_friction, row * columns + i) for i in range(2)]
-            bind(f"foot{row + 1}", _native.foot(place, law), [yaw, *speeds], tangents)
+            bind(foot, _native.foot(place, law), [yaw, *speeds], tangents)
 
     def _push(self) -> None:
         # what probe and pusher do to the ring, and the ring to the slide

@@ -39,7 +39,7 @@ impl Element for Limit {
     fn stop(&self) -> Option<String> {
         let Self { quantity, unit, low, high, hint, refused } = self;
         let value = (*refused)?;
-        Some(format!("{quantity} is `{value:.6}` {unit}, limit `{low}` to `{high}` {unit}\nhint: {hint}"))
+        Some(format!("{quantity} is `{value:.6}` {unit}, limit `{low:.6}` to `{high:.6}` {unit}\nhint: {hint}"))
     }
 }
 
@@ -56,7 +56,7 @@ mod tests {
         }
         limit.step(&[2.75], &mut [], 1e-4);
         let message = limit.stop().expect("beyond the limit");
-        assert_eq!(message, "the oil is `2.750000` K, limit `-1` to `2.5` K\nhint: cool it");
+        assert_eq!(message, "the oil is `2.750000` K, limit `-1.000000` to `2.500000` K\nhint: cool it");
         limit.reset();
         assert_eq!(limit.stop(), None);
     }
