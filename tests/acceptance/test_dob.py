@@ -4,8 +4,6 @@ The large samples run with `pytest -m full -rP tests/acceptance`, which prints w
 """
 
 import functools
-import subprocess
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -108,22 +106,6 @@ def test_one_calibration_touch_makes_the_contact_position_good_to_40_nanometres(
     bias = runs("dob", (54_001,))[0].metrics["position_error"].value
     results = runs("dob", SOME, f"controller.contact.bias={bias!r}")
     assert np.percentile(np.abs(values(results, "position_error")), 90) <= 40e-9
-
-
-# repeatability
-
-
-def test_same_seed_same_bytes(tmp_path: Path) -> None:
-    first = trace("dob", 73)
-    assert trace("dob", 73).tobytes() == first.tobytes()
-    assert trace("dob", 74).tobytes() != first.tobytes()
-    # and in another process, by the command line
-    file = tmp_path / "trace.npz"
-    command = [sys.executable, "-m", "cosim", "run", "dob", "--seed", "73", "--trace", str(file)]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stdout + done.stderr
-    with np.load(file) as archive:
-        assert archive[archive.files[0]].tobytes() == first.tobytes()
 
 
 # large samples

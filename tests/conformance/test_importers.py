@@ -206,17 +206,3 @@ def test_every_start_value_can_be_written_and_read_back(fmu: Fmu) -> None:
     slave.terminate()
     slave.reset()
     slave.freeInstance()
-
-
-def test_a_saved_state_goes_on_in_a_new_process_bit_for_bit(fmu: Fmu, tmp_path: Path) -> None:
-    def replay(mode: str) -> list[str]:
-        script = Path(__file__).with_name("replay.py")
-        command = [sys.executable, str(script), mode, str(fmu.folder), str(tmp_path / "state")]
-        run = subprocess.run(command, capture_output=True, text=True, check=False)
-        assert (run.returncode, run.stderr) == (0, "")
-        return run.stdout.splitlines()
-
-    first = replay("run")
-    assert len(first) == 200
-    assert first[0] != first[-1]
-    assert replay("resume") == first

@@ -1,0 +1,87 @@
+"""A saved state goes on in a new process bit for bit, wherever it was taken."""
+
+from __future__ import annotations
+
+import json
+import math
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import fmpy
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import cosim
+
+from .conftest import ROOT, Fmu
+
+STEPS = 400
+AFTER = 1000
+
+
+def replay(mode: str, folder: Path, files: Path) -> list[str]:
+    """Run `replay.py` with the recording in `files`; its lines."""
+    script = Path(__file__).with_name("replay.py")
+    command = [
+        sys.executable,
+        str(script),
+        mode,
+        str(folder),
+        str(files / "recording.npz"),
+        str(files / "state"),
+    ]
+    run = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (run.returncode, run.stderr) == (0, "")
+    return run.stdout.splitlines()
+
+
+def record(files: Path, rows: NDArray[Any], split: int, step: float, parameters: dict[str, Any]) -> None:
+    """Write a recording for `replay.py`: inputs by name, and the row before which the state is saved."""
+    texts = json.dumps(parameters)
+    np.savez(files / "recording.npz", rows=rows, split=split, step=step, parameters=texts)
+
+
+def test_between_two_samples_of_moving_inputs(fmu: Fmu, tmp_path: Path) -> None:
+    names = [variable.name for variable in fmu.variables("input", "Real")]
+    rows = np.zeros(STEPS, dtype=[(name, np.float64) for name in names])
+    for i, name in enumerate(names):
+        rows[name] = [1e-3 * math.sin(0.1 * k + i) for k in range(STEPS)]
+    # not a multiple of the sample period: the state is taken between two samples
+    step = 0.7317 * float(fmu.description.defaultExperiment.stepSize)
+    record(tmp_path, rows, STEPS // 2, step, {})
+    lines = replay("run", fmu.folder, tmp_path)
+    assert len(lines) == STEPS
+    assert lines[0] != lines[-1]
+    assert replay("resume", fmu.folder, tmp_path) == lines[STEPS // 2 :]
+
+
+@pytest.mark.parametrize(("loop", "state"), [("dob", "Detect"), ("centering", "Push"), ("centering", "Wait")])
+def test_in_the_middle_of_a_state_of_a_closed_loop(loop: str, state: str, tmp_path: Path) -> None:
+    scenario = cosim.load(loop)
+    result = cosim.run(scenario, 57_001)
+    trace = result.trace
+    assert trace is not None
+    busy = np.flatnonzero(trace["controller.state"] == result.items["controller.state"][state])
+    split = int(busy[len(busy) // 2]) + 1
+    assert trace["controller.state"][split - 1] == trace["controller.state"][split]
+
+    file = ROOT / f"target/fmu/{scenario.controller.fmu}.fmu"
+    folder = Path(fmpy.extract(str(file), str(tmp_path / "unpacked")))
+    description = fmpy.read_model_description(str(file))
+    names = {v.name: f"controller.{v.name}" for v in description.modelVariables if v.causality == "input"}
+    rows = np.zeros(min(len(trace), split + AFTER), dtype=[(name, np.float64) for name in names])
+    for name, column in names.items():
+        rows[name] = trace[column][: len(rows)]
+    record(tmp_path, rows, split, scenario.loop.step, scenario.controller.parameters)
+
+    lines = replay("run", folder, tmp_path)
+    assert replay("resume", folder, tmp_path) == lines[split:]
+    # and the bare FMU did what it did in the loop
+    reals = [v.name for v in description.modelVariables if v.type == "Real"]
+    for i, name in enumerate(reals):
+        if f"controller.{name}" in (trace.dtype.names or ()):
+            told = [float.fromhex(line.split()[i]) for line in lines]
+            assert told == trace[f"controller.{name}"][: len(lines)].tolist(), name
