@@ -12,8 +12,7 @@ type Check = fn(&Parameters) -> Result<(), ParameterError>;
 /// # Errors
 /// When a parameter does not fit the others.
 pub fn check(p: &Parameters) -> Result<(), ParameterError> {
-    const CHECKS: [Check; 14] = [
-        eccentricity,
+    const CHECKS: [Check; 13] = [
         gap,
         stroke,
         approach_velocity,
@@ -29,15 +28,6 @@ pub fn check(p: &Parameters) -> Result<(), ParameterError> {
         push_maximum,
     ];
     CHECKS.iter().try_for_each(|check| check(p))
-}
-
-fn eccentricity(p: &Parameters) -> Result<(), ParameterError> {
-    require(p.ring.eccentricity_max < p.ring.radius, || ParameterError {
-        name: "ring.eccentricity_max",
-        value: format!("{} m", p.ring.eccentricity_max),
-        limit: format!("less than `{} m`, the `ring.radius`", p.ring.radius),
-        hint: "the spindle axis must lie inside the ring, or the probe meets no part in some directions",
-    })
 }
 
 fn stroke(p: &Parameters) -> Result<(), ParameterError> {
@@ -176,7 +166,6 @@ mod tests {
     #[test]
     fn each_error_names_parameter_value_and_limit() {
         let cases = [
-            (error(|p| p.ring.radius = 0.02), "ring.eccentricity_max", "`0.025 m`", "`0.02 m`"),
             (error(|p| p.probe.stroke = 0.01), "probe.stroke", "`0.01 m`", "`0.0205 m`"),
             (error(|p| p.follow.gap = 0.02), "follow.gap", "`0.02 m`", "`0.0196 m`"),
             (error(|p| p.approach.velocity = 0.2), "approach.velocity", "`0.2 m/s`", "`0.12 m/s`"),

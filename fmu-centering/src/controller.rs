@@ -136,6 +136,7 @@ impl Controller {
             probe: self.sample.probe,
             turned,
             speed: self.spindle.speed(),
+            surface: self.follower.surface(),
             beyond_travel: self.motion.beyond_travel(p),
             estimate: self.estimate.as_ref(),
         };

@@ -8,28 +8,33 @@ use crate::reading::Sample;
 /// Velocity law of the control loop; by default before its first beat.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Follower {
+    /// tip position at the last beat, if the probe touched
     tip: Option<f64>,
+    surface: f64,
     velocity: f64,
 }
 
 impl Follower {
     /// One beat of the control loop.
     pub fn update(&mut self, p: &Parameters, sample: &Sample) {
-        let tip = sample.tip();
-        let before = self.tip.replace(tip).unwrap_or(tip);
-        self.velocity = 0.0;
+        let tip = (sample.probe >= p.probe.contact).then(|| sample.tip());
+        let before = std::mem::replace(&mut self.tip, tip);
+        (self.surface, self.velocity) = (0.0, 0.0);
         // a slide that chases a lost ring would crash into it when it comes back
-        if sample.probe < p.probe.contact {
-            return;
-        }
+        let Some(tip) = tip else { return };
+        // the tip has the velocity of the surface, whatever the slide does
+        self.surface = before.map_or(0.0, |before| (tip - before) * p.rates.control);
         let error = p.null() - sample.probe;
         let beyond = error - error.clamp(-p.follow.dead_zone, p.follow.dead_zone);
         if beyond != 0.0 || p.follow.dead_zone == 0.0 {
-            // the tip has the velocity of the surface, whatever the slide does
-            let surface = (tip - before) * p.rates.control;
             let limit = p.slide.velocity_max;
-            self.velocity = (p.follow.gain * beyond + surface).clamp(-limit, limit);
+            self.velocity = (p.follow.gain * beyond + self.surface).clamp(-limit, limit);
         }
+    }
+
+    /// Velocity of the surface over the last beat, positive away from the pusher, m/s; 0 without contact.
+    pub fn surface(&self) -> f64 {
+        self.surface
     }
 
     /// Velocity of the slide until the next beat, m/s.

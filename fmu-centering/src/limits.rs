@@ -1,6 +1,6 @@
 //! Speed and look-ahead limits of the machine, eq. 2 and 4 to 9.
 
-use std::f64::consts::TAU;
+use std::f64::consts::FRAC_PI_2;
 
 use control_blocks::stopping_distance;
 
@@ -15,19 +15,28 @@ pub fn speed_limit(mu: f64, e: f64) -> f64 {
     (mu * GRAVITY / e).sqrt()
 }
 
-/// Largest velocity (m/s) of the surface along the probe: radius `r`, eccentricity `e` < r (m), speed `w` (rad/s).
+/// Largest velocity (m/s) of the surface along the probe: radius `r`, eccentricity `e` <= r (m), speed `w` (rad/s).
 pub fn surface_velocity(e: f64, r: f64, w: f64) -> f64 {
-    // eq. 5, a smooth function of the angle: its maximum within 1e-5
     let velocity = |angle: f64| {
         let (sine, cosine) = angle.sin_cos();
+        // eq. 5
         e * w.abs() * sine * (1.0 + e * cosine / (r * r - e * e * sine * sine).sqrt())
     };
-    (0..720).map(|k| velocity(TAU / 2.0 * f64::from(k) / 720.0)).fold(0.0, f64::max)
+    // a smooth function of the angle: its maximum within 1e-5
+    (0..360).map(|k| velocity(FRAC_PI_2 * f64::from(k) / 360.0)).fold(0.0, f64::max)
+}
+
+/// Velocity (m/s) of the surface that no ring of radius `r` reaches while the friction `mu` holds it, at the speed `w`.
+pub fn held_surface_velocity(mu: f64, r: f64, w: f64) -> f64 {
+    // eq. 2 for the eccentricity
+    let e = mu * GRAVITY / (w * w);
+    surface_velocity(e.min(r), r, w)
 }
 
 /// Stroke (m) of the probe before the pusher that the fastest permissible approach needs.
 pub fn look_ahead(p: &Parameters) -> f64 {
-    let (e, r) = (p.ring.eccentricity_max, p.ring.radius);
+    // eq. 32: the axis is inside the ring
+    let (e, r) = (p.ring.eccentricity_max.min(p.ring.radius), p.ring.radius);
     let surface = surface_velocity(e, r, speed_limit(p.friction.mu_limit, e));
     // eq. 7 to 9
     stopping_distance(p.approach.velocity + surface, p.slide.acceleration_max)
@@ -36,6 +45,7 @@ pub fn look_ahead(p: &Parameters) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f64::consts::TAU;
 
     #[test]
     fn the_papers_numbers() {
@@ -56,6 +66,18 @@ mod tests {
     fn without_eccentricity_the_surface_stands_still() {
         assert_eq!(surface_velocity(0.0, 0.05, 4.0), 0.0);
         assert!(speed_limit(0.05, 0.0).is_infinite());
+    }
+
+    #[test]
+    fn a_surface_that_is_too_fast_shows_a_ring_that_is_not_held() {
+        // 45 rpm: 22.1 mm are held
+        let w = 45.0 * TAU / 60.0;
+        let most = held_surface_velocity(0.05, 0.05, w);
+        assert!(surface_velocity(0.022, 0.05, w) < most && surface_velocity(0.0222, 0.05, w) > most);
+        assert!(held_surface_velocity(0.05, 0.05, 1e-9).is_finite());
+        assert!(held_surface_velocity(0.05, 0.05, 0.0).is_finite());
+        // at most twice e w, for a ring whose rim is on the axis
+        assert!((surface_velocity(0.05, 0.05, 1.0) - 0.1).abs() < 1e-3);
     }
 
     #[test]

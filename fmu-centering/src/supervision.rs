@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use serde::{Deserialize, Serialize};
 
 use crate::centre::Estimate;
-use crate::limits::speed_limit;
+use crate::limits::{GRAVITY, held_surface_velocity, speed_limit};
 use crate::machine::{Fault, State};
 use crate::parameters::Parameters;
 
@@ -13,6 +13,8 @@ use crate::parameters::Parameters;
 const LOST_TIME: f64 = 0.1;
 /// A pusher that touches for longer while following is a crash, s.
 const PRESSED_TIME: f64 = 0.005;
+/// A surface that is too fast for longer is no jump of the probe, s.
+const FLYING_TIME: f64 = 0.03;
 /// A spindle that is slow for longer stands still, s.
 const STILL_TIME: f64 = 0.5;
 /// A probe that takes longer than the time of settling and this does not settle, s.
@@ -31,6 +33,8 @@ pub struct View<'a> {
     pub turned: f64,
     /// Spindle speed, rad/s.
     pub speed: f64,
+    /// Velocity of the surface along the probe, m/s.
+    pub surface: f64,
     /// The slide is about to leave its travel.
     pub beyond_travel: bool,
     /// The last model.
@@ -42,6 +46,7 @@ pub struct View<'a> {
 pub struct Supervisor {
     lost: u32,
     pressed: u32,
+    flying: u32,
     still: u32,
     unsettled: u32,
     turned: f64,
@@ -63,7 +68,7 @@ impl Supervisor {
         let too_far = view.probe > p.probe.stroke || over(self.pressed, PRESSED_TIME);
         let unsettled = over(self.unsettled, UNSETTLED_TIME + p.follow.settle_time);
         let standing = over(self.still, STILL_TIME) || self.turned > TURNS_MAX * TAU;
-        let flying = view.estimate.is_some_and(|ring| too_fast(p, view.speed, ring));
+        let flying = over(self.flying, FLYING_TIME) || view.estimate.is_some_and(|ring| too_fast(p, view.speed, ring));
         (too_far || unsettled)
             .then_some(Fault::ProbeRange)
             .or((view.beyond_travel || over(self.lost, LOST_TIME)).then_some(Fault::NoPart))
@@ -76,6 +81,7 @@ impl Supervisor {
         let contact = view.state.follows() || view.state == State::Settle;
         step(&mut self.lost, contact && view.probe < 0.5 * p.probe.contact);
         step(&mut self.pressed, view.state.follows() && view.probe > p.probe.at_pusher);
+        step(&mut self.flying, shows_too_fast(p, view));
         step(&mut self.still, view.state.needs_rotation() && view.speed.abs() < p.spindle.speed_min);
         step(&mut self.unsettled, settling);
         if view.state.needs_rotation() {
@@ -87,6 +93,15 @@ impl Supervisor {
 /// Whether the centrifugal force of the ring exceeds the friction that is assumed, eq. 2.
 pub fn too_fast(p: &Parameters, speed: f64, ring: &Estimate) -> bool {
     speed.abs() >= speed_limit(p.friction.mu_limit, ring.centre.eccentricity())
+}
+
+/// Whether the surface moves faster than that of any ring that friction holds: an answer before the first model.
+fn shows_too_fast(p: &Parameters, view: &View) -> bool {
+    // the fastest place of any surface has at least e w: a cheap question first
+    let fastest = view.surface.abs();
+    view.state.follows()
+        && fastest * view.speed.abs() > p.friction.mu_limit * GRAVITY
+        && fastest > held_surface_velocity(p.friction.mu_limit, p.ring.radius, view.speed)
 }
 
 /// What is wrong with a new model after `pushes` pushes.
@@ -111,6 +126,7 @@ fn step(count: &mut u32, wrong: bool) {
 mod tests {
     use super::*;
     use crate::centre::Centre;
+    use crate::limits::surface_velocity;
 
     const P: Parameters = Parameters::PAPER;
     const GOOD: View = View {
@@ -118,6 +134,7 @@ mod tests {
         probe: 0.0195,
         turned: 2.0944e-3,
         speed: 2.0944,
+        surface: 1e-3,
         beyond_travel: false,
         estimate: None,
     };
@@ -188,6 +205,16 @@ mod tests {
         assert!(!too_fast(&P, slow, &ring(0.025)) && too_fast(&P, fast, &ring(0.025)));
         let view = View { speed: -fast, estimate: Some(&ring(0.025)), state: State::Centred, ..GOOD };
         assert_eq!(fault(view, 1), Some((0, Fault::Centrifugal)));
+    }
+
+    #[test]
+    fn a_fast_surface_is_centrifugal_before_there_is_a_model() {
+        // 45 rpm: 25 mm are too much for mu 0.05, 22 mm are not
+        let speed = 45.0 * TAU / 60.0;
+        let shown = |e: f64| View { state: State::Follow, speed, surface: -surface_velocity(e, 0.05, speed), ..GOOD };
+        assert_eq!(fault(shown(0.025), 100), Some((30, Fault::Centrifugal)));
+        assert_eq!(fault(shown(0.022), 100), None);
+        assert_eq!(fault(View { speed: 0.0, ..shown(0.025) }, 100), None);
     }
 
     #[test]
