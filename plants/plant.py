@@ -190,9 +190,10 @@ class Plant(ABC):
 
     def command(self, values: Array) -> None:
         """Set the commands, in the order of `commands`; they hold until the next call."""
-        if not math.isfinite(sum(values)):
-            raise self._error(_not_finite("command", self.commands, values))
-        for cell, value in zip(self.command_cells, values, strict=True):
+        numbers = values.tolist()
+        if not math.isfinite(sum(numbers)):
+            raise self._error(_not_finite("command", self.commands, numbers))
+        for cell, value in zip(self.command_cells, numbers, strict=True):
             cell.write(value)
 
     def advance(self, substeps: int) -> None:

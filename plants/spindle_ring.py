@@ -217,7 +217,7 @@ class SpindleRing(Plant):
             Channel("pusher_gap", "m", "From the pusher tip to the surface, negative when it is compressed"),
         )
         # the pusher tip is here when the slide is at zero
-        self.pusher_start = p.radius + p.start_distance + p.probe_at_pusher
+        self.pusher_start: float = p.radius + p.start_distance + p.probe_at_pusher
         self._at = {name: int(self.model.joint(name).qposadr[0]) for name in ("spindle", "slide", *RING)}
         self._weight = -p.mass * float(self.model.opt.gravity[2])
         self._load_feet()

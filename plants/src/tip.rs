@@ -4,17 +4,20 @@ use crate::{Element, Ports};
 
 /// slip speed below which friction is mostly viscous, m/s
 const SLIP: f64 = 1e-3;
+/// least share of the normal force that presses the tip back, so that a tip that jams stays finite
+const JAM: f64 = 0.1;
 
 /// Force of a tip on a surface, and how far the surface has driven the tip back.
 ///
-/// The tip comes from +x on the line `y = 0`. Where the surface would be beyond it, `depth = surface - tip > 0`, it
-/// presses with `preload min(1, depth / ramp) + stiffness depth + damping approach`, never pulls, and rubs with
-/// `friction` times that force against the motion of the surface.
+/// The tip comes from +x and gives way along the line `y = 0`. Where the surface would be beyond it,
+/// `collapse = surface - tip > 0`, it presses along the line with
+/// `preload min(1, collapse / ramp) + stiffness collapse + damping collapse'`, and never pulls. The surface answers
+/// with the normal force that takes, and rubs with `friction` times that force against its motion.
 #[derive(Clone, Debug)]
 pub struct Tip {
     /// force at first touch, N
     pub preload: f64,
-    /// depth at which the preload is there, m
+    /// collapse at which the preload is there, m
     pub ramp: f64,
     /// N/m
     pub stiffness: f64,
@@ -25,13 +28,13 @@ pub struct Tip {
 }
 
 impl Tip {
-    /// normal force at a depth in m, along the normal, that grows by `approach` m/s
-    fn force(&self, depth: f64, approach: f64) -> f64 {
-        if depth <= 0.0 {
+    /// force along the line at a collapse in m that grows by `rate` m/s
+    fn axial(&self, collapse: f64, rate: f64) -> f64 {
+        if collapse <= 0.0 {
             return 0.0;
         }
-        let preload = self.preload * (depth / self.ramp).min(1.0);
-        (preload + self.stiffness * depth + self.damping * approach).max(0.0)
+        let preload = self.preload * (collapse / self.ramp).min(1.0);
+        (preload + self.stiffness * collapse + self.damping * rate).max(0.0)
     }
 }
 
@@ -47,15 +50,14 @@ impl Element for Tip {
 
     fn step(&mut self, inputs: &[f64], outputs: &mut [f64], _h: f64) {
         let [tip, tip_speed, surface, nx, ny] = [inputs[0], inputs[1], inputs[2], inputs[3], inputs[4]];
-        // velocity of the surface against the tip
-        let (vx, vy) = (inputs[5] - tip_speed, inputs[6]);
-        let depth = surface - tip;
-        let force = self.force(depth * nx, vx * nx + vy * ny);
-        let slip = vy * nx - vx * ny;
-        let rub = self.friction * force * slip / slip.hypot(SLIP);
-        // on the surface: against the normal, and against the slip along (-ny, nx)
-        let (fx, fy) = (-force * nx + rub * ny, -force * ny - rub * nx);
-        outputs.copy_from_slice(&[depth.max(0.0), force, fx, fy]);
+        let (vx, vy) = (inputs[5], inputs[6]);
+        let collapse = surface - tip;
+        let rate = (vx * nx + vy * ny) / nx - tip_speed;
+        // slip along the tangent (-ny, nx), and the part of the normal force that friction makes of it
+        let slip = vy * nx - (vx - tip_speed) * ny;
+        let rub = self.friction * slip / slip.hypot(SLIP);
+        let force = self.axial(collapse, rate) / (nx - rub * ny).max(JAM);
+        outputs.copy_from_slice(&[collapse.max(0.0), force, -force * (nx - rub * ny), -force * (ny + rub * nx)]);
     }
 }
 
@@ -96,11 +98,16 @@ mod tests {
         let out = press([0.0, 0.0, 1e-3, 1.0, 0.0, 0.0, 0.2]);
         assert!((out[3] + 0.1 * out[1]).abs() < 1e-5 * out[1], "{out:?}");
         assert!((press([0.0, 0.0, 1e-3, 1.0, 0.0, 0.0, -0.2])[3] + out[3]).abs() < 1e-15);
-        // on a leaning surface the force is still inside the friction cone about the normal
+    }
+
+    #[test]
+    fn on_a_leaning_surface_the_spring_acts_along_the_line_and_friction_along_the_surface() {
         let (ny, nx) = 0.3_f64.sin_cos();
-        let out = press([0.0, 0.01, 1e-3, nx, ny, 0.02, 0.2]);
-        let (normal, along) = (-out[2] * nx - out[3] * ny, out[2] * -ny + out[3] * nx);
+        // the material moves along the tangent: the surface stays where it is
+        let out = press([0.0, 0.0, 1e-3, nx, ny, -0.2 * ny, 0.2 * nx]);
+        assert!((out[2] + 1.3).abs() < 1e-12, "{out:?}");
+        let (normal, along) = (-out[2] * nx - out[3] * ny, out[3] * nx - out[2] * ny);
         assert!((normal - out[1]).abs() < 1e-12);
-        assert!(along < 0.0 && (along.abs() - 0.1 * out[1]).abs() < 1e-4 * out[1], "{along}");
+        assert!((along + 0.1 * normal).abs() < 1e-4 * normal, "{along}");
     }
 }
