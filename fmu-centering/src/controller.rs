@@ -97,7 +97,8 @@ impl Controller {
         if due.control {
             self.follower.update(p, &sample);
         }
-        let collect = due.collect && self.state == State::Collect;
+        // a probe without contact shows the slide, not the surface
+        let collect = due.collect && self.state == State::Collect && sample.probe >= p.probe.contact;
         self.model.update(p, &Observation { angle: self.spindle.angle(), tip: sample.tip(), collect });
         turned
     }

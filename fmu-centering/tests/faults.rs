@@ -87,6 +87,18 @@ fn a_ring_that_disappears_is_not_chased() {
 }
 
 #[test]
+fn a_probe_that_bounces_for_a_moment_spoils_no_model() {
+    let mut run = running(State::Collect);
+    let begin = run.time();
+    while run.output.state == State::Collect {
+        let free = (0.5..0.58).contains(&(run.time() - begin));
+        run.step_with(|input| input.probe_position *= f64::from(u8::from(!free)));
+    }
+    assert!(run.run_to(State::Wait, begin + 4.0), "{:?}", run.output);
+    assert!((run.output.eccentricity - run.ring.eccentricity()).abs() < 0.5e-6, "{:?}", run.output);
+}
+
+#[test]
 fn a_spindle_axis_outside_the_ring_is_too_small_a_ring() {
     // the operator tells the wrong ring: 0.1 mm instead of 50 mm
     let mut p = P;
