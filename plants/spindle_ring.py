@@ -9,161 +9,26 @@ positive towards the centre, probe position positive when it collapses, the spin
 """
 
 import math
-from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
-from plants import _native
+from plants import _native, contour
 from plants._native import Cell, Circuit
-from plants.parameters import ParameterError, parameter
-from plants.plant import Channel, Plant
+from plants.plant import Array, Channel, Plant
+from plants.spindle_ring_parameters import LINE_LIMIT, TURN, SpindleRingParameters, check_together
 
-TURN = 2.0 * math.pi
-SAMPLES = 8192
-"""Samples of the outline of the ring over one turn."""
 ROUGHNESS_ORDERS = range(15, 101)
 """Waves per turn of the roughness."""
 ERROR_ORDERS = range(2, 6)
 """Cycles per turn of the error motion: one cycle per turn is eccentricity by definition."""
 TOUCH = 1e-6
 """Collapse at which the preload of the probe is there, m."""
-LINE_LIMIT = 0.95
-"""Most that the centre of the ring may be beside the line of the probe, in radii."""
 NOWHERE = -1.0
 """Surface when there is no ring, m: beyond the travel."""
 RING = ("ring_x", "ring_y", "ring_yaw")
 FEET = ("foot1", "foot2", "foot3")
-
-
-@dataclass(frozen=True)
-class SpindleRingParameters:
-    """Parameters of spindle, ring and slide."""
-
-    timestep: float = parameter(1e-4, "s", "Plant step", "our choice", 1e-6, 2e-4)
-    spindle_speed: float = parameter(
-        TURN / 3.0, "rad/s", "Spindle speed, positive about +z", "paper: 20 rpm", -20.0, 20.0
-    )
-    spindle_error: float = parameter(
-        0.0,
-        "m",
-        "Error motion of the axis in x and in y, amplitudes of n = 2 to 5 in all",
-        "our choice",
-        0.0,
-        1e-4,
-    )
-    spindle_error_noise: float = parameter(
-        0.0, "m", "Asynchronous error motion in x and in y, deviation", "our choice", 0.0, 1e-4
-    )
-    spindle_error_time: float = parameter(
-        0.05, "s", "Correlation time of the asynchronous part", "our choice", 1e-3, 1e3
-    )
-    table_radius: float = parameter(0.15, "m", "Radius of the table", "our choice", 0.01, 1.0)
-
-    part_present: bool = parameter(True, "1", "Whether there is a ring", "our choice")
-    mass: float = parameter(1.0, "kg", "Mass of the ring", "paper: 0.75 to 1.5 kg", 0.1, 200.0)
-    radius: float = parameter(0.05, "m", "Mean outer radius of the ring", "our choice", 0.01, 0.5)
-    wall: float = parameter(0.15, "1", "Thickness of the ring over its radius", "our choice", 0.01, 1.0)
-    feet_radius: float = parameter(
-        0.04, "m", "Radius of the three points on which the ring rests", "our choice", 1e-3, 0.5
-    )
-    eccentricity: float = parameter(
-        5e-4, "m", "Distance of the ring from the axis at first", "our choice", 0.0, 0.1
-    )
-    eccentricity_angle: float = parameter(
-        0.0, "rad", "Direction in which the ring is off at first, on the table", "our choice", -TURN, TURN
-    )
-    eccentricity_angle_spread: float = parameter(
-        math.pi, "rad", "Added to that, drawn within +-", "our choice: any direction", 0.0, math.pi
-    )
-    lobe_2: float = parameter(2e-6, "m", "Two lobes (oval), amplitude, phase drawn", "our choice", 0.0, 1e-3)
-    lobe_3: float = parameter(2e-6, "m", "Three lobes, amplitude, phase drawn", "our choice", 0.0, 1e-3)
-    lobe_5: float = parameter(5e-7, "m", "Five lobes, amplitude, phase drawn", "our choice", 0.0, 1e-3)
-    roughness: float = parameter(
-        1e-7, "m", "Roughness of 15 to 100 waves per turn, deviation, phases drawn", "our choice", 0.0, 1e-4
-    )
-
-    mu_static: float = parameter(
-        0.2, "1", "Static friction of ring on table", "paper: 0.15 to 0.25", 0.01, 2.0
-    )
-    mu_ratio: float = parameter(1.25, "1", "Static over kinetic friction", "our choice", 1.0, 5.0)
-    stribeck_speed: float = parameter(
-        1e-3, "m/s", "Slip speed of the Stribeck curve", "our choice", 1e-5, 1.0
-    )
-    bristle: bool = parameter(False, "1", "Elasto-plastic bristle instead of MuJoCo's contacts", "our choice")
-    presliding: float = parameter(
-        1e-6, "m", "Bristle: deflection at the static force", "our choice", 1e-7, 1e-4
-    )
-    break_away: float = parameter(
-        0.7, "1", "Bristle: purely elastic share of that deflection", "our choice", 0.1, 0.99
-    )
-    bristle_damping: float = parameter(
-        0.2, "1", "Bristle: damping ratio of the ring on it", "our choice", 0.0, 1.0
-    )
-
-    pusher_stiffness: float = parameter(5e6, "N/m", "Stiffness of the pusher tip", "our choice", 1e4, 1e8)
-    pusher_damping: float = parameter(
-        0.15, "1", "Damping ratio of the ring on the tip", "our choice", 0.0, 1.0
-    )
-    pusher_friction: float = parameter(0.12, "1", "Friction of pusher on ring", "our choice", 0.0, 1.0)
-    probe_at_pusher: float = parameter(
-        0.02, "m", "Probe position with the surface at the pusher tip", "our choice", 0.0, 0.1
-    )
-    probe_stroke: float = parameter(0.025, "m", "Stroke of the probe", "our choice", 1e-3, 0.1)
-    probe_force_free: float = parameter(0.35, "N", "Gauging force at first touch", "our choice", 0.0, 10.0)
-    probe_force_full: float = parameter(0.7, "N", "Gauging force at full stroke", "paper", 0.0, 10.0)
-    probe_friction: float = parameter(
-        0.1, "1", "Friction of probe on ring", "our choice: ruby on steel", 0.0, 1.0
-    )
-    probe_resolution: float = parameter(50e-9, "m", "Resolution of the probe", "paper", 0.0, 1e-4)
-    probe_noise: float = parameter(30e-9, "m", "Noise of the probe, deviation", "paper", 0.0, 1e-4)
-
-    dirt_height: float = parameter(
-        0.0, "m", "Height of the particles that stick to the ring", "our choice", 0.0, 1e-3
-    )
-    dirt_fraction: float = parameter(
-        0.02, "1", "Share of the circumference under particles", "our choice", 0.0, 0.5
-    )
-    dirt_width: float = parameter(
-        5e-4,
-        "m",
-        "Width of a particle under the probe tip",
-        "our choice: 20 um under a ball of 3 mm",
-        1e-4,
-        0.01,
-    )
-    spike_height: float = parameter(
-        0.0, "m", "Electrical spikes on the probe, up or down", "our choice", 0.0, 1e-3
-    )
-    spike_fraction: float = parameter(0.02, "1", "Share of the readings that are hit", "our choice", 0.0, 0.5)
-
-    slide_mass: float = parameter(8.0, "kg", "Moving mass of the slide", "our choice", 0.5, 200.0)
-    servo_bandwidth: float = parameter(
-        40.0, "Hz", "Natural frequency of the slide's servo", "our choice", 1.0, 500.0
-    )
-    servo_damping: float = parameter(0.7, "1", "Damping ratio of the slide's servo", "our choice", 0.05, 5.0)
-    servo_force: float = parameter(400.0, "N", "Largest force of the slide's motor", "our choice", 1.0, 1e5)
-    setpoint_period: float = parameter(
-        1e-3, "s", "Longest time for which the servo extrapolates a setpoint", "our choice: 1 kHz", 0.0, 1.0
-    )
-    slide_velocity_max: float = parameter(
-        0.12, "m/s", "Largest velocity setpoint of the slide", "paper", 1e-3, 10.0
-    )
-    slide_resolution: float = parameter(20e-9, "m", "Resolution of the slide's encoder", "paper", 0.0, 1e-4)
-    travel: float = parameter(0.15, "m", "Travel of the slide from its start", "our choice", 0.01, 1.0)
-    start_distance: float = parameter(
-        0.03,
-        "m",
-        "From the free probe to the place of a centred surface at the start",
-        "our choice",
-        0.0,
-        0.5,
-    )
-    angle_resolution: float = parameter(
-        TURN / 4000.0, "rad", "Resolution of the spindle's encoder", "paper: 0.09 deg", 0.0, 0.1
-    )
 
 
 class SpindleRing(Plant):
@@ -181,18 +46,13 @@ class SpindleRing(Plant):
     def __init__(self, parameters: SpindleRingParameters | None = None) -> None:
         super().__init__(parameters)
         p: SpindleRingParameters = self.parameters
-        _check_together(p)
+        check_together(p)
+        probe = {"noise": p.probe_noise, "quantum": p.probe_resolution}
         self.readings = (
             Channel("spindle_angle", "rad", "Encoder of the spindle, unwrapped", quantum=p.angle_resolution),
             Channel("slide_position", "m", "Encoder of the slide", quantum=p.slide_resolution),
             Channel(
-                "probe_position",
-                "m",
-                "Encoder of the probe",
-                p.probe_noise,
-                p.probe_resolution,
-                0.0,
-                p.probe_stroke,
+                "probe_position", "m", "Encoder of the probe", **probe, minimum=0.0, maximum=p.probe_stroke
             ),
         )
         speed = p.slide_velocity_max
@@ -254,9 +114,7 @@ class SpindleRing(Plant):
         """Place the ring, draw outline, dirt and errors, bind the elements."""
         p = self.parameters
         self._place()
-        self._contours = _outline(p, self.stream("outline")), _dirt(p, self.stream("dirt"))
-        random = self.stream("spindle_error")
-        self._error_phases = {axis: random.uniform(0.0, TURN, len(ERROR_ORDERS)) for axis in "xy"}
+        self._draw()
         if p.spindle_error_noise > 0.0:
             self._asynchronous(steps)
         for circuit in (self.sensing, self.circuit):
@@ -281,6 +139,18 @@ class SpindleRing(Plant):
         self.wire("surface").write(NOWHERE)
         self.wire("normal_x").write(1.0)
 
+    def _draw(self) -> None:
+        p = self.parameters
+        roughness = p.roughness * math.sqrt(2.0 / len(ROUGHNESS_ORDERS))
+        waves = {2: p.lobe_2, 3: p.lobe_3, 5: p.lobe_5, **dict.fromkeys(ROUGHNESS_ORDERS, roughness)}
+        self._outline: Array = contour.lobed(p.radius, waves, self.stream("outline"))
+        self._dirty = p.part_present and p.dirt_height > 0.0
+        self._dirt: Array = contour.dirty(
+            p.radius, p.dirt_height, p.dirt_width, p.dirt_fraction, self.stream("dirt")
+        )
+        random = self.stream("spindle_error")
+        self._error_phases = {axis: random.uniform(0.0, TURN, len(ERROR_ORDERS)) for axis in "xy"}
+
     # elements
 
     def _asynchronous(self, steps: int) -> None:
@@ -292,39 +162,31 @@ class SpindleRing(Plant):
 
     def _touch(self, circuit: Circuit) -> None:
         # where the ring is and what probe and pusher do to it: in every step, and when readings are taken
-        p, wire = self.parameters, self.wire
+        p, wire, bind = self.parameters, self.wire, circuit.bind
         if p.part_present:
             self._ring(circuit)
-        seen = ["normal_x", "normal_y", "vx", "vy"]
         damping = 2.0 * p.pusher_damping * math.sqrt(p.pusher_stiffness * p.mass)
+        pusher = _native.tip(0.0, TOUCH, p.pusher_stiffness, damping, p.pusher_friction)
         rate = (p.probe_force_full - p.probe_force_free) / p.probe_stroke
-        tips = {
-            "probe": _native.tip(p.probe_force_free, TOUCH, rate, 0.0, p.probe_friction),
-            "pusher": _native.tip(0.0, TOUCH, p.pusher_stiffness, damping, p.pusher_friction),
-        }
-        pusher = Cell(self.data.qpos, self._at["slide"], scale=-1.0, offset=self.pusher_start)
-        places = {
-            "probe": Cell(
-                self.data.qpos, self._at["slide"], scale=-1.0, offset=self.pusher_start - p.probe_at_pusher
-            ),
-            "pusher": pusher,
-        }
-        speed = Cell(self.data.qvel, self._at["slide"], scale=-1.0)
-        surfaces = {
-            "probe": wire("probed" if self._contours[1] is not None else "surface"),
-            "pusher": wire("surface"),
-        }
-        collapse = {"probe": wire("probe_collapse"), "pusher": wire("pusher_compression")}
-        for name, tip in tips.items():
-            inputs = [places[name], speed, surfaces[name], *map(wire, seen)]
-            force = [wire(f"{name}_force"), wire("fx", add=True), wire("fy", add=True)]
-            circuit.bind(name, tip, inputs, [collapse[name], *force])
-        gap = [pusher, wire("surface", scale=-1.0)]
-        circuit.bind("pusher_gap", _native.summing_junction(2), gap, [wire("pusher_gap")])
-        stroke = _native.limit(
-            "the position of the probe", "m", 0.0, p.probe_stroke, "the slide drove the probe into the ring"
-        )
-        circuit.bind("probe_stroke", stroke, [wire("probe_collapse")], [])
+        probe = _native.tip(p.probe_force_free, TOUCH, rate, 0.0, p.probe_friction)
+        seen, rest = [wire("probed" if self._dirty else "surface")], ["normal_x", "normal_y", "vx", "vy"]
+        force = [wire("fx", add=True), wire("fy", add=True)]
+        at_pusher, speed = self._tip(0.0)
+        inputs = [at_pusher, speed, wire("surface"), *map(wire, rest)]
+        bind("pusher", pusher, inputs, [wire("pusher_compression"), wire("pusher_force"), *force])
+        inputs = [*self._tip(p.probe_at_pusher), *seen, *map(wire, rest)]
+        bind("probe", probe, inputs, [wire("probe_collapse"), wire("probe_force"), *force])
+        gap = [at_pusher, wire("surface", scale=-1.0)]
+        bind("pusher_gap", _native.summing_junction(2), gap, [wire("pusher_gap")])
+        hint = "the slide drove the probe into the ring"
+        stroke = _native.limit("the position of the probe", "m", 0.0, p.probe_stroke, hint)
+        bind("probe_stroke", stroke, [wire("probe_collapse")], [])
+
+    def _tip(self, ahead: float) -> tuple[Cell, Cell]:
+        # place and speed in the room of what is `ahead` of the pusher tip on the slide
+        row = self._at["slide"]
+        start = self.pusher_start - ahead
+        return Cell(self.data.qpos, row, scale=-1.0, offset=start), Cell(self.data.qvel, row, scale=-1.0)
 
     def _ring(self, circuit: Circuit) -> None:
         p, wire, bind = self.parameters, self.wire, circuit.bind
@@ -337,11 +199,10 @@ class SpindleRing(Plant):
         outputs = [*map(wire, centre), wire("eccentricity"), wire("slip_speed")]
         bind("ring", _native.turntable(), [*inputs, wire("error_x"), wire("error_y")], outputs)
         self._limits(circuit)
-        contour, dirt = self._contours
         met = ["surface", "normal_x", "normal_y", "vx", "vy", "phase"]
-        bind("outline", _native.outline(contour.tolist()), [*map(wire, centre)], [*map(wire, met)])
-        if dirt is not None:
-            bind("dirt", _native.lookup(dirt.tolist()), [wire("phase")], [wire("dirt")])
+        bind("outline", _native.outline(self._outline.tolist()), [*map(wire, centre)], [*map(wire, met)])
+        if self._dirty:
+            bind("dirt", _native.lookup(self._dirt.tolist()), [wire("phase")], [wire("dirt")])
             bind("probed", _native.summing_junction(2), [wire("surface"), wire("dirt")], [wire("probed")])
 
     def _errors(self, circuit: Circuit, angle: Cell) -> None:
@@ -440,47 +301,6 @@ class SpindleRing(Plant):
         return Cell(self.data.qfrc_applied, self._at[joint], add=True)
 
 
-def _check_together(p: SpindleRingParameters) -> None:
-    pairs = (
-        ("feet_radius", "radius", p.feet_radius, p.radius),
-        ("probe_at_pusher", "probe_stroke", p.probe_at_pusher, p.probe_stroke),
-        ("eccentricity", "start_distance", p.eccentricity, p.start_distance),
-        ("eccentricity", "radius", p.eccentricity, LINE_LIMIT * p.radius),
-        ("eccentricity", "table_radius", p.eccentricity, p.table_radius - p.feet_radius),
-    )
-    for name, bound, value, limit in pairs:
-        if value > limit:
-            raise ParameterError(
-                f"parameter `plant.{name}` of plant `spindle_ring`: value `{value:g}` m, "
-                f"limit `{limit:g}` m\nhint: the limit comes from `plant.{bound}`"
-            )
-
-
 def _feet(p: SpindleRingParameters) -> list[tuple[float, float]]:
     angles = (0.0, TURN / 3.0, 2.0 * TURN / 3.0)
     return [(p.feet_radius * math.cos(angle), p.feet_radius * math.sin(angle)) for angle in angles]
-
-
-def _outline(p: SpindleRingParameters, random: np.random.Generator) -> NDArray[np.float64]:
-    """Radius of the ring over its angle."""
-    angle = np.arange(SAMPLES) * (TURN / SAMPLES)
-    roughness = p.roughness * math.sqrt(2.0 / len(ROUGHNESS_ORDERS))
-    orders = {2: p.lobe_2, 3: p.lobe_3, 5: p.lobe_5, **dict.fromkeys(ROUGHNESS_ORDERS, roughness)}
-    radius = np.full(SAMPLES, p.radius)
-    for order, amplitude in orders.items():
-        radius += amplitude * np.cos(order * angle + random.uniform(0.0, TURN))
-    return radius
-
-
-def _dirt(p: SpindleRingParameters, random: np.random.Generator) -> NDArray[np.float64] | None:
-    """Height of the particles over the angle of the ring, none if it is clean."""
-    count = math.ceil(p.dirt_fraction * TURN * p.radius / p.dirt_width)
-    if p.dirt_height == 0.0 or count == 0:
-        return None
-    angle = np.arange(SAMPLES) * (TURN / SAMPLES)
-    height = np.zeros(SAMPLES)
-    for place in random.uniform(0.0, TURN, count):
-        distance = p.radius * np.abs((angle - place + math.pi) % TURN - math.pi)
-        bump = 0.5 * p.dirt_height * (1.0 + np.cos(TURN * distance / p.dirt_width))
-        np.maximum(height, np.where(distance < 0.5 * p.dirt_width, bump, 0.0), out=height)
-    return height

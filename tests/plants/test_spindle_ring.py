@@ -9,7 +9,8 @@ import pytest
 from numpy.typing import NDArray
 
 from plants.plant import PlantError
-from plants.spindle_ring import SpindleRing, SpindleRingParameters
+from plants.spindle_ring import SpindleRing
+from plants.spindle_ring_parameters import SpindleRingParameters
 
 Trace = dict[str, NDArray[np.float64]]
 Path = Callable[[float], tuple[float, float]]
@@ -232,7 +233,7 @@ def test_probe_force_deflects_the_servo_and_not_the_ring() -> None:
 
 
 def test_without_a_part_nothing_is_touched() -> None:
-    plant = ring(part_present=False)
+    plant = ring(part_present=False, dirt_height=1e-5)
     trace = run(plant, strokes((0.1, 0.0), (1.5, 0.15)), 1.7)
     assert trace["slide_position"][-1] == pytest.approx(0.15, abs=1e-6)
     for name in ("probe_position", "probe_force", "pusher_force", "eccentricity"):
@@ -308,7 +309,7 @@ def test_a_push_on_the_turning_table_follows_quasi_static_theory(bristle: bool, 
 def test_friction_of_the_tip_turns_the_ring_on_three_feet_twice_as_fast_as_on_a_bristle(
     bristle: bool,
 ) -> None:
-    # mu_p N radius against mu m g feet_radius^2 yaw' / slip', or half of that where the slip differs between feet
+    # mu_p N radius against mu m g feet_radius^2 yaw' / slip', or half of that on feet that slip differently
     plant = ring(bristle=bristle, eccentricity_angle=-0.1, pusher_friction=0.02, **FREE)
     p = plant.parameters
     start = touch(plant, p.radius + 550e-6)
