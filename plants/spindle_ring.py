@@ -1,7 +1,7 @@
 """Ring on the table of a vertical spindle, probed and pushed to the centre by a slide.
 
-The machine is that of Mears, Roth, Djurdjanovic, Yang and Kurfess, "Design of a flexible centering tooling
-system" (2007). The paper gives resolutions, gauging force, slide speed and the range of friction; masses,
+The machine is that of Mears, Kolartis, Thompson and Kurfess, "Design of a Flexible Centering Tooling
+System" (2007). The paper gives resolutions, gauging force, slide speed and the range of friction; masses,
 radii, stiffness and servo are typical of such machines and our choice.
 
 The x axis is the line of the slide, through the spindle; probe and pusher come from +x. Slide position is
