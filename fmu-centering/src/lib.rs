@@ -243,10 +243,10 @@ fn tell(vars: &Vars, env: &mut Env) {
         State::Fault => {
             let Input { spindle_angle, slide_position, probe_position, .. } = &vars.input;
             let value = match fault {
-                Fault::NoPart => format!(": `{} m`", vars.parameters.approach.travel),
+                Fault::NoPart => format!(": probe at `{probe_position} m`, slide at `{slide_position} m`"),
                 Fault::RingTooSmall => format!(": r = `{} m`, B = `{eccentricity} m`", vars.parameters.ring.radius),
                 Fault::ProbeRange => format!(": probe at `{probe_position} m`"),
-                Fault::Centrifugal => format!(": B = `{eccentricity} m` at `{spindle_speed} rad/s`"),
+                Fault::Centrifugal => format!(": `{spindle_speed} rad/s`, B of the last model `{eccentricity} m`"),
                 Fault::PushBudget => format!(": `{}` pushes, B = `{eccentricity} m`", push.count),
                 Fault::InvalidInput => format!(": `{spindle_angle} rad`, `{slide_position} m`, `{probe_position} m`"),
                 Fault::Spindle => format!(": `{spindle_speed} rad/s`"),
