@@ -37,6 +37,8 @@ pub struct Controller {
     /// samples in a row within the band of settling
     settled: u32,
     estimate: Option<Estimate>,
+    /// eccentricity of the first model, m
+    first: Option<f64>,
     /// the last push, until the model after it
     stroke: Option<Stroke>,
     report: PushReport,
@@ -66,6 +68,7 @@ impl Controller {
             sample: Sample { angle: 0.0, slide: 0.0, probe: 0.0 },
             settled: 0,
             estimate: None,
+            first: None,
             stroke: None,
             report: PushReport::NONE,
             started: 0.0,
@@ -168,8 +171,10 @@ impl Controller {
             self.report.overshoot_max = self.report.overshoot_max.max(self.report.overshoot);
         }
         self.estimate = Some(ring);
-        events.fault = judge(p, self.spindle.speed(), self.report.count, &ring);
-        let centred = ring.centre.eccentricity() <= p.tolerance;
+        let eccentricity = ring.centre.eccentricity();
+        let first = *self.first.get_or_insert(eccentricity);
+        events.fault = judge(p, self.spindle.speed(), self.report.count, first, &ring);
+        let centred = eccentricity <= p.tolerance;
         events.verdict = Some(if centred { Verdict::Centred } else { Verdict::Push });
     }
 
@@ -227,7 +232,7 @@ impl Controller {
         self.motion.start(self.sample.slide);
         self.learner = Learner::default();
         self.model = RingModel::new(p);
-        (self.fault, self.estimate, self.stroke) = (Fault::None, None, None);
+        (self.fault, self.estimate, self.first, self.stroke) = (Fault::None, None, None, None);
         (self.report, self.started, self.centred) = (PushReport::NONE, time, None);
     }
 

@@ -65,6 +65,7 @@ enumeration! { Fault, "Why the controller is in the fault state" {
     PushBudget = 6, "Not centred within `push.max_count` pushes",
     InvalidInput = 7, "An input is NaN, infinite, absurd or has jumped",
     Spindle = 8, "The spindle stands still, keeps reversing, or is too fast for `rates.collect`",
+    Diverged = 9, "The pushes have moved the ring away from the axis by more than `push.critical_distance`",
 } }
 
 enumeration! { ModelMethod, "How the eccentricity is estimated" {
@@ -247,7 +248,7 @@ fn tell(vars: &Vars, env: &mut Env) {
                 Fault::RingTooSmall => format!(": r = `{} m`, B = `{eccentricity} m`", vars.parameters.ring.radius),
                 Fault::ProbeRange => format!(": probe at `{probe_position} m`"),
                 Fault::Centrifugal => format!(": `{spindle_speed} rad/s`, B of the last model `{eccentricity} m`"),
-                Fault::PushBudget => format!(": `{}` pushes, B = `{eccentricity} m`", push.count),
+                Fault::PushBudget | Fault::Diverged => format!(": `{}` pushes, B = `{eccentricity} m`", push.count),
                 Fault::InvalidInput => format!(": `{spindle_angle} rad`, `{slide_position} m`, `{probe_position} m`"),
                 Fault::Spindle => format!(": `{spindle_speed} rad/s`"),
                 Fault::None => String::new(),

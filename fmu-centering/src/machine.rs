@@ -63,6 +63,8 @@ pub enum Fault {
     InvalidInput = 7,
     /// The spindle stands still, keeps reversing or is too fast for the collection.
     Spindle = 8,
+    /// The pushes have moved the ring away from the axis.
+    Diverged = 9,
 }
 
 /// What the model says about the next step.

@@ -104,14 +104,17 @@ fn shows_too_fast(p: &Parameters, view: &View) -> bool {
         && fastest > held_surface_velocity(p.friction.mu_limit, p.ring.radius, view.speed)
 }
 
-/// What is wrong with a new model after `pushes` pushes.
-pub fn judge(p: &Parameters, speed: f64, pushes: i32, ring: &Estimate) -> Option<Fault> {
+/// What is wrong with a new model after `pushes` pushes; the first model had the eccentricity `first` m.
+pub fn judge(p: &Parameters, speed: f64, pushes: i32, first: f64, ring: &Estimate) -> Option<Fault> {
     let eccentricity = ring.centre.eccentricity();
     if eccentricity >= p.ring.radius {
         // eq. 32
         Some(Fault::RingTooSmall)
     } else if too_fast(p, speed, ring) {
         Some(Fault::Centrifugal)
+    } else if eccentricity > first + p.push.critical_distance {
+        // pushes that are much slower than the surface shove the ring aside
+        Some(Fault::Diverged)
     } else {
         (eccentricity > p.tolerance && pushes >= p.push.max_count).then_some(Fault::PushBudget)
     }
@@ -219,10 +222,12 @@ mod tests {
 
     #[test]
     fn a_new_model_is_judged() {
-        assert_eq!(judge(&P, 1.0, 0, &ring(0.06)), Some(Fault::RingTooSmall));
-        assert_eq!(judge(&P, 40.0, 0, &ring(0.001)), Some(Fault::Centrifugal));
-        assert_eq!(judge(&P, 2.0, 25, &ring(1e-5)), Some(Fault::PushBudget));
-        assert_eq!(judge(&P, 2.0, 25, &ring(2e-6)), None);
-        assert_eq!(judge(&P, 2.0, 24, &ring(1e-5)), None);
+        assert_eq!(judge(&P, 1.0, 0, 0.06, &ring(0.06)), Some(Fault::RingTooSmall));
+        assert_eq!(judge(&P, 40.0, 0, 0.001, &ring(0.001)), Some(Fault::Centrifugal));
+        assert_eq!(judge(&P, 2.0, 25, 1e-4, &ring(1e-5)), Some(Fault::PushBudget));
+        assert_eq!(judge(&P, 2.0, 25, 1e-4, &ring(2e-6)), None);
+        assert_eq!(judge(&P, 2.0, 24, 1e-4, &ring(1e-5)), None);
+        assert_eq!(judge(&P, 2.0, 1, 0.010, &ring(0.0126)), Some(Fault::Diverged));
+        assert_eq!(judge(&P, 2.0, 1, 0.010, &ring(0.0124)), None);
     }
 }

@@ -164,6 +164,14 @@ fn a_ring_that_cannot_be_moved_exhausts_the_pushes() {
 }
 
 #[test]
+fn pushes_that_shove_the_ring_aside_are_given_up() {
+    // the surface of a ring 20 mm off comes at 42 mm/s, the paper's push goes at 3.5 mm/s
+    let mut run = Loop::new(&P, Ring::new(4, 0.02, 0.0));
+    assert!(run.run_to(State::Fault, 60.0), "{:?}", run.output);
+    assert_eq!((run.output.fault, run.output.push.count), (Fault::Diverged, 1));
+}
+
+#[test]
 fn a_spindle_that_stops_or_reverses_for_ever_has_a_name() {
     for state in [State::Collect, State::Wait] {
         let mut run = running(state);

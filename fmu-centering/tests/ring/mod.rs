@@ -112,9 +112,13 @@ impl Ring {
         self.deflection = overlap.clamp(0.0, self.compliance);
         let way = overlap - self.deflection;
         if way > 0.0 {
-            let side = -self.speed.signum() * self.pusher_friction * way;
             let [x, y] = self.world();
-            self.centre = turned([x - way, y + side], -self.angle);
+            // along the normal of the contact, and across it against the turning
+            let (sine, drag) = (y / self.radius, self.speed.signum() * self.pusher_friction);
+            let cosine = (1.0 - sine * sine).sqrt();
+            let [along, across] = [-cosine - drag * sine, sine - drag * cosine];
+            let share = way / (across * sine / cosine - along);
+            self.centre = turned([x + share * along, y + share * across], -self.angle);
         }
     }
 
