@@ -214,7 +214,9 @@ impl Controller {
             State::Push => self.launch(p, push),
             State::Settle => self.end_stroke(p),
             State::Centred => self.centred = Some(time),
-            State::Follow | State::Model => {}
+            // at once, or the slide would brake until the next beat
+            State::Follow => self.follower.update(p, &self.sample),
+            State::Model => {}
         }
     }
 

@@ -39,6 +39,21 @@ fn paper_mode_centres_rings_up_to_0_6_mm() {
 }
 
 #[test]
+fn the_approach_goes_over_into_following_without_braking_twice() {
+    let mut run = Loop::new(&Parameters::PAPER, Ring::new(7, 3e-4, 1.0));
+    assert!(run.run_to(State::Follow, 2.0));
+    let mut before = run.output.slide.velocity_setpoint;
+    assert!((before - 0.12).abs() < 1e-12);
+    while run.output.state == State::Follow {
+        run.step();
+        let now = run.output.slide.velocity_setpoint;
+        assert!(now <= before + 2e-4, "from {before} to {now} m/s");
+        assert!(run.ring.gap() > 4.5e-4, "{} m", run.ring.gap());
+        before = now;
+    }
+}
+
+#[test]
 fn a_centred_ring_is_not_pushed() {
     let run = centred(&Parameters::PAPER, Ring::new(1, 1e-6, 0.3));
     assert_eq!(run.output.push.count, 0);
