@@ -31,11 +31,11 @@ pub fn check(p: &Parameters) -> Result<(), ParameterError> {
 }
 
 fn stroke(p: &Parameters) -> Result<(), ParameterError> {
-    let least = p.probe.at_pusher + p.follow.gap;
+    let least = p.probe.at_pusher + p.probe.contact;
     require(p.probe.stroke >= least, || ParameterError {
         name: "probe.stroke",
         value: format!("{} m", p.probe.stroke),
-        limit: format!("at least `{least} m`, `probe.at_pusher` with one `follow.gap` of reserve"),
+        limit: format!("at least `{least} m`, `probe.at_pusher` with one `probe.contact` of reserve"),
         hint: "let the probe stand out less before the pusher",
     })
 }
@@ -166,7 +166,7 @@ mod tests {
     #[test]
     fn each_error_names_parameter_value_and_limit() {
         let cases = [
-            (error(|p| p.probe.stroke = 0.01), "probe.stroke", "`0.01 m`", "`0.0205 m`"),
+            (error(|p| p.probe.stroke = 0.01), "probe.stroke", "`0.01 m`", "`0.0202 m`"),
             (error(|p| p.follow.gap = 0.02), "follow.gap", "`0.02 m`", "`0.0196 m`"),
             (error(|p| p.approach.velocity = 0.2), "approach.velocity", "`0.2 m/s`", "`0.12 m/s`"),
             (error(|p| p.friction.mu_limit = 0.5), "approach.velocity", "`0.12 m/s`", "`0.0198 m`"),

@@ -3,15 +3,13 @@
 use control_blocks::ParameterError;
 use serde::{Deserialize, Serialize};
 
-use crate::centre::Estimate;
+use crate::centre::{Centre, Estimate};
 use crate::check::check;
 use crate::follow::Follower;
+use crate::law::{Launch, Law, Moment};
 use crate::machine::{Events, Fault, State, Verdict, next};
-use crate::model::{Observation, RingModel};
 use crate::motion::Motion;
-use crate::offset::{Learner, Stroke};
 use crate::parameters::Parameters;
-use crate::plan::{Planner, Push, Scene};
 use crate::rates::{Clock, Due};
 use crate::reading::{Reader, Reading, Sample};
 use crate::signals::{Input, Output, PushReport, Setpoint};
@@ -25,9 +23,7 @@ pub struct Controller {
     clock: Clock,
     spindle: Spindle,
     follower: Follower,
-    model: RingModel,
-    planner: Planner,
-    learner: Learner,
+    law: Law,
     supervisor: Supervisor,
     motion: Motion,
     state: State,
@@ -39,8 +35,8 @@ pub struct Controller {
     estimate: Option<Estimate>,
     /// eccentricity of the first model, m
     first: Option<f64>,
-    /// the last push, until the model after it
-    stroke: Option<Stroke>,
+    /// where the ring was before the last push, until the model after it
+    before: Option<Centre>,
     report: PushReport,
     started: f64,
     centred: Option<f64>,
@@ -58,9 +54,7 @@ impl Controller {
             clock: Clock::default(),
             spindle: Spindle::new(p),
             follower: Follower::default(),
-            model: RingModel::new(p),
-            planner: Planner::new(p),
-            learner: Learner::default(),
+            law: Law::new(p),
             supervisor: Supervisor::default(),
             motion: Motion::default(),
             state: State::Idle,
@@ -69,7 +63,7 @@ impl Controller {
             settled: 0,
             estimate: None,
             first: None,
-            stroke: None,
+            before: None,
             report: PushReport::NONE,
             started: 0.0,
             centred: None,
@@ -82,7 +76,7 @@ impl Controller {
         let due = self.clock.advance(p);
         let turned = self.observe(p, &reading, due);
         self.decide(p, time, &reading, due, turned);
-        self.motion.step(p, self.wished_velocity(p));
+        self.drive(p, due);
         self.report(p)
     }
 
@@ -100,9 +94,8 @@ impl Controller {
         if due.control {
             self.follower.update(p, &sample);
         }
-        // a probe without contact shows the slide, not the surface
-        let collect = due.collect && self.state == State::Collect && sample.probe >= p.probe.contact;
-        self.model.update(p, &Observation { angle: self.spindle.angle(), tip: sample.tip(), collect });
+        let now = self.moment(due);
+        self.law.observe(p, &now);
         turned
     }
 
@@ -115,19 +108,22 @@ impl Controller {
             fault: self.find_fault(p, reading, turned),
             touched: self.sample.probe > p.probe.contact,
             settled: self.settle(p),
-            collected: self.model.complete(),
-            stroke_over: self.motion.arrived(p, p.push.dwell),
+            collected: self.law.collected(),
+            stroke_over: self.state == State::Push && self.law.stroke_over(p, &self.motion),
             ..Events::default()
         };
-        if self.state == State::Model && due.model && events.fault.is_none() {
-            self.conclude(p, &mut events);
+        let now = self.moment(due);
+        if events.fault.is_none() {
+            self.conclude(p, &now, &mut events);
         }
-        let push = self.plan(p, due);
-        events.launched = push.is_some();
+        let ready = self.state == State::Wait && matches!(events.verdict, None | Some(Verdict::Push));
+        let launch = if ready { self.law.launch(p, &now) } else { None };
+        events.launched = launch.is_some();
         let state = next(self.state, &events);
         if state != self.state {
             self.supervisor.enter();
-            self.enter(p, state, time, &events, reading, push);
+            self.enter(p, state, time, &events, reading, launch);
+            self.law.enter(p, state, &now);
             self.state = state;
         }
     }
@@ -159,37 +155,36 @@ impl Controller {
         inside && following && self.settled >= p.ticks(p.follow.settle_time)
     }
 
-    /// Makes the model, learns from the last push, and judges the ring.
-    fn conclude(&mut self, p: &Parameters, events: &mut Events) {
-        let Some(ring) = self.model.estimate() else {
-            events.fault = Some(Fault::Spindle);
-            return;
-        };
-        if let Some(stroke) = self.stroke.take() {
-            self.learner.learn(&p.offset, &stroke, &ring);
-            self.report.overshoot = ring.centre.overshoot(&stroke.before.centre);
-            self.report.overshoot_max = self.report.overshoot_max.max(self.report.overshoot);
+    /// Makes the model, and judges the ring.
+    fn conclude(&mut self, p: &Parameters, now: &Moment, events: &mut Events) {
+        match self.law.conclude(p, now) {
+            None => {}
+            Some(Err(fault)) => events.fault = Some(fault),
+            Some(Ok((ring, verdict))) => {
+                if let Some(before) = self.before.take() {
+                    self.report.overshoot = ring.centre.overshoot(&before);
+                    self.report.overshoot_max = self.report.overshoot_max.max(self.report.overshoot);
+                }
+                self.estimate = Some(ring);
+                let first = *self.first.get_or_insert(ring.centre.eccentricity());
+                if verdict != Verdict::Measure {
+                    events.fault = judge(p, self.spindle.speed(), self.report.count, first, &ring);
+                }
+                events.verdict = Some(verdict);
+            }
         }
-        self.estimate = Some(ring);
-        let eccentricity = ring.centre.eccentricity();
-        let first = *self.first.get_or_insert(eccentricity);
-        events.fault = judge(p, self.spindle.speed(), self.report.count, first, &ring);
-        let centred = eccentricity <= p.tolerance;
-        events.verdict = Some(if centred { Verdict::Centred } else { Verdict::Push });
     }
 
-    /// The push, in the tick of its launch.
-    fn plan(&mut self, p: &Parameters, due: Due) -> Option<Push> {
-        let estimate = self.estimate.as_ref().filter(|_| self.state == State::Wait)?;
-        let scene = Scene {
-            estimate,
+    /// What the law sees.
+    fn moment(&self, due: Due) -> Moment {
+        Moment {
+            state: self.state,
+            due,
             angle: self.spindle.angle(),
             speed: self.spindle.speed(),
             sample: self.sample,
-            offset: self.learner.offset(),
-            control: due.control,
-        };
-        self.planner.update(p, &scene)
+            setpoint: self.motion.setpoint,
+        }
     }
 
     /// What happens once, when `state` begins.
@@ -200,7 +195,7 @@ impl Controller {
         time: f64,
         events: &Events,
         reading: &Reading,
-        push: Option<Push>,
+        launch: Option<Launch>,
     ) {
         match state {
             State::Idle => self.leave(p, reading),
@@ -209,14 +204,12 @@ impl Controller {
                 self.leave(p, reading);
             }
             State::Approach => self.restart(p, time),
-            State::Collect => self.model.begin(),
-            State::Wait => self.planner.begin(),
-            State::Push => self.launch(p, push),
-            State::Settle => self.end_stroke(p),
+            State::Push => self.launch(p, launch),
+            State::Settle => self.retract(p),
             State::Centred => self.centred = Some(time),
             // at once, or the slide would brake until the next beat
             State::Follow => self.follower.update(p, &self.sample),
-            State::Model => {}
+            State::Collect | State::Model | State::Wait => {}
         }
     }
 
@@ -232,31 +225,37 @@ impl Controller {
     /// Forgets the last centring and begins a new one.
     fn restart(&mut self, p: &Parameters, time: f64) {
         self.motion.start(self.sample.slide);
-        self.learner = Learner::default();
-        self.model = RingModel::new(p);
-        (self.fault, self.estimate, self.first, self.stroke) = (Fault::None, None, None, None);
+        self.law = Law::new(p);
+        (self.fault, self.estimate, self.first, self.before) = (Fault::None, None, None, None);
         (self.report, self.started, self.centred) = (PushReport::NONE, time, None);
     }
 
-    /// Begins the stroke of a push.
-    fn launch(&mut self, p: &Parameters, push: Option<Push>) {
-        if let (Some(push), Some(before)) = (push, self.estimate) {
-            self.motion.go(p, push.end, push.velocity);
-            self.stroke = Some(Stroke { before, remaining: 0.0 });
-            self.report.count += 1;
-            self.report.distance = push.distance;
-            self.report.velocity = push.velocity;
-            self.report.lead_angle = push.lead;
+    /// Begins a push.
+    fn launch(&mut self, p: &Parameters, launch: Option<Launch>) {
+        let Some(launch) = launch else { return };
+        if let Some(end) = launch.end {
+            self.motion.go(p, end, launch.velocity);
         }
+        self.before = self.estimate.map(|ring| ring.centre);
+        self.report.count += 1;
+        self.report.distance = launch.distance;
+        self.report.velocity = launch.velocity;
+        self.report.lead_angle = launch.lead;
     }
 
-    /// Notes what is left of the gap and retracts at once.
-    fn end_stroke(&mut self, p: &Parameters) {
-        if let Some(stroke) = &mut self.stroke {
-            stroke.remaining = p.probe.at_pusher - self.sample.probe;
-        }
+    /// Retracts at once after a push.
+    fn retract(&mut self, p: &Parameters) {
         let back = self.motion.setpoint.position - p.follow.gap;
         self.motion.go(p, back, p.slide.velocity_max);
+    }
+
+    /// Moves the setpoint for one sample.
+    fn drive(&mut self, p: &Parameters, due: Due) {
+        let press = if self.state == State::Push { self.law.press(p, &self.moment(due)) } else { None };
+        match press {
+            Some(setpoint) => self.motion.setpoint = setpoint,
+            None => self.motion.step(p, self.wished_velocity(p)),
+        }
     }
 
     /// Velocity of the slide when it is not on a move, m/s.
@@ -284,7 +283,7 @@ impl Controller {
             eccentricity_sigma: ring.map_or(0.0, |ring| ring.sigma),
             spindle_speed: self.spindle.speed(),
             pusher_gap: p.probe.at_pusher - self.sample.probe,
-            push: PushReport { offset: self.learner.offset(), ..self.report },
+            push: PushReport { offset: self.law.offset(), ..self.report },
         }
     }
 }

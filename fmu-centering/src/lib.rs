@@ -4,30 +4,43 @@
 //! plain Rust that knows nothing of FMI.
 #![forbid(unsafe_code)]
 
+pub mod aim;
+pub mod belief;
 pub mod centre;
 pub mod check;
+pub mod contact;
 pub mod controller;
+pub mod despike;
+pub mod experience;
 pub mod follow;
 pub mod kalman;
 pub mod launch;
+pub mod law;
 pub mod limits;
 pub mod machine;
 pub mod model;
 pub mod motion;
 pub mod offset;
+pub mod paper;
 pub mod parameters;
 pub mod plan;
+pub mod predictive;
+pub mod press;
 pub mod profile;
 pub mod push;
 pub mod rates;
 pub mod reading;
+pub mod ring_model;
 pub mod signals;
 pub mod sine_fit;
 pub mod spindle;
+pub mod stroke;
 pub mod supervision;
+pub mod tap;
 
 use fmi2_export::units::{
-    HERTZ, METRE, METRE_PER_SECOND, METRE_PER_SECOND_SQUARED, ONE, RADIAN, RADIAN_PER_SECOND, SECOND,
+    HERTZ, KILOGRAM, METRE, METRE_PER_SECOND, METRE_PER_SECOND_SQUARED, NEWTON_PER_METRE, ONE, RADIAN,
+    RADIAN_PER_SECOND, SECOND,
 };
 use fmi2_export::{
     Enumeration, Env, Error, Info, Model, Start, Unit, Variable, boolean, choice, enumeration, export, integer, real,
@@ -35,12 +48,10 @@ use fmi2_export::{
 use serde::{Deserialize, Serialize};
 
 use controller::Controller;
+use law::Method;
 use machine::{Fault, State};
-use model::ModelMethod;
 use offset::OffsetMethod;
 use parameters::Parameters;
-use plan::PushPlan;
-use profile::PushProfile;
 use signals::{Input, Output};
 
 enumeration! { State, "What the controller is doing" {
@@ -68,16 +79,9 @@ enumeration! { Fault, "Why the controller is in the fault state" {
     Diverged = 9, "The pushes have moved the ring away from the axis by more than `push.critical_distance`",
 } }
 
-enumeration! { ModelMethod, "How the eccentricity is estimated" {
-    SineFit = 1, "Kalman filter and sine fit over one revolution, as in the paper",
-} }
-
-enumeration! { PushPlan, "How distance and launch of a push are planned" {
-    Lead = 1, "The push ends when the ring is nearest, as in the paper",
-} }
-
-enumeration! { PushProfile, "How the slide moves in a push" {
-    Trapezoid = 1, "Trapezoidal velocity, as in the paper",
+enumeration! { Method, "How the ring is centred" {
+    Paper = 1, "As in the paper: one revolution, one sine, one push",
+    Predictive = 2, "Recursive model of the ring, pushes planned backwards from the centre",
 } }
 
 enumeration! { OffsetMethod, "What is learned after a push" {
@@ -172,6 +176,7 @@ impl Model for Centering {
         // task and machine
         real!(Vars.parameters => sample_period).parameter().unit(&SECOND).display("ms").range(1e-4, 0.01).describe("Sample period of the setpoints"),
         real!(Vars.parameters => tolerance).parameter().unit(&METRE).display("um").range(1e-8, 1e-3).describe("Largest eccentricity of a centred ring"),
+        choice!(Vars.parameters => method: Method).parameter().describe("How the ring is centred"),
         real!(Vars.parameters => ring.radius).parameter().unit(&METRE).display("mm").range(1e-3, 2.0).describe("Nominal outer radius r of the ring"),
         real!(Vars.parameters => ring.eccentricity_max).parameter().unit(&METRE).display("mm").range(1e-6, 1.0).describe("Largest eccentricity expected, for the look-ahead of the approach"),
         real!(Vars.parameters => probe.at_pusher).parameter().unit(&METRE).display("mm").range(1e-4, 0.5).describe("Collapse of the probe at which the pusher touches the ring"),
@@ -180,6 +185,7 @@ impl Model for Centering {
         real!(Vars.parameters => slide.velocity_max).parameter().unit(&METRE_PER_SECOND).display("mm/s").range(1e-3, 10.0).describe("Largest velocity of the slide"),
         real!(Vars.parameters => slide.acceleration_max).parameter().unit(&METRE_PER_SECOND_SQUARED).range(0.01, 100.0).describe("Acceleration a of all moves"),
         integer!(Vars.parameters => slide.io_delay).parameter().range_int(0, 8).describe("Samples between a setpoint and its action; 1 for a standard master, 0 if it acts at once"),
+        real!(Vars.parameters => slide.servo_bandwidth).parameter().unit(&HERTZ).range(0.0, 1e3).describe("Bandwidth of the servo of the slide, for feed-forward; 0 for none"),
         real!(Vars.parameters => spindle.quantum).parameter().unit(&RADIAN).display("deg").range(0.0, 0.1).describe("Resolution of the spindle encoder"),
         real!(Vars.parameters => spindle.window).parameter().unit(&SECOND).range(0.1, 5.0).describe("Length of the regression for angle and speed"),
         real!(Vars.parameters => spindle.speed_min).parameter().unit(&RADIAN_PER_SECOND).display("rpm").range(1e-3, 10.0).describe("A slower spindle stands still"),
@@ -197,11 +203,8 @@ impl Model for Centering {
         real!(Vars.parameters => rates.collect).parameter().unit(&HERTZ).range(1.0, 1e4).describe("Rate of collecting"),
         real!(Vars.parameters => rates.model).parameter().unit(&HERTZ).range(0.1, 1e4).describe("Rate of modelling"),
         // model, push, learning
-        choice!(Vars.parameters => model.method: ModelMethod).parameter().describe("How the eccentricity is estimated"),
         real!(Vars.parameters => kalman.process_noise).parameter().unit(&METRE).display("nm").range(1e-9, 1e-3).describe("Walk of the surface from sample to sample sqrt(Q)"),
         real!(Vars.parameters => kalman.measurement_noise).parameter().unit(&METRE).display("nm").range(1e-9, 1e-3).describe("Noise of the measurement sqrt(R)"),
-        choice!(Vars.parameters => push.plan: PushPlan).parameter().describe("How distance and launch of a push are planned"),
-        choice!(Vars.parameters => push.profile: PushProfile).parameter().describe("How the slide moves in a push"),
         real!(Vars.parameters => push.velocity_min).parameter().unit(&METRE_PER_SECOND).display("um/s").range(1e-6, 1.0).describe("Velocity v_min of the smallest push"),
         real!(Vars.parameters => push.velocity_max).parameter().unit(&METRE_PER_SECOND).display("um/s").range(1e-6, 1.0).describe("Velocity v_max of a large push"),
         real!(Vars.parameters => push.critical_distance).parameter().unit(&METRE).display("um").range(1e-6, 0.1).describe("Eccentricity d_crit from which a push is large"),
@@ -211,6 +214,32 @@ impl Model for Centering {
         choice!(Vars.parameters => offset.method: OffsetMethod).parameter().describe("What is learned after a push"),
         real!(Vars.parameters => offset.gate).parameter().unit(&METRE).display("um").range(1e-6, 1.0).describe("Only pushes of a smaller eccentricity teach"),
         real!(Vars.parameters => offset.limit).parameter().unit(&METRE).display("um").range(0.0, 0.01).describe("Largest offset in either direction"),
+        // default mode
+        real!(Vars.parameters => estimator.noise).parameter().unit(&METRE).display("nm").range(1e-9, 1e-3).describe("Standard deviation of one measurement"),
+        real!(Vars.parameters => estimator.centre).parameter().unit(&METRE).display("mm").range(1e-6, 0.1).describe("Standard deviation of the centre before the first measurement"),
+        real!(Vars.parameters => estimator.form).parameter().unit(&METRE).display("um").range(0.0, 1e-3).describe("Standard deviation of each form coefficient before the first measurement; 0 for a round ring"),
+        real!(Vars.parameters => estimator.gate).parameter().unit(&ONE).range(1.0, 1e6).describe("Innovations beyond this many standard deviations are dirt"),
+        boolean!(Vars.parameters => estimator.partial).parameter().describe("A part of a revolution may suffice for a push"),
+        real!(Vars.parameters => estimator.certainty).parameter().unit(&ONE).range(0.01, 1.0).describe("Largest relative standard deviation of the eccentricity for a push"),
+        real!(Vars.parameters => estimator.margin).parameter().unit(&ONE).range(0.0, 10.0).describe("Standard deviations by which a centred ring stays within `tolerance`"),
+        real!(Vars.parameters => stroke.duration).parameter().unit(&SECOND).display("ms").range(0.01, 1.0).describe("Shortest time from contact to rest"),
+        real!(Vars.parameters => stroke.deceleration).parameter().unit(&METRE_PER_SECOND_SQUARED).range(0.01, 10.0).describe("Largest deceleration at the end of a push"),
+        real!(Vars.parameters => stroke.velocity_max).parameter().unit(&METRE_PER_SECOND).display("mm/s").range(1e-4, 1.0).describe("Largest velocity at contact"),
+        real!(Vars.parameters => stroke.hold).parameter().unit(&SECOND).display("ms").range(0.0, 1.0).describe("Longest wait at the end for the surface to arrive"),
+        real!(Vars.parameters => stroke.feedback).parameter().unit(&PER_SECOND).range(0.0, 200.0).describe("Integral gain from the place of the surface to the slide; 0 for none"),
+        boolean!(Vars.parameters => stroke.phase_plan).parameter().describe("Rotation and friction during the push are planned"),
+        boolean!(Vars.parameters => learn.lateral).parameter().describe("The lateral ratio is learned"),
+        real!(Vars.parameters => learn.lateral_start).parameter().unit(&ONE).range(0.0, 1.0).describe("Lateral ratio before the first push: slip across the push over slip along it"),
+        real!(Vars.parameters => learn.lateral_sigma).parameter().unit(&ONE).range(0.01, 1.0).describe("Its standard deviation"),
+        boolean!(Vars.parameters => learn.contact).parameter().describe("The probe position at contact is learned"),
+        boolean!(Vars.parameters => learn.deflection).parameter().describe("The deflection of the servo is learned"),
+        boolean!(Vars.parameters => learn.recoil).parameter().describe("The way of the ring after a push is learned"),
+        boolean!(Vars.parameters => tap.enabled).parameter().describe("Heavy rings are tapped"),
+        real!(Vars.parameters => tap.reach).parameter().unit(&ONE).range(0.1, 100.0).describe("Largest distance for a tap, in deflections of the servo"),
+        real!(Vars.parameters => tap.deflection_min).parameter().unit(&METRE).display("um").range(1e-7, 1e-3).describe("A ring that deflects the servo less is light"),
+        real!(Vars.parameters => tap.speed_max).parameter().unit(&METRE_PER_SECOND).display("mm/s").range(1e-3, 1.0).describe("Largest speed of a tap"),
+        real!(Vars.parameters => tap.tip_stiffness).parameter().unit(&NEWTON_PER_METRE).range(1e4, 1e9).describe("Stiffness of the pusher tip, for the first tap"),
+        real!(Vars.parameters => tap.slide_mass).parameter().unit(&KILOGRAM).range(0.1, 1e3).describe("Moving mass of the slide, for the first tap"),
     ];
 
     fn period(vars: &Vars) -> f64 {

@@ -74,6 +74,8 @@ pub enum Verdict {
     Centred,
     /// It needs a push.
     Push,
+    /// More data are needed.
+    Measure,
 }
 
 /// What happened in one sample.
@@ -113,13 +115,13 @@ pub fn next(state: State, events: &Events) -> State {
         _ if !events.enabled => Idle,
         Approach if events.touched => Follow,
         Follow | Settle if events.settled => Collect,
-        Collect if events.collected => Model,
-        Model => match events.verdict {
+        Wait if events.launched => Push,
+        Collect | Model | Wait if events.verdict.is_some() => match events.verdict {
             Some(Verdict::Centred) => Centred,
             Some(Verdict::Push) => Wait,
-            None => Model,
+            _ => Collect,
         },
-        Wait if events.launched => Push,
+        Collect if events.collected => Model,
         Push if events.stroke_over => Settle,
         unchanged => unchanged,
     }

@@ -5,10 +5,12 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::model::ModelMethod;
+use crate::law::Method;
 use crate::offset::OffsetMethod;
-use crate::plan::PushPlan;
-use crate::profile::PushProfile;
+
+mod predictive;
+
+pub use predictive::{Estimator, Learn, Stroke, Tap};
 
 /// All parameters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -17,6 +19,8 @@ pub struct Parameters {
     pub sample_period: f64,
     /// Largest eccentricity of a centred ring, m; 1e-8 to 1e-3, default 2.5e-6 (paper).
     pub tolerance: f64,
+    /// How the ring is centred; default `Predictive` (our choice).
+    pub method: Method,
     /// The part.
     pub ring: Ring,
     /// Measuring probe.
@@ -31,8 +35,6 @@ pub struct Parameters {
     pub follow: Follow,
     /// Rates of the loops.
     pub rates: Rates,
-    /// Model of the ring.
-    pub model: Model,
     /// Scalar Kalman filter of the surface.
     pub kalman: Kalman,
     /// Pushes.
@@ -41,6 +43,14 @@ pub struct Parameters {
     pub offset: Offset,
     /// What is assumed about friction.
     pub friction: Friction,
+    /// Recursive model of the default mode.
+    pub estimator: Estimator,
+    /// Strokes of the default mode.
+    pub stroke: Stroke,
+    /// Learning of the default mode.
+    pub learn: Learn,
+    /// Tapping in the default mode.
+    pub tap: Tap,
 }
 
 impl Parameters {
@@ -48,6 +58,7 @@ impl Parameters {
     pub const PAPER: Self = Self {
         sample_period: 1e-3,
         tolerance: 2.5e-6,
+        method: Method::Paper,
         ring: Ring::DEFAULT,
         probe: Probe::DEFAULT,
         slide: Slide::DEFAULT,
@@ -55,15 +66,18 @@ impl Parameters {
         approach: Approach::DEFAULT,
         follow: Follow::DEFAULT,
         rates: Rates::DEFAULT,
-        model: Model::DEFAULT,
         kalman: Kalman::DEFAULT,
         push: Push::DEFAULT,
         offset: Offset::DEFAULT,
         friction: Friction::DEFAULT,
+        estimator: Estimator::DEFAULT,
+        stroke: Stroke::DEFAULT,
+        learn: Learn::DEFAULT,
+        tap: Tap::DEFAULT,
     };
 
     /// What a good engineer would ship.
-    pub const DEFAULT: Self = Self::PAPER;
+    pub const DEFAULT: Self = Self { method: Method::Predictive, follow: Follow::PARKED, ..Self::PAPER };
 
     /// Whole samples in `time` s, rounded.
     pub fn ticks(&self, time: f64) -> u32 {
@@ -115,11 +129,13 @@ pub struct Slide {
     pub acceleration_max: f64,
     /// Samples between a setpoint and its action, 0 to 8, default 1 (our choice: what a standard master does).
     pub io_delay: i32,
+    /// Bandwidth of its servo for the feed-forward of acceleration, Hz; 0 (none) to 1000, default 40 (our choice).
+    pub servo_bandwidth: f64,
 }
 
 impl Slide {
     /// Documented defaults.
-    pub const DEFAULT: Self = Self { velocity_max: 0.12, acceleration_max: 2.56, io_delay: 1 };
+    pub const DEFAULT: Self = Self { velocity_max: 0.12, acceleration_max: 2.56, io_delay: 1, servo_bandwidth: 40.0 };
 }
 
 /// Spindle encoder.
@@ -170,6 +186,10 @@ pub struct Follow {
 impl Follow {
     /// Documented defaults.
     pub const DEFAULT: Self = Self { gain: 15.0, gap: 5e-4, dead_zone: 0.0, settle_band: 2e-4, settle_time: 0.1 };
+
+    /// The probe hardly collapsed and the slide mostly at rest: little force on the ring, and no servo in the data.
+    pub const PARKED: Self =
+        Self { gap: 0.0155, dead_zone: 3e-3, settle_band: 4e-3, settle_time: 0.01, ..Self::DEFAULT };
 }
 
 /// Rates of the loops.
@@ -186,18 +206,6 @@ pub struct Rates {
 impl Rates {
     /// Documented defaults.
     pub const DEFAULT: Self = Self { control: 100.0, collect: 66.0, model: 10.0 };
-}
-
-/// Model of the ring.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Model {
-    /// How the eccentricity is estimated; `SineFit` is the paper's.
-    pub method: ModelMethod,
-}
-
-impl Model {
-    /// Documented defaults.
-    pub const DEFAULT: Self = Self { method: ModelMethod::SineFit };
 }
 
 /// Scalar Kalman filter of the surface; standard deviations.
@@ -217,10 +225,6 @@ impl Kalman {
 /// Pushes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Push {
-    /// How distance and launch are planned; `Lead` is the paper's.
-    pub plan: PushPlan,
-    /// How the slide moves; `Trapezoid` is the paper's.
-    pub profile: PushProfile,
     /// Velocity of the smallest push, m/s; 1e-6 to 1, default 4e-4 (paper, printed as 400 mm/s).
     pub velocity_min: f64,
     /// Velocity of a large push, m/s; 1e-6 to 1, default 3.5e-3 (paper, printed as 3500 mm/s).
@@ -238,8 +242,6 @@ pub struct Push {
 impl Push {
     /// Documented defaults.
     pub const DEFAULT: Self = Self {
-        plan: PushPlan::Lead,
-        profile: PushProfile::Trapezoid,
         velocity_min: 4e-4,
         velocity_max: 3.5e-3,
         critical_distance: 2.5e-3,

@@ -11,13 +11,6 @@ use crate::profile::duration;
 use crate::push::{distance, lead_angle, velocity};
 use crate::reading::Sample;
 
-/// How distance and launch are planned.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum PushPlan {
-    /// The push ends when the ring is nearest, eq. 28 to 36.
-    Lead = 1,
-}
-
 /// What a planner sees in one tick.
 #[derive(Clone, Copy, Debug)]
 pub struct Scene<'a> {
@@ -31,8 +24,6 @@ pub struct Scene<'a> {
     pub sample: Sample,
     /// Learned offset P, m.
     pub offset: f64,
-    /// The control loop runs in this tick.
-    pub control: bool,
 }
 
 /// A push at its launch.
@@ -48,37 +39,6 @@ pub struct Push {
     pub lead: f64,
 }
 
-/// The plan that the parameters choose.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub enum Planner {
-    /// The paper's.
-    Lead(LeadPlanner),
-}
-
-impl Planner {
-    /// Planner that has seen nothing.
-    pub fn new(p: &Parameters) -> Self {
-        match p.push.plan {
-            PushPlan::Lead => Self::Lead(LeadPlanner::default()),
-        }
-    }
-
-    /// Begins to wait for a new launch.
-    pub fn begin(&mut self) {
-        match self {
-            Self::Lead(planner) => *planner = LeadPlanner::default(),
-        }
-    }
-
-    /// The push, in the tick of its launch.
-    pub fn update(&mut self, p: &Parameters, scene: &Scene) -> Option<Push> {
-        match self {
-            Self::Lead(planner) if scene.control => planner.update(p, scene),
-            Self::Lead(_) => None,
-        }
-    }
-}
-
 /// The paper's plan: planned anew at each control beat from the gap of this moment.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct LeadPlanner {
@@ -86,7 +46,8 @@ pub struct LeadPlanner {
 }
 
 impl LeadPlanner {
-    fn update(&mut self, p: &Parameters, scene: &Scene) -> Option<Push> {
+    /// The push, in the control beat of its launch.
+    pub fn update(&mut self, p: &Parameters, scene: &Scene) -> Option<Push> {
         let (b, r) = (scene.estimate.centre.eccentricity(), p.ring.radius);
         // eq. 29 with its sign put right: positive while following
         let gap = p.probe.at_pusher - scene.sample.probe;
@@ -130,11 +91,11 @@ mod tests {
     fn launched_with(p: &Parameters, speed: f64, phase: f64) -> (f64, Push) {
         let (x, y) = (3e-4 * 1f64.cos(), -3e-4 * 1f64.sin());
         let estimate = Estimate { centre: Centre { x, y }, mean: 0.08, sigma: 0.0 };
-        let mut planner = Planner::new(p);
+        let mut planner = LeadPlanner::default();
         for k in 0..400 {
             let angle = phase + speed * f64::from(k) / p.rates.control;
             let sample = Sample { angle, slide: 0.1, probe: p.null() };
-            let scene = Scene { estimate: &estimate, angle, speed, sample, offset: 0.0, control: true };
+            let scene = Scene { estimate: &estimate, angle, speed, sample, offset: 0.0 };
             if let Some(push) = planner.update(p, &scene) {
                 return (angle, push);
             }
@@ -182,10 +143,10 @@ mod tests {
     #[test]
     fn a_spindle_at_rest_launches_nothing_and_stays_finite() {
         let estimate = Estimate { centre: Centre { x: 3e-4, y: 0.0 }, mean: 0.08, sigma: 0.0 };
-        let mut planner = Planner::new(&P);
+        let mut planner = LeadPlanner::default();
         for angle in [0.0, 0.0, -0.0, 1e-3, 0.0] {
             let sample = Sample { angle, slide: 0.1, probe: P.null() };
-            let scene = Scene { estimate: &estimate, angle, speed: 0.0, sample, offset: 0.0, control: true };
+            let scene = Scene { estimate: &estimate, angle, speed: 0.0, sample, offset: 0.0 };
             assert_eq!(planner.update(&P, &scene), None);
         }
     }

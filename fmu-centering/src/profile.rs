@@ -3,13 +3,6 @@
 use control_blocks::Trajectory;
 use serde::{Deserialize, Serialize};
 
-/// How the slide moves in a push.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum PushProfile {
-    /// Trapezoidal velocity, eq. 35.
-    Trapezoid = 1,
-}
-
 /// Duration t3 (s) of a move over `distance` (m) from rest to rest, 0 if there is nothing to move.
 pub fn duration(distance: f64, velocity: f64, acceleration: f64) -> f64 {
     if distance <= 0.0 {

@@ -1,0 +1,124 @@
+//! What the pushes of one centring teach about this ring and this machine.
+
+use nalgebra::{Rotation2, Vector2};
+use serde::{Deserialize, Serialize};
+
+use crate::belief::Belief;
+use crate::parameters::Parameters;
+use crate::ring_model::RingModel;
+use crate::tap::{Hammer, TapLaw};
+
+/// Before the first push: contact (m), deflection (m) and recoil (m) of a machine that is calibrated to some 0.03 mm.
+const CONTACT: Belief = Belief::new(0.0, 3e-5);
+const DEFLECTION: Belief = Belief::new(0.0, 1e-3);
+const RECOIL: Belief = Belief::new(0.0, 2e-6);
+/// Scatter from push to push: contact (m), deflection (relative), recoil (m), lateral ratio.
+const CONTACT_SCATTER: f64 = 3e-7;
+const DEFLECTION_SCATTER: f64 = 0.1;
+const RECOIL_SCATTER: f64 = 2e-7;
+const LATERAL_SCATTER: f64 = 0.02;
+/// Least share of the eccentricity that a push must remove to say something of its direction.
+const MOVED: f64 = 0.3;
+
+/// Everything learned so far.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Experience {
+    /// How much further than calibrated the probe collapses until the pusher touches, m.
+    pub contact: Belief,
+    /// How far the servo stays behind its setpoint when it pushes this ring, m.
+    pub deflection: Belief,
+    /// How far the ring comes back when the slide retracts, m; negative if it goes on.
+    pub recoil: Belief,
+    /// Slip across the push per slip along it, against the rotation.
+    pub lateral: Belief,
+    /// Speed and distance of taps, once there was reason to guess.
+    pub tap: Option<TapLaw>,
+}
+
+/// A push that is over, as far as its stroke tells.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Attempt {
+    /// Eccentricity before, m.
+    pub eccentricity: f64,
+    /// Spindle angle at the end of the stroke, rad.
+    pub angle: f64,
+    /// Sign of the rotation.
+    pub sense: f64,
+    /// Lateral ratio for which it was planned.
+    pub lateral: f64,
+    /// What was done.
+    pub act: Act,
+}
+
+/// The two ways to move a ring.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Act {
+    /// Pushed until the surface was at this tip position, m.
+    Push(f64),
+    /// Hit with this speed, m/s.
+    Tap(f64),
+}
+
+impl Experience {
+    /// Nothing learned.
+    pub fn new(p: &Parameters) -> Self {
+        Self {
+            contact: CONTACT,
+            deflection: DEFLECTION,
+            recoil: RECOIL,
+            lateral: Belief::new(p.learn.lateral_start, p.learn.lateral_sigma),
+            tap: None,
+        }
+    }
+
+    /// Learns from the contact itself: deflection (m) and, if known, probe position (m) while the ring was pushed.
+    pub fn touched(&mut self, p: &Parameters, deflection: f64, probe: Option<f64>) {
+        if p.learn.deflection {
+            self.deflection =
+                self.deflection.after(deflection, DEFLECTION_SCATTER * deflection.abs() + CONTACT_SCATTER);
+        }
+        if let Some(probe) = probe.filter(|_| p.learn.contact) {
+            self.contact = self.contact.after(probe - p.probe.at_pusher, CONTACT_SCATTER);
+        }
+    }
+
+    /// What is known with what the ring did, as the model of it now says.
+    #[must_use]
+    pub fn after(&self, p: &Parameters, attempt: &Attempt, ring: &RingModel) -> Self {
+        let mut learned = self.clone();
+        let left = Rotation2::new(attempt.angle) * ring.centre();
+        let sigma = ring.centre_sigma();
+        let moved = attempt.eccentricity - left.x;
+        if p.learn.lateral && moved > MOVED * attempt.eccentricity {
+            learned.lateral = self.sideways(attempt, left, moved, sigma);
+        }
+        match attempt.act {
+            Act::Push(reached) if p.learn.recoil => {
+                // where the surface was at the end of the stroke, against where it is now
+                let recoil = left.x - (ring.centred_line(attempt.angle) - reached);
+                learned.recoil = self.recoil.after(recoil, RECOIL_SCATTER + sigma);
+            }
+            Act::Push(_) => {}
+            Act::Tap(speed) => learned.tap = self.tap.map(|tap| tap.after(speed, moved, sigma)),
+        }
+        learned
+    }
+
+    /// First guess of the law of taps.
+    pub fn prepare_tap(&mut self, p: &Parameters) -> TapLaw {
+        let guess = || {
+            let frequency = std::f64::consts::TAU * p.slide.servo_bandwidth;
+            let servo = p.tap.slide_mass * frequency.powi(2);
+            let hammer = Hammer { mass: p.tap.slide_mass, servo, tip: p.tap.tip_stiffness };
+            TapLaw::guess(&hammer, self.deflection.mean)
+        };
+        *self.tap.get_or_insert_with(guess)
+    }
+
+    /// Lateral ratio that explains where the ring went.
+    fn sideways(&self, attempt: &Attempt, left: Vector2<f64>, moved: f64, sigma: f64) -> Belief {
+        let ratio = attempt.lateral - attempt.sense * left.y / moved;
+        let belief = self.lateral.after(ratio, LATERAL_SCATTER.hypot(sigma / moved));
+        Belief { mean: belief.mean.clamp(0.0, 1.0), ..belief }
+    }
+}
