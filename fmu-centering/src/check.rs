@@ -12,7 +12,8 @@ type Check = fn(&Parameters) -> Result<(), ParameterError>;
 /// # Errors
 /// When a parameter does not fit the others.
 pub fn check(p: &Parameters) -> Result<(), ParameterError> {
-    const CHECKS: [Check; 13] = [
+    const CHECKS: [Check; 14] = [
+        park,
         gap,
         stroke,
         approach_velocity,
@@ -31,12 +32,22 @@ pub fn check(p: &Parameters) -> Result<(), ParameterError> {
 }
 
 fn stroke(p: &Parameters) -> Result<(), ParameterError> {
-    let least = p.probe.at_pusher + p.probe.contact;
+    let least = p.probe.at_pusher + p.follow.gap;
     require(p.probe.stroke >= least, || ParameterError {
         name: "probe.stroke",
         value: format!("{} m", p.probe.stroke),
-        limit: format!("at least `{least} m`, `probe.at_pusher` with one `probe.contact` of reserve"),
+        limit: format!("at least `{least} m`, `probe.at_pusher` with one `follow.gap` of reserve"),
         hint: "let the probe stand out less before the pusher",
+    })
+}
+
+fn park(p: &Parameters) -> Result<(), ParameterError> {
+    let most = (p.park.probe - p.probe.contact).min(p.probe.at_pusher - p.park.probe);
+    require(p.park.dead_zone < most, || ParameterError {
+        name: "park.dead_zone",
+        value: format!("{} m", p.park.dead_zone),
+        limit: format!("less than `{most} m`, from `park.probe` to `probe.contact` and to `probe.at_pusher`"),
+        hint: "or a ring that turns loses the probe or meets the pusher",
     })
 }
 
@@ -166,7 +177,8 @@ mod tests {
     #[test]
     fn each_error_names_parameter_value_and_limit() {
         let cases = [
-            (error(|p| p.probe.stroke = 0.01), "probe.stroke", "`0.01 m`", "`0.0202 m`"),
+            (error(|p| p.probe.stroke = 0.01), "probe.stroke", "`0.01 m`", "`0.0205 m`"),
+            (error(|p| p.park.dead_zone = 5e-3), "park.dead_zone", "`0.005 m`", "`0.0043 m`"),
             (error(|p| p.follow.gap = 0.02), "follow.gap", "`0.02 m`", "`0.0196 m`"),
             (error(|p| p.approach.velocity = 0.2), "approach.velocity", "`0.2 m/s`", "`0.12 m/s`"),
             (error(|p| p.friction.mu_limit = 0.5), "approach.velocity", "`0.12 m/s`", "`0.0198 m`"),

@@ -149,10 +149,11 @@ impl Controller {
         if self.state == State::Settle && self.motion.arrived(p, 0.0) {
             self.motion.release();
         }
-        let inside = (self.sample.probe - p.null()).abs() <= p.follow.settle_band;
+        let (band, time) = p.settling();
+        let inside = (self.sample.probe - p.null()).abs() <= band;
         let following = matches!(self.state, State::Follow | State::Settle) && !self.motion.moving();
         self.settled = if inside && following { self.settled.saturating_add(1) } else { 0 };
-        inside && following && self.settled >= p.ticks(p.follow.settle_time)
+        inside && following && self.settled >= p.ticks(time)
     }
 
     /// Makes the model, and judges the ring.
@@ -245,7 +246,7 @@ impl Controller {
 
     /// Retracts at once after a push.
     fn retract(&mut self, p: &Parameters) {
-        let back = self.motion.setpoint.position - p.follow.gap;
+        let back = self.motion.setpoint.position - (p.probe.at_pusher - p.null());
         self.motion.go(p, back, p.slide.velocity_max);
     }
 

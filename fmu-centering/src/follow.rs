@@ -25,8 +25,8 @@ impl Follower {
         // the tip has the velocity of the surface, whatever the slide does
         self.surface = before.map_or(0.0, |before| (tip - before) * p.rates.control);
         let error = p.null() - sample.probe;
-        let beyond = error - error.clamp(-p.follow.dead_zone, p.follow.dead_zone);
-        if beyond != 0.0 || p.follow.dead_zone == 0.0 {
+        let beyond = error - error.clamp(-p.dead_zone(), p.dead_zone());
+        if beyond != 0.0 || p.dead_zone() == 0.0 {
             let limit = p.slide.velocity_max;
             self.velocity = (p.follow.gain * beyond + self.surface).clamp(-limit, limit);
         }

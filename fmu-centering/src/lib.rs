@@ -215,6 +215,8 @@ impl Model for Centering {
         real!(Vars.parameters => offset.gate).parameter().unit(&METRE).display("um").range(1e-6, 1.0).describe("Only pushes of a smaller eccentricity teach"),
         real!(Vars.parameters => offset.limit).parameter().unit(&METRE).display("um").range(0.0, 0.01).describe("Largest offset in either direction"),
         // default mode
+        real!(Vars.parameters => park.probe).parameter().unit(&METRE).display("mm").range(1e-4, 0.5).describe("Collapse of the probe while the slide is parked"),
+        real!(Vars.parameters => park.dead_zone).parameter().unit(&METRE).display("mm").range(0.0, 0.1).describe("Change of that collapse without reaction of the slide"),
         real!(Vars.parameters => estimator.noise).parameter().unit(&METRE).display("nm").range(1e-9, 1e-3).describe("Standard deviation of one measurement"),
         real!(Vars.parameters => estimator.centre).parameter().unit(&METRE).display("mm").range(1e-6, 0.1).describe("Standard deviation of the centre before the first measurement"),
         real!(Vars.parameters => estimator.form).parameter().unit(&METRE).display("um").range(0.0, 1e-3).describe("Standard deviation of each form coefficient before the first measurement; 0 for a round ring"),

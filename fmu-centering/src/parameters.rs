@@ -10,7 +10,7 @@ use crate::offset::OffsetMethod;
 
 mod predictive;
 
-pub use predictive::{Estimator, Learn, Stroke, Tap};
+pub use predictive::{Estimator, Learn, Park, Stroke, Tap};
 
 /// All parameters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -43,6 +43,8 @@ pub struct Parameters {
     pub offset: Offset,
     /// What is assumed about friction.
     pub friction: Friction,
+    /// Parking of the default mode.
+    pub park: Park,
     /// Recursive model of the default mode.
     pub estimator: Estimator,
     /// Strokes of the default mode.
@@ -70,6 +72,7 @@ impl Parameters {
         push: Push::DEFAULT,
         offset: Offset::DEFAULT,
         friction: Friction::DEFAULT,
+        park: Park::DEFAULT,
         estimator: Estimator::DEFAULT,
         stroke: Stroke::DEFAULT,
         learn: Learn::DEFAULT,
@@ -77,7 +80,7 @@ impl Parameters {
     };
 
     /// What a good engineer would ship.
-    pub const DEFAULT: Self = Self { method: Method::Predictive, follow: Follow::PARKED, ..Self::PAPER };
+    pub const DEFAULT: Self = Self { method: Method::Predictive, ..Self::PAPER };
 
     /// Whole samples in `time` s, rounded.
     pub fn ticks(&self, time: f64) -> u32 {
@@ -86,7 +89,27 @@ impl Parameters {
 
     /// Collapse of the probe while following, m.
     pub fn null(&self) -> f64 {
-        self.probe.at_pusher - self.follow.gap
+        match self.method {
+            Method::Paper => self.probe.at_pusher - self.follow.gap,
+            Method::Predictive => self.park.probe,
+        }
+    }
+
+    /// Error of following without reaction, m.
+    pub fn dead_zone(&self) -> f64 {
+        match self.method {
+            Method::Paper => self.follow.dead_zone,
+            Method::Predictive => self.park.dead_zone,
+        }
+    }
+
+    /// Error of following that counts as settled (m), and for how long (s).
+    pub fn settling(&self) -> (f64, f64) {
+        match self.method {
+            Method::Paper => (self.follow.settle_band, self.follow.settle_time),
+            // the model takes the surface as it comes, the slide may move
+            Method::Predictive => (self.park.probe, 0.0),
+        }
     }
 }
 
@@ -186,10 +209,6 @@ pub struct Follow {
 impl Follow {
     /// Documented defaults.
     pub const DEFAULT: Self = Self { gain: 15.0, gap: 5e-4, dead_zone: 0.0, settle_band: 2e-4, settle_time: 0.1 };
-
-    /// The probe hardly collapsed and the slide mostly at rest: little force on the ring, and no servo in the data.
-    pub const PARKED: Self =
-        Self { gap: 0.0155, dead_zone: 3e-3, settle_band: 4e-3, settle_time: 0.01, ..Self::DEFAULT };
 }
 
 /// Rates of the loops.

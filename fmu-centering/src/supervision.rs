@@ -66,7 +66,7 @@ impl Supervisor {
         }
         let over = |count: u32, time: f64| count > p.ticks(time);
         let too_far = view.probe >= p.probe.stroke || over(self.pressed, PRESSED_TIME);
-        let unsettled = over(self.unsettled, UNSETTLED_TIME + p.follow.settle_time);
+        let unsettled = over(self.unsettled, UNSETTLED_TIME + p.settling().1);
         let standing = over(self.still, STILL_TIME) || self.turned > TURNS_MAX * TAU;
         let flying = over(self.flying, FLYING_TIME) || view.estimate.is_some_and(|ring| too_fast(p, view.speed, ring));
         (too_far || unsettled)

@@ -2,6 +2,21 @@
 
 use serde::{Deserialize, Serialize};
 
+/// Parking of the slide between the pushes: the probe hardly collapsed, for little force on the ring, and the slide
+/// mostly at rest.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Park {
+    /// Collapse of the probe, m; 1e-4 to 0.5, default 4.5e-3 (our choice: a fifth of its force range).
+    pub probe: f64,
+    /// Change of the collapse without reaction of the slide, m; 0 to 0.1, default 3e-3 (our choice).
+    pub dead_zone: f64,
+}
+
+impl Park {
+    /// Documented defaults.
+    pub const DEFAULT: Self = Self { probe: 4.5e-3, dead_zone: 3e-3 };
+}
+
 /// Recursive model of the ring.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Estimator {
