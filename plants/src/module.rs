@@ -8,7 +8,9 @@ mod _native {
     use pyo3::exceptions::PyValueError;
     use pyo3::prelude::*;
 
-    use crate::{ColouredNoise, CurrentLoop, Flute, Harmonics, Latch, Peak, Rotation, Sum, Thrust};
+    use crate::{
+        ColouredNoise, CurrentLoop, Flute, Harmonics, Integrator, Latch, Peak, Product, Rotation, Slew, Sum, Thrust,
+    };
 
     #[pymodule_export]
     use crate::binding::{Cell, Circuit, Unbound};
@@ -37,6 +39,12 @@ mod _native {
         Unbound::new(Harmonics::new(orders))
     }
 
+    /// Integral that starts at `start`: value -> integral at the start of the step.
+    #[pyfunction]
+    fn integrator(start: f64) -> Unbound {
+        Unbound::new(Integrator::new(start))
+    }
+
     /// Memory of an event: value -> 1 from the first positive value on, 0 before.
     #[pyfunction]
     fn latch() -> Unbound {
@@ -49,10 +57,22 @@ mod _native {
         Unbound::new(Peak::new())
     }
 
+    /// Product of two values: a, b -> a b.
+    #[pyfunction]
+    fn product() -> Unbound {
+        Unbound::new(Product::new())
+    }
+
     /// Shaft that starts at `start` rad: speed -> angle at the start of the step, angle at its end.
     #[pyfunction]
     fn rotation(start: f64) -> Unbound {
         Unbound::new(Rotation::new(start))
+    }
+
+    /// Set-point that starts at `start` and changes by `rate` per second at most: target -> value.
+    #[pyfunction]
+    fn slew(start: f64, rate: f64) -> Unbound {
+        Unbound::new(Slew::new(start, rate))
     }
 
     /// Sum of `terms` inputs: a, b, ... -> sum.
