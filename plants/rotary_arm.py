@@ -95,6 +95,24 @@ class RotaryArmParameters:
     start_angle: float = parameter(
         0.0, "rad", "Angle of the arm at the start, 0 is along the slide", "our choice", -10.0, 10.0
     )
+    tool_radius: float = parameter(
+        2e-3, "m", "Radius of the tool nose", "our choice: usual diamond", 1e-5, 0.02
+    )
+    part_radius: float = parameter(0.05, "m", "Radius of the part", "paper: 100 mm", 1e-3, 0.5)
+    part_face: float = parameter(-0.01, "m", "Depth of the face of the blank", "our choice", -1.0, 1.0)
+    roughness: float = parameter(
+        3e-8, "m", "What the material adds to a cut, deviation", "our choice", 0.0, 1e-3
+    )
+    probe_radius: float = parameter(1.5e-3, "m", "Radius of the probe ball", "our choice", 1e-5, 0.02)
+    probe_place: float = parameter(
+        0.08, "m", "Probe on the slide, from the arm axis to the spindle axis", "our choice", -1.0, 1.0
+    )
+    probe_misplacement: float = parameter(
+        2e-5, "m", "Error of that place, drawn within +-", "our choice", 0.0, 1e-2
+    )
+    probe_zero: float = parameter(5e-3, "m", "Depth at which the probe reads 0", "our choice", -1.0, 1.0)
+    probe_noise: float = parameter(5e-8, "m", "Probe noise, deviation", "our choice", 0.0, 1e-3)
+    probe_resolution: float = parameter(1e-7, "m", "Step of the probe", "paper", 0.0, 1e-3)
     arm_resolution: float = parameter(
         TURN / 2**23, "rad", "Step of the arm encoder", "our choice: 60 nm at the tool", 0.0, 1e-2
     )
@@ -111,6 +129,7 @@ class RotaryArm(Plant):
     wires: ClassVar[tuple[str, ...]] = (
         "speed_change", "slide_velocity", "cutting", "feed_velocity", "feed_ramp",
         "hum_angle", "hum_angle_next", "cutting_twice", "cutting_noise", "cutting_force",
+        "probing", "probe_lateral", "probe_depth",
     )  # fmt: skip
 
     def __init__(self, parameters: RotaryArmParameters | None = None) -> None:
@@ -121,12 +140,17 @@ class RotaryArm(Plant):
             Channel("arm_angle", "rad", "Arm encoder, from its index", quantum=p.arm_resolution),
             Channel("spindle_angle", "rad", "Spindle encoder, not wrapped", quantum=p.spindle_resolution),
             Channel("slide_position", "m", "Cross-slide encoder", quantum=p.slide_resolution),
+            Channel("probe_depth", "m", "Probe, while it is down", p.probe_noise, p.probe_resolution),
+            Channel(
+                "probe_lateral", "m", "Place of the probe from the spindle axis", 0.0, p.slide_resolution
+            ),
         )
         self.commands = (
             Channel("torque", "N.m", "Torque command of the arm", 0.0, p.torque_resolution, -limit, limit),
             Channel("speed_change", "rad/s", "Spindle speed against `spindle_speed`"),
             Channel("slide_velocity", "m/s", "Slide velocity besides the feed"),
             Channel("cutting", "1", "1 while the tool is in the part", minimum=0.0, maximum=1.0),
+            Channel("probing", "1", "1 while the probe is down on the part", minimum=0.0, maximum=1.0),
         )
         self.truths = (
             Channel("tip_depth", "m", "Depth of the centre of the tool nose from the arm axis"),
@@ -177,6 +201,7 @@ class RotaryArm(Plant):
         self._axes()
         self._ripple()
         self._cutting(steps)
+        self._part(steps)
         self._channels()
 
     def _place(self) -> None:
@@ -268,20 +293,47 @@ class RotaryArm(Plant):
             [self._control("thrust")],
         )
 
+    def _part(self, steps: int) -> None:
+        p, wire, data, bind = self.parameters, self.wire, self.data, self.circuit.bind
+        tool = self._tool()
+        place = Cell(data.qpos, self._position("slide"), scale=-1.0, offset=p.centre_offset - p.probe_place)
+        bind("probe_lateral", _native.summing_junction(1), [place], [wire("probe_lateral")])
+        bind(
+            "part",
+            _native.turned_part(p.tool_radius, p.probe_radius, p.part_radius, p.part_face, p.roughness),
+            [
+                Cell(data.qpos, self._position("spindle")),
+                Cell(data.site_xpos, tool),
+                Cell(data.site_xpos, tool + 2),
+                wire("cutting"),
+                self.normals("roughness", steps),
+                wire("probing"),
+                wire("probe_lateral"),
+            ],
+            [wire("probe_depth")],
+        )
+
     def _channels(self) -> None:
         p, wire, data = self.parameters, self.wire, self.data
-        arm, tool = self._dof("arm"), 3 * self.model.site("tool").id
+        arm, tool = self._dof("arm"), self._tool()
         angle = Cell(data.sensordata, 0, offset=-p.arm_zero)
         spindle, slide = Cell(data.sensordata, 1), Cell(data.sensordata, 2)
-        torque = self.model.actuator("torque").id
-        readings = {"arm_angle": angle, "spindle_angle": spindle, "slide_position": slide}
-        commands = {name: wire(name) for name in ("speed_change", "slide_velocity", "cutting")}
+        torque = int(self.model.actuator_actadr[self.model.actuator("torque").id])
+        away = self.stream("probe").uniform(-p.probe_misplacement, p.probe_misplacement)
+        readings = {
+            "arm_angle": angle,
+            "spindle_angle": spindle,
+            "slide_position": slide,
+            "probe_depth": wire("probe_depth", offset=-p.probe_zero),
+            "probe_lateral": wire("probe_lateral", offset=away),
+        }
+        commands = {name: wire(name) for name in ("speed_change", "slide_velocity", "cutting", "probing")}
         truths = {
             "tip_depth": Cell(data.site_xpos, tool + 2),
             "tip_lateral": Cell(data.site_xpos, tool),
             "arm_angle": angle,
             "flexure": Cell(data.qpos, self._position("flexure")),
-            "torque": Cell(data.actuator_force, torque),
+            "torque": Cell(data.act, torque, scale=p.torque_gain),
             "friction": Cell(data.qfrc_constraint, arm),
             "ripple": Cell(data.qfrc_applied, arm),
             "cutting_force": self._control("thrust"),
@@ -290,6 +342,9 @@ class RotaryArm(Plant):
             "slide_position": slide,
         }
         self.connect(readings, {"torque": self._control("torque"), **commands}, truths)
+
+    def _tool(self) -> int:
+        return 3 * int(self.model.site("tool").id)
 
     def _position(self, joint: str) -> int:
         return int(self.model.joint(joint).qposadr[0])

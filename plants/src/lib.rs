@@ -19,6 +19,7 @@ mod rotation;
 mod slew;
 mod sum;
 mod thrust;
+mod turned_part;
 
 #[cfg(feature = "extension-module")]
 #[allow(unsafe_code)]
@@ -39,3 +40,4 @@ pub use rotation::Rotation;
 pub use slew::Slew;
 pub use sum::Sum;
 pub use thrust::Thrust;
+pub use turned_part::{Shapes, TurnedPart};

@@ -9,7 +9,8 @@ mod _native {
     use pyo3::prelude::*;
 
     use crate::{
-        ColouredNoise, CurrentLoop, Flute, Harmonics, Integrator, Latch, Peak, Product, Rotation, Slew, Sum, Thrust,
+        ColouredNoise, CurrentLoop, Flute, Harmonics, Integrator, Latch, Peak, Product, Rotation, Shapes, Slew, Sum,
+        Thrust, TurnedPart,
     };
 
     #[pymodule_export]
@@ -92,5 +93,11 @@ mod _native {
     #[pyfunction]
     fn thrust(force_constant: f64, ripple: f64, pitch: f64, phase: f64) -> Unbound {
         Unbound::new(Thrust::new(force_constant, ripple, pitch, phase))
+    }
+    /// Part that a tool turns and a probe reads, all m:
+    /// angle, lateral, depth, cutting, normal, probing, probe -> reading.
+    #[pyfunction]
+    fn turned_part(tool_radius: f64, probe_radius: f64, part_radius: f64, face: f64, roughness: f64) -> Unbound {
+        Unbound::new(TurnedPart::new(Shapes { tool_radius, probe_radius, part_radius, face, roughness }))
     }
 }
