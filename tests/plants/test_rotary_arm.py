@@ -325,9 +325,9 @@ def test_a_toroid_shows_arm_length_nose_and_ball() -> None:
         lateral = 0.15 - 0.07 - radius * math.cos(angle)
         for side in (1.0, -1.0):
             depth, place = probe(plant, side * lateral)
-            # grooves of 80 um: 0.4 um
-            away = math.hypot(0.08 - side * place, depth + 0.005 - 0.0015) - radius
-            assert 0.0 <= away < 0.45e-6 or abs(away) < 1e-9
+            # what is left between grooves of 80 um is 0.4 um high
+            left = radius - math.hypot(0.08 - side * place, depth + 0.005 - 0.0015)
+            assert -1e-9 < left < 0.42e-6
 
 
 def test_an_air_cut_leaves_the_blank() -> None:
