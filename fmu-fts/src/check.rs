@@ -2,13 +2,13 @@
 
 use control_blocks::{ParameterError, require};
 
-use crate::parameters::Parameters;
+use crate::parameters::{Parameters, SurfaceKind};
 
 type Check = fn(&Parameters) -> Result<(), ParameterError>;
 
 /// Checks all combinations; the first that fails is the error.
 pub fn check(p: &Parameters) -> Result<(), ParameterError> {
-    const CHECKS: [Check; 3] = [tip_frequency, radii, roll_off];
+    const CHECKS: [Check; 5] = [tip_frequency, radii, roll_off, path_harmonics, feedforward_harmonics];
     CHECKS.iter().try_for_each(|check| check(p))
 }
 
@@ -42,6 +42,26 @@ fn roll_off(p: &Parameters) -> Result<(), ParameterError> {
     })
 }
 
+fn path_harmonics(p: &Parameters) -> Result<(), ParameterError> {
+    let least = p.surface.wave_harmonic;
+    require(p.surface.kind != SurfaceKind::Wave || p.path.harmonics >= least, || ParameterError {
+        name: "path.harmonics",
+        value: p.path.harmonics.to_string(),
+        limit: format!("at least `surface.wave_harmonic` = `{least}`"),
+        hint: "the wave is a harmonic of the path, too",
+    })
+}
+
+fn feedforward_harmonics(p: &Parameters) -> Result<(), ParameterError> {
+    let (wished, least) = (p.feedforward.harmonics, p.path.harmonics);
+    require(wished == 0 || wished >= least, || ParameterError {
+        name: "feedforward.harmonics",
+        value: wished.to_string(),
+        limit: format!("`0` or at least `path.harmonics` = `{least}`"),
+        hint: "pre-shift all harmonics of the path, or none",
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -64,6 +84,8 @@ mod tests {
             (error(|p| p.tip.frequency = 1000.0), "tip.frequency", "`1000 rad/s`", "at least `2167"),
             (error(|p| p.surface.outer_radius = 0.0), "surface.outer_radius", "`0 m`", "`0.0005 m`"),
             (error(|p| p.servo.roll_off = 2000.0), "servo.roll_off", "`2000 rad/s`", "`2890"),
+            (error(|p| p.surface.kind = SurfaceKind::Wave), "path.harmonics", "`12`", "`surface.wave_harmonic` = `50`"),
+            (error(|p| p.path.harmonics = 32), "feedforward.harmonics", "`24`", "`path.harmonics` = `32`"),
         ];
         for (message, name, value, limit) in cases {
             assert!(message.starts_with(&format!("parameter `{name}` is {value}")), "{message}");

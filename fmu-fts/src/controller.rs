@@ -4,29 +4,50 @@ use control_blocks::ParameterError;
 use serde::{Deserialize, Serialize};
 
 use crate::check::check;
-use crate::design::design;
+use crate::depth_table::DepthTable;
+use crate::design::{bandwidth, design};
+use crate::edge::Edge;
+use crate::feasibility::{available_torque, needed_torque};
 use crate::hold::Hold;
 use crate::kinematics::Arm;
 use crate::lead_lag::{LeadLag, Recursion};
+use crate::loop_model::LoopModel;
+use crate::loop_response::LoopResponse;
 use crate::machine::{Events, Fault, Mode, State, next};
 use crate::parameters::Parameters;
+use crate::path::Path;
+use crate::phasors::Phasors;
 use crate::quintic::Motion;
 use crate::reading::{Reader, Reading};
+use crate::response::FrequencyResponse;
 use crate::signals::{Input, Output};
 use crate::spindle::Spindle;
+use crate::tracker::{Layers, Tracker, Wanted};
+
+/// Tables that come from files; none by default.
+#[derive(Clone, Debug, Default)]
+pub struct Tables {
+    /// Depth of the path, for `surface.kind` = File.
+    pub depth: Option<DepthTable>,
+    /// Measured response of the position loop.
+    pub response: Option<FrequencyResponse>,
+}
 
 /// The controller between two samples.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Controller {
     arm: Arm,
     compensator: LeadLag,
+    bandwidth: f64,
     reader: Reader,
+    reset: Edge,
     spindle: Spindle,
     state: State,
     fault: Fault,
     hold: Hold,
-    /// what the arm should do in this sample
-    reference: Motion,
+    tracker: Tracker,
+    /// motion of the hub that is wanted
+    motion: Motion,
     recursion: Recursion,
 }
 
@@ -35,17 +56,29 @@ impl Controller {
     ///
     /// # Errors
     /// When a parameter does not fit the others.
-    pub fn new(p: &Parameters) -> Result<Self, ParameterError> {
+    pub fn new(p: &Parameters, tables: &Tables) -> Result<Self, ParameterError> {
         check(p)?;
+        let (arm, compensator) = (Arm::new(p), design(p)?);
+        let depth = match &tables.depth {
+            Some(table) => table,
+            None => &DepthTable::of_surface(p)?,
+        };
+        let path = Path::new(arm, depth, p.feedforward.harmonics as usize);
+        let model = LoopModel::new(p, compensator);
+        let mut response = LoopResponse::nominal(model);
+        tables.response.iter().for_each(|measured| response.correct(measured));
         Ok(Self {
-            arm: Arm::new(p),
-            compensator: design(p)?,
+            arm,
+            compensator,
+            bandwidth: bandwidth(&model),
             reader: Reader::default(),
+            reset: Edge::default(),
             spindle: Spindle::default(),
             state: State::Idle,
             fault: Fault::None,
             hold: Hold::at(0.0),
-            reference: Motion::default(),
+            tracker: Tracker::new(p, path, response),
+            motion: Motion::default(),
             recursion: Recursion::default(),
         })
     }
@@ -54,15 +87,25 @@ impl Controller {
     pub fn tick(&mut self, p: &Parameters, input: &Input, output: &mut Output) {
         let (reading, valid) = self.reader.read(input);
         self.spindle.update(p, reading.spindle_angle);
+        let phasors = self.tracker.locate(p, reading.slide_position, &self.spindle);
         self.decide(p, input.mode, &reading, valid);
-        self.refer(p, &reading);
-        let torque = self.act(p, &reading);
-        self.report(torque, &reading, output);
+        let layers = self.layers(p, input);
+        let wanted = self.refer(p, &reading, layers, &phasors);
+        let torque = self.act(p, &wanted, &reading);
+        self.report(p, torque, &wanted, &reading, output);
+        output.afc.frozen = !layers.learning;
+        if matches!(self.state, State::Ready | State::Track) {
+            self.tracker.judge(output.error.tracking, &self.spindle, &phasors);
+        }
     }
 
     /// State machine.
     fn decide(&mut self, p: &Parameters, mode: Mode, reading: &Reading, valid: bool) {
-        let events = Events { fault: self.find_fault(p, reading, valid), arrived: false };
+        let events = Events {
+            fault: self.find_fault(p, mode, reading, valid),
+            spindle_known: self.spindle.known(),
+            arrived: self.tracker.arrived(p),
+        };
         let state = next(self.state, mode, &events);
         if state != self.state {
             self.enter(p, state, &events, reading);
@@ -71,50 +114,88 @@ impl Controller {
     }
 
     /// The gravest fault of this sample.
-    fn find_fault(&self, p: &Parameters, reading: &Reading, valid: bool) -> Option<Fault> {
-        let error = self.arm.length * (self.reference.angle - reading.arm_angle);
+    fn find_fault(&self, p: &Parameters, mode: Mode, reading: &Reading, valid: bool) -> Option<Fault> {
+        let error = self.arm.length * (self.motion.angle - reading.arm_angle);
         let behind = self.state.closed() && error.abs() > p.limit.following_error;
-        (!valid).then_some(Fault::InvalidInput).or(behind.then_some(Fault::FollowingError))
+        let asked = matches!(mode, Mode::Approach | Mode::Track);
+        let outside = asked && !self.tracker.path().covers(reading.slide_position);
+        let infeasible = asked && needed_torque(p, self.tracker.path(), self.spindle.speed) > available_torque(p);
+        (!valid)
+            .then_some(Fault::InvalidInput)
+            .or(behind.then_some(Fault::FollowingError))
+            .or(outside.then_some(Fault::OutsideTable))
+            .or(infeasible.then_some(Fault::Infeasible))
     }
 
     /// What happens once, when `state` begins.
     fn enter(&mut self, p: &Parameters, state: State, events: &Events, reading: &Reading) {
         self.fault = events.fault.filter(|_| state == State::Fault).unwrap_or(Fault::None);
         if !self.state.closed() {
-            self.reference = Motion { angle: reading.arm_angle, ..Motion::default() };
+            self.motion = Motion { angle: reading.arm_angle, ..Motion::default() };
             self.recursion = Recursion::default();
         }
-        if !state.on_path() {
-            self.hold.go(p, self.reference, reading.hold_angle);
+        match state {
+            State::Idle | State::Fault => self.tracker.forget(),
+            State::Hold | State::Identify | State::Calibrate => self.hold.go(p, self.motion, reading.hold_angle),
+            State::Approach => self.tracker.approach(p, self.motion),
+            State::Ready | State::Track => (),
+        }
+    }
+
+    /// Which layers work in this sample.
+    fn layers(&mut self, p: &Parameters, input: &Input) -> Layers {
+        if self.reset.rises(input.afc.reset) || !input.afc.enable {
+            self.tracker.forget();
+        }
+        let steady = !self.recursion.saturated && self.spindle.speed.abs() >= p.afc.speed_min;
+        Layers {
+            feedforward: input.feedforward.enable,
+            cancellation: input.afc.enable,
+            learning: input.afc.enable && steady && self.state == State::Track,
         }
     }
 
     /// What the arm should do.
-    fn refer(&mut self, p: &Parameters, reading: &Reading) {
-        self.reference = match self.state {
-            State::Idle | State::Fault => Motion { angle: reading.arm_angle, ..Motion::default() },
-            State::Hold | State::Calibrate | State::Identify => self.hold.step(p, reading.hold_angle),
-            State::Approach | State::Ready | State::Track => self.reference,
+    fn refer(&mut self, p: &Parameters, reading: &Reading, layers: Layers, phasors: &Phasors) -> Wanted {
+        let wanted = match self.state {
+            State::Idle | State::Fault => self.still(Motion { angle: reading.arm_angle, ..Motion::default() }),
+            State::Hold | State::Calibrate | State::Identify => {
+                let motion = self.hold.step(p, reading.hold_angle);
+                self.still(motion)
+            }
+            State::Approach | State::Ready | State::Track => self.tracker.follow(p, reading.arm_angle, layers, phasors),
         };
+        self.motion = wanted.motion;
+        wanted
+    }
+
+    /// A motion that needs no correction.
+    fn still(&self, motion: Motion) -> Wanted {
+        Wanted { motion, depth: self.arm.depth(motion.angle), set_point: motion.angle }
     }
 
     /// Position loop.
-    fn act(&mut self, p: &Parameters, reading: &Reading) -> f64 {
+    fn act(&mut self, p: &Parameters, wanted: &Wanted, reading: &Reading) -> f64 {
         if !self.state.closed() {
             return 0.0;
         }
-        let error = self.reference.angle - reading.arm_angle;
-        self.recursion.update(&self.compensator, error, p.servo.torque_max)
+        self.recursion.update(&self.compensator, wanted.set_point - reading.arm_angle, p.servo.torque_max)
     }
 
-    fn report(&self, torque: f64, reading: &Reading, output: &mut Output) {
+    fn report(&self, p: &Parameters, torque: f64, wanted: &Wanted, reading: &Reading, output: &mut Output) {
         output.torque = torque;
         output.state = self.state;
         output.fault = self.fault;
-        output.reference.angle = self.reference.angle;
-        output.reference.depth = self.arm.depth(self.reference.angle);
-        output.error.tracking = self.arm.lever(reading.arm_angle) * (self.reference.angle - reading.arm_angle);
+        output.reference.depth = wanted.depth;
+        output.reference.angle = wanted.motion.angle;
+        output.error.tracking = self.arm.lever(reading.arm_angle) * (wanted.motion.angle - reading.arm_angle);
+        let turn = self.tracker.last_turn();
+        output.error.rms = turn.rms;
+        output.error.peak = turn.peak;
+        output.error.harmonic = turn.harmonic;
         output.spindle_speed = self.spindle.speed;
         output.saturated = self.state.closed() && self.recursion.saturated;
+        output.path.torque = needed_torque(p, self.tracker.path(), self.spindle.speed);
+        output.response.bandwidth = self.bandwidth;
     }
 }

@@ -4,21 +4,36 @@
 //! plain Rust that knows nothing of FMI.
 #![forbid(unsafe_code)]
 
+pub mod approach;
 pub mod check;
 pub mod controller;
+pub mod depth_table;
 pub mod design;
 pub mod edge;
+pub mod feasibility;
+pub mod feedforward;
+pub mod fourier;
 pub mod harmonics;
 pub mod hold;
 pub mod kinematics;
 pub mod lead_lag;
 pub mod loop_model;
+pub mod loop_response;
 pub mod machine;
 pub mod parameters;
+pub mod path;
+pub mod phasors;
 pub mod quintic;
 pub mod reading;
+pub mod resonators;
+pub mod response;
 pub mod signals;
 pub mod spindle;
+pub mod statistics;
+pub mod surface;
+pub mod tip;
+pub mod toric;
+pub mod tracker;
 
 use fmi2_export::units::{METRE, NEWTON_METRE, ONE, RADIAN, RADIAN_PER_SECOND, SECOND};
 use fmi2_export::{
@@ -27,7 +42,8 @@ use fmi2_export::{
 };
 use serde::{Deserialize, Serialize};
 
-use controller::Controller;
+use controller::{Controller, Tables};
+use feasibility::available_torque;
 use machine::{Fault, Mode, State};
 use parameters::{Parameters, SurfaceKind};
 use signals::{Input, Output};
@@ -250,7 +266,7 @@ impl Model for Fts {
     fn initialise(vars: &mut Vars, _: &mut Env) -> Result<Controller, Error> {
         let text = |error: control_blocks::ParameterError| error.to_string();
         vars.parameters.afc.harmonics = vars.text.afc.harmonics.parse().map_err(text)?;
-        Ok(Controller::new(&vars.parameters).map_err(text)?)
+        Ok(Controller::new(&vars.parameters, &Tables::default()).map_err(text)?)
     }
 
     fn tick(vars: &mut Vars, controller: &mut Controller, env: &mut Env) -> Result<(), Error> {
@@ -267,10 +283,33 @@ export!(Fts);
 
 /// One log line for a new state.
 fn tell(vars: &Vars, env: &mut Env) {
-    let Output { state, fault, .. } = &vars.output;
+    let (Output { state, fault, .. }, p) = (&vars.output, &vars.parameters);
     match state {
-        State::Fault => env.warn(format_args!("fault `{fault:?}`: {}", meaning::<Fault>(*fault as usize))),
+        State::Fault => {
+            let reason = meaning::<Fault>(*fault as usize);
+            env.warn(format_args!("fault `{fault:?}`: {reason}{}", numbers(&vars.output, &vars.input, p)));
+        }
         _ => env.event(format_args!("state `{state:?}`: {}", meaning::<State>(*state as usize))),
+    }
+}
+
+/// The numbers behind a fault.
+fn numbers(output: &Output, input: &Input, p: &Parameters) -> String {
+    match output.fault {
+        Fault::FollowingError => format!(" = `{} m`", p.limit.following_error),
+        Fault::Infeasible => format!(
+            ": needed `{:.3} N.m` at `{:.2} rad/s`, available `{:.3} N.m`\nhint: turn slower, or end the cut at a smaller \
+             `surface.outer_radius`",
+            output.path.torque,
+            output.spindle_speed,
+            available_torque(p)
+        ),
+        Fault::OutsideTable => format!(": `slide_position` = `{} m`", input.slide_position),
+        Fault::InvalidInput => format!(
+            ": `arm_angle` = `{} rad`, `spindle_angle` = `{} rad`, `slide_position` = `{} m`, `hold_angle` = `{} rad`",
+            input.arm_angle, input.spindle_angle, input.slide_position, input.hold_angle
+        ),
+        Fault::None => String::new(),
     }
 }
 

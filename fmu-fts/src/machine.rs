@@ -74,6 +74,8 @@ pub enum Fault {
 pub struct Events {
     /// Something is wrong.
     pub fault: Option<Fault>,
+    /// Angle and speed of the spindle are known.
+    pub spindle_known: bool,
     /// The motion onto the path is complete.
     pub arrived: bool,
 }
@@ -90,7 +92,8 @@ pub fn next(state: State, mode: Mode, events: &Events) -> State {
         (State::Approach, _) if !events.arrived => State::Approach,
         (State::Approach | State::Ready | State::Track, Mode::Approach) => State::Ready,
         (State::Approach | State::Ready | State::Track, Mode::Track) => State::Track,
-        (_, Mode::Approach | Mode::Track) => State::Approach,
+        (_, Mode::Approach | Mode::Track) if events.spindle_known => State::Approach,
+        (unchanged, Mode::Approach | Mode::Track) => unchanged,
     }
 }
 
@@ -117,7 +120,7 @@ mod tests {
         Mode::CalibrateFlats,
         Mode::CalibrateToroid,
     ];
-    const NOTHING: Events = Events { fault: None, arrived: false };
+    const NOTHING: Events = Events { fault: None, spindle_known: true, arrived: false };
 
     #[test]
     fn off_is_idle_from_everywhere_and_ends_a_fault() {
@@ -130,7 +133,7 @@ mod tests {
 
     #[test]
     fn a_fault_wins_in_every_other_mode_and_stays() {
-        let broken = Events { fault: Some(Fault::FollowingError), arrived: true };
+        let broken = Events { fault: Some(Fault::FollowingError), arrived: true, ..NOTHING };
         for mode in &MODES[1..] {
             for state in STATES {
                 assert_eq!(next(state, *mode, &broken), State::Fault);
@@ -151,6 +154,15 @@ mod tests {
         assert_eq!(next(State::Approach, Mode::Approach, &arrived), State::Ready);
         assert_eq!(next(State::Ready, Mode::Track, &NOTHING), State::Track);
         assert_eq!(next(State::Track, Mode::Approach, &NOTHING), State::Ready);
+    }
+
+    #[test]
+    fn nothing_moves_onto_the_path_before_the_spindle_is_known() {
+        let unknown = Events { spindle_known: false, ..NOTHING };
+        for state in [State::Idle, State::Hold] {
+            assert_eq!(next(state, Mode::Track, &unknown), state);
+            assert_eq!(next(state, Mode::Hold, &unknown), State::Hold);
+        }
     }
 
     #[test]

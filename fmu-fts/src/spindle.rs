@@ -43,6 +43,11 @@ impl Spindle {
         self.speed += omega * omega * dt * innovation;
     }
 
+    /// Whether angle and speed are known: from the second sample on.
+    pub fn known(&self) -> bool {
+        self.samples == 2
+    }
+
     /// The spindle angle as read, rad.
     pub fn raw(&self) -> f64 {
         self.raw
