@@ -131,13 +131,14 @@ impl Controller {
     fn enter(&mut self, p: &Parameters, state: State, events: &Events, reading: &Reading) {
         self.fault = events.fault.filter(|_| state == State::Fault).unwrap_or(Fault::None);
         if !self.state.closed() {
+            self.hold = Hold::at(reading.arm_angle);
             self.motion = Motion { angle: reading.arm_angle, ..Motion::default() };
             self.recursion = Recursion::default();
         }
         match state {
             State::Idle | State::Fault => self.tracker.forget(),
             State::Hold | State::Identify | State::Calibrate => self.hold.go(p, self.motion, reading.hold_angle),
-            State::Approach => self.tracker.approach(p, self.motion),
+            State::Approach => self.tracker.approach(),
             State::Ready | State::Track => (),
         }
     }
@@ -163,7 +164,10 @@ impl Controller {
                 let motion = self.hold.step(p, reading.hold_angle);
                 self.still(motion)
             }
-            State::Approach | State::Ready | State::Track => self.tracker.follow(p, reading.arm_angle, layers, phasors),
+            State::Approach | State::Ready | State::Track => {
+                let held = self.hold.coast(p);
+                self.tracker.follow(p, held, reading.arm_angle, layers, phasors)
+            }
         };
         self.motion = wanted.motion;
         wanted

@@ -34,6 +34,11 @@ impl Hold {
             let motion = self.now(p);
             self.go(p, motion, goal);
         }
+        self.coast(p)
+    }
+
+    /// Goes on to the angle that was wanted last.
+    pub fn coast(&mut self, p: &Parameters) -> Motion {
         self.ticks = self.ticks.saturating_add(1);
         self.now(p)
     }

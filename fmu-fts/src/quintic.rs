@@ -1,4 +1,4 @@
-//! Quintic motion: from any position, velocity and acceleration to rest at zero, or to rest anywhere.
+//! Quintic motion from any angle, velocity and acceleration to rest.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,30 +11,6 @@ pub struct Motion {
     pub velocity: f64,
     /// Angular acceleration, rad/s2.
     pub acceleration: f64,
-}
-
-impl std::ops::Add for Motion {
-    type Output = Self;
-
-    fn add(self, other: Self) -> Self {
-        Self {
-            angle: self.angle + other.angle,
-            velocity: self.velocity + other.velocity,
-            acceleration: self.acceleration + other.acceleration,
-        }
-    }
-}
-
-impl std::ops::Sub for Motion {
-    type Output = Self;
-
-    fn sub(self, other: Self) -> Self {
-        Self {
-            angle: self.angle - other.angle,
-            velocity: self.velocity - other.velocity,
-            acceleration: self.acceleration - other.acceleration,
-        }
-    }
 }
 
 /// A motion of fixed duration that ends at rest.
@@ -65,14 +41,9 @@ impl Quintic {
         self.goal
     }
 
-    /// Share of the duration at the time `t` (s), 0 to 1.
-    pub fn share(&self, t: f64) -> f64 {
-        (t / self.duration).clamp(0.0, 1.0)
-    }
-
     /// The motion at the time `t` (s) after its start.
     pub fn at(&self, t: f64) -> Motion {
-        let (s, per_second) = (self.share(t), 1.0 / self.duration);
+        let (s, per_second) = (t / self.duration, 1.0 / self.duration);
         if s >= 1.0 {
             return Motion { angle: self.goal, ..Motion::default() };
         }
@@ -83,11 +54,6 @@ impl Quintic {
             acceleration: per_second * per_second * (2.0 * c2 + s * (6.0 * c3 + s * (12.0 * c4 + s * 20.0 * c5))),
         }
     }
-}
-
-/// Rises from 0 to 1 with the share of the duration, smooth to the second derivative.
-pub fn smooth_step(share: f64) -> f64 {
-    share * share * share * (10.0 + share * (6.0 * share - 15.0))
 }
 
 #[cfg(test)]
@@ -116,15 +82,6 @@ mod tests {
             let (before, here, after) = (quintic.at(t - h), quintic.at(t), quintic.at(t + h));
             assert!(((after.angle - before.angle) / (2.0 * h) - here.velocity).abs() < 1e-7);
             assert!(((after.velocity - before.velocity) / (2.0 * h) - here.acceleration).abs() < 1e-5);
-        }
-    }
-
-    #[test]
-    fn the_smooth_step_is_the_same_curve() {
-        let quintic = Quintic::new(Motion { angle: 1.0, ..Motion::default() }, 0.0, 2.0);
-        for k in 0..=20 {
-            let t = 0.1 * f64::from(k);
-            assert!((1.0 - smooth_step(quintic.share(t)) - quintic.at(t).angle).abs() < 1e-14);
         }
     }
 }

@@ -63,7 +63,7 @@ impl Tracker {
             response,
             feedforward: Feedforward::new(feedforward),
             resonators: Resonators::new(p),
-            approach: Approach::done(),
+            approach: Approach::default(),
             statistics: ErrorStatistics::default(),
             row: path.row(),
             motion: Motion::default(),
@@ -97,26 +97,35 @@ impl Tracker {
         self.resonators.tune(p, self.tuned, t, omega);
     }
 
-    /// Begins to move from `motion` onto the path.
-    pub fn approach(&mut self, p: &Parameters, motion: Motion) {
-        self.approach = Approach::new(p, motion, self.motion);
+    /// Begins to move onto the path.
+    pub fn approach(&mut self) {
+        self.approach = Approach::default();
         self.statistics = ErrorStatistics::default();
     }
 
-    /// What the arm, now at `arm_angle` (rad), should do in this sample.
-    pub fn follow(&mut self, p: &Parameters, arm_angle: f64, layers: Layers, phasors: &Phasors) -> Wanted {
-        let mut motion = self.motion + self.approach.step(p);
+    /// What the arm, now at `arm_angle` (rad), should do in this sample; `held` is the motion that it leaves.
+    pub fn follow(
+        &mut self,
+        p: &Parameters,
+        held: Motion,
+        arm_angle: f64,
+        layers: Layers,
+        phasors: &Phasors,
+    ) -> Wanted {
+        let blend = self.approach.step(p);
+        let mut motion = blend.motion(held, self.motion);
         let depth = self.path.arm().depth(motion.angle);
-        let blend = self.approach.blend(p);
         let shift = self.feedforward.shift(self.row.angle_harmonics(), phasors.from_one());
-        let mut set_point = motion.angle + blend * if layers.feedforward { shift.set_point } else { shift.target };
-        motion.angle += blend * shift.target;
+        let straight = motion.angle;
+        motion.angle += blend.share * shift.target;
         if layers.learning {
             self.resonators.learn(motion.angle - arm_angle, phasors.from_one());
         }
+        let mut added = if layers.feedforward { shift.set_point } else { shift.target };
         if layers.cancellation {
-            set_point += blend * self.resonators.output(phasors.from_one());
+            added += self.resonators.output(phasors.from_one());
         }
+        let set_point = straight + blend.share * added;
         Wanted { motion, depth, set_point }
     }
 
