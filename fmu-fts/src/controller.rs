@@ -3,12 +3,15 @@
 use control_blocks::ParameterError;
 use serde::{Deserialize, Serialize};
 
+use crate::calibration::Calibration;
 use crate::check::check;
+use crate::cut::Moment;
 use crate::depth_table::DepthTable;
-use crate::design::{bandwidth, design};
+use crate::design::design;
 use crate::edge::Edge;
 use crate::feasibility::{available_torque, needed_torque};
 use crate::hold::Hold;
+use crate::identify::Identification;
 use crate::kinematics::Arm;
 use crate::lead_lag::{LeadLag, Recursion};
 use crate::loop_model::LoopModel;
@@ -20,7 +23,7 @@ use crate::phasors::Phasors;
 use crate::quintic::Motion;
 use crate::reading::{Reader, Reading};
 use crate::response::FrequencyResponse;
-use crate::signals::{Input, Output};
+use crate::signals::{IdentifyOutput, Input, Output, ResponseOutput};
 use crate::spindle::Spindle;
 use crate::tracker::{Layers, Tracker, Wanted};
 
@@ -38,7 +41,6 @@ pub struct Tables {
 pub struct Controller {
     arm: Arm,
     compensator: LeadLag,
-    bandwidth: f64,
     reader: Reader,
     reset: Edge,
     spindle: Spindle,
@@ -49,6 +51,10 @@ pub struct Controller {
     /// motion of the hub that is wanted
     motion: Motion,
     recursion: Recursion,
+    /// the response is new and not told yet
+    response: Option<FrequencyResponse>,
+    identification: Identification,
+    calibration: Calibration,
 }
 
 impl Controller {
@@ -67,10 +73,11 @@ impl Controller {
         let model = LoopModel::new(p, compensator);
         let mut response = LoopResponse::nominal(model);
         tables.response.iter().for_each(|measured| response.correct(measured));
+        let grid: Vec<f64> = p.identify.frequencies.iter().collect();
+        let known = FrequencyResponse::from_model(&grid, |omega| response.at(omega));
         Ok(Self {
             arm,
             compensator,
-            bandwidth: bandwidth(&model),
             reader: Reader::default(),
             reset: Edge::default(),
             spindle: Spindle::default(),
@@ -80,6 +87,9 @@ impl Controller {
             tracker: Tracker::new(p, path, response),
             motion: Motion::default(),
             recursion: Recursion::default(),
+            identification: Identification::new(p, &known),
+            response: Some(tables.response.unwrap_or(known)),
+            calibration: Calibration::new(p),
         })
     }
 
@@ -92,6 +102,7 @@ impl Controller {
         let layers = self.layers(p, input);
         let wanted = self.refer(p, &reading, layers, &phasors);
         let torque = self.act(p, &wanted, &reading);
+        self.calibrate(p, input, &reading, torque);
         self.report(p, torque, &wanted, &reading, output);
         output.afc.frozen = !layers.learning;
         if matches!(self.state, State::Ready | State::Track) {
@@ -135,9 +146,14 @@ impl Controller {
             self.motion = Motion { angle: reading.arm_angle, ..Motion::default() };
             self.recursion = Recursion::default();
         }
+        // from any motion, that of an identification broken off, too
+        if self.state == State::Identify || matches!(state, State::Hold | State::Identify | State::Calibrate) {
+            self.hold.go(p, self.motion, reading.hold_angle);
+        }
         match state {
             State::Idle | State::Fault => self.tracker.forget(),
-            State::Hold | State::Identify | State::Calibrate => self.hold.go(p, self.motion, reading.hold_angle),
+            State::Hold | State::Calibrate => (),
+            State::Identify => self.identification.restart(),
             State::Approach => self.tracker.approach(),
             State::Ready | State::Track => (),
         }
@@ -160,8 +176,12 @@ impl Controller {
     fn refer(&mut self, p: &Parameters, reading: &Reading, layers: Layers, phasors: &Phasors) -> Wanted {
         let wanted = match self.state {
             State::Idle | State::Fault => self.still(Motion { angle: reading.arm_angle, ..Motion::default() }),
-            State::Hold | State::Calibrate | State::Identify => {
+            State::Hold | State::Calibrate => {
                 let motion = self.hold.step(p, reading.hold_angle);
+                self.still(motion)
+            }
+            State::Identify => {
+                let motion = self.swing(p, reading);
                 self.still(motion)
             }
             State::Approach | State::Ready | State::Track => {
@@ -178,6 +198,30 @@ impl Controller {
         Wanted { motion, depth: self.arm.depth(motion.angle), set_point: motion.angle }
     }
 
+    /// Once the arm holds its angle it swings about it, until the frequency response is complete and in use.
+    fn swing(&mut self, p: &Parameters, reading: &Reading) -> Motion {
+        let centre = self.hold.step(p, reading.hold_angle);
+        if !self.hold.arrived(p) || self.identification.done() {
+            return centre;
+        }
+        let angle = centre.angle + self.identification.step(reading.arm_angle - centre.angle);
+        if self.identification.done() {
+            self.tracker.correct(self.identification.response());
+            self.response = Some(*self.identification.response());
+        }
+        Motion { angle, velocity: (angle - self.motion.angle) / p.sample_period, acceleration: 0.0 }
+    }
+
+    /// Samples of a calibration and its fits.
+    fn calibrate(&mut self, p: &Parameters, input: &Input, reading: &Reading, torque: f64) {
+        if self.state == State::Calibrate {
+            let &Reading { arm_angle, slide_position, .. } = reading;
+            self.calibration.step(p, input, Moment { arm_angle, torque, slide_position });
+        } else {
+            self.calibration.rest();
+        }
+    }
+
     /// Position loop.
     fn act(&mut self, p: &Parameters, wanted: &Wanted, reading: &Reading) -> f64 {
         if !self.state.closed() {
@@ -186,7 +230,7 @@ impl Controller {
         self.recursion.update(&self.compensator, wanted.set_point - reading.arm_angle, p.servo.torque_max)
     }
 
-    fn report(&self, p: &Parameters, torque: f64, wanted: &Wanted, reading: &Reading, output: &mut Output) {
+    fn report(&mut self, p: &Parameters, torque: f64, wanted: &Wanted, reading: &Reading, output: &mut Output) {
         output.torque = torque;
         output.state = self.state;
         output.fault = self.fault;
@@ -200,6 +244,10 @@ impl Controller {
         output.spindle_speed = self.spindle.speed;
         output.saturated = self.state.closed() && self.recursion.saturated;
         output.path.torque = needed_torque(p, self.tracker.path(), self.spindle.speed);
-        output.response.bandwidth = self.bandwidth;
+        output.calibration = self.calibration.report();
+        output.identify = IdentifyOutput { progress: self.identification.progress() };
+        if let Some(response) = self.response.take() {
+            output.response = ResponseOutput::of(&response);
+        }
     }
 }

@@ -19,8 +19,8 @@ pub struct Flat {
 }
 
 /// Arm length and arm zero, each with its standard deviation.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Arm {
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ArmEstimate {
     /// Arm length R_a, m.
     pub length: f64,
     /// Arm zero b_0, rad.
@@ -48,7 +48,7 @@ type Parameters = SVector<f64, 3>;
 ///
 /// # Errors
 /// Says why there is no estimate.
-pub fn fit(flats: &[Flat], known: &Arm, accuracy: &FlatAccuracy) -> Result<(Arm, f64), Failure> {
+pub fn fit(flats: &[Flat], known: &ArmEstimate, accuracy: &FlatAccuracy) -> Result<(ArmEstimate, f64), Failure> {
     let start = start(flats, known);
     let found = estimate(start, flats.len() + 1, |i, value| match flats.get(i) {
         Some(flat) => observe(flat, accuracy, value),
@@ -59,8 +59,12 @@ pub fn fit(flats: &[Flat], known: &Arm, accuracy: &FlatAccuracy) -> Result<(Arm,
         },
     })?;
     let squares: f64 = flats.iter().map(|flat| gap(flat, &found.value).powi(2)).sum();
-    let arm =
-        Arm { length: found.value[1], zero: found.value[0], length_sigma: found.sigma(1), zero_sigma: found.sigma(0) };
+    let arm = ArmEstimate {
+        length: found.value[1],
+        zero: found.value[0],
+        length_sigma: found.sigma(1),
+        zero_sigma: found.sigma(0),
+    };
     Ok((arm, (squares / flats.len() as f64).sqrt()))
 }
 
@@ -77,7 +81,7 @@ fn observe(flat: &Flat, accuracy: &FlatAccuracy, value: &Parameters) -> Observat
 }
 
 /// Arm zero near the known one, then K.
-fn start(flats: &[Flat], known: &Arm) -> Parameters {
+fn start(flats: &[Flat], known: &ArmEstimate) -> Parameters {
     let zero = known.zero;
     let n = flats.len() as f64;
     let k = flats.iter().map(|flat| flat.depth - known.length * (zero + flat.arm_angle).sin()).sum::<f64>() / n;
@@ -96,7 +100,7 @@ mod tests {
     const ZERO: f64 = 0.052_4;
     const ACCURACY: FlatAccuracy = FlatAccuracy { depth: 65e-9, arm_angle: 0.25e-6 };
     /// What the machine is believed to be before the flats, with the arm length of a toroid from 30 to 60 degrees.
-    const KNOWN: Arm = Arm { length: LENGTH, zero: 0.05, length_sigma: 0.35e-6, zero_sigma: 0.01 };
+    const KNOWN: ArmEstimate = ArmEstimate { length: LENGTH, zero: 0.05, length_sigma: 0.35e-6, zero_sigma: 0.01 };
 
     /// `count` flats with b_0 + b from `low` to `high` degrees.
     fn flats(low: f64, high: f64, count: usize) -> Vec<Flat> {
@@ -118,7 +122,7 @@ mod tests {
     #[test]
     fn a_start_half_a_radian_away_is_good_enough() {
         for away in [-0.5, -0.2, 0.2, 0.5] {
-            let known = Arm { zero: ZERO + away, ..KNOWN };
+            let known = ArmEstimate { zero: ZERO + away, ..KNOWN };
             let (arm, _) = fit(&flats(30.0, 60.0, 15), &known, &ACCURACY).unwrap();
             assert!((arm.zero - ZERO).abs() < 1e-8, "{away}: {:e}", arm.zero - ZERO);
         }
@@ -128,7 +132,7 @@ mod tests {
     fn the_other_end_of_the_arm_is_half_a_turn_away() {
         let mut other = flats(30.0, 60.0, 15);
         other.iter_mut().for_each(|flat| flat.arm_angle -= std::f64::consts::PI);
-        let known = Arm { zero: KNOWN.zero + std::f64::consts::PI, ..KNOWN };
+        let known = ArmEstimate { zero: KNOWN.zero + std::f64::consts::PI, ..KNOWN };
         let (arm, _) = fit(&other, &known, &ACCURACY).unwrap();
         assert!((arm.zero - ZERO - std::f64::consts::PI).abs() < 1e-8);
     }
@@ -145,7 +149,7 @@ mod tests {
                 depth: f.depth + depth.sample(random),
             };
             let sample: Vec<_> = flats.iter().map(|flat| add(flat, &mut random)).collect();
-            let known = Arm { length: LENGTH + length.sample(&mut random), length_sigma, ..KNOWN };
+            let known = ArmEstimate { length: LENGTH + length.sample(&mut random), length_sigma, ..KNOWN };
             let (arm, _) = fit(&sample, &known, &ACCURACY).unwrap();
             let error = arm.zero - ZERO;
             squares += error * error;
@@ -186,7 +190,7 @@ mod tests {
     #[test]
     fn an_arm_length_taken_as_exact_spoils_the_zero() {
         // the paper's estimator with 1 um of error in R_a: db_0 = (dR_a / R_a) cot(b_0 + b) in the middle of the flats
-        let exact = Arm { length: LENGTH + 1e-6, length_sigma: 1e-9, ..KNOWN };
+        let exact = ArmEstimate { length: LENGTH + 1e-6, length_sigma: 1e-9, ..KNOWN };
         for (low, high) in [(40.0f64, 50.0f64), (30.0, 60.0), (15.0, 25.0), (5.0, 15.0)] {
             let (arm, _) = fit(&flats(low, high, 15), &exact, &ACCURACY).unwrap();
             let expected = 1e-6 / LENGTH / (0.5 * (low + high)).to_radians().tan();

@@ -43,6 +43,11 @@ impl Hold {
         self.now(p)
     }
 
+    /// Whether the motion has come to its end.
+    pub fn arrived(&self, p: &Parameters) -> bool {
+        self.quintic.over(f64::from(self.ticks) * p.sample_period)
+    }
+
     fn now(&self, p: &Parameters) -> Motion {
         self.quintic.at(f64::from(self.ticks) * p.sample_period)
     }
@@ -58,9 +63,11 @@ mod tests {
         let mut hold = Hold::at(0.0);
         let mut fastest: f64 = 0.0;
         for _ in 0..20_000 {
+            assert!(!hold.arrived(&p) || fastest > 0.0);
             fastest = fastest.max(hold.step(&p, 1.0).velocity.abs());
         }
         assert!((fastest - p.hold.speed).abs() < 1e-6, "{fastest}");
+        assert!(hold.arrived(&p));
         assert_eq!(hold.step(&p, 1.0), Motion { angle: 1.0, ..Motion::default() });
     }
 

@@ -5,45 +5,62 @@
 #![forbid(unsafe_code)]
 
 pub mod approach;
+pub mod calibration;
 pub mod check;
 pub mod controller;
+pub mod cut;
 pub mod depth_table;
 pub mod design;
 pub mod edge;
 pub mod feasibility;
 pub mod feedforward;
+pub mod flats;
 pub mod fourier;
+pub mod frequencies;
 pub mod harmonics;
 pub mod hold;
+pub mod identify;
+pub mod json_file;
 pub mod kinematics;
 pub mod lead_lag;
+pub mod least_squares;
 pub mod loop_model;
 pub mod loop_response;
 pub mod machine;
+pub mod margins;
 pub mod parameters;
 pub mod path;
+pub mod path_file;
 pub mod phasors;
 pub mod quintic;
 pub mod reading;
 pub mod resonators;
 pub mod response;
+pub mod response_file;
 pub mod signals;
 pub mod spindle;
 pub mod statistics;
+pub mod store;
 pub mod surface;
 pub mod tip;
 pub mod toric;
+pub mod toroid;
 pub mod tracker;
 
-use fmi2_export::units::{METRE, NEWTON_METRE, ONE, RADIAN, RADIAN_PER_SECOND, SECOND};
+use std::path::Path;
+
+use control_blocks::ParameterError;
+use fmi2_export::units::{METRE, METRE_PER_SECOND_SQUARED, NEWTON_METRE, ONE, RADIAN, RADIAN_PER_SECOND, SECOND};
 use fmi2_export::{
     Enumeration, Env, Error, Info, Model, Start, Unit, Variable, boolean, choice, enumeration, export, integer, real,
     text,
 };
 use serde::{Deserialize, Serialize};
 
+use calibration::Status;
 use controller::{Controller, Tables};
 use feasibility::available_torque;
+use frequencies::Frequencies;
 use machine::{Fault, Mode, State};
 use parameters::{Parameters, SurfaceKind};
 use signals::{Input, Output};
@@ -77,6 +94,18 @@ enumeration! { Fault, "Why the controller is in the fault state" {
     InvalidInput = 5, "An angle or position is NaN, infinite or absurd",
 } }
 
+enumeration! { Status, "How the calibration goes" {
+    None = 1, "Nothing was fitted",
+    Solved = 2, "The last fit succeeded",
+    TooFewSamples = 3, "There are not enough samples for a fit",
+    NotObservable = 4, "The samples do not tell the parameters apart",
+    NotConverged = 5, "The fit did not come to an end",
+    NoCut = 6, "A sample was left out: `calibration.cut` was never set before",
+    Moved = 7, "A sample was left out: during the cut the slide (toroid) or the arm (flats) moved",
+    InvalidProbe = 8, "A sample was left out: the probe reading is NaN, infinite or absurd",
+    Full = 9, "A sample was left out: 512 are stored",
+} }
+
 enumeration! { SurfaceKind, "What kind of surface is cut" {
     Toric = 1, "Toric with two principal curvatures and tilt",
     Wave = 2, "One harmonic of the tool depth, for cuts in air",
@@ -92,6 +121,8 @@ pub struct Texts {
     pub response: TextResponse,
     /// Of the cancellation.
     pub afc: TextAfc,
+    /// Of the measurement of the frequency response.
+    pub identify: TextIdentify,
 }
 
 /// Texts of the path.
@@ -115,6 +146,27 @@ pub struct TextAfc {
     pub harmonics: String,
 }
 
+/// Texts of the measurement of the frequency response.
+#[derive(Clone, Serialize, Deserialize)]
+pub struct TextIdentify {
+    /// List of frequencies, Hz.
+    pub frequencies: String,
+}
+
+/// Parameters that follow from others.
+#[derive(Clone, Serialize, Deserialize)]
+pub struct Calculated {
+    /// Of the measurement of the frequency response.
+    pub identify: CalculatedIdentify,
+}
+
+/// Parameters of the measurement of the frequency response that follow from others.
+#[derive(Clone, Serialize, Deserialize)]
+pub struct CalculatedIdentify {
+    /// Time of the measurement, s.
+    pub duration: f64,
+}
+
 /// All variables of the FMU.
 #[derive(Clone, Serialize, Deserialize)]
 pub struct Vars {
@@ -126,6 +178,8 @@ pub struct Vars {
     pub parameters: Parameters,
     /// Texts among the parameters.
     pub text: Texts,
+    /// Parameters that follow from others.
+    pub calculated: Calculated,
 }
 
 impl Start for Vars {
@@ -137,7 +191,9 @@ impl Start for Vars {
             path: TextPath { file: String::new() },
             response: TextResponse { file: String::new() },
             afc: TextAfc { harmonics: String::new() },
+            identify: TextIdentify { frequencies: String::new() },
         },
+        calculated: Calculated { identify: CalculatedIdentify { duration: 0.0 } },
     };
 }
 
@@ -178,8 +234,9 @@ impl Model for Fts {
         boolean!(Vars.input => afc.reset).input().describe("Rising edge forgets what the cancellation has learned"),
         real!(Vars.input => hold_angle).input().unit(&RADIAN).display("deg").accepts_nan().describe("Encoder angle b to be held in Hold, Identify and the calibrations"),
         real!(Vars.input => probe.depth).input().unit(&METRE).display("mm").accepts_nan().describe("Depth reading p of the probe, positive into the part"),
-        real!(Vars.input => probe.lateral).input().unit(&METRE).display("mm").accepts_nan().describe("Distance l of the probe from the spindle axis"),
-        boolean!(Vars.input => probe.capture).input().describe("Rising edge stores a probed sample"),
+        real!(Vars.input => probe.lateral).input().unit(&METRE).display("mm").accepts_nan().describe("Distance l of the probe from the spindle axis, negative on its other side"),
+        boolean!(Vars.input => probe.capture).input().describe("Rising edge stores a probed sample; while it stays, one more every `probe.pitch` of way"),
+        boolean!(Vars.input => calibration.cut).input().describe("The tool cuts the part that will be probed; arm angle and slide position are averaged"),
         boolean!(Vars.input => calibration.solve).input().describe("Rising edge fits the stored samples"),
         // outputs
         real!(Vars.output => torque).output().unit(&NEWTON_METRE).describe("Torque command"),
@@ -195,6 +252,7 @@ impl Model for Fts {
         boolean!(Vars.output => saturated).output().describe("The torque is at its limit"),
         boolean!(Vars.output => afc.frozen).output().describe("The cancellation learns nothing at present"),
         real!(Vars.output => path.torque).output().unit(&NEWTON_METRE).describe("Torque that the path needs somewhere at the present speed"),
+        choice!(Vars.output => calibration.status: Status).output().describe("How the calibration goes"),
         real!(Vars.output => calibration.arm_length).output().unit(&METRE).display("mm").describe("Calibrated arm length R_a"),
         real!(Vars.output => calibration.centre_offset).output().unit(&METRE).display("mm").describe("Calibrated cross-slide offset x_0"),
         real!(Vars.output => calibration.arm_zero).output().unit(&RADIAN).display("deg").describe("Calibrated arm offset angle b_0"),
@@ -203,10 +261,13 @@ impl Model for Fts {
         real!(Vars.output => calibration.arm_zero_sigma).output().unit(&RADIAN).display("deg").describe("Standard deviation of the arm offset angle"),
         real!(Vars.output => calibration.residual).output().unit(&METRE).display("um").describe("Root mean square of the residuals of the last fit"),
         integer!(Vars.output => calibration.samples).output().describe("Stored samples"),
-        real!(Vars.output => response.bandwidth).output().unit(&RADIAN_PER_SECOND).display("Hz").describe("-3 dB frequency of the position loop in use"),
-        real!(Vars.output => response.frequency[signals::RESPONSE_POINTS]).output().unit(&RADIAN_PER_SECOND).display("Hz").describe("Frequency of an identified point of the response; 0 if there is none"),
-        real!(Vars.output => response.magnitude[signals::RESPONSE_POINTS]).output().unit(&ONE).describe("Identified magnitude of the closed position loop"),
-        real!(Vars.output => response.phase[signals::RESPONSE_POINTS]).output().unit(&RADIAN).display("deg").describe("Identified phase of the closed position loop"),
+        real!(Vars.output => response.bandwidth).output().unit(&RADIAN_PER_SECOND).display("Hz").describe("-3 dB frequency of the response in use; 0 if it is beyond the table"),
+        real!(Vars.output => response.phase_margin).output().unit(&RADIAN).display("deg").describe("Phase margin that follows from the response in use"),
+        real!(Vars.output => response.sensitivity_peak).output().unit(&ONE).describe("Largest magnitude of the sensitivity 1 - T that follows from the response in use"),
+        real!(Vars.output => response.frequency[signals::RESPONSE_POINTS]).output().unit(&RADIAN_PER_SECOND).display("Hz").describe("Frequency of a point of the response in use (nominal, from `response.file` or identified); 0 if there is none"),
+        real!(Vars.output => response.magnitude[signals::RESPONSE_POINTS]).output().unit(&ONE).describe("Magnitude of T, set-point to arm angle, at this frequency"),
+        real!(Vars.output => response.phase[signals::RESPONSE_POINTS]).output().unit(&RADIAN).display("deg").describe("Phase of T at this frequency, without jumps"),
+        real!(Vars.output => identify.progress).output().unit(&ONE).describe("Part of the measurement of the response that is over"),
         // machine
         real!(Vars.parameters => sample_period).parameter().unit(&SECOND).display("us").range(2e-5, 1e-3).describe("Sample period T_s"),
         integer!(Vars.parameters => tool.selected).parameter().range_int(1, 2).describe("Tool in use"),
@@ -214,6 +275,8 @@ impl Model for Fts {
         real!(Vars.parameters => tool.arm_zero[2]).parameter().unit(&RADIAN).display("deg").range(-7.0, 7.0).describe("Arm offset angle b_0 of each tool: angle out of the plane through the arm axis at the encoder index"),
         real!(Vars.parameters => tool.centre_offset[2]).parameter().unit(&METRE).display("mm").range(-2.0, 2.0).describe("Cross-slide reading x_0 at which the arm axis is above the spindle axis, for each tool"),
         real!(Vars.parameters => tool.nose_radius[2]).parameter().unit(&METRE).display("mm").range(0.0, 0.02).describe("Nose radius R_t of each tool"),
+        real!(Vars.parameters => tool.arm_length_sigma[2]).parameter().unit(&METRE).display("um").range(1e-9, 1e-3).describe("Standard deviation of the arm length of each tool, where flats are fitted without a toroid before"),
+        real!(Vars.parameters => tool.nose_radius_sigma[2]).parameter().unit(&METRE).display("um").range(0.0, 1e-3).describe("Standard deviation of the nose radius of each tool"),
         // path
         choice!(Vars.parameters => surface.kind: SurfaceKind).parameter().describe("What kind of surface is cut"),
         real!(Vars.parameters => surface.base_curvature).parameter().unit(&PER_METRE).range(-50.0, 50.0).describe("Curvature along Y (spindle angle pi/2), concave is positive; dioptres over 0.53"),
@@ -257,16 +320,42 @@ impl Model for Fts {
         real!(Vars.parameters => hold.speed).parameter().unit(&RADIAN_PER_SECOND).range(1e-4, 100.0).describe("Largest speed of the motion to `hold_angle`"),
         real!(Vars.parameters => limit.following_error).parameter().unit(&METRE).display("um").range(1e-6, 0.1).describe("Following error at the tool that is a fault"),
         real!(Vars.parameters => limit.torque_share).parameter().unit(&ONE).range(0.1, 1.0).describe("Part of `servo.torque_max` that a path may need"),
+        // identification
+        text!(Vars.text => identify.frequencies).parameter().start_text(Frequencies::DEFAULT_TEXT).describe("Ascending frequencies at which the response is measured, Hz, at most 32"),
+        real!(Vars.parameters => identify.amplitude).parameter().unit(&METRE).display("mm").range(1e-6, 0.05).describe("Amplitude of the tool; friction falsifies amplitudes below that of the job"),
+        real!(Vars.parameters => identify.torque_share).parameter().unit(&ONE).range(0.01, 0.9).describe("Part of `servo.torque_max` that the swing may need"),
+        real!(Vars.parameters => identify.acceleration_max).parameter().unit(&METRE_PER_SECOND_SQUARED).range(0.1, 1e5).describe("Largest acceleration of the tool"),
+        real!(Vars.parameters => identify.glide_time).parameter().unit(&SECOND).range(1e-3, 10.0).describe("Time from one frequency to the next"),
+        real!(Vars.parameters => identify.settle_time).parameter().unit(&SECOND).range(0.0, 10.0).describe("Time at a frequency before it is measured"),
+        real!(Vars.parameters => identify.average_time).parameter().unit(&SECOND).range(1e-3, 100.0).describe("Least time that is averaged, in whole periods"),
+        real!(Vars.calculated => identify.duration).calculated().unit(&SECOND).describe("Time that the measurement takes"),
+        // calibration
+        real!(Vars.parameters => probe.radius).parameter().unit(&METRE).display("mm").range(0.0, 0.02).describe("Radius R_p of the probe ball"),
+        real!(Vars.parameters => probe.radius_sigma).parameter().unit(&METRE).display("um").range(0.0, 1e-3).describe("Standard deviation of the radius of the probe ball"),
+        real!(Vars.parameters => probe.depth_sigma).parameter().unit(&METRE).display("nm").range(1e-9, 1e-3).describe("Standard deviation of a depth reading on a cut surface"),
+        real!(Vars.parameters => probe.lateral_sigma).parameter().unit(&METRE).display("nm").range(1e-9, 1e-3).describe("Standard deviation of the lateral position of the probe"),
+        real!(Vars.parameters => probe.cusp_sigma).parameter().unit(&METRE).display("um").range(1e-9, 0.1).describe("Standard deviation of the zero of the lateral position on the spindle axis; a toroid probed on both sides finds it"),
+        real!(Vars.parameters => probe.pitch).parameter().unit(&METRE).display("um").range(1e-6, 0.1).describe("Way of the probe between two samples of one capture"),
+        real!(Vars.parameters => calibration.arm_angle_sigma).parameter().unit(&RADIAN).range(1e-9, 1e-2).describe("Standard deviation of the arm angle of a flat"),
     ];
 
     fn period(vars: &Vars) -> f64 {
         vars.parameters.sample_period
     }
 
-    fn initialise(vars: &mut Vars, _: &mut Env) -> Result<Controller, Error> {
-        let text = |error: control_blocks::ParameterError| error.to_string();
+    fn calculate(vars: &mut Vars) {
+        if let Ok(frequencies) = vars.text.identify.frequencies.parse() {
+            vars.parameters.identify.frequencies = frequencies;
+            vars.calculated.identify.duration = identify::duration(&vars.parameters);
+        }
+    }
+
+    fn initialise(vars: &mut Vars, env: &mut Env) -> Result<Controller, Error> {
+        let text = |error: ParameterError| error.to_string();
+        vars.parameters.identify.frequencies = vars.text.identify.frequencies.parse().map_err(text)?;
         vars.parameters.afc.harmonics = vars.text.afc.harmonics.parse().map_err(text)?;
-        Ok(Controller::new(&vars.parameters, &Tables::default()).map_err(text)?)
+        let tables = tables(vars, env.resources()).map_err(text)?;
+        Ok(Controller::new(&vars.parameters, &tables).map_err(text)?)
     }
 
     fn tick(vars: &mut Vars, controller: &mut Controller, env: &mut Env) -> Result<(), Error> {
@@ -280,6 +369,19 @@ impl Model for Fts {
 }
 
 export!(Fts);
+
+/// The tables from the files that the texts name.
+fn tables(vars: &Vars, resources: Option<&Path>) -> Result<Tables, ParameterError> {
+    let Vars { text, parameters, .. } = vars;
+    let response = &text.response.file;
+    Ok(Tables {
+        depth: match parameters.surface.kind {
+            SurfaceKind::File => Some(path_file::read(&text.path.file, resources, parameters)?),
+            SurfaceKind::Toric | SurfaceKind::Wave => None,
+        },
+        response: (!response.is_empty()).then(|| response_file::read(response, resources)).transpose()?,
+    })
+}
 
 /// One log line for a new state.
 fn tell(vars: &Vars, env: &mut Env) {

@@ -19,15 +19,14 @@ pub struct LoopResponse {
 impl LoopResponse {
     /// The response of the nominal loop.
     pub fn nominal(model: LoopModel) -> Self {
-        Self { model, correction: FrequencyResponse::new() }
+        Self { model, correction: FrequencyResponse::EMPTY }
     }
 
     /// Takes a measured response; it replaces the one before.
     pub fn correct(&mut self, measured: &FrequencyResponse) {
-        self.correction.clear();
+        self.correction = FrequencyResponse::EMPTY;
         for point in measured.points() {
-            let (frequency, measured) = (point.frequency, Complex::from_polar(point.magnitude, point.phase));
-            self.correction.push(frequency, measured / self.model.closed(frequency));
+            self.correction.push(point.frequency, point.value() / self.model.closed(point.frequency));
         }
     }
 
@@ -69,7 +68,7 @@ mod tests {
     fn twelve_points_find_a_loop_that_is_20_percent_off_to_2_percent() {
         // the arm is lighter, the flexure softer than nominal
         let real = model(|p| (p.servo.inertia, p.tip.frequency) = (0.8 * p.servo.inertia, 0.9 * p.tip.frequency));
-        let mut measured = FrequencyResponse::new();
+        let mut measured = FrequencyResponse::EMPTY;
         for hertz in [10.0, 20.0, 40.0, 60.0, 90.0, 120.0, 160.0, 220.0, 300.0, 400.0, 500.0, 600.0] {
             measured.push(TAU * hertz, real.closed(TAU * hertz));
         }

@@ -107,7 +107,7 @@ mod tests {
 
     #[test]
     fn what_the_table_does_not_reach_is_zero() {
-        assert_eq!(margins(&FrequencyResponse::new()), Margins::NONE);
+        assert_eq!(margins(&FrequencyResponse::EMPTY), Margins::NONE);
         let flat = FrequencyResponse::from_model(&[60.0, 120.0], |_| Complex::new(1.0, -0.1));
         let found = margins(&flat);
         assert_eq!((found.bandwidth, found.phase_margin), (0.0, 0.0));

@@ -41,6 +41,11 @@ impl Quintic {
         self.goal
     }
 
+    /// Whether the motion is over at the time `t` (s) after its start.
+    pub fn over(&self, t: f64) -> bool {
+        t >= self.duration
+    }
+
     /// The motion at the time `t` (s) after its start.
     pub fn at(&self, t: f64) -> Motion {
         let (s, per_second) = (t / self.duration, 1.0 / self.duration);

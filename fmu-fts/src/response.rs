@@ -21,20 +21,19 @@ pub struct Point {
 
 /// T(w) between the points: logarithm of the magnitude and phase are linear in w, T(0) = 1, and beyond the
 /// last point T stays as it is there.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FrequencyResponse {
-    points: Vec<Point>,
+    points: [Point; POINTS_MAX],
+    count: usize,
 }
 
 impl FrequencyResponse {
-    /// An empty table, T = 1 everywhere, with room for [`POINTS_MAX`] points.
-    pub fn new() -> Self {
-        Self { points: Vec::with_capacity(POINTS_MAX) }
-    }
+    /// T = 1 everywhere.
+    pub const EMPTY: Self = Self { points: [Point::REST; POINTS_MAX], count: 0 };
 
     /// The table of a model T(w) at ascending frequencies (rad/s).
     pub fn from_model(frequencies: &[f64], model: impl Fn(f64) -> Complex<f64>) -> Self {
-        let mut response = Self::new();
+        let mut response = Self::EMPTY;
         frequencies.iter().for_each(|w| response.push(*w, model(*w)));
         response
     }
@@ -42,39 +41,30 @@ impl FrequencyResponse {
     /// Adds a frequency (rad/s) above all others; its phase is put within half a turn of the point before.
     /// A point too many, of a lower frequency, or of no finite magnitude above 0 is left out.
     pub fn push(&mut self, frequency: f64, t: Complex<f64>) {
-        let last = self.points.last().copied().unwrap_or(Point::REST);
+        let last = self.points().last().copied().unwrap_or(Point::REST);
         let magnitude = t.norm();
         let usable = magnitude.is_finite() && magnitude > 0.0 && frequency > last.frequency;
-        if usable && self.points.len() < POINTS_MAX {
+        if usable && self.count < POINTS_MAX {
             let phase = last.phase + wrapped(t.arg() - last.phase);
-            self.points.push(Point { frequency, magnitude, phase });
+            self.points[self.count] = Point { frequency, magnitude, phase };
+            self.count += 1;
         }
-    }
-
-    /// Forgets all points; the room for them stays.
-    pub fn clear(&mut self) {
-        self.points.clear();
     }
 
     /// The points, frequency ascending.
     pub fn points(&self) -> &[Point] {
-        &self.points
+        &self.points[..self.count]
     }
 
     /// T at `frequency` (rad/s, not negative).
     pub fn at(&self, frequency: f64) -> Complex<f64> {
-        let above = self.points.partition_point(|point| point.frequency < frequency);
-        let before = above.checked_sub(1).map_or(Point::REST, |i| self.points[i]);
-        let Some(after) = self.points.get(above) else { return before.value() };
+        let points = self.points();
+        let above = points.partition_point(|point| point.frequency < frequency);
+        let before = above.checked_sub(1).map_or(Point::REST, |i| points[i]);
+        let Some(after) = points.get(above) else { return before.value() };
         let share = (frequency - before.frequency) / (after.frequency - before.frequency);
         let magnitude = before.magnitude * (after.magnitude / before.magnitude).powf(share);
         Complex::from_polar(magnitude, before.phase + share * (after.phase - before.phase))
-    }
-}
-
-impl Default for FrequencyResponse {
-    fn default() -> Self {
-        Self::new()
     }
 }
 
@@ -134,7 +124,7 @@ mod tests {
         let response = FrequencyResponse::from_model(&[50.0, 100.0], model);
         assert_eq!(response.at(0.0), Complex::new(1.0, 0.0));
         assert_eq!(response.at(1e6), response.at(100.0));
-        assert_eq!(FrequencyResponse::new().at(30.0), Complex::new(1.0, 0.0));
+        assert_eq!(FrequencyResponse::EMPTY.at(30.0), Complex::new(1.0, 0.0));
     }
 
     #[test]

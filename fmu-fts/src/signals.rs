@@ -2,12 +2,15 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::calibration::Status;
 use crate::machine::{Fault, Mode, State};
+use crate::margins::{Margins, margins};
+use crate::response::FrequencyResponse;
 
 /// Harmonics of the tracking error that are reported.
 pub const ERROR_HARMONICS: usize = 24;
 /// Points of the frequency response that are reported.
-pub const RESPONSE_POINTS: usize = 32;
+pub const RESPONSE_POINTS: usize = crate::response::POINTS_MAX;
 
 /// Inputs, sampled at the start of the tick.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -53,15 +56,17 @@ pub struct AfcInput {
 pub struct ProbeInput {
     /// Depth reading p, m.
     pub depth: f64,
-    /// Distance l of the probe from the spindle axis, m.
+    /// Distance l of the probe from the spindle axis, negative on its other side, m.
     pub lateral: f64,
-    /// Rising edge stores a sample.
+    /// Rising edge stores a sample; while it stays, one more every `probe.pitch` of way.
     pub capture: bool,
 }
 
 /// Commands of the calibration.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CalibrationInput {
+    /// The tool cuts the part that will be probed.
+    pub cut: bool,
     /// Rising edge runs the fit.
     pub solve: bool,
 }
@@ -77,7 +82,7 @@ impl Input {
         afc: AfcInput { enable: true, reset: false },
         hold_angle: 0.0,
         probe: ProbeInput { depth: 0.0, lateral: 0.0, capture: false },
-        calibration: CalibrationInput { solve: false },
+        calibration: CalibrationInput { cut: false, solve: false },
     };
 }
 
@@ -106,6 +111,8 @@ pub struct Output {
     pub calibration: Calibration,
     /// Frequency response of the position loop.
     pub response: ResponseOutput,
+    /// Measurement of the frequency response.
+    pub identify: IdentifyOutput,
 }
 
 /// Where the tool should be, before feedforward and cancellation.
@@ -147,6 +154,8 @@ pub struct PathOutput {
 /// Result of the calibration, for the selected tool.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Calibration {
+    /// How it goes.
+    pub status: Status,
     /// Arm length R_a, m.
     pub arm_length: f64,
     /// Cross-slide offset x_0, m.
@@ -165,17 +174,42 @@ pub struct Calibration {
     pub samples: i32,
 }
 
-/// Frequency response of the position loop as identified.
+/// Frequency response of the position loop that is in use: nominal, from `response.file` or identified.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ResponseOutput {
-    /// -3 dB frequency, rad/s.
+    /// -3 dB frequency, rad/s; 0 if it is beyond the table.
     pub bandwidth: f64,
+    /// Smallest phase margin, rad.
+    pub phase_margin: f64,
+    /// Largest magnitude of the sensitivity.
+    pub sensitivity_peak: f64,
     /// Frequencies, rad/s; 0 where there is no point.
     pub frequency: [f64; RESPONSE_POINTS],
     /// Magnitudes.
     pub magnitude: [f64; RESPONSE_POINTS],
     /// Phases, rad.
     pub phase: [f64; RESPONSE_POINTS],
+}
+
+impl ResponseOutput {
+    /// A response as outputs.
+    pub fn of(response: &FrequencyResponse) -> Self {
+        let Margins { bandwidth, phase_margin, sensitivity_peak } = margins(response);
+        let mut output = Self { bandwidth, phase_margin, sensitivity_peak, ..Output::START.response };
+        for (i, point) in response.points().iter().enumerate() {
+            output.frequency[i] = point.frequency;
+            output.magnitude[i] = point.magnitude;
+            output.phase[i] = point.phase;
+        }
+        output
+    }
+}
+
+/// Measurement of the frequency response.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct IdentifyOutput {
+    /// Part of the measurement that is over, 0 to 1.
+    pub progress: f64,
 }
 
 impl Output {
@@ -191,6 +225,7 @@ impl Output {
         afc: AfcOutput { frozen: true },
         path: PathOutput { torque: 0.0 },
         calibration: Calibration {
+            status: Status::None,
             arm_length: 0.0,
             centre_offset: 0.0,
             arm_zero: 0.0,
@@ -202,9 +237,12 @@ impl Output {
         },
         response: ResponseOutput {
             bandwidth: 0.0,
+            phase_margin: 0.0,
+            sensitivity_peak: 0.0,
             frequency: [0.0; RESPONSE_POINTS],
             magnitude: [0.0; RESPONSE_POINTS],
             phase: [0.0; RESPONSE_POINTS],
         },
+        identify: IdentifyOutput { progress: 0.0 },
     };
 }
