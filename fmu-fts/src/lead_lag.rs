@@ -1,6 +1,8 @@
 //! Lead-lag compensator: crossover, Tustin discretisation, recursion with the torque limit inside.
 //!
-//!     K(s) = K (s + w_z)(s + w_i) / ((s + w_p) s (s / w_r + 1))
+//! ```text
+//! K(s) = K (s + w_z)(s + w_i) / ((s + w_p) s (s / w_r + 1))
+//! ```
 
 use nalgebra::Complex;
 use serde::{Deserialize, Serialize};

@@ -3,7 +3,9 @@
 //! Eq. 3, k (1 + sum g_n s / (s^2 + n^2 w^2)), has no phase advance and is unstable where the position loop is more than
 //! a quarter turn late. The form of Messner and Bodson turns each resonator by the phase of the loop:
 //!
-//!     R_n = g_n (s cos f_n - n w sin f_n) / (s^2 + n^2 w^2),   f_n = -arg T(j n w),   g_n = 2 / (tau |T|).
+//! ```text
+//! R_n = g_n (s cos f_n - n w sin f_n) / (s^2 + n^2 w^2),   f_n = -arg T(j n w),   g_n = 2 / (tau |T|).
+//! ```
 //!
 //! In the angle domain it needs no speed: xi_n += 2 T_s / (tau |T|) e exp(-j (n theta + arg T)), u = Re xi_n e^(j n theta).
 
