@@ -11,7 +11,7 @@ use crate::design::design;
 use crate::edge::Edge;
 use crate::feasibility::{available_torque, needed_torque};
 use crate::hold::Hold;
-use crate::identify::Identification;
+use crate::identify::{Expected, Identification};
 use crate::kinematics::Arm;
 use crate::lead_lag::{LeadLag, Recursion};
 use crate::loop_model::LoopModel;
@@ -74,6 +74,7 @@ impl Controller {
         let mut response = LoopResponse::nominal(model);
         tables.response.iter().for_each(|measured| response.correct(measured));
         let grid: Vec<f64> = p.identify.frequencies.iter().collect();
+        let identification = Identification::new(p, |omega| expected(&response, omega));
         let known = FrequencyResponse::from_model(&grid, |omega| response.at(omega));
         Ok(Self {
             arm,
@@ -87,7 +88,7 @@ impl Controller {
             tracker: Tracker::new(p, path, response),
             motion: Motion::default(),
             recursion: Recursion::default(),
-            identification: Identification::new(p, &known),
+            identification,
             response: Some(tables.response.unwrap_or(known)),
             calibration: Calibration::new(p),
         })
@@ -204,9 +205,10 @@ impl Controller {
         if !self.hold.arrived(p) || self.identification.done() {
             return centre;
         }
-        let angle = centre.angle + self.identification.step(reading.arm_angle - centre.angle);
+        let saturated = self.recursion.saturated;
+        let angle = centre.angle + self.identification.step(reading.arm_angle - centre.angle, saturated);
         if self.identification.done() {
-            self.tracker.correct(self.identification.response());
+            self.tracker.response().correct(self.identification.response());
             self.response = Some(*self.identification.response());
         }
         Motion { angle, velocity: (angle - self.motion.angle) / p.sample_period, acceleration: 0.0 }
@@ -247,7 +249,12 @@ impl Controller {
         output.calibration = self.calibration.report();
         output.identify = IdentifyOutput { progress: self.identification.progress() };
         if let Some(response) = self.response.take() {
-            output.response = ResponseOutput::of(&response);
+            output.response = ResponseOutput::of(&response, self.tracker.response());
         }
     }
+}
+
+/// What a swing at `omega` (rad/s) is expected to do.
+fn expected(response: &LoopResponse, omega: f64) -> Expected {
+    Expected { response: response.at(omega), stiffness: response.model().arm(omega).norm().recip() }
 }

@@ -2,7 +2,8 @@
 //! are correlated with it over whole periods.
 //!
 //! Friction falsifies small motions: the torque it takes does not shrink with them. So every frequency is measured with
-//! the amplitude of the job, as far as torque and acceleration allow.
+//! the amplitude of the job, as far as torque, acceleration and following error allow. A frequency at which the torque
+//! reaches its limit is left out.
 
 use std::f64::consts::TAU;
 
@@ -14,6 +15,15 @@ use crate::response::FrequencyResponse;
 
 /// Part of the following error that is a fault which the swing may have.
 const ERROR_SHARE: f64 = 0.7;
+
+/// What is expected at a frequency.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Expected {
+    /// T.
+    pub response: Complex<f64>,
+    /// Amplitude of the torque over that of the arm, N.m/rad.
+    pub stiffness: f64,
+}
 
 /// One frequency of the experiment.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -56,15 +66,17 @@ pub struct Identification {
     phase: f64,
     set_point: Complex<f64>,
     angle: Complex<f64>,
+    /// The torque has reached its limit in this stage.
+    saturated: bool,
     response: FrequencyResponse,
 }
 
 impl Identification {
-    /// The experiment before its first sample; `expected` is about what T is.
-    pub fn new(p: &Parameters, expected: &FrequencyResponse) -> Self {
+    /// The experiment before its first sample; `expected` tells about what happens at a frequency (rad/s).
+    pub fn new(p: &Parameters, expected: impl Fn(f64) -> Expected) -> Self {
         Self {
             period: p.sample_period,
-            stages: p.identify.frequencies.iter().map(|omega| stage(p, omega, expected.at(omega))).collect(),
+            stages: p.identify.frequencies.iter().map(|omega| stage(p, omega, &expected(omega))).collect(),
             glide: p.ticks(p.identify.glide_time).max(1),
             settle: p.ticks(p.identify.settle_time),
             stage: 0,
@@ -73,6 +85,7 @@ impl Identification {
             phase: 0.0,
             set_point: Complex::ZERO,
             angle: Complex::ZERO,
+            saturated: false,
             response: FrequencyResponse::EMPTY,
         }
     }
@@ -80,12 +93,14 @@ impl Identification {
     /// Begins again.
     pub fn restart(&mut self) {
         (self.stage, self.tick, self.elapsed, self.phase) = (0, 0, 0, 0.0);
-        (self.set_point, self.angle) = (Complex::ZERO, Complex::ZERO);
+        (self.set_point, self.angle, self.saturated) = (Complex::ZERO, Complex::ZERO, false);
         self.response = FrequencyResponse::EMPTY;
     }
 
-    /// One sample: takes the arm angle (rad) and gives the set-point (rad), both from the centre of the swing.
-    pub fn step(&mut self, angle: f64) -> f64 {
+    /// One sample: takes the arm angle (rad) and gives the set-point (rad), both from the centre of the swing;
+    /// `saturated` says that the last torque was at its limit.
+    pub fn step(&mut self, angle: f64, saturated: bool) -> f64 {
+        self.saturated |= saturated;
         let (amplitude, frequency) = self.excitation();
         self.phase = (self.phase + frequency).fract();
         let set_point = amplitude * (TAU * self.phase).sin();
@@ -141,8 +156,10 @@ impl Identification {
         self.angle += rotation * angle;
         if k + 1 == stage.samples {
             let omega = TAU * stage.frequency() / self.period;
-            self.response.push(omega, self.angle / self.set_point);
-            (self.set_point, self.angle) = (Complex::ZERO, Complex::ZERO);
+            if !self.saturated {
+                self.response.push(omega, self.angle / self.set_point);
+            }
+            (self.set_point, self.angle, self.saturated) = (Complex::ZERO, Complex::ZERO, false);
         }
     }
 
@@ -157,27 +174,28 @@ impl Identification {
 
 /// Time (s) that the experiment of these parameters takes.
 pub fn duration(p: &Parameters) -> f64 {
-    f64::from(Identification::new(p, &FrequencyResponse::EMPTY).ticks()) * p.sample_period
+    let any = Expected { response: Complex::ONE, stiffness: 1.0 };
+    f64::from(Identification::new(p, |_| any).ticks()) * p.sample_period
 }
 
-/// The stage for a frequency (rad/s) at which T is expected to be `t`.
-fn stage(p: &Parameters, omega: f64, t: Complex<f64>) -> Stage {
+/// The stage for a frequency (rad/s).
+fn stage(p: &Parameters, omega: f64, expected: &Expected) -> Stage {
     let per_sample = omega * p.sample_period / TAU;
     // rounding errors make no period more
     let periods = (omega * p.identify.average_time / TAU - 1e-9).ceil().max(1.0);
     let samples = (periods / per_sample).round();
-    let error = ERROR_SHARE * p.limit.following_error / p.tool.arm_length[p.tool_index()];
-    // infinite where nothing limits it
-    let amplitude = (arm_amplitude(p, omega) / t.norm()).min(error / (1.0 - t).norm());
-    Stage { periods: periods as u32, samples: samples as u32, amplitude }
+    Stage { periods: periods as u32, samples: samples as u32, amplitude: amplitude(p, omega, expected) }
 }
 
-/// Amplitude of the arm (rad): that of the job, or what torque and acceleration allow.
-fn arm_amplitude(p: &Parameters, omega: f64) -> f64 {
-    let wanted = p.identify.amplitude / p.tool.arm_length[p.tool_index()];
-    let by_torque = p.identify.torque_share * p.servo.torque_max / (p.servo.inertia * omega * omega);
-    let by_acceleration = p.identify.acceleration_max / (p.tool.arm_length[p.tool_index()] * omega * omega);
-    wanted.min(by_torque).min(by_acceleration)
+/// Amplitude of the set-point (rad): the tool moves as in the job, or as far as the limits allow.
+fn amplitude(p: &Parameters, omega: f64, expected: &Expected) -> f64 {
+    let (identify, length) = (&p.identify, p.tool.arm_length[p.tool_index()]);
+    let tool = identify.amplitude.min(identify.acceleration_max / (omega * omega));
+    let torque = identify.torque_share * p.servo.torque_max;
+    let arm = (tool / length).min(torque / expected.stiffness);
+    let error = ERROR_SHARE * p.limit.following_error / length;
+    // without an error it is infinite, and the other limit counts
+    (arm / expected.response.norm()).min(error / (1.0 - expected.response).norm())
 }
 
 #[cfg(test)]
@@ -208,15 +226,19 @@ mod tests {
         }
     }
 
+    /// An experiment that knows what to expect of the loop, with a rigid arm.
+    fn experiment(p: &Parameters) -> Identification {
+        let stiffness = |omega: f64| p.servo.inertia * omega * omega;
+        Identification::new(p, |omega| Expected { response: Loop::response(omega), stiffness: stiffness(omega) })
+    }
+
     fn run(p: &Parameters, disturb: impl Fn(u32, f64) -> f64) -> (Identification, Vec<f64>) {
-        let grid: Vec<f64> = p.identify.frequencies.iter().collect();
-        let expected = FrequencyResponse::from_model(&grid, Loop::response);
-        let mut identification = Identification::new(p, &expected);
+        let mut identification = experiment(p);
         let (mut plant, mut angles) = (Loop::default(), Vec::new());
         while !identification.done() {
             let angle = disturb(identification.elapsed, plant.angle());
             angles.push(plant.angle());
-            let set_point = identification.step(angle);
+            let set_point = identification.step(angle, false);
             plant.step(set_point);
         }
         (identification, angles)
@@ -277,12 +299,11 @@ mod tests {
     fn the_following_error_stays_below_its_fault() {
         let mut p = Parameters::DEFAULT;
         p.limit.following_error = 0.4e-3;
-        let grid: Vec<f64> = p.identify.frequencies.iter().collect();
-        let mut identification = Identification::new(&p, &FrequencyResponse::from_model(&grid, Loop::response));
+        let mut identification = experiment(&p);
         let (mut plant, mut largest) = (Loop::default(), 0.0);
         while !identification.done() {
             let angle = plant.angle();
-            let set_point = identification.step(angle);
+            let set_point = identification.step(angle, false);
             largest = f64::max(largest, 0.08 * (set_point - angle).abs());
             plant.step(set_point);
         }
@@ -301,6 +322,21 @@ mod tests {
     }
 
     #[test]
+    fn a_frequency_with_saturated_torque_is_left_out() {
+        let mut p = Parameters::DEFAULT;
+        p.identify.frequencies = "20, 40, 80".parse().unwrap();
+        let (mut identification, mut plant) = (experiment(&p), Loop::default());
+        while !identification.done() {
+            // once at the second frequency
+            let saturated = identification.elapsed == 6000;
+            let set_point = identification.step(plant.angle(), saturated);
+            plant.step(set_point);
+        }
+        let measured: Vec<f64> = identification.response().points().iter().map(|point| point.frequency / TAU).collect();
+        assert!(measured.len() == 2 && (measured[0] - 20.0).abs() < 1e-9 && (measured[1] - 80.0).abs() < 1e-9);
+    }
+
+    #[test]
     fn a_restart_measures_the_same_again() {
         let (mut identification, _) = run(&Parameters::DEFAULT, |_, angle| angle);
         let first = *identification.response();
@@ -308,7 +344,7 @@ mod tests {
         assert_eq!(identification.progress(), 0.0);
         let mut plant = Loop::default();
         while !identification.done() {
-            let set_point = identification.step(plant.angle());
+            let set_point = identification.step(plant.angle(), false);
             plant.step(set_point);
         }
         assert_eq!(identification.response(), &first);

@@ -3,9 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use crate::calibration::Status;
+use crate::loop_response::LoopResponse;
 use crate::machine::{Fault, Mode, State};
 use crate::margins::{Margins, margins};
-use crate::response::FrequencyResponse;
+use crate::response::{FrequencyResponse, Point};
 
 /// Harmonics of the tracking error that are reported.
 pub const ERROR_HARMONICS: usize = 24;
@@ -192,9 +193,11 @@ pub struct ResponseOutput {
 }
 
 impl ResponseOutput {
-    /// A response as outputs.
-    pub fn of(response: &FrequencyResponse) -> Self {
-        let Margins { bandwidth, phase_margin, sensitivity_peak } = margins(response);
+    /// The points of a response, and what follows from the loop in use that they belong to.
+    pub fn of(response: &FrequencyResponse, in_use: &LoopResponse) -> Self {
+        let frequency = |place: Option<&Point>| place.map_or(0.0, |point| point.frequency);
+        let (first, last) = (frequency(response.points().first()), frequency(response.points().last()));
+        let Margins { bandwidth, phase_margin, sensitivity_peak } = margins(first, last, |omega| in_use.at(omega));
         let mut output = Self { bandwidth, phase_margin, sensitivity_peak, ..Output::START.response };
         for (i, point) in response.points().iter().enumerate() {
             output.frequency[i] = point.frequency;

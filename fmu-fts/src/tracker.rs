@@ -10,7 +10,6 @@ use crate::path::{Path, Row};
 use crate::phasors::Phasors;
 use crate::quintic::Motion;
 use crate::resonators::Resonators;
-use crate::response::FrequencyResponse;
 use crate::signals::ERROR_HARMONICS;
 use crate::spindle::Spindle;
 use crate::statistics::{ErrorStatistics, Turn};
@@ -96,11 +95,6 @@ impl Tracker {
         let t = self.response.at(omega);
         self.feedforward.tune(self.tuned, t, hub_over_tool(p, omega));
         self.resonators.tune(p, self.tuned, t, omega);
-    }
-
-    /// Takes a measured response of the position loop.
-    pub fn correct(&mut self, measured: &FrequencyResponse) {
-        self.response.correct(measured);
     }
 
     /// Begins to move onto the path.
