@@ -25,6 +25,7 @@ use crate::reading::{Reader, Reading};
 use crate::response::FrequencyResponse;
 use crate::signals::{IdentifyOutput, Input, Output, ResponseOutput};
 use crate::spindle::Spindle;
+use crate::sweep::sweep;
 use crate::tracker::{Layers, Tracker, Wanted};
 
 /// Tables that come from files; none by default.
@@ -177,6 +178,12 @@ impl Controller {
     fn refer(&mut self, p: &Parameters, reading: &Reading, layers: Layers, phasors: &Phasors) -> Wanted {
         let wanted = match self.state {
             State::Idle | State::Fault => self.still(Motion { angle: reading.arm_angle, ..Motion::default() }),
+            State::Calibrate if reading.cutting => {
+                let motion = sweep(p, self.motion, reading.hold_angle);
+                // what comes after the cut begins here
+                self.hold.go(p, motion, reading.hold_angle);
+                self.still(motion)
+            }
             State::Hold | State::Calibrate => {
                 let motion = self.hold.step(p, reading.hold_angle);
                 self.still(motion)

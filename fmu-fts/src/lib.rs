@@ -42,6 +42,7 @@ pub mod spindle;
 pub mod statistics;
 pub mod store;
 pub mod surface;
+pub mod sweep;
 pub mod tip;
 pub mod toric;
 pub mod toroid;
@@ -236,7 +237,7 @@ impl Model for Fts {
         real!(Vars.input => probe.depth).input().unit(&METRE).display("mm").accepts_nan().describe("Depth reading p of the probe, positive into the part"),
         real!(Vars.input => probe.lateral).input().unit(&METRE).display("mm").accepts_nan().describe("Distance l of the probe from the spindle axis, negative on its other side"),
         boolean!(Vars.input => probe.capture).input().describe("Rising edge stores a probed sample; while it stays, one more every `probe.pitch` of way"),
-        boolean!(Vars.input => calibration.cut).input().describe("The tool cuts the part that will be probed; arm angle and slide position are averaged"),
+        boolean!(Vars.input => calibration.cut).input().describe("The tool cuts the part that will be probed: the arm moves with `calibration.sweep_speed`, arm angle and slide position are averaged"),
         boolean!(Vars.input => calibration.solve).input().describe("Rising edge fits the stored samples"),
         // outputs
         real!(Vars.output => torque).output().unit(&NEWTON_METRE).describe("Torque command"),
@@ -337,6 +338,7 @@ impl Model for Fts {
         real!(Vars.parameters => probe.cusp_sigma).parameter().unit(&METRE).display("um").range(1e-9, 0.1).describe("Standard deviation of the zero of the lateral position on the spindle axis; a toroid probed on both sides finds it"),
         real!(Vars.parameters => probe.pitch).parameter().unit(&METRE).display("um").range(1e-6, 0.1).describe("Way of the probe between two samples of one capture"),
         real!(Vars.parameters => calibration.arm_angle_sigma).parameter().unit(&RADIAN).range(1e-9, 1e-2).describe("Standard deviation of the arm angle of a flat"),
+        real!(Vars.parameters => calibration.sweep_speed).parameter().unit(&RADIAN_PER_SECOND).range(1e-4, 1.0).describe("Speed of the arm towards `hold_angle` while a calibration part is cut"),
     ];
 
     fn period(vars: &Vars) -> f64 {

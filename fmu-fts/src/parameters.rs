@@ -395,9 +395,12 @@ impl Probe {
 pub struct Calibration {
     /// Standard deviation of the arm angle of a flat, rad; 1e-9 to 1e-2, default 0.25 urad (derived: encoder step).
     pub arm_angle_sigma: f64,
+    /// Speed of the arm while a calibration part is cut, rad/s; 1e-4 to 1, default 0.03 (our choice: 50 um a turn at
+    /// 3000 rpm).
+    pub sweep_speed: f64,
 }
 
 impl Calibration {
     /// Documented defaults.
-    pub const DEFAULT: Self = Self { arm_angle_sigma: 0.25e-6 };
+    pub const DEFAULT: Self = Self { arm_angle_sigma: 0.25e-6, sweep_speed: 0.03 };
 }

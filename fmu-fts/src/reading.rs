@@ -20,6 +20,8 @@ pub struct Reading {
     pub slide_position: f64,
     /// Angle to hold, rad.
     pub hold_angle: f64,
+    /// A calibration part is cut.
+    pub cutting: bool,
 }
 
 /// Remembers the last good inputs; by default zeros, before the first sample.
@@ -36,6 +38,7 @@ impl Reader {
             spindle_angle: input.spindle_angle,
             slide_position: input.slide_position,
             hold_angle: input.hold_angle,
+            cutting: input.calibration.cut,
         };
         let valid = believable(now.arm_angle, ANGLE_MAX)
             && believable(now.spindle_angle, ANGLE_MAX)
