@@ -3,12 +3,13 @@
 use control_blocks::{ParameterError, require};
 
 use crate::parameters::{Parameters, SurfaceKind};
+use crate::signals::ERROR_HARMONICS;
 
 type Check = fn(&Parameters) -> Result<(), ParameterError>;
 
 /// Checks all combinations; the first that fails is the error.
 pub fn check(p: &Parameters) -> Result<(), ParameterError> {
-    const CHECKS: [Check; 5] = [tip_frequency, radii, roll_off, path_harmonics, feedforward_harmonics];
+    const CHECKS: [Check; 6] = [tip_frequency, radii, roll_off, path_harmonics, feedforward_harmonics, automatic];
     CHECKS.iter().try_for_each(|check| check(p))
 }
 
@@ -62,6 +63,16 @@ fn feedforward_harmonics(p: &Parameters) -> Result<(), ParameterError> {
     })
 }
 
+fn automatic(p: &Parameters) -> Result<(), ParameterError> {
+    let highest = p.afc.harmonics.highest();
+    require(!p.afc.automatic || highest <= ERROR_HARMONICS, || ParameterError {
+        name: "afc.harmonics",
+        value: format!("up to {highest}"),
+        limit: format!("up to `{ERROR_HARMONICS}` with `afc.automatic`"),
+        hint: "the choice is made from the reported harmonics of the error",
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -85,6 +96,12 @@ mod tests {
             (error(|p| p.surface.outer_radius = 0.0), "surface.outer_radius", "`0 m`", "`0.0005 m`"),
             (error(|p| p.servo.roll_off = 2000.0), "servo.roll_off", "`2000 rad/s`", "`2890"),
             (error(|p| p.surface.kind = SurfaceKind::Wave), "path.harmonics", "`12`", "`surface.wave_harmonic` = `50`"),
+            (
+                error(|p| (p.afc.automatic, p.afc.harmonics) = (true, p.afc.harmonics.with(50))),
+                "afc.harmonics",
+                "`up to 50`",
+                "up to `24`",
+            ),
             (error(|p| p.path.harmonics = 32), "feedforward.harmonics", "`24`", "`path.harmonics` = `32`"),
         ];
         for (message, name, value, limit) in cases {

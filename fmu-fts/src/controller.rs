@@ -8,6 +8,7 @@ use crate::check::check;
 use crate::cut::Moment;
 use crate::depth_table::DepthTable;
 use crate::design::design;
+use crate::dry_friction::dry_friction;
 use crate::edge::Edge;
 use crate::feasibility::{available_torque, needed_torque};
 use crate::hold::Hold;
@@ -236,7 +237,9 @@ impl Controller {
         if !self.state.closed() {
             return 0.0;
         }
-        self.recursion.update(&self.compensator, wanted.set_point - reading.arm_angle, p.servo.torque_max)
+        let (error, limit) = (wanted.set_point - reading.arm_angle, p.servo.torque_max);
+        let torque = self.recursion.update(&self.compensator, error, limit) + dry_friction(p, wanted.motion);
+        torque.clamp(-limit, limit)
     }
 
     fn report(&mut self, p: &Parameters, torque: f64, wanted: &Wanted, reading: &Reading, output: &mut Output) {
@@ -249,7 +252,7 @@ impl Controller {
         let turn = self.tracker.last_turn();
         output.error.rms = turn.rms;
         output.error.peak = turn.peak;
-        output.error.harmonic = turn.harmonic;
+        output.error.harmonic = turn.harmonic.map(|c| c.norm());
         output.spindle_speed = self.spindle.speed;
         output.saturated = self.state.closed() && self.recursion.saturated;
         output.path.torque = needed_torque(p, self.tracker.path(), self.spindle.speed);

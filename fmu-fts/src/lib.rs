@@ -7,10 +7,12 @@
 pub mod approach;
 pub mod calibration;
 pub mod check;
+pub mod chooser;
 pub mod controller;
 pub mod cut;
 pub mod depth_table;
 pub mod design;
+pub mod dry_friction;
 pub mod edge;
 pub mod feasibility;
 pub mod feedforward;
@@ -300,6 +302,7 @@ impl Model for Fts {
         real!(Vars.parameters => servo.roll_off).parameter().unit(&RADIAN_PER_SECOND).display("Hz").range(1e3, 31_400.0).describe("Roll-off of the compensator"),
         real!(Vars.parameters => servo.inertia).parameter().unit(&KILOGRAM_METRE_SQUARED).range(1e-7, 10.0).describe("Nominal inertia J of the whole moving arm"),
         real!(Vars.parameters => servo.viscous_friction).parameter().unit(&NEWTON_METRE_SECOND).range(0.0, 10.0).describe("Nominal viscous friction"),
+        real!(Vars.parameters => servo.dry_friction).parameter().unit(&NEWTON_METRE).range(0.0, 10.0).describe("Dry friction that is fed forward with the sign of the wanted speed; 0 for none"),
         real!(Vars.parameters => servo.torque_max).parameter().unit(&NEWTON_METRE).range(1e-3, 1e4).describe("Largest torque"),
         real!(Vars.parameters => servo.current_bandwidth).parameter().unit(&RADIAN_PER_SECOND).display("Hz").range(600.0, 1e6).describe("Bandwidth of the current loop"),
         integer!(Vars.parameters => servo.io_delay).parameter().range_int(0, 8).describe("Samples between a command and its action; 1 for a standard master, 0 if the command acts at once"),
@@ -311,6 +314,7 @@ impl Model for Fts {
         integer!(Vars.parameters => feedforward.harmonics).parameter().range_int(0, 64).describe("Harmonics that are pre-shifted"),
         text!(Vars.text => response.file).parameter().describe("JSON table of the frequency response, in the folder resources of the FMU or with its whole path; empty for the response of the nominal loop"),
         text!(Vars.text => afc.harmonics).parameter().start_text("1-24").describe("Cancelled harmonics of the spindle: numbers and ranges like `2, 4, 6` or `1-24`, up to 64"),
+        boolean!(Vars.parameters => afc.automatic).parameter().describe("Of `afc.harmonics`, cancel only what repeats from turn to turn"),
         real!(Vars.parameters => afc.tau).parameter().unit(&SECOND).range(0.01, 100.0).describe("Time constant tau of each cancelled harmonic"),
         boolean!(Vars.parameters => afc.phase_advance).parameter().describe("Advance each resonator by the phase of the position loop; without it eq. 3 as printed, unstable above some speed"),
         real!(Vars.parameters => afc.speed_min).parameter().unit(&RADIAN_PER_SECOND).display("rpm").range(0.0, 1e3).describe("Spindle speed below which nothing is learned"),

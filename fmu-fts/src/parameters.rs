@@ -197,6 +197,8 @@ pub struct Servo {
     pub inertia: f64,
     /// Viscous friction, N.m.s/rad; 0 to 10, default 2e-3 (our choice).
     pub viscous_friction: f64,
+    /// Dry friction that is fed forward, N.m; 0 to 10, default 0 = off (our choice: it must be measured first).
+    pub dry_friction: f64,
     /// Largest torque, N.m; 1e-3 to 1e4, default 7 (our choice).
     pub torque_max: f64,
     /// Bandwidth of the current loop, rad/s; 600 to 1e6, default 12566 = 2 kHz (our choice).
@@ -214,6 +216,7 @@ impl Servo {
         roll_off: std::f64::consts::TAU * 2500.0,
         inertia: 8e-4,
         viscous_friction: 2e-3,
+        dry_friction: 0.0,
         torque_max: 7.0,
         current_bandwidth: std::f64::consts::TAU * 2000.0,
         io_delay: 1,
@@ -256,6 +259,8 @@ impl Feedforward {
 pub struct Afc {
     /// Cancelled harmonics of the spindle; default 1 to 24 (our choice), paper 2, 4, 6, 8, 10.
     pub harmonics: Harmonics,
+    /// Of these, cancel only what repeats from turn to turn; default false (our choice: it takes eight turns longer).
+    pub automatic: bool,
     /// Time constant tau of each harmonic, s; 0.01 to 100, default 0.3 (derived: 24 harmonics), paper mode 0.2.
     pub tau: f64,
     /// Advance each resonator by the phase of the closed loop; default true, eq. 3 as printed has none.
@@ -271,6 +276,7 @@ impl Afc {
     /// Documented defaults.
     pub const DEFAULT: Self = Self {
         harmonics: Harmonics::DEFAULT,
+        automatic: false,
         tau: 0.3,
         phase_advance: true,
         speed_min: std::f64::consts::TAU,

@@ -16,7 +16,7 @@ use crate::parameters::{Afc, Parameters};
 
 /// T is never taken for less: the gain stays finite.
 const RESPONSE_MIN: f64 = 0.05;
-/// What is left of a harmonic above `afc.frequency_max` at each tuning.
+/// What is left at each tuning of a harmonic that is not in use.
 const FADE: f64 = 0.9;
 
 /// Resonators of the harmonics, n = 1 first.
@@ -33,10 +33,10 @@ impl Resonators {
         Self { states: vec![Complex::default(); highest], gains: vec![Complex::default(); highest] }
     }
 
-    /// Takes the response `t` of the position loop at harmonic `n`, which is at `omega` (rad/s).
-    pub fn tune(&mut self, p: &Parameters, n: usize, t: Complex<f64>, omega: f64) {
+    /// Takes the response `t` of the position loop at harmonic `n`, which is at `omega` (rad/s) and `wanted` or not.
+    pub fn tune(&mut self, p: &Parameters, n: usize, t: Complex<f64>, omega: f64, wanted: bool) {
         if let (Some(state), Some(gain)) = (self.states.get_mut(n - 1), self.gains.get_mut(n - 1)) {
-            let in_use = p.afc.harmonics.contains(n) && omega.abs() <= p.afc.frequency_max;
+            let in_use = wanted && omega.abs() <= p.afc.frequency_max;
             *gain = if in_use { gain_of(&p.afc, p.sample_period, t) } else { Complex::default() };
             if !in_use {
                 *state *= FADE;
@@ -76,7 +76,7 @@ mod tests {
 
     fn tuned(p: &Parameters, n: usize, t: Complex<f64>) -> Resonators {
         let mut resonators = Resonators::new(p);
-        resonators.tune(p, n, t, 1000.0);
+        resonators.tune(p, n, t, 1000.0, true);
         resonators
     }
 
@@ -100,12 +100,12 @@ mod tests {
     }
 
     #[test]
-    fn only_the_list_and_only_up_to_the_highest_frequency() {
+    fn only_what_is_wanted_and_only_up_to_the_highest_frequency() {
         let mut p = Parameters::PAPER;
         p.afc.frequency_max = 4000.0;
         let mut resonators = Resonators::new(&p);
         for n in 1..=24 {
-            resonators.tune(&p, n, Complex::new(0.9, -0.1), 600.0 * n as f64);
+            resonators.tune(&p, n, Complex::new(0.9, -0.1), 600.0 * n as f64, n % 2 == 0);
         }
         let learning: Vec<usize> = (1..=10).filter(|n| resonators.gains[n - 1].norm() > 0.0).collect();
         assert_eq!(learning, [2, 4, 6]);
@@ -118,7 +118,7 @@ mod tests {
         let phasors = Phasors::new(0.0, 24);
         (0..100).for_each(|_| resonators.learn(1e-4, phasors.from_one()));
         let before = resonators.output(phasors.from_one());
-        (0..100).for_each(|_| resonators.tune(&p, 3, Complex::new(1.0, 0.0), 1e6));
+        (0..100).for_each(|_| resonators.tune(&p, 3, Complex::new(1.0, 0.0), 1e6, true));
         assert!(before > 0.0 && resonators.output(phasors.from_one()) < 1e-4 * before);
         resonators.clear();
         assert_eq!(resonators.output(phasors.from_one()), 0.0);

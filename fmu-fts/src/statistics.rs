@@ -14,13 +14,13 @@ pub struct Turn {
     pub rms: f64,
     /// Largest magnitude.
     pub peak: f64,
-    /// Amplitudes of the harmonics, n = 1 first.
-    pub harmonic: [f64; ERROR_HARMONICS],
+    /// Harmonics c_n of Re sum c_n e^(j n theta), n = 1 first.
+    pub harmonic: [Complex<f64>; ERROR_HARMONICS],
 }
 
 impl Turn {
     /// No error.
-    pub const ZERO: Self = Self { rms: 0.0, peak: 0.0, harmonic: [0.0; ERROR_HARMONICS] };
+    pub const ZERO: Self = Self { rms: 0.0, peak: 0.0, harmonic: [Complex::new(0.0, 0.0); ERROR_HARMONICS] };
 }
 
 /// Sums of the present turn and the result of the last one.
@@ -42,10 +42,12 @@ impl Default for ErrorStatistics {
 }
 
 impl ErrorStatistics {
-    /// Adds an error (m) at the spindle angle without wraps (rad) with e^(j n theta), n = 1 first.
-    pub fn add(&mut self, error: f64, angle: f64, phasors: &[Complex<f64>]) {
+    /// Adds an error (m) at the spindle angle without wraps (rad) with e^(j n theta), n = 1 first; true when a turn is
+    /// full.
+    pub fn add(&mut self, error: f64, angle: f64, phasors: &[Complex<f64>]) -> bool {
         let begin = *self.begin.get_or_insert(angle);
-        if (angle - begin).abs() >= TAU {
+        let full = (angle - begin).abs() >= TAU;
+        if full {
             *self = Self { begin: Some(angle), last: self.finish(), ..Self::default() };
         }
         self.count += 1.0;
@@ -55,6 +57,7 @@ impl ErrorStatistics {
             sum.re += error * phasor.re;
             sum.im -= error * phasor.im;
         }
+        full
     }
 
     /// The last full turn.
@@ -66,7 +69,7 @@ impl ErrorStatistics {
         Turn {
             rms: (self.squares / self.count).sqrt(),
             peak: self.peak,
-            harmonic: self.sums.map(|sum| 2.0 * sum.norm() / self.count),
+            harmonic: self.sums.map(|sum| sum * (2.0 / self.count)),
         }
     }
 }
@@ -92,9 +95,9 @@ mod tests {
             let statistics = turned(2500, speed, error);
             let turn = statistics.last();
             assert!((turn.rms - 3.5355e-6).abs() < 0.02e-6, "{turn:?}");
-            assert!((turn.harmonic[11] - 3e-6).abs() < 0.03e-6, "{turn:?}");
-            assert!((turn.harmonic[1] - 4e-6).abs() < 0.03e-6, "{turn:?}");
-            assert!(turn.harmonic[6] < 0.03e-6, "{turn:?}");
+            assert!((turn.harmonic[11] - Complex::from_polar(3e-6, 0.4)).norm() < 0.03e-6, "{turn:?}");
+            assert!((turn.harmonic[1] - Complex::new(0.0, -4e-6)).norm() < 0.03e-6, "{turn:?}");
+            assert!(turn.harmonic[6].norm() < 0.03e-6, "{turn:?}");
             assert!(turn.peak > 6.5e-6 && turn.peak <= 7e-6, "{turn:?}");
         }
     }

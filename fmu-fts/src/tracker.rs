@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::approach::Approach;
+use crate::chooser::Chooser;
 use crate::feedforward::Feedforward;
 use crate::loop_response::LoopResponse;
 use crate::parameters::Parameters;
@@ -46,6 +47,7 @@ pub struct Tracker {
     resonators: Resonators,
     approach: Approach,
     statistics: ErrorStatistics,
+    chooser: Chooser,
     /// the path at the present slide position and spindle angle
     row: Row,
     motion: Motion,
@@ -65,6 +67,7 @@ impl Tracker {
             resonators: Resonators::new(p),
             approach: Approach::default(),
             statistics: ErrorStatistics::default(),
+            chooser: Chooser::default(),
             row: path.row(),
             motion: Motion::default(),
             tuned: 0,
@@ -94,7 +97,12 @@ impl Tracker {
         let omega = self.tuned as f64 * speed;
         let t = self.response.at(omega);
         self.feedforward.tune(self.tuned, t, hub_over_tool(p, omega));
-        self.resonators.tune(p, self.tuned, t, omega);
+        self.resonators.tune(p, self.tuned, t, omega, self.cancels(p, self.tuned));
+    }
+
+    /// Whether harmonic `n` is one to be cancelled.
+    fn cancels(&self, p: &Parameters, n: usize) -> bool {
+        p.afc.harmonics.contains(n) && (!p.afc.automatic || self.chooser.chosen().contains(n))
     }
 
     /// Begins to move onto the path.
@@ -131,12 +139,15 @@ impl Tracker {
 
     /// Adds the error (m) of this sample to the statistics.
     pub fn judge(&mut self, error: f64, spindle: &Spindle, phasors: &Phasors) {
-        self.statistics.add(error, spindle.angle, phasors.from_one());
+        if self.statistics.add(error, spindle.angle, phasors.from_one()) {
+            self.chooser.add(&self.statistics.last().harmonic);
+        }
     }
 
     /// Forgets what the cancellation has learned.
     pub fn forget(&mut self) {
         self.resonators.clear();
+        self.chooser = Chooser::default();
     }
 
     /// Whether the path is reached.

@@ -91,6 +91,21 @@ fn the_default_is_stable_on_arms_that_are_not_the_nominal_one() {
 }
 
 #[test]
+fn a_stiffer_loop_with_more_lead_is_as_stable() {
+    let mut p = Parameters::DEFAULT;
+    (p.servo.bandwidth, p.servo.lead) = (std::f64::consts::TAU * 300.0, 5.0);
+    for gain in [0.8, 1.2] {
+        for (flexure, damping) in [(1080.0, 0.01), (1200.0, 0.01), (1320.0, 0.01)] {
+            let build = Build { gain, flexure, damping, ..Build::IDEAL };
+            for rpm in [300.0, 600.0, 1200.0, 2400.0] {
+                let found = decay(&p, &build, rpm);
+                assert!(found > 1.0, "gain {gain}, flexure {flexure} Hz, {rpm} rpm: {found} 1/s");
+            }
+        }
+    }
+}
+
+#[test]
 fn eq_3_as_printed_is_stable_with_five_harmonics_at_600_rpm() {
     assert!(decay(&Parameters::PAPER, &Build::IDEAL, 600.0) > 3.0);
 }

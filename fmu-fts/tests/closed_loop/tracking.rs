@@ -194,3 +194,50 @@ fn either_tool_is_guided() {
     run.run_to(2.5);
     assert!(run.measure(0.5).rms < 0.5);
 }
+
+#[test]
+fn the_automatic_list_leaves_alone_what_does_not_repeat() {
+    let mut automatic = Parameters::DEFAULT;
+    automatic.afc.automatic = true;
+    // 8 turns of looking before tau begins
+    assert!(tracked(&automatic, &Build::NOMINAL, Layers::All, 4.0).0.rms < 0.4);
+    for (speed, without) in [(at(|_| 580.0 * RPM), 1.2), (at(|_| 598.0 * RPM), 0.9)] {
+        let hum = Build { ripple: 0.0, hum: 6e-3, ..speed };
+        let (chosen, _) = tracked(&automatic, &hum, Layers::All, 4.0);
+        let (all, _) = tracked(&Parameters::DEFAULT, &hum, Layers::All, 4.0);
+        assert!(chosen.rms < without && chosen.rms < all.rms);
+    }
+}
+
+#[test]
+fn dry_friction_can_be_fed_forward() {
+    let quiet = Build { cutting: [2.0, 0.1, 0.0], ..Build::NOMINAL };
+    let left = |torque: f64, layers: Layers| {
+        let mut p = Parameters::DEFAULT;
+        p.servo.dry_friction = torque;
+        tracked(&p, &quiet, layers, 2.5).0.rms
+    };
+    let (without, with) = (left(0.0, Layers::Feedforward), left(0.01, Layers::Feedforward));
+    assert!(with < 0.6 * without);
+    // half of it and half too much still help
+    assert!(left(0.005, Layers::All) < left(0.0, Layers::All));
+    assert!(left(0.015, Layers::All) < left(0.0, Layers::All));
+}
+
+#[test]
+fn without_the_noise_of_the_cut_less_than_a_tenth_of_a_micrometre_is_left() {
+    let quiet = Build { cutting: [2.0, 0.1, 0.0], ..Build::NOMINAL };
+    let (all, _) = tracked(&Parameters::DEFAULT, &quiet, Layers::All, 2.5);
+    assert!(all.rms < 0.1 && all.tip < 0.1);
+}
+
+#[test]
+fn with_more_bandwidth_less_of_the_noise_of_the_cut_is_left() {
+    let mut p = Parameters::DEFAULT;
+    // the margins of the default, with more lead
+    (p.servo.bandwidth, p.servo.lead) = (std::f64::consts::TAU * 300.0, 5.0);
+    for gain in [0.8, 1.0, 1.2] {
+        let (all, _) = tracked(&p, &Build { gain, ..Build::NOMINAL }, Layers::All, 2.5);
+        assert!(all.rms < if gain < 1.0 { 0.4 } else { 0.3 });
+    }
+}
