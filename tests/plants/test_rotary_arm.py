@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 import plants
-from plants.rotary_arm import RotaryArm, RotaryArmParameters
+from plants.rotary_arm import RotaryArm
+from plants.rotary_arm_parameters import RotaryArmParameters
 
 Matrix = np.ndarray[Any, Any]
 Columns = dict[str, Matrix]
