@@ -4,6 +4,7 @@ mod cost;
 mod faults;
 mod machine;
 mod modes;
+mod robustness;
 mod run;
 mod stability;
 mod state;

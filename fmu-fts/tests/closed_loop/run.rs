@@ -33,6 +33,8 @@ pub struct Measured {
     pub peak: f64,
     /// Root mean square of the error of the tool, without its mean.
     pub tip: f64,
+    /// Root mean square of the wanted depth, without its mean.
+    pub path: f64,
     /// Largest torque, N.m.
     pub torque: f64,
 }
@@ -88,19 +90,24 @@ impl Loop {
 
     /// Steps for `duration` s and measures.
     pub fn measure(&mut self, duration: f64) -> Measured {
-        let (mut squares, mut peak, mut torque, mut tips) = (0.0, 0.0, 0.0, Vec::new());
+        let (mut errors, mut tips, mut depths, mut torque) = (Vec::new(), Vec::new(), Vec::new(), 0.0);
         let until = self.time() + duration;
         while self.time() < until {
             self.step();
-            let error = self.output.error.tracking;
-            squares += error * error;
-            peak = f64::max(peak, error.abs());
+            errors.push(1e6 * self.output.error.tracking);
+            tips.push(1e6 * self.tip_error);
+            depths.push(1e6 * self.output.reference.depth);
             torque = f64::max(torque, self.output.torque.abs());
-            tips.push(self.tip_error);
         }
-        let count = tips.len() as f64;
-        let mean = tips.iter().sum::<f64>() / count;
-        let variance = tips.iter().map(|tip| (tip - mean) * (tip - mean)).sum::<f64>() / count;
-        Measured { rms: 1e6 * (squares / count).sqrt(), peak: 1e6 * peak, tip: 1e6 * variance.sqrt(), torque }
+        let rms = (errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64).sqrt();
+        let peak = errors.iter().fold(0.0, |peak: f64, error| peak.max(error.abs()));
+        Measured { rms, peak, tip: deviation(&tips), path: deviation(&depths), torque }
     }
+}
+
+/// Root mean square without the mean.
+fn deviation(values: &[f64]) -> f64 {
+    let count = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    (values.iter().map(|value| (value - mean) * (value - mean)).sum::<f64>() / count).sqrt()
 }
