@@ -9,7 +9,7 @@ type Check = fn(&Parameters) -> Result<(), ParameterError>;
 
 /// Checks all combinations; the first that fails is the error.
 pub fn check(p: &Parameters) -> Result<(), ParameterError> {
-    const CHECKS: [Check; 6] = [tip_frequency, radii, roll_off, path_harmonics, feedforward_harmonics, automatic];
+    const CHECKS: [Check; 5] = [tip_frequency, radii, roll_off, path_harmonics, automatic];
     CHECKS.iter().try_for_each(|check| check(p))
 }
 
@@ -53,16 +53,6 @@ fn path_harmonics(p: &Parameters) -> Result<(), ParameterError> {
     })
 }
 
-fn feedforward_harmonics(p: &Parameters) -> Result<(), ParameterError> {
-    let (wished, least) = (p.feedforward.harmonics, p.path.harmonics);
-    require(wished == 0 || wished >= least, || ParameterError {
-        name: "feedforward.harmonics",
-        value: wished.to_string(),
-        limit: format!("`0` or at least `path.harmonics` = `{least}`"),
-        hint: "pre-shift all harmonics of the path, or none",
-    })
-}
-
 fn automatic(p: &Parameters) -> Result<(), ParameterError> {
     let highest = p.afc.harmonics.highest();
     require(!p.afc.automatic || highest <= ERROR_HARMONICS, || ParameterError {
@@ -102,7 +92,6 @@ mod tests {
                 "`up to 50`",
                 "up to `24`",
             ),
-            (error(|p| p.path.harmonics = 32), "feedforward.harmonics", "`24`", "`path.harmonics` = `32`"),
         ];
         for (message, name, value, limit) in cases {
             assert!(message.starts_with(&format!("parameter `{name}` is {value}")), "{message}");

@@ -113,6 +113,11 @@ impl Controller {
         }
     }
 
+    /// The path.
+    pub fn path(&self) -> &Path {
+        self.tracker.path()
+    }
+
     /// State machine.
     fn decide(&mut self, p: &Parameters, mode: Mode, reading: &Reading, valid: bool) {
         let events = Events {

@@ -207,6 +207,9 @@ const KILOGRAM_METRE_SQUARED: Unit = Unit::si("kg.m2", [1, 2, 0, 0, 0], &[]);
 /// Unit of a viscous friction.
 const NEWTON_METRE_SECOND: Unit = Unit::si("N.m.s/rad", [1, 2, -1, 0, -1], &[]);
 
+/// A table that leaves out more is told to the user, m.
+const TRUNCATION_MAX: f64 = 1e-7;
+
 /// The FMU.
 pub struct Fts;
 
@@ -255,6 +258,7 @@ impl Model for Fts {
         boolean!(Vars.output => saturated).output().describe("The torque is at its limit"),
         boolean!(Vars.output => afc.frozen).output().describe("The cancellation learns nothing at present"),
         real!(Vars.output => path.torque).output().unit(&NEWTON_METRE).describe("Torque that the path needs somewhere at the present speed"),
+        real!(Vars.output => path.truncation).output().unit(&METRE).display("nm").describe("Largest depth that the harmonics of the table leave out"),
         choice!(Vars.output => calibration.status: Status).output().describe("How the calibration goes"),
         real!(Vars.output => calibration.arm_length).output().unit(&METRE).display("mm").describe("Calibrated arm length R_a"),
         real!(Vars.output => calibration.centre_offset).output().unit(&METRE).display("mm").describe("Calibrated cross-slide offset x_0"),
@@ -308,10 +312,10 @@ impl Model for Fts {
         integer!(Vars.parameters => servo.io_delay).parameter().range_int(0, 8).describe("Samples between a command and its action; 1 for a standard master, 0 if the command acts at once"),
         real!(Vars.parameters => tip.frequency).parameter().unit(&RADIAN_PER_SECOND).display("Hz").range(0.0, 1e5).describe("Natural frequency of the arm on the locked hub; 0 for a rigid arm"),
         real!(Vars.parameters => tip.inertia).parameter().unit(&ONE).range(0.0, 0.95).describe("Part of the inertia beyond the flexure"),
-        real!(Vars.parameters => tip.damping).parameter().unit(&ONE).range(0.0, 0.5).describe("Damping ratio of the free resonance"),
+        real!(Vars.parameters => tip.damping).parameter().unit(&ONE).range(0.0, 0.5).describe("Damping ratio of the arm on the locked hub"),
         boolean!(Vars.parameters => tip.compensation).parameter().describe("Move the hub so that the tool, not the hub, is on the path"),
         // feedforward and cancellation
-        integer!(Vars.parameters => feedforward.harmonics).parameter().range_int(0, 64).describe("Harmonics that are pre-shifted"),
+        integer!(Vars.parameters => feedforward.harmonics).parameter().range_int(0, 64).describe("Harmonics that are pre-shifted; 0 for none, else at least those of the path"),
         text!(Vars.text => response.file).parameter().describe("JSON table of the frequency response, in the folder resources of the FMU or with its whole path; empty for the response of the nominal loop"),
         text!(Vars.text => afc.harmonics).parameter().start_text("1-24").describe("Cancelled harmonics of the spindle: numbers and ranges like `2, 4, 6` or `1-24`, up to 64"),
         boolean!(Vars.parameters => afc.automatic).parameter().describe("Of `afc.harmonics`, cancel only what repeats from turn to turn"),
@@ -361,7 +365,17 @@ impl Model for Fts {
         vars.parameters.identify.frequencies = vars.text.identify.frequencies.parse().map_err(text)?;
         vars.parameters.afc.harmonics = vars.text.afc.harmonics.parse().map_err(text)?;
         let tables = tables(vars, env.resources()).map_err(text)?;
-        Ok(Controller::new(&vars.parameters, &tables).map_err(text)?)
+        let controller = Controller::new(&vars.parameters, &tables).map_err(text)?;
+        let truncation = controller.path().truncation;
+        vars.output.path.truncation = truncation;
+        if truncation > TRUNCATION_MAX {
+            let harmonics = vars.parameters.path.harmonics;
+            env.warn(format_args!(
+                "`path.harmonics` = `{harmonics}` leave out up to `{truncation:.1e} m` of the depth\nhint: take more harmonics, \
+                 or end the cut at a smaller `surface.outer_radius`"
+            ));
+        }
+        Ok(controller)
     }
 
     fn tick(vars: &mut Vars, controller: &mut Controller, env: &mut Env) -> Result<(), Error> {

@@ -226,11 +226,11 @@ impl Servo {
 /// Flexure of the arm between encoder and tool.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Tip {
-    /// Natural frequency of the arm on the locked hub, rad/s; 0 (rigid) or 300 to 1e5, default 7540 = 1.2 kHz (our choice).
+    /// Natural frequency of the arm on the locked hub, rad/s; 0 (rigid) to 1e5, default 7540 = 1.2 kHz (our choice).
     pub frequency: f64,
     /// Part of the inertia that is beyond the flexure, 1; 0 to 0.95, default 0.4375 (our choice).
     pub inertia: f64,
-    /// Damping ratio of the free resonance, 1; 0 to 0.5, default 0.02 (our choice: metal).
+    /// Damping ratio of the arm on the locked hub, 1; 0 to 0.5, default 0.02 (our choice: metal).
     pub damping: f64,
     /// Move the hub so that the tool, not the hub, is on the path; default true (our choice).
     pub compensation: bool,
@@ -245,7 +245,8 @@ impl Tip {
 /// Feedforward that pre-shifts the path.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Feedforward {
-    /// Harmonics that are pre-shifted; 0 to 64, default 24 (derived: what the exact arc makes of 12).
+    /// Harmonics that are pre-shifted, 0 for none, else at least those of the path; 0 to 64, default 24 (derived: what the
+    /// arc of the arm makes of 12).
     pub harmonics: i32,
 }
 

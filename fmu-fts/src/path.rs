@@ -27,6 +27,8 @@ pub struct Path {
     pub velocity: f64,
     /// Largest d2b/dtheta2, 1.
     pub acceleration: f64,
+    /// Largest depth that the harmonics leave out, m.
+    pub truncation: f64,
 }
 
 /// The path at one slide position.
@@ -48,10 +50,12 @@ pub struct Depth {
 }
 
 impl Path {
-    /// The path of a table, with `angle_harmonics` harmonics of the encoder angle b_d = asin(z / R_a) - b_0.
+    /// The path of a table, with `angle_harmonics` harmonics of the encoder angle b_d = asin(z / R_a) - b_0; 0 for none,
+    /// else at least those of the depth.
     pub fn new(arm: Arm, table: &DepthTable, angle_harmonics: usize) -> Self {
         let fourier = Fourier::new();
         let depth_count = table.rows.iter().map(Vec::len).max().unwrap_or(0);
+        let angle_harmonics = if angle_harmonics == 0 { 0 } else { angle_harmonics.max(depth_count - 1) };
         let (mut rows, mut velocity, mut acceleration) = (Vec::new(), 0.0, 0.0);
         for depth in &table.rows {
             let angles: Vec<f64> = fourier.values(depth).into_iter().map(|z| arm.angle(z)).collect();
@@ -68,16 +72,16 @@ impl Path {
             row.extend_from_slice(&exact[..=angle_harmonics]);
             rows.push(row);
         }
-        let values = continued(&rows).concat();
         Self {
             arm,
             first: table.first,
             step: table.step,
             rows: rows.len(),
             depth_count,
-            values,
+            values: continued(&rows).concat(),
             velocity,
             acceleration,
+            truncation: table.truncation,
         }
     }
 

@@ -106,7 +106,7 @@ pub struct Output {
     pub saturated: bool,
     /// State of the cancellation.
     pub afc: AfcOutput,
-    /// Torque that the path needs at the present speed.
+    /// What is known of the path beforehand.
     pub path: PathOutput,
     /// Result of the calibration.
     pub calibration: Calibration,
@@ -145,11 +145,13 @@ pub struct AfcOutput {
     pub frozen: bool,
 }
 
-/// Torque that the path needs.
+/// What is known of the path beforehand.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PathOutput {
     /// At the present speed, anywhere on the table, N.m.
     pub torque: f64,
+    /// Largest depth that the harmonics of the table leave out, m.
+    pub truncation: f64,
 }
 
 /// Result of the calibration, for the selected tool.
@@ -226,7 +228,7 @@ impl Output {
         spindle_speed: 0.0,
         saturated: false,
         afc: AfcOutput { frozen: true },
-        path: PathOutput { torque: 0.0 },
+        path: PathOutput { torque: 0.0, truncation: 0.0 },
         calibration: Calibration {
             status: Status::None,
             arm_length: 0.0,

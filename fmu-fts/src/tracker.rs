@@ -59,7 +59,8 @@ pub struct Tracker {
 impl Tracker {
     /// On no path yet.
     pub fn new(p: &Parameters, path: Path, response: LoopResponse) -> Self {
-        let feedforward = p.feedforward.harmonics as usize;
+        let row = path.row();
+        let feedforward = row.angle_harmonics().len();
         let highest = path.harmonics().max(feedforward).max(p.afc.harmonics.highest()).max(ERROR_HARMONICS);
         Self {
             response,
@@ -68,7 +69,7 @@ impl Tracker {
             approach: Approach::default(),
             statistics: ErrorStatistics::default(),
             chooser: Chooser::default(),
-            row: path.row(),
+            row,
             motion: Motion::default(),
             tuned: 0,
             highest,
