@@ -30,6 +30,7 @@ pub mod loop_model;
 pub mod loop_response;
 pub mod machine;
 pub mod margins;
+mod messages;
 pub mod parameters;
 pub mod path;
 pub mod path_file;
@@ -45,28 +46,26 @@ pub mod statistics;
 pub mod store;
 pub mod surface;
 pub mod sweep;
+pub mod texts;
 pub mod tip;
 pub mod toric;
 pub mod toroid;
 pub mod tracker;
 
-use std::path::Path;
-
 use control_blocks::ParameterError;
 use fmi2_export::units::{METRE, METRE_PER_SECOND_SQUARED, NEWTON_METRE, ONE, RADIAN, RADIAN_PER_SECOND, SECOND};
 use fmi2_export::{
-    Enumeration, Env, Error, Info, Model, Start, Unit, Variable, boolean, choice, enumeration, export, integer, real,
-    text,
+    Env, Error, Info, Model, Start, Unit, Variable, boolean, choice, enumeration, export, integer, real, text,
 };
 use serde::{Deserialize, Serialize};
 
 use calibration::Status;
-use controller::{Controller, Tables};
-use feasibility::available_torque;
+use controller::Controller;
 use frequencies::Frequencies;
 use machine::{Fault, Mode, State};
 use parameters::{Parameters, SurfaceKind};
 use signals::{Input, Output};
+use texts::Texts;
 
 enumeration! { Mode, "What is asked for" {
     Off = 1, "No torque; ends a fault",
@@ -115,47 +114,6 @@ enumeration! { SurfaceKind, "What kind of surface is cut" {
     File = 3, "Table from `path.file`",
 } }
 
-/// Texts among the parameters; the law gets what is read from them.
-#[derive(Clone, Serialize, Deserialize)]
-pub struct Texts {
-    /// Of the path.
-    pub path: TextPath,
-    /// Of the frequency response.
-    pub response: TextResponse,
-    /// Of the cancellation.
-    pub afc: TextAfc,
-    /// Of the measurement of the frequency response.
-    pub identify: TextIdentify,
-}
-
-/// Texts of the path.
-#[derive(Clone, Serialize, Deserialize)]
-pub struct TextPath {
-    /// JSON table, in the folder `resources` of the FMU or with its whole path.
-    pub file: String,
-}
-
-/// Texts of the frequency response.
-#[derive(Clone, Serialize, Deserialize)]
-pub struct TextResponse {
-    /// JSON table, in the folder `resources` of the FMU or with its whole path.
-    pub file: String,
-}
-
-/// Texts of the cancellation.
-#[derive(Clone, Serialize, Deserialize)]
-pub struct TextAfc {
-    /// List of harmonics.
-    pub harmonics: String,
-}
-
-/// Texts of the measurement of the frequency response.
-#[derive(Clone, Serialize, Deserialize)]
-pub struct TextIdentify {
-    /// List of frequencies, Hz.
-    pub frequencies: String,
-}
-
 /// Parameters that follow from others.
 #[derive(Clone, Serialize, Deserialize)]
 pub struct Calculated {
@@ -190,12 +148,7 @@ impl Start for Vars {
         input: Input::START,
         output: Output::START,
         parameters: Parameters::DEFAULT,
-        text: Texts {
-            path: TextPath { file: String::new() },
-            response: TextResponse { file: String::new() },
-            afc: TextAfc { harmonics: String::new() },
-            identify: TextIdentify { frequencies: String::new() },
-        },
+        text: Texts::EMPTY,
         calculated: Calculated { identify: CalculatedIdentify { duration: 0.0 } },
     };
 }
@@ -206,9 +159,6 @@ const PER_METRE: Unit = Unit::si("1/m", [0, -1, 0, 0, 0], &[]);
 const KILOGRAM_METRE_SQUARED: Unit = Unit::si("kg.m2", [1, 2, 0, 0, 0], &[]);
 /// Unit of a viscous friction.
 const NEWTON_METRE_SECOND: Unit = Unit::si("N.m.s/rad", [1, 2, -1, 0, -1], &[]);
-
-/// A table that leaves out more is told to the user, m.
-const TRUNCATION_MAX: f64 = 1e-7;
 
 /// The FMU.
 pub struct Fts;
@@ -364,17 +314,10 @@ impl Model for Fts {
         let text = |error: ParameterError| error.to_string();
         vars.parameters.identify.frequencies = vars.text.identify.frequencies.parse().map_err(text)?;
         vars.parameters.afc.harmonics = vars.text.afc.harmonics.parse().map_err(text)?;
-        let tables = tables(vars, env.resources()).map_err(text)?;
+        let tables = vars.text.tables(&vars.parameters, env.resources()).map_err(text)?;
         let controller = Controller::new(&vars.parameters, &tables).map_err(text)?;
-        let truncation = controller.path().truncation;
-        vars.output.path.truncation = truncation;
-        if truncation > TRUNCATION_MAX {
-            let harmonics = vars.parameters.path.harmonics;
-            env.warn(format_args!(
-                "`path.harmonics` = `{harmonics}` leave out up to `{truncation:.1e} m` of the depth\nhint: take more harmonics, \
-                 or end the cut at a smaller `surface.outer_radius`"
-            ));
-        }
+        vars.output.path.truncation = controller.path().truncation;
+        messages::warn_of_truncation(vars, env);
         Ok(controller)
     }
 
@@ -382,60 +325,10 @@ impl Model for Fts {
         let before = vars.output.state;
         controller.tick(&vars.parameters, &vars.input, &mut vars.output);
         if vars.output.state != before {
-            tell(vars, env);
+            messages::tell_state(vars, env);
         }
         Ok(())
     }
 }
 
 export!(Fts);
-
-/// The tables from the files that the texts name.
-fn tables(vars: &Vars, resources: Option<&Path>) -> Result<Tables, ParameterError> {
-    let Vars { text, parameters, .. } = vars;
-    let response = &text.response.file;
-    Ok(Tables {
-        depth: match parameters.surface.kind {
-            SurfaceKind::File => Some(path_file::read(&text.path.file, resources, parameters)?),
-            SurfaceKind::Toric | SurfaceKind::Wave => None,
-        },
-        response: (!response.is_empty()).then(|| response_file::read(response, resources)).transpose()?,
-    })
-}
-
-/// One log line for a new state.
-fn tell(vars: &Vars, env: &mut Env) {
-    let (Output { state, fault, .. }, p) = (&vars.output, &vars.parameters);
-    match state {
-        State::Fault => {
-            let reason = meaning::<Fault>(*fault as usize);
-            env.warn(format_args!("fault `{fault:?}`: {reason}{}", numbers(&vars.output, &vars.input, p)));
-        }
-        _ => env.event(format_args!("state `{state:?}`: {}", meaning::<State>(*state as usize))),
-    }
-}
-
-/// The numbers behind a fault.
-fn numbers(output: &Output, input: &Input, p: &Parameters) -> String {
-    match output.fault {
-        Fault::FollowingError => format!(" = `{} m`", p.limit.following_error),
-        Fault::Infeasible => format!(
-            ": needed `{:.3} N.m` at `{:.2} rad/s`, available `{:.3} N.m`\nhint: turn slower, or end the cut at a smaller \
-             `surface.outer_radius`",
-            output.path.torque,
-            output.spindle_speed,
-            available_torque(p)
-        ),
-        Fault::OutsideTable => format!(": `slide_position` = `{} m`", input.slide_position),
-        Fault::InvalidInput => format!(
-            ": `arm_angle` = `{} rad`, `spindle_angle` = `{} rad`, `slide_position` = `{} m`, `hold_angle` = `{} rad`",
-            input.arm_angle, input.spindle_angle, input.slide_position, input.hold_angle
-        ),
-        Fault::None => String::new(),
-    }
-}
-
-/// What the model description says about the item `number` of an enumeration.
-fn meaning<E: Enumeration>(number: usize) -> &'static str {
-    E::TYPE.items[number - 1].description
-}
