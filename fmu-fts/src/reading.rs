@@ -1,0 +1,84 @@
+//! Checks the inputs of a sample: what can be used, and what is wrong with the rest.
+
+use serde::{Deserialize, Serialize};
+
+use crate::signals::Input;
+
+/// No encoder counts more turns, rad.
+const ANGLE_MAX: f64 = 1e9;
+/// No machine has a longer axis, m.
+const POSITION_MAX: f64 = 1e3;
+
+/// The usable inputs: those of this sample, or the last good ones.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Reading {
+    /// Encoder angle b of the arm, rad.
+    pub arm_angle: f64,
+    /// Spindle angle theta, rad.
+    pub spindle_angle: f64,
+    /// Slide position x, m.
+    pub slide_position: f64,
+    /// Angle to hold, rad.
+    pub hold_angle: f64,
+    /// A calibration part is cut.
+    pub cutting: bool,
+}
+
+/// Remembers the last good inputs; by default zeros, before the first sample.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Reader {
+    good: Reading,
+}
+
+impl Reader {
+    /// Reads one sample; the flag says whether every input is believable.
+    pub fn read(&mut self, input: &Input) -> (Reading, bool) {
+        let now = Reading {
+            arm_angle: input.arm_angle,
+            spindle_angle: input.spindle_angle,
+            slide_position: input.slide_position,
+            hold_angle: input.hold_angle,
+            cutting: input.calibration.cut,
+        };
+        let valid = believable(now.arm_angle, ANGLE_MAX)
+            && believable(now.spindle_angle, ANGLE_MAX)
+            && believable(now.slide_position, POSITION_MAX)
+            && believable(now.hold_angle, ANGLE_MAX);
+        if valid {
+            self.good = now;
+        }
+        (self.good, valid)
+    }
+}
+
+fn believable(x: f64, limit: f64) -> bool {
+    x.is_finite() && x.abs() <= limit
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nonsense_in_any_input_is_invalid_and_never_used() {
+        let good = Input { arm_angle: 0.1, spindle_angle: 2.0, slide_position: 0.04, hold_angle: 0.3, ..Input::START };
+        let changes: [fn(&mut Input) -> &mut f64; 4] =
+            [|i| &mut i.arm_angle, |i| &mut i.spindle_angle, |i| &mut i.slide_position, |i| &mut i.hold_angle];
+        for change in changes {
+            for nonsense in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300] {
+                let mut reader = Reader::default();
+                let (before, valid) = reader.read(&good);
+                assert!(valid);
+                let mut bad = good.clone();
+                *change(&mut bad) = nonsense;
+                assert_eq!(reader.read(&bad), (before, false));
+            }
+        }
+    }
+
+    #[test]
+    fn before_the_first_good_sample_everything_is_zero() {
+        let bad = Input { arm_angle: f64::NAN, ..Input::START };
+        assert_eq!(Reader::default().read(&bad), (Reading::default(), false));
+    }
+}

@@ -1,0 +1,54 @@
+//! Room for samples, made once and never moved or enlarged.
+
+use serde::{Deserialize, Serialize};
+
+/// Up to a fixed number of samples.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Store<T> {
+    room: Vec<T>,
+    count: usize,
+}
+
+impl<T: Copy> Store<T> {
+    /// An empty store for `size` samples; `blank` fills the room.
+    pub fn new(size: usize, blank: T) -> Self {
+        Self { room: vec![blank; size], count: 0 }
+    }
+
+    /// Keeps one sample more; false when there is no room.
+    pub fn push(&mut self, sample: T) -> bool {
+        let place = self.room.get_mut(self.count);
+        let fits = place.is_some();
+        if let Some(place) = place {
+            *place = sample;
+            self.count += 1;
+        }
+        fits
+    }
+
+    /// The samples, in the order in which they came.
+    pub fn samples(&self) -> &[T] {
+        &self.room[..self.count]
+    }
+
+    /// Forgets all samples.
+    pub fn clear(&mut self) {
+        self.count = 0;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keeps_what_fits_and_forgets() {
+        let mut store = Store::new(2, 0);
+        assert_eq!([store.push(7), store.push(8), store.push(9)], [true, true, false]);
+        assert_eq!(store.samples(), [7, 8]);
+        store.clear();
+        assert_eq!(store.samples(), [0; 0]);
+        assert!(store.push(5));
+        assert_eq!(store.samples(), [5]);
+    }
+}

@@ -1,0 +1,163 @@
+//! Faults: the named fault, no torque, finite outputs, whatever comes in.
+
+use fmu_fts::controller::{Controller, Tables};
+use fmu_fts::machine::{Fault, Mode, State};
+use fmu_fts::parameters::Parameters;
+use fmu_fts::signals::{Input, Output};
+use rand::{RngExt, SeedableRng};
+
+use crate::machine::{Build, RPM};
+use crate::run::Loop;
+
+fn finite(o: &Output) -> bool {
+    let reals = [
+        o.torque,
+        o.reference.depth,
+        o.reference.angle,
+        o.error.tracking,
+        o.error.rms,
+        o.error.peak,
+        o.spindle_speed,
+        o.path.torque,
+        o.response.bandwidth,
+    ];
+    reals.iter().chain(&o.error.harmonic).all(|x| x.is_finite())
+}
+
+/// Checks the fault, that it stays until Off, and that everything works again afterwards.
+fn recovers(mut run: Loop, fault: Fault) {
+    for _ in 0..100 {
+        assert_eq!((run.output.state, run.output.fault), (State::Fault, fault));
+        assert_eq!(run.output.torque, 0.0);
+        assert!(finite(&run.output));
+        run.step();
+    }
+    run.input.mode = Mode::Off;
+    run.step();
+    assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::None));
+    run.input.mode = Mode::Hold;
+    run.run_to(run.time() + 0.6);
+    assert_eq!((run.output.state, run.output.fault), (State::Hold, Fault::None));
+}
+
+#[test]
+fn an_infeasible_path_is_refused_before_anything_moves() {
+    let fast = Build { speed: |_| 2400.0 * RPM, ..Build::NOMINAL };
+    let mut run = Loop::new(&Parameters::DEFAULT, &fast, 4);
+    for _ in 0..100 {
+        run.step();
+        assert!(run.output.torque.abs() < 1e-9, "{}", run.output.torque);
+    }
+    assert!((run.output.path.torque - 13.85).abs() < 0.05, "{}", run.output.path.torque);
+    recovers(run, Fault::Infeasible);
+}
+
+#[test]
+fn a_path_that_becomes_infeasible_is_left_before_the_arm_runs_away() {
+    let ramp = |t: f64| (1200.0 + 1200.0 * (t - 1.0).clamp(0.0, 1.0)) * RPM;
+    let mut run = Loop::new(&Parameters::DEFAULT, &Build { speed: ramp, ..Build::NOMINAL }, 4);
+    while run.output.fault == Fault::None {
+        assert!(run.time() < 2.0);
+        assert!(run.output.error.tracking.abs() < 100e-6);
+        run.step();
+    }
+    recovers(run, Fault::Infeasible);
+}
+
+#[test]
+fn outside_the_table_is_a_fault() {
+    for radius in [0.0505, -0.0002] {
+        let run = Build { radius, ..Build::NOMINAL };
+        let mut run = Loop::new(&Parameters::DEFAULT, &run, 4);
+        run.run_to(0.01);
+        recovers(run, Fault::OutsideTable);
+    }
+}
+
+#[test]
+fn an_arm_that_does_not_follow_is_a_fault() {
+    let mut run = Loop::new(&Parameters::DEFAULT, &Build::NOMINAL, 4);
+    run.run_to(1.0);
+    for k in 0..100 {
+        run.step();
+        // the encoder stands still
+        run.input.arm_angle = 0.02;
+        run.step_with_inputs();
+        if run.output.state == State::Fault {
+            assert!(k < 100);
+            return recovers(run, Fault::FollowingError);
+        }
+    }
+    panic!("no fault");
+}
+
+#[test]
+fn nonsense_is_a_fault_in_every_state() {
+    for mode in [Mode::Hold, Mode::Approach, Mode::Track, Mode::Identify, Mode::CalibrateFlats, Mode::CalibrateToroid] {
+        for nonsense in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300] {
+            let changes: [fn(&mut Input) -> &mut f64; 4] =
+                [|i| &mut i.arm_angle, |i| &mut i.spindle_angle, |i| &mut i.slide_position, |i| &mut i.hold_angle];
+            for change in changes {
+                let mut run = Loop::new(&Parameters::DEFAULT, &Build::NOMINAL, 4);
+                run.input.mode = mode;
+                run.run_to(0.02);
+                let good = run.input.clone();
+                *change(&mut run.input) = nonsense;
+                run.step_with_inputs();
+                assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::InvalidInput));
+                run.input = good;
+                run.step();
+                recovers(run, Fault::InvalidInput);
+            }
+        }
+    }
+}
+
+#[test]
+fn hostile_inputs_never_give_nan() {
+    let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(5);
+    let modes = [
+        Mode::Off,
+        Mode::Hold,
+        Mode::Approach,
+        Mode::Track,
+        Mode::Identify,
+        Mode::CalibrateFlats,
+        Mode::CalibrateToroid,
+    ];
+    let mut p = Parameters::DEFAULT;
+    p.limit.following_error = 0.1;
+    let mut controller = Controller::new(&p, &Tables::default()).unwrap();
+    let (mut input, mut output) = (Input::START, Output::START);
+    for _ in 0..100_000 {
+        let mut wild = |usual: f64| match random.random_range(0..200) {
+            0 => f64::NAN,
+            1 => f64::INFINITY,
+            2 => -1e308,
+            3 => 1e9,
+            4..20 => 1e3 * random.random_range(-1.0..1.0),
+            _ => usual + 1e-3 * random.random_range(-1.0..1.0),
+        };
+        input.arm_angle = wild(output.reference.angle);
+        input.spindle_angle = wild(input.spindle_angle + 6e-3);
+        input.slide_position = wild(0.04);
+        input.hold_angle = wild(0.0);
+        input.probe.depth = wild(0.0);
+        input.probe.lateral = wild(0.0);
+        for switch in [
+            &mut input.afc.reset,
+            &mut input.afc.enable,
+            &mut input.feedforward.enable,
+            &mut input.probe.capture,
+            &mut input.calibration.solve,
+        ] {
+            *switch ^= random.random_range(0..50) == 0;
+        }
+        if random.random_range(0..100) == 0 {
+            input.mode = modes[random.random_range(0..modes.len())];
+        }
+        controller.tick(&p, &input, &mut output);
+        assert!(finite(&output), "{input:?} {output:?}");
+        assert!(output.torque.abs() <= p.servo.torque_max);
+    }
+}

@@ -1,0 +1,69 @@
+//! Machines that are not the nominal one: gain, resonance, friction, disturbances, speed and radius at random.
+
+use fmu_fts::machine::State;
+use fmu_fts::parameters::Parameters;
+use rand::{RngExt, SeedableRng};
+
+use crate::machine::{Build, RPM};
+use crate::run::Loop;
+
+/// Root mean squares, um.
+struct Outcome {
+    path: f64,
+    feedforward: f64,
+    all: f64,
+    tip: f64,
+}
+
+/// A machine from `seed`; the controller knows only the nominal one.
+fn machine(seed: u64) -> Build {
+    const SPEEDS: [fn(f64) -> f64; 5] =
+        [|_| 500.0 * RPM, |_| 550.0 * RPM, |_| 600.0 * RPM, |_| 650.0 * RPM, |_| 700.0 * RPM];
+    let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(seed);
+    let speed = SPEEDS[random.random_range(0..SPEEDS.len())];
+    let mut between = |low: f64, high: f64| random.random_range(low..high);
+    Build {
+        gain: between(0.8, 1.2),
+        flexure: between(1080.0, 1320.0),
+        damping: between(0.01, 0.03),
+        coulomb: between(0.003, 0.02),
+        ripple: between(3e-3, 9e-3),
+        cutting: [between(1.0, 4.0), between(0.05, 0.2), between(0.015, 0.045)],
+        radius: between(0.022, 0.045),
+        speed,
+        ..Build::NOMINAL
+    }
+}
+
+fn tried(seed: u64) -> Outcome {
+    let mut run = Loop::new(&Parameters::DEFAULT, &machine(seed), seed);
+    run.input.afc.enable = false;
+    run.run_to(0.8);
+    let feedforward = run.measure(0.3);
+    run.input.afc.enable = true;
+    run.run_to(3.5);
+    let all = run.measure(0.5);
+    assert_eq!(run.output.state, State::Track, "seed {seed}");
+    Outcome { path: feedforward.path, feedforward: feedforward.rms, all: all.rms, tip: all.tip }
+}
+
+fn try_all(seeds: std::ops::Range<u64>) {
+    let outcomes: Vec<Outcome> = seeds.map(tried).collect();
+    let worst = |value: fn(&Outcome) -> f64| outcomes.iter().map(value).fold(0.0, f64::max);
+    let share = worst(|outcome| outcome.feedforward / outcome.path);
+    let (all, tip) = (worst(|outcome| outcome.all), worst(|outcome| outcome.tip));
+    println!("worst: feedforward alone {:.2} %, all {all:.3} um, tip {tip:.3} um", 100.0 * share);
+    assert!(share < 0.04 && all < 0.8 && tip < 1.0);
+}
+
+#[test]
+fn ten_machines_that_are_not_the_nominal_one() {
+    try_all(100..110);
+}
+
+/// `cargo test --release -p fmu-fts --test closed_loop -- fifty --ignored --nocapture`
+#[test]
+#[ignore = "takes a minute"]
+fn fifty_machines_that_are_not_the_nominal_one() {
+    try_all(200..250);
+}

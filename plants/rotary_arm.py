@@ -1,0 +1,250 @@
+"""Diamond turning machine with a rotary fast tool servo: spindle, cross slide, a motor with a flexible arm.
+
+The machine is that of Ludwick, Chargin, Calzaretta and Trumper, "Calibration and Control of a Rotary Fast
+Tool Servo" (MIT, 1999). The paper gives the arm length, the asymmetry, 500 Hz, 500 m/s^2 and 1.2 um at the
+12th harmonic, but no inertia, resonance or force. Those are our choice, such that the paper's numbers agree.
+
+The angle of the arm is `phi = arm_zero + arm_angle`. The centre of the tool nose lies at the depth
+`arm_length sin(phi)` into the part and at `centre_offset - slide_position - arm_length cos(phi)` from the
+spindle axis.
+"""
+
+import math
+from typing import Any, ClassVar
+
+from plants import _native
+from plants._native import Cell
+from plants.plant import Channel, Plant
+from plants.rotary_arm_parameters import RotaryArmParameters
+
+TURN = 2.0 * math.pi
+
+
+class RotaryArm(Plant):
+    """The machine. Channels: three encoders in, arm torque and the other axes out; see the tables below."""
+
+    Parameters: ClassVar[type] = RotaryArmParameters
+    wires: ClassVar[tuple[str, ...]] = (
+        "speed_change", "slide_velocity", "cutting", "feed", "feed_ramp",
+        "hum_angle", "hum_angle_next", "cutting_twice", "cutting_noise", "cutting_force",
+        "probing", "probe_lateral", "probe_depth",
+    )  # fmt: skip
+
+    def __init__(self, parameters: RotaryArmParameters | None = None) -> None:
+        super().__init__(parameters)
+        p: RotaryArmParameters = self.parameters
+        limit = p.torque_limit
+        self.readings = (
+            Channel("arm_angle", "rad", "Arm encoder, from its index", quantum=p.arm_resolution),
+            Channel("spindle_angle", "rad", "Spindle encoder, not wrapped", quantum=p.spindle_resolution),
+            Channel("slide_position", "m", "Cross-slide encoder", quantum=p.slide_resolution),
+            Channel("probe_depth", "m", "Probe, while it is down", p.probe_noise, p.probe_resolution),
+            Channel(
+                "probe_lateral", "m", "Place of the probe from the spindle axis", 0.0, p.slide_resolution
+            ),
+        )
+        self.commands = (
+            Channel("torque", "N.m", "Torque command of the arm", 0.0, p.torque_resolution, -limit, limit),
+            Channel("speed_change", "rad/s", "Spindle speed against `spindle_speed`"),
+            Channel("slide_velocity", "m/s", "Slide velocity besides the feed"),
+            Channel("cutting", "1", "1 while the tool is in the part", minimum=0.0, maximum=1.0),
+            Channel("probing", "1", "1 while the probe is down on the part", minimum=0.0, maximum=1.0),
+        )
+        self.truths = (
+            Channel("tip_depth", "m", "Depth of the centre of the tool nose from the arm axis"),
+            Channel("tip_lateral", "m", "Distance of the centre of the tool nose from the spindle axis"),
+            Channel("arm_angle", "rad", "Angle of the hub from the encoder's index"),
+            Channel("flexure", "rad", "Angle of the tool against the hub"),
+            Channel("torque", "N.m", "Torque of the motor"),
+            Channel("friction", "N.m", "Coulomb friction on the arm, last plant step"),
+            Channel("ripple", "N.m", "Torque ripple on the arm, last plant step"),
+            Channel("cutting_force", "N", "Thrust of the part on the tool, last plant step"),
+            Channel("spindle_angle", "rad", "Angle of the spindle"),
+            Channel("spindle_speed", "rad/s", "Speed of the spindle"),
+            Channel("slide_position", "m", "Position of the slide"),
+        )
+
+    def shape(self, spec: Any) -> None:
+        """Write lengths, inertias, stiffnesses, friction and drives into the MJCF."""
+        p = self.parameters
+        spec.option.timestep = p.timestep
+        spec.body("slide").pos[0] = p.centre_offset
+        spec.site("tool").pos[0] = -p.arm_length
+        hub, arm = spec.body("hub"), spec.body("arm")
+        hub.inertia[:], arm.inertia[:] = p.hub_inertia, p.arm_inertia
+        spec.body("slide").mass = p.slide_mass - hub.mass - arm.mass
+        spec.body("spindle").inertia[:] = p.spindle_inertia
+        spec.joint("arm").damping[0] = p.viscous_friction
+        spec.joint("arm").frictionloss = p.coulomb_friction
+        flexure, speed = spec.joint("flexure"), TURN * p.flexure_frequency
+        flexure.stiffness[0] = p.arm_inertia * speed**2
+        flexure.damping[0] = 2.0 * p.flexure_damping * p.arm_inertia * speed
+        self._shape_drives(spec)
+
+    def _shape_drives(self, spec: Any) -> None:
+        p = self.parameters
+        torque, spindle, slide = (spec.actuator(name) for name in ("torque", "spindle", "slide"))
+        torque.dynprm[0] = 1.0 / (TURN * p.current_bandwidth)
+        torque.gainprm[0] = p.torque_gain
+        torque.ctrllimited, torque.ctrlrange = True, [-p.torque_limit, p.torque_limit]
+        spindle.gainprm[0], spindle.biasprm[2] = p.spindle_gain, -p.spindle_gain
+        speed = TURN * p.slide_bandwidth
+        stiffness, damping = p.slide_mass * speed**2, 2.0 * p.slide_damping * p.slide_mass * speed
+        slide.gainprm[0] = stiffness
+        slide.biasprm[1:3] = -stiffness, -damping
+
+    def begin(self, steps: int) -> None:
+        """Draw angles and phases, start the spindle, bind the elements."""
+        self._place()
+        self._spindle()
+        self._slide()
+        self._ripple()
+        self._cutting(steps)
+        self._part(steps)
+        self._channels()
+
+    def _place(self) -> None:
+        p, data = self.parameters, self.data
+        data.qpos[self._position("spindle")] = self.stream("spindle_angle").uniform(0.0, TURN)
+        data.qpos[self._position("slide")] = p.slide_start
+        data.qpos[self._position("arm")] = p.start_angle
+        data.qvel[self._dof("spindle")] = p.spindle_speed
+
+    def _spindle(self) -> None:
+        p, wire, bind = self.parameters, self.wire, self.circuit.bind
+        bind(
+            "spindle_drive",
+            _native.slew(p.spindle_speed, p.spindle_acceleration),
+            [wire("speed_change", offset=p.spindle_speed)],
+            [self._control("spindle")],
+        )
+        random = self.stream("spindle_ripple")
+        for order, amplitude in ((1.0, p.spindle_ripple), (12.0, p.spindle_ripple_twelfth)):
+            bind(
+                f"spindle_ripple_{order:g}",
+                _native.harmonics([(amplitude, random.uniform(0.0, TURN))]),
+                [self._angle(scale=order)],
+                [self._force("spindle")],
+            )
+
+    def _slide(self) -> None:
+        p, wire, bind = self.parameters, self.wire, self.circuit.bind
+        feed = self._control("spindle", scale=p.feed / TURN)
+        bind("feed", _native.summing_junction(2), [feed, wire("slide_velocity")], [wire("feed")])
+        start = p.feed * p.spindle_speed / TURN
+        bind("feed_ramp", _native.slew(start, p.slide_acceleration), [wire("feed")], [wire("feed_ramp")])
+        bind("slide", _native.integrator(p.slide_start), [wire("feed_ramp")], [self._control("slide")])
+
+    def _ripple(self) -> None:
+        p, wire, bind = self.parameters, self.wire, self.circuit.bind
+        ripple, hum = self.stream("ripple").uniform(0.0, TURN, 2)
+        bind(
+            "ripple",
+            _native.harmonics([(p.ripple_torque, ripple)]),
+            [self._angle(scale=p.ripple_order)],
+            [self._force("arm")],
+        )
+        bind(
+            "hum_angle",
+            _native.rotation(hum),
+            [self.constant(TURN * p.hum_frequency)],
+            [wire("hum_angle"), wire("hum_angle_next")],
+        )
+        bind("hum", _native.harmonics([(p.hum_torque, 0.0)]), [wire("hum_angle")], [self._force("arm")])
+
+    def _cutting(self, steps: int) -> None:
+        p, wire, bind = self.parameters, self.wire, self.circuit.bind
+        # the part resists most where it is highest: the angle zero of a toric
+        bind(
+            "cutting_twice",
+            _native.harmonics([(p.cutting_force_twice, TURN / 4.0)]),
+            [self._angle(scale=2.0)],
+            [wire("cutting_twice")],
+        )
+        bind(
+            "cutting_noise",
+            _native.coloured_noise(p.cutting_noise, 1.0 / (TURN * p.cutting_bandwidth)),
+            [self.normals("cutting", steps)],
+            [wire("cutting_noise")],
+        )
+        bind(
+            "cutting_force",
+            _native.summing_junction(2),
+            [wire("cutting_twice", offset=p.cutting_force), wire("cutting_noise")],
+            [wire("cutting_force")],
+        )
+        bind(
+            "thrust",
+            _native.product(),
+            [wire("cutting"), wire("cutting_force")],
+            [self._control("thrust")],
+        )
+
+    def _part(self, steps: int) -> None:
+        p, wire, data, bind = self.parameters, self.wire, self.data, self.circuit.bind
+        tool = self._tool()
+        place = Cell(data.qpos, self._position("slide"), scale=-1.0, offset=p.centre_offset - p.probe_place)
+        bind("probe_lateral", _native.summing_junction(1), [place], [wire("probe_lateral")])
+        bind(
+            "part",
+            _native.turned_part(p.tool_radius, p.probe_radius, p.part_radius, p.part_face, p.roughness),
+            [
+                self._angle(),
+                Cell(data.site_xpos, tool),
+                Cell(data.site_xpos, tool + 2),
+                wire("cutting"),
+                self.normals("roughness", steps),
+                wire("probing"),
+                wire("probe_lateral"),
+            ],
+            [wire("probe_depth")],
+        )
+
+    def _channels(self) -> None:
+        p, wire, data = self.parameters, self.wire, self.data
+        arm, tool = self._dof("arm"), self._tool()
+        angle = Cell(data.sensordata, 0, offset=-p.arm_zero)
+        spindle, slide = Cell(data.sensordata, 1), Cell(data.sensordata, 2)
+        torque = int(self.model.actuator_actadr[self.model.actuator("torque").id])
+        away = self.stream("probe").uniform(-p.probe_misplacement, p.probe_misplacement)
+        readings = {
+            "arm_angle": angle,
+            "spindle_angle": spindle,
+            "slide_position": slide,
+            "probe_depth": wire("probe_depth", offset=-p.probe_zero),
+            "probe_lateral": wire("probe_lateral", offset=away),
+        }
+        commands = {name: wire(name) for name in ("speed_change", "slide_velocity", "cutting", "probing")}
+        truths = {
+            "tip_depth": Cell(data.site_xpos, tool + 2),
+            "tip_lateral": Cell(data.site_xpos, tool),
+            "arm_angle": angle,
+            "flexure": Cell(data.qpos, self._position("flexure")),
+            "torque": Cell(data.act, torque, scale=p.torque_gain),
+            "friction": Cell(data.qfrc_constraint, arm),
+            "ripple": Cell(data.qfrc_applied, arm),
+            "cutting_force": self._control("thrust"),
+            "spindle_angle": spindle,
+            "spindle_speed": Cell(data.qvel, self._dof("spindle")),
+            "slide_position": slide,
+        }
+        self.connect(readings, {"torque": self._control("torque"), **commands}, truths)
+
+    def _angle(self, scale: float = 1.0) -> Cell:
+        return Cell(self.data.qpos, self._position("spindle"), scale=scale)
+
+    def _tool(self) -> int:
+        return 3 * int(self.model.site("tool").id)
+
+    def _position(self, joint: str) -> int:
+        return int(self.model.joint(joint).qposadr[0])
+
+    def _dof(self, joint: str) -> int:
+        return int(self.model.joint(joint).dofadr[0])
+
+    def _control(self, actuator: str, scale: float = 1.0) -> Cell:
+        address = int(self.model.actuator_ctrladr[self.model.actuator(actuator).id])
+        return Cell(self.data.ctrl, address, scale=scale)
+
+    def _force(self, joint: str) -> Cell:
+        return Cell(self.data.qfrc_applied, self._dof(joint), add=True)
