@@ -1,7 +1,8 @@
 //! Calibration in place: collects what was cut and what the probe says of it, fits, and keeps the record of the tool.
 //!
 //! While `calibration.cut` is set the tool cuts the part; afterwards `probe.capture` stores readings of the probe, the
-//! first at its rising edge and more while it stays set and the probe moves on; `calibration.solve` fits them.
+//! first at its rising edge and more while it stays set and the probe moves on; `calibration.solve` fits them. All readings
+//! on one flat are averaged: cut and read the same stretch of it, and the arm may wander meanwhile.
 
 use serde::{Deserialize, Serialize};
 
@@ -65,6 +66,8 @@ pub struct Calibration {
     mode: Mode,
     cut: Cut,
     flats: Store<Flat>,
+    /// Readings that the newest flat is the mean of.
+    readings: u32,
     points: Store<ProbePoint>,
     /// Lateral position of the last stored sample, m.
     stored_at: f64,
@@ -90,6 +93,7 @@ impl Calibration {
             mode: Mode::Off,
             cut: Cut::default(),
             flats: Store::new(SAMPLES_MAX, Flat { arm_angle: 0.0, depth: 0.0 }),
+            readings: 0,
             points: Store::new(SAMPLES_MAX, ProbePoint { lateral: 0.0, depth: 0.0 }),
             stored_at: 0.0,
             cutting: Edge::default(),
@@ -106,7 +110,7 @@ impl Calibration {
             self.begin();
         }
         if self.cutting.rises(input.calibration.cut) {
-            self.cut = Cut::default();
+            (self.cut, self.readings) = (Cut::default(), 0);
         }
         if input.calibration.cut {
             self.cut.add(now);
@@ -151,7 +155,7 @@ impl Calibration {
     fn begin(&mut self) {
         self.flats.clear();
         self.points.clear();
-        self.cut = Cut::default();
+        (self.cut, self.readings) = (Cut::default(), 0);
         (self.status, self.residual) = (Status::None, 0.0);
     }
 
@@ -178,9 +182,24 @@ impl Calibration {
         match mode {
             Mode::CalibrateFlats => {
                 let arm_angle = cut.arm_angle - wind_up(p, cut.torque);
-                self.flats.push(Flat { arm_angle, depth: point.depth })
+                self.keep_flat(Flat { arm_angle, depth: point.depth })
             }
             _ => self.points.push(point),
+        }
+    }
+
+    /// A new flat, or one more reading on the newest.
+    fn keep_flat(&mut self, flat: Flat) -> bool {
+        match self.flats.last_mut() {
+            Some(mean) if self.readings > 0 => {
+                self.readings = self.readings.saturating_add(1);
+                mean.depth += (flat.depth - mean.depth) / f64::from(self.readings);
+                true
+            }
+            _ => {
+                self.readings = 1;
+                self.flats.push(flat)
+            }
         }
     }
 

@@ -85,7 +85,9 @@ mod tests {
     #[test]
     fn a_phase_that_runs_away_is_not_chosen() {
         // 120 Hz at 580 rpm: 12.41 cycles in a turn
-        let error = |n: usize, turn: f64| Complex::from_polar(if n == 12 { 1e-6 } else { 1e-9 }, 0.41 * 6.2832 * turn);
+        let error = |n: usize, turn: f64| {
+            Complex::from_polar(if n == 12 { 1e-6 } else { 1e-9 }, 0.41 * std::f64::consts::TAU * turn)
+        };
         assert_eq!(chosen(80, error), Harmonics::NONE);
     }
 

@@ -40,11 +40,24 @@ impl DepthTable {
             let x = first + row as f64 * table.step;
             let depths = angles().map(|theta| path.depth(x, theta)).collect::<Result<Vec<f64>, _>>()?;
             let harmonics = fourier.harmonics(&depths, p.path.harmonics as usize);
+            require(depths.iter().all(|z| arm.reaches(*z)), || too_deep(p, arm.length))?;
             let left_out = depths.iter().zip(fourier.values(&harmonics)).map(|(z, sum)| (z - sum).abs());
             table.truncation = left_out.fold(table.truncation, f64::max);
             table.rows.push(harmonics);
         }
         Ok(table)
+    }
+}
+
+fn too_deep(p: &Parameters, length: f64) -> ParameterError {
+    ParameterError {
+        name: "tool.arm_length",
+        value: format!("{length} m"),
+        limit: format!(
+            "long enough for the depths of the surface out to `surface.outer_radius` = `{} m`",
+            p.surface.outer_radius
+        ),
+        hint: "cut less of the surface, or place the part with `surface.depth_auto`",
     }
 }
 
@@ -103,6 +116,14 @@ mod tests {
         p.path.harmonics = 16;
         let table = DepthTable::of_surface(&p).unwrap();
         assert!(table.truncation > 0.1e-6 && table.truncation < 1e-6, "{}", table.truncation);
+    }
+
+    #[test]
+    fn a_surface_deeper_than_the_arm_reaches_is_refused() {
+        let mut p = Parameters::DEFAULT;
+        (p.surface.depth_auto, p.surface.depth) = (false, 0.0795);
+        let message = DepthTable::of_surface(&p).unwrap_err().to_string();
+        assert!(message.starts_with("parameter `tool.arm_length` is `0.08 m`"), "{message}");
     }
 
     #[test]

@@ -17,6 +17,8 @@ impl Harmonics {
     pub const NONE: Self = Self(0);
     /// 1 to 24.
     pub const DEFAULT: Self = Self((1 << 24) - 1);
+    /// The same as text.
+    pub const DEFAULT_TEXT: &'static str = "1-24";
     /// The first five even ones.
     pub const PAPER: Self = Self(0b10_1010_1010);
 
@@ -84,7 +86,7 @@ mod tests {
         assert_eq!(members(" 50, 1 - 3 ,2"), [1, 2, 3, 50]);
         assert_eq!(members("64"), [64]);
         assert_eq!(members(""), [0; 0]);
-        assert_eq!("1-24".parse(), Ok(Harmonics::DEFAULT));
+        assert_eq!(Harmonics::DEFAULT_TEXT.parse(), Ok(Harmonics::DEFAULT));
         assert_eq!("2,4,6,8,10".parse(), Ok(Harmonics::PAPER));
     }
 

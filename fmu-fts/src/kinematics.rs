@@ -7,8 +7,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::parameters::Parameters;
 
-/// Largest sine of phi that is used: the arm never stands along the spindle.
+/// Largest sine of phi that is computed: the arm never stands along the spindle.
 const SINE_MAX: f64 = 0.999;
+/// Largest sine of phi on a path.
+const REACH: f64 = 0.99;
 
 /// The arm with the selected tool.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -31,6 +33,11 @@ impl Arm {
     /// Encoder angle b (rad) for a depth z (m); depths out of reach give the last angle in reach.
     pub fn angle(&self, depth: f64) -> f64 {
         (depth / self.length).clamp(-SINE_MAX, SINE_MAX).asin() - self.zero
+    }
+
+    /// Whether a path may have a depth z (m).
+    pub fn reaches(&self, depth: f64) -> bool {
+        depth.abs() <= REACH * self.length
     }
 
     /// Depth z (m) for an encoder angle b (rad).

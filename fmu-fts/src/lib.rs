@@ -62,6 +62,7 @@ use serde::{Deserialize, Serialize};
 use calibration::Status;
 use controller::Controller;
 use frequencies::Frequencies;
+use harmonics::Harmonics;
 use machine::{Fault, Mode, State};
 use parameters::{Parameters, SurfaceKind};
 use signals::{Input, Output};
@@ -267,7 +268,7 @@ impl Model for Fts {
         // feedforward and cancellation
         integer!(Vars.parameters => feedforward.harmonics).parameter().range_int(0, 64).describe("Harmonics that are pre-shifted; 0 for none, else at least those of the path"),
         text!(Vars.text => response.file).parameter().describe("JSON table of the frequency response, in the folder resources of the FMU or with its whole path; empty for the response of the nominal loop"),
-        text!(Vars.text => afc.harmonics).parameter().start_text("1-24").describe("Cancelled harmonics of the spindle: numbers and ranges like `2, 4, 6` or `1-24`, up to 64"),
+        text!(Vars.text => afc.harmonics).parameter().start_text(Harmonics::DEFAULT_TEXT).describe("Cancelled harmonics of the spindle: numbers and ranges like `2, 4, 6` or `1-24`, up to 64"),
         boolean!(Vars.parameters => afc.automatic).parameter().describe("Of `afc.harmonics`, cancel only what repeats from turn to turn"),
         real!(Vars.parameters => afc.tau).parameter().unit(&SECOND).range(0.01, 100.0).describe("Time constant tau of each cancelled harmonic"),
         boolean!(Vars.parameters => afc.phase_advance).parameter().describe("Advance each resonator by the phase of the position loop; without it eq. 3 as printed, unstable above some speed"),

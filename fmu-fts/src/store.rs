@@ -26,6 +26,11 @@ impl<T: Copy> Store<T> {
         fits
     }
 
+    /// The newest sample.
+    pub fn last_mut(&mut self) -> Option<&mut T> {
+        self.room[..self.count].last_mut()
+    }
+
     /// The samples, in the order in which they came.
     pub fn samples(&self) -> &[T] {
         &self.room[..self.count]
@@ -46,8 +51,11 @@ mod tests {
         let mut store = Store::new(2, 0);
         assert_eq!([store.push(7), store.push(8), store.push(9)], [true, true, false]);
         assert_eq!(store.samples(), [7, 8]);
+        store.last_mut().into_iter().for_each(|last| *last += 1);
+        assert_eq!(store.samples(), [7, 9]);
         store.clear();
         assert_eq!(store.samples(), [0; 0]);
+        assert!(store.last_mut().is_none());
         assert!(store.push(5));
         assert_eq!(store.samples(), [5]);
     }

@@ -137,13 +137,16 @@ def test_the_paper_level(delay: int) -> None:
 
 
 @pytest.mark.full
-@pytest.mark.parametrize("name", ["fts", "fts/1200", "fts/2400"])
-def test_default_mode_in_20_cuts(name: str) -> None:
+@pytest.mark.parametrize(
+    ("name", "most"),
+    [("fts", 0.5e-6), ("fts/1200", 0.5e-6), ("fts/2400", 0.5e-6), ("fts/3cm", 0.5e-6), ("fts/wide", 0.3e-6)],
+)
+def test_default_mode_in_20_cuts(name: str, most: float) -> None:
     results = cosim.run_many(cosim.load(name), MANY)
     rms, tip = (np.array([value(result, metric) for result in results]) for metric in ("rms", "tip"))
     print(f"{name}: rms {1e6 * np.median(rms):.3f}, most {1e6 * rms.max():.3f}; tip {1e6 * tip.max():.3f} um")
-    assert rms.max() <= 0.5e-6
-    assert tip.max() <= 0.6e-6
+    assert rms.max() <= most
+    assert tip.max() <= 1.2 * most
     assert all(value(result, "good") for result in results)
 
 
@@ -193,6 +196,39 @@ def test_the_plant_step_hardly_matters() -> None:
     ]
     print(f"50 us {1e6 * rms[0]:.4f} um, 10 us {1e6 * rms[1]:.4f} um")
     assert rms[0] == pytest.approx(rms[1], rel=0.02)
+
+
+@pytest.mark.full
+def test_without_cutting_noise_a_tenth_of_a_micrometre_is_left() -> None:
+    result = run("fts", "plant.cutting_noise=0.0", "loop.duration=3.0")
+    print(f"rms {1e6 * value(result, 'rms'):.3f}, tip {1e6 * value(result, 'tip'):.3f} um")
+    assert value(result, "rms") <= 0.1e-6
+    assert value(result, "tip") <= 0.1e-6
+
+
+@pytest.mark.full
+def test_harmonics_that_are_chosen_do_not_amplify_what_does_not_repeat() -> None:
+    # watching what repeats takes about a second
+    settled, automatic = "loop.duration=3.0", "controller.afc.automatic=true"
+    chosen, five = run("fts/hum", automatic, settled), run("fts/hum", *FIVE, settled)
+    every = run("fts/hum", settled)
+    rms = [1e6 * value(result, "rms") for result in (chosen, five, every)]
+    print(f"chosen {rms[0]:.3f}, five {rms[1]:.3f}, all {rms[2]:.3f} um")
+    assert rms[0] < 1.02 * rms[1]
+    assert value(run("fts", automatic, settled), "rms") <= 0.5e-6
+
+
+@pytest.mark.full
+def test_the_wide_loop_keeps_its_accuracy_with_other_machines_and_delays() -> None:
+    corners = [
+        (f"plant.torque_gain={gain}", f"plant.flexure_frequency={frequency}")
+        for gain, frequency in itertools.product((0.8, 1.2), (1080.0, 1320.0))
+    ]
+    for changes in [*corners, DELAYS[0], DELAYS[2]]:
+        result = run("fts/wide", *changes)
+        print(f"{changes}: {1e6 * value(result, 'rms'):.3f} um")
+        assert value(result, "good")
+        assert value(result, "rms") <= 0.4e-6
 
 
 def test_same_seed_same_bytes() -> None:

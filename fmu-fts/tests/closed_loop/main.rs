@@ -9,3 +9,4 @@ mod run;
 mod stability;
 mod state;
 mod tracking;
+mod wild;
