@@ -22,6 +22,7 @@ PROBE_AT_PUSHER = 0.02
 FEET = 0.85
 """Where the ring rests, in radii."""
 RESAMPLES = 2000
+LENGTHS = ("eccentricity", "measurement_error", "overshoot")
 
 
 @dataclass(frozen=True)
@@ -155,23 +156,23 @@ class Sample:
             if not centred
         ]
 
-    def __str__(self) -> str:
+    def columns(self) -> dict[str, str]:
+        """Say how many were centred, how soon and with how many pushes; intervals are of 95 %."""
         low, high = share_interval(int(self.centred.sum()), len(self.centred))
-        parts = [f"{self.centred.sum()} of {len(self.centred)} centred ({low:.0f} .. {high:.0f} %)"]
-        for name, share in (("median", 50), ("95 %", 95), ("most", 100)):
-            parts.append(f"{name} {self.time(share):.1f} s" + interval_text(self.times, share))
         pushes = self.metric("pushes")[self.called]
-        parts.append("pushes {:.0f} / {:.0f}".format(*(percentile(pushes, share) for share in (50, 95))))
-        for name, unit, scale in (
-            ("eccentricity", "um", 1e6),
-            ("measurement_error", "um", 1e6),
-            ("overshoot", "um", 1e6),
-            ("wait", "rev", 1.0),
-        ):
-            parts.append(f"{name} <= {scale * self.worst(name):.2f} {unit}")
-        if self.falsely:
-            parts.append(f"FALSELY CENTRED: {self.falsely}")
-        return ", ".join(parts)
+        return {
+            "centred": f"{self.centred.sum()} of {len(self.centred)} ({low:.0f} .. {high:.0f} %)",
+            "median": f"{self.time(50):.1f} s{interval_text(self.times, 50)}",
+            "95 %": f"{self.time(95):.1f} s{interval_text(self.times, 95)}",
+            "most": f"{self.time(100):.1f} s",
+            "pushes": f"{percentile(pushes, 50):.0f} / {percentile(pushes, 95):.0f}",
+            "falsely": str(len(self.falsely)),
+        }
+
+    def __str__(self) -> str:
+        told = [f"{name} {text}" for name, text in self.columns().items()]
+        lengths = [f"{name} <= {1e6 * self.worst(name):.2f} um" for name in LENGTHS]
+        return ", ".join([*told, *lengths, f"wait <= {self.worst('wait'):.2f} revolutions"])
 
 
 def sample(rings: Rings, seeds: Sequence[int], *changes: str, name: str = "centering") -> Sample:

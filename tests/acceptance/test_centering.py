@@ -107,6 +107,43 @@ def test_a_soft_slide_never_calls_a_ring_of_70_kg_centred_that_is_not() -> None:
     assert found.falsely == []
 
 
+# what each idea of the default mode is worth
+
+IDEAS = {
+    "default": (),
+    "no part of a revolution": ("estimator.partial=false",),
+    "round ring": ("estimator.form=0",),
+    "no gate": ("estimator.gate=1e6",),
+    "no phase plan": ("stroke.phase_plan=false",),
+    "no feedback of the surface": ("stroke.feedback=0",),
+    "lateral ratio not learned": ("learn.lateral=false",),
+    "contact not learned": ("learn.contact=false",),
+    "deflection not learned": ("learn.deflection=false",),
+    "recoil not learned": ("learn.recoil=false",),
+    "nothing learned": tuple(
+        f"learn.{idea}=false" for idea in ("lateral", "contact", "deflection", "recoil")
+    ),
+    "no taps": ("tap.enabled=false",),
+    "paper mode": ('method="Paper"',),
+}
+
+
+@pytest.mark.full
+@pytest.mark.parametrize(
+    "rings", [LIKE_THE_PAPER, OF_ALL_MASSES, BADLY_KNOWN], ids=["like the paper", "all masses", "badly known"]
+)
+def test_each_idea_switched_off(rings: Rings) -> None:
+    found = {
+        idea: sample(rings, range(MANY, MANY + 50), *(f"controller.{change}" for change in changes))
+        for idea, changes in IDEAS.items()
+    }
+    print("| switched off |", " | ".join(found["default"].columns()), "|")
+    for idea, one in found.items():
+        print(f"| {idea} |", " | ".join(one.columns().values()), "|")
+    assert found["default"].falsely == []
+    assert found["default"].centred.mean() >= 0.95
+
+
 # the plant
 
 
