@@ -1,5 +1,6 @@
 //! Checks the inputs of a sample: what can be used, and what is wrong with the rest.
 
+use control_blocks::{Edge, believable};
 use serde::{Deserialize, Serialize};
 
 use crate::machine::Fault;
@@ -33,7 +34,7 @@ pub struct Reader {
     known: bool,
     lost: u32,
     spindle_speed: f64,
-    start_before: bool,
+    start: Edge,
 }
 
 impl Reader {
@@ -48,17 +49,12 @@ impl Reader {
         let found = position.is_some() && (!self.known || self.lost > LOST_TICKS);
         self.known |= position.is_some();
         self.lost = if position.is_some() { 0 } else { self.lost.saturating_add(1) };
-        let start = input.start && !self.start_before && !input.abort;
-        self.start_before = input.start;
+        let start = self.start.rises(input.start) && !input.abort;
         let invalid = !speed_good || (input.position_valid && !position_good);
         let fault =
             if invalid { Some(Fault::InvalidInput) } else { (self.lost > LOST_TICKS).then_some(Fault::LostSync) };
         Reading { position, spindle_speed: self.spindle_speed, start, found, fault }
     }
-}
-
-fn believable(x: f64, limit: f64) -> bool {
-    x.is_finite() && x.abs() <= limit
 }
 
 #[cfg(test)]

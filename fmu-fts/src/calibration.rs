@@ -4,10 +4,10 @@
 //! first at its rising edge and more while it stays set and the probe moves on; `calibration.solve` fits them. All readings
 //! on one flat are averaged: cut and read the same stretch of it, and the arm may wander meanwhile.
 
+use control_blocks::Edge;
 use serde::{Deserialize, Serialize};
 
 use crate::cut::{Cut, Moment};
-use crate::edge::Edge;
 use crate::flats::{self, ArmEstimate, Flat, FlatAccuracy};
 use crate::least_squares::Failure;
 use crate::machine::Mode;

@@ -1,6 +1,6 @@
 //! One sample of the whole law: read, decide, refer, act, report.
 
-use control_blocks::ParameterError;
+use control_blocks::{Edge, ParameterError};
 use serde::{Deserialize, Serialize};
 
 use crate::calibration::Calibration;
@@ -9,7 +9,6 @@ use crate::cut::Moment;
 use crate::depth_table::DepthTable;
 use crate::design::design;
 use crate::dry_friction::dry_friction;
-use crate::edge::Edge;
 use crate::feasibility::{available_torque, needed_torque};
 use crate::hold::Hold;
 use crate::identify::{Expected, Identification};

@@ -13,7 +13,6 @@ pub mod cut;
 pub mod depth_table;
 pub mod design;
 pub mod dry_friction;
-pub mod edge;
 pub mod feasibility;
 pub mod feedforward;
 pub mod flats;

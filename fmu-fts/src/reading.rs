@@ -1,5 +1,6 @@
 //! Checks the inputs of a sample: what can be used, and what is wrong with the rest.
 
+use control_blocks::believable;
 use serde::{Deserialize, Serialize};
 
 use crate::signals::Input;
@@ -49,10 +50,6 @@ impl Reader {
         }
         (self.good, valid)
     }
-}
-
-fn believable(x: f64, limit: f64) -> bool {
-    x.is_finite() && x.abs() <= limit
 }
 
 #[cfg(test)]
