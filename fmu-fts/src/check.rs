@@ -9,7 +9,7 @@ type Check = fn(&Parameters) -> Result<(), ParameterError>;
 
 /// Checks all combinations; the first that fails is the error.
 pub fn check(p: &Parameters) -> Result<(), ParameterError> {
-    const CHECKS: [Check; 5] = [tip_frequency, radii, roll_off, path_harmonics, automatic];
+    const CHECKS: [Check; 6] = [tip_frequency, radii, roll_off, path_harmonics, automatic, frequencies];
     CHECKS.iter().try_for_each(|check| check(p))
 }
 
@@ -63,6 +63,17 @@ fn automatic(p: &Parameters) -> Result<(), ParameterError> {
     })
 }
 
+fn frequencies(p: &Parameters) -> Result<(), ParameterError> {
+    // five samples a period
+    let (highest, most) = (p.identify.frequencies.highest(), 0.2 / p.sample_period);
+    require(highest <= most, || ParameterError {
+        name: "identify.frequencies",
+        value: format!("{highest} Hz"),
+        limit: format!("at most `{most} Hz`, a fifth of the sampling rate"),
+        hint: "leave out the highest frequencies",
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -84,6 +95,12 @@ mod tests {
         let cases = [
             (error(|p| p.tip.frequency = 1000.0), "tip.frequency", "`1000 rad/s`", "at least `2167"),
             (error(|p| p.surface.outer_radius = 0.0), "surface.outer_radius", "`0 m`", "`0.0005 m`"),
+            (
+                error(|p| p.identify.frequencies = "10, 2500".parse().unwrap()),
+                "identify.frequencies",
+                "`2500 Hz`",
+                "`2000 Hz`",
+            ),
             (error(|p| p.servo.roll_off = 2000.0), "servo.roll_off", "`2000 rad/s`", "`2890"),
             (error(|p| p.surface.kind = SurfaceKind::Wave), "path.harmonics", "`12`", "`surface.wave_harmonic` = `50`"),
             (

@@ -11,7 +11,7 @@ use crate::design::design;
 use crate::dry_friction::dry_friction;
 use crate::feasibility::{available_torque, needed_torque};
 use crate::hold::Hold;
-use crate::identify::{Expected, Identification};
+use crate::identify::Identification;
 use crate::kinematics::Arm;
 use crate::lead_lag::{LeadLag, Recursion};
 use crate::loop_model::LoopModel;
@@ -26,6 +26,7 @@ use crate::response::FrequencyResponse;
 use crate::signals::{IdentifyOutput, Input, Output, ResponseOutput};
 use crate::spindle::Spindle;
 use crate::sweep::sweep;
+use crate::tone::Expected;
 use crate::tracker::{Layers, Tracker, Wanted};
 
 /// Tables that come from files; none by default.

@@ -32,6 +32,11 @@ impl Frequencies {
     pub const DEFAULT_TEXT: &'static str = "10, 20, 30, 40, 50, 60, 70, 80, 90, 100, 110, 120, 140, 160, 180, 200, 220, \
         230, 240, 260, 280, 300, 330, 360, 400, 450, 500, 550, 600, 700, 800, 1000";
 
+    /// The highest frequency, Hz.
+    pub fn highest(&self) -> f64 {
+        self.hertz[..self.count].last().copied().unwrap_or(0.0)
+    }
+
     /// The frequencies, rad/s.
     pub fn iter(&self) -> impl Iterator<Item = f64> {
         self.hertz[..self.count].iter().map(|hertz| TAU * hertz)
@@ -73,6 +78,7 @@ mod tests {
     fn numbers_in_hertz_are_read_as_angular_frequencies() {
         let list: Frequencies = " 10, 20.5 ,300".parse().unwrap();
         assert_eq!(list.iter().collect::<Vec<_>>(), [TAU * 10.0, TAU * 20.5, TAU * 300.0]);
+        assert_eq!(list.highest(), 300.0);
     }
 
     #[test]

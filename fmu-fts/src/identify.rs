@@ -12,53 +12,18 @@ use serde::{Deserialize, Serialize};
 
 use crate::parameters::Parameters;
 use crate::response::FrequencyResponse;
-
-/// Part of the following error that is a fault which the swing may have.
-const ERROR_SHARE: f64 = 0.7;
-
-/// What is expected at a frequency.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Expected {
-    /// T.
-    pub response: Complex<f64>,
-    /// Amplitude of the torque over that of the arm, N.m/rad.
-    pub stiffness: f64,
-}
-
-/// One frequency of the experiment.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-struct Stage {
-    /// Whole periods that are averaged.
-    periods: u32,
-    /// Samples of these periods.
-    samples: u32,
-    /// Amplitude of the set-point, rad.
-    amplitude: f64,
-}
-
-impl Stage {
-    /// Periods in one sample.
-    fn frequency(&self) -> f64 {
-        f64::from(self.periods) / f64::from(self.samples)
-    }
-
-    /// exp(-j phase) at sample `k` of the average.
-    fn rotation(&self, k: u32) -> Complex<f64> {
-        let turns = u64::from(k) * u64::from(self.periods) % u64::from(self.samples);
-        Complex::from_polar(1.0, -TAU * turns as f64 / f64::from(self.samples))
-    }
-}
+use crate::tone::{Expected, Tone};
 
 /// The experiment: glide to each frequency, settle, average, and glide to rest.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Identification {
     period: f64,
-    stages: Vec<Stage>,
+    tones: Vec<Tone>,
     glide: u32,
     settle: u32,
-    /// Present stage; behind the last one the arm comes to rest.
-    stage: usize,
-    /// Samples of this stage so far.
+    /// Present tone; behind the last one the arm comes to rest.
+    tone: usize,
+    /// Samples of this tone so far.
     tick: u32,
     /// Samples of the experiment so far.
     elapsed: u32,
@@ -66,7 +31,7 @@ pub struct Identification {
     phase: f64,
     set_point: Complex<f64>,
     angle: Complex<f64>,
-    /// The torque has reached its limit in this stage.
+    /// The torque has reached its limit in this tone.
     saturated: bool,
     response: FrequencyResponse,
 }
@@ -76,10 +41,10 @@ impl Identification {
     pub fn new(p: &Parameters, expected: impl Fn(f64) -> Expected) -> Self {
         Self {
             period: p.sample_period,
-            stages: p.identify.frequencies.iter().map(|omega| stage(p, omega, &expected(omega))).collect(),
+            tones: p.identify.frequencies.iter().map(|omega| Tone::new(p, omega, &expected(omega))).collect(),
             glide: p.ticks(p.identify.glide_time).max(1),
             settle: p.ticks(p.identify.settle_time),
-            stage: 0,
+            tone: 0,
             tick: 0,
             elapsed: 0,
             phase: 0.0,
@@ -92,7 +57,7 @@ impl Identification {
 
     /// Begins again.
     pub fn restart(&mut self) {
-        (self.stage, self.tick, self.elapsed, self.phase) = (0, 0, 0, 0.0);
+        (self.tone, self.tick, self.elapsed, self.phase) = (0, 0, 0, 0.0);
         (self.set_point, self.angle, self.saturated) = (Complex::ZERO, Complex::ZERO, false);
         self.response = FrequencyResponse::EMPTY;
     }
@@ -111,7 +76,7 @@ impl Identification {
 
     /// Whether the arm is at rest again and the response complete.
     pub fn done(&self) -> bool {
-        self.stage == self.stages.len() && self.tick >= self.glide
+        self.tone == self.tones.len() && self.tick >= self.glide
     }
 
     /// Part of the experiment that is over, 0 to 1.
@@ -126,17 +91,17 @@ impl Identification {
 
     /// Samples of the whole experiment.
     fn ticks(&self) -> u32 {
-        self.stages.iter().map(|stage| self.glide + self.settle + stage.samples).sum::<u32>() + self.glide
+        self.tones.iter().map(|tone| self.glide + self.settle + tone.samples).sum::<u32>() + self.glide
     }
 
-    /// Amplitude (rad) and frequency (periods in a sample) now. Between two stages both glide along a power law, on
-    /// which torque and acceleration stay between those of the stages.
+    /// Amplitude (rad) and frequency (periods in a sample) now. Between two tones both glide along a power law, on
+    /// which torque and acceleration stay between those of the tones.
     fn excitation(&self) -> (f64, f64) {
         let time = (f64::from(self.tick + 1) / f64::from(self.glide)).min(1.0);
         // begins and ends level
         let share = time * time * (3.0 - 2.0 * time);
         let between = |from: f64, to: f64| from * (to / from).powf(share);
-        match (self.stage.checked_sub(1).map(|i| &self.stages[i]), self.stages.get(self.stage)) {
+        match (self.tone.checked_sub(1).map(|i| &self.tones[i]), self.tones.get(self.tone)) {
             (_, Some(now)) if share >= 1.0 => (now.amplitude, now.frequency()),
             (Some(old), Some(new)) => {
                 (between(old.amplitude, new.amplitude), between(old.frequency(), new.frequency()))
@@ -147,15 +112,15 @@ impl Identification {
         }
     }
 
-    /// Adds one sample to the sums of the stage, and the stage to the response when its periods are whole.
+    /// Adds one sample to the sums of the tone, and the tone to the response when its periods are whole.
     fn average(&mut self, set_point: f64, angle: f64) {
-        let Some(stage) = self.stages.get(self.stage) else { return };
+        let Some(tone) = self.tones.get(self.tone) else { return };
         let Some(k) = self.tick.checked_sub(self.glide + self.settle) else { return };
-        let rotation = stage.rotation(k);
+        let rotation = tone.rotation(k);
         self.set_point += rotation * set_point;
         self.angle += rotation * angle;
-        if k + 1 == stage.samples {
-            let omega = TAU * stage.frequency() / self.period;
+        if k + 1 == tone.samples {
+            let omega = TAU * tone.frequency() / self.period;
             if !self.saturated {
                 self.response.push(omega, self.angle / self.set_point);
             }
@@ -166,8 +131,8 @@ impl Identification {
     fn advance(&mut self) {
         self.elapsed = self.elapsed.saturating_add(1);
         self.tick = self.tick.saturating_add(1);
-        if self.stages.get(self.stage).is_some_and(|stage| self.tick == self.glide + self.settle + stage.samples) {
-            (self.stage, self.tick) = (self.stage + 1, 0);
+        if self.tones.get(self.tone).is_some_and(|tone| self.tick == self.glide + self.settle + tone.samples) {
+            (self.tone, self.tick) = (self.tone + 1, 0);
         }
     }
 }
@@ -176,26 +141,6 @@ impl Identification {
 pub fn duration(p: &Parameters) -> f64 {
     let any = Expected { response: Complex::ONE, stiffness: 1.0 };
     f64::from(Identification::new(p, |_| any).ticks()) * p.sample_period
-}
-
-/// The stage for a frequency (rad/s).
-fn stage(p: &Parameters, omega: f64, expected: &Expected) -> Stage {
-    let per_sample = omega * p.sample_period / TAU;
-    // rounding errors make no period more
-    let periods = (omega * p.identify.average_time / TAU - 1e-9).ceil().max(1.0);
-    let samples = (periods / per_sample).round();
-    Stage { periods: periods as u32, samples: samples as u32, amplitude: amplitude(p, omega, expected) }
-}
-
-/// Amplitude of the set-point (rad): the tool moves as in the job, or as far as the limits allow.
-fn amplitude(p: &Parameters, omega: f64, expected: &Expected) -> f64 {
-    let (identify, length) = (&p.identify, p.tool.arm_length[p.tool_index()]);
-    let tool = identify.amplitude.min(identify.acceleration_max / (omega * omega));
-    let torque = identify.torque_share * p.servo.torque_max;
-    let arm = (tool / length).min(torque / expected.stiffness);
-    let error = ERROR_SHARE * p.limit.following_error / length;
-    // without an error it is infinite, and the other limit counts
-    (arm / expected.response.norm()).min(error / (1.0 - expected.response).norm())
 }
 
 #[cfg(test)]

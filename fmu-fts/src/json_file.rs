@@ -28,6 +28,7 @@ impl FileParameter<'_> {
     /// # Errors
     /// When there is no such file, it is too large, or it is not JSON of this type: with line and column.
     pub fn read<T: DeserializeOwned>(&self, resources: Option<&Path>) -> Result<T, ParameterError> {
+        self.require(!self.file.is_empty(), || "the name of a file".to_owned())?;
         let path = match resources {
             Some(folder) => folder.join(self.file),
             None => self.file.into(),
@@ -141,6 +142,7 @@ mod tests {
     fn what_cannot_be_read_says_why() {
         let place = Place::with("table.json", "[1,\n 2, \"x\"]");
         let cases = [
+            (message("", Some(place.path())), "must be the name of a file"),
             (message("missing.json", Some(place.path())), "No such file"),
             (message(".", Some(place.path())), "not a folder"),
             (

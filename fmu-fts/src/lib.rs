@@ -47,6 +47,7 @@ pub mod surface;
 pub mod sweep;
 pub mod texts;
 pub mod tip;
+pub mod tone;
 pub mod toric;
 pub mod toroid;
 pub mod tracker;

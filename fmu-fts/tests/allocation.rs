@@ -59,3 +59,25 @@ fn no_sample_allocates() {
     }
     assert_eq!(ALLOCATIONS.get(), before);
 }
+
+#[test]
+fn neither_a_whole_identification_nor_a_fit_allocates() {
+    let mut p = Parameters::DEFAULT;
+    p.identify.frequencies = "100, 200".parse().unwrap();
+    let mut controller = Controller::new(&p, &Tables::default()).unwrap();
+    let mut output = Output::START;
+    let before = ALLOCATIONS.get();
+    for (mode, count) in [(Mode::Identify, 12_000), (Mode::CalibrateToroid, 2000), (Mode::CalibrateFlats, 2000)] {
+        for k in 0..count {
+            // cut and read in turn, solve at the end
+            let mut input = Input { arm_angle: output.reference.angle, slide_position: 0.04, mode, ..Input::START };
+            (input.calibration.cut, input.probe.capture) = (k % 8 < 3, k % 8 == 5);
+            (input.probe.lateral, input.probe.depth) = (1e-5 * f64::from(k), 1e-8 * f64::from(k * k));
+            input.calibration.solve = k == count - 1;
+            controller.tick(&p, &input, &mut output);
+        }
+    }
+    assert_eq!(ALLOCATIONS.get(), before);
+    assert_eq!(output.identify.progress, 1.0);
+    assert!(output.calibration.samples > 100);
+}

@@ -2,6 +2,7 @@
 
 mod cost;
 mod faults;
+mod identify;
 mod machine;
 mod modes;
 mod robustness;

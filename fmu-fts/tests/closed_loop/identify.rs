@@ -1,0 +1,131 @@
+//! The frequency response in place, against the machine that it is measured on.
+
+use std::f64::consts::TAU;
+
+use fmu_fts::controller::Controller;
+use fmu_fts::design::design;
+use fmu_fts::loop_model::LoopModel;
+use fmu_fts::machine::{Fault, Mode, State};
+use fmu_fts::parameters::Parameters;
+use nalgebra::Complex;
+
+use crate::machine::{Build, RPM};
+use crate::run::Loop;
+
+/// Standing spindle, no friction, no cut, fine encoders: nothing but linear.
+const LINEAR: Build =
+    Build { coulomb: 0.0, ripple: 0.0, cutting: [0.0; 3], quantised: false, speed: |_| 0.0, ..Build::NOMINAL };
+
+fn parameters(frequencies: &str) -> Parameters {
+    let mut p = Parameters::DEFAULT;
+    p.identify.frequencies = frequencies.parse().unwrap();
+    p
+}
+
+/// Identifies at once; the run ends when the response is complete.
+fn identified(p: &Parameters, build: &Build) -> Loop {
+    let mut run = Loop::new(p, build, 9);
+    run.input.mode = Mode::Identify;
+    while run.output.identify.progress < 1.0 {
+        run.step();
+        assert_eq!((run.output.fault, run.output.saturated), (Fault::None, false), "at {} s", run.time());
+        assert!(run.time() < 20.0);
+    }
+    run
+}
+
+#[test]
+fn the_response_of_a_linear_machine_is_that_of_its_model() {
+    let p = parameters("10, 20, 50, 80, 120, 200, 300, 500, 800, 1000");
+    let run = identified(&p, &LINEAR);
+    let model = LoopModel::new(&p, design(&p).unwrap());
+    let response = &run.output.response;
+    for i in 0..10 {
+        let measured = Complex::from_polar(response.magnitude[i], response.phase[i]);
+        let error = (measured / model.closed(response.frequency[i]) - 1.0).norm();
+        assert!(error < 2e-3, "{} Hz: {error}", response.frequency[i] / TAU);
+    }
+    assert!((response.bandwidth / TAU - 230.0).abs() < 0.5, "{}", response.bandwidth / TAU);
+    assert!((response.phase_margin.to_degrees() - 43.9).abs() < 0.3, "{}", response.phase_margin.to_degrees());
+    assert!((response.sensitivity_peak - 1.586).abs() < 0.01, "{}", response.sensitivity_peak);
+}
+
+#[test]
+fn a_machine_that_is_not_the_nominal_one_is_seen_as_it_is() {
+    let p = parameters("10, 20, 40, 60, 80, 100, 120, 150, 190, 230, 300, 400, 500, 600");
+    for (gain, flexure) in [(0.8, 1080.0), (1.2, 1320.0)] {
+        let build = Build { gain, flexure, ..LINEAR };
+        let run = identified(&p, &build);
+        let mut real = p.clone();
+        real.servo.inertia = p.servo.inertia / gain;
+        real.servo.viscous_friction = p.servo.viscous_friction / gain;
+        real.tip.frequency = TAU * flexure;
+        let model = LoopModel::new(&real, design(&p).unwrap());
+        for (omega, magnitude) in run.output.response.frequency.iter().zip(run.output.response.magnitude).take(14) {
+            let error = magnitude / model.closed(*omega).norm() - 1.0;
+            assert!(error.abs() < 4e-3, "gain {gain}, {} Hz: {error}", omega / TAU);
+        }
+    }
+}
+
+#[test]
+fn the_nominal_response_is_told_before_any_is_measured() {
+    let p = Parameters::DEFAULT;
+    let mut run = Loop::new(&p, &LINEAR, 9);
+    run.input.mode = Mode::Off;
+    run.step();
+    assert!((run.output.response.bandwidth - p.servo.bandwidth).abs() < 1e-3 * p.servo.bandwidth);
+    assert!((run.output.response.frequency[0] - TAU * 10.0).abs() < 1e-9);
+    assert_eq!(run.output.identify.progress, 0.0);
+}
+
+#[test]
+fn feedforward_uses_the_response_at_once() {
+    // a fifth more torque per command, which feedforward alone does not know; in air
+    let build = Build { gain: 1.2, coulomb: 0.0, ripple: 0.0, ..Build::NOMINAL };
+    let p = parameters("10, 20, 40, 60, 80, 120, 160, 240");
+    let rms = |mut run: Loop| {
+        run.input.mode = Mode::Approach;
+        run.input.afc.enable = false;
+        let start = run.time();
+        run.run_to(start + 0.6);
+        assert_eq!(run.output.state, State::Ready);
+        run.measure(0.3).rms
+    };
+    let (nominal, measured) = (rms(Loop::new(&p, &build, 9)), rms(identified(&p, &build)));
+    println!("nominal response {nominal:.3} um, measured {measured:.3} um");
+    assert!(measured < 0.1 * nominal, "{measured} {nominal}");
+}
+
+#[test]
+fn broken_off_in_the_swing_it_goes_on_smoothly() {
+    for (mode, state) in [(Mode::Hold, State::Hold), (Mode::Approach, State::Ready), (Mode::Identify, State::Identify)]
+    {
+        let p = parameters("20, 40, 80");
+        let mut run = Loop::new(&p, &Build { speed: |_| 600.0 * RPM, ..LINEAR }, 9);
+        run.input.mode = Mode::Identify;
+        run.run_to(0.6123);
+        let before = run.output.response;
+        run.input.mode = mode;
+        run.run_to(1.2);
+        assert_eq!((run.output.state, run.output.fault), (state, Fault::None), "{mode:?}");
+        assert_eq!(run.output.response, before, "{mode:?}");
+    }
+}
+
+#[test]
+fn state_bytes_continue_in_the_swing() {
+    let p = parameters("20, 40, 80");
+    let mut run = Loop::new(&p, &Build::NOMINAL, 9);
+    run.input.mode = Mode::Identify;
+    run.run_to(0.7);
+    let bytes = postcard::to_allocvec(&run.controller).unwrap();
+    let mut copy: Controller = postcard::from_bytes(&bytes).unwrap();
+    let mut output = run.output.clone();
+    for _ in 0..9000 {
+        run.step();
+        copy.tick(&p, &run.input, &mut output);
+        assert_eq!(output, run.output);
+    }
+    assert_eq!(run.output.identify.progress, 1.0);
+}

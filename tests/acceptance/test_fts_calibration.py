@@ -1,0 +1,286 @@
+"""Fast tool servo: identified and calibrated through its machine, which swings, cuts parts and probes them.
+
+The large samples run with `pytest -m full -rP tests/acceptance/test_fts_calibration.py`, which prints what
+they measured.
+"""
+
+import json
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import cosim
+
+pytestmark = pytest.mark.acceptance
+
+TURN = 2.0 * math.pi
+
+# nothing was tuned on these seeds
+SOME = (63_001,)
+MANY = tuple(range(64_001, 64_021))
+
+Columns = Any
+
+
+def run(name: str, *changes: str, seed: int | None = None) -> cosim.Result:
+    return cosim.run(cosim.load(name, set=changes), seed)
+
+
+def trace(result: cosim.Result) -> Columns:
+    assert result.trace is not None
+    return result.trace
+
+
+def value(result: cosim.Result, metric: str) -> float:
+    return float(result.metrics[metric].value)
+
+
+# frequency response
+
+
+def response(rows: Columns) -> dict[str, list[float]]:
+    """Return the measured response as a file for `response.file` holds it."""
+    names = ("frequency", "magnitude", "phase")
+    last = {name: [rows[f"controller.response.{name}[{i}]"][-1] for i in range(1, 33)] for name in names}
+    count = np.count_nonzero(last["frequency"])
+    return {
+        "frequency_hz": [float(omega) / TURN for omega in last["frequency"][:count]],
+        "magnitude": [float(magnitude) for magnitude in last["magnitude"][:count]],
+        "phase_rad": [float(phase) for phase in last["phase"][:count]],
+    }
+
+
+def test_a_measured_response_can_be_given_back_as_a_file(tmp_path: Path) -> None:
+    # the frequencies of the lens are enough here
+    short = (
+        "controller.identify.frequencies='20, 40, 60, 120, 240'",
+        "signal.plant.speed_change.times=[0.0, 1.0]",
+        "signal.controller.mode.times=[0.0, 3.2]",
+        "signal.plant.cutting.times=[0.0, 3.7]",
+        "loop.duration=4.6",
+    )
+    first = run("fts/identify", *short)
+    table = response(trace(first))
+    assert table["frequency_hz"] == pytest.approx([20.0, 40.0, 60.0, 120.0, 240.0])
+    file = tmp_path / "response.json"
+    file.write_text(json.dumps({"description": "measured in place", **table}), encoding="utf-8")
+    again = run("fts/feedforward", f"controller.response.file='{file}'")
+    share = value(again, "twice") / 1748e-6
+    print(f"at once {100 * value(first, 'share'):.2f} %, from the file {100 * share:.2f} %")
+    assert value(first, "share") <= 0.005
+    assert share <= 0.005
+    # from the first sample on it is the response in use
+    given = response(trace(again))
+    assert all(given[name] == pytest.approx(table[name]) for name in table)
+
+
+def test_the_measurement_takes_as_long_as_was_told() -> None:
+    with cosim.Session(cosim.load("fts/identify", set=["loop.duration=6.0"])) as session:
+        rows = trace(session.run())
+        told = session.fmu.read(session.file.variables["identify.duration"])
+    progress = rows["controller.identify.progress"]
+    began, ended = rows["time"][progress > 0.0][0], rows["time"][progress >= 1.0][0]
+    assert ended - began == pytest.approx(told, abs=2e-4)
+
+
+def test_friction_falsifies_a_response_measured_at_a_small_amplitude() -> None:
+    small = run("fts/identify", "controller.identify.amplitude=5e-4")
+    print(f"at 0.5 mm {100 * value(small, 'share'):.2f} %")
+    assert 0.006 < value(small, "share") < 0.02
+
+
+@pytest.mark.parametrize("delay", [0, 2])
+@pytest.mark.full
+def test_the_response_holds_with_other_delays(delay: int) -> None:
+    delays = {
+        0: ("loop.compute_delay=0", "controller.servo.io_delay=0"),
+        2: ("controller.servo.io_delay=2", "wire.plant.torque.delay=1"),
+    }
+    result = run("fts/identify", *delays[delay])
+    print(
+        f"delay {delay}: {value(result, 'bandwidth'):.1f} Hz, {value(result, 'phase_margin'):.1f} deg, "
+        f"Ms {value(result, 'sensitivity'):.2f}, feedforward {100 * value(result, 'share'):.2f} %"
+    )
+    assert value(result, "bandwidth") == pytest.approx(230.0, abs=7.0)
+    assert value(result, "share") <= 0.005
+    assert value(result, "good")
+
+
+@pytest.mark.parametrize(
+    ("parameter", "text", "parts"),
+    [
+        ("response.file", '{"frequency_hz": [20, 10]}', ("missing field `magnitude`", "line 1 column")),
+        (
+            "response.file",
+            '{"frequency_hz": [20, 10], "magnitude": [1, 1], "phase_rad": [0, 0]}',
+            ("`frequency_hz[1]` is `10`", "limits `20."),
+        ),
+        ("path.file", '{"slide_start_m": 0,\n "depth": 1}', ("unknown field `depth`", "line 2 column")),
+        (
+            "path.file",
+            '{"slide_start_m": 0, "slide_step_m": 1, "cosine_m": [[0], [0], [1]], "sine_m": [[0], [0], [0]]}',
+            ("`slide_step_m` is `1`", "`0.000001` to `0.1`"),
+        ),
+    ],
+)
+def test_a_malformed_file_is_refused_before_anything_moves(
+    parameter: str, text: str, parts: tuple[str, ...], tmp_path: Path
+) -> None:
+    file = tmp_path / "table.json"
+    file.write_text(text, encoding="utf-8")
+    kind = "File" if parameter == "path.file" else "Toric"
+    with pytest.raises(cosim.CosimError) as refused:
+        run(
+            "fts",
+            f"controller.surface.kind='{kind}'",
+            f"controller.{parameter}='{file}'",
+            "loop.duration=0.1",
+        )
+    for part in (f"parameter `{parameter}` is `{file}`", "hint: ", *parts):
+        assert part in str(refused.value), refused.value
+
+
+def test_a_path_from_a_file_is_followed(tmp_path: Path) -> None:
+    # 1 mm twice and 0.1 mm three times a turn, deeper towards the spindle axis
+    rows = 41
+    depth = np.linspace(0.0, 2e-3, rows)
+    cosine = [[z, 0.0, 1e-3, 0.0] for z in depth.tolist()]
+    sine = [[0.0, 0.0, 0.0, 1e-4] for _ in range(rows)]
+    table = {"slide_start_m": 0.02, "slide_step_m": 1e-3, "cosine_m": cosine, "sine_m": sine}
+    file = tmp_path / "path.json"
+    file.write_text(json.dumps(table), encoding="utf-8")
+    result = run(
+        "fts", "controller.surface.kind='File'", f"controller.path.file='{file}'", "loop.duration=2.0"
+    )
+    rows_of = trace(result)
+    theta, x = rows_of["controller.spindle_angle"], rows_of["controller.slide_position"]
+    wanted = (x - 0.02) / 0.04 * 2e-3 + 1e-3 * np.cos(2 * theta) + 1e-4 * np.sin(3 * theta)
+    late = rows_of["time"] > 0.5
+    assert np.abs(rows_of["controller.reference.depth"] - wanted)[late].max() < 1e-9
+    assert value(result, "rms") <= 0.5e-6
+
+
+# calibration
+
+
+@dataclass(frozen=True)
+class Machine:
+    """What is true of a machine, and what its controller believes at first."""
+
+    arm_length: float
+    centre_offset: float
+    arm_zero: float
+
+    def changes(self) -> tuple[str, ...]:
+        return (
+            f"plant.arm_length={self.arm_length!r}",
+            f"plant.centre_offset={self.centre_offset!r}",
+            f"plant.arm_zero={self.arm_zero!r}",
+        )
+
+
+@dataclass(frozen=True)
+class Calibrated:
+    """Errors of a calibration, each with the standard deviation that the controller told."""
+
+    length: float
+    length_sigma: float
+    offset: float
+    offset_sigma: float
+    zero: float
+    zero_sigma: float
+
+
+def draw(seed: int) -> Machine:
+    """Draw a machine: wrong by up to 0.1 mm and 1 mrad against what the scenarios cut it with."""
+    random = np.random.default_rng(seed)
+    return Machine(
+        arm_length=0.08 + random.uniform(-1e-4, 1e-4),
+        centre_offset=0.15 + random.uniform(-1e-4, 1e-4),
+        arm_zero=0.0523 + random.uniform(-1e-3, 1e-3),
+    )
+
+
+def calibrate(seed: int, flats: str = "fts/calibrate-flats") -> Calibrated:
+    """Toroid first, then flats with the arm length and the standard deviation that it gave."""
+    machine = draw(seed)
+    rows = trace(run("fts/calibrate-toroid", *machine.changes(), seed=seed))
+    told = {
+        name: float(rows[f"controller.calibration.{name}"][-1])
+        for name in ("arm_length", "arm_length_sigma", "centre_offset", "centre_offset_sigma")
+    }
+    result = run(
+        flats,
+        *machine.changes(),
+        f"controller.tool.arm_length=[{told['arm_length']!r}, 0.08]",
+        f"controller.tool.arm_length_sigma=[{told['arm_length_sigma']!r}, 1e-6]",
+        seed=seed,
+    )
+    assert value(result, "solved")
+    rows = trace(result)
+    zero = float(rows["controller.calibration.arm_zero"][-1])
+    return Calibrated(
+        told["arm_length"] - machine.arm_length,
+        told["arm_length_sigma"],
+        told["centre_offset"] - machine.centre_offset,
+        told["centre_offset_sigma"],
+        zero - machine.arm_zero,
+        float(rows["controller.calibration.arm_zero_sigma"][-1]),
+    )
+
+
+def calibrations(seeds: tuple[int, ...]) -> None:
+    all_of = [calibrate(seed) for seed in seeds]
+    errors = np.array([(one.length, one.offset, one.zero) for one in all_of])
+    sigmas = np.array([(one.length_sigma, one.offset_sigma, one.zero_sigma) for one in all_of])
+    largest, rms = np.abs(errors).max(axis=0), np.sqrt(np.mean(errors**2, axis=0))
+    doubt = np.sqrt(np.mean((errors / sigmas) ** 2, axis=0))
+    for i, (name, unit, scale) in enumerate(
+        (("arm length", "um", 1e6), ("cross-slide offset", "um", 1e6), ("arm zero", "mrad", 1e3))
+    ):
+        print(
+            f"{len(seeds)} machines: {name} rms {scale * rms[i]:.4f}, most {scale * largest[i]:.4f} {unit}, "
+            f"told {scale * np.median(sigmas[:, i]):.4f}, rms over told {doubt[i]:.2f}"
+        )
+    assert largest[0] <= 1.5e-6
+    assert largest[1] <= 1.5e-6
+    assert largest[2] <= 0.02e-3
+    assert rms[2] <= 0.01e-3
+    # the standard deviations are honest: neither far too small nor far too large
+    assert np.all(np.abs(errors) < 4.0 * sigmas)
+    if len(seeds) >= 20:
+        assert np.all(doubt < 1.4)
+        assert np.all(sigmas < [0.6e-6, 0.6e-6, 0.01e-3])
+
+
+def test_calibration_of_a_drawn_machine() -> None:
+    calibrations(SOME)
+
+
+@pytest.mark.full
+def test_calibration_of_20_machines() -> None:
+    calibrations(MANY)
+
+
+@pytest.mark.full
+def test_square_to_the_spindle_the_standard_deviation_says_that_the_zero_is_unknown() -> None:
+    errors = []
+    for seed in MANY[:5]:
+        one = calibrate(seed, "fts/calibrate-flats-square")
+        print(f"error {1e3 * one.zero:.4f} mrad, told {1e3 * one.zero_sigma:.4f} mrad")
+        assert one.zero_sigma > 0.03e-3
+        assert abs(one.zero) < 4.0 * one.zero_sigma
+        errors.append(one.zero / one.zero_sigma)
+    assert np.sqrt(np.mean(np.square(errors))) < 2.0
+
+
+@pytest.mark.full
+def test_without_the_bend_of_the_arm_the_zero_is_off_by_what_2_newton_do() -> None:
+    # the controller believes in a rigid arm
+    result = run("fts/calibrate-flats", "controller.tip.frequency=0.0")
+    print(f"error {1e3 * value(result, 'zero_error'):.4f} mrad")
+    assert value(result, "zero_error") == pytest.approx(-11e-6, abs=5e-6)
