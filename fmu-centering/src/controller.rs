@@ -162,18 +162,26 @@ impl Controller {
             None => {}
             Some(Err(fault)) => events.fault = Some(fault),
             Some(Ok((ring, verdict))) => {
-                if let Some(before) = self.before.take() {
-                    self.report.overshoot = ring.centre.overshoot(&before);
-                    self.report.overshoot_max = self.report.overshoot_max.max(self.report.overshoot);
-                }
-                self.estimate = Some(ring);
-                let first = *self.first.get_or_insert(ring.centre.eccentricity());
-                if verdict != Verdict::Measure {
-                    events.fault = judge(p, self.spindle.speed(), self.report.count, first, &ring);
-                }
                 events.verdict = Some(verdict);
+                if let Some(ring) = ring {
+                    events.fault = self.note(p, &ring, verdict);
+                }
             }
         }
+    }
+
+    /// Takes over a new estimate; what is wrong with it.
+    fn note(&mut self, p: &Parameters, ring: &Estimate, verdict: Verdict) -> Option<Fault> {
+        self.estimate = Some(*ring);
+        if verdict == Verdict::Measure {
+            return None;
+        }
+        if let Some(before) = self.before.take() {
+            self.report.overshoot = ring.centre.overshoot(&before);
+            self.report.overshoot_max = self.report.overshoot_max.max(self.report.overshoot);
+        }
+        let first = *self.first.get_or_insert(ring.centre.eccentricity());
+        judge(p, self.spindle.speed(), self.report.count, first, ring)
     }
 
     /// What the law sees.

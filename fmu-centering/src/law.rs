@@ -51,6 +51,9 @@ pub struct Launch {
     pub end: Option<f64>,
 }
 
+/// What is known of the ring, if that is something, and what to do.
+pub type Conclusion = (Option<Estimate>, Verdict);
+
 /// The law that the parameters choose.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub enum Law {
@@ -85,11 +88,11 @@ impl Law {
         }
     }
 
-    /// Estimate and verdict, in the beats in which the law makes them.
+    /// Estimate, if there is one, and verdict, in the beats in which the law makes them.
     ///
     /// # Errors
     /// The fault that prevents a model.
-    pub fn conclude(&mut self, p: &Parameters, now: &Moment) -> Option<Result<(Estimate, Verdict), Fault>> {
+    pub fn conclude(&mut self, p: &Parameters, now: &Moment) -> Option<Result<Conclusion, Fault>> {
         match self {
             Self::Paper(law) => (now.state == State::Model && now.due.model).then(|| law.conclude(p)),
             Self::Predictive(law) => law.conclude(p, now).map(Ok),

@@ -39,14 +39,14 @@ impl Paper {
     ///
     /// # Errors
     /// [`Fault::Spindle`] when the data do not determine the model.
-    pub fn conclude(&mut self, p: &Parameters) -> Result<(Estimate, Verdict), Fault> {
+    pub fn conclude(&mut self, p: &Parameters) -> Result<(Option<Estimate>, Verdict), Fault> {
         let ring = self.model.estimate().ok_or(Fault::Spindle)?;
         if let Some(stroke) = self.stroke.take() {
             self.learner.learn(&p.offset, &stroke, &ring);
         }
         self.estimate = Some(ring);
         let centred = ring.centre.eccentricity() <= p.tolerance;
-        Ok((ring, if centred { Verdict::Centred } else { Verdict::Push }))
+        Ok((Some(ring), if centred { Verdict::Centred } else { Verdict::Push }))
     }
 
     /// The push, in the control beat of its launch.

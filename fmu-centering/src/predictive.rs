@@ -48,18 +48,10 @@ pub struct Predictive {
 impl Predictive {
     /// The law before its first sample.
     pub fn new(p: &Parameters) -> Self {
-        let assumed = Assumptions {
-            radius: p.ring.radius,
-            noise: p.estimator.noise,
-            centre: p.estimator.centre,
-            form: p.estimator.form,
-            gate: p.estimator.gate,
-            rejections_max: REJECTIONS_MAX,
-        };
         Self {
             despiker: Despiker::default(),
             seen: None,
-            ring: RingModel::new(assumed),
+            ring: RingModel::new(assumptions(p)),
             experience: Experience::new(p),
             press: None,
             attempt: None,
@@ -84,12 +76,13 @@ impl Predictive {
             let since = *self.since.get_or_insert(seen.angle);
             self.turned = (seen.angle - since).abs();
         } else if self.ring.lost() {
+            self.ring = RingModel::new(assumptions(p));
             (self.since, self.turned) = (None, 0.0);
         }
     }
 
     /// Estimate and verdict at each beat of the collection.
-    pub fn conclude(&mut self, p: &Parameters, now: &Moment) -> Option<(Estimate, Verdict)> {
+    pub fn conclude(&mut self, p: &Parameters, now: &Moment) -> Option<(Option<Estimate>, Verdict)> {
         if !matches!(now.state, State::Collect | State::Wait) {
             return None;
         }
@@ -102,7 +95,8 @@ impl Predictive {
         let sigma = self.ring.centre_sigma();
         let certain = self.ring.settled() && sigma < p.estimator.certainty * self.ring.eccentricity();
         let verdict = self.verdict(p, now.speed, sigma, certain);
-        (certain || verdict == Verdict::Centred).then(|| (self.estimate(sigma), verdict))
+        let known = certain || verdict == Verdict::Centred;
+        Some((known.then(|| self.estimate(sigma)), verdict))
     }
 
     /// The next stroke, if it must begin before the next measurement.
@@ -208,5 +202,17 @@ impl Predictive {
         let (eccentricity, deflection) = (self.ring.eccentricity(), experience.deflection.mean);
         let heavy = deflection > p.tap.deflection_min && eccentricity < p.tap.reach * deflection;
         (p.tap.enabled && heavy).then(|| experience.prepare_tap(p).speed(eccentricity).min(p.tap.speed_max))
+    }
+}
+
+/// What the parameters say of the ring before it is measured.
+fn assumptions(p: &Parameters) -> Assumptions {
+    Assumptions {
+        radius: p.ring.radius,
+        noise: p.estimator.noise,
+        centre: p.estimator.centre,
+        form: p.estimator.form,
+        gate: p.estimator.gate,
+        rejections_max: REJECTIONS_MAX,
     }
 }

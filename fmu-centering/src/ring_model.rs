@@ -15,7 +15,7 @@ pub const HARMONIC_MAX: usize = 6;
 /// b0, centre, two per harmonic.
 const STATES: usize = 3 + 2 * (HARMONIC_MAX - 1);
 /// Standard deviation of b0 before the first measurement, m: anywhere on the slide.
-const LINE_SIGMA: f64 = 1.0;
+const LINE_SIGMA: f64 = 0.1;
 /// Largest c_y of a believable estimate, in radii.
 const LEVER_MAX: f64 = 0.9;
 /// Change of b0 and form on the way of the ring, relative (derived: a lateral ratio of 0.1 turns it, lobes of 2 um).
@@ -47,27 +47,27 @@ pub struct Assumptions {
     pub rejections_max: u32,
 }
 
-/// Mean and covariance of the state.
+/// Mean of the state and a square root of its covariance, which cannot become indefinite.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Gaussian {
     mean: Vector,
-    covariance: Matrix,
+    root: Matrix,
 }
 
 impl Gaussian {
-    /// Variance of a measurement with this gradient and noise variance.
-    fn spread(&self, gradient: &Vector, noise: f64) -> f64 {
-        gradient.dot(&(self.covariance * gradient)) + noise
+    /// Variance of what a measurement with this gradient is expected to be.
+    fn spread(&self, gradient: &Vector) -> f64 {
+        self.root.tr_mul(gradient).norm_squared()
     }
 
-    /// Takes in a measurement that was `innovation` larger than expected.
+    /// Takes in a measurement that was `innovation` larger than expected (Potter's form of eq. 21 to 23).
     fn update(&mut self, innovation: f64, gradient: &Vector, noise: f64) {
-        let cross = self.covariance * gradient;
-        let gain = cross / (gradient.dot(&cross) + noise);
-        self.mean += gain * innovation;
-        // eq. 23 for a vector; the mean of both triangles keeps it symmetric
-        let corrected = self.covariance - gain * cross.transpose();
-        self.covariance = 0.5 * (corrected + corrected.transpose());
+        let seen = self.root.tr_mul(gradient);
+        let spread = seen.norm_squared() + noise;
+        let cross = self.root * seen;
+        self.mean += cross * (innovation / spread);
+        let share = 1.0 / (spread + (noise * spread).sqrt());
+        self.root.ger(-share, &cross, &seen, 1.0);
     }
 }
 
@@ -82,61 +82,63 @@ pub struct RingModel {
     before: Gaussian,
     /// angles (rad) and measurements (m) since the ring was moved
     history: Vec<(f64, f64)>,
+    /// standard deviation of the history from its model, in that of the noise, at least 1
+    misfit: f64,
     rejections: u32,
 }
 
 impl RingModel {
     /// Nothing known but the assumptions.
     pub fn new(assumed: Assumptions) -> Self {
-        let mut variances = Vector::from_element(assumed.form.powi(2));
-        variances[0] = LINE_SIGMA.powi(2);
-        (variances[1], variances[2]) = (assumed.centre.powi(2), assumed.centre.powi(2));
-        let now = Gaussian { mean: Vector::zeros(), covariance: Matrix::from_diagonal(&variances) };
-        Self {
-            assumed,
-            linear: now.mean,
-            before: now.clone(),
-            now,
-            history: Vec::with_capacity(HISTORY),
-            rejections: 0,
-        }
+        let mut sigmas = Vector::from_element(assumed.form);
+        sigmas[0] = LINE_SIGMA;
+        (sigmas[1], sigmas[2]) = (assumed.centre, assumed.centre);
+        let now = Gaussian { mean: Vector::zeros(), root: Matrix::from_diagonal(&sigmas) };
+        let (linear, before) = (now.mean, now.clone());
+        Self { assumed, linear, before, now, history: Vec::with_capacity(HISTORY), misfit: 1.0, rejections: 0 }
     }
 
     /// Takes in y = s - q (m) at the spindle angle (rad); false if it was taken for dirt.
     pub fn observe(&mut self, angle: f64, y: f64) -> bool {
         let (expected, gradient) = self.expect(angle, &self.now.mean);
         let (innovation, noise) = (y - expected, self.assumed.noise.powi(2));
-        let spread = self.now.spread(&gradient, noise + self.blur(&gradient).powi(2));
+        if self.history.len() < HISTORY {
+            self.history.push((angle, y));
+        }
+        let spread = self.now.spread(&gradient) + noise + self.blur(&gradient).powi(2);
         if innovation.powi(2) > self.assumed.gate.powi(2) * spread {
             self.rejections += 1;
-            if self.lost() {
-                self.displaced(self.centre(), innovation.abs());
-            }
             return false;
         }
         self.rejections = 0;
         self.now.update(innovation, &gradient, noise);
-        if self.history.len() < HISTORY {
-            self.history.push((angle, y));
-        } else {
+        if self.history.len() == HISTORY {
             self.linear = self.now.mean;
         }
         true
     }
 
-    /// Takes in the history again, linearised at what is known by now; does nothing if later measurements are not kept.
+    /// Takes in the history again, linearised at what is known by now, then with less weight for what does not fit;
+    /// does nothing if later measurements are not kept.
     pub fn refine(&mut self) {
-        for _ in 0..PASSES {
-            if self.settled() || self.history.len() == HISTORY {
-                return;
-            }
+        if self.history.len() == HISTORY {
+            return;
+        }
+        for pass in 0..PASSES {
             self.linear = self.now.mean;
             let mut refined = self.before.clone();
+            let mut squares = 0.0;
             for &(angle, y) in &self.history {
+                let misfit =
+                    if pass > 0 { (y - self.expect(angle, &self.now.mean).0) / self.assumed.noise } else { 0.0 };
+                // cauchy's weight: dirt has hardly any influence
+                let weight = 1.0 / (1.0 + (misfit / self.assumed.gate).powi(2));
+                squares += weight * misfit * misfit;
                 let (expected, gradient) = self.expect(angle, &refined.mean);
-                refined.update(y - expected, &gradient, self.assumed.noise.powi(2));
+                refined.update(y - expected, &gradient, self.assumed.noise.powi(2) / weight);
             }
             self.now = refined;
+            self.misfit = (squares / self.history.len() as f64).sqrt().max(1.0);
         }
     }
 
@@ -161,22 +163,25 @@ impl RingModel {
     pub fn displaced(&mut self, centre: Vector2<f64>, sigma: f64) {
         let way = (self.centre() - centre).norm();
         let doubt = TURN * way + RADIUS * way * way / (4.0 * self.assumed.radius);
-        for i in (0..STATES).filter(|i| ![1, 2].contains(i)) {
-            self.now.covariance[(i, i)] += doubt.powi(2);
+        let mut covariance = self.now.root * self.now.root.transpose() * self.misfit.powi(2);
+        for i in 0..STATES {
+            covariance[(i, i)] += doubt.powi(2);
         }
-        self.now.mean.fixed_rows_mut::<2>(1).copy_from(&centre);
-        let covariance = &mut self.now.covariance;
         for i in [1, 2] {
             covariance.row_mut(i).fill(0.0);
             covariance.column_mut(i).fill(0.0);
             covariance[(i, i)] = sigma.powi(2);
         }
-        self.linear = self.now.mean;
-        self.before = self.now.clone();
+        self.now.mean.fixed_rows_mut::<2>(1).copy_from(&centre);
+        if let Some(root) = covariance.cholesky() {
+            self.now.root = root.l();
+        }
+        (self.linear, self.before) = (self.now.mean, self.now.clone());
         self.history.clear();
+        self.misfit = 1.0;
     }
 
-    /// Whether so many measurements were rejected that the centre was forgotten.
+    /// Whether so many measurements in a row were rejected that the model must be wrong.
     pub fn lost(&self) -> bool {
         self.rejections > self.assumed.rejections_max
     }
@@ -193,7 +198,8 @@ impl RingModel {
 
     /// Covariance of the centre, m2.
     pub fn centre_covariance(&self) -> Matrix2<f64> {
-        self.now.covariance.fixed_view::<2, 2>(1, 1).into_owned()
+        let rows = self.now.root.fixed_rows::<2>(1);
+        rows * rows.transpose() * self.misfit.powi(2)
     }
 
     /// Eccentricity B, m.
@@ -232,7 +238,8 @@ impl RingModel {
         let lever = (across / radius).clamp(-LEVER_MAX, LEVER_MAX);
         let root = radius * (1.0 - lever * lever).sqrt();
         let tilt = radius * lever / root;
-        let mut gradient = -harmonics(-lever.asin() - angle);
+        // the chord changes by more than the radius
+        let mut gradient = harmonics(-lever.asin() - angle) * (-radius / root);
         gradient[0] = 1.0;
         gradient[1] = -cosine + tilt * sine;
         gradient[2] = sine + tilt * cosine;
@@ -332,17 +339,31 @@ mod tests {
     }
 
     #[test]
-    fn dirt_is_rejected_and_a_moved_ring_is_found_again() {
+    fn dirt_is_rejected_and_a_moved_ring_is_lost() {
         let centre = Vector2::new(4e-4, 1e-4);
         let mut model = seen(centre, 1.0, 200);
-        assert!(!model.observe(0.5, ring(centre, 0.5) + 2e-5));
+        assert!(!model.observe(0.5, ring(centre, 0.5) + 2e-5) && !model.lost());
         assert!((model.centre() - centre).norm() < 2e-8);
-        let moved = Vector2::new(1e-4, 3e-4);
-        for k in 0..200 {
+        for k in 0..10 {
             let angle = TAU * f64::from(k) / 200.0;
-            model.observe(angle, ring(moved, angle));
+            model.observe(angle, ring(Vector2::new(1e-4, 3e-4), angle));
         }
-        assert!((model.centre() - moved).norm() < 1e-6, "{}", model.centre() - moved);
+        assert!(model.lost());
+    }
+
+    #[test]
+    fn early_dirt_is_unmasked_later() {
+        let centre = Vector2::new(4e-4, 1e-4);
+        let mut model = RingModel::new(ASSUMED);
+        for k in 0..100 {
+            let angle = 0.5 * TAU * f64::from(k) / 100.0;
+            let dirt = if k % 25 < 2 { 2e-5 } else { 0.0 };
+            model.observe(angle, ring(centre, angle) + dirt);
+            if k % 7 == 6 {
+                model.refine();
+            }
+        }
+        assert!((model.centre() - centre).norm() < 3e-6, "{}", model.centre() - centre);
     }
 
     #[test]
@@ -353,7 +374,7 @@ mod tests {
             let angle = 2.094_395 * f64::from(k) / 66.0;
             model.observe(angle, ring(centre, angle));
         }
-        assert!(model.now.covariance.symmetric_eigenvalues().min() > 0.0);
+        assert!(model.now.root.iter().all(|x| x.is_finite()));
         assert!((model.centre() - centre).norm() < 1e-9);
     }
 
