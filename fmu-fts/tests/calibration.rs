@@ -5,6 +5,8 @@ use fmu_fts::cut::Moment;
 use fmu_fts::machine::Mode;
 use fmu_fts::parameters::Parameters;
 use fmu_fts::signals::Input;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
 
 /// What is true of the machine.
 const LENGTH: f64 = 0.080_02;
@@ -220,4 +222,51 @@ fn each_calibration_begins_with_nothing() {
     assert_eq!(bench.calibration.status(), Status::NoCut);
     // what was found stays
     assert!((bench.calibration.report().arm_length - LENGTH).abs() < 1e-10);
+}
+
+#[test]
+fn whatever_comes_in_the_record_stays_finite() {
+    let mut random = Pcg64Mcg::seed_from_u64(3);
+    for mode in [Mode::CalibrateToroid, Mode::CalibrateFlats] {
+        let mut bench = Bench::new(Parameters::DEFAULT, mode);
+        for _ in 0..30_000 {
+            let mut wild = || match random.random_range(0..40) {
+                0 => f64::NAN,
+                1 => f64::INFINITY,
+                2 => -1e308,
+                3 => 0.0,
+                4 => 1e-300,
+                _ => random.random_range(-0.1..0.1),
+            };
+            (bench.input.probe.lateral, bench.input.probe.depth) = (wild(), wild());
+            bench.now = Moment { arm_angle: 1e-3 * wild().clamp(-1.0, 1.0), torque: wild(), slide_position: SLIDE };
+            if !bench.now.arm_angle.is_finite() || !bench.now.torque.is_finite() {
+                bench.now = Moment { arm_angle: 0.5, torque: 0.1, slide_position: SLIDE };
+            }
+            bench.input.calibration.cut = random.random_bool(0.3);
+            bench.input.probe.capture = random.random_bool(0.5);
+            bench.input.calibration.solve = random.random_bool(0.02);
+            bench.step();
+            let found = bench.calibration.report();
+            let all = [found.arm_length, found.centre_offset, found.arm_zero, found.residual];
+            let sigmas = [found.arm_length_sigma, found.centre_offset_sigma, found.arm_zero_sigma];
+            assert!(all.iter().chain(&sigmas).all(|x| x.is_finite()), "{found:?}");
+        }
+    }
+}
+
+/// `cargo test --release -p fmu-fts --test calibration -- --ignored --nocapture`
+#[test]
+#[ignore = "a measurement: cost of a fit, which is done in one sample"]
+fn cost_of_a_fit() {
+    let mut toroid = Bench::new(Parameters::DEFAULT, Mode::CalibrateToroid);
+    toroid.cut();
+    (0..4).for_each(|_| toroid.toroid());
+    let mut flats = Bench::new(Parameters::DEFAULT, Mode::CalibrateFlats);
+    (0..15).for_each(|k| flats.flat((30.0 + 2.0 * f64::from(k)).to_radians()));
+    for (name, bench) in [("toroid", &mut toroid), ("flats", &mut flats)] {
+        let begin = std::time::Instant::now();
+        assert_eq!(bench.solve(), Status::Solved);
+        println!("{name}, {} samples: {:?}", bench.calibration.report().samples, begin.elapsed());
+    }
 }

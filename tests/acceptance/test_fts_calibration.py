@@ -5,7 +5,7 @@ they measured.
 """
 
 import json
-import math
+import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,7 +17,7 @@ import cosim
 
 pytestmark = pytest.mark.acceptance
 
-TURN = 2.0 * math.pi
+README = (Path(__file__).parents[2] / "fmu-fts/README.md").read_text(encoding="utf-8")
 
 # nothing was tuned on these seeds
 SOME = (63_001,)
@@ -42,40 +42,39 @@ def value(result: cosim.Result, metric: str) -> float:
 # frequency response
 
 
-def response(rows: Columns) -> dict[str, list[float]]:
-    """Return the measured response as a file for `response.file` holds it."""
-    names = ("frequency", "magnitude", "phase")
-    last = {name: [rows[f"controller.response.{name}[{i}]"][-1] for i in range(1, 33)] for name in names}
-    count = np.count_nonzero(last["frequency"])
-    return {
-        "frequency_hz": [float(omega) / TURN for omega in last["frequency"][:count]],
-        "magnitude": [float(magnitude) for magnitude in last["magnitude"][:count]],
-        "phase_rad": [float(phase) for phase in last["phase"][:count]],
-    }
-
-
-def test_a_measured_response_can_be_given_back_as_a_file(tmp_path: Path) -> None:
+def test_a_measured_response_can_be_given_back_as_a_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     # the frequencies of the lens are enough here
-    short = (
+    first = run(
+        "fts/identify",
         "controller.identify.frequencies='20, 40, 60, 120, 240'",
         "signal.plant.speed_change.times=[0.0, 1.0]",
         "signal.controller.mode.times=[0.0, 3.2]",
         "signal.plant.cutting.times=[0.0, 3.7]",
         "loop.duration=4.6",
     )
-    first = run("fts/identify", *short)
-    table = response(trace(first))
+    # the example of the README writes the file
+    example = re.findall(r"```python\n(.*?)```", README, re.DOTALL)[0]
+    monkeypatch.chdir(tmp_path)
+    exec(example, {"result": first})
+    table = json.loads((tmp_path / "response.json").read_text(encoding="utf-8"))
     assert table["frequency_hz"] == pytest.approx([20.0, 40.0, 60.0, 120.0, 240.0])
-    file = tmp_path / "response.json"
-    file.write_text(json.dumps({"description": "measured in place", **table}), encoding="utf-8")
-    again = run("fts/feedforward", f"controller.response.file='{file}'")
+    again = run("fts/feedforward", f"controller.response.file='{tmp_path / 'response.json'}'")
     share = value(again, "twice") / 1748e-6
     print(f"at once {100 * value(first, 'share'):.2f} %, from the file {100 * share:.2f} %")
     assert value(first, "share") <= 0.005
     assert share <= 0.005
     # from the first sample on it is the response in use
-    given = response(trace(again))
-    assert all(given[name] == pytest.approx(table[name]) for name in table)
+    rows = trace(again)
+    for i, magnitude in enumerate(table["magnitude"], start=1):
+        assert rows[f"controller.response.magnitude[{i}]"] == pytest.approx(magnitude)
+
+
+def test_without_the_thrust_twice_a_turn_nothing_is_left_at_n_2() -> None:
+    result = run("fts/identify", "plant.cutting_force_twice=0.0")
+    print(f"{100 * value(result, 'share'):.4f} %")
+    assert value(result, "share") < 2e-4
 
 
 def test_the_measurement_takes_as_long_as_was_told() -> None:
