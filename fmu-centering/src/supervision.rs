@@ -78,7 +78,7 @@ impl Supervisor {
 
     fn count(&mut self, p: &Parameters, view: &View) {
         let settling = matches!(view.state, State::Follow | State::Settle);
-        let contact = view.state.follows() || view.state == State::Settle;
+        let contact = view.state.follows() || matches!(view.state, State::Push | State::Settle);
         step(&mut self.lost, contact && view.probe < 0.5 * p.probe.contact);
         step(&mut self.pressed, view.state.follows() && view.probe > p.probe.at_pusher);
         step(&mut self.flying, shows_too_fast(p, view));
@@ -168,7 +168,9 @@ mod tests {
 
     #[test]
     fn a_probe_without_contact_has_lost_the_part() {
-        for state in [State::Follow, State::Collect, State::Model, State::Wait, State::Settle, State::Centred] {
+        for state in
+            [State::Follow, State::Collect, State::Model, State::Wait, State::Push, State::Settle, State::Centred]
+        {
             assert_eq!(fault(View { state, probe: 0.0, ..GOOD }, 1000), Some((100, Fault::NoPart)));
         }
         assert_eq!(fault(View { state: State::Approach, probe: 0.0, ..GOOD }, 1000), None);

@@ -36,7 +36,11 @@ fn finite(o: &Output) -> bool {
 
 /// A loop in `state`, with a ring 0.2 mm off.
 fn running(state: State) -> Loop {
-    let mut run = Loop::new(&P, Ring::new(1, 2e-4, 0.5));
+    running_with(&P, state)
+}
+
+fn running_with(p: &Parameters, state: State) -> Loop {
+    let mut run = Loop::new(p, Ring::new(1, 2e-4, 0.5));
     assert!(run.run_to(state, 60.0), "{:?}", run.output);
     run
 }
@@ -83,6 +87,15 @@ fn a_ring_that_disappears_is_not_chased() {
         run.ring.present = false;
         let run = retreats(run, Fault::NoPart, 0.5);
         assert!(run.time() < 60.0);
+    }
+}
+
+#[test]
+fn a_ring_that_disappears_ends_a_push_of_either_mode() {
+    for p in [Parameters::PAPER, Parameters::DEFAULT] {
+        let mut run = running_with(&p, State::Push);
+        run.ring.present = false;
+        retreats(run, Fault::NoPart, 0.5);
     }
 }
 
