@@ -234,7 +234,7 @@ impl Controller {
     /// Forgets the last centring and begins a new one.
     fn restart(&mut self, p: &Parameters, time: f64) {
         self.motion.start(self.sample.slide);
-        self.law = Law::new(p);
+        self.law.restart(p);
         (self.fault, self.estimate, self.first, self.before) = (Fault::None, None, None, None);
         (self.report, self.started, self.centred) = (PushReport::NONE, time, None);
     }

@@ -72,6 +72,14 @@ impl Law {
         }
     }
 
+    /// Forgets everything, in place.
+    pub fn restart(&mut self, p: &Parameters) {
+        match self {
+            Self::Paper(law) => **law = Paper::default(),
+            Self::Predictive(law) => **law = Predictive::new(p),
+        }
+    }
+
     /// Takes a sample.
     pub fn observe(&mut self, p: &Parameters, now: &Moment) {
         match self {

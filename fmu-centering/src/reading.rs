@@ -1,5 +1,6 @@
 //! Checks the inputs of a sample: what can be used, and what is wrong with the rest.
 
+use control_blocks::{Edge, believable};
 use serde::{Deserialize, Serialize};
 
 use crate::parameters::Parameters;
@@ -55,8 +56,8 @@ pub struct Reading {
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Reader {
     before: Option<Sample>,
-    enabled: bool,
-    reset: bool,
+    enable: Edge,
+    reset: Edge,
 }
 
 impl Reader {
@@ -75,15 +76,9 @@ impl Reader {
         if sample.is_some() {
             self.before = sample;
         }
-        let start = input.enable && !self.enabled;
-        let reset = input.reset_fault && !self.reset;
-        (self.enabled, self.reset) = (input.enable, input.reset_fault);
+        let (start, reset) = (self.enable.rises(input.enable), self.reset.rises(input.reset_fault));
         Reading { sample, slide, jumped, enabled: input.enable, start, reset }
     }
-}
-
-fn believable(x: f64, limit: f64) -> bool {
-    x.is_finite() && x.abs() <= limit
 }
 
 fn jump(p: &Parameters, before: &Sample, now: &Sample) -> bool {
