@@ -74,6 +74,14 @@ mod tests {
     }
 
     #[test]
+    fn the_example_in_the_resources_is_a_response() {
+        let resources = Path::new(env!("CARGO_MANIFEST_DIR")).join("resources");
+        let response = read("response.json", Some(&resources)).unwrap();
+        assert_eq!(response.points().len(), 16);
+        assert!(response.at(TAU * 225.0).norm() > 0.71 && response.at(TAU * 235.0).norm() < 0.70);
+    }
+
+    #[test]
     fn every_malformed_table_is_refused_with_field_value_and_limit() {
         let file =
             |f: &str, m: &str, p: &str| format!(r#"{{"frequency_hz": {f}, "magnitude": {m}, "phase_rad": {p}}}"#);

@@ -20,13 +20,15 @@ struct Bench {
     calibration: Calibration,
     input: Input,
     now: Moment,
+    /// Arm zero that is true.
+    zero: f64,
 }
 
 impl Bench {
     fn new(p: Parameters, mode: Mode) -> Self {
         let calibration = Calibration::new(&p);
         let now = Moment { arm_angle: 0.5, torque: 0.1, slide_position: SLIDE };
-        Self { p, calibration, input: Input { mode, ..Input::START }, now }
+        Self { p, calibration, input: Input { mode, ..Input::START }, now, zero: ZERO }
     }
 
     fn step(&mut self) {
@@ -75,7 +77,7 @@ impl Bench {
     fn flat(&mut self, phi: f64) {
         let torque = 2.0 * LENGTH * phi.cos();
         let stiffness = self.p.tip.inertia * self.p.servo.inertia * self.p.tip.frequency.powi(2);
-        self.now.arm_angle = phi - ZERO;
+        self.now.arm_angle = phi - self.zero;
         self.now.torque = torque;
         self.cut();
         self.capture(0.02, LENGTH * (phi - torque / stiffness).sin() + 0.01);
@@ -104,19 +106,24 @@ fn a_toroid_gives_arm_length_and_offset() {
 
 #[test]
 fn flats_give_the_arm_zero_and_use_the_toroid_before() {
-    let mut bench = Bench::new(Parameters::DEFAULT, Mode::CalibrateToroid);
-    bench.cut();
-    bench.toroid();
-    assert_eq!(bench.solve(), Status::Solved);
-    let toroid = bench.calibration.report();
-    bench.input.mode = Mode::CalibrateFlats;
-    (0..11).for_each(|k| bench.flat((30.0 + 3.0 * f64::from(k)).to_radians()));
-    assert_eq!(bench.solve(), Status::Solved);
-    let flats = bench.calibration.report();
-    assert!((flats.arm_zero - ZERO).abs() < 1e-8, "{:e}", flats.arm_zero - ZERO);
-    assert!(flats.arm_zero_sigma > 1e-6 && flats.arm_zero_sigma < 1e-5, "{:e}", flats.arm_zero_sigma);
-    assert!((flats.arm_length - LENGTH).abs() < 1e-9 && flats.arm_length_sigma <= toroid.arm_length_sigma);
-    assert_eq!((flats.centre_offset, flats.samples), (toroid.centre_offset, 11));
+    // the second tool is at the other end of the arm
+    for (selected, zero) in [(1, ZERO), (2, ZERO - std::f64::consts::PI)] {
+        let mut p = Parameters::DEFAULT;
+        p.tool.selected = selected;
+        let mut bench = Bench { zero, ..Bench::new(p, Mode::CalibrateToroid) };
+        bench.cut();
+        bench.toroid();
+        assert_eq!(bench.solve(), Status::Solved);
+        let toroid = bench.calibration.report();
+        bench.input.mode = Mode::CalibrateFlats;
+        (0..11).for_each(|k| bench.flat((30.0 + 3.0 * f64::from(k)).to_radians()));
+        assert_eq!(bench.solve(), Status::Solved);
+        let flats = bench.calibration.report();
+        assert!((flats.arm_zero - zero).abs() < 1e-8, "{:e}", flats.arm_zero - zero);
+        assert!(flats.arm_zero_sigma > 1e-6 && flats.arm_zero_sigma < 1e-5, "{:e}", flats.arm_zero_sigma);
+        assert!((flats.arm_length - LENGTH).abs() < 1e-9 && flats.arm_length_sigma <= toroid.arm_length_sigma);
+        assert_eq!((flats.centre_offset, flats.samples), (toroid.centre_offset, 11));
+    }
 }
 
 #[test]

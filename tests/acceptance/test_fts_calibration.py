@@ -71,6 +71,13 @@ def test_a_measured_response_can_be_given_back_as_a_file(
         assert rows[f"controller.response.magnitude[{i}]"] == pytest.approx(magnitude)
 
 
+def test_the_response_in_the_resources_of_the_fmu_is_that_of_the_plant() -> None:
+    result = run("fts/feedforward", "controller.response.file='response.json'")
+    print(f"{100 * value(result, 'twice') / 1748e-6:.2f} %")
+    assert value(result, "twice") <= 0.005 * 1748e-6
+    assert trace(result)["controller.response.frequency[17]"][-1] == 0.0
+
+
 def test_without_the_thrust_twice_a_turn_nothing_is_left_at_n_2() -> None:
     result = run("fts/identify", "plant.cutting_force_twice=0.0")
     print(f"{100 * value(result, 'share'):.4f} %")
