@@ -195,6 +195,7 @@ mod tests {
         for (low, high) in [(60.0, 120.0), (30.0, 60.0), (20.0, 40.0), (5.0, 20.0)] {
             let [radius, distance, radius_ratio, distance_ratio] = monte_carlo(&arc(low, high, 200), &ACCURACY, 2000);
             println!("arc {low}..{high}: R {radius:.3e} m, R_c {distance:.3e} m");
+            println!("against sigma {radius_ratio:.3}, {distance_ratio:.3}");
             assert!((radius_ratio - 1.0).abs() < 0.06, "{low}..{high}: {radius_ratio}");
             assert!((distance_ratio - 1.0).abs() < 0.06, "{low}..{high}: {distance_ratio}");
         }
