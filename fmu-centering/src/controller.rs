@@ -173,8 +173,10 @@ impl Controller {
     /// Takes over a new estimate; what is wrong with it.
     fn note(&mut self, p: &Parameters, ring: &Estimate, verdict: Verdict) -> Option<Fault> {
         self.estimate = Some(*ring);
-        if verdict == Verdict::Measure {
-            return None;
+        match verdict {
+            Verdict::Measure => return None,
+            Verdict::Unresolved => return Some(Fault::Unresolved),
+            Verdict::Centred | Verdict::Push => {}
         }
         if let Some(before) = self.before.take() {
             self.report.overshoot = ring.centre.overshoot(&before);

@@ -82,6 +82,13 @@ impl Experience {
         }
     }
 
+    /// Learns from a push that did not move the ring: the contact lies beyond the last probe position (m).
+    pub fn missed(&mut self, p: &Parameters, probe: f64) {
+        if p.learn.contact {
+            self.contact.mean = self.contact.mean.max(probe - p.probe.at_pusher);
+        }
+    }
+
     /// What is known with what the ring did, as the model of it now says.
     #[must_use]
     pub fn after(&self, p: &Parameters, attempt: &Attempt, ring: &RingModel) -> Self {
@@ -120,5 +127,32 @@ impl Experience {
         let ratio = attempt.lateral - attempt.sense * left.y / moved;
         let belief = self.lateral.after(ratio, LATERAL_SCATTER.hypot(sigma / moved));
         Belief { mean: belief.mean.clamp(0.0, 1.0), ..belief }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const P: Parameters = Parameters::DEFAULT;
+
+    #[test]
+    fn a_push_that_does_not_reach_the_ring_is_followed_by_a_deeper_one() {
+        let mut experience = Experience::new(&P);
+        experience.missed(&P, P.probe.at_pusher + 7e-6);
+        assert!((experience.contact.mean - 7e-6).abs() < 1e-15);
+        // less deep tells nothing
+        experience.missed(&P, P.probe.at_pusher - 1e-4);
+        assert!((experience.contact.mean - 7e-6).abs() < 1e-15);
+    }
+
+    #[test]
+    fn what_is_not_to_be_learned_stays() {
+        let mut p = P;
+        (p.learn.contact, p.learn.deflection) = (false, false);
+        let mut experience = Experience::new(&p);
+        experience.missed(&p, p.probe.at_pusher + 7e-6);
+        experience.touched(&p, 1e-5, Some(p.probe.at_pusher + 5e-6));
+        assert_eq!(experience, Experience::new(&p));
     }
 }

@@ -77,6 +77,7 @@ enumeration! { Fault, "Why the controller is in the fault state" {
     InvalidInput = 7, "An input is NaN, infinite, absurd or has jumped",
     Spindle = 8, "The spindle stands still, keeps reversing, or is too fast for `rates.collect`",
     Diverged = 9, "The pushes have moved the ring away from the axis by more than `push.critical_distance`",
+    Unresolved = 10, "A full revolution does not tell the eccentricity from the tolerance: raise `tolerance`",
 } }
 
 enumeration! { Method, "How the ring is centred" {
@@ -270,24 +271,32 @@ export!(Centering);
 
 /// One log line for a new state.
 fn tell(vars: &Vars, env: &mut Env) {
-    let Output { state, fault, eccentricity, push, spindle_speed, .. } = &vars.output;
+    let Output { state, fault, push, spindle_speed, .. } = &vars.output;
+    let (eccentricity, sigma) = (1e6 * vars.output.eccentricity, 1e6 * vars.output.eccentricity_sigma);
     match state {
         State::Fault => {
             let Input { spindle_angle, slide_position, probe_position, .. } = &vars.input;
             let value = match fault {
-                Fault::NoPart => format!(": probe at `{probe_position} m`, slide at `{slide_position} m`"),
-                Fault::RingTooSmall => format!(": r = `{} m`, B = `{eccentricity} m`", vars.parameters.ring.radius),
-                Fault::ProbeRange => format!(": probe at `{probe_position} m`"),
-                Fault::Centrifugal => format!(": `{spindle_speed} rad/s`, B of the last model `{eccentricity} m`"),
-                Fault::PushBudget | Fault::Diverged => format!(": `{}` pushes, B = `{eccentricity} m`", push.count),
+                Fault::NoPart => format!(": probe at `{probe_position:.6} m`, slide at `{slide_position:.6} m`"),
+                Fault::RingTooSmall => {
+                    format!(": r = `{} m`, B = `{eccentricity:.2} um`", vars.parameters.ring.radius)
+                }
+                Fault::ProbeRange => format!(": probe at `{probe_position:.6} m`"),
+                Fault::Centrifugal => {
+                    format!(": `{spindle_speed:.3} rad/s`, B of the last model `{eccentricity:.2} um`")
+                }
+                Fault::PushBudget | Fault::Diverged => {
+                    format!(": `{}` pushes, B = `{eccentricity:.2} um`", push.count)
+                }
                 Fault::InvalidInput => format!(": `{spindle_angle} rad`, `{slide_position} m`, `{probe_position} m`"),
-                Fault::Spindle => format!(": `{spindle_speed} rad/s`"),
+                Fault::Spindle => format!(": `{spindle_speed:.3} rad/s`"),
+                Fault::Unresolved => format!(": B = `{eccentricity:.3} um`, standard deviation `{sigma:.3} um`"),
                 Fault::None => String::new(),
             };
             env.warn(format_args!("fault `{fault:?}`: {}{value}", meaning::<Fault>(*fault as usize)));
         }
         State::Wait | State::Centred => env.event(format_args!(
-            "state `{state:?}`: {}; eccentricity `{eccentricity} m`",
+            "state `{state:?}`: {}; eccentricity `{eccentricity:.2} um`",
             meaning::<State>(*state as usize)
         )),
         _ => env.event(format_args!("state `{state:?}`: {}", meaning::<State>(*state as usize))),

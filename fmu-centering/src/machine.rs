@@ -65,6 +65,8 @@ pub enum Fault {
     Spindle = 8,
     /// The pushes have moved the ring away from the axis.
     Diverged = 9,
+    /// After a full revolution the eccentricity is too little known to be compared with the tolerance.
+    Unresolved = 10,
 }
 
 /// What the model says about the next step.
@@ -76,6 +78,8 @@ pub enum Verdict {
     Push,
     /// More data are needed.
     Measure,
+    /// More data would not help.
+    Unresolved,
 }
 
 /// What happened in one sample.

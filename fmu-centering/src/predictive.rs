@@ -10,7 +10,7 @@ use crate::aim::{Scene, aim};
 use crate::centre::{Centre, Estimate};
 use crate::despike::{Despiker, Seen};
 use crate::experience::{Act, Attempt, Experience};
-use crate::law::{Launch, Moment};
+use crate::law::{Conclusion, Launch, Moment};
 use crate::machine::{State, Verdict};
 use crate::parameters::Parameters;
 use crate::press::{Goal, Press};
@@ -25,6 +25,8 @@ const SPREAD: f64 = 0.3;
 const SPREAD_MIN: f64 = 5e-6;
 /// Least share of a push that must have been done to feel the ring.
 const FELT: f64 = 0.3;
+/// Turning (in revolutions) after which more measurements of the same places tell nothing new.
+const TURNS: f64 = 1.05;
 
 /// The law between two samples.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -82,7 +84,7 @@ impl Predictive {
     }
 
     /// Estimate and verdict at each beat of the collection.
-    pub fn conclude(&mut self, p: &Parameters, now: &Moment) -> Option<(Option<Estimate>, Verdict)> {
+    pub fn conclude(&mut self, p: &Parameters, now: &Moment) -> Option<Conclusion> {
         if !matches!(now.state, State::Collect | State::Wait) {
             return None;
         }
@@ -95,7 +97,7 @@ impl Predictive {
         let sigma = self.ring.centre_sigma();
         let certain = self.ring.settled() && sigma < p.estimator.certainty * self.ring.eccentricity();
         let verdict = self.verdict(p, now.speed, sigma, certain);
-        let known = certain || verdict == Verdict::Centred;
+        let known = certain || matches!(verdict, Verdict::Centred | Verdict::Unresolved);
         Some((known.then(|| self.estimate(sigma)), verdict))
     }
 
@@ -162,8 +164,9 @@ impl Predictive {
         if let Act::Push(reached) = &mut attempt.act {
             *reached = press.last().tip;
             attempt.angle = press.last().angle;
-            if let Some((deflection, probe)) = press.felt(FELT * attempt.eccentricity) {
-                self.experience.touched(p, deflection, probe);
+            match press.felt(FELT * attempt.eccentricity) {
+                Some((deflection, probe)) => self.experience.touched(p, deflection, probe),
+                None => self.experience.missed(p, press.last().probe()),
             }
         }
         self.ring.displaced(Vector2::zeros(), SPREAD * attempt.eccentricity + SPREAD_MIN);
@@ -187,7 +190,13 @@ impl Predictive {
         let samples = p.rates.collect * TAU / speed.abs();
         let doubt = p.estimator.noise * (2.0 / samples).sqrt();
         let worth = eccentricity > p.tolerance - p.estimator.margin * doubt;
-        if certain && (full || (p.estimator.partial && worth)) { Verdict::Push } else { Verdict::Measure }
+        if certain && (full || (p.estimator.partial && worth)) {
+            Verdict::Push
+        } else if self.turned < TURNS * TAU {
+            Verdict::Measure
+        } else {
+            Verdict::Unresolved
+        }
     }
 
     /// What has been learned, with the last push.

@@ -177,6 +177,15 @@ fn a_ring_that_cannot_be_moved_exhausts_the_pushes() {
 }
 
 #[test]
+fn a_tolerance_below_what_the_probe_can_tell_has_a_name() {
+    let mut p = Parameters::DEFAULT;
+    p.tolerance = 1e-9;
+    let run = retreats(Loop::new(&p, Ring::new(6, 1e-4, 0.5)), Fault::Unresolved, 60.0);
+    assert!(run.output.eccentricity_sigma > p.tolerance);
+    assert!(run.ring.eccentricity() < 5e-7, "{} m", run.ring.eccentricity());
+}
+
+#[test]
 fn pushes_that_shove_the_ring_aside_are_given_up() {
     // the surface of a ring 20 mm off comes at 42 mm/s, the paper's push goes at 3.5 mm/s
     let mut run = Loop::new(&P, Ring::new(4, 0.02, 0.0));
