@@ -227,10 +227,12 @@ def test_verbose_shows_where_a_plant_failed(write: Write) -> None:
 
 
 @pytest.mark.skipif(os.name == "nt", reason="POSIX signals")
-def test_ctrl_c_is_exit_code_130_without_traceback(write: Write) -> None:
+def test_ctrl_c_is_exit_code_130_without_traceback(write: Write, tmp_path: Path) -> None:
     write()
+    cache = tmp_path / "cache"
+    cache.mkdir()
     command = [sys.executable, "-m", "cosim", "run", "lag.toml", "--duration", "1000", "--json", "-"]
-    variables = {**os.environ, "PYTHONPATH": str(ROOT)}
+    variables = {**os.environ, "PYTHONPATH": str(ROOT), "XDG_CACHE_HOME": str(cache)}
     process = subprocess.Popen(
         command,
         stdout=subprocess.PIPE,
@@ -240,7 +242,9 @@ def test_ctrl_c_is_exit_code_130_without_traceback(write: Write) -> None:
         # a shell that starts the tests in the background lets them ignore the signal
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
-    time.sleep(3.0)
+    # the unpacked FMU is the first sign of life
+    while process.poll() is None and not any(cache.iterdir()):
+        time.sleep(0.05)
     process.send_signal(signal.SIGINT)
     stdout, stderr = process.communicate(timeout=30)
     assert process.returncode == 130
