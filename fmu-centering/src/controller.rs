@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::centre::{Centre, Estimate};
 use crate::check::check;
 use crate::follow::Follower;
+use crate::frozen::Frozen;
 use crate::law::{Launch, Law, Moment};
 use crate::machine::{Events, Fault, State, Verdict, next};
 use crate::motion::Motion;
@@ -23,6 +24,7 @@ pub struct Controller {
     clock: Clock,
     spindle: Spindle,
     follower: Follower,
+    frozen: Frozen,
     law: Law,
     supervisor: Supervisor,
     motion: Motion,
@@ -54,6 +56,7 @@ impl Controller {
             clock: Clock::default(),
             spindle: Spindle::new(p),
             follower: Follower::default(),
+            frozen: Frozen::default(),
             law: Law::new(p),
             supervisor: Supervisor::default(),
             motion: Motion::default(),
@@ -130,7 +133,8 @@ impl Controller {
 
     /// The gravest fault of this sample.
     fn find_fault(&mut self, p: &Parameters, reading: &Reading, turned: f64) -> Option<Fault> {
-        let invalid = reading.sample.is_none() || (reading.jumped && self.state.active());
+        let frozen = self.frozen.update(p, &self.sample, turned);
+        let invalid = reading.sample.is_none() || ((reading.jumped || frozen) && self.state.active());
         let view = View {
             state: self.state,
             probe: self.sample.probe,

@@ -13,6 +13,7 @@ pub mod controller;
 pub mod despike;
 pub mod experience;
 pub mod follow;
+pub mod frozen;
 pub mod kalman;
 pub mod launch;
 pub mod law;
@@ -74,7 +75,7 @@ enumeration! { Fault, "Why the controller is in the fault state" {
     ProbeRange = 4, "The probe is beyond `probe.stroke`, does not settle, or the pusher touches while following",
     Centrifugal = 5, "The centrifugal force exceeds the friction of `friction.mu_limit`",
     PushBudget = 6, "Not centred within `push.max_count` pushes",
-    InvalidInput = 7, "An input is NaN, infinite, absurd or has jumped",
+    InvalidInput = 7, "An input is NaN, infinite, absurd, has jumped, or the probe is frozen",
     Spindle = 8, "The spindle stands still, keeps reversing, or is too fast for `rates.collect`",
     Diverged = 9, "The pushes have moved the ring away from the axis by more than `push.critical_distance`",
     Unresolved = 10, "A full revolution does not tell the eccentricity from the tolerance: raise `tolerance`",

@@ -59,7 +59,7 @@ pub enum Fault {
     Centrifugal = 5,
     /// Not centred within the allowed number of pushes.
     PushBudget = 6,
-    /// An input was not a number, infinite, absurd or jumped.
+    /// An input was not a number, infinite, absurd, jumped or frozen.
     InvalidInput = 7,
     /// The spindle stands still, keeps reversing or is too fast for the collection.
     Spindle = 8,

@@ -134,16 +134,19 @@ fn a_ring_that_does_not_contain_the_axis_is_lost_on_the_way() {
 }
 
 #[test]
-fn a_stuck_probe_ends_within_the_travel() {
-    let mut run = running(State::Collect);
-    let stuck = |input: &mut Input| input.probe_position = 5e-3;
-    let mut furthest: f64 = 0.0;
-    while run.output.state != State::Fault && run.time() < 60.0 {
-        run.step_with(stuck);
-        furthest = furthest.max(run.output.slide.position_setpoint);
+fn a_frozen_probe_is_an_invalid_input_and_never_a_centred_ring() {
+    for (p, pushes) in [(P, 0), (P, 1), (Parameters::DEFAULT, 0), (Parameters::DEFAULT, 1)] {
+        let mut run = running_with(&p, State::Collect);
+        while run.output.push.count < pushes || run.output.state != State::Collect {
+            run.step();
+        }
+        let (frozen, begin) = (run.output.pusher_gap, run.time());
+        while run.output.state != State::Fault {
+            run.step_with(|input| input.probe_position = p.probe.at_pusher - frozen);
+            assert!(!run.output.centred && run.time() < begin + 4.0, "{pushes}: {:?}", run.output);
+        }
+        assert_eq!(run.output.fault, Fault::InvalidInput);
     }
-    assert_eq!(run.output.fault, Fault::NoPart);
-    assert!(furthest < P.approach.travel, "{furthest} m");
 }
 
 #[test]
