@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterator
 from pathlib import Path
 
-from cosim.errors import FmuError, ScenarioError, closest
+from cosim.errors import FmuError, PlantError, ScenarioError, closest
 
 ROOT = Path(__file__).resolve().parent.parent
 """Project root of an editable install."""
@@ -98,6 +98,22 @@ def find_fmu(name: str, near: Path) -> Path:
     raise FmuError(
         f"the FMU `{name}.fmu` does not exist", f"{build}, or set {FMU_PATH_ENV}; looked in {searched}"
     )
+
+
+def find_mjcf(name: str, near: Path) -> Path:
+    """MJCF file given by its path, relative to `near` or to the working directory.
+
+    Raises
+    ------
+    PlantError
+        No such file.
+    """
+    for base in (near, Path.cwd()):
+        if (file := base / Path(name).expanduser()).is_file():
+            return file.resolve()
+    beside = [file.name for file in sorted(near.glob("*.xml"))]
+    hint = closest(name, beside) or f"looked in `{near}` and `{Path.cwd()}`"
+    raise PlantError(f"the MJCF file `{name}` does not exist", hint)
 
 
 def cache_folder() -> Path:
