@@ -12,7 +12,7 @@ import numpy as np
 from fmpy.fmi1 import FMICallException
 from numpy.typing import NDArray
 
-from cosim import loop
+from cosim import condition, loop
 from cosim.connect import Connector, Links, whole
 from cosim.engines import Engine
 from cosim.expression import Expression
@@ -128,27 +128,30 @@ def run(
     machine = body.machine()
     links = Connector(scenario, fmu, plant, np.zeros(len(plant.commands)), seed).links()
     recorder = Recorder(fmu, plant, steps, scenario.loop.record_every)
+    columns = recorder.table.shape[1]
+    recorder.stop = condition.program(stop_when, columns) if stop_when else None
     calls = controller(fmu)
     stepper = Stepper(machine, calls, links, recorder, step, scenario.loop.substeps)
-    done = 0
+    # what native code cannot evaluate is looked at after every step
+    look = stop_when if recorder.stop is None else None
+    done, ended = 0, False
     try:
-        while done < steps:
-            until = min(done + (1 if stop_when else chunk), steps)
-            explain(body.run(stepper, until), stepper, links, calls, plant)
-            row = None if done % recorder.every else recorder.table[done // recorder.every]
-            if stop_when is not None and row is not None and stop_when(row):
-                done = until
-                break
-            done = until
+        while done < steps and not ended:
+            until = min(done + chunk, steps) if look is None else done + 1
+            ended = explain(body.run(stepper, until), links, calls, plant)
+            if look is not None and (row := recorder.row(done)) is not None:
+                ended = bool(look(row))
+            if progress is not None:
+                for told in range(-(-done // PROGRESS_EVERY) * PROGRESS_EVERY, stepper.k, PROGRESS_EVERY):
+                    progress(told, steps)
+            done = stepper.k
     except Exception as error:
         raise loop.located(error, fmu, scenario, stepper.k) from error
     return Run(recorder.recorded(done), done)
 
 
-def explain(
-    stop: tuple[str, int, float] | None, stepper: Any, links: Links, calls: Controller, plant: Plant
-) -> None:
-    """Raise what the reference loop would have raised where the native code stopped."""
+def explain(stop: tuple[str, int, float] | None, links: Links, calls: Controller, plant: Plant) -> bool:
+    """Whether the condition stopped the native code; else raise what the reference loop would have raised."""
     match stop:
         case ("reading", wire, value):
             raise links.readings[wire].shape.refusal(value)
@@ -160,3 +163,4 @@ def explain(
             plant.command(links.commands)
         case ("call", number, status):
             raise FMICallException(calls.name(number), int(status))
+    return stop is not None

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cosim.archive import FmuFile, Variable
+from cosim.condition import Program
 from cosim.errors import CosimError
 from cosim.fmu import BASE, Instance
 from cosim.plant import Plant
@@ -32,6 +33,7 @@ class Recorder:
     def __init__(self, fmu: Instance, plant: Plant, steps: int, every: int = 1) -> None:
         self.plant = plant
         self.every = every
+        self.stop: Program | None = None
         self.table = np.zeros((-(-steps // every), len(columns(fmu, plant))))
         # inputs that nothing drives are constant
         first = 1
@@ -50,13 +52,18 @@ class Recorder:
 
     def record(self, k: int, time: float) -> NDArray[np.float64] | None:
         """Fill and return the row of step `k`, if it has one."""
-        if k % self.every:
+        row = self.row(k)
+        if row is None:
             return None
-        row: NDArray[np.float64] = self.table[k // self.every]
         row[0] = time
         for part, values in zip(self.parts, self.banks, strict=True):
             row[part] = values
         row[self.truths] = self.plant.truth()
+        return row
+
+    def row(self, k: int) -> NDArray[np.float64] | None:
+        """Return the row of step `k`, if it has one."""
+        row: NDArray[np.float64] | None = None if k % self.every else self.table[k // self.every]
         return row
 
     def recorded(self, steps: int) -> NDArray[np.float64]:

@@ -91,7 +91,8 @@ impl Runner {
     /// (str, int, float) or None
     ///     What ended the run, which one, and its value: `warning`, `sensed` and `command` are the plant's,
     ///     `reading` and `output` are wires by number, `integer` is a value that does not fit, `call` is a function
-    ///     of the controller by number (set, doStep, get) with its status. The loop cannot go on then.
+    ///     of the controller by number (set, doStep, get) with its status. The loop cannot go on then. `stop` is the
+    ///     condition of the log, after the step.
     ///
     /// Raises
     /// ------
@@ -101,7 +102,8 @@ impl Runner {
         let (mut sensing, mut circuit) = (self.sensing.try_borrow_mut(py)?, self.circuit.try_borrow_mut(py)?);
         let (sensing, circuit, stepper) = (&mut sensing.circuit, &mut circuit.circuit, &mut self.stepper);
         match py.detach(|| stepper.run(sensing, circuit, until)) {
-            Ok(()) => Ok(None),
+            Ok(false) => Ok(None),
+            Ok(true) => Ok(Some(("stop", 0, 0.0))),
             Err(Failure::Element(error)) => Err(error.into()),
             Err(Failure::MuJoCo(words)) => Err(PyRuntimeError::new_err(words)),
             Err(Failure::Warning) => Ok(Some(("warning", 0, 0.0))),

@@ -11,8 +11,8 @@ use pyo3::prelude::*;
 use crate::Place;
 use crate::binding::Cell;
 use crate::stepper::{
-    Apply, Call, Controller, Delay, DeleteBatch, DoStep, Drive, ErrorText, Functions, Half, Injection, Link, Links,
-    Log, Machine, MakeBatch, Move, Series, Shape, Slot, Trap,
+    Apply, Call, Condition, Controller, Delay, DeleteBatch, DoStep, Drive, ErrorText, Functions, Half, Injection, Link,
+    Links, Log, Machine, MakeBatch, Move, Operation, Series, Shape, Slot, Trap,
 };
 use crate::stepper_rows::{
     CallRow, ControllerRow, DriveRow, FaultRow, LinkRow, LinksRow, LogRow, MachineRow, PlaceRow, ShapeRow,
@@ -112,8 +112,9 @@ impl Exports {
         if row.every == 0 || row.start + slots.len() + truths != shape.1 {
             return Err(PyValueError::new_err("the columns of the table do not fit"));
         }
+        let stop = row.stop.as_ref().map(|program| condition(program, shape.1)).transpose()?;
         let (table, _) = self.array::<f64>(&row.table)?;
-        Ok(Log { table, rows: shape.0, columns: shape.1, start: row.start, slots, every: row.every })
+        Ok(Log { table, rows: shape.0, columns: shape.1, start: row.start, slots, every: row.every, stop })
     }
 
     pub fn controller(&mut self, row: &ControllerRow) -> PyResult<Controller> {
@@ -170,6 +171,18 @@ impl Exports {
             truths: places(&row.truths),
         })
     }
+}
+
+fn condition(program: &[(String, f64)], columns: usize) -> PyResult<Condition> {
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    let operation = |(name, value): &(String, f64)| match name.as_str() {
+        "column" => Some(Operation::Column(*value as usize)),
+        "number" => Some(Operation::Number(*value)),
+        name => Operation::named(name),
+    };
+    let program = program.iter().map(operation).collect::<Option<_>>();
+    let refused = || PyValueError::new_err("the condition is no program over the columns");
+    program.and_then(|program| Condition::new(program, columns)).ok_or_else(refused)
 }
 
 fn address(number: usize) -> PyResult<usize> {

@@ -102,11 +102,13 @@ pub struct LinksRow<'py> {
     pub command_faults: Vec<FaultRow<'py>>,
 }
 
-/// Table of the trace: time, then from column `start` on the banks and the truths, every so many steps.
+/// Table of the trace: time, then from column `start` on the banks and the truths, every so many steps; `stop` is a condition as postfix of (`column`, number), (`number`, value)
+/// and (name of numpy's function, 0).
 #[derive(FromPyObject)]
 pub struct LogRow<'py> {
     pub table: Bound<'py, PyAny>,
     pub start: usize,
     pub banks: Vec<Bound<'py, PyAny>>,
     pub every: usize,
+    pub stop: Option<Vec<(String, f64)>>,
 }

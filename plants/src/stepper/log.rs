@@ -2,7 +2,7 @@
 
 use std::ptr::NonNull;
 
-use super::Slot;
+use super::{Condition, Slot};
 use crate::Place;
 
 /// Table and what goes into a row: the time first, then, from column `start` on, the slots and the truths.
@@ -20,6 +20,8 @@ pub struct Log {
     pub slots: Vec<Slot>,
     /// steps between two rows
     pub every: usize,
+    /// ends the run with the row for which it holds
+    pub stop: Option<Condition>,
 }
 
 impl Log {
@@ -45,5 +47,17 @@ impl Log {
                 column = column.add(1);
             }
         }
+    }
+
+    /// Whether the row of step `k`, if it has one, is the last.
+    ///
+    /// # Safety
+    /// The row was recorded.
+    pub(super) unsafe fn ends(&mut self, k: usize) -> bool {
+        let Some(stop) = self.stop.as_mut().filter(|_| k.is_multiple_of(self.every)) else { return false };
+        // SAFETY: by the contract of this function.
+        let row =
+            unsafe { std::slice::from_raw_parts(self.table.add(k / self.every * self.columns).as_ptr(), self.columns) };
+        stop.holds(row)
     }
 }

@@ -3,6 +3,7 @@
 //! One step does what the reference loop of the harness does, in the same order and with the same arithmetic, so that
 //! both give the same bits. Time is `k * step`, never accumulated. Nothing here knows the layout of MuJoCo's structs.
 
+mod condition;
 mod controller;
 mod links;
 mod log;
@@ -11,6 +12,7 @@ mod slot;
 mod trap;
 mod wire;
 
+pub use condition::{Condition, Operation};
 pub use controller::{Call, Controller, DoStep, Move};
 pub use links::{Drive, Injection, Link, Links, Series};
 pub use log::Log;
@@ -108,24 +110,27 @@ impl Stepper {
         self.k.load(Ordering::Relaxed)
     }
 
-    /// Goes on until `until` steps are done; both circuits belong to the plant.
+    /// Goes on until `until` steps are done, or tells that a row has ended the run; both circuits belong to the plant.
     ///
     /// # Errors
     /// The first failure; the loop cannot go on after it.
-    pub fn run(&mut self, sensing: &mut Circuit, circuit: &mut Circuit, until: usize) -> Result<(), Failure> {
+    pub fn run(&mut self, sensing: &mut Circuit, circuit: &mut Circuit, until: usize) -> Result<bool, Failure> {
         let Self { machine, controller, links, log, step, k, trap } = self;
         let mut outcome = None;
         let trapped = trap.run(|| {
             let body = || {
                 while k.load(Ordering::Relaxed) < until {
                     let now = k.load(Ordering::Relaxed);
+                    let circuits = (&mut *sensing, &mut *circuit);
                     // SAFETY: promised by who made this stepper.
-                    unsafe {
-                        one_step(machine, controller.as_ref(), links, log.as_ref(), *step, (sensing, circuit), now)?
-                    };
+                    let ended =
+                        unsafe { one_step(machine, controller.as_ref(), links, log.as_mut(), *step, circuits, now)? };
                     k.store(now + 1, Ordering::Relaxed);
+                    if ended {
+                        return Ok(true);
+                    }
                 }
-                Ok(())
+                Ok(false)
             };
             outcome = Some(catch_unwind(AssertUnwindSafe(body)));
         });
@@ -143,11 +148,11 @@ unsafe fn one_step(
     machine: &Machine,
     controller: Option<&Controller>,
     links: &mut Links,
-    log: Option<&Log>,
+    log: Option<&mut Log>,
     step: f64,
     (sensing, circuit): (&mut Circuit, &mut Circuit),
     k: usize,
-) -> Result<(), Failure> {
+) -> Result<bool, Failure> {
     #[allow(clippy::cast_precision_loss)]
     let time = k as f64 * step;
     // SAFETY: by the contract of the caller.
@@ -159,9 +164,10 @@ unsafe fn one_step(
         }
         links.carry_outputs(k)?;
         machine.command(&links.commands)?;
-        if let Some(log) = log {
+        if let Some(log) = log.as_deref() {
             log.record(k, time, &machine.truths);
         }
-        machine.advance(circuit)
+        machine.advance(circuit)?;
+        Ok(log.is_some_and(|log| log.ends(k)))
     }
 }
