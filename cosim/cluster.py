@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import importlib
 import logging
+import queue
 import threading
 import time
 import uuid
@@ -24,7 +25,9 @@ CONNECT_TIMEOUT = 20.0
 WORKERS_TIMEOUT = 60.0
 """Time without any Dask worker after which a sweep gives up, s."""
 LOOK = 1.0
-"""How often lost and new Dask workers are looked for, s."""
+"""How often Dask workers are counted, s."""
+Ended = tuple[str, str]
+"""Key of a run that ended, and the Dask worker if it was lost."""
 
 
 def outcomes(jobs: Iterable[Numbered], address: str, limits: Limits) -> Generator[Finished]:
@@ -44,21 +47,20 @@ def outcomes(jobs: Iterable[Numbered], address: str, limits: Limits) -> Generato
     CosimError
         Dask is not installed, no scheduler or worker answers, or the workers lack the package `cosim`.
     """
-    distributed = dask()
-    with connected(distributed, address) as client, watched(client) as lost:
+    with connected(dask(), address) as client:
         token = uuid.uuid4().hex[:8]
         try:
-            yield from dispatched(distributed, client, iter(jobs), limits, token, lost)
+            yield from dispatched(client, iter(jobs), limits, token)
         finally:
             with contextlib.suppress(Exception):
                 client.run(dismiss, token, on_error="ignore")
 
 
-def dispatched(
-    distributed: Any, client: Any, jobs: Iterator[Numbered], limits: Limits, token: str, lost: dict[str, str]
-) -> Generator[Finished]:
+def dispatched(client: Any, jobs: Iterator[Numbered], limits: Limits, token: str) -> Generator[Finished]:
     """Keep every thread of the cluster busy with one run; none waits on a worker that may be lost."""
-    running: dict[Any, int] = {}
+    ended: queue.SimpleQueue[Ended] = queue.SimpleQueue()
+    watch(client, ended)
+    running: dict[str, tuple[int, Any]] = {}
     crew = Crew(client)
     more = True
     while more or running:
@@ -68,15 +70,15 @@ def dispatched(
                 more = False
                 break
             key = f"cosim-{token}-{job[0]}"
-            running[client.submit(run_supervised, token, job[1], limits, key=key, pure=False, retries=0)] = (
-                job[0]
-            )
+            future = client.submit(run_supervised, token, job[1], limits, key=key, pure=False, retries=0)
+            running[key] = job[0], future
+            future.add_done_callback(lambda done: ended.put((done.key, "")))
             free -= 1
-        if running:
-            with contextlib.suppress(TimeoutError):
-                distributed.wait(list(running), timeout=LOOK, return_when="FIRST_COMPLETED")
-        for future in [future for future in running if future.done() or future.key in lost]:
-            yield running.pop(future), outcome_of(future, lost.pop(future.key, ""))
+        with contextlib.suppress(queue.Empty):
+            key, lost = ended.get(timeout=LOOK)
+            if key in running:
+                number, future = running.pop(key)
+                yield number, outcome_of(future, lost)
 
 
 class Crew:
@@ -162,22 +164,17 @@ def connected(distributed: Any, address: str) -> Iterator[Any]:
         yield client
 
 
-@contextlib.contextmanager
-def watched(client: Any) -> Iterator[dict[str, str]]:
-    """Keys of the runs that lost Dask workers were doing, with the worker; filled while it is watched."""
-    lost: dict[str, str] = {}
+def watch(client: Any, ended: queue.SimpleQueue[Ended]) -> None:
+    """Report the runs that lost Dask workers were doing."""
 
     def see(event: tuple[float, Any]) -> None:
         _, message = event
         if isinstance(message, dict) and message.get("action") == "remove-worker" and not message["expected"]:
-            lost.update(dict.fromkeys(message["processing-tasks"], str(message["worker"])))
+            for key in message["processing-tasks"]:
+                ended.put((key, str(message["worker"])))
 
+    # all that happens to workers is told under this topic
     client.subscribe_topic("all", see)
-    try:
-        yield lost
-    finally:
-        with contextlib.suppress(Exception):
-            client.unsubscribe_topic("all")
 
 
 _workers: dict[tuple[str, int], Worker] = {}

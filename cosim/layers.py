@@ -89,7 +89,7 @@ def parse_file(path: Path) -> dict[str, Any]:
     try:
         table = tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
-        raise ScenarioError(f"cannot read the scenario `{path}`: {error.strerror}") from None
+        raise ScenarioError(f"cannot read `{path}`: {error.strerror}") from None
     except UnicodeDecodeError as error:
         raise ScenarioError(f"`{paths.shown(path)}` is not a text file in UTF-8: {error.reason}") from None
     except tomllib.TOMLDecodeError as error:

@@ -6,9 +6,9 @@ import functools
 import hashlib
 import importlib
 import importlib.metadata
-import inspect
 import json
 import shlex
+import sys
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -175,15 +175,20 @@ def digest(path: Path) -> str:
 def plant_of(name: str, folder: Path) -> tuple[Any, str]:
     """Class of a plant and the SHA-256 of what it is made of."""
     kind = plant.plant_class(name, folder)
+    parts = [digest(file) for file in sources(kind)]
     if name.endswith(plant.MJCF):
-        return kind, importlib.import_module("plants.bare").fingerprint(kind.file)
-    home = Path(inspect.getfile(kind))
-    files = (
-        [home]
-        if ":" in name
-        else sorted(file for file in home.parent.iterdir() if file.suffix in PLANT_FILES)
-    )
-    return kind, hashlib.sha256("".join(digest(file) for file in files).encode()).hexdigest()
+        # files that the MJCF includes and meshes count as well
+        parts.append(importlib.import_module("plants.bare").fingerprint(kind.file))
+    return kind, hashlib.sha256("".join(parts).encode()).hexdigest()
+
+
+def sources(kind: Any) -> list[Path]:
+    """Files of a plant's class and its bases; all of the package `plants` where one of them is in it."""
+    modules = [sys.modules.get(base.__module__) for base in kind.__mro__]
+    files = {Path(file) for module in modules if (file := getattr(module, "__file__", None))}
+    for folder in {file.parent for file in files if file.parent.name == "plants"}:
+        files |= {file for file in folder.iterdir() if file.suffix in PLANT_FILES}
+    return sorted(files, key=lambda file: file.name)
 
 
 @functools.cache
