@@ -76,6 +76,8 @@ class Instance:
         self, file: FmuFile, inputs: list[Variable], outputs: list[Variable], log_events: bool = False
     ) -> None:
         self.file = file
+        self.driven = inputs
+        self.log_events = log_events
         self.inputs = banks(inputs)
         self.outputs = banks(outputs)
         self.messages = Messages(file.name)

@@ -150,19 +150,13 @@ def check(scenario: Scenario) -> tuple[FmuFile, str]:
     """
     with located(scenario):
         with concerning("controller.fmu"):
-            file = described(paths.find_fmu(scenario.controller.fmu, scenario.folder))
+            file = open_fmu(paths.find_fmu(scenario.controller.fmu, scenario.folder))
         with concerning("controller.parameters"):
             expand(file.variables, scenario.controller.parameters)
         with concerning("plant.name"):
             kind, found = plant_of(scenario.plant.name, scenario.folder)
         plant.check_parameters(kind, scenario.plant.parameters)
     return file, found
-
-
-@functools.cache
-def described(path: Path) -> FmuFile:
-    """Open an FMU, once for each path."""
-    return open_fmu(path)
 
 
 @functools.cache

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from types import TracebackType
 
 from cosim import criteria, loop, native, paths, plant, trace
-from cosim.archive import open_fmu
+from cosim.archive import FmuFile, Variable, open_fmu
 from cosim.connect import driven
 from cosim.engines import Engine, checked
 from cosim.errors import CosimError, concerning
@@ -37,6 +37,8 @@ class Session:
     engine
         `reference` is FMPy's loop, `native` does the same in native code, bit for bit; a plant written in
         Python runs in the reference loop in any case.
+    previous
+        A session that is not used any more: what it has open is taken over where it fits, else closed.
 
     Raises
     ------
@@ -44,17 +46,23 @@ class Session:
         The FMU or plant cannot be opened, or does not fit the scenario.
     """
 
-    def __init__(self, scenario: Scenario, log_events: bool = False, engine: Engine = "reference") -> None:
+    def __init__(
+        self,
+        scenario: Scenario,
+        log_events: bool = False,
+        engine: Engine = "reference",
+        previous: Session | None = None,
+    ) -> None:
         self.scenario = scenario
         with located(scenario):
             with concerning("controller.fmu"):
                 self.file = open_fmu(paths.find_fmu(scenario.controller.fmu, scenario.folder))
-            self.plant = plant.build(scenario.plant.name, scenario.plant.parameters, scenario.folder)
+            self.plant = open_plant(scenario, previous)
             self.engine = native.choose(checked(engine), scenario.plant.name, self.plant)
             check_timestep(scenario, self.plant.timestep)
             inputs = driven(scenario, self.file)
             tell_idle(scenario, self.plant)
-            self.fmu = Instance(self.file, inputs, trace.numeric_outputs(self.file), log_events)
+            self.fmu = open_instance(self.file, inputs, log_events, previous)
             try:
                 self._compile()
             except CosimError:
@@ -149,6 +157,27 @@ def run(
     """
     with Session(scenario, engine=engine) as session:
         return session.run(seed, progress)
+
+
+def open_plant(scenario: Scenario, previous: Session | None) -> plant.Plant:
+    """Plant of a scenario, that of the previous session if it is the same."""
+    if previous is not None:
+        before = previous.scenario
+        if (before.plant, before.folder) == (scenario.plant, scenario.folder):
+            return previous.plant
+    return plant.build(scenario.plant.name, scenario.plant.parameters, scenario.folder)
+
+
+def open_instance(
+    file: FmuFile, inputs: list[Variable], log_events: bool, previous: Session | None
+) -> Instance:
+    """Instance of an FMU, that of the previous session if it moves the same variables."""
+    if previous is not None:
+        same = previous.file is file and previous.fmu.driven == inputs
+        if same and previous.fmu.log_events == log_events and not previous.fmu.dead:
+            return previous.fmu
+        previous.close()
+    return Instance(file, inputs, trace.numeric_outputs(file), log_events)
 
 
 def tell_idle(scenario: Scenario, driven_plant: plant.Plant) -> None:

@@ -47,7 +47,7 @@ class Job:
 
 
 class Desk:
-    """Runs jobs one after the other; FMU and plant stay open for jobs that share a scenario."""
+    """Runs jobs one after the other; FMU and plant stay open for jobs that share them."""
 
     def __init__(self) -> None:
         self.session: Session | None = None
@@ -66,10 +66,9 @@ class Desk:
         return result if job.keep_trace else dataclasses.replace(result, trace=None)
 
     def opened(self, job: Job) -> Session:
-        """Session of the job's scenario."""
+        """Session of the job's scenario; what fits of the one before stays open."""
         if self.session is None or self.wanted != (job.scenario, job.engine):
-            self.close()
-            self.session = Session(job.scenario, engine=job.engine)
+            self.session = Session(job.scenario, engine=job.engine, previous=self.session)
             self.wanted = job.scenario, job.engine
         folder = self.session.file.folder
         if job.fmu and folder.name != job.fmu[: len(folder.name)]:

@@ -10,14 +10,14 @@ from plants.parameters import parameter
 
 
 @dataclasses.dataclass(frozen=True)
-class Parameters(slide.SlideParameters):
+class BreakableParameters(slide.SlideParameters):
     broken: float = parameter(0.0, "1", "1: MuJoCo fails", "test", 0.0, 1.0)
 
 
 class Breakable(slide.Slide):
-    Parameters = Parameters
+    Parameters = BreakableParameters
 
-    def __init__(self, parameters: Parameters) -> None:
+    def __init__(self, parameters: BreakableParameters) -> None:
         super().__init__(parameters)
         self.sound = int(self.model.jnt_type[0])
 
