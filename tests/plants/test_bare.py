@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -84,12 +85,12 @@ def write(tmp_path: Path) -> Write:
 def build(file: Path, **parameters: Any) -> Any:
     """Plant of a file; `joint__slide__damping` is the parameter `joint.slide.damping`."""
     kind = plants.bare.load(file)
-    fields = {field.metadata["key"]: name for name, field in kind.Parameters.__dataclass_fields__.items()}
+    fields = {field.metadata["key"]: field.name for field in dataclasses.fields(cast(Any, kind.Parameters))}
     named = {fields[key.replace("__", ".")]: value for key, value in parameters.items()}
     return kind(kind.Parameters(**named))
 
 
-def run(plant: Any, steps: int = 200, **commands: float) -> np.ndarray[Any, Any]:
+def run(plant: Any, steps: int = 200, **commands: Any) -> np.ndarray[Any, Any]:
     """Truths of a run with constant commands."""
     plant.reset(1, steps * plant.timestep)
     rows = []
@@ -168,7 +169,7 @@ EDITS = {
 @pytest.mark.parametrize("key", EDITS)
 def test_a_parameter_does_what_the_same_edit_of_the_file_does(write: Write, key: str) -> None:
     old, new, value = EDITS[key]
-    commands = {"push": 1.0, "geared": 0.5, "servo": 0.4}
+    commands: dict[str, Any] = {"push": 1.0, "geared": 0.5, "servo": 0.4}
     sliding = ('qvel="0.5 0  0 0 0', 'qvel="0.5 0  1 0 0')
     edited = run(build(write(sliding, (old, new)), keyframe="away"), **commands)
     plain = write(sliding)
