@@ -5,6 +5,7 @@ pub mod pass_through;
 pub mod reference_loop;
 pub mod slave;
 pub mod statistics;
+pub mod sweep;
 pub mod tick;
 
 use std::fs;
@@ -43,6 +44,7 @@ pub fn run(workspace: &Workspace) -> Result<()> {
     for scenario in demo::loops(workspace)? {
         rows.extend(loop_rows(&scenario, &reference_loop::measure(workspace, &scenario)?)?);
     }
+    rows.extend(sweep_rows(&sweep::measure(workspace)?));
 
     let file = folder.join("bench.json");
     fs::write(&file, serde_json::to_string_pretty(&rows)? + "\n").context("cannot write `target/bench/bench.json`")?;
@@ -83,6 +85,23 @@ fn loop_rows(scenario: &str, costs: &reference_loop::Costs) -> Result<Vec<Row>> 
         row("  of which the plant", "us", &costs.plant, None),
         row("  of which wiring, noise, trace", "us", &costs.rest(), None),
     ])
+}
+
+fn sweep_rows(costs: &sweep::Costs) -> Vec<Row> {
+    let row = |quantity: &str, unit, value, goal| Row {
+        quantity: quantity.to_owned(),
+        unit,
+        minimum: value,
+        median: value,
+        goal,
+    };
+    vec![
+        row("sweep on 2 workers: runs", "1/s", costs.rate, None),
+        row("2 x rate of one core alone / rate of the sweep", "1", 1.0 / costs.throughput, Some(1.25)),
+        row("processor time of the sweep / of its runs alone", "1", costs.processor, None),
+        row("memory of all its processes", "MB", costs.memory, None),
+        row("  over that of a fifth of the runs", "1", costs.growth, Some(1.1)),
+    ]
 }
 
 /// What one sample may cost, ns: the fast tool servo turns 24 harmonics.
