@@ -37,7 +37,13 @@ class Bare(Plant):
         return cls.file
 
     def shape(self, spec: Any) -> None:
-        """Leave the MJCF as it is: the parameters are written into the compiled model."""
+        """Choose the integrator; the other parameters are written into the compiled model."""
+        name = bare_parameters.named(self.parameters)["integrator"].lower()
+        if name not in bare_parameters.INTEGRATORS:
+            raise PlantError(
+                f"there is no integrator `{name}`\nhint: take `euler`, `implicit` or `implicitfast`"
+            )
+        spec.option.integrator = bare_parameters.INTEGRATORS[name]
 
     def begin(self, steps: int) -> None:
         """Set the initial state and tie the channels to MuJoCo's arrays."""

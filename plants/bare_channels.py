@@ -111,7 +111,10 @@ def force(model: Any, i: int) -> Iterator[Spot]:
 
 
 def joint(model: Any, i: int) -> Iterator[Spot]:
-    """Position and velocity of a joint; a free or ball joint has vectors and a quaternion."""
+    """Position and velocity of a joint; a free or ball joint has vectors and a quaternion.
+
+    As in MuJoCo the velocity of a free joint is in the axes of the room, its angular velocity in its own.
+    """
     name, kind = model.joint(i).name, model.jnt_type[i]
     if not name:
         return

@@ -17,6 +17,10 @@ COEFFICIENTS = {
 }
 """Units of the coefficients of a joint or tendon."""
 SOURCE = "the MJCF"
+INTEGRATORS = {
+    name.removeprefix("mjINT_").lower(): kind for name, kind in mujoco.mjtIntegrator.__members__.items()
+}
+"""MuJoCo's integrators by their names in lower case."""
 
 
 def parameters_of(model: Any) -> type:
@@ -54,8 +58,10 @@ def entry(
 
 
 def options(model: Any) -> Iterator[tuple[Any, Any]]:
-    """Step, gravity and, if there are any, the keyframe to start from."""
+    """Step, integrator, gravity and, if there are any, the keyframe to start from."""
     yield entry("timestep", float(model.opt.timestep), "s", "Plant step", 1e-9)
+    integrator = next(name for name, kind in INTEGRATORS.items() if kind == model.opt.integrator)
+    yield entry("integrator", integrator, "1", "One of `euler`, `implicit`, `implicitfast`")
     for k, axis in enumerate("xyz"):
         yield entry(f"gravity.{axis}", float(model.opt.gravity[k]), "m/s2", "Gravity")
     names = [model.key(k).name for k in range(model.nkey) if model.key(k).name]

@@ -108,7 +108,7 @@ class Plant(ABC):
         if self.model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4:
             raise PlantError(
                 f"plant `{self.name}`: integrator `RK4` cannot be split at the sensors\n"
-                "hint: use `implicitfast` in the <option> of the MJCF"
+                "hint: use `implicitfast` in the <option> of the MJCF, or as `integrator` of a bare one"
             )
 
     # what a subclass says

@@ -225,6 +225,13 @@ def test_wrong_parameters_are_refused(write: Write) -> None:
         build(file, keyframe="none")
 
 
+def test_another_integrator_makes_a_file_with_rk4_fit(write: Write) -> None:
+    given = run(build(write(("implicitfast", "RK4")), integrator="implicitfast"), push=1.0)
+    assert np.array_equal(given, run(build(write()), push=1.0))
+    with pytest.raises(PlantError, match=r"no integrator `verlet`\nhint: take `euler`"):
+        build(write(), integrator="verlet")
+
+
 def test_a_run_that_blows_up_ends_with_the_time(write: Write) -> None:
     plant = build(write(), joint__slide__stiffness=0.0, timestep=0.01, actuator__geared__gear=1e12)
     with pytest.raises(PlantError, match=r"plant `cart` at t = .*mjWARN_BAD"):
