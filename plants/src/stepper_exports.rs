@@ -11,8 +11,8 @@ use pyo3::prelude::*;
 use crate::Place;
 use crate::binding::Cell;
 use crate::stepper::{
-    Apply, Call, Condition, Controller, Delay, DeleteBatch, DoStep, Drive, ErrorText, Functions, Half, Injection, Link,
-    Links, Log, Machine, MakeBatch, Move, Operation, Series, Shape, Slot, Trap,
+    Apply, Bank, Call, Condition, Controller, Delay, DeleteBatch, DoStep, Drive, ErrorText, Functions, Half, Injection,
+    Link, Links, Log, Machine, MakeBatch, Move, Operation, Series, Shape, Slot, Trap,
 };
 use crate::stepper_rows::{
     CallRow, ControllerRow, DriveRow, FaultRow, LinkRow, LinksRow, LogRow, MachineRow, PlaceRow, ShapeRow,
@@ -40,16 +40,19 @@ impl Exports {
         Ok(Series { first, count })
     }
 
-    /// slots of a whole array of numbers or integers
+    /// places of a whole array of numbers
     fn slots(&mut self, array: &Bound<'_, PyAny>) -> PyResult<Vec<Slot>> {
-        if PyBuffer::<f64>::get(array).is_err() {
-            let (first, count) = self.array::<i32>(array)?;
-            // SAFETY: inside the array.
-            return Ok((0..count).map(|i| Slot::Integer(unsafe { first.add(i) })).collect());
-        }
         let (first, count) = self.array::<f64>(array)?;
         // SAFETY: inside the array.
         Ok((0..count).map(|i| Slot::Real(unsafe { first.add(i) })).collect())
+    }
+
+    fn bank(&mut self, array: &Bound<'_, PyAny>) -> PyResult<Bank> {
+        if let Ok((first, count)) = self.array::<f64>(array) {
+            return Ok(Bank::Reals(first, count));
+        }
+        let (first, count) = self.array::<i32>(array)?;
+        Ok(Bank::Integers(first, count))
     }
 
     fn slot(&mut self, row: &PlaceRow) -> PyResult<Slot> {
@@ -107,14 +110,14 @@ impl Exports {
 
     pub fn log(&mut self, row: &LogRow, truths: usize) -> PyResult<Log> {
         let shape: (usize, usize) = row.table.getattr("shape")?.extract()?;
-        let banks: Vec<Vec<Slot>> = row.banks.iter().map(|array| self.slots(array)).collect::<PyResult<_>>()?;
-        let slots = banks.concat();
-        if row.every == 0 || row.start + slots.len() + truths != shape.1 {
+        let banks: Vec<Bank> = row.banks.iter().map(|array| self.bank(array)).collect::<PyResult<_>>()?;
+        let values: usize = banks.iter().map(Bank::count).sum();
+        if row.every == 0 || row.start + values + truths != shape.1 {
             return Err(PyValueError::new_err("the columns of the table do not fit"));
         }
         let stop = row.stop.as_ref().map(|program| condition(program, shape.1)).transpose()?;
         let (table, _) = self.array::<f64>(&row.table)?;
-        Ok(Log { table, rows: shape.0, columns: shape.1, start: row.start, slots, every: row.every, stop })
+        Ok(Log { table, rows: shape.0, columns: shape.1, start: row.start, banks, every: row.every, stop })
     }
 
     pub fn controller(&mut self, row: &ControllerRow) -> PyResult<Controller> {
@@ -130,13 +133,12 @@ impl Exports {
 
     fn call(&mut self, row: &CallRow) -> PyResult<Call> {
         let (references, count) = self.array::<u32>(&row.references)?;
-        let (values, there) = if PyBuffer::<f64>::get(&row.values).is_ok() {
-            let (first, count) = self.array::<f64>(&row.values)?;
-            (first.as_ptr().cast(), count)
-        } else {
-            let (first, count) = self.array::<i32>(&row.values)?;
-            (first.as_ptr().cast(), count)
+        let bank = self.bank(&row.values)?;
+        let values = match bank {
+            Bank::Reals(first, _) => first.as_ptr().cast(),
+            Bank::Integers(first, _) => first.as_ptr().cast(),
         };
+        let there = bank.count();
         if there != count {
             return Err(PyValueError::new_err(format!("`{count}` references for `{there}` values")));
         }

@@ -15,7 +15,7 @@ mod wire;
 pub use condition::{Condition, Operation};
 pub use controller::{Call, Controller, DoStep, Move};
 pub use links::{Drive, Injection, Link, Links, Series};
-pub use log::Log;
+pub use log::{Bank, Log};
 pub use machine::{Half, Machine};
 pub use slot::Slot;
 pub use trap::{Apply, Body, DeleteBatch, ErrorText, Functions, MakeBatch, Trap};
