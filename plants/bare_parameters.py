@@ -129,10 +129,10 @@ def actuators(model: Any) -> Iterator[tuple[Any, Any]]:
 
 def apply(parameters: Any, model: Any, data: Any) -> None:
     """Write what differs from the MJCF into the model."""
-    changed = [item for item in fields(parameters) if getattr(parameters, item.name) != item.default]
+    placed = [item for item in fields(parameters) if item.metadata["place"] is not None]
+    changed = [item for item in placed if getattr(parameters, item.name) != item.default]
     for item in changed:
-        if item.metadata["place"] is not None:
-            put(item, getattr(parameters, item.name), model)
+        put(item, getattr(parameters, item.name), model)
     values = named(parameters)
     model.opt.timestep = values["timestep"]
     model.opt.gravity[:] = [values[f"gravity.{axis}"] for axis in "xyz"]
