@@ -18,6 +18,8 @@ from cosim.worker import Outcome
 log = logging.getLogger("cosim")
 Pool = Callable[[Iterable[Numbered]], Generator[Finished]]
 """Runs jobs and yields their outcomes as they come: on this machine or on a cluster."""
+MOST_PLOTS = 3
+"""Plots of the worst runs: a plot takes longer than a run."""
 Watch = Callable[[Row], None]
 """Told every new row."""
 
@@ -60,8 +62,9 @@ def outcomes(plan: Plan, runs: list[Run], pool: Pool, keep_trace: bool) -> Itera
 
 
 def save_traces(plan: Plan, store: Store, pool: Pool, plots: bool) -> None:
-    """Run the failed and the worst runs again, and save their traces; those that are there stay."""
+    """Run the failed and the worst runs again, save their traces and plot the worst; what is there stays."""
     folder = store.folder / "traces"
+    drawn = worst(plan, store, plan.study.traces.worst)[:MOST_PLOTS] if plots and can_plot() else []
     chosen = {run: folder / f"{run.number:06d}-{run.hash[:8]}.npz" for run in worth_a_trace(plan, store)}
     missing = [run for run, file in chosen.items() if not file.exists()]
     if missing:
@@ -75,8 +78,11 @@ def save_traces(plan: Plan, store: Store, pool: Pool, plots: bool) -> None:
             log.warning(
                 "run %d gives other numbers when it is repeated: something in it is random", run.number
             )
-        outcome.save_trace(chosen[run])
-        if plots and can_plot():
+        # a file that is there is whole
+        partial = folder / f".{chosen[run].name}"
+        outcome.save_trace(partial)
+        partial.replace(chosen[run])
+        if run in drawn:
             plot.save(plan.job(run).scenario, outcome, chosen[run].with_suffix(".svg"))
 
 

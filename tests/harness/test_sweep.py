@@ -108,7 +108,9 @@ def test_tables_hold_all_runs_and_traces_the_worst(study: Path, folder: Path) ->
     assert f"12 of 12 runs: {studies.statuses(study).count('passed')} passed" in done.stdout
 
 
-def test_the_summary_as_json_counts_and_plots_are_drawn(study: Path) -> None:
+def test_the_summary_as_json_counts_and_plots_are_drawn(study: Path, folder: Path) -> None:
+    traces = '\n[traces]\nworst = 1\nfailed = 0\nmetric = "end"\n'
+    (folder / "grid.toml").write_text(studies.GRID + traces)
     command = [sys.executable, "-m", "cosim", "sweep", "grid.toml", "--json"]
     variables = {**os.environ, "PYTHONPATH": str(studies.ROOT)}
     done = subprocess.run(command, capture_output=True, text=True, env=variables, check=False)
@@ -118,8 +120,8 @@ def test_the_summary_as_json_counts_and_plots_are_drawn(study: Path) -> None:
     assert summary["metrics"]["end"]["unit"] == "m"
     assert summary["success"]["low"] < passed / 12 < summary["success"]["high"]
     assert (study / "summary.svg").read_text().startswith("<?xml")
-    failed = studies.statuses(study).count("failed")
-    assert len(list((study / "traces").glob("*.svg"))) == min(10, failed)
+    (file,) = (study / "traces").glob("*.svg")
+    assert file.read_text().startswith("<?xml")
 
 
 def test_cases_may_share_the_noise_of_their_repeats(study: Path, folder: Path) -> None:
