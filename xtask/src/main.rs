@@ -28,7 +28,7 @@ enum Command {
     Demo,
     /// Prove the project: rustfmt, clippy, cargo test, ruff, mypy, pytest
     Test,
-    /// Measure the FMUs and the reference loop; results land in `target/bench/`
+    /// Measure the FMUs and both engines; results land in `target/bench/`
     Bench,
     /// Build one wheel with harness, plants, FMUs and scenarios into `target/wheel/`
     Wheel,

@@ -1,6 +1,7 @@
 //! `cargo xtask bench`: what FMI, every controller and every closed loop cost, taken in one run.
 
 pub mod description;
+pub mod native_loop;
 pub mod pass_through;
 pub mod reference_loop;
 pub mod slave;
@@ -43,6 +44,7 @@ pub fn run(workspace: &Workspace) -> Result<()> {
     let mut rows = pass_through_rows(&pass_through::measure(workspace, &folder)?);
     for scenario in demo::loops(workspace)? {
         rows.extend(loop_rows(&scenario, &reference_loop::measure(workspace, &scenario)?)?);
+        rows.extend(native_rows(&scenario, &native_loop::measure(workspace, &scenario)?));
     }
     rows.extend(sweep_rows(&sweep::measure(workspace)?));
 
@@ -103,6 +105,19 @@ fn sweep_rows(costs: &sweep::Costs) -> Vec<Row> {
         row("  over that of a fifth of the runs", "1", costs.growth, Some(1.1)),
     ]
 }
+
+fn native_rows(scenario: &str, costs: &native_loop::Costs) -> Vec<Row> {
+    let ratio = costs.ratio();
+    vec![
+        row(&format!("{scenario}: simulated time / wall time, native engine"), "1", &costs.real_time_factor, None),
+        row(&format!("{scenario}: one step of the native engine"), "us", &costs.native, None),
+        row(&format!("{scenario}: one step of the plant alone, same commands"), "us", &costs.plant, None),
+        row(&format!("{scenario}: native engine / plant alone"), "1", &ratio, Some(NATIVE_GOAL)),
+    ]
+}
+
+/// What a closed loop may cost against its plant alone.
+const NATIVE_GOAL: f64 = 1.15;
 
 /// What one sample may cost, ns: the fast tool servo turns 24 harmonics.
 fn sample_goal(scenario: &str) -> f64 {
