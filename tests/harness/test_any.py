@@ -123,6 +123,17 @@ def test_both_engines_give_the_same_bytes(crane: Path, scenario: str, delay: int
     assert np.ptp(reference.trace["plant.drive.command"]) > 0.0
 
 
+def test_a_reset_fmu_of_another_tool_is_as_a_new_one(crane: Path) -> None:
+    loaded = cosim.load("crane.toml", set=["loop.duration=0.4"])
+    with cosim.Session(loaded, engine="native") as session:
+        runs = [session.run(seed).trace for seed in (1, 2, 1)]
+    fresh = cosim.run(loaded, seed=1, engine="native").trace
+    first, other, again = [b"" if trace is None else trace.tobytes() for trace in runs]
+    assert fresh is not None
+    assert first == again == fresh.tobytes()
+    assert first != other
+
+
 def test_the_noise_and_the_limits_of_the_file_are_those_of_the_wires(crane: Path) -> None:
     wires = ["wire.controller.position.quantum=0", "wire.controller.position.delay=0"]
     trace = cosim.run(cosim.load("crane.toml", set=[*wires, "controller.kp=1000"])).trace
