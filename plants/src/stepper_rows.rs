@@ -1,4 +1,4 @@
-//! What the stepper takes from Python, read by the names of attributes, see `_native.pyi`.
+//! What the stepper takes from Python, read by the names of attributes: what a struct here asks for, an argument must have.
 
 use pyo3::prelude::*;
 

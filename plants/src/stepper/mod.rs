@@ -171,3 +171,6 @@ unsafe fn one_step(
         Ok(log.is_some_and(|log| log.ends(k)))
     }
 }
+
+#[cfg(test)]
+mod tests;

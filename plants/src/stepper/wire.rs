@@ -112,7 +112,7 @@ mod tests {
 
     #[test]
     fn a_zero_keeps_its_sign_at_a_limit() {
-        let shape = Shape { minimum: 0.0, maximum: 0.0, ..PLAIN };
+        let shape = Shape { offset: -0.0, minimum: 0.0, maximum: 0.0, ..PLAIN };
         assert!(shape.apply(-0.0, None).is_ok_and(f64::is_sign_negative));
     }
 
