@@ -74,10 +74,14 @@ values = ["Slow", "Fast"]
 
 
 @pytest.fixture
-def cart(folder: Path, write: Write) -> Callable[[str], Path]:
+def cart(folder: Path, write: Write) -> Callable[..., Path]:
     """Write a scenario of a cart, wired with numbers, truth values and integers, and what is added."""
     (folder / "cart.xml").write_text(CART)
-    return lambda added="": write(added, "cart.toml", SCENARIO)
+
+    def write_cart(added: str = "") -> Path:
+        return write(added, "cart.toml", SCENARIO)
+
+    return write_cart
 
 
 def both(scenario: cosim.Scenario) -> tuple[cosim.Session, cosim.Session]:
