@@ -81,7 +81,7 @@ def case_list(cases: Sequence[str], limits: str = "") -> str:
 
 def wait_for(condition: Callable[[], bool]) -> None:
     """Wait until something has happened."""
-    end = time.monotonic() + 40.0
+    end = time.monotonic() + 100.0
     while not condition():
         assert time.monotonic() < end
         time.sleep(0.1)
