@@ -163,4 +163,6 @@ def explain(stop: tuple[str, int, float] | None, links: Links, calls: Controller
             plant.command(links.commands)
         case ("call", number, status):
             raise FMICallException(calls.name(number), int(status))
+    if stop is not None and stop[0] != "stop":
+        raise RuntimeError(f"the native engine stopped for no reason that Python sees: {stop}")
     return stop is not None
