@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import os
 import shutil
@@ -74,6 +75,20 @@ def open_fmu(path: Path) -> FmuFile:
         Not a zip file, no or broken model description, not FMI 2.0, not co-simulation, no binary for this
         platform.
     """
+    try:
+        stat = path.stat()
+    except OSError as error:
+        raise unreadable(path, error) from None
+    file = opened(path, stat.st_mtime_ns, stat.st_size, paths.cache_folder())
+    if not file.folder.is_dir():
+        opened.cache_clear()
+        return open_fmu(path)
+    return file
+
+
+@functools.lru_cache(16)
+def opened(path: Path, changed: int, size: int, cache: Path) -> FmuFile:
+    """Open an FMU; the same file is opened once in a process."""
     shown = paths.shown(path)
     try:
         version, kinds, platforms = inspect(path)
@@ -94,12 +109,17 @@ def open_fmu(path: Path) -> FmuFile:
     except KeyError:
         raise FmuError(f"`{shown}` is not an FMU: it holds no `modelDescription.xml`") from None
     except OSError as error:
-        raise FmuError(f"cannot read the FMU `{shown}`: {error.strerror or error}") from None
+        raise unreadable(path, error) from None
     except Exception as error:  # FMPy raises bare exceptions for a broken model description
         raise FmuError(
             f"the model description of `{shown}` is not valid: {first_line(error)}",
             f"`fmpy validate {shown}` lists all problems",
         ) from None
+
+
+def unreadable(path: Path, error: OSError) -> FmuError:
+    """Error of a file that cannot be read."""
+    return FmuError(f"cannot read the FMU `{paths.shown(path)}`: {error.strerror or error}")
 
 
 def inspect(path: Path) -> tuple[str, list[str], list[str]]:

@@ -55,6 +55,8 @@ def check_loop(loop: Loop, fail: Fail) -> None:
         fail("loop.duration", f"is `{loop.duration}` s, that is more than {MOST_STEPS:g} steps")
     if loop.substeps < 1:
         fail("loop.substeps", f"is `{loop.substeps}`, it must be at least 1")
+    if loop.record_every < 1:
+        fail("loop.record_every", f"is `{loop.record_every}`, it must be at least 1")
     if loop.seed < 0:
         fail("loop.seed", f"is `{loop.seed}`, it must not be negative")
     ratio = loop.duration / loop.step

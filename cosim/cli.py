@@ -15,8 +15,8 @@ import typer.exceptions
 from rich.console import Console
 from typer import Argument, Option
 
-from cosim import layers, paths
-from cosim.errors import CosimError, closest
+from cosim import engines, layers, paths
+from cosim.errors import CosimError
 from cosim.loop import Progress
 
 FAILED = 1
@@ -25,7 +25,6 @@ COULD_NOT_RUN = 2
 """Exit code: the run could not be done."""
 INTERRUPTED = 130
 """Exit code: Ctrl-C."""
-ENGINES = ("reference",)
 WIDTH_IN_FILES = 132
 """Columns of tables that do not go to a terminal."""
 
@@ -92,7 +91,7 @@ def run(
     loop: Loop,
     set_: Set = None,
     seed: Annotated[int | None, Option(min=0, help="Seed of all noise, instead of the scenario's.")] = None,
-    engine: Annotated[str, Option(help="Engine: reference.")] = "reference",
+    engine: Annotated[str, Option(help="reference (FMPy drives) or native (fast, same bits).")] = "reference",
     delay: Annotated[int | None, Option(help="Steps by which commands act later: 0 or 1.")] = None,
     duration: Annotated[float | None, Option(metavar="S", help="Simulated time in s.")] = None,
     json: Annotated[
@@ -110,12 +109,12 @@ def run(
     from cosim.scenario import load
     from cosim.session import Session
 
-    check_engine(engine)
+    chosen = engines.checked(engine)
     options = {"loop.seed": seed, "loop.compute_delay": delay, "loop.duration": duration}
     given = [f"{key}={value!r}" for key, value in options.items() if value is not None]
     scenario = load(loop, [*(set_ or ()), *given])
     check_outputs(json, trace, plot)
-    with Session(scenario, log_events=verbose) as session:
+    with Session(scenario, log_events=verbose, engine=chosen) as session:
         if plot is not None:
             plots.check(scenario, session.columns, plot)
         with progress_bar(scenario.name, quiet) as progress:
@@ -134,12 +133,6 @@ def run(
     raise typer.Exit(0 if result.passed else FAILED)
 
 
-def check_engine(engine: str) -> None:
-    """Refuse engines that do not exist."""
-    if engine not in ENGINES:
-        raise CosimError(f"there is no engine `{engine}`", closest(engine, ENGINES))
-
-
 def check_outputs(json: str | None, trace: Path | None, plot: Path | None) -> None:
     """Check before a long run that its files can be written."""
     if trace is not None and trace.suffix not in (".npz", ".csv"):
@@ -148,6 +141,37 @@ def check_outputs(json: str | None, trace: Path | None, plot: Path | None) -> No
     for file in files:
         if file is not None and not file.absolute().parent.is_dir():
             raise CosimError(f"cannot write `{file}`: the folder `{file.absolute().parent}` does not exist")
+
+
+@app.command()
+def sweep(
+    study: Annotated[Path, Argument(metavar="STUDY.toml", help="What is varied, and of which scenario.")],
+    out: Annotated[
+        Path | None, Option(metavar="FOLDER", help="Folder of the results, by default `STUDY.sweep`.")
+    ] = None,
+    workers: Annotated[int | None, Option(min=1, help="Worker processes, by default one per core.")] = None,
+    cluster: Annotated[
+        str, Option(metavar="ADDRESS|FILE.json", help="Run on the Dask scheduler at this address.")
+    ] = "",
+    engine: Annotated[str, Option(help="native (fast) or reference (FMPy drives, same bits).")] = "native",
+    again: Annotated[bool, Option("--again", help="Do runs again that gave no result.")] = False,
+    plots: Annotated[bool, Option(help="Whether to draw plots, if matplotlib is installed.")] = True,
+    json: Annotated[bool, Option("--json", help="Print the summary as JSON.")] = False,
+    verbose: Verbose = False,
+    quiet: Quiet = False,
+) -> None:
+    """Run the cases of a study on many processes; what is done already is not done again."""
+    configure_logging(verbose, quiet)
+    from cosim import sweeping
+
+    folder = out or Path(f"{study.stem}.sweep")
+    options = sweeping.Options(study, folder, workers, cluster, engine, again, plots, quiet)
+    found, tables = sweeping.execute(options)
+    if json:
+        print(found.to_json(), end="", flush=True)
+    else:
+        output().print(tables)
+    raise typer.Exit(0 if found.passed else FAILED)
 
 
 @contextlib.contextmanager

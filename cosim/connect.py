@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, MutableSequence
-from dataclasses import dataclass
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 
 from cosim.archive import FmuFile, Variable
 from cosim.errors import CosimError, ScenarioError, closest, concerning
-from cosim.fmu import Instance
+from cosim.fmu import BASE, Instance
 from cosim.plant import Channel, Plant
 from cosim.scenario import Injection, Scenario, Signal, Wire
 from cosim.tables import show
@@ -19,13 +20,34 @@ from cosim.values import encode, lookup
 from cosim.wiring import Delay, Shape, first_step, noise, schedule, shaper
 
 
+def truth(value: float) -> int:
+    """Boolean of a number: everything but 0 is true."""
+    return int(value != 0.0)
+
+
+def whole(value: float) -> int:
+    """Integer of a number, rounded half to even."""
+    number = round(value) if math.isfinite(value) else 2**31
+    if not abs(number) < 2**31:
+        raise CosimError(f"an integer input got `{value}`, it takes 32 bits")
+    return number
+
+
+CONVERT: dict[str, Callable[[float], Any]] = {"Real": float, "Integer": whole, "Boolean": truth}
+"""What a number becomes on writing."""
+
+
 @dataclass(frozen=True)
 class Place:
-    """Where a value is read or written: `array[index]`, converted on writing."""
+    """Where a value is read or written: `array[index]`, a `Real`, `Integer` or `Boolean`."""
 
-    array: MutableSequence[Any] | NDArray[Any]
+    array: NDArray[Any]
     index: int
-    convert: Callable[[float], Any]
+    kind: str = "Real"
+    convert: Callable[[float], Any] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "convert", CONVERT[self.kind])
 
 
 @dataclass(frozen=True)
@@ -58,9 +80,10 @@ class Fault:
 
 @dataclass(frozen=True)
 class Links:
-    """All connections of a run; `sensed` takes the ideal readings of a step."""
+    """All connections of a run; `sensed` takes the ideal readings of a step, `commands` the commands."""
 
     sensed: NDArray[np.float64]
+    commands: NDArray[np.float64]
     readings: list[Link]
     drives: list[Drive]
     input_faults: list[Fault]
@@ -126,7 +149,7 @@ class Connector:
         faults: dict[bool, list[Fault]] = {True: [], False: []}
         for injection in self.scenario.inject:
             faults[injection.to.startswith("controller.")].append(self.fault(injection))
-        return Links(self.sensed, readings, drives, faults[True], outputs, faults[False])
+        return Links(self.sensed, self.commands, readings, drives, faults[True], outputs, faults[False])
 
     def reading(self, wire: Wire) -> Link:
         """Wire from a reading of the plant to an input of the FMU."""
@@ -137,7 +160,7 @@ class Connector:
             )
         index, channel = self.channel(self.readings, name, "reading")
         shape = shaper(wire, channel, True, noise(wire, channel, self.seed, self.scenario.loop.steps))
-        return Link(Place(self.sensed, index, float), self.target(wire.to), shape, Delay(wire.delay))
+        return Link(Place(self.sensed, index), self.target(wire.to), shape, Delay(wire.delay))
 
     def output(self, wire: Wire) -> Link:
         """Wire from an output of the FMU to a command of the plant."""
@@ -203,7 +226,7 @@ class Connector:
         side, _, name = to.partition(".")
         if side == "plant":
             index, _ = self.channel(self.channels, name, "command")
-            return Place(self.commands, index, float)
+            return Place(self.commands, index)
         place = None
         if side == "controller":
             place = self.find(self.fmu.inputs, lookup(self.fmu.file.variables, name))
@@ -213,33 +236,14 @@ class Connector:
 
     def find(self, banks: list[Any], variable: Variable) -> Place | None:
         """Place of a variable in the banks of the FMU."""
-        convert: dict[str, Callable[[float], Any]] = {
-            "Real": float,
-            "Boolean": truth,
-            "Integer": whole,
-            "Enumeration": whole,
-        }
         for bank in banks:
             if variable in bank.variables:
-                return Place(bank.buffer, bank.variables.index(variable), convert[variable.kind])
+                return Place(bank.values, bank.variables.index(variable), BASE[variable.kind])
         return None
 
     def channel(self, channels: dict[str, tuple[int, Channel]], name: str, kind: str) -> tuple[int, Channel]:
         """Index and channel by name."""
         if name not in channels:
-            raise ScenarioError(
-                f"the plant `{self.scenario.plant.name}` has no {kind} `{name}`", closest(name, channels)
-            )
+            hint = closest(name, channels) or f"it has no {kind}s at all; of an MJCF they are what has a name"
+            raise ScenarioError(f"the plant `{self.scenario.plant.name}` has no {kind} `{name}`", hint)
         return channels[name]
-
-
-def truth(value: float) -> int:
-    """Boolean of a number: everything but 0 is true."""
-    return int(value != 0.0)
-
-
-def whole(value: float) -> int:
-    """Integer of a number, rounded half to even."""
-    if not abs(value) < 2**31:
-        raise CosimError(f"an integer input got `{value}`, it takes 32 bits")
-    return round(value)

@@ -57,12 +57,15 @@ class Verdict:
         return [(relation, float(limit)) for relation, limit in relations if limit is not None]
 
 
-def compile_metrics(metrics: tuple[Metric, ...], columns: Mapping[str, Items | None]) -> list[Expression]:
+def compile_metrics(
+    metrics: tuple[Metric, ...], columns: Mapping[str, Items | None], units: Mapping[str, str] | None = None
+) -> list[Expression]:
     """Compile the expressions of metrics, so that a mistake is found before the run."""
     compiled = []
     for metric in metrics:
         with concerning(f"metric.{metric.name}.value"):
-            compiled.append(Expression(metric.value, columns, f"`metric.{metric.name}.value`"))
+            where = f"`metric.{metric.name}.value`"
+            compiled.append(Expression(metric.value, columns, where, units=units))
     return compiled
 
 
@@ -80,7 +83,8 @@ def measure(metric: Metric, expression: Expression, columns: Columns) -> Measure
             f"`metric.{metric.name}.value` = `{metric.value}` gives {value.size} values, not one",
             "reduce them, for example with `max(...)`, `last(...)` or `rms(...)`",
         )
-    return Measured(metric.name, float(value), metric.unit, metric.description)
+    unit = metric.unit or expression.unit or "1"
+    return Measured(metric.name, float(value), unit, metric.description)
 
 
 def judge(criteria: tuple[Criterion, ...], measured: Mapping[str, Measured]) -> list[Verdict]:

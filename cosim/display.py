@@ -18,6 +18,7 @@ from cosim.plant import Channel, Plant
 from cosim.quantity import number, text
 from cosim.result import Result
 from cosim.scenario import Scenario
+from cosim.tables import toml_key
 
 CAUSALITIES = {
     "input": "inputs",
@@ -111,15 +112,13 @@ def parameter_table(plant: Plant, given: dict[str, Any]) -> Table:
     """Parameters of a plant, from the metadata of its dataclass."""
     table = plain_table("name", "value", "unit", "range", "description", "source")
     for field in dataclasses.fields(typing.cast(Any, plant.Parameters)):
-        default = field.default
+        key, default = toml_key(field), field.default
         if field.default_factory is not dataclasses.MISSING:
             default = field.default_factory()
-        shown = value_text(
-            given.get(field.name), "required" if default is dataclasses.MISSING else shorten(default)
-        )
+        shown = value_text(given.get(key), "required" if default is dataclasses.MISSING else shorten(default))
         meta = field.metadata
         table.add_row(
-            field.name,
+            key,
             shown,
             str(meta.get("unit", "")),
             limits_text(meta.get("minimum"), meta.get("maximum")),
@@ -255,4 +254,6 @@ def shorten(value: Any) -> str:
     """Value of a parameter as text."""
     if isinstance(value, bool):
         return str(value).lower()
+    if value is None:
+        return ""
     return f"{value:g}" if isinstance(value, float) else str(value)

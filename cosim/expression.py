@@ -2,14 +2,14 @@
 
 Columns are dotted names (`plant.depth`, `controller.bias[1]`, or `column("any name")`), conditions pick rows
 (`plant.depth[controller.contact]`), and `and`, `or`, `not` (`&`, `|`, `~`) work row by row. Items of an
-enumeration are texts: `controller.state == "Detect"`. Numbers are 64-bit floats throughout.
+enumeration are texts: `controller.state == "Detect"`. Numbers are 64-bit floats throughout; `5 * um` is 5e-6.
 """
 
 from __future__ import annotations
 
 import ast
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from cosim.errors import ExpressionError, closest
 from cosim.functions import BINARY, COMPARE, CONSTANTS, KEEP_ITEMS, ROWWISE, TIMES, UNARY, WHOLE
+from cosim.units import PLAIN, SCALES, unit_of
 
 Columns = Sequence[Any] | NDArray[np.float64]
 """Columns of a trace by index: whole columns for a metric, single numbers for a row."""
@@ -28,10 +29,21 @@ LONGEST = 2000
 
 @dataclass(frozen=True)
 class Node:
-    """A compiled part: a function of the columns; `items` where its values are those of an enumeration."""
+    """A compiled part: a function of the columns.
+
+    Parameters
+    ----------
+    evaluate
+        Value for the columns.
+    items
+        Items, where its values are those of an enumeration.
+    unit
+        Its unit, None where it cannot be told.
+    """
 
     evaluate: Callable[[Columns], Any]
     items: Items | None = None
+    unit: str | None = None
 
 
 class Expression:
@@ -47,6 +59,8 @@ class Expression:
         What the expression is, for messages: "`metric.depth.value`".
     rowwise
         Whether it sees single rows only (`stop_when`).
+    units
+        Units of the columns that have one.
 
     Raises
     ------
@@ -55,9 +69,14 @@ class Expression:
     """
 
     def __init__(
-        self, text: str, columns: Mapping[str, Items | None], where: str, rowwise: bool = False
+        self,
+        text: str,
+        columns: Mapping[str, Items | None],
+        where: str,
+        rowwise: bool = False,
+        units: Mapping[str, str] | None = None,
     ) -> None:
-        self.text, self.where, self.rowwise = text, where, rowwise
+        self.text, self.where, self.rowwise, self.units = text, where, rowwise, units or {}
         self.names = {name: index for index, name in enumerate(columns)}
         self.items = columns
         if len(text) > LONGEST:
@@ -72,6 +91,11 @@ class Expression:
             self.root = self.build(tree.body)
         except RecursionError:
             raise self.error("is nested too deeply") from None
+
+    @property
+    def unit(self) -> str | None:
+        """Unit of the value, None where it cannot be told."""
+        return self.root.unit
 
     def __call__(self, columns: Columns) -> Any:
         """Value for columns (or one row) in the order given at compilation.
@@ -105,9 +129,9 @@ class Expression:
             case ast.Call():
                 return self.call(tree)
             case ast.BinOp() if type(tree.op) in BINARY:
-                return self.apply(BINARY[type(tree.op)], self.build(tree.left), self.build(tree.right))
+                return self.operate(tree.op, BINARY[type(tree.op)], tree.left, tree.right)
             case ast.UnaryOp():
-                return self.apply(UNARY[type(tree.op)], self.build(tree.operand))
+                return self.operate(tree.op, UNARY[type(tree.op)], tree.operand)
             case ast.BoolOp():
                 function = np.logical_and if isinstance(tree.op, ast.And) else np.logical_or
                 return self.fold(function, [self.build(value) for value in tree.values])
@@ -120,26 +144,34 @@ class Expression:
             case _:
                 raise self.error(f"holds `{ast.unparse(tree)}`, which this language does not have")
 
-    def constant(self, value: float) -> Node:
+    def constant(self, value: float, unit: str = PLAIN) -> Node:
         """Compile a number; it is a float, so that no power or factorial can grow without limit."""
         try:
             number = np.float64(value)
         except OverflowError:
             raise self.error("holds a number that is too large") from None
-        return Node(lambda columns: number)
+        return Node(lambda columns: number, unit=unit)
 
     def name(self, tree: ast.expr) -> Node:
-        """Column or constant."""
+        """Column, constant or unit."""
         name = dotted(tree)
         if name in CONSTANTS:
             return self.constant(CONSTANTS[name])
+        if name in SCALES:
+            unit, number = SCALES[name]
+            return self.constant(number, unit)
         if name not in self.names:
             raise self.error(
                 f"names `{name or ast.unparse(tree)}`, which is no column of the trace",
                 closest(name, self.names),
             )
-        index = self.names[name]
-        return Node(lambda columns: columns[index], self.items[name])
+        return self.found(name)
+
+    def found(self, name: str) -> Node:
+        """Compile a column that is there."""
+        index, items = self.names[name], self.items[name]
+        unit = self.units.get(name) or (PLAIN if items else None)
+        return Node(lambda columns: columns[index], items, unit)
 
     def subscript(self, tree: ast.Subscript) -> Node:
         """Column of a structured name (`bias[1]`), or the rows of a value where a condition holds."""
@@ -153,7 +185,7 @@ class Expression:
         def pick(columns: Columns) -> Any:
             return value.evaluate(columns)[np.not_equal(condition.evaluate(columns), 0)]
 
-        return Node(pick, value.items)
+        return Node(pick, value.items, value.unit)
 
     def call(self, tree: ast.Call) -> Node:
         """Call of one of the functions of the language."""
@@ -171,21 +203,20 @@ class Expression:
             )
         arguments = [self.build(argument) for argument in tree.args]
         if function in ("min", "max") and len(arguments) == 2:
-            return self.apply(ROWWISE[f"{function}imum"][1], *arguments)
-        count, compute = TIMES.get(function) or (ROWWISE | WHOLE)[function]
+            function += "imum"
+        count, compute = (ROWWISE | WHOLE | TIMES)[function]
         if len(arguments) != count:
             raise self.error(f"calls `{function}` with {len(arguments)} arguments, it takes {count}")
-        if function in TIMES:
-            return self.apply(compute, Node(lambda columns: columns[0]), *arguments)
-        node = self.apply(compute, *arguments)
-        return Node(node.evaluate, arguments[0].items if function in KEEP_ITEMS else None)
+        clock = [Node(lambda columns: columns[0])] if function in TIMES else []
+        items = arguments[0].items if function in KEEP_ITEMS else None
+        unit = unit_of(function, [argument.unit for argument in arguments])
+        return replace(self.apply(compute, *clock, *arguments), items=items, unit=unit)
 
     def column(self, tree: ast.Call) -> Node:
         """Column by its name as a text."""
         match tree.args:
             case [ast.Constant(value=str() as name)] if name in self.names:
-                index = self.names[name]
-                return Node(lambda columns: columns[index], self.items[name])
+                return self.found(name)
             case [ast.Constant(value=str() as name)]:
                 raise self.error(
                     f"names the column `{name}`, which is not in the trace", closest(name, self.names)
@@ -193,14 +224,23 @@ class Expression:
             case _:
                 raise self.error("calls `column` with something else than one name in quotes")
 
+    def operate(self, operator: ast.AST, function: Callable[..., Any], *sides: ast.expr) -> Node:
+        """Apply an operator."""
+        nodes = [self.build(side) for side in sides]
+        return replace(
+            self.apply(function, *nodes), unit=unit_of(type(operator).__name__, [node.unit for node in nodes])
+        )
+
     def apply(self, function: Callable[..., Any], *arguments: Node) -> Node:
-        """Apply a function to the values of other nodes."""
+        """Apply a function to the values of other nodes; the result is a plain number."""
         match arguments:
             case [one]:
-                return Node(lambda columns: function(one.evaluate(columns)))
+                return Node(lambda columns: function(one.evaluate(columns)), unit=PLAIN)
             case [left, right]:
-                return Node(lambda columns: function(left.evaluate(columns), right.evaluate(columns)))
-        return Node(lambda columns: function(*(argument.evaluate(columns) for argument in arguments)))
+                return Node(
+                    lambda columns: function(left.evaluate(columns), right.evaluate(columns)), unit=PLAIN
+                )
+        return Node(lambda columns: function(*(part.evaluate(columns) for part in arguments)), unit=PLAIN)
 
     def fold(self, function: Callable[[Any, Any], Any], nodes: list[Node]) -> Node:
         """Join nodes by a function of two values, from the left."""

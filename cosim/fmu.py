@@ -48,7 +48,7 @@ class Bank:
         self.variables = variables
         self.references = (ctypes.c_uint * count)(*(variable.reference for variable in variables))
         self.buffer = (CTYPE[base] * count)()
-        self.values: NDArray[Any] = np.ctypeslib.as_array(self.buffer)
+        self.values: NDArray[Any] = np.frombuffer(self.buffer, np.dtype(CTYPE[base]))
 
 
 def banks(variables: list[Variable]) -> list[Bank]:
@@ -76,6 +76,8 @@ class Instance:
         self, file: FmuFile, inputs: list[Variable], outputs: list[Variable], log_events: bool = False
     ) -> None:
         self.file = file
+        self.driven = inputs
+        self.log_events = log_events
         self.inputs = banks(inputs)
         self.outputs = banks(outputs)
         self.messages = Messages(file.name)

@@ -45,8 +45,20 @@ ROWWISE: dict[str, tuple[int, Callable[..., Any]]] = {
     "sqrt": (1, np.sqrt),
     "exp": (1, np.exp),
     "log": (1, np.log),
+    "log10": (1, np.log10),
     "sin": (1, np.sin),
     "cos": (1, np.cos),
+    "tan": (1, np.tan),
+    "arcsin": (1, np.arcsin),
+    "arccos": (1, np.arccos),
+    "arctan": (1, np.arctan),
+    "arctan2": (2, np.arctan2),
+    "degrees": (1, np.degrees),
+    "radians": (1, np.radians),
+    "floor": (1, np.floor),
+    "ceil": (1, np.ceil),
+    "round": (1, np.rint),
+    "clip": (3, np.clip),
     "sign": (1, np.sign),
     "isfinite": (1, np.isfinite),
     "where": (3, lambda condition, yes, no: np.where(np.not_equal(condition, 0), yes, no)),
@@ -72,6 +84,9 @@ WHOLE: dict[str, tuple[int, Callable[..., Any]]] = {
         2,
         lambda values, q: np.percentile(values, q) if np.size(values) else np.float64(math.nan),
     ),
+    "ptp": (1, reduction(np.ptp)),
+    "cumsum": (1, np.cumsum),
+    "unwrap": (1, np.unwrap),
     "cummax": (1, np.maximum.accumulate),
     "cummin": (1, np.minimum.accumulate),
     "diff": (1, lambda values: np.diff(values, prepend=values[:1])),
@@ -82,9 +97,16 @@ TIMES: dict[str, tuple[int, Callable[..., Any]]] = {
     "first_time": (1, lambda time, condition: time_at(time, condition, 0, math.inf)),
     "last_time": (1, lambda time, condition: time_at(time, condition, -1, -math.inf)),
     "longest_time": (1, lambda time, condition: longest(time, condition)),
+    "derivative": (1, lambda time, values: np.gradient(values, time)),
+    "integral": (1, lambda time, values: np.trapezoid(values, time)),
+    "at": (2, lambda time, values, moment: value_at(time, values, moment)),
 }
-"""Times of a condition: of its first row (`inf` if it never holds), its last (`-inf`), its longest run."""
-KEEP_ITEMS = {"first", "last", "min", "max", "cummax", "cummin", "hold"}
+"""Functions of time.
+
+Times of a condition: of its first row (`inf` if it never holds), its last (`-inf`), its longest run.
+Of a column: derivative and integral by time, value at a moment.
+"""
+KEEP_ITEMS = {"first", "last", "min", "max", "cummax", "cummin", "hold", "at"}
 CONSTANTS = {"pi": math.pi, "inf": math.inf, "nan": math.nan, "true": 1.0, "false": 0.0}
 
 
@@ -92,6 +114,12 @@ def time_at(time: Any, condition: Any, index: int, never: float) -> Any:
     """Time of the first (0) or last (-1) row where the condition holds."""
     times = time[np.broadcast_to(np.not_equal(condition, 0), np.shape(time))]
     return times[index] if times.size else np.float64(never)
+
+
+def value_at(time: Any, values: Any, moment: Any) -> Any:
+    """Value in the last row at or before a moment, forgiving rounding; NaN before the first."""
+    row = np.searchsorted(time, moment + 1e-9, side="right") - 1
+    return np.broadcast_to(values, np.shape(time))[row] if row >= 0 else np.float64(math.nan)
 
 
 def longest(time: Any, condition: Any) -> Any:

@@ -89,7 +89,7 @@ def parse_file(path: Path) -> dict[str, Any]:
     try:
         table = tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
-        raise ScenarioError(f"cannot read the scenario `{path}`: {error.strerror}") from None
+        raise ScenarioError(f"cannot read `{path}`: {error.strerror}") from None
     except UnicodeDecodeError as error:
         raise ScenarioError(f"`{paths.shown(path)}` is not a text file in UTF-8: {error.reason}") from None
     except tomllib.TOMLDecodeError as error:
@@ -199,13 +199,13 @@ def override(layers: Layers, assignments: Sequence[str]) -> None:
         assign(layers, key, toml_value(text.strip()))
 
 
-def assign(layers: Layers, key: str, value: Any) -> None:
-    """Set one dotted key of the merged tables."""
+def assign(layers: Layers, key: str, value: Any, origin: str = "") -> None:
+    """Set one dotted key of the merged tables; `origin` says in messages where it comes from."""
     section, _, name = key.partition(".")
-    origin = f"`{SET} {key}`"
+    origin = origin or f"`{SET} {key}`"
     direct = {"controller": ("fmu",), "plant": ("name",)}
     if section in IDENTITY and name:
-        item, inner = find_item(layers, key, section, name)
+        item, inner = find_item(layers, section, name, origin)
         item[inner] = value
         layers.origins[f"{section}.{name}"] = origin
     elif (section == "loop" and name) or (name and name in direct.get(section, ())):
@@ -219,7 +219,7 @@ def assign(layers: Layers, key: str, value: Any) -> None:
         raise ScenarioError(f"{origin}: no such key in a scenario", closest(key, roots))
 
 
-def find_item(layers: Layers, key: str, section: str, name: str) -> tuple[dict[str, Any], str]:
+def find_item(layers: Layers, section: str, name: str, origin: str) -> tuple[dict[str, Any], str]:
     """Item of an array of tables and the key in it that `name` (`<identity>.<key>`) means."""
     items = layers.table.get(section, [])
     if not is_tables(items):
@@ -229,12 +229,12 @@ def find_item(layers: Layers, key: str, section: str, name: str) -> tuple[dict[s
     if not found:
         known = [f"{section}.{item.get(IDENTITY[section])}" for item in items]
         raise ScenarioError(
-            f"`{SET} {key}`: the scenario has no {section} `{identity or name}`",
+            f"{origin}: the scenario has no {section} `{identity or name}`",
             closest(f"{section}.{identity or name}", known),
         )
     if len(found) > 1:
         raise ScenarioError(
-            f"`{SET} {key}`: the scenario has {len(found)} tables `{section}` for `{identity}`",
+            f"{origin}: the scenario has {len(found)} tables `{section}` for `{identity}`",
             "change the file, an override reaches only one",
         )
     # the item may belong to a shared table: replace it by a copy

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from fmpy.fmi1 import FMICallException
@@ -21,6 +22,14 @@ Progress = Callable[[int, int], None]
 PROGRESS_EVERY = 500
 
 
+@dataclass(frozen=True)
+class Run:
+    """What a run leaves: the table of its trace and the communication steps that were done."""
+
+    table: NDArray[np.float64]
+    steps: int
+
+
 def run(
     scenario: Scenario,
     fmu: Instance,
@@ -28,11 +37,11 @@ def run(
     seed: int,
     stop_when: Expression | None = None,
     progress: Progress | None = None,
-) -> NDArray[np.float64]:
-    """Run an initialised FMU and a plant that was reset in closed loop; returns the trace as a table.
+) -> Run:
+    """Run an initialised FMU and a plant that was reset in closed loop.
 
-    Row `k` holds the time `k * step`, the inputs that the controller got then, the outputs it computed from
-    them and the truths of the plant at that time.
+    The row of step `k` holds the time `k * step`, the inputs that the controller got then, the outputs it
+    computed from them and the truths of the plant at that time.
 
     Raises
     ------
@@ -42,7 +51,7 @@ def run(
     loop = scenario.loop
     commands = np.zeros(len(plant.commands))
     links = Connector(scenario, fmu, plant, commands, seed).links()
-    recorder = Recorder(fmu, plant, loop.steps)
+    recorder = Recorder(fmu, plant, loop.steps, loop.record_every)
 
     k = 0
     try:
@@ -62,13 +71,13 @@ def run(
             # move the plant to the next communication point
             plant.advance(loop.substeps)
 
-            if stop_when is not None and stop_when(row):
+            if stop_when is not None and row is not None and stop_when(row):
                 break
             if progress is not None and k % PROGRESS_EVERY == 0:
                 progress(k, loop.steps)
     except Exception as error:
         raise located(error, fmu, scenario, k) from error
-    return recorder.table[: k + 1]
+    return Run(recorder.recorded(k + 1), k + 1)
 
 
 def reset_plant(plant: Plant, scenario: Scenario, seed: np.random.SeedSequence) -> None:

@@ -6,10 +6,14 @@ import os
 from collections.abc import Iterator
 from pathlib import Path
 
-from cosim.errors import FmuError, ScenarioError, closest
+from cosim.errors import FmuError, PlantError, ScenarioError, closest
 
-ROOT = Path(__file__).resolve().parent.parent
+PACKED = Path(__file__).resolve().parent / "packed"
+"""Scenarios and FMUs that a wheel brings along."""
+ROOT = PACKED.parent.parent
 """Project root of an editable install."""
+OWN_SCENARIOS = PACKED / "scenarios" if PACKED.is_dir() else ROOT / "scenarios"
+OWN_FMUS = PACKED / "fmu" if PACKED.is_dir() else ROOT / "target" / "fmu"
 SCENARIOS_ENV = "COSIM_SCENARIOS"
 FMU_PATH_ENV = "COSIM_FMU_PATH"
 CACHE_ENV = "COSIM_CACHE"
@@ -17,12 +21,12 @@ CACHE_ENV = "COSIM_CACHE"
 
 def scenario_folders() -> list[Path]:
     """Folders searched for scenario names: `COSIM_SCENARIOS`, `./scenarios`, the project's own."""
-    return unique([*from_env(SCENARIOS_ENV), Path.cwd() / "scenarios", ROOT / "scenarios"])
+    return unique([*from_env(SCENARIOS_ENV), Path.cwd() / "scenarios", OWN_SCENARIOS])
 
 
 def fmu_folders() -> list[Path]:
     """Folders searched for FMU names: `COSIM_FMU_PATH`, `./target/fmu`, the project's own."""
-    return unique([*from_env(FMU_PATH_ENV), Path.cwd() / "target" / "fmu", ROOT / "target" / "fmu"])
+    return unique([*from_env(FMU_PATH_ENV), Path.cwd() / "target" / "fmu", OWN_FMUS])
 
 
 def find_scenario(name: str, near: Path | None = None) -> Path:
@@ -98,6 +102,22 @@ def find_fmu(name: str, near: Path) -> Path:
     raise FmuError(
         f"the FMU `{name}.fmu` does not exist", f"{build}, or set {FMU_PATH_ENV}; looked in {searched}"
     )
+
+
+def find_mjcf(name: str, near: Path) -> Path:
+    """MJCF file given by its path, relative to `near` or to the working directory.
+
+    Raises
+    ------
+    PlantError
+        No such file.
+    """
+    for base in (near, Path.cwd()):
+        if (file := base / Path(name).expanduser()).is_file():
+            return file.resolve()
+    beside = [file.name for file in sorted(near.glob("*.xml"))]
+    hint = closest(name, beside) or f"looked in `{near}` and `{Path.cwd()}`"
+    raise PlantError(f"the MJCF file `{name}` does not exist", hint)
 
 
 def cache_folder() -> Path:

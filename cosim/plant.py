@@ -11,8 +11,12 @@ from typing import Any, ClassVar, NoReturn, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from cosim import paths
 from cosim.errors import CosimError, PlantError, closest, concerning
-from cosim.tables import parse
+from cosim.tables import parse, toml_key
+
+MJCF = ".xml"
+"""Ending of the names of plants that are MJCF files."""
 
 
 class Channel(Protocol):
@@ -76,20 +80,22 @@ class Plant(Protocol):
 
 
 def plant_class(name: str, folder: Path) -> Any:
-    """Class of a plant: a name of the package `plants`, or `module:Class` of your own.
+    """Class of a plant: a name of the package `plants`, an MJCF file, or `module:Class` of your own.
 
     Parameters
     ----------
     name
         Name of the plant.
     folder
-        Folder of the scenario file, in which modules are looked for, too.
+        Folder of the scenario file, in which MJCF files and modules are looked for, too.
 
     Raises
     ------
     PlantError
-        No such plant, module or class.
+        No such plant, file, module or class, or an MJCF file that MuJoCo cannot load.
     """
+    if name.endswith(MJCF):
+        return bare(paths.find_mjcf(name, folder))
     module_name, colon, class_name = name.partition(":")
     if not colon:
         return packaged(name)
@@ -111,6 +117,17 @@ def plant_class(name: str, folder: Path) -> Any:
     return getattr(module, class_name)
 
 
+def bare(file: Path) -> Any:
+    """Class of the plant that an MJCF file describes."""
+    try:
+        return importlib.import_module("plants.bare").load(file)
+    except ImportError as error:
+        raise PlantError(f"cannot import the package `plants`: {error}", "run `cargo xtask setup`") from error
+    except RuntimeError as error:
+        problem, _, hint = str(error).partition("\nhint: ")
+        raise PlantError(problem, hint) from None
+
+
 def packaged(name: str) -> Any:
     """Class of one of the plants that come with the project."""
     try:
@@ -121,7 +138,8 @@ def packaged(name: str) -> Any:
     except ImportError as error:
         raise PlantError(f"cannot import the package `plants`: {error}", "run `cargo xtask setup`") from error
     raise PlantError(
-        f"there is no plant `{name}`", closest(name, names) + "; your own is named `module:Class`"
+        f"there is no plant `{name}`",
+        closest(name, names) + f"; your own is named `module:Class`, an MJCF file `name{MJCF}`",
     )
 
 
@@ -135,9 +153,7 @@ def build(name: str, parameters: dict[str, Any], folder: Path) -> Plant:
     """
     with concerning("plant.name"):
         kind = plant_class(name, folder)
-    values = parse(kind.Parameters, parameters, "plant", refuse)
-    for field in dataclasses.fields(kind.Parameters):
-        check_range(field, getattr(values, field.name))
+    values = check_parameters(kind, parameters)
     try:
         plant: Plant = kind(values)
     except CosimError:
@@ -146,6 +162,14 @@ def build(name: str, parameters: dict[str, Any], folder: Path) -> Plant:
         problem, _, hint = str(error).partition("\nhint: ")
         raise PlantError(f"the plant `{name}` refused its parameters: {problem}", hint) from error
     return plant
+
+
+def check_parameters(kind: Any, parameters: dict[str, Any]) -> Any:
+    """Parameters of a plant's class from a table, checked as for `build`."""
+    values = parse(kind.Parameters, parameters, "plant", refuse)
+    for field in dataclasses.fields(kind.Parameters):
+        check_range(field, getattr(values, field.name))
+    return values
 
 
 def check_range(field: dataclasses.Field[Any], value: Any) -> None:
@@ -157,7 +181,7 @@ def check_range(field: dataclasses.Field[Any], value: Any) -> None:
         if (low is not None and not number >= low) or (high is not None and not number <= high):
             unit = field.metadata.get("unit", "").removeprefix("1")
             limits = " .. ".join("" if limit is None else f"{limit:g}" for limit in (low, high))
-            refuse(f"plant.{field.name}", f"is `{number}`, it must lie in {limits} {unit}".rstrip(), "")
+            refuse(f"plant.{toml_key(field)}", f"is `{number}`, it must lie in {limits} {unit}".rstrip(), "")
 
 
 def refuse(key: str, problem: str, hint: str) -> NoReturn:

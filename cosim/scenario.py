@@ -29,6 +29,8 @@ class Loop:
         Who moves first in a step; the controller samples, computes and its command acts in the same step.
     compute_delay
         Steps by which commands act later; 1 is what standard FMI masters do.
+    record_every
+        Steps between two rows of the trace; metrics and `stop_when` see these rows.
     stop_when
         Expression over the current row of the trace that ends the run early; empty never does.
     """
@@ -39,6 +41,7 @@ class Loop:
     seed: int = 1
     order: Literal["controller_first"] = "controller_first"
     compute_delay: Literal[0, 1] = 1
+    record_every: int = 1
     stop_when: str = ""
 
     @property
@@ -118,11 +121,11 @@ class Injection:
 
 @dataclass(frozen=True)
 class Metric:
-    """A number taken from the trace by an expression."""
+    """A number taken from the trace by an expression; without a `unit` it has that of its columns."""
 
     name: str
     value: str
-    unit: str = "1"
+    unit: str = ""
     description: str = ""
 
 
@@ -218,6 +221,17 @@ def load(name_or_path: str | Path, set: Sequence[str] = ()) -> Scenario:  # noqa
     file = paths.find_scenario(str(name_or_path))
     merged = layers.read(file)
     layers.override(merged, set)
+    return replace(build(merged), name=paths.scenario_name(file), file=file.resolve())
+
+
+def build(merged: layers.Layers) -> Scenario:
+    """Scenario of merged layers; name and file are left to the caller.
+
+    Raises
+    ------
+    ScenarioError
+        As for `load`.
+    """
     scenario = parse(Scenario, merged.table, "", merged.fail)
     checks.check(scenario, merged)
-    return replace(scenario, name=paths.scenario_name(file), file=file.resolve(), origins=merged.origins)
+    return replace(scenario, origins=merged.origins)

@@ -8,9 +8,10 @@ import time
 from collections.abc import Iterator
 from types import TracebackType
 
-from cosim import criteria, loop, paths, plant, trace
-from cosim.archive import open_fmu
+from cosim import criteria, loop, native, paths, plant, trace
+from cosim.archive import FmuFile, Variable, open_fmu
 from cosim.connect import driven
+from cosim.engines import Engine, checked
 from cosim.errors import CosimError, concerning
 from cosim.expression import Expression
 from cosim.fmu import Instance
@@ -27,22 +28,41 @@ TIMESTEP_TOLERANCE = 1e-9
 class Session:
     """A scenario with its FMU and plant opened once; each `run` resets both.
 
+    Parameters
+    ----------
+    scenario
+        The scenario, see `cosim.load`.
+    log_events
+        Whether the FMU shall log events beside warnings and errors.
+    engine
+        `reference` is FMPy's loop, `native` does the same in native code, bit for bit; a plant written in
+        Python runs in the reference loop in any case.
+    previous
+        A session that is not used any more: what it has open is taken over where it fits, else closed.
+
     Raises
     ------
     CosimError
         The FMU or plant cannot be opened, or does not fit the scenario.
     """
 
-    def __init__(self, scenario: Scenario, log_events: bool = False) -> None:
+    def __init__(
+        self,
+        scenario: Scenario,
+        log_events: bool = False,
+        engine: Engine = "reference",
+        previous: Session | None = None,
+    ) -> None:
         self.scenario = scenario
         with located(scenario):
             with concerning("controller.fmu"):
                 self.file = open_fmu(paths.find_fmu(scenario.controller.fmu, scenario.folder))
-            self.plant = plant.build(scenario.plant.name, scenario.plant.parameters, scenario.folder)
+            self.plant = open_plant(scenario, previous)
+            self.engine = native.choose(checked(engine), scenario.plant.name, self.plant)
             check_timestep(scenario, self.plant.timestep)
             inputs = driven(scenario, self.file)
             tell_idle(scenario, self.plant)
-            self.fmu = Instance(self.file, inputs, trace.numeric_outputs(self.file), log_events)
+            self.fmu = open_instance(self.file, inputs, log_events, previous)
             try:
                 self._compile()
             except CosimError:
@@ -54,7 +74,9 @@ class Session:
         found = trace.columns(self.fmu, self.plant)
         columns = {name: dict(v.items) if v and v.items else None for name, v in found.items()}
         self.columns = columns
-        self.metrics = criteria.compile_metrics(self.scenario.metric, columns)
+        self.metrics = criteria.compile_metrics(
+            self.scenario.metric, columns, trace.units(self.file, self.plant)
+        )
         stop = self.scenario.loop.stop_when
         with concerning("loop.stop_when"):
             self.stop = Expression(stop, columns, "`loop.stop_when`", rowwise=True) if stop else None
@@ -75,22 +97,23 @@ class Session:
             self.fmu.initialise(scenario.controller.parameters)
             loop.reset_plant(self.plant, scenario, child(seed, "plant"))
             begin = time.perf_counter()
-            table = loop.run(scenario, self.fmu, self.plant, seed, self.stop, progress)
+            run = native.run if self.engine == "native" else loop.run
+            done = run(scenario, self.fmu, self.plant, seed, self.stop, progress)
             wall = time.perf_counter() - begin
             pairs = zip(scenario.metric, self.metrics, strict=True)
-            measured = [criteria.measure(metric, expression, table.T) for metric, expression in pairs]
+            measured = [criteria.measure(metric, expression, done.table.T) for metric, expression in pairs]
         by_name = {entry.name: entry for entry in measured}
         units = trace.units(self.file, self.plant)
         return Result(
             scenario=scenario.name,
             title=scenario.title,
             seed=seed,
-            engine="reference",
+            engine=self.engine,
             metrics=by_name,
             criteria=criteria.judge(scenario.criterion, by_name),
-            simulated_s=len(table) * scenario.loop.step,
+            simulated_s=done.steps * scenario.loop.step,
             wall_s=wall,
-            trace=trace.structured(table, list(self.columns)),
+            trace=trace.structured(done.table, list(self.columns)),
             units={name: units[name] for name in self.columns},
             items={name: items for name, items in self.columns.items() if items},
         )
@@ -108,7 +131,12 @@ class Session:
         self.close()
 
 
-def run(scenario: Scenario, seed: int | None = None, progress: Progress | None = None) -> Result:
+def run(
+    scenario: Scenario,
+    seed: int | None = None,
+    progress: Progress | None = None,
+    engine: Engine = "reference",
+) -> Result:
     """Run a scenario once with a fresh FMU and plant.
 
     Parameters
@@ -119,14 +147,37 @@ def run(scenario: Scenario, seed: int | None = None, progress: Progress | None =
         Seed of all noise; None is the scenario's. The same seed gives the same bytes.
     progress
         Told the steps done and in all.
+    engine
+        `reference` or `native`, see `Session`.
 
     Raises
     ------
     CosimError
         The run could not be done.
     """
-    with Session(scenario) as session:
+    with Session(scenario, engine=engine) as session:
         return session.run(seed, progress)
+
+
+def open_plant(scenario: Scenario, previous: Session | None) -> plant.Plant:
+    """Plant of a scenario, that of the previous session if it is the same."""
+    if previous is not None:
+        before = previous.scenario
+        if (before.plant, before.folder) == (scenario.plant, scenario.folder):
+            return previous.plant
+    return plant.build(scenario.plant.name, scenario.plant.parameters, scenario.folder)
+
+
+def open_instance(
+    file: FmuFile, inputs: list[Variable], log_events: bool, previous: Session | None
+) -> Instance:
+    """Instance of an FMU, that of the previous session if it moves the same variables."""
+    if previous is not None:
+        same = previous.file is file and previous.fmu.driven == inputs
+        if same and previous.fmu.log_events == log_events and not previous.fmu.dead:
+            return previous.fmu
+        previous.close()
+    return Instance(file, inputs, trace.numeric_outputs(file), log_events)
 
 
 def tell_idle(scenario: Scenario, driven_plant: plant.Plant) -> None:

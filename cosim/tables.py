@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import types
 import typing
 from collections.abc import Callable
@@ -29,8 +30,7 @@ def parse(kind: type[T], table: dict[str, Any], key: str, fail: Fail) -> T:
     fail
         Called with key, problem and hint at the first error.
     """
-    hints = typing.get_type_hints(kind)
-    fields = {toml_key(field): field for field in dataclasses.fields(kind) if toml_key(field)}  # type: ignore[arg-type]
+    hints, fields = annotated(typing.cast("typing.Hashable", kind))
     for name in table:
         if name not in fields:
             fail(join(key, name), "is not a known key", closest(name, fields))
@@ -42,6 +42,13 @@ def parse(kind: type[T], table: dict[str, Any], key: str, fail: Fail) -> T:
         elif is_required(field):
             fail(join(key, name), "is missing", "")
     return kind(**values)
+
+
+@functools.lru_cache(64)
+def annotated(kind: Any) -> tuple[dict[str, Any], dict[str, dataclasses.Field[Any]]]:
+    """Types of a dataclass by field name, and its fields by TOML key."""
+    fields = dataclasses.fields(kind)
+    return typing.get_type_hints(kind), {toml_key(field): field for field in fields if toml_key(field)}
 
 
 def convert(kind: Any, value: Any, key: str, fail: Fail) -> Any:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cosim.archive import FmuFile, Variable
+from cosim.condition import Program
 from cosim.errors import CosimError
 from cosim.fmu import BASE, Instance
 from cosim.plant import Plant
@@ -24,32 +25,50 @@ class Recorder:
     plant
         The plant.
     steps
-        Rows.
+        Steps of the run.
+    every
+        Steps between two rows.
     """
 
-    def __init__(self, fmu: Instance, plant: Plant, steps: int) -> None:
+    def __init__(self, fmu: Instance, plant: Plant, steps: int, every: int = 1) -> None:
         self.plant = plant
-        self.table = np.zeros((steps, len(columns(fmu, plant))))
+        self.every = every
+        self.stop: Program | None = None
+        self.table = np.zeros((-(-steps // every), len(columns(fmu, plant))))
         # inputs that nothing drives are constant
         first = 1
         for variable in idle(fmu):
             self.table[:, first] = fmu.read(variable)
             first += 1
+        self.start = first
         # then every bank of the FMU, each a slice of the row
-        self.banks: list[tuple[slice, NDArray[Any]]] = []
+        self.banks: list[NDArray[Any]] = []
+        self.parts: list[slice] = []
         for bank in [*fmu.inputs, *fmu.outputs]:
-            self.banks.append((slice(first, first + len(bank.variables)), bank.values))
+            self.banks.append(bank.values)
+            self.parts.append(slice(first, first + len(bank.variables)))
             first += len(bank.variables)
         self.truths = slice(first, None)
 
-    def record(self, k: int, time: float) -> NDArray[np.float64]:
-        """Fill and return row `k`."""
-        row: NDArray[np.float64] = self.table[k]
+    def record(self, k: int, time: float) -> NDArray[np.float64] | None:
+        """Fill and return the row of step `k`, if it has one."""
+        row = self.row(k)
+        if row is None:
+            return None
         row[0] = time
-        for part, values in self.banks:
+        for part, values in zip(self.parts, self.banks, strict=True):
             row[part] = values
         row[self.truths] = self.plant.truth()
         return row
+
+    def row(self, k: int) -> NDArray[np.float64] | None:
+        """Return the row of step `k`, if it has one."""
+        row: NDArray[np.float64] | None = None if k % self.every else self.table[k // self.every]
+        return row
+
+    def recorded(self, steps: int) -> NDArray[np.float64]:
+        """Return the rows of the first steps."""
+        return self.table[: -(-steps // self.every)]
 
 
 def idle(fmu: Instance) -> list[Variable]:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 import zlib
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +15,54 @@ from cosim.errors import CosimError
 from cosim.plant import Channel
 from cosim.scenario import Signal, Wire
 
-Shape = Callable[[float, int], float]
-"""Value that leaves a wire in step `k`, from the one that enters it."""
+
+@dataclass(frozen=True)
+class Shape:
+    """Scale, offset, noise, quantum and limits of one wire: value that leaves it, from the one that enters.
+
+    Noise, quantum and limits act on the plant's side, in the unit of its channel: before the conversion of a
+    reading, after that of a command.
+
+    Parameters
+    ----------
+    source
+        Where the value comes from, for messages.
+    from_plant
+        Whether the wire carries a reading (else a command).
+    noise
+        Noise of every step, or None.
+    """
+
+    source: str
+    from_plant: bool
+    scale: float
+    offset: float
+    noise: NDArray[np.float64] | None
+    quantum: float
+    minimum: float
+    maximum: float
+
+    def __call__(self, value: float, k: int) -> float:
+        """Value that leaves the wire in step `k`."""
+        if self.from_plant:
+            return self.scale * self.disturb(value, k) + self.offset
+        return self.disturb(self.scale * value + self.offset, k)
+
+    def disturb(self, value: float, k: int) -> float:
+        """Add noise, quantise and limit."""
+        if self.noise is not None:
+            value += self.noise.item(k)
+        # before the clamp, which would hide a value that is not finite
+        if not math.isfinite(value):
+            raise self.refusal(value)
+        # round half to even
+        if self.quantum > 0.0:
+            value = float(np.rint(value / self.quantum)) * self.quantum
+        return min(max(value, self.minimum), self.maximum)
+
+    def refusal(self, value: float) -> CosimError:
+        """Error of a value that is not finite."""
+        return CosimError(f"`{self.source}` is `{value}`, it must be finite")
 
 
 def child(seed: int, name: str) -> np.random.SeedSequence:
@@ -35,10 +82,7 @@ def noise(wire: Wire, channel: Channel, seed: int, steps: int) -> NDArray[np.flo
 
 
 def shaper(wire: Wire, channel: Channel, from_plant: bool, samples: NDArray[np.float64] | None) -> Shape:
-    """Scale, offset, noise, quantisation and limits of one wire.
-
-    Noise, quantum and limits act on the plant's side, in the unit of its channel: before the conversion of a
-    reading, after that of a command.
+    """Shape of a wire; what the wire leaves open is the channel's own.
 
     Parameters
     ----------
@@ -49,29 +93,16 @@ def shaper(wire: Wire, channel: Channel, from_plant: bool, samples: NDArray[np.f
     samples
         Noise of every step, or None.
     """
-    quantum = channel.quantum if wire.quantum is None else wire.quantum
-    minimum = channel.minimum if wire.minimum is None else wire.minimum
-    maximum = channel.maximum if wire.maximum is None else wire.maximum
-    scale, offset = wire.scale, wire.offset
-
-    def disturb(value: float, k: int) -> float:
-        if samples is not None:
-            value += samples.item(k)
-        # before the clamp, which would hide a value that is not finite
-        if not math.isfinite(value):
-            raise CosimError(f"`{wire.source}` is `{value}`, it must be finite")
-        # round half to even
-        if quantum > 0.0:
-            value = float(np.rint(value / quantum)) * quantum
-        return min(max(value, minimum), maximum)
-
-    def reading(value: float, k: int) -> float:
-        return scale * disturb(value, k) + offset
-
-    def command(value: float, k: int) -> float:
-        return disturb(scale * value + offset, k)
-
-    return reading if from_plant else command
+    return Shape(
+        source=wire.source,
+        from_plant=from_plant,
+        scale=wire.scale,
+        offset=wire.offset,
+        noise=samples,
+        quantum=channel.quantum if wire.quantum is None else wire.quantum,
+        minimum=channel.minimum if wire.minimum is None else wire.minimum,
+        maximum=channel.maximum if wire.maximum is None else wire.maximum,
+    )
 
 
 class Delay:

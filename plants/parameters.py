@@ -51,13 +51,21 @@ def check(parameters: Any, plant: str) -> None:
         The first field that does not fit: its name, value and limit.
     """
     for item in fields(parameters):
-        _check_field(f"plant.{item.name}", getattr(parameters, item.name), item, plant)
+        name = item.metadata.get("key", item.name)
+        _check_field(f"plant.{name}", getattr(parameters, item.name), item, plant)
 
 
 def _check_field(name: str, value: object, item: Field[Any], plant: str) -> None:
+    # a text, or a number that need not be given
+    if (isinstance(item.default, str) and isinstance(value, str)) or (item.default is None and value is None):
+        return
     boolean = isinstance(item.default, bool)
-    if isinstance(value, bool) != boolean or not isinstance(value, int | float):
-        wanted = "true or false" if boolean else "a number"
+    if (
+        isinstance(value, bool) != boolean
+        or not isinstance(value, int | float)
+        or isinstance(item.default, str)
+    ):
+        wanted = "true or false" if boolean else ("a text" if isinstance(item.default, str) else "a number")
         raise ParameterError(f"parameter `{name}` of plant `{plant}`: value `{value!r}`, expected {wanted}")
     low, high, unit = item.metadata["minimum"], item.metadata["maximum"], item.metadata["unit"]
     if not low <= value <= high:  # also refuses NaN

@@ -14,7 +14,8 @@ import numpy as np
 from numpy.random import Generator, SeedSequence
 from numpy.typing import NDArray
 
-from plants._native import Cell, Circuit
+from plants._native import Cell, Circuit, Stepper
+from plants.machine import Machine, machine
 from plants.parameters import check
 
 Array = NDArray[np.float64]
@@ -84,7 +85,7 @@ class Plant(ABC):
 
     def __init__(self, parameters: Any = None) -> None:
         self.parameters = self.Parameters() if parameters is None else parameters
-        self.name = type(self).__module__.rpartition(".")[2]
+        self.name = self._mjcf().stem
         check(self.parameters, self.name)
         spec = mujoco.MjSpec.from_file(str(self._mjcf()))
         self.shape(spec)
@@ -107,7 +108,7 @@ class Plant(ABC):
         if self.model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4:
             raise PlantError(
                 f"plant `{self.name}`: integrator `RK4` cannot be split at the sensors\n"
-                "hint: use `implicitfast` in the <option> of the MJCF"
+                "hint: use `implicitfast` in the <option> of the MJCF, or as `integrator` of a bare one"
             )
 
     # what a subclass says
@@ -178,20 +179,26 @@ class Plant(ABC):
     def sense(self) -> Array:
         """Ideal readings at this time, in the order of `readings`."""
         self._attempt(mujoco.mj_step1, self.model, self.data)
+        self._check_warnings()
+        self._attempt(self.sensing.step, 0.0)
+        self._sensed = True
+        return np.array(self._read())
+
+    def _check_warnings(self) -> None:
         if any(self._warnings.tolist()):
             kinds = [mujoco.mjtWarning(int(i)).name for i in np.flatnonzero(self._warnings)]
             raise self._error(f"MuJoCo warns: `{'`, `'.join(kinds)}`")
-        self._attempt(self.sensing.step, 0.0)
-        self._sensed = True
+
+    def _read(self) -> list[float]:
         values = [cell.read() for cell in self.reading_cells]
-        if not math.isfinite(sum(values)):
+        if not all(map(math.isfinite, values)):
             raise self._error(_not_finite("reading", self.readings, values))
-        return np.array(values)
+        return values
 
     def command(self, values: Array) -> None:
         """Set the commands, in the order of `commands`; they hold until the next call."""
         numbers = values.tolist()
-        if not math.isfinite(sum(numbers)):
+        if not all(map(math.isfinite, numbers)):
             raise self._error(_not_finite("command", self.commands, numbers))
         for cell, value in zip(self.command_cells, numbers, strict=True):
             cell.write(value)
@@ -215,9 +222,29 @@ class Plant(ABC):
         """Return what an ideal observer knows at the last `sense`, in the order of `truths`."""
         return np.array([cell.read() for cell in self.truth_cells])
 
-    def _attempt(self, function: Callable[..., None], *arguments: object) -> None:
+    def machine(self) -> Machine:
+        """Addresses for a native stepper, valid until the next reset; see `plants.machine.check`."""
+        return machine(self)
+
+    def run(self, stepper: Stepper, until: int) -> tuple[str, int, float] | None:
+        """Let a native stepper of this plant go on to step `until`, as sense, command and advance would.
+
+        Returns
+        -------
+        (str, int, float) or None
+            What else than the plant ended the run, see `Stepper.run`.
+        """
+        stop: tuple[str, int, float] | None = self._attempt(stepper.run, until)
+        match stop:
+            case ("warning", _, _):
+                self._check_warnings()
+            case ("sensed", _, _):
+                self._read()
+        return stop
+
+    def _attempt(self, function: Callable[..., Any], *arguments: object) -> Any:
         try:
-            function(*arguments)
+            return function(*arguments)
         except IndexError as error:
             hint = "hint: `reset` with the duration of the whole run"
             raise self._error(f"{error}\n{hint}") from error

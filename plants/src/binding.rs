@@ -1,8 +1,7 @@
 //! Elements bound to places inside numpy arrays.
 //!
-//! All the unsafe code of the crate is here. A [`Cell`] keeps the buffer of its array exported, so the
-//! memory it points at neither moves nor goes away while a [`Circuit`] uses it. A [`Circuit`] is what any
-//! stepper calls once per plant step, from Python or from native code.
+//! A [`Cell`] keeps the buffer of its array exported, so the memory it points at neither moves nor goes away
+//! while a [`Circuit`] uses it.
 
 use std::ptr::NonNull;
 
@@ -10,7 +9,7 @@ use pyo3::buffer::PyBuffer;
 use pyo3::exceptions::{PyFloatingPointError, PyIndexError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 
-use crate::Element;
+use crate::{Circuit, Element, Place, StepError};
 
 /// A place inside a numpy array that is read, set or added to.
 ///
@@ -35,22 +34,10 @@ use crate::Element;
 ///     `index` is outside the array.
 #[pyclass(frozen, module = "plants._native")]
 pub(crate) struct Cell {
-    pointer: NonNull<f64>,
-    scale: f64,
-    offset: f64,
-    stride: usize,
-    add: bool,
-    /// plant steps for which there is a sample
-    steps: usize,
-    /// keeps the memory behind `pointer` exported
+    pub(crate) place: Place,
+    /// keeps the memory of the place exported
     buffer: PyBuffer<f64>,
 }
-
-// SAFETY: the memory behind `pointer` belongs to an exported buffer, which may be used from any thread.
-unsafe impl Send for Cell {}
-// SAFETY: numpy data has no lock of its own: as with any numpy array, the caller lets one thread at a time
-// step a plant. Cells of different plants share no memory.
-unsafe impl Sync for Cell {}
 
 #[pymethods]
 impl Cell {
@@ -75,13 +62,15 @@ impl Cell {
         // SAFETY: `index` is inside the buffer, whose items are contiguous f64.
         let pointer = unsafe { buffer.buf_ptr().cast::<f64>().add(index) };
         let pointer = NonNull::new(pointer).expect("a buffer with items has an address");
-        let steps = if stride == 0 { usize::MAX } else { (count - index).div_ceil(stride) };
-        Ok(Self { pointer, scale, offset, stride, add, steps, buffer })
+        // SAFETY: the block is exported as long as the cell lives. numpy data has no lock of its own: as with any numpy
+        // array, the caller lets one thread at a time step a plant, and cells of different plants share no memory.
+        let place = unsafe { Place::new(pointer, count - index, (scale, offset), stride, add) };
+        Ok(Self { place, buffer })
     }
 
     /// The value now.
     fn read(&self) -> f64 {
-        self.sample(0)
+        self.place.sample(0)
     }
 
     /// Set the value, or add to it.
@@ -92,40 +81,17 @@ impl Cell {
     ///     The array is read-only, or the cell is a signal.
     fn write(&self, value: f64) -> PyResult<()> {
         self.check_writable()?;
-        self.put(value);
+        self.place.put(value);
         Ok(())
     }
 }
 
 impl Cell {
-    fn check_writable(&self) -> PyResult<()> {
-        if self.buffer.readonly() || self.stride != 0 {
+    pub(crate) fn check_writable(&self) -> PyResult<()> {
+        if self.buffer.readonly() || self.place.is_signal() {
             return Err(PyValueError::new_err("cannot write to a signal or to a read-only array"));
         }
         Ok(())
-    }
-
-    /// value at plant step `k`, which is less than `steps`
-    fn sample(&self, k: usize) -> f64 {
-        assert!(k < self.steps);
-        // SAFETY: k < steps, so the address is inside the exported buffer.
-        let value = unsafe { self.pointer.add(k * self.stride).read() };
-        self.scale * value + self.offset
-    }
-
-    /// write to a place that `check_writable` has accepted
-    fn put(&self, value: f64) {
-        // SAFETY: a fixed place inside a writable exported buffer.
-        unsafe {
-            let before = if self.add { self.pointer.read() } else { 0.0 };
-            self.pointer.write(before + (self.scale * value + self.offset));
-        }
-    }
-
-    /// zero a place that `check_writable` has accepted
-    fn clear(&self) {
-        // SAFETY: as in `put`.
-        unsafe { self.pointer.write(0.0) }
     }
 }
 
@@ -140,33 +106,13 @@ impl Unbound {
     }
 }
 
-/// An element with its cells and room for its numbers.
-struct Wired {
-    name: String,
-    element: Box<dyn Element>,
-    inputs: Vec<Py<Cell>>,
-    outputs: Vec<Py<Cell>>,
-    read: Vec<f64>,
-    written: Vec<f64>,
-}
-
 /// Elements in the order in which they act, bound to their cells.
-#[pyclass(module = "plants._native")]
+#[pyclass(name = "Circuit", module = "plants._native")]
 #[derive(Default)]
-pub(crate) struct Circuit {
-    elements: Vec<Wired>,
-    /// plant steps since the reset
-    k: usize,
-}
-
-/// Why a step could not be made.
-enum StepError {
-    /// a signal has no sample for this step
-    Exhausted { element: String, input: &'static str, steps: usize },
-    /// an input is NaN or infinite
-    NotFinite { element: String, input: &'static str, value: f64 },
-    /// the element says that the plant cannot go on
-    Stopped { element: String, cause: String },
+pub(crate) struct Board {
+    pub(crate) circuit: Circuit,
+    /// keep the places of the circuit exported
+    cells: Vec<Py<Cell>>,
 }
 
 impl From<StepError> for PyErr {
@@ -183,47 +129,8 @@ impl From<StepError> for PyErr {
     }
 }
 
-impl Circuit {
-    /// One plant step of `h` seconds; needs no Python.
-    fn advance(&mut self, h: f64) -> Result<(), StepError> {
-        let outputs = self.elements.iter().flat_map(|bound| &bound.outputs);
-        outputs.map(Py::get).filter(|cell| cell.add).for_each(Cell::clear);
-        for bound in &mut self.elements {
-            bound.step(self.k, h)?;
-        }
-        self.k += 1;
-        Ok(())
-    }
-}
-
-impl Wired {
-    fn step(&mut self, k: usize, h: f64) -> Result<(), StepError> {
-        for (port, cell) in self.inputs.iter().map(Py::get).enumerate() {
-            let input = || (self.name.clone(), self.element.ports().inputs[port]);
-            if k >= cell.steps {
-                let (element, input) = input();
-                return Err(StepError::Exhausted { element, input, steps: cell.steps });
-            }
-            let value = cell.sample(k);
-            if !value.is_finite() {
-                let (element, input) = input();
-                return Err(StepError::NotFinite { element, input, value });
-            }
-            self.read[port] = value;
-        }
-        self.element.step(&self.read, &mut self.written, h);
-        for (cell, value) in self.outputs.iter().zip(&self.written) {
-            cell.get().put(*value);
-        }
-        match self.element.stop() {
-            Some(cause) => Err(StepError::Stopped { element: self.name.clone(), cause }),
-            None => Ok(()),
-        }
-    }
-}
-
 #[pymethods]
-impl Circuit {
+impl Board {
     /// An empty circuit.
     #[new]
     fn new() -> Self {
@@ -254,19 +161,17 @@ impl Circuit {
             }
         }
         outputs.iter().try_for_each(|cell| cell.get().check_writable())?;
-        let (read, written) = (vec![0.0; inputs.len()], vec![0.0; outputs.len()]);
         if let Some(element) = element.0.take() {
-            self.elements.push(Wired { name, element, inputs, outputs, read, written });
+            let places = |cells: &[Py<Cell>]| cells.iter().map(|cell| cell.get().place).collect();
+            self.circuit.bind(name, element, places(&inputs), places(&outputs));
+            self.cells.extend(inputs.into_iter().chain(outputs));
         }
         Ok(())
     }
 
     /// Back to time zero.
     fn reset(&mut self) {
-        self.k = 0;
-        for bound in &mut self.elements {
-            bound.element.reset();
-        }
+        self.circuit.reset();
     }
 
     /// One plant step of `h` seconds: every element in order.
@@ -280,6 +185,6 @@ impl Circuit {
     /// RuntimeError
     ///     An element says that the plant cannot go on.
     fn step(&mut self, h: f64) -> PyResult<()> {
-        Ok(self.advance(h)?)
+        Ok(self.circuit.step(h)?)
     }
 }

@@ -2,11 +2,12 @@
 //!
 //! An [`Element`] is a small block of a block diagram: numbers in, numbers out, one call per plant step.
 //! It knows neither MuJoCo nor Python. The `binding` module (feature `extension-module`) ties inputs and
-//! outputs to places inside numpy arrays and holds all the unsafe code of the crate.
+//! outputs to places inside numpy arrays.
 
 #![deny(unsafe_code)]
 
 mod bristle;
+mod circuit;
 mod coloured_noise;
 mod current_loop;
 mod element;
@@ -20,9 +21,13 @@ mod lookup;
 mod motion_board;
 mod outline;
 mod peak;
+#[allow(unsafe_code)]
+mod place;
 mod product;
 mod rotation;
 mod slew;
+#[allow(unsafe_code)]
+pub mod stepper;
 mod stribeck;
 mod sum;
 mod thrust;
@@ -36,8 +41,17 @@ mod wrench;
 mod binding;
 #[cfg(feature = "extension-module")]
 mod module;
+#[cfg(feature = "extension-module")]
+#[allow(unsafe_code)]
+mod stepper_binding;
+#[cfg(feature = "extension-module")]
+#[allow(unsafe_code)]
+mod stepper_exports;
+#[cfg(feature = "extension-module")]
+mod stepper_rows;
 
 pub use bristle::Bristle;
+pub use circuit::{Circuit, StepError};
 pub use coloured_noise::ColouredNoise;
 pub use current_loop::CurrentLoop;
 pub use element::{Element, Ports};
@@ -51,6 +65,7 @@ pub use lookup::Lookup;
 pub use motion_board::MotionBoard;
 pub use outline::Outline;
 pub use peak::Peak;
+pub use place::Place;
 pub use product::Product;
 pub use rotation::Rotation;
 pub use slew::Slew;

@@ -14,7 +14,9 @@ mod _native {
     };
 
     #[pymodule_export]
-    use crate::binding::{Cell, Circuit, Unbound};
+    use crate::binding::{Board, Cell, Unbound};
+    #[pymodule_export]
+    use crate::stepper_binding::Runner;
 
     /// Elasto-plastic friction of a part on a table (N, friction law, m, N/m, N.s/m, break-away share).
     ///

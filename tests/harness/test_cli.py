@@ -150,7 +150,7 @@ BAD = {
     "FMU error in a step": (["run", "lag.toml", "--set", "controller.fail_at=3"], ""),
     "parameter refused": (["run", "lag.toml", "--set", "controller.gain=99"], ""),
     "exception in the plant": (["run", "lag.toml", "--set", "plant.fail_at=3"], "`-v` shows where"),
-    "unknown engine": (["run", "lag.toml", "--engine", "native"], "`reference`"),
+    "unknown engine": (["run", "lag.toml", "--engine", "nativ"], "did you mean `native`?"),
     "bad delay": (["run", "lag.toml", "--delay", "2"], ""),
     "bad duration": (["run", "lag.toml", "--duration", "0"], ""),
     "endless duration": (["run", "lag.toml", "--duration", "1e8"], "shorter runs"),

@@ -87,6 +87,26 @@ VALUES = {
     "last(controller.m[1,2])": 8.0,
     'last(column("controller.der(x)"))': 9.0,
     "pi": math.pi,
+    "tan(1) - sin(1) / cos(1)": 0.0,
+    "degrees(arctan2(1, -1)) + degrees(arcsin(1)) + degrees(arccos(0)) + degrees(arctan(1))": 360.0,
+    "radians(180) / pi": 1.0,
+    "log10(1000)": 3.0,
+    "floor(-1.5) + ceil(-1.5) + round(2.5)": -1.0,
+    "max(clip(plant.x, -1, 1.5))": 1.5,
+    "ptp(plant.x)": 5.0,
+    "last(cumsum(plant.x))": 0.5,
+    "max(unwrap(plant.x))": 2.0 * math.pi - 3.0,
+    "min(derivative(plant.x))": -40.0,
+    "integral(plant.x)": -0.025,
+    "at(plant.x, 0.2)": 2.0,
+    "at(plant.x, 0.1999)": -3.0,
+    "at(plant.x, 99)": 0.5,
+    "isfinite(at(plant.x, -1))": 0.0,
+    'at(controller.state, 0.1) == "Detect"': 1.0,
+    "5 * um": 5e-6,
+    "first(plant.x) / mm": 1000.0,
+    "180 * deg": math.pi,
+    "60 * rpm": 2.0 * math.pi,
     "max(\n    plant.x\n)": 2.0,
 }
 
@@ -94,6 +114,39 @@ VALUES = {
 @pytest.mark.parametrize(("text", "value"), VALUES.items(), ids=VALUES.keys())
 def test_value(text: str, value: float) -> None:
     assert evaluate(text) == pytest.approx(value)
+
+
+UNITS = {
+    "max(plant.x)": "m",
+    "ptp(plant.x[controller.on])": "m",
+    "2 * rms(plant.x - 1e-6) / 3": "m",
+    "max(plant.x, 3 * mm)": "m",
+    "-last(plant.x) % 2": "m",
+    "where(plant.x > 0, plant.x, 0)": "m",
+    "at(plant.x, 0.2)": "m",
+    "max(derivative(plant.x))": "m/s",
+    "last(plant.x) / mm": "1",
+    "last(plant.x) / 0.1": "m",
+    "last(plant.x > 1 * mm)": "1",
+    "count(plant.x)": "1",
+    'last(controller.state) == "Idle"': "1",
+    "first_time(plant.x > 0) - 0.1": "s",
+    "arctan2(1, 2)": "rad",
+    "30 * deg": "rad",
+    "last(plant.x) + 1 * N": None,
+    "last(plant.x) ** 2": None,
+    "last(plant.x) * last(plant.x)": None,
+    "last(controller.on)": None,
+    "last(plant.x) - last(controller.on)": "m",
+    "integral(plant.x)": None,
+    "derivative(derivative(plant.x))": None,
+}
+
+
+@pytest.mark.parametrize(("text", "unit"), UNITS.items(), ids=UNITS.keys())
+def test_the_unit_is_told_where_it_is_clear(text: str, unit: str | None) -> None:
+    units = {"time": "s", "plant.x": "m", "controller.on": ""}
+    assert Expression(text, NAMES, "`metric`", units=units).unit == unit
 
 
 @pytest.mark.parametrize("function", ["min", "max", "mean", "std", "rms", "first", "last", "median"])

@@ -7,6 +7,7 @@ import tomllib
 from pathlib import Path
 
 import cosim
+from cosim import study
 from cosim.functions import ROWWISE, TIMES, WHOLE
 
 README = (Path(cosim.__file__).parent / "README.md").read_text(encoding="utf-8")
@@ -26,6 +27,20 @@ def test_the_scenario_loads_and_shows_every_key(folder: Path) -> None:
     assert shown == {"from", "to", "scale", "offset", "delay", "noise", "quantum", "minimum", "maximum"}
     assert set(raw["plot"]) == set(cosim.scenario.Plot.__dataclass_fields__)
     assert set(raw["plot"]["panels"][0]) == set(cosim.scenario.Panel.__dataclass_fields__)
+
+
+def test_the_study_loads_and_shows_the_keys(folder: Path) -> None:
+    (text,) = [block for block in blocks("toml") if "[design]" in block]
+    (folder / "study.toml").write_text(text)
+    found = study.load(folder / "study.toml")
+    assert study.count(found) == 200
+    shown = tomllib.loads(text)
+    for table in ("design", "limits", "traces"):
+        known = set(getattr(found, table).__dataclass_fields__)
+        assert set(shown[table]) == known - {"file"}, table
+    assert set(shown) == set(study.Study.__dataclass_fields__) - {"case", "file"}
+    for name in ("points", "integer", "file"):
+        assert f"`{name}" in README
 
 
 def test_all_functions_are_listed() -> None:

@@ -1,4 +1,4 @@
-//! The project's commands as a library: `cargo xtask setup | fmu | demo | test | bench`.
+//! The project's commands as a library: `cargo xtask setup | fmu | demo | test | bench | wheel`.
 //!
 //! `main.rs` is only the command line. Each command is one module; [`workspace`], [`process`], [`fingerprint`] and
 //! [`python`] are what they share. Tests of other crates may use [`fmu::pack`] to pack a test FMU.
@@ -12,4 +12,5 @@ pub mod python;
 pub mod setup;
 pub mod table;
 pub mod test;
+pub mod wheel;
 pub mod workspace;

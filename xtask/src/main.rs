@@ -1,11 +1,11 @@
-//! Command line of the project: `cargo xtask setup | fmu | demo | test | bench`.
+//! Command line of the project: `cargo xtask setup | fmu | demo | test | bench | wheel`.
 
 use std::process::ExitCode;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 use xtask::workspace::Workspace;
-use xtask::{bench, demo, fmu, setup, test};
+use xtask::{bench, demo, fmu, setup, test, wheel};
 
 /// Builds, demonstrates, tests and measures the project. Steps that are up to date are skipped.
 #[derive(Parser)]
@@ -28,8 +28,10 @@ enum Command {
     Demo,
     /// Prove the project: rustfmt, clippy, cargo test, ruff, mypy, pytest
     Test,
-    /// Measure the FMUs and the reference loop; results land in `target/bench/`
+    /// Measure the FMUs and both engines; results land in `target/bench/`
     Bench,
+    /// Build one wheel with harness, plants, FMUs and scenarios into `target/wheel/`
+    Wheel,
 }
 
 fn main() -> ExitCode {
@@ -52,5 +54,6 @@ fn run(command: &Command) -> Result<bool> {
         Command::Demo => demo::run(&workspace),
         Command::Test => test::run(&workspace),
         Command::Bench => bench::run(&workspace).map(|()| true),
+        Command::Wheel => wheel::run(&workspace).map(|()| true),
     }
 }

@@ -2,15 +2,17 @@
  *
  * out = gain * in + bias[1] + bias[2] (a NaN or an error on demand), sum = mean input since the start times time,
  * flag_out = !flag, count_out = count + 1, mode_out = mode, text_out = text, calls = steps done.
+ * In the steps `crash_at`, `hang_at` and `eat_at` it breaks a pointer, never returns, takes 600 MB and then never returns.
  */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 #include "fmi2Functions.h"
 
 enum { IN, GAIN, BIAS_1, BIAS_2, OUT, SUM, TIME, LIMIT, REALS };
-enum { COUNT, COUNT_OUT, MODE, MODE_OUT, CALLS, FAIL_AT, NAN_AT, FATAL_AT, INTEGERS };
+enum { COUNT, COUNT_OUT, MODE, MODE_OUT, CALLS, FAIL_AT, NAN_AT, FATAL_AT, CRASH_AT, HANG_AT, EAT_AT, INTEGERS };
 enum { FLAG, FLAG_OUT, BOOLEANS };
 
 typedef struct {
@@ -34,7 +36,7 @@ static void start(Probe *p) {
     p->real[GAIN] = 1.0;
     p->real[LIMIT] = 10.0;
     p->integer[MODE] = p->integer[MODE_OUT] = 1;
-    p->integer[FAIL_AT] = p->integer[NAN_AT] = p->integer[FATAL_AT] = -1;
+    for (int i = FAIL_AT; i < INTEGERS; i++) p->integer[i] = -1;
     strcpy(p->text, "hello");
     p->initialised = 0;
 }
@@ -123,6 +125,16 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step, fmi2Boolean
         return fmi2Error;
     }
     if (k == p->integer[FATAL_AT]) return fmi2Fatal;
+    if (k == p->integer[CRASH_AT]) {
+        fprintf(stderr, "about to write to nowhere\n");
+        *(volatile int *)NULL = k;
+    }
+    if (k == p->integer[EAT_AT]) {
+        static char *volatile eaten;
+        eaten = malloc(600000000);
+        memset(eaten, 1, 600000000);
+    }
+    if (k == p->integer[HANG_AT] || k == p->integer[EAT_AT]) for (;;) sleep(1);
     p->real[TIME] = time;
     p->real[SUM] += step * p->real[IN];
     p->real[OUT] = p->real[GAIN] * p->real[IN] + p->real[BIAS_1] + p->real[BIAS_2];

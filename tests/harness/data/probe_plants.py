@@ -2,6 +2,9 @@
 
 import dataclasses
 import math
+import os
+import pathlib
+import time
 from typing import Any, ClassVar
 
 import numpy as np
@@ -28,6 +31,9 @@ class LagParameters:
         default="a", metadata={"unit": "", "description": "Any text", "source": "test"}
     )
     fail_at: int = dataclasses.field(default=-1, metadata={"unit": "1", "description": "Step that fails"})
+    stall_at: int = dataclasses.field(
+        default=-1, metadata={"unit": "1", "description": "Step that never ends, the first time"}
+    )
     nan_at: int = dataclasses.field(default=-1, metadata={"unit": "1", "description": "Step that reads NaN"})
 
 
@@ -51,6 +57,10 @@ class Lag:
     def sense(self) -> Any:
         if self.n == self.parameters.fail_at:
             raise RuntimeError("told to fail")
+        stalled = pathlib.Path(__file__).with_name("stalled")
+        if self.n == self.parameters.stall_at and not stalled.exists():
+            stalled.write_text(f"{os.getpid()} {os.getppid()}\n")
+            time.sleep(1000.0)
         x = math.nan if self.n == self.parameters.nan_at else self.x
         return np.array([x, self.n * self.timestep, self.n % 2, self.n])
 

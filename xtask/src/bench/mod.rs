@@ -1,10 +1,12 @@
 //! `cargo xtask bench`: what FMI, every controller and every closed loop cost, taken in one run.
 
 pub mod description;
+pub mod native_loop;
 pub mod pass_through;
 pub mod reference_loop;
 pub mod slave;
 pub mod statistics;
+pub mod sweep;
 pub mod tick;
 
 use std::fs;
@@ -42,7 +44,9 @@ pub fn run(workspace: &Workspace) -> Result<()> {
     let mut rows = pass_through_rows(&pass_through::measure(workspace, &folder)?);
     for scenario in demo::loops(workspace)? {
         rows.extend(loop_rows(&scenario, &reference_loop::measure(workspace, &scenario)?)?);
+        rows.extend(native_rows(&scenario, &native_loop::measure(workspace, &scenario)?));
     }
+    rows.extend(sweep_rows(&sweep::measure(workspace)?));
 
     let file = folder.join("bench.json");
     fs::write(&file, serde_json::to_string_pretty(&rows)? + "\n").context("cannot write `target/bench/bench.json`")?;
@@ -84,6 +88,36 @@ fn loop_rows(scenario: &str, costs: &reference_loop::Costs) -> Result<Vec<Row>> 
         row("  of which wiring, noise, trace", "us", &costs.rest(), None),
     ])
 }
+
+fn sweep_rows(costs: &sweep::Costs) -> Vec<Row> {
+    let row = |quantity: &str, unit, value, goal| Row {
+        quantity: quantity.to_owned(),
+        unit,
+        minimum: value,
+        median: value,
+        goal,
+    };
+    vec![
+        row("sweep on 2 workers: runs", "1/s", costs.rate, None),
+        row("2 x rate of one core alone / rate of the sweep", "1", 1.0 / costs.throughput, Some(1.25)),
+        row("processor time of the sweep / of its runs alone", "1", costs.processor, None),
+        row("memory of all its processes", "MB", costs.memory, None),
+        row("  over that of a fifth of the runs", "1", costs.growth, Some(1.1)),
+    ]
+}
+
+fn native_rows(scenario: &str, costs: &native_loop::Costs) -> Vec<Row> {
+    let ratio = costs.ratio();
+    vec![
+        row(&format!("{scenario}: simulated time / wall time, native engine"), "1", &costs.real_time_factor, None),
+        row(&format!("{scenario}: one step of the native engine"), "us", &costs.native, None),
+        row(&format!("{scenario}: one step of the plant alone, same commands"), "us", &costs.plant, None),
+        row(&format!("{scenario}: native engine / plant alone"), "1", &ratio, Some(NATIVE_GOAL)),
+    ]
+}
+
+/// What a closed loop may cost against its plant alone.
+const NATIVE_GOAL: f64 = 1.15;
 
 /// What one sample may cost, ns: the fast tool servo turns 24 harmonics.
 fn sample_goal(scenario: &str) -> f64 {

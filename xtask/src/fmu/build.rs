@@ -93,7 +93,7 @@ fn release(workspace: &Workspace) -> Command {
 
 /// Compiler flags that keep the builder's folders out of the binary: in it, paths start at the checkout, at `crates`
 /// or at `rust`.
-fn remap_flags(workspace: &Workspace) -> Vec<String> {
+pub fn remap_flags(workspace: &Workspace) -> Vec<String> {
     let mut flags = vec![remap(&workspace.root, ".")];
     for sources in dependency_folders(workspace) {
         flags.push(remap(&sources, "crates"));

@@ -1,0 +1,79 @@
+"""Units in expressions: constants to write numbers with, and the unit of a result where it can be told."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+SCALES = {
+    "m": ("m", 1.0), "mm": ("m", 1e-3), "um": ("m", 1e-6), "nm": ("m", 1e-9),
+    "s": ("s", 1.0), "ms": ("s", 1e-3), "us": ("s", 1e-6), "minute": ("s", 60.0), "hour": ("s", 3600.0),
+    "kg": ("kg", 1.0), "rad": ("rad", 1.0), "mrad": ("rad", 1e-3), "urad": ("rad", 1e-6),
+    "deg": ("rad", math.pi / 180.0), "Hz": ("Hz", 1.0), "kHz": ("Hz", 1e3), "rpm": ("rad/s", math.pi / 30.0),
+    "N": ("N", 1.0), "mN": ("N", 1e-3), "kN": ("N", 1e3), "A": ("A", 1.0), "mA": ("A", 1e-3),
+    "V": ("V", 1.0), "mV": ("V", 1e-3), "W": ("W", 1.0), "J": ("J", 1.0),
+}  # fmt: skip
+"""SI unit and number of each unit: `5 * um` is 5e-6, `depth / um` is the depth in micrometres."""
+PLAIN = "1"
+SAME = {
+    "Add", "Sub", "Mod", "USub", "UAdd", "abs", "min", "max", "minimum", "maximum", "clip", "hypot", "round",
+    "mean", "median", "std", "rms", "sum", "ptp", "first", "last", "percentile", "cummax", "cummin", "cumsum",
+    "diff", "hold", "at", "where", "unwrap",
+}  # fmt: skip
+"""Operators and functions whose result has the unit of what they join."""
+TIMES = {"first_time", "last_time", "longest_time"}
+ANGLES = {"arcsin", "arccos", "arctan", "arctan2", "radians"}
+ALONE = {"percentile": (0,), "hold": (0,), "at": (0,), "where": (1, 2), "Mod": (0,)}
+"""Which arguments carry the unit, where not all do."""
+
+
+def unit_of(what: str, units: Sequence[str | None]) -> str | None:
+    """Tell the unit of a result, None where that is not possible.
+
+    Plain numbers fit every sum: in `depth - 1e-6` the number is meant in the unit of the depth.
+
+    Parameters
+    ----------
+    what
+        Operator, by the name of its `ast` class, or function.
+    units
+        Units of its arguments.
+    """
+    if what in SAME:
+        return common([units[index] for index in ALONE.get(what, range(len(units)))])
+    if what == "Mult":
+        return product(*units)
+    if what == "Div":
+        return quotient(*units)
+    if what in TIMES:
+        return "s"
+    if what in ANGLES:
+        return "rad"
+    if what == "derivative":
+        return quotient(units[0], "s") or (f"{units[0]}/s" if units[0] and "/" not in units[0] else None)
+    if what in ("sqrt", "Pow", "integral", "degrees", "floor", "ceil"):
+        return None
+    return PLAIN
+
+
+def common(units: Sequence[str | None]) -> str | None:
+    """Return the one unit of a sum, None where its parts have different ones or one that is not known."""
+    found = {unit for unit in units if unit != PLAIN}
+    if not found:
+        return PLAIN
+    known = found - {None}
+    return known.pop() if len(known) == 1 else None
+
+
+def product(left: str | None, right: str | None) -> str | None:
+    """Tell the unit of a product of which one side is a plain number."""
+    if left == PLAIN:
+        return right
+    return left if right == PLAIN else None
+
+
+def quotient(left: str | None, right: str | None) -> str | None:
+    """Tell the unit of a quotient of equal units, or by a plain number."""
+    if right == PLAIN:
+        return left
+    return PLAIN if left is not None and left == right else None

@@ -1,0 +1,96 @@
+"""A plant that is nothing but an MJCF file: its sensors are the readings, its actuators the commands."""
+
+import hashlib
+from pathlib import Path
+from typing import Any, ClassVar
+
+import mujoco
+import numpy as np
+
+from plants import bare_channels, bare_parameters
+from plants._native import Cell
+from plants.plant import Plant, PlantError
+
+
+class Bare(Plant):
+    """A plant made of one MJCF file; `load` makes the class for a file."""
+
+    file: ClassVar[Path]
+
+    def __init__(self, parameters: Any = None) -> None:
+        super().__init__(parameters)
+        bare_parameters.apply(self.parameters, self.model, self.data)
+        self.timestep = float(self.model.opt.timestep)
+        self._readings = bare_channels.readings(self.model)
+        self._commands = bare_channels.commands(self.model)
+        self._truths = bare_channels.truths(self.model)
+        self.readings = tuple(spot.channel for spot in self._readings)
+        self.commands = tuple(spot.channel for spot in self._commands)
+        self.truths = tuple(spot.channel for spot in self._truths)
+        try:
+            self.begin(0)
+        except KeyError as error:
+            raise PlantError(f"no such `keyframe`: {error.args[0]}") from error
+
+    @classmethod
+    def _mjcf(cls) -> Path:
+        return cls.file
+
+    def shape(self, spec: Any) -> None:
+        """Choose the integrator; the other parameters are written into the compiled model."""
+        name = bare_parameters.named(self.parameters)["integrator"].lower()
+        if name not in bare_parameters.INTEGRATORS:
+            raise PlantError(
+                f"there is no integrator `{name}`\nhint: take `euler`, `implicit` or `implicitfast`"
+            )
+        spec.option.integrator = bare_parameters.INTEGRATORS[name]
+
+    def begin(self, steps: int) -> None:
+        """Set the initial state and tie the channels to MuJoCo's arrays."""
+        bare_parameters.start(self.parameters, self.model, self.data)
+        self.connect(self._cells(self._readings), self._cells(self._commands), self._cells(self._truths))
+
+    def _cells(self, spots: tuple[bare_channels.Spot, ...]) -> dict[str, Cell]:
+        return {spot.channel.name: Cell(getattr(self.data, spot.array), spot.place) for spot in spots}
+
+
+def load(file: Path) -> type[Bare]:
+    """Class of the plant that an MJCF file describes.
+
+    Raises
+    ------
+    PlantError
+        MuJoCo cannot read or compile the file, or two channels have one name.
+    """
+    model = compiled(file)
+    parameters = bare_parameters.parameters_of(model)
+    # two channels of one name are a mistake of the file
+    bare_channels.truths(model)
+    return type("Bare", (Bare,), {"__module__": __name__, "file": file, "Parameters": parameters})
+
+
+def fingerprint(file: Path) -> str:
+    """SHA-256 of the compiled model, in hexadecimal: files that the MJCF includes and meshes count as well.
+
+    Raises
+    ------
+    PlantError
+        As for `load`.
+    """
+    model = compiled(file)
+    buffer = np.zeros(mujoco.mj_sizeModel(model), np.uint8)
+    mujoco.mj_saveModel(model, None, buffer)
+    return hashlib.sha256(buffer.tobytes()).hexdigest()
+
+
+def compiled(file: Path) -> Any:
+    """Compile an MJCF file."""
+    try:
+        return mujoco.MjSpec.from_file(str(file)).compile()
+    except ValueError as error:
+        lines = (
+            str(error).removeprefix("XML Error: ").removeprefix("Error: ").replace(":\n", ": ").split("\n")
+        )
+        problem = ", ".join(filter(None, lines))
+        hint = "hint: MuJoCo's XML reference lists the elements of an MJCF and their attributes"
+        raise PlantError(f"MuJoCo cannot load `{file.name}`: {problem}\n{hint}") from None

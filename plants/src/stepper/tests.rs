@@ -1,0 +1,271 @@
+//! The stepper on a plant and a controller of a few lines of C-like Rust.
+
+use std::ffi::{c_char, c_int, c_uint, c_void};
+use std::ptr::NonNull;
+
+use super::*;
+use crate::{Element, Place, Ports};
+
+/// model of the fake plant: x goes on by h u in the second half, the first half copies it to the sensor
+#[derive(Default)]
+struct World {
+    x: f64,
+    u: f64,
+    sensor: f64,
+    warnings: c_int,
+    halves: usize,
+}
+
+unsafe extern "C-unwind" fn first_half(_: *const c_void, data: *mut c_void) {
+    // SAFETY: the tests pass a `World`.
+    let world = unsafe { &mut *data.cast::<World>() };
+    world.sensor = world.x;
+    world.halves += 1;
+}
+
+unsafe extern "C-unwind" fn second_half(_: *const c_void, data: *mut c_void) {
+    // SAFETY: as above.
+    let world = unsafe { &mut *data.cast::<World>() };
+    world.x += 0.5 * world.u;
+    world.halves += 1;
+    world.warnings = c_int::from(world.x > 1e3);
+}
+
+/// controller: out = -0.5 in, and an error on demand
+#[derive(Default)]
+struct Brain {
+    real: [f64; 2],
+    times: Vec<f64>,
+    fail_at: Option<usize>,
+}
+
+unsafe extern "C" fn set(brain: *mut c_void, references: *const c_uint, count: usize, values: *mut c_void) -> c_int {
+    // SAFETY: the tests pass a `Brain` and arrays of `count`.
+    unsafe {
+        for i in 0..count {
+            (*brain.cast::<Brain>()).real[references.add(i).read() as usize] = values.cast::<f64>().add(i).read();
+        }
+    }
+    0
+}
+
+unsafe extern "C" fn get(brain: *mut c_void, references: *const c_uint, count: usize, values: *mut c_void) -> c_int {
+    // SAFETY: as above.
+    unsafe {
+        for i in 0..count {
+            values.cast::<f64>().add(i).write((&(*brain.cast::<Brain>()).real)[references.add(i).read() as usize]);
+        }
+    }
+    1
+}
+
+unsafe extern "C" fn do_step(brain: *mut c_void, time: f64, _: f64, _: c_int) -> c_int {
+    // SAFETY: as above.
+    let brain = unsafe { &mut *brain.cast::<Brain>() };
+    let k = brain.times.len();
+    brain.times.push(time);
+    brain.real[1] = -0.5 * brain.real[0];
+    if brain.fail_at == Some(k) { 3 } else { 0 }
+}
+
+unsafe extern "C" fn make(_: *const c_void, _: c_int, _: *const c_void, _: *mut c_char, _: c_int) -> *mut c_void {
+    NonNull::<u64>::dangling().as_ptr().cast()
+}
+
+unsafe extern "C" fn delete(_: *mut c_void) {}
+
+unsafe extern "C-unwind" fn apply(
+    _: *mut c_void,
+    _: *const c_int,
+    _: c_int,
+    body: Body,
+    argument: *mut c_void,
+    _: c_int,
+) -> c_int {
+    // SAFETY: as MuJoCo calls it.
+    unsafe { body(std::ptr::null(), std::ptr::null_mut(), 0, argument) };
+    0
+}
+
+unsafe extern "C-unwind" fn refuse(
+    _: *mut c_void,
+    _: *const c_int,
+    _: c_int,
+    _: Body,
+    _: *mut c_void,
+    _: c_int,
+) -> c_int {
+    1
+}
+
+unsafe extern "C" fn words(_: *const c_void, _: c_int) -> *const c_char {
+    c"mj_step1: told to fail\n".as_ptr()
+}
+
+/// All memory of a loop; boxed, so that it stays where it is.
+#[derive(Default)]
+struct Bench {
+    world: World,
+    brain: Brain,
+    sensed: f64,
+    command: f64,
+    input: f64,
+    output: f64,
+    table: [[f64; 4]; 8],
+}
+
+fn at(value: &mut f64) -> Slot {
+    Slot::Real(NonNull::from(value))
+}
+
+fn link(source: Slot, target: Slot, delay: usize) -> Link {
+    let (minimum, maximum) = (f64::NEG_INFINITY, f64::INFINITY);
+    let shape = Shape { from_plant: true, scale: 1.0, offset: 0.0, quantum: 0.0, minimum, maximum };
+    Link { source, target, shape, noise: None, delay: Delay::new(delay, vec![0.0; delay]) }
+}
+
+fn place(value: &mut f64) -> Place {
+    // SAFETY: the bench outlives the stepper.
+    unsafe { Place::new(NonNull::from(value), 1, (1.0, 0.0), 0, false) }
+}
+
+fn machine(world: &mut World, substeps: usize) -> Machine {
+    Machine {
+        first_half,
+        second_half,
+        model: std::ptr::null(),
+        data: (&raw mut *world).cast(),
+        timestep: 0.5,
+        substeps,
+        warnings: vec![&raw const world.warnings],
+        readings: vec![place(&mut world.sensor)],
+        commands: vec![place(&mut world.u)],
+        truths: vec![place(&mut world.x)],
+    }
+}
+
+fn stepper(bench: &mut Bench, delay: usize, substeps: usize, apply: Apply, stop: Option<Condition>) -> Stepper {
+    static REFERENCES: [c_uint; 2] = [0, 1];
+    let machine = machine(&mut bench.world, substeps);
+    let call = |function, reference: usize, value: &mut f64| Call {
+        function,
+        references: &raw const REFERENCES[reference],
+        count: 1,
+        values: (&raw mut *value).cast(),
+    };
+    let controller = Controller {
+        component: (&raw mut bench.brain).cast(),
+        set: vec![call(set, 0, &mut bench.input)],
+        step: do_step,
+        get: vec![call(get, 1, &mut bench.output)],
+    };
+    let links = Links {
+        sensed: vec![at(&mut bench.sensed)],
+        readings: vec![link(at(&mut bench.sensed), at(&mut bench.input), 0)],
+        outputs: vec![link(at(&mut bench.output), at(&mut bench.command), delay)],
+        commands: vec![at(&mut bench.command)],
+        ..Links::default()
+    };
+    let banks = vec![Bank::Reals(NonNull::from(&mut bench.input), 1), Bank::Reals(NonNull::from(&mut bench.output), 1)];
+    let table = NonNull::from(&mut bench.table).cast();
+    let log = Log { table, rows: 8, columns: 4, start: 1, banks, every: 1, stop };
+    let functions = Functions { make, delete, apply, error: words };
+    // SAFETY: the fakes do what MuJoCo does, and the bench outlives the stepper.
+    unsafe {
+        let trap = Trap::new(functions, std::ptr::null()).expect("a trap");
+        Stepper::new(machine, Some(controller), links, Some(log), 0.1, trap)
+    }
+}
+
+fn start() -> Box<Bench> {
+    Box::new(Bench { world: World { x: 1.0, ..World::default() }, ..Bench::default() })
+}
+
+fn run(stepper: &mut Stepper, until: usize) -> Result<bool, Failure> {
+    stepper.run(&mut Circuit::default(), &mut Circuit::default(), until)
+}
+
+#[test]
+fn the_controller_moves_first_and_sees_the_plant_of_its_time() {
+    // x goes on by 2 * 0.5 * u = -0.5 x
+    let mut bench = start();
+    let mut stepper = stepper(&mut bench, 0, 2, apply, None);
+    assert_eq!(run(&mut stepper, 1), Ok(false));
+    assert_eq!(run(&mut stepper, 4), Ok(false));
+    assert_eq!(stepper.steps(), 4);
+    let rows = [[0.0, 1.0, -0.5, 1.0], [0.1, 0.5, -0.25, 0.5], [0.2, 0.25, -0.125, 0.25]];
+    assert_eq!(bench.table[..3], rows);
+    assert_eq!(bench.table[3][0].to_bits(), (3.0 * 0.1_f64).to_bits());
+    assert_eq!(bench.world.halves, 4 * 2 * 2);
+    assert_eq!(bench.brain.times, [0.0, 0.1, 0.2, 3.0 * 0.1]);
+}
+
+#[test]
+fn a_delayed_command_acts_one_step_later() {
+    let mut bench = start();
+    let mut stepper = stepper(&mut bench, 1, 1, apply, None);
+    assert_eq!(run(&mut stepper, 4), Ok(false));
+    let truths = bench.table.map(|row| row[3]);
+    assert_eq!(truths[..4], [1.0, 1.0, 0.75, 0.5]);
+}
+
+#[test]
+fn a_condition_ends_the_run_after_its_step() {
+    let program = vec![Operation::Column(3), Operation::Number(0.3), Operation::named("less").expect("an operation")];
+    let mut bench = start();
+    let mut stepper = stepper(&mut bench, 0, 2, apply, Condition::new(program, 4));
+    assert_eq!(run(&mut stepper, 8), Ok(true));
+    assert_eq!((stepper.steps(), bench.world.x), (3, 0.125));
+}
+
+#[test]
+fn failures_name_their_step() {
+    let mut bench = start();
+    bench.brain.fail_at = Some(2);
+    let mut stepper = stepper(&mut bench, 0, 1, apply, None);
+    assert_eq!(run(&mut stepper, 8), Err(Failure::Call { call: 1, status: 3 }));
+    assert_eq!(stepper.steps(), 2);
+}
+
+#[test]
+fn what_is_not_finite_is_found_where_it_arises() {
+    let mut bench = start();
+    bench.world.x = f64::NAN;
+    assert_eq!(run(&mut stepper(&mut bench, 0, 1, apply, None), 1), Err(Failure::Sensed));
+    bench.world.x = 1e4;
+    let mut stepper = stepper(&mut bench, 0, 1, apply, None);
+    assert_eq!(run(&mut stepper, 8), Err(Failure::Warning));
+    assert_eq!(stepper.steps(), 1);
+}
+
+#[test]
+fn words_of_a_mujoco_error_come_back() {
+    let mut bench = start();
+    let refused = run(&mut stepper(&mut bench, 0, 1, refuse, None), 1);
+    assert_eq!(refused, Err(Failure::MuJoCo("mj_step1: told to fail".into())));
+}
+
+struct Bug;
+
+impl Element for Bug {
+    fn ports(&self) -> Ports {
+        Ports { inputs: &[], outputs: &[] }
+    }
+
+    fn reset(&mut self) {}
+
+    fn step(&mut self, _: &[f64], _: &mut [f64], _: f64) {
+        panic!("a bug of an element");
+    }
+}
+
+#[test]
+fn a_panic_crosses_no_c_function() {
+    let mut bench = start();
+    let mut stepper = stepper(&mut bench, 0, 1, apply, None);
+    let mut broken = Circuit::default();
+    broken.bind("bug".into(), Box::new(Bug), vec![], vec![]);
+    let caught = catch_unwind(AssertUnwindSafe(|| stepper.run(&mut Circuit::default(), &mut broken, 1)));
+    let words = caught.expect_err("a panic");
+    assert_eq!(words.downcast_ref::<&str>(), Some(&"a bug of an element"));
+}

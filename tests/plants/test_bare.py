@@ -1,0 +1,248 @@
+"""A bare MJCF as a plant: channels by name, parameters as in the file, honest errors."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+import pytest
+
+import plants.bare
+from plants.parameters import ParameterError
+from plants.plant import PlantError
+
+CART = """
+<mujoco model="cart">
+  <option timestep="0.001" integrator="implicitfast" gravity="0 0 -9.81"/>
+  <worldbody>
+    <geom name="floor" type="plane" size="5 5 0.1"/>
+    <body name="cart" pos="0 0 1">
+      <joint name="slide" type="slide" axis="1 0 0" damping="0.5"/>
+      <geom name="box" type="box" size="0.1 0.05 0.05" mass="1"/>
+      <body name="pole">
+        <joint name="hinge" type="hinge" axis="0 1 0" damping="0.02" stiffness="0.3"/>
+        <geom type="capsule" size="0.01" fromto="0 0 0 0 0 -0.5" mass="0.1"/>
+      </body>
+    </body>
+    <body name="puck" pos="0 1 0.02">
+      <freejoint name="free"/>
+      <geom name="disc" type="cylinder" size="0.05 0.02" mass="0.2" friction="0.7"/>
+    </body>
+    <body name="globe" pos="0 -1 0.5">
+      <joint name="ball" type="ball"/>
+      <geom type="sphere" size="0.1" pos="0 0 0.1" mass="1" contype="0" conaffinity="0"/>
+    </body>
+  </worldbody>
+  <tendon>
+    <fixed name="travel" stiffness="0.4"><joint joint="slide" coef="1"/></fixed>
+    <fixed name="mixed"><joint joint="slide" coef="1"/><joint joint="hinge" coef="1"/></fixed>
+  </tendon>
+  <actuator>
+    <motor name="push" joint="slide" ctrllimited="true" ctrlrange="-10 10"/>
+    <motor name="geared" joint="slide" gear="3"/>
+    <position name="servo" joint="hinge" kp="0.2"/>
+    <velocity name="drive" joint="hinge" kv="0.1"/>
+    <motor joint="slide"/>
+  </actuator>
+  <sensor>
+    <jointpos name="x" joint="slide" noise="1e-3"/>
+    <jointvel name="turning" joint="hinge"/>
+    <framequat name="tilt" objtype="body" objname="puck"/>
+    <framepos name="place" objtype="body" objname="puck"/>
+    <actuatorfrc name="thrust" actuator="push"/>
+    <tendonpos name="length" tendon="travel"/>
+    <tendonpos name="sum" tendon="mixed"/>
+    <user name="extra" dim="2"/>
+    <jointpos joint="hinge"/>
+  </sensor>
+  <keyframe>
+    <key name="away" qpos="0.3 0.1  0 1 0.02 1 0 0 0  1 0 0 0" qvel="0.5 0  0 0 0 0 0 0  0 0 0"/>
+  </keyframe>
+</mujoco>
+"""
+Write = Callable[..., Path]
+
+
+@pytest.fixture
+def write(tmp_path: Path) -> Write:
+    """Write an MJCF file: the cart with some texts replaced."""
+
+    def write_mjcf(*changes: tuple[str, str], name: str = "cart.xml", text: str = CART) -> Path:
+        for old, new in changes:
+            assert old in text
+            text = text.replace(old, new, 1)
+        file = tmp_path / name
+        file.write_text(text)
+        return file
+
+    return write_mjcf
+
+
+def build(file: Path, **parameters: Any) -> Any:
+    """Plant of a file; `joint__slide__damping` is the parameter `joint.slide.damping`."""
+    kind = plants.bare.load(file)
+    fields = {field.metadata["key"]: field.name for field in dataclasses.fields(cast(Any, kind.Parameters))}
+    named = {fields[key.replace("__", ".")]: value for key, value in parameters.items()}
+    return kind(kind.Parameters(**named))
+
+
+def run(plant: Any, steps: int = 200, **commands: Any) -> np.ndarray[Any, Any]:
+    """Truths of a run with constant commands."""
+    plant.reset(1, steps * plant.timestep)
+    rows = []
+    for _ in range(steps):
+        plant.sense()
+        plant.command(np.array([commands.get(channel.name, 0.0) for channel in plant.commands]))
+        rows.append(plant.truth())
+        plant.advance(1)
+    return np.array(rows)
+
+
+def column(plant: Any, table: np.ndarray[Any, Any], name: str) -> np.ndarray[Any, Any]:
+    values: np.ndarray[Any, Any] = table[:, [channel.name for channel in plant.truths].index(name)]
+    return values
+
+
+def test_channels_have_the_names_units_noise_and_limits_of_the_file(write: Write) -> None:
+    plant = build(write())
+    readings = {channel.name: channel for channel in plant.readings}
+    assert list(readings) == [
+        "x", "turning", "tilt.w", "tilt.x", "tilt.y", "tilt.z", "place.x", "place.y", "place.z", "thrust",
+        "length", "sum", "extra[1]", "extra[2]",
+    ]  # fmt: skip
+    units = {
+        "x": "m",
+        "turning": "rad/s",
+        "tilt.w": "1",
+        "place.z": "m",
+        "thrust": "N",
+        "length": "m",
+        "sum": "",
+    }
+    assert {name: readings[name].unit for name in units} == units
+    assert (readings["x"].noise, readings["turning"].noise) == (1e-3, 0.0)
+    commands = {channel.name: channel for channel in plant.commands}
+    assert {name: channel.unit for name, channel in commands.items()} == {
+        "push": "N", "geared": "", "servo": "rad", "drive": "rad/s",
+    }  # fmt: skip
+    assert (commands["push"].minimum, commands["push"].maximum) == (-10.0, 10.0)
+    assert commands["servo"].maximum == math.inf
+    truths = {channel.name: channel.unit for channel in plant.truths}
+    assert (truths["slide.position"], truths["hinge.velocity"], truths["free.position.x"]) == (
+        "m",
+        "rad/s",
+        "m",
+    )
+    assert (truths["free.rotation.w"], truths["ball.angular_velocity.z"]) == ("1", "rad/s")
+    assert (truths["push.command"], truths["push.force"], truths["x"]) == ("N", "N", "m")
+
+
+def test_a_pushed_cart_moves_as_newton_says(write: Write) -> None:
+    plant = build(write(), body__cart__mass=3.9, joint__slide__damping=2.0, tendon__travel__stiffness=0.0)
+    table = run(plant, 1000, push=4.0)
+    # the pole adds 0.1 kg and hardly swings while the cart is slow
+    time, mass = 0.999, 4.0
+    expected = 4.0 / 2.0 * (1.0 - math.exp(-2.0 * time / mass))
+    assert column(plant, table, "slide.velocity")[-1] == pytest.approx(expected, rel=0.02)
+
+
+EDITS = {
+    "timestep": ('timestep="0.001"', 'timestep="0.002"', 0.002),
+    "gravity__z": ("0 0 -9.81", "0 0 -1.62", -1.62),
+    "body__cart__mass": ('mass="1"', 'mass="2.5"', 2.5),
+    "joint__slide__damping": ('damping="0.5"', 'damping="3"', 3.0),
+    "joint__slide__armature": ('damping="0.5"', 'damping="0.5" armature="0.7"', 0.7),
+    "joint__slide__frictionloss": ('damping="0.5"', 'damping="0.5" frictionloss="0.2"', 0.2),
+    "joint__slide__stiffness": ('damping="0.5"', 'damping="0.5" stiffness="5"', 5.0),
+    "joint__hinge__stiffness": ('stiffness="0.3"', 'stiffness="0"', 0.0),
+    "tendon__travel__stiffness": ('stiffness="0.4"', 'stiffness="7"', 7.0),
+    "tendon__travel__damping": ('stiffness="0.4"', 'stiffness="0.4" damping="2"', 2.0),
+    "geom__disc__friction": ('friction="0.7"', 'friction="1.2"', 1.2),
+    "actuator__geared__gear": ('gear="3"', 'gear="-2"', -2.0),
+}
+
+
+@pytest.mark.parametrize("key", EDITS)
+def test_a_parameter_does_what_the_same_edit_of_the_file_does(write: Write, key: str) -> None:
+    old, new, value = EDITS[key]
+    commands: dict[str, Any] = {"push": 1.0, "geared": 0.5, "servo": 0.4}
+    sliding = ('qvel="0.5 0  0 0 0', 'qvel="0.5 0  1 0 0')
+    edited = run(build(write(sliding, (old, new)), keyframe="away"), **commands)
+    plain = write(sliding)
+    given = run(build(plain, keyframe="away", **{key: value}), **commands)
+    assert not np.array_equal(given, run(build(plain, keyframe="away"), **commands))
+    np.testing.assert_allclose(given, edited, rtol=1e-9, atol=1e-12)
+
+
+def test_a_run_starts_where_it_is_told(write: Write) -> None:
+    file = write()
+    truths = run(build(file), 1)
+    plant = build(file, keyframe="away", joint__slide__position=-0.2, joint__hinge__velocity=0.7)
+    table = run(plant, 50)
+    start = {
+        name: column(plant, table, name)[0] for name in ("slide.position", "slide.velocity", "hinge.position")
+    }
+    assert start == {"slide.position": -0.2, "slide.velocity": 0.5, "hinge.position": 0.1}
+    assert column(plant, table, "hinge.velocity")[0] == 0.7
+    assert column(plant, truths, "slide.position")[0] == 0.0
+    # the second run of a plant is the first run of a new one
+    assert np.array_equal(run(plant, 50), table)
+
+
+def test_forces_are_those_of_the_step_before(write: Write) -> None:
+    plant = build(write())
+    thrust = column(plant, run(plant, 3, push=2.0), "thrust")
+    assert thrust.tolist() == [0.0, 2.0, 2.0]
+
+
+MISTAKES = {
+    "misspelt": (('damping="0.5"', 'dampin="0.5"'), r"cannot load `cart.xml`: .*`?'dampin'.*joint.*line 7"),
+    "no-target": (('joint="slide" ctrl', 'joint="slid" ctrl'), r"cannot load `cart.xml`: .*'slid'.*line"),
+    "broken": (("</mujoco>", ""), r"cannot load `cart.xml`: XML"),
+    "ambiguous": (('name="x"', 'name="slide.position"'), r"two channels .*`slide.position`\nhint: rename"),
+    "rk4": (("implicitfast", "RK4"), r"`cart`: integrator `RK4` .*\nhint: use `implicitfast`"),
+}
+
+
+@pytest.mark.parametrize("case", MISTAKES)
+def test_a_file_with_a_mistake_is_refused(write: Write, case: str) -> None:
+    change, message = MISTAKES[case]
+    with pytest.raises(PlantError, match=message):
+        build(write(change))
+
+
+def test_wrong_parameters_are_refused(write: Write) -> None:
+    file = write()
+    with pytest.raises(ParameterError, match=r"`plant.joint.slide.damping` .* `-1` N.s/m, limit `0` to"):
+        build(file, joint__slide__damping=-1.0)
+    with pytest.raises(ParameterError, match=r"`plant.keyframe` .* expected a text"):
+        build(file, keyframe=1.0)
+    with pytest.raises(PlantError, match=r"no such `keyframe`: .*'none'.*away"):
+        build(file, keyframe="none")
+
+
+def test_another_integrator_makes_a_file_with_rk4_fit(write: Write) -> None:
+    given = run(build(write(("implicitfast", "RK4")), integrator="implicitfast"), push=1.0)
+    assert np.array_equal(given, run(build(write()), push=1.0))
+    with pytest.raises(PlantError, match=r"no integrator `verlet`\nhint: take `euler`"):
+        build(write(), integrator="verlet")
+
+
+def test_a_run_that_blows_up_ends_with_the_time(write: Write) -> None:
+    plant = build(write(), joint__slide__stiffness=0.0, timestep=0.01, actuator__geared__gear=1e12)
+    with pytest.raises(PlantError, match=r"plant `cart` at t = .*mjWARN_BAD"):
+        run(plant, 50, geared=1e12)
+
+
+def test_the_fingerprint_is_that_of_all_that_is_included(write: Write) -> None:
+    write(name="sensors.xml", text='<mujoco><sensor><clock name="now"/></sensor></mujoco>')
+    file = write(("<sensor>", '<include file="sensors.xml"/><sensor>'))
+    before = plants.bare.fingerprint(file)
+    assert before == plants.bare.fingerprint(write(("<sensor>", '<include file="sensors.xml"/>\n<sensor>')))
+    assert [channel.name for channel in build(file).readings][:1] == ["now"]
+    write(name="sensors.xml", text='<mujoco><sensor><clock name="later"/></sensor></mujoco>')
+    assert plants.bare.fingerprint(file) != before

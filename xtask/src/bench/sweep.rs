@@ -1,0 +1,35 @@
+//! How much of two cores a sweep uses, and whether its memory grows with the number of runs.
+
+use anyhow::{Context, Result};
+use serde::Deserialize;
+
+use crate::process;
+use crate::workspace::Workspace;
+
+const RUNS: &str = "1000";
+
+/// What a sweep on two workers took.
+#[derive(Deserialize)]
+pub struct Costs {
+    /// Runs per second over twice those of one core that does nothing but the runs.
+    pub throughput: f64,
+    /// Runs per second.
+    pub rate: f64,
+    /// Processor time of all processes over that of the runs alone.
+    pub processor: f64,
+    /// Largest resident memory of all processes together, MB.
+    pub memory: f64,
+    /// The same over that of a sweep of a fifth of the runs.
+    pub growth: f64,
+}
+
+/// Runs two sweeps, one of them five times as large.
+///
+/// # Errors
+/// When a sweep does not run.
+pub fn measure(workspace: &Workspace) -> Result<Costs> {
+    process::header(&format!("measure a sweep of {RUNS} runs"));
+    let mut command = workspace.venv_command("python");
+    command.args(["xtask/bench/sweep.py", RUNS]);
+    serde_json::from_str(&process::text(&mut command)?).context("the sweep printed no numbers")
+}

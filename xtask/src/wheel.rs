@@ -1,0 +1,176 @@
+//! `cargo xtask wheel`: one file that `pip` installs, with harness, plants, native half, FMUs and scenarios.
+
+use std::borrow::Cow;
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, Result, ensure};
+use base64::Engine;
+use base64::prelude::BASE64_URL_SAFE_NO_PAD;
+use sha2::{Digest, Sha256};
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
+
+use crate::fingerprint::{self, Stamp};
+use crate::fmu::{self, build, pack::Content};
+use crate::process;
+use crate::setup;
+use crate::workspace::Workspace;
+
+const FOLDER: &str = "target/wheel";
+/// Where `cosim` looks for what comes with it.
+const PACKED: &str = "cosim/packed";
+const SOURCES: &[&str] = &[
+    "Cargo.lock",
+    "Cargo.toml",
+    "LICENSE-APACHE",
+    "LICENSE-MIT",
+    "README.md",
+    "cosim",
+    "plants",
+    "pyproject.toml",
+    "requirements.txt",
+    "scenarios",
+    "target/fmu/SHA256SUMS",
+];
+
+/// Builds the wheel into `target/wheel/`.
+///
+/// # Errors
+/// When something does not build or a file cannot be written.
+pub fn run(workspace: &Workspace) -> Result<()> {
+    setup::environment(workspace)?;
+    fmu::pack_all(workspace, &fmu::controllers(workspace))?;
+
+    let folder = workspace.path(FOLDER);
+    let toolchain = process::text(Command::new("rustc").arg("--version"))?;
+    let wanted = fingerprint::of(&workspace.root, SOURCES, &[&toolchain])?;
+    let stamp = Stamp(folder.join(".fingerprint"));
+    if stamp.holds(&wanted)
+        && let Ok(wheel) = only_wheel(&folder)
+    {
+        process::up_to_date(&format!("`{FOLDER}/{}`", name_of(&wheel)));
+        return Ok(());
+    }
+    if folder.exists() {
+        fs::remove_dir_all(&folder).with_context(|| format!("cannot clear `{FOLDER}`"))?;
+    }
+    let plain = folder.join("plain");
+    build_packages(workspace, &plain)?;
+    let built = only_wheel(&plain)?;
+    let wheel = folder.join(name_of(&built));
+    pack(&built, &content(workspace)?, &wheel)?;
+    fs::remove_dir_all(&plain).with_context(|| format!("cannot clear `{FOLDER}/plain`"))?;
+    stamp.set(&wanted)?;
+    process::header(&format!("wrote `{FOLDER}/{}` ({} kB)", name_of(&wheel), fs::metadata(&wheel)?.len() / 1000));
+    Ok(())
+}
+
+/// Builds the packages `plants` and `cosim` with the native half as a wheel; on Linux for an old C library.
+fn build_packages(workspace: &Workspace, folder: &Path) -> Result<()> {
+    let mut maturin = workspace.venv_command("maturin");
+    maturin.args(["build", "--release", "--locked", "--quiet", "--out"]).arg(folder);
+    maturin.arg("--interpreter").arg(workspace.venv_program("python"));
+    if build::needs_environment() {
+        maturin.arg("--zig");
+    }
+    maturin.env("CARGO_ENCODED_RUSTFLAGS", build::remap_flags(workspace).join("\u{1f}"));
+    process::run("build the packages `plants` and `cosim`", &mut maturin)
+}
+
+/// The FMUs and the scenarios by their path in the wheel.
+fn content(workspace: &Workspace) -> Result<Content> {
+    let mut content = Content::default();
+    for package in fmu::controllers(workspace) {
+        let name = format!("{}.fmu", package.name);
+        let bytes = fs::read(workspace.path("target/fmu").join(&name)).with_context(|| format!("no `{name}`"))?;
+        content.add(format!("{PACKED}/fmu/{name}"), bytes)?;
+    }
+    content.add_folder(&format!("{PACKED}/scenarios"), &workspace.path("scenarios"))?;
+    Ok(content)
+}
+
+/// Writes a wheel with the files of `plain` and more, and a new list of them all.
+fn pack(plain: &Path, content: &Content, wheel: &Path) -> Result<()> {
+    let mut archive = ZipArchive::new(File::open(plain)?).context("maturin left no readable wheel")?;
+    let mut names = archive.file_names().filter_map(Result::ok).map(Cow::into_owned);
+    let record = names.find(|name| name.ends_with(".dist-info/RECORD")).context("the wheel has no `RECORD`")?;
+    drop(names);
+    let options = SimpleFileOptions::default()
+        .compression_method(CompressionMethod::Deflated)
+        .last_modified_time(DateTime::default())
+        .unix_permissions(0o644);
+
+    let mut writer = ZipWriter::new(File::create(wheel)?);
+    let mut lines = std::io::read_to_string(archive.by_name(&record)?)?;
+    for index in 0..archive.len() {
+        let file = archive.by_index_raw(index)?;
+        if file.name()? != record {
+            writer.raw_copy_file(file)?;
+        }
+    }
+    for (path, bytes) in content.files() {
+        writer.start_file(path, options)?;
+        std::io::Write::write_all(&mut writer, bytes)?;
+        lines.push_str(&record_line(path, bytes));
+    }
+    // the list is the last file, as the format of wheels wishes
+    writer.start_file(record.as_str(), options)?;
+    std::io::Write::write_all(&mut writer, lines.as_bytes())?;
+    writer.finish()?;
+    Ok(())
+}
+
+/// Line of a file in the list `RECORD` of a wheel: path, hash, size.
+fn record_line(path: &str, bytes: &[u8]) -> String {
+    format!("{path},sha256={},{}\n", BASE64_URL_SAFE_NO_PAD.encode(Sha256::digest(bytes)), bytes.len())
+}
+
+fn only_wheel(folder: &Path) -> Result<PathBuf> {
+    let mut wheels = Vec::new();
+    for entry in fs::read_dir(folder).with_context(|| format!("cannot list `{}`", folder.display()))? {
+        let path = entry?.path();
+        if path.extension().is_some_and(|extension| extension == "whl") {
+            wheels.push(path);
+        }
+    }
+    ensure!(wheels.len() == 1, "`{}` holds {} wheels, not one", folder.display(), wheels.len());
+    Ok(wheels.remove(0))
+}
+
+fn name_of(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_of_the_list_is_as_pip_wants_it() {
+        assert_eq!(record_line("a/b.txt", b"abc"), "a/b.txt,sha256=ungWv48Bz-pBQUDeXa4iI7ADYaOWF3qctBD_YfIAFa0,3\n");
+    }
+
+    #[test]
+    fn files_are_added_and_listed() {
+        let folder = tempfile::tempdir().unwrap();
+        let (plain, wheel) = (folder.path().join("plain.whl"), folder.path().join("full.whl"));
+        let mut writer = ZipWriter::new(File::create(&plain).unwrap());
+        let files = [("a.py", "x = 1"), ("a-1.dist-info/RECORD", "a.py,,\na-1.dist-info/RECORD,,\n")];
+        for (path, text) in files {
+            writer.start_file(path, SimpleFileOptions::default()).unwrap();
+            std::io::Write::write_all(&mut writer, text.as_bytes()).unwrap();
+        }
+        writer.finish().unwrap();
+        let mut content = Content::default();
+        content.add("cosim/packed/fmu/a.fmu", b"abc".to_vec()).unwrap();
+
+        pack(&plain, &content, &wheel).unwrap();
+        let mut archive = ZipArchive::new(File::open(&wheel).unwrap()).unwrap();
+        let names: Vec<_> = archive.file_names().map(|name| name.unwrap().into_owned()).collect();
+        assert_eq!(names, ["a.py", "cosim/packed/fmu/a.fmu", "a-1.dist-info/RECORD"]);
+        let record = std::io::read_to_string(archive.by_name("a-1.dist-info/RECORD").unwrap()).unwrap();
+        assert!(record.starts_with("a.py,,\n") && record.contains("cosim/packed/fmu/a.fmu,sha256=ungWv48"), "{record}");
+    }
+}
