@@ -74,10 +74,11 @@ def on(mold: Mold, x: Array, y: Array) -> Array:
 
 
 def leant(normals: Array, angle: float) -> Array:
-    """Normals that lean by an angle about the x-axis, rad: what a mold set up askew, or a wrong CAM, gives."""
+    """Turn normals by an angle about the x-axis, rad: what a mold set up askew, or a wrong CAM, gives."""
     cosine, sine = math.cos(angle), math.sin(angle)
     about_x = np.array([[1.0, 0.0, 0.0], [0.0, cosine, -sine], [0.0, sine, cosine]])
-    return normals @ about_x.T
+    turned: Array = normals @ about_x.T
+    return turned
 
 
 def cl_lines(name: str, points: Array, normals: Array, tool_diameter: float, feed: float) -> Iterator[str]:

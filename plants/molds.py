@@ -1,8 +1,8 @@
 """Molds as analytic surfaces: a spherical cap or a saddle, with Gaussian dimples.
 
 The frame of a mold is that of its CL data: z points out of the cavity along its axis, and the surface passes
-through the origin. The paper gives an LED lens mold of 4 mm diameter with several concave areas; every radius,
-depth and place below is our choice.
+through the origin. The paper gives an LED lens mold of 4 mm diameter with several concave areas; radii, depths
+and places below are our choice.
 """
 
 import math
@@ -72,23 +72,27 @@ class Mold:
         return along_x, along_y
 
     def normal(self, x: ArrayLike, y: ArrayLike) -> Array:
-        """Unit normal out of the material, last axis x, y, z."""
+        """Return the unit normal out of the material, last axis x, y, z."""
         along_x, along_y = self.gradient(x, y)
-        normal = np.stack([-along_x, -along_y, np.ones_like(along_x)], axis=-1)
-        return normal / np.linalg.norm(normal, axis=-1, keepdims=True)
+        normal: Array = np.stack([-along_x, -along_y, np.ones_like(along_x)], axis=-1)
+        normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
+        return normal
 
     def _height(self, x: ArrayLike, y: ArrayLike) -> Array:
         x, y = np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64)
         square = x * x + y * y
         # the cap without the difference of two large numbers
         cap = square / self.cap_radius / (1.0 + np.sqrt(1.0 - square / self.cap_radius**2))
-        saddle = (x * x - y * y) / (2.0 * self.saddle_radius)
-        return cap + saddle - sum(self._hollow(dimple, x, y) for dimple in self.dimples)
+        height: Array = cap + (x * x - y * y) / (2.0 * self.saddle_radius)
+        for dimple in self.dimples:
+            height = height - self._hollow(dimple, x, y)
+        return height
 
     @staticmethod
     def _hollow(dimple: Dimple, x: Array, y: Array) -> Array:
         square = (x - dimple.x) ** 2 + (y - dimple.y) ** 2
-        return dimple.depth * np.exp(-square / (2.0 * dimple.sigma**2))
+        hollow: Array = dimple.depth * np.exp(-square / (2.0 * dimple.sigma**2))
+        return hollow
 
 
 MOLDS = {
