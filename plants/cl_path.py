@@ -23,7 +23,7 @@ from plants.molds import MOLDS, Mold
 
 Array = NDArray[np.float64]
 
-FINE = 10
+FINE = 2
 """Steps of the spiral in one spacing of its points."""
 MM = 1e3
 
@@ -49,17 +49,17 @@ class Spiral:
 
     def contact_points(self, mold: Mold) -> Array:
         """Contact points in equal distances, one a row."""
-        plan = np.array(list(self._plan(mold)))
-        fine = on(mold, plan[:, 0], plan[:, 1])
+        radius, angle = np.array(list(self._polar(mold))).T
+        fine = on(mold, radius, angle)
         way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(fine, axis=0), axis=1))])
         stops = np.linspace(0.0, way[-1], max(math.ceil(way[-1] / self.spacing), 1) + 1)
-        return on(mold, np.interp(stops, way, plan[:, 0]), np.interp(stops, way, plan[:, 1]))
+        return on(mold, np.interp(stops, way, radius), np.interp(stops, way, angle))
 
-    def _plan(self, mold: Mold) -> Iterator[tuple[float, float]]:
+    def _polar(self, mold: Mold) -> Iterator[tuple[float, float]]:
         radius, angle = self.inner, 0.0
         while radius < self.outer:
+            yield radius, angle
             x, y = radius * math.cos(angle), radius * math.sin(angle)
-            yield x, y
             along_x, along_y = mold.gradient(x, y)
             steep = (float(along_x) * x + float(along_y) * y) / radius
             turn = self.spacing / FINE / radius
@@ -68,8 +68,9 @@ class Spiral:
             angle += turn
 
 
-def on(mold: Mold, x: Array, y: Array) -> Array:
-    """Points of the surface over x and y, one a row."""
+def on(mold: Mold, radius: Array, angle: Array) -> Array:
+    """Return the points of the surface at a distance and an angle from the axis, one a row."""
+    x, y = radius * np.cos(angle), radius * np.sin(angle)
     return np.stack([x, y, mold.height(x, y)], axis=-1)
 
 
@@ -81,29 +82,39 @@ def leant(normals: Array, angle: float) -> Array:
     return turned
 
 
-def cl_lines(name: str, points: Array, normals: Array, tool_diameter: float, feed: float) -> Iterator[str]:
-    """Lines of a CL file.
+def cl_text(
+    name: str, spiral: Spiral, tool_diameter: float = 1e-3, feed: float = 2e-3, lean: float = 0.0
+) -> str:
+    """Return the CL file of a spiral over a mold.
 
     Parameters
     ----------
     name : str
-        Name of the part.
-    points, normals : array
-        Contact points, m, and unit normals, one a row.
+        Name of the mold in `MOLDS`.
+    spiral : Spiral
+        The path.
     tool_diameter : float
         Diameter of the ball, m.
     feed : float
         Feed of the contact point, m/s.
+    lean : float
+        Angle by which the normals are wrong, rad.
     """
-    yield f"PARTNO/{name.upper()}"
-    yield "$$ contact points and unit normals out of the material"
-    yield "UNITS/MM"
-    yield f"CUTTER/{MM * tool_diameter:g}"
-    yield f"FEDRAT/{60.0 * MM * feed:g},MMPM"
-    for row in np.hstack([MM * points, normals]):
-        # no -0.000000
-        yield "GOTO/" + ",".join(f"{number:.6f}" for number in np.round(row, 6) + 0.0)
-    yield "FINI"
+    mold = MOLDS[name]
+    points = spiral.contact_points(mold)
+    normals = leant(mold.normal(points[:, 0], points[:, 1]), lean)
+    # adding zero makes -0 a 0
+    rows = np.round(np.hstack([MM * points, normals]), 6) + 0.0
+    lines = [
+        f"PARTNO/{name.upper()}",
+        "$$ contact points and unit normals out of the material",
+        "UNITS/MM",
+        f"CUTTER/{MM * tool_diameter:g}",
+        f"FEDRAT/{60.0 * MM * feed:g},MMPM",
+        *("GOTO/" + ",".join(f"{number:.6f}" for number in row) for row in rows),
+        "FINI",
+    ]
+    return "\n".join(lines) + "\n"
 
 
 def main() -> None:
@@ -123,14 +134,13 @@ def main() -> None:
         parser.add_argument(f"--{option}", type=positive, default=default, help=f"{text}; default {default}")
     parser.add_argument("--lean", type=float, default=0.0, help="angle by which the normals are wrong, rad")
     chosen = parser.parse_args()
-    mold = MOLDS[chosen.mold]
-    outer = min(chosen.outer or mold.aperture, mold.aperture)
+    outer = chosen.outer or MOLDS[chosen.mold].aperture
     if chosen.inner >= outer:
         parser.error(f"--inner is {chosen.inner:g} m, it must be less than the end of the path, {outer:g} m")
+    if outer > MOLDS[chosen.mold].aperture:
+        parser.error(f"--outer is {outer:g} m, the mold ends at {MOLDS[chosen.mold].aperture:g} m")
     spiral = Spiral(chosen.pick_feed, chosen.inner, outer, chosen.spacing)
-    points = spiral.contact_points(mold)
-    normals = leant(mold.normal(points[:, 0], points[:, 1]), chosen.lean)
-    text = "\n".join(cl_lines(chosen.mold, points, normals, chosen.tool_diameter, chosen.feed)) + "\n"
+    text = cl_text(chosen.mold, spiral, chosen.tool_diameter, chosen.feed, chosen.lean)
     if chosen.file == "-":
         sys.stdout.write(text)
     else:

@@ -1,8 +1,8 @@
 """Molds as analytic surfaces: a spherical cap or a saddle, with Gaussian dimples.
 
-The frame of a mold is that of its CL data: z points out of the cavity along its axis, and the surface goes
-through the origin. The paper gives an LED lens mold of 4 mm diameter with several concave areas; radii, depths
-and places below are our choice.
+The frame of a mold is that of its CL data: z points out of the cavity along its axis from the surface.
+The paper gives an LED lens mold of 4 mm diameter with several concave areas; radii, depths and places
+below are our choice.
 """
 
 import math
