@@ -138,8 +138,8 @@ class Run:
         return (
             f"{'done' if self.done else self.fault}, settle {self.settle:.3f} s, "
             f"over {self.overshoot:.2f} N, N {self.force.mean():.2f} +- {self.force.std():.3f} "
-            f"({self.force.min():.2f} .. {self.force.max():.2f}), least {self.least:.2f} N, rms {self.force_error:.3f} N, "
-            f"lateral {1e6 * self.lateral:.1f} um, gain {self.gain:.2f}"
+            f"({self.force.min():.2f} .. {self.force.max():.2f}), least {self.least:.2f} N, "
+            f"rms {self.force_error:.3f} N, lateral {1e6 * self.lateral:.1f} um, gain {self.gain:.2f}"
         )
 
 
