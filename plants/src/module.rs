@@ -9,8 +9,9 @@ mod _native {
     use pyo3::prelude::*;
 
     use crate::{
-        Bristle, ColouredNoise, CurrentLoop, Flute, Foot, Harmonics, Integrator, Latch, Limit, Lookup, MotionBoard,
-        Outline, Peak, Product, Rotation, Shapes, Slew, Stribeck, Sum, Thrust, Tip, TurnedPart, Turntable, Wrench,
+        Bristle, ColouredNoise, CurrentLoop, Dimple, DriveGains, Flute, Foot, Harmonics, Integrator, Latch, Limit,
+        Lookup, LowPass, Mold, MotionBoard, Outline, Peak, Pose, Product, PulseDrive, Rotation, Rubbing, Shapes, Slew,
+        Step, Stribeck, Sum, TangentPlane, Thrust, Tip, TurnedPart, Turntable, Wrench,
     };
 
     #[pymodule_export]
@@ -86,6 +87,12 @@ mod _native {
         Ok(Unbound::new(table(samples)?))
     }
 
+    /// First-order filter of `bandwidth` rad/s: value -> filtered.
+    #[pyfunction]
+    fn low_pass(bandwidth: f64) -> Unbound {
+        Unbound::new(LowPass::new(bandwidth))
+    }
+
     /// Servo of one axis (N/m, N.s/m, N, s): position_setpoint, velocity_setpoint, position, velocity -> force.
     #[pyfunction]
     fn motion_board(stiffness: f64, damping: f64, force_limit: f64, period: f64) -> Unbound {
@@ -117,10 +124,36 @@ mod _native {
         Unbound::new(Product::new())
     }
 
+    /// Positioner with pulses of `pulse` m that arrive in `tick` s: pulses, position, velocity -> force, reference.
+    ///
+    /// The loops are position gain in 1/s, velocity gain in rad/s and its integral in 1/s; feedforward is share and
+    /// bandwidth in rad/s; inertia in kg, the largest force in N.
+    #[pyfunction]
+    fn pulse_drive(
+        loops: (f64, f64, f64),
+        feedforward: (f64, f64),
+        inertia: f64,
+        force: f64,
+        pulse: f64,
+        tick: f64,
+    ) -> Unbound {
+        let (position, velocity, integral) = loops;
+        let (feedforward, smoothing) = feedforward;
+        let gains = DriveGains { position, velocity, integral, feedforward, smoothing, inertia, force };
+        Unbound::new(PulseDrive::new(gains, pulse, tick))
+    }
+
     /// Shaft that starts at `start` rad: speed -> angle at the start of the step, angle at its end.
     #[pyfunction]
     fn rotation(start: f64) -> Unbound {
         Unbound::new(Rotation::new(start))
+    }
+
+    /// Contact that rubs: fx, fy, fz, normal_x, normal_y, normal_z, vx, vy, vz -> load, friction_x, friction_y,
+    /// friction_z, speed, slid, rubbed, work.
+    #[pyfunction]
+    fn rubbing() -> Unbound {
+        Unbound::new(Rubbing::new())
     }
 
     /// Set-point that starts at `start` and changes by `rate` per second at most: target -> value.
@@ -140,6 +173,27 @@ mod _native {
         let limit = Sum::TERMS_MAX;
         let refused = || PyValueError::new_err(format!("`terms` of a sum: `{terms}`, limit `{limit}`"));
         Ok(Unbound::new(Sum::new(terms).ok_or_else(refused)?))
+    }
+
+    /// Plane that touches a mold where it is nearest to a ball: x, y, z, lift -> place, quaternion, normal, contact
+    /// point in the frame of the mold, distance.
+    ///
+    /// The base is curvature of cap and saddle in 1/m; dimples are x, y, depth, sigma and the step place, height, width,
+    /// all m; beyond `rim` m there is no mold. It stands at `shift` m, turned by the rotation vector `tilt` rad.
+    #[pyfunction]
+    fn tangent_plane(
+        base: (f64, f64),
+        dimples: Vec<(f64, f64, f64, f64)>,
+        step: (f64, f64, f64),
+        rim: f64,
+        shift: [f64; 3],
+        tilt: [f64; 3],
+    ) -> Unbound {
+        let (cap, saddle) = base;
+        let (place, height, width) = step;
+        let dimples = dimples.into_iter().map(|(x, y, depth, sigma)| Dimple { x, y, depth, sigma }).collect();
+        let mold = Mold { cap, saddle, dimples, step: Step { place, height, width }, rim };
+        Unbound::new(TangentPlane::new(mold, Pose::new(shift, tilt)))
     }
 
     /// Linear motor (N/A, relative ripple, ripple period m, phase rad): current, position -> force.
