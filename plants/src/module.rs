@@ -189,10 +189,9 @@ mod _native {
         shift: [f64; 3],
         tilt: [f64; 3],
     ) -> Unbound {
-        let (cap, saddle) = base;
         let (place, height, width) = step;
         let dimples = dimples.into_iter().map(|(x, y, depth, sigma)| Dimple { x, y, depth, sigma }).collect();
-        let mold = Mold { cap, saddle, dimples, step: Step { place, height, width }, rim };
+        let mold = Mold::new(base, dimples, Step { place, height, width }, rim);
         Unbound::new(TangentPlane::new(mold, Pose::new(shift, tilt)))
     }
 

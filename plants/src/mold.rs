@@ -24,19 +24,21 @@ pub struct Step {
     pub width: f64,
 }
 
-/// A surface `z(x, y)` with its axis along z.
+/// A surface `z(x, y)` with its axis along z and, but for a step, with its origin on the surface.
 #[derive(Clone, Debug)]
 pub struct Mold {
     /// curvature of a concave spherical cap, 1/m
-    pub cap: f64,
+    cap: f64,
     /// curvature of a saddle, concave along x and convex along y, 1/m
-    pub saddle: f64,
+    saddle: f64,
     /// hollows besides
-    pub dimples: Vec<Dimple>,
+    dimples: Vec<Dimple>,
     /// rise besides
-    pub step: Step,
-    /// distance from the axis to which the formula goes; beyond, the nearest point is on this rim, m
-    pub rim: f64,
+    step: Step,
+    /// distance from the axis to which the formula goes, m
+    rim: f64,
+    /// height of cap, saddle and dimples on the axis, m
+    datum: f64,
 }
 
 /// Height of a surface at one place with its derivatives.
@@ -76,10 +78,24 @@ impl Local {
 }
 
 impl Mold {
+    /// A cap and a saddle by their curvatures in 1/m with dimples and a step, out to `rim` m from the axis.
+    pub fn new((cap, saddle): (f64, f64), dimples: Vec<Dimple>, step: Step, rim: f64) -> Self {
+        let mut mold = Self { cap, saddle, dimples, step, rim, datum: 0.0 };
+        mold.datum = mold.at(0.0, 0.0).z - step.at(0.0).z;
+        mold
+    }
+
     /// The surface at a place inside the rim.
     pub fn at(&self, x: f64, y: f64) -> Local {
         let base = self.cap_at(x, y).plus(self.saddle_at(x, y)).plus(self.step.at(x));
-        self.dimples.iter().fold(base, |sum, dimple| sum.plus(dimple.at(x, y)))
+        let sum = self.dimples.iter().fold(base, |sum, dimple| sum.plus(dimple.at(x, y)));
+        Local { z: sum.z - self.datum, ..sum }
+    }
+
+    /// The nearest place that is not beyond the rim.
+    pub fn inside(&self, place: [f64; 2]) -> [f64; 2] {
+        let distance = place[0].hypot(place[1]);
+        if distance > self.rim { place.map(|p| p * self.rim / distance) } else { place }
     }
 
     fn cap_at(&self, x: f64, y: f64) -> Local {
@@ -140,18 +156,22 @@ pub(crate) mod tests {
     pub(crate) const NO_STEP: Step = Step { place: 0.0, height: 0.0, width: 1e-3 };
 
     pub(crate) fn sphere() -> Mold {
-        Mold { cap: 1.0 / 3e-3, saddle: 0.0, dimples: Vec::new(), step: NO_STEP, rim: 2e-3 }
+        Mold::new((1.0 / 3e-3, 0.0), Vec::new(), NO_STEP, 2e-3)
     }
 
     pub(crate) fn rough() -> Mold {
-        Mold {
-            saddle: 1.0 / 20e-3,
-            dimples: vec![
-                Dimple { x: 0.9e-3, y: 0.1e-3, depth: 40e-6, sigma: 0.45e-3 },
-                Dimple { x: -0.3e-3, y: -0.9e-3, depth: 35e-6, sigma: 0.42e-3 },
-            ],
-            step: Step { place: 0.5e-3, height: 50e-6, width: 0.8e-3 },
-            ..sphere()
+        let dimples = vec![
+            Dimple { x: 0.9e-3, y: 0.1e-3, depth: 40e-6, sigma: 0.45e-3 },
+            Dimple { x: -0.3e-3, y: -0.9e-3, depth: 35e-6, sigma: 0.42e-3 },
+        ];
+        let step = Step { place: 0.5e-3, height: 50e-6, width: 0.8e-3 };
+        Mold::new((1.0 / 3e-3, 1.0 / 20e-3), dimples, step, 2e-3)
+    }
+
+    #[test]
+    fn the_origin_is_on_the_surface() {
+        for mold in [sphere(), rough()] {
+            assert_eq!(mold.at(0.0, 0.0).z, 0.0);
         }
     }
 

@@ -60,11 +60,11 @@ impl TangentPlane {
         Self { mold, pose, foot: [0.0; 2] }
     }
 
-    /// Newton's method on the squared distance, from the foot point of the step before.
+    /// The surface at the foot point, by Newton's method on the squared distance, from the foot point of the step before.
     fn nearest(&mut self, centre: [f64; 3]) -> Local {
         for _ in 0..ITERATIONS {
             let here = self.mold.at(self.foot[0], self.foot[1]);
-            let next = self.inside(towards(self.foot, here, centre));
+            let next = self.mold.inside(towards(self.foot, here, centre));
             let moved = (next[0] - self.foot[0]).hypot(next[1] - self.foot[1]);
             self.foot = next;
             if moved < EXACT {
@@ -72,12 +72,6 @@ impl TangentPlane {
             }
         }
         self.mold.at(self.foot[0], self.foot[1])
-    }
-
-    /// the nearest place inside the rim
-    fn inside(&self, place: [f64; 2]) -> [f64; 2] {
-        let distance = place[0].hypot(place[1]);
-        if distance > self.mold.rim { place.map(|p| p * self.mold.rim / distance) } else { place }
     }
 }
 

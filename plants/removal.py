@@ -1,0 +1,239 @@
+"""What polishing takes away from a mold: Preston's law on a height map with the cusps that milling left.
+
+The contact is Hertz's: ball in a hollow, wood on steel with its paste. What stands out carries more pressure:
+`p = hertz + selectivity (h - mean)`, scaled to the load. Without that term Preston's law removes everywhere alike
+and takes no cusp away, so it is the basis of every result here: compare cases, do not trust micrometres. Heights are
+along the normal of the surface, and areas are true ones, not their projections.
+
+>>> surface = Surface(MOLDS["led"])  # doctest: +SKIP
+>>> surface.polish(trace["plant.contact_x"], trace["plant.contact_y"], trace["plant.slid"], trace["plant.rubbed"])
+>>> roughness(surface, 0.2e-3, 1.6e-3), evenness(surface, 0.2e-3, 1.6e-3)
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from plants.molds import Mold
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Process:
+    """Tool, paste and what milling left.
+
+    Parameters
+    ----------
+    preston : float
+        Removed depth per pressure and way, m2/N; lumps all passes of the tool. Our choice: one spiral without
+        stick-slip motion leaves two thirds of the cusps.
+    modulus : float
+        Contact modulus of wood and paste on steel, Pa. Our choice.
+    radius : float
+        Radius of a ball on a plane that stands for the ball in its hollow, m. Derived: 1 / (1 / 0.5 mm - 1 / 3 mm).
+    pick : float
+        Distance of the grooves that milling left, m. Our choice.
+    selective : bool
+        Whether what stands out carries more pressure.
+    """
+
+    preston: float = 4e-11
+    modulus: float = 1e9
+    radius: float = 0.6e-3
+    pick: float = 0.1e-3
+    selective: bool = True
+
+    def patch(self, load: float) -> float:
+        """Radius of the contact under a load in N, m (Hertz)."""
+        return (0.75 * load * self.radius / self.modulus) ** (1.0 / 3.0)
+
+    @property
+    def selectivity(self) -> float:
+        """Pressure per height of a cusp, Pa/m: answer of the half-space to a wave of the length `pick`."""
+        return math.pi * self.modulus / self.pick if self.selective else 0.0
+
+    @property
+    def cusp(self) -> float:
+        """Height of the cusps, m."""
+        return self.pick**2 / (8.0 * self.radius)
+
+
+class Surface:
+    """Height map of a mold, from the nominal surface along its normal.
+
+    Parameters
+    ----------
+    mold : Mold
+        The nominal surface.
+    process : Process
+        Tool, paste and cusps.
+    cusps : {"raster", "concentric"}
+        Grooves of the ball-end mill along x, or around the axis.
+    radius : float
+        Distance from the axis to which the map goes, m.
+    pitch : float
+        Distance of its points, m.
+
+    Attributes
+    ----------
+    x, y : Array
+        Places of rows and columns, m.
+    height : Array
+        Height now, row by x and column by y, m.
+    before : Array
+        Height before polishing, m.
+    """
+
+    def __init__(
+        self,
+        mold: Mold,
+        process: Process | None = None,
+        cusps: Literal["raster", "concentric"] = "raster",
+        radius: float = 2e-3,
+        pitch: float = 10e-6,
+    ) -> None:
+        self.process = Process() if process is None else process
+        self.pitch = pitch
+        count = round(radius / pitch)
+        self.x: Array = pitch * np.arange(-count, count + 1)
+        self.y = self.x
+        place = np.meshgrid(self.x, self.y, indexing="ij")
+        across = place[1] if cusps == "raster" else np.hypot(*place)
+        groove = across - self.process.pick * np.round(across / self.process.pick)
+        self.before: Array = groove**2 / (2.0 * self.process.radius)
+        self.height = self.before.copy()
+        inside = np.hypot(*place) <= radius
+        x, y = (np.where(inside, axis, 0.0) for axis in place)
+        self._nominal = np.where(inside, mold.height(x, y), np.inf)
+        slope = np.hypot(*mold.gradient(x, y))
+        self._area: Array = np.where(inside, pitch**2 * np.hypot(1.0, slope), 0.0)
+        self._mold = mold
+
+    @property
+    def removed(self) -> Array:
+        """Depth that polishing took away, m."""
+        return self.before - self.height
+
+    @property
+    def volume(self) -> float:
+        """Volume that polishing took away, m3."""
+        return float((self.removed * self._area).sum())
+
+    def polish(
+        self, x: ArrayLike, y: ArrayLike, slid: ArrayLike, rubbed: ArrayLike, share: float = 1.0
+    ) -> None:
+        """Polish along a logged path.
+
+        Parameters
+        ----------
+        x, y : array
+            Contact points in the frame of the mold, m.
+        slid : array
+            Way of the slip so far, m.
+        rubbed : array
+            Integral of load times slip speed so far, N.m.
+        share : float
+            Part of a pass: the removal is multiplied by it.
+        """
+        x, y, slid, rubbed = (np.asarray(column, dtype=np.float64) for column in (x, y, slid, rubbed))
+        way, work = np.diff(slid), np.diff(rubbed)
+        moving = np.flatnonzero(work > 0.0)
+        depth = self._mold.height(x, y)
+        for k in moving.tolist():
+            centre = 0.5 * (x[k] + x[k + 1]), 0.5 * (y[k] + y[k + 1]), 0.5 * (depth[k] + depth[k + 1])
+            self._rub(centre, work[k] / way[k], share * way[k])
+
+    def _rub(self, centre: tuple[float, float, float], load: float, way: float) -> None:
+        reach = self.process.patch(load)
+        rows, columns = (self._within(place, reach) for place in centre[:2])
+        height, area = self.height[rows, columns], self._area[rows, columns]
+        square = (
+            (self.x[rows, None] - centre[0]) ** 2
+            + (self.y[None, columns] - centre[1]) ** 2
+            + (self._nominal[rows, columns] - centre[2]) ** 2
+        )
+        # hertz, then what stands out
+        pressure = np.sqrt(np.maximum(0.0, 1.0 - square / reach**2))
+        weight = pressure * area
+        total = weight.sum()
+        if total == 0.0:
+            return
+        mean = (weight * height).sum() / total
+        pressure *= load / total
+        pressure += np.where(pressure > 0.0, self.process.selectivity * (height - mean), 0.0)
+        np.maximum(pressure, 0.0, out=pressure)
+        pressure *= load / (pressure * area).sum()
+        height -= self.process.preston * way * pressure
+
+    def _within(self, place: float, reach: float) -> slice:
+        first = math.ceil((place - reach - self.x[0]) / self.pitch)
+        last = math.floor((place + reach - self.x[0]) / self.pitch)
+        return slice(max(first, 0), max(last + 1, 0))
+
+
+@dataclass(frozen=True)
+class Roughness:
+    """Heights without waviness.
+
+    Parameters
+    ----------
+    mean, worst : float
+        Range from 1 to 99 % of the heights in a tile: mean and 95 % of the tiles, m.
+    rms : float
+        Standard deviation, m.
+    """
+
+    mean: float
+    worst: float
+    rms: float
+
+
+def roughness(surface: Surface, inner: float, outer: float, before: bool = False) -> Roughness:
+    """Roughness of the tiles between two distances from the axis, m; `before` polishing on demand."""
+    height = surface.before if before else surface.height
+    rough = height - _smooth(height, 0.12e-3 / surface.pitch)
+    tiles = _tiles(surface, rough, inner, outer)
+    low, high = np.percentile(tiles, (1.0, 99.0), axis=1)
+    worst = float(np.percentile(high - low, 95.0))
+    return Roughness(float(np.mean(high - low)), worst, float(np.std(tiles)))
+
+
+def evenness(surface: Surface, inner: float, outer: float) -> tuple[float, float]:
+    """Mean removed depth in m and its variation from tile to tile over the mean."""
+    depths = _tiles(surface, surface.removed, inner, outer).mean(axis=1)
+    return float(depths.mean()), float(depths.std() / depths.mean())
+
+
+def _tiles(surface: Surface, values: Array, inner: float, outer: float, width: float = 0.2e-3) -> Array:
+    """Values of all square tiles that lie between two distances from the axis, one tile a row."""
+    size = round(width / surface.pitch)
+    middle = (len(surface.x) - 1) // 2
+    reach = int(outer / width)
+    found = []
+    for i in range(-reach, reach):
+        for j in range(-reach, reach):
+            near = math.hypot(min(abs(i), abs(i + 1)), min(abs(j), abs(j + 1))) * width
+            far = math.hypot(max(abs(i), abs(i + 1)), max(abs(j), abs(j + 1))) * width
+            if near >= inner and far <= outer:
+                row, column = middle + i * size, middle + j * size
+                found.append(values[row : row + size, column : column + size].ravel())
+    if not found:
+        raise ValueError(f"no tile of `{width:g}` m between `{inner:g}` m and `{outer:g}` m from the axis")
+    return np.array(found)
+
+
+def _smooth(values: Array, sigma: float) -> Array:
+    """Gaussian mean of `sigma` points; the edges count what is there."""
+    reach = math.ceil(4.0 * sigma)
+    weights = np.exp(-0.5 * (np.arange(-reach, reach + 1) / sigma) ** 2)
+
+    def along(rows: Array) -> Array:
+        return np.array([np.convolve(row, weights, "same") for row in rows])
+
+    ones = np.convolve(np.ones(values.shape[0]), weights, "same")
+    smooth: Array = along(along(values).T).T
+    return smooth / np.outer(ones, ones)
