@@ -1,8 +1,8 @@
 """Orthogonal robot: three ball-screw axes that press and move a small ball of wood over a lens mold.
 
-The machine is that of Nagata, Hase, Haga, Omoto and Watanabe, "Stick-Slip Motion Control for an Orthogonal-Type
-Robot" (2010). The paper gives strokes, pulses of 1 um, 1 ms, 178 N/mm, the ball of 1 mm and the size of the mold,
-but no mass, servo, friction or force. Those are our choice, usual for such axes.
+The machine is that of Nagata, Mizobuchi, Tani, Hase, Haga, Watanabe and Habib, "Stick-Slip Motion Control for
+an Orthogonal-Type Robot" (2010). The paper gives strokes, pulses of 1 um, 1 ms, 178 N/mm, the ball of 1 mm and
+the width of the mold, but no mass, servo, friction or force. Those are our choice, usual for such axes.
 
 The room has z up and its origin where the axis of a mold that is not misplaced meets its surface. Axes are at
 zero where the ball is at the start. Forces are those on the tool.
@@ -78,7 +78,8 @@ class OrthogonalRobot(Plant):
             spec.body(axis).mass = mass
             joint = spec.joint(axis)
             joint.range = -0.5 * stroke - start, 0.5 * stroke - start
-            joint.armature, joint.frictionloss = p.screw_mass, p.drive_friction
+            joint.armature = p.screw_mass
+            joint.frictionloss = 0.0 if p.drive_rolling_way > 0.0 else p.drive_friction
             joint.damping[0] = p.drive_damping
             tip = spec.joint(f"tip_{axis}")
             tip.stiffness[0] = p.tip_stiffness
@@ -121,6 +122,10 @@ class OrthogonalRobot(Plant):
             drive = _native.pulse_drive(loops, feedforward, inertia, p.drive_force, p.pulse, p.pulse_period)
             inputs = [wire(f"pulses_{axis}"), Cell(self.data.qpos, i), Cell(self.data.qvel, i)]
             self.circuit.bind(axis, drive, inputs, [Cell(self.data.ctrl, i), wire(f"reference_{axis}")])
+            if p.drive_rolling_way > 0.0:
+                friction = _native.rolling_friction(p.drive_friction, p.drive_rolling_way)
+                force = Cell(self.data.qfrc_applied, i)
+                self.circuit.bind(f"{axis}_friction", friction, [Cell(self.data.qvel, i)], [force])
 
     def _sensor(self) -> None:
         # force on the tool is the opposite of what the robot exerts on the tip

@@ -32,7 +32,11 @@ class OrthogonalRobotParameters:
     screw_mass: float = parameter(
         3.0, "kg", "Screw and motor of each axis, as a mass on it", "our choice", 0.0, 1e3
     )
-    drive_friction: float = parameter(2.0, "N", "Coulomb friction of each axis", "our choice", 0.0, 1e2)
+    drive_friction: float = parameter(2.0, "N", "Friction of each axis", "our choice", 0.0, 1e2)
+    drive_rolling_way: float = parameter(
+        20e-6, "m", "Way after a reversal over which it turns, 0 for dry friction",
+        "our choice: balls roll freely after 0.1 mm (Futami, Furutani and Yoshida 1991)", 0.0, 1e-3,
+    )  # fmt: skip
     drive_damping: float = parameter(100.0, "N.s/m", "Viscous friction of each axis", "our choice", 0.0, 1e5)
     drive_gain: float = parameter(
         1.0, "1", "Gain of position and velocity loop against nominal", "our choice", 0.1, 10.0

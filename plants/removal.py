@@ -1,13 +1,14 @@
 """What polishing takes away from a mold: Preston's law on a height map with the cusps that milling left.
 
 The contact is Hertz's: ball in a hollow, wood on steel with its paste. What stands out carries more pressure:
-`p = hertz + selectivity (h - mean)`, scaled to the load. Without that term Preston's law removes everywhere alike
-and takes no cusp away, so it is the basis of every result here: compare cases, do not trust micrometres. Heights are
-along the normal of the surface, and areas are true ones, not their projections.
+`p = hertz + selectivity (h - mean)`, scaled to the load. Without that term Preston's law removes everywhere
+alike and takes no cusp away, so it is the basis of every result here: compare cases, do not trust micrometres.
+Heights are along the normal of the surface, and areas are true ones, not their projections.
 
 >>> surface = Surface(MOLDS["led"])  # doctest: +SKIP
->>> surface.polish(trace["plant.contact_x"], trace["plant.contact_y"], trace["plant.slid"], trace["plant.rubbed"])
->>> roughness(surface, 0.2e-3, 1.6e-3), evenness(surface, 0.2e-3, 1.6e-3)
+>>> columns = [trace[f"plant.{name}"] for name in ("contact_x", "contact_y", "slid", "rubbed")]  # doctest: +SKIP
+>>> surface.polish(*columns)  # doctest: +SKIP
+>>> roughness(surface, 0.2e-3, 1.6e-3).mean, evenness(surface, 0.2e-3, 1.6e-3)  # doctest: +SKIP
 """
 
 import math
@@ -34,7 +35,7 @@ class Process:
     modulus : float
         Contact modulus of wood and paste on steel, Pa. Our choice.
     radius : float
-        Radius of a ball on a plane that stands for the ball in its hollow, m. Derived: 1 / (1 / 0.5 mm - 1 / 3 mm).
+        Of a ball on a plane that stands for the ball in its hollow, m. Derived: 1 / (1 / 0.5 mm - 1 / 3 mm).
     pick : float
         Distance of the grooves that milling left, m. Our choice.
     selective : bool
@@ -49,7 +50,7 @@ class Process:
 
     def patch(self, load: float) -> float:
         """Radius of the contact under a load in N, m (Hertz)."""
-        return (0.75 * load * self.radius / self.modulus) ** (1.0 / 3.0)
+        return math.cbrt(0.75 * load * self.radius / self.modulus)
 
     @property
     def selectivity(self) -> float:
@@ -102,7 +103,7 @@ class Surface:
         self.x: Array = pitch * np.arange(-count, count + 1)
         self.y = self.x
         place = np.meshgrid(self.x, self.y, indexing="ij")
-        across = place[1] if cusps == "raster" else np.hypot(*place)
+        across: Array = place[1] if cusps == "raster" else np.hypot(*place)
         groove = across - self.process.pick * np.round(across / self.process.pick)
         self.before: Array = groove**2 / (2.0 * self.process.radius)
         self.height = self.before.copy()

@@ -10,8 +10,8 @@ mod _native {
 
     use crate::{
         Bristle, ColouredNoise, CurrentLoop, Dimple, DriveGains, Flute, Foot, Harmonics, Integrator, Latch, Limit,
-        Lookup, LowPass, Mold, MotionBoard, Outline, Peak, Pose, Product, PulseDrive, Rotation, Rubbing, Shapes, Slew,
-        Step, Stribeck, Sum, TangentPlane, Thrust, Tip, TurnedPart, Turntable, Wrench,
+        Lookup, LowPass, Mold, MotionBoard, Outline, Peak, Pose, Product, PulseDrive, RollingFriction, Rotation,
+        Rubbing, Shapes, Slew, Step, Stribeck, Sum, TangentPlane, Thrust, Tip, TurnedPart, Turntable, Wrench,
     };
 
     #[pymodule_export]
@@ -141,6 +141,12 @@ mod _native {
         let (feedforward, smoothing) = feedforward;
         let gains = DriveGains { position, velocity, integral, feedforward, smoothing, inertia, force };
         Unbound::new(PulseDrive::new(gains, pulse, tick))
+    }
+
+    /// Friction of balls that roll, `friction` N at most, that turns over `way` m after a reversal: velocity -> force.
+    #[pyfunction]
+    fn rolling_friction(friction: f64, way: f64) -> Unbound {
+        Unbound::new(RollingFriction::new(friction, way))
     }
 
     /// Shaft that starts at `start` rad: speed -> angle at the start of the step, angle at its end.
