@@ -1,8 +1,8 @@
 """Orthogonal robot: three ball-screw axes that press and move a small ball of wood over a lens mold.
 
-The machine is that of Nagata, Mizobuchi, Tani, Hase, Haga, Watanabe and Habib, "Stick-Slip Motion Control for
-an Orthogonal-Type Robot" (2010). The paper gives strokes, pulses of 1 um, 1 ms, 178 N/mm, the ball of 1 mm and
-the width of the mold, but no mass, servo, friction or force. Those are our choice, usual for such axes.
+The machine is that of Nagata, Mizobuchi, Tani, Hase, Haga, Watanabe and Habib, "Stick-Slip Motion Control
+for an Orthogonal-Type Robot" (2010). The paper gives strokes, pulses of 1 um, 1 ms, 178 N/mm, the ball of
+1 mm and the width of the mold, but no mass, servo, friction or force. Those are our choice.
 
 The room has z up and its origin where the axis of a mold that is not misplaced meets its surface. Axes are at
 zero where the ball is at the start. Forces are those on the tool.
@@ -84,6 +84,8 @@ class OrthogonalRobot(Plant):
             tip = spec.joint(f"tip_{axis}")
             tip.stiffness[0] = p.tip_stiffness
             tip.damping[0] = 2.0 * p.tip_damping * (p.tip_stiffness * p.tip_mass) ** 0.5
+        # encoders show the centre of a ball that hangs
+        spec.joint("tip_z").springref = -p.tip_mass * spec.option.gravity[2] / p.tip_stiffness
         spec.body("x").pos = self._start()
         spec.body("tip").mass = p.tip_mass
         spec.geom("ball").size[0] = p.ball_radius

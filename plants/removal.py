@@ -2,13 +2,12 @@
 
 The contact is Hertz's: ball in a hollow, wood on steel with its paste. What stands out carries more pressure:
 `p = hertz + selectivity (h - mean)`, scaled to the load. Without that term Preston's law removes everywhere
-alike and takes no cusp away, so it is the basis of every result here: compare cases, do not trust micrometres.
+alike and takes no cusp away, so it is the basis of every result here: compare cases, do not trust the scale.
 Heights are along the normal of the surface, and areas are true ones, not their projections.
 
->>> surface = Surface(MOLDS["led"])  # doctest: +SKIP
->>> columns = [trace[f"plant.{name}"] for name in ("contact_x", "contact_y", "slid", "rubbed")]  # doctest: +SKIP
->>> surface.polish(*columns)  # doctest: +SKIP
->>> roughness(surface, 0.2e-3, 1.6e-3).mean, evenness(surface, 0.2e-3, 1.6e-3)  # doctest: +SKIP
+>>> surface = Surface(MOLDS["led"])
+>>> surface.polish(*(trace[f"plant.{name}"] for name in ("contact_x", "contact_y", "slid", "rubbed")))
+>>> roughness(surface, 0.2e-3, 1.6e-3).mean, evenness(surface, 0.2e-3, 1.6e-3)
 """
 
 import math
@@ -100,12 +99,12 @@ class Surface:
         self.process = Process() if process is None else process
         self.pitch = pitch
         count = round(radius / pitch)
-        self.x: Array = pitch * np.arange(-count, count + 1)
+        self.x: Array = pitch * np.arange(-count, count + 1, dtype=np.float64)
         self.y = self.x
         place = np.meshgrid(self.x, self.y, indexing="ij")
-        across: Array = place[1] if cusps == "raster" else np.hypot(*place)
+        across = place[1] if cusps == "raster" else np.hypot(*place)
         groove = across - self.process.pick * np.round(across / self.process.pick)
-        self.before: Array = groove**2 / (2.0 * self.process.radius)
+        self.before: Array = np.square(groove, dtype=np.float64) / (2.0 * self.process.radius)
         self.height = self.before.copy()
         inside = np.hypot(*place) <= radius
         x, y = (np.where(inside, axis, 0.0) for axis in place)
