@@ -19,6 +19,10 @@ const BYTES_MAX: u64 = 32 << 20;
 /// Most points of a path.
 const POINTS_MAX: usize = 200_000;
 
+/// The path that needs no file: 15 mm in the middle of an LED lens mold.
+pub const BUILT_IN: &str = "led-short.cls";
+const BUILT_IN_BYTES: &[u8] = include_bytes!("../resources/led-short.cls");
+
 /// A point of the path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {

@@ -207,7 +207,7 @@ impl Model for Polish {
         integer!(Vars.parameters => drive.io_delay).parameter().range_int(0, 8).describe("Samples between a command and its action; 1 for a standard master, 0 if the command acts at once"),
         real!(Vars.parameters => sensor.bandwidth).parameter().unit(&RADIAN_PER_SECOND).display("Hz").range(10.0, 1e6).describe("Bandwidth of the filter of the force sensor"),
         // path and feed
-        text!(Vars.text => path.file).parameter().start_text("led.cls").describe("CL file with contact points and normals, in the folder resources of the FMU or with its whole path"),
+        text!(Vars.text => path.file).parameter().start_text(cl_file::BUILT_IN).describe("CL file with contact points and normals, in the folder resources of the FMU or with its whole path; the start value is built in"),
         real!(Vars.parameters => path.slope_max).parameter().unit(&RADIAN).display("deg").range(0.1, 1.5).describe("Steepest surface that is polished"),
         choice!(Vars.parameters => feed.source: FeedSource).parameter().describe("Where the feed comes from"),
         real!(Vars.parameters => feed.velocity).tunable().unit(&METRE_PER_SECOND).display("mm/s").range(1e-6, 0.1).describe("Velocity v_tangent of the contact point, eq. 2"),
