@@ -65,7 +65,7 @@ class OrthogonalRobot(Plant):
             *_vector("ball", "m", "Centre of the ball"),
             *_vector("axis", "m", "Encoder position without resolution"),
             *_vector("reference", "m", "Where the pulses say the axis should be"),
-            Channel("stiffness", "N/m", "Of tip and contact in series, along the normal"),
+            Channel("stiffness", "N/m", "Of tip and contact in series, along z"),
         )
 
     def shape(self, spec: Any) -> None:
@@ -82,8 +82,9 @@ class OrthogonalRobot(Plant):
             joint.frictionloss = 0.0 if p.drive_rolling_way > 0.0 else p.drive_friction
             joint.damping[0] = p.drive_damping
             tip = spec.joint(f"tip_{axis}")
-            tip.stiffness[0] = p.tip_stiffness
-            tip.damping[0] = 2.0 * p.tip_damping * (p.tip_stiffness * p.tip_mass) ** 0.5
+            stiffness = p.tip_stiffness * (1.0 if axis == "z" else p.tip_lateral)
+            tip.stiffness[0] = stiffness
+            tip.damping[0] = 2.0 * p.tip_damping * (stiffness * p.tip_mass) ** 0.5
         # encoders show the centre of a ball that hangs
         spec.joint("tip_z").springref = -p.tip_mass * spec.option.gravity[2] / p.tip_stiffness
         spec.body("x").pos = self._start()

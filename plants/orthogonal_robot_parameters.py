@@ -65,9 +65,12 @@ class OrthogonalRobotParameters:
     ball_radius: float = parameter(0.5e-3, "m", "Radius of the ball of wood", "paper", 1e-4, 5e-3)
     tip_mass: float = parameter(0.010, "kg", "What hangs below the force sensor", "our choice", 1e-3, 1.0)
     tip_stiffness: float = parameter(
-        209e3, "N/m", "Of tip and sensor in all directions",
+        209e3, "N/m", "Of tip and sensor",
         "derived: the paper's 178 N/mm with the contact in series", 1e4, 4e5,
     )  # fmt: skip
+    tip_lateral: float = parameter(
+        1.0, "1", "Stiffness of the tip across its axis over that along it", "our choice", 0.05, 2.0
+    )
     tip_damping: float = parameter(0.1, "1", "Damping ratio of the free tip", "our choice", 0.0, 2.0)
     contact_stiffness: float = parameter(
         1.2e6, "N/m", "Of ball on mold", "our choice: stiffer ones hop", 1e5, 1e8

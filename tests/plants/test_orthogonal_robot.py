@@ -277,18 +277,31 @@ def test_a_mold_that_sinks_is_lost_and_one_that_rises_presses() -> None:
     assert back["contact_force"][-1] == pytest.approx(40e-6 * 178e3, rel=5e-3)
 
 
+# squares across the feed
+
+
+def gain(half_period: int, **changes: Any) -> float:
+    """Sliding way over the way of the feed with squares of +-10 mm/s across it."""
+    sign = [1.0 if (k // half_period) % 2 == 0 else -1.0 for k in range(400)] if half_period else [0.0] * 400
+    rows = run(robot(**PRESSED, **changes), 400, lambda k: (2.0, 10.0 * sign[k], 0.0))
+    return float((rows["slid"][-1] - rows["slid"][200]) / (rows["axis_x"][-1] - rows["axis_x"][200]))
+
+
+def test_squares_at_500_hertz_do_not_reach_the_mold_and_at_50_hertz_they_do() -> None:
+    none = gain(0)
+    assert gain(1) == pytest.approx(none, rel=0.01)
+    assert gain(10) > 2.0 * none
+
+
+def test_a_tip_that_is_soft_across_swings_less() -> None:
+    assert gain(10, tip_lateral=0.25) < 0.7 * gain(10)
+
+
 # numerics and repeatability
 
 
 def test_half_the_plant_step_gives_the_same_sliding() -> None:
-    def swung(timestep: float) -> float:
-        rows = run(
-            robot(**PRESSED, timestep=timestep), 400,
-            lambda k: (2.0, 10.0 if (k // 10) % 2 == 0 else -10.0, 0.0),
-        )  # fmt: skip
-        return float(rows["slid"][-1] - rows["slid"][200])
-
-    assert swung(1e-4) == pytest.approx(swung(5e-5), rel=0.02)
+    assert gain(10) == pytest.approx(gain(10, timestep=5e-5), rel=0.01)
 
 
 def trace(plant: OrthogonalRobot, seed: int) -> bytes:
