@@ -8,6 +8,7 @@ The room has z up and its origin where the axis of a mold that is not misplaced 
 zero where the ball is at the start. Forces are those on the tool.
 """
 
+import math
 from typing import Any, ClassVar
 
 from plants import _native
@@ -72,25 +73,31 @@ class OrthogonalRobot(Plant):
         """Write masses, strokes, stiffnesses and friction into the MJCF."""
         p = self.parameters
         spec.option.timestep = p.timestep
-        for axis, mass, stroke, start in zip(
-            AXES, self._masses(), self._strokes(), self._start(), strict=True
-        ):
+        spec.body("x").pos = self._start()
+        axes = zip(AXES, self._masses(), self._strokes(), self._start(), strict=True)
+        for axis, mass, stroke, start in axes:
             spec.body(axis).mass = mass
             joint = spec.joint(axis)
             joint.range = -0.5 * stroke - start, 0.5 * stroke - start
             joint.armature = p.screw_mass
             joint.frictionloss = 0.0 if p.drive_rolling_way > 0.0 else p.drive_friction
             joint.damping[0] = p.drive_damping
-            tip = spec.joint(f"tip_{axis}")
-            stiffness = p.tip_stiffness * (1.0 if axis == "z" else p.tip_lateral)
+        self._shape_tip(spec)
+        self._shape_contact(spec)
+
+    def _shape_tip(self, spec: Any) -> None:
+        p = self.parameters
+        spec.body("tip").mass = p.tip_mass
+        for axis, share in zip(AXES, (p.tip_lateral, p.tip_lateral, 1.0), strict=True):
+            tip, stiffness = spec.joint(f"tip_{axis}"), share * p.tip_stiffness
             tip.stiffness[0] = stiffness
-            tip.damping[0] = 2.0 * p.tip_damping * (stiffness * p.tip_mass) ** 0.5
+            tip.damping[0] = 2.0 * p.tip_damping * math.sqrt(stiffness * p.tip_mass)
         # encoders show the centre of a ball that hangs
         spec.joint("tip_z").springref = -p.tip_mass * spec.option.gravity[2] / p.tip_stiffness
-        spec.body("x").pos = self._start()
-        spec.body("tip").mass = p.tip_mass
+
+    def _shape_contact(self, spec: Any) -> None:
+        p, pair = self.parameters, spec.pair("contact")
         spec.geom("ball").size[0] = p.ball_radius
-        pair = spec.pair("contact")
         pair.friction[:2] = p.friction
         # a direct reference is divided by the impedance: with the mass of the tip it gives N/m and N.s/m
         share = (1.0 - SOLIMP) / p.tip_mass
@@ -138,14 +145,10 @@ class OrthogonalRobot(Plant):
 
     def _contact(self) -> None:
         # before the plane moves on: the force belongs to the last one
-        wire, inputs = (
-            self.wire,
-            [*self._cells_of("contact"), *self._wires("normal"), *self._cells_of("velocity")],
-        )
-        sums = [wire(name) for name in ("speed", "slid", "rubbed", "work")]
-        self.circuit.bind(
-            "rubbing", _native.rubbing(), inputs, [wire("load"), *self._wires("friction"), *sums]
-        )
+        inputs = [*self._cells_of("contact"), *self._wires("normal"), *self._cells_of("velocity")]
+        sums = [self.wire(name) for name in ("speed", "slid", "rubbed", "work")]
+        outputs = [self.wire("load"), *self._wires("friction"), *sums]
+        self.circuit.bind("rubbing", _native.rubbing(), inputs, outputs)
 
     def _mold(self) -> None:
         p, wire, data, mold = self.parameters, self.wire, self.data, MOLDS[self.parameters.mold]
