@@ -4,8 +4,8 @@ The machine is that of Nagata, Mizobuchi, Tani, Hase, Haga, Watanabe and Habib, 
 for an Orthogonal-Type Robot" (2010). The paper gives strokes, pulses of 1 um, 1 ms, 178 N/mm, the ball of
 1 mm and the width of the mold, but no mass, servo, friction or force. Those are our choice.
 
-The room has z up and its origin where the axis of a mold that is not misplaced meets its surface. Axes are at
-zero where the ball is at the start. Forces are those on the tool.
+The room has z up and its origin where the axis of a mold that is not misplaced meets its surface. Joints are
+at zero where the ball is at the start. Forces are those on the tool.
 """
 
 import math
@@ -32,7 +32,7 @@ class OrthogonalRobot(Plant):
     wires: ClassVar[tuple[str, ...]] = (
         "pulses_x", "pulses_y", "pulses_z", "mold_lift", "lift",
         "reference_x", "reference_y", "reference_z", "force_x", "force_y", "force_z",
-        "plane_x", "plane_y", "plane_z", "normal_x", "normal_y", "normal_z",
+        "normal_x", "normal_y", "normal_z",
         "contact_x", "contact_y", "contact_z", "distance",
         "load", "friction_x", "friction_y", "friction_z", "speed", "slid", "rubbed", "work",
     )  # fmt: skip

@@ -15,7 +15,7 @@ SOLIMP = 0.95
 class OrthogonalRobotParameters:
     """Parameters of the machine."""
 
-    timestep: float = parameter(1e-4, "s", "Plant step", "derived: 0.45 / tip frequency", 1e-6, 2e-4)
+    timestep: float = parameter(1e-4, "s", "Plant step", "derived: 0.46 / tip frequency", 1e-6, 2e-4)
 
     # axes
     start_x: float = parameter(50e-6, "m", "Centre of the ball at the start", "our choice", -0.2, 0.2)
