@@ -68,8 +68,9 @@ impl std::error::Error for ClError {}
 /// Names the file, the line, the value and the limit.
 pub fn read(file: &str, resources: Option<&FilePath>, p: &Parameters) -> Result<Vec<Point>, ParameterError> {
     let wrong = |limit: String, hint| ParameterError { name: "path.file", value: file.to_owned(), limit, hint };
-    let bytes = load(file, resources)
-        .map_err(|limit| wrong(limit, "name a file in the folder resources of the FMU, or give its whole path"))?;
+    let bytes = if file == BUILT_IN { Ok(BUILT_IN_BYTES.to_vec()) } else { load(file, resources) };
+    let hint = "name a file in the folder resources of the FMU, or give its whole path";
+    let bytes = bytes.map_err(|limit| wrong(limit, hint))?;
     points(&bytes, p)
         .map_err(|error| wrong(format!("CL data without error; line {}: {}", error.line, error.reason), error.hint))
 }

@@ -146,7 +146,7 @@ mod tests {
 
     #[test]
     fn a_wrong_phase_ends_the_cancellation() {
-        for phase_error in [2.5, 3.14] {
+        for phase_error in [2.5, -2.5] {
             let law = Law::new(&P, damping(&P, 178e3));
             let mut ripple = Ripple::new(&P, &law, 178e3);
             let truth = ripple.harmonics.map(|h| h.response.unwrap() * Complex::cis(phase_error));

@@ -121,6 +121,14 @@ fn the_file_is_named() {
 }
 
 #[test]
+fn the_built_in_path_needs_no_folder() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("resources");
+    let built_in = cl_file::read(cl_file::BUILT_IN, None, &P).unwrap();
+    let bytes = std::fs::read(folder.join(cl_file::BUILT_IN)).unwrap();
+    assert_eq!(built_in, points(&bytes, &P).unwrap());
+}
+
+#[test]
 fn every_shipped_path_is_read() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("resources");
     let mut count = 0;

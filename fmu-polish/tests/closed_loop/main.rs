@@ -2,6 +2,7 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+mod cost;
 mod faults;
 mod hostile;
 mod job;
