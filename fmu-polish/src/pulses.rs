@@ -20,7 +20,8 @@ impl Remainder {
     /// The pulses of one sample with the velocity `velocity` (m/s).
     pub fn step(&mut self, p: &Parameters, velocity: &Vector3<f64>) -> Vector3<i32> {
         let wanted = self.left + velocity * (p.sample_period / p.pulses.size);
-        let sent = wanted.map(f64::round);
+        // halves always go up: at rest nothing swings between -1 and 1
+        let sent = wanted.map(|pulses| (pulses + 0.5).floor());
         self.left = wanted - sent;
         sent.map(|count| count as i32)
     }
@@ -35,6 +36,18 @@ impl Default for Remainder {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn half_a_pulse_left_over_stays_at_rest() {
+        let p = Parameters::DEFAULT;
+        let mut remainder = Remainder::new();
+        for velocity in [0.5e-3, -0.5e-3, 1.5e-3] {
+            remainder.step(&p, &Vector3::new(0.0, 0.0, velocity));
+            for _ in 0..5 {
+                assert_eq!(remainder.step(&p, &Vector3::zeros()), Vector3::zeros());
+            }
+        }
+    }
 
     #[test]
     fn no_way_is_lost_however_slow() {

@@ -157,3 +157,42 @@ fn thirty_robots_that_are_not_nominal() {
         assert!(job.gain >= 2.3 && job.beside <= 15e-6, "{job:?}");
     }
 }
+
+/// The tables of the README.
+#[test]
+#[ignore = "prints tables"]
+fn tables() {
+    for (half_period, velocities) in [
+        (1, [2e-3, 10e-3, 40e-3]),
+        (2, [5e-3, 10e-3, 20e-3]),
+        (5, [5e-3, 10e-3, 20e-3]),
+        (10, [5e-3, 10e-3, 20e-3]),
+        (20, [5e-3, 10e-3, 20e-3]),
+    ] {
+        for velocity in velocities {
+            let mut p = Parameters::DEFAULT;
+            (p.stick_slip.half_period, p.stick_slip.velocity) = (half_period, velocity);
+            let job = Loop::new(&p, Build::NOMINAL, 300).job(30.0).unwrap();
+            println!("{half_period} {velocity}: gain {:.2}, deviation {:.3} N", job.gain, job.deviation);
+        }
+    }
+    for (mass, damping) in
+        [(10.0, 20e3), (10.0, 10e3), (10.0, 5e3), (10.0, 2670.0), (10.0, 2000.0), (2.0, 5e3), (2.0, 2e3)]
+    {
+        let mut p = without(printed());
+        (p.impedance.mass, p.impedance.damping) = (mass, damping);
+        let job = Loop::new(&p, Build::NOMINAL, 301).job(30.0).unwrap();
+        println!(
+            "M {mass} B {damping}: {:.3} s, {:.2} N over, deviation {:.3} N",
+            job.settle, job.overshoot, job.deviation
+        );
+    }
+    for seed in 302..322 {
+        let mut over = Vec::new();
+        for p in [Parameters::DEFAULT, printed()] {
+            let job = Loop::new(&p, Build { drive_friction: 4.0, ..Build::NOMINAL }, seed).job(30.0).unwrap();
+            over.push((job.overshoot, job.deviation));
+        }
+        println!("{over:.3?}");
+    }
+}
