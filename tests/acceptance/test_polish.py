@@ -171,7 +171,7 @@ def test_ten_times_the_feed_on_a_mold_set_up_askew() -> None:
     assert done.force.min() > 2.5
 
 
-@pytest.mark.parametrize("stiffness", [100e3, 178e3, 300e3])
+@pytest.mark.parametrize("stiffness", [100e3, 209e3, 300e3])
 def test_the_stiffness_is_estimated_within_a_tenth(stiffness: float) -> None:
     done = run("polish", f"plant.tip_stiffness={stiffness}", "loop.duration=1.5")
     told, true = done.last("stiffness.estimate"), float(done.rows["plant.stiffness"][-1])
@@ -239,7 +239,7 @@ def cusps_left(plain: Run, moved: Run, inner: float, outer: float) -> None:
 
 
 def test_stick_slip_takes_the_cusps_away() -> None:
-    cusps_left(run("polish/no-stick-slip"), run("polish"), 0.1e-3, 0.6e-3)
+    cusps_left(run("polish/no-stick-slip"), run("polish"), 0.1e-3, 0.5e-3)
 
 
 @pytest.mark.full
