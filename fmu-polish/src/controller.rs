@@ -9,14 +9,15 @@ use crate::cl_file::Point;
 use crate::feed::Feed;
 use crate::force::{Gauge, Measured, SetPoint};
 use crate::machine::{Events, Fault, State, next};
+use crate::motion::Parts;
 use crate::parameters::Parameters;
 use crate::path::{Frame, Path, Place};
 use crate::position::Feedback;
 use crate::press::{Contact, Press, Way};
 use crate::pulses::Remainder;
 use crate::reading::{Reader, Reading};
-use crate::signals::{Error, Force, Input, Misalignment, Output, Ripple, Stiffness, Velocity};
-use crate::stick_slip::{self, Mode};
+use crate::signals::{Error, Force, Input, Misalignment, Output, Ripple, Stiffness};
+use crate::stick_slip;
 use crate::watch::{Sight, Watch};
 
 /// The controller between two samples.
@@ -55,16 +56,6 @@ struct Now {
     offset: Vector3<f64>,
     error: Error,
     surface: f64,
-}
-
-/// The parts of the velocity, m/s.
-#[derive(Default)]
-struct Parts {
-    normal: f64,
-    tangential: f64,
-    position: Vector3<f64>,
-    stick_slip: f64,
-    sideways: Vector3<f64>,
 }
 
 impl Controller {
@@ -106,24 +97,9 @@ impl Controller {
         let now = self.measure(p, &reading);
         self.decide(p, &reading, &now);
         let parts = self.act(p, &reading, &now);
-        let mut velocity = parts.normal * now.frame.normal
-            + parts.tangential * now.frame.tangent
-            + parts.position
-            + parts.stick_slip * parts.sideways;
-        let speed = velocity.norm();
-        if speed > p.limits.velocity {
-            velocity *= p.limits.velocity / speed;
-        }
+        let velocity = parts.sum(&now.frame, p.limits.velocity);
         output.pulses = self.remainder.step(p, &velocity).into();
-        output.velocity = Velocity {
-            x: velocity.x,
-            y: velocity.y,
-            z: velocity.z,
-            normal: parts.normal,
-            tangential: parts.tangential,
-            position: parts.position.norm(),
-            stick_slip: parts.stick_slip,
-        };
+        output.velocity = parts.report(&velocity);
         self.report(&now, output);
     }
 
@@ -131,11 +107,7 @@ impl Controller {
         let frame = self.path.frame(self.place);
         let force = self.gauge.measure(p, &reading.force, &frame.normal);
         let offset = frame.centre - reading.position;
-        let error = Error {
-            tangential: offset.dot(&frame.tangent),
-            lateral: offset.dot(&frame.normal.cross(&frame.tangent)),
-            normal: offset.dot(&frame.normal),
-        };
+        let error = Error::along(&offset, &frame);
         let surface = force.normal / self.press.stiffness - error.normal;
         Now { frame, force, force_error: self.set_point.force - force.controlled, offset, error, surface }
     }
@@ -293,17 +265,13 @@ impl Controller {
         let contact = Contact { error, force: now.force.normal, offset: -now.error.normal };
         let feed = self.feed.velocity;
         let way = Way { path: &self.path, place: self.place, frame: &now.frame, feed };
-        let sign = stick_slip::sign(&p.stick_slip, self.k);
         let parts = Parts {
             normal: self.press.step(p, &contact, self.k, &way),
             // eq. 2
             tangential: feed * now.frame.ratio,
             position: self.feedback.step(p, &now.offset, &now.frame.normal),
             // eq. 16
-            stick_slip: match p.stick_slip.mode {
-                Mode::Off => 0.0,
-                Mode::Paper | Mode::Cross => sign * stick_slip::velocity(&p.stick_slip, feed),
-            },
+            stick_slip: stick_slip::sign(&p.stick_slip, self.k) * stick_slip::velocity(&p.stick_slip, feed),
             sideways: stick_slip::direction(p.stick_slip.mode, &now.frame),
         };
         self.place = self.path.advance(self.place, self.place.s + feed * p.sample_period);

@@ -15,6 +15,7 @@ pub mod impedance;
 pub mod machine;
 mod messages;
 pub mod misalignment;
+pub mod motion;
 pub mod parameters;
 pub mod path;
 pub mod position;
@@ -141,9 +142,6 @@ impl Model for Polish {
     #[rustfmt::skip]
     const VARIABLES: &'static [Variable<Vars>] = &[
         // inputs
-        boolean!(Vars.input => enable).input().describe("Rising edge starts a job: zero of the sensor, approach, ...; false ends it"),
-        boolean!(Vars.input => estop).input().describe("Stops at once"),
-        boolean!(Vars.input => reset_fault).input().describe("Rising edge ends a fault, while `enable` is false and the tool at rest"),
         real!(Vars.input => position.x).input().unit(&METRE).display("mm").accepts_nan().describe("Ball centre by the encoders, x in the work frame of the path"),
         real!(Vars.input => position.y).input().unit(&METRE).display("mm").accepts_nan().describe("Ball centre by the encoders, y"),
         real!(Vars.input => position.z).input().unit(&METRE).display("mm").accepts_nan().describe("Ball centre by the encoders, z, out of the mold"),
@@ -152,6 +150,9 @@ impl Model for Polish {
         real!(Vars.input => force.z).input().unit(&NEWTON).accepts_nan().describe("Raw force on the tool, z"),
         real!(Vars.input => feed_override).input().unit(&ONE).display("%").accepts_nan().describe("Factor of the feed, 0 to 2"),
         real!(Vars.input => force_override).input().unit(&ONE).display("%").accepts_nan().describe("Factor of the wanted force, 0 to 2"),
+        boolean!(Vars.input => enable).input().describe("Rising edge starts a job: zero of the sensor, approach, ...; false ends it"),
+        boolean!(Vars.input => estop).input().describe("Stops at once"),
+        boolean!(Vars.input => reset_fault).input().describe("Rising edge ends a fault, while `enable` is false and the tool at rest"),
         // outputs
         real!(Vars.output => velocity.x).output().unit(&METRE_PER_SECOND).display("mm/s").describe("Velocity command, x, eq. 1"),
         real!(Vars.output => velocity.y).output().unit(&METRE_PER_SECOND).display("mm/s").describe("Velocity command, y"),

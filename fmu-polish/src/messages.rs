@@ -19,7 +19,10 @@ pub fn tell_state(vars: &Vars, env: &Env) {
 
 /// One log line when the cancellation of the ripple has ended itself.
 pub fn tell_frozen(env: &Env) {
-    env.warn("the cancellation of the ripple has made it worse and has ended\nhint: make `drive` that of the machine, or set `ripple.gain` = 0");
+    env.warn(
+        "the cancellation of the ripple has made it worse and has ended\nhint: make `drive` that of the machine, \
+         or set `ripple.gain` = 0",
+    );
 }
 
 /// The numbers behind a fault.

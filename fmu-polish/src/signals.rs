@@ -1,9 +1,11 @@
 //! What goes in and out of the law in one sample, grouped as in the FMU.
 
+use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use crate::axes::Axes;
 use crate::machine::{Fault, State};
+use crate::path::Frame;
 
 /// Inputs, sampled at the start of the tick.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -135,6 +137,17 @@ pub struct Error {
     pub lateral: f64,
     /// Along the normal.
     pub normal: f64,
+}
+
+impl Error {
+    /// The parts of the error `offset` (m) at `frame`.
+    pub fn along(offset: &Vector3<f64>, frame: &Frame) -> Self {
+        Self {
+            tangential: offset.dot(&frame.tangent),
+            lateral: offset.dot(&frame.normal.cross(&frame.tangent)),
+            normal: offset.dot(&frame.normal),
+        }
+    }
 }
 
 /// Stiffness of tool and contact, N/m.

@@ -62,7 +62,11 @@ pub fn phase(half: u32, k: u32) -> f64 {
 
 /// K_v (m/s) at the feed `feed` (m/s).
 pub fn velocity(law: &StickSlip, feed: f64) -> f64 {
-    if law.ratio > 0.0 { law.ratio * feed } else { law.velocity }
+    match law.mode {
+        Mode::Off => 0.0,
+        Mode::Paper | Mode::Cross if law.ratio > 0.0 => law.ratio * feed,
+        Mode::Paper | Mode::Cross => law.velocity,
+    }
 }
 
 #[cfg(test)]
@@ -128,5 +132,6 @@ mod tests {
     fn the_ratio_follows_the_feed() {
         assert_eq!(velocity(&LAW, 2e-3), LAW.velocity);
         assert_eq!(velocity(&StickSlip { ratio: 5.0, ..LAW }, 2e-3), 10e-3);
+        assert_eq!(velocity(&StickSlip { mode: Mode::Off, ..LAW }, 2e-3), 0.0);
     }
 }
