@@ -17,6 +17,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from plants import _native
 from plants.molds import Mold
 
 Array = NDArray[np.float64]
@@ -29,8 +30,11 @@ class Process:
     Parameters
     ----------
     preston : float
-        Removed depth per pressure and way, m2/N; lumps all passes of the tool. Our choice: one spiral without
-        stick-slip motion leaves two thirds of the cusps.
+        Removed depth per pressure and way in all passes together, m2/N. Our choice: without stick-slip motion
+        two thirds of the cusps are left.
+    passes : int
+        Passes over the same path, each with its share of `preston`. Our choice; in a single one pressure
+        would move across the step of some micrometres between what is polished and what is not.
     modulus : float
         Contact modulus of wood and paste on steel, Pa. Our choice.
     radius : float
@@ -42,19 +46,21 @@ class Process:
     """
 
     preston: float = 4e-11
+    passes: int = 5
     modulus: float = 1e9
     radius: float = 0.6e-3
     pick: float = 0.1e-3
     selective: bool = True
 
-    def patch(self, load: float) -> float:
-        """Radius of the contact under a load in N, m (Hertz)."""
-        return math.cbrt(0.75 * load * self.radius / self.modulus)
-
     @property
     def selectivity(self) -> float:
         """Pressure per height of a cusp, Pa/m: answer of the half-space to a wave of the length `pick`."""
         return math.pi * self.modulus / self.pick if self.selective else 0.0
+
+    @property
+    def abrasion(self) -> tuple[float, float, float, float]:
+        """What the native half asks for."""
+        return self.preston, self.modulus, self.radius, self.selectivity
 
     @property
     def cusp(self) -> float:
@@ -86,6 +92,8 @@ class Surface:
         Height now, row by x and column by y, m.
     before : Array
         Height before polishing, m.
+    area : Array
+        True area of each point, 0 outside of the mold, m2.
     """
 
     def __init__(
@@ -108,9 +116,10 @@ class Surface:
         self.height = self.before.copy()
         inside = np.hypot(*place) <= radius
         x, y = (np.where(inside, axis, 0.0) for axis in place)
-        self._nominal = np.where(inside, mold.height(x, y), np.inf)
+        self._nominal: list[float] = np.where(inside, mold.height(x, y), np.inf).ravel().tolist()
         slope = np.hypot(*mold.gradient(x, y))
-        self._area: Array = np.where(inside, pitch**2 * np.hypot(1.0, slope), 0.0)
+        self.area: Array = np.where(inside, pitch**2 * np.hypot(1.0, slope), 0.0)
+        self._area: list[float] = self.area.ravel().tolist()
         self._mold = mold
 
     @property
@@ -121,7 +130,7 @@ class Surface:
     @property
     def volume(self) -> float:
         """Volume that polishing took away, m3."""
-        return float((self.removed * self._area).sum())
+        return float((self.removed * self.area).sum())
 
     def polish(
         self, x: ArrayLike, y: ArrayLike, slid: ArrayLike, rubbed: ArrayLike, share: float = 1.0
@@ -137,42 +146,20 @@ class Surface:
         rubbed : array
             Integral of load times slip speed so far, N.m.
         share : float
-            Part of a pass: the removal is multiplied by it.
+            Factor of the removal.
         """
         x, y, slid, rubbed = (np.asarray(column, dtype=np.float64) for column in (x, y, slid, rubbed))
         way, work = np.diff(slid), np.diff(rubbed)
-        moving = np.flatnonzero(work > 0.0)
-        depth = self._mold.height(x, y)
-        for k in moving.tolist():
-            centre = 0.5 * (x[k] + x[k + 1]), 0.5 * (y[k] + y[k + 1]), 0.5 * (depth[k] + depth[k + 1])
-            self._rub(centre, work[k] / way[k], share * way[k])
-
-    def _rub(self, centre: tuple[float, float, float], load: float, way: float) -> None:
-        reach = self.process.patch(load)
-        rows, columns = (self._within(place, reach) for place in centre[:2])
-        height, area = self.height[rows, columns], self._area[rows, columns]
-        square = (
-            (self.x[rows, None] - centre[0]) ** 2
-            + (self.y[None, columns] - centre[1]) ** 2
-            + (self._nominal[rows, columns] - centre[2]) ** 2
-        )
-        # hertz, then what stands out
-        pressure = np.sqrt(np.maximum(0.0, 1.0 - square / reach**2))
-        weight = pressure * area
-        total = weight.sum()
-        if total == 0.0:
-            return
-        mean = (weight * height).sum() / total
-        pressure *= load / total
-        pressure += np.where(pressure > 0.0, self.process.selectivity * (height - mean), 0.0)
-        np.maximum(pressure, 0.0, out=pressure)
-        pressure *= load / (pressure * area).sum()
-        height -= self.process.preston * way * pressure
-
-    def _within(self, place: float, reach: float) -> slice:
-        first = math.ceil((place - reach - self.x[0]) / self.pitch)
-        last = math.floor((place + reach - self.x[0]) / self.pitch)
-        return slice(max(first, 0), max(last + 1, 0))
+        z = self._mold.height(x, y)
+        rubs = work > 0.0
+        columns = [(0.5 * (place[1:] + place[:-1]))[rubs] for place in (x, y, z)]
+        columns += [work[rubs] / way[rubs], share / self.process.passes * way[rubs]]
+        strokes = list(zip(*(column.tolist() for column in columns), strict=True))
+        grid, height = (float(self.x[0]), self.pitch), self.height.ravel().tolist()
+        for _ in range(self.process.passes):
+            points = self._nominal, self._area, height
+            height = _native.wear(grid, points, strokes, self.process.abrasion)
+        self.height = np.reshape(height, self.before.shape)
 
 
 @dataclass(frozen=True)

@@ -35,6 +35,7 @@ mod thrust;
 mod tip;
 mod turned_part;
 mod turntable;
+mod wear;
 mod wrench;
 
 #[cfg(feature = "extension-module")]
@@ -72,4 +73,5 @@ pub use thrust::Thrust;
 pub use tip::Tip;
 pub use turned_part::{Shapes, TurnedPart};
 pub use turntable::Turntable;
+pub use wear::{Abrasion, HeightMap, Stroke};
 pub use wrench::Wrench;

@@ -9,9 +9,10 @@ mod _native {
     use pyo3::prelude::*;
 
     use crate::{
-        Bristle, ColouredNoise, CurrentLoop, Dimple, DriveGains, Flute, Foot, Harmonics, Integrator, Latch, Limit,
-        Lookup, LowPass, Mold, MotionBoard, Outline, Peak, Pose, Product, PulseDrive, RollingFriction, Rotation,
-        Rubbing, Shapes, Slew, Step, Stribeck, Sum, TangentPlane, Thrust, Tip, TurnedPart, Turntable, Wrench,
+        Abrasion, Bristle, ColouredNoise, CurrentLoop, Dimple, DriveGains, Flute, Foot, Harmonics, HeightMap,
+        Integrator, Latch, Limit, Lookup, LowPass, Mold, MotionBoard, Outline, Peak, Pose, Product, PulseDrive,
+        RollingFriction, Rotation, Rubbing, Shapes, Slew, Step, Stribeck, Stroke, Sum, TangentPlane, Thrust, Tip,
+        TurnedPart, Turntable, Wrench,
     };
 
     #[pymodule_export]
@@ -229,6 +230,38 @@ mod _native {
     #[pyfunction]
     fn turntable() -> Unbound {
         Unbound::new(Turntable)
+    }
+
+    /// Height map of a surface after some strokes of a ball, row by row.
+    ///
+    /// The grid is place of its first row and column and their distance in m, points are lists of nominal height, true
+    /// area and height. Strokes are x, y, z of the contact in m, load in N, way in m. The abrasion is
+    /// depth per pressure and way in m2/N, modulus in Pa, radius in m, pressure per height in Pa/m.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     The lists of the map differ in length, or their length is no square.
+    #[pyfunction]
+    fn wear(
+        grid: (f64, f64),
+        points: (Vec<f64>, Vec<f64>, Vec<f64>),
+        strokes: Vec<(f64, f64, f64, f64, f64)>,
+        abrasion: (f64, f64, f64, f64),
+    ) -> PyResult<Vec<f64>> {
+        let ((start, pitch), (nominal, area, height)) = (grid, points);
+        let count = height.len().isqrt();
+        if count * count != height.len() || nominal.len() != height.len() || area.len() != height.len() {
+            return Err(PyValueError::new_err("a height map is three lists of the same square length"));
+        }
+        let (preston, modulus, radius, selectivity) = abrasion;
+        let abrasion = Abrasion { preston, modulus, radius, selectivity };
+        let mut map = HeightMap { start, pitch, count, nominal, area, height };
+        let mut patch = Vec::new();
+        for (x, y, z, load, way) in strokes {
+            map.rub(&abrasion, &Stroke { centre: [x, y, z], load, way }, &mut patch);
+        }
+        Ok(map.height)
     }
 
     /// Force on a part on a turning table: fx, fy, place, cx, cy, angle -> table, x, y, torque.

@@ -14,6 +14,8 @@ Matrix = np.ndarray[Any, Any]
 
 PLANE = Mold()
 PLAIN = Process(selective=False)
+HERTZ = (0.75 * 5.0 * 0.6e-3 / 1e9) ** (1.0 / 3.0)
+"""Radius of the contact under 5 N, m."""
 
 
 def lines(reach: float, pick: float) -> tuple[Matrix, Matrix]:
@@ -44,8 +46,7 @@ def test_the_contact_is_that_of_hertz() -> None:
     # the longest way through the contact lies in the middle of a straight line
     surface = Surface(PLANE, PLAIN)
     slid = polish(surface, np.linspace(-1e-3, 1e-3, 1000), np.zeros(1000))
-    half = Process().patch(5.0)
-    assert half == pytest.approx((0.75 * 5.0 * 0.6e-3 / 1e9) ** (1.0 / 3.0), rel=1e-12)
+    half = HERTZ
     depth = surface.removed[200]
     assert not depth[abs(surface.y) > half + 10e-6].any()
     # integral of 1.5 p (1 - r^2 / a^2)^(1/2) along the line: 3 F / (4 a) (1 - y^2 / a^2)
@@ -80,9 +81,23 @@ def test_a_cusp_wears_at_the_rate_of_its_pressure() -> None:
     surface = Surface(PLANE, process, radius=0.7e-3)
     polish(surface, *lines(0.5e-3, 25e-6))
     # of one line the contact passes a point on 2 (a^2 - y^2)^(1/2); all lines: pi a^2 / pick
-    way = math.pi * process.patch(5.0) ** 2 / 25e-6
+    way = math.pi * HERTZ**2 / 25e-6
     before, after = (roughness(surface, 0.0, 0.3e-3, first) for first in (True, False))
     assert after.rms / before.rms == pytest.approx(math.exp(-2e-12 * process.selectivity * way), rel=0.03)
+
+
+def test_passes_keep_pressure_from_running_ahead_of_the_path() -> None:
+    # a path that works its way along x, 8 um deep
+    slopes = []
+    for passes in (1, 5):
+        surface = Surface(PLANE, Process(passes=passes), radius=0.7e-3)
+        y, x = lines(0.5e-3, 25e-6)
+        polish(surface, x, y)
+        inside = abs(surface.x) < 0.3e-3
+        mean = surface.removed[inside][:, inside].mean(axis=1)
+        slopes.append(np.polyfit(surface.x[inside], mean, 1)[0] * 0.6e-3 / mean.mean())
+    assert slopes[0] > 0.05
+    assert abs(slopes[1]) < 0.4 * slopes[0]
 
 
 def test_a_share_of_a_pass_removes_that_share() -> None:
