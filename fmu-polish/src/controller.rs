@@ -1,17 +1,16 @@
 //! One sample of the whole law: read, measure, decide, move, report.
 
 use control_blocks::ParameterError;
-use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use crate::check::check;
 use crate::cl_file::Point;
 use crate::feed::Feed;
-use crate::force::{Gauge, Measured, SetPoint};
+use crate::force::{Gauge, SetPoint};
 use crate::machine::{Events, Fault, State, next};
 use crate::motion::Parts;
 use crate::parameters::Parameters;
-use crate::path::{Frame, Path, Place};
+use crate::path::{Path, Place};
 use crate::position::Feedback;
 use crate::press::{Contact, Press, Way};
 use crate::pulses::Remainder;
@@ -19,6 +18,9 @@ use crate::reading::{Reader, Reading};
 use crate::signals::{Error, Force, Input, Misalignment, Output, Ripple, Stiffness};
 use crate::stick_slip;
 use crate::watch::{Sight, Watch};
+
+/// Time after the touch in which force and way do not belong together, s.
+const TOUCH_TIME: f64 = 0.02;
 
 /// The controller between two samples.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -45,17 +47,6 @@ pub struct Controller {
     /// samples of stick-slip
     k: u32,
     remainder: Remainder,
-}
-
-/// What is known in one sample before anything is decided.
-struct Now {
-    frame: Frame,
-    force: Measured,
-    force_error: f64,
-    /// x_d - x, m
-    offset: Vector3<f64>,
-    error: Error,
-    surface: f64,
 }
 
 impl Controller {
@@ -103,31 +94,23 @@ impl Controller {
         self.report(&now, output);
     }
 
-    fn measure(&mut self, p: &Parameters, reading: &Reading) -> Now {
+    fn measure(&mut self, p: &Parameters, reading: &Reading) -> Sight {
         let frame = self.path.frame(self.place);
         let force = self.gauge.measure(p, &reading.force, &frame.normal);
         let offset = frame.centre - reading.position;
         let error = Error::along(&offset, &frame);
         let surface = force.normal / self.press.stiffness - error.normal;
-        Now { frame, force, force_error: self.set_point.force - force.controlled, offset, error, surface }
+        let force_error = self.set_point.force - force.controlled;
+        Sight { frame, force, force_error, offset, error, surface, ticks: self.ticks, travelled: self.travelled }
     }
 
     /// State machine.
-    fn decide(&mut self, p: &Parameters, reading: &Reading, now: &Now) {
-        let sight = Sight {
-            force: &now.force,
-            force_error: now.force_error,
-            error: &now.error,
-            surface: now.surface,
-            normal: &now.frame.normal,
-            ticks: self.ticks,
-            travelled: self.travelled,
-        };
+    fn decide(&mut self, p: &Parameters, reading: &Reading, now: &Sight) {
         let steady = self.set_point.force >= p.force.target * reading.force_override;
-        self.watch.update(p, self.state, &sight, steady);
+        self.watch.update(p, self.state, now, steady);
         let (ready, refused) = self.prepare(p, reading, now);
         let events = Events {
-            fault: self.stop(p, reading).or(refused).or_else(|| self.watch.fault(p, self.state, &sight)),
+            fault: self.stop(p, reading).or(refused).or_else(|| self.watch.fault(p, self.state, now)),
             enabled: reading.enabled,
             reset: reading.reset,
             ready,
@@ -156,7 +139,7 @@ impl Controller {
     }
 
     /// Takes the zero of the sensor after `enable`: whether the approach may begin, and what forbids it.
-    fn prepare(&mut self, p: &Parameters, reading: &Reading, now: &Now) -> (bool, Option<Fault>) {
+    fn prepare(&mut self, p: &Parameters, reading: &Reading, now: &Sight) -> (bool, Option<Fault>) {
         if self.state != State::Idle || !reading.valid {
             return (false, None);
         }
@@ -164,10 +147,8 @@ impl Controller {
             self.restart(p);
         }
         self.taring &= reading.enabled;
-        if !self.taring {
-            return (false, None);
-        }
-        let Some(zero) = self.gauge.tare(p, &reading.force) else { return (false, None) };
+        let zero = if self.taring { self.gauge.tare(p, &reading.force) } else { None };
+        let Some(zero) = zero else { return (false, None) };
         self.taring = false;
         let height = -now.error.normal;
         let beside = (now.offset - now.frame.normal * now.error.normal).norm();
@@ -187,12 +168,12 @@ impl Controller {
     }
 
     /// The force is gone, or does not want to go.
-    fn unloaded(&self, p: &Parameters, now: &Now) -> bool {
+    fn unloaded(&self, p: &Parameters, now: &Sight) -> bool {
         now.force.controlled < 0.5 * p.approach.contact_force || self.ticks > p.ticks(p.settle.time_max)
     }
 
     /// What happens once, when `state` begins.
-    fn enter(&mut self, p: &Parameters, state: State, events: &Events, now: &Now) {
+    fn enter(&mut self, p: &Parameters, state: State, events: &Events, now: &Sight) {
         self.travelled = 0.0;
         match state {
             State::Fault => {
@@ -219,7 +200,7 @@ impl Controller {
     }
 
     /// The velocity in the present state.
-    fn act(&mut self, p: &Parameters, reading: &Reading, now: &Now) -> Parts {
+    fn act(&mut self, p: &Parameters, reading: &Reading, now: &Sight) -> Parts {
         match self.state {
             State::Idle | State::Done => Parts::default(),
             State::Approach => self.travel(p, -p.approach.velocity),
@@ -238,9 +219,10 @@ impl Controller {
     }
 
     /// Builds the force up, or takes it away.
-    fn settle(&mut self, p: &Parameters, reading: &Reading, now: &Now) -> Parts {
+    fn settle(&mut self, p: &Parameters, reading: &Reading, now: &Sight) -> Parts {
         let error = self.want(p, reading, now);
-        if self.state == State::Settle {
+        // not while the approach swings out
+        if self.state == State::Settle && self.ticks > p.ticks(TOUCH_TIME) {
             self.press.feel(p, &reading.position, &now.frame.normal, now.force.normal);
         }
         Parts {
@@ -251,14 +233,14 @@ impl Controller {
     }
 
     /// Moves the wanted force and gives the force error, N.
-    fn want(&mut self, p: &Parameters, reading: &Reading, now: &Now) -> f64 {
+    fn want(&mut self, p: &Parameters, reading: &Reading, now: &Sight) -> f64 {
         let target = if self.state == State::Unload { 0.0 } else { p.force.target * reading.force_override };
         self.set_point.step(target, p.force.target / p.settle.ramp_time, p.sample_period);
         self.set_point.force - now.force.controlled
     }
 
     /// eq. 1 with eq. 16: v = v_t + v_n + v_p + v_v.
-    fn follow(&mut self, p: &Parameters, reading: &Reading, now: &Now) -> Parts {
+    fn follow(&mut self, p: &Parameters, reading: &Reading, now: &Sight) -> Parts {
         let error = self.want(p, reading, now);
         self.feed.step(p, reading.feed_override, now.frame.feed_max);
         self.k = self.k.wrapping_add(1).max(1);
@@ -278,7 +260,7 @@ impl Controller {
         parts
     }
 
-    fn report(&self, now: &Now, output: &mut Output) {
+    fn report(&self, now: &Sight, output: &mut Output) {
         let (shift, turn) = (self.press.misalignment.shift(), self.press.misalignment.rotation());
         output.force = Force {
             measured: now.force.controlled,

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::force::Measured;
 use crate::machine::{Fault, State};
 use crate::parameters::Parameters;
+use crate::path::Frame;
 use crate::signals::Error;
 
 /// Time constant of the mean force error, s.
@@ -25,19 +26,21 @@ pub struct Watch {
     force: Vector3<f64>,
 }
 
-/// What is watched in one sample.
+/// What is seen in one sample, before anything is decided.
 #[derive(Clone, Copy, Debug)]
-pub struct Sight<'a> {
+pub struct Sight {
+    /// The path at the present place.
+    pub frame: Frame,
     /// Measured force.
-    pub force: &'a Measured,
+    pub force: Measured,
     /// Wanted less controlled force, N.
     pub force_error: f64,
-    /// Position error.
-    pub error: &'a Error,
+    /// E_p = x_d - x, m.
+    pub offset: Vector3<f64>,
+    /// Its parts, m.
+    pub error: Error,
     /// Distance of the surface from the path along the normal, m.
     pub surface: f64,
-    /// Unit normal.
-    pub normal: &'a Vector3<f64>,
     /// Samples since the state began.
     pub ticks: u32,
     /// Way of approach or retract so far, m.
@@ -78,7 +81,7 @@ impl Watch {
         let on_path = matches!(state, State::Settle | State::Follow);
         let faults = [
             (Fault::ForceLimit, sight.force.norm > p.limits.force && (state.pressing() || state == State::Approach)),
-            (Fault::InvalidPath, on_path && self.astray(p, sight.normal)),
+            (Fault::InvalidPath, on_path && self.astray(p, &sight.frame.normal)),
             (Fault::ApproachTimeout, state == State::Approach && sight.travelled > p.approach.distance_max),
             (Fault::SettleTimeout, state == State::Settle && sight.ticks > p.ticks(p.settle.time_max)),
             (Fault::LostContact, self.lost >= p.ticks(p.limits.lost_time).max(1)),

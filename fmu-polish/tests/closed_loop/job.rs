@@ -111,6 +111,18 @@ fn the_stiffness_is_found() {
 }
 
 #[test]
+fn a_fast_approach_does_not_spoil_the_stiffness() {
+    for velocity in [2e-3, 5e-3] {
+        let mut p = Parameters::DEFAULT;
+        p.approach.velocity = velocity;
+        let mut run = Loop::new(&p, Build::NOMINAL, 112);
+        let job = finished("fast approach", &mut run);
+        let estimate = run.output.stiffness.estimate;
+        assert!((estimate / 178e3 - 1.0).abs() <= 0.1 && job.overshoot < 2.5, "{velocity}: {estimate} {job:?}");
+    }
+}
+
+#[test]
 fn a_shifted_mold_is_found_and_followed() {
     let shift = Vector3::new(50e-6, -50e-6, 70e-6);
     let build = Build { shift, ..Build::NOMINAL };
