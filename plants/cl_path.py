@@ -2,6 +2,7 @@
 
     python -m plants.cl_path led led.cls
     python -m plants.cl_path saddle - --outer 0.5e-3
+    python -m plants.cl_path saddle dwelling.cls --sweep 6.6e-3
 
 A CAM knows the mold and the tool, not the controller that reads the file, so this lives beside the molds. The
 file names contact points with unit normals out of the material (`GOTO/x,y,z,i,j,k`), lengths in mm.
@@ -82,8 +83,29 @@ def leant(normals: Array, angle: float) -> Array:
     return turned
 
 
+def dwelling(points: Array, normals: Array, tool_radius: float, feed: float, sweep: float) -> Array:
+    """Return feeds of the contact points that make the ball slide equally far on every length of the path.
+
+    The centre of the ball goes `ratio` times as far as the contact, and besides swings at `sweep` m/s across
+    the path: on a length it slides `sqrt(ratio^2 + (sweep / feed)^2)` times as far. No feed is
+    more than doubled.
+    """
+    centres = points + tool_radius * normals
+    steps = [np.linalg.norm(np.diff(places, axis=0), axis=1) for places in (centres, points)]
+    ratio = steps[0] / steps[1]
+    ratio = np.append(ratio, ratio[-1])
+    way = np.hypot(ratio, sweep / feed).mean()
+    feeds: Array = sweep / np.sqrt(np.maximum(way**2 - ratio**2, (0.5 * sweep / feed) ** 2))
+    return feeds
+
+
 def cl_text(
-    name: str, spiral: Spiral, tool_diameter: float = 1e-3, feed: float = 2e-3, lean: float = 0.0
+    name: str,
+    spiral: Spiral,
+    tool_diameter: float = 1e-3,
+    feed: float = 2e-3,
+    lean: float = 0.0,
+    sweep: float = 0.0,
 ) -> str:
     """Return the CL file of a spiral over a mold.
 
@@ -99,10 +121,14 @@ def cl_text(
         Feed of the contact point, m/s.
     lean : float
         Angle by which the normals are wrong, rad.
+    sweep : float
+        Mean speed of the stick-slip motion of the ball across the path, m/s: above 0 the feed varies along
+        the path, such that the ball slides equally far on every length of it.
     """
     mold = MOLDS[name]
     points = spiral.contact_points(mold)
-    normals = leant(mold.normal(points[:, 0], points[:, 1]), lean)
+    upright = mold.normal(points[:, 0], points[:, 1])
+    normals = leant(upright, lean)
     # adding zero makes -0 a 0
     rows = np.round(np.hstack([MM * points, normals]), 6) + 0.0
     lines = [
@@ -111,9 +137,13 @@ def cl_text(
         "UNITS/MM",
         f"CUTTER/{MM * tool_diameter:g}",
         f"FEDRAT/{60.0 * MM * feed:g},MMPM",
-        *("GOTO/" + ",".join(f"{number:.6f}" for number in row) for row in rows),
-        "FINI",
     ]
+    goto = ["GOTO/" + ",".join(f"{number:.6f}" for number in row) for row in rows]
+    if sweep > 0.0:
+        feeds = dwelling(points, upright, 0.5 * tool_diameter, feed, sweep)
+        fedrat = [f"FEDRAT/{60.0 * MM * value:.3f},MMPM" for value in feeds]
+        goto = [line for pair in zip(fedrat, goto, strict=True) for line in pair]
+    lines += [*goto, "FINI"]
     return "\n".join(lines) + "\n"
 
 
@@ -133,6 +163,12 @@ def main() -> None:
     for option, (default, text) in lengths.items():
         parser.add_argument(f"--{option}", type=positive, default=default, help=f"{text}; default {default}")
     parser.add_argument("--lean", type=float, default=0.0, help="angle by which the normals are wrong, rad")
+    parser.add_argument(
+        "--sweep",
+        type=positive,
+        default=0.0,
+        help="speed of the ball across the path, m/s; the feed dwells by it",
+    )
     chosen = parser.parse_args()
     outer = chosen.outer or MOLDS[chosen.mold].aperture
     if chosen.inner >= outer:
@@ -140,7 +176,7 @@ def main() -> None:
     if outer > MOLDS[chosen.mold].aperture:
         parser.error(f"--outer is {outer:g} m, the mold ends at {MOLDS[chosen.mold].aperture:g} m")
     spiral = Spiral(chosen.pick_feed, chosen.inner, outer, chosen.spacing)
-    text = cl_text(chosen.mold, spiral, chosen.tool_diameter, chosen.feed, chosen.lean)
+    text = cl_text(chosen.mold, spiral, chosen.tool_diameter, chosen.feed, chosen.lean, chosen.sweep)
     if chosen.file == "-":
         sys.stdout.write(text)
     else:

@@ -114,3 +114,28 @@ def test_nonsense_is_refused_with_a_reason(arguments: tuple[str, ...], told: str
     assert done.returncode == 2
     assert told in done.stderr
     assert done.stdout == ""
+
+
+def test_a_dwelling_feed_slides_equally_far_on_every_length() -> None:
+    plain, dwelling = (cl_text("saddle", Spiral(), sweep=sweep) for sweep in (0.0, 6.6e-3))
+    np.testing.assert_array_equal(goto(dwelling), goto(plain))
+    lines = dwelling.splitlines()
+    feeds = (
+        np.array([float(line[7:].split(",")[0]) for line in lines if line.startswith("FEDRAT/")][1:]) / 60e3
+    )
+    rows = goto(dwelling)
+    points, normals = 1e-3 * rows[:, :3], rows[:, 3:]
+    step = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    ratio = np.linalg.norm(np.diff(points + 0.5e-3 * normals, axis=0), axis=1) / step
+    # concave along x, convex along y
+    assert ratio.min() == pytest.approx(1.0 - 0.5 / 6.0, abs=2e-3)
+    assert ratio.max() == pytest.approx(1.0 + 0.5 / 6.0, abs=2e-3)
+    way = np.hypot(ratio, 6.6e-3 / feeds[:-1])
+    assert way.std() / way.mean() < 2e-4
+    assert feeds.mean() == pytest.approx(2e-3, rel=1e-2)
+
+
+def test_no_feed_is_more_than_doubled() -> None:
+    text = cl_text("saddle", SHORT, sweep=1e-4)
+    feeds = [float(line[7:].split(",")[0]) for line in text.splitlines() if line.startswith("FEDRAT/")]
+    assert max(feeds) <= 240.0
