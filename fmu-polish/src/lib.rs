@@ -191,7 +191,7 @@ impl Model for Polish {
         real!(Vars.output => misalignment.rx).output().unit(&RADIAN).display("deg").describe("Estimated rotation of the mold about x"),
         real!(Vars.output => misalignment.ry).output().unit(&RADIAN).display("deg").describe("Estimated rotation of the mold about y"),
         real!(Vars.output => misalignment.rz).output().unit(&RADIAN).display("deg").describe("Estimated rotation of the mold about z"),
-        boolean!(Vars.output => ripple.frozen).output().describe("The cancellation of the ripple made it worse and has ended"),
+        boolean!(Vars.output => ripple.frozen).output().describe("A part of the ripple cancellation made it worse and has ended"),
         real!(Vars.output => path.length).output().unit(&METRE).display("mm").describe("Length of the path along the contact points"),
         // machine
         real!(Vars.parameters => sample_period).parameter().unit(&SECOND).display("ms").range(2e-4, 5e-3).describe("Sample period"),

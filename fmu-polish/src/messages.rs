@@ -20,7 +20,7 @@ pub fn tell_state(vars: &Vars, env: &Env) {
 /// One log line when the cancellation of the ripple has ended itself.
 pub fn tell_frozen(env: &Env) {
     env.warn(
-        "the cancellation of the ripple has made it worse and has ended\nhint: make `drive` that of the machine, \
+        "a part of the ripple cancellation made it worse and has ended\nhint: make `drive` that of the machine, \
          or set `ripple.gain` = 0",
     );
 }

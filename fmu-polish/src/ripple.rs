@@ -14,6 +14,8 @@ const HARMONICS: usize = 2;
 const FREQUENCY_SHARE: f64 = 0.2;
 /// Largest velocity of each harmonic, m/s.
 const VELOCITY_MAX: f64 = 2e-3;
+/// Part of that velocity that counts as the limit.
+const LIMITED: f64 = 0.99;
 /// Periods over which the amplitude of a ripple is taken.
 const WINDOW_PERIODS: u32 = 10;
 /// Growth of a ripple from its first amplitude that ends the cancellation.
@@ -32,10 +34,28 @@ struct Harmonic {
     sum: Complex<f64>,
     /// first amplitude, N
     first: Option<f64>,
+    /// windows in a row that have grown
+    bad: u32,
 }
 
 impl Harmonic {
-    const NONE: Self = Self { response: None, velocity: Complex::ZERO, sum: Complex::ZERO, first: None };
+    const NONE: Self = Self { response: None, velocity: Complex::ZERO, sum: Complex::ZERO, first: None, bad: 0 };
+
+    /// Judges a window of `samples`; true when the harmonic ends because it makes the ripple worse.
+    fn judge(&mut self, p: &Parameters, samples: u32) -> bool {
+        let amplitude = 2.0 * self.sum.norm() / f64::from(samples);
+        self.sum = Complex::ZERO;
+        let first = *self.first.get_or_insert(amplitude);
+        // at its limit it cannot grow any more
+        let limited = self.velocity.norm() > LIMITED * VELOCITY_MAX;
+        let grown = amplitude > GROWTH * first + if limited { 0.0 } else { p.ripple.growth_max };
+        self.bad = if grown { self.bad + 1 } else { 0 };
+        if self.bad < BAD_WINDOWS {
+            return false;
+        }
+        *self = Self::NONE;
+        true
+    }
 }
 
 /// The cancellation.
@@ -44,7 +64,6 @@ pub struct Ripple {
     harmonics: [Harmonic; HARMONICS],
     half: u32,
     samples: u32,
-    bad: u32,
     frozen: bool,
 }
 
@@ -58,23 +77,23 @@ impl Ripple {
             let omega = rate * f64::from(m) / f64::from(2 * half);
             harmonic.response = (omega <= FREQUENCY_SHARE * rate).then(|| closed(p, law, stiffness, omega));
         }
-        Self { harmonics, half, samples: 0, bad: 0, frozen: false }
+        Self { harmonics, half, samples: 0, frozen: false }
     }
 
-    /// Whether the ripple has grown and nothing is cancelled any more.
+    /// Whether a ripple has grown and is not cancelled any more.
     pub fn frozen(&self) -> bool {
         self.frozen
     }
 
     /// Velocity (m/s) of sample `k` for the force error `error` (N).
     pub fn step(&mut self, p: &Parameters, k: u32, error: f64) -> f64 {
-        if p.ripple.gain == 0.0 || self.frozen {
+        if p.ripple.gain == 0.0 {
             return 0.0;
         }
         let mut velocity = 0.0;
         for (m, harmonic) in (1..).zip(&mut self.harmonics) {
             let Some(response) = harmonic.response else { continue };
-            let carrier = Complex::cis(phase(self.half, m * k));
+            let carrier = Complex::cis(phase(self.half, m * (k % (2 * self.half))));
             harmonic.sum += carrier.conj() * error;
             // the velocity that would have made this error is taken back
             harmonic.velocity -= carrier.conj() * error * (2.0 * p.ripple.gain * p.sample_period) / response;
@@ -96,15 +115,9 @@ impl Ripple {
             return;
         }
         self.samples = 0;
-        let mut grown = false;
         for harmonic in &mut self.harmonics {
-            let amplitude = 2.0 * harmonic.sum.norm() / f64::from(window);
-            harmonic.sum = Complex::ZERO;
-            let first = *harmonic.first.get_or_insert(amplitude);
-            grown |= amplitude > GROWTH * first + p.ripple.growth_max;
+            self.frozen |= harmonic.response.is_some() && harmonic.judge(p, window);
         }
-        self.bad = if grown { self.bad + 1 } else { 0 };
-        self.frozen = self.bad >= BAD_WINDOWS;
     }
 }
 
@@ -152,9 +165,8 @@ mod tests {
             let truth = ripple.harmonics.map(|h| h.response.unwrap() * Complex::cis(phase_error));
             let mut worst: f64 = 0.0;
             for k in 1..6000 {
-                let harmonics = if ripple.frozen() { [Harmonic::NONE; 2] } else { ripple.harmonics };
                 let error: f64 = (1..)
-                    .zip(harmonics)
+                    .zip(ripple.harmonics)
                     .zip(truth)
                     .map(|((m, h), t)| ((t * h.velocity + 0.1) * Complex::cis(phase(10, m * k))).re)
                     .sum();

@@ -107,7 +107,7 @@ impl StickSlip {
 /// Cancellation of the force ripple at the frequency of the stick-slip and twice that.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Ripple {
-    /// Rate at which a ripple is learned, 1/s; 0 to 20, 0 for none, default 3 (measured).
+    /// Rate at which a ripple is learned, 1/s; 0 to 20, 0 for none, default 3 (measured: 8 is unsafe with other drives).
     pub gain: f64,
     /// Growth of a ripple that ends the cancellation, N; 0.01 to 10, default 0.3 (our choice).
     pub growth_max: f64,

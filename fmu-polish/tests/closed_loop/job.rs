@@ -151,6 +151,16 @@ fn the_cancellation_works_without_delay_and_with_other_drives() {
 }
 
 #[test]
+fn a_cancellation_for_other_drives_ends_itself_and_does_no_harm() {
+    let mut p = Parameters::DEFAULT;
+    // seven samples are 126 degrees at 50 Hz
+    p.drive.io_delay = 8;
+    let mut run = Loop::new(&p, Build { drive_friction: 6.0, ..Build::NOMINAL }, 113);
+    let job = finished("other drives", &mut run);
+    assert!(run.output.ripple.frozen && job.deviation <= 0.3 && job.least > 3.0, "{job:?}");
+}
+
+#[test]
 fn thirty_robots_that_are_not_nominal() {
     let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(111);
     for seed in 0..30 {
