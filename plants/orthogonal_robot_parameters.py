@@ -75,7 +75,11 @@ class OrthogonalRobotParameters:
     contact_stiffness: float = parameter(
         1.2e6, "N/m", "Of ball on mold", "our choice: stiffer ones hop", 1e5, 1e8
     )
-    contact_damping: float = parameter(1e3, "N.s/m", "Of ball on mold", "our choice", 0.0, 1e6)
+    contact_damping: float = parameter(
+        300.0, "N.s/m", "Of ball on mold",
+        "derived: above critical (219); MuJoCo's friction lifts a sliding ball by mu v c / k, 0.5 um at 10 mm/s",
+        0.0, 1e6,
+    )  # fmt: skip
     friction: float = parameter(0.2, "1", "Friction coefficient of ball on mold", "our choice", 0.0, 2.0)
     force_bandwidth: float = parameter(200.0, "Hz", "Filter of the force sensor", "our choice", 1.0, 5e3)
     force_noise: float = parameter(0.05, "N", "Noise of the force sensor, deviation", "our choice", 0.0, 10.0)
