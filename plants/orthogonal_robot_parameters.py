@@ -15,7 +15,7 @@ SOLIMP = 0.95
 class OrthogonalRobotParameters:
     """Parameters of the machine."""
 
-    timestep: float = parameter(1e-4, "s", "Plant step", "derived: 0.46 / tip frequency", 1e-6, 2e-4)
+    timestep: float = parameter(1e-4, "s", "Plant step", "derived: longer ones hop", 1e-6, 1e-4)
 
     # axes
     start_x: float = parameter(50e-6, "m", "Centre of the ball at the start", "our choice", -0.2, 0.2)
@@ -76,8 +76,8 @@ class OrthogonalRobotParameters:
         1.2e6, "N/m", "Of ball on mold", "our choice: stiffer ones hop", 1e5, 1e8
     )
     contact_damping: float = parameter(
-        300.0, "N.s/m", "Of ball on mold",
-        "derived: above critical (219); MuJoCo's friction lifts a sliding ball by mu v c / k, 0.5 um at 10 mm/s",
+        500.0, "N.s/m", "Of ball on mold",
+        "derived: less hops on stiff tips; MuJoCo lifts a sliding ball by mu v c / k, 0.8 um at 10 mm/s",
         0.0, 1e6,
     )  # fmt: skip
     friction: float = parameter(0.2, "1", "Friction coefficient of ball on mold", "our choice", 0.0, 2.0)
