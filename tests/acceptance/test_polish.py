@@ -5,6 +5,7 @@ The large samples run with `pytest -m full -rP tests/acceptance/test_polish.py`:
 
 import functools
 import math
+import time
 
 import numpy as np
 import pytest
@@ -139,6 +140,7 @@ def test_the_default_mode_takes_the_ripple_out() -> None:
     assert done.done
     assert done.force.std() <= 0.06
     assert done.overshoot <= 0.2
+    assert done.least > 2.5
 
 
 def test_three_robots_in_default_mode() -> None:
@@ -265,6 +267,25 @@ def test_a_sign_that_flips_in_every_sample_does_nothing(velocity: float) -> None
     done = run("polish/500-hz", f"controller.stick_slip.velocity={velocity}")
     print(f"{1e3 * velocity:g} mm/s: gain {done.gain:.4f}")
     assert done.gain == pytest.approx(1.0, abs=0.02)
+
+
+@pytest.mark.full
+def test_the_plant_step_hardly_matters() -> None:
+    short = "loop.duration=4.0"
+    coarse, fine = run("polish", short), run("polish", short, "plant.timestep=5e-5", "loop.substeps=20")
+    print(coarse, fine, sep="\n")
+    assert fine.gain == pytest.approx(coarse.gain, rel=0.02)
+    assert fine.force.std() == pytest.approx(coarse.force.std(), abs=0.01)
+
+
+@pytest.mark.full
+def test_the_reference_loop_is_three_times_faster_than_real_time() -> None:
+    with cosim.Session(cosim.load("polish", set=["loop.duration=4.0"])) as session:
+        begin = time.process_time()
+        simulated = session.run().simulated_s
+        factor = simulated / (time.process_time() - begin)
+    print(f"{factor:.1f} times real time, by the time of the processor")
+    assert factor >= 3.0
 
 
 def test_same_seed_same_bytes() -> None:
