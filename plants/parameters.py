@@ -42,6 +42,24 @@ def parameter(
     return field(default=default, metadata=metadata)
 
 
+def choice(default: str, description: str, source: str, options: tuple[str, ...]) -> Any:
+    """Field of a parameter dataclass that is one of some names.
+
+    Parameters
+    ----------
+    default : str
+        Name for the nominal plant.
+    description : str
+        What it is, in one sentence.
+    source : str
+        Where the default comes from.
+    options : tuple of str
+        The names.
+    """
+    metadata = {"unit": "1", "description": description, "source": source, "options": options}
+    return field(default=default, metadata=metadata)
+
+
 def check(parameters: Any, plant: str) -> None:
     """Check every field of a parameter dataclass against its type and range.
 
@@ -56,6 +74,11 @@ def check(parameters: Any, plant: str) -> None:
 
 
 def _check_field(name: str, value: object, item: Field[Any], plant: str) -> None:
+    if "options" in item.metadata:
+        if value not in item.metadata["options"]:
+            wanted = "`, `".join(item.metadata["options"])
+            raise ParameterError(f"parameter `{name}` of plant `{plant}`: value `{value}`, one of `{wanted}`")
+        return
     # a text, or a number that need not be given
     if (isinstance(item.default, str) and isinstance(value, str)) or (item.default is None and value is None):
         return

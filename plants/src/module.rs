@@ -9,8 +9,10 @@ mod _native {
     use pyo3::prelude::*;
 
     use crate::{
-        Bristle, ColouredNoise, CurrentLoop, Flute, Foot, Harmonics, Integrator, Latch, Limit, Lookup, MotionBoard,
-        Outline, Peak, Product, Rotation, Shapes, Slew, Stribeck, Sum, Thrust, Tip, TurnedPart, Turntable, Wrench,
+        Abrasion, Bristle, ColouredNoise, CurrentLoop, Dimple, DriveGains, Flute, Foot, Harmonics, HeightMap,
+        Integrator, Latch, Limit, Lookup, LowPass, Mold, MotionBoard, Outline, Peak, Pose, Product, PulseDrive,
+        RollingFriction, Rotation, Rubbing, Shapes, Slew, Step, Stribeck, Stroke, Sum, TangentPlane, Thrust, Tip,
+        TurnedPart, Turntable, Wrench,
     };
 
     #[pymodule_export]
@@ -88,6 +90,12 @@ mod _native {
         Ok(Unbound::new(table(samples)?))
     }
 
+    /// First-order filter of `bandwidth` rad/s: value -> filtered.
+    #[pyfunction]
+    fn low_pass(bandwidth: f64) -> Unbound {
+        Unbound::new(LowPass::new(bandwidth))
+    }
+
     /// Servo of one axis (N/m, N.s/m, N, s): position_setpoint, velocity_setpoint, position, velocity -> force.
     #[pyfunction]
     fn motion_board(stiffness: f64, damping: f64, force_limit: f64, period: f64) -> Unbound {
@@ -119,10 +127,42 @@ mod _native {
         Unbound::new(Product::new())
     }
 
+    /// Positioner with pulses of `pulse` m that arrive in `tick` s: pulses, position, velocity -> force, reference.
+    ///
+    /// The loops are position gain in 1/s, velocity gain in rad/s and its integral in 1/s; feedforward is share and
+    /// bandwidth in rad/s; inertia in kg, the largest force in N.
+    #[pyfunction]
+    fn pulse_drive(
+        loops: (f64, f64, f64),
+        feedforward: (f64, f64),
+        inertia: f64,
+        force: f64,
+        pulse: f64,
+        tick: f64,
+    ) -> Unbound {
+        let (position, velocity, integral) = loops;
+        let (feedforward, smoothing) = feedforward;
+        let gains = DriveGains { position, velocity, integral, feedforward, smoothing, inertia, force };
+        Unbound::new(PulseDrive::new(gains, pulse, tick))
+    }
+
+    /// Friction of balls that roll, `friction` N at most, that turns over `way` m after a reversal: velocity -> force.
+    #[pyfunction]
+    fn rolling_friction(friction: f64, way: f64) -> Unbound {
+        Unbound::new(RollingFriction::new(friction, way))
+    }
+
     /// Shaft that starts at `start` rad: speed -> angle at the start of the step, angle at its end.
     #[pyfunction]
     fn rotation(start: f64) -> Unbound {
         Unbound::new(Rotation::new(start))
+    }
+
+    /// Contact that rubs: fx, fy, fz, normal_x, normal_y, normal_z, vx, vy, vz -> load, friction_x, friction_y,
+    /// friction_z, speed, slid, rubbed, work.
+    #[pyfunction]
+    fn rubbing() -> Unbound {
+        Unbound::new(Rubbing::new())
     }
 
     /// Set-point that starts at `start` and changes by `rate` per second at most: target -> value.
@@ -142,6 +182,26 @@ mod _native {
         let limit = Sum::TERMS_MAX;
         let refused = || PyValueError::new_err(format!("`terms` of a sum: `{terms}`, limit `{limit}`"));
         Ok(Unbound::new(Sum::new(terms).ok_or_else(refused)?))
+    }
+
+    /// Plane that touches a mold where it is nearest to a ball: x, y, z, lift -> place, quaternion, normal, contact
+    /// point in the frame of the mold, distance.
+    ///
+    /// The base is curvature of cap and saddle in 1/m; dimples are x, y, depth, sigma and the step place, height, width,
+    /// all m; beyond `rim` m there is no mold. It stands at `shift` m, turned by the rotation vector `tilt` rad.
+    #[pyfunction]
+    fn tangent_plane(
+        base: (f64, f64),
+        dimples: Vec<(f64, f64, f64, f64)>,
+        step: (f64, f64, f64),
+        rim: f64,
+        shift: [f64; 3],
+        tilt: [f64; 3],
+    ) -> Unbound {
+        let (place, height, width) = step;
+        let dimples = dimples.into_iter().map(|(x, y, depth, sigma)| Dimple { x, y, depth, sigma }).collect();
+        let mold = Mold::new(base, dimples, Step { place, height, width }, rim);
+        Unbound::new(TangentPlane::new(mold, Pose::new(shift, tilt)))
     }
 
     /// Linear motor (N/A, relative ripple, ripple period m, phase rad): current, position -> force.
@@ -172,6 +232,38 @@ mod _native {
     #[pyfunction]
     fn turntable() -> Unbound {
         Unbound::new(Turntable)
+    }
+
+    /// Height map of a surface after some strokes of a ball, row by row.
+    ///
+    /// The grid is place of its first row and column and their distance in m, points are lists of nominal height, true
+    /// area and height. Strokes are x, y, z of the contact in m, load in N, way in m. The abrasion is
+    /// depth per pressure and way in m2/N, modulus in Pa, radius in m, pressure per height in Pa/m.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     The lists of the map differ in length, or their length is no square.
+    #[pyfunction]
+    fn wear(
+        grid: (f64, f64),
+        points: (Vec<f64>, Vec<f64>, Vec<f64>),
+        strokes: Vec<(f64, f64, f64, f64, f64)>,
+        abrasion: (f64, f64, f64, f64),
+    ) -> PyResult<Vec<f64>> {
+        let ((start, pitch), (nominal, area, height)) = (grid, points);
+        let count = height.len().isqrt();
+        if count * count != height.len() || nominal.len() != height.len() || area.len() != height.len() {
+            return Err(PyValueError::new_err("a height map is three lists of the same square length"));
+        }
+        let (preston, modulus, radius, selectivity) = abrasion;
+        let abrasion = Abrasion { preston, modulus, radius, selectivity };
+        let mut map = HeightMap { start, pitch, count, nominal, area, height };
+        let mut patch = Vec::new();
+        for (x, y, z, load, way) in strokes {
+            map.rub(&abrasion, &Stroke { centre: [x, y, z], load, way }, &mut patch);
+        }
+        Ok(map.height)
     }
 
     /// Force on a part on a turning table: fx, fy, place, cx, cy, angle -> table, x, y, torque.

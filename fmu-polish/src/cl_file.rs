@@ -1,0 +1,195 @@
+//! Cutter location (CL) data from a file: contact points and normals, checked before anything moves.
+
+pub mod checks;
+pub mod statement;
+
+use std::fmt;
+use std::fs::File;
+use std::io::Read;
+use std::path::Path as FilePath;
+
+use control_blocks::ParameterError;
+use nalgebra::Vector3;
+
+use crate::parameters::Parameters;
+use statement::{Statement, Units, parse};
+
+/// Largest file that is read, bytes.
+const BYTES_MAX: u64 = 32 << 20;
+/// Most points of a path.
+const POINTS_MAX: usize = 200_000;
+
+/// The path that needs no file: 15 mm in the middle of an LED lens mold.
+pub const BUILT_IN: &str = "led-short.cls";
+const BUILT_IN_BYTES: &[u8] = include_bytes!("../resources/led-short.cls");
+
+/// A point of the path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point {
+    /// Contact point, m.
+    pub contact: Vector3<f64>,
+    /// Unit normal out of the material.
+    pub normal: Vector3<f64>,
+    /// Feed towards this point, m/s; 0 if the file gives none.
+    pub feed: f64,
+    /// Line of the file.
+    pub line: usize,
+}
+
+/// Why the CL data are refused.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ClError {
+    /// Line of the file, from 1.
+    pub line: usize,
+    /// What is wrong there, with value and limit.
+    pub reason: String,
+    /// What to do.
+    pub hint: &'static str,
+}
+
+impl ClError {
+    /// The error in `line`.
+    pub fn new(line: usize, reason: impl Into<String>, hint: &'static str) -> Self {
+        Self { line, reason: reason.into(), hint }
+    }
+}
+
+impl fmt::Display for ClError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "line {}: {}\nhint: {}", self.line, self.reason, self.hint)
+    }
+}
+
+impl std::error::Error for ClError {}
+
+/// Reads and checks the CL data that `path.file` names.
+///
+/// # Errors
+/// Names the file, the line, the value and the limit.
+pub fn read(file: &str, resources: Option<&FilePath>, p: &Parameters) -> Result<Vec<Point>, ParameterError> {
+    let wrong = |limit: String, hint| ParameterError { name: "path.file", value: file.to_owned(), limit, hint };
+    let bytes = if file == BUILT_IN { Ok(BUILT_IN_BYTES.to_vec()) } else { load(file, resources) };
+    let hint = "name a file in the folder resources of the FMU, or give its whole path";
+    let bytes = bytes.map_err(|limit| wrong(limit, hint))?;
+    points(&bytes, p)
+        .map_err(|error| wrong(format!("CL data without error; line {}: {}", error.line, error.reason), error.hint))
+}
+
+/// The bytes of the file, or what it must be.
+fn load(file: &str, resources: Option<&FilePath>) -> Result<Vec<u8>, String> {
+    if file.is_empty() {
+        return Err("the name of a file".into());
+    }
+    let name = file.strip_prefix("file://").unwrap_or(file);
+    let path = resources.map_or_else(|| name.into(), |folder| folder.join(name));
+    let opened = File::open(&path).map_err(|error| format!("there: {error}"))?;
+    let about = opened.metadata().map_err(|error| format!("readable: {error}"))?;
+    if !about.is_file() {
+        return Err("a file, not a folder or device".into());
+    }
+    let mut bytes = Vec::new();
+    opened.take(BYTES_MAX + 1).read_to_end(&mut bytes).map_err(|error| format!("readable: {error}"))?;
+    if bytes.len() as u64 > BYTES_MAX {
+        return Err(format!("at most `{BYTES_MAX}` bytes long"));
+    }
+    Ok(bytes)
+}
+
+/// The checked points in the text of a CL file.
+///
+/// # Errors
+/// The first line that is wrong, and why.
+pub fn points(bytes: &[u8], p: &Parameters) -> Result<Vec<Point>, ClError> {
+    let text = std::str::from_utf8(bytes).map_err(|error| {
+        let line = 1 + bytes[..error.valid_up_to()].iter().filter(|byte| **byte == b'\n').count();
+        ClError::new(line, "this is no text in UTF-8", "write CL data as text, not as the binary file of a CAM system")
+    })?;
+    let mut reader = Reader::default();
+    for (i, line) in text.lines().enumerate() {
+        let number = i + 1;
+        reader.lines = number;
+        if let Some(statement) = parse(line).map_err(|(reason, hint)| ClError::new(number, reason, hint))? {
+            reader.take(statement, number, p)?;
+        }
+    }
+    reader.finish(p)
+}
+
+/// What the statements before have set.
+#[derive(Debug, Default)]
+struct Reader {
+    units: Option<Units>,
+    feed: f64,
+    finished: bool,
+    lines: usize,
+    points: Vec<Point>,
+}
+
+impl Reader {
+    /// Takes one statement of line `line`.
+    fn take(&mut self, statement: Statement, line: usize, p: &Parameters) -> Result<(), ClError> {
+        if self.finished {
+            return Err(ClError::new(line, "a statement after FINI", "end the file with FINI"));
+        }
+        match statement {
+            Statement::Remark => Ok(()),
+            Statement::Units(units) => self.set_units(units, line),
+            Statement::Cutter(diameter) => {
+                let diameter = diameter * self.metre(line)?;
+                checks::cutter(diameter, p).map_err(|reason| {
+                    ClError::new(line, reason, "set `tool.radius` to that of the tool, and make the path for it")
+                })
+            }
+            Statement::Feed(feed) => {
+                self.feed = feed;
+                Ok(())
+            }
+            Statement::Goto(numbers) => self.go(numbers, line),
+            Statement::Fini => {
+                self.finished = true;
+                Ok(())
+            }
+        }
+    }
+
+    fn set_units(&mut self, units: Units, line: usize) -> Result<(), ClError> {
+        if self.units.is_some_and(|known| known != units) {
+            return Err(ClError::new(line, "a second UNITS that differs", "write the whole file in one unit"));
+        }
+        self.units = Some(units);
+        Ok(())
+    }
+
+    /// Metres in a unit of the file.
+    fn metre(&self, line: usize) -> Result<f64, ClError> {
+        let hint = "write `UNITS/MM` or `UNITS/INCH` before the first length";
+        self.units.map(Units::metre).ok_or_else(|| ClError::new(line, "a length before UNITS", hint))
+    }
+
+    fn go(&mut self, [x, y, z, i, j, k]: [f64; 6], line: usize) -> Result<(), ClError> {
+        let metre = self.metre(line)?;
+        if self.points.len() == POINTS_MAX {
+            let reason = format!("more than `{POINTS_MAX}` points");
+            return Err(ClError::new(line, reason, "space the points wider, or polish in several paths"));
+        }
+        let normal = checks::unit_normal(Vector3::new(i, j, k)).map_err(|reason| {
+            ClError::new(line, reason, "write the unit normal out of the material as the last three numbers")
+        })?;
+        let contact = metre * Vector3::new(x, y, z);
+        let new = self.points.last().is_none_or(|last| (contact - last.contact).norm() >= checks::SPACING_MIN);
+        // a point twice says nothing new
+        if new {
+            self.points.push(Point { contact, normal, feed: self.feed, line });
+        }
+        Ok(())
+    }
+
+    fn finish(self, p: &Parameters) -> Result<Vec<Point>, ClError> {
+        if !self.finished {
+            let reason = if self.lines == 0 { "the file is empty" } else { "the file ends without FINI" };
+            return Err(ClError::new(self.lines.max(1), reason, "write the whole path and FINI behind it"));
+        }
+        checks::path(&self.points, self.lines, p)?;
+        Ok(self.points)
+    }
+}

@@ -1,0 +1,70 @@
+//! Frequency response from a velocity along the normal to the force error, with the force loop closed.
+
+use nalgebra::Complex;
+
+use crate::impedance::Law;
+use crate::parameters::Parameters;
+
+/// Response of an axis from commanded to true position at `omega` rad/s.
+pub fn axis(p: &Parameters, omega: f64) -> Complex<f64> {
+    let (d, s) = (&p.drive, Complex::new(0.0, omega));
+    // velocity loop: s v = w_v (1 + w_i / s) (v_ref - v)
+    let push = d.velocity_bandwidth * (s + d.velocity_integral);
+    let velocity = push / (s * s + push);
+    // v_ref = K_pp (x_c - x) + K_ff / (1 + s / w_ff) s x_c
+    let ahead = d.feedforward * s / (1.0 + s / d.feedforward_bandwidth);
+    velocity * (d.position_gain + ahead) / (s + velocity * d.position_gain)
+}
+
+/// Force error (N) over velocity (m/s) along the normal at `omega` rad/s, force loop open; stiffness in N/m.
+pub fn open(p: &Parameters, stiffness: f64, omega: f64) -> Complex<f64> {
+    let (s, dt) = (Complex::new(0.0, omega), p.sample_period);
+    // a velocity that is held for a sample, and begins to act some samples later
+    let hold = (1.0 - (-s * dt).exp()) / (s * s * dt);
+    let late = (-s * dt * f64::from(p.drive.io_delay)).exp();
+    let sensor = 1.0 / (1.0 + s / p.sensor.bandwidth);
+    let filter = match p.force.filter_bandwidth {
+        0.0 => Complex::new(1.0, 0.0),
+        bandwidth => {
+            let keep = (-bandwidth * dt).exp();
+            (1.0 - keep) / (1.0 - keep * (-s * dt).exp())
+        }
+    };
+    stiffness * hold * late * axis(p, omega) * sensor * filter
+}
+
+/// The same with the force law closed around it.
+pub fn closed(p: &Parameters, law: &Law, stiffness: f64, omega: f64) -> Complex<f64> {
+    let delay = (-Complex::new(0.0, omega) * p.sample_period).exp();
+    let impedance = law.admittance * (1.0 - law.decay) / (1.0 - law.decay * delay);
+    let integral = law.integral / (1.0 - delay);
+    let open = open(p, stiffness, omega);
+    open / (1.0 + open * (impedance + integral))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const P: Parameters = Parameters::DEFAULT;
+
+    #[test]
+    fn the_axis_follows_slowly_and_not_fast() {
+        assert!((axis(&P, 0.1) - 1.0).norm() < 1e-3);
+        // amplitude of a triangle of 100 um at 50 Hz
+        let at_50 = axis(&P, 314.16);
+        assert!((at_50.norm() - 0.90).abs() < 0.02 && (at_50.arg() + 1.11).abs() < 0.03, "{at_50}");
+        assert!(axis(&P, 6283.0).norm() < 0.01);
+    }
+
+    #[test]
+    fn at_low_frequencies_the_contact_is_an_integrator_and_the_loop_a_spring_and_damper() {
+        let (k, omega) = (178e3, 0.5);
+        let open = open(&P, k, omega);
+        assert!((open - k / Complex::new(0.0, omega)).norm() < 0.01 * open.norm(), "{open}");
+        let law = Law { integral: 0.0, ..Law::new(&P, 1e4) };
+        let expected = k / (Complex::new(0.0, omega) + k / 1e4);
+        let closed = closed(&P, &law, k, omega);
+        assert!((closed - expected).norm() < 0.01 * expected.norm(), "{closed} {expected}");
+    }
+}

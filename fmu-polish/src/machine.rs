@@ -1,0 +1,203 @@
+//! State machine: states, faults, what happened in a sample and the transitions.
+
+use serde::{Deserialize, Serialize};
+
+/// What the controller is doing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum State {
+    /// At rest; takes the zero of the force sensor after `enable`.
+    Idle = 1,
+    /// Moves along the first normal until the tool touches.
+    Approach = 2,
+    /// Builds up the force.
+    Settle = 3,
+    /// Follows the path.
+    Follow = 4,
+    /// Takes the force away.
+    Unload = 5,
+    /// Moves out along the normal.
+    Retract = 6,
+    /// At rest after the job.
+    Done = 7,
+    /// At rest, or moving out, for a reason given by the fault.
+    Fault = 8,
+}
+
+impl State {
+    /// Whether the force law works.
+    pub fn pressing(self) -> bool {
+        matches!(self, Self::Settle | Self::Follow | Self::Unload)
+    }
+
+    /// Whether the machine moves for the job.
+    pub fn moving(self) -> bool {
+        self.pressing() || matches!(self, Self::Approach | Self::Retract)
+    }
+}
+
+/// Why the controller is in the fault state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Fault {
+    /// No fault.
+    None = 1,
+    /// The force was above `limits.force`.
+    ForceLimit = 2,
+    /// The force was not settled within `settle.time_max`.
+    SettleTimeout = 3,
+    /// The force was below `limits.lost_force` for `limits.lost_time`.
+    LostContact = 4,
+    /// An input is NaN, infinite or absurd.
+    InvalidInput = 5,
+    /// The force does not point along the normals of the path.
+    InvalidPath = 6,
+    /// No contact within `approach.distance_max`.
+    ApproachTimeout = 7,
+    /// The tool was more than `limits.position_error` off along the path or beside it.
+    PositionError = 8,
+    /// The position is outside `stroke`.
+    Stroke = 9,
+    /// `estop` was set.
+    EmergencyStop = 10,
+    /// The force was above `tare.force_max` when the zero was taken.
+    TareRejected = 11,
+    /// The tool was not above the begin of the path.
+    NotAtStart = 12,
+    /// The surface was more than `limits.surface_error` from the path.
+    SurfaceError = 13,
+}
+
+impl Fault {
+    /// Whether the tool moves out; if not, it stops where it is.
+    pub fn retracts(self) -> bool {
+        use Fault::{
+            ApproachTimeout, ForceLimit, InvalidPath, LostContact, PositionError, SettleTimeout, SurfaceError,
+        };
+        matches!(
+            self,
+            ForceLimit | SettleTimeout | LostContact | InvalidPath | ApproachTimeout | PositionError | SurfaceError
+        )
+    }
+}
+
+/// What happened in one sample.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Events {
+    /// Something is wrong.
+    pub fault: Option<Fault>,
+    /// `enable` is set.
+    pub enabled: bool,
+    /// Rising edge of `reset_fault`.
+    pub reset: bool,
+    /// The zero of the sensor is known and the tool is at the start.
+    pub ready: bool,
+    /// The tool touches.
+    pub contact: bool,
+    /// The force is settled.
+    pub settled: bool,
+    /// The end of the path.
+    pub arrived: bool,
+    /// The force is gone.
+    pub unloaded: bool,
+    /// The retract is complete.
+    pub retracted: bool,
+}
+
+/// The state after `state`.
+pub fn next(state: State, events: &Events) -> State {
+    use State::{Approach, Done, Fault, Follow, Idle, Retract, Settle, Unload};
+    match state {
+        Fault if events.reset && events.retracted && !events.enabled && events.fault.is_none() => Idle,
+        Fault => Fault,
+        _ if events.fault.is_some() => Fault,
+        Idle if events.ready => Approach,
+        Approach if !events.enabled => Retract,
+        Settle | Follow if !events.enabled => Unload,
+        Approach if events.contact => Settle,
+        Settle if events.settled => Follow,
+        Follow if events.arrived => Unload,
+        Unload if events.unloaded => Retract,
+        Retract if events.retracted => Done,
+        Done if !events.enabled => Idle,
+        unchanged => unchanged,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ALL: [State; 8] = [
+        State::Idle,
+        State::Approach,
+        State::Settle,
+        State::Follow,
+        State::Unload,
+        State::Retract,
+        State::Done,
+        State::Fault,
+    ];
+    const ON: Events = Events {
+        fault: None,
+        enabled: true,
+        reset: false,
+        ready: false,
+        contact: false,
+        settled: false,
+        arrived: false,
+        unloaded: false,
+        retracted: false,
+    };
+
+    #[test]
+    fn nothing_happens_without_events() {
+        for state in ALL {
+            assert_eq!(next(state, &ON), state);
+        }
+    }
+
+    #[test]
+    fn the_whole_way_of_one_job() {
+        let way = [
+            (Events { ready: true, ..ON }, State::Approach),
+            (Events { contact: true, ..ON }, State::Settle),
+            (Events { settled: true, ..ON }, State::Follow),
+            (Events { arrived: true, ..ON }, State::Unload),
+            (Events { unloaded: true, ..ON }, State::Retract),
+            (Events { retracted: true, ..ON }, State::Done),
+            (Events { enabled: false, ..ON }, State::Idle),
+        ];
+        let mut state = State::Idle;
+        for (events, expected) in way {
+            state = next(state, &events);
+            assert_eq!(state, expected);
+        }
+    }
+
+    #[test]
+    fn a_fault_wins_everywhere_and_needs_a_reset_at_rest() {
+        let fault = Events { fault: Some(Fault::ForceLimit), ready: true, contact: true, retracted: true, ..ON };
+        for state in ALL {
+            assert_eq!(next(state, &fault), State::Fault);
+        }
+        let reset = Events { reset: true, retracted: true, enabled: false, ..ON };
+        assert_eq!(next(State::Fault, &reset), State::Idle);
+        for refused in [
+            Events { enabled: true, ..reset },
+            Events { retracted: false, ..reset },
+            Events { reset: false, ..reset },
+            Events { fault: Some(Fault::EmergencyStop), ..reset },
+        ] {
+            assert_eq!(next(State::Fault, &refused), State::Fault);
+        }
+    }
+
+    #[test]
+    fn without_enable_the_tool_leaves() {
+        let off = Events { enabled: false, contact: true, settled: true, ..ON };
+        let expected =
+            [(State::Approach, State::Retract), (State::Settle, State::Unload), (State::Follow, State::Unload)];
+        for (state, after) in expected {
+            assert_eq!(next(state, &off), after);
+        }
+    }
+}

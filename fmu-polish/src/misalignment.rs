@@ -1,0 +1,119 @@
+//! Rigid misalignment of the mold from where the surface is met, by recursive least squares, and its feedforward.
+
+use nalgebra::{Matrix6, Vector3, Vector6};
+use serde::{Deserialize, Serialize};
+
+use crate::parameters::Parameters;
+use crate::path::Frame;
+
+/// Length that makes rotations as large as shifts, m.
+const LEVER: f64 = 1e-3;
+/// Variance of a measured distance, m2: 1 um.
+const NOISE: f64 = 1e-12;
+/// Variance of each parameter at the begin, m2: 1 mm.
+const START: f64 = 1e-6;
+/// Largest sum of the variances, m2; forgetting stops there.
+const TRACE_MAX: f64 = 6e-6;
+/// Largest velocity of the feedforward, m/s.
+const VELOCITY_MAX: f64 = 5e-3;
+
+/// The estimate: shift (m) and rotation (rad times the lever).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Misalignment {
+    estimate: Vector6<f64>,
+    covariance: Matrix6<f64>,
+}
+
+impl Misalignment {
+    /// Nothing known.
+    pub fn new() -> Self {
+        Self { estimate: Vector6::zeros(), covariance: Matrix6::identity() * START }
+    }
+
+    /// Takes the distance `distance` (m) of the surface from the path along the normal at `frame`.
+    pub fn update(&mut self, p: &Parameters, frame: &Frame, distance: f64) {
+        let phi = regressor(frame);
+        let spread = self.covariance * phi;
+        let gain = spread / (NOISE + phi.dot(&spread));
+        self.estimate += gain * (distance - phi.dot(&self.estimate));
+        let mut covariance = self.covariance - gain * spread.transpose();
+        // directions that are not excited would grow for ever
+        if covariance.trace() < TRACE_MAX * p.misalignment.forgetting {
+            covariance /= p.misalignment.forgetting;
+        }
+        // stays symmetric whatever the rounding
+        self.covariance = (covariance + covariance.transpose()) * 0.5;
+    }
+
+    /// Velocity (m/s) of the surface along the normal from `here` to `next`, one sample later.
+    pub fn velocity(&self, p: &Parameters, here: &Frame, next: &Frame) -> f64 {
+        let change = self.estimate.dot(&(regressor(next) - regressor(here)));
+        (change / p.sample_period).clamp(-VELOCITY_MAX, VELOCITY_MAX)
+    }
+
+    /// Shift of the mold, m.
+    pub fn shift(&self) -> Vector3<f64> {
+        self.estimate.fixed_rows::<3>(0).into()
+    }
+
+    /// Rotation of the mold, rad.
+    pub fn rotation(&self) -> Vector3<f64> {
+        self.estimate.fixed_rows::<3>(3) / LEVER
+    }
+}
+
+impl Default for Misalignment {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// A mold shifted by d and turned by w moves its surface by n . d + w . (c x n) along the normal.
+fn regressor(frame: &Frame) -> Vector6<f64> {
+    let (n, turn) = (frame.normal, frame.contact.cross(&frame.normal) / LEVER);
+    Vector6::new(n.x, n.y, n.z, turn.x, turn.y, turn.z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const P: Parameters = Parameters::DEFAULT;
+
+    /// A spiral in a bowl that is no sphere.
+    fn frame(k: u32) -> Frame {
+        let (r, a) = (1e-7 * f64::from(k), 1e-2 * f64::from(k));
+        let (x, y) = (r * a.cos(), r * a.sin());
+        let normal = Vector3::new(-x / 3e-3, -y / 5e-3 + 0.05 * (3.0 * a).sin(), 1.0).normalize();
+        let contact = Vector3::new(x, y, x * x / 6e-3 + y * y / 10e-3);
+        Frame { centre: contact, contact, normal, tangent: Vector3::x(), ratio: 1.0, feed_max: 1.0 }
+    }
+
+    #[test]
+    fn shift_and_rotation_are_found() {
+        let (d, w) = (Vector3::new(50e-6, -30e-6, 70e-6), Vector3::new(0.02, -0.01, 0.005));
+        let mut misalignment = Misalignment::new();
+        for k in 0..15_000 {
+            let f = frame(k);
+            let noise = if k % 2 == 0 { 0.5e-6 } else { -0.5e-6 };
+            misalignment.update(&P, &f, f.normal.dot(&(d + w.cross(&f.contact))) + noise);
+        }
+        assert!((misalignment.shift() - d).amax() < 1e-6, "{}", misalignment.shift());
+        assert!((misalignment.rotation() - w).amax() < 1e-3, "{}", misalignment.rotation());
+        let (here, next) = (frame(9000), frame(9001));
+        let truth = |f: &Frame| f.normal.dot(&(d + w.cross(&f.contact)));
+        let expected = (truth(&next) - truth(&here)) / P.sample_period;
+        assert!((misalignment.velocity(&P, &here, &next) - expected).abs() < 1e-5);
+    }
+
+    #[test]
+    fn without_excitation_nothing_grows_without_bound() {
+        let mut misalignment = Misalignment::new();
+        let f = frame(0);
+        for k in 0..1_000_000 {
+            misalignment.update(&P, &f, if k % 2 == 0 { 2e-6 } else { 0.0 });
+        }
+        assert!(misalignment.covariance.trace() <= TRACE_MAX * 1.001);
+        assert!(misalignment.estimate.amax() < 2e-6);
+    }
+}

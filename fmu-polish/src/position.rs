@@ -1,0 +1,78 @@
+//! Position feedback with switch matrix and clamped integral (eq. 6), by default in the tangent plane alone.
+
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+use crate::parameters::Parameters;
+
+/// Integral of the position error.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Feedback {
+    integral: Vector3<f64>,
+}
+
+impl Feedback {
+    /// With nothing integrated.
+    pub fn new() -> Self {
+        Self { integral: Vector3::zeros() }
+    }
+
+    /// v_p (m/s) for the position error E_p = x_d - x (m), where the unit normal is `normal`.
+    pub fn step(&mut self, p: &Parameters, error: &Vector3<f64>, normal: &Vector3<f64>) -> Vector3<f64> {
+        let law = &p.position;
+        let free = |v: &Vector3<f64>| if law.projected { v - normal * normal.dot(v) } else { *v };
+        let (select, error, limit) = (law.select, free(error), law.integral_max);
+        let select = Vector3::new(select.x, select.y, select.z).map(|on| f64::from(u8::from(on)));
+        self.integral = (self.integral + error * p.sample_period).map(|sum| sum.clamp(-limit, limit));
+        // eq. 6; the paper's K_i is this one times the sample period
+        let wanted = law.gain.vector().component_mul(&error) + law.integral.vector().component_mul(&self.integral);
+        free(&select.component_mul(&wanted))
+    }
+}
+
+impl Default for Feedback {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::axes::Axes;
+    use crate::parameters::Position;
+
+    fn with(change: impl FnOnce(&mut Position)) -> Parameters {
+        let mut p = Parameters::DEFAULT;
+        change(&mut p.position);
+        p
+    }
+
+    #[test]
+    fn projected_feedback_never_pushes_along_the_normal() {
+        let p = with(|q| q.gain = Axes { x: 3.0, y: 5.0, z: 9.0 });
+        let normal = Vector3::new(0.3, -0.4, 0.8).normalize();
+        let v = Feedback::new().step(&p, &Vector3::new(1e-5, 2e-5, -3e-5), &normal);
+        assert!(v.norm() > 1e-5 && v.dot(&normal).abs() < 1e-18);
+    }
+
+    #[test]
+    fn the_paper_switches_axes() {
+        let v = Feedback::new().step(&Parameters::PAPER, &Vector3::new(1e-5, 2e-5, 4e-5), &Vector3::z());
+        assert_eq!(v, Vector3::new(0.0, 0.0, 4e-5));
+    }
+
+    #[test]
+    fn the_integral_has_a_limit() {
+        let p = with(|q| {
+            q.gain = Axes::ZERO;
+            q.integral = Axes::all(10.0);
+        });
+        let mut feedback = Feedback::new();
+        let mut v = Vector3::zeros();
+        for _ in 0..10_000 {
+            v = feedback.step(&p, &Vector3::new(1e-3, 0.0, 0.0), &Vector3::z());
+        }
+        assert_eq!(v.x, 10.0 * p.position.integral_max);
+    }
+}

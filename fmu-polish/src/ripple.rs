@@ -1,0 +1,187 @@
+//! Cancels the force ripple at the frequency of the stick-slip and twice that; its phases come from the drive model.
+
+use nalgebra::Complex;
+use serde::{Deserialize, Serialize};
+
+use crate::drive::closed;
+use crate::impedance::Law;
+use crate::parameters::Parameters;
+use crate::stick_slip::phase;
+
+/// Harmonics of the stick-slip frequency.
+const HARMONICS: usize = 2;
+/// Highest frequency that is cancelled, part of the sample rate.
+const FREQUENCY_SHARE: f64 = 0.2;
+/// Largest velocity of each harmonic, m/s.
+const VELOCITY_MAX: f64 = 2e-3;
+/// Part of that velocity that counts as the limit.
+const LIMITED: f64 = 0.99;
+/// Periods over which the amplitude of a ripple is taken.
+const WINDOW_PERIODS: u32 = 10;
+/// Growth of a ripple from its first amplitude that ends the cancellation.
+const GROWTH: f64 = 1.5;
+/// Windows in a row that have grown too far.
+const BAD_WINDOWS: u32 = 2;
+
+/// One harmonic.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Harmonic {
+    /// velocity to force error at its frequency, N s/m; none if it is too high
+    response: Option<Complex<f64>>,
+    /// complex amplitude of the velocity, m/s
+    velocity: Complex<f64>,
+    /// sum over the window of the force error times the conjugate carrier, N
+    sum: Complex<f64>,
+    /// first amplitude, N
+    first: Option<f64>,
+    /// windows in a row that have grown
+    bad: u32,
+}
+
+impl Harmonic {
+    const NONE: Self = Self { response: None, velocity: Complex::ZERO, sum: Complex::ZERO, first: None, bad: 0 };
+
+    /// Judges a window of `samples`; true when the harmonic ends because it makes the ripple worse.
+    fn judge(&mut self, p: &Parameters, samples: u32) -> bool {
+        let amplitude = 2.0 * self.sum.norm() / f64::from(samples);
+        self.sum = Complex::ZERO;
+        let first = *self.first.get_or_insert(amplitude);
+        // at its limit it cannot grow any more
+        let limited = self.velocity.norm() > LIMITED * VELOCITY_MAX;
+        let grown = amplitude > GROWTH * first + if limited { 0.0 } else { p.ripple.growth_max };
+        self.bad = if grown { self.bad + 1 } else { 0 };
+        if self.bad < BAD_WINDOWS {
+            return false;
+        }
+        *self = Self::NONE;
+        true
+    }
+}
+
+/// The cancellation.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Ripple {
+    harmonics: [Harmonic; HARMONICS],
+    half: u32,
+    samples: u32,
+    frozen: bool,
+}
+
+impl Ripple {
+    /// Nothing learned, for the force law `law` on a contact of `stiffness` N/m.
+    pub fn new(p: &Parameters, law: &Law, stiffness: f64) -> Self {
+        let half = p.stick_slip.half_period.unsigned_abs().max(1);
+        let rate = std::f64::consts::TAU / p.sample_period;
+        let mut harmonics = [Harmonic::NONE; HARMONICS];
+        for (m, harmonic) in (1..).zip(&mut harmonics) {
+            let omega = rate * f64::from(m) / f64::from(2 * half);
+            harmonic.response = (omega <= FREQUENCY_SHARE * rate).then(|| closed(p, law, stiffness, omega));
+        }
+        Self { harmonics, half, samples: 0, frozen: false }
+    }
+
+    /// Whether a ripple has grown and is not cancelled any more.
+    pub fn frozen(&self) -> bool {
+        self.frozen
+    }
+
+    /// Velocity (m/s) of sample `k` for the force error `error` (N).
+    pub fn step(&mut self, p: &Parameters, k: u32, error: f64) -> f64 {
+        if p.ripple.gain == 0.0 {
+            return 0.0;
+        }
+        let mut velocity = 0.0;
+        for (m, harmonic) in (1..).zip(&mut self.harmonics) {
+            let Some(response) = harmonic.response else { continue };
+            let carrier = Complex::cis(phase(self.half, m * (k % (2 * self.half))));
+            harmonic.sum += carrier.conj() * error;
+            // the velocity that would have made this error is taken back
+            harmonic.velocity -= carrier.conj() * error * (2.0 * p.ripple.gain * p.sample_period) / response;
+            let size = harmonic.velocity.norm();
+            if size > VELOCITY_MAX {
+                harmonic.velocity *= VELOCITY_MAX / size;
+            }
+            velocity += (harmonic.velocity * carrier).re;
+        }
+        self.judge(p);
+        velocity
+    }
+
+    /// Freezes what makes the ripple worse: a phase of the model is more than a quarter wrong.
+    fn judge(&mut self, p: &Parameters) {
+        self.samples += 1;
+        let window = WINDOW_PERIODS * 2 * self.half;
+        if self.samples < window {
+            return;
+        }
+        self.samples = 0;
+        for harmonic in &mut self.harmonics {
+            self.frozen |= harmonic.response.is_some() && harmonic.judge(p, window);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::impedance::damping;
+
+    const P: Parameters = Parameters::DEFAULT;
+
+    /// Error amplitude at the end of 4 s with ripples of 0.2 N, when the true phase is `phase_error` rad off.
+    fn left(phase_error: f64) -> (f64, bool) {
+        let law = Law::new(&P, damping(&P, 178e3));
+        let mut ripple = Ripple::new(&P, &law, 178e3);
+        let truth = ripple.harmonics.map(|h| h.response.unwrap() * Complex::cis(phase_error));
+        let mut worst: f64 = 0.0;
+        for k in 1..4000 {
+            // the plant in the steady state of the learned amplitudes
+            let error: f64 = (1..)
+                .zip(ripple.harmonics)
+                .zip(truth)
+                .map(|((m, h), t)| ((t * h.velocity + 0.2) * Complex::cis(phase(10, m * k))).re)
+                .sum();
+            ripple.step(&P, k, error);
+            if k > 3500 {
+                worst = worst.max(error.abs());
+            }
+        }
+        (worst, ripple.frozen())
+    }
+
+    #[test]
+    fn a_ripple_vanishes_if_the_phase_is_about_right() {
+        for phase_error in [0.0, 0.7, -0.7] {
+            let (worst, frozen) = left(phase_error);
+            assert!(worst < 0.02 && !frozen, "{phase_error}: {worst}");
+        }
+    }
+
+    #[test]
+    fn a_wrong_phase_ends_the_cancellation() {
+        for phase_error in [2.5, -2.5] {
+            let law = Law::new(&P, damping(&P, 178e3));
+            let mut ripple = Ripple::new(&P, &law, 178e3);
+            let truth = ripple.harmonics.map(|h| h.response.unwrap() * Complex::cis(phase_error));
+            let mut worst: f64 = 0.0;
+            for k in 1..6000 {
+                let error: f64 = (1..)
+                    .zip(ripple.harmonics)
+                    .zip(truth)
+                    .map(|((m, h), t)| ((t * h.velocity + 0.1) * Complex::cis(phase(10, m * k))).re)
+                    .sum();
+                worst = worst.max(error.abs());
+                ripple.step(&P, k, error);
+            }
+            assert!(ripple.frozen() && worst < 2.5, "{phase_error}: {worst}");
+        }
+    }
+
+    #[test]
+    fn too_high_a_frequency_is_left_alone() {
+        let mut p = P;
+        p.stick_slip.half_period = 1;
+        let mut ripple = Ripple::new(&p, &Law::new(&p, 1e4), 178e3);
+        assert!((1..1000).all(|k| ripple.step(&p, k, if k % 2 == 0 { 1.0 } else { -1.0 }) == 0.0));
+    }
+}

@@ -1,0 +1,83 @@
+//! Stiffness of tool and contact: the slope of force over way while the force builds up.
+
+use serde::{Deserialize, Serialize};
+
+/// Forces below this say nothing, N.
+const FORCE_MIN: f64 = 0.8;
+/// Part of the target up to which samples are taken.
+const TARGET_SHARE: f64 = 0.9;
+/// What a stiffness can be, over the nominal one.
+const RATIO: (f64, f64) = (0.25, 4.0);
+/// Fewest samples.
+const SAMPLES_MIN: f64 = 10.0;
+/// Least standard deviation of the way, m.
+const SPREAD_MIN: f64 = 1e-6;
+
+/// Sums of the least squares; by default none.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Slope {
+    origin: Option<(f64, f64)>,
+    count: f64,
+    way: f64,
+    force: f64,
+    way_way: f64,
+    way_force: f64,
+}
+
+impl Slope {
+    /// Takes the force `force` (N) at the way `way` (m) into the material, on the way to `target` N.
+    pub fn update(&mut self, way: f64, force: f64, target: f64) {
+        if force < FORCE_MIN || force > TARGET_SHARE * target {
+            return;
+        }
+        let (way_0, force_0) = *self.origin.get_or_insert((way, force));
+        let (x, y) = (way - way_0, force - force_0);
+        self.count += 1.0;
+        self.way += x;
+        self.force += y;
+        self.way_way += x * x;
+        self.way_force += x * y;
+    }
+
+    /// Stiffness, N/m, near `nominal`; `nominal` itself if the samples say nothing.
+    pub fn stiffness(&self, nominal: f64) -> f64 {
+        let n = self.count;
+        let spread = n * self.way_way - self.way * self.way;
+        if n < SAMPLES_MIN || spread < (n * SPREAD_MIN).powi(2) {
+            return nominal;
+        }
+        let slope = (n * self.way_force - self.way * self.force) / spread;
+        slope.clamp(RATIO.0 * nominal, RATIO.1 * nominal)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_slope_of_a_line_in_noise_and_pulses() {
+        let mut slope = Slope::default();
+        for k in 0..200 {
+            let way = 1e-7 * f64::from(k);
+            let noise = if k % 2 == 0 { 0.05 } else { -0.05 };
+            slope.update(0.3 + (way * 1e6).round() * 1e-6, 240e3 * way + noise, 5.0);
+        }
+        assert!((slope.stiffness(178e3) / 240e3 - 1.0).abs() < 0.03, "{}", slope.stiffness(178e3));
+    }
+
+    #[test]
+    fn too_little_says_nothing() {
+        let mut slope = Slope::default();
+        assert_eq!(slope.stiffness(178e3), 178e3);
+        (0..100).for_each(|_| slope.update(0.1, 2.0, 5.0));
+        assert_eq!(slope.stiffness(178e3), 178e3);
+    }
+
+    #[test]
+    fn nonsense_is_limited() {
+        let mut slope = Slope::default();
+        (0..100).for_each(|k| slope.update(1e-6 * f64::from(k), 4.0 - 0.01 * f64::from(k), 5.0));
+        assert_eq!(slope.stiffness(100e3), 25e3);
+    }
+}

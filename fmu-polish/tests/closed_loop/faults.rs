@@ -1,0 +1,219 @@
+//! Every fault: its name, what the tool does then, and how the controller gets out of it.
+
+use fmu_polish::axes::Axes;
+use fmu_polish::machine::{Fault, State};
+use fmu_polish::parameters::Parameters;
+use fmu_polish::signals::Input;
+use fmu_polish::stick_slip::Mode;
+use nalgebra::Vector3;
+
+use crate::robot::Build;
+use crate::run::Loop;
+
+const P: Parameters = Parameters::DEFAULT;
+
+fn with(change: impl FnOnce(&mut Parameters)) -> Parameters {
+    let mut p = P;
+    change(&mut p);
+    p
+}
+
+/// A job that has come to `state`, and then went on for 0.3 s.
+fn running(p: &Parameters, build: Build, seed: u64, state: State) -> Loop {
+    let mut run = Loop::new(p, build, seed);
+    assert!(run.run_to(state, 5.0), "{:?} {:?}", run.output.state, run.output.fault);
+    if state == State::Follow {
+        (0..300).for_each(|_| run.step());
+    }
+    run
+}
+
+/// The fault comes within `limit` s, the tool moves out along the normal, and stands.
+fn retracts(mut run: Loop, fault: Fault, limit: f64) {
+    let until = run.time() + limit;
+    assert!(run.run_to(State::Fault, until), "{fault:?} expected, {:?}", run.output);
+    assert_eq!(run.output.fault, fault);
+    let (from, normal) = (run.robot.position(), run.output.normal.vector());
+    (0..400).for_each(|_| run.step());
+    let way = (run.robot.position() - from).dot(&normal);
+    assert!((way - P.retract.distance).abs() < 60e-6, "{fault:?}: out by {way} m");
+    assert_eq!(run.output.velocity.z, 0.0);
+    resets(run, fault);
+}
+
+/// The fault comes at once, and nothing moves any more.
+fn stands(mut run: Loop, fault: Fault, change: impl Fn(&mut Input)) {
+    run.step_with(&change);
+    assert_eq!((run.output.state, run.output.fault), (State::Fault, fault));
+    for _ in 0..200 {
+        run.step_with(&change);
+        assert_eq!(run.output.pulses, Axes::all(0), "{fault:?}");
+        let v = run.output.velocity;
+        assert_eq!((v.x, v.y, v.z), (0.0, 0.0, 0.0));
+    }
+    resets(run, fault);
+}
+
+/// A reset works without `enable` alone.
+fn resets(mut run: Loop, fault: Fault) {
+    run.step_with(|input| input.reset_fault = true);
+    assert_eq!((run.output.state, run.output.fault), (State::Fault, fault));
+    run.step_with(|input| input.enable = false);
+    assert_eq!(run.output.state, State::Fault);
+    run.step_with(|input| (input.enable, input.reset_fault) = (false, true));
+    assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::None));
+}
+
+#[test]
+fn force_limit_at_a_step_up() {
+    let mut run = running(&P, Build::NOMINAL, 50, State::Follow);
+    run.robot.build.shift.z += 0.15e-3;
+    retracts(run, Fault::ForceLimit, 0.02);
+}
+
+#[test]
+fn settle_timeout_when_the_force_is_out_of_reach() {
+    let p = with(|p| p.impedance.damping = 5e6);
+    retracts(running(&p, Build::NOMINAL, 51, State::Settle), Fault::SettleTimeout, 2.1);
+}
+
+#[test]
+fn lost_contact_when_the_mold_drops() {
+    let mut run = running(&P, Build::NOMINAL, 52, State::Follow);
+    run.robot.build.shift.z -= 0.4e-3;
+    retracts(run, Fault::LostContact, 0.2);
+}
+
+#[test]
+fn invalid_path_when_the_force_is_not_along_the_normal() {
+    let p = with(|p| (p.limits.force_angle, p.stick_slip.mode) = (0.3, Mode::Off));
+    let build = Build { friction: 0.6, ..Build::NOMINAL };
+    retracts(running(&p, build, 53, State::Settle), Fault::InvalidPath, 1.0);
+}
+
+#[test]
+fn approach_timeout_without_a_mold() {
+    let build = Build { shift: Vector3::new(0.0, 0.0, -2.1e-3), ..Build::NOMINAL };
+    retracts(Loop::new(&P, build, 54), Fault::ApproachTimeout, 4.5);
+}
+
+#[test]
+fn position_error_when_the_axes_do_not_follow() {
+    let mut run = running(&P, Build::NOMINAL, 55, State::Follow);
+    let held = run.robot.position();
+    let mut steps = 0;
+    while run.output.state == State::Follow && steps < 2000 {
+        run.step_with(|input| (input.position.x, input.position.y) = (held.x, held.y));
+        steps += 1;
+    }
+    let expected = if run.output.fault == Fault::PositionError { Fault::PositionError } else { Fault::SurfaceError };
+    assert_eq!(run.output.fault, expected);
+}
+
+#[test]
+fn surface_error_when_the_mold_sinks_slowly() {
+    let p = with(|p| p.limits.surface_error = 0.1e-3);
+    let mut run = running(&p, Build::NOMINAL, 56, State::Follow);
+    for _ in 0..2000 {
+        run.robot.build.shift.z -= 0.2e-6;
+        run.step();
+        if run.output.state == State::Fault {
+            break;
+        }
+    }
+    assert_eq!(run.output.fault, Fault::SurfaceError);
+}
+
+#[test]
+fn stroke() {
+    let run = running(&P, Build::NOMINAL, 57, State::Follow);
+    stands(run, Fault::Stroke, |input| input.position.y = 0.151);
+}
+
+#[test]
+fn emergency_stop_in_every_state() {
+    for state in [State::Idle, State::Approach, State::Settle, State::Follow, State::Unload, State::Retract] {
+        let run = if matches!(state, State::Unload | State::Retract) {
+            let mut run = running(&P, Build::NOMINAL, 58, State::Follow);
+            run.input.enable = false;
+            assert!(run.run_to(state, 10.0));
+            run.input.enable = true;
+            run
+        } else {
+            running(&P, Build::NOMINAL, 58, state)
+        };
+        stands(run, Fault::EmergencyStop, |input| input.estop = true);
+    }
+}
+
+#[test]
+fn nonsense_for_one_sample() {
+    for nonsense in [f64::NAN, f64::INFINITY, -1e300] {
+        let run = running(&P, Build::NOMINAL, 59, State::Follow);
+        stands(run, Fault::InvalidInput, |input| input.force.z = nonsense);
+        let run = running(&P, Build::NOMINAL, 60, State::Approach);
+        stands(run, Fault::InvalidInput, |input| input.position.x = nonsense);
+    }
+}
+
+#[test]
+fn an_emergency_stop_ends_a_retract_after_a_fault() {
+    let mut run = running(&P, Build::NOMINAL, 61, State::Follow);
+    run.robot.build.shift.z += 0.15e-3;
+    let until = run.time() + 0.1;
+    assert!(run.run_to(State::Fault, until));
+    stands(run, Fault::ForceLimit, |input| input.estop = true);
+}
+
+#[test]
+fn tare_rejected_while_the_tool_touches() {
+    let build = Build { height: -20e-6, ..Build::NOMINAL };
+    let mut run = Loop::new(&P, build, 62);
+    assert!(run.run_to(State::Fault, 0.2));
+    assert_eq!(run.output.fault, Fault::TareRejected);
+    resets(run, Fault::TareRejected);
+}
+
+#[test]
+fn not_at_start() {
+    let mut run = Loop::new(&P, Build::NOMINAL, 63);
+    while run.output.state == State::Idle {
+        run.step_with(|input| input.position.x += 1e-3);
+    }
+    assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::NotAtStart));
+    resets(run, Fault::NotAtStart);
+}
+
+#[test]
+fn without_enable_the_tool_leaves_and_the_next_job_begins_anew() {
+    let mut run = running(&P, Build::NOMINAL, 64, State::Follow);
+    run.input.enable = false;
+    assert!(run.run_to(State::Retract, 5.0) && run.run_to(State::Idle, 5.0));
+    assert!(run.output.progress > 0.0 && run.robot.normal_force == 0.0);
+    run.input.enable = true;
+    assert!(run.run_to(State::Approach, 5.0) || run.output.fault == Fault::NotAtStart, "{:?}", run.output);
+}
+
+#[test]
+fn after_a_finished_job_enable_must_fall_first() {
+    let mut run = Loop::new(&P, Build::NOMINAL, 65);
+    assert!(run.job(20.0).is_some());
+    (0..100).for_each(|_| run.step());
+    assert_eq!((run.output.state, run.output.done, run.output.progress), (State::Done, true, 1.0));
+    run.input.enable = false;
+    (0..2).for_each(|_| run.step());
+    assert_eq!((run.output.state, run.output.done), (State::Idle, false));
+}
+
+#[test]
+fn overrides_stop_the_feed_and_change_the_force() {
+    let mut run = running(&P, Build::NOMINAL, 66, State::Follow);
+    run.input.feed_override = 0.0;
+    (0..500).for_each(|_| run.step());
+    let before = run.output.progress;
+    run.input.force_override = 1.4;
+    (0..1500).for_each(|_| run.step());
+    assert_eq!((run.output.progress, run.output.velocity.tangential), (before, 0.0));
+    assert!((run.robot.normal_force - 7.0).abs() < 0.2, "{} N", run.robot.normal_force);
+    assert_eq!(run.output.force.setpoint, 7.0);
+}

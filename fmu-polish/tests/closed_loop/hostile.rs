@@ -1,0 +1,113 @@
+//! Whatever comes in, what goes out is finite and within the limits.
+
+use fmu_polish::axes::Axes;
+use fmu_polish::machine::State;
+use fmu_polish::parameters::Parameters;
+use fmu_polish::signals::{Input, Output};
+use rand::{RngExt, SeedableRng};
+
+use crate::robot::Build;
+use crate::run::Loop;
+
+/// Everything that an output holds.
+fn finite(output: &Output) -> bool {
+    let axes = |a: Axes| a.x.is_finite() && a.y.is_finite() && a.z.is_finite();
+    let (v, e, m) = (output.velocity, output.error, output.misalignment);
+    let scalars = [
+        v.x,
+        v.y,
+        v.z,
+        v.normal,
+        v.tangential,
+        v.position,
+        v.stick_slip,
+        output.force.measured,
+        output.force.setpoint,
+        output.force.error,
+        e.tangential,
+        e.lateral,
+        e.normal,
+        m.x,
+        m.y,
+        m.z,
+        m.rx,
+        m.ry,
+        m.rz,
+        output.progress,
+        output.stiffness.estimate,
+    ];
+    axes(output.desired) && axes(output.normal) && axes(output.tangent) && scalars.iter().all(|x| x.is_finite())
+}
+
+/// Finite, not too fast, not too many pulses.
+fn check(p: &Parameters, output: &Output) {
+    assert!(finite(output), "{output:?}");
+    let (v, pulses) = (output.velocity, output.pulses);
+    let speed = (v.x * v.x + v.y * v.y + v.z * v.z).sqrt();
+    assert!(speed <= p.limits.velocity * (1.0 + 1e-12), "{speed} m/s");
+    let most = (p.limits.velocity * p.sample_period / p.pulses.size) as i32 + 1;
+    assert!([pulses.x, pulses.y, pulses.z].iter().all(|count| count.abs() <= most));
+}
+
+#[test]
+fn hostile_inputs_never_give_a_wild_output() {
+    let p = Parameters::DEFAULT;
+    let mut run = Loop::new(&p, Build::NOMINAL, 70);
+    let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(71);
+    let wild = [f64::NAN, f64::INFINITY, -1e308, 1e3, -1e3, 1e5, 0.0, 5e-324, 1e-3, -2.0];
+    let mut seen = [0; 9];
+    for k in 0..200_000 {
+        let calm = (k / 5000) % 2 == 0;
+        let pick = |random: &mut rand_pcg::Pcg64Mcg| wild[random.random_range(0..wild.len())];
+        let rare = !calm && random.random_bool(0.01);
+        let reset = random.random_bool(0.5);
+        let off = random.random_bool(0.002);
+        let value = pick(&mut random);
+        let which = random.random_range(0..8);
+        run.step_with(|input: &mut Input| {
+            input.enable = !off;
+            input.reset_fault = reset;
+            if rare {
+                input.estop = which == 7;
+                let fields = [
+                    &mut input.position.x,
+                    &mut input.position.y,
+                    &mut input.position.z,
+                    &mut input.force.x,
+                    &mut input.force.z,
+                    &mut input.feed_override,
+                    &mut input.force_override,
+                ];
+                if let Some(field) = fields.into_iter().nth(which) {
+                    *field = value;
+                }
+            }
+        });
+        seen[run.output.state as usize] += 1;
+        check(&p, &run.output);
+    }
+    assert!(seen[State::Fault as usize] > 0 && seen[State::Approach as usize] > 0, "{seen:?}");
+}
+
+#[test]
+fn extreme_parameters_stay_finite() {
+    let changes: [fn(&mut Parameters); 8] = [
+        |p| p.impedance.mass = 0.01,
+        |p| p.impedance.mass = 1e4,
+        |p| p.force.integral_time = 1e-9,
+        |p| p.stick_slip.half_period = 1000,
+        |p| p.stick_slip.ratio = 20.0,
+        |p| p.ripple.gain = 20.0,
+        |p| (p.impedance.gain, p.impedance.adaptive) = (0.0, true),
+        |p| p.feed.turn_rate_max = 1.0,
+    ];
+    for (i, change) in changes.into_iter().enumerate() {
+        let mut p = Parameters::DEFAULT;
+        change(&mut p);
+        let mut run = Loop::new(&p, Build::NOMINAL, 80);
+        for _ in 0..8000 {
+            run.step();
+            assert!(finite(&run.output), "case {i}: {:?}", run.output);
+        }
+    }
+}

@@ -1,0 +1,220 @@
+//! Whole jobs: default mode, the law as printed, the paper's stick-slip, robots that are not nominal.
+
+use fmu_polish::force::ForceMode;
+use fmu_polish::parameters::{FeedSource, Parameters};
+use fmu_polish::stick_slip::{Mode, Wave};
+use nalgebra::Vector3;
+use rand::{RngExt, SeedableRng};
+
+use crate::common::HOLLOW;
+use crate::robot::Build;
+use crate::run::{Job, Loop};
+
+/// The force law as printed: no integral, no adaptation, no cancellation, no estimate.
+fn printed() -> Parameters {
+    let mut p = Parameters::DEFAULT;
+    p.force.mode = ForceMode::Norm;
+    p.force.integral_time = 0.0;
+    p.impedance.adaptive = false;
+    p.ripple.gain = 0.0;
+    p.misalignment.enable = false;
+    p
+}
+
+fn without(mut p: Parameters) -> Parameters {
+    p.stick_slip.mode = Mode::Off;
+    p
+}
+
+fn finished(name: &str, run: &mut Loop) -> Job {
+    let job = run.job(30.0);
+    println!("{name}: {job:?}");
+    let end = (run.output.state, run.output.fault, run.output.progress);
+    job.unwrap_or_else(|| panic!("{name} ended in {end:?}"))
+}
+
+fn job(name: &str, p: &Parameters, build: Build, seed: u64) -> Job {
+    finished(name, &mut Loop::new(p, build, seed))
+}
+
+#[test]
+fn the_default_mode_holds_the_force_and_slides_far() {
+    let job = job("default", &Parameters::DEFAULT, Build::NOMINAL, 101);
+    assert!(job.settle <= 0.5 && job.overshoot <= 0.2, "{job:?}");
+    assert!((job.mean - 5.0).abs() <= 0.05 && job.deviation <= 0.06 && job.least > 4.0, "{job:?}");
+    assert!(job.gain >= 3.0 && job.beside <= 10e-6, "{job:?}");
+}
+
+#[test]
+fn the_law_as_printed_holds_the_norm_of_the_force() {
+    let job = job("printed", &without(printed()), Build::NOMINAL, 102);
+    // friction is part of the norm: N = F_d / sqrt(1 + mu^2)
+    assert!((job.mean - 5.0 / 1.04f64.sqrt()).abs() <= 0.04, "{job:?}");
+    assert!(job.deviation <= 0.06 && job.settle <= 0.5 && job.overshoot <= 0.5, "{job:?}");
+}
+
+#[test]
+fn sign_flips_in_every_sample_do_nothing() {
+    let mut p = printed();
+    let none = job("none", &without(p.clone()), Build::NOMINAL, 103);
+    p.stick_slip.half_period = 1;
+    for velocity in [2e-3, 10e-3, 40e-3] {
+        p.stick_slip.velocity = velocity;
+        let flips = job("500 Hz", &p, Build::NOMINAL, 103);
+        assert!((flips.gain / none.gain - 1.0).abs() <= 0.02, "{velocity} m/s: {}", flips.gain / none.gain);
+    }
+}
+
+#[test]
+fn the_paper_mode_works() {
+    let job = job("paper", &Parameters::PAPER, Build::NOMINAL, 104);
+    // weak coupling along z pulls at the force
+    assert!((job.mean - 5.0).abs() <= 0.6 && job.deviation <= 0.1 && job.beside <= 20e-6, "{job:?}");
+}
+
+#[test]
+fn a_sine_slides_as_far_as_a_square() {
+    let mut p = Parameters::DEFAULT;
+    p.stick_slip.wave = Wave::Sine;
+    let job = job("sine", &p, Build::NOMINAL, 105);
+    assert!(job.gain >= 3.0 && job.deviation <= 0.06, "{job:?}");
+}
+
+#[test]
+fn the_ratio_keeps_the_gain_at_another_feed() {
+    let mut p = Parameters::DEFAULT;
+    p.stick_slip.ratio = 5.0;
+    let slow = job("2 mm/s", &p, Build::NOMINAL, 106);
+    p.feed.velocity = 4e-3;
+    let fast = job("4 mm/s", &p, Build::NOMINAL, 106);
+    assert!((fast.gain / slow.gain - 1.0).abs() <= 0.15, "{} {}", slow.gain, fast.gain);
+}
+
+#[test]
+fn the_feed_of_the_file() {
+    let mut p = without(Parameters::DEFAULT);
+    p.feed.source = FeedSource::File;
+    // another one, which must not count
+    p.feed.velocity = 1e-4;
+    job("feed of the file", &p, Build::NOMINAL, 107);
+}
+
+#[test]
+fn the_stiffness_is_found() {
+    for stiffness in [95e3, 178e3, 240e3] {
+        let mut run = Loop::new(&Parameters::DEFAULT, Build { stiffness, ..Build::NOMINAL }, 108);
+        let job = finished("stiffness", &mut run);
+        let estimate = run.output.stiffness.estimate;
+        assert!((estimate / stiffness - 1.0).abs() <= 0.1, "{stiffness}: {estimate}");
+        assert!(job.deviation <= 0.06 && job.overshoot <= 0.2, "{stiffness}: {job:?}");
+    }
+}
+
+#[test]
+fn a_fast_approach_does_not_spoil_the_stiffness() {
+    for velocity in [2e-3, 5e-3] {
+        let mut p = Parameters::DEFAULT;
+        p.approach.velocity = velocity;
+        let mut run = Loop::new(&p, Build::NOMINAL, 112);
+        let job = finished("fast approach", &mut run);
+        let estimate = run.output.stiffness.estimate;
+        assert!((estimate / 178e3 - 1.0).abs() <= 0.1 && job.overshoot < 2.5, "{velocity}: {estimate} {job:?}");
+    }
+}
+
+#[test]
+fn a_shifted_mold_is_found_and_followed() {
+    let shift = Vector3::new(50e-6, -50e-6, 70e-6);
+    let build = Build { shift, ..Build::NOMINAL };
+    let mut run = Loop::new(&Parameters::DEFAULT, build, 109);
+    let better = finished("shifted", &mut run);
+    let plain = job("shifted, printed", &printed(), build, 109);
+    assert!(better.deviation <= 0.5 * plain.deviation && better.least > 4.0, "{better:?} {plain:?}");
+    // a sphere shows only where its middle is
+    let m = run.output.misalignment;
+    let middle = Vector3::new(m.x, m.y, m.z) + Vector3::new(m.rx, m.ry, m.rz).cross(&Vector3::new(0.0, 0.0, HOLLOW));
+    assert!((middle - shift).amax() <= 10e-6, "{middle}");
+}
+
+#[test]
+fn the_cancellation_works_without_delay_and_with_other_drives() {
+    for (io_delay, drive_gain) in [(1, 0.8), (1, 1.2), (2, 1.0)] {
+        let mut p = Parameters::DEFAULT;
+        // one sample of delay in the phase is 18 degrees at 50 Hz
+        p.drive.io_delay = io_delay;
+        let build = Build { drive_gain, drive_friction: 6.0, ..Build::NOMINAL };
+        let with = job("cancelled", &p, build, 110);
+        p.ripple.gain = 0.0;
+        let plain = job("not cancelled", &p, build, 110);
+        assert!(with.deviation <= plain.deviation + 0.01, "{io_delay} {drive_gain}: {with:?} {plain:?}");
+    }
+}
+
+#[test]
+fn a_cancellation_for_other_drives_ends_itself_and_does_no_harm() {
+    let mut p = Parameters::DEFAULT;
+    // seven samples are 126 degrees at 50 Hz
+    p.drive.io_delay = 8;
+    let mut run = Loop::new(&p, Build { drive_friction: 6.0, ..Build::NOMINAL }, 113);
+    let job = finished("other drives", &mut run);
+    assert!(run.output.ripple.frozen && job.deviation <= 0.3 && job.least > 3.0, "{job:?}");
+}
+
+#[test]
+fn thirty_robots_that_are_not_nominal() {
+    let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(111);
+    for seed in 0..30 {
+        let mut between = |low: f64, high: f64| random.random_range(low..high);
+        let build = Build {
+            stiffness: between(92e3, 242e3),
+            friction: between(0.1, 0.4),
+            drive_friction: between(0.5, 4.0),
+            drive_gain: between(0.8, 1.2),
+            shift: Vector3::new(between(-1e-4, 1e-4), between(-1e-4, 1e-4), between(-1e-4, 1e-4)),
+            ..Build::NOMINAL
+        };
+        let job = job(&format!("{build:?}"), &Parameters::DEFAULT, build, 200 + seed);
+        assert!(job.settle <= 0.5 && job.overshoot <= 0.2, "{job:?}");
+        assert!(job.deviation <= 0.35 && job.least > 2.5, "{job:?}");
+        assert!(job.gain >= 2.3 && job.beside <= 15e-6, "{job:?}");
+    }
+}
+
+/// The tables of the README.
+#[test]
+#[ignore = "prints tables"]
+fn tables() {
+    for (half_period, velocities) in [
+        (1, [2e-3, 10e-3, 40e-3]),
+        (2, [5e-3, 10e-3, 20e-3]),
+        (5, [5e-3, 10e-3, 20e-3]),
+        (10, [5e-3, 10e-3, 20e-3]),
+        (20, [5e-3, 10e-3, 20e-3]),
+    ] {
+        for velocity in velocities {
+            let mut p = Parameters::DEFAULT;
+            (p.stick_slip.half_period, p.stick_slip.velocity) = (half_period, velocity);
+            let job = Loop::new(&p, Build::NOMINAL, 300).job(30.0).unwrap();
+            println!("{half_period} {velocity}: gain {:.2}, deviation {:.3} N", job.gain, job.deviation);
+        }
+    }
+    for (mass, damping) in
+        [(10.0, 20e3), (10.0, 10e3), (10.0, 5e3), (10.0, 2670.0), (10.0, 2000.0), (2.0, 5e3), (2.0, 2e3)]
+    {
+        let mut p = without(printed());
+        (p.impedance.mass, p.impedance.damping) = (mass, damping);
+        let job = Loop::new(&p, Build::NOMINAL, 301).job(30.0).unwrap();
+        println!(
+            "M {mass} B {damping}: {:.3} s, {:.2} N over, deviation {:.3} N",
+            job.settle, job.overshoot, job.deviation
+        );
+    }
+    for seed in 302..322 {
+        let mut over = Vec::new();
+        for p in [Parameters::DEFAULT, printed()] {
+            let job = Loop::new(&p, Build { drive_friction: 4.0, ..Build::NOMINAL }, seed).job(30.0).unwrap();
+            over.push((job.overshoot, job.deviation));
+        }
+        println!("{over:.3?}");
+    }
+}

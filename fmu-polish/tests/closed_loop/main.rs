@@ -1,0 +1,11 @@
+//! The controller in closed loop with a robot.
+
+#[path = "../common/mod.rs"]
+mod common;
+mod cost;
+mod faults;
+mod hostile;
+mod job;
+mod robot;
+mod run;
+mod state;

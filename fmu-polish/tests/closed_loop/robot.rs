@@ -1,0 +1,165 @@
+//! Three axes with servos, a tip that bends, friction, a force sensor and a spherical hollow, natively in Rust.
+//!
+//! Values are those of the plant `orthogonal_robot`; tip and contact are springs without mass.
+
+use fmu_polish::parameters::Parameters;
+use nalgebra::Vector3;
+use rand::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
+use rand_pcg::Pcg64Mcg;
+
+use crate::common::HOLLOW;
+
+/// Communication step, s.
+pub const STEP: f64 = 1e-3;
+
+const SUBSTEPS: usize = 10;
+const DT: f64 = STEP / SUBSTEPS as f64;
+const MASS: f64 = 20.0;
+const LATERAL_STIFFNESS: f64 = 209e3;
+const SENSOR_NOISE: f64 = 0.05;
+const SENSOR_STEP: f64 = 0.178;
+const SENSOR_BANDWIDTH: f64 = 1256.6;
+const WEIGHT: Vector3<f64> = Vector3::new(0.0, 0.0, -0.098);
+/// Way in which the rolling friction of a guide turns round, m.
+const ROLLING_WAY: f64 = 20e-6;
+const TOOL_RADIUS: f64 = 0.5e-3;
+
+/// What can differ from robot to robot.
+#[derive(Clone, Copy, Debug)]
+pub struct Build {
+    /// Stiffness of tip and contact along the normal, N/m.
+    pub stiffness: f64,
+    /// Friction of tool on mold.
+    pub friction: f64,
+    /// Friction of a drive, N.
+    pub drive_friction: f64,
+    /// Factor of the gains of the drives.
+    pub drive_gain: f64,
+    /// Shift of the mold, m.
+    pub shift: Vector3<f64>,
+    /// Height of the ball above the begin of the path, m.
+    pub height: f64,
+}
+
+impl Build {
+    /// As the controller believes.
+    pub const NOMINAL: Self = Self {
+        stiffness: 178e3,
+        friction: 0.2,
+        drive_friction: 2.0,
+        drive_gain: 1.0,
+        shift: Vector3::new(0.0, 0.0, 0.0),
+        height: 0.2e-3,
+    };
+}
+
+/// One axis with its servo.
+#[derive(Clone, Copy, Debug, Default)]
+struct Axis {
+    reference: f64,
+    ahead: f64,
+    integral: f64,
+    position: f64,
+    velocity: f64,
+    roll: f64,
+}
+
+impl Axis {
+    fn substep(&mut self, build: &Build, told: f64, load: f64) {
+        let drive = Parameters::DEFAULT.drive;
+        self.reference += told * DT;
+        self.ahead += (told - self.ahead) * DT * drive.feedforward_bandwidth;
+        let wanted =
+            build.drive_gain * drive.position_gain * (self.reference - self.position) + drive.feedforward * self.ahead;
+        let lag = wanted - self.velocity;
+        self.integral += drive.velocity_integral * lag * DT;
+        let push = build.drive_gain * drive.velocity_bandwidth * (lag + self.integral);
+        self.roll = (self.roll + self.velocity * DT) / (1.0 + self.velocity.abs() * DT / ROLLING_WAY);
+        let friction = build.drive_friction * self.roll / ROLLING_WAY;
+        self.velocity += DT * (push + (load - friction) / MASS);
+        self.position += DT * self.velocity;
+    }
+}
+
+/// The robot at one instant.
+pub struct Robot {
+    random: Pcg64Mcg,
+    axes: [Axis; 3],
+    pending: Vector3<i32>,
+    /// lateral deflection of the tip, m
+    bend: Vector3<f64>,
+    filtered: Vector3<f64>,
+    /// What can differ; may be changed on the way.
+    pub build: Build,
+    /// True normal force, N.
+    pub normal_force: f64,
+    /// Way that the ball slid, m.
+    pub slid: f64,
+}
+
+impl Robot {
+    /// At rest above `start`; all noise from `seed`.
+    pub fn new(build: Build, start: Vector3<f64>, seed: u64) -> Self {
+        let axis = |x| Axis { reference: x, position: x, ..Axis::default() };
+        Self {
+            random: Pcg64Mcg::seed_from_u64(seed),
+            axes: [axis(start.x), axis(start.y), axis(start.z)],
+            pending: Vector3::zeros(),
+            bend: Vector3::zeros(),
+            filtered: WEIGHT,
+            build,
+            normal_force: 0.0,
+            slid: 0.0,
+        }
+    }
+
+    /// What the encoders say, m.
+    pub fn position(&self) -> Vector3<f64> {
+        self.truth().map(|x| (x * 1e6).round() * 1e-6)
+    }
+
+    /// What the force sensor says, N.
+    pub fn force(&mut self) -> Vector3<f64> {
+        let noisy = self.filtered + Vector3::from_fn(|_, _| SENSOR_NOISE * self.normal());
+        noisy.map(|f| (f / SENSOR_STEP).round() * SENSOR_STEP)
+    }
+
+    /// One communication step; the pulses act from the next step on.
+    pub fn advance(&mut self, pulses: Vector3<i32>) {
+        let told = std::mem::replace(&mut self.pending, pulses).map(|count| 1e-6 * f64::from(count) / STEP);
+        for _ in 0..SUBSTEPS {
+            let load = self.contact();
+            for i in 0..3 {
+                self.axes[i].substep(&self.build, told[i], load[i]);
+            }
+            self.filtered += (load + WEIGHT - self.filtered) * (1.0 - (-SENSOR_BANDWIDTH * DT).exp());
+        }
+    }
+
+    fn truth(&self) -> Vector3<f64> {
+        Vector3::from_fn(|i, _| self.axes[i].position)
+    }
+
+    /// Force of the mold on the tool, N; moves the sliding tip.
+    fn contact(&mut self) -> Vector3<f64> {
+        let middle = self.build.shift + Vector3::new(0.0, 0.0, HOLLOW);
+        let away = self.truth() - middle;
+        let depth = away.norm() - (HOLLOW - TOOL_RADIUS);
+        self.normal_force = self.build.stiffness * depth.max(0.0);
+        let normal = -away.normalize();
+        let velocity = Vector3::from_fn(|i, _| self.axes[i].velocity);
+        let bend = self.bend - velocity * DT;
+        let bend = bend - normal * normal.dot(&bend);
+        let most = self.build.friction * self.normal_force / LATERAL_STIFFNESS;
+        self.bend = if bend.norm() > most { bend * (most / bend.norm()) } else { bend };
+        if depth > 0.0 {
+            self.slid += (bend - self.bend).norm();
+        }
+        normal * self.normal_force + self.bend * LATERAL_STIFFNESS
+    }
+
+    fn normal(&mut self) -> f64 {
+        StandardNormal.sample(&mut self.random)
+    }
+}

@@ -1,0 +1,210 @@
+"""Orthogonal robot: three ball-screw axes that press and move a small ball of wood over a lens mold.
+
+The machine is that of Nagata, Mizobuchi, Tani, Hase, Haga, Watanabe and Habib, "Stick-Slip Motion Control
+for an Orthogonal-Type Robot" (2010). The paper gives strokes, pulses of 1 um, 1 ms, 178 N/mm, the ball of
+1 mm and the width of the mold, but no mass, servo, friction or force. Those are our choice.
+
+The room has z up and its origin where the axis of a mold that is not misplaced meets its surface. Joints are
+at zero where the ball is at the start. Forces are those on the tool.
+"""
+
+import math
+from typing import Any, ClassVar
+
+from plants import _native
+from plants._native import Cell
+from plants.molds import MOLDS
+from plants.orthogonal_robot_parameters import (
+    SOLIMP,
+    TURN,
+    OrthogonalRobotParameters,
+    check_together,
+)
+from plants.plant import Channel, Plant
+
+AXES = ("x", "y", "z")
+
+
+class OrthogonalRobot(Plant):
+    """The machine. Channels: three encoders and a force sensor in, pulses out; see the tables below."""
+
+    Parameters: ClassVar[type] = OrthogonalRobotParameters
+    wires: ClassVar[tuple[str, ...]] = (
+        "pulses_x", "pulses_y", "pulses_z", "mold_lift", "lift",
+        "reference_x", "reference_y", "reference_z", "force_x", "force_y", "force_z",
+        "normal_x", "normal_y", "normal_z",
+        "contact_x", "contact_y", "contact_z", "distance",
+        "load", "friction_x", "friction_y", "friction_z", "speed", "slid", "rubbed", "work",
+    )  # fmt: skip
+
+    def __init__(self, parameters: OrthogonalRobotParameters | None = None) -> None:
+        super().__init__(parameters)
+        p: OrthogonalRobotParameters = self.parameters
+        check_together(p)
+        force = {"noise": p.force_noise, "quantum": p.force_resolution}
+        self.readings = (
+            *_vector("position", "m", "Encoders: centre of the ball if the tip did not give way",
+                     quantum=p.encoder_resolution),
+            *_vector("force", "N", "Force sensor: force on the tool, weight of the tip included", **force),
+        )  # fmt: skip
+        self.commands = (
+            *_vector("pulses", "1", "Pulses of this tick", quantum=1.0),
+            Channel("mold_lift", "m", "How far the mold is lifted along its axis"),
+        )
+        self.truths = (
+            Channel("contact_force", "N", "Normal force of the mold on the ball, last plant step"),
+            *_vector("friction", "N", "Friction of the mold on the ball, last plant step"),
+            Channel("sliding_speed", "m/s", "Speed of the ball along the mold while they touch"),
+            Channel("slid", "m", "Way of that motion"),
+            Channel(
+                "rubbed", "N.m", "Integral of normal force times sliding speed: what Preston's law needs"
+            ),
+            Channel("friction_work", "J", "Work of the friction"),
+            *_vector("contact", "m", "Place of the mold next to the ball, in the frame of the mold"),
+            *_vector("normal", "1", "Unit normal of the mold there, out of the material"),
+            Channel("gap", "m", "From ball to mold, negative when they are pressed into each other"),
+            *_vector("ball", "m", "Centre of the ball"),
+            *_vector("axis", "m", "Encoder position without resolution"),
+            *_vector("reference", "m", "Where the pulses say the axis should be"),
+            Channel("stiffness", "N/m", "Of tip and contact in series, along z"),
+        )
+
+    def shape(self, spec: Any) -> None:
+        """Write masses, strokes, stiffnesses and friction into the MJCF."""
+        p = self.parameters
+        spec.option.timestep = p.timestep
+        spec.body("x").pos = self._start()
+        axes = zip(AXES, self._masses(), self._strokes(), self._start(), strict=True)
+        for axis, mass, stroke, start in axes:
+            spec.body(axis).mass = mass
+            joint = spec.joint(axis)
+            joint.range = -0.5 * stroke - start, 0.5 * stroke - start
+            joint.armature = p.screw_mass
+            joint.frictionloss = 0.0 if p.drive_rolling_way > 0.0 else p.drive_friction
+            joint.damping[0] = p.drive_damping
+        self._shape_tip(spec)
+        self._shape_contact(spec)
+
+    def _shape_tip(self, spec: Any) -> None:
+        p = self.parameters
+        spec.body("tip").mass = p.tip_mass
+        for axis, share in zip(AXES, (p.tip_lateral, p.tip_lateral, 1.0), strict=True):
+            tip, stiffness = spec.joint(f"tip_{axis}"), share * p.tip_stiffness
+            tip.stiffness[0] = stiffness
+            tip.damping[0] = 2.0 * p.tip_damping * math.sqrt(stiffness * p.tip_mass)
+        # encoders show the centre of a ball that hangs
+        spec.joint("tip_z").springref = -p.tip_mass * spec.option.gravity[2] / p.tip_stiffness
+
+    def _shape_contact(self, spec: Any) -> None:
+        p, pair = self.parameters, spec.pair("contact")
+        spec.geom("ball").size[0] = p.ball_radius
+        pair.friction[:2] = p.friction
+        # a direct reference is divided by the impedance: with the mass of the tip it gives N/m and N.s/m
+        share = (1.0 - SOLIMP) / p.tip_mass
+        pair.solref[:] = -p.contact_stiffness * share, -p.contact_damping * share
+        pair.solimp[:2] = SOLIMP
+
+    def _masses(self) -> tuple[float, float, float]:
+        return self.parameters.mass_x, self.parameters.mass_y, self.parameters.mass_z
+
+    def _strokes(self) -> tuple[float, float, float]:
+        return self.parameters.stroke_x, self.parameters.stroke_y, self.parameters.stroke_z
+
+    def _start(self) -> tuple[float, float, float]:
+        return self.parameters.start_x, self.parameters.start_y, self.parameters.start_z
+
+    def begin(self, steps: int) -> None:
+        """Bind the elements; nothing is random here but what the harness adds to the readings."""
+        self._drives()
+        self._sensor()
+        self._contact()
+        self._mold()
+        self._channels()
+
+    def _drives(self) -> None:
+        p, wire = self.parameters, self.wire
+        loops = p.drive_gain * p.position_gain, p.drive_gain * p.velocity_bandwidth, p.velocity_integral
+        feedforward = p.feedforward, TURN * p.feedforward_bandwidth
+        masses = self._masses()
+        for i, axis in enumerate(AXES):
+            # an axis carries those after it
+            inertia = sum(masses[i:]) + p.tip_mass + p.screw_mass
+            drive = _native.pulse_drive(loops, feedforward, inertia, p.drive_force, p.pulse, p.pulse_period)
+            inputs = [wire(f"pulses_{axis}"), Cell(self.data.qpos, i), Cell(self.data.qvel, i)]
+            self.circuit.bind(axis, drive, inputs, [Cell(self.data.ctrl, i), wire(f"reference_{axis}")])
+            if p.drive_rolling_way > 0.0:
+                friction = _native.rolling_friction(p.drive_friction, p.drive_rolling_way)
+                force = Cell(self.data.qfrc_applied, i)
+                self.circuit.bind(f"{axis}_friction", friction, [Cell(self.data.qvel, i)], [force])
+
+    def _sensor(self) -> None:
+        # force on the tool is the opposite of what the robot exerts on the tip
+        for axis, force in zip(AXES, self._cells_of("sensor", -1.0), strict=True):
+            filtered = _native.low_pass(TURN * self.parameters.force_bandwidth)
+            self.circuit.bind(f"force_{axis}", filtered, [force], [self.wire(f"force_{axis}")])
+
+    def _contact(self) -> None:
+        # before the plane moves on: the force belongs to the last one
+        inputs = [*self._cells_of("contact"), *self._wires("normal"), *self._cells_of("velocity")]
+        sums = [self.wire(name) for name in ("speed", "slid", "rubbed", "work")]
+        outputs = [self.wire("load"), *self._wires("friction"), *sums]
+        self.circuit.bind("rubbing", _native.rubbing(), inputs, outputs)
+
+    def _mold(self) -> None:
+        p, wire, data, mold = self.parameters, self.wire, self.data, MOLDS[self.parameters.mold]
+        self.circuit.bind("lift", _native.slew(0.0, p.lift_rate), [wire("mold_lift")], [wire("lift")])
+        plane = _native.tangent_plane(
+            (1.0 / mold.cap_radius, 1.0 / mold.saddle_radius),
+            [(dimple.x, dimple.y, dimple.depth, dimple.sigma) for dimple in mold.dimples],
+            (p.step_place, p.step_height, p.step_width),
+            p.mold_radius,
+            (p.shift_x, p.shift_y, p.shift_z),
+            (p.tilt_x, p.tilt_y, p.tilt_z),
+        )
+        pose = [Cell(data.mocap_pos, i) for i in range(3)] + [Cell(data.mocap_quat, i) for i in range(4)]
+        outputs = [*pose, *self._wires("normal"), *self._wires("contact"), wire("distance")]
+        self.circuit.bind("mold", plane, [*self._ball(), wire("lift")], outputs)
+
+    def _channels(self) -> None:
+        p, wire, data = self.parameters, self.wire, self.data
+        axes = [Cell(data.qpos, i, offset=start) for i, start in enumerate(self._start())]
+        references = [
+            wire(f"reference_{axis}", offset=start) for axis, start in zip(AXES, self._start(), strict=True)
+        ]
+        readings = {**_named("position", axes), **_named("force", self._wires("force"))}
+        truths = {
+            "contact_force": wire("load"),
+            **_named("friction", self._wires("friction")),
+            "sliding_speed": wire("speed"),
+            "slid": wire("slid"),
+            "rubbed": wire("rubbed"),
+            "friction_work": wire("work"),
+            **_named("contact", self._wires("contact")),
+            **_named("normal", self._wires("normal")),
+            "gap": wire("distance", offset=-p.ball_radius),
+            **_named("ball", self._ball()),
+            **_named("axis", axes),
+            **_named("reference", references),
+            "stiffness": self.constant(1.0 / (1.0 / p.tip_stiffness + 1.0 / p.contact_stiffness)),
+        }
+        commands = {**_named("pulses", self._wires("pulses")), "mold_lift": wire("mold_lift")}
+        self.connect(readings, commands, truths)
+
+    def _wires(self, name: str) -> list[Cell]:
+        return [self.wire(f"{name}_{axis}") for axis in AXES]
+
+    def _ball(self) -> list[Cell]:
+        row = 3 * int(self.model.geom("ball").id)
+        return [Cell(self.data.geom_xpos, row + i) for i in range(3)]
+
+    def _cells_of(self, sensor: str, scale: float = 1.0) -> list[Cell]:
+        row = int(self.model.sensor(sensor).adr[0])
+        return [Cell(self.data.sensordata, row + i, scale=scale) for i in range(3)]
+
+
+def _vector(name: str, unit: str, description: str, **options: Any) -> tuple[Channel, ...]:
+    return tuple(Channel(f"{name}_{axis}", unit, f"{description}, {axis}", **options) for axis in AXES)
+
+
+def _named(name: str, cells: list[Cell]) -> dict[str, Cell]:
+    return {f"{name}_{axis}": cell for axis, cell in zip(AXES, cells, strict=True)}
