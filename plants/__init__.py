@@ -9,7 +9,12 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from plants.plant import Plant
 
-PLANTS = {"rotary_arm": "RotaryArm", "slide": "Slide", "spindle_ring": "SpindleRing"}
+PLANTS = {
+    "cylindrical_robot": "CylindricalRobot",
+    "rotary_arm": "RotaryArm",
+    "slide": "Slide",
+    "spindle_ring": "SpindleRing",
+}
 """Class of each plant by the name of its module."""
 
 

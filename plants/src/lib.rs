@@ -7,16 +7,21 @@
 #![deny(unsafe_code)]
 
 mod bristle;
+mod burr;
 mod coloured_noise;
 mod current_loop;
+mod deburring;
+mod edge;
 mod element;
 mod flute;
 mod foot;
 mod harmonics;
+mod induction_spindle;
 mod integrator;
 mod latch;
 mod limit;
 mod lookup;
+mod milling;
 mod motion_board;
 mod outline;
 mod peak;
@@ -38,16 +43,21 @@ mod binding;
 mod module;
 
 pub use bristle::Bristle;
+pub use burr::Burr;
 pub use coloured_noise::ColouredNoise;
 pub use current_loop::CurrentLoop;
+pub use deburring::{Deburring, Reaction};
+pub use edge::{Edge, Place};
 pub use element::{Element, Ports};
 pub use flute::Flute;
 pub use foot::Foot;
 pub use harmonics::Harmonics;
+pub use induction_spindle::{InductionSpindle, Plate};
 pub use integrator::Integrator;
 pub use latch::Latch;
 pub use limit::Limit;
 pub use lookup::Lookup;
+pub use milling::Milling;
 pub use motion_board::MotionBoard;
 pub use outline::Outline;
 pub use peak::Peak;
