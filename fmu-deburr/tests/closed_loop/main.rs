@@ -1,0 +1,5 @@
+//! The controller in closed loop with a native robot: learning, playback, cutting, faults, state bytes.
+
+mod learning;
+mod robot;
+mod setup;
