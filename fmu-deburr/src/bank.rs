@@ -22,6 +22,31 @@ pub struct Identity {
     pub factors: Vec<f64>,
 }
 
+impl Identity {
+    /// Nothing if the other one is the same.
+    ///
+    /// # Errors
+    /// What differs, in words for the user.
+    pub fn accepts(&self, other: &Self) -> Result<(), String> {
+        let differs =
+            |what: &str, found: String, expected: String| Err(format!("{what} `{found}`, must be `{expected}`"));
+        if other.period != self.period {
+            return differs("its sample period is", format!("{} s", other.period), format!("{} s", self.period));
+        }
+        if other.pulses != self.pulses {
+            return differs("its pulses are", format!("{:?}", other.pulses), format!("{:?}", self.pulses));
+        }
+        if !self.factors.starts_with(&other.factors) {
+            return differs("its speeds are", format!("{:?}", other.factors), format!("{:?}", self.factors));
+        }
+        if other.path != self.path {
+            let (found, expected) = (format!("{:016x}", other.path), format!("{:016x}", self.path));
+            return differs("it belongs to another path, feed or robot: its fingerprint is", found, expected);
+        }
+        Ok(())
+    }
+}
+
 /// Patterns from the fastest to the slowest.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Bank {
@@ -84,6 +109,28 @@ impl Bank {
         self.usable = self.usable.max(index + 1);
     }
 
+    /// Takes over the compensations of a bank that was read.
+    ///
+    /// # Errors
+    /// In words for the user, when it belongs to something else, is not consistent, or has values beyond `pulses_max`.
+    pub fn take_over(&mut self, other: Self, pulses_max: f64) -> Result<(), String> {
+        self.identity.accepts(&other.identity)?;
+        let alike = |(a, b): (&Pattern, &Pattern)| {
+            (a.factor, a.lead_in, a.run, a.cyclic) == (b.factor, b.lead_in, b.run, b.cyclic)
+                && a.samples.iter().map(|sample| sample.point).eq(b.samples.iter().map(|sample| sample.point))
+        };
+        let consistent = other.usable <= other.patterns.len() && other.patterns.len() == self.patterns.len();
+        if !consistent || !self.patterns.iter().zip(&other.patterns).all(alike) {
+            return Err("its samples are not those of this path".to_owned());
+        }
+        let values = other.patterns.iter().flat_map(|pattern| &pattern.samples).flat_map(|sample| sample.compensation);
+        if let Some(value) = values.into_iter().find(|value| !(value.abs() <= pulses_max)) {
+            return Err(format!("it has the compensation `{value}` pulses, limit `learn.pulses_max` = `{pulses_max}`"));
+        }
+        *self = other;
+        Ok(())
+    }
+
     /// Forgets everything that was learned.
     pub fn clear(&mut self) {
         self.usable = 0;
@@ -104,5 +151,67 @@ fn identity(p: &Parameters, path: &Path) -> Identity {
         pulses: p.pulses(),
         period: p.sample_period,
         factors: p.learn.speeds.list().to_vec(),
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::pattern::tests::straight;
+
+    /// The path of the test banks.
+    pub(crate) fn path() -> Path {
+        straight(0.1)
+    }
+
+    /// A bank with `value(k)` in the sample `k` of each pattern.
+    pub(crate) fn numbered(value: impl Fn(usize) -> f64) -> Bank {
+        let mut bank = Bank::plan(&Parameters::DEFAULT, &path()).unwrap();
+        for index in 0..5 {
+            for (k, sample) in bank.pattern_mut(index).samples.iter_mut().enumerate() {
+                sample.compensation = std::array::from_fn(|i| value(k) + i as f64);
+            }
+            bank.learned(index);
+        }
+        bank
+    }
+
+    #[test]
+    fn the_same_machine_takes_a_bank_over() {
+        let mut bank = Bank::plan(&Parameters::DEFAULT, &path()).unwrap();
+        assert!(bank.patterns().is_empty());
+        bank.take_over(numbered(|k| k as f64), 32_767.0).unwrap();
+        assert_eq!(bank, numbered(|k| k as f64));
+        bank.clear();
+        assert_eq!(bank, Bank::plan(&Parameters::DEFAULT, &path()).unwrap());
+    }
+
+    #[test]
+    fn a_bank_of_something_else_is_refused_with_the_difference() {
+        let refused = |change: fn(&mut Parameters), length: f64| {
+            let mut p = Parameters::DEFAULT;
+            change(&mut p);
+            let mut bank = Bank::plan(&p, &straight(length)).unwrap();
+            bank.take_over(numbered(|_| 1.0), 32_767.0).unwrap_err()
+        };
+        let cases = [
+            (refused(|p| p.sample_period = 0.005, 0.1), "sample period is `0.01 s`, must be `0.005 s`"),
+            (refused(|p| p.axis3.pulse = 1e-5, 0.1), "pulses are"),
+            (refused(|p| p.learn.speeds = crate::parameters::Speeds::new(&[1.0, 0.5]).unwrap(), 0.1), "speeds are"),
+            (refused(|_| (), 0.1001), "another path"),
+            (refused(|p| p.feed.acceleration = 0.6, 0.1), "another path, feed or robot"),
+            (refused(|p| p.arm.tool_offset = 0.21, 0.1), "fingerprint is"),
+        ];
+        for (message, part) in cases {
+            assert!(message.contains(part), "{message}");
+        }
+    }
+
+    #[test]
+    fn values_that_no_pattern_has_are_refused() {
+        let mut bank = Bank::plan(&Parameters::DEFAULT, &path()).unwrap();
+        for value in [f64::NAN, f64::INFINITY, 40_000.0] {
+            assert!(bank.take_over(numbered(|_| value), 32_767.0).is_err());
+        }
     }
 }

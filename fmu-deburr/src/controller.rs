@@ -97,9 +97,9 @@ impl Controller {
         &self.bank
     }
 
-    /// Takes over control patterns that were read.
-    pub fn set_bank(&mut self, bank: Bank) {
-        self.bank = bank;
+    /// The control patterns, to be read from a file.
+    pub fn bank_mut(&mut self) -> &mut Bank {
+        &mut self.bank
     }
 
     /// Whether the bank is to be written now; asked for once.

@@ -5,6 +5,7 @@
 #![forbid(unsafe_code)]
 
 pub mod bank;
+pub mod bank_file;
 pub mod check;
 pub mod controller;
 pub mod feasible;
@@ -25,9 +26,12 @@ pub mod path;
 pub mod path_file;
 pub mod pattern;
 pub mod reading;
+pub mod records;
 pub mod run;
+pub mod save;
 pub mod servo;
 pub mod signals;
+pub mod storage;
 pub mod texts;
 pub mod transfer;
 pub mod zero_phase;
@@ -292,8 +296,14 @@ impl Model for Deburr {
         let Vars { output, parameters: p, text: texts, .. } = vars;
         p.learn.speeds = texts.speeds().map_err(text)?;
         let path = path_file::read(p, &texts.path.file, env.resources()).map_err(text)?;
-        let controller = Controller::new(p, path, &texts.path.file).map_err(text)?;
+        let mut controller = Controller::new(p, path, &texts.path.file).map_err(text)?;
         output.path.length = controller.path().length();
+        if !texts.bank.import.is_empty() {
+            let read = storage::import(&texts.bank.import, env.resources(), &mut controller, p.learn.pulses_max);
+            texts.bank.message = read.map_err(text)?;
+            output.bank.status = BankStatus::Imported;
+            output.bank.patterns = controller.bank().patterns().len() as i32;
+        }
         Ok(controller)
     }
 
@@ -303,7 +313,25 @@ impl Model for Deburr {
         if vars.output.state != before {
             messages::tell_state(vars, env);
         }
+        if controller.take_export() && !vars.text.bank.export.is_empty() {
+            export_bank(vars, controller, env);
+        }
         Ok(())
+    }
+}
+
+/// Writes the bank; what cannot be written stays where it is, and is told.
+fn export_bank(vars: &mut Vars, controller: &Controller, env: &Env) {
+    let bank = &mut vars.text.bank;
+    match storage::export(&bank.export, vars.parameters.bank.format, controller) {
+        Ok(message) => {
+            env.event(&message);
+            (bank.message, vars.output.bank.status) = (message, BankStatus::Exported);
+        }
+        Err(message) => {
+            env.warn(&message);
+            (bank.message, vars.output.bank.status) = (message, BankStatus::ExportFailed);
+        }
     }
 }
 
