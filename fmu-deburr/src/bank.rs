@@ -113,21 +113,21 @@ impl Bank {
     ///
     /// # Errors
     /// In words for the user, when it belongs to something else, is not consistent, or has values beyond `pulses_max`.
-    pub fn take_over(&mut self, other: Self, pulses_max: f64) -> Result<(), String> {
+    pub fn take_over(&mut self, other: &Self, pulses_max: f64) -> Result<(), String> {
         self.identity.accepts(&other.identity)?;
-        let alike = |(a, b): (&Pattern, &Pattern)| {
-            (a.factor, a.lead_in, a.run, a.cyclic) == (b.factor, b.lead_in, b.run, b.cyclic)
-                && a.samples.iter().map(|sample| sample.point).eq(b.samples.iter().map(|sample| sample.point))
-        };
         let consistent = other.usable <= other.patterns.len() && other.patterns.len() == self.patterns.len();
-        if !consistent || !self.patterns.iter().zip(&other.patterns).all(alike) {
+        if !consistent || !self.patterns.iter().zip(&other.patterns).all(|(a, b)| a.fits(b)) {
             return Err("its samples are not those of this path".to_owned());
         }
         let values = other.patterns.iter().flat_map(|pattern| &pattern.samples).flat_map(|sample| sample.compensation);
-        if let Some(value) = values.into_iter().find(|value| !(value.abs() <= pulses_max)) {
+        if let Some(value) = values.into_iter().find(|value| value.is_nan() || value.abs() > pulses_max) {
             return Err(format!("it has the compensation `{value}` pulses, limit `learn.pulses_max` = `{pulses_max}`"));
         }
-        *self = other;
+        for (pattern, other) in self.patterns.iter_mut().zip(&other.patterns) {
+            let samples = pattern.samples.iter_mut().zip(&other.samples);
+            samples.for_each(|(sample, other)| sample.compensation = other.compensation);
+        }
+        self.usable = other.usable;
         Ok(())
     }
 
@@ -143,8 +143,8 @@ impl Bank {
 fn identity(p: &Parameters, path: &Path) -> Identity {
     let mut print = Fingerprint::default();
     path.fingerprint(&mut print);
-    let numbers = [p.feed.acceleration, f64::from(p.feed.smoothing), f64::from(p.learn.lead_in)];
-    let geometry = [f64::from(p.learn.lead_out), p.arm.height, p.arm.reach, p.arm.tool_offset];
+    let numbers = [p.path.corner, p.feed.acceleration, p.feed.smoothing.into(), p.learn.lead_in.into()];
+    let geometry = [p.learn.lead_out.into(), p.arm.height, p.arm.reach, p.arm.tool_offset];
     numbers.iter().chain(&geometry).for_each(|value| print.add(*value));
     Identity {
         path: print.value(),
@@ -180,7 +180,7 @@ pub(crate) mod tests {
     fn the_same_machine_takes_a_bank_over() {
         let mut bank = Bank::plan(&Parameters::DEFAULT, &path()).unwrap();
         assert!(bank.patterns().is_empty());
-        bank.take_over(numbered(|k| k as f64), 32_767.0).unwrap();
+        bank.take_over(&numbered(|k| k as f64), 32_767.0).unwrap();
         assert_eq!(bank, numbered(|k| k as f64));
         bank.clear();
         assert_eq!(bank, Bank::plan(&Parameters::DEFAULT, &path()).unwrap());
@@ -192,7 +192,7 @@ pub(crate) mod tests {
             let mut p = Parameters::DEFAULT;
             change(&mut p);
             let mut bank = Bank::plan(&p, &straight(length)).unwrap();
-            bank.take_over(numbered(|_| 1.0), 32_767.0).unwrap_err()
+            bank.take_over(&numbered(|_| 1.0), 32_767.0).unwrap_err()
         };
         let cases = [
             (refused(|p| p.sample_period = 0.005, 0.1), "sample period is `0.01 s`, must be `0.005 s`"),
@@ -211,7 +211,7 @@ pub(crate) mod tests {
     fn values_that_no_pattern_has_are_refused() {
         let mut bank = Bank::plan(&Parameters::DEFAULT, &path()).unwrap();
         for value in [f64::NAN, f64::INFINITY, 40_000.0] {
-            assert!(bank.take_over(numbered(|_| value), 32_767.0).is_err());
+            assert!(bank.take_over(&numbered(|_| value), 32_767.0).is_err());
         }
     }
 }

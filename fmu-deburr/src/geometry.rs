@@ -3,6 +3,8 @@
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
+use crate::fingerprint::Fingerprint;
+
 /// Place or direction in the base frame.
 pub type Vector = Vector3<f64>;
 
@@ -44,6 +46,8 @@ pub struct Block {
     /// Length, m.
     pub length: f64,
     axes: [Vector; 2],
+    /// places as they were taught: both ends, and the third one of an arc
+    taught: [Vector; 3],
 }
 
 impl Block {
@@ -57,7 +61,7 @@ impl Block {
         if length < LENGTH_MIN {
             return Err(format!("line: length is `{length} m`, must be at least `{LENGTH_MIN} m`"));
         }
-        Self::new(Curve::Line { from: from.tip, direction: way / length }, length, from, to)
+        Self::new(Curve::Line { from: from.tip, direction: way / length }, length, from, to.tip, to)
     }
 
     /// Arc through the place `via`.
@@ -72,7 +76,7 @@ impl Block {
             return Err("arc: `via_m` is on the line through both ends, or at one of them".to_owned());
         }
         let offset = (b * a.norm_squared() - a * b.norm_squared()).cross(&normal) / (2.0 * square);
-        Self::arc(from, from.tip + offset, normal / square.sqrt(), to)
+        Self::arc(from, from.tip + offset, normal / square.sqrt(), via, to)
     }
 
     /// Arc about `centre`, the short way round.
@@ -89,10 +93,10 @@ impl Block {
         if normal.norm() <= PARALLEL * a.norm() * b.norm() {
             return Err("arc: a half or full turn about `centre_m` has no plane, must be given by `via_m`".to_owned());
         }
-        Self::arc(from, centre, normal.normalize(), to)
+        Self::arc(from, centre, normal.normalize(), centre, to)
     }
 
-    fn arc(from: &Pose, centre: Vector, normal: Vector, to: &Pose) -> Result<Self, String> {
+    fn arc(from: &Pose, centre: Vector, normal: Vector, taught: Vector, to: &Pose) -> Result<Self, String> {
         let (a, b) = (from.tip - centre, to.tip - centre);
         let radius = a.norm();
         let u = a / radius;
@@ -102,14 +106,14 @@ impl Block {
         if length < LENGTH_MIN {
             return Err(format!("arc: length is `{length} m`, must be at least `{LENGTH_MIN} m`"));
         }
-        Self::new(Curve::Arc { centre, radius, u, v }, length, from, to)
+        Self::new(Curve::Arc { centre, radius, u, v }, length, from, taught, to)
     }
 
-    fn new(curve: Curve, length: f64, from: &Pose, to: &Pose) -> Result<Self, String> {
+    fn new(curve: Curve, length: f64, from: &Pose, third: Vector, to: &Pose) -> Result<Self, String> {
         if from.axis.dot(&to.axis) < -1.0 + PARALLEL {
             return Err("`axis` turns by half a turn, the way is not defined, must be less".to_owned());
         }
-        Ok(Self { curve, length, axes: [from.axis, to.axis] })
+        Ok(Self { curve, length, axes: [from.axis, to.axis], taught: [from.tip, third, to.tip] })
     }
 
     /// Pose at the distance `s` (m) from the beginning of the block.
@@ -133,6 +137,16 @@ impl Block {
                 v * cos - u * sin
             }
         }
+    }
+
+    /// Adds what was taught to a fingerprint; nothing that is computed with functions that differ between machines.
+    pub fn fingerprint(&self, print: &mut Fingerprint) {
+        let kind = match self.curve {
+            Curve::Line { .. } => 1.0,
+            Curve::Arc { .. } => 2.0,
+        };
+        print.add(kind);
+        self.taught.iter().chain(&self.axes).flatten().for_each(|value| print.add(*value));
     }
 
     /// Tool direction: both ends joined on a great circle.

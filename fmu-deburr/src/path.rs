@@ -91,16 +91,9 @@ impl Path {
         self.blocks[place.block].tangent(place.distance)
     }
 
-    /// Adds what the path is to a fingerprint: 16 places of each block, stops, speed, kind.
+    /// Adds what was taught to a fingerprint.
     pub fn fingerprint(&self, print: &mut Fingerprint) {
-        for (block, start) in self.blocks.iter().zip(&self.starts) {
-            print.add(*start);
-            for k in 0..=16 {
-                let Pose { tip, axis } = block.at(block.length * f64::from(k) / 16.0);
-                tip.iter().chain(axis.iter()).for_each(|value| print.add(*value));
-            }
-        }
-        self.stops.iter().for_each(|stop| print.add(*stop));
+        self.blocks.iter().for_each(|block| block.fingerprint(print));
         print.add(self.speed);
         print.add(f64::from(u8::from(self.cyclic)));
     }

@@ -119,3 +119,89 @@ fn place(field: &str, values: &[f64; 3]) -> Result<Vector, String> {
 fn require_or(holds: bool, what: impl FnOnce() -> String) -> Result<(), String> {
     if holds { Ok(()) } else { Err(what()) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::file::place::Place;
+
+    fn read_text(text: &str) -> Result<Path, String> {
+        let place = Place::new();
+        std::fs::write(place.path().join("path.json"), text).unwrap();
+        read(&Parameters::DEFAULT, "path.json", Some(place.path())).map_err(|error| error.to_string())
+    }
+
+    /// A path with these blocks.
+    fn file(blocks: &str) -> String {
+        format!(r#"{{"speed_m_s": 0.1, "start": {{"tip_m": [0.7, 0, -0.2]}}, "blocks": [{blocks}]}}"#)
+    }
+
+    #[test]
+    fn the_path_in_the_resources_is_the_test_piece() {
+        let resources = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("resources");
+        let path = read(&Parameters::DEFAULT, "path.json", Some(&resources)).unwrap();
+        assert_eq!((path.blocks(), path.speed, path.cyclic), (3, 0.1, false));
+        // two lines of 120 mm and a quarter of a circle; the joints are tangent, the feed stops at the end only
+        assert!((path.length() - 0.24 - 0.0075 * std::f64::consts::PI).abs() < 1e-9);
+        assert_eq!(path.next_stop(0.0), path.length());
+    }
+
+    #[test]
+    fn the_parameter_overrides_the_taught_speed() {
+        let place = Place::new();
+        std::fs::write(place.path().join("path.json"), file(r#"{"type": "line", "to": {"tip_m": [0.8, 0, -0.2]}}"#))
+            .unwrap();
+        let mut p = Parameters::DEFAULT;
+        p.path.taught_speed = 0.06;
+        assert_eq!(read(&p, "path.json", Some(place.path())).unwrap().speed, 0.06);
+    }
+
+    #[test]
+    fn lines_arcs_and_tilted_tools_are_read() {
+        let path = read_text(&file(
+            r#"{"type": "line", "to": {"tip_m": [0.8, 0, -0.2], "axis": [0, 0.2, -1]}},
+               {"type": "arc", "via_m": [0.9, 0.1, -0.2], "to": {"tip_m": [0.8, 0.2, -0.2]}},
+               {"type": "arc", "centre_m": [0.8, 0.3, -0.2], "to": {"tip_m": [0.7, 0.3, -0.2], "axis": [0, 0, -3]}}"#,
+        ))
+        .unwrap();
+        assert_eq!(path.blocks(), 3);
+        let tilted = path.at(0.2).axis;
+        assert!((tilted.y / tilted.z + 0.2).abs() < 1e-12 && (tilted.norm() - 1.0).abs() < 1e-12);
+        assert!((path.at(path.length()).tip - Vector::new(0.7, 0.3, -0.2)).norm() < 1e-12);
+    }
+
+    #[test]
+    fn every_malformed_path_is_refused_with_block_field_value_and_limit() {
+        let line = |to: &str| file(&format!(r#"{{"type": "line", "to": {to}}}"#));
+        let arc = |how: &str| file(&format!(r#"{{"type": "arc", {how} "to": {{"tip_m": [0.8, 0, -0.2]}}}}"#));
+        let good = r#"{"type": "line", "to": {"tip_m": [0.8, 0, -0.2]}}"#;
+        let cases = [
+            (file(""), "`blocks` has `0` entries, limits `1` to `10000`"),
+            (line(r#"{"tip_m": [0.7, 0, -0.2]}"#), "block 1: line: length is `0 m`"),
+            (line(r#"{"tip_m": [0.8, 0]}"#), "invalid length 2"),
+            (
+                line(r#"{"tip_m": [800, 0, -0.2]}"#),
+                "block 1: `to`: `tip_m` has the entry `800`, limits `-100` to `100`",
+            ),
+            (line(r#"{"tip_m": [0.8, 0, -0.2], "axis": [0, 0, 0]}"#), "block 1: `to`: `axis` has the length `0`"),
+            (line(r#"{"tip_m": [0.8, 0, -0.2], "axis": [0, 0, 1]}"#), "block 1: `axis` turns by half a turn"),
+            (arc(""), "block 1: arc: it has both or none"),
+            (arc(r#""via_m": [0.75, 0, -0.2],"#), "block 1: arc: `via_m` is on the line"),
+            (arc(r#""centre_m": [0.75, 0.1, -0.1], "via_m": [0.75, 0.1, -0.1],"#), "block 1: arc: it has both or none"),
+            (arc(r#""centre_m": [0.72, 0.1, -0.2],"#), "block 1: arc: radii at both ends differ by"),
+            (file(&format!("{good}, {good}")), "block 2: line: length"),
+            (file(r#"{"type": "spline"}"#), "unknown variant `spline`"),
+            (file(r#"{"type": "line", "to": {"tip_m": [0.8, 0, NaN]}}"#), "at line 1 column"),
+            (file(good).replace("0.1,", "7,"), "`speed_m_s` or `path.taught_speed` is `7`, limits `0.001` to `2`"),
+            (file(good).replace("0.1,", r#"0.1, "cyclic": true,"#), "a cyclic path: its ends are `0.1"),
+            (file(good).replace("speed_m_s", "speed"), "unknown field `speed`"),
+            (String::new(), "EOF"),
+        ];
+        for (text, part) in cases {
+            let message = read_text(&text).map(|_| text.clone()).unwrap_err();
+            let start = "parameter `path.file` is `path.json`, must be a path: ";
+            assert!(message.starts_with(start) && message.contains(part), "{message}");
+            assert!(message.contains("hint: write {"), "{message}");
+        }
+    }
+}

@@ -7,6 +7,9 @@ use crate::kinematics::{AXES, Joints};
 use crate::parameters::Parameters;
 use crate::path::Path;
 
+/// Distances (m) and speeds (m/s) that differ by less are rounded differently.
+const ROUNDING: f64 = 1e-9;
+
 /// Most samples of a pattern.
 pub const SAMPLES_MAX: usize = 60_000;
 
@@ -72,6 +75,17 @@ impl Pattern {
     /// Whether there are no samples.
     pub fn is_empty(&self) -> bool {
         self.samples.is_empty()
+    }
+
+    /// Whether another pattern has the same samples, but for the compensation.
+    pub fn fits(&self, other: &Self) -> bool {
+        let close = |(a, b): (&Sample, &Sample)| {
+            (a.point.distance - b.point.distance).abs() < ROUNDING && (a.point.speed - b.point.speed).abs() < ROUNDING
+        };
+        self.factor == other.factor
+            && (self.lead_in, self.run, self.cyclic) == (other.lead_in, other.run, other.cyclic)
+            && self.len() == other.len()
+            && self.samples.iter().zip(&other.samples).all(close)
     }
 
     /// Compensation of the sample `index`; before the first and after the last it is theirs, or that of the next lap.

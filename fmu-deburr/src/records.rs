@@ -73,7 +73,7 @@ fn read(mut from: Reader, bank: &Bank, path: &Path) -> Result<Bank, String> {
             let bytes: [u8; RECORD] = from.take()?;
             let compensation = joints(&bytes);
             let sample = Sample { compensation, ..pattern.samples[k] };
-            if record(&sample, phase(pattern, k), path)? != bytes {
+            if !alike(&record(&sample, phase(pattern, k), path)?, &bytes) {
                 return Err(format!(
                     "sample {} of pattern {} is at another place or speed than planned",
                     k + 1,
@@ -101,6 +101,12 @@ fn record(sample: &Sample, phase: u32, path: &Path) -> Result<[u8; RECORD], Stri
         bytes[12 + 2 * i..14 + 2 * i].copy_from_slice(&value.to_le_bytes());
     }
     Ok(bytes)
+}
+
+/// Whether two records are of the same place and feed, but for rounding.
+fn alike(a: &[u8; RECORD], b: &[u8; RECORD]) -> bool {
+    let word = |bytes: &[u8; RECORD], at: usize| u16::from_le_bytes([bytes[at], bytes[at + 1]]);
+    word(a, 14) == word(b, 14) && [12, 16].iter().all(|&at| word(a, at).abs_diff(word(b, at)) <= 1)
 }
 
 fn joints(bytes: &[u8; RECORD]) -> Joints {

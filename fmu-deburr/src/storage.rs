@@ -29,7 +29,7 @@ pub fn import(
     let read = bank_file::decode(&bytes).or_else(|| records::decode(&bytes, controller.bank(), controller.path()));
     let read = read.unwrap_or_else(|| Err("it is in none of the formats of a bank".to_owned()));
     let wrong = |what| parameter.wrong(format!("a bank for this path and robot: {what}"));
-    controller.bank_mut().take_over(read.map_err(wrong)?, pulses_max).map_err(wrong)?;
+    controller.bank_mut().take_over(&read.map_err(wrong)?, pulses_max).map_err(wrong)?;
     Ok(format!("read {} patterns from `{file}`", controller.bank().patterns().len()))
 }
 

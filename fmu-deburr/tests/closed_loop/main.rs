@@ -1,5 +1,12 @@
-//! The controller in closed loop with a native robot: learning, playback, cutting, faults, state bytes.
+//! The controller in closed loop with a native robot: learning, playback, modes, faults, state bytes.
 
+mod adaptation;
+mod faults;
+mod interpolation;
 mod learning;
+mod modes;
+mod norm_optimal;
 mod robot;
+mod round_trip;
 mod setup;
+mod state;

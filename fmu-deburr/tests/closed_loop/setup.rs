@@ -33,6 +33,11 @@ pub fn parameters(base: &Parameters, delay: i32) -> Parameters {
     p
 }
 
+/// 6:1 in speed, `hertz` times a second.
+pub fn swinging(hertz: f64) -> impl Fn(f64) -> f64 {
+    move |time| (3.5 + 2.5 * (std::f64::consts::TAU * hertz * time).sin()) / 6.0
+}
+
 impl Loop {
     /// The test piece of the resources.
     pub fn new(p: &Parameters, build: &Build) -> Self {
