@@ -59,12 +59,13 @@ fn lead_in(p: &Parameters) -> Result<(), ParameterError> {
 }
 
 fn preview(p: &Parameters) -> Result<(), ParameterError> {
-    let (low, high) = (-p.servo.io_delay, PREVIEW_MAX as i32 - p.servo.io_delay);
-    require((low..=high).contains(&p.lookup.preview), || ParameterError {
+    let delay = f64::from(p.servo.io_delay) * p.sample_period;
+    let (low, high) = (-delay, PREVIEW_MAX as f64 * p.sample_period - delay);
+    require(p.lookup.preview >= low && p.lookup.preview <= high, || ParameterError {
         name: "lookup.preview",
-        value: p.lookup.preview.to_string(),
-        limit: format!("`{low}` to `{high}`: `0` to `{PREVIEW_MAX}` together with `servo.io_delay`"),
-        hint: "take 0",
+        value: format!("{} s", p.lookup.preview),
+        limit: format!("`{low}` to `{high} s`: `0` to `{PREVIEW_MAX}` samples together with `servo.io_delay`"),
+        hint: "take the lag of the velocity loop, twice its damping ratio over its natural frequency",
     })
 }
 
@@ -101,7 +102,7 @@ mod tests {
             (error(|p| p.learn.cutoff = 50.0), "learn.cutoff", "`50 Hz`", "`45 Hz`"),
             (error(|p| p.learn.lead = -3), "learn.lead", "`-3`", "at least `-1`"),
             (error(|p| (p.learn.lead, p.servo.io_delay) = (8, 6)), "learn.lead_in", "`10`", "at least `14`"),
-            (error(|p| p.lookup.preview = 8), "lookup.preview", "`8`", "`-1` to `7`"),
+            (error(|p| p.lookup.preview = 0.08), "lookup.preview", "`0.08 s`", "`-0.01` to `0.07 s`"),
             (error(|p| p.load.speed_min = 0.2), "load.speed_min", "`0.2 m/s`", "`0.1 m/s`"),
         ];
         for (message, name, value, limit) in cases {

@@ -274,7 +274,7 @@ impl Model for Deburr {
         // use
         boolean!(Vars.parameters => lookup.enable).tunable().describe("Compensate with the patterns in Playback and Deburr"),
         boolean!(Vars.parameters => lookup.recorded_speed).parameter().describe("Eq. 4 with the speed recorded at the distance, not with the nominal one"),
-        integer!(Vars.parameters => lookup.preview).parameter().range_int(-6, 8).describe("Samples by which the feed is known before the reference follows it, beyond `servo.io_delay`"),
+        real!(Vars.parameters => lookup.preview).parameter().unit(&SECOND).display("ms").range(-0.3, 0.4).describe("Time by which the feed is known before the reference follows it, beyond `servo.io_delay`: the lag of the velocity loop"),
         text!(Vars.text => bank.import).parameter().describe("Bank that is read at initialisation, in the folder resources of the FMU or with its whole path; empty for none"),
         text!(Vars.text => bank.export).parameter().describe("File that the bank is written to after learning and on Export; empty for none"),
         choice!(Vars.parameters => bank.format: Format).parameter().describe("What `bank.export` is written as"),

@@ -15,7 +15,7 @@ pub struct Lookup {
     /// Distance at which the speeds are compared, and the speed there.
     pub point: Point,
     /// How many samples earlier the compensation is taken.
-    pub back: usize,
+    pub back: f64,
     /// Length of the path, m.
     pub length: f64,
     /// Compare with the nominal speed of the pattern, `factor * taught` (m/s), instead of the recorded one.
@@ -80,7 +80,7 @@ mod tests {
     }
 
     fn at(distance: f64, speed: f64, nominal: Option<f64>) -> f64 {
-        let lookup = Lookup { point: Point { distance, speed }, back: 0, length: LENGTH, nominal };
+        let lookup = Lookup { point: Point { distance, speed }, back: 0.0, length: LENGTH, nominal };
         lookup.compensation(&patterns())[0]
     }
 
@@ -108,7 +108,7 @@ mod tests {
 
     #[test]
     fn without_patterns_there_is_no_compensation() {
-        let lookup = Lookup { point: Point { distance: 0.1, speed: 0.1 }, back: 0, length: LENGTH, nominal: None };
+        let lookup = Lookup { point: Point { distance: 0.1, speed: 0.1 }, back: 0.0, length: LENGTH, nominal: None };
         assert_eq!(lookup.compensation(&[]), [0.0; AXES]);
     }
 }

@@ -105,7 +105,7 @@ impl Parameters {
     }
 
     /// By how many samples the feed is known in advance: `lookup.preview` beyond `servo.io_delay`.
-    pub fn preview(&self) -> usize {
-        (self.lookup.preview + self.servo.io_delay).clamp(0, PREVIEW_MAX as i32) as usize
+    pub fn preview(&self) -> f64 {
+        (self.lookup.preview / self.sample_period + f64::from(self.servo.io_delay)).clamp(0.0, PREVIEW_MAX as f64)
     }
 }

@@ -95,8 +95,15 @@ impl Pattern {
         self.samples[inside as usize].compensation
     }
 
+    /// Compensation between two samples.
+    pub fn between(&self, index: f64) -> Joints {
+        let whole = index.floor();
+        let (a, b) = (self.compensation(whole as isize), self.compensation(whole as isize + 1));
+        mix(&a, &b, index - whole)
+    }
+
     /// Eq. 2 and 3: compensation and recorded speed (m/s) at a distance (m), `back` samples before it.
-    pub fn at(&self, distance: f64, back: usize, length: f64) -> (Joints, f64) {
+    pub fn at(&self, distance: f64, back: f64, length: f64) -> (Joints, f64) {
         let run = &self.samples[self.lead_in..self.lead_in + self.run];
         // j: the sample at or before the distance, j + 1: the next
         let j = run.partition_point(|sample| sample.point.distance <= distance).saturating_sub(1);
@@ -105,9 +112,7 @@ impl Pattern {
         let next = run.get(j + 1).map_or(Point { distance: length, speed: 0.0 }, |sample| sample.point);
         let share =
             ((distance - here.distance) / (next.distance - here.distance).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-        let index = (self.lead_in + j) as isize - back as isize;
-        let (a, b) = (self.compensation(index), self.compensation(index + 1));
-        (mix(&a, &b, share), here.speed + share * (next.speed - here.speed))
+        (self.between((self.lead_in + j) as f64 + share - back), here.speed + share * (next.speed - here.speed))
     }
 }
 
@@ -149,14 +154,14 @@ pub(crate) mod tests {
         }
         for k in 0..pattern.run {
             let point = pattern.samples[10 + k].point;
-            let (compensation, speed) = pattern.at(point.distance, 0, path.length());
+            let (compensation, speed) = pattern.at(point.distance, 0.0, path.length());
             assert!((compensation[2] - (10 + k) as f64).abs() < 1e-9 && (speed - point.speed).abs() < 1e-12);
-            let (earlier, _) = pattern.at(point.distance, 3, path.length());
+            let (earlier, _) = pattern.at(point.distance, 3.0, path.length());
             assert!((earlier[2] - (7 + k) as f64).abs() < 1e-9);
         }
         let middle = 0.5 * (pattern.samples[40].point.distance + pattern.samples[41].point.distance);
-        assert!((pattern.at(middle, 0, path.length()).0[0] - 40.5).abs() < 1e-9);
-        assert!((pattern.at(path.length(), 0, path.length()).0[0] - (10 + pattern.run) as f64).abs() < 1e-9);
+        assert!((pattern.at(middle, 0.0, path.length()).0[0] - 40.5).abs() < 1e-9);
+        assert!((pattern.at(path.length(), 0.0, path.length()).0[0] - (10 + pattern.run) as f64).abs() < 1e-9);
     }
 
     #[test]

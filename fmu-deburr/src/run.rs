@@ -18,7 +18,9 @@ pub struct Run {
     feed: Feed,
     /// newest first
     ahead: [Point; PREVIEW_MAX + 1],
+    /// whole samples by which the feed is known in advance, and those that the lookup wants
     preview: usize,
+    wanted: f64,
     /// samples since the run began
     time: usize,
     /// rest before the start, samples
@@ -34,10 +36,11 @@ pub struct Run {
 impl Run {
     /// Before the first sample.
     pub fn new(p: &Parameters, path: &Path) -> Self {
-        let preview = p.preview();
+        let wanted = p.preview();
+        let preview = wanted.ceil() as usize;
         let rest = if path.cyclic { preview } else { p.learn.lead_in as usize };
         let ahead = [Point::default(); PREVIEW_MAX + 1];
-        Self { feed: Feed::START, ahead, preview, time: 0, rest, beyond: 0, left: 0, laps: 0 }
+        Self { feed: Feed::START, ahead, preview, wanted, time: 0, rest, beyond: 0, left: 0, laps: 0 }
     }
 
     /// One sample with the wanted speed (m/s); false after the last one.
@@ -89,13 +92,27 @@ impl Run {
         Some(if pattern.cyclic { index % pattern.len() } else { index.min(pattern.len() - 1) })
     }
 
+    /// The feed as far ahead as it is wanted, between two samples, and how far that is.
+    fn looked_at(&self) -> (Point, f64) {
+        let [newest, before, ..] = self.ahead;
+        let late = self.preview as f64 - self.wanted;
+        // a new lap begins between both
+        if late == 0.0 || newest.distance < before.distance {
+            return (newest, self.preview as f64);
+        }
+        let mix = |a: f64, b: f64| a + late * (b - a);
+        let point = Point { distance: mix(newest.distance, before.distance), speed: mix(newest.speed, before.speed) };
+        (point, self.wanted)
+    }
+
     /// Compensation in pulses from patterns at other speeds, the fastest first; not rounded.
     pub fn compensation(&self, p: &Parameters, path: &Path, patterns: &[Pattern]) -> Joints {
         let nominal = (!p.lookup.recorded_speed).then_some(path.speed);
-        let lookup = Lookup { point: self.ahead[0], back: self.preview, length: path.length(), nominal };
+        let (point, back) = self.looked_at();
+        let lookup = Lookup { point, back, length: path.length(), nominal };
         match patterns.first() {
             // at rest the time counts, not the distance
-            Some(fastest) if !path.cyclic && self.time + self.preview <= self.rest => {
+            Some(fastest) if !path.cyclic && self.time + self.preview <= self.rest + 1 => {
                 fastest.compensation(self.time as isize - 1)
             }
             Some(fastest) if !path.cyclic && self.beyond > 0 => {
@@ -124,9 +141,9 @@ mod tests {
 
     #[test]
     fn a_run_at_a_learned_speed_plays_its_pattern_sample_by_sample() {
-        for preview in 0..=8 {
+        for preview in [0.0, 0.4, 1.0, 1.4, 2.7, 5.0, 8.0] {
             let mut p = Parameters::DEFAULT;
-            (p.servo.io_delay, p.lookup.preview) = (0, preview);
+            (p.servo.io_delay, p.lookup.preview) = (0, 0.01 * preview);
             let path = straight(0.12);
             let pattern = numbered(&p, &path);
             let mut run = Run::new(&p, &path);
@@ -145,7 +162,7 @@ mod tests {
     #[test]
     fn laps_follow_each_other_without_a_rest() {
         let mut p = Parameters::DEFAULT;
-        (p.servo.io_delay, p.lookup.preview) = (1, 2);
+        (p.servo.io_delay, p.lookup.preview) = (1, 0.02);
         let there = straight(0.05);
         let points = [there.at(0.0), there.at(0.05), there.at(0.0)];
         let blocks = points.windows(2).map(|pair| crate::geometry::Block::line(&pair[0], &pair[1]).unwrap()).collect();

@@ -105,14 +105,14 @@ pub struct Lookup {
     pub enable: bool,
     /// Compare with the speed that was recorded at the distance, not with the nominal one; default true (derived).
     pub recorded_speed: bool,
-    /// Samples by which the feed is known before the reference follows it, beyond `servo.io_delay`; -6 to 8, default 0
-    /// (derived: the compensation for the speed at which it acts).
-    pub preview: i32,
+    /// Time by which the feed is known before the reference follows it, beyond `servo.io_delay`, s; -0.3 to 0.4, default
+    /// 0.0037 (derived: the lag 2 zeta / wn of the velocity loop); the paper has none, 0 without delay.
+    pub preview: f64,
 }
 
 impl Lookup {
     /// Documented defaults.
-    pub const DEFAULT: Self = Self { enable: true, recorded_speed: true, preview: 0 };
+    pub const DEFAULT: Self = Self { enable: true, recorded_speed: true, preview: 0.0037 };
 }
 
 /// What a bank is written as.

@@ -60,7 +60,8 @@ fn differences(delay: i32) -> [f64; 2] {
     let mut worst: [f64; 2] = [0.0; 2];
     for k in formed.lead_in..formed.lead_in + formed.run - preview {
         // the feed is known so many samples ahead
-        let lookup = Lookup { point: formed.samples[k + preview].point, back: preview, length: WAY, nominal: None };
+        let lookup =
+            Lookup { point: formed.samples[k + preview].point, back: preview as f64, length: WAY, nominal: None };
         let difference = (lookup.compensation(&stored)[2] - formed.samples[k].compensation[2]).abs();
         let middle = (0.1 * WAY..0.9 * WAY).contains(&formed.samples[k].point.distance);
         worst[0] = worst[0].max(if middle { difference } else { 0.0 });
