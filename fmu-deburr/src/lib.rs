@@ -313,7 +313,7 @@ impl Model for Deburr {
         if vars.output.state != before {
             messages::tell_state(vars, env);
         }
-        if controller.take_export() && !vars.text.bank.export.is_empty() {
+        if controller.take_export() {
             export_bank(vars, controller, env);
         }
         Ok(())
@@ -323,6 +323,10 @@ impl Model for Deburr {
 /// Writes the bank; what cannot be written stays where it is, and is told.
 fn export_bank(vars: &mut Vars, controller: &Controller, env: &Env) {
     let bank = &mut vars.text.bank;
+    if bank.export.is_empty() {
+        "not written: `bank.export` is empty".clone_into(&mut bank.message);
+        return env.event(&bank.message);
+    }
     match storage::export(&bank.export, vars.parameters.bank.format, controller) {
         Ok(message) => {
             env.event(&message);

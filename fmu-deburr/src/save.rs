@@ -9,6 +9,9 @@ use std::path::{Path, PathBuf};
 /// # Errors
 /// What the system says; nothing is left behind.
 pub fn save(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    if fs::metadata(path).is_ok_and(|about| !about.is_file()) {
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, "there is a folder or device of this name"));
+    }
     let partial = beside(path)?;
     let written = write(&partial, bytes).and_then(|()| fs::rename(&partial, path));
     if written.is_err() {
@@ -57,7 +60,8 @@ mod tests {
         let place = Place::new();
         assert!(save(&place.path().join("missing").join("bank.bin"), b"x").is_err());
         assert!(save(Path::new("/"), b"x").is_err());
-        // a folder is in the way: the last step fails
+        assert!(save(Path::new("/dev/full"), b"x").unwrap_err().to_string().contains("device"));
+        // a folder is in the way
         fs::create_dir(place.path().join("folder")).unwrap();
         fs::write(place.path().join("folder").join("inside"), "kept").unwrap();
         assert!(save(&place.path().join("folder"), b"x").is_err());

@@ -1,6 +1,7 @@
 //! The controller in closed loop with a native robot: learning, playback, modes, faults, state bytes.
 
 mod adaptation;
+mod cost;
 mod faults;
 mod interpolation;
 mod learning;
