@@ -252,7 +252,7 @@ impl Model for Deburr {
         real!(Vars.parameters => transfer.settle_time).parameter().unit(&SECOND).range(0.0, 60.0).describe("Rest before a run"),
         real!(Vars.parameters => transfer.velocity_share).parameter().unit(&ONE).range(0.01, 1.0).describe("Part of the largest velocities that the motion to the start may use"),
         // path
-        text!(Vars.text => path.file).parameter().start_text("path.json").describe("JSON file of the taught path, in the folder resources of the FMU or with its whole path"),
+        text!(Vars.text => path.file).parameter().describe("JSON file of the taught path, in the folder resources of the FMU or with its whole path; empty for the test piece, `path.json`"),
         real!(Vars.parameters => path.taught_speed).parameter().unit(&METRE_PER_SECOND).display("mm/s").range(0.0, 2.0).describe("Taught speed; 0 for that of the file"),
         real!(Vars.parameters => path.corner).parameter().unit(&RADIAN).display("deg").range(1e-3, 3.2).describe("Turn of the tangent at which the feed stops"),
         real!(Vars.parameters => feed.acceleration).parameter().unit(&METRE_PER_SECOND_SQUARED).range(0.01, 50.0).describe("Acceleration and deceleration on the path"),

@@ -42,7 +42,10 @@ enum Step {
     Arc { to: Corner, via_m: Option<[f64; 3]>, centre_m: Option<[f64; 3]> },
 }
 
-/// Reads the path that `path.file` names.
+/// The path without a file: importers need not tell where the resources are.
+const TEST_PIECE: &[u8] = include_bytes!("../resources/path.json");
+
+/// Reads the path that `path.file` names, or the test piece if it names none.
 ///
 /// # Errors
 /// Names the file, the block, the field, its value and the limit.
@@ -53,7 +56,7 @@ pub fn read(p: &Parameters, file: &str, resources: Option<&std::path::Path>) -> 
         hint: "write {\"speed_m_s\": 0.1, \"start\": {\"tip_m\": [0.7, 0, -0.2], \"axis\": [0, 0, -1]}, \"blocks\": \
                [{\"type\": \"line\", \"to\": {\"tip_m\": [0.7, 0.1, -0.2]}}]}",
     };
-    let bytes = parameter.read(resources)?;
+    let bytes = if file.is_empty() { TEST_PIECE.to_vec() } else { parameter.read(resources)? };
     let path = parse(p, &bytes);
     path.map_err(|what| parameter.wrong(format!("a path: {what}")))
 }
@@ -140,6 +143,7 @@ mod tests {
     fn the_path_in_the_resources_is_the_test_piece() {
         let resources = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("resources");
         let path = read(&Parameters::DEFAULT, "path.json", Some(&resources)).unwrap();
+        assert_eq!(read(&Parameters::DEFAULT, "", None).unwrap().length(), path.length());
         assert_eq!((path.blocks(), path.speed, path.cyclic), (3, 0.1, false));
         // two lines of 120 mm and a quarter of a circle; the joints are tangent, the feed stops at the end only
         assert!((path.length() - 0.24 - 0.0075 * std::f64::consts::PI).abs() < 1e-9);
