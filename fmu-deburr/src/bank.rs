@@ -12,12 +12,14 @@ use crate::pattern::Pattern;
 /// What a bank belongs to; another path or machine needs another bank.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Identity {
-    /// Fingerprint of the path, its feed and the geometry of the robot.
+    /// Fingerprint of the path, its feed, the geometry of the robot and its gains.
     pub path: u64,
     /// Pulse of each axis, rad or m.
     pub pulses: Joints,
     /// Sample period, s.
     pub period: f64,
+    /// Samples between a command and its action.
+    pub io_delay: u16,
     /// Multiples of the taught speed.
     pub factors: Vec<f64>,
 }
@@ -32,6 +34,9 @@ impl Identity {
             |what: &str, found: String, expected: String| Err(format!("{what} `{found}`, must be `{expected}`"));
         if other.period != self.period {
             return differs("its sample period is", format!("{} s", other.period), format!("{} s", self.period));
+        }
+        if other.io_delay != self.io_delay {
+            return differs("its `servo.io_delay` is", other.io_delay.to_string(), self.io_delay.to_string());
         }
         if other.pulses != self.pulses {
             return differs("its pulses are", format!("{:?}", other.pulses), format!("{:?}", self.pulses));
@@ -145,11 +150,12 @@ fn identity(p: &Parameters, path: &Path) -> Identity {
     path.fingerprint(&mut print);
     let numbers = [p.path.corner, p.feed.acceleration, p.feed.smoothing.into(), p.learn.lead_in.into()];
     let geometry = [p.learn.lead_out.into(), p.arm.height, p.arm.reach, p.arm.tool_offset];
-    numbers.iter().chain(&geometry).for_each(|value| print.add(*value));
+    numbers.iter().chain(&geometry).chain(&p.servo.gain).for_each(|value| print.add(*value));
     Identity {
         path: print.value(),
         pulses: p.pulses(),
         period: p.sample_period,
+        io_delay: p.servo.io_delay as u16,
         factors: p.learn.speeds.list().to_vec(),
     }
 }
@@ -196,6 +202,7 @@ pub(crate) mod tests {
         };
         let cases = [
             (refused(|p| p.sample_period = 0.005, 0.1), "sample period is `0.01 s`, must be `0.005 s`"),
+            (refused(|p| p.servo.io_delay = 0, 0.1), "`servo.io_delay` is `1`, must be `0`"),
             (refused(|p| p.axis3.pulse = 1e-5, 0.1), "pulses are"),
             (refused(|p| p.learn.speeds = crate::parameters::Speeds::new(&[1.0, 0.5]).unwrap(), 0.1), "speeds are"),
             (refused(|_| (), 0.1001), "another path"),

@@ -32,7 +32,9 @@ impl LoadControl {
         let from = if change < 0.0 { self.feed.min(realised + margin) } else { self.feed.max(realised - margin) };
         let least = speed_min.min(taught);
         self.feed = (from + change).clamp(least, taught);
-        self.slowest = if self.feed > least { 0 } else { self.slowest.saturating_add(1) };
+        // a feed that is asked to be slow is no overload
+        let free = self.feed > least || taught <= speed_min;
+        self.slowest = if free { 0 } else { self.slowest.saturating_add(1) };
         self.feed
     }
 
@@ -91,6 +93,8 @@ mod tests {
         });
         assert_eq!(told, Some(20));
         load.step(&p, 1.04 * NOMINAL, 0.004, 0.1);
+        assert!(!load.overloaded(&p));
+        (0..100).for_each(|_| assert_eq!(load.step(&p, 1.04 * NOMINAL, 0.0, 0.0), 0.0));
         assert!(!load.overloaded(&p));
     }
 }

@@ -1,7 +1,7 @@
 //! A bank as the paper stores it: 18 bytes for each sample, six pulses, distance, flags and feed.
 //!
-//! All numbers are little endian. Header: magic, fingerprint of the path (u64), pulses (6 f64), period (f64), number of
-//! patterns (u16), and for each its factor (f64) and number of samples (u32). Then the records, then a checksum.
+//! All numbers are little endian. Header: magic, fingerprint of the path (u64), pulses (6 f64), period (f64), delay (u16),
+//! number of patterns (u16), and for each its factor (f64) and number of samples (u32). Then the records, then a checksum.
 
 use crate::bank::{Bank, Identity};
 use crate::bank_file::{sign, verify};
@@ -22,10 +22,11 @@ const PHASE_BITS: u32 = 2;
 /// # Errors
 /// In words for the user, when a number does not fit into its 16 bits.
 pub fn encode(bank: &Bank, path: &Path) -> Result<Vec<u8>, String> {
-    let Identity { path: print, pulses, period, factors } = bank.identity();
+    let Identity { path: print, pulses, period, io_delay, factors } = bank.identity();
     let mut bytes = MAGIC.to_vec();
     bytes.extend(print.to_le_bytes());
     pulses.iter().chain([period]).for_each(|value| bytes.extend(value.to_le_bytes()));
+    bytes.extend(io_delay.to_le_bytes());
     bytes.extend(fit::<u16>(bank.patterns().len() as f64, "number of patterns")?.to_le_bytes());
     for (pattern, factor) in bank.patterns().iter().zip(factors) {
         bytes.extend(factor.to_le_bytes());
@@ -55,6 +56,7 @@ fn read(mut from: Reader, bank: &Bank, path: &Path) -> Result<Bank, String> {
         *pulse = f64::from_le_bytes(from.take()?);
     }
     let period = f64::from_le_bytes(from.take()?);
+    let io_delay = u16::from_le_bytes(from.take()?);
     let count = u16::from_le_bytes(from.take()?);
     let mut factors = Vec::new();
     let mut lengths = Vec::new();
@@ -62,7 +64,7 @@ fn read(mut from: Reader, bank: &Bank, path: &Path) -> Result<Bank, String> {
         factors.push(f64::from_le_bytes(from.take()?));
         lengths.push(u32::from_le_bytes(from.take()?) as usize);
     }
-    bank.identity().accepts(&Identity { path: print, pulses, period, factors })?;
+    bank.identity().accepts(&Identity { path: print, pulses, period, io_delay, factors })?;
     let mut read = bank.clone();
     for (index, length) in lengths.into_iter().enumerate() {
         let pattern = read.pattern_mut(index);
@@ -145,7 +147,7 @@ mod tests {
         let bank = numbered(|k| (k % 900) as f64 - 400.0);
         let bytes = encode(&bank, &path()).unwrap();
         let samples: usize = bank.patterns().iter().map(Pattern::len).sum();
-        let header = MAGIC.len() + 8 + 7 * 8 + 2 + 5 * 12;
+        let header = MAGIC.len() + 8 + 7 * 8 + 4 + 5 * 12;
         assert_eq!(bytes.len(), header + RECORD * samples + 8);
         let mut empty = bank.clone();
         empty.clear();
