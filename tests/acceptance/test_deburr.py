@@ -4,6 +4,7 @@ The large samples run with `pytest -m full -rP tests/acceptance/test_deburr.py`,
 """
 
 import functools
+import json
 import subprocess
 import sys
 import time
@@ -128,6 +129,47 @@ def test_what_is_imported_is_what_was_learned(tmp_path: Path) -> None:
             assert np.array_equal(played[0][column], played[1][column]), column
 
 
+SINE = {
+    "speed_m_s": 0.1,
+    "start": {"tip_m": [0.727492092192, 0.0, -0.222507907808], "axis": [0.0, 0.0, -1.0]},
+    "blocks": [
+        {
+            "type": "arc",
+            "via_m": [0.75, 0.0, -0.168169011382],
+            "to": {"tip_m": [0.772507907808, 0.0, -0.222507907808]},
+        }
+    ],
+}
+"""Three quarters of an upright circle: axis 3 moves as 100 sin(pi t) mm/s over the upper half."""
+
+
+def sine_pattern(bank: Path, path: Path, speeds: str) -> tuple[Columns, Columns]:
+    """Distance and compensation of axis 3 in pulses at 75 mm/s, with patterns of some speeds."""
+    learned = (f"controller.path.file='{path}'", f"controller.learn.speeds='{speeds}'", *DELAYS[0])
+    learn(bank, *learned, repetitions=12)
+    played = (
+        "signal.controller.speed_override.times=[0.0]",
+        "signal.controller.speed_override.values=[0.75]",
+    )
+    rows = trace(run("deburr/speed-range", *learned, f"controller.bank.import='{bank}'", *played))
+    rows = rows[rows["controller.path.speed"] > 0.0]
+    return rows["controller.path.distance"], rows["controller.axis3.compensation"] / 5e-6
+
+
+def test_interpolated_patterns_are_those_that_repetition_forms(tmp_path: Path) -> None:
+    # the paper's Fig. 2: from 100 and 50 mm/s to 75
+    path = tmp_path / "sine.json"
+    path.write_text(json.dumps(SINE))
+    interpolated = sine_pattern(tmp_path / "two.bin", path, "1.0 0.5")
+    formed = sine_pattern(tmp_path / "one.bin", path, "0.75")
+    # 10 to 90 % of the half circle in the middle
+    place = np.linspace(0.035, 0.115, 321)
+    difference = np.interp(place, *interpolated) - np.interp(place, *formed)
+    print(f"interpolated and formed differ by {np.abs(difference).max():.1f} pulses of {formed[1].max():.0f}")
+    assert formed[1].max() > 1000.0
+    assert np.abs(difference).max() <= 4.0
+
+
 STEADY: Changes = (
     "signal.controller.speed_override.times=[0.0]",
     "signal.controller.speed_override.values=[1.0]",
@@ -136,7 +178,6 @@ STEADY: Changes = (
 
 def test_errors_of_the_files_are_told_with_a_hint() -> None:
     for change, words in {
-        "controller.bank.import='bank_paper.bin'": ("bank.import", "hint: "),
         "controller.path.file='six_axis.json'": ("bank.import", "hint: "),
         "controller.path.file='nowhere.json'": ("path.file", "nowhere.json", "hint: "),
         "controller.axis3.pulse=1e-5": ("bank.import", "hint: "),
