@@ -121,8 +121,16 @@ impl Controller {
         let fault = self.find_fault(p, &reading, valid, input.mode);
         let before = self.state;
         self.state = next(before, self.job, &asked, self.progress, fault != Fault::None);
-        if self.state != before {
+        let resting = matches!(before, State::Idle | State::Done);
+        let begins = resting && matches!(self.state, State::Approach | State::Done) && input.mode != self.job;
+        if begins {
+            self.begin(p, input.mode);
+        }
+        if self.state != before || begins {
             self.enter(p, &reading, before, input.mode, fault);
+        }
+        if self.state == State::Idle && input.mode == Mode::Idle {
+            self.job = Mode::Idle;
         }
         self.advance(p, &reading, input.hold);
         let velocity = self.act(p, &reading);
@@ -149,10 +157,6 @@ impl Controller {
     }
 
     fn enter(&mut self, p: &Parameters, reading: &Reading, before: State, mode: Mode, fault: Fault) {
-        let starts = matches!(before, State::Idle | State::Done);
-        if starts {
-            self.begin(p, mode);
-        }
         self.fault = fault;
         self.progress = Progress::Busy;
         match self.state {
@@ -170,8 +174,11 @@ impl Controller {
             }
             _ => {}
         }
-        if matches!(self.state, State::Off | State::Idle | State::Fault) {
-            self.job = Mode::Idle;
+        match self.state {
+            // afterwards nothing moves before another mode is asked for
+            State::Off | State::Fault => self.job = mode,
+            State::Idle if before.closed() => self.job = Mode::Idle,
+            _ => {}
         }
         if !before.closed() {
             self.error = [0.0; AXES];

@@ -46,11 +46,11 @@ fn no_sample_allocates() {
         let before = ALLOCATIONS.get();
         for mode in [Mode::DryRun, Mode::Learn, Mode::Playback, Mode::Deburr, Mode::Export] {
             input.mode = mode;
-            for _ in 0..20_000 {
+            for k in 0..20_000 {
                 // the axes are where they should be, a little late
                 input.set_positions(&output.axes().map(|axis| axis.reference));
                 controller.tick(&p, &input, &mut output);
-                if output.state == State::Done {
+                if k > 0 && output.state == State::Done {
                     break;
                 }
             }

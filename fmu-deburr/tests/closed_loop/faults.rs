@@ -84,16 +84,45 @@ fn without_patterns_nothing_is_deburred_blindly() {
         run.input.mode = mode;
         run.step();
         stands_with(&run, Fault::BankEmpty);
-        // still there after a reset, gone with another mode
+        // a reset alone moves nothing
         run.input.reset_fault = true;
-        (0..3).for_each(|_| run.step());
-        stands_with(&run, Fault::BankEmpty);
-        (run.input.mode, run.input.reset_fault) = (Mode::Idle, false);
-        run.step();
-        run.input.reset_fault = true;
-        run.step();
+        (0..100).for_each(|_| run.step());
         assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::None));
     }
+}
+
+#[test]
+fn after_a_fault_or_without_enable_nothing_moves_before_a_mode_is_asked_for_again() {
+    for disabled in [false, true] {
+        let mut run = running(Mode::DryRun);
+        if disabled {
+            run.input.enable = false;
+        } else {
+            run.input.spindle_speed = f64::NAN;
+        }
+        run.step();
+        (run.input.enable, run.input.spindle_speed, run.input.reset_fault) = (true, 1885.0, true);
+        (0..300).for_each(|_| run.step());
+        assert_eq!(run.output.state, State::Idle);
+        run.input.mode = Mode::Idle;
+        run.step();
+        run.input.mode = Mode::DryRun;
+        run.step();
+        assert_eq!(run.output.state, State::Approach);
+    }
+}
+
+#[test]
+fn a_fault_in_the_sample_in_which_learning_is_asked_for_forgets_nothing() {
+    let mut p = Parameters::DEFAULT;
+    p.learn.repetitions = 0;
+    let mut run = Loop::new(&p, &Build::NOMINAL);
+    assert!(run.finish(Mode::Learn));
+    run.input.mode = Mode::Idle;
+    run.step();
+    (run.input.mode, run.input.enable) = (Mode::Learn, false);
+    run.step();
+    assert_eq!((run.output.state, run.output.bank.patterns), (State::Off, 5));
 }
 
 #[test]

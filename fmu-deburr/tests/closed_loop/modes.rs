@@ -80,6 +80,22 @@ fn a_held_repetition_is_done_again_and_learns_the_same() {
 }
 
 #[test]
+fn the_bank_is_written_after_learning_and_whenever_it_is_asked_for() {
+    let mut p = Parameters::DEFAULT;
+    p.learn.repetitions = 0;
+    let mut run = Loop::new(&p, &Build::NOMINAL);
+    assert!(run.finish(Mode::Learn));
+    assert!(run.controller.take_export() && !run.controller.take_export());
+    // from Done, again, and from Idle
+    for mode in [Mode::Export, Mode::DryRun, Mode::Export, Mode::Idle, Mode::Export] {
+        run.input.mode = mode;
+        run.step();
+        assert_eq!(run.controller.take_export(), mode == Mode::Export, "{mode:?}");
+        run_until(&mut run, |run| matches!(run.output.state, State::Done | State::Idle));
+    }
+}
+
+#[test]
 fn idle_stops_on_the_path_and_stays_there() {
     let mut run = bare();
     run.input.mode = Mode::DryRun;
