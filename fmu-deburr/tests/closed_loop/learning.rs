@@ -94,6 +94,6 @@ fn the_preview_suits_machines_that_are_a_fifth_off() {
         let mut run = Loop::new(&parameters(&Parameters::DEFAULT, 1), &Build { gain, dynamics, delay: 1 });
         assert!(run.finish(Mode::Learn));
         let error = worst(&mut run, swinging(2.0));
-        assert!(error < 0.06, "{gain} {dynamics}: {error}");
+        assert!(error < 0.05, "{gain} {dynamics}: {error}");
     }
 }
