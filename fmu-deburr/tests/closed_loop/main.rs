@@ -11,3 +11,4 @@ mod robot;
 mod round_trip;
 mod setup;
 mod state;
+mod wild;
