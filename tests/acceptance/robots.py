@@ -48,8 +48,8 @@ def machine(case: int) -> Changes:
 
 def learning(bank: Path, *changes: str, speed: float = 0.1, repetitions: int = 19) -> cosim.Scenario:
     """Scenario that learns five speeds in air and writes the patterns to a bank."""
-    # a repetition of five speeds takes 45.7 s at 100 mm/s, 18.2 s of them on the way back and at rest
-    duration = round((27.5 * 0.1 / speed + 18.2) * (repetitions + 1) * 1.01 + 5.0, 2)
+    # a repetition of five speeds takes 45.7 s at 100 mm/s, 15.6 s of them on the way back and at rest
+    duration = round((30.1 * 0.1 / speed + 15.6) * (repetitions + 1) * 1.01 + 5.0, 2)
     wanted = (
         f"loop.duration={duration}",
         'loop.stop_when=\'controller.state == "Done" or controller.state == "Fault"\'',
