@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from plants.plant import Plant
 
 PLANTS = {
+    "cylindrical_robot": "CylindricalRobot",
     "orthogonal_robot": "OrthogonalRobot",
     "rotary_arm": "RotaryArm",
     "slide": "Slide",

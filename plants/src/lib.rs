@@ -7,18 +7,23 @@
 #![deny(unsafe_code)]
 
 mod bristle;
+mod burr;
 mod circuit;
 mod coloured_noise;
 mod current_loop;
+mod deburring;
+mod edge;
 mod element;
 mod flute;
 mod foot;
 mod harmonics;
+mod induction_spindle;
 mod integrator;
 mod latch;
 mod limit;
 mod lookup;
 mod low_pass;
+mod milling;
 mod mold;
 mod motion_board;
 mod outline;
@@ -58,18 +63,23 @@ mod stepper_exports;
 mod stepper_rows;
 
 pub use bristle::Bristle;
+pub use burr::Burr;
 pub use circuit::{Circuit, StepError};
 pub use coloured_noise::ColouredNoise;
 pub use current_loop::CurrentLoop;
+pub use deburring::{Deburring, Reaction};
+pub use edge::{Edge, Place};
 pub use element::{Element, Ports};
 pub use flute::Flute;
 pub use foot::Foot;
 pub use harmonics::Harmonics;
+pub use induction_spindle::{InductionSpindle, Plate};
 pub use integrator::Integrator;
 pub use latch::Latch;
 pub use limit::Limit;
 pub use lookup::Lookup;
 pub use low_pass::LowPass;
+pub use milling::Milling;
 pub use mold::{Dimple, Local, Mold, Step};
 pub use motion_board::MotionBoard;
 pub use outline::Outline;

@@ -9,10 +9,10 @@ mod _native {
     use pyo3::prelude::*;
 
     use crate::{
-        Abrasion, Bristle, ColouredNoise, CurrentLoop, Dimple, DriveGains, Flute, Foot, Harmonics, HeightMap,
-        Integrator, Latch, Limit, Lookup, LowPass, Mold, MotionBoard, Outline, Peak, Pose, Product, PulseDrive,
-        RollingFriction, Rotation, Rubbing, Shapes, Slew, Step, Stribeck, Stroke, Sum, TangentPlane, Thrust, Tip,
-        TurnedPart, Turntable, Wrench,
+        Abrasion, Bristle, Burr, ColouredNoise, CurrentLoop, Deburring, Dimple, DriveGains, Edge, Flute, Foot,
+        Harmonics, HeightMap, InductionSpindle, Integrator, Latch, Limit, Lookup, LowPass, Milling, Mold, MotionBoard,
+        Outline, Peak, Plate, Pose, Product, PulseDrive, Reaction, RollingFriction, Rotation, Rubbing, Shapes, Slew,
+        Step, Stribeck, Stroke, Sum, TangentPlane, Thrust, Tip, TurnedPart, Turntable, Wrench,
     };
 
     #[pymodule_export]
@@ -41,6 +41,56 @@ mod _native {
         Unbound::new(CurrentLoop::new(bandwidth))
     }
 
+    /// End mill on a burr of bins from a distance m on: heights and thicknesses m.
+    ///
+    /// The mill is teeth, radius m, Pa per chip cross-section, N/m of engaged edge, largest chip m. The reaction is
+    /// the shares of the tangential force against the travel and outward, and the reach of the tool m.
+    /// distance, normal, across, tx, ty, tz, nx, ny, nz, spindle_speed, part -> torque, force, fx, fy, fz, feed,
+    /// engagement, finish_low, finish_high, removed, left.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     Heights and thicknesses differ in number, or the pitch is not positive.
+    #[pyfunction]
+    fn deburring(
+        bins: (f64, f64),
+        heights: Vec<f64>,
+        thicknesses: Vec<f64>,
+        mill: (f64, f64, f64, f64, f64),
+        reaction: (f64, f64, f64),
+    ) -> PyResult<Unbound> {
+        let (from, pitch) = bins;
+        let refused = || PyValueError::new_err("a burr needs as many heights as thicknesses, and a positive pitch");
+        let burr = Burr::new(from, pitch, heights, thicknesses).ok_or_else(refused)?;
+        let (teeth, radius, pressure, edge_force, chip_most) = mill;
+        let mill = Milling { teeth, radius, pressure, edge_force, chip_most };
+        let (along, outward, reach) = reaction;
+        Ok(Unbound::new(Deburring::new(burr, mill, Reaction { along, outward, reach })))
+    }
+
+    /// Edge of line, arc, line over a corner of `radius` m: x, y, z -> distance, normal, across, tx, ty, tz, nx, ny, nz.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     The lines are too short for the radius.
+    #[pyfunction]
+    fn edge(start: [f64; 3], corner: [f64; 3], end: [f64; 3], radius: f64) -> PyResult<Unbound> {
+        Ok(Unbound::new(corner_edge(start, corner, end, radius)?))
+    }
+
+    /// Length of such an edge, m.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     The lines are too short for the radius.
+    #[pyfunction]
+    fn edge_length(start: [f64; 3], corner: [f64; 3], end: [f64; 3], radius: f64) -> PyResult<f64> {
+        Ok(corner_edge(start, corner, end, radius)?.length())
+    }
+
     /// Cutting edge on a tilted tool (m, m, rad): angle -> retreat behind the longest point.
     #[pyfunction]
     fn flute(shortfall: f64, tilt: f64, offset: f64) -> Unbound {
@@ -59,6 +109,16 @@ mod _native {
     #[pyfunction]
     fn harmonics(orders: Vec<(f64, f64)>) -> Unbound {
         Unbound::new(Harmonics::new(orders))
+    }
+
+    /// Spindle with an induction motor: load -> speed, measured speed, torque of the motor, N.m and rad/s.
+    ///
+    /// The plate is synchronous and rated speed rad/s, rated power W, breakdown over rated torque, time constant s.
+    #[pyfunction]
+    fn induction_spindle(plate: (f64, f64, f64, f64, f64), friction: f64, lag: f64) -> Unbound {
+        let (synchronous, rated_speed, rated_power, overload, time) = plate;
+        let plate = Plate { synchronous, rated_speed, rated_power, overload, time };
+        Unbound::new(InductionSpindle::new(plate, friction, lag))
     }
 
     /// Integral that starts at `start`: value -> integral at the start of the step.
@@ -270,6 +330,14 @@ mod _native {
     #[pyfunction]
     fn wrench() -> Unbound {
         Unbound::new(Wrench)
+    }
+
+    fn corner_edge(start: [f64; 3], corner: [f64; 3], end: [f64; 3], radius: f64) -> PyResult<Edge> {
+        let refused = || {
+            let hint = "hint: start, corner and end of the edge are too near for it";
+            PyValueError::new_err(format!("radius of the corner: `{radius}` m\n{hint}"))
+        };
+        Edge::new(start, corner, end, radius).ok_or_else(refused)
     }
 
     fn stribeck((at_rest, kinetic, speed): (f64, f64, f64)) -> Stribeck {

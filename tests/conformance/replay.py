@@ -41,6 +41,9 @@ def instance(description: Any, folder: str, parameters: dict[str, Any]) -> Any:
 
 def put(slave: Any, variable: Any, value: Any) -> None:
     """Set one variable; items of enumerations may be given by name."""
+    if variable.type == "String":
+        slave.setString([variable.valueReference], [str(value)])
+        return
     if isinstance(value, str) and variable.type == "Enumeration":
         value = next(int(item.value) for item in variable.declaredType.items if item.name == value)
     number = float(value) if variable.type == "Real" else int(value)

@@ -58,7 +58,10 @@ def test_between_two_samples_of_moving_inputs(fmu: Fmu, tmp_path: Path) -> None:
     assert replay("resume", fmu.folder, tmp_path) == lines[STEPS // 2 :]
 
 
-@pytest.mark.parametrize(("loop", "state"), [("dob", "Detect"), ("centering", "Push"), ("centering", "Wait")])
+@pytest.mark.parametrize(
+    ("loop", "state"),
+    [("dob", "Detect"), ("centering", "Push"), ("centering", "Wait"), ("deburr/learn", "Run")],
+)
 def test_in_the_middle_of_a_state_of_a_closed_loop(loop: str, state: str, tmp_path: Path) -> None:
     scenario = cosim.load(loop)
     result = cosim.run(scenario, 57_001)

@@ -1,0 +1,147 @@
+//! Walks along the path before it is used: every place must be within the travel of the axes, and none too fast.
+
+use control_blocks::ParameterError;
+
+use crate::kinematics::{AXES, Joints};
+use crate::parameters::Parameters;
+use crate::path::Path;
+
+/// Names of the axes and their units, as in the messages.
+const NAMES: [(&str, &str); AXES] =
+    [("axis1", "rad"), ("axis2", "m"), ("axis3", "m"), ("axis4", "rad"), ("axis5", "rad"), ("axis6", "rad")];
+/// Most places that are looked at.
+const PLACES_MAX: f64 = 2e5;
+
+/// Axes at the start of the path; the whole path is checked at the taught speed.
+///
+/// # Errors
+/// Names block, distance, axis, value and limit.
+pub fn start(p: &Parameters, path: &Path, file: &str) -> Result<Joints, ParameterError> {
+    let wrong = |distance: f64, what: String, hint| {
+        let place = path.place(distance);
+        ParameterError {
+            name: "path.file",
+            value: file.to_owned(),
+            limit: format!(
+                "a path the robot can follow: block {}, {:.4} m from its start: {what}",
+                place.block + 1,
+                place.distance
+            ),
+            hint,
+        }
+    };
+    let step = (path.speed * p.sample_period).max(path.length() / PLACES_MAX);
+    let count = (path.length() / step).ceil() as usize;
+    let mut before = upright_start(p, path, step, count);
+    let mut first = None;
+    for k in 0..=count {
+        let distance = (k as f64 * step).min(path.length());
+        let joints = p
+            .arm
+            .inverse(&path.at(distance), &before)
+            .ok_or_else(|| wrong(distance, "the wrist is on the axis of the column".to_owned(), "move the part"))?;
+        travel(p, &joints)
+            .map_err(|what| wrong(distance, what, "move the part, or widen `axisN.minimum` and `.maximum`"))?;
+        if first.is_some() {
+            speed(p, &joints, &before, step / path.speed).map_err(|what| {
+                wrong(
+                    distance,
+                    what,
+                    "keep the wrist away from the column and the tool away from the vertical, or teach a slower path",
+                )
+            })?;
+        }
+        before = joints;
+        first.get_or_insert(joints);
+    }
+    Ok(first.unwrap_or(before))
+}
+
+/// Axes to compare the first place with: on an upright start the yaw is that of the first tilted place.
+fn upright_start(p: &Parameters, path: &Path, step: f64, count: usize) -> Joints {
+    let nothing = [0.0; AXES];
+    let yaw = |k: usize| {
+        let joints = p.arm.inverse(&path.at((k as f64 * step).min(path.length())), &nothing)?;
+        (joints[4] != 0.0).then_some(joints[3])
+    };
+    [0.0, 0.0, 0.0, (0..=count).find_map(yaw).unwrap_or(0.0), 0.0, 0.0]
+}
+
+fn travel(p: &Parameters, joints: &Joints) -> Result<(), String> {
+    for (i, axis) in p.axes().iter().enumerate() {
+        let ((name, unit), value) = (NAMES[i], joints[i]);
+        if value < axis.minimum || value > axis.maximum {
+            return Err(format!(
+                "`{name}` is `{value:.4} {unit}`, limits `{}` to `{} {unit}`",
+                axis.minimum, axis.maximum
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn speed(p: &Parameters, joints: &Joints, before: &Joints, time: f64) -> Result<(), String> {
+    for (i, axis) in p.axes().iter().enumerate() {
+        let ((name, unit), speed) = (NAMES[i], (joints[i] - before[i]).abs() / time);
+        if speed > axis.velocity_max {
+            return Err(format!("`{name}` turns with `{speed:.3} {unit}/s`, limit `{} {unit}/s`", axis.velocity_max));
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Block, Pose, Vector};
+
+    fn path(places: &[([f64; 3], [f64; 3])]) -> Path {
+        let poses: Vec<Pose> = places
+            .iter()
+            .map(|(tip, axis)| Pose { tip: Vector::from(*tip), axis: Vector::from(*axis).normalize() })
+            .collect();
+        let blocks = poses.windows(2).map(|pair| Block::line(&pair[0], &pair[1]).unwrap()).collect();
+        Path::new(blocks, 0.1, false, 4.0).unwrap()
+    }
+
+    fn message(places: &[([f64; 3], [f64; 3])]) -> String {
+        start(&Parameters::DEFAULT, &path(places), "path.json").unwrap_err().to_string()
+    }
+
+    const DOWN: [f64; 3] = [0.0, 0.0, -1.0];
+
+    #[test]
+    fn a_good_path_has_a_start() {
+        let joints =
+            start(&Parameters::DEFAULT, &path(&[([0.7, 0.0, -0.2], DOWN), ([0.7, 0.1, -0.2], DOWN)]), "").unwrap();
+        assert!((joints[2] - 0.7).abs() < 1e-12 && joints[1].abs() < 1e-12);
+    }
+
+    #[test]
+    fn an_upright_start_has_the_yaw_that_comes() {
+        let places = [([0.7, 0.0, -0.2], DOWN), ([0.7, 0.1, -0.2], [0.0, 0.3, -1.0])];
+        let joints = start(&Parameters::DEFAULT, &path(&places), "").unwrap();
+        assert!((joints[3] - std::f64::consts::FRAC_PI_2).abs() < 0.01, "{joints:?}");
+    }
+
+    #[test]
+    fn a_tool_that_turns_about_the_vertical_near_it_is_refused() {
+        // tilt of 0.001, azimuth turns by half a turn in 1 mm
+        let places = [([0.7, 0.0, -0.2], [0.1, 0.001, -1.0]), ([0.7, 0.1, -0.2], [-0.1, 0.001, -1.0])];
+        let message = message(&places);
+        assert!(message.contains("block 1, 0.0") && message.contains("`axis4` turns with"), "{message}");
+    }
+
+    #[test]
+    fn outside_the_travel_is_refused_with_the_place() {
+        let message = message(&[([0.7, 0.0, -0.2], DOWN), ([2.2, 0.0, -0.2], DOWN)]);
+        assert!(
+            message.contains("block 1, 1.3")
+                && message.contains("`axis3` is `2.00")
+                && message.contains("`0.1` to `2 m`"),
+            "{message}"
+        );
+        let message = self::message(&[([0.3, 0.0, -0.2], DOWN), ([-0.3, 0.0, -0.2], DOWN)]);
+        assert!(message.contains("hint:"), "{message}");
+    }
+}

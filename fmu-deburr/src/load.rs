@@ -1,0 +1,100 @@
+//! Cutting-load control, eq. 5: the feed falls when the tool is slowed down.
+
+use serde::{Deserialize, Serialize};
+
+use crate::parameters::{Load, Parameters};
+
+/// The regulated feed between two samples.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct LoadControl {
+    /// `V_n`, m/s
+    feed: f64,
+    /// `N_(n-1)`, rad/s
+    before: Option<f64>,
+    /// samples at the slowest feed
+    slowest: u32,
+}
+
+impl LoadControl {
+    /// Before the first sample, at the taught speed (m/s).
+    pub fn new(taught: f64) -> Self {
+        Self { feed: taught, before: None, slowest: 0 }
+    }
+
+    /// Wanted feed (m/s) for the tool speed `n` (rad/s) while the feed is `realised` (m/s), at most `taught` (m/s).
+    pub fn step(&mut self, p: &Parameters, n: f64, realised: f64, taught: f64) -> f64 {
+        let Load { spindle_speed: nominal, k1, k2, speed_min, .. } = p.load;
+        let before = self.before.replace(n).unwrap_or(n);
+        // eq. 5, with the sign of K2 that damps: a falling speed lowers the feed
+        let change = -k1 * (nominal - n) / nominal - k2 * (before - n) / (p.sample_period * nominal);
+        // the feed moves on from where it is: no wind-up against its acceleration
+        let margin = 2.0 * p.feed.acceleration * p.sample_period;
+        let from = if change < 0.0 { self.feed.min(realised + margin) } else { self.feed.max(realised - margin) };
+        let least = speed_min.min(taught);
+        self.feed = (from + change).clamp(least, taught);
+        // a feed that is asked to be slow is no overload
+        let free = self.feed > least || taught <= speed_min;
+        self.slowest = if free { 0 } else { self.slowest.saturating_add(1) };
+        self.feed
+    }
+
+    /// Wanted feed, m/s.
+    pub fn feed(&self) -> f64 {
+        self.feed
+    }
+
+    /// Whether the slowest feed is still too fast.
+    pub fn overloaded(&self, p: &Parameters) -> bool {
+        self.slowest > p.ticks(p.load.overload_time)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const NOMINAL: f64 = Load::DEFAULT.spindle_speed;
+
+    #[test]
+    fn without_load_the_feed_stays_at_the_taught_speed() {
+        let p = Parameters::DEFAULT;
+        let mut load = LoadControl::new(0.1);
+        for k in 0..1000 {
+            let realised = f64::min(0.1, 0.005 * f64::from(k));
+            assert_eq!(load.step(&p, 1.04 * NOMINAL, realised, 0.1), 0.1);
+        }
+    }
+
+    #[test]
+    fn one_sample_is_eq_5() {
+        let p = Parameters::DEFAULT;
+        let mut load = LoadControl::new(0.06);
+        load.step(&p, NOMINAL, 0.06, 0.1);
+        let n = 0.999 * NOMINAL;
+        let expected = 0.06 - 0.092 * 0.001 - 0.0138 * 0.001 / 0.01;
+        assert!((load.step(&p, n, 0.06, 0.1) - expected).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_falling_feed_starts_where_it_is() {
+        let p = Parameters::DEFAULT;
+        let mut load = LoadControl::new(0.1);
+        load.step(&p, NOMINAL, 0.02, 0.1);
+        assert!(load.step(&p, 0.99 * NOMINAL, 0.02, 0.1) < 0.03);
+    }
+
+    #[test]
+    fn overload_is_told_after_a_time_at_the_slowest_feed() {
+        let p = Parameters::DEFAULT;
+        let mut load = LoadControl::new(0.1);
+        let told = (0..100).position(|_| {
+            let feed = load.step(&p, 0.5 * NOMINAL, 0.004, 0.1);
+            load.overloaded(&p) && feed == p.load.speed_min
+        });
+        assert_eq!(told, Some(20));
+        load.step(&p, 1.04 * NOMINAL, 0.004, 0.1);
+        assert!(!load.overloaded(&p));
+        (0..100).for_each(|_| assert_eq!(load.step(&p, 1.04 * NOMINAL, 0.0, 0.0), 0.0));
+        assert!(!load.overloaded(&p));
+    }
+}

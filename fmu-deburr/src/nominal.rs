@@ -1,0 +1,110 @@
+//! Nominal closed position loop, sampled: what a compensation does to the position.
+
+use nalgebra::Matrix4;
+use serde::{Deserialize, Serialize};
+
+use crate::parameters::Parameters;
+
+/// Longest delay, samples.
+pub const DELAY_MAX: usize = 6;
+
+/// y / c with y the position, both in pulses: eq. 1 behind the gain Kp, closed over the encoder.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Nominal {
+    /// sampled position, velocity and its derivative: x' = A x + b v
+    a: [[f64; 3]; 3],
+    b: [f64; 3],
+    gain: f64,
+    delay: usize,
+}
+
+/// State of the loop between two samples.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct State {
+    x: [f64; 3],
+    sent: [f64; DELAY_MAX + 1],
+}
+
+impl Nominal {
+    /// The loop of the axis `axis` (from 0).
+    pub fn new(p: &Parameters, axis: usize) -> Self {
+        let (wn, zeta, dt) = (p.model.natural_frequency, p.model.damping, p.sample_period);
+        let mut continuous = Matrix4::zeros();
+        // position, velocity, acceleration and the held command
+        continuous[(0, 1)] = dt;
+        continuous[(1, 2)] = dt;
+        continuous[(2, 1)] = -wn * wn * dt;
+        continuous[(2, 2)] = -2.0 * zeta * wn * dt;
+        continuous[(2, 3)] = wn * wn * dt;
+        let sampled = continuous.exp();
+        let row = |i: usize| [sampled[(i, 0)], sampled[(i, 1)], sampled[(i, 2)]];
+        Self {
+            a: [row(0), row(1), row(2)],
+            b: [sampled[(0, 3)], sampled[(1, 3)], sampled[(2, 3)]],
+            gain: p.servo.gain[axis],
+            delay: p.servo.io_delay as usize,
+        }
+    }
+
+    /// Position before this sample's command; then one sample with the compensation.
+    pub fn step(&self, state: &mut State, compensation: f64) -> f64 {
+        let position = state.x[0];
+        state.sent.copy_within(0..DELAY_MAX, 1);
+        state.sent[0] = self.gain * (compensation - position);
+        let v = state.sent[self.delay];
+        let [x0, x1, x2] = state.x;
+        state.x = std::array::from_fn(|i| self.a[i][0] * x0 + self.a[i][1] * x1 + self.a[i][2] * x2 + self.b[i] * v);
+        position
+    }
+
+    /// Replaces a signal by what the loop makes of it (T), or by what the loop that runs backward in time does (T').
+    pub fn apply(&self, signal: &mut [f64], backward: bool) {
+        let mut state = State::default();
+        let mut step = |value: &mut f64| *value = self.step(&mut state, *value);
+        match backward {
+            false => signal.iter_mut().for_each(&mut step),
+            true => signal.iter_mut().rev().for_each(&mut step),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_constant_compensation_is_the_position_in_the_end() {
+        for io_delay in 0..=3 {
+            let mut p = Parameters::DEFAULT;
+            p.servo.io_delay = io_delay;
+            let mut signal = vec![5.0; 300];
+            Nominal::new(&p, 2).apply(&mut signal, false);
+            assert!((signal[299] - 5.0).abs() < 1e-6);
+            // the hold and the delay: nothing before
+            assert!(signal[..=io_delay as usize].iter().all(|value| *value == 0.0));
+            assert!(signal[io_delay as usize + 1] > 0.0);
+        }
+    }
+
+    #[test]
+    fn a_slow_loop_is_a_first_order_lag() {
+        let mut p = Parameters::DEFAULT;
+        (p.servo.gain, p.servo.io_delay, p.model.natural_frequency, p.model.damping) = ([1.0; 6], 0, 2000.0, 1.0);
+        let mut signal = vec![1.0; 200];
+        Nominal::new(&p, 0).apply(&mut signal, false);
+        for (k, value) in signal.iter().enumerate() {
+            assert!((value - 1.0 + (-0.01 * k as f64).exp()).abs() < 6e-3, "{k}: {value}");
+        }
+    }
+
+    #[test]
+    fn backward_is_the_transpose() {
+        let nominal = Nominal::new(&Parameters::DEFAULT, 0);
+        let (a, b): (Vec<f64>, Vec<f64>) = (0..80).map(|k| ((k * k % 17) as f64, (k * 7 % 13) as f64 - 6.0)).unzip();
+        let (mut ta, mut tb) = (a.clone(), b.clone());
+        nominal.apply(&mut ta, false);
+        nominal.apply(&mut tb, true);
+        let dot = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>();
+        assert!((dot(&ta, &b) - dot(&a, &tb)).abs() < 1e-9 * dot(&ta, &ta));
+    }
+}

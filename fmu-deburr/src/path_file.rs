@@ -1,0 +1,211 @@
+//! The taught path from a JSON file.
+
+use control_blocks::ParameterError;
+use serde::Deserialize;
+
+use crate::file::FileParameter;
+use crate::geometry::{Block, Pose, Vector};
+use crate::parameters::Parameters;
+use crate::path::Path;
+
+/// Most blocks of a path.
+const BLOCKS_MAX: usize = 10_000;
+/// Taught speeds, m/s.
+const SPEEDS: (f64, f64) = (1e-3, 2.0);
+/// No place is farther from the base, m.
+const PLACE_MAX: f64 = 100.0;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    #[serde(rename = "description", default)]
+    _description: String,
+    speed_m_s: f64,
+    #[serde(default)]
+    cyclic: bool,
+    start: Corner,
+    blocks: Vec<Step>,
+}
+
+/// A teaching point; without `axis` the tool keeps its direction.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Corner {
+    tip_m: [f64; 3],
+    axis: Option<[f64; 3]>,
+}
+
+#[derive(Deserialize)]
+#[serde(tag = "type", rename_all = "lowercase", deny_unknown_fields)]
+enum Step {
+    Line { to: Corner },
+    Arc { to: Corner, via_m: Option<[f64; 3]>, centre_m: Option<[f64; 3]> },
+}
+
+/// The path without a file: importers need not tell where the resources are.
+const TEST_PIECE: &[u8] = include_bytes!("../resources/path.json");
+
+/// Reads the path that `path.file` names, or the test piece if it names none.
+///
+/// # Errors
+/// Names the file, the block, the field, its value and the limit.
+pub fn read(p: &Parameters, file: &str, resources: Option<&std::path::Path>) -> Result<Path, ParameterError> {
+    let parameter = FileParameter {
+        name: "path.file",
+        file,
+        hint: "write {\"speed_m_s\": 0.1, \"start\": {\"tip_m\": [0.7, 0, -0.2], \"axis\": [0, 0, -1]}, \"blocks\": \
+               [{\"type\": \"line\", \"to\": {\"tip_m\": [0.7, 0.1, -0.2]}}]}",
+    };
+    let bytes = if file.is_empty() { TEST_PIECE.to_vec() } else { parameter.read(resources)? };
+    let path = parse(p, &bytes);
+    path.map_err(|what| parameter.wrong(format!("a path: {what}")))
+}
+
+fn parse(p: &Parameters, bytes: &[u8]) -> Result<Path, String> {
+    let file: File = serde_json::from_slice(bytes).map_err(|error| error.to_string())?;
+    let count = file.blocks.len();
+    require_or(count > 0 && count <= BLOCKS_MAX, || {
+        format!("`blocks` has `{count}` entries, limits `1` to `{BLOCKS_MAX}`")
+    })?;
+    let speed = if p.path.taught_speed > 0.0 { p.path.taught_speed } else { file.speed_m_s };
+    let (low, high) = SPEEDS;
+    require_or(speed >= low && speed <= high, || {
+        format!("`speed_m_s` or `path.taught_speed` is `{speed}`, limits `{low}` to `{high}`")
+    })?;
+    let upright = Vector::new(0.0, 0.0, -1.0);
+    let mut from = pose(&file.start, upright).map_err(|what| format!("`start`: {what}"))?;
+    let mut blocks = Vec::with_capacity(count);
+    for (i, step) in file.blocks.iter().enumerate() {
+        let (block, to) = block(step, &from).map_err(|what| format!("block {}: {what}", i + 1))?;
+        blocks.push(block);
+        from = to;
+    }
+    Path::new(blocks, speed, file.cyclic, p.path.corner)
+}
+
+fn block(step: &Step, from: &Pose) -> Result<(Block, Pose), String> {
+    let to = match step {
+        Step::Line { to } | Step::Arc { to, .. } => pose(to, from.axis).map_err(|what| format!("`to`: {what}"))?,
+    };
+    let block = match step {
+        Step::Line { .. } => Block::line(from, &to)?,
+        Step::Arc { via_m: Some(via), centre_m: None, .. } => Block::arc_via(from, place("via_m", via)?, &to)?,
+        Step::Arc { via_m: None, centre_m: Some(centre), .. } => {
+            Block::arc_about(from, place("centre_m", centre)?, &to)?
+        }
+        Step::Arc { .. } => return Err("arc: it has both or none of `via_m` and `centre_m`, must have one".to_owned()),
+    };
+    Ok((block, to))
+}
+
+fn pose(corner: &Corner, before: Vector) -> Result<Pose, String> {
+    let axis = match &corner.axis {
+        Some(axis) => {
+            let axis = place("axis", axis)?;
+            require_or(axis.norm() > 1e-6, || format!("`axis` has the length `{}`, limit `0.000001`", axis.norm()))?;
+            axis.normalize()
+        }
+        None => before,
+    };
+    Ok(Pose { tip: place("tip_m", &corner.tip_m)?, axis })
+}
+
+fn place(field: &str, values: &[f64; 3]) -> Result<Vector, String> {
+    for value in values {
+        require_or(value.abs() <= PLACE_MAX, || {
+            format!("`{field}` has the entry `{value}`, limits `-{PLACE_MAX}` to `{PLACE_MAX}`")
+        })?;
+    }
+    Ok(Vector::from(*values))
+}
+
+fn require_or(holds: bool, what: impl FnOnce() -> String) -> Result<(), String> {
+    if holds { Ok(()) } else { Err(what()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::file::place::Place;
+
+    fn read_text(text: &str) -> Result<Path, String> {
+        let place = Place::new();
+        std::fs::write(place.path().join("path.json"), text).unwrap();
+        read(&Parameters::DEFAULT, "path.json", Some(place.path())).map_err(|error| error.to_string())
+    }
+
+    /// A path with these blocks.
+    fn file(blocks: &str) -> String {
+        format!(r#"{{"speed_m_s": 0.1, "start": {{"tip_m": [0.7, 0, -0.2]}}, "blocks": [{blocks}]}}"#)
+    }
+
+    #[test]
+    fn the_path_in_the_resources_is_the_test_piece() {
+        let resources = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("resources");
+        let path = read(&Parameters::DEFAULT, "path.json", Some(&resources)).unwrap();
+        assert_eq!(read(&Parameters::DEFAULT, "", None).unwrap().length(), path.length());
+        assert_eq!((path.blocks(), path.speed, path.cyclic), (3, 0.1, false));
+        // two lines of 120 mm and a quarter of a circle; the joints are tangent, the feed stops at the end only
+        assert!((path.length() - 0.24 - 0.0075 * std::f64::consts::PI).abs() < 1e-9);
+        assert_eq!(path.next_stop(0.0), path.length());
+    }
+
+    #[test]
+    fn the_parameter_overrides_the_taught_speed() {
+        let place = Place::new();
+        std::fs::write(place.path().join("path.json"), file(r#"{"type": "line", "to": {"tip_m": [0.8, 0, -0.2]}}"#))
+            .unwrap();
+        let mut p = Parameters::DEFAULT;
+        p.path.taught_speed = 0.06;
+        assert_eq!(read(&p, "path.json", Some(place.path())).unwrap().speed, 0.06);
+    }
+
+    #[test]
+    fn lines_arcs_and_tilted_tools_are_read() {
+        let path = read_text(&file(
+            r#"{"type": "line", "to": {"tip_m": [0.8, 0, -0.2], "axis": [0, 0.2, -1]}},
+               {"type": "arc", "via_m": [0.9, 0.1, -0.2], "to": {"tip_m": [0.8, 0.2, -0.2]}},
+               {"type": "arc", "centre_m": [0.8, 0.3, -0.2], "to": {"tip_m": [0.7, 0.3, -0.2], "axis": [0, 0, -3]}}"#,
+        ))
+        .unwrap();
+        assert_eq!(path.blocks(), 3);
+        let tilted = path.at(0.2).axis;
+        assert!((tilted.y / tilted.z + 0.2).abs() < 1e-12 && (tilted.norm() - 1.0).abs() < 1e-12);
+        assert!((path.at(path.length()).tip - Vector::new(0.7, 0.3, -0.2)).norm() < 1e-12);
+    }
+
+    #[test]
+    fn every_malformed_path_is_refused_with_block_field_value_and_limit() {
+        let line = |to: &str| file(&format!(r#"{{"type": "line", "to": {to}}}"#));
+        let arc = |how: &str| file(&format!(r#"{{"type": "arc", {how} "to": {{"tip_m": [0.8, 0, -0.2]}}}}"#));
+        let good = r#"{"type": "line", "to": {"tip_m": [0.8, 0, -0.2]}}"#;
+        let cases = [
+            (file(""), "`blocks` has `0` entries, limits `1` to `10000`"),
+            (line(r#"{"tip_m": [0.7, 0, -0.2]}"#), "block 1: line: length is `0 m`"),
+            (line(r#"{"tip_m": [0.8, 0]}"#), "invalid length 2"),
+            (
+                line(r#"{"tip_m": [800, 0, -0.2]}"#),
+                "block 1: `to`: `tip_m` has the entry `800`, limits `-100` to `100`",
+            ),
+            (line(r#"{"tip_m": [0.8, 0, -0.2], "axis": [0, 0, 0]}"#), "block 1: `to`: `axis` has the length `0`"),
+            (line(r#"{"tip_m": [0.8, 0, -0.2], "axis": [0, 0, 1]}"#), "block 1: `axis` turns by half a turn"),
+            (arc(""), "block 1: arc: it has both or none"),
+            (arc(r#""via_m": [0.75, 0, -0.2],"#), "block 1: arc: `via_m` is on the line"),
+            (arc(r#""centre_m": [0.75, 0.1, -0.1], "via_m": [0.75, 0.1, -0.1],"#), "block 1: arc: it has both or none"),
+            (arc(r#""centre_m": [0.72, 0.1, -0.2],"#), "block 1: arc: radii at both ends differ by"),
+            (file(&format!("{good}, {good}")), "block 2: line: length"),
+            (file(r#"{"type": "spline"}"#), "unknown variant `spline`"),
+            (file(r#"{"type": "line", "to": {"tip_m": [0.8, 0, NaN]}}"#), "at line 1 column"),
+            (file(good).replace("0.1,", "7,"), "`speed_m_s` or `path.taught_speed` is `7`, limits `0.001` to `2`"),
+            (file(good).replace("0.1,", r#"0.1, "cyclic": true,"#), "a cyclic path: its ends are `0.1"),
+            (file(good).replace("speed_m_s", "speed"), "unknown field `speed`"),
+            (String::new(), "EOF"),
+        ];
+        for (text, part) in cases {
+            let message = read_text(&text).map(|_| text.clone()).unwrap_err();
+            let start = "parameter `path.file` is `path.json`, must be a path: ";
+            assert!(message.starts_with(start) && message.contains(part), "{message}");
+            assert!(message.contains("hint: write {"), "{message}");
+        }
+    }
+}

@@ -1,0 +1,172 @@
+//! Control pattern: for each sample of a run at one speed the distance, the speed, and the compensation of each axis.
+
+use serde::{Deserialize, Serialize};
+
+use crate::feed::{Feed, Point};
+use crate::kinematics::{AXES, Joints};
+use crate::parameters::Parameters;
+use crate::path::Path;
+
+/// Distances (m) and speeds (m/s) that differ by less are rounded differently.
+const ROUNDING: f64 = 1e-9;
+
+/// Most samples of a pattern.
+pub const SAMPLES_MAX: usize = 60_000;
+
+/// One sample.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Sample {
+    /// Distance from the start of the path and speed until the next sample.
+    pub point: Point,
+    /// Compensation, pulses.
+    pub compensation: Joints,
+}
+
+/// The samples of one speed.
+///
+/// Before the path and after it the distance does not tell one sample from the next: there the time counts.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Pattern {
+    /// Multiple of the taught speed.
+    pub factor: f64,
+    /// All samples in the order of time.
+    pub samples: Vec<Sample>,
+    /// Number of samples at rest before the start.
+    pub lead_in: usize,
+    /// Number of samples from the start to the one before the end.
+    pub run: usize,
+    /// The run repeats without lead-in and lead-out.
+    pub cyclic: bool,
+}
+
+impl Pattern {
+    /// A pattern of zeros for one speed: the feed of the run, planned.
+    ///
+    /// # Errors
+    /// In words for the user, when the pattern would be too long.
+    pub fn plan(p: &Parameters, path: &Path, factor: f64) -> Result<Self, String> {
+        let (lead_in, lead_out) = match path.cyclic {
+            true => (0, 0),
+            false => (p.learn.lead_in as usize, p.learn.lead_out as usize),
+        };
+        let mut samples = vec![Sample::default(); lead_in];
+        let mut feed = Feed::START;
+        loop {
+            let point = feed.step(&p.feed, path, factor * path.speed, p.sample_period);
+            if point.distance >= path.length() {
+                break;
+            }
+            samples.push(Sample { point, compensation: [0.0; AXES] });
+            if samples.len() > SAMPLES_MAX {
+                return Err(format!("at `{factor}` times the taught speed it takes more than `{SAMPLES_MAX}` samples"));
+            }
+        }
+        let run = samples.len() - lead_in;
+        let end = Sample { point: Point { distance: path.length(), speed: 0.0 }, compensation: [0.0; AXES] };
+        samples.resize(samples.len() + lead_out, end);
+        Ok(Self { factor, samples, lead_in, run, cyclic: path.cyclic })
+    }
+
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.samples.len()
+    }
+
+    /// Whether there are no samples.
+    pub fn is_empty(&self) -> bool {
+        self.samples.is_empty()
+    }
+
+    /// Whether another pattern has the same samples, but for the compensation.
+    pub fn fits(&self, other: &Self) -> bool {
+        let close = |(a, b): (&Sample, &Sample)| {
+            (a.point.distance - b.point.distance).abs() < ROUNDING && (a.point.speed - b.point.speed).abs() < ROUNDING
+        };
+        self.factor == other.factor
+            && (self.lead_in, self.run, self.cyclic) == (other.lead_in, other.run, other.cyclic)
+            && self.len() == other.len()
+            && self.samples.iter().zip(&other.samples).all(close)
+    }
+
+    /// Compensation of the sample `index`; before the first and after the last it is theirs, or that of the next lap.
+    pub fn compensation(&self, index: isize) -> Joints {
+        let count = self.len() as isize;
+        let inside = if self.cyclic { index.rem_euclid(count) } else { index.clamp(0, count - 1) };
+        self.samples[inside as usize].compensation
+    }
+
+    /// Compensation between two samples.
+    pub fn between(&self, index: f64) -> Joints {
+        let whole = index.floor();
+        let (a, b) = (self.compensation(whole as isize), self.compensation(whole as isize + 1));
+        mix(&a, &b, index - whole)
+    }
+
+    /// Eq. 2 and 3: compensation and recorded speed (m/s) at a distance (m), `back` samples before it.
+    pub fn at(&self, distance: f64, back: f64, length: f64) -> (Joints, f64) {
+        let run = &self.samples[self.lead_in..self.lead_in + self.run];
+        // j: the sample at or before the distance, j + 1: the next
+        let j = run.partition_point(|sample| sample.point.distance <= distance).saturating_sub(1);
+        let here = run[j].point;
+        // the run ends at rest at the end of the path
+        let next = run.get(j + 1).map_or(Point { distance: length, speed: 0.0 }, |sample| sample.point);
+        let share =
+            ((distance - here.distance) / (next.distance - here.distance).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+        (self.between((self.lead_in + j) as f64 + share - back), here.speed + share * (next.speed - here.speed))
+    }
+}
+
+/// `a + (b - a) share` for each axis.
+pub fn mix(a: &Joints, b: &Joints, share: f64) -> Joints {
+    std::array::from_fn(|i| a[i] + (b[i] - a[i]) * share)
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::geometry::{Block, Pose, Vector};
+
+    /// A straight path.
+    pub(crate) fn straight(length: f64) -> Path {
+        let pose = |y: f64| Pose { tip: Vector::new(0.75, y, -0.2), axis: Vector::new(0.0, 0.0, -1.0) };
+        Path::new(vec![Block::line(&pose(0.0), &pose(length)).unwrap()], 0.1, false, 0.2).unwrap()
+    }
+
+    #[test]
+    fn a_plan_has_rest_run_and_rest() {
+        let (p, path) = (Parameters::DEFAULT, straight(0.1));
+        let pattern = Pattern::plan(&p, &path, 0.5).unwrap();
+        assert_eq!(pattern.len(), 10 + pattern.run + 60);
+        // 0.1 m at 50 mm/s and the two ramps of 0.1 s
+        assert!((pattern.run as f64 - 210.0).abs() <= 2.0, "{}", pattern.run);
+        assert_eq!(pattern.samples[10].point.distance, 0.0);
+        assert!(pattern.samples[10].point.speed > 0.0 && pattern.samples[9].point.speed == 0.0);
+        assert_eq!(pattern.samples[10 + pattern.run].point, Point { distance: 0.1, speed: 0.0 });
+        assert!(pattern.samples[9 + pattern.run].point.distance < 0.1);
+    }
+
+    #[test]
+    fn at_a_recorded_distance_the_recorded_sample_comes_back() {
+        let (p, path) = (Parameters::DEFAULT, straight(0.1));
+        let mut pattern = Pattern::plan(&p, &path, 1.0).unwrap();
+        for (k, sample) in pattern.samples.iter_mut().enumerate() {
+            sample.compensation = [k as f64; AXES];
+        }
+        for k in 0..pattern.run {
+            let point = pattern.samples[10 + k].point;
+            let (compensation, speed) = pattern.at(point.distance, 0.0, path.length());
+            assert!((compensation[2] - (10 + k) as f64).abs() < 1e-9 && (speed - point.speed).abs() < 1e-12);
+            let (earlier, _) = pattern.at(point.distance, 3.0, path.length());
+            assert!((earlier[2] - (7 + k) as f64).abs() < 1e-9);
+        }
+        let middle = 0.5 * (pattern.samples[40].point.distance + pattern.samples[41].point.distance);
+        assert!((pattern.at(middle, 0.0, path.length()).0[0] - 40.5).abs() < 1e-9);
+        assert!((pattern.at(path.length(), 0.0, path.length()).0[0] - (10 + pattern.run) as f64).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_path_without_end_is_refused() {
+        let message = Pattern::plan(&Parameters::DEFAULT, &straight(90.0), 1.0).unwrap_err();
+        assert!(message.contains("60000"), "{message}");
+    }
+}

@@ -1,0 +1,80 @@
+//! Checks the inputs of a sample: what can be used, and whether something is wrong.
+
+use control_blocks::believable;
+use serde::{Deserialize, Serialize};
+
+use crate::kinematics::{AXES, Joints};
+use crate::signals::Input;
+
+/// No axis is farther away, rad or m.
+const POSITION_MAX: f64 = 1e4;
+/// No tool turns faster, rad/s.
+const SPINDLE_MAX: f64 = 1e5;
+
+/// The usable inputs: those of this sample, or the last good ones.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Reading {
+    /// Encoder readings, rad or m.
+    pub positions: Joints,
+    /// Tool speed, rad/s.
+    pub spindle_speed: f64,
+    /// Part of the taught speed, 0 to 1.
+    pub share: f64,
+}
+
+/// Remembers the last good inputs; zeros before the first sample.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Reader {
+    good: Reading,
+}
+
+impl Reader {
+    /// Before the first sample.
+    pub const START: Self = Self { good: Reading { positions: [0.0; AXES], spindle_speed: 0.0, share: 0.0 } };
+
+    /// Reads one sample; the flag says whether every input is believable.
+    pub fn read(&mut self, input: &Input) -> (Reading, bool) {
+        let now = Reading {
+            positions: input.positions(),
+            spindle_speed: input.spindle_speed,
+            share: input.speed_override.clamp(0.0, 1.0),
+        };
+        let valid = now.positions.iter().all(|position| believable(*position, POSITION_MAX))
+            && believable(now.spindle_speed, SPINDLE_MAX)
+            && input.speed_override.is_finite();
+        if valid {
+            self.good = now;
+        }
+        (self.good, valid)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nonsense_in_any_input_is_invalid_and_never_used() {
+        let good = Input { spindle_speed: 1800.0, speed_override: 0.7, ..Input::START };
+        let changes: [fn(&mut Input) -> &mut f64; 4] =
+            [|i| &mut i.axis1.position, |i| &mut i.axis6.position, |i| &mut i.spindle_speed, |i| &mut i.speed_override];
+        for change in changes {
+            for nonsense in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+                let mut reader = Reader::START;
+                let (before, valid) = reader.read(&good);
+                assert!(valid);
+                let mut bad = good.clone();
+                *change(&mut bad) = nonsense;
+                assert_eq!(reader.read(&bad), (before, false));
+            }
+        }
+    }
+
+    #[test]
+    fn the_override_is_limited() {
+        for (value, share) in [(-1.0, 0.0), (0.3, 0.3), (7.0, 1.0)] {
+            let mut reader = Reader::START;
+            assert_eq!(reader.read(&Input { speed_override: value, ..Input::START }).0.share, share);
+        }
+    }
+}

@@ -1,0 +1,198 @@
+//! One run along the path: rest, feed, rest; the feed is known some samples before the reference follows it.
+
+use serde::{Deserialize, Serialize};
+
+use crate::feed::{Feed, Point};
+use crate::kinematics::Joints;
+use crate::lookup::Lookup;
+use crate::parameters::Parameters;
+use crate::path::Path;
+use crate::pattern::Pattern;
+
+/// Most samples by which the feed is known in advance.
+pub const PREVIEW_MAX: usize = 8;
+
+/// A run between two samples.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Run {
+    feed: Feed,
+    /// newest first
+    ahead: [Point; PREVIEW_MAX + 1],
+    /// whole samples by which the feed is known in advance, and those that the lookup wants
+    preview: usize,
+    wanted: f64,
+    /// samples since the run began
+    time: usize,
+    /// rest before the start, samples
+    rest: usize,
+    /// samples since the feed came to the end
+    beyond: usize,
+    /// samples since the reference came to the end
+    left: usize,
+    /// Full laps of a cyclic path.
+    pub laps: usize,
+}
+
+impl Run {
+    /// Before the first sample.
+    pub fn new(p: &Parameters, path: &Path) -> Self {
+        let wanted = p.preview();
+        let preview = wanted.ceil() as usize;
+        let rest = if path.cyclic { preview } else { p.learn.lead_in as usize };
+        let ahead = [Point::default(); PREVIEW_MAX + 1];
+        Self { feed: Feed::START, ahead, preview, wanted, time: 0, rest, beyond: 0, left: 0, laps: 0 }
+    }
+
+    /// One sample with the wanted speed (m/s); false after the last one.
+    pub fn step(&mut self, p: &Parameters, path: &Path, target: f64) -> bool {
+        let before = self.point();
+        if self.time + self.preview >= self.rest {
+            self.advance(p, path, target);
+        }
+        self.time += 1;
+        let now = self.point();
+        let length = path.length();
+        self.beyond += usize::from(self.ahead[0].distance >= length);
+        self.left += usize::from(now.distance >= length);
+        if now.distance < before.distance {
+            self.laps += 1;
+        }
+        path.cyclic || self.left <= p.learn.lead_out as usize
+    }
+
+    fn advance(&mut self, p: &Parameters, path: &Path, target: f64) {
+        let mut point = self.feed.step(&p.feed, path, target, p.sample_period);
+        if path.cyclic && point.distance >= path.length() {
+            self.feed = Feed::START;
+            point = self.feed.step(&p.feed, path, target, p.sample_period);
+        }
+        self.ahead.copy_within(0..PREVIEW_MAX, 1);
+        self.ahead[0] = point;
+    }
+
+    /// Where the reference is, and its speed until the next sample.
+    pub fn point(&self) -> Point {
+        self.ahead[self.preview]
+    }
+
+    /// Speed of the feed, m/s.
+    pub fn speed(&self) -> f64 {
+        self.ahead[0].speed
+    }
+
+    /// Whether neither feed nor reference move.
+    pub fn stands(&self) -> bool {
+        self.ahead[..=self.preview].iter().all(|point| point.speed == 0.0)
+    }
+
+    /// Number of the sample in a pattern that was planned for this run; none before it begins.
+    pub fn index(&self, pattern: &Pattern) -> Option<usize> {
+        // samples of the pattern begin with its rest
+        let index = (self.time - 1).checked_sub(self.rest - pattern.lead_in)?;
+        Some(if pattern.cyclic { index % pattern.len() } else { index.min(pattern.len() - 1) })
+    }
+
+    /// The feed as far ahead as it is wanted, between two samples, and how far that is.
+    fn looked_at(&self) -> (Point, f64) {
+        let [newest, before, ..] = self.ahead;
+        let late = self.preview as f64 - self.wanted;
+        // a new lap begins between both
+        if late == 0.0 || newest.distance < before.distance {
+            return (newest, self.preview as f64);
+        }
+        let mix = |a: f64, b: f64| a + late * (b - a);
+        let point = Point { distance: mix(newest.distance, before.distance), speed: mix(newest.speed, before.speed) };
+        (point, self.wanted)
+    }
+
+    /// Compensation in pulses from patterns at other speeds, the fastest first; not rounded.
+    pub fn compensation(&self, p: &Parameters, path: &Path, patterns: &[Pattern]) -> Joints {
+        let nominal = (!p.lookup.recorded_speed).then_some(path.speed);
+        let (point, back) = self.looked_at();
+        let lookup = Lookup { point, back, length: path.length(), nominal };
+        match patterns.first() {
+            // at rest the time counts, not the distance
+            Some(fastest) if !path.cyclic && self.time + self.preview <= self.rest + 1 => {
+                fastest.compensation(self.time as isize - 1)
+            }
+            Some(fastest) if !path.cyclic && self.beyond > 0 => {
+                let end = fastest.lead_in + fastest.run + self.beyond - 1;
+                fastest.compensation(end as isize - self.preview as isize)
+            }
+            _ => lookup.compensation(patterns),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kinematics::AXES;
+    use crate::pattern::tests::straight;
+
+    /// Pattern whose compensation is the number of its sample.
+    fn numbered(p: &Parameters, path: &Path) -> Pattern {
+        let mut pattern = Pattern::plan(p, path, 1.0).unwrap();
+        for (k, sample) in pattern.samples.iter_mut().enumerate() {
+            sample.compensation = [k as f64; AXES];
+        }
+        pattern
+    }
+
+    #[test]
+    fn a_run_at_a_learned_speed_plays_its_pattern_sample_by_sample() {
+        for preview in [0.0, 0.4, 1.0, 1.4, 2.7, 5.0, 8.0] {
+            let mut p = Parameters::DEFAULT;
+            (p.servo.io_delay, p.lookup.preview) = (0, 0.01 * preview);
+            let path = straight(0.12);
+            let pattern = numbered(&p, &path);
+            let mut run = Run::new(&p, &path);
+            let mut count = 0;
+            while run.step(&p, &path, path.speed) {
+                assert_eq!(run.index(&pattern), Some(count));
+                assert_eq!(run.point(), pattern.samples[count].point, "preview {preview}, sample {count}");
+                let played = run.compensation(&p, &path, std::slice::from_ref(&pattern))[0];
+                assert!((played - count as f64).abs() < 1e-6, "preview {preview}, sample {count}: {played}");
+                count += 1;
+            }
+            assert_eq!(count, pattern.len());
+        }
+    }
+
+    #[test]
+    fn laps_follow_each_other_without_a_rest() {
+        let mut p = Parameters::DEFAULT;
+        (p.servo.io_delay, p.lookup.preview) = (1, 0.02);
+        let there = straight(0.05);
+        let points = [there.at(0.0), there.at(0.05), there.at(0.0)];
+        let blocks = points.windows(2).map(|pair| crate::geometry::Block::line(&pair[0], &pair[1]).unwrap()).collect();
+        let path = Path::new(blocks, 0.1, true, 0.2).unwrap();
+        let pattern = numbered(&p, &path);
+        let mut run = Run::new(&p, &path);
+        for k in 0..3 * pattern.len() + 3 {
+            assert!(run.step(&p, &path, path.speed));
+            if k < 3 {
+                assert_eq!(run.index(&pattern), None);
+                continue;
+            }
+            let index = (k - 3) % pattern.len();
+            assert_eq!(run.index(&pattern), Some(index));
+            assert_eq!(run.point(), pattern.samples[index].point, "{k}");
+            assert_eq!(run.laps, (k - 3) / pattern.len());
+        }
+    }
+
+    #[test]
+    fn a_held_run_stands_and_goes_on() {
+        let p = Parameters::DEFAULT;
+        let path = straight(0.12);
+        let mut run = Run::new(&p, &path);
+        for k in 0..200 {
+            run.step(&p, &path, if (60..150).contains(&k) { 0.0 } else { path.speed });
+            assert!(!(100..150).contains(&k) || run.stands());
+        }
+        assert!(!run.stands());
+        let goes_on = (0..1000).any(|_| !run.step(&p, &path, path.speed));
+        assert!(goes_on);
+    }
+}

@@ -1,0 +1,116 @@
+//! Motion of all axes from one place to another at rest, that can be held on the way.
+
+use serde::{Deserialize, Serialize};
+
+use crate::kinematics::{AXES, Joints};
+use crate::parameters::Parameters;
+
+/// Peak speed of a quintic between two rests, over its mean speed.
+const PEAK_OVER_MEAN: f64 = 1.875;
+/// Time in which a held motion comes to rest, s.
+const HOLD_TIME: f64 = 0.3;
+
+/// The motion in progress.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Transfer {
+    from: Joints,
+    to: Joints,
+    duration: f64,
+    /// time on the quintic, s
+    time: f64,
+    /// how fast that time runs, 0 when held
+    rate: f64,
+}
+
+impl Transfer {
+    /// At rest at a place.
+    pub fn at(place: &Joints) -> Self {
+        Self { from: *place, to: *place, duration: 0.0, time: 0.0, rate: 1.0 }
+    }
+
+    /// From rest at one place to rest at another.
+    pub fn new(p: &Parameters, from: &Joints, to: &Joints) -> Self {
+        let axes = p.axes();
+        let needed = |i: usize| {
+            let velocity = axes[i].velocity_max * p.transfer.velocity_share;
+            PEAK_OVER_MEAN * (to[i] - from[i]).abs() / velocity
+        };
+        let duration = (0..AXES).map(needed).fold(p.transfer.time, f64::max);
+        Self { from: *from, to: *to, duration, time: 0.0, rate: 1.0 }
+    }
+
+    /// Place after one sample more; a held motion slows down and goes on later.
+    pub fn step(&mut self, dt: f64, hold: bool) -> Joints {
+        let change = dt / HOLD_TIME;
+        self.rate = (self.rate + if hold { -change } else { change }).clamp(0.0, 1.0);
+        self.time += self.rate * dt;
+        self.place()
+    }
+
+    /// Whether the motion has come to its end.
+    pub fn over(&self) -> bool {
+        self.time >= self.duration
+    }
+
+    /// Whether the motion is held and stands.
+    pub fn stands(&self) -> bool {
+        self.rate == 0.0
+    }
+
+    fn place(&self) -> Joints {
+        if self.over() {
+            return self.to;
+        }
+        let s = self.time / self.duration;
+        let share = s * s * s * (10.0 - s * (15.0 - 6.0 * s));
+        std::array::from_fn(|i| self.from[i] + (self.to[i] - self.from[i]) * share)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DT: f64 = 0.01;
+    const FROM: Joints = [0.0, 0.0, 0.5, 0.0, 0.0, 0.0];
+    const TO: Joints = [1.5, -0.2, 1.0, 0.1, 0.0, 0.0];
+
+    #[test]
+    fn keeps_the_speed_of_every_axis_and_arrives() {
+        let p = Parameters::DEFAULT;
+        let mut transfer = Transfer::new(&p, &FROM, &TO);
+        let mut before = FROM;
+        for _ in 0..10_000 {
+            let now = transfer.step(DT, false);
+            for (i, axis) in p.axes().iter().enumerate() {
+                assert!((now[i] - before[i]).abs() <= axis.velocity_max * 0.3 * DT * 1.001);
+            }
+            before = now;
+        }
+        assert!(transfer.over() && before == TO);
+    }
+
+    #[test]
+    fn a_held_motion_stands_and_goes_on_without_a_jump() {
+        let p = Parameters::DEFAULT;
+        let mut transfer = Transfer::new(&p, &FROM, &TO);
+        let (mut before, mut last_change) = (FROM[0], 0.0);
+        for k in 0..1000 {
+            let now = transfer.step(DT, (60..200).contains(&k))[0];
+            let change = now - before;
+            assert!((change - last_change).abs() < 1e-3, "{k}");
+            assert!(!(100..200).contains(&k) || (transfer.stands() && change == 0.0));
+            (before, last_change) = (now, change);
+        }
+        assert!(transfer.over());
+    }
+
+    #[test]
+    fn a_motion_to_the_same_place_takes_its_time_too() {
+        let p = Parameters::DEFAULT;
+        let mut transfer = Transfer::new(&p, &FROM, &FROM);
+        assert!(!transfer.over());
+        (0..151).for_each(|_| assert_eq!(transfer.step(DT, false), FROM));
+        assert!(transfer.over());
+    }
+}

@@ -1,0 +1,151 @@
+//! Faults: the right one, at once, with zero commands, and back again.
+
+use fmu_deburr::machine::{Fault, Mode, State};
+use fmu_deburr::parameters::Parameters;
+
+use crate::robot::Build;
+use crate::setup::Loop;
+
+/// A robot that runs the path without patterns.
+fn running(mode: Mode) -> Loop {
+    let mut p = Parameters::DEFAULT;
+    p.lookup.enable = false;
+    let mut run = Loop::new(&p, &Build::NOMINAL);
+    run.step();
+    run.input.mode = mode;
+    while run.output.state != State::Run {
+        run.step();
+    }
+    (0..100).for_each(|_| run.step());
+    run
+}
+
+fn stands_with(run: &Loop, fault: Fault) {
+    assert_eq!((run.output.state, run.output.fault), (State::Fault, fault));
+    assert!(run.output.axes().iter().all(|axis| axis.velocity == 0.0));
+}
+
+fn everything_is_finite(run: &Loop) {
+    for axis in run.output.axes() {
+        for value in [axis.velocity, axis.reference, axis.error, axis.compensation, axis.rms, axis.peak] {
+            assert!(value.is_finite());
+        }
+    }
+}
+
+#[test]
+fn nonsense_in_any_input_stops_the_axes_in_the_same_sample() {
+    for nonsense in [f64::NAN, f64::INFINITY, -1e300] {
+        for which in 0..3 {
+            let mut run = running(Mode::DryRun);
+            let mut positions = run.robot.read();
+            match which {
+                0 => positions[4] = nonsense,
+                1 => run.input.spindle_speed = nonsense,
+                _ => run.input.speed_override = if nonsense == -1e300 { f64::NAN } else { nonsense },
+            }
+            run.input.set_positions(&positions);
+            run.controller.tick(&run.parameters, &run.input, &mut run.output);
+            stands_with(&run, Fault::InvalidInput);
+            everything_is_finite(&run);
+        }
+    }
+}
+
+#[test]
+fn a_drive_that_does_not_move_is_a_control_error() {
+    let mut run = running(Mode::DryRun);
+    let stuck = run.robot.read();
+    for _ in 0..1000 {
+        run.input.set_positions(&stuck);
+        run.controller.tick(&run.parameters, &run.input, &mut run.output);
+        if run.output.state == State::Fault {
+            break;
+        }
+    }
+    stands_with(&run, Fault::ControlError);
+}
+
+#[test]
+fn a_tool_that_stalls_ends_deburring_but_not_a_dry_run() {
+    for (mode, state) in [(Mode::Deburr, State::Fault), (Mode::DryRun, State::Run)] {
+        let mut run = running(mode);
+        run.input.spindle_speed = 900.0;
+        run.step();
+        assert_eq!(run.output.state, state);
+    }
+}
+
+#[test]
+fn without_patterns_nothing_is_deburred_blindly() {
+    for mode in [Mode::Playback, Mode::Deburr] {
+        let mut run = Loop::new(&Parameters::DEFAULT, &Build::NOMINAL);
+        run.step();
+        run.input.mode = mode;
+        run.step();
+        stands_with(&run, Fault::BankEmpty);
+        // a reset alone moves nothing
+        run.input.reset_fault = true;
+        (0..100).for_each(|_| run.step());
+        assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::None));
+    }
+}
+
+#[test]
+fn after_a_fault_or_without_enable_nothing_moves_before_a_mode_is_asked_for_again() {
+    for disabled in [false, true] {
+        let mut run = running(Mode::DryRun);
+        if disabled {
+            run.input.enable = false;
+        } else {
+            run.input.spindle_speed = f64::NAN;
+        }
+        run.step();
+        (run.input.enable, run.input.spindle_speed, run.input.reset_fault) = (true, 1885.0, true);
+        (0..300).for_each(|_| run.step());
+        assert_eq!(run.output.state, State::Idle);
+        run.input.mode = Mode::Idle;
+        run.step();
+        run.input.mode = Mode::DryRun;
+        run.step();
+        assert_eq!(run.output.state, State::Approach);
+    }
+}
+
+#[test]
+fn a_fault_in_the_sample_in_which_learning_is_asked_for_forgets_nothing() {
+    let mut p = Parameters::DEFAULT;
+    p.learn.repetitions = 0;
+    let mut run = Loop::new(&p, &Build::NOMINAL);
+    assert!(run.finish(Mode::Learn));
+    run.input.mode = Mode::Idle;
+    run.step();
+    (run.input.mode, run.input.enable) = (Mode::Learn, false);
+    run.step();
+    assert_eq!((run.output.state, run.output.bank.patterns), (State::Off, 5));
+}
+
+#[test]
+fn a_pattern_beyond_its_limit_ends_the_learning_and_the_others_stay() {
+    let mut p = Parameters::DEFAULT;
+    p.learn.pulses_max = 500.0;
+    let mut run = Loop::new(&p, &Build::NOMINAL);
+    assert!(!run.finish(Mode::Learn));
+    stands_with(&run, Fault::PatternTooLarge);
+    assert_eq!(run.output.bank.patterns, 0);
+}
+
+#[test]
+fn disabled_is_off_and_zero_from_everywhere() {
+    let mut run = running(Mode::DryRun);
+    run.input.enable = false;
+    run.step();
+    assert_eq!(run.output.state, State::Off);
+    assert!(run.output.axes().iter().all(|axis| axis.velocity == 0.0));
+    (0..100).for_each(|_| run.step());
+    // enabled again it holds where it stands
+    (run.input.enable, run.input.mode) = (true, Mode::Idle);
+    (0..10).for_each(|_| run.step());
+    assert_eq!(run.output.state, State::Idle);
+    assert!(run.output.axes().iter().all(|axis| axis.error == 0.0));
+}

@@ -1,0 +1,75 @@
+//! Six axes with ideal velocity drives, eq. 1, and encoders: the plant of the closed loops, natively in Rust.
+
+use fmu_deburr::kinematics::{AXES, Joints};
+use fmu_deburr::parameters::Parameters;
+use nalgebra::{Matrix3, Matrix4, Vector3};
+
+/// Communication step, s.
+pub const STEP: f64 = 0.01;
+
+/// What of a robot a test may choose.
+#[derive(Clone, Copy, Debug)]
+pub struct Build {
+    /// Velocity over commanded velocity.
+    pub gain: f64,
+    /// Natural frequency of the drives over that of eq. 1.
+    pub dynamics: f64,
+    /// Samples between a command and its action.
+    pub delay: usize,
+}
+
+impl Build {
+    /// As the paper says.
+    pub const NOMINAL: Self = Self { gain: 1.0, dynamics: 1.0, delay: 1 };
+}
+
+/// The robot, sampled exactly.
+#[derive(Clone)]
+pub struct Robot {
+    a: Matrix3<f64>,
+    b: Vector3<f64>,
+    /// position, velocity, its derivative
+    axes: [Vector3<f64>; AXES],
+    sent: Vec<Joints>,
+    pulses: Joints,
+    gain: f64,
+}
+
+impl Robot {
+    /// At rest at `joints`.
+    pub fn new(build: &Build, joints: &Joints) -> Self {
+        let (wn, zeta) = (280.0 * build.dynamics, 0.52);
+        let mut continuous = Matrix4::zeros();
+        (continuous[(0, 1)], continuous[(1, 2)]) = (STEP, STEP);
+        (continuous[(2, 1)], continuous[(2, 2)]) = (-wn * wn * STEP, -2.0 * zeta * wn * STEP);
+        continuous[(2, 3)] = wn * wn * STEP;
+        let sampled = continuous.exp();
+        Self {
+            a: sampled.fixed_view::<3, 3>(0, 0).into(),
+            b: sampled.fixed_view::<3, 1>(0, 3).into(),
+            axes: joints.map(|position| Vector3::new(position, 0.0, 0.0)),
+            sent: vec![[0.0; AXES]; build.delay],
+            pulses: Parameters::DEFAULT.pulses(),
+            gain: build.gain,
+        }
+    }
+
+    /// Encoder readings.
+    pub fn read(&self) -> Joints {
+        std::array::from_fn(|i| (self.axes[i][0] / self.pulses[i]).floor() * self.pulses[i])
+    }
+
+    /// True positions.
+    pub fn positions(&self) -> Joints {
+        self.axes.map(|axis| axis[0])
+    }
+
+    /// One step with the velocity commands.
+    pub fn advance(&mut self, command: &Joints) {
+        self.sent.push(*command);
+        let command = self.sent.remove(0);
+        for (axis, command) in self.axes.iter_mut().zip(command) {
+            *axis = self.a * *axis + self.b * (self.gain * command);
+        }
+    }
+}

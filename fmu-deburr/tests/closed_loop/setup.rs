@@ -1,0 +1,103 @@
+//! The controller on the robot, one communication step at a time.
+
+use std::path::Path;
+
+use fmu_deburr::controller::Controller;
+use fmu_deburr::kinematics::{AXES, Joints};
+use fmu_deburr::machine::{Mode, State};
+use fmu_deburr::parameters::Parameters;
+use fmu_deburr::path_file;
+use fmu_deburr::signals::{Input, Output};
+
+use crate::robot::{Build, Robot};
+
+/// The closed loop.
+#[derive(Clone)]
+pub struct Loop {
+    /// Plant.
+    pub robot: Robot,
+    /// Law.
+    pub controller: Controller,
+    /// Inputs that a test may change.
+    pub input: Input,
+    /// The last outputs.
+    pub output: Output,
+    /// Parameters of the law.
+    pub parameters: Parameters,
+}
+
+/// Parameters for a robot whose commands act after `delay` samples.
+pub fn parameters(base: &Parameters, delay: i32) -> Parameters {
+    let mut p = base.clone();
+    p.servo.io_delay = delay;
+    p
+}
+
+/// 6:1 in speed, `hertz` times a second.
+pub fn swinging(hertz: f64) -> impl Fn(f64) -> f64 {
+    move |time| (3.5 + 2.5 * (std::f64::consts::TAU * hertz * time).sin()) / 6.0
+}
+
+impl Loop {
+    /// The test piece of the resources.
+    pub fn new(p: &Parameters, build: &Build) -> Self {
+        let resources = Path::new(env!("CARGO_MANIFEST_DIR")).join("resources");
+        Self::with_path(p, build, path_file::read(p, "path.json", Some(&resources)).unwrap())
+    }
+
+    /// Another path.
+    pub fn with_path(p: &Parameters, build: &Build, path: fmu_deburr::path::Path) -> Self {
+        Self {
+            robot: Robot::new(build, &[-0.1, 0.02, 0.7, 0.0, 0.0, 0.0]),
+            controller: Controller::new(p, path, "path.json").unwrap(),
+            input: Input::START,
+            output: Output::START,
+            parameters: p.clone(),
+        }
+    }
+
+    /// One communication step.
+    pub fn step(&mut self) {
+        self.input.set_positions(&self.robot.read());
+        self.controller.tick(&self.parameters, &self.input, &mut self.output);
+        self.robot.advance(&self.output.axes().map(|axis| axis.velocity));
+    }
+
+    /// Steps with a mode until its job is done; true if it was.
+    pub fn finish(&mut self, mode: Mode) -> bool {
+        self.input.mode = Mode::Idle;
+        self.step();
+        self.step();
+        self.input.mode = mode;
+        for _ in 0..1_000_000 {
+            self.step();
+            if matches!(self.output.state, State::Done | State::Fault) {
+                break;
+            }
+        }
+        self.output.state == State::Done
+    }
+
+    /// Does a job and tells the largest control error on the path of each axis, mm at the tip.
+    pub fn largest_errors(&mut self, mode: Mode, speed: impl Fn(f64) -> f64) -> Joints {
+        self.input.mode = Mode::Idle;
+        self.step();
+        self.step();
+        self.input.mode = mode;
+        let (mut largest, mut time) = ([0.0; AXES], 0.0);
+        while !matches!(self.output.state, State::Done | State::Fault) {
+            self.input.speed_override = speed(time);
+            self.step();
+            if self.output.state == State::Run {
+                time += 0.01;
+                let levers = self.parameters.arm.levers(&self.robot.positions());
+                for (i, axis) in self.output.axes().iter().enumerate() {
+                    largest[i] = f64::max(largest[i], 1e3 * (axis.error * levers[i]).abs());
+                }
+            }
+        }
+        assert_eq!(self.output.state, State::Done);
+        self.input.speed_override = 1.0;
+        largest
+    }
+}

@@ -1,0 +1,45 @@
+"""Burr of a casting: height and thickness along its edge, drawn from a seed."""
+
+import math
+
+import numpy as np
+from numpy.random import Generator
+from numpy.typing import NDArray
+
+from plants.cylindrical_robot_parameters import CylindricalRobotParameters
+
+Array = NDArray[np.float64]
+
+# the bell over which the burr is smooth ends here, in correlation lengths
+REACH = 3.0
+
+
+def draw(p: CylindricalRobotParameters, length: float, random: Generator) -> tuple[Array, Array]:
+    """Height and thickness of every bin of a burr `length` m long, m.
+
+    Both are uniform between their limits at every place, smooth over the correlation length (Gaussian
+    copula), and independent of each other. In a gap the height is 0.
+    """
+    count = max(round(length / p.burr_pitch), 1)
+    smooth = p.burr_correlation / p.burr_pitch
+    thickness = p.burr_thickness_least + _uniform(count, smooth, random) * (
+        p.burr_thickness_most - p.burr_thickness_least
+    )
+    height = p.burr_height_least + _uniform(count, smooth, random) * (
+        p.burr_height_most - p.burr_height_least
+    )
+    place = p.burr_pitch * np.arange(count)
+    for _ in range(random.integers(0, int(p.burr_gaps) + 1)):
+        gap = random.uniform(p.burr_gap_least, p.burr_gap_most)
+        begin = random.uniform(0.0, max(length - gap, 0.0))
+        height[(place >= begin) & (place < begin + gap)] = 0.0
+    return height, thickness
+
+
+def _uniform(count: int, smooth: float, random: Generator) -> Array:
+    """Draw numbers that are uniform from 0 to 1 at every place and change over `smooth` places."""
+    # white noise under a bell of this width is correlated as exp(-(d / smooth)^2)
+    reach = max(round(REACH * smooth), 1)
+    bell = np.exp(-2.0 * (np.arange(-reach, reach + 1) / smooth) ** 2)
+    normal = np.convolve(random.standard_normal(count + 2 * reach), bell / np.linalg.norm(bell), "valid")
+    return np.array([0.5 * (1.0 + math.erf(value / math.sqrt(2.0))) for value in normal])

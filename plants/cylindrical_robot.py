@@ -1,0 +1,218 @@
+"""Deburring robot in cylindrical coordinates: six axes, an induction spindle, an edge with a burr.
+
+The machine is that of Kimura, Mukai and Kobayashi, "A Variable-Speed Deburring Robot Using the Repetitive
+Control". The paper gives the velocity loops, the spindle's plate and time constant, and the size of the burr,
+but no mass, stiffness, geometry or cutting force. Those are our choice, such that its feed speeds agree.
+
+Axis 1 turns the column, axis 2 lifts the carriage, axis 3 moves the arm out: angle, height and radius of the
+wrist. Axis 4 turns the wrist about the vertical, axis 5 tilts it, axis 6 turns the spindle about the tool.
+With all three at zero the tool points down. The origin is on the axis of the column, at the height of the
+wrist with axis 2 at zero.
+"""
+
+import math
+from typing import Any, ClassVar
+
+import mujoco
+import numpy as np
+
+from plants import _native, burr
+from plants._native import Cell
+from plants.cylindrical_robot_parameters import TURN, CylindricalRobotParameters
+from plants.plant import Channel, Plant
+
+AXES = range(1, 7)
+TURNING = (1, 4, 5, 6)
+COUPLINGS = (1, 3)
+
+
+class CylindricalRobot(Plant):
+    """The machine. Channels: six encoders and the spindle speed in, six velocity commands out; see below.
+
+    Raises
+    ------
+    ValueError
+        The lines of the edge are too short for the radius of its corner.
+    """
+
+    Parameters: ClassVar[type] = CylindricalRobotParameters
+    wires: ClassVar[tuple[str, ...]] = (
+        "distance", "normal", "across", "tx", "ty", "tz", "nx", "ny", "nz", "workpiece",
+        "load", "force", "feed", "engagement", "finish_low", "finish_high", "removed", "left",
+        "spindle_speed", "spindle_measured", "spindle_torque",
+    )  # fmt: skip
+
+    def __init__(self, parameters: CylindricalRobotParameters | None = None) -> None:
+        super().__init__(parameters)
+        p: CylindricalRobotParameters = self.parameters
+        start, corner, end = (
+            [float(getattr(p, f"edge_{point}_{c}")) for c in "xyz"] for point in ("start", "corner", "end")
+        )
+        self._edge = (start, corner, end, p.edge_radius)
+        self._length = _native.edge_length(*self._edge)
+        self.readings = (
+            *(self._encoder(n) for n in AXES),
+            Channel("spindle_speed", "rad/s", "Speed of the tool, lagged", quantum=p.spindle_resolution),
+        )
+        self.commands = (
+            *(self._command(n) for n in AXES),
+            Channel("workpiece", "1", "1 while the part lies there", minimum=0.0, maximum=1.0),
+        )
+        self.truths = (
+            Channel("tip_x", "m", "Tip of the tool"),
+            Channel("tip_y", "m", "Tip of the tool"),
+            Channel("tip_z", "m", "Tip of the tool"),
+            Channel("distance", "m", "Nearest place of the edge, from its start"),
+            Channel("deviation", "m", "Tip from the edge: positive leaves burr, negative gouges"),
+            Channel("deviation_across", "m", "Tip from the edge, across the plane of its corner"),
+            Channel("feed", "m/s", "Speed along the edge, last plant step"),
+            Channel("engagement", "m", "Depth of cut, last plant step"),
+            Channel("cutting_torque", "N.m", "Load of the cut on the spindle, last plant step"),
+            Channel("cutting_force", "N", "Tangential force of the cut, last plant step"),
+            Channel("finish_low", "m", "Lowest place of the finished edge so far, negative is a gouge"),
+            Channel("finish_high", "m", "Highest place of the finished edge so far"),
+            Channel("burr_removed", "m3", "Volume that was cut"),
+            Channel("burr_left", "m3", "Volume that stands above the edge"),
+            Channel("spindle_speed", "rad/s", "Speed of the tool"),
+            Channel("spindle_torque", "N.m", "Torque of the spindle motor"),
+            *(Channel(f"axis{n}_force", force_unit(n), f"Force of drive {n}, last plant step") for n in AXES),
+        )
+
+    def _encoder(self, axis: int) -> Channel:
+        pulse = self._of(axis, "pulse")
+        return Channel(f"axis{axis}_position", unit(axis), f"Motor encoder of axis {axis}", quantum=pulse)
+
+    def _command(self, axis: int) -> Channel:
+        most = self._of(axis, "speed")
+        told = f"Velocity command of drive {axis}"
+        return Channel(f"axis{axis}_velocity", f"{unit(axis)}/s", told, 0.0, 0.0, -most, most)
+
+    def shape(self, spec: Any) -> None:
+        """Write masses, rotors, couplings and drives into the MJCF."""
+        p = self.parameters
+        spec.option.timestep = p.timestep
+        spec.site("tip").pos[2] = -p.tool_length
+        for n in AXES:
+            joint, drive = spec.joint(f"axis_{n}"), spec.actuator(f"axis_{n}")
+            joint.armature = self._of(n, "rotor")
+            joint.frictionloss = p.coulomb_friction * self._of(n, "force")
+            drive.forcelimited, drive.forcerange = True, [-self._of(n, "force"), self._of(n, "force")]
+        spec.body("spindle").mass = p.tuned_payload
+        inertia = self._inertias(spec)
+        self._shape_drives(spec, inertia)
+        self._shape_couplings(spec, inertia)
+        spec.body("spindle").mass = p.payload
+
+    def _inertias(self, spec: Any) -> dict[str, float]:
+        """Inertia of each joint with all others held, at the reach for which the drives are tuned."""
+        model = spec.compile()
+        data = mujoco.MjData(model)
+        data.joint("axis_3").qpos[0] = self.parameters.tuned_radius
+        mujoco.mj_forward(model, data)
+        mass = np.zeros((model.nv, model.nv))
+        mujoco.mj_fullM(model, data, mass)
+        return {model.joint(i).name: float(mass[i, i]) for i in range(model.njnt)}
+
+    def _shape_drives(self, spec: Any, inertia: dict[str, float]) -> None:
+        """Gains that meet the poles of G(s) in steps of the plant, not only in steps of no length."""
+        p, h = self.parameters, self.parameters.timestep
+        decay, swing = p.drive_damping * p.drive_frequency, 1.0 - p.drive_damping**2
+        turned = h * p.drive_frequency * math.sqrt(abs(swing))
+        angle = math.cos(turned) if swing > 0.0 else math.cosh(turned)
+        # implicitfast: det z = 1 / (1 + a), trace z = 1 + (1 - b) / (1 + a)
+        a = math.exp(2.0 * decay * h) - 1.0
+        b = 1.0 - (2.0 * math.exp(-decay * h) * angle - 1.0) * (1.0 + a)
+        for n in AXES:
+            drive, mass = spec.actuator(f"axis_{n}"), inertia[f"axis_{n}"]
+            drive.gainprm[0], drive.biasprm[1] = mass * b / h**2, -mass * b / h**2
+            drive.biasprm[2] = -mass * a / h
+
+    def _shape_couplings(self, spec: Any, inertia: dict[str, float]) -> None:
+        p, speed = self.parameters, TURN * self.parameters.coupling_frequency
+        for name in (f"coupling_{n}" for n in COUPLINGS):
+            joint = spec.joint(name)
+            if p.flexible:
+                joint.stiffness[0] = inertia[name] * speed**2
+                joint.damping[0] = 2.0 * p.coupling_damping * inertia[name] * speed
+            else:
+                spec.delete(joint)
+
+    def begin(self, steps: int) -> None:
+        """Draw the burr, place the tip above the start of the edge, bind the elements."""
+        self._place()
+        self._cut()
+        self._channels()
+
+    def _place(self) -> None:
+        p, data = self.parameters, self.data
+        start = (
+            math.atan2(p.edge_start_y, p.edge_start_x),
+            p.edge_start_z + p.start_height + p.tool_length,
+            math.hypot(p.edge_start_x, p.edge_start_y),
+        )
+        for n, place in zip(AXES, start, strict=False):
+            data.joint(f"axis_{n}").qpos[0] = place
+            # the drive holds where it is
+            data.act[self.model.actuator(f"axis_{n}").actadr[0]] = place
+
+    def _cut(self) -> None:
+        p, wire, data, bind = self.parameters, self.wire, self.data, self.circuit.bind
+        tip = 3 * int(self.model.site("tip").id)
+        place = [Cell(data.site_xpos, tip + i) for i in range(3)]
+        seen = [wire(name) for name in self.wires[:9]]
+        for circuit in (self.circuit, self.sensing):
+            circuit.bind("edge", _native.edge(*self._edge), place, seen)
+        length = max(self._length - p.burr_begin - p.burr_end, 0.0)
+        height, thickness = burr.draw(p, length, self.stream("burr"))
+        mill = (p.teeth, p.tool_radius, p.cutting_pressure, p.edge_force, p.chip_most)
+        reaction = (p.force_along, p.force_outward, p.tool_reach)
+        bins = (p.burr_begin, p.burr_pitch)
+        bind(
+            "deburring",
+            _native.deburring(bins, height.tolist(), thickness.tolist(), mill, reaction),
+            [*seen, wire("spindle_speed"), wire("workpiece")],
+            [wire("load"), wire("force"), *(self._control(f"force_{c}") for c in "xyz"),
+             *(wire(name) for name in self.wires[12:18])],
+        )  # fmt: skip
+        plate = (p.synchronous_speed, p.rated_speed, p.rated_power, p.overload, p.spindle_time)
+        bind(
+            "spindle",
+            _native.induction_spindle(plate, p.spindle_friction, p.spindle_lag),
+            [wire("load")],
+            [wire("spindle_speed"), wire("spindle_measured"), wire("spindle_torque")],
+        )
+
+    def _channels(self) -> None:
+        p, wire, data = self.parameters, self.wire, self.data
+        tip = 3 * int(self.model.site("tip").id)
+        readings = {f"axis{n}_position": Cell(data.sensordata, n - 1) for n in AXES}
+        readings["spindle_speed"] = wire("spindle_measured")
+        commands = {f"axis{n}_velocity": self._control(f"axis_{n}", p.drive_gain) for n in AXES}
+        commands["workpiece"] = wire("workpiece")
+        truths = {f"tip_{c}": Cell(data.site_xpos, tip + i) for i, c in enumerate("xyz")}
+        named = {
+            "distance": "distance", "deviation": "normal", "deviation_across": "across", "feed": "feed",
+            "engagement": "engagement", "cutting_torque": "load", "cutting_force": "force",
+            "finish_low": "finish_low", "finish_high": "finish_high", "burr_removed": "removed",
+            "burr_left": "left", "spindle_speed": "spindle_speed", "spindle_torque": "spindle_torque",
+        }  # fmt: skip
+        truths |= {truth: wire(name) for truth, name in named.items()}
+        truths |= {f"axis{n}_force": Cell(data.actuator_force, n - 1) for n in AXES}
+        self.connect(readings, commands, truths)
+
+    def _of(self, axis: int, quantity: str) -> float:
+        return float(getattr(self.parameters, f"axis{axis}_{quantity}"))
+
+    def _control(self, actuator: str, scale: float = 1.0) -> Cell:
+        address = int(self.model.actuator_ctrladr[self.model.actuator(actuator).id])
+        return Cell(self.data.ctrl, address, scale=scale)
+
+
+def unit(axis: int) -> str:
+    """SI unit of the position of an axis."""
+    return "rad" if axis in TURNING else "m"
+
+
+def force_unit(axis: int) -> str:
+    """SI unit of the force of a drive."""
+    return "N.m" if axis in TURNING else "N"
