@@ -9,7 +9,7 @@ const STRAIGHT: f64 = 1e-9;
 
 /// Where a point is, seen from the edge: `foot`, `tangent` and `outward` belong to the nearest place of the edge.
 #[derive(Clone, Copy, Debug)]
-pub struct Place {
+pub struct Clearance {
     /// path from the start to the nearest place, m
     pub distance: f64,
     /// how far the point is from the edge along `outward`, m
@@ -65,7 +65,7 @@ impl Edge {
     }
 
     /// The nearest place of the edge.
-    pub fn place(&self, point: Vector) -> Place {
+    pub fn place(&self, point: Vector) -> Clearance {
         let [l1, l2, l3] = self.lengths;
         let mut nearest = self.on_line(point, self.start, 0, 0.0, l1);
         let others = [self.on_arc(point), self.on_line(point, self.leave, 1, l1 + l2, l3)];
@@ -78,13 +78,13 @@ impl Edge {
     }
 
     /// distance to a line that begins at `from`, and the place
-    fn on_line(&self, point: Vector, from: Vector, line: usize, before: f64, length: f64) -> (f64, Place) {
+    fn on_line(&self, point: Vector, from: Vector, line: usize, before: f64, length: f64) -> (f64, Clearance) {
         let tangent = self.lines[line];
         let along = dot(minus(point, from), tangent).clamp(0.0, length);
         self.seen_from(point, plus(from, scaled(tangent, along)), tangent, before + along)
     }
 
-    fn on_arc(&self, point: Vector) -> (f64, Place) {
+    fn on_arc(&self, point: Vector) -> (f64, Clearance) {
         // angle of the point about the centre, from where the arc begins
         let outward = cross(self.lines[0], self.axis);
         let from_centre = minus(point, self.centre);
@@ -96,9 +96,9 @@ impl Edge {
         self.seen_from(point, foot, tangent, self.lengths[0] + angle * self.radius)
     }
 
-    fn seen_from(&self, point: Vector, foot: Vector, tangent: Vector, distance: f64) -> (f64, Place) {
+    fn seen_from(&self, point: Vector, foot: Vector, tangent: Vector, distance: f64) -> (f64, Clearance) {
         let (away, outward) = (minus(point, foot), cross(tangent, self.axis));
-        let place = Place { distance, normal: dot(away, outward), across: dot(away, self.axis), tangent, outward };
+        let place = Clearance { distance, normal: dot(away, outward), across: dot(away, self.axis), tangent, outward };
         (norm(away), place)
     }
 }
@@ -115,7 +115,7 @@ impl Element for Edge {
 
     fn step(&mut self, inputs: &[f64], outputs: &mut [f64], _h: f64) {
         let &[x, y, z] = inputs else { return };
-        let Place { distance, normal, across, tangent, outward } = self.place([x, y, z]);
+        let Clearance { distance, normal, across, tangent, outward } = self.place([x, y, z]);
         outputs[..3].copy_from_slice(&[distance, normal, across]);
         outputs[3..6].copy_from_slice(&tangent);
         outputs[6..].copy_from_slice(&outward);

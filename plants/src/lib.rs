@@ -68,7 +68,7 @@ pub use circuit::{Circuit, StepError};
 pub use coloured_noise::ColouredNoise;
 pub use current_loop::CurrentLoop;
 pub use deburring::{Deburring, Reaction};
-pub use edge::{Edge, Place};
+pub use edge::{Clearance, Edge};
 pub use element::{Element, Ports};
 pub use flute::Flute;
 pub use foot::Foot;
