@@ -1,16 +1,21 @@
 //! The smallest FMU: its output is its input, sampled once in a period.
 
-use fmi2_export::{Env, Error, Info, Model, Start, Variable, export, real};
-use serde::{Deserialize, Serialize};
+use fmi2_export::{Env, Error, Info, Interface, Model, Variable, export};
+use variables::Vars;
 
-#[derive(Clone, Serialize, Deserialize)]
-struct Vars {
-    u: f64,
-    y: f64,
-}
+#[fmi2_export::interface]
+mod variables {
+    #[inputs]
+    pub struct Input {
+        /// Input
+        pub u: f64,
+    }
 
-impl Start for Vars {
-    const START: Self = Self { u: 0.0, y: 0.0 };
+    #[outputs]
+    pub struct Output {
+        /// Input at the last sample
+        pub y: f64,
+    }
 }
 
 struct PassThrough;
@@ -24,8 +29,7 @@ impl Model for PassThrough {
     };
     type Vars = Vars;
     type State = ();
-    const VARIABLES: &'static [Variable<Vars>] =
-        &[real!(Vars => u).input().describe("Input"), real!(Vars => y).output().describe("Input at the last sample")];
+    const VARIABLES: &'static [Variable<Vars>] = Vars::TABLE;
 
     fn period(_: &Vars) -> f64 {
         1e-3
@@ -36,7 +40,7 @@ impl Model for PassThrough {
     }
 
     fn tick(vars: &mut Vars, _: &mut (), _: &mut Env) -> Result<(), Error> {
-        vars.y = vars.u;
+        vars.output.y = vars.input.u;
         Ok(())
     }
 }

@@ -1,113 +1,118 @@
 //! An FMU with a variable of every kind and a way to provoke every failure; the tests of the C API
 //! work on it, and it shows the whole export interface in one place.
 
-use fmi2_export::{Env, Error, Info, Model, Start, Variable, boolean, choice, enumeration, export};
-use fmi2_export::{integer, real, text, units};
-use serde::{Deserialize, Serialize};
+use fmi2_export::serde::{Deserialize, Serialize};
+use fmi2_export::{Env, Error, Info, Interface, Model, Variable, export};
+use variables::{Failure, Limits, Mode, Output, Vars};
 
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-enum Mode {
-    Off = 1,
-    Hold = 2,
-    Follow = 3,
+#[fmi2_export::interface]
+mod variables {
+    use fmi2_export::units::{METRE, NEWTON, NEWTON_PER_METRE, RADIAN_PER_SECOND, SECOND};
+
+    /// What the probe does with its input
+    pub enum Mode {
+        /// Output is zero
+        Off,
+        /// Output stays
+        Hold,
+        /// Output follows the input
+        Follow,
+    }
+
+    /// What the probe does wrong on purpose
+    pub enum Failure {
+        /// Nothing
+        None,
+        /// The sample returns an error
+        #[hint("switch the failure off")]
+        Error,
+        /// The sample panics
+        Panic,
+        /// The sample computes NaN
+        NotANumber,
+        /// The sample sends a warning and an event
+        Warn,
+    }
+
+    #[inputs]
+    pub struct Input {
+        /// Position
+        #[var(unit = METRE as "um")]
+        pub position: f64,
+        /// A sensor that may fail
+        #[var(accepts_nan)]
+        pub sensor: f64,
+        /// Number to count by
+        pub count: i32,
+        /// Switch
+        #[var(start = true)]
+        pub enable: bool,
+    }
+
+    #[outputs]
+    pub struct Output {
+        /// gain * position + sum of bias
+        #[var(unit = NEWTON, nominal = 10.0)]
+        pub force: f64,
+        /// Sum of `count` over the samples
+        pub counted: i32,
+        /// The switch at the last sample
+        pub enabled: bool,
+        /// Mode at the last sample
+        pub active_mode: Mode,
+        /// Label and time of the last sample
+        pub text: String,
+        /// Sum of the force over the samples
+        #[var(local)]
+        pub sum: f64,
+        /// Number of samples
+        #[var(local)]
+        pub ticks: i32,
+    }
+
+    #[parameters]
+    pub struct Parameters {
+        /// Sample period
+        #[var(unit = SECOND, range = 1e-6..=1.0, start = 1e-3, source = "our choice")]
+        pub period: f64,
+        /// Gain
+        #[var(unit = NEWTON_PER_METRE, range = 0.0..=1e6, start = 2.0, tunable)]
+        pub gain: f64,
+        /// Limits of the force
+        pub limits: Limits,
+        /// Bias of the force
+        #[var(unit = NEWTON, start = [0.0, 0.5, 1.0], tunable)]
+        pub bias: [f64; 3],
+        /// Order
+        #[var(range = 1..=5, start = 2)]
+        pub order: i32,
+        /// Mode
+        #[var(start = Mode::Follow, tunable)]
+        pub mode: Mode,
+        /// Failure to provoke
+        #[var(tunable)]
+        pub failure: Failure,
+        /// Label for the log
+        #[var(start = "100 % <probe>")]
+        pub label: String,
+        /// sqrt(gain)
+        #[var(unit = RADIAN_PER_SECOND, calculated)]
+        pub natural_frequency: f64,
+    }
+
+    /// Limits of the force.
+    pub struct Limits {
+        /// Lower limit of the force
+        #[var(unit = NEWTON, start = -10.0)]
+        pub low: f64,
+        /// Upper limit of the force
+        #[var(unit = NEWTON, start = 10.0)]
+        pub high: f64,
+    }
 }
-
-enumeration! { Mode, "What the probe does with its input" {
-    Off = 1, "Output is zero",
-    Hold = 2, "Output stays",
-    Follow = 3, "Output follows the input",
-} }
-
-/// What the probe does wrong on purpose.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-enum Failure {
-    None = 1,
-    Error = 2,
-    Panic = 3,
-    NotANumber = 4,
-    Warn = 5,
-}
-
-enumeration! { Failure, "What the probe does wrong on purpose" {
-    None = 1, "Nothing",
-    Error = 2, "The sample returns an error",
-    Panic = 3, "The sample panics",
-    NotANumber = 4, "The sample computes NaN",
-    Warn = 5, "The sample sends a warning and an event",
-} }
 
 #[derive(Clone, Serialize, Deserialize)]
-struct Input {
-    position: f64,
-    sensor: f64,
-    count: i32,
-    enable: bool,
-}
-
-#[derive(Clone, Serialize, Deserialize)]
-struct Parameters {
-    period: f64,
-    gain: f64,
-    limits: Limits,
-    bias: [f64; 3],
-    order: i32,
-    mode: Mode,
-    failure: Failure,
-    label: String,
-    natural_frequency: f64,
-}
-
-#[derive(Clone, Serialize, Deserialize)]
-struct Limits {
-    low: f64,
-    high: f64,
-}
-
-#[derive(Clone, Serialize, Deserialize)]
-struct Output {
-    force: f64,
-    counted: i32,
-    enabled: bool,
-    active_mode: Mode,
-    text: String,
-    sum: f64,
-    ticks: i32,
-}
-
-#[derive(Clone, Serialize, Deserialize)]
-struct Vars {
-    input: Input,
-    parameters: Parameters,
-    output: Output,
-}
-
-impl Start for Vars {
-    const START: Self = Self {
-        input: Input { position: 0.0, sensor: 0.0, count: 0, enable: true },
-        parameters: Parameters {
-            period: 1e-3,
-            gain: 2.0,
-            limits: Limits { low: -10.0, high: 10.0 },
-            bias: [0.0, 0.5, 1.0],
-            order: 2,
-            mode: Mode::Follow,
-            failure: Failure::None,
-            label: String::new(),
-            natural_frequency: 0.0,
-        },
-        output: Output {
-            force: 0.0,
-            counted: 0,
-            enabled: false,
-            active_mode: Mode::Off,
-            text: String::new(),
-            sum: 0.0,
-            ticks: 0,
-        },
-    };
-}
-
-#[derive(Clone, Serialize, Deserialize)]
+#[serde(crate = "fmi2_export::serde")]
 struct State {
     sum: f64,
     ticks: i32,
@@ -124,33 +129,7 @@ impl Model for Probe {
     };
     type Vars = Vars;
     type State = State;
-    const VARIABLES: &'static [Variable<Vars>] = &[
-        real!(Vars.input => position).input().unit(&units::METRE).display("um").describe("Position"),
-        real!(Vars.input => sensor).input().accepts_nan().describe("A sensor that may fail"),
-        integer!(Vars.input => count).input().describe("Number to count by"),
-        boolean!(Vars.input => enable).input().describe("Switch"),
-        real!(Vars.parameters => period).parameter().unit(&units::SECOND).range(1e-6, 1.0).describe("Sample period"),
-        real!(Vars.parameters => gain).tunable().unit(&units::NEWTON_PER_METRE).range(0.0, 1e6).describe("Gain"),
-        real!(Vars.parameters => limits.low).parameter().unit(&units::NEWTON).describe("Lower limit of the force"),
-        real!(Vars.parameters => limits.high).parameter().unit(&units::NEWTON).describe("Upper limit of the force"),
-        real!(Vars.parameters => bias[3]).tunable().unit(&units::NEWTON).describe("Bias of the force"),
-        integer!(Vars.parameters => order).parameter().range_int(1, 5).describe("Order"),
-        choice!(Vars.parameters => mode: Mode).tunable().describe("Mode"),
-        choice!(Vars.parameters => failure: Failure).tunable().describe("Failure to provoke"),
-        text!(Vars.parameters => label).parameter().start_text("100 % <probe>").describe("Label for the log"),
-        real!(Vars.parameters => natural_frequency).calculated().unit(&units::RADIAN_PER_SECOND).describe("sqrt(gain)"),
-        real!(Vars.output => force)
-            .output()
-            .unit(&units::NEWTON)
-            .nominal(10.0)
-            .describe("gain * position + sum of bias"),
-        integer!(Vars.output => counted).output().describe("Sum of `count` over the samples"),
-        boolean!(Vars.output => enabled).output().describe("The switch at the last sample"),
-        choice!(Vars.output => active_mode: Mode).output().describe("Mode at the last sample"),
-        text!(Vars.output => text).output().describe("Label and time of the last sample"),
-        real!(Vars.output => sum).local().describe("Sum of the force over the samples"),
-        integer!(Vars.output => ticks).local().describe("Number of samples"),
-    ];
+    const VARIABLES: &'static [Variable<Vars>] = Vars::TABLE;
 
     fn period(vars: &Vars) -> f64 {
         vars.parameters.period

@@ -10,10 +10,7 @@ pub const fn table<V>(table: &[Variable<V>]) {
     let mut i = 0;
     while i < table.len() {
         let row = &table[i];
-        require(is_structured_name(row.name), row.name, "a name is made of identifiers joined by dots");
-        require(!row.description.is_empty(), row.name, "every variable needs a description");
-        require(row.len() > 0, row.name, "an array needs elements");
-        check_value(row);
+        variable(row);
         let mut j = 0;
         while j < i {
             require(!same(row.name, table[j].name), row.name, "two variables have this name");
@@ -21,6 +18,14 @@ pub const fn table<V>(table: &[Variable<V>]) {
         }
         i += 1;
     }
+}
+
+/// Refuses a row that breaks a rule by itself.
+pub const fn variable<V>(row: &Variable<V>) {
+    require(is_structured_name(row.name), row.name, "a name is made of identifiers joined by dots");
+    require(!row.description.is_empty(), row.name, "every variable needs a description");
+    require(row.len() > 0, row.name, "an array needs elements");
+    check_value(row);
 }
 
 /// Refuses wrong facts about a model.
@@ -175,7 +180,7 @@ mod tests {
     }
 
     const MODE: EnumType =
-        EnumType { name: "Mode", description: "x", items: &[Item { name: "Off", description: "x" }] };
+        EnumType { name: "Mode", description: "x", items: &[Item { name: "Off", description: "x", hint: "" }] };
 
     fn choice(start: i32) -> Variable<Vars> {
         Variable::new_choice("mode", &MODE, start, |_| 1, |_, _| ())

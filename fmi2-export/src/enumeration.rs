@@ -18,6 +18,8 @@ pub struct Item {
     pub name: &'static str,
     /// Meaning of the item.
     pub description: &'static str,
+    /// What to do about it; empty where there is nothing to do.
+    pub hint: &'static str,
 }
 
 /// A Rust enum with the numbers 1..n; implemented by [`enumeration!`](crate::enumeration).
@@ -26,6 +28,12 @@ pub trait Enumeration: Copy + 'static {
     const TYPE: &'static EnumType;
     /// The enum value of an item number.
     fn from_number(number: i32) -> Option<Self>;
+    /// The item number of the enum value.
+    fn number(self) -> i32;
+    /// The item of the enum value.
+    fn item(self) -> &'static Item {
+        &Self::TYPE.items[self.number() as usize - 1]
+    }
 }
 
 /// Binds a Rust enum (with explicit discriminants 1..n) to an FMI enumeration type.
@@ -57,13 +65,16 @@ macro_rules! enumeration {
             const TYPE: &'static $crate::EnumType = &$crate::EnumType {
                 name: stringify!($type),
                 description: $description,
-                items: &[$($crate::Item { name: stringify!($item), description: $text }),+],
+                items: &[$($crate::Item { name: stringify!($item), description: $text, hint: "" }),+],
             };
             fn from_number(number: i32) -> Option<Self> {
                 match number {
                     $($number => Some(Self::$item),)+
                     _ => None,
                 }
+            }
+            fn number(self) -> i32 {
+                self as i32
             }
         }
         const _: () = {

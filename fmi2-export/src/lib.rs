@@ -62,6 +62,7 @@ mod logger;
 mod model;
 mod model_description;
 mod phase;
+mod readme;
 mod resources;
 mod slave;
 mod slope;
@@ -70,11 +71,16 @@ pub mod units;
 mod variable;
 mod xml;
 
+#[doc(hidden)]
+pub use check::variable as check_variable;
 pub use enumeration::{EnumType, Enumeration, Item};
 pub use export::{Export, Factory};
+pub use fmi2_export_macros::interface;
 pub use logger::{Callback, Category, Logger};
-pub use model::{Env, Error, Info, Model, Start};
+pub use model::{Env, Error, Info, Interface, Model, Start};
 pub use phase::Status;
+pub use readme::{assert_readme, markdown};
+pub use serde;
 pub use slave::Slave;
 pub use units::{DisplayUnit, Unit};
 pub use variable::Variable;

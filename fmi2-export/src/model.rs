@@ -1,5 +1,6 @@
 //! What a controller implements to become an FMU.
 
+use crate::enumeration::{Enumeration, Item};
 use crate::logger::{Category, Logger};
 use crate::variable::Variable;
 use serde::{Serialize, de::DeserializeOwned};
@@ -54,6 +55,18 @@ pub trait Start {
     const START: Self;
 }
 
+/// All variables of an FMU, declared once; implemented by [`interface`](crate::interface).
+pub trait Interface: Sized + 'static {
+    /// The value of every field before anything is set.
+    const START: Self;
+    /// The variable table; value references are the positions in it.
+    const TABLE: &'static [Variable<Self>];
+}
+
+impl<V: Interface> Start for V {
+    const START: Self = V::START;
+}
+
 /// A sampled controller.
 pub trait Model: Sized + 'static {
     /// Facts for the model description.
@@ -105,6 +118,25 @@ impl Env<'_> {
     /// Tells a change of state; shown when the importer switches events on.
     pub fn event(&self, text: impl Display) {
         self.logger.send(Category::Events, format_args!("t = {} s: {text}", self.time));
+    }
+
+    /// Tells a new fault, else a new state, with meaning and hint as the enumerations describe them; the first item of
+    /// the faults means that there is none. `numbers` follows the meaning, such as `: 3 mm, limit 2 mm`.
+    pub fn report<S: Enumeration + PartialEq, F: Enumeration + PartialEq>(
+        &self,
+        before: (S, F),
+        now: (S, F),
+        numbers: impl FnOnce() -> String,
+    ) {
+        let line = |kind: &str, Item { name, description, hint }: &Item| {
+            let hint = if hint.is_empty() { String::new() } else { format!("\nhint: {hint}") };
+            format!("{kind} `{name}`: {description}{}{hint}", numbers())
+        };
+        if now.1 != before.1 && now.1.number() != 1 {
+            self.warn(line("fault", now.1.item()));
+        } else if now.0 != before.0 {
+            self.event(line("state", now.0.item()));
+        }
     }
 
     /// Tells something that deserves a look; always shown.

@@ -12,6 +12,10 @@ pub struct Variable<V: 'static> {
     pub(crate) name: &'static str,
     pub(crate) role: Option<Role>,
     pub(crate) description: &'static str,
+    /// Where the start value comes from.
+    pub(crate) source: &'static str,
+    /// The value of the paper, where it differs from the start value.
+    pub(crate) paper: Option<f64>,
     /// Number of elements when the variable is an array.
     pub(crate) size: Option<usize>,
     pub(crate) kind: Kind<V>,
@@ -71,7 +75,7 @@ impl<V> Kind<V> {
 #[doc(hidden)]
 impl<V> Variable<V> {
     const fn new(name: &'static str, size: Option<usize>, kind: Kind<V>) -> Self {
-        Self { name, role: None, description: "", size, kind }
+        Self { name, role: None, description: "", source: "", paper: None, size, kind }
     }
 
     pub const fn new_real(
@@ -155,6 +159,18 @@ impl<V> Variable<V> {
     /// One line that says what the variable is.
     pub const fn describe(mut self, text: &'static str) -> Self {
         self.description = text;
+        self
+    }
+
+    /// Where the start value comes from: a paper, a derivation, a choice with its reason.
+    pub const fn source(mut self, text: &'static str) -> Self {
+        self.source = text;
+        self
+    }
+
+    /// What the start value is in the paper that the model follows; the number of an item, 0 or 1 for a Boolean.
+    pub const fn paper(mut self, value: f64) -> Self {
+        self.paper = Some(value);
         self
     }
 

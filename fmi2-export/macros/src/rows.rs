@@ -1,0 +1,108 @@
+//! The declaration, flattened: one row for each variable, with its FMI name and the way to its field.
+
+use proc_macro2::TokenStream;
+use quote::quote;
+use syn::{Expr, Ident};
+
+use crate::declaration::{Declaration, Field, Group, Kind, Root, Shape};
+
+/// One row of the variable table.
+pub struct Row<'a> {
+    pub root: Root,
+    /// FMI name.
+    pub name: String,
+    /// The way from the struct of the root to the field, such as `axis[2].position`.
+    pub way: TokenStream,
+    pub field: &'a Field,
+    pub kind: &'a Kind,
+    /// Length of an array.
+    pub length: Option<&'a Expr>,
+    /// Field of a struct that is declared elsewhere.
+    pub component: Option<&'a Ident>,
+    /// Which of the uses of a repeated group this is, from 0.
+    pub index: Option<usize>,
+}
+
+/// All rows: inputs, outputs, parameters, each in the order of the declaration.
+pub fn collect(declaration: &Declaration) -> Vec<Row<'_>> {
+    let mut rows = Vec::new();
+    for root in [Root::Inputs, Root::Outputs, Root::Parameters] {
+        if let Some(group) = declaration.root(root) {
+            Walk { declaration, root, rows: &mut rows }.group(group, "", None, None);
+        }
+    }
+    rows
+}
+
+/// The way through the groups of a root.
+struct Walk<'a, 'b> {
+    declaration: &'a Declaration,
+    root: Root,
+    rows: &'b mut Vec<Row<'a>>,
+}
+
+impl<'a> Walk<'a, '_> {
+    fn group(&mut self, group: &'a Group, prefix: &str, above: Option<&TokenStream>, index: Option<usize>) {
+        for field in &group.fields {
+            let name = &field.name;
+            let full = format!("{prefix}{}", plain(name));
+            let way = above.map_or_else(|| quote!(#name), |above| quote!(#above.#name));
+            match &field.shape {
+                Shape::Hidden => (),
+                Shape::Group(ty) => {
+                    self.group(self.declaration.group(ty), &format!("{full}."), Some(&way), index);
+                }
+                Shape::Repeated(ty, count) => (0..*count).for_each(|i| {
+                    let group = self.declaration.group(ty);
+                    self.group(group, &format!("{full}{}.", i + 1), Some(&quote!(#way[#i])), Some(i));
+                }),
+                Shape::Scalar(kind) => self.push(full, way, field, kind, index),
+                Shape::Array(kind, length) => {
+                    self.push(full, way, field, kind, index);
+                    self.last().length = Some(length);
+                }
+                Shape::Fields(kind) => {
+                    for component in &field.var.fields.as_ref().expect("the shape comes from them").names {
+                        let full = format!("{full}.{}", plain(component));
+                        self.push(full, way.clone(), field, kind, index);
+                        self.last().component = Some(component);
+                    }
+                }
+            }
+        }
+    }
+
+    fn push(&mut self, name: String, way: TokenStream, field: &'a Field, kind: &'a Kind, index: Option<usize>) {
+        let root = self.root;
+        self.rows.push(Row { root, name, way, field, kind, length: None, component: None, index });
+    }
+
+    fn last(&mut self) -> &mut Row<'a> {
+        self.rows.last_mut().expect("a row was pushed")
+    }
+}
+
+impl Row<'_> {
+    /// The way from the variables to the value.
+    pub fn access(&self) -> TokenStream {
+        let (root, way) = (self.root.field(), &self.way);
+        let component = self.component.map(|component| quote!(.#component));
+        quote!(#root.#way #component)
+    }
+
+    /// The description: the doc comment, `{n}` as the number of a repeated group, and the component.
+    pub fn description(&self) -> String {
+        let number = self.index.map_or(String::new(), |index| (index + 1).to_string());
+        let text = self.field.docs.replace("{n}", &number);
+        match self.component {
+            Some(component) => format!("{text}, {}", plain(component)),
+            None => text,
+        }
+    }
+}
+
+/// The name of a field without the marks of a raw identifier.
+fn plain(name: &Ident) -> String {
+    let name = name.to_string();
+    name.strip_prefix("r#").unwrap_or(&name).to_owned()
+}

@@ -1,0 +1,179 @@
+//! What a declaration must keep; each breach is told at its place, by the name of the field and the rule.
+//!
+//! Rules about values (ranges, start values, units) are kept by `fmi2-export` when it makes the table.
+
+use std::collections::HashMap;
+
+use proc_macro2::Span;
+use syn::Ident;
+
+use crate::declaration::{Choice, Declaration, Errors, Field, Group, Kind, Root, Shape};
+use crate::rows::Row;
+
+/// Checks the declaration.
+///
+/// # Errors
+/// Everything that breaks a rule.
+pub fn check(declaration: &Declaration, rows: &[Row]) -> syn::Result<()> {
+    let mut errors = Errors::default();
+    declaration.choices.iter().for_each(|choice| check_choice(choice, &mut errors));
+    for group in &declaration.groups {
+        group.fields.iter().for_each(|field| check_field(field, &mut errors));
+    }
+    rows.iter().for_each(|row| check_role(row, &mut errors));
+    check_roots(declaration, &mut errors);
+    check_names(rows, &mut errors);
+    check_use(declaration, rows, &mut errors);
+    check_paper(declaration, rows, &mut errors);
+    errors.end()
+}
+
+fn refuse(errors: &mut Errors, span: Span, name: &Ident, rule: &str) {
+    errors.add(syn::Error::new(span, format!("`{name}`: {rule}")));
+}
+
+fn check_choice(choice: &Choice, errors: &mut Errors) {
+    if choice.docs.is_empty() {
+        refuse(errors, choice.name.span(), &choice.name, "an enumeration needs a description: a doc comment");
+    }
+    if choice.items.is_empty() {
+        refuse(errors, choice.name.span(), &choice.name, "an enumeration needs items");
+    }
+    for item in choice.items.iter().filter(|item| item.docs.is_empty()) {
+        refuse(errors, item.name.span(), &item.name, "an item needs a description: a doc comment");
+    }
+}
+
+fn check_field(field: &Field, errors: &mut Errors) {
+    let mut must = |holds: bool, span: Option<Span>, rule: &str| {
+        if let (false, Some(span)) = (holds, span) {
+            refuse(errors, span, &field.name, rule);
+        }
+    };
+    let var = &field.var;
+    let kind = match &field.shape {
+        Shape::Scalar(kind) | Shape::Array(kind, _) | Shape::Fields(kind) => Some(kind),
+        Shape::Group(_) | Shape::Repeated(..) | Shape::Hidden => None,
+    };
+    let real = kind == Some(&Kind::Real);
+    let group = matches!(field.shape, Shape::Group(_) | Shape::Repeated(..));
+    let at = Some(field.name.span());
+    let start = var.start.as_ref().map(syn::spanned::Spanned::span);
+    must(!field.docs.is_empty(), at, "needs a description: a doc comment");
+    must(!matches!(field.visibility, syn::Visibility::Inherited), at, "must be `pub`: the law reads it");
+    must(real, var.unit.as_ref().map(|unit| unit.span), "only a Real (f64) has a unit");
+    must(real, var.nominal.as_ref().map(syn::spanned::Spanned::span), "only a Real (f64) has a nominal value");
+    must(real, var.flag("accepts_nan").map(Ident::span), "only a Real (f64) can be NaN");
+    must(real || kind == Some(&Kind::Integer), var.range.as_ref().map(|range| range.span), "only a number has a range");
+    must(!group, start, "a group starts as its fields do");
+    must(
+        kind.is_some(),
+        var.paper.as_ref().map(syn::spanned::Spanned::span),
+        "only a variable has a value of the paper",
+    );
+    must(
+        kind != Some(&Kind::Text),
+        var.paper.as_ref().map(syn::spanned::Spanned::span),
+        "a String has no value of the paper",
+    );
+    must(start.is_some() || kind.is_some() || group, at, "what is no variable needs `start = ...`");
+    let flags = var.flags.len();
+    must(flags < 2, var.flags.last().map(Ident::span), "has at most one of the flags");
+}
+
+/// What depends on where the field is used.
+fn check_role(row: &Row, errors: &mut Errors) {
+    let allowed = |flag: &str| match flag {
+        "accepts_nan" => row.root == Root::Inputs,
+        "local" => row.root == Root::Outputs,
+        _ => row.root == Root::Parameters,
+    };
+    if let Some(flag) = row.field.var.flags.iter().find(|flag| !allowed(&flag.to_string())) {
+        let rule = match flag.to_string().as_str() {
+            "accepts_nan" => "only an input accepts NaN",
+            "local" => "only an output can be local",
+            _ => "only a parameter is tunable or calculated",
+        };
+        refuse(errors, flag.span(), &row.field.name, rule);
+    }
+    if let (Some(paper), true) = (&row.field.var.paper, row.root != Root::Parameters) {
+        refuse(
+            errors,
+            syn::spanned::Spanned::span(paper),
+            &row.field.name,
+            "only a parameter has a value of the paper",
+        );
+    }
+}
+
+fn check_roots(declaration: &Declaration, errors: &mut Errors) {
+    let mut roots: Vec<Root> = Vec::new();
+    for (group, root) in declaration.groups.iter().filter_map(|group| Some((group, group.root?))) {
+        if roots.contains(&root) {
+            refuse(errors, group.name.span(), &group.name, "inputs, outputs and parameters are one struct each");
+        }
+        roots.push(root);
+    }
+    if roots.is_empty() {
+        let rule = "has no struct with `#[inputs]`, `#[outputs]` or `#[parameters]`";
+        refuse(errors, declaration.name.span(), &declaration.name, rule);
+    }
+}
+
+fn check_names(rows: &[Row], errors: &mut Errors) {
+    let mut known = HashMap::new();
+    for row in rows {
+        if known.insert(row.name.as_str(), ()).is_some() {
+            let rule = format!("two variables are named `{}`", row.name);
+            refuse(errors, row.field.name.span(), &row.field.name, &rule);
+        }
+    }
+}
+
+/// Nothing may be declared in vain.
+fn check_use(declaration: &Declaration, rows: &[Row], errors: &mut Errors) {
+    let holds = |group: &Group, name: &Ident| {
+        let is = |field: &Field| matches!(&field.shape, Shape::Group(ty) | Shape::Repeated(ty, _) if ty == name);
+        group.fields.iter().any(is)
+    };
+    for group in declaration.groups.iter().filter(|group| group.root.is_none()) {
+        if !declaration.groups.iter().any(|other| holds(other, &group.name)) {
+            refuse(errors, group.name.span(), &group.name, "is in no table: no field has this type");
+        }
+    }
+    for choice in &declaration.choices {
+        if !rows.iter().any(|row| *row.kind == Kind::Choice(choice.name.clone())) {
+            refuse(errors, choice.name.span(), &choice.name, "is in no table: no field has this type");
+        }
+    }
+    repeated_alike(declaration, errors);
+}
+
+/// A group is used alone or repeated, always as often.
+fn repeated_alike(declaration: &Declaration, errors: &mut Errors) {
+    let mut counts: HashMap<String, Option<usize>> = HashMap::new();
+    for field in declaration.groups.iter().flat_map(|group| &group.fields) {
+        let (name, count) = match &field.shape {
+            Shape::Group(name) => (name, None),
+            Shape::Repeated(name, count) => (name, Some(*count)),
+            _ => continue,
+        };
+        if *counts.entry(name.to_string()).or_insert(count) != count {
+            refuse(errors, field.name.span(), &field.name, "a struct is one group or a repeated one, always as often");
+        }
+    }
+}
+
+/// Values of the paper need the switch that brings them into force.
+fn check_paper(declaration: &Declaration, rows: &[Row], errors: &mut Errors) {
+    let Some(row) = rows.iter().find(|row| row.field.var.paper.is_some()) else { return };
+    let switch = rows.iter().find(|row| row.name == "law" && row.root == Root::Parameters);
+    let choice = switch.and_then(|row| match row.kind {
+        Kind::Choice(name) => declaration.choices.iter().find(|choice| choice.name == *name),
+        _ => None,
+    });
+    if !choice.is_some_and(|choice| choice.items.iter().any(|item| item.name == "Paper")) {
+        let rule = "a value of the paper needs a parameter `law`, an enumeration with the item `Paper`";
+        refuse(errors, row.field.name.span(), &row.field.name, rule);
+    }
+}

@@ -1,0 +1,143 @@
+//! The rows of the variable table, as `fmi2-export` takes them.
+
+use proc_macro2::TokenStream;
+use quote::{quote, quote_spanned};
+
+use crate::declaration::{Declaration, Kind, Root};
+use crate::rows::Row;
+
+/// The table, and a check of each row at the place of its field.
+pub fn emit(declaration: &Declaration, rows: &[Row]) -> TokenStream {
+    let parameters = declaration.root(Root::Parameters).map(|group| &group.name);
+    let paper = rows.iter().any(|row| row.field.var.paper.is_some());
+    let paper = paper.then(|| quote!(const PAPER: &#parameters = &#parameters::PAPER;));
+    let table = rows.iter().map(row);
+    let checks = rows.iter().enumerate().map(|(i, row)| {
+        quote_spanned!(row.field.name.span()=>
+            const _: () = ::fmi2_export::check_variable(&<Vars as ::fmi2_export::Interface>::TABLE[#i]);)
+    });
+    quote! {
+        impl ::fmi2_export::Interface for Vars {
+            const START: Self = Vars::START;
+            const TABLE: &'static [::fmi2_export::Variable<Self>] = {
+                const START: &Vars = &Vars::START;
+                #paper
+                &[#(#table),*]
+            };
+        }
+
+        #(#checks)*
+    }
+}
+
+fn row(row: &Row) -> TokenStream {
+    let new = new(row);
+    let role = role(row);
+    let docs = row.description();
+    let var = &row.field.var;
+    let unit = var.unit.as_ref().map(|unit| {
+        let display = unit.display.as_ref().map(|display| quote!(.display(#display)));
+        let unit = &unit.unit;
+        quote!(.unit(&#unit) #display)
+    });
+    let range = var.range.as_ref().map(|range| {
+        let (low, high) = (&range.low, &range.high);
+        if *row.kind == Kind::Integer { quote!(.range_int(#low, #high)) } else { quote!(.range(#low, #high)) }
+    });
+    let nominal = var.nominal.as_ref().map(|nominal| quote!(.nominal(#nominal)));
+    let accepts_nan = var.flag("accepts_nan").map(|_| quote!(.accepts_nan()));
+    let source = var.source.as_ref().map(|source| quote!(.source(#source)));
+    let paper = paper(row);
+    let text = match (row.kind, &var.start) {
+        (Kind::Text, Some(start)) => Some(quote!(.start_text(#start))),
+        _ => None,
+    };
+    let index = row.index.map(|index| {
+        quote! {
+            #[allow(dead_code, reason = "the uses may be alike")]
+            const INDEX: usize = #index;
+        }
+    });
+    quote!({ #index #new.#role() #unit #range #nominal #accepts_nan #text .describe(#docs) #source #paper })
+}
+
+/// The constructor with name, start value and accessors.
+fn new(row: &Row) -> TokenStream {
+    let (name, access) = (&row.name, row.access());
+    let new = match row.kind {
+        Kind::Real => quote!(new_real),
+        Kind::Integer => quote!(new_integer),
+        Kind::Boolean => quote!(new_boolean),
+        Kind::Text => {
+            return quote! {
+                ::fmi2_export::Variable::<Vars>::new_text(
+                    #name,
+                    |vars| &vars.#access,
+                    |vars, value| value.clone_into(&mut vars.#access),
+                )
+            };
+        }
+        Kind::Choice(ty) => {
+            return quote! {
+                ::fmi2_export::Variable::<Vars>::new_choice(
+                    #name,
+                    <#ty as ::fmi2_export::Enumeration>::TYPE,
+                    START.#access as i32,
+                    |vars| vars.#access as i32,
+                    |vars, number| {
+                        if let ::core::option::Option::Some(item) =
+                            <#ty as ::fmi2_export::Enumeration>::from_number(number)
+                        {
+                            vars.#access = item;
+                        }
+                    },
+                )
+            };
+        }
+    };
+    match row.length {
+        None => quote! {
+            ::fmi2_export::Variable::<Vars>::#new(
+                #name,
+                ::core::option::Option::None,
+                ::core::slice::from_ref(&START.#access),
+                |vars, _| vars.#access,
+                |vars, _, value| vars.#access = value,
+            )
+        },
+        Some(length) => quote! {
+            ::fmi2_export::Variable::<Vars>::#new(
+                #name,
+                ::core::option::Option::Some(#length),
+                &START.#access,
+                |vars, i| vars.#access[i],
+                |vars, i, value| vars.#access[i] = value,
+            )
+        },
+    }
+}
+
+fn role(row: &Row) -> TokenStream {
+    let flag = |name| row.field.var.flag(name).is_some();
+    match row.root {
+        Root::Inputs => quote!(input),
+        Root::Outputs if flag("local") => quote!(local),
+        Root::Outputs => quote!(output),
+        Root::Parameters if flag("tunable") => quote!(tunable),
+        Root::Parameters if flag("calculated") => quote!(calculated),
+        Root::Parameters => quote!(parameter),
+    }
+}
+
+/// The paper's value as a number, for the documentation.
+fn paper(row: &Row) -> Option<TokenStream> {
+    row.field.var.paper.as_ref()?;
+    let way = &row.way;
+    let component = row.component.map(|component| quote!(.#component));
+    let element = row.length.map(|_| quote!([0]));
+    let value = quote!(PAPER.#way #component #element);
+    Some(match row.kind {
+        Kind::Real => quote!(.paper(#value)),
+        _ => quote!(.paper(#value as i32 as f64)),
+    })
+}
