@@ -1,0 +1,154 @@
+"""What a scenario gives, as hashes: one of every column of its trace and one of the plant's end state."""
+
+from __future__ import annotations
+
+import json
+import logging
+import platform
+from collections.abc import Iterable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import asdict, dataclass
+from fnmatch import fnmatchcase
+from hashlib import blake2b
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+import cosim
+from cosim.errors import CosimError
+from cosim.paths import list_scenarios
+
+FILE = Path(__file__).with_name("recording.json")
+FORMAT = 1
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """Hashes of one run.
+
+    Parameters
+    ----------
+    state
+        Hash of MuJoCo's integration state after the last step.
+    columns
+        Hash of every column of the trace; of an enumeration `<hash>:<item>,<item>`, see `enumeration`.
+    """
+
+    state: str
+    columns: dict[str, str]
+
+
+@dataclass(frozen=True)
+class Recording:
+    """Hashes of many scenarios by name, and the versions of what else the bits depend on."""
+
+    made_with: dict[str, str]
+    scenarios: dict[str, Recorded]
+
+
+def digest(values: NDArray[Any]) -> str:
+    """Hash of type and bytes of an array: -0.0 is not 0.0."""
+    values = np.ascontiguousarray(values)
+    return blake2b(values.dtype.str.encode() + values.tobytes(), digest_size=8).hexdigest()
+
+
+def enumeration(values: NDArray[Any], items: dict[str, int]) -> str:
+    """Hash of a column of items, each numbered by its first appearance, then their names in that order.
+
+    So the numbers of the items may change, and their names under a map; what follows what may not.
+    """
+    found, first, inverse = np.unique(values, return_index=True, return_inverse=True)
+    order = np.argsort(first)
+    appearance = np.argsort(order)
+    names = {float(number): name for name, number in items.items()}
+    seen = ",".join(names.get(number, str(number)) for number in found[order].tolist())
+    return f"{digest(appearance[inverse].astype(np.int64))}:{seen}"
+
+
+def record(name: str) -> Recorded:
+    """Run a scenario by the native engine.
+
+    Raises
+    ------
+    CosimError
+        The run could not be done.
+    """
+    with cosim.Session(cosim.load(name), engine="native") as session:
+        result = session.run()
+        plant: Any = session.plant
+    if result.trace is None or result.engine != "native":
+        raise CosimError(f"`{name}` did not run in the native engine")
+    kind = mujoco.mjtState.mjSTATE_INTEGRATION
+    state = np.zeros(mujoco.mj_stateSize(plant.model, kind))
+    mujoco.mj_getState(plant.model, plant.data, state, kind)
+    columns = {
+        column: enumeration(result.trace[column], result.items[column])
+        if column in result.items
+        else digest(result.trace[column])
+        for column in result.trace.dtype.names or ()
+    }
+    return Recorded(digest(state), columns)
+
+
+def record_or_tell(name: str) -> Recorded | str:
+    """Run a scenario; the text of the error where it could not be done."""
+    try:
+        return record(name)
+    except CosimError as error:
+        return str(error)
+
+
+def record_all(names: Sequence[str], jobs: int | None) -> Iterator[tuple[str, Recorded | str]]:
+    """Record scenarios in processes beside each other, in the order of their names."""
+    # faults are what many scenarios are about
+    with ProcessPoolExecutor(jobs, initializer=logging.disable) as pool:
+        yield from zip(names, pool.map(record_or_tell, names), strict=True)
+
+
+def selected(names: Iterable[str], patterns: Sequence[str]) -> list[str]:
+    """Names that one of the patterns fits, all without a pattern."""
+    return [name for name in names if not patterns or any(fits(name, pattern) for pattern in patterns)]
+
+
+def fits(name: str, pattern: str) -> bool:
+    """Whether a pattern means a scenario: `dob` is a loop with all its variants, `dob/pa*` some of them."""
+    return fnmatchcase(name if "/" in pattern else name.partition("/")[0], pattern)
+
+
+def scenario_names() -> list[str]:
+    """Names of all scenario files."""
+    return [name for name, _ in list_scenarios()]
+
+
+def made_with() -> dict[str, str]:
+    """Versions of what the bits depend on beside the project: the libm gives sines and powers."""
+    return {
+        "machine": f"{platform.system()} {platform.machine()}",
+        "libm": " ".join(platform.libc_ver()),
+        "mujoco": mujoco.mj_versionString(),
+        "numpy": np.__version__,
+    }
+
+
+def read(file: Path = FILE) -> Recording:
+    """Read a recording; of another format, nothing is known of its hashes."""
+    content = json.loads(file.read_text(encoding="utf-8"))
+    if content["format"] != FORMAT:
+        raise CosimError(
+            f"`{file}` is of format {content['format']}, not {FORMAT}", "record again with `--write`"
+        )
+    scenarios = {name: Recorded(**recorded) for name, recorded in content["scenarios"].items()}
+    return Recording(content["made_with"], scenarios)
+
+
+def write(recording: Recording, file: Path = FILE) -> None:
+    """Write a recording, one line per scenario."""
+    lines = [
+        f"{json.dumps(name)}: {json.dumps(asdict(recorded))}"
+        for name, recorded in sorted(recording.scenarios.items())
+    ]
+    head = f'{{\n"format": {FORMAT},\n"made_with": {json.dumps(recording.made_with)},\n"scenarios": {{\n'
+    file.write_text(head + ",\n".join(lines) + "\n}\n}\n", encoding="utf-8")
