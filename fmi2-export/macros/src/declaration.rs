@@ -245,10 +245,11 @@ impl Group {
 impl Field {
     fn read(field: syn::Field, names: &Names) -> syn::Result<Self> {
         let mut attributes = field.attrs;
-        let var = Attributes::take(&mut attributes)?;
-        let shape = names.shape(&field.ty, &var)?;
-        let docs = docs(&attributes);
         let name = field.ident.expect("a named field has a name");
+        let named = |error: syn::Error| syn::Error::new(error.span(), format!("`{name}`: {error}"));
+        let var = Attributes::take(&mut attributes).map_err(named)?;
+        let shape = names.shape(&field.ty, &var).map_err(named)?;
+        let docs = docs(&attributes);
         Ok(Self { attributes, visibility: field.vis, name, ty: field.ty, docs, var, shape })
     }
 }
@@ -258,7 +259,8 @@ impl Choice {
         let mut items = Vec::new();
         for variant in item.variants {
             if !variant.fields.is_empty() || variant.discriminant.is_some() {
-                return Err(syn::Error::new_spanned(variant, "an item is a name alone; the items are numbered from 1"));
+                let text = format!("`{}`: an item is a name alone; the items are numbered from 1", variant.ident);
+                return Err(syn::Error::new(variant.ident.span(), text));
             }
             let mut attributes = variant.attrs;
             let hints: Vec<_> = attributes.extract_if(.., |attribute| attribute.path().is_ident("hint")).collect();
