@@ -1,12 +1,13 @@
-//! Blocks that at least two of the controllers share, one per file. They know neither FMI nor any controller.
+//! Discrete-time blocks that at least two of the controllers share, one per file, with derivation and closed-form
+//! tests. They know neither FMI nor any controller; what runs sample by sample allocates nothing.
 #![forbid(unsafe_code)]
 
-pub mod edge;
-pub mod input;
-pub mod parameter_error;
-pub mod trajectory;
+mod motion;
+mod parameters;
+mod sampling;
 
-pub use edge::Edge;
-pub use input::believable;
-pub use parameter_error::{ParameterError, require};
-pub use trajectory::{Trajectory, stopping_distance};
+pub use motion::ramp::{ramp, ramp_between};
+pub use motion::trajectory::{Trajectory, stopping_distance};
+pub use parameters::error::{ParameterError, require};
+pub use sampling::edge::Edge;
+pub use sampling::input::believable;

@@ -1,0 +1,4 @@
+//! References that a machine can follow.
+
+pub mod ramp;
+pub mod trajectory;

@@ -1,0 +1,3 @@
+//! Reading and checking parameters at initialisation.
+
+pub mod error;

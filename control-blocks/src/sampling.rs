@@ -1,0 +1,4 @@
+//! Samples, switches and delays.
+
+pub mod edge;
+pub mod input;
