@@ -6,6 +6,7 @@ mod motion;
 mod parameters;
 mod sampling;
 
+pub use motion::quintic::{PEAK_OVER_MEAN, Quintic, minimum_jerk, minimum_jerk_rates, quintic_duration};
 pub use motion::ramp::{ramp, ramp_between};
 pub use motion::trajectory::{Trajectory, stopping_distance};
 pub use parameters::error::{ParameterError, require};
