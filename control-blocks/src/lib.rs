@@ -10,5 +10,8 @@ pub use motion::quintic::{PEAK_OVER_MEAN, Quintic, minimum_jerk, minimum_jerk_ra
 pub use motion::ramp::{ramp, ramp_between};
 pub use motion::trajectory::{Trajectory, stopping_distance};
 pub use parameters::error::{ParameterError, require};
+pub use sampling::consecutive::Consecutive;
 pub use sampling::edge::Edge;
 pub use sampling::input::believable;
+pub use sampling::sent_commands::{DELAY_MAX, SentCommands};
+pub use sampling::ticks::ticks;
