@@ -2,10 +2,12 @@
 //! tests. They know neither FMI nor any controller; what runs sample by sample allocates nothing.
 #![forbid(unsafe_code)]
 
+mod estimation;
 mod motion;
 mod parameters;
 mod sampling;
 
+pub use estimation::running_line::{AnchoredLine, RunningLine};
 pub use motion::quintic::{PEAK_OVER_MEAN, Quintic, minimum_jerk, minimum_jerk_rates, quintic_duration};
 pub use motion::ramp::{ramp, ramp_between};
 pub use motion::trajectory::{Trajectory, stopping_distance};

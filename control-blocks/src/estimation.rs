@@ -1,0 +1,3 @@
+//! What is learned from samples, in constant time and memory.
+
+pub mod running_line;
