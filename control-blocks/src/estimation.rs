@@ -1,3 +1,5 @@
 //! What is learned from samples, in constant time and memory.
 
+pub mod angle;
 pub mod running_line;
+pub mod welford;

@@ -7,7 +7,9 @@ mod motion;
 mod parameters;
 mod sampling;
 
+pub use estimation::angle::{Unwrapper, wrap, wrap_half_open};
 pub use estimation::running_line::{AnchoredLine, RunningLine};
+pub use estimation::welford::Welford;
 pub use motion::quintic::{PEAK_OVER_MEAN, Quintic, minimum_jerk, minimum_jerk_rates, quintic_duration};
 pub use motion::ramp::{ramp, ramp_between};
 pub use motion::trajectory::{Trajectory, stopping_distance};
