@@ -8,6 +8,7 @@ mod parameters;
 mod sampling;
 
 pub use estimation::angle::{Unwrapper, wrap, wrap_half_open};
+pub use estimation::canceller::{Canceller, adaptation_gain};
 pub use estimation::running_line::{AnchoredLine, RunningLine};
 pub use estimation::welford::Welford;
 pub use motion::quintic::{PEAK_OVER_MEAN, Quintic, minimum_jerk, minimum_jerk_rates, quintic_duration};
