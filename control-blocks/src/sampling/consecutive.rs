@@ -7,6 +7,9 @@ use serde::{Deserialize, Serialize};
 pub struct Consecutive(u32);
 
 impl Consecutive {
+    /// No sample so far.
+    pub const NONE: Self = Self(0);
+
     /// Takes one sample; in how many in a row, this one included, the condition holds.
     pub fn update(&mut self, holds: bool) -> u32 {
         self.0 = if holds { self.0.saturating_add(1) } else { 0 };
