@@ -162,22 +162,20 @@ unsafe fn idle<'a, M: Exported>(component: fmi2Component) -> Option<&'a mut Inst
 
 /// An array argument; `None` when it is NULL although it should hold something, or impossibly long.
 fn slice<'a, T>(pointer: *const T, count: usize) -> Option<&'a [T]> {
-    match (count, pointer.is_null() || count > LONGEST_ARRAY) {
-        (0, _) => Some(&[]),
-        (_, true) => None,
-        // SAFETY: the caller gives `count` readable elements.
-        _ => Some(unsafe { std::slice::from_raw_parts(pointer, count) }),
+    if pointer.is_null() || count > LONGEST_ARRAY {
+        return if count == 0 { Some(&[]) } else { None };
     }
+    // SAFETY: the caller gives `count` readable elements.
+    Some(unsafe { std::slice::from_raw_parts(pointer, count) })
 }
 
 /// An array to write to; `None` when it is NULL although it should hold something, or impossibly long.
 fn slice_mut<'a, T>(pointer: *mut T, count: usize) -> Option<&'a mut [T]> {
-    match (count, pointer.is_null() || count > LONGEST_ARRAY) {
-        (0, _) => Some(&mut []),
-        (_, true) => None,
-        // SAFETY: the caller gives `count` writable elements.
-        _ => Some(unsafe { std::slice::from_raw_parts_mut(pointer, count) }),
+    if pointer.is_null() || count > LONGEST_ARRAY {
+        return if count == 0 { Some(&mut []) } else { None };
     }
+    // SAFETY: the caller gives `count` writable elements.
+    Some(unsafe { std::slice::from_raw_parts_mut(pointer, count) })
 }
 
 /// A string argument; `None` when it is NULL or not UTF-8.
@@ -364,8 +362,10 @@ pub unsafe fn get_real<M: Exported>(
     value: *mut fmi2Real,
 ) -> fmi2Status {
     // SAFETY: as above.
-    if let (Some(instance), Some(vr), Some(value)) = (unsafe { idle::<M>(c) }, slice(vr, nvr), slice_mut(value, nvr))
-        && instance.get_reals(vr, value)
+    if let Some(instance) = unsafe { idle::<M>(c) }
+        && let Some(references) = slice(vr, nvr)
+        && let Some(values) = slice_mut(value, nvr)
+        && instance.get_reals(references, values)
     {
         return fmi2OK;
     }
@@ -433,8 +433,10 @@ pub unsafe fn set_real<M: Exported>(
     value: *const fmi2Real,
 ) -> fmi2Status {
     // SAFETY: as above.
-    if let (Some(instance), Some(vr), Some(value)) = (unsafe { idle::<M>(c) }, slice(vr, nvr), slice(value, nvr))
-        && instance.set_inputs(vr, value)
+    if let Some(instance) = unsafe { idle::<M>(c) }
+        && let Some(references) = slice(vr, nvr)
+        && let Some(values) = slice(value, nvr)
+        && instance.set_inputs(references, values)
     {
         return fmi2OK;
     }

@@ -18,14 +18,34 @@ pub struct Clock {
     whole: u64,
     /// Part of a tick passed since then, 0 <= fraction < 1.
     fraction: f64,
-    /// The last step from a tick to a tick, s, and its ticks: the next one is mostly as long.
     #[serde(skip)]
-    even: (f64, u64),
+    even: Even,
+}
+
+/// The last step that led from a tick to a tick: the next one is mostly as long.
+#[derive(Clone, Copy, Debug)]
+struct Even {
+    /// Its length, s; no number before the first.
+    step: f64,
+    /// Its ticks.
+    ticks: u64,
+}
+
+impl Default for Even {
+    fn default() -> Self {
+        Self { step: f64::NAN, ticks: 0 }
+    }
 }
 
 impl Clock {
     pub fn new(period: f64) -> Self {
-        Self { period, whole: 0, fraction: 0.0, even: (0.0, 0) }
+        Self { period, whole: 0, fraction: 0.0, even: Even::default() }
+    }
+
+    /// Whether a step is as long as the last one from a tick to a tick, which was right.
+    #[inline]
+    pub fn is_usual(&self, h: f64) -> bool {
+        h == self.even.step
     }
 
     /// Whether the numbers make sense; restored state bytes may hold anything.
@@ -40,8 +60,8 @@ impl Clock {
     #[inline]
     pub fn advance(&mut self, h: f64) -> Range<u64> {
         let first = self.whole;
-        if h == self.even.0 && self.fraction == 0.0 {
-            self.whole += self.even.1;
+        if self.is_usual(h) && self.fraction == 0.0 {
+            self.whole += self.even.ticks;
             return first..self.whole;
         }
         self.advance_unevenly(h)
@@ -58,7 +78,7 @@ impl Clock {
         let (whole, fraction) =
             if (end - nearest as f64).abs() <= snap { (nearest, 0.0) } else { (end as i64, end - (end as i64) as f64) };
         if (self.fraction, fraction) == (0.0, 0.0) {
-            self.even = (h, whole as u64);
+            self.even = Even { step: h, ticks: whole as u64 };
         }
         self.whole += whole as u64;
         self.fraction = fraction;

@@ -69,8 +69,19 @@ impl<M: Exported> Instance<M> {
         let result = if function.is_allowed(self.now.phase) { body(self) } else { Err(illegal(self.now.phase)) };
         match result {
             Ok(()) => Status::Ok,
-            Err(refusal) => self.refuse(function, refusal.status(), refusal.text()),
+            Err(refusal) => self.tell(function, refusal),
         }
+    }
+
+    #[cold]
+    fn tell(&mut self, function: Function, refusal: Refusal) -> Status {
+        self.refuse(function, refusal.status(), refusal.text())
+    }
+
+    /// fmi2DoStep
+    #[inline]
+    pub fn do_step(&mut self, time: f64, step: f64) -> Status {
+        self.call(Function::DoStep, |this| this.step(time, step))
     }
 
     /// Row and element of a value reference.
@@ -244,16 +255,17 @@ impl<M: Exported> Instance<M> {
 }
 
 #[inline]
-fn check_step<S>(running: &Running<S>, stop: Option<f64>, time: f64, step: f64) -> Result<(), Refusal> {
-    let possible = step > 0.0 && step < f64::INFINITY && step <= MAX_TICKS * running.clock.period;
-    let expected = time.is_finite() && (time - running.time).abs() <= 0.01 * step + 1e-9 * time.abs();
-    let before_stop = stop.is_none_or(|stop| time + step <= stop);
-    if possible && expected && before_stop { Ok(()) } else { examine_step(running, stop, time, step) }
+fn check_step<S>(running: &Running<S>, stop: f64, time: f64, step: f64) -> Result<(), Refusal> {
+    let clock = &running.clock;
+    let possible = clock.is_usual(step) || (step > 0.0 && step.is_finite() && step <= MAX_TICKS * clock.period);
+    // `<`, because an infinite time makes an infinite tolerance
+    let expected = (time - running.time).abs() < 0.01 * step + 1e-9 * time.abs();
+    if possible && expected && time + step <= stop { Ok(()) } else { examine_step(running, stop, time, step) }
 }
 
 /// Finds what is wrong with a step, if anything is.
 #[cold]
-fn examine_step<S>(running: &Running<S>, stop: Option<f64>, time: f64, step: f64) -> Result<(), Refusal> {
+fn examine_step<S>(running: &Running<S>, stop: f64, time: f64, step: f64) -> Result<(), Refusal> {
     if !(step > 0.0 && step.is_finite()) {
         return Err(Refusal::error(format!("the communication step {step} s is not positive")));
     }
@@ -268,12 +280,11 @@ fn examine_step<S>(running: &Running<S>, stop: Option<f64>, time: f64, step: f64
         let text = format!("the communication point {time} s is not the end of the last step, {expected} s");
         return Err(Refusal::error(text));
     }
-    match stop {
-        Some(stop) if time + step > stop + 1e-6 * step + 1e-9 * stop.abs() => {
-            Err(Refusal::error(format!("the step from {time} s by {step} s passes the stop time {stop} s")))
-        }
-        _ => Ok(()),
+    if time + step > stop + 1e-6 * step + 1e-9 * stop.abs() {
+        let text = format!("the step from {time} s by {step} s passes the stop time {stop} s");
+        return Err(Refusal::error(text));
     }
+    Ok(())
 }
 
 fn fresh<M: Exported>() -> SnapshotOf<M> {
@@ -330,9 +341,8 @@ impl<M: Exported> Slave for Instance<M> {
             if !start.is_finite() {
                 return Err(Refusal::error(format!("the start time {start} s is not finite")));
             }
-            if let Some(stop) = stop
-                && (stop.is_nan() || stop < start)
-            {
+            let stop = stop.unwrap_or(f64::INFINITY);
+            if stop.is_nan() || stop < start {
                 return Err(Refusal::error(format!("the stop time {stop} s is before the start time {start} s")));
             }
             this.now.experiment = Some(Experiment { start, stop });
@@ -419,11 +429,6 @@ impl<M: Exported> Slave for Instance<M> {
 
     fn set_input_derivatives(&mut self, references: &[u32], orders: &[i32], values: &[f64]) -> Status {
         self.call(Function::SetRealInputDerivatives, |this| this.set_slopes(references, orders, values))
-    }
-
-    #[inline]
-    fn do_step(&mut self, time: f64, step: f64) -> Status {
-        self.call(Function::DoStep, |this| this.step(time, step))
     }
 
     fn last_successful_time(&mut self, value: &mut f64) -> Status {
