@@ -363,6 +363,7 @@ pub unsafe fn get_real<M: Exported>(
 ) -> fmi2Status {
     // SAFETY: as above.
     if let Some(instance) = unsafe { idle::<M>(c) }
+        && !(vr.is_null() || value.is_null())
         && let Some(references) = slice(vr, nvr)
         && let Some(values) = slice_mut(value, nvr)
         && instance.get_reals(references, values)
@@ -434,6 +435,7 @@ pub unsafe fn set_real<M: Exported>(
 ) -> fmi2Status {
     // SAFETY: as above.
     if let Some(instance) = unsafe { idle::<M>(c) }
+        && !(vr.is_null() || value.is_null())
         && let Some(references) = slice(vr, nvr)
         && let Some(values) = slice(value, nvr)
         && instance.set_inputs(references, values)

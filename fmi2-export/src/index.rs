@@ -10,8 +10,8 @@ pub struct Entry<V: 'static> {
     pub(crate) element: u32,
     /// Of a Real: where it lies.
     pub(crate) real: Option<Place<V, f64>>,
-    /// Whether it is a Real that takes any finite number at any time, and nothing else follows from it.
-    pub(crate) is_real_input: bool,
+    /// Of a Real input, which takes any finite number at any time, and nothing else follows from it.
+    pub(crate) input: Option<Place<V, f64>>,
 }
 
 /// The value references of a model.
@@ -36,8 +36,8 @@ impl<V> Entry<V> {
             Kind::Real { place, .. } => Some(place.element(element)),
             _ => None,
         };
-        let is_real_input = real.is_some() && matches!(row.role(), Role::Input);
-        Self { row, element: element as u32, real, is_real_input }
+        let input = if matches!(row.role(), Role::Input) { real } else { None };
+        Self { row, element: element as u32, real, input }
     }
 
     /// Row and element.

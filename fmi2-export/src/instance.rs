@@ -35,13 +35,14 @@ impl<M: Exported> Instance<M> {
     /// fmi2SetReal of inputs, when nothing is wrong with it; otherwise `false`, and nothing has changed.
     #[inline]
     pub fn set_inputs(&mut self, references: &[u32], values: &[f64]) -> bool {
-        let input = |reference: u32| Some(M::INDEX.entries.get(reference as usize)?).filter(|entry| entry.is_real_input);
-        let good = |(&reference, value): (&u32, &f64)| input(reference).is_some() && value.is_finite();
-        if !Function::SetReal.is_allowed(self.now.phase) || !references.iter().zip(values).all(good) {
+        let inputs = || references.iter().map(|&reference| M::INDEX.entries.get(reference as usize)?.input);
+        if !Function::SetReal.is_allowed(self.now.phase)
+            || !inputs().zip(values).all(|(input, value)| input.is_some() && value.is_finite())
+        {
             return false;
         }
-        for (&reference, &value) in references.iter().zip(values) {
-            if let Some(place) = M::INDEX.entries[reference as usize].real {
+        for (input, &value) in inputs().zip(values) {
+            if let Some(place) = input {
                 place.set(&mut self.now.vars, value);
             }
         }
@@ -51,12 +52,12 @@ impl<M: Exported> Instance<M> {
     /// fmi2GetReal, when nothing is wrong with it; otherwise `false`, and nothing was written.
     #[inline]
     pub fn get_reals(&self, references: &[u32], values: &mut [f64]) -> bool {
-        let place = |reference: u32| M::INDEX.entries.get(reference as usize)?.real;
-        if !Function::GetReal.is_allowed(self.now.phase) || !references.iter().all(|&r| place(r).is_some()) {
+        let places = || references.iter().map(|&reference| M::INDEX.entries.get(reference as usize)?.real);
+        if !Function::GetReal.is_allowed(self.now.phase) || !places().all(|place| place.is_some()) {
             return false;
         }
-        for (&reference, value) in references.iter().zip(values) {
-            if let Some(place) = M::INDEX.entries[reference as usize].real {
+        for (place, value) in places().zip(values) {
+            if let Some(place) = place {
                 *value = place.get(&self.now.vars);
             }
         }
