@@ -68,8 +68,8 @@ impl<V> Value<V> for f64 {
     }
 
     fn write(self, row: &Variable<V>, vars: &mut V, element: usize) {
-        if let Kind::Real { set, .. } = row.kind {
-            set(vars, element, self);
+        if let Kind::Real { place, .. } = row.kind {
+            place.element(element).set(vars, self);
         }
     }
 }
@@ -77,7 +77,7 @@ impl<V> Value<V> for f64 {
 impl<V> Scalar<V> for f64 {
     fn read(row: &Variable<V>, vars: &V, element: usize) -> Option<Self> {
         match row.kind {
-            Kind::Real { get, .. } => Some(get(vars, element)),
+            Kind::Real { place, .. } => Some(place.element(element).get(vars)),
             _ => None,
         }
     }
@@ -110,7 +110,7 @@ impl<V> Value<V> for i32 {
 
     fn write(self, row: &Variable<V>, vars: &mut V, element: usize) {
         match row.kind {
-            Kind::Integer { set, .. } => set(vars, element, self),
+            Kind::Integer { place, .. } => place.element(element).set(vars, self),
             Kind::Choice { set, .. } => set(vars, self),
             _ => (),
         }
@@ -120,7 +120,7 @@ impl<V> Value<V> for i32 {
 impl<V> Scalar<V> for i32 {
     fn read(row: &Variable<V>, vars: &V, element: usize) -> Option<Self> {
         match row.kind {
-            Kind::Integer { get, .. } => Some(get(vars, element)),
+            Kind::Integer { place, .. } => Some(place.element(element).get(vars)),
             Kind::Choice { get, .. } => Some(get(vars)),
             _ => None,
         }
@@ -143,8 +143,8 @@ impl<V> Value<V> for bool {
     }
 
     fn write(self, row: &Variable<V>, vars: &mut V, element: usize) {
-        if let Kind::Boolean { set, .. } = row.kind {
-            set(vars, element, self);
+        if let Kind::Boolean { place, .. } = row.kind {
+            place.element(element).set(vars, self);
         }
     }
 }
@@ -152,7 +152,7 @@ impl<V> Value<V> for bool {
 impl<V> Scalar<V> for bool {
     fn read(row: &Variable<V>, vars: &V, element: usize) -> Option<Self> {
         match row.kind {
-            Kind::Boolean { get, .. } => Some(get(vars, element)),
+            Kind::Boolean { place, .. } => Some(place.element(element).get(vars)),
             _ => None,
         }
     }

@@ -9,12 +9,15 @@
 //! answered with an error everywhere.
 #![allow(unsafe_code, non_camel_case_types, non_snake_case, missing_docs, clippy::missing_safety_doc)]
 
-use crate::export::{Factory, c_string};
+use crate::export::Exported;
+use crate::files::Files;
 use crate::hook;
+use crate::instance::Instance;
 use crate::logger::{Callback, Category, Logger};
 use crate::phase::{Function, Status};
 use crate::resources;
 use crate::slave::{Slave, TakenState};
+use crate::text::c_string;
 use std::cell::{Cell, UnsafeCell};
 use std::ffi::{CStr, CString, c_char, c_int, c_uint, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -70,10 +73,37 @@ const PENDING_STATUS: fmi2StatusKind = 1;
 const LAST_SUCCESSFUL_TIME: fmi2StatusKind = 2;
 const TERMINATED: fmi2StatusKind = 3;
 
-// defined by `export!` in the library of the model
-unsafe extern "Rust" {
-    safe fn fmi2_export_factory() -> &'static dyn Factory;
-}
+/// Type of fmi2Instantiate.
+pub type Instantiate = unsafe extern "C" fn(
+    instanceName: fmi2String,
+    fmuType: fmi2Type,
+    fmuGUID: fmi2String,
+    fmuResourceLocation: fmi2String,
+    functions: *const fmi2CallbackFunctions,
+    visible: fmi2Boolean,
+    loggingOn: fmi2Boolean,
+) -> fmi2Component;
+/// Type of fmi2SetReal.
+pub type SetReal = unsafe extern "C" fn(
+    c: fmi2Component,
+    vr: *const fmi2ValueReference,
+    nvr: usize,
+    value: *const fmi2Real,
+) -> fmi2Status;
+/// Type of fmi2GetReal.
+pub type GetReal = unsafe extern "C" fn(
+    c: fmi2Component,
+    vr: *const fmi2ValueReference,
+    nvr: usize,
+    value: *mut fmi2Real,
+) -> fmi2Status;
+/// Type of fmi2DoStep.
+pub type DoStep = unsafe extern "C" fn(
+    c: fmi2Component,
+    currentCommunicationPoint: fmi2Real,
+    communicationStepSize: fmi2Real,
+    noSetFMUStatePriorToCurrentPoint: fmi2Boolean,
+) -> fmi2Status;
 
 /// What a `fmi2Component` points to.
 struct Component {
@@ -96,6 +126,7 @@ impl From<Status> for fmi2Status {
 }
 
 /// The way into an instance: NULL check, re-entrance check, panic barrier.
+#[inline(always)]
 fn with(component: fmi2Component, function: Function, body: impl FnOnce(&mut dyn Slave) -> Status) -> fmi2Status {
     // SAFETY: the caller gives a pointer from `fmi2Instantiate`, or NULL.
     let Some(component) = (unsafe { component.cast::<Component>().as_ref() }) else { return fmi2Error };
@@ -115,26 +146,40 @@ fn with(component: fmi2Component, function: Function, body: impl FnOnce(&mut dyn
     status
 }
 
+/// The instance behind a pointer when no call runs on it. Only for calls in which no callback can run: they leave `busy`
+/// as it is.
+///
+/// # Safety
+/// As [`with`], and the instance is one of the model `M`.
+#[inline(always)]
+unsafe fn idle<'a, M: Exported>(component: fmi2Component) -> Option<&'a mut Instance<M>> {
+    // SAFETY: the caller gives a pointer from `fmi2Instantiate`, or NULL.
+    let component = unsafe { component.cast::<Component>().as_ref() }?;
+    if component.busy.get() {
+        return None;
+    }
+    // SAFETY: no other reference to the instance exists while no call runs, and it is an `Instance<M>`.
+    Some(unsafe { &mut *std::ptr::from_mut((*component.slave.get()).as_mut()).cast::<Instance<M>>() })
+}
+
 // The helpers below take the importer's pointers at its word, as the whole module does.
 
 /// An array argument; `None` when it is NULL although it should hold something, or impossibly long.
 fn slice<'a, T>(pointer: *const T, count: usize) -> Option<&'a [T]> {
-    match (count, pointer.is_null() || count > LONGEST_ARRAY) {
-        (0, _) => Some(&[]),
-        (_, true) => None,
-        // SAFETY: the caller gives `count` readable elements.
-        _ => Some(unsafe { std::slice::from_raw_parts(pointer, count) }),
+    if pointer.is_null() || count > LONGEST_ARRAY {
+        return if count == 0 { Some(&[]) } else { None };
     }
+    // SAFETY: the caller gives `count` readable elements.
+    Some(unsafe { std::slice::from_raw_parts(pointer, count) })
 }
 
 /// An array to write to; `None` when it is NULL although it should hold something, or impossibly long.
 fn slice_mut<'a, T>(pointer: *mut T, count: usize) -> Option<&'a mut [T]> {
-    match (count, pointer.is_null() || count > LONGEST_ARRAY) {
-        (0, _) => Some(&mut []),
-        (_, true) => None,
-        // SAFETY: the caller gives `count` writable elements.
-        _ => Some(unsafe { std::slice::from_raw_parts_mut(pointer, count) }),
+    if pointer.is_null() || count > LONGEST_ARRAY {
+        return if count == 0 { Some(&mut []) } else { None };
     }
+    // SAFETY: the caller gives `count` writable elements.
+    Some(unsafe { std::slice::from_raw_parts_mut(pointer, count) })
 }
 
 /// A string argument; `None` when it is NULL or not UTF-8.
@@ -190,36 +235,37 @@ pub unsafe extern "C" fn fmi2SetDebugLogging(
     })
 }
 
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2Instantiate(
-    instanceName: fmi2String,
-    fmuType: fmi2Type,
-    fmuGUID: fmi2String,
-    fmuResourceLocation: fmi2String,
+/// fmi2Instantiate of a model.
+///
+/// # Safety
+/// As the standard says.
+pub unsafe fn instantiate<M: Exported>(
+    name: fmi2String,
+    kind: fmi2Type,
+    guid: fmi2String,
+    resources: fmi2String,
     functions: *const fmi2CallbackFunctions,
     _visible: fmi2Boolean,
-    loggingOn: fmi2Boolean,
+    logging: fmi2Boolean,
 ) -> fmi2Component {
     hook::install();
     let instantiate = || {
-        let name = text(instanceName).unwrap_or_default();
+        let name = text(name).unwrap_or_default();
         // SAFETY: the caller gives a valid structure or NULL.
-        let logger = Logger::new(callback(unsafe { functions.as_ref() }, name), loggingOn != 0);
-        let factory = fmi2_export_factory();
-        if let Err(reason) = accept(factory, name, fmuType, text(fmuGUID)) {
+        let logger = Logger::new(callback(unsafe { functions.as_ref() }, name), logging != 0);
+        if let Err(reason) = accept(name, kind, text(guid), M::guid()) {
             logger.send(Category::Error, format_args!("fmi2Instantiate: {reason}"));
             return std::ptr::null_mut();
         }
-        let slave = factory.instantiate(text(fmuResourceLocation).and_then(resources::folder), logger);
-        let component = Component { busy: Cell::new(false), slave: UnsafeCell::new(slave) };
+        let instance = Instance::<M>::new(text(resources).and_then(resources::folder), logger);
+        let component = Component { busy: Cell::new(false), slave: UnsafeCell::new(Box::new(instance)) };
         Box::into_raw(Box::new(component)).cast()
     };
     catch_unwind(AssertUnwindSafe(instantiate)).unwrap_or(std::ptr::null_mut())
 }
 
 /// Whether an instance may be made of these arguments.
-fn accept(factory: &dyn Factory, name: &str, kind: fmi2Type, guid: Option<&str>) -> Result<(), String> {
-    let own = factory.guid();
+fn accept(name: &str, kind: fmi2Type, guid: Option<&str>, own: &str) -> Result<(), String> {
     if name.is_empty() {
         return Err("the instance name is empty or not UTF-8".to_owned());
     }
@@ -308,13 +354,32 @@ pub unsafe extern "C" fn fmi2Reset(c: fmi2Component) -> fmi2Status {
     with(c, Function::Reset, |slave| slave.reset())
 }
 
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetReal(
+/// fmi2GetReal of a model.
+///
+/// # Safety
+/// As the standard says, with an instance of the model `M`.
+#[inline(always)]
+pub unsafe fn get_real<M: Exported>(
     c: fmi2Component,
     vr: *const fmi2ValueReference,
     nvr: usize,
     value: *mut fmi2Real,
 ) -> fmi2Status {
+    // SAFETY: as above.
+    if let Some(instance) = unsafe { idle::<M>(c) }
+        && !(vr.is_null() || value.is_null())
+        && let Some(references) = slice(vr, nvr)
+        && let Some(values) = slice_mut(value, nvr)
+        && instance.get_reals(references, values)
+    {
+        return fmi2OK;
+    }
+    get_real_or_reason(c, vr, nvr, value)
+}
+
+/// fmi2GetReal with every check and message.
+#[cold]
+fn get_real_or_reason(c: fmi2Component, vr: *const fmi2ValueReference, nvr: usize, value: *mut fmi2Real) -> fmi2Status {
     let arrays = (slice(vr, nvr), slice_mut(value, nvr));
     with_arrays(c, Function::GetReal, arrays, |slave, vr, value| slave.get_real(vr, value))
 }
@@ -356,8 +421,32 @@ pub unsafe extern "C" fn fmi2GetString(
     })
 }
 
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SetReal(
+/// fmi2SetReal of a model.
+///
+/// # Safety
+/// As the standard says, with an instance of the model `M`.
+#[inline(always)]
+pub unsafe fn set_real<M: Exported>(
+    c: fmi2Component,
+    vr: *const fmi2ValueReference,
+    nvr: usize,
+    value: *const fmi2Real,
+) -> fmi2Status {
+    // SAFETY: as above.
+    if let Some(instance) = unsafe { idle::<M>(c) }
+        && !(vr.is_null() || value.is_null())
+        && let Some(references) = slice(vr, nvr)
+        && let Some(values) = slice(value, nvr)
+        && instance.set_inputs(references, values)
+    {
+        return fmi2OK;
+    }
+    set_real_or_reason(c, vr, nvr, value)
+}
+
+/// fmi2SetReal with every check and message.
+#[cold]
+fn set_real_or_reason(
     c: fmi2Component,
     vr: *const fmi2ValueReference,
     nvr: usize,
@@ -567,14 +656,17 @@ pub unsafe extern "C" fn fmi2GetRealOutputDerivatives(
     not_offered(c, Function::GetRealOutputDerivatives, "outputs are held between samples and have no derivatives")
 }
 
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2DoStep(
-    c: fmi2Component,
-    currentCommunicationPoint: fmi2Real,
-    communicationStepSize: fmi2Real,
-    _noSetFMUStatePriorToCurrentPoint: fmi2Boolean,
-) -> fmi2Status {
-    with(c, Function::DoStep, |slave| slave.do_step(currentCommunicationPoint, communicationStepSize))
+/// fmi2DoStep of a model.
+///
+/// # Safety
+/// As the standard says, with an instance of the model `M`.
+#[inline(always)]
+pub unsafe fn do_step<M: Exported>(c: fmi2Component, time: fmi2Real, step: fmi2Real, _: fmi2Boolean) -> fmi2Status {
+    with(c, Function::DoStep, |slave| {
+        // SAFETY: the instance is one of the model `M`.
+        let instance = unsafe { &mut *std::ptr::from_mut(slave).cast::<Instance<M>>() };
+        instance.do_step(time, step)
+    })
 }
 
 #[unsafe(no_mangle)]
@@ -634,12 +726,13 @@ pub unsafe extern "C" fn fmi2GetStringStatus(
     with(c, Function::GetStringStatus, |slave| no_status(slave, Function::GetStringStatus, s))
 }
 
-/// A generated file of the FMU: `modelDescription.xml` or `documentation/index.html`; an empty
-/// path lists them, one per line. NULL for any other path. Not part of FMI: packers read it.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2_export_file(path: *const c_char) -> *const c_char {
-    let file = || text(path).and_then(|path| fmi2_export_factory().file(path));
-    catch_unwind(file).ok().flatten().map_or(std::ptr::null(), CStr::as_ptr)
+/// Text of a generated file of the FMU.
+///
+/// # Safety
+/// `path` is a C string or NULL.
+pub unsafe fn file<M: Exported>(files: &'static Files, path: fmi2String) -> fmi2String {
+    let file = || text(path).and_then(|path| files.get::<M>(path));
+    catch_unwind(AssertUnwindSafe(file)).ok().flatten().map_or(std::ptr::null(), CStr::as_ptr)
 }
 
 /// A function that must exist but has nothing to do in this kind of FMU.
@@ -661,14 +754,5 @@ fn no_status(slave: &mut dyn Slave, function: Function, kind: fmi2StatusKind) ->
         }
         (Status::Ok, _) => slave.refuse(function, Status::Discard, &format!("there is no status kind {kind}")),
         (status, _) => status,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    /// The unit tests of this crate link the C API without a model.
-    #[unsafe(no_mangle)]
-    extern "Rust" fn fmi2_export_factory() -> &'static dyn super::Factory {
-        unreachable!("no unit test calls the C API")
     }
 }

@@ -10,7 +10,7 @@ const SNAP: f64 = 1e-6;
 pub const MAX_TICKS: f64 = 1e9;
 
 /// Position in whole ticks and a fraction of one, so that hours lose no resolution.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Clock {
     /// Sample period, s.
     pub period: f64,
@@ -18,11 +18,34 @@ pub struct Clock {
     whole: u64,
     /// Part of a tick passed since then, 0 <= fraction < 1.
     fraction: f64,
+    #[serde(skip)]
+    even: Even,
+}
+
+/// The last step that led from a tick to a tick: the next one is mostly as long.
+#[derive(Clone, Copy, Debug)]
+struct Even {
+    /// Its length, s; no number before the first.
+    step: f64,
+    /// Its ticks.
+    ticks: u64,
+}
+
+impl Default for Even {
+    fn default() -> Self {
+        Self { step: f64::NAN, ticks: 0 }
+    }
 }
 
 impl Clock {
     pub fn new(period: f64) -> Self {
-        Self { period, whole: 0, fraction: 0.0 }
+        Self { period, whole: 0, fraction: 0.0, even: Even::default() }
+    }
+
+    /// Whether a step is as long as the last one from a tick to a tick, which was right.
+    #[inline]
+    pub fn is_usual(&self, h: f64) -> bool {
+        h == self.even.step
     }
 
     /// Whether the numbers make sense; restored state bytes may hold anything.
@@ -34,7 +57,18 @@ impl Clock {
     ///
     /// Positions are rounded to a tick when within [`SNAP`], or within a thousandth of the step
     /// when that is less, so that rounding of `h` never costs a tick and tiny steps still advance.
+    #[inline]
     pub fn advance(&mut self, h: f64) -> Range<u64> {
+        let first = self.whole;
+        if self.is_usual(h) && self.fraction == 0.0 {
+            self.whole += self.even.ticks;
+            return first..self.whole;
+        }
+        self.advance_unevenly(h)
+    }
+
+    #[cold]
+    fn advance_unevenly(&mut self, h: f64) -> Range<u64> {
         let first = self.next_tick();
         let steps = h / self.period;
         let end = self.fraction + steps;
@@ -43,9 +77,19 @@ impl Clock {
         let nearest = (end + 0.5) as i64;
         let (whole, fraction) =
             if (end - nearest as f64).abs() <= snap { (nearest, 0.0) } else { (end as i64, end - (end as i64) as f64) };
+        if (self.fraction, fraction) == (0.0, 0.0) {
+            self.even = Even { step: h, ticks: whole as u64 };
+        }
         self.whole += whole as u64;
         self.fraction = fraction;
         first..self.next_tick()
+    }
+
+    /// Present position, s from the start.
+    #[inline]
+    pub fn position(&self) -> f64 {
+        // a signed number converts in one instruction
+        (self.whole as i64 as f64 + self.fraction) * self.period
     }
 
     /// Seconds from the present position to a tick; negative for a tick of the past.

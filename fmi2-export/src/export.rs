@@ -1,116 +1,20 @@
-//! What a shared library offers: its files and its instances.
+//! What a shared library offers: `export!` makes the tables of its model and the functions that are compiled for it.
 
-use crate::check;
-use crate::documentation;
 use crate::hash::GUID;
-use crate::instance::Instance;
-use crate::logger::Logger;
+use crate::index::Index;
 use crate::model::Model;
-use crate::model_description::{self, elements};
-use crate::slave::Slave;
-use crate::variable::{Kind, Role, Variable};
-use std::ffi::{CStr, CString};
-use std::marker::PhantomData;
-use std::path::PathBuf;
-use std::sync::OnceLock;
 
-/// Everything the C API needs to know of a model, whatever its type.
-pub trait Factory: Sync {
+/// A model with the constants that [`export!`](crate::export) makes of its table; every library holds one.
+pub trait Exported: Model {
+    /// The value references.
+    const INDEX: Index<Self::Vars>;
     /// GUID of the model description.
-    fn guid(&self) -> &str;
-    /// Text of a generated file of the FMU; `""` lists their paths, one per line.
-    fn file(&self, path: &str) -> Option<&CStr>;
-    /// A new instance with all variables at their start values.
-    fn instantiate(&'static self, resources: Option<PathBuf>, logger: Logger) -> Box<dyn Slave>;
-}
+    const GUID: [u8; GUID];
 
-/// The export of one model; made once by [`export!`](crate::export).
-pub struct Export<M: Model> {
-    /// Kept inline: what a library has allocated for itself is lost when it is unloaded.
-    guid: OnceLock<[u8; GUID]>,
-    /// Made only for packers; importers never ask for it.
-    files: OnceLock<Files>,
-    model: PhantomData<fn() -> M>,
-}
-
-/// The generated files by their paths, and the list of the paths.
-struct Files {
-    texts: [(&'static str, CString); 2],
-    list: CString,
-}
-
-/// Rows and elements behind the value references.
-pub struct Index<V: 'static> {
-    /// Row and element of each value reference.
-    pub entries: Vec<(&'static Variable<V>, usize)>,
-    /// Those of the Reals that the model writes.
-    pub computed: Vec<(&'static Variable<V>, usize)>,
-}
-
-impl<M: Model> Default for Export<M> {
-    fn default() -> Self {
-        Self::new()
+    /// The GUID as a text.
+    fn guid() -> &'static str {
+        str::from_utf8(const { &Self::GUID }).expect("a GUID is hexadecimal")
     }
-}
-
-impl<M: Model> Export<M> {
-    /// Checks the model's table and facts; in a `static`, a wrong one does not compile.
-    pub const fn new() -> Self {
-        check::table(M::VARIABLES);
-        check::info(&M::INFO);
-        Self { guid: OnceLock::new(), files: OnceLock::new(), model: PhantomData }
-    }
-
-    fn files(&self) -> &Files {
-        self.files.get_or_init(|| {
-            let texts = [
-                ("modelDescription.xml", c_string(model_description::write::<M>().0)),
-                ("documentation/index.html", c_string(documentation::write::<M>())),
-            ];
-            let list = c_string(texts.each_ref().map(|(path, _)| *path).join("\n"));
-            Files { texts, list }
-        })
-    }
-}
-
-impl<M: Model> Factory for Export<M> {
-    fn guid(&self) -> &str {
-        let guid = self.guid.get_or_init(|| {
-            let (_, guid) = model_description::write::<M>();
-            guid.into_bytes().try_into().expect("a GUID has 36 characters")
-        });
-        std::str::from_utf8(guid).expect("a GUID is hexadecimal")
-    }
-
-    fn file(&self, path: &str) -> Option<&CStr> {
-        let files = self.files();
-        if path.is_empty() {
-            return Some(&files.list);
-        }
-        files.texts.iter().find(|(name, _)| *name == path).map(|(_, text)| text.as_c_str())
-    }
-
-    fn instantiate(&'static self, resources: Option<PathBuf>, logger: Logger) -> Box<dyn Slave> {
-        Box::new(Instance::new(self, resources, logger))
-    }
-}
-
-impl<V> Index<V> {
-    pub fn new(table: &'static [Variable<V>]) -> Self {
-        let computed = |row: &Variable<V>| {
-            matches!(row.kind, Kind::Real { .. }) && matches!(row.role(), Role::Output | Role::Local | Role::Calculated)
-        };
-        let entries: Vec<_> = elements(table).collect();
-        let computed = entries.iter().copied().filter(|(row, _)| computed(row)).collect();
-        Self { entries, computed }
-    }
-}
-
-/// A C string without the NUL bytes that `text` may hold.
-pub(crate) fn c_string(text: impl Into<String>) -> CString {
-    let mut bytes = text.into().into_bytes();
-    bytes.retain(|byte| *byte != 0);
-    CString::new(bytes).unwrap_or_default()
 }
 
 /// Exports a [`Model`](crate::Model) from this library as an FMI 2.0 co-simulation FMU.
@@ -134,16 +38,91 @@ pub(crate) fn c_string(text: impl Into<String>) -> CString {
 /// export!(Wrong);
 /// # fn main() {}
 /// ```
+///
+/// The functions made here are those that are called in every step, and those that must know the model; all others are
+/// in [`c_api`](crate::c_api).
 #[macro_export]
 macro_rules! export {
     ($model:ty) => {
         const _: () = {
-            static EXPORT: $crate::Export<$model> = $crate::Export::new();
+            use $crate::c_api as api;
+            type Vars = <$model as $crate::Model>::Vars;
+            const TABLE: &[$crate::Variable<Vars>] = <$model as $crate::Model>::VARIABLES;
+            const _: () = $crate::__private::check::<$model>();
+            const COUNT: (usize, usize) = $crate::__private::count(TABLE);
+            const ENTRIES: &[$crate::__private::Entry<Vars>; COUNT.0] = &$crate::__private::entries(TABLE);
+            const COMPUTED: &[$crate::__private::Entry<Vars>; COUNT.1] = &$crate::__private::computed(ENTRIES);
+            static FILES: $crate::__private::Files = $crate::__private::Files::new();
+
+            impl $crate::__private::Exported for $model {
+                const INDEX: $crate::__private::Index<Vars> = $crate::__private::Index::new(ENTRIES, COMPUTED);
+                const GUID: [u8; 36] = $crate::__private::guid::<$model>();
+            }
+
+            /// The GUID of the model description, for tools that read it without running the library.
+            #[unsafe(no_mangle)]
+            #[allow(non_upper_case_globals)]
+            pub static fmi2_export_guid: [u8; 36] = <$model as $crate::__private::Exported>::GUID;
 
             #[unsafe(no_mangle)]
-            extern "Rust" fn fmi2_export_factory() -> &'static dyn $crate::Factory {
-                &EXPORT
+            unsafe extern "C" fn fmi2Instantiate(
+                name: api::fmi2String,
+                kind: api::fmi2Type,
+                guid: api::fmi2String,
+                resources: api::fmi2String,
+                functions: *const api::fmi2CallbackFunctions,
+                visible: api::fmi2Boolean,
+                logging: api::fmi2Boolean,
+            ) -> api::fmi2Component {
+                // SAFETY: the caller keeps the promises of the standard.
+                unsafe { api::instantiate::<$model>(name, kind, guid, resources, functions, visible, logging) }
             }
+
+            #[unsafe(no_mangle)]
+            unsafe extern "C" fn fmi2SetReal(
+                c: api::fmi2Component,
+                references: *const api::fmi2ValueReference,
+                count: usize,
+                values: *const api::fmi2Real,
+            ) -> api::fmi2Status {
+                // SAFETY: as above, and every instance of this library is one of this model.
+                unsafe { api::set_real::<$model>(c, references, count, values) }
+            }
+
+            #[unsafe(no_mangle)]
+            unsafe extern "C" fn fmi2GetReal(
+                c: api::fmi2Component,
+                references: *const api::fmi2ValueReference,
+                count: usize,
+                values: *mut api::fmi2Real,
+            ) -> api::fmi2Status {
+                // SAFETY: as above.
+                unsafe { api::get_real::<$model>(c, references, count, values) }
+            }
+
+            #[unsafe(no_mangle)]
+            unsafe extern "C" fn fmi2DoStep(
+                c: api::fmi2Component,
+                time: api::fmi2Real,
+                step: api::fmi2Real,
+                no_set_state_prior: api::fmi2Boolean,
+            ) -> api::fmi2Status {
+                // SAFETY: as above.
+                unsafe { api::do_step::<$model>(c, time, step, no_set_state_prior) }
+            }
+
+            /// A generated file of the FMU: `modelDescription.xml` or `documentation/index.html`; an empty path lists
+            /// them, one per line. NULL for any other path. Not part of FMI: packers read it.
+            #[unsafe(no_mangle)]
+            unsafe extern "C" fn fmi2_export_file(path: api::fmi2String) -> api::fmi2String {
+                // SAFETY: the caller gives a C string or NULL.
+                unsafe { api::file::<$model>(&FILES, path) }
+            }
+
+            const _: api::Instantiate = fmi2Instantiate;
+            const _: api::SetReal = fmi2SetReal;
+            const _: api::GetReal = fmi2GetReal;
+            const _: api::DoStep = fmi2DoStep;
         };
     };
 }

@@ -17,9 +17,18 @@ pub const OFFSET: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
 pub const GUID: usize = 36;
 
 /// A hash as 8-4-4-4-12 hexadecimal digits, without braces: importers make folders of it.
-pub fn guid(hash: u128) -> String {
-    let digits = format!("{hash:032x}");
-    [&digits[..8], &digits[8..12], &digits[12..16], &digits[16..20], &digits[20..]].join("-")
+pub const fn guid(hash: u128) -> [u8; GUID] {
+    let mut text = [b'-'; GUID];
+    let (mut digit, mut at) = (0, 0);
+    while digit < 32 {
+        if matches!(digit, 8 | 12 | 16 | 20) {
+            at += 1;
+        }
+        text[at] = b"0123456789abcdef"[(hash >> (4 * (31 - digit))) as usize % 16];
+        digit += 1;
+        at += 1;
+    }
+    text
 }
 
 #[cfg(test)]
@@ -35,6 +44,6 @@ mod tests {
 
     #[test]
     fn guid_has_the_usual_shape() {
-        assert_eq!(guid(0x0123_4567_89ab_cdef_0011_2233_4455_6677), "01234567-89ab-cdef-0011-223344556677");
+        assert_eq!(&guid(0x0123_4567_89ab_cdef_0011_2233_4455_6677), b"01234567-89ab-cdef-0011-223344556677");
     }
 }

@@ -2,13 +2,15 @@
 
 use crate::access::{Refusal, Scalar, Value};
 use crate::clock::{Clock, MAX_TICKS};
-use crate::export::{Export, Factory, Index, c_string};
+use crate::export::Exported;
+use crate::index::Entry;
 use crate::logger::{Category, Logger};
 use crate::model::{Env, Model, Start};
 use crate::phase::{Function, Phase, Status};
 use crate::slave::{Slave, TakenState};
 use crate::slope::Slope;
 use crate::snapshot::{self, Experiment, Running, Snapshot};
+use crate::text::c_string;
 use crate::variable::{Kind, Role, Variable};
 use std::ffi::{CStr, CString};
 use std::fmt::Display;
@@ -17,9 +19,7 @@ use std::path::PathBuf;
 type SnapshotOf<M> = Snapshot<<M as Model>::Vars, <M as Model>::State>;
 
 /// An instance of the model `M`.
-pub struct Instance<M: Model> {
-    export: &'static Export<M>,
-    index: Index<M::Vars>,
+pub struct Instance<M: Exported> {
     resources: Option<PathBuf>,
     logger: Logger,
     now: SnapshotOf<M>,
@@ -27,9 +27,41 @@ pub struct Instance<M: Model> {
     strings: Vec<CString>,
 }
 
-impl<M: Model> Instance<M> {
-    pub fn new(export: &'static Export<M>, resources: Option<PathBuf>, logger: Logger) -> Self {
-        Self { export, index: Index::new(M::VARIABLES), resources, logger, now: fresh::<M>(), strings: Vec::new() }
+impl<M: Exported> Instance<M> {
+    pub fn new(resources: Option<PathBuf>, logger: Logger) -> Self {
+        Self { resources, logger, now: fresh::<M>(), strings: Vec::new() }
+    }
+
+    /// fmi2SetReal of inputs, when nothing is wrong with it; otherwise `false`, and nothing has changed.
+    #[inline]
+    pub fn set_inputs(&mut self, references: &[u32], values: &[f64]) -> bool {
+        let inputs = || references.iter().map(|&reference| M::INDEX.entries.get(reference as usize)?.input);
+        if !Function::SetReal.is_allowed(self.now.phase)
+            || !inputs().zip(values).all(|(input, value)| input.is_some() && value.is_finite())
+        {
+            return false;
+        }
+        for (input, &value) in inputs().zip(values) {
+            if let Some(place) = input {
+                place.set(&mut self.now.vars, value);
+            }
+        }
+        true
+    }
+
+    /// fmi2GetReal, when nothing is wrong with it; otherwise `false`, and nothing was written.
+    #[inline]
+    pub fn get_reals(&self, references: &[u32], values: &mut [f64]) -> bool {
+        let places = || references.iter().map(|&reference| M::INDEX.entries.get(reference as usize)?.real);
+        if !Function::GetReal.is_allowed(self.now.phase) || !places().all(|place| place.is_some()) {
+            return false;
+        }
+        for (place, value) in places().zip(values) {
+            if let Some(place) = place {
+                *value = place.get(&self.now.vars);
+            }
+        }
+        true
     }
 
     /// The only way through every call: phase check, message, error phase.
@@ -38,15 +70,26 @@ impl<M: Model> Instance<M> {
         let result = if function.is_allowed(self.now.phase) { body(self) } else { Err(illegal(self.now.phase)) };
         match result {
             Ok(()) => Status::Ok,
-            Err(refusal) => self.refuse(function, refusal.status(), refusal.text()),
+            Err(refusal) => self.tell(function, refusal),
         }
+    }
+
+    #[cold]
+    fn tell(&mut self, function: Function, refusal: Refusal) -> Status {
+        self.refuse(function, refusal.status(), refusal.text())
+    }
+
+    /// fmi2DoStep
+    #[inline]
+    pub fn do_step(&mut self, time: f64, step: f64) -> Status {
+        self.call(Function::DoStep, |this| this.step(time, step))
     }
 
     /// Row and element of a value reference.
     #[inline]
     fn entry(&self, reference: u32) -> Result<(&'static Variable<M::Vars>, usize), Refusal> {
-        let entries = &self.index.entries;
-        entries.get(reference as usize).copied().ok_or_else(|| unknown(reference, entries.len()))
+        let entries = M::INDEX.entries;
+        entries.get(reference as usize).map(Entry::position).ok_or_else(|| unknown(reference, entries.len()))
     }
 
     fn get<T: Scalar<M::Vars>>(&self, reference: u32) -> Result<T, Refusal> {
@@ -104,31 +147,58 @@ impl<M: Model> Instance<M> {
         self.check_computed()
     }
 
+    #[inline]
     fn step(&mut self, time: f64, step: f64) -> Result<(), Refusal> {
-        let (Some(running), Some(experiment)) = (&mut self.now.running, self.now.experiment) else {
+        let (Some(running), Some(experiment)) = (&self.now.running, self.now.experiment) else {
             return Err(Refusal::error("the instance is not initialized"));
         };
         check_step(running, experiment.stop, time, step)?;
-        let vars = &mut self.now.vars;
-        let bases: Vec<_> = self.now.slopes.drain(..).map(|slope| Slope::new(&self.index, vars, slope)).collect();
-        let here = running.clock;
-        for tick in running.clock.advance(step) {
-            bases.iter().for_each(|slope| slope.apply(vars, here.until(tick)));
-            let time = experiment.start + here.time_of(tick);
-            let mut env = Env { time, resources: self.resources.as_deref(), logger: &self.logger };
-            M::tick(vars, &mut running.state, &mut env).map_err(|error| Refusal::error(error.to_string()))?;
+        if self.now.slopes.is_empty() {
+            self.run(experiment, step, |_, _| ())?;
+        } else {
+            self.run_with_slopes(experiment, step)?;
         }
-        bases.iter().for_each(|slope| slope.apply(vars, 0.0));
-        running.time = time + step;
+        if let Some(running) = &mut self.now.running {
+            running.time = time + step;
+        }
         self.check_computed()
     }
 
+    /// Runs the samples in a communication step; `prepare` gets the seconds from its start to each of them.
+    #[inline]
+    fn run(&mut self, experiment: Experiment, step: f64, prepare: impl Fn(&mut M::Vars, f64)) -> Result<(), Refusal> {
+        let Some(running) = &mut self.now.running else { return Ok(()) };
+        let here = running.clock;
+        for tick in running.clock.advance(step) {
+            prepare(&mut self.now.vars, here.until(tick));
+            let time = experiment.start + here.time_of(tick);
+            let mut env = Env { time, resources: self.resources.as_deref(), logger: &self.logger };
+            let done = M::tick(&mut self.now.vars, &mut running.state, &mut env);
+            done.map_err(|error| Refusal::error(error.to_string()))?;
+        }
+        Ok(())
+    }
+
+    #[cold]
+    fn run_with_slopes(&mut self, experiment: Experiment, step: f64) -> Result<(), Refusal> {
+        let slope = |(reference, slope): (u32, f64)| {
+            let place = M::INDEX.entries[reference as usize].real?;
+            Some(Slope::new(place, &self.now.vars, slope))
+        };
+        let slopes: Vec<_> = std::mem::take(&mut self.now.slopes).into_iter().filter_map(slope).collect();
+        self.run(experiment, step, |vars, after| slopes.iter().for_each(|slope| slope.apply(vars, after)))?;
+        slopes.iter().for_each(|slope| slope.apply(&mut self.now.vars, 0.0));
+        Ok(())
+    }
+
     /// No NaN leaves an FMU: names the first value that is not finite.
+    #[inline]
     fn check_computed(&self) -> Result<(), Refusal> {
-        for &(row, element) in &self.index.computed {
-            let value = <f64 as Scalar<M::Vars>>::read(row, &self.now.vars, element).unwrap_or_default();
-            if !value.is_finite() {
-                return Err(Refusal::error(format!("the model computed `{}` = {value}", row.element_name(element))));
+        for entry in M::INDEX.computed {
+            if let Some(place) = entry.real
+                && !place.get(&self.now.vars).is_finite()
+            {
+                return Err(not_finite(entry, place.get(&self.now.vars)));
             }
         }
         Ok(())
@@ -137,11 +207,9 @@ impl<M: Model> Instance<M> {
     /// Puts start values where a failed step left numbers that are not finite.
     fn make_finite(&mut self) {
         let start = fresh::<M>().vars;
-        for &(row, element) in &self.index.computed {
-            if let Kind::Real { get, set, .. } = row.kind
-                && !get(&self.now.vars, element).is_finite()
-            {
-                set(&mut self.now.vars, element, get(&start, element));
+        for place in M::INDEX.computed.iter().filter_map(|entry| entry.real) {
+            if !place.get(&self.now.vars).is_finite() {
+                place.set(&mut self.now.vars, place.get(&start));
             }
         }
     }
@@ -172,7 +240,7 @@ impl<M: Model> Instance<M> {
 
     /// Restored bytes may hold any numbers: takes only such as the instance could have reached.
     fn check_restored(&self, restored: &SnapshotOf<M>) -> Result<(), Refusal> {
-        for &(row, element) in &self.index.entries {
+        for (row, element) in M::INDEX.entries.iter().map(Entry::position) {
             if let Some(value) = <f64 as Scalar<M::Vars>>::read(row, &restored.vars, element) {
                 value.verify(row, element)?;
             }
@@ -182,7 +250,18 @@ impl<M: Model> Instance<M> {
     }
 }
 
-fn check_step<S>(running: &Running<S>, stop: Option<f64>, time: f64, step: f64) -> Result<(), Refusal> {
+#[inline]
+fn check_step<S>(running: &Running<S>, stop: f64, time: f64, step: f64) -> Result<(), Refusal> {
+    let clock = &running.clock;
+    let possible = clock.is_usual(step) || (step > 0.0 && step.is_finite() && step <= MAX_TICKS * clock.period);
+    // `<`, because an infinite time makes an infinite tolerance
+    let expected = (time - running.time).abs() < 0.01 * step + 1e-9 * time.abs();
+    if possible && expected && time + step <= stop { Ok(()) } else { examine_step(running, stop, time, step) }
+}
+
+/// Finds what is wrong with a step, if anything is.
+#[cold]
+fn examine_step<S>(running: &Running<S>, stop: f64, time: f64, step: f64) -> Result<(), Refusal> {
     if !(step > 0.0 && step.is_finite()) {
         return Err(Refusal::error(format!("the communication step {step} s is not positive")));
     }
@@ -197,15 +276,14 @@ fn check_step<S>(running: &Running<S>, stop: Option<f64>, time: f64, step: f64) 
         let text = format!("the communication point {time} s is not the end of the last step, {expected} s");
         return Err(Refusal::error(text));
     }
-    match stop {
-        Some(stop) if time + step > stop + 1e-6 * step + 1e-9 * stop.abs() => {
-            Err(Refusal::error(format!("the step from {time} s by {step} s passes the stop time {stop} s")))
-        }
-        _ => Ok(()),
+    if time + step > stop + 1e-6 * step + 1e-9 * stop.abs() {
+        let text = format!("the step from {time} s by {step} s passes the stop time {stop} s");
+        return Err(Refusal::error(text));
     }
+    Ok(())
 }
 
-fn fresh<M: Model>() -> SnapshotOf<M> {
+fn fresh<M: Exported>() -> SnapshotOf<M> {
     let mut vars = M::Vars::START;
     for row in M::VARIABLES {
         if let Kind::Text { set, start, .. } = row.kind {
@@ -229,6 +307,12 @@ fn unknown(reference: u32, count: usize) -> Refusal {
 }
 
 #[cold]
+fn not_finite<V>(entry: &Entry<V>, value: f64) -> Refusal {
+    let (row, element) = entry.position();
+    Refusal::error(format!("the model computed `{}` = {value}", row.element_name(element)))
+}
+
+#[cold]
 fn forbidden<V>(row: &Variable<V>, element: usize, value: impl Display, reason: &str) -> Refusal {
     Refusal::error(format!("`{}` = {value}: {reason}", row.element_name(element)))
 }
@@ -243,7 +327,7 @@ fn wrong_type<V>(row: &Variable<V>, kind: &str) -> Refusal {
     Refusal::error(format!("`{}` is of type {own}, not {kind}; hint: fmi2Get{hint}, fmi2Set{hint}", row.name))
 }
 
-impl<M: Model> Slave for Instance<M> {
+impl<M: Exported> Slave for Instance<M> {
     fn set_debug_logging(&mut self, on: bool, categories: &[&str]) -> Status {
         self.call(Function::SetDebugLogging, |this| this.logger.configure(on, categories).map_err(Refusal::error))
     }
@@ -253,9 +337,8 @@ impl<M: Model> Slave for Instance<M> {
             if !start.is_finite() {
                 return Err(Refusal::error(format!("the start time {start} s is not finite")));
             }
-            if let Some(stop) = stop
-                && (stop.is_nan() || stop < start)
-            {
+            let stop = stop.unwrap_or(f64::INFINITY);
+            if stop.is_nan() || stop < start {
                 return Err(Refusal::error(format!("the stop time {stop} s is before the start time {start} s")));
             }
             this.now.experiment = Some(Experiment { start, stop });
@@ -344,10 +427,6 @@ impl<M: Model> Slave for Instance<M> {
         self.call(Function::SetRealInputDerivatives, |this| this.set_slopes(references, orders, values))
     }
 
-    fn do_step(&mut self, time: f64, step: f64) -> Status {
-        self.call(Function::DoStep, |this| this.step(time, step))
-    }
-
     fn last_successful_time(&mut self, value: &mut f64) -> Status {
         self.call(Function::GetRealStatus, |this| match &this.now.running {
             Some(running) => {
@@ -374,14 +453,14 @@ impl<M: Model> Slave for Instance<M> {
 
     fn serialize(&mut self, function: Function, state: &TakenState, bytes: &mut Vec<u8>) -> Status {
         self.call(function, |this| {
-            *bytes = snapshot::to_bytes(this.export.guid(), this.taken(state)?).map_err(Refusal::error)?;
+            *bytes = snapshot::to_bytes(M::guid(), this.taken(state)?).map_err(Refusal::error)?;
             Ok(())
         })
     }
 
     fn deserialize(&mut self, bytes: &[u8], slot: &mut Option<TakenState>) -> Status {
         self.call(Function::DeSerializeFMUstate, |this| {
-            let restored: SnapshotOf<M> = snapshot::from_bytes(this.export.guid(), bytes).map_err(Refusal::error)?;
+            let restored: SnapshotOf<M> = snapshot::from_bytes(M::guid(), bytes).map_err(Refusal::error)?;
             this.check_restored(&restored)?;
             *slot = Some(Box::new(restored));
             Ok(())

@@ -42,7 +42,7 @@
 //! # fn main() {}
 //! ```
 //!
-//! All `unsafe` code is in [`c_api`]; every other module is safe Rust.
+//! All `unsafe` code is in [`c_api`] and `place`; every other module is safe Rust.
 //!
 //! Timing: the model ticks at `start + n * period`. A communication step `[t, t + h)` runs every
 //! tick that lies in it, with the inputs set at `t`; outputs are held between ticks.
@@ -55,18 +55,23 @@ mod clock;
 mod documentation;
 mod enumeration;
 mod export;
+mod files;
+mod guid;
 mod hash;
 mod hook;
+mod index;
 mod instance;
 mod logger;
 mod model;
 mod model_description;
 mod phase;
+mod place;
 mod readme;
 mod resources;
 mod slave;
 mod slope;
 mod snapshot;
+mod text;
 pub mod units;
 mod variable;
 mod xml;
@@ -74,13 +79,24 @@ mod xml;
 #[doc(hidden)]
 pub use check::variable as check_variable;
 pub use enumeration::{EnumType, Enumeration, Item};
-pub use export::{Export, Factory};
 pub use fmi2_export_macros::interface;
-pub use logger::{Callback, Category, Logger};
 pub use model::{Env, Error, Info, Interface, Model, Start};
-pub use phase::Status;
 pub use readme::{assert_readme, markdown};
 pub use serde;
-pub use slave::Slave;
 pub use units::{DisplayUnit, Unit};
 pub use variable::Variable;
+
+/// What the code that [`export!`] makes works with.
+#[doc(hidden)]
+pub mod __private {
+    pub use crate::export::Exported;
+    pub use crate::files::Files;
+    pub use crate::guid::of as guid;
+    pub use crate::index::{Entry, Index, computed, count, entries};
+
+    /// Checks a model's table and facts; a wrong one does not compile.
+    pub const fn check<M: crate::Model>() {
+        crate::check::table(M::VARIABLES);
+        crate::check::info(&M::INFO);
+    }
+}

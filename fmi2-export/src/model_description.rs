@@ -1,24 +1,17 @@
 //! `modelDescription.xml` from the variable table (FMI 2.0.5, chapter 2.2, in schema order).
 
 use crate::enumeration::EnumType;
-use crate::hash;
+use crate::export::Exported;
 use crate::logger::Category;
-use crate::model::{Info, Model};
+use crate::model::Info;
 use crate::units::{self, Unit};
 use crate::variable::{Kind, Role, Variable};
 use crate::xml::{Writer, real};
 
-/// The document and its GUID: a hash of the document (without the GUID) and the state version.
-pub fn write<M: Model>() -> (String, String) {
-    let anonymous = document::<M>("");
-    let hash = hash::fnv1a(hash::OFFSET, anonymous.as_bytes());
-    let guid = hash::guid(hash::fnv1a(hash, &M::INFO.state_version.to_le_bytes()));
-    (document::<M>(&guid), guid)
-}
-
-fn document<M: Model>(guid: &str) -> String {
+/// The document.
+pub fn write<M: Exported>() -> String {
     let mut xml = Writer::new("<?xml version=\"1.0\" encoding=\"UTF-8\"?>");
-    head(&mut xml, &M::INFO, guid);
+    head(&mut xml, &M::INFO, M::guid());
     capabilities(&mut xml, &M::INFO);
     unit_definitions(&mut xml, M::VARIABLES);
     type_definitions(&mut xml, M::VARIABLES);
@@ -216,7 +209,7 @@ fn structure<V>(xml: &mut Writer, table: &[Variable<V>]) {
 }
 
 /// All rows with their elements in the order of their value references.
-pub fn elements<V>(table: &[Variable<V>]) -> impl Iterator<Item = (&Variable<V>, usize)> {
+fn elements<V>(table: &[Variable<V>]) -> impl Iterator<Item = (&Variable<V>, usize)> {
     table.iter().flat_map(|row| (0..row.len()).map(move |element| (row, element)))
 }
 

@@ -39,8 +39,6 @@ pub trait Slave: Send {
     fn set_string(&mut self, references: &[u32], values: &[&str]) -> Status;
     /// fmi2SetRealInputDerivatives
     fn set_input_derivatives(&mut self, references: &[u32], orders: &[i32], values: &[f64]) -> Status;
-    /// fmi2DoStep
-    fn do_step(&mut self, time: f64, step: f64) -> Status;
     /// fmi2GetRealStatus with fmi2LastSuccessfulTime
     fn last_successful_time(&mut self, value: &mut f64) -> Status;
     /// fmi2GetFMUstate

@@ -1,27 +1,21 @@
 //! Inputs with a first derivative: extrapolated to the samples inside a communication step.
 
-use crate::export::Index;
-use crate::variable::Kind;
+use crate::place::Place;
 
 /// A Real input that is extrapolated inside a step.
-pub struct Slope<V: 'static> {
-    set: fn(&mut V, usize, f64),
-    element: usize,
+pub struct Slope<V> {
+    place: Place<V, f64>,
     base: f64,
     slope: f64,
 }
 
 impl<V> Slope<V> {
-    pub fn new(index: &Index<V>, vars: &V, (reference, slope): (u32, f64)) -> Self {
-        let (row, element) = index.entries[reference as usize];
-        match row.kind {
-            Kind::Real { get, set, .. } => Self { set, element, base: get(vars, element), slope },
-            _ => unreachable!("derivatives are accepted for Real inputs only"),
-        }
+    pub fn new(place: Place<V, f64>, vars: &V, slope: f64) -> Self {
+        Self { place, base: place.get(vars), slope }
     }
 
     /// Sets the input to its value `after` seconds from the start of the step.
     pub fn apply(&self, vars: &mut V, after: f64) {
-        (self.set)(vars, self.element, self.base + self.slope * after);
+        self.place.set(vars, self.base + self.slope * after);
     }
 }

@@ -31,7 +31,8 @@ pub struct Running<S> {
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Experiment {
     pub start: f64,
-    pub stop: Option<f64>,
+    /// Infinity when there is none.
+    pub stop: f64,
 }
 
 const MAGIC: &[u8; 8] = b"FMU2ST\x01\n";

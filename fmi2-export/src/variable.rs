@@ -1,6 +1,7 @@
 //! The variable table: one row per variable, written once, checked when it is compiled.
 
 use crate::enumeration::EnumType;
+use crate::place::Place;
 use crate::units::Unit;
 
 /// One row of the table: name, accessors, role, unit, range, start value and text.
@@ -38,12 +39,12 @@ impl Role {
     }
 }
 
-/// Accessors of a variable in `V`; the number is the element of an array.
+/// Where a variable lies in `V`, or its accessors.
 #[derive(Debug)]
 pub(crate) enum Kind<V: 'static> {
-    Real { get: fn(&V, usize) -> f64, set: fn(&mut V, usize, f64), start: &'static [f64], real: Real },
-    Integer { get: fn(&V, usize) -> i32, set: fn(&mut V, usize, i32), start: &'static [i32], min: i32, max: i32 },
-    Boolean { get: fn(&V, usize) -> bool, set: fn(&mut V, usize, bool), start: &'static [bool] },
+    Real { place: Place<V, f64>, start: &'static [f64], real: Real },
+    Integer { place: Place<V, i32>, start: &'static [i32], min: i32, max: i32 },
+    Boolean { place: Place<V, bool>, start: &'static [bool] },
     Text { get: fn(&V) -> &str, set: fn(&mut V, &str), start: &'static str },
     Choice { get: fn(&V) -> i32, set: fn(&mut V, i32), start: i32, ty: &'static EnumType },
 }
@@ -71,43 +72,31 @@ impl<V> Kind<V> {
     }
 }
 
-/// Constructors for the macros of this module.
+/// Constructors for the macros of this module. `start` is a field of `base`, the start values of `V`: from the two follows
+/// where the field lies.
 #[doc(hidden)]
 impl<V> Variable<V> {
     const fn new(name: &'static str, size: Option<usize>, kind: Kind<V>) -> Self {
         Self { name, role: None, description: "", source: "", paper: None, size, kind }
     }
 
-    pub const fn new_real(
-        name: &'static str,
-        size: Option<usize>,
-        start: &'static [f64],
-        get: fn(&V, usize) -> f64,
-        set: fn(&mut V, usize, f64),
-    ) -> Self {
+    pub const fn new_real(name: &'static str, size: Option<usize>, base: &'static V, start: &'static [f64]) -> Self {
         let (min, max) = (f64::NEG_INFINITY, f64::INFINITY);
         let real = Real { min, max, nominal: 1.0, unit: None, display: None, accepts_nan: false };
-        Self::new(name, size, Kind::Real { get, set, start, real })
+        Self::new(name, size, Kind::Real { place: Place::of(base, start), start, real })
     }
 
-    pub const fn new_integer(
-        name: &'static str,
-        size: Option<usize>,
-        start: &'static [i32],
-        get: fn(&V, usize) -> i32,
-        set: fn(&mut V, usize, i32),
-    ) -> Self {
-        Self::new(name, size, Kind::Integer { get, set, start, min: i32::MIN, max: i32::MAX })
+    pub const fn new_integer(name: &'static str, size: Option<usize>, base: &'static V, start: &'static [i32]) -> Self {
+        Self::new(name, size, Kind::Integer { place: Place::of(base, start), start, min: i32::MIN, max: i32::MAX })
     }
 
     pub const fn new_boolean(
         name: &'static str,
         size: Option<usize>,
+        base: &'static V,
         start: &'static [bool],
-        get: fn(&V, usize) -> bool,
-        set: fn(&mut V, usize, bool),
     ) -> Self {
-        Self::new(name, size, Kind::Boolean { get, set, start })
+        Self::new(name, size, Kind::Boolean { place: Place::of(base, start), start })
     }
 
     pub const fn new_text(name: &'static str, get: fn(&V) -> &str, set: fn(&mut V, &str)) -> Self {
@@ -321,29 +310,36 @@ macro_rules! choice {
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __row {
-    ($new:ident $vars:ident $(. $group:ident)* => $first:ident $(. $rest:ident)*) => {
+    ($new:ident $vars:ident $(. $group:ident)* => $first:ident $(. $rest:ident)* $([ $size:expr ])?) => {{
+        const START: &$vars = &<$vars as $crate::Start>::START;
         $crate::Variable::<$vars>::$new(
             $crate::__name!($first $(. $rest)*),
-            None,
-            {
-                const START: &$vars = &<$vars as $crate::Start>::START;
-                ::core::slice::from_ref(&START $(.$group)* .$first $(.$rest)*)
-            },
-            |vars, _| vars $(.$group)* .$first $(.$rest)*,
-            |vars, _, value| vars $(.$group)* .$first $(.$rest)* = value,
+            $crate::__size!($($size)?),
+            START,
+            $crate::__elements!(&START $(.$group)* .$first $(.$rest)* $(, $size)?),
         )
+    }};
+}
+
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __size {
+    () => {
+        None
     };
-    ($new:ident $vars:ident $(. $group:ident)* => $first:ident $(. $rest:ident)* [ $size:expr ]) => {
-        $crate::Variable::<$vars>::$new(
-            $crate::__name!($first $(. $rest)*),
-            Some($size),
-            {
-                const START: &$vars = &<$vars as $crate::Start>::START;
-                &START $(.$group)* .$first $(.$rest)*
-            },
-            |vars, i| vars $(.$group)* .$first $(.$rest)* [i],
-            |vars, i, value| vars $(.$group)* .$first $(.$rest)* [i] = value,
-        )
+    ($size:expr) => {
+        Some($size)
+    };
+}
+
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __elements {
+    ($field:expr) => {
+        ::core::slice::from_ref($field)
+    };
+    ($field:expr, $size:expr) => {
+        $field
     };
 }
 

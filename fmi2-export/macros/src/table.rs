@@ -95,26 +95,11 @@ fn new(row: &Row) -> TokenStream {
             };
         }
     };
-    match row.length {
-        None => quote! {
-            ::fmi2_export::Variable::<Vars>::#new(
-                #name,
-                ::core::option::Option::None,
-                ::core::slice::from_ref(&START.#access),
-                |vars, _| vars.#access,
-                |vars, _, value| vars.#access = value,
-            )
-        },
-        Some(length) => quote! {
-            ::fmi2_export::Variable::<Vars>::#new(
-                #name,
-                ::core::option::Option::Some(#length),
-                &START.#access,
-                |vars, i| vars.#access[i],
-                |vars, i, value| vars.#access[i] = value,
-            )
-        },
-    }
+    let (size, elements) = match row.length {
+        None => (quote!(None), quote!(::core::slice::from_ref(&START.#access))),
+        Some(length) => (quote!(Some(#length)), quote!(&START.#access)),
+    };
+    quote!(::fmi2_export::Variable::<Vars>::#new(#name, ::core::option::Option::#size, START, #elements))
 }
 
 fn role(row: &Row) -> TokenStream {

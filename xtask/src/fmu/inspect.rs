@@ -48,8 +48,8 @@ pub const FMI2_FUNCTIONS: [&str; 34] = [
     "fmi2Terminate",
 ];
 
-// what `fmi2-export` adds: the files of the FMU, and the seam between the C functions and the model
-const OWN_FUNCTIONS: [&str; 2] = ["fmi2_export_factory", "fmi2_export_file"];
+// what `fmi2-export` adds: the files of the FMU, and its GUID
+const OWN_FUNCTIONS: [&str; 2] = ["fmi2_export_file", "fmi2_export_guid"];
 
 // the parts of the GNU C library, and nothing else
 const SYSTEM_LIBRARIES: &[&str] = &["libc.so.", "libm.so.", "libdl.so.", "libpthread.so.", "librt.so.", "ld-linux"];
