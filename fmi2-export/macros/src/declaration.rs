@@ -21,6 +21,7 @@ pub struct Group {
     pub attributes: Vec<Attribute>,
     pub visibility: Visibility,
     pub name: Ident,
+    pub docs: String,
     pub root: Option<Root>,
     pub fields: Vec<Field>,
 }
@@ -228,7 +229,8 @@ impl Group {
         let mut errors = Errors::default();
         let fields = fields.named.into_iter().filter_map(|field| errors.keep(Field::read(field, names))).collect();
         errors.end()?;
-        Ok(Self { attributes, visibility: item.vis, name: item.ident, root, fields })
+        let docs = docs(&attributes);
+        Ok(Self { attributes, visibility: item.vis, name: item.ident, docs, root, fields })
     }
 
     /// Whether a field is, or holds, something without a copy.

@@ -106,7 +106,13 @@ fn structure(declaration: &Declaration, group: &Group, papers: &[Ident]) -> Toke
     let derives = derives(group.root.is_none() && group.is_copy(declaration));
     let members = fields.iter().map(|field| {
         let Field { attributes, visibility, name, ty, .. } = field;
-        quote!(#(#attributes)* #visibility #name: #ty)
+        // a group is told where it is declared
+        let docs = match &field.shape {
+            Shape::Group(ty) | Shape::Repeated(ty, _) if field.docs.is_empty() => Some(&declaration.group(ty).docs),
+            _ => None,
+        };
+        let docs = docs.map(|docs| quote!(#[doc = #docs]));
+        quote!(#docs #(#attributes)* #visibility #name: #ty)
     });
     let start = constant(declaration, group, &format_ident!("START"), "Start values.");
     let paper = papers.contains(name).then(|| {
@@ -253,7 +259,7 @@ fn in_force(declaration: &Declaration, rows: &[Row]) -> Option<TokenStream> {
     };
     let ways: Vec<_> =
         rows.iter().filter(|row| row.field.var.paper.is_some()).filter(first).map(|row| &row.way).collect();
-    if ways.is_empty() {
+    if !rows.iter().any(|row| row.field.var.paper.is_some()) {
         return None;
     }
     let (name, visibility) = (&group.name, &group.visibility);
@@ -263,6 +269,7 @@ fn in_force(declaration: &Declaration, rows: &[Row]) -> Option<TokenStream> {
             /// The parameters in force: where `law` is `Paper`, each parameter that the paper sets otherwise and that
             /// still has its start value takes the value of the paper.
             #visibility fn in_force(&self) -> Self {
+                #[allow(unused_mut, reason = "the paper may differ in its law alone")]
                 let mut parameters = self.clone();
                 if parameters.law == #law::Paper {
                     #(if parameters.#ways == Self::START.#ways {

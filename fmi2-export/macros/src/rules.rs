@@ -59,7 +59,7 @@ fn check_field(field: &Field, errors: &mut Errors) {
     let group = matches!(field.shape, Shape::Group(_) | Shape::Repeated(..));
     let at = Some(field.name.span());
     let start = var.start.as_ref().map(syn::spanned::Spanned::span);
-    must(!field.docs.is_empty(), at, "needs a description: a doc comment");
+    must(group || !field.docs.is_empty(), at, "needs a description: a doc comment");
     must(!matches!(field.visibility, syn::Visibility::Inherited), at, "must be `pub`: the law reads it");
     must(real, var.unit.as_ref().map(|unit| unit.span), "only a Real (f64) has a unit");
     must(real, var.nominal.as_ref().map(syn::spanned::Spanned::span), "only a Real (f64) has a nominal value");
