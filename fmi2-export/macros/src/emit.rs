@@ -106,13 +106,7 @@ fn structure(declaration: &Declaration, group: &Group, papers: &[Ident]) -> Toke
     let derives = derives(group.root.is_none() && group.is_copy(declaration));
     let members = fields.iter().map(|field| {
         let Field { attributes, visibility, name, ty, .. } = field;
-        // a group is told where it is declared
-        let docs = match &field.shape {
-            Shape::Group(ty) | Shape::Repeated(ty, _) if field.docs.is_empty() => Some(&declaration.group(ty).docs),
-            _ => None,
-        };
-        let docs = docs.map(|docs| quote!(#[doc = #docs]));
-        quote!(#docs #(#attributes)* #visibility #name: #ty)
+        quote!(#(#attributes)* #visibility #name: #ty)
     });
     let start = constant(declaration, group, &format_ident!("START"), "Start values.");
     let paper = papers.contains(name).then(|| {
@@ -257,8 +251,8 @@ fn in_force(declaration: &Declaration, rows: &[Row]) -> Option<TokenStream> {
         (Some(component), Some(fields)) => fields.names.first() == Some(component),
         _ => true,
     };
-    let ways: Vec<_> =
-        rows.iter().filter(|row| row.field.var.paper.is_some()).filter(first).map(|row| &row.way).collect();
+    let differs = |row: &&Row| row.field.var.paper.is_some() && row.name != "law";
+    let takes = rows.iter().filter(differs).filter(first).map(take_paper);
     if !rows.iter().any(|row| row.field.var.paper.is_some()) {
         return None;
     }
@@ -272,12 +266,30 @@ fn in_force(declaration: &Declaration, rows: &[Row]) -> Option<TokenStream> {
                 #[allow(unused_mut, reason = "the paper may differ in its law alone")]
                 let mut parameters = self.clone();
                 if parameters.law == #law::Paper {
-                    #(if parameters.#ways == Self::START.#ways {
-                        parameters.#ways = Self::PAPER.#ways;
-                    })*
+                    #(#takes)*
                 }
                 parameters
             }
         }
     })
+}
+
+/// Puts the value of the paper into a parameter that has its start value.
+fn take_paper(row: &Row) -> TokenStream {
+    let (way, var) = (&row.way, &row.field.var);
+    // the table holds the start value of a String
+    if *row.kind == Kind::Text {
+        let start = var.start.as_ref().map_or_else(|| quote!(""), |start| quote!(#start));
+        let paper = &var.paper;
+        return quote! {
+            if parameters.#way == #start {
+                parameters.#way = ::std::string::String::from(#paper);
+            }
+        };
+    }
+    quote! {
+        if parameters.#way == Self::START.#way {
+            parameters.#way = Self::PAPER.#way;
+        }
+    }
 }

@@ -59,7 +59,7 @@ fn check_field(field: &Field, errors: &mut Errors) {
     let group = matches!(field.shape, Shape::Group(_) | Shape::Repeated(..));
     let at = Some(field.name.span());
     let start = var.start.as_ref().map(syn::spanned::Spanned::span);
-    must(group || !field.docs.is_empty(), at, "needs a description: a doc comment");
+    must(!field.docs.is_empty(), at, "needs a description: a doc comment");
     must(!matches!(field.visibility, syn::Visibility::Inherited), at, "must be `pub`: the law reads it");
     must(real, var.unit.as_ref().map(|unit| unit.span), "only a Real (f64) has a unit");
     must(real, var.nominal.as_ref().map(syn::spanned::Spanned::span), "only a Real (f64) has a nominal value");
@@ -67,14 +67,9 @@ fn check_field(field: &Field, errors: &mut Errors) {
     must(real || kind == Some(&Kind::Integer), var.range.as_ref().map(|range| range.span), "only a number has a range");
     must(!group, start, "a group starts as its fields do");
     must(
-        kind.is_some(),
+        !group,
         var.paper.as_ref().map(syn::spanned::Spanned::span),
-        "only a variable has a value of the paper",
-    );
-    must(
-        kind != Some(&Kind::Text),
-        var.paper.as_ref().map(syn::spanned::Spanned::span),
-        "a String has no value of the paper",
+        "a group has no value of the paper, its fields have",
     );
     must(start.is_some() || kind.is_some() || group, at, "what is no variable needs `start = ...`");
     let flags = var.flags.len();

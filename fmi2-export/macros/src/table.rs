@@ -116,7 +116,7 @@ fn role(row: &Row) -> TokenStream {
 
 /// The paper's value as a number, for the documentation.
 fn paper(row: &Row) -> Option<TokenStream> {
-    row.field.var.paper.as_ref()?;
+    row.field.var.paper.as_ref().filter(|_| *row.kind != Kind::Text)?;
     let way = &row.way;
     let component = row.component.map(|component| quote!(.#component));
     let element = row.length.map(|_| quote!([0]));
