@@ -71,7 +71,7 @@ fn life_of(fmu: &Fmu) -> Result<()> {
 /// Times of save and restore after half of the run.
 fn state(recording: &Recording, fmu: &Fmu, checked: &Fmu, effort: &Effort) -> Result<Pair> {
     let (slave, mut outputs) = (Slave::start(fmu, &recording.start)?, vec![0.0; recording.outputs.len()]);
-    for row in 0..recording.len() / 2 {
+    for row in 0..recording.count() / 2 {
         recording.switch(&slave, row)?;
         ensure!(recording.replay(&slave, row..row + 1, &mut outputs) == 0, "a call of the FMU failed");
     }

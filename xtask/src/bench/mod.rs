@@ -57,7 +57,7 @@ pub fn run(workspace: &Workspace, effort: &Effort, scenarios: &[String]) -> Resu
         for scenario in demo::loops(workspace)? {
             rows.extend(loop_rows(workspace, &scenario, &checked, effort)?);
             let paper = format!("{scenario}/paper");
-            if effort.full && workspace.path(&format!("scenarios/{paper}.toml")).is_file() {
+            if effort.full && workspace.path(format!("scenarios/{paper}.toml")).is_file() {
                 rows.extend(controller_rows(workspace, &paper, &checked, effort)?);
             }
         }

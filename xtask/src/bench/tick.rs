@@ -55,7 +55,7 @@ fn windows<'a>(recording: &Recording, slave: &'a Slave) -> Result<Vec<(String, R
     let start = slave.snapshot()?;
     let (mut open, mut kept) = (recording.windows(), Vec::new());
     let mut outputs = vec![0.0; recording.outputs.len()];
-    for row in 0..recording.len() {
+    for row in 0..recording.count() {
         recording.switch(slave, row)?;
         for (state, rows) in open.extract_if(.., |(_, rows)| rows.start == row) {
             kept.push((state, rows, slave.snapshot()?));
@@ -71,7 +71,7 @@ fn windows<'a>(recording: &Recording, slave: &'a Slave) -> Result<Vec<(String, R
 /// The sample that costs most, and leaves the FMU where it was; of each sample minimum and median count.
 fn slowest(recording: &Recording, slave: &Slave, effort: &Effort) -> Result<Summary> {
     let start = slave.snapshot()?;
-    let mut costs = vec![Samples::default(); recording.len()];
+    let mut costs = vec![Samples::default(); recording.count()];
     let mut outputs = vec![0.0; recording.outputs.len()];
     for _ in 0..effort.repeats.min(MOST_REPLAYS) {
         start.restore()?;
