@@ -1,8 +1,6 @@
-//! The closed loop itself: state bytes, reproducibility, cost.
+//! The closed loop itself: state bytes, reproducibility.
 
 mod ring;
-
-use std::time::Instant;
 
 use fmu_centering::controller::Controller;
 use fmu_centering::machine::State;
@@ -42,27 +40,4 @@ fn same_seed_same_numbers() {
         (0..20_000).map(step).collect::<Vec<u64>>()
     };
     assert!(trace() == trace());
-}
-
-/// `cargo test --release -p fmu-centering --test loop -- --ignored --nocapture`
-#[test]
-#[ignore = "a measurement: cost of one tick"]
-fn tick_takes_less_than_a_microsecond() {
-    for state in [State::Collect, State::Wait, State::Centred] {
-        let mut run = Loop::new(&P, Ring::new(3, 1e-4, 0.5));
-        assert!(run.run_to(state, 60.0));
-        let mut controller = run.controller.clone();
-        let mut inputs = Vec::new();
-        (0..500).for_each(|_| run.step_with(|input| inputs.push(input.clone())));
-        let (mut best, mut sum) = (f64::INFINITY, 0.0);
-        // the best of many short runs: other programs cost time, too
-        for inputs in inputs.chunks(100) {
-            let begin = Instant::now();
-            inputs.iter().for_each(|input| sum += controller.tick(&P, 0.0, input).slide.position_setpoint);
-            best = best.min(begin.elapsed().as_secs_f64() / inputs.len() as f64);
-        }
-        assert!(sum.is_finite());
-        println!("{state:?}: {:.0} ns", 1e9 * best);
-        assert!(best < 1e-6, "{best} s");
-    }
 }

@@ -1,11 +1,8 @@
-//! The closed loop itself: tracking, mirror image, state bytes, reproducibility, cost.
+//! The closed loop itself: tracking, mirror image, state bytes, reproducibility.
 
 mod slide;
 
-use std::time::Instant;
-
 use fmu_dob::controller::Controller;
-use fmu_dob::detector::DetectorKind;
 use fmu_dob::machine::State;
 use fmu_dob::parameters::Parameters;
 use fmu_dob::signals::{Input, Output};
@@ -126,40 +123,4 @@ fn same_seed_same_numbers() {
         (0..12_000).map(step).collect::<Vec<u64>>()
     };
     assert!(trace() == trace());
-}
-
-/// `cargo test --release -p fmu-dob --test loop -- --ignored --nocapture`
-#[test]
-#[ignore = "a measurement: cost of one tick"]
-fn tick_takes_less_than_a_microsecond() {
-    for detector in [DetectorKind::Slope, DetectorKind::MultiSlope, DetectorKind::Cusum, DetectorKind::Glr] {
-        let p = Parameters { detector, ..Parameters::DEFAULT };
-        let mut run = Loop::new(&p, 36, 1.0);
-        // the Kalman gain settles at the beginning of the approach
-        assert!(run.run_to(State::Approach, 2.0));
-        let settling = cost(&p, &mut run, 1_900);
-        assert!(run.run_to(State::Detect, 2.0));
-        let armed = cost(&p, &mut run, 100_000);
-        println!("{detector:?}: {:.0} ns, while settling {:.0} ns", 1e9 * armed, 1e9 * settling);
-        assert!(armed < 1e-6, "{armed} s");
-    }
-}
-
-/// Cost of one tick (s): `ticks` steps of the loop, then the same inputs to a copy of the controller.
-fn cost(p: &Parameters, run: &mut Loop, ticks: usize) -> f64 {
-    let mut controller = run.controller.clone();
-    let (mut inputs, mut expected) = (Vec::new(), 0.0);
-    for _ in 0..ticks {
-        run.step_with(|input| inputs.push(input.clone()));
-        expected += run.output.current;
-    }
-    let (mut best, mut sum) = (f64::INFINITY, 0.0);
-    // the best of many short runs: other programs cost time, too
-    for inputs in inputs.chunks(100) {
-        let begin = Instant::now();
-        inputs.iter().for_each(|input| sum += controller.tick(p, 0.0, input).current);
-        best = best.min(begin.elapsed().as_secs_f64() / inputs.len() as f64);
-    }
-    assert_eq!(sum, expected);
-    best
 }

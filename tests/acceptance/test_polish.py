@@ -5,7 +5,6 @@ The large samples run with `pytest -m full -rP tests/acceptance/test_polish.py`:
 
 import functools
 import math
-import time
 
 import numpy as np
 import pytest
@@ -276,16 +275,6 @@ def test_the_plant_step_hardly_matters() -> None:
     print(coarse, fine, sep="\n")
     assert fine.gain == pytest.approx(coarse.gain, rel=0.02)
     assert fine.force.std() == pytest.approx(coarse.force.std(), abs=0.01)
-
-
-@pytest.mark.full
-def test_the_reference_loop_is_three_times_faster_than_real_time() -> None:
-    with cosim.Session(cosim.load("polish", set=["loop.duration=4.0"])) as session:
-        begin = time.process_time()
-        simulated = session.run().simulated_s
-        factor = simulated / (time.process_time() - begin)
-    print(f"{factor:.1f} times real time, by the time of the processor")
-    assert factor >= 3.0
 
 
 def test_same_seed_same_bytes() -> None:

@@ -4,6 +4,7 @@
  * in which a call is legal, known value references, finite numbers, and time that goes on where it stopped. */
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "fmi2Functions.h"
 
@@ -75,5 +76,36 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step, fmi2Boolean
     REQUIRE(fabs(time - model->time) <= 1e-2 * step + 1e-9 * fabs(time));
     model->values[Y] = model->values[U];
     model->time = time + step;
+    return fmi2OK;
+}
+
+fmi2Status fmi2Terminate(fmi2Component c) {
+    Model *model = c;
+    (void)model;
+    REQUIRE(model && model->state == STEPPING);
+    return fmi2OK;
+}
+
+fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state) {
+    REQUIRE(c && state);
+    if (!*state) {
+        *state = malloc(sizeof(Model));
+        REQUIRE(*state);
+    }
+    memcpy(*state, c, sizeof(Model));
+    return fmi2OK;
+}
+
+fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state) {
+    REQUIRE(c && state);
+    memcpy(c, state, sizeof(Model));
+    return fmi2OK;
+}
+
+fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state) {
+    (void)c;
+    REQUIRE(state);
+    free(*state);
+    *state = NULL;
     return fmi2OK;
 }

@@ -1,4 +1,4 @@
-"""What a step of the native engine costs against its plant alone; JSON for `cargo xtask bench` and the tests.
+"""What a step of the native engine costs against its plant alone; JSON for `cargo xtask bench`.
 
 The plant alone makes the same steps with the same elements and gets the commands of the closed loop, so that
 it goes through the same states. Times are CPU time of the thread, the two kinds of run take turns.
@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from part import part
 
 import cosim
 from cosim import condition, loop, native
@@ -89,9 +90,7 @@ class Bench:
 
 def main(scenario: str, repeats: int, longest: int) -> None:
     """Run a scenario of at most so many steps, `repeats` times each way."""
-    step, steps = cosim.load(scenario).loop.step, min(cosim.load(scenario).loop.steps, longest)
-    loaded = cosim.load(scenario, set=[f"loop.duration={steps * step!r}"])
-    with cosim.Session(loaded, engine="native") as session:
+    with cosim.Session(part(scenario, longest), engine="native") as session:
         bench = Bench(session)
         pairs = [bench.pair() for _ in range(repeats)]
         runs = [session.run() for _ in range(repeats)]

@@ -20,7 +20,7 @@ from cosim.worker import Desk
 
 WORKERS = 2
 ALONE = 40
-"""Runs of the study that are done in this process, for the rate of one core."""
+"""At most so many runs of the study are done in this process, for the rate of one core."""
 STUDY = """
 scenario = "dob"
 
@@ -48,13 +48,14 @@ def one_core(file: Path) -> tuple[float, float]:
     """Rate of one core that does nothing but the runs, 1/s, and its processor time for one, s."""
     plan = Plan(study.load(file))
     jobs = [plan.job(run) for run in plan.runs[: ALONE + 1]]
+    count = len(jobs) - 1
     with contextlib.closing(Desk()) as desk:
         # the first opens FMU and plant
         desk.run(jobs[0])
         begin, spent = time.perf_counter(), time.process_time()
         for job in jobs[1:]:
             desk.run(job)
-        return ALONE / (time.perf_counter() - begin), (time.process_time() - spent) / ALONE
+        return count / (time.perf_counter() - begin), (time.process_time() - spent) / count
 
 
 def sweep(runs: int) -> dict[str, Any]:

@@ -4,6 +4,7 @@ use std::process::ExitCode;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
+use xtask::bench::effort::Effort;
 use xtask::workspace::Workspace;
 use xtask::{bench, demo, fmu, setup, test, wheel};
 
@@ -26,10 +27,16 @@ enum Command {
     },
     /// Run every closed loop and print the acceptance table; results land in `target/demo/`
     Demo,
-    /// Prove the project: rustfmt, clippy, cargo test, ruff, mypy, pytest
+    /// Prove the project: rustfmt, clippy, cargo test, ruff, mypy, pytest, the short form of bench
     Test,
     /// Measure the FMUs and both engines; results land in `target/bench/`
-    Bench,
+    Bench {
+        /// Only show that everything can be measured; the numbers mean little
+        #[arg(long)]
+        short: bool,
+        /// Scenarios to measure instead of all closed loops, such as `dob/30` or a file
+        scenarios: Vec<String>,
+    },
     /// Build one wheel with harness, plants, FMUs and scenarios into `target/wheel/`
     Wheel,
 }
@@ -53,7 +60,10 @@ fn run(command: &Command) -> Result<bool> {
         Command::Fmu { names } => fmu::run(&workspace, names).map(|()| true),
         Command::Demo => demo::run(&workspace),
         Command::Test => test::run(&workspace),
-        Command::Bench => bench::run(&workspace).map(|()| true),
+        Command::Bench { short, scenarios } => {
+            let effort = if *short { Effort::SHORT } else { Effort::FULL };
+            bench::run(&workspace, &effort, scenarios).map(|()| true)
+        }
         Command::Wheel => wheel::run(&workspace).map(|()| true),
     }
 }

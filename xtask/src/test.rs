@@ -52,6 +52,7 @@ fn checks(workspace: &Workspace) -> Vec<(&'static str, Command)> {
             "clippy",
             cargo("clippy --workspace --all-targets --features plants/extension-module --locked -- -D warnings"),
         ),
+        ("bench", cargo("xtask bench --short")),
         ("cargo test", cargo("test --workspace --locked")),
         ("pytest", venv("pytest --numprocesses auto --durations 10")),
     ]

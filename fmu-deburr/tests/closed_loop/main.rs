@@ -1,7 +1,7 @@
 //! The controller in closed loop with a native robot: learning, playback, modes, faults, state bytes.
 
 mod adaptation;
-mod cost;
+mod errors;
 mod faults;
 mod interpolation;
 mod learning;

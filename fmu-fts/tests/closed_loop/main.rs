@@ -1,6 +1,5 @@
-//! The controller in closed loop with a native machine: tracking, faults, stability, state bytes, cost.
+//! The controller in closed loop with a native machine: tracking, faults, stability, state bytes.
 
-mod cost;
 mod faults;
 mod identify;
 mod machine;

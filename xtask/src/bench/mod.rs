@@ -1,144 +1,152 @@
 //! `cargo xtask bench`: what FMI, every controller and every closed loop cost, taken in one run.
 
 pub mod description;
+pub mod effort;
+pub mod library;
+pub mod life;
 pub mod native_loop;
 pub mod pass_through;
+pub mod recording;
 pub mod reference_loop;
+pub mod report;
 pub mod slave;
 pub mod statistics;
 pub mod sweep;
 pub mod tick;
+pub mod yardstick;
 
 use std::fs;
 
 use anyhow::{Context, Result};
-use serde::Serialize;
 
 use crate::demo;
 use crate::fmu;
 use crate::process;
 use crate::setup;
-use crate::table;
 use crate::workspace::Workspace;
+use effort::Effort;
+use library::Fmu;
+use report::Row;
+use statistics::Summary;
 
-/// One line of the result.
-#[derive(Serialize)]
-struct Row {
-    quantity: String,
-    unit: &'static str,
-    minimum: f64,
-    median: f64,
-    goal: Option<f64>,
-}
+/// What a call of a pass-through may cost against that of a C FMU with the same checks.
+const CALL_GOAL: f64 = 1.5;
+/// What one sample may cost, ns.
+const SAMPLE_GOAL: f64 = 1000.0;
+/// What the exit of the initialisation may cost, us.
+const EXIT_GOAL: f64 = 10_000.0;
+/// What a closed loop may cost against its plant alone.
+const NATIVE_GOAL: f64 = 1.15;
 
-/// Measures everything, prints the table, writes `target/bench/bench.json`.
+/// Measures everything, or only what belongs to some scenarios, and prints the table.
+///
+/// They are written to `target/bench/bench.json`, but not those of the short form.
 ///
 /// # Errors
-/// When something that is measured does not build or run.
-pub fn run(workspace: &Workspace) -> Result<()> {
+/// When something that is measured does not build or run, or a number cannot be one.
+pub fn run(workspace: &Workspace, effort: &Effort, scenarios: &[String]) -> Result<()> {
     setup::run(workspace)?;
     fmu::pack_all(workspace, &fmu::controllers(workspace))?;
     let folder = workspace.path("target/bench");
     fs::create_dir_all(&folder).with_context(|| format!("cannot make `{}`", folder.display()))?;
 
-    let mut rows = pass_through_rows(&pass_through::measure(workspace, &folder)?);
-    for scenario in demo::loops(workspace)? {
-        rows.extend(loop_rows(&scenario, &reference_loop::measure(workspace, &scenario)?)?);
-        rows.extend(native_rows(&scenario, &native_loop::measure(workspace, &scenario)?));
+    let checked = yardstick::checked(workspace, &folder)?;
+    let mut rows = Vec::new();
+    if scenarios.is_empty() {
+        rows.extend(pass_through_rows(&pass_through::measure(workspace, &folder, &checked, effort)?));
+        for scenario in demo::loops(workspace)? {
+            rows.extend(loop_rows(workspace, &scenario, &checked, effort)?);
+            let paper = format!("{scenario}/paper");
+            if effort.full && workspace.path(format!("scenarios/{paper}.toml")).is_file() {
+                rows.extend(controller_rows(workspace, &paper, &checked, effort)?);
+            }
+        }
+        rows.extend(sweep_rows(&sweep::measure(workspace, effort)?));
     }
-    rows.extend(sweep_rows(&sweep::measure(workspace)?));
+    for scenario in scenarios {
+        rows.extend(loop_rows(workspace, scenario, &checked, effort)?);
+    }
+    println!("{}", report::show(&rows));
+    report::check(&rows)?;
+    if effort.full { write(workspace, &rows) } else { Ok(()) }
+}
 
-    let file = folder.join("bench.json");
-    fs::write(&file, serde_json::to_string_pretty(&rows)? + "\n").context("cannot write `target/bench/bench.json`")?;
-    println!("{}", show(&rows));
-    process::header("results are in `target/bench/bench.json`");
+fn write(workspace: &Workspace, rows: &[Row]) -> Result<()> {
+    let file = "target/bench/bench.json";
+    fs::write(workspace.path(file), serde_json::to_string_pretty(rows)? + "\n")
+        .with_context(|| format!("cannot write `{file}`"))?;
+    process::header(&format!("results are in `{file}`"));
     Ok(())
 }
 
 fn pass_through_rows(costs: &pass_through::Costs) -> Vec<Row> {
-    let ratio = |quantity: &str, base: &statistics::Samples, goal| Row {
-        quantity: quantity.to_owned(),
-        unit: "1",
-        minimum: costs.rust.minimum() / base.minimum(),
-        median: costs.rust.median() / base.median(),
-        goal,
-    };
     vec![
-        row("set + doStep + get: Rust pass-through", "ns", &costs.rust, None),
-        row("set + doStep + get: C FMU with the checks of FMI 2.0", "ns", &costs.checked_c, None),
-        row("set + doStep + get: C FMU without any check", "ns", &costs.bare_c, None),
-        ratio("Rust pass-through / C FMU with checks", &costs.checked_c, Some(2.0)),
-        ratio("Rust pass-through / C FMU without any check", &costs.bare_c, None),
+        Row::new("set + doStep + get: Rust pass-through", "ns", costs.rust),
+        Row::new("set + doStep + get: C FMU with the checks of FMI 2.0", "ns", costs.checked_c),
+        Row::new("set + doStep + get: C FMU without any check", "ns", costs.bare_c),
+        Row::ratio("Rust pass-through / C FMU with checks", costs.rust.over(costs.checked_c)).goal(CALL_GOAL),
+        Row::ratio("Rust pass-through / C FMU without any check", costs.rust.over(costs.bare_c)),
     ]
 }
 
-fn loop_rows(scenario: &str, costs: &reference_loop::Costs) -> Result<Vec<Row>> {
-    let (state, tick) = tick::measure(&costs.recording)?;
+/// Everything about one closed loop.
+fn loop_rows(workspace: &Workspace, scenario: &str, checked: &Fmu, effort: &Effort) -> Result<Vec<Row>> {
+    let mut rows = controller_rows(workspace, scenario, checked, effort)?;
+    rows.extend(reference_rows(scenario, &reference_loop::measure(workspace, scenario, effort)?));
+    rows.extend(native_rows(scenario, &native_loop::measure(workspace, scenario, effort)?));
+    Ok(rows)
+}
+
+/// What the FMU of a scenario costs by itself.
+fn controller_rows(workspace: &Workspace, scenario: &str, checked: &Fmu, effort: &Effort) -> Result<Vec<Row>> {
+    let recording = recording::record(workspace, scenario, effort)?;
+    let tick =
+        tick::measure(&recording, checked, effort).with_context(|| format!("cannot replay the FMU of `{scenario}`"))?;
+    let life = life::measure(&recording, checked, effort)?;
+    let microseconds = |time: Summary| Summary { minimum: 1e-3 * time.minimum, median: 1e-3 * time.median };
     Ok(vec![
-        row(
-            &format!("{scenario}: one sample of the FMU in its busiest state, {state}"),
-            "ns",
-            &tick,
-            Some(sample_goal(scenario)),
-        ),
-        row(&format!("{scenario}: simulated time / wall time"), "1", &costs.real_time_factor, None),
-        row(&format!("{scenario}: one step of the reference loop"), "us", &costs.step, None),
-        row("  of which the FMU, called through FMPy", "us", &costs.fmu, None),
-        row("  of which the plant", "us", &costs.plant, None),
-        row("  of which wiring, noise, trace", "us", &costs.rest(), None),
+        Row::new(format!("{scenario}: one sample in its busiest state, {}", tick.state), "ns", tick.sample)
+            .goal(SAMPLE_GOAL),
+        Row::ratio("  / the calls of the C FMU with checks", tick.sample.over(tick.checked_c)),
+        Row::new(format!("{scenario}: slowest sample of the run"), "us", microseconds(tick.slowest))
+            .goal(1e6 * recording.step),
+        Row::new(format!("{scenario}: exit of the initialisation"), "us", life.exit).goal(EXIT_GOAL),
+        Row::new(format!("{scenario}: life of an instance without a step"), "us", life.life.own),
+        Row::ratio("  / that of the C FMU with checks", life.life.own.over(life.life.checked_c)),
+        Row::new(format!("{scenario}: save and restore the state"), "us", life.state.own),
+        Row::ratio("  / that of the C FMU with checks", life.state.own.over(life.state.checked_c)),
     ])
 }
 
-fn sweep_rows(costs: &sweep::Costs) -> Vec<Row> {
-    let row = |quantity: &str, unit, value, goal| Row {
-        quantity: quantity.to_owned(),
-        unit,
-        minimum: value,
-        median: value,
-        goal,
-    };
+fn reference_rows(scenario: &str, costs: &reference_loop::Costs) -> Vec<Row> {
+    let (step, plant) = (costs.step.summary(), costs.plant.summary());
     vec![
-        row("sweep on 2 workers: runs", "1/s", costs.rate, None),
-        row("2 x rate of one core alone / rate of the sweep", "1", 1.0 / costs.throughput, Some(1.25)),
-        row("processor time of the sweep / of its runs alone", "1", costs.processor, None),
-        row("memory of all its processes", "MB", costs.memory, None),
-        row("  over that of a fifth of the runs", "1", costs.growth, Some(1.1)),
+        Row::ratio(format!("{scenario}: simulated time / wall time"), costs.real_time_factor.summary()),
+        Row::new(format!("{scenario}: one step of the reference loop"), "us", step),
+        Row::new("  of which the FMU, called through FMPy", "us", costs.fmu.summary()),
+        Row::new("  of which the plant", "us", plant),
+        Row::new("  of which wiring, noise, trace", "us", costs.rest.summary()),
+        Row::ratio(format!("{scenario}: reference loop / its plant"), step.over(plant)),
     ]
 }
 
 fn native_rows(scenario: &str, costs: &native_loop::Costs) -> Vec<Row> {
-    let ratio = costs.ratio();
+    let (native, plant) = (costs.native.summary(), costs.plant.summary());
     vec![
-        row(&format!("{scenario}: simulated time / wall time, native engine"), "1", &costs.real_time_factor, None),
-        row(&format!("{scenario}: one step of the native engine"), "us", &costs.native, None),
-        row(&format!("{scenario}: one step of the plant alone, same commands"), "us", &costs.plant, None),
-        row(&format!("{scenario}: native engine / plant alone"), "1", &ratio, Some(NATIVE_GOAL)),
+        Row::ratio(format!("{scenario}: simulated time / wall time, native engine"), costs.real_time_factor.summary()),
+        Row::new(format!("{scenario}: one step of the native engine"), "us", native),
+        Row::new(format!("{scenario}: one step of the plant alone, same commands"), "us", plant),
+        Row::ratio(format!("{scenario}: native engine / plant alone"), native.over(plant)).goal(NATIVE_GOAL),
     ]
 }
 
-/// What a closed loop may cost against its plant alone.
-const NATIVE_GOAL: f64 = 1.15;
-
-/// What one sample may cost, ns: the fast tool servo turns 24 harmonics.
-fn sample_goal(scenario: &str) -> f64 {
-    if scenario == "fts" { 2000.0 } else { 1000.0 }
-}
-
-fn row(quantity: &str, unit: &'static str, samples: &statistics::Samples, goal: Option<f64>) -> Row {
-    Row { quantity: quantity.to_owned(), unit, minimum: samples.minimum(), median: samples.median(), goal }
-}
-
-fn show(rows: &[Row]) -> String {
-    let mut shown = table::new(&["quantity", "unit", "minimum", "median", "goal"]);
-    for row in rows {
-        let goal = row.goal.map(|goal| format!("<= {goal}")).unwrap_or_default();
-        shown.add_row([
-            row.quantity.clone(),
-            row.unit.to_owned(),
-            format!("{:.2}", row.minimum),
-            format!("{:.2}", row.median),
-            goal,
-        ]);
-    }
-    shown.to_string()
+fn sweep_rows(costs: &sweep::Costs) -> Vec<Row> {
+    let once = Summary::once;
+    vec![
+        Row::new("sweep on 2 workers: runs", "1/s", once(costs.rate)),
+        Row::ratio("2 x rate of one core alone / rate of the sweep", once(1.0 / costs.throughput)).goal(1.25),
+        Row::ratio("processor time of the sweep / of its runs alone", once(costs.processor)),
+        Row::new("memory of all its processes", "MB", once(costs.memory)),
+        Row::ratio("  / that of a fifth of the runs", once(costs.growth)).goal(1.1),
+    ]
 }

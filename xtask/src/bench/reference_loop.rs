@@ -1,16 +1,14 @@
-//! How fast the reference loop runs a scenario, where its time goes, and what the controller read meanwhile.
+//! How fast the reference loop runs a scenario, and where its time goes.
 
 use anyhow::{Context, Result};
 use serde::Deserialize;
 
+use super::effort::Effort;
 use super::statistics::Samples;
-use super::tick::Recording;
 use crate::process;
 use crate::workspace::Workspace;
 
-const REPEATS: &str = "5";
-
-/// What the runs took; times are us per communication step.
+/// What the runs took; times are us per communication step, the parts are of other runs than the real-time factor.
 #[derive(Deserialize)]
 pub struct Costs {
     /// Simulated time over wall time; the smallest run is the slowest one.
@@ -21,25 +19,17 @@ pub struct Costs {
     pub fmu: Samples,
     /// Sensors, commands and MuJoCo's steps.
     pub plant: Samples,
-    /// The last run as the FMU saw it.
-    pub recording: Recording,
-}
-
-impl Costs {
-    /// What is left of a step: wiring, noise, trace.
-    pub fn rest(&self) -> Samples {
-        let parts = self.step.0.iter().zip(&self.fmu.0).zip(&self.plant.0);
-        Samples(parts.map(|((step, fmu), plant)| step - fmu - plant).collect())
-    }
+    /// Wiring, noise, trace.
+    pub rest: Samples,
 }
 
 /// Runs a controller against its plant several times.
 ///
 /// # Errors
 /// When the loop does not run.
-pub fn measure(workspace: &Workspace, scenario: &str) -> Result<Costs> {
+pub fn measure(workspace: &Workspace, scenario: &str, effort: &Effort) -> Result<Costs> {
     process::header(&format!("measure `{scenario}`"));
     let mut command = workspace.venv_command("python");
-    command.args(["xtask/bench/reference_loop.py", scenario, REPEATS]);
+    command.args(["xtask/bench/reference_loop.py", scenario, &effort.runs.to_string(), &effort.steps.to_string()]);
     serde_json::from_str(&process::text(&mut command)?).context("the reference loop printed no times")
 }

@@ -1,41 +1,14 @@
-//! An FMU in this process, driven through the function pointers of its library.
+//! An instance of an FMU in this process.
 
-use std::ffi::{CStr, CString, c_char, c_void};
-use std::path::Path;
+use std::ffi::{CString, c_char};
 use std::ptr;
 
-use anyhow::{Context, Result, ensure};
-use libloading::Library;
+use anyhow::{Result, bail, ensure};
 use serde::Deserialize;
 
-type Component = *mut c_void;
-type State = *mut c_void;
-type Status = i32;
-type Logger = unsafe extern "C" fn(*mut c_void, *const c_char, Status, *const c_char, *const c_char);
-type Instantiate =
-    unsafe extern "C" fn(*const c_char, i32, *const c_char, *const c_char, *const Callbacks, i32, i32) -> Component;
-type SetupExperiment = unsafe extern "C" fn(Component, i32, f64, f64, i32, f64) -> Status;
-type Transition = unsafe extern "C" fn(Component) -> Status;
-type SetReal = unsafe extern "C" fn(Component, *const u32, usize, *const f64) -> Status;
-type GetReal = unsafe extern "C" fn(Component, *const u32, usize, *mut f64) -> Status;
-type SetInteger = unsafe extern "C" fn(Component, *const u32, usize, *const i32) -> Status;
-type GetInteger = unsafe extern "C" fn(Component, *const u32, usize, *mut i32) -> Status;
-type DoStep = unsafe extern "C" fn(Component, f64, f64, i32) -> Status;
-type GetState = unsafe extern "C" fn(Component, *mut State) -> Status;
-type SetState = unsafe extern "C" fn(Component, State) -> Status;
+use super::library::{Component, Fmu, State, Status};
 
-#[repr(C)]
-struct Callbacks {
-    logger: Option<Logger>,
-    allocate: *const c_void,
-    free: *const c_void,
-    step_finished: *const c_void,
-    environment: *const c_void,
-}
-
-const CO_SIMULATION: i32 = 1;
-
-/// A variable that takes numbers.
+/// A variable that is set from outside.
 #[derive(Clone, Copy, Deserialize)]
 pub struct Variable {
     /// Value reference.
@@ -44,7 +17,7 @@ pub struct Variable {
     pub base: Base,
 }
 
-/// How FMI moves a number; enumerations travel as integers.
+/// How FMI moves a value; enumerations travel as integers.
 #[derive(Clone, Copy, Deserialize)]
 pub enum Base {
     /// `fmi2SetReal`.
@@ -53,68 +26,81 @@ pub enum Base {
     Integer,
     /// `fmi2SetBoolean`.
     Boolean,
+    /// `fmi2SetString`.
+    String,
 }
 
-/// An instance that is being stepped. The time of the next step is counted by the caller.
-pub struct Slave {
+/// A value of any type.
+#[derive(Deserialize)]
+#[serde(untagged)]
+pub enum Value {
+    /// Of all types but one.
+    Number(f64),
+    /// Of a String.
+    Text(String),
+}
+
+/// An instance. The time of the next step is counted by the caller.
+pub struct Slave<'a> {
     component: Component,
-    set_real: SetReal,
-    get_real: GetReal,
-    do_step: DoStep,
-    library: Library,
-    // the FMU keeps the address of the callbacks
-    _callbacks: Box<Callbacks>,
+    fmu: &'a Fmu,
 }
 
-impl Slave {
-    /// Loads a library, gives start values, and brings one instance to its first step at time 0.
+impl<'a> Slave<'a> {
+    /// Makes an instance.
     ///
     /// # Errors
-    /// When the library does not load, a function is missing, or a call fails.
-    pub fn start(library: &Path, guid: &str, values: &[(Variable, f64)]) -> Result<Self> {
-        let shown = library.display();
-        // SAFETY: the library is an FMU built a moment ago from this workspace.
-        let library = unsafe { Library::new(library) }.with_context(|| format!("cannot load `{shown}`"))?;
-        let callbacks = Box::new(Callbacks {
-            logger: Some(log),
-            allocate: ptr::null(),
-            free: ptr::null(),
-            step_finished: ptr::null(),
-            environment: ptr::null(),
-        });
-        let guid = CString::new(guid)?;
-        // SAFETY: the types above are those of fmi2FunctionTypes.h; names and callbacks outlive the calls.
-        let slave = unsafe {
-            let instantiate = function::<Instantiate>(&library, "fmi2Instantiate")?;
-            let component =
-                instantiate(c"bench".as_ptr(), CO_SIMULATION, guid.as_ptr(), ptr::null(), &raw const *callbacks, 0, 0);
-            ensure!(!component.is_null(), "`{shown}` makes no instance");
-            Self {
-                component,
-                set_real: function(&library, "fmi2SetReal")?,
-                get_real: function(&library, "fmi2GetReal")?,
-                do_step: function(&library, "fmi2DoStep")?,
-                library,
-                _callbacks: callbacks,
-            }
-        };
-        slave.initialise(values)?;
+    /// When the FMU makes none.
+    pub fn new(fmu: &'a Fmu) -> Result<Self> {
+        let component = fmu.component();
+        ensure!(!component.is_null(), "the FMU makes no instance");
+        Ok(Self { component, fmu })
+    }
+
+    /// Makes an instance and brings it to its first step at time 0.
+    ///
+    /// # Errors
+    /// When a call fails.
+    pub fn start(fmu: &'a Fmu, values: &[(Variable, Value)]) -> Result<Self> {
+        let slave = Self::new(fmu)?;
+        slave.enter_initialization(values)?;
+        slave.exit_initialization()?;
         Ok(slave)
     }
 
-    fn initialise(&self, values: &[(Variable, f64)]) -> Result<()> {
-        let setup = self.function::<SetupExperiment>("fmi2SetupExperiment")?;
+    /// Defines the experiment, gives start values and enters the initialisation.
+    ///
+    /// # Errors
+    /// When a call fails.
+    pub fn enter_initialization(&self, values: &[(Variable, Value)]) -> Result<()> {
         // SAFETY: the component is alive; no tolerance and no stop time are defined.
-        passed("fmi2SetupExperiment", unsafe { setup(self.component, 0, 0.0, 0.0, 0, 0.0) })?;
+        passed("fmi2SetupExperiment", unsafe { (self.fmu.setup_experiment)(self.component, 0, 0.0, 0.0, 0, 0.0) })?;
         for (variable, value) in values {
-            self.set(*variable, *value)?;
+            match value {
+                Value::Number(value) => self.set(*variable, *value)?,
+                Value::Text(text) => self.set_text(variable.reference, text)?,
+            }
         }
-        for name in ["fmi2EnterInitializationMode", "fmi2ExitInitializationMode"] {
-            let transition = self.function::<Transition>(name)?;
-            // SAFETY: the component is alive.
-            passed(name, unsafe { transition(self.component) })?;
-        }
-        Ok(())
+        // SAFETY: the component is alive.
+        passed("fmi2EnterInitializationMode", unsafe { (self.fmu.enter_initialization)(self.component) })
+    }
+
+    /// Leaves the initialisation.
+    ///
+    /// # Errors
+    /// When the call fails.
+    pub fn exit_initialization(&self) -> Result<()> {
+        // SAFETY: the component is alive.
+        passed("fmi2ExitInitializationMode", unsafe { (self.fmu.exit_initialization)(self.component) })
+    }
+
+    /// Ends the simulation.
+    ///
+    /// # Errors
+    /// When the call fails.
+    pub fn terminate(&self) -> Result<()> {
+        // SAFETY: the component is alive.
+        passed("fmi2Terminate", unsafe { (self.fmu.terminate)(self.component) })
     }
 
     /// Sets Real inputs, does one step and gets Real outputs; the sum of the three statuses, 0 when all went well.
@@ -123,31 +109,44 @@ impl Slave {
         debug_assert!(inputs.0.len() == inputs.1.len() && outputs.0.len() == outputs.1.len());
         // SAFETY: the component is alive; references and values are of the same length.
         unsafe {
-            (self.set_real)(self.component, inputs.0.as_ptr(), inputs.0.len(), inputs.1.as_ptr())
-                + (self.do_step)(self.component, time, step, 1)
-                + (self.get_real)(self.component, outputs.0.as_ptr(), outputs.0.len(), outputs.1.as_mut_ptr())
+            (self.fmu.set_real)(self.component, inputs.0.as_ptr(), inputs.0.len(), inputs.1.as_ptr())
+                + (self.fmu.do_step)(self.component, time, step, 1)
+                + (self.fmu.get_real)(self.component, outputs.0.as_ptr(), outputs.0.len(), outputs.1.as_mut_ptr())
         }
     }
 
-    /// Sets one variable.
+    /// Sets one variable that takes numbers.
     ///
     /// # Errors
     /// When the FMU refuses.
     pub fn set(&self, variable: Variable, value: f64) -> Result<()> {
+        type SetInteger = unsafe extern "C" fn(Component, *const u32, usize, *const i32) -> Status;
         let name = match variable.base {
             Base::Real => {
                 // SAFETY: the component is alive; one reference and one value.
                 let status =
-                    unsafe { (self.set_real)(self.component, &raw const variable.reference, 1, &raw const value) };
+                    unsafe { (self.fmu.set_real)(self.component, &raw const variable.reference, 1, &raw const value) };
                 return passed("fmi2SetReal", status);
             }
             Base::Integer => "fmi2SetInteger",
             Base::Boolean => "fmi2SetBoolean",
+            Base::String => bail!("a text cannot be set to `{value}`"),
         };
-        let set = self.function::<SetInteger>(name)?;
         let value = value as i32;
         // SAFETY: the component is alive; one reference and one value; Booleans are ints in C.
-        passed(name, unsafe { set(self.component, &raw const variable.reference, 1, &raw const value) })
+        passed(name, unsafe {
+            self.fmu.function::<SetInteger>(name)?(self.component, &raw const variable.reference, 1, &raw const value)
+        })
+    }
+
+    fn set_text(&self, reference: u32, text: &str) -> Result<()> {
+        type SetString = unsafe extern "C" fn(Component, *const u32, usize, *const *const c_char) -> Status;
+        let (name, text) = ("fmi2SetString", CString::new(text)?);
+        let value = text.as_ptr();
+        // SAFETY: the component is alive; one reference and one value.
+        passed(name, unsafe {
+            self.fmu.function::<SetString>(name)?(self.component, &raw const reference, 1, &raw const value)
+        })
     }
 
     /// Gets one Integer or enumeration.
@@ -155,10 +154,12 @@ impl Slave {
     /// # Errors
     /// When the FMU refuses.
     pub fn integer(&self, reference: u32) -> Result<i32> {
-        let get = self.function::<GetInteger>("fmi2GetInteger")?;
-        let mut value = 0;
+        type GetInteger = unsafe extern "C" fn(Component, *const u32, usize, *mut i32) -> Status;
+        let (name, mut value) = ("fmi2GetInteger", 0);
         // SAFETY: the component is alive; one reference and one value.
-        passed("fmi2GetInteger", unsafe { get(self.component, &raw const reference, 1, &raw mut value) })?;
+        passed(name, unsafe {
+            self.fmu.function::<GetInteger>(name)?(self.component, &raw const reference, 1, &raw mut value)
+        })?;
         Ok(value)
     }
 
@@ -167,71 +168,53 @@ impl Slave {
     /// # Errors
     /// When the FMU refuses.
     pub fn snapshot(&self) -> Result<Snapshot<'_>> {
-        let get = self.function::<GetState>("fmi2GetFMUstate")?;
-        let mut state = ptr::null_mut();
-        // SAFETY: the component is alive; NULL asks for a new state.
-        passed("fmi2GetFMUstate", unsafe { get(self.component, &raw mut state) })?;
-        Ok(Snapshot { slave: self, state, set: self.function("fmi2SetFMUstate")? })
-    }
-
-    fn function<T: Copy>(&self, name: &str) -> Result<T> {
-        // SAFETY: callers name the type that fmi2FunctionTypes.h gives the function.
-        unsafe { function(&self.library, name) }
+        let mut snapshot = Snapshot { slave: self, state: ptr::null_mut() };
+        snapshot.save()?;
+        Ok(snapshot)
     }
 }
 
-impl Drop for Slave {
+impl Drop for Slave<'_> {
     fn drop(&mut self) {
-        if let Ok(free) = self.function::<unsafe extern "C" fn(Component)>("fmi2FreeInstance") {
-            // SAFETY: the component is alive and not used again.
-            unsafe { free(self.component) }
-        }
+        // SAFETY: the component is alive and not used again.
+        unsafe { (self.fmu.free_instance)(self.component) }
     }
 }
 
 /// A saved state of an instance.
 pub struct Snapshot<'a> {
-    slave: &'a Slave,
+    slave: &'a Slave<'a>,
     state: State,
-    set: SetState,
 }
 
 impl Snapshot<'_> {
+    /// Takes the instance's present state in place of the one before.
+    ///
+    /// # Errors
+    /// When the FMU refuses.
+    pub fn save(&mut self) -> Result<()> {
+        // SAFETY: the component is alive; the state is its own, or NULL, which asks for a new one.
+        passed("fmi2GetFMUstate", unsafe { (self.slave.fmu.get_state)(self.slave.component, &raw mut self.state) })
+    }
+
     /// Brings the instance back to this state.
     ///
     /// # Errors
     /// When the FMU refuses.
     pub fn restore(&self) -> Result<()> {
         // SAFETY: component and state are alive and belong together.
-        passed("fmi2SetFMUstate", unsafe { (self.set)(self.slave.component, self.state) })
+        passed("fmi2SetFMUstate", unsafe { (self.slave.fmu.set_state)(self.slave.component, self.state) })
     }
 }
 
 impl Drop for Snapshot<'_> {
     fn drop(&mut self) {
-        if let Ok(free) = self.slave.function::<GetState>("fmi2FreeFMUstate") {
-            // SAFETY: the state is alive and not used again.
-            unsafe { free(self.slave.component, &raw mut self.state) };
-        }
+        // SAFETY: the state is alive and not used again.
+        unsafe { (self.slave.fmu.free_state)(self.slave.component, &raw mut self.state) };
     }
-}
-
-/// # Safety
-/// `T` must be the type of the function.
-unsafe fn function<T: Copy>(library: &Library, name: &str) -> Result<T> {
-    // SAFETY: the caller vouches for the type.
-    unsafe { library.get::<T>(name.as_bytes()) }.map(|symbol| *symbol).with_context(|| format!("`{name}` is missing"))
 }
 
 fn passed(name: &str, status: Status) -> Result<()> {
     ensure!(status == 0, "`{name}` returned status {status}");
     Ok(())
-}
-
-// our FMUs hand over ready text, so the variadic arguments of the logger stay unread
-unsafe extern "C" fn log(_: *mut c_void, _: *const c_char, _: Status, _: *const c_char, message: *const c_char) {
-    if !message.is_null() {
-        // SAFETY: a message is a C string.
-        eprintln!("{}", unsafe { CStr::from_ptr(message) }.to_string_lossy());
-    }
 }

@@ -3,10 +3,9 @@
 use anyhow::{Context, Result};
 use serde::Deserialize;
 
+use super::effort::Effort;
 use crate::process;
 use crate::workspace::Workspace;
-
-const RUNS: &str = "1000";
 
 /// What a sweep on two workers took.
 #[derive(Deserialize)]
@@ -27,9 +26,9 @@ pub struct Costs {
 ///
 /// # Errors
 /// When a sweep does not run.
-pub fn measure(workspace: &Workspace) -> Result<Costs> {
-    process::header(&format!("measure a sweep of {RUNS} runs"));
+pub fn measure(workspace: &Workspace, effort: &Effort) -> Result<Costs> {
+    process::header(&format!("measure a sweep of {} runs", effort.sweep));
     let mut command = workspace.venv_command("python");
-    command.args(["xtask/bench/sweep.py", RUNS]);
+    command.args(["xtask/bench/sweep.py", &effort.sweep.to_string()]);
     serde_json::from_str(&process::text(&mut command)?).context("the sweep printed no numbers")
 }

@@ -1,41 +1,14 @@
-//! Measurements: `cargo test --release -p fmu-deburr --test closed_loop -- cost --ignored --nocapture`.
+//! Errors at every speed: `cargo test --release -p fmu-deburr --test closed_loop -- errors --ignored --nocapture`.
 
-use std::time::Instant;
-
-use fmu_deburr::machine::{Mode, State};
+use fmu_deburr::machine::Mode;
 use fmu_deburr::parameters::{Law, Parameters};
 
 use crate::robot::Build;
 use crate::setup::{Loop, parameters, swinging};
 
 #[test]
-#[ignore = "a measurement: cost of one tick"]
-fn samples_and_renewals() {
-    for law in [Law::Plain, Law::LeadFilter, Law::NormOptimal] {
-        let mut p = parameters(&Parameters::DEFAULT, 1);
-        p.learn.law = law;
-        let mut run = Loop::new(&p, &Build::NOMINAL);
-        run.step();
-        let (mut sum, mut worst, mut count) = (0.0, 0.0, 0.0);
-        for mode in [Mode::Learn, Mode::Playback] {
-            run.input.mode = mode;
-            run.step();
-            while run.output.state != State::Done {
-                run.input.set_positions(&run.robot.read());
-                let begin = Instant::now();
-                run.controller.tick(&p, &run.input, &mut run.output);
-                let spent = begin.elapsed().as_secs_f64();
-                run.robot.advance(&run.output.axes().map(|axis| axis.velocity));
-                (sum, worst, count) = (sum + spent, f64::max(worst, spent), count + 1.0);
-            }
-            println!("{law:?} {mode:?}: mean {:.0} ns, most {:.2} ms", 1e9 * sum / count, 1e3 * worst);
-        }
-    }
-}
-
-#[test]
 #[ignore = "a measurement: the table of the README"]
-fn errors() {
+fn at_every_speed() {
     for (name, base, stop) in [
         ("paper", Parameters::PAPER, false),
         ("paper, stop at best", Parameters::PAPER, true),
