@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 import cosim
-from cosim import study
-from cosim.plan import Plan
-from cosim.worker import Desk
+from cosim.sweep import study
+from cosim.sweep.plan import Plan
+from cosim.sweep.worker import Desk
 
 FOLDER = Path(__file__).resolve().parents[2] / "studies"
 

@@ -20,8 +20,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import cosim
-from cosim import native
 from cosim.errors import CosimError
+from cosim.loop import native
 
 Write = Callable[..., Path]
 FOLDER = Path(__file__).parents[2] / "scenarios"

@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cosim import study
 from cosim.cli import main
-from cosim.designs import DESIGNS, levels
-from cosim.study import Vary
+from cosim.sweep import study
+from cosim.sweep.designs import DESIGNS, levels
+from cosim.sweep.study import Vary
 
 from . import studies
 
@@ -157,7 +157,7 @@ def test_bad_options_are_one_message_and_exit_code_2(
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    monkeypatch.setattr("cosim.cluster.CONNECT_TIMEOUT", 1.0)
+    monkeypatch.setattr("cosim.sweep.cluster.CONNECT_TIMEOUT", 1.0)
     write(studies.MEASURED)
     (folder / "study.toml").write_text(DRAWN + RANGE)
     refused(["study.toml", *options], problem, monkeypatch, capsys)

@@ -12,9 +12,9 @@ import fmpy
 import numpy as np
 
 import cosim
-from cosim.archive import Variable
-from cosim.fmu import BASE
-from cosim.values import expand
+from cosim.fmu.archive import Variable
+from cosim.fmu.instance import BASE
+from cosim.fmu.values import expand
 
 FMU_CALLS = ("set", "step", "get")
 PLANT_CALLS = ("sense", "command", "advance", "truth")

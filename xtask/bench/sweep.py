@@ -13,10 +13,10 @@ import time
 from pathlib import Path
 from typing import Any
 
-from cosim import study
-from cosim.plan import Plan
-from cosim.sweeping import Options, execute
-from cosim.worker import Desk
+from cosim.sweep import study
+from cosim.sweep.command import Options, execute
+from cosim.sweep.plan import Plan
+from cosim.sweep.worker import Desk
 
 WORKERS = 2
 ALONE = 40
