@@ -1,10 +1,11 @@
 //! The stepper on a plant and a controller of a few lines of C-like Rust.
 
 use std::ffi::{c_char, c_int, c_uint, c_void};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::ptr::NonNull;
 
 use super::*;
-use crate::{Element, Place, Ports};
+use crate::{Circuit, Element, Place, Ports};
 
 /// model of the fake plant: x goes on by h u in the second half, the first half copies it to the sensor
 #[derive(Default)]
