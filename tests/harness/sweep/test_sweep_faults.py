@@ -15,8 +15,8 @@ import pytest
 
 import cosim
 
+from ..conftest import DATA, SCENARIO
 from . import studies
-from .conftest import DATA, SCENARIO
 
 Write = Callable[..., Path]
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="signals and limits of Linux")
