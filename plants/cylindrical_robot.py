@@ -16,10 +16,11 @@ from typing import Any, ClassVar
 import mujoco
 import numpy as np
 
-from plants import _native, burr
+from plants import _native
 from plants._native import Cell
 from plants.cylindrical_robot_parameters import TURN, CylindricalRobotParameters
 from plants.plant import Channel, Plant
+from plants.tools import burr
 
 AXES = range(1, 7)
 TURNING = (1, 4, 5, 6)

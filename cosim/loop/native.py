@@ -66,10 +66,10 @@ def obstacle(plant: Any) -> str:
     """Why a plant cannot be stepped by native code, empty if it can."""
     if not hasattr(plant, "machine"):
         return "it is written in Python"
-    from plants.machine import NotNativeError, check
+    from plants.machine import NotNativeError
 
     try:
-        check(plant)
+        plant.check_native()
     except NotNativeError as error:
         return str(error)
     return ""

@@ -183,9 +183,11 @@ def sources(kind: Any) -> list[Path]:
     """Files of a plant's class and its bases; all of the package `plants` where one of them is in it."""
     modules = [sys.modules.get(base.__module__) for base in kind.__mro__]
     files = {Path(file) for module in modules if (file := getattr(module, "__file__", None))}
-    for folder in {file.parent for file in files if file.parent.name == "plants"}:
-        files |= {file for file in folder.iterdir() if file.suffix in PLANT_FILES}
-    return sorted(files, key=lambda file: file.name)
+    if any(base.__module__.partition(".")[0] == "plants" for base in kind.__mro__):
+        (folder,) = importlib.import_module("plants").__path__
+        files |= {file for file in Path(folder).rglob("*") if file.suffix in PLANT_FILES}
+    # by name, then folder: wherever the package lies
+    return sorted(files, key=lambda file: file.parts[::-1])
 
 
 @functools.cache

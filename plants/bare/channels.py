@@ -25,7 +25,7 @@ QUANTITIES = {"POS": 0, "VEL": 1, "FRC": 2}
 VECTOR, QUATERNION = "xyz", "wxyz"
 
 
-class Spot(NamedTuple):
+class BoundChannel(NamedTuple):
     """A channel and where its value lies: `getattr(data, array)[place]`."""
 
     channel: Channel
@@ -33,48 +33,48 @@ class Spot(NamedTuple):
     place: int
 
 
-def readings(model: Any) -> tuple[Spot, ...]:
+def readings(model: Any) -> tuple[BoundChannel, ...]:
     """One reading for each component of each named sensor; its noise is the `noise` of the MJCF."""
-    return unique(spot for i in range(model.nsensor) for spot in sensor(model, i))
+    return unique(one for i in range(model.nsensor) for one in sensor(model, i))
 
 
-def commands(model: Any) -> tuple[Spot, ...]:
+def commands(model: Any) -> tuple[BoundChannel, ...]:
     """One command for each control of each named actuator; its limits are the `ctrlrange` of the MJCF."""
-    return unique(spot for i in range(model.nactuator) for spot in actuator(model, i))
+    return unique(one for i in range(model.nactuator) for one in actuator(model, i))
 
 
-def truths(model: Any) -> tuple[Spot, ...]:
+def truths(model: Any) -> tuple[BoundChannel, ...]:
     """Positions and velocities of the named joints, commands and forces of the actuators, all sensors."""
 
-    def all_of_them() -> Iterator[Spot]:
+    def all_of_them() -> Iterator[BoundChannel]:
         for i in range(model.njnt):
             yield from joint(model, i)
-        for spot in commands(model):
-            name, label = spot.channel.name, "Command that acts now"
-            yield Spot(Channel(f"{name}.command", spot.channel.unit, label), spot.array, spot.place)
+        for one in commands(model):
+            name, label = one.channel.name, "Command that acts now"
+            yield BoundChannel(Channel(f"{name}.command", one.channel.unit, label), one.array, one.place)
         for i in range(model.nactuator):
             yield from force(model, i)
-        for spot in readings(model):
-            channel = spot.channel
-            yield Spot(Channel(channel.name, channel.unit, channel.description), spot.array, spot.place)
+        for one in readings(model):
+            channel = one.channel
+            yield BoundChannel(Channel(channel.name, channel.unit, channel.description), one.array, one.place)
 
     return unique(all_of_them())
 
 
-def unique(spots: Iterator[Spot]) -> tuple[Spot, ...]:
-    """All spots, whose channels must have different names."""
-    found: dict[str, Spot] = {}
-    for spot in spots:
-        if spot.channel.name in found:
+def unique(bound: Iterator[BoundChannel]) -> tuple[BoundChannel, ...]:
+    """All bound, whose channels must have different names."""
+    found: dict[str, BoundChannel] = {}
+    for one in bound:
+        if one.channel.name in found:
             raise PlantError(
-                f"two channels of the MJCF are called `{spot.channel.name}`\n"
+                f"two channels of the MJCF are called `{one.channel.name}`\n"
                 "hint: rename one of the sensors, joints or actuators"
             )
-        found[spot.channel.name] = spot
+        found[one.channel.name] = one
     return tuple(found.values())
 
 
-def sensor(model: Any, i: int) -> Iterator[Spot]:
+def sensor(model: Any, i: int) -> Iterator[BoundChannel]:
     """Components of a sensor; those of accelerations and forces are known at the end of a plant step only."""
     name, type_name = (
         model.sensor(i).name,
@@ -86,10 +86,10 @@ def sensor(model: Any, i: int) -> Iterator[Spot]:
     unit, noise = sensor_unit(model, i, type_name), float(model.sensor_noise[i])
     for index, part in enumerate(components(name, int(model.sensor_dim[i]), quaternion)):
         channel = Channel(part, unit, label, noise=noise)
-        yield Spot(channel, "sensordata", int(model.sensor_adr[i]) + index)
+        yield BoundChannel(channel, "sensordata", int(model.sensor_adr[i]) + index)
 
 
-def actuator(model: Any, i: int) -> Iterator[Spot]:
+def actuator(model: Any, i: int) -> Iterator[BoundChannel]:
     """List the controls of an actuator; one that takes none is passive."""
     count, first = int(model.actuator_ctrlnum[i]), int(model.actuator_ctrladr[i])
     for index, part in enumerate(components(model.actuator(i).name, count)):
@@ -98,19 +98,21 @@ def actuator(model: Any, i: int) -> Iterator[Spot]:
             model.actuator_ctrlrange[row].tolist() if model.actuator_ctrllimited[row] else (None, None)
         )
         limits = {} if low is None else {"minimum": low, "maximum": high}
-        yield Spot(Channel(part, command_unit(model, i), f"Control of `{part}`", **limits), "ctrl", row)
+        yield BoundChannel(
+            Channel(part, command_unit(model, i), f"Control of `{part}`", **limits), "ctrl", row
+        )
 
 
-def force(model: Any, i: int) -> Iterator[Spot]:
+def force(model: Any, i: int) -> Iterator[BoundChannel]:
     """Force of an actuator with a single output."""
     name = model.actuator(i).name
     if name and model.actuator_outnum[i] == 1:
         unit = KINDS[actuator_kind(model, i)][2]
         channel = Channel(f"{name}.force", unit, f"Force of `{name}`, of the plant step before")
-        yield Spot(channel, "actuator_force", int(model.actuator_outadr[i]))
+        yield BoundChannel(channel, "actuator_force", int(model.actuator_outadr[i]))
 
 
-def joint(model: Any, i: int) -> Iterator[Spot]:
+def joint(model: Any, i: int) -> Iterator[BoundChannel]:
     """Position and velocity of a joint; a free or ball joint has vectors and a quaternion.
 
     As in MuJoCo the velocity of a free joint is in the axes of the room, its angular velocity in its own.
@@ -134,7 +136,7 @@ def joint(model: Any, i: int) -> Iterator[Spot]:
             (f"{name}.angular_velocity.{axis}", "rad/s", "qvel", v + k) for k, axis in enumerate(VECTOR)
         ]
     for part, unit, array, index in parts:
-        yield Spot(Channel(part, unit, f"Joint `{name}`"), array, index)
+        yield BoundChannel(Channel(part, unit, f"Joint `{name}`"), array, index)
 
 
 def components(name: str, count: int, quaternion: bool = False) -> list[str]:

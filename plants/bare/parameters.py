@@ -8,7 +8,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from plants.bare_channels import joint_kind, tendon_kind
+from plants.bare.channels import joint_kind, tendon_kind
 
 COEFFICIENTS = {
     "slide": {"damping": "N.s/m", "stiffness": "N/m", "armature": "kg", "frictionloss": "N"},

@@ -7,8 +7,9 @@ from typing import Any, ClassVar
 import mujoco
 import numpy as np
 
-from plants import bare_channels, bare_parameters
 from plants._native import Cell
+from plants.bare import channels
+from plants.bare.parameters import INTEGRATORS, apply, named, parameters_of, start
 from plants.plant import Plant, PlantError
 
 
@@ -19,14 +20,14 @@ class Bare(Plant):
 
     def __init__(self, parameters: Any = None) -> None:
         super().__init__(parameters)
-        bare_parameters.apply(self.parameters, self.model, self.data)
+        apply(self.parameters, self.model, self.data)
         self.timestep = float(self.model.opt.timestep)
-        self._readings = bare_channels.readings(self.model)
-        self._commands = bare_channels.commands(self.model)
-        self._truths = bare_channels.truths(self.model)
-        self.readings = tuple(spot.channel for spot in self._readings)
-        self.commands = tuple(spot.channel for spot in self._commands)
-        self.truths = tuple(spot.channel for spot in self._truths)
+        self._readings = channels.readings(self.model)
+        self._commands = channels.commands(self.model)
+        self._truths = channels.truths(self.model)
+        self.readings = tuple(one.channel for one in self._readings)
+        self.commands = tuple(one.channel for one in self._commands)
+        self.truths = tuple(one.channel for one in self._truths)
         try:
             self.begin(0)
         except KeyError as error:
@@ -38,20 +39,20 @@ class Bare(Plant):
 
     def shape(self, spec: Any) -> None:
         """Choose the integrator; the other parameters are written into the compiled model."""
-        name = bare_parameters.named(self.parameters)["integrator"].lower()
-        if name not in bare_parameters.INTEGRATORS:
+        name = named(self.parameters)["integrator"].lower()
+        if name not in INTEGRATORS:
             raise PlantError(
                 f"there is no integrator `{name}`\nhint: take `euler`, `implicit` or `implicitfast`"
             )
-        spec.option.integrator = bare_parameters.INTEGRATORS[name]
+        spec.option.integrator = INTEGRATORS[name]
 
     def begin(self, steps: int) -> None:
         """Set the initial state and tie the channels to MuJoCo's arrays."""
-        bare_parameters.start(self.parameters, self.model, self.data)
+        start(self.parameters, self.model, self.data)
         self.connect(self._cells(self._readings), self._cells(self._commands), self._cells(self._truths))
 
-    def _cells(self, spots: tuple[bare_channels.Spot, ...]) -> dict[str, Cell]:
-        return {spot.channel.name: Cell(getattr(self.data, spot.array), spot.place) for spot in spots}
+    def _cells(self, bound: tuple[channels.BoundChannel, ...]) -> dict[str, Cell]:
+        return {one.channel.name: Cell(getattr(self.data, one.array), one.place) for one in bound}
 
 
 def load(file: Path) -> type[Bare]:
@@ -63,9 +64,9 @@ def load(file: Path) -> type[Bare]:
         MuJoCo cannot read or compile the file, or two channels have one name.
     """
     model = compiled(file)
-    parameters = bare_parameters.parameters_of(model)
+    parameters = parameters_of(model)
     # two channels of one name are a mistake of the file
-    bare_channels.truths(model)
+    channels.truths(model)
     return type("Bare", (Bare,), {"__module__": __name__, "file": file, "Parameters": parameters})
 
 

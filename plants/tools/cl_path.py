@@ -1,8 +1,8 @@
 """Cutter location data for a mold: a spiral from its axis outwards, as a CAM's main processor writes it.
 
-    python -m plants.cl_path led led.cls
-    python -m plants.cl_path saddle - --outer 0.5e-3
-    python -m plants.cl_path saddle dwelling.cls --sweep 6.6e-3
+    python -m plants.tools.cl_path led led.cls
+    python -m plants.tools.cl_path saddle - --outer 0.5e-3
+    python -m plants.tools.cl_path saddle dwelling.cls --sweep 6.6e-3
 
 A CAM knows the mold and the tool, not the controller that reads the file, so this lives beside the molds. The
 file names contact points with unit normals out of the material (`GOTO/x,y,z,i,j,k`), lengths in mm.
@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from plants.molds import MOLDS, Mold
+from plants.tools.molds import MOLDS, Mold
 
 Array = NDArray[np.float64]
 
@@ -149,7 +149,9 @@ def cl_text(
 
 def main() -> None:
     """Write the CL file that the command line asks for."""
-    parser = argparse.ArgumentParser("python -m plants.cl_path", description="Write CL data for a mold.")
+    parser = argparse.ArgumentParser(
+        "python -m plants.tools.cl_path", description="Write CL data for a mold."
+    )
     parser.add_argument("mold", choices=sorted(MOLDS), help="the mold")
     parser.add_argument("file", help="the file, - for the standard output")
     lengths = {

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from plants import _native
-from plants.molds import Mold
+from plants.tools.molds import Mold
 
 Array = NDArray[np.float64]
 
