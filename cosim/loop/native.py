@@ -57,7 +57,7 @@ def choose(engine: Engine, name: str, plant: Plant) -> Engine:
     if engine == "reference":
         return engine
     if reason := obstacle(plant):
-        tell_once(f"the plant `{name}` runs in the reference loop: {reason}")
+        warn_once(f"the plant `{name}` runs in the reference loop: {reason}")
         return "reference"
     return engine
 
@@ -76,7 +76,7 @@ def obstacle(plant: Any) -> str:
 
 
 @functools.cache
-def tell_once(text: str) -> None:
+def warn_once(text: str) -> None:
     """Log a warning, once in a process."""
     log.warning("%s", text)
 

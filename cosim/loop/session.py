@@ -63,7 +63,7 @@ class Session:
             self.engine = native.choose(checked(engine), scenario.plant.name, self.plant)
             check_timestep(scenario, self.plant.timestep)
             inputs = driven(scenario, self.file)
-            tell_idle(scenario, self.plant)
+            warn_idle(scenario, self.plant)
             self.fmu = open_instance(self.file, inputs, log_events, previous)
             try:
                 self._compile()
@@ -182,7 +182,7 @@ def open_instance(
     return Instance(file, inputs, trace.numeric_outputs(file), log_events)
 
 
-def tell_idle(scenario: Scenario, driven_plant: plant.Plant) -> None:
+def warn_idle(scenario: Scenario, driven_plant: plant.Plant) -> None:
     """Log the commands that nothing drives."""
     written = {wire.to for wire in scenario.wire} | {signal.to for signal in scenario.signal}
     for channel in driven_plant.commands:

@@ -24,8 +24,8 @@ CONNECT_TIMEOUT = 20.0
 """Time to reach the scheduler, s."""
 WORKERS_TIMEOUT = 60.0
 """Time without any Dask worker after which a sweep gives up, s."""
-LOOK = 1.0
-"""How often Dask workers are counted, s."""
+POLL_INTERVAL = 1.0
+"""Time between two counts of the Dask workers, s."""
 Ended = tuple[str, str]
 """Key of a run that ended, and the Dask worker if it was lost."""
 
@@ -53,18 +53,18 @@ def outcomes(jobs: Iterable[Numbered], address: str, limits: Limits) -> Generato
             yield from dispatched(client, iter(jobs), limits, token)
         finally:
             with contextlib.suppress(Exception):
-                client.run(dismiss, token, on_error="ignore")
+                client.run(close_workers, token, on_error="ignore")
 
 
 def dispatched(client: Any, jobs: Iterator[Numbered], limits: Limits, token: str) -> Generator[Finished]:
     """Keep every thread of the cluster busy with one run; none waits on a worker that may be lost."""
     ended: queue.SimpleQueue[Ended] = queue.SimpleQueue()
-    watch(client, ended)
+    report_lost_runs(client, ended)
     running: dict[str, tuple[int, Any]] = {}
-    crew = Crew(client)
+    size = ClusterSize(client)
     more = True
     while more or running:
-        free = crew.threads() - len(running)
+        free = size.threads() - len(running)
         while more and free > 0:
             if (job := next(jobs, None)) is None:
                 more = False
@@ -75,20 +75,20 @@ def dispatched(client: Any, jobs: Iterator[Numbered], limits: Limits, token: str
             future.add_done_callback(lambda done: ended.put((done.key, "")))
             free -= 1
         with contextlib.suppress(queue.Empty):
-            key, lost = ended.get(timeout=LOOK)
+            key, lost = ended.get(timeout=POLL_INTERVAL)
             if key in running:
                 number, future = running.pop(key)
                 yield number, outcome_of(future, lost)
 
 
-class Crew:
+class ClusterSize:
     """Threads of all Dask workers; workers may come and go."""
 
     def __init__(self, client: Any) -> None:
         self.client = client
         self.count = 0
-        self.looked = -LOOK
-        self.seen = time.monotonic()
+        self.counted = -POLL_INTERVAL
+        self.last_worker = time.monotonic()
 
     def threads(self) -> int:
         """Return the number of threads, looked up now and then.
@@ -99,8 +99,8 @@ class Crew:
             There has been no worker for too long.
         """
         now = time.monotonic()
-        if now - self.looked >= LOOK or not self.count:
-            self.looked = now
+        if now - self.counted >= POLL_INTERVAL or not self.count:
+            self.counted = now
             try:
                 self.count = sum(self.client.nthreads().values())
             except Exception as error:
@@ -108,12 +108,12 @@ class Crew:
                     f"lost the Dask scheduler: {error}", "the next call goes on from here"
                 ) from None
         if self.count:
-            self.seen = now
-        elif now - self.seen > WORKERS_TIMEOUT:
+            self.last_worker = now
+        elif now - self.last_worker > WORKERS_TIMEOUT:
             problem = f"the Dask scheduler has had no worker for {WORKERS_TIMEOUT:g} s"
             raise CosimError(problem, "start one with `dask worker ADDRESS`")
         else:
-            time.sleep(LOOK)
+            time.sleep(POLL_INTERVAL)
         return self.count
 
 
@@ -164,7 +164,7 @@ def connected(distributed: Any, address: str) -> Iterator[Any]:
         yield client
 
 
-def watch(client: Any, ended: queue.SimpleQueue[Ended]) -> None:
+def report_lost_runs(client: Any, ended: queue.SimpleQueue[Ended]) -> None:
     """Report the runs that lost Dask workers were doing."""
 
     def see(event: tuple[float, Any]) -> None:
@@ -189,7 +189,7 @@ def run_supervised(token: str, job: Job, limits: Limits) -> Outcome:
     return _workers[key].call(job)
 
 
-def dismiss(token: str) -> None:
+def close_workers(token: str) -> None:
     """End the worker processes of a sweep; runs on a Dask worker."""
     for key in [key for key in _workers if key[0] == token]:
         _workers.pop(key).close()

@@ -16,7 +16,7 @@ from rich.console import Console, RenderableType
 from cosim.loop import engines
 from cosim.sweep import cluster, overview, study, supervisor
 from cosim.sweep.plan import Plan
-from cosim.sweep.runner import Pool, Watch, pending, save_traces, sweep, worst
+from cosim.sweep.runner import Observer, Pool, pending, save_traces, sweep, worst
 from cosim.sweep.store import DONE, Row, Store
 from cosim.sweep.supervisor import Limits
 from cosim.sweep.survey import Survey, save_csv, save_parquet, survey
@@ -71,8 +71,8 @@ def execute(options: Options) -> tuple[Survey, RenderableType]:
     plan = Plan(study.load(options.file), engines.checked(options.engine))
     with Store(options.folder) as store:
         try:
-            with progress(plan, store, options) as watch:
-                sweep(plan, store, pool_of(plan, options), watch, options.again)
+            with progress(plan, store, options) as observe:
+                sweep(plan, store, pool_of(plan, options), observe, options.again)
             save_traces(plan, store, pool_of(plan, options), options.plots)
         finally:
             found = survey(plan, store)
@@ -99,7 +99,7 @@ def pool_of(plan: Plan, options: Options) -> Pool:
 
 
 @contextlib.contextmanager
-def progress(plan: Plan, store: Store, options: Options) -> Iterator[Watch]:
+def progress(plan: Plan, store: Store, options: Options) -> Iterator[Observer]:
     """Bar on stderr with rate and time left; nothing if that is not a terminal."""
     console = Console(stderr=True)
     if options.quiet or not console.is_terminal:
@@ -122,10 +122,10 @@ def progress(plan: Plan, store: Store, options: Options) -> Iterator[Watch]:
         task = bar.add_task(plan.study.name, True, total, total - left, failed=0, lost=0, rate="")
         counts: dict[str, Any] = {"failed": 0, "lost": 0}
 
-        def watch(row: Row) -> None:
+        def observe(row: Row) -> None:
             counts["failed"] += row["status"] == "failed"
             counts["lost"] += row["status"] not in DONE
             speed = bar.tasks[0].speed
             bar.update(task, advance=1, rate=f"{speed:.3g} runs/s" if speed else "", **counts)
 
-        yield watch
+        yield observe

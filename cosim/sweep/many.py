@@ -11,7 +11,7 @@ from cosim.loop.engines import Engine
 from cosim.loop.result import Result
 from cosim.scenario.model import Scenario
 from cosim.sweep.supervisor import Limits, outcomes
-from cosim.sweep.worker import Desk, Job, Outcome
+from cosim.sweep.worker import Job, JobRunner, Outcome
 
 
 def run_many(
@@ -79,8 +79,8 @@ def ordered(jobs: Sequence[Job], workers: int | None) -> Generator[Outcome]:
     """Run the jobs and yield their outcomes in order; closing it drops what was not begun."""
     count = min(workers or multiprocessing.cpu_count(), len(jobs))
     if count <= 1:
-        with contextlib.closing(Desk()) as desk:
-            yield from map(desk.run, jobs)
+        with contextlib.closing(JobRunner()) as runner:
+            yield from map(runner.run, jobs)
         return
     early: dict[int, Outcome] = {}
     wanted = 0

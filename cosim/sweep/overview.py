@@ -37,7 +37,7 @@ def tables(plan: Plan, store: Store, found: Survey, worst: list[Run]) -> Rendera
     if worst:
         parts += [worst_table(plan, store, found, worst), ""]
     if found.troubles:
-        parts += [trouble_table(plan, found), ""]
+        parts += [no_result_table(plan, found), ""]
     return Group(*parts, verdict(found))
 
 
@@ -87,7 +87,7 @@ def worst_table(plan: Plan, store: Store, found: Survey, worst: list[Run]) -> Re
     return table
 
 
-def trouble_table(plan: Plan, found: Survey) -> RenderableType:
+def no_result_table(plan: Plan, found: Survey) -> RenderableType:
     """Table of the runs without a result, by reason."""
     table = plain_table("without result", "runs", "first", "reason")
     ranked = sorted(found.troubles.items(), key=lambda item: -item[1][0])

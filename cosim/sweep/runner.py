@@ -20,11 +20,11 @@ Pool = Callable[[Iterable[Numbered]], Generator[Finished]]
 """Runs jobs and yields their outcomes as they come: on this machine or on a cluster."""
 MOST_PLOTS = 3
 """Plots of the worst runs: a plot takes longer than a run."""
-Watch = Callable[[Row], None]
+Observer = Callable[[Row], None]
 """Told every new row."""
 
 
-def sweep(plan: Plan, store: Store, pool: Pool, watch: Watch, again: bool = False) -> None:
+def sweep(plan: Plan, store: Store, pool: Pool, observe: Observer, again: bool = False) -> None:
     """Do the runs that have no row yet.
 
     Whatever stops it, Ctrl-C included, the rows written stay, and the next call goes on from there.
@@ -35,7 +35,7 @@ def sweep(plan: Plan, store: Store, pool: Pool, watch: Watch, again: bool = Fals
         Runs, and where their rows are.
     pool
         Where they run.
-    watch
+    observe
         Told every new row.
     again
         Whether runs without a result (`error`, `crashed`, `timeout`, `memory`, `lost`) are done again.
@@ -43,7 +43,7 @@ def sweep(plan: Plan, store: Store, pool: Pool, watch: Watch, again: bool = Fals
     for run, outcome in outcomes(plan, pending(plan, store, again), pool, keep_trace=False):
         row = row_of(run, outcome)
         store.append(row)
-        watch(row)
+        observe(row)
 
 
 def pending(plan: Plan, store: Store, again: bool) -> list[Run]:

@@ -25,7 +25,7 @@ START_TIMEOUT = 120.0
 """Time for a worker process to import everything, s."""
 MEMORY_INTERVAL = 0.2
 """How often the memory of a worker process is looked at, s."""
-MOST_WORDS = 300
+LONGEST_OUTPUT = 300
 """Characters kept of what a worker process said last."""
 COMMAND = "from cosim.sweep.worker import main; main({})"
 
@@ -85,7 +85,7 @@ class Worker:
             No worker process can be started.
         """
         self.start()
-        self.words.truncate(0)
+        self.output.truncate(0)
         try:
             self.connection.send(job)
             return self.answer()
@@ -101,13 +101,13 @@ class Worker:
                 return
             self.release()
             ours, theirs = socket.socketpair()
-            self.words = tempfile.TemporaryFile("a+b")  # noqa: SIM115 - it lives as long as the process
+            self.output = tempfile.TemporaryFile("a+b")  # noqa: SIM115 - it lives as long as the process
             with theirs:
                 self.process = subprocess.Popen(
                     [sys.executable, "-c", COMMAND.format(theirs.fileno())],
                     stdin=subprocess.DEVNULL,
-                    stdout=self.words,
-                    stderr=self.words,
+                    stdout=self.output,
+                    stderr=self.output,
                     pass_fds=(theirs.fileno(),),
                     start_new_session=True,  # Ctrl-C is for us to handle
                     env={**os.environ, "PYTHONPATH": os.pathsep.join(map(os.path.abspath, sys.path))},
@@ -153,16 +153,16 @@ class Worker:
             how = f"killed by {signal.Signals(-code).name}"
         else:
             how = f"ended with exit code {code}"
-        words = self.last_words()
+        said = self.last_output()
         return WorkerError(
-            "crashed", f"the worker process crashed: {how}" + (f"; its last words: {words}" if words else "")
+            "crashed", f"the worker process crashed: {how}" + (f"; its last words: {said}" if said else "")
         )
 
-    def last_words(self) -> str:
+    def last_output(self) -> str:
         """Last line that the process printed."""
-        self.words.seek(-min(self.words.seek(0, os.SEEK_END), 4 * MOST_WORDS), os.SEEK_END)
-        lines = self.words.read().decode(errors="replace").split("\n")
-        return next((line.strip()[:MOST_WORDS] for line in reversed(lines) if line.strip()), "")
+        self.output.seek(-min(self.output.seek(0, os.SEEK_END), 4 * LONGEST_OUTPUT), os.SEEK_END)
+        lines = self.output.read().decode(errors="replace").split("\n")
+        return next((line.strip()[:LONGEST_OUTPUT] for line in reversed(lines) if line.strip()), "")
 
     def resident(self) -> int:
         """Resident memory of the process, bytes; 0 where it is gone."""
@@ -185,7 +185,7 @@ class Worker:
         if self.process is not None:
             self.process.wait()
             self.connection.close()
-            self.words.close()
+            self.output.close()
             self.process = None
 
     def close(self) -> None:

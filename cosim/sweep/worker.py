@@ -46,7 +46,7 @@ class Job:
     fmu: str = ""
 
 
-class Desk:
+class JobRunner:
     """Runs jobs one after the other; FMU and plant stay open for jobs that share them."""
 
     def __init__(self) -> None:
@@ -90,14 +90,14 @@ def main(descriptor: int) -> None:
     connection = Connection(descriptor)
     jobs: queue.SimpleQueue[Job] = queue.SimpleQueue()
     threading.Thread(target=listen, args=(connection, jobs), daemon=True).start()
-    desk = Desk()
+    runner = JobRunner()
     connection.send(READY)
     while True:
         try:
             job = jobs.get(timeout=IDLE)
         except queue.Empty:
             return
-        connection.send(desk.run(job))
+        connection.send(runner.run(job))
 
 
 def listen(connection: Connection, jobs: queue.SimpleQueue[Job]) -> None:

@@ -16,7 +16,7 @@ from typing import Any
 from cosim.sweep import study
 from cosim.sweep.command import Options, execute
 from cosim.sweep.plan import Plan
-from cosim.sweep.worker import Desk
+from cosim.sweep.worker import JobRunner
 
 WORKERS = 2
 ALONE = 40
@@ -48,12 +48,12 @@ def one_core(file: Path) -> tuple[float, float]:
     """Rate of one core that does nothing but the runs, 1/s, and its processor time for one, s."""
     plan = Plan(study.load(file))
     jobs = [plan.job(run) for run in plan.runs[: ALONE + 1]]
-    with contextlib.closing(Desk()) as desk:
+    with contextlib.closing(JobRunner()) as runner:
         # the first opens FMU and plant
-        desk.run(jobs[0])
+        runner.run(jobs[0])
         begin, spent = time.perf_counter(), time.process_time()
         for job in jobs[1:]:
-            desk.run(job)
+            runner.run(job)
         return ALONE / (time.perf_counter() - begin), (time.process_time() - spent) / ALONE
 
 

@@ -10,7 +10,7 @@ mod _native {
 
     use crate::elements::cutting::{Burr, Deburring, Edge, Flute, Milling, Reaction, Shapes, TurnedPart};
     use crate::elements::drive::{
-        CurrentLoop, DriveGains, InductionSpindle, MotionBoard, Plate, PulseDrive, Rotation, Thrust,
+        CurrentLoop, DriveGains, InductionSpindle, MotionBoard, PulseDrive, RatingPlate, Rotation, Thrust,
     };
     use crate::elements::friction::{Bristle, Foot, RollingFriction, Stribeck};
     use crate::elements::polishing::{Abrasion, Dimple, HeightMap, Mold, Pose, Rubbing, Step, Stroke, TangentPlane};
@@ -128,7 +128,7 @@ mod _native {
     #[pyfunction]
     fn induction_spindle(plate: (f64, f64, f64, f64, f64), friction: f64, lag: f64) -> PyElement {
         let (synchronous, rated_speed, rated_power, overload, time) = plate;
-        let plate = Plate { synchronous, rated_speed, rated_power, overload, time };
+        let plate = RatingPlate { synchronous, rated_speed, rated_power, overload, time };
         PyElement::new(InductionSpindle::new(plate, friction, lag))
     }
 
@@ -217,10 +217,10 @@ mod _native {
         PyElement::new(PulseDrive::new(gains, pulse, tick))
     }
 
-    /// Friction of balls that roll, `friction` N at most, that turns over `way` m after a reversal: velocity -> force.
+    /// Friction of balls that roll, `friction` N at most, that turns over `distance` m after a reversal: velocity -> force.
     #[pyfunction]
-    fn rolling_friction(friction: f64, way: f64) -> PyElement {
-        PyElement::new(RollingFriction::new(friction, way))
+    fn rolling_friction(friction: f64, distance: f64) -> PyElement {
+        PyElement::new(RollingFriction::new(friction, distance))
     }
 
     /// Shaft that starts at `start` rad: speed -> angle at the start of the step, angle at its end.
@@ -308,8 +308,8 @@ mod _native {
     /// Height map of a surface after some strokes of a ball, row by row.
     ///
     /// The grid is place of its first row and column and their distance in m, points are lists of nominal height, true
-    /// area and height. Strokes are x, y, z of the contact in m, load in N, way in m. The abrasion is
-    /// depth per pressure and way in m2/N, modulus in Pa, radius in m, pressure per height in Pa/m.
+    /// area and height. Strokes are x, y, z of the contact in m, load in N, distance in m. The abrasion is
+    /// depth per pressure and distance in m2/N, modulus in Pa, radius in m, pressure per height in Pa/m.
     ///
     /// Raises
     /// ------
@@ -331,8 +331,8 @@ mod _native {
         let abrasion = Abrasion { preston, modulus, radius, selectivity };
         let mut map = HeightMap { start, pitch, count, nominal, area, height };
         let mut patch = Vec::new();
-        for (x, y, z, load, way) in strokes {
-            map.rub(&abrasion, &Stroke { centre: [x, y, z], load, way }, &mut patch);
+        for (x, y, z, load, distance) in strokes {
+            map.rub(&abrasion, &Stroke { centre: [x, y, z], load, distance }, &mut patch);
         }
         Ok(map.height)
     }

@@ -55,7 +55,7 @@ pub fn run(workspace: &Workspace) -> Result<()> {
     Ok(())
 }
 
-fn pass_through_rows(costs: &pass_through::Costs) -> Vec<Row> {
+fn pass_through_rows(costs: &pass_through::PassThroughCosts) -> Vec<Row> {
     let ratio = |quantity: &str, base: &statistics::Samples, goal| Row {
         quantity: quantity.to_owned(),
         unit: "1",
@@ -72,7 +72,7 @@ fn pass_through_rows(costs: &pass_through::Costs) -> Vec<Row> {
     ]
 }
 
-fn loop_rows(scenario: &str, costs: &reference_loop::Costs) -> Result<Vec<Row>> {
+fn loop_rows(scenario: &str, costs: &reference_loop::ReferenceLoopCosts) -> Result<Vec<Row>> {
     let (state, tick) = tick::measure(&costs.recording)?;
     Ok(vec![
         row(
@@ -89,7 +89,7 @@ fn loop_rows(scenario: &str, costs: &reference_loop::Costs) -> Result<Vec<Row>> 
     ])
 }
 
-fn sweep_rows(costs: &sweep::Costs) -> Vec<Row> {
+fn sweep_rows(costs: &sweep::SweepCosts) -> Vec<Row> {
     let row = |quantity: &str, unit, value, goal| Row {
         quantity: quantity.to_owned(),
         unit,
@@ -106,7 +106,7 @@ fn sweep_rows(costs: &sweep::Costs) -> Vec<Row> {
     ]
 }
 
-fn native_rows(scenario: &str, costs: &native_loop::Costs) -> Vec<Row> {
+fn native_rows(scenario: &str, costs: &native_loop::NativeLoopCosts) -> Vec<Row> {
     let ratio = costs.ratio();
     vec![
         row(&format!("{scenario}: simulated time / wall time, native engine"), "1", &costs.real_time_factor, None),

@@ -13,7 +13,7 @@ const LONGEST: &str = "10000";
 
 /// What the runs took; times are us of CPU per communication step, and the two take turns.
 #[derive(Deserialize)]
-pub struct Costs {
+pub struct NativeLoopCosts {
     /// The closed loop with its trace.
     pub native: Samples,
     /// The plant with its elements and the commands of that loop.
@@ -22,7 +22,7 @@ pub struct Costs {
     pub real_time_factor: Samples,
 }
 
-impl Costs {
+impl NativeLoopCosts {
     /// Closed loop over plant alone, from each pair of runs.
     pub fn ratio(&self) -> Samples {
         Samples(self.native.0.iter().zip(&self.plant.0).map(|(native, plant)| native / plant).collect())
@@ -33,7 +33,7 @@ impl Costs {
 ///
 /// # Errors
 /// When the loop does not run.
-pub fn measure(workspace: &Workspace, scenario: &str) -> Result<Costs> {
+pub fn measure(workspace: &Workspace, scenario: &str) -> Result<NativeLoopCosts> {
     process::header(&format!("measure `{scenario}` with the native engine"));
     let mut command = workspace.venv_command("python");
     command.args(["xtask/bench/native_loop.py", scenario, REPEATS, LONGEST]);

@@ -19,7 +19,7 @@ const REPEATS: usize = 300;
 const STEP: f64 = 1e-3;
 
 /// Cost of one set + doStep + get, in ns.
-pub struct Costs {
+pub struct PassThroughCosts {
     /// The pass-through of `fmi2-export`.
     pub rust: Samples,
     /// The C FMU that checks nothing.
@@ -32,7 +32,7 @@ pub struct Costs {
 ///
 /// # Errors
 /// When a build fails or an FMU does not pass its input through.
-pub fn measure(workspace: &Workspace, folder: &Path) -> Result<Costs> {
+pub fn measure(workspace: &Workspace, folder: &Path) -> Result<PassThroughCosts> {
     let library = build::example(workspace, "fmi2-export", "pass_through")?;
     let (_, xml) =
         binary::files(&library)?.into_iter().find(|(path, _)| path == "modelDescription.xml").context("no XML")?;
@@ -50,7 +50,7 @@ pub fn measure(workspace: &Workspace, folder: &Path) -> Result<Costs> {
         }
     }
     let [rust, bare_c, checked_c] = samples.map(Samples);
-    Ok(Costs { rust, bare_c, checked_c })
+    Ok(PassThroughCosts { rust, bare_c, checked_c })
 }
 
 fn compile(workspace: &Workspace, folder: &Path, name: &str, flags: &[&str]) -> Result<PathBuf> {

@@ -12,7 +12,7 @@ const REPEATS: &str = "5";
 
 /// What the runs took; times are us per communication step.
 #[derive(Deserialize)]
-pub struct Costs {
+pub struct ReferenceLoopCosts {
     /// Simulated time over wall time; the smallest run is the slowest one.
     pub real_time_factor: Samples,
     /// The whole step.
@@ -25,7 +25,7 @@ pub struct Costs {
     pub recording: Recording,
 }
 
-impl Costs {
+impl ReferenceLoopCosts {
     /// What is left of a step: wiring, noise, trace.
     pub fn rest(&self) -> Samples {
         let parts = self.step.0.iter().zip(&self.fmu.0).zip(&self.plant.0);
@@ -37,7 +37,7 @@ impl Costs {
 ///
 /// # Errors
 /// When the loop does not run.
-pub fn measure(workspace: &Workspace, scenario: &str) -> Result<Costs> {
+pub fn measure(workspace: &Workspace, scenario: &str) -> Result<ReferenceLoopCosts> {
     process::header(&format!("measure `{scenario}`"));
     let mut command = workspace.venv_command("python");
     command.args(["xtask/bench/reference_loop.py", scenario, REPEATS]);

@@ -10,7 +10,7 @@ const RUNS: &str = "1000";
 
 /// What a sweep on two workers took.
 #[derive(Deserialize)]
-pub struct Costs {
+pub struct SweepCosts {
     /// Runs per second over twice those of one core that does nothing but the runs.
     pub throughput: f64,
     /// Runs per second.
@@ -27,7 +27,7 @@ pub struct Costs {
 ///
 /// # Errors
 /// When a sweep does not run.
-pub fn measure(workspace: &Workspace) -> Result<Costs> {
+pub fn measure(workspace: &Workspace) -> Result<SweepCosts> {
     process::header(&format!("measure a sweep of {RUNS} runs"));
     let mut command = workspace.venv_command("python");
     command.args(["xtask/bench/sweep.py", RUNS]);

@@ -23,7 +23,7 @@ pub struct InductionSpindle {
 
 /// What stands on the plate of a motor, and how fast it answers.
 #[derive(Clone, Copy, Debug)]
-pub struct Plate {
+pub struct RatingPlate {
     /// speed without slip, rad/s
     pub synchronous: f64,
     /// speed at the rated torque, rad/s
@@ -38,7 +38,7 @@ pub struct Plate {
 
 impl InductionSpindle {
     /// A spindle that turns without load; `friction` in N.m, `lag` of the measured speed in s.
-    pub fn new(plate: Plate, friction: f64, lag: f64) -> Self {
+    pub fn new(plate: RatingPlate, friction: f64, lag: f64) -> Self {
         let rated_torque = plate.rated_power / plate.rated_speed;
         let rated_slip = 1.0 - plate.rated_speed / plate.synchronous;
         // s / sb + sb / s = 2 Tb / T at the rated point
@@ -105,7 +105,7 @@ mod tests {
     const RPM: f64 = std::f64::consts::TAU / 60.0;
 
     fn spindle() -> InductionSpindle {
-        let plate = Plate {
+        let plate = RatingPlate {
             synchronous: 18_000.0 * RPM,
             rated_speed: 17_500.0 * RPM,
             rated_power: 600.0,
@@ -174,7 +174,7 @@ mod tests {
 
     #[test]
     fn a_spindle_without_friction_has_no_slip() {
-        let plate = Plate { synchronous: 100.0, rated_speed: 95.0, rated_power: 95.0, overload: 2.0, time: 0.1 };
+        let plate = RatingPlate { synchronous: 100.0, rated_speed: 95.0, rated_power: 95.0, overload: 2.0, time: 0.1 };
         let mut spindle = InductionSpindle::new(plate, 0.0, 0.02);
         assert_eq!(run(&mut spindle, 0.0, 1)[0][0], 100.0);
     }

@@ -8,7 +8,7 @@ mod rotation;
 mod thrust;
 
 pub use current_loop::CurrentLoop;
-pub use induction_spindle::{InductionSpindle, Plate};
+pub use induction_spindle::{InductionSpindle, RatingPlate};
 pub use motion_board::MotionBoard;
 pub use pulse_drive::{DriveGains, PulseDrive};
 pub use rotation::Rotation;

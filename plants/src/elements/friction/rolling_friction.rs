@@ -1,25 +1,25 @@
-//! Friction of ball screws and ball guides, which grows with the way after each reversal (Dahl 1968).
+//! Friction of ball screws and ball guides, which grows with the distance after each reversal (Dahl 1968).
 
 use crate::element::{Element, Ports};
 
-/// `force' = -(friction / way) (v + |v| force / friction)`: a spring at the reversal, `friction` in the end.
+/// `force' = -(friction / distance) (v + |v| force / friction)`: a spring at the reversal, `friction` in the end.
 ///
-/// After a reversal the difference to the force of rolling falls to 1/e in every `way`. The answer to a velocity
+/// After a reversal the difference to the force of rolling falls to 1/e in every `distance`. The answer to a velocity
 /// that is held over the step is exact.
 #[derive(Clone, Debug)]
 pub struct RollingFriction {
     /// force while it rolls, N
     friction: f64,
     /// m
-    way: f64,
+    distance: f64,
     /// force over `friction`
     share: f64,
 }
 
 impl RollingFriction {
-    /// Friction of `friction` N in the end that changes over `way` m, both positive.
-    pub fn new(friction: f64, way: f64) -> Self {
-        Self { friction, way, share: 0.0 }
+    /// Friction of `friction` N in the end that changes over `distance` m, both positive.
+    pub fn new(friction: f64, distance: f64) -> Self {
+        Self { friction, distance, share: 0.0 }
     }
 }
 
@@ -35,7 +35,7 @@ impl Element for RollingFriction {
     fn step(&mut self, inputs: &[f64], outputs: &mut [f64], h: f64) {
         let velocity = inputs[0];
         let missing = velocity.signum() + self.share;
-        self.share += missing * (-velocity.abs() * h / self.way).exp_m1();
+        self.share += missing * (-velocity.abs() * h / self.distance).exp_m1();
         outputs[0] = self.friction * self.share;
     }
 }
@@ -44,11 +44,11 @@ impl Element for RollingFriction {
 mod tests {
     use super::*;
 
-    /// force after a way at constant velocity
-    fn roll(friction: &mut RollingFriction, velocity: f64, way: f64) -> f64 {
+    /// force after a distance at constant velocity
+    fn roll(friction: &mut RollingFriction, velocity: f64, distance: f64) -> f64 {
         let (steps, mut out) = (1000.0, [0.0]);
         for _ in 0..1000 {
-            friction.step(&[velocity], &mut out, way / velocity.abs() / steps);
+            friction.step(&[velocity], &mut out, distance / velocity.abs() / steps);
         }
         out[0]
     }

@@ -5,7 +5,7 @@ use std::ops::Range;
 /// Contact of ball and paste on the mold.
 #[derive(Clone, Copy, Debug)]
 pub struct Abrasion {
-    /// removed depth per pressure and way, m2/N
+    /// removed depth per pressure and distance, m2/N
     pub preston: f64,
     /// contact modulus, Pa
     pub modulus: f64,
@@ -15,15 +15,15 @@ pub struct Abrasion {
     pub selectivity: f64,
 }
 
-/// One stroke of the ball: the middle of it and what happened on the way.
+/// One stroke of the ball: the middle of it and what happened along it.
 #[derive(Clone, Copy, Debug)]
 pub struct Stroke {
     /// contact point, m
     pub centre: [f64; 3],
     /// N
     pub load: f64,
-    /// way of the slip, m
-    pub way: f64,
+    /// distance of the slip, m
+    pub distance: f64,
 }
 
 /// Square map of heights along the normal of a surface.
@@ -65,7 +65,7 @@ impl HeightMap {
             *pressure = (*pressure * scale + abrasion.selectivity * higher).max(0.0);
             carried += *pressure * self.area[*point];
         }
-        let depth = abrasion.preston * stroke.way * stroke.load / carried;
+        let depth = abrasion.preston * stroke.distance * stroke.load / carried;
         for &(point, pressure) in &*patch {
             self.height[point] -= depth * pressure;
         }
@@ -130,7 +130,7 @@ mod tests {
         for selectivity in [0.0, 3e13, 1e15] {
             let before = map(1e-6);
             let mut after = before.clone();
-            let stroke = Stroke { centre: [35e-6, -80e-6, 0.0], load: 3.0, way: 2e-6 };
+            let stroke = Stroke { centre: [35e-6, -80e-6, 0.0], load: 3.0, distance: 2e-6 };
             after.rub(&Abrasion { selectivity, ..ABRASION }, &stroke, &mut Vec::new());
             assert!((volume(&before, &after) / (4e-11 * 3.0 * 2e-6) - 1.0).abs() < 1e-9, "{selectivity}");
             assert!(before.height.iter().zip(&after.height).all(|(b, a)| a <= b));
@@ -140,7 +140,7 @@ mod tests {
     #[test]
     fn the_deepest_point_is_one_and_a_half_times_the_mean() {
         let (before, mut after) = (map(0.0), map(0.0));
-        let stroke = Stroke { centre: [0.0; 3], load: 5.0, way: 1e-6 };
+        let stroke = Stroke { centre: [0.0; 3], load: 5.0, distance: 1e-6 };
         after.rub(&ABRASION, &stroke, &mut Vec::new());
         let reach = (0.75 * 5.0 * 0.6e-3 / 1e9_f64).cbrt();
         let wanted = 4e-11 * 1e-6 * 1.5 * 5.0 / (std::f64::consts::PI * reach * reach);
@@ -153,7 +153,7 @@ mod tests {
     fn crests_wear_faster_than_troughs_by_the_selectivity() {
         let mut after = map(1e-7);
         let before = after.clone();
-        let stroke = Stroke { centre: [0.0; 3], load: 5.0, way: 1e-6 };
+        let stroke = Stroke { centre: [0.0; 3], load: 5.0, distance: 1e-6 };
         after.rub(&Abrasion { selectivity: 3e13, ..ABRASION }, &stroke, &mut Vec::new());
         let removed = |k: usize| before.height[k] - after.height[k];
         let (crest, trough) = (40 * 81 + 40, 40 * 81 + 45);
@@ -168,7 +168,7 @@ mod tests {
     fn beyond_the_map_nothing_happens() {
         let (before, mut after) = (map(1e-7), map(1e-7));
         for centre in [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0]] {
-            after.rub(&ABRASION, &Stroke { centre, load: 5.0, way: 1e-6 }, &mut Vec::new());
+            after.rub(&ABRASION, &Stroke { centre, load: 5.0, distance: 1e-6 }, &mut Vec::new());
         }
         assert_eq!(before.height, after.height);
     }
