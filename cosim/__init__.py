@@ -6,9 +6,10 @@
 """
 
 from cosim.errors import CosimError
-from cosim.many import run_each, run_many
-from cosim.result import Result
-from cosim.scenario import Scenario, load
-from cosim.session import Session, run
+from cosim.loop.result import Result
+from cosim.loop.session import Session, run
+from cosim.scenario.load import load
+from cosim.scenario.model import Scenario
+from cosim.sweep.many import run_each, run_many
 
 __all__ = ["CosimError", "Result", "Scenario", "Session", "load", "run", "run_each", "run_many"]

@@ -15,9 +15,11 @@ import typer.exceptions
 from rich.console import Console
 from typer import Argument, Option
 
-from cosim import engines, layers, paths
+from cosim import paths
 from cosim.errors import CosimError
-from cosim.loop import Progress
+from cosim.loop import engines
+from cosim.loop.reference import Progress
+from cosim.scenario import layers
 
 FAILED = 1
 """Exit code: a criterion does not hold."""
@@ -58,7 +60,7 @@ Set = Annotated[
 def list_scenarios(verbose: Verbose = False, quiet: Quiet = False) -> None:
     """List the scenarios by name and title."""
     configure_logging(verbose, quiet)
-    from cosim import display
+    from cosim.show import display
 
     entries = []
     for name, file in paths.list_scenarios():
@@ -77,9 +79,9 @@ def list_scenarios(verbose: Verbose = False, quiet: Quiet = False) -> None:
 def show(loop: Loop, set_: Set = None, verbose: Verbose = False, quiet: Quiet = False) -> None:
     """Show a loop: FMU variables and plant parameters with units, defaults and ranges; the wires."""
     configure_logging(verbose, quiet)
-    from cosim import display
-    from cosim.scenario import load
-    from cosim.session import Session
+    from cosim.loop.session import Session
+    from cosim.scenario.load import load
+    from cosim.show import display
 
     scenario = load(loop, set_ or ())
     with Session(scenario) as session:
@@ -104,10 +106,10 @@ def run(
 ) -> None:
     """Run a scenario once and print its metrics and criteria."""
     configure_logging(verbose, quiet)
-    from cosim import display
-    from cosim import plot as plots
-    from cosim.scenario import load
-    from cosim.session import Session
+    from cosim.loop.session import Session
+    from cosim.scenario.load import load
+    from cosim.show import display
+    from cosim.show import plot as plots
 
     chosen = engines.checked(engine)
     options = {"loop.seed": seed, "loop.compute_delay": delay, "loop.duration": duration}
@@ -162,11 +164,11 @@ def sweep(
 ) -> None:
     """Run the cases of a study on many processes; what is done already is not done again."""
     configure_logging(verbose, quiet)
-    from cosim import sweeping
+    from cosim.sweep import command
 
     folder = out or Path(f"{study.stem}.sweep")
-    options = sweeping.Options(study, folder, workers, cluster, engine, again, plots, quiet)
-    found, tables = sweeping.execute(options)
+    options = command.Options(study, folder, workers, cluster, engine, again, plots, quiet)
+    found, tables = command.execute(options)
     if json:
         print(found.to_json(), end="", flush=True)
     else:

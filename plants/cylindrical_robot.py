@@ -16,10 +16,11 @@ from typing import Any, ClassVar
 import mujoco
 import numpy as np
 
-from plants import _native, burr
+from plants import _native
 from plants._native import Cell
 from plants.cylindrical_robot_parameters import TURN, CylindricalRobotParameters
 from plants.plant import Channel, Plant
+from plants.tools import burr
 
 AXES = range(1, 7)
 TURNING = (1, 4, 5, 6)
@@ -116,9 +117,9 @@ class CylindricalRobot(Plant):
     def _shape_drives(self, spec: Any, inertia: dict[str, float]) -> None:
         """Gains that meet the poles of G(s) in steps of the plant, not only in steps of no length."""
         p, h = self.parameters, self.parameters.timestep
-        decay, swing = p.drive_damping * p.drive_frequency, 1.0 - p.drive_damping**2
-        turned = h * p.drive_frequency * math.sqrt(abs(swing))
-        angle = math.cos(turned) if swing > 0.0 else math.cosh(turned)
+        decay, oscillation = p.drive_damping * p.drive_frequency, 1.0 - p.drive_damping**2
+        turned = h * p.drive_frequency * math.sqrt(abs(oscillation))
+        angle = math.cos(turned) if oscillation > 0.0 else math.cosh(turned)
         # implicitfast: det z = 1 / (1 + a), trace z = 1 + (1 - b) / (1 + a)
         a = math.exp(2.0 * decay * h) - 1.0
         b = 1.0 - (2.0 * math.exp(-decay * h) * angle - 1.0) * (1.0 + a)

@@ -4,19 +4,14 @@ import ctypes
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import mujoco
 
 from plants._native import Cell, Circuit
 
-if TYPE_CHECKING:
-    from plants.plant import Plant
-
 FUNCTIONS = ("mj_step1", "mj_step2", "mjb_makeBatch", "mjb_deleteBatch", "mjb_apply", "mjb_error")
 """What the native stepper calls; the batch is where it catches MuJoCo's errors."""
-STEPPED = ("sense", "command", "advance", "truth")
-"""Methods that native code does instead of Python."""
 
 
 class NotNativeError(RuntimeError):
@@ -43,7 +38,7 @@ class Machine:
         Elements that act when readings are taken, and in every plant step.
     readings, commands, truths : tuple of Cell
         The channels.
-    owner : Plant
+    owner : object
         What the addresses belong to; kept alive.
     """
 
@@ -58,43 +53,7 @@ class Machine:
     readings: tuple[Cell, ...]
     commands: tuple[Cell, ...]
     truths: tuple[Cell, ...]
-    owner: "Plant"
-
-
-def check(plant: "Plant") -> None:
-    """Check that native code can step a plant.
-
-    Raises
-    ------
-    NotNativeError
-        The plant does a part of its step in Python, or MuJoCo tells no addresses.
-    """
-    from plants.plant import Plant
-
-    for name in STEPPED:
-        if getattr(type(plant), name) is not getattr(Plant, name):
-            raise NotNativeError(f"`{type(plant).__name__}.{name}` is written in Python")
-    for bound in (plant.model, plant.data):
-        address(bound)
-    functions()
-
-
-def machine(plant: "Plant") -> Machine:
-    """Addresses of a plant that was reset."""
-    return Machine(
-        functions=functions(),
-        empty=address(empty_model()),
-        model=address(plant.model),
-        data=address(plant.data),
-        timestep=plant.timestep,
-        warnings=plant.data.warning.number,
-        sensing=plant.sensing,
-        circuit=plant.circuit,
-        readings=plant.reading_cells,
-        commands=plant.command_cells,
-        truths=plant.truth_cells,
-        owner=plant,
-    )
+    owner: object
 
 
 @cache

@@ -13,7 +13,6 @@ from typing import Any, ClassVar
 
 from plants import _native
 from plants._native import Cell
-from plants.molds import MOLDS
 from plants.orthogonal_robot_parameters import (
     SOLIMP,
     TURN,
@@ -21,6 +20,7 @@ from plants.orthogonal_robot_parameters import (
     check_together,
 )
 from plants.plant import Channel, Plant
+from plants.tools.molds import MOLDS
 
 AXES = ("x", "y", "z")
 

@@ -89,7 +89,10 @@ class OrthogonalRobotParameters:
 
     # mold
     mold: Literal["sphere", "led", "saddle", "freeform", "steep"] = choice(
-        "led", "Surface, a name of `plants.molds`", "paper", ("sphere", "led", "saddle", "freeform", "steep")
+        "led",
+        "Surface, a name of `plants.tools.molds`",
+        "paper",
+        ("sphere", "led", "saddle", "freeform", "steep"),
     )
     mold_radius: float = parameter(2e-3, "m", "Where the surface ends", "paper: 4 mm wide", 1e-4, 2.2e-3)
     shift_x: float = parameter(0.0, "m", "Misplacement of the mold", "our choice: none", -1e-3, 1e-3)

@@ -15,10 +15,12 @@ from numpy.random import Generator, SeedSequence
 from numpy.typing import NDArray
 
 from plants._native import Cell, Circuit, Stepper
-from plants.machine import Machine, machine
+from plants.machine import Machine, NotNativeError, address, empty_model, functions
 from plants.parameters import check
 
 Array = NDArray[np.float64]
+STEPPED = ("sense", "command", "advance", "truth")
+"""Methods that native code does instead of Python."""
 
 
 class PlantError(RuntimeError):
@@ -222,9 +224,37 @@ class Plant(ABC):
         """Return what an ideal observer knows at the last `sense`, in the order of `truths`."""
         return np.array([cell.read() for cell in self.truth_cells])
 
+    def check_native(self) -> None:
+        """Check that native code can step this plant.
+
+        Raises
+        ------
+        NotNativeError
+            The plant does a part of its step in Python, or MuJoCo tells no addresses.
+        """
+        for name in STEPPED:
+            if getattr(type(self), name) is not getattr(Plant, name):
+                raise NotNativeError(f"`{type(self).__name__}.{name}` is written in Python")
+        for bound in (self.model, self.data):
+            address(bound)
+        functions()
+
     def machine(self) -> Machine:
-        """Addresses for a native stepper, valid until the next reset; see `plants.machine.check`."""
-        return machine(self)
+        """Addresses for a native stepper, valid until the next reset; see `check_native`."""
+        return Machine(
+            functions=functions(),
+            empty=address(empty_model()),
+            model=address(self.model),
+            data=address(self.data),
+            timestep=self.timestep,
+            warnings=self.data.warning.number,
+            sensing=self.sensing,
+            circuit=self.circuit,
+            readings=self.reading_cells,
+            commands=self.command_cells,
+            truths=self.truth_cells,
+            owner=self,
+        )
 
     def run(self, stepper: Stepper, until: int) -> tuple[str, int, float] | None:
         """Let a native stepper of this plant go on to step `until`, as sense, command and advance would.

@@ -14,10 +14,11 @@ from typing import Any, ClassVar
 import mujoco
 import numpy as np
 
-from plants import _native, contour
+from plants import _native
 from plants._native import Cell, Circuit
 from plants.plant import Array, Channel, Plant
 from plants.spindle_ring_parameters import LINE_LIMIT, TURN, SpindleRingParameters, check_together
+from plants.tools import contour
 
 ROUGHNESS_ORDERS = range(15, 101)
 """Waves per turn of the roughness."""

@@ -1,6 +1,7 @@
 //! Elements in the order in which they act, tied to places in memory.
 
-use crate::{Element, Place};
+use crate::element::Element;
+use crate::place::Place;
 
 /// What any stepper calls once per plant step.
 #[derive(Default)]

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import cosim
-from plants.molds import MOLDS
-from plants.removal import Surface, evenness, roughness
+from plants.tools.molds import MOLDS
+from plants.tools.removal import Surface, evenness, roughness
 
 from .polishing import Changes, Run, polish, sample, worst
 

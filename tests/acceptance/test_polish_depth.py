@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from plants.cl_path import Spiral, cl_text
-from plants.molds import MOLDS
-from plants.removal import Surface, evenness, roughness
+from plants.tools.cl_path import Spiral, cl_text
+from plants.tools.molds import MOLDS
+from plants.tools.removal import Surface, evenness, roughness
 
 from .polishing import polish
 

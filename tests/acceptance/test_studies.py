@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 import cosim
-from cosim import study
-from cosim.plan import Plan
-from cosim.worker import Desk
+from cosim.sweep import study
+from cosim.sweep.plan import Plan
+from cosim.sweep.worker import JobRunner
 
 FOLDER = Path(__file__).resolve().parents[2] / "studies"
 
@@ -18,4 +18,4 @@ FOLDER = Path(__file__).resolve().parents[2] / "studies"
 def test_a_study_can_be_run(name: str) -> None:
     plan = Plan(study.load(FOLDER / f"{name}.toml"))
     assert len({run.hash for run in plan.runs}) == len(plan.runs)
-    assert isinstance(Desk().run(plan.job(plan.runs[-1])), cosim.Result)
+    assert isinstance(JobRunner().run(plan.job(plan.runs[-1])), cosim.Result)

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cosim.errors import ExpressionError
-from cosim.expression import Expression, Items
+from cosim.metrics.expression import Expression, Items
 
 ITEMS = {"Idle": 1, "Detect": 4}
 NAMES: dict[str, Items | None] = {

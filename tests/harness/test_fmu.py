@@ -14,10 +14,10 @@ import fmpy
 import pytest
 
 import cosim
-from cosim import archive
-from cosim.archive import open_fmu
 from cosim.errors import FmuError
-from cosim.fmu import Instance
+from cosim.fmu import archive
+from cosim.fmu.archive import open_fmu
+from cosim.fmu.instance import Instance
 
 from .conftest import DATA, pack
 

@@ -17,8 +17,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import cosim
-from cosim import native
 from cosim.errors import CosimError
+from cosim.loop import native
 
 Write = Callable[..., Path]
 FOLDER = Path(__file__).parents[2] / "scenarios"
@@ -415,7 +415,7 @@ def test_a_session_goes_on_after_an_error_of_mujoco() -> None:
 def test_a_plant_in_python_runs_in_the_reference_loop_with_one_warning(
     write: Write, caplog: pytest.LogCaptureFixture
 ) -> None:
-    native.tell_once.cache_clear()
+    native.warn_once.cache_clear()
     scenario = cosim.load(write())
     with caplog.at_level(logging.WARNING, "cosim"):
         for _ in range(2):

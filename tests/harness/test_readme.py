@@ -7,8 +7,9 @@ import tomllib
 from pathlib import Path
 
 import cosim
-from cosim import study
-from cosim.functions import ROWWISE, TIMES, WHOLE
+from cosim.metrics.functions import ROWWISE, TIMES, WHOLE
+from cosim.scenario import model
+from cosim.sweep import study
 
 README = (Path(cosim.__file__).parent / "README.md").read_text(encoding="utf-8")
 
@@ -22,11 +23,11 @@ def test_the_scenario_loads_and_shows_every_key(folder: Path) -> None:
     scenario = cosim.load("readme.toml")
     assert scenario.loop.steps == 10_000
     raw = tomllib.loads(blocks("toml")[0])
-    assert set(raw["loop"]) == set(cosim.scenario.Loop.__dataclass_fields__)
+    assert set(raw["loop"]) == set(model.Loop.__dataclass_fields__)
     shown = set(raw["wire"][0])
     assert shown == {"from", "to", "scale", "offset", "delay", "noise", "quantum", "minimum", "maximum"}
-    assert set(raw["plot"]) == set(cosim.scenario.Plot.__dataclass_fields__)
-    assert set(raw["plot"]["panels"][0]) == set(cosim.scenario.Panel.__dataclass_fields__)
+    assert set(raw["plot"]) == set(model.Plot.__dataclass_fields__)
+    assert set(raw["plot"]["panels"][0]) == set(model.Panel.__dataclass_fields__)
 
 
 def test_the_study_loads_and_shows_the_keys(folder: Path) -> None:

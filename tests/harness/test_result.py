@@ -14,11 +14,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import cosim
-from cosim import plot
-from cosim.criteria import Verdict
 from cosim.errors import CosimError
-from cosim.quantity import text
-from cosim.scenario import Criterion
+from cosim.metrics.criteria import Verdict
+from cosim.scenario.model import Criterion
+from cosim.show import plot
+from cosim.show.quantity import text
 
 Write = Callable[..., Path]
 

@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cosim.errors import CosimError
-from cosim.scenario import Signal, Wire
-from cosim.wiring import Delay, child, first_step, noise, schedule, shaper
+from cosim.loop.wiring import Delay, child, first_step, noise, schedule, shaper
+from cosim.scenario.model import Signal, Wire
 
 from .data.probe_plants import Channel
 

@@ -11,7 +11,7 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-import plants.bare
+import plants.bare.plant
 from plants.parameters import ParameterError
 from plants.plant import PlantError
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from plants.cl_path import Spiral, cl_text
-from plants.molds import MOLDS
+from plants.tools.cl_path import Spiral, cl_text
+from plants.tools.molds import MOLDS
 
 Array = NDArray[np.float64]
 
@@ -25,7 +25,7 @@ SHIPPED = {
 
 def command(*arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        [sys.executable, "-m", "plants.cl_path", *arguments],
+        [sys.executable, "-m", "plants.tools.cl_path", *arguments],
         cwd=ROOT,
         capture_output=True,
         text=True,

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import plants
-from plants import burr
 from plants.cylindrical_robot import AXES, CylindricalRobot
 from plants.cylindrical_robot_parameters import RPM, TURN, CylindricalRobotParameters
 from plants.plant import PlantError
+from plants.tools import burr
 
 Matrix = np.ndarray[Any, Any]
 Columns = dict[str, Matrix]

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import plants
-from plants.molds import MOLDS
 from plants.orthogonal_robot import AXES, OrthogonalRobot
 from plants.orthogonal_robot_parameters import OrthogonalRobotParameters
+from plants.tools.molds import MOLDS
 
 Matrix = np.ndarray[Any, Any]
 Columns = dict[str, Matrix]

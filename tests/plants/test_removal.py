@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from plants.molds import MOLDS, Mold
-from plants.removal import Process, Surface, evenness, roughness
+from plants.tools.molds import MOLDS, Mold
+from plants.tools.removal import Process, Surface, evenness, roughness
 
 Matrix = np.ndarray[Any, Any]
 

@@ -9,7 +9,8 @@ import pytest
 
 import plants
 from plants.plant import PlantError
-from plants.slide import Slide, SlideParameters
+from plants.slide import Slide
+from plants.slide_parameters import SlideParameters
 
 TURN = 2.0 * math.pi
 

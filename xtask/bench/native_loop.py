@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 from part import part
 
 import cosim
-from cosim import condition, loop, native
-from cosim.connect import Connector, Drive, Links, Place
-from cosim.trace import Recorder
-from cosim.wiring import child
+from cosim.loop import condition, native, reference
+from cosim.loop.connect import Connector, Drive, Links, Place
+from cosim.loop.trace import Recorder
+from cosim.loop.wiring import child
 from plants._native import Stepper
 
 
@@ -35,7 +35,7 @@ class Bench:
 
     def reset(self) -> Any:
         """Reset the plant and return what steps it."""
-        loop.reset_plant(self.plant, self.scenario, child(self.scenario.loop.seed, "plant"))
+        reference.reset_plant(self.plant, self.scenario, child(self.scenario.loop.seed, "plant"))
         plant: Any = self.plant
         return plant.machine()
 

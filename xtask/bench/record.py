@@ -11,9 +11,9 @@ import numpy as np
 from part import part
 
 import cosim
-from cosim.archive import FmuFile, Variable
-from cosim.fmu import BASE
-from cosim.values import Value, expand
+from cosim.fmu.archive import FmuFile, Variable
+from cosim.fmu.instance import BASE
+from cosim.fmu.values import Value, expand
 
 
 def recording(session: cosim.Session, trace: Any) -> dict[str, Any]:

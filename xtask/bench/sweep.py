@@ -13,10 +13,10 @@ import time
 from pathlib import Path
 from typing import Any
 
-from cosim import study
-from cosim.plan import Plan
-from cosim.sweeping import Options, execute
-from cosim.worker import Desk
+from cosim.sweep import study
+from cosim.sweep.plan import Plan
+from cosim.sweep.command import Options, execute
+from cosim.sweep.worker import JobRunner
 
 WORKERS = 2
 ALONE = 40
@@ -49,12 +49,12 @@ def one_core(file: Path) -> tuple[float, float]:
     plan = Plan(study.load(file))
     jobs = [plan.job(run) for run in plan.runs[: ALONE + 1]]
     count = len(jobs) - 1
-    with contextlib.closing(Desk()) as desk:
+    with contextlib.closing(JobRunner()) as runner:
         # the first opens FMU and plant
-        desk.run(jobs[0])
+        runner.run(jobs[0])
         begin, spent = time.perf_counter(), time.process_time()
         for job in jobs[1:]:
-            desk.run(job)
+            runner.run(job)
         return count / (time.perf_counter() - begin), (time.process_time() - spent) / count
 
 

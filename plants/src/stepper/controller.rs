@@ -2,7 +2,7 @@
 
 use std::ffi::{c_int, c_uint, c_void};
 
-use super::Failure;
+use super::failure::Failure;
 
 /// `fmi2SetReal`, `fmi2GetInteger` and so on.
 pub type Move = unsafe extern "C" fn(*mut c_void, *const c_uint, usize, *mut c_void) -> c_int;

@@ -2,7 +2,9 @@
 
 use std::ptr::NonNull;
 
-use super::{Delay, Failure, Shape, Slot};
+use super::failure::Failure;
+use super::slot::Slot;
+use super::wire::{Delay, Shape};
 
 /// Numbers of a whole run, one per step.
 #[derive(Clone, Copy, Debug)]

@@ -2,8 +2,8 @@
 
 use std::ptr::NonNull;
 
-use super::Condition;
-use crate::Place;
+use super::condition::Condition;
+use crate::place::Place;
 
 /// Values of the controller that lie side by side: the first and how many.
 #[derive(Clone, Copy, Debug)]

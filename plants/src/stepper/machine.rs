@@ -2,8 +2,10 @@
 
 use std::ffi::{c_int, c_void};
 
-use super::{Failure, Slot};
-use crate::{Circuit, Place};
+use super::failure::Failure;
+use super::slot::Slot;
+use crate::circuit::Circuit;
+use crate::place::Place;
 
 /// `mj_step1` or `mj_step2` with model and data. Errors leave it by `longjmp`.
 pub type Half = unsafe extern "C-unwind" fn(*const c_void, *mut c_void);

@@ -1,14 +1,15 @@
 //! The stepper on a plant and a controller of a few lines of C-like Rust.
 
 use std::ffi::{c_char, c_int, c_uint, c_void};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::ptr::NonNull;
 
 use super::*;
-use crate::{Element, Place, Ports};
+use crate::{Circuit, Element, Place, Ports};
 
 /// model of the fake plant: x goes on by h u in the second half, the first half copies it to the sensor
 #[derive(Default)]
-struct World {
+struct FakePlant {
     x: f64,
     u: f64,
     sensor: f64,
@@ -17,15 +18,15 @@ struct World {
 }
 
 unsafe extern "C-unwind" fn first_half(_: *const c_void, data: *mut c_void) {
-    // SAFETY: the tests pass a `World`.
-    let world = unsafe { &mut *data.cast::<World>() };
+    // SAFETY: the tests pass a `FakePlant`.
+    let world = unsafe { &mut *data.cast::<FakePlant>() };
     world.sensor = world.x;
     world.halves += 1;
 }
 
 unsafe extern "C-unwind" fn second_half(_: *const c_void, data: *mut c_void) {
     // SAFETY: as above.
-    let world = unsafe { &mut *data.cast::<World>() };
+    let world = unsafe { &mut *data.cast::<FakePlant>() };
     world.x += 0.5 * world.u;
     world.halves += 1;
     world.warnings = c_int::from(world.x > 1e3);
@@ -33,17 +34,18 @@ unsafe extern "C-unwind" fn second_half(_: *const c_void, data: *mut c_void) {
 
 /// controller: out = -0.5 in, and an error on demand
 #[derive(Default)]
-struct Brain {
+struct FakeController {
     real: [f64; 2],
     times: Vec<f64>,
     fail_at: Option<usize>,
 }
 
 unsafe extern "C" fn set(brain: *mut c_void, references: *const c_uint, count: usize, values: *mut c_void) -> c_int {
-    // SAFETY: the tests pass a `Brain` and arrays of `count`.
+    // SAFETY: the tests pass a `FakeController` and arrays of `count`.
     unsafe {
         for i in 0..count {
-            (*brain.cast::<Brain>()).real[references.add(i).read() as usize] = values.cast::<f64>().add(i).read();
+            (*brain.cast::<FakeController>()).real[references.add(i).read() as usize] =
+                values.cast::<f64>().add(i).read();
         }
     }
     0
@@ -53,7 +55,10 @@ unsafe extern "C" fn get(brain: *mut c_void, references: *const c_uint, count: u
     // SAFETY: as above.
     unsafe {
         for i in 0..count {
-            values.cast::<f64>().add(i).write((&(*brain.cast::<Brain>()).real)[references.add(i).read() as usize]);
+            values
+                .cast::<f64>()
+                .add(i)
+                .write((&(*brain.cast::<FakeController>()).real)[references.add(i).read() as usize]);
         }
     }
     1
@@ -61,7 +66,7 @@ unsafe extern "C" fn get(brain: *mut c_void, references: *const c_uint, count: u
 
 unsafe extern "C" fn do_step(brain: *mut c_void, time: f64, _: f64, _: c_int) -> c_int {
     // SAFETY: as above.
-    let brain = unsafe { &mut *brain.cast::<Brain>() };
+    let brain = unsafe { &mut *brain.cast::<FakeController>() };
     let k = brain.times.len();
     brain.times.push(time);
     brain.real[1] = -0.5 * brain.real[0];
@@ -105,8 +110,8 @@ unsafe extern "C" fn words(_: *const c_void, _: c_int) -> *const c_char {
 /// All memory of a loop; boxed, so that it stays where it is.
 #[derive(Default)]
 struct Bench {
-    world: World,
-    brain: Brain,
+    world: FakePlant,
+    brain: FakeController,
     sensed: f64,
     command: f64,
     input: f64,
@@ -129,7 +134,7 @@ fn place(value: &mut f64) -> Place {
     unsafe { Place::new(NonNull::from(value), 1, (1.0, 0.0), 0, false) }
 }
 
-fn machine(world: &mut World, substeps: usize) -> Machine {
+fn machine(world: &mut FakePlant, substeps: usize) -> Machine {
     Machine {
         first_half,
         second_half,
@@ -178,7 +183,7 @@ fn stepper(bench: &mut Bench, delay: usize, substeps: usize, apply: Apply, stop:
 }
 
 fn start() -> Box<Bench> {
-    Box::new(Bench { world: World { x: 1.0, ..World::default() }, ..Bench::default() })
+    Box::new(Bench { world: FakePlant { x: 1.0, ..FakePlant::default() }, ..Bench::default() })
 }
 
 fn run(stepper: &mut Stepper, until: usize) -> Result<bool, Failure> {
@@ -245,9 +250,9 @@ fn words_of_a_mujoco_error_come_back() {
     assert_eq!(refused, Err(Failure::MuJoCo("mj_step1: told to fail".into())));
 }
 
-struct Bug;
+struct Panics;
 
-impl Element for Bug {
+impl Element for Panics {
     fn ports(&self) -> Ports {
         Ports { inputs: &[], outputs: &[] }
     }
@@ -264,7 +269,7 @@ fn a_panic_crosses_no_c_function() {
     let mut bench = start();
     let mut stepper = stepper(&mut bench, 0, 1, apply, None);
     let mut broken = Circuit::default();
-    broken.bind("bug".into(), Box::new(Bug), vec![], vec![]);
+    broken.bind("bug".into(), Box::new(Panics), vec![], vec![]);
     let caught = catch_unwind(AssertUnwindSafe(|| stepper.run(&mut Circuit::default(), &mut broken, 1)));
     let words = caught.expect_err("a panic");
     assert_eq!(words.downcast_ref::<&str>(), Some(&"a bug of an element"));

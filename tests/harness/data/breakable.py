@@ -7,10 +7,11 @@ import numpy as np
 
 from plants import slide
 from plants.parameters import parameter
+from plants.slide_parameters import SlideParameters
 
 
 @dataclasses.dataclass(frozen=True)
-class BreakableParameters(slide.SlideParameters):
+class BreakableParameters(SlideParameters):
     broken: float = parameter(0.0, "1", "1: MuJoCo fails", "test", 0.0, 1.0)
 
 

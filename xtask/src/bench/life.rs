@@ -17,7 +17,7 @@ const MOST_LIVES: usize = 100;
 const CALLS: u32 = 1000;
 
 /// Times in us; `checked_c` is the same of the C FMU with the checks of FMI 2.0, in turns.
-pub struct Costs {
+pub struct LifeCosts {
     /// `fmi2ExitInitializationMode`.
     pub exit: Summary,
     /// From instantiate to free, without a step.
@@ -38,7 +38,7 @@ pub struct Pair {
 ///
 /// # Errors
 /// When a call fails.
-pub fn measure(recording: &Recording, checked: &Fmu, effort: &Effort) -> Result<Costs> {
+pub fn measure(recording: &Recording, checked: &Fmu, effort: &Effort) -> Result<LifeCosts> {
     let fmu = recording.load()?;
     let (mut exits, mut lives, mut yardsticks) = (Samples::default(), Samples::default(), Samples::default());
     for _ in 0..effort.repeats.min(MOST_LIVES) {
@@ -48,7 +48,7 @@ pub fn measure(recording: &Recording, checked: &Fmu, effort: &Effort) -> Result<
         yardsticks.0.push(mean(CALLS, || life_of(checked))?);
     }
     let life = Pair { own: lives.summary(), checked_c: yardsticks.summary() };
-    Ok(Costs { exit: exits.summary(), life, state: state(recording, &fmu, checked, effort)? })
+    Ok(LifeCosts { exit: exits.summary(), life, state: state(recording, &fmu, checked, effort)? })
 }
 
 /// Times (us) of the exit of the initialisation and of the whole life.

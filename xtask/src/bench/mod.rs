@@ -79,7 +79,7 @@ fn write(workspace: &Workspace, rows: &[Row]) -> Result<()> {
     Ok(())
 }
 
-fn pass_through_rows(costs: &pass_through::Costs) -> Vec<Row> {
+fn pass_through_rows(costs: &pass_through::PassThroughCosts) -> Vec<Row> {
     vec![
         Row::new("set + doStep + get: Rust pass-through", "ns", costs.rust),
         Row::new("set + doStep + get: C FMU with the checks of FMI 2.0", "ns", costs.checked_c),
@@ -118,7 +118,7 @@ fn controller_rows(workspace: &Workspace, scenario: &str, checked: &Fmu, effort:
     ])
 }
 
-fn reference_rows(scenario: &str, costs: &reference_loop::Costs) -> Vec<Row> {
+fn reference_rows(scenario: &str, costs: &reference_loop::ReferenceLoopCosts) -> Vec<Row> {
     let (step, plant) = (costs.step.summary(), costs.plant.summary());
     vec![
         Row::ratio(format!("{scenario}: simulated time / wall time"), costs.real_time_factor.summary()),
@@ -130,7 +130,7 @@ fn reference_rows(scenario: &str, costs: &reference_loop::Costs) -> Vec<Row> {
     ]
 }
 
-fn native_rows(scenario: &str, costs: &native_loop::Costs) -> Vec<Row> {
+fn native_rows(scenario: &str, costs: &native_loop::NativeLoopCosts) -> Vec<Row> {
     let (native, plant) = (costs.native.summary(), costs.plant.summary());
     vec![
         Row::ratio(format!("{scenario}: simulated time / wall time, native engine"), costs.real_time_factor.summary()),
@@ -140,7 +140,7 @@ fn native_rows(scenario: &str, costs: &native_loop::Costs) -> Vec<Row> {
     ]
 }
 
-fn sweep_rows(costs: &sweep::Costs) -> Vec<Row> {
+fn sweep_rows(costs: &sweep::SweepCosts) -> Vec<Row> {
     let once = Summary::once;
     vec![
         Row::new("sweep on 2 workers: runs", "1/s", once(costs.rate)),

@@ -10,7 +10,7 @@ use crate::workspace::Workspace;
 
 /// What the runs took; times are us of CPU per communication step, and the two take turns.
 #[derive(Deserialize)]
-pub struct Costs {
+pub struct NativeLoopCosts {
     /// The closed loop with its trace.
     pub native: Samples,
     /// The plant with its elements and the commands of that loop.
@@ -23,7 +23,7 @@ pub struct Costs {
 ///
 /// # Errors
 /// When the loop does not run.
-pub fn measure(workspace: &Workspace, scenario: &str, effort: &Effort) -> Result<Costs> {
+pub fn measure(workspace: &Workspace, scenario: &str, effort: &Effort) -> Result<NativeLoopCosts> {
     process::header(&format!("measure `{scenario}` with the native engine"));
     let mut command = workspace.venv_command("python");
     command.args(["xtask/bench/native_loop.py", scenario, &effort.runs.to_string(), &effort.steps.to_string()]);

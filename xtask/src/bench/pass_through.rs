@@ -14,7 +14,7 @@ use crate::process;
 use crate::workspace::Workspace;
 
 /// Cost of one set + doStep + get, in ns; the three take turns.
-pub struct Costs {
+pub struct PassThroughCosts {
     /// The pass-through of `fmi2-export`.
     pub rust: Summary,
     /// The C FMU that checks nothing.
@@ -27,7 +27,7 @@ pub struct Costs {
 ///
 /// # Errors
 /// When a build fails or an FMU does not pass its input through.
-pub fn measure(workspace: &Workspace, folder: &Path, checked: &Fmu, effort: &Effort) -> Result<Costs> {
+pub fn measure(workspace: &Workspace, folder: &Path, checked: &Fmu, effort: &Effort) -> Result<PassThroughCosts> {
     let library = build::example(workspace, "fmi2-export", "pass_through")?;
     let (_, xml) =
         binary::files(&library)?.into_iter().find(|(path, _)| path == "modelDescription.xml").context("no XML")?;
@@ -44,5 +44,5 @@ pub fn measure(workspace: &Workspace, folder: &Path, checked: &Fmu, effort: &Eff
         }
     }
     let [rust, bare_c, checked_c] = samples.map(|samples| samples.summary());
-    Ok(Costs { rust, bare_c, checked_c })
+    Ok(PassThroughCosts { rust, bare_c, checked_c })
 }

@@ -10,7 +10,7 @@ use crate::workspace::Workspace;
 
 /// What the runs took; times are us per communication step, the parts are of other runs than the real-time factor.
 #[derive(Deserialize)]
-pub struct Costs {
+pub struct ReferenceLoopCosts {
     /// Simulated time over wall time; the smallest run is the slowest one.
     pub real_time_factor: Samples,
     /// The whole step.
@@ -27,7 +27,7 @@ pub struct Costs {
 ///
 /// # Errors
 /// When the loop does not run.
-pub fn measure(workspace: &Workspace, scenario: &str, effort: &Effort) -> Result<Costs> {
+pub fn measure(workspace: &Workspace, scenario: &str, effort: &Effort) -> Result<ReferenceLoopCosts> {
     process::header(&format!("measure `{scenario}`"));
     let mut command = workspace.venv_command("python");
     command.args(["xtask/bench/reference_loop.py", scenario, &effort.runs.to_string(), &effort.steps.to_string()]);

@@ -9,7 +9,7 @@ use crate::workspace::Workspace;
 
 /// What a sweep on two workers took.
 #[derive(Deserialize)]
-pub struct Costs {
+pub struct SweepCosts {
     /// Runs per second over twice those of one core that does nothing but the runs.
     pub throughput: f64,
     /// Runs per second.
@@ -26,7 +26,7 @@ pub struct Costs {
 ///
 /// # Errors
 /// When a sweep does not run.
-pub fn measure(workspace: &Workspace, effort: &Effort) -> Result<Costs> {
+pub fn measure(workspace: &Workspace, effort: &Effort) -> Result<SweepCosts> {
     process::header(&format!("measure a sweep of {} runs", effort.sweep));
     let mut command = workspace.venv_command("python");
     command.args(["xtask/bench/sweep.py", &effort.sweep.to_string()]);

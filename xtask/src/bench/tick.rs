@@ -18,8 +18,8 @@ use super::yardstick::{PORTS, Runner};
 /// The whole recording is replayed at most so often.
 const MOST_REPLAYS: usize = 9;
 
-/// Costs of one set + doStep + get, in ns.
-pub struct Costs {
+/// TickCosts of one set + doStep + get, in ns.
+pub struct TickCosts {
     /// Name of the state in which a sample costs most.
     pub state: String,
     /// Mean of a sample there.
@@ -34,17 +34,17 @@ pub struct Costs {
 ///
 /// # Errors
 /// When the FMU refuses a call or does not go through the recorded states.
-pub fn measure(recording: &Recording, checked: &Fmu, effort: &Effort) -> Result<Costs> {
+pub fn measure(recording: &Recording, checked: &Fmu, effort: &Effort) -> Result<TickCosts> {
     let fmu = recording.load()?;
     let slave = Slave::start(&fmu, &recording.start)?;
     let slowest = slowest(recording, &slave, effort)?;
     let mut yardstick = Runner::start(checked, PORTS)?;
-    let mut busiest: Option<Costs> = None;
+    let mut busiest: Option<TickCosts> = None;
     for (state, rows, snapshot) in windows(recording, &slave)? {
         let window = Window { recording, slave: &slave, rows, snapshot };
         let (sample, checked_c) = window.time(&mut yardstick, effort)?;
         if busiest.as_ref().is_none_or(|most| sample.minimum > most.sample.minimum) {
-            busiest = Some(Costs { state, sample, checked_c, slowest });
+            busiest = Some(TickCosts { state, sample, checked_c, slowest });
         }
     }
     busiest.context("no state of the recording lasts")
@@ -108,7 +108,7 @@ struct Window<'a> {
 }
 
 impl Window<'_> {
-    /// Costs of a sample here and of one of the yardstick, in turns.
+    /// TickCosts of a sample here and of one of the yardstick, in turns.
     fn time(&self, yardstick: &mut Runner, effort: &Effort) -> Result<(Summary, Summary)> {
         let (mut own, mut base) = (Samples::default(), Samples::default());
         let mut outputs = vec![0.0; self.recording.outputs.len()];

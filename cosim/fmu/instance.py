@@ -1,0 +1,207 @@
+"""One instance of an FMI 2.0 co-simulation FMU, driven through FMPy."""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import os
+from collections.abc import Callable, Iterator
+from types import TracebackType
+from typing import Any
+
+import numpy as np
+from fmpy.fmi1 import FMICallException
+from fmpy.fmi2 import FMU2Slave
+from numpy.typing import NDArray
+
+from cosim.errors import FmuError, concerning
+from cosim.fmu.archive import FmuFile, Variable
+from cosim.fmu.messages import Messages
+from cosim.fmu.values import expand
+
+BASE = {
+    "Real": "Real",
+    "Integer": "Integer",
+    "Enumeration": "Integer",
+    "Boolean": "Boolean",
+    "String": "String",
+}
+"""FMI function that moves each type: enumerations travel as integers."""
+CTYPE: dict[str, Any] = {"Real": ctypes.c_double, "Integer": ctypes.c_int, "Boolean": ctypes.c_int}
+STATUS = {0: "fmi2OK", 1: "fmi2Warning", 2: "fmi2Discard", 3: "fmi2Error", 4: "fmi2Fatal", 5: "fmi2Pending"}
+
+
+class Bank:
+    """Variables of one base type that move in one FMI call, through an array shared with numpy.
+
+    Parameters
+    ----------
+    base
+        Real, Integer or Boolean.
+    variables
+        The variables; `values[i]` belongs to `variables[i]`.
+    """
+
+    def __init__(self, base: str, variables: list[Variable]) -> None:
+        count = len(variables)
+        self.base = base
+        self.variables = variables
+        self.references = (ctypes.c_uint * count)(*(variable.reference for variable in variables))
+        self.buffer = (CTYPE[base] * count)()
+        self.values: NDArray[Any] = np.frombuffer(self.buffer, np.dtype(CTYPE[base]))
+
+
+def banks(variables: list[Variable]) -> list[Bank]:
+    """Group variables by base type; Strings take no part in a loop."""
+    groups = {base: [v for v in variables if BASE[v.kind] == base] for base in CTYPE}
+    return [Bank(base, group) for base, group in groups.items() if group]
+
+
+class Instance:
+    """An instantiated FMU.
+
+    Life: `initialise` (which resets a used instance), then `set`, `step`, `get` in every step, then `close`.
+
+    Parameters
+    ----------
+    file
+        The opened FMU.
+    inputs, outputs
+        Variables that `set` and `get` move in every step.
+    log_events
+        Whether the FMU shall log events beside warnings and errors.
+    """
+
+    def __init__(
+        self, file: FmuFile, inputs: list[Variable], outputs: list[Variable], log_events: bool = False
+    ) -> None:
+        self.file = file
+        self.driven = inputs
+        self.log_events = log_events
+        self.inputs = banks(inputs)
+        self.outputs = banks(outputs)
+        self.messages = Messages(file.name)
+        self.slave = load_library(file)
+        self.used = self.running = self.dead = False
+        with self.errors("instantiate the FMU"):
+            self.slave.instantiate(callbacks=self.messages.callbacks, loggingOn=log_events)
+        self._setters = [self._mover("Set", bank) for bank in self.inputs]
+        self._getters = [self._mover("Get", bank) for bank in self.outputs]
+
+    def _mover(self, verb: str, bank: Bank) -> Callable[[], int]:
+        """One FMI get or set call with its arguments bound."""
+        function = getattr(self.slave, f"fmi2{verb}{bank.base}")
+        arguments = (self.slave.component, bank.references, len(bank.variables), bank.buffer)
+        return lambda: int(function(*arguments))
+
+    def initialise(self, parameters: dict[str, Any]) -> None:
+        """Give the start values and pass the initialisation mode; a used instance is reset before.
+
+        Raises
+        ------
+        FmuError
+            Unknown variable, a value of the wrong type, or the FMU refused it (with the FMU's own words).
+        """
+        if self.dead:
+            raise FmuError(
+                f"`{self.file.name}` has failed for good (fmi2Fatal), a new run needs a new instance"
+            )
+        if self.used:
+            with self.errors("reset the FMU"):
+                self.slave.reset()
+        self.used, self.running = True, False
+        with self.errors("set up the experiment"):
+            self.slave.setupExperiment(startTime=0.0)
+        for variable, value in expand(self.file.variables, parameters):
+            refused = f"the FMU refused `controller.{variable.name}` = `{value}`"
+            with concerning(f"controller.parameters.{variable.name}"), self.errors(refused):
+                getattr(self.slave, f"set{BASE[variable.kind]}")([variable.reference], [value])
+        with self.errors("the FMU refused its parameters"):
+            self.slave.enterInitializationMode()
+            self.slave.exitInitializationMode()
+        self.running = True
+        # the arrays start with what the FMU holds
+        for bank in [*self.inputs, *self.outputs]:
+            self._mover("Get", bank)()
+
+    def read(self, variable: Variable) -> float:
+        """Read the present value of one variable as a number."""
+        with self.errors(f"read `controller.{variable.name}`"):
+            return float(getattr(self.slave, f"get{BASE[variable.kind]}")([variable.reference])[0])
+
+    def set(self) -> None:
+        """Write the values of all input banks."""
+        for move in self._setters:
+            move()
+
+    def step(self, time: float, step: float) -> None:
+        """Do one communication step from `time` to `time + step`, in s."""
+        self.slave.fmi2DoStep(self.slave.component, time, step, 1)
+
+    def get(self) -> None:
+        """Read the values of all output banks."""
+        for move in self._getters:
+            move()
+
+    @contextlib.contextmanager
+    def errors(self, action: str) -> Iterator[None]:
+        """Turn a failed FMI call into an error that tells the action and the FMU's own words."""
+        try:
+            yield
+        except FmuError:
+            raise
+        except FMICallException as error:
+            raise self.failure(action, error) from None
+        except Exception as error:  # FMPy raises bare exceptions, for example when instantiation fails
+            words = self.messages.take()
+            raise FmuError(f"cannot {action} `{self.file.name}`: {words or error}") from None
+        self.messages.take()
+
+    def failure(self, action: str, error: FMICallException) -> FmuError:
+        """Error that tells of a failed FMI call; after fmi2Fatal the instance is not touched again."""
+        self.running, self.dead = False, error.status >= 4
+        words = self.messages.take() or "the FMU logged no reason"
+        status = STATUS.get(error.status, str(error.status))
+        refused = action if action.startswith("the FMU") else f"cannot {action}"
+        return FmuError(f"{refused}: {words} ({error.function} returned {status})")
+
+    def close(self) -> None:
+        """Terminate and free the instance; errors on this way out are of no interest."""
+        if not self.dead and self.slave.component is not None:
+            if self.running:
+                with contextlib.suppress(FMICallException):
+                    self.slave.terminate()
+            self.slave.freeInstance()
+            self.slave.component = None
+        self.messages.close()
+
+    def __enter__(self) -> Instance:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+def load_library(file: FmuFile) -> Any:
+    """Load the FMU's library; FMPy changes the working directory meanwhile, which is put back in any case."""
+    folder = os.getcwd()  # noqa: PTH109
+    try:
+        return FMU2Slave(
+            guid=file.guid,
+            modelIdentifier=file.identifier,
+            unzipDirectory=str(file.folder),
+            instanceName="controller",
+        )
+    except AttributeError as error:
+        raise FmuError(
+            f"the library of `{file.name}` lacks an FMI function: {error}", "`fmpy validate` checks the FMU"
+        ) from None
+    except Exception as error:  # FMPy raises bare exceptions here
+        raise FmuError(
+            f"cannot load the library of `{file.name}`: {error}",
+            "a library of another platform or one it depends on is missing",
+        ) from None
+    finally:
+        os.chdir(folder)

@@ -1,0 +1,114 @@
+"""Values of FMI variables: from TOML to what the FMI call takes, and back to names."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from cosim.errors import FmuError, closest, concerning, similar
+from cosim.fmu.archive import Variable
+from cosim.scenario.tables import show
+
+Value = float | int | bool | str
+
+
+def encode(variable: Variable, value: Any) -> Value:
+    """Value of the FMI type of a variable.
+
+    Enumerations take the item's name or number, Booleans `true`, `false`, 0 or 1; numbers are never rounded.
+
+    Raises
+    ------
+    FmuError
+        The value does not fit the type; names the variable, the value and the type.
+    """
+    match variable.kind:
+        case "Real" if is_number(value):
+            return float(value)
+        case "Integer" if is_whole(value) and abs(value) < 2**31:
+            return int(value)
+        case "Boolean" if isinstance(value, bool) or (is_number(value) and value in (0, 1)):
+            return bool(value)
+        case "String" if isinstance(value, str):
+            return value
+        case "Enumeration":
+            return item_number(variable, value)
+    kinds = {
+        "Real": "a number",
+        "Integer": "an integer of 32 bits",
+        "Boolean": "true or false",
+        "String": "a text",
+    }
+    raise FmuError(f"`controller.{variable.name}` is {show(value)}, it must be {kinds[variable.kind]}")
+
+
+def item_number(variable: Variable, value: Any) -> int:
+    """Find the number of an enumeration item given by name or number."""
+    items = dict(variable.items)
+    if isinstance(value, str) and value in items:
+        return items[value]
+    if is_whole(value) and int(value) in items.values():
+        return int(value)
+    names = ", ".join(f"`{name}`" for name in items)
+    raise FmuError(
+        f"`controller.{variable.name}` is {show(value)}, it must be one of {names}",
+        similar(value, items) if isinstance(value, str) else "",
+    )
+
+
+def item_name(variable: Variable, number: float) -> str:
+    """Name of an enumeration item, or the number where there is none."""
+    return next((name for name, value in variable.items if value == number), f"{number:g}")
+
+
+def expand(variables: dict[str, Variable], parameters: dict[str, Any]) -> list[tuple[Variable, Value]]:
+    """Variables and values of a table of parameters; `bias = [1, 2]` sets `bias[1]` and `bias[2]`.
+
+    Raises
+    ------
+    FmuError
+        Unknown variable, wrong type, wrong length of an array, a variable that nobody may set.
+    """
+    flat: list[tuple[str, Any]] = []
+    for name, value in parameters.items():
+        if isinstance(value, list) and name not in variables:
+            length = sum(known.startswith(f"{name}[") for known in variables)
+            if 0 < length != len(value):
+                raise FmuError(f"`controller.{name}` has {len(value)} values, it takes {length}")
+            flat += [(f"{name}[{index}]", item) for index, item in enumerate(value, start=1)]
+        else:
+            flat.append((name, value))
+    pairs = []
+    for name, value in flat:
+        with concerning(f"controller.parameters.{name}"):
+            pairs.append((settable(variables, name), encode(variables[name], value)))
+    return pairs
+
+
+def settable(variables: dict[str, Variable], name: str) -> Variable:
+    """Variable that may be given a start value."""
+    variable = lookup(variables, name)
+    derived = variable.causality in ("output", "calculatedParameter", "independent")
+    if variable.variability == "constant" or derived:
+        what = "constant" if variable.variability == "constant" else variable.causality
+        raise FmuError(
+            f"`controller.{name}` is of causality `{what}`, it cannot be set",
+            "parameters and start values of inputs can",
+        )
+    return variable
+
+
+def lookup(variables: dict[str, Variable], name: str) -> Variable:
+    """Variable by name, or an error with the closest name."""
+    if name not in variables:
+        raise FmuError(f"the FMU has no variable `{name}`", closest(name, variables))
+    return variables[name]
+
+
+def is_number(value: Any) -> bool:
+    """Whether the value is a number and no Boolean."""
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def is_whole(value: Any) -> bool:
+    """Whether the value is a number without a fraction."""
+    return is_number(value) and float(value).is_integer()

@@ -1,0 +1,63 @@
+"""Conditions in native code: an expression applied to symbols tells what it computes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from cosim.errors import CosimError
+from cosim.metrics.expression import Expression
+
+Program = list[tuple[str, float]]
+"""Postfix: (`column`, index), (`number`, value) and (name of a ufunc, 0)."""
+EXACT = {
+    "add", "subtract", "multiply", "divide", "negative", "positive", "absolute", "sqrt", "minimum", "maximum",
+}  # fmt: skip
+"""Functions of numbers whose result every library rounds alike."""
+LOGICAL = {
+    "equal", "not_equal", "less", "less_equal", "greater", "greater_equal",
+    "logical_and", "logical_or", "logical_not", "isfinite",
+}  # fmt: skip
+"""Functions that tell true or false."""
+
+
+class Symbol(np.lib.mixins.NDArrayOperatorsMixin):
+    """A value that is not known yet, with the program that computes it."""
+
+    def __init__(self, program: Program, logical: bool = False) -> None:
+        self.program = program
+        self.logical = logical
+
+    def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **options: Any) -> Any:
+        """Note a function instead of computing it."""
+        sides = [value if isinstance(value, Symbol) else number(value) for value in inputs]
+        # numpy computes otherwise with truth values alone
+        countable = ufunc.__name__ in EXACT and not all(side.logical for side in sides)
+        if method != "__call__" or options or not (countable or ufunc.__name__ in LOGICAL):
+            return NotImplemented
+        program = [step for side in sides for step in side.program]
+        return Symbol([*program, (ufunc.__name__, 0.0)], ufunc.__name__ in LOGICAL)
+
+    def __array_function__(self, *arguments: Any) -> Any:
+        """Refuse functions that are no ufunc."""
+        return NotImplemented
+
+    def __bool__(self) -> bool:
+        """Refuse branches."""
+        raise TypeError("a symbol has no truth value")
+
+
+def number(value: Any) -> Symbol:
+    """Symbol of a known number."""
+    return Symbol([("number", float(value))], isinstance(value, bool | np.bool_))
+
+
+def program(expression: Expression, columns: int) -> Program | None:
+    """Program of a condition over rows of so many columns, None where its bits would not be numpy's."""
+    symbols = [Symbol([("column", float(index))]) for index in range(columns)]
+    try:
+        found = expression(symbols)
+    except CosimError:
+        return None
+    return found.program if isinstance(found, Symbol) else None

@@ -1,0 +1,168 @@
+"""The native engine: the steps of the reference loop in native code, with the same bits and errors."""
+
+from __future__ import annotations
+
+import ctypes
+import functools
+import logging
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from fmpy.fmi1 import FMICallException
+from numpy.typing import NDArray
+
+from cosim.fmu.instance import Bank, Instance
+from cosim.loop import condition, reference
+from cosim.loop.connect import Connector, Links, whole
+from cosim.loop.engines import Engine
+from cosim.loop.plant import Plant
+from cosim.loop.reference import PROGRESS_EVERY, Progress, Run
+from cosim.loop.trace import Recorder
+from cosim.metrics.expression import Expression
+from cosim.scenario.model import Scenario
+
+log = logging.getLogger("cosim")
+
+DO_STEP = "fmi2DoStep"
+
+
+@dataclass(frozen=True)
+class Call:
+    """One FMI call that moves the values of a bank: address of the function and arrays of its arguments."""
+
+    name: str
+    function: int
+    references: NDArray[np.uint32]
+    values: NDArray[Any]
+
+
+@dataclass(frozen=True)
+class Controller:
+    """Addresses of an initialised FMU."""
+
+    component: int
+    set: list[Call]
+    step: int
+    get: list[Call]
+    owner: Instance
+
+    def name(self, number: int) -> str:
+        """Name of the call of this number, in the order of a step."""
+        return [*(call.name for call in self.set), DO_STEP, *(call.name for call in self.get)][number]
+
+
+def choose(engine: Engine, name: str, plant: Plant) -> Engine:
+    """Engine for a plant: the one asked for, or with one warning the reference loop."""
+    if engine == "reference":
+        return engine
+    if reason := obstacle(plant):
+        warn_once(f"the plant `{name}` runs in the reference loop: {reason}")
+        return "reference"
+    return engine
+
+
+def obstacle(plant: Any) -> str:
+    """Why a plant cannot be stepped by native code, empty if it can."""
+    if not hasattr(plant, "machine"):
+        return "it is written in Python"
+    from plants.machine import NotNativeError
+
+    try:
+        plant.check_native()
+    except NotNativeError as error:
+        return str(error)
+    return ""
+
+
+@functools.cache
+def warn_once(text: str) -> None:
+    """Log a warning, once in a process."""
+    log.warning("%s", text)
+
+
+def controller(fmu: Instance) -> Controller:
+    """Addresses of an FMU's functions, from FMPy's handle of its library."""
+
+    def function(name: str) -> int:
+        return ctypes.cast(getattr(fmu.slave.dll, name), ctypes.c_void_p).value or 0
+
+    def call(verb: str, bank: Bank) -> Call:
+        name = f"fmi2{verb}{bank.base}"
+        return Call(name, function(name), np.array(bank.references[:], np.uint32), bank.values)
+
+    return Controller(
+        component=fmu.slave.component,
+        set=[call("Set", bank) for bank in fmu.inputs],
+        step=function(DO_STEP),
+        get=[call("Get", bank) for bank in fmu.outputs],
+        owner=fmu,
+    )
+
+
+def run(
+    scenario: Scenario,
+    fmu: Instance,
+    plant: Plant,
+    seed: int,
+    stop_when: Expression | None = None,
+    progress: Progress | None = None,
+    chunk: int = PROGRESS_EVERY,
+) -> Run:
+    """Run as `cosim.loop.reference.run`, in native code from chunk to chunk.
+
+    Parameters
+    ----------
+    chunk
+        Steps between two looks at `progress` and Ctrl-C; it changes no result.
+
+    Raises
+    ------
+    CosimError
+        As the reference loop, with the same text.
+    """
+    from plants._native import Stepper
+
+    body: Any = plant
+    steps, step = scenario.loop.steps, scenario.loop.step
+    machine = body.machine()
+    links = Connector(scenario, fmu, plant, np.zeros(len(plant.commands)), seed).links()
+    recorder = Recorder(fmu, plant, steps, scenario.loop.record_every)
+    columns = recorder.table.shape[1]
+    recorder.stop = condition.program(stop_when, columns) if stop_when else None
+    calls = controller(fmu)
+    stepper = Stepper(machine, calls, links, recorder, step, scenario.loop.substeps)
+    # what native code cannot evaluate is looked at after every step
+    look = stop_when if recorder.stop is None else None
+    done, ended = 0, False
+    try:
+        while done < steps and not ended:
+            until = min(done + chunk, steps) if look is None else done + 1
+            ended = explain(body.run(stepper, until), links, calls, plant)
+            if look is not None and (row := recorder.row(done)) is not None:
+                ended = bool(look(row))
+            if progress is not None:
+                for told in range(-(-done // PROGRESS_EVERY) * PROGRESS_EVERY, stepper.k, PROGRESS_EVERY):
+                    progress(told, steps)
+            done = stepper.k
+    except Exception as error:
+        raise reference.located(error, fmu, scenario, stepper.k) from error
+    return Run(recorder.recorded(done), done)
+
+
+def explain(stop: tuple[str, int, float] | None, links: Links, calls: Controller, plant: Plant) -> bool:
+    """Whether the condition stopped the native code; else raise what the reference loop would have raised."""
+    match stop:
+        case ("reading", wire, value):
+            raise links.readings[wire].shape.refusal(value)
+        case ("output", wire, value):
+            raise links.outputs[wire].shape.refusal(value)
+        case ("integer", _, value):
+            whole(value)
+        case ("command", _, _):
+            plant.command(links.commands)
+        case ("call", number, status):
+            raise FMICallException(calls.name(number), int(status))
+    if stop is not None and stop[0] != "stop":
+        raise RuntimeError(f"the native engine stopped for no reason that Python sees: {stop}")
+    return stop is not None

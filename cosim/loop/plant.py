@@ -1,0 +1,191 @@
+"""What the harness asks of a plant, and how plants are found."""
+
+from __future__ import annotations
+
+import dataclasses
+import importlib
+import sys
+from pathlib import Path
+from typing import Any, ClassVar, NoReturn, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cosim import paths
+from cosim.errors import CosimError, PlantError, closest, concerning
+from cosim.scenario.tables import parse, toml_key
+
+MJCF = ".xml"
+"""Ending of the names of plants that are MJCF files."""
+
+
+class Channel(Protocol):
+    """A reading, command or truth of a plant.
+
+    The harness applies `noise` (standard deviation), `quantum` (resolution, 0 is continuous), `minimum` and
+    `maximum` to readings and commands.
+    """
+
+    @property
+    def name(self) -> str: ...  # noqa: D102
+    @property
+    def unit(self) -> str: ...  # noqa: D102
+    @property
+    def description(self) -> str: ...  # noqa: D102
+    @property
+    def noise(self) -> float: ...  # noqa: D102
+    @property
+    def quantum(self) -> float: ...  # noqa: D102
+    @property
+    def minimum(self) -> float: ...  # noqa: D102
+    @property
+    def maximum(self) -> float: ...  # noqa: D102
+
+
+class Plant(Protocol):
+    """A plant as the reference loop drives it; any class of this shape will do."""
+
+    Parameters: ClassVar[type]
+
+    @property
+    def readings(self) -> tuple[Channel, ...]:
+        """What the controller may measure."""
+
+    @property
+    def commands(self) -> tuple[Channel, ...]:
+        """What the controller may command."""
+
+    @property
+    def truths(self) -> tuple[Channel, ...]:
+        """What is recorded besides, and known to nobody in the loop."""
+
+    @property
+    def timestep(self) -> float:
+        """One plant step, s."""
+
+    def reset(self, seed: np.random.SeedSequence, duration: float) -> None:
+        """Start anew; all random numbers of a run of `duration` seconds come from `seed`."""
+
+    def sense(self) -> NDArray[np.float64]:
+        """Ideal readings at the present time, in the order of `readings`."""
+
+    def command(self, values: NDArray[np.float64]) -> None:
+        """Take the commands, in the order of `commands`; they hold until the next."""
+
+    def advance(self, substeps: int) -> None:
+        """Move on by `substeps * timestep` seconds."""
+
+    def truth(self) -> NDArray[np.float64]:
+        """Truths at the present time, in the order of `truths`."""
+
+
+def plant_class(name: str, folder: Path) -> Any:
+    """Class of a plant: a name of the package `plants`, an MJCF file, or `module:Class` of your own.
+
+    Parameters
+    ----------
+    name
+        Name of the plant.
+    folder
+        Folder of the scenario file, in which MJCF files and modules are looked for, too.
+
+    Raises
+    ------
+    PlantError
+        No such plant, file, module or class, or an MJCF file that MuJoCo cannot load.
+    """
+    if name.endswith(MJCF):
+        return bare(paths.find_mjcf(name, folder))
+    module_name, colon, class_name = name.partition(":")
+    if not colon:
+        return packaged(name)
+    for place in (str(folder), str(Path.cwd())):
+        if place not in sys.path:
+            sys.path.append(place)
+    try:
+        module = importlib.import_module(module_name)
+    except Exception as error:
+        raise PlantError(
+            f"cannot import the plant `{name}`: {type(error).__name__}: {error}",
+            f"the module must lie in `{folder}`, in the working directory or be installed",
+        ) from error
+    if not hasattr(module, class_name):
+        public = [key for key, value in vars(module).items() if isinstance(value, type)]
+        raise PlantError(
+            f"the module `{module_name}` has no class `{class_name}`", closest(class_name, public)
+        )
+    return getattr(module, class_name)
+
+
+def bare(file: Path) -> Any:
+    """Class of the plant that an MJCF file describes."""
+    try:
+        return importlib.import_module("plants.bare").load(file)
+    except ImportError as error:
+        raise PlantError(f"cannot import the package `plants`: {error}", "run `cargo xtask setup`") from error
+    except RuntimeError as error:
+        problem, _, hint = str(error).partition("\nhint: ")
+        raise PlantError(problem, hint) from None
+
+
+def packaged(name: str) -> Any:
+    """Class of one of the plants that come with the project."""
+    try:
+        plants: Any = importlib.import_module("plants")
+        names = list(plants.names())
+        if name in names:
+            return plants.load(name)
+    except ImportError as error:
+        raise PlantError(f"cannot import the package `plants`: {error}", "run `cargo xtask setup`") from error
+    raise PlantError(
+        f"there is no plant `{name}`",
+        closest(name, names) + f"; your own is named `module:Class`, an MJCF file `name{MJCF}`",
+    )
+
+
+def build(name: str, parameters: dict[str, Any], folder: Path) -> Plant:
+    """Build a plant with parameters checked against the fields, types and ranges of its `Parameters`.
+
+    Raises
+    ------
+    PlantError
+        Unknown plant or parameter, wrong type, value out of its range, or the plant refused its parameters.
+    """
+    with concerning("plant.name"):
+        kind = plant_class(name, folder)
+    values = check_parameters(kind, parameters)
+    try:
+        plant: Plant = kind(values)
+    except CosimError:
+        raise
+    except Exception as error:
+        problem, _, hint = str(error).partition("\nhint: ")
+        raise PlantError(f"the plant `{name}` refused its parameters: {problem}", hint) from error
+    return plant
+
+
+def check_parameters(kind: Any, parameters: dict[str, Any]) -> Any:
+    """Parameters of a plant's class from a table, checked as for `build`."""
+    values = parse(kind.Parameters, parameters, "plant", refuse)
+    for field in dataclasses.fields(kind.Parameters):
+        check_range(field, getattr(values, field.name))
+    return values
+
+
+def check_range(field: dataclasses.Field[Any], value: Any) -> None:
+    """Check a parameter against the range in its field's metadata."""
+    low, high = field.metadata.get("minimum"), field.metadata.get("maximum")
+    for number in value if isinstance(value, tuple) else (value,):
+        if not isinstance(number, int | float):
+            continue
+        if (low is not None and not number >= low) or (high is not None and not number <= high):
+            unit = field.metadata.get("unit", "").removeprefix("1")
+            limits = " .. ".join("" if limit is None else f"{limit:g}" for limit in (low, high))
+            refuse(f"plant.{toml_key(field)}", f"is `{number}`, it must lie in {limits} {unit}".rstrip(), "")
+
+
+def refuse(key: str, problem: str, hint: str) -> NoReturn:
+    """Raise for a wrong parameter."""
+    problem = "is not a parameter of this plant" if problem == "is not a known key" else problem
+    with concerning(key.replace("plant.", "plant.parameters.", 1)):
+        raise PlantError(f"`{key}` {problem}", hint)

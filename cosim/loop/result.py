@@ -1,0 +1,113 @@
+"""Result of a run: trace, metrics, verdicts, and its JSON form."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from numpy.typing import NDArray
+
+from cosim.errors import CosimError
+from cosim.loop import trace
+from cosim.metrics.criteria import Measured, Verdict
+
+
+@dataclass(frozen=True)
+class Result:
+    """Result of one run.
+
+    Parameters
+    ----------
+    scenario
+        Name of the scenario, for example `dob/paper`.
+    trace
+        Structured array, one row per communication step; fields `time`, `controller.<name>`, `plant.<truth>`.
+        None where it was not kept (`run_many`).
+    units
+        Unit of every column of the trace.
+    items
+        Names and numbers of the columns that are enumerations.
+    metrics
+        Value and unit of every metric, by name.
+    criteria
+        Verdicts in the order of the scenario.
+    simulated_s, wall_s
+        Simulated time and time taken by the loop, s.
+    """
+
+    scenario: str
+    title: str
+    seed: int
+    engine: str
+    metrics: dict[str, Measured]
+    criteria: list[Verdict]
+    simulated_s: float
+    wall_s: float
+    trace: NDArray[Any] | None = None
+    units: dict[str, str] = field(default_factory=dict)
+    items: dict[str, dict[str, int]] = field(default_factory=dict)
+
+    @property
+    def loop(self) -> str:
+        """Name of the closed loop, without the variant."""
+        return self.scenario.partition("/")[0]
+
+    @property
+    def passed(self) -> bool:
+        """Whether all criteria hold."""
+        return all(verdict.passed for verdict in self.criteria)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the result without the trace, in the order and names of the JSON file."""
+        return {
+            "loop": self.loop,
+            "scenario": self.scenario,
+            "seed": self.seed,
+            "engine": self.engine,
+            "metrics": {m.name: {"value": plain(m.value), "unit": m.unit} for m in self.metrics.values()},
+            "criteria": [criterion(verdict) for verdict in self.criteria],
+            "passed": self.passed,
+            "simulated_s": self.simulated_s,
+            "wall_s": self.wall_s,
+        }
+
+    def to_json(self) -> str:
+        """Return the result as strict JSON."""
+        return json.dumps(self.to_dict(), indent=2, allow_nan=False) + "\n"
+
+    def save_json(self, path: Path) -> None:
+        """Write the JSON file."""
+        try:
+            path.write_text(self.to_json(), encoding="utf-8")
+        except OSError as error:
+            raise CosimError(f"cannot write `{path}`: {error.strerror or error}") from None
+
+    def save_trace(self, path: Path) -> None:
+        """Write the trace as `.npz` or `.csv`."""
+        if self.trace is None:
+            raise CosimError("this result holds no trace", "`run` keeps it, `run_many` does on demand")
+        trace.save(self.trace, path)
+
+
+def criterion(verdict: Verdict) -> dict[str, Any]:
+    """One criterion as in the JSON file; `limit` is text such as `<= 4.5e-07` or `= true`."""
+    limits = [(relation, bool(limit) if verdict.logical else limit) for relation, limit in verdict.limits]
+    return {
+        "id": verdict.criterion.id,
+        "claim": verdict.criterion.claim,
+        "paper": verdict.criterion.paper,
+        "value": bool(verdict.value) if verdict.logical else plain(verdict.value),
+        "limit": " and ".join(f"{relation} {json.dumps(limit)}" for relation, limit in limits),
+        "unit": verdict.unit,
+        "passed": verdict.passed,
+    }
+
+
+def plain(value: float) -> float | str:
+    """Return what strict JSON can hold: `NaN`, `Infinity` and `-Infinity` are texts, which `float` reads."""
+    if math.isfinite(value):
+        return value
+    return "NaN" if math.isnan(value) else ("Infinity" if value > 0 else "-Infinity")

@@ -1,0 +1,222 @@
+"""One run of a scenario."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import time
+from collections.abc import Iterator
+from types import TracebackType
+
+from cosim import paths
+from cosim.errors import CosimError, concerning
+from cosim.fmu.archive import FmuFile, Variable, open_fmu
+from cosim.fmu.instance import Instance
+from cosim.loop import native, plant, reference, trace
+from cosim.loop.connect import driven
+from cosim.loop.engines import Engine, checked
+from cosim.loop.reference import Progress
+from cosim.loop.result import Result
+from cosim.loop.wiring import child
+from cosim.metrics import criteria
+from cosim.metrics.expression import Expression
+from cosim.scenario.model import Scenario
+
+log = logging.getLogger("cosim")
+
+TIMESTEP_TOLERANCE = 1e-9
+
+
+class Session:
+    """A scenario with its FMU and plant opened once; each `run` resets both.
+
+    Parameters
+    ----------
+    scenario
+        The scenario, see `cosim.load`.
+    log_events
+        Whether the FMU shall log events beside warnings and errors.
+    engine
+        `reference` is FMPy's loop, `native` does the same in native code, bit for bit; a plant written in
+        Python runs in the reference loop in any case.
+    previous
+        A session that is not used any more: what it has open is taken over where it fits, else closed.
+
+    Raises
+    ------
+    CosimError
+        The FMU or plant cannot be opened, or does not fit the scenario.
+    """
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        log_events: bool = False,
+        engine: Engine = "reference",
+        previous: Session | None = None,
+    ) -> None:
+        self.scenario = scenario
+        with located(scenario):
+            with concerning("controller.fmu"):
+                self.file = open_fmu(paths.find_fmu(scenario.controller.fmu, scenario.folder))
+            self.plant = open_plant(scenario, previous)
+            self.engine = native.choose(checked(engine), scenario.plant.name, self.plant)
+            check_timestep(scenario, self.plant.timestep)
+            inputs = driven(scenario, self.file)
+            warn_idle(scenario, self.plant)
+            self.fmu = open_instance(self.file, inputs, log_events, previous)
+            try:
+                self._compile()
+            except CosimError:
+                self.fmu.close()
+                raise
+
+    def _compile(self) -> None:
+        """Compile all expressions against the columns of the trace."""
+        found = trace.columns(self.fmu, self.plant)
+        columns = {name: dict(v.items) if v and v.items else None for name, v in found.items()}
+        self.columns = columns
+        self.metrics = criteria.compile_metrics(
+            self.scenario.metric, columns, trace.units(self.file, self.plant)
+        )
+        stop = self.scenario.loop.stop_when
+        with concerning("loop.stop_when"):
+            self.stop = Expression(stop, columns, "`loop.stop_when`", rowwise=True) if stop else None
+
+    def run(self, seed: int | None = None, progress: Progress | None = None) -> Result:
+        """Run the scenario once.
+
+        Parameters
+        ----------
+        seed
+            Seed of all noise; None is the scenario's.
+        progress
+            Told the steps done and in all.
+        """
+        scenario = self.scenario
+        seed = scenario.loop.seed if seed is None else seed
+        with located(scenario):
+            self.fmu.initialise(scenario.controller.parameters)
+            reference.reset_plant(self.plant, scenario, child(seed, "plant"))
+            begin = time.perf_counter()
+            run = native.run if self.engine == "native" else reference.run
+            done = run(scenario, self.fmu, self.plant, seed, self.stop, progress)
+            wall = time.perf_counter() - begin
+            pairs = zip(scenario.metric, self.metrics, strict=True)
+            measured = [criteria.measure(metric, expression, done.table.T) for metric, expression in pairs]
+        by_name = {entry.name: entry for entry in measured}
+        units = trace.units(self.file, self.plant)
+        return Result(
+            scenario=scenario.name,
+            title=scenario.title,
+            seed=seed,
+            engine=self.engine,
+            metrics=by_name,
+            criteria=criteria.judge(scenario.criterion, by_name),
+            simulated_s=done.steps * scenario.loop.step,
+            wall_s=wall,
+            trace=trace.structured(done.table, list(self.columns)),
+            units={name: units[name] for name in self.columns},
+            items={name: items for name, items in self.columns.items() if items},
+        )
+
+    def close(self) -> None:
+        """Free the FMU."""
+        self.fmu.close()
+
+    def __enter__(self) -> Session:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, where: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+def run(
+    scenario: Scenario,
+    seed: int | None = None,
+    progress: Progress | None = None,
+    engine: Engine = "reference",
+) -> Result:
+    """Run a scenario once with a fresh FMU and plant.
+
+    Parameters
+    ----------
+    scenario
+        The scenario, see `cosim.load`.
+    seed
+        Seed of all noise; None is the scenario's. The same seed gives the same bytes.
+    progress
+        Told the steps done and in all.
+    engine
+        `reference` or `native`, see `Session`.
+
+    Raises
+    ------
+    CosimError
+        The run could not be done.
+    """
+    with Session(scenario, engine=engine) as session:
+        return session.run(seed, progress)
+
+
+def open_plant(scenario: Scenario, previous: Session | None) -> plant.Plant:
+    """Plant of a scenario, that of the previous session if it is the same."""
+    if previous is not None:
+        before = previous.scenario
+        if (before.plant, before.folder) == (scenario.plant, scenario.folder):
+            return previous.plant
+    return plant.build(scenario.plant.name, scenario.plant.parameters, scenario.folder)
+
+
+def open_instance(
+    file: FmuFile, inputs: list[Variable], log_events: bool, previous: Session | None
+) -> Instance:
+    """Instance of an FMU, that of the previous session if it moves the same variables."""
+    if previous is not None:
+        same = previous.file is file and previous.fmu.driven == inputs
+        if same and previous.fmu.log_events == log_events and not previous.fmu.dead:
+            return previous.fmu
+        previous.close()
+    return Instance(file, inputs, trace.numeric_outputs(file), log_events)
+
+
+def warn_idle(scenario: Scenario, driven_plant: plant.Plant) -> None:
+    """Log the commands that nothing drives."""
+    written = {wire.to for wire in scenario.wire} | {signal.to for signal in scenario.signal}
+    for channel in driven_plant.commands:
+        if f"plant.{channel.name}" not in written:
+            log.info("nothing drives `plant.%s`, it stays 0", channel.name)
+
+
+def check_timestep(scenario: Scenario, timestep: float) -> None:
+    """Check that the plant's substeps fill the communication step exactly."""
+    step, substeps = scenario.loop.step, scenario.loop.substeps
+    if abs(substeps * timestep - step) > TIMESTEP_TOLERANCE * step:
+        fitting = round(step / timestep)
+        fits = abs(fitting * timestep - step) <= TIMESTEP_TOLERANCE * step and fitting >= 1
+        hint = (
+            f"set `loop.substeps = {fitting}`"
+            if fits
+            else f"`loop.step` must be a multiple of {timestep:g} s"
+        )
+        steps = f"`loop.substeps` = `{substeps}` plant steps of {timestep:g} s"
+        with concerning("loop.substeps"):
+            raise CosimError(f"{steps} do not fill `loop.step` = `{step:g}` s", hint)
+
+
+@contextlib.contextmanager
+def located(scenario: Scenario) -> Iterator[None]:
+    """Put the file or override in front of errors that concern a key of the scenario, and a hint behind."""
+    try:
+        yield
+    except CosimError as error:
+        if error.key:
+            error.message = f"{scenario.origin(error.key)}: {error.message}"
+            error.hint = error.hint or "`cosim show` lists types, units and ranges"
+            error.key = ""
+        raise
+    except MemoryError:
+        problem = f"a run of `loop.duration` = `{scenario.loop.duration:g}` s does not fit into memory"
+        raise CosimError(problem, "several shorter runs with other seeds need less") from None

@@ -1,0 +1,140 @@
+"""The mathematics of wires and signals: what happens to a value between the plant and the controller."""
+
+from __future__ import annotations
+
+import math
+import zlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cosim.errors import CosimError
+from cosim.loop.plant import Channel
+from cosim.scenario.checks import MOST_STEPS
+from cosim.scenario.model import Signal, Wire
+
+
+@dataclass(frozen=True)
+class Shape:
+    """Scale, offset, noise, quantum and limits of one wire: value that leaves it, from the one that enters.
+
+    Noise, quantum and limits act on the plant's side, in the unit of its channel: before the conversion of a
+    reading, after that of a command.
+
+    Parameters
+    ----------
+    source
+        Where the value comes from, for messages.
+    from_plant
+        Whether the wire carries a reading (else a command).
+    noise
+        Noise of every step, or None.
+    """
+
+    source: str
+    from_plant: bool
+    scale: float
+    offset: float
+    noise: NDArray[np.float64] | None
+    quantum: float
+    minimum: float
+    maximum: float
+
+    def __call__(self, value: float, k: int) -> float:
+        """Value that leaves the wire in step `k`."""
+        if self.from_plant:
+            return self.scale * self.disturb(value, k) + self.offset
+        return self.disturb(self.scale * value + self.offset, k)
+
+    def disturb(self, value: float, k: int) -> float:
+        """Add noise, quantise and limit."""
+        if self.noise is not None:
+            value += self.noise.item(k)
+        # before the clamp, which would hide a value that is not finite
+        if not math.isfinite(value):
+            raise self.refusal(value)
+        # round half to even
+        if self.quantum > 0.0:
+            value = float(np.rint(value / self.quantum)) * self.quantum
+        return min(max(value, self.minimum), self.maximum)
+
+    def refusal(self, value: float) -> CosimError:
+        """Error of a value that is not finite."""
+        return CosimError(f"`{self.source}` is `{value}`, it must be finite")
+
+
+def child(seed: int, name: str) -> np.random.SeedSequence:
+    """Independent seed of one consumer of random numbers.
+
+    It depends on the seed of the run and the consumer's name only: a new wire changes no other wire's noise.
+    """
+    return np.random.SeedSequence(seed, spawn_key=(zlib.crc32(name.encode()),))
+
+
+def noise(wire: Wire, channel: Channel, seed: int, steps: int) -> NDArray[np.float64] | None:
+    """White Gaussian noise of a wire for a whole run, shape (steps,), in the unit of the plant's channel."""
+    deviation = channel.noise if wire.noise is None else wire.noise
+    if deviation == 0.0:
+        return None
+    return np.random.default_rng(child(seed, f"wire.{wire.to}")).normal(0.0, deviation, steps)
+
+
+def shaper(wire: Wire, channel: Channel, from_plant: bool, samples: NDArray[np.float64] | None) -> Shape:
+    """Shape of a wire; what the wire leaves open is the channel's own.
+
+    Parameters
+    ----------
+    wire, channel
+        The wire, and the plant's channel it starts or ends at.
+    from_plant
+        Whether the wire carries a reading (else a command).
+    samples
+        Noise of every step, or None.
+    """
+    return Shape(
+        source=wire.source,
+        from_plant=from_plant,
+        scale=wire.scale,
+        offset=wire.offset,
+        noise=samples,
+        quantum=channel.quantum if wire.quantum is None else wire.quantum,
+        minimum=channel.minimum if wire.minimum is None else wire.minimum,
+        maximum=channel.maximum if wire.maximum is None else wire.maximum,
+    )
+
+
+class Delay:
+    """Ring that gives back the value of `steps` steps ago; before there is one, the first value."""
+
+    def __init__(self, steps: int) -> None:
+        self.steps = steps
+        self.ring: list[float] = []
+
+    def prime(self, value: float) -> None:
+        """Fill the ring with the value that holds before the first step."""
+        self.ring = [value] * self.steps
+
+    def __call__(self, value: float, k: int) -> float:
+        """Store the value of step `k` and return the one of step `k - steps`."""
+        if not self.steps:
+            return value
+        if not self.ring:
+            self.prime(value)
+        slot = k % self.steps
+        delayed, self.ring[slot] = self.ring[slot], value
+        return delayed
+
+
+def first_step(time: float, step: float) -> int:
+    """First step `k` with `k * step >= time`, forgiving the rounding of `k * step`."""
+    return math.ceil(min(max(time / step - 1e-6, 0.0), MOST_STEPS))
+
+
+def schedule(signal: Signal, values: Sequence[float], step: float, steps: int) -> NDArray[np.float64]:
+    """Value of a signal in every step, shape (steps,); `values` are the signal's as numbers."""
+    course = np.zeros(steps)
+    for time, value in zip(signal.times, values, strict=True):
+        course[first_step(time, step) :] = value
+    return course

@@ -1,0 +1,1 @@
+"""Metrics and criteria: expressions over the columns of a trace, with units."""

@@ -1,0 +1,293 @@
+"""Expressions over the columns of a trace: a small safe language with Python's syntax.
+
+Columns are dotted names (`plant.depth`, `controller.bias[1]`, or `column("any name")`), conditions pick rows
+(`plant.depth[controller.contact]`), and `and`, `or`, `not` (`&`, `|`, `~`) work row by row. Items of an
+enumeration are texts: `controller.state == "Detect"`. Numbers are 64-bit floats throughout; `5 * um` is 5e-6.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cosim.errors import ExpressionError, closest
+from cosim.metrics.functions import BINARY, COMPARE, CONSTANTS, KEEP_ITEMS, ROWWISE, TIMES, UNARY, WHOLE
+from cosim.metrics.units import PLAIN, SCALES, unit_of
+
+Columns = Sequence[Any] | NDArray[np.float64]
+"""Columns of a trace by index: whole columns for a metric, single numbers for a row."""
+Items = Mapping[str, int]
+"""Items of an enumeration by name."""
+
+LONGEST = 2000
+
+
+@dataclass(frozen=True)
+class Node:
+    """A compiled part: a function of the columns.
+
+    Parameters
+    ----------
+    evaluate
+        Value for the columns.
+    items
+        Items, where its values are those of an enumeration.
+    unit
+        Its unit, None where it cannot be told.
+    """
+
+    evaluate: Callable[[Columns], Any]
+    items: Items | None = None
+    unit: str | None = None
+
+
+class Expression:
+    """A compiled expression.
+
+    Parameters
+    ----------
+    text
+        The expression.
+    columns
+        Names of the columns in order (the first is the time), with the items of those that are enumerations.
+    where
+        What the expression is, for messages: "`metric.depth.value`".
+    rowwise
+        Whether it sees single rows only (`stop_when`).
+    units
+        Units of the columns that have one.
+
+    Raises
+    ------
+    ExpressionError
+        Not an expression of this language, or an unknown name.
+    """
+
+    def __init__(
+        self,
+        text: str,
+        columns: Mapping[str, Items | None],
+        where: str,
+        rowwise: bool = False,
+        units: Mapping[str, str] | None = None,
+    ) -> None:
+        self.text, self.where, self.rowwise, self.units = text, where, rowwise, units or {}
+        self.names = {name: index for index, name in enumerate(columns)}
+        self.items = columns
+        if len(text) > LONGEST:
+            raise self.error(f"is longer than {LONGEST} characters")
+        try:
+            tree = ast.parse(text.strip(), mode="eval")
+        except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
+            reason = error.msg if isinstance(error, SyntaxError) else str(error)
+            hint = '`column("name")` takes a name that is no Python name'
+            raise self.error(f"is not an expression: {reason}", hint) from None
+        try:
+            self.root = self.build(tree.body)
+        except RecursionError:
+            raise self.error("is nested too deeply") from None
+
+    @property
+    def unit(self) -> str | None:
+        """Unit of the value, None where it cannot be told."""
+        return self.root.unit
+
+    def __call__(self, columns: Columns) -> Any:
+        """Value for columns (or one row) in the order given at compilation.
+
+        Raises
+        ------
+        ExpressionError
+            Columns or conditions of different lengths.
+        """
+        with np.errstate(all="ignore"):
+            try:
+                return self.root.evaluate(columns)
+            except (ValueError, IndexError, TypeError) as error:
+                hint = "a condition in `[...]` keeps only the rows where it holds"
+                raise self.error(f"cannot be computed: {error}", hint) from None
+
+    def error(self, problem: str, hint: str = "") -> ExpressionError:
+        """Make an error that quotes the expression."""
+        shown = self.text if len(self.text) <= 100 else self.text[:97] + "..."
+        return ExpressionError(f"{self.where} = `{shown}` {problem}", hint)
+
+    def build(self, tree: ast.expr) -> Node:
+        """Compile one node of the syntax tree; whatever is not listed here does not exist."""
+        match tree:
+            case ast.Constant(value=bool() | int() | float() as value):
+                return self.constant(value)
+            case ast.Name() | ast.Attribute():
+                return self.name(tree)
+            case ast.Subscript():
+                return self.subscript(tree)
+            case ast.Call():
+                return self.call(tree)
+            case ast.BinOp() if type(tree.op) in BINARY:
+                return self.operate(tree.op, BINARY[type(tree.op)], tree.left, tree.right)
+            case ast.UnaryOp():
+                return self.operate(tree.op, UNARY[type(tree.op)], tree.operand)
+            case ast.BoolOp():
+                function = np.logical_and if isinstance(tree.op, ast.And) else np.logical_or
+                return self.fold(function, [self.build(value) for value in tree.values])
+            case ast.Compare():
+                return self.compare(tree)
+            case ast.Constant(value=str() as text):
+                raise self.error(
+                    f"holds the text `{text}`", "a text can only be compared with an enumeration"
+                )
+            case _:
+                raise self.error(f"holds `{ast.unparse(tree)}`, which this language does not have")
+
+    def constant(self, value: float, unit: str = PLAIN) -> Node:
+        """Compile a number; it is a float, so that no power or factorial can grow without limit."""
+        try:
+            number = np.float64(value)
+        except OverflowError:
+            raise self.error("holds a number that is too large") from None
+        return Node(lambda columns: number, unit=unit)
+
+    def name(self, tree: ast.expr) -> Node:
+        """Column, constant or unit."""
+        name = dotted(tree)
+        if name in CONSTANTS:
+            return self.constant(CONSTANTS[name])
+        if name in SCALES:
+            unit, number = SCALES[name]
+            return self.constant(number, unit)
+        if name not in self.names:
+            raise self.error(
+                f"names `{name or ast.unparse(tree)}`, which is no column of the trace",
+                closest(name, self.names),
+            )
+        return self.found(name)
+
+    def found(self, name: str) -> Node:
+        """Compile a column that is there."""
+        index, items = self.names[name], self.items[name]
+        unit = self.units.get(name) or (PLAIN if items else None)
+        return Node(lambda columns: columns[index], items, unit)
+
+    def subscript(self, tree: ast.Subscript) -> Node:
+        """Column of a structured name (`bias[1]`), or the rows of a value where a condition holds."""
+        name = dotted(tree)
+        if name in self.names or isinstance(tree.slice, ast.Constant):
+            return self.name(tree)
+        if self.rowwise:
+            raise self.error("picks rows with `[...]`, but it sees one row at a time")
+        value, condition = self.build(tree.value), self.build(tree.slice)
+
+        def pick(columns: Columns) -> Any:
+            return value.evaluate(columns)[np.not_equal(condition.evaluate(columns), 0)]
+
+        return Node(pick, value.items, value.unit)
+
+    def call(self, tree: ast.Call) -> Node:
+        """Call of one of the functions of the language."""
+        function = tree.func.id if isinstance(tree.func, ast.Name) else ast.unparse(tree.func)
+        known = [*ROWWISE, *WHOLE, *TIMES, "column"]
+        if function not in known:
+            raise self.error(f"calls `{function}`, which is no function here", closest(function, known))
+        if tree.keywords or any(isinstance(argument, ast.Starred) for argument in tree.args):
+            raise self.error(f"calls `{function}` with more than plain arguments")
+        if function == "column":
+            return self.column(tree)
+        if self.rowwise and function not in ROWWISE:
+            raise self.error(
+                f"calls `{function}`, which needs the whole trace, but it sees one row at a time"
+            )
+        arguments = [self.build(argument) for argument in tree.args]
+        if function in ("min", "max") and len(arguments) == 2:
+            function += "imum"
+        count, compute = (ROWWISE | WHOLE | TIMES)[function]
+        if len(arguments) != count:
+            raise self.error(f"calls `{function}` with {len(arguments)} arguments, it takes {count}")
+        clock = [Node(lambda columns: columns[0])] if function in TIMES else []
+        items = arguments[0].items if function in KEEP_ITEMS else None
+        unit = unit_of(function, [argument.unit for argument in arguments])
+        return replace(self.apply(compute, *clock, *arguments), items=items, unit=unit)
+
+    def column(self, tree: ast.Call) -> Node:
+        """Column by its name as a text."""
+        match tree.args:
+            case [ast.Constant(value=str() as name)] if name in self.names:
+                return self.found(name)
+            case [ast.Constant(value=str() as name)]:
+                raise self.error(
+                    f"names the column `{name}`, which is not in the trace", closest(name, self.names)
+                )
+            case _:
+                raise self.error("calls `column` with something else than one name in quotes")
+
+    def operate(self, operator: ast.AST, function: Callable[..., Any], *sides: ast.expr) -> Node:
+        """Apply an operator."""
+        nodes = [self.build(side) for side in sides]
+        return replace(
+            self.apply(function, *nodes), unit=unit_of(type(operator).__name__, [node.unit for node in nodes])
+        )
+
+    def apply(self, function: Callable[..., Any], *arguments: Node) -> Node:
+        """Apply a function to the values of other nodes; the result is a plain number."""
+        match arguments:
+            case [one]:
+                return Node(lambda columns: function(one.evaluate(columns)), unit=PLAIN)
+            case [left, right]:
+                return Node(
+                    lambda columns: function(left.evaluate(columns), right.evaluate(columns)), unit=PLAIN
+                )
+        return Node(lambda columns: function(*(part.evaluate(columns) for part in arguments)), unit=PLAIN)
+
+    def fold(self, function: Callable[[Any, Any], Any], nodes: list[Node]) -> Node:
+        """Join nodes by a function of two values, from the left."""
+        joined = nodes[0]
+        for node in nodes[1:]:
+            joined = self.apply(function, joined, node)
+        return joined
+
+    def compare(self, tree: ast.Compare) -> Node:
+        """Comparison, chained as in `0 < x < 1`; a text is an item of the enumeration on the other side."""
+        sides = [tree.left, *tree.comparators]
+        parts = []
+        for left, compared, right in zip(sides, tree.ops, sides[1:], strict=False):
+            if type(compared) not in COMPARE:
+                raise self.error(f"holds `{ast.unparse(tree)}`, which this language does not have")
+            parts.append(self.apply(COMPARE[type(compared)], self.side(left, right), self.side(right, left)))
+        return self.fold(np.logical_and, parts)
+
+    def side(self, tree: ast.expr, other: ast.expr) -> Node:
+        """One side of a comparison."""
+        match tree:
+            case ast.Constant(value=str() as item):
+                items = self.build(other).items
+                if items is None:
+                    raise self.error(f"compares `{ast.unparse(other)}` with a text, but it is no enumeration")
+                if item not in items:
+                    raise self.error(
+                        f"compares `{ast.unparse(other)}` with `{item}`, which is none of its items",
+                        closest(item, items),
+                    )
+                return self.constant(items[item])
+        return self.build(tree)
+
+
+def dotted(tree: ast.expr) -> str:
+    """Dotted name of a chain of names and constant indices, empty if it is something else."""
+    match tree:
+        case ast.Name(id=name):
+            return name
+        case ast.Attribute(value=value, attr=attribute):
+            before = dotted(value)
+            return before and f"{before}.{attribute}"
+        case ast.Subscript(value=value, slice=ast.Constant(value=int() as index)):
+            before = dotted(value)
+            return before and f"{before}[{index}]"
+        case ast.Subscript(value=value, slice=ast.Tuple(elts=parts)):
+            before = dotted(value)
+            numbers = [str(part.value) for part in parts if isinstance(part, ast.Constant)]
+            return (before and len(numbers) == len(parts) and f"{before}[{','.join(numbers)}]") or ""
+    return ""

@@ -1,0 +1,1 @@
+"""Scenarios: a closed loop as data, read from layers of TOML and checked."""

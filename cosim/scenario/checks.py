@@ -1,0 +1,121 @@
+"""What types cannot say about a scenario: ranges, the time grid, one driver per target, known names."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import NoReturn
+
+from cosim.errors import closest
+from cosim.scenario.layers import Layers
+from cosim.scenario.model import Criterion, Loop, Scenario, Signal, Wire
+
+MOST_STEPS = 1e12
+"""More steps than any run has; times beyond are never reached."""
+Fail = Callable[..., NoReturn]
+"""Raises an error from key, problem and hint."""
+
+
+def check(scenario: Scenario, merged: Layers) -> None:
+    """Check a loaded scenario."""
+    check_loop(scenario.loop, merged.fail)
+    check_unique(
+        [
+            *(("wire", wire.to) for wire in scenario.wire),
+            *(("signal", signal.to) for signal in scenario.signal),
+        ],
+        merged.fail,
+    )
+    check_unique([("metric", metric.name) for metric in scenario.metric], merged.fail)
+    check_unique([("criterion", criterion.id) for criterion in scenario.criterion], merged.fail)
+    for wire in scenario.wire:
+        check_wire(wire, scenario.loop, merged.fail)
+    for signal in scenario.signal:
+        check_signal(signal, merged.fail)
+    for injection in scenario.inject:
+        if not injection.from_time < injection.to_time:
+            merged.fail(
+                f"inject.{injection.to}.to_time",
+                f"is `{injection.to_time}` s, it must be later than `from_time` = `{injection.from_time}` s",
+            )
+    metrics = [metric.name for metric in scenario.metric]
+    for criterion in scenario.criterion:
+        check_criterion(criterion, metrics, merged.fail)
+
+
+def check_loop(loop: Loop, fail: Fail) -> None:
+    """Check ranges and that the duration lies on the grid `k * step`."""
+    for key in ("step", "duration"):
+        value = getattr(loop, key)
+        if not (math.isfinite(value) and value > 0.0):
+            fail(f"loop.{key}", f"is `{value}` s, it must be positive and finite")
+    if loop.duration / loop.step > MOST_STEPS:
+        fail("loop.duration", f"is `{loop.duration}` s, that is more than {MOST_STEPS:g} steps")
+    if loop.substeps < 1:
+        fail("loop.substeps", f"is `{loop.substeps}`, it must be at least 1")
+    if loop.record_every < 1:
+        fail("loop.record_every", f"is `{loop.record_every}`, it must be at least 1")
+    if loop.seed < 0:
+        fail("loop.seed", f"is `{loop.seed}`, it must not be negative")
+    ratio = loop.duration / loop.step
+    if loop.steps < 1 or abs(ratio - loop.steps) > 1e-6:
+        nearest = max(1, loop.steps) * loop.step
+        fail(
+            "loop.duration",
+            f"is `{loop.duration}` s, it must be a multiple of `loop.step` = `{loop.step}` s",
+            f"the nearest is {nearest:.12g} s",
+        )
+
+
+def check_unique(keys: list[tuple[str, str]], fail: Fail) -> None:
+    """Check that nothing is driven or named twice."""
+    seen: dict[str, str] = {}
+    for section, name in keys:
+        if name in seen:
+            fail(
+                f"{section}.{name}",
+                f"is there twice, as `{seen[name]}` and as `{section}`",
+                "each target has one wire or one signal, each metric and criterion its own name",
+            )
+        seen[name] = section
+
+
+def check_wire(wire: Wire, loop: Loop, fail: Fail) -> None:
+    """Check the numbers of a wire."""
+    key = f"wire.{wire.to}"
+    if not 0 <= wire.delay <= loop.steps:
+        fail(
+            f"{key}.delay", f"is `{wire.delay}` steps, it must lie in 0 .. {loop.steps}, the steps of the run"
+        )
+    for name in ("scale", "offset"):
+        if not math.isfinite(getattr(wire, name)):
+            fail(f"{key}.{name}", f"is `{getattr(wire, name)}`, it must be finite")
+    for name in ("noise", "quantum"):
+        value = getattr(wire, name)
+        if value is not None and not (math.isfinite(value) and value >= 0.0):
+            fail(f"{key}.{name}", f"is `{value}`, it must be finite and not negative")
+
+
+def check_signal(signal: Signal, fail: Fail) -> None:
+    """Check that a signal starts at 0 and its times rise."""
+    key = f"signal.{signal.to}"
+    if len(signal.times) != len(signal.values):
+        fail(key, f"has {len(signal.times)} `times` and {len(signal.values)} `values`, one each is needed")
+    if not signal.times or signal.times[0] != 0.0:
+        fail(f"{key}.times", "must start with 0.0")
+    if any(not earlier < later for earlier, later in zip(signal.times, signal.times[1:], strict=False)):
+        fail(f"{key}.times", "must rise from one to the next")
+
+
+def check_criterion(criterion: Criterion, metrics: list[str], fail: Fail) -> None:
+    """Check that a criterion has a limit and names a metric that exists."""
+    key = f"criterion.{criterion.id}"
+    if criterion.metric not in metrics:
+        fail(
+            f"{key}.metric",
+            f"is `{criterion.metric}`, there is no such metric",
+            closest(criterion.metric, metrics),
+        )
+    limits = (criterion.minimum, criterion.maximum, criterion.equals)
+    if all(limit is None for limit in limits):
+        fail(key, "has no limit", "give it a `minimum`, a `maximum` or `equals`")

@@ -1,0 +1,251 @@
+"""A scenario as layers of TOML: the file it extends, the file itself, the overrides of a run."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, NoReturn
+
+from cosim import paths
+from cosim.errors import ScenarioError, closest
+from cosim.scenario.tables import IDENTITY, item_key, join, show
+
+SET = "--set"
+
+
+@dataclass
+class Layers:
+    """Merged tables, and for every key the layer that wrote it last (for messages)."""
+
+    table: dict[str, Any] = field(default_factory=dict)
+    origins: dict[str, str] = field(default_factory=dict)
+    files: list[Path] = field(default_factory=list)
+
+    def fail(self, key: str, problem: str, hint: str = "") -> NoReturn:
+        """Raise an error that names the layer and the key."""
+        raise ScenarioError(f"{self.origin(key)}: `{key}` {problem}", hint)
+
+    def origin(self, key: str) -> str:
+        """Layer that wrote `key`."""
+        return find_origin(self.origins, key) or f"`{paths.shown(self.files[-1])}`"
+
+    def apply(self, table: dict[str, Any], origin: str) -> None:
+        """Lay `table` over what is there: tables merge, arrays of tables replace by their identity."""
+        dropped = table.pop("drop", [])
+        if not isinstance(dropped, list) or not all(isinstance(entry, str) for entry in dropped):
+            raise ScenarioError(f"{origin}: `drop` is {show(dropped)}, it must be an array of texts")
+        for entry in dropped:
+            drop(self.table, entry, origin)
+        self.table = merge(self.table, table)
+        self.origins |= dict.fromkeys(walk(table), origin)
+
+    def put(self, path: list[str], value: Any, origin: str) -> None:
+        """Set one value; `path` holds the names of the tables around it and its own."""
+        table: Any = value
+        for name in reversed(path):
+            table = {name: table}
+        self.table = merge(self.table, table)
+        self.origins[".".join(path)] = origin
+
+
+def find_origin(origins: dict[str, str], key: str) -> str:
+    """Layer that wrote `key`, or the nearest table around it; empty if there is none."""
+    while key:
+        if key in origins:
+            return origins[key]
+        key = re.sub(r"(^|\.|\[)[^.\[]*$", "", key)
+    return ""
+
+
+def read(path: Path) -> Layers:
+    """Read a scenario file and, first, the file it extends.
+
+    Raises
+    ------
+    ScenarioError
+        Missing file, broken TOML, a circle of `extends`.
+    """
+    layers = Layers()
+    chain = [(path.resolve(), parse_file(path))]
+    while (parent := chain[-1][1].pop("extends", None)) is not None:
+        origin = f"`{paths.shown(chain[-1][0])}`"
+        if not isinstance(parent, str):
+            raise ScenarioError(f"{origin}: `extends` is {show(parent)}, it must be a text")
+        file = paths.find_scenario(parent, near=chain[-1][0].parent).resolve()
+        if file in (visited for visited, _ in chain):
+            raise ScenarioError(f"{origin}: `extends` = `{parent}` leads back to `{paths.shown(file)}`")
+        chain.append((file, parse_file(file)))
+    for file, table in reversed(chain):
+        layers.files.append(file)
+        layers.apply(table, f"`{paths.shown(file)}`")
+    return layers
+
+
+def parse_file(path: Path) -> dict[str, Any]:
+    """Parse one TOML file; nested parameter tables become dotted names."""
+    try:
+        table = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ScenarioError(f"cannot read `{path}`: {error.strerror}") from None
+    except UnicodeDecodeError as error:
+        raise ScenarioError(f"`{paths.shown(path)}` is not a text file in UTF-8: {error.reason}") from None
+    except tomllib.TOMLDecodeError as error:
+        hint = "texts need quotes, numbers a digit before and after the point: `step = 1e-4`"
+        raise ScenarioError(f"`{paths.shown(path)}` is not valid TOML: {error}", hint) from None
+    for part in ("controller", "plant"):
+        section = table.get(part)
+        if isinstance(section, dict) and isinstance(section.get("parameters"), dict):
+            section["parameters"] = flatten(section["parameters"])
+    return table
+
+
+def flatten(table: dict[str, Any], prefix: str = "") -> dict[str, Any]:
+    """Nested tables to dotted names: `{"a": {"b": 1}}` to `{"a.b": 1}`."""
+    flat: dict[str, Any] = {}
+    for name, value in table.items():
+        key = join(prefix, name)
+        flat |= flatten(value, key) if isinstance(value, dict) else {key: value}
+    return flat
+
+
+def merge(base: dict[str, Any], over: dict[str, Any]) -> dict[str, Any]:
+    """Merge two tables into a new one; arrays of tables merge by identity, other values are replaced."""
+    merged = dict(base)
+    for name, value in over.items():
+        old = merged.get(name)
+        if isinstance(old, dict) and isinstance(value, dict):
+            merged[name] = merge(old, value)
+        elif name in IDENTITY and is_tables(old) and is_tables(value):
+            merged[name] = merge_items(name, list(old or ()), value)
+        else:
+            merged[name] = value
+    return merged
+
+
+def merge_items(name: str, base: list[Any], over: list[Any]) -> list[Any]:
+    """Replace items of the same identity in place (all of them), append the others."""
+    identity = IDENTITY[name]
+    replaced = {str(item.get(identity)) for item in over}
+    merged: list[Any] = []
+    placed: set[str] = set()
+    for item in base:
+        key = str(item.get(identity))
+        if key not in replaced:
+            merged.append(item)
+        elif key not in placed:
+            merged += [new for new in over if str(new.get(identity)) == key]
+            placed.add(key)
+    return merged + [item for item in over if str(item.get(identity)) not in placed]
+
+
+def is_tables(value: Any) -> bool:
+    """Whether the value is an array of tables."""
+    return isinstance(value, list) and all(isinstance(item, dict) for item in value)
+
+
+def walk(table: dict[str, Any], prefix: str = "") -> list[str]:
+    """Every dotted key in a table, tables and array items included."""
+    keys: list[str] = []
+    for name, value in table.items():
+        key = join(prefix, name)
+        keys.append(key)
+        if isinstance(value, dict):
+            keys += walk(value, key)
+        elif is_tables(value):
+            for index, item in enumerate(value):
+                inner = item_key(key, index, item)
+                keys += [inner, *walk(item, inner)]
+    return keys
+
+
+def drop(table: dict[str, Any], entry: str, origin: str) -> None:
+    """Remove what was inherited: `criterion` (all of them) or `criterion.<id>`."""
+    name, _, wanted = entry.partition(".")
+    if name not in IDENTITY:
+        raise ScenarioError(
+            f"{origin}: `drop` holds `{entry}`, which starts with no known name", closest(name, IDENTITY)
+        )
+    items = table.get(name, [])
+    if not wanted or not is_tables(items):
+        table.pop(name, None)
+        return
+    kept = [item for item in items if item.get(IDENTITY[name]) != wanted]
+    if len(kept) == len(items):
+        known = [f"{name}.{item.get(IDENTITY[name])}" for item in items]
+        raise ScenarioError(
+            f"{origin}: `drop` holds `{entry}`, which is not inherited", closest(entry, known)
+        )
+    table[name] = kept
+
+
+def override(layers: Layers, assignments: Sequence[str]) -> None:
+    """Apply `KEY=VALUE` overrides.
+
+    `controller.<fmi name>` and `plant.<parameter>` reach the parameters (`controller.fmu` and `plant.name`
+    the FMU and the plant); `loop.<key>`, `title` and `description` stand for themselves;
+    `wire.<to>.<key>`, `signal.<to>.<key>`, `inject.<to>.<key>`, `metric.<name>.<key>` and
+    `criterion.<id>.<key>` reach one item. Values are TOML; what is not TOML is a text.
+    """
+    for assignment in assignments:
+        key, equals, text = assignment.partition("=")
+        key = key.strip()
+        if not equals or not key:
+            raise ScenarioError(
+                f"`{SET} {assignment}` is not of the form KEY=VALUE", "for example `--set loop.duration=1.0`"
+            )
+        assign(layers, key, toml_value(text.strip()))
+
+
+def assign(layers: Layers, key: str, value: Any, origin: str = "") -> None:
+    """Set one dotted key of the merged tables; `origin` says in messages where it comes from."""
+    section, _, name = key.partition(".")
+    origin = origin or f"`{SET} {key}`"
+    direct = {"controller": ("fmu",), "plant": ("name",)}
+    if section in IDENTITY and name:
+        item, inner = find_item(layers, section, name, origin)
+        item[inner] = value
+        layers.origins[f"{section}.{name}"] = origin
+    elif (section == "loop" and name) or (name and name in direct.get(section, ())):
+        layers.put([section, name], value, origin)
+    elif section in direct and name:
+        layers.put([section, "parameters", name.removeprefix("parameters.")], value, origin)
+    elif key in ("title", "description"):
+        layers.put([key], value, origin)
+    else:
+        roots = ["controller.", "plant.", "loop.", *(f"{root}." for root in IDENTITY), "title", "description"]
+        raise ScenarioError(f"{origin}: no such key in a scenario", closest(key, roots))
+
+
+def find_item(layers: Layers, section: str, name: str, origin: str) -> tuple[dict[str, Any], str]:
+    """Item of an array of tables and the key in it that `name` (`<identity>.<key>`) means."""
+    items = layers.table.get(section, [])
+    if not is_tables(items):
+        layers.fail(section, f"is {show(items)}, it must be an array of tables")
+    identity, _, inner = name.rpartition(".")
+    found = [index for index, item in enumerate(items) if item.get(IDENTITY[section]) == identity]
+    if not found:
+        known = [f"{section}.{item.get(IDENTITY[section])}" for item in items]
+        raise ScenarioError(
+            f"{origin}: the scenario has no {section} `{identity or name}`",
+            closest(f"{section}.{identity or name}", known),
+        )
+    if len(found) > 1:
+        raise ScenarioError(
+            f"{origin}: the scenario has {len(found)} tables `{section}` for `{identity}`",
+            "change the file, an override reaches only one",
+        )
+    # the item may belong to a shared table: replace it by a copy
+    layers.table[section] = [dict(item) for item in items]
+    return layers.table[section][found[0]], inner
+
+
+def toml_value(text: str) -> Any:
+    """TOML value of a text, or the text itself when it is none."""
+    try:
+        parsed = tomllib.loads(f"value = {text}")
+    except tomllib.TOMLDecodeError:
+        return text
+    return parsed["value"] if set(parsed) == {"value"} else text

@@ -1,0 +1,46 @@
+"""Scenarios from files: the layers of TOML, made a `Scenario` and checked."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from cosim import paths
+from cosim.scenario import checks, layers
+from cosim.scenario.model import Scenario
+from cosim.scenario.tables import parse
+
+
+def load(name_or_path: str | Path, set: Sequence[str] = ()) -> Scenario:  # noqa: A002
+    """Load a scenario by name (`dob`, `dob/paper`) or from a file (`my.toml`).
+
+    Parameters
+    ----------
+    name_or_path
+        Name of a scenario in one of the scenario folders, or path of a TOML file.
+    set
+        Overrides `KEY=VALUE`, see `cosim.scenario.layers.override`.
+
+    Raises
+    ------
+    ScenarioError
+        Missing or broken file, unknown key, wrong type, contradictory values; names file and key.
+    """
+    file = paths.find_scenario(str(name_or_path))
+    merged = layers.read(file)
+    layers.override(merged, set)
+    return replace(build(merged), name=paths.scenario_name(file), file=file.resolve())
+
+
+def build(merged: layers.Layers) -> Scenario:
+    """Scenario of merged layers; name and file are left to the caller.
+
+    Raises
+    ------
+    ScenarioError
+        As for `load`.
+    """
+    scenario = parse(Scenario, merged.table, "", merged.fail)
+    checks.check(scenario, merged)
+    return replace(scenario, origins=merged.origins)

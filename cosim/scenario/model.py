@@ -1,0 +1,202 @@
+"""A closed loop as data: which FMU, which plant, how they are wired, what is measured and demanded."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+from cosim import paths
+from cosim.scenario import layers
+
+
+@dataclass(frozen=True)
+class Loop:
+    """How the loop is run.
+
+    Parameters
+    ----------
+    step
+        Communication step in s; the controller is sampled at `k * step`.
+    duration
+        Simulated time in s, a multiple of `step`.
+    substeps
+        Plant steps in one communication step.
+    seed
+        Seed of all noise, a non-negative integer.
+    order
+        Who moves first in a step; the controller samples, computes and its command acts in the same step.
+    compute_delay
+        Steps by which commands act later; 1 is what standard FMI masters do.
+    record_every
+        Steps between two rows of the trace; metrics and `stop_when` see these rows.
+    stop_when
+        Expression over the current row of the trace that ends the run early; empty never does.
+    """
+
+    step: float
+    duration: float
+    substeps: int = 1
+    seed: int = 1
+    order: Literal["controller_first"] = "controller_first"
+    compute_delay: Literal[0, 1] = 1
+    record_every: int = 1
+    stop_when: str = ""
+
+    @property
+    def steps(self) -> int:
+        """Number of communication steps."""
+        return round(self.duration / self.step)
+
+
+@dataclass(frozen=True)
+class Controller:
+    """FMU by name or path, and start values of its variables by FMI name."""
+
+    fmu: str
+    parameters: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class PlantChoice:
+    """Plant by name or as `module:Class`, and its parameters."""
+
+    name: str
+    parameters: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Wire:
+    """One value carried from the plant to the controller or back.
+
+    `noise`, `quantum`, `minimum` and `maximum` are in the unit of the plant's channel and default to the
+    channel's own; `scale` and `offset` convert between the two: `to = scale * from + offset`.
+
+    Parameters
+    ----------
+    source
+        `plant.<reading>` or `controller.<output>`.
+    to
+        `controller.<input>` or `plant.<command>`.
+    noise
+        Standard deviation of white Gaussian noise, drawn anew in every step.
+    quantum
+        Resolution; 0 is continuous.
+    delay
+        Transport delay in steps, beside `loop.compute_delay`.
+    minimum, maximum
+        Limits.
+    """
+
+    source: str = field(metadata={"key": "from"})
+    to: str
+    scale: float = 1.0
+    offset: float = 0.0
+    noise: float | None = None
+    quantum: float | None = None
+    delay: int = 0
+    minimum: float | None = None
+    maximum: float | None = None
+
+
+@dataclass(frozen=True)
+class Signal:
+    """Piecewise constant stimulus: `values[i]` from `times[i]` (s) on; `times[0]` is 0."""
+
+    to: str
+    times: tuple[float, ...]
+    values: tuple[Any, ...]
+
+
+@dataclass(frozen=True)
+class Injection:
+    """Fault: in `[from_time, to_time)` (s) the value that arrives at `to` is `value`."""
+
+    to: str
+    from_time: float
+    to_time: float
+    value: float
+
+
+@dataclass(frozen=True)
+class Metric:
+    """A number taken from the trace by an expression; without a `unit` it has that of its columns."""
+
+    name: str
+    value: str
+    unit: str = ""
+    description: str = ""
+
+
+@dataclass(frozen=True)
+class Criterion:
+    """A demand on a metric: at least `minimum`, at most `maximum` or exactly `equals`."""
+
+    id: str
+    claim: str
+    metric: str
+    paper: str = ""
+    unit: str | None = None
+    minimum: float | None = None
+    maximum: float | None = None
+    equals: float | bool | None = None
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One set of axes: columns drawn as `scale * column`, in `unit`; with `log` only what is above 0."""
+
+    columns: tuple[str, ...]
+    unit: str = ""
+    scale: float = 1.0
+    title: str = ""
+    log: bool = False
+
+
+@dataclass(frozen=True)
+class Plot:
+    """The plot of a run, from top to bottom.
+
+    Parameters
+    ----------
+    panels
+        The panels; none draws all columns that move, by unit.
+    zoom
+        Condition; a second column of axes shows the time around the first row where it holds.
+    before, after
+        How much of it, s.
+    """
+
+    panels: tuple[Panel, ...] = ()
+    zoom: str = ""
+    before: float = 0.01
+    after: float = 0.01
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """A closed loop and what is demanded of it; load it with `cosim.load`."""
+
+    title: str
+    loop: Loop
+    controller: Controller
+    plant: PlantChoice
+    description: str = ""
+    wire: tuple[Wire, ...] = ()
+    signal: tuple[Signal, ...] = ()
+    inject: tuple[Injection, ...] = ()
+    metric: tuple[Metric, ...] = ()
+    criterion: tuple[Criterion, ...] = ()
+    plot: Plot = Plot()
+    name: str = field(default="", metadata={"key": ""})
+    file: Path = field(default=Path(), metadata={"key": ""})
+    origins: dict[str, str] = field(default_factory=dict, metadata={"key": ""}, repr=False, compare=False)
+
+    @property
+    def folder(self) -> Path:
+        """Folder of the scenario file; FMU paths are relative to it."""
+        return self.file.parent
+
+    def origin(self, key: str) -> str:
+        """File or override that a key comes from, for messages."""
+        return layers.find_origin(self.origins, key) or f"`{paths.shown(self.file)}`"

@@ -1,0 +1,259 @@
+"""What the command line prints: lists, descriptions and the table of criteria."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import typing
+from collections.abc import Iterable
+from typing import Any
+
+from rich.console import Group, RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from cosim.fmu.archive import FmuFile, Variable
+from cosim.loop.plant import Channel, Plant
+from cosim.loop.result import Result
+from cosim.metrics.criteria import Verdict
+from cosim.scenario.model import Scenario
+from cosim.scenario.tables import toml_key
+from cosim.show.quantity import number, text
+
+CAUSALITIES = {
+    "input": "inputs",
+    "output": "outputs",
+    "parameter": "parameters",
+    "calculatedParameter": "calculated",
+}
+
+
+def scenarios(entries: Iterable[tuple[str, str]]) -> Table:
+    """Names and titles of scenarios."""
+    table = plain_table("name", "title")
+    for name, title in entries:
+        table.add_row(Text(name, style="bold"), Text(title))
+    return table
+
+
+def scenario(found: Scenario, file: FmuFile, plant: Plant) -> RenderableType:
+    """Everything about one closed loop."""
+    loop = found.loop
+    head = Text()
+    head.append(f"{found.name}: {found.title}\n", style="bold")
+    if found.description.strip():
+        head.append(f"\n{found.description.strip()}\n")
+    delay = f"compute delay {loop.compute_delay} step" + ("" if loop.compute_delay == 1 else "s")
+    head.append(
+        f"\nloop: step {text(loop.step, 's')}, {loop.substeps} plant steps each, {loop.duration:g} s long,"
+        f" {loop.order}, {delay}, seed {loop.seed}\n"
+    )
+    head.append(f"controller: {file.name} ({file.path.name})")
+    parts: list[RenderableType] = [head]
+    for causality, title in CAUSALITIES.items():
+        if variables := file.named(causality):
+            parts += [heading(f"controller {title}"), variable_table(variables, found.controller.parameters)]
+    parts += [
+        heading(f"plant `{found.plant.name}`: parameters"),
+        parameter_table(plant, found.plant.parameters),
+    ]
+    for title, channels in (
+        ("readings", plant.readings),
+        ("commands", plant.commands),
+        ("truths", plant.truths),
+    ):
+        parts += [heading(f"plant {title}"), channel_table(channels)]
+    parts += [heading("wires, signals and injections"), wire_table(found)]
+    return Group(*parts)
+
+
+def variable_table(variables: list[Variable], given: dict[str, Any]) -> Table:
+    """Variables of an FMU."""
+    table = plain_table("name", "value", "unit", "range", "description")
+    for variable in variables:
+        value = given.get(variable.name)
+        start = start_text(variable)
+        table.add_row(
+            variable.name, value_text(value, start), variable.unit, range_text(variable), variable.description
+        )
+    return table
+
+
+def value_text(given: Any, default: str) -> Text:
+    """Value in use; one that differs from the default is bold and shows both."""
+    if given is None or shorten(given) == default:
+        return Text(default)
+    return Text(f"{shorten(given)} (default {default})", style="bold")
+
+
+def start_text(variable: Variable) -> str:
+    """Start value, enumerations by name."""
+    if variable.kind == "Real" and variable.start:
+        return f"{float(variable.start):g}"
+    names = {str(number): name for name, number in variable.items}
+    return names.get(variable.start, variable.start)
+
+
+def range_text(variable: Variable) -> str:
+    """Range of a variable: limits, or the items of an enumeration."""
+    if variable.items:
+        return " ".join(name for name, _ in variable.items)
+    return limits_text(variable.minimum, variable.maximum)
+
+
+def limits_text(minimum: Any, maximum: Any) -> str:
+    """Two limits, of which any may be missing."""
+    known = [limit not in (None, "") and math.isfinite(float(limit)) for limit in (minimum, maximum)]
+    low, high = (f"{float(limit):g}" if k else "" for k, limit in zip(known, (minimum, maximum), strict=True))
+    return f"{low} .. {high}" if low or high else ""
+
+
+def parameter_table(plant: Plant, given: dict[str, Any]) -> Table:
+    """Parameters of a plant, from the metadata of its dataclass."""
+    table = plain_table("name", "value", "unit", "range", "description", "source")
+    for field in dataclasses.fields(typing.cast(Any, plant.Parameters)):
+        key, default = toml_key(field), field.default
+        if field.default_factory is not dataclasses.MISSING:
+            default = field.default_factory()
+        shown = value_text(given.get(key), "required" if default is dataclasses.MISSING else shorten(default))
+        meta = field.metadata
+        table.add_row(
+            key,
+            shown,
+            str(meta.get("unit", "")),
+            limits_text(meta.get("minimum"), meta.get("maximum")),
+            str(meta.get("description", "")),
+            str(meta.get("source", "")),
+        )
+    return table
+
+
+def channel_table(channels: tuple[Channel, ...]) -> Table:
+    """Channels of a plant."""
+    table = plain_table("name", "unit", "noise", "resolution", "range", "description")
+    for channel in channels:
+        table.add_row(
+            channel.name,
+            channel.unit,
+            text(channel.noise, channel.unit) if channel.noise else "",
+            text(channel.quantum, channel.unit) if channel.quantum else "",
+            limits_text(channel.minimum, channel.maximum),
+            channel.description,
+        )
+    return table
+
+
+def wire_table(found: Scenario) -> Table:
+    """Wires, signals and injections."""
+    table = plain_table("to", "from", "options")
+    defaults = {"scale": 1.0, "offset": 0.0, "delay": 0}
+    for wire in found.wire:
+        options = [
+            f"{key} {value:g}"
+            for key, value in dataclasses.asdict(wire).items()
+            if key not in ("source", "to") and value is not None and value != defaults.get(key)
+        ]
+        table.add_row(wire.to, wire.source, ", ".join(options))
+    for signal in found.signal:
+        course = ", ".join(
+            f"{shorten(value)} from {time:g} s"
+            for time, value in zip(signal.times, signal.values, strict=False)
+        )
+        table.add_row(signal.to, "signal", course)
+    for entry in found.inject:
+        table.add_row(entry.to, "injection", f"{entry.value:g} in {entry.from_time:g} .. {entry.to_time:g} s")
+    return table
+
+
+def result(found: Result) -> RenderableType:
+    """Metrics that no criterion shows, then the table of criteria, then the verdict."""
+    held = {verdict.criterion.metric for verdict in found.criteria}
+    others = [metric for metric in found.metrics.values() if metric.name not in held]
+    parts: list[RenderableType] = [Text(f"{found.scenario}: {found.title}", style="bold")]
+    if found.criteria:
+        parts += ["", criteria_table(found.criteria)]
+    if others:
+        table = plain_table("metric", "value", "description")
+        for metric in others:
+            table.add_row(metric.name, text(metric.value, metric.unit), metric.description)
+        parts += ["", table]
+    return Group(*parts, "", summary(found))
+
+
+def criteria_table(verdicts: list[Verdict]) -> Table:
+    """Claim, paper, measured, limit, pass."""
+    table = Table(show_edge=False, pad_edge=False, header_style="bold", border_style="dim")
+    table.add_column("claim", ratio=1, overflow="fold")
+    table.add_column("paper", overflow="fold")
+    table.add_column("measured", justify="right", no_wrap=True)
+    table.add_column("limit", justify="right", no_wrap=True)
+    table.add_column("pass", no_wrap=True)
+    for verdict in verdicts:
+        passed = Text("yes", style="green") if verdict.passed else Text("NO", style="bold red")
+        table.add_row(
+            Text(verdict.criterion.claim),
+            Text(verdict.criterion.paper),
+            measured(verdict),
+            limits(verdict),
+            passed,
+        )
+    return table
+
+
+def measured(verdict: Verdict) -> str:
+    """Value that was held against the limits; yes or no where the limit is."""
+    if verdict.logical:
+        return "yes" if verdict.value else "no"
+    return text(verdict.value, verdict.unit)
+
+
+def limits(verdict: Verdict) -> str:
+    """Limits of a criterion."""
+    if isinstance(verdict.criterion.equals, bool):
+        return "= yes" if verdict.criterion.equals else "= no"
+    if [relation for relation, _ in verdict.limits] == [">=", "<="]:
+        return " .. ".join(text(limit, verdict.unit) for _, limit in verdict.limits)
+    return " ".join(f"{relation} {text(limit, verdict.unit)}" for relation, limit in verdict.limits)
+
+
+def summary(found: Result) -> Text:
+    """One line: verdict, seed and speed."""
+    failed = sum(not verdict.passed for verdict in found.criteria)
+    count = len(found.criteria)
+    if not count:
+        verdict = Text("no criteria", style="bold")
+    elif failed:
+        verdict = Text(f"{failed} of {count} criteria do not hold", style="bold red")
+    else:
+        verdict = Text(
+            f"all {count} criteria hold" if count > 1 else "the criterion holds", style="bold green"
+        )
+    speed = found.simulated_s / found.wall_s
+    verdict.append(
+        f"; seed {found.seed}, {number(found.simulated_s)} s simulated in {number(found.wall_s, 3)} s "
+        f"({number(speed, 2)} x real time)",
+        style="not bold default",
+    )
+    return verdict
+
+
+def plain_table(*names: str) -> Table:
+    """Table without lines whose last column takes what is left."""
+    table = Table(box=None, show_edge=False, pad_edge=False, header_style="bold", padding=(0, 2, 0, 0))
+    for name in names:
+        table.add_column(name, overflow="fold", no_wrap=name == "name")
+    return table
+
+
+def heading(title: str) -> Text:
+    """Heading of a part."""
+    return Text(f"\n{title}", style="bold underline")
+
+
+def shorten(value: Any) -> str:
+    """Value of a parameter as text."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if value is None:
+        return ""
+    return f"{value:g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,152 @@
+"""Plot of a run as SVG, PNG or PDF."""
+
+from __future__ import annotations
+
+import importlib
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cosim.errors import CosimError, ScenarioError, closest, concerning
+from cosim.loop.result import Result
+from cosim.metrics.expression import Expression, Items
+from cosim.scenario.model import Panel, Scenario
+
+MOST_PANELS = 6
+MOST_COLUMNS = 8
+ENDINGS = (".svg", ".png", ".pdf")
+STYLE: Any = {
+    "axes.grid": True,
+    "axes.spines.right": False,
+    "axes.spines.top": False,
+    "font.size": 9.0,
+    "grid.alpha": 0.3,
+    "legend.frameon": False,
+    "svg.hashsalt": "cosim",  # the same run gives the same bytes
+}
+
+
+def check(scenario: Scenario, columns: Mapping[str, Items | None], path: Path) -> None:
+    """Check before the run that the plot can be made.
+
+    Raises
+    ------
+    CosimError
+        Unknown ending or column, or matplotlib is not installed.
+    """
+    if path.suffix not in ENDINGS:
+        endings = ", ".join(f"`{ending}`" for ending in ENDINGS)
+        raise CosimError(f"cannot plot to `{path}`", f"the name must end in {endings}")
+    for index, panel in enumerate(scenario.plot.panels):
+        for column in panel.columns:
+            if column not in columns:
+                where = f"{scenario.origin('plot.panels')}: `plot.panels[{index}].columns`"
+                problem = f"{where} names `{column}`, which is no column of the trace"
+                raise ScenarioError(problem, closest(column, columns))
+    zoom_condition(scenario, columns)
+    try:
+        importlib.import_module("matplotlib")
+    except ImportError:
+        hint = "install the extra: `pip install machining-fmus[report]`"
+        raise CosimError("matplotlib is not installed, it makes the plots", hint) from None
+
+
+def save(scenario: Scenario, result: Result, path: Path) -> None:
+    """Plot the panels of a scenario into a file; all columns that move if it names none.
+
+    Raises
+    ------
+    CosimError
+        The file cannot be written.
+    """
+    import matplotlib
+
+    matplotlib.use("agg")
+    from matplotlib import pyplot
+
+    trace = result.trace
+    if trace is None:
+        raise CosimError("this result holds no trace, there is nothing to plot")
+    panels = scenario.plot.panels or default_panels(trace, result.units)
+    windows = [np.ones(len(trace), dtype=bool), *zoomed(scenario, result, trace)]
+    with matplotlib.rc_context(STYLE):
+        size = (6.5 * len(windows) + 2.5, 1.2 + 1.7 * len(panels))
+        figure, grid = pyplot.subplots(
+            len(panels), len(windows), sharex="col", squeeze=False, layout="constrained", figsize=size
+        )
+        for row, panel in zip(grid, panels, strict=True):
+            for axes, window in zip(row, windows, strict=True):
+                draw(axes, trace[window], panel, result)
+            row[0].set_title(panel.title, fontsize=9, loc="left")
+            row[-1].legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=8)
+        for axes in grid[-1]:
+            axes.set_xlabel("time (s)")
+        figure.suptitle(heading(result), fontsize=10)
+        try:
+            figure.savefig(path, dpi=110, metadata={"Date": None} if path.suffix == ".svg" else None)
+        except OSError as error:
+            raise CosimError(f"cannot write `{path}`: {error.strerror or error}") from None
+        finally:
+            pyplot.close(figure)
+
+
+def heading(result: Result) -> str:
+    """Title of the figure."""
+    verdict = ""
+    if result.criteria:
+        verdict = ", all criteria hold" if result.passed else ", some criteria do not hold"
+    return f"{result.title}\n{result.scenario}, seed {result.seed}{verdict}"
+
+
+def draw(axes: Any, trace: NDArray[Any], panel: Panel, result: Result) -> None:
+    """Draw one panel; values that only jump (modes, flags) are drawn as steps, enumerations with names."""
+    for column in panel.columns:
+        values = panel.scale * trace[column]
+        stepped = bool(np.all(trace[column] == np.round(trace[column])))
+        style = "steps-post" if stepped else "default"
+        axes.plot(trace["time"], values, label=column, linewidth=1.1, drawstyle=style)
+    unit = panel.unit or (result.units.get(panel.columns[0], "") if panel.scale == 1.0 else "")
+    axes.set_ylabel(unit.removeprefix("1"))
+    axes.margins(x=0.0)
+    if panel.log:
+        axes.set_yscale("log", nonpositive="mask")
+    items = result.items.get(panel.columns[0])
+    if items and len(panel.columns) == 1:
+        present = {name: number for name, number in items.items() if number in trace[panel.columns[0]]}
+        axes.set_yticks(list(present.values()), list(present))
+
+
+def default_panels(trace: NDArray[Any], units: dict[str, str]) -> tuple[Panel, ...]:
+    """Panels of a scenario that names none: the columns that move, one panel for each unit."""
+    names = list(trace.dtype.names or ())[1:]
+    moving = [name for name in names if np.any(trace[name] != trace[name][0])] or names[:1]
+    groups: dict[str, list[str]] = {}
+    for name in moving:
+        groups.setdefault(units.get(name, ""), []).append(name)
+    largest = sorted(groups.items(), key=lambda group: -len(group[1]))[:MOST_PANELS]
+    return tuple(Panel(columns=tuple(group[:MOST_COLUMNS]), unit=unit) for unit, group in largest)
+
+
+def zoom_condition(scenario: Scenario, columns: Mapping[str, Items | None]) -> Expression | None:
+    """Compiled time of the zoom, if the scenario wants one."""
+    if not scenario.plot.zoom:
+        return None
+    with concerning("plot.zoom"):
+        return Expression(f"first_time({scenario.plot.zoom})", columns, "`plot.zoom`")
+
+
+def zoomed(scenario: Scenario, result: Result, trace: NDArray[Any]) -> list[NDArray[np.bool_]]:
+    """Rows around the moment that the scenario zooms on; nothing if it did not come."""
+    names = trace.dtype.names or ()
+    condition = zoom_condition(scenario, {name: result.items.get(name) for name in names})
+    if condition is None:
+        return []
+    moment = float(condition([trace[name] for name in names]))
+    if not math.isfinite(moment):
+        return []
+    time = trace["time"]
+    return [(time >= moment - scenario.plot.before) & (time <= moment + scenario.plot.after)]

@@ -1,0 +1,118 @@
+"""Designs of experiments: which values a study tries, as pure functions of its tables and its seed."""
+
+from __future__ import annotations
+
+import importlib
+import itertools
+import math
+from collections.abc import Callable, Sequence
+from statistics import NormalDist
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cosim.errors import CosimError
+from cosim.loop.wiring import child
+from cosim.sweep.study import Vary
+
+Case = dict[str, Any]
+"""One point of a design: keys and values."""
+MOST_OF_UNIT = math.nextafter(1.0, 0.0)
+
+
+def grid(varied: Sequence[Vary], samples: int, seed: int) -> list[Case]:
+    """Every combination of the values, the last key fastest."""
+    return [combined(varied, values) for values in itertools.product(*(levels(vary) for vary in varied))]
+
+
+def latin_hypercube(varied: Sequence[Vary], samples: int, seed: int) -> list[Case]:
+    """Each key's range is cut into `samples` parts of equal probability, and every part is met once."""
+    sampler = quasi_monte_carlo().LatinHypercube(len(varied), rng=generator(seed))
+    return points(varied, sampler.random(samples))
+
+
+def sobol(varied: Sequence[Vary], samples: int, seed: int) -> list[Case]:
+    """Scrambled Sobol sequence; more samples only add to it, powers of two are balanced."""
+    # scipy warns of other numbers than powers of two, the balance is the user's choice
+    sampler = quasi_monte_carlo().Sobol(len(varied), scramble=True, rng=generator(seed))
+    power = math.ceil(math.log2(samples)) if samples > 1 else 0
+    return points(varied, sampler.random_base2(power)[:samples])
+
+
+def monte_carlo(varied: Sequence[Vary], samples: int, seed: int) -> list[Case]:
+    """Independent draws; more samples only add to them."""
+    return points(varied, generator(seed).random((samples, len(varied))))
+
+
+DESIGNS: dict[str, Callable[[Sequence[Vary], int, int], list[Case]]] = {
+    "grid": grid,
+    "latin-hypercube": latin_hypercube,
+    "sobol": sobol,
+    "monte-carlo": monte_carlo,
+}
+
+
+def generator(seed: int) -> np.random.Generator:
+    """Random numbers of the design, apart from those of the runs."""
+    return np.random.default_rng(child(seed, "design"))
+
+
+def quasi_monte_carlo() -> Any:
+    """Return scipy's module of quasi-Monte-Carlo sequences.
+
+    Raises
+    ------
+    CosimError
+        Scipy is not installed.
+    """
+    try:
+        return importlib.import_module("scipy.stats.qmc")
+    except ImportError:
+        hint = "install the extra: `pip install machining-fmus[sweep]`; `grid` and `monte-carlo` need nothing"
+        raise CosimError("scipy is not installed, it makes `latin-hypercube` and `sobol`", hint) from None
+
+
+def levels(vary: Vary) -> list[Any]:
+    """Values of a key in a grid."""
+    if vary.values:
+        return list(vary.values)
+    count = vary.points or 0
+    return [value_at(vary, index / max(1, count - 1)) for index in range(count)]
+
+
+def points(varied: Sequence[Vary], unit: NDArray[np.float64]) -> list[Case]:
+    """Points of the unit cube as values of the keys."""
+    return [combined(varied, map(value_at, varied, row)) for row in unit.tolist()]
+
+
+def combined(varied: Sequence[Vary], values: Any) -> Case:
+    """Keys with their values."""
+    return {vary.key: value for vary, value in zip(varied, values, strict=True)}
+
+
+def value_at(vary: Vary, share: float) -> Any:
+    """Value of a key below which `share` of its distribution lies; 0 and 1 are the ends of its range."""
+    if vary.values:
+        return vary.values[int(min(share, MOST_OF_UNIT) * len(vary.values))]
+    low, high = vary.range
+    if vary.distribution == "normal":
+        value = normal_at(vary, share)
+    elif vary.distribution == "log-uniform":
+        value = math.exp(math.log(low) + share * (math.log(high) - math.log(low)))
+    elif vary.integer:
+        # every integer of the range is equally likely
+        return int(low) + int(min(share, MOST_OF_UNIT) * (int(high) - int(low) + 1))
+    else:
+        value = low + share * (high - low)
+    value = min(max(value, low), high)
+    return round(value) if vary.integer else value
+
+
+def normal_at(vary: Vary, share: float) -> float:
+    """Value of a normal distribution cut to its range."""
+    normal = NormalDist(vary.mean or 0.0, vary.deviation or 0.0)
+    low, high = (normal.cdf(end) for end in vary.range)
+    inside = low + share * (high - low)
+    tiny = 1e-300
+    return normal.inv_cdf(min(max(inside, tiny), MOST_OF_UNIT))

@@ -1,0 +1,175 @@
+"""Parameters of a bare MJCF: the numbers of its named elements that a study wants to vary."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import Field, field, fields, make_dataclass
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from plants.bare.channels import joint_kind, tendon_kind
+
+COEFFICIENTS = {
+    "slide": {"damping": "N.s/m", "stiffness": "N/m", "armature": "kg", "frictionloss": "N"},
+    "hinge": {"damping": "N.m.s/rad", "stiffness": "N.m/rad", "armature": "kg.m2", "frictionloss": "N.m"},
+    "": {"damping": "", "stiffness": "", "armature": "", "frictionloss": ""},
+}
+"""Units of the coefficients of a joint or tendon."""
+SOURCE = "the MJCF"
+INTEGRATORS = {
+    name.removeprefix("mjINT_").lower(): kind for name, kind in mujoco.mjtIntegrator.__members__.items()
+}
+"""MuJoCo's integrators by their names in lower case."""
+
+
+def parameters_of(model: Any) -> type:
+    """Dataclass of the parameters of a model; the defaults are what the MJCF says.
+
+    The key of a field, such as `joint.slide.damping`, is in its metadata, and so is the place of its number.
+    """
+    entries = [
+        *options(model),
+        *bodies(model),
+        *joints(model),
+        *tendons(model),
+        *geoms(model),
+        *actuators(model),
+    ]
+    named = [(f"p{k}", kind, entry) for k, (kind, entry) in enumerate(entries)]
+    return make_dataclass("BareParameters", named, frozen=True)
+
+
+def entry(
+    key: str,
+    default: float | str | None,
+    unit: str,
+    description: str,
+    minimum: float = -math.inf,
+    place: tuple[str, Any] | None = None,
+) -> tuple[Any, Any]:
+    """Type and field of one parameter; `place` is an array of the model and the index in it."""
+    metadata = {
+        "key": key, "unit": unit, "description": description, "source": SOURCE, "minimum": minimum,
+        "maximum": math.inf, "place": place,
+    }  # fmt: skip
+    kind: Any = str if isinstance(default, str) else (float | None if default is None else float)
+    return kind, field(default=default, metadata=metadata)
+
+
+def options(model: Any) -> Iterator[tuple[Any, Any]]:
+    """Step, integrator, gravity and, if there are any, the keyframe to start from."""
+    yield entry("timestep", float(model.opt.timestep), "s", "Plant step", 1e-9)
+    integrator = next(name for name, kind in INTEGRATORS.items() if kind == model.opt.integrator)
+    yield entry("integrator", integrator, "1", "One of `euler`, `implicit`, `implicitfast`")
+    for k, axis in enumerate("xyz"):
+        yield entry(f"gravity.{axis}", float(model.opt.gravity[k]), "m/s2", "Gravity")
+    names = [model.key(k).name for k in range(model.nkey) if model.key(k).name]
+    if names:
+        yield entry("keyframe", "", "1", "Start: a keyframe, one of `" + "`, `".join(names) + "`")
+
+
+def bodies(model: Any) -> Iterator[tuple[Any, Any]]:
+    """Masses of the named bodies that have one."""
+    for i in range(1, model.nbody):
+        name, mass = model.body(i).name, float(model.body_mass[i])
+        if name and mass > 0.0:
+            text = "Mass; the inertia follows in proportion"
+            yield entry(f"body.{name}.mass", mass, "kg", text, float(mujoco.mjMINVAL), ("body_mass", i))
+
+
+def joints(model: Any) -> Iterator[tuple[Any, Any]]:
+    """Coefficients of the named joints, and the start of slides and hinges."""
+    for i in range(model.njnt):
+        name, kind = model.joint(i).name, joint_kind(model, i)
+        if not name:
+            continue
+        first = int(model.jnt_dofadr[i])
+        dofs = slice(first, int(np.count_nonzero(model.dof_jntid == i)) + first)
+        places = {"damping": dofs, "armature": dofs, "frictionloss": dofs, "stiffness": i}
+        for what, index in places.items():
+            array = f"{'jnt' if what == 'stiffness' else 'dof'}_{what}"
+            value = float(np.ravel(getattr(model, array)[index])[0])
+            text = f"{what.capitalize()} of the joint"
+            yield entry(f"joint.{name}.{what}", value, COEFFICIENTS[kind][what], text, 0.0, (array, index))
+        if kind:
+            unit = "m" if kind == "slide" else "rad"
+            text = f"Start position, else the keyframe's or {model.qpos0[model.jnt_qposadr[i]]:g}"
+            yield entry(f"joint.{name}.position", None, unit, text)
+            yield entry(
+                f"joint.{name}.velocity", None, f"{unit}/s", "Start velocity, else the keyframe's or 0"
+            )
+
+
+def tendons(model: Any) -> Iterator[tuple[Any, Any]]:
+    """Coefficients of the named tendons."""
+    for i in range(model.ntendon):
+        name, units = model.tendon(i).name, COEFFICIENTS[tendon_kind(model, i)]
+        for what in ("damping", "stiffness", "armature", "frictionloss") if name else ():
+            array = f"tendon_{what}"
+            value, text = float(getattr(model, array)[i]), f"{what.capitalize()} of the tendon"
+            yield entry(f"tendon.{name}.{what}", value, units[what], text, 0.0, (array, i))
+
+
+def geoms(model: Any) -> Iterator[tuple[Any, Any]]:
+    """Sliding friction of the named geoms."""
+    for i in range(model.ngeom):
+        if name := model.geom(i).name:
+            value, place = float(model.geom_friction[i, 0]), ("geom_friction", (i, 0))
+            yield entry(f"geom.{name}.friction", value, "1", "Sliding friction coefficient", 0.0, place)
+
+
+def actuators(model: Any) -> Iterator[tuple[Any, Any]]:
+    """Gears of the named actuators."""
+    for i in range(model.nactuator):
+        if name := model.actuator(i).name:
+            value, place = float(model.actuator_gear[i, 0]), ("actuator_gear", (i, 0))
+            yield entry(f"actuator.{name}.gear", value, "", "First number of the gear", place=place)
+
+
+def apply(parameters: Any, model: Any, data: Any) -> None:
+    """Write what differs from the MJCF into the model."""
+    placed = [item for item in fields(parameters) if item.metadata["place"] is not None]
+    changed = [item for item in placed if getattr(parameters, item.name) != item.default]
+    for item in changed:
+        put(item, getattr(parameters, item.name), model)
+    values = named(parameters)
+    model.opt.timestep = values["timestep"]
+    model.opt.gravity[:] = [values[f"gravity.{axis}"] for axis in "xyz"]
+    if changed:
+        # what MuJoCo derives from masses and lengths when it compiles
+        mujoco.mj_setConst(model, data)
+
+
+def put(item: Field[Any], value: float, model: Any) -> None:
+    """Write one number to its place."""
+    array, index = item.metadata["place"]
+    if array == "body_mass":
+        model.body_inertia[index] *= value / model.body_mass[index]
+    getattr(model, array)[index] = value
+
+
+def start(parameters: Any, model: Any, data: Any) -> None:
+    """Set the initial state: keyframe first, then the joints that were given one.
+
+    Raises
+    ------
+    ValueError
+        There is no such keyframe.
+    """
+    values = named(parameters)
+    if keyframe := values.get("keyframe"):
+        mujoco.mj_resetDataKeyframe(model, data, model.key(keyframe).id)
+    for i in range(model.njnt):
+        name = model.joint(i).name
+        for quantity, array, index in (
+            ("position", data.qpos, model.jnt_qposadr[i]),
+            ("velocity", data.qvel, model.jnt_dofadr[i]),
+        ):
+            if (value := values.get(f"joint.{name}.{quantity}")) is not None:
+                array[index] = value
+
+
+def named(parameters: Any) -> dict[str, Any]:
+    """Values by key."""
+    return {item.metadata["key"]: getattr(parameters, item.name) for item in fields(parameters)}

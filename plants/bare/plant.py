@@ -1,0 +1,97 @@
+"""A plant that is nothing but an MJCF file: its sensors are the readings, its actuators the commands."""
+
+import hashlib
+from pathlib import Path
+from typing import Any, ClassVar
+
+import mujoco
+import numpy as np
+
+from plants._native import Cell
+from plants.bare import channels
+from plants.bare.parameters import INTEGRATORS, apply, named, parameters_of, start
+from plants.plant import Plant, PlantError
+
+
+class Bare(Plant):
+    """A plant made of one MJCF file; `load` makes the class for a file."""
+
+    file: ClassVar[Path]
+
+    def __init__(self, parameters: Any = None) -> None:
+        super().__init__(parameters)
+        apply(self.parameters, self.model, self.data)
+        self.timestep = float(self.model.opt.timestep)
+        self._readings = channels.readings(self.model)
+        self._commands = channels.commands(self.model)
+        self._truths = channels.truths(self.model)
+        self.readings = tuple(one.channel for one in self._readings)
+        self.commands = tuple(one.channel for one in self._commands)
+        self.truths = tuple(one.channel for one in self._truths)
+        try:
+            self.begin(0)
+        except KeyError as error:
+            raise PlantError(f"no such `keyframe`: {error.args[0]}") from error
+
+    @classmethod
+    def _mjcf(cls) -> Path:
+        return cls.file
+
+    def shape(self, spec: Any) -> None:
+        """Choose the integrator; the other parameters are written into the compiled model."""
+        name = named(self.parameters)["integrator"].lower()
+        if name not in INTEGRATORS:
+            raise PlantError(
+                f"there is no integrator `{name}`\nhint: take `euler`, `implicit` or `implicitfast`"
+            )
+        spec.option.integrator = INTEGRATORS[name]
+
+    def begin(self, steps: int) -> None:
+        """Set the initial state and tie the channels to MuJoCo's arrays."""
+        start(self.parameters, self.model, self.data)
+        self.connect(self._cells(self._readings), self._cells(self._commands), self._cells(self._truths))
+
+    def _cells(self, bound: tuple[channels.BoundChannel, ...]) -> dict[str, Cell]:
+        return {one.channel.name: Cell(getattr(self.data, one.array), one.place) for one in bound}
+
+
+def load(file: Path) -> type[Bare]:
+    """Class of the plant that an MJCF file describes.
+
+    Raises
+    ------
+    PlantError
+        MuJoCo cannot read or compile the file, or two channels have one name.
+    """
+    model = compiled(file)
+    parameters = parameters_of(model)
+    # two channels of one name are a mistake of the file
+    channels.truths(model)
+    return type("Bare", (Bare,), {"__module__": __name__, "file": file, "Parameters": parameters})
+
+
+def fingerprint(file: Path) -> str:
+    """SHA-256 of the compiled model, in hexadecimal: files that the MJCF includes and meshes count as well.
+
+    Raises
+    ------
+    PlantError
+        As for `load`.
+    """
+    model = compiled(file)
+    buffer = np.zeros(mujoco.mj_sizeModel(model), np.uint8)
+    mujoco.mj_saveModel(model, None, buffer)
+    return hashlib.sha256(buffer.tobytes()).hexdigest()
+
+
+def compiled(file: Path) -> Any:
+    """Compile an MJCF file."""
+    try:
+        return mujoco.MjSpec.from_file(str(file)).compile()
+    except ValueError as error:
+        lines = (
+            str(error).removeprefix("XML Error: ").removeprefix("Error: ").replace(":\n", ": ").split("\n")
+        )
+        problem = ", ".join(filter(None, lines))
+        hint = "hint: MuJoCo's XML reference lists the elements of an MJCF and their attributes"
+        raise PlantError(f"MuJoCo cannot load `{file.name}`: {problem}\n{hint}") from None

@@ -1,0 +1,232 @@
+//! Edge of a part: two straight lines and the arc that rounds the corner between them.
+
+use crate::element::{Element, Ports};
+
+type Vector = [f64; 3];
+
+/// lines that differ by less are one line, sine of the angle
+const STRAIGHT: f64 = 1e-9;
+
+/// Where a point is, seen from the edge: `foot`, `tangent` and `outward` belong to the nearest place of the edge.
+#[derive(Clone, Copy, Debug)]
+pub struct Clearance {
+    /// path from the start to the nearest place, m
+    pub distance: f64,
+    /// how far the point is from the edge along `outward`, m
+    pub normal: f64,
+    /// and along `tangent x outward` reversed, the side from which the corner turns left, m
+    pub across: f64,
+    /// direction of travel
+    pub tangent: Vector,
+    /// away from the inside of the corner
+    pub outward: Vector,
+}
+
+/// Line, arc, line from `start` over `corner` to `end`; on the side of the corner's outside lies the burr.
+///
+/// x, y, z of a point -> distance, normal, across, tangent and outward of its nearest place.
+#[derive(Clone, Debug)]
+pub struct Edge {
+    start: Vector,
+    /// directions of both lines
+    lines: [Vector; 2],
+    /// normal of the plane of both lines, about which the arc turns left
+    axis: Vector,
+    /// lengths of line, arc, line, m
+    lengths: [f64; 3],
+    radius: f64,
+    centre: Vector,
+    /// end of the arc
+    leave: Vector,
+}
+
+impl Edge {
+    /// An edge with a corner of `radius` m, or none if the lines are shorter than the arc takes away of them.
+    pub fn new(start: Vector, corner: Vector, end: Vector, radius: f64) -> Option<Self> {
+        let [first, second] = [minus(corner, start), minus(end, corner)];
+        let [l1, l2] = [first, second].map(norm);
+        let lines = [scaled(first, 1.0 / l1), scaled(second, 1.0 / l2)];
+        let turn = cross(lines[0], lines[1]);
+        let angle = norm(turn).atan2(dot(lines[0], lines[1]));
+        // a straight edge lies flat: its outside is on the right
+        let axis = if norm(turn) > STRAIGHT { scaled(turn, 1.0 / norm(turn)) } else { [0.0, 0.0, 1.0] };
+        let taken = radius * (angle / 2.0).tan();
+        let lengths = [l1 - taken, radius * angle, l2 - taken];
+        let enter = plus(start, scaled(lines[0], lengths[0]));
+        let leave = plus(corner, scaled(lines[1], taken));
+        let centre = plus(enter, scaled(cross(axis, lines[0]), radius));
+        let fits = lengths.iter().all(|&length| length >= 0.0) && lengths.iter().sum::<f64>() > 0.0;
+        fits.then_some(Self { start, lines, axis, lengths, radius, centre, leave })
+    }
+
+    /// Length of the edge, m.
+    pub fn length(&self) -> f64 {
+        self.lengths.iter().sum()
+    }
+
+    /// The nearest place of the edge.
+    pub fn place(&self, point: Vector) -> Clearance {
+        let [l1, l2, l3] = self.lengths;
+        let mut nearest = self.on_line(point, self.start, 0, 0.0, l1);
+        let others = [self.on_arc(point), self.on_line(point, self.leave, 1, l1 + l2, l3)];
+        for candidate in others {
+            if candidate.0 < nearest.0 {
+                nearest = candidate;
+            }
+        }
+        nearest.1
+    }
+
+    /// distance to a line that begins at `from`, and the place
+    fn on_line(&self, point: Vector, from: Vector, line: usize, before: f64, length: f64) -> (f64, Clearance) {
+        let tangent = self.lines[line];
+        let along = dot(minus(point, from), tangent).clamp(0.0, length);
+        self.seen_from(point, plus(from, scaled(tangent, along)), tangent, before + along)
+    }
+
+    fn on_arc(&self, point: Vector) -> (f64, Clearance) {
+        // angle of the point about the centre, from where the arc begins
+        let outward = cross(self.lines[0], self.axis);
+        let from_centre = minus(point, self.centre);
+        let turned = dot(from_centre, self.lines[0]).atan2(dot(from_centre, outward));
+        let angle = turned.clamp(0.0, if self.radius > 0.0 { self.lengths[1] / self.radius } else { 0.0 });
+        let (sin, cos) = angle.sin_cos();
+        let tangent = minus(scaled(self.lines[0], cos), scaled(outward, sin));
+        let foot = plus(self.centre, scaled(cross(tangent, self.axis), self.radius));
+        self.seen_from(point, foot, tangent, self.lengths[0] + angle * self.radius)
+    }
+
+    fn seen_from(&self, point: Vector, foot: Vector, tangent: Vector, distance: f64) -> (f64, Clearance) {
+        let (away, outward) = (minus(point, foot), cross(tangent, self.axis));
+        let place = Clearance { distance, normal: dot(away, outward), across: dot(away, self.axis), tangent, outward };
+        (norm(away), place)
+    }
+}
+
+impl Element for Edge {
+    fn ports(&self) -> Ports {
+        Ports {
+            inputs: &["x", "y", "z"],
+            outputs: &["distance", "normal", "across", "tx", "ty", "tz", "nx", "ny", "nz"],
+        }
+    }
+
+    fn reset(&mut self) {}
+
+    fn step(&mut self, inputs: &[f64], outputs: &mut [f64], _h: f64) {
+        let &[x, y, z] = inputs else { return };
+        let Clearance { distance, normal, across, tangent, outward } = self.place([x, y, z]);
+        outputs[..3].copy_from_slice(&[distance, normal, across]);
+        outputs[3..6].copy_from_slice(&tangent);
+        outputs[6..].copy_from_slice(&outward);
+    }
+}
+
+fn plus(a: Vector, b: Vector) -> Vector {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+fn minus(a: Vector, b: Vector) -> Vector {
+    plus(a, scaled(b, -1.0))
+}
+
+fn scaled(a: Vector, factor: f64) -> Vector {
+    a.map(|component| component * factor)
+}
+
+fn dot(a: Vector, b: Vector) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn cross(a: Vector, b: Vector) -> Vector {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+fn norm(a: Vector) -> f64 {
+    dot(a, a).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::{FRAC_1_SQRT_2, PI};
+
+    /// 120 mm along x, a left turn of 90 degrees with 15 mm, 120 mm along y
+    fn square() -> Edge {
+        Edge::new([0.0; 3], [0.135, 0.0, 0.0], [0.135, 0.135, 0.0], 0.015).expect("fits")
+    }
+
+    fn close(a: f64, b: f64) {
+        assert!((a - b).abs() < 1e-12, "{a} instead of {b}");
+    }
+
+    #[test]
+    fn line_arc_line_has_the_length_of_its_parts() {
+        close(square().length(), 0.24 + 0.015 * PI / 2.0);
+    }
+
+    #[test]
+    fn a_point_beside_each_part_is_seen_from_its_foot() {
+        let edge = square();
+        // 1 mm to the right of the first line, 2 mm above
+        let place = edge.place([0.05, -1e-3, 2e-3]);
+        for (value, wanted) in [(place.distance, 0.05), (place.normal, 1e-3), (place.across, 2e-3)] {
+            close(value, wanted);
+        }
+        // inside of the middle of the arc, whose centre is (0.12, 0.015)
+        let out = 0.014 * FRAC_1_SQRT_2;
+        let place = edge.place([0.12 + out, 0.015 - out, 0.0]);
+        close(place.distance, 0.12 + 0.015 * PI / 4.0);
+        close(place.normal, -1e-3);
+        close(place.tangent[0], FRAC_1_SQRT_2);
+        close(place.outward[1], -FRAC_1_SQRT_2);
+        // left of the second line
+        let place = edge.place([0.134, 0.1, 0.0]);
+        close(place.distance, 0.12 + 0.015 * PI / 2.0 + 0.085);
+        close(place.normal, -1e-3);
+    }
+
+    #[test]
+    fn before_the_start_and_beyond_the_end_the_ends_are_nearest() {
+        let edge = square();
+        close(edge.place([-0.02, 1e-3, 0.0]).distance, 0.0);
+        close(edge.place([0.135, 0.2, 0.0]).distance, edge.length());
+    }
+
+    #[test]
+    fn places_follow_each_other_without_a_jump() {
+        // a tool 0.3 mm outside, in a corner that rises
+        let edge = Edge::new([0.0; 3], [0.1, 0.0, 0.04], [0.1, 0.1, 0.0], 0.02).expect("fits");
+        let mut before = edge.place([0.0; 3]);
+        for k in 1..=2000 {
+            let t = f64::from(k) / 2000.0;
+            let place = edge.place([
+                0.1 * (2.0 * t).min(1.0),
+                0.1 * (2.0 * t - 1.0).max(0.0),
+                0.04 * (2.0 * t).min(2.0 - 2.0 * t),
+            ]);
+            assert!((place.distance - before.distance).abs() < 2.5e-4, "at {t}");
+            assert!((place.normal - before.normal).abs() < 1.5e-4, "at {t}");
+            assert!(place.across.abs() < 1e-12);
+            before = place;
+        }
+    }
+
+    #[test]
+    fn a_right_turn_has_its_outside_on_the_left_and_a_straight_edge_on_the_right() {
+        let right = Edge::new([0.0; 3], [0.1, 0.0, 0.0], [0.1, -0.1, 0.0], 0.01).expect("fits");
+        close(right.place([0.05, 1e-3, 0.0]).normal, 1e-3);
+        let straight = Edge::new([0.0; 3], [0.1, 0.0, 0.0], [0.2, 0.0, 0.0], 0.01).expect("fits");
+        close(straight.place([0.15, 1e-3, 0.0]).normal, -1e-3);
+        close(straight.length(), 0.2);
+    }
+
+    #[test]
+    fn a_sharp_corner_is_an_edge_and_one_too_round_is_none() {
+        let sharp = Edge::new([0.0; 3], [0.1, 0.0, 0.0], [0.1, 0.1, 0.0], 0.0).expect("fits");
+        close(sharp.length(), 0.2);
+        assert!(sharp.place([0.11, -0.01, 0.0]).normal.is_finite());
+        assert!(Edge::new([0.0; 3], [0.1, 0.0, 0.0], [0.1, 0.1, 0.0], 0.11).is_none());
+        assert!(Edge::new([0.0; 3], [0.0; 3], [0.0; 3], 0.0).is_none());
+    }
+}

@@ -1,0 +1,15 @@
+//! Cutting: edges of tools, burrs along edges, parts on a lathe.
+
+mod burr;
+mod deburring;
+mod edge;
+mod flute;
+mod milling;
+mod turned_part;
+
+pub use burr::Burr;
+pub use deburring::{Deburring, Reaction};
+pub use edge::{Clearance, Edge};
+pub use flute::Flute;
+pub use milling::Milling;
+pub use turned_part::{Shapes, TurnedPart};

@@ -1,0 +1,212 @@
+//! Part on a lathe: the section along one diameter that the tool leaves, and a probe that reads it.
+
+use std::f64::consts::PI;
+
+use crate::element::{Element, Ports};
+
+/// Pitch of the section, m; the depth under a probe ball is wrong by less than 1 nm on flanks up to 60 degrees.
+const PITCH: f64 = 1e-6;
+
+/// Round tool, round probe and the blank they meet.
+#[derive(Clone, Debug)]
+pub struct Shapes {
+    /// radius of the tool nose, m
+    pub tool_radius: f64,
+    /// radius of the probe ball, m
+    pub probe_radius: f64,
+    /// radius of the part, m
+    pub part_radius: f64,
+    /// depth of the face of the blank, m
+    pub face: f64,
+    /// roughness that the material adds to each passage of the tool, standard deviation, m
+    pub roughness: f64,
+}
+
+/// Depth of a part along the diameter at the spindle angles 0 (positive places) and pi (negative places).
+///
+/// Twice a turn the tool passes the diameter, and while `cutting` is positive its nose takes away what is higher:
+/// `lateral` and `depth` place the centre of the nose from the spindle axis and into the part. While `probing` is
+/// positive, `reading` is the depth of the lowest point of a ball that rests on the section at the place `probe`;
+/// otherwise it is 0. The spindle need not stop for it: the section is kept as it was cut.
+#[derive(Clone, Debug)]
+pub struct TurnedPart {
+    shapes: Shapes,
+    /// depth at every place from `-part_radius` on, m
+    section: Vec<f64>,
+    /// angle, lateral place and depth of the step before
+    before: Option<[f64; 3]>,
+}
+
+impl TurnedPart {
+    /// A blank with a flat face.
+    pub fn new(shapes: Shapes) -> Self {
+        let places = 2 * (shapes.part_radius / PITCH).round() as usize + 1;
+        Self { section: vec![shapes.face; places], before: None, shapes }
+    }
+
+    /// The tool moves to `now`; at each half turn on the way it passes the diameter.
+    fn cut(&mut self, now: [f64; 3], roughness: f64) {
+        let Some(before) = self.before else { return };
+        let (from, to) = ((before[0] / PI).floor(), (now[0] / PI).floor());
+        if from == to {
+            return;
+        }
+        // one passage per step: a plant step is far shorter than half a turn
+        let half_turn = from.max(to);
+        let share = (half_turn * PI - before[0]) / (now[0] - before[0]);
+        let [lateral, depth] = [1, 2].map(|i| before[i] + share * (now[i] - before[i]));
+        let side = if half_turn.rem_euclid(2.0) == 0.0 { 1.0 } else { -1.0 };
+        self.pass(side * lateral, depth + roughness);
+    }
+
+    /// The nose takes away what is higher than its lower half.
+    fn pass(&mut self, place: f64, depth: f64) {
+        let nose = self.shapes.tool_radius;
+        for i in self.within(place, nose) {
+            let across = self.place(i) - place;
+            self.section[i] = self.section[i].max(depth + (nose * nose - across * across).max(0.0).sqrt());
+        }
+    }
+
+    /// Depth of the lowest point of the ball that rests on the section.
+    fn probe(&self, place: f64) -> f64 {
+        let ball = self.shapes.probe_radius;
+        let clearance = |i: usize| {
+            let across = self.place(i) - place;
+            self.section[i] - (ball * ball - across * across).max(0.0).sqrt()
+        };
+        let rest = self.within(place, ball).map(clearance).reduce(f64::min);
+        rest.map_or(self.shapes.face, |centre| centre + ball)
+    }
+
+    /// Indices of the places at most `reach` away.
+    fn within(&self, place: f64, reach: f64) -> std::ops::Range<usize> {
+        let index = |place: f64| (place + self.shapes.part_radius) / PITCH;
+        // a cast from below zero gives zero
+        let first = index(place - reach).ceil() as usize;
+        let end = (index(place + reach).floor() + 1.0) as usize;
+        first..end.min(self.section.len())
+    }
+
+    fn place(&self, i: usize) -> f64 {
+        i as f64 * PITCH - self.shapes.part_radius
+    }
+}
+
+impl Element for TurnedPart {
+    fn ports(&self) -> Ports {
+        Ports { inputs: &["angle", "lateral", "depth", "cutting", "normal", "probing", "probe"], outputs: &["reading"] }
+    }
+
+    fn reset(&mut self) {
+        self.section.fill(self.shapes.face);
+        self.before = None;
+    }
+
+    fn step(&mut self, inputs: &[f64], outputs: &mut [f64], _h: f64) {
+        let &[angle, lateral, depth, cutting, normal, probing, probe] = inputs else { return };
+        let now = [angle, lateral, depth];
+        if cutting > 0.0 {
+            self.cut(now, self.shapes.roughness * normal);
+        }
+        self.before = Some(now);
+        outputs[0] = if probing > 0.0 { self.probe(probe) } else { 0.0 };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SHAPES: Shapes =
+        Shapes { tool_radius: 2e-3, probe_radius: 1.5e-3, part_radius: 0.02, face: -1e-3, roughness: 0.0 };
+
+    /// Turns the part with the tool at `nose(turns)`, 100 steps a turn.
+    fn turn(part: &mut TurnedPart, turns: u32, nose: impl Fn(f64) -> [f64; 2]) {
+        for k in 0..=100 * turns {
+            let turned = f64::from(k) / 100.0;
+            let [lateral, depth] = nose(turned);
+            part.step(&[2.0 * PI * turned + 0.3, lateral, depth, 1.0, 0.0, 0.0, 0.0], &mut [0.0], 1e-4);
+        }
+    }
+
+    fn read(part: &mut TurnedPart, place: f64) -> f64 {
+        let mut out = [9.0];
+        part.step(&[0.0, 0.0, 0.0, 0.0, 0.0, 1.0, place], &mut out, 1e-4);
+        out[0]
+    }
+
+    #[test]
+    fn the_blank_has_its_face_and_nothing_is_read_with_the_probe_up() {
+        let mut part = TurnedPart::new(SHAPES);
+        for place in [-0.5, -0.02, -0.0123, 0.0, 0.02, 0.5] {
+            assert!((read(&mut part, place) + 1e-3).abs() < 1e-12, "{place}");
+        }
+        let mut out = [9.0];
+        part.step(&[0.0; 7], &mut out, 1e-4);
+        assert_eq!(out, [0.0]);
+    }
+
+    #[test]
+    fn a_groove_of_one_passage_is_the_nose() {
+        let mut part = TurnedPart::new(SHAPES);
+        turn(&mut part, 1, |_| [0.01, 1e-4]);
+        // the ball touches the nose circle from inside: centres 0.5 mm apart at most
+        for across in [0.0, 2e-4, -3e-4] {
+            let exact = 1e-4 + (0.25e-6_f64 - across * across).sqrt() + 1.5e-3;
+            for side in [-1.0, 1.0] {
+                let depth = read(&mut part, side * (0.01 + across));
+                assert!((depth - exact).abs() < 1e-9, "{across}: {depth} instead of {exact}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_cut_arc_is_probed_as_an_arc_of_the_sum_of_the_radii() {
+        // arm of 80 mm from 40 to 50 degrees, 10 um a turn: 0.08 + 0.002 - 0.0015 around the arm axis
+        let mut part = TurnedPart::new(Shapes { part_radius: 0.03, ..SHAPES });
+        let phi = |turned: f64| 0.7 + turned * 1e-5 / 0.08;
+        turn(&mut part, 1300, |turned| [0.07 - 0.08 * phi(turned).cos(), 0.08 * phi(turned).sin()]);
+        for angle in [0.74_f64, 0.78, 0.82] {
+            let (across, exact) = (0.07 - 0.0805 * angle.cos(), 0.0805 * angle.sin() + 0.0015);
+            for side in [-1.0, 1.0] {
+                // the grooves of 10 um are 6 nm high, seen across the slope
+                let error = read(&mut part, side * across) - exact;
+                assert!(error.abs() < 10e-9, "{angle}: {error:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn only_what_is_higher_is_taken_away() {
+        let mut part = TurnedPart::new(SHAPES);
+        let deep = |_| [0.01, 2e-4];
+        turn(&mut part, 1, deep);
+        let before = part.section.clone();
+        turn(&mut part, 1, |_| [0.01, 1e-4]);
+        assert_eq!(part.section, before);
+        part.reset();
+        assert!((read(&mut part, 0.01) + 1e-3).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_section_sees_the_tool_where_it_passes() {
+        // depth swings once a turn: both sides of the diameter differ by twice the amplitude
+        let mut part = TurnedPart::new(SHAPES);
+        turn(&mut part, 1, |turned| [0.01, 1e-4 * (2.0 * PI * turned + 0.3).cos()]);
+        // straight between the steps, 63 mrad long: 50 nm
+        assert!((read(&mut part, 0.01) - 2.1e-3).abs() < 5e-8);
+        assert!((read(&mut part, -0.01) - 1.9e-3).abs() < 5e-8);
+    }
+
+    #[test]
+    fn roughness_and_air() {
+        let mut part = TurnedPart::new(Shapes { roughness: 1e-7, ..SHAPES });
+        part.step(&[-0.1, 0.01, 0.0, 1.0, 0.0, 0.0, 0.0], &mut [0.0], 1e-4);
+        part.step(&[0.1, 0.01, 0.0, 0.0, 3.0, 0.0, 0.0], &mut [0.0], 1e-4);
+        assert!((read(&mut part, 0.01) + 1e-3).abs() < 1e-12);
+        part.step(&[-0.1, 0.01, 0.0, 1.0, 0.0, 0.0, 0.0], &mut [0.0], 1e-4);
+        part.step(&[0.1, 0.01, 0.0, 1.0, 3.0, 0.0, 0.0], &mut [0.0], 1e-4);
+        assert!((read(&mut part, 0.01) - 2e-3 - 3e-7).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,122 @@
+//! Servo of one axis on a motion board: position and velocity setpoints arrive now and then, the loop runs fast.
+
+use crate::element::{Element, Ports};
+
+/// `force = limit(stiffness (x_ref - x) + damping (v_ref - v))`, with `x_ref` going on at the velocity setpoint.
+///
+/// A setpoint is new when it differs from the last one. From then on the reference moves at the velocity setpoint,
+/// for at most `period`; if no new one has come by then, it stands still.
+#[derive(Clone, Debug)]
+pub struct MotionBoard {
+    /// force per position error, N/m
+    stiffness: f64,
+    /// force per velocity error, N.s/m
+    damping: f64,
+    /// largest force, N
+    force_limit: f64,
+    /// longest extrapolation, s
+    period: f64,
+    /// last setpoint, m and m/s
+    setpoint: (f64, f64),
+    /// time since it arrived, s
+    age: f64,
+}
+
+impl MotionBoard {
+    /// A servo of `stiffness` N/m, `damping` N.s/m and `force_limit` N that gets a setpoint every `period` s.
+    pub fn new(stiffness: f64, damping: f64, force_limit: f64, period: f64) -> Self {
+        Self { stiffness, damping, force_limit, period, setpoint: (0.0, 0.0), age: 0.0 }
+    }
+
+    /// position and velocity that the axis should have now
+    fn reference(&self) -> (f64, f64) {
+        let (position, velocity) = self.setpoint;
+        if self.age < self.period {
+            (position + velocity * self.age, velocity)
+        } else {
+            (position + velocity * self.period, 0.0)
+        }
+    }
+}
+
+impl Element for MotionBoard {
+    fn ports(&self) -> Ports {
+        let inputs = &["position_setpoint", "velocity_setpoint", "position", "velocity"];
+        Ports { inputs, outputs: &["force"] }
+    }
+
+    fn reset(&mut self) {
+        (self.setpoint, self.age) = ((0.0, 0.0), 0.0);
+    }
+
+    fn step(&mut self, inputs: &[f64], outputs: &mut [f64], h: f64) {
+        let setpoint = (inputs[0], inputs[1]);
+        if setpoint != self.setpoint {
+            (self.setpoint, self.age) = (setpoint, 0.0);
+        }
+        let (position, velocity) = self.reference();
+        let force = self.stiffness * (position - inputs[2]) + self.damping * (velocity - inputs[3]);
+        outputs[0] = force.clamp(-self.force_limit, self.force_limit);
+        self.age += h;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const H: f64 = 1e-4;
+
+    /// force of a board with unit stiffness for an axis at rest at zero
+    fn force(board: &mut MotionBoard, position: f64, velocity: f64) -> f64 {
+        let mut out = [0.0];
+        board.step(&[position, velocity, 0.0, 0.0], &mut out, H);
+        out[0]
+    }
+
+    #[test]
+    fn force_is_proportional_to_the_errors_up_to_its_limit() {
+        let mut board = MotionBoard::new(1e5, 1e3, 400.0, 1e-3);
+        let mut out = [0.0];
+        for (inputs, wanted) in [
+            ([1e-3, 0.0, 0.0, 0.0], 100.0),
+            ([0.0, 0.0, 1e-3, 0.0], -100.0),
+            ([0.0, 0.0, 0.0, 0.05], -50.0),
+            ([1e-3, 0.1, 1e-3, 0.02], 80.0),
+            ([1.0, 0.0, 0.0, 0.0], 400.0),
+            ([-1.0, 0.0, 0.0, 0.0], -400.0),
+        ] {
+            board.step(&inputs, &mut out, H);
+            assert!((out[0] - wanted).abs() < 1e-9, "{inputs:?}: {} N", out[0]);
+        }
+    }
+
+    #[test]
+    fn a_straight_line_in_setpoints_of_1_ms_is_followed_at_every_step() {
+        let mut board = MotionBoard::new(1.0, 0.0, 1e9, 1e-3);
+        for k in 0..100 {
+            // setpoints of 0.1 m/s at 0, 1, 2, ... ms
+            let (tick, now) = (f64::from(k / 10) * 1e-3, f64::from(k) * H);
+            let reference = force(&mut board, 0.1 * tick, 0.1);
+            assert!((reference - 0.1 * now).abs() < 1e-15, "step {k}: {reference} m");
+        }
+    }
+
+    #[test]
+    fn without_new_setpoints_the_reference_stops_after_one_period() {
+        let mut board = MotionBoard::new(1.0, 0.0, 1e9, 1e-3);
+        let last = (0..50).map(|_| force(&mut board, 0.0, 0.1)).last();
+        assert!((last.expect("steps") - 1e-4).abs() < 1e-15);
+        let mut damped = MotionBoard::new(0.0, 1.0, 1e9, 1e-3);
+        let forces: Vec<f64> = (0..30).map(|_| force(&mut damped, 0.0, 0.1)).collect();
+        assert_eq!((forces[5], forces[29]), (0.1, 0.0));
+    }
+
+    #[test]
+    fn reset_forgets_the_setpoint() {
+        let mut board = MotionBoard::new(1.0, 0.0, 1e9, 1e-3);
+        force(&mut board, 3.0, 0.0);
+        board.reset();
+        assert_eq!(force(&mut board, 0.0, 0.0), 0.0);
+    }
+}

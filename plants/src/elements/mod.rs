@@ -1,0 +1,8 @@
+//! What MJCF cannot say, one element per file, by theme.
+
+pub mod cutting;
+pub mod drive;
+pub mod friction;
+pub mod polishing;
+pub mod signal;
+pub mod table;

@@ -1,0 +1,119 @@
+//! The stepper for Python: addresses come out of numpy arrays, ctypes and MuJoCo's bindings.
+
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::prelude::*;
+
+use super::engine::Stepper;
+use super::exports::{Exports, trap};
+use super::failure::Failure;
+use super::rows::{LinksRow, LogRow, MachineRow};
+use crate::binding::cells::{Cell, PyCircuit};
+
+/// A closed loop of a plant and a controller in native code.
+///
+/// It does what the reference loop does, bit for bit. The arguments are read once, by their attributes.
+///
+/// Parameters
+/// ----------
+/// machine : plants.machine.Machine
+///     The plant, after its reset.
+/// controller : object or None
+///     Addresses of an initialised FMU; None runs the plant alone.
+/// links : object
+///     Wires, signals and injections.
+/// log : object or None
+///     Table of the trace.
+/// step : float
+///     Communication step, s.
+/// substeps : int
+///     Plant steps in it.
+///
+/// Raises
+/// ------
+/// ValueError, BufferError, AttributeError
+///     An array, an address or an attribute does not fit.
+#[pyclass(name = "Stepper", module = "plants._native")]
+pub(crate) struct PyStepper {
+    stepper: Stepper,
+    sensing: Py<PyCircuit>,
+    circuit: Py<PyCircuit>,
+    /// keep every address valid
+    _exports: Exports,
+    _cells: Vec<Py<Cell>>,
+    _owners: Vec<Py<PyAny>>,
+}
+
+#[pymethods]
+impl PyStepper {
+    #[new]
+    fn new(
+        machine: &Bound<'_, PyAny>,
+        controller: Option<&Bound<'_, PyAny>>,
+        links: LinksRow,
+        log: Option<LogRow>,
+        step: f64,
+        substeps: usize,
+    ) -> PyResult<Self> {
+        let mut exports = Exports::default();
+        let mut owners = vec![machine.clone().unbind()];
+        owners.extend(controller.map(|owner| owner.clone().unbind()));
+        let row: MachineRow = machine.extract()?;
+        let trap = trap(&row)?;
+        let body = exports.machine(&row, substeps)?;
+        let controller = controller.map(|row| exports.controller(&row.extract()?)).transpose()?;
+        let links = exports.links(links)?;
+        if (links.sensed.len(), links.commands.len()) != (body.readings.len(), body.commands.len()) {
+            return Err(PyValueError::new_err("readings or commands without a place"));
+        }
+        let log = log.map(|row| exports.log(&row, body.truths.len())).transpose()?;
+        // SAFETY: the exports keep the arrays, the owners the rest; the caller vouches for bare addresses.
+        let stepper = unsafe { Stepper::new(body, controller, links, log, step, trap) };
+        let cells = row.readings.into_iter().chain(row.commands).chain(row.truths).collect();
+        Ok(Self {
+            stepper,
+            sensing: row.sensing,
+            circuit: row.circuit,
+            _exports: exports,
+            _cells: cells,
+            _owners: owners,
+        })
+    }
+
+    /// Steps done; the number of the step that failed.
+    #[getter]
+    fn k(&self) -> usize {
+        self.stepper.steps()
+    }
+
+    /// Go on until `until` steps are done, without the GIL.
+    ///
+    /// Returns
+    /// -------
+    /// (str, int, float) or None
+    ///     What ended the run, which one, and its value: `warning`, `sensed` and `command` are the plant's,
+    ///     `reading` and `output` are wires by number, `integer` is a value that does not fit, `call` is a function
+    ///     of the controller by number (set, doStep, get) with its status. The loop cannot go on then. `stop` is the
+    ///     condition of the log, after the step.
+    ///
+    /// Raises
+    /// ------
+    /// FloatingPointError, IndexError, RuntimeError
+    ///     As `Circuit.step`; RuntimeError is an error of MuJoCo, too.
+    fn run(&mut self, py: Python<'_>, until: usize) -> PyResult<Option<(&'static str, usize, f64)>> {
+        let (mut sensing, mut circuit) = (self.sensing.try_borrow_mut(py)?, self.circuit.try_borrow_mut(py)?);
+        let (sensing, circuit, stepper) = (&mut sensing.circuit, &mut circuit.circuit, &mut self.stepper);
+        match py.detach(|| stepper.run(sensing, circuit, until)) {
+            Ok(false) => Ok(None),
+            Ok(true) => Ok(Some(("stop", 0, 0.0))),
+            Err(Failure::Element(error)) => Err(error.into()),
+            Err(Failure::MuJoCo(words)) => Err(PyRuntimeError::new_err(words)),
+            Err(Failure::Warning) => Ok(Some(("warning", 0, 0.0))),
+            Err(Failure::Sensed) => Ok(Some(("sensed", 0, 0.0))),
+            Err(Failure::Command) => Ok(Some(("command", 0, 0.0))),
+            Err(Failure::Reading { wire, value }) => Ok(Some(("reading", wire, value))),
+            Err(Failure::Output { wire, value }) => Ok(Some(("output", wire, value))),
+            Err(Failure::Integer(value)) => Ok(Some(("integer", 0, value))),
+            Err(Failure::Call { call, status }) => Ok(Some(("call", call, f64::from(status)))),
+        }
+    }
+}

@@ -1,0 +1,114 @@
+//! The steps of a run: sense, compute, act, record, advance.
+
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use super::controller::Controller;
+use super::failure::Failure;
+use super::links::Links;
+use super::log::Log;
+use super::machine::Machine;
+use super::trap::Trap;
+use crate::circuit::Circuit;
+
+/// A closed loop that goes on from step to step; without a controller the plant runs alone.
+pub struct Stepper {
+    machine: Machine,
+    controller: Option<Controller>,
+    links: Links,
+    log: Option<Log>,
+    /// communication step, s
+    step: f64,
+    /// steps done; written through, because an error of MuJoCo leaves by `longjmp`
+    k: AtomicUsize,
+    trap: Trap,
+}
+
+// SAFETY: who makes a stepper vouches for its addresses; one thread at a time uses it, by `&mut`.
+unsafe impl Send for Stepper {}
+// SAFETY: as above.
+unsafe impl Sync for Stepper {}
+
+impl Stepper {
+    /// A loop at step zero with a communication step of `step` seconds.
+    ///
+    /// # Safety
+    /// All addresses stay valid for reading and writing as long as the stepper runs, and nobody else uses them
+    /// meanwhile.
+    pub unsafe fn new(
+        machine: Machine,
+        controller: Option<Controller>,
+        links: Links,
+        log: Option<Log>,
+        step: f64,
+        trap: Trap,
+    ) -> Self {
+        Self { machine, controller, links, log, step, k: AtomicUsize::new(0), trap }
+    }
+
+    /// Steps done; the number of the step that failed.
+    pub fn steps(&self) -> usize {
+        self.k.load(Ordering::Relaxed)
+    }
+
+    /// Goes on until `until` steps are done, or tells that a row has ended the run; both circuits belong to the plant.
+    ///
+    /// # Errors
+    /// The first failure; the loop cannot go on after it.
+    pub fn run(&mut self, sensing: &mut Circuit, circuit: &mut Circuit, until: usize) -> Result<bool, Failure> {
+        let Self { machine, controller, links, log, step, k, trap } = self;
+        let mut outcome = None;
+        let trapped = trap.run(|| {
+            let body = || {
+                while k.load(Ordering::Relaxed) < until {
+                    let now = k.load(Ordering::Relaxed);
+                    let circuits = (&mut *sensing, &mut *circuit);
+                    // SAFETY: promised by who made this stepper.
+                    let ended =
+                        unsafe { one_step(machine, controller.as_ref(), links, log.as_mut(), *step, circuits, now)? };
+                    k.store(now + 1, Ordering::Relaxed);
+                    if ended {
+                        return Ok(true);
+                    }
+                }
+                Ok(false)
+            };
+            outcome = Some(catch_unwind(AssertUnwindSafe(body)));
+        });
+        match (trapped, outcome) {
+            (Err(words), _) => Err(Failure::MuJoCo(words)),
+            (Ok(()), Some(Err(panic))) => resume_unwind(panic),
+            (Ok(()), Some(Ok(outcome))) => outcome,
+            (Ok(()), None) => Err(Failure::MuJoCo("the step was not made".into())),
+        }
+    }
+}
+
+/// Sense, compute, act, record, and move the plant to the next communication point.
+unsafe fn one_step(
+    machine: &Machine,
+    controller: Option<&Controller>,
+    links: &mut Links,
+    log: Option<&mut Log>,
+    step: f64,
+    (sensing, circuit): (&mut Circuit, &mut Circuit),
+    k: usize,
+) -> Result<bool, Failure> {
+    #[allow(clippy::cast_precision_loss)]
+    let time = k as f64 * step;
+    // SAFETY: by the contract of the caller.
+    unsafe {
+        machine.sense(sensing, &links.sensed)?;
+        links.carry_readings(k)?;
+        if let Some(controller) = controller {
+            controller.compute(time, step)?;
+        }
+        links.carry_outputs(k)?;
+        machine.command(&links.commands)?;
+        if let Some(log) = log.as_deref() {
+            log.record(k, time, &machine.truths);
+        }
+        machine.advance(circuit)?;
+        Ok(log.is_some_and(|log| log.ends(k)))
+    }
+}

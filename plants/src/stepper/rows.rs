@@ -1,0 +1,114 @@
+//! What the stepper takes from Python, read by the names of attributes: what a struct here asks for, an argument must have.
+
+use pyo3::prelude::*;
+
+use crate::binding::cells::{Cell, PyCircuit};
+
+/// A plant after its reset.
+#[derive(FromPyObject)]
+pub struct MachineRow<'py> {
+    /// addresses of `mj_step1`, `mj_step2`, `mjb_makeBatch`, `mjb_deleteBatch`, `mjb_apply`, `mjb_error`
+    pub functions: [usize; 6],
+    pub empty: usize,
+    pub model: usize,
+    pub data: usize,
+    pub timestep: f64,
+    pub warnings: Bound<'py, PyAny>,
+    pub sensing: Py<PyCircuit>,
+    pub circuit: Py<PyCircuit>,
+    pub readings: Vec<Py<Cell>>,
+    pub commands: Vec<Py<Cell>>,
+    pub truths: Vec<Py<Cell>>,
+}
+
+/// A function that moves values between a controller and an array.
+#[derive(FromPyObject)]
+pub struct CallRow<'py> {
+    pub function: usize,
+    pub references: Bound<'py, PyAny>,
+    pub values: Bound<'py, PyAny>,
+}
+
+/// An initialised controller.
+#[derive(FromPyObject)]
+pub struct ControllerRow<'py> {
+    pub component: usize,
+    pub set: Vec<CallRow<'py>>,
+    pub step: usize,
+    pub get: Vec<CallRow<'py>>,
+}
+
+/// One value in an array; `kind` is `Real`, `Integer` or `Boolean`.
+#[derive(FromPyObject)]
+pub struct PlaceRow<'py> {
+    pub array: Bound<'py, PyAny>,
+    pub index: usize,
+    pub kind: String,
+}
+
+/// What happens to a value on a wire.
+#[derive(FromPyObject)]
+pub struct ShapeRow<'py> {
+    pub from_plant: bool,
+    pub scale: f64,
+    pub offset: f64,
+    pub noise: Option<Bound<'py, PyAny>>,
+    pub quantum: f64,
+    pub minimum: f64,
+    pub maximum: f64,
+}
+
+/// Steps of delay, and the values that hold before the first.
+#[derive(FromPyObject)]
+pub struct DelayRow {
+    pub steps: usize,
+    pub ring: Vec<f64>,
+}
+
+/// A wire.
+#[derive(FromPyObject)]
+pub struct LinkRow<'py> {
+    pub source: PlaceRow<'py>,
+    pub target: PlaceRow<'py>,
+    pub shape: ShapeRow<'py>,
+    pub delay: DelayRow,
+}
+
+/// A signal.
+#[derive(FromPyObject)]
+pub struct DriveRow<'py> {
+    pub course: Bound<'py, PyAny>,
+    pub target: PlaceRow<'py>,
+}
+
+/// An injection.
+#[derive(FromPyObject)]
+pub struct FaultRow<'py> {
+    pub begin: u64,
+    pub end: u64,
+    pub value: f64,
+    pub target: PlaceRow<'py>,
+}
+
+/// All connections; `sensed` and `commands` are the arrays of the plant's side.
+#[derive(FromPyObject)]
+pub struct LinksRow<'py> {
+    pub sensed: Bound<'py, PyAny>,
+    pub commands: Bound<'py, PyAny>,
+    pub readings: Vec<LinkRow<'py>>,
+    pub drives: Vec<DriveRow<'py>>,
+    pub input_faults: Vec<FaultRow<'py>>,
+    pub outputs: Vec<LinkRow<'py>>,
+    pub command_faults: Vec<FaultRow<'py>>,
+}
+
+/// Table of the trace: time, then from column `start` on the banks and the truths, every so many steps; `stop` is a condition as postfix of (`column`, number), (`number`, value)
+/// and (name of numpy's function, 0).
+#[derive(FromPyObject)]
+pub struct LogRow<'py> {
+    pub table: Bound<'py, PyAny>,
+    pub start: usize,
+    pub banks: Vec<Bound<'py, PyAny>>,
+    pub every: usize,
+    pub stop: Option<Vec<(String, f64)>>,
+}

@@ -1,0 +1,1 @@
+"""What plants and their users compute with: molds, CL data, removal, burrs, contours."""

@@ -1,0 +1,226 @@
+"""What polishing takes away from a mold: Preston's law on a height map with the cusps that milling left.
+
+The contact is Hertz's: ball in a hollow, wood on steel with its paste. What stands out carries more pressure:
+`p = hertz + selectivity (h - mean)`, scaled to the load. Without that term Preston's law removes everywhere
+alike and takes no cusp away, so it is the basis of every result here: compare cases, do not trust the scale.
+Heights are along the normal of the surface, and areas are true ones, not their projections.
+
+>>> surface = Surface(MOLDS["led"])
+>>> surface.polish(*(trace[f"plant.{name}"] for name in ("contact_x", "contact_y", "slid", "rubbed")))
+>>> roughness(surface, 0.2e-3, 1.6e-3).mean, evenness(surface, 0.2e-3, 1.6e-3)
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from plants import _native
+from plants.tools.molds import Mold
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Process:
+    """Tool, paste and what milling left.
+
+    Parameters
+    ----------
+    preston : float
+        Removed depth per pressure and way in all passes together, m2/N. Our choice: without stick-slip motion
+        two thirds of the cusps are left.
+    passes : int
+        Passes over the same path, each with its share of `preston`. Our choice; in a single one pressure
+        would move across the step of some micrometres between what is polished and what is not.
+    modulus : float
+        Contact modulus of wood and paste on steel, Pa. Our choice.
+    radius : float
+        Of a ball on a plane that stands for the ball in its hollow, m. Derived: 1 / (1 / 0.5 mm - 1 / 3 mm).
+    pick : float
+        Distance of the grooves that milling left, m. Our choice.
+    selective : bool
+        Whether what stands out carries more pressure.
+    """
+
+    preston: float = 4e-11
+    passes: int = 5
+    modulus: float = 1e9
+    radius: float = 0.6e-3
+    pick: float = 0.1e-3
+    selective: bool = True
+
+    @property
+    def selectivity(self) -> float:
+        """Pressure per height of a cusp, Pa/m: answer of the half-space to a wave of the length `pick`."""
+        return math.pi * self.modulus / self.pick if self.selective else 0.0
+
+    @property
+    def abrasion(self) -> tuple[float, float, float, float]:
+        """What the native half asks for."""
+        return self.preston, self.modulus, self.radius, self.selectivity
+
+    @property
+    def cusp(self) -> float:
+        """Height of the cusps, m."""
+        return self.pick**2 / (8.0 * self.radius)
+
+
+class Surface:
+    """Height map of a mold, from the nominal surface along its normal.
+
+    Parameters
+    ----------
+    mold : Mold
+        The nominal surface.
+    process : Process
+        Tool, paste and cusps.
+    cusps : {"raster", "concentric"}
+        Grooves of the ball-end mill along x, or around the axis.
+    radius : float
+        Distance from the axis to which the map goes, m.
+    pitch : float
+        Distance of its points, m.
+
+    Attributes
+    ----------
+    x, y : Array
+        Places of rows and columns, m.
+    height : Array
+        Height now, row by x and column by y, m.
+    before : Array
+        Height before polishing, m.
+    area : Array
+        True area of each point, 0 outside of the mold, m2.
+    """
+
+    def __init__(
+        self,
+        mold: Mold,
+        process: Process | None = None,
+        cusps: Literal["raster", "concentric"] = "raster",
+        radius: float = 2e-3,
+        pitch: float = 10e-6,
+    ) -> None:
+        self.process = Process() if process is None else process
+        self.pitch = pitch
+        count = round(radius / pitch)
+        self.x: Array = pitch * np.arange(-count, count + 1, dtype=np.float64)
+        self.y = self.x
+        place = np.meshgrid(self.x, self.y, indexing="ij")
+        across = place[1] if cusps == "raster" else np.hypot(*place)
+        groove = across - self.process.pick * np.round(across / self.process.pick)
+        self.before: Array = np.square(groove, dtype=np.float64) / (2.0 * self.process.radius)
+        self.height = self.before.copy()
+        inside = np.hypot(*place) <= radius
+        x, y = (np.where(inside, axis, 0.0) for axis in place)
+        self._nominal: list[float] = np.where(inside, mold.height(x, y), np.inf).ravel().tolist()
+        slope = np.hypot(*mold.gradient(x, y))
+        self.area: Array = np.where(inside, pitch**2 * np.hypot(1.0, slope), 0.0)
+        self._area: list[float] = self.area.ravel().tolist()
+        self._mold = mold
+
+    @property
+    def removed(self) -> Array:
+        """Depth that polishing took away, m."""
+        return self.before - self.height
+
+    @property
+    def volume(self) -> float:
+        """Volume that polishing took away, m3."""
+        return float((self.removed * self.area).sum())
+
+    def polish(
+        self, x: ArrayLike, y: ArrayLike, slid: ArrayLike, rubbed: ArrayLike, share: float = 1.0
+    ) -> None:
+        """Polish along a logged path.
+
+        Parameters
+        ----------
+        x, y : array
+            Contact points in the frame of the mold, m.
+        slid : array
+            Way of the slip so far, m.
+        rubbed : array
+            Integral of load times slip speed so far, N.m.
+        share : float
+            Factor of the removal.
+        """
+        x, y, slid, rubbed = (np.asarray(column, dtype=np.float64) for column in (x, y, slid, rubbed))
+        way, work = np.diff(slid), np.diff(rubbed)
+        z = self._mold.height(x, y)
+        rubs = work > 0.0
+        columns = [(0.5 * (place[1:] + place[:-1]))[rubs] for place in (x, y, z)]
+        columns += [work[rubs] / way[rubs], share / self.process.passes * way[rubs]]
+        strokes = list(zip(*(column.tolist() for column in columns), strict=True))
+        grid, height = (float(self.x[0]), self.pitch), self.height.ravel().tolist()
+        for _ in range(self.process.passes):
+            points = self._nominal, self._area, height
+            height = _native.wear(grid, points, strokes, self.process.abrasion)
+        self.height = np.reshape(height, self.before.shape)
+
+
+@dataclass(frozen=True)
+class Roughness:
+    """Heights without waviness.
+
+    Parameters
+    ----------
+    mean, worst : float
+        Range from 1 to 99 % of the heights in a tile: mean and 95 % of the tiles, m.
+    rms : float
+        Standard deviation, m.
+    """
+
+    mean: float
+    worst: float
+    rms: float
+
+
+def roughness(surface: Surface, inner: float, outer: float, before: bool = False) -> Roughness:
+    """Roughness of the tiles between two distances from the axis, m; `before` polishing on demand."""
+    height = surface.before if before else surface.height
+    rough = height - _smooth(height, 0.12e-3 / surface.pitch)
+    tiles = _tiles(surface, rough, inner, outer)
+    low, high = np.percentile(tiles, (1.0, 99.0), axis=1)
+    worst = float(np.percentile(high - low, 95.0))
+    return Roughness(float(np.mean(high - low)), worst, float(np.std(tiles)))
+
+
+def evenness(surface: Surface, inner: float, outer: float) -> tuple[float, float]:
+    """Mean removed depth in m and its variation from tile to tile over the mean."""
+    depths = _tiles(surface, surface.removed, inner, outer).mean(axis=1)
+    return float(depths.mean()), float(depths.std() / depths.mean())
+
+
+def _tiles(surface: Surface, values: Array, inner: float, outer: float, width: float = 0.2e-3) -> Array:
+    """Values of all square tiles that lie between two distances from the axis, one tile a row."""
+    size = round(width / surface.pitch)
+    middle = (len(surface.x) - 1) // 2
+    reach = int(outer / width)
+    found = []
+    for i in range(-reach, reach):
+        for j in range(-reach, reach):
+            near = math.hypot(min(abs(i), abs(i + 1)), min(abs(j), abs(j + 1))) * width
+            far = math.hypot(max(abs(i), abs(i + 1)), max(abs(j), abs(j + 1))) * width
+            if near >= inner and far <= outer:
+                row, column = middle + i * size, middle + j * size
+                found.append(values[row : row + size, column : column + size].ravel())
+    if not found:
+        raise ValueError(f"no tile of `{width:g}` m between `{inner:g}` m and `{outer:g}` m from the axis")
+    return np.array(found)
+
+
+def _smooth(values: Array, sigma: float) -> Array:
+    """Gaussian mean of `sigma` points; the edges count what is there."""
+    reach = math.ceil(4.0 * sigma)
+    weights = np.exp(-0.5 * (np.arange(-reach, reach + 1) / sigma) ** 2)
+
+    def along(rows: Array) -> Array:
+        return np.array([np.convolve(row, weights, "same") for row in rows])
+
+    ones = np.convolve(np.ones(values.shape[0]), weights, "same")
+    smooth: Array = along(along(values).T).T
+    return smooth / np.outer(ones, ones)

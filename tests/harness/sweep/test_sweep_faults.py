@@ -1,0 +1,162 @@
+"""Whatever goes wrong in a run of a sweep costs that run's row and no other, on this machine and on Dask."""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import cosim
+
+from ..conftest import DATA, SCENARIO
+from . import studies
+
+Write = Callable[..., Path]
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="signals and limits of Linux")
+
+FAULTS = {
+    "controller.gain = 0.1": ("passed", ""),
+    "controller.crash_at = 3": ("crashed", "killed by SIGSEGV; its last words: about to write to nowhere"),
+    "controller.gain = 0.2": ("passed", ""),
+    "controller.hang_at = 3": ("timeout", "no result within `limits.timeout` = `4` s"),
+    "controller.fail_at = 3": ("error", "told to fail at 0.003 s (fmi2DoStep returned fmi2Error)"),
+    "controller.fatal_at = 3": ("error", "(fmi2DoStep returned fmi2Fatal)"),
+    "controller.eat_at = 3": ("memory", "are more than `limits.memory` = `500` MB"),
+    "controller.gain = 0.3": ("passed", ""),
+    "plant.fail_at = 3": ("error", "RuntimeError: told to fail"),
+    "controller.nan_at = 3": ("error", "must be finite at t = 0.003 s (step 3)"),
+    "controller.gain = 0.4": ("passed", ""),
+}
+"""Cases of the lag, and what becomes of them."""
+LIMITS = "timeout = 4.0\nmemory = 500.0"
+
+
+@pytest.fixture(scope="module")
+def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """Start a Dask scheduler and two Dask workers on loopback; returns the scheduler's address."""
+    folder = tmp_path_factory.mktemp("dask")
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    address = f"tcp://127.0.0.1:{port}"
+    common = ["--host", "127.0.0.1", "--no-dashboard"]
+    commands = [["scheduler", *common, "--port", str(port)]]
+    options = ["--nthreads", "1", "--nworkers", "1", "--local-directory", str(folder)]
+    commands += [["worker", address, *common, *options] for _ in range(2)]
+    environment = {**os.environ, "PYTHONPATH": str(studies.ROOT)}
+    with (folder / "log").open("w") as log:
+        processes = [
+            subprocess.Popen(
+                [sys.executable, "-m", "dask", *command], stdout=log, stderr=log, env=environment, cwd=folder
+            )
+            for command in commands
+        ]
+    yield address
+    for process in reversed(processes):
+        process.terminate()
+    for process in processes:
+        process.wait(30)
+
+
+@pytest.fixture(params=["here", "dask"])
+def where(request: pytest.FixtureRequest) -> list[str]:
+    """Give the options that say where a sweep runs."""
+    if request.param == "here":
+        return ["--workers", "2"]
+    return ["--cluster", request.getfixturevalue("cluster")]
+
+
+def test_each_fault_costs_its_own_row_with_a_reason(write: Write, folder: Path, where: list[str]) -> None:
+    write(studies.MEASURED)
+    (folder / "faults.toml").write_text(studies.case_list(list(FAULTS), LIMITS))
+    done = studies.sweep("faults.toml", *where)
+    rows = studies.rows(folder / "faults.sweep")
+    found = {text: (row["status"], row["reason"]) for text, row in zip(FAULTS, rows, strict=True)}
+    for text, (status, reason) in FAULTS.items():
+        assert found[text][0] == status, found[text]
+        assert reason in found[text][1]
+    assert (done.returncode, done.stderr) == (1, "")
+    assert "11 of 11 runs: 4 passed" in done.stdout
+
+    check_numbers(rows)
+
+
+def test_an_error_of_mujoco_costs_its_own_row(write: Write, folder: Path, where: list[str]) -> None:
+    (folder / "breakable.py").write_text((DATA / "breakable.py").read_text())
+    text = SCENARIO.replace("probe_plants:Lag", "breakable:Breakable").replace("plant.x", "plant.position")
+    write(
+        text=text.replace("plant.u", "plant.current").replace("step = 0.001", "step = 0.0001\nsubsteps = 2")
+    )
+    cases = ["plant.broken = 0.0", "plant.broken = 1.0", "plant.stiffness = 1e6"]
+    (folder / "broken.toml").write_text(studies.case_list(cases))
+    studies.sweep("broken.toml", *where)
+    passed, failed, also_passed = studies.rows(folder / "broken.sweep")
+    assert (passed["status"], also_passed["status"]) == ("passed", "passed")
+    assert failed["status"] == "error"
+    assert "unknown joint type 99" in failed["reason"]
+
+
+def test_kill_9_of_a_worker_costs_the_run_it_was_doing(write: Write, folder: Path, where: list[str]) -> None:
+    process, worker, _ = stalled(write, folder, where)
+    os.kill(worker, signal.SIGKILL)
+    rows = finished(process, folder)
+    assert [row["status"] for row in rows] == ["passed", "crashed", "passed", "passed", "passed"]
+    assert "killed by SIGKILL" in rows[1]["reason"]
+    check_that_resume_completes(folder, where, rows)
+
+
+def test_kill_9_of_a_dask_worker_costs_the_run_it_was_doing(write: Write, folder: Path, cluster: str) -> None:
+    where = ["--cluster", cluster]
+    process, _, dask_worker = stalled(write, folder, where)
+    os.kill(dask_worker, signal.SIGKILL)
+    rows = finished(process, folder)
+    assert [row["status"] for row in rows] == ["passed", "lost", "passed", "passed", "passed"]
+    assert "was lost during the run" in rows[1]["reason"]
+    check_that_resume_completes(folder, where, rows)
+
+
+def stalled(write: Write, folder: Path, where: list[str]) -> tuple[subprocess.Popen[bytes], int, int]:
+    """Start a sweep whose second run stalls; give it, the run's process and the parent of that."""
+    write(studies.MEASURED)
+    cases = ["plant.pole = 0.1", "plant.stall_at = 3", *[f"plant.pole = 0.{k}" for k in range(2, 5)]]
+    (folder / "kill.toml").write_text(studies.case_list(cases))
+    command = [sys.executable, "-m", "cosim", "sweep", "kill.toml", "--no-plots", *where]
+    environment = {**os.environ, "PYTHONPATH": str(studies.ROOT)}
+    process = subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL)
+    results = folder / "kill.sweep" / "results.jsonl"
+    studies.wait_for(lambda: results.exists() and results.read_bytes().count(b"\n") == 4)
+    studies.wait_for((folder / "stalled").exists)
+    worker, parent = (folder / "stalled").read_text().split()
+    return process, int(worker), int(parent)
+
+
+def finished(process: subprocess.Popen[bytes], folder: Path) -> list[dict[str, Any]]:
+    """Rows, after the sweep has ended."""
+    assert process.wait(60) == 1
+    return studies.rows(folder / "kill.sweep")
+
+
+def check_that_resume_completes(folder: Path, where: list[str], before: list[dict[str, Any]]) -> None:
+    """Do the lost run again: all others stay."""
+    assert studies.sweep("kill.toml", *where, "--again").returncode == 0
+    after = studies.rows(folder / "kill.sweep")
+    assert [row for row in after if row["run"] != 1] == [row for row in before if row["run"] != 1]
+    check_numbers(after)
+
+
+def check_numbers(rows: list[dict[str, Any]]) -> None:
+    """Check that runs that passed have the numbers of single runs that nothing befell."""
+    passed = [row for row in rows if row["status"] == "passed"]
+    assert len(passed) >= 4
+    for row in passed:
+        # stalling changes no number
+        changes = [f"{key}={value}" for key, value in row["set"].items() if key != "plant.stall_at"]
+        single = cosim.run(cosim.load("lag.toml", changes), row["seed"])
+        assert row["metrics"] == {"end": single.metrics["end"].value}
