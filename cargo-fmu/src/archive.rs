@@ -70,7 +70,7 @@ fn head(description: &str) -> Result<String> {
     let variables: Vec<_> = document.descendants().filter(|node| node.has_tag_name("ScalarVariable")).collect();
     let counts = ["input", "output", "parameter"].map(|causality| {
         let count = variables.iter().filter(|node| node.attribute("causality") == Some(causality)).count();
-        format!("{count} {causality}s")
+        format!("{count} {causality}")
     });
     let _ = writeln!(text, "{} variables: {}", variables.len(), counts.join(", "));
     Ok(text)

@@ -9,6 +9,7 @@ use crate::project::Project;
 
 // the parts of each system that every machine has
 const LINUX: &[&str] = &["libc.so.", "libm.so.", "libdl.so.", "libpthread.so.", "librt.so.", "ld-linux"];
+const LIBGCC: &str = "libgcc_s.so.";
 const MACOS: &[&str] = &["/usr/lib/", "/System/Library/"];
 const WINDOWS: &[&str] = &[
     "advapi32.dll",
@@ -28,6 +29,8 @@ const WINDOWS: &[&str] = &[
 pub struct Rules {
     /// Newest version of the GNU C library whose symbols may be needed; any when there is none.
     pub glibc: Option<(u32, u32)>,
+    /// `libgcc_s` may be needed: distributions have it, small containers may not.
+    pub libgcc: bool,
     /// Folders of the builder that the library must not name, each with its last separator.
     pub folders: Vec<String>,
 }
@@ -42,12 +45,13 @@ impl Rules {
         let texts = folders.iter().map(|folder| format!("{}{MAIN_SEPARATOR}", folder.display()));
         // the root of the disk is in every path
         let folders = texts.filter(|text| text.len() > 3).collect();
-        Self { glibc: (project.linker == Linker::Zig).then_some(build::GLIBC), folders }
+        let old = project.linker == Linker::Zig;
+        Self { glibc: old.then_some(build::GLIBC), libgcc: !old, folders }
     }
 
     /// The rules for an FMU of unknown origin.
     pub fn for_anyone() -> Self {
-        Self { glibc: None, folders: ["/home/", "/Users/", ":\\Users\\"].map(str::to_owned).to_vec() }
+        Self { glibc: None, libgcc: true, folders: ["/home/", "/Users/", ":\\Users\\"].map(str::to_owned).to_vec() }
     }
 }
 
@@ -73,7 +77,8 @@ pub fn faults(library: &[u8], facts: &Facts, rules: &Rules) -> Vec<String> {
     let unbound = facts.unbound.iter();
     faults.extend(unbound.map(|name| format!("it does not bind its own `{name}` at build time")));
     faults.extend(facts.search_paths.iter().map(|folders| format!("it searches libraries in `{folders}` (RPATH)")));
-    let foreign = facts.libraries.iter().filter(|name| !is_of_the_system(facts.format, name));
+    let allowed = |name: &str| is_of_the_system(facts.format, name) || rules.libgcc && name.starts_with(LIBGCC);
+    let foreign = facts.libraries.iter().filter(|name| !allowed(name));
     faults.extend(foreign.map(|name| format!("it needs the library `{name}`")));
     if facts.executable_stack {
         faults.push("it asks for an executable stack".into());

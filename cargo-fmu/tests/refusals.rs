@@ -49,7 +49,10 @@ fn a_folder_without_a_package() {
 #[test]
 fn a_crate_that_makes_no_c_library() {
     let folder = project(&[("Cargo.toml", &manifest("spring", "")), ("src/lib.rs", "")]);
-    has(&refusal(&folder, &[]), &["`spring` makes no C library", "hint: add to `", "[lib]\n    crate-type = [\"cdylib\"]"]);
+    has(
+        &refusal(&folder, &[]),
+        &["`spring` makes no C library", "hint: add to `", "[lib]\n    crate-type = [\"cdylib\"]"],
+    );
 }
 
 #[test]
@@ -63,7 +66,7 @@ fn a_workspace_with_several_fmus() {
         ("c/Cargo.toml", &manifest("c", "")),
         ("c/src/lib.rs", ""),
     ]);
-    let choices = "hint: say --package a or --package b";
+    let choices = "hint: say `--package a` or `--package b`";
     has(&refusal(&folder, &[]), &["several packages make a C library", choices]);
     has(&refusal(&folder, &["--package", "d"]), &["no package `d` in this workspace", choices]);
     has(&refusal(&folder, &["--package", "c"]), &["`c` makes no C library"]);

@@ -82,5 +82,5 @@ def test_a_crate_elsewhere_is_packed_validated_and_simulated() -> None:
 
     seen = cargo_fmu(program, folder, "inspect", str(file))
     assert seen.returncode == 0, seen.stdout + seen.stderr
-    assert "3 variables: 1 inputs, 1 outputs, 1 parameters" in seen.stdout
+    assert "3 variables: 1 input, 1 output, 1 parameter" in seen.stdout
     assert not any(str(place) in seen.stdout for place in (ROOT, Path.home()))

@@ -4,7 +4,7 @@ use super::*;
 use crate::process;
 
 fn rules() -> Rules {
-    Rules { glibc: None, folders: vec!["/home/builder/".into()] }
+    Rules { glibc: None, libgcc: false, folders: vec!["/home/builder/".into()] }
 }
 
 /// Compiles all functions of FMI and some more C code into a library with the machine's C compiler.
@@ -66,6 +66,7 @@ fn a_new_c_library_and_a_foreign_one_are_refused() {
 
     let foreign = compile(code, &["-Wl,--no-as-needed", "-lgcc_s"]);
     assert_eq!(faults(&foreign, &rules()), ["it needs the library `libgcc_s.so.1`"]);
+    assert_eq!(faults(&foreign, &Rules { libgcc: true, ..rules() }), [""; 0]);
 }
 
 #[cfg(target_os = "linux")]
