@@ -1,6 +1,7 @@
 //! Projects that make no FMU, and what `cargo fmu` says of them.
 
 use std::fs;
+use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -104,4 +105,20 @@ fn a_file_that_is_no_fmu() {
     let folder = project(&[("a.fmu", "no zip")]);
     has(&refusal(&folder, &["inspect", "a.fmu"]), &["`a.fmu` is no zip file"]);
     has(&refusal(&folder, &["inspect", "b.fmu"]), &["cannot read `b.fmu`"]);
+}
+
+#[test]
+fn an_fmu_with_a_library_that_does_not_load() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut zip = zip::ZipWriter::new(fs::File::create(folder.path().join("a.fmu")).unwrap());
+    let description = "<fmiModelDescription modelName=\"A\" fmiVersion=\"2.0\" guid=\"1\"/>";
+    for (path, text) in [("modelDescription.xml", description), ("binaries/linux64/a.so", "no library")] {
+        zip.start_file(path, zip::write::SimpleFileOptions::default()).unwrap();
+        zip.write_all(text.as_bytes()).unwrap();
+    }
+    zip.finish().unwrap();
+    let output = cargo_fmu(folder.path(), &["inspect", "a.fmu"]);
+    assert_eq!(output.status.code(), Some(1), "{output:?}");
+    let text = String::from_utf8(output.stdout).unwrap();
+    has(&text, &["A, FMI 2.0, GUID 1", "binaries/linux64/a.so (1 kB)\n    warning: this is no library"]);
 }
