@@ -1,16 +1,17 @@
 //! The project's commands as a library: `cargo xtask setup | fmu | demo | test | bench | wheel`.
 //!
 //! `main.rs` is only the command line. Each command is one module; [`workspace`], [`process`], [`fingerprint`] and
-//! [`python`] are what they share. Tests of other crates may use [`fmu::pack`] to pack a test FMU.
+//! [`python`] are what they share. FMUs are packed by the library of `cargo-fmu`.
 
 pub mod bench;
 pub mod demo;
 pub mod fingerprint;
 pub mod fmu;
-pub mod process;
 pub mod python;
 pub mod setup;
 pub mod table;
 pub mod test;
 pub mod wheel;
 pub mod workspace;
+
+pub use cargo_fmu::process;

@@ -8,12 +8,14 @@ use std::process::Command;
 use anyhow::{Context, Result, ensure};
 use base64::Engine;
 use base64::prelude::BASE64_URL_SAFE_NO_PAD;
+use cargo_fmu::build::{self, Linker};
+use cargo_fmu::pack::Content;
 use sha2::{Digest, Sha256};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
 
 use crate::fingerprint::{self, Stamp};
-use crate::fmu::{self, build, pack::Content};
+use crate::fmu;
 use crate::process;
 use crate::setup;
 use crate::workspace::Workspace;
@@ -72,7 +74,7 @@ fn build_packages(workspace: &Workspace, folder: &Path) -> Result<()> {
     let mut maturin = workspace.venv_command("maturin");
     maturin.args(["build", "--release", "--locked", "--quiet", "--out"]).arg(folder);
     maturin.arg("--interpreter").arg(workspace.venv_program("python"));
-    if build::needs_environment() {
+    if workspace.linker == Linker::Zig {
         maturin.arg("--zig");
     }
     maturin.env("CARGO_ENCODED_RUSTFLAGS", build::remap_flags(workspace).join("\u{1f}"));

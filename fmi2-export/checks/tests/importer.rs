@@ -4,6 +4,7 @@
 #[path = "../../tests/common/mod.rs"]
 mod common;
 
+use cargo_fmu::{binary, build, pack};
 use common::example;
 use fmi_rs::fmi2::builder::FMU2Builder;
 use fmi_rs::fmi2::types::{fmi2Status, fmi2StatusKind};
@@ -11,7 +12,6 @@ use fmi_rs::fmi2::{CS, FMU2};
 use fmi_rs::model_description::fmi2::{Causality, ModelDescription};
 use std::path::PathBuf;
 use std::sync::Arc;
-use xtask::fmu::{binary, build, pack};
 
 /// The probe, packed by the project's own packer.
 fn packed(folder: &tempfile::TempDir) -> PathBuf {

@@ -1,29 +1,26 @@
 //! `cargo xtask fmu`: builds the controllers, checks the binaries, packs the FMUs.
 
-pub mod binary;
-pub mod build;
-pub mod inspect;
-pub mod licences;
-pub mod pack;
-
 use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result, bail, ensure};
+use cargo_fmu::build::Linker;
+use cargo_fmu::fmu;
+use cargo_fmu::inspect::Rules;
+pub use cargo_fmu::{binary, build};
 use cargo_metadata::Package;
 
 use crate::fingerprint;
-use crate::process;
 use crate::setup;
 use crate::workspace::Workspace;
 
 /// Builds and packs the named controllers (`dob` or `fmu-dob`), all of them when none is named.
 ///
 /// # Errors
-/// When a name is unknown, a build fails, or a binary breaks a rule of [`inspect`].
+/// When a name is unknown, a build fails, or a binary breaks a rule of [`cargo_fmu::inspect`].
 pub fn run(workspace: &Workspace, names: &[String]) -> Result<()> {
     let packages = select(&controllers(workspace), names)?;
-    if build::needs_environment() {
+    if workspace.linker == Linker::Zig {
         setup::environment(workspace)?;
     }
     pack_all(workspace, &packages)
@@ -39,10 +36,9 @@ pub fn pack_all(workspace: &Workspace, packages: &[&Package]) -> Result<()> {
 
     for package in packages {
         let file = folder.join(format!("{}.fmu", package.name));
-        let bytes = pack_controller(workspace, package, &build::library(workspace, package)?)?;
-        write_if_different(&file, &bytes)?;
+        fmu::write(&file, &pack_controller(workspace, package)?)?;
     }
-    write_if_different(&folder.join("SHA256SUMS"), sums(&folder)?.as_bytes())
+    fmu::write(&folder.join("SHA256SUMS"), sums(&folder)?.as_bytes())
 }
 
 /// The packages `fmu-*` of the workspace that make a C library, by name.
@@ -68,42 +64,17 @@ fn select<'a>(packages: &[&'a Package], names: &[String]) -> Result<Vec<&'a Pack
     names.iter().map(find).collect()
 }
 
-fn pack_controller(workspace: &Workspace, package: &Package, built: &build::Built) -> Result<Vec<u8>> {
-    let library = built.library.as_path();
-    let identifier = package.name.replace('-', "_");
-    let bytes = fs::read(library).with_context(|| format!("cannot read `{}`", library.display()))?;
-    inspect::check(&bytes, &inspect::Rules::for_host(workspace))
-        .with_context(|| format!("the library of `{}` breaks the rules of a portable FMU", package.name))?;
-
-    let mut content = pack::Content::default();
-    for (path, text) in binary::files(library)? {
-        content.add(path, text.into_bytes())?;
-    }
+/// The FMU of a controller, which runs on every machine of this platform or not at all.
+fn pack_controller(workspace: &Workspace, package: &Package) -> Result<Vec<u8>> {
+    let built = build::library(workspace, package)?;
+    let packed = fmu::pack(workspace, package, &built, &Rules::for_host(workspace))?;
     ensure!(
-        content
-            .text("modelDescription.xml")
-            .is_some_and(|xml| xml.contains(&format!("modelIdentifier=\"{identifier}\""))),
-        "modelDescription.xml of `{}` does not name the modelIdentifier `{identifier}`",
-        package.name
+        packed.faults.is_empty(),
+        "the library of `{}` breaks the rules of a portable FMU: {}",
+        package.name,
+        packed.faults.join("\n")
     );
-    content.add(format!("binaries/{}/{identifier}.{}", build::platform()?, build::extension()), bytes)?;
-    content.add_folder("resources", &package.manifest_path.with_file_name("resources").into_std_path_buf())?;
-    for (path, text) in licences::files(workspace, package, &built.packages)? {
-        content.add(path, text.into_bytes())?;
-    }
-    pack::to_bytes(&content)
-}
-
-fn write_if_different(file: &Path, bytes: &[u8]) -> Result<()> {
-    let shown = file.file_name().unwrap_or_default().to_string_lossy();
-    if fs::read(file).is_ok_and(|old| old == bytes) {
-        process::up_to_date(&format!("`{shown}`"));
-        return Ok(());
-    }
-    process::header(&format!("write `{shown}` ({} kB)", bytes.len().div_ceil(1000)));
-    // a reader must never see half an FMU
-    let part = file.with_extension("part");
-    fs::write(&part, bytes).and_then(|()| fs::rename(&part, file)).with_context(|| format!("cannot write `{shown}`"))
+    Ok(packed.bytes)
 }
 
 fn sums(folder: &Path) -> Result<String> {
@@ -125,6 +96,7 @@ fn sums(folder: &Path) -> Result<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use cargo_fmu::licences;
 
     #[test]
     fn controllers_are_found_and_named_in_two_ways() {
@@ -156,18 +128,46 @@ mod tests {
         assert!(text.ends_with("ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad  fmu-b.fmu\n"));
     }
 
+    fn dob(workspace: &Workspace) -> &Package {
+        let packages = workspace.metadata.workspace_packages();
+        packages.into_iter().find(|package| *package.name == "fmu-dob").unwrap()
+    }
+
+    /// Licence files of `fmu-dob` as if everything of the workspace but one crate had been compiled.
+    fn licences_without(left_out: &str) -> Vec<(String, String)> {
+        let workspace = Workspace::load().unwrap();
+        let built = workspace.metadata.packages.iter().filter(|package| *package.name != left_out);
+        let built = built.map(|package| package.id.clone()).collect();
+        licences::files(&workspace, dob(&workspace), &built).unwrap()
+    }
+
+    fn notices_without(left_out: &str) -> String {
+        let third_party = |(path, _): &(String, String)| path.ends_with("third-party.txt");
+        licences_without(left_out).into_iter().find(third_party).unwrap().1
+    }
+
     #[test]
-    fn a_file_with_the_same_bytes_is_left_alone() {
-        let folder = tempfile::tempdir().unwrap();
-        let file = folder.path().join("fmu-a.fmu");
-        write_if_different(&file, b"one").unwrap();
-        let mut permissions = fs::metadata(&file).unwrap().permissions();
-        permissions.set_readonly(true);
-        fs::set_permissions(&file, permissions).unwrap();
-        let before = fs::metadata(&file).unwrap().modified().unwrap();
-        write_if_different(&file, b"one").unwrap();
-        assert_eq!(fs::metadata(&file).unwrap().modified().unwrap(), before);
-        write_if_different(&file, b"two").unwrap();
-        assert_eq!(fs::read(&file).unwrap(), b"two");
+    fn what_is_linked_is_named_with_its_licence_texts() {
+        let text = notices_without("cobs");
+        for part in ["- postcard ", "- serde_core ", "Apache License", "Permission is hereby granted"] {
+            assert!(text.contains(part), "{part}");
+        }
+        assert!(!text.contains("- cobs "));
+    }
+
+    #[test]
+    fn what_only_runs_in_the_build_is_not_named() {
+        let text = notices_without("");
+        for part in ["- serde_derive ", "- syn ", "- libloading ", "- fmi2-export "] {
+            assert!(!text.contains(part), "{part}");
+        }
+    }
+
+    #[test]
+    fn every_fmu_holds_both_licences_of_the_project() {
+        let mut paths: Vec<_> = licences_without("").into_iter().map(|(path, _)| path).collect();
+        paths.sort();
+        let names = ["LICENSE-APACHE.txt", "LICENSE-MIT.txt", "license.txt", "third-party.txt"];
+        assert_eq!(paths, names.map(|name| format!("documentation/licenses/{name}")));
     }
 }

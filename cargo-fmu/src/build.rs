@@ -1,0 +1,176 @@
+//! Builds the C library of an FMU for the platform at hand.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use anyhow::{Context, Result, bail, ensure};
+use cargo_metadata::{Artifact, Message, Package, PackageId, Target};
+
+use crate::process;
+use crate::profile;
+use crate::project::Project;
+
+/// Newest version of the GNU C library whose symbols a Linux FMU may need when [`Linker::Zig`] links it.
+pub const GLIBC: (u32, u32) = (2, 17);
+
+/// What links the library.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Linker {
+    /// The system's linker: the library needs the C library of this machine or a newer one.
+    System,
+    /// `cargo-zigbuild`, on Linux: the library needs [`GLIBC`] or newer.
+    Zig,
+}
+
+impl Linker {
+    /// `Zig` on Linux where `cargo-zigbuild` and its compiler are on `PATH`, else `System`.
+    pub fn find() -> Self {
+        let runs = |program: &str, words: &[&str]| {
+            process::output(Command::new(program).args(words)).is_ok_and(|output| output.status.success())
+        };
+        let zig = || runs("python3", &["-m", "ziglang", "version"]) || runs("zig", &["version"]);
+        let old = cfg!(target_os = "linux") && runs("cargo-zigbuild", &["--version"]) && zig();
+        if old { Self::Zig } else { Self::System }
+    }
+}
+
+/// Folder of the binary inside an FMU, as FMI 2.0.4 names the platform.
+///
+/// # Errors
+/// When FMI has no name for this platform.
+pub fn platform() -> Result<&'static str> {
+    Ok(match (std::env::consts::OS, std::env::consts::ARCH) {
+        ("linux", "x86_64") => "linux64",
+        ("windows", "x86_64") => "win64",
+        ("macos", "x86_64") => "darwin64",
+        ("linux", "aarch64") => "aarch64-linux",
+        ("windows", "aarch64") => "aarch64-windows",
+        ("macos", "aarch64") => "aarch64-darwin",
+        (system, processor) => {
+            bail!("FMI 2.0 has no binary folder for `{system}` on `{processor}`")
+        }
+    })
+}
+
+/// File name extension of a C library on this platform.
+pub fn extension() -> &'static str {
+    std::env::consts::DLL_EXTENSION
+}
+
+/// A C library and the packages that were compiled for it, build scripts and macros included.
+pub struct Built {
+    /// The library.
+    pub library: PathBuf,
+    /// The packages.
+    pub packages: BTreeSet<PackageId>,
+}
+
+/// Builds a package in release mode. Alone, so that its bytes do not depend on what else is built.
+///
+/// # Errors
+/// When the package makes no C library, or when the build fails.
+pub fn library(project: &Project, package: &Package) -> Result<Built> {
+    let name = &cdylib(package)?.name;
+    let mut command = release(project)?;
+    command.args(["--package", &package.name, "--lib"]);
+    let artefacts = artefacts(&format!("build `{}`", package.name), command)?;
+    let library = find(&artefacts, name, Target::is_cdylib)?;
+    Ok(Built { library, packages: artefacts.into_iter().map(|artefact| artefact.package_id).collect() })
+}
+
+/// Builds an example of a package as a C library, in the same way as the FMUs.
+///
+/// # Errors
+/// When the build fails.
+pub fn example(project: &Project, package: &str, name: &str) -> Result<PathBuf> {
+    let mut command = release(project)?;
+    command.args(["--package", package, "--example", name]);
+    let artefacts = artefacts(&format!("build the example `{name}` of `{package}`"), command)?;
+    find(&artefacts, name, Target::is_example)
+}
+
+/// The C library among the targets of a package.
+fn cdylib(package: &Package) -> Result<&Target> {
+    let lines = "    [lib]\n    crate-type = [\"cdylib\"]";
+    package.targets.iter().find(|target| target.is_cdylib()).with_context(|| {
+        let manifest = &package.manifest_path;
+        format!("`{}` makes no C library\nhint: add to `{manifest}`:\n{lines}", package.name)
+    })
+}
+
+fn release(project: &Project) -> Result<Command> {
+    let mut command = match project.linker {
+        Linker::System => project.cargo("build"),
+        Linker::Zig => {
+            let mut command = project.cargo("zigbuild");
+            let (major, minor) = GLIBC;
+            command.arg(format!("--target={}-unknown-linux-gnu.{major}.{minor}", std::env::consts::ARCH));
+            command
+        }
+    };
+    command.args(["--release", "--message-format=json-render-diagnostics"]).args(&project.arguments);
+    command.args(profile::arguments(&project.path("Cargo.toml"))?);
+    let mut flags = remap_flags(project);
+    if cfg!(target_os = "linux") {
+        // an FMU calls its own functions, even in a process that has loaded another one globally
+        flags.push("-Clink-arg=-Wl,-Bsymbolic".into());
+    }
+    command.env("CARGO_ENCODED_RUSTFLAGS", flags.join("\u{1f}"));
+    Ok(command)
+}
+
+/// Compiler flags that keep the builder's folders out of the binary: in it, paths start at the workspace, at `crates`
+/// or at `rust`.
+pub fn remap_flags(project: &Project) -> Vec<String> {
+    // of two folders that fit a path, the compiler takes the later one
+    let (around, others): (Vec<_>, Vec<_>) =
+        dependency_folders(project).into_iter().partition(|folder| project.root.starts_with(folder));
+    let mut flags: Vec<_> = around.iter().map(|folder| remap(folder, "crates")).collect();
+    flags.push(remap(&project.root, "."));
+    flags.extend(others.iter().map(|folder| remap(folder, "crates")));
+    if let Some(sysroot) = sysroot(project) {
+        flags.push(remap(&sysroot.join("lib/rustlib/src/rust"), "rust"));
+    }
+    flags
+}
+
+/// The folders that hold the sources of the dependencies.
+pub fn dependency_folders(project: &Project) -> Vec<PathBuf> {
+    let outside = project.metadata.packages.iter().filter(|package| !project.owns(package));
+    let mut folders: Vec<_> =
+        outside.filter_map(|package| Some(package.manifest_path.parent()?.parent()?.to_path_buf().into())).collect();
+    folders.sort();
+    folders.dedup();
+    folders
+}
+
+/// Folder of the compiler.
+pub fn sysroot(project: &Project) -> Option<PathBuf> {
+    let sysroot = process::text(project.command("rustc").args(["--print", "sysroot"])).ok()?;
+    Some(PathBuf::from(sysroot.trim()))
+}
+
+fn remap(from: &Path, to: &str) -> String {
+    format!("--remap-path-prefix={}={to}", from.display())
+}
+
+fn artefacts(title: &str, mut command: Command) -> Result<Vec<Artifact>> {
+    process::header(title);
+    let output = process::status_and_text(command.stderr(Stdio::inherit()))?;
+    ensure!(output.0.success(), "`{}` failed: {}", process::display(&command), output.0);
+    let mut built = Vec::new();
+    for message in Message::parse_stream(output.1.as_slice()) {
+        if let Message::CompilerArtifact(artefact) = message.context("cargo's messages are unreadable")? {
+            built.push(artefact);
+        }
+    }
+    Ok(built)
+}
+
+fn find(built: &[Artifact], name: &str, kind: fn(&Target) -> bool) -> Result<PathBuf> {
+    let matching = built.iter().filter(|artefact| kind(&artefact.target) && artefact.target.name == name);
+    let mut files = matching.flat_map(|artefact| &artefact.filenames);
+    let library = files.find(|file| file.extension() == Some(extension()));
+    library.map(|file| file.clone().into()).with_context(|| format!("the build left no C library `{name}`"))
+}

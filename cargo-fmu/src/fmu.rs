@@ -1,0 +1,124 @@
+//! From a built library to the bytes of an FMU.
+
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context, Result, bail, ensure};
+use cargo_metadata::Package;
+use roxmltree::Document;
+
+use crate::binary;
+use crate::build::{self, Built};
+use crate::facts::Facts;
+use crate::functions::{FMI2_FUNCTIONS, OWN_PREFIX};
+use crate::inspect::{self, Rules};
+use crate::licences;
+use crate::pack::{self, Content};
+use crate::process;
+use crate::project::Project;
+
+/// Path of the description inside an FMU.
+pub const DESCRIPTION: &str = "modelDescription.xml";
+
+/// A packed FMU and what was seen of its library.
+pub struct Packed {
+    /// The file.
+    pub bytes: Vec<u8>,
+    /// The library, as the loader sees it.
+    pub facts: Facts,
+    /// What keeps the library from being portable, one sentence each.
+    pub faults: Vec<String>,
+}
+
+/// Packs a built library with its own texts, the folder `resources` beside its manifest, and the licences.
+///
+/// # Errors
+/// When the library is no FMI library, cannot be loaded, or a file cannot be read.
+pub fn pack(project: &Project, package: &Package, built: &Built, rules: &Rules) -> Result<Packed> {
+    let shown = built.library.display();
+    let library = fs::read(&built.library).with_context(|| format!("cannot read `{shown}`"))?;
+    let facts = Facts::read(&library).with_context(|| format!("cannot read `{shown}`"))?;
+    exports_a_model(package, &facts)?;
+    let faults = inspect::faults(&library, &facts, rules);
+
+    let mut content = Content::default();
+    for (path, text) in binary::files(&built.library)? {
+        content.add(path, text.into_bytes())?;
+    }
+    let identifier = model_identifier(content.text(DESCRIPTION).unwrap_or_default())?;
+    content.add(format!("binaries/{}/{identifier}.{}", build::platform()?, build::extension()), library)?;
+    content.add_folder("resources", &package.manifest_path.with_file_name("resources").into_std_path_buf())?;
+    for (path, text) in licences::files(project, package, &built.packages)? {
+        content.add(path, text.into_bytes())?;
+    }
+    Ok(Packed { bytes: pack::to_bytes(&content)?, facts, faults })
+}
+
+/// Writes an FMU; a file that holds the same bytes is left alone.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn write(file: &Path, bytes: &[u8]) -> Result<()> {
+    let shown = file.file_name().unwrap_or_default().to_string_lossy();
+    if fs::read(file).is_ok_and(|old| old == bytes) {
+        process::up_to_date(&format!("`{shown}`"));
+        return Ok(());
+    }
+    process::header(&format!("write `{shown}` ({} kB)", bytes.len().div_ceil(1000)));
+    // a reader must never see half an FMU
+    let part = file.with_extension("part");
+    fs::write(&part, bytes).and_then(|()| fs::rename(&part, file)).with_context(|| format!("cannot write `{shown}`"))
+}
+
+/// Name of the binary, as importers take it from the description.
+fn model_identifier(description: &str) -> Result<String> {
+    let document = Document::parse(description).with_context(|| format!("`{DESCRIPTION}` is not well-formed"))?;
+    let kind = document.root_element().children().find(|node| node.has_tag_name("CoSimulation"));
+    let identifier = kind.and_then(|node| node.attribute("modelIdentifier"));
+    identifier.map(str::to_owned).with_context(|| format!("`{DESCRIPTION}` names no modelIdentifier"))
+}
+
+fn exports_a_model(package: &Package, facts: &Facts) -> Result<()> {
+    let missing = inspect::missing(facts);
+    let name = &package.name;
+    let source = package.targets.iter().find(|target| target.is_cdylib()).map(|target| target.src_path.as_str());
+    let call = format!("hint: `fmi2_export::export!(YourModel);` belongs in `{}`", source.unwrap_or("src/lib.rs"));
+    if facts.imports.iter().any(|import| import.starts_with(OWN_PREFIX)) {
+        bail!("`{name}` uses `fmi2-export` and exports no model\n{call}");
+    }
+    if missing.len() == FMI2_FUNCTIONS.len() {
+        let depends = package.dependencies.iter().any(|dependency| dependency.name == "fmi2-export");
+        let first = if depends { "" } else { "hint: `cargo add fmi2-export serde --features serde/derive`\n" };
+        bail!("the library of `{name}` exports no function of FMI 2.0\n{first}{call}");
+    }
+    ensure!(missing.is_empty(), "the library of `{name}` does not export `{}`", missing.join("`, `"));
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_binary_is_named_as_the_description_says() {
+        let xml = "<fmiModelDescription><CoSimulation modelIdentifier=\"spring\"/></fmiModelDescription>";
+        assert_eq!(model_identifier(xml).unwrap(), "spring");
+        let error = model_identifier("<fmiModelDescription/>").unwrap_err().to_string();
+        assert_eq!(error, "`modelDescription.xml` names no modelIdentifier");
+    }
+
+    #[test]
+    fn a_file_with_the_same_bytes_is_left_alone() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("fmu-a.fmu");
+        write(&file, b"one").unwrap();
+        let mut permissions = fs::metadata(&file).unwrap().permissions();
+        permissions.set_readonly(true);
+        fs::set_permissions(&file, permissions).unwrap();
+        let before = fs::metadata(&file).unwrap().modified().unwrap();
+        write(&file, b"one").unwrap();
+        assert_eq!(fs::metadata(&file).unwrap().modified().unwrap(), before);
+        write(&file, b"two").unwrap();
+        assert_eq!(fs::read(&file).unwrap(), b"two");
+    }
+}

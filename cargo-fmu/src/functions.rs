@@ -1,0 +1,42 @@
+//! The C functions that the library of an FMU exports.
+
+/// The functions of FMI 2.0 for co-simulation, as `fmi2Functions.h` lists them.
+pub const FMI2_FUNCTIONS: [&str; 34] = [
+    "fmi2CancelStep",
+    "fmi2DeSerializeFMUstate",
+    "fmi2DoStep",
+    "fmi2EnterInitializationMode",
+    "fmi2ExitInitializationMode",
+    "fmi2FreeFMUstate",
+    "fmi2FreeInstance",
+    "fmi2GetBoolean",
+    "fmi2GetBooleanStatus",
+    "fmi2GetDirectionalDerivative",
+    "fmi2GetFMUstate",
+    "fmi2GetInteger",
+    "fmi2GetIntegerStatus",
+    "fmi2GetReal",
+    "fmi2GetRealOutputDerivatives",
+    "fmi2GetRealStatus",
+    "fmi2GetStatus",
+    "fmi2GetString",
+    "fmi2GetStringStatus",
+    "fmi2GetTypesPlatform",
+    "fmi2GetVersion",
+    "fmi2Instantiate",
+    "fmi2Reset",
+    "fmi2SerializeFMUstate",
+    "fmi2SerializedFMUstateSize",
+    "fmi2SetBoolean",
+    "fmi2SetDebugLogging",
+    "fmi2SetFMUstate",
+    "fmi2SetInteger",
+    "fmi2SetReal",
+    "fmi2SetRealInputDerivatives",
+    "fmi2SetString",
+    "fmi2SetupExperiment",
+    "fmi2Terminate",
+];
+
+/// How the names begin of what `fmi2-export` adds: the files of the FMU, and the seam between C functions and model.
+pub const OWN_PREFIX: &str = "fmi2_export_";

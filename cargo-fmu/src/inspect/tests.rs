@@ -1,0 +1,94 @@
+use std::process::Command;
+
+use super::*;
+use crate::process;
+
+fn rules() -> Rules {
+    Rules { glibc: None, libgcc: false, folders: vec!["/home/builder/".into()] }
+}
+
+/// Compiles all functions of FMI and some more C code into a library with the machine's C compiler.
+fn compile(more: &str, flags: &[&str]) -> Vec<u8> {
+    let functions = FMI2_FUNCTIONS.map(|name| format!("int {name}(void) {{ return 0; }}\n")).concat();
+    compile_only(&format!("{functions}{more}"), flags)
+}
+
+fn compile_only(code: &str, flags: &[&str]) -> Vec<u8> {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("m.c"), code).unwrap();
+    let mut command = Command::new("cc");
+    command.current_dir(folder.path()).args(["-w", "-shared", "-fPIC", "-o", "m.so", "m.c"]).args(flags);
+    process::text(&mut command).unwrap();
+    std::fs::read(folder.path().join("m.so")).unwrap()
+}
+
+fn faults(library: &[u8], rules: &Rules) -> Vec<String> {
+    super::faults(library, &Facts::read(library).unwrap(), rules)
+}
+
+#[test]
+fn the_function_list_is_sorted_and_has_no_doubles() {
+    assert!(FMI2_FUNCTIONS.is_sorted_by(|a, b| a < b));
+}
+
+#[test]
+fn a_good_library_passes() {
+    let library = compile("static int hidden(void) { return 1; } int fmi2_export_file(void) { return 2; }", &[]);
+    assert_eq!(faults(&library, &rules()), [""; 0]);
+}
+
+#[test]
+fn missing_and_extra_exports_are_named() {
+    let library = compile("int helper(void) { return 1; }", &["-Dfmi2Reset=other"]);
+    let names = ["`fmi2Reset` is not exported", "`helper` is exported and should not be"];
+    assert!(names.iter().all(|name| faults(&library, &rules()).iter().any(|fault| fault == name)));
+    let nothing = Facts::read(&compile_only("int f(void) { return 0; }", &[])).unwrap();
+    assert_eq!(missing(&nothing), FMI2_FUNCTIONS);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn an_executable_stack_and_a_search_path_are_refused() {
+    let library = compile("", &["-Wl,-z,execstack", "-Wl,-rpath,/opt/lib"]);
+    let found = ["it searches libraries in `/opt/lib` (RPATH)", "it asks for an executable stack"];
+    assert_eq!(faults(&library, &rules()), found);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_new_c_library_and_a_foreign_one_are_refused() {
+    let code = "#include <stdlib.h>\nvoid *fmi2_export_f(void) { return malloc(1); }\n";
+    let library = compile(code, &["-lc"]);
+    let old = faults(&library, &Rules { glibc: Some((2, 0)), ..rules() }).concat();
+    assert!(old.contains("`malloc") && old.contains("newer than GLIBC_2.0"), "{old}");
+    assert_eq!(faults(&library, &Rules { glibc: Some((99, 0)), ..rules() }), [""; 0]);
+    assert!(Facts::read(&library).unwrap().needed_glibc() >= Some((2, 2)));
+
+    let foreign = compile(code, &["-Wl,--no-as-needed", "-lgcc_s"]);
+    assert_eq!(faults(&foreign, &rules()), ["it needs the library `libgcc_s.so.1`"]);
+    assert_eq!(faults(&foreign, &Rules { libgcc: true, ..rules() }), [""; 0]);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_function_that_another_library_could_replace_is_refused() {
+    let code = "int fmi2_export_f(void) { return 0; } int fmi2_export_g(void) { return fmi2_export_f() + 1; }";
+    let found = faults(&compile(code, &["-O0"]), &rules());
+    assert_eq!(found, ["it does not bind its own `fmi2_export_f` at build time"]);
+    assert_eq!(faults(&compile(code, &["-O0", "-Wl,-Bsymbolic"]), &rules()), [""; 0]);
+}
+
+#[test]
+fn a_path_of_the_builder_is_refused() {
+    let library = compile("const char *fmi2_export_f(void) { return \"/home/builder/src/law.rs\"; }", &[]);
+    assert_eq!(faults(&library, &rules()), ["the builder's folder `/home/builder/` is named inside"]);
+    assert_eq!(faults(&library, &Rules::for_anyone()), ["the builder's folder `/home/` is named inside"]);
+}
+
+#[test]
+fn libraries_of_each_system_are_known() {
+    assert!(is_of_the_system(Format::Pe, "KERNEL32.dll") && !is_of_the_system(Format::Pe, "libgcc_s_seh-1.dll"));
+    assert!(is_of_the_system(Format::MachO, "/usr/lib/libSystem.B.dylib"));
+    assert!(!is_of_the_system(Format::MachO, "/opt/homebrew/lib/libomp.dylib"));
+    assert!(!is_of_the_system(Format::Elf, "libgcc_s.so.1"));
+}

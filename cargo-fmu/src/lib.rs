@@ -1,0 +1,18 @@
+//! Packs a crate that uses `fmi2-export` as an FMU: the library behind `cargo fmu`.
+//!
+//! [`build`] makes the C library, [`inspect`] says what keeps it from loading everywhere, [`binary`] asks it for the
+//! files it describes itself with, [`licences`] adds those of its dependencies, and [`fmu`] packs it all.
+
+pub mod archive;
+pub mod binary;
+pub mod build;
+pub mod choice;
+pub mod facts;
+pub mod fmu;
+pub mod functions;
+pub mod inspect;
+pub mod licences;
+pub mod pack;
+pub mod process;
+mod profile;
+pub mod project;

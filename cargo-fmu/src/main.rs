@@ -1,0 +1,160 @@
+//! Command line: `cargo fmu` packs a crate as an FMU, `cargo fmu inspect` looks into one.
+
+use std::ffi::OsString;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use anyhow::{Context, Result};
+use cargo_fmu::build::{self, GLIBC, Linker};
+use cargo_fmu::fmu::{self, Packed};
+use cargo_fmu::inspect::Rules;
+use cargo_fmu::project::Project;
+use cargo_fmu::{archive, choice, licences};
+use cargo_metadata::{MetadataCommand, Package};
+use clap::{Args, Parser, Subcommand};
+
+#[derive(Parser)]
+#[command(name = "cargo", bin_name = "cargo")]
+enum Cargo {
+    /// Build a crate that uses `fmi2-export` and pack it as an FMI 2.0 co-simulation FMU
+    #[command(version, args_conflicts_with_subcommands = true)]
+    Fmu {
+        #[command(subcommand)]
+        command: Option<Command>,
+        #[command(flatten)]
+        pack: Pack,
+    },
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Show what an FMU holds and what its libraries need; exit code 1 when they are not portable
+    Inspect {
+        /// The FMU
+        file: PathBuf,
+    },
+}
+
+#[derive(Args)]
+struct Pack {
+    /// Package to pack; needed when a workspace has several
+    #[arg(short, long)]
+    package: Option<String>,
+    /// The FMU to write [default: fmu/PACKAGE.fmu in the target directory]
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Path of the `Cargo.toml`
+    #[arg(long, value_name = "FILE")]
+    manifest_path: Option<PathBuf>,
+    /// Directory for everything that is built
+    #[arg(long, value_name = "DIRECTORY")]
+    target_dir: Option<PathBuf>,
+    /// Features to switch on, separated by commas
+    #[arg(short = 'F', long)]
+    features: Option<String>,
+    /// Leave the feature `default` off
+    #[arg(long)]
+    no_default_features: bool,
+    /// Refuse to change `Cargo.lock`
+    #[arg(long)]
+    locked: bool,
+    /// Do not use the network
+    #[arg(long)]
+    offline: bool,
+}
+
+fn main() -> ExitCode {
+    let Cargo::Fmu { command, pack } = Cargo::parse();
+    let result = match command {
+        Some(Command::Inspect { file }) => look(&file),
+        None => pack.run().map(|()| true),
+    };
+    match result {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::from(1),
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// True when nothing is wrong with the libraries of the FMU.
+fn look(file: &Path) -> Result<bool> {
+    let report = archive::inspect(file)?;
+    print!("{}", report.text);
+    Ok(report.faults == 0)
+}
+
+impl Pack {
+    fn run(&self) -> Result<()> {
+        let project = self.project()?;
+        let package = choice::package(&project.metadata, self.package.as_deref())?;
+        let built = build::library(&project, package)?;
+        let packed = fmu::pack(&project, package, &built, &Rules::for_host(&project))?;
+        let file = match &self.output {
+            Some(file) => file.clone(),
+            None => self.target(&project).join("fmu").join(format!("{}.fmu", package.name)),
+        };
+        if let Some(folder) = file.parent() {
+            fs::create_dir_all(folder).with_context(|| format!("cannot make `{}`", folder.display()))?;
+        }
+        fmu::write(&file, &packed.bytes)?;
+        tell(&project, package, &packed)?;
+        println!("{}", file.display());
+        Ok(())
+    }
+
+    fn project(&self) -> Result<Project> {
+        let mut command = MetadataCommand::new();
+        if let Some(manifest) = &self.manifest_path {
+            command.manifest_path(manifest);
+        }
+        command.other_options(self.resolution().map(str::to_owned).collect::<Vec<_>>());
+        let mut project = Project::load(&command)?;
+        project.linker = Linker::find();
+        project.arguments = self.arguments(&project);
+        Ok(project)
+    }
+
+    /// Words that decide what `cargo` may look up.
+    fn resolution(&self) -> impl Iterator<Item = &'static str> {
+        [(self.locked, "--locked"), (self.offline, "--offline")].into_iter().filter(|(on, _)| *on).map(|(_, word)| word)
+    }
+
+    fn arguments(&self, project: &Project) -> Vec<OsString> {
+        let mut words: Vec<OsString> = self.resolution().map(OsString::from).collect();
+        words.extend(["--target-dir".into(), self.target(project).into()]);
+        if let Some(features) = &self.features {
+            words.extend(["--features".into(), features.into()]);
+        }
+        if self.no_default_features {
+            words.push("--no-default-features".into());
+        }
+        words
+    }
+
+    fn target(&self, project: &Project) -> PathBuf {
+        let told = self.target_dir.as_ref().and_then(|folder| std::path::absolute(folder).ok());
+        told.unwrap_or_else(|| project.metadata.target_directory.clone().into())
+    }
+}
+
+/// What the one who hands the FMU on should know.
+fn tell(project: &Project, package: &Package, packed: &Packed) -> Result<()> {
+    eprintln!("    {}", packed.facts);
+    for fault in &packed.faults {
+        eprintln!("warning: {fault}");
+    }
+    if licences::is_untold(project, package)? {
+        eprintln!("warning: nobody may use the FMU of `{}`: its licence is not told", package.name);
+        eprintln!("hint: `license = \"MIT\"` or the like in `{}`, with the text in `LICENSE`", package.manifest_path);
+    }
+    let newer = packed.facts.needed_glibc().is_some_and(|needed| needed > GLIBC);
+    if project.linker == Linker::System && newer {
+        let (major, minor) = GLIBC;
+        eprintln!("hint: `pip install cargo-zigbuild` (with `zig`) makes it run with glibc {major}.{minor} and newer");
+    }
+    Ok(())
+}

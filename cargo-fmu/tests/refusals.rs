@@ -1,0 +1,124 @@
+//! Projects that make no FMU, and what `cargo fmu` says of them.
+
+use std::fs;
+use std::io::Write;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use tempfile::TempDir;
+
+const CDYLIB: &str = "[lib]\ncrate-type = [\"cdylib\"]\n";
+
+/// Writes files by path and text into a new folder.
+fn project(files: &[(&str, &str)]) -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for (path, text) in files {
+        let file = folder.path().join(path);
+        fs::create_dir_all(file.parent().unwrap()).unwrap();
+        fs::write(file, text).unwrap();
+    }
+    folder
+}
+
+fn manifest(name: &str, more: &str) -> String {
+    format!("[package]\nname = \"{name}\"\nversion = \"0.1.0\"\nedition = \"2024\"\n{more}")
+}
+
+fn cargo_fmu(folder: &Path, words: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_cargo-fmu"));
+    command.arg("fmu").args(words).current_dir(folder).env_remove("CARGO_TARGET_DIR");
+    command.output().unwrap()
+}
+
+/// What is said on the way to a refusal.
+fn refusal(folder: &TempDir, words: &[&str]) -> String {
+    let output = cargo_fmu(folder.path(), words);
+    assert_eq!(output.status.code(), Some(2), "{output:?}");
+    assert!(output.stdout.is_empty(), "{output:?}");
+    String::from_utf8(output.stderr).unwrap()
+}
+
+fn has(text: &str, parts: &[&str]) {
+    assert!(parts.iter().all(|part| text.contains(part)), "{parts:?} in:\n{text}");
+}
+
+#[test]
+fn a_folder_without_a_package() {
+    has(&refusal(&project(&[]), &[]), &["error: cannot read the project", "could not find `Cargo.toml`"]);
+}
+
+#[test]
+fn a_crate_that_makes_no_c_library() {
+    let folder = project(&[("Cargo.toml", &manifest("spring", "")), ("src/lib.rs", "")]);
+    has(
+        &refusal(&folder, &[]),
+        &["`spring` makes no C library", "hint: add to `", "[lib]\n    crate-type = [\"cdylib\"]"],
+    );
+}
+
+#[test]
+fn a_workspace_with_several_fmus() {
+    let folder = project(&[
+        ("Cargo.toml", "[workspace]\nresolver = \"3\"\nmembers = [\"a\", \"b\", \"c\"]\n"),
+        ("a/Cargo.toml", &manifest("a", CDYLIB)),
+        ("a/src/lib.rs", ""),
+        ("b/Cargo.toml", &manifest("b", CDYLIB)),
+        ("b/src/lib.rs", ""),
+        ("c/Cargo.toml", &manifest("c", "")),
+        ("c/src/lib.rs", ""),
+    ]);
+    let choices = "hint: say `--package a` or `--package b`";
+    has(&refusal(&folder, &[]), &["several packages make a C library", choices]);
+    has(&refusal(&folder, &["--package", "d"]), &["no package `d` in this workspace", choices]);
+    has(&refusal(&folder, &["--package", "c"]), &["`c` makes no C library"]);
+}
+
+#[test]
+fn a_profile_that_aborts() {
+    let abort = format!("{CDYLIB}[profile.release]\npanic = \"abort\"\n");
+    let folder = project(&[("Cargo.toml", &manifest("spring", &abort)), ("src/lib.rs", "")]);
+    has(&refusal(&folder, &[]), &["`panic = \"abort\"` in `[profile.release]`", "hint: remove that line"]);
+}
+
+#[test]
+fn a_library_that_does_not_build() {
+    let folder = project(&[("Cargo.toml", &manifest("spring", CDYLIB)), ("src/lib.rs", "fn broken( {}")]);
+    has(&refusal(&folder, &["--offline"]), &["src/lib.rs:1", "build --", "failed: exit status: 101"]);
+}
+
+#[test]
+fn a_library_without_a_model() {
+    let folder = project(&[("Cargo.toml", &manifest("silent", CDYLIB)), ("src/lib.rs", "")]);
+    let without = "the library of `silent` exports no function of FMI 2.0";
+    let call = "`fmi2_export::export!(YourModel);` belongs in `";
+    has(&refusal(&folder, &["--offline"]), &[without, "hint: `cargo add fmi2-export", call]);
+
+    // the exporter's seam to a model that nobody gave
+    let seam = "unsafe extern \"Rust\" { safe fn fmi2_export_model(); }\n\
+                #[unsafe(no_mangle)] extern \"C\" fn fmi2DoStep() { fmi2_export_model() }\n";
+    fs::write(folder.path().join("src/lib.rs"), seam).unwrap();
+    has(&refusal(&folder, &["--offline"]), &["`silent` uses `fmi2-export` and exports no model", call]);
+}
+
+#[test]
+fn a_file_that_is_no_fmu() {
+    let folder = project(&[("a.fmu", "no zip")]);
+    has(&refusal(&folder, &["inspect", "a.fmu"]), &["`a.fmu` is no zip file"]);
+    has(&refusal(&folder, &["inspect", "b.fmu"]), &["cannot read `b.fmu`"]);
+}
+
+#[test]
+fn an_fmu_with_a_library_that_does_not_load() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut zip = zip::ZipWriter::new(fs::File::create(folder.path().join("a.fmu")).unwrap());
+    let description = "<fmiModelDescription modelName=\"A\" fmiVersion=\"2.0\" guid=\"1\"/>";
+    for (path, text) in [("modelDescription.xml", description), ("binaries/linux64/a.so", "no library")] {
+        zip.start_file(path, zip::write::SimpleFileOptions::default()).unwrap();
+        zip.write_all(text.as_bytes()).unwrap();
+    }
+    zip.finish().unwrap();
+    let output = cargo_fmu(folder.path(), &["inspect", "a.fmu"]);
+    assert_eq!(output.status.code(), Some(1), "{output:?}");
+    let text = String::from_utf8(output.stdout).unwrap();
+    has(&text, &["A, FMI 2.0, GUID 1", "binaries/linux64/a.so (1 kB)\n    warning: this is no library"]);
+}
