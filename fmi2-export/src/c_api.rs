@@ -91,8 +91,12 @@ pub type SetReal = unsafe extern "C" fn(
     value: *const fmi2Real,
 ) -> fmi2Status;
 /// Type of fmi2GetReal.
-pub type GetReal =
-    unsafe extern "C" fn(c: fmi2Component, vr: *const fmi2ValueReference, nvr: usize, value: *mut fmi2Real) -> fmi2Status;
+pub type GetReal = unsafe extern "C" fn(
+    c: fmi2Component,
+    vr: *const fmi2ValueReference,
+    nvr: usize,
+    value: *mut fmi2Real,
+) -> fmi2Status;
 /// Type of fmi2DoStep.
 pub type DoStep = unsafe extern "C" fn(
     c: fmi2Component,
@@ -375,12 +379,7 @@ pub unsafe fn get_real<M: Exported>(
 
 /// fmi2GetReal with every check and message.
 #[cold]
-fn get_real_or_reason(
-    c: fmi2Component,
-    vr: *const fmi2ValueReference,
-    nvr: usize,
-    value: *mut fmi2Real,
-) -> fmi2Status {
+fn get_real_or_reason(c: fmi2Component, vr: *const fmi2ValueReference, nvr: usize, value: *mut fmi2Real) -> fmi2Status {
     let arrays = (slice(vr, nvr), slice_mut(value, nvr));
     with_arrays(c, Function::GetReal, arrays, |slave, vr, value| slave.get_real(vr, value))
 }

@@ -166,12 +166,7 @@ impl<M: Exported> Instance<M> {
 
     /// Runs the samples in a communication step; `prepare` gets the seconds from its start to each of them.
     #[inline]
-    fn run(
-        &mut self,
-        experiment: Experiment,
-        step: f64,
-        prepare: impl Fn(&mut M::Vars, f64),
-    ) -> Result<(), Refusal> {
+    fn run(&mut self, experiment: Experiment, step: f64, prepare: impl Fn(&mut M::Vars, f64)) -> Result<(), Refusal> {
         let Some(running) = &mut self.now.running else { return Ok(()) };
         let here = running.clock;
         for tick in running.clock.advance(step) {

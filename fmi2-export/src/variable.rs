@@ -76,23 +76,13 @@ impl<V> Variable<V> {
         Self { name, role: None, description: "", size, kind }
     }
 
-    pub const fn new_real(
-        name: &'static str,
-        size: Option<usize>,
-        base: &'static V,
-        start: &'static [f64],
-    ) -> Self {
+    pub const fn new_real(name: &'static str, size: Option<usize>, base: &'static V, start: &'static [f64]) -> Self {
         let (min, max) = (f64::NEG_INFINITY, f64::INFINITY);
         let real = Real { min, max, nominal: 1.0, unit: None, display: None, accepts_nan: false };
         Self::new(name, size, Kind::Real { place: Place::of(base, start), start, real })
     }
 
-    pub const fn new_integer(
-        name: &'static str,
-        size: Option<usize>,
-        base: &'static V,
-        start: &'static [i32],
-    ) -> Self {
+    pub const fn new_integer(name: &'static str, size: Option<usize>, base: &'static V, start: &'static [i32]) -> Self {
         Self::new(name, size, Kind::Integer { place: Place::of(base, start), start, min: i32::MIN, max: i32::MAX })
     }
 
@@ -318,15 +308,23 @@ macro_rules! __row {
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __size {
-    () => { None };
-    ($size:expr) => { Some($size) };
+    () => {
+        None
+    };
+    ($size:expr) => {
+        Some($size)
+    };
 }
 
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __elements {
-    ($field:expr) => { ::core::slice::from_ref($field) };
-    ($field:expr, $size:expr) => { $field };
+    ($field:expr) => {
+        ::core::slice::from_ref($field)
+    };
+    ($field:expr, $size:expr) => {
+        $field
+    };
 }
 
 #[doc(hidden)]
