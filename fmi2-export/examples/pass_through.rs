@@ -1,6 +1,6 @@
 //! The smallest FMU: its output is its input, sampled once in a period.
 
-use fmi2_export::{Env, Error, Info, Model, Start, Variable, export, real};
+use fmi2_export::{Env, Error, Info, Model, Start, Variable, export, package, real};
 use serde::{Deserialize, Serialize};
 
 #[derive(Clone, Serialize, Deserialize)]
@@ -20,7 +20,7 @@ impl Model for PassThrough {
         name: "PassThrough",
         identifier: "pass_through",
         description: "Gives its sampled input back",
-        ..Info::DEFAULT
+        ..package!()
     };
     type Vars = Vars;
     type State = ();

@@ -14,13 +14,16 @@ use crate::files::Files;
 use crate::hook;
 use crate::instance::Instance;
 use crate::logger::{Callback, Category, Logger};
+use crate::model::Host;
 use crate::phase::{Function, Status};
 use crate::resources;
-use crate::slave::{Slave, TakenState};
+use crate::slave::Slave;
+use crate::states::{self, TakenState};
 use crate::text::c_string;
 use std::cell::{Cell, UnsafeCell};
 use std::ffi::{CStr, CString, c_char, c_int, c_uint, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
 
 pub type fmi2Component = *mut c_void;
 pub type fmi2ComponentEnvironment = *mut c_void;
@@ -105,7 +108,7 @@ pub type DoStep = unsafe extern "C" fn(
     noSetFMUStatePriorToCurrentPoint: fmi2Boolean,
 ) -> fmi2Status;
 
-/// What a `fmi2Component` points to.
+/// What a `fmi2Component` points to; its address is the owner of the states it has made.
 struct Component {
     /// Set while a call runs, so that a logger that calls back finds a closed door. Not atomic:
     /// the standard forbids overlapping calls, and an atomic swap would cost more than the call.
@@ -137,7 +140,7 @@ fn with(component: fmi2Component, function: Function, body: impl FnOnce(&mut dyn
     let slave = unsafe { &mut *component.slave.get() };
     let status = match catch_unwind(AssertUnwindSafe(|| body(slave.as_mut()))) {
         Ok(status) => status.into(),
-        Err(_) => match catch_unwind(AssertUnwindSafe(|| slave.poison(function, &hook::last_panic()))) {
+        Err(_) => match catch_unwind(AssertUnwindSafe(|| slave.poison(function, &hook::take_panic()))) {
             Ok(()) => fmi2Error,
             Err(_) => fmi2Fatal,
         },
@@ -197,6 +200,8 @@ fn texts<'a>(pointer: *const fmi2String, count: usize) -> Option<Vec<&'a str>> {
 }
 
 const NULL_ARRAY: &str = "an array argument is NULL or impossibly long";
+const UNKNOWN_STATE: &str = "`FMUstate` is no state of this FMU, or it was freed, by itself or with its instance; \
+                             hint: a place for a new one starts with NULL";
 const BAD_STRING: &str = "a string argument is NULL or not UTF-8";
 
 /// A call with an array of value references and one of values.
@@ -245,7 +250,7 @@ pub unsafe fn instantiate<M: Exported>(
     guid: fmi2String,
     resources: fmi2String,
     functions: *const fmi2CallbackFunctions,
-    _visible: fmi2Boolean,
+    _: fmi2Boolean,
     logging: fmi2Boolean,
 ) -> fmi2Component {
     hook::install();
@@ -257,17 +262,30 @@ pub unsafe fn instantiate<M: Exported>(
             logger.send(Category::Error, format_args!("fmi2Instantiate: {reason}"));
             return std::ptr::null_mut();
         }
-        let instance = Instance::<M>::new(text(resources).and_then(resources::folder), logger);
+        let resources = folder(resources).unwrap_or_else(|reason| {
+            logger.send(Category::Warning, format_args!("fmi2Instantiate: {reason}"));
+            None
+        });
+        let instance = Instance::<M>::new(Host { name: name.to_owned(), resources, logger });
         let component = Component { busy: Cell::new(false), slave: UnsafeCell::new(Box::new(instance)) };
         Box::into_raw(Box::new(component)).cast()
     };
     catch_unwind(AssertUnwindSafe(instantiate)).unwrap_or(std::ptr::null_mut())
 }
 
+/// The resource folder behind a location, which may be NULL.
+fn folder(location: fmi2String) -> Result<Option<PathBuf>, String> {
+    if location.is_null() {
+        return Ok(None);
+    }
+    // SAFETY: the caller gives a string that ends with NUL.
+    resources::folder(unsafe { CStr::from_ptr(location) }.to_bytes())
+}
+
 /// Whether an instance may be made of these arguments.
 fn accept(name: &str, kind: fmi2Type, guid: Option<&str>, own: &str) -> Result<(), String> {
-    if name.is_empty() {
-        return Err("the instance name is empty or not UTF-8".to_owned());
+    if name.trim().is_empty() {
+        return Err("the instance name is empty, blank or not UTF-8".to_owned());
     }
     if kind != CO_SIMULATION {
         return Err(format!("the FMU type {kind} is not supported, only co-simulation ({CO_SIMULATION})"));
@@ -291,9 +309,10 @@ struct Importer {
 unsafe impl Send for Importer {}
 
 impl Importer {
-    /// Sends a ready text; '%' is doubled, for importers that take it for a printf format.
+    /// Sends a ready text; `%` is doubled, as the standard's logger is a printf, and `#`, which begins a reference to a
+    /// variable there.
     fn send(&self, status: Status, category: Category, message: &str) {
-        let (category, message) = (c_string(category.name()), c_string(message.replace('%', "%%")));
+        let (category, message) = (c_string(category.name()), c_string(message.replace('%', "%%").replace('#', "##")));
         // SAFETY: the importer's own function, with strings that live during the call.
         unsafe {
             (self.logger)(self.environment, self.instance.as_ptr(), status.into(), category.as_ptr(), message.as_ptr());
@@ -317,20 +336,24 @@ pub unsafe extern "C" fn fmi2FreeInstance(c: fmi2Component) {
     }
     // SAFETY: no call is running, and the caller does not use the pointer again.
     let component = unsafe { Box::from_raw(c.cast::<Component>()) };
-    let _ = catch_unwind(AssertUnwindSafe(|| drop(component)));
+    let _ = catch_unwind(AssertUnwindSafe(|| {
+        states::free_all_of(c.addr());
+        drop(component);
+    }));
 }
 
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2SetupExperiment(
     c: fmi2Component,
-    _toleranceDefined: fmi2Boolean,
-    _tolerance: fmi2Real,
+    toleranceDefined: fmi2Boolean,
+    tolerance: fmi2Real,
     startTime: fmi2Real,
     stopTimeDefined: fmi2Boolean,
     stopTime: fmi2Real,
 ) -> fmi2Status {
     with(c, Function::SetupExperiment, |slave| {
-        slave.setup_experiment(startTime, (stopTimeDefined != 0).then_some(stopTime))
+        let stop = (stopTimeDefined != 0).then_some(stopTime);
+        slave.setup_experiment((toleranceDefined != 0).then_some(tolerance), startTime, stop)
     })
 }
 
@@ -511,9 +534,8 @@ pub unsafe extern "C" fn fmi2FreeFMUstate(c: fmi2Component, FMUstate: *mut fmi2F
         // SAFETY: the caller gives a place for a state, or NULL, which is nothing to free.
         let Some(place) = (unsafe { FMUstate.as_mut() }) else { return Status::Ok };
         let state = std::mem::replace(place, std::ptr::null_mut());
-        if !state.is_null() {
-            // SAFETY: the state comes from this API and is not used again.
-            drop(unsafe { Box::from_raw(state.cast::<TakenState>()) });
+        if !state.is_null() && !states::free(state.addr()) {
+            return slave.refuse(Function::FreeFMUstate, Status::Error, UNKNOWN_STATE);
         }
         slave.permit(Function::FreeFMUstate)
     })
@@ -585,10 +607,10 @@ fn with_state(
     state: fmi2FMUstate,
     body: impl FnOnce(&mut dyn Slave, &TakenState) -> Status,
 ) -> fmi2Status {
-    // SAFETY: the caller gives a state from this API, or NULL.
-    with(component, function, |slave| match unsafe { state.cast::<TakenState>().as_ref() } {
-        Some(state) => body(slave, state),
-        None => slave.refuse(function, Status::Error, "`FMUstate` is NULL"),
+    with(component, function, |slave| match states::get(state.addr()) {
+        Some(state) => body(slave, &state),
+        None if state.is_null() => slave.refuse(function, Status::Error, "`FMUstate` is NULL"),
+        None => slave.refuse(function, Status::Error, UNKNOWN_STATE),
     })
 }
 
@@ -606,13 +628,11 @@ fn with_slot(
         };
         let mut slot = None;
         let status = body(slave, &mut slot);
-        if let Some(state) = slot {
-            if place.is_null() {
-                *place = Box::into_raw(Box::new(state)).cast();
-            } else {
-                // SAFETY: the place holds a state from this API, which is overwritten.
-                unsafe { *place.cast::<TakenState>() = state };
-            }
+        let Some(state) = slot else { return status };
+        if place.is_null() {
+            *place = std::ptr::without_provenance_mut(states::hold(component.addr(), state));
+        } else if !states::replace(place.addr(), state) {
+            return slave.refuse(function, Status::Error, UNKNOWN_STATE);
         }
         status
     })

@@ -14,8 +14,8 @@ const TIMING: [&str; 3] = [
      sample that lies in it, with the inputs set at t. Outputs are held between samples.",
     "Read the outputs after fmi2DoStep and apply them from t on, and the loop has no delay beside the sampling; a \
      master that applies them at t + h adds one communication step.",
-    "Real inputs may be given with their first derivatives (fmi2SetRealInputDerivatives); they are extrapolated to \
-     the samples inside the step.",
+    "Real inputs may be given with their derivatives of any order (fmi2SetRealInputDerivatives); they are extrapolated \
+     to the samples inside the step.",
 ];
 
 /// The whole page.
@@ -31,7 +31,9 @@ pub fn write<M: Model>() -> String {
     html.open("body", &[]);
     html.element("h1", info.name);
     html.element("p", info.description);
-    html.element("p", &format!("Version {}. Licence: {}.", info.version, info.license));
+    let facts = [("Version", info.version), ("Licence:", info.license)];
+    let facts = facts.iter().filter(|(_, fact)| !fact.is_empty()).map(|(what, fact)| format!("{what} {fact}."));
+    html.element("p", &facts.collect::<Vec<_>>().join(" "));
     html.element("h2", "Timing");
     TIMING.iter().for_each(|text| html.element("p", text));
     for (title, roles) in [

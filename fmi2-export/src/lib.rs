@@ -48,6 +48,12 @@
 //! tick that lies in it, with the inputs set at `t`; outputs are held between ticks.
 #![deny(unsafe_code)]
 
+#[cfg(panic = "abort")]
+compile_error!(
+    "an FMU catches the panics of its model: with `panic = \"abort\"` one would end the importer\n\
+     hint: remove `panic = \"abort\"` from the profile in `Cargo.toml`"
+);
+
 mod access;
 pub mod c_api;
 mod check;
@@ -70,6 +76,7 @@ mod resources;
 mod slave;
 mod slope;
 mod snapshot;
+mod states;
 mod text;
 pub mod units;
 mod variable;

@@ -1,10 +1,11 @@
 //! What a controller implements to become an FMU.
 
 use crate::logger::{Category, Logger};
+use crate::snapshot::Experiment;
 use crate::variable::Variable;
 use serde::{Serialize, de::DeserializeOwned};
 use std::fmt::{self, Display};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Facts about an FMU for its model description.
 #[derive(Clone, Copy, Debug)]
@@ -15,7 +16,7 @@ pub struct Info {
     pub identifier: &'static str,
     /// One sentence.
     pub description: &'static str,
-    /// Version of the model.
+    /// Version of the model; this and the three below may be empty.
     pub version: &'static str,
     /// Authors.
     pub author: &'static str,
@@ -33,18 +34,40 @@ pub struct Info {
 }
 
 impl Info {
-    /// Common values; name, identifier and description are still to be given.
+    /// Common values; name, identifier and description are still to be given. [`package!`](crate::package) knows more.
     pub const DEFAULT: Self = Self {
         name: "",
         identifier: "",
         description: "",
-        version: env!("CARGO_PKG_VERSION"),
-        author: "The Machining FMUs developers",
-        copyright: "Copyright (c) 2026 The Machining FMUs developers",
-        license: "MIT OR Apache-2.0",
+        version: "",
+        author: "",
+        copyright: "",
+        license: "",
         state_version: 1,
         stop_time: 1.0,
         step_size: 1e-3,
+    };
+}
+
+/// Facts about a model that the `Cargo.toml` of its package tells: identifier (the name of the library), description,
+/// version, authors, licence.
+///
+/// ```
+/// use fmi2_export::{Info, package};
+/// const INFO: Info = Info { name: "Spring", description: "A sampled spring", ..package!() };
+/// ```
+#[macro_export]
+macro_rules! package {
+    () => {
+        $crate::Info {
+            identifier: env!("CARGO_CRATE_NAME"),
+            description: env!("CARGO_PKG_DESCRIPTION"),
+            version: env!("CARGO_PKG_VERSION"),
+            author: env!("CARGO_PKG_AUTHORS"),
+            copyright: concat!("Copyright (c) ", env!("CARGO_PKG_AUTHORS")),
+            license: env!("CARGO_PKG_LICENSE"),
+            ..$crate::Info::DEFAULT
+        }
     };
 }
 
@@ -59,9 +82,9 @@ pub trait Model: Sized + 'static {
     /// Facts for the model description.
     const INFO: Info;
     /// All variables of the FMU, as plain fields.
-    type Vars: Start + Clone + Serialize + DeserializeOwned + Send + 'static;
+    type Vars: Start + Clone + Serialize + DeserializeOwned + Send + Sync + 'static;
     /// Hidden state between samples.
-    type State: Clone + Serialize + DeserializeOwned + Send + 'static;
+    type State: Clone + Serialize + DeserializeOwned + Send + Sync + 'static;
     /// The variable table; value references are the positions in it.
     const VARIABLES: &'static [Variable<Self::Vars>];
 
@@ -87,8 +110,15 @@ pub trait Model: Sized + 'static {
 /// What a model sees of the world beside its variables.
 pub struct Env<'a> {
     pub(crate) time: f64,
-    pub(crate) resources: Option<&'a Path>,
-    pub(crate) logger: &'a Logger,
+    pub(crate) experiment: Experiment,
+    pub(crate) host: &'a Host,
+}
+
+/// What the importer has told an instance when it was made.
+pub(crate) struct Host {
+    pub name: String,
+    pub resources: Option<PathBuf>,
+    pub logger: Logger,
 }
 
 impl Env<'_> {
@@ -97,19 +127,34 @@ impl Env<'_> {
         self.time
     }
 
+    /// Relative tolerance that the importer suggests for iterations and integrations of the model, if it does.
+    pub fn tolerance(&self) -> Option<f64> {
+        self.experiment.tolerance
+    }
+
+    /// End of the experiment, s, if the importer knows it.
+    pub fn stop_time(&self) -> Option<f64> {
+        Some(self.experiment.stop).filter(|stop| stop.is_finite())
+    }
+
+    /// What the importer calls this instance.
+    pub fn instance_name(&self) -> &str {
+        &self.host.name
+    }
+
     /// The folder `resources` of the FMU, if the importer told it.
     pub fn resources(&self) -> Option<&Path> {
-        self.resources
+        self.host.resources.as_deref()
     }
 
     /// Tells a change of state; shown when the importer switches events on.
     pub fn event(&self, text: impl Display) {
-        self.logger.send(Category::Events, format_args!("t = {} s: {text}", self.time));
+        self.host.logger.send(Category::Events, format_args!("t = {} s: {text}", self.time));
     }
 
-    /// Tells something that deserves a look; always shown.
+    /// Tells something that deserves a look; the call of the importer ends with fmi2Warning.
     pub fn warn(&self, text: impl Display) {
-        self.logger.send(Category::Warning, format_args!("t = {} s: {text}", self.time));
+        self.host.logger.send(Category::Warning, format_args!("t = {} s: {text}", self.time));
     }
 }
 

@@ -3,6 +3,7 @@
 use crate::clock::Clock;
 use crate::hash::{self, GUID};
 use crate::phase::Phase;
+use crate::slope::Derivative;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 /// Everything that changes in an instance: taken, put back and serialised as one.
@@ -14,8 +15,8 @@ pub struct Snapshot<V, S> {
     pub running: Option<Running<S>>,
     /// Start and stop time, once fmi2SetupExperiment has told them.
     pub experiment: Option<Experiment>,
-    /// First derivatives of Real inputs for the next step, by value reference.
-    pub slopes: Vec<(u32, f64)>,
+    /// Derivatives of Real inputs for the next step.
+    pub derivatives: Vec<Derivative>,
 }
 
 /// The part that exists between initialization and reset.
@@ -31,6 +32,7 @@ pub struct Running<S> {
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Experiment {
     pub start: f64,
+    pub tolerance: Option<f64>,
     /// Infinity when there is none.
     pub stop: f64,
 }

@@ -8,6 +8,7 @@ use std::time::SystemTime;
 
 pub type Status = c_int;
 pub const OK: Status = 0;
+pub const WARNING: Status = 1;
 pub const DISCARD: Status = 2;
 pub const ERROR: Status = 3;
 
