@@ -6,7 +6,7 @@
 //! whole C API of FMI 2.0.5 for co-simulation.
 //!
 //! ```
-//! use fmi2_export::{Env, Error, Info, Model, Start, Variable, export, real, units};
+//! use fmi2_export::{Env, Error, Info, Model, Start, Variable, export, package, real, units};
 //! use serde::{Deserialize, Serialize};
 //!
 //! #[derive(Clone, Serialize, Deserialize)]
@@ -21,7 +21,7 @@
 //! impl Model for Spring {
 //!     const INFO: Info = Info {
 //!         name: "Spring", identifier: "spring", description: "A sampled spring",
-//!         step_size: 1e-3, ..Info::DEFAULT
+//!         step_size: 1e-3, ..package!()
 //!     };
 //!     type Vars = Vars;
 //!     type State = ();
