@@ -42,7 +42,7 @@
 //! # fn main() {}
 //! ```
 //!
-//! All `unsafe` code is in [`c_api`] and `place`; every other module is safe Rust.
+//! All `unsafe` code is in [`c_api`] and `table::place`; every other module is safe Rust.
 //!
 //! Timing: the model ticks at `start + n * period`. A communication step `[t, t + h)` runs every
 //! tick that lies in it, with the inputs set at `t`; outputs are held between ticks.
@@ -54,50 +54,30 @@ compile_error!(
      hint: remove `panic = \"abort\"` from the profile in `Cargo.toml`"
 );
 
-mod access;
 pub mod c_api;
-mod check;
-mod clock;
-mod documentation;
-mod enumeration;
+mod description;
 mod export;
-mod files;
-mod guid;
-mod hash;
-mod hook;
-mod index;
+mod host;
 mod instance;
-mod logger;
 mod model;
-mod model_description;
-mod phase;
-mod place;
-mod resources;
-mod slave;
-mod slope;
-mod snapshot;
-mod states;
-mod text;
-pub mod units;
-mod variable;
-mod xml;
+mod table;
 
-pub use enumeration::{EnumType, Enumeration, Item};
 pub use model::{Env, Error, Info, Model, Start};
-pub use units::{DisplayUnit, Unit};
-pub use variable::Variable;
+pub use table::enumeration::{EnumType, Enumeration, Item};
+pub use table::units::{self, DisplayUnit, Unit};
+pub use table::variable::Variable;
 
 /// What the code that [`export!`] makes works with.
 #[doc(hidden)]
 pub mod __private {
+    pub use crate::description::files::Files;
     pub use crate::export::Exported;
-    pub use crate::files::Files;
-    pub use crate::guid::of as guid;
-    pub use crate::index::{Entry, Index, computed, count, entries};
+    pub use crate::table::guid::of as guid;
+    pub use crate::table::index::{Entry, Index, computed, count, entries};
 
     /// Checks a model's table and facts; a wrong one does not compile.
     pub const fn check<M: crate::Model>() {
-        crate::check::table(M::VARIABLES);
-        crate::check::info(&M::INFO);
+        crate::table::check::table(M::VARIABLES);
+        crate::table::check::info(&M::INFO);
     }
 }

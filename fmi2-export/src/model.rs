@@ -1,9 +1,8 @@
 //! What a controller implements to become an FMU.
 
-use crate::logger::{Category, Logger};
-use crate::snapshot::Experiment;
-use crate::variable::Variable;
-use serde::{Serialize, de::DeserializeOwned};
+use crate::host::logger::{Category, Logger};
+use crate::table::variable::Variable;
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use std::fmt::{self, Display};
 use std::path::{Path, PathBuf};
 
@@ -119,6 +118,15 @@ pub(crate) struct Host {
     pub name: String,
     pub resources: Option<PathBuf>,
     pub logger: Logger,
+}
+
+/// What fmi2SetupExperiment told.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(crate) struct Experiment {
+    pub start: f64,
+    pub tolerance: Option<f64>,
+    /// Infinity when there is none.
+    pub stop: f64,
 }
 
 impl Env<'_> {

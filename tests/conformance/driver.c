@@ -80,7 +80,8 @@ static void step(fmi2Component c, int first) {
         const fmi2Real value = 1e-6 * k;
         fmi2Real read = 0.0;
         OK(set_real(c, &input, 1, &value));
-        OK(do_step(c, 1e-3 * k, 1e-3, fmi2False));
+        /* a controller may warn of a fault that it sees in these inputs */
+        check(do_step(c, 1e-3 * k, 1e-3, fmi2False) <= fmi2Warning, "do_step");
         OK(get_real(c, &input, 1, &read));
         check(read == value, "the input was not kept");
     }

@@ -1,4 +1,4 @@
-//! The C API of fmi2-export is that of the official headers: cbindgen writes a header from `src/c_api.rs`, and a C
+//! The C API of fmi2-export is that of the official headers: cbindgen writes a header from `src/c_api`, and a C
 //! compiler compares it with the standard's. Functions that `export!` makes have types there, to which rustc holds them.
 //! Mutations of the source show that it would notice.
 #![cfg(unix)]
@@ -7,6 +7,7 @@
 mod common;
 
 use common::Fmu;
+use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -77,14 +78,23 @@ fn fmpy() -> PathBuf {
     found.expect("FMPy with the official FMI headers is not installed\nhint: run `cargo xtask setup`")
 }
 
-fn source() -> String {
-    fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../src/c_api.rs")).unwrap()
+/// Names and texts of the files that make the C API.
+type Source = Vec<(OsString, String)>;
+
+fn source() -> Source {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../src/c_api");
+    // `mod.rs` would make cbindgen read the others twice
+    let files = fs::read_dir(folder).unwrap().map(Result::unwrap).filter(|file| file.file_name() != "mod.rs");
+    files.map(|file| (file.file_name(), fs::read_to_string(file.path()).unwrap())).collect()
 }
 
-/// `names.h` and `layout.h` of a source text, in a folder.
-fn generate(source: &str, folder: &Path) {
-    let file = folder.join("c_api.rs");
-    fs::write(&file, source).unwrap();
+/// `names.h` and `layout.h` of a source, in a folder.
+fn generate(source: &Source, folder: &Path) {
+    let mut builder = cbindgen::Builder::new();
+    for (name, text) in source {
+        fs::write(folder.join(name), text).unwrap();
+        builder = builder.with_src(folder.join(name));
+    }
     let mut config = cbindgen::Config {
         language: cbindgen::Language::C,
         usize_is_size_t: true,
@@ -96,8 +106,7 @@ fn generate(source: &str, folder: &Path) {
     config.export.include = CALLBACKS.iter().chain(&MADE_FOR_A_MODEL).map(ToString::to_string).collect();
     config.export.exclude = DEFINED_TWICE.map(str::to_owned).to_vec();
     let write = |config: cbindgen::Config, name| {
-        let bindings = cbindgen::Builder::new().with_config(config).with_src(&file).generate().unwrap();
-        bindings.write_to_file(folder.join(name))
+        builder.clone().with_config(config).generate().unwrap().write_to_file(folder.join(name))
     };
     write(config.clone(), "names.h");
     config.export.exclude.clear();
@@ -127,7 +136,7 @@ fn compile(folder: &Path, compiler: &[&str], text: &str, suffix: &str) -> Result
 }
 
 /// Compares a source with the official headers, prototypes and layout, in C.
-fn compare(source: &str) -> Result<(), String> {
+fn compare(source: &Source) -> Result<(), String> {
     let folder = tempfile::tempdir().unwrap();
     generate(source, folder.path());
     compile(folder.path(), &["cc", "-std=c11"], NAMES, "c")?;
@@ -159,10 +168,10 @@ fn a_cpp_compiler_agrees() {
 }
 
 /// Applies one change to the source; it must be there exactly once.
-fn mutate(from: &str, to: &str) -> String {
+fn mutate(from: &str, to: &str) -> Source {
     let source = source();
-    assert_eq!(source.matches(from).count(), 1, "`{from}`");
-    source.replacen(from, to, 1)
+    assert_eq!(source.iter().map(|(_, text)| text.matches(from).count()).sum::<usize>(), 1, "`{from}`");
+    source.into_iter().map(|(name, text)| (name, text.replacen(from, to, 1))).collect()
 }
 
 #[test]

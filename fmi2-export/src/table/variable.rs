@@ -1,8 +1,8 @@
 //! The variable table: one row per variable, written once, checked when it is compiled.
 
-use crate::enumeration::EnumType;
-use crate::place::Place;
-use crate::units::Unit;
+use crate::table::enumeration::EnumType;
+use crate::table::place::Place;
+use crate::table::units::Unit;
 
 /// One row of the table: name, accessors, role, unit, range, start value and text.
 ///

@@ -1,12 +1,12 @@
 //! `modelDescription.xml` from the variable table (FMI 2.0.5, chapter 2.2, in schema order).
 
-use crate::enumeration::EnumType;
+use crate::description::xml::{Writer, real};
 use crate::export::Exported;
-use crate::logger::Category;
+use crate::host::logger::Category;
 use crate::model::Info;
-use crate::units::{self, Unit};
-use crate::variable::{Kind, Role, Variable};
-use crate::xml::{Writer, real};
+use crate::table::enumeration::EnumType;
+use crate::table::units::{self, Unit};
+use crate::table::variable::{Kind, Role, Variable};
 
 /// The document.
 pub fn write<M: Exported>() -> String {

@@ -1,18 +1,25 @@
 //! One instance of a model: phases, values, steps and states; safe, and the same for every model.
 
-use crate::access::{Refusal, Scalar, Value};
-use crate::clock::{Clock, MAX_TICKS};
+mod access;
+mod clock;
+pub mod slave;
+mod slope;
+mod snapshot;
+pub mod states;
+
 use crate::export::Exported;
-use crate::index::Entry;
-use crate::logger::Category;
-use crate::model::{Env, Host, Model, Start};
-use crate::phase::{Function, Phase, Status};
-use crate::slave::Slave;
-use crate::slope::{Derivative, Slope};
-use crate::snapshot::{self, Experiment, Running, Snapshot};
-use crate::states::TakenState;
-use crate::text::c_string;
-use crate::variable::{Kind, Role, Variable};
+use crate::host::logger::Category;
+use crate::host::phase::{Function, Phase, Status};
+use crate::host::text::c_string;
+use crate::instance::access::{Refusal, Scalar, Value};
+use crate::instance::clock::{Clock, MAX_TICKS};
+use crate::instance::slave::Slave;
+use crate::instance::slope::{Derivative, Slope};
+use crate::instance::snapshot::{Running, Snapshot};
+use crate::instance::states::TakenState;
+use crate::model::{Env, Experiment, Host, Model, Start};
+use crate::table::index::Entry;
+use crate::table::variable::{Kind, Role, Variable};
 use std::ffi::{CStr, CString};
 use std::fmt::Display;
 use std::sync::Arc;

@@ -1,6 +1,6 @@
 //! Inputs with derivatives: extrapolated to the samples inside a communication step.
 
-use crate::place::Place;
+use crate::table::place::Place;
 use serde::{Deserialize, Serialize};
 
 /// A derivative of a Real input.

@@ -1,11 +1,11 @@
 //! The GUID: a constant hash of everything the model description and the state bytes are made of, so that it can be read
 //! from a binary of any platform without running it.
 
-use crate::enumeration::EnumType;
-use crate::hash::{self, GUID, fnv1a};
 use crate::model::{Info, Model};
-use crate::units::Unit;
-use crate::variable::{Kind, Real, Role, Variable};
+use crate::table::enumeration::EnumType;
+use crate::table::hash::{self, GUID, fnv1a};
+use crate::table::units::Unit;
+use crate::table::variable::{Kind, Real, Role, Variable};
 
 /// GUID of a model.
 pub const fn of<M: Model>() -> [u8; GUID] {

@@ -1,7 +1,7 @@
 //! Typed reading, checking and writing of a variable.
 
-use crate::phase::Status;
-use crate::variable::{Kind, Real, Variable};
+use crate::host::phase::Status;
+use crate::table::variable::{Kind, Real, Variable};
 use std::fmt::{Debug, Display};
 
 /// Why a call was refused, and how badly. Boxed, so that the answer of a good call fits a register.

@@ -1,9 +1,9 @@
 //! Checks of a model's table and facts, made when it is compiled: a wrong one does not compile.
 
-use crate::enumeration::EnumType;
 use crate::model::Info;
-use crate::units::Unit;
-use crate::variable::{Kind, Real, Role, Variable};
+use crate::table::enumeration::EnumType;
+use crate::table::units::Unit;
+use crate::table::variable::{Kind, Real, Role, Variable};
 
 /// Refuses a wrong variable table.
 pub const fn table<V>(table: &[Variable<V>]) {

@@ -1,9 +1,10 @@
 //! The whole state of an instance, and its form as bytes.
 
-use crate::clock::Clock;
-use crate::hash::{self, GUID};
-use crate::phase::Phase;
-use crate::slope::Derivative;
+use crate::host::phase::Phase;
+use crate::instance::clock::Clock;
+use crate::instance::slope::Derivative;
+use crate::model::Experiment;
+use crate::table::hash::{self, GUID};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 /// Everything that changes in an instance: taken, put back and serialised as one.
@@ -26,15 +27,6 @@ pub struct Running<S> {
     pub clock: Clock,
     /// The communication point reached, as the master counts, s.
     pub time: f64,
-}
-
-/// What fmi2SetupExperiment told.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub struct Experiment {
-    pub start: f64,
-    pub tolerance: Option<f64>,
-    /// Infinity when there is none.
-    pub stop: f64,
 }
 
 const MAGIC: &[u8; 8] = b"FMU2ST\x01\n";

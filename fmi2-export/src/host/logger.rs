@@ -1,6 +1,6 @@
 //! Messages to the master: ready texts in declared categories.
 
-use crate::phase::Status;
+use crate::host::phase::Status;
 use std::cell::Cell;
 use std::fmt::Display;
 

@@ -1,7 +1,7 @@
 //! An instance as the C API sees it, whatever its model.
 
-use crate::phase::{Function, Status};
-use crate::states::TakenState;
+use crate::host::phase::{Function, Status};
+use crate::instance::states::TakenState;
 use std::ffi::CStr;
 
 /// An instance as the C API sees it. Every method answers with a status and tells a reason.

@@ -1,10 +1,10 @@
 //! `documentation/index.html`: the variable table for people.
 
-use crate::logger::Category;
+use crate::description::model_description::used_types;
+use crate::description::xml::Writer;
+use crate::host::logger::Category;
 use crate::model::Model;
-use crate::model_description::used_types;
-use crate::variable::{Kind, Role, Variable};
-use crate::xml::Writer;
+use crate::table::variable::{Kind, Role, Variable};
 
 const STYLE: &str = "body{font-family:sans-serif;margin:2em;max-width:75em}\
 table{border-collapse:collapse}td,th{border:1px solid silver;padding:.2em .6em;text-align:left;vertical-align:top}";

@@ -1,0 +1,6 @@
+//! The files that a library describes itself with.
+
+pub mod documentation;
+pub mod files;
+pub mod model_description;
+mod xml;
