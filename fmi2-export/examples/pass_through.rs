@@ -1,6 +1,6 @@
 //! The smallest FMU: its output is its input, sampled once in a period.
 
-use fmi2_export::{Env, Error, Info, Interface, Model, Variable, export};
+use fmi2_export::{Env, Error, Info, Interface, Model, Variable, export, package};
 use variables::Vars;
 
 #[fmi2_export::interface]
@@ -25,7 +25,7 @@ impl Model for PassThrough {
         name: "PassThrough",
         identifier: "pass_through",
         description: "Gives its sampled input back",
-        ..Info::DEFAULT
+        ..package!()
     };
     type Vars = Vars;
     type State = ();

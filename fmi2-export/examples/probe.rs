@@ -2,8 +2,8 @@
 //! work on it, and it shows the whole export interface in one place.
 
 use fmi2_export::serde::{Deserialize, Serialize};
-use fmi2_export::{Env, Error, Info, Interface, Model, Variable, export};
-use variables::{Failure, Limits, Mode, Output, Vars};
+use fmi2_export::{Env, Error, Info, Interface, Model, Variable, export, package};
+use variables::{Failure, Limits, Mode, Output, Parameters, Vars};
 
 #[fmi2_export::interface]
 mod variables {
@@ -125,7 +125,7 @@ impl Model for Probe {
         name: "Probe",
         identifier: "probe",
         description: "Every kind of variable & every kind of failure",
-        ..Info::DEFAULT
+        ..package!()
     };
     type Vars = Vars;
     type State = State;
@@ -154,7 +154,7 @@ impl Model for Probe {
             Mode::Hold => output.force,
             Mode::Follow => parameters.gain * input.position + parameters.bias.iter().sum::<f64>(),
         };
-        fail(parameters.failure, output, env)?;
+        fail(parameters, output, env)?;
         output.force = output.force.clamp(parameters.limits.low, parameters.limits.high);
         state.sum += output.force;
         state.ticks += 1;
@@ -168,18 +168,19 @@ impl Model for Probe {
     }
 }
 
-fn fail(failure: Failure, output: &mut Output, env: &Env) -> Result<(), Error> {
-    match failure {
+fn fail(parameters: &Parameters, output: &mut Output, env: &Env) -> Result<(), Error> {
+    match parameters.failure {
         Failure::None => Ok(()),
         Failure::Error => Err("provoked error".into()),
-        Failure::Panic => panic!("provoked panic"),
+        Failure::Panic => panic!("provoked panic of {}", parameters.label),
         Failure::NotANumber => {
             output.force = f64::NAN;
             Ok(())
         }
         Failure::Warn => {
             env.warn("50 % of a warning");
-            env.event("an event");
+            let (name, end, tolerance) = (env.instance_name(), env.stop_time(), env.tolerance());
+            env.event(format_args!("an event of {name}, stop time {end:?}, tolerance {tolerance:?}"));
             Ok(())
         }
     }

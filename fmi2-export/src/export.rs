@@ -1,8 +1,8 @@
 //! What a shared library offers: `export!` makes the tables of its model and the functions that are compiled for it.
 
-use crate::hash::GUID;
-use crate::index::Index;
 use crate::model::Model;
+use crate::table::hash::GUID;
+use crate::table::index::Index;
 
 /// A model with the constants that [`export!`](crate::export) makes of its table; every library holds one.
 pub trait Exported: Model {

@@ -6,7 +6,7 @@
 //! whole C API of FMI 2.0.5 for co-simulation.
 //!
 //! ```
-//! use fmi2_export::{Env, Error, Info, Model, Start, Variable, export, real, units};
+//! use fmi2_export::{Env, Error, Info, Model, Start, Variable, export, package, real, units};
 //! use serde::{Deserialize, Serialize};
 //!
 //! #[derive(Clone, Serialize, Deserialize)]
@@ -21,7 +21,7 @@
 //! impl Model for Spring {
 //!     const INFO: Info = Info {
 //!         name: "Spring", identifier: "spring", description: "A sampled spring",
-//!         step_size: 1e-3, ..Info::DEFAULT
+//!         step_size: 1e-3, ..package!()
 //!     };
 //!     type Vars = Vars;
 //!     type State = ();
@@ -42,61 +42,47 @@
 //! # fn main() {}
 //! ```
 //!
-//! All `unsafe` code is in [`c_api`] and `place`; every other module is safe Rust.
+//! All `unsafe` code is in [`c_api`] and `table::place`; every other module is safe Rust.
 //!
 //! Timing: the model ticks at `start + n * period`. A communication step `[t, t + h)` runs every
 //! tick that lies in it, with the inputs set at `t`; outputs are held between ticks.
 #![deny(unsafe_code)]
 
-mod access;
-pub mod c_api;
-mod check;
-mod clock;
-mod documentation;
-mod enumeration;
-mod export;
-mod files;
-mod guid;
-mod hash;
-mod hook;
-mod index;
-mod instance;
-mod logger;
-mod model;
-mod model_description;
-mod phase;
-mod place;
-mod readme;
-mod resources;
-mod slave;
-mod slope;
-mod snapshot;
-mod text;
-pub mod units;
-mod variable;
-mod xml;
+#[cfg(panic = "abort")]
+compile_error!(
+    "an FMU catches the panics of its model: with `panic = \"abort\"` one would end the importer\n\
+     hint: remove `panic = \"abort\"` from the profile in `Cargo.toml`"
+);
 
-#[doc(hidden)]
-pub use check::variable as check_variable;
-pub use enumeration::{EnumType, Enumeration, Item};
+pub mod c_api;
+mod description;
+mod export;
+mod host;
+mod instance;
+mod model;
+mod table;
+
+pub use description::readme::{assert_readme, markdown};
 pub use fmi2_export_macros::interface;
 pub use model::{Env, Error, Info, Interface, Model, Start};
-pub use readme::{assert_readme, markdown};
 pub use serde;
-pub use units::{DisplayUnit, Unit};
-pub use variable::Variable;
+#[doc(hidden)]
+pub use table::check::variable as check_variable;
+pub use table::enumeration::{EnumType, Enumeration, Item};
+pub use table::units::{self, DisplayUnit, Unit};
+pub use table::variable::Variable;
 
 /// What the code that [`export!`] makes works with.
 #[doc(hidden)]
 pub mod __private {
+    pub use crate::description::files::Files;
     pub use crate::export::Exported;
-    pub use crate::files::Files;
-    pub use crate::guid::of as guid;
-    pub use crate::index::{Entry, Index, computed, count, entries};
+    pub use crate::table::guid::of as guid;
+    pub use crate::table::index::{Entry, Index, computed, count, entries};
 
     /// Checks a model's table and facts; a wrong one does not compile.
     pub const fn check<M: crate::Model>() {
-        crate::check::table(M::VARIABLES);
-        crate::check::info(&M::INFO);
+        crate::table::check::table(M::VARIABLES);
+        crate::table::check::info(&M::INFO);
     }
 }

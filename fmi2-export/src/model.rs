@@ -1,11 +1,11 @@
 //! What a controller implements to become an FMU.
 
-use crate::enumeration::{Enumeration, Item};
-use crate::logger::{Category, Logger};
-use crate::variable::Variable;
-use serde::{Serialize, de::DeserializeOwned};
+use crate::host::logger::{Category, Logger};
+use crate::table::enumeration::{Enumeration, Item};
+use crate::table::variable::Variable;
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use std::fmt::{self, Display};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Facts about an FMU for its model description.
 #[derive(Clone, Copy, Debug)]
@@ -16,7 +16,7 @@ pub struct Info {
     pub identifier: &'static str,
     /// One sentence.
     pub description: &'static str,
-    /// Version of the model.
+    /// Version of the model; this and the three below may be empty.
     pub version: &'static str,
     /// Authors.
     pub author: &'static str,
@@ -34,18 +34,40 @@ pub struct Info {
 }
 
 impl Info {
-    /// Common values; name, identifier and description are still to be given.
+    /// Common values; name, identifier and description are still to be given. [`package!`](crate::package) knows more.
     pub const DEFAULT: Self = Self {
         name: "",
         identifier: "",
         description: "",
-        version: env!("CARGO_PKG_VERSION"),
-        author: "The Machining FMUs developers",
-        copyright: "Copyright (c) 2026 The Machining FMUs developers",
-        license: "MIT OR Apache-2.0",
+        version: "",
+        author: "",
+        copyright: "",
+        license: "",
         state_version: 1,
         stop_time: 1.0,
         step_size: 1e-3,
+    };
+}
+
+/// Facts about a model that the `Cargo.toml` of its package tells: identifier (the name of the library), description,
+/// version, authors, licence.
+///
+/// ```
+/// use fmi2_export::{Info, package};
+/// const INFO: Info = Info { name: "Spring", description: "A sampled spring", ..package!() };
+/// ```
+#[macro_export]
+macro_rules! package {
+    () => {
+        $crate::Info {
+            identifier: env!("CARGO_CRATE_NAME"),
+            description: env!("CARGO_PKG_DESCRIPTION"),
+            version: env!("CARGO_PKG_VERSION"),
+            author: env!("CARGO_PKG_AUTHORS"),
+            copyright: concat!("Copyright (c) ", env!("CARGO_PKG_AUTHORS")),
+            license: env!("CARGO_PKG_LICENSE"),
+            ..$crate::Info::DEFAULT
+        }
     };
 }
 
@@ -72,9 +94,9 @@ pub trait Model: Sized + 'static {
     /// Facts for the model description.
     const INFO: Info;
     /// All variables of the FMU, as plain fields.
-    type Vars: Start + Clone + Serialize + DeserializeOwned + Send + 'static;
+    type Vars: Start + Clone + Serialize + DeserializeOwned + Send + Sync + 'static;
     /// Hidden state between samples.
-    type State: Clone + Serialize + DeserializeOwned + Send + 'static;
+    type State: Clone + Serialize + DeserializeOwned + Send + Sync + 'static;
     /// The variable table; value references are the positions in it.
     const VARIABLES: &'static [Variable<Self::Vars>];
 
@@ -100,8 +122,24 @@ pub trait Model: Sized + 'static {
 /// What a model sees of the world beside its variables.
 pub struct Env<'a> {
     pub(crate) time: f64,
-    pub(crate) resources: Option<&'a Path>,
-    pub(crate) logger: &'a Logger,
+    pub(crate) experiment: Experiment,
+    pub(crate) host: &'a Host,
+}
+
+/// What the importer has told an instance when it was made.
+pub(crate) struct Host {
+    pub name: String,
+    pub resources: Option<PathBuf>,
+    pub logger: Logger,
+}
+
+/// What fmi2SetupExperiment told.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(crate) struct Experiment {
+    pub start: f64,
+    pub tolerance: Option<f64>,
+    /// Infinity when there is none.
+    pub stop: f64,
 }
 
 impl Env<'_> {
@@ -110,14 +148,29 @@ impl Env<'_> {
         self.time
     }
 
+    /// Relative tolerance that the importer suggests for iterations and integrations of the model, if it does.
+    pub fn tolerance(&self) -> Option<f64> {
+        self.experiment.tolerance
+    }
+
+    /// End of the experiment, s, if the importer knows it.
+    pub fn stop_time(&self) -> Option<f64> {
+        Some(self.experiment.stop).filter(|stop| stop.is_finite())
+    }
+
+    /// What the importer calls this instance.
+    pub fn instance_name(&self) -> &str {
+        &self.host.name
+    }
+
     /// The folder `resources` of the FMU, if the importer told it.
     pub fn resources(&self) -> Option<&Path> {
-        self.resources
+        self.host.resources.as_deref()
     }
 
     /// Tells a change of state; shown when the importer switches events on.
     pub fn event(&self, text: impl Display) {
-        self.logger.send(Category::Events, format_args!("t = {} s: {text}", self.time));
+        self.host.logger.send(Category::Events, format_args!("t = {} s: {text}", self.time));
     }
 
     /// Tells a new fault, else a new state, with meaning and hint as the enumerations describe them; the first item of
@@ -139,9 +192,9 @@ impl Env<'_> {
         }
     }
 
-    /// Tells something that deserves a look; always shown.
+    /// Tells something that deserves a look; the call of the importer ends with fmi2Warning.
     pub fn warn(&self, text: impl Display) {
-        self.logger.send(Category::Warning, format_args!("t = {} s: {text}", self.time));
+        self.host.logger.send(Category::Warning, format_args!("t = {} s: {text}", self.time));
     }
 }
 

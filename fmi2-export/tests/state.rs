@@ -62,6 +62,15 @@ fn a_state_moves_to_another_instance_and_leaves_the_first_alone() {
 }
 
 #[test]
+fn a_state_ends_with_the_instance_that_made_it() {
+    let fmu = Fmu::probe();
+    let (one, other) = (halfway(&fmu), Instance::new(&fmu));
+    let state = one.take_state();
+    drop(one);
+    other.refused(other.put_state(state), ERROR, &["fmi2SetFMUstate", "freed"]);
+}
+
+#[test]
 fn a_place_that_holds_a_state_is_used_again() {
     let fmu = Fmu::probe();
     let instance = halfway(&fmu);

@@ -4,6 +4,7 @@
 mod common;
 
 use common::*;
+use std::ffi::CString;
 use std::sync::Barrier;
 
 const THREADS: u32 = 8;
@@ -78,12 +79,17 @@ fn panics_on_several_threads_keep_their_instances_apart() {
         for number in 0..THREADS {
             let fmu = &fmu;
             scope.spawn(move || {
+                let label = format!("thread {number}");
                 for _ in 0..20 {
-                    let instance = Instance::started(fmu);
+                    let instance = Instance::in_phase(fmu, Phase::Initialization);
+                    assert_eq!(instance.set_texts(&["label"], &[&CString::new(label.as_str()).unwrap()]), OK);
                     assert_eq!(instance.set_integer("failure", if number % 2 == 0 { 3 } else { 1 }), OK);
+                    assert_eq!(instance.exit(), OK);
                     let (wanted, count) = if number % 2 == 0 { (ERROR, 1) } else { (OK, 0) };
                     assert_eq!(instance.step(0.0, 1e-3), wanted);
-                    assert_eq!(instance.messages().len(), count);
+                    let messages = instance.messages();
+                    assert_eq!(messages.len(), count);
+                    assert!(messages.iter().all(|message| message.text.contains(&label)), "{label}: {messages:?}");
                 }
             });
         }

@@ -139,11 +139,10 @@ impl Model for Centering {
         identifier: "fmu_centering",
         description: "Centres a ring on a rotating table by pushes of a slide with a probe (Mears et al., Design of \
                       a Flexible Centering Tooling System, 2007)",
-        version: env!("CARGO_PKG_VERSION"),
         state_version: 1,
         stop_time: 60.0,
         step_size: 1e-3,
-        ..Info::DEFAULT
+        ..fmi2_export::package!()
     };
     type Vars = Vars;
     type State = Controller;

@@ -129,11 +129,10 @@ impl Model for Deburr {
         identifier: "fmu_deburr",
         description: "Drives a six-axis deburring robot with cutting-load control and interpolated repetitive control \
                       (Kimura, Mukai and Kobayashi)",
-        version: env!("CARGO_PKG_VERSION"),
         state_version: 1,
         stop_time: 10.0,
         step_size: 0.01,
-        ..Info::DEFAULT
+        ..fmi2_export::package!()
     };
     type Vars = Vars;
     type State = Controller;

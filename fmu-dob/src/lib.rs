@@ -134,11 +134,10 @@ impl Model for Dob {
         identifier: "fmu_dob",
         description: "Detects the contact of a micro tool without a sensor, from the disturbance observer of the \
                       stage (Kakinuma and Nagakari, CIRP Annals 66, 2017)",
-        version: env!("CARGO_PKG_VERSION"),
         state_version: 1,
         stop_time: 2.0,
         step_size: 1e-4,
-        ..Info::DEFAULT
+        ..fmi2_export::package!()
     };
     type Vars = Vars;
     type State = Controller;

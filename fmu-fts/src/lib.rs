@@ -170,11 +170,10 @@ impl Model for Fts {
         identifier: "fmu_fts",
         description: "Drives the arm of a rotary fast tool servo that turns toric lenses (Ludwick, Chargin, \
                       Calzaretta and Trumper, 1999)",
-        version: env!("CARGO_PKG_VERSION"),
         state_version: 1,
         stop_time: 2.0,
         step_size: 1e-4,
-        ..Info::DEFAULT
+        ..fmi2_export::package!()
     };
     type Vars = Vars;
     type State = Controller;

@@ -130,11 +130,10 @@ impl Model for Polish {
         identifier: "fmu_polish",
         description: "Polishes a mold along CL data with controlled force and stick-slip motion (Nagata and others, \
                       AROB 2010)",
-        version: env!("CARGO_PKG_VERSION"),
         state_version: 1,
         stop_time: 60.0,
         step_size: 1e-3,
-        ..Info::DEFAULT
+        ..fmi2_export::package!()
     };
     type Vars = Vars;
     type State = Controller;

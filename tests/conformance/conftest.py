@@ -6,6 +6,7 @@ import ctypes
 import json
 import os
 import platform
+import shutil
 import subprocess
 import zipfile
 from dataclasses import dataclass
@@ -16,6 +17,8 @@ import pytest
 from fmpy.model_description import ModelDescription, ScalarVariable
 
 ROOT = Path(__file__).parents[2]
+DRIVER = Path(__file__).with_name("driver.c")
+HEADERS = Path(fmpy.__file__).parent / "c-code"
 PROBE = "probe"
 NAMES = [*sorted(file.stem for file in (ROOT / "target/fmu").glob("*.fmu")), PROBE]
 
@@ -91,3 +94,13 @@ def need(program: str, found: str | None) -> str:
             pytest.fail(reason)
         pytest.skip(reason)
     return found
+
+
+def compile_driver(folder: Path, source: str) -> Path:
+    """Compile the driver, or a changed one."""
+    compiler = need("cc", shutil.which("cc"))
+    (folder / "driver.c").write_text(source)
+    flags = ["-std=gnu11", "-O1", "-g", "-Wall", "-Wextra", "-Werror"]
+    command = [compiler, *flags, "-I", str(HEADERS), "driver.c", "-o", "driver", "-ldl", "-lm"]
+    subprocess.run(command, cwd=folder, check=True)
+    return folder / "driver"

@@ -1,11 +1,13 @@
-//! The C API of fmi2-export is that of the official headers: cbindgen writes a header from `src/c_api.rs`, and a C
-//! compiler compares it with the standard's. Mutations of the source show that it would notice.
+//! The C API of fmi2-export is that of the official headers: cbindgen writes a header from `src/c_api`, and a C
+//! compiler compares it with the standard's. Functions that `export!` makes have types there, to which rustc holds them.
+//! Mutations of the source show that it would notice.
 #![cfg(unix)]
 
 #[path = "../../tests/common/mod.rs"]
 mod common;
 
 use common::Fmu;
+use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -17,8 +19,24 @@ const DEFINED_TWICE: [&str; 4] = ["fmi2Status", "fmi2Type", "fmi2StatusKind", "f
 const CALLBACKS: [&str; 4] =
     ["fmi2CallbackLogger", "fmi2CallbackAllocateMemory", "fmi2CallbackFreeMemory", "fmi2StepFinished"];
 
+/// Types of the functions that `export!` makes; the official ones are named `fmi2...TYPE`.
+const MADE_FOR_A_MODEL: [&str; 4] = ["Instantiate", "SetReal", "GetReal", "DoStep"];
+
 /// The same prototypes and types twice: a difference does not compile.
-const NAMES: &str = "#include \"fmi2Functions.h\"\n#include \"names.h\"\n";
+const NAMES: &str = r#"
+#include "fmi2Functions.h"
+#include "names.h"
+#ifdef __cplusplus
+#include <type_traits>
+#define SAME(name) static_assert(std::is_same<fmi2##name##TYPE *, name>::value, #name)
+#else
+#define SAME(name) _Static_assert(__builtin_types_compatible_p(fmi2##name##TYPE *, name), #name)
+#endif
+SAME(Instantiate);
+SAME(SetReal);
+SAME(GetReal);
+SAME(DoStep);
+"#;
 
 /// Sizes, offsets and values, ours with the prefix `rs_`.
 const LAYOUT: &str = r#"
@@ -60,14 +78,23 @@ fn fmpy() -> PathBuf {
     found.expect("FMPy with the official FMI headers is not installed\nhint: run `cargo xtask setup`")
 }
 
-fn source() -> String {
-    fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../src/c_api.rs")).unwrap()
+/// Names and texts of the files that make the C API.
+type Source = Vec<(OsString, String)>;
+
+fn source() -> Source {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../src/c_api");
+    // `mod.rs` would make cbindgen read the others twice
+    let files = fs::read_dir(folder).unwrap().map(Result::unwrap).filter(|file| file.file_name() != "mod.rs");
+    files.map(|file| (file.file_name(), fs::read_to_string(file.path()).unwrap())).collect()
 }
 
-/// `names.h` and `layout.h` of a source text, in a folder.
-fn generate(source: &str, folder: &Path) {
-    let file = folder.join("c_api.rs");
-    fs::write(&file, source).unwrap();
+/// `names.h` and `layout.h` of a source, in a folder.
+fn generate(source: &Source, folder: &Path) {
+    let mut builder = cbindgen::Builder::new();
+    for (name, text) in source {
+        fs::write(folder.join(name), text).unwrap();
+        builder = builder.with_src(folder.join(name));
+    }
     let mut config = cbindgen::Config {
         language: cbindgen::Language::C,
         usize_is_size_t: true,
@@ -76,11 +103,10 @@ fn generate(source: &str, folder: &Path) {
         sys_includes: vec!["stddef.h".to_owned()],
         ..Default::default()
     };
-    config.export.include = CALLBACKS.map(str::to_owned).to_vec();
+    config.export.include = CALLBACKS.iter().chain(&MADE_FOR_A_MODEL).map(ToString::to_string).collect();
     config.export.exclude = DEFINED_TWICE.map(str::to_owned).to_vec();
     let write = |config: cbindgen::Config, name| {
-        let bindings = cbindgen::Builder::new().with_config(config).with_src(&file).generate().unwrap();
-        bindings.write_to_file(folder.join(name))
+        builder.clone().with_config(config).generate().unwrap().write_to_file(folder.join(name))
     };
     write(config.clone(), "names.h");
     config.export.exclude.clear();
@@ -110,7 +136,7 @@ fn compile(folder: &Path, compiler: &[&str], text: &str, suffix: &str) -> Result
 }
 
 /// Compares a source with the official headers, prototypes and layout, in C.
-fn compare(source: &str) -> Result<(), String> {
+fn compare(source: &Source) -> Result<(), String> {
     let folder = tempfile::tempdir().unwrap();
     generate(source, folder.path());
     compile(folder.path(), &["cc", "-std=c11"], NAMES, "c")?;
@@ -125,7 +151,9 @@ fn all_34_functions_are_those_of_the_official_headers() {
     let official = fs::read_to_string(fmpy().join("c-code/fmi2Functions.h")).unwrap();
     let compared = Fmu::FUNCTIONS.iter().filter(|name| {
         let declared = official.contains(&format!("{name}TYPE")) && official.contains(&format!(" {name};"));
-        declared && ours.matches(&format!("{name}(")).count() == 1
+        let made = MADE_FOR_A_MODEL.iter().any(|made| **name == format!("fmi2{made}"));
+        let written = if made { format!("(*{})(", &name[4..]) } else { format!("{name}(") };
+        declared && ours.matches(&written).count() == 1
     });
     assert_eq!(compared.count(), 34, "{ours}");
     compare(&source()).unwrap();
@@ -140,10 +168,10 @@ fn a_cpp_compiler_agrees() {
 }
 
 /// Applies one change to the source; it must be there exactly once.
-fn mutate(from: &str, to: &str) -> String {
+fn mutate(from: &str, to: &str) -> Source {
     let source = source();
-    assert_eq!(source.matches(from).count(), 1, "`{from}`");
-    source.replacen(from, to, 1)
+    assert_eq!(source.iter().map(|(_, text)| text.matches(from).count()).sum::<usize>(), 1, "`{from}`");
+    source.into_iter().map(|(name, text)| (name, text.replacen(from, to, 1))).collect()
 }
 
 #[test]
@@ -156,6 +184,11 @@ fn a_changed_source_does_not_pass() {
         ("pub type fmi2ValueReference = c_uint;", "pub type fmi2ValueReference = c_int;"),
         ("pub type fmi2StatusKind = c_uint;", "pub type fmi2StatusKind = u64;"),
         ("fn(usize, usize) -> *mut c_void>", "fn(usize, c_uint) -> *mut c_void>"),
+        // of a function made for a model
+        (
+            "pub type SetReal = unsafe extern \"C\" fn(\n    c: fmi2Component,\n    vr: *const",
+            "pub type SetReal = unsafe extern \"C\" fn(\n    c: fmi2Component,\n    vr: *mut",
+        ),
         // an argument too few
         ("    communicationStepSize: fmi2Real,\n", ""),
         // a field dropped, and two exchanged

@@ -8,6 +8,7 @@ use std::time::SystemTime;
 
 pub type Status = c_int;
 pub const OK: Status = 0;
+pub const WARNING: Status = 1;
 pub const DISCARD: Status = 2;
 pub const ERROR: Status = 3;
 
@@ -160,9 +161,9 @@ pub fn example(name: &str) -> PathBuf {
     let library = profile.join("examples").join(format!("{prefix}{name}{suffix}"));
     let built = changed(&library);
     let folders = Path::new(env!("CARGO_MANIFEST_DIR")).ancestors();
-    let package = folders.into_iter().find(|folder| folder.join("src/c_api.rs").is_file()).unwrap();
-    let sources = std::fs::read_dir(package.join("src")).unwrap().map(|entry| entry.unwrap().path());
-    let newest = sources.chain([package.join(format!("examples/{name}.rs"))]).filter_map(|file| changed(&file)).max();
+    let package = folders.into_iter().find(|folder| folder.join("src/c_api").is_dir()).unwrap();
+    let example = package.join(format!("examples/{name}.rs"));
+    let newest = files(&package.join("src")).iter().chain([&example]).filter_map(|file| changed(file)).max();
     assert!(
         built >= newest,
         "`{}` is missing or older than its sources\nhint: `cargo test --test` builds no examples; run `cargo test -p \
@@ -170,6 +171,12 @@ pub fn example(name: &str) -> PathBuf {
         library.display()
     );
     library
+}
+
+/// All files below a folder.
+fn files(folder: &Path) -> Vec<PathBuf> {
+    let inside = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    inside.flat_map(|path| if path.is_dir() { files(&path) } else { vec![path] }).collect()
 }
 
 fn changed(file: &Path) -> Option<SystemTime> {

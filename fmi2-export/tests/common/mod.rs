@@ -132,7 +132,11 @@ impl<'f> Instance<'f> {
         let messages = self.messages();
         assert_eq!(status, wanted, "{messages:?}");
         let [message] = &messages[..] else { panic!("one message wanted for {words:?}: {messages:?}") };
-        let category = if wanted == DISCARD { "logStatusDiscard" } else { "logStatusError" };
+        let category = match wanted {
+            WARNING => "logStatusWarning",
+            DISCARD => "logStatusDiscard",
+            _ => "logStatusError",
+        };
         assert_eq!((message.instance.as_str(), message.status), ("test", wanted), "{message:?}");
         assert_eq!(message.category, category);
         assert!(self.fmu.description.contains(&format!("<Category name=\"{category}\"")));

@@ -111,6 +111,35 @@ fn forged_bytes_cannot_bring_in_what_no_call_could_set() {
     are_refused(&instance, &forge(&bytes, 0.5, 1.5), &["impossible clock"]);
 }
 
+/// The bytes with another one `distance` bytes from where a number begins, and a good checksum.
+fn forge_beside(bytes: &[u8], number: f64, distance: isize, from: u8, to: u8) -> Vec<u8> {
+    let mut forged = bytes.to_vec();
+    let at = forged.windows(8).position(|window| window == number.to_le_bytes()).unwrap();
+    let byte = &mut forged[at.checked_add_signed(distance).unwrap()];
+    assert_eq!(*byte, from);
+    *byte = to;
+    sign(&mut forged);
+    forged
+}
+
+#[test]
+fn forged_bytes_cannot_bring_in_derivatives_and_integers_that_no_call_could_set() {
+    let fmu = Fmu::probe();
+    let instance = Instance::started(&fmu);
+    let number = 123.456;
+    assert_eq!(instance.set_real("bias[3]", number), OK);
+    // `order` = 2 lies behind it; the signs of integers are in their last bit
+    are_refused(&instance, &forge_beside(&instance.bytes(), number, 8, 4, 40), &["`order` = 20"]);
+
+    let instance = Instance::started(&fmu);
+    assert_eq!(instance.set_derivatives(&["position"], &[1], &[number]), OK);
+    // reference and order lie before it
+    let bytes = instance.bytes();
+    are_refused(&instance, &forge_beside(&bytes, number, -2, 0, 100), &["value reference 100"]);
+    are_refused(&instance, &forge_beside(&bytes, number, -2, 0, 5), &["`gain` is no Real input"]);
+    are_refused(&instance, &forge_beside(&bytes, number, -1, 2, 0), &["order 0"]);
+}
+
 #[test]
 fn a_buffer_too_small_is_refused_and_one_too_large_is_not_filled_up() {
     let fmu = Fmu::probe();

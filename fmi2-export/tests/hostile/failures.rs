@@ -105,40 +105,79 @@ fn switch(instance: &Instance, on: i32, categories: &[&std::ffi::CStr]) -> Statu
 }
 
 #[test]
-fn warnings_are_always_told_and_events_only_when_switched_on() {
+fn a_warning_is_the_status_of_its_call_and_messages_are_those_that_are_switched_on() {
     let fmu = Fmu::probe();
     let instance = about_to_fail(&fmu, WARN);
     let mut time = 1e-2;
     let mut categories = || {
-        assert_eq!(instance.step(time, 1e-3), OK);
+        assert_eq!(instance.step(time, 1e-3), WARNING);
         time += 1e-3;
         let messages = instance.messages();
-        // '%' is doubled, for importers that take the text for a printf format
-        assert!(messages[0].text.contains("50 %% of a warning"), "{messages:?}");
-        assert_eq!((messages[0].status, messages[0].instance.as_str()), (1, "test"));
         assert!(messages.iter().all(|m| fmu.description.contains(&format!("<Category name=\"{}\"", m.category))));
+        if let Some(warning) = messages.iter().find(|message| message.category == "logStatusWarning") {
+            // '%' is doubled, for importers that take the text for a printf format
+            assert!(warning.text.contains("50 %% of a warning"), "{warning:?}");
+            assert_eq!((warning.status, warning.instance.as_str()), (WARNING, "test"));
+        }
         messages.into_iter().map(|message| message.category).collect::<Vec<_>>()
     };
-    let (quiet, all) = (["logStatusWarning"], ["logStatusWarning", "logEvents"]);
-    assert_eq!(categories(), quiet);
+    let (warnings, all) = (["logStatusWarning"], ["logStatusWarning", "logEvents"]);
+    assert_eq!(categories(), warnings);
     for (on, names, wanted) in [
         (1, &[][..], &all[..]),
-        (0, &[], &quiet),
-        (1, &[c"logEvents"], &all),
-        (0, &[c"logStatusWarning"], &all),
-        (0, &[c"logStatusError", c"logEvents"], &quiet),
+        (0, &[], &[]),
+        (1, &[c"logEvents"], &["logEvents"]),
+        (1, &[c"logEvents", c"logStatusWarning"], &all),
+        (0, &[c"logStatusError", c"logEvents"], &warnings),
+        (0, &[c"logStatusWarning"], &[]),
         (1, &[c"logAll"], &all),
-        (0, &[], &quiet),
     ] {
         assert_eq!(switch(&instance, on, names), OK);
         assert_eq!(categories(), wanted, "{on} {names:?}");
     }
+    assert_eq!(switch(&instance, 0, &[c"logStatusDiscard"]), OK);
+    assert_eq!((instance.set_real("gain", -1.0), instance.messages()), (DISCARD, vec![]));
 }
 
 #[test]
-fn an_undeclared_category_is_named() {
+fn reset_switches_logging_to_what_it_was_at_first() {
+    let fmu = Fmu::probe();
+    let instance = Instance::new(&fmu);
+    for on in [0, 1] {
+        assert_eq!(switch(&instance, on, &[]), OK);
+        assert_eq!((instance.reset(), instance.setup(0.0, None)), (OK, OK));
+        assert_eq!((instance.enter(), instance.exit(), instance.set_integer("failure", WARN)), (OK, OK, OK));
+        assert_eq!(instance.step(0.0, 1e-3), WARNING);
+        assert_eq!(instance.messages().into_iter().map(|m| m.category).collect::<Vec<_>>(), ["logStatusWarning"]);
+    }
+}
+
+#[test]
+fn the_model_sees_the_experiment_and_its_name() {
+    let fmu = Fmu::probe();
+    for (tolerance, stop, words) in [
+        (None, None, "an event of test, stop time None, tolerance None"),
+        (Some(1e-3), Some(2.0), "an event of test, stop time Some(2.0), tolerance Some(0.001)"),
+        (Some(f64::NAN), Some(f64::INFINITY), "an event of test, stop time None, tolerance None"),
+    ] {
+        let instance = Instance::new(&fmu);
+        let (is_defined, tolerance) = (i32::from(tolerance.is_some()), tolerance.unwrap_or(7.0));
+        let (stops, stop) = (i32::from(stop.is_some()), stop.unwrap_or(7.0));
+        let status = unsafe { (fmu.setup_experiment)(instance.component, is_defined, tolerance, 0.0, stops, stop) };
+        assert_eq!((status, instance.enter(), instance.exit()), (OK, OK, OK));
+        assert_eq!((switch(&instance, 1, &[]), instance.set_integer("failure", WARN)), (OK, OK));
+        assert_eq!(instance.step(0.0, 1e-3), WARNING);
+        assert!(instance.messages()[1].text.contains(words), "{words}");
+    }
+}
+
+#[test]
+fn an_undeclared_category_is_named_and_left_out() {
     let fmu = Fmu::probe();
     let instance = Instance::started(&fmu);
-    let status = switch(&instance, 1, &[c"logEvents", c"logNonsense"]);
-    instance.refused(status, ERROR, &["fmi2SetDebugLogging", "`logNonsense`", "`logEvents`"]);
+    let status = switch(&instance, 1, &[c"logEvents", c"log#2#"]);
+    // `#` is doubled: it begins a reference to a variable
+    instance.refused(status, WARNING, &["fmi2SetDebugLogging", "`log##2##`", "`logEvents`"]);
+    assert_eq!((instance.set_integer("failure", WARN), instance.step(0.0, 1e-3)), (OK, WARNING));
+    assert_eq!(instance.messages().into_iter().map(|m| m.category).collect::<Vec<_>>(), ["logEvents"]);
 }

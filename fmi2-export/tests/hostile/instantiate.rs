@@ -50,6 +50,7 @@ fn wrong_arguments_give_no_instance_and_one_reason() {
     for (name, kind, guid, reason) in [
         (null(), CO_SIMULATION, guid, "instance name"),
         (c"".as_ptr(), CO_SIMULATION, guid, "instance name"),
+        (c" \t\n".as_ptr(), CO_SIMULATION, guid, "instance name"),
         (bad_utf8, CO_SIMULATION, guid, "instance name"),
         (name, 0, guid, "FMU type 0"),
         (name, 7, guid, "FMU type 7"),
@@ -100,6 +101,23 @@ fn resource_locations_of_any_shape_are_taken() {
             assert!(!component.is_null(), "{location:?}");
             (fmu.free_instance)(component);
         }
+    }
+}
+
+#[test]
+fn a_location_that_is_no_folder_is_told() {
+    let fmu = Fmu::probe();
+    let functions = callbacks(Some(hear));
+    for location in [c"http://server/resources", c"fmi2://resources"] {
+        let (name, guid) = (c"test".as_ptr(), fmu.guid.as_ptr());
+        unsafe {
+            let component = (fmu.instantiate)(name, CO_SIMULATION, guid, location.as_ptr(), &functions, 0, 0);
+            assert!(!component.is_null());
+            (fmu.free_instance)(component);
+        }
+        let [(status, category, text)] = &HEARD.take()[..] else { panic!("one message for {location:?}") };
+        assert_eq!((*status, category.as_str()), (WARNING, "logStatusWarning"));
+        assert!(text.contains(location.to_str().unwrap()) && text.contains("no resources"), "{text}");
     }
 }
 

@@ -52,6 +52,19 @@ fn accumulated_rounding_of_time_is_taken() {
 }
 
 #[test]
+fn a_master_whose_time_runs_away_from_the_clock_is_told() {
+    let fmu = Fmu::probe();
+    for (rate, limit) in [(1.009, 3), (0.991, 3), (1.0001, 200), (1.0 + 1e-6, 20_000)] {
+        let instance = Instance::started(&fmu);
+        let refused = (0..limit).find(|k| instance.step(f64::from(*k) * 1e-3 * rate, 1e-3) != OK);
+        let refused = refused.unwrap_or_else(|| panic!("{limit} steps at the rate {rate} were taken"));
+        let [message] = &instance.messages()[..] else { panic!("one message wanted") };
+        assert!(message.text.contains("is not the end of the last step"), "{}", message.text);
+        assert_eq!(instance.integer("ticks"), refused);
+    }
+}
+
+#[test]
 fn the_stop_time_is_kept_with_a_tolerance_for_rounding() {
     let fmu = Fmu::probe();
     let started = || {

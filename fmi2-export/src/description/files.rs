@@ -1,8 +1,8 @@
 //! The generated files of an FMU, made only for packers: importers never ask for them.
 
+use crate::description::{documentation, model_description};
 use crate::export::Exported;
-use crate::text::c_string;
-use crate::{documentation, model_description};
+use crate::host::text::c_string;
 use std::ffi::{CStr, CString};
 use std::sync::OnceLock;
 

@@ -1,12 +1,12 @@
 //! `modelDescription.xml` from the variable table (FMI 2.0.5, chapter 2.2, in schema order).
 
-use crate::enumeration::EnumType;
+use crate::description::xml::{Writer, real};
 use crate::export::Exported;
-use crate::logger::Category;
+use crate::host::logger::Category;
 use crate::model::Info;
-use crate::units::{self, Unit};
-use crate::variable::{Kind, Role, Variable};
-use crate::xml::{Writer, real};
+use crate::table::enumeration::EnumType;
+use crate::table::units::{self, Unit};
+use crate::table::variable::{Kind, Role, Variable};
 
 /// The document.
 pub fn write<M: Exported>() -> String {
@@ -23,22 +23,20 @@ pub fn write<M: Exported>() -> String {
 }
 
 fn head(xml: &mut Writer, info: &Info, guid: &str) {
-    xml.open(
-        "fmiModelDescription",
-        &[
-            ("fmiVersion", "2.0"),
-            ("modelName", info.name),
-            ("guid", guid),
-            ("description", info.description),
-            ("author", info.author),
-            ("version", info.version),
-            ("copyright", info.copyright),
-            ("license", info.license),
-            ("generationTool", concat!("fmi2-export ", env!("CARGO_PKG_VERSION"))),
-            ("variableNamingConvention", "structured"),
-            ("numberOfEventIndicators", "0"),
-        ],
-    );
+    let attributes = [
+        ("fmiVersion", "2.0"),
+        ("modelName", info.name),
+        ("guid", guid),
+        ("description", info.description),
+        ("author", info.author),
+        ("version", info.version),
+        ("copyright", info.copyright),
+        ("license", info.license),
+        ("generationTool", concat!("fmi2-export ", env!("CARGO_PKG_VERSION"))),
+        ("variableNamingConvention", "structured"),
+        ("numberOfEventIndicators", "0"),
+    ];
+    xml.open("fmiModelDescription", &attributes.into_iter().filter(|(_, text)| !text.is_empty()).collect::<Vec<_>>());
 }
 
 fn capabilities(xml: &mut Writer, info: &Info) {
@@ -241,4 +239,24 @@ pub fn used_types<V>(table: &[Variable<V>]) -> Vec<&'static EnumType> {
 
 fn borrowed<'a>(attributes: &'a [(&'a str, String)]) -> Vec<(&'a str, &'a str)> {
     attributes.iter().map(|(key, value)| (*key, value.as_str())).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn facts_that_nobody_told_are_left_out() {
+        let head_of = |info: &Info| {
+            let mut xml = Writer::new("");
+            head(&mut xml, info, "guid");
+            xml.finish()
+        };
+        let told = Info { name: "Name", description: "x", ..Info::DEFAULT };
+        assert!(!head_of(&told).contains("=\"\""));
+        for missing in [" author=", " version=", " copyright=", " license="] {
+            assert!(!head_of(&told).contains(missing), "{missing}");
+        }
+        assert!(head_of(&Info { author: "Someone", ..told }).contains(" author=\"Someone\""));
+    }
 }

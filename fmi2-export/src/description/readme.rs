@@ -3,10 +3,10 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use crate::enumeration::EnumType;
+use crate::description::model_description::used_types;
 use crate::model::Model;
-use crate::model_description::used_types;
-use crate::variable::{Kind, Role, Variable};
+use crate::table::enumeration::EnumType;
+use crate::table::variable::{Kind, Role, Variable};
 
 const BEGIN: &str = "<!-- variables: made from the interface; `BLESS=1 cargo test` renews them -->\n";
 const END: &str = "<!-- end of the variables -->";

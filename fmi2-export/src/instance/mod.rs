@@ -1,35 +1,42 @@
 //! One instance of a model: phases, values, steps and states; safe, and the same for every model.
 
-use crate::access::{Refusal, Scalar, Value};
-use crate::clock::{Clock, MAX_TICKS};
+mod access;
+mod clock;
+pub mod slave;
+mod slope;
+mod snapshot;
+pub mod states;
+
 use crate::export::Exported;
-use crate::index::Entry;
-use crate::logger::{Category, Logger};
-use crate::model::{Env, Model, Start};
-use crate::phase::{Function, Phase, Status};
-use crate::slave::{Slave, TakenState};
-use crate::slope::Slope;
-use crate::snapshot::{self, Experiment, Running, Snapshot};
-use crate::text::c_string;
-use crate::variable::{Kind, Role, Variable};
+use crate::host::logger::Category;
+use crate::host::phase::{Function, Phase, Status};
+use crate::host::text::c_string;
+use crate::instance::access::{Refusal, Scalar, Value};
+use crate::instance::clock::{Clock, MAX_TICKS};
+use crate::instance::slave::Slave;
+use crate::instance::slope::{Derivative, Slope};
+use crate::instance::snapshot::{Running, Snapshot};
+use crate::instance::states::TakenState;
+use crate::model::{Env, Experiment, Host, Model, Start};
+use crate::table::index::Entry;
+use crate::table::variable::{Kind, Role, Variable};
 use std::ffi::{CStr, CString};
 use std::fmt::Display;
-use std::path::PathBuf;
+use std::sync::Arc;
 
 type SnapshotOf<M> = Snapshot<<M as Model>::Vars, <M as Model>::State>;
 
 /// An instance of the model `M`.
 pub struct Instance<M: Exported> {
-    resources: Option<PathBuf>,
-    logger: Logger,
+    host: Host,
     now: SnapshotOf<M>,
     /// Texts handed out by the last fmi2GetString.
     strings: Vec<CString>,
 }
 
 impl<M: Exported> Instance<M> {
-    pub fn new(resources: Option<PathBuf>, logger: Logger) -> Self {
-        Self { resources, logger, now: fresh::<M>(), strings: Vec::new() }
+    pub fn new(host: Host) -> Self {
+        Self { host, now: fresh::<M>(), strings: Vec::new() }
     }
 
     /// fmi2SetReal of inputs, when nothing is wrong with it; otherwise `false`, and nothing has changed.
@@ -69,6 +76,7 @@ impl<M: Exported> Instance<M> {
     fn call(&mut self, function: Function, body: impl FnOnce(&mut Self) -> Result<(), Refusal>) -> Status {
         let result = if function.is_allowed(self.now.phase) { body(self) } else { Err(illegal(self.now.phase)) };
         match result {
+            Ok(()) if self.host.logger.take_warned() => Status::Warning,
             Ok(()) => Status::Ok,
             Err(refusal) => self.tell(function, refusal),
         }
@@ -92,9 +100,14 @@ impl<M: Exported> Instance<M> {
         entries.get(reference as usize).map(Entry::position).ok_or_else(|| unknown(reference, entries.len()))
     }
 
-    fn get<T: Scalar<M::Vars>>(&self, reference: u32) -> Result<T, Refusal> {
-        let (row, element) = self.entry(reference)?;
-        T::read(row, &self.now.vars, element).ok_or_else(|| wrong_type(row, T::KIND))
+    /// All or nothing: every reference is checked before the first value is given.
+    fn get<T: Scalar<M::Vars>>(&self, references: &[u32], mut give: impl FnMut(usize, T)) -> Result<(), Refusal> {
+        let read = |reference: &u32| {
+            let (row, element) = self.entry(*reference)?;
+            T::read(row, &self.now.vars, element).ok_or_else(|| wrong_type(row, T::KIND))
+        };
+        references.iter().try_for_each(|reference| read(reference).map(|_| ()))?;
+        references.iter().enumerate().try_for_each(|(i, reference)| read(reference).map(|value| give(i, value)))
     }
 
     /// All or nothing: every value is checked before the first is written.
@@ -140,7 +153,7 @@ impl<M: Exported> Instance<M> {
         if !(period.is_finite() && period > 0.0) {
             return Err(Refusal::error(format!("the sample period {period} s is not positive")));
         }
-        let mut env = Env { time: experiment.start, resources: self.resources.as_deref(), logger: &self.logger };
+        let mut env = Env { time: experiment.start, experiment, host: &self.host };
         let state = M::initialise(&mut self.now.vars, &mut env).map_err(|error| Refusal::error(error.to_string()))?;
         self.now.running = Some(Running { state, clock: Clock::new(period), time: experiment.start });
         self.now.phase = Phase::StepComplete;
@@ -152,11 +165,11 @@ impl<M: Exported> Instance<M> {
         let (Some(running), Some(experiment)) = (&self.now.running, self.now.experiment) else {
             return Err(Refusal::error("the instance is not initialized"));
         };
-        check_step(running, experiment.stop, time, step)?;
-        if self.now.slopes.is_empty() {
+        check_step(running, &experiment, time, step)?;
+        if self.now.derivatives.is_empty() {
             self.run(experiment, step, |_, _| ())?;
         } else {
-            self.run_with_slopes(experiment, step)?;
+            self.run_with_derivatives(experiment, step)?;
         }
         if let Some(running) = &mut self.now.running {
             running.time = time + step;
@@ -172,7 +185,7 @@ impl<M: Exported> Instance<M> {
         for tick in running.clock.advance(step) {
             prepare(&mut self.now.vars, here.until(tick));
             let time = experiment.start + here.time_of(tick);
-            let mut env = Env { time, resources: self.resources.as_deref(), logger: &self.logger };
+            let mut env = Env { time, experiment, host: &self.host };
             let done = M::tick(&mut self.now.vars, &mut running.state, &mut env);
             done.map_err(|error| Refusal::error(error.to_string()))?;
         }
@@ -180,15 +193,22 @@ impl<M: Exported> Instance<M> {
     }
 
     #[cold]
-    fn run_with_slopes(&mut self, experiment: Experiment, step: f64) -> Result<(), Refusal> {
-        let slope = |(reference, slope): (u32, f64)| {
-            let place = M::INDEX.entries[reference as usize].real?;
-            Some(Slope::new(place, &self.now.vars, slope))
-        };
-        let slopes: Vec<_> = std::mem::take(&mut self.now.slopes).into_iter().filter_map(slope).collect();
+    fn run_with_derivatives(&mut self, experiment: Experiment, step: f64) -> Result<(), Refusal> {
+        let slopes = self.take_slopes();
         self.run(experiment, step, |vars, after| slopes.iter().for_each(|slope| slope.apply(vars, after)))?;
-        slopes.iter().for_each(|slope| slope.apply(&mut self.now.vars, 0.0));
+        slopes.iter().for_each(|slope| slope.restore(&mut self.now.vars));
         Ok(())
+    }
+
+    /// The inputs that have derivatives, each with all of its own; they count for one step.
+    fn take_slopes(&mut self) -> Vec<Slope<M::Vars>> {
+        let mut derivatives = std::mem::take(&mut self.now.derivatives);
+        derivatives.sort_by_key(|derivative| (derivative.reference, derivative.order));
+        let slope = |derivatives: &[Derivative]| {
+            let place = M::INDEX.entries[derivatives[0].reference as usize].input?;
+            Some(Slope::new(place, &self.now.vars, derivatives.to_vec()))
+        };
+        derivatives.chunk_by(|a, b| a.reference == b.reference).filter_map(slope).collect()
     }
 
     /// No NaN leaves an FMU: names the first value that is not finite.
@@ -214,22 +234,29 @@ impl<M: Exported> Instance<M> {
         }
     }
 
-    fn set_slopes(&mut self, references: &[u32], orders: &[i32], values: &[f64]) -> Result<(), Refusal> {
-        for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
-            let (row, _) = self.entry(reference)?;
-            if row.role() != Role::Input || !matches!(row.kind, Kind::Real { .. }) {
-                return Err(Refusal::error(format!("`{}` is no Real input", row.name)));
-            }
-            if order != 1 {
-                return Err(Refusal::error(format!("`{}`: order {order} is not supported, only order 1", row.name)));
-            }
-            if !value.is_finite() {
-                return Err(Refusal::error(format!("`{}`: the derivative {value} is not finite", row.name)));
-            }
+    /// All or nothing, as values; the last one of an order counts.
+    fn set_derivatives(&mut self, derivatives: &[Derivative]) -> Result<(), Refusal> {
+        derivatives.iter().try_for_each(|derivative| self.check_derivative(derivative))?;
+        for new in derivatives {
+            let other = |old: &Derivative| (old.reference, old.order) != (new.reference, new.order);
+            self.now.derivatives.retain(other);
+            self.now.derivatives.push(*new);
         }
-        for (&reference, &value) in references.iter().zip(values) {
-            self.now.slopes.retain(|(known, _)| *known != reference);
-            self.now.slopes.push((reference, value));
+        Ok(())
+    }
+
+    fn check_derivative(&self, derivative: &Derivative) -> Result<(), Refusal> {
+        let Derivative { reference, order, value } = *derivative;
+        let (row, element) = self.entry(reference)?;
+        let name = row.element_name(element);
+        if row.role() != Role::Input || !matches!(row.kind, Kind::Real { .. }) {
+            return Err(Refusal::error(format!("`{name}` is no Real input")));
+        }
+        if order < 1 {
+            return Err(Refusal::error(format!("`{name}`: order {order} is none, the lowest is 1")));
+        }
+        if !value.is_finite() {
+            return Err(Refusal::error(format!("`{name}`: the derivative {value} is not finite")));
         }
         Ok(())
     }
@@ -244,43 +271,45 @@ impl<M: Exported> Instance<M> {
             if let Some(value) = <f64 as Scalar<M::Vars>>::read(row, &restored.vars, element) {
                 value.verify(row, element)?;
             }
+            if let Some(value) = <i32 as Scalar<M::Vars>>::read(row, &restored.vars, element) {
+                value.verify(row, element)?;
+            }
         }
+        restored.derivatives.iter().try_for_each(|derivative| self.check_derivative(derivative))?;
         let sane = restored.running.as_ref().is_none_or(|running| running.clock.is_sane() && running.time.is_finite());
         if sane { Ok(()) } else { Err(Refusal::error("the state bytes hold an impossible clock")) }
     }
 }
 
 #[inline]
-fn check_step<S>(running: &Running<S>, stop: f64, time: f64, step: f64) -> Result<(), Refusal> {
+fn check_step<S>(running: &Running<S>, experiment: &Experiment, time: f64, step: f64) -> Result<(), Refusal> {
     let clock = &running.clock;
     let possible = clock.is_usual(step) || (step > 0.0 && step.is_finite() && step <= MAX_TICKS * clock.period);
+    // importers accumulate time with rounding: the point is checked, never counted with;
     // `<`, because an infinite time makes an infinite tolerance
-    let expected = (time - running.time).abs() < 0.01 * step + 1e-9 * time.abs();
-    if possible && expected && time + step <= stop { Ok(()) } else { examine_step(running, stop, time, step) }
+    let expected = (time - (experiment.start + clock.position())).abs() < 0.01 * step + 1e-9 * time.abs();
+    let (end, stop) = (time + step, experiment.stop);
+    if possible && expected && (end <= stop || end <= stop + 1e-6 * step + 1e-9 * stop.abs()) {
+        Ok(())
+    } else {
+        Err(wrong_step(clock, experiment, time, step))
+    }
 }
 
-/// Finds what is wrong with a step, if anything is.
+/// What is wrong with a step that [`check_step`] refuses.
 #[cold]
-fn examine_step<S>(running: &Running<S>, stop: f64, time: f64, step: f64) -> Result<(), Refusal> {
+fn wrong_step(clock: &Clock, experiment: &Experiment, time: f64, step: f64) -> Refusal {
+    let expected = experiment.start + clock.position();
     if !(step > 0.0 && step.is_finite()) {
-        return Err(Refusal::error(format!("the communication step {step} s is not positive")));
+        Refusal::error(format!("the communication step {step} s is not positive"))
+    } else if step > MAX_TICKS * clock.period {
+        Refusal::error(format!("the communication step {step} s is longer than {MAX_TICKS} sample periods"))
+    } else if time.is_finite() && (time - expected).abs() < 0.01 * step + 1e-9 * time.abs() {
+        let stop = experiment.stop;
+        Refusal::error(format!("the step from {time} s by {step} s passes the stop time {stop} s"))
+    } else {
+        Refusal::error(format!("the communication point {time} s is not the end of the last step, {expected} s"))
     }
-    if step > MAX_TICKS * running.clock.period {
-        let text = format!("the communication step {step} s is longer than {MAX_TICKS} sample periods");
-        return Err(Refusal::error(text));
-    }
-    // importers accumulate time with rounding: the point is checked, never counted with
-    let tolerance = 0.01 * step + 1e-9 * time.abs();
-    let expected = running.time;
-    if !(time.is_finite() && (time - expected).abs() <= tolerance) {
-        let text = format!("the communication point {time} s is not the end of the last step, {expected} s");
-        return Err(Refusal::error(text));
-    }
-    if time + step > stop + 1e-6 * step + 1e-9 * stop.abs() {
-        let text = format!("the step from {time} s by {step} s passes the stop time {stop} s");
-        return Err(Refusal::error(text));
-    }
-    Ok(())
 }
 
 fn fresh<M: Exported>() -> SnapshotOf<M> {
@@ -291,7 +320,7 @@ fn fresh<M: Exported>() -> SnapshotOf<M> {
         }
     }
     M::calculate(&mut vars);
-    Snapshot { phase: Phase::Instantiated, vars, running: None, experiment: None, slopes: Vec::new() }
+    Snapshot { phase: Phase::Instantiated, vars, running: None, experiment: None, derivatives: Vec::new() }
 }
 
 // what a good call never builds is kept out of its way
@@ -329,10 +358,13 @@ fn wrong_type<V>(row: &Variable<V>, kind: &str) -> Refusal {
 
 impl<M: Exported> Slave for Instance<M> {
     fn set_debug_logging(&mut self, on: bool, categories: &[&str]) -> Status {
-        self.call(Function::SetDebugLogging, |this| this.logger.configure(on, categories).map_err(Refusal::error))
+        self.call(Function::SetDebugLogging, |this| {
+            this.host.logger.configure(on, categories);
+            Ok(())
+        })
     }
 
-    fn setup_experiment(&mut self, start: f64, stop: Option<f64>) -> Status {
+    fn setup_experiment(&mut self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Status {
         self.call(Function::SetupExperiment, |this| {
             if !start.is_finite() {
                 return Err(Refusal::error(format!("the start time {start} s is not finite")));
@@ -341,7 +373,8 @@ impl<M: Exported> Slave for Instance<M> {
             if stop.is_nan() || stop < start {
                 return Err(Refusal::error(format!("the stop time {stop} s is before the start time {start} s")));
             }
-            this.now.experiment = Some(Experiment { start, stop });
+            let tolerance = tolerance.filter(|tolerance| *tolerance > 0.0 && tolerance.is_finite());
+            this.now.experiment = Some(Experiment { start, tolerance, stop });
             Ok(())
         })
     }
@@ -370,26 +403,21 @@ impl<M: Exported> Slave for Instance<M> {
     fn reset(&mut self) -> Status {
         self.call(Function::Reset, |this| {
             this.now = fresh::<M>();
+            this.host.logger.reset();
             Ok(())
         })
     }
 
     fn get_real(&mut self, references: &[u32], values: &mut [f64]) -> Status {
-        self.call(Function::GetReal, |this| {
-            references.iter().zip(values).try_for_each(|(&reference, value)| this.get(reference).map(|x| *value = x))
-        })
+        self.call(Function::GetReal, |this| this.get(references, |i, value| values[i] = value))
     }
 
     fn get_integer(&mut self, references: &[u32], values: &mut [i32]) -> Status {
-        self.call(Function::GetInteger, |this| {
-            references.iter().zip(values).try_for_each(|(&reference, value)| this.get(reference).map(|x| *value = x))
-        })
+        self.call(Function::GetInteger, |this| this.get(references, |i, value| values[i] = value))
     }
 
     fn get_boolean(&mut self, references: &[u32], give: &mut dyn FnMut(usize, bool)) -> Status {
-        self.call(Function::GetBoolean, |this| {
-            references.iter().enumerate().try_for_each(|(i, &reference)| this.get(reference).map(|x| give(i, x)))
-        })
+        self.call(Function::GetBoolean, |this| this.get(references, give))
     }
 
     fn get_string(&mut self, references: &[u32], give: &mut dyn FnMut(usize, &CStr)) -> Status {
@@ -424,7 +452,11 @@ impl<M: Exported> Slave for Instance<M> {
     }
 
     fn set_input_derivatives(&mut self, references: &[u32], orders: &[i32], values: &[f64]) -> Status {
-        self.call(Function::SetRealInputDerivatives, |this| this.set_slopes(references, orders, values))
+        self.call(Function::SetRealInputDerivatives, |this| {
+            let all = references.iter().zip(orders).zip(values);
+            let derivative = |((&reference, &order), &value)| Derivative { reference, order, value };
+            this.set_derivatives(&all.map(derivative).collect::<Vec<_>>())
+        })
     }
 
     fn last_successful_time(&mut self, value: &mut f64) -> Status {
@@ -439,7 +471,7 @@ impl<M: Exported> Slave for Instance<M> {
 
     fn take_state(&mut self, slot: &mut Option<TakenState>) -> Status {
         self.call(Function::GetFMUstate, |this| {
-            *slot = Some(Box::new(this.now.clone()));
+            *slot = Some(Arc::new(this.now.clone()));
             Ok(())
         })
     }
@@ -461,8 +493,10 @@ impl<M: Exported> Slave for Instance<M> {
     fn deserialize(&mut self, bytes: &[u8], slot: &mut Option<TakenState>) -> Status {
         self.call(Function::DeSerializeFMUstate, |this| {
             let restored: SnapshotOf<M> = snapshot::from_bytes(M::guid(), bytes).map_err(Refusal::error)?;
-            this.check_restored(&restored)?;
-            *slot = Some(Box::new(restored));
+            this.check_restored(&restored).map_err(|refusal| {
+                Refusal::error(format!("the state bytes hold what no call could set: {}", refusal.text()))
+            })?;
+            *slot = Some(Arc::new(restored));
             Ok(())
         })
     }
@@ -476,7 +510,7 @@ impl<M: Exported> Slave for Instance<M> {
             Status::Discard => Category::Discard,
             _ => Category::Error,
         };
-        self.logger.send(category, format_args!("{}: {text}", function.name()));
+        self.host.logger.send(category, format_args!("{}: {text}", function.name()));
         if category == Category::Error {
             self.now.phase = Phase::Error;
             self.make_finite();
@@ -485,7 +519,7 @@ impl<M: Exported> Slave for Instance<M> {
     }
 
     fn poison(&mut self, function: Function, text: &str) {
-        self.logger.send(Category::Error, format_args!("{}: {text}", function.name()));
+        self.host.logger.send(Category::Error, format_args!("{}: {text}", function.name()));
         self.now.phase = Phase::Error;
         self.make_finite();
     }

@@ -1,11 +1,11 @@
 //! The GUID: a constant hash of everything the model description and the state bytes are made of, so that it can be read
 //! from a binary of any platform without running it.
 
-use crate::enumeration::EnumType;
-use crate::hash::{self, GUID, fnv1a};
 use crate::model::{Info, Model};
-use crate::units::Unit;
-use crate::variable::{Kind, Real, Role, Variable};
+use crate::table::enumeration::EnumType;
+use crate::table::hash::{self, GUID, fnv1a};
+use crate::table::units::Unit;
+use crate::table::variable::{Kind, Real, Role, Variable};
 
 /// GUID of a model.
 pub const fn of<M: Model>() -> [u8; GUID] {
@@ -125,4 +125,74 @@ const fn enumeration(hash: Hash, ty: &EnumType) -> Hash {
         i += 1;
     }
     hash
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Env, Error, Start, Variable, real, units};
+    use serde::{Deserialize, Serialize};
+
+    #[derive(Clone, Serialize, Deserialize)]
+    struct Vars {
+        x: f64,
+    }
+
+    impl Start for Vars {
+        const START: Self = Self { x: 0.0 };
+    }
+
+    /// Models that differ in one thing each.
+    macro_rules! model {
+        ($name:ident, $state:ty, $row:expr, $info:expr) => {
+            struct $name;
+            impl Model for $name {
+                const INFO: Info = $info;
+                type Vars = Vars;
+                type State = $state;
+                const VARIABLES: &'static [Variable<Vars>] = &[$row];
+                fn period(_: &Vars) -> f64 {
+                    1.0
+                }
+                fn initialise(_: &mut Vars, _: &mut Env) -> Result<$state, Error> {
+                    Ok(Default::default())
+                }
+                fn tick(_: &mut Vars, _: &mut $state, _: &mut Env) -> Result<(), Error> {
+                    Ok(())
+                }
+            }
+        };
+    }
+
+    const INFO: Info = Info { name: "Model", identifier: "model", description: "x", ..Info::DEFAULT };
+    const X: Variable<Vars> = real!(Vars => x).input().describe("x");
+    model!(First, (), X, INFO);
+    model!(Same, (), X, INFO);
+    model!(Described, (), real!(Vars => x).input().describe("y"), INFO);
+    model!(Output, (), real!(Vars => x).output().describe("x"), INFO);
+    model!(InMetres, (), X.unit(&units::METRE), INFO);
+    model!(Limited, (), X.range(0.0, 1.0), INFO);
+    model!(Scaled, (), X.nominal(2.0), INFO);
+    model!(WithState, [f64; 3], X, INFO);
+    model!(NewVersion, (), X, Info { version: "2", ..INFO });
+    model!(NewState, (), X, Info { state_version: 2, ..INFO });
+
+    #[test]
+    fn it_changes_with_everything_that_the_description_and_the_state_are_made_of() {
+        assert_eq!(of::<First>(), of::<Same>());
+        let all = [
+            of::<First>(),
+            of::<Described>(),
+            of::<Output>(),
+            of::<InMetres>(),
+            of::<Limited>(),
+            of::<Scaled>(),
+            of::<WithState>(),
+            of::<NewVersion>(),
+            of::<NewState>(),
+        ];
+        for (i, guid) in all.iter().enumerate() {
+            assert!(!all[..i].contains(guid), "model {i}");
+        }
+    }
 }

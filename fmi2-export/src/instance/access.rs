@@ -1,7 +1,7 @@
 //! Typed reading, checking and writing of a variable.
 
-use crate::phase::Status;
-use crate::variable::{Kind, Real, Variable};
+use crate::host::phase::Status;
+use crate::table::variable::{Kind, Real, Variable};
 use std::fmt::{Debug, Display};
 
 /// Why a call was refused, and how badly. Boxed, so that the answer of a good call fits a register.
@@ -60,7 +60,8 @@ impl<V> Value<V> for f64 {
     #[inline]
     fn verify(self, row: &Variable<V>, element: usize) -> Result<(), Refusal> {
         match &row.kind {
-            Kind::Real { real, .. } if !(self.is_finite() && real.min <= self && self <= real.max) => {
+            Kind::Real { real, .. } if !self.is_finite() => refuse_not_finite(self, row, element, real),
+            Kind::Real { real, .. } if row.role().is_parameter() && !(real.min <= self && self <= real.max) => {
                 refuse_real(self, row, element, real)
             }
             _ => Ok(()),
@@ -96,7 +97,7 @@ impl<V> Value<V> for i32 {
 
     fn verify(self, row: &Variable<V>, element: usize) -> Result<(), Refusal> {
         match &row.kind {
-            Kind::Integer { min, max, .. } if self < *min || self > *max => {
+            Kind::Integer { min, max, .. } if row.role().is_parameter() && (self < *min || self > *max) => {
                 Err(out_of_range(&row.element_name(element), self, *min, *max, ""))
             }
             Kind::Choice { ty, .. } if self < 1 || self as usize > ty.items.len() => {
@@ -160,11 +161,13 @@ impl<V> Scalar<V> for bool {
 
 #[cold]
 fn refuse_real<V>(value: f64, row: &Variable<V>, element: usize, real: &Real) -> Result<(), Refusal> {
+    let unit = real.unit.map_or(String::new(), |unit| format!(" {}", unit.name));
+    Err(out_of_range(&row.element_name(element), value, real.min, real.max, &unit))
+}
+
+#[cold]
+fn refuse_not_finite<V>(value: f64, row: &Variable<V>, element: usize, real: &Real) -> Result<(), Refusal> {
     let name = row.element_name(element);
-    if value.is_finite() {
-        let unit = real.unit.map_or(String::new(), |unit| format!(" {}", unit.name));
-        return Err(out_of_range(&name, value, real.min, real.max, &unit));
-    }
     if real.accepts_nan { Ok(()) } else { Err(Refusal::error(format!("`{name}` = {value} is not finite"))) }
 }
 

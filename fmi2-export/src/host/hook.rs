@@ -1,23 +1,28 @@
 //! A quiet panic hook: a panic becomes a message of the instance, not noise on the host's stderr.
 
+use std::cell::RefCell;
 use std::panic::{self, PanicHookInfo};
-use std::sync::{Mutex, Once, PoisonError};
+use std::sync::Once;
 
 static INSTALLED: Once = Once::new();
-static LAST: Mutex<String> = Mutex::new(String::new());
+
+thread_local! {
+    static LAST: RefCell<String> = const { RefCell::new(String::new()) };
+}
 
 /// Installs the hook once for this library; the host's own hook lives in another copy of std.
 pub fn install() {
     INSTALLED.call_once(|| panic::set_hook(Box::new(remember)));
 }
 
-/// What the last panic said, with file and line.
-pub fn last_panic() -> String {
-    LAST.lock().unwrap_or_else(PoisonError::into_inner).clone()
+/// What the last panic of this thread said, with file and line.
+pub fn take_panic() -> String {
+    LAST.take()
 }
 
 fn remember(info: &PanicHookInfo) {
     let place = info.location().map_or(String::new(), |at| format!(" at {}:{}", at.file(), at.line()));
     let text = format!("the model panicked{place}: {}", info.payload_as_str().unwrap_or("(no text)"));
-    *LAST.lock().unwrap_or_else(PoisonError::into_inner) = text;
+    // a thread that is ending has no place for it, and nobody who asks
+    let _ = LAST.try_with(|last| last.replace(text));
 }

@@ -1,8 +1,9 @@
 //! Checks of a model's table and facts, made when it is compiled: a wrong one does not compile.
 
 use crate::model::Info;
-use crate::units::Unit;
-use crate::variable::{Kind, Real, Role, Variable};
+use crate::table::enumeration::EnumType;
+use crate::table::units::Unit;
+use crate::table::variable::{Kind, Real, Role, Variable};
 
 /// Refuses a wrong variable table.
 pub const fn table<V>(table: &[Variable<V>]) {
@@ -12,8 +13,8 @@ pub const fn table<V>(table: &[Variable<V>]) {
         let row = &table[i];
         variable(row);
         let mut j = 0;
-        while j < i {
-            require(!same(row.name, table[j].name), row.name, "two variables have this name");
+        while j < table.len() {
+            check_pair(row, &table[j], j < i);
             j += 1;
         }
         i += 1;
@@ -24,8 +25,29 @@ pub const fn table<V>(table: &[Variable<V>]) {
 pub const fn variable<V>(row: &Variable<V>) {
     require(is_structured_name(row.name), row.name, "a name is made of identifiers joined by dots");
     require(!row.description.is_empty(), row.name, "every variable needs a description");
+    require(is_line(row.description), row.name, "a description is one line, without control characters");
     require(row.len() > 0, row.name, "an array needs elements");
     check_value(row);
+}
+
+/// Names that must not be the same, and those that must mean the same.
+const fn check_pair<V>(row: &Variable<V>, other: &Variable<V>, is_before: bool) {
+    let name = row.name;
+    require(!is_before || !same(name, other.name), name, "two variables have this name");
+    if let Kind::Choice { ty, .. } = &other.kind {
+        require(!same(name, ty.name), name, "an enumeration has this name");
+        if let Kind::Choice { ty: own, .. } = &row.kind
+            && is_before
+        {
+            require(!same(own.name, ty.name) || same_type(own, ty), name, "two different enumerations have one name");
+        }
+    }
+    if let (Kind::Real { real, .. }, Kind::Real { real: others, .. }) = (&row.kind, &other.kind)
+        && let (Some(own), Some(unit)) = (real.unit, others.unit)
+        && is_before
+    {
+        require(!same(own.name, unit.name) || same_unit(own, unit), name, "two different units have one name");
+    }
 }
 
 /// Refuses wrong facts about a model.
@@ -37,32 +59,53 @@ pub const fn info(info: &Info) {
         i += 1;
     }
     assert!(!info.name.is_empty() && !info.description.is_empty(), "an FMU needs a name and a description");
-    assert!(info.step_size > 0.0 && info.stop_time > 0.0, "step size and stop time are positive");
+    let numbers = info.step_size > 0.0 && info.stop_time > 0.0;
+    let finite = info.step_size.is_finite() && info.stop_time.is_finite();
+    assert!(numbers && finite, "step size and stop time are positive and finite");
+    let texts = [info.name, info.description, info.version, info.author, info.copyright, info.license];
+    let mut i = 0;
+    while i < texts.len() {
+        assert!(is_line(texts[i]), "the facts about a model are lines, without control characters");
+        i += 1;
+    }
 }
 
 const fn check_value<V>(row: &Variable<V>) {
     let name = row.name;
     require(row.role.is_some(), name, "needs a role: input, output, local, parameter, tunable or calculated");
     let role = row.role();
-    let (count, limited) = match &row.kind {
+    let count = match &row.kind {
         Kind::Real { start, real, .. } => {
             check_real(name, start, real, role);
-            (start.len(), real.min > f64::NEG_INFINITY || real.max < f64::INFINITY)
+            start.len()
         }
         Kind::Integer { start, min, max, .. } => {
             check_integer(name, start, *min, *max);
-            (start.len(), *min > i32::MIN || *max < i32::MAX)
+            start.len()
         }
-        Kind::Boolean { start, .. } => (start.len(), false),
-        Kind::Text { .. } => (1, false),
+        Kind::Boolean { start, .. } => start.len(),
+        Kind::Text { start, .. } => {
+            require(is_text(start), name, "a start value has no control characters but line ends and tabs");
+            1
+        }
         Kind::Choice { start, ty, .. } => {
             let known = *start >= 1 && *start as usize <= ty.items.len();
             require(known, name, "the start value is no item of the enumeration");
-            (1, false)
+            check_type(name, ty);
+            1
         }
     };
     require(count == row.len(), name, "an array and its start values differ in length");
-    require(!limited || role.is_parameter(), name, "only parameters have a range: inputs are limited by the model");
+}
+
+const fn check_type(name: &str, ty: &EnumType) {
+    const RULE: &str = "names and descriptions of an enumeration are lines, without control characters";
+    require(is_line(ty.name) && is_line(ty.description), name, RULE);
+    let mut i = 0;
+    while i < ty.items.len() {
+        require(is_line(ty.items[i].name) && is_line(ty.items[i].description), name, RULE);
+        i += 1;
+    }
 }
 
 const fn check_real(name: &str, start: &[f64], real: &Real, role: Role) {
@@ -77,7 +120,12 @@ const fn check_real(name: &str, start: &[f64], real: &Real, role: Role) {
     }
     match (real.unit, real.display) {
         (Some(unit), display) => {
-            require(unit.factor != 0.0, name, "a unit's factor is not zero");
+            let finite = unit.factor.is_finite() && unit.offset.is_finite();
+            require(
+                finite && unit.factor != 0.0,
+                name,
+                "a unit's factor and offset are finite, the factor is not zero",
+            );
             require(has_display(unit, display), name, "the unit has no such display unit");
         }
         (None, display) => require(display.is_none(), name, "a display unit needs a unit"),
@@ -122,11 +170,71 @@ const fn has_display(unit: &Unit, display: Option<&str>) -> bool {
     let mut i = 0;
     while i < unit.display.len() {
         if same(unit.display[i].name, name) {
-            return unit.display[i].factor != 0.0;
+            return unit.display[i].factor.is_finite() && unit.display[i].factor != 0.0;
         }
         i += 1;
     }
     false
+}
+
+/// Whether two types of one name are the same to a reader of the model description.
+const fn same_type(a: &EnumType, b: &EnumType) -> bool {
+    if !same(a.description, b.description) || a.items.len() != b.items.len() {
+        return false;
+    }
+    let mut i = 0;
+    while i < a.items.len() {
+        if !same(a.items[i].name, b.items[i].name) || !same(a.items[i].description, b.items[i].description) {
+            return false;
+        }
+        i += 1;
+    }
+    true
+}
+
+const fn same_unit(a: &Unit, b: &Unit) -> bool {
+    if a.factor != b.factor || a.offset != b.offset || a.display.len() != b.display.len() {
+        return false;
+    }
+    let mut i = 0;
+    while i < a.base.len() {
+        if a.base[i] != b.base[i] {
+            return false;
+        }
+        i += 1;
+    }
+    let mut i = 0;
+    while i < a.display.len() {
+        if !same(a.display[i].name, b.display[i].name) || a.display[i].factor != b.display[i].factor {
+            return false;
+        }
+        i += 1;
+    }
+    true
+}
+
+/// Whether XML can hold a text.
+const fn is_text(text: &str) -> bool {
+    let mut i = 0;
+    while i < text.len() {
+        if !matches!(text.as_bytes()[i], b'\t' | b'\n' | b'\r' | b' '..) {
+            return false;
+        }
+        i += 1;
+    }
+    true
+}
+
+/// Whether a text is the same after an XML reader has made it a `normalizedString`.
+const fn is_line(text: &str) -> bool {
+    let mut i = 0;
+    while i < text.len() {
+        if text.as_bytes()[i] < b' ' {
+            return false;
+        }
+        i += 1;
+    }
+    true
 }
 
 /// Identifiers joined by dots, as the structured naming convention of FMI 2.0 wants it.
@@ -164,7 +272,7 @@ const fn same(a: &str, b: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{EnumType, Item, Start, boolean, integer, real, text, units};
+    use crate::{DisplayUnit, EnumType, Item, Start, boolean, integer, real, text, units};
     use std::panic::catch_unwind;
 
     struct Vars {
@@ -182,6 +290,12 @@ mod tests {
     const MODE: EnumType =
         EnumType { name: "Mode", description: "x", items: &[Item { name: "Off", description: "x", hint: "" }] };
 
+    const OTHER_MODE: EnumType =
+        EnumType { name: "Mode", description: "x", items: &[Item { name: "On", description: "x", hint: "" }] };
+    const OTHER_METRE: Unit = Unit::si("m", [0, 2, 0, 0, 0], &[]);
+    const INFINITE: Unit = Unit { factor: f64::INFINITY, ..OTHER_METRE };
+    const SHOWN_INFINITE: Unit = Unit { display: &[DisplayUnit { name: "inf", factor: f64::INFINITY }], ..OTHER_METRE };
+
     fn choice(start: i32) -> Variable<Vars> {
         Variable::new_choice("mode", &MODE, start, |_| 1, |_, _| ())
     }
@@ -198,10 +312,10 @@ mod tests {
     fn a_right_table_is_accepted() {
         table(&[
             real!(Vars => x).tunable().unit(&units::METRE).display("um").range(3.0, 3.0).describe("x"),
-            real!(Vars => pair[2]).input().describe("x"),
-            integer!(Vars => n).parameter().range_int(3, 3).describe("x"),
+            real!(Vars => pair[2]).input().unit(&units::METRE).range(0.0, 1.0).describe("x"),
+            integer!(Vars => n).output().range_int(3, 3).describe("x"),
             boolean!(Vars => on).output().describe("x"),
-            text!(Vars => label).local().describe("x"),
+            text!(Vars => label).local().start_text("two lines\n\tand a tab").describe("x"),
             choice(1).parameter().describe("x"),
         ]);
     }
@@ -217,7 +331,13 @@ mod tests {
             (x().tunable().range(1.0, 2.0), "variable `x`: the start value is outside its range"),
             (x().tunable().range(5.0, 1.0), "variable `x`: a range needs minimum <= maximum"),
             (x().tunable().range(f64::NAN, 1.0), "variable `x`: a range needs minimum <= maximum"),
-            (x().output().range(0.0, 5.0), "variable `x`: only parameters have a range"),
+            (x().input().unit(&INFINITE), "variable `x`: a unit's factor and offset are finite"),
+            (x().input().unit(&SHOWN_INFINITE).display("inf"), "variable `x`: the unit has no such display unit"),
+            (real!(Vars => x).input().describe("two\nlines"), "variable `x`: a description is one line"),
+            (
+                text!(Vars => label).local().start_text("\u{1}").describe("x"),
+                "variable `label`: a start value has no control",
+            ),
             (x().input().nominal(0.0), "variable `x`: a nominal value is positive"),
             (x().output().accepts_nan(), "variable `x`: only an input accepts NaN"),
             (x().input().unit(&units::METRE).display("kg"), "variable `x`: the unit has no such display unit"),
@@ -229,7 +349,32 @@ mod tests {
             assert!(refusal(&[row]).starts_with(expected), "{expected}");
         }
         assert_eq!(refusal(&[x().input(), x().output()]), "variable `x`: two variables have this name");
+        let pair = || real!(Vars => pair[2]).output().unit(&OTHER_METRE).describe("x");
+        let twice = refusal(&[x().input().unit(&units::METRE), pair()]);
+        assert_eq!(twice, "variable `pair`: two different units have one name");
+        let mode = |name, ty| Variable::new_choice(name, ty, 1, |_| 1, |_, _| ()).parameter().describe("x");
+        let twice = refusal(&[mode("mode", &MODE), mode("other", &OTHER_MODE)]);
+        assert_eq!(twice, "variable `other`: two different enumerations have one name");
+        assert_eq!(refusal(&[mode("Mode", &MODE)]), "variable `Mode`: an enumeration has this name");
         assert_eq!(refusal(&[]), "an FMU needs variables");
+    }
+
+    #[test]
+    fn facts_that_xml_cannot_hold_are_refused() {
+        const GOOD: Info = Info { name: "Good", identifier: "good", description: "x", ..Info::DEFAULT };
+        info(&GOOD);
+        for bad in [
+            Info { stop_time: f64::INFINITY, ..GOOD },
+            Info { step_size: f64::INFINITY, ..GOOD },
+            Info { step_size: f64::NAN, ..GOOD },
+            Info { step_size: 0.0, ..GOOD },
+            Info { author: "two\nlines", ..GOOD },
+            Info { description: "\u{1}", ..GOOD },
+            Info { identifier: "a.b", ..GOOD },
+            Info { name: "", ..GOOD },
+        ] {
+            catch_unwind(|| info(&bad)).expect_err(&format!("{bad:?}"));
+        }
     }
 
     #[test]

@@ -1,8 +1,10 @@
 //! The whole state of an instance, and its form as bytes.
 
-use crate::clock::Clock;
-use crate::hash::{self, GUID};
-use crate::phase::Phase;
+use crate::host::phase::Phase;
+use crate::instance::clock::Clock;
+use crate::instance::slope::Derivative;
+use crate::model::Experiment;
+use crate::table::hash::{self, GUID};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 /// Everything that changes in an instance: taken, put back and serialised as one.
@@ -14,8 +16,8 @@ pub struct Snapshot<V, S> {
     pub running: Option<Running<S>>,
     /// Start and stop time, once fmi2SetupExperiment has told them.
     pub experiment: Option<Experiment>,
-    /// First derivatives of Real inputs for the next step, by value reference.
-    pub slopes: Vec<(u32, f64)>,
+    /// Derivatives of Real inputs for the next step.
+    pub derivatives: Vec<Derivative>,
 }
 
 /// The part that exists between initialization and reset.
@@ -25,14 +27,6 @@ pub struct Running<S> {
     pub clock: Clock,
     /// The communication point reached, as the master counts, s.
     pub time: f64,
-}
-
-/// What fmi2SetupExperiment told.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub struct Experiment {
-    pub start: f64,
-    /// Infinity when there is none.
-    pub stop: f64,
 }
 
 const MAGIC: &[u8; 8] = b"FMU2ST\x01\n";

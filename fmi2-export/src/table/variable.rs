@@ -1,8 +1,8 @@
 //! The variable table: one row per variable, written once, checked when it is compiled.
 
-use crate::enumeration::EnumType;
-use crate::place::Place;
-use crate::units::Unit;
+use crate::table::enumeration::EnumType;
+use crate::table::place::Place;
+use crate::table::units::Unit;
 
 /// One row of the table: name, accessors, role, unit, range, start value and text.
 ///
@@ -175,7 +175,8 @@ impl<V> Variable<V> {
         self
     }
 
-    /// Allowed values of a Real parameter, limits included.
+    /// Allowed values of a Real parameter, limits included; others are refused. For other variables it is information
+    /// for the environment, which scales plots and checks wirings by it.
     pub const fn range(mut self, min: f64, max: f64) -> Self {
         let real = self.real("`range` is for a Real; an Integer has `range_int`");
         real.min = min;
@@ -196,7 +197,8 @@ impl<V> Variable<V> {
         self
     }
 
-    /// Allowed values of an Integer parameter, limits included.
+    /// Allowed values of an Integer parameter, or those to expect of another variable; limits included. See
+    /// [`range`](Self::range).
     pub const fn range_int(mut self, low: i32, high: i32) -> Self {
         match &mut self.kind {
             Kind::Integer { min, max, .. } => {

@@ -65,6 +65,10 @@ fn escape(text: &str) -> String {
             '<' => out.push_str("&lt;"),
             '>' => out.push_str("&gt;"),
             '"' => out.push_str("&quot;"),
+            // raw ones in an attribute are blanks to a reader
+            '\n' => out.push_str("&#10;"),
+            '\r' => out.push_str("&#13;"),
+            '\t' => out.push_str("&#9;"),
             c => out.push(c),
         }
     }
@@ -87,6 +91,11 @@ mod tests {
         xml.empty("b", &[]);
         xml.element("c", "x > y");
         assert_eq!(xml.finish(), "<?xml?>\n<a k=\"1 &lt; 2 &amp; &quot;x&quot;\">\n  <b/>\n  <c>x &gt; y</c>\n</a>\n");
+    }
+
+    #[test]
+    fn line_ends_and_tabs_survive_a_reader() {
+        assert_eq!(escape("a\tb\r\nc"), "a&#9;b&#13;&#10;c");
     }
 
     #[test]

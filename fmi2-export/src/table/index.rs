@@ -1,7 +1,7 @@
 //! What the value references stand for: constant tables, made from the rows when the library is compiled.
 
-use crate::place::Place;
-use crate::variable::{Kind, Role, Variable};
+use crate::table::place::Place;
+use crate::table::variable::{Kind, Role, Variable};
 
 /// What a value reference stands for: an element of a row.
 #[derive(Debug)]

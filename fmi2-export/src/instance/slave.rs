@@ -1,18 +1,15 @@
 //! An instance as the C API sees it, whatever its model.
 
-use crate::phase::{Function, Status};
-use std::any::Any;
+use crate::host::phase::{Function, Status};
+use crate::instance::states::TakenState;
 use std::ffi::CStr;
-
-/// A taken state; only an instance of the same model can use it.
-pub type TakenState = Box<dyn Any + Send>;
 
 /// An instance as the C API sees it. Every method answers with a status and tells a reason.
 pub trait Slave: Send {
     /// fmi2SetDebugLogging
     fn set_debug_logging(&mut self, on: bool, categories: &[&str]) -> Status;
     /// fmi2SetupExperiment
-    fn setup_experiment(&mut self, start: f64, stop: Option<f64>) -> Status;
+    fn setup_experiment(&mut self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Status;
     /// fmi2EnterInitializationMode
     fn enter_initialization_mode(&mut self) -> Status;
     /// fmi2ExitInitializationMode

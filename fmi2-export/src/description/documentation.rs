@@ -1,10 +1,10 @@
 //! `documentation/index.html`: the variable table for people.
 
-use crate::logger::Category;
+use crate::description::model_description::used_types;
+use crate::description::xml::Writer;
+use crate::host::logger::Category;
 use crate::model::Model;
-use crate::model_description::used_types;
-use crate::variable::{Kind, Role, Variable};
-use crate::xml::Writer;
+use crate::table::variable::{Kind, Role, Variable};
 
 const STYLE: &str = "body{font-family:sans-serif;margin:2em;max-width:75em}\
 table{border-collapse:collapse}td,th{border:1px solid silver;padding:.2em .6em;text-align:left;vertical-align:top}";
@@ -14,8 +14,8 @@ const TIMING: [&str; 3] = [
      sample that lies in it, with the inputs set at t. Outputs are held between samples.",
     "Read the outputs after fmi2DoStep and apply them from t on, and the loop has no delay beside the sampling; a \
      master that applies them at t + h adds one communication step.",
-    "Real inputs may be given with their first derivatives (fmi2SetRealInputDerivatives); they are extrapolated to \
-     the samples inside the step.",
+    "Real inputs may be given with their derivatives of any order (fmi2SetRealInputDerivatives); they are extrapolated \
+     to the samples inside the step.",
 ];
 
 /// The whole page.
@@ -31,7 +31,9 @@ pub fn write<M: Model>() -> String {
     html.open("body", &[]);
     html.element("h1", info.name);
     html.element("p", info.description);
-    html.element("p", &format!("Version {}. Licence: {}.", info.version, info.license));
+    let facts = [("Version", info.version), ("Licence:", info.license)];
+    let facts = facts.iter().filter(|(_, fact)| !fact.is_empty()).map(|(what, fact)| format!("{what} {fact}."));
+    html.element("p", &facts.collect::<Vec<_>>().join(" "));
     html.element("h2", "Timing");
     TIMING.iter().for_each(|text| html.element("p", text));
     for (title, roles) in [

@@ -1,0 +1,7 @@
+//! The files that a library describes itself with.
+
+pub mod documentation;
+pub mod files;
+pub mod model_description;
+pub mod readme;
+mod xml;
