@@ -108,7 +108,7 @@ mod variables {
         pub estop: bool,
         /// Rising edge ends a fault, once the tool is at rest
         pub reset_fault: bool,
-        /// Ball centre by the encoders in the work frame of the path, z out of the mold
+        /// Ball centre by the encoders in the work frame of the path
         #[var(fields = f64[x, y, z], unit = METRE as "mm", accepts_nan)] pub position: Axes,
         /// Raw force on the tool in the work frame
         #[var(fields = f64[x, y, z], unit = NEWTON, accepts_nan)] pub force: Axes,

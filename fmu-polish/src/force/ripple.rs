@@ -127,6 +127,12 @@ mod tests {
 
     const P: Parameters = Parameters::START;
 
+    /// What a harmonic leaves of a ripple of the amplitude `size` N through the true response, at the angle `angle`.
+    fn part(harmonic: &Harmonic, response: Complex<f64>, size: f64, angle: f64) -> f64 {
+        let carrier = Complex::cis(angle);
+        harmonic.canceller.output(response * carrier) + size * carrier.re
+    }
+
     /// Error amplitude at the end of 4 s with ripples of 0.2 N, when the true phase is `phase_error` rad off.
     fn left(phase_error: f64) -> (f64, bool) {
         let law = Coefficients::new(&P, damping(&P, 178e3));
@@ -135,11 +141,8 @@ mod tests {
         let mut worst: f64 = 0.0;
         for k in 1..4000 {
             // the plant in the steady state of the learned amplitudes
-            let error: f64 = (1..)
-                .zip(ripple.harmonics)
-                .zip(truth)
-                .map(|((m, h), t)| ((t * h.velocity + 0.2) * Complex::cis(phase(10, m * k))).re)
-                .sum();
+            let error: f64 =
+                (1..).zip(ripple.harmonics).zip(truth).map(|((m, h), t)| part(&h, t, 0.2, phase(10, m * k))).sum();
             ripple.step(&P, k, error);
             if k > 3500 {
                 worst = worst.max(error.abs());
@@ -164,11 +167,8 @@ mod tests {
             let truth = ripple.harmonics.map(|h| h.response.unwrap() * Complex::cis(phase_error));
             let mut worst: f64 = 0.0;
             for k in 1..6000 {
-                let error: f64 = (1..)
-                    .zip(ripple.harmonics)
-                    .zip(truth)
-                    .map(|((m, h), t)| ((t * h.velocity + 0.1) * Complex::cis(phase(10, m * k))).re)
-                    .sum();
+                let error: f64 =
+                    (1..).zip(ripple.harmonics).zip(truth).map(|((m, h), t)| part(&h, t, 0.1, phase(10, m * k))).sum();
                 worst = worst.max(error.abs());
                 ripple.step(&P, k, error);
             }

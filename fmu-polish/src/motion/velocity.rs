@@ -28,7 +28,8 @@ impl VelocityParts {
             + self.normal * frame.normal
             + self.position
             + self.stick_slip * self.sideways;
-        velocity.cap_magnitude(limit)
+        // no division by the size at rest: a branch around it may be compiled to compute both ways
+        velocity * (limit / velocity.norm().max(limit))
     }
 
     /// As the FMU shows it, with the sum `velocity`.
