@@ -73,8 +73,8 @@ impl Fault {
 
 /// The numbers behind the fault, to be told after its meaning.
 pub fn numbers(vars: &Vars) -> String {
-    let (input, output, p) = (&vars.input, &vars.output, &vars.in_force);
-    let (x, f, force, error) = (input.position, input.force, output.force, output.error);
+    let (output, p) = (&vars.output, &vars.in_force);
+    let (x, f, force, error) = (vars.input.position, vars.input.force, output.force, output.error);
     let place = format!("at `{:.3}` of the path", output.progress);
     match output.fault {
         Fault::None | Fault::EmergencyStop => String::new(),
@@ -87,10 +87,7 @@ pub fn numbers(vars: &Vars) -> String {
         Fault::PositionError => format!(": `{:.6} m` along, `{:.6} m` beside", error.tangential, error.lateral),
         Fault::Stroke => format!(": position `{} {} {} m`", x.x, x.y, x.z),
         Fault::TareRejected => format!(" = `{} N`: raw force `{} {} {} N`", p.limits.tare_force, f.x, f.y, f.z),
-        Fault::NotAtStart => {
-            let beside = format!("`{:.6} m` and `{:.6} m` beside", error.tangential, error.lateral);
-            format!(": `{:.6} m` above it, {beside}", -error.normal)
-        }
+        Fault::NotAtStart => format!(": `{:.6} m` above it, `{:.6} m` beside", -error.normal, error.beside()),
         Fault::SurfaceError => format!(" = `{} m` {place}", p.limits.surface_error),
     }
 }

@@ -1,14 +1,10 @@
-//! Every variable of the FMU, told once; the law sees the structs.
-//!
-//! Sources: "paper" = Nagata and others (2010); "derived" = follows from the equations; "measured" = found on the
-//! plant `orthogonal_robot`; "our choice" = the paper is silent; with the reason where there is one.
+//! Every variable of the FMU, told once; the law sees the structs. The README tells what the sources mean.
 
 #[fmi2_export::interface]
 #[rustfmt::skip]
 mod variables {
     use crate::axes::Axes;
     use fmi2_export::{Unit, units::*};
-
     const NEWTON_SECOND_PER_METRE: Unit = Unit::si("N.s/m", [1, 0, -1, 0, 0], &[]);
     const PER_SECOND: Unit = Unit::si("1/s", [0, 0, -1, 0, 0], &[]);
     const PER_SECOND_SQUARED: Unit = Unit::si("1/s2", [0, 0, -2, 0, 0], &[]);
@@ -62,7 +58,7 @@ mod variables {
         /// The surface was further from the path than `limits.surface_error`
         #[hint("check how the mold is set up")] SurfaceError,
     }
-    /// Which law polishes
+    /// Which law polishes; Paper takes the paper's value of each parameter that has one and was left at its start value
     pub enum Law {
         /// What a good engineer would ship
         Default,
@@ -212,7 +208,6 @@ mod variables {
     /// What is set before the job, or tuned
     #[parameters]
     pub struct Parameters {
-        /// `Paper` takes the paper's value for each parameter that has one and was left at its start value
         pub law: Law,
         /// Sample period
         #[var(unit = SECOND as "ms", range = 2e-4..=5e-3, start = 1e-3, source = "paper")] pub sample_period: f64,
@@ -272,7 +267,7 @@ mod variables {
     /// What a path may be.
     pub struct Path {
         /// CL file with contact points and normals, in the folder resources of the FMU or with its whole path; the start value is built in
-        #[var(start = crate::path::cl_file::BUILT_IN)] pub file: String,
+        #[var(start = crate::path::built_in::NAME)] pub file: String,
         /// Steepest surface that is polished
         #[var(unit = RADIAN as "deg", range = 0.1..=1.5, start = 1.05, source = "our choice: 60 deg, the shank stays clear of the wall")] pub slope_max: f64,
     }

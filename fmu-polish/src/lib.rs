@@ -1,7 +1,6 @@
 //! Force and position control with stick-slip motion for polishing molds (Nagata and others, 2010), as an FMU.
 //!
-//! This file is the FMU, `interface.rs` its variables, [`controller::Controller`] the law: plain Rust that knows nothing
-//! of FMI.
+//! [`interface`] holds the variables of the FMU, [`controller::Controller`] the law: plain Rust that knows no FMI.
 #![forbid(unsafe_code)]
 
 pub mod axes;
@@ -28,8 +27,7 @@ impl Model for Polish {
     const INFO: Info = Info {
         name: "StickSlipPolishing",
         identifier: "fmu_polish",
-        description: "Polishes a mold along CL data with controlled force and stick-slip motion (Nagata and others, \
-                      AROB 2010)",
+        description: "Polishes a mold along CL data with controlled force and stick-slip motion (Nagata et al., 2010)",
         version: env!("CARGO_PKG_VERSION"),
         state_version: 2,
         stop_time: 60.0,

@@ -1,5 +1,6 @@
 //! The path: CL data from a file, the path of the ball centre made of them, and the feed along it.
 
+pub mod built_in;
 pub mod centre_path;
 mod cl_checks;
 pub mod cl_data;

@@ -7,6 +7,7 @@ use std::path::Path;
 use common::{file, row, spiral};
 use control_blocks::ParameterError;
 use fmu_polish::interface::{FeedSource, Parameters};
+use fmu_polish::path::built_in;
 use fmu_polish::path::cl_data::Point;
 use fmu_polish::path::cl_file::{self, points};
 
@@ -132,8 +133,8 @@ fn the_file_is_named() {
 #[test]
 fn the_built_in_path_needs_no_folder() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("resources");
-    let built_in = read(cl_file::BUILT_IN, None).unwrap();
-    let bytes = std::fs::read(folder.join(cl_file::BUILT_IN)).unwrap();
+    let built_in = read(built_in::NAME, None).unwrap();
+    let bytes = std::fs::read(folder.join(built_in::NAME)).unwrap();
     assert_eq!(built_in, points(&bytes, &P).unwrap());
 }
 

@@ -6,6 +6,9 @@ use serde::{Deserialize, Serialize};
 use super::cl_data::Point;
 use crate::interface::{ErrorOutput, Parameters};
 
+/// Smaller turns than this never slow the feed, rad.
+const TURN_MIN: f64 = 1e-9;
+
 /// A point of the path.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Knot {
@@ -60,6 +63,13 @@ impl Frame {
             lateral: offset.dot(&self.normal.cross(&self.tangent)),
             normal: offset.dot(&self.normal),
         }
+    }
+}
+
+impl ErrorOutput {
+    /// Distance beside the normal, m.
+    pub fn beside(&self) -> f64 {
+        self.tangential.hypot(self.lateral)
     }
 }
 
@@ -130,9 +140,7 @@ fn limit_by_curvature(knots: &mut [Knot], rate: f64) {
         let (before, after) = (knots[i].centre - knots[i - 1].centre, knots[i + 1].centre - knots[i].centre);
         let turn = before.angle(&after);
         let way = 0.5 * (knots[i + 1].s - knots[i - 1].s);
-        if turn > 0.0 {
-            knots[i].feed_max = knots[i].feed_max.min(rate * way / turn);
-        }
+        knots[i].feed_max = knots[i].feed_max.min(rate * way / turn.max(TURN_MIN));
     }
     knots[0].feed_max = knots[0].feed_max.min(knots[1].feed_max);
 }

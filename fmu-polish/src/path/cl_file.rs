@@ -5,6 +5,7 @@ use std::path::Path;
 use control_blocks::{FileParameter, ParameterError};
 use nalgebra::Vector3;
 
+use super::built_in;
 use super::cl_checks as checks;
 use super::cl_data::{ClError, Point};
 use super::cl_statement::{Statement, Units, parse};
@@ -15,10 +16,6 @@ const BYTES_MAX: u64 = 32 << 20;
 /// Most points of a path.
 const POINTS_MAX: usize = 200_000;
 
-/// The path that needs no file: 15 mm in the middle of an LED lens mold.
-pub const BUILT_IN: &str = "led-short.cls";
-const BUILT_IN_BYTES: &[u8] = include_bytes!("../../resources/led-short.cls");
-
 /// Reads and checks the CL data that `path.file` names.
 ///
 /// # Errors
@@ -26,8 +23,11 @@ const BUILT_IN_BYTES: &[u8] = include_bytes!("../../resources/led-short.cls");
 pub fn read(resources: Option<&Path>, p: &Parameters) -> Result<Vec<Point>, ParameterError> {
     let hint = "name a file in the folder resources of the FMU, or give its whole path";
     let parameter = FileParameter { name: "path.file", file: &p.path.file, hint };
-    let bytes =
-        if parameter.file == BUILT_IN { BUILT_IN_BYTES.to_vec() } else { parameter.read(resources, BYTES_MAX)? };
+    let bytes = if parameter.file == built_in::NAME {
+        built_in::BYTES.to_vec()
+    } else {
+        parameter.read(resources, BYTES_MAX)?
+    };
     points(&bytes, p).map_err(|error| {
         let limit = format!("CL data without error; line {}: {}", error.line, error.reason);
         FileParameter { hint: error.hint, ..parameter }.wrong(limit)
