@@ -19,7 +19,9 @@ pub fn direction(mode: Mode, frame: &Frame) -> Vector3<f64> {
         Mode::Paper => x - n * n.dot(x),
         Mode::Cross => n.cross(&frame.tangent),
     };
-    vector.try_normalize(LENGTH_MIN).unwrap_or_default()
+    let length = vector.norm();
+    // a division that stays finite, whichever side of the branch is computed
+    if length > LENGTH_MIN { vector / length.max(LENGTH_MIN) } else { Vector3::zeros() }
 }
 
 /// The sign of sample `k` = 1, 2, ...; the motion is centred: it begins with half of a half period.
