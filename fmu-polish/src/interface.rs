@@ -58,7 +58,7 @@ mod variables {
         /// The surface was further from the path than `limits.surface_error`
         #[hint("check how the mold is set up")] SurfaceError,
     }
-    /// Which law polishes; Paper takes the paper's value of each parameter that has one and was left at its start value
+    /// Which law polishes; Paper takes the paper's value where there is one and a parameter was left at its start value
     pub enum Law {
         /// What a good engineer would ship
         Default,
@@ -100,7 +100,7 @@ mod variables {
     pub struct Input {
         /// Rising edge starts a job: zero of the sensor, approach, ...; false ends it: the tool leaves
         pub enable: bool,
-        /// Stands still at once and goes on pressing; only here, where the force stays when the motion stops
+        /// Stops the motion at once, in contact too; this controller alone has it: its force stays when the motion stops
         pub estop: bool,
         /// Rising edge ends a fault, once the tool is at rest
         pub reset_fault: bool,
@@ -311,13 +311,13 @@ mod variables {
     }
     /// Position feedback, eq. 6.
     pub struct Position {
-        /// Gain K_p, eq. 6; `law` = Paper takes the three as one
+        /// Gain K_p, eq. 6
         #[var(fields = f64[x, y, z], unit = PER_SECOND, range = 0.0..=200.0, start = Axes::all(5.0), paper = Axes { x: 0.0, y: 0.0, z: 1.0 }, source = "our choice", tunable)] pub gain: Axes,
         /// Integral gain K_i, the paper's over the sample period
         #[var(fields = f64[x, y, z], unit = PER_SECOND_SQUARED, range = 0.0..=1e4, source = "our choice", tunable)] pub integral: Axes,
         /// Limit of the integrated position error
         #[var(unit = METRE_SECOND, range = 0.0..=1.0, start = 0.2e-3, source = "our choice")] pub integral_max: f64,
-        /// Switch S of the position feedback; `law` = Paper takes the three as one
+        /// Switch S of the position feedback
         #[var(fields = bool[x, y, z], start = Axes::all(true), paper = Axes { x: false, y: false, z: true }, source = "our choice")] pub select: Axes<bool>,
         /// Position feedback in the tangent plane alone, so that force and position do not fight
         #[var(start = true, paper = false, source = "our choice")] pub projected: bool,

@@ -14,7 +14,6 @@ mod motion;
 pub mod path;
 mod reading;
 
-use control_blocks::ParameterError;
 use fmi2_export::{Env, Error, Info, Interface, Model, Variable, export};
 
 use controller::Controller;
@@ -46,9 +45,8 @@ impl Model for Polish {
     }
 
     fn initialise(vars: &mut Vars, env: &mut Env) -> Result<Controller, Error> {
-        let text = |error: ParameterError| error.to_string();
-        let points = path::cl_file::read(env.resources(), &vars.in_force).map_err(text)?;
-        let controller = Controller::new(&vars.in_force, &points).map_err(text)?;
+        let points = path::cl_file::read(env.resources(), &vars.in_force).map_err(|error| error.to_string())?;
+        let controller = Controller::new(&vars.in_force, &points).map_err(|error| error.to_string())?;
         vars.output.path.length = controller.path().length();
         Ok(controller)
     }
