@@ -1,23 +1,18 @@
 //! Checks of parameters against each other; single ranges are in the variable table of the FMU.
 
-use control_blocks::{ParameterError, require};
+use control_blocks::{ParameterError, check_all, require};
 
-use crate::parameters::Parameters;
-use crate::stick_slip::Mode;
+use crate::interface::{Mode, Parameters};
 
 /// Samples per time constant of the loop, at least.
 const SAMPLES_PER_LOOP: f64 = 10.0;
-
-type Check = fn(&Parameters) -> Result<(), ParameterError>;
 
 /// Checks all combinations; the first that fails is the error.
 ///
 /// # Errors
 /// Names the parameter, its value and the limit.
 pub fn check(p: &Parameters) -> Result<(), ParameterError> {
-    const CHECKS: [Check; 7] =
-        [force_limit, lost_force, contact_force, position_gain, loop_gain, pulse_rate, stick_slip_velocity];
-    CHECKS.iter().try_for_each(|check| check(p))
+    check_all(p, &[force_limit, lost_force, contact_force, position_gain, loop_gain, pulse_rate, stick_slip_velocity])
 }
 
 fn force_limit(p: &Parameters) -> Result<(), ParameterError> {
@@ -72,15 +67,15 @@ fn loop_gain(p: &Parameters) -> Result<(), ParameterError> {
         name: "impedance.damping",
         value: format!("{} N.s/m", p.impedance.damping),
         limit: format!("at least `{} N.s/m` at `stiffness.nominal`", p.impedance.gain * p.stiffness.nominal / most),
-        hint: "more damping, or the force swings",
+        hint: "more damping, or the force oscillates",
     })
 }
 
 fn pulse_rate(p: &Parameters) -> Result<(), ParameterError> {
     let most = f64::from(i32::MAX) * p.pulses.size / p.sample_period;
-    require(p.limits.velocity < most, || ParameterError {
-        name: "limits.velocity",
-        value: format!("{} m/s", p.limits.velocity),
+    require(p.velocity_max < most, || ParameterError {
+        name: "velocity_max",
+        value: format!("{} m/s", p.velocity_max),
         limit: format!("less than `{most} m/s`, the most pulses of a sample"),
         hint: "lower it, or take larger pulses",
     })
@@ -88,27 +83,26 @@ fn pulse_rate(p: &Parameters) -> Result<(), ParameterError> {
 
 fn stick_slip_velocity(p: &Parameters) -> Result<(), ParameterError> {
     let on = p.stick_slip.mode != Mode::Off;
-    require(!on || p.stick_slip.velocity < p.limits.velocity, || ParameterError {
+    require(!on || p.stick_slip.velocity < p.velocity_max, || ParameterError {
         name: "stick_slip.velocity",
         value: format!("{} m/s", p.stick_slip.velocity),
-        limit: format!("less than `limits.velocity` = `{} m/s`", p.limits.velocity),
-        hint: "lower it, or raise `limits.velocity` if the drives allow it",
+        limit: format!("less than `velocity_max` = `{} m/s`", p.velocity_max),
+        hint: "lower it, or raise `velocity_max` if the drives allow it",
     })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use control_blocks::refusal;
 
     fn error(change: impl FnOnce(&mut Parameters)) -> String {
-        let mut p = Parameters::DEFAULT;
-        change(&mut p);
-        check(&p).unwrap_err().to_string()
+        refusal(Parameters::START, change, check)
     }
 
     #[test]
     fn defaults_and_paper_mode_fit() {
-        check(&Parameters::DEFAULT).unwrap();
+        check(&Parameters::START).unwrap();
         check(&Parameters::PAPER).unwrap();
     }
 
@@ -121,7 +115,7 @@ mod tests {
             (error(|p| p.approach.contact_force = 5.0), "approach.contact_force", "`5 N`", "`5 N`"),
             (error(|p| p.position.gain.y = 100.0), "position.gain.y", "`100 1/s`", "`80 1/s`"),
             (error(|p| p.impedance.damping = 1000.0), "impedance.damping", "`1000 N.s/m`", "`1780 N.s/m`"),
-            (error(|p| p.pulses.size = 1e-15), "limits.velocity", "`0.05 m/s`", "pulses of a sample"),
+            (error(|p| p.pulses.size = 1e-15), "velocity_max", "`0.05 m/s`", "pulses of a sample"),
             (error(|p| p.stick_slip.velocity = 0.06), "stick_slip.velocity", "`0.06 m/s`", "`0.05 m/s`"),
         ];
         for (message, name, value, limit) in cases {

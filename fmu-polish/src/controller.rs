@@ -1,23 +1,26 @@
 //! One sample of the whole law: read, measure, decide, move, report.
 
-use control_blocks::ParameterError;
+use control_blocks::{ParameterError, ramp, ticks};
+use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use crate::check::check;
-use crate::cl_file::Point;
-use crate::feed::Feed;
-use crate::force::{Gauge, SetPoint};
-use crate::machine::{Events, Fault, State, next};
-use crate::motion::Parts;
-use crate::parameters::Parameters;
-use crate::path::{Path, Place};
-use crate::position::Feedback;
-use crate::press::{Contact, Press, Way};
-use crate::pulses::Remainder;
+use crate::faults::{self, Evidence};
+use crate::force::contact::{ContactMonitor, Measurement};
+use crate::force::normal_motion::{NormalMeasurement, NormalMotion, PathState};
+use crate::force::sensor::ForceSensor;
+use crate::interface::{
+    Fault, ForceOutput, Input, MisalignmentOutput, Output, Parameters, PathOutput, RippleOutput, State, StiffnessOutput,
+};
+use crate::machine::{Events, next};
+use crate::motion::position::PositionFeedback;
+use crate::motion::pulses::Remainder;
+use crate::motion::stick_slip;
+use crate::motion::velocity::VelocityParts;
+use crate::path::centre_path::{CentrePath, Place};
+use crate::path::cl_data::Point;
+use crate::path::feed::next_feed;
 use crate::reading::{Reader, Reading};
-use crate::signals::{Error, Force, Input, Misalignment, Output, Ripple, Stiffness};
-use crate::stick_slip;
-use crate::watch::{Sight, Watch};
 
 /// Time after the touch in which force and way do not belong together, s.
 const TOUCH_TIME: f64 = 0.02;
@@ -25,9 +28,9 @@ const TOUCH_TIME: f64 = 0.02;
 /// The controller between two samples.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Controller {
-    path: Path,
+    path: CentrePath,
     reader: Reader,
-    gauge: Gauge,
+    sensor: ForceSensor,
     state: State,
     fault: Fault,
     /// samples since the state began
@@ -38,12 +41,14 @@ pub struct Controller {
     halted: bool,
     /// way of approach or retract, m
     travelled: f64,
-    watch: Watch,
+    contact: ContactMonitor,
     place: Place,
-    feed: Feed,
-    set_point: SetPoint,
-    press: Press,
-    feedback: Feedback,
+    /// velocity of the contact point along the path, m/s
+    feed: f64,
+    /// wanted force, N
+    setpoint: f64,
+    normal: NormalMotion,
+    feedback: PositionFeedback,
     /// samples of stick-slip
     k: u32,
     remainder: Remainder,
@@ -57,65 +62,62 @@ impl Controller {
     pub fn new(p: &Parameters, points: &[Point]) -> Result<Self, ParameterError> {
         check(p)?;
         Ok(Self {
-            path: Path::new(p, points),
+            path: CentrePath::new(p, points),
             reader: Reader::new(),
-            gauge: Gauge::new(),
+            sensor: ForceSensor::new(),
             state: State::Idle,
             fault: Fault::None,
             ticks: 0,
             taring: false,
             halted: false,
             travelled: 0.0,
-            watch: Watch::new(),
+            contact: ContactMonitor::default(),
             place: Place::default(),
-            feed: Feed::default(),
-            set_point: SetPoint::default(),
-            press: Press::new(p),
-            feedback: Feedback::new(),
+            feed: 0.0,
+            setpoint: 0.0,
+            normal: NormalMotion::new(p),
+            feedback: PositionFeedback::new(),
             k: 0,
             remainder: Remainder::new(),
         })
     }
 
     /// The path.
-    pub fn path(&self) -> &Path {
+    pub fn path(&self) -> &CentrePath {
         &self.path
     }
 
     /// One sample; parameters that are not tunable must be those of [`Controller::new`].
-    pub fn tick(&mut self, p: &Parameters, input: &Input, output: &mut Output) {
+    pub fn tick(&mut self, input: &Input, parameters: &Parameters, output: &mut Output) {
+        let p = parameters;
         let reading = self.reader.read(input);
         let now = self.measure(p, &reading);
         self.decide(p, &reading, &now);
         let parts = self.act(p, &reading, &now);
-        let velocity = parts.sum(&now.frame, p.limits.velocity);
-        output.pulses = self.remainder.step(p, &velocity).into();
-        output.velocity = parts.report(&velocity);
-        self.report(&now, output);
+        *output = self.report(p, &now, &parts);
     }
 
-    fn measure(&mut self, p: &Parameters, reading: &Reading) -> Sight {
+    fn measure(&mut self, p: &Parameters, reading: &Reading) -> Measurement {
         let frame = self.path.frame(self.place);
-        let force = self.gauge.measure(p, &reading.force, &frame.normal);
+        let force = self.sensor.measure(p, &reading.force, &frame.normal);
         let offset = frame.centre - reading.position;
-        let error = Error::along(&offset, &frame);
-        let surface = force.normal / self.press.stiffness - error.normal;
-        let force_error = self.set_point.force - force.controlled;
-        Sight { frame, force, force_error, offset, error, surface, ticks: self.ticks, travelled: self.travelled }
+        let error = frame.error(&offset);
+        let surface = force.normal / self.normal.stiffness - error.normal;
+        Measurement { frame, force, force_error: self.setpoint - force.controlled, offset, error, surface }
     }
 
     /// State machine.
-    fn decide(&mut self, p: &Parameters, reading: &Reading, now: &Sight) {
-        let steady = self.set_point.force >= p.force.target * reading.force_override;
-        self.watch.update(p, self.state, now, steady);
-        let (ready, refused) = self.prepare(p, reading, now);
+    fn decide(&mut self, p: &Parameters, reading: &Reading, now: &Measurement) {
+        let steady = self.setpoint >= p.force.target * reading.force_override;
+        self.contact.update(p, self.state, now, steady);
+        let zero = self.tare(p, reading);
         let events = Events {
-            fault: self.stop(p, reading).or(refused).or_else(|| self.watch.fault(p, self.state, now)),
+            fault: self.fault(p, reading, now, zero),
             enabled: reading.enabled,
             reset: reading.reset,
-            ready,
-            contact: self.watch.contact(p),
-            settled: self.watch.settled(p),
+            ready: zero.is_some(),
+            contact: self.contact.contact(p),
+            settled: self.contact.settled(p),
             arrived: self.place.s >= self.path.length(),
             unloaded: self.unloaded(p, now),
             retracted: self.halted || self.travelled >= p.retract.distance,
@@ -129,51 +131,41 @@ impl Controller {
         }
     }
 
-    /// What stops the machine at once.
-    fn stop(&self, p: &Parameters, reading: &Reading) -> Option<Fault> {
-        let beyond = reading.position.abs() - 0.5 * p.stroke.vector();
-        let outside = self.state != State::Idle && self.state != State::Done && beyond.max() > 0.0;
-        (reading.stopped.then_some(Fault::EmergencyStop))
-            .or((!reading.valid).then_some(Fault::InvalidInput))
-            .or((outside && !(self.state == State::Fault && self.halted)).then_some(Fault::Stroke))
+    fn fault(&self, p: &Parameters, reading: &Reading, now: &Measurement, zero: Option<Vector3<f64>>) -> Option<Fault> {
+        let Self { state, ticks, travelled, halted, ref contact, .. } = *self;
+        faults::find(p, &Evidence { state, ticks, travelled, halted, reading, now, zero, contact })
     }
 
-    /// Takes the zero of the sensor after `enable`: whether the approach may begin, and what forbids it.
-    fn prepare(&mut self, p: &Parameters, reading: &Reading, now: &Sight) -> (bool, Option<Fault>) {
+    /// Takes the zero of the sensor (N) after `enable`; none until there are enough samples.
+    fn tare(&mut self, p: &Parameters, reading: &Reading) -> Option<Vector3<f64>> {
         if self.state != State::Idle || !reading.valid {
-            return (false, None);
+            return None;
         }
         if reading.start {
             self.restart(p);
         }
         self.taring &= reading.enabled;
-        let zero = if self.taring { self.gauge.tare(p, &reading.force) } else { None };
-        let Some(zero) = zero else { return (false, None) };
-        self.taring = false;
-        let height = -now.error.normal;
-        let beside = (now.offset - now.frame.normal * now.error.normal).norm();
-        let away = beside > p.approach.offset_max || height < -p.approach.offset_max;
-        let refused =
-            (zero.norm() > p.tare.force_max).then_some(Fault::TareRejected).or(away.then_some(Fault::NotAtStart));
-        (refused.is_none(), refused)
+        let zero = if self.taring { self.sensor.tare(p, &reading.force) } else { None };
+        self.taring &= zero.is_none();
+        zero
     }
 
     /// Forgets the last job.
     fn restart(&mut self, p: &Parameters) {
-        self.gauge.restart();
+        self.sensor.restart();
         self.taring = true;
         self.fault = Fault::None;
         self.place = Place::default();
-        self.press = Press::new(p);
+        self.normal = NormalMotion::new(p);
     }
 
     /// The force is gone, or does not want to go.
-    fn unloaded(&self, p: &Parameters, now: &Sight) -> bool {
-        now.force.controlled < 0.5 * p.approach.contact_force || self.ticks > p.ticks(p.settle.time_max)
+    fn unloaded(&self, p: &Parameters, now: &Measurement) -> bool {
+        now.force.controlled < 0.5 * p.approach.contact_force || self.ticks > ticks(p.settle.time_max, p.sample_period)
     }
 
     /// What happens once, when `state` begins.
-    fn enter(&mut self, p: &Parameters, state: State, events: &Events, now: &Sight) {
+    fn enter(&mut self, p: &Parameters, state: State, events: &Events, now: &Measurement) {
         self.travelled = 0.0;
         match state {
             State::Fault => {
@@ -181,31 +173,31 @@ impl Controller {
                 self.halted = !(self.fault.retracts() && self.state.moving());
             }
             State::Idle => (self.fault, self.halted, self.taring) = (Fault::None, false, false),
-            State::Approach => self.watch = Watch::new(),
+            State::Approach => self.contact = ContactMonitor::default(),
             State::Settle => {
-                self.set_point.force = now.force.controlled.max(0.0);
-                self.feedback = Feedback::new();
-                self.press.touch(p);
+                self.setpoint = now.force.controlled.max(0.0);
+                self.feedback = PositionFeedback::new();
+                self.normal.touch(p);
             }
             State::Follow => {
-                self.press.follow(p);
-                (self.feed, self.k) = (Feed::default(), 0);
+                self.normal.follow(p);
+                (self.feed, self.k) = (0.0, 0);
             }
-            State::Unload => self.press.unload(),
+            State::Unload => self.normal.unload(),
             State::Retract | State::Done => (),
         }
         if !state.pressing() {
-            self.set_point.force = 0.0;
+            self.setpoint = 0.0;
         }
     }
 
     /// The velocity in the present state.
-    fn act(&mut self, p: &Parameters, reading: &Reading, now: &Sight) -> Parts {
+    fn act(&mut self, p: &Parameters, reading: &Reading, now: &Measurement) -> VelocityParts {
         match self.state {
-            State::Idle | State::Done => Parts::default(),
+            State::Idle | State::Done => VelocityParts::default(),
             State::Approach => self.travel(p, -p.approach.velocity),
             State::Retract => self.travel(p, p.retract.velocity),
-            State::Fault if self.halted || self.travelled >= p.retract.distance => Parts::default(),
+            State::Fault if self.halted || self.travelled >= p.retract.distance => VelocityParts::default(),
             State::Fault => self.travel(p, p.retract.velocity),
             State::Settle | State::Unload => self.settle(p, reading, now),
             State::Follow => self.follow(p, reading, now),
@@ -213,42 +205,42 @@ impl Controller {
     }
 
     /// Moves along the normal.
-    fn travel(&mut self, p: &Parameters, velocity: f64) -> Parts {
+    fn travel(&mut self, p: &Parameters, velocity: f64) -> VelocityParts {
         self.travelled += velocity.abs() * p.sample_period;
-        Parts { normal: velocity, ..Parts::default() }
+        VelocityParts { normal: velocity, ..VelocityParts::default() }
     }
 
     /// Builds the force up, or takes it away.
-    fn settle(&mut self, p: &Parameters, reading: &Reading, now: &Sight) -> Parts {
+    fn settle(&mut self, p: &Parameters, reading: &Reading, now: &Measurement) -> VelocityParts {
         let error = self.want(p, reading, now);
-        // not while the approach swings out
-        if self.state == State::Settle && self.ticks > p.ticks(TOUCH_TIME) {
-            self.press.feel(p, &reading.position, &now.frame.normal, now.force.normal);
+        // not while the approach dies out
+        if self.state == State::Settle && self.ticks > ticks(TOUCH_TIME, p.sample_period) {
+            self.normal.observe_stiffness(p, &reading.position, &now.frame.normal, now.force.normal);
         }
-        Parts {
-            normal: self.press.settle(p, error),
+        VelocityParts {
+            normal: self.normal.settle(p, error),
             position: self.feedback.step(p, &now.offset, &now.frame.normal),
-            ..Parts::default()
+            ..VelocityParts::default()
         }
     }
 
     /// Moves the wanted force and gives the force error, N.
-    fn want(&mut self, p: &Parameters, reading: &Reading, now: &Sight) -> f64 {
+    fn want(&mut self, p: &Parameters, reading: &Reading, now: &Measurement) -> f64 {
         let target = if self.state == State::Unload { 0.0 } else { p.force.target * reading.force_override };
-        self.set_point.step(target, p.force.target / p.settle.ramp_time, p.sample_period);
-        self.set_point.force - now.force.controlled
+        self.setpoint = ramp(self.setpoint, target, p.force.target / p.settle.ramp_time * p.sample_period);
+        self.setpoint - now.force.controlled
     }
 
     /// eq. 1 with eq. 16: v = v_t + v_n + v_p + v_v.
-    fn follow(&mut self, p: &Parameters, reading: &Reading, now: &Sight) -> Parts {
+    fn follow(&mut self, p: &Parameters, reading: &Reading, now: &Measurement) -> VelocityParts {
         let error = self.want(p, reading, now);
-        self.feed.step(p, reading.feed_override, now.frame.feed_max);
+        self.feed = next_feed(p, self.feed, reading.feed_override, now.frame.feed_max);
         self.k = self.k.wrapping_add(1).max(1);
-        let contact = Contact { error, force: now.force.normal, offset: -now.error.normal };
-        let feed = self.feed.velocity;
-        let way = Way { path: &self.path, place: self.place, frame: &now.frame, feed };
-        let parts = Parts {
-            normal: self.press.step(p, &contact, self.k, &way),
+        let contact = NormalMeasurement { error, force: now.force.normal, offset: -now.error.normal };
+        let feed = self.feed;
+        let at = PathState { path: &self.path, place: self.place, frame: &now.frame, feed };
+        let parts = VelocityParts {
+            normal: self.normal.step(p, &contact, self.k, &at),
             // eq. 2
             tangential: feed * now.frame.ratio,
             position: self.feedback.step(p, &now.offset, &now.frame.normal),
@@ -260,24 +252,30 @@ impl Controller {
         parts
     }
 
-    fn report(&self, now: &Sight, output: &mut Output) {
-        let (shift, turn) = (self.press.misalignment.shift(), self.press.misalignment.rotation());
-        output.force = Force {
-            measured: now.force.controlled,
-            setpoint: self.set_point.force,
-            error: self.set_point.force - now.force.controlled,
-        };
-        output.desired = now.frame.centre.into();
-        output.normal = now.frame.normal.into();
-        output.tangent = now.frame.tangent.into();
-        output.error = now.error;
-        output.progress = (self.place.s / self.path.length()).min(1.0);
-        output.state = self.state;
-        output.fault = self.fault;
-        output.in_contact = self.state.pressing();
-        output.done = self.state == State::Done && self.place.s >= self.path.length();
-        output.stiffness = Stiffness { estimate: self.press.stiffness };
-        output.misalignment = Misalignment { x: shift.x, y: shift.y, z: shift.z, rx: turn.x, ry: turn.y, rz: turn.z };
-        output.ripple = Ripple { frozen: self.press.ripple.frozen() };
+    fn report(&mut self, p: &Parameters, now: &Measurement, parts: &VelocityParts) -> Output {
+        let velocity = parts.sum(&now.frame, p.velocity_max);
+        let (shift, turn) = (self.normal.misalignment.shift(), self.normal.misalignment.rotation());
+        Output {
+            velocity: parts.report(&velocity),
+            pulses: self.remainder.step(p, &velocity).into(),
+            force: ForceOutput {
+                measured: now.force.controlled,
+                setpoint: self.setpoint,
+                error: self.setpoint - now.force.controlled,
+            },
+            desired: now.frame.centre.into(),
+            normal: now.frame.normal.into(),
+            tangent: now.frame.tangent.into(),
+            error: now.error,
+            progress: (self.place.s / self.path.length()).min(1.0),
+            state: self.state,
+            fault: self.fault,
+            in_contact: self.state.pressing(),
+            done: self.state == State::Done && self.place.s >= self.path.length(),
+            stiffness: StiffnessOutput { estimate: self.normal.stiffness },
+            misalignment: MisalignmentOutput { x: shift.x, y: shift.y, z: shift.z, rx: turn.x, ry: turn.y, rz: turn.z },
+            ripple: RippleOutput { frozen: self.normal.ripple.frozen() },
+            path: PathOutput { length: self.path.length() },
+        }
     }
 }

@@ -1,27 +1,6 @@
-//! State machine: states, faults, what happened in a sample and the transitions.
+//! State machine: what happened in a sample and the transitions.
 
-use serde::{Deserialize, Serialize};
-
-/// What the controller is doing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum State {
-    /// At rest; takes the zero of the force sensor after `enable`.
-    Idle = 1,
-    /// Moves along the first normal until the tool touches.
-    Approach = 2,
-    /// Builds up the force.
-    Settle = 3,
-    /// Follows the path.
-    Follow = 4,
-    /// Takes the force away.
-    Unload = 5,
-    /// Moves out along the normal.
-    Retract = 6,
-    /// At rest after the job.
-    Done = 7,
-    /// At rest, or moving out, for a reason given by the fault.
-    Fault = 8,
-}
+use crate::interface::{Fault, State};
 
 impl State {
     /// Whether the force law works.
@@ -32,50 +11,6 @@ impl State {
     /// Whether the machine moves for the job.
     pub fn moving(self) -> bool {
         self.pressing() || matches!(self, Self::Approach | Self::Retract)
-    }
-}
-
-/// Why the controller is in the fault state.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Fault {
-    /// No fault.
-    None = 1,
-    /// The force was above `limits.force`.
-    ForceLimit = 2,
-    /// The force was not settled within `settle.time_max`.
-    SettleTimeout = 3,
-    /// The force was below `limits.lost_force` for `limits.lost_time`.
-    LostContact = 4,
-    /// An input is NaN, infinite or absurd.
-    InvalidInput = 5,
-    /// The force does not point along the normals of the path.
-    InvalidPath = 6,
-    /// No contact within `approach.distance_max`.
-    ApproachTimeout = 7,
-    /// The tool was more than `limits.position_error` off along the path or beside it.
-    PositionError = 8,
-    /// The position is outside `stroke`.
-    Stroke = 9,
-    /// `estop` was set.
-    EmergencyStop = 10,
-    /// The force was above `tare.force_max` when the zero was taken.
-    TareRejected = 11,
-    /// The tool was not above the begin of the path.
-    NotAtStart = 12,
-    /// The surface was more than `limits.surface_error` from the path.
-    SurfaceError = 13,
-}
-
-impl Fault {
-    /// Whether the tool moves out; if not, it stops where it is.
-    pub fn retracts(self) -> bool {
-        use Fault::{
-            ApproachTimeout, ForceLimit, InvalidPath, LostContact, PositionError, SettleTimeout, SurfaceError,
-        };
-        matches!(
-            self,
-            ForceLimit | SettleTimeout | LostContact | InvalidPath | ApproachTimeout | PositionError | SurfaceError
-        )
     }
 }
 
@@ -106,7 +41,7 @@ pub struct Events {
 pub fn next(state: State, events: &Events) -> State {
     use State::{Approach, Done, Fault, Follow, Idle, Retract, Settle, Unload};
     match state {
-        Fault if events.reset && events.retracted && !events.enabled && events.fault.is_none() => Idle,
+        Fault if events.reset && events.retracted && events.fault.is_none() => Idle,
         Fault => Fault,
         _ if events.fault.is_some() => Fault,
         Idle if events.ready => Approach,
@@ -126,16 +61,6 @@ pub fn next(state: State, events: &Events) -> State {
 mod tests {
     use super::*;
 
-    const ALL: [State; 8] = [
-        State::Idle,
-        State::Approach,
-        State::Settle,
-        State::Follow,
-        State::Unload,
-        State::Retract,
-        State::Done,
-        State::Fault,
-    ];
     const ON: Events = Events {
         fault: None,
         enabled: true,
@@ -150,7 +75,7 @@ mod tests {
 
     #[test]
     fn nothing_happens_without_events() {
-        for state in ALL {
+        for state in State::ALL.iter().copied() {
             assert_eq!(next(state, &ON), state);
         }
     }
@@ -176,13 +101,12 @@ mod tests {
     #[test]
     fn a_fault_wins_everywhere_and_needs_a_reset_at_rest() {
         let fault = Events { fault: Some(Fault::ForceLimit), ready: true, contact: true, retracted: true, ..ON };
-        for state in ALL {
+        for state in State::ALL.iter().copied() {
             assert_eq!(next(state, &fault), State::Fault);
         }
-        let reset = Events { reset: true, retracted: true, enabled: false, ..ON };
+        let reset = Events { reset: true, retracted: true, ..ON };
         assert_eq!(next(State::Fault, &reset), State::Idle);
         for refused in [
-            Events { enabled: true, ..reset },
             Events { retracted: false, ..reset },
             Events { reset: false, ..reset },
             Events { fault: Some(Fault::EmergencyStop), ..reset },

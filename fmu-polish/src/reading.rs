@@ -4,7 +4,7 @@ use control_blocks::{Edge, believable};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-use crate::signals::Input;
+use crate::interface::Input;
 
 /// No such machine has a longer axis, m.
 const POSITION_MAX: f64 = 1e3;

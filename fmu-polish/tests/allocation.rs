@@ -1,65 +1,76 @@
-//! The sample allocates nothing: not while it approaches, settles, follows, nor in a fault.
+//! No sample allocates: not in a whole job, not with the law of the paper, not on the way to a fault and out of it.
 
 mod common;
+#[path = "closed_loop/robot.rs"]
+mod robot;
+#[allow(dead_code, reason = "the loops of `closed_loop` measure more")]
+#[path = "closed_loop/run.rs"]
+mod run;
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
-
-use common::{file, spiral};
+use assert_no_alloc::AllocDisabler;
 use fmu_polish::axes::Axes;
-use fmu_polish::cl_file::points;
-use fmu_polish::controller::Controller;
-use fmu_polish::machine::State;
-use fmu_polish::parameters::Parameters;
-use fmu_polish::signals::{Input, Output};
-
-thread_local! {
-    static ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
-}
-
-/// The system's allocator, counted for each thread.
-struct Counting;
-
-// SAFETY: every call is passed on to the system's allocator as it is
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        ALLOCATIONS.set(ALLOCATIONS.get() + 1);
-        // SAFETY: the caller keeps the rules of `alloc`
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: the pointer came from `System.alloc` with this layout
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
+use fmu_polish::interface::{Fault, Input, Law, Mode, Parameters, State};
+use nalgebra::Vector3;
+use robot::Build;
+use run::Loop;
 
 #[global_allocator]
-static ALLOCATOR: Counting = Counting;
+static ALLOCATOR: AllocDisabler = AllocDisabler;
 
 #[test]
-fn no_sample_allocates() {
-    let p = Parameters::DEFAULT;
-    let path = points(file(&spiral(200)).as_bytes(), &p).unwrap();
-    let mut controller = Controller::new(&p, &path).unwrap();
-    let mut output = Output::START;
-    let mut position = path[0].contact + (p.tool.radius + 1e-4) * path[0].normal;
-    let mut seen = Vec::with_capacity(10_000);
-    let before = ALLOCATIONS.get();
-    for k in 0..8000 {
-        // a mold that is a spring of its own
-        let depth = (output.desired.vector() - position).dot(&output.normal.vector());
-        let force = output.normal.vector() * (178e3 * depth.max(0.0));
-        let broken = k > 7900;
-        let force = if broken { Axes::all(f64::NAN) } else { force.into() };
-        let input = Input { enable: true, position: position.into(), force, ..Input::START };
-        controller.tick(&p, &input, &mut output);
-        let v = output.velocity;
-        position += Axes { x: v.x, y: v.y, z: v.z }.vector() * p.sample_period;
-        seen.push(output.state);
+fn no_sample_of_a_job_allocates() {
+    for law in [Law::Default, Law::Paper] {
+        let mut run = Loop::new(&Parameters { law, ..Parameters::START }.in_force(), Build::NOMINAL, 400);
+        assert!(run.run_to(State::Follow, 5.0) && run.run_to(State::Done, 20.0), "{law:?}: {:?}", run.output.fault);
+        run.input.enable = false;
+        assert!(run.run_to(State::Idle, 20.0), "{law:?}: {:?}", run.output.state);
     }
-    assert_eq!(ALLOCATIONS.get(), before);
-    for state in [State::Idle, State::Approach, State::Settle, State::Follow, State::Fault] {
-        assert!(seen.contains(&state), "{state:?}");
+}
+
+/// A fault, what is different from the start, and what the inputs say in a state.
+type Case = (Fault, fn(&mut Parameters, &mut Build), fn(State, &mut Input));
+
+const CASES: [Case; 12] = [
+    (Fault::ForceLimit, |_, _| (), |state, input| set(state == State::Follow, &mut input.force.z, 30.0)),
+    (Fault::SettleTimeout, |p, _| p.impedance.damping = 5e6, |_, _| ()),
+    (Fault::LostContact, |_, _| (), |state, input| set(state == State::Follow, &mut input.force, Axes::ZERO)),
+    (Fault::InvalidInput, |_, _| (), |state, input| set(state == State::Follow, &mut input.force.x, f64::NAN)),
+    (Fault::InvalidPath, lean, |_, _| ()),
+    (Fault::ApproachTimeout, |_, build| build.shift = Vector3::new(0.0, 0.0, -2.1e-3), |_, _| ()),
+    (Fault::PositionError, |p, _| p.limits.position_error = 1e-6, |_, _| ()),
+    (Fault::Stroke, |_, _| (), |state, input| set(state == State::Approach, &mut input.position.y, 0.151)),
+    (Fault::EmergencyStop, |_, _| (), |state, input| set(state == State::Settle, &mut input.estop, true)),
+    (Fault::TareRejected, |_, build| build.height = -20e-6, |_, _| ()),
+    (Fault::NotAtStart, |_, _| (), |_, input| input.position.x += 1e-3),
+    (Fault::SurfaceError, |p, _| p.limits.surface_error = 1e-6, |_, _| ()),
+];
+
+fn set<T>(now: bool, place: &mut T, value: T) {
+    if now {
+        *place = value;
     }
+}
+
+/// Friction that leans the force far from the normal.
+fn lean(p: &mut Parameters, build: &mut Build) {
+    (p.limits.force_angle, p.stick_slip.mode, build.friction) = (0.3, Mode::Off, 0.6);
+}
+
+#[test]
+fn no_sample_around_a_fault_allocates() {
+    for (fault, change, hostile) in CASES {
+        let (mut p, mut build) = (Parameters::START, Build::NOMINAL);
+        change(&mut p, &mut build);
+        let mut run = Loop::new(&p, build, 401);
+        while run.output.state != State::Fault {
+            let state = run.output.state;
+            run.step_with(|input| hostile(state, input));
+            assert!(run.time() < 10.0, "{fault:?}: {:?}", run.output);
+        }
+        assert_eq!(run.output.fault, fault);
+        (0..400).for_each(|_| run.step());
+        run.step_with(|input| input.reset_fault = true);
+        assert_eq!(run.output.state, State::Idle, "{fault:?}");
+    }
+    assert!(Fault::ALL[1..].iter().all(|fault| CASES.iter().any(|case| case.0 == *fault)));
 }

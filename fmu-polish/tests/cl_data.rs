@@ -5,12 +5,22 @@ mod common;
 use std::path::Path;
 
 use common::{file, row, spiral};
-use fmu_polish::cl_file::{self, points};
-use fmu_polish::parameters::{FeedSource, Parameters};
+use control_blocks::ParameterError;
+use fmu_polish::interface::{FeedSource, Parameters};
+use fmu_polish::path::built_in;
+use fmu_polish::path::cl_data::Point;
+use fmu_polish::path::cl_file::{self, points};
 
-const P: Parameters = Parameters::DEFAULT;
+const P: Parameters = Parameters::START;
 /// Lines before the first point.
 const HEADER: usize = 4;
+
+/// What `path.file` = `file` says.
+fn read(file: &str, resources: Option<&Path>) -> Result<Vec<Point>, ParameterError> {
+    let mut p = P;
+    p.path.file = file.to_owned();
+    cl_file::read(resources, &p)
+}
 
 fn error(text: &str) -> String {
     points(text.as_bytes(), &P).unwrap_err().to_string()
@@ -112,19 +122,19 @@ fn a_feed_from_the_file_must_be_there() {
 
 #[test]
 fn the_file_is_named() {
-    let nowhere = cl_file::read("nothing.cls", None, &P).unwrap_err().to_string();
+    let nowhere = read("nothing.cls", None).unwrap_err().to_string();
     assert!(nowhere.starts_with("parameter `path.file` is `nothing.cls`, must be there: "), "{nowhere}");
-    let unnamed = cl_file::read("", None, &P).unwrap_err().to_string();
+    let unnamed = read("", None).unwrap_err().to_string();
     assert!(unnamed.contains("must be the name of a file"), "{unnamed}");
-    let folder = cl_file::read(".", None, &P).unwrap_err().to_string();
+    let folder = read(".", None).unwrap_err().to_string();
     assert!(folder.contains("a file, not a folder"), "{folder}");
 }
 
 #[test]
 fn the_built_in_path_needs_no_folder() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("resources");
-    let built_in = cl_file::read(cl_file::BUILT_IN, None, &P).unwrap();
-    let bytes = std::fs::read(folder.join(cl_file::BUILT_IN)).unwrap();
+    let built_in = read(built_in::NAME, None).unwrap();
+    let bytes = std::fs::read(folder.join(built_in::NAME)).unwrap();
     assert_eq!(built_in, points(&bytes, &P).unwrap());
 }
 
@@ -135,7 +145,7 @@ fn every_shipped_path_is_read() {
     for entry in std::fs::read_dir(&folder).unwrap() {
         let name = entry.unwrap().file_name().into_string().unwrap();
         if name.ends_with(".cls") {
-            let read = cl_file::read(&name, Some(&folder), &P);
+            let read = read(&name, Some(&folder));
             assert!(read.as_ref().is_ok_and(|points| points.len() > 100), "{name}: {:?}", read.err());
             count += 1;
         }

@@ -1,16 +1,13 @@
 //! Every fault: its name, what the tool does then, and how the controller gets out of it.
 
 use fmu_polish::axes::Axes;
-use fmu_polish::machine::{Fault, State};
-use fmu_polish::parameters::Parameters;
-use fmu_polish::signals::Input;
-use fmu_polish::stick_slip::Mode;
+use fmu_polish::interface::{Fault, Input, Mode, Parameters, State};
 use nalgebra::Vector3;
 
 use crate::robot::Build;
 use crate::run::Loop;
 
-const P: Parameters = Parameters::DEFAULT;
+const P: Parameters = Parameters::START;
 
 fn with(change: impl FnOnce(&mut Parameters)) -> Parameters {
     let mut p = P;
@@ -54,14 +51,15 @@ fn stands(mut run: Loop, fault: Fault, change: impl Fn(&mut Input)) {
     resets(run, fault);
 }
 
-/// A reset works without `enable` alone.
+/// A rising edge of `reset_fault` ends the fault at rest, and nothing moves by itself after it.
 fn resets(mut run: Loop, fault: Fault) {
-    run.step_with(|input| input.reset_fault = true);
+    run.step();
     assert_eq!((run.output.state, run.output.fault), (State::Fault, fault));
-    run.step_with(|input| input.enable = false);
-    assert_eq!(run.output.state, State::Fault);
-    run.step_with(|input| (input.enable, input.reset_fault) = (false, true));
-    assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::None));
+    for _ in 0..200 {
+        run.step_with(|input| input.reset_fault = true);
+        assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::None));
+        assert_eq!(run.output.pulses, Axes::all(0), "{fault:?}");
+    }
 }
 
 #[test]
@@ -163,6 +161,35 @@ fn an_emergency_stop_ends_a_retract_after_a_fault() {
     let until = run.time() + 0.1;
     assert!(run.run_to(State::Fault, until));
     stands(run, Fault::ForceLimit, |input| input.estop = true);
+}
+
+#[test]
+fn a_reset_is_a_rising_edge_at_rest_and_the_next_job_one_of_enable() {
+    let mut run = running(&P, Build::NOMINAL, 67, State::Approach);
+    run.step_with(|input| (input.estop, input.reset_fault) = (true, true));
+    for _ in 0..100 {
+        run.step_with(|input| input.reset_fault = true);
+        assert_eq!(run.output.fault, Fault::EmergencyStop);
+    }
+    run.step();
+    run.step_with(|input| input.reset_fault = true);
+    assert_eq!(run.output.state, State::Idle);
+    let until = run.time() + 0.5;
+    assert!(!run.run_to(State::Approach, until));
+    run.step_with(|input| input.enable = false);
+    let until = run.time() + 0.5;
+    assert!(run.run_to(State::Approach, until), "{:?}", run.output.fault);
+}
+
+#[test]
+fn a_reset_on_the_way_out_does_not_count() {
+    let mut run = running(&P, Build::NOMINAL, 68, State::Follow);
+    run.robot.build.shift.z += 0.15e-3;
+    let until = run.time() + 0.1;
+    assert!(run.run_to(State::Fault, until));
+    run.step_with(|input| input.reset_fault = true);
+    (0..400).for_each(|_| run.step());
+    assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::ForceLimit));
 }
 
 #[test]

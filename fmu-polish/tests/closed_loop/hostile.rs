@@ -1,9 +1,7 @@
 //! Whatever comes in, what goes out is finite and within the limits.
 
 use fmu_polish::axes::Axes;
-use fmu_polish::machine::State;
-use fmu_polish::parameters::Parameters;
-use fmu_polish::signals::{Input, Output};
+use fmu_polish::interface::{Input, Output, Parameters, State};
 use rand::{RngExt, SeedableRng};
 
 use crate::robot::Build;
@@ -44,14 +42,14 @@ fn check(p: &Parameters, output: &Output) {
     assert!(finite(output), "{output:?}");
     let (v, pulses) = (output.velocity, output.pulses);
     let speed = (v.x * v.x + v.y * v.y + v.z * v.z).sqrt();
-    assert!(speed <= p.limits.velocity * (1.0 + 1e-12), "{speed} m/s");
-    let most = (p.limits.velocity * p.sample_period / p.pulses.size) as i32 + 1;
+    assert!(speed <= p.velocity_max * (1.0 + 1e-12), "{speed} m/s");
+    let most = (p.velocity_max * p.sample_period / p.pulses.size) as i32 + 1;
     assert!([pulses.x, pulses.y, pulses.z].iter().all(|count| count.abs() <= most));
 }
 
 #[test]
 fn hostile_inputs_never_give_a_wild_output() {
-    let p = Parameters::DEFAULT;
+    let p = Parameters::START;
     let mut run = Loop::new(&p, Build::NOMINAL, 70);
     let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(71);
     let wild = [f64::NAN, f64::INFINITY, -1e308, 1e3, -1e3, 1e5, 0.0, 5e-324, 1e-3, -2.0];
@@ -102,7 +100,7 @@ fn extreme_parameters_stay_finite() {
         |p| p.feed.turn_rate_max = 1.0,
     ];
     for (i, change) in changes.into_iter().enumerate() {
-        let mut p = Parameters::DEFAULT;
+        let mut p = Parameters::START;
         change(&mut p);
         let mut run = Loop::new(&p, Build::NOMINAL, 80);
         for _ in 0..8000 {

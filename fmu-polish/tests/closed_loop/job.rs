@@ -1,8 +1,7 @@
 //! Whole jobs: default mode, the law as printed, the paper's stick-slip, robots that are not nominal.
 
-use fmu_polish::force::ForceMode;
-use fmu_polish::parameters::{FeedSource, Parameters};
-use fmu_polish::stick_slip::{Mode, Wave};
+use fmu_polish::axes::Axes;
+use fmu_polish::interface::{Fault, FeedSource, ForceMode, Law, Mode, Parameters, Wave};
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 
@@ -12,7 +11,7 @@ use crate::run::{Job, Loop};
 
 /// The force law as printed: no integral, no adaptation, no cancellation, no estimate.
 fn printed() -> Parameters {
-    let mut p = Parameters::DEFAULT;
+    let mut p = Parameters::START;
     p.force.mode = ForceMode::Norm;
     p.force.integral_time = 0.0;
     p.impedance.adaptive = false;
@@ -39,7 +38,7 @@ fn job(name: &str, p: &Parameters, build: Build, seed: u64) -> Job {
 
 #[test]
 fn the_default_mode_holds_the_force_and_slides_far() {
-    let job = job("default", &Parameters::DEFAULT, Build::NOMINAL, 101);
+    let job = job("default", &Parameters::START, Build::NOMINAL, 101);
     assert!(job.settle <= 0.5 && job.overshoot <= 0.2, "{job:?}");
     assert!((job.mean - 5.0).abs() <= 0.05 && job.deviation <= 0.06 && job.least > 4.0, "{job:?}");
     assert!(job.gain >= 3.0 && job.beside <= 10e-6, "{job:?}");
@@ -65,16 +64,47 @@ fn sign_flips_in_every_sample_do_nothing() {
     }
 }
 
+/// The paper's method, each key by hand.
+fn paper() -> Parameters {
+    let mut p = printed();
+    p.position.gain = Axes { x: 0.0, y: 0.0, z: 1.0 };
+    p.position.select = Axes { x: false, y: false, z: true };
+    p.position.projected = false;
+    p.stick_slip.mode = Mode::Paper;
+    p.stick_slip.half_period = 1;
+    p
+}
+
+#[test]
+fn one_parameter_switches_to_the_law_of_the_paper() {
+    let switched = Parameters { law: Law::Paper, ..Parameters::START }.in_force();
+    let mut one = Loop::new(&switched, Build::NOMINAL, 114);
+    let mut other = Loop::new(&paper(), Build::NOMINAL, 114);
+    while !one.output.done {
+        one.step();
+        other.step();
+        assert_eq!(one.output, other.output);
+        assert!(one.time() < 30.0 && one.output.fault == Fault::None, "{:?}", one.output);
+    }
+}
+
+#[test]
+fn what_was_set_stands_against_the_paper() {
+    let mut p = Parameters { law: Law::Paper, ..Parameters::START };
+    p.stick_slip.half_period = 20;
+    assert_eq!((p.in_force().stick_slip.half_period, p.in_force().stick_slip.mode), (20, Mode::Paper));
+}
+
 #[test]
 fn the_paper_mode_works() {
-    let job = job("paper", &Parameters::PAPER, Build::NOMINAL, 104);
+    let job = job("paper", &paper(), Build::NOMINAL, 104);
     // weak coupling along z pulls at the force
     assert!((job.mean - 5.0).abs() <= 0.6 && job.deviation <= 0.1 && job.beside <= 20e-6, "{job:?}");
 }
 
 #[test]
 fn a_sine_slides_as_far_as_a_square() {
-    let mut p = Parameters::DEFAULT;
+    let mut p = Parameters::START;
     p.stick_slip.wave = Wave::Sine;
     let job = job("sine", &p, Build::NOMINAL, 105);
     assert!(job.gain >= 3.0 && job.deviation <= 0.06, "{job:?}");
@@ -82,7 +112,7 @@ fn a_sine_slides_as_far_as_a_square() {
 
 #[test]
 fn the_ratio_keeps_the_gain_at_another_feed() {
-    let mut p = Parameters::DEFAULT;
+    let mut p = Parameters::START;
     p.stick_slip.ratio = 5.0;
     let slow = job("2 mm/s", &p, Build::NOMINAL, 106);
     p.feed.velocity = 4e-3;
@@ -92,7 +122,7 @@ fn the_ratio_keeps_the_gain_at_another_feed() {
 
 #[test]
 fn the_feed_of_the_file() {
-    let mut p = without(Parameters::DEFAULT);
+    let mut p = without(Parameters::START);
     p.feed.source = FeedSource::File;
     // another one, which must not count
     p.feed.velocity = 1e-4;
@@ -102,7 +132,7 @@ fn the_feed_of_the_file() {
 #[test]
 fn the_stiffness_is_found() {
     for stiffness in [95e3, 178e3, 240e3] {
-        let mut run = Loop::new(&Parameters::DEFAULT, Build { stiffness, ..Build::NOMINAL }, 108);
+        let mut run = Loop::new(&Parameters::START, Build { stiffness, ..Build::NOMINAL }, 108);
         let job = finished("stiffness", &mut run);
         let estimate = run.output.stiffness.estimate;
         assert!((estimate / stiffness - 1.0).abs() <= 0.1, "{stiffness}: {estimate}");
@@ -113,7 +143,7 @@ fn the_stiffness_is_found() {
 #[test]
 fn a_fast_approach_does_not_spoil_the_stiffness() {
     for velocity in [2e-3, 5e-3] {
-        let mut p = Parameters::DEFAULT;
+        let mut p = Parameters::START;
         p.approach.velocity = velocity;
         let mut run = Loop::new(&p, Build::NOMINAL, 112);
         let job = finished("fast approach", &mut run);
@@ -126,7 +156,7 @@ fn a_fast_approach_does_not_spoil_the_stiffness() {
 fn a_shifted_mold_is_found_and_followed() {
     let shift = Vector3::new(50e-6, -50e-6, 70e-6);
     let build = Build { shift, ..Build::NOMINAL };
-    let mut run = Loop::new(&Parameters::DEFAULT, build, 109);
+    let mut run = Loop::new(&Parameters::START, build, 109);
     let better = finished("shifted", &mut run);
     let plain = job("shifted, printed", &printed(), build, 109);
     assert!(better.deviation <= 0.5 * plain.deviation && better.least > 4.0, "{better:?} {plain:?}");
@@ -139,9 +169,9 @@ fn a_shifted_mold_is_found_and_followed() {
 #[test]
 fn the_cancellation_works_without_delay_and_with_other_drives() {
     for (io_delay, drive_gain) in [(1, 0.8), (1, 1.2), (2, 1.0)] {
-        let mut p = Parameters::DEFAULT;
+        let mut p = Parameters::START;
         // one sample of delay in the phase is 18 degrees at 50 Hz
-        p.drive.io_delay = io_delay;
+        p.io_delay = io_delay;
         let build = Build { drive_gain, drive_friction: 6.0, ..Build::NOMINAL };
         let with = job("cancelled", &p, build, 110);
         p.ripple.gain = 0.0;
@@ -152,9 +182,9 @@ fn the_cancellation_works_without_delay_and_with_other_drives() {
 
 #[test]
 fn a_cancellation_for_other_drives_ends_itself_and_does_no_harm() {
-    let mut p = Parameters::DEFAULT;
+    let mut p = Parameters::START;
     // seven samples are 126 degrees at 50 Hz
-    p.drive.io_delay = 8;
+    p.io_delay = 8;
     let mut run = Loop::new(&p, Build { drive_friction: 6.0, ..Build::NOMINAL }, 113);
     let job = finished("other drives", &mut run);
     assert!(run.output.ripple.frozen && job.deviation <= 0.3 && job.least > 3.0, "{job:?}");
@@ -173,7 +203,7 @@ fn thirty_robots_that_are_not_nominal() {
             shift: Vector3::new(between(-1e-4, 1e-4), between(-1e-4, 1e-4), between(-1e-4, 1e-4)),
             ..Build::NOMINAL
         };
-        let job = job(&format!("{build:?}"), &Parameters::DEFAULT, build, 200 + seed);
+        let job = job(&format!("{build:?}"), &Parameters::START, build, 200 + seed);
         assert!(job.settle <= 0.5 && job.overshoot <= 0.2, "{job:?}");
         assert!(job.deviation <= 0.35 && job.least > 2.5, "{job:?}");
         assert!(job.gain >= 2.3 && job.beside <= 15e-6, "{job:?}");
@@ -192,7 +222,7 @@ fn tables() {
         (20, [5e-3, 10e-3, 20e-3]),
     ] {
         for velocity in velocities {
-            let mut p = Parameters::DEFAULT;
+            let mut p = Parameters::START;
             (p.stick_slip.half_period, p.stick_slip.velocity) = (half_period, velocity);
             let job = Loop::new(&p, Build::NOMINAL, 300).job(30.0).unwrap();
             println!("{half_period} {velocity}: gain {:.2}, deviation {:.3} N", job.gain, job.deviation);
@@ -211,7 +241,7 @@ fn tables() {
     }
     for seed in 302..322 {
         let mut over = Vec::new();
-        for p in [Parameters::DEFAULT, printed()] {
+        for p in [Parameters::START, printed()] {
             let job = Loop::new(&p, Build { drive_friction: 4.0, ..Build::NOMINAL }, seed).job(30.0).unwrap();
             over.push((job.overshoot, job.deviation));
         }

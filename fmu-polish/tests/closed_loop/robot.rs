@@ -2,7 +2,7 @@
 //!
 //! Values are those of the plant `orthogonal_robot`; tip and contact are springs without mass.
 
-use fmu_polish::parameters::Parameters;
+use fmu_polish::interface::Parameters;
 use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -67,7 +67,7 @@ struct Axis {
 
 impl Axis {
     fn substep(&mut self, build: &Build, told: f64, load: f64) {
-        let drive = Parameters::DEFAULT.drive;
+        let drive = Parameters::START.drive;
         self.reference += told * DT;
         self.ahead += (told - self.ahead) * DT * drive.feedforward_bandwidth;
         let wanted =

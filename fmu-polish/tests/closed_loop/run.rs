@@ -1,10 +1,9 @@
 //! The controller on the robot, one communication step at a time.
 
-use fmu_polish::cl_file::points;
+use assert_no_alloc::assert_no_alloc;
 use fmu_polish::controller::Controller;
-use fmu_polish::machine::State;
-use fmu_polish::parameters::Parameters;
-use fmu_polish::signals::{Input, Output};
+use fmu_polish::interface::{Input, Output, Parameters, State};
+use fmu_polish::path::cl_file::points;
 use nalgebra::Vector3;
 
 use crate::common::{file, spiral};
@@ -76,7 +75,9 @@ impl Loop {
         self.input.force = self.robot.force().into();
         let mut input = self.input.clone();
         change(&mut input);
-        self.controller.tick(&self.parameters, &input, &mut self.output);
+        let Self { controller, parameters, output, .. } = self;
+        // `tests/allocation.rs` has an allocator that ends the test here
+        assert_no_alloc(|| controller.tick(&input, parameters, output));
         let pulses = self.output.pulses;
         self.robot.advance(Vector3::new(pulses.x, pulses.y, pulses.z));
         self.steps += 1;

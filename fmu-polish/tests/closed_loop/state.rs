@@ -1,15 +1,14 @@
 //! The state between two samples holds everything.
 
 use fmu_polish::controller::Controller;
-use fmu_polish::machine::State;
-use fmu_polish::parameters::Parameters;
+use fmu_polish::interface::{Parameters, State};
 
 use crate::robot::Build;
 use crate::run::Loop;
 
 #[test]
 fn state_bytes_continue_bit_for_bit() {
-    let p = Parameters::DEFAULT;
+    let p = Parameters::START;
     for (state, more) in [(State::Idle, 50), (State::Settle, 100), (State::Follow, 1511), (State::Retract, 3)] {
         let mut run = Loop::new(&p, Build::NOMINAL, 90);
         assert!(run.run_to(state, 20.0));
@@ -19,7 +18,7 @@ fn state_bytes_continue_bit_for_bit() {
         let mut output = run.output.clone();
         for k in 0..2000 {
             run.step();
-            copy.tick(&p, &run.input, &mut output);
+            copy.tick(&run.input, &p, &mut output);
             assert_eq!(output, run.output, "{state:?}, sample {k}");
         }
     }
@@ -28,7 +27,7 @@ fn state_bytes_continue_bit_for_bit() {
 #[test]
 fn same_seed_same_numbers() {
     let trace = || {
-        let mut run = Loop::new(&Parameters::DEFAULT, Build::NOMINAL, 91);
+        let mut run = Loop::new(&Parameters::START, Build::NOMINAL, 91);
         let step = |_| {
             run.step();
             run.output.velocity.z.to_bits()

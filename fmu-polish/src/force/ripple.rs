@@ -1,12 +1,17 @@
 //! Cancels the force ripple at the frequency of the stick-slip and twice that; its phases come from the drive model.
 
+use control_blocks::{Canceller, Consecutive};
 use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
-use crate::drive::closed;
-use crate::impedance::Law;
-use crate::parameters::Parameters;
-use crate::stick_slip::phase;
+use super::impedance::Coefficients;
+use super::response::closed;
+use crate::interface::Parameters;
+use crate::motion::stick_slip::phase;
+
+/// What is told when the cancellation has ended itself.
+pub const FROZEN: &str = "a part of the ripple cancellation made it worse and has ended\n\
+                          hint: make `drive` and `io_delay` those of the machine, or set `ripple.gain` = 0";
 
 /// Harmonics of the stick-slip frequency.
 const HARMONICS: usize = 2;
@@ -24,55 +29,52 @@ const GROWTH: f64 = 1.5;
 const BAD_WINDOWS: u32 = 2;
 
 /// One harmonic.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Harmonic {
     /// velocity to force error at its frequency, N s/m; none if it is too high
     response: Option<Complex<f64>>,
-    /// complex amplitude of the velocity, m/s
-    velocity: Complex<f64>,
+    /// its velocity, m/s
+    canceller: Canceller,
     /// sum over the window of the force error times the conjugate carrier, N
     sum: Complex<f64>,
     /// first amplitude, N
     first: Option<f64>,
     /// windows in a row that have grown
-    bad: u32,
+    bad: Consecutive,
 }
 
 impl Harmonic {
-    const NONE: Self = Self { response: None, velocity: Complex::ZERO, sum: Complex::ZERO, first: None, bad: 0 };
-
     /// Judges a window of `samples`; true when the harmonic ends because it makes the ripple worse.
     fn judge(&mut self, p: &Parameters, samples: u32) -> bool {
         let amplitude = 2.0 * self.sum.norm() / f64::from(samples);
         self.sum = Complex::ZERO;
         let first = *self.first.get_or_insert(amplitude);
         // at its limit it cannot grow any more
-        let limited = self.velocity.norm() > LIMITED * VELOCITY_MAX;
+        let limited = self.canceller.amplitude() > LIMITED * VELOCITY_MAX;
         let grown = amplitude > GROWTH * first + if limited { 0.0 } else { p.ripple.growth_max };
-        self.bad = if grown { self.bad + 1 } else { 0 };
-        if self.bad < BAD_WINDOWS {
+        if self.bad.update(grown) < BAD_WINDOWS {
             return false;
         }
-        *self = Self::NONE;
+        *self = Self::default();
         true
     }
 }
 
 /// The cancellation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Ripple {
+pub struct RippleCancellation {
     harmonics: [Harmonic; HARMONICS],
     half: u32,
     samples: u32,
     frozen: bool,
 }
 
-impl Ripple {
+impl RippleCancellation {
     /// Nothing learned, for the force law `law` on a contact of `stiffness` N/m.
-    pub fn new(p: &Parameters, law: &Law, stiffness: f64) -> Self {
+    pub fn new(p: &Parameters, law: &Coefficients, stiffness: f64) -> Self {
         let half = p.stick_slip.half_period.unsigned_abs().max(1);
         let rate = std::f64::consts::TAU / p.sample_period;
-        let mut harmonics = [Harmonic::NONE; HARMONICS];
+        let mut harmonics = [Harmonic::default(); HARMONICS];
         for (m, harmonic) in (1..).zip(&mut harmonics) {
             let omega = rate * f64::from(m) / f64::from(2 * half);
             harmonic.response = (omega <= FREQUENCY_SHARE * rate).then(|| closed(p, law, stiffness, omega));
@@ -96,12 +98,9 @@ impl Ripple {
             let carrier = Complex::cis(phase(self.half, m * (k % (2 * self.half))));
             harmonic.sum += carrier.conj() * error;
             // the velocity that would have made this error is taken back
-            harmonic.velocity -= carrier.conj() * error * (2.0 * p.ripple.gain * p.sample_period) / response;
-            let size = harmonic.velocity.norm();
-            if size > VELOCITY_MAX {
-                harmonic.velocity *= VELOCITY_MAX / size;
-            }
-            velocity += (harmonic.velocity * carrier).re;
+            harmonic.canceller.take_back(2.0 * p.ripple.gain * p.sample_period, response, carrier, error);
+            harmonic.canceller.limit(VELOCITY_MAX);
+            velocity += harmonic.canceller.output(carrier);
         }
         self.judge(p);
         velocity
@@ -123,24 +122,27 @@ impl Ripple {
 
 #[cfg(test)]
 mod tests {
+    use super::super::impedance::damping;
     use super::*;
-    use crate::impedance::damping;
 
-    const P: Parameters = Parameters::DEFAULT;
+    const P: Parameters = Parameters::START;
+
+    /// What a harmonic leaves of a ripple of the amplitude `size` N through the true response, at the angle `angle`.
+    fn part(harmonic: &Harmonic, response: Complex<f64>, size: f64, angle: f64) -> f64 {
+        let carrier = Complex::cis(angle);
+        harmonic.canceller.output(response * carrier) + size * carrier.re
+    }
 
     /// Error amplitude at the end of 4 s with ripples of 0.2 N, when the true phase is `phase_error` rad off.
     fn left(phase_error: f64) -> (f64, bool) {
-        let law = Law::new(&P, damping(&P, 178e3));
-        let mut ripple = Ripple::new(&P, &law, 178e3);
+        let law = Coefficients::new(&P, damping(&P, 178e3));
+        let mut ripple = RippleCancellation::new(&P, &law, 178e3);
         let truth = ripple.harmonics.map(|h| h.response.unwrap() * Complex::cis(phase_error));
         let mut worst: f64 = 0.0;
         for k in 1..4000 {
             // the plant in the steady state of the learned amplitudes
-            let error: f64 = (1..)
-                .zip(ripple.harmonics)
-                .zip(truth)
-                .map(|((m, h), t)| ((t * h.velocity + 0.2) * Complex::cis(phase(10, m * k))).re)
-                .sum();
+            let error: f64 =
+                (1..).zip(ripple.harmonics).zip(truth).map(|((m, h), t)| part(&h, t, 0.2, phase(10, m * k))).sum();
             ripple.step(&P, k, error);
             if k > 3500 {
                 worst = worst.max(error.abs());
@@ -160,16 +162,13 @@ mod tests {
     #[test]
     fn a_wrong_phase_ends_the_cancellation() {
         for phase_error in [2.5, -2.5] {
-            let law = Law::new(&P, damping(&P, 178e3));
-            let mut ripple = Ripple::new(&P, &law, 178e3);
+            let law = Coefficients::new(&P, damping(&P, 178e3));
+            let mut ripple = RippleCancellation::new(&P, &law, 178e3);
             let truth = ripple.harmonics.map(|h| h.response.unwrap() * Complex::cis(phase_error));
             let mut worst: f64 = 0.0;
             for k in 1..6000 {
-                let error: f64 = (1..)
-                    .zip(ripple.harmonics)
-                    .zip(truth)
-                    .map(|((m, h), t)| ((t * h.velocity + 0.1) * Complex::cis(phase(10, m * k))).re)
-                    .sum();
+                let error: f64 =
+                    (1..).zip(ripple.harmonics).zip(truth).map(|((m, h), t)| part(&h, t, 0.1, phase(10, m * k))).sum();
                 worst = worst.max(error.abs());
                 ripple.step(&P, k, error);
             }
@@ -181,7 +180,7 @@ mod tests {
     fn too_high_a_frequency_is_left_alone() {
         let mut p = P;
         p.stick_slip.half_period = 1;
-        let mut ripple = Ripple::new(&p, &Law::new(&p, 1e4), 178e3);
+        let mut ripple = RippleCancellation::new(&p, &Coefficients::new(&p, 1e4), 178e3);
         assert!((1..1000).all(|k| ripple.step(&p, k, if k % 2 == 0 { 1.0 } else { -1.0 }) == 0.0));
     }
 }

@@ -2,14 +2,14 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::parameters::Parameters;
+use crate::interface::Parameters;
 
 /// Largest velocity of the force integral, m/s.
 const INTEGRAL_MAX: f64 = 5e-3;
 
 /// Coefficients of eq. 4.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Law {
+pub struct Coefficients {
     /// exp(-B_d dt / M_d), 1.
     pub decay: f64,
     /// K_f / B_d, m/(s N).
@@ -18,7 +18,7 @@ pub struct Law {
     pub integral: f64,
 }
 
-impl Law {
+impl Coefficients {
     /// The law with the damping `damping`, N s/m.
     pub fn new(p: &Parameters, damping: f64) -> Self {
         let admittance = p.impedance.gain / damping;
@@ -41,23 +41,23 @@ pub fn damping(p: &Parameters, stiffness: f64) -> f64 {
 
 /// State of the force law.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Impedance {
+pub struct ForceLaw {
     /// v_normal of eq. 4, m/s, positive out of the material.
     pub velocity: f64,
     /// What the integral adds, m/s.
     pub integral: f64,
 }
 
-impl Impedance {
+impl ForceLaw {
     /// One sample of eq. 4 with the force error `error` = F_d - F (N).
-    pub fn step(&mut self, law: &Law, error: f64) -> f64 {
+    pub fn step(&mut self, law: &Coefficients, error: f64) -> f64 {
         // eq. 4: too little force moves against the outward normal, into the material
         self.velocity = self.velocity * law.decay + (law.decay - 1.0) * law.admittance * error;
         self.velocity
     }
 
     /// One sample of the integral.
-    pub fn integrate(&mut self, law: &Law, error: f64) -> f64 {
+    pub fn integrate(&mut self, law: &Coefficients, error: f64) -> f64 {
         self.integral = (self.integral - law.integral * error).clamp(-INTEGRAL_MAX, INTEGRAL_MAX);
         self.integral
     }
@@ -67,16 +67,16 @@ impl Impedance {
 mod tests {
     use super::*;
 
-    const P: Parameters = Parameters::DEFAULT;
+    const P: Parameters = Parameters::START;
 
     #[test]
     fn eq_4_is_its_closed_form() {
         // constant error from v(0): v(k) = a^k v(0) - (1 - a^k) K_f / B_d E
-        let law = Law::new(&P, 3000.0);
+        let law = Coefficients::new(&P, 3000.0);
         let (start, error) = (-0.5e-3, 1.7);
-        let mut impedance = Impedance { velocity: start, integral: 0.0 };
+        let mut force_law = ForceLaw { velocity: start, integral: 0.0 };
         for k in 1..400 {
-            let v = impedance.step(&law, error);
+            let v = force_law.step(&law, error);
             let decay = (-3000.0 * 1e-3 / 10.0 * f64::from(k)).exp();
             let expected = decay * start - (1.0 - decay) * error / 3000.0;
             assert!((v - expected).abs() < 1e-12 * error, "sample {k}: {v} {expected}");
@@ -85,20 +85,20 @@ mod tests {
 
     #[test]
     fn too_little_force_moves_into_the_material_and_too_much_out() {
-        let law = Law::new(&P, 1e4);
-        assert!(Impedance::default().step(&law, 1.0) < 0.0);
-        assert!(Impedance::default().step(&law, -1.0) > 0.0);
-        assert!(Impedance::default().integrate(&law, 1.0) < 0.0);
+        let law = Coefficients::new(&P, 1e4);
+        assert!(ForceLaw::default().step(&law, 1.0) < 0.0);
+        assert!(ForceLaw::default().step(&law, -1.0) > 0.0);
+        assert!(ForceLaw::default().integrate(&law, 1.0) < 0.0);
     }
 
     #[test]
     fn the_integral_ends_at_its_limit() {
-        let law = Law::new(&P, 1e4);
-        let mut impedance = Impedance::default();
+        let law = Coefficients::new(&P, 1e4);
+        let mut force_law = ForceLaw::default();
         (0..1_000_000).for_each(|_| {
-            impedance.integrate(&law, -20.0);
+            force_law.integrate(&law, -20.0);
         });
-        assert_eq!(impedance.integral, INTEGRAL_MAX);
+        assert_eq!(force_law.integral, INTEGRAL_MAX);
     }
 
     #[test]

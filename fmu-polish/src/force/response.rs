@@ -2,8 +2,8 @@
 
 use nalgebra::Complex;
 
-use crate::impedance::Law;
-use crate::parameters::Parameters;
+use super::impedance::Coefficients;
+use crate::interface::Parameters;
 
 /// Response of an axis from commanded to true position at `omega` rad/s.
 pub fn axis(p: &Parameters, omega: f64) -> Complex<f64> {
@@ -21,7 +21,7 @@ pub fn open(p: &Parameters, stiffness: f64, omega: f64) -> Complex<f64> {
     let (s, dt) = (Complex::new(0.0, omega), p.sample_period);
     // a velocity that is held for a sample, and begins to act some samples later
     let hold = (1.0 - (-s * dt).exp()) / (s * s * dt);
-    let late = (-s * dt * f64::from(p.drive.io_delay)).exp();
+    let late = (-s * dt * f64::from(p.io_delay)).exp();
     let sensor = 1.0 / (1.0 + s / p.sensor.bandwidth);
     let filter = match p.force.filter_bandwidth {
         0.0 => Complex::new(1.0, 0.0),
@@ -34,7 +34,7 @@ pub fn open(p: &Parameters, stiffness: f64, omega: f64) -> Complex<f64> {
 }
 
 /// The same with the force law closed around it.
-pub fn closed(p: &Parameters, law: &Law, stiffness: f64, omega: f64) -> Complex<f64> {
+pub fn closed(p: &Parameters, law: &Coefficients, stiffness: f64, omega: f64) -> Complex<f64> {
     let delay = (-Complex::new(0.0, omega) * p.sample_period).exp();
     let impedance = law.admittance * (1.0 - law.decay) / (1.0 - law.decay * delay);
     let integral = law.integral / (1.0 - delay);
@@ -46,7 +46,7 @@ pub fn closed(p: &Parameters, law: &Law, stiffness: f64, omega: f64) -> Complex<
 mod tests {
     use super::*;
 
-    const P: Parameters = Parameters::DEFAULT;
+    const P: Parameters = Parameters::START;
 
     #[test]
     fn the_axis_follows_slowly_and_not_fast() {
@@ -62,7 +62,7 @@ mod tests {
         let (k, omega) = (178e3, 0.5);
         let open = open(&P, k, omega);
         assert!((open - k / Complex::new(0.0, omega)).norm() < 0.01 * open.norm(), "{open}");
-        let law = Law { integral: 0.0, ..Law::new(&P, 1e4) };
+        let law = Coefficients { integral: 0.0, ..Coefficients::new(&P, 1e4) };
         let expected = k / (Complex::new(0.0, omega) + k / 1e4);
         let closed = closed(&P, &law, k, omega);
         assert!((closed - expected).norm() < 0.01 * expected.norm(), "{closed} {expected}");

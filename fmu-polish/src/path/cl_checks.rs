@@ -2,8 +2,8 @@
 
 use nalgebra::Vector3;
 
-use super::{ClError, Point};
-use crate::parameters::Parameters;
+use super::cl_data::{ClError, Point};
+use crate::interface::Parameters;
 
 /// Points closer than this are one point, m.
 pub const SPACING_MIN: f64 = 1e-6;

@@ -3,8 +3,8 @@
 use nalgebra::{Matrix6, Vector3, Vector6};
 use serde::{Deserialize, Serialize};
 
-use crate::parameters::Parameters;
-use crate::path::Frame;
+use crate::interface::Parameters;
+use crate::path::centre_path::Frame;
 
 /// Length that makes rotations as large as shifts, m.
 const LEVER: f64 = 1e-3;
@@ -19,12 +19,12 @@ const VELOCITY_MAX: f64 = 5e-3;
 
 /// The estimate: shift (m) and rotation (rad times the lever).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Misalignment {
+pub struct MisalignmentEstimate {
     estimate: Vector6<f64>,
     covariance: Matrix6<f64>,
 }
 
-impl Misalignment {
+impl MisalignmentEstimate {
     /// Nothing known.
     pub fn new() -> Self {
         Self { estimate: Vector6::zeros(), covariance: Matrix6::identity() * START }
@@ -62,7 +62,7 @@ impl Misalignment {
     }
 }
 
-impl Default for Misalignment {
+impl Default for MisalignmentEstimate {
     fn default() -> Self {
         Self::new()
     }
@@ -78,7 +78,7 @@ fn regressor(frame: &Frame) -> Vector6<f64> {
 mod tests {
     use super::*;
 
-    const P: Parameters = Parameters::DEFAULT;
+    const P: Parameters = Parameters::START;
 
     /// A spiral in a bowl that is no sphere.
     fn frame(k: u32) -> Frame {
@@ -92,7 +92,7 @@ mod tests {
     #[test]
     fn shift_and_rotation_are_found() {
         let (d, w) = (Vector3::new(50e-6, -30e-6, 70e-6), Vector3::new(0.02, -0.01, 0.005));
-        let mut misalignment = Misalignment::new();
+        let mut misalignment = MisalignmentEstimate::new();
         for k in 0..15_000 {
             let f = frame(k);
             let noise = if k % 2 == 0 { 0.5e-6 } else { -0.5e-6 };
@@ -108,7 +108,7 @@ mod tests {
 
     #[test]
     fn without_excitation_nothing_grows_without_bound() {
-        let mut misalignment = Misalignment::new();
+        let mut misalignment = MisalignmentEstimate::new();
         let f = frame(0);
         for k in 0..1_000_000 {
             misalignment.update(&P, &f, if k % 2 == 0 { 2e-6 } else { 0.0 });

@@ -1,98 +1,37 @@
 //! Cutter location (CL) data from a file: contact points and normals, checked before anything moves.
 
-pub mod checks;
-pub mod statement;
+use std::path::Path;
 
-use std::fmt;
-use std::fs::File;
-use std::io::Read;
-use std::path::Path as FilePath;
-
-use control_blocks::ParameterError;
+use control_blocks::{FileParameter, ParameterError};
 use nalgebra::Vector3;
 
-use crate::parameters::Parameters;
-use statement::{Statement, Units, parse};
+use super::built_in;
+use super::cl_checks as checks;
+use super::cl_data::{ClError, Point};
+use super::cl_statement::{Statement, Units, parse};
+use crate::interface::Parameters;
 
 /// Largest file that is read, bytes.
 const BYTES_MAX: u64 = 32 << 20;
 /// Most points of a path.
 const POINTS_MAX: usize = 200_000;
 
-/// The path that needs no file: 15 mm in the middle of an LED lens mold.
-pub const BUILT_IN: &str = "led-short.cls";
-const BUILT_IN_BYTES: &[u8] = include_bytes!("../resources/led-short.cls");
-
-/// A point of the path.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Point {
-    /// Contact point, m.
-    pub contact: Vector3<f64>,
-    /// Unit normal out of the material.
-    pub normal: Vector3<f64>,
-    /// Feed towards this point, m/s; 0 if the file gives none.
-    pub feed: f64,
-    /// Line of the file.
-    pub line: usize,
-}
-
-/// Why the CL data are refused.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ClError {
-    /// Line of the file, from 1.
-    pub line: usize,
-    /// What is wrong there, with value and limit.
-    pub reason: String,
-    /// What to do.
-    pub hint: &'static str,
-}
-
-impl ClError {
-    /// The error in `line`.
-    pub fn new(line: usize, reason: impl Into<String>, hint: &'static str) -> Self {
-        Self { line, reason: reason.into(), hint }
-    }
-}
-
-impl fmt::Display for ClError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "line {}: {}\nhint: {}", self.line, self.reason, self.hint)
-    }
-}
-
-impl std::error::Error for ClError {}
-
 /// Reads and checks the CL data that `path.file` names.
 ///
 /// # Errors
 /// Names the file, the line, the value and the limit.
-pub fn read(file: &str, resources: Option<&FilePath>, p: &Parameters) -> Result<Vec<Point>, ParameterError> {
-    let wrong = |limit: String, hint| ParameterError { name: "path.file", value: file.to_owned(), limit, hint };
-    let bytes = if file == BUILT_IN { Ok(BUILT_IN_BYTES.to_vec()) } else { load(file, resources) };
+pub fn read(resources: Option<&Path>, p: &Parameters) -> Result<Vec<Point>, ParameterError> {
     let hint = "name a file in the folder resources of the FMU, or give its whole path";
-    let bytes = bytes.map_err(|limit| wrong(limit, hint))?;
-    points(&bytes, p)
-        .map_err(|error| wrong(format!("CL data without error; line {}: {}", error.line, error.reason), error.hint))
-}
-
-/// The bytes of the file, or what it must be.
-fn load(file: &str, resources: Option<&FilePath>) -> Result<Vec<u8>, String> {
-    if file.is_empty() {
-        return Err("the name of a file".into());
-    }
-    let name = file.strip_prefix("file://").unwrap_or(file);
-    let path = resources.map_or_else(|| name.into(), |folder| folder.join(name));
-    let opened = File::open(&path).map_err(|error| format!("there: {error}"))?;
-    let about = opened.metadata().map_err(|error| format!("readable: {error}"))?;
-    if !about.is_file() {
-        return Err("a file, not a folder or device".into());
-    }
-    let mut bytes = Vec::new();
-    opened.take(BYTES_MAX + 1).read_to_end(&mut bytes).map_err(|error| format!("readable: {error}"))?;
-    if bytes.len() as u64 > BYTES_MAX {
-        return Err(format!("at most `{BYTES_MAX}` bytes long"));
-    }
-    Ok(bytes)
+    let parameter = FileParameter { name: "path.file", file: &p.path.file, hint };
+    let bytes = if parameter.file == built_in::NAME {
+        built_in::BYTES.to_vec()
+    } else {
+        parameter.read(resources, BYTES_MAX)?
+    };
+    points(&bytes, p).map_err(|error| {
+        let limit = format!("CL data without error; line {}: {}", error.line, error.reason);
+        FileParameter { hint: error.hint, ..parameter }.wrong(limit)
+    })
 }
 
 /// The checked points in the text of a CL file.
@@ -104,7 +43,7 @@ pub fn points(bytes: &[u8], p: &Parameters) -> Result<Vec<Point>, ClError> {
         let line = 1 + bytes[..error.valid_up_to()].iter().filter(|byte| **byte == b'\n').count();
         ClError::new(line, "this is no text in UTF-8", "write CL data as text, not as the binary file of a CAM system")
     })?;
-    let mut reader = Reader::default();
+    let mut reader = Interpreter::default();
     for (i, line) in text.lines().enumerate() {
         let number = i + 1;
         reader.lines = number;
@@ -117,7 +56,7 @@ pub fn points(bytes: &[u8], p: &Parameters) -> Result<Vec<Point>, ClError> {
 
 /// What the statements before have set.
 #[derive(Debug, Default)]
-struct Reader {
+struct Interpreter {
     units: Option<Units>,
     feed: f64,
     finished: bool,
@@ -125,7 +64,7 @@ struct Reader {
     points: Vec<Point>,
 }
 
-impl Reader {
+impl Interpreter {
     /// Takes one statement of line `line`.
     fn take(&mut self, statement: Statement, line: usize, p: &Parameters) -> Result<(), ClError> {
         if self.finished {

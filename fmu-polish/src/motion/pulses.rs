@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-use crate::parameters::Parameters;
+use crate::interface::Parameters;
 
 /// The part of a pulse that was not yet sent, in pulses.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -20,7 +20,7 @@ impl Remainder {
     /// The pulses of one sample with the velocity `velocity` (m/s).
     pub fn step(&mut self, p: &Parameters, velocity: &Vector3<f64>) -> Vector3<i32> {
         let wanted = self.left + velocity * (p.sample_period / p.pulses.size);
-        // halves always go up: at rest nothing swings between -1 and 1
+        // halves always go up: at rest nothing goes to and fro between -1 and 1
         let sent = wanted.map(|pulses| (pulses + 0.5).floor());
         self.left = wanted - sent;
         sent.map(|count| count as i32)
@@ -39,7 +39,7 @@ mod tests {
 
     #[test]
     fn half_a_pulse_left_over_stays_at_rest() {
-        let p = Parameters::DEFAULT;
+        let p = Parameters::START;
         let mut remainder = Remainder::new();
         for velocity in [0.5e-3, -0.5e-3, 1.5e-3] {
             remainder.step(&p, &Vector3::new(0.0, 0.0, velocity));
@@ -51,7 +51,7 @@ mod tests {
 
     #[test]
     fn no_way_is_lost_however_slow() {
-        let p = Parameters::DEFAULT;
+        let p = Parameters::START;
         let velocity = Vector3::new(1.234e-5, -4.9e-2, 3.3e-4);
         let mut remainder = Remainder::new();
         let mut sum = Vector3::<i32>::zeros();

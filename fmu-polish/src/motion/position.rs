@@ -3,15 +3,15 @@
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-use crate::parameters::Parameters;
+use crate::interface::Parameters;
 
 /// Integral of the position error.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Feedback {
+pub struct PositionFeedback {
     integral: Vector3<f64>,
 }
 
-impl Feedback {
+impl PositionFeedback {
     /// With nothing integrated.
     pub fn new() -> Self {
         Self { integral: Vector3::zeros() }
@@ -30,7 +30,7 @@ impl Feedback {
     }
 }
 
-impl Default for Feedback {
+impl Default for PositionFeedback {
     fn default() -> Self {
         Self::new()
     }
@@ -40,10 +40,10 @@ impl Default for Feedback {
 mod tests {
     use super::*;
     use crate::axes::Axes;
-    use crate::parameters::Position;
+    use crate::interface::Position;
 
     fn with(change: impl FnOnce(&mut Position)) -> Parameters {
-        let mut p = Parameters::DEFAULT;
+        let mut p = Parameters::START;
         change(&mut p.position);
         p
     }
@@ -52,13 +52,13 @@ mod tests {
     fn projected_feedback_never_pushes_along_the_normal() {
         let p = with(|q| q.gain = Axes { x: 3.0, y: 5.0, z: 9.0 });
         let normal = Vector3::new(0.3, -0.4, 0.8).normalize();
-        let v = Feedback::new().step(&p, &Vector3::new(1e-5, 2e-5, -3e-5), &normal);
+        let v = PositionFeedback::new().step(&p, &Vector3::new(1e-5, 2e-5, -3e-5), &normal);
         assert!(v.norm() > 1e-5 && v.dot(&normal).abs() < 1e-18);
     }
 
     #[test]
     fn the_paper_switches_axes() {
-        let v = Feedback::new().step(&Parameters::PAPER, &Vector3::new(1e-5, 2e-5, 4e-5), &Vector3::z());
+        let v = PositionFeedback::new().step(&Parameters::PAPER, &Vector3::new(1e-5, 2e-5, 4e-5), &Vector3::z());
         assert_eq!(v, Vector3::new(0.0, 0.0, 4e-5));
     }
 
@@ -68,7 +68,7 @@ mod tests {
             q.gain = Axes::ZERO;
             q.integral = Axes::all(10.0);
         });
-        let mut feedback = Feedback::new();
+        let mut feedback = PositionFeedback::new();
         let mut v = Vector3::zeros();
         for _ in 0..10_000 {
             v = feedback.step(&p, &Vector3::new(1e-3, 0.0, 0.0), &Vector3::z());

@@ -3,33 +3,12 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use nalgebra::Vector3;
-use serde::{Deserialize, Serialize};
 
-use crate::parameters::StickSlip;
-use crate::path::Frame;
+use crate::interface::{Mode, StickSlip, Wave};
+use crate::path::centre_path::Frame;
 
 /// A vector shorter than this has no direction, m.
 const LENGTH_MIN: f64 = 1e-9;
-
-/// Where the stick-slip vector points.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Mode {
-    /// No stick-slip.
-    Off = 1,
-    /// Position vector in the tangent plane, eqs. 12 to 15.
-    Paper = 2,
-    /// Normal cross tangent.
-    Cross = 3,
-}
-
-/// Wave form of the sign.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Wave {
-    /// Square, as in the paper.
-    Square = 1,
-    /// Sine with the same amplitude of the position.
-    Sine = 2,
-}
 
 /// Unit vector v_v / |v_v|; zero where it has no direction.
 pub fn direction(mode: Mode, frame: &Frame) -> Vector3<f64> {
@@ -40,7 +19,9 @@ pub fn direction(mode: Mode, frame: &Frame) -> Vector3<f64> {
         Mode::Paper => x - n * n.dot(x),
         Mode::Cross => n.cross(&frame.tangent),
     };
-    vector.try_normalize(LENGTH_MIN).unwrap_or_default()
+    let length = vector.norm();
+    // a division that stays finite, whichever side of the branch is computed
+    if length > LENGTH_MIN { vector / length.max(LENGTH_MIN) } else { Vector3::zeros() }
 }
 
 /// The sign of sample `k` = 1, 2, ...; the motion is centred: it begins with half of a half period.
@@ -72,9 +53,8 @@ pub fn velocity(law: &StickSlip, feed: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parameters::Parameters;
 
-    const LAW: StickSlip = Parameters::DEFAULT.stick_slip;
+    const LAW: StickSlip = StickSlip::START;
 
     fn frame(normal: Vector3<f64>, tangent: Vector3<f64>, contact: Vector3<f64>) -> Frame {
         let (normal, centre) = (normal.normalize(), contact);

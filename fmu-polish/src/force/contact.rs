@@ -1,0 +1,77 @@
+//! What is measured in a sample, and what counters and means make of it: contact, settled force, lost contact.
+
+use control_blocks::{Consecutive, ticks};
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+use super::sensor::MeasuredForce;
+use crate::interface::{ErrorOutput, Parameters, State};
+use crate::path::centre_path::Frame;
+
+/// Time constant of the mean force error, s.
+const ERROR_TIME: f64 = 0.02;
+/// Time constant of the mean force, s.
+const FORCE_TIME: f64 = 0.1;
+/// A force has a direction from here on, over the contact force.
+const DIRECTION_RATIO: f64 = 2.0;
+
+/// What is measured in one sample, before anything is decided.
+#[derive(Clone, Copy, Debug)]
+pub struct Measurement {
+    /// The path at the present place.
+    pub frame: Frame,
+    /// Measured force.
+    pub force: MeasuredForce,
+    /// Wanted less controlled force, N.
+    pub force_error: f64,
+    /// E_p = x_d - x, m.
+    pub offset: Vector3<f64>,
+    /// Its parts, m.
+    pub error: ErrorOutput,
+    /// Distance of the surface from the path along the normal, m.
+    pub surface: f64,
+}
+
+/// Counters and means of the present state; by default nothing is known.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct ContactMonitor {
+    touching: Consecutive,
+    settled: Consecutive,
+    lost: Consecutive,
+    error: f64,
+    force: Vector3<f64>,
+}
+
+impl ContactMonitor {
+    /// Takes one sample of `state`; `steady` says whether the wanted force has arrived at its target.
+    pub fn update(&mut self, p: &Parameters, state: State, now: &Measurement, steady: bool) {
+        let share = |time: f64| 1.0 - (-p.sample_period / time).exp();
+        self.touching.update(state == State::Approach && now.force.norm > p.approach.contact_force);
+        self.error += share(ERROR_TIME) * (now.force_error - self.error);
+        let small = self.error.abs() < p.settle.tolerance * p.force.target;
+        self.settled.update(state == State::Settle && steady && small);
+        self.lost.update(state == State::Follow && now.force.controlled < p.limits.lost_force);
+        self.force += (now.force.vector - self.force) * share(FORCE_TIME);
+    }
+
+    /// The tool touches.
+    pub fn contact(&self, p: &Parameters) -> bool {
+        self.touching.count() >= p.approach.contact_samples.unsigned_abs()
+    }
+
+    /// The force is settled.
+    pub fn settled(&self, p: &Parameters) -> bool {
+        self.settled.count() >= ticks(p.settle.hold_time, p.sample_period).max(1)
+    }
+
+    /// The contact is lost.
+    pub fn lost(&self, p: &Parameters) -> bool {
+        self.lost.count() >= ticks(p.limits.lost_time, p.sample_period).max(1)
+    }
+
+    /// The mean force does not point along the unit normal `normal`.
+    pub fn misdirected(&self, p: &Parameters, normal: &Vector3<f64>) -> bool {
+        let size = self.force.norm();
+        size > DIRECTION_RATIO * p.approach.contact_force && self.force.dot(normal) < size * p.limits.force_angle.cos()
+    }
+}

@@ -1,0 +1,409 @@
+//! Every variable of the FMU, told once; the law sees the structs. The README tells what the sources mean.
+
+#[fmi2_export::interface]
+#[rustfmt::skip]
+mod variables {
+    use crate::axes::Axes;
+    use fmi2_export::{Unit, units::*};
+    const NEWTON_SECOND_PER_METRE: Unit = Unit::si("N.s/m", [1, 0, -1, 0, 0], &[]);
+    const PER_SECOND: Unit = Unit::si("1/s", [0, 0, -1, 0, 0], &[]);
+    const PER_SECOND_SQUARED: Unit = Unit::si("1/s2", [0, 0, -2, 0, 0], &[]);
+    const METRE_SECOND: Unit = Unit::si("m.s", [0, 1, 1, 0, 0], &[]);
+
+    /// What the controller is doing
+    pub enum State {
+        /// At rest; takes the zero of the force sensor after `enable`
+        Idle,
+        /// Moves along the first normal until the tool touches
+        Approach,
+        /// Builds up the force
+        Settle,
+        /// Follows the path
+        Follow,
+        /// Takes the force away
+        Unload,
+        /// Moves out along the normal
+        Retract,
+        /// At rest after the job
+        Done,
+        /// At rest, or moving out; `reset_fault` ends it
+        Fault,
+    }
+    /// Why the controller is in the state `Fault`
+    pub enum Fault {
+        /// No fault
+        None,
+        /// The force was above `limits.force`
+        #[hint("look for a step in the surface, or slow the feed")] ForceLimit,
+        /// The force was not settled within `settle.time_max`
+        #[hint("lower `impedance.damping`, or `position.gain` if it works along the normal")] SettleTimeout,
+        /// The force was below `limits.lost_force` for `limits.lost_time`
+        #[hint("look for a drop in the surface, or lower `impedance.damping`")] LostContact,
+        /// An input is NaN, infinite or beyond any machine
+        #[hint("check the wires of encoders and force sensor")] InvalidInput,
+        /// The force does not point along the normals of the path
+        #[hint("check the normals of the CL data, and how the mold is set up")] InvalidPath,
+        /// No contact within `approach.travel_max`
+        #[hint("move the tool closer before `enable`, or check the place of the mold")] ApproachTimeout,
+        /// The tool was more than `limits.position_error` off along the path or beside it
+        #[hint("check the drives, or lower `feed.velocity`")] PositionError,
+        /// The position is outside `stroke`
+        #[hint("check the origin of the path")] Stroke,
+        /// `estop` was set
+        EmergencyStop,
+        /// The force was above `limits.tare_force` when the zero was taken
+        #[hint("lift the tool before `enable`")] TareRejected,
+        /// The tool was not above the begin of the path
+        #[hint("move there before `enable`")] NotAtStart,
+        /// The surface was further from the path than `limits.surface_error`
+        #[hint("check how the mold is set up")] SurfaceError,
+    }
+    /// Which law polishes; Paper takes the paper's value where there is one and a parameter was left at its start value
+    pub enum Law {
+        /// What a good engineer would ship
+        Default,
+        /// As printed by Nagata and others (2010)
+        Paper,
+    }
+    /// What of the measured force is controlled, eq. 5
+    pub enum ForceMode {
+        /// Its norm, friction included, as in the paper
+        Norm,
+        /// Its part along the normal
+        Projected,
+    }
+    /// Where the stick-slip vector points
+    pub enum Mode {
+        /// No stick-slip
+        Off,
+        /// Position vector in the tangent plane, eqs. 12 to 15
+        Paper,
+        /// Normal cross tangent, always beside the path
+        Cross,
+    }
+    /// Wave form of the stick-slip velocity
+    pub enum Wave {
+        /// Square, as in the paper
+        Square,
+        /// Sine that travels equally far
+        Sine,
+    }
+    /// Where the feed comes from
+    pub enum FeedSource {
+        /// `feed.velocity`
+        Parameter,
+        /// FEDRAT in the CL file
+        File,
+    }
+    /// What is read at the start of a sample
+    #[inputs]
+    pub struct Input {
+        /// Rising edge starts a job: zero of the sensor, approach, ...; false ends it: the tool leaves
+        pub enable: bool,
+        /// Stops the motion at once, in contact too; this controller alone has it: its force stays when the motion stops
+        pub estop: bool,
+        /// Rising edge ends a fault, once the tool is at rest
+        pub reset_fault: bool,
+        /// Ball centre by the encoders in the work frame of the path
+        #[var(fields = f64[x, y, z], unit = METRE as "mm", accepts_nan)] pub position: Axes,
+        /// Raw force on the tool in the work frame
+        #[var(fields = f64[x, y, z], unit = NEWTON, accepts_nan)] pub force: Axes,
+        /// Factor of the feed, 0 to 2
+        #[var(unit = ONE as "%", start = 1.0, accepts_nan)] pub feed_override: f64,
+        /// Factor of the wanted force, 0 to 2
+        #[var(unit = ONE as "%", start = 1.0, accepts_nan)] pub force_override: f64,
+    }
+    /// What a sample gives; always finite
+    #[outputs]
+    pub struct Output {
+        pub velocity: VelocityOutput,
+        /// Pulses of this sample
+        #[var(fields = i32[x, y, z])] pub pulses: Axes<i32>,
+        pub force: ForceOutput,
+        /// Desired ball centre x_d
+        #[var(fields = f64[x, y, z], unit = METRE as "mm")] pub desired: Axes,
+        /// Unit normal o_d out of the material
+        #[var(fields = f64[x, y, z], unit = ONE, start = Axes { x: 0.0, y: 0.0, z: 1.0 })] pub normal: Axes,
+        /// Unit tangent t
+        #[var(fields = f64[x, y, z], unit = ONE, start = Axes { x: 1.0, y: 0.0, z: 0.0 })] pub tangent: Axes,
+        pub error: ErrorOutput,
+        /// Part of the path that is done
+        #[var(unit = ONE as "%")] pub progress: f64,
+        pub state: State,
+        pub fault: Fault,
+        /// The tool presses on the mold
+        pub in_contact: bool,
+        /// The whole path is polished and the tool retracted
+        pub done: bool,
+        pub stiffness: StiffnessOutput,
+        pub misalignment: MisalignmentOutput,
+        pub ripple: RippleOutput,
+        pub path: PathOutput,
+    }
+    /// Commanded velocity and its parts.
+    pub struct VelocityOutput {
+        /// Velocity command, x, eq. 1
+        #[var(unit = METRE_PER_SECOND as "mm/s")] pub x: f64,
+        /// Velocity command, y
+        #[var(unit = METRE_PER_SECOND as "mm/s")] pub y: f64,
+        /// Velocity command, z
+        #[var(unit = METRE_PER_SECOND as "mm/s")] pub z: f64,
+        /// Part of the force law v_normal, positive out of the material, eq. 3
+        #[var(unit = METRE_PER_SECOND as "mm/s")] pub normal: f64,
+        /// Part of the feed v_t, of the ball centre, eq. 2
+        #[var(unit = METRE_PER_SECOND as "mm/s")] pub tangential: f64,
+        /// Size of the part of the position feedback v_p, eq. 6
+        #[var(unit = METRE_PER_SECOND as "mm/s")] pub position: f64,
+        /// Part of the stick-slip v_v with its sign, eq. 16
+        #[var(unit = METRE_PER_SECOND as "mm/s")] pub stick_slip: f64,
+    }
+    /// Force of the law.
+    pub struct ForceOutput {
+        /// Controlled force: norm or normal part, without the zero of the sensor
+        #[var(unit = NEWTON)] pub measured: f64,
+        /// Wanted force F_d with its ramps
+        #[var(unit = NEWTON)] pub setpoint: f64,
+        /// Force error E_f, eq. 5
+        #[var(unit = NEWTON)] pub error: f64,
+    }
+    /// Position error x_d - x.
+    pub struct ErrorOutput {
+        /// Position error x_d - x along t
+        #[var(unit = METRE as "um")] pub tangential: f64,
+        /// Position error along o_d x t
+        #[var(unit = METRE as "um")] pub lateral: f64,
+        /// Position error along o_d
+        #[var(unit = METRE as "um")] pub normal: f64,
+    }
+    /// Stiffness of tool and contact.
+    pub struct StiffnessOutput {
+        /// Stiffness of tool and contact, estimated while the force builds up
+        #[var(unit = NEWTON_PER_METRE as "N/mm")] pub estimate: f64,
+    }
+    /// Estimated misalignment of the mold.
+    pub struct MisalignmentOutput {
+        /// Estimated shift of the mold, x
+        #[var(unit = METRE as "um")] pub x: f64,
+        /// Estimated shift of the mold, y
+        #[var(unit = METRE as "um")] pub y: f64,
+        /// Estimated shift of the mold, z
+        #[var(unit = METRE as "um")] pub z: f64,
+        /// Estimated rotation of the mold about x
+        #[var(unit = RADIAN as "deg")] pub rx: f64,
+        /// Estimated rotation of the mold about y
+        #[var(unit = RADIAN as "deg")] pub ry: f64,
+        /// Estimated rotation of the mold about z
+        #[var(unit = RADIAN as "deg")] pub rz: f64,
+    }
+    /// Cancellation of the ripple.
+    pub struct RippleOutput {
+        /// A part of the ripple cancellation made it worse and has ended
+        pub frozen: bool,
+    }
+    /// The path.
+    pub struct PathOutput {
+        /// Length of the path along the contact points
+        #[var(unit = METRE as "mm")] pub length: f64,
+    }
+    /// What is set before the job, or tuned
+    #[parameters]
+    pub struct Parameters {
+        pub law: Law,
+        /// Sample period
+        #[var(unit = SECOND as "ms", range = 2e-4..=5e-3, start = 1e-3, source = "paper")] pub sample_period: f64,
+        /// Samples between a command and its action; 1 for a standard master, 0 if the command acts at once
+        #[var(range = 0..=8, start = 1, source = "a standard FMI master")] pub io_delay: i32,
+        /// Largest commanded velocity
+        #[var(unit = METRE_PER_SECOND as "mm/s", range = 1e-3..=1.0, start = 0.05, source = "our choice")] pub velocity_max: f64,
+        /// Stroke of the axes, the origin of the path in its middle
+        #[var(fields = f64[x, y, z], unit = METRE as "mm", range = 1e-3..=10.0, start = Axes { x: 0.4, y: 0.3, z: 0.1 }, source = "paper")] pub stroke: Axes,
+        pub tool: Tool,
+        pub pulses: Pulses,
+        pub drive: Drive,
+        pub sensor: Sensor,
+        pub path: Path,
+        pub feed: Feed,
+        pub force: Force,
+        pub impedance: Impedance,
+        pub stiffness: Stiffness,
+        pub position: Position,
+        pub stick_slip: StickSlip,
+        pub ripple: Ripple,
+        pub misalignment: Misalignment,
+        pub tare: Tare,
+        pub approach: Approach,
+        pub settle: Settle,
+        pub retract: Retract,
+        pub limits: Limits,
+    }
+    /// Polishing tool: a stick with a ball end.
+    pub struct Tool {
+        /// Radius of the ball end
+        #[var(unit = METRE as "mm", range = 5e-5..=0.02, start = 0.5e-3, source = "paper: tip diameter 1 mm")] pub radius: f64,
+    }
+    /// Pulses of the drives.
+    pub struct Pulses {
+        /// Way of one pulse
+        #[var(unit = METRE as "um", range = 1e-9..=1e-4, start = 1e-6, source = "paper")] pub size: f64,
+    }
+    /// Linear model of an axis from its pulses to its position: position loop, velocity feedforward, velocity loop.
+    pub struct Drive {
+        /// Gain of the position loop of the drives, for the phases of the ripple
+        #[var(unit = PER_SECOND, range = 1.0..=1e4, start = 80.0, source = "our choice: usual AC servo")] pub position_gain: f64,
+        /// Part of the velocity that the drives feed forward
+        #[var(unit = ONE, range = 0.0..=1.0, start = 0.8, source = "our choice")] pub feedforward: f64,
+        /// Bandwidth of the velocity feedforward
+        #[var(unit = RADIAN_PER_SECOND as "Hz", range = 1.0..=1e5, start = 628.3, source = "our choice")] pub feedforward_bandwidth: f64,
+        /// Bandwidth of the velocity loop
+        #[var(unit = RADIAN_PER_SECOND as "Hz", range = 10.0..=1e5, start = 500.0, source = "our choice")] pub velocity_bandwidth: f64,
+        /// Integral action of the velocity loop
+        #[var(unit = PER_SECOND, range = 0.0..=1e4, start = 60.0, source = "our choice")] pub velocity_integral: f64,
+    }
+    /// Model of the force sensor.
+    pub struct Sensor {
+        /// Bandwidth of the filter of the force sensor
+        #[var(unit = RADIAN_PER_SECOND as "Hz", range = 10.0..=1e6, start = 1256.6, source = "our choice: 200 Hz")] pub bandwidth: f64,
+    }
+    /// What a path may be.
+    pub struct Path {
+        /// CL file with contact points and normals, in the folder resources of the FMU or with its whole path; the start value is built in
+        #[var(start = crate::path::built_in::NAME)] pub file: String,
+        /// Steepest surface that is polished
+        #[var(unit = RADIAN as "deg", range = 0.1..=1.5, start = 1.05, source = "our choice: 60 deg, the shank stays clear of the wall")] pub slope_max: f64,
+    }
+    /// Feed along the path.
+    pub struct Feed {
+        #[var(source = "our choice")] pub source: FeedSource,
+        /// Velocity v_tangent of the contact point, eq. 2
+        #[var(unit = METRE_PER_SECOND as "mm/s", range = 1e-6..=0.1, start = 2e-3, source = "our choice", tunable)] pub velocity: f64,
+        /// Largest acceleration along the path
+        #[var(unit = METRE_PER_SECOND_SQUARED, range = 1e-3..=10.0, start = 0.05, source = "our choice")] pub acceleration: f64,
+        /// Fastest turn of the direction of motion; slows the feed where the path bends
+        #[var(unit = RADIAN_PER_SECOND, range = 1.0..=1e3, start = 25.0, source = "our choice: 5 % of the velocity loop")] pub turn_rate_max: f64,
+    }
+    /// Polishing force.
+    pub struct Force {
+        /// Desired polishing force F_d
+        #[var(unit = NEWTON, range = 0.1..=100.0, start = 5.0, source = "our choice: 28 steps of the sensor", tunable)] pub target: f64,
+        #[var(start = ForceMode::Projected, paper = ForceMode::Norm, source = "our choice")] pub mode: ForceMode,
+        /// Low-pass of the measured force; 0 for none
+        #[var(unit = RADIAN_PER_SECOND as "Hz", range = 0.0..=1e5, source = "our choice")] pub filter_bandwidth: f64,
+        /// Time T_i of the force integral; 0 for none
+        #[var(unit = SECOND, range = 0.0..=100.0, start = 0.15, paper = 0.0, source = "measured", tunable)] pub integral_time: f64,
+    }
+    /// Impedance model M_d dv/dt + B_d v = - K_f E_f of eq. 4.
+    pub struct Impedance {
+        /// Desired mass M_d, eq. 4
+        #[var(unit = KILOGRAM, range = 0.01..=1e4, start = 10.0, source = "our choice")] pub mass: f64,
+        /// Desired damping B_d, eq. 4; with `impedance.adaptive` until the stiffness is known
+        #[var(unit = NEWTON_SECOND_PER_METRE, range = 10.0..=1e7, start = 10e3, source = "derived: 17.7 rad/s at 178 N/mm", tunable)] pub damping: f64,
+        /// Force feedback gain K_f, eq. 4
+        #[var(unit = ONE, range = 0.0..=100.0, start = 1.0, source = "our choice", tunable)] pub gain: f64,
+        /// After settling take the damping that the estimated stiffness needs for `impedance.bandwidth`
+        #[var(start = true, paper = false, source = "our choice")] pub adaptive: bool,
+        /// Wanted bandwidth of the force loop K_f k / B_d, with `impedance.adaptive`
+        #[var(unit = RADIAN_PER_SECOND as "Hz", range = 1.0..=100.0, start = 35.0, source = "measured: with 80 the force oscillates")] pub bandwidth: f64,
+    }
+    /// Stiffness of tool and contact along the normal.
+    pub struct Stiffness {
+        /// Stiffness of tool and contact before it is estimated
+        #[var(unit = NEWTON_PER_METRE as "N/mm", range = 1e3..=1e8, start = 178e3, source = "paper")] pub nominal: f64,
+    }
+    /// Position feedback, eq. 6.
+    pub struct Position {
+        /// Gain K_p, eq. 6
+        #[var(fields = f64[x, y, z], unit = PER_SECOND, range = 0.0..=200.0, start = Axes::all(5.0), paper = Axes { x: 0.0, y: 0.0, z: 1.0 }, source = "our choice", tunable)] pub gain: Axes,
+        /// Integral gain K_i, the paper's over the sample period
+        #[var(fields = f64[x, y, z], unit = PER_SECOND_SQUARED, range = 0.0..=1e4, source = "our choice", tunable)] pub integral: Axes,
+        /// Limit of the integrated position error
+        #[var(unit = METRE_SECOND, range = 0.0..=1.0, start = 0.2e-3, source = "our choice")] pub integral_max: f64,
+        /// Switch S of the position feedback
+        #[var(fields = bool[x, y, z], start = Axes::all(true), paper = Axes { x: false, y: false, z: true }, source = "our choice")] pub select: Axes<bool>,
+        /// Position feedback in the tangent plane alone, so that force and position do not fight
+        #[var(start = true, paper = false, source = "our choice")] pub projected: bool,
+    }
+    /// Stick-slip motion, eqs. 7 to 17.
+    pub struct StickSlip {
+        #[var(start = Mode::Cross, paper = Mode::Paper, source = "our choice")] pub mode: Mode,
+        /// Velocity K_v, eq. 16
+        #[var(unit = METRE_PER_SECOND as "mm/s", range = 0.0..=0.1, start = 10e-3, source = "measured", tunable)] pub velocity: f64,
+        /// Samples of one sign, 1 for eq. 17
+        #[var(range = 1..=1000, start = 10, paper = 1, source = "measured: 1 does nothing")] pub half_period: i32,
+        #[var(source = "paper")] pub wave: Wave,
+        /// K_v over the feed, keeps the removal per length; 0 for `stick_slip.velocity`
+        #[var(unit = ONE, range = 0.0..=100.0, source = "our choice", tunable)] pub ratio: f64,
+    }
+    /// Cancellation of the force ripple at the frequency of the stick-slip and twice that.
+    pub struct Ripple {
+        /// Rate at which the force ripple at the frequency of the stick-slip and twice that is cancelled; 0 for none
+        #[var(unit = PER_SECOND, range = 0.0..=20.0, start = 3.0, paper = 0.0, source = "measured: 8 is unsafe with other drives")] pub gain: f64,
+        /// Growth of a ripple that ends its cancellation
+        #[var(unit = NEWTON, range = 0.01..=10.0, start = 0.3, source = "our choice")] pub growth_max: f64,
+    }
+    /// Estimate of a rigid misalignment of the mold and its feedforward.
+    pub struct Misalignment {
+        /// Estimate shift and rotation of the mold and feed them forward
+        #[var(start = true, paper = false, source = "our choice")] pub enable: bool,
+        /// Forgetting factor of the least squares
+        #[var(unit = ONE, range = 0.99..=1.0, start = 0.99995, source = "measured: 20 s, shorter memories are noisy")] pub forgetting: f64,
+        /// Time by which the feedforward is ahead
+        #[var(unit = SECOND as "ms", range = 0.0..=0.1, start = 6e-3, source = "our choice: delay of drive and loop")] pub lead_time: f64,
+        /// Path before the feedforward begins
+        #[var(unit = METRE as "mm", range = 0.0..=1.0, start = 1e-3, source = "our choice")] pub distance_min: f64,
+    }
+    /// Zero of the force sensor, taken before the approach.
+    pub struct Tare {
+        /// Time over which the zero of the sensor is averaged
+        #[var(unit = SECOND, range = 1e-3..=10.0, start = 0.1, source = "our choice")] pub time: f64,
+    }
+    /// Approach motion along the normal of the first point.
+    pub struct Approach {
+        /// Velocity of the approach
+        #[var(unit = METRE_PER_SECOND as "mm/s", range = 1e-5..=0.01, start = 0.5e-3, source = "our choice; measured: 2 mm/s overshoots")] pub velocity: f64,
+        /// Force that is a contact
+        #[var(unit = NEWTON, range = 0.05..=50.0, start = 0.6, source = "our choice: three steps of the sensor")] pub contact_force: f64,
+        /// Samples in a row above it
+        #[var(range = 1..=100, start = 3, source = "our choice")] pub contact_samples: i32,
+        /// Longest way without contact
+        #[var(unit = METRE as "mm", range = 1e-5..=0.1, start = 2e-3, source = "our choice")] pub travel_max: f64,
+    }
+    /// Building up of the force, and its end.
+    pub struct Settle {
+        /// Time in which the wanted force rises to `force.target` and falls to 0
+        #[var(unit = SECOND, range = 1e-3..=10.0, start = 0.2, source = "our choice")] pub ramp_time: f64,
+        /// Force error that is settled, part of `force.target`
+        #[var(unit = ONE as "%", range = 0.01..=0.5, start = 0.15, source = "our choice")] pub tolerance: f64,
+        /// Time for which the error must stay there
+        #[var(unit = SECOND, range = 1e-3..=10.0, start = 0.1, source = "our choice")] pub hold_time: f64,
+        /// Longest time of settling and of unloading
+        #[var(unit = SECOND, range = 0.01..=60.0, start = 2.0, source = "our choice")] pub time_max: f64,
+    }
+    /// Retract motion along the normal.
+    pub struct Retract {
+        /// Distance of the retract
+        #[var(unit = METRE as "mm", range = 1e-5..=0.1, start = 0.5e-3, source = "our choice")] pub distance: f64,
+        /// Velocity of the retract
+        #[var(unit = METRE_PER_SECOND as "mm/s", range = 1e-5..=0.1, start = 5e-3, source = "our choice")] pub velocity: f64,
+    }
+    /// What is a fault.
+    pub struct Limits {
+        /// Largest force
+        #[var(unit = NEWTON, range = 0.5..=1e3, start = 25.0, source = "our choice")] pub force: f64,
+        /// Force below which contact is lost
+        #[var(unit = NEWTON, range = 0.0..=50.0, start = 0.4, source = "our choice")] pub lost_force: f64,
+        /// Time below that force that is a fault
+        #[var(unit = SECOND, range = 1e-3..=10.0, start = 0.1, source = "our choice")] pub lost_time: f64,
+        /// Largest position error along the path or beside it
+        #[var(unit = METRE as "mm", range = 1e-6..=0.05, start = 0.5e-3, source = "our choice")] pub position_error: f64,
+        /// Largest distance of the surface from the path along the normal
+        #[var(unit = METRE as "mm", range = 1e-6..=0.05, start = 0.5e-3, source = "our choice")] pub surface_error: f64,
+        /// Largest angle between the mean force and the normal
+        #[var(unit = RADIAN as "deg", range = 0.1..=3.0, start = 0.87, source = "derived: friction alone gives 22 deg at 0.4")] pub force_angle: f64,
+        /// Largest force that may be a zero of the sensor
+        #[var(unit = NEWTON, range = 0.1..=100.0, start = 2.0, source = "our choice: the tip weighs 0.1 N")] pub tare_force: f64,
+        /// Largest distance beside the begin of the path, and below it
+        #[var(unit = METRE as "mm", range = 1e-6..=0.05, start = 0.5e-3, source = "our choice")] pub start_offset: f64,
+    }
+}
+
+pub use variables::*;

@@ -1,0 +1,156 @@
+//! The path of the ball centre: where it is, how it points and how fast it may go at an arc length.
+
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+use super::cl_data::Point;
+use crate::interface::{ErrorOutput, Parameters};
+
+/// Smaller turns than this never slow the feed, rad.
+const TURN_MIN: f64 = 1e-9;
+
+/// A point of the path.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Knot {
+    /// ball centre, m
+    centre: Vector3<f64>,
+    /// unit normal out of the material
+    normal: Vector3<f64>,
+    /// arc length of the contact points up to here, m
+    s: f64,
+    /// fastest feed here that can still brake for all that comes, m/s
+    feed_max: f64,
+}
+
+/// The path as a polyline of ball centres.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CentrePath {
+    radius: f64,
+    knots: Vec<Knot>,
+}
+
+/// A place on the path; by default its begin.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Place {
+    /// Arc length of the contact point, m.
+    pub s: f64,
+    /// number of the knot before
+    knot: usize,
+}
+
+/// The path at one place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame {
+    /// Desired ball centre, m.
+    pub centre: Vector3<f64>,
+    /// Contact point, m.
+    pub contact: Vector3<f64>,
+    /// Unit normal out of the material, o_d.
+    pub normal: Vector3<f64>,
+    /// Unit tangent of the path of the ball centre, orthogonal to the normal.
+    pub tangent: Vector3<f64>,
+    /// Way of the ball centre over way of the contact point.
+    pub ratio: f64,
+    /// Fastest feed, m/s.
+    pub feed_max: f64,
+}
+
+impl Frame {
+    /// The parts of the position error `offset` = x_d - x (m).
+    pub fn error(&self, offset: &Vector3<f64>) -> ErrorOutput {
+        ErrorOutput {
+            tangential: offset.dot(&self.tangent),
+            lateral: offset.dot(&self.normal.cross(&self.tangent)),
+            normal: offset.dot(&self.normal),
+        }
+    }
+}
+
+impl ErrorOutput {
+    /// Distance beside the normal, m.
+    pub fn beside(&self) -> f64 {
+        self.tangential.hypot(self.lateral)
+    }
+}
+
+impl CentrePath {
+    /// The path of a ball that touches the checked `points`.
+    pub fn new(p: &Parameters, points: &[Point]) -> Self {
+        let radius = p.tool.radius;
+        let mut knots: Vec<Knot> = Vec::with_capacity(points.len());
+        let mut s = 0.0;
+        for (i, point) in points.iter().enumerate() {
+            if i > 0 {
+                s += (point.contact - points[i - 1].contact).norm();
+            }
+            let feed_max = if p.feed.uses_file() { point.feed } else { f64::MAX };
+            knots.push(Knot { centre: point.contact + radius * point.normal, normal: point.normal, s, feed_max });
+        }
+        limit_by_curvature(&mut knots, p.feed.turn_rate_max);
+        limit_by_braking(&mut knots, p.feed.acceleration);
+        Self { radius, knots }
+    }
+
+    /// Its length along the contact points, m.
+    pub fn length(&self) -> f64 {
+        self.knots.last().map_or(0.0, |knot| knot.s)
+    }
+
+    /// The place at the arc length `s` (m) beyond `place`, at most the end.
+    pub fn advance(&self, place: Place, s: f64) -> Place {
+        let s = s.clamp(0.0, self.length());
+        let mut knot = place.knot.min(self.knots.len() - 2);
+        while knot + 2 < self.knots.len() && self.knots[knot + 1].s < s {
+            knot += 1;
+        }
+        Place { s, knot }
+    }
+
+    /// The path at `place`.
+    pub fn frame(&self, place: Place) -> Frame {
+        let i = place.knot.min(self.knots.len() - 2);
+        let (a, b) = (&self.knots[i], &self.knots[i + 1]);
+        let along = b.s - a.s;
+        let u = ((place.s - a.s) / along).clamp(0.0, 1.0);
+        let centre = a.centre.lerp(&b.centre, u);
+        let normal = a.normal.lerp(&b.normal, u).normalize();
+        let chord = self.direction(i).lerp(&self.direction(i + 1), u);
+        let tangent = (chord - normal * normal.dot(&chord)).normalize();
+        Frame {
+            centre,
+            contact: centre - self.radius * normal,
+            normal,
+            tangent,
+            ratio: (b.centre - a.centre).norm() / along,
+            // v^2 is linear in s while braking
+            feed_max: (a.feed_max.powi(2) * (1.0 - u) + b.feed_max.powi(2) * u).sqrt(),
+        }
+    }
+
+    /// Direction of motion at knot `i`: from its neighbour before to that behind.
+    fn direction(&self, i: usize) -> Vector3<f64> {
+        let (before, behind) = (i.saturating_sub(1), (i + 1).min(self.knots.len() - 1));
+        (self.knots[behind].centre - self.knots[before].centre).normalize()
+    }
+}
+
+/// The direction of motion turns at most with `rate` rad/s.
+fn limit_by_curvature(knots: &mut [Knot], rate: f64) {
+    for i in 1..knots.len() - 1 {
+        let (before, after) = (knots[i].centre - knots[i - 1].centre, knots[i + 1].centre - knots[i].centre);
+        let turn = before.angle(&after);
+        let way = 0.5 * (knots[i + 1].s - knots[i - 1].s);
+        knots[i].feed_max = knots[i].feed_max.min(rate * way / turn.max(TURN_MIN));
+    }
+    knots[0].feed_max = knots[0].feed_max.min(knots[1].feed_max);
+}
+
+/// From every knot the feed can fall with `acceleration` (m/s2) to what comes; at the end it is 0.
+fn limit_by_braking(knots: &mut [Knot], acceleration: f64) {
+    let last = knots.len() - 1;
+    knots[last].feed_max = 0.0;
+    for i in (0..last).rev() {
+        let gain = 2.0 * acceleration * (knots[i + 1].s - knots[i].s);
+        knots[i].feed_max = knots[i].feed_max.min((knots[i + 1].feed_max.powi(2) + gain).sqrt());
+    }
+}

@@ -1,0 +1,52 @@
+//! Feed along the path: wanted velocity, override, curvature, braking at the end.
+
+use control_blocks::ramp_between;
+
+use crate::interface::{Feed, FeedSource, Parameters};
+
+/// Slowest feed that still arrives, m/s.
+const CREEP: f64 = 2e-5;
+
+impl Feed {
+    /// Whether the feed stands in the CL file.
+    pub fn uses_file(&self) -> bool {
+        self.source == FeedSource::File
+    }
+}
+
+/// The next velocity (m/s) of the contact point along the path: from `velocity` towards the wanted feed times `share`, at
+/// most `limit` (m/s) that the path allows here.
+pub fn next_feed(p: &Parameters, velocity: f64, share: f64, limit: f64) -> f64 {
+    let change = p.feed.acceleration * p.sample_period;
+    // a feed from the file is part of the limit, and only slowed down
+    let wanted = if p.feed.uses_file() { limit * share.min(1.0) } else { (p.feed.velocity * share).min(limit) };
+    let wanted = if share > 0.0 { wanted.max(CREEP) } else { 0.0 };
+    ramp_between(velocity, wanted, 2.0 * change, change)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const P: Parameters = Parameters::START;
+
+    /// The feed after `count` samples.
+    fn after(count: u32, velocity: f64, share: f64, limit: f64) -> f64 {
+        (0..count).fold(velocity, |velocity, _| next_feed(&P, velocity, share, limit))
+    }
+
+    #[test]
+    fn the_feed_rises_with_its_acceleration_and_keeps_the_limit() {
+        for k in 1..=40 {
+            assert!((after(k, 0.0, 1.0, 1.0) - 0.05e-3 * f64::from(k)).abs() < 1e-12);
+        }
+        assert_eq!(after(41, 0.0, 1.0, 1.0), P.feed.velocity);
+        assert_eq!(after(100, P.feed.velocity, 1.0, 0.5e-3), 0.5e-3);
+    }
+
+    #[test]
+    fn the_override_stops_it_and_it_always_arrives() {
+        assert_eq!(after(100, 1e-3, 0.0, 1.0), 0.0);
+        assert_eq!(after(100, 0.0, 1.0, 0.0), CREEP);
+    }
+}
