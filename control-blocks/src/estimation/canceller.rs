@@ -44,7 +44,8 @@ impl Canceller {
     pub fn limit(&mut self, amplitude_max: f64) {
         let amplitude = self.amplitude();
         if amplitude > amplitude_max {
-            self.0 *= amplitude_max / amplitude;
+            // the divisor is never zero: a compiler may divide before it compares
+            self.0 *= amplitude_max / amplitude.max(amplitude_max);
         }
     }
 
