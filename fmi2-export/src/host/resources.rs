@@ -53,8 +53,11 @@ fn path(location: &[u8], platform: Platform) -> Result<Vec<u8>, &'static str> {
     Ok(without_end(path, platform))
 }
 
-/// Host and path of a `file:` URI; `None` for a plain path.
-fn uri(location: &[u8]) -> Result<Option<(&[u8], &[u8])>, &'static str> {
+/// Host and path.
+type Uri<'a> = (&'a [u8], &'a [u8]);
+
+/// The parts of a `file:` URI; `None` for a plain path.
+fn uri(location: &[u8]) -> Result<Option<Uri<'_>>, &'static str> {
     let colon = location.iter().position(|byte| *byte == b':').unwrap_or(0);
     if location[..colon].eq_ignore_ascii_case(b"file") {
         let rest = &location[colon + 1..];

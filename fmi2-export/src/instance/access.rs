@@ -1,6 +1,7 @@
 //! Typed reading, checking and writing of a variable.
 
 use crate::host::phase::Status;
+use crate::table::index::Entry;
 use crate::table::variable::{Kind, Real, Variable};
 use std::fmt::{Debug, Display};
 
@@ -199,4 +200,36 @@ impl<V> Value<V> for &str {
             set(vars, self);
         }
     }
+}
+
+// what a good call never builds is kept out of its way
+
+/// There is no such value reference.
+#[cold]
+pub fn unknown(reference: u32, count: usize) -> Refusal {
+    Refusal::error(format!("there is no variable with the value reference {reference} (0 .. {})", count - 1))
+}
+
+/// The model has computed a value that may not leave it.
+#[cold]
+pub fn not_finite<V>(entry: &Entry<V>, value: f64) -> Refusal {
+    let (row, element) = entry.position();
+    Refusal::error(format!("the model computed `{}` = {value}", row.element_name(element)))
+}
+
+/// The variable may not be set now.
+#[cold]
+pub fn forbidden<V>(row: &Variable<V>, element: usize, value: impl Display, reason: &str) -> Refusal {
+    Refusal::error(format!("`{}` = {value}: {reason}", row.element_name(element)))
+}
+
+/// The variable is of another type than the function.
+#[cold]
+pub fn wrong_type<V>(row: &Variable<V>, kind: &str) -> Refusal {
+    let own = row.kind.type_name();
+    let hint = match own {
+        "Enumeration" => "Integer",
+        own => own,
+    };
+    Refusal::error(format!("`{}` is of type {own}, not {kind}; hint: fmi2Get{hint}, fmi2Set{hint}", row.name))
 }

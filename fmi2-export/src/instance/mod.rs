@@ -2,6 +2,7 @@
 
 mod access;
 mod clock;
+mod communication;
 pub mod slave;
 mod slope;
 mod snapshot;
@@ -11,8 +12,9 @@ use crate::export::Exported;
 use crate::host::logger::Category;
 use crate::host::phase::{Function, Phase, Status};
 use crate::host::text::c_string;
-use crate::instance::access::{Refusal, Scalar, Value};
-use crate::instance::clock::{Clock, MAX_TICKS};
+use crate::instance::access::{Refusal, Scalar, Value, forbidden, not_finite, unknown, wrong_type};
+use crate::instance::clock::Clock;
+use crate::instance::communication::check_step;
 use crate::instance::slave::Slave;
 use crate::instance::slope::{Derivative, Slope};
 use crate::instance::snapshot::{Running, Snapshot};
@@ -21,7 +23,6 @@ use crate::model::{Env, Experiment, Host, Model, Start};
 use crate::table::index::Entry;
 use crate::table::variable::{Kind, Role, Variable};
 use std::ffi::{CStr, CString};
-use std::fmt::Display;
 use std::sync::Arc;
 
 type SnapshotOf<M> = Snapshot<<M as Model>::Vars, <M as Model>::State>;
@@ -165,7 +166,7 @@ impl<M: Exported> Instance<M> {
         let (Some(running), Some(experiment)) = (&self.now.running, self.now.experiment) else {
             return Err(Refusal::error("the instance is not initialized"));
         };
-        check_step(running, &experiment, time, step)?;
+        check_step(&running.clock, &experiment, time, step)?;
         if self.now.derivatives.is_empty() {
             self.run(experiment, step, |_, _| ())?;
         } else {
@@ -281,37 +282,6 @@ impl<M: Exported> Instance<M> {
     }
 }
 
-#[inline]
-fn check_step<S>(running: &Running<S>, experiment: &Experiment, time: f64, step: f64) -> Result<(), Refusal> {
-    let clock = &running.clock;
-    let possible = clock.is_usual(step) || (step > 0.0 && step.is_finite() && step <= MAX_TICKS * clock.period);
-    // importers accumulate time with rounding: the point is checked, never counted with;
-    // `<`, because an infinite time makes an infinite tolerance
-    let expected = (time - (experiment.start + clock.position())).abs() < 0.01 * step + 1e-9 * time.abs();
-    let (end, stop) = (time + step, experiment.stop);
-    if possible && expected && (end <= stop || end <= stop + 1e-6 * step + 1e-9 * stop.abs()) {
-        Ok(())
-    } else {
-        Err(wrong_step(clock, experiment, time, step))
-    }
-}
-
-/// What is wrong with a step that [`check_step`] refuses.
-#[cold]
-fn wrong_step(clock: &Clock, experiment: &Experiment, time: f64, step: f64) -> Refusal {
-    let expected = experiment.start + clock.position();
-    if !(step > 0.0 && step.is_finite()) {
-        Refusal::error(format!("the communication step {step} s is not positive"))
-    } else if step > MAX_TICKS * clock.period {
-        Refusal::error(format!("the communication step {step} s is longer than {MAX_TICKS} sample periods"))
-    } else if time.is_finite() && (time - expected).abs() < 0.01 * step + 1e-9 * time.abs() {
-        let stop = experiment.stop;
-        Refusal::error(format!("the step from {time} s by {step} s passes the stop time {stop} s"))
-    } else {
-        Refusal::error(format!("the communication point {time} s is not the end of the last step, {expected} s"))
-    }
-}
-
 fn fresh<M: Exported>() -> SnapshotOf<M> {
     let mut vars = M::Vars::START;
     for row in M::VARIABLES {
@@ -323,37 +293,9 @@ fn fresh<M: Exported>() -> SnapshotOf<M> {
     Snapshot { phase: Phase::Instantiated, vars, running: None, experiment: None, derivatives: Vec::new() }
 }
 
-// what a good call never builds is kept out of its way
-
 #[cold]
 fn illegal(phase: Phase) -> Refusal {
     Refusal::error(format!("may not be called {}", phase.name()))
-}
-
-#[cold]
-fn unknown(reference: u32, count: usize) -> Refusal {
-    Refusal::error(format!("there is no variable with the value reference {reference} (0 .. {})", count - 1))
-}
-
-#[cold]
-fn not_finite<V>(entry: &Entry<V>, value: f64) -> Refusal {
-    let (row, element) = entry.position();
-    Refusal::error(format!("the model computed `{}` = {value}", row.element_name(element)))
-}
-
-#[cold]
-fn forbidden<V>(row: &Variable<V>, element: usize, value: impl Display, reason: &str) -> Refusal {
-    Refusal::error(format!("`{}` = {value}: {reason}", row.element_name(element)))
-}
-
-#[cold]
-fn wrong_type<V>(row: &Variable<V>, kind: &str) -> Refusal {
-    let own = row.kind.type_name();
-    let hint = match own {
-        "Enumeration" => "Integer",
-        own => own,
-    };
-    Refusal::error(format!("`{}` is of type {own}, not {kind}; hint: fmi2Get{hint}, fmi2Set{hint}", row.name))
 }
 
 impl<M: Exported> Slave for Instance<M> {

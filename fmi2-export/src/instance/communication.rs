@@ -1,0 +1,39 @@
+//! Communication points and steps: those that fit the clock and the experiment, and what is wrong with others.
+
+use crate::instance::access::Refusal;
+use crate::instance::clock::{Clock, MAX_TICKS};
+use crate::model::Experiment;
+
+/// Whether a step begins where the last one has ended, by the clock, and is one that can be done.
+///
+/// # Errors
+/// What is wrong with it.
+#[inline]
+pub fn check_step(clock: &Clock, experiment: &Experiment, time: f64, step: f64) -> Result<(), Refusal> {
+    let possible = clock.is_usual(step) || (step > 0.0 && step.is_finite() && step <= MAX_TICKS * clock.period);
+    // importers accumulate time with rounding: the point is checked, never counted with;
+    // `<`, because an infinite time makes an infinite tolerance
+    let expected = (time - (experiment.start + clock.position())).abs() < 0.01 * step + 1e-9 * time.abs();
+    let (end, stop) = (time + step, experiment.stop);
+    if possible && expected && (end <= stop || end <= stop + 1e-6 * step + 1e-9 * stop.abs()) {
+        Ok(())
+    } else {
+        Err(wrong_step(clock, experiment, time, step))
+    }
+}
+
+/// What is wrong with a step that [`check_step`] refuses.
+#[cold]
+fn wrong_step(clock: &Clock, experiment: &Experiment, time: f64, step: f64) -> Refusal {
+    let expected = experiment.start + clock.position();
+    if !(step > 0.0 && step.is_finite()) {
+        Refusal::error(format!("the communication step {step} s is not positive"))
+    } else if step > MAX_TICKS * clock.period {
+        Refusal::error(format!("the communication step {step} s is longer than {MAX_TICKS} sample periods"))
+    } else if time.is_finite() && (time - expected).abs() < 0.01 * step + 1e-9 * time.abs() {
+        let stop = experiment.stop;
+        Refusal::error(format!("the step from {time} s by {step} s passes the stop time {stop} s"))
+    } else {
+        Refusal::error(format!("the communication point {time} s is not the end of the last step, {expected} s"))
+    }
+}
