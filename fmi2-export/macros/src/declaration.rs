@@ -1,7 +1,12 @@
 //! The module as its author wrote it: groups of fields and enumerations.
 
+use std::collections::HashMap;
+
 use proc_macro2::Span;
-use syn::{Attribute, Expr, ExprLit, Ident, Item, ItemEnum, ItemMod, ItemStruct, Lit, LitStr, Meta, Type, Visibility};
+use syn::{
+    Attribute, Expr, ExprLit, Ident, Item, ItemEnum, ItemMod, ItemStruct, Lit, LitStr, Meta, Type, Visibility,
+    parse_quote,
+};
 
 use crate::attributes::Attributes;
 
@@ -123,7 +128,27 @@ impl Declaration {
             }
         }
         errors.end()?;
-        Ok(Self { attributes: module.attrs, visibility: module.vis, name: module.ident, groups, choices, others })
+        let mut declaration =
+            Self { attributes: module.attrs, visibility: module.vis, name: module.ident, groups, choices, others };
+        declaration.inherit_docs();
+        Ok(declaration)
+    }
+
+    /// A field without a doc comment takes that of its struct or enumeration.
+    fn inherit_docs(&mut self) {
+        let groups = self.groups.iter().map(|group| (group.name.clone(), docs(&group.attributes)));
+        let choices = self.choices.iter().map(|choice| (choice.name.clone(), choice.docs.clone()));
+        let known: HashMap<Ident, String> = groups.chain(choices).collect();
+        for field in self.groups.iter_mut().flat_map(|group| &mut group.fields) {
+            let (Shape::Group(name) | Shape::Repeated(name, _) | Shape::Scalar(Kind::Choice(name))) = &field.shape
+            else {
+                continue;
+            };
+            if let (true, Some(docs)) = (field.docs.is_empty(), known.get(name)) {
+                field.attributes.push(parse_quote!(#[doc = #docs]));
+                field.docs.clone_from(docs);
+            }
+        }
     }
 
     /// The struct of a name.
