@@ -20,8 +20,8 @@ STALLED = 16_000.0
 """Tool speed below which a run has failed, rpm (our choice)."""
 
 DELAYS: dict[int, Changes] = {
-    0: ("loop.compute_delay=0", "controller.servo.io_delay=0"),
-    1: ("loop.compute_delay=1", "controller.servo.io_delay=1"),
+    0: ("loop.compute_delay=0", "controller.io_delay=0"),
+    1: ("loop.compute_delay=1", "controller.io_delay=1"),
 }
 """Samples between a command and its action, and what tells plant and controller so."""
 PLAIN: Changes = (

@@ -289,7 +289,7 @@ def test_default_mode_with_and_without_delay(delay: int, tmp_path: Path) -> None
 
 @pytest.mark.full
 def test_a_round_trip_with_delay_and_one_sample_of_lead() -> None:
-    result = run("deburr/round-trip", "loop.compute_delay=1", "controller.servo.io_delay=1")
+    result = run("deburr/round-trip", "loop.compute_delay=1", "controller.io_delay=1")
     print(f"1/{value(result, 'ratio_11'):.0f} after 11, best after {value(result, 'best'):.0f}")
     assert 400.0 <= value(result, "ratio_11") <= 1000.0
     assert 9 <= value(result, "best") <= 13

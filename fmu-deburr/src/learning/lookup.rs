@@ -1,8 +1,8 @@
 //! Eq. 2 to 4: the compensation for any speed, between the patterns of the speeds that were learned.
 
-use crate::feed::Point;
-use crate::kinematics::{AXES, Joints};
-use crate::pattern::{Pattern, mix};
+use crate::learning::pattern::{Pattern, mix};
+use crate::path::feed::Point;
+use crate::path::kinematics::{AXES, Joints};
 
 /// Speeds that differ by less are one, m/s.
 const SPEED_TOLERANCE: f64 = 5e-4;
@@ -60,14 +60,14 @@ fn between(upper: (Joints, f64), lower: (Joints, f64), speed: f64) -> Joints {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parameters::Parameters;
-    use crate::pattern::tests::straight;
+    use crate::interface::Parameters;
+    use crate::learning::pattern::tests::straight;
 
     const LENGTH: f64 = 0.3;
 
     /// Patterns whose compensation is proportional to the speed.
     fn patterns() -> Vec<Pattern> {
-        let (p, path) = (Parameters::DEFAULT, straight(LENGTH));
+        let (p, path) = (Parameters::START, straight(LENGTH));
         [1.0, 0.6, 0.2]
             .map(|factor| {
                 let mut pattern = Pattern::plan(&p, &path, factor).unwrap();

@@ -1,7 +1,7 @@
 //! Whatever comes in, in whatever order: no panic, finite outputs, commands within their limits.
 
-use fmu_deburr::machine::{Mode, State};
-use fmu_deburr::parameters::Parameters;
+use fmu_deburr::interface::{Mode, Parameters, State};
+use fmu_deburr::learning::speeds::Speeds;
 
 use crate::robot::Build;
 use crate::setup::Loop;
@@ -20,10 +20,10 @@ impl Dice {
 fn wild_inputs_do_no_harm() {
     const MODES: [Mode; 6] = [Mode::Idle, Mode::DryRun, Mode::Learn, Mode::Playback, Mode::Deburr, Mode::Export];
     const NONSENSE: [f64; 4] = [f64::NAN, f64::INFINITY, 1e300, -1e5];
-    let mut p = Parameters::DEFAULT;
+    let mut p = Parameters::START;
     p.learn.repetitions = 1;
     p.path.taught_speed = 0.5;
-    p.learn.speeds = fmu_deburr::parameters::Speeds::new(&[1.0]).unwrap();
+    p.learn.factors = Speeds::new(&[1.0]).unwrap();
     let mut visited = [false; 9];
     for seed in 0..12 {
         let mut run = Loop::new(&p, &Build::NOMINAL);
@@ -44,7 +44,7 @@ fn wild_inputs_do_no_harm() {
             }
             run.step();
             visited[run.output.state as usize] = true;
-            for (axis, limits) in run.output.axes().iter().zip(p.axes()) {
+            for (axis, limits) in run.output.axis.iter().zip(&p.axis) {
                 for value in [axis.reference, axis.error, axis.compensation, axis.rms, axis.peak] {
                     assert!(value.is_finite());
                 }
