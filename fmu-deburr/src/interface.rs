@@ -20,7 +20,8 @@ mod variables {
     /// Units of the six axes.
     const JOINT: [Unit; 6] = [RADIAN, METRE, METRE, RADIAN, RADIAN, RADIAN];
     const SHOWN: [&str; 6] = ["deg", "mm", "mm", "deg", "deg", "deg"];
-    const RATE: [Unit; 6] = [RADIAN_PER_SECOND, METRE_PER_SECOND, METRE_PER_SECOND, RADIAN_PER_SECOND, RADIAN_PER_SECOND, RADIAN_PER_SECOND];
+    const TURN: Unit = RADIAN_PER_SECOND;
+    const RATE: [Unit; 6] = [TURN, METRE_PER_SECOND, METRE_PER_SECOND, TURN, TURN, TURN];
     const PULSE: [f64; 6] = [TAU / 640e3, 2.5e-6, 5e-6, TAU / 400e3, TAU / 400e3, TAU / 400e3];
     const RPM: f64 = TAU / 60.0;
 
@@ -126,7 +127,7 @@ mod variables {
     }
     /// Inputs of one axis.
     pub struct AxisInput {
-        /// Encoder reading of axis {n}; of the six column (positive towards +y), height, arm, yaw, pitch and roll
+        /// Encoder reading of axis {n} (1 column, positive towards +y; 2 height; 3 arm; 4 yaw, 5 pitch, 6 roll of the wrist)
         #[var(unit = JOINT[INDEX] as SHOWN[INDEX], accepts_nan)] pub position: f64,
     }
     /// Outputs; always finite.
@@ -259,7 +260,7 @@ mod variables {
     }
     /// The taught path.
     pub struct Path {
-        /// JSON file of the taught path, in the folder resources of the FMU or with its whole path; empty for the test piece, `path.json`
+        /// JSON file of the taught path, in the folder resources or with its whole path; empty for `path.json`
         pub file: String,
         /// Taught speed; 0 for that of the file
         #[var(unit = METRE_PER_SECOND as "mm/s", range = 0.0..=2.0)] pub taught_speed: f64,
@@ -310,12 +311,12 @@ mod variables {
         #[var(start = true, tunable)] pub enable: bool,
         /// Eq. 4 with the speed recorded at the distance, not with the nominal one
         #[var(start = true, source = "derived")] pub recorded_speed: bool,
-        /// Time by which the feed is known before the reference follows it, beyond `io_delay`: the lag of the velocity loop
+        /// Time by which the feed is known before the reference follows it, beyond `io_delay`
         #[var(unit = SECOND as "ms", range = -0.3..=0.4, start = 0.0037, paper = 0.0, source = "derived: the lag 2 zeta / wn of the velocity loop")] pub preview: f64,
     }
     /// Files of the control patterns.
     pub struct Bank {
-        /// Bank that is read at initialisation, in the folder resources of the FMU or with its whole path; empty for none
+        /// Bank that is read at initialisation, in the folder resources or with its whole path; empty for none
         pub import: String,
         /// File that the bank is written to after learning and on Export; empty for none
         pub export: String,

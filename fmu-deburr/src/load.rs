@@ -39,7 +39,7 @@ impl LoadControl {
         self.feed
     }
 
-    /// What is told; only a run is overloaded.
+    /// Outputs of the load control; only a run is overloaded.
     pub fn report(&self, p: &Parameters, runs: bool) -> LoadOutput {
         LoadOutput { feed: self.feed, overload: runs && self.overloaded(p) }
     }

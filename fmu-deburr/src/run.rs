@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::interface::{Parameters, PathOutput};
-use crate::learning::lookup::Lookup;
+use crate::learning::lookup::PatternLookup;
 use crate::learning::pattern::Pattern;
 use crate::path::feed::{FeedPlanner, Point};
 use crate::path::kinematics::Joints;
@@ -82,7 +82,7 @@ impl Run {
         self.ahead[self.preview]
     }
 
-    /// What is told; before the run the reference is at the start of the path.
+    /// Outputs of the path; before the run the reference is at the start of the path.
     pub fn report(&self, path: &TaughtPath, runs: bool, done: bool) -> PathOutput {
         let Point { distance, speed } = if runs { self.point() } else { Point::default() };
         let place = path.place(distance);
@@ -132,7 +132,7 @@ impl Run {
     pub fn compensation(&self, p: &Parameters, path: &TaughtPath, patterns: &[Pattern]) -> Joints {
         let nominal = (!p.lookup.recorded_speed).then_some(path.speed);
         let (point, back) = self.previewed();
-        let lookup = Lookup { point, back, length: path.length(), nominal };
+        let lookup = PatternLookup { point, back, length: path.length(), nominal };
         match patterns.first() {
             // at rest the time counts, not the distance
             Some(fastest) if !path.cyclic && self.time + self.preview <= self.rest + 1 => {

@@ -251,7 +251,7 @@ def test_learning_914_s_takes_less_than_a_minute(tmp_path: Path) -> None:
 @pytest.mark.parametrize("delay", DELAYS)
 def test_plain_repetitions_reach_half_a_millimetre(delay: int, tmp_path: Path) -> None:
     # with a delay the error grows earlier: the renewal has to stop at the best, as the paper's Fig. 7 says
-    law = (*PLAIN, *DELAYS[delay], f"controller.learn.stop_at_best={'true' if delay else 'false'}")
+    law = (*PLAIN[delay], *DELAYS[delay])
     learn(tmp_path / "bank.bin", *law)
     result = run("deburr/constant", *law, f"controller.bank.import='{tmp_path / 'bank.bin'}'")
     told(f"plain, delay {delay}", result)

@@ -1,7 +1,8 @@
 //! A bank as the paper stores it: 18 bytes for each sample, six pulses, distance, flags and feed.
 //!
-//! All numbers are little endian. Header: magic, fingerprint of the path (u64), pulses (6 f64), period (f64), delay (u16),
-//! number of patterns (u16), and for each its factor (f64) and number of samples (u32). Then the records, then a checksum.
+//! All numbers are little endian. Header: magic, fingerprint of the path (u64), pulses (6 f64), period (f64), delay
+//! (u16), number of patterns (u16), and for each its factor (f64) and number of samples (u32). Then the records, then a
+//! checksum.
 
 use crate::bank::bank_file::{sign, verify};
 use crate::bank::pattern_bank::{Identity, PatternBank};

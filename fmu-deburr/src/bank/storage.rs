@@ -61,9 +61,8 @@ pub fn export(p: &Parameters, path: &TaughtPath, bank: &PatternBank, output: &mu
             true
         }
         Err(what) => {
-            output.message = format!(
-                "`bank.export` = `{file}`: not written: {what}\nhint: the patterns are still here; the mode Export tries again"
-            );
+            let hint = "hint: the patterns are still here; the mode Export tries again";
+            output.message = format!("`bank.export` = `{file}`: not written: {what}\n{hint}");
             output.status = BankStatus::ExportFailed;
             false
         }

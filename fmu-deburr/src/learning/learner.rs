@@ -132,7 +132,7 @@ impl Learner {
         if self.speed < p.learn.factors.list().len() { Next::NextSpeed } else { Next::Done }
     }
 
-    /// What is told; `running` says whether something is learned or was learned in this job, `done` whether all is.
+    /// Outputs of the learning; `running` says whether something is learned or was learned in this job, `done` whether all is.
     pub(crate) fn report(&self, p: &Parameters, running: bool, done: bool) -> LearnOutput {
         let last = p.learn.factors.list().len() - 1;
         LearnOutput {

@@ -11,7 +11,7 @@ const SCALE_MAX: f64 = 1.1;
 
 /// What the lookup takes from a pattern.
 #[derive(Clone, Copy, Debug)]
-pub struct Lookup {
+pub struct PatternLookup {
     /// Distance at which the speeds are compared, and the speed there.
     pub point: Point,
     /// How many samples earlier the compensation is taken.
@@ -22,7 +22,7 @@ pub struct Lookup {
     pub nominal: Option<f64>,
 }
 
-impl Lookup {
+impl PatternLookup {
     /// Compensation in pulses, not rounded; `patterns` from the fastest to the slowest.
     pub fn compensation(&self, patterns: &[Pattern]) -> Joints {
         let speed = self.point.speed;
@@ -80,7 +80,7 @@ mod tests {
     }
 
     fn at(distance: f64, speed: f64, nominal: Option<f64>) -> f64 {
-        let lookup = Lookup { point: Point { distance, speed }, back: 0.0, length: LENGTH, nominal };
+        let lookup = PatternLookup { point: Point { distance, speed }, back: 0.0, length: LENGTH, nominal };
         lookup.compensation(&patterns())[0]
     }
 
@@ -108,7 +108,8 @@ mod tests {
 
     #[test]
     fn without_patterns_there_is_no_compensation() {
-        let lookup = Lookup { point: Point { distance: 0.1, speed: 0.1 }, back: 0.0, length: LENGTH, nominal: None };
+        let lookup =
+            PatternLookup { point: Point { distance: 0.1, speed: 0.1 }, back: 0.0, length: LENGTH, nominal: None };
         assert_eq!(lookup.compensation(&[]), [0.0; AXES]);
     }
 }

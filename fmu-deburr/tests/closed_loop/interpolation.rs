@@ -4,10 +4,10 @@ use std::f64::consts::PI;
 
 use fmu_deburr::interface::Parameters;
 use fmu_deburr::learning::learner::Learner;
-use fmu_deburr::learning::lookup::Lookup;
+use fmu_deburr::learning::lookup::PatternLookup;
 use fmu_deburr::learning::pattern::{Pattern, Sample};
-use fmu_deburr::path::Point;
 use fmu_deburr::path::AXES;
+use fmu_deburr::path::Point;
 
 use crate::robot::{Build, Robot, STEP};
 
@@ -60,8 +60,12 @@ fn differences(delay: i32) -> [f64; 2] {
     let mut worst: [f64; 2] = [0.0; 2];
     for k in formed.lead_in..formed.lead_in + formed.run - preview {
         // the feed is known so many samples ahead
-        let lookup =
-            Lookup { point: formed.samples[k + preview].point, back: preview as f64, length: WAY, nominal: None };
+        let lookup = PatternLookup {
+            point: formed.samples[k + preview].point,
+            back: preview as f64,
+            length: WAY,
+            nominal: None,
+        };
         let difference = (lookup.compensation(&stored)[2] - formed.samples[k].compensation[2]).abs();
         let middle = (0.1 * WAY..0.9 * WAY).contains(&formed.samples[k].point.distance);
         worst[0] = worst[0].max(if middle { difference } else { 0.0 });

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use fmu_deburr::controller::Controller;
 use fmu_deburr::interface::{AxisInput, Input, Mode, Output, Parameters, State};
-use fmu_deburr::path::{AXES, Joints};
 use fmu_deburr::path::path_file;
+use fmu_deburr::path::{AXES, Joints};
 
 use crate::robot::{Build, Robot};
 
