@@ -185,3 +185,18 @@ fn without_enable_a_motion_stops_on_its_way_and_then_everything_is_off() {
     assert_eq!(run.output.state, State::Idle);
     assert!(run.output.axis.iter().all(|axis| axis.error == 0.0));
 }
+
+#[test]
+fn a_moment_without_enable_ends_the_job() {
+    let mut run = running(Mode::DryRun);
+    run.input.enable = false;
+    run.step();
+    run.input.enable = true;
+    let mut visited = Vec::new();
+    for _ in 0..300 {
+        run.step();
+        visited.push(run.output.state);
+    }
+    visited.dedup();
+    assert_eq!(visited, [State::Stop, State::Off, State::Idle]);
+}
