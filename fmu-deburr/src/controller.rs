@@ -1,44 +1,45 @@
 //! One sample of the whole law: read, decide, refer, compensate, command, report.
 
-mod report;
-
-use control_blocks::{Edge, ParameterError};
+use control_blocks::{Edge, ParameterError, ticks};
 use serde::{Deserialize, Serialize};
 
-use crate::bank::Bank;
+use crate::bank::pattern_bank::PatternBank;
 use crate::check::check;
-use crate::feasible;
-use crate::kinematics::{AXES, Joints};
-use crate::learning::{Learner, Next};
+use crate::faults::{self, Signs};
+use crate::interface::{AxisOutput, BankStatus, Fault, Input, Mode, Output, Parameters, State};
+use crate::learning::learner::{Learner, Next};
 use crate::load::LoadControl;
-use crate::machine::{Asked, Fault, Mode, Progress, State, next};
-use crate::parameters::Parameters;
-use crate::path::Path;
-use crate::pattern::Pattern;
+use crate::machine::{Events, Progress, next};
+use crate::path::feasible;
+use crate::path::kinematics::{AXES, Joints};
+use crate::path::taught_path::TaughtPath;
+use crate::path::transfer::TransferMotion;
 use crate::reading::{Reader, Reading};
 use crate::run::Run;
 use crate::servo;
-use crate::signals::{Input, Output};
-use crate::transfer::Transfer;
 
 /// The controller between two samples.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Controller {
-    path: Path,
+    path: TaughtPath,
     /// axes at the start of the path
     start: Joints,
-    bank: Bank,
+    bank: PatternBank,
     learner: Learner,
     learned: bool,
     load: LoadControl,
     reader: Reader,
     reset: Edge,
+    /// the fault is to end when the axes are at rest
+    resets: bool,
+    /// `enable` was false during the present stop
+    disabled: bool,
     state: State,
     fault: Fault,
     /// what is being done
     job: Mode,
     progress: Progress,
-    transfer: Transfer,
+    transfer: TransferMotion,
     run: Run,
     /// the run, not the transfer, was the last motion
     on_path: bool,
@@ -54,14 +55,14 @@ pub struct Controller {
 }
 
 impl Controller {
-    /// Controller before its first sample; `file` is the name of the path for messages.
+    /// Controller before its first sample, on a path that was read.
     ///
     /// # Errors
     /// When a parameter does not fit the others, or the robot cannot follow the path.
-    pub fn new(p: &Parameters, path: Path, file: &str) -> Result<Self, ParameterError> {
+    pub fn new(p: &Parameters, path: TaughtPath) -> Result<Self, ParameterError> {
         check(p, &path)?;
-        let start = feasible::start(p, &path, file)?;
-        let bank = Bank::plan(p, &path)?;
+        let start = feasible::start(p, &path)?;
+        let bank = PatternBank::plan(p, &path)?;
         let learner = Learner::new(p, bank.longest());
         let (load, run) = (LoadControl::new(path.speed), Run::new(p, &path));
         Ok(Self {
@@ -73,11 +74,13 @@ impl Controller {
             load,
             reader: Reader::START,
             reset: Edge::default(),
+            resets: false,
+            disabled: false,
             state: State::Off,
             fault: Fault::None,
             job: Mode::Idle,
             progress: Progress::Busy,
-            transfer: Transfer::at(&[0.0; AXES]),
+            transfer: TransferMotion::at(&[0.0; AXES]),
             run,
             on_path: false,
             rested: 0,
@@ -90,18 +93,18 @@ impl Controller {
     }
 
     /// The taught path.
-    pub fn path(&self) -> &Path {
+    pub fn path(&self) -> &TaughtPath {
         &self.path
     }
 
     /// The control patterns.
-    pub fn bank(&self) -> &Bank {
+    pub fn bank(&self) -> &PatternBank {
         &self.bank
     }
 
-    /// The control patterns, to be read from a file.
-    pub fn bank_mut(&mut self) -> &mut Bank {
-        &mut self.bank
+    /// The taught path, and the control patterns to be read from a file.
+    pub fn path_and_bank(&mut self) -> (&TaughtPath, &mut PatternBank) {
+        (&self.path, &mut self.bank)
     }
 
     /// Whether the bank is to be written now; asked for once.
@@ -110,59 +113,72 @@ impl Controller {
     }
 
     /// One sample: reads the inputs, writes the outputs.
-    pub fn tick(&mut self, p: &Parameters, input: &Input, output: &mut Output) {
+    pub fn tick(&mut self, input: &Input, p: &Parameters, output: &mut Output) {
+        let before = self.reader.positions();
         let (reading, valid) = self.reader.read(input);
-        let asked = Asked {
-            enable: input.enable,
-            mode: input.mode,
-            hold: input.hold,
-            reset: self.reset.rises(input.reset_fault),
-        };
-        let fault = self.find_fault(p, &reading, valid, input.mode);
-        let before = self.state;
-        self.state = next(before, self.job, &asked, self.progress, fault != Fault::None);
-        let resting = matches!(before, State::Idle | State::Done);
-        let begins = resting && matches!(self.state, State::Approach | State::Done) && input.mode != self.job;
-        if begins {
-            self.begin(p, input.mode);
-        }
-        if self.state != before || begins {
-            self.enter(p, &reading, before, input.mode, fault);
-        }
-        if self.state == State::Idle && input.mode == Mode::Idle {
-            self.job = Mode::Idle;
-        }
+        let at_rest = servo::at_rest(p, &reading.positions, &before);
+        self.decide(p, input, &reading, valid, at_rest);
         self.advance(p, &reading, input.hold);
-        let velocity = self.act(p, &reading);
+        let velocity = self.command(p, &reading);
         self.report(p, &velocity, output);
     }
 
-    fn find_fault(&mut self, p: &Parameters, reading: &Reading, valid: bool, mode: Mode) -> Fault {
-        let starts = matches!(self.state, State::Idle | State::Done) && mode != self.job;
-        let compensates = matches!(mode, Mode::Playback | Mode::Deburr) && p.lookup.enable;
-        let cuts = self.state == State::Run && self.job == Mode::Deburr;
-        if !valid {
-            Fault::InvalidInput
-        } else if self.state.closed() && servo::strayed(p, &self.error).is_some() {
-            Fault::ControlError
-        } else if std::mem::take(&mut self.too_large) {
-            Fault::PatternTooLarge
-        } else if starts && compensates && self.bank.patterns().is_empty() {
-            Fault::BankEmpty
-        } else if cuts && reading.spindle_speed < p.spindle.speed_min {
-            Fault::SpindleSlow
-        } else {
-            Fault::None
+    /// Finds faults, and goes on to the next state.
+    fn decide(&mut self, p: &Parameters, input: &Input, reading: &Reading, valid: bool, at_rest: bool) {
+        let fault = self.find_fault(p, reading, valid, input);
+        let (before, mode) = (self.state, input.mode);
+        let asked = self.reset.rises(input.reset_fault);
+        self.resets = before == State::Fault && fault == Fault::None && (self.resets || asked);
+        self.disabled = !input.enable || self.disabled && before == State::Stop;
+        self.state = next(
+            before,
+            &Events {
+                enable: input.enable,
+                disabled: self.disabled,
+                mode,
+                job: self.job,
+                hold: input.hold,
+                reset: self.resets && at_rest,
+                fault: fault != Fault::None,
+                progress: self.progress,
+            },
+        );
+        let begins = before.waits() && matches!(self.state, State::Approach | State::Done) && mode != self.job;
+        if begins {
+            self.begin(p, mode);
+        }
+        if self.state != before || begins {
+            self.enter(p, reading, before, fault);
+        }
+        // what is asked for without `enable` or in a fault is no job, and nothing moves by itself afterwards
+        let ignored = !self.state.closed() || before == State::Fault;
+        if ignored || self.state == State::Idle && mode == Mode::Idle {
+            self.job = mode;
         }
     }
 
-    fn enter(&mut self, p: &Parameters, reading: &Reading, before: State, mode: Mode, fault: Fault) {
+    fn find_fault(&mut self, p: &Parameters, reading: &Reading, valid: bool, input: &Input) -> Fault {
+        let starts = input.enable && self.state.waits() && input.mode != self.job;
+        let compensates = matches!(input.mode, Mode::Playback | Mode::Deburr) && p.lookup.enable;
+        let signs = Signs {
+            valid,
+            error: if self.state.closed() { &self.error } else { &[0.0; AXES] },
+            too_large: std::mem::take(&mut self.too_large),
+            nothing_learned: starts && compensates && self.bank.patterns().is_empty(),
+            cuts: self.state == State::Run && self.job == Mode::Deburr,
+            spindle_speed: reading.spindle_speed,
+        };
+        faults::find(p, &signs)
+    }
+
+    fn enter(&mut self, p: &Parameters, reading: &Reading, before: State, fault: Fault) {
         self.fault = fault;
         self.progress = Progress::Busy;
         match self.state {
-            State::Idle if !before.closed() => self.joints = reading.positions,
+            State::Idle if before.closed() => self.job = Mode::Idle,
+            State::Idle => self.joints = reading.positions,
             State::Approach => {
-                self.transfer = Transfer::new(p, &self.joints, &self.start);
+                self.transfer = TransferMotion::new(p, &self.joints, &self.start);
                 self.on_path = false;
             }
             State::Settle => self.rested = 0,
@@ -172,12 +188,6 @@ impl Controller {
                 self.learner.restart();
                 self.on_path = true;
             }
-            _ => {}
-        }
-        match self.state {
-            // afterwards nothing moves before another mode is asked for
-            State::Off | State::Fault => self.job = mode,
-            State::Idle if before.closed() => self.job = Mode::Idle,
             _ => {}
         }
         if !before.closed() {
@@ -208,7 +218,7 @@ impl Controller {
             }
             State::Settle => {
                 self.rested = self.rested.saturating_add(1);
-                self.finish_if(self.rested >= p.ticks(p.transfer.settle_time));
+                self.finish_if(self.rested >= ticks(p.transfer.settle_time, p.sample_period));
             }
             State::Stop if !self.on_path => {
                 self.joints = self.transfer.step(p.sample_period, true);
@@ -293,7 +303,7 @@ impl Controller {
     }
 
     /// Velocity commands, rad/s or m/s.
-    fn act(&mut self, p: &Parameters, reading: &Reading) -> Joints {
+    fn command(&mut self, p: &Parameters, reading: &Reading) -> Joints {
         if !self.state.closed() {
             return [0.0; AXES];
         }
@@ -301,11 +311,33 @@ impl Controller {
         self.error = std::array::from_fn(|i| reference[i] - encoder[i]);
         let learns = self.job == Mode::Learn && self.state == State::Run && self.progress == Progress::Busy;
         if learns && (!self.path.cyclic || self.run.laps > 0) {
-            let pattern: &Pattern = self.bank.pattern(self.learner.speed);
+            let pattern = self.bank.pattern(self.learner.speed);
             if let Some(index) = self.run.index(pattern) {
                 self.learner.record(index, &self.error, &p.pulses(), &p.arm.levers(&self.joints));
             }
         }
         servo::command(p, &self.error, &self.compensation)
+    }
+
+    fn report(&self, p: &Parameters, velocity: &Joints, output: &mut Output) {
+        let reference = servo::pulses(p, &self.joints);
+        let Output { axis, saturated, state, fault, path, learn, load, bank } = output;
+        *axis = std::array::from_fn(|i| AxisOutput {
+            velocity: velocity[i],
+            reference: reference[i] * p.axis[i].pulse,
+            error: self.error[i] * p.axis[i].pulse,
+            compensation: self.compensation[i] * p.axis[i].pulse,
+            rms: self.learner.errors.rms[i],
+            peak: self.learner.errors.peak[i],
+        });
+        *saturated = (0..AXES).any(|i| velocity[i].abs() >= p.axis[i].velocity_max);
+        (*state, *fault) = (self.state, self.fault);
+        *path = self.run.report(&self.path, self.on_path, self.state == State::Done && self.job.moves());
+        *learn = self.learner.report(p, self.job == Mode::Learn || self.learned, self.learned);
+        *load = self.load.report(p, self.state == State::Run);
+        bank.patterns = self.bank.patterns().len() as i32;
+        if self.learned && matches!(bank.status, BankStatus::Empty | BankStatus::Imported) {
+            bank.status = BankStatus::Learned;
+        }
     }
 }

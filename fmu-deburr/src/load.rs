@@ -1,8 +1,9 @@
 //! Cutting-load control, eq. 5: the feed falls when the tool is slowed down.
 
+use control_blocks::{Consecutive, ticks};
 use serde::{Deserialize, Serialize};
 
-use crate::parameters::{Load, Parameters};
+use crate::interface::{Load, LoadOutput, Parameters};
 
 /// The regulated feed between two samples.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -12,13 +13,13 @@ pub struct LoadControl {
     /// `N_(n-1)`, rad/s
     before: Option<f64>,
     /// samples at the slowest feed
-    slowest: u32,
+    slowest: Consecutive,
 }
 
 impl LoadControl {
     /// Before the first sample, at the taught speed (m/s).
     pub fn new(taught: f64) -> Self {
-        Self { feed: taught, before: None, slowest: 0 }
+        Self { feed: taught, before: None, slowest: Consecutive::NONE }
     }
 
     /// Wanted feed (m/s) for the tool speed `n` (rad/s) while the feed is `realised` (m/s), at most `taught` (m/s).
@@ -34,18 +35,18 @@ impl LoadControl {
         self.feed = (from + change).clamp(least, taught);
         // a feed that is asked to be slow is no overload
         let free = self.feed > least || taught <= speed_min;
-        self.slowest = if free { 0 } else { self.slowest.saturating_add(1) };
+        self.slowest.update(!free);
         self.feed
     }
 
-    /// Wanted feed, m/s.
-    pub fn feed(&self) -> f64 {
-        self.feed
+    /// Outputs of the load control; only a run is overloaded.
+    pub fn report(&self, p: &Parameters, runs: bool) -> LoadOutput {
+        LoadOutput { feed: self.feed, overload: runs && self.overloaded(p) }
     }
 
     /// Whether the slowest feed is still too fast.
-    pub fn overloaded(&self, p: &Parameters) -> bool {
-        self.slowest > p.ticks(p.load.overload_time)
+    fn overloaded(&self, p: &Parameters) -> bool {
+        self.slowest.count() > ticks(p.load.overload_time, p.sample_period)
     }
 }
 
@@ -53,11 +54,11 @@ impl LoadControl {
 mod tests {
     use super::*;
 
-    const NOMINAL: f64 = Load::DEFAULT.spindle_speed;
+    const NOMINAL: f64 = Load::START.spindle_speed;
 
     #[test]
     fn without_load_the_feed_stays_at_the_taught_speed() {
-        let p = Parameters::DEFAULT;
+        let p = Parameters::START;
         let mut load = LoadControl::new(0.1);
         for k in 0..1000 {
             let realised = f64::min(0.1, 0.005 * f64::from(k));
@@ -67,7 +68,7 @@ mod tests {
 
     #[test]
     fn one_sample_is_eq_5() {
-        let p = Parameters::DEFAULT;
+        let p = Parameters::START;
         let mut load = LoadControl::new(0.06);
         load.step(&p, NOMINAL, 0.06, 0.1);
         let n = 0.999 * NOMINAL;
@@ -77,7 +78,7 @@ mod tests {
 
     #[test]
     fn a_falling_feed_starts_where_it_is() {
-        let p = Parameters::DEFAULT;
+        let p = Parameters::START;
         let mut load = LoadControl::new(0.1);
         load.step(&p, NOMINAL, 0.02, 0.1);
         assert!(load.step(&p, 0.99 * NOMINAL, 0.02, 0.1) < 0.03);
@@ -85,7 +86,7 @@ mod tests {
 
     #[test]
     fn overload_is_told_after_a_time_at_the_slowest_feed() {
-        let p = Parameters::DEFAULT;
+        let p = Parameters::START;
         let mut load = LoadControl::new(0.1);
         let told = (0..100).position(|_| {
             let feed = load.step(&p, 0.5 * NOMINAL, 0.004, 0.1);

@@ -3,8 +3,8 @@
 use control_blocks::believable;
 use serde::{Deserialize, Serialize};
 
-use crate::kinematics::{AXES, Joints};
-use crate::signals::Input;
+use crate::interface::Input;
+use crate::path::kinematics::{AXES, Joints};
 
 /// No axis is farther away, rad or m.
 const POSITION_MAX: f64 = 1e4;
@@ -32,10 +32,15 @@ impl Reader {
     /// Before the first sample.
     pub const START: Self = Self { good: Reading { positions: [0.0; AXES], spindle_speed: 0.0, share: 0.0 } };
 
+    /// The last good positions, rad or m.
+    pub fn positions(&self) -> Joints {
+        self.good.positions
+    }
+
     /// Reads one sample; the flag says whether every input is believable.
     pub fn read(&mut self, input: &Input) -> (Reading, bool) {
         let now = Reading {
-            positions: input.positions(),
+            positions: input.axis.map(|axis| axis.position),
             spindle_speed: input.spindle_speed,
             share: input.speed_override.clamp(0.0, 1.0),
         };
@@ -56,8 +61,12 @@ mod tests {
     #[test]
     fn nonsense_in_any_input_is_invalid_and_never_used() {
         let good = Input { spindle_speed: 1800.0, speed_override: 0.7, ..Input::START };
-        let changes: [fn(&mut Input) -> &mut f64; 4] =
-            [|i| &mut i.axis1.position, |i| &mut i.axis6.position, |i| &mut i.spindle_speed, |i| &mut i.speed_override];
+        let changes: [fn(&mut Input) -> &mut f64; 4] = [
+            |i| &mut i.axis[0].position,
+            |i| &mut i.axis[5].position,
+            |i| &mut i.spindle_speed,
+            |i| &mut i.speed_override,
+        ];
         for change in changes {
             for nonsense in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
                 let mut reader = Reader::START;

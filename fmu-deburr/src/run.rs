@@ -2,12 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::feed::{Feed, Point};
-use crate::kinematics::Joints;
-use crate::lookup::Lookup;
-use crate::parameters::Parameters;
-use crate::path::Path;
-use crate::pattern::Pattern;
+use crate::interface::{Parameters, PathOutput};
+use crate::learning::lookup::PatternLookup;
+use crate::learning::pattern::Pattern;
+use crate::path::feed::{FeedPlanner, Point};
+use crate::path::kinematics::Joints;
+use crate::path::taught_path::TaughtPath;
 
 /// Most samples by which the feed is known in advance.
 pub const PREVIEW_MAX: usize = 8;
@@ -15,7 +15,7 @@ pub const PREVIEW_MAX: usize = 8;
 /// A run between two samples.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Run {
-    feed: Feed,
+    feed: FeedPlanner,
     /// newest first
     ahead: [Point; PREVIEW_MAX + 1],
     /// whole samples by which the feed is known in advance, and those that the lookup wants
@@ -33,18 +33,25 @@ pub struct Run {
     pub laps: usize,
 }
 
+impl Parameters {
+    /// By how many samples the feed is known in advance: `lookup.preview` beyond `io_delay`.
+    fn preview(&self) -> f64 {
+        (self.lookup.preview / self.sample_period + f64::from(self.io_delay)).clamp(0.0, PREVIEW_MAX as f64)
+    }
+}
+
 impl Run {
     /// Before the first sample.
-    pub fn new(p: &Parameters, path: &Path) -> Self {
+    pub fn new(p: &Parameters, path: &TaughtPath) -> Self {
         let wanted = p.preview();
         let preview = wanted.ceil() as usize;
         let rest = if path.cyclic { preview } else { p.learn.lead_in as usize };
         let ahead = [Point::default(); PREVIEW_MAX + 1];
-        Self { feed: Feed::START, ahead, preview, wanted, time: 0, rest, beyond: 0, left: 0, laps: 0 }
+        Self { feed: FeedPlanner::START, ahead, preview, wanted, time: 0, rest, beyond: 0, left: 0, laps: 0 }
     }
 
     /// One sample with the wanted speed (m/s); false after the last one.
-    pub fn step(&mut self, p: &Parameters, path: &Path, target: f64) -> bool {
+    pub fn step(&mut self, p: &Parameters, path: &TaughtPath, target: f64) -> bool {
         let before = self.point();
         if self.time + self.preview >= self.rest {
             self.advance(p, path, target);
@@ -60,10 +67,10 @@ impl Run {
         path.cyclic || self.left <= p.learn.lead_out as usize
     }
 
-    fn advance(&mut self, p: &Parameters, path: &Path, target: f64) {
+    fn advance(&mut self, p: &Parameters, path: &TaughtPath, target: f64) {
         let mut point = self.feed.step(&p.feed, path, target, p.sample_period);
         if path.cyclic && point.distance >= path.length() {
-            self.feed = Feed::START;
+            self.feed = FeedPlanner::START;
             point = self.feed.step(&p.feed, path, target, p.sample_period);
         }
         self.ahead.copy_within(0..PREVIEW_MAX, 1);
@@ -73,6 +80,22 @@ impl Run {
     /// Where the reference is, and its speed until the next sample.
     pub fn point(&self) -> Point {
         self.ahead[self.preview]
+    }
+
+    /// Outputs of the path; before the run the reference is at the start of the path.
+    pub fn report(&self, path: &TaughtPath, runs: bool, done: bool) -> PathOutput {
+        let Point { distance, speed } = if runs { self.point() } else { Point::default() };
+        let place = path.place(distance);
+        PathOutput {
+            distance,
+            speed,
+            block: place.block as i32 + 1,
+            block_distance: place.distance,
+            length: path.length(),
+            laps: self.laps as i32,
+            done,
+            tip: path.at(distance).tip.into(),
+        }
     }
 
     /// Speed of the feed, m/s.
@@ -93,7 +116,7 @@ impl Run {
     }
 
     /// The feed as far ahead as it is wanted, between two samples, and how far that is.
-    fn looked_at(&self) -> (Point, f64) {
+    fn previewed(&self) -> (Point, f64) {
         let [newest, before, ..] = self.ahead;
         let late = self.preview as f64 - self.wanted;
         // a new lap begins between both
@@ -106,10 +129,10 @@ impl Run {
     }
 
     /// Compensation in pulses from patterns at other speeds, the fastest first; not rounded.
-    pub fn compensation(&self, p: &Parameters, path: &Path, patterns: &[Pattern]) -> Joints {
+    pub fn compensation(&self, p: &Parameters, path: &TaughtPath, patterns: &[Pattern]) -> Joints {
         let nominal = (!p.lookup.recorded_speed).then_some(path.speed);
-        let (point, back) = self.looked_at();
-        let lookup = Lookup { point, back, length: path.length(), nominal };
+        let (point, back) = self.previewed();
+        let lookup = PatternLookup { point, back, length: path.length(), nominal };
         match patterns.first() {
             // at rest the time counts, not the distance
             Some(fastest) if !path.cyclic && self.time + self.preview <= self.rest + 1 => {
@@ -127,11 +150,11 @@ impl Run {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kinematics::AXES;
-    use crate::pattern::tests::straight;
+    use crate::learning::pattern::tests::straight;
+    use crate::path::kinematics::AXES;
 
     /// Pattern whose compensation is the number of its sample.
-    fn numbered(p: &Parameters, path: &Path) -> Pattern {
+    fn numbered(p: &Parameters, path: &TaughtPath) -> Pattern {
         let mut pattern = Pattern::plan(p, path, 1.0).unwrap();
         for (k, sample) in pattern.samples.iter_mut().enumerate() {
             sample.compensation = [k as f64; AXES];
@@ -142,8 +165,8 @@ mod tests {
     #[test]
     fn a_run_at_a_learned_speed_plays_its_pattern_sample_by_sample() {
         for preview in [0.0, 0.4, 1.0, 1.4, 2.7, 5.0, 8.0] {
-            let mut p = Parameters::DEFAULT;
-            (p.servo.io_delay, p.lookup.preview) = (0, 0.01 * preview);
+            let mut p = Parameters::START;
+            (p.io_delay, p.lookup.preview) = (0, 0.01 * preview);
             let path = straight(0.12);
             let pattern = numbered(&p, &path);
             let mut run = Run::new(&p, &path);
@@ -161,12 +184,13 @@ mod tests {
 
     #[test]
     fn laps_follow_each_other_without_a_rest() {
-        let mut p = Parameters::DEFAULT;
-        (p.servo.io_delay, p.lookup.preview) = (1, 0.02);
+        let mut p = Parameters::START;
+        (p.io_delay, p.lookup.preview) = (1, 0.02);
         let there = straight(0.05);
         let points = [there.at(0.0), there.at(0.05), there.at(0.0)];
-        let blocks = points.windows(2).map(|pair| crate::geometry::Block::line(&pair[0], &pair[1]).unwrap()).collect();
-        let path = Path::new(blocks, 0.1, true, 0.2).unwrap();
+        let blocks =
+            points.windows(2).map(|pair| crate::path::geometry::Block::line(&pair[0], &pair[1]).unwrap()).collect();
+        let path = TaughtPath::new(blocks, 0.1, true, 0.2).unwrap();
         let pattern = numbered(&p, &path);
         let mut run = Run::new(&p, &path);
         for k in 0..3 * pattern.len() + 3 {
@@ -184,7 +208,7 @@ mod tests {
 
     #[test]
     fn a_held_run_stands_and_goes_on() {
-        let p = Parameters::DEFAULT;
+        let p = Parameters::START;
         let path = straight(0.12);
         let mut run = Run::new(&p, &path);
         for k in 0..200 {

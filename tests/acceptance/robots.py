@@ -20,17 +20,15 @@ STALLED = 16_000.0
 """Tool speed below which a run has failed, rpm (our choice)."""
 
 DELAYS: dict[int, Changes] = {
-    0: ("loop.compute_delay=0", "controller.servo.io_delay=0"),
-    1: ("loop.compute_delay=1", "controller.servo.io_delay=1"),
+    0: ("loop.compute_delay=0", "controller.io_delay=0"),
+    1: ("loop.compute_delay=1", "controller.io_delay=1"),
 }
 """Samples between a command and its action, and what tells plant and controller so."""
-PLAIN: Changes = (
-    "controller.learn.law='Plain'",
-    "controller.learn.lead=0",
-    "controller.learn.stop_at_best=false",
-    "controller.lookup.preview=0",
-)
-"""The paper's own law."""
+PLAIN: dict[int, Changes] = {
+    0: ("controller.law='Paper'",),
+    1: ("controller.learn.law='Plain'", "controller.learn.lead=0", "controller.lookup.preview=0"),
+}
+"""The paper's own law; with a delay it stops at the best repetition, which the law as printed does not."""
 
 
 def machine(case: int) -> Changes:

@@ -245,7 +245,7 @@ def test_the_bank_of_the_fmu_is_what_914_s_of_learning_give(tmp_path: Path) -> N
 @pytest.mark.parametrize("delay", DELAYS)
 def test_plain_repetitions_reach_half_a_millimetre(delay: int, tmp_path: Path) -> None:
     # with a delay the error grows earlier: the renewal has to stop at the best, as the paper's Fig. 7 says
-    law = (*PLAIN, *DELAYS[delay], f"controller.learn.stop_at_best={'true' if delay else 'false'}")
+    law = (*PLAIN[delay], *DELAYS[delay])
     learn(tmp_path / "bank.bin", *law)
     result = run("deburr/constant", *law, f"controller.bank.import='{tmp_path / 'bank.bin'}'")
     told(f"plain, delay {delay}", result)
@@ -283,7 +283,7 @@ def test_default_mode_with_and_without_delay(delay: int, tmp_path: Path) -> None
 
 @pytest.mark.full
 def test_a_round_trip_with_delay_and_one_sample_of_lead() -> None:
-    result = run("deburr/round-trip", "loop.compute_delay=1", "controller.servo.io_delay=1")
+    result = run("deburr/round-trip", "loop.compute_delay=1", "controller.io_delay=1")
     print(f"1/{value(result, 'ratio_11'):.0f} after 11, best after {value(result, 'best'):.0f}")
     assert 400.0 <= value(result, "ratio_11") <= 1000.0
     assert 9 <= value(result, "best") <= 13

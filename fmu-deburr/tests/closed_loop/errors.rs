@@ -1,25 +1,24 @@
-//! Errors at every speed: `cargo test --release -p fmu-deburr --test closed_loop -- errors --ignored --nocapture`.
+//! The table of the README: `cargo test --release -p fmu-deburr --test closed_loop -- errors --ignored --nocapture`.
 
-use fmu_deburr::machine::Mode;
-use fmu_deburr::parameters::{Law, Parameters};
+use fmu_deburr::interface::{LearningLaw, Mode, Parameters};
 
 use crate::robot::Build;
 use crate::setup::{Loop, parameters, swinging};
 
 #[test]
 #[ignore = "a measurement: the table of the README"]
-fn at_every_speed() {
+fn errors() {
     for (name, base, stop) in [
         ("paper", Parameters::PAPER, false),
         ("paper, stop at best", Parameters::PAPER, true),
-        ("default", Parameters::DEFAULT, true),
-        ("norm-optimal, 3 repetitions", Parameters::DEFAULT, true),
+        ("default", Parameters::START, true),
+        ("norm-optimal, 3 repetitions", Parameters::START, true),
     ] {
         for delay in [0, 1] {
             let mut p = parameters(&base, delay);
             p.learn.stop_at_best = stop;
             if name.starts_with("norm") {
-                (p.learn.law, p.learn.repetitions) = (Law::NormOptimal, 3);
+                (p.learn.law, p.learn.repetitions) = (LearningLaw::NormOptimal, 3);
             }
             if name.starts_with("paper") {
                 p.lookup.preview = -0.01 * f64::from(delay);

@@ -1,14 +1,13 @@
 //! Faults: the right one, at once, with zero commands, and back again.
 
-use fmu_deburr::machine::{Fault, Mode, State};
-use fmu_deburr::parameters::Parameters;
+use fmu_deburr::interface::{Fault, Mode, Parameters, State};
 
 use crate::robot::Build;
 use crate::setup::Loop;
 
 /// A robot that runs the path without patterns.
 fn running(mode: Mode) -> Loop {
-    let mut p = Parameters::DEFAULT;
+    let mut p = Parameters::START;
     p.lookup.enable = false;
     let mut run = Loop::new(&p, &Build::NOMINAL);
     run.step();
@@ -22,11 +21,11 @@ fn running(mode: Mode) -> Loop {
 
 fn stands_with(run: &Loop, fault: Fault) {
     assert_eq!((run.output.state, run.output.fault), (State::Fault, fault));
-    assert!(run.output.axes().iter().all(|axis| axis.velocity == 0.0));
+    assert!(run.output.axis.iter().all(|axis| axis.velocity == 0.0));
 }
 
 fn everything_is_finite(run: &Loop) {
-    for axis in run.output.axes() {
+    for axis in run.output.axis {
         for value in [axis.velocity, axis.reference, axis.error, axis.compensation, axis.rms, axis.peak] {
             assert!(value.is_finite());
         }
@@ -44,8 +43,8 @@ fn nonsense_in_any_input_stops_the_axes_in_the_same_sample() {
                 1 => run.input.spindle_speed = nonsense,
                 _ => run.input.speed_override = if nonsense == -1e300 { f64::NAN } else { nonsense },
             }
-            run.input.set_positions(&positions);
-            run.controller.tick(&run.parameters, &run.input, &mut run.output);
+            run.set_positions(&positions);
+            run.controller.tick(&run.input, &run.parameters, &mut run.output);
             stands_with(&run, Fault::InvalidInput);
             everything_is_finite(&run);
         }
@@ -57,8 +56,8 @@ fn a_drive_that_does_not_move_is_a_control_error() {
     let mut run = running(Mode::DryRun);
     let stuck = run.robot.read();
     for _ in 0..1000 {
-        run.input.set_positions(&stuck);
-        run.controller.tick(&run.parameters, &run.input, &mut run.output);
+        run.set_positions(&stuck);
+        run.controller.tick(&run.input, &run.parameters, &mut run.output);
         if run.output.state == State::Fault {
             break;
         }
@@ -79,7 +78,7 @@ fn a_tool_that_stalls_ends_deburring_but_not_a_dry_run() {
 #[test]
 fn without_patterns_nothing_is_deburred_blindly() {
     for mode in [Mode::Playback, Mode::Deburr] {
-        let mut run = Loop::new(&Parameters::DEFAULT, &Build::NOMINAL);
+        let mut run = Loop::new(&Parameters::START, &Build::NOMINAL);
         run.step();
         run.input.mode = mode;
         run.step();
@@ -100,12 +99,14 @@ fn after_a_fault_or_without_enable_nothing_moves_before_a_mode_is_asked_for_agai
         } else {
             run.input.spindle_speed = f64::NAN;
         }
+        (0..100).for_each(|_| run.step());
+        assert_eq!(run.output.state, if disabled { State::Off } else { State::Fault });
+        // what is asked for now is no job
+        run.input.mode = Mode::Learn;
         run.step();
         (run.input.enable, run.input.spindle_speed, run.input.reset_fault) = (true, 1885.0, true);
         (0..300).for_each(|_| run.step());
         assert_eq!(run.output.state, State::Idle);
-        run.input.mode = Mode::Idle;
-        run.step();
         run.input.mode = Mode::DryRun;
         run.step();
         assert_eq!(run.output.state, State::Approach);
@@ -113,8 +114,33 @@ fn after_a_fault_or_without_enable_nothing_moves_before_a_mode_is_asked_for_agai
 }
 
 #[test]
+fn a_reset_needs_a_rising_edge_without_its_cause_and_axes_at_rest() {
+    let mut run = running(Mode::DryRun);
+    (run.input.reset_fault, run.input.spindle_speed) = (true, f64::NAN);
+    run.step();
+    run.step();
+    // the edge came before or with the cause
+    run.input.spindle_speed = 1885.0;
+    (0..100).for_each(|_| run.step());
+    stands_with(&run, Fault::InvalidInput);
+    run.input.reset_fault = false;
+    run.step();
+    // pushed by hand at 20 mm/s
+    run.input.reset_fault = true;
+    let mut positions = run.robot.read();
+    for _ in 0..50 {
+        positions[2] += 2e-4;
+        run.set_positions(&positions);
+        run.controller.tick(&run.input, &run.parameters, &mut run.output);
+        stands_with(&run, Fault::InvalidInput);
+    }
+    run.controller.tick(&run.input, &run.parameters, &mut run.output);
+    assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::None));
+}
+
+#[test]
 fn a_fault_in_the_sample_in_which_learning_is_asked_for_forgets_nothing() {
-    let mut p = Parameters::DEFAULT;
+    let mut p = Parameters::START;
     p.learn.repetitions = 0;
     let mut run = Loop::new(&p, &Build::NOMINAL);
     assert!(run.finish(Mode::Learn));
@@ -127,8 +153,8 @@ fn a_fault_in_the_sample_in_which_learning_is_asked_for_forgets_nothing() {
 
 #[test]
 fn a_pattern_beyond_its_limit_ends_the_learning_and_the_others_stay() {
-    let mut p = Parameters::DEFAULT;
-    p.learn.pulses_max = 500.0;
+    let mut p = Parameters::START;
+    p.limits.pulses_max = 500.0;
     let mut run = Loop::new(&p, &Build::NOMINAL);
     assert!(!run.finish(Mode::Learn));
     stands_with(&run, Fault::PatternTooLarge);
@@ -136,16 +162,41 @@ fn a_pattern_beyond_its_limit_ends_the_learning_and_the_others_stay() {
 }
 
 #[test]
-fn disabled_is_off_and_zero_from_everywhere() {
+fn without_enable_a_motion_stops_on_its_way_and_then_everything_is_off() {
     let mut run = running(Mode::DryRun);
+    let mut speed = run.output.path.speed;
+    assert!(speed > 0.09);
     run.input.enable = false;
-    run.step();
-    assert_eq!(run.output.state, State::Off);
-    assert!(run.output.axes().iter().all(|axis| axis.velocity == 0.0));
+    loop {
+        run.step();
+        let now = run.output.path.speed;
+        assert!((0.0..0.0051).contains(&(speed - now)), "{speed} {now}");
+        speed = now;
+        if run.output.state != State::Stop {
+            break;
+        }
+    }
+    assert_eq!((run.output.state, speed), (State::Off, 0.0));
+    assert!(run.output.axis.iter().all(|axis| axis.velocity == 0.0));
     (0..100).for_each(|_| run.step());
     // enabled again it holds where it stands
     (run.input.enable, run.input.mode) = (true, Mode::Idle);
     (0..10).for_each(|_| run.step());
     assert_eq!(run.output.state, State::Idle);
-    assert!(run.output.axes().iter().all(|axis| axis.error == 0.0));
+    assert!(run.output.axis.iter().all(|axis| axis.error == 0.0));
+}
+
+#[test]
+fn a_moment_without_enable_ends_the_job() {
+    let mut run = running(Mode::DryRun);
+    run.input.enable = false;
+    run.step();
+    run.input.enable = true;
+    let mut visited = Vec::new();
+    for _ in 0..300 {
+        run.step();
+        visited.push(run.output.state);
+    }
+    visited.dedup();
+    assert_eq!(visited, [State::Stop, State::Off, State::Idle]);
 }

@@ -2,12 +2,12 @@
 
 use std::f64::consts::PI;
 
-use fmu_deburr::feed::Point;
-use fmu_deburr::kinematics::AXES;
-use fmu_deburr::learning::Learner;
-use fmu_deburr::lookup::Lookup;
-use fmu_deburr::parameters::Parameters;
-use fmu_deburr::pattern::{Pattern, Sample};
+use fmu_deburr::interface::Parameters;
+use fmu_deburr::learning::learner::Learner;
+use fmu_deburr::learning::lookup::PatternLookup;
+use fmu_deburr::learning::pattern::{Pattern, Sample};
+use fmu_deburr::path::AXES;
+use fmu_deburr::path::Point;
 
 use crate::robot::{Build, Robot, STEP};
 
@@ -36,7 +36,7 @@ fn learned(p: &Parameters, factor: f64) -> Pattern {
     let mut pattern = half_cycle(p, factor);
     let mut learner = Learner::new(p, pattern.len());
     for _ in 0..=p.learn.repetitions {
-        let mut robot = Robot::new(&Build { delay: p.servo.io_delay as usize, ..Build::NOMINAL }, &[0.0; AXES]);
+        let mut robot = Robot::new(&Build { delay: p.io_delay as usize, ..Build::NOMINAL }, &[0.0; AXES]);
         for (k, sample) in pattern.samples.iter().enumerate() {
             let mut error = [0.0; AXES];
             error[2] = (sample.point.distance / PULSE).round() - (robot.read()[2] / PULSE).round();
@@ -52,16 +52,20 @@ fn learned(p: &Parameters, factor: f64) -> Pattern {
 
 /// Largest difference between the interpolated and the learned pattern, pulses: in 10 to 90 % of the way, and anywhere.
 fn differences(delay: i32) -> [f64; 2] {
-    let mut p = Parameters::DEFAULT;
-    p.servo.io_delay = delay;
+    let mut p = Parameters::START;
+    p.io_delay = delay;
     let stored = [learned(&p, 1.0), learned(&p, 0.5)];
     let formed = learned(&p, 0.75);
     let preview = delay as usize;
     let mut worst: [f64; 2] = [0.0; 2];
     for k in formed.lead_in..formed.lead_in + formed.run - preview {
         // the feed is known so many samples ahead
-        let lookup =
-            Lookup { point: formed.samples[k + preview].point, back: preview as f64, length: WAY, nominal: None };
+        let lookup = PatternLookup {
+            point: formed.samples[k + preview].point,
+            back: preview as f64,
+            length: WAY,
+            nominal: None,
+        };
         let difference = (lookup.compensation(&stored)[2] - formed.samples[k].compensation[2]).abs();
         let middle = (0.1 * WAY..0.9 * WAY).contains(&formed.samples[k].point.distance);
         worst[0] = worst[0].max(if middle { difference } else { 0.0 });

@@ -1,9 +1,8 @@
 //! Learning and playback on the test piece.
 
-use fmu_deburr::geometry::{Block, Pose, Vector};
-use fmu_deburr::machine::Mode;
-use fmu_deburr::parameters::Parameters;
-use fmu_deburr::path::Path;
+use fmu_deburr::interface::{Mode, Parameters};
+use fmu_deburr::path::TaughtPath;
+use fmu_deburr::path::{Block, Pose, Vector};
 
 use crate::robot::Build;
 use crate::setup::{Loop, parameters, swinging};
@@ -24,9 +23,9 @@ fn worst(run: &mut Loop, speed: impl Fn(f64) -> f64) -> f64 {
 
 #[test]
 fn the_bare_servo_lags_by_its_speed_over_its_gain() {
-    let p = parameters(&Parameters::DEFAULT, 0);
+    let p = parameters(&Parameters::START, 0);
     let pose = |x: f64| Pose { tip: Vector::new(x, 0.0, -0.2), axis: Vector::new(0.0, 0.0, -1.0) };
-    let path = Path::new(vec![Block::line(&pose(0.6), &pose(0.9)).unwrap()], 0.1, false, 0.2).unwrap();
+    let path = TaughtPath::new(vec![Block::line(&pose(0.6), &pose(0.9)).unwrap()], 0.1, false, 0.2).unwrap();
     let mut run = Loop::with_path(&p, &Build { delay: 0, ..Build::NOMINAL }, path);
     let bare = run.largest_errors(Mode::DryRun, |_| 1.0);
     assert!((bare[2] - 100.0 / 13.0).abs() < 0.02, "{bare:.3?}");
@@ -36,7 +35,7 @@ fn the_bare_servo_lags_by_its_speed_over_its_gain() {
 
 #[test]
 fn the_test_piece_has_the_errors_of_the_paper_without_compensation() {
-    let mut run = Loop::new(&parameters(&Parameters::DEFAULT, 0), &Build { delay: 0, ..Build::NOMINAL });
+    let mut run = Loop::new(&parameters(&Parameters::START, 0), &Build { delay: 0, ..Build::NOMINAL });
     let bare = run.largest_errors(Mode::DryRun, |_| 0.75);
     // paper: 5.4 and 4.9 mm while the feed falls from 100 to 65 mm/s
     assert!((4.5..7.0).contains(&bare[0]) && (3.5..5.6).contains(&bare[2]), "{bare:.2?}");
@@ -64,7 +63,7 @@ fn the_best_repetition_is_better_than_the_last_one() {
 #[test]
 fn the_default_leaves_hundredths_at_any_speed_in_six_to_one_also_with_delay() {
     for delay in [0, 1] {
-        let mut run = learned(&Parameters::DEFAULT, delay);
+        let mut run = learned(&Parameters::START, delay);
         for (factor, limit) in [(1.0, 0.02), (0.9, 0.04), (0.7, 0.04), (0.5, 0.04), (0.3, 0.04), (1.0 / 6.0, 0.04)] {
             let error = worst(&mut run, |_| factor);
             assert!(error < limit, "delay {delay}, {factor}: {error}");
@@ -78,11 +77,11 @@ fn the_default_leaves_hundredths_at_any_speed_in_six_to_one_also_with_delay() {
 
 #[test]
 fn recorded_speed_and_preview_are_what_makes_it_good() {
-    let mut run = learned(&Parameters::DEFAULT, 1);
+    let mut run = learned(&Parameters::START, 1);
     let good = worst(&mut run, swinging(1.0));
     run.parameters.lookup.preview = -0.01;
     let blind = worst(&mut run, swinging(1.0));
-    run.parameters.lookup.preview = Parameters::DEFAULT.lookup.preview;
+    run.parameters.lookup.preview = Parameters::START.lookup.preview;
     run.parameters.lookup.recorded_speed = false;
     let nominal = worst(&mut run, |_| 1.0);
     assert!(blind > 5.0 * good && nominal > 0.2, "{good} {blind} {nominal}");
@@ -91,7 +90,7 @@ fn recorded_speed_and_preview_are_what_makes_it_good() {
 #[test]
 fn the_preview_suits_machines_that_are_a_fifth_off() {
     for (gain, dynamics) in [(0.8, 0.8), (1.2, 1.2)] {
-        let mut run = Loop::new(&parameters(&Parameters::DEFAULT, 1), &Build { gain, dynamics, delay: 1 });
+        let mut run = Loop::new(&parameters(&Parameters::START, 1), &Build { gain, dynamics, delay: 1 });
         assert!(run.finish(Mode::Learn));
         let error = worst(&mut run, swinging(2.0));
         assert!(error < 0.05, "{gain} {dynamics}: {error}");

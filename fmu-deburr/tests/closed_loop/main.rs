@@ -1,14 +1,15 @@
-//! The controller in closed loop with a native robot: learning, playback, modes, faults, state bytes.
+//! The controller in closed loop with a native robot: learning, playback, modes, faults, laws, state bytes.
 
 mod adaptation;
 mod errors;
 mod faults;
 mod interpolation;
+mod laws;
 mod learning;
 mod modes;
 mod norm_optimal;
 mod robot;
+mod robustness;
 mod round_trip;
 mod setup;
 mod state;
-mod wild;

@@ -1,13 +1,13 @@
 //! Modes and switches: hold, stop, override, load control, laps.
 
-use fmu_deburr::machine::{Mode, State};
-use fmu_deburr::parameters::Parameters;
+use fmu_deburr::interface::{Mode, Parameters, State};
+use fmu_deburr::learning::speeds::Speeds;
 
 use crate::robot::Build;
 use crate::setup::Loop;
 
 fn bare() -> Loop {
-    let mut p = Parameters::DEFAULT;
+    let mut p = Parameters::START;
     p.lookup.enable = false;
     let mut run = Loop::new(&p, &Build::NOMINAL);
     run.step();
@@ -35,9 +35,9 @@ fn references_never_jump_whatever_is_asked_for() {
         run.input.speed_override = 0.2 + 0.8 * f64::from(u8::from(k / 71 % 2 == 0));
         run.step();
         assert_ne!(run.output.state, State::Fault);
-        let now = run.output.axes().map(|axis| axis.reference);
+        let now = run.output.axis.map(|axis| axis.reference);
         for i in 0..6 {
-            let most = 0.011 * run.parameters.axes()[i].velocity_max * 0.5;
+            let most = 0.011 * run.parameters.axis[i].velocity_max * 0.5;
             assert!(k == 0 || (now[i] - before[i]).abs() < most, "sample {k}, axis {}: {now:?} {before:?}", i + 1);
         }
         before = now;
@@ -55,7 +55,7 @@ fn a_held_run_stands_on_the_path_and_goes_on() {
     assert!(run.output.path.speed == 0.0 && place < 0.12 && run.output.state == State::Run);
     (0..100).for_each(|_| run.step());
     assert_eq!(run.output.path.distance, place);
-    assert!(run.output.axes().iter().all(|axis| axis.error.abs() < 1e-4));
+    assert!(run.output.axis.iter().all(|axis| axis.error.abs() < 1e-4));
     run.input.hold = false;
     run_until(&mut run, |run| run.output.path.done);
     assert_eq!(run.output.path.distance, run.output.path.length);
@@ -63,8 +63,8 @@ fn a_held_run_stands_on_the_path_and_goes_on() {
 
 #[test]
 fn a_held_repetition_is_done_again_and_learns_the_same() {
-    let mut p = Parameters::DEFAULT;
-    (p.learn.repetitions, p.learn.speeds) = (2, fmu_deburr::parameters::Speeds::new(&[1.0]).unwrap());
+    let mut p = Parameters::START;
+    (p.learn.repetitions, p.learn.factors) = (2, Speeds::new(&[1.0]).unwrap());
     let mut straight = Loop::new(&p, &Build::NOMINAL);
     assert!(straight.finish(Mode::Learn));
     let mut held = Loop::new(&p, &Build::NOMINAL);
@@ -81,7 +81,7 @@ fn a_held_repetition_is_done_again_and_learns_the_same() {
 
 #[test]
 fn the_bank_is_written_after_learning_and_whenever_it_is_asked_for() {
-    let mut p = Parameters::DEFAULT;
+    let mut p = Parameters::START;
     p.learn.repetitions = 0;
     let mut run = Loop::new(&p, &Build::NOMINAL);
     assert!(run.finish(Mode::Learn));

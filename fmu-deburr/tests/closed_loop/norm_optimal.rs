@@ -1,16 +1,16 @@
 //! Norm-optimal learning: few repetitions, also on machines that are not nominal.
 
-use fmu_deburr::machine::{Mode, State};
-use fmu_deburr::parameters::{Law, Parameters, Speeds};
+use fmu_deburr::interface::{LearningLaw, Mode, Parameters, State};
+use fmu_deburr::learning::speeds::Speeds;
 
 use crate::robot::Build;
 use crate::setup::{Loop, parameters};
 
 /// Error at the tip of the repetitions 0, 1, 2, ... at the taught speed, um.
 fn costs(weight: f64, build: &Build, repetitions: i32) -> Vec<f64> {
-    let mut p = parameters(&Parameters::DEFAULT, build.delay as i32);
-    (p.learn.law, p.learn.weight, p.learn.repetitions) = (Law::NormOptimal, weight, repetitions);
-    p.learn.speeds = Speeds::new(&[1.0]).unwrap();
+    let mut p = parameters(&Parameters::START, build.delay as i32);
+    (p.learn.law, p.learn.weight, p.learn.repetitions) = (LearningLaw::NormOptimal, weight, repetitions);
+    p.learn.factors = Speeds::new(&[1.0]).unwrap();
     let mut run = Loop::new(&p, build);
     run.input.mode = Mode::Learn;
     let mut costs = Vec::new();

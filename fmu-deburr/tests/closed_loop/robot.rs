@@ -1,7 +1,7 @@
 //! Six axes with ideal velocity drives, eq. 1, and encoders: the plant of the closed loops, natively in Rust.
 
-use fmu_deburr::kinematics::{AXES, Joints};
-use fmu_deburr::parameters::Parameters;
+use fmu_deburr::interface::Parameters;
+use fmu_deburr::path::{AXES, Joints};
 use nalgebra::{Matrix3, Matrix4, Vector3};
 
 /// Communication step, s.
@@ -49,7 +49,7 @@ impl Robot {
             b: sampled.fixed_view::<3, 1>(0, 3).into(),
             axes: joints.map(|position| Vector3::new(position, 0.0, 0.0)),
             sent: vec![[0.0; AXES]; build.delay],
-            pulses: Parameters::DEFAULT.pulses(),
+            pulses: Parameters::START.pulses(),
             gain: build.gain,
         }
     }

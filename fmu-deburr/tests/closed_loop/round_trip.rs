@@ -1,25 +1,25 @@
 //! Fig. 7: repetitive control of a round trip of axis 3, without end and without return moves.
 
-use fmu_deburr::geometry::{Block, Pose, Vector};
-use fmu_deburr::machine::{Mode, State};
-use fmu_deburr::parameters::Parameters;
-use fmu_deburr::path::Path;
+use fmu_deburr::interface::{Mode, Parameters, State};
+use fmu_deburr::learning::speeds::Speeds;
+use fmu_deburr::path::TaughtPath;
+use fmu_deburr::path::{Block, Pose, Vector};
 
 use crate::robot::Build;
 use crate::setup::{Loop, parameters};
 
 /// 0.8 m out and back along the arm at up to 500 mm/s; 1.2 s of acceleration, smoothed over 120 ms.
-fn round_trip(p: &Parameters) -> Path {
+fn round_trip(p: &Parameters) -> TaughtPath {
     let pose = |x: f64| Pose { tip: Vector::new(x, 0.0, -0.2), axis: Vector::new(0.0, 0.0, -1.0) };
     let blocks = vec![Block::line(&pose(0.4), &pose(1.2)).unwrap(), Block::line(&pose(1.2), &pose(0.4)).unwrap()];
-    Path::new(blocks, 0.5, true, p.path.corner).unwrap()
+    TaughtPath::new(blocks, 0.5, true, p.path.corner).unwrap()
 }
 
 /// Error of the bare servo over that of each repetition, axis 3.
 fn ratios(base: &Parameters, delay: i32, repetitions: i32) -> Vec<f64> {
     let mut p = parameters(base, delay);
     (p.feed.acceleration, p.feed.smoothing) = (0.5 / 1.2, 12);
-    p.learn.speeds = fmu_deburr::parameters::Speeds::new(&[1.0]).unwrap();
+    p.learn.factors = Speeds::new(&[1.0]).unwrap();
     (p.learn.repetitions, p.learn.stop_at_best) = (repetitions, false);
     let mut run = Loop::with_path(&p, &Build { delay: delay as usize, ..Build::NOMINAL }, round_trip(&p));
     run.input.mode = Mode::Learn;
@@ -27,8 +27,8 @@ fn ratios(base: &Parameters, delay: i32, repetitions: i32) -> Vec<f64> {
     while run.output.state != State::Done {
         run.step();
         assert_ne!(run.output.state, State::Fault);
-        if run.output.axis3.rms != seen {
-            seen = run.output.axis3.rms;
+        if run.output.axis[2].rms != seen {
+            seen = run.output.axis[2].rms;
             rms.push(seen);
         }
     }
@@ -61,7 +61,7 @@ fn with_one_sample_of_delay_it_needs_one_sample_of_lead() {
 #[test]
 fn the_default_law_goes_down_to_the_last_count() {
     for delay in [0, 1] {
-        let ratios = ratios(&Parameters::DEFAULT, delay, 19);
+        let ratios = ratios(&Parameters::START, delay, 19);
         assert!(ratios[11] > 5000.0, "{ratios:.0?}");
         assert!(ratios.windows(2).take(13).all(|pair| pair[1] > pair[0]), "{ratios:.0?}");
     }

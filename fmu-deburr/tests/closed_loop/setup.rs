@@ -3,11 +3,9 @@
 use std::path::Path;
 
 use fmu_deburr::controller::Controller;
-use fmu_deburr::kinematics::{AXES, Joints};
-use fmu_deburr::machine::{Mode, State};
-use fmu_deburr::parameters::Parameters;
-use fmu_deburr::path_file;
-use fmu_deburr::signals::{Input, Output};
+use fmu_deburr::interface::{AxisInput, Input, Mode, Output, Parameters, State};
+use fmu_deburr::path::path_file;
+use fmu_deburr::path::{AXES, Joints};
 
 use crate::robot::{Build, Robot};
 
@@ -29,7 +27,7 @@ pub struct Loop {
 /// Parameters for a robot whose commands act after `delay` samples.
 pub fn parameters(base: &Parameters, delay: i32) -> Parameters {
     let mut p = base.clone();
-    p.servo.io_delay = delay;
+    p.io_delay = delay;
     p
 }
 
@@ -42,25 +40,35 @@ impl Loop {
     /// The test piece of the resources.
     pub fn new(p: &Parameters, build: &Build) -> Self {
         let resources = Path::new(env!("CARGO_MANIFEST_DIR")).join("resources");
-        Self::with_path(p, build, path_file::read(p, "path.json", Some(&resources)).unwrap())
+        Self::with_path(p, build, path_file::read(p, Some(&resources)).unwrap())
     }
 
     /// Another path.
-    pub fn with_path(p: &Parameters, build: &Build, path: fmu_deburr::path::Path) -> Self {
+    pub fn with_path(p: &Parameters, build: &Build, path: fmu_deburr::path::TaughtPath) -> Self {
         Self {
             robot: Robot::new(build, &[-0.1, 0.02, 0.7, 0.0, 0.0, 0.0]),
-            controller: Controller::new(p, path, "path.json").unwrap(),
-            input: Input::START,
+            controller: Controller::new(p, path).unwrap(),
+            input: Input { enable: true, ..Input::START },
             output: Output::START,
             parameters: p.clone(),
         }
     }
 
+    /// Takes the encoder readings in.
+    pub fn read(&mut self) {
+        self.set_positions(&self.robot.read());
+    }
+
+    /// Takes other readings in.
+    pub fn set_positions(&mut self, positions: &Joints) {
+        self.input.axis = positions.map(|position| AxisInput { position });
+    }
+
     /// One communication step.
     pub fn step(&mut self) {
-        self.input.set_positions(&self.robot.read());
-        self.controller.tick(&self.parameters, &self.input, &mut self.output);
-        self.robot.advance(&self.output.axes().map(|axis| axis.velocity));
+        self.read();
+        self.controller.tick(&self.input, &self.parameters, &mut self.output);
+        self.robot.advance(&self.output.axis.map(|axis| axis.velocity));
     }
 
     /// Steps with a mode until its job is done; true if it was.
@@ -91,7 +99,7 @@ impl Loop {
             if self.output.state == State::Run {
                 time += 0.01;
                 let levers = self.parameters.arm.levers(&self.robot.positions());
-                for (i, axis) in self.output.axes().iter().enumerate() {
+                for (i, axis) in self.output.axis.iter().enumerate() {
                     largest[i] = f64::max(largest[i], 1e3 * (axis.error * levers[i]).abs());
                 }
             }

@@ -1,16 +1,15 @@
 //! The state between two samples holds everything.
 
 use fmu_deburr::controller::Controller;
-use fmu_deburr::machine::Mode;
-use fmu_deburr::parameters::{Law, Parameters};
+use fmu_deburr::interface::{LearningLaw, Mode, Parameters};
 
 use crate::robot::Build;
 use crate::setup::Loop;
 
 #[test]
 fn state_bytes_continue_bit_for_bit() {
-    for law in [Law::Plain, Law::LeadFilter, Law::NormOptimal] {
-        let mut p = Parameters::DEFAULT;
+    for law in [LearningLaw::Plain, LearningLaw::LeadFilter, LearningLaw::NormOptimal] {
+        let mut p = Parameters::START;
         p.learn.law = law;
         // on the way to the start, in the first run, in the middle of learning
         for steps in [100, 400, 4321] {
@@ -22,7 +21,7 @@ fn state_bytes_continue_bit_for_bit() {
             let mut output = run.output.clone();
             for k in 0..2000 {
                 run.step();
-                copy.tick(&p, &run.input, &mut output);
+                copy.tick(&run.input, &p, &mut output);
                 assert_eq!(output, run.output, "{law:?}, sample {k} after {steps}");
             }
         }

@@ -1,13 +1,13 @@
 //! A bank as bytes with all digits: magic, content, checksum. Learned patterns come back bit for bit.
 
-use crate::bank::Bank;
+use crate::bank::pattern_bank::PatternBank;
 use crate::fingerprint::Fingerprint;
 
 const MAGIC: &[u8] = b"DEBURR-BANK-1\n";
 const CHECKSUM: usize = 8;
 
 /// The bank as bytes.
-pub fn encode(bank: &Bank) -> Vec<u8> {
+pub fn encode(bank: &PatternBank) -> Vec<u8> {
     let mut bytes = MAGIC.to_vec();
     // a bank holds nothing that postcard cannot write
     bytes.extend(postcard::to_allocvec(bank).unwrap_or_default());
@@ -19,7 +19,7 @@ pub fn encode(bank: &Bank) -> Vec<u8> {
 ///
 /// # Errors
 /// In words for the user, when the bytes are damaged.
-pub fn decode(bytes: &[u8]) -> Option<Result<Bank, String>> {
+pub fn decode(bytes: &[u8]) -> Option<Result<PatternBank, String>> {
     let content = bytes.strip_prefix(MAGIC)?;
     Some(verify(bytes).and_then(|()| {
         let content = &content[..content.len() - CHECKSUM];
@@ -53,7 +53,7 @@ fn checksum(bytes: &[u8]) -> [u8; CHECKSUM] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bank::tests::numbered;
+    use crate::bank::pattern_bank::tests::numbered;
 
     #[test]
     fn a_bank_comes_back_bit_for_bit() {

@@ -3,7 +3,7 @@
 //! T is the nominal loop over the whole run, never written as a matrix: each product is one run of the loop, forward or
 //! backward in time.
 
-use crate::nominal::Nominal;
+use crate::learning::nominal::Nominal;
 
 /// Most steps; at lambda = 0.01 some forty are enough.
 const STEPS_MAX: usize = 400;
@@ -59,11 +59,11 @@ fn add(a: &mut [f64], factor: f64, b: &[f64]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parameters::Parameters;
+    use crate::interface::Parameters;
 
     #[test]
     fn the_solution_solves_the_equation() {
-        let nominal = Nominal::new(&Parameters::DEFAULT, 1);
+        let nominal = Nominal::new(&Parameters::START, 1);
         let error: Vec<f64> = (0..200).map(|k| (0.1 * f64::from(k)).sin() * 100.0).collect();
         for weight in [1e-3, 1e-2, 0.1, 1.0] {
             let mut solution = error.clone();
@@ -84,7 +84,7 @@ mod tests {
         let mut zero = [0.0; 50];
         let (mut a, mut b, mut c) = ([0.0; 50], [0.0; 50], [0.0; 50]);
         let mut work = Work { residual: &mut a, direction: &mut b, product: &mut c };
-        solve(&Nominal::new(&Parameters::DEFAULT, 0), 0.01, &mut zero, &mut work);
+        solve(&Nominal::new(&Parameters::START, 0), 0.01, &mut zero, &mut work);
         assert_eq!(zero, [0.0; 50]);
     }
 }

@@ -1,9 +1,10 @@
 //! Feed along the path: acceleration limits, a stop curve that ends on the sample, and a moving average against jerk.
 
+use control_blocks::ramp_between;
 use serde::{Deserialize, Serialize};
 
-use crate::parameters::Feed as Limits;
-use crate::path::Path;
+use crate::interface::Feed;
+use crate::path::taught_path::TaughtPath;
 
 /// Most samples of the moving average.
 pub const SMOOTHING_MAX: usize = 32;
@@ -22,7 +23,7 @@ const ROUNDING: f64 = 1e-10;
 
 /// The feed between two samples.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Feed {
+pub struct FeedPlanner {
     /// before smoothing
     planned: Point,
     /// smoothed
@@ -33,7 +34,7 @@ pub struct Feed {
     waits: bool,
 }
 
-impl Feed {
+impl FeedPlanner {
     /// At rest at the start of the path.
     pub const START: Self = Self {
         planned: Point { distance: 0.0, speed: 0.0 },
@@ -44,7 +45,7 @@ impl Feed {
     };
 
     /// This sample's point, on the way to the speed `target` (m/s); `dt` is the sample period, s.
-    pub fn step(&mut self, limits: &Limits, path: &Path, target: f64, dt: f64) -> Point {
+    pub fn step(&mut self, limits: &Feed, path: &TaughtPath, target: f64, dt: f64) -> Point {
         let speed = self.plan(limits.acceleration, path, if self.waits { 0.0 } else { target }, dt);
         let point = Point { distance: self.distance, speed: self.average(speed, limits.smoothing as usize) };
         self.distance += point.speed * dt;
@@ -57,7 +58,7 @@ impl Feed {
     }
 
     /// Speed before smoothing (m/s) of this sample; moves the planned point.
-    fn plan(&mut self, acceleration: f64, path: &Path, target: f64, dt: f64) -> f64 {
+    fn plan(&mut self, acceleration: f64, path: &TaughtPath, target: f64, dt: f64) -> f64 {
         let stop = path.next_stop(self.planned.distance);
         let speed = limited(self.planned.speed, target, stop - self.planned.distance, acceleration, dt);
         let distance = self.planned.distance + speed * dt;
@@ -82,17 +83,17 @@ fn limited(speed: f64, target: f64, remaining: f64, acceleration: f64, dt: f64) 
     let way = remaining / (change * dt);
     let n = ((0.5 * (1.0 + 8.0 * way).sqrt()) - 0.5).floor();
     let curve = change * (0.5 * n + way / (n + 1.0));
-    target.clamp(speed - change, speed + change).min(curve).max(0.0)
+    ramp_between(speed, target, change, change).min(curve).max(0.0)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::{Block, Pose, Vector};
+    use crate::path::geometry::{Block, Pose, Vector};
 
     const DT: f64 = 0.01;
 
-    fn path(lengths: &[f64]) -> Path {
+    fn path(lengths: &[f64]) -> TaughtPath {
         let pose = |x: f64, y: f64| Pose { tip: Vector::new(x, y, 0.0), axis: Vector::new(0.0, 0.0, -1.0) };
         let mut blocks = Vec::new();
         let mut from = pose(0.5, 0.0);
@@ -103,11 +104,11 @@ mod tests {
             blocks.push(Block::line(&from, &to).unwrap());
             from = to;
         }
-        Path::new(blocks, 0.1, false, 0.1).unwrap()
+        TaughtPath::new(blocks, 0.1, false, 0.1).unwrap()
     }
 
-    fn run(path: &Path, limits: &Limits, target: impl Fn(usize) -> f64) -> Vec<Point> {
-        let mut feed = Feed::START;
+    fn run(path: &TaughtPath, limits: &Feed, target: impl Fn(usize) -> f64) -> Vec<Point> {
+        let mut feed = FeedPlanner::START;
         let mut points = Vec::new();
         while points.last().is_none_or(|point: &Point| point.distance < path.length()) && points.len() < 100_000 {
             points.push(feed.step(limits, path, target(points.len()), DT));
@@ -125,7 +126,7 @@ mod tests {
 
     #[test]
     fn ends_exactly_on_the_end_at_rest_for_every_length_and_speed() {
-        let limits = Limits::DEFAULT;
+        let limits = Feed::START;
         for k in 0..200 {
             let path = path(&[0.05 + 0.000_37 * f64::from(k)]);
             let points = run(&path, &limits, |_| 0.02 + 0.001 * f64::from(k));
@@ -137,7 +138,7 @@ mod tests {
 
     #[test]
     fn follows_a_target_that_jumps() {
-        let limits = Limits::DEFAULT;
+        let limits = Feed::START;
         let points = run(&path(&[0.3]), &limits, |k| if k % 60 < 30 { 0.1 } else { 0.01 });
         keeps_its_limits(&points, limits.acceleration);
         assert!(points.iter().any(|point| point.speed == 0.01) && points.iter().any(|point| point.speed == 0.1));
@@ -146,7 +147,7 @@ mod tests {
     #[test]
     fn stands_at_corners_and_the_smoothed_feed_stands_there_too() {
         for smoothing in [1, 12] {
-            let limits = Limits { smoothing, ..Limits::DEFAULT };
+            let limits = Feed { smoothing, ..Feed::START };
             let path = path(&[0.1, 0.05, 0.07]);
             let points = run(&path, &limits, |_| 0.1);
             keeps_its_limits(&points, limits.acceleration);
@@ -161,7 +162,7 @@ mod tests {
     #[test]
     fn a_standing_feed_stays_and_goes_on() {
         let path = path(&[0.1]);
-        let points = run(&path, &Limits::DEFAULT, |k| if (40..80).contains(&k) { 0.0 } else { 0.1 });
+        let points = run(&path, &Feed::START, |k| if (40..80).contains(&k) { 0.0 } else { 0.1 });
         assert!(points[70].speed == 0.0 && points[79].distance == points[70].distance);
         assert_eq!(points.last().unwrap().distance, path.length());
     }

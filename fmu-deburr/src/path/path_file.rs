@@ -1,13 +1,14 @@
 //! The taught path from a JSON file.
 
-use control_blocks::ParameterError;
+use control_blocks::{FileParameter, ParameterError};
 use serde::Deserialize;
 
-use crate::file::FileParameter;
-use crate::geometry::{Block, Pose, Vector};
-use crate::parameters::Parameters;
-use crate::path::Path;
+use crate::interface::Parameters;
+use crate::path::geometry::{Block, Pose, Vector};
+use crate::path::taught_path::TaughtPath;
 
+/// Largest file, bytes.
+const BYTES_MAX: u64 = 64 << 20;
 /// Most blocks of a path.
 const BLOCKS_MAX: usize = 10_000;
 /// Taught speeds, m/s.
@@ -23,14 +24,14 @@ struct File {
     speed_m_s: f64,
     #[serde(default)]
     cyclic: bool,
-    start: Corner,
+    start: TeachingPoint,
     blocks: Vec<Step>,
 }
 
 /// A teaching point; without `axis` the tool keeps its direction.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Corner {
+struct TeachingPoint {
     tip_m: [f64; 3],
     axis: Option<[f64; 3]>,
 }
@@ -38,30 +39,31 @@ struct Corner {
 #[derive(Deserialize)]
 #[serde(tag = "type", rename_all = "lowercase", deny_unknown_fields)]
 enum Step {
-    Line { to: Corner },
-    Arc { to: Corner, via_m: Option<[f64; 3]>, centre_m: Option<[f64; 3]> },
+    Line { to: TeachingPoint },
+    Arc { to: TeachingPoint, via_m: Option<[f64; 3]>, centre_m: Option<[f64; 3]> },
 }
 
 /// The path without a file: importers need not tell where the resources are.
-const TEST_PIECE: &[u8] = include_bytes!("../resources/path.json");
+const TEST_PIECE: &[u8] = include_bytes!("../../resources/path.json");
 
 /// Reads the path that `path.file` names, or the test piece if it names none.
 ///
 /// # Errors
 /// Names the file, the block, the field, its value and the limit.
-pub fn read(p: &Parameters, file: &str, resources: Option<&std::path::Path>) -> Result<Path, ParameterError> {
+pub fn read(p: &Parameters, resources: Option<&std::path::Path>) -> Result<TaughtPath, ParameterError> {
     let parameter = FileParameter {
         name: "path.file",
-        file,
+        file: &p.path.file,
         hint: "write {\"speed_m_s\": 0.1, \"start\": {\"tip_m\": [0.7, 0, -0.2], \"axis\": [0, 0, -1]}, \"blocks\": \
                [{\"type\": \"line\", \"to\": {\"tip_m\": [0.7, 0.1, -0.2]}}]}",
     };
-    let bytes = if file.is_empty() { TEST_PIECE.to_vec() } else { parameter.read(resources)? };
+    let test_piece = p.path.file.is_empty();
+    let bytes = if test_piece { TEST_PIECE.to_vec() } else { parameter.read(resources, BYTES_MAX)? };
     let path = parse(p, &bytes);
     path.map_err(|what| parameter.wrong(format!("a path: {what}")))
 }
 
-fn parse(p: &Parameters, bytes: &[u8]) -> Result<Path, String> {
+fn parse(p: &Parameters, bytes: &[u8]) -> Result<TaughtPath, String> {
     let file: File = serde_json::from_slice(bytes).map_err(|error| error.to_string())?;
     let count = file.blocks.len();
     require_or(count > 0 && count <= BLOCKS_MAX, || {
@@ -80,7 +82,7 @@ fn parse(p: &Parameters, bytes: &[u8]) -> Result<Path, String> {
         blocks.push(block);
         from = to;
     }
-    Path::new(blocks, speed, file.cyclic, p.path.corner)
+    TaughtPath::new(blocks, speed, file.cyclic, p.path.corner)
 }
 
 fn block(step: &Step, from: &Pose) -> Result<(Block, Pose), String> {
@@ -98,7 +100,7 @@ fn block(step: &Step, from: &Pose) -> Result<(Block, Pose), String> {
     Ok((block, to))
 }
 
-fn pose(corner: &Corner, before: Vector) -> Result<Pose, String> {
+fn pose(corner: &TeachingPoint, before: Vector) -> Result<Pose, String> {
     let axis = match &corner.axis {
         Some(axis) => {
             let axis = place("axis", axis)?;
@@ -126,12 +128,17 @@ fn require_or(holds: bool, what: impl FnOnce() -> String) -> Result<(), String> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::file::place::Place;
 
-    fn read_text(text: &str) -> Result<Path, String> {
-        let place = Place::new();
+    fn named(file: &str) -> Parameters {
+        let mut p = Parameters::START;
+        p.path.file = file.to_owned();
+        p
+    }
+
+    fn read_text(text: &str) -> Result<TaughtPath, String> {
+        let place = tempfile::tempdir().unwrap();
         std::fs::write(place.path().join("path.json"), text).unwrap();
-        read(&Parameters::DEFAULT, "path.json", Some(place.path())).map_err(|error| error.to_string())
+        read(&named("path.json"), Some(place.path())).map_err(|error| error.to_string())
     }
 
     /// A path with these blocks.
@@ -142,8 +149,8 @@ mod tests {
     #[test]
     fn the_path_in_the_resources_is_the_test_piece() {
         let resources = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("resources");
-        let path = read(&Parameters::DEFAULT, "path.json", Some(&resources)).unwrap();
-        assert_eq!(read(&Parameters::DEFAULT, "", None).unwrap().length(), path.length());
+        let path = read(&named("path.json"), Some(&resources)).unwrap();
+        assert_eq!(read(&named(""), None).unwrap().length(), path.length());
         assert_eq!((path.blocks(), path.speed, path.cyclic), (3, 0.1, false));
         // two lines of 120 mm and a quarter of a circle; the joints are tangent, the feed stops at the end only
         assert!((path.length() - 0.24 - 0.0075 * std::f64::consts::PI).abs() < 1e-9);
@@ -152,12 +159,12 @@ mod tests {
 
     #[test]
     fn the_parameter_overrides_the_taught_speed() {
-        let place = Place::new();
+        let place = tempfile::tempdir().unwrap();
         std::fs::write(place.path().join("path.json"), file(r#"{"type": "line", "to": {"tip_m": [0.8, 0, -0.2]}}"#))
             .unwrap();
-        let mut p = Parameters::DEFAULT;
+        let mut p = named("path.json");
         p.path.taught_speed = 0.06;
-        assert_eq!(read(&p, "path.json", Some(place.path())).unwrap().speed, 0.06);
+        assert_eq!(read(&p, Some(place.path())).unwrap().speed, 0.06);
     }
 
     #[test]

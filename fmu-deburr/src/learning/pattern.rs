@@ -2,10 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::feed::{Feed, Point};
-use crate::kinematics::{AXES, Joints};
-use crate::parameters::Parameters;
-use crate::path::Path;
+use crate::interface::Parameters;
+use crate::path::feed::{FeedPlanner, Point};
+use crate::path::kinematics::{AXES, Joints};
+use crate::path::taught_path::TaughtPath;
 
 /// Distances (m) and speeds (m/s) that differ by less are rounded differently.
 const ROUNDING: f64 = 1e-9;
@@ -44,13 +44,13 @@ impl Pattern {
     ///
     /// # Errors
     /// In words for the user, when the pattern would be too long.
-    pub fn plan(p: &Parameters, path: &Path, factor: f64) -> Result<Self, String> {
+    pub fn plan(p: &Parameters, path: &TaughtPath, factor: f64) -> Result<Self, String> {
         let (lead_in, lead_out) = match path.cyclic {
             true => (0, 0),
             false => (p.learn.lead_in as usize, p.learn.lead_out as usize),
         };
         let mut samples = vec![Sample::default(); lead_in];
-        let mut feed = Feed::START;
+        let mut feed = FeedPlanner::START;
         loop {
             let point = feed.step(&p.feed, path, factor * path.speed, p.sample_period);
             if point.distance >= path.length() {
@@ -124,17 +124,17 @@ pub fn mix(a: &Joints, b: &Joints, share: f64) -> Joints {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::geometry::{Block, Pose, Vector};
+    use crate::path::geometry::{Block, Pose, Vector};
 
     /// A straight path.
-    pub(crate) fn straight(length: f64) -> Path {
+    pub(crate) fn straight(length: f64) -> TaughtPath {
         let pose = |y: f64| Pose { tip: Vector::new(0.75, y, -0.2), axis: Vector::new(0.0, 0.0, -1.0) };
-        Path::new(vec![Block::line(&pose(0.0), &pose(length)).unwrap()], 0.1, false, 0.2).unwrap()
+        TaughtPath::new(vec![Block::line(&pose(0.0), &pose(length)).unwrap()], 0.1, false, 0.2).unwrap()
     }
 
     #[test]
     fn a_plan_has_rest_run_and_rest() {
-        let (p, path) = (Parameters::DEFAULT, straight(0.1));
+        let (p, path) = (Parameters::START, straight(0.1));
         let pattern = Pattern::plan(&p, &path, 0.5).unwrap();
         assert_eq!(pattern.len(), 10 + pattern.run + 60);
         // 0.1 m at 50 mm/s and the two ramps of 0.1 s
@@ -147,7 +147,7 @@ pub(crate) mod tests {
 
     #[test]
     fn at_a_recorded_distance_the_recorded_sample_comes_back() {
-        let (p, path) = (Parameters::DEFAULT, straight(0.1));
+        let (p, path) = (Parameters::START, straight(0.1));
         let mut pattern = Pattern::plan(&p, &path, 1.0).unwrap();
         for (k, sample) in pattern.samples.iter_mut().enumerate() {
             sample.compensation = [k as f64; AXES];
@@ -166,7 +166,7 @@ pub(crate) mod tests {
 
     #[test]
     fn a_path_without_end_is_refused() {
-        let message = Pattern::plan(&Parameters::DEFAULT, &straight(90.0), 1.0).unwrap_err();
+        let message = Pattern::plan(&Parameters::START, &straight(90.0), 1.0).unwrap_err();
         assert!(message.contains("60000"), "{message}");
     }
 }

@@ -1,13 +1,14 @@
 //! A bank as the paper stores it: 18 bytes for each sample, six pulses, distance, flags and feed.
 //!
-//! All numbers are little endian. Header: magic, fingerprint of the path (u64), pulses (6 f64), period (f64), delay (u16),
-//! number of patterns (u16), and for each its factor (f64) and number of samples (u32). Then the records, then a checksum.
+//! All numbers are little endian. Header: magic, fingerprint of the path (u64), pulses (6 f64), period (f64), delay
+//! (u16), number of patterns (u16), and for each its factor (f64) and number of samples (u32). Then the records, then a
+//! checksum.
 
-use crate::bank::{Bank, Identity};
-use crate::bank_file::{sign, verify};
-use crate::kinematics::{AXES, Joints};
-use crate::path::Path;
-use crate::pattern::{Pattern, Sample};
+use crate::bank::bank_file::{sign, verify};
+use crate::bank::pattern_bank::{Identity, PatternBank};
+use crate::learning::pattern::{Pattern, Sample};
+use crate::path::kinematics::{AXES, Joints};
+use crate::path::taught_path::TaughtPath;
 
 const MAGIC: &[u8] = b"DEBURR-RECORDS-1\n";
 /// Bytes of a record.
@@ -21,7 +22,7 @@ const PHASE_BITS: u32 = 2;
 ///
 /// # Errors
 /// In words for the user, when a number does not fit into its 16 bits.
-pub fn encode(bank: &Bank, path: &Path) -> Result<Vec<u8>, String> {
+pub fn encode(bank: &PatternBank, path: &TaughtPath) -> Result<Vec<u8>, String> {
     let Identity { path: print, pulses, period, io_delay, factors } = bank.identity();
     let mut bytes = MAGIC.to_vec();
     bytes.extend(print.to_le_bytes());
@@ -45,11 +46,11 @@ pub fn encode(bank: &Bank, path: &Path) -> Result<Vec<u8>, String> {
 ///
 /// # Errors
 /// In words for the user, when the bytes are damaged, or another path or feed is in them than that of `bank`.
-pub fn decode(bytes: &[u8], bank: &Bank, path: &Path) -> Option<Result<Bank, String>> {
-    bytes.strip_prefix(MAGIC).map(|rest| verify(bytes).and_then(|()| read(Reader(rest), bank, path)))
+pub fn decode(bytes: &[u8], bank: &PatternBank, path: &TaughtPath) -> Option<Result<PatternBank, String>> {
+    bytes.strip_prefix(MAGIC).map(|rest| verify(bytes).and_then(|()| read(Bytes(rest), bank, path)))
 }
 
-fn read(mut from: Reader, bank: &Bank, path: &Path) -> Result<Bank, String> {
+fn read(mut from: Bytes, bank: &PatternBank, path: &TaughtPath) -> Result<PatternBank, String> {
     let print = u64::from_le_bytes(from.take()?);
     let mut pulses = [0.0; AXES];
     for pulse in &mut pulses {
@@ -90,7 +91,7 @@ fn read(mut from: Reader, bank: &Bank, path: &Path) -> Result<Bank, String> {
 }
 
 /// 18 bytes of one sample.
-fn record(sample: &Sample, phase: u32, path: &Path) -> Result<[u8; RECORD], String> {
+fn record(sample: &Sample, phase: u32, path: &TaughtPath) -> Result<[u8; RECORD], String> {
     let place = path.place(sample.point.distance);
     let mut bytes = [0; RECORD];
     for (i, value) in sample.compensation.iter().enumerate() {
@@ -127,9 +128,9 @@ fn fit<T: TryFrom<i64>>(value: f64, what: &str) -> Result<T, String> {
 }
 
 /// What is left of the bytes.
-struct Reader<'a>(&'a [u8]);
+struct Bytes<'a>(&'a [u8]);
 
-impl Reader<'_> {
+impl Bytes<'_> {
     fn take<const N: usize>(&mut self) -> Result<[u8; N], String> {
         let (head, rest) = self.0.split_first_chunk().ok_or("it is cut")?;
         self.0 = rest;
@@ -140,7 +141,7 @@ impl Reader<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bank::tests::{numbered, path};
+    use crate::bank::pattern_bank::tests::{numbered, path};
 
     #[test]
     fn whole_pulses_come_back_with_18_bytes_a_sample() {

@@ -2,9 +2,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use serde::{Deserialize, Serialize};
-
-use crate::geometry::Pose;
+use crate::interface::Arm;
+use crate::path::geometry::Pose;
 
 /// Number of axes.
 pub const AXES: usize = 6;
@@ -14,21 +13,7 @@ pub type Joints = [f64; AXES];
 /// Sine of the tilt below which the tool is upright and the yaw is free.
 const UPRIGHT: f64 = 1e-6;
 
-/// The robot's geometry.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Arm {
-    /// Height of the wrist above the base frame where axis 2 reads 0, m; -10 to 10, default 0 (our choice).
-    pub height: f64,
-    /// Distance of the wrist from the column where axis 3 reads 0, m; -10 to 10, default 0 (our choice).
-    pub reach: f64,
-    /// Distance from the wrist to the tip of the tool, m; 0 to 2, default 0.2 (our choice).
-    pub tool_offset: f64,
-}
-
 impl Arm {
-    /// Documented defaults.
-    pub const DEFAULT: Self = Self { height: 0.0, reach: 0.0, tool_offset: 0.2 };
-
     /// Axes that bring the tip there, near those of the sample before; none on the column's axis.
     pub fn inverse(&self, pose: &Pose, before: &Joints) -> Option<Joints> {
         let wrist = pose.tip - pose.axis * self.tool_offset;
@@ -75,7 +60,7 @@ fn near(angle: f64, before: f64, period: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Vector;
+    use crate::path::geometry::Vector;
 
     const ARM: Arm = Arm { height: 0.9, reach: 0.1, tool_offset: 0.2 };
 

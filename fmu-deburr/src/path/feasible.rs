@@ -2,9 +2,9 @@
 
 use control_blocks::ParameterError;
 
-use crate::kinematics::{AXES, Joints};
-use crate::parameters::Parameters;
-use crate::path::Path;
+use crate::interface::Parameters;
+use crate::path::kinematics::{AXES, Joints};
+use crate::path::taught_path::TaughtPath;
 
 /// Names of the axes and their units, as in the messages.
 const NAMES: [(&str, &str); AXES] =
@@ -16,12 +16,12 @@ const PLACES_MAX: f64 = 2e5;
 ///
 /// # Errors
 /// Names block, distance, axis, value and limit.
-pub fn start(p: &Parameters, path: &Path, file: &str) -> Result<Joints, ParameterError> {
+pub fn start(p: &Parameters, path: &TaughtPath) -> Result<Joints, ParameterError> {
     let wrong = |distance: f64, what: String, hint| {
         let place = path.place(distance);
         ParameterError {
             name: "path.file",
-            value: file.to_owned(),
+            value: p.path.file.clone(),
             limit: format!(
                 "a path the robot can follow: block {}, {:.4} m from its start: {what}",
                 place.block + 1,
@@ -58,7 +58,7 @@ pub fn start(p: &Parameters, path: &Path, file: &str) -> Result<Joints, Paramete
 }
 
 /// Axes to compare the first place with: on an upright start the yaw is that of the first tilted place.
-fn upright_start(p: &Parameters, path: &Path, step: f64, count: usize) -> Joints {
+fn upright_start(p: &Parameters, path: &TaughtPath, step: f64, count: usize) -> Joints {
     let nothing = [0.0; AXES];
     let yaw = |k: usize| {
         let joints = p.arm.inverse(&path.at((k as f64 * step).min(path.length())), &nothing)?;
@@ -68,7 +68,7 @@ fn upright_start(p: &Parameters, path: &Path, step: f64, count: usize) -> Joints
 }
 
 fn travel(p: &Parameters, joints: &Joints) -> Result<(), String> {
-    for (i, axis) in p.axes().iter().enumerate() {
+    for (i, axis) in p.axis.iter().enumerate() {
         let ((name, unit), value) = (NAMES[i], joints[i]);
         if value < axis.minimum || value > axis.maximum {
             return Err(format!(
@@ -81,7 +81,7 @@ fn travel(p: &Parameters, joints: &Joints) -> Result<(), String> {
 }
 
 fn speed(p: &Parameters, joints: &Joints, before: &Joints, time: f64) -> Result<(), String> {
-    for (i, axis) in p.axes().iter().enumerate() {
+    for (i, axis) in p.axis.iter().enumerate() {
         let ((name, unit), speed) = (NAMES[i], (joints[i] - before[i]).abs() / time);
         if speed > axis.velocity_max {
             return Err(format!("`{name}` turns with `{speed:.3} {unit}/s`, limit `{} {unit}/s`", axis.velocity_max));
@@ -93,34 +93,33 @@ fn speed(p: &Parameters, joints: &Joints, before: &Joints, time: f64) -> Result<
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::{Block, Pose, Vector};
+    use crate::path::geometry::{Block, Pose, Vector};
 
-    fn path(places: &[([f64; 3], [f64; 3])]) -> Path {
+    fn path(places: &[([f64; 3], [f64; 3])]) -> TaughtPath {
         let poses: Vec<Pose> = places
             .iter()
             .map(|(tip, axis)| Pose { tip: Vector::from(*tip), axis: Vector::from(*axis).normalize() })
             .collect();
         let blocks = poses.windows(2).map(|pair| Block::line(&pair[0], &pair[1]).unwrap()).collect();
-        Path::new(blocks, 0.1, false, 4.0).unwrap()
+        TaughtPath::new(blocks, 0.1, false, 4.0).unwrap()
     }
 
     fn message(places: &[([f64; 3], [f64; 3])]) -> String {
-        start(&Parameters::DEFAULT, &path(places), "path.json").unwrap_err().to_string()
+        start(&Parameters::START, &path(places)).unwrap_err().to_string()
     }
 
     const DOWN: [f64; 3] = [0.0, 0.0, -1.0];
 
     #[test]
     fn a_good_path_has_a_start() {
-        let joints =
-            start(&Parameters::DEFAULT, &path(&[([0.7, 0.0, -0.2], DOWN), ([0.7, 0.1, -0.2], DOWN)]), "").unwrap();
+        let joints = start(&Parameters::START, &path(&[([0.7, 0.0, -0.2], DOWN), ([0.7, 0.1, -0.2], DOWN)])).unwrap();
         assert!((joints[2] - 0.7).abs() < 1e-12 && joints[1].abs() < 1e-12);
     }
 
     #[test]
     fn an_upright_start_has_the_yaw_that_comes() {
         let places = [([0.7, 0.0, -0.2], DOWN), ([0.7, 0.1, -0.2], [0.0, 0.3, -1.0])];
-        let joints = start(&Parameters::DEFAULT, &path(&places), "").unwrap();
+        let joints = start(&Parameters::START, &path(&places)).unwrap();
         assert!((joints[3] - std::f64::consts::FRAC_PI_2).abs() < 0.01, "{joints:?}");
     }
 

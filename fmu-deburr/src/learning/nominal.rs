@@ -1,12 +1,10 @@
 //! Nominal closed position loop, sampled: what a compensation does to the position.
 
+use control_blocks::SentCommands;
 use nalgebra::Matrix4;
 use serde::{Deserialize, Serialize};
 
-use crate::parameters::Parameters;
-
-/// Longest delay, samples.
-pub const DELAY_MAX: usize = 6;
+use crate::interface::Parameters;
 
 /// y / c with y the position, both in pulses: eq. 1 behind the gain Kp, closed over the encoder.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -20,9 +18,9 @@ pub struct Nominal {
 
 /// State of the loop between two samples.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct State {
+pub struct LoopState {
     x: [f64; 3],
-    sent: [f64; DELAY_MAX + 1],
+    sent: SentCommands,
 }
 
 impl Nominal {
@@ -42,16 +40,15 @@ impl Nominal {
             a: [row(0), row(1), row(2)],
             b: [sampled[(0, 3)], sampled[(1, 3)], sampled[(2, 3)]],
             gain: p.servo.gain[axis],
-            delay: p.servo.io_delay as usize,
+            delay: p.io_delay as usize,
         }
     }
 
     /// Position before this sample's command; then one sample with the compensation.
-    pub fn step(&self, state: &mut State, compensation: f64) -> f64 {
+    pub fn step(&self, state: &mut LoopState, compensation: f64) -> f64 {
         let position = state.x[0];
-        state.sent.copy_within(0..DELAY_MAX, 1);
-        state.sent[0] = self.gain * (compensation - position);
-        let v = state.sent[self.delay];
+        state.sent.send(self.gain * (compensation - position));
+        let v = state.sent.before(self.delay);
         let [x0, x1, x2] = state.x;
         state.x = std::array::from_fn(|i| self.a[i][0] * x0 + self.a[i][1] * x1 + self.a[i][2] * x2 + self.b[i] * v);
         position
@@ -59,7 +56,7 @@ impl Nominal {
 
     /// Replaces a signal by what the loop makes of it (T), or by what the loop that runs backward in time does (T').
     pub fn apply(&self, signal: &mut [f64], backward: bool) {
-        let mut state = State::default();
+        let mut state = LoopState::default();
         let mut step = |value: &mut f64| *value = self.step(&mut state, *value);
         match backward {
             false => signal.iter_mut().for_each(&mut step),
@@ -75,8 +72,8 @@ mod tests {
     #[test]
     fn a_constant_compensation_is_the_position_in_the_end() {
         for io_delay in 0..=3 {
-            let mut p = Parameters::DEFAULT;
-            p.servo.io_delay = io_delay;
+            let mut p = Parameters::START;
+            p.io_delay = io_delay;
             let mut signal = vec![5.0; 300];
             Nominal::new(&p, 2).apply(&mut signal, false);
             assert!((signal[299] - 5.0).abs() < 1e-6);
@@ -88,8 +85,8 @@ mod tests {
 
     #[test]
     fn a_slow_loop_is_a_first_order_lag() {
-        let mut p = Parameters::DEFAULT;
-        (p.servo.gain, p.servo.io_delay, p.model.natural_frequency, p.model.damping) = ([1.0; 6], 0, 2000.0, 1.0);
+        let mut p = Parameters::START;
+        (p.servo.gain, p.io_delay, p.model.natural_frequency, p.model.damping) = ([1.0; 6], 0, 2000.0, 1.0);
         let mut signal = vec![1.0; 200];
         Nominal::new(&p, 0).apply(&mut signal, false);
         for (k, value) in signal.iter().enumerate() {
@@ -99,7 +96,7 @@ mod tests {
 
     #[test]
     fn backward_is_the_transpose() {
-        let nominal = Nominal::new(&Parameters::DEFAULT, 0);
+        let nominal = Nominal::new(&Parameters::START, 0);
         let (a, b): (Vec<f64>, Vec<f64>) = (0..80).map(|k| ((k * k % 17) as f64, (k * 7 % 13) as f64 - 6.0)).unzip();
         let (mut ta, mut tb) = (a.clone(), b.clone());
         nominal.apply(&mut ta, false);

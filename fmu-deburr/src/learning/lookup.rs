@@ -1,8 +1,8 @@
 //! Eq. 2 to 4: the compensation for any speed, between the patterns of the speeds that were learned.
 
-use crate::feed::Point;
-use crate::kinematics::{AXES, Joints};
-use crate::pattern::{Pattern, mix};
+use crate::learning::pattern::{Pattern, mix};
+use crate::path::feed::Point;
+use crate::path::kinematics::{AXES, Joints};
 
 /// Speeds that differ by less are one, m/s.
 const SPEED_TOLERANCE: f64 = 5e-4;
@@ -11,7 +11,7 @@ const SCALE_MAX: f64 = 1.1;
 
 /// What the lookup takes from a pattern.
 #[derive(Clone, Copy, Debug)]
-pub struct Lookup {
+pub struct PatternLookup {
     /// Distance at which the speeds are compared, and the speed there.
     pub point: Point,
     /// How many samples earlier the compensation is taken.
@@ -22,7 +22,7 @@ pub struct Lookup {
     pub nominal: Option<f64>,
 }
 
-impl Lookup {
+impl PatternLookup {
     /// Compensation in pulses, not rounded; `patterns` from the fastest to the slowest.
     pub fn compensation(&self, patterns: &[Pattern]) -> Joints {
         let speed = self.point.speed;
@@ -60,14 +60,14 @@ fn between(upper: (Joints, f64), lower: (Joints, f64), speed: f64) -> Joints {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parameters::Parameters;
-    use crate::pattern::tests::straight;
+    use crate::interface::Parameters;
+    use crate::learning::pattern::tests::straight;
 
     const LENGTH: f64 = 0.3;
 
     /// Patterns whose compensation is proportional to the speed.
     fn patterns() -> Vec<Pattern> {
-        let (p, path) = (Parameters::DEFAULT, straight(LENGTH));
+        let (p, path) = (Parameters::START, straight(LENGTH));
         [1.0, 0.6, 0.2]
             .map(|factor| {
                 let mut pattern = Pattern::plan(&p, &path, factor).unwrap();
@@ -80,7 +80,7 @@ mod tests {
     }
 
     fn at(distance: f64, speed: f64, nominal: Option<f64>) -> f64 {
-        let lookup = Lookup { point: Point { distance, speed }, back: 0.0, length: LENGTH, nominal };
+        let lookup = PatternLookup { point: Point { distance, speed }, back: 0.0, length: LENGTH, nominal };
         lookup.compensation(&patterns())[0]
     }
 
@@ -108,7 +108,8 @@ mod tests {
 
     #[test]
     fn without_patterns_there_is_no_compensation() {
-        let lookup = Lookup { point: Point { distance: 0.1, speed: 0.1 }, back: 0.0, length: LENGTH, nominal: None };
+        let lookup =
+            PatternLookup { point: Point { distance: 0.1, speed: 0.1 }, back: 0.0, length: LENGTH, nominal: None };
         assert_eq!(lookup.compensation(&[]), [0.0; AXES]);
     }
 }

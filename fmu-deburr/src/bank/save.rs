@@ -37,16 +37,15 @@ fn beside(path: &Path) -> io::Result<PathBuf> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::file::place::Place;
 
-    fn names(place: &Place) -> Vec<String> {
+    fn names(place: &tempfile::TempDir) -> Vec<String> {
         let entries = fs::read_dir(place.path()).unwrap();
         entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
     }
 
     #[test]
     fn a_file_is_written_and_replaced() {
-        let place = Place::new();
+        let place = tempfile::tempdir().unwrap();
         let file = place.path().join("bank.bin");
         for text in ["one", "another"] {
             save(&file, text.as_bytes()).unwrap();
@@ -57,7 +56,7 @@ mod tests {
 
     #[test]
     fn what_cannot_be_written_leaves_the_old_file_and_nothing_else() {
-        let place = Place::new();
+        let place = tempfile::tempdir().unwrap();
         assert!(save(&place.path().join("missing").join("bank.bin"), b"x").is_err());
         assert!(save(Path::new("/"), b"x").is_err());
         assert!(save(Path::new("/dev/full"), b"x").unwrap_err().to_string().contains("device"));

@@ -1,18 +1,17 @@
 //! Motion of all axes from one place to another at rest, that can be held on the way.
 
+use control_blocks::{minimum_jerk, quintic_duration};
 use serde::{Deserialize, Serialize};
 
-use crate::kinematics::{AXES, Joints};
-use crate::parameters::Parameters;
+use crate::interface::Parameters;
+use crate::path::kinematics::{AXES, Joints};
 
-/// Peak speed of a quintic between two rests, over its mean speed.
-const PEAK_OVER_MEAN: f64 = 1.875;
 /// Time in which a held motion comes to rest, s.
 const HOLD_TIME: f64 = 0.3;
 
 /// The motion in progress.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Transfer {
+pub struct TransferMotion {
     from: Joints,
     to: Joints,
     duration: f64,
@@ -22,7 +21,7 @@ pub struct Transfer {
     rate: f64,
 }
 
-impl Transfer {
+impl TransferMotion {
     /// At rest at a place.
     pub fn at(place: &Joints) -> Self {
         Self { from: *place, to: *place, duration: 0.0, time: 0.0, rate: 1.0 }
@@ -30,10 +29,9 @@ impl Transfer {
 
     /// From rest at one place to rest at another.
     pub fn new(p: &Parameters, from: &Joints, to: &Joints) -> Self {
-        let axes = p.axes();
         let needed = |i: usize| {
-            let velocity = axes[i].velocity_max * p.transfer.velocity_share;
-            PEAK_OVER_MEAN * (to[i] - from[i]).abs() / velocity
+            let velocity = p.axis[i].velocity_max * p.transfer.velocity_share;
+            quintic_duration((to[i] - from[i]).abs(), velocity)
         };
         let duration = (0..AXES).map(needed).fold(p.transfer.time, f64::max);
         Self { from: *from, to: *to, duration, time: 0.0, rate: 1.0 }
@@ -61,8 +59,7 @@ impl Transfer {
         if self.over() {
             return self.to;
         }
-        let s = self.time / self.duration;
-        let share = s * s * s * (10.0 - s * (15.0 - 6.0 * s));
+        let share = minimum_jerk(self.time / self.duration);
         std::array::from_fn(|i| self.from[i] + (self.to[i] - self.from[i]) * share)
     }
 }
@@ -77,12 +74,12 @@ mod tests {
 
     #[test]
     fn keeps_the_speed_of_every_axis_and_arrives() {
-        let p = Parameters::DEFAULT;
-        let mut transfer = Transfer::new(&p, &FROM, &TO);
+        let p = Parameters::START;
+        let mut transfer = TransferMotion::new(&p, &FROM, &TO);
         let mut before = FROM;
         for _ in 0..10_000 {
             let now = transfer.step(DT, false);
-            for (i, axis) in p.axes().iter().enumerate() {
+            for (i, axis) in p.axis.iter().enumerate() {
                 assert!((now[i] - before[i]).abs() <= axis.velocity_max * 0.3 * DT * 1.001);
             }
             before = now;
@@ -92,8 +89,8 @@ mod tests {
 
     #[test]
     fn a_held_motion_stands_and_goes_on_without_a_jump() {
-        let p = Parameters::DEFAULT;
-        let mut transfer = Transfer::new(&p, &FROM, &TO);
+        let p = Parameters::START;
+        let mut transfer = TransferMotion::new(&p, &FROM, &TO);
         let (mut before, mut last_change) = (FROM[0], 0.0);
         for k in 0..1000 {
             let now = transfer.step(DT, (60..200).contains(&k))[0];
@@ -107,8 +104,8 @@ mod tests {
 
     #[test]
     fn a_motion_to_the_same_place_takes_its_time_too() {
-        let p = Parameters::DEFAULT;
-        let mut transfer = Transfer::new(&p, &FROM, &FROM);
+        let p = Parameters::START;
+        let mut transfer = TransferMotion::new(&p, &FROM, &FROM);
         assert!(!transfer.over());
         (0..151).for_each(|_| assert_eq!(transfer.step(DT, false), FROM));
         assert!(transfer.over());

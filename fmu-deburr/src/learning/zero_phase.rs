@@ -1,6 +1,6 @@
 //! Zero-phase low-pass: a Butterworth filter of second order, run forward and backward.
 
-use std::f64::consts::{PI, SQRT_2};
+use std::f64::consts::SQRT_2;
 
 use serde::{Deserialize, Serialize};
 
@@ -16,9 +16,9 @@ pub struct ZeroPhase {
 }
 
 impl ZeroPhase {
-    /// From its cut-off (Hz, below half the sampling rate) and the sample period (s).
-    pub fn new(cutoff: f64, dt: f64) -> Self {
-        let k = (PI * cutoff * dt).tan();
+    /// From its bandwidth (rad/s, below half the sampling rate) and the sample period (s).
+    pub fn new(bandwidth: f64, dt: f64) -> Self {
+        let k = (0.5 * bandwidth * dt).tan();
         let scale = 1.0 / (1.0 + SQRT_2 * k + k * k);
         Self { b: k * k * scale, a1: 2.0 * (k * k - 1.0) * scale, a2: (1.0 - SQRT_2 * k + k * k) * scale }
     }
@@ -63,7 +63,11 @@ mod tests {
 
     fn filtered(signal: impl Fn(f64) -> f64, count: usize, cutoff: f64, periodic: bool) -> Vec<f64> {
         let mut values: Vec<f64> = (0..count).map(|k| signal(k as f64)).collect();
-        ZeroPhase::new(cutoff, DT).filter(&mut values, &mut vec![0.0; count + 2 * PAD], periodic);
+        ZeroPhase::new(std::f64::consts::TAU * cutoff, DT).filter(
+            &mut values,
+            &mut vec![0.0; count + 2 * PAD],
+            periodic,
+        );
         values
     }
 

@@ -1,0 +1,227 @@
+//! The bank: the control patterns of all speeds, and what they belong to.
+
+use control_blocks::ParameterError;
+use serde::{Deserialize, Serialize};
+
+use crate::fingerprint::Fingerprint;
+use crate::interface::Parameters;
+use crate::learning::pattern::Pattern;
+use crate::path::kinematics::{AXES, Joints};
+use crate::path::taught_path::TaughtPath;
+
+/// What a bank belongs to; another path or machine needs another bank.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Identity {
+    /// Fingerprint of the path, its feed, the geometry of the robot and its gains.
+    pub path: u64,
+    /// Pulse of each axis, rad or m.
+    pub pulses: Joints,
+    /// Sample period, s.
+    pub period: f64,
+    /// Samples between a command and its action.
+    pub io_delay: u16,
+    /// Multiples of the taught speed.
+    pub factors: Vec<f64>,
+}
+
+impl Identity {
+    /// Nothing if the other one is the same.
+    ///
+    /// # Errors
+    /// What differs, in words for the user.
+    pub fn accepts(&self, other: &Self) -> Result<(), String> {
+        let differs =
+            |what: &str, found: String, expected: String| Err(format!("{what} `{found}`, must be `{expected}`"));
+        if other.period != self.period {
+            return differs("its sample period is", format!("{} s", other.period), format!("{} s", self.period));
+        }
+        if other.io_delay != self.io_delay {
+            return differs("its `io_delay` is", other.io_delay.to_string(), self.io_delay.to_string());
+        }
+        if other.pulses != self.pulses {
+            return differs("its pulses are", format!("{:?}", other.pulses), format!("{:?}", self.pulses));
+        }
+        if !self.factors.starts_with(&other.factors) {
+            return differs("its speeds are", format!("{:?}", other.factors), format!("{:?}", self.factors));
+        }
+        if other.path != self.path {
+            let (found, expected) = (format!("{:016x}", other.path), format!("{:016x}", self.path));
+            return differs("it belongs to another path, feed or robot: its fingerprint is", found, expected);
+        }
+        Ok(())
+    }
+}
+
+/// Patterns from the fastest to the slowest.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PatternBank {
+    identity: Identity,
+    patterns: Vec<Pattern>,
+    /// how many of them are learned
+    usable: usize,
+}
+
+impl PatternBank {
+    /// Patterns of zeros for all speeds.
+    ///
+    /// # Errors
+    /// When the path takes too long at one of them.
+    pub fn plan(p: &Parameters, path: &TaughtPath) -> Result<Self, ParameterError> {
+        let plan = |factor: &f64| Pattern::plan(p, path, *factor);
+        let patterns = p.learn.factors.list().iter().map(plan).collect::<Result<Vec<_>, _>>();
+        let patterns = patterns.map_err(|limit| ParameterError {
+            name: "learn.speeds",
+            value: format!("{:?}", p.learn.factors.list()),
+            limit: format!("speeds at which the path is not too long: {limit}"),
+            hint: "leave out the slowest speed, or split the path",
+        })?;
+        Ok(Self { identity: identity(p, path), patterns, usable: 0 })
+    }
+
+    /// Patterns that can be used, from the fastest on.
+    pub fn patterns(&self) -> &[Pattern] {
+        &self.patterns[..self.usable]
+    }
+
+    /// What the bank belongs to.
+    pub fn identity(&self) -> &Identity {
+        &self.identity
+    }
+
+    /// Number of samples of the longest pattern.
+    pub fn longest(&self) -> usize {
+        self.patterns.iter().map(Pattern::len).max().unwrap_or(0)
+    }
+
+    /// Multiple of the taught speed of the pattern `index`, or of the last one.
+    pub fn factor(&self, index: usize) -> f64 {
+        self.pattern(index).factor
+    }
+
+    /// The pattern `index`, or the last one.
+    pub fn pattern(&self, index: usize) -> &Pattern {
+        &self.patterns[index.min(self.patterns.len() - 1)]
+    }
+
+    /// The pattern `index`, or the last one, to be renewed.
+    pub fn pattern_mut(&mut self, index: usize) -> &mut Pattern {
+        let last = self.patterns.len() - 1;
+        &mut self.patterns[index.min(last)]
+    }
+
+    /// The pattern `index` is learned.
+    pub fn learned(&mut self, index: usize) {
+        self.usable = self.usable.max(index + 1);
+    }
+
+    /// Takes over the compensations of a bank that was read.
+    ///
+    /// # Errors
+    /// In words for the user, when it belongs to something else, is not consistent, or has values beyond `pulses_max`.
+    pub fn take_over(&mut self, other: &Self, pulses_max: f64) -> Result<(), String> {
+        self.identity.accepts(&other.identity)?;
+        let consistent = other.usable <= other.patterns.len() && other.patterns.len() == self.patterns.len();
+        if !consistent || !self.patterns.iter().zip(&other.patterns).all(|(a, b)| a.fits(b)) {
+            return Err("its samples are not those of this path".to_owned());
+        }
+        let values = other.patterns.iter().flat_map(|pattern| &pattern.samples).flat_map(|sample| sample.compensation);
+        if let Some(value) = values.into_iter().find(|value| value.is_nan() || value.abs() > pulses_max) {
+            return Err(format!(
+                "it has the compensation `{value}` pulses, limit `limits.pulses_max` = `{pulses_max}`"
+            ));
+        }
+        for (pattern, other) in self.patterns.iter_mut().zip(&other.patterns) {
+            let samples = pattern.samples.iter_mut().zip(&other.samples);
+            samples.for_each(|(sample, other)| sample.compensation = other.compensation);
+        }
+        self.usable = other.usable;
+        Ok(())
+    }
+
+    /// Forgets everything that was learned.
+    pub fn clear(&mut self) {
+        self.usable = 0;
+        let samples = self.patterns.iter_mut().flat_map(|pattern| &mut pattern.samples);
+        samples.for_each(|sample| sample.compensation = [0.0; AXES]);
+    }
+}
+
+/// What a bank for this path and these parameters belongs to.
+fn identity(p: &Parameters, path: &TaughtPath) -> Identity {
+    let mut print = Fingerprint::default();
+    path.fingerprint(&mut print);
+    let numbers = [p.path.corner, p.feed.acceleration, p.feed.smoothing.into(), p.learn.lead_in.into()];
+    let geometry = [p.learn.lead_out.into(), p.arm.height, p.arm.reach, p.arm.tool_offset];
+    numbers.iter().chain(&geometry).chain(&p.servo.gain).for_each(|value| print.add(*value));
+    Identity {
+        path: print.value(),
+        pulses: p.pulses(),
+        period: p.sample_period,
+        io_delay: p.io_delay as u16,
+        factors: p.learn.factors.list().to_vec(),
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::learning::pattern::tests::straight;
+    use crate::learning::speeds::Speeds;
+
+    /// The path of the test banks.
+    pub(crate) fn path() -> TaughtPath {
+        straight(0.1)
+    }
+
+    /// A bank with `value(k)` in the sample `k` of each pattern.
+    pub(crate) fn numbered(value: impl Fn(usize) -> f64) -> PatternBank {
+        let mut bank = PatternBank::plan(&Parameters::START, &path()).unwrap();
+        for index in 0..5 {
+            for (k, sample) in bank.pattern_mut(index).samples.iter_mut().enumerate() {
+                sample.compensation = std::array::from_fn(|i| value(k) + i as f64);
+            }
+            bank.learned(index);
+        }
+        bank
+    }
+
+    #[test]
+    fn the_same_machine_takes_a_bank_over() {
+        let mut bank = PatternBank::plan(&Parameters::START, &path()).unwrap();
+        assert!(bank.patterns().is_empty());
+        bank.take_over(&numbered(|k| k as f64), 32_767.0).unwrap();
+        assert_eq!(bank, numbered(|k| k as f64));
+        bank.clear();
+        assert_eq!(bank, PatternBank::plan(&Parameters::START, &path()).unwrap());
+    }
+
+    #[test]
+    fn a_bank_of_something_else_is_refused_with_the_difference() {
+        let refused = |change: fn(&mut Parameters), length: f64| {
+            let mut p = Parameters::START;
+            change(&mut p);
+            let mut bank = PatternBank::plan(&p, &straight(length)).unwrap();
+            bank.take_over(&numbered(|_| 1.0), 32_767.0).unwrap_err()
+        };
+        let cases = [
+            (refused(|p| p.sample_period = 0.005, 0.1), "sample period is `0.01 s`, must be `0.005 s`"),
+            (refused(|p| p.io_delay = 0, 0.1), "`io_delay` is `1`, must be `0`"),
+            (refused(|p| p.axis[2].pulse = 1e-5, 0.1), "pulses are"),
+            (refused(|p| p.learn.factors = Speeds::new(&[1.0, 0.5]).unwrap(), 0.1), "speeds are"),
+            (refused(|_| (), 0.1001), "another path"),
+            (refused(|p| p.feed.acceleration = 0.6, 0.1), "another path, feed or robot"),
+            (refused(|p| p.arm.tool_offset = 0.21, 0.1), "fingerprint is"),
+        ];
+        for (message, part) in cases {
+            assert!(message.contains(part), "{message}");
+        }
+    }
+
+    #[test]
+    fn values_that_no_pattern_has_are_refused() {
+        let mut bank = PatternBank::plan(&Parameters::START, &path()).unwrap();
+        for value in [f64::NAN, f64::INFINITY, 40_000.0] {
+            assert!(bank.take_over(&numbered(|_| value), 32_767.0).is_err());
+        }
+    }
+}

@@ -1,0 +1,353 @@
+//! Every variable of the FMU, told once.
+//!
+//! Sources: "paper" = Kimura, Mukai and Kobayashi; "derived" = follows from the equations; "our choice" = the paper is
+//! silent. The axes are 1 column, 2 height, 3 arm, 4 yaw, 5 pitch and 6 roll of the wrist.
+
+pub use variables::*;
+
+// one line for a declaration, as in a table
+#[rustfmt::skip]
+#[fmi2_export::interface]
+mod variables {
+    use std::f64::consts::TAU;
+
+    use fmi2_export::units::{METRE, METRE_PER_SECOND, METRE_PER_SECOND_SQUARED, ONE, RADIAN, RADIAN_PER_SECOND, SECOND};
+    use fmi2_export::Unit;
+
+    use crate::learning::speeds::Speeds;
+
+    const PER_SECOND: Unit = Unit::si("1/s", [0, 0, -1, 0, 0], &[]);
+    /// Units of the six axes.
+    const JOINT: [Unit; 6] = [RADIAN, METRE, METRE, RADIAN, RADIAN, RADIAN];
+    const SHOWN: [&str; 6] = ["deg", "mm", "mm", "deg", "deg", "deg"];
+    const TURN: Unit = RADIAN_PER_SECOND;
+    const RATE: [Unit; 6] = [TURN, METRE_PER_SECOND, METRE_PER_SECOND, TURN, TURN, TURN];
+    const PULSE: [f64; 6] = [TAU / 640e3, 2.5e-6, 5e-6, TAU / 400e3, TAU / 400e3, TAU / 400e3];
+    const RPM: f64 = TAU / 60.0;
+
+    /// What is asked for; a job begins when the mode changes to it while `enable` is true
+    pub enum Mode {
+        /// Hold the pose; a motion stops on its way
+        Idle,
+        /// Run the path once without compensation
+        DryRun,
+        /// Learn the patterns of all speeds, in air
+        Learn,
+        /// Run the path with the patterns at the overridden speed
+        Playback,
+        /// Run the path with the patterns at the speed that the cutting load allows
+        Deburr,
+        /// Write the bank
+        Export,
+    }
+    /// What the controller is doing
+    pub enum State {
+        /// Not enabled: velocity commands are zero
+        Off,
+        /// Holds the pose
+        Idle,
+        /// Moves to the start of the path
+        Approach,
+        /// Rests before a run
+        Settle,
+        /// Runs the path
+        Run,
+        /// Stops on its way
+        Stop,
+        /// The job is done, holds the pose
+        Done,
+        /// Velocity commands are zero; `reset_fault` ends it at rest
+        Fault,
+    }
+    /// Why the controller is in the state Fault
+    pub enum Fault {
+        /// No fault
+        None,
+        /// An input is NaN, infinite or out of its plausible range
+        InvalidInput,
+        /// An axis was farther from its reference than `limits.axisN.error_max`
+        #[hint("is the drive on, and is `axisN.pulse` that of the encoder?")] ControlError,
+        /// A pattern became larger than `limits.pulses_max`
+        #[hint("a larger pulse, or a law that converges")] PatternTooLarge,
+        /// There is no pattern to compensate with
+        #[hint("learn, name a `bank.import`, or switch `lookup.enable` off")] BankEmpty,
+        /// The tool turned slower than `limits.spindle_speed_min` while deburring
+        #[hint("start the tool before, or lower the taught speed")] SpindleSlow,
+    }
+    /// Law in force
+    pub enum Law {
+        /// Error read ahead through a zero-phase low-pass, best repetition kept, feed known ahead of the reference
+        Default,
+        /// The paper's: plain repetitive control, last repetition kept, no preview
+        Paper,
+    }
+    /// How a pattern is renewed after a repetition
+    pub enum LearningLaw {
+        /// Pattern plus error: the paper's repetitive control
+        Plain,
+        /// Pattern plus error read ahead, through a zero-phase low-pass
+        LeadFilter,
+        /// Pattern plus the change that is best for the nominal loop
+        NormOptimal,
+    }
+    /// What `bank.export` is written as
+    pub enum Format {
+        /// All digits and a checksum
+        Full,
+        /// The paper's 18 bytes for each sample, in whole pulses
+        Records,
+    }
+    /// Where the control patterns come from, or what became of them
+    pub enum BankStatus {
+        /// There are none
+        Empty,
+        /// Read from `bank.import`
+        Imported,
+        /// Learned, not written
+        Learned,
+        /// Written to `bank.export`
+        Exported,
+        /// Not written; they are still here
+        ExportFailed,
+    }
+    /// Inputs, sampled at the start of the tick.
+    #[inputs] pub struct Input {
+        pub axis: [AxisInput; 6],
+        /// Tool speed N
+        #[var(unit = RADIAN_PER_SECOND as "rpm", start = 1885.0, accepts_nan)] pub spindle_speed: f64,
+        pub mode: Mode,
+        /// The drives may move; false stops a motion on its way, then all velocity commands are zero
+        pub enable: bool,
+        /// Slow down and stand on the way; false goes on
+        pub hold: bool,
+        /// Part of the taught speed in DryRun, Playback and Deburr, limited to 0 to 1
+        #[var(unit = ONE, start = 1.0, accepts_nan)] pub speed_override: f64,
+        /// Rising edge ends a fault once the axes are at rest
+        pub reset_fault: bool,
+    }
+    /// Inputs of one axis.
+    pub struct AxisInput {
+        /// Encoder reading of axis {n} (1 column, positive towards +y; 2 height; 3 arm; 4 yaw, 5 pitch, 6 roll of the wrist)
+        #[var(unit = JOINT[INDEX] as SHOWN[INDEX], accepts_nan)] pub position: f64,
+    }
+    /// Outputs; always finite.
+    #[outputs] pub struct Output {
+        pub axis: [AxisOutput; 6],
+        /// A velocity command is at its limit
+        pub saturated: bool,
+        pub state: State,
+        pub fault: Fault,
+        pub path: PathOutput,
+        pub learn: LearnOutput,
+        pub load: LoadOutput,
+        pub bank: BankOutput,
+    }
+    /// Outputs of one axis.
+    pub struct AxisOutput {
+        /// Velocity command of axis {n}
+        #[var(unit = RATE[INDEX])] pub velocity: f64,
+        /// Reference r of axis {n}, in whole pulses
+        #[var(unit = JOINT[INDEX] as SHOWN[INDEX])] pub reference: f64,
+        /// Control error e of axis {n}
+        #[var(unit = JOINT[INDEX] as SHOWN[INDEX])] pub error: f64,
+        /// Compensation c of axis {n}, in whole pulses
+        #[var(unit = JOINT[INDEX] as SHOWN[INDEX])] pub compensation: f64,
+        /// Root mean square of the control error of axis {n} in the last finished repetition
+        #[var(unit = JOINT[INDEX] as SHOWN[INDEX])] pub rms: f64,
+        /// Largest control error of axis {n} in the last finished repetition
+        #[var(unit = JOINT[INDEX] as SHOWN[INDEX])] pub peak: f64,
+    }
+    /// Where the reference is on the path.
+    pub struct PathOutput {
+        /// Distance L of the reference from the start of the path
+        #[var(unit = METRE as "mm")] pub distance: f64,
+        /// Speed V of the reference on the path
+        #[var(unit = METRE_PER_SECOND as "mm/s")] pub speed: f64,
+        /// Number of the block, from 1
+        #[var(start = 1)] pub block: i32,
+        /// Distance L* from the previous teaching point
+        #[var(unit = METRE as "mm")] pub block_distance: f64,
+        /// Length of the path
+        #[var(unit = METRE as "mm")] pub length: f64,
+        /// Full laps of a cyclic path since the run began
+        pub laps: i32,
+        /// The job is done and the robot stands
+        pub done: bool,
+        /// Tip of the tool that the reference stands for, x, y, z in the base frame
+        #[var(unit = METRE as "mm")] pub tip: [f64; 3],
+    }
+    /// How the learning goes.
+    pub struct LearnOutput {
+        /// Number of the speed that is learned, from 1; 0 before
+        pub speed_index: i32,
+        /// Number of the present repetition; 0 is the bare servo
+        pub repetition: i32,
+        /// Repetition with the smallest error so far at this speed
+        pub best: i32,
+        /// Root mean square of the control error at the tip over all axes in the last finished repetition
+        #[var(unit = METRE as "um")] pub cost: f64,
+        /// All speeds are learned
+        pub done: bool,
+    }
+    /// Cutting-load control.
+    pub struct LoadOutput {
+        /// Feed V_n that the cutting load allows, eq. 5
+        #[var(unit = METRE_PER_SECOND as "mm/s")] pub feed: f64,
+        /// The slowest feed is still too fast for longer than `load.overload_time`
+        pub overload: bool,
+    }
+    /// Control patterns.
+    pub struct BankOutput {
+        pub status: BankStatus,
+        /// Number of patterns that can be used
+        pub patterns: i32,
+        /// What became of the last reading or writing of the bank
+        pub message: String,
+    }
+    /// All parameters.
+    #[parameters] pub struct Parameters {
+        pub law: Law,
+        /// Sample period t of servo and learning
+        #[var(unit = SECOND as "ms", range = 1e-3..=0.05, start = 0.01, source = "paper")] pub sample_period: f64,
+        /// Samples between a command and its action; 1 for a standard master, 0 if the command acts at once
+        #[var(range = 0..=6, start = 1, source = "our choice: what a standard master does")] pub io_delay: i32,
+        pub axis: [Axis; 6],
+        pub arm: Arm,
+        pub servo: Servo,
+        pub transfer: Transfer,
+        pub path: Path,
+        pub feed: Feed,
+        pub learn: Learn,
+        pub model: Model,
+        pub lookup: Lookup,
+        pub bank: Bank,
+        pub load: Load,
+        pub limits: Limits,
+    }
+    /// One axis.
+    pub struct Axis {
+        /// Encoder pulse q of axis {n}
+        #[var(unit = JOINT[INDEX], range = 1e-9..=1e-2, start = PULSE[INDEX], source = "our choice: 5 um on axis 3 gives the 4 pulses of the paper's Fig. 2")] pub pulse: f64,
+        /// Largest velocity command of axis {n}
+        #[var(unit = RATE[INDEX], range = 1e-3..=100.0, start = [3.0, 1.0, 1.5, 6.0, 6.0, 6.0][INDEX], source = "our choice")] pub velocity_max: f64,
+        /// Lower end of the travel of axis {n}
+        #[var(unit = JOINT[INDEX] as SHOWN[INDEX], range = -100.0..=100.0, start = [-3.2, -1.0, 0.1, -6.3, -6.3, -6.3][INDEX], source = "our choice")] pub minimum: f64,
+        /// Upper end of the travel of axis {n}
+        #[var(unit = JOINT[INDEX] as SHOWN[INDEX], range = -100.0..=100.0, start = [3.2, 1.0, 2.0, 6.3, 6.3, 6.3][INDEX], source = "our choice")] pub maximum: f64,
+    }
+    /// Geometry of the robot.
+    pub struct Arm {
+        /// Height of the wrist above the base frame where axis 2 reads 0
+        #[var(unit = METRE as "mm", range = -10.0..=10.0, source = "our choice")] pub height: f64,
+        /// Distance of the wrist from the column where axis 3 reads 0
+        #[var(unit = METRE as "mm", range = -10.0..=10.0, source = "our choice")] pub reach: f64,
+        /// Distance from the wrist to the tip of the tool
+        #[var(unit = METRE as "mm", range = 0.0..=2.0, start = 0.2, source = "our choice")] pub tool_offset: f64,
+    }
+    /// Position loop.
+    pub struct Servo {
+        /// Gain Kp of the position loop of each axis
+        #[var(unit = PER_SECOND, range = 0.1..=100.0, start = [13.0; 6], source = "paper: axes 1 and 3; the others our choice")] pub gain: [f64; 6],
+    }
+    /// Motion to the start of the path, and the rest there.
+    pub struct Transfer {
+        /// Shortest time of the motion to the start of the path
+        #[var(unit = SECOND, range = 0.1..=60.0, start = 1.5, source = "derived: no count of error is left after the rest")] pub time: f64,
+        /// Rest before a run
+        #[var(unit = SECOND, range = 0.0..=60.0, start = 0.8, source = "derived: ten time constants 1/Kp")] pub settle_time: f64,
+        /// Part of the largest velocities that the motion to the start may use
+        #[var(unit = ONE, range = 0.01..=1.0, start = 0.3, source = "our choice")] pub velocity_share: f64,
+    }
+    /// The taught path.
+    pub struct Path {
+        /// JSON file of the taught path, in the folder resources or with its whole path; empty for `path.json`
+        pub file: String,
+        /// Taught speed; 0 for that of the file
+        #[var(unit = METRE_PER_SECOND as "mm/s", range = 0.0..=2.0)] pub taught_speed: f64,
+        /// Turn of the tangent at which the feed stops
+        #[var(unit = RADIAN as "deg", range = 1e-3..=3.2, start = 0.2, source = "our choice")] pub corner: f64,
+    }
+    /// Feed along the path.
+    pub struct Feed {
+        /// Acceleration and deceleration on the path
+        #[var(unit = METRE_PER_SECOND_SQUARED, range = 0.01..=50.0, start = 0.5, source = "our choice")] pub acceleration: f64,
+        /// Samples of the moving average over the speed; 1 for none
+        #[var(range = 1..=32, start = 1, source = "our choice")] pub smoothing: i32,
+    }
+    /// Learning of the control patterns.
+    pub struct Learn {
+        #[var(start = LearningLaw::LeadFilter, paper = LearningLaw::Plain, source = "derived")] pub law: LearningLaw,
+        /// Multiples of the taught speed at which patterns are learned, 0.01 to 1, descending, up to 9
+        #[var(start = "1.0 0.8 0.6 0.4 0.2", source = "paper")] pub speeds: String,
+        /// What `speeds` lists.
+        #[var(hidden, start = Speeds::PAPER)] pub factors: Speeds,
+        /// Renewals of each pattern
+        #[var(range = 0..=100, start = 19, source = "paper")] pub repetitions: i32,
+        /// Keep the pattern with the smallest error, not the last one
+        #[var(start = true, paper = false, source = "paper, 5.1: \"abort the renewal\"")] pub stop_at_best: bool,
+        /// Learn on from the patterns of the bank, not from zero
+        #[var(source = "our choice: adapts a bank to another machine")] pub from_bank: bool,
+        /// Samples that the error is read ahead, beyond `io_delay`; Plain and LeadFilter
+        #[var(range = -6..=8, start = 2, paper = 0, source = "derived")] pub lead: i32,
+        /// Cut-off of the zero-phase filter; LeadFilter
+        #[var(unit = RADIAN_PER_SECOND as "Hz", range = 0.6..=2.5e3, start = 20.0 * TAU, source = "derived: 20 Hz")] pub bandwidth: f64,
+        /// Weight lambda of the change of the pattern; NormOptimal
+        #[var(unit = ONE, range = 1e-6..=1e3, start = 0.01, source = "derived")] pub weight: f64,
+        /// Samples of a pattern before the start of the path
+        #[var(range = 8..=100, start = 10, source = "our choice: at least lead and preview")] pub lead_in: i32,
+        /// Samples of a pattern after the end of the path
+        #[var(range = 8..=500, start = 60, source = "our choice: 8 time constants 1/Kp")] pub lead_out: i32,
+    }
+    /// Nominal velocity loop, eq. 1.
+    pub struct Model {
+        /// Natural frequency of the nominal velocity loop, eq. 1; NormOptimal
+        #[var(unit = RADIAN_PER_SECOND as "Hz", range = 10.0..=1e5, start = 280.0, source = "paper")] pub natural_frequency: f64,
+        /// Damping ratio of the nominal velocity loop, eq. 1; NormOptimal
+        #[var(unit = ONE, range = 0.05..=5.0, start = 0.52, source = "paper")] pub damping: f64,
+    }
+    /// Use of the control patterns, eq. 2 to 4.
+    pub struct Lookup {
+        /// Compensate with the patterns in Playback and Deburr
+        #[var(start = true, tunable)] pub enable: bool,
+        /// Eq. 4 with the speed recorded at the distance, not with the nominal one
+        #[var(start = true, source = "derived")] pub recorded_speed: bool,
+        /// Time by which the feed is known before the reference follows it, beyond `io_delay`
+        #[var(unit = SECOND as "ms", range = -0.3..=0.4, start = 0.0037, paper = 0.0, source = "derived: the lag 2 zeta / wn of the velocity loop")] pub preview: f64,
+    }
+    /// Files of the control patterns.
+    pub struct Bank {
+        /// Bank that is read at initialisation, in the folder resources or with its whole path; empty for none
+        pub import: String,
+        /// File that the bank is written to after learning and on Export; empty for none
+        pub export: String,
+        pub format: Format,
+    }
+    /// Cutting-load control, eq. 5.
+    pub struct Load {
+        /// Regulate the feed by the cutting load in Deburr; false keeps the taught speed
+        #[var(start = true, tunable)] pub enable: bool,
+        /// Target tool speed N_nom
+        #[var(unit = RADIAN_PER_SECOND as "rpm", range = 10.0..=1e5, start = 17_300.0 * RPM, tunable, source = "paper: 17,300 rpm")] pub spindle_speed: f64,
+        /// Gain K1 for each sample
+        #[var(unit = METRE_PER_SECOND, range = 0.0..=10.0, start = 0.092, tunable, source = "derived: calm, and no stall up to 1.8 times the cutting force")] pub k1: f64,
+        /// Gain K2; negative is the sign as printed in the paper, which destabilises
+        #[var(unit = METRE, range = -1.0..=1.0, start = 0.0138, tunable, source = "derived: K2 = tau K1 cancels the pole of the tool, tau = 0.15 s")] pub k2: f64,
+        /// Slowest feed
+        #[var(unit = METRE_PER_SECOND as "mm/s", range = 0.0..=1.0, start = 0.004, tunable, source = "our choice")] pub speed_min: f64,
+        /// Time at the slowest feed that is an overload
+        #[var(unit = SECOND, range = 0.0..=60.0, start = 0.2, tunable, source = "our choice")] pub overload_time: f64,
+    }
+    /// What is a fault beyond.
+    pub struct Limits {
+        pub axis: [AxisLimits; 6],
+        /// Largest pattern value in pulses
+        #[var(unit = ONE, range = 1.0..=1e9, start = 32_767.0, source = "paper: 16 bits")] pub pulses_max: f64,
+        /// Tool speed below which deburring is a fault
+        #[var(unit = RADIAN_PER_SECOND as "rpm", range = 0.0..=1e5, start = 10_000.0 * RPM, tunable, source = "our choice: beyond the breakdown torque of the motor")] pub spindle_speed_min: f64,
+    }
+    /// What is a fault of one axis.
+    pub struct AxisLimits {
+        /// Control error of axis {n} that is a fault
+        #[var(unit = JOINT[INDEX] as SHOWN[INDEX], range = 1e-6..=10.0, start = [0.2, 0.1, 0.1, 0.5, 0.5, 0.5][INDEX], source = "our choice: twice the error of the servo without compensation at 0.5 m/s")] pub error_max: f64,
+    }
+}

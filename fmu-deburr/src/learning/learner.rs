@@ -1,0 +1,295 @@
+//! Learning of the patterns: repetitions at one speed after the other, each followed by a renewal of the pattern.
+
+use serde::{Deserialize, Serialize};
+
+use crate::interface::{LearnOutput, LearningLaw, Parameters};
+use crate::learning::nominal::Nominal;
+use crate::learning::norm_optimal::{Work, solve};
+use crate::learning::pattern::Pattern;
+use crate::learning::zero_phase::{PAD, ZeroPhase};
+use crate::path::kinematics::{AXES, Joints};
+
+/// An error that is so many times that of the bare servo ends the learning of a speed.
+const DIVERGED: f64 = 3.0;
+
+/// What follows a repetition.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Next {
+    /// Another repetition at the same speed.
+    Repeat,
+    /// The speed is learned, the next one follows.
+    NextSpeed,
+    /// All speeds are learned.
+    Done,
+    /// The pattern became larger than `limits.pulses_max`.
+    TooLarge,
+}
+
+/// Control error of one repetition.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Errors {
+    /// Root mean square, rad or m.
+    pub rms: Joints,
+    /// Largest magnitude, rad or m.
+    pub peak: Joints,
+    /// Root mean square of the sum over all axes at the tip, m.
+    pub cost: f64,
+}
+
+/// Learning between two samples.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Learner {
+    /// Number of the speed, from 0.
+    pub speed: usize,
+    /// Number of the repetition, 0 is the bare servo.
+    pub repetition: i32,
+    /// Repetition with the smallest error so far.
+    pub best_repetition: i32,
+    /// Errors of the last finished repetition.
+    pub errors: Errors,
+    best_cost: f64,
+    first_cost: f64,
+    best: Vec<Joints>,
+    record: Vec<Joints>,
+    /// sums over the samples of this repetition
+    sums: Errors,
+    count: usize,
+    filter: ZeroPhase,
+    nominal: [Nominal; AXES],
+    values: Vec<f64>,
+    room: [Vec<f64>; 3],
+}
+
+impl Parameters {
+    /// By how many samples the learning looks ahead: `learn.lead` beyond `io_delay`.
+    pub(crate) fn shift(&self) -> usize {
+        (self.learn.lead + self.io_delay).max(0) as usize
+    }
+}
+
+impl Learner {
+    /// With room for patterns of up to `samples` samples.
+    pub fn new(p: &Parameters, samples: usize) -> Self {
+        Self {
+            speed: 0,
+            repetition: 0,
+            best_repetition: 0,
+            errors: Errors::default(),
+            best_cost: f64::INFINITY,
+            first_cost: 0.0,
+            best: vec![[0.0; AXES]; samples],
+            record: vec![[0.0; AXES]; samples],
+            sums: Errors::default(),
+            count: 0,
+            filter: ZeroPhase::new(p.learn.bandwidth, p.sample_period),
+            nominal: std::array::from_fn(|axis| Nominal::new(p, axis)),
+            values: vec![0.0; samples],
+            room: [(); 3].map(|()| vec![0.0; samples + 2 * PAD]),
+        }
+    }
+
+    /// Begins with the first speed.
+    pub fn start(&mut self) {
+        (self.speed, self.repetition, self.best_repetition) = (0, 0, 0);
+        self.restart();
+    }
+
+    /// Begins the repetition again.
+    pub fn restart(&mut self) {
+        (self.sums, self.count) = (Errors::default(), 0);
+    }
+
+    /// Takes the control error of the sample `index` (pulses); `levers` tell how far the tip moves with each axis.
+    pub fn record(&mut self, index: usize, error: &Joints, pulses: &Joints, levers: &Joints) {
+        self.record[index] = *error;
+        self.count += 1;
+        for i in 0..AXES {
+            let error = error[i] * pulses[i];
+            self.sums.rms[i] += error * error;
+            self.sums.peak[i] = self.sums.peak[i].max(error.abs());
+            self.sums.cost += (error * levers[i]) * (error * levers[i]);
+        }
+    }
+
+    /// Ends a repetition: judges it and renews the pattern.
+    pub fn finish(&mut self, p: &Parameters, pattern: &mut Pattern) -> Next {
+        self.judge(pattern);
+        let diverged = self.first_cost > 0.0 && self.errors.cost > DIVERGED * self.first_cost;
+        if self.repetition < p.learn.repetitions && !diverged {
+            self.renew(p, pattern);
+            self.repetition += 1;
+            if largest(pattern) <= p.limits.pulses_max {
+                return Next::Repeat;
+            }
+            self.restore(pattern);
+            return Next::TooLarge;
+        }
+        if p.learn.stop_at_best || diverged {
+            self.restore(pattern);
+        }
+        self.speed += 1;
+        self.repetition = 0;
+        if self.speed < p.learn.factors.list().len() { Next::NextSpeed } else { Next::Done }
+    }
+
+    /// Outputs of the learning; `running` says whether something is learned or was learned in this job, `done` whether all is.
+    pub(crate) fn report(&self, p: &Parameters, running: bool, done: bool) -> LearnOutput {
+        let last = p.learn.factors.list().len() - 1;
+        LearnOutput {
+            speed_index: if running { self.speed.min(last) as i32 + 1 } else { 0 },
+            repetition: self.repetition,
+            best: self.best_repetition,
+            cost: self.errors.cost,
+            done,
+        }
+    }
+
+    fn judge(&mut self, pattern: &Pattern) {
+        let count = self.count.max(1) as f64;
+        let Errors { rms, peak, cost } = self.sums;
+        self.errors = Errors { rms: rms.map(|sum| (sum / count).sqrt()), peak, cost: (cost / count).sqrt() };
+        self.restart();
+        if self.repetition == 0 {
+            (self.first_cost, self.best_cost) = (self.errors.cost, f64::INFINITY);
+        }
+        if self.errors.cost < self.best_cost {
+            (self.best_cost, self.best_repetition) = (self.errors.cost, self.repetition);
+            self.best.iter_mut().zip(&pattern.samples).for_each(|(best, sample)| *best = sample.compensation);
+        }
+    }
+
+    fn restore(&self, pattern: &mut Pattern) {
+        pattern.samples.iter_mut().zip(&self.best).for_each(|(sample, best)| sample.compensation = *best);
+    }
+
+    fn renew(&mut self, p: &Parameters, pattern: &mut Pattern) {
+        for axis in 0..AXES {
+            let count = pattern.len();
+            for k in 0..count {
+                let ahead = ahead(k, p.shift(), count, pattern.cyclic);
+                let (now, later) = (self.record[k][axis], self.record[ahead][axis]);
+                let compensation = pattern.samples[k].compensation[axis];
+                self.values[k] = match p.learn.law {
+                    LearningLaw::Plain | LearningLaw::LeadFilter => compensation + later,
+                    LearningLaw::NormOptimal => now,
+                };
+            }
+            self.transform(p, count, axis, pattern.cyclic);
+            for (sample, value) in pattern.samples.iter_mut().zip(&self.values) {
+                let compensation = &mut sample.compensation[axis];
+                *compensation = if p.learn.law == LearningLaw::NormOptimal { *compensation + value } else { *value };
+            }
+        }
+    }
+
+    /// What the law makes of the values of one axis as a whole.
+    fn transform(&mut self, p: &Parameters, count: usize, axis: usize, cyclic: bool) {
+        let values = &mut self.values[..count];
+        let [a, b, c] = &mut self.room;
+        match p.learn.law {
+            LearningLaw::Plain => {}
+            LearningLaw::LeadFilter => self.filter.filter(values, a, cyclic),
+            LearningLaw::NormOptimal => {
+                let mut work = Work { residual: &mut a[..count], direction: &mut b[..count], product: &mut c[..count] };
+                solve(&self.nominal[axis], p.learn.weight, values, &mut work);
+            }
+        }
+    }
+}
+
+/// Number of the sample `shift` later: in the next lap, or the last one.
+fn ahead(k: usize, shift: usize, count: usize, cyclic: bool) -> usize {
+    if cyclic { (k + shift) % count } else { (k + shift).min(count - 1) }
+}
+
+fn largest(pattern: &Pattern) -> f64 {
+    let values = pattern.samples.iter().flat_map(|sample| sample.compensation);
+    values.fold(0.0, |most, value| most.max(value.abs()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::learning::pattern::tests::straight;
+
+    fn setup(p: &Parameters) -> (Learner, Pattern) {
+        let pattern = Pattern::plan(p, &straight(0.05), 1.0).unwrap();
+        (Learner::new(p, pattern.len()), pattern)
+    }
+
+    fn repeat(learner: &mut Learner, p: &Parameters, pattern: &mut Pattern, error: impl Fn(usize) -> f64) -> Next {
+        for k in 0..pattern.len() {
+            learner.record(k, &[error(k); AXES], &[1e-6; AXES], &[1.0; AXES]);
+        }
+        learner.finish(p, pattern)
+    }
+
+    #[test]
+    fn plain_is_pattern_plus_error_in_whole_pulses() {
+        let (mut learner, mut pattern) = setup(&Parameters::PAPER);
+        let mut p = Parameters::PAPER;
+        p.io_delay = 0;
+        for _ in 0..2 {
+            assert_eq!(repeat(&mut learner, &p, &mut pattern, |k| k as f64), Next::Repeat);
+        }
+        for (k, sample) in pattern.samples.iter().enumerate() {
+            assert_eq!(sample.compensation, [2.0 * k as f64; AXES]);
+        }
+    }
+
+    #[test]
+    fn the_lead_reads_the_error_ahead_and_the_end_stays() {
+        let mut p = Parameters::PAPER;
+        (p.io_delay, p.learn.lead) = (1, 2);
+        let (mut learner, mut pattern) = setup(&p);
+        repeat(&mut learner, &p, &mut pattern, |k| k as f64);
+        let last = pattern.len() - 1;
+        assert_eq!(pattern.samples[5].compensation[0], 8.0);
+        assert_eq!(pattern.samples[last].compensation[0], last as f64);
+    }
+
+    #[test]
+    fn the_best_repetition_stays_when_asked_to() {
+        for (stop_at_best, kept) in [(true, 1.0), (false, 3.0)] {
+            let mut p = Parameters::PAPER;
+            (p.learn.stop_at_best, p.learn.repetitions, p.io_delay) = (stop_at_best, 3, 0);
+            let (mut learner, mut pattern) = setup(&p);
+            let sizes = [100.0, 1.0, 30.0, 50.0];
+            let ends: Vec<_> = sizes.iter().map(|size| repeat(&mut learner, &p, &mut pattern, |_| *size)).collect();
+            assert_eq!(ends, [Next::Repeat, Next::Repeat, Next::Repeat, Next::NextSpeed]);
+            assert_eq!(learner.best_repetition, 1);
+            // pattern of run 1: 100, of run 3: 131
+            let expected = if kept == 1.0 { 100.0 } else { 131.0 };
+            assert_eq!(pattern.samples[7].compensation[3], expected);
+        }
+    }
+
+    #[test]
+    fn three_times_the_first_error_ends_the_speed_with_the_best_pattern() {
+        let mut p = Parameters::PAPER;
+        p.io_delay = 0;
+        let (mut learner, mut pattern) = setup(&p);
+        repeat(&mut learner, &p, &mut pattern, |_| 10.0);
+        assert_eq!(repeat(&mut learner, &p, &mut pattern, |_| 31.0), Next::NextSpeed);
+        assert_eq!(pattern.samples[0].compensation[0], 0.0);
+        assert_eq!((learner.speed, learner.repetition), (1, 0));
+    }
+
+    #[test]
+    fn a_pattern_beyond_16_bits_is_told() {
+        let p = Parameters::PAPER;
+        let (mut learner, mut pattern) = setup(&p);
+        assert_eq!(repeat(&mut learner, &p, &mut pattern, |_| 40_000.0), Next::TooLarge);
+        assert_eq!(largest(&pattern), 0.0);
+    }
+
+    #[test]
+    fn errors_are_told_in_physical_units() {
+        let p = Parameters::START;
+        let (mut learner, mut pattern) = setup(&p);
+        repeat(&mut learner, &p, &mut pattern, |k| if k % 2 == 0 { 3.0 } else { -4.0 });
+        let Errors { rms, peak, cost } = learner.errors;
+        assert!((rms[0] - 12.5_f64.sqrt() * 1e-6).abs() < 1e-8 && (peak[5] - 4e-6).abs() < 1e-15);
+        assert!((cost - 75.0_f64.sqrt() * 1e-6).abs() < 1e-7);
+    }
+}
