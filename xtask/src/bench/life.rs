@@ -7,7 +7,7 @@ use anyhow::{Result, ensure};
 use super::effort::Effort;
 use super::library::Fmu;
 use super::recording::Recording;
-use super::slave::{Slave, Snapshot, Value, Variable};
+use super::slave::{Slave, Snapshot, Value, Variable, went_well};
 use super::statistics::{Samples, Summary};
 use super::yardstick::{PORTS, Runner};
 
@@ -73,7 +73,7 @@ fn state(recording: &Recording, fmu: &Fmu, checked: &Fmu, effort: &Effort) -> Re
     let (slave, mut outputs) = (Slave::start(fmu, &recording.start)?, vec![0.0; recording.outputs.len()]);
     for row in 0..recording.count() / 2 {
         recording.switch(&slave, row)?;
-        ensure!(recording.replay(&slave, row..row + 1, &mut outputs) == 0, "a call of the FMU failed");
+        ensure!(went_well(recording.replay(&slave, row..row + 1, &mut outputs)), "a call of the FMU failed");
     }
     let runner = Runner::start(checked, PORTS)?;
     let (mut snapshot, mut yardstick) = (slave.snapshot()?, runner.snapshot()?);

@@ -11,7 +11,7 @@ use anyhow::{Context, Result, ensure};
 use super::effort::Effort;
 use super::library::Fmu;
 use super::recording::Recording;
-use super::slave::{Slave, Snapshot};
+use super::slave::{Slave, Snapshot, went_well};
 use super::statistics::{Samples, Summary};
 use super::yardstick::{PORTS, Runner};
 
@@ -60,7 +60,7 @@ fn windows<'a>(recording: &Recording, slave: &'a Slave) -> Result<Vec<(String, R
         for (state, rows) in open.extract_if(.., |(_, rows)| rows.start == row) {
             kept.push((state, rows, slave.snapshot()?));
         }
-        ensure!(recording.replay(slave, row..row + 1, &mut outputs) == 0, "a call of the FMU failed");
+        ensure!(went_well(recording.replay(slave, row..row + 1, &mut outputs)), "a call of the FMU failed");
         let (found, seen) = (slave.integer(recording.state)?, recording.visited[row]);
         ensure!(found == seen, "the FMU is in state {found} after row {row}, the recording in {seen}");
     }
@@ -93,9 +93,9 @@ fn timed(calls: impl FnOnce() -> i32) -> Result<f64> {
     // what looking at the clock costs does not count
     let clock = Instant::now();
     let start = Instant::now();
-    let faults = calls();
+    let worst = calls();
     let spent = start.elapsed().saturating_sub(start - clock);
-    ensure!(faults == 0, "a call of the FMU failed");
+    ensure!(went_well(worst), "a call of the FMU failed");
     Ok(spent.as_secs_f64() * 1e9)
 }
 
