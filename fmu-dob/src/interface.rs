@@ -71,7 +71,7 @@ mod variables {
         ForceGuard,
     }
 
-    /// Which law is in force
+    /// Which law is in force; `Paper` sets what was left at its start value
     pub enum Law {
         /// Slopes over four windows with automatic thresholds
         Default,
@@ -123,15 +123,12 @@ mod variables {
     pub struct Output {
         /// Quantised current command I_a^ref
         #[var(unit = AMPERE)] pub current: f64,
-        /// What the controller is doing
         pub state: State,
-        /// Why it is in the state `Fault`
         pub fault: Fault,
         /// The approach was ended by `enable`; kept until the next approach
         pub aborted: bool,
         /// Contact was detected; kept until the next approach
         pub contact: bool,
-        /// What detected the contact
         pub contact_source: ContactSource,
         /// Encoder position at the detection, as in the paper
         #[var(unit = METRE as "um")] pub contact_position: f64,
@@ -180,7 +177,6 @@ mod variables {
     /// Parameters
     #[parameters]
     pub struct Parameters {
-        /// Which law is in force; the paper's sets what was left at its start value
         pub law: Law,
         /// Sample period T_s
         #[var(unit = SECOND as "us", range = 2e-5..=1e-3, start = 1e-4, source = "our choice: a usual amplifier rate")] pub sample_period: f64,
@@ -192,7 +188,6 @@ mod variables {
         pub notch: Notch,
         pub deviation: Deviation,
         pub slope: Slope,
-        /// Which detector decides
         #[var(start = DetectorKind::MultiSlope, paper = DetectorKind::Slope, source = "our choice: sees slow contacts, too")] pub detector: DetectorKind,
         pub threshold: Threshold,
         pub learn: Learn,
@@ -255,7 +250,6 @@ mod variables {
     }
     /// Threshold mu + alpha sigma of the raw, deviation and slope detectors
     pub struct Threshold {
-        /// Where alpha comes from
         #[var(start = ThresholdMode::Automatic, paper = ThresholdMode::Fixed, source = "our choice: the paper's gives a false alarm a minute")] pub mode: ThresholdMode,
         /// Fixed alpha
         #[var(unit = ONE, range = 1.0..=50.0, start = 4.0, paper = 4.0, source = "paper")] pub alpha: f64,
