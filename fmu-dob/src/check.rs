@@ -1,19 +1,16 @@
 //! Checks of parameters against each other; single ranges are in the variable table of the FMU.
 
-use control_blocks::{ParameterError, require, stopping_distance};
+use control_blocks::{ParameterError, check_all, require, stopping_distance, ticks};
 
-use crate::detector::Detector;
-use crate::parameters::Parameters;
+use crate::detection::detector::Detector;
+use crate::interface::Parameters;
 
 /// Learning needs this many independent windows.
 const LEARN_WINDOWS: i32 = 5;
 
-type Check = fn(&Parameters) -> Result<(), ParameterError>;
-
 /// Checks all combinations; the first that fails is the error.
 pub fn check(p: &Parameters) -> Result<(), ParameterError> {
-    const CHECKS: [Check; 6] = [direction, velocity_bandwidth, settle_time, learn_time, travel, guard];
-    CHECKS.iter().try_for_each(|check| check(p))
+    check_all(p, &[direction, velocity_bandwidth, settle_time, learn_time, travel, guard])
 }
 
 fn direction(p: &Parameters) -> Result<(), ParameterError> {
@@ -31,25 +28,25 @@ fn velocity_bandwidth(p: &Parameters) -> Result<(), ParameterError> {
         name: "observer.velocity_bandwidth",
         value: format!("{} rad/s", p.observer.velocity_bandwidth),
         limit: format!("at least `{least} rad/s`, four times `servo.bandwidth`"),
-        hint: "lower `servo.bandwidth`, or the late velocity makes the servo swing",
+        hint: "lower `servo.bandwidth`, or the late velocity makes the servo oscillate",
     })
 }
 
 fn settle_time(p: &Parameters) -> Result<(), ParameterError> {
-    let ticks = Detector::settling(p);
-    let least = f64::from(ticks) * p.sample_period;
-    require(p.ticks(p.learn.settle_time) >= ticks as u32, || ParameterError {
+    let samples = Detector::settling(p);
+    let least = f64::from(samples) * p.sample_period;
+    require(ticks(p.learn.settle_time, p.sample_period) >= samples.unsigned_abs(), || ParameterError {
         name: "learn.settle_time",
         value: format!("{} s", p.learn.settle_time),
-        limit: format!("at least `{least} s`, the `{ticks}` samples that `detector` needs at constant speed"),
+        limit: format!("at least `{least} s`, the `{samples}` samples that `detector` needs at constant speed"),
         hint: "shorten `deviation.window` or `slope.window`, or settle longer",
     })
 }
 
 fn learn_time(p: &Parameters) -> Result<(), ParameterError> {
-    let ticks = LEARN_WINDOWS * Detector::window(p);
-    let least = f64::from(ticks) * p.sample_period;
-    require(p.ticks(p.learn.time) >= ticks as u32, || ParameterError {
+    let samples = LEARN_WINDOWS * Detector::window(p);
+    let least = f64::from(samples) * p.sample_period;
+    require(ticks(p.learn.time, p.sample_period) >= samples.unsigned_abs(), || ParameterError {
         name: "learn.time",
         value: format!("{} s", p.learn.time),
         limit: format!("at least `{least} s`, `{LEARN_WINDOWS}` times the longest slope window"),
@@ -80,27 +77,22 @@ fn guard(p: &Parameters) -> Result<(), ParameterError> {
 
 #[cfg(test)]
 mod tests {
+    use control_blocks::refusal;
+
     use super::*;
-    use crate::detector::DetectorKind;
+    use crate::interface::DetectorKind;
 
     fn error(change: impl FnOnce(&mut Parameters)) -> String {
-        let mut p = Parameters::DEFAULT;
-        change(&mut p);
-        check(&p).unwrap_err().to_string()
+        refusal(Parameters::START, change, check)
     }
 
     #[test]
-    fn defaults_and_paper_mode_fit_with_every_detector() {
-        check(&Parameters::PAPER).unwrap();
-        for detector in [
-            DetectorKind::Raw,
-            DetectorKind::Deviation,
-            DetectorKind::Slope,
-            DetectorKind::MultiSlope,
-            DetectorKind::Cusum,
-            DetectorKind::Glr,
-        ] {
-            check(&Parameters { detector, ..Parameters::DEFAULT }).unwrap();
+    fn defaults_and_the_paper_fit_with_every_detector() {
+        for p in [Parameters::START, Parameters::PAPER] {
+            check(&p).unwrap();
+            for &detector in DetectorKind::ALL {
+                check(&Parameters { detector, ..p.clone() }).unwrap();
+            }
         }
     }
 

@@ -1,33 +1,34 @@
 //! One sample of the whole law: read, estimate, decide, move, act, report.
 
-use control_blocks::ParameterError;
+use control_blocks::{ParameterError, RunningLine, ticks};
 use serde::{Deserialize, Serialize};
 
 use crate::check::check;
-use crate::contact::Touch;
-use crate::detector::{Detector, Sample};
-use crate::deviation::MovingDeviation;
-use crate::guard::ForceGuard;
-use crate::machine::{ContactSource, Events, Fault, State, next};
-use crate::motion::Motion;
-use crate::notch::NotchCascade;
-use crate::observer::DisturbanceObserver;
-use crate::parameters::Parameters;
+use crate::detection::contact::DetectedContact;
+use crate::detection::detector::{Detector, Sample};
+use crate::detection::guard::ForceGuard;
+use crate::faults::{self, Symptoms};
+use crate::force::deviation::MovingDeviation;
+use crate::force::notch::NotchCascade;
+use crate::force::observer::DisturbanceObserver;
+use crate::interface::{ContactSource, Fault, ForceOutput, Input, Output, Parameters, ReferenceOutput, State};
+use crate::machine::{Events, next};
+use crate::motion::reference::Motion;
+use crate::motion::servo::{self, Amplifier, Integrator};
 use crate::reading::{Reader, Reading};
-use crate::servo::{self, Amplifier, Integrator};
-use crate::signals::{Force, Input, Output, Reference};
-use crate::slope::RunningSlope;
 
 /// The controller between two samples. Everything inside is in the frame where the workpiece is in
 /// the positive direction; only [`Reader`] and the outputs know `approach.direction`.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Controller {
+    /// samples since the initialisation
+    samples: u64,
     reader: Reader,
     observer: DisturbanceObserver,
     notch: NotchCascade,
     deviation: MovingDeviation,
-    slope: RunningSlope,
-    force: Force,
+    slope: RunningLine,
+    force: ForceOutput,
     detector: Detector,
     guard: ForceGuard,
     state: State,
@@ -35,7 +36,7 @@ pub struct Controller {
     ticks: u32,
     fault: Fault,
     aborted: bool,
-    touch: Option<Touch>,
+    contact: Option<DetectedContact>,
     motion: Motion,
     integrator: Integrator,
     amplifier: Amplifier,
@@ -49,39 +50,41 @@ impl Controller {
     pub fn new(p: &Parameters) -> Result<Self, ParameterError> {
         check(p)?;
         Ok(Self {
+            samples: 0,
             reader: Reader::default(),
             observer: DisturbanceObserver::new(p),
             notch: NotchCascade::new(p),
             deviation: MovingDeviation::new(p.deviation.window as usize),
-            slope: RunningSlope::new(p.slope.window as usize, p.sample_period),
-            force: Force::ZERO,
+            slope: RunningLine::zeroed(p.slope.window as usize),
+            force: ForceOutput::START,
             detector: Detector::new(p),
             guard: ForceGuard::default(),
             state: State::Idle,
             ticks: 0,
             fault: Fault::None,
             aborted: false,
-            touch: None,
+            contact: None,
             motion: Motion::new(p),
             integrator: Integrator::default(),
-            amplifier: Amplifier::new(p),
+            amplifier: Amplifier::default(),
         })
     }
 
-    /// One sample at `time` s. The parameters must be those of [`Controller::new`], but for the tunable
-    /// ones, which count at the moment of `start` and of a contact.
-    pub fn tick(&mut self, p: &Parameters, time: f64, input: &Input) -> Output {
-        let reading = self.reader.read(p.direction(), input);
+    /// One sample. The parameters must be those of [`Controller::new`], but for the tunable ones, which count at the
+    /// moment when an approach begins and of a contact.
+    pub fn tick(&mut self, input: &Input, p: &Parameters, output: &mut Output) {
+        let reading = self.reader.read(p, input);
         self.estimate(p, &reading);
-        self.decide(p, time, input.abort, &reading);
+        self.decide(p, &reading);
         self.motion.step(p, self.state, reading.position.is_some());
         let current = self.act(p, &reading);
-        self.report(p, &reading, current)
+        self.report(p, &reading, current, output);
+        self.samples += 1;
     }
 
     /// Disturbance observer, notches, deviation, slope, detector; a lost position is bridged by coasting.
     fn estimate(&mut self, p: &Parameters, reading: &Reading) {
-        let acted = self.amplifier.acted();
+        let acted = self.amplifier.acted(p);
         if let Some(position) = reading.position {
             if reading.found {
                 self.motion.reseat(position, 0.0);
@@ -91,27 +94,24 @@ impl Controller {
             let disturbance = self.observer.force();
             let notched = self.notch.update(disturbance, reading.spindle_speed);
             let deviation = self.deviation.update(notched);
-            let slope = self.slope.update(deviation);
-            self.force = Force { disturbance, notched, deviation, slope };
+            self.slope.update(deviation);
+            let slope = self.slope.slope(p.sample_period);
+            self.force = ForceOutput { disturbance, notched, deviation, slope };
         } else {
             self.observer.coast(p.sample_period);
         }
-        self.detector.update(&Sample {
-            position: reading.position,
-            acted,
-            spindle_speed: reading.spindle_speed,
-            notched: self.force.notched,
-            deviation: self.force.deviation,
-            slope: self.force.slope,
-        });
+        let ForceOutput { notched, deviation, slope, .. } = self.force;
+        let Reading { position, spindle_speed, .. } = *reading;
+        self.detector.update(p, &Sample { position, acted, spindle_speed, notched, deviation, slope });
     }
 
     /// State machine.
-    fn decide(&mut self, p: &Parameters, time: f64, abort: bool, reading: &Reading) {
+    fn decide(&mut self, p: &Parameters, reading: &Reading) {
         let elapsed = self.count(p, reading);
         let events = Events {
-            start: reading.start,
-            abort,
+            begin: reading.begin,
+            enabled: reading.enabled,
+            reset: reading.reset,
             restful: reading.position.is_some() && self.motion.at_rest(),
             fault: self.find_fault(p, elapsed, reading),
             contact: reading.position.and_then(|_| self.find_contact(p)),
@@ -119,10 +119,9 @@ impl Controller {
             turned: self.motion.reference.velocity <= 0.0,
             retreated: self.motion.retreated(p),
         };
-        self.aborted |= abort && (self.state.approaching() || matches!(self.state, State::Contact | State::Retract));
         let state = next(self.state, &events);
         if state != self.state {
-            self.enter(p, state, &events, reading, time);
+            self.enter(p, state, &events, reading);
             (self.state, self.ticks) = (state, 0);
         }
     }
@@ -135,7 +134,7 @@ impl Controller {
         self.ticks = self.ticks.saturating_add(1);
         match self.state {
             State::Approach => {
-                let enough = p.ticks(p.learn.settle_time);
+                let enough = ticks(p.learn.settle_time, p.sample_period);
                 // the guard compares with the second half of settling
                 if self.ticks > enough / 2 {
                     self.guard.settle(self.force.notched);
@@ -144,7 +143,7 @@ impl Controller {
             }
             State::Learn => {
                 self.detector.learn();
-                let enough = self.ticks >= p.ticks(p.learn.time) && self.detector.ready();
+                let enough = self.ticks >= ticks(p.learn.time, p.sample_period) && self.detector.ready();
                 if enough {
                     self.detector.arm(p);
                 }
@@ -156,15 +155,13 @@ impl Controller {
 
     /// The gravest fault of this sample.
     fn find_fault(&self, p: &Parameters, elapsed: bool, reading: &Reading) -> Option<Fault> {
-        let saturated = self.amplifier.saturated().then_some(Fault::Saturation);
-        let travelled = self.state.approaching() && self.motion.beyond_travel(p);
-        let rejected =
-            self.state == State::Learn && elapsed && !self.detector.learned().believable(p.learn.slope_sigma_max);
-        reading
-            .fault
-            .or(saturated)
-            .or(travelled.then_some(Fault::TravelLimit))
-            .or(rejected.then_some(Fault::LearnRejected))
+        let symptoms = Symptoms {
+            reading,
+            limited: self.amplifier.limited(),
+            travelled: self.state.approaching() && self.motion.beyond_travel(p),
+            learned: (self.state == State::Learn && elapsed).then(|| self.detector.learned()),
+        };
+        faults::find(p, &symptoms)
     }
 
     /// Contact by the armed detector or by the guard.
@@ -185,15 +182,21 @@ impl Controller {
     }
 
     /// What happens once, when `state` begins.
-    fn enter(&mut self, p: &Parameters, state: State, events: &Events, reading: &Reading, time: f64) {
+    fn enter(&mut self, p: &Parameters, state: State, events: &Events, reading: &Reading) {
         match (state, reading.position) {
             (State::Approach, Some(position)) => self.restart(p, position),
             (State::Contact, Some(position)) => {
                 self.motion.depart(p);
-                self.touch = events.contact.map(|source| Touch { source, position, bias: p.contact.bias, time });
+                let time = self.samples as f64 * p.sample_period;
+                self.contact =
+                    events.contact.map(|source| DetectedContact { source, position, bias: p.contact.bias, time });
             }
             (State::Fault, _) => self.fail(p, events, reading),
-            (State::Retract, _) if self.state.approaching() => self.motion.depart(p),
+            (State::Retract, _) if self.state.approaching() => {
+                self.motion.depart(p);
+                self.aborted = true;
+            }
+            (State::Idle, _) => self.fault = Fault::None,
             _ => {}
         }
     }
@@ -204,7 +207,7 @@ impl Controller {
         self.deviation.clear();
         self.detector.reset(position);
         self.guard = ForceGuard::default();
-        (self.fault, self.aborted, self.touch) = (Fault::None, false, None);
+        (self.aborted, self.contact) = (false, None);
     }
 
     /// Names the fault; retreats if the stage was approaching, and does not press on after a saturation.
@@ -232,31 +235,34 @@ impl Controller {
             force += self.observer.force();
         } else {
             let error = reading.position.map_or(0.0, |z| reference.position - z);
-            let limited = self.amplifier.limited();
+            let limited = self.amplifier.limited() > 0;
             force += p.stage.mass * self.integrator.update(p, error, limited);
         }
-        self.amplifier.tell(p, force / p.stage.force_constant)
+        self.amplifier.send(p, force / p.stage.force_constant)
     }
 
-    fn report(&self, p: &Parameters, reading: &Reading, current: f64) -> Output {
+    fn report(&self, p: &Parameters, reading: &Reading, current: f64, output: &mut Output) {
         let direction = p.direction();
         let reference = self.motion.reference;
         let error = reading.position.map_or(0.0, |z| reference.position - z);
-        let touch = self.touch.as_ref();
-        Output {
+        let contact = self.contact.as_ref();
+        *output = Output {
             current: direction * current,
             state: self.state,
             fault: self.fault,
             aborted: self.aborted,
-            contact: touch.is_some(),
-            contact_source: touch.map_or(ContactSource::None, |t| t.source),
-            contact_position: touch.map_or(0.0, |t| direction * t.position),
-            contact_position_estimate: touch.map_or(0.0, |t| direction * t.estimate()),
-            contact_time: touch.map_or(0.0, |t| t.time),
+            contact: contact.is_some(),
+            contact_source: contact.map_or(ContactSource::None, |c| c.source),
+            contact_position: contact.map_or(0.0, |c| direction * c.position),
+            contact_position_estimate: contact.map_or(0.0, |c| direction * c.estimate()),
+            contact_time: contact.map_or(0.0, |c| c.time),
             force: self.force,
             threshold: self.detector.learned(),
-            reference: Reference { position: direction * reference.position, velocity: direction * reference.velocity },
+            reference: ReferenceOutput {
+                position: direction * reference.position,
+                velocity: direction * reference.velocity,
+            },
             tracking_error: direction * error,
-        }
+        };
     }
 }

@@ -1,27 +1,6 @@
 //! State machine of one approach: states, faults and the transitions between them.
 
-use serde::{Deserialize, Serialize};
-
-/// What the controller is doing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum State {
-    /// Holds its position and waits for `start`.
-    Idle = 1,
-    /// Accelerates and settles at constant speed.
-    Approach = 2,
-    /// Learns the noise at constant speed.
-    Learn = 3,
-    /// Watches for contact.
-    Detect = 4,
-    /// Has detected contact and decelerates.
-    Contact = 5,
-    /// Moves back.
-    Retract = 6,
-    /// Holds its position after the retract; a new `start` begins again.
-    Done = 7,
-    /// Has decelerated and moved back for a reason given by the fault; a new `start` begins again.
-    Fault = 8,
-}
+use crate::interface::{ContactSource, Fault, State};
 
 impl State {
     /// Whether the stage moves towards the workpiece.
@@ -30,51 +9,15 @@ impl State {
     }
 }
 
-/// Why the controller is in the fault state.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Fault {
-    /// No fault.
-    None = 1,
-    /// `approach.travel_max` would be passed without contact.
-    TravelLimit = 2,
-    /// The position was invalid for more than three samples.
-    LostSync = 3,
-    /// The current was at its limit for more than 50 samples.
-    Saturation = 4,
-    /// The learned noise is no noise: too large, not around zero, or none at all.
-    LearnRejected = 5,
-    /// A position or spindle speed was not a number, infinite or absurd.
-    InvalidInput = 6,
-}
-
-/// What detected the contact.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum ContactSource {
-    /// No contact.
-    None = 1,
-    /// Raw force.
-    Raw = 2,
-    /// Deviation from the moving average.
-    Deviation = 3,
-    /// Slope over one window.
-    Slope = 4,
-    /// Slope over four windows.
-    MultiSlope = 5,
-    /// Cumulative sum.
-    Cusum = 6,
-    /// Generalised likelihood ratio.
-    Glr = 7,
-    /// Hard force guard.
-    ForceGuard = 8,
-}
-
 /// What happened in one sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Events {
-    /// Rising edge of `start` without `abort`.
-    pub start: bool,
-    /// `abort` is set.
-    pub abort: bool,
+    /// Rising edge of `enable`.
+    pub begin: bool,
+    /// `enable` is set.
+    pub enabled: bool,
+    /// Rising edge of `reset_fault`.
+    pub reset: bool,
     /// The position is valid and the reference is at rest.
     pub restful: bool,
     /// Something is wrong.
@@ -89,17 +32,17 @@ pub struct Events {
     pub retreated: bool,
 }
 
-/// The state after `state` and `events`; a fault comes first, then contact, then `abort`.
+/// The state after `state` and `events`; a fault comes first, then contact, then `enable`.
 pub fn next(state: State, events: &Events) -> State {
     use State::{Approach, Contact, Detect, Done, Fault, Idle, Learn, Retract};
     let touched = events.contact.is_some();
     match state {
-        Fault if events.start && events.restful && events.retreated => Approach,
+        Fault if events.reset && events.restful && events.retreated && events.fault.is_none() => Idle,
         Fault => Fault,
         _ if events.fault.is_some() => Fault,
-        Idle | Done if events.start && events.restful => Approach,
+        Idle | Done if events.begin && events.restful => Approach,
         Approach | Learn | Detect if touched => Contact,
-        Approach | Learn | Detect if events.abort => Retract,
+        Approach | Learn | Detect if !events.enabled => Retract,
         Approach if events.elapsed => Learn,
         Learn if events.elapsed => Detect,
         Contact if events.turned => Retract,
@@ -112,34 +55,35 @@ pub fn next(state: State, events: &Events) -> State {
 mod tests {
     use super::*;
 
-    const ALL: [State; 8] = [
-        State::Idle,
-        State::Approach,
-        State::Learn,
-        State::Detect,
-        State::Contact,
-        State::Retract,
-        State::Done,
-        State::Fault,
-    ];
+    /// Enabled, and nothing else.
+    const QUIET: Events = Events {
+        begin: false,
+        enabled: true,
+        reset: false,
+        restful: false,
+        fault: None,
+        contact: None,
+        elapsed: false,
+        turned: false,
+        retreated: false,
+    };
 
     #[test]
     fn nothing_happens_without_events() {
-        for state in ALL {
-            assert_eq!(next(state, &Events::default()), state);
+        for &state in State::ALL {
+            assert_eq!(next(state, &QUIET), state);
         }
     }
 
     #[test]
     fn the_whole_way_of_one_approach() {
-        let none = Events::default();
-        let rest = Events { start: true, restful: true, ..none };
-        let elapsed = Events { elapsed: true, ..none };
-        let contact = Events { contact: Some(ContactSource::Slope), ..none };
-        let turned = Events { turned: true, ..none };
-        let retreated = Events { retreated: true, ..none };
+        let begin = Events { begin: true, restful: true, ..QUIET };
+        let elapsed = Events { elapsed: true, ..QUIET };
+        let contact = Events { contact: Some(ContactSource::Slope), ..QUIET };
+        let turned = Events { turned: true, ..QUIET };
+        let retreated = Events { retreated: true, ..QUIET };
         let mut state = State::Idle;
-        let way = [rest, elapsed, elapsed, contact, turned, retreated, rest];
+        let way = [begin, elapsed, elapsed, contact, turned, retreated, begin];
         let expected = [
             State::Approach,
             State::Learn,
@@ -158,32 +102,41 @@ mod tests {
     #[test]
     fn a_fault_wins_everywhere() {
         let events = Events {
-            start: true,
-            abort: true,
+            begin: true,
+            enabled: false,
+            reset: true,
+            restful: true,
             fault: Some(Fault::LostSync),
             contact: Some(ContactSource::Slope),
             elapsed: true,
-            ..Events::default()
+            turned: true,
+            retreated: true,
         };
-        for state in ALL {
+        for &state in State::ALL {
             assert_eq!(next(state, &events), State::Fault);
         }
     }
 
     #[test]
-    fn abort_acts_only_while_approaching() {
-        let abort = Events { abort: true, ..Events::default() };
-        for state in ALL {
+    fn disabling_acts_only_while_approaching() {
+        let disabled = Events { enabled: false, ..QUIET };
+        for &state in State::ALL {
             let expected = if state.approaching() { State::Retract } else { state };
-            assert_eq!(next(state, &abort), expected);
+            assert_eq!(next(state, &disabled), expected);
         }
     }
 
     #[test]
-    fn a_fault_ends_only_at_rest_after_the_retreat() {
-        let start = Events { start: true, restful: true, ..Events::default() };
-        assert_eq!(next(State::Fault, &start), State::Fault);
-        let ready = Events { retreated: true, ..start };
-        assert_eq!(next(State::Fault, &ready), State::Approach);
+    fn a_fault_ends_by_a_reset_at_rest_behind_the_retreat_and_then_waits() {
+        let reset = Events { reset: true, restful: true, retreated: true, ..QUIET };
+        assert_eq!(next(State::Fault, &reset), State::Idle);
+        let too_early = [
+            Events { reset: false, begin: true, ..reset },
+            Events { restful: false, ..reset },
+            Events { retreated: false, ..reset },
+        ];
+        for events in too_early {
+            assert_eq!(next(State::Fault, &events), State::Fault);
+        }
     }
 }

@@ -58,7 +58,7 @@ def test_observer_step_response() -> None:
     changes = [f"plant.{change}" for change in quiet]
     free = ("servo.bandwidth=1", "servo.disturbance_compensation=false", "servo.integral_gain=0")
     changes += [f"controller.{change}" for change in (*free, "stage.current_bits=24")]
-    changes += ["loop.duration=0.02", "signal.controller.start.values=[false, false]"]
+    changes += ["loop.duration=0.02", "signal.controller.enable.values=[false, false]"]
     force = trace("dob/no-delay", 1, *changes)
     step = force["plant.disturbance"][-1]
     response = force["controller.force.disturbance"] / step
@@ -177,7 +177,7 @@ def test_force_guard_in_200_contacts_while_learning() -> None:
     ("mode", "least", "most"),
     [
         # overlapping windows are not independent: the paper's logic expects 1e-6 per hour
-        (("detector=Slope", "threshold.mode=Fixed", "threshold.alpha=4"), 40.0, 200.0),
+        (("law=Paper",), 40.0, 200.0),
         ((), 0.0, 2.0),
     ],
     ids=["paper", "default"],

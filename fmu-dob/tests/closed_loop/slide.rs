@@ -3,8 +3,6 @@
 //! Values are typical of small ultra-precision machines; the motor and the mass are 3 to 4 % off the
 //! nominal ones of the controller on purpose.
 
-pub mod closed_loop;
-
 use std::f64::consts::{PI, TAU};
 
 use rand::SeedableRng;
@@ -91,17 +89,17 @@ impl Slide {
 
     /// One communication step; the command (A) acts from the next step on.
     pub fn advance(&mut self, command: f64) {
-        let told = std::mem::replace(&mut self.pending, command);
-        let told = told + AMPLIFIER_NOISE * self.normal();
+        let sent = std::mem::replace(&mut self.pending, command);
+        let sent = sent + AMPLIFIER_NOISE * self.normal();
         self.balancer = coloured(self.balancer, BALANCER_SIGMA, 1.0 / BALANCER_TIME, self.normal());
         self.air = coloured(self.air, AIR_SIGMA, AIR_BANDWIDTH, self.normal());
         for _ in 0..SUBSTEPS {
-            self.substep(told);
+            self.substep(sent);
         }
     }
 
-    fn substep(&mut self, told: f64) {
-        self.current = told + (self.current - told) * (-CURRENT_BANDWIDTH * DT).exp();
+    fn substep(&mut self, sent: f64) {
+        self.current = sent + (self.current - sent) * (-CURRENT_BANDWIDTH * DT).exp();
         let phase = TAU * self.position / POLE_PITCH;
         let motor = FORCE_CONSTANT * (1.0 + RIPPLE * phase.sin()) * self.current;
         let cogging = COGGING[0] * phase.sin() + COGGING[1] * (2.0 * phase).sin();

@@ -1,9 +1,9 @@
 //! Hard force guard: catches the contact that the learning phase would mistake for noise.
 
+use control_blocks::Welford;
 use serde::{Deserialize, Serialize};
 
-use crate::parameters::Guard;
-use crate::threshold::Welford;
+use crate::interface::Guard;
 
 /// Compares the force with its mean just before learning; before that mean exists, the deviation must do.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -31,7 +31,7 @@ mod tests {
     fn looks_only_at_the_change_and_only_at_a_push() {
         let mut guard = ForceGuard::default();
         [2.9, 3.1, 3.0].iter().for_each(|f| guard.settle(*f));
-        let p = Guard::DEFAULT;
+        let p = Guard::START;
         assert!(!guard.exceeded(&p, 3.39));
         assert!(guard.exceeded(&p, 3.41));
         assert!(!guard.exceeded(&p, -9.0));

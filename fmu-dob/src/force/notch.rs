@@ -4,10 +4,8 @@ use std::f64::consts::PI;
 
 use serde::{Deserialize, Serialize};
 
-use crate::parameters::Parameters;
+use crate::interface::{HARMONICS_MAX, Parameters};
 
-/// Most harmonics a cascade can hold.
-pub const HARMONICS_MAX: usize = 4;
 /// Relative speed change that makes new coefficients.
 const RETUNE: f64 = 1e-3;
 /// Harmonics above this share of the Nyquist frequency are passed.
@@ -96,7 +94,7 @@ mod tests {
     const SPEED: f64 = 3141.592653589793;
 
     fn cascade() -> NotchCascade {
-        NotchCascade::new(&Parameters::DEFAULT)
+        NotchCascade::new(&Parameters::START)
     }
 
     /// Largest output of the second half of a sine of 1 N at `frequency` rad/s.

@@ -1,17 +1,14 @@
-//! The closed loop itself: tracking, mirror image, state bytes, reproducibility.
-
-mod slide;
+//! Tracking, start at rest, mirror image, calibrated contact position.
 
 use fmu_dob::controller::Controller;
-use fmu_dob::machine::State;
-use fmu_dob::parameters::Parameters;
-use fmu_dob::signals::{Input, Output};
-use slide::closed_loop::Loop;
-use slide::{SPINDLE_SPEED, STEP, Slide};
+use fmu_dob::interface::{Input, Output, Parameters, State};
+
+use crate::run::Loop;
+use crate::slide::{SPINDLE_SPEED, Slide};
 
 #[test]
 fn tracks_within_ten_nanometres_at_constant_speed() {
-    let mut run = Loop::new(&Parameters::DEFAULT, 31, 1.0);
+    let mut run = Loop::new(&Parameters::START, 31, 1.0);
     assert!(run.run_to(State::Learn, 1.0));
     let (mut sum, mut largest, n) = (0.0, 0.0, 5000);
     for _ in 0..n {
@@ -27,7 +24,7 @@ fn tracks_within_ten_nanometres_at_constant_speed() {
 
 #[test]
 fn integral_action_replaces_the_compensation() {
-    let mut p = Parameters::DEFAULT;
+    let mut p = Parameters::START;
     p.servo.disturbance_compensation = false;
     let mut run = Loop::new(&p, 32, 80e-6);
     assert!(run.run_to(State::Detect, 1.0));
@@ -38,11 +35,12 @@ fn integral_action_replaces_the_compensation() {
 
 #[test]
 fn starts_at_rest_anywhere() {
-    let p = Parameters::DEFAULT;
+    let p = Parameters::START;
     for position in [0.0, -0.75, 123.456] {
         let mut controller = Controller::new(&p).unwrap();
-        let input = Input { position, start: true, ..Input::START };
-        let output = controller.tick(&p, 0.0, &input);
+        let input = Input { position, enable: true, ..Input::START };
+        let mut output = Output::START;
+        controller.tick(&input, &p, &mut output);
         assert_eq!(output.state, State::Approach);
         assert!((output.reference.position - position).abs() < 1e-8);
         // one tick of the acceleration feed-forward, nothing else
@@ -52,17 +50,18 @@ fn starts_at_rest_anywhere() {
 
 #[test]
 fn negative_direction_is_the_mirror_image() {
-    let forward = Parameters::DEFAULT;
+    let forward = Parameters::START;
     let mut backward = forward.clone();
     backward.approach.direction = -1;
     let mut left = Controller::new(&forward).unwrap();
     let mut right = Controller::new(&backward).unwrap();
     let mut slide = Slide::new(33, 90e-6);
+    let (mut a, mut b) = (Output::START, Output::START);
     for k in 0..14_000 {
-        let time = f64::from(k) * STEP;
-        let there = Input { position: slide.encoder(), spindle_speed: SPINDLE_SPEED, start: k > 100, ..Input::START };
+        let there = Input { position: slide.encoder(), spindle_speed: SPINDLE_SPEED, enable: k > 100, ..Input::START };
         let here = Input { position: -there.position, ..there.clone() };
-        let (a, b) = (left.tick(&forward, time, &there), right.tick(&backward, time, &here));
+        left.tick(&there, &forward, &mut a);
+        right.tick(&here, &backward, &mut b);
         assert_eq!(a.current, -b.current);
         assert_eq!(a.contact_position, -b.contact_position);
         assert_eq!(a.reference.position, -b.reference.position);
@@ -75,7 +74,7 @@ fn negative_direction_is_the_mirror_image() {
 #[test]
 fn calibrated_bias_moves_the_estimate_only() {
     for direction in [1, -1] {
-        let mut p = Parameters::DEFAULT;
+        let mut p = Parameters::START;
         p.approach.direction = direction;
         p.contact.bias = 300e-9;
         p.guard.force = 0.05;
@@ -86,41 +85,11 @@ fn calibrated_bias_moves_the_estimate_only() {
             let lag = if k > 3000 { 1e-6 } else { 0.0 };
             let sign = f64::from(direction);
             let position = output.reference.position - sign * lag;
-            let input = Input { position, start: k > 0, ..Input::START };
-            output = controller.tick(&p, f64::from(k) * STEP, &input);
+            let input = Input { position, enable: k > 0, ..Input::START };
+            controller.tick(&input, &p, &mut output);
         }
         assert!(output.contact);
         let shift = output.contact_position - output.contact_position_estimate;
         assert!((shift - f64::from(direction) * 300e-9).abs() < 1e-15, "{shift}");
     }
-}
-
-#[test]
-fn state_bytes_continue_bit_for_bit() {
-    for detector in [DetectorKind::MultiSlope, DetectorKind::Cusum, DetectorKind::Glr] {
-        let p = Parameters { detector, ..Parameters::DEFAULT };
-        let mut run = Loop::new(&p, 34, 90e-6);
-        assert!(run.run_to(State::Detect, 2.0));
-        let bytes = postcard::to_allocvec(&run.controller).unwrap();
-        let mut copy: Controller = postcard::from_bytes(&bytes).unwrap();
-        while run.output.state != State::Done {
-            let time = run.time();
-            let mut seen = Input::START;
-            run.step_with(|input| seen = input.clone());
-            assert_eq!(copy.tick(&p, time, &seen), run.output);
-        }
-    }
-}
-
-#[test]
-fn same_seed_same_numbers() {
-    let trace = || {
-        let mut run = Loop::new(&Parameters::DEFAULT, 35, 90e-6);
-        let step = |_| {
-            run.step();
-            run.output.current.to_bits()
-        };
-        (0..12_000).map(step).collect::<Vec<u64>>()
-    };
-    assert!(trace() == trace());
 }

@@ -5,8 +5,7 @@ use std::f64::consts::PI;
 use nalgebra::{SMatrix, SVector};
 use serde::{Deserialize, Serialize};
 
-use crate::notch::HARMONICS_MAX;
-use crate::parameters::Parameters;
+use crate::interface::{HARMONICS_MAX, Parameters};
 
 /// Position, velocity, disturbance, then sine and cosine of each harmonic.
 const STATES: usize = 3 + 2 * HARMONICS_MAX;
@@ -189,7 +188,7 @@ mod tests {
 
     /// Innovations of a stage at nominal mass under `force(t)` N, current 0, after the gain is constant.
     fn innovations(force: impl Fn(f64) -> f64) -> (KalmanFilter, Vec<f64>) {
-        let p = Parameters::DEFAULT;
+        let p = Parameters::START;
         let (dt, sub) = (p.sample_period, 100);
         let mut filter = KalmanFilter::new(&p);
         let (mut z, mut v) = (0.0, 0.0);
@@ -256,7 +255,7 @@ mod tests {
 
     #[test]
     fn missing_positions_are_predicted() {
-        let p = Parameters::DEFAULT;
+        let p = Parameters::START;
         let mut filter = KalmanFilter::new(&p);
         let position = |k: i32| 1e-4 * f64::from(k) * p.sample_period;
         for k in 0..5000 {

@@ -1,13 +1,11 @@
 //! The controller on the slide, one communication step at a time.
 
 use fmu_dob::controller::Controller;
-use fmu_dob::machine::State;
-use fmu_dob::parameters::Parameters;
-use fmu_dob::signals::{Input, Output};
+use fmu_dob::interface::{Input, Output, Parameters, State};
 
-use super::{SPINDLE_SPEED, STEP, Slide};
+use crate::slide::{SPINDLE_SPEED, STEP, Slide};
 
-/// Idle steps before the approach starts.
+/// Idle steps before the approach begins.
 const IDLE: u32 = 200;
 
 /// The closed loop.
@@ -39,7 +37,7 @@ impl Loop {
         f64::from(self.steps) * STEP
     }
 
-    /// One communication step; the approach starts after 0.02 s.
+    /// One communication step; the approach begins after 0.02 s.
     pub fn step(&mut self) {
         self.step_with(|_| ());
     }
@@ -49,11 +47,11 @@ impl Loop {
         let mut input = Input {
             position: self.slide.encoder(),
             spindle_speed: SPINDLE_SPEED,
-            start: self.steps >= IDLE,
+            enable: self.steps >= IDLE,
             ..Input::START
         };
         change(&mut input);
-        self.output = self.controller.tick(&self.parameters, self.time(), &input);
+        self.controller.tick(&input, &self.parameters, &mut self.output);
         self.slide.advance(self.output.current);
         self.steps += 1;
     }

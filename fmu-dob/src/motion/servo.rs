@@ -1,9 +1,9 @@
 //! Position servo: proportional-derivative control of the acceleration over the disturbance observer.
 
-use control_blocks::Trajectory;
+use control_blocks::{Consecutive, SentCommands, Trajectory};
 use serde::{Deserialize, Serialize};
 
-use crate::parameters::Parameters;
+use crate::interface::Parameters;
 
 /// Commanded acceleration (m/s2): reference acceleration and PD control of position and velocity.
 pub fn acceleration(p: &Parameters, reference: &Trajectory, position: f64, velocity: f64) -> f64 {
@@ -18,7 +18,7 @@ pub fn current_step(p: &Parameters) -> f64 {
     2.0 * p.stage.current_max / 2f64.powi(p.stage.current_bits)
 }
 
-/// The current (A) that the amplifier is told: limited, then rounded to its resolution.
+/// The current (A) that is sent to the amplifier: limited, then rounded to its resolution.
 pub fn quantise(p: &Parameters, current: f64) -> f64 {
     let (limit, step) = (p.stage.current_max, current_step(p));
     (current.clamp(-limit, limit) / step).round() * step
@@ -40,45 +40,30 @@ impl Integrator {
     }
 }
 
-/// Remembers which currents were told and which of them acted.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+/// Remembers which currents were sent, and for how long they were at the limit; by default none.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Amplifier {
-    told: Vec<f64>,
-    next: usize,
-    limited_ticks: u32,
+    sent: SentCommands,
+    limited: Consecutive,
 }
 
 impl Amplifier {
-    /// Samples in a row at the limit that are tolerated.
-    const LIMITED_TICKS: u32 = 50;
-
-    /// No current so far.
-    pub fn new(p: &Parameters) -> Self {
-        Self { told: vec![0.0; p.stage.io_delay as usize + 1], next: 0, limited_ticks: 0 }
-    }
-
     /// The quantised and limited current (A) that acted during the last sample, `io_delay` samples late.
-    pub fn acted(&self) -> f64 {
-        self.told[self.next]
+    pub fn acted(&self, p: &Parameters) -> f64 {
+        self.sent.before(p.io_delay as usize)
     }
 
-    /// Tells the amplifier a current (A); returns what it will do.
-    pub fn tell(&mut self, p: &Parameters, current: f64) -> f64 {
-        let told = quantise(p, current);
-        self.told[self.next] = told;
-        self.next = (self.next + 1) % self.told.len();
-        self.limited_ticks = if told.abs() >= quantise(p, p.stage.current_max) { self.limited_ticks + 1 } else { 0 };
-        told
+    /// Sends a current (A) to the amplifier; returns what it will do.
+    pub fn send(&mut self, p: &Parameters, current: f64) -> f64 {
+        let sent = quantise(p, current);
+        self.sent.send(sent);
+        self.limited.update(sent.abs() >= quantise(p, p.stage.current_max));
+        sent
     }
 
-    /// Whether the newest current was at the limit.
-    pub fn limited(&self) -> bool {
-        self.limited_ticks > 0
-    }
-
-    /// Whether the current was at the limit for too long.
-    pub fn saturated(&self) -> bool {
-        self.limited_ticks > Self::LIMITED_TICKS
+    /// Samples in a row with the current at its limit.
+    pub fn limited(&self) -> u32 {
+        self.limited.count()
     }
 }
 
@@ -88,7 +73,7 @@ mod tests {
 
     #[test]
     fn sixteen_bits_over_ten_amperes() {
-        let p = Parameters::DEFAULT;
+        let p = Parameters::START;
         let step = current_step(&p);
         assert!((step - 152.587890625e-6).abs() < 1e-15);
         assert_eq!(quantise(&p, 0.4 * step), 0.0);
@@ -101,13 +86,13 @@ mod tests {
     #[test]
     fn acted_current_is_late_by_the_delay() {
         for delay in 0..4 {
-            let mut p = Parameters::DEFAULT;
-            p.stage.io_delay = delay;
-            let mut amplifier = Amplifier::new(&p);
+            let mut p = Parameters::START;
+            p.io_delay = delay;
+            let mut amplifier = Amplifier::default();
             let mut acted = Vec::new();
             for k in 0..6 {
-                acted.push(amplifier.acted());
-                amplifier.tell(&p, f64::from(k + 1) * 100.0 * current_step(&p));
+                acted.push(amplifier.acted(&p));
+                amplifier.send(&p, f64::from(k + 1) * 100.0 * current_step(&p));
             }
             let first = acted.iter().position(|i| *i > 0.0).unwrap();
             assert_eq!(first as i32, delay + 1);
@@ -115,22 +100,19 @@ mod tests {
     }
 
     #[test]
-    fn saturation_needs_more_than_fifty_samples_in_a_row() {
-        let p = Parameters::DEFAULT;
-        let mut amplifier = Amplifier::new(&p);
-        for _ in 0..50 {
-            amplifier.tell(&p, 9.0);
-        }
-        assert!(amplifier.limited() && !amplifier.saturated());
-        amplifier.tell(&p, -9.0);
-        assert!(amplifier.saturated());
-        amplifier.tell(&p, 4.9);
-        assert!(!amplifier.limited() && !amplifier.saturated());
+    fn samples_at_the_limit_are_counted_in_a_row() {
+        let p = Parameters::START;
+        let mut amplifier = Amplifier::default();
+        let limited = [9.0, 5.0, -9.0, 4.9, 9.0].map(|current| {
+            amplifier.send(&p, current);
+            amplifier.limited()
+        });
+        assert_eq!(limited, [1, 2, 3, 0, 1]);
     }
 
     #[test]
     fn integrator_stands_still_at_the_limit() {
-        let p = Parameters::DEFAULT;
+        let p = Parameters::START;
         let mut integrator = Integrator::default();
         let a = integrator.update(&p, 1e-6, false);
         assert!((a - 2e6 * 1e-6 * 1e-4).abs() < 1e-18);

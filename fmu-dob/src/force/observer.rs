@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::parameters::{Observer, Parameters, Stage};
+use crate::interface::{Observer, Parameters, Stage};
 
 /// Velocity-form disturbance observer, discretised by backward Euler.
 ///
@@ -77,7 +77,7 @@ mod tests {
 
     /// Force estimates after a step of 0.1 N on a free mass of `mass` kg that starts at rest.
     fn step_response(mass: f64) -> Vec<f64> {
-        let p = Parameters::DEFAULT;
+        let p = Parameters::START;
         let (dt, force) = (p.sample_period, 0.1);
         let mut observer = DisturbanceObserver::new(&p);
         (1..=1000)
@@ -91,7 +91,7 @@ mod tests {
 
     #[test]
     fn force_step_reaches_63_percent_in_two_milliseconds() {
-        let response = step_response(Parameters::DEFAULT.stage.mass);
+        let response = step_response(Parameters::START.stage.mass);
         let ticks = response.iter().position(|f| *f >= 0.0632).unwrap() + 1;
         let rise = ticks as f64 * 1e-4;
         println!("63 % after {rise} s");
@@ -104,13 +104,13 @@ mod tests {
     fn wrong_mass_scales_the_final_force() {
         let mass = 10.4;
         let last = *step_response(mass).last().unwrap();
-        let expected = 0.1 * Parameters::DEFAULT.stage.mass / mass;
+        let expected = 0.1 * Parameters::START.stage.mass / mass;
         assert!((last - expected).abs() < 1e-4 * expected, "final {last} N, expected {expected} N");
     }
 
     #[test]
     fn acted_current_on_the_nominal_mass_is_no_disturbance() {
-        let p = Parameters::DEFAULT;
+        let p = Parameters::START;
         let mut observer = DisturbanceObserver::new(&p);
         let (current, dt) = (0.5, p.sample_period);
         let acceleration = p.stage.force_constant * current / p.stage.mass;
@@ -124,7 +124,7 @@ mod tests {
 
     #[test]
     fn coasting_bridges_a_constant_velocity() {
-        let p = Parameters::DEFAULT;
+        let p = Parameters::START;
         let mut observer = DisturbanceObserver::new(&p);
         let position = |k: i32| 1e-3 * f64::from(k) * p.sample_period;
         (0..3000).for_each(|k| observer.update(position(k), 0.0));
@@ -136,7 +136,7 @@ mod tests {
 
     #[test]
     fn reseat_keeps_the_force() {
-        let p = Parameters::DEFAULT;
+        let p = Parameters::START;
         let mut observer = DisturbanceObserver::new(&p);
         for _ in 0..200 {
             observer.update(0.0, 0.01);

@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::kalman::{KalmanFilter, PredictionError};
-use crate::parameters::Parameters;
+use crate::detection::kalman::{KalmanFilter, PredictionError};
+use crate::interface::Parameters;
 
 /// Bank of contact instants, one per sample of age, matched against the innovation of a unit force ramp.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -84,7 +84,7 @@ mod tests {
     use super::*;
 
     fn ready_bank() -> OnsetBank {
-        let p = Parameters::DEFAULT;
+        let p = Parameters::START;
         let mut filter = KalmanFilter::new(&p);
         let mut bank = OnsetBank::new(&p);
         for _ in 0..3000 {

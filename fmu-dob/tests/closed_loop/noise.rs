@@ -1,11 +1,8 @@
 //! False alarms in an hour of noise: the paper's fixed alpha against the automatic one.
 
-mod slide;
+use fmu_dob::interface::{ContactSource, DetectorKind, Parameters, State};
 
-use fmu_dob::detector::DetectorKind;
-use fmu_dob::machine::{ContactSource, State};
-use fmu_dob::parameters::Parameters;
-use slide::closed_loop::Loop;
+use crate::run::Loop;
 
 /// One hour, s.
 const HOUR: f64 = 3600.0;
@@ -41,16 +38,16 @@ fn fixed_alpha_of_the_paper_alarms_every_minute() {
 
 #[test]
 fn automatic_alpha_alarms_at_most_twice() {
-    let alarms = false_alarms(&Parameters::DEFAULT, 600_000, 1.0);
+    let alarms = false_alarms(&Parameters::START, 600_000, 1.0);
     println!("default mode: {alarms} false alarms per hour");
     assert!(alarms <= 2, "{alarms} per hour");
 }
 
-/// `cargo test --release -p fmu-dob --test noise -- --ignored --nocapture`
+/// `cargo test --release -p fmu-dob --test closed_loop hours -- --ignored --nocapture`
 #[test]
 #[ignore = "several hours of simulated time; prints the false alarms of the other detectors"]
 fn hours_of_noise_with_every_detector() {
-    let slope = Parameters { detector: DetectorKind::Slope, ..Parameters::DEFAULT };
+    let slope = Parameters { detector: DetectorKind::Slope, ..Parameters::START };
     let with = |detector| Parameters { detector, ..Parameters::PAPER };
     let cases = [
         ("slope, automatic alpha", slope, 2),
@@ -63,7 +60,7 @@ fn hours_of_noise_with_every_detector() {
         println!("{name}: {alarms} false alarms per hour");
         assert!(alarms <= limit, "{name}: {alarms} per hour");
     }
-    let alarms = false_alarms(&Parameters::DEFAULT, 800_000, 10.0);
+    let alarms = false_alarms(&Parameters::START, 800_000, 10.0);
     println!("default: {alarms} false alarms in 10 hours");
     assert!(alarms <= 20, "{alarms} in 10 hours");
 }

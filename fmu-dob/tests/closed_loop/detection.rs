@@ -1,12 +1,8 @@
 //! Detection depth and contact position over seeded approaches, for every detector.
 
-mod slide;
+use fmu_dob::interface::{ContactSource, DetectorKind, Parameters, State, ThresholdMode};
 
-use fmu_dob::detector::DetectorKind;
-use fmu_dob::machine::{ContactSource, State};
-use fmu_dob::parameters::Parameters;
-use fmu_dob::threshold::ThresholdMode;
-use slide::closed_loop::Loop;
+use crate::run::Loop;
 
 /// What one approach gave.
 struct Outcome {
@@ -51,7 +47,7 @@ fn approaches(p: &Parameters, first_seed: u64, count: u64) -> Vec<Outcome> {
 }
 
 fn with(detector: DetectorKind, mode: ThresholdMode, speed: f64) -> Parameters {
-    let mut p = Parameters { detector, ..Parameters::DEFAULT };
+    let mut p = Parameters { detector, ..Parameters::START };
     p.threshold.mode = mode;
     p.approach.velocity = 1e-6 * speed;
     p
@@ -147,7 +143,7 @@ fn contact_is_lost_within_three_milliseconds() {
     assert!(slowest < 3.0, "{slowest} ms");
 }
 
-/// `cargo test --release -p fmu-dob --test detection -- --ignored --nocapture`
+/// `cargo test --release -p fmu-dob --test closed_loop table -- --ignored --nocapture`
 #[test]
 #[ignore = "200 approaches per speed and detector; prints the table of the README"]
 fn table_of_depths() {

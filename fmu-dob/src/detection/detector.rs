@@ -1,34 +1,16 @@
 //! The six detectors behind one type: each learns its noise before contact and then tests every sample.
 
+use control_blocks::{Consecutive, RunningLine, Welford};
 use serde::{Deserialize, Serialize};
 
-use crate::cusum::CumulativeSum;
-use crate::glr::OnsetBank;
-use crate::kalman::{self, KalmanFilter};
-use crate::machine::ContactSource;
-use crate::parameters::Parameters;
-use crate::slope::RunningSlope;
-use crate::threshold::{Statistics, Threshold, Welford};
+use crate::detection::cusum::CumulativeSum;
+use crate::detection::glr::OnsetBank;
+use crate::detection::kalman::{self, KalmanFilter};
+use crate::detection::threshold::Statistics;
+use crate::interface::{ContactSource, DetectorKind, Parameters, ThresholdOutput};
 
 /// Windows of the multi-slope detector, samples.
 pub const WINDOWS: [usize; 4] = [20, 50, 100, 200];
-
-/// Which detector decides.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum DetectorKind {
-    /// The notched force itself.
-    Raw = 1,
-    /// The deviation from the moving average, eq. 2.
-    Deviation = 2,
-    /// The slope of the deviation, eq. 3: the paper's.
-    Slope = 3,
-    /// The slope over four windows side by side: the default.
-    MultiSlope = 4,
-    /// Cumulative sum of the Kalman innovation.
-    Cusum = 5,
-    /// Generalised likelihood ratio of the Kalman innovation.
-    Glr = 6,
-}
 
 /// One sample of all that detectors look at, in the frame where a contact pushes against the stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -48,39 +30,47 @@ pub struct Sample {
 }
 
 /// A signal, its statistics before contact, its threshold and how often in a row it was above.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 struct Monitor {
     signal: f64,
     statistics: Statistics,
-    threshold: Threshold,
-    row: i32,
+    threshold: ThresholdOutput,
+    row: Consecutive,
 }
 
 impl Monitor {
+    fn new() -> Self {
+        Self {
+            signal: 0.0,
+            statistics: Statistics::default(),
+            threshold: ThresholdOutput::START,
+            row: Consecutive::NONE,
+        }
+    }
+
     fn learn(&mut self) {
         self.statistics.push(self.signal);
     }
 
     fn arm(&mut self, p: &Parameters, tests: usize) {
         self.threshold = self.statistics.threshold(p, tests);
-        self.row = 0;
+        self.row = Consecutive::NONE;
     }
 
     fn test(&mut self, p: &Parameters) -> bool {
         let above = self.signal > self.threshold.value;
-        self.row = if above { self.row + 1 } else { 0 };
-        self.row >= p.threshold.row
+        self.row.update(above) >= p.threshold.row.unsigned_abs()
     }
 
     fn forget(&mut self) {
-        (self.statistics, self.threshold) = Default::default();
+        (self.statistics, self.threshold) = (Statistics::default(), ThresholdOutput::START);
     }
 }
 
 /// Slope over one more window.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Scale {
-    slope: RunningSlope,
+    line: RunningLine,
     monitor: Monitor,
 }
 
@@ -107,9 +97,9 @@ impl Innovation {
     }
 }
 
-/// What is particular to one method; the enum names the state, not the parameter.
+/// What is particular to one detector; the enum names the state, not the parameter.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-enum Core {
+enum Method {
     Raw(Monitor),
     Deviation(Monitor),
     Slope,
@@ -122,28 +112,23 @@ enum Core {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Detector {
     slope: Monitor,
-    core: Core,
+    method: Method,
 }
 
 impl Detector {
     /// The detector that `p.detector` names.
     pub fn new(p: &Parameters) -> Self {
-        let core = match p.detector {
-            DetectorKind::Raw => Core::Raw(Monitor::default()),
-            DetectorKind::Deviation => Core::Deviation(Monitor::default()),
-            DetectorKind::Slope => Core::Slope,
-            DetectorKind::MultiSlope => Core::MultiSlope(
-                WINDOWS
-                    .map(|window| Scale {
-                        slope: RunningSlope::new(window, p.sample_period),
-                        monitor: Monitor::default(),
-                    })
-                    .into(),
+        let method = match p.detector {
+            DetectorKind::Raw => Method::Raw(Monitor::new()),
+            DetectorKind::Deviation => Method::Deviation(Monitor::new()),
+            DetectorKind::Slope => Method::Slope,
+            DetectorKind::MultiSlope => Method::MultiSlope(
+                WINDOWS.map(|window| Scale { line: RunningLine::zeroed(window), monitor: Monitor::new() }).into(),
             ),
-            DetectorKind::Cusum => Core::Cusum(Box::new((Innovation::new(p), CumulativeSum::default()))),
-            DetectorKind::Glr => Core::Glr(Box::new((Innovation::new(p), OnsetBank::new(p)))),
+            DetectorKind::Cusum => Method::Cusum(Box::new((Innovation::new(p), CumulativeSum::default()))),
+            DetectorKind::Glr => Method::Glr(Box::new((Innovation::new(p), OnsetBank::new(p)))),
         };
-        Self { slope: Monitor::default(), core }
+        Self { slope: Monitor::new(), method }
     }
 
     /// Longest slope window, samples.
@@ -167,30 +152,31 @@ impl Detector {
     /// Forgets what was learned; the stage is at rest at `position` m.
     pub fn reset(&mut self, position: f64) {
         self.slope.forget();
-        match &mut self.core {
-            Core::Raw(monitor) | Core::Deviation(monitor) => monitor.forget(),
-            Core::Slope => {}
-            Core::MultiSlope(scales) => scales.iter_mut().for_each(|s| s.monitor.forget()),
-            Core::Cusum(inner) => inner.0.reset(position),
-            Core::Glr(inner) => inner.0.reset(position),
+        match &mut self.method {
+            Method::Raw(monitor) | Method::Deviation(monitor) => monitor.forget(),
+            Method::Slope => {}
+            Method::MultiSlope(scales) => scales.iter_mut().for_each(|s| s.monitor.forget()),
+            Method::Cusum(inner) => inner.0.reset(position),
+            Method::Glr(inner) => inner.0.reset(position),
         }
     }
 
     /// Takes one sample; the force signals of a sample without position are not used.
-    pub fn update(&mut self, sample: &Sample) {
-        match &mut self.core {
-            Core::Cusum(inner) => inner.0.update(sample),
-            Core::Glr(inner) => {
+    pub fn update(&mut self, p: &Parameters, sample: &Sample) {
+        match &mut self.method {
+            Method::Cusum(inner) => inner.0.update(sample),
+            Method::Glr(inner) => {
                 inner.0.update(sample);
                 inner.1.build(&inner.0.filter);
             }
             _ if sample.position.is_none() => return,
-            Core::Raw(monitor) => monitor.signal = sample.notched,
-            Core::Deviation(monitor) => monitor.signal = sample.deviation,
-            Core::Slope => {}
-            Core::MultiSlope(scales) => {
-                for Scale { slope, monitor } in scales {
-                    monitor.signal = slope.update(sample.deviation);
+            Method::Raw(monitor) => monitor.signal = sample.notched,
+            Method::Deviation(monitor) => monitor.signal = sample.deviation,
+            Method::Slope => {}
+            Method::MultiSlope(scales) => {
+                for Scale { line, monitor } in scales {
+                    line.update(sample.deviation);
+                    monitor.signal = line.slope(p.sample_period);
                 }
             }
         }
@@ -200,54 +186,54 @@ impl Detector {
     /// Learns from the newest sample.
     pub fn learn(&mut self) {
         self.slope.learn();
-        match &mut self.core {
-            Core::Raw(monitor) | Core::Deviation(monitor) => monitor.learn(),
-            Core::Slope => {}
-            Core::MultiSlope(scales) => scales.iter_mut().for_each(|s| s.monitor.learn()),
-            Core::Cusum(inner) => inner.0.noise.push(inner.0.value),
-            Core::Glr(inner) => inner.0.noise.push(inner.0.value),
+        match &mut self.method {
+            Method::Raw(monitor) | Method::Deviation(monitor) => monitor.learn(),
+            Method::Slope => {}
+            Method::MultiSlope(scales) => scales.iter_mut().for_each(|s| s.monitor.learn()),
+            Method::Cusum(inner) => inner.0.noise.push(inner.0.value),
+            Method::Glr(inner) => inner.0.noise.push(inner.0.value),
         }
     }
 
     /// Whether all filters are in their steady state, so that learning may end.
     pub fn ready(&self) -> bool {
-        match &self.core {
-            Core::Cusum(inner) => inner.0.filter.settled(),
-            Core::Glr(inner) => inner.1.ready(),
+        match &self.method {
+            Method::Cusum(inner) => inner.0.filter.settled(),
+            Method::Glr(inner) => inner.1.ready(),
             _ => true,
         }
     }
 
     /// Sets the thresholds from what was learned.
     pub fn arm(&mut self, p: &Parameters) {
-        let tests = if let Core::MultiSlope(scales) = &self.core { scales.len() } else { 1 };
+        let tests = if let Method::MultiSlope(scales) = &self.method { scales.len() } else { 1 };
         self.slope.arm(p, tests);
-        match &mut self.core {
-            Core::Raw(monitor) | Core::Deviation(monitor) => monitor.arm(p, tests),
-            Core::Slope => {}
-            Core::MultiSlope(scales) => scales.iter_mut().for_each(|s| s.monitor.arm(p, tests)),
-            Core::Cusum(inner) => inner.1 = CumulativeSum::default(),
-            Core::Glr(inner) => inner.1.clear(),
+        match &mut self.method {
+            Method::Raw(monitor) | Method::Deviation(monitor) => monitor.arm(p, tests),
+            Method::Slope => {}
+            Method::MultiSlope(scales) => scales.iter_mut().for_each(|s| s.monitor.arm(p, tests)),
+            Method::Cusum(inner) => inner.1 = CumulativeSum::default(),
+            Method::Glr(inner) => inner.1.clear(),
         }
     }
 
     /// Learned statistics and threshold of the paper's slope; all zero before they are learned.
-    pub fn learned(&self) -> Threshold {
+    pub fn learned(&self) -> ThresholdOutput {
         self.slope.threshold
     }
 
     /// Tests the newest sample; true on contact.
     pub fn test(&mut self, p: &Parameters) -> bool {
-        match &mut self.core {
-            Core::Raw(monitor) | Core::Deviation(monitor) => monitor.test(p),
-            Core::Slope => self.slope.test(p),
-            Core::MultiSlope(scales) => scales.iter_mut().any(|s| s.monitor.test(p)),
+        match &mut self.method {
+            Method::Raw(monitor) | Method::Deviation(monitor) => monitor.test(p),
+            Method::Slope => self.slope.test(p),
+            Method::MultiSlope(scales) => scales.iter_mut().any(|s| s.monitor.test(p)),
             // a contact makes the stage lag behind its prediction
-            Core::Cusum(inner) => {
+            Method::Cusum(inner) => {
                 let (innovation, sum) = &mut **inner;
                 sum.test(&p.cusum, -innovation.value / innovation.noise.sigma())
             }
-            Core::Glr(inner) => {
+            Method::Glr(inner) => {
                 let (innovation, bank) = &mut **inner;
                 bank.update(innovation.value, innovation.noise.sigma()) > p.glr.threshold
             }
@@ -256,13 +242,13 @@ impl Detector {
 
     /// The name of the detector as source of a contact.
     pub fn source(&self) -> ContactSource {
-        match self.core {
-            Core::Raw(_) => ContactSource::Raw,
-            Core::Deviation(_) => ContactSource::Deviation,
-            Core::Slope => ContactSource::Slope,
-            Core::MultiSlope(_) => ContactSource::MultiSlope,
-            Core::Cusum(_) => ContactSource::Cusum,
-            Core::Glr(_) => ContactSource::Glr,
+        match self.method {
+            Method::Raw(_) => ContactSource::Raw,
+            Method::Deviation(_) => ContactSource::Deviation,
+            Method::Slope => ContactSource::Slope,
+            Method::MultiSlope(_) => ContactSource::MultiSlope,
+            Method::Cusum(_) => ContactSource::Cusum,
+            Method::Glr(_) => ContactSource::Glr,
         }
     }
 }
@@ -276,12 +262,12 @@ mod tests {
         let mut detector = Detector::new(p);
         let sample = |slope| Sample { position: Some(0.0), slope, ..Sample::default() };
         for k in 0..1000 {
-            detector.update(&sample((f64::from(k) * 1.3).sin()));
+            detector.update(p, &sample((f64::from(k) * 1.3).sin()));
             detector.learn();
         }
         detector.arm(p);
         (1..100).find(|_| {
-            detector.update(&sample(level));
+            detector.update(p, &sample(level));
             detector.test(p)
         })
     }
@@ -296,7 +282,7 @@ mod tests {
     #[test]
     fn row_starts_again_below_the_threshold() {
         let p = Parameters::PAPER;
-        let mut monitor = Monitor::default();
+        let mut monitor = Monitor::new();
         monitor.threshold.value = 1.0;
         let hits: Vec<bool> = [2.0, 2.0, 0.0, 2.0, 2.0, 2.0]
             .iter()
@@ -309,13 +295,10 @@ mod tests {
     }
 
     #[test]
-    fn each_method_names_itself() {
-        let source = |detector| Detector::new(&Parameters { detector, ..Parameters::DEFAULT }).source();
-        assert_eq!(source(DetectorKind::Raw), ContactSource::Raw);
-        assert_eq!(source(DetectorKind::Deviation), ContactSource::Deviation);
-        assert_eq!(source(DetectorKind::Slope), ContactSource::Slope);
-        assert_eq!(source(DetectorKind::MultiSlope), ContactSource::MultiSlope);
-        assert_eq!(source(DetectorKind::Cusum), ContactSource::Cusum);
-        assert_eq!(source(DetectorKind::Glr), ContactSource::Glr);
+    fn each_detector_names_itself() {
+        for &detector in DetectorKind::ALL {
+            let source = Detector::new(&Parameters { detector, ..Parameters::START }).source();
+            assert_eq!(format!("{source:?}"), format!("{detector:?}"));
+        }
     }
 }

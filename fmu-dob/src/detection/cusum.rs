@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::parameters::Cusum;
+use crate::interface::Cusum;
 
 /// One-sided cumulative sum g = max(0, g + x - drift).
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -24,7 +24,7 @@ mod tests {
 
     #[test]
     fn alarms_when_the_excess_adds_up() {
-        let p = Cusum::DEFAULT;
+        let p = Cusum::START;
         let mut cusum = CumulativeSum::default();
         // nothing is saved up on the quiet side
         assert!((0..1000).all(|_| !cusum.test(&p, -1.0)));

@@ -1,0 +1,9 @@
+//! From the force to a contact: detectors, their thresholds, and the guard beside them.
+
+pub mod contact;
+pub mod cusum;
+pub mod detector;
+pub mod glr;
+pub mod guard;
+pub mod kalman;
+pub mod threshold;

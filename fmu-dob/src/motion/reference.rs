@@ -1,0 +1,157 @@
+//! What the reference does in each state: approach, brake, retreat, hold.
+
+use control_blocks::{Trajectory, stopping_distance};
+use serde::{Deserialize, Serialize};
+
+use crate::interface::{Approach, Parameters, State};
+
+/// Reference of the servo in the frame where the workpiece is in the positive direction.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Motion {
+    /// The reference itself.
+    pub reference: Trajectory,
+    approach: Approach,
+    started_at: f64,
+    retreat_to: f64,
+}
+
+impl Motion {
+    /// Reference at rest at 0.
+    pub fn new(p: &Parameters) -> Self {
+        Self { reference: Trajectory::default(), approach: p.approach, started_at: 0.0, retreat_to: 0.0 }
+    }
+
+    /// Begins an approach at the measured position (m), with the tunable parameters of this moment.
+    pub fn start(&mut self, position: f64, approach: &Approach) {
+        self.approach = *approach;
+        self.reference = Trajectory { position, ..Trajectory::default() };
+        (self.started_at, self.retreat_to) = (position, position);
+    }
+
+    /// Marks where the retreat begins.
+    pub fn depart(&mut self, p: &Parameters) {
+        self.retreat_to = self.reference.position - p.retract.distance;
+    }
+
+    /// Goes on from another position (m) and velocity (m/s), with the same way still to retreat.
+    pub fn reseat(&mut self, position: f64, velocity: f64) {
+        self.retreat_to += position - self.reference.position;
+        self.reference = Trajectory { position, velocity, acceleration: 0.0 };
+    }
+
+    /// Moves the reference for one sample; without a valid position it only stops.
+    pub fn step(&mut self, p: &Parameters, state: State, valid: bool) {
+        let (velocity, acceleration) = match state {
+            State::Approach | State::Learn | State::Detect => (self.approach.velocity, self.approach.acceleration),
+            State::Contact => (-p.retract.velocity, p.retract.deceleration),
+            State::Retract | State::Fault if valid && self.way_left(p) => (-p.retract.velocity, p.retract.deceleration),
+            _ => (0.0, p.retract.deceleration),
+        };
+        self.reference.step(velocity, acceleration, p.sample_period);
+    }
+
+    /// Whether the reference moves at the approach speed.
+    pub fn cruising(&self) -> bool {
+        self.reference.velocity == self.approach.velocity
+    }
+
+    /// Whether the reference stands still.
+    pub fn at_rest(&self) -> bool {
+        self.reference.velocity == 0.0
+    }
+
+    /// Whether the reference stands still behind its retreat.
+    pub fn retreated(&self, p: &Parameters) -> bool {
+        self.at_rest() && !self.way_left(p)
+    }
+
+    /// Whether the reference, stopped now, would end beyond the longest travel.
+    pub fn beyond_travel(&self, p: &Parameters) -> bool {
+        let braking = stopping_distance(self.reference.velocity, p.retract.deceleration);
+        self.reference.position + braking - self.started_at >= self.approach.travel_max
+    }
+
+    /// Whether the reference must still move back before it brakes; one sample early is better than late.
+    fn way_left(&self, p: &Parameters) -> bool {
+        let Trajectory { position, velocity, .. } = self.reference;
+        let braking = stopping_distance(velocity, p.retract.deceleration);
+        let margin = velocity.abs() * p.sample_period + 0.5 * p.retract.deceleration * p.sample_period.powi(2);
+        position - self.retreat_to > braking + margin
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn approaching(p: &Parameters, ticks: u32) -> Motion {
+        let mut motion = Motion::new(p);
+        motion.start(0.3, &p.approach);
+        for _ in 0..ticks {
+            motion.step(p, State::Approach, true);
+        }
+        motion
+    }
+
+    #[test]
+    fn approaches_from_where_it_is() {
+        let p = Parameters::START;
+        let motion = approaching(&p, 1020);
+        assert!(motion.cruising());
+        // 20 ticks of acceleration, 1000 ticks of 10 nm
+        assert!((motion.reference.position - 0.3 - 1e-7 - 1e-5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn retreats_by_its_distance_and_rests() {
+        let p = Parameters::START;
+        let mut motion = approaching(&p, 1000);
+        let from = motion.reference.position;
+        motion.depart(&p);
+        let ticks = (0..10_000).find(|_| {
+            motion.step(&p, State::Retract, true);
+            motion.retreated(&p)
+        });
+        assert!(ticks.is_some());
+        let way = from - motion.reference.position;
+        assert!((way - p.retract.distance).abs() < 0.2e-6, "{way} m");
+    }
+
+    #[test]
+    fn without_a_position_it_only_stops() {
+        let p = Parameters::START;
+        let mut motion = approaching(&p, 1000);
+        motion.depart(&p);
+        let from = motion.reference.position;
+        for _ in 0..1000 {
+            motion.step(&p, State::Fault, false);
+        }
+        assert!(motion.at_rest() && !motion.retreated(&p));
+        assert!((motion.reference.position - from).abs() < 1e-8);
+    }
+
+    #[test]
+    fn stops_inside_the_longest_travel() {
+        let mut p = Parameters::START;
+        p.approach.travel_max = 1e-4;
+        let mut motion = approaching(&p, 100);
+        while !motion.beyond_travel(&p) {
+            motion.step(&p, State::Detect, true);
+        }
+        while !motion.at_rest() {
+            motion.step(&p, State::Fault, false);
+        }
+        let travel = motion.reference.position - 0.3;
+        assert!(travel > 0.99e-4 && travel < 1e-4 + 11e-9, "{travel} m");
+    }
+
+    #[test]
+    fn reseat_keeps_the_way_to_retreat() {
+        let p = Parameters::START;
+        let mut motion = approaching(&p, 1000);
+        motion.depart(&p);
+        motion.reseat(0.5, 0.0);
+        let left = motion.reference.position - motion.retreat_to;
+        assert!((left - p.retract.distance).abs() < 1e-15);
+    }
+}

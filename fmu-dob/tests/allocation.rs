@@ -1,0 +1,84 @@
+//! No sample allocates: not in any state of a job, with any detector or the paper's law, nor in any fault.
+
+#[path = "closed_loop/run.rs"]
+mod run;
+#[path = "closed_loop/slide.rs"]
+mod slide;
+
+use assert_no_alloc::{AllocDisabler, assert_no_alloc};
+use fmu_dob::interface::{DetectorKind, Fault, Input, Law, Parameters, State};
+use run::Loop;
+
+#[global_allocator]
+static ALLOCATOR: AllocDisabler = AllocDisabler;
+
+/// Out of reach, m.
+const NO_WORKPIECE: f64 = 1.0;
+
+/// What an input does wrong.
+type Cause = fn(&mut Input);
+
+/// Steps to each of the states in turn; no step may allocate.
+fn pass(run: &mut Loop, states: &[State]) {
+    for &state in states {
+        assert!(assert_no_alloc(|| run.run_to(state, 4.0)), "{state:?}: {:?}", run.output);
+    }
+}
+
+fn job(p: &Parameters) {
+    use State::{Approach, Contact, Detect, Done, Idle, Learn, Retract};
+    let mut run = Loop::new(p, 51, 90e-6);
+    pass(&mut run, &[Idle, Approach, Learn, Detect, Contact, Retract, Done]);
+}
+
+#[test]
+fn a_job_of_each_detector() {
+    for &detector in DetectorKind::ALL {
+        job(&Parameters { detector, ..Parameters::START });
+    }
+}
+
+#[test]
+fn a_job_of_the_paper() {
+    job(&Parameters { law: Law::Paper, ..Parameters::START }.in_force());
+}
+
+#[test]
+fn a_disabled_job_with_integral_action() {
+    let mut p = Parameters::START;
+    p.servo.disturbance_compensation = false;
+    let mut run = Loop::new(&p, 52, NO_WORKPIECE);
+    pass(&mut run, &[State::Detect]);
+    assert_no_alloc(|| run.step_with(|input| input.enable = false));
+    pass(&mut run, &[State::Retract, State::Done]);
+    assert!(run.output.aborted);
+}
+
+#[test]
+fn every_fault_and_its_reset() {
+    let p = Parameters::START;
+    let (mut short, mut strict, mut weak) = (p.clone(), p.clone(), p.clone());
+    short.approach.travel_max = 8e-5;
+    strict.limits.slope_sigma_max = 0.1;
+    (weak.stage.current_max, weak.limits.saturated_samples) = (0.05, 5);
+    let cases: [(Fault, &Parameters, Cause); 5] = [
+        (Fault::TravelLimit, &short, |_| ()),
+        (Fault::LostSync, &p, |input| input.position_valid = false),
+        (Fault::Saturation, &weak, |_| ()),
+        (Fault::LearnRejected, &strict, |_| ()),
+        (Fault::InvalidInput, &p, |input| input.position = f64::NAN),
+    ];
+    for (fault, p, cause) in cases {
+        let mut run = Loop::new(p, 53, NO_WORKPIECE);
+        run.slide.push = if fault == Fault::Saturation { 2.0 } else { 0.0 };
+        while run.output.state != State::Fault {
+            assert!(run.time() < 4.0, "{fault:?}: {:?}", run.output);
+            assert_no_alloc(|| run.step_with(cause));
+        }
+        assert_eq!(run.output.fault, fault);
+        run.slide.push = 0.0;
+        assert_no_alloc(|| (0..3000).for_each(|_| run.step()));
+        assert_no_alloc(|| run.step_with(|input| input.reset_fault = true));
+        assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::None), "{fault:?}");
+    }
+}

@@ -1,0 +1,11 @@
+//! The controller in closed loop with a slide: tracking, detection, noise, faults, the paper's law, state bytes.
+
+mod detection;
+mod faults;
+mod hostile;
+mod law;
+mod motion;
+mod noise;
+mod run;
+mod slide;
+mod state;
