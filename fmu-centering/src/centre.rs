@@ -58,8 +58,8 @@ pub struct Estimate {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sensing::change;
     use crate::sine_fit::SineSums;
-    use crate::spindle::change;
     use std::f64::consts::TAU;
 
     #[test]

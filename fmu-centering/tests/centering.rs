@@ -2,8 +2,8 @@
 
 mod ring;
 
-use fmu_centering::machine::{Fault, State};
-use fmu_centering::parameters::Parameters;
+use fmu_centering::interface::Parameters;
+use fmu_centering::interface::{Fault, State};
 use ring::closed_loop::Loop;
 use ring::{Ring, SPEED};
 

@@ -5,9 +5,9 @@ mod ring;
 use std::f64::consts::TAU;
 
 use fmu_centering::controller::Controller;
-use fmu_centering::machine::{Fault, State};
-use fmu_centering::parameters::Parameters;
-use fmu_centering::signals::{Input, Output};
+use fmu_centering::interface::Parameters;
+use fmu_centering::interface::{Fault, State};
+use fmu_centering::interface::{Input, Output};
 use rand::{RngExt, SeedableRng};
 use ring::closed_loop::Loop;
 use ring::{Ring, SPEED};
@@ -76,7 +76,7 @@ fn no_part_within_the_travel() {
         run.step();
         furthest = furthest.max(run.output.slide.position_setpoint);
     }
-    assert!(run.time() < 2.0 && furthest < P.approach.travel, "{furthest} m after {} s", run.time());
+    assert!(run.time() < 2.0 && furthest < P.approach.travel_max, "{furthest} m after {} s", run.time());
     retreats(run, Fault::NoPart, 0.0);
 }
 
@@ -92,7 +92,7 @@ fn a_ring_that_disappears_is_not_chased() {
 
 #[test]
 fn a_ring_that_disappears_ends_a_push_of_either_mode() {
-    for p in [Parameters::PAPER, Parameters::DEFAULT] {
+    for p in [Parameters::PAPER, Parameters::START] {
         let mut run = running_with(&p, State::Push);
         run.ring.present = false;
         retreats(run, Fault::NoPart, 0.5);
@@ -135,7 +135,7 @@ fn a_ring_that_does_not_contain_the_axis_is_lost_on_the_way() {
 
 #[test]
 fn a_frozen_probe_is_an_invalid_input_and_never_a_centred_ring() {
-    for (p, pushes) in [(P, 0), (P, 1), (Parameters::DEFAULT, 0), (Parameters::DEFAULT, 1)] {
+    for (p, pushes) in [(P, 0), (P, 1), (Parameters::START, 0), (Parameters::START, 1)] {
         let mut run = running_with(&p, State::Collect);
         while run.output.push.count < pushes || run.output.state != State::Collect {
             run.step();
@@ -172,7 +172,7 @@ fn a_spindle_faster_than_friction_allows() {
 #[test]
 fn a_ring_that_cannot_be_moved_exhausts_the_pushes() {
     let mut p = P;
-    p.push.max_count = 3;
+    p.limits.pushes = 3;
     let mut ring = Ring::new(4, 1e-4, 0.0);
     ring.compliance = 1e-3;
     let run = retreats(Loop::new(&p, ring), Fault::PushBudget, 60.0);
@@ -181,7 +181,7 @@ fn a_ring_that_cannot_be_moved_exhausts_the_pushes() {
 
 #[test]
 fn a_tolerance_below_what_the_probe_can_tell_has_a_name() {
-    let mut p = Parameters::DEFAULT;
+    let mut p = Parameters::START;
     p.tolerance = 1e-9;
     let run = retreats(Loop::new(&p, Ring::new(6, 1e-4, 0.5)), Fault::Unresolved, 60.0);
     assert!(run.output.eccentricity_sigma > p.tolerance);

@@ -5,9 +5,9 @@ mod ring;
 use std::time::Instant;
 
 use fmu_centering::controller::Controller;
-use fmu_centering::machine::State;
-use fmu_centering::parameters::Parameters;
-use fmu_centering::signals::Input;
+use fmu_centering::interface::Input;
+use fmu_centering::interface::Parameters;
+use fmu_centering::interface::State;
 use ring::Ring;
 use ring::closed_loop::Loop;
 

@@ -1,9 +1,9 @@
 //! The controller on the machine, one communication step at a time.
 
 use fmu_centering::controller::Controller;
-use fmu_centering::machine::State;
-use fmu_centering::parameters::Parameters;
-use fmu_centering::signals::{Input, Output};
+use fmu_centering::interface::Parameters;
+use fmu_centering::interface::State;
+use fmu_centering::interface::{Input, Output};
 
 use super::{Ring, STEP};
 
