@@ -7,6 +7,7 @@
 //! The geometry is linearised at the present estimate, which is poor at first. So the measurements since the ring was
 //! last moved are kept, and all of them are taken in again at the better estimate now and then (Gauss-Newton).
 
+use arrayvec::ArrayVec;
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 use serde::{Deserialize, Serialize};
 
@@ -81,7 +82,7 @@ pub struct RingModel {
     /// before the measurements of the history
     before: Gaussian,
     /// angles (rad) and measurements (m) since the ring was moved
-    history: Vec<(f64, f64)>,
+    history: ArrayVec<(f64, f64), HISTORY>,
     /// standard deviation of the history from its model, in that of the noise, at least 1
     misfit: f64,
     rejections: u32,
@@ -95,14 +96,14 @@ impl RingModel {
         (sigmas[1], sigmas[2]) = (assumed.centre, assumed.centre);
         let now = Gaussian { mean: Vector::zeros(), root: Matrix::from_diagonal(&sigmas) };
         let (linear, before) = (now.mean, now.clone());
-        Self { assumed, linear, before, now, history: Vec::with_capacity(HISTORY), misfit: 1.0, rejections: 0 }
+        Self { assumed, linear, before, now, history: ArrayVec::new_const(), misfit: 1.0, rejections: 0 }
     }
 
     /// Takes in y = s - q (m) at the spindle angle (rad); false if it was taken for dirt.
     pub fn observe(&mut self, angle: f64, y: f64) -> bool {
         let (expected, gradient) = self.expect(angle, &self.now.mean);
         let (innovation, noise) = (y - expected, self.assumed.noise.powi(2));
-        if self.history.len() < HISTORY {
+        if !self.history.is_full() {
             self.history.push((angle, y));
         }
         let spread = self.now.spread(&gradient) + noise + self.blur(&gradient).powi(2);
@@ -112,7 +113,7 @@ impl RingModel {
         }
         self.rejections = 0;
         self.now.update(innovation, &gradient, noise);
-        if self.history.len() == HISTORY {
+        if self.history.is_full() {
             self.linear = self.now.mean;
         }
         true
@@ -121,7 +122,7 @@ impl RingModel {
     /// Takes in the history again, linearised at what is known by now, then with less weight for what does not fit;
     /// does nothing if later measurements are not kept.
     pub fn refine(&mut self) {
-        if self.history.len() == HISTORY {
+        if self.history.is_full() {
             return;
         }
         for pass in 0..PASSES {
