@@ -159,11 +159,10 @@ fn push_maximum(p: &Parameters) -> Result<(), ParameterError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use control_blocks::refusal;
 
     fn error(change: impl FnOnce(&mut Parameters)) -> String {
-        let mut p = Parameters::PAPER;
-        change(&mut p);
-        check(&p).unwrap_err().to_string()
+        refusal(Parameters::PAPER, change, check)
     }
 
     #[test]

@@ -113,7 +113,7 @@ pub fn judge(p: &Parameters, speed: f64, pushes: i32, first: f64, ring: &Estimat
     } else if too_fast(p, speed, ring) {
         Some(Fault::Centrifugal)
     } else if eccentricity > first + p.push.critical_distance {
-        // pushes that are much slower than the surface shove the ring aside
+        // pushes that are much slower than the surface move the ring aside
         Some(Fault::Diverged)
     } else {
         (eccentricity > p.tolerance && pushes >= p.limits.pushes).then_some(Fault::PushBudget)

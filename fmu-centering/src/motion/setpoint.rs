@@ -4,7 +4,7 @@ use control_blocks::{Trajectory, stopping_distance};
 use serde::{Deserialize, Serialize};
 
 use crate::interface::Parameters;
-use crate::motion::Trapezoid;
+use crate::motion::profile::Trapezoid;
 
 /// The setpoint and where it is going; by default nowhere yet.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]

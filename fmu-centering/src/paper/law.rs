@@ -4,8 +4,7 @@ use control_blocks::Trajectory;
 use serde::{Deserialize, Serialize};
 
 use crate::centre::Estimate;
-use crate::interface::Parameters;
-use crate::interface::{Fault, State};
+use crate::interface::{Fault, Parameters, State};
 use crate::law::{CentringLaw, Conclusion, Launch, Observation, Verdict};
 use crate::motion::Motion;
 use crate::paper::model::SineModel;
@@ -45,14 +44,14 @@ impl CentringLaw for PaperLaw {
 
     fn launch(&mut self, p: &Parameters, now: &Observation) -> Option<Launch> {
         let before = self.estimate.filter(|_| now.due.control)?;
-        let scene = Situation {
+        let situation = Situation {
             estimate: &before,
             angle: now.angle,
             speed: now.speed,
             sample: now.sample,
             offset: self.learner.offset(),
         };
-        let push = self.planner.update(p, &scene)?;
+        let push = self.planner.update(p, &situation)?;
         self.stroke = Some(LastStroke { before, remaining: 0.0 });
         Some(Launch { distance: push.distance, velocity: push.velocity, lead: push.lead, end: Some(push.end) })
     }

@@ -42,7 +42,7 @@ impl SineModel {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sensing::change;
+    use control_blocks::wrap;
 
     /// Collects a sine of 0.1 mm nearest at 1 rad at 66 Hz and `speed` rad/s; samples until complete.
     fn collected(speed: f64) -> (SineModel, u32) {
@@ -74,7 +74,7 @@ mod tests {
         // 1.56 samples: 2.84 deg at 20 rpm, with the direction of rotation
         for speed in [2.0944, -2.0944] {
             let centre = collected(speed).0.estimate().unwrap().centre;
-            let lag = change(1.0, centre.nearest()).to_degrees() * speed.signum();
+            let lag = wrap(centre.nearest() - 1.0).to_degrees() * speed.signum();
             assert!((lag - 2.84).abs() < 0.15, "{lag} deg");
         }
     }

@@ -47,23 +47,23 @@ pub struct LeadPlanner {
 
 impl LeadPlanner {
     /// The push, in the control beat of its launch.
-    pub fn update(&mut self, p: &Parameters, scene: &Situation) -> Option<PlannedPush> {
-        let (b, r) = (scene.estimate.centre.eccentricity(), p.ring.radius);
+    pub fn update(&mut self, p: &Parameters, now: &Situation) -> Option<PlannedPush> {
+        let (b, r) = (now.estimate.centre.eccentricity(), p.ring.radius);
         // eq. 29 with its sign put right: positive while following
-        let gap = p.probe.at_pusher - scene.sample.probe;
-        let travel = |lead: f64| distance(r, b, lead, gap, scene.offset);
+        let gap = p.probe.at_pusher - now.sample.probe;
+        let travel = |lead: f64| distance(r, b, lead, gap, now.offset);
         let velocity = velocity(&p.push, b);
         let delay = start_delay(p);
         let time = |lead: f64| (duration(travel(lead), velocity, p.slide.acceleration_max) + delay).max(0.0);
-        let lead = lead_angle(scene.speed, time);
-        let left = scene.speed.signum() * (scene.estimate.centre.nearest() - scene.angle);
+        let lead = lead_angle(now.speed, time);
+        let left = now.speed.signum() * (now.estimate.centre.nearest() - now.angle);
         // the beat after a crossing is half a beat late on average
-        let early = 0.5 * scene.speed.abs() / p.rates.control;
+        let early = 0.5 * now.speed.abs() / p.rates.control;
         if !self.crossing.update(left - lead - early) {
             return None;
         }
         let distance = travel(left);
-        Some(PlannedPush { distance, end: scene.sample.slide + distance, velocity, lead: left.rem_euclid(TAU) })
+        Some(PlannedPush { distance, end: now.sample.slide + distance, velocity, lead: left.rem_euclid(TAU) })
     }
 }
 
@@ -77,7 +77,7 @@ fn start_delay(p: &Parameters) -> f64 {
 mod tests {
     use super::*;
     use crate::centre::Centre;
-    use crate::sensing::wrap;
+    use control_blocks::wrap;
 
     const P: Parameters = Parameters::PAPER;
     /// 20 rpm, rad/s.
@@ -95,8 +95,8 @@ mod tests {
         for k in 0..400 {
             let angle = phase + speed * f64::from(k) / p.rates.control;
             let sample = Sample { angle, slide: 0.1, probe: p.null() };
-            let scene = Situation { estimate: &estimate, angle, speed, sample, offset: 0.0 };
-            if let Some(push) = planner.update(p, &scene) {
+            let now = Situation { estimate: &estimate, angle, speed, sample, offset: 0.0 };
+            if let Some(push) = planner.update(p, &now) {
                 return (angle, push);
             }
         }
@@ -146,8 +146,8 @@ mod tests {
         let mut planner = LeadPlanner::default();
         for angle in [0.0, 0.0, -0.0, 1e-3, 0.0] {
             let sample = Sample { angle, slide: 0.1, probe: P.null() };
-            let scene = Situation { estimate: &estimate, angle, speed: 0.0, sample, offset: 0.0 };
-            assert_eq!(planner.update(&P, &scene), None);
+            let now = Situation { estimate: &estimate, angle, speed: 0.0, sample, offset: 0.0 };
+            assert_eq!(planner.update(&P, &now), None);
         }
     }
 }

@@ -30,7 +30,7 @@ pub struct AimInput<'a> {
     /// The ring.
     pub ring: &'a RingModel,
     /// What has been learned.
-    pub experience: &'a LearnedParameters,
+    pub learned: &'a LearnedParameters,
     /// Spindle angle now, rad.
     pub angle: f64,
     /// Spindle speed, rad/s.
@@ -57,86 +57,86 @@ pub struct PlannedStroke {
 }
 
 /// How the ring is to be moved.
-struct Approaching {
+struct PlannedApproach {
     meeting: FirstContact,
     finish: Finish,
     ending: Ending,
 }
 
 /// The stroke, if it must begin before the next plan.
-pub fn aim(p: &Parameters, scene: &AimInput, tap: Option<f64>) -> Option<PlannedStroke> {
-    let way = tap.map_or_else(|| push(p, scene), |speed| blow(p, scene, speed));
-    let (mut angle, mut wait) = (scene.angle, 0.0);
+pub fn aim(p: &Parameters, input: &AimInput, tap: Option<f64>) -> Option<PlannedStroke> {
+    let approach = tap.map_or_else(|| push(p, input), |speed| blow(p, input, speed));
+    let (mut angle, mut wait) = (input.angle, 0.0);
     let mut stroke = Stroke::default();
     for _ in 0..PASSES {
-        stroke = plan(p, scene, &way, angle);
-        wait = wait_for(p, scene, &way, &stroke);
-        angle = scene.angle + scene.speed * (wait + stroke.duration());
+        stroke = plan(p, input, &approach, angle);
+        wait = wait_for(p, input, &approach, &stroke);
+        angle = input.angle + input.speed * (wait + stroke.duration());
     }
-    if wait >= scene.horizon {
+    if wait >= input.horizon {
         return None;
     }
-    let press = Press::new(stroke.clone(), way.ending, way.meeting.time, wait);
+    let press = Press::new(stroke.clone(), approach.ending, approach.meeting.time, wait);
     Some(PlannedStroke {
-        distance: stroke.end() - scene.setpoint.position,
-        velocity: way.finish.velocity,
-        lead: scene.speed.abs() * (wait + stroke.duration()),
+        distance: stroke.end() - input.setpoint.position,
+        velocity: approach.finish.velocity,
+        lead: input.speed.abs() * (wait + stroke.duration()),
         angle,
         press,
     })
 }
 
-fn contact(p: &Parameters, scene: &AimInput) -> Contact {
-    Contact { radius: p.ring.radius, speed: scene.speed, lateral: scene.experience.lateral.mean }
+fn contact(p: &Parameters, input: &AimInput) -> Contact {
+    Contact { radius: p.ring.radius, speed: input.speed, lateral: input.learned.lateral.mean }
 }
 
 /// Margin before the expected contact, m.
-fn standoff(scene: &AimInput) -> f64 {
-    STANDOFF * scene.experience.contact.sigma + STANDOFF_MIN
+fn standoff(input: &AimInput) -> f64 {
+    STANDOFF * input.learned.contact.sigma + STANDOFF_MIN
 }
 
 /// A push that ends at rest.
-fn push(p: &Parameters, scene: &AimInput) -> Approaching {
-    let eccentricity = scene.ring.eccentricity();
+fn push(p: &Parameters, input: &AimInput) -> PlannedApproach {
+    let eccentricity = input.ring.eccentricity();
     let duration = p.stroke.duration.max((2.0 * eccentricity / p.stroke.deceleration).sqrt());
     let finish = Finish::braked(eccentricity, duration, p.stroke.velocity_max)
-        .at_least(standoff(scene) / CREEP_TIME, eccentricity);
-    let mut meeting = contact(p, scene).meeting(eccentricity, &finish);
+        .at_least(standoff(input) / CREEP_TIME, eccentricity);
+    let mut meeting = contact(p, input).meeting(eccentricity, &finish);
     if !p.stroke.phase_plan {
         meeting.centre = nalgebra::Vector2::new(eccentricity, 0.0);
     }
-    Approaching { meeting, finish, ending: Ending::Rest }
+    PlannedApproach { meeting, finish, ending: Ending::Rest }
 }
 
 /// A blow.
-fn blow(p: &Parameters, scene: &AimInput, speed: f64) -> Approaching {
-    let mut meeting = contact(p, scene).blow(scene.ring.eccentricity());
+fn blow(p: &Parameters, input: &AimInput, speed: f64) -> PlannedApproach {
+    let mut meeting = contact(p, input).blow(input.ring.eccentricity());
     if !p.stroke.phase_plan {
-        meeting.centre = nalgebra::Vector2::new(scene.ring.eccentricity(), 0.0);
+        meeting.centre = nalgebra::Vector2::new(input.ring.eccentricity(), 0.0);
     }
-    Approaching { meeting, finish: Finish { velocity: speed, deceleration: BLOW }, ending: Ending::Blow }
+    PlannedApproach { meeting, finish: Finish { velocity: speed, deceleration: BLOW }, ending: Ending::Blow }
 }
 
 /// The stroke that ends at the spindle angle `angle` rad.
-fn plan(p: &Parameters, scene: &AimInput, way: &Approaching, angle: f64) -> Stroke {
+fn plan(p: &Parameters, input: &AimInput, approach: &PlannedApproach, angle: f64) -> Stroke {
     let limits = SlideLimits { velocity: p.slide.velocity_max, acceleration: p.slide.acceleration_max };
-    let zero = p.probe.at_pusher + scene.experience.contact.mean;
-    let (line, slow) = match way.ending {
+    let zero = p.probe.at_pusher + input.learned.contact.mean;
+    let (line, slow) = match approach.ending {
         Ending::Rest => {
-            (scene.ring.centred_line(angle) + scene.experience.recoil.mean, scene.ring.eccentricity() + standoff(scene))
+            (input.ring.centred_line(angle) + input.learned.recoil.mean, input.ring.eccentricity() + standoff(input))
         }
-        Ending::Blow => (scene.ring.line(angle), 0.0),
+        Ending::Blow => (input.ring.line(angle), 0.0),
     };
-    Stroke::plan(&scene.setpoint, line + zero, slow, &way.finish, &limits)
+    Stroke::plan(&input.setpoint, line + zero, slow, &approach.finish, &limits)
 }
 
 /// Time until the stroke must begin, s; it ends in a sample, so that all strokes are sampled alike.
-fn wait_for(p: &Parameters, scene: &AimInput, way: &Approaching, stroke: &Stroke) -> f64 {
-    let centre = Rotation2::new(scene.angle) * scene.ring.centre();
-    let turn = scene.speed.signum() * (way.meeting.direction() - centre.y.atan2(centre.x));
-    let ahead = stroke.duration() - way.meeting.time;
-    let left = turn - scene.speed.abs() * ahead;
-    let wait = ((left + LATE).rem_euclid(TAU) - LATE) / scene.speed.abs();
+fn wait_for(p: &Parameters, input: &AimInput, approach: &PlannedApproach, stroke: &Stroke) -> f64 {
+    let centre = Rotation2::new(input.angle) * input.ring.centre();
+    let turn = input.speed.signum() * (approach.meeting.direction() - centre.y.atan2(centre.x));
+    let ahead = stroke.duration() - approach.meeting.time;
+    let left = turn - input.speed.abs() * ahead;
+    let wait = ((left + LATE).rem_euclid(TAU) - LATE) / input.speed.abs();
     let samples = ((wait + stroke.duration()) / p.sample_period).round();
     samples * p.sample_period - stroke.duration()
 }

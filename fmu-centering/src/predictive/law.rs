@@ -7,8 +7,7 @@ use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
 use crate::centre::{Centre, Estimate};
-use crate::interface::Parameters;
-use crate::interface::{Fault, State};
+use crate::interface::{Fault, Parameters, State};
 use crate::law::{CentringLaw, Conclusion, Launch, Observation, Verdict};
 use crate::motion::Motion;
 use crate::predictive::aim::{AimInput, aim};
@@ -35,13 +34,13 @@ pub struct PredictiveLaw {
     despiker: Despiker,
     seen: Option<Measurement>,
     ring: RingModel,
-    experience: LearnedParameters,
+    learned: LearnedParameters,
     /// the stroke under way
     press: Option<Press>,
     /// the last push, until the next one
-    attempt: Option<LastPush>,
+    last_push: Option<LastPush>,
     /// samples until the ring lies still
-    unrest: u32,
+    rest: u32,
     /// spindle angle of the first measurement since the ring was moved
     since: Option<f64>,
     /// angle turned since then, rad
@@ -55,10 +54,10 @@ impl PredictiveLaw {
             despiker: Despiker::default(),
             seen: None,
             ring: RingModel::new(assumptions(p)),
-            experience: LearnedParameters::new(p),
+            learned: LearnedParameters::new(p),
             press: None,
-            attempt: None,
-            unrest: 0,
+            last_push: None,
+            rest: 0,
             since: None,
             turned: 0.0,
         }
@@ -78,9 +77,9 @@ impl CentringLaw for PredictiveLaw {
             self.despiker = Despiker::default();
         }
         self.seen = self.despiker.update(Measurement { angle: now.angle, slide: sample.slide, tip: sample.tip() });
-        self.unrest = self.unrest.saturating_sub(1);
+        self.rest = self.rest.saturating_sub(1);
         let measure = now.due.collect && (now.state.follows() || now.state == State::Settle);
-        let Some(seen) = self.seen.filter(|_| measure && self.unrest == 0) else { return };
+        let Some(seen) = self.seen.filter(|_| measure && self.rest == 0) else { return };
         if self.ring.observe(seen.angle, seen.tip) {
             let since = *self.since.get_or_insert(seen.angle);
             self.turned = (seen.angle - since).abs();
@@ -116,35 +115,35 @@ impl CentringLaw for PredictiveLaw {
         if !now.due.collect {
             return None;
         }
-        let mut experience = self.learned(p);
-        let tap = self.tap_speed(p, &mut experience);
-        let scene = AimInput {
+        let mut learned = self.relearned(p);
+        let tap = self.tap_speed(p, &mut learned);
+        let input = AimInput {
             ring: &self.ring,
-            experience: &experience,
+            learned: &learned,
             angle: now.angle,
             speed: now.speed,
             setpoint: now.setpoint,
             horizon: 1.0 / p.rates.collect,
         };
-        let shot = aim(p, &scene, tap)?;
-        self.attempt = Some(LastPush {
+        let planned = aim(p, &input, tap)?;
+        self.last_push = Some(LastPush {
             eccentricity: self.ring.eccentricity(),
-            angle: shot.angle,
+            angle: planned.angle,
             sense: now.speed.signum(),
-            lateral: if p.stroke.phase_plan { experience.lateral.mean } else { 0.0 },
-            act: tap.map_or(PushKind::Push(0.0), PushKind::Tap),
+            lateral: if p.stroke.phase_plan { learned.lateral.mean } else { 0.0 },
+            kind: tap.map_or(PushKind::Push(0.0), PushKind::Tap),
         });
-        self.experience = experience;
-        self.press = Some(shot.press);
-        Some(Launch { distance: shot.distance, velocity: shot.velocity, lead: shot.lead, end: None })
+        self.learned = learned;
+        self.press = Some(planned.press);
+        Some(Launch { distance: planned.distance, velocity: planned.velocity, lead: planned.lead, end: None })
     }
 
     fn press(&mut self, p: &Parameters, now: &Observation) -> Option<Trajectory> {
         let (press, seen) = (self.press.as_mut()?, self.seen.as_ref()?);
         let goal = Goal {
-            line: self.ring.centred_line(seen.angle) + self.experience.recoil.mean,
-            contact: p.probe.at_pusher + self.experience.contact.mean,
-            deflection: if p.learn.deflection { self.experience.deflection.mean } else { 0.0 },
+            line: self.ring.centred_line(seen.angle) + self.learned.recoil.mean,
+            contact: p.probe.at_pusher + self.learned.contact.mean,
+            deflection: if p.learn.deflection { self.learned.deflection.mean } else { 0.0 },
         };
         Some(press.step(p, &goal, seen, now.sample.slide))
     }
@@ -161,7 +160,7 @@ impl CentringLaw for PredictiveLaw {
 
     /// How much deeper than calibrated a push goes, m.
     fn offset(&self) -> f64 {
-        let learned = &self.experience;
+        let learned = &self.learned;
         learned.contact.mean + learned.deflection.mean + learned.recoil.mean
     }
 }
@@ -169,18 +168,18 @@ impl CentringLaw for PredictiveLaw {
 impl PredictiveLaw {
     /// What the contact tells is learned, and the centre is where it should be, more or less.
     fn end_stroke(&mut self, p: &Parameters) {
-        let (Some(press), Some(attempt)) = (self.press.take(), &mut self.attempt) else { return };
-        if let PushKind::Push(reached) = &mut attempt.act {
+        let (Some(press), Some(last_push)) = (self.press.take(), &mut self.last_push) else { return };
+        if let PushKind::Push(reached) = &mut last_push.kind {
             *reached = press.last().tip;
-            attempt.angle = press.last().angle;
-            match press.felt(FELT * attempt.eccentricity) {
-                Some((deflection, probe)) => self.experience.touched(p, deflection, probe),
-                None => self.experience.missed(p, press.last().probe()),
+            last_push.angle = press.last().angle;
+            match press.felt(FELT * last_push.eccentricity) {
+                Some((deflection, probe)) => self.learned.touched(p, deflection, probe),
+                None => self.learned.missed(p, press.last().probe()),
             }
         }
-        self.ring.displaced(Vector2::zeros(), SPREAD * attempt.eccentricity + SPREAD_MIN);
+        self.ring.displaced(Vector2::zeros(), SPREAD * last_push.eccentricity + SPREAD_MIN);
         (self.since, self.turned) = (None, 0.0);
-        self.unrest = p.ticks(REST);
+        self.rest = p.ticks(REST);
     }
 
     /// What is known of the ring.
@@ -209,17 +208,17 @@ impl PredictiveLaw {
     }
 
     /// What has been learned, with the last push.
-    fn learned(&self, p: &Parameters) -> LearnedParameters {
-        self.attempt
+    fn relearned(&self, p: &Parameters) -> LearnedParameters {
+        self.last_push
             .as_ref()
-            .map_or_else(|| self.experience.clone(), |attempt| self.experience.after(p, attempt, &self.ring))
+            .map_or_else(|| self.learned.clone(), |last_push| self.learned.after(p, last_push, &self.ring))
     }
 
     /// Speed (m/s) of a tap, if the ring is too heavy to be pushed so little.
-    fn tap_speed(&self, p: &Parameters, experience: &mut LearnedParameters) -> Option<f64> {
-        let (eccentricity, deflection) = (self.ring.eccentricity(), experience.deflection.mean);
+    fn tap_speed(&self, p: &Parameters, learned: &mut LearnedParameters) -> Option<f64> {
+        let (eccentricity, deflection) = (self.ring.eccentricity(), learned.deflection.mean);
         let heavy = deflection > p.tap.deflection_min && eccentricity < p.tap.reach * deflection;
-        (p.tap.enabled && heavy).then(|| experience.prepare_tap(p).speed(eccentricity).min(p.tap.speed_max))
+        (p.tap.enabled && heavy).then(|| learned.prepare_tap(p).speed(eccentricity).min(p.tap.speed_max))
     }
 }
 

@@ -47,7 +47,7 @@ pub struct LastPush {
     /// Lateral ratio for which it was planned.
     pub lateral: f64,
     /// What was done.
-    pub act: PushKind,
+    pub kind: PushKind,
 }
 
 /// The two ways to move a ring.
@@ -91,18 +91,18 @@ impl LearnedParameters {
 
     /// What is known with what the ring did, as the model of it now says.
     #[must_use]
-    pub fn after(&self, p: &Parameters, attempt: &LastPush, ring: &RingModel) -> Self {
+    pub fn after(&self, p: &Parameters, last_push: &LastPush, ring: &RingModel) -> Self {
         let mut learned = self.clone();
-        let left = Rotation2::new(attempt.angle) * ring.centre();
+        let left = Rotation2::new(last_push.angle) * ring.centre();
         let sigma = ring.centre_sigma();
-        let moved = attempt.eccentricity - left.x;
-        if p.learn.lateral && moved > MOVED * attempt.eccentricity {
-            learned.lateral = self.sideways(attempt, left, moved, sigma);
+        let moved = last_push.eccentricity - left.x;
+        if p.learn.lateral && moved > MOVED * last_push.eccentricity {
+            learned.lateral = self.sideways(last_push, left, moved, sigma);
         }
-        match attempt.act {
+        match last_push.kind {
             PushKind::Push(reached) if p.learn.recoil => {
                 // where the surface was at the end of the stroke, against where it is now
-                let recoil = left.x - (ring.centred_line(attempt.angle) - reached);
+                let recoil = left.x - (ring.centred_line(last_push.angle) - reached);
                 learned.recoil = self.recoil.after(recoil, RECOIL_SCATTER + sigma);
             }
             PushKind::Push(_) => {}
@@ -123,10 +123,10 @@ impl LearnedParameters {
     }
 
     /// Lateral ratio that explains where the ring went.
-    fn sideways(&self, attempt: &LastPush, left: Vector2<f64>, moved: f64, sigma: f64) -> GaussianEstimate {
-        let ratio = attempt.lateral - attempt.sense * left.y / moved;
-        let belief = self.lateral.after(ratio, LATERAL_SCATTER.hypot(sigma / moved));
-        GaussianEstimate { mean: belief.mean.clamp(0.0, 1.0), ..belief }
+    fn sideways(&self, last_push: &LastPush, left: Vector2<f64>, moved: f64, sigma: f64) -> GaussianEstimate {
+        let ratio = last_push.lateral - last_push.sense * left.y / moved;
+        let ratio = self.lateral.after(ratio, LATERAL_SCATTER.hypot(sigma / moved));
+        GaussianEstimate { mean: ratio.mean.clamp(0.0, 1.0), ..ratio }
     }
 }
 
@@ -138,21 +138,21 @@ mod tests {
 
     #[test]
     fn a_push_that_does_not_reach_the_ring_is_followed_by_a_deeper_one() {
-        let mut experience = LearnedParameters::new(&P);
-        experience.missed(&P, P.probe.at_pusher + 7e-6);
-        assert!((experience.contact.mean - 7e-6).abs() < 1e-15);
+        let mut learned = LearnedParameters::new(&P);
+        learned.missed(&P, P.probe.at_pusher + 7e-6);
+        assert!((learned.contact.mean - 7e-6).abs() < 1e-15);
         // less deep tells nothing
-        experience.missed(&P, P.probe.at_pusher - 1e-4);
-        assert!((experience.contact.mean - 7e-6).abs() < 1e-15);
+        learned.missed(&P, P.probe.at_pusher - 1e-4);
+        assert!((learned.contact.mean - 7e-6).abs() < 1e-15);
     }
 
     #[test]
     fn what_is_not_to_be_learned_stays() {
         let mut p = P;
         (p.learn.contact, p.learn.deflection) = (false, false);
-        let mut experience = LearnedParameters::new(&p);
-        experience.missed(&p, p.probe.at_pusher + 7e-6);
-        experience.touched(&p, 1e-5, Some(p.probe.at_pusher + 5e-6));
-        assert_eq!(experience, LearnedParameters::new(&p));
+        let mut learned = LearnedParameters::new(&p);
+        learned.missed(&p, p.probe.at_pusher + 7e-6);
+        learned.touched(&p, 1e-5, Some(p.probe.at_pusher + 5e-6));
+        assert_eq!(learned, LearnedParameters::new(&p));
     }
 }

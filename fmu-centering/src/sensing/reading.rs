@@ -3,8 +3,7 @@
 use control_blocks::{Edge, believable, wrap};
 use serde::{Deserialize, Serialize};
 
-use crate::interface::Input;
-use crate::interface::Parameters;
+use crate::interface::{Input, Parameters};
 
 /// Angles beyond this lose their last digits, rad.
 const ANGLE_MAX: f64 = 1e7;

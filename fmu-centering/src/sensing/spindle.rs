@@ -56,6 +56,7 @@ impl Spindle {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use control_blocks::wrap;
     use std::f64::consts::TAU;
 
     const QUANTUM: f64 = TAU / 4000.0;
@@ -73,7 +74,7 @@ mod tests {
             spindle.update(read(encoder(angle)));
             if spindle.line.full() {
                 of_speed = f64::max(of_speed, (spindle.speed() / speed - 1.0).abs());
-                of_angle = f64::max(of_angle, change(angle, spindle.angle()).abs());
+                of_angle = f64::max(of_angle, wrap(spindle.angle() - angle).abs());
             }
         }
         (of_speed, of_angle)
