@@ -103,6 +103,7 @@ impl Controller {
             enabled: reading.enabled,
             start: reading.start,
             reset: reading.reset,
+            at_rest: self.motion.resting(p),
             fault: self.find_fault(p, reading, turned),
             touched: self.sample.probe > p.probe.contact,
             settled: self.settle(p),
@@ -200,6 +201,8 @@ impl Controller {
     /// What happens once, when `state` begins.
     fn enter(&mut self, p: &Parameters, state: State, events: &Events, reading: &Reading, launch: Option<Launch>) {
         match state {
+            // nothing moves by itself after a reset
+            State::Idle if self.state == State::Fault => {}
             State::Idle => self.leave(p, reading),
             State::Fault => {
                 self.fault = events.fault.unwrap_or(self.fault);

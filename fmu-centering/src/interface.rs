@@ -38,7 +38,7 @@ mod variables {
         Settle,
         /// The ring is centred; follows it until `enable` is false
         Centred,
-        /// Moves back to where it started and holds until `reset_fault`
+        /// Moves back to where it started and holds; a rising edge of `reset_fault` ends it at rest
         Fault,
     }
 
@@ -105,7 +105,7 @@ mod variables {
         pub probe_position: f64,
         /// Rising edge in Idle begins a centring; false ends it: stop, move back, Idle
         pub enable: bool,
-        /// Rising edge ends the state Fault: Idle, which waits for a rising edge of `enable`
+        /// Rising edge ends the state Fault once the slide is at rest: Idle, which waits for a rising edge of `enable`
         pub reset_fault: bool,
     }
 

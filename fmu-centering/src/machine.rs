@@ -29,6 +29,8 @@ pub struct Events {
     pub start: bool,
     /// Rising edge of `reset_fault`.
     pub reset: bool,
+    /// The slide is at rest, and no move is under way.
+    pub at_rest: bool,
     /// Something is wrong.
     pub fault: Option<Fault>,
     /// The probe touches the ring.
@@ -49,7 +51,7 @@ pub struct Events {
 pub fn next(state: State, events: &Events) -> State {
     use State::{Approach, Centred, Collect, Fault, Follow, Idle, Model, Push, Settle, Wait};
     match state {
-        Fault if events.reset && events.fault.is_none() => Idle,
+        Fault if events.reset && events.at_rest && events.fault.is_none() => Idle,
         Fault => Fault,
         _ if events.fault.is_some() => Fault,
         Idle if events.start => Approach,
@@ -77,6 +79,7 @@ mod tests {
         enabled: true,
         start: false,
         reset: false,
+        at_rest: false,
         fault: None,
         touched: false,
         settled: false,
@@ -122,6 +125,7 @@ mod tests {
             enabled: true,
             start: true,
             reset: true,
+            at_rest: true,
             fault: Some(Fault::NoPart),
             touched: true,
             settled: true,
@@ -144,10 +148,11 @@ mod tests {
     }
 
     #[test]
-    fn a_fault_ends_with_its_reset_only_and_then_waits_for_enable() {
-        let start = Events { start: true, ..ENABLED };
+    fn a_fault_ends_with_its_reset_at_rest_only_and_then_waits_for_enable() {
+        let start = Events { start: true, at_rest: true, ..ENABLED };
         assert_eq!(next(State::Fault, &start), State::Fault);
-        let reset = Events { reset: true, ..ENABLED };
+        assert_eq!(next(State::Fault, &Events { reset: true, ..ENABLED }), State::Fault);
+        let reset = Events { reset: true, at_rest: true, ..ENABLED };
         assert_eq!(next(State::Fault, &reset), State::Idle);
         assert_eq!(next(State::Idle, &ENABLED), State::Idle);
         assert_eq!(next(State::Idle, &start), State::Approach);

@@ -5,5 +5,5 @@ mod profile;
 mod setpoint;
 
 pub use follow::Follower;
-pub use profile::{Trapezoid, duration};
+pub use profile::duration;
 pub use setpoint::Motion;

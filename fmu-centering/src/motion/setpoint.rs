@@ -86,6 +86,11 @@ impl Motion {
         self.setpoint.position + way - self.home >= p.approach.travel_max
     }
 
+    /// Whether the setpoint stands, and no move will change that.
+    pub fn resting(&self, p: &Parameters) -> bool {
+        self.at_rest() && (!self.moving() || self.arrived(p, 0.0))
+    }
+
     fn at_rest(&self) -> bool {
         self.setpoint.velocity == 0.0
     }
@@ -117,6 +122,7 @@ mod tests {
     fn retreats_to_where_it_began_and_rests() {
         let mut motion = approaching(200);
         motion.retreat(&P);
+        assert!(!motion.resting(&P));
         let mut ticks = 0;
         while !motion.arrived(&P, 0.0) {
             let before = motion.setpoint;
@@ -126,6 +132,10 @@ mod tests {
             assert!(ticks < 1000);
         }
         assert_eq!((motion.setpoint.position, motion.setpoint.velocity), (0.3, 0.0));
+        assert!(motion.resting(&P));
+        // at rest, but about to move
+        motion.go(&P, 0.4, 0.1);
+        assert!(!motion.resting(&P));
     }
 
     #[test]

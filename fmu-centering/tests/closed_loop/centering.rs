@@ -1,13 +1,11 @@
 //! The whole law on the quasi-static ring: it centres, in both directions, from everywhere.
 
-mod ring;
+use fmu_centering::interface::{Fault, Parameters, State};
 
-use fmu_centering::interface::Parameters;
-use fmu_centering::interface::{Fault, State};
-use ring::closed_loop::Loop;
-use ring::{Ring, SPEED};
+use crate::ring::{Ring, SPEED};
+use crate::run::Loop;
 
-/// A ring centred in paper mode; it must be.
+/// A ring centred; it must be.
 fn centred(p: &Parameters, ring: Ring) -> Loop {
     let mut run = Loop::new(p, ring);
     let done = run.run_to(State::Centred, 90.0);
@@ -16,7 +14,7 @@ fn centred(p: &Parameters, ring: Ring) -> Loop {
 }
 
 #[test]
-fn paper_mode_centres_rings_up_to_0_6_mm() {
+fn the_papers_law_centres_rings_up_to_0_6_mm() {
     for seed in 0..12 {
         let (eccentricity, phase) = (1e-4 + 5e-4 * seed as f64 / 11.0, 0.5 * seed as f64);
         let run = centred(&Parameters::PAPER, Ring::new(seed, eccentricity, phase));

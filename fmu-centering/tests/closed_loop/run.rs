@@ -1,11 +1,9 @@
 //! The controller on the machine, one communication step at a time.
 
 use fmu_centering::controller::Controller;
-use fmu_centering::interface::Parameters;
-use fmu_centering::interface::State;
-use fmu_centering::interface::{Input, Output};
+use fmu_centering::interface::{Input, Output, Parameters, State};
 
-use super::{Ring, STEP};
+use crate::ring::{Ring, STEP};
 
 /// Idle steps before the start.
 const IDLE: u32 = 10;
@@ -55,7 +53,7 @@ impl Loop {
         let enable = self.steps >= IDLE;
         let mut input = Input { spindle_angle, slide_position, probe_position, enable, reset_fault: false };
         change(&mut input);
-        self.output = self.controller.tick(&self.parameters, self.time(), &input);
+        self.controller.tick(&input, &self.parameters, &mut self.output);
         self.ring.advance(self.output.slide.position_setpoint, self.output.slide.velocity_setpoint);
         self.steps += 1;
         let waiting = self.output.state == State::Wait;
@@ -73,4 +71,32 @@ impl Loop {
         }
         true
     }
+}
+
+/// A loop in `state`, with a ring 0.2 mm off.
+pub fn running(p: &Parameters, state: State) -> Loop {
+    let mut run = Loop::new(p, Ring::new(1, 2e-4, 0.5));
+    assert!(run.run_to(state, 60.0), "{:?}", run.output);
+    run
+}
+
+/// Whether all outputs are finite.
+pub fn finite(o: &Output) -> bool {
+    let reals = [
+        o.slide.position_setpoint,
+        o.slide.velocity_setpoint,
+        o.time_to_centre,
+        o.eccentricity,
+        o.eccentricity_angle,
+        o.eccentricity_sigma,
+        o.spindle_speed,
+        o.pusher_gap,
+        o.push.distance,
+        o.push.velocity,
+        o.push.lead_angle,
+        o.push.offset,
+        o.push.overshoot,
+        o.push.overshoot_max,
+    ];
+    reals.iter().all(|x| x.is_finite())
 }

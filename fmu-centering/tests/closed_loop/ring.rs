@@ -4,8 +4,6 @@
 //! The table turns under the contact, the pusher drags the ring sideways by its own friction, and the slide yields
 //! by the friction of the ring before the ring moves. All values are our choice, of the paper's size.
 
-pub mod closed_loop;
-
 use std::f64::consts::TAU;
 
 use rand::SeedableRng;
