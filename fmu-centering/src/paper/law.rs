@@ -1,4 +1,4 @@
-//! The paper's mode: one revolution of data, one sine, one push, and again.
+//! The paper's law: one revolution of data, one sine, one push, and again.
 
 use control_blocks::Trajectory;
 use serde::{Deserialize, Serialize};

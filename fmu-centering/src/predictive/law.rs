@@ -1,4 +1,4 @@
-//! The default mode: every sample sharpens a model of the ring, and a push begins as soon as that is sharp enough.
+//! The default law: every sample sharpens a model of the ring, and a push begins as soon as that is sharp enough.
 
 use std::f64::consts::TAU;
 

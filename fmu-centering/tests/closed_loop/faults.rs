@@ -55,7 +55,7 @@ fn a_ring_that_disappears_is_not_chased() {
 }
 
 #[test]
-fn a_ring_that_disappears_ends_a_push_of_either_mode() {
+fn a_ring_that_disappears_ends_a_push_of_either_law() {
     for p in [Parameters::PAPER, Parameters::START] {
         let mut run = running(&p, State::Push);
         run.ring.present = false;
