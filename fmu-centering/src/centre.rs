@@ -59,7 +59,7 @@ pub struct Estimate {
 mod tests {
     use super::*;
     use crate::sine_fit::SineSums;
-    use crate::spindle::change;
+    use control_blocks::wrap;
     use std::f64::consts::TAU;
 
     #[test]
@@ -74,7 +74,7 @@ mod tests {
                     sums.add(theta, 0.1 - 1e-4 * (theta - nearest).cos());
                 }
                 let centre = Centre::from_sine(&sums.fit().unwrap());
-                assert!(change(nearest, centre.nearest()).abs() < 1e-9, "{nearest}");
+                assert!(wrap(centre.nearest() - nearest).abs() < 1e-9, "{nearest}");
                 assert!((centre.eccentricity() - 1e-4).abs() < 1e-12);
             }
         }

@@ -1,18 +1,16 @@
 //! Checks of parameters against each other; single ranges are in the variable table of the FMU.
 
-use control_blocks::{ParameterError, require};
+use control_blocks::{Check, ParameterError, check_all, require};
 
+use crate::interface::Parameters;
 use crate::limits::look_ahead;
-use crate::parameters::Parameters;
-
-type Check = fn(&Parameters) -> Result<(), ParameterError>;
 
 /// Checks all combinations; the first that fails is the error.
 ///
 /// # Errors
 /// When a parameter does not fit the others.
 pub fn check(p: &Parameters) -> Result<(), ParameterError> {
-    const CHECKS: [Check; 14] = [
+    const CHECKS: [Check<Parameters>; 14] = [
         park,
         gap,
         stroke,
@@ -28,7 +26,7 @@ pub fn check(p: &Parameters) -> Result<(), ParameterError> {
         push_velocities,
         push_maximum,
     ];
-    CHECKS.iter().try_for_each(|check| check(p))
+    check_all(p, &CHECKS)
 }
 
 fn stroke(p: &Parameters) -> Result<(), ParameterError> {
@@ -161,17 +159,16 @@ fn push_maximum(p: &Parameters) -> Result<(), ParameterError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use control_blocks::refusal;
 
     fn error(change: impl FnOnce(&mut Parameters)) -> String {
-        let mut p = Parameters::PAPER;
-        change(&mut p);
-        check(&p).unwrap_err().to_string()
+        refusal(Parameters::PAPER, change, check)
     }
 
     #[test]
     fn defaults_and_paper_mode_fit() {
         check(&Parameters::PAPER).unwrap();
-        check(&Parameters::DEFAULT).unwrap();
+        check(&Parameters::START).unwrap();
     }
 
     #[test]
@@ -181,7 +178,7 @@ mod tests {
             (error(|p| p.park.dead_zone = 5e-3), "park.dead_zone", "`0.005 m`", "`0.0043 m`"),
             (error(|p| p.follow.gap = 0.02), "follow.gap", "`0.02 m`", "`0.0196 m`"),
             (error(|p| p.approach.velocity = 0.2), "approach.velocity", "`0.2 m/s`", "`0.12 m/s`"),
-            (error(|p| p.friction.mu_limit = 0.5), "approach.velocity", "`0.12 m/s`", "`0.0198 m`"),
+            (error(|p| p.limits.friction = 0.5), "approach.velocity", "`0.12 m/s`", "`0.0198 m`"),
             (error(|p| p.follow.gain = 30.0), "follow.gain", "`30 1/s`", "`25 1/s`"),
             (error(|p| p.follow.gain = 22.0), "follow.gain", "`22 1/s`", "acceleration_max"),
             (error(|p| p.follow.dead_zone = 1e-3), "follow.dead_zone", "`0.001 m`", "`0.0005 m`"),

@@ -1,21 +1,16 @@
 //! One sample of the whole law: read, estimate the spindle and the ring, decide, move, report.
 
-use control_blocks::ParameterError;
+use control_blocks::{Consecutive, ParameterError};
 use serde::{Deserialize, Serialize};
 
 use crate::centre::{Centre, Estimate};
 use crate::check::check;
-use crate::follow::Follower;
-use crate::frozen::Frozen;
-use crate::law::{Launch, Law, Moment};
-use crate::machine::{Events, Fault, State, Verdict, next};
-use crate::motion::Motion;
-use crate::parameters::Parameters;
-use crate::rates::{Clock, Due};
-use crate::reading::{Reader, Reading, Sample};
-use crate::signals::{Input, Output, PushReport, Setpoint};
-use crate::spindle::Spindle;
-use crate::supervision::{Supervisor, View, judge};
+use crate::faults::{Supervisor, Watched, judge};
+use crate::interface::{Fault, Input, Output, Parameters, PushReport, Setpoint, State};
+use crate::law::{ActiveLaw, Launch, Observation, Verdict};
+use crate::machine::{Events, next};
+use crate::motion::{Follower, Motion};
+use crate::sensing::{Clock, Due, Frozen, Reader, Reading, Sample, Spindle};
 
 /// The controller between two samples.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -25,7 +20,7 @@ pub struct Controller {
     spindle: Spindle,
     follower: Follower,
     frozen: Frozen,
-    law: Law,
+    law: ActiveLaw,
     supervisor: Supervisor,
     motion: Motion,
     state: State,
@@ -33,7 +28,7 @@ pub struct Controller {
     /// the last good sample
     sample: Sample,
     /// samples in a row within the band of settling
-    settled: u32,
+    settled: Consecutive,
     estimate: Option<Estimate>,
     /// eccentricity of the first model, m
     first: Option<f64>,
@@ -57,30 +52,30 @@ impl Controller {
             spindle: Spindle::new(p),
             follower: Follower::default(),
             frozen: Frozen::default(),
-            law: Law::new(p),
+            law: ActiveLaw::new(p),
             supervisor: Supervisor::default(),
             motion: Motion::default(),
             state: State::Idle,
             fault: Fault::None,
             sample: Sample { angle: 0.0, slide: 0.0, probe: 0.0 },
-            settled: 0,
+            settled: Consecutive::default(),
             estimate: None,
             first: None,
             before: None,
-            report: PushReport::NONE,
+            report: PushReport::START,
             started: 0.0,
             centred: None,
         })
     }
 
-    /// One sample at `time` s. The parameters must be those of [`Controller::new`].
-    pub fn tick(&mut self, p: &Parameters, time: f64, input: &Input) -> Output {
+    /// One sample. The parameters must be those of [`Controller::new`].
+    pub fn tick(&mut self, input: &Input, p: &Parameters, output: &mut Output) {
         let reading = self.reader.read(p, input);
         let due = self.clock.advance(p);
         let turned = self.observe(p, &reading, due);
-        self.decide(p, time, &reading, due, turned);
+        self.decide(p, &reading, due, turned);
         self.drive(p, due);
-        self.report(p)
+        *output = self.report(p);
     }
 
     /// Spindle, surface and model; the angle (rad) turned since the last sample.
@@ -97,17 +92,18 @@ impl Controller {
         if due.control {
             self.follower.update(p, &sample);
         }
-        let now = self.moment(due);
+        let now = self.observation(due);
         self.law.observe(p, &now);
         turned
     }
 
     /// State machine.
-    fn decide(&mut self, p: &Parameters, time: f64, reading: &Reading, due: Due, turned: f64) {
+    fn decide(&mut self, p: &Parameters, reading: &Reading, due: Due, turned: f64) {
         let mut events = Events {
             enabled: reading.enabled,
             start: reading.start,
             reset: reading.reset,
+            at_rest: self.motion.resting(p),
             fault: self.find_fault(p, reading, turned),
             touched: self.sample.probe > p.probe.contact,
             settled: self.settle(p),
@@ -115,7 +111,7 @@ impl Controller {
             stroke_over: self.state == State::Push && self.law.stroke_over(p, &self.motion),
             ..Events::default()
         };
-        let now = self.moment(due);
+        let now = self.observation(due);
         if events.fault.is_none() {
             self.conclude(p, &now, &mut events);
         }
@@ -125,7 +121,7 @@ impl Controller {
         let state = next(self.state, &events);
         if state != self.state {
             self.supervisor.enter();
-            self.enter(p, state, time, &events, reading, launch);
+            self.enter(p, state, &events, reading, launch);
             self.law.enter(p, state, &now);
             self.state = state;
         }
@@ -135,7 +131,7 @@ impl Controller {
     fn find_fault(&mut self, p: &Parameters, reading: &Reading, turned: f64) -> Option<Fault> {
         let frozen = self.frozen.update(p, &self.sample, turned);
         let invalid = reading.sample.is_none() || ((reading.jumped || frozen) && self.state.active());
-        let view = View {
+        let view = Watched {
             state: self.state,
             probe: self.sample.probe,
             turned,
@@ -156,12 +152,12 @@ impl Controller {
         let (band, time) = p.settling();
         let inside = (self.sample.probe - p.null()).abs() <= band;
         let following = matches!(self.state, State::Follow | State::Settle) && !self.motion.moving();
-        self.settled = if inside && following { self.settled.saturating_add(1) } else { 0 };
-        inside && following && self.settled >= p.ticks(time)
+        let settled = self.settled.update(inside && following);
+        inside && following && settled >= p.ticks(time)
     }
 
     /// Makes the model, and judges the ring.
-    fn conclude(&mut self, p: &Parameters, now: &Moment, events: &mut Events) {
+    fn conclude(&mut self, p: &Parameters, now: &Observation, events: &mut Events) {
         match self.law.conclude(p, now) {
             None => {}
             Some(Err(fault)) => events.fault = Some(fault),
@@ -191,8 +187,8 @@ impl Controller {
     }
 
     /// What the law sees.
-    fn moment(&self, due: Due) -> Moment {
-        Moment {
+    fn observation(&self, due: Due) -> Observation {
+        Observation {
             state: self.state,
             due,
             angle: self.spindle.angle(),
@@ -203,25 +199,19 @@ impl Controller {
     }
 
     /// What happens once, when `state` begins.
-    fn enter(
-        &mut self,
-        p: &Parameters,
-        state: State,
-        time: f64,
-        events: &Events,
-        reading: &Reading,
-        launch: Option<Launch>,
-    ) {
+    fn enter(&mut self, p: &Parameters, state: State, events: &Events, reading: &Reading, launch: Option<Launch>) {
         match state {
+            // nothing moves by itself after a reset
+            State::Idle if self.state == State::Fault => {}
             State::Idle => self.leave(p, reading),
             State::Fault => {
                 self.fault = events.fault.unwrap_or(self.fault);
                 self.leave(p, reading);
             }
-            State::Approach => self.restart(p, time),
+            State::Approach => self.restart(p),
             State::Push => self.launch(p, launch),
             State::Settle => self.retract(p),
-            State::Centred => self.centred = Some(time),
+            State::Centred => self.centred = Some(self.clock.time(p)),
             // at once, or the slide would brake until the next beat
             State::Follow => self.follower.update(p, &self.sample),
             State::Collect | State::Model | State::Wait => {}
@@ -238,11 +228,11 @@ impl Controller {
     }
 
     /// Forgets the last centring and begins a new one.
-    fn restart(&mut self, p: &Parameters, time: f64) {
+    fn restart(&mut self, p: &Parameters) {
         self.motion.start(self.sample.slide);
         self.law.restart(p);
         (self.fault, self.estimate, self.first, self.before) = (Fault::None, None, None, None);
-        (self.report, self.started, self.centred) = (PushReport::NONE, time, None);
+        (self.report, self.started, self.centred) = (PushReport::START, self.clock.time(p), None);
     }
 
     /// Begins a push.
@@ -266,7 +256,8 @@ impl Controller {
 
     /// Moves the setpoint for one sample.
     fn drive(&mut self, p: &Parameters, due: Due) {
-        let press = if self.state == State::Push { self.law.press(p, &self.moment(due)) } else { None };
+        let now = self.observation(due);
+        let press = if self.state == State::Push { self.law.press(p, &now) } else { None };
         match press {
             Some(setpoint) => self.motion.setpoint = setpoint,
             None => self.motion.step(p, self.wished_velocity(p)),

@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use control_blocks::stopping_distance;
 
-use crate::parameters::Parameters;
+use crate::interface::Parameters;
 
 /// Gravity as the paper takes it, m/s2.
 pub const GRAVITY: f64 = 9.807;
@@ -37,7 +37,7 @@ pub fn held_surface_velocity(mu: f64, r: f64, w: f64) -> f64 {
 pub fn look_ahead(p: &Parameters) -> f64 {
     // eq. 32: the axis is inside the ring
     let (e, r) = (p.ring.eccentricity_max.min(p.ring.radius), p.ring.radius);
-    let surface = surface_velocity(e, r, speed_limit(p.friction.mu_limit, e));
+    let surface = surface_velocity(e, r, speed_limit(p.limits.friction, e));
     // eq. 7 to 9
     stopping_distance(p.approach.velocity + surface, p.slide.acceleration_max)
 }

@@ -1,31 +1,7 @@
 //! State machine of one centring: states, faults and the transitions between them.
 
-use serde::{Deserialize, Serialize};
-
-/// What the controller is doing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum State {
-    /// Moves back to where it started, holds, and waits for `enable`.
-    Idle = 1,
-    /// Moves towards the ring until the probe touches it.
-    Approach = 2,
-    /// Brings the pusher to its gap before the ring.
-    Follow = 3,
-    /// Follows and collects the surface.
-    Collect = 4,
-    /// Makes the model of the ring.
-    Model = 5,
-    /// Follows until the ring is where the push must begin.
-    Wait = 6,
-    /// Pushes.
-    Push = 7,
-    /// Retracts after a push and follows again.
-    Settle = 8,
-    /// The ring is centred; follows it.
-    Centred = 9,
-    /// Has moved back for a reason given by the fault; waits for `reset_fault`.
-    Fault = 10,
-}
+use crate::interface::{Fault, State};
+use crate::law::Verdict;
 
 impl State {
     /// Whether a centring is under way or finished, but not faulted.
@@ -44,44 +20,6 @@ impl State {
     }
 }
 
-/// Why the controller is in the fault state.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Fault {
-    /// No fault.
-    None = 1,
-    /// No ring within the travel of the slide, or the probe has lost it.
-    NoPart = 2,
-    /// The spindle axis is not inside the ring, eq. 32.
-    RingTooSmall = 3,
-    /// The probe is beyond its stroke, or the pusher touches where it must not.
-    ProbeRange = 4,
-    /// The centrifugal force exceeds the friction assumed, eq. 2.
-    Centrifugal = 5,
-    /// Not centred within the allowed number of pushes.
-    PushBudget = 6,
-    /// An input was not a number, infinite, absurd, jumped or frozen.
-    InvalidInput = 7,
-    /// The spindle stands still, keeps reversing or is too fast for the collection.
-    Spindle = 8,
-    /// The pushes have moved the ring away from the axis.
-    Diverged = 9,
-    /// After a full revolution the eccentricity is too little known to be compared with the tolerance.
-    Unresolved = 10,
-}
-
-/// What the model says about the next step.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
-    /// The ring is centred.
-    Centred,
-    /// It needs a push.
-    Push,
-    /// More data are needed.
-    Measure,
-    /// More data would not help.
-    Unresolved,
-}
-
 /// What happened in one sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Events {
@@ -91,6 +29,8 @@ pub struct Events {
     pub start: bool,
     /// Rising edge of `reset_fault`.
     pub reset: bool,
+    /// The slide is at rest, and no move is under way.
+    pub at_rest: bool,
     /// Something is wrong.
     pub fault: Option<Fault>,
     /// The probe touches the ring.
@@ -111,7 +51,7 @@ pub struct Events {
 pub fn next(state: State, events: &Events) -> State {
     use State::{Approach, Centred, Collect, Fault, Follow, Idle, Model, Push, Settle, Wait};
     match state {
-        Fault if events.reset && events.fault.is_none() => Idle,
+        Fault if events.reset && events.at_rest && events.fault.is_none() => Idle,
         Fault => Fault,
         _ if events.fault.is_some() => Fault,
         Idle if events.start => Approach,
@@ -135,22 +75,11 @@ pub fn next(state: State, events: &Events) -> State {
 mod tests {
     use super::*;
 
-    const ALL: [State; 10] = [
-        State::Idle,
-        State::Approach,
-        State::Follow,
-        State::Collect,
-        State::Model,
-        State::Wait,
-        State::Push,
-        State::Settle,
-        State::Centred,
-        State::Fault,
-    ];
     const ENABLED: Events = Events {
         enabled: true,
         start: false,
         reset: false,
+        at_rest: false,
         fault: None,
         touched: false,
         settled: false,
@@ -162,7 +91,7 @@ mod tests {
 
     #[test]
     fn nothing_happens_without_events() {
-        for state in ALL {
+        for state in State::ALL.iter().copied() {
             assert_eq!(next(state, &ENABLED), state);
         }
     }
@@ -196,6 +125,7 @@ mod tests {
             enabled: true,
             start: true,
             reset: true,
+            at_rest: true,
             fault: Some(Fault::NoPart),
             touched: true,
             settled: true,
@@ -204,24 +134,25 @@ mod tests {
             launched: true,
             stroke_over: true,
         };
-        for state in ALL {
+        for state in State::ALL.iter().copied() {
             assert_eq!(next(state, &events), State::Fault);
         }
     }
 
     #[test]
     fn without_enable_everything_but_a_fault_is_idle() {
-        for state in ALL {
+        for state in State::ALL.iter().copied() {
             let expected = if state == State::Fault { State::Fault } else { State::Idle };
             assert_eq!(next(state, &Events::default()), expected);
         }
     }
 
     #[test]
-    fn a_fault_ends_with_its_reset_only_and_then_waits_for_enable() {
-        let start = Events { start: true, ..ENABLED };
+    fn a_fault_ends_with_its_reset_at_rest_only_and_then_waits_for_enable() {
+        let start = Events { start: true, at_rest: true, ..ENABLED };
         assert_eq!(next(State::Fault, &start), State::Fault);
-        let reset = Events { reset: true, ..ENABLED };
+        assert_eq!(next(State::Fault, &Events { reset: true, ..ENABLED }), State::Fault);
+        let reset = Events { reset: true, at_rest: true, ..ENABLED };
         assert_eq!(next(State::Fault, &reset), State::Idle);
         assert_eq!(next(State::Idle, &ENABLED), State::Idle);
         assert_eq!(next(State::Idle, &start), State::Approach);

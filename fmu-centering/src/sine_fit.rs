@@ -45,11 +45,6 @@ impl SineSums {
         self.count += 1;
     }
 
-    /// Number of values.
-    pub fn count(&self) -> u32 {
-        self.count
-    }
-
     /// Minimum of eq. 25; none if the angles do not tell the three coefficients apart.
     pub fn fit(&self) -> Option<Sine> {
         let spare = f64::from(self.count) - PARAMETERS;

@@ -60,10 +60,10 @@ class Demand:
 
 DEMANDS = [
     Demand(
-        "paper mode, e0 0.1 to 0.6 mm", LIKE_THE_PAPER, 6, 50, "centering/paper",
+        "paper's law, e0 0.1 to 0.6 mm", LIKE_THE_PAPER, 6, 50, "centering/paper",
         share=0.95, median=45.0, most=60.0, overshoot=25e-6,
     ),
-    Demand("default mode, e0 0.1 to 0.6 mm", LIKE_THE_PAPER, 12, 100, median=16.0, most_of_95=20.0),
+    Demand("default law, e0 0.1 to 0.6 mm", LIKE_THE_PAPER, 12, 100, median=16.0, most_of_95=20.0),
     Demand("1 um, e0 0.1 to 0.6 mm", LIKE_THE_PAPER, 6, 100, tolerance=1e-6, most_of_95=25.0),
     Demand("45 rpm and 0.5 um, e0 0.1 to 0.6 mm", Rings(speed=45.0), 12, 100, tolerance=5e-7, most=15.0),
     Demand("0.7 to 20 kg, e0 0.1 to 3 mm", OF_ALL_MASSES, 8, 100, share=0.98, most_of_95=30.0),
@@ -109,7 +109,7 @@ def test_a_soft_slide_never_calls_a_ring_of_70_kg_centred_that_is_not() -> None:
     assert found.falsely == []
 
 
-# what each idea of the default mode is worth
+# what each idea of the default law is worth
 
 IDEAS = {
     "default": (),
@@ -126,7 +126,7 @@ IDEAS = {
         f"learn.{idea}=false" for idea in ("lateral", "contact", "deflection", "recoil")
     ),
     "no taps": ("tap.enabled=false",),
-    "paper mode": ('method="Paper"',),
+    "paper's law": ('law="Paper"',),
 }
 
 

@@ -1,0 +1,87 @@
+//! What a law of centring sees in a sample, and what it answers.
+
+use control_blocks::Trajectory;
+
+use crate::centre::Estimate;
+use crate::interface::{Fault, Parameters, State};
+use crate::motion::Motion;
+use crate::sensing::{Due, Sample};
+
+/// What a law sees in one sample.
+#[derive(Clone, Copy, Debug)]
+pub struct Observation {
+    /// State of the controller.
+    pub state: State,
+    /// Loops that run in this sample.
+    pub due: Due,
+    /// Smoothed unwrapped spindle angle, rad.
+    pub angle: f64,
+    /// Spindle speed, rad/s.
+    pub speed: f64,
+    /// The encoders.
+    pub sample: Sample,
+    /// Setpoint of the slide.
+    pub setpoint: Trajectory,
+}
+
+/// A push that begins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Launch {
+    /// Travel of the slide, m.
+    pub distance: f64,
+    /// Velocity at contact, m/s.
+    pub velocity: f64,
+    /// Angle that the spindle turns until the end, rad.
+    pub lead: f64,
+    /// Slide position at the end, if the move is left to the motion, m.
+    pub end: Option<f64>,
+}
+
+/// What the model of the ring says about the next step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// The ring is centred.
+    Centred,
+    /// It needs a push.
+    Push,
+    /// More data are needed.
+    Measure,
+    /// More data would not help.
+    Unresolved,
+}
+
+/// The estimate of the ring, if there is one, and what to do.
+pub type Conclusion = (Option<Estimate>, Verdict);
+
+/// A law that measures the ring and plans pushes.
+pub trait CentringLaw {
+    /// Forgets everything, in place.
+    fn restart(&mut self, p: &Parameters);
+
+    /// Takes a sample.
+    fn observe(&mut self, p: &Parameters, now: &Observation);
+
+    /// Whether the data suffice for a model.
+    fn collected(&self) -> bool;
+
+    /// Estimate and verdict, in the samples in which the law makes them.
+    ///
+    /// # Errors
+    /// The fault that prevents a model.
+    fn conclude(&mut self, p: &Parameters, now: &Observation) -> Option<Result<Conclusion, Fault>>;
+
+    /// The push, in the sample of its launch.
+    fn launch(&mut self, p: &Parameters, now: &Observation) -> Option<Launch>;
+
+    /// What happens once, when `state` begins.
+    fn enter(&mut self, p: &Parameters, state: State, now: &Observation);
+
+    /// Setpoint of a push that is not left to the motion.
+    fn press(&mut self, p: &Parameters, now: &Observation) -> Option<Trajectory>;
+
+    /// Whether the stroke of the push is over.
+    fn stroke_over(&self, p: &Parameters, motion: &Motion) -> bool;
+
+    /// Learned offset, m.
+    fn offset(&self) -> f64;
+}

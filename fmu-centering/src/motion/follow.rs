@@ -1,0 +1,119 @@
+//! Following of the surface: the probe is held at its null by the velocity of the slide.
+
+use serde::{Deserialize, Serialize};
+
+use crate::interface::Parameters;
+use crate::sensing::Sample;
+
+/// Velocity law of the control loop; by default before its first beat.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Follower {
+    /// tip position at the last beat, if the probe touched
+    tip: Option<f64>,
+    surface: f64,
+    velocity: f64,
+}
+
+impl Follower {
+    /// One beat of the control loop.
+    pub fn update(&mut self, p: &Parameters, sample: &Sample) {
+        let tip = (sample.probe >= p.probe.contact).then(|| sample.tip());
+        let before = std::mem::replace(&mut self.tip, tip);
+        (self.surface, self.velocity) = (0.0, 0.0);
+        // a slide that chases a lost ring would crash into it when it comes back
+        let Some(tip) = tip else { return };
+        // the tip has the velocity of the surface, whatever the slide does
+        self.surface = before.map_or(0.0, |before| (tip - before) * p.rates.control);
+        let error = p.null() - sample.probe;
+        let beyond = error - error.clamp(-p.dead_zone(), p.dead_zone());
+        if beyond != 0.0 || p.dead_zone() == 0.0 {
+            let limit = p.slide.velocity_max;
+            self.velocity = (p.follow.gain * beyond + self.surface).clamp(-limit, limit);
+        }
+    }
+
+    /// Velocity of the surface over the last beat, positive away from the pusher, m/s; 0 without contact.
+    pub fn surface(&self) -> f64 {
+        self.surface
+    }
+
+    /// Velocity of the slide until the next beat, m/s.
+    pub fn velocity(&self) -> f64 {
+        self.velocity
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use control_blocks::Trajectory;
+
+    /// Largest error (m) after 1 s, following a surface of amplitude `b` m at `w` rad/s with the setpoint `delay` late.
+    fn error(p: &Parameters, b: f64, w: f64, delay: usize) -> f64 {
+        let mut follower = Follower::default();
+        let mut setpoint = Trajectory { position: 0.08 + p.null() - 1e-4, ..Trajectory::default() };
+        let mut slide = vec![setpoint.position; delay + 1];
+        let mut largest: f64 = 0.0;
+        for k in 0..6000 {
+            let angle = w * 1e-3 * f64::from(k);
+            let probe = slide[0] - (0.08 - b * angle.cos());
+            if k % 10 == 0 {
+                follower.update(p, &Sample { angle, slide: slide[0], probe });
+            }
+            setpoint.step(follower.velocity(), p.slide.acceleration_max, p.sample_period);
+            slide.rotate_left(1);
+            slide[delay] = setpoint.position;
+            if k > 1000 {
+                largest = largest.max((probe - p.null()).abs());
+            }
+        }
+        largest
+    }
+
+    #[test]
+    fn a_ring_at_rest_is_held() {
+        assert!(error(&Parameters::PAPER, 0.0, 2.0944, 5) < 1e-10);
+    }
+
+    #[test]
+    fn eccentric_rings_are_followed_within_a_part_of_the_gap() {
+        let p = Parameters::PAPER;
+        // 0.6 mm at 20 rpm, 3 mm at 45 rpm, 20 mm at 20 rpm; the servo lags by 5 ms
+        for (b, w, limit) in [(6e-4, 2.0944, 5e-6), (3e-3, 4.712, 1e-4), (0.02, 2.0944, 1.5e-4)] {
+            let error = error(&p, b, w, 5);
+            assert!(error < limit, "{b} m at {w} rad/s: {error} m");
+        }
+    }
+
+    #[test]
+    fn the_outer_loop_is_damped_with_twice_the_gain_and_swings_beyond_its_limit() {
+        let mut p = Parameters::PAPER;
+        p.follow.gain = 25.0;
+        assert!(error(&p, 0.0, 2.0, 0) < 1e-9);
+        // |1 - Kp T| > 1
+        p.follow.gain = 210.0;
+        assert!(error(&p, 0.0, 2.0, 0) > 1e-5);
+    }
+
+    #[test]
+    fn a_lost_ring_is_not_chased() {
+        let p = Parameters::PAPER;
+        let mut follower = Follower::default();
+        follower.update(&p, &Sample { angle: 0.0, slide: 0.1, probe: 0.0 });
+        assert_eq!(follower.velocity(), 0.0);
+    }
+
+    #[test]
+    fn within_the_dead_zone_the_slide_stands_still() {
+        let mut p = Parameters::PAPER;
+        p.follow.dead_zone = 1e-4;
+        let mut follower = Follower::default();
+        for k in 0..100 {
+            let probe = p.null() + 0.9e-4 * (0.1 * f64::from(k)).sin();
+            follower.update(&p, &Sample { angle: 0.0, slide: 0.1, probe });
+            assert_eq!(follower.velocity(), 0.0);
+        }
+        follower.update(&p, &Sample { angle: 0.0, slide: 0.1, probe: p.null() - 2e-4 });
+        assert!(follower.velocity() > 0.0);
+    }
+}

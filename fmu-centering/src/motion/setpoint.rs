@@ -1,0 +1,181 @@
+//! Setpoint of the slide: follows a velocity, or moves to a place.
+
+use control_blocks::{Trajectory, stopping_distance};
+use serde::{Deserialize, Serialize};
+
+use crate::interface::Parameters;
+use crate::motion::profile::Trapezoid;
+
+/// The setpoint and where it is going; by default nowhere yet.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Motion {
+    /// The setpoint itself.
+    pub setpoint: Trajectory,
+    placed: bool,
+    home: f64,
+    course: Option<Course>,
+}
+
+/// A move under way.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Course {
+    profile: Trapezoid,
+    ticks: u32,
+}
+
+impl Motion {
+    /// Puts a setpoint that is at rest where the slide is, m; the first time in any case.
+    pub fn place(&mut self, position: f64, jumped: bool) {
+        if !self.placed || (jumped && self.at_rest()) {
+            self.setpoint = Trajectory { position, ..Trajectory::default() };
+            (self.placed, self.home, self.course) = (true, position, None);
+        }
+    }
+
+    /// Begins an approach at the measured position (m); a retreat under way turns round and keeps its home.
+    pub fn start(&mut self, position: f64) {
+        self.place(position, true);
+        self.course = None;
+    }
+
+    /// Begins a move to rest at `end` m with at most `velocity` m/s.
+    pub fn go(&mut self, p: &Parameters, end: f64, velocity: f64) {
+        let profile = Trapezoid::new(self.setpoint, end, velocity, p.slide.acceleration_max);
+        self.course = Some(Course { profile, ticks: 0 });
+    }
+
+    /// Begins the way back to where the approach began.
+    pub fn retreat(&mut self, p: &Parameters) {
+        self.go(p, self.home, p.approach.velocity);
+    }
+
+    /// Ends a move: the setpoint has the velocity it is told.
+    pub fn release(&mut self) {
+        self.course = None;
+    }
+
+    /// Moves the setpoint for one sample, with the velocity `target` (m/s) if no move is under way.
+    pub fn step(&mut self, p: &Parameters, target: f64) {
+        let dt = p.sample_period;
+        match &mut self.course {
+            Some(course) => {
+                course.ticks = course.ticks.saturating_add(1);
+                self.setpoint = course.profile.at(f64::from(course.ticks) * dt);
+            }
+            None => self.setpoint.step(target, p.slide.acceleration_max, dt),
+        }
+    }
+
+    /// Whether a move has been over for `dwell` s; false without a move.
+    pub fn arrived(&self, p: &Parameters, dwell: f64) -> bool {
+        self.course
+            .as_ref()
+            .is_some_and(|course| f64::from(course.ticks) * p.sample_period >= course.profile.duration() + dwell)
+    }
+
+    /// Whether a move is under way or has just ended.
+    pub fn moving(&self) -> bool {
+        self.course.is_some()
+    }
+
+    /// Whether the setpoint, stopped now, would end beyond the travel of the approach.
+    pub fn beyond_travel(&self, p: &Parameters) -> bool {
+        let velocity = self.setpoint.velocity.max(0.0);
+        // one sample early is better than late
+        let way = velocity * p.sample_period + stopping_distance(velocity, p.slide.acceleration_max);
+        self.setpoint.position + way - self.home >= p.approach.travel_max
+    }
+
+    /// Whether the setpoint stands, and no move will change that.
+    pub fn resting(&self, p: &Parameters) -> bool {
+        self.at_rest() && (!self.moving() || self.arrived(p, 0.0))
+    }
+
+    fn at_rest(&self) -> bool {
+        self.setpoint.velocity == 0.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const P: Parameters = Parameters::PAPER;
+
+    /// A setpoint at its approach velocity after `ticks`, started at 0.3 m.
+    fn approaching(ticks: u32) -> Motion {
+        let mut motion = Motion::default();
+        motion.start(0.3);
+        (0..ticks).for_each(|_| motion.step(&P, P.approach.velocity));
+        motion
+    }
+
+    #[test]
+    fn approaches_from_where_it_is() {
+        let motion = approaching(200);
+        assert_eq!(motion.setpoint.velocity, 0.12);
+        // v t - v^2 / 2a
+        assert!((motion.setpoint.position - 0.3 - 0.024 + 0.0144 / 5.12).abs() < 1e-5);
+    }
+
+    #[test]
+    fn retreats_to_where_it_began_and_rests() {
+        let mut motion = approaching(200);
+        motion.retreat(&P);
+        assert!(!motion.resting(&P));
+        let mut ticks = 0;
+        while !motion.arrived(&P, 0.0) {
+            let before = motion.setpoint;
+            motion.step(&P, 0.0);
+            assert!((motion.setpoint.velocity - before.velocity).abs() <= 2.56e-3 * 1.000_001);
+            ticks += 1;
+            assert!(ticks < 1000);
+        }
+        assert_eq!((motion.setpoint.position, motion.setpoint.velocity), (0.3, 0.0));
+        assert!(motion.resting(&P));
+        // at rest, but about to move
+        motion.go(&P, 0.4, 0.1);
+        assert!(!motion.resting(&P));
+    }
+
+    #[test]
+    fn a_start_in_the_middle_of_a_retreat_keeps_its_home() {
+        let mut motion = approaching(200);
+        motion.retreat(&P);
+        (0..100).for_each(|_| motion.step(&P, 0.0));
+        motion.start(0.31);
+        (0..100).for_each(|_| motion.step(&P, P.approach.velocity));
+        motion.retreat(&P);
+        (0..1000).for_each(|_| motion.step(&P, 0.0));
+        assert_eq!(motion.setpoint.position, 0.3);
+    }
+
+    #[test]
+    fn stops_inside_its_travel() {
+        let mut motion = approaching(100);
+        while !motion.beyond_travel(&P) {
+            motion.step(&P, P.approach.velocity);
+        }
+        motion.retreat(&P);
+        let mut furthest: f64 = 0.0;
+        for _ in 0..3000 {
+            motion.step(&P, 0.0);
+            furthest = furthest.max(motion.setpoint.position - 0.3);
+        }
+        assert!(furthest > 0.1497 && furthest < 0.15, "{furthest}");
+    }
+
+    #[test]
+    fn only_a_setpoint_at_rest_is_put_elsewhere() {
+        let mut motion = approaching(100);
+        let before = motion.setpoint;
+        motion.place(0.7, true);
+        assert_eq!(motion.setpoint, before);
+        let mut motion = Motion::default();
+        motion.place(0.2, false);
+        motion.place(0.7, false);
+        assert_eq!(motion.setpoint.position, 0.2);
+        motion.place(0.7, true);
+        assert_eq!(motion.setpoint.position, 0.7);
+    }
+}

@@ -1,0 +1,65 @@
+//! The moment of a push: the angle left crosses the lead angle.
+
+use std::f64::consts::FRAC_PI_2;
+
+use serde::{Deserialize, Serialize};
+
+use control_blocks::wrap;
+
+/// Sees an angle that is left become zero, once per revolution; by default it has seen nothing.
+///
+/// A window around zero would not do: 20 rpm is exactly 300 control beats per turn, so that a ring can miss it in
+/// every revolution.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Crossing {
+    left: Option<f64>,
+}
+
+impl Crossing {
+    /// Takes the angle left (rad, any turn); true when it has reached zero since the last call.
+    pub fn update(&mut self, left: f64) -> bool {
+        let left = wrap(left);
+        let before = self.left.replace(left);
+        // the jump from -pi to pi is no crossing
+        before.is_some_and(|before| before > 0.0 && before < FRAC_PI_2) && left <= 0.0 && left > -FRAC_PI_2
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    /// Calls of a spindle at `step` rad per call, `phase` rad at the start, until the crossing.
+    fn calls(step: f64, phase: f64) -> Option<u32> {
+        let mut crossing = Crossing::default();
+        (0..1000).find(|k| crossing.update(phase - step * f64::from(*k)))
+    }
+
+    #[test]
+    fn twenty_rpm_never_misses_a_revolution() {
+        let step = TAU / 300.0;
+        for k in 0..3000 {
+            let phase = TAU * f64::from(k) / 3000.0 + 1e-9;
+            let calls = calls(step, phase).unwrap();
+            assert!(calls <= 301, "{calls}");
+            let late = step * f64::from(calls) - phase;
+            assert!(late.rem_euclid(TAU) < step + 1e-9, "{late}");
+        }
+    }
+
+    #[test]
+    fn a_spindle_at_rest_crosses_nothing() {
+        for phase in [-1.0, 0.0, 1.0] {
+            assert_eq!(calls(0.0, phase), None);
+        }
+    }
+
+    #[test]
+    fn the_opposite_side_is_no_crossing() {
+        let mut crossing = Crossing::default();
+        assert!(!crossing.update(-3.1));
+        assert!(!crossing.update(-3.2));
+        assert!(!crossing.update(-3.3));
+    }
+}

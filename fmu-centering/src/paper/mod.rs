@@ -1,0 +1,11 @@
+//! The paper's law: one revolution of data, one sine, one push, and again.
+
+mod crossing;
+mod kalman;
+mod law;
+mod model;
+mod offset;
+mod plan;
+mod push;
+
+pub use law::PaperLaw;

@@ -1,0 +1,142 @@
+//! When a stroke must begin so that it meets the ring in the right direction, and where it must end.
+
+use std::f64::consts::TAU;
+
+use control_blocks::Trajectory;
+use nalgebra::Rotation2;
+
+use crate::interface::Parameters;
+use crate::predictive::contact::{Contact, FirstContact};
+use crate::predictive::learned::LearnedParameters;
+use crate::predictive::press::{Ending, Press};
+use crate::predictive::ring_model::RingModel;
+use crate::predictive::stroke::{Finish, SlideLimits, Stroke};
+
+/// Passes of the fixed point of angle and stroke: the line changes by micrometres over a stroke.
+const PASSES: usize = 3;
+/// Margin before the expected contact: standard deviations of what the contact is known to, and at least, m.
+const STANDOFF: f64 = 3.0;
+const STANDOFF_MIN: f64 = 2e-6;
+/// Longest time for the standoff, s.
+const CREEP_TIME: f64 = 0.15;
+/// A launch may be so late, rad: that share of the push goes astray, which is cheaper than a revolution.
+const LATE: f64 = 0.1;
+/// Deceleration that ends a stroke at once, m/s2.
+const BLOW: f64 = 1e9;
+
+/// What a launch is planned from.
+#[derive(Clone, Copy, Debug)]
+pub struct AimInput<'a> {
+    /// The ring.
+    pub ring: &'a RingModel,
+    /// What has been learned.
+    pub learned: &'a LearnedParameters,
+    /// Spindle angle now, rad.
+    pub angle: f64,
+    /// Spindle speed, rad/s.
+    pub speed: f64,
+    /// Setpoint of the slide now.
+    pub setpoint: Trajectory,
+    /// Time until the next plan, s.
+    pub horizon: f64,
+}
+
+/// A stroke that begins now.
+#[derive(Clone, Debug)]
+pub struct PlannedStroke {
+    /// The stroke.
+    pub press: Press,
+    /// Travel of the slide, m.
+    pub distance: f64,
+    /// Velocity at contact, m/s.
+    pub velocity: f64,
+    /// Angle that the spindle turns from the begin to the end, rad.
+    pub lead: f64,
+    /// Spindle angle at the end, rad.
+    pub angle: f64,
+}
+
+/// How the ring is to be moved.
+struct PlannedApproach {
+    meeting: FirstContact,
+    finish: Finish,
+    ending: Ending,
+}
+
+/// The stroke, if it must begin before the next plan.
+pub fn aim(p: &Parameters, input: &AimInput, tap: Option<f64>) -> Option<PlannedStroke> {
+    let approach = tap.map_or_else(|| push(p, input), |speed| blow(p, input, speed));
+    let (mut angle, mut wait) = (input.angle, 0.0);
+    let mut stroke = Stroke::default();
+    for _ in 0..PASSES {
+        stroke = plan(p, input, &approach, angle);
+        wait = wait_for(p, input, &approach, &stroke);
+        angle = input.angle + input.speed * (wait + stroke.duration());
+    }
+    if wait >= input.horizon {
+        return None;
+    }
+    let press = Press::new(stroke.clone(), approach.ending, approach.meeting.time, wait);
+    Some(PlannedStroke {
+        distance: stroke.end() - input.setpoint.position,
+        velocity: approach.finish.velocity,
+        lead: input.speed.abs() * (wait + stroke.duration()),
+        angle,
+        press,
+    })
+}
+
+fn contact(p: &Parameters, input: &AimInput) -> Contact {
+    Contact { radius: p.ring.radius, speed: input.speed, lateral: input.learned.lateral.mean }
+}
+
+/// Margin before the expected contact, m.
+fn standoff(input: &AimInput) -> f64 {
+    STANDOFF * input.learned.contact.sigma + STANDOFF_MIN
+}
+
+/// A push that ends at rest.
+fn push(p: &Parameters, input: &AimInput) -> PlannedApproach {
+    let eccentricity = input.ring.eccentricity();
+    let duration = p.stroke.duration.max((2.0 * eccentricity / p.stroke.deceleration).sqrt());
+    let finish = Finish::braked(eccentricity, duration, p.stroke.velocity_max)
+        .at_least(standoff(input) / CREEP_TIME, eccentricity);
+    let mut meeting = contact(p, input).meeting(eccentricity, &finish);
+    if !p.stroke.phase_plan {
+        meeting.centre = nalgebra::Vector2::new(eccentricity, 0.0);
+    }
+    PlannedApproach { meeting, finish, ending: Ending::Rest }
+}
+
+/// A blow.
+fn blow(p: &Parameters, input: &AimInput, speed: f64) -> PlannedApproach {
+    let mut meeting = contact(p, input).blow(input.ring.eccentricity());
+    if !p.stroke.phase_plan {
+        meeting.centre = nalgebra::Vector2::new(input.ring.eccentricity(), 0.0);
+    }
+    PlannedApproach { meeting, finish: Finish { velocity: speed, deceleration: BLOW }, ending: Ending::Blow }
+}
+
+/// The stroke that ends at the spindle angle `angle` rad.
+fn plan(p: &Parameters, input: &AimInput, approach: &PlannedApproach, angle: f64) -> Stroke {
+    let limits = SlideLimits { velocity: p.slide.velocity_max, acceleration: p.slide.acceleration_max };
+    let zero = p.probe.at_pusher + input.learned.contact.mean;
+    let (line, slow) = match approach.ending {
+        Ending::Rest => {
+            (input.ring.centred_line(angle) + input.learned.recoil.mean, input.ring.eccentricity() + standoff(input))
+        }
+        Ending::Blow => (input.ring.line(angle), 0.0),
+    };
+    Stroke::plan(&input.setpoint, line + zero, slow, &approach.finish, &limits)
+}
+
+/// Time until the stroke must begin, s; it ends in a sample, so that all strokes are sampled alike.
+fn wait_for(p: &Parameters, input: &AimInput, approach: &PlannedApproach, stroke: &Stroke) -> f64 {
+    let centre = Rotation2::new(input.angle) * input.ring.centre();
+    let turn = input.speed.signum() * (approach.meeting.direction() - centre.y.atan2(centre.x));
+    let ahead = stroke.duration() - approach.meeting.time;
+    let left = turn - input.speed.abs() * ahead;
+    let wait = ((left + LATE).rem_euclid(TAU) - LATE) / input.speed.abs();
+    let samples = ((wait + stroke.duration()) / p.sample_period).round();
+    samples * p.sample_period - stroke.duration()
+}

@@ -1,0 +1,235 @@
+//! The default law: every sample sharpens a model of the ring, and a push begins as soon as that is sharp enough.
+
+use std::f64::consts::TAU;
+
+use control_blocks::Trajectory;
+use nalgebra::Vector2;
+use serde::{Deserialize, Serialize};
+
+use crate::centre::{Centre, Estimate};
+use crate::interface::{Fault, Parameters, State};
+use crate::law::{CentringLaw, Conclusion, Launch, Observation, Verdict};
+use crate::motion::Motion;
+use crate::predictive::aim::{AimInput, aim};
+use crate::predictive::despike::{Despiker, Measurement};
+use crate::predictive::learned::{LastPush, LearnedParameters, PushKind};
+use crate::predictive::press::{Goal, Press};
+use crate::predictive::ring_model::{Assumptions, RingModel};
+
+/// Time after a push until the ring lies still, s.
+const REST: f64 = 0.03;
+/// Measurements in a row beyond the gate that mean that the ring has moved.
+const REJECTIONS_MAX: u32 = 5;
+/// Spread of the centre after a push: relative to the push, and at least, m.
+const SPREAD: f64 = 0.3;
+const SPREAD_MIN: f64 = 5e-6;
+/// Least share of a push that must have been done to feel the ring.
+const FELT: f64 = 0.3;
+/// Turning (in revolutions) after which more measurements of the same places tell nothing new.
+const TURNS: f64 = 1.05;
+
+/// The law between two samples.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct PredictiveLaw {
+    despiker: Despiker,
+    seen: Option<Measurement>,
+    ring: RingModel,
+    learned: LearnedParameters,
+    /// the stroke under way
+    press: Option<Press>,
+    /// the last push, until the next one
+    last_push: Option<LastPush>,
+    /// samples until the ring lies still
+    rest: u32,
+    /// spindle angle of the first measurement since the ring was moved
+    since: Option<f64>,
+    /// angle turned since then, rad
+    turned: f64,
+}
+
+impl PredictiveLaw {
+    /// The law before its first sample.
+    pub fn new(p: &Parameters) -> Self {
+        Self {
+            despiker: Despiker::default(),
+            seen: None,
+            ring: RingModel::new(assumptions(p)),
+            learned: LearnedParameters::new(p),
+            press: None,
+            last_push: None,
+            rest: 0,
+            since: None,
+            turned: 0.0,
+        }
+    }
+}
+
+impl CentringLaw for PredictiveLaw {
+    fn restart(&mut self, p: &Parameters) {
+        *self = Self::new(p);
+    }
+
+    /// The probe may follow the ring or the slide move, as long as the pusher does not touch.
+    fn observe(&mut self, p: &Parameters, now: &Observation) {
+        let sample = &now.sample;
+        if sample.probe < p.probe.contact {
+            // the probe shows the slide, not the surface
+            self.despiker = Despiker::default();
+        }
+        self.seen = self.despiker.update(Measurement { angle: now.angle, slide: sample.slide, tip: sample.tip() });
+        self.rest = self.rest.saturating_sub(1);
+        let measure = now.due.collect && (now.state.follows() || now.state == State::Settle);
+        let Some(seen) = self.seen.filter(|_| measure && self.rest == 0) else { return };
+        if self.ring.observe(seen.angle, seen.tip) {
+            let since = *self.since.get_or_insert(seen.angle);
+            self.turned = (seen.angle - since).abs();
+        } else if self.ring.lost() {
+            self.ring = RingModel::new(assumptions(p));
+            (self.since, self.turned) = (None, 0.0);
+        }
+    }
+
+    fn collected(&self) -> bool {
+        false
+    }
+
+    fn conclude(&mut self, p: &Parameters, now: &Observation) -> Option<Result<Conclusion, Fault>> {
+        if !matches!(now.state, State::Collect | State::Wait) {
+            return None;
+        }
+        if now.due.model {
+            self.ring.refine();
+        }
+        if !now.due.collect {
+            return None;
+        }
+        let sigma = self.ring.centre_sigma();
+        let certain = self.ring.settled() && sigma < p.estimator.certainty * self.ring.eccentricity();
+        let verdict = self.verdict(p, now.speed, sigma, certain);
+        let known = certain || matches!(verdict, Verdict::Centred | Verdict::Unresolved);
+        Some(Ok((known.then(|| self.estimate(sigma)), verdict)))
+    }
+
+    /// The next stroke, if it must begin before the next measurement.
+    fn launch(&mut self, p: &Parameters, now: &Observation) -> Option<Launch> {
+        if !now.due.collect {
+            return None;
+        }
+        let mut learned = self.relearned(p);
+        let tap = self.tap_speed(p, &mut learned);
+        let input = AimInput {
+            ring: &self.ring,
+            learned: &learned,
+            angle: now.angle,
+            speed: now.speed,
+            setpoint: now.setpoint,
+            horizon: 1.0 / p.rates.collect,
+        };
+        let planned = aim(p, &input, tap)?;
+        self.last_push = Some(LastPush {
+            eccentricity: self.ring.eccentricity(),
+            angle: planned.angle,
+            sense: now.speed.signum(),
+            lateral: if p.stroke.phase_plan { learned.lateral.mean } else { 0.0 },
+            kind: tap.map_or(PushKind::Push(0.0), PushKind::Tap),
+        });
+        self.learned = learned;
+        self.press = Some(planned.press);
+        Some(Launch { distance: planned.distance, velocity: planned.velocity, lead: planned.lead, end: None })
+    }
+
+    fn press(&mut self, p: &Parameters, now: &Observation) -> Option<Trajectory> {
+        let (press, seen) = (self.press.as_mut()?, self.seen.as_ref()?);
+        let goal = Goal {
+            line: self.ring.centred_line(seen.angle) + self.learned.recoil.mean,
+            contact: p.probe.at_pusher + self.learned.contact.mean,
+            deflection: if p.learn.deflection { self.learned.deflection.mean } else { 0.0 },
+        };
+        Some(press.step(p, &goal, seen, now.sample.slide))
+    }
+
+    fn stroke_over(&self, p: &Parameters, _: &Motion) -> bool {
+        self.press.as_ref().is_none_or(|press| press.over(p))
+    }
+
+    fn enter(&mut self, p: &Parameters, state: State, _: &Observation) {
+        if state == State::Settle {
+            self.end_stroke(p);
+        }
+    }
+
+    /// How much deeper than calibrated a push goes, m.
+    fn offset(&self) -> f64 {
+        let learned = &self.learned;
+        learned.contact.mean + learned.deflection.mean + learned.recoil.mean
+    }
+}
+
+impl PredictiveLaw {
+    /// What the contact tells is learned, and the centre is where it should be, more or less.
+    fn end_stroke(&mut self, p: &Parameters) {
+        let (Some(press), Some(last_push)) = (self.press.take(), &mut self.last_push) else { return };
+        if let PushKind::Push(reached) = &mut last_push.kind {
+            *reached = press.last().tip;
+            last_push.angle = press.last().angle;
+            match press.felt(FELT * last_push.eccentricity) {
+                Some((deflection, probe)) => self.learned.touched(p, deflection, probe),
+                None => self.learned.missed(p, press.last().probe()),
+            }
+        }
+        self.ring.displaced(Vector2::zeros(), SPREAD * last_push.eccentricity + SPREAD_MIN);
+        (self.since, self.turned) = (None, 0.0);
+        self.rest = p.ticks(REST);
+    }
+
+    /// What is known of the ring.
+    fn estimate(&self, sigma: f64) -> Estimate {
+        let centre = self.ring.centre();
+        Estimate { centre: Centre { x: centre.x, y: centre.y }, mean: self.ring.mean_line(), sigma }
+    }
+
+    /// What to do next.
+    fn verdict(&self, p: &Parameters, speed: f64, sigma: f64, certain: bool) -> Verdict {
+        let (eccentricity, full) = (self.ring.eccentricity(), self.turned >= TAU);
+        if full && eccentricity + p.estimator.margin * sigma <= p.tolerance {
+            return Verdict::Centred;
+        }
+        // what a full revolution will leave in doubt
+        let samples = p.rates.collect * TAU / speed.abs();
+        let doubt = p.estimator.noise * (2.0 / samples).sqrt();
+        let worth = eccentricity > p.tolerance - p.estimator.margin * doubt;
+        if certain && (full || (p.estimator.partial && worth)) {
+            Verdict::Push
+        } else if self.turned < TURNS * TAU {
+            Verdict::Measure
+        } else {
+            Verdict::Unresolved
+        }
+    }
+
+    /// What has been learned, with the last push.
+    fn relearned(&self, p: &Parameters) -> LearnedParameters {
+        self.last_push
+            .as_ref()
+            .map_or_else(|| self.learned.clone(), |last_push| self.learned.after(p, last_push, &self.ring))
+    }
+
+    /// Speed (m/s) of a tap, if the ring is too heavy to be pushed so little.
+    fn tap_speed(&self, p: &Parameters, learned: &mut LearnedParameters) -> Option<f64> {
+        let (eccentricity, deflection) = (self.ring.eccentricity(), learned.deflection.mean);
+        let heavy = deflection > p.tap.deflection_min && eccentricity < p.tap.reach * deflection;
+        (p.tap.enabled && heavy).then(|| learned.prepare_tap(p).speed(eccentricity).min(p.tap.speed_max))
+    }
+}
+
+/// What the parameters say of the ring before it is measured.
+fn assumptions(p: &Parameters) -> Assumptions {
+    Assumptions {
+        radius: p.ring.radius,
+        noise: p.estimator.noise,
+        centre: p.estimator.centre,
+        form: p.estimator.form,
+        gate: p.estimator.gate,
+        rejections_max: REJECTIONS_MAX,
+    }
+}

@@ -1,0 +1,158 @@
+//! What the pushes of one centring teach about this ring and this machine.
+
+use nalgebra::{Rotation2, Vector2};
+use serde::{Deserialize, Serialize};
+
+use crate::interface::Parameters;
+use crate::predictive::gaussian::GaussianEstimate;
+use crate::predictive::ring_model::RingModel;
+use crate::predictive::tap::{Hammer, TapLaw};
+
+/// Before the first push: contact (m), deflection (m) and recoil (m) of a machine that is calibrated to some 0.03 mm.
+const CONTACT: GaussianEstimate = GaussianEstimate::new(0.0, 3e-5);
+const DEFLECTION: GaussianEstimate = GaussianEstimate::new(0.0, 1e-3);
+const RECOIL: GaussianEstimate = GaussianEstimate::new(0.0, 2e-6);
+/// Scatter from push to push: contact (m), deflection (relative), recoil (m), lateral ratio.
+const CONTACT_SCATTER: f64 = 3e-7;
+const DEFLECTION_SCATTER: f64 = 0.1;
+const RECOIL_SCATTER: f64 = 2e-7;
+const LATERAL_SCATTER: f64 = 0.02;
+/// Least share of the eccentricity that a push must remove to say something of its direction.
+const MOVED: f64 = 0.3;
+
+/// Everything learned so far.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LearnedParameters {
+    /// How much further than calibrated the probe collapses until the pusher touches, m.
+    pub contact: GaussianEstimate,
+    /// How far the servo stays behind its setpoint when it pushes this ring, m.
+    pub deflection: GaussianEstimate,
+    /// How far the ring comes back when the slide retracts, m; negative if it goes on.
+    pub recoil: GaussianEstimate,
+    /// Slip across the push per slip along it, against the rotation.
+    pub lateral: GaussianEstimate,
+    /// Speed and distance of taps, once there was reason to guess.
+    pub tap: Option<TapLaw>,
+}
+
+/// A push that is over, as far as its stroke tells.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LastPush {
+    /// Eccentricity before, m.
+    pub eccentricity: f64,
+    /// Spindle angle at the end of the stroke, rad.
+    pub angle: f64,
+    /// Sign of the rotation.
+    pub sense: f64,
+    /// Lateral ratio for which it was planned.
+    pub lateral: f64,
+    /// What was done.
+    pub kind: PushKind,
+}
+
+/// The two ways to move a ring.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum PushKind {
+    /// Pushed until the surface was at this tip position, m.
+    Push(f64),
+    /// Hit with this speed, m/s.
+    Tap(f64),
+}
+
+impl LearnedParameters {
+    /// Nothing learned.
+    pub fn new(p: &Parameters) -> Self {
+        Self {
+            contact: CONTACT,
+            deflection: DEFLECTION,
+            recoil: RECOIL,
+            lateral: GaussianEstimate::new(p.learn.lateral_start, p.learn.lateral_sigma),
+            tap: None,
+        }
+    }
+
+    /// Learns from the contact itself: deflection (m) and, if known, probe position (m) while the ring was pushed.
+    pub fn touched(&mut self, p: &Parameters, deflection: f64, probe: Option<f64>) {
+        if p.learn.deflection {
+            self.deflection =
+                self.deflection.after(deflection, DEFLECTION_SCATTER * deflection.abs() + CONTACT_SCATTER);
+        }
+        if let Some(probe) = probe.filter(|_| p.learn.contact) {
+            self.contact = self.contact.after(probe - p.probe.at_pusher, CONTACT_SCATTER);
+        }
+    }
+
+    /// Learns from a push that did not move the ring: the contact lies beyond the last probe position (m).
+    pub fn missed(&mut self, p: &Parameters, probe: f64) {
+        if p.learn.contact {
+            self.contact.mean = self.contact.mean.max(probe - p.probe.at_pusher);
+        }
+    }
+
+    /// What is known with what the ring did, as the model of it now says.
+    #[must_use]
+    pub fn after(&self, p: &Parameters, last_push: &LastPush, ring: &RingModel) -> Self {
+        let mut learned = self.clone();
+        let left = Rotation2::new(last_push.angle) * ring.centre();
+        let sigma = ring.centre_sigma();
+        let moved = last_push.eccentricity - left.x;
+        if p.learn.lateral && moved > MOVED * last_push.eccentricity {
+            learned.lateral = self.sideways(last_push, left, moved, sigma);
+        }
+        match last_push.kind {
+            PushKind::Push(reached) if p.learn.recoil => {
+                // where the surface was at the end of the stroke, against where it is now
+                let recoil = left.x - (ring.centred_line(last_push.angle) - reached);
+                learned.recoil = self.recoil.after(recoil, RECOIL_SCATTER + sigma);
+            }
+            PushKind::Push(_) => {}
+            PushKind::Tap(speed) => learned.tap = self.tap.map(|tap| tap.after(speed, moved, sigma)),
+        }
+        learned
+    }
+
+    /// First guess of the law of taps.
+    pub fn prepare_tap(&mut self, p: &Parameters) -> TapLaw {
+        let guess = || {
+            let frequency = p.slide.bandwidth;
+            let servo = p.tap.slide_mass * frequency.powi(2);
+            let hammer = Hammer { mass: p.tap.slide_mass, servo, tip: p.tap.tip_stiffness };
+            TapLaw::guess(&hammer, self.deflection.mean)
+        };
+        *self.tap.get_or_insert_with(guess)
+    }
+
+    /// Lateral ratio that explains where the ring went.
+    fn sideways(&self, last_push: &LastPush, left: Vector2<f64>, moved: f64, sigma: f64) -> GaussianEstimate {
+        let ratio = last_push.lateral - last_push.sense * left.y / moved;
+        let ratio = self.lateral.after(ratio, LATERAL_SCATTER.hypot(sigma / moved));
+        GaussianEstimate { mean: ratio.mean.clamp(0.0, 1.0), ..ratio }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const P: Parameters = Parameters::START;
+
+    #[test]
+    fn a_push_that_does_not_reach_the_ring_is_followed_by_a_deeper_one() {
+        let mut learned = LearnedParameters::new(&P);
+        learned.missed(&P, P.probe.at_pusher + 7e-6);
+        assert!((learned.contact.mean - 7e-6).abs() < 1e-15);
+        // less deep tells nothing
+        learned.missed(&P, P.probe.at_pusher - 1e-4);
+        assert!((learned.contact.mean - 7e-6).abs() < 1e-15);
+    }
+
+    #[test]
+    fn what_is_not_to_be_learned_stays() {
+        let mut p = P;
+        (p.learn.contact, p.learn.deflection) = (false, false);
+        let mut learned = LearnedParameters::new(&p);
+        learned.missed(&p, p.probe.at_pusher + 7e-6);
+        learned.touched(&p, 1e-5, Some(p.probe.at_pusher + 5e-6));
+        assert_eq!(learned, LearnedParameters::new(&p));
+    }
+}

@@ -1,0 +1,155 @@
+//! The slide during a push: follows its stroke, yields nothing to friction, and stops when the surface is at its goal.
+
+use control_blocks::{SentCommands, Trajectory};
+use serde::{Deserialize, Serialize};
+
+use crate::interface::Parameters;
+use crate::predictive::despike::{LAG, Measurement};
+use crate::predictive::stroke::Stroke;
+
+/// Gap that counts as contact, m.
+const CONTACT_GAP: f64 = 5e-7;
+/// A probe that has come out by more at the end of the stroke shows that the ring has left the pusher, m.
+const APART: f64 = 1e-5;
+/// Largest error of the surface that is fed back, m.
+const ERROR_MAX: f64 = 5e-5;
+/// Limits of what feedback adds to the setpoint, m.
+const CORRECTION: [f64; 2] = [-5e-5, 2e-3];
+/// Error of the surface at which a push has arrived, m.
+const ARRIVED: f64 = 1e-7;
+/// Time in which the expected deflection is given after contact, s.
+const PRELOAD_TIME: f64 = 0.02;
+/// Time constant with which the deflection is measured, s.
+const SMOOTHING: f64 = 0.01;
+
+/// How a stroke ends.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Ending {
+    /// At rest, with the surface at its goal.
+    Rest,
+    /// With a blow; the slide springs back.
+    Blow,
+}
+
+/// Where the surface should end, for the angle of this sample, and what is expected on the way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Goal {
+    /// Tip position, m.
+    pub line: f64,
+    /// Probe position at contact, m.
+    pub contact: f64,
+    /// Deflection of the servo, m.
+    pub deflection: f64,
+}
+
+/// A stroke under way.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Press {
+    stroke: Stroke,
+    ending: Ending,
+    /// contact before the end, s
+    contact: f64,
+    /// time of this sample from the begin of the stroke, s
+    time: f64,
+    correction: f64,
+    /// setpoints on their way, less the feed-forward of acceleration, m; the newest first
+    sent: SentCommands,
+    deflection: f64,
+    /// largest deflection and probe position since contact, m
+    most: [f64; 2],
+    first: Option<f64>,
+    last: Measurement,
+    arrived: bool,
+}
+
+impl Press {
+    /// A stroke that begins in `wait` s and touches the ring `contact` s before its end.
+    pub fn new(stroke: Stroke, ending: Ending, contact: f64, wait: f64) -> Self {
+        let start = stroke.at(-wait).position;
+        Self {
+            stroke,
+            ending,
+            contact,
+            time: -wait,
+            correction: 0.0,
+            sent: SentCommands::resting(start),
+            deflection: 0.0,
+            most: [0.0; 2],
+            first: None,
+            last: Measurement::default(),
+            arrived: false,
+        }
+    }
+
+    /// Setpoint of this sample, from the despiked surface; the slide as it is now (m).
+    pub fn step(&mut self, p: &Parameters, goal: &Goal, seen: &Measurement, slide: f64) -> Trajectory {
+        let (dt, delay) = (p.sample_period, p.io_delay as usize);
+        self.last = *seen;
+        let touching = self.time > self.stroke.duration() - self.contact;
+        if self.ending == Ending::Rest && touching {
+            self.first.get_or_insert(seen.tip);
+            self.feed_back(p, goal, seen);
+            self.measure(dt, slide, delay, seen);
+        }
+        let setpoint = self.setpoint(p, goal, self.time + delay as f64 * dt);
+        self.time += dt;
+        setpoint
+    }
+
+    /// Whether the stroke is over.
+    pub fn over(&self, p: &Parameters) -> bool {
+        let late = self.time - self.stroke.duration();
+        let longest = if self.ending == Ending::Rest { p.stroke.hold } else { LAG * p.sample_period };
+        late >= longest || (late >= 0.0 && self.arrived)
+    }
+
+    /// The sample with which it ended.
+    pub fn last(&self) -> Measurement {
+        self.last
+    }
+
+    /// Deflection (m) while the ring was pushed, and the probe position (m) if it is still at the pusher; nothing if the
+    /// ring has moved by less than `way` m.
+    pub fn felt(&self, way: f64) -> Option<(f64, Option<f64>)> {
+        let ([deflection, deepest], probe) = (self.most, self.last.probe());
+        let pushed = self.first.is_some_and(|first| self.last.tip - first >= way);
+        pushed.then_some((deflection, (deepest - probe < APART).then_some(probe)))
+    }
+
+    /// Integrates the error of the surface; before contact only forwards.
+    fn feed_back(&mut self, p: &Parameters, goal: &Goal, seen: &Measurement) {
+        let lag = LAG * p.sample_period;
+        let left = self.stroke.end() - self.stroke.at(self.time - lag).position;
+        let error = goal.line - left - seen.tip;
+        self.arrived = error < ARRIVED;
+        let apart = goal.contact - seen.probe() > CONTACT_GAP;
+        let error = error.clamp(if apart { 0.0 } else { -ERROR_MAX }, ERROR_MAX);
+        let [low, high] = CORRECTION;
+        self.correction = (self.correction + p.stroke.feedback * error * p.sample_period).clamp(low, high);
+    }
+
+    /// Follows deflection and probe.
+    fn measure(&mut self, dt: f64, slide: f64, delay: usize, seen: &Measurement) {
+        let deflection = self.sent.before(delay) - slide;
+        self.deflection += dt / SMOOTHING * (deflection - self.deflection);
+        self.most = [self.most[0].max(self.deflection), self.most[1].max(seen.probe())];
+    }
+
+    fn setpoint(&mut self, p: &Parameters, goal: &Goal, time: f64) -> Trajectory {
+        let reference = self.stroke.at(time);
+        let since = time - (self.stroke.duration() - self.contact);
+        let preload = match self.ending {
+            Ending::Rest => goal.deflection * (since / PRELOAD_TIME).clamp(0.0, 1.0),
+            Ending::Blow => 0.0,
+        };
+        let position = reference.position + preload + self.correction;
+        self.sent.send(position);
+        Trajectory { position: position + feed_forward(p, reference.acceleration), ..reference }
+    }
+}
+
+/// What a position-velocity servo must be told in advance to accelerate, m.
+fn feed_forward(p: &Parameters, acceleration: f64) -> f64 {
+    let frequency = p.slide.bandwidth;
+    if frequency > 0.0 { acceleration / frequency.powi(2) } else { 0.0 }
+}

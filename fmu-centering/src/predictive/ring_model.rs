@@ -1,0 +1,391 @@
+//! Recursive model of the ring: where its centre is, how far the line of measurement, and what form it has.
+//!
+//! State: b0, centre (c_x, c_y) in the table frame, cosine and sine of the form harmonics. One scalar measurement
+//! y = s - q at a time, through the exact geometry (eq. 4), so that a part of a revolution is enough once b0 and the
+//! form are known, and all angles count at once. The covariance says how much is known.
+//!
+//! The geometry is linearised at the present estimate, which is poor at first. So the measurements since the ring was
+//! last moved are kept, and all of them are taken in again at the better estimate now and then (Gauss-Newton).
+
+use arrayvec::ArrayVec;
+use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
+use serde::{Deserialize, Serialize};
+
+/// Highest form harmonic of the model; the lowest is 2, since 1 is the centre.
+pub const HARMONIC_MAX: usize = 6;
+/// b0, centre, two per harmonic.
+const STATES: usize = 3 + 2 * (HARMONIC_MAX - 1);
+/// Standard deviation of b0 before the first measurement, m: anywhere on the slide.
+const LINE_SIGMA: f64 = 0.1;
+/// Largest c_y of a believable estimate, in radii.
+const LEVER_MAX: f64 = 0.9;
+/// Change of b0 and form on the way of the ring, relative (derived: a lateral ratio of 0.1 turns it, lobes of 2 um).
+const TURN: f64 = 1e-4;
+/// Relative uncertainty of the radius.
+const RADIUS: f64 = 0.02;
+/// Measurements kept: more than a revolution at 20 rpm and 66 Hz; later ones are taken in only once.
+const HISTORY: usize = 256;
+/// Passes over the history at a time, at most.
+const PASSES: usize = 4;
+
+type Vector = SVector<f64, STATES>;
+type Matrix = SMatrix<f64, STATES, STATES>;
+
+/// What is assumed before and between the measurements.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Assumptions {
+    /// Radius of the ring, m.
+    pub radius: f64,
+    /// Standard deviation of one measurement: probe, roughness, error motion, m.
+    pub noise: f64,
+    /// Standard deviation of each coordinate of the centre before the first measurement, m.
+    pub centre: f64,
+    /// Standard deviation of each form coefficient before the first measurement, m.
+    pub form: f64,
+    /// Innovations beyond this many standard deviations are dirt.
+    pub gate: f64,
+    /// So many rejected measurements in a row mean that the model is wrong, not the measurements.
+    pub rejections_max: u32,
+}
+
+/// Mean of the state and a square root of its covariance, which cannot become indefinite.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Gaussian {
+    mean: Vector,
+    root: Matrix,
+}
+
+impl Gaussian {
+    /// Variance of what a measurement with this gradient is expected to be.
+    fn spread(&self, gradient: &Vector) -> f64 {
+        self.root.tr_mul(gradient).norm_squared()
+    }
+
+    /// Takes in a measurement that was `innovation` larger than expected (Potter's form of eq. 21 to 23).
+    fn update(&mut self, innovation: f64, gradient: &Vector, noise: f64) {
+        let seen = self.root.tr_mul(gradient);
+        let spread = seen.norm_squared() + noise;
+        let cross = self.root * seen;
+        self.mean += cross * (innovation / spread);
+        let share = 1.0 / (spread + (noise * spread).sqrt());
+        self.root.ger(-share, &cross, &seen, 1.0);
+    }
+}
+
+/// What is known of the ring.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct RingModel {
+    assumed: Assumptions,
+    now: Gaussian,
+    /// where the geometry is linearised
+    linear: Vector,
+    /// before the measurements of the history
+    before: Gaussian,
+    /// angles (rad) and measurements (m) since the ring was moved
+    history: ArrayVec<(f64, f64), HISTORY>,
+    /// standard deviation of the history from its model, in that of the noise, at least 1
+    misfit: f64,
+    rejections: u32,
+}
+
+impl RingModel {
+    /// Nothing known but the assumptions.
+    pub fn new(assumed: Assumptions) -> Self {
+        let mut sigmas = Vector::from_element(assumed.form);
+        sigmas[0] = LINE_SIGMA;
+        (sigmas[1], sigmas[2]) = (assumed.centre, assumed.centre);
+        let now = Gaussian { mean: Vector::zeros(), root: Matrix::from_diagonal(&sigmas) };
+        let (linear, before) = (now.mean, now.clone());
+        Self { assumed, linear, before, now, history: ArrayVec::new_const(), misfit: 1.0, rejections: 0 }
+    }
+
+    /// Takes in y = s - q (m) at the spindle angle (rad); false if it was taken for dirt.
+    pub fn observe(&mut self, angle: f64, y: f64) -> bool {
+        let (expected, gradient) = self.expect(angle, &self.now.mean);
+        let (innovation, noise) = (y - expected, self.assumed.noise.powi(2));
+        if !self.history.is_full() {
+            self.history.push((angle, y));
+        }
+        let spread = self.now.spread(&gradient) + noise + self.blur(&gradient).powi(2);
+        if innovation.powi(2) > self.assumed.gate.powi(2) * spread {
+            self.rejections += 1;
+            return false;
+        }
+        self.rejections = 0;
+        self.now.update(innovation, &gradient, noise);
+        if self.history.is_full() {
+            self.linear = self.now.mean;
+        }
+        true
+    }
+
+    /// Takes in the history again, linearised at what is known by now, then with less weight for what does not fit;
+    /// does nothing if later measurements are not kept.
+    pub fn refine(&mut self) {
+        if self.history.is_full() {
+            return;
+        }
+        for pass in 0..PASSES {
+            self.linear = self.now.mean;
+            let mut refined = self.before.clone();
+            let mut squares = 0.0;
+            for &(angle, y) in &self.history {
+                let misfit =
+                    if pass > 0 { (y - self.expect(angle, &self.now.mean).0) / self.assumed.noise } else { 0.0 };
+                // cauchy's weight: dirt has hardly any influence
+                let weight = 1.0 / (1.0 + (misfit / self.assumed.gate).powi(2));
+                squares += weight * misfit * misfit;
+                let (expected, gradient) = self.expect(angle, &refined.mean);
+                refined.update(y - expected, &gradient, self.assumed.noise.powi(2) / weight);
+            }
+            self.now = refined;
+            self.misfit = (squares / self.history.len() as f64).sqrt().max(1.0);
+        }
+    }
+
+    /// Whether the centre is so near to the point of linearisation that the curvature of the circle does not matter.
+    pub fn settled(&self) -> bool {
+        self.bend(&self.step()) < self.assumed.noise
+    }
+
+    fn step(&self) -> Vector2<f64> {
+        Vector2::new(self.now.mean[1] - self.linear[1], self.now.mean[2] - self.linear[2])
+    }
+
+    /// How far the circle leaves its tangent, m.
+    fn bend(&self, step: &Vector2<f64>) -> f64 {
+        step.norm_squared() / (2.0 * self.assumed.radius)
+    }
+
+    /// The ring was moved: its centre is now near `centre` (table frame, m), within `sigma` (m) in each coordinate.
+    ///
+    /// What was taken for b0 and form where the ring was is less sure here: it has turned a little, and the radius is
+    /// not known exactly.
+    pub fn displaced(&mut self, centre: Vector2<f64>, sigma: f64) {
+        let way = (self.centre() - centre).norm();
+        let doubt = TURN * way + RADIUS * way * way / (4.0 * self.assumed.radius);
+        let mut covariance = self.now.root * self.now.root.transpose() * self.misfit.powi(2);
+        for i in 0..STATES {
+            covariance[(i, i)] += doubt.powi(2);
+        }
+        for i in [1, 2] {
+            covariance.row_mut(i).fill(0.0);
+            covariance.column_mut(i).fill(0.0);
+            covariance[(i, i)] = sigma.powi(2);
+        }
+        self.now.mean.fixed_rows_mut::<2>(1).copy_from(&centre);
+        if let Some(root) = covariance.cholesky() {
+            self.now.root = root.l();
+        }
+        (self.linear, self.before) = (self.now.mean, self.now.clone());
+        self.history.clear();
+        self.misfit = 1.0;
+    }
+
+    /// Whether so many measurements in a row were rejected that the model must be wrong.
+    pub fn lost(&self) -> bool {
+        self.rejections > self.assumed.rejections_max
+    }
+
+    /// b0: where the line of a round and centred ring is, m.
+    pub fn mean_line(&self) -> f64 {
+        self.now.mean[0]
+    }
+
+    /// Centre of the ring in the table frame, m.
+    pub fn centre(&self) -> Vector2<f64> {
+        self.now.mean.fixed_rows::<2>(1).into_owned()
+    }
+
+    /// Covariance of the centre, m2.
+    pub fn centre_covariance(&self) -> Matrix2<f64> {
+        let rows = self.now.root.fixed_rows::<2>(1);
+        rows * rows.transpose() * self.misfit.powi(2)
+    }
+
+    /// Eccentricity B, m.
+    pub fn eccentricity(&self) -> f64 {
+        self.centre().norm()
+    }
+
+    /// Standard deviation of the centre in the direction in which it is known least, m.
+    pub fn centre_sigma(&self) -> f64 {
+        self.centre_covariance().symmetric_eigenvalues().max().max(0.0).sqrt()
+    }
+
+    /// What y = s - q would be at `angle` (rad) with the centre of the ring on the axis of the spindle, m.
+    pub fn centred_line(&self, angle: f64) -> f64 {
+        self.now.mean[0] - self.form(-angle)
+    }
+
+    /// What y = s - q is expected to be at `angle` (rad), m.
+    pub fn line(&self, angle: f64) -> f64 {
+        self.expect(angle, &self.now.mean).0
+    }
+
+    /// Deviation of the ring from its radius in the direction `phi` (rad, ring frame), m.
+    fn form(&self, phi: f64) -> f64 {
+        let terms = harmonics(phi);
+        (3..STATES).map(|i| self.now.mean[i] * terms[i]).sum()
+    }
+
+    /// y = b0 + r - (c_x + sqrt(R^2 - c_y^2)), eq. 4 with the centre in the world frame, for a state near the point of
+    /// linearisation, and its gradient.
+    fn expect(&self, angle: f64, state: &Vector) -> (f64, Vector) {
+        let (sine, cosine) = angle.sin_cos();
+        let (x, y) = (self.linear[1], self.linear[2]);
+        let (across, along) = (sine * x + cosine * y, cosine * x - sine * y);
+        let radius = self.assumed.radius;
+        let lever = (across / radius).clamp(-LEVER_MAX, LEVER_MAX);
+        let root = radius * (1.0 - lever * lever).sqrt();
+        let tilt = radius * lever / root;
+        // the chord changes by more than the radius
+        let mut gradient = harmonics(-lever.asin() - angle) * (-radius / root);
+        gradient[0] = 1.0;
+        gradient[1] = -cosine + tilt * sine;
+        gradient[2] = sine + tilt * cosine;
+        let mut rest = state - self.linear;
+        // b0 and form enter linearly
+        rest[0] = state[0];
+        rest.rows_range_mut(3..).copy_from(&state.rows_range(3..));
+        (radius - along - root + gradient.dot(&rest), gradient)
+    }
+
+    /// What is left of the measurement beyond its gradient: the curvature of the circle over the doubt about c_y, m.
+    fn blur(&self, gradient: &Vector) -> f64 {
+        // c_y varies with the derivative of the gradient by the angle
+        let side = Vector2::new(gradient[2], -gradient[1]);
+        0.5 * side.dot(&(self.centre_covariance() * side)) / self.assumed.radius + self.bend(&self.step())
+    }
+}
+
+/// Cosine and sine of each harmonic of `phi` at their places in the state, the rest 0.
+fn harmonics(phi: f64) -> Vector {
+    let mut terms = Vector::zeros();
+    let (s1, c1) = phi.sin_cos();
+    let (mut s, mut c) = (s1, c1);
+    for i in (3..STATES).step_by(2) {
+        (s, c) = (s * c1 + c * s1, c * c1 - s * s1);
+        (terms[i], terms[i + 1]) = (c, s);
+    }
+    terms
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use super::*;
+
+    const ASSUMED: Assumptions =
+        Assumptions { radius: 0.05, noise: 1e-7, centre: 5e-3, form: 2e-6, gate: 6.0, rejections_max: 5 };
+
+    /// y = s - q of an ideal ring with two and three lobes, exact.
+    fn ring(centre: Vector2<f64>, angle: f64) -> f64 {
+        let (sine, cosine) = angle.sin_cos();
+        let (x, y) = (cosine * centre.x - sine * centre.y, sine * centre.x + cosine * centre.y);
+        let lobes = |phi: f64| 0.05 + 2e-6 * (2.0 * phi + 0.3).cos() + 1e-6 * (3.0 * phi - 1.0).cos();
+        let mut phi = 0.0;
+        for _ in 0..20 {
+            phi = -(y / lobes(phi - angle)).asin();
+        }
+        0.123 - x - (lobes(phi - angle).powi(2) - y * y).sqrt()
+    }
+
+    /// Model after `count` samples over `turn` revolutions.
+    fn seen(centre: Vector2<f64>, turn: f64, count: u32) -> RingModel {
+        let mut model = RingModel::new(ASSUMED);
+        for k in 0..count {
+            let angle = TAU * turn * f64::from(k) / f64::from(count);
+            model.observe(angle, ring(centre, angle));
+            model.refine();
+        }
+        model
+    }
+
+    #[test]
+    fn one_revolution_gives_centre_line_and_form() {
+        for centre in [Vector2::new(3e-4, -2e-4), Vector2::new(0.0, 3e-3), Vector2::new(-0.014, 0.014)] {
+            let model = seen(centre, 1.0, 200);
+            assert!((model.centre() - centre).norm() < 1e-7, "{}", model.centre() - centre);
+            assert!((model.now.mean[0] - 0.073).abs() < 1e-7);
+            let angle = 0.7;
+            let centred = ring(Vector2::zeros(), angle);
+            assert!((model.centred_line(angle) - centred).abs() < 5e-8);
+        }
+    }
+
+    #[test]
+    fn the_standard_deviation_is_honest_on_a_part_of_a_revolution() {
+        let centre = Vector2::new(2e-4, 3e-4);
+        for turn in [0.2, 0.3, 0.5, 0.8] {
+            let model = seen(centre, turn, 100);
+            let error = model.eccentricity() - centre.norm();
+            assert!(error.abs() < 3.0 * model.centre_sigma() + 1e-8, "{turn}: {error}");
+        }
+        let sigmas = [0.2, 0.4, 0.8].map(|turn| seen(centre, turn, 100).centre_sigma());
+        assert!(sigmas[0] > sigmas[1] && sigmas[1] > sigmas[2] && sigmas[2] < 2e-7, "{sigmas:?}");
+    }
+
+    #[test]
+    fn after_a_push_a_tenth_of_a_revolution_is_enough() {
+        let mut model = seen(Vector2::new(4e-4, 0.0), 1.0, 200);
+        model.displaced(Vector2::zeros(), 1e-4);
+        let centre = Vector2::new(-2e-5, 3e-5);
+        for k in 0..20 {
+            let angle = TAU * (1.0 + 0.1 * f64::from(k) / 20.0);
+            model.observe(angle, ring(centre, angle));
+        }
+        assert!((model.centre() - centre).norm() < 1e-6, "{}", model.centre() - centre);
+    }
+
+    #[test]
+    fn dirt_is_rejected_and_a_moved_ring_is_lost() {
+        let centre = Vector2::new(4e-4, 1e-4);
+        let mut model = seen(centre, 1.0, 200);
+        assert!(!model.observe(0.5, ring(centre, 0.5) + 2e-5) && !model.lost());
+        assert!((model.centre() - centre).norm() < 2e-8);
+        for k in 0..10 {
+            let angle = TAU * f64::from(k) / 200.0;
+            model.observe(angle, ring(Vector2::new(1e-4, 3e-4), angle));
+        }
+        assert!(model.lost());
+    }
+
+    #[test]
+    fn early_dirt_is_unmasked_later() {
+        let centre = Vector2::new(4e-4, 1e-4);
+        let mut model = RingModel::new(ASSUMED);
+        for k in 0..100 {
+            let angle = 0.5 * TAU * f64::from(k) / 100.0;
+            let dirt = if k % 25 < 2 { 2e-5 } else { 0.0 };
+            model.observe(angle, ring(centre, angle) + dirt);
+            if k % 7 == 6 {
+                model.refine();
+            }
+        }
+        assert!((model.centre() - centre).norm() < 3e-6, "{}", model.centre() - centre);
+    }
+
+    #[test]
+    fn the_covariance_stays_positive_for_an_hour() {
+        let centre = Vector2::new(1e-6, 1e-6);
+        let mut model = RingModel::new(ASSUMED);
+        for k in 0..240_000 {
+            let angle = 2.094_395 * f64::from(k) / 66.0;
+            model.observe(angle, ring(centre, angle));
+        }
+        assert!(model.now.root.iter().all(|x| x.is_finite()));
+        assert!((model.centre() - centre).norm() < 1e-9);
+    }
+
+    #[test]
+    fn a_displacement_forgets_the_centre_and_keeps_the_form() {
+        let mut model = seen(Vector2::new(4e-4, 1e-4), 1.0, 200);
+        let line = model.centred_line(0.3);
+        model.displaced(Vector2::zeros(), 1e-5);
+        assert_eq!(model.centre(), Vector2::zeros());
+        assert!((model.centre_sigma() - 1e-5).abs() < 1e-18);
+        assert_eq!(model.centred_line(0.3), line);
+    }
+}

@@ -1,0 +1,137 @@
+//! No sample allocates: not in a centring by either law, nor in the next one, nor in any fault and after its reset.
+
+#[expect(dead_code, reason = "the closed loop uses more of it")]
+#[path = "closed_loop/ring.rs"]
+mod ring;
+#[expect(dead_code, reason = "the closed loop uses more of it")]
+#[path = "closed_loop/run.rs"]
+mod run;
+
+use assert_no_alloc::{AllocDisabler, assert_no_alloc};
+use fmu_centering::interface::{Fault, Input, Parameters, State};
+
+use ring::{Ring, SPEED};
+use run::Loop;
+
+#[global_allocator]
+static ALLOCATOR: AllocDisabler = AllocDisabler;
+
+/// Both laws.
+const LAWS: [Parameters; 2] = [Parameters::PAPER, Parameters::START];
+
+/// One sample of loop and plant, which must not allocate.
+fn step(run: &mut Loop, change: impl FnOnce(&mut Input)) {
+    assert_no_alloc(|| run.step_with(change));
+}
+
+/// Steps until `state`; by number, the states on the way.
+fn visit(run: &mut Loop, state: State) -> [bool; State::ALL.len()] {
+    let mut visited = [false; State::ALL.len()];
+    let end = run.time() + 60.0;
+    while run.output.state != state {
+        assert!(run.time() < end, "{:?}", run.output);
+        step(run, |_| ());
+        visited[run.output.state as usize - 1] = true;
+    }
+    visited
+}
+
+/// Ends what is under way, and begins anew.
+fn begin(run: &mut Loop) {
+    step(run, |input| input.enable = false);
+    step(run, |_| ());
+    assert_eq!(run.output.state, State::Approach);
+}
+
+#[test]
+fn a_centring_of_each_law_and_the_next_one() {
+    for p in LAWS {
+        let mut run = Loop::new(&p, Ring::new(1, 2e-4, 0.5));
+        let visited = visit(&mut run, State::Centred);
+        for &state in State::ALL {
+            // the default law has its model at all times
+            let passed = state != State::Fault && (state != State::Model || p == Parameters::PAPER);
+            assert_eq!(visited[state as usize - 1], passed, "{state:?}");
+        }
+        begin(&mut run);
+        visit(&mut run, State::Centred);
+    }
+}
+
+#[test]
+fn a_centring_that_was_copied_or_stored() {
+    for p in LAWS {
+        let mut run = Loop::new(&p, Ring::new(1, 2e-4, 0.5));
+        visit(&mut run, State::Collect);
+        (0..100).for_each(|_| step(&mut run, |_| ()));
+        run.controller = run.controller.clone();
+        visit(&mut run, State::Push);
+        let bytes = postcard::to_allocvec(&run.controller).unwrap();
+        run.controller = postcard::from_bytes(&bytes).unwrap();
+        visit(&mut run, State::Centred);
+    }
+}
+
+#[test]
+fn a_heavy_ring_that_is_tapped() {
+    let mut ring = Ring::new(6, 3e-4, 1.0);
+    ring.compliance = 1e-4;
+    let mut run = Loop::new(&Parameters::START, ring);
+    (0..30_000).for_each(|_| step(&mut run, |_| ()));
+    assert!(run.output.push.count > 2, "{:?}", run.output);
+}
+
+/// Parameters and ring for a fault that is there from the start, or comes with [`disturb`].
+fn machine(fault: Fault, mut p: Parameters) -> (Parameters, Ring) {
+    let mut ring = Ring::new(4, if fault == Fault::Centrifugal { 3e-3 } else { 2e-4 }, 0.5);
+    match fault {
+        Fault::RingTooSmall => {
+            (p.ring.radius, p.ring.eccentricity_max) = (1e-3, 0.9e-3);
+            ring = Ring::new(2, 1.5e-3, 0.0);
+        }
+        Fault::PushBudget => (p.limits.pushes, ring.compliance) = (1, 5e-3),
+        Fault::Diverged => {
+            p = Parameters::PAPER;
+            ring = Ring::new(4, 0.02, 0.0);
+        }
+        Fault::Unresolved => p = Parameters { tolerance: 1e-9, ..Parameters::START },
+        _ => {}
+    }
+    (p, ring)
+}
+
+/// What goes wrong while the surface is collected.
+fn disturb(fault: Fault, run: &mut Loop) {
+    match fault {
+        Fault::NoPart => run.ring.present = false,
+        Fault::Spindle => run.ring.speed = 0.0,
+        Fault::Centrifugal => run.ring.speed = SPEED * 130.0 / 20.0,
+        _ => {}
+    }
+    step(run, |input| match fault {
+        Fault::ProbeRange => input.probe_position = 0.0251,
+        Fault::InvalidInput => input.slide_position = f64::NAN,
+        _ => {}
+    });
+}
+
+#[test]
+fn every_fault_and_what_comes_after_its_reset() {
+    for (p, &fault) in LAWS.iter().flat_map(|p| Fault::ALL.iter().map(move |fault| (p, fault))) {
+        if fault == Fault::None {
+            continue;
+        }
+        let (p, ring) = machine(fault, p.clone());
+        let mut run = Loop::new(&p, ring);
+        visit(&mut run, State::Collect);
+        disturb(fault, &mut run);
+        visit(&mut run, State::Fault);
+        assert_eq!(run.output.fault, fault);
+        (0..3000).for_each(|_| step(&mut run, |_| ()));
+        (run.ring.present, run.ring.speed) = (true, SPEED);
+        step(&mut run, |input| input.reset_fault = true);
+        assert_eq!(run.output.state, State::Idle, "{fault:?}");
+        begin(&mut run);
+        visit(&mut run, State::Collect);
+    }
+}

@@ -1,0 +1,10 @@
+//! The controller in closed loop with a ring: centring, laws, faults, enable and reset, hostile inputs, state bytes.
+
+mod centering;
+mod enable;
+mod faults;
+mod hostile;
+mod law;
+mod ring;
+mod run;
+mod state;
