@@ -1,12 +1,25 @@
-//! Blocks that at least two of the controllers share, one per file. They know neither FMI nor any controller.
+//! Discrete-time blocks that at least two of the controllers share, one per file, with derivation and closed-form
+//! tests. They know neither FMI nor any controller; what runs sample by sample allocates nothing.
 #![forbid(unsafe_code)]
 
-pub mod edge;
-pub mod input;
-pub mod parameter_error;
-pub mod trajectory;
+mod estimation;
+mod motion;
+mod parameters;
+mod sampling;
 
-pub use edge::Edge;
-pub use input::believable;
-pub use parameter_error::{ParameterError, require};
-pub use trajectory::{Trajectory, stopping_distance};
+pub use estimation::angle::{Unwrapper, wrap, wrap_half_open};
+pub use estimation::canceller::{Canceller, adaptation_gain};
+pub use estimation::running_line::{AnchoredLine, RunningLine};
+pub use estimation::welford::Welford;
+pub use motion::quintic::{PEAK_OVER_MEAN, Quintic, minimum_jerk, minimum_jerk_rates, quintic_duration};
+pub use motion::ramp::{ramp, ramp_between};
+pub use motion::trajectory::{Trajectory, stopping_distance};
+pub use parameters::check::{Check, check_all, refusal};
+pub use parameters::error::{ParameterError, require};
+pub use parameters::file::FileParameter;
+pub use parameters::numbers::{real_numbers, whole_numbers};
+pub use sampling::consecutive::Consecutive;
+pub use sampling::edge::Edge;
+pub use sampling::input::believable;
+pub use sampling::sent_commands::{DELAY_MAX, SentCommands};
+pub use sampling::ticks::ticks;

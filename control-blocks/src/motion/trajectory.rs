@@ -1,30 +1,39 @@
 //! Reference with limited acceleration: position and velocity never jump by themselves.
+//!
+//! The velocity is a ramp, v' = v + clamp(v_target - v, -a T_s, a T_s); the position is its exact integral,
+//! x' = x + (v + v') T_s / 2.
 
 use serde::{Deserialize, Serialize};
 
-/// Position (m), velocity (m/s) and acceleration (m/s2) of the reference.
+use super::ramp::ramp;
+
+/// Position (m or rad) of a reference with its derivatives to the time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Trajectory {
-    /// Position, m.
+    /// Position, m or rad.
     pub position: f64,
-    /// Velocity, m/s.
+    /// Velocity, m/s or rad/s.
     pub velocity: f64,
-    /// Acceleration over the last sample, m/s2.
+    /// Acceleration, m/s2 or rad/s2; after a step that of the last sample.
     pub acceleration: f64,
 }
 
 impl Trajectory {
-    /// Moves for `dt` s towards the velocity `target` (m/s) with at most `acceleration_max` (m/s2).
+    /// At rest at `position`, m or rad.
+    pub fn resting(position: f64) -> Self {
+        Self { position, ..Self::default() }
+    }
+
+    /// Moves for `dt` s towards the velocity `target` (m/s or rad/s) with at most `acceleration_max` (m/s2 or rad/s2).
     pub fn step(&mut self, target: f64, acceleration_max: f64, dt: f64) {
-        let change = acceleration_max * dt;
-        let velocity = self.velocity + (target - self.velocity).clamp(-change, change);
+        let velocity = ramp(self.velocity, target, acceleration_max * dt);
         self.acceleration = (velocity - self.velocity) / dt;
         self.position += 0.5 * (self.velocity + velocity) * dt;
         self.velocity = velocity;
     }
 }
 
-/// Distance (m) to stop from `velocity` (m/s) with `deceleration` (m/s2).
+/// Distance (m) to stop from `velocity` (m/s) with `deceleration` (m/s2), v^2 / (2 a).
 pub fn stopping_distance(velocity: f64, deceleration: f64) -> f64 {
     velocity * velocity / (2.0 * deceleration)
 }
@@ -36,7 +45,7 @@ mod tests {
     #[test]
     fn keeps_its_limits_and_its_continuity() {
         let (dt, limit) = (1e-4, 0.05);
-        let mut reference = Trajectory { position: 0.7, ..Trajectory::default() };
+        let mut reference = Trajectory::resting(0.7);
         for k in 0..600 {
             let before = reference;
             let target = if k < 300 { 1e-4 } else { -1e-3 };

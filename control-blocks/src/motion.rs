@@ -1,0 +1,5 @@
+//! References that a machine can follow.
+
+pub mod quintic;
+pub mod ramp;
+pub mod trajectory;
