@@ -22,6 +22,7 @@ pub struct Group {
     pub visibility: Visibility,
     pub name: Ident,
     pub root: Option<Root>,
+    pub docs: String,
     pub fields: Vec<Field>,
 }
 
@@ -131,6 +132,14 @@ impl Declaration {
         self.groups.iter().find(|group| group.name == *name).expect("a group is declared in the module")
     }
 
+    /// The doc comment of a field; a group without one is described at its struct.
+    pub fn description<'a>(&'a self, field: &'a Field) -> &'a str {
+        match &field.shape {
+            Shape::Group(name) | Shape::Repeated(name, _) if field.docs.is_empty() => &self.group(name).docs,
+            _ => &field.docs,
+        }
+    }
+
     /// The struct of a root, if there is one.
     pub fn root(&self, root: Root) -> Option<&Group> {
         self.groups.iter().find(|group| group.root == Some(root))
@@ -228,7 +237,8 @@ impl Group {
         let mut errors = Errors::default();
         let fields = fields.named.into_iter().filter_map(|field| errors.keep(Field::read(field, names))).collect();
         errors.end()?;
-        Ok(Self { attributes, visibility: item.vis, name: item.ident, root, fields })
+        let docs = docs(&attributes);
+        Ok(Self { attributes, visibility: item.vis, name: item.ident, root, docs, fields })
     }
 
     /// Whether a field is, or holds, something without a copy.

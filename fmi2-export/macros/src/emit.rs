@@ -105,8 +105,11 @@ fn structure(declaration: &Declaration, group: &Group, papers: &[Ident]) -> Toke
     let Group { attributes, visibility, name, fields, .. } = group;
     let derives = derives(group.root.is_none() && group.is_copy(declaration));
     let members = fields.iter().map(|field| {
-        let Field { attributes, visibility, name, ty, .. } = field;
-        quote!(#(#attributes)* #visibility #name: #ty)
+        let Field { attributes, visibility, name, ty, docs, .. } = field;
+        // a group is described once, at its struct
+        let docs = docs.is_empty().then(|| format!("{}.", declaration.description(field)));
+        let docs = docs.map(|docs| quote!(#[doc = #docs]));
+        quote!(#docs #(#attributes)* #visibility #name: #ty)
     });
     let start = constant(declaration, group, &format_ident!("START"), "Start values.");
     let paper = papers.contains(name).then(|| {
@@ -251,9 +254,8 @@ fn in_force(declaration: &Declaration, rows: &[Row]) -> Option<TokenStream> {
         (Some(component), Some(fields)) => fields.names.first() == Some(component),
         _ => true,
     };
-    let ways: Vec<_> =
-        rows.iter().filter(|row| row.field.var.paper.is_some()).filter(first).map(|row| &row.way).collect();
-    if ways.is_empty() {
+    let takes: Vec<_> = rows.iter().filter(|row| row.field.var.paper.is_some()).filter(first).map(take_paper).collect();
+    if takes.is_empty() {
         return None;
     }
     let (name, visibility) = (&group.name, &group.visibility);
@@ -265,12 +267,29 @@ fn in_force(declaration: &Declaration, rows: &[Row]) -> Option<TokenStream> {
             #visibility fn in_force(&self) -> Self {
                 let mut parameters = self.clone();
                 if parameters.law == #law::Paper {
-                    #(if parameters.#ways == Self::START.#ways {
-                        parameters.#ways = Self::PAPER.#ways;
-                    })*
+                    #(#takes)*
                 }
                 parameters
             }
         }
     })
+}
+
+/// Puts the value of the paper into one parameter that has its start value.
+fn take_paper(row: &Row) -> TokenStream {
+    let (way, var) = (&row.way, &row.field.var);
+    if *row.kind == Kind::Text {
+        // the table holds the start value of a String
+        let (start, paper) = (var.start.as_ref().map_or_else(|| quote!(""), |start| quote!(#start)), &var.paper);
+        return quote! {
+            if parameters.#way == #start {
+                parameters.#way = ::std::string::String::from(#paper);
+            }
+        };
+    }
+    quote! {
+        if parameters.#way == Self::START.#way {
+            parameters.#way = Self::PAPER.#way;
+        }
+    }
 }

@@ -26,14 +26,14 @@ use syn::{ItemMod, parse_macro_input};
 /// | `[Group; 6]` | a group used six times: `field1.name` to `field6.name`; its attributes may use the constant `INDEX` (from 0), its doc comments `{n}` (from 1) |
 /// | any struct with `#[var(fields = f64[x, y, z])]` | one variable for each of the named fields |
 ///
-/// The doc comment is the description. `#[var(...)]` takes
+/// The doc comment is the description; that of a group stands at its struct. `#[var(...)]` takes
 ///
 /// | key | meaning |
 /// |---|---|
 /// | `unit = METRE as "um"` | unit of a Real, and the display unit, which may be left out |
 /// | `range = 0.0..=1.0` | allowed values, both ends included |
 /// | `start = 0.5` | start value; else zero, false, empty, or the first item |
-/// | `paper = 0.3` | value of the paper that the model follows, where it differs: the constant `PAPER` holds it, and `Parameters::in_force` puts it in where the parameter `law` is `Paper` and the value was left at its start; the result is for the field `in_force` of `Vars` |
+/// | `paper = 0.3` | value of the paper that the model follows, where it differs: the constant `PAPER` holds it, and `Parameters::in_force` puts it in where the parameter `law` is `Paper` and the value was left at its start; the result is for the field `in_force` of `Vars`; of a `hidden` field only `PAPER` knows it, `Model::calculate` reads it anew |
 /// | `source = "derived: ..."` | where the start value comes from |
 /// | `nominal = 1e-3` | usual magnitude of a Real |
 /// | `tunable`, `calculated` | a parameter that may change between steps; one that `Model::calculate` computes |

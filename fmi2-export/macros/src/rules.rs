@@ -18,7 +18,7 @@ pub fn check(declaration: &Declaration, rows: &[Row]) -> syn::Result<()> {
     let mut errors = Errors::default();
     declaration.choices.iter().for_each(|choice| check_choice(choice, &mut errors));
     for group in &declaration.groups {
-        group.fields.iter().for_each(|field| check_field(field, &mut errors));
+        group.fields.iter().for_each(|field| check_field(declaration, field, &mut errors));
     }
     rows.iter().for_each(|row| check_role(row, &mut errors));
     check_roots(declaration, &mut errors);
@@ -44,7 +44,7 @@ fn check_choice(choice: &Choice, errors: &mut Errors) {
     }
 }
 
-fn check_field(field: &Field, errors: &mut Errors) {
+fn check_field(declaration: &Declaration, field: &Field, errors: &mut Errors) {
     let mut must = |holds: bool, span: Option<Span>, rule: &str| {
         if let (false, Some(span)) = (holds, span) {
             refuse(errors, span, &field.name, rule);
@@ -59,7 +59,7 @@ fn check_field(field: &Field, errors: &mut Errors) {
     let group = matches!(field.shape, Shape::Group(_) | Shape::Repeated(..));
     let at = Some(field.name.span());
     let start = var.start.as_ref().map(syn::spanned::Spanned::span);
-    must(!field.docs.is_empty(), at, "needs a description: a doc comment");
+    must(!declaration.description(field).is_empty(), at, "needs a description: a doc comment");
     must(!matches!(field.visibility, syn::Visibility::Inherited), at, "must be `pub`: the law reads it");
     must(real, var.unit.as_ref().map(|unit| unit.span), "only a Real (f64) has a unit");
     must(real, var.nominal.as_ref().map(syn::spanned::Spanned::span), "only a Real (f64) has a nominal value");
@@ -67,14 +67,9 @@ fn check_field(field: &Field, errors: &mut Errors) {
     must(real || kind == Some(&Kind::Integer), var.range.as_ref().map(|range| range.span), "only a number has a range");
     must(!group, start, "a group starts as its fields do");
     must(
-        kind.is_some(),
+        !group,
         var.paper.as_ref().map(syn::spanned::Spanned::span),
-        "only a variable has a value of the paper",
-    );
-    must(
-        kind != Some(&Kind::Text),
-        var.paper.as_ref().map(syn::spanned::Spanned::span),
-        "a String has no value of the paper",
+        "only a variable, or what is read from one, has a value of the paper",
     );
     must(start.is_some() || kind.is_some() || group, at, "what is no variable needs `start = ...`");
     let flags = var.flags.len();
