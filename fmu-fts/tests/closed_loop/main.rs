@@ -1,8 +1,9 @@
-//! The controller in closed loop with a native machine: tracking, faults, stability, state bytes, cost.
+//! The controller in closed loop with a native machine: tracking, faults, stability, state bytes; and the calibration on ideal parts.
 
-mod cost;
+mod calibration;
 mod faults;
 mod identify;
+mod law;
 mod machine;
 mod modes;
 mod robustness;
