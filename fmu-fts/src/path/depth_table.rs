@@ -6,7 +6,7 @@ use nalgebra::Complex;
 use crate::interface::Parameters;
 use crate::path::fourier::{Fourier, angles};
 use crate::path::kinematics::Arm;
-use crate::path::surface::{Direction, ToolPath};
+use crate::path::surface::{Directions, ToolPath};
 
 /// A table has at most so many rows.
 const ROWS_MAX: usize = 2000;
@@ -35,7 +35,7 @@ impl DepthTable {
             (arm.slide_position(p.surface.outer_radius, 0.0), arm.slide_position(p.surface.inner_radius, 0.0));
         let count = rows(p, last - first)?;
         let (path, fourier) = (ToolPath::new(p), Fourier::new());
-        let directions: Vec<_> = angles().map(Direction::new).collect();
+        let directions = Directions::new(angles());
         let mut table = Self { first, step: (last - first) / (count - 1) as f64, rows: Vec::new(), truncation: 0.0 };
         for row in 0..count {
             let x = first + row as f64 * table.step;

@@ -34,36 +34,32 @@ struct Nose {
     distance1: f64,
 }
 
-/// A spindle angle, rad, with its sine and cosine.
-pub struct Direction {
-    angle: f64,
-    sine: f64,
-    cosine: f64,
+/// Searches that go on side by side, so that they do not wait for each other's divisions.
+const BLOCK: usize = 8;
+
+/// Some spindle angles, rad, with their sines and cosines.
+pub struct Directions {
+    angles: Vec<f64>,
+    blocks: Vec<[(f64, f64); BLOCK]>,
 }
 
-impl Direction {
-    /// The direction of an angle, rad.
-    pub fn new(angle: f64) -> Self {
-        let (sine, cosine) = angle.sin_cos();
-        Self { angle, sine, cosine }
+impl Directions {
+    /// The directions of angles, rad.
+    pub fn new(angles: impl IntoIterator<Item = f64>) -> Self {
+        let angles: Vec<f64> = angles.into_iter().collect();
+        // the last block is filled up with its last angle
+        let block = |block: &[f64]| std::array::from_fn(|i| block[i.min(block.len() - 1)].sin_cos());
+        Self { blocks: angles.chunks(BLOCK).map(block).collect(), angles }
     }
 }
 
-/// The search for the point of contact at one spindle angle.
-#[derive(Clone, Copy)]
-struct Search {
-    /// Distance of the point of contact from the spindle axis so far, m.
-    contact: f64,
-    found: Option<Found>,
-}
-
-/// What a search ends with.
+/// What the search for a point of contact ends with.
 #[derive(Clone, Copy)]
 enum Found {
     /// Depth of the nose centre, m.
     Depth(f64),
-    /// The surface is narrower than the tool.
-    TooBlunt,
+    /// The surface is narrower than the tool at this distance from the spindle axis, m.
+    TooBlunt(f64),
 }
 
 impl<'a> ToolPath<'a> {
@@ -79,41 +75,25 @@ impl<'a> ToolPath<'a> {
 
     /// Depths z (m) of the nose centre at a slide position (m) and some spindle angles.
     ///
-    /// The searches go on side by side: they do not wait for each other's divisions.
-    ///
     /// # Errors
     /// Where the tool cannot reach the surface.
-    pub fn depths(&self, slide_position: f64, directions: &[Direction]) -> Result<Vec<f64>, ParameterError> {
+    pub fn depths(&self, slide_position: f64, directions: &Directions) -> Result<Vec<f64>, ParameterError> {
         if self.surface.kind == SurfaceKind::Wave {
-            return Ok(directions.iter().map(|direction| self.wave(direction.angle)).collect());
+            return Ok(directions.angles.iter().map(|angle| self.wave(*angle)).collect());
         }
-        let limit = rim(self.surface);
-        let contact = self.arm.distance(slide_position, 0.0).clamp(-limit, limit);
-        let mut searches = vec![Search { contact, found: None }; directions.len()];
-        for _ in 0..STEPS_MAX {
-            let mut open = false;
-            for (search, direction) in searches.iter_mut().zip(directions) {
-                if search.found.is_none() {
-                    self.step(slide_position, limit, direction, search);
-                    open = true;
-                }
-            }
-            if !open {
-                break;
-            }
-        }
-        let conclude = |search: Search| match search.found {
+        let conclude = |found: Option<Found>| match found {
             Some(Found::Depth(depth)) => Ok(depth),
-            Some(Found::TooBlunt) => Err(self.too_blunt(search.contact)),
+            Some(Found::TooBlunt(contact)) => Err(self.too_blunt(contact)),
             None => Err(self.out_of_reach(slide_position)),
         };
-        searches.into_iter().map(conclude).collect()
+        let blocks = directions.blocks.iter().flat_map(|block| self.search(slide_position, block));
+        blocks.take(directions.angles.len()).map(conclude).collect()
     }
 
     /// Depth z (m) of the nose centre at a slide position (m) and spindle angle (rad).
     #[cfg(test)]
     pub fn depth(&self, slide_position: f64, spindle_angle: f64) -> Result<f64, ParameterError> {
-        self.depths(slide_position, &[Direction::new(spindle_angle)]).map(|depths| depths[0])
+        self.depths(slide_position, &Directions::new([spindle_angle])).map(|depths| depths[0])
     }
 
     fn wave(&self, spindle_angle: f64) -> f64 {
@@ -121,27 +101,47 @@ impl<'a> ToolPath<'a> {
         self.centre_depth + self.surface.wave_amplitude * phase.cos()
     }
 
-    /// One Newton step of the search for the point of contact.
-    fn step(&self, slide_position: f64, limit: f64, direction: &Direction, search: &mut Search) {
-        let contact = search.contact;
-        let nose = self.nose(&section(self.surface, contact, direction.sine, direction.cosine), contact);
-        if nose.distance1 <= 0.0 {
-            search.found = Some(Found::TooBlunt);
-            return;
+    /// Newton's method for the points of contact in some directions (sine, cosine).
+    fn search(&self, slide_position: f64, directions: &[(f64, f64); BLOCK]) -> [Option<Found>; BLOCK] {
+        let limit = rim(self.surface);
+        let mut contacts = [self.arm.distance(slide_position, 0.0).clamp(-limit, limit); BLOCK];
+        let mut found = [None; BLOCK];
+        for _ in 0..STEPS_MAX {
+            let at = |i: usize| section(self.surface, contacts[i], directions[i].0, directions[i].1);
+            let sections: [Section; BLOCK] = std::array::from_fn(at);
+            let roots = sections.each_ref().map(|section| section.slope.hypot(1.0));
+            let noses: [Nose; BLOCK] = std::array::from_fn(|i| self.nose(&sections[i], roots[i], contacts[i]));
+            // d(R_a cos phi)/dz = -tan phi
+            let tangent = |nose: &Nose| (nose.depth / self.arm.length).clamp(-0.999, 0.999).asin().tan();
+            let tangents = noses.each_ref().map(tangent);
+            for (((contact, nose), tangent), found) in contacts.iter_mut().zip(&noses).zip(tangents).zip(&mut found) {
+                if found.is_none() {
+                    *found = self.step(slide_position, limit, nose, tangent, contact);
+                }
+            }
+            if found.iter().all(Option::is_some) {
+                break;
+            }
         }
-        let miss = nose.distance - self.arm.distance(slide_position, nose.depth);
-        // d(R_a cos phi)/dz = -tan phi
-        let tangent = (nose.depth / self.arm.length).clamp(-0.999, 0.999).asin().tan();
-        let step = miss / (nose.distance1 - tangent * nose.depth1);
-        if step.abs() < TOLERANCE {
-            search.found = Some(Found::Depth(nose.depth));
-            return;
-        }
-        search.contact = (contact - step.clamp(-STEP_MAX, STEP_MAX)).clamp(-limit, limit);
+        found
     }
 
-    fn nose(&self, section: &Section, contact: f64) -> Nose {
-        let q = section.slope.hypot(1.0);
+    /// One Newton step, unless the search is over.
+    fn step(&self, slide_position: f64, limit: f64, nose: &Nose, tangent: f64, contact: &mut f64) -> Option<Found> {
+        if nose.distance1 <= 0.0 {
+            return Some(Found::TooBlunt(*contact));
+        }
+        let miss = nose.distance - self.arm.distance(slide_position, nose.depth);
+        let step = miss / (nose.distance1 - tangent * nose.depth1);
+        if step.abs() < TOLERANCE {
+            return Some(Found::Depth(nose.depth));
+        }
+        *contact = (*contact - step.clamp(-STEP_MAX, STEP_MAX)).clamp(-limit, limit);
+        None
+    }
+
+    /// The nose at a point of contact, where q = sqrt(1 + s'^2).
+    fn nose(&self, section: &Section, q: f64, contact: f64) -> Nose {
         let turn = self.nose_radius * section.bend / (q * q * q);
         Nose {
             depth: self.centre_depth - section.sag + self.nose_radius * (1.0 - 1.0 / q),
