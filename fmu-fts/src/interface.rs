@@ -16,11 +16,8 @@ mod variables {
 
     /// Harmonics of the tracking error that are reported.
     pub const ERROR_HARMONICS: usize = 24;
-    /// Unit of a curvature.
     const PER_METRE: Unit = Unit::si("1/m", [0, -1, 0, 0, 0], &[]);
-    /// Unit of an inertia.
     const KILOGRAM_METRE_SQUARED: Unit = Unit::si("kg.m2", [1, 2, 0, 0, 0], &[]);
-    /// Unit of a viscous friction.
     const NEWTON_METRE_SECOND: Unit = Unit::si("N.m.s/rad", [1, 2, -1, 0, -1], &[]);
 
     /// What is asked for
@@ -40,7 +37,6 @@ mod variables {
         /// Hold `hold_angle` and collect the probed toroid
         CalibrateToroid,
     }
-
     /// What the controller is doing
     pub enum State {
         /// No torque
@@ -60,7 +56,6 @@ mod variables {
         /// No torque, for the reason that `fault` gives; `reset_fault` ends it
         Fault,
     }
-
     /// Why the controller is in the fault state
     pub enum Fault {
         /// No fault
@@ -78,7 +73,6 @@ mod variables {
         #[hint("check the encoders and what is wired to the inputs")]
         InvalidInput,
     }
-
     /// How the calibration goes
     pub enum Status {
         /// Nothing was fitted
@@ -100,7 +94,6 @@ mod variables {
         /// A sample was left out: 512 are stored
         Full,
     }
-
     /// Which law is in force
     pub enum Law {
         /// What a good engineer would ship: 24 harmonics with phase advance, flexure of the arm compensated
@@ -108,7 +101,6 @@ mod variables {
         /// The law as printed, where a parameter was left at its start value
         Paper,
     }
-
     /// What kind of surface is cut
     pub enum SurfaceKind {
         /// Toric with two principal curvatures and tilt
@@ -118,7 +110,6 @@ mod variables {
         /// Table from `path.file`
         File,
     }
-
     /// Inputs, sampled at the start of the tick.
     #[inputs]
     pub struct Input {
@@ -163,13 +154,11 @@ mod variables {
     }
     /// Commands of the calibration.
     pub struct CalibrationInput {
-        /// The tool cuts the part that will be probed: the arm moves with `calibration.sweep_speed`, arm angle and slide
-        /// position are averaged
+        /// The tool cuts the part that will be probed: the arm moves with `calibration.sweep_speed`; its angle and the slide position are averaged
         pub cut: bool,
         /// Rising edge fits the stored samples
         pub solve: bool,
     }
-
     /// Outputs; always finite.
     #[outputs]
     pub struct Output {
@@ -262,7 +251,6 @@ mod variables {
         /// Part of the measurement of the response that is over, 0 to 1
         #[var(unit = ONE)] pub progress: f64,
     }
-
     /// Parameters.
     #[parameters]
     pub struct Parameters {
@@ -378,8 +366,7 @@ mod variables {
     }
     /// Frequency response that the feedforward inverts.
     pub struct Response {
-        /// JSON table of the frequency response, in the folder resources of the FMU or with its whole path; empty for the
-        /// response of the nominal loop
+        /// JSON table of the frequency response, in the folder resources or with its whole path; empty for the nominal loop
         pub file: String,
     }
     /// Adaptive feedforward cancellation (repetitive control), eq. 3.

@@ -41,7 +41,7 @@ pub struct FlatAccuracy {
 }
 
 /// Arm zero, arm length, K.
-type Unknowns = SVector<f64, 3>;
+type ArmUnknowns = SVector<f64, 3>;
 
 /// Fits the arm and the root mean square of the residuals (m), with `known.length` and `known.length_sigma` from the
 /// toroid; `known.zero` only tells the half turn in which the arm is.
@@ -69,11 +69,11 @@ pub fn fit(flats: &[Flat], known: &ArmEstimate, accuracy: &FlatAccuracy) -> Resu
 }
 
 /// R_a sin(b_0 + b_i) + K - p_i, m; eq. (1)
-fn gap(flat: &Flat, value: &Unknowns) -> f64 {
+fn gap(flat: &Flat, value: &ArmUnknowns) -> f64 {
     value[1] * (value[0] + flat.arm_angle).sin() + value[2] - flat.depth
 }
 
-fn observe(flat: &Flat, accuracy: &FlatAccuracy, value: &Unknowns) -> Observation<3> {
+fn observe(flat: &Flat, accuracy: &FlatAccuracy, value: &ArmUnknowns) -> Observation<3> {
     let (sin, cos) = (value[0] + flat.arm_angle).sin_cos();
     let sigma = accuracy.depth.hypot(value[1] * cos * accuracy.arm_angle);
     let gradient = SVector::from([value[1] * cos, sin, 1.0]) / sigma;
@@ -81,7 +81,7 @@ fn observe(flat: &Flat, accuracy: &FlatAccuracy, value: &Unknowns) -> Observatio
 }
 
 /// Arm zero near the known one, then K.
-fn start(flats: &[Flat], known: &ArmEstimate) -> Unknowns {
+fn start(flats: &[Flat], known: &ArmEstimate) -> ArmUnknowns {
     let zero = known.zero;
     let n = flats.len() as f64;
     let k = flats.iter().map(|flat| flat.depth - known.length * (zero + flat.arm_angle).sin()).sum::<f64>() / n;

@@ -46,7 +46,7 @@ pub struct Arc {
 }
 
 /// Place of the cusp, distance and depth of the centre, radius.
-type Unknowns = SVector<f64, 4>;
+type ArcUnknowns = SVector<f64, 4>;
 
 /// Fits the arc to points on one or both sides of the cusp. Points on both sides find the cusp by themselves.
 ///
@@ -81,7 +81,7 @@ struct Gap {
 }
 
 impl Gap {
-    fn of(point: &ProbePoint, value: &Unknowns) -> Self {
+    fn of(point: &ProbePoint, value: &ArcUnknowns) -> Self {
         let side = 1.0f64.copysign(point.lateral);
         let (across, deep) = (side * (point.lateral - value[0]) - value[1], point.depth - value[2]);
         let radius = across.hypot(deep);
@@ -89,7 +89,7 @@ impl Gap {
     }
 }
 
-fn observe(point: &ProbePoint, accuracy: &ProbeAccuracy, value: &Unknowns) -> Observation<4> {
+fn observe(point: &ProbePoint, accuracy: &ProbeAccuracy, value: &ArcUnknowns) -> Observation<4> {
     let Gap { distance, side, across, deep } = Gap::of(point, value);
     let sigma = (deep * accuracy.depth).hypot(across * accuracy.lateral);
     let gradient = SVector::from([-side * across, -across, -deep, -1.0]) / sigma;
@@ -97,7 +97,7 @@ fn observe(point: &ProbePoint, accuracy: &ProbeAccuracy, value: &Unknowns) -> Ob
 }
 
 /// Circle of Kasa: abs(l)^2 + p^2 + d abs(l) + e p + f = 0 is linear in d, e and f.
-fn start(points: &[ProbePoint]) -> Result<Unknowns, Failure> {
+fn start(points: &[ProbePoint]) -> Result<ArcUnknowns, Failure> {
     let n = points.len() as f64;
     let (mut lateral, mut depth) = (0.0, 0.0);
     for point in points {

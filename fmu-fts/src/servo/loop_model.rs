@@ -143,11 +143,11 @@ impl LoopModel {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::servo::design::design;
     use std::f64::consts::TAU;
 
     fn model(p: &Parameters) -> LoopModel {
-        LoopModel::new(p, design(p).unwrap())
+        // the crossover of the default design
+        LoopModel::new(p, LeadLag::new(p, TAU * 118.843))
     }
 
     #[test]
