@@ -49,6 +49,9 @@ type ArmUnknowns = SVector<f64, 3>;
 /// # Errors
 /// Says why there is no estimate.
 pub fn fit(flats: &[Flat], known: &ArmEstimate, accuracy: &FlatAccuracy) -> Result<(ArmEstimate, f64), Failure> {
+    if flats.is_empty() {
+        return Err(Failure::TooFew);
+    }
     let start = start(flats, known);
     let found = estimate(start, flats.len() + 1, |i, value| match flats.get(i) {
         Some(flat) => observe(flat, accuracy, value),

@@ -59,8 +59,9 @@ fn amplitude(p: &Parameters, omega: f64, expected: &Expected) -> f64 {
     let torque = identify.torque_share * p.servo.torque_max;
     let arm = (tool / length).min(torque / expected.stiffness);
     let error = ERROR_SHARE * p.limits.following_error / length;
-    // without an error it is infinite, and the other limit counts
-    (arm / expected.response.norm()).min(error / (1.0 - expected.response).norm())
+    let (arm, behind) = (arm / expected.response.norm(), (1.0 - expected.response).norm());
+    // without an error only the other limit counts
+    if behind > 0.0 { arm.min(error / behind) } else { arm }
 }
 
 #[cfg(test)]
