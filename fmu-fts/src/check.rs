@@ -1,16 +1,12 @@
 //! Checks of parameters against each other; single ranges are in the variable table of the FMU.
 
-use control_blocks::{ParameterError, require};
+use control_blocks::{ParameterError, check_all, require};
 
-use crate::parameters::{Parameters, SurfaceKind};
-use crate::signals::ERROR_HARMONICS;
-
-type Check = fn(&Parameters) -> Result<(), ParameterError>;
+use crate::interface::{ERROR_HARMONICS, Parameters, SurfaceKind};
 
 /// Checks all combinations; the first that fails is the error.
 pub fn check(p: &Parameters) -> Result<(), ParameterError> {
-    const CHECKS: [Check; 6] = [tip_frequency, radii, roll_off, path_harmonics, automatic, frequencies];
-    CHECKS.iter().try_for_each(|check| check(p))
+    check_all(p, &[tip_frequency, radii, roll_off, path_harmonics, automatic, frequencies])
 }
 
 fn tip_frequency(p: &Parameters) -> Result<(), ParameterError> {
@@ -54,7 +50,7 @@ fn path_harmonics(p: &Parameters) -> Result<(), ParameterError> {
 }
 
 fn automatic(p: &Parameters) -> Result<(), ParameterError> {
-    let highest = p.afc.harmonics.highest();
+    let highest = p.afc.cancelled.highest();
     require(!p.afc.automatic || highest <= ERROR_HARMONICS, || ParameterError {
         name: "afc.harmonics",
         value: format!("up to {highest}"),
@@ -65,7 +61,7 @@ fn automatic(p: &Parameters) -> Result<(), ParameterError> {
 
 fn frequencies(p: &Parameters) -> Result<(), ParameterError> {
     // five samples a period
-    let (highest, most) = (p.identify.frequencies.highest(), 0.2 / p.sample_period);
+    let (highest, most) = (p.identify.grid.highest(), 0.2 / p.sample_period);
     require(highest <= most, || ParameterError {
         name: "identify.frequencies",
         value: format!("{highest} Hz"),
@@ -77,16 +73,15 @@ fn frequencies(p: &Parameters) -> Result<(), ParameterError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use control_blocks::refusal;
 
     fn error(change: impl FnOnce(&mut Parameters)) -> String {
-        let mut p = Parameters::DEFAULT;
-        change(&mut p);
-        check(&p).unwrap_err().to_string()
+        refusal(Parameters::START, change, check)
     }
 
     #[test]
     fn defaults_and_paper_mode_fit() {
-        check(&Parameters::DEFAULT).unwrap();
+        check(&Parameters::START).unwrap();
         check(&Parameters::PAPER).unwrap();
     }
 
@@ -96,7 +91,7 @@ mod tests {
             (error(|p| p.tip.frequency = 1000.0), "tip.frequency", "`1000 rad/s`", "at least `2167"),
             (error(|p| p.surface.outer_radius = 0.0), "surface.outer_radius", "`0 m`", "`0.0005 m`"),
             (
-                error(|p| p.identify.frequencies = "10, 2500".parse().unwrap()),
+                error(|p| p.identify.grid = "10, 2500".parse().unwrap()),
                 "identify.frequencies",
                 "`2500 Hz`",
                 "`2000 Hz`",
@@ -104,7 +99,7 @@ mod tests {
             (error(|p| p.servo.roll_off = 2000.0), "servo.roll_off", "`2000 rad/s`", "`2890"),
             (error(|p| p.surface.kind = SurfaceKind::Wave), "path.harmonics", "`12`", "`surface.wave_harmonic` = `50`"),
             (
-                error(|p| (p.afc.automatic, p.afc.harmonics) = (true, p.afc.harmonics.with(50))),
+                error(|p| (p.afc.automatic, p.afc.cancelled) = (true, p.afc.cancelled.with(50))),
                 "afc.harmonics",
                 "`up to 50`",
                 "up to `24`",

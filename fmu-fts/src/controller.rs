@@ -1,42 +1,34 @@
 //! One sample of the whole law: read, decide, refer, act, report.
 
-use control_blocks::{Edge, ParameterError};
+use control_blocks::{Edge, ParameterError, Trajectory};
 use serde::{Deserialize, Serialize};
 
-use crate::calibration::Calibration;
+use crate::calibration::calibrator::Calibrator;
+use crate::calibration::cut::Moment;
 use crate::check::check;
-use crate::cut::Moment;
-use crate::depth_table::DepthTable;
-use crate::design::design;
-use crate::dry_friction::dry_friction;
-use crate::feasibility::{available_torque, needed_torque};
-use crate::hold::Hold;
-use crate::identify::Identification;
-use crate::kinematics::Arm;
-use crate::lead_lag::{LeadLag, Recursion};
-use crate::loop_model::LoopModel;
-use crate::loop_response::LoopResponse;
-use crate::machine::{Events, Fault, Mode, State, next};
-use crate::parameters::Parameters;
-use crate::path::Path;
-use crate::phasors::Phasors;
-use crate::quintic::Motion;
+use crate::faults::{self, Situation};
+use crate::identify::experiment::Identification;
+use crate::identify::tone::Expected;
+use crate::interface::{AfcOutput, ErrorOutput, Fault, IdentifyOutput, Input, Mode, Output, Parameters};
+use crate::interface::{PathOutput, ReferenceOutput, ResponseOutput, State};
+use crate::machine::{Events, Request, next};
+use crate::motion::hold::HoldMotion;
+use crate::motion::sweep::sweep;
+use crate::path::depth_table::DepthTable;
+use crate::path::feasibility::needed_torque;
+use crate::path::kinematics::Arm;
+use crate::path::path_table::PathTable;
 use crate::reading::{Reader, Reading};
-use crate::response::FrequencyResponse;
-use crate::signals::{IdentifyOutput, Input, Output, ResponseOutput};
-use crate::spindle::Spindle;
-use crate::sweep::sweep;
-use crate::tone::Expected;
-use crate::tracker::{Layers, Tracker, Wanted};
-
-/// Tables that come from files; none by default.
-#[derive(Clone, Debug, Default)]
-pub struct Tables {
-    /// Depth of the path, for `surface.kind` = File.
-    pub depth: Option<DepthTable>,
-    /// Measured response of the position loop.
-    pub response: Option<FrequencyResponse>,
-}
+use crate::servo::compensation::dry_friction;
+use crate::servo::design::design;
+use crate::servo::lead_lag::{LeadLag, Recursion};
+use crate::servo::loop_model::LoopModel;
+use crate::servo::loop_response::LoopResponse;
+use crate::servo::response::FrequencyResponse;
+use crate::texts::Tables;
+use crate::tracking::phasors::Phasors;
+use crate::tracking::spindle::Spindle;
+use crate::tracking::tracker::{Layers, Tracker, Wanted};
 
 /// The controller between two samples.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -44,19 +36,21 @@ pub struct Controller {
     arm: Arm,
     compensator: LeadLag,
     reader: Reader,
-    reset: Edge,
+    request: Request,
+    reset_fault: Edge,
+    forget: Edge,
     spindle: Spindle,
     state: State,
     fault: Fault,
-    hold: Hold,
+    hold: HoldMotion,
     tracker: Tracker,
     /// motion of the hub that is wanted
-    motion: Motion,
+    motion: Trajectory,
     recursion: Recursion,
     /// the response is new and not told yet
     response: Option<FrequencyResponse>,
     identification: Identification,
-    calibration: Calibration,
+    calibration: Calibrator,
 }
 
 impl Controller {
@@ -71,87 +65,92 @@ impl Controller {
             Some(table) => table,
             None => &DepthTable::of_surface(p)?,
         };
-        let path = Path::new(arm, depth, p.feedforward.harmonics as usize);
+        let path = PathTable::new(arm, depth, p.feedforward.harmonics as usize);
         let model = LoopModel::new(p, compensator);
         let mut response = LoopResponse::nominal(model);
         tables.response.iter().for_each(|measured| response.correct(measured));
-        let grid: Vec<f64> = p.identify.frequencies.iter().collect();
+        let grid: Vec<f64> = p.identify.grid.iter().collect();
         let identification = Identification::new(p, |omega| expected(&response, omega));
         let known = FrequencyResponse::from_model(&grid, |omega| response.at(omega));
         Ok(Self {
             arm,
             compensator,
             reader: Reader::default(),
-            reset: Edge::default(),
+            request: Request::default(),
+            reset_fault: Edge::default(),
+            forget: Edge::default(),
             spindle: Spindle::default(),
             state: State::Idle,
             fault: Fault::None,
-            hold: Hold::at(0.0),
+            hold: HoldMotion::at(0.0),
             tracker: Tracker::new(p, path, response),
-            motion: Motion::default(),
+            motion: Trajectory::default(),
             recursion: Recursion::default(),
             identification,
             response: Some(tables.response.unwrap_or(known)),
-            calibration: Calibration::new(p),
+            calibration: Calibrator::new(p),
         })
     }
 
     /// One sample; the parameters must be those of [`Controller::new`].
-    pub fn tick(&mut self, p: &Parameters, input: &Input, output: &mut Output) {
+    pub fn tick(&mut self, input: &Input, p: &Parameters, output: &mut Output) {
         let (reading, valid) = self.reader.read(input);
         self.spindle.update(p, reading.spindle_angle);
         let phasors = self.tracker.locate(p, reading.slide_position, &self.spindle);
-        self.decide(p, input.mode, &reading, valid);
+        self.decide(p, input, &reading, valid);
         let layers = self.layers(p, input);
         let wanted = self.refer(p, &reading, layers, &phasors);
         let torque = self.act(p, &wanted, &reading);
         self.calibrate(p, input, &reading, torque);
         self.report(p, torque, &wanted, &reading, output);
-        output.afc.frozen = !layers.learning;
+        output.afc = AfcOutput { frozen: !layers.learning };
         if matches!(self.state, State::Ready | State::Track) {
             self.tracker.judge(output.error.tracking, &self.spindle, &phasors);
         }
     }
 
-    /// The path.
-    pub fn path(&self) -> &Path {
-        self.tracker.path()
+    /// Largest depth (m) that the harmonics of the path leave out.
+    pub fn truncation(&self) -> f64 {
+        self.tracker.path().truncation
     }
 
     /// State machine.
-    fn decide(&mut self, p: &Parameters, mode: Mode, reading: &Reading, valid: bool) {
+    fn decide(&mut self, p: &Parameters, input: &Input, reading: &Reading, valid: bool) {
+        let mode = self.request.read(input);
         let events = Events {
-            fault: self.find_fault(p, mode, reading, valid),
+            fault: faults::find(p, &self.situation(mode, reading, valid)),
+            reset: self.reset_fault.rises(input.reset_fault),
             spindle_known: self.spindle.known(),
             arrived: self.tracker.arrived(p),
         };
         let state = next(self.state, mode, &events);
         if state != self.state {
+            if self.state == State::Fault {
+                self.request.spend();
+            }
             self.enter(p, state, &events, reading);
             self.state = state;
         }
     }
 
-    /// The gravest fault of this sample.
-    fn find_fault(&self, p: &Parameters, mode: Mode, reading: &Reading, valid: bool) -> Option<Fault> {
-        let error = self.arm.length * (self.motion.angle - reading.arm_angle);
-        let behind = self.state.closed() && error.abs() > p.limit.following_error;
-        let asked = matches!(mode, Mode::Approach | Mode::Track);
-        let outside = asked && !self.tracker.path().covers(reading.slide_position);
-        let infeasible = asked && needed_torque(p, self.tracker.path(), self.spindle.speed) > available_torque(p);
-        (!valid)
-            .then_some(Fault::InvalidInput)
-            .or(behind.then_some(Fault::FollowingError))
-            .or(outside.then_some(Fault::OutsideTable))
-            .or(infeasible.then_some(Fault::Infeasible))
+    /// What faults are found from.
+    fn situation(&self, mode: Mode, reading: &Reading, valid: bool) -> Situation<'_> {
+        let error = self.arm.length * (self.motion.position - reading.arm_angle);
+        Situation {
+            valid,
+            following_error: if self.state.closed() { error } else { 0.0 },
+            path: matches!(mode, Mode::Approach | Mode::Track).then_some(self.tracker.path()),
+            slide_position: reading.slide_position,
+            spindle_speed: self.spindle.speed,
+        }
     }
 
     /// What happens once, when `state` begins.
     fn enter(&mut self, p: &Parameters, state: State, events: &Events, reading: &Reading) {
         self.fault = events.fault.filter(|_| state == State::Fault).unwrap_or(Fault::None);
         if !self.state.closed() {
-            self.hold = Hold::at(reading.arm_angle);
-            self.motion = Motion { angle: reading.arm_angle, ..Motion::default() };
+            self.hold = HoldMotion::at(reading.arm_angle);
+            self.motion = Trajectory::resting(reading.arm_angle);
             self.recursion = Recursion::default();
         }
         // from any motion, that of an identification broken off, too
@@ -169,7 +168,7 @@ impl Controller {
 
     /// Which layers work in this sample.
     fn layers(&mut self, p: &Parameters, input: &Input) -> Layers {
-        if self.reset.rises(input.afc.reset) || !input.afc.enable {
+        if self.forget.rises(input.afc.reset) || !input.afc.enable {
             self.tracker.forget();
         }
         let steady = !self.recursion.saturated && self.spindle.speed.abs() >= p.afc.speed_min;
@@ -183,7 +182,7 @@ impl Controller {
     /// What the arm should do.
     fn refer(&mut self, p: &Parameters, reading: &Reading, layers: Layers, phasors: &Phasors) -> Wanted {
         let wanted = match self.state {
-            State::Idle | State::Fault => self.still(Motion { angle: reading.arm_angle, ..Motion::default() }),
+            State::Idle | State::Fault => self.still(Trajectory::resting(reading.arm_angle)),
             State::Calibrate if reading.cutting => {
                 let motion = sweep(p, self.motion, reading.hold_angle);
                 // what comes after the cut begins here
@@ -208,23 +207,23 @@ impl Controller {
     }
 
     /// A motion that needs no correction.
-    fn still(&self, motion: Motion) -> Wanted {
-        Wanted { motion, depth: self.arm.depth(motion.angle), set_point: motion.angle }
+    fn still(&self, motion: Trajectory) -> Wanted {
+        Wanted { motion, depth: self.arm.depth(motion.position), set_point: motion.position }
     }
 
     /// Once the arm holds its angle it swings about it, until the frequency response is complete and in use.
-    fn swing(&mut self, p: &Parameters, reading: &Reading) -> Motion {
+    fn swing(&mut self, p: &Parameters, reading: &Reading) -> Trajectory {
         let centre = self.hold.step(p, reading.hold_angle);
         if !self.hold.arrived(p) || self.identification.done() {
             return centre;
         }
         let saturated = self.recursion.saturated;
-        let angle = centre.angle + self.identification.step(reading.arm_angle - centre.angle, saturated);
+        let position = centre.position + self.identification.step(reading.arm_angle - centre.position, saturated);
         if self.identification.done() {
             self.tracker.response().correct(self.identification.response());
             self.response = Some(*self.identification.response());
         }
-        Motion { angle, velocity: (angle - self.motion.angle) / p.sample_period, acceleration: 0.0 }
+        Trajectory { position, velocity: (position - self.motion.position) / p.sample_period, acceleration: 0.0 }
     }
 
     /// Samples of a calibration and its fits.
@@ -248,19 +247,21 @@ impl Controller {
     }
 
     fn report(&mut self, p: &Parameters, torque: f64, wanted: &Wanted, reading: &Reading, output: &mut Output) {
+        let (turn, path, speed) = (self.tracker.last_turn(), self.tracker.path(), self.spindle.speed);
+        let behind = wanted.motion.position - reading.arm_angle;
         output.torque = torque;
         output.state = self.state;
         output.fault = self.fault;
-        output.reference.depth = wanted.depth;
-        output.reference.angle = wanted.motion.angle;
-        output.error.tracking = self.arm.lever(reading.arm_angle) * (wanted.motion.angle - reading.arm_angle);
-        let turn = self.tracker.last_turn();
-        output.error.rms = turn.rms;
-        output.error.peak = turn.peak;
-        output.error.harmonic = turn.harmonic.map(|c| c.norm());
-        output.spindle_speed = self.spindle.speed;
+        output.reference = ReferenceOutput { depth: wanted.depth, angle: wanted.motion.position };
+        output.error = ErrorOutput {
+            tracking: self.arm.lever(reading.arm_angle) * behind,
+            rms: turn.rms,
+            peak: turn.peak,
+            harmonic: turn.harmonic.map(|c| c.norm()),
+        };
+        output.spindle_speed = speed;
         output.saturated = self.state.closed() && self.recursion.saturated;
-        output.path.torque = needed_torque(p, self.tracker.path(), self.spindle.speed);
+        output.path = PathOutput { torque: needed_torque(p, path, speed), truncation: path.truncation };
         output.calibration = self.calibration.report();
         output.identify = IdentifyOutput { progress: self.identification.progress() };
         if let Some(response) = self.response.take() {

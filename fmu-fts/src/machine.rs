@@ -1,45 +1,37 @@
-//! State machine: what is asked for, what is done, faults and the transitions between them.
+//! State machine: which job is asked for, what is done, faults and the transitions between them.
 
 use serde::{Deserialize, Serialize};
 
-/// What is asked for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Mode {
-    /// No torque; ends a fault.
-    Off = 1,
-    /// Hold `hold_angle`.
-    Hold = 2,
-    /// Get onto the path and follow it without learning.
-    Approach = 3,
-    /// Follow the path and cancel what repeats; gets onto the path first.
-    Track = 4,
-    /// Measure the frequency response of the position loop in place.
-    Identify = 5,
-    /// Hold `hold_angle` and collect probed flats.
-    CalibrateFlats = 6,
-    /// Hold `hold_angle` and collect the probed toroid.
-    CalibrateToroid = 7,
+use crate::interface::{Fault, Input, Mode, State};
+
+/// Which job is asked for; by default none was yet.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Request {
+    /// What the inputs ask for.
+    asked: Mode,
+    /// It ended with a fault: until something else is asked for, nothing is.
+    spent: bool,
 }
 
-/// What the controller is doing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum State {
-    /// No torque.
-    Idle = 1,
-    /// Moves to `hold_angle` and holds it.
-    Hold = 2,
-    /// Moves onto the path.
-    Approach = 3,
-    /// Follows the path, learns nothing.
-    Ready = 4,
-    /// Follows the path and learns.
-    Track = 5,
-    /// Measures its frequency response.
-    Identify = 6,
-    /// Holds `hold_angle` for a calibration.
-    Calibrate = 7,
-    /// No torque, for a reason given by the fault.
-    Fault = 8,
+impl Default for Request {
+    fn default() -> Self {
+        Self { asked: Mode::Idle, spent: false }
+    }
+}
+
+impl Request {
+    /// The job of this sample: `mode` while `enable` is true.
+    pub fn read(&mut self, input: &Input) -> Mode {
+        let asked = if input.enable { input.mode } else { Mode::Idle };
+        self.spent &= asked == self.asked;
+        self.asked = asked;
+        if self.spent { Mode::Idle } else { asked }
+    }
+
+    /// What is asked for now begins nothing any more.
+    pub fn spend(&mut self) {
+        self.spent = true;
+    }
 }
 
 impl State {
@@ -47,26 +39,6 @@ impl State {
     pub fn closed(self) -> bool {
         !matches!(self, Self::Idle | Self::Fault)
     }
-
-    /// Whether the arm moves on the path or towards it.
-    pub fn on_path(self) -> bool {
-        matches!(self, Self::Approach | Self::Ready | Self::Track)
-    }
-}
-
-/// Why the controller is in the fault state.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Fault {
-    /// No fault.
-    None = 1,
-    /// The arm is more than `limit.following_error` behind.
-    FollowingError = 2,
-    /// The path needs more torque than there is.
-    Infeasible = 3,
-    /// The slide is where the path has no table.
-    OutsideTable = 4,
-    /// An input is not a number, infinite or absurd.
-    InvalidInput = 5,
 }
 
 /// What happened in one sample.
@@ -74,17 +46,21 @@ pub enum Fault {
 pub struct Events {
     /// Something is wrong.
     pub fault: Option<Fault>,
+    /// `reset_fault` rises.
+    pub reset: bool,
     /// Angle and speed of the spindle are known.
     pub spindle_known: bool,
     /// The motion onto the path is complete.
     pub arrived: bool,
 }
 
-/// The state after `state` when `mode` is asked for; a fault comes first and stays until `Off`.
+/// The state after `state` when `mode` is asked for; a fault comes first and stays until it is reset. In it there is no
+/// torque, so that the arm is at rest for the reset.
 pub fn next(state: State, mode: Mode, events: &Events) -> State {
     match (state, mode) {
-        (_, Mode::Off) => State::Idle,
+        (State::Fault, _) if events.reset => State::Idle,
         (State::Fault, _) => State::Fault,
+        (_, Mode::Idle) => State::Idle,
         _ if events.fault.is_some() => State::Fault,
         (_, Mode::Hold) => State::Hold,
         (_, Mode::Identify) => State::Identify,
@@ -101,44 +77,64 @@ pub fn next(state: State, mode: Mode, events: &Events) -> State {
 mod tests {
     use super::*;
 
-    const STATES: [State; 8] = [
-        State::Idle,
-        State::Hold,
-        State::Approach,
-        State::Ready,
-        State::Track,
-        State::Identify,
-        State::Calibrate,
-        State::Fault,
-    ];
-    const MODES: [Mode; 7] = [
-        Mode::Off,
-        Mode::Hold,
-        Mode::Approach,
-        Mode::Track,
-        Mode::Identify,
-        Mode::CalibrateFlats,
-        Mode::CalibrateToroid,
-    ];
-    const NOTHING: Events = Events { fault: None, spindle_known: true, arrived: false };
+    /// All but the fault.
+    const WORKING: &[State] = State::ALL.split_last().unwrap().1;
+    const NOTHING: Events = Events { fault: None, reset: false, spindle_known: true, arrived: false };
 
     #[test]
-    fn off_is_idle_from_everywhere_and_ends_a_fault() {
+    fn idle_is_idle_from_everywhere_but_a_fault() {
         let broken = Events { fault: Some(Fault::InvalidInput), ..NOTHING };
-        for state in STATES {
-            assert_eq!(next(state, Mode::Off, &NOTHING), State::Idle);
-            assert_eq!(next(state, Mode::Off, &broken), State::Idle);
+        for state in WORKING {
+            assert_eq!(next(*state, Mode::Idle, &NOTHING), State::Idle);
+            assert_eq!(next(*state, Mode::Idle, &broken), State::Idle);
         }
     }
 
     #[test]
-    fn a_fault_wins_in_every_other_mode_and_stays() {
+    fn a_fault_wins_in_every_other_mode_and_stays_until_it_is_reset() {
         let broken = Events { fault: Some(Fault::FollowingError), arrived: true, ..NOTHING };
-        for mode in &MODES[1..] {
-            for state in STATES {
-                assert_eq!(next(state, *mode, &broken), State::Fault);
+        for mode in &Mode::ALL[1..] {
+            for state in State::ALL {
+                assert_eq!(next(*state, *mode, &broken), State::Fault);
             }
+        }
+        for mode in Mode::ALL {
             assert_eq!(next(State::Fault, *mode, &NOTHING), State::Fault);
+            assert_eq!(next(State::Fault, *mode, &Events { reset: true, ..broken }), State::Idle);
+        }
+    }
+
+    #[test]
+    fn a_reset_without_a_fault_does_nothing() {
+        let reset = Events { reset: true, ..NOTHING };
+        for state in WORKING {
+            for mode in Mode::ALL {
+                assert_eq!(next(*state, *mode, &reset), next(*state, *mode, &NOTHING));
+            }
+        }
+    }
+
+    #[test]
+    fn a_job_is_asked_for_by_the_mode_while_enabled() {
+        let mut request = Request::default();
+        let mut read = |enable: bool, mode: Mode| request.read(&Input { enable, mode, ..Input::START });
+        assert_eq!(read(false, Mode::Track), Mode::Idle);
+        assert_eq!(read(true, Mode::Track), Mode::Track);
+        assert_eq!(read(true, Mode::Hold), Mode::Hold);
+        assert_eq!(read(false, Mode::Hold), Mode::Idle);
+    }
+
+    #[test]
+    fn what_is_spent_begins_anew_by_another_mode_or_another_enable() {
+        for again in [(true, Mode::Hold), (false, Mode::Track)] {
+            let mut request = Request::default();
+            let mut read = |(enable, mode): (bool, Mode)| request.read(&Input { enable, mode, ..Input::START });
+            read((true, Mode::Track));
+            request.spend();
+            let mut read = |(enable, mode): (bool, Mode)| request.read(&Input { enable, mode, ..Input::START });
+            assert_eq!([read((true, Mode::Track)), read((true, Mode::Track))], [Mode::Idle; 2]);
+            assert_eq!(read(again), if again.0 { again.1 } else { Mode::Idle });
+            assert_eq!(read((true, Mode::Track)), Mode::Track);
         }
     }
 
@@ -167,7 +163,7 @@ mod tests {
 
     #[test]
     fn holding_modes_act_at_once() {
-        for state in &STATES[..7] {
+        for state in WORKING {
             assert_eq!(next(*state, Mode::Hold, &NOTHING), State::Hold);
             assert_eq!(next(*state, Mode::Identify, &NOTHING), State::Identify);
             assert_eq!(next(*state, Mode::CalibrateFlats, &NOTHING), State::Calibrate);

@@ -3,7 +3,7 @@
 use control_blocks::believable;
 use serde::{Deserialize, Serialize};
 
-use crate::signals::Input;
+use crate::interface::Input;
 
 /// No encoder counts more turns, rad.
 const ANGLE_MAX: f64 = 1e9;

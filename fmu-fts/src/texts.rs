@@ -1,76 +1,49 @@
-//! Texts among the parameters, and the tables that they name; the law gets what is read from them.
+//! What stands behind the texts among the parameters: lists of numbers, and tables in files.
 
 use std::path::Path;
 
 use control_blocks::ParameterError;
-use serde::{Deserialize, Serialize};
 
-use crate::controller::Tables;
-use crate::parameters::{Parameters, SurfaceKind};
-use crate::{path_file, response_file};
+use crate::interface::{Parameters, SurfaceKind};
+use crate::path::depth_table::DepthTable;
+use crate::path::path_file;
+use crate::servo::response::FrequencyResponse;
+use crate::servo::response_file;
 
-/// Texts among the parameters.
-#[derive(Clone, Serialize, Deserialize)]
-pub struct Texts {
-    /// Of the path.
-    pub path: TextPath,
-    /// Of the frequency response.
-    pub response: TextResponse,
-    /// Of the cancellation.
-    pub afc: TextAfc,
-    /// Of the measurement of the frequency response.
-    pub identify: TextIdentify,
+/// Tables that come from files; none by default.
+#[derive(Clone, Debug, Default)]
+pub struct Tables {
+    /// Depth of the path, for `surface.kind` = File.
+    pub(crate) depth: Option<DepthTable>,
+    /// Measured response of the position loop.
+    pub(crate) response: Option<FrequencyResponse>,
 }
 
-/// Texts of the path.
-#[derive(Clone, Serialize, Deserialize)]
-pub struct TextPath {
-    /// JSON table, in the folder `resources` of the FMU or with its whole path.
-    pub file: String,
-}
-
-/// Texts of the frequency response.
-#[derive(Clone, Serialize, Deserialize)]
-pub struct TextResponse {
-    /// JSON table, in the folder `resources` of the FMU or with its whole path.
-    pub file: String,
-}
-
-/// Texts of the cancellation.
-#[derive(Clone, Serialize, Deserialize)]
-pub struct TextAfc {
-    /// List of harmonics.
-    pub harmonics: String,
-}
-
-/// Texts of the measurement of the frequency response.
-#[derive(Clone, Serialize, Deserialize)]
-pub struct TextIdentify {
-    /// List of frequencies, Hz.
-    pub frequencies: String,
-}
-
-impl Texts {
-    /// All empty; the start values are in the variable table of the FMU.
-    pub const EMPTY: Self = Self {
-        path: TextPath { file: String::new() },
-        response: TextResponse { file: String::new() },
-        afc: TextAfc { harmonics: String::new() },
-        identify: TextIdentify { frequencies: String::new() },
-    };
-
-    /// The tables from the files that the texts name.
+impl Tables {
+    /// The tables from the files that the parameters name.
     ///
     /// # Errors
     /// Names the file, the field, its value and the limit.
-    pub fn tables(&self, p: &Parameters, resources: Option<&Path>) -> Result<Tables, ParameterError> {
-        let response = &self.response.file;
-        Ok(Tables {
+    pub fn read(p: &Parameters, resources: Option<&Path>) -> Result<Self, ParameterError> {
+        let response = &p.response.file;
+        Ok(Self {
             depth: match p.surface.kind {
-                SurfaceKind::File => Some(path_file::read(&self.path.file, resources, p)?),
+                SurfaceKind::File => Some(path_file::read(&p.path.file, resources, p)?),
                 SurfaceKind::Toric | SurfaceKind::Wave => None,
             },
             response: (!response.is_empty()).then(|| response_file::read(response, resources)).transpose()?,
         })
+    }
+}
+
+impl Parameters {
+    /// Reads the lists of harmonics and of frequencies.
+    ///
+    /// # Errors
+    /// Names the list, its text and what cannot be read.
+    pub fn read_lists(&mut self) -> Result<(), ParameterError> {
+        self.afc.cancelled = self.afc.harmonics.parse()?;
+        self.identify.grid = self.identify.frequencies.parse()?;
+        Ok(())
     }
 }

@@ -1,83 +1,92 @@
-//! The sample allocates nothing: not while holding, moving onto the path, tracking, nor in a fault.
+//! No sample allocates: not in a job, under either law, when it is broken off, nor in any fault.
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
-
-use fmu_fts::controller::{Controller, Tables};
-use fmu_fts::machine::Mode;
-use fmu_fts::parameters::Parameters;
-use fmu_fts::signals::{Input, Output};
-
-thread_local! {
-    static ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
-}
-
-/// The system's allocator, counted for each thread.
-struct Counting;
-
-// SAFETY: every call is passed on to the system's allocator as it is
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        ALLOCATIONS.set(ALLOCATIONS.get() + 1);
-        // SAFETY: the caller keeps the rules of `alloc`
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: the pointer came from `System.alloc` with this layout
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
+use assert_no_alloc::{AllocDisabler, assert_no_alloc};
+use fmu_fts::controller::Controller;
+use fmu_fts::interface::{Fault, Input, Mode, Output, Parameters, State};
+use fmu_fts::texts::Tables;
 
 #[global_allocator]
-static ALLOCATOR: Counting = Counting;
+static ALLOCATOR: AllocDisabler = AllocDisabler;
 
-#[test]
-fn no_sample_allocates() {
-    let p = Parameters::DEFAULT;
-    let mut controller = Controller::new(&p, &Tables::default()).unwrap();
-    let mut output = Output::START;
-    let before = ALLOCATIONS.get();
-    for (mode, arm_angle, count) in [
-        (Mode::Hold, None, 1000),
-        (Mode::Track, None, 8000),
-        (Mode::Identify, None, 5000),
-        (Mode::CalibrateFlats, None, 1000),
-        (Mode::Track, Some(f64::NAN), 100),
-        (Mode::Off, None, 100),
-    ] {
-        for k in 0..count {
-            let input = Input {
-                arm_angle: arm_angle.unwrap_or(output.reference.angle),
-                spindle_angle: 6e-3 * f64::from(k),
-                slide_position: 0.04,
-                mode,
-                ..Input::START
-            };
-            controller.tick(&p, &input, &mut output);
+/// The controller with an arm that does what it should.
+struct Bench {
+    p: Parameters,
+    controller: Controller,
+    input: Input,
+    output: Output,
+    sample: i32,
+}
+
+impl Bench {
+    fn new(p: Parameters) -> Self {
+        let controller = Controller::new(&p, &Tables::default()).unwrap();
+        let input = Input { enable: true, slide_position: 0.04, ..Input::START };
+        Self { p, controller, input, output: Output::START, sample: 0 }
+    }
+
+    /// Samples of one mode, 6 mrad of the spindle each; `change` changes the inputs of each.
+    fn run(&mut self, mode: Mode, samples: i32, change: impl Fn(i32, &mut Input)) {
+        self.input.mode = mode;
+        for k in 0..samples {
+            self.sample += 1;
+            self.input.arm_angle = self.output.reference.angle;
+            self.input.spindle_angle = 6e-3 * f64::from(self.sample);
+            change(k, &mut self.input);
+            assert_no_alloc(|| self.controller.tick(&self.input, &self.p, &mut self.output));
         }
     }
-    assert_eq!(ALLOCATIONS.get(), before);
+}
+
+#[test]
+fn no_sample_of_a_job_allocates_under_either_law() {
+    for parameters in [Parameters::START, Parameters::PAPER] {
+        let mut bench = Bench::new(parameters);
+        bench.run(Mode::Hold, 1000, |_, _| ());
+        bench.run(Mode::Track, 8000, |_, _| ());
+        assert_eq!(bench.output.state, State::Track);
+        bench.run(Mode::Approach, 1000, |_, _| ());
+        bench.run(Mode::Idle, 10, |_, _| ());
+        bench.run(Mode::Track, 10, |_, input| input.enable = false);
+        assert_eq!(bench.output.state, State::Idle);
+    }
 }
 
 #[test]
 fn neither_a_whole_identification_nor_a_fit_allocates() {
-    let mut p = Parameters::DEFAULT;
-    p.identify.frequencies = "100, 200".parse().unwrap();
-    let mut controller = Controller::new(&p, &Tables::default()).unwrap();
-    let mut output = Output::START;
-    let before = ALLOCATIONS.get();
-    for (mode, count) in [(Mode::Identify, 12_000), (Mode::CalibrateToroid, 2000), (Mode::CalibrateFlats, 2000)] {
-        for k in 0..count {
-            // cut and read in turn, solve at the end
-            let mut input = Input { arm_angle: output.reference.angle, slide_position: 0.04, mode, ..Input::START };
+    let mut p = Parameters::START;
+    p.identify.grid = "100, 200".parse().unwrap();
+    let mut bench = Bench::new(p);
+    bench.run(Mode::Identify, 12_000, |_, _| ());
+    assert_eq!(bench.output.identify.progress, 1.0);
+    for mode in [Mode::CalibrateToroid, Mode::CalibrateFlats] {
+        // cut and read in turn, solve at the end
+        bench.run(mode, 2000, |k, input| {
             (input.calibration.cut, input.probe.capture) = (k % 8 < 3, k % 8 == 5);
             (input.probe.lateral, input.probe.depth) = (1e-5 * f64::from(k), 1e-8 * f64::from(k * k));
-            input.calibration.solve = k == count - 1;
-            controller.tick(&p, &input, &mut output);
-        }
+            input.calibration.solve = k == 1999;
+        });
+        assert!(bench.output.calibration.samples > 100);
     }
-    assert_eq!(ALLOCATIONS.get(), before);
-    assert_eq!(output.identify.progress, 1.0);
-    assert!(output.calibration.samples > 100);
+}
+
+#[test]
+fn no_fault_allocates() {
+    type Spoil = fn(&mut Input);
+    let wrong: [(Fault, Spoil); 4] = [
+        (Fault::FollowingError, |input| input.arm_angle += 0.1),
+        (Fault::Infeasible, |input| input.spindle_angle *= 10.0),
+        (Fault::OutsideTable, |input| input.slide_position = 1.0),
+        (Fault::InvalidInput, |input| input.arm_angle = f64::NAN),
+    ];
+    for (fault, spoil) in wrong {
+        let mut bench = Bench::new(Parameters::START);
+        bench.run(Mode::Track, 5000, |_, _| ());
+        bench.run(Mode::Track, 200, |_, input| spoil(input));
+        assert_eq!((bench.output.state, bench.output.fault), (State::Fault, fault));
+        bench.run(Mode::Track, 10, |k, input| input.reset_fault = k > 5);
+        assert_eq!((bench.output.state, bench.output.fault), (State::Idle, Fault::None));
+        bench.input.slide_position = 0.04;
+        bench.run(Mode::Hold, 100, |_, _| ());
+        assert_eq!(bench.output.state, State::Hold);
+    }
 }

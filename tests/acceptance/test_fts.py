@@ -42,9 +42,9 @@ WAVE_3CM: Changes = (
     "controller.surface.wave_amplitude=0.015",
 )
 DELAYS: dict[int, Changes] = {
-    0: ("loop.compute_delay=0", "controller.servo.io_delay=0"),
+    0: ("loop.compute_delay=0", "controller.io_delay=0"),
     1: (),
-    2: ("controller.servo.io_delay=2", "wire.plant.torque.delay=1"),
+    2: ("controller.io_delay=2", "wire.plant.torque.delay=1"),
 }
 """Samples between a command and its action, and what tells plant and controller so."""
 
@@ -174,7 +174,7 @@ def test_feedforward_with_the_identified_response() -> None:
 
 def test_eq_3_as_printed_grows_at_1200_rpm_and_the_advanced_one_does_not() -> None:
     printed = run("fts/literal-1200")
-    advanced = run("fts/literal-1200", "controller.afc.phase_advance=true")
+    advanced = run("fts/literal-1200", "controller.law='Default'", *FIVE)
     assert amplitudes(printed)[10] > 20.0 * amplitudes(advanced)[10]
     assert value(advanced, "rms") < 0.6e-6
 

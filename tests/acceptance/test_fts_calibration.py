@@ -103,8 +103,8 @@ def test_friction_falsifies_a_response_measured_at_a_small_amplitude() -> None:
 @pytest.mark.full
 def test_the_response_holds_with_other_delays(delay: int) -> None:
     delays = {
-        0: ("loop.compute_delay=0", "controller.servo.io_delay=0"),
-        2: ("controller.servo.io_delay=2", "wire.plant.torque.delay=1"),
+        0: ("loop.compute_delay=0", "controller.io_delay=0"),
+        2: ("controller.io_delay=2", "wire.plant.torque.delay=1"),
     }
     result = run("fts/identify", *delays[delay])
     print(

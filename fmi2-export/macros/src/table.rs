@@ -114,15 +114,16 @@ fn role(row: &Row) -> TokenStream {
     }
 }
 
-/// The paper's value as a number, for the documentation.
+/// The paper's value as a number, that of a String as it is, for the documentation.
 fn paper(row: &Row) -> Option<TokenStream> {
-    row.field.var.paper.as_ref().filter(|_| *row.kind != Kind::Text)?;
+    let given = row.field.var.paper.as_ref()?;
     let way = &row.way;
     let component = row.component.map(|component| quote!(.#component));
     let element = row.length.map(|_| quote!([0]));
     let value = quote!(PAPER.#way #component #element);
     Some(match row.kind {
         Kind::Real => quote!(.paper(#value)),
+        Kind::Text => quote!(.paper_text(#given)),
         _ => quote!(.paper(#value as i32 as f64)),
     })
 }

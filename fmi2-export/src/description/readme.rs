@@ -128,7 +128,8 @@ impl Cells {
                 cells.paper = row.paper.map_or(String::new(), |value| (value != 0.0).to_string());
             }
             Kind::Text { start, .. } => {
-                cells.start = if start.is_empty() { String::new() } else { format!("`{}`", escaped(start)) }
+                let quoted = |text: &str| if text.is_empty() { String::new() } else { format!("`{}`", escaped(text)) };
+                (cells.start, cells.paper) = (quoted(start), quoted(row.paper_text));
             }
             Kind::Choice { start, ty, .. } => {
                 let item = |number: i32| format!("`{}`", ty.items[number as usize - 1].name);

@@ -17,6 +17,8 @@ pub struct Variable<V: 'static> {
     pub(crate) source: &'static str,
     /// The value of the paper, where it differs from the start value.
     pub(crate) paper: Option<f64>,
+    /// The same of a String; empty where it does not differ.
+    pub(crate) paper_text: &'static str,
     /// Number of elements when the variable is an array.
     pub(crate) size: Option<usize>,
     pub(crate) kind: Kind<V>,
@@ -77,7 +79,7 @@ impl<V> Kind<V> {
 #[doc(hidden)]
 impl<V> Variable<V> {
     const fn new(name: &'static str, size: Option<usize>, kind: Kind<V>) -> Self {
-        Self { name, role: None, description: "", source: "", paper: None, size, kind }
+        Self { name, role: None, description: "", source: "", paper: None, paper_text: "", size, kind }
     }
 
     pub const fn new_real(name: &'static str, size: Option<usize>, base: &'static V, start: &'static [f64]) -> Self {
@@ -160,6 +162,12 @@ impl<V> Variable<V> {
     /// What the start value is in the paper that the model follows; the number of an item, 0 or 1 for a Boolean.
     pub const fn paper(mut self, value: f64) -> Self {
         self.paper = Some(value);
+        self
+    }
+
+    /// What the start value of a String is in the paper that the model follows.
+    pub const fn paper_text(mut self, text: &'static str) -> Self {
+        self.paper_text = text;
         self
     }
 

@@ -1,9 +1,8 @@
 //! Faults: the named fault, no torque, finite outputs, whatever comes in.
 
-use fmu_fts::controller::{Controller, Tables};
-use fmu_fts::machine::{Fault, Mode, State};
-use fmu_fts::parameters::Parameters;
-use fmu_fts::signals::{Input, Output};
+use fmu_fts::controller::Controller;
+use fmu_fts::interface::{Fault, Input, Mode, Output, Parameters, State};
+use fmu_fts::texts::Tables;
 use rand::{RngExt, SeedableRng};
 
 use crate::machine::{Build, RPM};
@@ -24,7 +23,7 @@ fn finite(o: &Output) -> bool {
     reals.iter().chain(&o.error.harmonic).all(|x| x.is_finite())
 }
 
-/// Checks the fault, that it stays until Off, and that everything works again afterwards.
+/// Checks the fault, that it stays until it is reset, that nothing moves by itself then, and that everything works again.
 fn recovers(mut run: Loop, fault: Fault) {
     for _ in 0..100 {
         assert_eq!((run.output.state, run.output.fault), (State::Fault, fault));
@@ -32,18 +31,65 @@ fn recovers(mut run: Loop, fault: Fault) {
         assert!(finite(&run.output));
         run.step();
     }
-    run.input.mode = Mode::Off;
+    reset(&mut run);
+    for _ in 0..100 {
+        assert_eq!((run.output.state, run.output.fault, run.output.torque), (State::Idle, Fault::None, 0.0));
+        run.step();
+    }
+    // another mode, or the same enabled anew
+    run.input.enable = run.input.mode != Mode::Hold;
     run.step();
-    assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::None));
-    run.input.mode = Mode::Hold;
+    assert_eq!(run.output.state, State::Idle);
+    (run.input.enable, run.input.mode) = (true, Mode::Hold);
     run.run_to(run.time() + 0.6);
     assert_eq!((run.output.state, run.output.fault), (State::Hold, Fault::None));
+}
+
+/// A rising edge of `reset_fault`.
+fn reset(run: &mut Loop) {
+    for level in [false, true] {
+        run.input.reset_fault = level;
+        run.step();
+    }
+}
+
+#[test]
+fn only_a_rising_edge_resets_a_fault() {
+    let mut run = Loop::new(&Parameters::START, &Build::NOMINAL, 4);
+    run.input.reset_fault = true;
+    run.run_to(0.02);
+    run.input.slide_position = f64::NAN;
+    run.step_with_inputs();
+    for k in 0..100 {
+        // neither the level, nor another mode, nor the switch
+        run.input.mode = if k < 50 { Mode::Idle } else { Mode::Hold };
+        run.input.enable = k % 20 < 10;
+        run.step();
+        assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::InvalidInput));
+    }
+    reset(&mut run);
+    assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::None));
+}
+
+#[test]
+fn a_fault_that_is_still_there_comes_again_with_the_next_job() {
+    let fast = Build { speed: |_| 2400.0 * RPM, ..Build::NOMINAL };
+    let mut run = Loop::new(&Parameters::START, &fast, 4);
+    run.run_to(0.01);
+    assert_eq!(run.output.fault, Fault::Infeasible);
+    reset(&mut run);
+    assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::None));
+    for enable in [false, true] {
+        run.input.enable = enable;
+        run.step();
+    }
+    assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::Infeasible));
 }
 
 #[test]
 fn an_infeasible_path_is_refused_before_anything_moves() {
     let fast = Build { speed: |_| 2400.0 * RPM, ..Build::NOMINAL };
-    let mut run = Loop::new(&Parameters::DEFAULT, &fast, 4);
+    let mut run = Loop::new(&Parameters::START, &fast, 4);
     for _ in 0..100 {
         run.step();
         assert!(run.output.torque.abs() < 1e-9, "{}", run.output.torque);
@@ -55,7 +101,7 @@ fn an_infeasible_path_is_refused_before_anything_moves() {
 #[test]
 fn a_path_that_becomes_infeasible_is_left_before_the_arm_runs_away() {
     let ramp = |t: f64| (1200.0 + 1200.0 * (t - 1.0).clamp(0.0, 1.0)) * RPM;
-    let mut run = Loop::new(&Parameters::DEFAULT, &Build { speed: ramp, ..Build::NOMINAL }, 4);
+    let mut run = Loop::new(&Parameters::START, &Build { speed: ramp, ..Build::NOMINAL }, 4);
     while run.output.fault == Fault::None {
         assert!(run.time() < 2.0);
         assert!(run.output.error.tracking.abs() < 100e-6);
@@ -68,7 +114,7 @@ fn a_path_that_becomes_infeasible_is_left_before_the_arm_runs_away() {
 fn outside_the_table_is_a_fault() {
     for radius in [0.0505, -0.0002] {
         let run = Build { radius, ..Build::NOMINAL };
-        let mut run = Loop::new(&Parameters::DEFAULT, &run, 4);
+        let mut run = Loop::new(&Parameters::START, &run, 4);
         run.run_to(0.01);
         recovers(run, Fault::OutsideTable);
     }
@@ -76,7 +122,7 @@ fn outside_the_table_is_a_fault() {
 
 #[test]
 fn an_arm_that_does_not_follow_is_a_fault() {
-    let mut run = Loop::new(&Parameters::DEFAULT, &Build::NOMINAL, 4);
+    let mut run = Loop::new(&Parameters::START, &Build::NOMINAL, 4);
     run.run_to(1.0);
     for k in 0..100 {
         run.step();
@@ -93,13 +139,13 @@ fn an_arm_that_does_not_follow_is_a_fault() {
 
 #[test]
 fn nonsense_is_a_fault_in_every_state() {
-    for mode in [Mode::Hold, Mode::Approach, Mode::Track, Mode::Identify, Mode::CalibrateFlats, Mode::CalibrateToroid] {
+    for mode in &Mode::ALL[1..] {
         for nonsense in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300] {
             let changes: [fn(&mut Input) -> &mut f64; 4] =
                 [|i| &mut i.arm_angle, |i| &mut i.spindle_angle, |i| &mut i.slide_position, |i| &mut i.hold_angle];
             for change in changes {
-                let mut run = Loop::new(&Parameters::DEFAULT, &Build::NOMINAL, 4);
-                run.input.mode = mode;
+                let mut run = Loop::new(&Parameters::START, &Build::NOMINAL, 4);
+                run.input.mode = *mode;
                 run.run_to(0.02);
                 let good = run.input.clone();
                 *change(&mut run.input) = nonsense;
@@ -116,19 +162,10 @@ fn nonsense_is_a_fault_in_every_state() {
 #[test]
 fn hostile_inputs_never_give_nan() {
     let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(5);
-    let modes = [
-        Mode::Off,
-        Mode::Hold,
-        Mode::Approach,
-        Mode::Track,
-        Mode::Identify,
-        Mode::CalibrateFlats,
-        Mode::CalibrateToroid,
-    ];
-    let mut p = Parameters::DEFAULT;
-    p.limit.following_error = 0.1;
+    let mut p = Parameters::START;
+    p.limits.following_error = 0.1;
     let mut controller = Controller::new(&p, &Tables::default()).unwrap();
-    let (mut input, mut output) = (Input::START, Output::START);
+    let (mut input, mut output) = (Input { enable: true, ..Input::START }, Output::START);
     for _ in 0..100_000 {
         let mut wild = |usual: f64| match random.random_range(0..200) {
             0 => f64::NAN,
@@ -145,6 +182,8 @@ fn hostile_inputs_never_give_nan() {
         input.probe.depth = wild(0.0);
         input.probe.lateral = wild(0.0);
         for switch in [
+            &mut input.enable,
+            &mut input.reset_fault,
             &mut input.afc.reset,
             &mut input.afc.enable,
             &mut input.feedforward.enable,
@@ -154,9 +193,9 @@ fn hostile_inputs_never_give_nan() {
             *switch ^= random.random_range(0..50) == 0;
         }
         if random.random_range(0..100) == 0 {
-            input.mode = modes[random.random_range(0..modes.len())];
+            input.mode = Mode::ALL[random.random_range(0..Mode::ALL.len())];
         }
-        controller.tick(&p, &input, &mut output);
+        controller.tick(&input, &p, &mut output);
         assert!(finite(&output), "{input:?} {output:?}");
         assert!(output.torque.abs() <= p.servo.torque_max);
     }

@@ -3,10 +3,9 @@
 use std::f64::consts::TAU;
 
 use fmu_fts::controller::Controller;
-use fmu_fts::design::design;
-use fmu_fts::loop_model::LoopModel;
-use fmu_fts::machine::{Fault, Mode, State};
-use fmu_fts::parameters::Parameters;
+use fmu_fts::interface::{Fault, Mode, Parameters, State};
+use fmu_fts::servo::design::design;
+use fmu_fts::servo::loop_model::LoopModel;
 use nalgebra::Complex;
 
 use crate::machine::{Build, RPM};
@@ -17,8 +16,8 @@ const LINEAR: Build =
     Build { coulomb: 0.0, ripple: 0.0, cutting: [0.0; 3], quantised: false, speed: |_| 0.0, ..Build::NOMINAL };
 
 fn parameters(frequencies: &str) -> Parameters {
-    let mut p = Parameters::DEFAULT;
-    p.identify.frequencies = frequencies.parse().unwrap();
+    let mut p = Parameters::START;
+    p.identify.grid = frequencies.parse().unwrap();
     p
 }
 
@@ -70,9 +69,9 @@ fn a_machine_that_is_not_the_nominal_one_is_seen_as_it_is() {
 
 #[test]
 fn the_nominal_response_is_told_before_any_is_measured() {
-    let p = Parameters::DEFAULT;
+    let p = Parameters::START;
     let mut run = Loop::new(&p, &LINEAR, 9);
-    run.input.mode = Mode::Off;
+    run.input.mode = Mode::Idle;
     run.step();
     assert!((run.output.response.bandwidth - p.servo.bandwidth).abs() < 1e-3 * p.servo.bandwidth);
     assert!((run.output.response.frequency[0] - TAU * 10.0).abs() < 1e-9);
@@ -124,7 +123,7 @@ fn state_bytes_continue_in_the_swing() {
     let mut output = run.output.clone();
     for _ in 0..9000 {
         run.step();
-        copy.tick(&p, &run.input, &mut output);
+        copy.tick(&run.input, &p, &mut output);
         assert_eq!(output, run.output);
     }
     assert_eq!(run.output.identify.progress, 1.0);

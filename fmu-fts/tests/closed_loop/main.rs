@@ -1,7 +1,9 @@
-//! The controller in closed loop with a native machine: tracking, faults, stability, state bytes.
+//! The controller in closed loop with a native machine: tracking, faults, stability, state bytes; and the calibration on ideal parts.
 
+mod calibration;
 mod faults;
 mod identify;
+mod law;
 mod machine;
 mod modes;
 mod robustness;

@@ -1,23 +1,20 @@
 //! Modes, and when the cancellation learns.
 
-use fmu_fts::machine::{Fault, Mode, State};
-use fmu_fts::parameters::Parameters;
-use fmu_fts::signals::Output;
-
 use crate::machine::{Build, RPM, STEP};
 use crate::run::Loop;
+use fmu_fts::interface::{Fault, Mode, Output, Parameters, State};
 
 fn tracking() -> Loop {
-    let mut run = Loop::new(&Parameters::DEFAULT, &Build::NOMINAL, 3);
+    let mut run = Loop::new(&Parameters::START, &Build::NOMINAL, 3);
     run.run_to(2.0);
     assert_eq!(run.output.state, State::Track);
     run
 }
 
 #[test]
-fn off_gives_no_torque() {
-    let mut run = Loop::new(&Parameters::DEFAULT, &Build::NOMINAL, 3);
-    run.input.mode = Mode::Off;
+fn idle_gives_no_torque() {
+    let mut run = Loop::new(&Parameters::START, &Build::NOMINAL, 3);
+    run.input.mode = Mode::Idle;
     for _ in 0..100 {
         run.step();
         assert_eq!((run.output.torque, run.output.state), (0.0, State::Idle));
@@ -26,9 +23,27 @@ fn off_gives_no_torque() {
 }
 
 #[test]
+fn nothing_happens_before_it_is_enabled_and_a_disabled_loop_is_open() {
+    let mut run = Loop::new(&Parameters::START, &Build::NOMINAL, 3);
+    run.input.enable = false;
+    run.run_to(0.01);
+    assert_eq!((run.output.torque, run.output.state), (0.0, State::Idle));
+    run.input.enable = true;
+    run.run_to(1.0);
+    assert_eq!(run.output.state, State::Track);
+    run.input.enable = false;
+    run.step();
+    assert_eq!((run.output.torque, run.output.state, run.output.fault), (0.0, State::Idle, Fault::None));
+    run.input.enable = true;
+    run.step();
+    assert_eq!(run.output.state, State::Approach);
+    assert!(run.output.torque.abs() < 1.0, "{}", run.output.torque);
+}
+
+#[test]
 fn hold_goes_to_the_angle_and_stays() {
     for mode in [Mode::Hold, Mode::CalibrateFlats, Mode::CalibrateToroid] {
-        let mut run = Loop::new(&Parameters::DEFAULT, &Build::NOMINAL, 3);
+        let mut run = Loop::new(&Parameters::START, &Build::NOMINAL, 3);
         run.input.mode = mode;
         run.input.hold_angle = 0.5;
         run.run_to(0.49);
@@ -45,7 +60,7 @@ fn hold_goes_to_the_angle_and_stays() {
 
 #[test]
 fn the_way_from_rest_to_tracking_has_no_jump() {
-    let mut run = Loop::new(&Parameters::DEFAULT, &Build::NOMINAL, 3);
+    let mut run = Loop::new(&Parameters::START, &Build::NOMINAL, 3);
     let mut before: Option<Output> = None;
     let mut states = Vec::new();
     while run.time() < 0.5 {
@@ -77,7 +92,7 @@ fn from_tracking_to_hold_and_back() {
 
 #[test]
 fn ready_follows_without_learning() {
-    let mut run = Loop::new(&Parameters::DEFAULT, &Build::NOMINAL, 3);
+    let mut run = Loop::new(&Parameters::START, &Build::NOMINAL, 3);
     run.input.mode = Mode::Approach;
     run.run_to(2.0);
     assert_eq!(run.output.state, State::Ready);
@@ -113,7 +128,7 @@ fn reset_and_disable_forget() {
 #[test]
 fn nothing_is_learned_at_a_crawl() {
     let slow = Build { speed: |_| 50.0 * RPM, ..Build::NOMINAL };
-    let mut run = Loop::new(&Parameters::DEFAULT, &slow, 3);
+    let mut run = Loop::new(&Parameters::START, &slow, 3);
     run.run_to(1.0);
     assert_eq!(run.output.state, State::Track);
     assert!(run.output.afc.frozen);
@@ -122,7 +137,7 @@ fn nothing_is_learned_at_a_crawl() {
 #[test]
 fn a_stopping_spindle_does_no_harm() {
     let stop = |t: f64| 600.0 * RPM * (1.0 - (t - 2.0) / 0.5).clamp(0.0, 1.0);
-    let mut run = Loop::new(&Parameters::DEFAULT, &Build { speed: stop, ..Build::NOMINAL }, 3);
+    let mut run = Loop::new(&Parameters::START, &Build { speed: stop, ..Build::NOMINAL }, 3);
     run.run_to(2.0);
     let during = run.measure(0.5);
     assert!(during.peak < 20.0, "{during:?}");
@@ -133,12 +148,12 @@ fn a_stopping_spindle_does_no_harm() {
 
 #[test]
 fn a_saturated_loop_learns_nothing() {
-    let mut p = Parameters::DEFAULT;
+    let mut p = Parameters::START;
     // the path needs 0.45 N.m
     p.servo.torque_max = 0.46;
-    p.limit.torque_share = 1.0;
+    p.limits.torque_share = 1.0;
     p.surface.outer_radius = 0.031;
-    p.limit.following_error = 0.1;
+    p.limits.following_error = 0.1;
     let mut run = Loop::new(&p, &Build { gain: 0.7, ..Build::NOMINAL }, 3);
     let (mut saturated, mut learned) = (0, 0);
     while run.time() < 1.0 {

@@ -1,7 +1,6 @@
 //! Machines that are not the nominal one: gain, resonance, friction, disturbances, speed and radius at random.
 
-use fmu_fts::machine::State;
-use fmu_fts::parameters::Parameters;
+use fmu_fts::interface::{Parameters, State};
 use rand::{RngExt, SeedableRng};
 
 use crate::machine::{Build, RPM};
@@ -36,7 +35,7 @@ fn machine(seed: u64) -> Build {
 }
 
 fn tried(seed: u64) -> Outcome {
-    let mut run = Loop::new(&Parameters::DEFAULT, &machine(seed), seed);
+    let mut run = Loop::new(&Parameters::START, &machine(seed), seed);
     run.input.afc.enable = false;
     run.run_to(0.8);
     let feedforward = run.measure(0.3);

@@ -1,9 +1,8 @@
 //! The controller on the machine, one communication step at a time.
 
-use fmu_fts::controller::{Controller, Tables};
-use fmu_fts::machine::Mode;
-use fmu_fts::parameters::Parameters;
-use fmu_fts::signals::{Input, Output};
+use fmu_fts::controller::Controller;
+use fmu_fts::interface::{Input, Mode, Output, Parameters};
+use fmu_fts::texts::Tables;
 
 use crate::machine::{Build, Machine, STEP};
 
@@ -45,7 +44,7 @@ impl Loop {
         Self {
             machine: Machine::new(build, seed),
             controller: Controller::new(p, &Tables::default()).unwrap(),
-            input: Input { mode: Mode::Track, ..Input::START },
+            input: Input { enable: true, mode: Mode::Track, ..Input::START },
             output: Output::START,
             tip_error: 0.0,
             parameters: p.clone(),
@@ -70,7 +69,7 @@ impl Loop {
     /// One communication step with the inputs as they are.
     pub fn step_with_inputs(&mut self) {
         self.machine.in_part = self.time() > 0.5;
-        self.controller.tick(&self.parameters, &self.input, &mut self.output);
+        self.controller.tick(&self.input, &self.parameters, &mut self.output);
         self.tip_error = self.output.reference.depth - self.machine.tip_depth();
         self.machine.advance(self.output.torque);
         self.steps += 1;

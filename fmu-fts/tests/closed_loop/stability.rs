@@ -1,11 +1,11 @@
 //! Stability of the cancellation by the eigenvalues of the whole linear loop.
 
-use fmu_fts::design::design;
-use fmu_fts::harmonics::Harmonics;
-use fmu_fts::lead_lag::LeadLag;
-use fmu_fts::loop_model::LoopModel;
-use fmu_fts::parameters::{Afc, Parameters};
-use fmu_fts::resonators::gain_of;
+use fmu_fts::interface::{Afc, Parameters};
+use fmu_fts::lists::harmonics::Harmonics;
+use fmu_fts::servo::design::design;
+use fmu_fts::servo::lead_lag::LeadLag;
+use fmu_fts::servo::loop_model::LoopModel;
+use fmu_fts::tracking::resonators::gain_of;
 use nalgebra::{Complex, DMatrix, DVector, SVector};
 
 use crate::machine::{Build, RPM, STEP, sampled};
@@ -20,7 +20,7 @@ fn spectral_radius(p: &Parameters, build: &Build, speed: f64) -> f64 {
     let (transition, input) = sampled(build, STEP);
     let resonators: Vec<(Complex<f64>, Complex<f64>)> = p
         .afc
-        .harmonics
+        .cancelled
         .iter()
         .map(|n| n as f64 * speed)
         .filter(|omega| *omega <= p.afc.frequency_max)
@@ -63,8 +63,8 @@ fn decay(p: &Parameters, build: &Build, rpm: f64) -> f64 {
 }
 
 fn with(harmonics: Harmonics, tau: f64, phase_advance: bool) -> Parameters {
-    let afc = Afc { harmonics, tau, phase_advance, ..Afc::DEFAULT };
-    Parameters { afc, ..Parameters::DEFAULT }
+    let afc = Afc { cancelled: harmonics, tau, phase_advance, ..Afc::START };
+    Parameters { afc, ..Parameters::START }
 }
 
 #[test]
@@ -83,7 +83,7 @@ fn the_default_is_stable_on_arms_that_are_not_the_nominal_one() {
         for flexure in [1080.0, 1200.0, 1320.0] {
             let build = Build { gain, flexure, ..Build::IDEAL };
             for rpm in [300.0, 600.0, 1200.0, 2400.0, 4000.0] {
-                let found = decay(&Parameters::DEFAULT, &build, rpm);
+                let found = decay(&Parameters::START, &build, rpm);
                 assert!(found > 1.0, "gain {gain}, flexure {flexure} Hz, {rpm} rpm: {found} 1/s");
             }
         }
@@ -92,7 +92,7 @@ fn the_default_is_stable_on_arms_that_are_not_the_nominal_one() {
 
 #[test]
 fn a_stiffer_loop_with_more_lead_is_as_stable() {
-    let mut p = Parameters::DEFAULT;
+    let mut p = Parameters::START;
     (p.servo.bandwidth, p.servo.lead) = (std::f64::consts::TAU * 300.0, 5.0);
     for gain in [0.8, 1.2] {
         for (flexure, damping) in [(1080.0, 0.01), (1200.0, 0.01), (1320.0, 0.01)] {

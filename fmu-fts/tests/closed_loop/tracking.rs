@@ -1,7 +1,7 @@
 //! What each layer of the control leaves, at several speeds, surfaces and delays. Errors in um.
 
-use fmu_fts::harmonics::Harmonics;
-use fmu_fts::parameters::{Afc, Parameters, SurfaceKind, Tip};
+use fmu_fts::interface::{Afc, Parameters, SurfaceKind, Tip};
+use fmu_fts::lists::harmonics::Harmonics;
 
 use crate::machine::{Build, RPM};
 use crate::run::{Loop, Measured};
@@ -32,9 +32,9 @@ fn five() -> Parameters {
 
 fn with(harmonics: Harmonics, tau: f64) -> Parameters {
     Parameters {
-        tip: Tip { compensation: false, ..Tip::DEFAULT },
-        afc: Afc { harmonics, tau, ..Afc::DEFAULT },
-        ..Parameters::DEFAULT
+        tip: Tip { compensation: false, ..Tip::START },
+        afc: Afc { cancelled: harmonics, tau, ..Afc::START },
+        ..Parameters::START
     }
 }
 
@@ -81,7 +81,7 @@ fn the_default_stays_below_half_a_micrometre_at_every_speed() {
         (0.05, at(|_| 1200.0 * RPM)),
         (0.032, at(|_| 2400.0 * RPM)),
     ] {
-        let mut p = Parameters::DEFAULT;
+        let mut p = Parameters::START;
         p.surface.outer_radius = radius;
         let (all, _) = tracked(&p, &build, Layers::All, 2.5);
         assert!(all.rms < 0.5 && all.tip < 0.6);
@@ -102,14 +102,14 @@ fn three_delays_are_tracked_with_the_response_of_one() {
     for delay in [0, 1, 2] {
         let build = Build { delay, ..Build::NOMINAL };
         assert!(tracked(&five(), &build, Layers::All, 2.0).0.rms < 1.45);
-        assert!(tracked(&Parameters::DEFAULT, &build, Layers::All, 2.5).0.rms < 0.5);
+        assert!(tracked(&Parameters::START, &build, Layers::All, 2.5).0.rms < 0.5);
     }
 }
 
 #[test]
 fn five_hundred_hertz_at_500_metres_per_second_squared_in_air() {
     let build = Build { cutting: [0.0; 3], ripple: 0.0, ..Build::NOMINAL };
-    let p = wave(Parameters::DEFAULT, 50, 50.7e-6);
+    let p = wave(Parameters::START, 50, 50.7e-6);
     let (feedforward, run) = tracked(&p, &build, Layers::Feedforward, 1.0);
     assert!(feedforward.rms < 1.0 && feedforward.tip < 0.3 && feedforward.torque < 6.3);
     assert!(!run.output.saturated);
@@ -123,17 +123,17 @@ fn three_centimetres_of_asymmetry() {
         assert!(run.output.error.harmonic[1] < 0.02 * 0.015 && feedforward.torque < torque);
         let (all, _) = tracked(&p, &speed, Layers::All, 2.0);
         assert!(all.rms < 3.0);
-        let (all, _) = tracked(&wave(Parameters::DEFAULT, 2, 0.015), &speed, Layers::All, 2.5);
+        let (all, _) = tracked(&wave(Parameters::START, 2, 0.015), &speed, Layers::All, 2.5);
         assert!(all.rms < 1.1 && all.tip < 1.2);
     }
 }
 
 #[test]
 fn steeper_lenses_and_prisms() {
-    let mut p = Parameters::DEFAULT;
+    let mut p = Parameters::START;
     p.surface.cross_curvature = 8.0 / 0.53;
     assert!(tracked(&p, &Build::NOMINAL, Layers::All, 2.5).0.rms < 0.5);
-    let mut p = Parameters::DEFAULT;
+    let mut p = Parameters::START;
     p.surface.base_curvature = -3.0;
     (p.surface.tilt_x, p.surface.tilt_y) = (0.02, 0.01);
     assert!(tracked(&p, &Build::NOMINAL, Layers::All, 2.5).0.rms < 0.5);
@@ -180,13 +180,13 @@ fn eq_3_as_printed_diverges_at_1200_rpm() {
 fn a_disturbance_that_does_not_turn_with_the_spindle_is_not_cancelled() {
     let build = Build { ripple: 0.0, hum: 6e-3, ..at(|_| 580.0 * RPM) };
     let (five, _) = tracked(&five(), &build, Layers::All, 2.5);
-    let (all, _) = tracked(&Parameters::DEFAULT, &build, Layers::All, 2.5);
+    let (all, _) = tracked(&Parameters::START, &build, Layers::All, 2.5);
     assert!(five.rms > 0.9 && all.rms > five.rms);
 }
 
 #[test]
 fn either_tool_is_guided() {
-    let mut p = Parameters::DEFAULT;
+    let mut p = Parameters::START;
     p.tool.selected = 2;
     let mut run = Loop::new(&p, &Build::NOMINAL, 1);
     // the arm is swung by half a turn: its encoder counts on
@@ -197,14 +197,14 @@ fn either_tool_is_guided() {
 
 #[test]
 fn the_automatic_list_leaves_alone_what_does_not_repeat() {
-    let mut automatic = Parameters::DEFAULT;
+    let mut automatic = Parameters::START;
     automatic.afc.automatic = true;
     // 8 turns of looking before tau begins
     assert!(tracked(&automatic, &Build::NOMINAL, Layers::All, 4.0).0.rms < 0.4);
     for (speed, without) in [(at(|_| 580.0 * RPM), 1.2), (at(|_| 598.0 * RPM), 0.9)] {
         let hum = Build { ripple: 0.0, hum: 6e-3, ..speed };
         let (chosen, _) = tracked(&automatic, &hum, Layers::All, 4.0);
-        let (all, _) = tracked(&Parameters::DEFAULT, &hum, Layers::All, 4.0);
+        let (all, _) = tracked(&Parameters::START, &hum, Layers::All, 4.0);
         assert!(chosen.rms < without && chosen.rms < all.rms);
     }
 }
@@ -213,7 +213,7 @@ fn the_automatic_list_leaves_alone_what_does_not_repeat() {
 fn dry_friction_can_be_fed_forward() {
     let quiet = Build { cutting: [2.0, 0.1, 0.0], ..Build::NOMINAL };
     let left = |torque: f64, layers: Layers| {
-        let mut p = Parameters::DEFAULT;
+        let mut p = Parameters::START;
         p.servo.dry_friction = torque;
         tracked(&p, &quiet, layers, 2.5).0.rms
     };
@@ -227,13 +227,13 @@ fn dry_friction_can_be_fed_forward() {
 #[test]
 fn without_the_noise_of_the_cut_less_than_a_tenth_of_a_micrometre_is_left() {
     let quiet = Build { cutting: [2.0, 0.1, 0.0], ..Build::NOMINAL };
-    let (all, _) = tracked(&Parameters::DEFAULT, &quiet, Layers::All, 2.5);
+    let (all, _) = tracked(&Parameters::START, &quiet, Layers::All, 2.5);
     assert!(all.rms < 0.1 && all.tip < 0.1);
 }
 
 #[test]
 fn with_more_bandwidth_less_of_the_noise_of_the_cut_is_left() {
-    let mut p = Parameters::DEFAULT;
+    let mut p = Parameters::START;
     // the margins of the default, with more lead
     (p.servo.bandwidth, p.servo.lead) = (std::f64::consts::TAU * 300.0, 5.0);
     for gain in [0.8, 1.0, 1.2] {

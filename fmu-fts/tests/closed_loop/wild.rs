@@ -1,16 +1,15 @@
 //! Parameters anywhere in their ranges: refused with a reason, or a controller that stays finite.
 
-use fmu_fts::controller::{Controller, Tables};
-use fmu_fts::harmonics::{HIGHEST, Harmonics};
-use fmu_fts::machine::Mode;
-use fmu_fts::parameters::{Parameters, SurfaceKind};
-use fmu_fts::signals::{Input, Output};
+use fmu_fts::controller::Controller;
+use fmu_fts::interface::{Input, Mode, Output, Parameters, SurfaceKind};
+use fmu_fts::lists::harmonics::{HIGHEST, Harmonics};
+use fmu_fts::texts::Tables;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 /// Most parameters as they are, some anywhere in the ranges of the FMU.
 fn parameters(random: &mut Pcg64Mcg) -> Parameters {
-    let mut p = Parameters::DEFAULT;
+    let mut p = Parameters::START;
     let mut change = |value: &mut f64, low: f64, high: f64| {
         if random.random_range(0..4) == 0 {
             // small values are as likely as large ones where the range begins above zero
@@ -52,15 +51,15 @@ fn parameters(random: &mut Pcg64Mcg) -> Parameters {
     change(&mut p.pll.bandwidth, 1.0, 1e3);
     change(&mut p.approach.time, 0.01, 60.0);
     change(&mut p.hold.speed, 1e-4, 100.0);
-    change(&mut p.limit.following_error, 1e-6, 0.1);
-    change(&mut p.limit.torque_share, 0.1, 1.0);
+    change(&mut p.limits.following_error, 1e-6, 0.1);
+    change(&mut p.limits.torque_share, 0.1, 1.0);
     if random.random_range(0..4) == 0 {
         p.surface.kind = SurfaceKind::Wave;
     }
     p.path.harmonics = random.random_range(1..=64);
     p.feedforward.harmonics = random.random_range(0..=64);
-    p.servo.io_delay = random.random_range(0..=8).min(random.random_range(0..=8));
-    p.afc.harmonics = Harmonics::NONE.with(random.random_range(1..=HIGHEST)).with(random.random_range(1..=HIGHEST));
+    p.io_delay = random.random_range(0..=8).min(random.random_range(0..=8));
+    p.afc.cancelled = Harmonics::NONE.with(random.random_range(1..=HIGHEST)).with(random.random_range(1..=HIGHEST));
     p.surface.depth_auto = random.random_range(0..2) == 0;
     p
 }
@@ -84,10 +83,11 @@ fn survives(random: &mut Pcg64Mcg) -> bool {
             arm_angle: output.reference.angle,
             spindle_angle: speed * p.sample_period * f64::from(k),
             slide_position: p.tool.centre_offset[0] - p.tool.arm_length[0] - radius,
+            enable: true,
             mode: if k < 100 { Mode::Hold } else { Mode::Track },
             ..Input::START
         };
-        controller.tick(&p, &input, &mut output);
+        controller.tick(&input, &p, &mut output);
         let reals = [output.torque, output.reference.depth, output.reference.angle, output.error.tracking];
         let finite = reals.iter().all(|x| x.is_finite()) && output.path.torque.is_finite();
         assert!(finite && output.torque.abs() <= p.servo.torque_max, "{p:?} {output:?}");

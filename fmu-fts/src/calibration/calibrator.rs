@@ -1,0 +1,226 @@
+//! Calibration in place: collects what was cut and what the probe says of it, fits, and keeps the record of the tool.
+//!
+//! While `calibration.cut` is set the tool cuts the part; afterwards `probe.capture` stores readings of the probe, the
+//! first at its rising edge and more while it stays set and the probe moves on; `calibration.solve` fits them. All readings
+//! on one flat are averaged: cut and read the same stretch of it, and the arm may wander meanwhile.
+
+use control_blocks::Edge;
+use serde::{Deserialize, Serialize};
+
+use crate::calibration::cut::{Cut, Moment};
+use crate::calibration::flats::{self, ArmEstimate, Flat, FlatAccuracy};
+use crate::calibration::least_squares::Failure;
+use crate::calibration::store::Store;
+use crate::calibration::toroid::{self, ProbeAccuracy, ProbePoint};
+use crate::interface::{CalibrationOutput, Input, Mode, Parameters, Status};
+
+/// Samples that can be stored.
+const SAMPLES_MAX: usize = 512;
+/// The slide stands still while a toroid is cut, m.
+const TRAVEL_MAX: f64 = 1e-5;
+/// The arm stands still while a flat is cut, rad.
+const SWING_MAX: f64 = 1e-3;
+/// No probe reads more, m.
+const READING_MAX: f64 = 1e3;
+
+/// Calibration record of the selected tool; a standard deviation is 0 as long as nothing was fitted.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Record {
+    /// Arm length and arm zero.
+    pub arm: ArmEstimate,
+    /// Cross-slide offset x_0, m.
+    pub centre_offset: f64,
+    /// Its standard deviation, m.
+    pub centre_offset_sigma: f64,
+}
+
+/// The calibration between two samples.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Calibrator {
+    record: Record,
+    mode: Mode,
+    cut: Cut,
+    flats: Store<Flat>,
+    /// Readings that the newest flat is the mean of.
+    readings: u32,
+    points: Store<ProbePoint>,
+    /// Lateral position of the last stored sample, m.
+    stored_at: f64,
+    cutting: Edge,
+    capture: Edge,
+    solve: Edge,
+    status: Status,
+    residual: f64,
+}
+
+impl Calibrator {
+    /// Nothing collected; the record is that of the parameters.
+    pub fn new(p: &Parameters) -> Self {
+        let (tool, i) = (&p.tool, p.tool.index());
+        let arm = ArmEstimate {
+            length: tool.arm_length[i],
+            zero: tool.arm_zero[i],
+            length_sigma: tool.arm_length_sigma[i],
+            zero_sigma: 0.0,
+        };
+        Self {
+            record: Record { arm, centre_offset: tool.centre_offset[i], centre_offset_sigma: 0.0 },
+            mode: Mode::Idle,
+            cut: Cut::default(),
+            flats: Store::new(SAMPLES_MAX, Flat { arm_angle: 0.0, depth: 0.0 }),
+            readings: 0,
+            points: Store::new(SAMPLES_MAX, ProbePoint { lateral: 0.0, depth: 0.0 }),
+            stored_at: 0.0,
+            cutting: Edge::default(),
+            capture: Edge::default(),
+            solve: Edge::default(),
+            status: Status::None,
+            residual: 0.0,
+        }
+    }
+
+    /// One sample in a state of calibration; `now` is what arm and slide do. A change of the mode begins anew.
+    pub fn step(&mut self, p: &Parameters, input: &Input, now: Moment) {
+        if std::mem::replace(&mut self.mode, input.mode) != input.mode {
+            self.begin();
+        }
+        if self.cutting.rises(input.calibration.cut) {
+            (self.cut, self.readings) = (Cut::default(), 0);
+        }
+        if input.calibration.cut {
+            self.cut.add(now);
+        }
+        let rising = self.capture.rises(input.probe.capture);
+        // a reading that is no number has not moved on
+        let moved = (input.probe.lateral - self.stored_at).abs() >= p.probe.pitch;
+        if rising || (input.probe.capture && moved) {
+            self.store(p, input);
+        }
+        if self.solve.rises(input.calibration.solve) {
+            self.status = self.fit(p).map_or_else(Status::from, |()| Status::Solved);
+        }
+    }
+
+    /// Outside of the calibration: the next step begins anew.
+    pub fn rest(&mut self) {
+        self.mode = Mode::Idle;
+    }
+
+    /// How it goes.
+    pub fn status(&self) -> Status {
+        self.status
+    }
+
+    /// The record as outputs.
+    pub fn report(&self) -> CalibrationOutput {
+        let Record { arm, centre_offset, centre_offset_sigma } = self.record;
+        CalibrationOutput {
+            status: self.status,
+            arm_length: arm.length,
+            centre_offset,
+            arm_zero: arm.zero,
+            arm_length_sigma: arm.length_sigma,
+            centre_offset_sigma,
+            arm_zero_sigma: arm.zero_sigma,
+            residual: self.residual,
+            samples: (self.flats.samples().len() + self.points.samples().len()) as i32,
+        }
+    }
+
+    fn begin(&mut self) {
+        self.flats.clear();
+        self.points.clear();
+        (self.cut, self.readings) = (Cut::default(), 0);
+        (self.status, self.residual) = (Status::None, 0.0);
+    }
+
+    fn store(&mut self, p: &Parameters, input: &Input) {
+        let (lateral, depth) = (input.probe.lateral, input.probe.depth);
+        let believable = lateral.abs() <= READING_MAX && depth.abs() <= READING_MAX;
+        let still = match input.mode {
+            Mode::CalibrateFlats => self.cut.swing() <= SWING_MAX,
+            _ => self.cut.travel() <= TRAVEL_MAX,
+        };
+        let refused = match self.cut.mean() {
+            _ if !believable => Some(Status::InvalidProbe),
+            None => Some(Status::NoCut),
+            Some(_) if !still => Some(Status::Moved),
+            Some(cut) => (!self.keep(p, input.mode, cut, ProbePoint { lateral, depth })).then_some(Status::Full),
+        };
+        match refused {
+            Some(status) => self.status = status,
+            None => self.stored_at = lateral,
+        }
+    }
+
+    fn keep(&mut self, p: &Parameters, mode: Mode, cut: Moment, point: ProbePoint) -> bool {
+        match mode {
+            Mode::CalibrateFlats => {
+                let arm_angle = cut.arm_angle - wind_up(p, cut.torque);
+                self.keep_flat(Flat { arm_angle, depth: point.depth })
+            }
+            _ => self.points.push(point),
+        }
+    }
+
+    /// A new flat, or one more reading on the newest.
+    fn keep_flat(&mut self, flat: Flat) -> bool {
+        match self.flats.last_mut() {
+            Some(mean) if self.readings > 0 => {
+                self.readings = self.readings.saturating_add(1);
+                mean.depth += (flat.depth - mean.depth) / f64::from(self.readings);
+                true
+            }
+            _ => {
+                self.readings = 1;
+                self.flats.push(flat)
+            }
+        }
+    }
+
+    fn fit(&mut self, p: &Parameters) -> Result<(), Failure> {
+        match self.mode {
+            Mode::CalibrateFlats => self.fit_flats(p),
+            _ => self.fit_toroid(p),
+        }
+    }
+
+    fn fit_flats(&mut self, p: &Parameters) -> Result<(), Failure> {
+        let accuracy = FlatAccuracy { depth: p.probe.depth_sigma, arm_angle: p.calibration.arm_angle_sigma };
+        let (arm, residual) = flats::fit(self.flats.samples(), &self.record.arm, &accuracy)?;
+        (self.record.arm, self.residual) = (arm, residual);
+        Ok(())
+    }
+
+    fn fit_toroid(&mut self, p: &Parameters) -> Result<(), Failure> {
+        let accuracy =
+            ProbeAccuracy { depth: p.probe.depth_sigma, lateral: p.probe.lateral_sigma, cusp: p.probe.cusp_sigma };
+        let arc = toroid::fit(self.points.samples(), &accuracy)?;
+        let cut = self.cut.mean().ok_or(Failure::TooFew)?;
+        let (tool, i) = (&p.tool, p.tool.index());
+        let arm = &mut self.record.arm;
+        arm.length = arc.radius - tool.nose_radius[i] + p.probe.radius;
+        let radii = tool.nose_radius_sigma[i].hypot(p.probe.radius_sigma);
+        arm.length_sigma = arc.radius_sigma.hypot(radii);
+        self.record.centre_offset = arc.distance + cut.slide_position;
+        self.record.centre_offset_sigma = arc.distance_sigma.hypot(p.probe.lateral_sigma);
+        self.residual = arc.residual;
+        Ok(())
+    }
+}
+
+impl From<Failure> for Status {
+    fn from(failure: Failure) -> Self {
+        match failure {
+            Failure::TooFew => Self::TooFewSamples,
+            Failure::NotObservable => Self::NotObservable,
+            Failure::NotConverged => Self::NotConverged,
+        }
+    }
+}
+
+/// Angle (rad) by which the tool stays behind the encoder when the arm carries a torque (N.m): the thrust of the cut.
+fn wind_up(p: &Parameters, torque: f64) -> f64 {
+    let stiffness = p.tip.inertia * p.servo.inertia * p.tip.frequency * p.tip.frequency;
+    if stiffness > 0.0 { torque / stiffness } else { 0.0 }
+}

@@ -1,0 +1,4 @@
+//! Motions of the arm beside the path.
+
+pub mod hold;
+pub mod sweep;

@@ -1,0 +1,269 @@
+//! Tool path at any slide position: harmonics of depth and angle, cubic in the slide position.
+//!
+//! Between two rows the table is the cubic with the slopes of central differences (Hermite); one more row at each end,
+//! continued quadratically, gives the slopes there.
+
+use nalgebra::Complex;
+use serde::{Deserialize, Serialize};
+
+use crate::lists::harmonics::HIGHEST;
+use crate::path::depth_table::DepthTable;
+use crate::path::fourier::Fourier;
+use crate::path::kinematics::Arm;
+
+/// The table is used so far beyond its ends, in rows: a reading at the very end may err.
+const MARGIN: f64 = 0.1;
+
+/// The table with what follows from it.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct PathTable {
+    arm: Arm,
+    first: f64,
+    step: f64,
+    rows: usize,
+    depth_count: usize,
+    /// coefficients of depth, then of angle, row after row
+    values: Vec<Complex<f64>>,
+    /// Largest db/dtheta, 1.
+    pub velocity: f64,
+    /// Largest d2b/dtheta2, 1.
+    pub acceleration: f64,
+    /// Largest depth that the harmonics leave out, m.
+    pub truncation: f64,
+}
+
+/// The path at one slide position.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Row {
+    depth_count: usize,
+    values: Vec<Complex<f64>>,
+}
+
+/// Depth (m) and its derivatives to the spindle angle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Depth {
+    /// z, m.
+    pub value: f64,
+    /// dz/dtheta, m.
+    pub first: f64,
+    /// d2z/dtheta2, m.
+    pub second: f64,
+}
+
+impl PathTable {
+    /// The path of a table, with `angle_harmonics` harmonics of the encoder angle b_d = asin(z / R_a) - b_0; 0 for none,
+    /// else at least those of the depth.
+    pub fn new(arm: Arm, table: &DepthTable, angle_harmonics: usize) -> Self {
+        let fourier = Fourier::new();
+        let depth_count = table.rows.iter().map(Vec::len).max().unwrap_or(0);
+        let angle_harmonics = if angle_harmonics == 0 { 0 } else { angle_harmonics.max(depth_count - 1) };
+        let (mut rows, mut velocity, mut acceleration) = (Vec::new(), 0.0, 0.0);
+        for depth in &table.rows {
+            let angles: Vec<f64> = fourier.values(depth).into_iter().map(|z| arm.angle(z)).collect();
+            // the limits hold for the whole angle, not only for the harmonics that are pre-shifted
+            let exact = fourier.harmonics(&angles, HIGHEST);
+            let peak = |order: i32| {
+                let derivative: Vec<_> = exact.iter().enumerate().map(|(n, c)| derivative(*c, n, order)).collect();
+                fourier.values(&derivative).into_iter().fold(0.0, |peak: f64, x| peak.max(x.abs()))
+            };
+            velocity = f64::max(velocity, peak(1));
+            acceleration = f64::max(acceleration, peak(2));
+            let mut row = depth.clone();
+            row.resize(depth_count, Complex::default());
+            row.extend_from_slice(&exact[..=angle_harmonics]);
+            rows.push(row);
+        }
+        Self {
+            arm,
+            first: table.first,
+            step: table.step,
+            rows: rows.len(),
+            depth_count,
+            values: continued(&rows).concat(),
+            velocity,
+            acceleration,
+            truncation: table.truncation,
+        }
+    }
+
+    /// Whether the table reaches to a slide position (m).
+    pub fn covers(&self, slide_position: f64) -> bool {
+        let place = (slide_position - self.first) / self.step;
+        place >= -MARGIN && place <= (self.rows - 1) as f64 + MARGIN
+    }
+
+    /// A row to interpolate into.
+    pub fn row(&self) -> Row {
+        Row { depth_count: self.depth_count, values: vec![Complex::default(); self.width()] }
+    }
+
+    /// Interpolates at a slide position (m); outside the table the nearest end counts.
+    pub fn interpolate(&self, slide_position: f64, row: &mut Row) {
+        let last = (self.rows - 2) as f64;
+        let place = ((slide_position - self.first) / self.step).clamp(-MARGIN, last + 1.0 + MARGIN);
+        let before = place.floor().clamp(0.0, last);
+        let weights = hermite(place - before);
+        // the row before the first one is number 0
+        let (from, width) = (before as usize * self.width(), self.width());
+        let neighbours = &self.values[from..from + 4 * width];
+        let (r0, rest) = neighbours.split_at(width);
+        let (r1, rest) = rest.split_at(width);
+        let (r2, r3) = rest.split_at(width);
+        for ((((value, c0), c1), c2), c3) in row.values.iter_mut().zip(r0).zip(r1).zip(r2).zip(r3) {
+            *value = c0 * weights[0] + c1 * weights[1] + c2 * weights[2] + c3 * weights[3];
+        }
+    }
+
+    /// The arm for which the angles are made.
+    pub fn arm(&self) -> &Arm {
+        &self.arm
+    }
+
+    /// Harmonics of the depth.
+    pub fn harmonics(&self) -> usize {
+        self.depth_count - 1
+    }
+
+    fn width(&self) -> usize {
+        self.values.len() / (self.rows + 2)
+    }
+}
+
+impl Row {
+    /// Depth and derivatives from e^(j n theta), n = 0 first.
+    pub fn depth(&self, phasors: &[Complex<f64>]) -> Depth {
+        let (mut n, mut depth) = (0.0, Depth { value: 0.0, first: 0.0, second: 0.0 });
+        for (c, phasor) in self.values[..self.depth_count].iter().zip(phasors) {
+            let term = c * phasor;
+            depth.value += term.re;
+            depth.first -= n * term.im;
+            depth.second -= n * n * term.re;
+            n += 1.0;
+        }
+        depth
+    }
+
+    /// Harmonics of the encoder angle, n = 1 first, rad.
+    pub fn angle_harmonics(&self) -> &[Complex<f64>] {
+        &self.values[self.depth_count + 1..]
+    }
+}
+
+/// Harmonic n of a derivative to the angle.
+fn derivative(c: Complex<f64>, n: usize, order: i32) -> Complex<f64> {
+    c * Complex::new(0.0, n as f64).powi(order)
+}
+
+/// One row more at each end, on the parabola through the three next.
+fn continued(rows: &[Vec<Complex<f64>>]) -> Vec<Vec<Complex<f64>>> {
+    let beyond = |[a, b, c]: [&Vec<Complex<f64>>; 3]| {
+        a.iter().zip(b).zip(c).map(|((a, b), c)| a * 3.0 - b * 3.0 + c).collect::<Vec<_>>()
+    };
+    let last = rows.len() - 1;
+    let mut all = vec![beyond([&rows[0], &rows[1], &rows[2]])];
+    all.extend_from_slice(rows);
+    all.push(beyond([&rows[last], &rows[last - 1], &rows[last - 2]]));
+    all
+}
+
+/// Weights of four neighbouring rows at the share `t` between the middle two.
+fn hermite(t: f64) -> [f64; 4] {
+    let (t2, t3) = (t * t, t * t * t);
+    [0.5 * (2.0 * t2 - t3 - t), 0.5 * (3.0 * t3 - 5.0 * t2) + 1.0, 0.5 * (4.0 * t2 - 3.0 * t3 + t), 0.5 * (t3 - t2)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::interface::{Parameters, SurfaceKind};
+    use crate::path::surface::ToolPath;
+    use crate::tracking::phasors::Phasors;
+
+    fn path(p: &Parameters) -> PathTable {
+        PathTable::new(Arm::new(p), &DepthTable::of_surface(p).unwrap(), 24)
+    }
+
+    /// Largest error (m) of the interpolated depth between 25 and 45 mm.
+    fn error(grid: f64) -> f64 {
+        let mut p = Parameters::START;
+        p.path.grid = grid;
+        p.path.harmonics = 32;
+        let (path, exact) = (path(&p), ToolPath::new(&p));
+        let mut row = path.row();
+        let mut largest: f64 = 0.0;
+        for k in 0..400 {
+            let x = path.arm().slide_position(0.025 + 0.02 * f64::from(k) / 400.0, 0.0);
+            path.interpolate(x, &mut row);
+            for theta in [0.0, 0.4, 0.8, 1.2, 1.6] {
+                let z = row.depth(Phasors::new(theta, 64).from_zero()).value;
+                largest = largest.max((z - exact.depth(x, theta).unwrap()).abs());
+            }
+        }
+        largest
+    }
+
+    #[test]
+    fn cubic_interpolation_errs_by_23_3_and_0_4_nm() {
+        for (grid, expected) in [(2e-3, 23e-9), (1e-3, 3e-9), (0.5e-3, 0.4e-9)] {
+            let error = error(grid);
+            println!("grid {grid} m: {error:e} m");
+            assert!(error < 1.3 * expected, "grid {grid} m: {error} m");
+        }
+    }
+
+    #[test]
+    fn the_ends_are_as_good_as_the_middle() {
+        let p = Parameters::START;
+        let (path, exact) = (path(&p), ToolPath::new(&p));
+        let mut row = path.row();
+        for rho in [0.04999, 0.0498, 0.0002, 0.00001] {
+            let x = path.arm().slide_position(rho, 0.0);
+            assert!(path.covers(x));
+            path.interpolate(x, &mut row);
+            let z = row.depth(Phasors::new(0.7, 24).from_zero()).value;
+            assert!((z - exact.depth(x, 0.7).unwrap()).abs() < 30e-9, "{rho}");
+        }
+        for rho in [0.0502, -0.0002] {
+            assert!(!path.covers(path.arm().slide_position(rho, 0.0)), "{rho}");
+        }
+    }
+
+    #[test]
+    fn outside_the_table_everything_stays_finite() {
+        let path = path(&Parameters::START);
+        let mut row = path.row();
+        for x in [-1e3, 1e3, 0.0] {
+            path.interpolate(x, &mut row);
+            assert!(row.depth(Phasors::new(0.7, 24).from_zero()).value.abs() < 0.01);
+        }
+    }
+
+    #[test]
+    fn the_derivatives_are_those_of_the_depth() {
+        let path = path(&Parameters::START);
+        let mut row = path.row();
+        path.interpolate(0.041, &mut row);
+        let at = |theta: f64| row.depth(Phasors::new(theta, 24).from_zero());
+        let (before, here, after) = (at(0.9 - 1e-5), at(0.9), at(0.9 + 1e-5));
+        assert!(((after.value - before.value) / 2e-5 - here.first).abs() < 1e-11);
+        assert!(((after.first - before.first) / 2e-5 - here.second).abs() < 1e-10);
+    }
+
+    #[test]
+    fn the_angle_harmonics_are_those_of_the_exact_angle() {
+        let mut p = Parameters::START;
+        p.surface.kind = SurfaceKind::Wave;
+        p.surface.wave_harmonic = 2;
+        p.surface.wave_amplitude = 0.015;
+        let path = path(&p);
+        let mut row = path.row();
+        path.interpolate(0.041, &mut row);
+        let b = row.angle_harmonics();
+        // asin(a cos x): a + 3/24 a^3 + ... and the third harmonic a^3/24 of it
+        let a: f64 = 0.015 / 0.08;
+        assert!((b[1].re - (a + a.powi(3) / 8.0 + 3.0 / 64.0 * a.powi(5))).abs() < 2e-6);
+        assert!((b[5].re - (a.powi(3) / 24.0 + 3.0 / 128.0 * a.powi(5))).abs() < 2e-6);
+        assert_eq!(b.len(), 24);
+        assert!((path.acceleration - 4.0 * a).abs() < 0.02, "{}", path.acceleration);
+    }
+}

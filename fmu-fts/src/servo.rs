@@ -1,0 +1,10 @@
+//! Position loop: its design for the nominal arm, its frequency response, and what is added to its torque.
+
+pub mod compensation;
+pub mod design;
+pub mod lead_lag;
+pub mod loop_model;
+pub mod loop_response;
+pub mod margins;
+pub mod response;
+pub mod response_file;

@@ -1,0 +1,153 @@
+//! Design of the position loop: the crossover that gives the wanted bandwidth, and the margins it leaves.
+
+use control_blocks::{ParameterError, require};
+use nalgebra::Complex;
+
+use crate::interface::Parameters;
+use crate::servo::lead_lag::LeadLag;
+use crate::servo::loop_model::{ArmPoint, LoopModel};
+
+/// Least phase margin, rad: 30 degrees.
+const PHASE_MARGIN_MIN: f64 = 0.524;
+/// Least gain margin.
+const GAIN_MARGIN_MIN: f64 = 2.0;
+/// Frequencies looked at, per octave.
+const PER_OCTAVE: i32 = 96;
+
+/// How far a loop is from instability.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct LoopMargins {
+    /// Phase margin at the last crossover, rad.
+    phase: f64,
+    /// Factor on the gain that makes the loop unstable.
+    gain: f64,
+    /// Largest magnitude of 1 / (1 + L).
+    sensitivity: f64,
+}
+
+/// The compensator that gives `servo.bandwidth`.
+///
+/// # Errors
+/// When the loop would be without sufficient margins.
+pub fn design(p: &Parameters) -> Result<LeadLag, ParameterError> {
+    let wanted = p.servo.bandwidth;
+    // more crossover, more bandwidth
+    let (mut low, mut high) = (0.1 * wanted, 1.5 * wanted);
+    let model = LoopModel::new(p, LeadLag::new(p, low));
+    let grid = grid(&model);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        let tried = model.with(LeadLag::new(p, middle));
+        if bandwidth(&tried, &grid) < wanted { low = middle } else { high = middle }
+    }
+    let compensator = LeadLag::new(p, low);
+    let margins = margins(&model.with(compensator), &grid);
+    let enough = margins.phase >= PHASE_MARGIN_MIN && margins.gain >= GAIN_MARGIN_MIN;
+    require(enough, || ParameterError {
+        name: "servo.bandwidth",
+        value: format!("{wanted} rad/s"),
+        limit: format!(
+            "less: it leaves a phase margin of `{:.3} rad` (at least `{PHASE_MARGIN_MIN}`) and a gain margin of \
+             `{:.2}` (at least `{GAIN_MARGIN_MIN}`)",
+            margins.phase, margins.gain
+        ),
+        hint: "wish for less bandwidth, more `servo.lead`, or a faster drive (`io_delay`, `servo.current_bandwidth`)",
+    })?;
+    Ok(compensator)
+}
+
+/// The frequency (rad/s) at which the closed loop has fallen to -3 dB for good below; half the sampling rate if never.
+fn bandwidth(model: &LoopModel, grid: &[ArmPoint]) -> f64 {
+    let passes = |point: &ArmPoint| point.closed(model.compensator()).norm_sqr() >= 0.5;
+    let Some(piece) = grid.windows(2).find(|piece| !passes(&piece[1])) else {
+        return model.nyquist();
+    };
+    let (mut low, mut high) = (piece[0].omega, piece[1].omega);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if passes(&model.at(middle)) { low = middle } else { high = middle }
+    }
+    low
+}
+
+/// Margins of a loop.
+fn margins(model: &LoopModel, grid: &[ArmPoint]) -> LoopMargins {
+    let mut margins = LoopMargins { phase: std::f64::consts::PI, gain: f64::INFINITY, sensitivity: 0.0 };
+    for piece in grid.windows(2) {
+        let (here, there) = (piece[0].open(model.compensator()), piece[1].open(model.compensator()));
+        let return_difference = here + 1.0;
+        margins.sensitivity = margins.sensitivity.max(1.0 / return_difference.norm());
+        if here.norm() >= 1.0 && there.norm() < 1.0 {
+            margins.phase = margins.phase.min(lag_left(here, there));
+        }
+        // through the negative real axis, inside the unit circle
+        if here.im * there.im < 0.0 && here.re < 0.0 && here.re > -1.0 {
+            margins.gain = margins.gain.min(2.0 / (here.norm() + there.norm()));
+        }
+    }
+    margins
+}
+
+/// Phase above -pi where the magnitude passes 1 between two points.
+fn lag_left(here: Complex<f64>, there: Complex<f64>) -> f64 {
+    let share = here.norm().ln() / (here.norm() / there.norm()).ln();
+    let turned = (there / here).arg();
+    (-here).arg() + share * turned
+}
+
+/// The arm at frequencies from 1 Hz (or below) to half the sampling rate; it is the same for every compensator.
+fn grid(model: &LoopModel) -> Vec<ArmPoint> {
+    let nyquist = model.nyquist();
+    let ratio = 2f64.powf(-1.0 / f64::from(PER_OCTAVE));
+    let octaves = (nyquist / 3.0).log2().ceil() as i32;
+    (0..=octaves * PER_OCTAVE).rev().map(|k| model.at(nyquist * ratio.powi(k))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    fn designed(p: &Parameters) -> (LoopModel, LoopMargins) {
+        let model = LoopModel::new(p, design(p).unwrap());
+        (model, margins(&model, &grid(&model)))
+    }
+
+    #[test]
+    fn the_default_loop_has_the_bandwidth_and_margins_of_the_paper() {
+        let (model, margins) = designed(&Parameters::START);
+        assert!((bandwidth(&model, &grid(&model)) / TAU - 230.0).abs() < 1e-6);
+        assert!((margins.phase.to_degrees() - 43.7).abs() < 0.5, "{margins:?}");
+        assert!((margins.gain - 5.0).abs() < 0.1, "{margins:?}");
+        assert!((margins.sensitivity - 1.59).abs() < 0.01, "{margins:?}");
+        let (at_500, sensitivity_20) = (model.closed(TAU * 500.0), 1.0 / (model.open(TAU * 20.0) + 1.0).norm());
+        assert!((at_500.norm() - 0.165).abs() < 1e-3 && (at_500.arg().to_degrees() - 164.0).abs() < 0.5);
+        assert!((sensitivity_20 - 0.088).abs() < 1e-3, "{sensitivity_20}");
+    }
+
+    #[test]
+    fn every_wished_bandwidth_is_met_or_refused() {
+        for frequency in [20.0, 60.0, 150.0, 230.0, 300.0] {
+            let mut p = Parameters::START;
+            p.servo.bandwidth = TAU * frequency;
+            let (model, margins) = designed(&p);
+            assert!((bandwidth(&model, &grid(&model)) / TAU - frequency).abs() < 1e-6, "{frequency} Hz");
+            assert!(margins.sensitivity < 2.0, "{frequency} Hz: {margins:?}");
+        }
+        let mut p = Parameters::START;
+        p.servo.bandwidth = TAU * 490.0;
+        let message = design(&p).unwrap_err().to_string();
+        assert!(message.starts_with("parameter `servo.bandwidth` is `3078"), "{message}");
+        assert!(message.contains("phase margin") && message.contains("hint:"), "{message}");
+    }
+
+    #[test]
+    fn more_delay_leaves_less_margin() {
+        let phases = [0, 1, 2].map(|delay| {
+            let mut p = Parameters::START;
+            p.io_delay = delay;
+            designed(&p).1.phase.to_degrees()
+        });
+        assert!(phases[0] > phases[1] && phases[1] > phases[2] && phases[2] > 38.0, "{phases:?}");
+    }
+}

@@ -1,0 +1,108 @@
+//! Spindle: angle without wraps, and the speed from a phase-locked loop.
+//!
+//! The path uses the raw angle, so that it follows every irregularity of the spindle; only the speed is filtered.
+
+use control_blocks::Unwrapper;
+use serde::{Deserialize, Serialize};
+
+use crate::interface::Parameters;
+
+/// Spindle angle and speed; by default nothing, before the first sample.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Spindle {
+    samples: u8,
+    unwrapper: Unwrapper,
+    /// Angle without wraps since the first sample, rad.
+    pub angle: f64,
+    /// Estimated speed, rad/s.
+    pub speed: f64,
+    locked_angle: f64,
+}
+
+impl Spindle {
+    /// Takes the angle reading (rad, wrapped or not) of one sample.
+    pub fn update(&mut self, p: &Parameters, raw: f64) {
+        let step = self.unwrapper.step(raw).unwrap_or(0.0);
+        self.angle += step;
+        match self.samples {
+            // the second sample gives the loop a speed to begin with
+            0 => self.locked_angle = self.angle,
+            1 => (self.locked_angle, self.speed) = (self.angle, step / p.sample_period),
+            _ => self.follow(p.pll.bandwidth, p.sample_period),
+        }
+        self.samples = (self.samples + 1).min(2);
+    }
+
+    /// Critically damped second-order loop.
+    fn follow(&mut self, omega: f64, dt: f64) {
+        self.locked_angle += self.speed * dt;
+        let innovation = self.angle - self.locked_angle;
+        self.locked_angle += 2.0 * omega * dt * innovation;
+        self.speed += omega * omega * dt * innovation;
+    }
+
+    /// Whether angle and speed are known: from the second sample on.
+    pub fn known(&self) -> bool {
+        self.samples == 2
+    }
+
+    /// The spindle angle as read, rad.
+    pub fn raw(&self) -> f64 {
+        self.unwrapper.reading().unwrap_or(0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use control_blocks::ticks;
+    use std::f64::consts::TAU;
+
+    const QUANTUM: f64 = TAU / 1_048_576.0;
+
+    fn turned(speed: impl Fn(f64) -> f64, wrap: bool, time: f64) -> (Spindle, f64) {
+        let p = Parameters::START;
+        let (mut spindle, mut angle, dt) = (Spindle::default(), 5.0f64, p.sample_period);
+        for k in 0..ticks(time, dt) {
+            let read = if wrap { angle.rem_euclid(TAU) } else { angle };
+            spindle.update(&p, (read / QUANTUM).round() * QUANTUM);
+            angle += speed(f64::from(k) * dt) * dt;
+        }
+        (spindle, angle - 5.0)
+    }
+
+    #[test]
+    fn the_speed_is_exact_at_constant_speed_both_ways() {
+        for speed in [62.83, -251.3, 0.0] {
+            for wrap in [false, true] {
+                let (spindle, _) = turned(|_| speed, wrap, 0.3);
+                assert!((spindle.speed - speed).abs() < 2e-3, "{} rad/s", spindle.speed);
+            }
+        }
+    }
+
+    #[test]
+    fn wrapped_and_unwrapped_angles_are_the_same() {
+        let (wrapped, _) = turned(|_| 62.83, true, 1.0);
+        let (unwrapped, _) = turned(|_| 62.83, false, 1.0);
+        assert!((wrapped.angle - unwrapped.angle).abs() < 1.1 * QUANTUM);
+    }
+
+    #[test]
+    fn a_ramp_lags_by_acceleration_over_bandwidth() {
+        // 600 to 900 rpm in 1 s
+        let (spindle, _) = turned(|t| 62.83 + 31.4 * t, false, 0.5);
+        let lag = 2.0 * 31.4 / Parameters::START.pll.bandwidth;
+        assert!((spindle.speed - (62.83 + 31.4 * 0.5) + lag).abs() < 0.02, "{}", spindle.speed);
+    }
+
+    #[test]
+    fn the_second_sample_gives_the_speed() {
+        let p = Parameters::START;
+        let mut spindle = Spindle::default();
+        spindle.update(&p, 1.0);
+        assert_eq!(spindle.speed, 0.0);
+        spindle.update(&p, 1.0 + 6e-3);
+        assert!((spindle.speed - 60.0).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,173 @@
+//! Everything that follows the path: table, approach, feedforward, cancellation, statistics.
+
+use serde::{Deserialize, Serialize};
+
+use crate::interface::ERROR_HARMONICS;
+use crate::interface::Parameters;
+use crate::path::path_table::{PathTable, Row};
+use crate::servo::compensation::hub_over_tool;
+use crate::servo::loop_response::LoopResponse;
+use crate::tracking::chooser::Chooser;
+use crate::tracking::feedforward::HarmonicFeedforward;
+use crate::tracking::phasors::Phasors;
+use crate::tracking::resonators::Resonators;
+use crate::tracking::spindle::Spindle;
+use crate::tracking::statistics::{ErrorStatistics, Turn};
+use crate::tracking::transition::Transition;
+use control_blocks::Trajectory;
+
+/// Which layers of the control work in a sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Layers {
+    /// Pre-shift the path.
+    pub feedforward: bool,
+    /// Put out what was learned.
+    pub cancellation: bool,
+    /// Learn.
+    pub learning: bool,
+}
+
+/// What the arm should do in a sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wanted {
+    /// Motion of the hub.
+    pub motion: Trajectory,
+    /// Depth of the tool, m.
+    pub depth: f64,
+    /// Set-point of the position loop, rad.
+    pub set_point: f64,
+}
+
+/// The path and what keeps the arm on it.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Tracker {
+    path: PathTable,
+    response: LoopResponse,
+    feedforward: HarmonicFeedforward,
+    resonators: Resonators,
+    transition: Transition,
+    statistics: ErrorStatistics,
+    chooser: Chooser,
+    /// the path at the present slide position and spindle angle
+    row: Row,
+    motion: Trajectory,
+    /// the harmonic that was tuned last, and the highest
+    tuned: usize,
+    highest: usize,
+}
+
+impl Tracker {
+    /// On no path yet.
+    pub fn new(p: &Parameters, path: PathTable, response: LoopResponse) -> Self {
+        let row = path.row();
+        let feedforward = row.angle_harmonics().len();
+        let highest = path.harmonics().max(feedforward).max(p.afc.cancelled.highest()).max(ERROR_HARMONICS);
+        Self {
+            response,
+            feedforward: HarmonicFeedforward::new(feedforward),
+            resonators: Resonators::new(p),
+            transition: Transition::default(),
+            statistics: ErrorStatistics::default(),
+            chooser: Chooser::default(),
+            row,
+            motion: Trajectory::default(),
+            tuned: 0,
+            highest,
+            path,
+        }
+    }
+
+    /// Takes the slide position (m) and the spindle of this sample; gives e^(j n theta).
+    pub fn locate(&mut self, p: &Parameters, slide_position: f64, spindle: &Spindle) -> Phasors {
+        let phasors = Phasors::new(spindle.raw(), self.highest);
+        self.path.interpolate(slide_position, &mut self.row);
+        let (depth, speed, arm) = (self.row.depth(phasors.from_zero()), spindle.speed, self.path.arm());
+        let angle = arm.angle(depth.value);
+        let lever = arm.lever(angle);
+        let velocity = speed * depth.first / lever;
+        // z'' = R_a cos(phi) b'' - R_a sin(phi) b'^2
+        let acceleration = (speed * speed * depth.second + depth.value * velocity * velocity) / lever;
+        self.motion = Trajectory { position: angle, velocity, acceleration };
+        self.tune(p, spindle.speed);
+        phasors
+    }
+
+    /// Tunes one harmonic to the present speed, the next one in the next sample.
+    fn tune(&mut self, p: &Parameters, speed: f64) {
+        self.tuned = self.tuned % self.highest + 1;
+        let omega = self.tuned as f64 * speed;
+        let t = self.response.at(omega);
+        self.feedforward.tune(self.tuned, t, hub_over_tool(p, omega));
+        self.resonators.tune(p, self.tuned, t, omega, self.cancels(p, self.tuned));
+    }
+
+    /// Whether harmonic `n` is one to be cancelled.
+    fn cancels(&self, p: &Parameters, n: usize) -> bool {
+        p.afc.cancelled.contains(n) && (!p.afc.automatic || self.chooser.chosen().contains(n))
+    }
+
+    /// Begins to move onto the path.
+    pub fn approach(&mut self) {
+        self.transition = Transition::default();
+        self.statistics = ErrorStatistics::default();
+    }
+
+    /// What the arm, now at `arm_angle` (rad), should do in this sample; `held` is the motion that it leaves.
+    pub fn follow(
+        &mut self,
+        p: &Parameters,
+        held: Trajectory,
+        arm_angle: f64,
+        layers: Layers,
+        phasors: &Phasors,
+    ) -> Wanted {
+        let blend = self.transition.step(p);
+        let mut motion = blend.motion(held, self.motion);
+        let depth = self.path.arm().depth(motion.position);
+        let shift = self.feedforward.shift(self.row.angle_harmonics(), phasors.from_one());
+        let straight = motion.position;
+        motion.position += blend.share * shift.target;
+        if layers.learning {
+            self.resonators.learn(motion.position - arm_angle, phasors.from_one());
+        }
+        let mut added = if layers.feedforward { shift.set_point } else { shift.target };
+        if layers.cancellation {
+            added += self.resonators.output(phasors.from_one());
+        }
+        let set_point = straight + blend.share * added;
+        Wanted { motion, depth, set_point }
+    }
+
+    /// Adds the error (m) of this sample to the statistics.
+    pub fn judge(&mut self, error: f64, spindle: &Spindle, phasors: &Phasors) {
+        if self.statistics.add(error, spindle.angle, phasors.from_one()) {
+            self.chooser.add(&self.statistics.last().harmonic);
+        }
+    }
+
+    /// Forgets what the cancellation has learned.
+    pub fn forget(&mut self) {
+        self.resonators.clear();
+        self.chooser = Chooser::default();
+    }
+
+    /// Whether the path is reached.
+    pub fn arrived(&self, p: &Parameters) -> bool {
+        self.transition.arrived(p)
+    }
+
+    /// The path.
+    pub fn path(&self) -> &PathTable {
+        &self.path
+    }
+
+    /// The response of the position loop that is inverted.
+    pub fn response(&mut self) -> &mut LoopResponse {
+        &mut self.response
+    }
+
+    /// The error over the last full turn.
+    pub fn last_turn(&self) -> &Turn {
+        self.statistics.last()
+    }
+}
