@@ -2,7 +2,7 @@
 //! work on it, and it shows the whole export interface in one place.
 
 use fmi2_export::serde::{Deserialize, Serialize};
-use fmi2_export::{Env, Error, Info, Interface, Model, Variable, export, package};
+use fmi2_export::{Env, Error, Info, Model, export, package};
 use variables::{Failure, Limits, Mode, Output, Parameters, Vars};
 
 #[fmi2_export::interface]
@@ -129,7 +129,6 @@ impl Model for Probe {
     };
     type Vars = Vars;
     type State = State;
-    const VARIABLES: &'static [Variable<Vars>] = Vars::TABLE;
 
     fn period(vars: &Vars) -> f64 {
         vars.parameters.period

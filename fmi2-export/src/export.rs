@@ -19,25 +19,7 @@ pub trait Exported: Model {
 
 /// Exports a [`Model`](crate::Model) from this library as an FMI 2.0 co-simulation FMU.
 ///
-/// One library holds one model. A wrong table does not compile:
-///
-/// ```compile_fail
-/// # use fmi2_export::*;
-/// # #[derive(Clone, serde::Serialize, serde::Deserialize)] struct Vars { kp: f64 }
-/// # impl Start for Vars { const START: Self = Self { kp: 3.0 }; }
-/// struct Wrong;
-/// impl Model for Wrong {
-///     const INFO: Info = Info { name: "Wrong", identifier: "wrong", description: "x", ..Info::DEFAULT };
-///     const VARIABLES: &'static [Variable<Vars>] =
-///         &[real!(Vars => kp).parameter().range(0.0, 1.0).describe("starts outside its range")];
-///     # type Vars = Vars; type State = ();
-///     # fn period(_: &Vars) -> f64 { 1.0 }
-///     # fn initialise(_: &mut Vars, _: &mut Env) -> Result<(), Error> { Ok(()) }
-///     # fn tick(_: &mut Vars, _: &mut (), _: &mut Env) -> Result<(), Error> { Ok(()) }
-/// }
-/// export!(Wrong);
-/// # fn main() {}
-/// ```
+/// One library holds one model. What breaks a rule of the declaration or of the facts does not compile.
 ///
 /// The functions made here are those that are called in every step, and those that must know the model; all others are
 /// in [`c_api`](crate::c_api).
@@ -47,7 +29,7 @@ macro_rules! export {
         const _: () = {
             use $crate::c_api as api;
             type Vars = <$model as $crate::Model>::Vars;
-            const TABLE: &[$crate::Variable<Vars>] = <$model as $crate::Model>::VARIABLES;
+            const TABLE: &[$crate::Variable<Vars>] = <Vars as $crate::Interface>::TABLE;
             const _: () = $crate::__private::check::<$model>();
             const COUNT: (usize, usize) = $crate::__private::count(TABLE);
             const ENTRIES: &[$crate::__private::Entry<Vars>; COUNT.0] = &$crate::__private::entries(TABLE);

@@ -1,39 +1,57 @@
 //! FMI 2.0 co-simulation export.
 //!
-//! One `const` table of [`Variable`]s per FMU gives get and set, start values, range checks,
-//! `modelDescription.xml` and `documentation/index.html`. A wrong table does not compile.
-//! A controller implements [`Model`] and calls [`export!`]; the shared library then exports the
-//! whole C API of FMI 2.0.5 for co-simulation.
+//! One declaration of the variables, a module of plain structs with the attribute [`interface`](macro@interface), gives
+//! get and set, start values, range checks, `modelDescription.xml`, `documentation/index.html` and the tables of a README.
+//! A wrong declaration does not compile. A controller implements [`Model`] and calls [`export!`]; the shared library then
+//! exports the whole C API of FMI 2.0.5 for co-simulation.
 //!
 //! ```
-//! use fmi2_export::{Env, Error, Info, Model, Start, Variable, export, package, real, units};
-//! use serde::{Deserialize, Serialize};
+//! use fmi2_export::{Env, Error, Info, Model, export, package};
+//! use variables::Vars;
 //!
-//! #[derive(Clone, Serialize, Deserialize)]
-//! struct Vars { position: f64, force: f64, stiffness: f64 }
+//! #[fmi2_export::interface]
+//! mod variables {
+//!     use fmi2_export::units::{METRE, NEWTON, NEWTON_PER_METRE};
 //!
-//! impl Start for Vars {
-//!     const START: Self = Self { position: 0.0, force: 0.0, stiffness: 100.0 };
+//!     #[inputs]
+//!     pub struct Input {
+//!         /// Position
+//!         #[var(unit = METRE as "mm")]
+//!         pub position: f64,
+//!     }
+//!
+//!     #[outputs]
+//!     pub struct Output {
+//!         /// Restoring force
+//!         #[var(unit = NEWTON)]
+//!         pub force: f64,
+//!     }
+//!
+//!     #[parameters]
+//!     pub struct Parameters {
+//!         /// Stiffness
+//!         #[var(unit = NEWTON_PER_METRE, range = 0.0..=1e6, start = 100.0, tunable)]
+//!         pub stiffness: f64,
+//!     }
 //! }
 //!
 //! struct Spring;
 //!
 //! impl Model for Spring {
-//!     const INFO: Info = Info {
-//!         name: "Spring", identifier: "spring", description: "A sampled spring",
-//!         step_size: 1e-3, ..package!()
-//!     };
+//!     const INFO: Info = Info { name: "Spring", description: "A sampled spring", step_size: 1e-3, ..package!() };
 //!     type Vars = Vars;
 //!     type State = ();
-//!     const VARIABLES: &'static [Variable<Vars>] = &[
-//!         real!(Vars => position).input().unit(&units::METRE).display("mm").describe("Position"),
-//!         real!(Vars => force).output().unit(&units::NEWTON).describe("Restoring force"),
-//!         real!(Vars => stiffness).tunable().unit(&units::NEWTON_PER_METRE).range(0.0, 1e6).describe("Stiffness"),
-//!     ];
-//!     fn period(_: &Vars) -> f64 { 1e-3 }
-//!     fn initialise(_: &mut Vars, _: &mut Env) -> Result<(), Error> { Ok(()) }
+//!
+//!     fn period(_: &Vars) -> f64 {
+//!         1e-3
+//!     }
+//!
+//!     fn initialise(_: &mut Vars, _: &mut Env) -> Result<(), Error> {
+//!         Ok(())
+//!     }
+//!
 //!     fn tick(vars: &mut Vars, _: &mut (), _: &mut Env) -> Result<(), Error> {
-//!         vars.force = -vars.stiffness * vars.position;
+//!         vars.output.force = -vars.parameters.stiffness * vars.input.position;
 //!         Ok(())
 //!     }
 //! }
@@ -41,6 +59,9 @@
 //! export!(Spring);
 //! # fn main() {}
 //! ```
+//!
+//! State that is hidden between samples derives [`serde`]'s traits: `#[serde(crate = "fmi2_export::serde")]` saves the
+//! dependency.
 //!
 //! All `unsafe` code is in [`c_api`] and `table::place`; every other module is safe Rust.
 //!
@@ -64,7 +85,7 @@ mod table;
 
 pub use description::readme::{assert_readme, markdown};
 pub use fmi2_export_macros::interface;
-pub use model::{Env, Error, Info, Interface, Model, Start};
+pub use model::{Env, Error, Info, Interface, Model};
 pub use serde;
 #[doc(hidden)]
 pub use table::check::variable as check_variable;
@@ -82,7 +103,7 @@ pub mod __private {
 
     /// Checks a model's table and facts; a wrong one does not compile.
     pub const fn check<M: crate::Model>() {
-        crate::table::check::table(M::VARIABLES);
+        crate::table::check::table(<M::Vars as crate::Interface>::TABLE);
         crate::table::check::info(&M::INFO);
     }
 }

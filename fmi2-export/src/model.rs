@@ -71,13 +71,7 @@ macro_rules! package {
     };
 }
 
-/// Start values of all variables, known when the FMU is compiled.
-pub trait Start {
-    /// The value of every field before anything is set.
-    const START: Self;
-}
-
-/// All variables of an FMU, declared once; implemented by [`interface`](crate::interface).
+/// All variables of an FMU, declared once; implemented by [`interface`](macro@crate::interface).
 pub trait Interface: Sized + 'static {
     /// The value of every field before anything is set.
     const START: Self;
@@ -85,20 +79,14 @@ pub trait Interface: Sized + 'static {
     const TABLE: &'static [Variable<Self>];
 }
 
-impl<V: Interface> Start for V {
-    const START: Self = V::START;
-}
-
 /// A sampled controller.
 pub trait Model: Sized + 'static {
     /// Facts for the model description.
     const INFO: Info;
     /// All variables of the FMU, as plain fields.
-    type Vars: Start + Clone + Serialize + DeserializeOwned + Send + Sync + 'static;
+    type Vars: Interface + Clone + Serialize + DeserializeOwned + Send + Sync + 'static;
     /// Hidden state between samples.
     type State: Clone + Serialize + DeserializeOwned + Send + Sync + 'static;
-    /// The variable table; value references are the positions in it.
-    const VARIABLES: &'static [Variable<Self::Vars>];
 
     /// Sample period, s; may depend on fixed parameters.
     fn period(vars: &Self::Vars) -> f64;

@@ -19,7 +19,7 @@ mod sensing;
 mod sine_fit;
 
 use control_blocks::ParameterError;
-use fmi2_export::{Env, Error, Info, Interface, Model, Variable, export, package};
+use fmi2_export::{Env, Error, Info, Model, export, package};
 
 use controller::Controller;
 use interface::Vars;
@@ -40,7 +40,6 @@ impl Model for Centering {
     };
     type Vars = Vars;
     type State = Controller;
-    const VARIABLES: &'static [Variable<Vars>] = Vars::TABLE;
 
     fn period(vars: &Vars) -> f64 {
         vars.parameters.sample_period

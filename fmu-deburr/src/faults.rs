@@ -95,7 +95,7 @@ mod tests {
 
     #[test]
     fn a_fault_is_told_with_its_numbers_and_a_state_without() {
-        let mut vars = <Vars as fmi2_export::Start>::START;
+        let mut vars = <Vars as fmi2_export::Interface>::START;
         assert_eq!(numbers(&vars), "");
         (vars.output.fault, vars.output.axis[2].error) = (Fault::ControlError, -0.25);
         assert_eq!(numbers(&vars), ": `axis3.error` = `-0.250000`, limit `0.1`");

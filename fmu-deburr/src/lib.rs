@@ -18,7 +18,7 @@ mod run;
 mod servo;
 
 use control_blocks::ParameterError;
-use fmi2_export::{Env, Error, Info, Interface, Model, Variable, export, package};
+use fmi2_export::{Env, Error, Info, Model, export, package};
 
 use bank::storage;
 use controller::Controller;
@@ -42,7 +42,6 @@ impl Model for Deburr {
     };
     type Vars = Vars;
     type State = Controller;
-    const VARIABLES: &'static [Variable<Vars>] = Vars::TABLE;
 
     fn period(vars: &Vars) -> f64 {
         vars.parameters.sample_period

@@ -14,7 +14,7 @@ mod motion;
 mod reading;
 
 use controller::Controller;
-use fmi2_export::{Env, Error, Info, Interface, Model, Variable, export, package};
+use fmi2_export::{Env, Error, Info, Model, export, package};
 use interface::Vars;
 
 /// The FMU.
@@ -33,7 +33,6 @@ impl Model for Dob {
     };
     type Vars = Vars;
     type State = Controller;
-    const VARIABLES: &'static [Variable<Vars>] = Vars::TABLE;
 
     fn period(vars: &Vars) -> f64 {
         vars.parameters.sample_period

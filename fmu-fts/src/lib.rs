@@ -20,7 +20,7 @@ pub mod servo;
 pub mod texts;
 pub mod tracking;
 
-use fmi2_export::{Env, Error, Info, Interface, Model, Variable, export, package};
+use fmi2_export::{Env, Error, Info, Model, export, package};
 
 use controller::Controller;
 use interface::Vars;
@@ -42,7 +42,6 @@ impl Model for Fts {
     };
     type Vars = Vars;
     type State = Controller;
-    const VARIABLES: &'static [Variable<Vars>] = Vars::TABLE;
 
     fn period(vars: &Vars) -> f64 {
         vars.parameters.sample_period

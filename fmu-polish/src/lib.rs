@@ -14,7 +14,7 @@ mod motion;
 pub mod path;
 mod reading;
 
-use fmi2_export::{Env, Error, Info, Interface, Model, Variable, export, package};
+use fmi2_export::{Env, Error, Info, Model, export, package};
 
 use controller::Controller;
 use interface::Vars;
@@ -34,7 +34,6 @@ impl Model for Polish {
     };
     type Vars = Vars;
     type State = Controller;
-    const VARIABLES: &'static [Variable<Vars>] = Vars::TABLE;
 
     fn period(vars: &Vars) -> f64 {
         vars.parameters.sample_period

@@ -1,6 +1,6 @@
 //! A spring whose force is computed once in a sample period.
 
-use fmi2_export::{Env, Error, Info, Interface, Model, Variable, export, package};
+use fmi2_export::{Env, Error, Info, Model, export, package};
 use variables::Vars;
 
 #[fmi2_export::interface]
@@ -35,7 +35,6 @@ impl Model for Spring {
     const INFO: Info = Info { name: "Spring", identifier: "spring", description: "A sampled spring", ..package!() };
     type Vars = Vars;
     type State = ();
-    const VARIABLES: &'static [Variable<Vars>] = Vars::TABLE;
 
     fn period(_: &Vars) -> f64 {
         1e-3

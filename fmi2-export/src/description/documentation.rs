@@ -3,7 +3,7 @@
 use crate::description::model_description::used_types;
 use crate::description::xml::Writer;
 use crate::host::logger::Category;
-use crate::model::Model;
+use crate::model::{Interface, Model};
 use crate::table::variable::{Kind, Role, Variable};
 
 const STYLE: &str = "body{font-family:sans-serif;margin:2em;max-width:75em}\
@@ -42,9 +42,9 @@ pub fn write<M: Model>() -> String {
         ("Parameters", &[Role::Parameter, Role::Tunable, Role::Calculated]),
         ("Local variables", &[Role::Local]),
     ] {
-        section(&mut html, title, M::VARIABLES, roles);
+        section(&mut html, title, M::Vars::TABLE, roles);
     }
-    enumerations(&mut html, M::VARIABLES);
+    enumerations(&mut html, M::Vars::TABLE);
     categories(&mut html);
     html.finish()
 }

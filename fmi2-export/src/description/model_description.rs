@@ -3,7 +3,7 @@
 use crate::description::xml::{Writer, real};
 use crate::export::Exported;
 use crate::host::logger::Category;
-use crate::model::Info;
+use crate::model::{Info, Interface};
 use crate::table::enumeration::EnumType;
 use crate::table::units::{self, Unit};
 use crate::table::variable::{Kind, Role, Variable};
@@ -13,12 +13,12 @@ pub fn write<M: Exported>() -> String {
     let mut xml = Writer::new("<?xml version=\"1.0\" encoding=\"UTF-8\"?>");
     head(&mut xml, &M::INFO, M::guid());
     capabilities(&mut xml, &M::INFO);
-    unit_definitions(&mut xml, M::VARIABLES);
-    type_definitions(&mut xml, M::VARIABLES);
+    unit_definitions(&mut xml, M::Vars::TABLE);
+    type_definitions(&mut xml, M::Vars::TABLE);
     log_categories(&mut xml);
     default_experiment(&mut xml, &M::INFO);
-    variables(&mut xml, M::VARIABLES);
-    structure(&mut xml, M::VARIABLES);
+    variables(&mut xml, M::Vars::TABLE);
+    structure(&mut xml, M::Vars::TABLE);
     xml.finish()
 }
 

@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use crate::description::model_description::used_types;
-use crate::model::Model;
+use crate::model::{Interface, Model};
 use crate::table::enumeration::EnumType;
 use crate::table::variable::{Kind, Role, Variable};
 
@@ -19,9 +19,9 @@ pub fn markdown<M: Model>() -> String {
         ("Outputs", &[Role::Output, Role::Local]),
         ("Parameters", &[Role::Parameter, Role::Tunable, Role::Calculated]),
     ] {
-        section(&mut text, title, M::VARIABLES, roles);
+        section(&mut text, title, M::Vars::TABLE, roles);
     }
-    for ty in used_types(M::VARIABLES) {
+    for ty in used_types(M::Vars::TABLE) {
         enumeration(&mut text, ty);
     }
     text

@@ -19,7 +19,7 @@ use crate::instance::slave::Slave;
 use crate::instance::slope::{Derivative, Slope};
 use crate::instance::snapshot::{Running, Snapshot};
 use crate::instance::states::TakenState;
-use crate::model::{Env, Experiment, Host, Model, Start};
+use crate::model::{Env, Experiment, Host, Interface, Model};
 use crate::table::index::Entry;
 use crate::table::variable::{Kind, Role, Variable};
 use std::ffi::{CStr, CString};
@@ -284,7 +284,7 @@ impl<M: Exported> Instance<M> {
 
 fn fresh<M: Exported>() -> SnapshotOf<M> {
     let mut vars = M::Vars::START;
-    for row in M::VARIABLES {
+    for row in M::Vars::TABLE {
         if let Kind::Text { set, start, .. } = row.kind {
             set(&mut vars, start);
         }

@@ -272,8 +272,9 @@ const fn same(a: &str, b: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{DisplayUnit, EnumType, Item, Start, boolean, integer, real, text, units};
+    use crate::{DisplayUnit, EnumType, Item, units};
     use std::panic::catch_unwind;
+    use std::slice::from_ref;
 
     struct Vars {
         x: f64,
@@ -283,8 +284,24 @@ mod tests {
         label: String,
     }
 
-    impl Start for Vars {
-        const START: Self = Self { x: 3.0, pair: [0.0, 1.0], n: 3, on: false, label: String::new() };
+    const START: &Vars = &Vars { x: 3.0, pair: [0.0, 1.0], n: 3, on: false, label: String::new() };
+
+    fn real() -> Variable<Vars> {
+        Variable::new_real("x", None, START, from_ref(&START.x))
+    }
+
+    fn pair() -> Variable<Vars> {
+        Variable::new_real("pair", Some(2), START, &START.pair)
+    }
+
+    fn integer() -> Variable<Vars> {
+        Variable::new_integer("n", None, START, from_ref(&START.n))
+    }
+
+    fn text(start: &'static str) -> Variable<Vars> {
+        let text =
+            Variable::new_text("label", |vars: &Vars| &vars.label, |vars, text| text.clone_into(&mut vars.label));
+        text.start_text(start)
     }
 
     const MODE: EnumType =
@@ -311,33 +328,30 @@ mod tests {
     #[test]
     fn a_right_table_is_accepted() {
         table(&[
-            real!(Vars => x).tunable().unit(&units::METRE).display("um").range(3.0, 3.0).describe("x"),
-            real!(Vars => pair[2]).input().unit(&units::METRE).range(0.0, 1.0).describe("x"),
-            integer!(Vars => n).output().range_int(3, 3).describe("x"),
-            boolean!(Vars => on).output().describe("x"),
-            text!(Vars => label).local().start_text("two lines\n\tand a tab").describe("x"),
+            real().tunable().unit(&units::METRE).display("um").range(3.0, 3.0).describe("x"),
+            pair().input().unit(&units::METRE).range(0.0, 1.0).describe("x"),
+            integer().output().range_int(3, 3).describe("x"),
+            Variable::new_boolean("on", None, START, from_ref(&START.on)).output().describe("x"),
+            text("two lines\n\tand a tab").local().describe("x"),
             choice(1).parameter().describe("x"),
         ]);
     }
 
     #[test]
     fn a_wrong_table_is_refused_with_the_name_of_the_variable_and_the_rule() {
-        let x = || real!(Vars => x).describe("x");
-        let n = || integer!(Vars => n).describe("x");
+        let x = || real().describe("x");
+        let n = || integer().describe("x");
         for (row, expected) in [
             (x(), "variable `x`: needs a role"),
-            (real!(Vars => x).input(), "variable `x`: every variable needs a description"),
+            (real().input(), "variable `x`: every variable needs a description"),
             (x().tunable().range(4.0, 5.0), "variable `x`: the start value is outside its range"),
             (x().tunable().range(1.0, 2.0), "variable `x`: the start value is outside its range"),
             (x().tunable().range(5.0, 1.0), "variable `x`: a range needs minimum <= maximum"),
             (x().tunable().range(f64::NAN, 1.0), "variable `x`: a range needs minimum <= maximum"),
             (x().input().unit(&INFINITE), "variable `x`: a unit's factor and offset are finite"),
             (x().input().unit(&SHOWN_INFINITE).display("inf"), "variable `x`: the unit has no such display unit"),
-            (real!(Vars => x).input().describe("two\nlines"), "variable `x`: a description is one line"),
-            (
-                text!(Vars => label).local().start_text("\u{1}").describe("x"),
-                "variable `label`: a start value has no control",
-            ),
+            (real().input().describe("two\nlines"), "variable `x`: a description is one line"),
+            (text("\u{1}").local().describe("x"), "variable `label`: a start value has no control"),
             (x().input().nominal(0.0), "variable `x`: a nominal value is positive"),
             (x().output().accepts_nan(), "variable `x`: only an input accepts NaN"),
             (x().input().unit(&units::METRE).display("kg"), "variable `x`: the unit has no such display unit"),
@@ -349,8 +363,8 @@ mod tests {
             assert!(refusal(&[row]).starts_with(expected), "{expected}");
         }
         assert_eq!(refusal(&[x().input(), x().output()]), "variable `x`: two variables have this name");
-        let pair = || real!(Vars => pair[2]).output().unit(&OTHER_METRE).describe("x");
-        let twice = refusal(&[x().input().unit(&units::METRE), pair()]);
+        let shown = || pair().output().unit(&OTHER_METRE).describe("x");
+        let twice = refusal(&[x().input().unit(&units::METRE), shown()]);
         assert_eq!(twice, "variable `pair`: two different units have one name");
         let mode = |name, ty| Variable::new_choice(name, ty, 1, |_| 1, |_, _| ()).parameter().describe("x");
         let twice = refusal(&[mode("mode", &MODE), mode("other", &OTHER_MODE)]);

@@ -1,7 +1,7 @@
 //! The GUID: a constant hash of everything the model description and the state bytes are made of, so that it can be read
 //! from a binary of any platform without running it.
 
-use crate::model::{Info, Model};
+use crate::model::{Info, Interface, Model};
 use crate::table::enumeration::EnumType;
 use crate::table::hash::{self, GUID, fnv1a};
 use crate::table::units::Unit;
@@ -11,8 +11,8 @@ use crate::table::variable::{Kind, Real, Role, Variable};
 pub const fn of<M: Model>() -> [u8; GUID] {
     let mut hash = info(Hash(hash::OFFSET), &M::INFO);
     let mut i = 0;
-    while i < M::VARIABLES.len() {
-        hash = row(hash, &M::VARIABLES[i]);
+    while i < M::Vars::TABLE.len() {
+        hash = row(hash, &M::Vars::TABLE[i]);
         i += 1;
     }
     // other variables or another state: the state bytes of before mean something else
@@ -130,34 +130,40 @@ const fn enumeration(hash: Hash, ty: &EnumType) -> Hash {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Env, Error, Start, Variable, real, units};
+    use crate::{Env, Error, Variable, units};
     use serde::{Deserialize, Serialize};
+    use std::slice::from_ref;
 
-    #[derive(Clone, Serialize, Deserialize)]
-    struct Vars {
-        x: f64,
-    }
-
-    impl Start for Vars {
-        const START: Self = Self { x: 0.0 };
-    }
-
-    /// Models that differ in one thing each.
+    /// Models that differ in one thing each; the row is made of `$x`, an input without a description.
     macro_rules! model {
-        ($name:ident, $state:ty, $row:expr, $info:expr) => {
+        ($name:ident, $vars:ident, $state:ty, |$x:ident| $row:expr, $info:expr) => {
+            #[derive(Clone, Serialize, Deserialize)]
+            struct $vars {
+                x: f64,
+            }
+            impl Interface for $vars {
+                const START: Self = Self { x: 0.0 };
+                const TABLE: &'static [Variable<Self>] = {
+                    const START: &$vars = &<$vars as Interface>::START;
+                    const ROW: Variable<$vars> = {
+                        let $x = Variable::new_real("x", None, START, from_ref(&START.x));
+                        $row
+                    };
+                    &[ROW]
+                };
+            }
             struct $name;
             impl Model for $name {
                 const INFO: Info = $info;
-                type Vars = Vars;
+                type Vars = $vars;
                 type State = $state;
-                const VARIABLES: &'static [Variable<Vars>] = &[$row];
-                fn period(_: &Vars) -> f64 {
+                fn period(_: &$vars) -> f64 {
                     1.0
                 }
-                fn initialise(_: &mut Vars, _: &mut Env) -> Result<$state, Error> {
+                fn initialise(_: &mut $vars, _: &mut Env) -> Result<$state, Error> {
                     Ok(Default::default())
                 }
-                fn tick(_: &mut Vars, _: &mut $state, _: &mut Env) -> Result<(), Error> {
+                fn tick(_: &mut $vars, _: &mut $state, _: &mut Env) -> Result<(), Error> {
                     Ok(())
                 }
             }
@@ -165,17 +171,16 @@ mod tests {
     }
 
     const INFO: Info = Info { name: "Model", identifier: "model", description: "x", ..Info::DEFAULT };
-    const X: Variable<Vars> = real!(Vars => x).input().describe("x");
-    model!(First, (), X, INFO);
-    model!(Same, (), X, INFO);
-    model!(Described, (), real!(Vars => x).input().describe("y"), INFO);
-    model!(Output, (), real!(Vars => x).output().describe("x"), INFO);
-    model!(InMetres, (), X.unit(&units::METRE), INFO);
-    model!(Limited, (), X.range(0.0, 1.0), INFO);
-    model!(Scaled, (), X.nominal(2.0), INFO);
-    model!(WithState, [f64; 3], X, INFO);
-    model!(NewVersion, (), X, Info { version: "2", ..INFO });
-    model!(NewState, (), X, Info { state_version: 2, ..INFO });
+    model!(First, VarsA, (), |x| x.input().describe("x"), INFO);
+    model!(Same, VarsB, (), |x| x.input().describe("x"), INFO);
+    model!(Described, VarsC, (), |x| x.input().describe("y"), INFO);
+    model!(Output, VarsD, (), |x| x.output().describe("x"), INFO);
+    model!(InMetres, VarsE, (), |x| x.input().describe("x").unit(&units::METRE), INFO);
+    model!(Limited, VarsF, (), |x| x.input().describe("x").range(0.0, 1.0), INFO);
+    model!(Scaled, VarsG, (), |x| x.input().describe("x").nominal(2.0), INFO);
+    model!(WithState, VarsH, [f64; 3], |x| x.input().describe("x"), INFO);
+    model!(NewVersion, VarsI, (), |x| x.input().describe("x"), Info { version: "2", ..INFO });
+    model!(NewState, VarsJ, (), |x| x.input().describe("x"), Info { state_version: 2, ..INFO });
 
     #[test]
     fn it_changes_with_everything_that_the_description_and_the_state_are_made_of() {

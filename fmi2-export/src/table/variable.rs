@@ -6,8 +6,7 @@ use crate::table::units::Unit;
 
 /// One row of the table: name, accessors, role, unit, range, start value and text.
 ///
-/// Made by [`real!`](crate::real), [`integer!`](crate::integer), [`boolean!`](crate::boolean),
-/// [`text!`](crate::text) and [`choice!`](crate::choice), then refined by the methods below.
+/// Made by [`interface`](macro@crate::interface) with the constructors and methods below.
 #[derive(Debug)]
 pub struct Variable<V: 'static> {
     pub(crate) name: &'static str,
@@ -74,7 +73,7 @@ impl<V> Kind<V> {
     }
 }
 
-/// Constructors for the macros of this module. `start` is a field of `base`, the start values of `V`: from the two follows
+/// Constructors for the declaration. `start` is a field of `base`, the start values of `V`: from the two follows
 /// where the field lies.
 #[doc(hidden)]
 impl<V> Variable<V> {
@@ -263,98 +262,4 @@ impl<V> Variable<V> {
             None => self.name.to_owned(),
         }
     }
-}
-
-/// A Real row. The path after `=>` is the FMI name and the accessor below `Vars.group`; the start
-/// value is read from [`Start`](crate::Start) there. `real!(Vars => bias[3])` is an array.
-#[macro_export]
-macro_rules! real {
-    ($($row:tt)+) => { $crate::__row!(new_real $($row)+) };
-}
-
-/// An Integer row (`i32`); see [`real!`](crate::real).
-#[macro_export]
-macro_rules! integer {
-    ($($row:tt)+) => { $crate::__row!(new_integer $($row)+) };
-}
-
-/// A Boolean row (`bool`); see [`real!`](crate::real).
-#[macro_export]
-macro_rules! boolean {
-    ($($row:tt)+) => { $crate::__row!(new_boolean $($row)+) };
-}
-
-/// A String row; its start value comes from `.start_text(...)`. See [`real!`](crate::real).
-#[macro_export]
-macro_rules! text {
-    ($vars:ident $(. $group:ident)* => $first:ident $(. $rest:ident)*) => {
-        $crate::Variable::<$vars>::new_text(
-            $crate::__name!($first $(. $rest)*),
-            |vars| &vars $(.$group)* .$first $(.$rest)*,
-            |vars, value| value.clone_into(&mut vars $(.$group)* .$first $(.$rest)*),
-        )
-    };
-}
-
-/// A row for an enumeration: `choice!(Vars.output => state: State)`. See [`real!`](crate::real).
-#[macro_export]
-macro_rules! choice {
-    ($vars:ident $(. $group:ident)* => $first:ident $(. $rest:ident)* : $type:ty) => {
-        $crate::Variable::<$vars>::new_choice(
-            $crate::__name!($first $(. $rest)*),
-            <$type as $crate::Enumeration>::TYPE,
-            {
-                const START: &$vars = &<$vars as $crate::Start>::START;
-                START $(.$group)* .$first $(.$rest)* as i32
-            },
-            |vars| vars $(.$group)* .$first $(.$rest)* as i32,
-            |vars, number| {
-                if let Some(item) = <$type as $crate::Enumeration>::from_number(number) {
-                    vars $(.$group)* .$first $(.$rest)* = item;
-                }
-            },
-        )
-    };
-}
-
-#[doc(hidden)]
-#[macro_export]
-macro_rules! __row {
-    ($new:ident $vars:ident $(. $group:ident)* => $first:ident $(. $rest:ident)* $([ $size:expr ])?) => {{
-        const START: &$vars = &<$vars as $crate::Start>::START;
-        $crate::Variable::<$vars>::$new(
-            $crate::__name!($first $(. $rest)*),
-            $crate::__size!($($size)?),
-            START,
-            $crate::__elements!(&START $(.$group)* .$first $(.$rest)* $(, $size)?),
-        )
-    }};
-}
-
-#[doc(hidden)]
-#[macro_export]
-macro_rules! __size {
-    () => {
-        None
-    };
-    ($size:expr) => {
-        Some($size)
-    };
-}
-
-#[doc(hidden)]
-#[macro_export]
-macro_rules! __elements {
-    ($field:expr) => {
-        ::core::slice::from_ref($field)
-    };
-    ($field:expr, $size:expr) => {
-        $field
-    };
-}
-
-#[doc(hidden)]
-#[macro_export]
-macro_rules! __name {
-    ($first:ident $(. $rest:ident)*) => { concat!(stringify!($first) $(, ".", stringify!($rest))*) };
 }
