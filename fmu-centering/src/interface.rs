@@ -5,15 +5,12 @@
 
 pub use variables::*;
 
+#[rustfmt::skip]
 #[fmi2_export::interface]
 mod variables {
     use std::f64::consts::TAU;
 
-    use fmi2_export::Unit;
-    use fmi2_export::units::{
-        HERTZ, KILOGRAM, METRE, METRE_PER_SECOND, METRE_PER_SECOND_SQUARED, NEWTON_PER_METRE, ONE, RADIAN,
-        RADIAN_PER_SECOND, SECOND,
-    };
+    use fmi2_export::{Unit, units::*};
 
     /// Unit of a velocity per length.
     const PER_SECOND: Unit = Unit::si("1/s", [0, 0, -1, 0, 0], &[]);
@@ -47,32 +44,23 @@ mod variables {
         /// No fault
         None,
         /// No ring within `approach.travel_max`, or the probe has lost it
-        #[hint("is a ring there, and does the probe move freely?")]
-        NoPart,
+        #[hint("is a ring there, and does the probe move freely?")] NoPart,
         /// The spindle axis is not inside the ring: r <= B, eq. 32
-        #[hint("place the ring nearer to the axis, or mend `ring.radius`")]
-        RingTooSmall,
+        #[hint("place the ring nearer to the axis, or mend `ring.radius`")] RingTooSmall,
         /// The probe is beyond `probe.stroke`, does not settle, or the pusher touches while following
-        #[hint("check `probe.at_pusher`; a slower approach, or a ring nearer to the axis")]
-        ProbeRange,
+        #[hint("check `probe.at_pusher`; a slower approach, or a ring nearer to the axis")] ProbeRange,
         /// The centrifugal force exceeds the friction of `limits.friction`, eq. 2
-        #[hint("turn the spindle more slowly")]
-        Centrifugal,
+        #[hint("turn the spindle more slowly")] Centrifugal,
         /// Not centred within `limits.pushes` pushes
-        #[hint("raise `tolerance` or `limits.pushes`; does the ring slide at all?")]
-        PushBudget,
+        #[hint("raise `tolerance` or `limits.pushes`; does the ring slide at all?")] PushBudget,
         /// An input is NaN, infinite, out of any plausible range, has jumped, or the probe is frozen
-        #[hint("check the three encoders and their links")]
-        InvalidInput,
+        #[hint("check the three encoders and their links")] InvalidInput,
         /// The spindle stands still, keeps reversing, or is too fast for `rates.collect`
-        #[hint("turn the spindle evenly in one direction")]
-        Spindle,
+        #[hint("turn the spindle evenly in one direction")] Spindle,
         /// The pushes have moved the ring away from the axis by more than `push.critical_distance`
-        #[hint("is `spindle_angle` positive about the upward axis?")]
-        Diverged,
+        #[hint("is `spindle_angle` positive about the upward axis?")] Diverged,
         /// A full revolution does not tell the eccentricity from the tolerance
-        #[hint("raise `tolerance`, or mend the noise of the probe")]
-        Unresolved,
+        #[hint("raise `tolerance`, or mend the noise of the probe")] Unresolved,
     }
 
     /// Which law centres the ring.
@@ -95,14 +83,11 @@ mod variables {
     #[inputs]
     pub struct Input {
         /// Angle of the spindle, wrapped or not; positive about the upward axis
-        #[var(unit = RADIAN as "deg", accepts_nan)]
-        pub spindle_angle: f64,
+        #[var(unit = RADIAN as "deg", accepts_nan)] pub spindle_angle: f64,
         /// Slide encoder, positive towards the spindle axis
-        #[var(unit = METRE as "mm", accepts_nan)]
-        pub slide_position: f64,
+        #[var(unit = METRE as "mm", accepts_nan)] pub slide_position: f64,
         /// Probe encoder: its collapse, 0 when free
-        #[var(unit = METRE as "mm", accepts_nan)]
-        pub probe_position: f64,
+        #[var(unit = METRE as "mm", accepts_nan)] pub probe_position: f64,
         /// Rising edge in Idle begins a centring; false ends it: stop, move back, Idle
         pub enable: bool,
         /// Rising edge ends the state Fault once the slide is at rest: Idle, which waits for a rising edge of `enable`
@@ -112,7 +97,6 @@ mod variables {
     /// Outputs; always finite.
     #[outputs]
     pub struct Output {
-        /// Command to the servo of the slide
         pub slide: Setpoint,
         /// What the controller is doing
         pub state: State,
@@ -121,35 +105,26 @@ mod variables {
         /// The ring was centred; kept until the next start
         pub centred: bool,
         /// From the start to `centred`
-        #[var(unit = SECOND)]
-        pub time_to_centre: f64,
+        #[var(unit = SECOND)] pub time_to_centre: f64,
         /// Distance B of the ring's centre from the spindle axis in the last model
-        #[var(unit = METRE as "um")]
-        pub eccentricity: f64,
+        #[var(unit = METRE as "um")] pub eccentricity: f64,
         /// Spindle angle at which the ring is nearest to the pusher
-        #[var(unit = RADIAN as "deg")]
-        pub eccentricity_angle: f64,
+        #[var(unit = RADIAN as "deg")] pub eccentricity_angle: f64,
         /// Standard deviation of the measured eccentricity
-        #[var(unit = METRE as "nm")]
-        pub eccentricity_sigma: f64,
+        #[var(unit = METRE as "nm")] pub eccentricity_sigma: f64,
         /// Estimated spindle speed
-        #[var(unit = RADIAN_PER_SECOND as "rpm")]
-        pub spindle_speed: f64,
+        #[var(unit = RADIAN_PER_SECOND as "rpm")] pub spindle_speed: f64,
         /// Gap between pusher and ring as the probe says
-        #[var(unit = METRE as "um")]
-        pub pusher_gap: f64,
-        /// The last push
+        #[var(unit = METRE as "um")] pub pusher_gap: f64,
         pub push: PushReport,
     }
 
     /// Command to the servo of the slide.
     pub struct Setpoint {
         /// Position command to the servo of the slide, positive towards the spindle axis
-        #[var(unit = METRE as "mm")]
-        pub position_setpoint: f64,
+        #[var(unit = METRE as "mm")] pub position_setpoint: f64,
         /// Velocity command to the servo of the slide
-        #[var(unit = METRE_PER_SECOND as "mm/s")]
-        pub velocity_setpoint: f64,
+        #[var(unit = METRE_PER_SECOND as "mm/s")] pub velocity_setpoint: f64,
     }
 
     /// What is told about the last push.
@@ -157,350 +132,215 @@ mod variables {
         /// Pushes since the start
         pub count: i32,
         /// Travel d of the last push, with gap and offset
-        #[var(unit = METRE as "um")]
-        pub distance: f64,
+        #[var(unit = METRE as "um")] pub distance: f64,
         /// Velocity v of the last push
-        #[var(unit = METRE_PER_SECOND as "mm/s")]
-        pub velocity: f64,
+        #[var(unit = METRE_PER_SECOND as "mm/s")] pub velocity: f64,
         /// Lead angle L of the last push
-        #[var(unit = RADIAN as "deg")]
-        pub lead_angle: f64,
+        #[var(unit = RADIAN as "deg")] pub lead_angle: f64,
         /// Learned offset P
-        #[var(unit = METRE as "um")]
-        pub offset: f64,
+        #[var(unit = METRE as "um")] pub offset: f64,
         /// How far the last push moved the ring through the centre
-        #[var(unit = METRE as "um")]
-        pub overshoot: f64,
+        #[var(unit = METRE as "um")] pub overshoot: f64,
         /// Largest overshoot since the start
-        #[var(unit = METRE as "um")]
-        pub overshoot_max: f64,
+        #[var(unit = METRE as "um")] pub overshoot_max: f64,
     }
 
     /// All parameters.
     #[parameters]
     pub struct Parameters {
         /// Sample period of the setpoints
-        #[var(unit = SECOND as "ms", range = 1e-4..=0.01, start = 1e-3, source = "our choice: a 12 ms push needs setpoints at this rate")]
-        pub sample_period: f64,
+        #[var(unit = SECOND as "ms", range = 1e-4..=0.01, start = 1e-3, source = "our choice: a 12 ms push needs setpoints at this rate")] pub sample_period: f64,
         /// Samples between a setpoint and its action; 1 for a standard master, 0 if it acts at once
-        #[var(range = 0..=8, start = 1, source = "our choice: what a standard master does")]
-        pub io_delay: i32,
+        #[var(range = 0..=8, start = 1, source = "our choice: what a standard master does")] pub io_delay: i32,
         /// Which law centres the ring
-        #[var(paper = Law::Paper, source = "our choice")]
-        pub law: Law,
+        #[var(paper = Law::Paper, source = "our choice")] pub law: Law,
         /// Largest eccentricity of a centred ring
-        #[var(unit = METRE as "um", range = 1e-8..=1e-3, start = 2.5e-6, source = "paper")]
-        pub tolerance: f64,
-        /// The part
+        #[var(unit = METRE as "um", range = 1e-8..=1e-3, start = 2.5e-6, source = "paper")] pub tolerance: f64,
         pub ring: Ring,
-        /// Measuring probe
         pub probe: Probe,
-        /// Slide and its servo
         pub slide: Slide,
-        /// Spindle encoder
         pub spindle: SpindleEncoder,
-        /// Approach motion
         pub approach: Approach,
-        /// Following of the surface
         pub follow: Follow,
-        /// Rates of the loops
         pub rates: Rates,
-        /// Scalar Kalman filter of the surface
         pub kalman: Kalman,
-        /// Pushes
         pub push: Push,
-        /// Offset that is learned from push to push
         pub offset: Offset,
-        /// Parking of the default law
         pub park: Park,
-        /// Recursive model of the default law
         pub estimator: Estimator,
-        /// Strokes of the default law
         pub stroke: StrokePlan,
-        /// Learning of the default law
         pub learn: Learn,
-        /// Tapping in the default law
         pub tap: Tap,
-        /// What is a fault
         pub limits: Limits,
     }
-
     /// The part.
     pub struct Ring {
         /// Nominal outer radius r of the ring
-        #[var(unit = METRE as "mm", range = 1e-3..=2.0, start = 0.05, source = "our choice: of the paper's size; told by the operator")]
-        pub radius: f64,
+        #[var(unit = METRE as "mm", range = 1e-3..=2.0, start = 0.05, source = "our choice: of the paper's size; told by the operator")] pub radius: f64,
         /// Largest eccentricity expected, for the look-ahead of the approach
-        #[var(unit = METRE as "mm", range = 1e-6..=1.0, start = 0.025, source = "paper")]
-        pub eccentricity_max: f64,
+        #[var(unit = METRE as "mm", range = 1e-6..=1.0, start = 0.025, source = "paper")] pub eccentricity_max: f64,
     }
-
     /// Measuring probe.
     pub struct Probe {
         /// Collapse of the probe at which the pusher touches the ring
-        #[var(unit = METRE as "mm", range = 1e-4..=0.5, start = 0.020, source = "our choice: more than eq. 9; from a calibration")]
-        pub at_pusher: f64,
+        #[var(unit = METRE as "mm", range = 1e-4..=0.5, start = 0.020, source = "our choice: more than eq. 9; from a calibration")] pub at_pusher: f64,
         /// Stroke of the probe
-        #[var(unit = METRE as "mm", range = 1e-4..=0.5, start = 0.025, source = "paper")]
-        pub stroke: f64,
+        #[var(unit = METRE as "mm", range = 1e-4..=0.5, start = 0.025, source = "paper")] pub stroke: f64,
         /// Collapse of the probe that counts as touching
-        #[var(unit = METRE as "um", range = 1e-6..=0.01, start = 2e-4, source = "our choice: far above noise and dirt")]
-        pub contact: f64,
+        #[var(unit = METRE as "um", range = 1e-6..=0.01, start = 2e-4, source = "our choice: far above noise and dirt")] pub contact: f64,
     }
-
     /// Slide and its servo.
     pub struct Slide {
         /// Largest velocity of the slide
-        #[var(unit = METRE_PER_SECOND as "mm/s", range = 1e-3..=10.0, start = 0.12, source = "paper")]
-        pub velocity_max: f64,
+        #[var(unit = METRE_PER_SECOND as "mm/s", range = 1e-3..=10.0, start = 0.12, source = "paper")] pub velocity_max: f64,
         /// Acceleration a of all moves
-        #[var(unit = METRE_PER_SECOND_SQUARED, range = 0.01..=100.0, start = 2.56, source = "paper")]
-        pub acceleration_max: f64,
+        #[var(unit = METRE_PER_SECOND_SQUARED, range = 0.01..=100.0, start = 2.56, source = "paper")] pub acceleration_max: f64,
         /// Bandwidth of the servo of the slide, for feed-forward; 0 for none
-        #[var(unit = RADIAN_PER_SECOND as "Hz", range = 0.0..=6283.2, start = 40.0 * TAU, source = "our choice: 40 Hz")]
-        pub bandwidth: f64,
+        #[var(unit = RADIAN_PER_SECOND as "Hz", range = 0.0..=6283.2, start = 40.0 * TAU, source = "our choice: 40 Hz")] pub bandwidth: f64,
     }
-
     /// Spindle encoder.
     pub struct SpindleEncoder {
         /// Resolution of the spindle encoder
-        #[var(unit = RADIAN as "deg", range = 0.0..=0.1, start = TAU / 4000.0, source = "paper")]
-        pub quantum: f64,
+        #[var(unit = RADIAN as "deg", range = 0.0..=0.1, start = TAU / 4000.0, source = "paper")] pub quantum: f64,
         /// Length of the regression for angle and speed
-        #[var(unit = SECOND, range = 0.1..=5.0, start = 0.5, source = "derived: jitter 0.02 %")]
-        pub window: f64,
+        #[var(unit = SECOND, range = 0.1..=5.0, start = 0.5, source = "derived: jitter 0.02 %")] pub window: f64,
     }
-
     /// Approach motion.
     pub struct Approach {
         /// Velocity of the approach and of the way back
-        #[var(unit = METRE_PER_SECOND as "mm/s", range = 1e-4..=10.0, start = 0.12, source = "paper")]
-        pub velocity: f64,
+        #[var(unit = METRE_PER_SECOND as "mm/s", range = 1e-4..=10.0, start = 0.12, source = "paper")] pub velocity: f64,
         /// Longest travel from the start position
-        #[var(unit = METRE as "mm", range = 1e-3..=10.0, start = 0.15, source = "our choice")]
-        pub travel_max: f64,
+        #[var(unit = METRE as "mm", range = 1e-3..=10.0, start = 0.15, source = "our choice")] pub travel_max: f64,
         /// Stroke of the probe before the pusher that the fastest approach needs, eq. 9
-        #[var(unit = METRE as "mm", calculated)]
-        pub look_ahead: f64,
+        #[var(unit = METRE as "mm", calculated)] pub look_ahead: f64,
     }
-
     /// Following of the surface.
     pub struct Follow {
         /// Velocity per error Kp of following
-        #[var(unit = PER_SECOND, range = 0.1..=1e3, start = 15.0, source = "derived: critically damped at 25 with one sample of delay")]
-        pub gain: f64,
+        #[var(unit = PER_SECOND, range = 0.1..=1e3, start = 15.0, source = "derived: critically damped at 25 with one sample of delay")] pub gain: f64,
         /// Gap between pusher and ring while following
-        #[var(unit = METRE as "um", range = 1e-5..=0.1, start = 5e-4, source = "our choice")]
-        pub gap: f64,
+        #[var(unit = METRE as "um", range = 1e-5..=0.1, start = 5e-4, source = "our choice")] pub gap: f64,
         /// Error of following without reaction
-        #[var(unit = METRE as "um", range = 0.0..=0.1, source = "paper")]
-        pub dead_zone: f64,
+        #[var(unit = METRE as "um", range = 0.0..=0.1, source = "paper")] pub dead_zone: f64,
         /// Error of following that counts as settled
-        #[var(unit = METRE as "um", range = 1e-6..=0.1, start = 2e-4, source = "our choice")]
-        pub settle_band: f64,
+        #[var(unit = METRE as "um", range = 1e-6..=0.1, start = 2e-4, source = "our choice")] pub settle_band: f64,
         /// Time within that band
-        #[var(unit = SECOND, range = 0.0..=10.0, start = 0.1, source = "our choice")]
-        pub settle_time: f64,
+        #[var(unit = SECOND, range = 0.0..=10.0, start = 0.1, source = "our choice")] pub settle_time: f64,
     }
-
     /// Rates of the loops.
     pub struct Rates {
         /// Rate of following and launching
-        #[var(unit = HERTZ, range = 1.0..=1e4, start = 100.0, source = "paper")]
-        pub control: f64,
+        #[var(unit = HERTZ, range = 1.0..=1e4, start = 100.0, source = "paper")] pub control: f64,
         /// Rate of collecting
-        #[var(unit = HERTZ, range = 1.0..=1e4, start = 66.0, source = "paper")]
-        pub collect: f64,
+        #[var(unit = HERTZ, range = 1.0..=1e4, start = 66.0, source = "paper")] pub collect: f64,
         /// Rate of modelling
-        #[var(unit = HERTZ, range = 0.1..=1e4, start = 10.0, source = "paper")]
-        pub model: f64,
+        #[var(unit = HERTZ, range = 0.1..=1e4, start = 10.0, source = "paper")] pub model: f64,
     }
-
     /// Scalar Kalman filter of the surface; standard deviations.
     pub struct Kalman {
         /// Walk of the surface from sample to sample sqrt(Q)
-        #[var(unit = METRE as "nm", range = 1e-9..=1e-3, start = 0.015e-6, source = "paper")]
-        pub process_noise: f64,
+        #[var(unit = METRE as "nm", range = 1e-9..=1e-3, start = 0.015e-6, source = "paper")] pub process_noise: f64,
         /// Noise of the measurement sqrt(R)
-        #[var(unit = METRE as "nm", range = 1e-9..=1e-3, start = 0.03e-6, source = "paper")]
-        pub measurement_noise: f64,
+        #[var(unit = METRE as "nm", range = 1e-9..=1e-3, start = 0.03e-6, source = "paper")] pub measurement_noise: f64,
     }
-
     /// Pushes.
     pub struct Push {
         /// Velocity v_min of the smallest push
-        #[var(unit = METRE_PER_SECOND as "um/s", range = 1e-6..=1.0, start = 4e-4, source = "paper, printed as 400 mm/s")]
-        pub velocity_min: f64,
+        #[var(unit = METRE_PER_SECOND as "um/s", range = 1e-6..=1.0, start = 4e-4, source = "paper, printed as 400 mm/s")] pub velocity_min: f64,
         /// Velocity v_max of a large push
-        #[var(unit = METRE_PER_SECOND as "um/s", range = 1e-6..=1.0, start = 3.5e-3, source = "paper, printed as 3500 mm/s")]
-        pub velocity_max: f64,
+        #[var(unit = METRE_PER_SECOND as "um/s", range = 1e-6..=1.0, start = 3.5e-3, source = "paper, printed as 3500 mm/s")] pub velocity_max: f64,
         /// Eccentricity d_crit from which a push is large
-        #[var(unit = METRE as "um", range = 1e-6..=0.1, start = 2.5e-3, source = "paper")]
-        pub critical_distance: f64,
+        #[var(unit = METRE as "um", range = 1e-6..=0.1, start = 2.5e-3, source = "paper")] pub critical_distance: f64,
         /// Steepness s of the velocity below it
-        #[var(unit = ONE, range = 0.1..=10.0, start = 1.0, source = "paper")]
-        pub steepness: f64,
+        #[var(unit = ONE, range = 0.1..=10.0, start = 1.0, source = "paper")] pub steepness: f64,
         /// Time at the end of the stroke, before the retract
-        #[var(unit = SECOND as "ms", range = 0.0..=1.0, start = 0.01, source = "our choice: the lag of a 40 Hz servo")]
-        pub dwell: f64,
+        #[var(unit = SECOND as "ms", range = 0.0..=1.0, start = 0.01, source = "our choice: the lag of a 40 Hz servo")] pub dwell: f64,
     }
-
     /// Offset that is learned from push to push.
     pub struct Offset {
         /// What is learned after a push
-        #[var(start = OffsetMethod::Recursive, source = "paper")]
-        pub method: OffsetMethod,
+        #[var(start = OffsetMethod::Recursive, source = "paper")] pub method: OffsetMethod,
         /// Only pushes of a smaller eccentricity teach
-        #[var(unit = METRE as "um", range = 1e-6..=1.0, start = 2e-4, source = "paper")]
-        pub gate: f64,
+        #[var(unit = METRE as "um", range = 1e-6..=1.0, start = 2e-4, source = "paper")] pub gate: f64,
         /// Largest offset in either direction
-        #[var(unit = METRE as "um", range = 0.0..=0.01, start = 3e-4, source = "our choice")]
-        pub limit: f64,
+        #[var(unit = METRE as "um", range = 0.0..=0.01, start = 3e-4, source = "our choice")] pub limit: f64,
     }
-
     /// Parking of the slide between the pushes: the probe hardly collapsed, for little force on the ring, and the slide mostly at rest.
     pub struct Park {
         /// Collapse of the probe while the slide is parked
-        #[var(unit = METRE as "mm", range = 1e-4..=0.5, start = 4.5e-3, source = "our choice: a fifth of its force range")]
-        pub probe: f64,
+        #[var(unit = METRE as "mm", range = 1e-4..=0.5, start = 4.5e-3, source = "our choice: a fifth of its force range")] pub probe: f64,
         /// Change of that collapse without reaction of the slide
-        #[var(unit = METRE as "mm", range = 0.0..=0.1, start = 3e-3, source = "our choice")]
-        pub dead_zone: f64,
+        #[var(unit = METRE as "mm", range = 0.0..=0.1, start = 3e-3, source = "our choice")] pub dead_zone: f64,
     }
-
     /// Recursive model of the ring.
     pub struct Estimator {
         /// Standard deviation of one measurement
-        #[var(unit = METRE as "nm", range = 1e-9..=1e-3, start = 2e-7, source = "our choice: probe and roughness twice")]
-        pub noise: f64,
+        #[var(unit = METRE as "nm", range = 1e-9..=1e-3, start = 2e-7, source = "our choice: probe and roughness twice")] pub noise: f64,
         /// Standard deviation of each coordinate of the centre before the first measurement
-        #[var(unit = METRE as "mm", range = 1e-6..=0.1, start = 5e-3, source = "our choice: placed by hand")]
-        pub centre: f64,
+        #[var(unit = METRE as "mm", range = 1e-6..=0.1, start = 5e-3, source = "our choice: placed by hand")] pub centre: f64,
         /// Standard deviation of each form coefficient before the first measurement; 0 for a round ring
-        #[var(unit = METRE as "um", range = 0.0..=1e-3, start = 2e-6, source = "our choice: ground rings")]
-        pub form: f64,
+        #[var(unit = METRE as "um", range = 0.0..=1e-3, start = 2e-6, source = "our choice: ground rings")] pub form: f64,
         /// Innovations beyond this many standard deviations are dirt
-        #[var(unit = ONE, range = 1.0..=1e6, start = 6.0, source = "our choice")]
-        pub gate: f64,
+        #[var(unit = ONE, range = 1.0..=1e6, start = 6.0, source = "our choice")] pub gate: f64,
         /// A part of a revolution may suffice for a push
-        #[var(start = true, source = "paper, as future work")]
-        pub partial: bool,
+        #[var(start = true, source = "paper, as future work")] pub partial: bool,
         /// Largest relative standard deviation of the eccentricity for a push
-        #[var(unit = ONE, range = 0.01..=1.0, start = 0.2, source = "our choice")]
-        pub certainty: f64,
+        #[var(unit = ONE, range = 0.01..=1.0, start = 0.2, source = "our choice")] pub certainty: f64,
         /// Standard deviations by which a centred ring stays within `tolerance`
-        #[var(unit = ONE, range = 0.0..=10.0, start = 3.0, source = "our choice")]
-        pub margin: f64,
+        #[var(unit = ONE, range = 0.0..=10.0, start = 3.0, source = "our choice")] pub margin: f64,
     }
-
     /// Strokes of the pusher.
     pub struct StrokePlan {
         /// Shortest time from contact to rest
-        #[var(unit = SECOND as "ms", range = 0.01..=1.0, start = 0.08, source = "our choice: three periods of the servo")]
-        pub duration: f64,
+        #[var(unit = SECOND as "ms", range = 0.01..=1.0, start = 0.08, source = "our choice: three periods of the servo")] pub duration: f64,
         /// Largest deceleration at the end of a push
-        #[var(unit = METRE_PER_SECOND_SQUARED, range = 0.01..=10.0, start = 0.2, source = "derived: less than friction gives a light ring")]
-        pub deceleration: f64,
+        #[var(unit = METRE_PER_SECOND_SQUARED, range = 0.01..=10.0, start = 0.2, source = "derived: less than friction gives a light ring")] pub deceleration: f64,
         /// Largest velocity at contact
-        #[var(unit = METRE_PER_SECOND as "mm/s", range = 1e-4..=1.0, start = 0.04, source = "our choice")]
-        pub velocity_max: f64,
+        #[var(unit = METRE_PER_SECOND as "mm/s", range = 1e-4..=1.0, start = 0.04, source = "our choice")] pub velocity_max: f64,
         /// Longest wait at the end for the surface to arrive
-        #[var(unit = SECOND as "ms", range = 0.0..=1.0, start = 0.04, source = "our choice: one period of the servo")]
-        pub hold: f64,
+        #[var(unit = SECOND as "ms", range = 0.0..=1.0, start = 0.04, source = "our choice: one period of the servo")] pub hold: f64,
         /// Integral gain from the place of the surface to the slide; 0 for none
-        #[var(unit = PER_SECOND, range = 0.0..=200.0, start = 60.0, source = "derived: a quarter of the servo's bandwidth")]
-        pub feedback: f64,
+        #[var(unit = PER_SECOND, range = 0.0..=200.0, start = 60.0, source = "derived: a quarter of the servo's bandwidth")] pub feedback: f64,
         /// Rotation and friction during the push are planned
-        #[var(start = true, source = "derived")]
-        pub phase_plan: bool,
+        #[var(start = true, source = "derived")] pub phase_plan: bool,
     }
-
     /// What pushes teach.
     pub struct Learn {
         /// The lateral ratio is learned
-        #[var(start = true)]
-        pub lateral: bool,
+        #[var(start = true)] pub lateral: bool,
         /// Lateral ratio before the first push: slip across the push over slip along it
-        #[var(unit = ONE, range = 0.0..=1.0, start = 0.05, source = "derived: less than any, so that what is left comes to the pusher after a quarter of a revolution and not after three")]
-        pub lateral_start: f64,
+        #[var(unit = ONE, range = 0.0..=1.0, start = 0.05, source = "derived: less than any, so that what is left comes to the pusher after a quarter of a revolution and not after three")] pub lateral_start: f64,
         /// Its standard deviation
-        #[var(unit = ONE, range = 0.01..=1.0, start = 0.1, source = "our choice")]
-        pub lateral_sigma: f64,
+        #[var(unit = ONE, range = 0.01..=1.0, start = 0.1, source = "our choice")] pub lateral_sigma: f64,
         /// The probe position at contact is learned
-        #[var(start = true)]
-        pub contact: bool,
+        #[var(start = true)] pub contact: bool,
         /// The deflection of the servo is learned
-        #[var(start = true)]
-        pub deflection: bool,
+        #[var(start = true)] pub deflection: bool,
         /// The way of the ring after a push is learned
-        #[var(start = true)]
-        pub recoil: bool,
+        #[var(start = true)] pub recoil: bool,
     }
-
     /// Tapping of heavy rings.
     pub struct Tap {
         /// Heavy rings are tapped
-        #[var(start = true)]
-        pub enabled: bool,
+        #[var(start = true)] pub enabled: bool,
         /// Largest distance for a tap, in deflections of the servo
-        #[var(unit = ONE, range = 0.1..=100.0, start = 1.5, source = "our choice")]
-        pub reach: f64,
+        #[var(unit = ONE, range = 0.1..=100.0, start = 1.5, source = "our choice")] pub reach: f64,
         /// A ring that deflects the servo less is light
-        #[var(unit = METRE as "um", range = 1e-7..=1e-3, start = 8e-6, source = "derived: 2 kg at 40 Hz")]
-        pub deflection_min: f64,
+        #[var(unit = METRE as "um", range = 1e-7..=1e-3, start = 8e-6, source = "derived: 2 kg at 40 Hz")] pub deflection_min: f64,
         /// Largest speed of a tap
-        #[var(unit = METRE_PER_SECOND as "mm/s", range = 1e-3..=1.0, start = 0.115, source = "our choice: of the slide")]
-        pub speed_max: f64,
+        #[var(unit = METRE_PER_SECOND as "mm/s", range = 1e-3..=1.0, start = 0.115, source = "our choice: of the slide")] pub speed_max: f64,
         /// Stiffness of the pusher tip, for the first tap
-        #[var(unit = NEWTON_PER_METRE, range = 1e4..=1e9, start = 5e6, source = "our choice")]
-        pub tip_stiffness: f64,
+        #[var(unit = NEWTON_PER_METRE, range = 1e4..=1e9, start = 5e6, source = "our choice")] pub tip_stiffness: f64,
         /// Moving mass of the slide, for the first tap
-        #[var(unit = KILOGRAM, range = 0.1..=1e3, start = 8.0, source = "our choice")]
-        pub slide_mass: f64,
+        #[var(unit = KILOGRAM, range = 0.1..=1e3, start = 8.0, source = "our choice")] pub slide_mass: f64,
     }
-
     /// What is a fault.
     pub struct Limits {
         /// Friction mu_s that the centrifugal force must not exceed, eq. 2
-        #[var(unit = ONE, range = 1e-3..=2.0, start = 0.05, source = "paper")]
-        pub friction: f64,
+        #[var(unit = ONE, range = 1e-3..=2.0, start = 0.05, source = "paper")] pub friction: f64,
         /// Most pushes of one centring
-        #[var(range = 1..=1000, start = 25, source = "our choice")]
-        pub pushes: i32,
+        #[var(range = 1..=1000, start = 25, source = "our choice")] pub pushes: i32,
         /// A slower spindle stands still
-        #[var(unit = RADIAN_PER_SECOND as "rpm", range = 1e-3..=10.0, start = 0.1, source = "our choice: 1 rpm")]
-        pub spindle_speed_min: f64,
-    }
-}
-
-impl Parameters {
-    /// Whole samples in `time` s, rounded.
-    pub fn ticks(&self, time: f64) -> u32 {
-        control_blocks::ticks(time, self.sample_period)
-    }
-
-    /// Collapse of the probe while following, m.
-    pub fn null(&self) -> f64 {
-        match self.law {
-            Law::Paper => self.probe.at_pusher - self.follow.gap,
-            Law::Default => self.park.probe,
-        }
-    }
-
-    /// Error of following without reaction, m.
-    pub fn dead_zone(&self) -> f64 {
-        match self.law {
-            Law::Paper => self.follow.dead_zone,
-            Law::Default => self.park.dead_zone,
-        }
-    }
-
-    /// Error of following that counts as settled (m), and for how long (s).
-    pub fn settling(&self) -> (f64, f64) {
-        match self.law {
-            Law::Paper => (self.follow.settle_band, self.follow.settle_time),
-            // the model takes the surface as it comes, the slide may move
-            Law::Default => (self.park.probe, 0.0),
-        }
+        #[var(unit = RADIAN_PER_SECOND as "rpm", range = 1e-3..=10.0, start = 0.1, source = "our choice: 1 rpm")] pub spindle_speed_min: f64,
     }
 }

@@ -2,8 +2,35 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::interface::Parameters;
+use crate::interface::{Law, Parameters};
 use crate::sensing::Sample;
+
+impl Parameters {
+    /// Collapse of the probe while following, m.
+    pub fn null(&self) -> f64 {
+        match self.law {
+            Law::Paper => self.probe.at_pusher - self.follow.gap,
+            Law::Default => self.park.probe,
+        }
+    }
+
+    /// Error of following without reaction, m.
+    pub fn dead_zone(&self) -> f64 {
+        match self.law {
+            Law::Paper => self.follow.dead_zone,
+            Law::Default => self.park.dead_zone,
+        }
+    }
+
+    /// Error of following that counts as settled (m), and for how long (s).
+    pub fn settling(&self) -> (f64, f64) {
+        match self.law {
+            Law::Paper => (self.follow.settle_band, self.follow.settle_time),
+            // the model takes the surface as it comes, the slide may move
+            Law::Default => (self.park.probe, 0.0),
+        }
+    }
+}
 
 /// Velocity law of the control loop; by default before its first beat.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]

@@ -27,6 +27,8 @@ const SPREAD_MIN: f64 = 5e-6;
 const FELT: f64 = 0.3;
 /// Turning (in revolutions) after which more measurements of the same places tell nothing new.
 const TURNS: f64 = 1.05;
+/// A slower spindle never brings the ring to the pusher, rad/s: nothing is divided by less.
+const STANDING: f64 = 1e-9;
 
 /// The law between two samples.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -112,7 +114,7 @@ impl CentringLaw for PredictiveLaw {
 
     /// The next stroke, if it must begin before the next measurement.
     fn launch(&mut self, p: &Parameters, now: &Observation) -> Option<Launch> {
-        if !now.due.collect {
+        if !now.due.collect || now.speed.abs() < STANDING {
             return None;
         }
         let mut learned = self.relearned(p);
@@ -195,7 +197,7 @@ impl PredictiveLaw {
             return Verdict::Centred;
         }
         // what a full revolution will leave in doubt
-        let samples = p.rates.collect * TAU / speed.abs();
+        let samples = p.rates.collect * TAU / speed.abs().max(STANDING);
         let doubt = p.estimator.noise * (2.0 / samples).sqrt();
         let worth = eccentricity > p.tolerance - p.estimator.margin * doubt;
         if certain && (full || (p.estimator.partial && worth)) {

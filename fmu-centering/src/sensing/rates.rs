@@ -4,6 +4,13 @@ use serde::{Deserialize, Serialize};
 
 use crate::interface::Parameters;
 
+impl Parameters {
+    /// Whole samples in `time` s, rounded.
+    pub fn ticks(&self, time: f64) -> u32 {
+        control_blocks::ticks(time, self.sample_period)
+    }
+}
+
 /// Share of a sample by which a beat may come early: times are rounded.
 const ROUNDING: f64 = 1e-6;
 

@@ -161,6 +161,23 @@ fn pushes_that_move_the_ring_aside_are_given_up() {
 }
 
 #[test]
+fn a_spindle_that_stops_moves_nothing_by_either_law() {
+    for p in [Parameters::PAPER, Parameters::START] {
+        for (state, samples) in [(State::Collect, 0), (State::Collect, 700), (State::Wait, 0)] {
+            let mut run = running(&p, state);
+            (0..samples).for_each(|_| run.step());
+            run.ring.speed = 0.0;
+            let centre = run.ring.centre;
+            while run.output.state != State::Fault {
+                run.step();
+                assert!(finite(&run.output) && run.output.state != State::Push, "{:?}", run.output);
+            }
+            assert_eq!((run.output.fault, run.ring.centre), (Fault::Spindle, centre));
+        }
+    }
+}
+
+#[test]
 fn a_spindle_that_stops_or_reverses_for_ever_has_a_name() {
     for state in [State::Collect, State::Wait] {
         let mut run = running(&P, state);
