@@ -85,7 +85,7 @@ mod table;
 
 pub use description::readme::{assert_readme, markdown};
 pub use fmi2_export_macros::interface;
-pub use model::{Env, Error, Info, Interface, Model};
+pub use model::{Env, Error, Info, Interface, Model, Report};
 pub use serde;
 #[doc(hidden)]
 pub use table::check::variable as check_variable;
