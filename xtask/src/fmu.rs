@@ -4,9 +4,9 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result, bail, ensure};
-use cargo_fmu::build::Linker;
 use cargo_fmu::fmu;
 use cargo_fmu::inspect::Rules;
+use cargo_fmu::linker::Linker;
 pub use cargo_fmu::{binary, build};
 use cargo_metadata::Package;
 

@@ -8,7 +8,7 @@ mod slope;
 mod snapshot;
 pub mod states;
 
-use crate::export::Exported;
+use crate::exported::Exported;
 use crate::host::logger::Category;
 use crate::host::phase::{Function, Phase, Status};
 use crate::host::text::c_string;
