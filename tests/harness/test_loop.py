@@ -11,7 +11,7 @@ import pytest
 
 import cosim
 from cosim.errors import CosimError, FmuError, PlantError
-from cosim.supervisor import Finished, Limits, Numbered, outcomes
+from cosim.sweep.supervisor import Finished, Limits, Numbered, outcomes
 
 Write = Callable[..., Path]
 
