@@ -20,6 +20,8 @@ from cosim.errors import FmuError
 
 UNUSED_DAYS = 7
 """An extracted FMU that was not used for so long is removed."""
+MOST_PROBLEMS = 20
+"""Problems of a model description that are told; one mistake in a tool repeats for every variable."""
 
 
 @dataclass(frozen=True)
@@ -111,8 +113,9 @@ def opened(path: Path, changed: int, size: int, cache: Path) -> FmuFile:
     except OSError as error:
         raise unreadable(path, error) from None
     except Exception as error:  # FMPy raises bare exceptions for a broken model description
+        found = "".join(f"\n  {problem}" for problem in problems(error))
         raise FmuError(
-            f"the model description of `{shown}` is not valid: {first_line(error)}",
+            f"the model description of `{shown}` is not valid:{found}",
             f"`fmpy validate {shown}` lists all problems",
         ) from None
 
@@ -227,6 +230,9 @@ def remove_unused(cache: Path) -> None:
             shutil.rmtree(folder, ignore_errors=True)
 
 
-def first_line(error: Exception) -> str:
-    """First line of an error's text."""
-    return (str(error).splitlines() or [type(error).__name__])[0]
+def problems(error: Exception) -> list[str]:
+    """List what FMPy found in a model description, one line each; the first `MOST_PROBLEMS` of them."""
+    found = [str(problem) for problem in getattr(error, "problems", [])]
+    found = found or str(error).splitlines()[:1] or [type(error).__name__]
+    more = len(found) - MOST_PROBLEMS
+    return found[:MOST_PROBLEMS] + ([f"and {more} more"] if more > 0 else [])
