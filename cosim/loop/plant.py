@@ -165,10 +165,11 @@ def build(name: str, parameters: dict[str, Any], folder: Path) -> Plant:
 
 
 def check_parameters(kind: Any, parameters: dict[str, Any]) -> Any:
-    """Parameters of a plant's class from a table, checked as for `build`."""
+    """Parameters of a plant's class from a table, checked as for `build`; defaults are the plant's own."""
     values = parse(kind.Parameters, parameters, "plant", refuse)
     for field in dataclasses.fields(kind.Parameters):
-        check_range(field, getattr(values, field.name))
+        if toml_key(field) in parameters:
+            check_range(field, getattr(values, field.name))
     return values
 
 

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import re
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -10,7 +14,10 @@ import pytest
 import cosim
 from cosim.errors import PlantError
 
+from .conftest import SCENARIO
+
 Write = Callable[..., Path]
+ROOT = Path(__file__).resolve().parents[2]
 
 REFUSED = {
     "plant.name=none": r"there is no plant `none`\nhint: .*`module:Class`",
@@ -43,3 +50,29 @@ def test_the_plants_of_the_project_are_found_by_name(write: Write) -> None:
 
     with pytest.raises(PlantError, match=plants.names()[0]):
         cosim.run(cosim.load(write(), set=["plant.name=none"]))
+
+
+UNSTABLE = """
+<mujoco><option timestep="1e-3" integrator="implicitfast"/>
+  <worldbody>
+    <body><joint name="hinge" type="hinge" stiffness="-0.3"/><geom size="0.1" mass="1"/></body>
+  </worldbody>
+  <actuator><motor name="push" joint="hinge"/></actuator>
+  <sensor><jointpos name="angle" joint="hinge"/></sensor>
+</mujoco>
+"""
+TILTED = SCENARIO.replace("probe_plants:Lag", "tilted.xml").replace("plant.x", "plant.angle")
+TILTED = TILTED.replace("plant.u", "plant.push")
+
+
+def test_an_mjcf_with_a_negative_stiffness_runs_and_is_shown(write: Write, folder: Path) -> None:
+    (folder / "tilted.xml").write_text(UNSTABLE)
+    file = write(text=TILTED)
+    assert cosim.run(cosim.load(file)).passed
+    with pytest.raises(PlantError, match=r"`plant.joint.hinge.stiffness` is `-0.4`, it must lie in 0 .. "):
+        cosim.run(cosim.load(file, set=["plant.joint.hinge.stiffness=-0.4"]))
+    shown = subprocess.run(
+        [sys.executable, "-m", "cosim", "show", "lag.toml"],
+        env={**os.environ, "PYTHONPATH": str(ROOT)}, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert re.search(r"joint.hinge.stiffness +-0.3 +N.m/rad +0 ..", shown.stdout), shown.stderr

@@ -225,6 +225,17 @@ def test_wrong_parameters_are_refused(write: Write) -> None:
         build(file, keyframe="none")
 
 
+def test_what_the_file_says_is_never_refused(write: Write) -> None:
+    file = write(('stiffness="0.3"', 'stiffness="-0.3"'))
+    plant = build(file)
+    assert plant.model.jnt_stiffness[1] == -0.3
+    assert build(file, joint__hinge__stiffness=0.5).model.jnt_stiffness[1] == 0.5
+    with pytest.raises(
+        ParameterError, match=r"`plant.joint.hinge.stiffness` .* `-0.4` N.m/rad, limit `0` to"
+    ):
+        build(file, joint__hinge__stiffness=-0.4)
+
+
 def test_another_integrator_makes_a_file_with_rk4_fit(write: Write) -> None:
     given = run(build(write(("implicitfast", "RK4")), integrator="implicitfast"), push=1.0)
     assert np.array_equal(given, run(build(write()), push=1.0))
