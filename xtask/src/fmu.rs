@@ -26,7 +26,7 @@ pub fn run(workspace: &Workspace, names: &[String]) -> Result<()> {
     pack_all(workspace, &packages)
 }
 
-/// Builds and packs these controllers; `.venv` must be there. A file whose bytes would not change is left alone.
+/// Builds and packs these controllers; `.venv` must be there. A file whose bytes would not change keeps them.
 ///
 /// # Errors
 /// As [`run`].
