@@ -76,3 +76,47 @@ def test_an_mjcf_with_a_negative_stiffness_runs_and_is_shown(write: Write, folde
         env={**os.environ, "PYTHONPATH": str(ROOT)}, capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert re.search(r"joint.hinge.stiffness +-0.3 +N.m/rad +0 ..", shown.stdout), shown.stderr
+
+
+REGISTERED = {
+    "Slid": (
+        "slide",
+        r"cannot import the plant `slide`: .*no class .* named `Slid`\nhint: did you mean `Slide`",
+    ),
+    "Slide": (
+        "sledge",
+        r"cannot import the plant `sledge`: .*'plants.sledge'\nhint: `plants/sledge.py` must be there",
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", REGISTERED)
+def test_a_wrong_entry_of_the_registry_is_explained(
+    write: Write, monkeypatch: pytest.MonkeyPatch, kind: str
+) -> None:
+    import plants
+
+    name, message = REGISTERED[kind]
+    monkeypatch.setitem(plants.PLANTS, name, kind)
+    with pytest.raises(PlantError, match=message):
+        cosim.run(cosim.load(write(), set=[f"plant.name={name}"]))
+
+
+def test_a_plant_that_names_what_is_not_there_is_explained(
+    write: Write, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from plants.slide import Slide
+
+    file = write(text=SCENARIO.replace("probe_plants:Lag", "slide").replace("plant.x", "plant.position"))
+    scenario = cosim.load(file, set=["wire.plant.u.to=plant.current", "loop.substeps=20"])
+    with monkeypatch.context() as patch:
+        patch.setattr(Slide, "shape", lambda plant, spec: spec.body("slid"))
+        expected = (
+            r"the plant `slide` cannot be built: there is no body in `slide.xml` named `slid`\nhint: did you"
+        )
+        with pytest.raises(PlantError, match=expected):
+            cosim.run(scenario)
+    monkeypatch.setattr(Slide, "begin", lambda plant, steps: plant.wire("curent"))
+    expected = r"the plant `slide` cannot be reset: .* no wire in `Slide.wires` named `curent`\nhint: did you"
+    with pytest.raises(PlantError, match=expected):
+        cosim.run(scenario)
