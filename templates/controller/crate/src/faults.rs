@@ -23,3 +23,32 @@ pub fn numbers(vars: &Vars) -> String {
         _ => String::new(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const P: Parameters = Parameters::START;
+    const GOOD: Reading = Reading {
+        position: 0.0,
+        valid: true,
+        first: false,
+        at_rest: false,
+        enabled: true,
+        start: false,
+        reset: false,
+    };
+
+    #[test]
+    fn a_following_error_beyond_its_limit_is_a_fault_in_both_directions() {
+        let most = P.limits.following_error;
+        for (error, fault) in [(most, None), (1.001 * most, Some(Fault::FollowingError))] {
+            assert_eq!((find(&P, &GOOD, error), find(&P, &GOOD, -error)), (fault, fault));
+        }
+    }
+
+    #[test]
+    fn without_a_position_nothing_else_counts() {
+        assert_eq!(find(&P, &Reading { valid: false, ..GOOD }, 1.0), Some(Fault::InvalidInput));
+    }
+}
