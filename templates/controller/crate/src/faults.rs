@@ -29,15 +29,8 @@ mod tests {
     use super::*;
 
     const P: Parameters = Parameters::START;
-    const GOOD: Reading = Reading {
-        position: 0.0,
-        valid: true,
-        first: false,
-        at_rest: false,
-        enabled: true,
-        start: false,
-        reset: false,
-    };
+    const GOOD: Reading =
+        Reading { position: 0.0, valid: true, first: false, at_rest: false, enabled: true, start: false, reset: false };
 
     #[test]
     fn a_following_error_beyond_its_limit_is_a_fault_in_both_directions() {

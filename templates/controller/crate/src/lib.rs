@@ -12,7 +12,7 @@ mod motion;
 mod reading;
 mod servo;
 
-use fmi2_export::{Env, Error, Info, Model, export};
+use fmi2_export::{Env, Error, Info, Model, export, package};
 
 use controller::Controller;
 use interface::Vars;
@@ -23,18 +23,14 @@ pub struct __Name__;
 impl Model for __Name__ {
     const INFO: Info = Info {
         name: "__Name__",
-        identifier: "fmu___name__",
-        description: "Moves a slide to a target and holds it there against friction",
-        version: env!("CARGO_PKG_VERSION"),
         // raise it when the variables or the state between samples change
         state_version: 1,
         stop_time: 2.0,
         step_size: 1e-3,
-        ..Info::DEFAULT
+        ..package!()
     };
     type Vars = Vars;
     type State = Controller;
-    const VARIABLES: &'static [fmi2_export::Variable<Vars>] = <Vars as fmi2_export::Interface>::TABLE;
 
     fn period(vars: &Vars) -> f64 {
         vars.parameters.sample_period
