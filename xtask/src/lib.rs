@@ -1,4 +1,4 @@
-//! The project's commands as a library: `cargo xtask setup | fmu | demo | test | bench | wheel`.
+//! The project's commands as a library: `cargo xtask setup | new | fmu | demo | test | bench | wheel`.
 //!
 //! `main.rs` is only the command line. Each command is one module; [`workspace`], [`process`], [`fingerprint`] and
 //! [`python`] are what they share. FMUs are packed by the library of `cargo-fmu`.
@@ -7,6 +7,7 @@ pub mod bench;
 pub mod demo;
 pub mod fingerprint;
 pub mod fmu;
+pub mod new;
 pub mod python;
 pub mod setup;
 pub mod table;

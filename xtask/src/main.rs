@@ -1,4 +1,4 @@
-//! Command line of the project: `cargo xtask setup | fmu | demo | test | bench | wheel`.
+//! Command line of the project: `cargo xtask setup | new | fmu | demo | test | bench | wheel`.
 
 use std::process::ExitCode;
 
@@ -6,7 +6,7 @@ use anyhow::Result;
 use clap::{Parser, Subcommand};
 use xtask::bench::effort::Effort;
 use xtask::workspace::Workspace;
-use xtask::{bench, demo, fmu, setup, test, wheel};
+use xtask::{bench, demo, fmu, new, setup, test, wheel};
 
 /// Builds, demonstrates, tests and measures the project. Steps that are up to date are skipped.
 #[derive(Parser)]
@@ -20,6 +20,11 @@ struct Cli {
 enum Command {
     /// Make `.venv` with the pinned Python requirements and build the native half of the plants
     Setup,
+    /// Make a controller with its plant, scenario and tests from a template
+    New {
+        /// Such as `trial`: makes `fmu-trial`, `plants/trial.py`, `scenarios/trial.toml` and their tests
+        name: String,
+    },
     /// Build and pack the FMUs into `target/fmu/`
     Fmu {
         /// Controllers to build, such as `dob` or `fmu-dob`; all of them when none is named
@@ -57,6 +62,7 @@ fn run(command: &Command) -> Result<bool> {
     let workspace = Workspace::load()?;
     match command {
         Command::Setup => setup::run(&workspace).map(|()| true),
+        Command::New { name } => new::run(&workspace.root, name).map(|()| true),
         Command::Fmu { names } => fmu::run(&workspace, names).map(|()| true),
         Command::Demo => demo::run(&workspace),
         Command::Test => test::run(&workspace),

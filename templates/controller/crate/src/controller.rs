@@ -1,0 +1,98 @@
+//! One sample of the whole law: read, decide, move, report.
+
+use control_blocks::{Consecutive, ParameterError, ticks};
+use serde::{Deserialize, Serialize};
+
+use crate::check::check;
+use crate::faults;
+use crate::interface::{Fault, Input, Output, Parameters, State};
+use crate::machine::{Events, next};
+use crate::motion::Setpoint;
+use crate::reading::{Reader, Reading};
+use crate::servo::PositionServo;
+
+/// The controller between two samples.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Controller {
+    reader: Reader,
+    setpoint: Setpoint,
+    servo: PositionServo,
+    /// samples in a row within the band of settling
+    settled: Consecutive,
+    state: State,
+    fault: Fault,
+}
+
+impl Controller {
+    /// Controller before its first sample.
+    ///
+    /// # Errors
+    /// When a parameter does not fit the others.
+    pub fn new(p: &Parameters) -> Result<Self, ParameterError> {
+        check(p)?;
+        Ok(Self {
+            reader: Reader::default(),
+            setpoint: Setpoint::resting(0.0),
+            servo: PositionServo::default(),
+            settled: Consecutive::default(),
+            state: State::Idle,
+            fault: Fault::None,
+        })
+    }
+
+    /// One sample. The parameters must be those of [`Controller::new`].
+    pub fn tick(&mut self, input: &Input, p: &Parameters, output: &mut Output) {
+        let reading = self.reader.read(p, input);
+        self.follow(&reading);
+        self.decide(p, &reading);
+        *output = self.drive(p, &reading);
+    }
+
+    /// Without a servo the setpoint is where the slide is.
+    fn follow(&mut self, reading: &Reading) {
+        if reading.first || self.state == State::Fault {
+            self.setpoint = Setpoint::resting(reading.position);
+            self.servo = PositionServo::default();
+        }
+    }
+
+    /// State machine.
+    fn decide(&mut self, p: &Parameters, reading: &Reading) {
+        let error = self.setpoint.at().position - reading.position;
+        let settled = self.settled.update(self.setpoint.over() && error.abs() <= p.settle.band);
+        let events = Events {
+            enabled: reading.enabled,
+            start: reading.start,
+            reset: reading.reset,
+            at_rest: reading.at_rest,
+            fault: faults::find(p, reading, error),
+            arrived: settled > ticks(p.settle.time, p.sample_period),
+        };
+        let state = next(self.state, &events);
+        if state != self.state {
+            self.enter(p, state);
+            self.fault = events.fault.unwrap_or(Fault::None);
+            self.state = state;
+        }
+    }
+
+    fn enter(&mut self, p: &Parameters, state: State) {
+        match state {
+            State::Idle => self.setpoint.stop(p),
+            State::Run => self.setpoint.go(p),
+            State::Done | State::Fault => {}
+        }
+    }
+
+    /// Moves on; a forgotten output does not compile.
+    fn drive(&mut self, p: &Parameters, reading: &Reading) -> Output {
+        let wanted = self.setpoint.at();
+        self.setpoint.advance(p.sample_period);
+        let following_error = wanted.position - reading.position;
+        let force = match self.state {
+            State::Fault => 0.0,
+            _ => self.servo.force(p, following_error, wanted.acceleration),
+        };
+        Output { force, setpoint: wanted.position, following_error, state: self.state, fault: self.fault }
+    }
+}

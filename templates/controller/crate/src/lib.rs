@@ -1,0 +1,50 @@
+//! Moves a slide to a target and holds it there, as an FMU.
+//!
+//! [`interface`] holds the variables; [`controller::Controller`] is the law, plain Rust that knows nothing of FMI.
+#![forbid(unsafe_code)]
+
+mod check;
+pub mod controller;
+mod faults;
+pub mod interface;
+mod machine;
+mod motion;
+mod reading;
+mod servo;
+
+use fmi2_export::{Env, Error, Info, Model, export, package};
+
+use controller::Controller;
+use interface::Vars;
+
+/// The FMU.
+pub struct __Name__;
+
+impl Model for __Name__ {
+    const INFO: Info = Info {
+        name: "__Name__",
+        // raise it when the variables or the state between samples change
+        state_version: 1,
+        stop_time: 2.0,
+        step_size: 1e-3,
+        ..package!()
+    };
+    type Vars = Vars;
+    type State = Controller;
+    const NUMBERS: fn(&Vars) -> String = faults::numbers;
+
+    fn period(vars: &Vars) -> f64 {
+        vars.parameters.sample_period
+    }
+
+    fn initialise(vars: &mut Vars, _: &mut Env) -> Result<Controller, Error> {
+        Controller::new(&vars.in_force).map_err(|error| error.to_string().into())
+    }
+
+    fn tick(vars: &mut Vars, controller: &mut Controller, _: &mut Env) -> Result<(), Error> {
+        controller.tick(&vars.input, &vars.in_force, &mut vars.output);
+        Ok(())
+    }
+}
+
+export!(__Name__);

@@ -1,0 +1,104 @@
+//! What is taken for a measurement, and the edges of the switches.
+
+use control_blocks::{Consecutive, Edge, believable, ticks};
+use serde::{Deserialize, Serialize};
+
+use crate::interface::{Input, Parameters};
+
+/// No slide of this kind is longer, m.
+const POSITION_MAX: f64 = 100.0;
+
+/// The usable part of the inputs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reading {
+    /// Position, the last good one where this is none, m.
+    pub position: f64,
+    /// The position is of this sample.
+    pub valid: bool,
+    /// It is the first good one.
+    pub first: bool,
+    /// The slide has stayed within `settle.band` for `settle.time`.
+    pub at_rest: bool,
+    /// `enable` is set.
+    pub enabled: bool,
+    /// Rising edge of `enable`.
+    pub start: bool,
+    /// Rising edge of `reset_fault`.
+    pub reset: bool,
+}
+
+/// Remembers what one reading needs from the ones before; by default nothing, before the first sample.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Reader {
+    before: Option<f64>,
+    /// where the slide was when it last moved, m
+    place: f64,
+    still: Consecutive,
+    enable: Edge,
+    reset: Edge,
+}
+
+impl Reader {
+    /// Reads one sample.
+    pub fn read(&mut self, p: &Parameters, input: &Input) -> Reading {
+        let valid = believable(input.position, POSITION_MAX);
+        let first = valid && self.before.is_none();
+        if valid {
+            self.before = Some(input.position);
+        }
+        let position = self.before.unwrap_or(0.0);
+        let still = self.still.update(valid && (position - self.place).abs() <= p.settle.band);
+        if still == 0 {
+            self.place = position;
+        }
+        Reading {
+            position,
+            valid,
+            first,
+            at_rest: still > ticks(p.settle.time, p.sample_period),
+            enabled: input.enable,
+            start: self.enable.rises(input.enable),
+            reset: self.reset.rises(input.reset_fault),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const P: Parameters = Parameters::START;
+
+    fn at(position: f64) -> Input {
+        Input { position, ..Input::START }
+    }
+
+    #[test]
+    fn nonsense_is_never_used() {
+        let mut reader = Reader::default();
+        assert!(reader.read(&P, &at(0.5)).first);
+        for nonsense in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300] {
+            let reading = reader.read(&P, &at(nonsense));
+            assert_eq!((reading.position, reading.valid, reading.first), (0.5, false, false));
+        }
+    }
+
+    #[test]
+    fn rest_takes_its_time_and_a_slow_drift_is_none() {
+        let mut reader = Reader::default();
+        let mut rests = |velocity: f64| (0..200).map(|k| reader.read(&P, &at(velocity * f64::from(k))).at_rest).last();
+        assert_eq!(rests(0.0), Some(true));
+        assert_eq!(rests(1e-6), Some(false), "20 um in 20 samples");
+    }
+
+    #[test]
+    fn enable_and_reset_are_edges() {
+        let mut reader = Reader::default();
+        let high = Input { enable: true, reset_fault: true, ..Input::START };
+        let edges = [&high, &high, &Input::START, &high].map(|input| {
+            let reading = reader.read(&P, input);
+            (reading.enabled, reading.start, reading.reset)
+        });
+        assert_eq!(edges, [(true, true, true), (true, false, false), (false, false, false), (true, true, true)]);
+    }
+}

@@ -1,0 +1,90 @@
+//! The controller on a small plant, one communication step at a time.
+
+use fmu___name__::controller::Controller;
+use fmu___name__::interface::{Input, Output, Parameters, State};
+
+/// Communication step, s.
+const STEP: f64 = 1e-3;
+/// Moving mass, kg: 5 % more than the controller thinks.
+const MASS: f64 = 2.1;
+/// Dry friction, N.
+pub const FRICTION: f64 = 2.0;
+/// Idle steps before the start.
+const IDLE: u32 = 10;
+
+/// A mass on a slide with dry friction.
+#[derive(Clone, Default)]
+pub struct Slide {
+    /// m
+    pub position: f64,
+    /// m/s
+    pub velocity: f64,
+    /// Force from outside, N.
+    pub load: f64,
+}
+
+impl Slide {
+    /// One step; friction takes away velocity, but never turns it round.
+    fn advance(&mut self, force: f64) {
+        let free = self.velocity + (force + self.load) / MASS * STEP;
+        let friction = FRICTION / MASS * STEP;
+        self.velocity = free - free.clamp(-friction, friction);
+        self.position += self.velocity * STEP;
+    }
+}
+
+/// The closed loop; a force acts one step later.
+pub struct Loop {
+    /// Plant.
+    pub slide: Slide,
+    /// Law.
+    pub controller: Controller,
+    /// The last outputs.
+    pub output: Output,
+    parameters: Parameters,
+    steps: u32,
+}
+
+impl Loop {
+    /// A machine with the controller idle.
+    pub fn new(parameters: &Parameters) -> Self {
+        Self {
+            slide: Slide::default(),
+            controller: Controller::new(parameters).unwrap(),
+            output: Output::START,
+            parameters: parameters.clone(),
+            steps: 0,
+        }
+    }
+
+    /// Time of the next step, s.
+    pub fn time(&self) -> f64 {
+        f64::from(self.steps) * STEP
+    }
+
+    /// One step; `enable` comes after 0.01 s.
+    pub fn step(&mut self) {
+        self.step_with(|_| ());
+    }
+
+    /// One step with changed inputs.
+    pub fn step_with(&mut self, change: impl FnOnce(&mut Input)) {
+        let mut input = Input { position: self.slide.position, enable: self.steps >= IDLE, reset_fault: false };
+        change(&mut input);
+        let before = self.output.force;
+        self.controller.tick(&input, &self.parameters, &mut self.output);
+        self.slide.advance(before);
+        self.steps += 1;
+    }
+
+    /// Steps until `state`; false if that takes longer than to the time `limit` s.
+    pub fn run_to(&mut self, state: State, limit: f64) -> bool {
+        while self.output.state != state {
+            if self.time() > limit {
+                return false;
+            }
+            self.step();
+        }
+        true
+    }
+}

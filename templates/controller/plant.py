@@ -1,0 +1,45 @@
+"""A mass on a slide with dry and viscous friction, moved by a force."""
+
+from typing import Any, ClassVar
+
+from plants._native import Cell
+from plants.plant import Channel, Plant
+
+from .__name___parameters import __Name__Parameters
+
+
+class __Name__(Plant):
+    """The slide. Channels: encoder out, force and load in."""
+
+    Parameters: ClassVar[type] = __Name__Parameters
+
+    def __init__(self, parameters: __Name__Parameters | None = None) -> None:
+        super().__init__(parameters)
+        p: __Name__Parameters = self.parameters
+        self.readings = (
+            Channel("position", "m", "Encoder", noise=p.encoder_noise, quantum=p.encoder_resolution),
+        )
+        self.commands = (
+            Channel("force", "N", "Force of the motor", minimum=-p.force_max, maximum=p.force_max),
+            Channel("load", "N", "Force from outside"),
+        )
+        self.truths = (
+            Channel("position", "m", "Position of the slide"),
+            Channel("velocity", "m/s", "Velocity of the slide"),
+        )
+
+    def shape(self, spec: Any) -> None:
+        """Write the parameters into the MJCF."""
+        p, joint = self.parameters, spec.joint("x")
+        spec.option.timestep = p.timestep
+        spec.body("slide").mass = p.mass
+        joint.frictionloss, joint.damping[0] = p.friction, p.damping
+
+    def begin(self, steps: int) -> None:
+        """Draw the start, and tie the channels to the places in MuJoCo's data."""
+        p, data = self.parameters, self.data
+        data.qpos[0] = self.stream("start").uniform(-p.start_spread, p.start_spread)
+        readings = {"position": Cell(data.sensordata)}
+        commands = {"force": Cell(data.ctrl), "load": Cell(data.qfrc_applied)}
+        truths = {"position": Cell(data.qpos), "velocity": Cell(data.qvel)}
+        self.connect(readings, commands, truths)

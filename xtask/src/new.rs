@@ -1,0 +1,232 @@
+//! `cargo xtask new`: a controller with its plant, scenario and tests from `templates/controller`.
+//!
+//! Only the files of the template are made, and two lists get an entry; nothing is overwritten.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail, ensure};
+
+const TEMPLATE: &str = "templates/controller";
+
+/// Words that no module may be called: keywords of Rust, then those of Python.
+const KEYWORDS: &str = "abstract as async await become box break const continue crate do dyn else enum extern false \
+                        final fn for gen if impl in let loop macro match mod move mut override priv pub ref return \
+                        self static struct super trait true try type typeof unsafe unsized use virtual where while \
+                        yield and assert class def del elif except finally from global import is lambda none nonlocal \
+                        not or pass raise with";
+
+/// Files to write: where, and what is in them.
+type Files = Vec<(PathBuf, String)>;
+
+/// A list in a file that names every controller or plant.
+struct List {
+    file: &'static str,
+    begin: &'static str,
+    end: &'static str,
+    separator: &'static str,
+}
+
+const MEMBERS: List = List { file: "Cargo.toml", begin: "members = [", end: "]", separator: ", " };
+const PLANTS: List = List { file: "plants/__init__.py", begin: "PLANTS = {\n", end: "}\n", separator: ",\n" };
+
+/// Makes the controller `name` in the checkout `root`, and tells what to do next.
+///
+/// # Errors
+/// When the name is no name for a controller, or when something of that name exists.
+pub fn run(root: &Path, name: &str) -> Result<()> {
+    let files = made(root, name)?;
+    let lists = listed(root, name)?;
+    for (path, text) in files.iter().chain(&lists) {
+        let path = root.join(path);
+        let folder = path.parent().unwrap_or(root);
+        fs::create_dir_all(folder).with_context(|| format!("cannot make `{}`", folder.display()))?;
+        fs::write(&path, text).with_context(|| format!("cannot write `{}`", path.display()))?;
+    }
+    println!("{}", told(name));
+    Ok(())
+}
+
+fn told(name: &str) -> String {
+    format!(
+        "made `fmu-{name}/`: variables in `src/interface.rs`, the law from `src/controller.rs` on\n\
+         made `plants/{name}.py`, `.xml`, `_parameters.py`, `scenarios/{name}.toml`, `tests/acceptance/test_{name}.py`\n\
+         entered in `{}` and `{}`\n\
+         \n\
+         next:\n\
+         cargo xtask fmu {name}\n\
+         cosim run {name} --plot {name}.png\n\
+         cargo test -p fmu-{name}",
+        MEMBERS.file, PLANTS.file
+    )
+}
+
+/// The files of the template under the name.
+fn made(root: &Path, name: &str) -> Result<Files> {
+    let class = camel_case(name);
+    let template = root.join(TEMPLATE);
+    let mut files = Files::new();
+    for source in sources(&template)? {
+        let text = fs::read_to_string(&source).with_context(|| format!("cannot read `{}`", source.display()))?;
+        files.push((target(source.strip_prefix(&template)?, name)?, text));
+    }
+    check(name, &files)?;
+    let there = files.iter().map(|(path, _)| path).find(|path| root.join(path).exists());
+    if let Some(path) = there {
+        bail!("`{}` exists, and nothing is overwritten\nhint: take another name", path.display());
+    }
+    files.iter_mut().for_each(|(_, text)| *text = text.replace("__name__", name).replace("__Name__", &class));
+    Ok(files)
+}
+
+/// Where a file of the template belongs in the checkout.
+fn target(relative: &Path, name: &str) -> Result<PathBuf> {
+    if let Ok(inside) = relative.strip_prefix("crate") {
+        return Ok(Path::new(&format!("fmu-{name}")).join(inside));
+    }
+    let file = relative.to_str().unwrap_or_default();
+    Ok(match file {
+        "plant.py" | "plant.xml" | "plant_parameters.py" => format!("plants/{}", file.replacen("plant", name, 1)),
+        "scenario.toml" => format!("scenarios/{name}.toml"),
+        "acceptance.py" => format!("tests/acceptance/test_{name}.py"),
+        _ => bail!("`{TEMPLATE}/{}` has no place in a controller", relative.display()),
+    }
+    .into())
+}
+
+fn sources(folder: &Path) -> Result<Vec<PathBuf>> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).with_context(|| format!("cannot list `{}`", folder.display()))? {
+        let path = entry?.path();
+        if path.is_dir() { found.extend(sources(&path)?) } else { found.push(path) }
+    }
+    found.sort();
+    Ok(found)
+}
+
+/// Checks that the name can be that of a crate, of a Python module and, in camel case, of a type beside the template's.
+fn check(name: &str, template: &Files) -> Result<()> {
+    let plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
+    ensure!(
+        name.starts_with(|c: char| c.is_ascii_lowercase()) && name.chars().all(plain),
+        "`{name}` is no name for a controller\nhint: lower-case letters, digits and `_`, a letter first, such as `feed_drive`"
+    );
+    ensure!(
+        KEYWORDS.split_whitespace().all(|word| word != name),
+        "`{name}` is no name for a controller: a keyword of Rust or Python\nhint: take another word"
+    );
+    let class = camel_case(name);
+    let taken = |text: &str| text.split(|c: char| !c.is_ascii_alphanumeric() && c != '_').any(|word| word == class);
+    ensure!(
+        !template.iter().any(|(_, text)| taken(text)),
+        "`{name}` is no name for a controller: `{class}` means something else in its files\nhint: take another word"
+    );
+    Ok(())
+}
+
+fn camel_case(name: &str) -> String {
+    let capital = |word: &str| word[..1].to_ascii_uppercase() + &word[1..];
+    name.split('_').filter(|word| !word.is_empty()).map(capital).collect()
+}
+
+/// The lists with the new controller.
+fn listed(root: &Path, name: &str) -> Result<Files> {
+    let entries =
+        [(&MEMBERS, format!("\"fmu-{name}\"")), (&PLANTS, format!("    \"{name}\": \"{}\"", camel_case(name)))];
+    let entered = entries.map(|(list, entry)| {
+        let text = fs::read_to_string(root.join(list.file)).with_context(|| format!("cannot read `{}`", list.file))?;
+        let text = list.with(&text, &entry);
+        let text = text.with_context(|| format!("`{}` holds no list `{}`", list.file, list.begin.trim_end()))?;
+        Ok((PathBuf::from(list.file), text))
+    });
+    entered.into_iter().collect()
+}
+
+impl List {
+    /// The file with one entry more, in alphabetical order.
+    fn with(&self, text: &str, entry: &str) -> Option<String> {
+        let Self { begin, end, separator, .. } = self;
+        let (head, rest) = text.split_once(begin)?;
+        let (inside, tail) = rest.split_once(end)?;
+        let mut entries: Vec<_> = inside.split_terminator(separator).chain([entry]).collect();
+        entries.sort_unstable();
+        let last = if inside.ends_with(separator) { separator } else { "" };
+        Some(format!("{head}{begin}{}{last}{end}{tail}", entries.join(separator)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn root() -> PathBuf {
+        Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_owned()
+    }
+
+    fn refusal(name: &str) -> String {
+        made(&root(), name).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn a_name_is_that_of_a_crate_and_of_a_python_module() {
+        for name in ["", "2d", "Trial", "two-words", "a b", "a.b", "../up", "größe", "_trial"] {
+            assert!(refusal(name).contains("hint: lower-case letters"), "{name}");
+        }
+        for name in ["match", "loop", "lambda", "none"] {
+            assert!(refusal(name).contains("a keyword of Rust or Python"), "{name}");
+        }
+    }
+
+    #[test]
+    fn a_name_means_nothing_else_in_the_files_of_the_template() {
+        for name in ["model", "controller", "plant", "option", "state"] {
+            assert!(refusal(name).contains("means something else"), "{name}");
+        }
+    }
+
+    #[test]
+    fn nothing_is_overwritten() {
+        let paths =
+            ["fmu-trial/src/lib.rs", "plants/trial.xml", "scenarios/trial.toml", "tests/acceptance/test_trial.py"];
+        for path in paths {
+            let folder = tempfile::tempdir().unwrap();
+            copy(&root().join(TEMPLATE), &folder.path().join(TEMPLATE));
+            fs::create_dir_all(folder.path().join(path).parent().unwrap()).unwrap();
+            fs::write(folder.path().join(path), "mine").unwrap();
+            let error = run(folder.path(), "trial").unwrap_err().to_string();
+            assert!(error.starts_with(&format!("`{path}` exists")), "{error}");
+        }
+        assert!(refusal("dob").contains("exists"), "a controller of the project");
+    }
+
+    #[test]
+    fn every_placeholder_is_filled_and_only_two_files_are_changed() {
+        let (mut here, mut changed) = (made(&root(), "feed_drive").unwrap(), listed(&root(), "feed_drive").unwrap());
+        let paths: Vec<_> = changed.iter().map(|(path, _)| path.to_str().unwrap().to_owned()).collect();
+        assert_eq!(paths, ["Cargo.toml", "plants/__init__.py"]);
+        here.append(&mut changed);
+        for (path, text) in &here {
+            assert!(!text.contains("__name__") && !text.contains("__Name__"), "{}", path.display());
+        }
+        let lib = &here.iter().find(|(path, _)| path.ends_with("fmu-feed_drive/src/lib.rs")).unwrap().1;
+        assert!(lib.contains("export!(FeedDrive);"));
+    }
+
+    #[test]
+    fn a_list_gets_one_entry_in_its_place() {
+        let members = "members = [\"a\", \"fmu-dob\", \"xtask\"]\n";
+        assert_eq!(MEMBERS.with(members, "\"fmu-trial\"").unwrap(), members.replace("\"x", "\"fmu-trial\", \"x"));
+        let plants = "PLANTS = {\n    \"slide\": \"Slide\",\n}\nrest\n";
+        let both = "PLANTS = {\n    \"cart\": \"Cart\",\n    \"slide\": \"Slide\",\n}\nrest\n";
+        assert_eq!(PLANTS.with(plants, "    \"cart\": \"Cart\"").unwrap(), both);
+        assert_eq!(PLANTS.with("NAMES = {}\n", "x"), None);
+    }
+
+    fn copy(from: &Path, to: &Path) {
+        for source in sources(from).unwrap() {
+            let path = to.join(source.strip_prefix(from).unwrap());
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            fs::copy(source, path).unwrap();
+        }
+    }
+}
