@@ -1,10 +1,11 @@
 //! `documentation/index.html`: the variable table for people.
 
+use crate::description::cells::Cells;
 use crate::description::model_description::used_types;
 use crate::description::xml::Writer;
 use crate::host::logger::Category;
 use crate::model::{Interface, Model};
-use crate::table::variable::{Kind, Role, Variable};
+use crate::table::variable::{Role, Variable};
 
 const STYLE: &str = "body{font-family:sans-serif;margin:2em;max-width:75em}\
 table{border-collapse:collapse}td,th{border:1px solid silver;padding:.2em .6em;text-align:left;vertical-align:top}";
@@ -55,31 +56,15 @@ fn section<V>(html: &mut Writer, title: &'static str, table: &[Variable<V>], rol
     }
     html.element("h2", title);
     html.open("table", &[]);
-    line(html, "th", &["Name", "Type", "Unit", "Start", "Range", "Description"]);
+    let parameters = roles.contains(&Role::Parameter);
+    let more: &[&str] = if parameters { &["Paper", "Source"] } else { &[] };
+    line(html, "th", &[&["Name", "Type", "Unit", "Start", "Range", "Description"], more].concat());
     for row in table.iter().filter(|row| roles.contains(&row.role())) {
-        variable(html, row);
+        let Cells { name, kind, unit, start, range, paper, .. } = Cells::of(row);
+        let more: &[&str] = if parameters { &[&paper, row.source] } else { &[] };
+        line(html, "td", &[&[name.as_str(), &kind, &unit, &start, &range, row.description], more].concat());
     }
     html.close();
-}
-
-fn variable<V>(html: &mut Writer, row: &Variable<V>) {
-    let name = row.size.map_or(row.name.to_owned(), |size| format!("{}[1..{size}]", row.name));
-    let (kind, unit, start, range) = match &row.kind {
-        Kind::Real { start, real, .. } => {
-            let unit = real.unit.map_or("", |unit| unit.name);
-            ("Real", unit, list(start), span(real.min, real.max, f64::NEG_INFINITY, f64::INFINITY))
-        }
-        Kind::Integer { start, min, max, .. } => ("Integer", "", list(start), span(*min, *max, i32::MIN, i32::MAX)),
-        Kind::Boolean { start, .. } => ("Boolean", "", list(start), String::new()),
-        Kind::Text { start, .. } => ("String", "", (*start).to_owned(), String::new()),
-        Kind::Choice { start, ty, .. } => (ty.name, "", ty.items[*start as usize - 1].name.to_owned(), String::new()),
-    };
-    let (start, kind) = match row.role() {
-        Role::Calculated => ("calculated", kind.to_owned()),
-        Role::Tunable => (start.as_str(), format!("{kind}, tunable")),
-        _ => (start.as_str(), kind.to_owned()),
-    };
-    line(html, "td", &[&name, &kind, unit, start, &range, row.description]);
 }
 
 fn enumerations<V>(html: &mut Writer, table: &[Variable<V>]) {
@@ -88,7 +73,7 @@ fn enumerations<V>(html: &mut Writer, table: &[Variable<V>]) {
         html.element("p", ty.description);
         html.open("table", &[]);
         for (i, item) in ty.items.iter().enumerate() {
-            line(html, "td", &[&(i + 1).to_string(), item.name, item.description]);
+            line(html, "td", &[&(i + 1).to_string(), item.name, item.description, item.hint]);
         }
         html.close();
     }
@@ -105,17 +90,4 @@ fn line(html: &mut Writer, cell: &'static str, texts: &[&str]) {
     html.open("tr", &[]);
     texts.iter().for_each(|text| html.element(cell, text));
     html.close();
-}
-
-fn list<T: ToString>(values: &[T]) -> String {
-    values.iter().map(T::to_string).collect::<Vec<_>>().join(", ")
-}
-
-fn span<T: PartialEq + ToString>(min: T, max: T, lowest: T, highest: T) -> String {
-    match (min == lowest, max == highest) {
-        (true, true) => String::new(),
-        (true, false) => format!("<= {}", max.to_string()),
-        (false, true) => format!(">= {}", min.to_string()),
-        (false, false) => format!("{} .. {}", min.to_string(), max.to_string()),
-    }
 }

@@ -1,5 +1,6 @@
 //! The files that a library describes itself with.
 
+mod cells;
 pub mod documentation;
 pub mod files;
 pub mod model_description;

@@ -3,10 +3,11 @@
 use std::fmt::Write;
 use std::path::Path;
 
+use crate::description::cells::Cells;
 use crate::description::model_description::used_types;
 use crate::model::{Interface, Model};
 use crate::table::enumeration::EnumType;
-use crate::table::variable::{Kind, Role, Variable};
+use crate::table::variable::{Role, Variable};
 
 const BEGIN: &str = "<!-- variables: made from the interface; `BLESS=1 cargo test` renews them -->\n";
 const END: &str = "<!-- end of the variables -->";
@@ -70,8 +71,10 @@ fn section<V>(text: &mut String, title: &str, table: &[Variable<V>], roles: &[Ro
         "| Name | Unit | Start | Meaning |\n|---|---|---|---|\n"
     });
     for row in rows {
-        let Cells { name, unit, start, range, paper } = Cells::of(row);
-        let meaning = escaped(row.description);
+        let Cells { name, unit, start, range, paper, words, .. } = Cells::of(row);
+        let (start, paper) = if words { (word(&start), word(&paper)) } else { (start, paper) };
+        let tunable = if row.role() == Role::Tunable { "; tunable" } else { "" };
+        let meaning = format!("{}{tunable}", escaped(row.description));
         _ = if parameters {
             writeln!(text, "| `{name}` | {unit} | {start} | {range} | {paper} | {meaning} | {} |", escaped(row.source))
         } else {
@@ -95,75 +98,8 @@ fn enumeration(text: &mut String, ty: &EnumType) {
     text.push('\n');
 }
 
-/// What a row shows beside its texts.
-#[derive(Default)]
-struct Cells {
-    name: String,
-    unit: String,
-    start: String,
-    range: String,
-    paper: String,
-}
-
-impl Cells {
-    fn of<V>(row: &Variable<V>) -> Self {
-        let name = row.size.map_or(row.name.to_owned(), |size| format!("{}[1..{size}]", row.name));
-        let mut cells = Self { name, ..Self::default() };
-        match &row.kind {
-            Kind::Real { start, real, .. } => {
-                let display = real.display.map_or(String::new(), |display| format!(" ({display})"));
-                cells.unit = real.unit.map_or(String::new(), |unit| format!("{}{display}", unit.name));
-                cells.start = alike(start, |x| number(*x));
-                cells.range =
-                    range(real.min > f64::NEG_INFINITY, number(real.min), real.max < f64::INFINITY, number(real.max));
-                cells.paper = row.paper.map_or(String::new(), number);
-            }
-            Kind::Integer { start, min, max, .. } => {
-                cells.start = alike(start, i32::to_string);
-                cells.range = range(*min > i32::MIN, min.to_string(), *max < i32::MAX, max.to_string());
-                cells.paper = row.paper.map_or(String::new(), number);
-            }
-            Kind::Boolean { start, .. } => {
-                cells.start = alike(start, bool::to_string);
-                cells.paper = row.paper.map_or(String::new(), |value| (value != 0.0).to_string());
-            }
-            Kind::Text { start, .. } => {
-                let quoted = |text: &str| if text.is_empty() { String::new() } else { format!("`{}`", escaped(text)) };
-                (cells.start, cells.paper) = (quoted(start), quoted(row.paper_text));
-            }
-            Kind::Choice { start, ty, .. } => {
-                let item = |number: i32| format!("`{}`", ty.items[number as usize - 1].name);
-                cells.start = item(*start);
-                cells.paper = row.paper.map_or(String::new(), |value| item(value as i32));
-            }
-        }
-        if row.role() == Role::Calculated {
-            cells.start = "calculated".to_owned();
-        }
-        cells
-    }
-}
-
-/// The values of an array, as one where they are alike.
-fn alike<T: PartialEq>(values: &[T], show: impl Fn(&T) -> String) -> String {
-    match values {
-        [first, rest @ ..] if rest.iter().all(|value| value == first) => show(first),
-        _ => values.iter().map(show).collect::<Vec<_>>().join(", "),
-    }
-}
-
-/// A number with a power of ten where that is shorter.
-fn number(value: f64) -> String {
-    if value == 0.0 || (1e-3..1e5).contains(&value.abs()) { format!("{value}") } else { format!("{value:e}") }
-}
-
-fn range(low: bool, min: String, high: bool, max: String) -> String {
-    match (low, high) {
-        (true, true) => format!("{min} .. {max}"),
-        (true, false) => format!(">= {min}"),
-        (false, true) => format!("<= {max}"),
-        (false, false) => String::new(),
-    }
+fn word(text: &str) -> String {
+    if text.is_empty() { String::new() } else { format!("`{}`", escaped(text)) }
 }
 
 fn escaped(text: &str) -> String {
@@ -181,13 +117,5 @@ mod tests {
         assert_eq!(once, format!("head\n{BEGIN}\nnew\n{END}\ntail\n"));
         assert_eq!(renewed(&once, "new\n").unwrap(), once);
         assert_eq!(renewed("no marks", "new"), None);
-    }
-
-    #[test]
-    fn numbers_are_short_and_arrays_of_one_value_are_that_value() {
-        assert_eq!([1e-4, 0.5, 188.0, 1e5, 0.0, -2e-6].map(number), ["1e-4", "0.5", "188", "1e5", "0", "-2e-6"]);
-        assert_eq!(alike(&[13.0; 6], |x| number(*x)), "13");
-        assert_eq!(alike(&[1, 2], i32::to_string), "1, 2");
-        assert_eq!(range(true, "1".into(), false, String::new()), ">= 1");
     }
 }

@@ -1,0 +1,97 @@
+//! What a table of variables shows of a row, in words: for the documentation page and for a README.
+
+use crate::table::variable::{Kind, Role, Variable};
+
+/// The cells of a row beside its texts; empty where there is nothing to show.
+#[derive(Default)]
+pub struct Cells {
+    pub name: String,
+    /// Type, and `tunable` where the variable may change between steps.
+    pub kind: String,
+    /// Unit, and the display unit.
+    pub unit: String,
+    pub start: String,
+    pub range: String,
+    /// Value of the paper.
+    pub paper: String,
+    /// Start value and value of the paper are words of the interface: items and texts.
+    pub words: bool,
+}
+
+impl Cells {
+    /// The cells of a row.
+    pub fn of<V>(row: &Variable<V>) -> Self {
+        let name = row.size.map_or(row.name.to_owned(), |size| format!("{}[1..{size}]", row.name));
+        let mut cells = Self { name, kind: row.kind.type_name().to_owned(), ..Self::default() };
+        match &row.kind {
+            Kind::Real { start, real, .. } => {
+                let display = real.display.map_or(String::new(), |display| format!(" ({display})"));
+                cells.unit = real.unit.map_or(String::new(), |unit| format!("{}{display}", unit.name));
+                cells.start = alike(start, |x| number(*x));
+                let (low, high) = (real.min > f64::NEG_INFINITY, real.max < f64::INFINITY);
+                cells.range = range(low.then(|| number(real.min)), high.then(|| number(real.max)));
+                cells.paper = row.paper.map_or(String::new(), number);
+            }
+            Kind::Integer { start, min, max, .. } => {
+                cells.start = alike(start, i32::to_string);
+                let (low, high) = (*min > i32::MIN, *max < i32::MAX);
+                cells.range = range(low.then(|| min.to_string()), high.then(|| max.to_string()));
+                cells.paper = row.paper.map_or(String::new(), number);
+            }
+            Kind::Boolean { start, .. } => {
+                cells.start = alike(start, bool::to_string);
+                cells.paper = row.paper.map_or(String::new(), |value| (value != 0.0).to_string());
+            }
+            Kind::Text { start, .. } => {
+                (cells.start, cells.paper, cells.words) = ((*start).to_owned(), row.paper_text.to_owned(), true);
+            }
+            Kind::Choice { start, ty, .. } => {
+                let item = |number: i32| ty.items[number as usize - 1].name.to_owned();
+                ty.name.clone_into(&mut cells.kind);
+                cells.paper = row.paper.map_or(String::new(), |value| item(value as i32));
+                (cells.start, cells.words) = (item(*start), true);
+            }
+        }
+        match row.role() {
+            Role::Calculated => cells.start = "calculated".to_owned(),
+            Role::Tunable => cells.kind += ", tunable",
+            _ => {}
+        }
+        cells
+    }
+}
+
+/// The values of an array, as one where they are alike.
+fn alike<T: PartialEq>(values: &[T], show: impl Fn(&T) -> String) -> String {
+    match values {
+        [first, rest @ ..] if rest.iter().all(|value| value == first) => show(first),
+        _ => values.iter().map(show).collect::<Vec<_>>().join(", "),
+    }
+}
+
+/// A number with a power of ten where that is shorter.
+fn number(value: f64) -> String {
+    if value == 0.0 || (1e-3..1e5).contains(&value.abs()) { format!("{value}") } else { format!("{value:e}") }
+}
+
+fn range(low: Option<String>, high: Option<String>) -> String {
+    match (low, high) {
+        (Some(low), Some(high)) => format!("{low} .. {high}"),
+        (Some(low), None) => format!(">= {low}"),
+        (None, Some(high)) => format!("<= {high}"),
+        (None, None) => String::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short_and_arrays_of_one_value_are_that_value() {
+        assert_eq!([1e-4, 0.5, 188.0, 1e5, 0.0, -2e-6].map(number), ["1e-4", "0.5", "188", "1e5", "0", "-2e-6"]);
+        assert_eq!(alike(&[13.0; 6], |x| number(*x)), "13");
+        assert_eq!(alike(&[1, 2], i32::to_string), "1, 2");
+        assert_eq!(range(Some("1".into()), None), ">= 1");
+    }
+}
