@@ -45,6 +45,11 @@ class Fmu:
             if causality in (None, variable.causality) and kind in (None, variable.type)
         ]
 
+    def driven(self, driver: Path, *words: str) -> list[str]:
+        """Return the command line of the driver with this FMU and a Real input of it."""
+        reference = self.variables("input", "Real")[0].valueReference
+        return [str(driver), str(self.library), self.description.guid, str(reference), *words]
+
 
 def build_probe() -> Path:
     """Build the example `probe` of fmi2-export with the features of `cargo test --workspace`."""

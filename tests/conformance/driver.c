@@ -30,6 +30,9 @@ static fmi2DeSerializeFMUstateTYPE *deserialize;
 
 static int messages;
 
+/* a Real input */
+static fmi2ValueReference input;
+
 static void count(fmi2ComponentEnvironment environment, fmi2String instance, fmi2Status status, fmi2String category,
                   fmi2String message, ...) {
     (void)environment;
@@ -73,9 +76,8 @@ static void start(fmi2Component c) {
     OK(exit_initialization_mode(c));
 }
 
-/* steps from step number `first` on; the answer is the sum of the first variable, an input */
+/* steps from step number `first` on, with a Real input that rises */
 static void step(fmi2Component c, int first) {
-    const fmi2ValueReference input = 0;
     for (int k = first; k < first + STEPS; k++) {
         const fmi2Real value = 1e-6 * k;
         fmi2Real read = 0.0;
@@ -109,7 +111,7 @@ static void hand_over(fmi2Component from, fmi2Component to) {
 
 /* refusals of every kind make texts, which must be freed like everything else */
 static void refuse(fmi2Component c) {
-    const fmi2ValueReference unknown = 1000000, input = 0;
+    const fmi2ValueReference unknown = 1000000;
     const fmi2Real nan = 0.0 / 0.0;
     fmi2String text = NULL;
     check(get_string(c, &input, 1, &text) == fmi2Error, "a Real was read as a String");
@@ -134,8 +136,9 @@ static void run_with_traps(const char *guid, const fmi2CallbackFunctions *callba
 }
 
 int main(int argc, char **argv) {
-    const int traps = argc == 4 && strcmp(argv[3], "traps") == 0;
-    check(argc == 3 || traps, "usage: driver LIBRARY GUID [traps]");
+    const int traps = argc == 5 && strcmp(argv[4], "traps") == 0;
+    check(argc == 4 || traps, "usage: driver LIBRARY GUID REFERENCE [traps]");
+    input = (fmi2ValueReference)strtoul(argv[3], NULL, 10);
     void *library = dlopen(argv[1], RTLD_NOW | RTLD_LOCAL);
     check(library != NULL, "dlopen");
     find(library);

@@ -15,6 +15,5 @@ pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="feenableexcept 
 
 def test_no_exception_is_raised(fmu: Fmu, tmp_path: Path) -> None:
     driver = compile_driver(tmp_path, DRIVER.read_text())
-    command = [str(driver), str(fmu.library), fmu.description.guid, "traps"]
-    result = subprocess.run(command, capture_output=True, text=True, check=False)
+    result = subprocess.run(fmu.driven(driver, "traps"), capture_output=True, text=True, check=False)
     assert (result.returncode, result.stdout, result.stderr) == (0, "done\n", "")

@@ -27,7 +27,7 @@ def valgrind() -> str:
 
 
 def run(valgrind: str, driver: Path, fmu: Fmu) -> subprocess.CompletedProcess[str]:
-    command = [valgrind, *VALGRIND, str(driver), str(fmu.library), fmu.description.guid]
+    command = [valgrind, *VALGRIND, *fmu.driven(driver)]
     return subprocess.run(command, capture_output=True, text=True, check=False)
 
 
