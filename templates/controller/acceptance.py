@@ -1,4 +1,4 @@
-"""The slide against its claims, in closed loop with its plant; the rest is in `scenarios/__name__.toml`."""
+"""The slide against its claims, in closed loop with its plant; the criteria are those of the scenario."""
 
 import numpy as np
 import pytest
@@ -19,8 +19,8 @@ def test_the_integral_takes_up_what_friction_leaves_to_the_law_of_the_paper() ->
 
 
 def test_a_slide_that_is_blocked_is_a_fault_with_its_name() -> None:
-    result = cosim.run(cosim.load("__name__", set=["signal.plant.load.values=[-80.0, -80.0]"]), SEEDS[0])
-    trace = result.trace
+    blocked = cosim.load("__name__", set=["signal.plant.load.values=[-80.0, -80.0]"])
+    trace = cosim.run(blocked, SEEDS[0]).trace
     assert trace is not None
     assert trace["controller.fault"][-1] == 2
     # the fault comes in the first sample beyond the limit, and ends the force

@@ -71,12 +71,18 @@ fn made(root: &Path, name: &str) -> Result<Files> {
         files.push((target(source.strip_prefix(&template)?, name)?, text));
     }
     check(name, &files)?;
-    let there = files.iter().map(|(path, _)| path).find(|path| root.join(path).exists());
-    if let Some(path) = there {
-        bail!("`{}` exists, and nothing is overwritten\nhint: take another name", path.display());
-    }
+    refuse_existing(root, name, &files)?;
     files.iter_mut().for_each(|(_, text)| *text = text.replace("__name__", name).replace("__Name__", &class));
     Ok(files)
+}
+
+fn refuse_existing(root: &Path, name: &str, files: &Files) -> Result<()> {
+    let folder = PathBuf::from(format!("fmu-{name}"));
+    let mut paths = std::iter::once(&folder).chain(files.iter().map(|(path, _)| path));
+    match paths.find(|path| root.join(path).exists()) {
+        Some(path) => bail!("`{}` exists, and nothing is overwritten\nhint: take another name", path.display()),
+        None => Ok(()),
+    }
 }
 
 /// Where a file of the template belongs in the checkout.
@@ -186,17 +192,20 @@ mod tests {
 
     #[test]
     fn nothing_is_overwritten() {
-        let paths =
-            ["fmu-trial/src/lib.rs", "plants/trial.xml", "scenarios/trial.toml", "tests/acceptance/test_trial.py"];
-        for path in paths {
+        for (path, told) in [
+            ("fmu-trial/notes.txt", "fmu-trial"),
+            ("plants/trial.xml", "plants/trial.xml"),
+            ("scenarios/trial.toml", "scenarios/trial.toml"),
+            ("tests/acceptance/test_trial.py", "tests/acceptance/test_trial.py"),
+        ] {
             let folder = tempfile::tempdir().unwrap();
             copy(&root().join(TEMPLATE), &folder.path().join(TEMPLATE));
             fs::create_dir_all(folder.path().join(path).parent().unwrap()).unwrap();
             fs::write(folder.path().join(path), "mine").unwrap();
             let error = run(folder.path(), "trial").unwrap_err().to_string();
-            assert!(error.starts_with(&format!("`{path}` exists")), "{error}");
+            assert!(error.starts_with(&format!("`{told}` exists")), "{error}");
         }
-        assert!(refusal("dob").contains("exists"), "a controller of the project");
+        assert!(refusal("dob").starts_with("`fmu-dob` exists"), "a controller of the project");
     }
 
     #[test]
