@@ -46,7 +46,7 @@ impl Model for Polish {
     fn initialise(vars: &mut Vars, env: &mut Env) -> Result<Controller, Error> {
         let points = path::cl_file::read(env.resources(), &vars.in_force).map_err(|error| error.to_string())?;
         let controller = Controller::new(&vars.in_force, &points).map_err(|error| error.to_string())?;
-        vars.output.path.length = controller.path().length();
+        vars.output.path_length = controller.path().length();
         Ok(controller)
     }
 
@@ -55,7 +55,7 @@ impl Model for Polish {
         controller.tick(&vars.input, &vars.in_force, &mut vars.output);
         let now = &vars.output;
         env.report((before.state, before.fault), (now.state, now.fault), || faults::numbers(vars));
-        if now.ripple.frozen && !before.ripple.frozen {
+        if now.ripple_frozen && !before.ripple_frozen {
             env.warn(force::ripple::FROZEN);
         }
         Ok(())
