@@ -38,7 +38,6 @@ mod variables {
         /// Moves back to where it started and holds; a rising edge of `reset_fault` ends it at rest
         Fault,
     }
-
     /// Why the controller is in the fault state.
     pub enum Fault {
         /// No fault
@@ -62,7 +61,6 @@ mod variables {
         /// A full revolution does not tell the eccentricity from the tolerance
         #[hint("raise `tolerance`, or mend the noise of the probe")] Unresolved,
     }
-
     /// Which law centres the ring.
     pub enum Law {
         /// Recursive model of the ring, pushes planned backwards from the centre
@@ -70,7 +68,6 @@ mod variables {
         /// As in the paper: one revolution, one sine, one push
         Paper,
     }
-
     /// What is learned after a push.
     pub enum OffsetMethod {
         /// Nothing
@@ -78,10 +75,8 @@ mod variables {
         /// The difference between wished and actual way of the ring, as in the paper, eq. 37 to 39
         Recursive,
     }
-
     /// Inputs, sampled at the start of the tick.
-    #[inputs]
-    pub struct Input {
+    #[inputs] pub struct Input {
         /// Angle of the spindle, wrapped or not; positive about the upward axis
         #[var(unit = RADIAN as "deg", accepts_nan)] pub spindle_angle: f64,
         /// Slide encoder, positive towards the spindle axis
@@ -93,12 +88,9 @@ mod variables {
         /// Rising edge ends the state Fault once the slide is at rest: Idle, which waits for a rising edge of `enable`
         pub reset_fault: bool,
     }
-
     /// Outputs; always finite.
-    #[outputs]
-    pub struct Output {
+    #[outputs] pub struct Output {
         pub slide: Setpoint,
-        /// What the controller is doing
         pub state: State,
         /// Why it is in the state Fault; kept until the next start
         pub fault: Fault,
@@ -118,7 +110,6 @@ mod variables {
         #[var(unit = METRE as "um")] pub pusher_gap: f64,
         pub push: PushReport,
     }
-
     /// Command to the servo of the slide.
     pub struct Setpoint {
         /// Position command to the servo of the slide, positive towards the spindle axis
@@ -126,7 +117,6 @@ mod variables {
         /// Velocity command to the servo of the slide
         #[var(unit = METRE_PER_SECOND as "mm/s")] pub velocity_setpoint: f64,
     }
-
     /// What is told about the last push.
     pub struct PushReport {
         /// Pushes since the start
@@ -144,22 +134,22 @@ mod variables {
         /// Largest overshoot since the start
         #[var(unit = METRE as "um")] pub overshoot_max: f64,
     }
-
     /// All parameters.
-    #[parameters]
-    pub struct Parameters {
+    #[parameters] pub struct Parameters {
         /// Sample period of the setpoints
         #[var(unit = SECOND as "ms", range = 1e-4..=0.01, start = 1e-3, source = "our choice: a 12 ms push needs setpoints at this rate")] pub sample_period: f64,
         /// Samples between a setpoint and its action; 1 for a standard master, 0 if it acts at once
         #[var(range = 0..=8, start = 1, source = "our choice: what a standard master does")] pub io_delay: i32,
-        /// Which law centres the ring
         #[var(paper = Law::Paper, source = "our choice")] pub law: Law,
         /// Largest eccentricity of a centred ring
         #[var(unit = METRE as "um", range = 1e-8..=1e-3, start = 2.5e-6, source = "paper")] pub tolerance: f64,
         pub ring: Ring,
         pub probe: Probe,
         pub slide: Slide,
-        pub spindle: SpindleEncoder,
+        /// Resolution of the spindle encoder
+        #[var(name = "spindle.quantum", unit = RADIAN as "deg", range = 0.0..=0.1, start = TAU / 4000.0, source = "paper")] pub spindle_quantum: f64,
+        /// Length of the regression for angle and speed
+        #[var(name = "spindle.window", unit = SECOND, range = 0.1..=5.0, start = 0.5, source = "derived: jitter 0.02 %")] pub spindle_window: f64,
         pub approach: Approach,
         pub follow: Follow,
         pub rates: Rates,
@@ -197,13 +187,6 @@ mod variables {
         #[var(unit = METRE_PER_SECOND_SQUARED, range = 0.01..=100.0, start = 2.56, source = "paper")] pub acceleration_max: f64,
         /// Bandwidth of the servo of the slide, for feed-forward; 0 for none
         #[var(unit = RADIAN_PER_SECOND as "Hz", range = 0.0..=6283.2, start = 40.0 * TAU, source = "our choice: 40 Hz")] pub bandwidth: f64,
-    }
-    /// Spindle encoder.
-    pub struct SpindleEncoder {
-        /// Resolution of the spindle encoder
-        #[var(unit = RADIAN as "deg", range = 0.0..=0.1, start = TAU / 4000.0, source = "paper")] pub quantum: f64,
-        /// Length of the regression for angle and speed
-        #[var(unit = SECOND, range = 0.1..=5.0, start = 0.5, source = "derived: jitter 0.02 %")] pub window: f64,
     }
     /// Approach motion.
     pub struct Approach {
@@ -258,7 +241,6 @@ mod variables {
     }
     /// Offset that is learned from push to push.
     pub struct Offset {
-        /// What is learned after a push
         #[var(start = OffsetMethod::Recursive, source = "paper")] pub method: OffsetMethod,
         /// Only pushes of a smaller eccentricity teach
         #[var(unit = METRE as "um", range = 1e-6..=1.0, start = 2e-4, source = "paper")] pub gate: f64,

@@ -213,12 +213,16 @@ mod variables {
         #[var(range = 0..=6, start = 1, source = "our choice: what a standard master does")] pub io_delay: i32,
         pub axis: [Axis; 6],
         pub arm: Arm,
-        pub servo: Servo,
+        /// Gain Kp of the position loop of each axis
+        #[var(name = "servo.gain", unit = PER_SECOND, range = 0.1..=100.0, start = [13.0; 6], source = "paper: axes 1 and 3; the others our choice")] pub servo_gain: [f64; 6],
         pub transfer: Transfer,
         pub path: Path,
         pub feed: Feed,
         pub learn: Learn,
-        pub model: Model,
+        /// Natural frequency of the nominal velocity loop, eq. 1; NormOptimal
+        #[var(name = "model.natural_frequency", unit = RADIAN_PER_SECOND as "Hz", range = 10.0..=1e5, start = 280.0, source = "paper")] pub model_natural_frequency: f64,
+        /// Damping ratio of the nominal velocity loop, eq. 1; NormOptimal
+        #[var(name = "model.damping", unit = ONE, range = 0.05..=5.0, start = 0.52, source = "paper")] pub model_damping: f64,
         pub lookup: Lookup,
         pub bank: Bank,
         pub load: Load,
@@ -243,11 +247,6 @@ mod variables {
         #[var(unit = METRE as "mm", range = -10.0..=10.0, source = "our choice")] pub reach: f64,
         /// Distance from the wrist to the tip of the tool
         #[var(unit = METRE as "mm", range = 0.0..=2.0, start = 0.2, source = "our choice")] pub tool_offset: f64,
-    }
-    /// Position loop.
-    pub struct Servo {
-        /// Gain Kp of the position loop of each axis
-        #[var(unit = PER_SECOND, range = 0.1..=100.0, start = [13.0; 6], source = "paper: axes 1 and 3; the others our choice")] pub gain: [f64; 6],
     }
     /// Motion to the start of the path, and the rest there.
     pub struct Transfer {
@@ -297,13 +296,6 @@ mod variables {
         #[var(range = 8..=100, start = 10, source = "our choice: at least lead and preview")] pub lead_in: i32,
         /// Samples of a pattern after the end of the path
         #[var(range = 8..=500, start = 60, source = "our choice: 8 time constants 1/Kp")] pub lead_out: i32,
-    }
-    /// Nominal velocity loop, eq. 1.
-    pub struct Model {
-        /// Natural frequency of the nominal velocity loop, eq. 1; NormOptimal
-        #[var(unit = RADIAN_PER_SECOND as "Hz", range = 10.0..=1e5, start = 280.0, source = "paper")] pub natural_frequency: f64,
-        /// Damping ratio of the nominal velocity loop, eq. 1; NormOptimal
-        #[var(unit = ONE, range = 0.05..=5.0, start = 0.52, source = "paper")] pub damping: f64,
     }
     /// Use of the control patterns, eq. 2 to 4.
     pub struct Lookup {

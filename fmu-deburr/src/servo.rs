@@ -18,7 +18,7 @@ pub fn pulses(p: &Parameters, positions: &Joints) -> Joints {
 /// Velocity commands (rad/s or m/s) for an error and a compensation in pulses, within the limits.
 pub fn command(p: &Parameters, error: &Joints, compensation: &Joints) -> Joints {
     std::array::from_fn(|i| {
-        let velocity = p.servo.gain[i] * p.axis[i].pulse * (error[i] + compensation[i]);
+        let velocity = p.servo_gain[i] * p.axis[i].pulse * (error[i] + compensation[i]);
         velocity.clamp(-p.axis[i].velocity_max, p.axis[i].velocity_max)
     })
 }

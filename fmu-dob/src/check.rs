@@ -67,9 +67,9 @@ fn travel(p: &Parameters) -> Result<(), ParameterError> {
 
 fn guard(p: &Parameters) -> Result<(), ParameterError> {
     let most = p.stage.force_constant * p.stage.current_max;
-    require(p.guard.force < most, || ParameterError {
+    require(p.guard_force < most, || ParameterError {
         name: "guard.force",
-        value: format!("{} N", p.guard.force),
+        value: format!("{} N", p.guard_force),
         limit: format!("less than `{most} N`, the largest force of the drive"),
         hint: "the guard must trip before the current saturates",
     })
@@ -101,10 +101,10 @@ mod tests {
         let cases = [
             (error(|p| p.approach.direction = 0), "approach.direction", "`0`", "`-1`"),
             (error(|p| p.servo.bandwidth = 1000.0), "observer.velocity_bandwidth", "`3142 rad/s`", "`4000 rad/s`"),
-            (error(|p| p.deviation.window = 5000), "learn.settle_time", "`0.25 s`", "`0.52 s`"),
+            (error(|p| p.deviation_window = 5000), "learn.settle_time", "`0.25 s`", "`0.52 s`"),
             (error(|p| p.learn.time = 0.05), "learn.time", "`0.05 s`", "`0.1 s`"),
             (error(|p| p.approach.travel_max = 5e-5), "approach.travel_max", "`0.00005 m`", "armed"),
-            (error(|p| p.guard.force = 100.0), "guard.force", "`100 N`", "`100 N`"),
+            (error(|p| p.guard_force = 100.0), "guard.force", "`100 N`", "`100 N`"),
         ];
         for (message, name, value, limit) in cases {
             assert!(message.starts_with(&format!("parameter `{name}` is {value}")), "{message}");

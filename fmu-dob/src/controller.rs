@@ -54,8 +54,8 @@ impl Controller {
             reader: Reader::default(),
             observer: DisturbanceObserver::new(p),
             notch: NotchCascade::new(p),
-            deviation: MovingDeviation::new(p.deviation.window as usize),
-            slope: RunningLine::zeroed(p.slope.window as usize),
+            deviation: MovingDeviation::new(p.deviation_window as usize),
+            slope: RunningLine::zeroed(p.slope_window as usize),
             force: ForceOutput::START,
             detector: Detector::new(p),
             guard: ForceGuard::default(),
@@ -169,9 +169,9 @@ impl Controller {
         let guarded = match self.state {
             State::Approach => {
                 let steady = self.motion.cruising() && self.deviation.full();
-                steady && self.force.deviation > p.guard.force
+                steady && self.force.deviation > p.guard_force
             }
-            State::Learn | State::Detect => self.guard.exceeded(&p.guard, self.force.notched),
+            State::Learn | State::Detect => self.guard.exceeded(p.guard_force, self.force.notched),
             _ => return None,
         };
         if self.state == State::Detect && self.detector.test(p) {
@@ -189,7 +189,7 @@ impl Controller {
                 self.motion.depart(p);
                 let time = self.samples as f64 * p.sample_period;
                 self.contact =
-                    events.contact.map(|source| DetectedContact { source, position, bias: p.contact.bias, time });
+                    events.contact.map(|source| DetectedContact { source, position, bias: p.contact_bias, time });
             }
             (State::Fault, _) => self.fail(p, events, reading),
             (State::Retract, _) if self.state.approaching() => {

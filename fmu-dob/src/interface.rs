@@ -34,7 +34,6 @@ mod variables {
         /// Decelerates, moves back if it was approaching, then holds; a rising edge of `reset_fault` ends it at rest
         Fault,
     }
-
     /// Why the controller is in the fault state
     pub enum Fault {
         /// No fault
@@ -50,7 +49,6 @@ mod variables {
         /// `position` or `spindle_speed` is NaN, infinite or out of any plausible range
         #[hint("check what is connected to these inputs, and its unit")] InvalidInput,
     }
-
     /// What detected the contact
     pub enum ContactSource {
         /// No contact
@@ -70,7 +68,6 @@ mod variables {
         /// Hard force guard
         ForceGuard,
     }
-
     /// Which law is in force; `Paper` sets what was left at its start value
     pub enum Law {
         /// Slopes over four windows with automatic thresholds
@@ -78,7 +75,6 @@ mod variables {
         /// The law as printed: slope over one window, threshold mu + 4 sigma
         Paper,
     }
-
     /// Which detector decides
     pub enum DetectorKind {
         /// Notched force
@@ -94,7 +90,6 @@ mod variables {
         /// Generalised likelihood ratio of the Kalman innovation
         Glr,
     }
-
     /// Where alpha of the threshold mu + alpha sigma comes from
     pub enum ThresholdMode {
         /// `threshold.alpha`, as in the paper
@@ -102,10 +97,8 @@ mod variables {
         /// `threshold.false_alarm_interval` and the learned crossing rate
         Automatic,
     }
-
     /// Inputs, sampled at the start of a communication step
-    #[inputs]
-    pub struct Input {
+    #[inputs] pub struct Input {
         /// Encoder position z
         #[var(unit = METRE as "um", accepts_nan)] pub position: f64,
         /// Encoder and its link are good
@@ -117,10 +110,8 @@ mod variables {
         /// Rising edge ends a fault once the stage is at rest behind its retreat
         pub reset_fault: bool,
     }
-
     /// Outputs; always finite
-    #[outputs]
-    pub struct Output {
+    #[outputs] pub struct Output {
         /// Quantised current command I_a^ref
         #[var(unit = AMPERE)] pub current: f64,
         pub state: State,
@@ -173,10 +164,8 @@ mod variables {
         /// Velocity reference of the servo
         #[var(unit = METRE_PER_SECOND as "um/s")] pub velocity: f64,
     }
-
     /// Parameters
-    #[parameters]
-    pub struct Parameters {
+    #[parameters] pub struct Parameters {
         pub law: Law,
         /// Sample period T_s
         #[var(unit = SECOND as "us", range = 2e-5..=1e-3, start = 1e-4, source = "our choice: a usual amplifier rate")] pub sample_period: f64,
@@ -185,9 +174,14 @@ mod variables {
         pub stage: Stage,
         pub servo: Servo,
         pub observer: Observer,
-        pub notch: Notch,
-        pub deviation: Deviation,
-        pub slope: Slope,
+        /// Number of spindle harmonics removed
+        #[var(name = "notch.harmonics", range = 0..=HARMONICS_MAX as i32, start = 2, source = "our choice")] pub notch_harmonics: i32,
+        /// Quality Q of each notch
+        #[var(name = "notch.quality", unit = ONE, range = 0.5..=100.0, start = 2.0, source = "our choice")] pub notch_quality: f64,
+        /// Samples r of the moving average, eq. 2
+        #[var(name = "deviation.window", range = 10..=100_000, start = 1000, source = "our choice: depth is flat from 200 to 5000")] pub deviation_window: i32,
+        /// Samples N of the least-squares slope, eq. 3
+        #[var(name = "slope.window", range = 3..=1000, start = 50, source = "our choice")] pub slope_window: i32,
         #[var(start = DetectorKind::MultiSlope, paper = DetectorKind::Slope, source = "our choice: sees slow contacts, too")] pub detector: DetectorKind,
         pub threshold: Threshold,
         pub learn: Learn,
@@ -197,8 +191,10 @@ mod variables {
         pub glr: Glr,
         pub approach: Approach,
         pub retract: Retract,
-        pub guard: Guard,
-        pub contact: Contact,
+        /// Force change that stops the approach whatever the detector says; must exceed the cogging
+        #[var(name = "guard.force", unit = NEWTON, range = 1e-3..=1e4, start = 0.4, source = "our choice: 1.3 um at 100 um/s")] pub guard_force: f64,
+        /// Travel between first touch and detection; late but repeatable
+        #[var(name = "contact.bias", unit = METRE as "nm", range = -1e-3..=1e-3, source = "one calibration touch", tunable)] pub contact_bias: f64,
     }
     /// Nominal model of the stage and its drive
     pub struct Stage {
@@ -230,23 +226,6 @@ mod variables {
         #[var(unit = RADIAN_PER_SECOND as "Hz", range = 10.0..=1e4, start = 628.0, source = "our choice: 100 Hz; depth is flat from 50 to 200 Hz")] pub bandwidth: f64,
         /// Cut-off g_v of the velocity estimate
         #[var(unit = RADIAN_PER_SECOND as "Hz", range = 10.0..=5e4, start = 3142.0, source = "our choice: 500 Hz")] pub velocity_bandwidth: f64,
-    }
-    /// Notch filters that follow the spindle
-    pub struct Notch {
-        /// Number of spindle harmonics removed
-        #[var(range = 0..=HARMONICS_MAX as i32, start = 2, source = "our choice")] pub harmonics: i32,
-        /// Quality Q of each notch
-        #[var(unit = ONE, range = 0.5..=100.0, start = 2.0, source = "our choice")] pub quality: f64,
-    }
-    /// Deviation from the moving average, eq. 2
-    pub struct Deviation {
-        /// Samples r of the moving average, eq. 2
-        #[var(range = 10..=100_000, start = 1000, source = "our choice: depth is flat from 200 to 5000")] pub window: i32,
-    }
-    /// Least-squares slope of the deviation, eq. 3
-    pub struct Slope {
-        /// Samples N of the least-squares slope, eq. 3
-        #[var(range = 3..=1000, start = 50, source = "our choice")] pub window: i32,
     }
     /// Threshold mu + alpha sigma of the raw, deviation and slope detectors
     pub struct Threshold {
@@ -320,15 +299,5 @@ mod variables {
         #[var(unit = METRE_PER_SECOND_SQUARED, range = 0.01..=50.0, start = 2.0, source = "our choice: 1 A of this stage")] pub deceleration: f64,
         /// Distance of the retract
         #[var(unit = METRE as "um", range = 1e-7..=0.1, start = 2e-5, source = "our choice")] pub distance: f64,
-    }
-    /// Hard force guard, beside the detector
-    pub struct Guard {
-        /// Force change that stops the approach whatever the detector says; must exceed the cogging
-        #[var(unit = NEWTON, range = 1e-3..=1e4, start = 0.4, source = "our choice: 1.3 um at 100 um/s")] pub force: f64,
-    }
-    /// Contact position
-    pub struct Contact {
-        /// Travel between first touch and detection; late but repeatable
-        #[var(unit = METRE as "nm", range = -1e-3..=1e-3, source = "one calibration touch", tunable)] pub bias: f64,
     }
 }

@@ -9,8 +9,8 @@ use crate::check::check;
 use crate::faults::{self, Situation};
 use crate::identify::experiment::Identification;
 use crate::identify::tone::Expected;
-use crate::interface::{AfcOutput, ErrorOutput, Fault, IdentifyOutput, Input, Mode, Output, Parameters};
-use crate::interface::{PathOutput, ReferenceOutput, ResponseOutput, State};
+use crate::interface::{ErrorOutput, Fault, Input, Mode, Output, Parameters};
+use crate::interface::{ReferenceOutput, ResponseOutput, State};
 use crate::machine::{Events, Request, next};
 use crate::motion::hold::HoldMotion;
 use crate::motion::sweep::sweep;
@@ -65,7 +65,7 @@ impl Controller {
             Some(table) => table,
             None => &DepthTable::of_surface(p)?,
         };
-        let path = PathTable::new(arm, depth, p.feedforward.harmonics as usize);
+        let path = PathTable::new(arm, depth, p.feedforward_harmonics as usize);
         let model = LoopModel::new(p, compensator);
         let mut response = LoopResponse::nominal(model);
         tables.response.iter().for_each(|measured| response.correct(measured));
@@ -103,7 +103,7 @@ impl Controller {
         let torque = self.act(p, &wanted, &reading);
         self.calibrate(p, input, &reading, torque);
         self.report(p, torque, &wanted, &reading, output);
-        output.afc = AfcOutput { frozen: !layers.learning };
+        output.afc_frozen = !layers.learning;
         if matches!(self.state, State::Ready | State::Track) {
             self.tracker.judge(output.error.tracking, &self.spindle, &phasors);
         }
@@ -168,14 +168,14 @@ impl Controller {
 
     /// Which layers work in this sample.
     fn layers(&mut self, p: &Parameters, input: &Input) -> Layers {
-        if self.forget.rises(input.afc.reset) || !input.afc.enable {
+        if self.forget.rises(input.afc_reset) || !input.afc_enable {
             self.tracker.forget();
         }
         let steady = !self.recursion.saturated && self.spindle.speed.abs() >= p.afc.speed_min;
         Layers {
-            feedforward: input.feedforward.enable,
-            cancellation: input.afc.enable,
-            learning: input.afc.enable && steady && self.state == State::Track,
+            feedforward: input.feedforward_enable,
+            cancellation: input.afc_enable,
+            learning: input.afc_enable && steady && self.state == State::Track,
         }
     }
 
@@ -261,9 +261,10 @@ impl Controller {
         };
         output.spindle_speed = speed;
         output.saturated = self.state.closed() && self.recursion.saturated;
-        output.path = PathOutput { torque: needed_torque(p, path, speed), truncation: path.truncation };
+        output.path_torque = needed_torque(p, path, speed);
+        output.path_truncation = path.truncation;
         output.calibration = self.calibration.report();
-        output.identify = IdentifyOutput { progress: self.identification.progress() };
+        output.identify_progress = self.identification.progress();
         if let Some(response) = self.response.take() {
             output.response = ResponseOutput::of(&response, self.tracker.response());
         }

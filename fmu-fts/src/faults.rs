@@ -40,7 +40,7 @@ pub fn numbers(vars: &Vars) -> String {
         Fault::FollowingError => format!(": limit `{} m`", p.limits.following_error),
         Fault::Infeasible => format!(
             ": needed `{:.3} N.m` at `{:.2} rad/s`, available `{:.3} N.m`",
-            output.path.torque,
+            output.path_torque,
             output.spindle_speed,
             available_torque(p)
         ),
@@ -54,7 +54,7 @@ pub fn numbers(vars: &Vars) -> String {
 
 /// A warning of a table with too few harmonics.
 pub fn truncation(vars: &Vars) -> Option<String> {
-    let (left_out, harmonics) = (vars.output.path.truncation, vars.in_force.path.harmonics);
+    let (left_out, harmonics) = (vars.output.path_truncation, vars.in_force.path.harmonics);
     (left_out > TRUNCATION_MAX).then(|| {
         format!(
             "`path.harmonics` = `{harmonics}` leave out up to `{left_out:.1e} m` of the depth\nhint: take more harmonics, \

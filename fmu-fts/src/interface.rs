@@ -61,17 +61,13 @@ mod variables {
         /// No fault
         None,
         /// The arm was more than `limits.following_error` from where it should be
-        #[hint("free the arm, or allow more `limits.following_error`")]
-        FollowingError,
+        #[hint("free the arm, or allow more `limits.following_error`")] FollowingError,
         /// The path needs more than `limits.torque_share` of `servo.torque_max`
-        #[hint("turn slower, or end the cut at a smaller `surface.outer_radius`")]
-        Infeasible,
+        #[hint("turn slower, or end the cut at a smaller `surface.outer_radius`")] Infeasible,
         /// The slide is where the path has no table
-        #[hint("move the slide between `surface.outer_radius` and `surface.inner_radius`, or to the rows of `path.file`")]
-        OutsideTable,
+        #[hint("move the slide between `surface.outer_radius` and `surface.inner_radius`, or to the rows of `path.file`")] OutsideTable,
         /// An angle or position is NaN, infinite or absurd
-        #[hint("check the encoders and what is wired to the inputs")]
-        InvalidInput,
+        #[hint("check the encoders and what is wired to the inputs")] InvalidInput,
     }
     /// How the calibration goes
     pub enum Status {
@@ -111,8 +107,7 @@ mod variables {
         File,
     }
     /// Inputs, sampled at the start of the tick.
-    #[inputs]
-    pub struct Input {
+    #[inputs] pub struct Input {
         /// Encoder angle b of the arm from its index
         #[var(unit = RADIAN as "deg", accepts_nan)] pub arm_angle: f64,
         /// Spindle angle theta, wrapped or unwrapped
@@ -125,23 +120,16 @@ mod variables {
         pub mode: Mode,
         /// Rising edge ends a fault; the next job begins when `mode` changes or `enable` rises anew
         pub reset_fault: bool,
-        pub feedforward: FeedforwardInput,
-        pub afc: AfcInput,
-        /// Encoder angle b to be held in Hold, Identify and the calibrations
-        #[var(unit = RADIAN as "deg", accepts_nan)] pub hold_angle: f64, pub probe: ProbeInput,
-        pub calibration: CalibrationInput,
-    }
-    /// Switch of the feedforward.
-    pub struct FeedforwardInput {
         /// Pre-shift the path by the frequency response of the position loop
-        #[var(start = true)] pub enable: bool,
-    }
-    /// Switches of the cancellation.
-    pub struct AfcInput {
+        #[var(name = "feedforward.enable", start = true)] pub feedforward_enable: bool,
         /// Cancel harmonics of the error; false also forgets what was learned
-        #[var(start = true)] pub enable: bool,
+        #[var(name = "afc.enable", start = true)] pub afc_enable: bool,
         /// Rising edge forgets what the cancellation has learned
-        pub reset: bool,
+        #[var(name = "afc.reset")] pub afc_reset: bool,
+        /// Encoder angle b to be held in Hold, Identify and the calibrations
+        #[var(unit = RADIAN as "deg", accepts_nan)] pub hold_angle: f64,
+        pub probe: ProbeInput,
+        pub calibration: CalibrationInput,
     }
     /// Depth probe, for the calibration.
     pub struct ProbeInput {
@@ -160,11 +148,9 @@ mod variables {
         pub solve: bool,
     }
     /// Outputs; always finite.
-    #[outputs]
-    pub struct Output {
+    #[outputs] pub struct Output {
         /// Torque command
         #[var(unit = NEWTON_METRE)] pub torque: f64,
-        /// What the controller is doing
         pub state: State,
         /// Why it is in the state Fault
         pub fault: Fault,
@@ -174,11 +160,16 @@ mod variables {
         #[var(unit = RADIAN_PER_SECOND as "rpm")] pub spindle_speed: f64,
         /// The torque is at its limit
         pub saturated: bool,
-        pub afc: AfcOutput,
-        pub path: PathOutput,
+        /// The cancellation learns nothing at present
+        #[var(name = "afc.frozen", start = true)] pub afc_frozen: bool,
+        /// Torque that the path needs somewhere at the present speed
+        #[var(name = "path.torque", unit = NEWTON_METRE)] pub path_torque: f64,
+        /// Largest depth that the harmonics of the table leave out
+        #[var(name = "path.truncation", unit = METRE as "nm")] pub path_truncation: f64,
         pub calibration: CalibrationOutput,
         pub response: ResponseOutput,
-        pub identify: IdentifyOutput,
+        /// Part of the measurement of the response that is over, 0 to 1
+        #[var(name = "identify.progress", unit = ONE)] pub identify_progress: f64,
     }
     /// Where the tool should be, before feedforward and cancellation.
     pub struct ReferenceOutput {
@@ -198,21 +189,8 @@ mod variables {
         /// Amplitude of a spindle harmonic of the tracking error in the last full turn
         #[var(unit = METRE as "um")] pub harmonic: [f64; ERROR_HARMONICS],
     }
-    /// State of the cancellation.
-    pub struct AfcOutput {
-        /// The cancellation learns nothing at present
-        #[var(start = true)] pub frozen: bool,
-    }
-    /// What is known of the path beforehand.
-    pub struct PathOutput {
-        /// Torque that the path needs somewhere at the present speed
-        #[var(unit = NEWTON_METRE)] pub torque: f64,
-        /// Largest depth that the harmonics of the table leave out
-        #[var(unit = METRE as "nm")] pub truncation: f64,
-    }
     /// Result of the calibration, for the selected tool.
     pub struct CalibrationOutput {
-        /// How the calibration goes
         pub status: Status,
         /// Calibrated arm length R_a
         #[var(unit = METRE as "mm")] pub arm_length: f64,
@@ -246,31 +224,29 @@ mod variables {
         /// Phase of T at this frequency, without jumps
         #[var(unit = RADIAN as "deg")] pub phase: [f64; COUNT_MAX],
     }
-    /// Measurement of the frequency response.
-    pub struct IdentifyOutput {
-        /// Part of the measurement of the response that is over, 0 to 1
-        #[var(unit = ONE)] pub progress: f64,
-    }
     /// Parameters.
-    #[parameters]
-    pub struct Parameters {
+    #[parameters] pub struct Parameters {
         /// Sample period T_s
         #[var(unit = SECOND as "us", range = 2e-5..=1e-3, start = 1e-4, source = "paper: 10 kHz")] pub sample_period: f64,
         /// Samples between a command and its action; 1 for a standard master, 0 if the command acts at once
         #[var(range = 0..=8, start = 1, source = "our choice: what a standard master does")] pub io_delay: i32,
-        /// Which law is in force
         pub law: Law,
         pub tool: Tool,
         pub surface: Surface,
         pub path: Path,
         pub servo: Servo,
         pub tip: Tip,
-        pub feedforward: Feedforward,
-        pub response: Response,
+        /// Harmonics that are pre-shifted; 0 for none, else at least those of the path
+        #[var(name = "feedforward.harmonics", range = 0..=64, start = 24, source = "derived: what the arc of the arm makes of 12")] pub feedforward_harmonics: i32,
+        /// JSON table of the frequency response, in the folder resources or with its whole path; empty for the nominal loop
+        #[var(name = "response.file")] pub response_file: String,
         pub afc: Afc,
-        pub pll: Pll,
-        pub approach: Approach,
-        pub hold: Hold,
+        /// Natural frequency of the loop that estimates the spindle speed; the path uses the raw angle
+        #[var(name = "pll.bandwidth", unit = RADIAN_PER_SECOND as "Hz", range = 1.0..=1e3, start = TAU * 20.0, source = "our choice: 20 Hz")] pub pll_bandwidth: f64,
+        /// Time of the motion onto the path
+        #[var(name = "approach.time", unit = SECOND, range = 0.01..=60.0, start = 0.3, source = "our choice")] pub approach_time: f64,
+        /// Largest speed of the motion to `hold_angle`, which never takes less than `approach.time`
+        #[var(name = "hold.speed", unit = RADIAN_PER_SECOND, range = 1e-4..=100.0, start = 2.0, source = "our choice")] pub hold_speed: f64,
         pub limits: Limits,
         pub identify: Identify,
         pub probe: Probe,
@@ -295,7 +271,6 @@ mod variables {
     }
     /// Surface to be cut.
     pub struct Surface {
-        /// What kind of surface is cut
         #[var(source = "paper")] pub kind: SurfaceKind,
         /// Curvature along Y (spindle angle pi/2), concave is positive; dioptres over 0.53
         #[var(unit = PER_METRE, range = -50.0..=50.0, source = "paper: 0x4, flat")] pub base_curvature: f64,
@@ -359,16 +334,6 @@ mod variables {
         /// Move the hub so that the tool, not the hub, is on the path
         #[var(start = true, paper = false, source = "our choice")] pub compensation: bool,
     }
-    /// Feedforward that pre-shifts the path.
-    pub struct Feedforward {
-        /// Harmonics that are pre-shifted; 0 for none, else at least those of the path
-        #[var(range = 0..=64, start = 24, source = "derived: what the arc of the arm makes of 12")] pub harmonics: i32,
-    }
-    /// Frequency response that the feedforward inverts.
-    pub struct Response {
-        /// JSON table of the frequency response, in the folder resources or with its whole path; empty for the nominal loop
-        pub file: String,
-    }
     /// Adaptive feedforward cancellation (repetitive control), eq. 3.
     pub struct Afc {
         /// Cancelled harmonics of the spindle: numbers and ranges like `2, 4, 6` or `1-24`, up to 64
@@ -385,21 +350,6 @@ mod variables {
         #[var(unit = RADIAN_PER_SECOND as "rpm", range = 0.0..=1e3, start = TAU, source = "our choice: 60 rpm")] pub speed_min: f64,
         /// Harmonics above this frequency are left alone
         #[var(unit = RADIAN_PER_SECOND as "Hz", range = 62.8..=31_400.0, start = TAU * 700.0, source = "our choice: three times the bandwidth")] pub frequency_max: f64,
-    }
-    /// Phase-locked loop of the spindle.
-    pub struct Pll {
-        /// Natural frequency of the loop that estimates the spindle speed; the path uses the raw angle
-        #[var(unit = RADIAN_PER_SECOND as "Hz", range = 1.0..=1e3, start = TAU * 20.0, source = "our choice: 20 Hz")] pub bandwidth: f64,
-    }
-    /// Motion onto the path.
-    pub struct Approach {
-        /// Time of the motion onto the path
-        #[var(unit = SECOND, range = 0.01..=60.0, start = 0.3, source = "our choice")] pub time: f64,
-    }
-    /// Motion to the held angle.
-    pub struct Hold {
-        /// Largest speed of the motion to `hold_angle`, which never takes less than `approach.time`
-        #[var(unit = RADIAN_PER_SECOND, range = 1e-4..=100.0, start = 2.0, source = "our choice")] pub speed: f64,
     }
     /// What is a fault.
     pub struct Limits {

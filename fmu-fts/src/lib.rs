@@ -59,7 +59,7 @@ impl Model for Fts {
         vars.in_force.read_lists().map_err(text)?;
         let tables = Tables::read(&vars.in_force, env.resources()).map_err(text)?;
         let controller = Controller::new(&vars.in_force, &tables).map_err(text)?;
-        vars.output.path.truncation = controller.truncation();
+        vars.output.path_truncation = controller.truncation();
         faults::truncation(vars).into_iter().for_each(|warning| env.warn(warning));
         Ok(controller)
     }

@@ -25,7 +25,7 @@ impl Tables {
     /// # Errors
     /// Names the file, the field, its value and the limit.
     pub fn read(p: &Parameters, resources: Option<&Path>) -> Result<Self, ParameterError> {
-        let response = &p.response.file;
+        let response = &p.response_file;
         Ok(Self {
             depth: match p.surface.kind {
                 SurfaceKind::File => Some(path_file::read(&p.path.file, resources, p)?),

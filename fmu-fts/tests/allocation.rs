@@ -57,7 +57,7 @@ fn neither_a_whole_identification_nor_a_fit_allocates() {
     p.identify.grid = "100, 200".parse().unwrap();
     let mut bench = Bench::new(p);
     bench.run(Mode::Identify, 12_000, |_, _| ());
-    assert_eq!(bench.output.identify.progress, 1.0);
+    assert_eq!(bench.output.identify_progress, 1.0);
     for mode in [Mode::CalibrateToroid, Mode::CalibrateFlats] {
         // cut and read in turn, solve at the end
         bench.run(mode, 2000, |k, input| {

@@ -61,18 +61,18 @@ fn position_gain(p: &Parameters) -> Result<(), ParameterError> {
 }
 
 fn loop_gain(p: &Parameters) -> Result<(), ParameterError> {
-    let gain = p.impedance.gain * p.stiffness.nominal / p.impedance.damping;
+    let gain = p.impedance.gain * p.stiffness_nominal / p.impedance.damping;
     let most = 1.0 / (SAMPLES_PER_LOOP * p.sample_period);
     require(gain <= most, || ParameterError {
         name: "impedance.damping",
         value: format!("{} N.s/m", p.impedance.damping),
-        limit: format!("at least `{} N.s/m` at `stiffness.nominal`", p.impedance.gain * p.stiffness.nominal / most),
+        limit: format!("at least `{} N.s/m` at `stiffness.nominal`", p.impedance.gain * p.stiffness_nominal / most),
         hint: "more damping, or the force oscillates",
     })
 }
 
 fn pulse_rate(p: &Parameters) -> Result<(), ParameterError> {
-    let most = f64::from(i32::MAX) * p.pulses.size / p.sample_period;
+    let most = f64::from(i32::MAX) * p.pulses_size / p.sample_period;
     require(p.velocity_max < most, || ParameterError {
         name: "velocity_max",
         value: format!("{} m/s", p.velocity_max),
@@ -115,7 +115,7 @@ mod tests {
             (error(|p| p.approach.contact_force = 5.0), "approach.contact_force", "`5 N`", "`5 N`"),
             (error(|p| p.position.gain.y = 100.0), "position.gain.y", "`100 1/s`", "`80 1/s`"),
             (error(|p| p.impedance.damping = 1000.0), "impedance.damping", "`1000 N.s/m`", "`1780 N.s/m`"),
-            (error(|p| p.pulses.size = 1e-15), "velocity_max", "`0.05 m/s`", "pulses of a sample"),
+            (error(|p| p.pulses_size = 1e-15), "velocity_max", "`0.05 m/s`", "pulses of a sample"),
             (error(|p| p.stick_slip.velocity = 0.06), "stick_slip.velocity", "`0.06 m/s`", "`0.05 m/s`"),
         ];
         for (message, name, value, limit) in cases {

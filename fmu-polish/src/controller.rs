@@ -9,9 +9,7 @@ use crate::faults::{self, Evidence};
 use crate::force::contact::{ContactMonitor, Measurement};
 use crate::force::normal_motion::{NormalMeasurement, NormalMotion, PathState};
 use crate::force::sensor::ForceSensor;
-use crate::interface::{
-    Fault, ForceOutput, Input, MisalignmentOutput, Output, Parameters, PathOutput, RippleOutput, State, StiffnessOutput,
-};
+use crate::interface::{Fault, ForceOutput, Input, MisalignmentOutput, Output, Parameters, State};
 use crate::machine::{Events, next};
 use crate::motion::position::PositionFeedback;
 use crate::motion::pulses::Remainder;
@@ -272,10 +270,10 @@ impl Controller {
             fault: self.fault,
             in_contact: self.state.pressing(),
             done: self.state == State::Done && self.place.s >= self.path.length(),
-            stiffness: StiffnessOutput { estimate: self.normal.stiffness },
-            misalignment: MisalignmentOutput { x: shift.x, y: shift.y, z: shift.z, rx: turn.x, ry: turn.y, rz: turn.z },
-            ripple: RippleOutput { frozen: self.normal.ripple.frozen() },
-            path: PathOutput { length: self.path.length() },
+            stiffness_estimate: self.normal.stiffness,
+            misalignment: MisalignmentOutput { shift: shift.into(), rx: turn.x, ry: turn.y, rz: turn.z },
+            ripple_frozen: self.normal.ripple.frozen(),
+            path_length: self.path.length(),
         }
     }
 }

@@ -96,8 +96,7 @@ mod variables {
         File,
     }
     /// What is read at the start of a sample
-    #[inputs]
-    pub struct Input {
+    #[inputs] pub struct Input {
         /// Rising edge starts a job: zero of the sensor, approach, ...; false ends it: the tool leaves
         pub enable: bool,
         /// Stops the motion at once, in contact too; this controller alone has it: its force stays when the motion stops
@@ -114,8 +113,7 @@ mod variables {
         #[var(unit = ONE as "%", start = 1.0, accepts_nan)] pub force_override: f64,
     }
     /// What a sample gives; always finite
-    #[outputs]
-    pub struct Output {
+    #[outputs] pub struct Output {
         pub velocity: VelocityOutput,
         /// Pulses of this sample
         #[var(fields = i32[x, y, z])] pub pulses: Axes<i32>,
@@ -135,10 +133,13 @@ mod variables {
         pub in_contact: bool,
         /// The whole path is polished and the tool retracted
         pub done: bool,
-        pub stiffness: StiffnessOutput,
+        /// Stiffness of tool and contact, estimated while the force builds up
+        #[var(name = "stiffness.estimate", unit = NEWTON_PER_METRE as "N/mm")] pub stiffness_estimate: f64,
         pub misalignment: MisalignmentOutput,
-        pub ripple: RippleOutput,
-        pub path: PathOutput,
+        /// A part of the ripple cancellation made it worse and has ended
+        #[var(name = "ripple.frozen")] pub ripple_frozen: bool,
+        /// Length of the path along the contact points
+        #[var(name = "path.length", unit = METRE as "mm")] pub path_length: f64,
     }
     /// Commanded velocity and its parts.
     pub struct VelocityOutput {
@@ -175,19 +176,10 @@ mod variables {
         /// Position error along o_d
         #[var(unit = METRE as "um")] pub normal: f64,
     }
-    /// Stiffness of tool and contact.
-    pub struct StiffnessOutput {
-        /// Stiffness of tool and contact, estimated while the force builds up
-        #[var(unit = NEWTON_PER_METRE as "N/mm")] pub estimate: f64,
-    }
     /// Estimated misalignment of the mold.
     pub struct MisalignmentOutput {
-        /// Estimated shift of the mold, x
-        #[var(unit = METRE as "um")] pub x: f64,
-        /// Estimated shift of the mold, y
-        #[var(unit = METRE as "um")] pub y: f64,
-        /// Estimated shift of the mold, z
-        #[var(unit = METRE as "um")] pub z: f64,
+        /// Estimated shift of the mold
+        #[var(name = "misalignment", fields = f64[x, y, z], unit = METRE as "um")] pub shift: Axes,
         /// Estimated rotation of the mold about x
         #[var(unit = RADIAN as "deg")] pub rx: f64,
         /// Estimated rotation of the mold about y
@@ -195,19 +187,8 @@ mod variables {
         /// Estimated rotation of the mold about z
         #[var(unit = RADIAN as "deg")] pub rz: f64,
     }
-    /// Cancellation of the ripple.
-    pub struct RippleOutput {
-        /// A part of the ripple cancellation made it worse and has ended
-        pub frozen: bool,
-    }
-    /// The path.
-    pub struct PathOutput {
-        /// Length of the path along the contact points
-        #[var(unit = METRE as "mm")] pub length: f64,
-    }
     /// What is set before the job, or tuned
-    #[parameters]
-    pub struct Parameters {
+    #[parameters] pub struct Parameters {
         pub law: Law,
         /// Sample period
         #[var(unit = SECOND as "ms", range = 2e-4..=5e-3, start = 1e-3, source = "paper")] pub sample_period: f64,
@@ -217,34 +198,29 @@ mod variables {
         #[var(unit = METRE_PER_SECOND as "mm/s", range = 1e-3..=1.0, start = 0.05, source = "our choice")] pub velocity_max: f64,
         /// Stroke of the axes, the origin of the path in its middle
         #[var(fields = f64[x, y, z], unit = METRE as "mm", range = 1e-3..=10.0, start = Axes { x: 0.4, y: 0.3, z: 0.1 }, source = "paper")] pub stroke: Axes,
-        pub tool: Tool,
-        pub pulses: Pulses,
+        /// Radius of the ball end
+        #[var(name = "tool.radius", unit = METRE as "mm", range = 5e-5..=0.02, start = 0.5e-3, source = "paper: tip diameter 1 mm")] pub tool_radius: f64,
+        /// Way of one pulse
+        #[var(name = "pulses.size", unit = METRE as "um", range = 1e-9..=1e-4, start = 1e-6, source = "paper")] pub pulses_size: f64,
         pub drive: Drive,
-        pub sensor: Sensor,
+        /// Bandwidth of the filter of the force sensor
+        #[var(name = "sensor.bandwidth", unit = RADIAN_PER_SECOND as "Hz", range = 10.0..=1e6, start = 1256.6, source = "our choice: 200 Hz")] pub sensor_bandwidth: f64,
         pub path: Path,
         pub feed: Feed,
         pub force: Force,
         pub impedance: Impedance,
-        pub stiffness: Stiffness,
+        /// Stiffness of tool and contact before it is estimated
+        #[var(name = "stiffness.nominal", unit = NEWTON_PER_METRE as "N/mm", range = 1e3..=1e8, start = 178e3, source = "paper")] pub stiffness_nominal: f64,
         pub position: Position,
         pub stick_slip: StickSlip,
         pub ripple: Ripple,
         pub misalignment: Misalignment,
-        pub tare: Tare,
+        /// Time over which the zero of the sensor is averaged
+        #[var(name = "tare.time", unit = SECOND, range = 1e-3..=10.0, start = 0.1, source = "our choice")] pub tare_time: f64,
         pub approach: Approach,
         pub settle: Settle,
         pub retract: Retract,
         pub limits: Limits,
-    }
-    /// Polishing tool: a stick with a ball end.
-    pub struct Tool {
-        /// Radius of the ball end
-        #[var(unit = METRE as "mm", range = 5e-5..=0.02, start = 0.5e-3, source = "paper: tip diameter 1 mm")] pub radius: f64,
-    }
-    /// Pulses of the drives.
-    pub struct Pulses {
-        /// Way of one pulse
-        #[var(unit = METRE as "um", range = 1e-9..=1e-4, start = 1e-6, source = "paper")] pub size: f64,
     }
     /// Linear model of an axis from its pulses to its position: position loop, velocity feedforward, velocity loop.
     pub struct Drive {
@@ -258,11 +234,6 @@ mod variables {
         #[var(unit = RADIAN_PER_SECOND as "Hz", range = 10.0..=1e5, start = 500.0, source = "our choice")] pub velocity_bandwidth: f64,
         /// Integral action of the velocity loop
         #[var(unit = PER_SECOND, range = 0.0..=1e4, start = 60.0, source = "our choice")] pub velocity_integral: f64,
-    }
-    /// Model of the force sensor.
-    pub struct Sensor {
-        /// Bandwidth of the filter of the force sensor
-        #[var(unit = RADIAN_PER_SECOND as "Hz", range = 10.0..=1e6, start = 1256.6, source = "our choice: 200 Hz")] pub bandwidth: f64,
     }
     /// What a path may be.
     pub struct Path {
@@ -303,11 +274,6 @@ mod variables {
         #[var(start = true, paper = false, source = "our choice")] pub adaptive: bool,
         /// Wanted bandwidth of the force loop K_f k / B_d, with `impedance.adaptive`
         #[var(unit = RADIAN_PER_SECOND as "Hz", range = 1.0..=100.0, start = 35.0, source = "measured: with 80 the force oscillates")] pub bandwidth: f64,
-    }
-    /// Stiffness of tool and contact along the normal.
-    pub struct Stiffness {
-        /// Stiffness of tool and contact before it is estimated
-        #[var(unit = NEWTON_PER_METRE as "N/mm", range = 1e3..=1e8, start = 178e3, source = "paper")] pub nominal: f64,
     }
     /// Position feedback, eq. 6.
     pub struct Position {
@@ -350,11 +316,6 @@ mod variables {
         #[var(unit = SECOND as "ms", range = 0.0..=0.1, start = 6e-3, source = "our choice: delay of drive and loop")] pub lead_time: f64,
         /// Path before the feedforward begins
         #[var(unit = METRE as "mm", range = 0.0..=1.0, start = 1e-3, source = "our choice")] pub distance_min: f64,
-    }
-    /// Zero of the force sensor, taken before the approach.
-    pub struct Tare {
-        /// Time over which the zero of the sensor is averaged
-        #[var(unit = SECOND, range = 1e-3..=10.0, start = 0.1, source = "our choice")] pub time: f64,
     }
     /// Approach motion along the normal of the first point.
     pub struct Approach {

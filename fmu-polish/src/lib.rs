@@ -43,14 +43,14 @@ impl Model for Polish {
     fn initialise(vars: &mut Vars, env: &mut Env) -> Result<Controller, Error> {
         let points = path::cl_file::read(env.resources(), &vars.in_force).map_err(|error| error.to_string())?;
         let controller = Controller::new(&vars.in_force, &points).map_err(|error| error.to_string())?;
-        vars.output.path.length = controller.path().length();
+        vars.output.path_length = controller.path().length();
         Ok(controller)
     }
 
     fn tick(vars: &mut Vars, controller: &mut Controller, env: &mut Env) -> Result<(), Error> {
-        let frozen = vars.output.ripple.frozen;
+        let frozen = vars.output.ripple_frozen;
         controller.tick(&vars.input, &vars.in_force, &mut vars.output);
-        if vars.output.ripple.frozen && !frozen {
+        if vars.output.ripple_frozen && !frozen {
             env.warn(force::ripple::FROZEN);
         }
         Ok(())

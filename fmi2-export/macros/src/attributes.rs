@@ -7,11 +7,12 @@ use syn::punctuated::Punctuated;
 use syn::{Attribute, Expr, ExprRange, Ident, LitStr, Path, RangeLimits, Token, bracketed};
 
 /// Keys of `#[var(...)]`, in the order of the documentation.
-const KEYS: &str = "`unit`, `range`, `start`, `paper`, `nominal`, `source`, `fields`, `tunable`, `calculated`, `local`, `accepts_nan`, `hidden`";
+const KEYS: &str = "`name`, `unit`, `range`, `start`, `paper`, `nominal`, `source`, `fields`, `tunable`, `calculated`, `local`, `accepts_nan`, `hidden`";
 
 /// The settings of one field.
 #[derive(Default)]
 pub struct Attributes {
+    pub name: Option<LitStr>,
     pub unit: Option<Unit>,
     pub range: Option<Range>,
     pub start: Option<Expr>,
@@ -89,13 +90,16 @@ impl Attributes {
                 self.flags.push(key.clone());
                 return Ok(());
             }
-            "unit" | "range" | "start" | "paper" | "nominal" | "source" | "fields" => input.parse::<Token![=]>()?,
+            "name" | "unit" | "range" | "start" | "paper" | "nominal" | "source" | "fields" => {
+                input.parse::<Token![=]>()?
+            }
             _ => {
                 let text = format!("there is no key `{key}`; the keys are {KEYS}");
                 return Err(syn::Error::new(key.span(), text));
             }
         };
         match key.to_string().as_str() {
+            "name" => self.name = Some(input.parse()?),
             "unit" => self.unit = Some(Unit::read(key, input)?),
             "range" => self.range = Some(Range::read(input)?),
             "start" => self.start = Some(input.parse()?),

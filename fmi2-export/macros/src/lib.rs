@@ -30,6 +30,7 @@ use syn::{ItemMod, parse_macro_input};
 ///
 /// | key | meaning |
 /// |---|---|
+/// | `name = "spindle.speed"` | FMI name, where it is not the path of the field; with `fields` what stands before theirs; not in a repeated group |
 /// | `unit = METRE as "um"` | unit of a Real, and the display unit, which may be left out |
 /// | `range = 0.0..=1.0` | allowed values, both ends included |
 /// | `start = 0.5` | start value; else zero, false, empty, or the first item |

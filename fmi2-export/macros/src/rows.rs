@@ -2,14 +2,14 @@
 
 use proc_macro2::TokenStream;
 use quote::quote;
-use syn::{Expr, Ident};
+use syn::{Expr, Ident, LitStr};
 
 use crate::declaration::{Declaration, Field, Group, Kind, Root, Shape};
 
 /// One row of the variable table.
 pub struct Row<'a> {
     pub root: Root,
-    /// FMI name.
+    /// FMI name: the path of the field, or what `name = ...` says.
     pub name: String,
     /// The way from the struct of the root to the field, such as `axis[2].position`.
     pub way: TokenStream,
@@ -45,7 +45,8 @@ impl<'a> Walk<'a, '_> {
     fn group(&mut self, group: &'a Group, prefix: &str, above: Option<&TokenStream>, index: Option<usize>) {
         for field in &group.fields {
             let name = &field.name;
-            let full = format!("{prefix}{}", plain(name));
+            let given = field.var.name.as_ref().map(LitStr::value);
+            let full = given.unwrap_or_else(|| format!("{prefix}{}", plain(name)));
             let way = above.map_or_else(|| quote!(#name), |above| quote!(#above.#name));
             match &field.shape {
                 Shape::Hidden => (),

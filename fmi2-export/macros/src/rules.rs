@@ -65,6 +65,7 @@ fn check_field(field: &Field, errors: &mut Errors) {
     must(real, var.nominal.as_ref().map(syn::spanned::Spanned::span), "only a Real (f64) has a nominal value");
     must(real, var.flag("accepts_nan").map(Ident::span), "only a Real (f64) can be NaN");
     must(real || kind == Some(&Kind::Integer), var.range.as_ref().map(|range| range.span), "only a number has a range");
+    must(kind.is_some(), var.name.as_ref().map(syn::LitStr::span), "only a variable has a name of its own");
     must(!group, start, "a group starts as its fields do");
     must(
         !group,
@@ -90,6 +91,14 @@ fn check_role(row: &Row, errors: &mut Errors) {
             _ => "only a parameter is tunable or calculated",
         };
         refuse(errors, flag.span(), &row.field.name, rule);
+    }
+    if let (Some(name), Some(0)) = (&row.field.var.name, row.index) {
+        refuse(
+            errors,
+            name.span(),
+            &row.field.name,
+            "a variable of a repeated group is there several times, under no one name",
+        );
     }
     if let (Some(paper), true) = (&row.field.var.paper, row.root != Root::Parameters) {
         refuse(

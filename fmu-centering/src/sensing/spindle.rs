@@ -20,10 +20,10 @@ impl Spindle {
     pub fn new(p: &Parameters) -> Self {
         Self {
             period: p.sample_period,
-            quantum: p.spindle.quantum,
+            quantum: p.spindle_quantum,
             unwrapper: Unwrapper::default(),
             unwrapped: 0.0,
-            line: AnchoredLine::new(p.ticks(p.spindle.window).max(2) as usize),
+            line: AnchoredLine::new(p.ticks(p.spindle_window).max(2) as usize),
         }
     }
 

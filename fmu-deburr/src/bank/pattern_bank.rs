@@ -152,7 +152,7 @@ fn identity(p: &Parameters, path: &TaughtPath) -> Identity {
     path.fingerprint(&mut print);
     let numbers = [p.path.corner, p.feed.acceleration, p.feed.smoothing.into(), p.learn.lead_in.into()];
     let geometry = [p.learn.lead_out.into(), p.arm.height, p.arm.reach, p.arm.tool_offset];
-    numbers.iter().chain(&geometry).chain(&p.servo.gain).for_each(|value| print.add(*value));
+    numbers.iter().chain(&geometry).chain(&p.servo_gain).for_each(|value| print.add(*value));
     Identity {
         path: print.value(),
         pulses: p.pulses(),

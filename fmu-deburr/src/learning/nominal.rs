@@ -26,7 +26,7 @@ pub struct LoopState {
 impl Nominal {
     /// The loop of the axis `axis` (from 0).
     pub fn new(p: &Parameters, axis: usize) -> Self {
-        let (wn, zeta, dt) = (p.model.natural_frequency, p.model.damping, p.sample_period);
+        let (wn, zeta, dt) = (p.model_natural_frequency, p.model_damping, p.sample_period);
         let mut continuous = Matrix4::zeros();
         // position, velocity, acceleration and the held command
         continuous[(0, 1)] = dt;
@@ -39,7 +39,7 @@ impl Nominal {
         Self {
             a: [row(0), row(1), row(2)],
             b: [sampled[(0, 3)], sampled[(1, 3)], sampled[(2, 3)]],
-            gain: p.servo.gain[axis],
+            gain: p.servo_gain[axis],
             delay: p.io_delay as usize,
         }
     }
@@ -86,7 +86,7 @@ mod tests {
     #[test]
     fn a_slow_loop_is_a_first_order_lag() {
         let mut p = Parameters::START;
-        (p.servo.gain, p.io_delay, p.model.natural_frequency, p.model.damping) = ([1.0; 6], 0, 2000.0, 1.0);
+        (p.servo_gain, p.io_delay, p.model_natural_frequency, p.model_damping) = ([1.0; 6], 0, 2000.0, 1.0);
         let mut signal = vec![1.0; 200];
         Nominal::new(&p, 0).apply(&mut signal, false);
         for (k, value) in signal.iter().enumerate() {

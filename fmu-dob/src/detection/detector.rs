@@ -134,14 +134,14 @@ impl Detector {
     /// Longest slope window, samples.
     pub fn window(p: &Parameters) -> i32 {
         match p.detector {
-            DetectorKind::MultiSlope => p.slope.window.max(WINDOWS[3] as i32),
-            _ => p.slope.window,
+            DetectorKind::MultiSlope => p.slope_window.max(WINDOWS[3] as i32),
+            _ => p.slope_window,
         }
     }
 
     /// Samples at constant speed that the detector needs before it may learn.
     pub fn settling(p: &Parameters) -> i32 {
-        let filters = p.deviation.window + Self::window(p);
+        let filters = p.deviation_window + Self::window(p);
         match p.detector {
             DetectorKind::Cusum => filters.max(kalman::ITERATIONS as i32),
             DetectorKind::Glr => filters.max(kalman::ITERATIONS as i32 + p.glr.onsets),

@@ -60,7 +60,7 @@ impl KalmanFilter {
         let mut filter = Self {
             sample_period: dt,
             force_constant: p.stage.force_constant,
-            harmonics: p.notch.harmonics as usize,
+            harmonics: p.notch_harmonics as usize,
             lag: [(-decay).exp(), (1.0 - (-decay).exp()) / decay],
             current: 0.0,
             tuned_speed: 0.0,

@@ -62,8 +62,8 @@ impl NotchCascade {
     pub fn new(p: &Parameters) -> Self {
         Self {
             sample_period: p.sample_period,
-            quality: p.notch.quality,
-            harmonics: p.notch.harmonics as usize,
+            quality: p.notch_quality,
+            harmonics: p.notch_harmonics as usize,
             tuned_speed: 0.0,
             sections: [Biquad::default(); HARMONICS_MAX],
         }

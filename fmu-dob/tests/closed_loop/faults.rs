@@ -124,7 +124,7 @@ fn nonsense_for_one_sample() {
 #[test]
 fn saturation_for_more_than_fifty_samples() {
     let mut p = Parameters::START;
-    p.guard.force = 99.0;
+    p.guard_force = 99.0;
     let mut run = running(&p, 8, State::Learn);
     run.slide.push = -300.0;
     assert!(run.run_to(State::Fault, 2.0));

@@ -76,8 +76,8 @@ fn calibrated_bias_moves_the_estimate_only() {
     for direction in [1, -1] {
         let mut p = Parameters::START;
         p.approach.direction = direction;
-        p.contact.bias = 300e-9;
-        p.guard.force = 0.05;
+        p.contact_bias = 300e-9;
+        p.guard_force = 0.05;
         let mut controller = Controller::new(&p).unwrap();
         let mut output = Output::START;
         for k in 0..4000 {

@@ -21,7 +21,7 @@ impl HoldMotion {
     /// Starts from `motion` to rest at `goal` (rad).
     pub fn go(&mut self, p: &Parameters, motion: Trajectory, goal: f64) {
         let distance = (goal - motion.position).abs();
-        let duration = f64::max(p.approach.time, quintic_duration(distance, p.hold.speed));
+        let duration = f64::max(p.approach_time, quintic_duration(distance, p.hold_speed));
         *self = Self { quintic: Quintic::new(motion, goal, duration), ticks: 0 };
     }
 
@@ -63,7 +63,7 @@ mod tests {
             assert!(!hold.arrived(&p) || fastest > 0.0);
             fastest = fastest.max(hold.step(&p, 1.0).velocity.abs());
         }
-        assert!((fastest - p.hold.speed).abs() < 1e-6, "{fastest}");
+        assert!((fastest - p.hold_speed).abs() < 1e-6, "{fastest}");
         assert!(hold.arrived(&p));
         assert_eq!(hold.step(&p, 1.0), Trajectory::resting(1.0));
     }

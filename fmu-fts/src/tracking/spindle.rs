@@ -28,7 +28,7 @@ impl Spindle {
             // the second sample gives the loop a speed to begin with
             0 => self.locked_angle = self.angle,
             1 => (self.locked_angle, self.speed) = (self.angle, step / p.sample_period),
-            _ => self.follow(p.pll.bandwidth, p.sample_period),
+            _ => self.follow(p.pll_bandwidth, p.sample_period),
         }
         self.samples = (self.samples + 1).min(2);
     }
@@ -92,7 +92,7 @@ mod tests {
     fn a_ramp_lags_by_acceleration_over_bandwidth() {
         // 600 to 900 rpm in 1 s
         let (spindle, _) = turned(|t| 62.83 + 31.4 * t, false, 0.5);
-        let lag = 2.0 * 31.4 / Parameters::START.pll.bandwidth;
+        let lag = 2.0 * 31.4 / Parameters::START.pll_bandwidth;
         assert!((spindle.speed - (62.83 + 31.4 * 0.5) + lag).abs() < 0.02, "{}", spindle.speed);
     }
 

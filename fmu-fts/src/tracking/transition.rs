@@ -50,7 +50,7 @@ impl Transition {
         }
         // begins and ends with no velocity and no acceleration
         let s = self.time(p);
-        let [first, second] = minimum_jerk_rates(s, 1.0 / p.approach.time);
+        let [first, second] = minimum_jerk_rates(s, 1.0 / p.approach_time);
         Blend { share: minimum_jerk(s), first, second }
     }
 
@@ -60,7 +60,7 @@ impl Transition {
     }
 
     fn time(&self, p: &Parameters) -> f64 {
-        f64::from(self.ticks) * p.sample_period / p.approach.time
+        f64::from(self.ticks) * p.sample_period / p.approach_time
     }
 }
 

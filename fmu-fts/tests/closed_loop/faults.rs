@@ -17,7 +17,7 @@ fn finite(o: &Output) -> bool {
         o.error.rms,
         o.error.peak,
         o.spindle_speed,
-        o.path.torque,
+        o.path_torque,
         o.response.bandwidth,
     ];
     reals.iter().chain(&o.error.harmonic).all(|x| x.is_finite())
@@ -94,7 +94,7 @@ fn an_infeasible_path_is_refused_before_anything_moves() {
         run.step();
         assert!(run.output.torque.abs() < 1e-9, "{}", run.output.torque);
     }
-    assert!((run.output.path.torque - 13.85).abs() < 0.05, "{}", run.output.path.torque);
+    assert!((run.output.path_torque - 13.85).abs() < 0.05, "{}", run.output.path_torque);
     recovers(run, Fault::Infeasible);
 }
 
@@ -184,9 +184,9 @@ fn hostile_inputs_never_give_nan() {
         for switch in [
             &mut input.enable,
             &mut input.reset_fault,
-            &mut input.afc.reset,
-            &mut input.afc.enable,
-            &mut input.feedforward.enable,
+            &mut input.afc_reset,
+            &mut input.afc_enable,
+            &mut input.feedforward_enable,
             &mut input.probe.capture,
             &mut input.calibration.solve,
         ] {

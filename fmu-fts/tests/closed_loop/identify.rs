@@ -25,7 +25,7 @@ fn parameters(frequencies: &str) -> Parameters {
 fn identified(p: &Parameters, build: &Build) -> Loop {
     let mut run = Loop::new(p, build, 9);
     run.input.mode = Mode::Identify;
-    while run.output.identify.progress < 1.0 {
+    while run.output.identify_progress < 1.0 {
         run.step();
         assert_eq!((run.output.fault, run.output.saturated), (Fault::None, false), "at {} s", run.time());
         assert!(run.time() < 20.0);
@@ -75,7 +75,7 @@ fn the_nominal_response_is_told_before_any_is_measured() {
     run.step();
     assert!((run.output.response.bandwidth - p.servo.bandwidth).abs() < 1e-3 * p.servo.bandwidth);
     assert!((run.output.response.frequency[0] - TAU * 10.0).abs() < 1e-9);
-    assert_eq!(run.output.identify.progress, 0.0);
+    assert_eq!(run.output.identify_progress, 0.0);
 }
 
 #[test]
@@ -85,7 +85,7 @@ fn feedforward_uses_the_response_at_once() {
     let p = parameters("10, 20, 40, 60, 80, 120, 160, 240");
     let rms = |mut run: Loop| {
         run.input.mode = Mode::Approach;
-        run.input.afc.enable = false;
+        run.input.afc_enable = false;
         let start = run.time();
         run.run_to(start + 0.6);
         assert_eq!(run.output.state, State::Ready);
@@ -126,5 +126,5 @@ fn state_bytes_continue_in_the_swing() {
         copy.tick(&run.input, &p, &mut output);
         assert_eq!(output, run.output);
     }
-    assert_eq!(run.output.identify.progress, 1.0);
+    assert_eq!(run.output.identify_progress, 1.0);
 }

@@ -96,32 +96,32 @@ fn ready_follows_without_learning() {
     run.input.mode = Mode::Approach;
     run.run_to(2.0);
     assert_eq!(run.output.state, State::Ready);
-    assert!(run.output.afc.frozen);
+    assert!(run.output.afc_frozen);
     // feedforward alone
     let rms = run.measure(0.2).rms;
     assert!(rms > 3.0 && rms < 12.0, "{rms}");
     run.input.mode = Mode::Track;
     run.step();
-    assert!(!run.output.afc.frozen);
+    assert!(!run.output.afc_frozen);
     run.run_to(4.0);
     run.input.mode = Mode::Approach;
     // what was learned stays in use
     assert!(run.measure(0.3).rms < 0.6);
-    assert!(run.output.afc.frozen);
+    assert!(run.output.afc_frozen);
 }
 
 #[test]
 fn reset_and_disable_forget() {
     let mut run = tracking();
     assert!(run.measure(0.1).rms < 0.6);
-    run.input.afc.reset = true;
+    run.input.afc_reset = true;
     assert!(run.measure(0.05).rms > 2.0);
     // only the edge counts: it learns again while the switch is still on
     run.run_to(4.5);
     assert!(run.measure(0.1).rms < 0.6);
-    run.input.afc.enable = false;
+    run.input.afc_enable = false;
     run.step();
-    assert!(run.output.afc.frozen);
+    assert!(run.output.afc_frozen);
     assert!(run.measure(0.1).rms > 3.0);
 }
 
@@ -131,7 +131,7 @@ fn nothing_is_learned_at_a_crawl() {
     let mut run = Loop::new(&Parameters::START, &slow, 3);
     run.run_to(1.0);
     assert_eq!(run.output.state, State::Track);
-    assert!(run.output.afc.frozen);
+    assert!(run.output.afc_frozen);
 }
 
 #[test]
@@ -161,7 +161,7 @@ fn a_saturated_loop_learns_nothing() {
         run.step();
         if before && run.output.state == State::Track {
             saturated += 1;
-            learned += i32::from(!run.output.afc.frozen);
+            learned += i32::from(!run.output.afc_frozen);
         }
     }
     assert!(saturated > 100, "{saturated}");

@@ -36,10 +36,10 @@ fn machine(seed: u64) -> Build {
 
 fn tried(seed: u64) -> Outcome {
     let mut run = Loop::new(&Parameters::START, &machine(seed), seed);
-    run.input.afc.enable = false;
+    run.input.afc_enable = false;
     run.run_to(0.8);
     let feedforward = run.measure(0.3);
-    run.input.afc.enable = true;
+    run.input.afc_enable = true;
     run.run_to(3.5);
     let all = run.measure(0.5);
     assert_eq!(run.output.state, State::Track, "seed {seed}");

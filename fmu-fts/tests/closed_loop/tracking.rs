@@ -17,8 +17,8 @@ enum Layers {
 /// Half a second of measurement after `settle` s of tracking.
 fn tracked(p: &Parameters, build: &Build, layers: Layers, settle: f64) -> (Measured, Loop) {
     let mut run = Loop::new(p, build, 1);
-    run.input.feedforward.enable = layers != Layers::Feedback;
-    run.input.afc.enable = layers == Layers::All;
+    run.input.feedforward_enable = layers != Layers::Feedback;
+    run.input.afc_enable = layers == Layers::All;
     run.run_to(settle);
     let measured = run.measure(0.5);
     println!("{layers:?}: {measured:.3?}");
@@ -44,7 +44,7 @@ fn wave(p: Parameters, harmonic: i32, amplitude: f64) -> Parameters {
     p.surface.kind = SurfaceKind::Wave;
     (p.surface.wave_harmonic, p.surface.wave_amplitude) = (harmonic, amplitude);
     p.path.harmonics = p.path.harmonics.max(harmonic);
-    p.feedforward.harmonics = p.feedforward.harmonics.max(harmonic);
+    p.feedforward_harmonics = p.feedforward_harmonics.max(harmonic);
     p
 }
 
@@ -154,9 +154,9 @@ fn a_ramp_of_the_spindle_from_600_to_900_rpm_in_a_second() {
 #[test]
 fn cancellation_settles_within_ten_turns() {
     let mut run = Loop::new(&five(), &Build::NOMINAL, 1);
-    run.input.afc.enable = false;
+    run.input.afc_enable = false;
     run.run_to(1.0);
-    run.input.afc.enable = true;
+    run.input.afc_enable = true;
     run.run_to(2.0);
     assert!(run.measure(0.1).rms < 2.0);
 }

@@ -48,16 +48,16 @@ fn parameters(random: &mut Pcg64Mcg) -> Parameters {
     change(&mut p.tip.damping, 0.0, 0.5);
     change(&mut p.afc.tau, 0.01, 100.0);
     change(&mut p.afc.frequency_max, 62.8, 31_400.0);
-    change(&mut p.pll.bandwidth, 1.0, 1e3);
-    change(&mut p.approach.time, 0.01, 60.0);
-    change(&mut p.hold.speed, 1e-4, 100.0);
+    change(&mut p.pll_bandwidth, 1.0, 1e3);
+    change(&mut p.approach_time, 0.01, 60.0);
+    change(&mut p.hold_speed, 1e-4, 100.0);
     change(&mut p.limits.following_error, 1e-6, 0.1);
     change(&mut p.limits.torque_share, 0.1, 1.0);
     if random.random_range(0..4) == 0 {
         p.surface.kind = SurfaceKind::Wave;
     }
     p.path.harmonics = random.random_range(1..=64);
-    p.feedforward.harmonics = random.random_range(0..=64);
+    p.feedforward_harmonics = random.random_range(0..=64);
     p.io_delay = random.random_range(0..=8).min(random.random_range(0..=8));
     p.afc.cancelled = Harmonics::NONE.with(random.random_range(1..=HIGHEST)).with(random.random_range(1..=HIGHEST));
     p.surface.depth_auto = random.random_range(0..2) == 0;
@@ -89,7 +89,7 @@ fn survives(random: &mut Pcg64Mcg) -> bool {
         };
         controller.tick(&input, &p, &mut output);
         let reals = [output.torque, output.reference.depth, output.reference.angle, output.error.tracking];
-        let finite = reals.iter().all(|x| x.is_finite()) && output.path.torque.is_finite();
+        let finite = reals.iter().all(|x| x.is_finite()) && output.path_torque.is_finite();
         assert!(finite && output.torque.abs() <= p.servo.torque_max, "{p:?} {output:?}");
     }
     true

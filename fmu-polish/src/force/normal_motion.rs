@@ -39,7 +39,7 @@ pub struct NormalMeasurement {
 impl NormalMotion {
     /// Free, the stiffness nominal.
     pub fn new(p: &Parameters) -> Self {
-        let stiffness = p.stiffness.nominal;
+        let stiffness = p.stiffness_nominal;
         Self {
             force_law: ForceLaw::default(),
             slope: Slope::default(),
@@ -58,7 +58,7 @@ impl NormalMotion {
 
     /// Begins to follow the path with what was learned of the stiffness.
     pub fn follow(&mut self, p: &Parameters) {
-        self.stiffness = self.slope.stiffness(p.stiffness.nominal);
+        self.stiffness = self.slope.stiffness(p.stiffness_nominal);
         self.damping = p.impedance.adaptive.then(|| damping(p, self.stiffness));
         self.ripple = RippleCancellation::new(p, &self.law(p), self.stiffness);
     }

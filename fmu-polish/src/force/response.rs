@@ -22,7 +22,7 @@ pub fn open(p: &Parameters, stiffness: f64, omega: f64) -> Complex<f64> {
     // a velocity that is held for a sample, and begins to act some samples later
     let hold = (1.0 - (-s * dt).exp()) / (s * s * dt);
     let late = (-s * dt * f64::from(p.io_delay)).exp();
-    let sensor = 1.0 / (1.0 + s / p.sensor.bandwidth);
+    let sensor = 1.0 / (1.0 + s / p.sensor_bandwidth);
     let filter = match p.force.filter_bandwidth {
         0.0 => Complex::new(1.0, 0.0),
         bandwidth => {

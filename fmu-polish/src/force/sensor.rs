@@ -44,7 +44,7 @@ impl ForceSensor {
     pub fn tare(&mut self, p: &Parameters, raw: &Vector3<f64>) -> Option<Vector3<f64>> {
         self.sum += raw;
         self.samples += 1;
-        let enough = self.samples >= ticks(p.tare.time, p.sample_period).max(1);
+        let enough = self.samples >= ticks(p.tare_time, p.sample_period).max(1);
         enough.then(|| {
             self.zero = self.sum / f64::from(self.samples);
             self.filtered = Vector3::zeros();

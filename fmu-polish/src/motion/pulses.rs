@@ -19,7 +19,7 @@ impl Remainder {
 
     /// The pulses of one sample with the velocity `velocity` (m/s).
     pub fn step(&mut self, p: &Parameters, velocity: &Vector3<f64>) -> Vector3<i32> {
-        let wanted = self.left + velocity * (p.sample_period / p.pulses.size);
+        let wanted = self.left + velocity * (p.sample_period / p.pulses_size);
         // halves always go up: at rest nothing goes to and fro between -1 and 1
         let sent = wanted.map(|pulses| (pulses + 0.5).floor());
         self.left = wanted - sent;
@@ -58,7 +58,7 @@ mod tests {
         for _ in 0..10_000 {
             sum += remainder.step(&p, &velocity);
         }
-        let error = sum.map(f64::from) * p.pulses.size - velocity * 10.0;
-        assert!(error.amax() <= 0.5 * p.pulses.size * 1.001, "{error}");
+        let error = sum.map(f64::from) * p.pulses_size - velocity * 10.0;
+        assert!(error.amax() <= 0.5 * p.pulses_size * 1.001, "{error}");
     }
 }

@@ -76,7 +76,7 @@ impl ErrorOutput {
 impl CentrePath {
     /// The path of a ball that touches the checked `points`.
     pub fn new(p: &Parameters, points: &[Point]) -> Self {
-        let radius = p.tool.radius;
+        let radius = p.tool_radius;
         let mut knots: Vec<Knot> = Vec::with_capacity(points.len());
         let mut s = 0.0;
         for (i, point) in points.iter().enumerate() {

@@ -37,7 +37,7 @@ pub fn unit_normal(normal: Vector3<f64>) -> Result<Vector3<f64>, String> {
 /// # Errors
 /// When it is not that of the parameters.
 pub fn cutter(diameter: f64, p: &Parameters) -> Result<(), String> {
-    let ours = 2.0 * p.tool.radius;
+    let ours = 2.0 * p.tool_radius;
     if (diameter / ours - 1.0).abs() > CUTTER_TOLERANCE {
         return Err(format!("CUTTER is `{diameter} m`, must be twice `tool.radius`, `{ours} m`, within 1 %"));
     }
@@ -77,7 +77,7 @@ fn alone(point: &Point, p: &Parameters) -> Result<(), ClError> {
             "write FEDRAT before GOTO, or set `feed.source` = Parameter",
         );
     }
-    let centre = point.contact + p.tool.radius * point.normal;
+    let centre = point.contact + p.tool_radius * point.normal;
     let reach = centre.abs() + p.retract.distance * point.normal.abs();
     let axes = [("x", reach.x, p.stroke.x), ("y", reach.y, p.stroke.y), ("z", reach.z, p.stroke.z)];
     for (axis, reach, stroke) in axes {
@@ -110,10 +110,10 @@ fn neighbours(a: &Point, b: &Point, p: &Parameters) -> Result<(), ClError> {
         let reason = format!("the step goes by `{climb:.3}` of its length along the normal, at most `{CLIMB_MAX}`");
         return error(reason, "the normals do not belong to the surface");
     }
-    let centre_step = step + p.tool.radius * (b.normal - a.normal);
+    let centre_step = step + p.tool_radius * (b.normal - a.normal);
     if centre_step.dot(&step) <= 0.0 {
         let reason =
-            format!("the path of the ball centre folds: the surface is hollower than the tool, `{} m`", p.tool.radius);
+            format!("the path of the ball centre folds: the surface is hollower than the tool, `{} m`", p.tool_radius);
         return error(reason, "take a smaller tool");
     }
     Ok(())

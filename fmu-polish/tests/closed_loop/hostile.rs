@@ -25,16 +25,14 @@ fn finite(output: &Output) -> bool {
         e.tangential,
         e.lateral,
         e.normal,
-        m.x,
-        m.y,
-        m.z,
         m.rx,
         m.ry,
         m.rz,
         output.progress,
-        output.stiffness.estimate,
+        output.stiffness_estimate,
     ];
-    axes(output.desired) && axes(output.normal) && axes(output.tangent) && scalars.iter().all(|x| x.is_finite())
+    let vectors = [output.desired, output.normal, output.tangent, m.shift];
+    vectors.into_iter().all(axes) && scalars.iter().all(|x| x.is_finite())
 }
 
 /// Finite, not too fast, not too many pulses.
@@ -43,7 +41,7 @@ fn check(p: &Parameters, output: &Output) {
     let (v, pulses) = (output.velocity, output.pulses);
     let speed = (v.x * v.x + v.y * v.y + v.z * v.z).sqrt();
     assert!(speed <= p.velocity_max * (1.0 + 1e-12), "{speed} m/s");
-    let most = (p.velocity_max * p.sample_period / p.pulses.size) as i32 + 1;
+    let most = (p.velocity_max * p.sample_period / p.pulses_size) as i32 + 1;
     assert!([pulses.x, pulses.y, pulses.z].iter().all(|count| count.abs() <= most));
 }
 

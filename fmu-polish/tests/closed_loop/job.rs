@@ -134,7 +134,7 @@ fn the_stiffness_is_found() {
     for stiffness in [95e3, 178e3, 240e3] {
         let mut run = Loop::new(&Parameters::START, Build { stiffness, ..Build::NOMINAL }, 108);
         let job = finished("stiffness", &mut run);
-        let estimate = run.output.stiffness.estimate;
+        let estimate = run.output.stiffness_estimate;
         assert!((estimate / stiffness - 1.0).abs() <= 0.1, "{stiffness}: {estimate}");
         assert!(job.deviation <= 0.06 && job.overshoot <= 0.2, "{stiffness}: {job:?}");
     }
@@ -147,7 +147,7 @@ fn a_fast_approach_does_not_spoil_the_stiffness() {
         p.approach.velocity = velocity;
         let mut run = Loop::new(&p, Build::NOMINAL, 112);
         let job = finished("fast approach", &mut run);
-        let estimate = run.output.stiffness.estimate;
+        let estimate = run.output.stiffness_estimate;
         assert!((estimate / 178e3 - 1.0).abs() <= 0.1 && job.overshoot < 2.5, "{velocity}: {estimate} {job:?}");
     }
 }
@@ -162,7 +162,7 @@ fn a_shifted_mold_is_found_and_followed() {
     assert!(better.deviation <= 0.5 * plain.deviation && better.least > 4.0, "{better:?} {plain:?}");
     // a sphere shows only where its middle is
     let m = run.output.misalignment;
-    let middle = Vector3::new(m.x, m.y, m.z) + Vector3::new(m.rx, m.ry, m.rz).cross(&Vector3::new(0.0, 0.0, HOLLOW));
+    let middle = m.shift.vector() + Vector3::new(m.rx, m.ry, m.rz).cross(&Vector3::new(0.0, 0.0, HOLLOW));
     assert!((middle - shift).amax() <= 10e-6, "{middle}");
 }
 
@@ -187,7 +187,7 @@ fn a_cancellation_for_other_drives_ends_itself_and_does_no_harm() {
     p.io_delay = 8;
     let mut run = Loop::new(&p, Build { drive_friction: 6.0, ..Build::NOMINAL }, 113);
     let job = finished("other drives", &mut run);
-    assert!(run.output.ripple.frozen && job.deviation <= 0.3 && job.least > 3.0, "{job:?}");
+    assert!(run.output.ripple_frozen && job.deviation <= 0.3 && job.least > 3.0, "{job:?}");
 }
 
 #[test]

@@ -53,7 +53,7 @@ impl Loop {
     pub fn new(p: &Parameters, build: Build, seed: u64) -> Self {
         let path = points(file(&spiral(POINTS)).as_bytes(), p).unwrap();
         let controller = Controller::new(p, &path).unwrap();
-        let start = path[0].contact + (p.tool.radius + build.height) * path[0].normal;
+        let start = path[0].contact + (p.tool_radius + build.height) * path[0].normal;
         let robot = Robot::new(build, start, seed);
         let input = Input { enable: true, ..Input::START };
         Self { robot, controller, input, output: Output::START, parameters: p.clone(), steps: 0 }
