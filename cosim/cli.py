@@ -79,12 +79,14 @@ def list_scenarios(verbose: Verbose = False, quiet: Quiet = False) -> None:
 def show(loop: Loop, set_: Set = None, verbose: Verbose = False, quiet: Quiet = False) -> None:
     """Show a loop: FMU variables and plant parameters with units, defaults and ranges; the wires."""
     configure_logging(verbose, quiet)
+    from cosim.fmu import stale
     from cosim.loop.session import Session
     from cosim.scenario.load import load
     from cosim.show import display
 
     scenario = load(loop, set_ or ())
     with Session(scenario) as session:
+        stale.warn(scenario.controller.fmu, session.file.path)
         output().print(display.scenario(scenario, session.file, session.plant))
 
 
@@ -106,6 +108,7 @@ def run(
 ) -> None:
     """Run a scenario once and print its metrics and criteria."""
     configure_logging(verbose, quiet)
+    from cosim.fmu import stale
     from cosim.loop.session import Session
     from cosim.scenario.load import load
     from cosim.show import display
@@ -117,6 +120,7 @@ def run(
     scenario = load(loop, [*(set_ or ()), *given])
     check_outputs(json, trace, plot)
     with Session(scenario, log_events=verbose, engine=chosen) as session:
+        stale.warn(scenario.controller.fmu, session.file.path)
         if plot is not None:
             plots.check(scenario, session.columns, plot)
         with progress_bar(scenario.name, quiet) as progress:

@@ -6,6 +6,8 @@ Importing this package is cheap; MuJoCo is imported when the first plant is load
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+from plants.names import unknown
+
 if TYPE_CHECKING:
     from plants.plant import Plant
 
@@ -29,10 +31,15 @@ def load(name: str) -> "type[Plant]":
 
     Raises
     ------
-    KeyError
-        There is no plant of that name.
+    UnknownNameError
+        There is no plant of that name, or its module lacks the class that `PLANTS` names.
     """
     if name not in PLANTS:
-        raise KeyError(f"no plant `{name}`\nhint: the plants are `{'`, `'.join(names())}`")
-    plant: type[Plant] = getattr(import_module(f"plants.{name}"), PLANTS[name])
+        raise unknown("plant", name, PLANTS)
+    module = import_module(f"plants.{name}")
+    plant: type[Plant] | None = getattr(module, PLANTS[name], None)
+    if plant is None:
+        classes = [key for key, value in vars(module).items() if isinstance(value, type)]
+        own = [key for key in classes if getattr(module, key).__module__ == module.__name__]
+        raise unknown(f"class for `PLANTS` in `plants/{name}.py` named", PLANTS[name], own)
     return plant

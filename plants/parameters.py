@@ -31,7 +31,15 @@ def parameter(
         Where the default comes from.
     minimum, maximum : float
         Closed range of the value.
+
+    Raises
+    ------
+    ParameterError
+        The default is outside its range.
     """
+    if not minimum <= default <= maximum:
+        limit = f"limit `{minimum:g}` to `{maximum:g}` {unit}"
+        raise ParameterError(f"the default of `{description}`: value `{default:g}` {unit}, {limit}")
     metadata = {
         "unit": unit,
         "description": description,
@@ -61,7 +69,7 @@ def choice(default: str, description: str, source: str, options: tuple[str, ...]
 
 
 def check(parameters: Any, plant: str) -> None:
-    """Check every field of a parameter dataclass against its type and range.
+    """Check what was set in a parameter dataclass against type and range; defaults are the plant's own.
 
     Raises
     ------
@@ -69,8 +77,10 @@ def check(parameters: Any, plant: str) -> None:
         The first field that does not fit: its name, value and limit.
     """
     for item in fields(parameters):
-        name = item.metadata.get("key", item.name)
-        _check_field(f"plant.{name}", getattr(parameters, item.name), item, plant)
+        name, value = item.metadata.get("key", item.name), getattr(parameters, item.name)
+        # an MJCF may say what this range does not hold, such as a negative stiffness
+        if value is not item.default:
+            _check_field(f"plant.{name}", value, item, plant)
 
 
 def _check_field(name: str, value: object, item: Field[Any], plant: str) -> None:
@@ -79,8 +89,7 @@ def _check_field(name: str, value: object, item: Field[Any], plant: str) -> None
             wanted = "`, `".join(item.metadata["options"])
             raise ParameterError(f"parameter `{name}` of plant `{plant}`: value `{value}`, one of `{wanted}`")
         return
-    # a text, or a number that need not be given
-    if (isinstance(item.default, str) and isinstance(value, str)) or (item.default is None and value is None):
+    if isinstance(item.default, str) and isinstance(value, str):
         return
     boolean = isinstance(item.default, bool)
     if (

@@ -14,8 +14,10 @@ import numpy as np
 from numpy.random import Generator, SeedSequence
 from numpy.typing import NDArray
 
+from plants import _native
 from plants._native import Cell, Circuit, Stepper
 from plants.machine import Machine, NotNativeError, address, empty_model, functions
+from plants.names import Mjcf, native_names, unknown
 from plants.parameters import check
 
 Array = NDArray[np.float64]
@@ -90,7 +92,7 @@ class Plant(ABC):
         self.name = self._mjcf().stem
         check(self.parameters, self.name)
         spec = mujoco.MjSpec.from_file(str(self._mjcf()))
-        self.shape(spec)
+        self.shape(Mjcf(spec, self._mjcf().name))
         self.model = spec.compile()
         self._refuse_rk4()
         self.data = mujoco.MjData(self.model)
@@ -117,7 +119,7 @@ class Plant(ABC):
 
     @abstractmethod
     def shape(self, spec: Any) -> None:
-        """Write the parameters into the MJCF (`mujoco.MjSpec`) before it is compiled."""
+        """Write the parameters into the MJCF (`plants.names.Mjcf`) before it is compiled."""
 
     @abstractmethod
     def begin(self, steps: int) -> None:
@@ -134,7 +136,9 @@ class Plant(ABC):
         return np.random.default_rng(SeedSequence(self._seed.entropy, spawn_key=key))
 
     def wire(self, name: str, **options: Any) -> Cell:
-        """Cell of a named wire between elements."""
+        """Cell of a wire between elements, one of `wires`."""
+        if name not in self.wires:
+            raise unknown(f"wire in `{type(self).__name__}.wires` named", name, self.wires)
         return Cell(self._signals, self.wires.index(name), **options)
 
     def constant(self, value: float) -> Cell:
@@ -170,7 +174,8 @@ class Plant(ABC):
         self._signals[:] = 0.0
         self.circuit = Circuit()
         self.sensing = Circuit()
-        self.begin(round(duration / self.timestep) + 1)
+        with native_names(_native):
+            self.begin(round(duration / self.timestep) + 1)
         # a step of no time writes the outputs of time zero
         mujoco.mj_forward(self.model, self.data)
         for circuit in (self.circuit, self.sensing):

@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::Path;
+use std::time::SystemTime;
 
 use anyhow::{Context, Result, bail, ensure};
 use cargo_metadata::Package;
@@ -54,7 +55,7 @@ pub fn pack(project: &Project, package: &Package, built: &Built, rules: &Rules) 
     Ok(Packed { bytes: pack::to_bytes(&content)?, facts, faults })
 }
 
-/// Writes an FMU; a file that holds the same bytes is left alone.
+/// Writes an FMU; of a file that holds the same bytes only the date changes: it is as new as the sources.
 ///
 /// # Errors
 /// When the file cannot be written.
@@ -62,6 +63,10 @@ pub fn write(file: &Path, bytes: &[u8]) -> Result<()> {
     let shown = file.file_name().unwrap_or_default().to_string_lossy();
     if fs::read(file).is_ok_and(|old| old == bytes) {
         process::up_to_date(&format!("`{shown}`"));
+        // one that must not be written keeps its date
+        if let Ok(kept) = fs::File::options().append(true).open(file) {
+            kept.set_modified(SystemTime::now()).with_context(|| format!("cannot date `{shown}`"))?;
+        }
         return Ok(());
     }
     process::header(&format!("write `{shown}` ({} kB)", bytes.len().div_ceil(1000)));
@@ -108,17 +113,17 @@ mod tests {
     }
 
     #[test]
-    fn a_file_with_the_same_bytes_is_left_alone() {
+    fn a_file_with_the_same_bytes_is_kept_and_is_as_new_as_one_that_was_written() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("fmu-a.fmu");
         write(&file, b"one").unwrap();
-        let mut permissions = fs::metadata(&file).unwrap().permissions();
-        permissions.set_readonly(true);
-        fs::set_permissions(&file, permissions).unwrap();
-        let before = fs::metadata(&file).unwrap().modified().unwrap();
+        let kept = fs::File::options().append(true).open(&file).unwrap();
+        kept.set_modified(SystemTime::UNIX_EPOCH).unwrap();
         write(&file, b"one").unwrap();
-        assert_eq!(fs::metadata(&file).unwrap().modified().unwrap(), before);
+        // still the same file, which a reader may have open
+        assert!(kept.metadata().unwrap().modified().unwrap() > SystemTime::UNIX_EPOCH);
         write(&file, b"two").unwrap();
         assert_eq!(fs::read(&file).unwrap(), b"two");
+        assert_eq!(kept.metadata().unwrap().len(), 3);
     }
 }

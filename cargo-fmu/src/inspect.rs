@@ -2,9 +2,10 @@
 
 use std::path::MAIN_SEPARATOR;
 
-use crate::build::{self, Linker};
+use crate::build;
 use crate::facts::{Facts, Format};
 use crate::functions::{FMI2_FUNCTIONS, OWN_PREFIX};
+use crate::linker::{self, Linker};
 use crate::project::Project;
 
 // the parts of each system that every machine has
@@ -46,7 +47,7 @@ impl Rules {
         // the root of the disk is in every path
         let folders = texts.filter(|text| text.len() > 3).collect();
         let old = project.linker == Linker::Zig;
-        Self { glibc: old.then_some(build::GLIBC), libgcc: !old, folders }
+        Self { glibc: old.then_some(linker::GLIBC), libgcc: !old, folders }
     }
 
     /// The rules for an FMU of unknown origin.

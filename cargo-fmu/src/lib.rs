@@ -12,6 +12,7 @@ pub mod fmu;
 pub mod functions;
 pub mod inspect;
 pub mod licences;
+pub mod linker;
 pub mod pack;
 pub mod process;
 mod profile;

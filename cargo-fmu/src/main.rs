@@ -6,9 +6,10 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{Context, Result};
-use cargo_fmu::build::{self, GLIBC, Linker};
+use cargo_fmu::build;
 use cargo_fmu::fmu::{self, Packed};
 use cargo_fmu::inspect::Rules;
+use cargo_fmu::linker::{GLIBC, Linker};
 use cargo_fmu::project::Project;
 use cargo_fmu::{archive, choice, licences};
 use cargo_metadata::{MetadataCommand, Package};

@@ -7,7 +7,7 @@ use std::process::Command;
 use anyhow::{Context, Result};
 use cargo_metadata::{Metadata, MetadataCommand, Package};
 
-use crate::build::Linker;
+use crate::linker::Linker;
 
 /// A cargo workspace and the way its libraries are built.
 pub struct Project {

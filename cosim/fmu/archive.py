@@ -9,7 +9,7 @@ import shutil
 import tempfile
 import time
 import zipfile
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +20,20 @@ from cosim.errors import FmuError
 
 UNUSED_DAYS = 7
 """An extracted FMU that was not used for so long is removed."""
+MOST_PROBLEMS = 20
+"""Problems of a model description that are told; one mistake in a tool repeats for every variable."""
+
+
+@dataclass(frozen=True)
+class DisplayUnit:
+    """Unit that people read: `factor` times the value in the unit of the variable, plus `offset`.
+
+    A variable that is a difference (`relativeQuantity` of its declared type) has no offset.
+    """
+
+    name: str
+    factor: float = 1.0
+    offset: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -34,6 +48,8 @@ class Variable:
         As in the model description; empty where not given.
     items
         Names and numbers of an enumeration, empty otherwise.
+    display
+        Its display unit, where the description gives one.
     """
 
     name: str
@@ -47,6 +63,7 @@ class Variable:
     minimum: str
     maximum: str
     items: tuple[tuple[str, int], ...] = ()
+    display: DisplayUnit | None = None
 
 
 @dataclass(frozen=True)
@@ -111,8 +128,9 @@ def opened(path: Path, changed: int, size: int, cache: Path) -> FmuFile:
     except OSError as error:
         raise unreadable(path, error) from None
     except Exception as error:  # FMPy raises bare exceptions for a broken model description
+        found = "".join(f"\n  {problem}" for problem in problems(error))
         raise FmuError(
-            f"the model description of `{shown}` is not valid: {first_line(error)}",
+            f"the model description of `{shown}` is not valid:{found}",
             f"`fmpy validate {shown}` lists all problems",
         ) from None
 
@@ -144,7 +162,12 @@ def check_platform(shown: str, platforms: list[str]) -> None:
 
 def describe(path: Path, folder: Path, description: Any) -> FmuFile:
     """Keep what the harness needs from FMPy's model description."""
-    variables = {variable.name: scalar(variable) for variable in description.modelVariables}
+    displays = {
+        (unit.name, display.name): DisplayUnit(display.name, float(display.factor), float(display.offset))
+        for unit in description.unitDefinitions
+        for display in unit.displayUnits
+    }
+    variables = {variable.name: scalar(variable, displays) for variable in description.modelVariables}
     return FmuFile(
         path=path,
         folder=folder,
@@ -156,7 +179,7 @@ def describe(path: Path, folder: Path, description: Any) -> FmuFile:
     )
 
 
-def scalar(variable: Any) -> Variable:
+def scalar(variable: Any, displays: dict[tuple[str, str], DisplayUnit]) -> Variable:
     """Variable from FMPy's, whose type may come from its declared type."""
     declared = variable.declaredType
 
@@ -164,6 +187,9 @@ def scalar(variable: Any) -> Variable:
         own = getattr(variable, name)
         return str(own or (getattr(declared, name, None) if declared else None) or "")
 
+    display = displays.get((attribute("unit"), attribute("displayUnit")))
+    if display and attribute("relativeQuantity"):
+        display = replace(display, offset=0.0)
     return Variable(
         name=variable.name,
         reference=variable.valueReference,
@@ -176,6 +202,7 @@ def scalar(variable: Any) -> Variable:
         minimum=attribute("min"),
         maximum=attribute("max"),
         items=tuple((item.name, int(item.value)) for item in (declared.items if declared else ())),
+        display=display,
     )
 
 
@@ -227,6 +254,9 @@ def remove_unused(cache: Path) -> None:
             shutil.rmtree(folder, ignore_errors=True)
 
 
-def first_line(error: Exception) -> str:
-    """First line of an error's text."""
-    return (str(error).splitlines() or [type(error).__name__])[0]
+def problems(error: Exception) -> list[str]:
+    """List what FMPy found in a model description, one line each; the first `MOST_PROBLEMS` of them."""
+    found = [str(problem) for problem in getattr(error, "problems", [])]
+    found = found or str(error).splitlines()[:1] or [type(error).__name__]
+    more = len(found) - MOST_PROBLEMS
+    return found[:MOST_PROBLEMS] + ([f"and {more} more"] if more > 0 else [])

@@ -132,11 +132,18 @@ def packaged(name: str) -> Any:
     """Class of one of the plants that come with the project."""
     try:
         plants: Any = importlib.import_module("plants")
-        names = list(plants.names())
-        if name in names:
-            return plants.load(name)
     except ImportError as error:
         raise PlantError(f"cannot import the package `plants`: {error}", "run `cargo xtask setup`") from error
+    names = list(plants.names())
+    if name in names:
+        try:
+            return plants.load(name)
+        except Exception as error:  # whatever the module of a new plant does wrong
+            problem, _, hint = str(error).partition("\nhint: ")
+            if isinstance(error, ImportError):
+                hint = f"`plants/{name}.py` must be there; `cargo xtask setup` builds and installs the rest"
+            text = f"cannot import the plant `{name}`: {type(error).__name__}: {problem}"
+            raise PlantError(text, hint or "`-v` shows where") from error
     raise PlantError(
         f"there is no plant `{name}`",
         closest(name, names) + f"; your own is named `module:Class`, an MJCF file `name{MJCF}`",
@@ -160,15 +167,18 @@ def build(name: str, parameters: dict[str, Any], folder: Path) -> Plant:
         raise
     except Exception as error:
         problem, _, hint = str(error).partition("\nhint: ")
-        raise PlantError(f"the plant `{name}` refused its parameters: {problem}", hint) from error
+        if isinstance(error, ValueError):
+            raise PlantError(f"the plant `{name}` refused its parameters: {problem}", hint) from error
+        raise PlantError(f"the plant `{name}` cannot be built: {problem}", hint) from error
     return plant
 
 
 def check_parameters(kind: Any, parameters: dict[str, Any]) -> Any:
-    """Parameters of a plant's class from a table, checked as for `build`."""
+    """Parameters of a plant's class from a table, checked as for `build`; defaults are the plant's own."""
     values = parse(kind.Parameters, parameters, "plant", refuse)
     for field in dataclasses.fields(kind.Parameters):
-        check_range(field, getattr(values, field.name))
+        if toml_key(field) in parameters:
+            check_range(field, getattr(values, field.name))
     return values
 
 

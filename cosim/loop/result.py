@@ -11,6 +11,7 @@ from typing import Any
 from numpy.typing import NDArray
 
 from cosim.errors import CosimError
+from cosim.fmu.archive import DisplayUnit
 from cosim.loop import trace
 from cosim.metrics.criteria import Measured, Verdict
 
@@ -30,6 +31,8 @@ class Result:
         Unit of every column of the trace.
     items
         Names and numbers of the columns that are enumerations.
+    displays
+        Display units of the columns that have one; the trace is in `units`.
     metrics
         Value and unit of every metric, by name.
     criteria
@@ -49,6 +52,7 @@ class Result:
     trace: NDArray[Any] | None = None
     units: dict[str, str] = field(default_factory=dict)
     items: dict[str, dict[str, int]] = field(default_factory=dict)
+    displays: dict[str, DisplayUnit] = field(default_factory=dict)
 
     @property
     def loop(self) -> str:

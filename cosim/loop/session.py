@@ -118,6 +118,7 @@ class Session:
             trace=trace.structured(done.table, list(self.columns)),
             units={name: units[name] for name in self.columns},
             items={name: items for name, items in self.columns.items() if items},
+            displays=trace.displays(self.file),
         )
 
     def close(self) -> None:

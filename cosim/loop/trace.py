@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cosim.errors import CosimError
-from cosim.fmu.archive import FmuFile, Variable
+from cosim.fmu.archive import DisplayUnit, FmuFile, Variable
 from cosim.fmu.instance import BASE, Instance
 from cosim.loop.condition import Program
 from cosim.loop.plant import Plant
@@ -94,6 +94,12 @@ def units(file: FmuFile, plant: Plant) -> dict[str, str]:
         **{f"controller.{variable.name}": variable.unit for variable in file.variables.values()},
         **{f"plant.{channel.name}": channel.unit for channel in plant.truths},
     }
+
+
+def displays(file: FmuFile) -> dict[str, DisplayUnit]:
+    """Display units of the columns of a trace that have one."""
+    variables = file.variables.values()
+    return {f"controller.{variable.name}": variable.display for variable in variables if variable.display}
 
 
 def numeric_outputs(file: FmuFile) -> list[Variable]:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cosim.errors import CosimError, ScenarioError, closest, concerning
+from cosim.fmu.archive import DisplayUnit
 from cosim.loop.result import Result
 from cosim.metrics.expression import Expression, Items
 from cosim.scenario.model import Panel, Scenario
@@ -71,7 +72,7 @@ def save(scenario: Scenario, result: Result, path: Path) -> None:
     trace = result.trace
     if trace is None:
         raise CosimError("this result holds no trace, there is nothing to plot")
-    panels = scenario.plot.panels or default_panels(trace, result.units)
+    panels = scenario.plot.panels or default_panels(trace, result)
     windows = [np.ones(len(trace), dtype=bool), *zoomed(scenario, result, trace)]
     with matplotlib.rc_context(STYLE):
         size = (6.5 * len(windows) + 2.5, 1.2 + 1.7 * len(panels))
@@ -104,31 +105,48 @@ def heading(result: Result) -> str:
 
 def draw(axes: Any, trace: NDArray[Any], panel: Panel, result: Result) -> None:
     """Draw one panel; values that only jump (modes, flags) are drawn as steps, enumerations with names."""
+    shown = unit_of(panel, result)
     for column in panel.columns:
-        values = panel.scale * trace[column]
+        values = shown.factor * trace[column] + shown.offset
         stepped = bool(np.all(trace[column] == np.round(trace[column])))
         style = "steps-post" if stepped else "default"
         axes.plot(trace["time"], values, label=column, linewidth=1.1, drawstyle=style)
-    unit = panel.unit or (result.units.get(panel.columns[0], "") if panel.scale == 1.0 else "")
-    axes.set_ylabel(unit.removeprefix("1"))
+    axes.set_ylabel("" if shown.name == "1" else shown.name)
     axes.margins(x=0.0)
     if panel.log:
         axes.set_yscale("log", nonpositive="mask")
-    items = result.items.get(panel.columns[0])
-    if items and len(panel.columns) == 1:
-        present = {name: number for name, number in items.items() if number in trace[panel.columns[0]]}
-        axes.set_yticks(list(present.values()), list(present))
+    if items := items_of(panel, result):
+        present = np.unique([trace[column] for column in panel.columns])
+        named = {name: number for name, number in items.items() if number in present}
+        axes.set_yticks(list(named.values()), list(named))
 
 
-def default_panels(trace: NDArray[Any], units: dict[str, str]) -> tuple[Panel, ...]:
-    """Panels of a scenario that names none: the columns that move, one panel for each unit."""
+def unit_of(panel: Panel, result: Result) -> DisplayUnit:
+    """Tell how a panel shows its values: as it says itself, else in the first display unit of its columns."""
+    if panel.unit or panel.scale != 1.0:
+        return DisplayUnit(panel.unit, panel.scale)
+    units = [result.units.get(column, "") for column in panel.columns]
+    displays = [result.displays[column] for column in panel.columns if column in result.displays]
+    return displays[0] if displays and len(set(units)) == 1 else DisplayUnit(units[0])
+
+
+def items_of(panel: Panel, result: Result) -> dict[str, int]:
+    """Names of the values of a panel whose columns are one enumeration; none for other panels."""
+    first, *others = (result.items.get(column, {}) for column in panel.columns)
+    return first if all(items == first for items in others) else {}
+
+
+def default_panels(trace: NDArray[Any], result: Result) -> tuple[Panel, ...]:
+    """Panels of a scenario that names none: the columns that move, by enumeration or unit."""
     names = list(trace.dtype.names or ())[1:]
     moving = [name for name in names if np.any(trace[name] != trace[name][0])] or names[:1]
-    groups: dict[str, list[str]] = {}
+    groups: dict[tuple[tuple[str, ...], str], list[str]] = {}
     for name in moving:
-        groups.setdefault(units.get(name, ""), []).append(name)
-    largest = sorted(groups.items(), key=lambda group: -len(group[1]))[:MOST_PANELS]
-    return tuple(Panel(columns=tuple(group[:MOST_COLUMNS]), unit=unit) for unit, group in largest)
+        group = tuple(result.items.get(name, ())), result.units.get(name, "")
+        groups.setdefault(group, []).append(name)
+    # what the loop is doing comes first
+    largest = sorted(groups.items(), key=lambda group: (not group[0][0], -len(group[1])))[:MOST_PANELS]
+    return tuple(Panel(columns=tuple(columns[:MOST_COLUMNS])) for _, columns in largest)
 
 
 def zoom_condition(scenario: Scenario, columns: Mapping[str, Items | None]) -> Expression | None:

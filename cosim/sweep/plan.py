@@ -18,6 +18,7 @@ import numpy as np
 
 from cosim import paths
 from cosim.errors import ScenarioError, closest, concerning
+from cosim.fmu import stale
 from cosim.fmu.archive import FmuFile, open_fmu
 from cosim.fmu.values import expand
 from cosim.loop import plant
@@ -154,6 +155,7 @@ def check(scenario: Scenario) -> tuple[FmuFile, str]:
     with located(scenario):
         with concerning("controller.fmu"):
             file = open_fmu(paths.find_fmu(scenario.controller.fmu, scenario.folder))
+            stale.warn(scenario.controller.fmu, file.path)
         with concerning("controller.parameters"):
             expand(file.variables, scenario.controller.parameters)
         with concerning("plant.name"):

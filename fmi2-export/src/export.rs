@@ -1,22 +1,5 @@
 //! What a shared library offers: `export!` makes the tables of its model and the functions that are compiled for it.
 
-use crate::model::Model;
-use crate::table::hash::GUID;
-use crate::table::index::Index;
-
-/// A model with the constants that [`export!`](crate::export) makes of its table; every library holds one.
-pub trait Exported: Model {
-    /// The value references.
-    const INDEX: Index<Self::Vars>;
-    /// GUID of the model description.
-    const GUID: [u8; GUID];
-
-    /// The GUID as a text.
-    fn guid() -> &'static str {
-        str::from_utf8(const { &Self::GUID }).expect("a GUID is hexadecimal")
-    }
-}
-
 /// Exports a [`Model`](crate::Model) from this library as an FMI 2.0 co-simulation FMU.
 ///
 /// One library holds one model. What breaks a rule of the declaration or of the facts does not compile.

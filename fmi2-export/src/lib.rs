@@ -78,6 +78,7 @@ compile_error!(
 pub mod c_api;
 mod description;
 mod export;
+mod exported;
 mod host;
 mod instance;
 mod model;
@@ -85,7 +86,7 @@ mod table;
 
 pub use description::readme::{assert_readme, markdown};
 pub use fmi2_export_macros::interface;
-pub use model::{Env, Error, Info, Interface, Model};
+pub use model::{Env, Error, Info, Interface, Model, Report};
 pub use serde;
 #[doc(hidden)]
 pub use table::check::variable as check_variable;
@@ -97,7 +98,7 @@ pub use table::variable::Variable;
 #[doc(hidden)]
 pub mod __private {
     pub use crate::description::files::Files;
-    pub use crate::export::Exported;
+    pub use crate::exported::Exported;
     pub use crate::table::guid::of as guid;
     pub use crate::table::index::{Entry, Index, computed, count, entries};
 

@@ -1,7 +1,7 @@
 //! What a controller implements to become an FMU.
 
 use crate::host::logger::{Category, Logger};
-use crate::table::enumeration::{Enumeration, Item};
+use crate::table::enumeration::Item;
 use crate::table::variable::Variable;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use std::fmt::{self, Display};
@@ -77,6 +77,23 @@ pub trait Interface: Sized + 'static {
     const START: Self;
     /// The variable table; value references are the positions in it.
     const TABLE: &'static [Variable<Self>];
+
+    /// Brings parameters into force after they were set: those of the paper, where `law` asks for them.
+    fn bring_into_force(&mut self) {}
+
+    /// What the importer is told of: the items of the outputs `state` and `fault`, where the model has them.
+    fn status(&self) -> Report {
+        Report::default()
+    }
+}
+
+/// State and fault of a model; the first fault means that there is none.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Report {
+    /// The state.
+    pub state: Option<&'static Item>,
+    /// The fault, none for the first item of its enumeration.
+    pub fault: Option<&'static Item>,
 }
 
 /// A sampled controller.
@@ -87,6 +104,8 @@ pub trait Model: Sized + 'static {
     type Vars: Interface + Clone + Serialize + DeserializeOwned + Send + Sync + 'static;
     /// Hidden state between samples.
     type State: Clone + Serialize + DeserializeOwned + Send + Sync + 'static;
+    /// The numbers behind a new state or fault, told after its meaning, such as `: 3 mm, limit 2 mm`.
+    const NUMBERS: fn(&Self::Vars) -> String = |_| String::new();
 
     /// Sample period, s; may depend on fixed parameters.
     fn period(vars: &Self::Vars) -> f64;
@@ -161,22 +180,16 @@ impl Env<'_> {
         self.host.logger.send(Category::Events, format_args!("t = {} s: {text}", self.time));
     }
 
-    /// Tells a new fault, else a new state, with meaning and hint as the enumerations describe them; the first item of
-    /// the faults means that there is none. `numbers` follows the meaning, such as `: 3 mm, limit 2 mm`.
-    pub fn report<S: Enumeration + PartialEq, F: Enumeration + PartialEq>(
-        &self,
-        before: (S, F),
-        now: (S, F),
-        numbers: impl FnOnce() -> String,
-    ) {
+    /// Tells a new fault, else a new state, with meaning and hint as the enumerations describe them.
+    pub(crate) fn report(&self, before: Report, now: Report, numbers: impl FnOnce() -> String) {
         let line = |kind: &str, Item { name, description, hint }: &Item| {
             let hint = if hint.is_empty() { String::new() } else { format!("\nhint: {hint}") };
             format!("{kind} `{name}`: {description}{}{hint}", numbers())
         };
-        if now.1 != before.1 && now.1.number() != 1 {
-            self.warn(line("fault", now.1.item()));
-        } else if now.0 != before.0 {
-            self.event(line("state", now.0.item()));
+        match (now.fault, now.state) {
+            (Some(fault), _) if now.fault != before.fault => self.warn(line("fault", fault)),
+            (_, Some(state)) if now.state != before.state => self.event(line("state", state)),
+            _ => {}
         }
     }
 

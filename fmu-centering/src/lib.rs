@@ -40,13 +40,13 @@ impl Model for Centering {
     };
     type Vars = Vars;
     type State = Controller;
+    const NUMBERS: fn(&Vars) -> String = faults::numbers;
 
     fn period(vars: &Vars) -> f64 {
         vars.parameters.sample_period
     }
 
     fn calculate(vars: &mut Vars) {
-        vars.in_force = vars.parameters.in_force();
         vars.parameters.approach.look_ahead = limits::look_ahead(&vars.in_force);
     }
 
@@ -54,10 +54,8 @@ impl Model for Centering {
         Controller::new(&vars.in_force).map_err(|error: ParameterError| error.to_string().into())
     }
 
-    fn tick(vars: &mut Vars, controller: &mut Controller, env: &mut Env) -> Result<(), Error> {
-        let before = (vars.output.state, vars.output.fault);
+    fn tick(vars: &mut Vars, controller: &mut Controller, _: &mut Env) -> Result<(), Error> {
         controller.tick(&vars.input, &vars.in_force, &mut vars.output);
-        env.report(before, (vars.output.state, vars.output.fault), || faults::numbers(vars));
         Ok(())
     }
 }

@@ -42,13 +42,10 @@ impl Model for Deburr {
     };
     type Vars = Vars;
     type State = Controller;
+    const NUMBERS: fn(&Vars) -> String = faults::numbers;
 
     fn period(vars: &Vars) -> f64 {
         vars.parameters.sample_period
-    }
-
-    fn calculate(vars: &mut Vars) {
-        vars.in_force = vars.parameters.in_force();
     }
 
     fn initialise(vars: &mut Vars, env: &mut Env) -> Result<Controller, Error> {
@@ -56,9 +53,7 @@ impl Model for Deburr {
     }
 
     fn tick(vars: &mut Vars, controller: &mut Controller, env: &mut Env) -> Result<(), Error> {
-        let before = (vars.output.state, vars.output.fault);
         controller.tick(&vars.input, &vars.in_force, &mut vars.output);
-        env.report(before, (vars.output.state, vars.output.fault), || faults::numbers(vars));
         if controller.take_export() {
             let bank = &mut vars.output.bank;
             let written = storage::export(&vars.in_force, controller.path(), controller.bank(), bank);

@@ -33,24 +33,22 @@ impl Model for Dob {
     };
     type Vars = Vars;
     type State = Controller;
+    const NUMBERS: fn(&Vars) -> String = faults::numbers;
 
     fn period(vars: &Vars) -> f64 {
         vars.parameters.sample_period
     }
 
     fn calculate(vars: &mut Vars) {
-        vars.parameters.approach.depth_limit = motion::depth_limit::depth_limit(&vars.parameters);
-        vars.in_force = vars.parameters.in_force();
+        vars.parameters.approach.depth_limit = motion::depth_limit::depth_limit(&vars.in_force);
     }
 
     fn initialise(vars: &mut Vars, _: &mut Env) -> Result<Controller, Error> {
         Controller::new(&vars.in_force).map_err(|error| error.to_string().into())
     }
 
-    fn tick(vars: &mut Vars, controller: &mut Controller, env: &mut Env) -> Result<(), Error> {
-        let before = (vars.output.state, vars.output.fault);
+    fn tick(vars: &mut Vars, controller: &mut Controller, _: &mut Env) -> Result<(), Error> {
         controller.tick(&vars.input, &vars.in_force, &mut vars.output);
-        env.report(before, (vars.output.state, vars.output.fault), || faults::numbers(vars));
         Ok(())
     }
 }

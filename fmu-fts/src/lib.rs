@@ -42,13 +42,13 @@ impl Model for Fts {
     };
     type Vars = Vars;
     type State = Controller;
+    const NUMBERS: fn(&Vars) -> String = faults::numbers;
 
     fn period(vars: &Vars) -> f64 {
         vars.parameters.sample_period
     }
 
     fn calculate(vars: &mut Vars) {
-        vars.in_force = vars.parameters.in_force();
         if vars.in_force.read_lists().is_ok() {
             vars.parameters.identify.duration = identify::experiment::duration(&vars.in_force);
         }
@@ -64,10 +64,8 @@ impl Model for Fts {
         Ok(controller)
     }
 
-    fn tick(vars: &mut Vars, controller: &mut Controller, env: &mut Env) -> Result<(), Error> {
-        let before = (vars.output.state, vars.output.fault);
+    fn tick(vars: &mut Vars, controller: &mut Controller, _: &mut Env) -> Result<(), Error> {
         controller.tick(&vars.input, &vars.in_force, &mut vars.output);
-        env.report(before, (vars.output.state, vars.output.fault), || faults::numbers(vars));
         Ok(())
     }
 }

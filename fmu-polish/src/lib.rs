@@ -34,13 +34,10 @@ impl Model for Polish {
     };
     type Vars = Vars;
     type State = Controller;
+    const NUMBERS: fn(&Vars) -> String = faults::numbers;
 
     fn period(vars: &Vars) -> f64 {
         vars.parameters.sample_period
-    }
-
-    fn calculate(vars: &mut Vars) {
-        vars.in_force = vars.parameters.in_force();
     }
 
     fn initialise(vars: &mut Vars, env: &mut Env) -> Result<Controller, Error> {
@@ -51,11 +48,9 @@ impl Model for Polish {
     }
 
     fn tick(vars: &mut Vars, controller: &mut Controller, env: &mut Env) -> Result<(), Error> {
-        let before = vars.output.clone();
+        let frozen = vars.output.ripple.frozen;
         controller.tick(&vars.input, &vars.in_force, &mut vars.output);
-        let now = &vars.output;
-        env.report((before.state, before.fault), (now.state, now.fault), || faults::numbers(vars));
-        if now.ripple.frozen && !before.ripple.frozen {
+        if vars.output.ripple.frozen && !frozen {
             env.warn(force::ripple::FROZEN);
         }
         Ok(())

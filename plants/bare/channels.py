@@ -192,12 +192,21 @@ def actuator_kind(model: Any, i: int) -> str:
 def command_unit(model: Any, i: int) -> str:
     """Tell the unit of a control: force of a motor, setpoint of a servo, else unknown."""
     position, velocity, effort = KINDS[actuator_kind(model, i)]
-    gain, bias = float(model.actuator_gainprm[i, 0]), model.actuator_biasprm[i]
     if model.actuator_gaintype[i] != mujoco.mjtGain.mjGAIN_FIXED:
         return ""
     if model.actuator_biastype[i] == mujoco.mjtBias.mjBIAS_NONE:
-        return effort if gain == 1.0 else ""
+        return effort if model.actuator_gainprm[i, 0] == 1.0 else ""
     integrates = model.actuator_dyntype[i] == mujoco.mjtDyn.mjDYN_INTEGRATOR
-    if model.actuator_biastype[i] == mujoco.mjtBias.mjBIAS_AFFINE and gain == -bias[1]:
-        return velocity if integrates else position
-    return velocity if gain == -bias[2] and bias[1] == 0.0 else ""
+    setpoints = {"position": velocity if integrates else position, "velocity": velocity, "": ""}
+    return setpoints[servo(model, i)]
+
+
+def servo(model: Any, i: int) -> str:
+    """Tell what an actuator pulls to a setpoint: `position`, `velocity`, or empty for neither."""
+    gain, bias = float(model.actuator_gainprm[i, 0]), model.actuator_biasprm[i]
+    fixed = model.actuator_gaintype[i] == mujoco.mjtGain.mjGAIN_FIXED
+    if not fixed or model.actuator_biastype[i] != mujoco.mjtBias.mjBIAS_AFFINE:
+        return ""
+    if gain == -bias[1]:
+        return "position"
+    return "velocity" if gain == -bias[2] and bias[1] == 0.0 else ""

@@ -8,14 +8,18 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from plants.bare.channels import joint_kind, tendon_kind
+from plants.bare.channels import KINDS, actuator_kind, joint_kind, servo, tendon_kind
 
 COEFFICIENTS = {
     "slide": {"damping": "N.s/m", "stiffness": "N/m", "armature": "kg", "frictionloss": "N"},
     "hinge": {"damping": "N.m.s/rad", "stiffness": "N.m/rad", "armature": "kg.m2", "frictionloss": "N.m"},
     "": {"damping": "", "stiffness": "", "armature": "", "frictionloss": ""},
 }
-"""Units of the coefficients of a joint or tendon."""
+"""Units of the coefficients of a joint, tendon or servo."""
+Place = tuple[str, Any, float]
+"""Array of the model, index in it, and what the parameter is multiplied by there."""
+Term = tuple[str, tuple[Place, ...], str, str, float]
+"""A number of an actuator: last part of its key, places, unit, description and minimum."""
 SOURCE = "the MJCF"
 INTEGRATORS = {
     name.removeprefix("mjINT_").lower(): kind for name, kind in mujoco.mjtIntegrator.__members__.items()
@@ -46,12 +50,12 @@ def entry(
     unit: str,
     description: str,
     minimum: float = -math.inf,
-    place: tuple[str, Any] | None = None,
+    places: tuple[Place, ...] = (),
 ) -> tuple[Any, Any]:
-    """Type and field of one parameter; `place` is an array of the model and the index in it."""
+    """Type and field of one parameter, which stands in all its places."""
     metadata = {
         "key": key, "unit": unit, "description": description, "source": SOURCE, "minimum": minimum,
-        "maximum": math.inf, "place": place,
+        "maximum": math.inf, "places": places,
     }  # fmt: skip
     kind: Any = str if isinstance(default, str) else (float | None if default is None else float)
     return kind, field(default=default, metadata=metadata)
@@ -75,7 +79,7 @@ def bodies(model: Any) -> Iterator[tuple[Any, Any]]:
         name, mass = model.body(i).name, float(model.body_mass[i])
         if name and mass > 0.0:
             text = "Mass; the inertia follows in proportion"
-            yield entry(f"body.{name}.mass", mass, "kg", text, float(mujoco.mjMINVAL), ("body_mass", i))
+            yield entry(f"body.{name}.mass", mass, "kg", text, float(mujoco.mjMINVAL), at("body_mass", i))
 
 
 def joints(model: Any) -> Iterator[tuple[Any, Any]]:
@@ -91,7 +95,7 @@ def joints(model: Any) -> Iterator[tuple[Any, Any]]:
             array = f"{'jnt' if what == 'stiffness' else 'dof'}_{what}"
             value = float(np.ravel(getattr(model, array)[index])[0])
             text = f"{what.capitalize()} of the joint"
-            yield entry(f"joint.{name}.{what}", value, COEFFICIENTS[kind][what], text, 0.0, (array, index))
+            yield entry(f"joint.{name}.{what}", value, COEFFICIENTS[kind][what], text, 0.0, at(array, index))
         if kind:
             unit = "m" if kind == "slide" else "rad"
             text = f"Start position, else the keyframe's or {model.qpos0[model.jnt_qposadr[i]]:g}"
@@ -108,28 +112,74 @@ def tendons(model: Any) -> Iterator[tuple[Any, Any]]:
         for what in ("damping", "stiffness", "armature", "frictionloss") if name else ():
             array = f"tendon_{what}"
             value, text = float(getattr(model, array)[i]), f"{what.capitalize()} of the tendon"
-            yield entry(f"tendon.{name}.{what}", value, units[what], text, 0.0, (array, i))
+            yield entry(f"tendon.{name}.{what}", value, units[what], text, 0.0, at(array, i))
 
 
 def geoms(model: Any) -> Iterator[tuple[Any, Any]]:
     """Sliding friction of the named geoms."""
     for i in range(model.ngeom):
         if name := model.geom(i).name:
-            value, place = float(model.geom_friction[i, 0]), ("geom_friction", (i, 0))
-            yield entry(f"geom.{name}.friction", value, "1", "Sliding friction coefficient", 0.0, place)
+            value, places = float(model.geom_friction[i, 0]), at("geom_friction", (i, 0))
+            yield entry(f"geom.{name}.friction", value, "1", "Sliding friction coefficient", 0.0, places)
 
 
 def actuators(model: Any) -> Iterator[tuple[Any, Any]]:
-    """Gears of the named actuators."""
+    """Gears, gains and biases of the named actuators; a servo has what its MJCF calls `kp` and `kv`."""
     for i in range(model.nactuator):
-        if name := model.actuator(i).name:
-            value, place = float(model.actuator_gear[i, 0]), ("actuator_gear", (i, 0))
-            yield entry(f"actuator.{name}.gear", value, "", "First number of the gear", place=place)
+        name, unit = model.actuator(i).name, KINDS[actuator_kind(model, i)][2]
+        if not name:
+            continue
+        terms = [("gear", at("actuator_gear", (i, 0)), "", "First number of the gear", -math.inf)]
+        terms += servo_terms(model, i) if servo(model, i) else affine_terms(model, i)
+        if model.actuator_biastype[i] == mujoco.mjtBias.mjBIAS_AFFINE:
+            text = "Force without control, `biasprm[0]`"
+            terms.append(("bias", at("actuator_biasprm", (i, 0)), unit, text, -math.inf))
+        for key, places, unit, text, minimum in terms:
+            array, index, factor = places[0]
+            # the sum makes a zero of a negative zero
+            value = 0.0 + factor * float(getattr(model, array)[index])
+            yield entry(f"actuator.{name}.{key}", value, unit, text, minimum, places)
+
+
+def servo_terms(model: Any, i: int) -> list[Term]:
+    """Gains of a servo: MuJoCo keeps each in the gain and, negative, in the bias."""
+    units = COEFFICIENTS[actuator_kind(model, i)]
+    gain, velocity = at("actuator_gainprm", (i, 0)), at("actuator_biasprm", (i, 2), -1.0)
+    if servo(model, i) == "velocity":
+        return [("kv", gain + velocity, units["damping"], "Gain of the velocity", 0.0)]
+    position = at("actuator_biasprm", (i, 1), -1.0)
+    return [
+        ("kp", gain + position, units["stiffness"], "Gain of the position", 0.0),
+        ("kv", velocity, units["damping"], "Damping of the servo", 0.0),
+    ]
+
+
+def affine_terms(model: Any, i: int) -> list[Term]:
+    """Gain over control, and its slopes and those of the bias where they are affine."""
+    units, terms = COEFFICIENTS[actuator_kind(model, i)], []
+    affine = model.actuator_gaintype[i] == mujoco.mjtGain.mjGAIN_AFFINE
+    if affine or model.actuator_gaintype[i] == mujoco.mjtGain.mjGAIN_FIXED:
+        text = "Force over control, `gainprm[0]`"
+        terms.append(("gain", at("actuator_gainprm", (i, 0)), "", text, -math.inf))
+    slopes = [("length", units["stiffness"]), ("velocity", units["damping"])]
+    for k, (what, unit) in enumerate(slopes, 1):
+        if affine:
+            text = f"Gain over {what}, `gainprm[{k}]`"
+            terms.append((f"gain_{what}", at("actuator_gainprm", (i, k)), "", text, -math.inf))
+        if model.actuator_biastype[i] == mujoco.mjtBias.mjBIAS_AFFINE:
+            text = f"Bias over {what}, `biasprm[{k}]`"
+            terms.append((f"bias_{what}", at("actuator_biasprm", (i, k)), unit, text, -math.inf))
+    return terms
+
+
+def at(array: str, index: Any, factor: float = 1.0) -> tuple[Place, ...]:
+    """One place."""
+    return ((array, index, factor),)
 
 
 def apply(parameters: Any, model: Any, data: Any) -> None:
     """Write what differs from the MJCF into the model."""
-    placed = [item for item in fields(parameters) if item.metadata["place"] is not None]
+    placed = [item for item in fields(parameters) if item.metadata["places"]]
     changed = [item for item in placed if getattr(parameters, item.name) != item.default]
     for item in changed:
         put(item, getattr(parameters, item.name), model)
@@ -142,11 +192,11 @@ def apply(parameters: Any, model: Any, data: Any) -> None:
 
 
 def put(item: Field[Any], value: float, model: Any) -> None:
-    """Write one number to its place."""
-    array, index = item.metadata["place"]
-    if array == "body_mass":
-        model.body_inertia[index] *= value / model.body_mass[index]
-    getattr(model, array)[index] = value
+    """Write one number to its places."""
+    for array, index, factor in item.metadata["places"]:
+        if array == "body_mass":
+            model.body_inertia[index] *= value / model.body_mass[index]
+        getattr(model, array)[index] = factor * value
 
 
 def start(parameters: Any, model: Any, data: Any) -> None:

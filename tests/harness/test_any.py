@@ -1,4 +1,4 @@
-"""Any MJCF with any FMU: the example of the README, FMUs of another tool and in C, both engines."""
+"""Any MJCF with any FMU: the example of the guide, FMUs of another tool and in C, both engines."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ import cosim
 from cosim.errors import CosimError
 
 ROOT = Path(__file__).resolve().parents[2]
-SECTION = re.search(r"### Any MJCF, any FMU\n.*?\n## ", (ROOT / "README.md").read_text("utf-8"), re.DOTALL)
+GUIDE = (ROOT / "docs/any-mjcf.md").read_text("utf-8")
 PROGRAMS = Path(sys.executable).parent
 PROBED = """
 title = "The crane with the probe"
@@ -56,14 +56,13 @@ Write = Callable[..., Path]
 
 
 def files() -> dict[str, str]:
-    """Files of the README's example by name: the block after the first text that names a file."""
-    assert SECTION
-    return dict(re.findall(r"`([\w-]+\.\w+)`[^`]*?:\n\n```\w+\n(.*?)```", SECTION[0], re.DOTALL))
+    """Files of the guide's example by name: the block after the first text that names a file."""
+    return dict(re.findall(r"`([\w-]+\.\w+)`[^`]*?:\n\n```\w+\n(.*?)```", GUIDE, re.DOTALL))
 
 
 @pytest.fixture(scope="module")
 def example(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Folder with the files of the README, and the FMU that PythonFMU makes of them."""
+    """Folder with the files of the guide, and the FMU that PythonFMU makes of them."""
     folder = tmp_path_factory.mktemp("crane")
     for name, text in files().items():
         (folder / name).write_text(text, encoding="utf-8")
@@ -82,7 +81,7 @@ def crane(folder: Path, example: Path) -> Path:
 
 
 def run(folder: Path, line: str, status: int = 0) -> str:
-    """Output of a command line of the README."""
+    """Output of a command line of the guide."""
     program, *arguments = shlex.split(line)
     command = [str(PROGRAMS / program), *arguments]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
@@ -91,11 +90,10 @@ def run(folder: Path, line: str, status: int = 0) -> str:
 
 
 def test_the_example_of_the_readme_runs_as_printed(example: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert SECTION
     monkeypatch.setenv("COSIM_CACHE", str(example / "cache"))
     assert sorted(files()) == ["crane-study.toml", "crane.toml", "crane.xml", "pd.py"]
     assert len(files()["crane.xml"].splitlines()) <= 30
-    block = re.search(r"```\n(pythonfmu .*?)```", SECTION[0], re.DOTALL)
+    block = re.search(r"```\n(pythonfmu .*?)```", GUIDE, re.DOTALL)
     assert block
     # the second run and some of the sweep do not hold their criteria, which is what their exit codes say
     expected = {"--set controller.kp": 1, "sweep": 1}

@@ -82,14 +82,40 @@ def test_an_fmu_of_another_version_is_refused(folder: Path, version: str) -> Non
 
 
 @pytest.mark.parametrize(
-    ("old", "new"), [("<ModelStructure>", "<ModelStrcture>"), ('causality="input"', 'causality="inpt"')]
+    ("old", "new", "problem"),
+    [
+        ("<ModelStructure>", "<ModelStrcture>", "mismatch: ModelStrcture line"),
+        ('causality="input"', 'causality="inpt"', "'inpt'"),
+        ('<Real unit="m" start="0"/>', '<Real unit="m"/>', "start value"),
+    ],
 )
-def test_a_broken_description_is_refused(folder: Path, old: str, new: str) -> None:
+def test_a_broken_description_is_refused_with_the_problem(
+    folder: Path, old: str, new: str, problem: str
+) -> None:
     pack(folder / "bad.fmu", description((old, new)), {LIBRARY: b""})
-    with pytest.raises(
-        FmuError, match=r"the model description of `bad.fmu` is not valid: .*\nhint: `fmpy validate"
-    ):
+    expected = (
+        rf"the model description of `bad.fmu` is not valid:\n  .*{problem}.*(\n  .*)*\nhint: `fmpy validate"
+    )
+    with pytest.raises(FmuError, match=expected):
         open_fmu(folder / "bad.fmu")
+
+
+def test_the_problems_of_a_description_are_told_in_a_line_each(folder: Path) -> None:
+    twice = ('valueReference="1" causality="parameter"', 'valueReference="1" causality="parametr"')
+    pack(folder / "bad.fmu", description(('causality="input"', 'causality="inpt"'), twice), {LIBRARY: b""})
+    with pytest.raises(FmuError) as caught:
+        open_fmu(folder / "bad.fmu")
+    told = caught.value.message.splitlines()[1:]
+    assert len([line for line in told if "'inpt'" in line]) == 4
+    assert len([line for line in told if "'parametr'" in line]) == 1
+
+
+def test_a_mistake_that_repeats_fills_no_screen(folder: Path) -> None:
+    pack(folder / "bad.fmu", description(("<ScalarVariable", "<ScalarVariable wrong='1'")), {LIBRARY: b""})
+    with pytest.raises(FmuError) as caught:
+        open_fmu(folder / "bad.fmu")
+    told = caught.value.message.splitlines()[1:]
+    assert (len(told), told[-1]) == (archive.MOST_PROBLEMS + 1, "  and 2 more")
 
 
 def test_a_library_that_cannot_be_loaded_is_refused_and_the_folder_put_back(folder: Path) -> None:

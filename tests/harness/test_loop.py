@@ -11,7 +11,7 @@ import pytest
 
 import cosim
 from cosim.errors import CosimError, FmuError, PlantError
-from cosim.supervisor import Finished, Limits, Numbered, outcomes
+from cosim.sweep.supervisor import Finished, Limits, Numbered, outcomes
 
 Write = Callable[..., Path]
 
@@ -263,7 +263,7 @@ def test_the_first_error_of_many_seeds_ends_them(write: Write, monkeypatch: pyte
 
         return outcomes(taken(), workers, limits)
 
-    monkeypatch.setattr("cosim.many.outcomes", counted)
+    monkeypatch.setattr("cosim.sweep.many.outcomes", counted)
     scenario = cosim.load(write(), set=["plant.fail_at=5"])
     with pytest.raises(PlantError):
         cosim.run_many(scenario, range(20_000), workers=2)

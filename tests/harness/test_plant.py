@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import re
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -10,7 +14,10 @@ import pytest
 import cosim
 from cosim.errors import PlantError
 
+from .conftest import SCENARIO
+
 Write = Callable[..., Path]
+ROOT = Path(__file__).resolve().parents[2]
 
 REFUSED = {
     "plant.name=none": r"there is no plant `none`\nhint: .*`module:Class`",
@@ -43,3 +50,73 @@ def test_the_plants_of_the_project_are_found_by_name(write: Write) -> None:
 
     with pytest.raises(PlantError, match=plants.names()[0]):
         cosim.run(cosim.load(write(), set=["plant.name=none"]))
+
+
+UNSTABLE = """
+<mujoco><option timestep="1e-3" integrator="implicitfast"/>
+  <worldbody>
+    <body><joint name="hinge" type="hinge" stiffness="-0.3"/><geom size="0.1" mass="1"/></body>
+  </worldbody>
+  <actuator><motor name="push" joint="hinge"/></actuator>
+  <sensor><jointpos name="angle" joint="hinge"/></sensor>
+</mujoco>
+"""
+TILTED = SCENARIO.replace("probe_plants:Lag", "tilted.xml").replace("plant.x", "plant.angle")
+TILTED = TILTED.replace("plant.u", "plant.push")
+
+
+def test_an_mjcf_with_a_negative_stiffness_runs_and_is_shown(write: Write, folder: Path) -> None:
+    (folder / "tilted.xml").write_text(UNSTABLE)
+    file = write(text=TILTED)
+    assert cosim.run(cosim.load(file)).passed
+    with pytest.raises(PlantError, match=r"`plant.joint.hinge.stiffness` is `-0.4`, it must lie in 0 .. "):
+        cosim.run(cosim.load(file, set=["plant.joint.hinge.stiffness=-0.4"]))
+    shown = subprocess.run(
+        [sys.executable, "-m", "cosim", "show", "lag.toml"],
+        env={**os.environ, "PYTHONPATH": str(ROOT)}, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert re.search(r"joint.hinge.stiffness +-0.3 +N.m/rad +0 ..", shown.stdout), shown.stderr
+
+
+REGISTERED = {
+    "Slid": (
+        "slide",
+        r"cannot import the plant `slide`: .*no class .* named `Slid`\nhint: did you mean `Slide`",
+    ),
+    "Slide": (
+        "sledge",
+        r"cannot import the plant `sledge`: .*'plants.sledge'\nhint: `plants/sledge.py` must be there",
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", REGISTERED)
+def test_a_wrong_entry_of_the_registry_is_explained(
+    write: Write, monkeypatch: pytest.MonkeyPatch, kind: str
+) -> None:
+    import plants
+
+    name, message = REGISTERED[kind]
+    monkeypatch.setitem(plants.PLANTS, name, kind)
+    with pytest.raises(PlantError, match=message):
+        cosim.run(cosim.load(write(), set=[f"plant.name={name}"]))
+
+
+def test_a_plant_that_names_what_is_not_there_is_explained(
+    write: Write, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from plants.slide import Slide
+
+    file = write(text=SCENARIO.replace("probe_plants:Lag", "slide").replace("plant.x", "plant.position"))
+    scenario = cosim.load(file, set=["wire.plant.u.to=plant.current", "loop.substeps=20"])
+    with monkeypatch.context() as patch:
+        patch.setattr(Slide, "shape", lambda plant, spec: spec.body("slid"))
+        expected = (
+            r"the plant `slide` cannot be built: there is no body in `slide.xml` named `slid`\nhint: did you"
+        )
+        with pytest.raises(PlantError, match=expected):
+            cosim.run(scenario)
+    monkeypatch.setattr(Slide, "begin", lambda plant, steps: plant.wire("curent"))
+    expected = r"the plant `slide` cannot be reset: .* no wire in `Slide.wires` named `curent`\nhint: did you"
+    with pytest.raises(PlantError, match=expected):
+        cosim.run(scenario)

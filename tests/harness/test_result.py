@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -15,12 +16,16 @@ from hypothesis import strategies as st
 
 import cosim
 from cosim.errors import CosimError
+from cosim.fmu.archive import DisplayUnit, open_fmu
 from cosim.metrics.criteria import Verdict
 from cosim.scenario.model import Criterion
 from cosim.show import plot
 from cosim.show.quantity import text
 
+from .conftest import DATA, pack
+
 Write = Callable[..., Path]
+LIBRARY = f"binaries/{fmpy.platform}/probe{fmpy.sharedLibraryExtension}"
 
 MEASURED = """
 [[metric]]
@@ -198,6 +203,99 @@ def test_a_plot_is_drawn_and_the_same_each_time(write: Write, folder: Path, adde
         plot.save(scenario, result, folder / name)
     assert (folder / "one.svg").read_bytes() == (folder / "two.svg").read_bytes()
     assert (folder / "one.png").read_bytes().startswith(b"\x89PNG")
+
+
+DISPLAYED = [
+    ('<BaseUnit m="1"/>', '<BaseUnit m="1"/><DisplayUnit name="um" factor="1e6"/>'),
+    ('<Real unit="m" start="0"/>', '<Real unit="m" displayUnit="um" start="0"/>'),
+    ('causality="output"><Real unit="m"/>', 'causality="output"><Real unit="m" displayUnit="um"/>'),
+]
+MODES = """
+[[signal]]
+to = "controller.mode"
+times = [0.0, 0.02]
+values = ["Slow", "Fast"]
+"""
+
+
+@pytest.fixture
+def texts(write: Write, folder: Path, probe_library: bytes) -> Callable[[str], list[str]]:
+    """Texts of the plot of a scenario with a probe that has display units."""
+    description = (DATA / "probe.xml").read_text()
+    for old, new in DISPLAYED:
+        assert old in description
+        description = description.replace(old, new)
+    pack(folder / "probe.fmu", description, {LIBRARY: probe_library})
+
+    def texts_of(added: str) -> list[str]:
+        scenario = cosim.load(write(added))
+        plot.save(scenario, cosim.run(scenario), folder / "plot.svg")
+        # matplotlib draws letters and leaves the text as a comment
+        return re.findall(r"<!-- (.*?) -->", (folder / "plot.svg").read_text())
+
+    return texts_of
+
+
+def panel(columns: str, more: str = "") -> str:
+    return f"{MODES}\n[[plot.panels]]\ncolumns = {columns}\n{more}\n"
+
+
+def test_a_panel_without_a_unit_is_in_the_display_unit_of_the_fmu(texts: Callable[[str], list[str]]) -> None:
+    shown = texts(panel('["controller.in"]'))
+    assert "um" in shown
+    assert "1e6" in shown  # the lag starts at 1 m
+    # a truth of the plant is drawn beside it in the same unit
+    both = texts(panel('["plant.x", "controller.in"]'))
+    assert ("um" in both, "m" in both) == (True, False)
+    mixed = texts(panel('["plant.random", "controller.in"]'))
+    assert "um" not in mixed
+
+
+@pytest.mark.parametrize(
+    ("more", "unit", "tick"), [('unit = "m"', "m", "1.0"), ('unit = "mm"\nscale = 1e3', "mm", "1000")]
+)
+def test_the_unit_of_a_panel_goes_before(
+    texts: Callable[[str], list[str]], more: str, unit: str, tick: str
+) -> None:
+    shown = texts(panel('["controller.in"]', more))
+    assert unit in shown
+    assert tick in shown
+    assert "um" not in shown
+
+
+@pytest.mark.parametrize("columns", ['["controller.mode_out"]', '["controller.mode", "controller.mode_out"]'])
+def test_enumerations_are_named_on_the_axis(texts: Callable[[str], list[str]], columns: str) -> None:
+    shown = texts(panel(columns))
+    assert {"Slow", "Fast"} <= set(shown)
+    assert "Off" not in shown
+
+
+def test_a_scenario_without_panels_names_enumerations_and_uses_display_units(
+    texts: Callable[[str], list[str]],
+) -> None:
+    shown = texts(MODES)
+    assert {"Slow", "Fast", "um", "controller.mode_out", "controller.calls"} <= set(shown)
+    assert "m" not in shown
+
+
+GAP = """<SimpleType name="Gap">
+<Real unit="m" displayUnit="shifted" relativeQuantity="true"/></SimpleType>"""
+
+
+def test_a_difference_has_no_offset_in_its_display_unit(folder: Path) -> None:
+    description = (DATA / "probe.xml").read_text()
+    for old, new in [
+        ('<BaseUnit m="1"/>', '<BaseUnit m="1"/><DisplayUnit name="shifted" factor="2" offset="5"/>'),
+        ('<Real unit="m" start="0"/>', '<Real unit="m" displayUnit="shifted" start="0"/>'),
+        ('causality="output"><Real unit="m"/>', 'causality="output"><Real declaredType="Gap"/>'),
+        ("</TypeDefinitions>", f"{GAP}</TypeDefinitions>"),
+    ]:
+        description = description.replace(old, new)
+    pack(folder / "probe.fmu", description, {LIBRARY: b""})
+    variables = open_fmu(folder / "probe.fmu").variables
+    assert variables["in"].display == DisplayUnit("shifted", 2.0, 5.0)
+    assert variables["out"].display == DisplayUnit("shifted", 2.0)
+    assert variables["gain"].display is None
 
 
 def test_a_wrong_column_of_a_plot_is_found_before_the_run(write: Write, folder: Path) -> None:

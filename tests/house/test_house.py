@@ -15,15 +15,6 @@ from . import python, rust
 ROOT = Path(__file__).resolve().parents[2]
 MOST_FILES = 17
 """Source files in one folder: what rapier, a large crate that reads well, needs at most."""
-NOT_YET: dict[str, set[str]] = {
-    "fmi2-export": {"folder", "circle"},
-    "fmu-centering": {"folder", "circle", "type"},
-    "fmu-deburr": {"folder", "circle", "type"},
-    "fmu-dob": {"folder", "circle", "type"},
-    "fmu-fts": {"folder", "circle", "type"},
-    "fmu-polish": {"folder", "circle", "type"},
-}
-"""Rules that a crate does not keep yet: `folder`, `circle`, `type`; one that it keeps is taken off here."""
 PACKAGES = ("cosim", "plants", "tests", "xtask")
 """Folders with Python modules that import each other."""
 
@@ -62,12 +53,6 @@ def circle(graph: Mapping[Path, set[Path]]) -> str:
     return ""
 
 
-def per_crate(rule: str) -> list[object]:
-    """Crates as parameters of a test; one that does not keep the rule yet must fail."""
-    mark = pytest.mark.xfail(reason=f"`NOT_YET` lists `{rule}`", raises=AssertionError)
-    return [pytest.param(crate, marks=[mark] if rule in NOT_YET.get(crate, ()) else []) for crate in CRATES]
-
-
 def crowded(crate: str) -> str:
     """Folders of a crate, or of no crate, with too many source files, as text."""
     files: dict[Path, list[str]] = defaultdict(list)
@@ -81,7 +66,7 @@ def crowded(crate: str) -> str:
     )
 
 
-@pytest.mark.parametrize("crate", per_crate("folder"))
+@pytest.mark.parametrize("crate", CRATES)
 def test_a_folder_of_a_crate_can_be_looked_over(crate: str) -> None:
     found = crowded(crate)
     assert not found, found
@@ -92,7 +77,7 @@ def test_a_folder_of_python_can_be_looked_over() -> None:
     assert not found, found
 
 
-@pytest.mark.parametrize("crate", per_crate("circle"))
+@pytest.mark.parametrize("crate", CRATES)
 def test_no_rust_files_import_each_other(crate: str) -> None:
     for root in rust.roots(ROOT / crate):
         found = circle(rust.imports(root))
@@ -105,14 +90,10 @@ def test_no_python_files_import_each_other() -> None:
     assert not found, found
 
 
-@pytest.mark.parametrize("crate", per_crate("type"))
+@pytest.mark.parametrize("crate", CRATES)
 def test_a_type_name_means_one_thing_in_a_crate(crate: str) -> None:
     places: dict[str, list[str]] = defaultdict(list)
     for name, file in rust.types(ROOT / crate):
         places[name].append(shown(file))
     twice = [f"`{name}` in {', '.join(files)}" for name, files in places.items() if len(files) > 1]
     assert not twice, "\n".join(twice)
-
-
-def test_every_exception_is_a_crate() -> None:
-    assert set(NOT_YET) <= set(CRATES)

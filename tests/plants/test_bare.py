@@ -163,6 +163,10 @@ EDITS = {
     "tendon__travel__damping": ('stiffness="0.4"', 'stiffness="0.4" damping="2"', 2.0),
     "geom__disc__friction": ('friction="0.7"', 'friction="1.2"', 1.2),
     "actuator__geared__gear": ('gear="3"', 'gear="-2"', -2.0),
+    "actuator__push__gain": ('<motor name="push"', '<general gainprm="4" name="push"', 4.0),
+    "actuator__servo__kp": ('kp="0.2"', 'kp="0.5"', 0.5),
+    "actuator__servo__kv": ('kp="0.2"', 'kp="0.2" kv="0.07"', 0.07),
+    "actuator__drive__kv": ('kv="0.1"', 'kv="0.3"', 0.3),
 }
 
 
@@ -176,6 +180,58 @@ def test_a_parameter_does_what_the_same_edit_of_the_file_does(write: Write, key:
     given = run(build(plain, keyframe="away", **{key: value}), **commands)
     assert not np.array_equal(given, run(build(plain, keyframe="away"), **commands))
     np.testing.assert_allclose(given, edited, rtol=1e-9, atol=1e-12)
+
+
+SERVO, GENERAL = '<position name="servo" joint="hinge" kp="0.2"/>', '<general name="servo" joint="hinge" {}/>'
+AFFINE = GENERAL.format('biastype="affine" gaintype="affine" gainprm="{} {} {}" biasprm="{} {} {}"')
+NUMBERS = ("gain", "gain_length", "gain_velocity", "bias", "bias_length", "bias_velocity")
+
+
+@pytest.mark.parametrize("place", range(6))
+def test_gain_and_bias_are_those_of_the_compiled_model(write: Write, place: int) -> None:
+    numbers = [0.4, 0.3, 0.2, 0.1, -0.7, -0.6]
+    plain = write((SERVO, AFFINE.format(*numbers)))
+    given = build(plain, **{f"actuator__servo__{NUMBERS[place]}": 0.9}).model
+    numbers[place] = 0.9
+    edited = build(write((SERVO, AFFINE.format(*numbers)))).model
+    for array in ("actuator_gainprm", "actuator_biasprm"):
+        assert np.array_equal(getattr(given, array), getattr(edited, array))
+
+
+def actuator_parameters(file: Path, name: str) -> dict[str, tuple[float, str]]:
+    """Value and unit of the parameters of an actuator."""
+    fields = dataclasses.fields(cast(Any, plants.bare.load(file).Parameters))
+    start = f"actuator.{name}."
+    keys = {field.metadata["key"]: field for field in fields}
+    return {
+        key.removeprefix(start): (cast(float, field.default), field.metadata["unit"])
+        for key, field in keys.items()
+        if key.startswith(start)
+    }
+
+
+KINDS = {
+    "servo": {"gear": (1.0, ""), "kp": (0.2, "N.m/rad"), "kv": (0.0, "N.m.s/rad"), "bias": (0.0, "N.m")},
+    "drive": {"gear": (1.0, ""), "kv": (0.1, "N.m.s/rad"), "bias": (0.0, "N.m")},
+    "push": {"gear": (1.0, ""), "gain": (1.0, "")},
+}
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_an_actuator_has_the_numbers_that_mujoco_uses(write: Write, name: str) -> None:
+    assert actuator_parameters(write(), name) == KINDS[name]
+
+
+def test_an_actuator_of_another_kind_has_its_gear_only(write: Write) -> None:
+    file = write((SERVO, '<muscle name="servo" joint="hinge" lengthrange="0 1"/>'))
+    assert list(actuator_parameters(file, "servo")) == ["gear"]
+
+
+def test_a_servo_whose_gain_changes_still_holds_its_setpoint(write: Write) -> None:
+    weightless = ("0 0 -9.81", "0 0 0"), ('damping="0.02" stiffness="0.3"', 'damping="0.02"')
+    plant = build(write(*weightless), actuator__servo__kp=2.0, actuator__servo__kv=0.3)
+    assert plant.commands[2].unit == "rad"
+    assert column(plant, run(plant, 4000, servo=0.4), "hinge.position")[-1] == pytest.approx(0.4, abs=1e-3)
 
 
 def test_a_run_starts_where_it_is_told(write: Write) -> None:
@@ -223,6 +279,17 @@ def test_wrong_parameters_are_refused(write: Write) -> None:
         build(file, keyframe=1.0)
     with pytest.raises(PlantError, match=r"no such `keyframe`: .*'none'.*away"):
         build(file, keyframe="none")
+
+
+def test_what_the_file_says_is_never_refused(write: Write) -> None:
+    file = write(('stiffness="0.3"', 'stiffness="-0.3"'))
+    plant = build(file)
+    assert plant.model.jnt_stiffness[1] == -0.3
+    assert build(file, joint__hinge__stiffness=0.5).model.jnt_stiffness[1] == 0.5
+    with pytest.raises(
+        ParameterError, match=r"`plant.joint.hinge.stiffness` .* `-0.4` N.m/rad, limit `0` to"
+    ):
+        build(file, joint__hinge__stiffness=-0.4)
 
 
 def test_another_integrator_makes_a_file_with_rk4_fit(write: Write) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from plants._native import Cell, Circuit, current_loop, latch, peak, summing_junction
+from plants.parameters import ParameterError, parameter
 from plants.plant import Channel, Plant, PlantError
 
 MJCF = """
@@ -90,6 +91,11 @@ def test_channels_are_connected_by_name(tmp_path: Path) -> None:
     plant = ball(tmp_path)
     with pytest.raises(ValueError, match=r"channels `\['x'\]` are connected as `\['y'\]`"):
         plant.connect({"y": Cell(plant.data.sensordata)}, {}, {})
+
+
+def test_a_default_outside_its_range_is_refused_where_it_stands() -> None:
+    with pytest.raises(ParameterError, match=r"the default of `Mass`: value `-1` kg, limit `0` to `inf` kg"):
+        parameter(-1.0, "kg", "Mass", "catalogue", 0.0)
 
 
 def test_importing_the_package_does_not_import_mujoco() -> None:

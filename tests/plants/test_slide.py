@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import plants
+from plants.names import UnknownNameError
 from plants.plant import PlantError
 from plants.slide import Slide
 from plants.slide_parameters import SlideParameters
@@ -353,5 +354,5 @@ def test_advance_needs_sense() -> None:
 def test_registry() -> None:
     assert "slide" in plants.names()
     assert plants.load("slide") is Slide
-    with pytest.raises(KeyError, match=r"no plant `slid`.*hint: the plants are .*`slide`"):
+    with pytest.raises(UnknownNameError, match=r"there is no plant `slid`\nhint: did you mean `slide`"):
         plants.load("slid")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import cosim
-from cosim.scenario import Scenario
+from cosim.scenario.model import Scenario
 
 
 def part(name: str, longest: int) -> Scenario:

@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import Any
 
 from cosim.sweep import study
-from cosim.sweep.plan import Plan
 from cosim.sweep.command import Options, execute
+from cosim.sweep.plan import Plan
 from cosim.sweep.worker import JobRunner
 
 WORKERS = 2

@@ -4,9 +4,10 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result, bail, ensure};
-use cargo_fmu::build::Linker;
 use cargo_fmu::fmu;
 use cargo_fmu::inspect::Rules;
+use cargo_fmu::linker::Linker;
+use cargo_fmu::project::Project;
 pub use cargo_fmu::{binary, build};
 use cargo_metadata::Package;
 
@@ -19,14 +20,14 @@ use crate::workspace::Workspace;
 /// # Errors
 /// When a name is unknown, a build fails, or a binary breaks a rule of [`cargo_fmu::inspect`].
 pub fn run(workspace: &Workspace, names: &[String]) -> Result<()> {
-    let packages = select(&controllers(workspace), names)?;
+    let packages = select(&workspace.root, &controllers(workspace), names)?;
     if workspace.linker == Linker::Zig {
         setup::environment(workspace)?;
     }
     pack_all(workspace, &packages)
 }
 
-/// Builds and packs these controllers; `.venv` must be there. A file whose bytes would not change is left alone.
+/// Builds and packs these controllers; `.venv` must be there. A file whose bytes would not change keeps them.
 ///
 /// # Errors
 /// As [`run`].
@@ -41,17 +42,15 @@ pub fn pack_all(workspace: &Workspace, packages: &[&Package]) -> Result<()> {
     fmu::write(&folder.join("SHA256SUMS"), sums(&folder)?.as_bytes())
 }
 
-/// The packages `fmu-*` of the workspace that make a C library, by name.
-pub fn controllers(workspace: &Workspace) -> Vec<&Package> {
-    let mut packages = workspace.metadata.workspace_packages();
-    packages.retain(|package| {
-        package.name.starts_with("fmu-") && package.targets.iter().any(cargo_metadata::Target::is_cdylib)
-    });
+/// The packages `fmu-*` of the workspace, by name; one that makes no C library is refused when it is built.
+pub fn controllers(project: &Project) -> Vec<&Package> {
+    let mut packages = project.metadata.workspace_packages();
+    packages.retain(|package| package.name.starts_with("fmu-"));
     packages.sort_by(|a, b| a.name.cmp(&b.name));
     packages
 }
 
-fn select<'a>(packages: &[&'a Package], names: &[String]) -> Result<Vec<&'a Package>> {
+fn select<'a>(root: &Path, packages: &[&'a Package], names: &[String]) -> Result<Vec<&'a Package>> {
     if names.is_empty() {
         return Ok(packages.to_vec());
     }
@@ -59,7 +58,14 @@ fn select<'a>(packages: &[&'a Package], names: &[String]) -> Result<Vec<&'a Pack
     let find = |name: &String| {
         let full = if name.starts_with("fmu-") { name.clone() } else { format!("fmu-{name}") };
         let found = packages.iter().copied().find(|package| *package.name == full);
-        found.with_context(|| format!("no controller `{name}`\nhint: the controllers are {known}"))
+        let stranger = root.join(&full).join("Cargo.toml").is_file();
+        found.with_context(|| {
+            if stranger {
+                let line = format!("hint: add `\"{full}\"` to `members` in the `Cargo.toml` of the workspace");
+                return format!("the controller `{full}` is no member of the workspace\n{line}");
+            }
+            format!("no controller `{name}`\nhint: the controllers are {known}")
+        })
     };
     names.iter().map(find).collect()
 }
@@ -97,6 +103,7 @@ fn sums(folder: &Path) -> Result<String> {
 mod tests {
     use super::*;
     use cargo_fmu::licences;
+    use cargo_metadata::MetadataCommand;
 
     #[test]
     fn controllers_are_found_and_named_in_two_ways() {
@@ -104,16 +111,51 @@ mod tests {
         let all = controllers(&workspace);
         assert!(all.iter().any(|package| *package.name == "fmu-dob"));
         assert!(all.iter().all(|package| *package.name != "fmi2-export"));
-        let by_short = select(&all, &["dob".into()]).unwrap();
-        let by_full = select(&all, &["fmu-dob".into()]).unwrap();
+        let by_short = select(&workspace.root, &all, &["dob".into()]).unwrap();
+        let by_full = select(&workspace.root, &all, &["fmu-dob".into()]).unwrap();
         assert_eq!(by_short[0].name, by_full[0].name);
     }
 
     #[test]
     fn an_unknown_controller_is_refused_with_the_known_ones() {
         let workspace = Workspace::load().unwrap();
-        let error = select(&controllers(&workspace), &["dop".into()]).unwrap_err().to_string();
+        let refused = select(&workspace.root, &controllers(&workspace), &["dop".into()]).unwrap_err();
+        let error = refused.to_string();
         assert!(error.starts_with("no controller `dop`") && error.contains("`fmu-dob`"), "{error}");
+    }
+
+    /// A workspace with these members, out of the empty crates `blocks` and `fmu-trial`.
+    fn workspace_of(members: &[&str]) -> (tempfile::TempDir, Project) {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["blocks", "fmu-trial"] {
+            let source = folder.path().join(name).join("src");
+            fs::create_dir_all(&source).unwrap();
+            fs::write(source.join("lib.rs"), "").unwrap();
+            let package = format!("[package]\nname = \"{name}\"\nversion = \"0.1.0\"\nedition = \"2024\"\n");
+            fs::write(folder.path().join(name).join("Cargo.toml"), package).unwrap();
+        }
+        let root = format!("[workspace]\nresolver = \"3\"\nmembers = {members:?}\n");
+        fs::write(folder.path().join("Cargo.toml"), root).unwrap();
+        let manifest = folder.path().join("Cargo.toml");
+        let project = Project::load(MetadataCommand::new().manifest_path(manifest)).unwrap();
+        (folder, project)
+    }
+
+    #[test]
+    fn a_controller_that_is_no_member_is_told_with_the_line_to_add() {
+        let (_folder, project) = workspace_of(&["blocks"]);
+        let error = select(&project.root, &controllers(&project), &["trial".into()]).unwrap_err().to_string();
+        let line = "hint: add `\"fmu-trial\"` to `members` in the `Cargo.toml` of the workspace";
+        assert_eq!(error, format!("the controller `fmu-trial` is no member of the workspace\n{line}"));
+    }
+
+    #[test]
+    fn a_controller_without_a_c_library_is_told_with_the_lines_to_add() {
+        let (_folder, project) = workspace_of(&["blocks", "fmu-trial"]);
+        let found = select(&project.root, &controllers(&project), &["trial".into()]).unwrap();
+        let error = build::library(&project, found[0]).err().unwrap().to_string();
+        assert!(error.starts_with("`fmu-trial` makes no C library\nhint: add to `"), "{error}");
+        assert!(error.ends_with("    [lib]\n    crate-type = [\"cdylib\"]"), "{error}");
     }
 
     #[test]

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::process::Command;
 
 use anyhow::Result;
-use cargo_fmu::build::Linker;
+use cargo_fmu::linker::Linker;
 use cargo_fmu::project::Project;
 use cargo_metadata::MetadataCommand;
 

@@ -33,13 +33,16 @@ use syn::{ItemMod, parse_macro_input};
 /// | `unit = METRE as "um"` | unit of a Real, and the display unit, which may be left out |
 /// | `range = 0.0..=1.0` | allowed values, both ends included |
 /// | `start = 0.5` | start value; else zero, false, empty, or the first item |
-/// | `paper = 0.3` | value of the paper that the model follows, where it differs: the constant `PAPER` holds it, and `Parameters::in_force` puts it in where the parameter `law` is `Paper` and the value was left at its start; the result is for the field `in_force` of `Vars`; of a `hidden` field only `PAPER` knows it |
+/// | `paper = 0.3` | value of the paper that the model follows, where it differs: the constant `PAPER` holds it, and `Parameters::in_force` holds it where the parameter `law` is `Paper` and the value was left at its start; which is the field `in_force` of `Vars`; of a `hidden` field only `PAPER` knows it |
 /// | `source = "derived: ..."` | where the start value comes from |
 /// | `nominal = 1e-3` | usual magnitude of a Real |
 /// | `tunable`, `calculated` | a parameter that may change between steps; one that `Model::calculate` computes |
 /// | `local` | an output that is only worth plotting |
 /// | `accepts_nan` | NaN and infinities of a Real input reach the model |
 /// | `hidden` | a field that the law reads and that is no variable; needs `start` |
+///
+/// Where the outputs have enumerations `state` and `fault`, the importer is told of each new one, with meaning and hint; the
+/// first fault means that there is none.
 ///
 /// What breaks a rule does not compile, and the error names the field and the rule.
 #[proc_macro_attribute]

@@ -12,6 +12,14 @@ pub fn emit(declaration: &Declaration, rows: &[Row]) -> TokenStream {
     let paper = rows.iter().any(|row| row.field.var.paper.is_some());
     let paper = paper.then(|| quote!(const PAPER: &#parameters = &#parameters::PAPER;));
     let table = rows.iter().map(row);
+    let into_force = rows.iter().any(|row| row.field.var.paper.is_some()).then(|| {
+        quote! {
+            fn bring_into_force(&mut self) {
+                self.in_force = self.parameters.in_force();
+            }
+        }
+    });
+    let status = status(rows);
     let checks = rows.iter().enumerate().map(|(i, row)| {
         quote_spanned!(row.field.name.span()=>
             const _: () = ::fmi2_export::check_variable(&<Vars as ::fmi2_export::Interface>::TABLE[#i]);)
@@ -24,10 +32,37 @@ pub fn emit(declaration: &Declaration, rows: &[Row]) -> TokenStream {
                 #paper
                 &[#(#table),*]
             };
+            #into_force
+            #status
         }
 
         #(#checks)*
     }
+}
+
+/// The items of the outputs `state` and `fault`.
+fn status(rows: &[Row]) -> Option<TokenStream> {
+    let choice = |name: &str| {
+        let is = |row: &&Row| row.root == Root::Outputs && row.name == name && matches!(row.kind, Kind::Choice(_));
+        rows.iter().find(is).map(Row::access)
+    };
+    let item = |access: &TokenStream| quote!(::fmi2_export::Enumeration::item(self.#access));
+    let state =
+        choice("state").map(|access| item(&access)).map(|item| quote!(state: ::core::option::Option::Some(#item),));
+    let fault = choice("fault").map(|access| {
+        let item = item(&access);
+        let is_one = quote!(::fmi2_export::Enumeration::number(self.#access) != 1);
+        quote!(fault: ::core::option::Option::Some(#item).filter(|_| #is_one),)
+    });
+    (state.is_some() || fault.is_some()).then(|| {
+        quote! {
+            #[inline]
+            fn status(&self) -> ::fmi2_export::Report {
+                #[allow(clippy::needless_update, reason = "a model may have one of the two")]
+                ::fmi2_export::Report { #state #fault ..::core::default::Default::default() }
+            }
+        }
+    })
 }
 
 fn row(row: &Row) -> TokenStream {

@@ -2,7 +2,7 @@
 
 use super::types::fmi2Status::{fmi2Error, fmi2Fatal};
 use super::types::{fmi2Component, fmi2Real, fmi2Status, fmi2String};
-use crate::export::Exported;
+use crate::exported::Exported;
 use crate::host::hook;
 use crate::host::phase::{Function, Status};
 use crate::instance::Instance;

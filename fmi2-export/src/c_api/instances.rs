@@ -3,7 +3,7 @@
 use super::call::{Component, text};
 use super::types::*;
 use crate::description::files::Files;
-use crate::export::Exported;
+use crate::exported::Exported;
 use crate::host::hook;
 use crate::host::logger::{Callback, Category, Logger};
 use crate::host::phase::Status;

@@ -2,7 +2,7 @@
 
 use super::call::with;
 use super::types::*;
-use crate::export::Exported;
+use crate::exported::Exported;
 use crate::host::phase::{Function, Status};
 use crate::instance::Instance;
 use crate::instance::slave::Slave;

@@ -3,7 +3,7 @@
 use super::call::{BAD_STRING, NULL_ARRAY, idle, slice, slice_mut, texts, with, with_arrays};
 use super::types::fmi2Status::fmi2OK;
 use super::types::*;
-use crate::export::Exported;
+use crate::exported::Exported;
 use crate::host::phase::{Function, Status};
 
 /// fmi2GetReal of a model.

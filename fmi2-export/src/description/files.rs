@@ -1,7 +1,7 @@
 //! The generated files of an FMU, made only for packers: importers never ask for them.
 
 use crate::description::{documentation, model_description};
-use crate::export::Exported;
+use crate::exported::Exported;
 use crate::host::text::c_string;
 use std::ffi::{CStr, CString};
 use std::sync::OnceLock;

@@ -1,7 +1,7 @@
 //! `modelDescription.xml` from the variable table (FMI 2.0.5, chapter 2.2, in schema order).
 
 use crate::description::xml::{Writer, real};
-use crate::export::Exported;
+use crate::exported::Exported;
 use crate::host::logger::Category;
 use crate::model::{Info, Interface};
 use crate::table::enumeration::EnumType;

@@ -8,7 +8,7 @@ mod slope;
 mod snapshot;
 pub mod states;
 
-use crate::export::Exported;
+use crate::exported::Exported;
 use crate::host::logger::Category;
 use crate::host::phase::{Function, Phase, Status};
 use crate::host::text::c_string;
@@ -129,7 +129,7 @@ impl<M: Exported> Instance<M> {
             parameters |= row.role().is_parameter();
         }
         if parameters {
-            M::calculate(&mut self.now.vars);
+            parameters_set::<M>(&mut self.now.vars);
         }
         Ok(())
     }
@@ -187,8 +187,11 @@ impl<M: Exported> Instance<M> {
             prepare(&mut self.now.vars, here.until(tick));
             let time = experiment.start + here.time_of(tick);
             let mut env = Env { time, experiment, host: &self.host };
+            let before = self.now.vars.status();
             let done = M::tick(&mut self.now.vars, &mut running.state, &mut env);
             done.map_err(|error| Refusal::error(error.to_string()))?;
+            let vars = &self.now.vars;
+            env.report(before, vars.status(), || (M::NUMBERS)(vars));
         }
         Ok(())
     }
@@ -289,8 +292,14 @@ fn fresh<M: Exported>() -> SnapshotOf<M> {
             set(&mut vars, start);
         }
     }
-    M::calculate(&mut vars);
+    parameters_set::<M>(&mut vars);
     Snapshot { phase: Phase::Instantiated, vars, running: None, experiment: None, derivatives: Vec::new() }
+}
+
+/// What follows from parameters after some were set.
+fn parameters_set<M: Model>(vars: &mut M::Vars) {
+    vars.bring_into_force();
+    M::calculate(vars);
 }
 
 #[cold]

@@ -12,7 +12,7 @@ pub struct EnumType {
 }
 
 /// One item of an enumeration.
-#[derive(Debug)]
+#[derive(Debug, PartialEq, Eq)]
 pub struct Item {
     /// Item name.
     pub name: &'static str,

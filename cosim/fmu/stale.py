@@ -1,0 +1,74 @@
+"""FMUs of a checkout that are older than the sources they were built from."""
+
+from __future__ import annotations
+
+import functools
+import logging
+import tomllib
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from cosim import paths
+
+log = logging.getLogger("cosim")
+
+PARTS = ("Cargo.toml", "build.rs", "src", "resources")
+"""What a library is built from, in the folder of its crate."""
+
+
+@functools.cache
+def warn(name: str, file: Path) -> None:
+    """Log once in a process that an FMU found by its name was built before the last edit of its sources.
+
+    Nothing is said of an FMU given by path, of one from elsewhere, and where there are no sources.
+    """
+    folder = paths.OWN_FMUS
+    if file.name != f"{name}.fmu" or file.parent != folder.resolve():
+        return
+    checkout = folder.parent.parent
+    times = ((source, source.stat().st_mtime) for source in sources(checkout, name))
+    if changed := changed_after(file.stat().st_mtime, times):
+        shown, command = paths.shown(changed), f"cargo xtask fmu {name.removeprefix('fmu-')}"
+        log.warning("`%s` is older than `%s`: `%s` builds it again", paths.shown(file), shown, command)
+
+
+def changed_after(built: float, times: Iterable[tuple[Path, float]]) -> Path | None:
+    """File of the last change after `built`, None if there is none."""
+    changed = [(time, path) for path, time in times if time > built]
+    return max(changed)[1] if changed else None
+
+
+def sources(checkout: Path, name: str) -> list[Path]:
+    """Files that the library of a crate is built from: its own and those of the crates beside it."""
+    found: list[Path] = []
+    for folder in crates(checkout, name):
+        for part in PARTS:
+            found += [folder / part, *(folder / part).rglob("*")]
+    return [path for path in found if path.is_file()]
+
+
+def crates(checkout: Path, name: str) -> list[Path]:
+    """Folders of a crate of a cargo workspace and of those it uses; none for a crate that is not there."""
+    if not (checkout / name / "Cargo.toml").is_file() or not (checkout / "Cargo.toml").is_file():
+        return []
+    shared = manifest(checkout).get("workspace", {}).get("dependencies", {})
+    places = {
+        key: entry["path"] for key, entry in shared.items() if isinstance(entry, dict) and "path" in entry
+    }
+    found: list[Path] = []
+    waiting = [name]
+    while waiting:
+        folder = checkout / waiting.pop()
+        if folder not in found and (folder / "Cargo.toml").is_file():
+            found.append(folder)
+            waiting += [places[key] for key in manifest(folder).get("dependencies", {}) if key in places]
+    return found
+
+
+def manifest(folder: Path) -> dict[str, Any]:
+    """`Cargo.toml` of a folder; empty if it is broken, of which cargo tells more."""
+    try:
+        return tomllib.loads((folder / "Cargo.toml").read_text(encoding="utf-8"))
+    except (OSError, tomllib.TOMLDecodeError):
+        return {}
