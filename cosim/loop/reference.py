@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from fmpy.fmi1 import FMICallException
@@ -22,8 +23,7 @@ Progress = Callable[[int, int], None]
 PROGRESS_EVERY = 500
 
 
-@dataclass(frozen=True)
-class Run:
+class Run(NamedTuple):
     """What a run leaves: the table of its trace and the communication steps that were done."""
 
     table: NDArray[np.float64]

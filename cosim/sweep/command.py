@@ -24,9 +24,6 @@ from cosim.sweep.survey import Survey, save_csv, save_parquet, survey
 
 log = logging.getLogger("cosim")
 
-COUNTS = "{task.fields[failed]} failed, {task.fields[lost]} without result, {task.fields[rate]}"
-"""What stands beside the progress bar."""
-
 
 @dataclass(frozen=True)
 class Options:
@@ -107,7 +104,8 @@ def progress(plan: Plan, store: Store, options: Options) -> Iterator[Observer]:
     """Bar on stderr with rate and time left; nothing if that is not a terminal."""
     from rich.progress import MofNCompleteColumn
 
-    with bar(options.quiet, MofNCompleteColumn(), COUNTS) as shown:
+    counted = "{task.fields[failed]} failed, {task.fields[lost]} without result, {task.fields[rate]}"
+    with bar(options.quiet, MofNCompleteColumn(), counted) as shown:
         if shown is None:
             yield lambda row: None
             return
