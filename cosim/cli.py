@@ -20,6 +20,7 @@ from cosim.errors import CosimError
 from cosim.loop import engines
 from cosim.loop.reference import Progress
 from cosim.scenario import layers
+from cosim.show.bar import bar
 
 FAILED = 1
 """Exit code: a criterion does not hold."""
@@ -183,23 +184,12 @@ def sweep(
 @contextlib.contextmanager
 def progress_bar(title: str, quiet: bool) -> Iterator[Progress | None]:
     """Progress bar on stderr; none if that is not a terminal."""
-    console = Console(stderr=True)
-    if quiet or not console.is_terminal:
-        yield None
-        return
-    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
-
-    bar = Progress(
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TextColumn("{task.percentage:>3.0f} %"),
-        TimeRemainingColumn(),
-        console=console,
-        transient=True,
-    )
-    with bar:
-        task = bar.add_task(title)
-        yield lambda done, total: bar.update(task, completed=done, total=total)
+    with bar(quiet, "{task.percentage:>3.0f} %") as shown:
+        if shown is None:
+            yield None
+            return
+        task = shown.add_task(title)
+        yield lambda done, total: shown.update(task, completed=done, total=total)
 
 
 def output() -> Console:

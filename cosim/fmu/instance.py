@@ -6,7 +6,6 @@ import contextlib
 import ctypes
 import os
 from collections.abc import Callable, Iterator
-from types import TracebackType
 from typing import Any
 
 import numpy as np
@@ -14,6 +13,7 @@ from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave
 from numpy.typing import NDArray
 
+from cosim.closing import Closing
 from cosim.errors import FmuError, concerning
 from cosim.fmu.archive import FmuFile, Variable
 from cosim.fmu.messages import Messages
@@ -57,7 +57,7 @@ def banks(variables: list[Variable]) -> list[Bank]:
     return [Bank(base, group) for base, group in groups.items() if group]
 
 
-class Instance:
+class Instance(Closing):
     """An instantiated FMU.
 
     Life: `initialise` (which resets a used instance), then `set`, `step`, `get` in every step, then `close`.
@@ -174,14 +174,6 @@ class Instance:
             self.slave.freeInstance()
             self.slave.component = None
         self.messages.close()
-
-    def __enter__(self) -> Instance:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
 
 def load_library(file: FmuFile) -> Any:

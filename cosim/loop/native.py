@@ -17,10 +17,8 @@ from cosim.loop import condition, reference
 from cosim.loop.connect import Connector, Links, whole
 from cosim.loop.engines import Engine
 from cosim.loop.plant import Plant
-from cosim.loop.reference import PROGRESS_EVERY, Progress, Run
+from cosim.loop.reference import PROGRESS_EVERY, Parts, Run
 from cosim.loop.trace import Recorder
-from cosim.metrics.expression import Expression
-from cosim.scenario.model import Scenario
 
 log = logging.getLogger("cosim")
 
@@ -100,15 +98,7 @@ def controller(fmu: Instance) -> Controller:
     )
 
 
-def run(
-    scenario: Scenario,
-    fmu: Instance,
-    plant: Plant,
-    seed: int,
-    stop_when: Expression | None = None,
-    progress: Progress | None = None,
-    chunk: int = PROGRESS_EVERY,
-) -> Run:
+def run(parts: Parts, chunk: int = PROGRESS_EVERY) -> Run:
     """Run as `cosim.loop.reference.run`, in native code from chunk to chunk.
 
     Parameters
@@ -123,10 +113,12 @@ def run(
     """
     from plants._native import Stepper
 
+    scenario, fmu, plant = parts.scenario, parts.fmu, parts.plant
+    stop_when, progress = parts.stop_when, parts.progress
     body: Any = plant
     steps, step = scenario.loop.steps, scenario.loop.step
     machine = body.machine()
-    links = Connector(scenario, fmu, plant, np.zeros(len(plant.commands)), seed).links()
+    links = Connector(scenario, fmu, plant, np.zeros(len(plant.commands)), parts.seed).links()
     recorder = Recorder(fmu, plant, steps, scenario.loop.record_every)
     columns = recorder.table.shape[1]
     recorder.stop = condition.program(stop_when, columns) if stop_when else None

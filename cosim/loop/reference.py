@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from fmpy.fmi1 import FMICallException
@@ -22,23 +23,30 @@ Progress = Callable[[int, int], None]
 PROGRESS_EVERY = 500
 
 
-@dataclass(frozen=True)
-class Run:
+class Run(NamedTuple):
     """What a run leaves: the table of its trace and the communication steps that were done."""
 
     table: NDArray[np.float64]
     steps: int
 
 
-def run(
-    scenario: Scenario,
-    fmu: Instance,
-    plant: Plant,
-    seed: int,
-    stop_when: Expression | None = None,
-    progress: Progress | None = None,
-) -> Run:
-    """Run an initialised FMU and a plant that was reset in closed loop.
+@dataclass(frozen=True)
+class Parts:
+    """What a run needs: an initialised FMU and a plant that was reset, wired by a scenario.
+
+    The run ends early in the first row that `stop_when` holds for.
+    """
+
+    scenario: Scenario
+    fmu: Instance
+    plant: Plant
+    seed: int
+    stop_when: Expression | None = None
+    progress: Progress | None = None
+
+
+def run(parts: Parts) -> Run:
+    """Run FMU and plant in closed loop.
 
     The row of step `k` holds the time `k * step`, the inputs that the controller got then, the outputs it
     computed from them and the truths of the plant at that time.
@@ -48,9 +56,10 @@ def run(
     CosimError
         The FMU returned an error, the plant failed, or a value on a wire is not finite; names step and time.
     """
-    loop = scenario.loop
+    scenario, fmu, plant = parts.scenario, parts.fmu, parts.plant
+    stop_when, progress, loop = parts.stop_when, parts.progress, scenario.loop
     commands = np.zeros(len(plant.commands))
-    links = Connector(scenario, fmu, plant, commands, seed).links()
+    links = Connector(scenario, fmu, plant, commands, parts.seed).links()
     recorder = Recorder(fmu, plant, loop.steps, loop.record_every)
 
     k = 0

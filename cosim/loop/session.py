@@ -6,16 +6,16 @@ import contextlib
 import logging
 import time
 from collections.abc import Iterator
-from types import TracebackType
 
 from cosim import paths
+from cosim.closing import Closing
 from cosim.errors import CosimError, concerning
 from cosim.fmu.archive import FmuFile, Variable, open_fmu
 from cosim.fmu.instance import Instance
 from cosim.loop import native, plant, reference, trace
 from cosim.loop.connect import driven
 from cosim.loop.engines import Engine, checked
-from cosim.loop.reference import Progress
+from cosim.loop.reference import Parts, Progress
 from cosim.loop.result import Result
 from cosim.loop.wiring import child
 from cosim.metrics import criteria
@@ -27,7 +27,7 @@ log = logging.getLogger("cosim")
 TIMESTEP_TOLERANCE = 1e-9
 
 
-class Session:
+class Session(Closing):
     """A scenario with its FMU and plant opened once; each `run` resets both.
 
     Parameters
@@ -100,7 +100,7 @@ class Session:
             reference.reset_plant(self.plant, scenario, child(seed, "plant"))
             begin = time.perf_counter()
             run = native.run if self.engine == "native" else reference.run
-            done = run(scenario, self.fmu, self.plant, seed, self.stop, progress)
+            done = run(Parts(scenario, self.fmu, self.plant, seed, self.stop, progress))
             wall = time.perf_counter() - begin
             pairs = zip(scenario.metric, self.metrics, strict=True)
             measured = [criteria.measure(metric, expression, done.table.T) for metric, expression in pairs]
@@ -124,14 +124,6 @@ class Session:
     def close(self) -> None:
         """Free the FMU."""
         self.fmu.close()
-
-    def __enter__(self) -> Session:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, where: TracebackType | None
-    ) -> None:
-        self.close()
 
 
 def run(

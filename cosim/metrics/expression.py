@@ -29,16 +29,9 @@ LONGEST = 2000
 
 @dataclass(frozen=True)
 class Node:
-    """A compiled part: a function of the columns.
+    """A compiled part: a function of the columns, with items where its values are those of an enumeration.
 
-    Parameters
-    ----------
-    evaluate
-        Value for the columns.
-    items
-        Items, where its values are those of an enumeration.
-    unit
-        Its unit, None where it cannot be told.
+    Its unit is None where it cannot be told.
     """
 
     evaluate: Callable[[Columns], Any]

@@ -11,9 +11,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console, RenderableType
+from rich.console import RenderableType
 
 from cosim.loop import engines
+from cosim.show.bar import bar
 from cosim.sweep import cluster, overview, study, supervisor
 from cosim.sweep.plan import Plan
 from cosim.sweep.runner import Observer, Pool, pending, save_traces, sweep, worst
@@ -101,31 +102,22 @@ def pool_of(plan: Plan, options: Options) -> Pool:
 @contextlib.contextmanager
 def progress(plan: Plan, store: Store, options: Options) -> Iterator[Observer]:
     """Bar on stderr with rate and time left; nothing if that is not a terminal."""
-    console = Console(stderr=True)
-    if options.quiet or not console.is_terminal:
-        yield lambda row: None
-        return
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+    from rich.progress import MofNCompleteColumn
 
-    bar = Progress(
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TextColumn("{task.fields[failed]} failed, {task.fields[lost]} without result, {task.fields[rate]}"),
-        TimeRemainingColumn(),
-        console=console,
-        transient=True,
-    )
-    with bar:
+    counted = "{task.fields[failed]} failed, {task.fields[lost]} without result, {task.fields[rate]}"
+    with bar(options.quiet, MofNCompleteColumn(), counted) as shown:
+        if shown is None:
+            yield lambda row: None
+            return
         left = len(pending(plan, store, options.again))
         total = len(plan.runs)
-        task = bar.add_task(plan.study.name, True, total, total - left, failed=0, lost=0, rate="")
+        task = shown.add_task(plan.study.name, True, total, total - left, failed=0, lost=0, rate="")
         counts: dict[str, Any] = {"failed": 0, "lost": 0}
 
         def observe(row: Row) -> None:
             counts["failed"] += row["status"] == "failed"
             counts["lost"] += row["status"] not in DONE
-            speed = bar.tasks[0].speed
-            bar.update(task, advance=1, rate=f"{speed:.3g} runs/s" if speed else "", **counts)
+            speed = shown.tasks[0].speed
+            shown.update(task, advance=1, rate=f"{speed:.3g} runs/s" if speed else "", **counts)
 
         yield observe

@@ -6,10 +6,10 @@ import contextlib
 import json
 import logging
 from pathlib import Path
-from types import TracebackType
 from typing import Any
 
 from cosim import paths
+from cosim.closing import Closing
 from cosim.errors import CosimError
 from cosim.loop.result import Result, plain
 from cosim.metrics.criteria import Verdict
@@ -24,7 +24,7 @@ DONE = ("passed", "failed")
 """Statuses of runs that gave a result; the others are `error`, `crashed`, `timeout`, `memory` and `lost`."""
 
 
-class Store:
+class Store(Closing):
     """The file `results.jsonl` of a folder, open for more rows; only their places are held in memory.
 
     Raises
@@ -111,14 +111,6 @@ class Store:
         """Close the file."""
         with contextlib.suppress(OSError):
             self.file.close()
-
-    def __enter__(self) -> Store:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, where: TracebackType | None
-    ) -> None:
-        self.close()
 
 
 def row_of(run: Run, outcome: Outcome) -> Row:

@@ -25,18 +25,10 @@ IDLE = 600.0
 
 @dataclass(frozen=True)
 class Job:
-    """One run.
+    """One run of a scenario with a seed, by the engine of that name, whose result may keep its trace.
 
-    Parameters
-    ----------
-    seed
-        Seed of all noise.
-    engine
-        `reference` or `native`, see `Session`.
-    keep_trace
-        Whether the result shall hold its trace.
-    fmu
-        SHA-256 that the FMU must have, as far as the name of its extracted folder goes; empty takes any.
+    `fmu` is the SHA-256 that the FMU must have, as far as the name of its extracted folder goes; empty takes
+    any.
     """
 
     scenario: Scenario

@@ -3,13 +3,11 @@
 The large samples run with `pytest -m full -rP tests/acceptance/test_deburr.py`, which prints what they found.
 """
 
-import functools
 import json
 import resource
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -17,6 +15,7 @@ import pytest
 import cosim
 
 from .robots import DELAYS, PLAIN, Changes, Sample, joined, learn, machine, sample
+from .runs import Columns, run, trace, value
 
 pytestmark = pytest.mark.acceptance
 
@@ -28,22 +27,6 @@ BURRS = tuple(range(72_001, 72_051))
 
 RESOURCES = ROOT / "fmu-deburr/resources"
 KP = 13.0
-
-Columns = Any
-
-
-@functools.cache
-def run(name: str, *changes: str, seed: int | None = None) -> cosim.Result:
-    return cosim.run(cosim.load(name, set=changes), seed)
-
-
-def trace(result: cosim.Result) -> Columns:
-    assert result.trace is not None
-    return result.trace
-
-
-def value(result: cosim.Result, metric: str) -> float:
-    return float(result.metrics[metric].value)
 
 
 def errors(result: cosim.Result) -> tuple[float, float]:

@@ -3,18 +3,18 @@
 The large samples run with `pytest -m full -rP tests/acceptance/test_fts.py`, which prints what they measured.
 """
 
-import functools
 import itertools
 import math
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
 import cosim
+
+from .runs import run, trace, value
 
 pytestmark = pytest.mark.acceptance
 
@@ -26,7 +26,6 @@ RPM = TURN / 60.0
 MANY = tuple(range(61_001, 61_021))
 CASES = tuple(range(62_001, 62_051))
 
-Columns = Any
 Changes = tuple[str, ...]
 
 FIVE: Changes = (
@@ -51,20 +50,6 @@ DELAYS: dict[int, Changes] = {
 
 def speed(rpm: float) -> Changes:
     return (f"plant.spindle_speed={rpm * RPM!r}",)
-
-
-@functools.cache
-def run(name: str, *changes: str, seed: int | None = None) -> cosim.Result:
-    return cosim.run(cosim.load(name, set=changes), seed)
-
-
-def trace(result: cosim.Result) -> Columns:
-    assert result.trace is not None
-    return result.trace
-
-
-def value(result: cosim.Result, metric: str) -> float:
-    return float(result.metrics[metric].value)
 
 
 def amplitudes(result: cosim.Result, turns: int = 5) -> dict[int, float]:

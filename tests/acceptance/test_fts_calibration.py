@@ -8,12 +8,13 @@ import json
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
 import cosim
+
+from .runs import run, trace, value
 
 pytestmark = pytest.mark.acceptance
 
@@ -22,22 +23,6 @@ README = (Path(__file__).parents[2] / "fmu-fts/README.md").read_text(encoding="u
 # nothing was tuned on these seeds
 SOME = (63_001,)
 MANY = tuple(range(64_001, 64_021))
-
-Columns = Any
-
-
-def run(name: str, *changes: str, seed: int | None = None) -> cosim.Result:
-    return cosim.run(cosim.load(name, set=changes), seed)
-
-
-def trace(result: cosim.Result) -> Columns:
-    assert result.trace is not None
-    return result.trace
-
-
-def value(result: cosim.Result, metric: str) -> float:
-    return float(result.metrics[metric].value)
-
 
 # frequency response
 

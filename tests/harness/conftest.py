@@ -37,6 +37,15 @@ to = "plant.u"
 """
 
 
+END = """
+[[metric]]
+name = "end"
+unit = "m"
+value = "last(plant.x)"
+"""
+"""Metric of the lag scenario: where it ends."""
+
+
 def pack(target: Path, description: str, members: dict[str, bytes]) -> Path:
     """Write an FMU."""
     with zipfile.ZipFile(target, "w") as archive:

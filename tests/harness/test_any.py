@@ -21,26 +21,13 @@ GUIDE = (ROOT / "docs/any-mjcf.md").read_text("utf-8")
 PROGRAMS = Path(sys.executable).parent
 PROBED = """
 title = "The crane with the probe"
-[loop]
-step = 0.002
-substeps = 2
-duration = 0.4
-[controller]
-fmu = "probe"
-[controller.parameters]
-gain = -30.0
-bias = [3.0, 0.0]
-[plant]
-name = "models/crane.xml"
-[[wire]]
-from = "plant.position"
-to = "controller.in"
-scale = 1.0
-delay = 1
-[[wire]]
-from = "controller.out"
-to = "plant.drive"
-quantum = 0.01
+loop = {step = 0.002, substeps = 2, duration = 0.4}
+controller = {fmu = "probe", parameters = {gain = -30.0, bias = [3.0, 0.0]}}
+plant = {name = "models/crane.xml"}
+wire = [
+    {from = "plant.position", to = "controller.in", scale = 1.0, delay = 1},
+    {from = "controller.out", to = "plant.drive", quantum = 0.01},
+]
 [[metric]]
 name = "travel"
 value = "last(plant.slide.position)"

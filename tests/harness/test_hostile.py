@@ -64,22 +64,9 @@ scale = 1.0
 )
 LINES = [number for number, line in enumerate(FULL.splitlines()) if " = " in line]
 NONSENSE = [
-    "-1",
-    "5",
-    "1e300",
-    "9" * 30,
-    "nan",
-    "-inf",
-    '"x"',
-    '""',
-    "true",
-    "[]",
-    "[1]",
-    "[[1]]",
-    '["a"]',
-    "{}",
-    "{a = 1}",
-]
+    "-1", "5", "1e300", "9" * 30, "nan", "-inf", '"x"', '""', "true", "[]", "[1]", "[[1]]",
+    '["a"]', "{}", "{a = 1}",
+]  # fmt: skip
 
 
 @pytest.mark.parametrize("number", LINES)
@@ -97,18 +84,9 @@ def test_a_line_is_missing(write: Write, number: int) -> None:
 
 
 HEADERS = [
-    "loop",
-    "controller",
-    "plant",
-    "wire",
-    "signal",
-    "inject",
-    "metric",
-    "criterion",
-    "plot",
-    "drop",
-    "extends",
-]
+    "loop", "controller", "plant", "wire", "signal", "inject", "metric", "criterion", "plot",
+    "drop", "extends",
+]  # fmt: skip
 
 
 @pytest.mark.parametrize("header", HEADERS)

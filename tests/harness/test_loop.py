@@ -13,6 +13,8 @@ import cosim
 from cosim.errors import CosimError, FmuError, PlantError
 from cosim.sweep.supervisor import Finished, Limits, Numbered, outcomes
 
+from .conftest import SCENARIO
+
 Write = Callable[..., Path]
 
 
@@ -88,12 +90,9 @@ to = "controller.count"
 [[wire]]
 from = "controller.flag_out"
 to = "plant.extra"
-[[signal]]
-to = "controller.mode"
-times = [0.0, 0.01]
-values = ["Slow", 4]
 """
-    result = run(write(added), "loop.compute_delay=0")
+    mode = '{to = "controller.mode", times = [0.0, 0.01], values = ["Slow", 4]}'
+    result = run(write(added, text=f"signal = [{mode}]\n{SCENARIO}"), "loop.compute_delay=0")
     flags = np.arange(50) % 2
     assert column(result, "controller.flag").tolist() == flags.tolist()
     assert column(result, "plant.extra").tolist() == (1 - flags).tolist()
@@ -103,17 +102,9 @@ values = ["Slow", 4]
 
 
 def test_a_signal_reaches_tunable_parameters_and_commands(write: Write) -> None:
-    added = """
-[[signal]]
-to = "controller.gain"
-times = [0.0, 0.02]
-values = [1.0, 3.0]
-[[signal]]
-to = "plant.extra"
-times = [0.0, 0.03]
-values = [0.0, 1.5]
-"""
-    result = run(write(added))
+    gain = '{to = "controller.gain", times = [0.0, 0.02], values = [1.0, 3.0]}'
+    extra = '{to = "plant.extra", times = [0.0, 0.03], values = [0.0, 1.5]}'
+    result = run(write(text=f"signal = [{gain}, {extra}]\n{SCENARIO}"))
     ratio = column(result, "controller.out") / column(result, "controller.in")
     assert ratio == pytest.approx([1.0] * 20 + [3.0] * 30)
     assert column(result, "plant.extra").tolist() == [0.0] * 30 + [1.5] * 20

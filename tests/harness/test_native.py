@@ -7,6 +7,7 @@ import logging
 import re
 import threading
 from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -135,16 +136,12 @@ def test_threads_and_resets_change_nothing(loop: str) -> None:
     scenario = cosim.load(loop)
     scenario = cosim.load(loop, set=[f"loop.duration={1000 * scenario.loop.step!r}"])
     sessions = [cosim.Session(scenario, engine="native") for _ in range(2)]
-    found: list[list[tuple[bytes, bytes, float]]] = [[], []]
 
-    def work(number: int) -> None:
-        found[number] += [outcome(sessions[number], seed) for seed in (50_062 + number, 50_064, 50_064)]
+    def work(number: int) -> list[tuple[bytes, bytes, float]]:
+        return [outcome(sessions[number], seed) for seed in (50_062 + number, 50_064, 50_064)]
 
-    threads = [threading.Thread(target=work, args=(number,)) for number in range(2)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
+    with ThreadPoolExecutor(2) as pool:
+        found = list(pool.map(work, range(2)))
     for session in sessions:
         session.close()
     # after another seed, after itself, and in a thread beside, it is what a fresh instance gives

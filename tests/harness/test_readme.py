@@ -53,22 +53,10 @@ def test_the_plant_of_the_readme_runs(folder: Path) -> None:
     (folder / "tank.py").write_text(blocks("python")[1])
     text = """
 title = "Tank"
-[loop]
-step = 0.1
-duration = 5.0
-[controller]
-fmu = "probe"
-[controller.parameters]
-gain = -0.05
-bias = [0.05, 0.0]
-[plant]
-name = "tank:Tank"
-[[wire]]
-from = "plant.level"
-to = "controller.in"
-[[wire]]
-from = "controller.out"
-to = "plant.inflow"
+loop = {step = 0.1, duration = 5.0}
+controller = {fmu = "probe", parameters = {gain = -0.05, bias = [0.05, 0.0]}}
+plant = {name = "tank:Tank"}
+wire = [{from = "plant.level", to = "controller.in"}, {from = "controller.out", to = "plant.inflow"}]
 [[metric]]
 name = "level"
 value = "last(plant.level)"

@@ -22,16 +22,12 @@ from cosim.scenario.model import Criterion
 from cosim.show import plot
 from cosim.show.quantity import text
 
-from .conftest import DATA, pack
+from .conftest import DATA, END, pack
 
 Write = Callable[..., Path]
 LIBRARY = f"binaries/{fmpy.platform}/probe{fmpy.sharedLibraryExtension}"
 
-MEASURED = """
-[[metric]]
-name = "end"
-unit = "m"
-value = "last(plant.x)"
+MEASURED = f"""{END}
 [[metric]]
 name = "never"
 unit = "s"

@@ -10,14 +10,11 @@ import pytest
 import cosim
 from cosim.errors import CosimError, ScenarioError
 
+from .conftest import END
+
 Write = Callable[..., Path]
 
-MEASURED = """
-[[metric]]
-name = "end"
-unit = "m"
-value = "last(plant.x)"
-
+MEASURED = f"""{END}
 [[metric]]
 name = "peak"
 value = "max(plant.x)"

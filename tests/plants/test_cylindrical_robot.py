@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-import plants
 from plants.cylindrical_robot import AXES, CylindricalRobot
 from plants.cylindrical_robot_parameters import RPM, TURN, CylindricalRobotParameters
 from plants.plant import PlantError
@@ -281,7 +280,3 @@ def test_half_the_plant_step_changes_little() -> None:
     coarse, fine = straight(0.05), straight(0.05, timestep=5e-4)
     assert coarse["spindle_speed"] == pytest.approx(fine["spindle_speed"], abs=2.0 * RPM)
     assert coarse["read_axis3_position"] == pytest.approx(fine["read_axis3_position"], abs=1e-5)
-
-
-def test_it_is_found_by_its_name() -> None:
-    assert plants.load("cylindrical_robot") is CylindricalRobot

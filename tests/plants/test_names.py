@@ -1,6 +1,6 @@
 """What a new plant calls by a wrong name is told, with the name that comes nearest."""
 
-from dataclasses import dataclass
+from dataclasses import make_dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -18,15 +18,10 @@ MJCF = """
 """
 
 
-@dataclass(frozen=True)
-class NoParameters:
-    pass
-
-
 class Bearing(Plant):
     """A plant that calls something in `shape` or in `begin`."""
 
-    Parameters: ClassVar[type] = NoParameters
+    Parameters: ClassVar[type] = make_dataclass("NoParameters", ())
     wires = ("current", "force")
     readings = commands = truths = ()
     folder: ClassVar[Path]

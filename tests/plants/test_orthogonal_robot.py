@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-import plants
 from plants.orthogonal_robot import AXES, OrthogonalRobot
 from plants.orthogonal_robot_parameters import OrthogonalRobotParameters
 from plants.tools.molds import MOLDS
@@ -349,34 +348,7 @@ def test_ten_substeps_are_ten_steps() -> None:
 # parameters
 
 
-def test_every_parameter_is_documented() -> None:
-    for item in OrthogonalRobotParameters.__dataclass_fields__.values():
-        limits = {"options"} if item.name == "mold" else {"minimum", "maximum"}
-        assert set(item.metadata) == {"unit", "description", "source", *limits}
-        assert item.metadata["unit"]
-        assert item.metadata["description"]
-        assert item.metadata["source"].split(":")[0] in ("paper", "our choice", "derived")
-
-
 def test_every_mold_can_be_chosen() -> None:
     kind = typing.get_type_hints(OrthogonalRobotParameters)["mold"]
     field = OrthogonalRobotParameters.__dataclass_fields__["mold"]
     assert typing.get_args(kind) == field.metadata["options"] == tuple(MOLDS)
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"mold": "moon"}, r"parameter `plant.mold`.*`moon`, one of `sphere`, `led`"),
-        ({"tip_stiffness": 1e6}, r"parameter `plant.tip_stiffness`.*`1e\+06` N/m.*`10000` to `400000` N/m"),
-        ({"friction": math.nan}, r"parameter `plant.friction`.*`nan` 1"),
-        ({"step_height": 2e-4}, r"parameter `plant.step_width`.*`0.0005` m, limit `0.001"),
-    ],
-)
-def test_bad_parameters_are_named(changes: dict[str, Any], message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        OrthogonalRobot(replace(NOMINAL, **changes))
-
-
-def test_it_is_found_by_name() -> None:
-    assert plants.load("orthogonal_robot") is OrthogonalRobot

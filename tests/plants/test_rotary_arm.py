@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-import plants
 from plants.rotary_arm import RotaryArm
 from plants.rotary_arm_parameters import RotaryArmParameters
 
@@ -375,29 +374,3 @@ def test_five_substeps_are_five_steps() -> None:
             five.advance(1)
     assert one.sense().tobytes() == five.sense().tobytes()
     assert one.truth().tobytes() == five.truth().tobytes()
-
-
-def test_every_parameter_is_documented() -> None:
-    for item in RotaryArmParameters.__dataclass_fields__.values():
-        assert set(item.metadata) == {"unit", "description", "source", "minimum", "maximum"}
-        assert item.metadata["unit"]
-        assert item.metadata["description"]
-        assert item.metadata["source"].split(":")[0] in ("paper", "our choice", "derived")
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"arm_length": -1.0}, r"parameter `plant.arm_length`.*`-1` m.*`0.01` to `0.5` m"),
-        ({"flexure_frequency": 50.0}, r"parameter `plant.flexure_frequency`.*`50` Hz.*`100` to `10000` Hz"),
-        ({"torque_limit": math.nan}, r"parameter `plant.torque_limit`.*`nan` N.m"),
-        ({"timestep": 1e-3}, r"parameter `plant.timestep`.*`0.001` s.*`1e-06` to `0.0001` s"),
-    ],
-)
-def test_bad_parameters_are_named(changes: dict[str, Any], message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        RotaryArm(replace(QUIET, **changes))
-
-
-def test_it_is_found_by_name() -> None:
-    assert plants.load("rotary_arm") is RotaryArm

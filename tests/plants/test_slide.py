@@ -318,29 +318,6 @@ def test_substeps_agree(substeps: int) -> None:
 # errors
 
 
-def test_every_parameter_is_documented() -> None:
-    for item in SlideParameters.__dataclass_fields__.values():
-        assert set(item.metadata) == {"unit", "description", "source", "minimum", "maximum"}
-        assert item.metadata["unit"]
-        assert item.metadata["description"]
-        assert item.metadata["source"].split(":")[0] in ("paper", "our choice")
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"mass": -1.0}, r"parameter `plant.mass`.*`-1` kg.*`0.1` to `1000` kg"),
-        ({"mass": math.nan}, r"parameter `plant.mass`.*`nan` kg"),
-        ({"mass": "10"}, r"parameter `plant.mass`.*`'10'`, expected a number"),
-        ({"mass": True}, r"parameter `plant.mass`.*`True`, expected a number"),
-        ({"workpiece": 1}, r"parameter `plant.workpiece`.*`1`, expected true or false"),
-    ],
-)
-def test_bad_parameters_are_named(changes: dict[str, Any], message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        Slide(replace(QUIET, **changes))
-
-
 def test_a_run_longer_than_its_noise_is_an_error_with_time_and_hint() -> None:
     plant = slide(0.001)
     with pytest.raises(PlantError, match=r"`slide` at t = `0.0010.*s:.*(?s:.)*hint: `reset`"):

@@ -417,30 +417,6 @@ def test_the_same_seed_gives_the_same_run_bit_for_bit(bristle: bool) -> None:
 # errors
 
 
-def test_every_parameter_is_documented() -> None:
-    for item in SpindleRingParameters.__dataclass_fields__.values():
-        assert set(item.metadata) == {"unit", "description", "source", "minimum", "maximum"}
-        assert item.metadata["unit"]
-        assert item.metadata["description"]
-        assert item.metadata["source"].split(":")[0] in ("paper", "our choice")
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"mass": 0.0}, r"`plant.mass` of plant `spindle_ring`: value `0` kg, limit `0.1` to `200` kg"),
-        ({"spindle_speed": math.inf}, r"`plant.spindle_speed`.*`inf` rad/s"),
-        ({"bristle": 1}, r"`plant.bristle`.*`1`, expected true or false"),
-        ({"feet_radius": 0.06}, r"(?s)`plant.feet_radius`.*`0.06` m, limit `0.05` m.*hint: .*`plant.radius`"),
-        ({"eccentricity": 0.04}, r"(?s)`plant.eccentricity`.*hint: .*`plant.start_distance`"),
-        ({"probe_at_pusher": 0.03}, r"(?s)`plant.probe_at_pusher`.*hint: .*`plant.probe_stroke`"),
-    ],
-)
-def test_bad_parameters_are_named(changes: dict[str, Any], message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        SpindleRing(SpindleRingParameters(**changes))
-
-
 @pytest.mark.parametrize(
     ("joints", "message"),
     [

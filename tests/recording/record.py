@@ -27,14 +27,9 @@ FORMAT = 1
 
 @dataclass(frozen=True)
 class Recorded:
-    """Hashes of one run.
+    """Hashes of one run: of MuJoCo's integration state after the last step and of every column of the trace.
 
-    Parameters
-    ----------
-    state
-        Hash of MuJoCo's integration state after the last step.
-    columns
-        Hash of every column of the trace; of an enumeration `<hash>:<item>,<item>`, see `enumeration`.
+    A column of an enumeration is `<hash>:<item>,<item>`, see `enumeration`.
     """
 
     state: str

@@ -33,20 +33,14 @@ maximum = 1.5
 
 GRID = """
 scenario = "lag.toml"
+vary = [
+    {key = "controller.gain", values = [0.2, 0.4]},
+    {key = "plant.pole", minimum = 0.1, maximum = 0.9, points = 3},
+]
 
 [design]
 kind = "grid"
 repeats = 2
-
-[[vary]]
-key = "controller.gain"
-values = [0.2, 0.4]
-
-[[vary]]
-key = "plant.pole"
-minimum = 0.1
-maximum = 0.9
-points = 3
 """
 """Twelve runs of the lag."""
 

@@ -18,6 +18,7 @@ from cosim.sweep.study import Vary
 from . import studies
 
 Write = Callable[..., Path]
+Refused = Callable[[list[str], str], None]
 
 LINEAR = Vary("a", minimum=-1.0, maximum=3.0)
 GEOMETRIC = Vary("b", minimum=1e-3, maximum=1e3, distribution="log-uniform")
@@ -123,20 +124,37 @@ BAD = {
 }
 
 
+@pytest.fixture
+def refused(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Refused:
+    """Check that a sweep is refused with one message that tells a problem."""
+
+    def check(arguments: list[str], problem: str) -> None:
+        monkeypatch.setattr(sys, "argv", ["cosim", "sweep", *arguments])
+        with pytest.raises(SystemExit) as exited:
+            main()
+        stdout, stderr = capsys.readouterr()
+        assert (exited.value.code, stdout) == (2, "")
+        lines = stderr.strip().splitlines()
+        assert lines[0].startswith("error: ")
+        assert problem in lines[0]
+        assert len(lines) == 1 or (len(lines) == 2 and lines[1].startswith("hint: "))
+
+    return check
+
+
 @pytest.mark.parametrize(("text", "problem"), BAD.values(), ids=BAD.keys())
 def test_a_bad_study_is_one_message_and_exit_code_2(
     text: str | None,
     problem: str,
     write: Write,
     folder: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    refused: Refused,
 ) -> None:
     write(studies.MEASURED)
     (folder / "torn.csv").write_text("plant.pole,controller.gain\n0.1,0.2\n0.3\n")
     if text is not None:
         (folder / "study.toml").write_text(text)
-    refused(["study.toml"], problem, monkeypatch, capsys)
+    refused(["study.toml"], problem)
     assert not (folder / "study.sweep").exists()
 
 
@@ -154,13 +172,13 @@ def test_bad_options_are_one_message_and_exit_code_2(
     problem: str,
     write: Write,
     folder: Path,
+    refused: Refused,
     monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.setattr("cosim.sweep.cluster.CONNECT_TIMEOUT", 1.0)
     write(studies.MEASURED)
     (folder / "study.toml").write_text(DRAWN + RANGE)
-    refused(["study.toml", *options], problem, monkeypatch, capsys)
+    refused(["study.toml", *options], problem)
 
 
 @pytest.mark.parametrize(
@@ -189,18 +207,3 @@ def test_a_missing_extra_is_named(
     stderr = capsys.readouterr().err
     assert exited.value.code == 2
     assert f"pip install machining-fmus[{extra}]" in stderr
-
-
-def refused(
-    arguments: list[str], problem: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """Check that a sweep is refused."""
-    monkeypatch.setattr(sys, "argv", ["cosim", "sweep", *arguments])
-    with pytest.raises(SystemExit) as exited:
-        main()
-    stdout, stderr = capsys.readouterr()
-    assert (exited.value.code, stdout) == (2, "")
-    lines = stderr.strip().splitlines()
-    assert lines[0].startswith("error: ")
-    assert problem in lines[0]
-    assert len(lines) == 1 or (len(lines) == 2 and lines[1].startswith("hint: "))

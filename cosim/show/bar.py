@@ -1,0 +1,27 @@
+"""A progress bar on stderr."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from rich.console import Console
+
+if TYPE_CHECKING:
+    from rich.progress import Progress, ProgressColumn
+
+
+@contextlib.contextmanager
+def bar(quiet: bool, *columns: str | ProgressColumn) -> Iterator[Progress | None]:
+    """Bar with columns, texts or rich's own, before the time left; none if stderr is no terminal."""
+    console = Console(stderr=True)
+    if quiet or not console.is_terminal:
+        yield None
+        return
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+    own = [TextColumn(column) if isinstance(column, str) else column for column in columns]
+    parts = (TextColumn("{task.description}"), BarColumn(), *own, TimeRemainingColumn())
+    with Progress(*parts, console=console, transient=True) as shown:
+        yield shown
