@@ -42,7 +42,7 @@ def test_every_parameter_is_documented(name: str) -> None:
         (
             "spindle_ring",
             {"feet_radius": 0.06},
-            r"`plant.feet_radius`.*`0.06` m, limit `0.05` m\n.*`plant.radius`",
+            r"`plant.feet_radius`.*`0.06` m, limit `0.05` m\nhint: .*`plant.radius`",
         ),
         ("spindle_ring", {"eccentricity": 0.04}, r"`plant.eccentricity`.*hint: .*`plant.start_distance`"),
         ("spindle_ring", {"probe_at_pusher": 0.03}, r"`plant.probe_at_pusher`.*hint: .*`plant.probe_stroke`"),
