@@ -18,6 +18,7 @@ pub use parameters::check::{Check, check_all, refusal};
 pub use parameters::error::{ParameterError, require};
 pub use parameters::file::FileParameter;
 pub use parameters::numbers::{real_numbers, whole_numbers};
+pub use parameters::parameter::Parameter;
 pub use sampling::consecutive::Consecutive;
 pub use sampling::edge::Edge;
 pub use sampling::input::believable;

@@ -1,6 +1,6 @@
 //! Checks of parameters against each other; single ranges are in the variable table of the FMU.
 
-use control_blocks::{ParameterError, check_all, require};
+use control_blocks::{Parameter, ParameterError, check_all};
 
 use crate::interface::Parameters;
 use crate::path::taught_path::TaughtPath;
@@ -16,64 +16,44 @@ fn travel(p: &Parameters) -> Result<(), ParameterError> {
     const NAMES: [&str; 6] =
         ["axis1.maximum", "axis2.maximum", "axis3.maximum", "axis4.maximum", "axis5.maximum", "axis6.maximum"];
     NAMES.iter().zip(&p.axis).try_for_each(|(name, axis)| {
-        require(axis.maximum > axis.minimum, || ParameterError {
-            name,
-            value: axis.maximum.to_string(),
-            limit: format!("above the minimum of this axis, `{}`", axis.minimum),
-            hint: "the travel goes from the minimum to the maximum",
-        })
+        let maximum = Parameter::new(name, axis.maximum, "", "the travel goes from the minimum to the maximum");
+        maximum.must_be(axis.maximum > axis.minimum, || format!("above the minimum of this axis, `{}`", axis.minimum))
     })
 }
 
 fn bandwidth(p: &Parameters) -> Result<(), ParameterError> {
     // 0.45 of the sampling rate
     let most = 0.9 * std::f64::consts::PI / p.sample_period;
-    require(p.learn.bandwidth <= most, || ParameterError {
-        name: "learn.bandwidth",
-        value: format!("{} rad/s", p.learn.bandwidth),
-        limit: format!("at most `{most:.1} rad/s`, 0.45 of the sampling rate"),
-        hint: "lower it, or shorten `sample_period`",
-    })
+    let value = p.learn.bandwidth;
+    let bandwidth = Parameter::new("learn.bandwidth", value, "rad/s", "lower it, or shorten `sample_period`");
+    bandwidth.must_be(value <= most, || format!("at most `{most:.1} rad/s`, 0.45 of the sampling rate"))
 }
 
 fn lead(p: &Parameters) -> Result<(), ParameterError> {
-    let delay = p.io_delay;
-    require(p.learn.lead >= -delay, || ParameterError {
-        name: "learn.lead",
-        value: p.learn.lead.to_string(),
-        limit: format!("at least `{}`, minus `io_delay`", -delay),
-        hint: "the error is read ahead by both together",
-    })
+    let lead = Parameter::new("learn.lead", p.learn.lead, "", "the error is read ahead by both together");
+    lead.at_least(-p.io_delay, "minus `io_delay`")
 }
 
 fn lead_in(p: &Parameters) -> Result<(), ParameterError> {
-    let least = p.shift();
-    require(p.learn.lead_in as usize >= least, || ParameterError {
-        name: "learn.lead_in",
-        value: p.learn.lead_in.to_string(),
-        limit: format!("at least `{least}`, `learn.lead` and `io_delay` together"),
-        hint: "the compensation begins so many samples before the motion",
-    })
+    let hint = "the compensation begins so many samples before the motion";
+    let lead_in = Parameter::new("learn.lead_in", p.learn.lead_in as usize, "", hint);
+    lead_in.at_least(p.shift(), "`learn.lead` and `io_delay` together")
 }
 
 fn preview(p: &Parameters) -> Result<(), ParameterError> {
     let delay = f64::from(p.io_delay) * p.sample_period;
     let (low, high) = (-delay, PREVIEW_MAX as f64 * p.sample_period - delay);
-    require(p.lookup.preview >= low && p.lookup.preview <= high, || ParameterError {
-        name: "lookup.preview",
-        value: format!("{} s", p.lookup.preview),
-        limit: format!("`{low}` to `{high} s`: `0` to `{PREVIEW_MAX}` samples together with `io_delay`"),
-        hint: "take the lag of the velocity loop, twice its damping ratio over its natural frequency",
+    let value = p.lookup.preview;
+    let hint = "take the lag of the velocity loop, twice its damping ratio over its natural frequency";
+    Parameter::new("lookup.preview", value, "s", hint).must_be(value >= low && value <= high, || {
+        format!("`{low}` to `{high} s`: `0` to `{PREVIEW_MAX}` samples together with `io_delay`")
     })
 }
 
 fn speed_min(p: &Parameters, path: &TaughtPath) -> Result<(), ParameterError> {
-    require(p.load.speed_min <= path.speed, || ParameterError {
-        name: "load.speed_min",
-        value: format!("{} m/s", p.load.speed_min),
-        limit: format!("at most the taught speed, `{} m/s`", path.speed),
-        hint: "the feed is regulated between both",
-    })
+    let (value, taught) = (p.load.speed_min, path.speed);
+    let speed = Parameter::new("load.speed_min", value, "m/s", "the feed is regulated between both");
+    speed.must_be(value <= taught, || format!("at most the taught speed, `{taught} m/s`"))
 }
 
 #[cfg(test)]

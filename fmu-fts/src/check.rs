@@ -1,6 +1,6 @@
 //! Checks of parameters against each other; single ranges are in the variable table of the FMU.
 
-use control_blocks::{ParameterError, check_all, require};
+use control_blocks::{Parameter, ParameterError, check_all};
 
 use crate::interface::{ERROR_HARMONICS, Parameters, SurfaceKind};
 
@@ -10,64 +10,47 @@ pub fn check(p: &Parameters) -> Result<(), ParameterError> {
 }
 
 fn tip_frequency(p: &Parameters) -> Result<(), ParameterError> {
-    let (frequency, least) = (p.tip.frequency, 1.5 * p.servo.bandwidth);
-    require(frequency == 0.0 || frequency >= least, || ParameterError {
-        name: "tip.frequency",
-        value: format!("{frequency} rad/s"),
-        limit: format!("`0` (rigid) or at least `{least} rad/s`, 1.5 times `servo.bandwidth`"),
-        hint: "use a stiffer arm or less `servo.bandwidth`",
+    let (value, least) = (p.tip.frequency, 1.5 * p.servo.bandwidth);
+    let frequency = Parameter::new("tip.frequency", value, "rad/s", "use a stiffer arm or less `servo.bandwidth`");
+    frequency.must_be(value == 0.0 || value >= least, || {
+        format!("`0` (rigid) or at least `{least} rad/s`, 1.5 times `servo.bandwidth`")
     })
 }
 
 fn radii(p: &Parameters) -> Result<(), ParameterError> {
-    let (inner, least) = (p.surface.inner_radius, p.surface.inner_radius + p.path.grid);
-    require(p.surface.outer_radius >= least, || ParameterError {
-        name: "surface.outer_radius",
-        value: format!("{} m", p.surface.outer_radius),
-        limit: format!("at least `{least} m`, one `path.grid` beyond `surface.inner_radius` = `{inner} m`"),
-        hint: "the cut goes from the outer to the inner radius",
-    })
+    let (inner, outer) = (p.surface.inner_radius, p.surface.outer_radius);
+    let radius = Parameter::new("surface.outer_radius", outer, "m", "the cut goes from the outer to the inner radius");
+    radius.at_least(inner + p.path.grid, format_args!("one `path.grid` beyond `surface.inner_radius` = `{inner} m`"))
 }
 
 fn roll_off(p: &Parameters) -> Result<(), ParameterError> {
-    let least = 2.0 * p.servo.bandwidth;
-    require(p.servo.roll_off >= least, || ParameterError {
-        name: "servo.roll_off",
-        value: format!("{} rad/s", p.servo.roll_off),
-        limit: format!("at least `{least} rad/s`, twice `servo.bandwidth`"),
-        hint: "the roll-off is for noise far above the bandwidth",
-    })
+    let hint = "the roll-off is for noise far above the bandwidth";
+    let roll_off = Parameter::new("servo.roll_off", p.servo.roll_off, "rad/s", hint);
+    roll_off.at_least(2.0 * p.servo.bandwidth, "twice `servo.bandwidth`")
 }
 
 fn path_harmonics(p: &Parameters) -> Result<(), ParameterError> {
     let least = p.surface.wave_harmonic;
-    require(p.surface.kind != SurfaceKind::Wave || p.path.harmonics >= least, || ParameterError {
-        name: "path.harmonics",
-        value: p.path.harmonics.to_string(),
-        limit: format!("at least `surface.wave_harmonic` = `{least}`"),
-        hint: "the wave is a harmonic of the path, too",
+    let harmonics = Parameter::new("path.harmonics", p.path.harmonics, "", "the wave is a harmonic of the path, too");
+    harmonics.must_be(p.surface.kind != SurfaceKind::Wave || p.path.harmonics >= least, || {
+        format!("at least `surface.wave_harmonic` = `{least}`")
     })
 }
 
 fn automatic(p: &Parameters) -> Result<(), ParameterError> {
     let highest = p.afc.cancelled.highest();
-    require(!p.afc.automatic || highest <= ERROR_HARMONICS, || ParameterError {
-        name: "afc.harmonics",
-        value: format!("up to {highest}"),
-        limit: format!("up to `{ERROR_HARMONICS}` with `afc.automatic`"),
-        hint: "the choice is made from the reported harmonics of the error",
+    let hint = "the choice is made from the reported harmonics of the error";
+    let harmonics = Parameter::new("afc.harmonics", format!("up to {highest}"), "", hint);
+    harmonics.must_be(!p.afc.automatic || highest <= ERROR_HARMONICS, || {
+        format!("up to `{ERROR_HARMONICS}` with `afc.automatic`")
     })
 }
 
 fn frequencies(p: &Parameters) -> Result<(), ParameterError> {
+    let highest = p.identify.grid.highest();
+    let frequencies = Parameter::new("identify.frequencies", highest, "Hz", "leave out the highest frequencies");
     // five samples a period
-    let (highest, most) = (p.identify.grid.highest(), 0.2 / p.sample_period);
-    require(highest <= most, || ParameterError {
-        name: "identify.frequencies",
-        value: format!("{highest} Hz"),
-        limit: format!("at most `{most} Hz`, a fifth of the sampling rate"),
-        hint: "leave out the highest frequencies",
-    })
+    frequencies.at_most(0.2 / p.sample_period, "a fifth of the sampling rate")
 }
 
 #[cfg(test)]
