@@ -14,7 +14,7 @@ pub use estimation::welford::Welford;
 pub use motion::quintic::{PEAK_OVER_MEAN, Quintic, minimum_jerk, minimum_jerk_rates, quintic_duration};
 pub use motion::ramp::{ramp, ramp_between};
 pub use motion::trajectory::{Trajectory, stopping_distance};
-pub use parameters::check::{Check, check_all, refusal};
+pub use parameters::check::{Check, Refusal, assert_refusals, check_all, refusal};
 pub use parameters::error::{ParameterError, require};
 pub use parameters::file::FileParameter;
 pub use parameters::numbers::{real_numbers, whole_numbers};

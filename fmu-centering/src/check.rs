@@ -89,40 +89,27 @@ fn push_velocities(p: &Parameters) -> Result<(), ParameterError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use control_blocks::refusal;
+    use control_blocks::{Refusal, assert_refusals};
 
-    fn error(change: impl FnOnce(&mut Parameters)) -> String {
-        refusal(Parameters::PAPER, change, check)
-    }
+    const REFUSALS: &[Refusal<Parameters>] = &[
+        (|p| p.probe.stroke = 0.01, "probe.stroke", "`0.01 m`", "`0.0205 m`"),
+        (|p| p.park.dead_zone = 5e-3, "park.dead_zone", "`0.005 m`", "`0.0043 m`"),
+        (|p| p.follow.gap = 0.02, "follow.gap", "`0.02 m`", "`0.0196 m`"),
+        (|p| p.approach.velocity = 0.2, "approach.velocity", "`0.2 m/s`", "`0.12 m/s`"),
+        (|p| p.limits.friction = 0.5, "approach.velocity", "`0.12 m/s`", "`0.0198 m`"),
+        (|p| p.follow.gain = 30.0, "follow.gain", "`30 1/s`", "`25 1/s`"),
+        (|p| p.follow.gain = 22.0, "follow.gain", "`22 1/s`", "acceleration_max"),
+        (|p| p.follow.dead_zone = 1e-3, "follow.dead_zone", "`0.001 m`", "`0.0005 m`"),
+        (|p| p.follow.dead_zone = 3e-4, "follow.settle_band", "`0.0002 m`", "`0.0003 m`"),
+        (|p| p.rates.control = 2000.0, "rates.control", "`2000 Hz`", "`1000 Hz`"),
+        (|p| p.rates.collect = 1001.0, "rates.collect", "`1001 Hz`", "`1000 Hz`"),
+        (|p| p.rates.model = 5000.0, "rates.model", "`5000 Hz`", "`1000 Hz`"),
+        (|p| p.push.velocity_min = 0.01, "push.velocity_min", "`0.01 m/s`", "`0.0035 m/s`"),
+        (|p| p.push.velocity_max = 3.5, "push.velocity_max", "`3.5 m/s`", "um/s"),
+    ];
 
     #[test]
-    fn defaults_and_paper_mode_fit() {
-        check(&Parameters::PAPER).unwrap();
-        check(&Parameters::START).unwrap();
-    }
-
-    #[test]
-    fn each_error_names_parameter_value_and_limit() {
-        let cases = [
-            (error(|p| p.probe.stroke = 0.01), "probe.stroke", "`0.01 m`", "`0.0205 m`"),
-            (error(|p| p.park.dead_zone = 5e-3), "park.dead_zone", "`0.005 m`", "`0.0043 m`"),
-            (error(|p| p.follow.gap = 0.02), "follow.gap", "`0.02 m`", "`0.0196 m`"),
-            (error(|p| p.approach.velocity = 0.2), "approach.velocity", "`0.2 m/s`", "`0.12 m/s`"),
-            (error(|p| p.limits.friction = 0.5), "approach.velocity", "`0.12 m/s`", "`0.0198 m`"),
-            (error(|p| p.follow.gain = 30.0), "follow.gain", "`30 1/s`", "`25 1/s`"),
-            (error(|p| p.follow.gain = 22.0), "follow.gain", "`22 1/s`", "acceleration_max"),
-            (error(|p| p.follow.dead_zone = 1e-3), "follow.dead_zone", "`0.001 m`", "`0.0005 m`"),
-            (error(|p| p.follow.dead_zone = 3e-4), "follow.settle_band", "`0.0002 m`", "`0.0003 m`"),
-            (error(|p| p.rates.control = 2000.0), "rates.control", "`2000 Hz`", "`1000 Hz`"),
-            (error(|p| p.rates.collect = 1001.0), "rates.collect", "`1001 Hz`", "`1000 Hz`"),
-            (error(|p| p.rates.model = 5000.0), "rates.model", "`5000 Hz`", "`1000 Hz`"),
-            (error(|p| p.push.velocity_min = 0.01), "push.velocity_min", "`0.01 m/s`", "`0.0035 m/s`"),
-            (error(|p| p.push.velocity_max = 3.5), "push.velocity_max", "`3.5 m/s`", "um/s"),
-        ];
-        for (message, name, value, limit) in cases {
-            assert!(message.starts_with(&format!("parameter `{name}` is {value}")), "{message}");
-            assert!(message.contains(limit), "{message}");
-            assert!(message.contains("hint:"), "{message}");
-        }
+    fn presets_fit_and_each_error_names_parameter_value_and_limit() {
+        assert_refusals(check, &[Parameters::PAPER, Parameters::START], REFUSALS);
     }
 }

@@ -60,31 +60,19 @@ fn speed_min(p: &Parameters, path: &TaughtPath) -> Result<(), ParameterError> {
 mod tests {
     use super::*;
     use crate::learning::pattern::tests::straight;
-    use control_blocks::refusal;
+    use control_blocks::{Refusal, assert_refusals};
 
-    fn error(change: impl FnOnce(&mut Parameters)) -> String {
-        refusal(Parameters::START, change, |p| check(p, &straight(0.1)))
-    }
+    const REFUSALS: &[Refusal<Parameters>] = &[
+        (|p| p.axis[2].maximum = 0.05, "axis3.maximum", "`0.05`", "`0.1`"),
+        (|p| p.learn.bandwidth = 300.0, "learn.bandwidth", "`300 rad/s`", "`282.7 rad/s`"),
+        (|p| p.learn.lead = -3, "learn.lead", "`-3`", "at least `-1`"),
+        (|p| (p.learn.lead, p.io_delay) = (8, 6), "learn.lead_in", "`10`", "at least `14`"),
+        (|p| p.lookup.preview = 0.08, "lookup.preview", "`0.08 s`", "`-0.01` to `0.07 s`"),
+        (|p| p.load.speed_min = 0.2, "load.speed_min", "`0.2 m/s`", "`0.1 m/s`"),
+    ];
 
     #[test]
-    fn defaults_and_paper_mode_fit() {
-        check(&Parameters::START, &straight(0.1)).unwrap();
-        check(&Parameters::PAPER, &straight(0.1)).unwrap();
-    }
-
-    #[test]
-    fn each_error_names_parameter_value_and_limit() {
-        let cases = [
-            (error(|p| p.axis[2].maximum = 0.05), "axis3.maximum", "`0.05`", "`0.1`"),
-            (error(|p| p.learn.bandwidth = 300.0), "learn.bandwidth", "`300 rad/s`", "`282.7 rad/s`"),
-            (error(|p| p.learn.lead = -3), "learn.lead", "`-3`", "at least `-1`"),
-            (error(|p| (p.learn.lead, p.io_delay) = (8, 6)), "learn.lead_in", "`10`", "at least `14`"),
-            (error(|p| p.lookup.preview = 0.08), "lookup.preview", "`0.08 s`", "`-0.01` to `0.07 s`"),
-            (error(|p| p.load.speed_min = 0.2), "load.speed_min", "`0.2 m/s`", "`0.1 m/s`"),
-        ];
-        for (message, name, value, limit) in cases {
-            assert!(message.starts_with(&format!("parameter `{name}` is {value}")), "{message}");
-            assert!(message.contains(limit) && message.contains("hint:"), "{message}");
-        }
+    fn presets_fit_and_each_error_names_parameter_value_and_limit() {
+        assert_refusals(|p| check(p, &straight(0.1)), &[Parameters::START, Parameters::PAPER], REFUSALS);
     }
 }

@@ -60,14 +60,18 @@ fn guard(p: &Parameters) -> Result<(), ParameterError> {
 
 #[cfg(test)]
 mod tests {
-    use control_blocks::refusal;
-
     use super::*;
     use crate::interface::DetectorKind;
+    use control_blocks::{Refusal, assert_refusals};
 
-    fn error(change: impl FnOnce(&mut Parameters)) -> String {
-        refusal(Parameters::START, change, check)
-    }
+    const REFUSALS: &[Refusal<Parameters>] = &[
+        (|p| p.approach.direction = 0, "approach.direction", "`0`", "`-1`"),
+        (|p| p.servo.bandwidth = 1000.0, "observer.velocity_bandwidth", "`3142 rad/s`", "`4000 rad/s`"),
+        (|p| p.deviation.window = 5000, "learn.settle_time", "`0.25 s`", "`0.52 s`"),
+        (|p| p.learn.time = 0.05, "learn.time", "`0.05 s`", "`0.1 s`"),
+        (|p| p.approach.travel_max = 5e-5, "approach.travel_max", "`0.00005 m`", "armed"),
+        (|p| p.guard.force = 100.0, "guard.force", "`100 N`", "`100 N`"),
+    ];
 
     #[test]
     fn defaults_and_the_paper_fit_with_every_detector() {
@@ -80,19 +84,7 @@ mod tests {
     }
 
     #[test]
-    fn each_error_names_parameter_value_and_limit() {
-        let cases = [
-            (error(|p| p.approach.direction = 0), "approach.direction", "`0`", "`-1`"),
-            (error(|p| p.servo.bandwidth = 1000.0), "observer.velocity_bandwidth", "`3142 rad/s`", "`4000 rad/s`"),
-            (error(|p| p.deviation.window = 5000), "learn.settle_time", "`0.25 s`", "`0.52 s`"),
-            (error(|p| p.learn.time = 0.05), "learn.time", "`0.05 s`", "`0.1 s`"),
-            (error(|p| p.approach.travel_max = 5e-5), "approach.travel_max", "`0.00005 m`", "armed"),
-            (error(|p| p.guard.force = 100.0), "guard.force", "`100 N`", "`100 N`"),
-        ];
-        for (message, name, value, limit) in cases {
-            assert!(message.starts_with(&format!("parameter `{name}` is {value}")), "{message}");
-            assert!(message.contains(limit), "{message}");
-            assert!(message.contains("hint:"), "{message}");
-        }
+    fn presets_fit_and_each_error_names_parameter_value_and_limit() {
+        assert_refusals(check, &[Parameters::START, Parameters::PAPER], REFUSALS);
     }
 }

@@ -56,41 +56,24 @@ fn frequencies(p: &Parameters) -> Result<(), ParameterError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use control_blocks::refusal;
+    use control_blocks::{Refusal, assert_refusals};
 
-    fn error(change: impl FnOnce(&mut Parameters)) -> String {
-        refusal(Parameters::START, change, check)
-    }
+    const REFUSALS: &[Refusal<Parameters>] = &[
+        (|p| p.tip.frequency = 1000.0, "tip.frequency", "`1000 rad/s`", "at least `2167"),
+        (|p| p.surface.outer_radius = 0.0, "surface.outer_radius", "`0 m`", "`0.0005 m`"),
+        (|p| p.identify.grid = "10, 2500".parse().unwrap(), "identify.frequencies", "`2500 Hz`", "`2000 Hz`"),
+        (|p| p.servo.roll_off = 2000.0, "servo.roll_off", "`2000 rad/s`", "`2890"),
+        (|p| p.surface.kind = SurfaceKind::Wave, "path.harmonics", "`12`", "`surface.wave_harmonic` = `50`"),
+        (
+            |p| (p.afc.automatic, p.afc.cancelled) = (true, p.afc.cancelled.with(50)),
+            "afc.harmonics",
+            "`up to 50`",
+            "up to `24`",
+        ),
+    ];
 
     #[test]
-    fn defaults_and_paper_mode_fit() {
-        check(&Parameters::START).unwrap();
-        check(&Parameters::PAPER).unwrap();
-    }
-
-    #[test]
-    fn each_error_names_parameter_value_and_limit() {
-        let cases = [
-            (error(|p| p.tip.frequency = 1000.0), "tip.frequency", "`1000 rad/s`", "at least `2167"),
-            (error(|p| p.surface.outer_radius = 0.0), "surface.outer_radius", "`0 m`", "`0.0005 m`"),
-            (
-                error(|p| p.identify.grid = "10, 2500".parse().unwrap()),
-                "identify.frequencies",
-                "`2500 Hz`",
-                "`2000 Hz`",
-            ),
-            (error(|p| p.servo.roll_off = 2000.0), "servo.roll_off", "`2000 rad/s`", "`2890"),
-            (error(|p| p.surface.kind = SurfaceKind::Wave), "path.harmonics", "`12`", "`surface.wave_harmonic` = `50`"),
-            (
-                error(|p| (p.afc.automatic, p.afc.cancelled) = (true, p.afc.cancelled.with(50))),
-                "afc.harmonics",
-                "`up to 50`",
-                "up to `24`",
-            ),
-        ];
-        for (message, name, value, limit) in cases {
-            assert!(message.starts_with(&format!("parameter `{name}` is {value}")), "{message}");
-            assert!(message.contains(limit) && message.contains("hint:"), "{message}");
-        }
+    fn presets_fit_and_each_error_names_parameter_value_and_limit() {
+        assert_refusals(check, &[Parameters::START, Parameters::PAPER], REFUSALS);
     }
 }

@@ -69,33 +69,21 @@ fn stick_slip_velocity(p: &Parameters) -> Result<(), ParameterError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use control_blocks::refusal;
+    use control_blocks::{Refusal, assert_refusals};
 
-    fn error(change: impl FnOnce(&mut Parameters)) -> String {
-        refusal(Parameters::START, change, check)
-    }
+    const REFUSALS: &[Refusal<Parameters>] = &[
+        (|p| p.limits.force = 6.0, "limits.force", "`6 N`", "`7.5 N`"),
+        (|p| p.position.gain.y = 100.0, "position.gain.y", "`100 1/s`", "`80 1/s`"),
+        (|p| p.limits.lost_force = 3.0, "limits.lost_force", "`3 N`", "`2.5 N`"),
+        (|p| p.force.target = 0.5, "limits.lost_force", "`0.4 N`", "`0.25 N`"),
+        (|p| p.approach.contact_force = 5.0, "approach.contact_force", "`5 N`", "`5 N`"),
+        (|p| p.impedance.damping = 1000.0, "impedance.damping", "`1000 N.s/m`", "`1780 N.s/m`"),
+        (|p| p.pulses.size = 1e-15, "velocity_max", "`0.05 m/s`", "pulses of a sample"),
+        (|p| p.stick_slip.velocity = 0.06, "stick_slip.velocity", "`0.06 m/s`", "`0.05 m/s`"),
+    ];
 
     #[test]
-    fn defaults_and_paper_mode_fit() {
-        check(&Parameters::START).unwrap();
-        check(&Parameters::PAPER).unwrap();
-    }
-
-    #[test]
-    fn each_error_names_parameter_value_and_limit() {
-        let cases = [
-            (error(|p| p.limits.force = 6.0), "limits.force", "`6 N`", "`7.5 N`"),
-            (error(|p| p.limits.lost_force = 3.0), "limits.lost_force", "`3 N`", "`2.5 N`"),
-            (error(|p| p.force.target = 0.5), "limits.lost_force", "`0.4 N`", "`0.25 N`"),
-            (error(|p| p.approach.contact_force = 5.0), "approach.contact_force", "`5 N`", "`5 N`"),
-            (error(|p| p.position.gain.y = 100.0), "position.gain.y", "`100 1/s`", "`80 1/s`"),
-            (error(|p| p.impedance.damping = 1000.0), "impedance.damping", "`1000 N.s/m`", "`1780 N.s/m`"),
-            (error(|p| p.pulses.size = 1e-15), "velocity_max", "`0.05 m/s`", "pulses of a sample"),
-            (error(|p| p.stick_slip.velocity = 0.06), "stick_slip.velocity", "`0.06 m/s`", "`0.05 m/s`"),
-        ];
-        for (message, name, value, limit) in cases {
-            assert!(message.starts_with(&format!("parameter `{name}` is {value}")), "{message}");
-            assert!(message.contains(limit) && message.contains("hint:"), "{message}");
-        }
+    fn presets_fit_and_each_error_names_parameter_value_and_limit() {
+        assert_refusals(check, &[Parameters::START, Parameters::PAPER], REFUSALS);
     }
 }
