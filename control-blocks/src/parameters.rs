@@ -4,3 +4,4 @@ pub mod check;
 pub mod error;
 pub mod file;
 pub mod numbers;
+pub mod parameter;

@@ -1,6 +1,6 @@
 //! Checks of parameters against each other; single ranges are in the variable table of the FMU.
 
-use control_blocks::{ParameterError, check_all, require};
+use control_blocks::{Parameter, ParameterError, check_all};
 
 use crate::interface::Parameters;
 use crate::path::taught_path::TaughtPath;
@@ -16,95 +16,63 @@ fn travel(p: &Parameters) -> Result<(), ParameterError> {
     const NAMES: [&str; 6] =
         ["axis1.maximum", "axis2.maximum", "axis3.maximum", "axis4.maximum", "axis5.maximum", "axis6.maximum"];
     NAMES.iter().zip(&p.axis).try_for_each(|(name, axis)| {
-        require(axis.maximum > axis.minimum, || ParameterError {
-            name,
-            value: axis.maximum.to_string(),
-            limit: format!("above the minimum of this axis, `{}`", axis.minimum),
-            hint: "the travel goes from the minimum to the maximum",
-        })
+        let maximum = Parameter::new(name, axis.maximum, "", "the travel goes from the minimum to the maximum");
+        maximum.must_be(axis.maximum > axis.minimum, || format!("above the minimum of this axis, `{}`", axis.minimum))
     })
 }
 
 fn bandwidth(p: &Parameters) -> Result<(), ParameterError> {
     // 0.45 of the sampling rate
     let most = 0.9 * std::f64::consts::PI / p.sample_period;
-    require(p.learn.bandwidth <= most, || ParameterError {
-        name: "learn.bandwidth",
-        value: format!("{} rad/s", p.learn.bandwidth),
-        limit: format!("at most `{most:.1} rad/s`, 0.45 of the sampling rate"),
-        hint: "lower it, or shorten `sample_period`",
-    })
+    let value = p.learn.bandwidth;
+    let bandwidth = Parameter::new("learn.bandwidth", value, "rad/s", "lower it, or shorten `sample_period`");
+    bandwidth.must_be(value <= most, || format!("at most `{most:.1} rad/s`, 0.45 of the sampling rate"))
 }
 
 fn lead(p: &Parameters) -> Result<(), ParameterError> {
-    let delay = p.io_delay;
-    require(p.learn.lead >= -delay, || ParameterError {
-        name: "learn.lead",
-        value: p.learn.lead.to_string(),
-        limit: format!("at least `{}`, minus `io_delay`", -delay),
-        hint: "the error is read ahead by both together",
-    })
+    let lead = Parameter::new("learn.lead", p.learn.lead, "", "the error is read ahead by both together");
+    lead.at_least(-p.io_delay, "minus `io_delay`")
 }
 
 fn lead_in(p: &Parameters) -> Result<(), ParameterError> {
-    let least = p.shift();
-    require(p.learn.lead_in as usize >= least, || ParameterError {
-        name: "learn.lead_in",
-        value: p.learn.lead_in.to_string(),
-        limit: format!("at least `{least}`, `learn.lead` and `io_delay` together"),
-        hint: "the compensation begins so many samples before the motion",
-    })
+    let hint = "the compensation begins so many samples before the motion";
+    let lead_in = Parameter::new("learn.lead_in", p.learn.lead_in as usize, "", hint);
+    lead_in.at_least(p.shift(), "`learn.lead` and `io_delay` together")
 }
 
 fn preview(p: &Parameters) -> Result<(), ParameterError> {
     let delay = f64::from(p.io_delay) * p.sample_period;
     let (low, high) = (-delay, PREVIEW_MAX as f64 * p.sample_period - delay);
-    require(p.lookup.preview >= low && p.lookup.preview <= high, || ParameterError {
-        name: "lookup.preview",
-        value: format!("{} s", p.lookup.preview),
-        limit: format!("`{low}` to `{high} s`: `0` to `{PREVIEW_MAX}` samples together with `io_delay`"),
-        hint: "take the lag of the velocity loop, twice its damping ratio over its natural frequency",
+    let value = p.lookup.preview;
+    let hint = "take the lag of the velocity loop, twice its damping ratio over its natural frequency";
+    Parameter::new("lookup.preview", value, "s", hint).must_be(value >= low && value <= high, || {
+        format!("`{low}` to `{high} s`: `0` to `{PREVIEW_MAX}` samples together with `io_delay`")
     })
 }
 
 fn speed_min(p: &Parameters, path: &TaughtPath) -> Result<(), ParameterError> {
-    require(p.load.speed_min <= path.speed, || ParameterError {
-        name: "load.speed_min",
-        value: format!("{} m/s", p.load.speed_min),
-        limit: format!("at most the taught speed, `{} m/s`", path.speed),
-        hint: "the feed is regulated between both",
-    })
+    let (value, taught) = (p.load.speed_min, path.speed);
+    let speed = Parameter::new("load.speed_min", value, "m/s", "the feed is regulated between both");
+    speed.must_be(value <= taught, || format!("at most the taught speed, `{taught} m/s`"))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::learning::pattern::tests::straight;
-    use control_blocks::refusal;
+    use control_blocks::{Refusal, assert_refusals};
 
-    fn error(change: impl FnOnce(&mut Parameters)) -> String {
-        refusal(Parameters::START, change, |p| check(p, &straight(0.1)))
-    }
+    const REFUSALS: &[Refusal<Parameters>] = &[
+        (|p| p.axis[2].maximum = 0.05, "axis3.maximum", "`0.05`", "`0.1`"),
+        (|p| p.learn.bandwidth = 300.0, "learn.bandwidth", "`300 rad/s`", "`282.7 rad/s`"),
+        (|p| p.learn.lead = -3, "learn.lead", "`-3`", "at least `-1`"),
+        (|p| (p.learn.lead, p.io_delay) = (8, 6), "learn.lead_in", "`10`", "at least `14`"),
+        (|p| p.lookup.preview = 0.08, "lookup.preview", "`0.08 s`", "`-0.01` to `0.07 s`"),
+        (|p| p.load.speed_min = 0.2, "load.speed_min", "`0.2 m/s`", "`0.1 m/s`"),
+    ];
 
     #[test]
-    fn defaults_and_paper_mode_fit() {
-        check(&Parameters::START, &straight(0.1)).unwrap();
-        check(&Parameters::PAPER, &straight(0.1)).unwrap();
-    }
-
-    #[test]
-    fn each_error_names_parameter_value_and_limit() {
-        let cases = [
-            (error(|p| p.axis[2].maximum = 0.05), "axis3.maximum", "`0.05`", "`0.1`"),
-            (error(|p| p.learn.bandwidth = 300.0), "learn.bandwidth", "`300 rad/s`", "`282.7 rad/s`"),
-            (error(|p| p.learn.lead = -3), "learn.lead", "`-3`", "at least `-1`"),
-            (error(|p| (p.learn.lead, p.io_delay) = (8, 6)), "learn.lead_in", "`10`", "at least `14`"),
-            (error(|p| p.lookup.preview = 0.08), "lookup.preview", "`0.08 s`", "`-0.01` to `0.07 s`"),
-            (error(|p| p.load.speed_min = 0.2), "load.speed_min", "`0.2 m/s`", "`0.1 m/s`"),
-        ];
-        for (message, name, value, limit) in cases {
-            assert!(message.starts_with(&format!("parameter `{name}` is {value}")), "{message}");
-            assert!(message.contains(limit) && message.contains("hint:"), "{message}");
-        }
+    fn presets_fit_and_each_error_names_parameter_value_and_limit() {
+        assert_refusals(|p| check(p, &straight(0.1)), &[Parameters::START, Parameters::PAPER], REFUSALS);
     }
 }

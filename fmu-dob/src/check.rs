@@ -1,6 +1,6 @@
 //! Checks of parameters against each other; single ranges are in the variable table of the FMU.
 
-use control_blocks::{ParameterError, check_all, require, stopping_distance, ticks};
+use control_blocks::{Parameter, ParameterError, check_all, stopping_distance, ticks};
 
 use crate::detection::detector::Detector;
 use crate::interface::Parameters;
@@ -14,77 +14,64 @@ pub fn check(p: &Parameters) -> Result<(), ParameterError> {
 }
 
 fn direction(p: &Parameters) -> Result<(), ParameterError> {
-    require(p.approach.direction.abs() == 1, || ParameterError {
-        name: "approach.direction",
-        value: p.approach.direction.to_string(),
-        limit: "`1` or `-1`".into(),
-        hint: "use `1` if the encoder counts up towards the workpiece, `-1` if it counts down",
-    })
+    let hint = "use `1` if the encoder counts up towards the workpiece, `-1` if it counts down";
+    let direction = Parameter::new("approach.direction", p.approach.direction, "", hint);
+    direction.must_be(p.approach.direction.abs() == 1, || "`1` or `-1`".into())
 }
 
 fn velocity_bandwidth(p: &Parameters) -> Result<(), ParameterError> {
-    let least = 4.0 * p.servo.bandwidth;
-    require(p.observer.velocity_bandwidth >= least, || ParameterError {
-        name: "observer.velocity_bandwidth",
-        value: format!("{} rad/s", p.observer.velocity_bandwidth),
-        limit: format!("at least `{least} rad/s`, four times `servo.bandwidth`"),
-        hint: "lower `servo.bandwidth`, or the late velocity makes the servo oscillate",
-    })
+    let hint = "lower `servo.bandwidth`, or the late velocity makes the servo oscillate";
+    Parameter::new("observer.velocity_bandwidth", p.observer.velocity_bandwidth, "rad/s", hint)
+        .at_least(4.0 * p.servo.bandwidth, "four times `servo.bandwidth`")
 }
 
 fn settle_time(p: &Parameters) -> Result<(), ParameterError> {
-    let samples = Detector::settling(p);
+    let (value, samples) = (p.learn.settle_time, Detector::settling(p));
     let least = f64::from(samples) * p.sample_period;
-    require(ticks(p.learn.settle_time, p.sample_period) >= samples.unsigned_abs(), || ParameterError {
-        name: "learn.settle_time",
-        value: format!("{} s", p.learn.settle_time),
-        limit: format!("at least `{least} s`, the `{samples}` samples that `detector` needs at constant speed"),
-        hint: "shorten `deviation.window` or `slope.window`, or settle longer",
+    let hint = "shorten `deviation.window` or `slope.window`, or settle longer";
+    let time = Parameter::new("learn.settle_time", value, "s", hint);
+    time.must_be(ticks(value, p.sample_period) >= samples.unsigned_abs(), || {
+        format!("at least `{least} s`, the `{samples}` samples that `detector` needs at constant speed")
     })
 }
 
 fn learn_time(p: &Parameters) -> Result<(), ParameterError> {
     let samples = LEARN_WINDOWS * Detector::window(p);
     let least = f64::from(samples) * p.sample_period;
-    require(ticks(p.learn.time, p.sample_period) >= samples.unsigned_abs(), || ParameterError {
-        name: "learn.time",
-        value: format!("{} s", p.learn.time),
-        limit: format!("at least `{least} s`, `{LEARN_WINDOWS}` times the longest slope window"),
-        hint: "learn longer, or shorten `slope.window`",
+    let time = Parameter::new("learn.time", p.learn.time, "s", "learn longer, or shorten `slope.window`");
+    time.must_be(ticks(p.learn.time, p.sample_period) >= samples.unsigned_abs(), || {
+        format!("at least `{least} s`, `{LEARN_WINDOWS}` times the longest slope window")
     })
 }
 
 fn travel(p: &Parameters) -> Result<(), ParameterError> {
     let v = p.approach.velocity;
     let least = stopping_distance(v, p.approach.acceleration) + v * (p.learn.settle_time + p.learn.time);
-    require(p.approach.travel_max > least, || ParameterError {
-        name: "approach.travel_max",
-        value: format!("{} m", p.approach.travel_max),
-        limit: format!("more than `{least} m`, the way until the detector is armed"),
-        hint: "allow more travel, approach slower, or learn for less time",
-    })
+    let hint = "allow more travel, approach slower, or learn for less time";
+    Parameter::new("approach.travel_max", p.approach.travel_max, "m", hint)
+        .more_than(least, "the way until the detector is armed")
 }
 
 fn guard(p: &Parameters) -> Result<(), ParameterError> {
     let most = p.stage.force_constant * p.stage.current_max;
-    require(p.guard_force < most, || ParameterError {
-        name: "guard.force",
-        value: format!("{} N", p.guard_force),
-        limit: format!("less than `{most} N`, the largest force of the drive"),
-        hint: "the guard must trip before the current saturates",
-    })
+    let force = Parameter::new("guard.force", p.guard_force, "N", "the guard must trip before the current saturates");
+    force.less_than(most, "the largest force of the drive")
 }
 
 #[cfg(test)]
 mod tests {
-    use control_blocks::refusal;
-
     use super::*;
     use crate::interface::DetectorKind;
+    use control_blocks::{Refusal, assert_refusals};
 
-    fn error(change: impl FnOnce(&mut Parameters)) -> String {
-        refusal(Parameters::START, change, check)
-    }
+    const REFUSALS: &[Refusal<Parameters>] = &[
+        (|p| p.approach.direction = 0, "approach.direction", "`0`", "`-1`"),
+        (|p| p.servo.bandwidth = 1000.0, "observer.velocity_bandwidth", "`3142 rad/s`", "`4000 rad/s`"),
+        (|p| p.deviation_window = 5000, "learn.settle_time", "`0.25 s`", "`0.52 s`"),
+        (|p| p.learn.time = 0.05, "learn.time", "`0.05 s`", "`0.1 s`"),
+        (|p| p.approach.travel_max = 5e-5, "approach.travel_max", "`0.00005 m`", "armed"),
+        (|p| p.guard_force = 100.0, "guard.force", "`100 N`", "`100 N`"),
+    ];
 
     #[test]
     fn defaults_and_the_paper_fit_with_every_detector() {
@@ -97,19 +84,7 @@ mod tests {
     }
 
     #[test]
-    fn each_error_names_parameter_value_and_limit() {
-        let cases = [
-            (error(|p| p.approach.direction = 0), "approach.direction", "`0`", "`-1`"),
-            (error(|p| p.servo.bandwidth = 1000.0), "observer.velocity_bandwidth", "`3142 rad/s`", "`4000 rad/s`"),
-            (error(|p| p.deviation_window = 5000), "learn.settle_time", "`0.25 s`", "`0.52 s`"),
-            (error(|p| p.learn.time = 0.05), "learn.time", "`0.05 s`", "`0.1 s`"),
-            (error(|p| p.approach.travel_max = 5e-5), "approach.travel_max", "`0.00005 m`", "armed"),
-            (error(|p| p.guard_force = 100.0), "guard.force", "`100 N`", "`100 N`"),
-        ];
-        for (message, name, value, limit) in cases {
-            assert!(message.starts_with(&format!("parameter `{name}` is {value}")), "{message}");
-            assert!(message.contains(limit), "{message}");
-            assert!(message.contains("hint:"), "{message}");
-        }
+    fn presets_fit_and_each_error_names_parameter_value_and_limit() {
+        assert_refusals(check, &[Parameters::START, Parameters::PAPER], REFUSALS);
     }
 }

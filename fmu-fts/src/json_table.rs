@@ -58,20 +58,39 @@ impl Table<'_> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
+    use std::fmt::Debug;
 
-    fn read(text: &str) -> Result<[f64; 3], ParameterError> {
+    /// What `read` makes of a folder of resources with a file of this text, or its message.
+    pub fn with_resource<T>(
+        name: &str,
+        text: &str,
+        read: impl FnOnce(&Path) -> Result<T, ParameterError>,
+    ) -> Result<T, String> {
         let place = tempfile::tempdir().unwrap();
-        std::fs::write(place.path().join("table.json"), text).unwrap();
+        std::fs::write(place.path().join(name), text).unwrap();
+        read(place.path()).map_err(|error| error.to_string())
+    }
+
+    /// `read` refuses each text with a message that begins with `start`, has the part that belongs to it, and a hint.
+    pub fn assert_refusals<T: Debug>(read: impl Fn(&str) -> Result<T, String>, start: &str, cases: &[(String, &str)]) {
+        for (text, part) in cases {
+            let message = read(text).unwrap_err();
+            assert!(message.starts_with(start) && message.contains(part), "{message}");
+            assert!(message.contains("hint: write {"), "{message}");
+        }
+    }
+
+    fn read(text: &str) -> Result<[f64; 3], String> {
         let file = FileParameter { name: "path.file", file: "table.json", hint: "write three numbers" };
-        Table { file, content: "three numbers" }.read(Some(place.path()))
+        with_resource("table.json", text, |place| Table { file, content: "three numbers" }.read(Some(place)))
     }
 
     #[test]
     fn what_is_no_such_table_says_why_and_where() {
         assert_eq!(read("[1, 2.5, -3e2]"), Ok([1.0, 2.5, -300.0]));
-        let message = read("[1,\n 2, \"x\"]").unwrap_err().to_string();
+        let message = read("[1,\n 2, \"x\"]").unwrap_err();
         assert!(message.starts_with("parameter `path.file` is `table.json`, must be three numbers: "), "{message}");
         assert!(message.contains("invalid type: string \"x\", expected f64 at line 2 column 7"), "{message}");
         assert!(message.contains("hint: write three numbers"), "{message}");
@@ -82,7 +101,7 @@ mod tests {
         for text in
             ["[1, 2, NaN]", "[1, 2, 1e999]", "[1, 2]", "[1, 2, 3, 4]", "[1, 2, 3] 4", "", "[1, 2, null]", "\u{0}"]
         {
-            let message = read(text).unwrap_err().to_string();
+            let message = read(text).unwrap_err();
             assert!(message.contains("must be three numbers: ") && message.contains(" at line 1 column"), "{message}");
         }
     }

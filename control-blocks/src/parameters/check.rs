@@ -26,11 +26,34 @@ pub fn refusal<P>(
     check(&p).expect_err("the changed parameters are accepted").to_string()
 }
 
+/// For tests of checks: a change of parameters that fit, and what the message then tells: the name of a parameter, its
+/// value, and a part of the limit.
+pub type Refusal<P> = (fn(&mut P), &'static str, &'static str, &'static str);
+
+/// For tests of checks: `check` accepts all of `fitting`, and refuses each change of the first with a message that says
+/// what is wrong.
+///
+/// # Panics
+/// When it does not.
+pub fn assert_refusals<P: Clone>(
+    check: impl Fn(&P) -> Result<(), ParameterError>,
+    fitting: &[P],
+    refusals: &[Refusal<P>],
+) {
+    fitting.iter().for_each(|p| check(p).expect("parameters that fit are refused"));
+    for (change, name, value, limit) in refusals {
+        let message = refusal(fitting[0].clone(), change, &check);
+        assert!(message.starts_with(&format!("parameter `{name}` is {value}")), "{message}");
+        assert!(message.contains(limit) && message.contains("hint:"), "{message}");
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::error::require;
     use super::*;
 
+    #[derive(Clone)]
     struct Parameters {
         low: f64,
         high: f64,
@@ -57,15 +80,23 @@ mod tests {
 
     #[test]
     fn what_fits_passes_and_every_check_is_asked() {
-        assert_eq!(check(&P), Ok(()));
-        assert!(refusal(P, |p| p.low = 1.0, check).starts_with("parameter `high` is `1`"));
-        assert!(refusal(P, |p| p.steps = 0, check).starts_with("parameter `steps` is `0`"));
+        assert_refusals(
+            check,
+            &[P],
+            &[(|p| p.low = 1.0, "high", "`1`", "more"), (|p| p.steps = 0, "steps", "`0`", "more")],
+        );
     }
 
     #[test]
     fn the_first_error_is_told() {
         let message = refusal(P, |p| (p.low, p.steps) = (2.0, 0), check);
         assert!(message.starts_with("parameter `high`"), "{message}");
+    }
+
+    #[test]
+    #[should_panic(expected = "`high` is `1`")]
+    fn another_limit_than_the_told_one_is_no_refusal() {
+        assert_refusals(check, &[P], &[(|p| p.low = 1.0, "high", "`1`", "less")]);
     }
 
     #[test]

@@ -59,19 +59,23 @@ fn capabilities(xml: &mut Writer, info: &Info) {
 }
 
 fn unit_definitions<V>(xml: &mut Writer, table: &[Variable<V>]) {
-    let used = used_units(table);
-    if used.is_empty() {
-        return;
-    }
-    xml.open("UnitDefinitions", &[]);
-    for unit in used {
+    definitions(xml, "UnitDefinitions", used_units(table), |xml, unit| {
         xml.open("Unit", &[("name", unit.name)]);
         base_unit(xml, unit);
         for display in unit.display {
             xml.empty("DisplayUnit", &[("name", display.name), ("factor", &real(display.factor))]);
         }
         xml.close();
+    });
+}
+
+/// A list of definitions; nothing where there are none.
+fn definitions<T>(xml: &mut Writer, list: &'static str, items: Vec<T>, define: impl Fn(&mut Writer, T)) {
+    if items.is_empty() {
+        return;
     }
+    xml.open(list, &[]);
+    items.into_iter().for_each(|item| define(xml, item));
     xml.close();
 }
 
@@ -88,12 +92,7 @@ fn base_unit(xml: &mut Writer, unit: &Unit) {
 }
 
 fn type_definitions<V>(xml: &mut Writer, table: &[Variable<V>]) {
-    let used = used_types(table);
-    if used.is_empty() {
-        return;
-    }
-    xml.open("TypeDefinitions", &[]);
-    for ty in used {
+    definitions(xml, "TypeDefinitions", used_types(table), |xml, ty| {
         xml.open("SimpleType", &[("name", ty.name), ("description", ty.description)]);
         xml.open("Enumeration", &[]);
         for (i, item) in ty.items.iter().enumerate() {
@@ -102,8 +101,7 @@ fn type_definitions<V>(xml: &mut Writer, table: &[Variable<V>]) {
         }
         xml.close();
         xml.close();
-    }
-    xml.close();
+    });
 }
 
 fn log_categories(xml: &mut Writer) {

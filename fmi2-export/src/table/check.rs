@@ -215,21 +215,20 @@ const fn same_unit(a: &Unit, b: &Unit) -> bool {
 
 /// Whether XML can hold a text.
 const fn is_text(text: &str) -> bool {
-    let mut i = 0;
-    while i < text.len() {
-        if !matches!(text.as_bytes()[i], b'\t' | b'\n' | b'\r' | b' '..) {
-            return false;
-        }
-        i += 1;
-    }
-    true
+    is_printable(text, true)
 }
 
 /// Whether a text is the same after an XML reader has made it a `normalizedString`.
 const fn is_line(text: &str) -> bool {
+    is_printable(text, false)
+}
+
+/// Whether a text has no control characters, but tabs and ends of lines where they are allowed.
+const fn is_printable(text: &str, line_ends: bool) -> bool {
     let mut i = 0;
     while i < text.len() {
-        if text.as_bytes()[i] < b' ' {
+        let byte = text.as_bytes()[i];
+        if byte < b' ' && !(line_ends && matches!(byte, b'\t' | b'\n' | b'\r')) {
             return false;
         }
         i += 1;

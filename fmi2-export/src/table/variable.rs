@@ -115,37 +115,32 @@ impl<V> Variable<V> {
     }
 }
 
-impl<V> Variable<V> {
+macro_rules! roles {
+    ($($(#[$doc:meta])+ $name:ident: $role:ident;)+) => {
+        impl<V> Variable<V> {
+            $($(#[$doc])+ pub const fn $name(self) -> Self {
+                self.with_role(Role::$role)
+            })+
+        }
+    };
+}
+
+roles! {
     /// An input, set by the importer before a step.
-    pub const fn input(self) -> Self {
-        self.with_role(Role::Input)
-    }
-
+    input: Input;
     /// An output, held between samples.
-    pub const fn output(self) -> Self {
-        self.with_role(Role::Output)
-    }
-
+    output: Output;
     /// An internal quantity worth plotting.
-    pub const fn local(self) -> Self {
-        self.with_role(Role::Local)
-    }
-
+    local: Local;
     /// A parameter that is fixed after initialization.
-    pub const fn parameter(self) -> Self {
-        self.with_role(Role::Parameter)
-    }
-
+    parameter: Parameter;
     /// A parameter that may also change between steps.
-    pub const fn tunable(self) -> Self {
-        self.with_role(Role::Tunable)
-    }
-
+    tunable: Tunable;
     /// A parameter computed from others by [`Model::calculate`](crate::Model::calculate).
-    pub const fn calculated(self) -> Self {
-        self.with_role(Role::Calculated)
-    }
+    calculated: Calculated;
+}
 
+impl<V> Variable<V> {
     /// One line that says what the variable is.
     pub const fn describe(mut self, text: &'static str) -> Self {
         self.description = text;

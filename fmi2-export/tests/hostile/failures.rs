@@ -36,13 +36,19 @@ fn works_after_reset(instance: &Instance) {
     assert_eq!((instance.real("force"), instance.integer("ticks")), (3.5, 10));
 }
 
+/// The next sample fails with these words; what is left after that can be read, and works after a reset.
+fn fails(instance: &Instance, words: &[&str]) {
+    instance.refused(instance.step(1e-2, 1e-3), ERROR, words);
+    is_stuck_but_readable(instance);
+    works_after_reset(instance);
+}
+
 #[test]
-fn an_error_in_a_sample_ends_the_run_with_its_text() {
+fn an_error_or_nan_in_a_sample_ends_the_run_with_its_text() {
     let fmu = Fmu::probe();
-    let instance = about_to_fail(&fmu, FAIL);
-    instance.refused(instance.step(1e-2, 1e-3), ERROR, &["fmi2DoStep", "provoked error"]);
-    is_stuck_but_readable(&instance);
-    works_after_reset(&instance);
+    for (failure, words) in [(FAIL, "provoked error"), (NOT_A_NUMBER, "`force` = NaN")] {
+        fails(&about_to_fail(&fmu, failure), &["fmi2DoStep", words]);
+    }
 }
 
 #[test]
@@ -51,21 +57,10 @@ fn a_panic_is_caught_and_logged_with_its_place() {
     let (instance, other) = (about_to_fail(&fmu, PANIC), about_to_fail(&fmu, NONE));
     let line = include_str!("../../examples/probe.rs").lines().position(|line| line.contains("panic!(")).unwrap() + 1;
     let place = format!("examples/probe.rs:{line}");
-    instance.refused(instance.step(1e-2, 1e-3), ERROR, &["fmi2DoStep", "panicked at", &place, "provoked panic"]);
-    is_stuck_but_readable(&instance);
+    fails(&instance, &["fmi2DoStep", "panicked at", &place, "provoked panic"]);
     // other instances do not notice
     assert_eq!(other.step(1e-2, 1e-3), OK);
     assert_eq!((other.integer("ticks"), other.messages()), (11, vec![]));
-    works_after_reset(&instance);
-}
-
-#[test]
-fn nan_never_leaves_the_fmu() {
-    let fmu = Fmu::probe();
-    let instance = about_to_fail(&fmu, NOT_A_NUMBER);
-    instance.refused(instance.step(1e-2, 1e-3), ERROR, &["fmi2DoStep", "`force` = NaN"]);
-    is_stuck_but_readable(&instance);
-    works_after_reset(&instance);
 }
 
 #[test]

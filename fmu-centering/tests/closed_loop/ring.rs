@@ -31,6 +31,7 @@ const SPINDLE_STEP: f64 = TAU / 4000.0;
 const LOBES: [f64; 2] = [2e-6, 1e-6];
 
 /// The machine at one instant.
+#[derive(Clone)]
 pub struct Ring {
     random: Pcg64Mcg,
     /// Outer radius, m.

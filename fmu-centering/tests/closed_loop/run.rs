@@ -9,6 +9,7 @@ use crate::ring::{Ring, STEP};
 const IDLE: u32 = 10;
 
 /// The closed loop.
+#[derive(Clone)]
 pub struct Loop {
     /// Plant.
     pub ring: Ring,
@@ -37,6 +38,12 @@ impl Loop {
         }
     }
 
+    /// The same loop, with the law from its state bytes.
+    pub fn reloaded(&self) -> Self {
+        let bytes = postcard::to_allocvec(&self.controller).unwrap();
+        Self { controller: postcard::from_bytes(&bytes).unwrap(), ..self.clone() }
+    }
+
     /// Time of the next step, s.
     pub fn time(&self) -> f64 {
         f64::from(self.steps) * STEP
@@ -63,13 +70,10 @@ impl Loop {
 
     /// Steps until `state`; false if that takes longer than to the time `limit` s.
     pub fn run_to(&mut self, state: State, limit: f64) -> bool {
-        while self.output.state != state {
-            if self.time() > limit {
-                return false;
-            }
+        while self.output.state != state && self.time() <= limit {
             self.step();
         }
-        true
+        self.output.state == state
     }
 }
 

@@ -3,7 +3,7 @@
 use fmu_deburr::interface::{Fault, Mode, Parameters, State};
 
 use crate::robot::Build;
-use crate::setup::Loop;
+use crate::setup::{Loop, taught};
 
 /// A robot that runs the path without patterns.
 fn running(mode: Mode) -> Loop {
@@ -140,10 +140,7 @@ fn a_reset_needs_a_rising_edge_without_its_cause_and_axes_at_rest() {
 
 #[test]
 fn a_fault_in_the_sample_in_which_learning_is_asked_for_forgets_nothing() {
-    let mut p = Parameters::START;
-    p.learn.repetitions = 0;
-    let mut run = Loop::new(&p, &Build::NOMINAL);
-    assert!(run.finish(Mode::Learn));
+    let mut run = taught();
     run.input.mode = Mode::Idle;
     run.step();
     (run.input.mode, run.input.enable) = (Mode::Learn, false);

@@ -4,7 +4,7 @@ use fmu_deburr::interface::{Mode, Parameters, State};
 use fmu_deburr::learning::speeds::Speeds;
 
 use crate::robot::Build;
-use crate::setup::Loop;
+use crate::setup::{Loop, taught};
 
 fn bare() -> Loop {
     let mut p = Parameters::START;
@@ -81,10 +81,7 @@ fn a_held_repetition_is_done_again_and_learns_the_same() {
 
 #[test]
 fn the_bank_is_written_after_learning_and_whenever_it_is_asked_for() {
-    let mut p = Parameters::START;
-    p.learn.repetitions = 0;
-    let mut run = Loop::new(&p, &Build::NOMINAL);
-    assert!(run.finish(Mode::Learn));
+    let mut run = taught();
     assert!(run.controller.take_export() && !run.controller.take_export());
     // from Done, again, and from Idle
     for mode in [Mode::Export, Mode::DryRun, Mode::Export, Mode::Idle, Mode::Export] {

@@ -31,6 +31,15 @@ pub fn parameters(base: &Parameters, delay: i32) -> Parameters {
     p
 }
 
+/// A loop that has learned, without a repetition.
+pub fn taught() -> Loop {
+    let mut p = Parameters::START;
+    p.learn.repetitions = 0;
+    let mut run = Loop::new(&p, &Build::NOMINAL);
+    assert!(run.finish(Mode::Learn));
+    run
+}
+
 /// 6:1 in speed, `hertz` times a second.
 pub fn swinging(hertz: f64) -> impl Fn(f64) -> f64 {
     move |time| (3.5 + 2.5 * (std::f64::consts::TAU * hertz * time).sin()) / 6.0
@@ -52,6 +61,12 @@ impl Loop {
             output: Output::START,
             parameters: p.clone(),
         }
+    }
+
+    /// The same loop, with the law from its state bytes.
+    pub fn reloaded(&self) -> Self {
+        let bytes = postcard::to_allocvec(&self.controller).unwrap();
+        Self { controller: postcard::from_bytes(&bytes).unwrap(), ..self.clone() }
     }
 
     /// Takes the encoder readings in.

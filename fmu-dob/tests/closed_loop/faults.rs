@@ -53,12 +53,17 @@ fn the_cogging_of_the_whole_travel_is_no_contact() {
     }
 }
 
+/// One step without a position.
+fn lose_position(run: &mut Loop) {
+    run.step_with(|input| input.position_valid = false);
+    assert!(finite(&run.output));
+}
+
 #[test]
 fn lost_sync_of_ten_samples() {
     let mut run = running(&Parameters::START, 2, State::Detect);
     for k in 0..10 {
-        run.step_with(|input| input.position_valid = false);
-        assert!(finite(&run.output));
+        lose_position(&mut run);
         assert_eq!(run.output.state == State::Fault, k >= 3, "sample {k}");
     }
     retreats(run, Fault::LostSync);
@@ -68,7 +73,7 @@ fn lost_sync_of_ten_samples() {
 fn lost_sync_in_every_approaching_state() {
     for state in [State::Approach, State::Learn, State::Detect] {
         let mut run = running(&Parameters::START, 3, state);
-        (0..4).for_each(|_| run.step_with(|input| input.position_valid = false));
+        (0..4).for_each(|_| lose_position(&mut run));
         retreats(run, Fault::LostSync);
     }
 }
@@ -92,8 +97,7 @@ fn three_lost_samples_are_bridged() {
 fn a_long_blackout_is_survived() {
     let mut run = running(&Parameters::START, 5, State::Detect);
     for _ in 0..5000 {
-        run.step_with(|input| input.position_valid = false);
-        assert!(finite(&run.output));
+        lose_position(&mut run);
     }
     // the stage has drifted; it goes on from where it is
     retreats_after_drift(run);

@@ -36,6 +36,7 @@ const TILT: f64 = 50e-9;
 const SECOND_FLUTE: f64 = 100e-9;
 
 /// The slide at one instant.
+#[derive(Clone)]
 pub struct Slide {
     random: Pcg64Mcg,
     surface: f64,

@@ -79,11 +79,10 @@ fn row(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::json_table::tests::{assert_refusals, with_resource};
 
     fn read_text(text: &str) -> Result<DepthTable, String> {
-        let place = tempfile::tempdir().unwrap();
-        std::fs::write(place.path().join("path.json"), text).unwrap();
-        read("path.json", Some(place.path()), &Parameters::START).map_err(|error| error.to_string())
+        with_resource("path.json", text, |place| read("path.json", Some(place), &Parameters::START))
     }
 
     fn file(start: &str, step: &str, cosine: &str, sine: &str) -> String {
@@ -135,12 +134,7 @@ mod tests {
             (r#"{"slide_start_m": 0}"#.into(), "missing field `slide_step_m` at line 1 column 20"),
             (r#"{"slide_start_m": 0, "x": 1}"#.into(), "unknown field `x`"),
         ];
-        for (text, part) in cases {
-            let message = read_text(&text).unwrap_err();
-            let start = "parameter `path.file` is `path.json`, must be a tool path: ";
-            assert!(message.starts_with(start) && message.contains(part), "{message}");
-            assert!(message.contains("hint: write {"), "{message}");
-        }
+        assert_refusals(read_text, "parameter `path.file` is `path.json`, must be a tool path: ", &cases);
     }
 
     #[test]

@@ -53,11 +53,10 @@ pub fn read(file: &str, resources: Option<&Path>) -> Result<FrequencyResponse, P
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::json_table::tests::{assert_refusals, with_resource};
 
     fn read_text(text: &str) -> Result<FrequencyResponse, String> {
-        let place = tempfile::tempdir().unwrap();
-        std::fs::write(place.path().join("response.json"), text).unwrap();
-        read("response.json", Some(place.path())).map_err(|error| error.to_string())
+        with_resource("response.json", text, |place| read("response.json", Some(place)))
     }
 
     #[test]
@@ -97,11 +96,10 @@ mod tests {
             (r#"{"frequency_hz": [20], "magnitude": [1]}"#.into(), "missing field `phase_rad` at line 1 column"),
             (r#"{"frequency_hz": [20], "gain": [1]}"#.into(), "unknown field `gain`"),
         ];
-        for (text, part) in cases {
-            let message = read_text(&text).unwrap_err();
-            let start = "parameter `response.file` is `response.json`, must be a frequency response: ";
-            assert!(message.starts_with(start) && message.contains(part), "{message}");
-            assert!(message.contains("hint: write {"), "{message}");
-        }
+        assert_refusals(
+            read_text,
+            "parameter `response.file` is `response.json`, must be a frequency response: ",
+            &cases,
+        );
     }
 }

@@ -41,6 +41,17 @@ impl Bench {
         self.step();
     }
 
+    /// A cut in which `change` moves the machine gives no sample.
+    fn assert_moved(&mut self, change: impl FnOnce(&mut Moment)) {
+        self.input.calibration.cut = true;
+        self.step();
+        change(&mut self.now);
+        self.step();
+        self.input.calibration.cut = false;
+        self.capture(0.01, 0.05);
+        assert_eq!(self.calibration.status(), Status::Moved);
+    }
+
     /// One reading by a rising edge.
     fn capture(&mut self, lateral: f64, depth: f64) {
         (self.input.probe.lateral, self.input.probe.depth) = (lateral, depth);
@@ -162,13 +173,7 @@ fn samples_that_cannot_be_used_are_left_out_and_say_why() {
     let mut bench = Bench::new(Parameters::START, Mode::CalibrateToroid);
     bench.capture(0.01, 0.05);
     assert_eq!(bench.calibration.status(), Status::NoCut);
-    bench.input.calibration.cut = true;
-    bench.step();
-    bench.now.slide_position += 2e-5;
-    bench.step();
-    bench.input.calibration.cut = false;
-    bench.capture(0.01, 0.05);
-    assert_eq!(bench.calibration.status(), Status::Moved);
+    bench.assert_moved(|now| now.slide_position += 2e-5);
     bench.cut();
     for nonsense in [f64::NAN, f64::INFINITY, -1e9] {
         bench.capture(nonsense, 0.05);
@@ -184,13 +189,7 @@ fn samples_that_cannot_be_used_are_left_out_and_say_why() {
 #[test]
 fn an_arm_that_swings_cuts_no_flat() {
     let mut bench = Bench::new(Parameters::START, Mode::CalibrateFlats);
-    bench.input.calibration.cut = true;
-    bench.step();
-    bench.now.arm_angle += 2e-3;
-    bench.step();
-    bench.input.calibration.cut = false;
-    bench.capture(0.01, 0.05);
-    assert_eq!(bench.calibration.status(), Status::Moved);
+    bench.assert_moved(|now| now.arm_angle += 2e-3);
 }
 
 #[test]

@@ -2,7 +2,6 @@
 
 use std::f64::consts::TAU;
 
-use fmu_fts::controller::Controller;
 use fmu_fts::interface::{Fault, Mode, Parameters, State};
 use fmu_fts::servo::design::design;
 use fmu_fts::servo::loop_model::LoopModel;
@@ -118,13 +117,11 @@ fn state_bytes_continue_in_the_swing() {
     let mut run = Loop::new(&p, &Build::NOMINAL, 9);
     run.input.mode = Mode::Identify;
     run.run_to(0.7);
-    let bytes = postcard::to_allocvec(&run.controller).unwrap();
-    let mut copy: Controller = postcard::from_bytes(&bytes).unwrap();
-    let mut output = run.output.clone();
+    let mut copy = run.reloaded();
     for _ in 0..9000 {
         run.step();
-        copy.tick(&run.input, &p, &mut output);
-        assert_eq!(output, run.output);
+        copy.step();
+        assert_eq!(copy.output, run.output);
     }
     assert_eq!(run.output.identify_progress, 1.0);
 }

@@ -80,6 +80,7 @@ impl Build {
 }
 
 /// The machine at one instant.
+#[derive(Clone)]
 pub struct Machine {
     build: Build,
     random: Pcg64Mcg,

@@ -7,6 +7,7 @@ use fmu_fts::texts::Tables;
 use crate::machine::{Build, Machine, STEP};
 
 /// The closed loop.
+#[derive(Clone)]
 pub struct Loop {
     /// Plant.
     pub machine: Machine,
@@ -73,6 +74,12 @@ impl Loop {
         self.tip_error = self.output.reference.depth - self.machine.tip_depth();
         self.machine.advance(self.output.torque);
         self.steps += 1;
+    }
+
+    /// The same loop, with the law from its state bytes.
+    pub fn reloaded(&self) -> Self {
+        let bytes = postcard::to_allocvec(&self.controller).unwrap();
+        Self { controller: postcard::from_bytes(&bytes).unwrap(), ..self.clone() }
     }
 
     /// Swings the arm by `angle` (rad): from now on its encoder reads so much more.

@@ -122,6 +122,8 @@ impl RippleCancellation {
 
 #[cfg(test)]
 mod tests {
+    use std::ops::Range;
+
     use super::super::impedance::damping;
     use super::*;
 
@@ -133,18 +135,19 @@ mod tests {
         harmonic.canceller.output(response * carrier) + size * carrier.re
     }
 
-    /// Error amplitude at the end of 4 s with ripples of 0.2 N, when the true phase is `phase_error` rad off.
-    fn left(phase_error: f64) -> (f64, bool) {
+    /// Largest error in the samples `counted`, the last ones of a run with ripples of `size` N when the true phase is
+    /// `phase_error` rad off; and whether the cancellation has ended itself.
+    fn worst_error(phase_error: f64, size: f64, counted: Range<u32>) -> (f64, bool) {
         let law = Coefficients::new(&P, damping(&P, 178e3));
         let mut ripple = RippleCancellation::new(&P, &law, 178e3);
         let truth = ripple.harmonics.map(|h| h.response.unwrap() * Complex::cis(phase_error));
         let mut worst: f64 = 0.0;
-        for k in 1..4000 {
+        for k in 1..counted.end {
             // the plant in the steady state of the learned amplitudes
             let error: f64 =
-                (1..).zip(ripple.harmonics).zip(truth).map(|((m, h), t)| part(&h, t, 0.2, phase(10, m * k))).sum();
+                (1..).zip(ripple.harmonics).zip(truth).map(|((m, h), t)| part(&h, t, size, phase(10, m * k))).sum();
             ripple.step(&P, k, error);
-            if k > 3500 {
+            if counted.contains(&k) {
                 worst = worst.max(error.abs());
             }
         }
@@ -154,7 +157,7 @@ mod tests {
     #[test]
     fn a_ripple_vanishes_if_the_phase_is_about_right() {
         for phase_error in [0.0, 0.7, -0.7] {
-            let (worst, frozen) = left(phase_error);
+            let (worst, frozen) = worst_error(phase_error, 0.2, 3501..4000);
             assert!(worst < 0.02 && !frozen, "{phase_error}: {worst}");
         }
     }
@@ -162,17 +165,8 @@ mod tests {
     #[test]
     fn a_wrong_phase_ends_the_cancellation() {
         for phase_error in [2.5, -2.5] {
-            let law = Coefficients::new(&P, damping(&P, 178e3));
-            let mut ripple = RippleCancellation::new(&P, &law, 178e3);
-            let truth = ripple.harmonics.map(|h| h.response.unwrap() * Complex::cis(phase_error));
-            let mut worst: f64 = 0.0;
-            for k in 1..6000 {
-                let error: f64 =
-                    (1..).zip(ripple.harmonics).zip(truth).map(|((m, h), t)| part(&h, t, 0.1, phase(10, m * k))).sum();
-                worst = worst.max(error.abs());
-                ripple.step(&P, k, error);
-            }
-            assert!(ripple.frozen() && worst < 2.5, "{phase_error}: {worst}");
+            let (worst, frozen) = worst_error(phase_error, 0.1, 1..6000);
+            assert!(frozen && worst < 2.5, "{phase_error}: {worst}");
         }
     }
 

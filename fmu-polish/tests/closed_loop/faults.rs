@@ -154,12 +154,18 @@ fn nonsense_for_one_sample() {
     }
 }
 
-#[test]
-fn an_emergency_stop_ends_a_retract_after_a_fault() {
-    let mut run = running(&P, Build::NOMINAL, 61, State::Follow);
+/// A loop that has just met its force limit.
+fn beyond_the_force_limit(seed: u64) -> Loop {
+    let mut run = running(&P, Build::NOMINAL, seed, State::Follow);
     run.robot.build.shift.z += 0.15e-3;
     let until = run.time() + 0.1;
     assert!(run.run_to(State::Fault, until));
+    run
+}
+
+#[test]
+fn an_emergency_stop_ends_a_retract_after_a_fault() {
+    let run = beyond_the_force_limit(61);
     stands(run, Fault::ForceLimit, |input| input.estop = true);
 }
 
@@ -183,10 +189,7 @@ fn a_reset_is_a_rising_edge_at_rest_and_the_next_job_one_of_enable() {
 
 #[test]
 fn a_reset_on_the_way_out_does_not_count() {
-    let mut run = running(&P, Build::NOMINAL, 68, State::Follow);
-    run.robot.build.shift.z += 0.15e-3;
-    let until = run.time() + 0.1;
-    assert!(run.run_to(State::Fault, until));
+    let mut run = beyond_the_force_limit(68);
     run.step_with(|input| input.reset_fault = true);
     (0..400).for_each(|_| run.step());
     assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::ForceLimit));

@@ -83,6 +83,7 @@ impl Axis {
 }
 
 /// The robot at one instant.
+#[derive(Clone)]
 pub struct Robot {
     random: Pcg64Mcg,
     axes: [Axis; 3],

@@ -15,6 +15,7 @@ pub const POINTS: usize = 400;
 const RUN_IN: f64 = 0.3;
 
 /// The closed loop.
+#[derive(Clone)]
 pub struct Loop {
     /// Plant.
     pub robot: Robot,
@@ -85,13 +86,10 @@ impl Loop {
 
     /// Steps until `state`; false if that takes longer than to the time `limit` s.
     pub fn run_to(&mut self, state: State, limit: f64) -> bool {
-        while self.output.state != state {
-            if self.time() > limit {
-                return false;
-            }
+        while self.output.state != state && self.time() <= limit {
             self.step();
         }
-        true
+        self.output.state == state
     }
 
     /// Runs a whole job; none if it does not come to its end.
@@ -138,6 +136,12 @@ impl Loop {
             gain: slid / way,
             beside: rms_of_means(&errors, 50),
         })
+    }
+
+    /// The same loop, with the law from its state bytes.
+    pub fn reloaded(&self) -> Self {
+        let bytes = postcard::to_allocvec(&self.controller).unwrap();
+        Self { controller: postcard::from_bytes(&bytes).unwrap(), ..self.clone() }
     }
 }
 

@@ -4,10 +4,9 @@ pub mod description;
 pub mod effort;
 pub mod library;
 pub mod life;
-pub mod native_loop;
+pub mod loops;
 pub mod pass_through;
 pub mod recording;
-pub mod reference_loop;
 pub mod report;
 pub mod slave;
 pub mod statistics;
@@ -92,8 +91,8 @@ fn pass_through_rows(costs: &pass_through::PassThroughCosts) -> Vec<Row> {
 /// Everything about one closed loop.
 fn loop_rows(workspace: &Workspace, scenario: &str, checked: &Fmu, effort: &Effort) -> Result<Vec<Row>> {
     let mut rows = controller_rows(workspace, scenario, checked, effort)?;
-    rows.extend(reference_rows(scenario, &reference_loop::measure(workspace, scenario, effort)?));
-    rows.extend(native_rows(scenario, &native_loop::measure(workspace, scenario, effort)?));
+    rows.extend(reference_rows(scenario, &loops::reference(workspace, scenario, effort)?));
+    rows.extend(native_rows(scenario, &loops::native(workspace, scenario, effort)?));
     Ok(rows)
 }
 
@@ -118,7 +117,7 @@ fn controller_rows(workspace: &Workspace, scenario: &str, checked: &Fmu, effort:
     ])
 }
 
-fn reference_rows(scenario: &str, costs: &reference_loop::ReferenceLoopCosts) -> Vec<Row> {
+fn reference_rows(scenario: &str, costs: &loops::ReferenceLoopCosts) -> Vec<Row> {
     let (step, plant) = (costs.step.summary(), costs.plant.summary());
     vec![
         Row::ratio(format!("{scenario}: simulated time / wall time"), costs.real_time_factor.summary()),
@@ -130,7 +129,7 @@ fn reference_rows(scenario: &str, costs: &reference_loop::ReferenceLoopCosts) ->
     ]
 }
 
-fn native_rows(scenario: &str, costs: &native_loop::NativeLoopCosts) -> Vec<Row> {
+fn native_rows(scenario: &str, costs: &loops::NativeLoopCosts) -> Vec<Row> {
     let (native, plant) = (costs.native.summary(), costs.plant.summary());
     vec![
         Row::ratio(format!("{scenario}: simulated time / wall time, native engine"), costs.real_time_factor.summary()),

@@ -1,0 +1,111 @@
+//! A parameter that a check compares with what others make its limit.
+
+use std::fmt::Display;
+
+use super::error::{ParameterError, require};
+
+/// A parameter as its error tells it.
+#[derive(Clone, Copy, Debug)]
+pub struct Parameter<T> {
+    name: &'static str,
+    value: T,
+    unit: &'static str,
+    hint: &'static str,
+}
+
+impl<T: Display + PartialOrd> Parameter<T> {
+    /// FMI name, value, unit (`""` for none), and what to do when it does not fit.
+    pub fn new(name: &'static str, value: T, unit: &'static str, hint: &'static str) -> Self {
+        Self { name, value, unit, hint }
+    }
+
+    /// It is `limit` or more; `why` says where the limit is from.
+    ///
+    /// # Errors
+    /// When it is less.
+    pub fn at_least(&self, limit: T, why: impl Display) -> Result<(), ParameterError> {
+        self.must_be(self.value >= limit, || format!("at least `{}`, {why}", self.with_unit(&limit)))
+    }
+
+    /// It is `limit` or less; `why` says where the limit is from.
+    ///
+    /// # Errors
+    /// When it is more.
+    pub fn at_most(&self, limit: T, why: impl Display) -> Result<(), ParameterError> {
+        self.must_be(self.value <= limit, || format!("at most `{}`, {why}", self.with_unit(&limit)))
+    }
+
+    /// It is more than `limit`; `why` says where the limit is from.
+    ///
+    /// # Errors
+    /// When it is not.
+    pub fn more_than(&self, limit: T, why: impl Display) -> Result<(), ParameterError> {
+        self.must_be(self.value > limit, || format!("more than `{}`, {why}", self.with_unit(&limit)))
+    }
+
+    /// It is less than `limit`; `why` says where the limit is from.
+    ///
+    /// # Errors
+    /// When it is not.
+    pub fn less_than(&self, limit: T, why: impl Display) -> Result<(), ParameterError> {
+        self.must_be(self.value < limit, || format!("less than `{}`, {why}", self.with_unit(&limit)))
+    }
+
+    /// Any other condition, with what the parameter must be.
+    ///
+    /// # Errors
+    /// When it does not hold.
+    pub fn must_be(&self, holds: bool, limit: impl FnOnce() -> String) -> Result<(), ParameterError> {
+        let Self { name, value, hint, .. } = self;
+        require(holds, || ParameterError { name, value: self.with_unit(value), limit: limit(), hint })
+    }
+
+    fn with_unit(&self, value: &T) -> String {
+        if self.unit.is_empty() { value.to_string() } else { format!("{value} {}", self.unit) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GAP: Parameter<f64> = Parameter { name: "follow.gap", value: 2.5, unit: "m", hint: "move on" };
+
+    fn told(outcome: Result<(), ParameterError>) -> String {
+        let error = outcome.unwrap_err();
+        assert_eq!((error.name, error.value.as_str(), error.hint), ("follow.gap", "2.5 m", "move on"));
+        error.limit
+    }
+
+    #[test]
+    fn the_limit_belongs_to_the_closed_ranges_only() {
+        assert_eq!((GAP.at_least(2.5, "-"), GAP.at_most(2.5, "-")), (Ok(()), Ok(())));
+        assert_eq!((GAP.more_than(2.0, "-"), GAP.less_than(3.0, "-")), (Ok(()), Ok(())));
+        assert_eq!(told(GAP.at_least(3.0, "the way")), "at least `3 m`, the way");
+        assert_eq!(told(GAP.at_most(2.0, "the way")), "at most `2 m`, the way");
+        assert_eq!(told(GAP.more_than(2.5, "the way")), "more than `2.5 m`, the way");
+        assert_eq!(told(GAP.less_than(2.5, "the way")), "less than `2.5 m`, the way");
+    }
+
+    #[test]
+    fn what_is_no_number_fits_no_limit() {
+        let nothing = Parameter::new("follow.gap", f64::NAN, "m", "move on");
+        let outcomes = [
+            nothing.at_least(0.0, "-"),
+            nothing.at_most(0.0, "-"),
+            nothing.more_than(0.0, "-"),
+            nothing.less_than(0.0, "-"),
+        ];
+        assert!(outcomes.iter().all(Result::is_err));
+    }
+
+    #[test]
+    fn a_number_without_unit_stands_alone() {
+        let lead = Parameter::new("learn.lead", -3, "", "read later");
+        let message = lead.at_least(-1, "minus `io_delay`").unwrap_err().to_string();
+        assert_eq!(
+            message,
+            "parameter `learn.lead` is `-3`, must be at least `-1`, minus `io_delay`\nhint: read later"
+        );
+    }
+}

@@ -1,0 +1,62 @@
+//! How fast the two engines run a scenario, and where the time goes.
+
+use anyhow::{Context, Result};
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
+
+use super::effort::Effort;
+use super::statistics::Samples;
+use crate::process;
+use crate::workspace::Workspace;
+
+/// What the runs took; times are us of CPU per communication step, and the two take turns.
+#[derive(Deserialize)]
+pub struct NativeLoopCosts {
+    /// The closed loop with its trace.
+    pub native: Samples,
+    /// The plant with its elements and the commands of that loop.
+    pub plant: Samples,
+    /// Simulated time over wall time, set-up of the run included.
+    pub real_time_factor: Samples,
+}
+
+/// What the runs took; times are us per communication step, the parts are of other runs than the real-time factor.
+#[derive(Deserialize)]
+pub struct ReferenceLoopCosts {
+    /// Simulated time over wall time; the smallest run is the slowest one.
+    pub real_time_factor: Samples,
+    /// The whole step.
+    pub step: Samples,
+    /// Set, doStep and get through FMPy.
+    pub fmu: Samples,
+    /// Sensors, commands and MuJoCo's steps.
+    pub plant: Samples,
+    /// Wiring, noise, trace.
+    pub rest: Samples,
+}
+
+/// Runs a closed loop and its plant several times with the native engine.
+///
+/// # Errors
+/// When the loop does not run.
+pub fn native(workspace: &Workspace, scenario: &str, effort: &Effort) -> Result<NativeLoopCosts> {
+    process::header(&format!("measure `{scenario}` with the native engine"));
+    costs(workspace, "native", scenario, effort)
+}
+
+/// Runs a controller against its plant several times.
+///
+/// # Errors
+/// When the loop does not run.
+pub fn reference(workspace: &Workspace, scenario: &str, effort: &Effort) -> Result<ReferenceLoopCosts> {
+    process::header(&format!("measure `{scenario}`"));
+    costs(workspace, "reference", scenario, effort)
+}
+
+/// What the script of the `name` loop prints about a scenario.
+fn costs<T: DeserializeOwned>(workspace: &Workspace, name: &str, scenario: &str, effort: &Effort) -> Result<T> {
+    let mut command = workspace.venv_command("python");
+    let script = format!("xtask/bench/{name}_loop.py");
+    command.args([&script, scenario, &effort.runs.to_string(), &effort.steps.to_string()]);
+    serde_json::from_str(&process::text(&mut command)?).with_context(|| format!("the {name} loop printed no times"))
+}
