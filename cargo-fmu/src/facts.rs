@@ -140,7 +140,7 @@ fn imports(file: &object::File) -> Result<(BTreeSet<String>, BTreeSet<String>)> 
 // Mach-O puts an underscore before every C name
 fn c_name(file: &object::File, name: &[u8]) -> String {
     let name = text(name);
-    if file.format() == BinaryFormat::MachO { name.trim_start_matches('_').to_owned() } else { name }
+    if file.format() == BinaryFormat::MachO { name.strip_prefix('_').unwrap_or(&name).to_owned() } else { name }
 }
 
 fn glibc(file: &Elf) -> Result<BTreeMap<String, (u32, u32)>> {

@@ -115,6 +115,9 @@ pub trait Model: Sized + 'static {
 
     /// Checks parameters against each other and makes the state of time zero.
     ///
+    /// A `hidden` field that is read from other parameters belongs into [`Model::calculate`], or into `parameters` before they
+    /// are brought into force: each set of a parameter makes `in_force` anew.
+    ///
     /// # Errors
     /// The parameter's name, value and limit.
     fn initialise(vars: &mut Self::Vars, env: &mut Env) -> Result<Self::State, Error>;

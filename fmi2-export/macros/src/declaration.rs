@@ -289,6 +289,9 @@ impl Choice {
             }
             let mut attributes = variant.attrs;
             let hints: Vec<_> = attributes.extract_if(.., |attribute| attribute.path().is_ident("hint")).collect();
+            if let Some(second) = hints.get(1) {
+                return Err(syn::Error::new_spanned(second, format!("`{}`: an item has one hint", variant.ident)));
+            }
             let hint = hints.first().map(Attribute::parse_args::<LitStr>).transpose()?;
             let docs = docs(&attributes);
             items.push(ChoiceItem { attributes, name: variant.ident, docs, hint });

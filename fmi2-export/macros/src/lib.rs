@@ -34,7 +34,7 @@ use syn::{ItemMod, parse_macro_input};
 /// | `unit = METRE as "um"` | unit of a Real, and the display unit, which may be left out |
 /// | `range = 0.0..=1.0` | allowed values, both ends included |
 /// | `start = 0.5` | start value; else zero, false, empty, or the first item |
-/// | `paper = 0.3` | value of the paper that the model follows, where it differs: the constant `PAPER` holds it, and `Parameters::in_force` holds it where the parameter `law` is `Paper` and the value was left at its start; which is the field `in_force` of `Vars`; of a `hidden` field only `PAPER` knows it |
+/// | `paper = 0.3` | value of the paper that the model follows, where it differs: the constant `PAPER` holds it, and `Parameters::in_force` holds it where the parameter `law` is `Paper` and the value stands at its start; which is the field `in_force` of `Vars`; of a `hidden` field only `PAPER` knows it |
 /// | `source = "derived: ..."` | where the start value comes from |
 /// | `nominal = 1e-3` | usual magnitude of a Real |
 /// | `tunable`, `calculated` | a parameter that may change between steps; one that `Model::calculate` computes |

@@ -42,6 +42,8 @@ pub unsafe fn instantiate<M: Exported>(
         }
         let resources = folder(resources).unwrap_or_else(|reason| {
             logger.send(Category::Warning, format_args!("fmi2Instantiate: {reason}"));
+            // fmi2Instantiate has no status; the next call is not to blame
+            logger.take_warned();
             None
         });
         let instance = Instance::<M>::new(Host { name: name.to_owned(), resources, logger });

@@ -130,6 +130,9 @@ impl<M: Exported> Instance<M> {
         }
         if parameters {
             parameters_set::<M>(&mut self.now.vars);
+            if self.now.phase == Phase::StepComplete {
+                self.check_computed()?;
+            }
         }
         Ok(())
     }
@@ -199,9 +202,9 @@ impl<M: Exported> Instance<M> {
     #[cold]
     fn run_with_derivatives(&mut self, experiment: Experiment, step: f64) -> Result<(), Refusal> {
         let slopes = self.take_slopes();
-        self.run(experiment, step, |vars, after| slopes.iter().for_each(|slope| slope.apply(vars, after)))?;
+        let done = self.run(experiment, step, |vars, after| slopes.iter().for_each(|slope| slope.apply(vars, after)));
         slopes.iter().for_each(|slope| slope.restore(&mut self.now.vars));
-        Ok(())
+        done
     }
 
     /// The inputs that have derivatives, each with all of its own; they count for one step.
@@ -443,10 +446,12 @@ impl<M: Exported> Slave for Instance<M> {
 
     fn deserialize(&mut self, bytes: &[u8], slot: &mut Option<TakenState>) -> Status {
         self.call(Function::DeSerializeFMUstate, |this| {
-            let restored: SnapshotOf<M> = snapshot::from_bytes(M::guid(), bytes).map_err(Refusal::error)?;
+            let mut restored: SnapshotOf<M> = snapshot::from_bytes(M::guid(), bytes).map_err(Refusal::error)?;
             this.check_restored(&restored).map_err(|refusal| {
                 Refusal::error(format!("the state bytes hold what no call could set: {}", refusal.text()))
             })?;
+            // what follows from parameters is never taken from bytes
+            parameters_set::<M>(&mut restored.vars);
             *slot = Some(Arc::new(restored));
             Ok(())
         })
@@ -462,6 +467,8 @@ impl<M: Exported> Slave for Instance<M> {
             _ => Category::Error,
         };
         self.host.logger.send(category, format_args!("{}: {text}", function.name()));
+        // a warning before belongs to this call, not to the next one
+        self.host.logger.take_warned();
         if category == Category::Error {
             self.now.phase = Phase::Error;
             self.make_finite();
@@ -471,6 +478,7 @@ impl<M: Exported> Slave for Instance<M> {
 
     fn poison(&mut self, function: Function, text: &str) {
         self.host.logger.send(Category::Error, format_args!("{}: {text}", function.name()));
+        self.host.logger.take_warned();
         self.now.phase = Phase::Error;
         self.make_finite();
     }

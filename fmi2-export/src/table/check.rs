@@ -96,6 +96,16 @@ const fn check_value<V>(row: &Variable<V>) {
         }
     };
     require(count == row.len(), name, "an array and its start values differ in length");
+    require(paper_fits(row), name, "the value of the paper is outside its range");
+}
+
+/// Whether a parameter takes the value of the paper.
+const fn paper_fits<V>(row: &Variable<V>) -> bool {
+    match (row.paper, &row.kind) {
+        (Some(paper), Kind::Real { real, .. }) => paper.is_finite() && real.min <= paper && paper <= real.max,
+        (Some(paper), Kind::Integer { min, max, .. }) => *min as f64 <= paper && paper <= *max as f64,
+        _ => true,
+    }
 }
 
 const fn check_type(name: &str, ty: &EnumType) {
@@ -351,6 +361,9 @@ mod tests {
             (x().input().unit(&SHOWN_INFINITE).display("inf"), "variable `x`: the unit has no such display unit"),
             (real().input().describe("two\nlines"), "variable `x`: a description is one line"),
             (text("\u{1}").local().describe("x"), "variable `label`: a start value has no control"),
+            (x().tunable().range(3.0, 4.0).paper(5.0), "variable `x`: the value of the paper is outside its range"),
+            (x().tunable().paper(f64::NAN), "variable `x`: the value of the paper is outside its range"),
+            (n().parameter().range_int(3, 4).paper(5.0), "variable `n`: the value of the paper is outside its range"),
             (x().input().nominal(0.0), "variable `x`: a nominal value is positive"),
             (x().output().accepts_nan(), "variable `x`: only an input accepts NaN"),
             (x().input().unit(&units::METRE).display("kg"), "variable `x`: the unit has no such display unit"),

@@ -113,6 +113,7 @@ fn a_location_that_is_no_folder_is_told() {
         unsafe {
             let component = (fmu.instantiate)(name, CO_SIMULATION, guid, location.as_ptr(), &functions, 0, 0);
             assert!(!component.is_null());
+            assert_eq!((fmu.setup_experiment)(component, 0, 0.0, 0.0, 0, 0.0), OK, "the next call is not to blame");
             (fmu.free_instance)(component);
         }
         let [(status, category, text)] = &HEARD.take()[..] else { panic!("one message for {location:?}") };
