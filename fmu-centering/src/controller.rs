@@ -202,7 +202,7 @@ impl Controller {
     fn enter(&mut self, p: &Parameters, state: State, events: &Events, reading: &Reading, launch: Option<Launch>) {
         match state {
             // nothing moves by itself after a reset
-            State::Idle if self.state == State::Fault => {}
+            State::Idle if self.state == State::Fault => self.fault = Fault::None,
             State::Idle => self.leave(p, reading),
             State::Fault => {
                 self.fault = events.fault.unwrap_or(self.fault);

@@ -92,7 +92,7 @@ mod variables {
     #[outputs] pub struct Output {
         pub slide: Setpoint,
         pub state: State,
-        /// Why it is in the state Fault; kept until the next start
+        /// Why it is in the state Fault; kept until `reset_fault`
         pub fault: Fault,
         /// The ring was centred; kept until the next start
         pub centred: bool,

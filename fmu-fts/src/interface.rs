@@ -114,7 +114,7 @@ mod variables {
         #[var(unit = RADIAN as "deg", accepts_nan)] pub spindle_angle: f64,
         /// Reading x of the cross slide
         #[var(unit = METRE as "mm", accepts_nan)] pub slide_position: f64,
-        /// The controller may act; false is the mode Idle
+        /// The controller may act; false is the mode Idle: no torque, the arm coasts
         pub enable: bool,
         /// What is asked for; acts while `enable` is true
         pub mode: Mode,

@@ -78,8 +78,8 @@ pub fn numbers(vars: &Vars) -> String {
     let place = format!("at `{:.3}` of the path", output.progress);
     match output.fault {
         Fault::None | Fault::EmergencyStop => String::new(),
-        Fault::ForceLimit => format!(" = `{} N`, it is `{:.2} N` {place}", p.limits.force, force.measured),
-        Fault::SettleTimeout => format!(" = `{} s`: error `{:.2} N`", p.settle.time_max, force.error),
+        Fault::ForceLimit => format!(" = `{} N` {place}", p.limits.force),
+        Fault::SettleTimeout => format!(" = `{} s`: `{:.2} N`", p.settle.time_max, force.measured),
         Fault::LostContact => format!(" {place}: `{:.2} N`", force.measured),
         Fault::InvalidInput => format!(": position `{} {} {} m`, force `{} {} {} N`", x.x, x.y, x.z, f.x, f.y, f.z),
         Fault::InvalidPath => format!(" {place}, by more than `limits.force_angle` = `{} rad`", p.limits.force_angle),

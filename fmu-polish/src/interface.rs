@@ -33,12 +33,12 @@ mod variables {
     pub enum Fault {
         /// No fault
         None,
-        /// The force was above `limits.force`
+        /// The norm of the force was above `limits.force`
         #[hint("look for a step in the surface, or slow the feed")] ForceLimit,
         /// The force was not settled within `settle.time_max`
         #[hint("lower `impedance.damping`, or `position.gain` if it works along the normal")] SettleTimeout,
         /// The force was below `limits.lost_force` for `limits.lost_time`
-        #[hint("look for a drop in the surface, or lower `impedance.damping`")] LostContact,
+        #[hint("look for a drop in the surface, or raise `impedance.bandwidth` (without `impedance.adaptive`: lower `impedance.damping`)")] LostContact,
         /// An input is NaN, infinite or beyond any machine
         #[hint("check the wires of encoders and force sensor")] InvalidInput,
         /// The force does not point along the normals of the path

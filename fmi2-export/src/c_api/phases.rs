@@ -43,19 +43,22 @@ pub unsafe extern "C" fn fmi2SetupExperiment(
     })
 }
 
-/// Functions of the standard without arguments.
-macro_rules! plain_functions {
-    ($($c_name:ident: $function:ident, $call:ident;)+) => {$(
-        #[unsafe(no_mangle)]
-        pub unsafe extern "C" fn $c_name(c: fmi2Component) -> fmi2Status {
-            with(c, Function::$function, |slave| slave.$call())
-        }
-    )+};
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2EnterInitializationMode(c: fmi2Component) -> fmi2Status {
+    with(c, Function::EnterInitializationMode, |slave| slave.enter_initialization_mode())
 }
 
-plain_functions! {
-    fmi2EnterInitializationMode: EnterInitializationMode, enter_initialization_mode;
-    fmi2ExitInitializationMode: ExitInitializationMode, exit_initialization_mode;
-    fmi2Terminate: Terminate, terminate;
-    fmi2Reset: Reset, reset;
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2ExitInitializationMode(c: fmi2Component) -> fmi2Status {
+    with(c, Function::ExitInitializationMode, |slave| slave.exit_initialization_mode())
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2Terminate(c: fmi2Component) -> fmi2Status {
+    with(c, Function::Terminate, |slave| slave.terminate())
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2Reset(c: fmi2Component) -> fmi2Status {
+    with(c, Function::Reset, |slave| slave.reset())
 }

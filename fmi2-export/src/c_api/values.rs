@@ -36,6 +36,43 @@ fn get_real_or_reason(c: fmi2Component, vr: *const fmi2ValueReference, nvr: usiz
     with_arrays(c, Function::GetReal, arrays, |slave, vr, value| slave.get_real(vr, value))
 }
 
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2GetInteger(
+    c: fmi2Component,
+    vr: *const fmi2ValueReference,
+    nvr: usize,
+    value: *mut fmi2Integer,
+) -> fmi2Status {
+    let arrays = (slice(vr, nvr), slice_mut(value, nvr));
+    with_arrays(c, Function::GetInteger, arrays, |slave, vr, value| slave.get_integer(vr, value))
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2GetBoolean(
+    c: fmi2Component,
+    vr: *const fmi2ValueReference,
+    nvr: usize,
+    value: *mut fmi2Boolean,
+) -> fmi2Status {
+    let arrays = (slice(vr, nvr), slice_mut(value, nvr));
+    with_arrays(c, Function::GetBoolean, arrays, |slave, vr, value| {
+        slave.get_boolean(vr, &mut |i, x| value[i] = fmi2Boolean::from(x))
+    })
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2GetString(
+    c: fmi2Component,
+    vr: *const fmi2ValueReference,
+    nvr: usize,
+    value: *mut fmi2String,
+) -> fmi2Status {
+    let arrays = (slice(vr, nvr), slice_mut(value, nvr));
+    with_arrays(c, Function::GetString, arrays, |slave, vr, value| {
+        slave.get_string(vr, &mut |i, x| value[i] = x.as_ptr())
+    })
+}
+
 /// fmi2SetReal of a model.
 ///
 /// # Safety
@@ -71,34 +108,29 @@ fn set_real_or_reason(
     with_arrays(c, Function::SetReal, arrays, |slave, vr, value| slave.set_real(vr, value))
 }
 
-/// Functions of the standard with an array of variables and one of their values.
-macro_rules! array_functions {
-    ($($c_name:ident: $function:ident, $values:ident($value:ty), $access:expr;)+) => {$(
-        #[unsafe(no_mangle)]
-        pub unsafe extern "C" fn $c_name(
-            c: fmi2Component,
-            vr: *const fmi2ValueReference,
-            nvr: usize,
-            value: $value,
-        ) -> fmi2Status {
-            with_arrays(c, Function::$function, (slice(vr, nvr), $values(value, nvr)), $access)
-        }
-    )+};
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2SetInteger(
+    c: fmi2Component,
+    vr: *const fmi2ValueReference,
+    nvr: usize,
+    value: *const fmi2Integer,
+) -> fmi2Status {
+    let arrays = (slice(vr, nvr), slice(value, nvr));
+    with_arrays(c, Function::SetInteger, arrays, |slave, vr, value| slave.set_integer(vr, value))
 }
 
-array_functions! {
-    fmi2GetInteger: GetInteger, slice_mut(*mut fmi2Integer), |slave, vr, value| slave.get_integer(vr, value);
-    fmi2GetBoolean: GetBoolean, slice_mut(*mut fmi2Boolean), |slave, vr, value| {
-        slave.get_boolean(vr, &mut |i, x| value[i] = fmi2Boolean::from(x))
-    };
-    fmi2GetString: GetString, slice_mut(*mut fmi2String), |slave, vr, value| {
-        slave.get_string(vr, &mut |i, x| value[i] = x.as_ptr())
-    };
-    fmi2SetInteger: SetInteger, slice(*const fmi2Integer), |slave, vr, value| slave.set_integer(vr, value);
-    fmi2SetBoolean: SetBoolean, slice(*const fmi2Boolean), |slave, vr, value| {
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2SetBoolean(
+    c: fmi2Component,
+    vr: *const fmi2ValueReference,
+    nvr: usize,
+    value: *const fmi2Boolean,
+) -> fmi2Status {
+    let arrays = (slice(vr, nvr), slice(value, nvr));
+    with_arrays(c, Function::SetBoolean, arrays, |slave, vr, value| {
         let value: Vec<bool> = value.iter().map(|x| *x != 0).collect();
         slave.set_boolean(vr, &value)
-    };
+    })
 }
 
 #[unsafe(no_mangle)]

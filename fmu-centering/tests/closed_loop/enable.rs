@@ -71,7 +71,7 @@ fn nothing_moves_after_a_reset_until_enable_rises_anew() {
     stands(&mut run, State::Fault, |input| input.enable = false);
     stands(&mut run, State::Fault, |_| ());
     run.step_with(|input| input.reset_fault = true);
-    assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::InvalidInput));
+    assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::None));
     // enable stands, but has no edge
     stands(&mut run, State::Idle, |input| input.reset_fault = true);
     stands(&mut run, State::Idle, |_| ());

@@ -63,12 +63,12 @@ impl NormalMotion {
         self.ripple = RippleCancellation::new(p, &self.law(p), self.stiffness);
     }
 
-    /// Begins to take the force aat.
+    /// Begins to take the force away.
     pub fn unload(&mut self) {
         self.force_law.integral = 0.0;
     }
 
-    /// Velocity (m/s) of the force law alone, while the force builds up or goes aat.
+    /// Velocity (m/s) of the force law alone, while the force builds up or goes away.
     pub fn settle(&mut self, p: &Parameters, error: f64) -> f64 {
         self.force_law.step(&self.law(p), error)
     }
