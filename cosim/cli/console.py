@@ -1,0 +1,62 @@
+"""What every command writes with: tables on stdout; progress, messages and errors on stderr."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import os
+import sys
+from collections.abc import Iterator
+
+from rich.console import Console
+
+from cosim.loop.reference import Progress
+from cosim.show.bar import bar
+
+WIDTH_IN_FILES = 132
+"""Columns of tables that do not go to a terminal."""
+
+log = logging.getLogger("cosim")
+
+
+@contextlib.contextmanager
+def progress_bar(title: str, quiet: bool) -> Iterator[Progress | None]:
+    """Progress bar on stderr; none if that is not a terminal."""
+    with bar(quiet, "{task.percentage:>3.0f} %") as shown:
+        if shown is None:
+            yield None
+            return
+        task = shown.add_task(title)
+        yield lambda done, total: shown.update(task, completed=done, total=total)
+
+
+def output() -> Console:
+    """Console on stdout; `NO_COLOR` and pipes get plain text."""
+    console = Console(highlight=False)
+    if not console.is_terminal and "COLUMNS" not in os.environ:
+        return Console(highlight=False, width=WIDTH_IN_FILES)
+    return console
+
+
+def configure_logging(verbose: bool, quiet: bool) -> None:
+    """Log to stderr, one line a message."""
+    level = logging.DEBUG if verbose else (logging.ERROR if quiet else logging.WARNING)
+    handler = logging.StreamHandler(sys.stderr)
+    handler.setFormatter(logging.Formatter("%(levelname)s: %(message)s"))
+    for number, name in (
+        (logging.DEBUG, "debug"),
+        (logging.INFO, "info"),
+        (logging.WARNING, "warning"),
+        (logging.ERROR, "error"),
+    ):
+        logging.addLevelName(number, name)
+    log.handlers[:] = [handler]
+    log.setLevel(level)
+    log.propagate = False
+
+
+def report(message: str, hint: str = "") -> None:
+    """Print an error and its hint on stderr, never wrapped."""
+    print(f"error: {message}", file=sys.stderr)
+    if hint:
+        print(f"hint: {hint}", file=sys.stderr)

@@ -1,0 +1,31 @@
+"""`cosim list`."""
+
+from __future__ import annotations
+
+import logging
+
+from cosim import paths
+from cosim.cli.console import configure_logging, output
+from cosim.cli.options import Quiet, Verbose
+from cosim.errors import CosimError
+from cosim.scenario import layers
+
+log = logging.getLogger("cosim")
+
+
+def list_scenarios(verbose: Verbose = False, quiet: Quiet = False) -> None:
+    """List the scenarios by name and title."""
+    configure_logging(verbose, quiet)
+    from cosim.show import display
+
+    entries = []
+    for name, file in paths.list_scenarios():
+        try:
+            entries.append((name, str(layers.read(file).table.get("title", ""))))
+        except CosimError as error:
+            log.warning("%s", error.message)
+    if not entries:
+        raise CosimError(
+            f"no scenario files in {paths.folders_text()}", f"set {paths.SCENARIOS_ENV} to your folder"
+        )
+    output().print(display.scenarios(entries))

@@ -1,0 +1,42 @@
+"""`cosim sweep`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from typer import Argument, Option
+
+from cosim.cli.console import configure_logging, output
+from cosim.cli.options import FAILED, Quiet, Verbose
+
+
+def sweep(
+    study: Annotated[Path, Argument(metavar="STUDY.toml", help="What is varied, and of which scenario.")],
+    out: Annotated[
+        Path | None, Option(metavar="FOLDER", help="Folder of the results, by default `STUDY.sweep`.")
+    ] = None,
+    workers: Annotated[int | None, Option(min=1, help="Worker processes, by default one per core.")] = None,
+    cluster: Annotated[
+        str, Option(metavar="ADDRESS|FILE.json", help="Run on the Dask scheduler at this address.")
+    ] = "",
+    engine: Annotated[str, Option(help="native (fast) or reference (FMPy drives, same bits).")] = "native",
+    again: Annotated[bool, Option("--again", help="Do runs again that gave no result.")] = False,
+    plots: Annotated[bool, Option(help="Whether to draw plots, if matplotlib is installed.")] = True,
+    json: Annotated[bool, Option("--json", help="Print the summary as JSON.")] = False,
+    verbose: Verbose = False,
+    quiet: Quiet = False,
+) -> None:
+    """Run the cases of a study on many processes; what is done already is not done again."""
+    configure_logging(verbose, quiet)
+    from cosim.sweep import command
+
+    folder = out or Path(f"{study.stem}.sweep")
+    options = command.Options(study, folder, workers, cluster, engine, again, plots, quiet)
+    found, tables = command.execute(options)
+    if json:
+        print(found.to_json(), end="", flush=True)
+    else:
+        output().print(tables)
+    raise typer.Exit(0 if found.passed else FAILED)
