@@ -16,8 +16,8 @@ from typing import Any, ClassVar
 import mujoco
 import numpy as np
 
-from plants import _native
-from plants._native import Cell
+import machining_native as _native
+from machining_native import Cell
 from plants.cylindrical_robot_parameters import TURN, CylindricalRobotParameters
 from plants.plant import Channel, Plant
 from plants.tools import burr

@@ -8,7 +8,7 @@ from typing import Any
 
 import mujoco
 
-from plants._native import Cell, Circuit
+from machining_native import Cell, Circuit
 
 FUNCTIONS = ("mj_step1", "mj_step2", "mjb_makeBatch", "mjb_deleteBatch", "mjb_apply", "mjb_error")
 """What the native stepper calls; the batch is where it catches MuJoCo's errors."""

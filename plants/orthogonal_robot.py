@@ -11,8 +11,8 @@ at zero where the ball is at the start. Forces are those on the tool.
 import math
 from typing import Any, ClassVar
 
-from plants import _native
-from plants._native import Cell
+import machining_native as _native
+from machining_native import Cell
 from plants.orthogonal_robot_parameters import (
     SOLIMP,
     TURN,

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.random import Generator, SeedSequence
 from numpy.typing import NDArray
 
-from plants import _native
-from plants._native import Cell, Circuit, Stepper
+import machining_native as _native
+from machining_native import Cell, Circuit, Stepper
 from plants.machine import Machine, NotNativeError, address, empty_model, functions
 from plants.names import Mjcf, native_names, unknown
 from plants.parameters import check

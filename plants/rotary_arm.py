@@ -12,8 +12,8 @@ spindle axis.
 import math
 from typing import Any, ClassVar
 
-from plants import _native
-from plants._native import Cell
+import machining_native as _native
+from machining_native import Cell
 from plants.plant import Channel, Plant
 from plants.rotary_arm_parameters import RotaryArmParameters
 

@@ -11,8 +11,8 @@ from typing import Any, ClassVar
 
 import mujoco
 
-from plants import _native
-from plants._native import Cell
+import machining_native as _native
+from machining_native import Cell
 from plants.plant import Channel, Plant
 from plants.slide_parameters import SlideParameters
 

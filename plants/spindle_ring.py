@@ -14,8 +14,8 @@ from typing import Any, ClassVar
 import mujoco
 import numpy as np
 
-from plants import _native
-from plants._native import Cell, Circuit
+import machining_native as _native
+from machining_native import Cell, Circuit
 from plants.plant import Array, Channel, Plant
 from plants.spindle_ring_parameters import LINE_LIMIT, TURN, SpindleRingParameters, check_together
 from plants.tools import contour

@@ -111,7 +111,7 @@ def run(parts: Parts, chunk: int = PROGRESS_EVERY) -> Run:
     CosimError
         As the reference loop, with the same text.
     """
-    from plants._native import Stepper
+    from machining_native import Stepper
 
     scenario, fmu, plant = parts.scenario, parts.fmu, parts.plant
     stop_when, progress = parts.stop_when, parts.progress

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 import mujoco
 import numpy as np
 
-from plants._native import Cell
+from machining_native import Cell
 from plants.bare import channels
 from plants.bare.parameters import INTEGRATORS, apply, named, parameters_of, start
 from plants.plant import Plant, PlantError

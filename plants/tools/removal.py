@@ -17,7 +17,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from plants import _native
+import machining_native as _native
 from plants.tools.molds import Mold
 
 Array = NDArray[np.float64]

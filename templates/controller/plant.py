@@ -2,7 +2,7 @@
 
 from typing import Any, ClassVar
 
-from plants._native import Cell
+from machining_native import Cell
 from plants.plant import Channel, Plant
 
 from .__name___parameters import __Name__Parameters

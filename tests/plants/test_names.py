@@ -6,8 +6,8 @@ from typing import Any, ClassVar
 
 import pytest
 
+import machining_native as _native
 import plants
-from plants import _native
 from plants.names import UnknownNameError
 from plants.plant import Plant
 

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 
-from plants._native import Cell, Circuit, current_loop, latch, peak, summing_junction
+from machining_native import Cell, Circuit, current_loop, latch, peak, summing_junction
 from plants.parameters import ParameterError, parameter
 from plants.plant import Channel, Plant, PlantError
 

@@ -20,7 +20,7 @@ from cosim.loop import condition, native, reference
 from cosim.loop.connect import Connector, Drive, Links, Place
 from cosim.loop.trace import Recorder
 from cosim.loop.wiring import child
-from plants._native import Stepper
+from machining_native import Stepper
 
 
 class Bench:

@@ -127,7 +127,7 @@ mod tests {
         let before = of(folder.path(), &["a"], &[]).unwrap();
         fs::create_dir(folder.path().join("a/__pycache__")).unwrap();
         fs::write(folder.path().join("a/__pycache__/one.pyc"), "x").unwrap();
-        fs::write(folder.path().join("a/_native.abi3.so"), "x").unwrap();
+        fs::write(folder.path().join("a/module.abi3.so"), "x").unwrap();
         assert_eq!(before, of(folder.path(), &["a"], &[]).unwrap());
     }
 

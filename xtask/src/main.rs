@@ -18,7 +18,7 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Make `.venv` with the pinned Python requirements and build the native half of the plants
+    /// Make `.venv` with the pinned Python requirements and build the native code of plants and engine
     Setup,
     /// Make a controller with its plant, scenario and tests from a template
     New {

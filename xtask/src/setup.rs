@@ -1,15 +1,26 @@
-//! `cargo xtask setup`: `.venv`, the pinned requirements, the native half of the plants.
+//! `cargo xtask setup`: `.venv`, the pinned requirements, the native code of plants and engine.
 
-use std::fs;
 use std::path::PathBuf;
 use std::process::Command;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result};
 
 use crate::fingerprint::{self, Stamp};
 use crate::process;
 use crate::python;
 use crate::workspace::Workspace;
+
+/// What the module `machining_native` is made of.
+pub const NATIVE: &[&str] = &[
+    "Cargo.lock",
+    "Cargo.toml",
+    "cosim/engine",
+    "machining_native.pyi",
+    "native",
+    "plants/Cargo.toml",
+    "plants/src",
+    "pyproject.toml",
+];
 
 /// Everything Python needs, each step only when it is not up to date.
 ///
@@ -47,24 +58,22 @@ pub fn environment(workspace: &Workspace) -> Result<()> {
     stamp.set(&wanted)
 }
 
-/// Builds `plants._native` and installs the packages `plants` and `cosim` in editable form.
+/// Builds `machining_native` into `.venv` and installs the packages `plants` and `cosim` in editable form.
 ///
 /// # Errors
 /// When the build fails.
 pub fn native(workspace: &Workspace) -> Result<()> {
-    let sources = ["pyproject.toml", "Cargo.toml", "Cargo.lock", "plants/Cargo.toml", "plants/src"];
     let toolchain = process::text(Command::new("rustc").arg("--version"))?;
-    let wanted = fingerprint::of(&workspace.root, &sources, &[&toolchain])?;
+    let wanted = fingerprint::of(&workspace.root, NATIVE, &[&toolchain])?;
     let stamp = Stamp(workspace.path(".venv/.native"));
-    if stamp.holds(&wanted) && built_module(workspace)?.is_some() {
-        process::up_to_date("native module of the plants");
+    if stamp.holds(&wanted) {
+        process::up_to_date("native module");
         return Ok(());
     }
     let mut pip = workspace.venv_command("python");
     pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"]);
     pip.args(["--no-deps", "--no-build-isolation", "--editable", "."]);
-    process::run("build the native module of the plants", &mut pip)?;
-    ensure!(built_module(workspace)?.is_some(), "the build left no module `plants/_native`");
+    process::run("build the native module", &mut pip)?;
     stamp.set(&wanted)
 }
 
@@ -77,16 +86,4 @@ pub fn fmpy_folder(workspace: &Workspace) -> Result<PathBuf> {
     let folder = process::text(workspace.venv_command("python").args(["-c", code]))
         .context("FMPy is not installed in `.venv`\nhint: run `cargo xtask setup`")?;
     Ok(PathBuf::from(folder.trim()))
-}
-
-fn built_module(workspace: &Workspace) -> Result<Option<PathBuf>> {
-    let folder = workspace.path("plants");
-    for entry in fs::read_dir(&folder).with_context(|| format!("cannot list `{}`", folder.display()))? {
-        let path = entry?.path();
-        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        if name.starts_with("_native.") && (name.ends_with(".so") || name.ends_with(".pyd")) {
-            return Ok(Some(path));
-        }
-    }
-    Ok(None)
 }

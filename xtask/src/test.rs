@@ -47,10 +47,10 @@ fn checks(workspace: &Workspace) -> Vec<(&'static str, Command)> {
         ("ruff format", venv("ruff format --check")),
         ("ruff", venv("ruff check")),
         ("mypy", venv("mypy")),
-        // with the part of the plants that only a Python module needs
+        // with what only the Python module needs
         (
             "clippy",
-            cargo("clippy --workspace --all-targets --features plants/extension-module --locked -- -D warnings"),
+            cargo("clippy --workspace --all-targets --features machining-native/extension-module --locked -- -D warnings"),
         ),
         ("bench", cargo("xtask bench --short")),
         ("cargo test", cargo("test --workspace --locked")),

@@ -1,4 +1,4 @@
-//! `cargo xtask wheel`: one file that `pip` installs, with harness, plants, native half, FMUs and scenarios.
+//! `cargo xtask wheel`: one file that `pip` installs, with harness, plants, native module, FMUs and scenarios.
 
 use std::borrow::Cow;
 use std::fs::{self, File};
@@ -24,15 +24,13 @@ use crate::workspace::Workspace;
 const FOLDER: &str = "target/wheel";
 /// Where `cosim` looks for what comes with it.
 const PACKED: &str = "cosim/packed";
+/// What a wheel is made of beside the native module.
 const SOURCES: &[&str] = &[
-    "Cargo.lock",
-    "Cargo.toml",
     "LICENSE-APACHE",
     "LICENSE-MIT",
     "README.md",
     "cosim",
     "plants",
-    "pyproject.toml",
     "requirements.txt",
     "scenarios",
     "target/fmu/SHA256SUMS",
@@ -48,7 +46,7 @@ pub fn run(workspace: &Workspace) -> Result<()> {
 
     let folder = workspace.path(FOLDER);
     let toolchain = process::text(Command::new("rustc").arg("--version"))?;
-    let wanted = fingerprint::of(&workspace.root, SOURCES, &[&toolchain])?;
+    let wanted = fingerprint::of(&workspace.root, &[SOURCES, setup::NATIVE].concat(), &[&toolchain])?;
     let stamp = Stamp(folder.join(".fingerprint"));
     if stamp.holds(&wanted)
         && let Ok(wheel) = only_wheel(&folder)
@@ -70,7 +68,7 @@ pub fn run(workspace: &Workspace) -> Result<()> {
     Ok(())
 }
 
-/// Builds the packages `plants` and `cosim` with the native half as a wheel; on Linux for an old C library.
+/// Builds the packages `plants` and `cosim` with the native module as a wheel; on Linux for an old C library.
 fn build_packages(workspace: &Workspace, folder: &Path) -> Result<()> {
     let mut maturin = workspace.venv_command("maturin");
     maturin.args(["build", "--release", "--locked", "--quiet", "--out"]).arg(folder);

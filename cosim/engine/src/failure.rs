@@ -1,6 +1,6 @@
 //! Why a run ended.
 
-use crate::circuit::StepError;
+use plants::StepError;
 
 /// Why a run ended.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,13 +1,14 @@
-//! The stepper for Python: addresses come out of numpy arrays, ctypes and MuJoCo's bindings.
+//! The class `Stepper`.
 
+use plants::python::{Cell, PyCircuit};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 
-use super::engine::Stepper;
-use super::exports::{Exports, trap};
-use super::failure::Failure;
+use super::build;
 use super::rows::{LinksRow, LogRow, MachineRow};
-use crate::binding::cells::{Cell, PyCircuit};
+use crate::failure::Failure;
+use crate::ffi::{Exports, trap};
+use crate::stepper::Stepper;
 
 /// A closed loop of a plant and a controller in native code.
 ///
@@ -32,8 +33,8 @@ use crate::binding::cells::{Cell, PyCircuit};
 /// ------
 /// ValueError, BufferError, AttributeError
 ///     An array, an address or an attribute does not fit.
-#[pyclass(name = "Stepper", module = "plants._native")]
-pub(crate) struct PyStepper {
+#[pyclass(name = "Stepper", module = "machining_native")]
+pub struct PyStepper {
     stepper: Stepper,
     sensing: Py<PyCircuit>,
     circuit: Py<PyCircuit>,
@@ -59,15 +60,14 @@ impl PyStepper {
         owners.extend(controller.map(|owner| owner.clone().unbind()));
         let row: MachineRow = machine.extract()?;
         let trap = trap(&row)?;
-        let body = exports.machine(&row, substeps)?;
+        let body = build::machine(&mut exports, &row, substeps)?;
         let controller = controller.map(|row| exports.controller(&row.extract()?)).transpose()?;
-        let links = exports.links(links)?;
+        let links = build::links(&mut exports, links)?;
         if (links.sensed.len(), links.commands.len()) != (body.readings.len(), body.commands.len()) {
             return Err(PyValueError::new_err("readings or commands without a place"));
         }
-        let log = log.map(|row| exports.log(&row, body.truths.len())).transpose()?;
-        // SAFETY: the exports keep the arrays, the owners the rest; the caller vouches for bare addresses.
-        let stepper = unsafe { Stepper::new(body, controller, links, log, step, trap) };
+        let log = log.map(|row| build::log(&mut exports, &row, body.truths.len())).transpose()?;
+        let stepper = Stepper::new(body, controller, links, log, step, trap);
         let cells = row.readings.into_iter().chain(row.commands).chain(row.truths).collect();
         Ok(Self {
             stepper,
@@ -101,7 +101,7 @@ impl PyStepper {
     ///     As `Circuit.step`; RuntimeError is an error of MuJoCo, too.
     fn run(&mut self, py: Python<'_>, until: usize) -> PyResult<Option<(&'static str, usize, f64)>> {
         let (mut sensing, mut circuit) = (self.sensing.try_borrow_mut(py)?, self.circuit.try_borrow_mut(py)?);
-        let (sensing, circuit, stepper) = (&mut sensing.circuit, &mut circuit.circuit, &mut self.stepper);
+        let (sensing, circuit, stepper) = (sensing.circuit(), circuit.circuit(), &mut self.stepper);
         match py.detach(|| stepper.run(sensing, circuit, until)) {
             Ok(false) => Ok(None),
             Ok(true) => Ok(Some(("stop", 0, 0.0))),

@@ -1,8 +1,8 @@
-//! What the stepper takes from Python, read by the names of attributes: what a struct here asks for, an argument must have.
+//! What the stepper takes from Python, read by the names of attributes: what a struct here asks for, an argument must
+//! have.
 
+use plants::python::{Cell, PyCircuit};
 use pyo3::prelude::*;
-
-use crate::binding::cells::{Cell, PyCircuit};
 
 /// A plant after its reset.
 #[derive(FromPyObject)]
@@ -102,8 +102,8 @@ pub struct LinksRow<'py> {
     pub command_faults: Vec<FaultRow<'py>>,
 }
 
-/// Table of the trace: time, then from column `start` on the banks and the truths, every so many steps; `stop` is a condition as postfix of (`column`, number), (`number`, value)
-/// and (name of numpy's function, 0).
+/// Table of the trace: time, then from column `start` on the banks and the truths, every so many steps; `stop` is a
+/// condition as postfix of (`column`, number), (`number`, value) and (name of numpy's function, 0).
 #[derive(FromPyObject)]
 pub struct LogRow<'py> {
     pub table: Bound<'py, PyAny>,

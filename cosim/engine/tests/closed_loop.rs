@@ -4,8 +4,9 @@ use std::ffi::{c_char, c_int, c_uint, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::ptr::NonNull;
 
-use super::*;
-use crate::{Circuit, Element, Place, Ports};
+use cosim_engine::ffi::{Apply, Bank, Body, Call, Controller, Functions, Physics, Slot, Table, Trap};
+use cosim_engine::{Condition, Delay, Failure, Link, Links, Log, Machine, Operation, Shape, Stepper};
+use plants::{Circuit, Element, Place, Ports};
 
 /// model of the fake plant: x goes on by h u in the second half, the first half copies it to the sensor
 #[derive(Default)]
@@ -120,7 +121,8 @@ struct Bench {
 }
 
 fn at(value: &mut f64) -> Slot {
-    Slot::Real(NonNull::from(value))
+    // SAFETY: the bench outlives the stepper.
+    unsafe { Slot::real(NonNull::from(value)) }
 }
 
 fn link(source: Slot, target: Slot, delay: usize) -> Link {
@@ -135,35 +137,44 @@ fn place(value: &mut f64) -> Place {
 }
 
 fn machine(world: &mut FakePlant, substeps: usize) -> Machine {
+    let warnings = vec![&raw const world.warnings];
+    // SAFETY: the fakes do what MuJoCo does, and the bench outlives the stepper.
+    let physics =
+        unsafe { Physics::new(first_half, second_half, std::ptr::null(), (&raw mut *world).cast(), warnings) };
     Machine {
-        first_half,
-        second_half,
-        model: std::ptr::null(),
-        data: (&raw mut *world).cast(),
+        physics,
         timestep: 0.5,
         substeps,
-        warnings: vec![&raw const world.warnings],
         readings: vec![place(&mut world.sensor)],
         commands: vec![place(&mut world.u)],
         truths: vec![place(&mut world.x)],
     }
 }
 
-fn stepper(bench: &mut Bench, delay: usize, substeps: usize, apply: Apply, stop: Option<Condition>) -> Stepper {
+fn controller(bench: &mut Bench) -> Controller {
     static REFERENCES: [c_uint; 2] = [0, 1];
-    let machine = machine(&mut bench.world, substeps);
     let call = |function, reference: usize, value: &mut f64| Call {
         function,
         references: &raw const REFERENCES[reference],
         count: 1,
         values: (&raw mut *value).cast(),
     };
-    let controller = Controller {
-        component: (&raw mut bench.brain).cast(),
-        set: vec![call(set, 0, &mut bench.input)],
-        step: do_step,
-        get: vec![call(get, 1, &mut bench.output)],
-    };
+    let (set, get) = (vec![call(set, 0, &mut bench.input)], vec![call(get, 1, &mut bench.output)]);
+    // SAFETY: the bench outlives the stepper.
+    unsafe { Controller::new((&raw mut bench.brain).cast(), set, do_step, get) }
+}
+
+fn log(bench: &mut Bench, stop: Option<Condition>) -> Log {
+    // SAFETY: the bench outlives the stepper.
+    unsafe {
+        let banks =
+            vec![Bank::reals(NonNull::from(&mut bench.input), 1), Bank::reals(NonNull::from(&mut bench.output), 1)];
+        let table = Table::new(NonNull::from(&mut bench.table).cast(), 8, 4);
+        Log { table, start: 1, banks, every: 1, stop }
+    }
+}
+
+fn stepper(bench: &mut Bench, delay: usize, substeps: usize, apply: Apply, stop: Option<Condition>) -> Stepper {
     let links = Links {
         sensed: vec![at(&mut bench.sensed)],
         readings: vec![link(at(&mut bench.sensed), at(&mut bench.input), 0)],
@@ -171,15 +182,11 @@ fn stepper(bench: &mut Bench, delay: usize, substeps: usize, apply: Apply, stop:
         commands: vec![at(&mut bench.command)],
         ..Links::default()
     };
-    let banks = vec![Bank::Reals(NonNull::from(&mut bench.input), 1), Bank::Reals(NonNull::from(&mut bench.output), 1)];
-    let table = NonNull::from(&mut bench.table).cast();
-    let log = Log { table, rows: 8, columns: 4, start: 1, banks, every: 1, stop };
+    let (controller, log) = (controller(bench), log(bench, stop));
     let functions = Functions { make, delete, apply, error: words };
-    // SAFETY: the fakes do what MuJoCo does, and the bench outlives the stepper.
-    unsafe {
-        let trap = Trap::new(functions, std::ptr::null()).expect("a trap");
-        Stepper::new(machine, Some(controller), links, Some(log), 0.1, trap)
-    }
+    // SAFETY: the fakes do what MuJoCo does.
+    let trap = unsafe { Trap::new(functions, std::ptr::null()) }.expect("a trap");
+    Stepper::new(machine(&mut bench.world, substeps), Some(controller), links, Some(log), 0.1, trap)
 }
 
 fn start() -> Box<Bench> {

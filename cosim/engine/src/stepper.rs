@@ -3,13 +3,13 @@
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use super::controller::Controller;
-use super::failure::Failure;
-use super::links::Links;
-use super::log::Log;
-use super::machine::Machine;
-use super::trap::Trap;
-use crate::circuit::Circuit;
+use plants::Circuit;
+
+use crate::failure::Failure;
+use crate::ffi::{Controller, Trap};
+use crate::links::Links;
+use crate::log::Log;
+use crate::machine::Machine;
 
 /// A closed loop that goes on from step to step; without a controller the plant runs alone.
 pub struct Stepper {
@@ -24,18 +24,9 @@ pub struct Stepper {
     trap: Trap,
 }
 
-// SAFETY: who makes a stepper vouches for its addresses; one thread at a time uses it, by `&mut`.
-unsafe impl Send for Stepper {}
-// SAFETY: as above.
-unsafe impl Sync for Stepper {}
-
 impl Stepper {
     /// A loop at step zero with a communication step of `step` seconds.
-    ///
-    /// # Safety
-    /// All addresses stay valid for reading and writing as long as the stepper runs, and nobody else uses them
-    /// meanwhile.
-    pub unsafe fn new(
+    pub fn new(
         machine: Machine,
         controller: Option<Controller>,
         links: Links,
@@ -63,9 +54,7 @@ impl Stepper {
                 while k.load(Ordering::Relaxed) < until {
                     let now = k.load(Ordering::Relaxed);
                     let circuits = (&mut *sensing, &mut *circuit);
-                    // SAFETY: promised by who made this stepper.
-                    let ended =
-                        unsafe { one_step(machine, controller.as_ref(), links, log.as_mut(), *step, circuits, now)? };
+                    let ended = one_step(machine, controller.as_ref(), links, log.as_mut(), *step, circuits, now)?;
                     k.store(now + 1, Ordering::Relaxed);
                     if ended {
                         return Ok(true);
@@ -85,30 +74,27 @@ impl Stepper {
 }
 
 /// Sense, compute, act, record, and move the plant to the next communication point.
-unsafe fn one_step(
+fn one_step(
     machine: &Machine,
     controller: Option<&Controller>,
     links: &mut Links,
-    log: Option<&mut Log>,
+    mut log: Option<&mut Log>,
     step: f64,
     (sensing, circuit): (&mut Circuit, &mut Circuit),
     k: usize,
 ) -> Result<bool, Failure> {
     #[allow(clippy::cast_precision_loss)]
     let time = k as f64 * step;
-    // SAFETY: by the contract of the caller.
-    unsafe {
-        machine.sense(sensing, &links.sensed)?;
-        links.carry_readings(k)?;
-        if let Some(controller) = controller {
-            controller.compute(time, step)?;
-        }
-        links.carry_outputs(k)?;
-        machine.command(&links.commands)?;
-        if let Some(log) = log.as_deref() {
-            log.record(k, time, &machine.truths);
-        }
-        machine.advance(circuit)?;
-        Ok(log.is_some_and(|log| log.ends(k)))
+    machine.sense(sensing, &links.sensed)?;
+    links.carry_readings(k)?;
+    if let Some(controller) = controller {
+        controller.compute(time, step)?;
     }
+    links.carry_outputs(k)?;
+    machine.command(&links.commands)?;
+    if let Some(log) = &mut log {
+        log.record(k, time, &machine.truths);
+    }
+    machine.advance(circuit)?;
+    Ok(log.is_some_and(|log| log.ends(k)))
 }

@@ -1,4 +1,4 @@
-"""Native elements of the MuJoCo plants and the circuit that steps them."""
+"""Elements of the MuJoCo plants, circuits of them, and the stepper of closed loops."""
 
 from collections.abc import Sequence
 

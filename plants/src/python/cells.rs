@@ -34,9 +34,9 @@ use crate::place::Place;
 ///     The array is not float64 or not C-contiguous.
 /// IndexError
 ///     `index` is outside the array.
-#[pyclass(frozen, module = "plants._native")]
-pub(crate) struct Cell {
-    pub(crate) place: Place,
+#[pyclass(frozen, module = "machining_native")]
+pub struct Cell {
+    place: Place,
     /// keeps the memory of the place exported
     buffer: PyBuffer<f64>,
 }
@@ -89,7 +89,16 @@ impl Cell {
 }
 
 impl Cell {
-    pub(crate) fn check_writable(&self) -> PyResult<()> {
+    /// The place; its memory stays where it is as long as the cell lives.
+    pub fn place(&self) -> Place {
+        self.place
+    }
+
+    /// Checks that the place can be written.
+    ///
+    /// # Errors
+    /// `ValueError` for a signal or a read-only array.
+    pub fn check_writable(&self) -> PyResult<()> {
         if self.buffer.readonly() || self.place.is_signal() {
             return Err(PyValueError::new_err("cannot write to a signal or to a read-only array"));
         }
@@ -98,21 +107,21 @@ impl Cell {
 }
 
 /// An element that waits to be bound to a circuit.
-#[pyclass(name = "Element", module = "plants._native")]
-pub(crate) struct PyElement(Option<Box<dyn Element>>);
+#[pyclass(name = "Element", module = "machining_native")]
+pub(super) struct PyElement(Option<Box<dyn Element>>);
 
 impl PyElement {
     /// Hand an element to Python.
-    pub(crate) fn new(element: impl Element + 'static) -> Self {
+    pub(super) fn new(element: impl Element + 'static) -> Self {
         Self(Some(Box::new(element)))
     }
 }
 
 /// Elements in the order in which they act, bound to their cells.
-#[pyclass(name = "Circuit", module = "plants._native")]
+#[pyclass(name = "Circuit", module = "machining_native")]
 #[derive(Default)]
-pub(crate) struct PyCircuit {
-    pub(crate) circuit: Circuit,
+pub struct PyCircuit {
+    circuit: Circuit,
     /// keep the places of the circuit exported
     cells: Vec<Py<Cell>>,
 }
@@ -128,6 +137,13 @@ impl From<StepError> for PyErr {
             }
             StepError::Stopped { element, cause } => PyRuntimeError::new_err(format!("element `{element}`: {cause}")),
         }
+    }
+}
+
+impl PyCircuit {
+    /// What native code steps.
+    pub fn circuit(&mut self) -> &mut Circuit {
+        &mut self.circuit
     }
 }
 
@@ -164,7 +180,7 @@ impl PyCircuit {
         }
         outputs.iter().try_for_each(|cell| cell.get().check_writable())?;
         if let Some(element) = element.0.take() {
-            let places = |cells: &[Py<Cell>]| cells.iter().map(|cell| cell.get().place).collect();
+            let places = |cells: &[Py<Cell>]| cells.iter().map(|cell| cell.get().place()).collect();
             self.circuit.bind(name, element, places(&inputs), places(&outputs));
             self.cells.extend(inputs.into_iter().chain(outputs));
         }

@@ -1,0 +1,18 @@
+//! What belongs to others: their memory, and their C functions.
+//!
+//! Who makes one of these types vouches for its addresses, as long as any copy is in use, and for one thread at a time;
+//! everything else is safe.
+
+mod controller;
+#[cfg(feature = "python")]
+mod exports;
+mod physics;
+mod trap;
+mod values;
+
+pub use controller::{Call, Controller, DoStep, Move};
+#[cfg(feature = "python")]
+pub use exports::{Exports, trap};
+pub use physics::{Half, Physics};
+pub use trap::{Apply, Body, DeleteBatch, ErrorText, Functions, MakeBatch, Trap};
+pub use values::{Bank, Series, Slot, Table};

@@ -1,0 +1,27 @@
+//! Native engine: a closed loop of controller and plant by addresses and C functions, without Python.
+//!
+//! One step does what the reference loop of the harness does, in the same order and with the same arithmetic, so that
+//! both give the same bits. Time is `k * step`, never accumulated. Nothing here knows the layout of MuJoCo's structs.
+//! All that is unsafe is in [`ffi`].
+
+#![deny(unsafe_code)]
+
+mod condition;
+mod failure;
+#[allow(unsafe_code)]
+pub mod ffi;
+mod links;
+mod log;
+mod machine;
+#[cfg(feature = "python")]
+pub mod python;
+mod stepper;
+mod wire;
+
+pub use condition::{Condition, Operation};
+pub use failure::Failure;
+pub use links::{Drive, Injection, Link, Links};
+pub use log::Log;
+pub use machine::Machine;
+pub use stepper::Stepper;
+pub use wire::{Delay, Shape};

@@ -1,0 +1,88 @@
+//! From the rows of Python to the parts of a stepper.
+
+use plants::Place;
+use plants::python::Cell;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+use super::rows::{DriveRow, FaultRow, LinkRow, LinksRow, LogRow, MachineRow, ShapeRow};
+use crate::condition::{Condition, Operation};
+use crate::ffi::{Bank, Exports};
+use crate::links::{Drive, Injection, Link, Links};
+use crate::log::Log;
+use crate::machine::Machine;
+use crate::wire::{Delay, Shape};
+
+/// All connections of a run.
+pub fn links(exports: &mut Exports, row: LinksRow) -> PyResult<Links> {
+    let mut links = |rows: Vec<LinkRow>| rows.into_iter().map(|row| link(exports, row)).collect::<PyResult<_>>();
+    let (readings, outputs) = (links(row.readings)?, links(row.outputs)?);
+    let mut faults = |rows: &[FaultRow]| rows.iter().map(|row| injection(exports, row)).collect::<PyResult<_>>();
+    let (input_faults, command_faults) = (faults(&row.input_faults)?, faults(&row.command_faults)?);
+    Ok(Links {
+        sensed: exports.slots(&row.sensed)?,
+        commands: exports.slots(&row.commands)?,
+        readings,
+        drives: row.drives.iter().map(|row| drive(exports, row)).collect::<PyResult<_>>()?,
+        input_faults,
+        outputs,
+        command_faults,
+    })
+}
+
+fn link(exports: &mut Exports, row: LinkRow) -> PyResult<Link> {
+    let ShapeRow { from_plant, scale, offset, noise, quantum, minimum, maximum } = row.shape;
+    Ok(Link {
+        source: exports.slot(&row.source)?,
+        target: exports.slot(&row.target)?,
+        shape: Shape { from_plant, scale, offset, quantum, minimum, maximum },
+        noise: noise.map(|samples| exports.series(&samples)).transpose()?,
+        delay: Delay::new(row.delay.steps, row.delay.ring),
+    })
+}
+
+fn drive(exports: &mut Exports, row: &DriveRow) -> PyResult<Drive> {
+    Ok(Drive { course: exports.series(&row.course)?, target: exports.slot(&row.target)? })
+}
+
+fn injection(exports: &mut Exports, row: &FaultRow) -> PyResult<Injection> {
+    Ok(Injection { begin: row.begin, end: row.end, value: row.value, target: exports.slot(&row.target)? })
+}
+
+/// The trace of a run.
+pub fn log(exports: &mut Exports, row: &LogRow, truths: usize) -> PyResult<Log> {
+    let banks: Vec<Bank> = row.banks.iter().map(|array| exports.bank(array)).collect::<PyResult<_>>()?;
+    let values: usize = banks.iter().map(Bank::count).sum();
+    let table = exports.table(&row.table)?;
+    if row.every == 0 || row.start + values + truths != table.columns() {
+        return Err(PyValueError::new_err("the columns of the table do not fit"));
+    }
+    let stop = row.stop.as_ref().map(|program| condition(program, table.columns())).transpose()?;
+    Ok(Log { table, start: row.start, banks, every: row.every, stop })
+}
+
+/// A plant after its reset.
+pub fn machine(exports: &mut Exports, row: &MachineRow, substeps: usize) -> PyResult<Machine> {
+    let places = |cells: &[Py<Cell>]| cells.iter().map(|cell| cell.get().place()).collect::<Vec<Place>>();
+    row.commands.iter().try_for_each(|cell| cell.get().check_writable())?;
+    Ok(Machine {
+        physics: exports.physics(row)?,
+        timestep: row.timestep,
+        substeps,
+        readings: places(&row.readings),
+        commands: places(&row.commands),
+        truths: places(&row.truths),
+    })
+}
+
+fn condition(program: &[(String, f64)], columns: usize) -> PyResult<Condition> {
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    let operation = |(name, value): &(String, f64)| match name.as_str() {
+        "column" => Some(Operation::Column(*value as usize)),
+        "number" => Some(Operation::Number(*value)),
+        name => Operation::named(name),
+    };
+    let program = program.iter().map(operation).collect::<Option<_>>();
+    let refused = || PyValueError::new_err("the condition is no program over the columns");
+    program.and_then(|program| Condition::new(program, columns)).ok_or_else(refused)
+}

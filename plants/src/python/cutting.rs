@@ -1,0 +1,88 @@
+//! Constructors of what cuts.
+
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+use super::cells::PyElement;
+use crate::elements::cutting::{Burr, Deburring, Edge, Flute, Milling, Reaction, Shapes, TurnedPart};
+
+/// Adds them to a module.
+pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(deburring, module)?)?;
+    module.add_function(wrap_pyfunction!(edge, module)?)?;
+    module.add_function(wrap_pyfunction!(edge_length, module)?)?;
+    module.add_function(wrap_pyfunction!(flute, module)?)?;
+    module.add_function(wrap_pyfunction!(turned_part, module)?)?;
+    Ok(())
+}
+
+/// End mill on a burr of bins from a distance m on: heights and thicknesses m.
+///
+/// The mill is teeth, radius m, Pa per chip cross-section, N/m of engaged edge, largest chip m. The reaction is
+/// the shares of the tangential force against the travel and outward, and the reach of the tool m.
+/// distance, normal, across, tx, ty, tz, nx, ny, nz, spindle_speed, part -> torque, force, fx, fy, fz, feed,
+/// engagement, finish_low, finish_high, removed, left.
+///
+/// Raises
+/// ------
+/// ValueError
+///     Heights and thicknesses differ in number, or the pitch is not positive.
+#[pyfunction]
+fn deburring(
+    bins: (f64, f64),
+    heights: Vec<f64>,
+    thicknesses: Vec<f64>,
+    mill: (f64, f64, f64, f64, f64),
+    reaction: (f64, f64, f64),
+) -> PyResult<PyElement> {
+    let (from, pitch) = bins;
+    let refused = || PyValueError::new_err("a burr needs as many heights as thicknesses, and a positive pitch");
+    let burr = Burr::new(from, pitch, heights, thicknesses).ok_or_else(refused)?;
+    let (teeth, radius, pressure, edge_force, chip_most) = mill;
+    let mill = Milling { teeth, radius, pressure, edge_force, chip_most };
+    let (along, outward, reach) = reaction;
+    Ok(PyElement::new(Deburring::new(burr, mill, Reaction { along, outward, reach })))
+}
+
+/// Edge of line, arc, line over a corner of `radius` m: x, y, z -> distance, normal, across, tx, ty, tz, nx, ny, nz.
+///
+/// Raises
+/// ------
+/// ValueError
+///     The lines are too short for the radius.
+#[pyfunction]
+fn edge(start: [f64; 3], corner: [f64; 3], end: [f64; 3], radius: f64) -> PyResult<PyElement> {
+    Ok(PyElement::new(corner_edge(start, corner, end, radius)?))
+}
+
+/// Length of such an edge, m.
+///
+/// Raises
+/// ------
+/// ValueError
+///     The lines are too short for the radius.
+#[pyfunction]
+fn edge_length(start: [f64; 3], corner: [f64; 3], end: [f64; 3], radius: f64) -> PyResult<f64> {
+    Ok(corner_edge(start, corner, end, radius)?.length())
+}
+
+/// Cutting edge on a tilted tool (m, m, rad): angle -> retreat behind the longest point.
+#[pyfunction]
+fn flute(shortfall: f64, tilt: f64, offset: f64) -> PyElement {
+    PyElement::new(Flute::new(shortfall, tilt, offset))
+}
+
+/// Part that a tool turns and a probe reads, all m:
+/// angle, lateral, depth, cutting, normal, probing, probe -> reading.
+#[pyfunction]
+fn turned_part(tool_radius: f64, probe_radius: f64, part_radius: f64, face: f64, roughness: f64) -> PyElement {
+    PyElement::new(TurnedPart::new(Shapes { tool_radius, probe_radius, part_radius, face, roughness }))
+}
+
+fn corner_edge(start: [f64; 3], corner: [f64; 3], end: [f64; 3], radius: f64) -> PyResult<Edge> {
+    let refused = || {
+        let hint = "hint: start, corner and end of the edge are too near for it";
+        PyValueError::new_err(format!("radius of the corner: `{radius}` m\n{hint}"))
+    };
+    Edge::new(start, corner, end, radius).ok_or_else(refused)
+}
