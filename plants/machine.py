@@ -58,16 +58,21 @@ class Machine:
 
 @cache
 def functions() -> list[int]:
-    """Addresses of `FUNCTIONS` in the library that the bindings have loaded."""
+    """Addresses of `FUNCTIONS` in the library that the bindings have loaded, whose profiler is switched off.
+
+    The bindings give MuJoCo a clock. It reads it some twenty times in a step, for `data.timer` alone, and a step of a small
+    model takes up to twice as long.
+    """
     found = [path for folder in mujoco.__path__ for path in Path(folder).glob("*mujoco.*")]
     libraries = [path for path in found if {".so", ".dylib", ".dll"} & set(path.suffixes)]
     if not libraries:
         raise NotNativeError("MuJoCo's library is not where its bindings are")
     library = ctypes.CDLL(str(libraries[0]))
     try:
+        ctypes.c_void_p.in_dll(library, "mjcb_time").value = None
         return [ctypes.cast(getattr(library, name), ctypes.c_void_p).value or 0 for name in FUNCTIONS]
-    except AttributeError as error:
-        raise NotNativeError(f"MuJoCo {mujoco.__version__} lacks a function: {error}") from None
+    except (AttributeError, ValueError) as error:
+        raise NotNativeError(f"MuJoCo {mujoco.__version__} lacks a symbol: {error}") from None
 
 
 @cache

@@ -50,7 +50,9 @@ fn checks(workspace: &Workspace) -> Vec<(&'static str, Command)> {
         // with what only the Python module needs
         (
             "clippy",
-            cargo("clippy --workspace --all-targets --features machining-native/extension-module --locked -- -D warnings"),
+            cargo(
+                "clippy --workspace --all-targets --features machining-native/extension-module --locked -- -D warnings",
+            ),
         ),
         ("bench", cargo("xtask bench --short")),
         ("cargo test", cargo("test --workspace --locked")),
