@@ -1,8 +1,10 @@
 //! Edge of a part: two straight lines and the arc that rounds the corner between them.
 
+use nalgebra::Vector3;
+
 use crate::element::{Element, Ports};
 
-type Vector = [f64; 3];
+type Vector = Vector3<f64>;
 
 /// lines that differ by less are one line, sine of the angle
 const STRAIGHT: f64 = 1e-9;
@@ -42,19 +44,20 @@ pub struct Edge {
 
 impl Edge {
     /// An edge with a corner of `radius` m, or none if the lines are shorter than the arc takes away of them.
-    pub fn new(start: Vector, corner: Vector, end: Vector, radius: f64) -> Option<Self> {
-        let [first, second] = [minus(corner, start), minus(end, corner)];
-        let [l1, l2] = [first, second].map(norm);
-        let lines = [scaled(first, 1.0 / l1), scaled(second, 1.0 / l2)];
-        let turn = cross(lines[0], lines[1]);
-        let angle = norm(turn).atan2(dot(lines[0], lines[1]));
+    pub fn new(start: [f64; 3], corner: [f64; 3], end: [f64; 3], radius: f64) -> Option<Self> {
+        let [start, corner, end] = [start, corner, end].map(Vector::from);
+        let [first, second] = [corner - start, end - corner];
+        let [l1, l2] = [first, second].map(|line| line.norm());
+        let lines = [first * (1.0 / l1), second * (1.0 / l2)];
+        let turn = lines[0].cross(&lines[1]);
+        let angle = turn.norm().atan2(lines[0].dot(&lines[1]));
         // a straight edge lies flat: its outside is on the right
-        let axis = if norm(turn) > STRAIGHT { scaled(turn, 1.0 / norm(turn)) } else { [0.0, 0.0, 1.0] };
+        let axis = if turn.norm() > STRAIGHT { turn * (1.0 / turn.norm()) } else { Vector::z() };
         let taken = radius * (angle / 2.0).tan();
         let lengths = [l1 - taken, radius * angle, l2 - taken];
-        let enter = plus(start, scaled(lines[0], lengths[0]));
-        let leave = plus(corner, scaled(lines[1], taken));
-        let centre = plus(enter, scaled(cross(axis, lines[0]), radius));
+        let enter = start + lines[0] * lengths[0];
+        let leave = corner + lines[1] * taken;
+        let centre = enter + axis.cross(&lines[0]) * radius;
         let fits = lengths.iter().all(|&length| length >= 0.0) && lengths.iter().sum::<f64>() > 0.0;
         fits.then_some(Self { start, lines, axis, lengths, radius, centre, leave })
     }
@@ -65,7 +68,8 @@ impl Edge {
     }
 
     /// The nearest place of the edge.
-    pub fn place(&self, point: Vector) -> Clearance {
+    pub fn place(&self, point: [f64; 3]) -> Clearance {
+        let point = Vector::from(point);
         let [l1, l2, l3] = self.lengths;
         let mut nearest = self.on_line(point, self.start, 0, 0.0, l1);
         let others = [self.on_arc(point), self.on_line(point, self.leave, 1, l1 + l2, l3)];
@@ -80,26 +84,26 @@ impl Edge {
     /// distance to a line that begins at `from`, and the place
     fn on_line(&self, point: Vector, from: Vector, line: usize, before: f64, length: f64) -> (f64, Clearance) {
         let tangent = self.lines[line];
-        let along = dot(minus(point, from), tangent).clamp(0.0, length);
-        self.seen_from(point, plus(from, scaled(tangent, along)), tangent, before + along)
+        let along = (point - from).dot(&tangent).clamp(0.0, length);
+        self.seen_from(point, from + tangent * along, tangent, before + along)
     }
 
     fn on_arc(&self, point: Vector) -> (f64, Clearance) {
         // angle of the point about the centre, from where the arc begins
-        let outward = cross(self.lines[0], self.axis);
-        let from_centre = minus(point, self.centre);
-        let turned = dot(from_centre, self.lines[0]).atan2(dot(from_centre, outward));
+        let outward = self.lines[0].cross(&self.axis);
+        let from_centre = point - self.centre;
+        let turned = from_centre.dot(&self.lines[0]).atan2(from_centre.dot(&outward));
         let angle = turned.clamp(0.0, if self.radius > 0.0 { self.lengths[1] / self.radius } else { 0.0 });
         let (sin, cos) = angle.sin_cos();
-        let tangent = minus(scaled(self.lines[0], cos), scaled(outward, sin));
-        let foot = plus(self.centre, scaled(cross(tangent, self.axis), self.radius));
+        let tangent = self.lines[0] * cos - outward * sin;
+        let foot = self.centre + tangent.cross(&self.axis) * self.radius;
         self.seen_from(point, foot, tangent, self.lengths[0] + angle * self.radius)
     }
 
     fn seen_from(&self, point: Vector, foot: Vector, tangent: Vector, distance: f64) -> (f64, Clearance) {
-        let (away, outward) = (minus(point, foot), cross(tangent, self.axis));
-        let place = Clearance { distance, normal: dot(away, outward), across: dot(away, self.axis), tangent, outward };
-        (norm(away), place)
+        let (away, outward) = (point - foot, tangent.cross(&self.axis));
+        let (normal, across) = (away.dot(&outward), away.dot(&self.axis));
+        (away.norm(), Clearance { distance, normal, across, tangent, outward })
     }
 }
 
@@ -117,33 +121,9 @@ impl Element for Edge {
         let &[x, y, z] = inputs else { return };
         let Clearance { distance, normal, across, tangent, outward } = self.place([x, y, z]);
         outputs[..3].copy_from_slice(&[distance, normal, across]);
-        outputs[3..6].copy_from_slice(&tangent);
-        outputs[6..].copy_from_slice(&outward);
+        outputs[3..6].copy_from_slice(tangent.as_slice());
+        outputs[6..].copy_from_slice(outward.as_slice());
     }
-}
-
-fn plus(a: Vector, b: Vector) -> Vector {
-    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
-}
-
-fn minus(a: Vector, b: Vector) -> Vector {
-    plus(a, scaled(b, -1.0))
-}
-
-fn scaled(a: Vector, factor: f64) -> Vector {
-    a.map(|component| component * factor)
-}
-
-fn dot(a: Vector, b: Vector) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: Vector, b: Vector) -> Vector {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-fn norm(a: Vector) -> f64 {
-    dot(a, a).sqrt()
 }
 
 #[cfg(test)]

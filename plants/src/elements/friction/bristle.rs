@@ -2,6 +2,8 @@
 
 use std::f64::consts::PI;
 
+use nalgebra::Vector3;
+
 use super::stribeck::Stribeck;
 use crate::element::{Element, Ports};
 
@@ -23,19 +25,19 @@ pub struct Bristle {
     /// break-away deflection over steady-state deflection
     break_away: f64,
     /// deflection, m
-    z: [f64; 3],
+    z: Vector3<f64>,
 }
 
 impl Bristle {
     /// A bristle under a normal force `load` N with a friction law; the torque acts at `radius` m.
     pub fn new(load: f64, law: Stribeck, radius: f64, stiffness: f64, damping: f64, break_away: f64) -> Self {
-        Self { load, law, radius, stiffness, damping, break_away, z: [0.0; 3] }
+        Self { load, law, radius, stiffness, damping, break_away, z: Vector3::zeros() }
     }
 
     /// share of the motion that is plastic, for a deflection and a velocity
-    fn plastic(&self, z: [f64; 3], v: [f64; 3], steady: f64) -> f64 {
-        let (length, elastic) = (norm(z), self.break_away * steady);
-        if length <= elastic || dot(z, v) <= 0.0 {
+    fn plastic(&self, z: Vector3<f64>, v: Vector3<f64>, steady: f64) -> f64 {
+        let (length, elastic) = (z.norm(), self.break_away * steady);
+        if length <= elastic || z.dot(&v) <= 0.0 {
             0.0
         } else if length >= steady {
             1.0
@@ -51,30 +53,22 @@ impl Element for Bristle {
     }
 
     fn reset(&mut self) {
-        self.z = [0.0; 3];
+        self.z = Vector3::zeros();
     }
 
     fn step(&mut self, inputs: &[f64], outputs: &mut [f64], h: f64) {
-        let v = [inputs[0], inputs[1], self.radius * inputs[2]];
-        let speed = norm(v);
+        let v = Vector3::new(inputs[0], inputs[1], self.radius * inputs[2]);
+        let speed = v.norm();
         let steady = self.load * self.law.coefficient(speed) / self.stiffness;
         // z' = v - plastic |v| z / steady, implicit in z
-        let trial = [0, 1, 2].map(|i| self.z[i] + h * v[i]);
+        let trial = self.z + v * h;
         let decay = 1.0 + h * self.plastic(trial, v, steady) * speed / steady;
-        let next = trial.map(|z| z / decay);
-        let rate = [0, 1, 2].map(|i| if h > 0.0 { (next[i] - self.z[i]) / h } else { 0.0 });
+        let next = trial / decay;
+        let rate = if h > 0.0 { (next - self.z) / h } else { Vector3::zeros() };
         self.z = next;
-        let force = [0, 1, 2].map(|i| -self.stiffness * next[i] - self.damping * rate[i]);
+        let force = next * -self.stiffness - rate * self.damping;
         outputs.copy_from_slice(&[force[0], force[1], self.radius * force[2]]);
     }
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn norm(a: [f64; 3]) -> f64 {
-    dot(a, a).sqrt()
 }
 
 #[cfg(test)]
@@ -104,14 +98,14 @@ mod tests {
         let out = slide(&mut bristle, [1e-5, 0.0, 0.0], 1e-4, 500);
         assert!((out[0] + 2.5e6 * 0.5e-6 + 100.0 * 1e-5).abs() < 1e-9, "{out:?}");
         slide(&mut bristle, [-1e-5, 0.0, 0.0], 1e-4, 500);
-        assert!(norm(bristle.z) < 1e-18);
+        assert!(bristle.z.norm() < 1e-18);
     }
 
     #[test]
     fn sliding_force_is_that_of_the_law_against_the_velocity() {
         for (velocity, h) in [([3e-3, 4e-3, 0.0], 1e-4), ([0.06, -0.08, 0.0], 1e-4), ([3e-4, 4e-4, 0.0], 2e-5)] {
             let out = slide(&mut bristle(), velocity, h, 20_000);
-            let speed = norm(velocity);
+            let speed = Vector3::from(velocity).norm();
             let load = 10.0 * LAW.coefficient(speed);
             for i in 0..2 {
                 assert!((out[i] + load * velocity[i] / speed).abs() < 1e-6 * load, "{velocity:?}: {out:?}");
@@ -135,7 +129,7 @@ mod tests {
             let phase = |k: i32| (std::f64::consts::TAU * f64::from(k) / 100.0).sin();
             bristle.step(&[amplitude * (phase(k + 1) - phase(k)) / 1e-4, 0.0, 0.0], &mut out, 1e-4);
         }
-        assert!(norm(bristle.z) < 1e-15, "{:?}", bristle.z);
+        assert!(bristle.z.norm() < 1e-15, "{:?}", bristle.z);
     }
 
     #[test]
@@ -144,6 +138,6 @@ mod tests {
         assert_eq!(slide(&mut bristle, [0.1, 0.0, 0.0], 0.0, 1), [0.0; 3]);
         slide(&mut bristle, [0.1, 0.0, 0.0], 1e-4, 10);
         bristle.reset();
-        assert_eq!(norm(bristle.z), 0.0);
+        assert_eq!(bristle.z.norm(), 0.0);
     }
 }

@@ -1,5 +1,7 @@
 //! Surface of a mold as a formula: a spherical cap or a saddle, dimples, and a step.
 
+use nalgebra::Vector3;
+
 /// A Gaussian hollow.
 #[derive(Clone, Copy, Debug)]
 pub struct Dimple {
@@ -71,9 +73,9 @@ impl Local {
     }
 
     /// Unit normal out of the material.
-    pub fn normal(&self) -> [f64; 3] {
+    pub fn normal(&self) -> Vector3<f64> {
         let length = (1.0 + self.zx * self.zx + self.zy * self.zy).sqrt();
-        [-self.zx / length, -self.zy / length, 1.0 / length]
+        Vector3::new(-self.zx / length, -self.zy / length, 1.0 / length)
     }
 }
 
@@ -180,12 +182,9 @@ pub(crate) mod tests {
         let mold = sphere();
         for (x, y) in [(0.0, 0.0), (1e-3, -0.5e-3), (-1.2e-3, 1.5e-3)] {
             let here = mold.at(x, y);
-            let centre = [x, y, here.z - 3e-3];
-            let length = centre.iter().map(|c| c * c).sum::<f64>().sqrt();
-            assert!((length - 3e-3).abs() < 1e-17);
-            for (c, n) in centre.iter().zip(here.normal()) {
-                assert!((n + c / 3e-3).abs() < 1e-12);
-            }
+            let centre = Vector3::new(x, y, here.z - 3e-3);
+            assert!((centre.norm() - 3e-3).abs() < 1e-17);
+            assert!((here.normal() + centre / 3e-3).amax() < 1e-12);
         }
     }
 

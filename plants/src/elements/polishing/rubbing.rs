@@ -1,5 +1,7 @@
 //! Bookkeeping of a contact that rubs: load, friction, and what polishing has added up.
 
+use nalgebra::Vector3;
+
 use crate::element::{Element, Ports};
 
 /// Splits the force of a contact at its normal and adds up what removal depends on.
@@ -37,17 +39,18 @@ impl Element for Rubbing {
 
     fn step(&mut self, inputs: &[f64], outputs: &mut [f64], h: f64) {
         let &[fx, fy, fz, nx, ny, nz, vx, vy, vz] = inputs else { return };
-        let load = fx * nx + fy * ny + fz * nz;
-        let friction = [fx - load * nx, fy - load * ny, fz - load * nz];
-        let away = vx * nx + vy * ny + vz * nz;
-        let slip = [vx - away * nx, vy - away * ny, vz - away * nz];
-        let speed = if load > 0.0 { slip.iter().map(|v| v * v).sum::<f64>().sqrt() } else { 0.0 };
+        let normal = Vector3::new(nx, ny, nz);
+        let (force, velocity) = (Vector3::new(fx, fy, fz), Vector3::new(vx, vy, vz));
+        let load = force.dot(&normal);
+        let friction = force - normal * load;
+        let slip = velocity - normal * velocity.dot(&normal);
+        let speed = if load > 0.0 { slip.norm() } else { 0.0 };
         self.slid += speed * h;
         self.rubbed += load * speed * h;
-        self.work -= (friction[0] * slip[0] + friction[1] * slip[1] + friction[2] * slip[2]) * h;
+        self.work -= friction.dot(&slip) * h;
         let sums = [speed, self.slid, self.rubbed, self.work];
         outputs[0] = load;
-        outputs[1..4].copy_from_slice(&friction);
+        outputs[1..4].copy_from_slice(friction.as_slice());
         outputs[4..].copy_from_slice(&sums);
     }
 }

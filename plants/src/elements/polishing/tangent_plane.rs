@@ -1,5 +1,7 @@
 //! Plane that touches a mold where it is nearest to a ball: exact contact geometry for a moving ball.
 
+use nalgebra::{Matrix3, Vector3};
+
 use super::mold::{Local, Mold};
 use crate::element::{Element, Ports};
 
@@ -12,33 +14,30 @@ const ITERATIONS: u32 = 30;
 #[derive(Clone, Copy, Debug)]
 pub struct Pose {
     /// origin of the mold, m
-    shift: [f64; 3],
+    shift: Vector3<f64>,
     /// columns are the axes of the mold
-    rotation: [[f64; 3]; 3],
+    rotation: Matrix3<f64>,
 }
 
 impl Pose {
     /// A mold at `shift` m, turned by the rotation vector `tilt` rad.
     pub fn new(shift: [f64; 3], tilt: [f64; 3]) -> Self {
-        let angle = dot(tilt, tilt).sqrt();
-        let axis = tilt.map(|t| if angle > 0.0 { t / angle } else { 0.0 });
+        let tilt = Vector3::from(tilt);
+        let angle = tilt.norm();
+        let axis = if angle > 0.0 { tilt / angle } else { Vector3::zeros() };
         let (sin, cos) = angle.sin_cos();
-        let turned = |e: [f64; 3]| {
-            // Rodrigues
-            let (across, along) = (cross(axis, e), dot(axis, e) * (1.0 - cos));
-            [0, 1, 2].map(|i| cos * e[i] + sin * across[i] + along * axis[i])
-        };
-        let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(turned);
-        Self { shift, rotation: [0, 1, 2].map(|row| axes.map(|axis| axis[row])) }
+        // Rodrigues
+        let turned = |e: Vector3<f64>| e * cos + axis.cross(&e) * sin + axis * (axis.dot(&e) * (1.0 - cos));
+        let axes = [Vector3::x(), Vector3::y(), Vector3::z()].map(turned);
+        Self { shift: shift.into(), rotation: Matrix3::from_columns(&axes) }
     }
 
-    fn to_room(self, direction: [f64; 3]) -> [f64; 3] {
-        self.rotation.map(|row| dot(row, direction))
+    fn to_room(self, direction: Vector3<f64>) -> Vector3<f64> {
+        self.rotation * direction
     }
 
-    fn to_mold(self, place: [f64; 3]) -> [f64; 3] {
-        let from = [0, 1, 2].map(|i| place[i] - self.shift[i]);
-        [0, 1, 2].map(|column| (0..3).map(|row| self.rotation[row][column] * from[row]).sum())
+    fn to_mold(self, place: Vector3<f64>) -> Vector3<f64> {
+        self.rotation.transpose() * (place - self.shift)
     }
 }
 
@@ -61,7 +60,7 @@ impl TangentPlane {
     }
 
     /// The surface at the foot point, by Newton's method on the squared distance, from the foot point of the step before.
-    fn nearest(&mut self, centre: [f64; 3]) -> Local {
+    fn nearest(&mut self, centre: Vector3<f64>) -> Local {
         for _ in 0..ITERATIONS {
             let here = self.mold.at(self.foot[0], self.foot[1]);
             let next = self.mold.inside(towards(self.foot, here, centre));
@@ -76,7 +75,7 @@ impl TangentPlane {
 }
 
 /// Better foot point than `foot`, where the surface is `here`.
-fn towards(foot: [f64; 2], here: Local, centre: [f64; 3]) -> [f64; 2] {
+fn towards(foot: [f64; 2], here: Local, centre: Vector3<f64>) -> [f64; 2] {
     let [dx, dy, dz] = [centre[0] - foot[0], centre[1] - foot[1], centre[2] - here.z];
     // half the squared distance: its gradient and its second derivatives
     let (gx, gy) = (-dx - dz * here.zx, -dy - dz * here.zy);
@@ -89,23 +88,15 @@ fn towards(foot: [f64; 2], here: Local, centre: [f64; 3]) -> [f64; 2] {
     } else {
         // beyond the centre of curvature: along the normal
         let normal = here.normal();
-        let distance = dot([dx, dy, dz], normal);
+        let distance = Vector3::new(dx, dy, dz).dot(&normal);
         [centre[0] - distance * normal[0], centre[1] - distance * normal[1]]
     }
 }
 
 /// Shortest rotation from z to a unit vector with positive z, as a quaternion.
-fn quaternion(normal: [f64; 3]) -> [f64; 4] {
+fn quaternion(normal: Vector3<f64>) -> [f64; 4] {
     let w = (0.5 * (1.0 + normal[2])).max(f64::MIN_POSITIVE).sqrt();
     [w, -0.5 * normal[1] / w, 0.5 * normal[0] / w, 0.0]
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 impl Element for TangentPlane {
@@ -137,17 +128,17 @@ impl Element for TangentPlane {
 
     fn step(&mut self, inputs: &[f64], outputs: &mut [f64], _h: f64) {
         let &[x, y, z, lift] = inputs else { return };
-        let mut centre = self.pose.to_mold([x, y, z]);
-        centre[2] -= lift;
+        let mut centre = self.pose.to_mold(Vector3::new(x, y, z));
+        centre.z -= lift;
         let here = self.nearest(centre);
         let normal = self.pose.to_room(here.normal());
-        let contact = [self.foot[0], self.foot[1], here.z];
-        let offset = self.pose.to_room([contact[0], contact[1], contact[2] + lift]);
-        let distance = dot([0, 1, 2].map(|i| centre[i] - contact[i]), here.normal());
-        outputs[..3].copy_from_slice(&[0, 1, 2].map(|i| self.pose.shift[i] + offset[i]));
+        let contact = Vector3::new(self.foot[0], self.foot[1], here.z);
+        let offset = self.pose.to_room(Vector3::new(contact.x, contact.y, contact.z + lift));
+        let distance = (centre - contact).dot(&here.normal());
+        outputs[..3].copy_from_slice((self.pose.shift + offset).as_slice());
         outputs[3..7].copy_from_slice(&quaternion(normal));
-        outputs[7..10].copy_from_slice(&normal);
-        outputs[10..13].copy_from_slice(&contact);
+        outputs[7..10].copy_from_slice(normal.as_slice());
+        outputs[10..13].copy_from_slice(contact.as_slice());
         outputs[13] = distance;
     }
 }
@@ -170,8 +161,8 @@ mod tests {
         let mut plane = TangentPlane::new(sphere(), Pose::new(HOME, HOME));
         for centre in [[0.5e-3, 0.2e-3, 0.6e-3], [-1e-3, 0.9e-3, 1.1e-3], [1.2e-3, 0.0, 0.7e-3]] {
             let out = place(&mut plane, centre, 0.0);
-            let from = [centre[0], centre[1], centre[2] - 3e-3];
-            let away = dot(from, from).sqrt();
+            let from = Vector3::new(centre[0], centre[1], centre[2] - 3e-3);
+            let away = from.norm();
             assert!((out[13] - (3e-3 - away)).abs() < 1e-15, "{centre:?}: {}", out[13]);
             for i in 0..3 {
                 assert!((out[7 + i] + from[i] / away).abs() < 1e-9, "{out:?}");
@@ -198,8 +189,8 @@ mod tests {
     fn the_quaternion_turns_z_into_the_normal() {
         let mut plane = TangentPlane::new(rough(), Pose::new(HOME, [0.02, -0.01, 0.3]));
         let out = place(&mut plane, [1.2e-3, -0.8e-3, 0.9e-3], 0.0);
-        let (w, u) = (out[3], [out[4], out[5], out[6]]);
-        assert!((w * w + dot(u, u) - 1.0).abs() < 1e-15);
+        let (w, u) = (out[3], Vector3::new(out[4], out[5], out[6]));
+        assert!((w * w + u.norm_squared() - 1.0).abs() < 1e-15);
         let z =
             [2.0 * (u[0] * u[2] + w * u[1]), 2.0 * (u[1] * u[2] - w * u[0]), 1.0 - 2.0 * (u[0] * u[0] + u[1] * u[1])];
         for i in 0..3 {
@@ -212,14 +203,13 @@ mod tests {
         let pose = Pose::new([0.05e-3, -0.02e-3, 0.07e-3], [0.03, -0.015, 0.2]);
         let [centre, lift] = [[0.9e-3, -0.4e-3, 0.75e-3], [0.0, 0.0, 0.1e-3]];
         let still = place(&mut TangentPlane::new(rough(), Pose::new(HOME, HOME)), centre, 0.0);
-        let turned = pose.to_room([0, 1, 2].map(|i| centre[i] + lift[i]));
-        let moved = [0, 1, 2].map(|i| turned[i] + pose.shift[i]);
-        let out = place(&mut TangentPlane::new(rough(), pose), moved, lift[2]);
+        let moved = pose.to_room(Vector3::from(centre) + Vector3::from(lift)) + pose.shift;
+        let out = place(&mut TangentPlane::new(rough(), pose), moved.into(), lift[2]);
         for i in 10..14 {
             assert!((out[i] - still[i]).abs() < 1e-12, "{i}: {} and {}", out[i], still[i]);
         }
         // the plane is as far from the ball as the surface is
-        let away = dot([0, 1, 2].map(|i| moved[i] - out[i]), [out[7], out[8], out[9]]);
+        let away = (moved - Vector3::new(out[0], out[1], out[2])).dot(&Vector3::new(out[7], out[8], out[9]));
         assert!((away - still[13]).abs() < 1e-15);
     }
 
