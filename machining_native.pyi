@@ -1,13 +1,15 @@
 """Elements of the MuJoCo plants, circuits of them, and the stepper of closed loops."""
 
 from collections.abc import Sequence
+from typing import Self, final
 
 import numpy as np
 from numpy.typing import NDArray
 
+@final
 class Cell:
-    def __init__(
-        self,
+    def __new__(
+        cls,
         array: NDArray[np.float64],
         index: int = 0,
         *,
@@ -15,22 +17,25 @@ class Cell:
         offset: float = 0.0,
         stride: int = 0,
         add: bool = False,
-    ) -> None: ...
+    ) -> Self: ...
     def read(self) -> float: ...
     def write(self, value: float) -> None: ...
 
+@final
 class Element: ...
 
+@final
 class Circuit:
-    def __init__(self) -> None: ...
+    def __new__(cls) -> Self: ...
     def bind(self, name: str, element: Element, inputs: Sequence[Cell], outputs: Sequence[Cell]) -> None: ...
     def reset(self) -> None: ...
     def step(self, h: float) -> None: ...
 
+@final
 class Stepper:
-    def __init__(
-        self, machine: object, controller: object, links: object, log: object, step: float, substeps: int
-    ) -> None: ...
+    def __new__(
+        cls, machine: object, controller: object, links: object, log: object, step: float, substeps: int
+    ) -> Self: ...
     @property
     def k(self) -> int: ...
     def run(self, until: int) -> tuple[str, int, float] | None: ...

@@ -1,110 +1,27 @@
-"""The native engine against the reference loop: the same bits, the same errors, with every scenario file."""
+"""The native engine against the reference loop: the same bits, with every scenario file."""
 
 from __future__ import annotations
 
-import functools
 import logging
-import re
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Any
 
-import mujoco
-import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import cosim
-from cosim.errors import CosimError
 from cosim.loop import native
 
+from .loops import CHUNKS, both, chunked, outcome
+
 Write = Callable[..., Path]
-FOLDER = Path(__file__).parents[2] / "scenarios"
+FOLDER = Path(__file__).parents[3] / "scenarios"
 NAMES = [str(file.relative_to(FOLDER).with_suffix("").as_posix()) for file in sorted(FOLDER.rglob("*.toml"))]
 LOOPS = [file.stem for file in sorted(FOLDER.glob("*.toml"))]
 STEPS = 250
-CHUNKS = (1, 7, 1000)
-
-CART = """
-<mujoco model="cart">
-  <option timestep="0.0005" integrator="implicitfast"/>
-  <worldbody>
-    <body name="cart">
-      <joint name="slide" type="slide" axis="1 0 0" damping="2"/>
-      <geom size="0.1" mass="1"/>
-    </body>
-  </worldbody>
-  <actuator><motor name="drive" joint="slide"/><motor name="kick" joint="slide"/></actuator>
-  <sensor><jointpos name="position" joint="slide"/><jointvel name="speed" joint="slide"/></sensor>
-</mujoco>
-"""
-SCENARIO = """
-title = "Cart with a probe"
-[loop]
-step = 0.001
-substeps = 2
-duration = 0.06
-[controller]
-fmu = "probe"
-[controller.parameters]
-gain = -40.0
-bias = [0.5, 0.25]
-[plant]
-name = "cart.xml"
-[[wire]]
-from = "plant.position"
-to = "controller.in"
-[[wire]]
-from = "plant.speed"
-to = "controller.flag"
-[[wire]]
-from = "plant.speed"
-to = "controller.count"
-scale = 1e3
-[[wire]]
-from = "controller.out"
-to = "plant.drive"
-[[signal]]
-to = "controller.mode"
-times = [0.0, 0.02]
-values = ["Slow", "Fast"]
-"""
-
-
-@pytest.fixture
-def cart(folder: Path, write: Write) -> Callable[..., Path]:
-    """Write a scenario of a cart, wired with numbers, truth values and integers, and what is added."""
-    (folder / "cart.xml").write_text(CART)
-
-    def write_cart(added: str = "") -> Path:
-        return write(added, "cart.toml", SCENARIO)
-
-    return write_cart
-
-
-def both(scenario: cosim.Scenario) -> tuple[cosim.Session, cosim.Session]:
-    return cosim.Session(scenario), cosim.Session(scenario, engine="native")
-
-
-def outcome(session: cosim.Session, seed: int | None = None) -> tuple[bytes, bytes, float]:
-    """Bytes of the trace and of MuJoCo's state, and the simulated time."""
-    result = session.run(seed)
-    plant: Any = session.plant
-    state = np.zeros(mujoco.mj_stateSize(plant.model, mujoco.mjtState.mjSTATE_INTEGRATION))
-    mujoco.mj_getState(plant.model, plant.data, state, mujoco.mjtState.mjSTATE_INTEGRATION)
-    assert result.trace is not None
-    assert result.engine == session.engine
-    return result.trace.tobytes(), state.tobytes(), result.simulated_s
-
-
-def chunked(monkeypatch: pytest.MonkeyPatch, chunk: int) -> None:
-    monkeypatch.setattr(native, "run", functools.partial(RUN, chunk=chunk))
-
-
-RUN = native.run
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -284,129 +201,6 @@ def test_every_nth_row_is_recorded(cart: Callable[..., Path]) -> None:
     assert some.trace.tobytes() == whole.trace[::7].tobytes()
     assert some.metrics["rows"].value == 9
     assert some.simulated_s == whole.simulated_s == 0.06
-
-
-PULSE = '[[inject]]\nto = "{}"\nfrom_time = 0.02\nto_time = 0.03\nvalue = {}\n'
-FAILURES: dict[str, tuple[str, Sequence[str], str]] = {
-    "FMU error": ("", ["controller.fail_at=20"], r"told to fail at 0.02 s \(fmi2DoStep returned fmi2Error\)"),
-    "fatal error": ("", ["controller.fatal_at=20"], r"step 20.*fmi2Fatal"),
-    "input refused": (
-        '[[signal]]\nto = "controller.gain"\ntimes = [0.0, 0.02]\nvalues = [1.0, 11.0]\n',
-        [],
-        r"`gain` = 11 is above its limit \(fmi2SetReal",
-    ),
-    "output not finite": ("", ["controller.nan_at=20"], r"`controller.out` is `nan`.*step 20"),
-    "command not finite": (PULSE.format("plant.drive", "inf"), [], r"command `drive` is `inf`.*"),
-    "integer too large": ("", ["wire.controller.count.offset=3e9"], r"an integer input got `3000000000.0`"),
-    "MuJoCo warning": (PULSE.format("plant.drive", 1e300), [], "MuJoCo warns: `mjWARN_BADCTRL`"),
-}
-
-
-def failure(session: cosim.Session) -> tuple[type, str, str]:
-    with pytest.raises(CosimError) as caught:
-        session.run()
-    return type(caught.value), caught.value.message, caught.value.hint
-
-
-@pytest.mark.parametrize("case", FAILURES)
-def test_errors_are_the_same(cart: Callable[..., Path], case: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    added, changes, words = FAILURES[case]
-    reference, fast = both(cosim.load(cart(added), set=changes))
-    with reference, fast:
-        expected = failure(reference)
-        assert expected[1].count("step ") == 1
-        for chunk in CHUNKS:
-            chunked(monkeypatch, chunk)
-            if case == "fatal error" and chunk > 1:
-                assert "a new run needs a new instance" in failure(fast)[1]
-                continue
-            assert failure(fast) == expected
-    assert re.search(words, expected[1])
-
-
-def broken_sensor(session: cosim.Session) -> Callable[[], None]:
-    """Break the model after the reset; the result mends it."""
-    plant: Any = session.plant
-    reset, kinds = plant.reset, plant.model.sensor_type.copy()
-
-    def break_it(seed: Any, duration: float) -> None:
-        mend()
-        reset(seed, duration)
-        plant.model.sensor_type[:] = 99
-        plant.reset = break_it
-
-    def mend() -> None:
-        plant.model.sensor_type[:] = kinds
-        plant.reset = reset
-
-    plant.reset = break_it
-    return mend
-
-
-def short_signals(session: cosim.Session) -> None:
-    plant: Any = session.plant
-    reset = plant.reset
-    plant.reset = lambda seed, duration: reset(seed, duration / 2)
-
-
-def no_number(session: cosim.Session) -> None:
-    plant: Any = session.plant
-    reset = plant.reset
-
-    def spoilt(seed: Any, duration: float) -> None:
-        reset(seed, duration)
-        plant.data.ctrl[:] = np.nan
-        plant.data.qvel[:] = np.nan
-
-    plant.reset = spoilt
-
-
-INTO_THE_RING = """
-extends = "centering"
-[loop]
-duration = 1.0
-stop_when = ""
-[[inject]]
-to = "plant.slide_position_setpoint"
-from_time = 0.1
-to_time = 9.0
-value = 0.2
-"""
-BREAKS: dict[str, tuple[Callable[[cosim.Session], object] | None, str]] = {
-    "MuJoCo error": (broken_sensor, r"step 0\): .*mj_computeSensorPos: invalid sensor type"),
-    "signal ends": (short_signals, r"ends after `\d+` plant steps"),
-    "state not finite": (no_number, r"mjWARN_BADQVEL"),
-    "element stops": (None, r"element `table_edge`: the eccentricity is `0\.\d+` m, limit"),
-}
-
-
-@pytest.mark.parametrize("case", BREAKS)
-def test_errors_of_the_plant_are_the_same(case: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    spoil, words = BREAKS[case]
-    file = tmp_path / "ring.toml"
-    file.write_text(INTO_THE_RING)
-    scenario = cosim.load("fts", set=["loop.duration=0.02"]) if spoil else cosim.load(file)
-    reference, fast = both(scenario)
-    with reference, fast:
-        for session in (reference, fast):
-            if spoil:
-                spoil(session)
-        expected = failure(reference)
-        for chunk in CHUNKS:
-            chunked(monkeypatch, chunk)
-            assert failure(fast) == expected
-    assert re.search(words, expected[1])
-
-
-def test_a_session_goes_on_after_an_error_of_mujoco() -> None:
-    scenario = cosim.load("fts", set=["loop.duration=0.02"])
-    reference, fast = both(scenario)
-    with reference, fast:
-        expected = outcome(reference)
-        mend = broken_sensor(fast)
-        failure(fast)
-        mend()
-        assert outcome(fast) == expected
 
 
 def test_a_plant_in_python_runs_in_the_reference_loop_with_one_warning(
