@@ -60,8 +60,8 @@ class Machine:
 def functions() -> list[int]:
     """Addresses of `FUNCTIONS` in the library that the bindings have loaded, whose profiler is switched off.
 
-    The bindings give MuJoCo a clock. It reads it some twenty times in a step, for `data.timer` alone, and a step of a small
-    model takes up to twice as long.
+    The bindings give MuJoCo a clock that is read many times in a step, for `data.timer` alone: a step of a
+    small model takes up to twice as long.
     """
     found = [path for folder in mujoco.__path__ for path in Path(folder).glob("*mujoco.*")]
     libraries = [path for path in found if {".so", ".dylib", ".dll"} & set(path.suffixes)]
