@@ -15,6 +15,7 @@ PACKED = Path(__file__).resolve().parent / "packed"
 ROOT = PACKED.parent.parent
 """Project root of an editable install."""
 OWN_SCENARIOS = PACKED / "scenarios" if PACKED.is_dir() else ROOT / "scenarios"
+OWN_STUDIES = PACKED / "studies" if PACKED.is_dir() else ROOT / "studies"
 OWN_FMUS = PACKED / "fmu" if PACKED.is_dir() else ROOT / "target" / "fmu"
 SCENARIOS_ENV = "COSIM_SCENARIOS"
 FMU_PATH_ENV = "COSIM_FMU_PATH"
@@ -76,6 +77,21 @@ def list_scenarios() -> Iterator[tuple[str, Path]]:
             if name not in seen:
                 seen.add(name)
                 yield name, file
+
+
+def find_study(name: str) -> Path:
+    """File of a study given by path, or of one of the project's own (`studies/dob-contact.toml`).
+
+    Raises
+    ------
+    ScenarioError
+        No such file.
+    """
+    for base in (working_folder(), OWN_STUDIES.parent):
+        if is_file(file := base / name):
+            return file
+    own = [f"{OWN_STUDIES.name}/{file.name}" for file in sorted(OWN_STUDIES.glob("*.toml"))]
+    raise ScenarioError(f"the study file `{brief(name)}` does not exist", closest(name, own))
 
 
 def scenario_name(file: Path) -> str:
