@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import logging
 
-from cosim.errors import ScenarioError, closest, concerning
+from cosim.errors import closest
 from cosim.fmu.archive import FmuFile
 from cosim.loop.connect import targets
 from cosim.loop.plant import Plant
@@ -15,24 +15,20 @@ log = logging.getLogger("cosim")
 
 
 def report(scenario: Scenario, file: FmuFile, plant: Plant) -> None:
-    """Log the inputs of the FMU and the commands of the plant that nothing drives and `idle` does not list.
-
-    Raises
-    ------
-    ScenarioError
-        `idle` lists something that is neither.
-    """
+    """Log the inputs of the FMU and the commands of the plant that nothing drives and `idle` does not list."""
     known = [f"controller.{variable.name}" for variable in file.named("input")]
     known += [f"plant.{channel.name}" for channel in plant.commands]
-    for name in scenario.idle:
-        if name not in known:
-            with concerning("idle"):
-                problem = f"`idle` lists `{name}`, which is no input of the FMU and no command of the plant"
-                raise ScenarioError(problem, closest(name, known))
+    if unknown := [name for name in scenario.idle if name not in known]:
+        text = f"{scenario.origin('idle')}: `idle` lists {quoted(unknown)}, no input and no command has that name"
+        warn(f"{text}; {closest(unknown[0], known)}")
     if forgotten := undriven(scenario, known):
-        names = ", ".join(f"`{name}`" for name in forgotten)
-        where = scenario.origin("wire")
-        warn(f"{where}: nothing drives {names}: wire what is missing, list the rest in `idle`")
+        text = f"{scenario.origin('wire')}: nothing drives {quoted(forgotten)}"
+        warn(f"{text}: wire what is missing, list the rest in `idle`")
+
+
+def quoted(names: list[str]) -> str:
+    """Names in backticks."""
+    return ", ".join(f"`{name}`" for name in names)
 
 
 def undriven(scenario: Scenario, known: list[str]) -> list[str]:
