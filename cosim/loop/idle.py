@@ -15,11 +15,11 @@ log = logging.getLogger("cosim")
 
 
 def report(scenario: Scenario, file: FmuFile, plant: Plant) -> None:
-    """Log the inputs of the FMU and the commands of the plant that nothing drives and `idle` does not list."""
+    """Log the inputs of the FMU and commands of the plant that nothing drives and `idle` does not list."""
     known = [f"controller.{variable.name}" for variable in file.named("input")]
     known += [f"plant.{channel.name}" for channel in plant.commands]
     if unknown := [name for name in scenario.idle if name not in known]:
-        text = f"{scenario.origin('idle')}: `idle` lists {quoted(unknown)}, no input and no command has that name"
+        text = f"{scenario.origin('idle')}: `idle` lists {quoted(unknown)}, which is no input and no command"
         warn(f"{text}; {closest(unknown[0], known)}")
     if forgotten := undriven(scenario, known):
         text = f"{scenario.origin('wire')}: nothing drives {quoted(forgotten)}"

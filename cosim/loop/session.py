@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from cosim import paths
 from cosim.closing import Closing
 from cosim.errors import CosimError, concerning
+from cosim.fmu import readable
 from cosim.fmu.archive import FmuFile, Variable, open_fmu
 from cosim.fmu.instance import Instance
 from cosim.loop import idle, native, plant, reference, trace
@@ -100,6 +101,7 @@ class Session(Closing):
             run = native.run if self.engine == "native" else reference.run
             done = run(Parts(scenario, self.fmu, self.plant, seed, self.stop, progress))
             wall = time.perf_counter() - begin
+            readable.report(self.fmu)
             pairs = zip(scenario.metric, self.metrics, strict=True)
             measured = [criteria.measure(metric, expression, done.table.T) for metric, expression in pairs]
         by_name = {entry.name: entry for entry in measured}
