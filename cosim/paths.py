@@ -183,8 +183,9 @@ def expanded(name: str) -> Path:
 
 
 def brief(name: str) -> str:
-    """Name as a message repeats it."""
-    return name if len(name) <= LONGEST else f"{name[:LONGEST]}..."
+    """Name as a message repeats it: not without end, no control codes."""
+    shown = "".join(c if c.isprintable() else "\ufffd" for c in name[:LONGEST])
+    return shown if len(name) <= LONGEST else f"{shown}..."
 
 
 def shown(path: Path) -> str:

@@ -158,7 +158,7 @@ def parsed(shown: str, content: bytes) -> Any:
     try:
         return etree.fromstring(content)
     except etree.XMLSyntaxError as error:
-        raise invalid(shown, error) from None
+        raise invalid(shown, Exception(error.msg)) from None
 
 
 def check_interface(shown: str, root: Any) -> None:
@@ -264,9 +264,20 @@ def scalar(variable: Any, displays: dict[tuple[str, str], DisplayUnit]) -> Varia
         unit=attribute("unit"),
         minimum=attribute("min"),
         maximum=attribute("max"),
-        items=tuple((item.name, int(item.value)) for item in (declared.items if declared else ())),
+        items=items_of(variable.name, declared),
         display=display,
     )
+
+
+def items_of(name: str, declared: Any) -> tuple[tuple[str, int], ...]:
+    """Names and numbers of an enumeration, each of which stands for one thing."""
+    items = tuple((item.name, int(item.value)) for item in (declared.items if declared else ()))
+    for column in zip(*items, strict=True):
+        twice = [entry for entry in column if column.count(entry) > 1]
+        if twice:
+            problem = f"the enumeration of `{name}` has the item `{twice[0]}` twice"
+            raise FmuError(f"the model description is not valid: {problem}", members.AGAIN)
+    return items
 
 
 def problems(error: Exception) -> list[str]:

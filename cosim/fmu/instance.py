@@ -122,8 +122,9 @@ class Instance(Closing):
             self.slave.exitInitializationMode()
         self.running = True
         # the arrays start with what the FMU holds
-        for bank in [*self.inputs, *self.outputs]:
-            self._mover("Get", bank)()
+        with self.errors("read the inputs and outputs of"):
+            for bank in [*self.inputs, *self.outputs]:
+                self._mover("Get", bank)()
 
     def read(self, variable: Variable) -> float:
         """Read the present value of one variable as a number."""
