@@ -6,27 +6,33 @@ import os
 from collections.abc import Iterator
 from pathlib import Path
 
-from cosim.errors import FmuError, PlantError, ScenarioError, closest
+import platformdirs
+
+from cosim.errors import CosimError, FmuError, PlantError, ScenarioError, closest
 
 PACKED = Path(__file__).resolve().parent / "packed"
 """Scenarios and FMUs that a wheel brings along."""
 ROOT = PACKED.parent.parent
 """Project root of an editable install."""
 OWN_SCENARIOS = PACKED / "scenarios" if PACKED.is_dir() else ROOT / "scenarios"
+OWN_STUDIES = PACKED / "studies" if PACKED.is_dir() else ROOT / "studies"
 OWN_FMUS = PACKED / "fmu" if PACKED.is_dir() else ROOT / "target" / "fmu"
 SCENARIOS_ENV = "COSIM_SCENARIOS"
 FMU_PATH_ENV = "COSIM_FMU_PATH"
 CACHE_ENV = "COSIM_CACHE"
+CACHE_NAME = "machining-fmus"
+LONGEST = 100
+"""Characters of a name that a message repeats."""
 
 
 def scenario_folders() -> list[Path]:
     """Folders searched for scenario names: `COSIM_SCENARIOS`, `./scenarios`, the project's own."""
-    return unique([*from_env(SCENARIOS_ENV), Path.cwd() / "scenarios", OWN_SCENARIOS])
+    return unique([*from_env(SCENARIOS_ENV), working_folder() / "scenarios", OWN_SCENARIOS])
 
 
 def fmu_folders() -> list[Path]:
     """Folders searched for FMU names: `COSIM_FMU_PATH`, `./target/fmu`, the project's own."""
-    return unique([*from_env(FMU_PATH_ENV), Path.cwd() / "target" / "fmu", OWN_FMUS])
+    return unique([*from_env(FMU_PATH_ENV), working_folder() / "target" / "fmu", OWN_FMUS])
 
 
 def find_scenario(name: str, near: Path | None = None) -> Path:
@@ -46,17 +52,18 @@ def find_scenario(name: str, near: Path | None = None) -> Path:
     """
     bases = [near] if near else []
     if name.endswith(".toml"):
-        for base in [*bases, Path.cwd()]:
-            if (file := base / name).is_file():
+        for base in [*bases, working_folder()]:
+            if is_file(file := base / name):
                 return file
         raise ScenarioError(
-            f"the scenario file `{name}` does not exist", "`cosim list` shows the known names"
+            f"the scenario file `{brief(name)}` does not exist", "`cosim list` shows the known names"
         )
     for folder in [*bases, *scenario_folders()]:
-        if (file := folder / f"{name}.toml").is_file():
+        if is_file(file := folder / f"{name}.toml"):
             return file
     hint = closest(name, dict(list_scenarios()))
-    raise ScenarioError(f"there is no scenario `{name}`", hint or f"no scenario files in {folders_text()}")
+    nothing = f"no scenario files in {folders_text()}"
+    raise ScenarioError(f"there is no scenario `{brief(name)}`", hint or nothing)
 
 
 def list_scenarios() -> Iterator[tuple[str, Path]]:
@@ -70,6 +77,21 @@ def list_scenarios() -> Iterator[tuple[str, Path]]:
             if name not in seen:
                 seen.add(name)
                 yield name, file
+
+
+def find_study(name: str) -> Path:
+    """File of a study given by path, or of one of the project's own (`studies/dob-contact.toml`).
+
+    Raises
+    ------
+    ScenarioError
+        No such file.
+    """
+    for base in (working_folder(), OWN_STUDIES.parent):
+        if is_file(file := base / name):
+            return file
+    own = [f"{OWN_STUDIES.name}/{file.name}" for file in sorted(OWN_STUDIES.glob("*.toml"))]
+    raise ScenarioError(f"the study file `{brief(name)}` does not exist", closest(name, own))
 
 
 def scenario_name(file: Path) -> str:
@@ -89,18 +111,19 @@ def find_fmu(name: str, near: Path) -> Path:
         No such file; the hint says how to build it or where it was looked for.
     """
     if name.endswith(".fmu") or "/" in name or os.sep in name:
-        for base in (near, Path.cwd()):
-            if (file := base / Path(name).expanduser()).is_file():
+        for base in (near, working_folder()):
+            if is_file(file := base / expanded(name)):
                 return file
-        raise FmuError(f"the FMU file `{name}` does not exist", f"looked in `{near}` and `{Path.cwd()}`")
+        looked = f"looked in `{near}` and `{working_folder()}`"
+        raise FmuError(f"the FMU file `{brief(name)}` does not exist", looked)
     folders = [near, *fmu_folders()]
     for folder in folders:
-        if (file := folder / f"{name}.fmu").is_file():
+        if is_file(file := folder / f"{name}.fmu"):
             return file
     searched = ", ".join(f"`{shown(folder)}`" for folder in folders)
-    build = f"build it with `cargo xtask fmu {name.removeprefix('fmu-')}`"
+    build = f"build it with `cargo xtask fmu {brief(name.removeprefix('fmu-'))}`"
     raise FmuError(
-        f"the FMU `{name}.fmu` does not exist", f"{build}, or set {FMU_PATH_ENV}; looked in {searched}"
+        f"the FMU `{brief(name)}.fmu` does not exist", f"{build}, or set {FMU_PATH_ENV}; looked in {searched}"
     )
 
 
@@ -112,27 +135,64 @@ def find_mjcf(name: str, near: Path) -> Path:
     PlantError
         No such file.
     """
-    for base in (near, Path.cwd()):
-        if (file := base / Path(name).expanduser()).is_file():
+    for base in (near, working_folder()):
+        if is_file(file := base / expanded(name)):
             return file.resolve()
     beside = [file.name for file in sorted(near.glob("*.xml"))]
-    hint = closest(name, beside) or f"looked in `{near}` and `{Path.cwd()}`"
-    raise PlantError(f"the MJCF file `{name}` does not exist", hint)
+    hint = closest(name, beside) or f"looked in `{near}` and `{working_folder()}`"
+    raise PlantError(f"the MJCF file `{brief(name)}` does not exist", hint)
 
 
 def cache_folder() -> Path:
-    """Folder of the extracted FMUs: `COSIM_CACHE`, else the user's cache folder."""
-    if CACHE_ENV in os.environ:
-        return Path(os.environ[CACHE_ENV])
-    base = os.environ.get("XDG_CACHE_HOME") or os.environ.get("LOCALAPPDATA")
-    return (Path(base) if base else Path.home() / ".cache") / "machining-fmus" / "extracted"
+    """Folder that only the cache uses: in `COSIM_CACHE`, else in the user's cache folder."""
+    given = os.environ.get(CACHE_ENV)
+    if given:
+        return working_folder() / given / CACHE_NAME
+    return platformdirs.user_cache_path(CACHE_NAME, appauthor=False) / "extracted"
+
+
+def working_folder() -> Path:
+    """Working directory.
+
+    Raises
+    ------
+    CosimError
+        It was removed.
+    """
+    try:
+        return Path.cwd()
+    except OSError as error:
+        problem = f"the working directory cannot be used: {error.strerror or error}"
+        raise CosimError(problem, "change into a folder that is there") from None
+
+
+def is_file(path: Path) -> bool:
+    """Whether there is a file; a name that no file can have is none."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
+
+
+def expanded(name: str) -> Path:
+    """Path with `~` replaced by the home of its user, where there is one."""
+    try:
+        return Path(name).expanduser()
+    except RuntimeError:
+        return Path(name)
+
+
+def brief(name: str) -> str:
+    """Name as a message repeats it: not without end, no control codes."""
+    shown = "".join(c if c.isprintable() else "\ufffd" for c in name[:LONGEST])
+    return shown if len(name) <= LONGEST else f"{shown}..."
 
 
 def shown(path: Path) -> str:
     """Path as shown to the user: relative to the working directory where that is shorter."""
     try:
         return str(path.resolve().relative_to(Path.cwd())) or "."
-    except ValueError:
+    except (ValueError, OSError):
         return str(path)
 
 
@@ -148,4 +208,4 @@ def from_env(name: str) -> list[Path]:
 
 def unique(folders: list[Path]) -> list[Path]:
     """Remove repeated folders."""
-    return list(dict.fromkeys(folder.resolve() for folder in folders))
+    return list(dict.fromkeys(Path(os.path.realpath(folder)) for folder in folders))

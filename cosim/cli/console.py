@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from rich.console import Console
 
 from cosim.loop.reference import Progress
-from cosim.show.bar import bar
+from cosim.show.bar import bar, plain_console
 
 WIDTH_IN_FILES = 132
 """Columns of tables that do not go to a terminal."""
@@ -32,9 +32,9 @@ def progress_bar(title: str, quiet: bool) -> Iterator[Progress | None]:
 
 def output() -> Console:
     """Console on stdout; `NO_COLOR` and pipes get plain text."""
-    console = Console(highlight=False)
+    console = plain_console()
     if not console.is_terminal and "COLUMNS" not in os.environ:
-        return Console(highlight=False, width=WIDTH_IN_FILES)
+        return plain_console(width=WIDTH_IN_FILES)
     return console
 
 

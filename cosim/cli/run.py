@@ -59,7 +59,7 @@ def run(
         print(result.to_json(), end="", flush=True)
     else:
         output().print(display.result(result))
-    raise typer.Exit(0 if result.passed else FAILED)
+    raise typer.Exit(FAILED if result.passed is False else 0)
 
 
 def check_outputs(json: str | None, trace: Path | None, plot: Path | None) -> None:

@@ -39,4 +39,4 @@ def sweep(
         print(found.to_json(), end="", flush=True)
     else:
         output().print(tables)
-    raise typer.Exit(0 if found.passed else FAILED)
+    raise typer.Exit(FAILED if found.passed is False else 0)

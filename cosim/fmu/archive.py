@@ -1,25 +1,29 @@
-"""FMU files: checked, described and extracted once into a cache keyed by the file's hash."""
+"""FMU files: checked, described and extracted."""
 
 from __future__ import annotations
 
+import contextlib
 import functools
-import hashlib
-import os
-import shutil
-import tempfile
-import time
+import logging
+import lzma
+import re
 import zipfile
+import zlib
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import fmpy
+from fmpy.validation import validate_model_description
 
 from cosim import paths
 from cosim.errors import FmuError
+from cosim.fmu import members
+from cosim.fmu.cache import extracted
 
-UNUSED_DAYS = 7
-"""An extracted FMU that was not used for so long is removed."""
+log = logging.getLogger("cosim")
+
 MOST_PROBLEMS = 20
 """Problems of a model description that are told; one mistake in a tool repeats for every variable."""
 
@@ -108,46 +112,105 @@ def opened(path: Path, changed: int, size: int, cache: Path) -> FmuFile:
     """Open an FMU; the same file is opened once in a process."""
     shown = paths.shown(path)
     try:
-        version, kinds, platforms = inspect(path)
-        if version != "2.0":
-            raise FmuError(f"`{shown}` is an FMI {version} FMU, only FMI 2.0 is supported")
-        if "CoSimulation" not in kinds:
-            raise FmuError(
-                f"`{shown}` offers only {' and '.join(kinds) or 'nothing'}, not co-simulation",
-                "export it as a co-simulation FMU",
-            )
-        check_platform(shown, platforms)
-        description = fmpy.read_model_description(str(path))
-        return describe(path, extract(path), description)
-    except FmuError:
-        raise
-    except zipfile.BadZipFile:
-        raise FmuError(f"`{shown}` is not an FMU: it is not a zip file", "build or copy it again") from None
-    except KeyError:
-        raise FmuError(f"`{shown}` is not an FMU: it holds no `modelDescription.xml`") from None
+        sizes = members.sizes(path)
+        content = read(path, shown, members.DESCRIPTION)
+        check_interface(shown, parsed(shown, content))
+        check_platform(shown, fmpy.supported_platforms(str(path)))
+        description = described(shown, path)
+        check_identifier(shown, description.coSimulation.modelIdentifier)
+        folder = extracted(path, sizes, lambda target: unpack(path, shown, target))
     except OSError as error:
         raise unreadable(path, error) from None
-    except Exception as error:  # FMPy raises bare exceptions for a broken model description
-        found = "".join(f"\n  {problem}" for problem in problems(error))
-        raise FmuError(
-            f"the model description of `{shown}` is not valid:{found}",
-            f"`fmpy validate {shown}` lists all problems",
-        ) from None
+    return describe(path, folder, description)
 
 
 def unreadable(path: Path, error: OSError) -> FmuError:
     """Error of a file that cannot be read."""
-    return FmuError(f"cannot read the FMU `{paths.shown(path)}`: {error.strerror or error}")
+    problem = f"cannot read the FMU `{paths.shown(path)}`: {error.strerror or error}"
+    return FmuError(problem, "check the file and its permissions")
 
 
-def inspect(path: Path) -> tuple[str, list[str], list[str]]:
-    """FMI version, interface types and platforms of an FMU, without extracting it."""
+@contextlib.contextmanager
+def damaged(shown: str, name: str) -> Iterator[None]:
+    """Tell which part of an FMU does not unpack."""
+    try:
+        yield
+    except (zipfile.BadZipFile, zlib.error, lzma.LZMAError, EOFError, NotImplementedError) as error:
+        raise FmuError(f"`{shown}` is damaged: {name} does not unpack: {error}", members.AGAIN) from None
+
+
+def read(path: Path, shown: str, name: str) -> bytes:
+    """Content of one file of an FMU."""
+    with damaged(shown, f"`{name}`"), zipfile.ZipFile(path) as archive:
+        return archive.read(name)
+
+
+def unpack(path: Path, shown: str, target: Path) -> None:
+    """Unpack an FMU into a folder."""
+    with damaged(shown, "a file in it"), zipfile.ZipFile(path) as archive:
+        archive.extractall(target)
+
+
+def parsed(shown: str, content: bytes) -> Any:
+    """Root of a model description."""
     from lxml import etree
 
-    with zipfile.ZipFile(path) as archive, archive.open("modelDescription.xml") as file:
-        root = etree.parse(file).getroot()
+    try:
+        return etree.fromstring(content)
+    except etree.XMLSyntaxError as error:
+        raise invalid(shown, Exception(error.msg)) from None
+
+
+def check_interface(shown: str, root: Any) -> None:
+    """Check that an FMU is one for co-simulation by FMI 2.0."""
+    version = root.get("fmiVersion")
+    if root.tag != "fmiModelDescription" or version is None:
+        what = f"its root is `{root.tag}`" + ("" if version else " without `fmiVersion`")
+        raise FmuError(f"`{shown}` is not an FMU: its `{members.DESCRIPTION}` is none, {what}", members.AGAIN)
+    if version != "2.0":
+        raise FmuError(
+            f"`{shown}` is an FMI {version} FMU, only FMI 2.0 is supported", "export it as FMI 2.0"
+        )
     kinds = [kind for kind in ("CoSimulation", "ModelExchange") if root.find(kind) is not None]
-    return root.get("fmiVersion", "without a version"), kinds, fmpy.supported_platforms(str(path))
+    if "CoSimulation" not in kinds:
+        raise FmuError(
+            f"`{shown}` offers only {' and '.join(kinds) or 'nothing'}, not co-simulation",
+            "export it as a co-simulation FMU",
+        )
+
+
+def described(shown: str, path: Path) -> Any:
+    """FMPy's model description; a wrong structure, which the loop does not need, is a warning."""
+    try:
+        with path.open("rb") as file:
+            description = fmpy.read_model_description(file)
+        found = validate_model_description(description, validate_model_structure=True)
+    except OSError:
+        raise
+    except Exception as error:  # FMPy raises bare exceptions for a broken model description
+        raise invalid(shown, error) from None
+    for problem in listed(found):
+        log.warning("`%s`: %s", shown, problem)
+    return description
+
+
+def invalid(shown: str, error: Exception) -> FmuError:
+    """Error of a model description, with everything that the parser or FMPy says about it."""
+    found = "".join(f"\n  {problem}" for problem in problems(error))
+    return FmuError(
+        f"the model description of `{shown}` is not valid:{found}",
+        f"`fmpy validate {shown}` lists all problems",
+    )
+
+
+def check_identifier(shown: str, identifier: str) -> None:
+    """Check that the name of the library is a name and leads nowhere else."""
+    if not re.fullmatch(r"[^\\/:\x00-\x1f]+", identifier) or identifier.startswith("."):
+        raise FmuError(
+            f"`{shown}`: its `modelIdentifier` is `{paths.brief(identifier)}`, "
+            "it must be the plain name of a library",
+            members.AGAIN,
+        )
 
 
 def check_platform(shown: str, platforms: list[str]) -> None:
@@ -201,62 +264,33 @@ def scalar(variable: Any, displays: dict[tuple[str, str], DisplayUnit]) -> Varia
         unit=attribute("unit"),
         minimum=attribute("min"),
         maximum=attribute("max"),
-        items=tuple((item.name, int(item.value)) for item in (declared.items if declared else ())),
+        items=items_of(variable.name, declared),
         display=display,
     )
 
 
-def extract(path: Path) -> Path:
-    """Extract an FMU into the cache, or find it there; returns the folder.
-
-    The folder is named by the SHA-256 of the file, so a rebuilt FMU is never mixed up with an older one.
-    Several processes may extract the same FMU at once: the first to finish wins.
-    """
-    cache = writable_cache()
-    digest = hashlib.sha256(path.read_bytes()).hexdigest()[:32]
-    folder = cache / digest
-    if not folder.is_dir():
-        remove_unused(cache)
-        partial = Path(tempfile.mkdtemp(prefix=".partial-", dir=cache))
-        try:
-            fmpy.extract(str(path), str(partial))
-            partial.rename(folder)
-        except OSError:
-            if not folder.is_dir():
-                raise
-        finally:
-            shutil.rmtree(partial, ignore_errors=True)
-    os.utime(folder)
-    return folder
-
-
-def writable_cache() -> Path:
-    """Cache folder, or one in the system's temporary folder where the user has no writable home."""
-    cache = paths.cache_folder()
-    try:
-        cache.mkdir(parents=True, exist_ok=True)
-        if os.access(cache, os.W_OK):
-            return cache
-    except OSError:
-        pass
-    fallback = (
-        Path(tempfile.gettempdir()) / f"machining-fmus-{os.getuid() if hasattr(os, 'getuid') else 'user'}"
-    )
-    fallback.mkdir(mode=0o700, parents=True, exist_ok=True)
-    return fallback
-
-
-def remove_unused(cache: Path) -> None:
-    """Remove what was extracted but not used for `UNUSED_DAYS` days."""
-    oldest = time.time() - UNUSED_DAYS * 86400.0
-    for folder in cache.iterdir():
-        if folder.is_dir() and folder.stat().st_mtime < oldest:
-            shutil.rmtree(folder, ignore_errors=True)
+def items_of(name: str, declared: Any) -> tuple[tuple[str, int], ...]:
+    """Names and numbers of an enumeration, each of which stands for one thing."""
+    items = tuple((item.name, int(item.value)) for item in (declared.items if declared else ()))
+    for column in zip(*items, strict=True):
+        twice = [entry for entry in column if column.count(entry) > 1]
+        if twice:
+            problem = f"the enumeration of `{name}` has the item `{twice[0]}` twice"
+            raise FmuError(f"the model description is not valid: {problem}", members.AGAIN)
+    return items
 
 
 def problems(error: Exception) -> list[str]:
-    """List what FMPy found in a model description, one line each; the first `MOST_PROBLEMS` of them."""
-    found = [str(problem) for problem in getattr(error, "problems", [])]
-    found = found or str(error).splitlines()[:1] or [type(error).__name__]
-    more = len(found) - MOST_PROBLEMS
-    return found[:MOST_PROBLEMS] + ([f"and {more} more"] if more > 0 else [])
+    """List what FMPy or the parser found in a model description, one line each."""
+    found = getattr(error, "problems", None) or str(error).splitlines()
+    if not found or (type(error).__module__ == "builtins" and type(error) is not Exception):
+        # what Python itself says is no sentence without the name of the error
+        found = [f"{type(error).__name__}: {error}"]
+    return listed(found)
+
+
+def listed(found: Iterable[object]) -> list[str]:
+    """Problems as texts; the first `MOST_PROBLEMS` of them."""
+    texts = [str(problem) for problem in found]
+    more = len(texts) - MOST_PROBLEMS
+    return texts[:MOST_PROBLEMS] + ([f"and {more} more"] if more > 0 else [])

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from cosim.closing import Closing
 from cosim.errors import FmuError, concerning
 from cosim.fmu.archive import FmuFile, Variable
+from cosim.fmu.library import check_library
 from cosim.fmu.messages import Messages
 from cosim.fmu.values import expand
 
@@ -121,8 +122,9 @@ class Instance(Closing):
             self.slave.exitInitializationMode()
         self.running = True
         # the arrays start with what the FMU holds
-        for bank in [*self.inputs, *self.outputs]:
-            self._mover("Get", bank)()
+        with self.errors("read the inputs and outputs of"):
+            for bank in [*self.inputs, *self.outputs]:
+                self._mover("Get", bank)()
 
     def read(self, variable: Variable) -> float:
         """Read the present value of one variable as a number."""
@@ -178,6 +180,7 @@ class Instance(Closing):
 
 def load_library(file: FmuFile) -> Any:
     """Load the FMU's library; FMPy changes the working directory meanwhile, which is put back in any case."""
+    check_library(file.folder, file.identifier, file.path.name)
     folder = os.getcwd()  # noqa: PTH109
     try:
         return FMU2Slave(

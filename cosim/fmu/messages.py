@@ -16,6 +16,9 @@ LEVELS = {0: logging.INFO, 1: logging.WARNING, 2: logging.WARNING, 3: logging.ER
 KEPT = 20
 """Messages kept per instance; an FMU that warns in every step must not fill the memory."""
 
+LONGEST = 2000
+"""Characters of a message that are shown."""
+
 
 class Messages:
     """Log of one FMU instance.
@@ -56,12 +59,19 @@ class Messages:
 
 def _receive(environment: int | None, instance: bytes, status: int, category: bytes, text: bytes) -> None:
     """Hand a message to the instance that the environment pointer stands for."""
-    message = (text or b"").decode("utf-8", "replace").strip()
+    message = readable(text)
     listener = _listeners.get(environment or 0)
     if listener is not None:
-        listener.add(status, (category or b"").decode("utf-8", "replace"), message)
+        listener.add(status, readable(category), message)
     else:
         log.log(LEVELS.get(status, logging.ERROR), "%s", message)
+
+
+def readable(text: bytes | None) -> str:
+    """Text of an FMU as it may be shown: no control codes of terminals, and not without end."""
+    shown = (text or b"")[: LONGEST + 1].decode("utf-8", "replace").strip()
+    clean = "".join(c if c.isprintable() or c in "\n\t" else "\ufffd" for c in shown)
+    return clean if len(clean) <= LONGEST else f"{clean[:LONGEST]}..."
 
 
 def _make_proxy() -> Any:

@@ -55,11 +55,6 @@ def item_number(variable: Variable, value: Any) -> int:
     )
 
 
-def item_name(variable: Variable, number: float) -> str:
-    """Name of an enumeration item, or the number where there is none."""
-    return next((name for name, value in variable.items if value == number), f"{number:g}")
-
-
 def expand(variables: dict[str, Variable], parameters: dict[str, Any]) -> list[tuple[Variable, Value]]:
     """Variables and values of a table of parameters; `bias = [1, 2]` sets `bias[1]` and `bias[2]`.
 

@@ -60,8 +60,10 @@ class Result:
         return self.scenario.partition("/")[0]
 
     @property
-    def passed(self) -> bool:
-        """Whether all criteria hold."""
+    def passed(self) -> bool | None:
+        """Whether all criteria hold; None where there are none: what was not demanded did not pass."""
+        if not self.criteria:
+            return None
         return all(verdict.passed for verdict in self.criteria)
 
     def to_dict(self) -> dict[str, Any]:
@@ -82,18 +84,18 @@ class Result:
         """Return the result as strict JSON."""
         return json.dumps(self.to_dict(), indent=2, allow_nan=False) + "\n"
 
-    def save_json(self, path: Path) -> None:
+    def save_json(self, path: str | Path) -> None:
         """Write the JSON file."""
         try:
-            path.write_text(self.to_json(), encoding="utf-8")
+            Path(path).write_text(self.to_json(), encoding="utf-8")
         except OSError as error:
             raise CosimError(f"cannot write `{path}`: {error.strerror or error}") from None
 
-    def save_trace(self, path: Path) -> None:
+    def save_trace(self, path: str | Path) -> None:
         """Write the trace as `.npz` or `.csv`."""
         if self.trace is None:
             raise CosimError("this result holds no trace", "`run` keeps it, `run_many` does on demand")
-        trace.save(self.trace, path)
+        trace.save(self.trace, Path(path))
 
 
 def criterion(verdict: Verdict) -> dict[str, Any]:

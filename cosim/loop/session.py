@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import contextlib
-import logging
 import time
 from collections.abc import Iterator
 
 from cosim import paths
 from cosim.closing import Closing
 from cosim.errors import CosimError, concerning
+from cosim.fmu import readable
 from cosim.fmu.archive import FmuFile, Variable, open_fmu
 from cosim.fmu.instance import Instance
-from cosim.loop import native, plant, reference, trace
+from cosim.loop import idle, native, plant, reference, trace
 from cosim.loop.connect import driven
 from cosim.loop.engines import Engine, checked
 from cosim.loop.reference import Parts, Progress
@@ -21,8 +21,6 @@ from cosim.loop.wiring import child
 from cosim.metrics import criteria
 from cosim.metrics.expression import Expression
 from cosim.scenario.model import Scenario
-
-log = logging.getLogger("cosim")
 
 TIMESTEP_TOLERANCE = 1e-9
 
@@ -63,7 +61,7 @@ class Session(Closing):
             self.engine = native.choose(checked(engine), scenario.plant.name, self.plant)
             check_timestep(scenario, self.plant.timestep)
             inputs = driven(scenario, self.file)
-            warn_idle(scenario, self.plant)
+            idle.report(scenario, self.file, self.plant)
             self.fmu = open_instance(self.file, inputs, log_events, previous)
             try:
                 self._compile()
@@ -79,6 +77,7 @@ class Session(Closing):
         self.metrics = criteria.compile_metrics(
             self.scenario.metric, columns, trace.units(self.file, self.plant)
         )
+        criteria.check_units(self.scenario.criterion, self.scenario.metric, self.metrics)
         stop = self.scenario.loop.stop_when
         with concerning("loop.stop_when"):
             self.stop = Expression(stop, columns, "`loop.stop_when`", rowwise=True) if stop else None
@@ -102,6 +101,7 @@ class Session(Closing):
             run = native.run if self.engine == "native" else reference.run
             done = run(Parts(scenario, self.fmu, self.plant, seed, self.stop, progress))
             wall = time.perf_counter() - begin
+            readable.report(self.fmu)
             pairs = zip(scenario.metric, self.metrics, strict=True)
             measured = [criteria.measure(metric, expression, done.table.T) for metric, expression in pairs]
         by_name = {entry.name: entry for entry in measured}
@@ -173,14 +173,6 @@ def open_instance(
             return previous.fmu
         previous.close()
     return Instance(file, inputs, trace.numeric_outputs(file), log_events)
-
-
-def warn_idle(scenario: Scenario, driven_plant: plant.Plant) -> None:
-    """Log the commands that nothing drives."""
-    written = {wire.to for wire in scenario.wire} | {signal.to for signal in scenario.signal}
-    for channel in driven_plant.commands:
-        if f"plant.{channel.name}" not in written:
-            log.info("nothing drives `plant.%s`, it stays 0", channel.name)
 
 
 def check_timestep(scenario: Scenario, timestep: float) -> None:

@@ -11,6 +11,7 @@ import numpy as np
 
 from cosim.errors import ExpressionError, concerning
 from cosim.metrics.expression import Columns, Expression, Items
+from cosim.metrics.units import PLAIN, conversion
 from cosim.scenario.model import Criterion, Metric
 
 
@@ -83,15 +84,54 @@ def measure(metric: Metric, expression: Expression, columns: Columns) -> Measure
             f"`metric.{metric.name}.value` = `{metric.value}` gives {value.size} values, not one",
             "reduce them, for example with `max(...)`, `last(...)` or `rms(...)`",
         )
-    unit = metric.unit or expression.unit or "1"
-    return Measured(metric.name, float(value), unit, metric.description)
+    return Measured(metric.name, float(value), unit_of(metric, expression), metric.description)
+
+
+def check_units(
+    criteria: tuple[Criterion, ...], metrics: tuple[Metric, ...], expressions: list[Expression]
+) -> None:
+    """Check before the run that every metric converts to the unit of its criteria.
+
+    Raises
+    ------
+    ExpressionError
+        The units do not fit.
+    """
+    units = {
+        metric.name: unit_of(metric, expression)
+        for metric, expression in zip(metrics, expressions, strict=True)
+    }
+    for criterion in criteria:
+        with concerning(f"criterion.{criterion.id}.unit"):
+            factor(criterion, units[criterion.metric])
+
+
+def unit_of(metric: Metric, expression: Expression) -> str:
+    """Tell the unit of a metric: its own, else that of its expression, else none."""
+    return metric.unit or expression.unit or PLAIN
+
+
+def factor(criterion: Criterion, unit: str) -> float:
+    """Find the number by which a metric in `unit` is multiplied to be held against the limits of a criterion.
+
+    A metric without a unit is taken to be in that of the criterion.
+    """
+    wanted = criterion.unit or unit
+    found = conversion(unit, wanted)
+    if found is None and unit != PLAIN:
+        problem = f"`criterion.{criterion.id}.unit` is `{wanted}`, `metric.{criterion.metric}` is in `{unit}`"
+        raise ExpressionError(
+            f"{problem}, which does not convert to it",
+            f"give limits in `{unit}` and leave out `unit`, or compute the metric in `{wanted}`",
+        )
+    return 1.0 if found is None else found
 
 
 def judge(criteria: tuple[Criterion, ...], measured: Mapping[str, Measured]) -> list[Verdict]:
-    """Hold every criterion against its metric; the unit is the metric's unless the criterion names one."""
-    return [
-        Verdict(
-            criterion, measured[criterion.metric].value, criterion.unit or measured[criterion.metric].unit
-        )
-        for criterion in criteria
-    ]
+    """Hold every criterion against its metric, in the unit of the criterion where it names one."""
+    verdicts = []
+    for criterion in criteria:
+        metric = measured[criterion.metric]
+        value = metric.value * factor(criterion, metric.unit)
+        verdicts.append(Verdict(criterion, value, criterion.unit or metric.unit))
+    return verdicts

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import re
+from collections import Counter
 from collections.abc import Sequence
 
 SCALES = {
@@ -15,6 +17,10 @@ SCALES = {
 }  # fmt: skip
 """SI unit and number of each unit: `5 * um` is 5e-6, `depth / um` is the depth in micrometres."""
 PLAIN = "1"
+OTHERS = {PLAIN: (PLAIN, 1.0), "%": (PLAIN, 0.01)}
+"""Units that are no names and so stand in no expression."""
+FACTOR = re.compile(r"([^\d./*^-]+)\^?(-?\d{0,2})")
+"""Unit and exponent of one factor: `m`, `s2`, `s^-1`."""
 SAME = {
     "Add", "Sub", "Mod", "USub", "UAdd", "abs", "min", "max", "minimum", "maximum", "clip", "hypot", "round",
     "mean", "median", "std", "rms", "sum", "ptp", "first", "last", "percentile", "cummax", "cummin", "cumsum",
@@ -77,3 +83,33 @@ def quotient(left: str | None, right: str | None) -> str | None:
     if right == PLAIN:
         return left
     return PLAIN if left is not None and left == right else None
+
+
+def conversion(source: str, target: str) -> float | None:
+    """Find the number by which a value in `source` is multiplied to be in `target`; None if they do not fit.
+
+    Units are those of `SCALES`, their products (`N.m`), powers (`m/s2`) and quotients (`mm/s`).
+    """
+    if source == target:
+        return 1.0
+    found, wanted = reduced(source), reduced(target)
+    if found is None or wanted is None or found[1] != wanted[1]:
+        return None
+    return found[0] / wanted[0]
+
+
+def reduced(unit: str) -> tuple[float, Counter[str]] | None:
+    """Scale of a unit and the exponents of its SI units; None for one that is not known."""
+    scale, powers = 1.0, Counter[str]()
+    for place, part in enumerate(unit.split("/")):
+        for text in re.split(r"[.*]", part):
+            found = FACTOR.fullmatch(text)
+            base, size = (SCALES | OTHERS).get(found[1] if found else text, ("", 0.0))
+            if not base:
+                return None
+            exponent = int((found and found[2]) or 1) * (-1 if place else 1)
+            scale *= size**exponent
+            # `rpm` is a quotient itself
+            for sign, name in zip((1, -1), base.split("/"), strict=False):
+                powers[name] += sign * exponent
+    return scale, Counter({name: power for name, power in powers.items() if power and name != PLAIN})

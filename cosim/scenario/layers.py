@@ -87,7 +87,7 @@ def read(path: Path) -> Layers:
 def parse_file(path: Path) -> dict[str, Any]:
     """Parse one TOML file; nested parameter tables become dotted names."""
     try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
+        table = tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except OSError as error:
         raise ScenarioError(f"cannot read `{path}`: {error.strerror}") from None
     except UnicodeDecodeError as error:

@@ -12,7 +12,7 @@ from cosim.scenario.model import Scenario
 from cosim.scenario.tables import parse
 
 
-def load(name_or_path: str | Path, set: Sequence[str] = ()) -> Scenario:  # noqa: A002
+def load(name_or_path: str | Path, set: str | Sequence[str] = ()) -> Scenario:  # noqa: A002
     """Load a scenario by name (`dob`, `dob/paper`) or from a file (`my.toml`).
 
     Parameters
@@ -20,7 +20,7 @@ def load(name_or_path: str | Path, set: Sequence[str] = ()) -> Scenario:  # noqa
     name_or_path
         Name of a scenario in one of the scenario folders, or path of a TOML file.
     set
-        Overrides `KEY=VALUE`, see `cosim.scenario.layers.override`.
+        Overrides `KEY=VALUE`, one or several, see `cosim.scenario.layers.override`.
 
     Raises
     ------
@@ -29,7 +29,7 @@ def load(name_or_path: str | Path, set: Sequence[str] = ()) -> Scenario:  # noqa
     """
     file = paths.find_scenario(str(name_or_path))
     merged = layers.read(file)
-    layers.override(merged, set)
+    layers.override(merged, [set] if isinstance(set, str) else set)
     return replace(build(merged), name=paths.scenario_name(file), file=file.resolve())
 
 

@@ -175,13 +175,20 @@ class Plot:
 
 @dataclass(frozen=True)
 class Scenario:
-    """A closed loop and what is demanded of it; load it with `cosim.load`."""
+    """A closed loop and what is demanded of it; load it with `cosim.load`.
+
+    Parameters
+    ----------
+    idle
+        `controller.<input>` and `plant.<command>` that nothing drives on purpose; others are warned of.
+    """
 
     title: str
     loop: Loop
     controller: Controller
     plant: PlantChoice
     description: str = ""
+    idle: tuple[str, ...] = ()
     wire: tuple[Wire, ...] = ()
     signal: tuple[Signal, ...] = ()
     inject: tuple[Injection, ...] = ()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 
@@ -12,16 +12,21 @@ if TYPE_CHECKING:
     from rich.progress import Progress, ProgressColumn
 
 
+def plain_console(**options: Any) -> Console:
+    """Console that shows texts as they are: `[m/s]` of an FMU is a unit, no markup."""
+    return Console(highlight=False, markup=False, emoji=False, **options)
+
+
 @contextlib.contextmanager
 def bar(quiet: bool, *columns: str | ProgressColumn) -> Iterator[Progress | None]:
     """Bar with columns, texts or rich's own, before the time left; none if stderr is no terminal."""
-    console = Console(stderr=True)
+    console = plain_console(stderr=True)
     if quiet or not console.is_terminal:
         yield None
         return
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-    own = [TextColumn(column) if isinstance(column, str) else column for column in columns]
-    parts = (TextColumn("{task.description}"), BarColumn(), *own, TimeRemainingColumn())
+    own = [TextColumn(column, markup=False) if isinstance(column, str) else column for column in columns]
+    parts = (TextColumn("{task.description}", markup=False), BarColumn(), *own, TimeRemainingColumn())
     with Progress(*parts, console=console, transient=True) as shown:
         yield shown

@@ -20,6 +20,9 @@ from cosim.scenario.model import Scenario
 from cosim.scenario.tables import toml_key
 from cosim.show.quantity import number, text
 
+NOTHING_DEMANDED = "no criteria: nothing was demanded"
+STYLES = {True: "bold green", False: "bold red", None: "bold"}
+"""Style of a verdict by `passed`."""
 CAUSALITIES = {
     "input": "inputs",
     "output": "outputs",
@@ -221,12 +224,12 @@ def summary(found: Result) -> Text:
     failed = sum(not verdict.passed for verdict in found.criteria)
     count = len(found.criteria)
     if not count:
-        verdict = Text("no criteria", style="bold")
+        verdict = Text(NOTHING_DEMANDED, style=STYLES[None])
     elif failed:
-        verdict = Text(f"{failed} of {count} criteria do not hold", style="bold red")
+        verdict = Text(f"{failed} of {count} criteria do not hold", style=STYLES[False])
     else:
         verdict = Text(
-            f"all {count} criteria hold" if count > 1 else "the criterion holds", style="bold green"
+            f"all {count} criteria hold" if count > 1 else "the criterion holds", style=STYLES[True]
         )
     speed = found.simulated_s / found.wall_s
     verdict.append(

@@ -13,6 +13,7 @@ from typing import Any
 
 from rich.console import RenderableType
 
+from cosim import paths
 from cosim.loop import engines
 from cosim.show.bar import bar
 from cosim.sweep import cluster, overview, study, supervisor
@@ -69,7 +70,7 @@ def execute(options: Options) -> tuple[Survey, RenderableType]:
     KeyboardInterrupt
         After the summary of what was done has been written.
     """
-    plan = Plan(study.load(options.file), engines.checked(options.engine))
+    plan = Plan(study.load(paths.find_study(str(options.file))), engines.checked(options.engine))
     with Store(options.folder) as store:
         try:
             with progress(plan, store, options) as observe:

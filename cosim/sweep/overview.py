@@ -12,8 +12,9 @@ from rich.console import Group, RenderableType
 from rich.text import Text
 
 from cosim.errors import CosimError
+from cosim.metrics.criteria import factor
 from cosim.scenario.model import Scenario
-from cosim.show.display import plain_table
+from cosim.show.display import NOTHING_DEMANDED, STYLES, plain_table
 from cosim.show.plot import STYLE
 from cosim.show.quantity import number, text
 from cosim.sweep.plan import Plan, Run
@@ -43,13 +44,15 @@ def tables(plan: Plan, store: Store, found: Survey, worst: list[Run]) -> Rendera
 
 def verdict(found: Survey) -> Text:
     """One line: how many passed."""
-    low, high = confidence(found.statuses["passed"], found.rows)
     counts = ", ".join(f"{count} {status}" for status, count in found.statuses.most_common())
     line = Text(
         f"{found.rows} of {found.wanted} runs: {counts or 'nothing yet'}",
-        style="bold green" if found.passed else "bold red",
+        style=STYLES[found.passed],
     )
-    if found.rows:
+    if found.statuses["done"]:
+        line.append(f"; {NOTHING_DEMANDED}", style="not bold default")
+    elif found.rows:
+        low, high = confidence(found.statuses["passed"], found.rows)
         rate = 100.0 * found.statuses["passed"] / found.rows
         interval = f"; {rate:.4g} % passed (95 % confidence: {100.0 * low:.3g} .. {100.0 * high:.3g} %)"
         line.append(interval, style="not bold default")
@@ -189,7 +192,7 @@ def draw_metrics(
         unit = found.units[name]
         axes[0].hist(finite(values), bins="auto", color="tab:blue", alpha=0.7)
         axes[0].set_xlabel(f"{name} ({unit})" if unit not in ("", "1") else name)
-        for limit in limits(scenario, name):
+        for limit in limits(scenario, name, unit):
             axes[0].axvline(limit, color="tab:red", linestyle="--", label=f"limit {number(limit)}")
         for place, key in zip(axes[1:], keys, strict=True):
             at = np.array([float(row["set"].get(key, math.nan)) for row in done])
@@ -201,10 +204,11 @@ def draw_metrics(
                 place.set_xscale("log")
 
 
-def limits(scenario: Scenario, name: str) -> list[float]:
-    """Limits of a metric."""
-    held = [entry for entry in scenario.criterion if entry.metric == name]
-    return [limit for entry in held for limit in (entry.minimum, entry.maximum) if limit is not None]
+def limits(scenario: Scenario, name: str, unit: str) -> list[float]:
+    """Limits of a metric, in its own unit."""
+    held = [(entry, factor(entry, unit)) for entry in scenario.criterion if entry.metric == name]
+    both = [(limit, scale) for entry, scale in held for limit in (entry.minimum, entry.maximum)]
+    return [limit / scale for limit, scale in both if limit is not None]
 
 
 def finite(values: Any) -> Any:

@@ -20,7 +20,9 @@ log = logging.getLogger("cosim")
 FILE = "results.jsonl"
 Row = dict[str, Any]
 """One line: run, case, seed, status, reason, what was set, metrics, criteria, times, hash."""
-DONE = ("passed", "failed")
+VERDICTS = {True: "passed", False: "failed", None: "done"}
+"""Status of a result by `Result.passed`; without criteria it is only done."""
+DONE = tuple(VERDICTS.values())
 """Statuses of runs that gave a result; the others are `error`, `crashed`, `timeout`, `memory` and `lost`."""
 
 
@@ -119,7 +121,7 @@ def row_of(run: Run, outcome: Outcome) -> Row:
     if isinstance(outcome, Result):
         return {
             **row,
-            "status": "passed" if outcome.passed else "failed",
+            "status": VERDICTS[outcome.passed],
             "reason": failed(outcome.criteria),
             "metrics": {metric.name: plain(metric.value) for metric in outcome.metrics.values()},
             "units": {metric.name: metric.unit for metric in outcome.metrics.values()},

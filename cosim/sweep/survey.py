@@ -63,8 +63,10 @@ class Survey:
         return sum(self.statuses[status] for status in DONE)
 
     @property
-    def passed(self) -> bool:
-        """Whether every run of the study passed."""
+    def passed(self) -> bool | None:
+        """Whether every run of the study passed; None where all were done and nothing was demanded."""
+        if self.wanted and self.statuses["done"] == self.wanted:
+            return None
         return self.statuses["passed"] == self.wanted
 
     def to_dict(self) -> dict[str, Any]:

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import os
 import shutil
 import subprocess
-import time
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
@@ -121,7 +119,7 @@ def test_a_mistake_that_repeats_fills_no_screen(folder: Path) -> None:
 def test_a_library_that_cannot_be_loaded_is_refused_and_the_folder_put_back(folder: Path) -> None:
     pack(folder / "bad.fmu", description(), {LIBRARY: b"not a library"})
     file = open_fmu(folder / "bad.fmu")
-    with pytest.raises(FmuError, match=r"cannot load the library of `Probe`: .*\nhint: "):
+    with pytest.raises(FmuError, match=r"`bad.fmu`: the library `.*` in it is no library of Linux\nhint: "):
         Instance(file, [], [])
     assert Path.cwd() == folder
 
@@ -141,35 +139,6 @@ def test_an_fmu_that_does_not_instantiate_tells_why(folder: Path, probe_library:
     pack(folder / "bad.fmu", description(("probe-guid", "other-guid")), {LIBRARY: probe_library})
     with pytest.raises(FmuError, match=r"cannot instantiate the FMU `Probe`: wrong GUID"):
         Instance(open_fmu(folder / "bad.fmu"), [], [])
-
-
-def test_an_fmu_is_extracted_once_and_by_content(folder: Path) -> None:
-    first = open_fmu(folder / "probe.fmu").folder
-    marker = first / "marker"
-    marker.touch()
-    assert open_fmu(folder / "probe.fmu").folder == first
-    assert marker.exists()
-    pack(folder / "probe.fmu", description(("Gain", "Other")), {LIBRARY: b"rebuilt"})
-    assert open_fmu(folder / "probe.fmu").folder != first
-    assert not [path for path in first.parent.iterdir() if path.name.startswith(".partial")]
-
-
-def test_what_was_not_used_for_long_is_removed(folder: Path) -> None:
-    first = open_fmu(folder / "probe.fmu").folder
-    old = time.time() - (archive.UNUSED_DAYS + 1) * 86400
-    os.utime(first, (old, old))
-    pack(folder / "other.fmu", description(("Gain", "Other")), {LIBRARY: b""})
-    second = open_fmu(folder / "other.fmu").folder
-    assert second.is_dir()
-    assert not first.exists()
-
-
-def test_an_unwritable_cache_falls_back(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (folder / "file").touch()
-    monkeypatch.setenv("COSIM_CACHE", str(folder / "file" / "below"))
-    monkeypatch.setattr("tempfile.tempdir", str(folder / "temporary"))
-    (folder / "temporary").mkdir()
-    assert open_fmu(folder / "probe.fmu").folder.is_relative_to(folder / "temporary")
 
 
 def parameters(write: Write, *overrides: str) -> cosim.Result:
@@ -237,9 +206,9 @@ def test_fmus_are_found_by_path_and_environment(
     (folder / "elsewhere").mkdir()
     (folder / "probe.fmu").rename(folder / "elsewhere" / "probe.fmu")
     overrides = ["controller.fmu=elsewhere/probe.fmu"]
-    assert cosim.run(cosim.load(file, set=overrides)).passed
+    assert cosim.run(cosim.load(file, set=overrides)).simulated_s == 0.05
     monkeypatch.setenv("COSIM_FMU_PATH", str(folder / "elsewhere"))
-    assert cosim.run(cosim.load(file)).passed
+    assert cosim.run(cosim.load(file)).simulated_s == 0.05
 
 
 def test_a_thousand_instances_leave_nothing_behind(folder: Path) -> None:

@@ -1,4 +1,4 @@
-//! `cargo xtask wheel`: one file that `pip` installs, with harness, plants, native module, FMUs and scenarios.
+//! `cargo xtask wheel`: one file that `pip` installs: harness, plants, native module, FMUs, scenarios, studies.
 
 use std::borrow::Cow;
 use std::fs::{self, File};
@@ -33,6 +33,7 @@ const SOURCES: &[&str] = &[
     "plants",
     "requirements.txt",
     "scenarios",
+    "studies",
     "target/fmu/SHA256SUMS",
 ];
 
@@ -80,7 +81,7 @@ fn build_packages(workspace: &Workspace, folder: &Path) -> Result<()> {
     process::run("build the packages `plants` and `cosim`", &mut maturin)
 }
 
-/// The FMUs and the scenarios by their path in the wheel.
+/// The FMUs, the scenarios and the studies by their path in the wheel.
 fn content(workspace: &Workspace) -> Result<Content> {
     let mut content = Content::default();
     for package in fmu::controllers(workspace) {
@@ -88,7 +89,9 @@ fn content(workspace: &Workspace) -> Result<Content> {
         let bytes = fs::read(workspace.path("target/fmu").join(&name)).with_context(|| format!("no `{name}`"))?;
         content.add(format!("{PACKED}/fmu/{name}"), bytes)?;
     }
-    content.add_folder(&format!("{PACKED}/scenarios"), &workspace.path("scenarios"))?;
+    for folder in ["scenarios", "studies"] {
+        content.add_folder(&format!("{PACKED}/{folder}"), &workspace.path(folder))?;
+    }
     Ok(content)
 }
 

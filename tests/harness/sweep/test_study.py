@@ -81,7 +81,7 @@ GRID = 'scenario = "lag.toml"\n[design]\nkind = "grid"\n'
 DRAWN = 'scenario = "lag.toml"\n[design]\nkind = "monte-carlo"\nsamples = 4\n'
 RANGE = VARY + "minimum = 0.1\nmaximum = 0.9\n"
 BAD = {
-    "no study": (None, "cannot read `study.toml`"),
+    "no study": (None, "the study file `study.toml` does not exist"),
     "broken TOML": ("scenario = ", "not valid TOML"),
     "no scenario": ('[design]\nkind = "grid"\n', "`scenario` is missing"),
     "unknown scenario": (DRAWN.replace("lag.toml", "lagg.toml") + RANGE, "`lagg.toml` does not exist"),

@@ -1,0 +1,195 @@
+"""The cache of extracted FMUs: a folder for each file, named by its content and whole before it is used."""
+
+from __future__ import annotations
+
+import atexit
+import contextlib
+import functools
+import hashlib
+import logging
+import os
+import re
+import shutil
+import stat
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from cosim import paths
+from cosim.errors import FmuError
+
+log = logging.getLogger("cosim")
+
+UNUSED_DAYS = 7
+"""An extracted FMU that was not used for so long is removed."""
+PARTIAL = ".partial-"
+OWN = re.compile(rf"[0-9a-f]{{32}}|{re.escape(PARTIAL)}\w+")
+"""Names of the folders that the cache makes; whatever has another name is somebody else's."""
+LOCK = ".lock"
+PATIENCE = 300.0
+"""Time that another process is given to extract an FMU, s."""
+FOREIGN = stat.S_IWGRP | stat.S_IWOTH
+
+
+def extracted(path: Path, sizes: dict[str, int], unpack: Callable[[Path], None]) -> Path:
+    """Folder that holds the content of an FMU; extracted now unless it is there and whole.
+
+    The folder is named by the SHA-256 of the file, so a rebuilt FMU is never mixed up with an older one. What
+    is missing in it or was cut off is extracted again.
+
+    Parameters
+    ----------
+    path
+        The FMU.
+    sizes
+        Its files and their sizes in bytes.
+    unpack
+        Extracts it into a folder.
+
+    Raises
+    ------
+    FmuError
+        The cache cannot be written.
+    """
+    with path.open("rb") as file:
+        digest = hashlib.file_digest(file, "sha256").hexdigest()[:32]
+    cache = usable(paths.cache_folder())
+    folder = cache / digest
+    with writing(cache):
+        if not is_whole(folder, sizes):
+            with locked(cache):
+                if not is_whole(folder, sizes):
+                    remove_unused(cache)
+                    make(folder, sizes, unpack)
+        os.utime(folder)
+    return folder
+
+
+def make(folder: Path, sizes: dict[str, int], unpack: Callable[[Path], None]) -> None:
+    """Extract beside `folder` and rename, so that nobody sees half of it."""
+    free, needed = shutil.disk_usage(folder.parent).free, sum(sizes.values())
+    if needed > free:
+        raise FmuError(
+            f"the FMU unpacks to {needed / 1e6:.0f} MB, in `{folder.parent}` are {free / 1e6:.0f} MB free",
+            f"set {paths.CACHE_ENV} to a folder on a larger disk",
+        )
+    partial = Path(tempfile.mkdtemp(prefix=PARTIAL, dir=folder.parent))
+    try:
+        unpack(partial)
+        if folder.exists():
+            log.warning("`%s` was damaged, the FMU is extracted again", folder)
+            discard(folder)
+        partial.rename(folder)
+    finally:
+        shutil.rmtree(partial, ignore_errors=True)
+
+
+def is_whole(folder: Path, sizes: dict[str, int]) -> bool:
+    """Whether every file of an FMU is in its folder and none was cut off; an FMU may add to its own."""
+    try:
+        return owned(folder.lstat()) and all(
+            (folder / name).stat().st_size >= size for name, size in sizes.items()
+        )
+    except OSError:
+        return False
+
+
+def remove_unused(cache: Path) -> None:
+    """Remove what the cache made but nobody used for `UNUSED_DAYS` days, and nothing else."""
+    oldest = time.time() - UNUSED_DAYS * 86400.0
+    for folder in cache.iterdir():
+        with contextlib.suppress(OSError):
+            found = folder.lstat()
+            if OWN.fullmatch(folder.name) and stat.S_ISDIR(found.st_mode) and found.st_mtime < oldest:
+                discard(folder)
+
+
+def discard(folder: Path) -> None:
+    """Remove a folder; from one moment to the next for those who look for its name."""
+    aside = folder.with_name(f"{PARTIAL}{os.getpid()}_{time.monotonic_ns()}")
+    folder.rename(aside)
+    if aside.is_dir():
+        shutil.rmtree(aside, ignore_errors=True)
+    else:
+        aside.unlink()
+
+
+@contextlib.contextmanager
+def writing(cache: Path) -> Iterator[None]:
+    """Tell where it happened when the disk is full or gone."""
+    try:
+        yield
+    except OSError as error:
+        problem = f"cannot extract the FMU into `{cache}`: {error.strerror or error}"
+        raise FmuError(problem, f"{paths.CACHE_ENV} names another folder") from None
+
+
+@contextlib.contextmanager
+def locked(cache: Path) -> Iterator[None]:
+    """Let one process at a time write into the cache; the lock ends with the process."""
+    import filelock
+
+    try:
+        with filelock.FileLock(cache / LOCK, timeout=PATIENCE):
+            yield
+    except filelock.Timeout:
+        problem = f"another process has been writing to `{cache}` for {PATIENCE:g} s"
+        raise FmuError(problem, f"end it, or remove `{cache / LOCK}`") from None
+
+
+def usable(wanted: Path) -> Path:
+    """Wanted folder if it is this user's and nobody else's, or one in the system's temporary folder.
+
+    Whoever may write into the cache has their code run by the next session.
+    """
+    problem = refusal(wanted)
+    if not problem:
+        return wanted
+    user = os.getuid() if hasattr(os, "getuid") else "user"
+    fallback = Path(tempfile.gettempdir()) / f"{paths.CACHE_NAME}-{user}"
+    if refusal(fallback):
+        fallback = of_this_process()
+    warn(wanted, problem, fallback)
+    return fallback
+
+
+@functools.cache
+def of_this_process() -> Path:
+    """Make a folder that is removed when this process ends."""
+    folder = Path(tempfile.mkdtemp(prefix=f"{paths.CACHE_NAME}-"))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    return folder
+
+
+@functools.cache
+def warn(wanted: Path, problem: str, fallback: Path) -> None:
+    """Log once in a process which cache is not used, and why."""
+    log.warning("the cache `%s` %s: FMUs are extracted to `%s`", wanted, problem, fallback)
+
+
+def refusal(cache: Path) -> str:
+    """Why a folder cannot be the cache, empty if it can; makes it where it is not there."""
+    try:
+        cache.parent.mkdir(parents=True, exist_ok=True)
+        with contextlib.suppress(FileExistsError):
+            cache.mkdir(mode=0o700)
+        found = cache.lstat()
+        if not stat.S_ISDIR(found.st_mode):
+            return "is no folder"
+        if not os.access(cache, os.W_OK | os.X_OK):
+            return "cannot be written"
+        if not owned(found):
+            return "belongs to another user"
+        if hasattr(os, "getuid") and found.st_mode & FOREIGN:
+            cache.chmod(stat.S_IMODE(found.st_mode) & ~FOREIGN)
+            if cache.lstat().st_mode & FOREIGN:
+                return "can be written by other users"
+    except OSError as error:
+        return f"cannot be used ({error.strerror or error})"
+    return ""
+
+
+def owned(found: os.stat_result) -> bool:
+    """Whether a file belongs to this user."""
+    return not hasattr(os, "getuid") or found.st_uid == os.getuid()

@@ -1,0 +1,61 @@
+"""The library of an FMU as a file: what would end the process on loading it is found before."""
+
+from __future__ import annotations
+
+import struct
+from pathlib import Path
+
+import fmpy
+
+from cosim.errors import FmuError
+
+HEADER = struct.Struct("<4sBB10xHHIQQQIHHHHHH")
+"""Header of a 64-bit ELF file."""
+SEGMENT = struct.Struct("<IIQQQQQQ")
+"""Entry of its table of segments."""
+LITTLE_64 = (2, 1)
+"""Class and byte order of the files that are looked into."""
+
+
+def check_library(folder: Path, identifier: str, shown: str) -> None:
+    """Check that the library of an extracted FMU is whole; loading one that was cut off is a bus error.
+
+    Raises
+    ------
+    FmuError
+        No library of this name, no library at all, or one that was cut off.
+    """
+    place = f"binaries/{fmpy.platform}"
+    library = folder / place / f"{identifier}{fmpy.sharedLibraryExtension}"
+    if not library.is_file():
+        there = ", ".join(f"`{path.name}`" for path in sorted((folder / place).glob("*")))
+        raise FmuError(
+            f"`{shown}` has no library `{place}/{library.name}`, which its `modelIdentifier` asks for",
+            f"`{place}` holds {there or 'nothing'}",
+        )
+    if fmpy.platform.startswith("linux") and (problem := elf_problem(library)):
+        raise FmuError(f"`{shown}`: the library `{place}/{library.name}` in it {problem}", "build it again")
+
+
+def elf_problem(library: Path) -> str:
+    """Tell what is wrong with an ELF file, empty if nothing was found."""
+    size = library.stat().st_size
+    with library.open("rb") as file:
+        start = file.read(HEADER.size)
+        if not start.startswith(b"\x7fELF"):
+            return "is no library of Linux" if start else "is empty"
+        if len(start) < HEADER.size:
+            return f"was cut off after {size} bytes"
+        header = HEADER.unpack(start)
+        table, entry, count = header[7], header[11], header[12]
+        if header[1:3] != LITTLE_64 or entry != SEGMENT.size:
+            return ""
+        file.seek(min(table, size))
+        segments = file.read(count * entry)
+    whole = segments[: len(segments) // entry * entry]
+    needed = max(
+        (begin + length for _, _, begin, _, _, length, _, _ in SEGMENT.iter_unpack(whole)), default=0
+    )
+    if len(segments) < count * entry or needed > size:
+        return f"was cut off: it has {size} bytes, its header speaks of {max(needed, table + count * entry)}"
+    return ""

@@ -1,0 +1,100 @@
+"""The files in an FMU, checked before they are unpacked: it is a zip file that anybody may have made."""
+
+from __future__ import annotations
+
+import stat
+import zipfile
+from pathlib import Path, PurePosixPath
+
+from cosim import paths
+from cosim.errors import FmuError
+
+DESCRIPTION = "modelDescription.xml"
+METHODS = {zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED, zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA}
+ENCRYPTED = 0x1
+MOST_FILES = 100_000
+SMALL = 200_000_000
+"""An FMU that unpacks to less, in bytes, may be compressed as well as it likes."""
+MOST_RATIO = 100.0
+"""Ratio of unpacked to packed size above which a large FMU is no honest one; libraries reach 5, tables 30."""
+AGAIN = "build or copy it again"
+
+
+def sizes(path: Path) -> dict[str, int]:
+    """Files of an FMU and their unpacked sizes in bytes.
+
+    Raises
+    ------
+    FmuError
+        No zip file, or one that FMI does not allow, that leads out of its folder or that would fill the disk.
+    """
+    shown = paths.shown(path)
+    with zipped(path, shown) as archive:
+        infos = archive.infolist()
+    if len(infos) > MOST_FILES:
+        raise FmuError(f"`{shown}` holds {len(infos)} files, more than {MOST_FILES}", AGAIN)
+    for info in infos:
+        if problem := problem_of(info):
+            raise FmuError(f"`{shown}`: the file `{paths.brief(info.filename)}` in it {problem}", AGAIN)
+    files = {info.filename: info.file_size for info in infos if not info.is_dir()}
+    if DESCRIPTION not in files:
+        names = ", ".join(f"`{paths.brief(name)}`" for name in sorted(files)[:5])
+        holds = f"it holds {names}" if files else "it is empty"
+        raise FmuError(f"`{shown}` is not an FMU: it holds no `{DESCRIPTION}`", f"{holds}; {AGAIN}")
+    check_size(shown, sum(info.file_size for info in infos), path.stat().st_size)
+    check_folders(shown, files)
+    return files
+
+
+def zipped(path: Path, shown: str) -> zipfile.ZipFile:
+    """Open a zip file."""
+    try:
+        return zipfile.ZipFile(path)
+    except (zipfile.BadZipFile, ValueError, NotImplementedError) as error:
+        with path.open("rb") as file:
+            start = file.read(4)
+        if not start:
+            problem = "it is empty"
+        elif start == b"PK\x03\x04":
+            problem = f"it is a zip file that was cut off or damaged ({error})"
+        else:
+            problem = "it is not a zip file"
+        raise FmuError(f"`{shown}` is not an FMU: {problem}", AGAIN) from None
+
+
+def problem_of(info: zipfile.ZipInfo) -> str:
+    """Tell what is wrong with one file of an FMU, empty if nothing is."""
+    name = info.orig_filename
+    if "\\" in name:
+        return "has a backslash in its name, FMI demands forward slashes"
+    if name.startswith("/") or ":" in name:
+        return "has an absolute path"
+    if ".." in PurePosixPath(name).parts:
+        return "leads out of the FMU"
+    if not all(character.isprintable() for character in name):
+        return "has a control character in its name"
+    if stat.S_ISLNK(info.external_attr >> 16):
+        return "is a symbolic link"
+    if info.flag_bits & ENCRYPTED:
+        return "is encrypted"
+    if info.compress_type not in METHODS:
+        return f"is compressed by method {info.compress_type}, FMI demands 8 (deflate)"
+    return ""
+
+
+def check_size(shown: str, unpacked: int, packed: int) -> None:
+    """Check that an FMU does not unpack to many times its size."""
+    if unpacked > SMALL and unpacked > MOST_RATIO * packed:
+        raise FmuError(
+            f"`{shown}` of {packed / 1e6:.3g} MB unpacks to {unpacked / 1e6:.0f} MB, "
+            f"{unpacked / packed:.0f} times as much; more than {MOST_RATIO:g} times is taken for an attack",
+            "pack it without compression if it is meant so",
+        )
+
+
+def check_folders(shown: str, files: dict[str, int]) -> None:
+    """Check that no file stands where another one needs a folder."""
+    for name in files:
+        for above in PurePosixPath(name).parents:
+            if str(above) in files:
+                raise FmuError(f"`{shown}`: `{above}` in it is a file and a folder at once", AGAIN)

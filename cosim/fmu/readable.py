@@ -1,0 +1,34 @@
+"""Variables that a model description names but the FMU itself does not know."""
+
+from __future__ import annotations
+
+import logging
+
+from cosim.errors import FmuError
+from cosim.fmu.instance import BASE, Instance
+
+log = logging.getLogger("cosim")
+_read: set[tuple[str, str]] = set()
+"""GUID and folder of the FMUs that were read in this process."""
+
+
+def report(fmu: Instance) -> None:
+    """Read every number of an FMU whose run is over, once in a process, and log the first that it refuses.
+
+    A refused call ends the life of an instance, so the variables behind the first one are not asked for.
+    """
+    known = (fmu.file.guid, str(fmu.file.folder))
+    if known in _read:
+        return
+    _read.add(known)
+    for variable in fmu.file.variables.values():
+        if BASE[variable.kind] == "String":
+            continue
+        try:
+            fmu.read(variable)
+        except FmuError as error:
+            reference = f"value reference {variable.reference}"
+            log.warning(
+                "the FMU does not know its variable `%s` (%s): %s", variable.name, reference, error.message
+            )
+            return

@@ -1,0 +1,44 @@
+"""What nothing drives: an input or command that a scenario forgot keeps its start value for the whole run."""
+
+from __future__ import annotations
+
+import functools
+import logging
+
+from cosim.errors import closest
+from cosim.fmu.archive import FmuFile
+from cosim.loop.connect import targets
+from cosim.loop.plant import Plant
+from cosim.scenario.model import Scenario
+
+log = logging.getLogger("cosim")
+
+
+def report(scenario: Scenario, file: FmuFile, plant: Plant) -> None:
+    """Log the inputs of the FMU and commands of the plant that nothing drives and `idle` does not list."""
+    known = [f"controller.{variable.name}" for variable in file.named("input")]
+    known += [f"plant.{channel.name}" for channel in plant.commands]
+    if unknown := [name for name in scenario.idle if name not in known]:
+        text = f"{scenario.origin('idle')}: `idle` lists {quoted(unknown)}, which is no input and no command"
+        warn(f"{text}; {closest(unknown[0], known)}")
+    if forgotten := undriven(scenario, known):
+        text = f"{scenario.origin('wire')}: nothing drives {quoted(forgotten)}"
+        warn(f"{text}: wire what is missing, list the rest in `idle`")
+
+
+def quoted(names: list[str]) -> str:
+    """Names in backticks."""
+    return ", ".join(f"`{name}`" for name in names)
+
+
+def undriven(scenario: Scenario, known: list[str]) -> list[str]:
+    """List the names of `known` without wire, signal, injection or start value that `idle` does not list."""
+    started = {f"controller.{name}" for name in scenario.controller.parameters}
+    meant = {to for _, to in targets(scenario)} | started | set(scenario.idle)
+    return [name for name in known if name not in meant]
+
+
+@functools.cache
+def warn(text: str) -> None:
+    """Log a warning once in a process."""
+    log.warning("%s", text)

@@ -1,0 +1,62 @@
+"""The command line called in this process, and what every refusal has in common."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+
+import pytest
+
+from cosim.cli import main
+
+IN_PROCESS: tuple[str, ...] = ()
+"""Options that keep `cosim run` in this process, where it is fast."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """One bad input.
+
+    Parameters
+    ----------
+    arguments
+        Command line.
+    words
+        What the message must name: the thing, its value, its place.
+    """
+
+    arguments: tuple[str, ...]
+    words: tuple[str, ...]
+
+
+def given(*arguments: str) -> tuple[str, ...]:
+    """Arguments of a case."""
+    return arguments
+
+
+def call(arguments: tuple[str, ...], monkeypatch: pytest.MonkeyPatch) -> object:
+    """Exit code of a command line."""
+    extra = IN_PROCESS if arguments[:1] == ("run",) else ()
+    monkeypatch.setattr(sys, "argv", ["cosim", *arguments, *extra])
+    with pytest.raises(SystemExit) as exited:
+        main()
+    return exited.value.code
+
+
+def refused(case: Case, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    """Check that a bad input is one error that names the thing, with exit code 2 and without traceback."""
+    code = call(case.arguments, monkeypatch)
+    check_refusal(case.words, code, *capsys.readouterr())
+
+
+def check_refusal(words: tuple[str, ...], code: object, stdout: str, stderr: str) -> None:
+    """Check exit code, streams and message of a refusal."""
+    assert "Traceback" not in stdout + stderr
+    assert code == 2, stdout + stderr
+    assert stdout == ""
+    errors = [line for line in stderr.splitlines() if line.startswith("error: ")]
+    assert len(errors) == 1, stderr
+    assert len(errors[0]) < 3000
+    assert "\x1b" not in stderr
+    for word in words:
+        assert word in stderr, stderr

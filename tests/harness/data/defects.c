@@ -1,0 +1,95 @@
+/* The probe with one defect, which the GUID of its model description names after `defect:`. */
+#include <signal.h>
+#include "fmi2Functions.h"
+#undef fmi2Instantiate
+#undef fmi2ExitInitializationMode
+#undef fmi2DoStep
+#undef fmi2GetReal
+#define fmi2Instantiate probe_instantiate
+#define fmi2ExitInitializationMode probe_exit_initialization
+#define fmi2DoStep probe_do_step
+#define fmi2GetReal probe_get_real
+#include "probe.c"
+#undef fmi2Instantiate
+#undef fmi2ExitInitializationMode
+#undef fmi2DoStep
+#undef fmi2GetReal
+
+#define LONG 1000000
+static char defect[64];
+static int is(const char *name) { return strcmp(defect, name) == 0; }
+
+fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
+                              const fmi2CallbackFunctions *functions, fmi2Boolean visible, fmi2Boolean logging) {
+    defect[0] = 0;
+    if (strncmp(guid, "defect:", 7) == 0) {
+        strncpy(defect, guid + 7, sizeof defect - 1);
+        guid = "probe-guid";
+    }
+    if (is("instantiate_null")) return NULL;
+    if (is("exit_in_instantiate")) exit(0);
+    return probe_instantiate(name, type, guid, resources, functions, visible, logging);
+}
+
+fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
+    if (is("init_error")) {
+        tell(c, fmi2Error, "logStatusError", "init failed on purpose", 0.0);
+        return fmi2Error;
+    }
+    if (is("init_segfault")) raise(SIGSEGV);
+    return probe_exit_initialization(c);
+}
+
+fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2Real value[]) {
+    for (size_t i = 0; i < n; i++) {
+        if (vr[i] >= REALS) {
+            tell(c, fmi2Error, "logStatusError", "there is no such value reference", 0.0);
+            return fmi2Error;
+        }
+    }
+    return probe_get_real(c, vr, n, value);
+}
+
+static fmi2Status step_status(Probe *p) {
+    if (is("step_error")) tell(p, fmi2Error, "logStatusError", "doStep failed on purpose", 0.0);
+    if (is("log_bytes")) tell(p, fmi2Error, "logStatusError", "100%% \x1b[31mred [/red] \xff\xfe end", 0.0);
+    if (is("log_long")) {
+        char *text = malloc(LONG + 1);
+        memset(text, 'A', LONG);
+        text[LONG] = 0;
+        p->functions->logger(p->functions->componentEnvironment, p->name, fmi2Error, "logStatusError", text);
+        free(text);
+    }
+    if (is("step_discard")) return fmi2Discard;
+    if (is("step_fatal")) return fmi2Fatal;
+    if (is("step_pending")) return fmi2Pending;
+    if (is("step_77")) return (fmi2Status)77;
+    return fmi2Error;
+}
+
+static void break_process(Probe *p) {
+    if (is("segfault")) raise(SIGSEGV);
+    if (is("abort")) abort();
+    if (is("bus_error")) raise(SIGBUS);
+    if (is("real_time_signal")) raise(SIGRTMIN + 5);
+    if (is("exit")) exit(0);
+    if (is("exit_now")) _exit(0);
+    if (is("hang")) for (;;) sleep(1);
+    if (is("heap")) {
+        char *volatile block = malloc(64);
+        memset(block - 16, 0x41, 16);
+        free(block);
+    }
+    if (is("close_files")) for (int i = 0; i < 256; i++) close(i);
+    if (is("log_spam")) for (int i = 0; i < 20000; i++) tell(p, fmi2Warning, "logStatusWarning", "spam", 0.0);
+}
+
+fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step, fmi2Boolean prior) {
+    Probe *p = c;
+    if (p->integer[CALLS] == 3) {
+        break_process(p);
+        if (strncmp(defect, "step_", 5) == 0 || is("log_bytes") || is("log_long")) return step_status(p);
+        if (is("nan")) p->integer[NAN_AT] = 3;
+    }
+    return probe_do_step(c, time, step, prior);
+}
