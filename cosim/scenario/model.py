@@ -8,6 +8,7 @@ from typing import Any, Literal
 
 from cosim import paths
 from cosim.scenario import layers
+from cosim.scenario.ranges import COUNT, FINITE, NOT_NAN, NOT_NEGATIVE, POSITIVE, SEED, limited
 
 
 @dataclass(frozen=True)
@@ -34,13 +35,13 @@ class Loop:
         Expression over the current row of the trace that ends the run early; empty never does.
     """
 
-    step: float
-    duration: float
-    substeps: int = 1
-    seed: int = 1
+    step: float = limited(POSITIVE, unit="s")
+    duration: float = limited(POSITIVE, unit="s")
+    substeps: int = limited(COUNT, 1)
+    seed: int = limited(SEED, 1)
     order: Literal["controller_first"] = "controller_first"
     compute_delay: Literal[0, 1] = 1
-    record_every: int = 1
+    record_every: int = limited(COUNT, 1)
     stop_when: str = ""
 
     @property
@@ -90,13 +91,13 @@ class Wire:
 
     source: str = field(metadata={"key": "from"})
     to: str
-    scale: float = 1.0
-    offset: float = 0.0
-    noise: float | None = None
-    quantum: float | None = None
+    scale: float = limited(FINITE, 1.0)
+    offset: float = limited(FINITE, 0.0)
+    noise: float | None = limited(NOT_NEGATIVE, None)
+    quantum: float | None = limited(NOT_NEGATIVE, None)
     delay: int = 0
-    minimum: float | None = None
-    maximum: float | None = None
+    minimum: float | None = limited(NOT_NAN, None)
+    maximum: float | None = limited(NOT_NAN, None)
 
 
 @dataclass(frozen=True)
@@ -137,9 +138,9 @@ class Criterion:
     metric: str
     paper: str = ""
     unit: str | None = None
-    minimum: float | None = None
-    maximum: float | None = None
-    equals: float | bool | None = None
+    minimum: float | None = limited(NOT_NAN, None)
+    maximum: float | None = limited(NOT_NAN, None)
+    equals: float | bool | None = limited(NOT_NAN, None)
 
 
 @dataclass(frozen=True)
@@ -148,7 +149,7 @@ class Panel:
 
     columns: tuple[str, ...]
     unit: str = ""
-    scale: float = 1.0
+    scale: float = limited(FINITE, 1.0)
     title: str = ""
     log: bool = False
 
@@ -169,8 +170,8 @@ class Plot:
 
     panels: tuple[Panel, ...] = ()
     zoom: str = ""
-    before: float = 0.01
-    after: float = 0.01
+    before: float = limited(FINITE, 0.01)
+    after: float = limited(FINITE, 0.01)
 
 
 @dataclass(frozen=True)
