@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 from cosim import paths
 from cosim.scenario import layers
-from cosim.scenario.ranges import COUNT, FINITE, NOT_NAN, NOT_NEGATIVE, POSITIVE, SEED, limited
+from cosim.scenario.ranges import COUNT, FINITE, NOT_NAN, NOT_NEGATIVE, POSITIVE, NOT_NEGATIVE_COUNT, limited
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class Loop:
     step: float = limited(POSITIVE, unit="s")
     duration: float = limited(POSITIVE, unit="s")
     substeps: int = limited(COUNT, 1)
-    seed: int = limited(SEED, 1)
+    seed: int = limited(NOT_NEGATIVE_COUNT, 1)
     order: Literal["controller_first"] = "controller_first"
     compute_delay: Literal[0, 1] = 1
     record_every: int = limited(COUNT, 1)

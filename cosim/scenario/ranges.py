@@ -14,7 +14,7 @@ FINITE = {"minimum": -LARGEST, "maximum": LARGEST, "demand": "be finite"}
 NOT_NEGATIVE = {"minimum": 0.0, "maximum": LARGEST, "demand": "be finite and not negative"}
 POSITIVE = {"minimum": math.ulp(0.0), "maximum": LARGEST, "demand": "be positive and finite"}
 COUNT = {"minimum": 1, "demand": "be at least 1"}
-SEED = {"minimum": 0, "demand": "not be negative"}
+NOT_NEGATIVE_COUNT = {"minimum": 0, "demand": "not be negative"}
 
 
 def limited(limits: Mapping[str, Any], default: Any = dataclasses.MISSING, unit: str = "") -> Any:

@@ -1,4 +1,4 @@
-"""TOML tables to dataclasses: unknown keys, wrong types and values out of range are errors that name the key."""
+"""TOML tables to dataclasses; unknown keys, wrong types and values out of range are errors that name the key."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Mismatch(Exception):  # noqa: N818
         self.problem, self.hint, self.path = problem, hint, list(path)
 
     def inside(self, name: str | int) -> Mismatch:
-        """The same, seen from the table or array around it."""
+        """Return the same, seen from the table or array around it."""
         self.path.insert(0, name)
         return self
 
