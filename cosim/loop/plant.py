@@ -204,16 +204,17 @@ def check_class(kind: Any) -> None:
         Names what is missing.
     """
     name = getattr(kind, "__name__", str(kind))
+    parameters: Any = getattr(kind, "Parameters", None)
     problem = ""
     if not isinstance(kind, type):
         problem = "is no class"
     elif missing := [method for method in METHODS if not callable(getattr(kind, method, None))]:
         problem = f"has no method `{missing[0]}`"
-    elif not dataclasses.is_dataclass(getattr(kind, "Parameters", None)):
+    elif not dataclasses.is_dataclass(parameters):
         problem = "has no dataclass `Parameters`"
     else:
         try:
-            readers(kind.Parameters)
+            readers(parameters)
         except Exception as error:  # whatever its annotations say
             problem = f"has `Parameters` whose types cannot be told: {type(error).__name__}: {error}"
     if problem:

@@ -8,7 +8,8 @@ from typing import Any, Literal
 
 from cosim import paths
 from cosim.scenario import layers
-from cosim.scenario.ranges import COUNT, FINITE, NOT_NAN, NOT_NEGATIVE, POSITIVE, NOT_NEGATIVE_COUNT, limited
+from cosim.scenario.ranges import COUNT, FINITE, NOT_NAN, NOT_NEGATIVE, NOT_NEGATIVE_COUNT, POSITIVE, limited
+from cosim.scenario.schema import schema_of
 
 
 @dataclass(frozen=True)
@@ -201,3 +202,24 @@ class Scenario:
     def origin(self, key: str) -> str:
         """File or override that a key comes from, for messages."""
         return layers.find_origin(self.origins, key) or f"`{paths.shown(self.file)}`"
+
+
+def scenario_schema() -> dict[str, Any]:
+    """JSON schema of a scenario file; one that extends another gives only what differs."""
+    layered = {
+        "extends": {"type": "string", "description": "Scenario that this one changes: its name or file."},
+        "drop": {
+            "type": "array",
+            "items": {"type": "string"},
+            "description": "What is not inherited, such as `criterion` or `criterion.<id>`.",
+        },
+    }
+    found = schema_of(Scenario, "Scenario of cosim", **layered)
+    parts = found["properties"]
+    alone = {
+        "required": found.pop("required"),
+        "properties": {
+            name: {"required": parts[name].pop("required")} for name in ("loop", "controller", "plant")
+        },
+    }
+    return {**found, "if": {"not": {"required": ["extends"]}}, "then": alone}

@@ -1,4 +1,4 @@
-"""TOML tables to dataclasses; unknown keys, wrong types and values out of range are errors that name the key."""
+"""TOML tables to dataclasses: unknown keys, wrong types and values out of range name their key."""
 
 from __future__ import annotations
 
@@ -92,7 +92,8 @@ def reader(kind: Any) -> Reader:
     if kind is Any:
         return lambda value: value
     if origin is types.UnionType or origin is typing.Union:
-        return functools.partial(one_of, {choice: reader(choice) for choice in arguments})
+        choices = {taken: reader(choice) for choice in arguments for taken in kinds(choice)}
+        return functools.partial(one_of, choices)
     if origin is Literal:
         return functools.partial(chosen, arguments)
     if origin is tuple:
@@ -149,6 +150,12 @@ def mapping(read: Reader, value: Any) -> dict[str, Any]:
         except Mismatch as found:
             raise found.inside(name) from None
     return values
+
+
+def kinds(choice: Any) -> set[Any]:
+    """Types of the values that one choice of a union takes."""
+    items = typing.get_args(choice) if typing.get_origin(choice) is Literal else ()
+    return {type(item) for item in items} or {choice}
 
 
 def one_of(choices: dict[Any, Reader], value: Any) -> Any:

@@ -1,4 +1,4 @@
-"""What the numbers of a run depend on, as a hash: of every value of its scenario, its FMU, its plant and cosim."""
+"""Hash of what the numbers of a run depend on: its scenario, its FMU, its plant and the project."""
 
 from __future__ import annotations
 
@@ -104,7 +104,8 @@ def imported(module: Path, folder: Path) -> set[Path]:
         finder.run_script(str(module))
     except (ImportError, SyntaxError):  # of what is imported only when it is needed
         return set()
-    files = {Path(found.__file__).resolve() for found in finder.modules.values() if found.__file__}
+    names = [getattr(found, "__file__", None) for found in finder.modules.values()]
+    files = {Path(name).resolve() for name in names if name}
     return {file for file in files if not is_installed(file)}
 
 

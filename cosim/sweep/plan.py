@@ -5,9 +5,8 @@ from __future__ import annotations
 import functools
 import json
 import shlex
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import Any, overload
 
 import numpy as np
@@ -101,7 +100,7 @@ class Plan:
         self.runs = Runs(self)
 
     def admit(self, index: int) -> int:
-        """Check one case; returns the sum of the hashes of all that its numbers depend on, but for the seed."""
+        """Check one case; returns the sum of the hashes of all that its numbers depend on."""
         case = self.cases[index]
         parameters = {key: value for key, value in case.items() if is_parameter(key)}
         rest = {key: value for key, value in case.items() if key not in parameters}
@@ -134,7 +133,9 @@ class Plan:
         )
         things = total({**project(), "fmu": digest(file.path), "plant": made})
         known = section("controller", merged.table["controller"]) | section("plant", merged.table["plant"])
-        return Setting(file, kind, {key: leaf(key, value) for key, value in known.items()}, sum(parts) + things)
+        return Setting(
+            file, kind, {key: leaf(key, value) for key, value in known.items()}, sum(parts) + things
+        )
 
     def merged(self, case: Case, index: int) -> layers.Layers:
         """Layers of one case."""

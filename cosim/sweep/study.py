@@ -12,6 +12,7 @@ from typing import Any, Literal, NoReturn
 from cosim import paths
 from cosim.errors import ScenarioError
 from cosim.scenario.ranges import COUNT, FINITE, NOT_NAN, NOT_NEGATIVE_COUNT, POSITIVE, limited
+from cosim.scenario.schema import schema_of
 from cosim.scenario.tables import parse
 from cosim.scenario.toml import flatten, parse_file, toml_value
 
@@ -158,6 +159,11 @@ def load(file: Path) -> Study:
         study = replace(study, case=tuple(flatten(case) for case in study.case))
     check(study, fail)
     return study
+
+
+def study_schema() -> dict[str, Any]:
+    """JSON schema of a study file."""
+    return schema_of(Study, "Study of cosim")
 
 
 def read_cases(file: Path, fail: Any) -> Sequence[dict[str, Any]]:
