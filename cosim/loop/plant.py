@@ -6,8 +6,9 @@ import dataclasses
 import importlib
 import math
 import sys
+from collections.abc import Hashable, Sequence
 from pathlib import Path
-from typing import Any, ClassVar, NoReturn, Protocol
+from typing import Any, ClassVar, NoReturn, Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -214,7 +215,7 @@ def check_class(kind: Any) -> None:
         problem = "has no dataclass `Parameters`"
     else:
         try:
-            readers(parameters)
+            readers(cast("Hashable", parameters))
         except Exception as error:  # whatever its annotations say
             problem = f"has `Parameters` whose types cannot be told: {type(error).__name__}: {error}"
     if problem:
@@ -240,6 +241,20 @@ def check_shape(plant: Plant, name: str) -> None:
         problem = error.message if isinstance(error, PlantError) else f"{type(error).__name__}: {error}"
         with concerning("plant.name"):
             raise PlantError(f"the plant `{name}` has not the shape of one: {problem}", SHAPE) from error
+
+
+def one_each(values: Any, channels: Sequence[Channel], method: str) -> Any:
+    """Return the values that a method of a plant gave, if there is one for each of its channels.
+
+    Raises
+    ------
+    PlantError
+        There are more or fewer; a single number would stand for all of them.
+    """
+    if np.shape(values) != (len(channels),):
+        found = f"values of shape `{np.shape(values)}`" if np.ndim(values) else f"the single value `{values}`"
+        raise PlantError(f"`{method}` of the plant gave {found}, {len(channels)} channels need one each")
+    return values
 
 
 def check_channels(group: str, channels: Any) -> None:
