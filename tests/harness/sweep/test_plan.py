@@ -37,11 +37,11 @@ def test_a_hash_tells_every_value_however_it_came_about(write: Write, folder: Pa
         assert varied == given
     plain = f"{seeds}[[case]]\ntitle = 'other'\n"
     (folder / "study.toml").write_text(f"{seeds}[[case]]\nplant.pole = 0.25\n")
-    varied = hashes(folder, (folder / "study.toml").read_text())
+    from_case = hashes(folder, (folder / "study.toml").read_text())
     write(studies.MEASURED + "[plant.parameters]\npole = 0.25\n")
-    assert hashes(folder, plain) == varied
+    assert hashes(folder, plain) == from_case
     # a title is nothing that a number depends on
-    assert hashes(folder, plain.replace("other", "another")) == varied
+    assert hashes(folder, plain.replace("other", "another")) == from_case
 
 
 def test_runs_are_the_same_whichever_way_they_are_asked_for(write: Write, folder: Path) -> None:
