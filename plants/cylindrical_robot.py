@@ -43,9 +43,8 @@ class CylindricalRobot(Plant):
         "spindle_speed", "spindle_measured", "spindle_torque",
     )  # fmt: skip
 
-    def __init__(self, parameters: CylindricalRobotParameters | None = None) -> None:
-        super().__init__(parameters)
-        p: CylindricalRobotParameters = self.parameters
+    def name_channels(self, p: CylindricalRobotParameters) -> None:
+        """Name them, with the noise, resolution and limits that the parameters say."""
         start, corner, end = (
             [float(getattr(p, f"edge_{point}_{c}")) for c in "xyz"] for point in ("start", "corner", "end")
         )
@@ -91,7 +90,6 @@ class CylindricalRobot(Plant):
     def shape(self, spec: Any) -> None:
         """Write masses, rotors, couplings and drives into the MJCF."""
         p = self.parameters
-        spec.option.timestep = p.timestep
         spec.site("tip").pos[2] = -p.tool_length
         for n in AXES:
             joint, drive = spec.joint(f"axis_{n}"), spec.actuator(f"axis_{n}")

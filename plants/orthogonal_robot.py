@@ -37,9 +37,8 @@ class OrthogonalRobot(Plant):
         "load", "friction_x", "friction_y", "friction_z", "speed", "slid", "rubbed", "work",
     )  # fmt: skip
 
-    def __init__(self, parameters: OrthogonalRobotParameters | None = None) -> None:
-        super().__init__(parameters)
-        p: OrthogonalRobotParameters = self.parameters
+    def name_channels(self, p: OrthogonalRobotParameters) -> None:
+        """Name them, with the noise, resolution and limits that the parameters say."""
         check_together(p)
         force = {"noise": p.force_noise, "quantum": p.force_resolution}
         self.readings = (
@@ -72,7 +71,6 @@ class OrthogonalRobot(Plant):
     def shape(self, spec: Any) -> None:
         """Write masses, strokes, stiffnesses and friction into the MJCF."""
         p = self.parameters
-        spec.option.timestep = p.timestep
         spec.body("x").pos = self._start()
         axes = zip(AXES, self._masses(), self._strokes(), self._start(), strict=True)
         for axis, mass, stroke, start in axes:

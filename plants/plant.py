@@ -62,8 +62,8 @@ class Plant(ABC):
     """A MuJoCo model that is stepped by a harness: sense, command, advance.
 
     A subclass lives in `<plant>.py` beside `<plant>.xml`. It names its channels in `readings`, `commands`
-    and `truths`, writes its parameters into the MJCF in `shape`, and in `begin` draws what is random and
-    ties every channel to a cell. One communication step is `sense`, `command`, `advance`; `truth` describes
+    and `truths`, writes its parameters into the MJCF in `shape` (a `timestep` among them is written already),
+    and in `begin` draws what is random and ties every channel to a cell. One communication step is `sense`, `command`, `advance`; `truth` describes
     the time of the last `sense`. Elements of `circuit` act in every plant step; those of `sensing` act when
     readings are taken, for readings and truths that have to be computed from the state of that instant.
 
@@ -92,6 +92,8 @@ class Plant(ABC):
         self.name = self._mjcf().stem
         check(self.parameters, self.name)
         spec = mujoco.MjSpec.from_file(str(self._mjcf()))
+        if hasattr(self.parameters, "timestep"):
+            spec.option.timestep = self.parameters.timestep
         self.shape(Mjcf(spec, self._mjcf().name))
         self.model = spec.compile()
         self._refuse_rk4()
@@ -102,6 +104,7 @@ class Plant(ABC):
         self._signals = np.zeros(max(len(self.wires), 1))
         self._warnings = self.data.warning.number
         self._sensed = False
+        self.name_channels(self.parameters)
 
     @classmethod
     def _mjcf(cls) -> Path:
@@ -120,6 +123,9 @@ class Plant(ABC):
     @abstractmethod
     def shape(self, spec: Any) -> None:
         """Write the parameters into the MJCF (`plants.names.Mjcf`) before it is compiled."""
+
+    def name_channels(self, p: Any) -> None:  # noqa: B027
+        """Set `readings`, `commands` and `truths` where they depend on the parameters `p`."""
 
     @abstractmethod
     def begin(self, steps: int) -> None:

@@ -30,9 +30,8 @@ class RotaryArm(Plant):
         "probing", "probe_lateral", "probe_depth",
     )  # fmt: skip
 
-    def __init__(self, parameters: RotaryArmParameters | None = None) -> None:
-        super().__init__(parameters)
-        p: RotaryArmParameters = self.parameters
+    def name_channels(self, p: RotaryArmParameters) -> None:
+        """Name them, with the noise, resolution and limits that the parameters say."""
         limit = p.torque_limit
         self.readings = (
             Channel("arm_angle", "rad", "Arm encoder, from its index", quantum=p.arm_resolution),
@@ -67,7 +66,6 @@ class RotaryArm(Plant):
     def shape(self, spec: Any) -> None:
         """Write lengths, inertias, stiffnesses, friction and drives into the MJCF."""
         p = self.parameters
-        spec.option.timestep = p.timestep
         spec.body("slide").pos[0] = p.centre_offset
         spec.site("tool").pos[0] = -p.arm_length
         hub, arm = spec.body("hub"), spec.body("arm")

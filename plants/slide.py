@@ -30,9 +30,8 @@ class Slide(Plant):
         "disturbance", "position_peak", "touched",
     )  # fmt: skip
 
-    def __init__(self, parameters: SlideParameters | None = None) -> None:
-        super().__init__(parameters)
-        p: SlideParameters = self.parameters
+    def name_channels(self, p: SlideParameters) -> None:
+        """Name them, with the noise, resolution and limits that the parameters say."""
         limit = p.current_limit
         self.readings = (
             Channel("position", "m", "Encoder", noise=p.encoder_noise, quantum=p.encoder_resolution),
@@ -59,7 +58,6 @@ class Slide(Plant):
     def shape(self, spec: Any) -> None:
         """Write mass, damping, stiffness and yield depth into the MJCF."""
         p = self.parameters
-        spec.option.timestep = p.timestep
         spec.body("slide").mass = p.mass
         spec.joint("z").damping[0] = p.damping
         for tendon in (spec.tendon("flute1"), spec.tendon("flute2")):

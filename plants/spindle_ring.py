@@ -44,9 +44,8 @@ class SpindleRing(Plant):
         "probe_collapse", "probe_force", "probe_reading", "pusher_compression", "pusher_force", "pusher_gap",
     )  # fmt: skip
 
-    def __init__(self, parameters: SpindleRingParameters | None = None) -> None:
-        super().__init__(parameters)
-        p: SpindleRingParameters = self.parameters
+    def name_channels(self, p: SpindleRingParameters) -> None:
+        """Name them, with the noise, resolution and limits that the parameters say."""
         check_together(p)
         probe = {"noise": p.probe_noise, "quantum": p.probe_resolution}
         self.readings = (
@@ -86,7 +85,6 @@ class SpindleRing(Plant):
     def shape(self, spec: Any) -> None:
         """Write masses and sizes into the MJCF; the bristle takes the place of the contacts."""
         p = self.parameters
-        spec.option.timestep = p.timestep
         spec.geom("plate").size[0] = p.table_radius
         spec.geom("outline").size[0] = p.radius
         spec.body("ring").mass = p.mass

@@ -13,6 +13,7 @@ from cosim.cli.console import report
 from cosim.cli.listing import list_scenarios
 from cosim.cli.options import COULD_NOT_RUN, INTERRUPTED
 from cosim.cli.run import run
+from cosim.cli.schema import schema
 from cosim.cli.show import show
 from cosim.cli.sweep import sweep
 from cosim.errors import CosimError
@@ -29,6 +30,7 @@ app.command("list")(list_scenarios)
 app.command()(show)
 app.command()(run)
 app.command()(sweep)
+app.command()(schema)
 
 
 def main() -> NoReturn:

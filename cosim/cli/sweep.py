@@ -38,5 +38,5 @@ def sweep(
     if json:
         print(found.to_json(), end="", flush=True)
     else:
-        output().print(tables)
+        output().print(tables, crop=False)
     raise typer.Exit(FAILED if found.passed is False else 0)

@@ -4,19 +4,23 @@ from __future__ import annotations
 
 import dataclasses
 import importlib
+import math
 import sys
+from collections.abc import Hashable, Sequence
 from pathlib import Path
-from typing import Any, ClassVar, NoReturn, Protocol
+from typing import Any, ClassVar, NoReturn, Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cosim import paths
 from cosim.errors import CosimError, PlantError, closest, concerning
-from cosim.scenario.tables import parse, toml_key
+from cosim.scenario.tables import parse, parse_value, readers, show
 
 MJCF = ".xml"
 """Ending of the names of plants that are MJCF files."""
+METHODS = ("reset", "sense", "command", "advance", "truth")
+SHAPE = "`cosim.loop.plant.Plant` is the shape of a plant, `Channel` that of its channels"
 
 
 class Channel(Protocol):
@@ -170,28 +174,19 @@ def build(name: str, parameters: dict[str, Any], folder: Path) -> Plant:
         if isinstance(error, ValueError):
             raise PlantError(f"the plant `{name}` refused its parameters: {problem}", hint) from error
         raise PlantError(f"the plant `{name}` cannot be built: {problem}", hint) from error
+    check_shape(plant, name)
     return plant
 
 
 def check_parameters(kind: Any, parameters: dict[str, Any]) -> Any:
     """Parameters of a plant's class from a table, checked as for `build`; defaults are the plant's own."""
-    values = parse(kind.Parameters, parameters, "plant", refuse)
-    for field in dataclasses.fields(kind.Parameters):
-        if toml_key(field) in parameters:
-            check_range(field, getattr(values, field.name))
-    return values
+    check_class(kind)
+    return parse(kind.Parameters, parameters, "plant", refuse)
 
 
-def check_range(field: dataclasses.Field[Any], value: Any) -> None:
-    """Check a parameter against the range in its field's metadata."""
-    low, high = field.metadata.get("minimum"), field.metadata.get("maximum")
-    for number in value if isinstance(value, tuple) else (value,):
-        if not isinstance(number, int | float):
-            continue
-        if (low is not None and not number >= low) or (high is not None and not number <= high):
-            unit = field.metadata.get("unit", "").removeprefix("1")
-            limits = " .. ".join("" if limit is None else f"{limit:g}" for limit in (low, high))
-            refuse(f"plant.{toml_key(field)}", f"is `{number}`, it must lie in {limits} {unit}".rstrip(), "")
+def check_parameter(kind: Any, name: str, value: Any) -> Any:
+    """Value of one parameter of a plant's class that `check_parameters` has seen."""
+    return parse_value(kind.Parameters, name, value, "plant", refuse)
 
 
 def refuse(key: str, problem: str, hint: str) -> NoReturn:
@@ -199,3 +194,83 @@ def refuse(key: str, problem: str, hint: str) -> NoReturn:
     problem = "is not a parameter of this plant" if problem == "is not a known key" else problem
     with concerning(key.replace("plant.", "plant.parameters.", 1)):
         raise PlantError(f"`{key}` {problem}", hint)
+
+
+def check_class(kind: Any) -> None:
+    """Check that something is the class of a plant: its methods, and its parameters as a dataclass.
+
+    Raises
+    ------
+    PlantError
+        Names what is missing.
+    """
+    name = getattr(kind, "__name__", str(kind))
+    parameters: Any = getattr(kind, "Parameters", None)
+    problem = ""
+    if not isinstance(kind, type):
+        problem = "is no class"
+    elif missing := [method for method in METHODS if not callable(getattr(kind, method, None))]:
+        problem = f"has no method `{missing[0]}`"
+    elif not dataclasses.is_dataclass(parameters):
+        problem = "has no dataclass `Parameters`"
+    else:
+        try:
+            readers(cast("Hashable", parameters))
+        except Exception as error:  # whatever its annotations say
+            problem = f"has `Parameters` whose types cannot be told: {type(error).__name__}: {error}"
+    if problem:
+        with concerning("plant.name"):
+            raise PlantError(f"`{name}` {problem}, so it is no plant", SHAPE)
+
+
+def check_shape(plant: Plant, name: str) -> None:
+    """Check channels and time step of a plant that was built.
+
+    Raises
+    ------
+    PlantError
+        Names the first that is wrong.
+    """
+    try:
+        step: Any = plant.timestep
+        if isinstance(step, bool) or not isinstance(step, int | float) or not 0.0 < step < math.inf:
+            raise PlantError(f"`timestep` is {show(step)}, it must be a positive number of seconds")
+        for group in ("readings", "commands", "truths"):
+            check_channels(group, getattr(plant, group))
+    except Exception as error:
+        problem = error.message if isinstance(error, PlantError) else f"{type(error).__name__}: {error}"
+        with concerning("plant.name"):
+            raise PlantError(f"the plant `{name}` has not the shape of one: {problem}", SHAPE) from error
+
+
+def one_each(values: Any, channels: Sequence[Channel], method: str) -> Any:
+    """Return the values that a method of a plant gave, if there is one for each of its channels.
+
+    Raises
+    ------
+    PlantError
+        There are more or fewer; a single number would stand for all of them.
+    """
+    if np.shape(values) != (len(channels),):
+        found = f"values of shape `{np.shape(values)}`" if np.ndim(values) else f"the single value `{values}`"
+        raise PlantError(f"`{method}` of the plant gave {found}, {len(channels)} channels need one each")
+    return values
+
+
+def check_channels(group: str, channels: Any) -> None:
+    """Check the channels of one group: each with its own name, text and numbers."""
+    if not isinstance(channels, list | tuple):
+        raise PlantError(f"`{group}` is {show(channels)}, it must be a tuple of channels")
+    names = [channel.name for channel in channels]
+    for channel in channels:
+        where = f"`{channel.name}` of `{group}`"
+        for key in ("name", "unit", "description"):
+            if not isinstance(getattr(channel, key), str):
+                raise PlantError(f"{where} has the {key} {show(getattr(channel, key))}, it must be a text")
+        if names.count(channel.name) > 1:
+            raise PlantError(f"{where} is there twice")
+        for key in ("noise", "quantum"):
+            if not 0.0 <= getattr(channel, key) < math.inf:
+                raise PlantError(f"{where} has the {key} {show(getattr(channel, key))}, it must be 0 or more")
+        if not channel.minimum <= channel.maximum:
+            raise PlantError(f"{where} is limited to `{channel.minimum}` .. `{channel.maximum}`")

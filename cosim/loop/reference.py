@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from cosim.errors import CosimError, PlantError
 from cosim.fmu.instance import Instance
 from cosim.loop.connect import Connector, Fault, Link, Links
-from cosim.loop.plant import Plant
+from cosim.loop.plant import Plant, one_each
 from cosim.loop.trace import Recorder
 from cosim.metrics.expression import Expression
 from cosim.scenario.model import Scenario
@@ -107,7 +107,7 @@ def reset_plant(plant: Plant, scenario: Scenario, seed: np.random.SeedSequence) 
 
 def carry_readings(links: Links, plant: Plant, k: int) -> None:
     """Carry readings through their wires, then signals, then injections, into the inputs of the FMU."""
-    links.sensed[:] = plant.sense()
+    links.sensed[:] = one_each(plant.sense(), plant.readings, "sense")
     for link in links.readings:
         carry(link, k)
     for drive in links.drives:

@@ -12,7 +12,7 @@ from cosim.errors import CosimError
 from cosim.fmu.archive import DisplayUnit, FmuFile, Variable
 from cosim.fmu.instance import BASE, Instance
 from cosim.loop.condition import Program
-from cosim.loop.plant import Plant
+from cosim.loop.plant import Plant, one_each
 
 
 class Recorder:
@@ -58,7 +58,7 @@ class Recorder:
         row[0] = time
         for part, values in zip(self.parts, self.banks, strict=True):
             row[part] = values
-        row[self.truths] = self.plant.truth()
+        row[self.truths] = one_each(self.plant.truth(), self.plant.truths, "truth")
         return row
 
     def row(self, k: int) -> NDArray[np.float64] | None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -11,9 +10,12 @@ from typing import Any, NoReturn
 
 from cosim import paths
 from cosim.errors import ScenarioError, closest
-from cosim.scenario.tables import IDENTITY, item_key, join, show
+from cosim.scenario.tables import IDENTITY, dotted, item_key, join, show
+from cosim.scenario.toml import parse_file, toml_value
 
 SET = "--set"
+Place = list[str | int]
+"""Names of the tables, and places in the arrays, that lead to a value."""
 
 
 @dataclass
@@ -42,13 +44,14 @@ class Layers:
         self.table = merge(self.table, table)
         self.origins |= dict.fromkeys(walk(table), origin)
 
-    def put(self, path: list[str], value: Any, origin: str) -> None:
-        """Set one value; `path` holds the names of the tables around it and its own."""
-        table: Any = value
-        for name in reversed(path):
-            table = {name: table}
-        self.table = merge(self.table, table)
-        self.origins[".".join(path)] = origin
+    def put(self, path: Place, value: Any, origin: str) -> None:
+        """Set the value at a place; tables that are shared with other layers stay as they are."""
+        self.table = replaced(self.table, path, value)
+        self.origins[dotted(path, self.table)] = origin
+
+    def copy(self) -> Layers:
+        """Layers that may be changed, while these stay as they are."""
+        return Layers(self.table, dict(self.origins), self.files)
 
 
 def find_origin(origins: dict[str, str], key: str) -> str:
@@ -84,31 +87,15 @@ def read(path: Path) -> Layers:
     return layers
 
 
-def parse_file(path: Path) -> dict[str, Any]:
-    """Parse one TOML file; nested parameter tables become dotted names."""
-    try:
-        table = tomllib.loads(path.read_text(encoding="utf-8-sig"))
-    except OSError as error:
-        raise ScenarioError(f"cannot read `{path}`: {error.strerror}") from None
-    except UnicodeDecodeError as error:
-        raise ScenarioError(f"`{paths.shown(path)}` is not a text file in UTF-8: {error.reason}") from None
-    except tomllib.TOMLDecodeError as error:
-        hint = "texts need quotes, numbers a digit before and after the point: `step = 1e-4`"
-        raise ScenarioError(f"`{paths.shown(path)}` is not valid TOML: {error}", hint) from None
-    for part in ("controller", "plant"):
-        section = table.get(part)
-        if isinstance(section, dict) and isinstance(section.get("parameters"), dict):
-            section["parameters"] = flatten(section["parameters"])
-    return table
-
-
-def flatten(table: dict[str, Any], prefix: str = "") -> dict[str, Any]:
-    """Nested tables to dotted names: `{"a": {"b": 1}}` to `{"a.b": 1}`."""
-    flat: dict[str, Any] = {}
-    for name, value in table.items():
-        key = join(prefix, name)
-        flat |= flatten(value, key) if isinstance(value, dict) else {key: value}
-    return flat
+def replaced(table: Any, path: Place, value: Any) -> Any:
+    """Copy of a table in which one value is another; only what is on the way to it is copied."""
+    if not path:
+        return value
+    name, *rest = path
+    if isinstance(name, int):
+        return [*table[:name], replaced(table[name], rest, value), *table[name + 1 :]]
+    around = table if isinstance(table, dict) else {}
+    return {**around, name: replaced(around.get(name), rest, value)}
 
 
 def merge(base: dict[str, Any], over: dict[str, Any]) -> dict[str, Any]:
@@ -196,31 +183,37 @@ def override(layers: Layers, assignments: Sequence[str]) -> None:
             raise ScenarioError(
                 f"`{SET} {assignment}` is not of the form KEY=VALUE", "for example `--set loop.duration=1.0`"
             )
-        assign(layers, key, toml_value(text.strip()))
+        try:
+            value = toml_value(text.strip())
+        except ScenarioError as error:
+            raise ScenarioError(f"`{SET} {key}`: {error.message}", error.hint) from None
+        assign(layers, key, value)
 
 
 def assign(layers: Layers, key: str, value: Any, origin: str = "") -> None:
     """Set one dotted key of the merged tables; `origin` says in messages where it comes from."""
-    section, _, name = key.partition(".")
     origin = origin or f"`{SET} {key}`"
+    layers.put(place_of(layers, key, origin), value, origin)
+
+
+def place_of(layers: Layers, key: str, origin: str) -> Place:
+    """Place in the merged tables that a dotted key means."""
+    section, _, name = key.partition(".")
     direct = {"controller": ("fmu",), "plant": ("name",)}
     if section in IDENTITY and name:
-        item, inner = find_item(layers, section, name, origin)
-        item[inner] = value
-        layers.origins[f"{section}.{name}"] = origin
-    elif (section == "loop" and name) or (name and name in direct.get(section, ())):
-        layers.put([section, name], value, origin)
-    elif section in direct and name:
-        layers.put([section, "parameters", name.removeprefix("parameters.")], value, origin)
-    elif key in ("title", "description"):
-        layers.put([key], value, origin)
-    else:
-        roots = ["controller.", "plant.", "loop.", *(f"{root}." for root in IDENTITY), "title", "description"]
-        raise ScenarioError(f"{origin}: no such key in a scenario", closest(key, roots))
+        return find_item(layers, section, name, origin)
+    if (section == "loop" and name) or (name and name in direct.get(section, ())):
+        return [section, name]
+    if section in direct and name:
+        return [section, "parameters", name.removeprefix("parameters.")]
+    if key in ("title", "description"):
+        return [key]
+    roots = ["controller.", "plant.", "loop.", *(f"{root}." for root in IDENTITY), "title", "description"]
+    raise ScenarioError(f"{origin}: no such key in a scenario", closest(key, roots))
 
 
-def find_item(layers: Layers, section: str, name: str, origin: str) -> tuple[dict[str, Any], str]:
-    """Item of an array of tables and the key in it that `name` (`<identity>.<key>`) means."""
+def find_item(layers: Layers, section: str, name: str, origin: str) -> Place:
+    """Place of a key in an item of an array of tables; `name` is `<identity>.<key>`."""
     items = layers.table.get(section, [])
     if not is_tables(items):
         layers.fail(section, f"is {show(items)}, it must be an array of tables")
@@ -237,15 +230,4 @@ def find_item(layers: Layers, section: str, name: str, origin: str) -> tuple[dic
             f"{origin}: the scenario has {len(found)} tables `{section}` for `{identity}`",
             "change the file, an override reaches only one",
         )
-    # the item may belong to a shared table: replace it by a copy
-    layers.table[section] = [dict(item) for item in items]
-    return layers.table[section][found[0]], inner
-
-
-def toml_value(text: str) -> Any:
-    """TOML value of a text, or the text itself when it is none."""
-    try:
-        parsed = tomllib.loads(f"value = {text}")
-    except tomllib.TOMLDecodeError:
-        return text
-    return parsed["value"] if set(parsed) == {"value"} else text
+    return [section, found[0], inner]

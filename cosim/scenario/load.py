@@ -9,7 +9,7 @@ from pathlib import Path
 from cosim import paths
 from cosim.scenario import checks, layers
 from cosim.scenario.model import Scenario
-from cosim.scenario.tables import parse
+from cosim.scenario.tables import parse, parse_value
 
 
 def load(name_or_path: str | Path, set: str | Sequence[str] = ()) -> Scenario:  # noqa: A002
@@ -33,14 +33,27 @@ def load(name_or_path: str | Path, set: str | Sequence[str] = ()) -> Scenario:  
     return replace(build(merged), name=paths.scenario_name(file), file=file.resolve())
 
 
-def build(merged: layers.Layers) -> Scenario:
+def build(merged: layers.Layers, before: tuple[layers.Layers, Scenario] | None = None) -> Scenario:
     """Scenario of merged layers; name and file are left to the caller.
+
+    Parameters
+    ----------
+    merged
+        The layers.
+    before
+        Other layers and their scenario: what both share is not read again.
 
     Raises
     ------
     ScenarioError
         As for `load`.
     """
-    scenario = parse(Scenario, merged.table, "", merged.fail)
+    if before is None:
+        scenario = parse(Scenario, merged.table, "", merged.fail)
+    else:
+        known, scenario = before
+        changed = {key: value for key, value in merged.table.items() if value is not known.table.get(key)}
+        read = {key: parse_value(Scenario, key, value, "", merged.fail) for key, value in changed.items()}
+        scenario = replace(scenario, **read)
     checks.check(scenario, merged)
     return replace(scenario, origins=merged.origins)

@@ -8,6 +8,8 @@ from typing import Any, Literal
 
 from cosim import paths
 from cosim.scenario import layers
+from cosim.scenario.ranges import COUNT, FINITE, NOT_NAN, NOT_NEGATIVE, NOT_NEGATIVE_COUNT, POSITIVE, limited
+from cosim.scenario.schema import schema_of
 
 
 @dataclass(frozen=True)
@@ -34,13 +36,13 @@ class Loop:
         Expression over the current row of the trace that ends the run early; empty never does.
     """
 
-    step: float
-    duration: float
-    substeps: int = 1
-    seed: int = 1
+    step: float = limited(POSITIVE, unit="s")
+    duration: float = limited(POSITIVE, unit="s")
+    substeps: int = limited(COUNT, 1)
+    seed: int = limited(NOT_NEGATIVE_COUNT, 1)
     order: Literal["controller_first"] = "controller_first"
     compute_delay: Literal[0, 1] = 1
-    record_every: int = 1
+    record_every: int = limited(COUNT, 1)
     stop_when: str = ""
 
     @property
@@ -90,13 +92,13 @@ class Wire:
 
     source: str = field(metadata={"key": "from"})
     to: str
-    scale: float = 1.0
-    offset: float = 0.0
-    noise: float | None = None
-    quantum: float | None = None
+    scale: float = limited(FINITE, 1.0)
+    offset: float = limited(FINITE, 0.0)
+    noise: float | None = limited(NOT_NEGATIVE, None)
+    quantum: float | None = limited(NOT_NEGATIVE, None)
     delay: int = 0
-    minimum: float | None = None
-    maximum: float | None = None
+    minimum: float | None = limited(NOT_NAN, None)
+    maximum: float | None = limited(NOT_NAN, None)
 
 
 @dataclass(frozen=True)
@@ -137,9 +139,9 @@ class Criterion:
     metric: str
     paper: str = ""
     unit: str | None = None
-    minimum: float | None = None
-    maximum: float | None = None
-    equals: float | bool | None = None
+    minimum: float | None = limited(NOT_NAN, None)
+    maximum: float | None = limited(NOT_NAN, None)
+    equals: float | bool | None = limited(NOT_NAN, None)
 
 
 @dataclass(frozen=True)
@@ -148,7 +150,7 @@ class Panel:
 
     columns: tuple[str, ...]
     unit: str = ""
-    scale: float = 1.0
+    scale: float = limited(FINITE, 1.0)
     title: str = ""
     log: bool = False
 
@@ -169,8 +171,8 @@ class Plot:
 
     panels: tuple[Panel, ...] = ()
     zoom: str = ""
-    before: float = 0.01
-    after: float = 0.01
+    before: float = limited(FINITE, 0.01)
+    after: float = limited(FINITE, 0.01)
 
 
 @dataclass(frozen=True)
@@ -207,3 +209,24 @@ class Scenario:
     def origin(self, key: str) -> str:
         """File or override that a key comes from, for messages."""
         return layers.find_origin(self.origins, key) or f"`{paths.shown(self.file)}`"
+
+
+def scenario_schema() -> dict[str, Any]:
+    """JSON schema of a scenario file; one that extends another gives only what differs."""
+    layered = {
+        "extends": {"type": "string", "description": "Scenario that this one changes: its name or file."},
+        "drop": {
+            "type": "array",
+            "items": {"type": "string"},
+            "description": "What is not inherited, such as `criterion` or `criterion.<id>`.",
+        },
+    }
+    found = schema_of(Scenario, "Scenario of cosim", **layered)
+    parts = found["properties"]
+    alone = {
+        "required": found.pop("required"),
+        "properties": {
+            name: {"required": parts[name].pop("required")} for name in ("loop", "controller", "plant")
+        },
+    }
+    return {**found, "if": {"not": {"required": ["extends"]}}, "then": alone}

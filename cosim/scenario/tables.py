@@ -1,9 +1,10 @@
-"""TOML tables to dataclasses: unknown keys and wrong types are errors that name the key."""
+"""TOML tables to dataclasses: unknown keys, wrong types and values out of range name their key."""
 
 from __future__ import annotations
 
 import dataclasses
 import functools
+import math
 import types
 import typing
 from collections.abc import Callable
@@ -14,68 +15,10 @@ from cosim.errors import closest, similar
 T = TypeVar("T")
 Fail = Callable[[str, str, str], NoReturn]
 """Raises the caller's error from (key, problem, hint)."""
-
-
-def parse(kind: type[T], table: dict[str, Any], key: str, fail: Fail) -> T:
-    """Build the dataclass `kind` from a TOML table.
-
-    Parameters
-    ----------
-    kind
-        Dataclass; a field may carry `metadata={"key": ...}` where the TOML key is another, or "" for none.
-    table
-        The TOML table.
-    key
-        Dotted key of the table, for messages; empty at the root.
-    fail
-        Called with key, problem and hint at the first error.
-    """
-    hints, fields = annotated(typing.cast("typing.Hashable", kind))
-    for name in table:
-        if name not in fields:
-            fail(join(key, name), "is not a known key", closest(name, fields))
-
-    values: dict[str, Any] = {}
-    for name, field in fields.items():
-        if name in table:
-            values[field.name] = convert(hints[field.name], table[name], join(key, name), fail)
-        elif is_required(field):
-            fail(join(key, name), "is missing", "")
-    return kind(**values)
-
-
-@functools.lru_cache(64)
-def annotated(kind: Any) -> tuple[dict[str, Any], dict[str, dataclasses.Field[Any]]]:
-    """Types of a dataclass by field name, and its fields by TOML key."""
-    fields = dataclasses.fields(kind)
-    return typing.get_type_hints(kind), {toml_key(field): field for field in fields if toml_key(field)}
-
-
-def convert(kind: Any, value: Any, key: str, fail: Fail) -> Any:
-    """Convert one TOML value to the annotated type `kind`; numbers are never silently truncated."""
-    origin, arguments = typing.get_origin(kind), typing.get_args(kind)
-    if kind is Any:
-        return value
-    if origin is types.UnionType or origin is typing.Union:
-        inner = type(value) if type(value) in arguments else arguments[0]
-        return convert(inner, value, key, fail)
-    if origin is Literal:
-        if value not in arguments or isinstance(value, bool):
-            choices = " or ".join(f"`{argument}`" for argument in arguments)
-            fail(key, f"is {show(value)}, it must be {choices}", similar(str(value), map(str, arguments)))
-        return value
-    if origin is tuple:
-        return tuple(
-            convert(arguments[0], item, item_key(key, index, item), fail)
-            for index, item in enumerate(of_type(list, value, key, fail))
-        )
-    if origin is dict:
-        return dict(of_type(dict, value, key, fail))
-    if dataclasses.is_dataclass(kind):
-        return parse(typing.cast("type[Any]", kind), of_type(dict, value, key, fail), key, fail)
-    return of_type(kind, value, key, fail)
-
-
+Reader = Callable[[Any], Any]
+"""Takes a TOML value and gives what the dataclass holds, or raises `Mismatch`."""
+IDENTITY = {"wire": "to", "signal": "to", "inject": "to", "metric": "name", "criterion": "id"}
+"""Key by which an item of an array of tables is known."""
 NAMES = {
     float: "a number",
     int: "an integer",
@@ -84,18 +27,180 @@ NAMES = {
     list: "an array",
     dict: "a table",
 }
-IDENTITY = {"wire": "to", "signal": "to", "inject": "to", "metric": "name", "criterion": "id"}
-"""Key by which an item of an array of tables is known."""
 
 
-def of_type(kind: type[T], value: Any, key: str, fail: Fail) -> T:
+class Mismatch(Exception):  # noqa: N818
+    """A value that does not fit; `path` leads to it from the table that is read."""
+
+    def __init__(self, problem: str, hint: str = "", *path: str | int) -> None:
+        super().__init__(problem)
+        self.problem, self.hint, self.path = problem, hint, list(path)
+
+    def inside(self, name: str | int) -> Mismatch:
+        """Return the same, seen from the table or array around it."""
+        self.path.insert(0, name)
+        return self
+
+
+def parse(kind: type[T], table: dict[str, Any], key: str, fail: Fail) -> T:
+    """Build the dataclass `kind` from a TOML table.
+
+    Parameters
+    ----------
+    kind
+        Dataclass. The metadata of a field may hold the TOML `key` where that is another ("" for none), the
+        closed range `minimum` .. `maximum`, its `unit`, and in words what it must (`demand`).
+    table
+        The TOML table.
+    key
+        Dotted key of the table, for messages; empty at the root.
+    fail
+        Called with key, problem and hint at the first error.
+    """
+    try:
+        return typing.cast("T", reader(typing.cast("typing.Hashable", kind))(table))
+    except Mismatch as found:
+        fail(dotted(found.path, table, key), found.problem, found.hint)
+
+
+def parse_value(kind: Any, name: str, value: Any, key: str, fail: Fail) -> Any:
+    """Value of one key of a table that `parse` would read."""
+    fields = readers(kind)
+    if name not in fields:
+        fail(join(key, name), "is not a known key", closest(name, fields))
+    try:
+        return fields[name][1](value)
+    except Mismatch as found:
+        fail(dotted([name, *found.path], {name: value}, key), found.problem, found.hint)
+
+
+@functools.lru_cache(64)
+def readers(kind: Any) -> dict[str, tuple[str, Reader]]:
+    """Name and reader of each field of a dataclass, by its TOML key."""
+    hints = typing.get_type_hints(kind)
+    return {
+        toml_key(field): (field.name, ranged(reader(hints[field.name]), field.metadata))
+        for field in dataclasses.fields(kind)
+        if toml_key(field)
+    }
+
+
+@functools.lru_cache(512)
+def reader(kind: Any) -> Reader:
+    """Reader of the annotated type `kind`; numbers are never silently truncated."""
+    origin, arguments = typing.get_origin(kind), typing.get_args(kind)
+    if kind is Any:
+        return lambda value: value
+    if origin is types.UnionType or origin is typing.Union:
+        choices = {taken: reader(choice) for choice in arguments for taken in kinds(choice)}
+        return functools.partial(one_of, choices)
+    if origin is Literal:
+        return functools.partial(chosen, arguments)
+    if origin is tuple:
+        return functools.partial(array, reader(arguments[0]))
+    if origin is dict:
+        return functools.partial(mapping, reader(arguments[1]))
+    if dataclasses.is_dataclass(kind):
+        return functools.partial(built, kind)
+    return functools.partial(of_type, kind)
+
+
+def built(kind: Any, value: Any) -> Any:
+    """Dataclass of a table."""
+    table, fields = of_type(dict, value), readers(kind)
+    for name in table:
+        if name not in fields:
+            raise Mismatch("is not a known key", closest(name, fields), name)
+    values = {}
+    for name, item in table.items():
+        target, read = fields[name]
+        try:
+            values[target] = read(item)
+        except Mismatch as found:
+            raise found.inside(name) from None
+    for name in required(kind):
+        if name not in table:
+            raise Mismatch("is missing", "", name)
+    return kind(**values)
+
+
+@functools.lru_cache(64)
+def required(kind: Any) -> tuple[str, ...]:
+    """TOML keys of the fields without a default."""
+    return tuple(toml_key(field) for field in dataclasses.fields(kind) if is_required(field))
+
+
+def array(read: Reader, value: Any) -> tuple[Any, ...]:
+    """Tuple of an array."""
+    items = []
+    for index, item in enumerate(of_type(list, value)):
+        try:
+            items.append(read(item))
+        except Mismatch as found:
+            raise found.inside(index) from None
+    return tuple(items)
+
+
+def mapping(read: Reader, value: Any) -> dict[str, Any]:
+    """Table of any keys."""
+    values = {}
+    for name, item in of_type(dict, value).items():
+        try:
+            values[name] = read(item)
+        except Mismatch as found:
+            raise found.inside(name) from None
+    return values
+
+
+def kinds(choice: Any) -> set[Any]:
+    """Types of the values that one choice of a union takes."""
+    items = typing.get_args(choice) if typing.get_origin(choice) is Literal else ()
+    return {type(item) for item in items} or {choice}
+
+
+def one_of(choices: dict[Any, Reader], value: Any) -> Any:
+    """Value of the choice that has its type, else of the first that takes it."""
+    return choices.get(type(value), next(iter(choices.values())))(value)
+
+
+def chosen(arguments: tuple[Any, ...], value: Any) -> Any:
+    """Value that is one of some; `1.0` and `true` are not `1`."""
+    if any(type(value) is type(argument) and value == argument for argument in arguments):
+        return value
+    choices = " or ".join(f"`{argument}`" for argument in arguments)
+    raise Mismatch(f"is {show(value)}, it must be {choices}", similar(str(value), map(str, arguments)))
+
+
+def of_type(kind: Any, value: Any) -> Any:
     """Return `value` if it is a `kind`; an integer is also a number, a Boolean never is."""
     if kind is float and isinstance(value, int) and not isinstance(value, bool):
-        return typing.cast("T", float(value))
+        return float(value)
     if not isinstance(value, kind) or (isinstance(value, bool) and kind is not bool):
         found = NAMES.get(type(value), type(value).__name__)
-        fail(key, f"is {show(value)} ({found}), it must be {NAMES.get(kind, kind.__name__)}", "")
+        raise Mismatch(f"is {show(value)} ({found}), it must be {NAMES.get(kind, kind.__name__)}")
     return value
+
+
+def ranged(read: Reader, limits: typing.Mapping[str, Any]) -> Reader:
+    """Reader that also checks a range, where the metadata of a field gives one."""
+    minimum, maximum = limits.get("minimum"), limits.get("maximum")
+    if minimum is None and maximum is None:
+        return read
+    low, high = -math.inf if minimum is None else minimum, math.inf if maximum is None else maximum
+    unit = f" {limits.get('unit', '').removeprefix('1')}".rstrip()
+    ends = " .. ".join("" if end is None else f"{end:g}" for end in (minimum, maximum))
+
+    def checked(value: Any) -> Any:
+        converted = read(value)
+        for number in converted if isinstance(converted, tuple) else (converted,):
+            # the comparison refuses NaN
+            if isinstance(number, int | float) and not low <= number <= high:
+                if "demand" in limits:
+                    raise Mismatch(f"is `{number}`{unit}, it must {limits['demand']}")
+                raise Mismatch(f"is `{number}`, it must lie in {ends}{unit}")
+        return converted
+
+    return checked
 
 
 def toml_key(field: dataclasses.Field[Any]) -> str:
@@ -106,6 +211,15 @@ def toml_key(field: dataclasses.Field[Any]) -> str:
 def is_required(field: dataclasses.Field[Any]) -> bool:
     """Whether the field has no default."""
     return field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
+
+
+def dotted(path: list[str | int], value: Any, key: str = "") -> str:
+    """Key of what a path leads to from `value`, whose own key is `key`."""
+    for part in path:
+        inner = value[part] if isinstance(part, int) or part in value else None
+        key = item_key(key, part, inner) if isinstance(part, int) else join(key, part)
+        value = inner
+    return key
 
 
 def item_key(key: str, index: int, item: Any) -> str:

@@ -17,11 +17,12 @@ from cosim import paths
 from cosim.loop import engines
 from cosim.show.bar import bar
 from cosim.sweep import cluster, overview, study, supervisor
+from cosim.sweep.export import save_csv, save_parquet
 from cosim.sweep.plan import Plan
 from cosim.sweep.runner import Observer, Pool, pending, save_traces, sweep, worst
 from cosim.sweep.store import DONE, Row, Store
 from cosim.sweep.supervisor import Limits
-from cosim.sweep.survey import Survey, save_csv, save_parquet, survey
+from cosim.sweep.survey import Survey, survey
 
 log = logging.getLogger("cosim")
 
@@ -75,19 +76,19 @@ def execute(options: Options) -> tuple[Survey, RenderableType]:
         try:
             with progress(plan, store, options) as observe:
                 sweep(plan, store, pool_of(plan, options), observe, options.again)
-            save_traces(plan, store, pool_of(plan, options), options.plots)
         finally:
             found = survey(plan, store)
-            summarise(plan, store, found, options.plots)
-        return found, overview.tables(plan, store, found, worst(plan, store, plan.study.traces.worst))
+            summarise(plan, found, store.folder, options.plots)
+        save_traces(plan, store, found, pool_of(plan, options), options.plots)
+        return found, overview.tables(plan, found, worst(plan, found))
 
 
-def summarise(plan: Plan, store: Store, found: Survey, plots: bool) -> None:
+def summarise(plan: Plan, found: Survey, folder: Path, plots: bool) -> None:
     """Write tables and plots of the rows that are there."""
-    save_csv(plan, store, store.folder / "summary.csv")
-    save_parquet(plan, store, store.folder / "summary.parquet")
+    save_csv(found.columns, folder / "summary.csv")
+    save_parquet(found.columns, folder / "summary.parquet")
     if plots and found.results and overview.can_plot():
-        overview.save_plots(plan, store, found, store.folder / "summary.svg")
+        overview.save_plots(plan, found, folder / "summary.svg")
 
 
 def pool_of(plan: Plan, options: Options) -> Pool:

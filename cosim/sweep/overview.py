@@ -17,9 +17,9 @@ from cosim.scenario.model import Scenario
 from cosim.show.display import NOTHING_DEMANDED, STYLES, plain_table
 from cosim.show.plot import STYLE
 from cosim.show.quantity import number, text
-from cosim.sweep.plan import Plan, Run
-from cosim.sweep.store import DONE, Store
-from cosim.sweep.survey import QUANTILES, Survey, confidence, quantiles, rows
+from cosim.sweep.plan import Plan
+from cosim.sweep.store import DONE
+from cosim.sweep.survey import QUANTILES, Survey, confidence, quantiles
 
 MOST_TROUBLES = 8
 MOST_PANELS = 6
@@ -27,16 +27,16 @@ FEWEST_FOR_TENDENCY = 2
 """Different numbers that a key must take to be drawn."""
 
 
-def tables(plan: Plan, store: Store, found: Survey, worst: list[Run]) -> RenderableType:
+def tables(plan: Plan, found: Survey, worst: list[int]) -> RenderableType:
     """Verdict, criteria, metrics, worst runs and what could not be run."""
-    scenario = plan.build(plan.base)
+    scenario = plan.scenario
     parts: list[RenderableType] = [Text(plan.study.title or plan.study.name, style="bold"), ""]
     if scenario.criterion and found.results:
         parts += [criteria_table(scenario, found), ""]
     if found.values:
         parts += [metric_table(found), ""]
     if worst:
-        parts += [worst_table(plan, store, found, worst), ""]
+        parts += [worst_runs(plan, found, worst), ""]
     if found.troubles:
         parts += [no_result_table(plan, found), ""]
     return Group(*parts, verdict(found))
@@ -77,17 +77,15 @@ def metric_table(found: Survey) -> RenderableType:
     return table
 
 
-def worst_table(plan: Plan, store: Store, found: Survey, worst: list[Run]) -> RenderableType:
-    """Worst runs, and how to repeat them."""
+def worst_runs(plan: Plan, found: Survey, worst: list[int]) -> RenderableType:
+    """Worst runs, and how to repeat them: commands that are never wrapped."""
     name = plan.study.traces.metric
-    table = plain_table("worst run", name, "repeat it with")
+    values = dict(zip(found.columns["run"], found.columns[f"metric.{name}"], strict=True))
+    table = plain_table("worst run", name)
     for run in worst:
-        row = store.row(run)
-        if row is not None:
-            table.add_row(
-                str(run.number), text(float(row["metrics"][name]), found.units[name]), Text(plan.command(run))
-            )
-    return table
+        table.add_row(str(run), text(values[run], found.units.get(name, "")))
+    commands = Text("\n".join(plan.command(plan.runs[run]) for run in worst), no_wrap=True, overflow="ignore")
+    return Group(table, "", Text("repeat them with", style="bold"), commands)
 
 
 def no_result_table(plan: Plan, found: Survey) -> RenderableType:
@@ -106,7 +104,7 @@ def can_plot() -> bool:
     return importlib.util.find_spec("matplotlib") is not None
 
 
-def save_plots(plan: Plan, store: Store, found: Survey, file: Path) -> None:
+def save_plots(plan: Plan, found: Survey, file: Path) -> None:
     """Draw success rates, distributions with their limits, and the metrics over the numbers that were varied.
 
     Raises
@@ -119,7 +117,7 @@ def save_plots(plan: Plan, store: Store, found: Survey, file: Path) -> None:
     matplotlib.use("agg")
     from matplotlib import pyplot
 
-    scenario = plan.build(plan.base)
+    scenario = plan.scenario
     names = drawn_metrics(scenario, found)
     keys = drawn_keys(plan)
     count = 1 + len(keys)
@@ -131,7 +129,7 @@ def save_plots(plan: Plan, store: Store, found: Survey, file: Path) -> None:
         for axes in grid[0][1:]:
             axes.set_axis_off()
         draw_rates(grid[0][0], scenario, found)
-        draw_metrics(grid[1:], plan, store, found, names, keys)
+        draw_metrics(grid[1:], plan, found, names, keys)
         figure.suptitle(f"{plan.study.title or plan.study.name}\n{verdict(found).plain}", fontsize=10)
         try:
             figure.savefig(file, metadata={"Date": None})
@@ -156,9 +154,9 @@ def is_quantity(values: Any) -> bool:
 def drawn_keys(plan: Plan) -> list[str]:
     """Varied keys that are numbers."""
     numbers: dict[str, set[float]] = {}
-    for run in plan.runs:
-        for key, value in run.changes.items():
-            if isinstance(value, int | float) and not isinstance(value, bool):
+    for case in plan.cases:
+        for key, value in case.items():
+            if isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value):
                 numbers.setdefault(key, set()).add(value)
     return [key for key, values in numbers.items() if len(values) >= FEWEST_FOR_TENDENCY][:4]
 
@@ -179,29 +177,35 @@ def draw_rates(axes: Any, scenario: Scenario, found: Survey) -> None:
     axes.set_xlabel("holds in (%), 95 % confidence")
 
 
-def draw_metrics(
-    grid: Any, plan: Plan, store: Store, found: Survey, names: list[str], keys: list[str]
-) -> None:
+def draw_metrics(grid: Any, plan: Plan, found: Survey, names: list[str], keys: list[str]) -> None:
     """Histogram of each metric with its limits, and the metric over each varied key; failed runs in red."""
-    scenario = plan.build(plan.base)
-    done = [row for row in rows(plan, store) if row["status"] in DONE]
+    scenario, columns = plan.scenario, found.columns
     logarithmic = [vary.key for vary in plan.study.vary if vary.distribution == "log-uniform"]
-    failed = np.array([row["status"] == "failed" for row in done], dtype=bool)
+    done = np.isin(columns["status"], DONE)
+    failed = np.array(columns["status"])[done] == "failed"
     for axes, name in zip(grid, names, strict=True):
-        values = np.array([float(row["metrics"][name]) for row in done])
+        values = np.array(columns[f"metric.{name}"], dtype=np.float64)[done]
         unit = found.units[name]
         axes[0].hist(finite(values), bins="auto", color="tab:blue", alpha=0.7)
         axes[0].set_xlabel(f"{name} ({unit})" if unit not in ("", "1") else name)
         for limit in limits(scenario, name, unit):
             axes[0].axvline(limit, color="tab:red", linestyle="--", label=f"limit {number(limit)}")
         for place, key in zip(axes[1:], keys, strict=True):
-            at = np.array([float(row["set"].get(key, math.nan)) for row in done])
+            at = np.array([number_of(value) for value in columns[key]])[done]
             place.plot(at[~failed], values[~failed], ".", markersize=3.0, color="tab:blue")
             place.plot(at[failed], values[failed], "x", markersize=4.0, color="tab:red")
             place.set_xlabel(key)
             place.set_ylabel(name)
             if key in logarithmic:
                 place.set_xscale("log")
+
+
+def number_of(value: Any) -> float:
+    """Value of a key as a number; NaN where it is none."""
+    try:
+        return math.nan if value is None else float(value)
+    except (TypeError, ValueError):
+        return math.nan
 
 
 def limits(scenario: Scenario, name: str, unit: str) -> list[float]:

@@ -3,21 +3,16 @@
 from __future__ import annotations
 
 import functools
-import hashlib
-import importlib
-import importlib.metadata
 import json
 import shlex
-import sys
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import Any
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, overload
 
 import numpy as np
 
 from cosim import paths
-from cosim.errors import ScenarioError, closest, concerning
+from cosim.errors import CosimError, ScenarioError, closest, concerning
 from cosim.fmu import stale
 from cosim.fmu.archive import FmuFile, open_fmu
 from cosim.fmu.values import expand
@@ -28,18 +23,15 @@ from cosim.scenario import layers
 from cosim.scenario.load import build
 from cosim.scenario.model import Scenario
 from cosim.sweep.designs import DESIGNS, Case
+from cosim.sweep.identity import digest, finished, leaf, plant_of, project, section, total
 from cosim.sweep.study import Study
 from cosim.sweep.worker import Job
 
-PRESENTATION = ("title", "description", "plot")
-"""Parts of a scenario that change no number."""
-PACKAGES = ("machining-fmus", "mujoco-core", "fmpy", "numpy")
-"""Their versions are part of every hash."""
-PLANT_FILES = (".py", ".xml", ".so", ".pyd")
-"""Files of the package `plants` that make its plants."""
+MOST_SETTINGS = 1000
+"""Settings that are remembered while runs are planned."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, slots=True)
 class Run:
     """One run of a study.
 
@@ -56,8 +48,28 @@ class Run:
     number: int
     case: int
     seed: int
-    changes: Case
+    changes: Case = field(compare=False)
     hash: str
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What runs share that differ in nothing but parameters.
+
+    Parameters
+    ----------
+    file, plant
+        The FMU, and the class of the plant.
+    leaves
+        Hashes of the parameters that the scenario gives, by their places.
+    total
+        Sum of the hashes of everything.
+    """
+
+    file: FmuFile
+    plant: Any
+    leaves: dict[str, int]
+    total: int
 
 
 class Plan:
@@ -79,47 +91,73 @@ class Plan:
         self.base = layers.read(self.file)
         for key, value in study.set.items():
             layers.assign(self.base, key, value, f"{self.origin}, `set.{key}`")
-        cases = study.case
+        self.scenario = replace(build(self.base), name=self.name, file=self.file)
+        self.totals = {name: total(section(name, part)) for name, part in self.base.table.items()}
+        self.settings: dict[str, Setting] = {}
+        self.cases: Sequence[Case] = study.case
         if study.design.kind != "list":
-            cases = tuple(DESIGNS[study.design.kind](study.vary, study.design.samples or 0, study.seed))
-        self.runs = [run for index, case in enumerate(cases) for run in self.runs_of(index, case)]
+            self.cases = DESIGNS[study.design.kind](study.vary, study.design.samples or 0, study.seed)
+        self.runs = Runs(self)
 
-    def runs_of(self, index: int, case: Case) -> Iterator[Run]:
-        """Check one case and make its runs."""
-        merged = self.merged(case, index)
+    def admit(self, index: int) -> int:
+        """Check one case; returns the sum of the hashes of all that its numbers depend on."""
+        case = self.cases[index]
+        parameters = {key: value for key, value in case.items() if is_parameter(key)}
+        rest = {key: value for key, value in case.items() if key not in parameters}
+        name = repr(rest)
+        if name not in self.settings:
+            if len(self.settings) >= MOST_SETTINGS:
+                self.settings.clear()
+            self.settings[name] = self.setting(rest, index)
+        setting = self.settings[name]
+        try:
+            return setting.total + sum(exchange(setting, key, value) for key, value in parameters.items())
+        except CosimError:
+            # the same with all its layers, whose error tells where the value comes from
+            check(self.build(self.merged(case, index)))
+            raise
+
+    def setting(self, changes: Case, index: int) -> Setting:
+        """Check a case without the parameters that it varies."""
+        merged = self.merged(changes, index)
         scenario = self.build(merged)
-        fmu, made = check(scenario)
-        if (metric := self.study.traces.metric) and metric not in (
-            names := [m.name for m in scenario.metric]
-        ):
+        file, kind, made = check(scenario)
+        names = [metric.name for metric in scenario.metric]
+        if (metric := self.study.traces.metric) and metric not in names:
             problem = f"{self.origin}: `traces.metric` is `{metric}`, there is no such metric"
             raise ScenarioError(problem, closest(metric, names))
-        kept = {name: part for name, part in merged.table.items() if name not in PRESENTATION}
-        identity = {"versions": versions(), "fmu": digest(fmu.path), "plant": made, "scenario": kept}
-        for repeat in range(self.study.design.repeats):
-            number = index * self.study.design.repeats + repeat
-            seed = self.seed(number, repeat, merged)
-            text = json.dumps({**identity, "seed": seed}, sort_keys=True, default=str)
-            yield Run(number, index, seed, case, hashlib.sha256(text.encode()).hexdigest()[:32])
+        base = self.base.table
+        parts = (
+            self.totals[name] if part is base.get(name) else total(section(name, part))
+            for name, part in merged.table.items()
+        )
+        things = total({**project(), "fmu": digest(file.path), "plant": made})
+        known = section("controller", merged.table["controller"]) | section("plant", merged.table["plant"])
+        return Setting(
+            file, kind, {key: leaf(key, value) for key, value in known.items()}, sum(parts) + things
+        )
 
     def merged(self, case: Case, index: int) -> layers.Layers:
         """Layers of one case."""
-        merged = layers.Layers(dict(self.base.table), dict(self.base.origins), self.base.files)
+        merged = self.base.copy()
         for key, value in case.items():
             layers.assign(merged, key, value, f"{self.origin}, case {index}")
         return merged
 
     def build(self, merged: layers.Layers) -> Scenario:
         """Scenario of one case."""
-        return replace(build(merged), name=self.name, file=self.file)
+        return build(merged, (self.base, self.scenario))
 
-    def seed(self, number: int, repeat: int, merged: layers.Layers) -> int:
+    def seed(self, number: int) -> int:
         """Seed of one run: by its number, never by the order in which runs are done."""
         design = self.study.design
-        if merged.origins.get("loop.seed", "").startswith(self.origin):
-            return int(merged.table["loop"]["seed"]) + repeat
-        index = repeat if design.seeds == "repeat" else number
-        sequence = np.random.SeedSequence(self.study.seed, spawn_key=(index,))
+        index, repeat = divmod(number, design.repeats)
+        given = self.cases[index].get("loop.seed", self.study.set.get("loop.seed"))
+        if given is not None:
+            return int(given) + repeat
+        sequence = np.random.SeedSequence(
+            self.study.seed, spawn_key=(repeat if design.seeds == "repeat" else number,)
+        )
         # 53 bits are exact in JSON and in a spreadsheet
         return int(sequence.generate_state(1, np.uint64)[0] >> np.uint64(11))
 
@@ -130,11 +168,67 @@ class Plan:
         return Job(scenario, run.seed, self.engine, keep_trace, digest(fmu))
 
     def command(self, run: Run) -> str:
-        """Command line that repeats a run."""
+        """Command line that repeats a run, from the working directory of now."""
+        named = not self.study.scenario.endswith(".toml")
+        scenario = self.study.scenario if named else paths.shown(self.file)
         changes = {**self.study.set, **run.changes}
         options = [shlex.quote(f"{key}={text(value)}") for key, value in changes.items()]
-        words = ["cosim run", shlex.quote(self.study.scenario), *(f"--set {option}" for option in options)]
+        words = ["cosim run", shlex.quote(scenario), *(f"--set {option}" for option in options)]
         return " ".join([*words, f"--seed {run.seed}"])
+
+
+class Runs(Sequence[Run]):
+    """The runs of a plan, made as they are asked for; only their seeds and hashes are held."""
+
+    def __init__(self, plan: Plan) -> None:
+        self.cases, self.repeats = plan.cases, plan.study.design.repeats
+        count = len(plan.cases) * self.repeats
+        self.seeds = np.empty(count, np.uint64)
+        self.hashes = bytearray()
+        for number in range(count):
+            index, repeat = divmod(number, self.repeats)
+            if repeat == 0:
+                summed = plan.admit(index)
+            seed = plan.seed(number)
+            self.seeds[number] = seed
+            self.hashes += finished(summed, seed)
+
+    def __len__(self) -> int:
+        return self.seeds.size
+
+    @overload
+    def __getitem__(self, number: int) -> Run: ...
+    @overload
+    def __getitem__(self, number: slice) -> list[Run]: ...
+    def __getitem__(self, number: int | slice) -> Run | list[Run]:
+        if isinstance(number, slice):
+            return [self[index] for index in range(*number.indices(len(self)))]
+        number = range(len(self))[number]
+        case = number // self.repeats
+        return Run(number, case, int(self.seeds[number]), self.cases[case], self.hash(number))
+
+    def hash(self, number: int) -> str:
+        """Hash of a run, in hexadecimal."""
+        return self.hashes[16 * number : 16 * number + 16].hex()
+
+
+@functools.lru_cache(1000)
+def is_parameter(key: str) -> bool:
+    """Whether a key of a scenario is a parameter of the controller or the plant."""
+    part, _, name = key.partition(".")
+    return (part == "controller" and name != "fmu") or (part == "plant" and name != "name")
+
+
+def exchange(setting: Setting, key: str, value: Any) -> int:
+    """Check the value of a parameter; returns what it changes in the sum of a setting's hashes."""
+    part, _, name = key.partition(".")
+    name = name.removeprefix("parameters.")
+    if part == "plant":
+        plant.check_parameter(setting.plant, name, value)
+    else:
+        expand(setting.file.variables, {name: value})
+    place = f"{part}.parameters.{name}"
+    return leaf(place, value) - setting.leaves.get(place, 0)
 
 
 def text(value: Any) -> str:
@@ -144,8 +238,13 @@ def text(value: Any) -> str:
     return json.dumps(value)
 
 
-def check(scenario: Scenario) -> tuple[FmuFile, str]:
-    """Check names, types and ranges of all parameters without running; returns the FMU and the plant's hash.
+def check(scenario: Scenario) -> tuple[FmuFile, Any, str]:
+    """Check names, types and ranges of all parameters without running.
+
+    Returns
+    -------
+    (FmuFile, type, str)
+        The FMU, the plant's class and its hash.
 
     Raises
     ------
@@ -161,44 +260,4 @@ def check(scenario: Scenario) -> tuple[FmuFile, str]:
         with concerning("plant.name"):
             kind, found = plant_of(scenario.plant.name, scenario.folder)
         plant.check_parameters(kind, scenario.plant.parameters)
-    return file, found
-
-
-@functools.cache
-def digest(path: Path) -> str:
-    """SHA-256 of a file."""
-    return hashlib.sha256(path.read_bytes()).hexdigest()
-
-
-@functools.cache
-def plant_of(name: str, folder: Path) -> tuple[Any, str]:
-    """Class of a plant and the SHA-256 of what it is made of."""
-    kind = plant.plant_class(name, folder)
-    parts = [digest(file) for file in sources(kind)]
-    if name.endswith(plant.MJCF):
-        # files that the MJCF includes and meshes count as well
-        parts.append(importlib.import_module("plants.bare").fingerprint(kind.file))
-    return kind, hashlib.sha256("".join(parts).encode()).hexdigest()
-
-
-def sources(kind: Any) -> list[Path]:
-    """Files of a plant's class and its bases; all of the package `plants` where one of them is in it."""
-    modules = [sys.modules.get(base.__module__) for base in kind.__mro__]
-    files = {Path(file) for module in modules if (file := getattr(module, "__file__", None))}
-    if any(base.__module__.partition(".")[0] == "plants" for base in kind.__mro__):
-        (folder,) = importlib.import_module("plants").__path__
-        files |= {file for file in Path(folder).rglob("*") if file.suffix in PLANT_FILES}
-    # by name, then folder: wherever the package lies
-    return sorted(files, key=lambda file: file.parts[::-1])
-
-
-@functools.cache
-def versions() -> dict[str, str]:
-    """Versions of what computes the numbers."""
-    found = {}
-    for name in PACKAGES:
-        try:
-            found[name] = importlib.metadata.version(name)
-        except importlib.metadata.PackageNotFoundError:
-            found[name] = ""
-    return found
+    return file, kind, found

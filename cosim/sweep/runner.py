@@ -11,8 +11,9 @@ from cosim.loop.result import Result
 from cosim.show import plot
 from cosim.sweep.overview import can_plot
 from cosim.sweep.plan import Plan, Run
-from cosim.sweep.store import DONE, Row, Store, row_of
+from cosim.sweep.store import DONE, TROUBLES, Row, Store, row_of
 from cosim.sweep.supervisor import Finished, Numbered
+from cosim.sweep.survey import Survey
 from cosim.sweep.worker import Outcome
 
 log = logging.getLogger("cosim")
@@ -46,27 +47,30 @@ def sweep(plan: Plan, store: Store, pool: Pool, observe: Observer, again: bool =
         observe(row)
 
 
-def pending(plan: Plan, store: Store, again: bool) -> list[Run]:
-    """List the runs to be done, each hash once."""
-    done = DONE if again else (*DONE, "error", "crashed", "timeout", "memory", "lost")
-    return list({run.hash: run for run in plan.runs if store.status(run) not in done}.values())
+def pending(plan: Plan, store: Store, again: bool) -> list[int]:
+    """List the numbers of the runs to be done, each hash once."""
+    done = DONE if again else (*DONE, *TROUBLES)
+    hashes = ((number, plan.runs.hash(number)) for number in range(len(plan.runs)))
+    return list({name: number for number, name in hashes if store.status(name) not in done}.values())
 
 
-def outcomes(plan: Plan, runs: list[Run], pool: Pool, keep_trace: bool) -> Iterator[tuple[Run, Outcome]]:
+def outcomes(
+    plan: Plan, numbers: Iterable[int], pool: Pool, keep_trace: bool
+) -> Iterator[tuple[Run, Outcome]]:
     """Yield runs with their outcomes as they come; scenarios are built as workers ask for them."""
-    by_number = {run.number: run for run in runs}
-    jobs = ((run.number, plan.job(run, keep_trace)) for run in runs)
+    jobs = ((number, plan.job(plan.runs[number], keep_trace)) for number in numbers)
     with contextlib.closing(pool(jobs)) as done:
         for number, outcome in done:
-            yield by_number[number], outcome
+            yield plan.runs[number], outcome
 
 
-def save_traces(plan: Plan, store: Store, pool: Pool, plots: bool) -> None:
+def save_traces(plan: Plan, store: Store, found: Survey, pool: Pool, plots: bool) -> None:
     """Run the failed and the worst runs again, save their traces and plot the worst; what is there stays."""
     folder = store.folder / "traces"
-    drawn = worst(plan, store, plan.study.traces.worst)[:MOST_PLOTS] if plots and can_plot() else []
-    chosen = {run: folder / f"{run.number:06d}-{run.hash[:8]}.npz" for run in worth_a_trace(plan, store)}
-    missing = [run for run, file in chosen.items() if not file.exists()]
+    drawn = worst(plan, found)[:MOST_PLOTS] if plots and can_plot() else []
+    names = {number: f"{number:06d}-{plan.runs.hash(number)[:8]}.npz" for number in chosen(plan, found)}
+    files = {number: folder / name for number, name in names.items()}
+    missing = [number for number, file in files.items() if not file.exists()]
     if missing:
         folder.mkdir(exist_ok=True)
     for run, outcome in outcomes(plan, missing, pool, keep_trace=True):
@@ -79,32 +83,28 @@ def save_traces(plan: Plan, store: Store, pool: Pool, plots: bool) -> None:
                 "run %d gives other numbers when it is repeated: something in it is random", run.number
             )
         # a file that is there is whole
-        partial = folder / f".{chosen[run].name}"
+        file = files[run.number]
+        partial = folder / f".{file.name}"
         outcome.save_trace(partial)
-        partial.replace(chosen[run])
-        if run in drawn:
-            plot.save(plan.job(run).scenario, outcome, chosen[run].with_suffix(".svg"))
+        partial.replace(file)
+        if run.number in drawn:
+            plot.save(plan.job(run).scenario, outcome, file.with_suffix(".svg"))
 
 
-def worth_a_trace(plan: Plan, store: Store) -> list[Run]:
-    """First runs that failed, and the worst."""
-    failed = [run for run in plan.runs if store.status(run) == "failed"]
-    return list(
-        dict.fromkeys([*failed[: plan.study.traces.failed], *worst(plan, store, plan.study.traces.worst)])
-    )
+def chosen(plan: Plan, found: Survey) -> list[int]:
+    """Numbers of the runs whose traces are kept: the first that failed, and the worst."""
+    pairs = zip(found.columns["run"], found.columns["status"], strict=True)
+    failed = [number for number, status in pairs if status == "failed"]
+    return list(dict.fromkeys([*failed[: plan.study.traces.failed], *worst(plan, found)]))
 
 
-def worst(plan: Plan, store: Store, count: int) -> list[Run]:
-    """Worst runs by the metric of `traces`, the worst first; NaN is worse than anything."""
+def worst(plan: Plan, found: Survey) -> list[int]:
+    """Numbers of the worst runs by the metric of `traces`, the worst first; NaN is worse than anything."""
     traces = plan.study.traces
-    if not traces.metric or not count:
+    if not traces.metric:
         return []
     sign = 1.0 if traces.direction == "large" else -1.0
-    badness = {}
-    for run in plan.runs:
-        row = store.row(run)
-        if row is not None and row["status"] in DONE:
-            value = sign * float(row["metrics"][traces.metric])
-            badness[run.number] = math.inf if math.isnan(value) else value
-    ranked = sorted(badness, key=lambda number: -badness[number])
-    return [plan.runs[number] for number in ranked[:count]]
+    pairs = zip(found.columns["run"], found.columns[f"metric.{traces.metric}"], strict=True)
+    values = {number: sign * value for number, value in pairs if value is not None}
+    badness = {number: math.inf if math.isnan(value) else value for number, value in values.items()}
+    return sorted(badness, key=lambda number: -badness[number])[: traces.worst]

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import json
 import logging
+from collections.abc import Collection
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, NoReturn
 
 from cosim import paths
 from cosim.closing import Closing
 from cosim.errors import CosimError
 from cosim.loop.result import Result, plain
 from cosim.metrics.criteria import Verdict
+from cosim.scenario.tables import parse
 from cosim.sweep.plan import Run
 from cosim.sweep.worker import Outcome
 
@@ -23,7 +27,30 @@ Row = dict[str, Any]
 VERDICTS = {True: "passed", False: "failed", None: "done"}
 """Status of a result by `Result.passed`; without criteria it is only done."""
 DONE = tuple(VERDICTS.values())
-"""Statuses of runs that gave a result; the others are `error`, `crashed`, `timeout`, `memory` and `lost`."""
+"""Statuses of runs that gave a result."""
+TROUBLES = ("error", "crashed", "timeout", "memory", "lost")
+"""Statuses of runs that gave none."""
+Number = float | Literal["NaN", "Infinity", "-Infinity"]
+
+
+@dataclass(frozen=True)
+class Shape:
+    """What a row must look like; `metrics` and all behind it belong to runs that gave a result."""
+
+    run: int
+    case: int
+    seed: int
+    set: dict[str, Any]
+    hash: str
+    status: Literal["passed", "failed", "done", "error", "crashed", "timeout", "memory", "lost"]
+    reason: str
+    hint: str = ""
+    metrics: dict[str, Number] = field(default_factory=dict)
+    units: dict[str, str] = field(default_factory=dict)
+    criteria: dict[str, bool] = field(default_factory=dict)
+    engine: str = ""
+    simulated_s: float | None = None
+    wall_s: float | None = None
 
 
 class Store(Closing):
@@ -40,7 +67,9 @@ class Store(Closing):
         self.places: dict[str, tuple[int, str]] = {}
         try:
             folder.mkdir(parents=True, exist_ok=True)
-            self.file = (folder / FILE).open("a+b")
+            # without a buffer: what could not be written is not tried again
+            self.file = (folder / FILE).open("ab", buffering=0)
+            self.reader = (folder / FILE).open("rb")
         except OSError as error:
             shown = paths.shown(folder)
             raise CosimError(f"cannot write results to `{shown}`: {error.strerror or error}") from None
@@ -48,7 +77,7 @@ class Store(Closing):
             self.lock()
             self.scan()
         except CosimError:
-            self.file.close()
+            self.close()
             raise
 
     def lock(self) -> None:
@@ -67,9 +96,8 @@ class Store(Closing):
 
     def scan(self) -> None:
         """Find the rows that are there; a last line that was cut off is removed."""
-        self.file.seek(0)
         place = 0
-        for line in self.file:
+        for line in self.reader:
             if not line.endswith(b"\n"):
                 log.warning("`%s` ended in the middle of a row, that run is done again", FILE)
                 self.file.truncate(place)
@@ -81,43 +109,88 @@ class Store(Closing):
     def note(self, line: bytes, place: int) -> None:
         """Remember the place of a row; what is no row is passed over."""
         try:
-            row = json.loads(line)
-            self.places[str(row["hash"])] = (place, str(row["status"]))
-        except (ValueError, KeyError, TypeError):
-            log.warning("`%s` has a line that is no row, that run is done again", FILE)
+            row = read(line)
+            self.places[row["hash"]] = (place, row["status"])
+        except (ValueError, RecursionError) as error:
+            log.warning("`%s` has a line that is no row (%s), that run is done again", FILE, error)
 
     def append(self, row: Row) -> None:
         """Write one row; it is in the file when this returns."""
-        line = json.dumps(row, allow_nan=False).encode() + b"\n"
+        line = json.dumps(row, allow_nan=False, default=str).encode() + b"\n"
         try:
-            self.file.write(line)
-            self.file.flush()
+            written = self.file.write(line)
+            if written != len(line):
+                raise OSError(errno.ENOSPC, "no space left for a whole row")
         except OSError as error:
-            raise CosimError(f"cannot write `{self.folder / FILE}`: {error.strerror or error}") from None
+            with contextlib.suppress(OSError):
+                self.file.truncate(self.end)
+            raise CosimError(
+                f"cannot write `{self.folder / FILE}`: {error.strerror or error}",
+                "what is in it stays; the same command goes on from there",
+            ) from None
         self.places[row["hash"]] = (self.end, row["status"])
         self.end += len(line)
 
-    def status(self, run: Run) -> str:
-        """Status of a run; empty if it has no row."""
-        return self.places.get(run.hash, (0, ""))[1]
+    def status(self, name: str) -> str:
+        """Status of the run with a hash; empty if it has no row."""
+        return self.places.get(name, (0, ""))[1]
 
     def row(self, run: Run) -> Row | None:
         """Row of a run, with the number it has in this study."""
         if run.hash not in self.places:
             return None
-        self.file.seek(self.places[run.hash][0])
-        row: Row = json.loads(self.file.readline())
+        self.reader.seek(self.places[run.hash][0])
+        row: Row = json.loads(self.reader.readline())
         return {**row, "run": run.number, "case": run.case}
 
     def close(self) -> None:
         """Close the file."""
+        self.reader.close()
         with contextlib.suppress(OSError):
             self.file.close()
 
 
+def read(line: bytes) -> Row:
+    """Row of a line.
+
+    Raises
+    ------
+    ValueError
+        It is no row, or one that contradicts itself.
+    """
+    row: Any = json.loads(line)
+
+    def fail(key: str, problem: str, hint: str) -> NoReturn:
+        raise ValueError(f"`{key}` {problem}")
+
+    if not isinstance(row, dict):
+        raise ValueError("it is no object")
+    shape = parse(Shape, row, "", fail)
+    if shape.status in TROUBLES:
+        return row
+    if shape.status != status_of(shape.criteria.values()):
+        raise ValueError(f"`status` is `{shape.status}`, its `criteria` tell something else")
+    if shape.units.keys() != shape.metrics.keys() or shape.simulated_s is None or shape.wall_s is None:
+        raise ValueError("`units` of its `metrics`, `simulated_s` or `wall_s` are missing")
+    return row
+
+
+def status_of(held: Collection[bool]) -> str:
+    """Status of a run that gave a result, from whether each criterion holds."""
+    return ("passed" if all(held) else "failed") if held else "done"
+
+
+def storable(value: Any) -> Any:
+    """Return what strict JSON can hold of a value of a scenario."""
+    if isinstance(value, float):
+        return plain(value)
+    return [storable(item) for item in value] if isinstance(value, list) else value
+
+
 def row_of(run: Run, outcome: Outcome) -> Row:
     """Row of a run and its outcome."""
-    row: Row = {"run": run.number, "case": run.case, "seed": run.seed, "set": run.changes, "hash": run.hash}
+    changes = {key: storable(value) for key, value in run.changes.items()}
+    row: Row = {"run": run.number, "case": run.case, "seed": run.seed, "set": changes, "hash": run.hash}
     if isinstance(outcome, Result):
         return {
             **row,

@@ -11,8 +11,10 @@ from typing import Any, Literal, NoReturn
 
 from cosim import paths
 from cosim.errors import ScenarioError
-from cosim.scenario import layers
+from cosim.scenario.ranges import COUNT, FINITE, NOT_NAN, NOT_NEGATIVE_COUNT, POSITIVE, limited
+from cosim.scenario.schema import schema_of
 from cosim.scenario.tables import parse
+from cosim.scenario.toml import flatten, parse_file, toml_value
 
 MOST_RUNS = 1_000_000
 """More runs than any sweep has time for."""
@@ -42,12 +44,12 @@ class Vary:
 
     key: str
     values: tuple[Any, ...] = ()
-    minimum: float | None = None
-    maximum: float | None = None
+    minimum: float | None = limited(NOT_NAN, None)
+    maximum: float | None = limited(NOT_NAN, None)
     points: int | None = None
     distribution: Literal["uniform", "log-uniform", "normal"] = "uniform"
-    mean: float | None = None
-    deviation: float | None = None
+    mean: float | None = limited(FINITE, None)
+    deviation: float | None = limited(POSITIVE, None)
     integer: bool = False
 
     @property
@@ -79,7 +81,7 @@ class Design:
     kind: Literal["grid", "list", "latin-hypercube", "sobol", "monte-carlo"]
     samples: int | None = None
     file: str = ""
-    repeats: int = 1
+    repeats: int = limited(COUNT, 1)
     seeds: Literal["run", "repeat"] = "run"
 
 
@@ -87,8 +89,8 @@ class Design:
 class RunLimits:
     """What one run may take: wall time in s, resident memory of its process in MB."""
 
-    timeout: float = 600.0
-    memory: float | None = None
+    timeout: float = limited(POSITIVE, 600.0)
+    memory: float | None = limited(POSITIVE, None)
 
 
 @dataclass(frozen=True)
@@ -107,8 +109,8 @@ class Traces:
         Which values of it are bad.
     """
 
-    failed: int = 10
-    worst: int = 0
+    failed: int = limited(NOT_NEGATIVE_COUNT, 10)
+    worst: int = limited(NOT_NEGATIVE_COUNT, 0)
     metric: str = ""
     direction: Literal["large", "small"] = "large"
 
@@ -121,7 +123,7 @@ class Study:
     design: Design
     title: str = ""
     description: str = ""
-    seed: int = 1
+    seed: int = limited(NOT_NEGATIVE_COUNT, 1)
     set: dict[str, Any] = field(default_factory=dict)
     vary: tuple[Vary, ...] = ()
     case: tuple[dict[str, Any], ...] = ()
@@ -144,19 +146,24 @@ def load(file: Path) -> Study:
         Missing or broken file, unknown key, wrong type, contradictory values; names file and key.
     """
     origin = f"`{paths.shown(file)}`"
-    table = layers.parse_file(file)
+    table = parse_file(file)
 
     def fail(key: str, problem: str, hint: str = "") -> NoReturn:
         raise ScenarioError(f"{origin}: `{key}` {problem}", hint)
 
     study = parse(Study, table, "", fail)
-    study = replace(study, set=layers.flatten(study.set), file=file)
+    study = replace(study, set=flatten(study.set), file=file)
     if study.design.file:
         study = replace(study, case=(*study.case, *read_cases(file.parent / study.design.file, fail)))
     else:
-        study = replace(study, case=tuple(layers.flatten(case) for case in study.case))
+        study = replace(study, case=tuple(flatten(case) for case in study.case))
     check(study, fail)
     return study
+
+
+def study_schema() -> dict[str, Any]:
+    """JSON schema of a study file."""
+    return schema_of(Study, "Study of cosim")
 
 
 def read_cases(file: Path, fail: Any) -> Sequence[dict[str, Any]]:
@@ -176,22 +183,16 @@ def read_cases(file: Path, fail: Any) -> Sequence[dict[str, Any]]:
         if len(row) != len(header):
             fail("design.file", f"is `{file}`, whose line {number} has {len(row)} cells, not {len(header)}")
         pairs = zip(header, (cell.strip() for cell in row), strict=True)
-        cases.append({key: layers.toml_value(cell) for key, cell in pairs if cell})
+        try:
+            cases.append({key: toml_value(cell) for key, cell in pairs if cell})
+        except ScenarioError as error:
+            fail("design.file", f"is `{file}`, in whose line {number} {error.message}", error.hint)
     return cases
 
 
 def check(study: Study, fail: Any) -> None:
     """Check what types cannot say."""
     design = study.design
-    if study.seed < 0:
-        fail("seed", f"is `{study.seed}`, it must not be negative")
-    if design.repeats < 1:
-        fail("design.repeats", f"is `{design.repeats}`, it must be at least 1")
-    for key, value in (("timeout", study.limits.timeout), ("memory", study.limits.memory)):
-        if value is not None and not 0.0 < value < math.inf:
-            fail(f"limits.{key}", f"is `{value}`, it must be positive and finite")
-    if min(study.traces.failed, study.traces.worst) < 0:
-        fail("traces", "asks for a negative number of traces")
     if study.traces.worst and not study.traces.metric:
         fail("traces.metric", "is missing", "it tells which runs are the worst")
     check_cases(study, fail) if design.kind == "list" else check_varied(study, fail)
@@ -266,8 +267,6 @@ def check_values(vary: Vary, key: str, kind: str, fail: Any) -> None:
             f"{key}.distribution",
             f"is `{vary.distribution}`; `mean` and `deviation` belong to `normal`, both of them",
         )
-    if normal and not (math.isfinite(vary.mean or 0.0) and 0.0 < (vary.deviation or 0.0) < math.inf):
-        fail(f"{key}.deviation", f"is `{vary.deviation}`, it must be positive and finite")
     if not normal and not (math.isfinite(low) and math.isfinite(high)):
         fail(f"{key}", f"needs `minimum` and `maximum` of `{vary.key}`, both finite")
     if vary.distribution == "log-uniform" and low <= 0.0:

@@ -1,21 +1,18 @@
-"""What the rows of a sweep say together: counts, success rate, distributions; and their tables on disk."""
+"""What the rows of a sweep say together: counts, success rate, distributions."""
 
 from __future__ import annotations
 
-import csv
-import importlib
 import json
 import math
+import sys
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.errors import CosimError
 from cosim.loop.result import plain
 from cosim.sweep.plan import Plan
 from cosim.sweep.store import DONE, Row, Store
@@ -33,6 +30,8 @@ class Survey:
     ----------
     wanted
         Runs of the study.
+    columns
+        Table of all rows, a line for each run that has one; see `places`.
     statuses
         Number of runs by status.
     values
@@ -46,6 +45,7 @@ class Survey:
     """
 
     wanted: int
+    columns: dict[str, list[Any]] = field(default_factory=dict)
     statuses: Counter[str] = field(default_factory=Counter)
     values: dict[str, NDArray[np.float64]] = field(default_factory=dict)
     units: dict[str, str] = field(default_factory=dict)
@@ -96,25 +96,49 @@ class Survey:
 def survey(plan: Plan, store: Store) -> Survey:
     """Read all rows of a study once."""
     found = Survey(len(plan.runs))
-    values: dict[str, list[float]] = {}
+    where = places(plan)
+    found.columns = {name: [] for name in where}
     for row in rows(plan, store):
-        found.statuses[row["status"]] += 1
-        for name, value in row.get("metrics", {}).items():
-            values.setdefault(name, []).append(float(value))
+        for name, (part, key) in where.items():
+            found.columns[name].append(cell(row, part, key))
         found.units |= row.get("units", {})
+        found.statuses[row["status"]] += 1
         for name, held in row.get("criteria", {}).items():
             found.held[name] += held
         if row["status"] not in DONE:
             trouble = (row["status"], row["reason"])
             count, first = found.troubles.get(trouble, (0, row["run"]))
             found.troubles[trouble] = (count + 1, first)
-    found.values = {name: np.array(column) for name, column in values.items()}
+    for name in found.units:
+        values = [value for value in found.columns.get(f"metric.{name}", ()) if value is not None]
+        found.values[name] = np.array(values, dtype=np.float64)
     return found
 
 
 def rows(plan: Plan, store: Store) -> Iterator[Row]:
     """Rows of a study in the order of its runs."""
     return (row for run in plan.runs if (row := store.row(run)) is not None)
+
+
+def places(plan: Plan) -> dict[str, tuple[str, str]]:
+    """Columns of the table: name, and where its value stands in a row (part, key)."""
+    keys = dict.fromkeys(key for case in plan.cases for key in case)
+    return {
+        **{name: ("", name) for name in ("run", "case", "seed", "status", "reason")},
+        **{key: ("set", key) for key in keys},
+        **{f"metric.{metric.name}": ("metrics", metric.name) for metric in plan.scenario.metric},
+        **{f"criterion.{entry.id}": ("criteria", entry.id) for entry in plan.scenario.criterion},
+        **{name: ("", name) for name in ("engine", "simulated_s", "wall_s", "hash")},
+    }
+
+
+def cell(row: Row, part: str, key: str) -> Any:
+    """Value of one column of a row; None if it has none."""
+    value = (row.get(part, {}) if part else row).get(key)
+    if part == "metrics" and value is not None:
+        return float(value)
+    # the same few texts in all rows
+    return sys.intern(value) if isinstance(value, str) else value
 
 
 def quantiles(values: NDArray[np.float64]) -> dict[str, float]:
@@ -133,82 +157,3 @@ def confidence(successes: int, count: int) -> tuple[float, float]:
     middle = (rate + square / 2.0) / (1.0 + square)
     half = math.sqrt(square * (rate * (1.0 - rate) + square / 4.0)) / (1.0 + square)
     return max(0.0, middle - half), min(1.0, middle + half)
-
-
-def columns(plan: Plan) -> dict[str, tuple[str, str]]:
-    """Columns of the tables: name, and where its value stands in a row (part, key)."""
-    keys = list(dict.fromkeys(key for run in plan.runs for key in run.changes))
-    scenario = plan.build(plan.base)
-    return {
-        **{name: ("", name) for name in ("run", "case", "seed", "status", "reason")},
-        **{key: ("set", key) for key in keys},
-        **{f"metric.{metric.name}": ("metrics", metric.name) for metric in scenario.metric},
-        **{f"criterion.{entry.id}": ("criteria", entry.id) for entry in scenario.criterion},
-        **{name: ("", name) for name in ("engine", "simulated_s", "wall_s", "hash")},
-    }
-
-
-def cell(row: Row, part: str, key: str) -> Any:
-    """Value of one column of a row; None if it has none."""
-    value = (row.get(part, {}) if part else row).get(key)
-    return float(value) if part == "metrics" and value is not None else value
-
-
-def save_csv(plan: Plan, store: Store, file: Path) -> None:
-    """Write `summary.csv`: one line for each run that has a row.
-
-    Raises
-    ------
-    CosimError
-        The file cannot be written.
-    """
-    places = columns(plan)
-    partial = file.with_name(f".{file.name}.partial")
-    try:
-        with partial.open("w", newline="", encoding="utf-8") as lines:
-            writer = csv.writer(lines)
-            writer.writerow(places)
-            for row in rows(plan, store):
-                writer.writerow([shown(cell(row, *place)) for place in places.values()])
-        partial.replace(file)
-    except OSError as error:
-        raise CosimError(f"cannot write `{file}`: {error.strerror or error}") from None
-
-
-def shown(value: Any) -> Any:
-    """Value in a CSV file: as TOML where that is something else."""
-    return str(value).lower() if isinstance(value, bool) else value
-
-
-def save_parquet(plan: Plan, store: Store, file: Path) -> bool:
-    """Write `summary.parquet`, the same table with types; False if pyarrow is not installed.
-
-    Raises
-    ------
-    CosimError
-        The file cannot be written.
-    """
-    try:
-        pyarrow: Any = importlib.import_module("pyarrow")
-        parquet: Any = importlib.import_module("pyarrow.parquet")
-    except ImportError:
-        return False
-    found = list(rows(plan, store))
-    table = {
-        name: typed(pyarrow, [cell(row, *place) for row in found]) for name, place in columns(plan).items()
-    }
-    try:
-        parquet.write_table(pyarrow.table(table), file)
-    except OSError as error:
-        raise CosimError(f"cannot write `{file}`: {error.strerror or error}") from None
-    return True
-
-
-def typed(pyarrow: Any, values: list[Any]) -> Any:
-    """Column of one type; of texts where the values have several."""
-    kinds = {type(value) for value in values if value is not None}
-    if kinds == {int, float}:
-        values = [None if value is None else float(value) for value in values]
-    elif len(kinds) > 1:
-        values = [None if value is None else str(value) for value in values]
-    return pyarrow.array(values)

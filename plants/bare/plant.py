@@ -18,9 +18,9 @@ class Bare(Plant):
 
     file: ClassVar[Path]
 
-    def __init__(self, parameters: Any = None) -> None:
-        super().__init__(parameters)
-        apply(self.parameters, self.model, self.data)
+    def name_channels(self, p: Any) -> None:
+        """Take the sensors, actuators and joints of the MJCF, with its numbers as the parameters say."""
+        apply(p, self.model, self.data)
         self.timestep = float(self.model.opt.timestep)
         self._readings = channels.readings(self.model)
         self._commands = channels.commands(self.model)

@@ -13,9 +13,8 @@ class __Name__(Plant):
 
     Parameters: ClassVar[type] = __Name__Parameters
 
-    def __init__(self, parameters: __Name__Parameters | None = None) -> None:
-        super().__init__(parameters)
-        p: __Name__Parameters = self.parameters
+    def name_channels(self, p: __Name__Parameters) -> None:
+        """Name them, with the noise, resolution and limits that the parameters say."""
         self.readings = (
             Channel("position", "m", "Encoder", noise=p.encoder_noise, quantum=p.encoder_resolution),
         )
@@ -31,7 +30,6 @@ class __Name__(Plant):
     def shape(self, spec: Any) -> None:
         """Write the parameters into the MJCF."""
         p, joint = self.parameters, spec.joint("x")
-        spec.option.timestep = p.timestep
         spec.body("slide").mass = p.mass
         joint.frictionloss, joint.damping[0] = p.friction, p.damping
 

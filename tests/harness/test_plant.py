@@ -120,3 +120,43 @@ def test_a_plant_that_names_what_is_not_there_is_explained(
     expected = r"the plant `slide` cannot be reset: .* no wire in `Slide.wires` named `curent`\nhint: did you"
     with pytest.raises(PlantError, match=expected):
         cosim.run(scenario)
+
+
+SHAPELESS = {
+    "class P: ...": r"`P` has no method `reset`, so it is no plant\nhint: `cosim.loop.plant.Plant`",
+    "P = len": "`len` is no class, so it is no plant",
+    "class P(Lag):\n    Parameters = None": "`P` has no dataclass `Parameters`",
+    "class P(Lag):\n    Parameters = dict": "`P` has no dataclass `Parameters`",
+    "@dataclasses.dataclass\nclass Q:\n    a: 'Undefined' = 1\nclass P(Lag):\n    Parameters = Q": (
+        r"`P` has `Parameters` whose types cannot be told: NameError: name 'Undefined'"
+    ),
+    "class P(Lag):\n    readings = 'x'": "`readings` is `'x'`, it must be a tuple of channels",
+    "class P(Lag):\n    readings = ('x',)": "AttributeError: 'str' object has no attribute 'name'",
+    "class P(Lag):\n    commands = None": "`commands` is `None`, it must be a tuple of channels",
+    "class P(Lag):\n    truths = 2 * Lag.truths": "`x` of `truths` is there twice",
+    "class P(Lag):\n    truths = (Channel(1),)": "`1` of `truths` has the name `1`, it must be a text",
+    "class P(Lag):\n    commands = (Channel('u', noise=-1.0),)": "`u` of `commands` has the noise `-1.0`",
+    "class P(Lag):\n    commands = (Channel('u', minimum=2.0, maximum=1.0),)": "limited to `2.0` .. `1.0`",
+    "class P(Lag):\n    timestep = None": "`timestep` is `None`, it must be a positive number of seconds",
+    "class P(Lag):\n    timestep = 0.0": "`timestep` is `0.0`, it must be a positive number",
+    "class P(Lag):\n    timestep = float('nan')": "`timestep` is `nan`, it must be a positive number",
+    "class P(Lag):\n    @property\n    def timestep(self): raise RuntimeError('boom')": "RuntimeError: boom",
+    "class P(Lag):\n    def truth(self): return 1.0": (
+        r"`truth` of the plant gave the single value `1.0`, 4 channels need one each at t = 0 s \(step 0\)"
+    ),
+    "class P(Lag):\n    def sense(self): return np.zeros(3)": (
+        r"`sense` of the plant gave values of shape `\(3,\)`, 4 channels need one each at t = 0 s"
+    ),
+}
+
+
+@pytest.mark.parametrize("number", range(len(SHAPELESS)), ids=SHAPELESS)
+def test_what_has_not_the_shape_of_a_plant_is_told_in_one_message(
+    write: Write, folder: Path, number: int
+) -> None:
+    text, message = list(SHAPELESS.items())[number]
+    imports = "import dataclasses\nimport numpy as np\nfrom probe_plants import *\n"
+    # a name of its own: modules stay imported
+    (folder / f"shapeless{number}.py").write_text(f"{imports}{text}\n")
+    with pytest.raises(PlantError, match=message):
+        cosim.run(cosim.load(write(), set=[f"plant.name=shapeless{number}:P"]))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shlex
 import subprocess
 import sys
 import time
@@ -45,11 +46,25 @@ repeats = 2
 """Twelve runs of the lag."""
 
 
-def sweep(study: str, *options: str, **environment: str) -> subprocess.CompletedProcess[str]:
+def environment(**more: str) -> dict[str, str]:
+    """Environment in which `cosim` is found from any folder."""
+    return {**os.environ, "PYTHONPATH": str(ROOT), **more}
+
+
+def sweep(study: str, *options: str, **more: str) -> subprocess.CompletedProcess[str]:
     """Run `cosim sweep` in the working directory."""
     command = [sys.executable, "-m", "cosim", "sweep", study, "--no-plots", *options]
-    variables = {**os.environ, "PYTHONPATH": str(ROOT), **environment}
-    return subprocess.run(command, capture_output=True, text=True, env=variables, check=False, timeout=120)
+    env = environment(**more)
+    return subprocess.run(command, capture_output=True, text=True, env=env, check=False, timeout=120)
+
+
+def repeated(command: str) -> dict[str, Any]:
+    """Run a command line `cosim run ...`; returns its result."""
+    _, *words = shlex.split(command)
+    line = [sys.executable, "-m", "cosim", *words, "--json", "-"]
+    done = subprocess.run(line, capture_output=True, text=True, env=environment(), check=False, timeout=120)
+    result: dict[str, Any] = json.loads(done.stdout)
+    return result
 
 
 def rows(folder: Path) -> list[dict[str, Any]]:

@@ -1,0 +1,32 @@
+"""`cosim schema`."""
+
+from __future__ import annotations
+
+import enum
+import json
+from typing import Annotated
+
+from typer import Argument
+
+
+class File(enum.StrEnum):
+    """Kinds of files."""
+
+    SCENARIO = "scenario"
+    STUDY = "study"
+
+
+def schema(
+    file: Annotated[File, Argument(help="Whether of a scenario or of a study.")] = File.SCENARIO,
+) -> None:
+    """Print the JSON schema of scenario or study files, with which editors complete and check them.
+
+    Write it to a file and name that in the first line of your TOML:
+    `cosim schema > scenario.schema.json`, then `#:schema ./scenario.schema.json`.
+    Editors with Taplo do the rest: Even Better TOML for VS Code, `taplo lsp` for others.
+    """
+    from cosim.scenario.model import scenario_schema
+    from cosim.sweep.study import study_schema
+
+    found = scenario_schema() if file is File.SCENARIO else study_schema()
+    print(json.dumps(found, indent=2))

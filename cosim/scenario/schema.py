@@ -1,0 +1,91 @@
+"""JSON schemas of the files, from the dataclasses that read them: what editors complete and check with."""
+
+from __future__ import annotations
+
+import dataclasses
+import inspect
+import math
+import re
+import types
+import typing
+from collections.abc import Mapping
+from typing import Any, Literal
+
+from cosim.scenario.ranges import LARGEST
+from cosim.scenario.tables import is_required, toml_key
+
+DIALECT = "http://json-schema.org/draft-07/schema#"
+"""The draft that editors of TOML know."""
+TYPES = {str: "string", bool: "boolean", int: "integer", float: "number"}
+
+
+def schema_of(kind: Any, title: str, **more: Any) -> dict[str, Any]:
+    """JSON schema of the file that a dataclass reads; `more` are keys of the file that it has not."""
+    found = described(kind)
+    return {"$schema": DIALECT, "title": title, **found, "properties": {**more, **found["properties"]}}
+
+
+def described(kind: Any) -> dict[str, Any]:
+    """Describe a dataclass: no other keys than its own."""
+    hints, texts = typing.get_type_hints(kind), parameter_texts(kind)
+    fields = [field for field in dataclasses.fields(kind) if toml_key(field)]
+    properties = {}
+    for field in fields:
+        entry = {**schema(hints[field.name]), **limits(field.metadata)}
+        unit = field.metadata.get("unit", "")
+        text = texts.get(field.name, "")
+        text = f"{text} ({unit})" if unit and f" {unit}" not in text else text
+        properties[toml_key(field)] = {**entry, **({"description": text} if text else {}), **default(field)}
+    return {
+        "type": "object",
+        "description": (inspect.getdoc(kind) or "").partition("\n")[0],
+        "properties": properties,
+        "required": [toml_key(field) for field in fields if is_required(field)],
+        "additionalProperties": False,
+    }
+
+
+def schema(kind: Any) -> dict[str, Any]:
+    """Describe an annotated type."""
+    origin, arguments = typing.get_origin(kind), typing.get_args(kind)
+    if origin is types.UnionType or origin is typing.Union:
+        # TOML has no null: what may be None may be left out
+        choices = [schema(choice) for choice in arguments if choice is not types.NoneType]
+        return choices[0] if len(choices) == 1 else {"anyOf": choices}
+    if origin is Literal:
+        return {"enum": list(arguments)}
+    if origin is tuple:
+        return {"type": "array", "items": schema(arguments[0])}
+    if origin is dict:
+        return {"type": "object", "additionalProperties": schema(arguments[1])}
+    if dataclasses.is_dataclass(kind):
+        return described(kind)
+    return {"type": TYPES[kind]} if kind in TYPES else {}
+
+
+def limits(metadata: Mapping[str, Any]) -> dict[str, Any]:
+    """Range of a number; ends that only exclude infinity and NaN are left out, JSON has neither."""
+    low, high = metadata.get("minimum", -math.inf), metadata.get("maximum", math.inf)
+    found: dict[str, Any] = {}
+    if low == math.ulp(0.0):
+        found["exclusiveMinimum"] = 0
+    elif low > -LARGEST:
+        found["minimum"] = low
+    if high < LARGEST:
+        found["maximum"] = high
+    return found
+
+
+def default(field: dataclasses.Field[Any]) -> dict[str, Any]:
+    """Default of a field that a file can say."""
+    value = field.default
+    return {"default": value} if isinstance(value, str | bool | int | float) and value != "" else {}
+
+
+def parameter_texts(kind: Any) -> dict[str, str]:
+    """Texts of the fields in the docstring of a dataclass."""
+    _, _, section = (inspect.getdoc(kind) or "").partition("Parameters\n----------\n")
+    texts: dict[str, str] = {}
+    for names, text in re.findall(r"^(\w[\w, ]*)\n((?:^ +.*\n?)+)", section, re.MULTILINE):
+        texts |= dict.fromkeys(re.split(r", *", names), " ".join(text.split()))
+    return texts

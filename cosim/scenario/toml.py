@@ -1,0 +1,94 @@
+"""TOML as files and overrides hold it: parsed, and refused where nobody can mean it."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from cosim import paths
+from cosim.errors import ScenarioError
+from cosim.scenario.tables import join, show
+
+MOST_NESTED = 32
+"""Tables and arrays in each other; no file of ours has more than five."""
+TOO_DEEP = f"tables and arrays are nested more than {MOST_NESTED} deep"
+
+
+def parse_file(path: Path) -> dict[str, Any]:
+    """Parse one TOML file; nested parameter tables become dotted names."""
+    try:
+        # editors of Windows begin a file with a byte order mark
+        table = parse_text(path.read_text(encoding="utf-8-sig"))
+    except OSError as error:
+        raise ScenarioError(f"cannot read `{path}`: {error.strerror}") from None
+    except UnicodeDecodeError as error:
+        raise ScenarioError(f"`{paths.shown(path)}` is not a text file in UTF-8: {error.reason}") from None
+    except tomllib.TOMLDecodeError as error:
+        hint = "texts need quotes, numbers a digit before and after the point: `step = 1e-4`"
+        raise ScenarioError(f"`{paths.shown(path)}` is not valid TOML: {error}", hint) from None
+    except ScenarioError as error:
+        raise ScenarioError(f"`{paths.shown(path)}`: {error.message}", error.hint) from None
+    for part in ("controller", "plant"):
+        section = table.get(part)
+        if isinstance(section, dict) and isinstance(section.get("parameters"), dict):
+            section["parameters"] = flatten(section["parameters"])
+    return table
+
+
+def parse_text(text: str) -> dict[str, Any]:
+    """Parse TOML; integers must have 64 bits, as the standard of TOML demands, and nesting an end.
+
+    Raises
+    ------
+    tomllib.TOMLDecodeError
+        It is no TOML.
+    ScenarioError
+        It is, but holds what nobody can mean.
+    """
+    try:
+        table = tomllib.loads(text)
+    except tomllib.TOMLDecodeError:
+        raise
+    except RecursionError:
+        raise ScenarioError(TOO_DEEP) from None
+    except ValueError as error:  # a number of thousands of digits
+        raise ScenarioError(f"cannot be read: {error}") from None
+    check_sizes(table)
+    return table
+
+
+def check_sizes(value: Any, level: int = 0) -> None:
+    """Check nesting and integers."""
+    if level > MOST_NESTED:
+        raise ScenarioError(TOO_DEEP)
+    if isinstance(value, dict | list):
+        for item in value.values() if isinstance(value, dict) else value:
+            check_sizes(item, level + 1)
+    elif isinstance(value, int) and not -(2**63) <= value < 2**63:
+        digits = show(value)
+        raise ScenarioError(f"the integer {digits} does not fit into 64 bits", "a number may be `1e20`")
+
+
+def flatten(table: dict[str, Any], prefix: str = "") -> dict[str, Any]:
+    """Nested tables to dotted names: `{"a": {"b": 1}}` to `{"a.b": 1}`."""
+    flat: dict[str, Any] = {}
+    for name, value in table.items():
+        key = join(prefix, name)
+        flat |= flatten(value, key) if isinstance(value, dict) else {key: value}
+    return flat
+
+
+def toml_value(text: str) -> Any:
+    """TOML value of a text, or the text itself when it is none.
+
+    Raises
+    ------
+    ScenarioError
+        It is TOML that nobody can mean, such as an integer of more than 64 bits.
+    """
+    try:
+        parsed = parse_text(f"value = {text}")
+    except tomllib.TOMLDecodeError:
+        return text
+    return parsed["value"] if set(parsed) == {"value"} else text

@@ -1,0 +1,132 @@
+"""Hash of what the numbers of a run depend on: its scenario, its FMU, its plant and the project."""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import importlib
+import importlib.metadata
+import sys
+import sysconfig
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from cosim.loop import plant
+from cosim.scenario.layers import is_tables
+
+PRESENTATION = ("title", "description", "plot")
+"""Parts of a scenario that change no number."""
+PACKAGES = ("mujoco-core", "fmpy", "numpy")
+"""Their versions are part of every hash."""
+ROOMS = ("fmu", "loop", "metrics", "scenario")
+"""Folders of cosim that make the numbers of a run."""
+CODE = (".py", ".xml", ".so", ".pyd")
+"""Files of a package that act in a run."""
+MODULUS = 1 << 256
+PROJECT = [Path(__file__).resolve().parents[2] / name for name in ("plants", "cosim")]
+"""Packages whose files are part of every hash, as they are."""
+
+
+def total(leaves: Mapping[str, Any]) -> int:
+    """Sum of the hashes of values and what they belong to: one can be replaced without the others."""
+    return sum(leaf(key, value) for key, value in leaves.items()) % MODULUS
+
+
+def leaf(key: str, value: Any) -> int:
+    """SHA-256 of one value as a number."""
+    return int.from_bytes(hashlib.sha256(f"{key}={value!r}".encode()).digest(), "big")
+
+
+def finished(summed: int, seed: int) -> bytes:
+    """Hash of a run with a seed, of a sum of leaves; 16 bytes."""
+    text = f"{summed % MODULUS:x} {seed}"
+    return hashlib.sha256(text.encode()).digest()[:16]
+
+
+def section(name: str, value: Any) -> dict[str, Any]:
+    """Every value in a part of a scenario by its place; none where it changes no number."""
+    return {} if name in PRESENTATION else dict(values(name, value))
+
+
+def values(key: str, value: Any) -> Iterator[tuple[str, Any]]:
+    """Yield places and values; arrays other than those of tables are one value."""
+    if isinstance(value, dict):
+        for name, item in value.items():
+            yield from values(f"{key}.{name}", item)
+    elif value and is_tables(value):
+        for index, item in enumerate(value):
+            yield from values(f"{key}[{index}]", item)
+    else:
+        yield key, value
+
+
+@functools.cache
+def digest(path: Path) -> str:
+    """SHA-256 of a file."""
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+@functools.cache
+def plant_of(name: str, folder: Path) -> tuple[Any, str]:
+    """Class of a plant and the SHA-256 of what it is made of."""
+    kind = plant.plant_class(name, folder)
+    plant.check_class(kind)
+    parts = [digest(file) for file in sources(kind, folder)]
+    if name.endswith(plant.MJCF):
+        # files that the MJCF includes and meshes count as well
+        parts.append(importlib.import_module("plants.bare").fingerprint(kind.file))
+    return kind, joined(parts)
+
+
+def sources(kind: Any, folder: Path) -> list[Path]:
+    """Files of a plant's class and its bases, and of what these import from beside them or the scenario."""
+    modules = [sys.modules.get(base.__module__) for base in kind.__mro__]
+    files = {Path(file).resolve() for module in modules if (file := getattr(module, "__file__", None))}
+    files |= {found for file in files if not is_installed(file) for found in imported(file, folder)}
+    # by name, then folder: wherever they lie
+    return sorted(files, key=lambda file: file.parts[::-1])
+
+
+def is_installed(file: Path) -> bool:
+    """Whether a file is Python's, of an installed package, of the project, or no Python at all."""
+    places = [*map(Path, sysconfig.get_paths().values()), *PROJECT]
+    return file.suffix != ".py" or any(file.is_relative_to(place.resolve()) for place in places)
+
+
+def imported(module: Path, folder: Path) -> set[Path]:
+    """Files below a module's folder, a scenario's folder or the working directory that a module imports."""
+    from modulefinder import ModuleFinder
+
+    places = list(dict.fromkeys([str(module.parent), str(folder), str(Path.cwd())]))
+    finder = ModuleFinder(path=places)
+    try:
+        finder.run_script(str(module))
+    except (ImportError, SyntaxError):  # of what is imported only when it is needed
+        return set()
+    names = [getattr(found, "__file__", None) for found in finder.modules.values()]
+    files = {Path(name).resolve() for name in names if name}
+    return {file for file in files if not is_installed(file)}
+
+
+@functools.cache
+def project() -> dict[str, str]:
+    """Versions and contents of what computes the numbers, beside FMU and plant."""
+    plants, cosim = PROJECT
+    # an engine of native code may lie in the package itself
+    files = [*plants.rglob("*"), *cosim.glob("*"), *(f for room in ROOMS for f in (cosim / room).rglob("*"))]
+    files = sorted((file for file in files if file.suffix in CODE), key=lambda file: file.parts[::-1])
+    return {**{name: version(name) for name in PACKAGES}, "project": joined([digest(file) for file in files])}
+
+
+def version(name: str) -> str:
+    """Version of a package; empty if it was not installed as one."""
+    try:
+        return importlib.metadata.version(name)
+    except importlib.metadata.PackageNotFoundError:
+        return ""
+
+
+def joined(parts: list[str]) -> str:
+    """SHA-256 of several."""
+    return hashlib.sha256("".join(parts).encode()).hexdigest()

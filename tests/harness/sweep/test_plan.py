@@ -1,0 +1,136 @@
+"""The runs of a study before any of them runs: seeds, hashes that tell what numbers depend on, and memory."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from cosim.errors import CosimError
+from cosim.sweep import identity, study
+from cosim.sweep.plan import Plan
+
+from ..conftest import SCENARIO
+from . import studies
+
+Write = Callable[..., Path]
+CASES = ["plant.pole = 0.25", "controller.gain = 0.4", "loop.duration = 0.02", 'wire."plant.u".noise = 0.2']
+
+
+def hashes(folder: Path, text: str) -> list[str]:
+    """Hashes of the runs of a study, as another process would find them."""
+    for function in (identity.digest, identity.plant_of, identity.project):
+        function.cache_clear()
+    (folder / "study.toml").write_text(text)
+    return [run.hash for run in Plan(study.load(folder / "study.toml")).runs]
+
+
+def test_a_hash_tells_every_value_however_it_came_about(write: Write, folder: Path) -> None:
+    write(studies.MEASURED)
+    found = hashes(folder, studies.case_list(["title = 'other'", *CASES]))
+    assert len(set(found)) == len(found)
+    seeds = 'seed = 1\nscenario = "lag.toml"\n[design]\nkind = "list"\nseeds = "repeat"\n'
+    for case in CASES:
+        (varied,) = hashes(folder, f"{seeds}[[case]]\n{case}\n")
+        (given,) = hashes(folder, f"{seeds}[[case]]\ntitle = 'other'\n[set]\n{case}\n")
+        assert varied == given
+    plain = f"{seeds}[[case]]\ntitle = 'other'\n"
+    (folder / "study.toml").write_text(f"{seeds}[[case]]\nplant.pole = 0.25\n")
+    from_case = hashes(folder, (folder / "study.toml").read_text())
+    write(studies.MEASURED + "[plant.parameters]\npole = 0.25\n")
+    assert hashes(folder, plain) == from_case
+    # a title is nothing that a number depends on
+    assert hashes(folder, plain.replace("other", "another")) == from_case
+
+
+def test_runs_are_the_same_whichever_way_they_are_asked_for(write: Write, folder: Path) -> None:
+    write(studies.MEASURED)
+    (folder / "grid.toml").write_text(studies.GRID)
+    runs = Plan(study.load(folder / "grid.toml")).runs
+    assert [run.number for run in runs] == list(range(12))
+    assert runs[3] == list(runs)[3]
+    assert [run.hash for run in runs[2:5]] == [runs.hash(number) for number in (2, 3, 4)]
+    assert runs[-1].changes == {"controller.gain": 0.4, "plant.pole": 0.9}
+    with pytest.raises(IndexError):
+        runs[12]
+
+
+IMPORTS = ["import helper", "from helper import GAIN", "def late():\n    import helper"]
+
+
+@pytest.mark.parametrize("number", range(len(IMPORTS)))
+def test_a_module_that_a_plant_imports_is_part_of_its_hash(write: Write, folder: Path, number: int) -> None:
+    # a name of its own: modules stay imported
+    plant = f"helped{number}"
+    write(text=SCENARIO.replace("probe_plants:Lag", f"{plant}:Helped"))
+    text = f"from probe_plants import Lag\n{IMPORTS[number]}\nclass Helped(Lag): ...\n"
+    (folder / f"{plant}.py").write_text(text)
+    (folder / "helper.py").write_text("GAIN = 1.0\n")
+    study_text = studies.case_list(["plant.pole = 0.25"])
+    before = hashes(folder, study_text)
+    assert hashes(folder, study_text) == before
+    (folder / "helper.py").write_text("GAIN = 100.0\n")
+    assert hashes(folder, study_text) != before
+
+
+def test_the_project_as_it_is_is_part_of_every_hash(
+    write: Write, folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write(studies.MEASURED)
+    packages = [tmp_path / "plants", tmp_path / "cosim"]
+    files = [packages[0] / "_native.so", packages[0] / "bare" / "x.py", packages[1] / "loop" / "y.py"]
+    for file in files:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text("before")
+    monkeypatch.setattr(identity, "PROJECT", packages)
+    text = studies.case_list(["plant.pole = 0.25"])
+    found = [hashes(folder, text)]
+    for file in files:
+        file.write_text("after")
+        found.append(hashes(folder, text))
+    assert len({name for (name,) in found}) == 4
+    (packages[1] / "show").mkdir()
+    (packages[1] / "show" / "bar.py").write_text("shows nothing else")
+    assert hashes(folder, text) == found[-1]
+
+
+def test_a_wrong_value_is_told_with_its_case_however_late_it_comes(write: Write, folder: Path) -> None:
+    write(studies.MEASURED)
+    for wrong, problem in {
+        "plant.pole = 9": r"case 30: `plant.pole` is `9.0`, it must lie in 0 .. 1",
+        "controller.gain = 'x'": r"case 30: `controller.gain` is `'x'`, it must be a number",
+        "loop.duration = 0.0505": r"case 30: `loop.duration` .* multiple of `loop.step`",
+        "wire.'plant.u'.minimum = nan": r"case 30: `wire.plant.u.minimum` is `nan`, it must be a number",
+        "wire.'plant.u'.delay = -1": r"case 30: `wire.plant.u.delay` is `-1` steps",
+    }.items():
+        cases = [f"plant.pole = 0.{number}" for number in range(10, 40)]
+        (folder / "late.toml").write_text(studies.case_list([*cases, wrong, "plant.pole = 8"]))
+        with pytest.raises(CosimError, match=problem):
+            Plan(study.load(folder / "late.toml"))
+
+
+def test_a_run_is_repeated_by_the_command_that_is_shown(write: Write, folder: Path) -> None:
+    write(studies.MEASURED, name="away/lag.toml")
+    for file in ("probe.fmu", "probe_plants.py"):
+        (folder / "away" / file).write_bytes((folder / file).read_bytes())
+    traces = '\n[traces]\nworst = 1\nfailed = 0\nmetric = "end"\n'
+    names = ", ".join(f'"{letter * 60}"' for letter in "ab")
+    label = f'vary = [\n    {{key = "controller.label", values = [{names}]}},'
+    (folder / "away" / "grid.toml").write_text(studies.GRID.replace("vary = [", label) + traces)
+    done = studies.sweep("away/grid.toml", "--out", "there")
+    (command,) = [line for line in done.stdout.splitlines() if line.startswith("cosim run ")]
+    assert command.startswith("cosim run away/lag.toml ")
+    worst = max(studies.rows(folder / "there"), key=lambda row: row["metrics"]["end"])
+    assert studies.repeated(command)["metrics"]["end"]["value"] == worst["metrics"]["end"]
+
+
+def test_a_large_study_is_planned_without_its_runs_in_memory(write: Write, folder: Path) -> None:
+    write(studies.MEASURED)
+    draws = '[[vary]]\nkey = "plant.pole"\nminimum = 0.1\nmaximum = 0.9\n'
+    design = 'scenario = "lag.toml"\n[design]\nkind = "monte-carlo"\nsamples = 2000\n'
+    (folder / "many.toml").write_text(design + draws)
+    plan = Plan(study.load(folder / "many.toml"))
+    assert len({run.hash for run in plan.runs}) == 2000
+    # one setting serves all runs that differ in parameters only
+    assert len(plan.settings) == 1
