@@ -7,9 +7,9 @@
 
 from cosim.errors import CosimError
 from cosim.loop.result import Result
-from cosim.loop.session import Session, run
+from cosim.loop.session import Session
+from cosim.pool.runs import run, run_each, run_many
 from cosim.scenario.load import load
 from cosim.scenario.model import Scenario
-from cosim.sweep.many import run_each, run_many
 
 __all__ = ["CosimError", "Result", "Scenario", "Session", "load", "run", "run_each", "run_many"]

@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import logging
-import sys
-from typing import Any, NoReturn
+from typing import Any
 
 import typer
 import typer.exceptions
 
+from cosim import interrupts
 from cosim.cli.console import report
 from cosim.cli.listing import list_scenarios
-from cosim.cli.options import COULD_NOT_RUN, INTERRUPTED
+from cosim.cli.options import COULD_NOT_RUN, INTERRUPTED, READER_GONE
 from cosim.cli.run import run
 from cosim.cli.show import show
 from cosim.cli.sweep import sweep
 from cosim.errors import CosimError
+
+LONGEST = 500
+"""Characters shown of an error that nobody foresaw."""
 
 log = logging.getLogger("cosim")
 app = typer.Typer(
@@ -31,17 +34,11 @@ app.command()(run)
 app.command()(sweep)
 
 
-def main() -> NoReturn:
-    """Run the command line and exit."""
-    if len(sys.argv) == 1:
-        sys.argv.append("--help")
-    sys.exit(status_of(app))
-
-
 def status_of(command: Any) -> int:
-    """Exit code of a command; every error a user can cause is one message without a traceback."""
+    """Exit code of a command; every error is one message, with a traceback only on demand."""
     try:
-        code = command(standalone_mode=False)
+        with interrupts.raising():
+            code = command(standalone_mode=False)
         if code == INTERRUPTED:
             report("interrupted")
         return code if isinstance(code, int) else 0
@@ -55,3 +52,17 @@ def status_of(command: Any) -> int:
     except (KeyboardInterrupt, typer.Abort):
         report("interrupted")
         return INTERRUPTED
+    except SystemExit as error:
+        # typer ends quietly when the reader of its output has gone; what else ends the process is no result
+        gone = isinstance(error.__context__, BrokenPipeError)
+        return READER_GONE if gone else unforeseen(error)
+    except Exception as error:
+        return unforeseen(error)
+
+
+def unforeseen(error: BaseException) -> int:
+    """Report what should not happen."""
+    log.debug("here:", exc_info=error)
+    words = " ".join(str(error).split())[:LONGEST] or "without a word"
+    report(f"this should not happen: {type(error).__name__}: {words}", "`-v` shows where; please report it")
+    return COULD_NOT_RUN

@@ -2,16 +2,25 @@
 
 from __future__ import annotations
 
+import importlib
+import os
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from typer import Option
 
+from cosim import interrupts
 from cosim.cli.console import configure_logging, output, progress_bar
 from cosim.cli.options import FAILED, Loop, Quiet, Set, Verbose
+from cosim.cli.single import Single
 from cosim.errors import CosimError
 from cosim.loop import engines
+from cosim.pool.limits import Limits
+
+if TYPE_CHECKING:
+    from cosim.loop.result import Result
+    from cosim.scenario.model import Scenario
 
 
 def run(
@@ -26,40 +35,85 @@ def run(
     ] = None,
     trace: Annotated[Path | None, Option(metavar="FILE.npz|.csv", help="Write the trace.")] = None,
     plot: Annotated[Path | None, Option(metavar="FILE.svg|.png", help="Plot the run.")] = None,
+    timeout: Annotated[float | None, Option(metavar="S", help="Most wall time of the run in s.")] = None,
+    memory: Annotated[float | None, Option(metavar="MB", help="Most memory of the run's process.")] = None,
+    in_process: Annotated[
+        bool, Option("--in-process", help="Run in this process, for debuggers; a crash ends it.")
+    ] = False,
     verbose: Verbose = False,
     quiet: Quiet = False,
 ) -> None:
     """Run a scenario once and print its metrics and criteria."""
     configure_logging(verbose, quiet)
-    from cosim.fmu import stale
-    from cosim.loop.session import Session
-    from cosim.scenario.load import load
-    from cosim.show import display
-    from cosim.show import plot as plots
-
     chosen = engines.checked(engine)
     options = {"loop.seed": seed, "loop.compute_delay": delay, "loop.duration": duration}
     given = [f"{key}={value!r}" for key, value in options.items() if value is not None]
-    scenario = load(loop, [*(set_ or ()), *given])
+    limits = checked_limits(timeout, memory, in_process)
     check_outputs(json, trace, plot)
-    with Session(scenario, log_events=verbose, engine=chosen) as session:
-        stale.warn(scenario.controller.fmu, session.file.path)
-        if plot is not None:
-            plots.check(scenario, session.columns, plot)
-        with progress_bar(scenario.name, quiet) as progress:
-            result = session.run(progress=progress)
-
-    if trace is not None:
-        result.save_trace(trace)
-    if plot is not None:
-        plots.save(scenario, result, plot)
-    if json is not None and json != "-":
-        result.save_json(Path(json))
+    task = Single(loop, (*(set_ or ()), *given), chosen, verbose, trace is not None, plot)
+    inside = in_process or os.name != "posix"
+    outcome = here(task, quiet) if inside else isolated(task, limits, quiet)
+    if isinstance(outcome, CosimError):
+        raise outcome
+    result, scenario = outcome
+    save(result, scenario, json, trace, plot)
     if json == "-":
         print(result.to_json(), end="", flush=True)
     else:
+        from cosim.show import display
+
         output().print(display.result(result))
     raise typer.Exit(0 if result.passed else FAILED)
+
+
+def isolated(task: Single, limits: Limits, quiet: bool) -> Any:
+    """Outcome of a run in a worker process."""
+    from cosim.pool.supervisor import Worker
+
+    with Worker(limits, relay=True) as worker:
+        worker.prepare()
+        # imported while the worker process imports what runs
+        with interrupts.handled_by(interrupts.quit_at_once):
+            importlib.import_module("cosim.show.display")
+        with progress_bar(task.loop, quiet) as progress:
+            return worker.call(task, progress)
+
+
+def here(task: Single, quiet: bool) -> Any:
+    """Outcome of a run in this process."""
+    with interrupts.handled_by(interrupts.quit_at_once):
+        from cosim.pool.worker import JobRunner
+
+    with (
+        interrupts.second_ends_all(),
+        progress_bar(task.loop, quiet) as progress,
+        JobRunner(progress=progress) as runner,
+    ):
+        return runner.run(task)
+
+
+def save(
+    result: Result, scenario: Scenario | None, json: str | None, trace: Path | None, plot: Path | None
+) -> None:
+    """Write the files that are wanted."""
+    if trace is not None:
+        result.save_trace(trace)
+    if plot is not None and scenario is not None:
+        from cosim.show import plot as plots
+
+        plots.save(scenario, result, plot)
+    if json is not None and json != "-":
+        result.save_json(Path(json))
+
+
+def checked_limits(timeout: float | None, memory: float | None, in_process: bool) -> Limits:
+    """Limits of the run."""
+    for name, value in (("--timeout", timeout), ("--memory", memory)):
+        if value is not None and in_process:
+            raise CosimError(f"`{name}` needs a process of its own", "leave `--in-process` out")
+        if value is not None and not 0.0 < value < float("inf"):
+            raise CosimError(f"`{name}` = `{value:g}` must be positive and finite")
+    return Limits(timeout, None if memory is None else 1e6 * memory, keys=("--timeout", "--memory"))
 
 
 def check_outputs(json: str | None, trace: Path | None, plot: Path | None) -> None:

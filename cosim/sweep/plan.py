@@ -24,12 +24,12 @@ from cosim.fmu.values import expand
 from cosim.loop import plant
 from cosim.loop.engines import Engine
 from cosim.loop.session import located
+from cosim.pool.job import Job
 from cosim.scenario import layers
 from cosim.scenario.load import build
 from cosim.scenario.model import Scenario
 from cosim.sweep.designs import DESIGNS, Case
 from cosim.sweep.study import Study
-from cosim.sweep.worker import Job
 
 PRESENTATION = ("title", "description", "plot")
 """Parts of a scenario that change no number."""

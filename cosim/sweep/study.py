@@ -85,10 +85,11 @@ class Design:
 
 @dataclass(frozen=True)
 class RunLimits:
-    """What one run may take: wall time in s, resident memory of its process in MB."""
+    """What one run may take: wall time in s, memory of its process in MB; and whether that is its own."""
 
     timeout: float = 600.0
     memory: float | None = None
+    process_per_run: bool = False
 
 
 @dataclass(frozen=True)
