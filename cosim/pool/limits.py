@@ -72,7 +72,7 @@ def processors() -> int:
     """Processors that this process may use: by its affinity and by the quota of its control group."""
     affinity = getattr(os, "sched_getaffinity", None)
     count = len(affinity(0)) if affinity else os.cpu_count() or 1
-    return max(1, min(count, math.ceil(quota())))
+    return max(1, math.ceil(min(count, quota())))
 
 
 def quota(root: Path = CGROUPS, membership: Path = MEMBERSHIP) -> float:
