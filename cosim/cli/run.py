@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
-import importlib
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated
 
 import typer
 from typer import Option
 
 from cosim import interrupts
-from cosim.cli.console import configure_logging, output, progress_bar
+from cosim.cli import sheet
+from cosim.cli.console import configure_logging, progress_bar
 from cosim.cli.options import FAILED, Loop, Quiet, Set, Verbose
-from cosim.cli.single import Single
+from cosim.cli.single import Report, Single
 from cosim.errors import CosimError
 from cosim.loop import engines
 from cosim.pool.limits import Limits
-
-if TYPE_CHECKING:
-    from cosim.loop.result import Result
-    from cosim.scenario.model import Scenario
+from cosim.pool.supervisor import Worker
 
 
 def run(
@@ -50,36 +47,26 @@ def run(
     given = [f"{key}={value!r}" for key, value in options.items() if value is not None]
     limits = checked_limits(timeout, memory, in_process)
     check_outputs(json, trace, plot)
-    task = Single(loop, (*(set_ or ()), *given), chosen, verbose, trace is not None, plot)
+    task = Single(loop, (*(set_ or ()), *given), chosen, verbose, trace is not None, plot, sheet.stdout())
     inside = in_process or os.name != "posix"
-    outcome = here(task, quiet) if inside else isolated(task, limits, quiet)
-    if isinstance(outcome, CosimError):
-        raise outcome
-    result, scenario = outcome
-    save(result, scenario, json, trace, plot)
-    if json == "-":
-        print(result.to_json(), end="", flush=True)
-    else:
-        from cosim.show import display
-
-        output().print(display.result(result))
-    raise typer.Exit(0 if result.passed else FAILED)
+    done = here(task, quiet) if inside else isolated(task, limits, quiet)
+    if isinstance(done, CosimError):
+        raise done
+    save(done, json, trace, plot)
+    print(done.json if json == "-" else done.table, end="", flush=True)
+    raise typer.Exit(0 if done.passed else FAILED)
 
 
-def isolated(task: Single, limits: Limits, quiet: bool) -> Any:
+def isolated(task: Single, limits: Limits, quiet: bool) -> Report | CosimError:
     """Outcome of a run in a worker process."""
-    from cosim.pool.supervisor import Worker
-
     with Worker(limits, relay=True) as worker:
         worker.prepare()
-        # imported while the worker process imports what runs
-        with interrupts.handled_by(interrupts.quit_at_once):
-            importlib.import_module("cosim.show.display")
         with progress_bar(task.loop, quiet) as progress:
-            return worker.call(task, progress)
+            outcome: Report | CosimError = worker.call(task, progress)
+    return outcome
 
 
-def here(task: Single, quiet: bool) -> Any:
+def here(task: Single, quiet: bool) -> Report | CosimError:
     """Outcome of a run in this process."""
     with interrupts.handled_by(interrupts.quit_at_once):
         from cosim.pool.worker import JobRunner
@@ -89,21 +76,23 @@ def here(task: Single, quiet: bool) -> Any:
         progress_bar(task.loop, quiet) as progress,
         JobRunner(progress=progress) as runner,
     ):
-        return runner.run(task)
+        outcome: Report | CosimError = runner.run(task)
+    return outcome
 
 
-def save(
-    result: Result, scenario: Scenario | None, json: str | None, trace: Path | None, plot: Path | None
-) -> None:
+def save(report: Report, json: str | None, trace: Path | None, plot: Path | None) -> None:
     """Write the files that are wanted."""
-    if trace is not None:
-        result.save_trace(trace)
-    if plot is not None and scenario is not None:
+    if trace is not None and report.result is not None:
+        report.result.save_trace(trace)
+    if plot is not None and report.result is not None and report.scenario is not None:
         from cosim.show import plot as plots
 
-        plots.save(scenario, result, plot)
+        plots.save(report.scenario, report.result, plot)
     if json is not None and json != "-":
-        result.save_json(Path(json))
+        try:
+            Path(json).write_text(report.json, encoding="utf-8")
+        except OSError as error:
+            raise CosimError(f"cannot write `{json}`: {error.strerror or error}") from None
 
 
 def checked_limits(timeout: float | None, memory: float | None, in_process: bool) -> Limits:

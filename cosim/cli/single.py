@@ -2,15 +2,38 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+from cosim.cli.sheet import Sheet, rendered
 
 if TYPE_CHECKING:
     from cosim.loop.engines import Engine
     from cosim.loop.result import Result
     from cosim.pool.job import Bench
     from cosim.scenario.model import Scenario
+
+
+@dataclass(frozen=True)
+class Report:
+    """What is left of a run: texts are ready, so that who prints them need not import what made them.
+
+    Parameters
+    ----------
+    table, json
+        The result as a table and as JSON.
+    result
+        The result, where trace or plot are wanted.
+    scenario
+        The scenario, where a plot is wanted.
+    """
+
+    passed: bool
+    table: str
+    json: str
+    result: Result | None
+    scenario: Scenario | None
 
 
 @dataclass(frozen=True)
@@ -27,6 +50,8 @@ class Single:
         Whether the trace is wanted.
     plot
         Plot that will be made of the run, None is none; it is checked before the run.
+    sheet
+        What the table is printed on.
     """
 
     loop: str
@@ -35,11 +60,13 @@ class Single:
     verbose: bool
     trace: bool
     plot: Path | None
+    sheet: Sheet
 
-    def run(self, bench: Bench) -> tuple[Result, Scenario | None]:
-        """Run; returns the result, and the scenario where there is something to plot."""
+    def run(self, bench: Bench) -> Report:
+        """Run once."""
         from cosim.fmu import stale
         from cosim.scenario.load import load
+        from cosim.show import display
 
         scenario = load(self.loop, self.changes)
         session = bench.session(scenario, self.engine, self.verbose)
@@ -49,7 +76,10 @@ class Single:
 
             plot.check(scenario, session.columns, self.plot)
         result = session.run(progress=bench.progress)
-        if self.plot is not None:
-            return result, scenario
-        # what is not shown does not travel
-        return replace(result, displays={}, trace=result.trace if self.trace else None), None
+        return Report(
+            passed=result.passed,
+            table=rendered(display.result(result), self.sheet),
+            json=result.to_json(),
+            result=result if self.trace or self.plot else None,
+            scenario=scenario if self.plot else None,
+        )

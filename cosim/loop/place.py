@@ -84,7 +84,7 @@ class Place:
         fmu = f"the FMU `{self.page.fmu.decode(errors='ignore')}`"
         plant = f"the plant `{self.page.plant.decode(errors='ignore')}`"
         if stage == Stage.STEP_BOTH:
-            return f"{fmu} or {plant}"
+            return f"{fmu} or {plant}" if self.page.plant else fmu
         return fmu if stage in FMU else plant if stage in PLANT else ""
 
     def when(self) -> str:
