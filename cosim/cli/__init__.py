@@ -1,5 +1,19 @@
 """The command line `cosim`: data on stdout, progress and messages on stderr, exit codes for scripts."""
 
-from cosim.cli.app import main
+from __future__ import annotations
 
-__all__ = ["main"]
+import sys
+from typing import NoReturn
+
+from cosim import interrupts
+
+
+def main() -> NoReturn:
+    """Run the command line and exit; Ctrl-C ends it at any moment, the imports included."""
+    with interrupts.handled_by(interrupts.quit_at_once):
+        from cosim.cli.app import app, status_of
+
+        if len(sys.argv) == 1:
+            sys.argv.append("--help")
+        status = status_of(app)
+    sys.exit(status)

@@ -3,25 +3,30 @@
 from __future__ import annotations
 
 import logging
-import sys
-from typing import Any, NoReturn
+from typing import Any
 
 import typer
 import typer.exceptions
 
+from cosim import interrupts
 from cosim.cli.console import report
 from cosim.cli.listing import list_scenarios
-from cosim.cli.options import COULD_NOT_RUN, INTERRUPTED
+from cosim.cli.options import COULD_NOT_RUN, INTERRUPTED, READER_GONE
 from cosim.cli.run import run
 from cosim.cli.schema import schema
 from cosim.cli.show import show
 from cosim.cli.sweep import sweep
 from cosim.errors import CosimError
 
+LONGEST = 500
+"""Characters shown of an error that nobody foresaw."""
+
 log = logging.getLogger("cosim")
 app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
+    # plain help: rich's takes longer to import than all else
+    rich_markup_mode=None,
     context_settings={"help_option_names": ["-h", "--help"]},
     help="Run FMI 2.0 FMUs in closed loop with plants and hold criteria against the results.",
     epilog="Exit code: 0 all criteria hold, 1 some do not, 2 could not run.",
@@ -33,17 +38,11 @@ app.command()(sweep)
 app.command()(schema)
 
 
-def main() -> NoReturn:
-    """Run the command line and exit."""
-    if len(sys.argv) == 1:
-        sys.argv.append("--help")
-    sys.exit(status_of(app))
-
-
 def status_of(command: Any) -> int:
-    """Exit code of a command; every error a user can cause is one message without a traceback."""
+    """Exit code of a command; every error is one message, with a traceback only on demand."""
     try:
-        code = command(standalone_mode=False)
+        with interrupts.raising():
+            code = command(standalone_mode=False)
         if code == INTERRUPTED:
             report("interrupted")
         return code if isinstance(code, int) else 0
@@ -57,3 +56,17 @@ def status_of(command: Any) -> int:
     except (KeyboardInterrupt, typer.Abort):
         report("interrupted")
         return INTERRUPTED
+    except SystemExit as error:
+        # typer ends quietly when the reader of its output has gone; what else ends the process is no result
+        gone = isinstance(error.__context__, BrokenPipeError)
+        return READER_GONE if gone else unforeseen(error)
+    except Exception as error:
+        return unforeseen(error)
+
+
+def unforeseen(error: BaseException) -> int:
+    """Report what should not happen."""
+    log.debug("here:", exc_info=error)
+    words = " ".join(str(error).split())[:LONGEST] or "without a word"
+    report(f"this should not happen: {type(error).__name__}: {words}", "`-v` shows where; please report it")
+    return COULD_NOT_RUN

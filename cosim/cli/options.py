@@ -6,12 +6,16 @@ from typing import Annotated
 
 from typer import Argument, Option
 
+from cosim import interrupts
+
 FAILED = 1
 """Exit code: a criterion does not hold."""
 COULD_NOT_RUN = 2
 """Exit code: the run could not be done."""
-INTERRUPTED = 130
+INTERRUPTED = interrupts.INTERRUPTED
 """Exit code: Ctrl-C."""
+READER_GONE = 141
+"""Exit code: nobody reads stdout any more, as a shell tells it of SIGPIPE."""
 
 Verbose = Annotated[
     bool, Option("-v", "--verbose", help="Log what the FMU reports, and where an error came from.")

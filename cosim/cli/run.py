@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import Annotated
 
 import typer
 from typer import Option
 
-from cosim.cli.console import configure_logging, output, progress_bar
+from cosim import interrupts
+from cosim.cli import sheet
+from cosim.cli.console import configure_logging, progress_bar
 from cosim.cli.options import FAILED, Loop, Quiet, Set, Verbose
+from cosim.cli.single import Report, Single
 from cosim.errors import CosimError
 from cosim.loop import engines
+from cosim.pool.limits import Limits
+from cosim.pool.supervisor import Worker
 
 
 def run(
@@ -26,40 +32,77 @@ def run(
     ] = None,
     trace: Annotated[Path | None, Option(metavar="FILE.npz|.csv", help="Write the trace.")] = None,
     plot: Annotated[Path | None, Option(metavar="FILE.svg|.png", help="Plot the run.")] = None,
+    timeout: Annotated[float | None, Option(metavar="S", help="Most wall time of the run in s.")] = None,
+    memory: Annotated[float | None, Option(metavar="MB", help="Most memory of the run's process.")] = None,
+    in_process: Annotated[
+        bool, Option("--in-process", help="Run in this process, for debuggers; a crash ends it.")
+    ] = False,
     verbose: Verbose = False,
     quiet: Quiet = False,
 ) -> None:
     """Run a scenario once and print its metrics and criteria."""
     configure_logging(verbose, quiet)
-    from cosim.fmu import stale
-    from cosim.loop.session import Session
-    from cosim.scenario.load import load
-    from cosim.show import display
-    from cosim.show import plot as plots
-
     chosen = engines.checked(engine)
     options = {"loop.seed": seed, "loop.compute_delay": delay, "loop.duration": duration}
     given = [f"{key}={value!r}" for key, value in options.items() if value is not None]
-    scenario = load(loop, [*(set_ or ()), *given])
+    limits = checked_limits(timeout, memory, in_process)
     check_outputs(json, trace, plot)
-    with Session(scenario, log_events=verbose, engine=chosen) as session:
-        stale.warn(scenario.controller.fmu, session.file.path)
-        if plot is not None:
-            plots.check(scenario, session.columns, plot)
-        with progress_bar(scenario.name, quiet) as progress:
-            result = session.run(progress=progress)
+    task = Single(loop, (*(set_ or ()), *given), chosen, verbose, trace is not None, plot, sheet.stdout())
+    inside = in_process or os.name != "posix"
+    done = here(task, quiet) if inside else isolated(task, limits, quiet)
+    if isinstance(done, CosimError):
+        raise done
+    save(done, json, trace, plot)
+    print(done.json if json == "-" else done.table, end="", flush=True)
+    raise typer.Exit(FAILED if done.passed is False else 0)
 
-    if trace is not None:
-        result.save_trace(trace)
-    if plot is not None:
-        plots.save(scenario, result, plot)
+
+def isolated(task: Single, limits: Limits, quiet: bool) -> Report | CosimError:
+    """Outcome of a run in a worker process."""
+    with Worker(limits, relay=True) as worker:
+        worker.prepare()
+        with progress_bar(task.loop, quiet) as progress:
+            outcome: Report | CosimError = worker.call(task, progress)
+    return outcome
+
+
+def here(task: Single, quiet: bool) -> Report | CosimError:
+    """Outcome of a run in this process."""
+    with interrupts.handled_by(interrupts.quit_at_once):
+        from cosim.pool.worker import JobRunner
+
+    with (
+        interrupts.second_ends_all(),
+        progress_bar(task.loop, quiet) as progress,
+        JobRunner(progress=progress) as runner,
+    ):
+        outcome: Report | CosimError = runner.run(task)
+    return outcome
+
+
+def save(report: Report, json: str | None, trace: Path | None, plot: Path | None) -> None:
+    """Write the files that are wanted."""
+    if trace is not None and report.result is not None:
+        report.result.save_trace(trace)
+    if plot is not None and report.result is not None and report.scenario is not None:
+        from cosim.show import plot as plots
+
+        plots.save(report.scenario, report.result, plot)
     if json is not None and json != "-":
-        result.save_json(Path(json))
-    if json == "-":
-        print(result.to_json(), end="", flush=True)
-    else:
-        output().print(display.result(result))
-    raise typer.Exit(FAILED if result.passed is False else 0)
+        try:
+            Path(json).write_text(report.json, encoding="utf-8")
+        except OSError as error:
+            raise CosimError(f"cannot write `{json}`: {error.strerror or error}") from None
+
+
+def checked_limits(timeout: float | None, memory: float | None, in_process: bool) -> Limits:
+    """Limits of the run."""
+    for name, value in (("--timeout", timeout), ("--memory", memory)):
+        if value is not None and in_process:
+            raise CosimError(f"`{name}` needs a process of its own", "leave `--in-process` out")
+        if value is not None and not 0.0 < value < float("inf"):
+            raise CosimError(f"`{name}` = `{value:g}` must be positive and finite")
+    return Limits(timeout, None if memory is None else 1e6 * memory, keys=("--timeout", "--memory"))
 
 
 def check_outputs(json: str | None, trace: Path | None, plot: Path | None) -> None:

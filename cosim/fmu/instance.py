@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import os
+import threading
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -30,6 +31,10 @@ BASE = {
 """FMI function that moves each type: enumerations travel as integers."""
 CTYPE: dict[str, Any] = {"Real": ctypes.c_double, "Integer": ctypes.c_int, "Boolean": ctypes.c_int}
 STATUS = {0: "fmi2OK", 1: "fmi2Warning", 2: "fmi2Discard", 3: "fmi2Error", 4: "fmi2Fatal", 5: "fmi2Pending"}
+
+
+_loading = threading.Lock()
+"""Held while FMPy is in another working directory, which the threads of a process share."""
 
 
 class Bank:
@@ -83,7 +88,7 @@ class Instance(Closing):
         self.outputs = banks(outputs)
         self.messages = Messages(file.name)
         self.slave = load_library(file)
-        self.used = self.running = self.dead = False
+        self.used = self.running = self.dead = self.closed = False
         with self.errors("instantiate the FMU"):
             self.slave.instantiate(callbacks=self.messages.callbacks, loggingOn=log_events)
         self._setters = [self._mover("Set", bank) for bank in self.inputs]
@@ -101,8 +106,11 @@ class Instance(Closing):
         Raises
         ------
         FmuError
-            Unknown variable, a value of the wrong type, or the FMU refused it (with the FMU's own words).
+            Unknown variable, a value of the wrong type, the FMU refused it (with the FMU's own words), or the
+            instance is closed.
         """
+        if self.closed:
+            raise FmuError(f"`{self.file.name}` is closed, a new run needs a new session")
         if self.dead:
             raise FmuError(
                 f"`{self.file.name}` has failed for good (fmi2Fatal), a new run needs a new instance"
@@ -169,26 +177,28 @@ class Instance(Closing):
 
     def close(self) -> None:
         """Terminate and free the instance; errors on this way out are of no interest."""
-        if not self.dead and self.slave.component is not None:
+        if not self.dead and not self.closed:
             if self.running:
                 with contextlib.suppress(FMICallException):
                     self.slave.terminate()
             self.slave.freeInstance()
-            self.slave.component = None
+        self.running, self.closed = False, True
         self.messages.close()
 
 
 def load_library(file: FmuFile) -> Any:
-    """Load the FMU's library; FMPy changes the working directory meanwhile, which is put back in any case."""
+    """Load the FMU's library."""
     check_library(file.folder, file.identifier, file.path.name)
-    folder = os.getcwd()  # noqa: PTH109
     try:
-        return FMU2Slave(
-            guid=file.guid,
-            modelIdentifier=file.identifier,
-            unzipDirectory=str(file.folder),
-            instanceName="controller",
-        )
+        with _loading, working_directory_kept():
+            return FMU2Slave(
+                guid=file.guid,
+                modelIdentifier=file.identifier,
+                unzipDirectory=str(file.folder),
+                instanceName="controller",
+            )
+    except FmuError:
+        raise
     except AttributeError as error:
         raise FmuError(
             f"the library of `{file.name}` lacks an FMI function: {error}", "`fmpy validate` checks the FMU"
@@ -198,5 +208,16 @@ def load_library(file: FmuFile) -> Any:
             f"cannot load the library of `{file.name}`: {error}",
             "a library of another platform or one it depends on is missing",
         ) from None
+
+
+@contextlib.contextmanager
+def working_directory_kept() -> Iterator[None]:
+    """Put the working directory back, which FMPy leaves where a library cannot be loaded."""
+    try:
+        folder = os.getcwd()  # noqa: PTH109
+    except FileNotFoundError:
+        raise FmuError("the working directory does not exist any more", "change into another") from None
+    try:
+        yield
     finally:
         os.chdir(folder)

@@ -16,6 +16,7 @@ from cosim.fmu.instance import Bank, Instance
 from cosim.loop import condition, reference
 from cosim.loop.connect import Connector, Links, whole
 from cosim.loop.engines import Engine
+from cosim.loop.place import Stage
 from cosim.loop.plant import Plant
 from cosim.loop.reference import PROGRESS_EVERY, Parts, Run
 from cosim.loop.trace import Recorder
@@ -127,8 +128,10 @@ def run(parts: Parts, chunk: int = PROGRESS_EVERY) -> Run:
     # what native code cannot evaluate is looked at after every step
     look = stop_when if recorder.stop is None else None
     done, ended = 0, False
+    parts.place.at(Stage.STEP_BOTH)
     try:
         while done < steps and not ended:
+            parts.place.page.step = done
             until = min(done + chunk, steps) if look is None else done + 1
             ended = explain(body.run(stepper, until), links, calls, plant)
             if look is not None and (row := recorder.row(done)) is not None:
@@ -137,6 +140,7 @@ def run(parts: Parts, chunk: int = PROGRESS_EVERY) -> Run:
                 for told in range(-(-done // PROGRESS_EVERY) * PROGRESS_EVERY, stepper.k, PROGRESS_EVERY):
                     progress(told, steps)
             done = stepper.k
+            parts.interrupt()
     except Exception as error:
         raise reference.located(error, fmu, scenario, stepper.k) from error
     return Run(recorder.recorded(done), done)

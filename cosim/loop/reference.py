@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from cosim.errors import CosimError, PlantError
 from cosim.fmu.instance import Instance
 from cosim.loop.connect import Connector, Fault, Link, Links
+from cosim.loop.place import Place, Stage
 from cosim.loop.plant import Plant, one_each
 from cosim.loop.trace import Recorder
 from cosim.metrics.expression import Expression
@@ -34,7 +35,8 @@ class Run(NamedTuple):
 class Parts:
     """What a run needs: an initialised FMU and a plant that was reset, wired by a scenario.
 
-    The run ends early in the first row that `stop_when` holds for.
+    The run ends early in the first row that `stop_when` holds for. `interrupt` is called after every step and
+    may raise; `place` is told whose code runs.
     """
 
     scenario: Scenario
@@ -43,6 +45,8 @@ class Parts:
     seed: int
     stop_when: Expression | None = None
     progress: Progress | None = None
+    interrupt: Callable[[], None] = lambda: None
+    place: Place = field(default_factory=Place)
 
 
 def run(parts: Parts) -> Run:
@@ -61,18 +65,23 @@ def run(parts: Parts) -> Run:
     commands = np.zeros(len(plant.commands))
     links = Connector(scenario, fmu, plant, commands, parts.seed).links()
     recorder = Recorder(fmu, plant, loop.steps, loop.record_every)
+    page, interrupt = parts.place.page, parts.interrupt
 
     k = 0
+    page.stage = Stage.STEP_PLANT
     try:
         for k in range(loop.steps):
+            page.step = k
             # time is never accumulated
             time = k * loop.step
             # sample: ideal readings become what the controller sees
             carry_readings(links, plant, k)
             # compute: the controller moves first
+            page.stage = Stage.STEP
             fmu.set()
             fmu.step(time, loop.step)
             fmu.get()
+            page.stage = Stage.STEP_PLANT
             # act: the commands of this step, or of `compute_delay` steps ago
             carry_outputs(links, k)
             plant.command(commands)
@@ -80,11 +89,12 @@ def run(parts: Parts) -> Run:
             # move the plant to the next communication point
             plant.advance(loop.substeps)
 
+            interrupt()
             if stop_when is not None and row is not None and stop_when(row):
                 break
             if progress is not None and k % PROGRESS_EVERY == 0:
                 progress(k, loop.steps)
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise located(error, fmu, scenario, k) from error
     return Run(recorder.recorded(k + 1), k + 1)
 
@@ -101,7 +111,7 @@ def reset_plant(plant: Plant, scenario: Scenario, seed: np.random.SeedSequence) 
         plant.reset(seed, scenario.loop.duration)
     except CosimError:
         raise
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise failed_plant(f"the plant `{scenario.plant.name}` cannot be reset", error) from error
 
 
@@ -135,7 +145,7 @@ def inject(faults: list[Fault], k: int) -> None:
             fault.target.array[fault.target.index] = fault.value
 
 
-def located(error: Exception, fmu: Instance, scenario: Scenario, k: int) -> CosimError:
+def located(error: Exception | SystemExit, fmu: Instance, scenario: Scenario, k: int) -> CosimError:
     """Error of a run with step and time, and with the FMU's own words if it was the FMU."""
     when = f"at t = {k * scenario.loop.step:.9g} s (step {k})"
     if isinstance(error, FMICallException):
@@ -145,7 +155,7 @@ def located(error: Exception, fmu: Instance, scenario: Scenario, k: int) -> Cosi
     return failed_plant(f"the plant `{scenario.plant.name}` failed {when}", error)
 
 
-def failed_plant(action: str, error: Exception) -> PlantError:
+def failed_plant(action: str, error: Exception | SystemExit) -> PlantError:
     """Error of a plant's own code; a hint in its text becomes ours."""
     problem, _, hint = str(error).partition("\nhint: ")
     return PlantError(f"{action}: {type(error).__name__}: {problem}", hint or "`-v` shows where")

@@ -6,15 +6,16 @@ import contextlib
 import time
 from collections.abc import Iterator
 
-from cosim import paths
+from cosim import interrupts, paths
 from cosim.closing import Closing
-from cosim.errors import CosimError, concerning
+from cosim.errors import CosimError, PlantError, concerning
 from cosim.fmu import readable
 from cosim.fmu.archive import FmuFile, Variable, open_fmu
 from cosim.fmu.instance import Instance
 from cosim.loop import idle, native, plant, reference, trace
 from cosim.loop.connect import driven
 from cosim.loop.engines import Engine, checked
+from cosim.loop.place import Place, Stage
 from cosim.loop.reference import Parts, Progress
 from cosim.loop.result import Result
 from cosim.loop.wiring import child
@@ -39,6 +40,8 @@ class Session(Closing):
         Python runs in the reference loop in any case.
     previous
         A session that is not used any more: what it has open is taken over where it fits, else closed.
+    place
+        Told whose code runs; None is of no interest.
 
     Raises
     ------
@@ -52,17 +55,25 @@ class Session(Closing):
         log_events: bool = False,
         engine: Engine = "reference",
         previous: Session | None = None,
+        place: Place | None = None,
     ) -> None:
         self.scenario = scenario
+        self.place = place or Place()
+        self.place.begin(
+            scenario.controller.fmu, scenario.plant.name, scenario.loop.steps, scenario.loop.step
+        )
         with located(scenario):
             with concerning("controller.fmu"):
                 self.file = open_fmu(paths.find_fmu(scenario.controller.fmu, scenario.folder))
+            self.place.at(Stage.BUILD_PLANT)
             self.plant = open_plant(scenario, previous)
             self.engine = native.choose(checked(engine), scenario.plant.name, self.plant)
             check_timestep(scenario, self.plant.timestep)
             inputs = driven(scenario, self.file)
             idle.report(scenario, self.file, self.plant)
+            self.place.at(Stage.LOAD)
             self.fmu = open_instance(self.file, inputs, log_events, previous)
+            self.place.at(Stage.NONE)
             try:
                 self._compile()
             except CosimError:
@@ -91,16 +102,27 @@ class Session(Closing):
             Seed of all noise; None is the scenario's.
         progress
             Told the steps done and in all.
+
+        Raises
+        ------
+        CosimError
+            The run could not be done, or the session is closed.
+        KeyboardInterrupt
+            After the step in which Ctrl-C came.
         """
-        scenario = self.scenario
+        scenario, place = self.scenario, self.place
         seed = scenario.loop.seed if seed is None else seed
-        with located(scenario):
+        place.begin(scenario.controller.fmu, scenario.plant.name, scenario.loop.steps, scenario.loop.step)
+        with located(scenario), interrupts.deferred() as interrupt:
+            place.at(Stage.INITIALISE)
             self.fmu.initialise(scenario.controller.parameters)
+            place.at(Stage.RESET_PLANT)
             reference.reset_plant(self.plant, scenario, child(seed, "plant"))
             begin = time.perf_counter()
             run = native.run if self.engine == "native" else reference.run
-            done = run(Parts(scenario, self.fmu, self.plant, seed, self.stop, progress))
+            done = run(Parts(scenario, self.fmu, self.plant, seed, self.stop, progress, interrupt, place))
             wall = time.perf_counter() - begin
+            place.at(Stage.NONE)
             readable.report(self.fmu)
             pairs = zip(scenario.metric, self.metrics, strict=True)
             measured = [criteria.measure(metric, expression, done.table.T) for metric, expression in pairs]
@@ -122,36 +144,10 @@ class Session(Closing):
         )
 
     def close(self) -> None:
-        """Free the FMU."""
+        """Free the FMU; the session cannot run any more."""
+        self.place.at(Stage.CLOSE)
         self.fmu.close()
-
-
-def run(
-    scenario: Scenario,
-    seed: int | None = None,
-    progress: Progress | None = None,
-    engine: Engine = "reference",
-) -> Result:
-    """Run a scenario once with a fresh FMU and plant.
-
-    Parameters
-    ----------
-    scenario
-        The scenario, see `cosim.load`.
-    seed
-        Seed of all noise; None is the scenario's. The same seed gives the same bytes.
-    progress
-        Told the steps done and in all.
-    engine
-        `reference` or `native`, see `Session`.
-
-    Raises
-    ------
-    CosimError
-        The run could not be done.
-    """
-    with Session(scenario, engine=engine) as session:
-        return session.run(seed, progress)
+        self.place.at(Stage.NONE)
 
 
 def open_plant(scenario: Scenario, previous: Session | None) -> plant.Plant:
@@ -202,6 +198,9 @@ def located(scenario: Scenario) -> Iterator[None]:
             error.hint = error.hint or "`cosim show` lists types, units and ranges"
             error.key = ""
         raise
-    except MemoryError:
+    except SystemExit as error:
+        problem = f"the plant `{scenario.plant.name}` ended the process: `sys.exit({error.code!r})`"
+        raise PlantError(problem, "a plant raises an exception for what it cannot do") from error
+    except MemoryError as error:
         problem = f"a run of `loop.duration` = `{scenario.loop.duration:g}` s does not fit into memory"
-        raise CosimError(problem, "several shorter runs with other seeds need less") from None
+        raise CosimError(problem, "several shorter runs with other seeds need less") from error

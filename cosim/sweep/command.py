@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import functools
 import logging
-import multiprocessing
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,13 +14,14 @@ from rich.console import RenderableType
 
 from cosim import paths
 from cosim.loop import engines
+from cosim.pool import cluster, local
+from cosim.pool.limits import Limits, processors
 from cosim.show.bar import bar
-from cosim.sweep import cluster, overview, study, supervisor
+from cosim.sweep import overview, study
 from cosim.sweep.export import save_csv, save_parquet
 from cosim.sweep.plan import Plan
 from cosim.sweep.runner import Observer, Pool, pending, save_traces, sweep, worst
 from cosim.sweep.store import DONE, Row, Store
-from cosim.sweep.supervisor import Limits
 from cosim.sweep.survey import Survey, survey
 
 log = logging.getLogger("cosim")
@@ -38,7 +38,7 @@ class Options:
     folder
         Folder of the results.
     workers
-        Worker processes on this machine; None is one per core.
+        Worker processes on this machine; None is one per processor that this process may use.
     cluster
         Address of a Dask scheduler; empty runs on this machine.
     engine
@@ -94,11 +94,15 @@ def summarise(plan: Plan, found: Survey, folder: Path, plots: bool) -> None:
 def pool_of(plan: Plan, options: Options) -> Pool:
     """Where the runs are done."""
     memory = plan.study.limits.memory
-    limits = Limits(plan.study.limits.timeout, None if memory is None else 1e6 * memory)
+    limits = Limits(
+        plan.study.limits.timeout,
+        None if memory is None else 1e6 * memory,
+        plan.study.limits.process_per_run,
+    )
     if options.cluster:
         return functools.partial(cluster.outcomes, address=options.cluster, limits=limits)
-    workers = options.workers or multiprocessing.cpu_count()
-    return functools.partial(supervisor.outcomes, workers=min(workers, len(plan.runs)), limits=limits)
+    workers = options.workers or processors()
+    return functools.partial(local.outcomes, workers=min(workers, len(plan.runs)), limits=limits)
 
 
 @contextlib.contextmanager

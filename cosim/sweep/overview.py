@@ -14,7 +14,8 @@ from rich.text import Text
 from cosim.errors import CosimError
 from cosim.metrics.criteria import factor
 from cosim.scenario.model import Scenario
-from cosim.show.display import NOTHING_DEMANDED, STYLES, plain_table
+from cosim.show.display import NOTHING_DEMANDED, STYLES
+from cosim.show.listing import plain_table
 from cosim.show.plot import STYLE
 from cosim.show.quantity import number, text
 from cosim.sweep.plan import Plan

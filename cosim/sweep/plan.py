@@ -19,13 +19,13 @@ from cosim.fmu.values import expand
 from cosim.loop import plant
 from cosim.loop.engines import Engine
 from cosim.loop.session import located
+from cosim.pool.job import Job
 from cosim.scenario import layers
 from cosim.scenario.load import build
 from cosim.scenario.model import Scenario
 from cosim.sweep.designs import DESIGNS, Case
 from cosim.sweep.identity import digest, finished, leaf, plant_of, project, section, total
 from cosim.sweep.study import Study
-from cosim.sweep.worker import Job
 
 MOST_SETTINGS = 1000
 """Settings that are remembered while runs are planned."""

@@ -8,13 +8,12 @@ import math
 from collections.abc import Callable, Generator, Iterable, Iterator
 
 from cosim.loop.result import Result
+from cosim.pool.job import Finished, Numbered, Outcome
 from cosim.show import plot
 from cosim.sweep.overview import can_plot
 from cosim.sweep.plan import Plan, Run
 from cosim.sweep.store import DONE, TROUBLES, Row, Store, row_of
-from cosim.sweep.supervisor import Finished, Numbered
 from cosim.sweep.survey import Survey
-from cosim.sweep.worker import Outcome
 
 log = logging.getLogger("cosim")
 Pool = Callable[[Iterable[Numbered]], Generator[Finished]]

@@ -16,9 +16,9 @@ from cosim.closing import Closing
 from cosim.errors import CosimError
 from cosim.loop.result import Result, plain
 from cosim.metrics.criteria import Verdict
+from cosim.pool.job import Outcome
 from cosim.scenario.tables import parse
 from cosim.sweep.plan import Run
-from cosim.sweep.worker import Outcome
 
 log = logging.getLogger("cosim")
 FILE = "results.jsonl"

@@ -87,10 +87,11 @@ class Design:
 
 @dataclass(frozen=True)
 class RunLimits:
-    """What one run may take: wall time in s, resident memory of its process in MB."""
+    """What one run may take: wall time in s, memory of its process in MB; and whether that is its own."""
 
     timeout: float = limited(POSITIVE, 600.0)
     memory: float | None = limited(POSITIVE, None)
+    process_per_run: bool = False
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 import cosim
+from cosim.pool.worker import JobRunner
 from cosim.sweep import study
 from cosim.sweep.plan import Plan
-from cosim.sweep.worker import JobRunner
 
 FOLDER = Path(__file__).resolve().parents[2] / "studies"
 

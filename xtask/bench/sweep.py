@@ -13,10 +13,10 @@ import time
 from pathlib import Path
 from typing import Any
 
+from cosim.pool.worker import JobRunner
 from cosim.sweep import study
 from cosim.sweep.command import Options, execute
 from cosim.sweep.plan import Plan
-from cosim.sweep.worker import JobRunner
 
 WORKERS = 2
 ALONE = 40

@@ -3,8 +3,11 @@
  * out = gain * in + bias[1] + bias[2] (a NaN or an error on demand), sum = mean input since the start times time,
  * flag_out = !flag, count_out = count + 1, mode_out = mode, text_out = text, calls = steps done.
  * In the steps `crash_at`, `hang_at` and `eat_at` it breaks a pointer, never returns, takes 600 MB and then never returns.
+ * In `exit_at` it ends the process with code 0 (in the initialisation if that is -2), in `chat_at` it logs for ever, in
+ * `spoil_at` it does what kills its process in the next reset, in `raise_at` it raises the signal `raised`.
  */
 #include <math.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,7 +15,7 @@
 #include "fmi2Functions.h"
 
 enum { IN, GAIN, BIAS_1, BIAS_2, OUT, SUM, TIME, LIMIT, REALS };
-enum { COUNT, COUNT_OUT, MODE, MODE_OUT, CALLS, FAIL_AT, NAN_AT, FATAL_AT, CRASH_AT, HANG_AT, EAT_AT, INTEGERS };
+enum { COUNT, COUNT_OUT, MODE, MODE_OUT, CALLS, FAIL_AT, NAN_AT, FATAL_AT, CRASH_AT, HANG_AT, EAT_AT, EXIT_AT, CHAT_AT, SPOIL_AT, RAISE_AT, RAISED, INTEGERS };
 enum { FLAG, FLAG_OUT, BOOLEANS };
 
 typedef struct {
@@ -37,6 +40,7 @@ static void start(Probe *p) {
     p->real[LIMIT] = 10.0;
     p->integer[MODE] = p->integer[MODE_OUT] = 1;
     for (int i = FAIL_AT; i < INTEGERS; i++) p->integer[i] = -1;
+    p->integer[RAISED] = SIGABRT;
     strcpy(p->text, "hello");
     p->initialised = 0;
 }
@@ -71,13 +75,20 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
         tell(p, fmi2Error, "logStatusError", "the sum of `bias` is %g, its limit is 100", p->real[BIAS_1] + p->real[BIAS_2]);
         return fmi2Error;
     }
+    if (p->integer[EXIT_AT] == -2) exit(0);
     p->real[OUT] = p->real[GAIN] * p->real[IN] + p->real[BIAS_1] + p->real[BIAS_2];
     p->initialised = 1;
     return fmi2OK;
 }
 
 fmi2Status fmi2Terminate(fmi2Component c) { return fmi2OK; }
-fmi2Status fmi2Reset(fmi2Component c) { start(c); return fmi2OK; }
+static int spoiled;
+
+fmi2Status fmi2Reset(fmi2Component c) {
+    if (spoiled) abort();
+    start(c);
+    return fmi2OK;
+}
 
 #define ACCESS(Name, Type, field)                                                                            \
     fmi2Status fmi2Get##Name(fmi2Component c, const fmi2ValueReference vr[], size_t n, Type value[]) {       \
@@ -134,6 +145,10 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step, fmi2Boolean
         eaten = malloc(600000000);
         memset(eaten, 1, 600000000);
     }
+    if (k == p->integer[EXIT_AT]) exit(0);
+    if (k == p->integer[RAISE_AT]) raise(p->integer[RAISED]);
+    if (k == p->integer[SPOIL_AT]) spoiled = 1;
+    while (k == p->integer[CHAT_AT]) tell(p, fmi2OK, "logAll", "still here at %g s", time);
     if (k == p->integer[HANG_AT] || k == p->integer[EAT_AT]) for (;;) sleep(1);
     p->real[TIME] = time;
     p->real[SUM] += step * p->real[IN];

@@ -1,17 +1,69 @@
-"""Many runs on several processes: one scenario with many seeds, or many scenarios."""
+"""Runs from Python: one, one scenario with many seeds, or many scenarios."""
 
 from __future__ import annotations
 
 import contextlib
-import multiprocessing
+import os
 from collections.abc import Generator, Sequence
 
 from cosim.errors import CosimError
 from cosim.loop.engines import Engine
+from cosim.loop.reference import Progress
 from cosim.loop.result import Result
+from cosim.loop.session import Session
+from cosim.pool import local
+from cosim.pool.job import Job, Outcome
+from cosim.pool.limits import Limits, processors
+from cosim.pool.supervisor import Worker
 from cosim.scenario.model import Scenario
-from cosim.sweep.supervisor import Limits, outcomes
-from cosim.sweep.worker import Job, JobRunner, Outcome
+
+ISOLATES = os.name == "posix"
+"""Whether worker processes can be supervised on this system."""
+
+
+def run(
+    scenario: Scenario,
+    seed: int | None = None,
+    progress: Progress | None = None,
+    engine: Engine = "reference",
+    isolated: bool = False,
+    limits: Limits | None = None,
+) -> Result:
+    """Run a scenario once with a fresh FMU and plant.
+
+    Parameters
+    ----------
+    scenario
+        The scenario, see `cosim.load`.
+    seed
+        Seed of all noise; None is the scenario's. The same seed gives the same bytes.
+    progress
+        Told the steps done and in all.
+    engine
+        `reference` or `native`, see `Session`.
+    isolated
+        Whether it runs in a process of its own, so that an FMU or plant that crashes, hangs or exits is an
+        error like any other; a second or so for the imports of that process is the price.
+    limits
+        What an isolated run may take.
+
+    Raises
+    ------
+    CosimError
+        The run could not be done.
+    """
+    if not isolated:
+        with Session(scenario, engine=engine) as session:
+            return session.run(seed, progress)
+    if not ISOLATES:
+        raise CosimError("runs cannot be isolated on this system", "`isolated=False` runs in this process")
+    job = Job(scenario, scenario.loop.seed if seed is None else seed, engine, keep_trace=True)
+    with Worker(limits or Limits(keys=("timeout", "memory")), relay=True) as worker:
+        outcome = worker.call(job, progress)
+    if isinstance(outcome, CosimError):
+        raise outcome
+    done: Result = outcome
+    return done
 
 
 def run_many(
@@ -30,7 +82,7 @@ def run_many(
     seeds
         One run each.
     workers
-        Processes; None is one per core, 1 runs in this process.
+        Processes; None is one per processor that this process may use, 1 runs in this process.
     keep_trace
         Whether the results hold their traces.
     engine
@@ -77,14 +129,12 @@ def run_each(
 
 def ordered(jobs: Sequence[Job], workers: int | None) -> Generator[Outcome]:
     """Run the jobs and yield their outcomes in order; closing it drops what was not begun."""
-    count = min(workers or multiprocessing.cpu_count(), len(jobs))
-    if count <= 1:
-        with contextlib.closing(JobRunner()) as runner:
-            yield from map(runner.run, jobs)
-        return
+    count = min(workers or processors(), len(jobs))
+    numbered = enumerate(jobs)
+    pool = local.outcomes(numbered, count, Limits()) if count > 1 else local.inside(numbered)
     early: dict[int, Outcome] = {}
     wanted = 0
-    with contextlib.closing(outcomes(enumerate(jobs), count, Limits())) as done:
+    with contextlib.closing(pool) as done:
         for number, outcome in done:
             early[number] = outcome
             while wanted in early:

@@ -17,8 +17,9 @@ from collections.abc import Generator, Iterable, Iterator
 from typing import Any
 
 from cosim.errors import CosimError
-from cosim.sweep.supervisor import Finished, Limits, Numbered, Worker, WorkerError
-from cosim.sweep.worker import Job, Outcome
+from cosim.pool.job import Finished, Job, Numbered, Outcome, WorkerError
+from cosim.pool.limits import Limits
+from cosim.pool.supervisor import Worker
 
 CONNECT_TIMEOUT = 20.0
 """Time to reach the scheduler, s."""
@@ -31,7 +32,7 @@ Ended = tuple[str, str]
 
 
 def outcomes(jobs: Iterable[Numbered], address: str, limits: Limits) -> Generator[Finished]:
-    """Run jobs on a Dask cluster; outcomes come as they are done, as from `supervisor.outcomes`.
+    """Run jobs on a Dask cluster; outcomes come as they are done, as from `local.outcomes`.
 
     Parameters
     ----------

@@ -1,0 +1,85 @@
+"""What `cosim run` does in its worker process, or with `--in-process` in its own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from cosim.cli.sheet import Sheet, rendered
+
+if TYPE_CHECKING:
+    from cosim.loop.engines import Engine
+    from cosim.loop.result import Result
+    from cosim.pool.job import Bench
+    from cosim.scenario.model import Scenario
+
+
+@dataclass(frozen=True)
+class Report:
+    """What is left of a run: texts are ready, so that who prints them need not import what made them.
+
+    Parameters
+    ----------
+    table, json
+        The result as a table and as JSON.
+    result
+        The result, where trace or plot are wanted.
+    scenario
+        The scenario, where a plot is wanted.
+    """
+
+    passed: bool | None
+    table: str
+    json: str
+    result: Result | None
+    scenario: Scenario | None
+
+
+@dataclass(frozen=True)
+class Single:
+    """One run from the words of a command line.
+
+    Parameters
+    ----------
+    loop, changes
+        The scenario and its overrides, as for `cosim.load`.
+    verbose
+        Whether the FMU shall log events.
+    trace
+        Whether the trace is wanted.
+    plot
+        Plot that will be made of the run, None is none; it is checked before the run.
+    sheet
+        What the table is printed on.
+    """
+
+    loop: str
+    changes: tuple[str, ...]
+    engine: Engine
+    verbose: bool
+    trace: bool
+    plot: Path | None
+    sheet: Sheet
+
+    def run(self, bench: Bench) -> Report:
+        """Run once."""
+        from cosim.fmu import stale
+        from cosim.scenario.load import load
+        from cosim.show import display
+
+        scenario = load(self.loop, self.changes)
+        session = bench.session(scenario, self.engine, self.verbose)
+        stale.warn(scenario.controller.fmu, session.file.path)
+        if self.plot is not None:
+            from cosim.show import plot
+
+            plot.check(scenario, session.columns, self.plot)
+        result = session.run(progress=bench.progress)
+        return Report(
+            passed=result.passed,
+            table=rendered(display.result(result), self.sheet),
+            json=result.to_json(),
+            result=result if self.trace or self.plot else None,
+            scenario=scenario if self.plot else None,
+        )

@@ -1,0 +1,112 @@
+"""Ctrl-C: never lost, whatever the process is doing."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import socket
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from typing import Any, NoReturn
+
+INTERRUPTED = 130
+"""Exit code of a process that Ctrl-C ended."""
+SHOW_CURSOR = b"\r\x1b[2K\x1b[?25h"
+"""Clears a line of a progress bar and gives the cursor back."""
+Handler = Callable[..., Any]
+
+
+def quit_at_once(*_: object) -> NoReturn:
+    """End the process without unwinding: no exception can be lost in an import or a callback of C."""
+    os.write(2, (SHOW_CURSOR if os.isatty(2) else b"") + b"error: interrupted\n")
+    os._exit(INTERRUPTED)
+
+
+@contextlib.contextmanager
+def handled_by(handler: Handler) -> Iterator[None]:
+    """Let `handler` take Ctrl-C; where it is ignored, and outside of the main thread, all stays as it is."""
+    before = current()
+    if before is None:
+        yield
+        return
+    signal.signal(signal.SIGINT, handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def current() -> Handler | None:
+    """Present handler of Ctrl-C, None where it cannot be changed or should not."""
+    handler = signal.getsignal(signal.SIGINT)
+    if threading.current_thread() is not threading.main_thread() or not callable(handler):
+        return None
+    return handler
+
+
+@contextlib.contextmanager
+def raising() -> Iterator[None]:
+    """Let the first Ctrl-C raise KeyboardInterrupt, so that what is open is closed; the second ends all."""
+
+    def handler(*arguments: object) -> None:
+        signal.signal(signal.SIGINT, quit_at_once)
+        raise KeyboardInterrupt
+
+    with handled_by(handler):
+        yield
+
+
+@contextlib.contextmanager
+def deferred() -> Iterator[Callable[[], None]]:
+    """Hold Ctrl-C back to where `check`, which this gives, is called, and to the end.
+
+    An exception that is raised within a callback of C would be lost. A second Ctrl-C does not wait.
+    """
+    before = current()
+    if before is None:
+        yield lambda: None
+        return
+    held: list[tuple[object, ...]] = []
+
+    def hold(*arguments: object) -> None:
+        if held:
+            before(*arguments)
+        held.append(arguments)
+
+    def check() -> None:
+        if held:
+            before(*held[0])
+
+    with handled_by(hold):
+        yield check
+    check()
+
+
+@contextlib.contextmanager
+def second_ends_all() -> Iterator[None]:
+    """Let the second Ctrl-C end the process even while its main thread is within code of C."""
+    if current() is None:
+        yield
+        return
+    told, tells = socket.socketpair()
+    tells.setblocking(False)
+    before = signal.set_wakeup_fd(tells.fileno(), warn_on_full_buffer=False)
+    threading.Thread(target=count, args=(told,), daemon=True).start()
+    try:
+        yield
+    finally:
+        signal.set_wakeup_fd(before)
+        tells.close()
+
+
+def count(told: socket.socket) -> None:
+    """Count the signals that arrive until the other side is closed."""
+    seen = 0
+    with told:
+        while signals := told.recv(16):
+            seen += signals.count(signal.SIGINT)
+            if seen > 1:
+                sys.stdout.flush()
+                quit_at_once()

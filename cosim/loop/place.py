@@ -1,0 +1,98 @@
+"""Where a run is: kept in memory that another process can look at, even after a crash."""
+
+from __future__ import annotations
+
+import ctypes
+import enum
+import mmap
+from typing import Any
+
+NAME = 400
+"""Bytes kept of a name."""
+
+
+class Stage(enum.IntEnum):
+    """Whose code runs, and for what."""
+
+    NONE = 0
+    LOAD = 1
+    INITIALISE = 2
+    STEP = 3
+    CLOSE = 4
+    BUILD_PLANT = 5
+    RESET_PLANT = 6
+    STEP_PLANT = 7
+    STEP_BOTH = 8
+
+
+FMU = {
+    Stage.LOAD: "while it was loaded and instantiated",
+    Stage.INITIALISE: "while it was initialised",
+    Stage.STEP: "",
+    Stage.CLOSE: "while it was terminated and freed",
+}
+PLANT = {
+    Stage.BUILD_PLANT: "while it was built",
+    Stage.RESET_PLANT: "while it was reset",
+    Stage.STEP_PLANT: "",
+}
+
+
+class Page(ctypes.Structure):
+    """What the memory holds. In the native engine `step` is the first of a chunk of steps."""
+
+    _fields_ = (
+        ("stage", ctypes.c_int64),
+        ("step", ctypes.c_int64),
+        ("steps", ctypes.c_int64),
+        ("period", ctypes.c_double),
+        ("fmu", ctypes.c_char * NAME),
+        ("plant", ctypes.c_char * NAME),
+    )
+
+
+class Place:
+    """Where a run is; a field of `page` is written before each call of foreign code.
+
+    Parameters
+    ----------
+    file
+        Descriptor of a file that another process maps as well; None is for this process alone.
+    """
+
+    def __init__(self, file: int | None = None) -> None:
+        size = ctypes.sizeof(Page)
+        self.page: Any = Page.from_buffer(bytearray(size) if file is None else mmap.mmap(file, size))
+
+    def begin(self, fmu: str, plant: str, steps: int, period: float) -> None:
+        """Forget the run before; `period` is the communication step in s."""
+        page = self.page
+        page.fmu, page.plant = fmu.encode()[: NAME - 1], plant.encode()[: NAME - 1]
+        page.stage, page.step, page.steps, page.period = Stage.NONE, 0, steps, period
+
+    def clear(self) -> None:
+        """Forget everything."""
+        self.begin("", "", 0, 0.0)
+
+    def at(self, stage: Stage) -> None:
+        """Note whose code runs now."""
+        self.page.stage = stage
+
+    def who(self) -> str:
+        """Whose code runs, empty if that of neither FMU nor plant."""
+        stage = self.page.stage
+        fmu = f"the FMU `{self.page.fmu.decode(errors='ignore')}`"
+        plant = f"the plant `{self.page.plant.decode(errors='ignore')}`"
+        if stage == Stage.STEP_BOTH:
+            return f"{fmu} or {plant}" if self.page.plant else fmu
+        return fmu if stage in FMU else plant if stage in PLANT else ""
+
+    def when(self) -> str:
+        """Moment of the run, with time and step where there is one; empty if that is not known."""
+        stage, k = self.page.stage, self.page.step
+        time = f"t = {k * self.page.period:.9g} s (step {k})"
+        if stage == Stage.STEP_BOTH:
+            return f"at or after {time}"
+        if stage in (Stage.STEP, Stage.STEP_PLANT):
+            return f"at {time}"
+        return FMU.get(stage) or PLANT.get(stage) or ""

@@ -1,0 +1,82 @@
+"""What a worker is given to do, and what becomes of it."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
+
+from cosim.errors import CosimError, FmuError
+
+if TYPE_CHECKING:
+    from cosim.loop.engines import Engine
+    from cosim.loop.place import Place
+    from cosim.loop.reference import Progress
+    from cosim.loop.result import Result
+    from cosim.loop.session import Session
+    from cosim.scenario.model import Scenario
+
+# texts: who only waits for a worker imports nothing of what it runs
+Outcome: TypeAlias = "Result | CosimError"
+"""What became of a run: its result, or why it could not be done."""
+Numbered: TypeAlias = "tuple[int, Job]"
+Finished: TypeAlias = "tuple[int, Outcome]"
+
+
+class WorkerError(CosimError):
+    """A run that took its worker process with it.
+
+    Attributes
+    ----------
+    status
+        `crashed`, `timeout`, `memory` or `lost`.
+    """
+
+    def __init__(self, status: str, message: str, hint: str = "") -> None:
+        super().__init__(message, hint)
+        self.status = status
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return WorkerError, (self.status, self.message, self.hint)
+
+
+class Bench(Protocol):
+    """What a task finds where it is done."""
+
+    place: Place
+    progress: Progress | None
+
+    def session(self, scenario: Scenario, engine: Engine, log_events: bool = False) -> Session:
+        """Session of a scenario; what fits of the one before stays open."""
+
+
+class Task(Protocol):
+    """Anything that can be sent to a worker."""
+
+    def run(self, bench: Bench) -> Any:
+        """Do it; the return value is sent back."""
+
+
+@dataclass(frozen=True)
+class Job:
+    """One run of a scenario with a seed, by the engine of that name, whose result may keep its trace.
+
+    `fmu` is the SHA-256 that the FMU must have, as far as the name of its extracted folder goes; empty takes
+    any.
+    """
+
+    scenario: Scenario
+    seed: int
+    engine: Engine = "native"
+    keep_trace: bool = False
+    fmu: str = ""
+
+    def run(self, bench: Bench) -> Result:
+        """Run the scenario once."""
+        session = bench.session(self.scenario, self.engine)
+        folder = session.file.folder
+        if self.fmu and folder.name != self.fmu[: len(folder.name)]:
+            problem = f"the FMU `{session.file.path}` is not the one the sweep began with"
+            raise FmuError(problem, "it was built or copied anew")
+        result = session.run(self.seed, bench.progress)
+        return result if self.keep_trace else dataclasses.replace(result, trace=None)

@@ -1,0 +1,93 @@
+"""What a run may take, and what this machine has."""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import math
+import os
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+CGROUPS = Path("/sys/fs/cgroup")
+MEMBERSHIP = Path("/proc/self/cgroup")
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What one run may take.
+
+    Parameters
+    ----------
+    timeout
+        Wall time in s; None is without limit.
+    memory
+        Memory of the worker process in bytes, about 80 MB before the run included; None is without limit.
+    process_per_run
+        Whether every run gets a process of its own.
+    keys
+        What the user calls timeout and memory.
+    """
+
+    timeout: float | None = None
+    memory: float | None = None
+    process_per_run: bool = False
+    keys: tuple[str, str] = ("limits.timeout", "limits.memory")
+
+
+def memory_of(process: int | None = None) -> Any:
+    """Memory of a process, None is this one, as psutil tells it: resident is `rss`, in bytes."""
+    return importlib.import_module("psutil").Process(process).memory_info()
+
+
+def system_confines() -> bool:
+    """Whether the operating system can hold a process to an amount of memory."""
+    return sys.platform == "linux"
+
+
+def confine(memory: float) -> None:
+    """Let this process take no more than so many bytes: further allocations are refused.
+
+    Raises
+    ------
+    MemoryError
+        It has more already.
+    """
+    import resource
+
+    now = memory_of()
+    if now.rss > memory:
+        raise MemoryError(now.rss)
+    # what is reserved but not touched, such as stacks of threads, is no memory that it has
+    most = int(now.data + memory - now.rss)
+    _, hard = resource.getrlimit(resource.RLIMIT_DATA)
+    resource.setrlimit(
+        resource.RLIMIT_DATA, (most if hard == resource.RLIM_INFINITY else min(most, hard), hard)
+    )
+
+
+def processors() -> int:
+    """Processors that this process may use: by its affinity and by the quota of its control group."""
+    affinity = getattr(os, "sched_getaffinity", None)
+    count = len(affinity(0)) if affinity else os.cpu_count() or 1
+    return max(1, math.ceil(min(count, quota())))
+
+
+def quota(root: Path = CGROUPS, membership: Path = MEMBERSHIP) -> float:
+    """Processors that control groups grant, infinite if they set no limit."""
+    groups = {Path("/")}
+    with contextlib.suppress(OSError):
+        for line in membership.read_text().splitlines():
+            group = Path(line.split(":", 2)[-1])
+            groups |= {group, *group.parents}
+    return min(granted(root / group.relative_to("/")) for group in groups if group.is_absolute())
+
+
+def granted(group: Path) -> float:
+    """Processors that one group grants."""
+    with contextlib.suppress(OSError, ValueError):
+        most, period = (group / "cpu.max").read_text().split()
+        return math.inf if most == "max" else int(most) / int(period)
+    return math.inf

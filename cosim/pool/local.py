@@ -1,0 +1,90 @@
+"""Tasks on the processors of this machine: several worker processes, or this process."""
+
+from __future__ import annotations
+
+import contextlib
+import queue
+import threading
+from collections.abc import Callable, Generator, Iterable, Iterator
+from typing import Any
+
+from cosim.pool.job import Finished, Numbered
+from cosim.pool.limits import Limits
+from cosim.pool.supervisor import ClosedError, Worker
+
+
+def outcomes(jobs: Iterable[Numbered], workers: int, limits: Limits) -> Generator[Finished]:
+    """Run jobs on worker processes of this machine; outcomes come as they are done.
+
+    Closing the generator ends the worker processes at once.
+
+    Parameters
+    ----------
+    jobs
+        Jobs with their numbers; taken from the iterable as workers become free.
+    workers
+        Processes.
+    limits
+        What each run may take.
+
+    Raises
+    ------
+    CosimError
+        No worker process can be started.
+    """
+    done: queue.SimpleQueue[Finished | BaseException | None] = queue.SimpleQueue()
+    pool = [Worker(limits) for _ in range(workers)]
+    take = shared(jobs)
+    threads = [threading.Thread(target=serve, args=(worker, take, done), daemon=True) for worker in pool]
+    try:
+        for thread in threads:
+            thread.start()
+        busy = len(threads)
+        while busy:
+            item = done.get()
+            if isinstance(item, BaseException):
+                raise item
+            if item is None:
+                busy -= 1
+            else:
+                yield item
+    finally:
+        for worker in pool:
+            worker.stop()
+        for thread in threads:
+            thread.join()
+        for worker in pool:
+            worker.close()
+
+
+def inside(jobs: Iterable[Numbered]) -> Generator[Finished]:
+    """Run jobs in this process, one after the other; nothing protects it from them."""
+    from cosim.pool.worker import JobRunner
+
+    with contextlib.closing(JobRunner()) as runner:
+        for number, job in jobs:
+            yield number, runner.run(job)
+
+
+def shared(jobs: Iterable[Numbered]) -> Callable[[], Numbered | None]:
+    """Next job for whichever thread asks; None when there are no more."""
+    iterator: Iterator[Numbered] = iter(jobs)
+    lock = threading.Lock()
+
+    def take() -> Numbered | None:
+        with lock:
+            return next(iterator, None)
+
+    return take
+
+
+def serve(worker: Worker, take: Callable[[], Numbered | None], done: Any) -> None:
+    """Give jobs to one worker until there are no more; None tells the end, an exception the failure."""
+    try:
+        while (job := take()) is not None:
+            done.put((job[0], worker.call(job[1])))
+        done.put(None)
+    except ClosedError:
+        done.put(None)
+    except BaseException as error:
+        done.put(error)

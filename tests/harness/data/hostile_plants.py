@@ -1,0 +1,38 @@
+"""Plants that do not return, exit or take the process along, each in its own way."""
+
+import ctypes
+import os
+import sys
+from typing import Any
+
+import numpy as np
+import probe_plants
+
+
+class ExitInInit(probe_plants.Lag):
+    def __init__(self, parameters: probe_plants.LagParameters) -> None:
+        sys.exit(0)
+
+
+class ExitInReset(probe_plants.Lag):
+    def reset(self, seed: np.random.SeedSequence, duration: float) -> None:
+        sys.exit(0)
+
+
+class ExitInStep(probe_plants.Lag):
+    def advance(self, substeps: int) -> None:
+        super().advance(substeps)
+        if self.n == 5:
+            sys.exit(0)
+
+
+class Vanish(probe_plants.Lag):
+    def advance(self, substeps: int) -> None:
+        os._exit(0)
+
+
+class Hold(probe_plants.Lag):
+    """Hangs in code of C that keeps the GIL, so that no other thread of Python runs."""
+
+    def sense(self) -> Any:
+        ctypes.PyDLL(None).pause()

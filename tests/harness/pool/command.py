@@ -1,0 +1,58 @@
+"""`cosim run` as a process that can be interrupted, and what is left of it."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+import psutil
+
+ROOT = Path(__file__).resolve().parents[3]
+STEPS = "--duration=1000"
+"""A run that nobody waits for."""
+
+
+def finished(*arguments: str, path: Path = ROOT) -> subprocess.CompletedProcess[str]:
+    """Run `cosim run lag.toml` with these arguments."""
+    with started(*arguments, path=path) as process:
+        stdout, stderr = process.communicate(timeout=100.0)
+    return subprocess.CompletedProcess(arguments, process.returncode, stdout, stderr)
+
+
+def started(*arguments: str, path: Path = ROOT) -> subprocess.Popen[str]:
+    """Start `cosim run lag.toml` with these arguments; modules are looked for in `path` as well."""
+    return subprocess.Popen(
+        [sys.executable, "-m", "cosim", "run", "lag.toml", *arguments],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(map(str, (path, ROOT)))},
+        # a shell that starts the tests in the background lets them ignore the signal
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )
+
+
+def interrupted(process: subprocess.Popen[str], presses: int = 1) -> tuple[str, str]:
+    """Press Ctrl-C; give what is on stdout and stderr in the end, after which nothing of it is left."""
+    family = [psutil.Process(process.pid), *psutil.Process(process.pid).children(recursive=True)]
+    for _ in range(presses):
+        process.send_signal(signal.SIGINT)
+    stdout, stderr = process.communicate(timeout=60)
+    _, alive = psutil.wait_procs(family, timeout=60)
+    assert not alive
+    return stdout, stderr
+
+
+def wait_for_line(process: subprocess.Popen[str], text: str) -> None:
+    """Read stderr until a line holds the text; a process that never writes it is ended."""
+    assert process.stderr is not None
+    with_end = threading.Timer(60.0, process.kill)
+    with_end.start()
+    try:
+        assert any(text in line for line in process.stderr), f"`{text}` did not come"
+    finally:
+        with_end.cancel()
