@@ -3,13 +3,45 @@
 >>> import cosim
 >>> result = cosim.run(cosim.load("dob", set=["plant.gap=2e-4"]), seed=7)  # doctest: +SKIP
 >>> result.passed, result.metrics["depth"].value, result.trace["controller.current"]  # doctest: +SKIP
+
+Importing this package is cheap; numpy and FMPy are imported with the first name that needs them.
 """
 
-from cosim.errors import CosimError
-from cosim.loop.result import Result
-from cosim.loop.session import Session, run
-from cosim.scenario.load import load
-from cosim.scenario.model import Scenario
-from cosim.sweep.many import run_each, run_many
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from cosim.errors import CosimError
+    from cosim.loop.result import Result
+    from cosim.loop.session import Session, run
+    from cosim.scenario.load import load
+    from cosim.scenario.model import Scenario
+    from cosim.sweep.many import run_each, run_many
 
 __all__ = ["CosimError", "Result", "Scenario", "Session", "load", "run", "run_each", "run_many"]
+
+PLACES = {
+    "CosimError": "cosim.errors",
+    "Result": "cosim.loop.result",
+    "Scenario": "cosim.scenario.model",
+    "Session": "cosim.loop.session",
+    "load": "cosim.scenario.load",
+    "run": "cosim.loop.session",
+    "run_each": "cosim.sweep.many",
+    "run_many": "cosim.sweep.many",
+}
+"""Module of each public name."""
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name when it is asked for."""
+    if name not in PLACES:
+        raise AttributeError(f"module `{__name__}` has no attribute `{name}`")
+    value = getattr(import_module(PLACES[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    """Public names, imported or not."""
+    return sorted({*globals(), *__all__})

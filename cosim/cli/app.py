@@ -21,6 +21,8 @@ log = logging.getLogger("cosim")
 app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
+    # plain help: rich's takes longer to import than all else
+    rich_markup_mode=None,
     context_settings={"help_option_names": ["-h", "--help"]},
     help="Run FMI 2.0 FMUs in closed loop with plants and hold criteria against the results.",
     epilog="Exit code: 0 all criteria hold, 1 some do not, 2 could not run.",

@@ -7,11 +7,12 @@ import logging
 import os
 import sys
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
-from rich.console import Console
+if TYPE_CHECKING:
+    from rich.console import Console
 
-from cosim.loop.reference import Progress
-from cosim.show.bar import bar
+    from cosim.loop.reference import Progress
 
 WIDTH_IN_FILES = 132
 """Columns of tables that do not go to a terminal."""
@@ -22,6 +23,8 @@ log = logging.getLogger("cosim")
 @contextlib.contextmanager
 def progress_bar(title: str, quiet: bool) -> Iterator[Progress | None]:
     """Progress bar on stderr; none if that is not a terminal."""
+    from cosim.show.bar import bar
+
     with bar(quiet, "{task.percentage:>3.0f} %") as shown:
         if shown is None:
             yield None
@@ -32,6 +35,8 @@ def progress_bar(title: str, quiet: bool) -> Iterator[Progress | None]:
 
 def output() -> Console:
     """Console on stdout; `NO_COLOR` and pipes get plain text."""
+    from rich.console import Console
+
     console = Console(highlight=False)
     if not console.is_terminal and "COLUMNS" not in os.environ:
         return Console(highlight=False, width=WIDTH_IN_FILES)

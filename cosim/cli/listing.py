@@ -8,7 +8,7 @@ from cosim import paths
 from cosim.cli.console import configure_logging, output
 from cosim.cli.options import Quiet, Verbose
 from cosim.errors import CosimError
-from cosim.scenario import layers
+from cosim.scenario.titles import title_of
 
 log = logging.getLogger("cosim")
 
@@ -16,16 +16,16 @@ log = logging.getLogger("cosim")
 def list_scenarios(verbose: Verbose = False, quiet: Quiet = False) -> None:
     """List the scenarios by name and title."""
     configure_logging(verbose, quiet)
-    from cosim.show import display
+    from cosim.show import listing
 
     entries = []
     for name, file in paths.list_scenarios():
         try:
-            entries.append((name, str(layers.read(file).table.get("title", ""))))
+            entries.append((name, title_of(file)))
         except CosimError as error:
             log.warning("%s", error.message)
     if not entries:
         raise CosimError(
             f"no scenario files in {paths.folders_text()}", f"set {paths.SCENARIOS_ENV} to your folder"
         )
-    output().print(display.scenarios(entries))
+    output().print(listing.scenarios(entries))

@@ -1,11 +1,10 @@
-"""What the command line prints: lists, descriptions and the table of criteria."""
+"""What the command line prints: descriptions and the table of criteria."""
 
 from __future__ import annotations
 
 import dataclasses
 import math
 import typing
-from collections.abc import Iterable
 from typing import Any
 
 from rich.console import Group, RenderableType
@@ -18,6 +17,7 @@ from cosim.loop.result import Result
 from cosim.metrics.criteria import Verdict
 from cosim.scenario.model import Scenario
 from cosim.scenario.tables import toml_key
+from cosim.show.listing import plain_table
 from cosim.show.quantity import number, text
 
 CAUSALITIES = {
@@ -26,14 +26,6 @@ CAUSALITIES = {
     "parameter": "parameters",
     "calculatedParameter": "calculated",
 }
-
-
-def scenarios(entries: Iterable[tuple[str, str]]) -> Table:
-    """Names and titles of scenarios."""
-    table = plain_table("name", "title")
-    for name, title in entries:
-        table.add_row(Text(name, style="bold"), Text(title))
-    return table
 
 
 def scenario(found: Scenario, file: FmuFile, plant: Plant) -> RenderableType:
@@ -235,14 +227,6 @@ def summary(found: Result) -> Text:
         style="not bold default",
     )
     return verdict
-
-
-def plain_table(*names: str) -> Table:
-    """Table without lines whose last column takes what is left."""
-    table = Table(box=None, show_edge=False, pad_edge=False, header_style="bold", padding=(0, 2, 0, 0))
-    for name in names:
-        table.add_column(name, overflow="fold", no_wrap=name == "name")
-    return table
 
 
 def heading(title: str) -> Text:

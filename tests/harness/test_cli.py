@@ -258,15 +258,3 @@ def test_no_arguments_show_the_help() -> None:
     assert "Usage" in done.stdout
     for command in ("list", "show", "run"):
         assert command in done.stdout
-
-
-def test_importing_the_package_loads_nothing_heavy() -> None:
-    code = (
-        "import sys, cosim; heavy = {'mujoco', 'matplotlib', 'typer', 'rich', 'plants', 'scipy', 'pandas'};"
-        " print(sorted(heavy & {name.partition('.')[0] for name in sys.modules}))"
-    )
-    variables = {**os.environ, "PYTHONPATH": str(ROOT)}
-    done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, env=variables, check=True
-    )
-    assert done.stdout.strip() == "[]"

@@ -9,6 +9,7 @@ pub mod pass_through;
 pub mod recording;
 pub mod report;
 pub mod slave;
+pub mod start_up;
 pub mod statistics;
 pub mod sweep;
 pub mod tick;
@@ -34,6 +35,9 @@ const CALL_GOAL: f64 = 1.5;
 const SAMPLE_GOAL: f64 = 1000.0;
 /// What the exit of the initialisation may cost, us.
 const EXIT_GOAL: f64 = 10_000.0;
+/// What `cosim --help` and `cosim list` may cost against a Python that does nothing.
+const HELP_GOAL: f64 = 10.0;
+const LIST_GOAL: f64 = 20.0;
 /// What a closed loop may cost against its plant alone.
 const NATIVE_GOAL: f64 = 1.15;
 
@@ -61,6 +65,7 @@ pub fn run(workspace: &Workspace, effort: &Effort, scenarios: &[String]) -> Resu
             }
         }
         rows.extend(sweep_rows(&sweep::measure(workspace, effort)?));
+        rows.extend(start_up_rows(&start_up::measure(workspace, effort)?));
     }
     for scenario in scenarios {
         rows.extend(loop_rows(workspace, scenario, &checked, effort)?);
@@ -147,5 +152,14 @@ fn sweep_rows(costs: &sweep::SweepCosts) -> Vec<Row> {
         Row::ratio("processor time of the sweep / of its runs alone", once(costs.processor)),
         Row::new("memory of all its processes", "MB", once(costs.memory)),
         Row::ratio("  / that of a fifth of the runs", once(costs.growth)).goal(1.1),
+    ]
+}
+
+fn start_up_rows(costs: &start_up::StartUpCosts) -> Vec<Row> {
+    let (nothing, help, list) = (costs.nothing.summary(), costs.help.summary(), costs.list.summary());
+    vec![
+        Row::new("processor time of `python -c pass`", "s", nothing),
+        Row::ratio("`cosim --help` / `python -c pass`", help.over(nothing)).goal(HELP_GOAL),
+        Row::ratio("`cosim list` / `python -c pass`", list.over(nothing)).goal(LIST_GOAL),
     ]
 }

@@ -1,0 +1,24 @@
+"""The list of scenarios, and the kind of table it is; nothing here needs numpy."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from rich.table import Table
+from rich.text import Text
+
+
+def scenarios(entries: Iterable[tuple[str, str]]) -> Table:
+    """Names and titles of scenarios."""
+    table = plain_table("name", "title")
+    for name, title in entries:
+        table.add_row(Text(name, style="bold"), Text(title))
+    return table
+
+
+def plain_table(*names: str) -> Table:
+    """Table without lines whose last column takes what is left."""
+    table = Table(box=None, show_edge=False, pad_edge=False, header_style="bold", padding=(0, 2, 0, 0))
+    for name in names:
+        table.add_column(name, overflow="fold", no_wrap=name == "name")
+    return table

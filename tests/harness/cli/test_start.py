@@ -1,0 +1,46 @@
+"""What is imported before there is something to do: the start of the command line stays short."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import cosim
+
+ROOT = Path(__file__).resolve().parents[3]
+HEAVY = {
+    "numpy", "fmpy", "lxml", "mujoco", "matplotlib", "scipy", "pandas", "pyarrow", "dask", "plants", "attr",
+}  # fmt: skip
+COMMANDS = {
+    "import cosim": {"typer", "rich", "logging", "tomllib"},
+    "import cosim.cli": {"rich"},
+    "from cosim.cli import main; import sys; sys.argv = ['cosim', '--help']; main()": {"rich"},
+    "from cosim.cli import main; import sys; sys.argv = ['cosim', 'list']; main()": {"rich.markdown"},
+}
+"""What runs, and what it must not import beside what is heavy."""
+
+
+@pytest.mark.parametrize("code", COMMANDS)
+def test_nothing_heavy_is_imported_before_it_is_needed(code: str) -> None:
+    told = "import atexit, sys; atexit.register(lambda: print(*sys.modules, file=sys.stderr))\n"
+    variables = {**os.environ, "PYTHONPATH": str(ROOT)}
+    command = [sys.executable, "-c", told + code]
+    done = subprocess.run(command, capture_output=True, text=True, env=variables, check=True, cwd=ROOT)
+    imported = set(done.stderr.split())
+    assert "cosim" in imported
+    assert imported & (HEAVY | COMMANDS[code]) == set()
+
+
+@pytest.mark.parametrize("name", cosim.__all__)
+def test_every_public_name_is_found_when_it_is_asked_for(name: str) -> None:
+    assert name in dir(cosim)
+    assert getattr(cosim, name).__module__.startswith("cosim.")
+
+
+def test_an_unknown_name_is_an_attribute_error() -> None:
+    with pytest.raises(AttributeError, match="`cosim` has no attribute `runn`"):
+        cosim.runn  # noqa: B018
