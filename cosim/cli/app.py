@@ -15,11 +15,11 @@ from cosim.cli.options import COULD_NOT_RUN, INTERRUPTED
 from cosim.cli.run import run
 from cosim.cli.show import show
 from cosim.cli.sweep import sweep
+from cosim.cli.version import options
 from cosim.errors import CosimError
 
 log = logging.getLogger("cosim")
 app = typer.Typer(
-    add_completion=False,
     pretty_exceptions_enable=False,
     # plain help: rich's takes longer to import than all else
     rich_markup_mode=None,
@@ -27,6 +27,7 @@ app = typer.Typer(
     help="Run FMI 2.0 FMUs in closed loop with plants and hold criteria against the results.",
     epilog="Exit code: 0 all criteria hold, 1 some do not, 2 could not run.",
 )
+app.callback()(options)
 app.command("list")(list_scenarios)
 app.command()(show)
 app.command()(run)

@@ -10,6 +10,7 @@ from typer import Option
 
 from cosim.cli.console import configure_logging, output, progress_bar
 from cosim.cli.options import FAILED, Loop, Quiet, Set, Verbose
+from cosim.cli.seeds import check_options, run_seeds
 from cosim.errors import CosimError
 from cosim.loop import engines
 
@@ -18,6 +19,9 @@ def run(
     loop: Loop,
     set_: Set = None,
     seed: Annotated[int | None, Option(min=0, help="Seed of all noise, instead of the scenario's.")] = None,
+    seeds: Annotated[
+        str, Option(metavar="FIRST..LAST|N,N", help="Run once with each seed and print distributions.")
+    ] = "",
     engine: Annotated[str, Option(help="reference (FMPy drives) or native (fast, same bits).")] = "reference",
     delay: Annotated[int | None, Option(help="Steps by which commands act later: 0 or 1.")] = None,
     duration: Annotated[float | None, Option(metavar="S", help="Simulated time in s.")] = None,
@@ -42,6 +46,9 @@ def run(
     given = [f"{key}={value!r}" for key, value in options.items() if value is not None]
     scenario = load(loop, [*(set_ or ()), *given])
     check_outputs(json, trace, plot)
+    if seeds:
+        check_options(seed, trace, plot)
+        run_seeds(scenario, seeds, chosen, json, quiet)
     with Session(scenario, log_events=verbose, engine=chosen) as session:
         stale.warn(scenario.controller.fmu, session.file.path)
         if plot is not None:

@@ -13,7 +13,7 @@ from rich.text import Text
 
 from cosim.errors import CosimError
 from cosim.scenario.model import Scenario
-from cosim.show.display import plain_table
+from cosim.show.listing import plain_table
 from cosim.show.plot import STYLE
 from cosim.show.quantity import number, text
 from cosim.sweep.plan import Plan, Run
@@ -37,7 +37,7 @@ def tables(plan: Plan, store: Store, found: Survey, worst: list[Run]) -> Rendera
     if worst:
         parts += [worst_table(plan, store, found, worst), ""]
     if found.troubles:
-        parts += [no_result_table(plan, found), ""]
+        parts += [no_result_table(found), ""]
     return Group(*parts, verdict(found))
 
 
@@ -87,12 +87,12 @@ def worst_table(plan: Plan, store: Store, found: Survey, worst: list[Run]) -> Re
     return table
 
 
-def no_result_table(plan: Plan, found: Survey) -> RenderableType:
+def no_result_table(found: Survey, first: str = "first") -> RenderableType:
     """Table of the runs without a result, by reason."""
-    table = plain_table("without result", "runs", "first", "reason")
+    table = plain_table("without result", "runs", first, "reason")
     ranked = sorted(found.troubles.items(), key=lambda item: -item[1][0])
-    for (status, reason), (count, first) in ranked[:MOST_TROUBLES]:
-        table.add_row(status, str(count), str(first), Text(reason))
+    for (status, reason), (count, where) in ranked[:MOST_TROUBLES]:
+        table.add_row(status, str(count), str(where), Text(reason))
     if len(ranked) > MOST_TROUBLES:
         table.add_row("...", "", "", f"and {len(ranked) - MOST_TROUBLES} reasons more, see `results.jsonl`")
     return table

@@ -23,6 +23,7 @@ from cosim.fmu.archive import FmuFile, open_fmu
 from cosim.fmu.values import expand
 from cosim.loop import plant
 from cosim.loop.engines import Engine
+from cosim.loop.reference import Progress
 from cosim.loop.session import located
 from cosim.scenario import layers
 from cosim.scenario.load import build
@@ -69,7 +70,7 @@ class Plan:
         A key, a value, the scenario or the FMU of any run is wrong; names study and case.
     """
 
-    def __init__(self, study: Study, engine: Engine = "native") -> None:
+    def __init__(self, study: Study, engine: Engine = "native", progress: Progress | None = None) -> None:
         self.study = study
         self.engine = engine
         self.origin = f"`{paths.shown(study.file)}`"
@@ -82,7 +83,11 @@ class Plan:
         cases = study.case
         if study.design.kind != "list":
             cases = tuple(DESIGNS[study.design.kind](study.vary, study.design.samples or 0, study.seed))
-        self.runs = [run for index, case in enumerate(cases) for run in self.runs_of(index, case)]
+        self.runs: list[Run] = []
+        for index, case in enumerate(cases):
+            self.runs += self.runs_of(index, case)
+            if progress is not None:
+                progress(index + 1, len(cases))
 
     def runs_of(self, index: int, case: Case) -> Iterator[Run]:
         """Check one case and make its runs."""
