@@ -13,6 +13,7 @@ import typer
 
 from cosim import paths
 from cosim.scenario import layers
+from cosim.scenario.tables import IDENTITY
 
 ITEM_KEYS = {
     "wire": ("scale", "offset", "noise", "quantum", "delay", "minimum", "maximum"),
@@ -61,7 +62,7 @@ def scenario_keys(table: dict[str, Any]) -> Iterator[str]:
     yield from ("controller.fmu", "plant.name", *(f"loop.{key}" for key in LOOP_KEYS))
     for section in ("controller", "plant"):
         yield from (f"{section}.{name}" for name in table.get(section, {}).get("parameters", {}))
-    for section, identity in layers.IDENTITY.items():
+    for section, identity in IDENTITY.items():
         for item in table.get(section, ()):
             own = {key for key in item if key != identity} | set(ITEM_KEYS.get(section, ()))
             yield from (f"{section}.{item[identity]}.{key}" for key in own)

@@ -243,6 +243,10 @@ class Connector:
 
     def channel(self, channels: dict[str, tuple[int, Channel]], name: str, kind: str) -> tuple[int, Channel]:
         """Index and channel by name."""
+        if not self.scenario.plant.name:
+            raise ScenarioError(
+                f"`plant.{name}`: the scenario has no plant", "name one: `[plant]` with `name = ...`"
+            )
         if name not in channels:
             hint = closest(name, channels) or f"it has no {kind}s at all; of an MJCF they are what has a name"
             raise ScenarioError(f"the plant `{self.scenario.plant.name}` has no {kind} `{name}`", hint)

@@ -6,6 +6,7 @@ import contextlib
 import logging
 import time
 from collections.abc import Iterator
+from typing import Any
 
 from cosim import paths
 from cosim.closing import Closing
@@ -158,9 +159,16 @@ def open_plant(scenario: Scenario, previous: Session | None) -> plant.Plant:
     """Plant of a scenario, that of the previous session if it is the same."""
     if previous is not None:
         before = previous.scenario
-        if (before.plant, before.folder) == (scenario.plant, scenario.folder):
+        if (chosen(before), before.folder) == (chosen(scenario), scenario.folder):
             return previous.plant
-    return plant.build(scenario.plant.name, scenario.plant.parameters, scenario.folder)
+    return plant.build(*chosen(scenario), scenario.folder)
+
+
+def chosen(scenario: Scenario) -> tuple[str, dict[str, Any]]:
+    """Name and parameters of the plant; where there is none, the steps of nothing fill those of the loop."""
+    if not scenario.plant.name:
+        return "", {"timestep": scenario.loop.step / scenario.loop.substeps}
+    return scenario.plant.name, scenario.plant.parameters
 
 
 def open_instance(

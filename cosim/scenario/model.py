@@ -59,7 +59,7 @@ class Controller:
 
 @dataclass(frozen=True)
 class PlantChoice:
-    """Plant by name or as `module:Class`, and its parameters."""
+    """Plant by name or as `module:Class`, and its parameters; no name is no plant."""
 
     name: str
     parameters: dict[str, Any] = field(default_factory=dict)
@@ -180,7 +180,7 @@ class Scenario:
     title: str
     loop: Loop
     controller: Controller
-    plant: PlantChoice
+    plant: PlantChoice = PlantChoice("")
     description: str = ""
     wire: tuple[Wire, ...] = ()
     signal: tuple[Signal, ...] = ()

@@ -45,7 +45,15 @@ def scenario(found: Scenario, file: FmuFile, plant: Plant) -> RenderableType:
     for causality, title in CAUSALITIES.items():
         if variables := file.named(causality):
             parts += [heading(f"controller {title}"), variable_table(variables, found.controller.parameters)]
-    parts += [
+    if found.plant.name:
+        parts += plant_parts(found, plant)
+    parts += [heading("wires, signals and injections"), wire_table(found)]
+    return Group(*parts)
+
+
+def plant_parts(found: Scenario, plant: Plant) -> list[RenderableType]:
+    """Parameters and channels of a plant."""
+    parts: list[RenderableType] = [
         heading(f"plant `{found.plant.name}`: parameters"),
         parameter_table(plant, found.plant.parameters),
     ]
@@ -55,8 +63,7 @@ def scenario(found: Scenario, file: FmuFile, plant: Plant) -> RenderableType:
         ("truths", plant.truths),
     ):
         parts += [heading(f"plant {title}"), channel_table(channels)]
-    parts += [heading("wires, signals and injections"), wire_table(found)]
-    return Group(*parts)
+    return parts
 
 
 def variable_table(variables: list[Variable], given: dict[str, Any]) -> Table:
