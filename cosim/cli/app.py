@@ -9,8 +9,10 @@ from typing import Any, NoReturn
 import typer
 import typer.exceptions
 
+from cosim.cli.check import check
 from cosim.cli.console import report
 from cosim.cli.listing import list_scenarios
+from cosim.cli.new import new
 from cosim.cli.options import COULD_NOT_RUN, INTERRUPTED
 from cosim.cli.run import run
 from cosim.cli.show import show
@@ -30,6 +32,8 @@ app = typer.Typer(
 app.callback()(options)
 app.command("list")(list_scenarios)
 app.command()(show)
+app.command()(new)
+app.command()(check)
 app.command()(run)
 app.command()(sweep)
 
