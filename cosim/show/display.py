@@ -19,6 +19,7 @@ from cosim.scenario.model import Scenario
 from cosim.scenario.tables import toml_key
 from cosim.show.listing import plain_table
 from cosim.show.quantity import number, text
+from cosim.show.verdicts import counted, limits, measured
 
 CAUSALITIES = {
     "input": "inputs",
@@ -199,34 +200,11 @@ def criteria_table(verdicts: list[Verdict]) -> Table:
     return table
 
 
-def measured(verdict: Verdict) -> str:
-    """Value that was held against the limits; yes or no where the limit is."""
-    if verdict.logical:
-        return "yes" if verdict.value else "no"
-    return text(verdict.value, verdict.unit)
-
-
-def limits(verdict: Verdict) -> str:
-    """Limits of a criterion."""
-    if isinstance(verdict.criterion.equals, bool):
-        return "= yes" if verdict.criterion.equals else "= no"
-    if [relation for relation, _ in verdict.limits] == [">=", "<="]:
-        return " .. ".join(text(limit, verdict.unit) for _, limit in verdict.limits)
-    return " ".join(f"{relation} {text(limit, verdict.unit)}" for relation, limit in verdict.limits)
-
-
 def summary(found: Result) -> Text:
     """One line: verdict, seed and speed."""
-    failed = sum(not verdict.passed for verdict in found.criteria)
-    count = len(found.criteria)
-    if not count:
-        verdict = Text("no criteria", style="bold")
-    elif failed:
-        verdict = Text(f"{failed} of {count} criteria do not hold", style="bold red")
-    else:
-        verdict = Text(
-            f"all {count} criteria hold" if count > 1 else "the criterion holds", style="bold green"
-        )
+    failed = not all(verdict.passed for verdict in found.criteria)
+    style = "" if not found.criteria else (" red" if failed else " green")
+    verdict = Text(counted(found.criteria), style=f"bold{style}")
     speed = found.simulated_s / found.wall_s
     verdict.append(
         f"; seed {found.seed}, {number(found.simulated_s)} s simulated in {number(found.wall_s, 3)} s "

@@ -6,9 +6,10 @@ import contextlib
 import functools
 import logging
 import multiprocessing
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeVar
 
 from rich.console import RenderableType
 
@@ -24,6 +25,7 @@ from cosim.sweep.supervisor import Limits
 from cosim.sweep.survey import Survey, save_csv, save_parquet, survey
 
 log = logging.getLogger("cosim")
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -61,7 +63,16 @@ class Options:
 
 
 def execute(options: Options) -> tuple[Survey, RenderableType]:
-    """Do what is left of a study and write its summary; returns the survey and its tables.
+    """Do what is left of a study as `run_study` does; returns the survey and its tables."""
+
+    def tables(plan: Plan, store: Store, found: Survey) -> tuple[Survey, RenderableType]:
+        return found, overview.tables(plan, store, found, worst(plan, store, plan.study.traces.worst))
+
+    return run_study(options, tables)
+
+
+def run_study(options: Options, take: Callable[[Plan, Store, Survey], T]) -> T:
+    """Do what is left of a study and write its summary; returns what `take` makes of it.
 
     Raises
     ------
@@ -80,7 +91,7 @@ def execute(options: Options) -> tuple[Survey, RenderableType]:
         finally:
             found = survey(plan, store)
             summarise(plan, store, found, options.plots)
-        return found, overview.tables(plan, store, found, worst(plan, store, plan.study.traces.worst))
+        return take(plan, store, found)
 
 
 def summarise(plan: Plan, store: Store, found: Survey, plots: bool) -> None:
