@@ -101,11 +101,24 @@ class Wire:
 
 @dataclass(frozen=True)
 class Signal:
-    """Piecewise constant stimulus: `values[i]` from `times[i]` (s) on; `times[0]` is 0."""
+    """Stimulus: `values[i]` from `times[i]` (s) on, `times[0]` is 0; or a column of a file over its time.
+
+    Parameters
+    ----------
+    file
+        CSV or Parquet file, relative to the scenario; its time is the column `time`, else the first.
+    column
+        Name of the column; may be left out where there is only one beside the time.
+    interpolation
+        What is between two values: the former (`hold`) or a straight line (`linear`).
+    """
 
     to: str
-    times: tuple[float, ...]
-    values: tuple[Any, ...]
+    times: tuple[float, ...] = ()
+    values: tuple[Any, ...] = ()
+    file: str = ""
+    column: str = ""
+    interpolation: Literal["hold", "linear"] = "hold"
 
 
 @dataclass(frozen=True)

@@ -155,9 +155,13 @@ def wire_table(found: Scenario) -> Table:
         ]
         table.add_row(wire.to, wire.source, ", ".join(options))
     for signal in found.signal:
-        course = ", ".join(
-            f"{shorten(value)} from {time:g} s"
-            for time, value in zip(signal.times, signal.values, strict=False)
+        course = (
+            f"{signal.column or 'the column'} of {signal.file}"
+            if signal.file
+            else ", ".join(
+                f"{shorten(value)} from {time:g} s"
+                for time, value in zip(signal.times, signal.values, strict=False)
+            )
         )
         table.add_row(signal.to, "signal", course)
     for entry in found.inject:

@@ -21,7 +21,7 @@ from cosim.errors import ScenarioError, closest, concerning
 from cosim.fmu import stale
 from cosim.fmu.archive import FmuFile, open_fmu
 from cosim.fmu.values import expand
-from cosim.loop import plant
+from cosim.loop import course, plant
 from cosim.loop.engines import Engine
 from cosim.loop.reference import Progress
 from cosim.loop.session import located
@@ -101,6 +101,7 @@ class Plan:
             raise ScenarioError(problem, closest(metric, names))
         kept = {name: part for name, part in merged.table.items() if name not in PRESENTATION}
         identity = {"versions": versions(), "fmu": digest(fmu.path), "plant": made, "scenario": kept}
+        identity |= {f"signal.{to}": digest(file) for to, file in course.files(scenario).items()}
         for repeat in range(self.study.design.repeats):
             number = index * self.study.design.repeats + repeat
             seed = self.seed(number, repeat, merged)
