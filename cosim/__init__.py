@@ -17,14 +17,30 @@ if TYPE_CHECKING:
     from cosim.pool.runs import run, run_each, run_many
     from cosim.scenario.load import load
     from cosim.scenario.model import Scenario
+    from cosim.sweep.results import SweepResult, sweep
+else:
+    # a package that can be called, and imports nothing until then
+    from cosim import sweep
 
-__all__ = ["CosimError", "Result", "Scenario", "Session", "load", "run", "run_each", "run_many"]
+__all__ = [
+    "CosimError",
+    "Result",
+    "Scenario",
+    "Session",
+    "SweepResult",
+    "load",
+    "run",
+    "run_each",
+    "run_many",
+    "sweep",
+]
 
 PLACES = {
     "CosimError": "cosim.errors",
     "Result": "cosim.loop.result",
     "Scenario": "cosim.scenario.model",
     "Session": "cosim.loop.session",
+    "SweepResult": "cosim.sweep.results",
     "load": "cosim.scenario.load",
     "run": "cosim.pool.runs",
     "run_each": "cosim.pool.runs",

@@ -9,13 +9,16 @@ import typer
 import typer.exceptions
 
 from cosim import interrupts
+from cosim.cli.check import check
 from cosim.cli.console import report
 from cosim.cli.listing import list_scenarios
+from cosim.cli.new import new
 from cosim.cli.options import COULD_NOT_RUN, INTERRUPTED, READER_GONE
 from cosim.cli.run import run
 from cosim.cli.schema import schema
 from cosim.cli.show import show
 from cosim.cli.sweep import sweep
+from cosim.cli.version import options
 from cosim.errors import CosimError
 
 LONGEST = 500
@@ -23,7 +26,6 @@ LONGEST = 500
 
 log = logging.getLogger("cosim")
 app = typer.Typer(
-    add_completion=False,
     pretty_exceptions_enable=False,
     # plain help: rich's takes longer to import than all else
     rich_markup_mode=None,
@@ -31,8 +33,11 @@ app = typer.Typer(
     help="Run FMI 2.0 FMUs in closed loop with plants and hold criteria against the results.",
     epilog="Exit code: 0 all criteria hold, 1 some do not, 2 could not run.",
 )
+app.callback()(options)
 app.command("list")(list_scenarios)
 app.command()(show)
+app.command()(new)
+app.command()(check)
 app.command()(run)
 app.command()(sweep)
 app.command()(schema)

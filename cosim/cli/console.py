@@ -22,12 +22,13 @@ log = logging.getLogger("cosim")
 
 @contextlib.contextmanager
 def progress_bar(title: str, quiet: bool) -> Iterator[Progress | None]:
-    """Progress bar on stderr; none if that is not a terminal."""
+    """Progress bar on stderr; lines now and then if that is not a terminal."""
     from cosim.show.bar import bar
+    from cosim.show.lines import ProgressLines
 
     with bar(quiet, "{task.percentage:>3.0f} %") as shown:
         if shown is None:
-            yield None
+            yield None if quiet else ProgressLines(title)
             return
         task = shown.add_task(title)
         yield lambda done, total: shown.update(task, completed=done, total=total)

@@ -7,6 +7,7 @@ from typing import Annotated
 from typer import Argument, Option
 
 from cosim import interrupts
+from cosim.cli import complete
 
 FAILED = 1
 """Exit code: a criterion does not hold."""
@@ -21,12 +22,20 @@ Verbose = Annotated[
     bool, Option("-v", "--verbose", help="Log what the FMU reports, and where an error came from.")
 ]
 Quiet = Annotated[bool, Option("-q", "--quiet", help="Log errors only, no progress.")]
-Loop = Annotated[str, Argument(metavar="LOOP|FILE.toml", help="Name from `cosim list`, or a scenario file.")]
+Loop = Annotated[
+    str,
+    Argument(
+        metavar="LOOP|FILE.toml",
+        help="Name from `cosim list`, or a scenario file.",
+        autocompletion=complete.loops,
+    ),
+]
 Set = Annotated[
     list[str] | None,
     Option(
         "--set",
         metavar="KEY=VALUE",
+        autocompletion=complete.keys,
         help="Override `controller.<variable>`, `plant.<parameter>`, `loop.<key>`, "
         "`wire.<to>.<key>`, `signal.<to>.<key>`, `inject.<to>.<key>`, `metric.<name>.<key>` or "
         "`criterion.<id>.<key>`. May be given again.",

@@ -13,6 +13,7 @@ from cosim import interrupts
 from cosim.cli import sheet
 from cosim.cli.console import configure_logging, progress_bar
 from cosim.cli.options import FAILED, Loop, Quiet, Set, Verbose
+from cosim.cli.seeds import check_options, run_seeds
 from cosim.cli.single import Report, Single
 from cosim.errors import CosimError
 from cosim.loop import engines
@@ -24,6 +25,9 @@ def run(
     loop: Loop,
     set_: Set = None,
     seed: Annotated[int | None, Option(min=0, help="Seed of all noise, instead of the scenario's.")] = None,
+    seeds: Annotated[
+        str, Option(metavar="FIRST..LAST|N,N", help="Run once with each seed and print distributions.")
+    ] = "",
     engine: Annotated[str, Option(help="reference (FMPy drives) or native (fast, same bits).")] = "reference",
     delay: Annotated[int | None, Option(help="Steps by which commands act later: 0 or 1.")] = None,
     duration: Annotated[float | None, Option(metavar="S", help="Simulated time in s.")] = None,
@@ -44,11 +48,14 @@ def run(
     configure_logging(verbose, quiet)
     chosen = engines.checked(engine)
     options = {"loop.seed": seed, "loop.compute_delay": delay, "loop.duration": duration}
-    given = [f"{key}={value!r}" for key, value in options.items() if value is not None]
+    changes = (*(set_ or ()), *(f"{key}={value!r}" for key, value in options.items() if value is not None))
     limits = checked_limits(timeout, memory, in_process)
     check_outputs(json, trace, plot)
-    task = Single(loop, (*(set_ or ()), *given), chosen, verbose, trace is not None, plot, sheet.stdout())
     inside = in_process or os.name != "posix"
+    if seeds:
+        check_options(seed, trace, plot)
+        run_seeds(loop, changes, seeds, chosen, None if inside else limits, json, quiet)
+    task = Single(loop, changes, chosen, verbose, trace is not None, plot, sheet.stdout())
     done = here(task, quiet) if inside else isolated(task, limits, quiet)
     if isinstance(done, CosimError):
         raise done

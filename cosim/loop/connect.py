@@ -14,8 +14,9 @@ from cosim.errors import CosimError, ScenarioError, closest, concerning
 from cosim.fmu.archive import FmuFile, Variable
 from cosim.fmu.instance import BASE, Instance
 from cosim.fmu.values import encode, lookup
+from cosim.loop.course import find, read, sample
 from cosim.loop.plant import Channel, Plant
-from cosim.loop.wiring import Delay, Shape, first_step, noise, schedule, shaper
+from cosim.loop.wiring import Delay, Shape, first_step, noise, shaper
 from cosim.scenario.model import Injection, Scenario, Signal, Wire
 from cosim.scenario.tables import show
 
@@ -35,6 +36,7 @@ def whole(value: float) -> int:
 
 CONVERT: dict[str, Callable[[float], Any]] = {"Real": float, "Integer": whole, "Boolean": truth}
 """What a number becomes on writing."""
+KINDS = {"Integer": "an integer or an enumeration", "Boolean": "a Boolean"}
 
 
 @dataclass(frozen=True)
@@ -188,9 +190,25 @@ class Connector:
     def drive(self, signal: Signal) -> Drive:
         """Signal to an input of the FMU or a command of the plant."""
         with concerning(f"signal.{signal.to}"):
-            values = [self.number(signal.to, value) for value in signal.values]
-            loop = self.scenario.loop
-            return Drive(schedule(signal, values, loop.step, loop.steps), self.target(signal.to))
+            loop, target = self.scenario.loop, self.target(signal.to)
+            if signal.interpolation == "linear" and target.kind != "Real":
+                problem = f"`{signal.to}` takes no values in between, it is {KINDS[target.kind]}"
+                raise ScenarioError(problem, 'set `interpolation = "hold"`')
+            times, values = self.course(signal)
+            return Drive(sample(times, values, loop.step, loop.steps, signal.interpolation), target)
+
+    def course(self, signal: Signal) -> tuple[Any, Any]:
+        """Tell times and values of a signal, each value checked against what its target takes."""
+        if not signal.file:
+            return signal.times, [self.number(signal.to, value) for value in signal.values]
+        found = read(find(signal.file, self.scenario.folder), signal.column)
+        if self.target(signal.to).kind != "Real":
+            for value, index in zip(*np.unique(found.values, return_index=True), strict=True):
+                try:
+                    self.number(signal.to, value.item())
+                except CosimError as error:
+                    raise ScenarioError(f"{found.place(index)}: {error.message}", error.hint) from None
+        return found.times, found.values
 
     def holds(self) -> list[Drive]:
         """Hold the start values of inputs that only injections write, so that they come back afterwards."""
@@ -243,6 +261,10 @@ class Connector:
 
     def channel(self, channels: dict[str, tuple[int, Channel]], name: str, kind: str) -> tuple[int, Channel]:
         """Index and channel by name."""
+        if not self.scenario.plant.name:
+            raise ScenarioError(
+                f"`plant.{name}`: the scenario has no plant", "name one: `[plant]` with `name = ...`"
+            )
         if name not in channels:
             hint = closest(name, channels) or f"it has no {kind}s at all; of an MJCF they are what has a name"
             raise ScenarioError(f"the plant `{self.scenario.plant.name}` has no {kind} `{name}`", hint)

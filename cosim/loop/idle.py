@@ -16,14 +16,19 @@ log = logging.getLogger("cosim")
 
 def report(scenario: Scenario, file: FmuFile, plant: Plant) -> None:
     """Log the inputs of the FMU and commands of the plant that nothing drives and `idle` does not list."""
-    known = [f"controller.{variable.name}" for variable in file.named("input")]
-    known += [f"plant.{channel.name}" for channel in plant.commands]
+    known = ends(file, plant)
     if unknown := [name for name in scenario.idle if name not in known]:
         text = f"{scenario.origin('idle')}: `idle` lists {quoted(unknown)}, which is no input and no command"
         warn(f"{text}; {closest(unknown[0], known)}")
     if forgotten := undriven(scenario, known):
         text = f"{scenario.origin('wire')}: nothing drives {quoted(forgotten)}"
         warn(f"{text}: wire what is missing, list the rest in `idle`")
+
+
+def ends(file: FmuFile, plant: Plant) -> list[str]:
+    """List everything that can be driven: inputs of the FMU, commands of the plant."""
+    inputs = [f"controller.{variable.name}" for variable in file.named("input")]
+    return inputs + [f"plant.{channel.name}" for channel in plant.commands]
 
 
 def quoted(names: list[str]) -> str:

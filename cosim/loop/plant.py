@@ -89,7 +89,7 @@ def plant_class(name: str, folder: Path) -> Any:
     Parameters
     ----------
     name
-        Name of the plant.
+        Name of the plant; empty is a plant without channels, for an FMU that runs alone.
     folder
         Folder of the scenario file, in which MJCF files and modules are looked for, too.
 
@@ -98,6 +98,8 @@ def plant_class(name: str, folder: Path) -> Any:
     PlantError
         No such plant, file, module or class, or an MJCF file that MuJoCo cannot load.
     """
+    if not name:
+        return bare(Path(importlib.import_module("plants").__path__[0], "bare", f"empty{MJCF}"))
     if name.endswith(MJCF):
         return bare(paths.find_mjcf(name, folder))
     module_name, colon, class_name = name.partition(":")

@@ -14,9 +14,12 @@ from cosim.errors import CosimError
 from cosim.fmu.archive import DisplayUnit
 from cosim.loop import trace
 from cosim.metrics.criteria import Measured, Verdict
+from cosim.show import html
+from cosim.show.frame import dataframe
+from cosim.show.verdicts import counted
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Result:
     """Result of one run.
 
@@ -66,6 +69,33 @@ class Result:
             return None
         return all(verdict.passed for verdict in self.criteria)
 
+    def __repr__(self) -> str:
+        """One line: scenario, verdict, seed, size of the trace."""
+        rows = "no trace" if self.trace is None else f"{len(self.trace)} x {len(self.units)} trace"
+        return f"<Result of {self.scenario}: {counted(self.criteria)}, seed {self.seed}, {rows}>"
+
+    def _repr_html_(self) -> str:
+        """Tables for a notebook."""
+        line = f"{counted(self.criteria)}; seed {self.seed}, {self.simulated_s:g} s simulated"
+        return html.run(f"{self.scenario}: {self.title}", line, self.metrics, self.criteria)
+
+    def to_dataframe(self) -> Any:
+        """Return the trace as a `pandas.DataFrame`, with the units in `attrs["units"]`.
+
+        Raises
+        ------
+        CosimError
+            pandas is not installed, or the result holds no trace.
+        """
+        kept = self.kept_trace()
+        return dataframe({name: kept[name] for name in kept.dtype.names or ()}, self.units)
+
+    def kept_trace(self) -> NDArray[Any]:
+        """Return the trace, which must have been kept."""
+        if self.trace is None:
+            raise CosimError("this result holds no trace", "`run` keeps it, `run_many` does on demand")
+        return self.trace
+
     def to_dict(self) -> dict[str, Any]:
         """Return the result without the trace, in the order and names of the JSON file."""
         return {
@@ -93,9 +123,7 @@ class Result:
 
     def save_trace(self, path: str | Path) -> None:
         """Write the trace as `.npz` or `.csv`."""
-        if self.trace is None:
-            raise CosimError("this result holds no trace", "`run` keeps it, `run_many` does on demand")
-        trace.save(self.trace, Path(path))
+        trace.save(self.kept_trace(), Path(path))
 
 
 def criterion(verdict: Verdict) -> dict[str, Any]:

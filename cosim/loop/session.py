@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import time
 from collections.abc import Iterator
+from typing import Any
 
 from cosim import interrupts, paths
 from cosim.closing import Closing
@@ -70,7 +71,6 @@ class Session(Closing):
             self.engine = native.choose(checked(engine), scenario.plant.name, self.plant)
             check_timestep(scenario, self.plant.timestep)
             inputs = driven(scenario, self.file)
-            idle.report(scenario, self.file, self.plant)
             self.place.at(Stage.LOAD)
             self.fmu = open_instance(self.file, inputs, log_events, previous)
             self.place.at(Stage.NONE)
@@ -114,6 +114,7 @@ class Session(Closing):
         seed = scenario.loop.seed if seed is None else seed
         place.begin(scenario.controller.fmu, scenario.plant.name, scenario.loop.steps, scenario.loop.step)
         with located(scenario), interrupts.deferred() as interrupt:
+            idle.report(scenario, self.file, self.plant)
             place.at(Stage.INITIALISE)
             self.fmu.initialise(scenario.controller.parameters)
             place.at(Stage.RESET_PLANT)
@@ -154,9 +155,16 @@ def open_plant(scenario: Scenario, previous: Session | None) -> plant.Plant:
     """Plant of a scenario, that of the previous session if it is the same."""
     if previous is not None:
         before = previous.scenario
-        if (before.plant, before.folder) == (scenario.plant, scenario.folder):
+        if (chosen(before), before.folder) == (chosen(scenario), scenario.folder):
             return previous.plant
-    return plant.build(scenario.plant.name, scenario.plant.parameters, scenario.folder)
+    return plant.build(*chosen(scenario), scenario.folder)
+
+
+def chosen(scenario: Scenario) -> tuple[str, dict[str, Any]]:
+    """Name and parameters of the plant; where there is none, the steps of nothing fill those of the loop."""
+    if not scenario.plant.name:
+        return "", {"timestep": scenario.loop.step / scenario.loop.substeps}
+    return scenario.plant.name, scenario.plant.parameters
 
 
 def open_instance(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import zlib
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +12,7 @@ from numpy.typing import NDArray
 from cosim.errors import CosimError
 from cosim.loop.plant import Channel
 from cosim.scenario.checks import MOST_STEPS
-from cosim.scenario.model import Signal, Wire
+from cosim.scenario.model import Wire
 
 
 @dataclass(frozen=True)
@@ -130,11 +129,3 @@ class Delay:
 def first_step(time: float, step: float) -> int:
     """First step `k` with `k * step >= time`, forgiving the rounding of `k * step`."""
     return math.ceil(min(max(time / step - 1e-6, 0.0), MOST_STEPS))
-
-
-def schedule(signal: Signal, values: Sequence[float], step: float, steps: int) -> NDArray[np.float64]:
-    """Value of a signal in every step, shape (steps,); `values` are the signal's as numbers."""
-    course = np.zeros(steps)
-    for time, value in zip(signal.times, values, strict=True):
-        course[first_step(time, step) :] = value
-    return course

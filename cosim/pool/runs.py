@@ -127,11 +127,15 @@ def run_each(
     return list(ordered(jobs, workers))
 
 
-def ordered(jobs: Sequence[Job], workers: int | None) -> Generator[Outcome]:
-    """Run the jobs and yield their outcomes in order; closing it drops what was not begun."""
+def ordered(jobs: Sequence[Job], workers: int | None, limits: Limits | None = None) -> Generator[Outcome]:
+    """Run the jobs and yield their outcomes in order; closing it drops what was not begun.
+
+    One worker without limits is this process.
+    """
     count = min(workers or processors(), len(jobs))
     numbered = enumerate(jobs)
-    pool = local.outcomes(numbered, count, Limits()) if count > 1 else local.inside(numbered)
+    inside = count <= 1 and limits is None
+    pool = local.inside(numbered) if inside else local.outcomes(numbered, count, limits or Limits())
     early: dict[int, Outcome] = {}
     wanted = 0
     with contextlib.closing(pool) as done:

@@ -87,8 +87,14 @@ def check_order(key: str, limited: Wire | Criterion, fail: Fail) -> None:
 
 
 def check_signal(signal: Signal, fail: Fail) -> None:
-    """Check that a signal starts at 0 and its times rise."""
+    """Check that a signal is told once, starts at 0 and its times rise."""
     key = f"signal.{signal.to}"
+    if signal.file:
+        if signal.times or signal.values:
+            fail(f"{key}.file", "does not go with `times` and `values`", "a signal is told in one place")
+        return
+    if signal.column:
+        fail(f"{key}.column", f"is `{signal.column}`, but the signal has no `file`")
     if len(signal.times) != len(signal.values):
         fail(key, f"has {len(signal.times)} `times` and {len(signal.values)} `values`, one each is needed")
     if not signal.times or signal.times[0] != 0.0:

@@ -61,7 +61,7 @@ class Controller:
 
 @dataclass(frozen=True)
 class PlantChoice:
-    """Plant by name or as `module:Class`, and its parameters."""
+    """Plant by name or as `module:Class`, and its parameters; no name is no plant."""
 
     name: str
     parameters: dict[str, Any] = field(default_factory=dict)
@@ -103,11 +103,24 @@ class Wire:
 
 @dataclass(frozen=True)
 class Signal:
-    """Piecewise constant stimulus: `values[i]` from `times[i]` (s) on; `times[0]` is 0."""
+    """Stimulus: `values[i]` from `times[i]` (s) on, `times[0]` is 0; or a column of a file over its time.
+
+    Parameters
+    ----------
+    file
+        CSV or Parquet file, relative to the scenario; its time is the column `time`, else the first.
+    column
+        Name of the column; may be left out where there is only one beside the time.
+    interpolation
+        What is between two values: the former (`hold`) or a straight line (`linear`).
+    """
 
     to: str
-    times: tuple[float, ...]
-    values: tuple[Any, ...]
+    times: tuple[float, ...] = ()
+    values: tuple[Any, ...] = ()
+    file: str = ""
+    column: str = ""
+    interpolation: Literal["hold", "linear"] = "hold"
 
 
 @dataclass(frozen=True)
@@ -188,7 +201,7 @@ class Scenario:
     title: str
     loop: Loop
     controller: Controller
-    plant: PlantChoice
+    plant: PlantChoice = PlantChoice("")
     description: str = ""
     idle: tuple[str, ...] = ()
     wire: tuple[Wire, ...] = ()

@@ -19,8 +19,8 @@ from cosim.scenario.model import Scenario
 from cosim.scenario.tables import toml_key
 from cosim.show.listing import plain_table
 from cosim.show.quantity import number, text
+from cosim.show.verdicts import counted, limits, measured
 
-NOTHING_DEMANDED = "no criteria: nothing was demanded"
 STYLES = {True: "bold green", False: "bold red", None: "bold"}
 """Style of a verdict by `passed`."""
 CAUSALITIES = {
@@ -48,7 +48,15 @@ def scenario(found: Scenario, file: FmuFile, plant: Plant) -> RenderableType:
     for causality, title in CAUSALITIES.items():
         if variables := file.named(causality):
             parts += [heading(f"controller {title}"), variable_table(variables, found.controller.parameters)]
-    parts += [
+    if found.plant.name:
+        parts += plant_parts(found, plant)
+    parts += [heading("wires, signals and injections"), wire_table(found)]
+    return Group(*parts)
+
+
+def plant_parts(found: Scenario, plant: Plant) -> list[RenderableType]:
+    """Parameters and channels of a plant."""
+    parts: list[RenderableType] = [
         heading(f"plant `{found.plant.name}`: parameters"),
         parameter_table(plant, found.plant.parameters),
     ]
@@ -58,8 +66,7 @@ def scenario(found: Scenario, file: FmuFile, plant: Plant) -> RenderableType:
         ("truths", plant.truths),
     ):
         parts += [heading(f"plant {title}"), channel_table(channels)]
-    parts += [heading("wires, signals and injections"), wire_table(found)]
-    return Group(*parts)
+    return parts
 
 
 def variable_table(variables: list[Variable], given: dict[str, Any]) -> Table:
@@ -150,9 +157,13 @@ def wire_table(found: Scenario) -> Table:
         ]
         table.add_row(wire.to, wire.source, ", ".join(options))
     for signal in found.signal:
-        course = ", ".join(
-            f"{shorten(value)} from {time:g} s"
-            for time, value in zip(signal.times, signal.values, strict=False)
+        course = (
+            f"{signal.column or 'the column'} of {signal.file}"
+            if signal.file
+            else ", ".join(
+                f"{shorten(value)} from {time:g} s"
+                for time, value in zip(signal.times, signal.values, strict=False)
+            )
         )
         table.add_row(signal.to, "signal", course)
     for entry in found.inject:
@@ -195,34 +206,9 @@ def criteria_table(verdicts: list[Verdict]) -> Table:
     return table
 
 
-def measured(verdict: Verdict) -> str:
-    """Value that was held against the limits; yes or no where the limit is."""
-    if verdict.logical:
-        return "yes" if verdict.value else "no"
-    return text(verdict.value, verdict.unit)
-
-
-def limits(verdict: Verdict) -> str:
-    """Limits of a criterion."""
-    if isinstance(verdict.criterion.equals, bool):
-        return "= yes" if verdict.criterion.equals else "= no"
-    if [relation for relation, _ in verdict.limits] == [">=", "<="]:
-        return " .. ".join(text(limit, verdict.unit) for _, limit in verdict.limits)
-    return " ".join(f"{relation} {text(limit, verdict.unit)}" for relation, limit in verdict.limits)
-
-
 def summary(found: Result) -> Text:
     """One line: verdict, seed and speed."""
-    failed = sum(not verdict.passed for verdict in found.criteria)
-    count = len(found.criteria)
-    if not count:
-        verdict = Text(NOTHING_DEMANDED, style=STYLES[None])
-    elif failed:
-        verdict = Text(f"{failed} of {count} criteria do not hold", style=STYLES[False])
-    else:
-        verdict = Text(
-            f"all {count} criteria hold" if count > 1 else "the criterion holds", style=STYLES[True]
-        )
+    verdict = Text(counted(found.criteria), style=STYLES[found.passed])
     speed = found.simulated_s / found.wall_s
     verdict.append(
         f"; seed {found.seed}, {number(found.simulated_s)} s simulated in {number(found.wall_s, 3)} s "

@@ -5,18 +5,20 @@ from __future__ import annotations
 import contextlib
 import functools
 import logging
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TypeVar
 
 from rich.console import RenderableType
 
 from cosim import paths
 from cosim.loop import engines
+from cosim.loop.reference import Progress
 from cosim.pool import cluster, local
 from cosim.pool.limits import Limits, processors
 from cosim.show.bar import bar
+from cosim.show.lines import ProgressLines
 from cosim.sweep import overview, study
 from cosim.sweep.export import save_csv, save_parquet
 from cosim.sweep.plan import Plan
@@ -25,6 +27,7 @@ from cosim.sweep.store import DONE, Row, Store
 from cosim.sweep.survey import Survey, survey
 
 log = logging.getLogger("cosim")
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -62,7 +65,16 @@ class Options:
 
 
 def execute(options: Options) -> tuple[Survey, RenderableType]:
-    """Do what is left of a study and write its summary; returns the survey and its tables.
+    """Do what is left of a study as `run_study` does; returns the survey and its tables."""
+
+    def tables(plan: Plan, store: Store, found: Survey) -> tuple[Survey, RenderableType]:
+        return found, overview.tables(plan, found, worst(plan, found))
+
+    return run_study(options, tables)
+
+
+def run_study(options: Options, take: Callable[[Plan, Store, Survey], T]) -> T:
+    """Do what is left of a study and write its summary; returns what `take` makes of it.
 
     Raises
     ------
@@ -71,7 +83,8 @@ def execute(options: Options) -> tuple[Survey, RenderableType]:
     KeyboardInterrupt
         After the summary of what was done has been written.
     """
-    plan = Plan(study.load(paths.find_study(str(options.file))), engines.checked(options.engine))
+    with planning(options) as told:
+        plan = Plan(study.load(paths.find_study(str(options.file))), engines.checked(options.engine), told)
     with Store(options.folder) as store:
         try:
             with progress(plan, store, options) as observe:
@@ -80,7 +93,7 @@ def execute(options: Options) -> tuple[Survey, RenderableType]:
             found = survey(plan, store)
             summarise(plan, found, store.folder, options.plots)
         save_traces(plan, store, found, pool_of(plan, options), options.plots)
-        return found, overview.tables(plan, found, worst(plan, found))
+        return take(plan, store, found)
 
 
 def summarise(plan: Plan, found: Survey, folder: Path, plots: bool) -> None:
@@ -106,24 +119,48 @@ def pool_of(plan: Plan, options: Options) -> Pool:
 
 
 @contextlib.contextmanager
+def planning(options: Options) -> Iterator[Progress | None]:
+    """Progress of the checks before the first run."""
+    title = f"{options.file.stem}, planning"
+    with bar(options.quiet, "{task.percentage:>3.0f} %") as shown:
+        if shown is None:
+            yield None if options.quiet else ProgressLines(title)
+            return
+        task = shown.add_task(title)
+        yield lambda done, total: shown.update(task, completed=done, total=total)
+
+
+@contextlib.contextmanager
 def progress(plan: Plan, store: Store, options: Options) -> Iterator[Observer]:
-    """Bar on stderr with rate and time left; nothing if that is not a terminal."""
+    """Bar on stderr with rate and time left; lines now and then if that is not a terminal."""
     from rich.progress import MofNCompleteColumn
 
     counted = "{task.fields[failed]} failed, {task.fields[lost]} without result, {task.fields[rate]}"
     with bar(options.quiet, MofNCompleteColumn(), counted) as shown:
-        if shown is None:
+        if options.quiet:
             yield lambda row: None
             return
-        left = len(pending(plan, store, options.again))
         total = len(plan.runs)
-        task = shown.add_task(plan.study.name, True, total, total - left, failed=0, lost=0, rate="")
-        counts: dict[str, Any] = {"failed": 0, "lost": 0}
+        done = total - len(pending(plan, store, options.again))
+        counts = {"done": done, "failed": 0, "lost": 0}
+        if shown is None:
+            lines = ProgressLines(plan.study.name)
+            lines(done, total)
+        else:
+            task = shown.add_task(plan.study.name, True, total, done, failed=0, lost=0, rate="")
 
         def observe(row: Row) -> None:
+            counts["done"] += 1
             counts["failed"] += row["status"] == "failed"
             counts["lost"] += row["status"] not in DONE
+            if shown is None:
+                note = f"{counts['failed']} failed, {counts['lost']} without result"
+                lines(counts["done"], total, f"{counts['done']} of {total} runs, {note}")
+                return
             speed = shown.tasks[0].speed
-            shown.update(task, advance=1, rate=f"{speed:.3g} runs/s" if speed else "", **counts)
+            rate = f"{speed:.3g} runs/s" if speed else ""
+            shown.update(
+                task, completed=counts["done"], rate=rate, failed=counts["failed"], lost=counts["lost"]
+            )
 
         yield observe

@@ -14,10 +14,11 @@ from rich.text import Text
 from cosim.errors import CosimError
 from cosim.metrics.criteria import factor
 from cosim.scenario.model import Scenario
-from cosim.show.display import NOTHING_DEMANDED, STYLES
+from cosim.show.display import STYLES
 from cosim.show.listing import plain_table
 from cosim.show.plot import STYLE
 from cosim.show.quantity import number, text
+from cosim.show.verdicts import NOTHING_DEMANDED
 from cosim.sweep.plan import Plan
 from cosim.sweep.store import DONE
 from cosim.sweep.survey import QUANTILES, Survey, confidence, quantiles
@@ -39,7 +40,7 @@ def tables(plan: Plan, found: Survey, worst: list[int]) -> RenderableType:
     if worst:
         parts += [worst_runs(plan, found, worst), ""]
     if found.troubles:
-        parts += [no_result_table(plan, found), ""]
+        parts += [no_result_table(found), ""]
     return Group(*parts, verdict(found))
 
 
@@ -89,12 +90,12 @@ def worst_runs(plan: Plan, found: Survey, worst: list[int]) -> RenderableType:
     return Group(table, "", Text("repeat them with", style="bold"), commands)
 
 
-def no_result_table(plan: Plan, found: Survey) -> RenderableType:
+def no_result_table(found: Survey, first: str = "first") -> RenderableType:
     """Table of the runs without a result, by reason."""
-    table = plain_table("without result", "runs", "first", "reason")
+    table = plain_table("without result", "runs", first, "reason")
     ranked = sorted(found.troubles.items(), key=lambda item: -item[1][0])
-    for (status, reason), (count, first) in ranked[:MOST_TROUBLES]:
-        table.add_row(status, str(count), str(first), Text(reason))
+    for (status, reason), (count, where) in ranked[:MOST_TROUBLES]:
+        table.add_row(status, str(count), str(where), Text(reason))
     if len(ranked) > MOST_TROUBLES:
         table.add_row("...", "", "", f"and {len(ranked) - MOST_TROUBLES} reasons more, see `results.jsonl`")
     return table

@@ -16,8 +16,9 @@ from cosim.errors import CosimError, ScenarioError, closest, concerning
 from cosim.fmu import stale
 from cosim.fmu.archive import FmuFile, open_fmu
 from cosim.fmu.values import expand
-from cosim.loop import plant
+from cosim.loop import course, plant
 from cosim.loop.engines import Engine
+from cosim.loop.reference import Progress
 from cosim.loop.session import located
 from cosim.pool.job import Job
 from cosim.scenario import layers
@@ -81,7 +82,7 @@ class Plan:
         A key, a value, the scenario or the FMU of any run is wrong; names study and case.
     """
 
-    def __init__(self, study: Study, engine: Engine = "native") -> None:
+    def __init__(self, study: Study, engine: Engine = "native", progress: Progress | None = None) -> None:
         self.study = study
         self.engine = engine
         self.origin = f"`{paths.shown(study.file)}`"
@@ -97,7 +98,7 @@ class Plan:
         self.cases: Sequence[Case] = study.case
         if study.design.kind != "list":
             self.cases = DESIGNS[study.design.kind](study.vary, study.design.samples or 0, study.seed)
-        self.runs = Runs(self)
+        self.runs = Runs(self, progress)
 
     def admit(self, index: int) -> int:
         """Check one case; returns the sum of the hashes of all that its numbers depend on."""
@@ -131,7 +132,8 @@ class Plan:
             self.totals[name] if part is base.get(name) else total(section(name, part))
             for name, part in merged.table.items()
         )
-        things = total({**project(), "fmu": digest(file.path), "plant": made})
+        files = {f"signal.{to}": digest(path) for to, path in course.files(scenario).items()}
+        things = total({**project(), **files, "fmu": digest(file.path), "plant": made})
         known = section("controller", merged.table["controller"]) | section("plant", merged.table["plant"])
         return Setting(
             file, kind, {key: leaf(key, value) for key, value in known.items()}, sum(parts) + things
@@ -180,7 +182,7 @@ class Plan:
 class Runs(Sequence[Run]):
     """The runs of a plan, made as they are asked for; only their seeds and hashes are held."""
 
-    def __init__(self, plan: Plan) -> None:
+    def __init__(self, plan: Plan, progress: Progress | None = None) -> None:
         self.cases, self.repeats = plan.cases, plan.study.design.repeats
         count = len(plan.cases) * self.repeats
         self.seeds = np.empty(count, np.uint64)
@@ -192,6 +194,8 @@ class Runs(Sequence[Run]):
             seed = plan.seed(number)
             self.seeds[number] = seed
             self.hashes += finished(summed, seed)
+            if progress is not None:
+                progress(number + 1, count)
 
     def __len__(self) -> int:
         return self.seeds.size

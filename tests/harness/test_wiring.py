@@ -10,8 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cosim.errors import CosimError
-from cosim.loop.wiring import Delay, child, first_step, noise, schedule, shaper
-from cosim.scenario.model import Signal, Wire
+from cosim.loop.course import sample
+from cosim.loop.wiring import Delay, child, first_step, noise, shaper
+from cosim.scenario.model import Wire
 
 from .data.probe_plants import Channel
 
@@ -108,5 +109,5 @@ def test_the_first_step_of_a_grid_time_is_its_index(k: int, step: float) -> None
 
 
 def test_a_signal_holds_each_value_from_its_time_on() -> None:
-    signal = Signal("controller.in", (0.0, 0.002, 0.0025), (1.0, 2.0, 3.0))
-    assert schedule(signal, [1.0, 2.0, 3.0], 0.001, 5).tolist() == [1.0, 1.0, 2.0, 3.0, 3.0]
+    times, values = (0.0, 0.002, 0.0025), [1.0, 2.0, 3.0]
+    assert sample(times, values, 0.001, 5).tolist() == [1.0, 1.0, 2.0, 3.0, 3.0]

@@ -1,0 +1,77 @@
+"""What a shell completes: scenarios, files and keys for `--set`; never an error, a shell shows none."""
+
+from __future__ import annotations
+
+import re
+import zipfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import typer
+
+from cosim import paths
+from cosim.scenario import layers
+from cosim.scenario.tables import IDENTITY
+
+ITEM_KEYS = {
+    "wire": ("scale", "offset", "noise", "quantum", "delay", "minimum", "maximum"),
+    "criterion": ("minimum", "maximum", "equals"),
+}
+"""Keys of the items of a scenario that are worth an override, though the file may not hold them."""
+LOOP_KEYS = ("step", "duration", "substeps", "seed", "compute_delay", "record_every", "stop_when")
+
+
+def loops(incomplete: str) -> list[str]:
+    """Names of scenarios, and scenario files of the working directory."""
+    names = [name for name, _ in paths.list_scenarios() if name.startswith(incomplete)]
+    return names + files(incomplete)
+
+
+def files(incomplete: str) -> list[str]:
+    """TOML files, and folders on the way to one, that begin as told."""
+    folder, _, start = incomplete.rpartition("/")
+    inside = Path(folder) if folder else Path("/" if incomplete.startswith("/") else ".")
+    found = sorted(inside.glob(f"{glob_escape(start)}*")) if inside.is_dir() else []
+    prefix = incomplete[: len(incomplete) - len(start)]
+    shown = [prefix + file.name + ("/" if file.is_dir() else "") for file in found]
+    return [name for name in shown if name.endswith((".toml", "/")) and not name.startswith(".")]
+
+
+def glob_escape(text: str) -> str:
+    """Text that a pattern takes as it is."""
+    return re.sub(r"([*?\[])", r"[\1]", text)
+
+
+def keys(ctx: typer.Context, incomplete: str) -> list[str]:
+    """Keys of the scenario that stands before on the command line, each with its `=`."""
+    # an option that still lacks its value leaves the arguments unparsed
+    loop = next((word for word in (ctx.params.get("loop"), *ctx.args) if word), "")
+    try:
+        file = paths.find_scenario(str(loop))
+        table = layers.read(file).table
+        found = dict.fromkeys([*scenario_keys(table), *fmu_keys(table, file.parent)])
+    except Exception:  # whatever is wrong with the files, `cosim check` tells it
+        return []
+    return [f"{key}=" for key in sorted(found) if key.startswith(incomplete)]
+
+
+def scenario_keys(table: dict[str, Any]) -> Iterator[str]:
+    """Keys that a scenario holds or may hold."""
+    yield from ("controller.fmu", "plant.name", *(f"loop.{key}" for key in LOOP_KEYS))
+    for section in ("controller", "plant"):
+        yield from (f"{section}.{name}" for name in table.get(section, {}).get("parameters", {}))
+    for section, identity in IDENTITY.items():
+        for item in table.get(section, ()):
+            own = {key for key in item if key != identity} | set(ITEM_KEYS.get(section, ()))
+            yield from (f"{section}.{item[identity]}.{key}" for key in own)
+
+
+def fmu_keys(table: dict[str, Any], folder: Path) -> Iterator[str]:
+    """Parameters of the FMU, read from its description alone."""
+    path = paths.find_fmu(table["controller"]["fmu"], folder)
+    with zipfile.ZipFile(path) as archive, archive.open("modelDescription.xml") as file:
+        for _, element in ElementTree.iterparse(file):
+            if element.tag == "ScalarVariable" and element.get("causality") == "parameter":
+                yield f"controller.{element.get('name')}"

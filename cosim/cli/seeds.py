@@ -1,0 +1,70 @@
+"""`cosim run --seeds`: many seeds of one scenario in one table."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NoReturn
+
+import typer
+
+from cosim import paths
+from cosim.cli.console import output, progress_bar
+from cosim.cli.options import COULD_NOT_RUN, FAILED
+from cosim.errors import CosimError
+from cosim.loop.engines import Engine
+from cosim.pool.limits import Limits
+
+
+def run_seeds(
+    loop: str,
+    changes: Sequence[str],
+    text: str,
+    engine: Engine,
+    limits: Limits | None,
+    file: str | None,
+    quiet: bool,
+) -> NoReturn:
+    """Run a scenario with the seeds of a text, print what came of it and exit."""
+    from cosim.fmu import stale
+    from cosim.scenario.load import load
+    from cosim.sweep import seeds
+
+    scenario = load(loop, changes)
+    stale.warn(scenario.controller.fmu, paths.find_fmu(scenario.controller.fmu, scenario.folder))
+    chosen = seeds.parse(text)
+    with progress_bar(f"{scenario.name}, {len(chosen)} seeds", quiet) as progress:
+        outcomes = seeds.run(scenario, chosen, engine, limits, progress)
+    found = seeds.survey(chosen, outcomes)
+    runs = [seeds.plain(seed, outcome) for seed, outcome in zip(chosen, outcomes, strict=True)]
+    if file is not None:
+        write(json.dumps(runs, indent=2, allow_nan=False) + "\n", file)
+    if file != "-":
+        output().print(seeds.tables(scenario, found))
+    if found.results < found.wanted:
+        raise typer.Exit(COULD_NOT_RUN)
+    raise typer.Exit(FAILED if found.passed is False else 0)
+
+
+def write(text: str, file: str) -> None:
+    """Write to a file, or to stdout where it is `-`."""
+    if file == "-":
+        print(text, end="", flush=True)
+        return
+    try:
+        Path(file).write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise CosimError(f"cannot write `{file}`: {error.strerror or error}") from None
+
+
+def check_options(seed: int | None, trace: Path | None, plot: Path | None) -> None:
+    """Refuse options that speak of one run."""
+    for option, value in (("--seed", seed), ("--trace", trace), ("--plot", plot)):
+        if value is not None:
+            raise CosimError(
+                f"`{option}` and `--seeds` cannot be given together",
+                f"`--seeds` makes many runs; repeat one of them with `--seed` for its {option[2:]}"
+                if option != "--seed"
+                else "`--seed 7` is one run, `--seeds 1..20` are twenty",
+            )

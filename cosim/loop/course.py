@@ -1,0 +1,201 @@
+"""Courses of signals over time: read from CSV and Parquet files, put on the grid of the steps."""
+
+from __future__ import annotations
+
+import csv
+import functools
+import importlib
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cosim import paths
+from cosim.errors import CosimError, ScenarioError, closest
+from cosim.scenario.checks import MOST_STEPS
+from cosim.scenario.model import Scenario
+
+TIME = "time"
+"""Column of the time, s; a file without it has it first."""
+PARQUET = (".parquet", ".pq")
+LOGICAL = {"true": 1.0, "false": 0.0}
+Interpolation = Literal["hold", "linear"]
+
+
+@dataclass(frozen=True)
+class Course:
+    """Values over time.
+
+    Parameters
+    ----------
+    times, values
+        Rising times in s, and the value from each on.
+    places
+        Line, or row of a Parquet file, of each value; for messages.
+    file
+        The file.
+    """
+
+    times: NDArray[np.float64]
+    values: NDArray[np.float64]
+    places: NDArray[np.int64]
+    file: Path
+
+    def place(self, index: int) -> str:
+        """Name where a value stands."""
+        what = "row" if self.file.suffix in PARQUET else "line"
+        return f"`{paths.shown(self.file)}`, {what} {self.places[index]}"
+
+
+def sample(
+    times: Sequence[float] | NDArray[np.float64],
+    values: Sequence[float] | NDArray[np.float64],
+    step: float,
+    steps: int,
+    interpolation: Interpolation = "hold",
+) -> NDArray[np.float64]:
+    """Value of a course in every step, shape (steps,); the last value holds to the end.
+
+    Parameters
+    ----------
+    times
+        Rising times, s; the first is not after 0.
+    values
+        Value at each.
+    step, steps
+        Grid `k * step` of the run.
+    interpolation
+        `hold` keeps a value until the next, `linear` moves evenly to it.
+    """
+    grid, known = np.arange(steps), np.asarray(values, np.float64)
+    if interpolation == "linear":
+        return np.interp(grid * step, times, known)
+    # the first step that is not before the time, as `first_step` tells it
+    first = np.ceil(np.clip(np.asarray(times) / step - 1e-6, 0.0, MOST_STEPS))
+    held: NDArray[np.float64] = known[np.searchsorted(first, grid, side="right") - 1]
+    return held
+
+
+def find(name: str, folder: Path) -> Path:
+    """File of a signal, relative to the folder of the scenario or to the working directory.
+
+    Raises
+    ------
+    ScenarioError
+        There is no such file.
+    """
+    for base in (folder, Path.cwd()):
+        if (file := base / Path(name).expanduser()).is_file():
+            return file
+    raise ScenarioError(f"the file `{name}` does not exist", f"looked in `{folder}` and `{Path.cwd()}`")
+
+
+def files(scenario: Scenario) -> dict[str, Path]:
+    """Files of the signals by their targets: a run depends on what is in them."""
+    return {signal.to: find(signal.file, scenario.folder) for signal in scenario.signal if signal.file}
+
+
+def read(file: Path, column: str) -> Course:
+    """Read one column of a file over its time.
+
+    Raises
+    ------
+    ScenarioError
+        A broken file; names the line and what stands there.
+    """
+    try:
+        stat = file.stat()
+        return cached(file, column, stat.st_mtime_ns, stat.st_size)
+    except OSError as error:
+        raise ScenarioError(f"cannot read `{paths.shown(file)}`: {error.strerror or error}") from None
+
+
+@functools.lru_cache(8)
+def cached(file: Path, column: str, changed: int, size: int) -> Course:
+    """Read and check one column; the same file is read once in a process."""
+    course = read_parquet(file, column) if file.suffix in PARQUET else read_csv(file, column)
+    if not course.times.size:
+        raise ScenarioError(f"`{paths.shown(file)}` has no values, only a header")
+    wrong = np.flatnonzero(~(np.isfinite(course.times) & np.isfinite(course.values)))
+    if wrong.size:
+        raise ScenarioError(f"{course.place(int(wrong[0]))}: time and value must be finite numbers")
+    if course.times[0] > 0.0:
+        raise ScenarioError(f"{course.place(0)}: the time begins with `{course.times[0]:g}` s, after 0")
+    falls = np.flatnonzero(np.diff(course.times) <= 0.0) + 1
+    if falls.size:
+        index = int(falls[0])
+        before, now = course.times[index - 1 : index + 1]
+        told = f"the time `{now:g}` s does not rise, before it was `{before:g}` s"
+        raise ScenarioError(f"{course.place(index)}: {told}")
+    return course
+
+
+def columns_of(names: Sequence[str], column: str, file: Path) -> tuple[int, int]:
+    """Places of the time and of the column that is asked for; with two columns it is the other one."""
+    time = names.index(TIME) if TIME in names else 0
+    others = [name for index, name in enumerate(names) if index != time]
+    if not column and len(others) == 1:
+        column = others[0]
+    if column not in others:
+        told = f"`{paths.shown(file)}` has no column `{column}`" if column else "`column` is missing"
+        hint = closest(column, others)
+        raise ScenarioError(told, hint or "values are separated by commas; the first line names the columns")
+    return time, names.index(column)
+
+
+def read_csv(file: Path, column: str) -> Course:
+    """Read a CSV file: names in the first line, numbers, `true` and `false` below."""
+    numbers: list[tuple[float, float, int]] = []
+    with file.open(newline="", encoding="utf-8-sig") as stream:
+        lines = csv.reader(stream)
+        try:
+            names = [name.strip() for name in next(lines, [])]
+            places = columns_of(names, column, file)
+            for cells in lines:
+                if any(cell.strip() for cell in cells):
+                    at = f"`{paths.shown(file)}`, line {lines.line_num}"
+                    if len(cells) != len(names):
+                        raise ScenarioError(f"{at} has {len(cells)} cells, the first line {len(names)}")
+                    time, value = (number(cells[place], at) for place in places)
+                    numbers.append((time, value, lines.line_num))
+        except (UnicodeDecodeError, csv.Error) as error:
+            at = f"`{paths.shown(file)}`, after line {lines.line_num}"
+            raise ScenarioError(f"{at}: not a CSV file in UTF-8: {error}") from None
+    table = np.array(numbers, np.float64).reshape(-1, 3)
+    return Course(table[:, 0], table[:, 1], table[:, 2].astype(np.int64), file)
+
+
+def number(cell: str, at: str) -> float:
+    """Read the number of a cell."""
+    text = cell.strip()
+    try:
+        return LOGICAL[text.lower()] if text.lower() in LOGICAL else float(text)
+    except ValueError:
+        raise ScenarioError(f"{at}: `{text[:40]}` is no number") from None
+
+
+def read_parquet(file: Path, column: str) -> Course:
+    """Read a Parquet file."""
+    try:
+        parquet: Any = importlib.import_module("pyarrow.parquet")
+    except ImportError:
+        problem = f"`{paths.shown(file)}` needs pyarrow, which is not installed"
+        raise CosimError(problem, "`pip install machining-fmus[parquet]`") from None
+    try:
+        opened = parquet.ParquetFile(file)
+        names = list(opened.schema_arrow.names)
+        time, wanted = (names[index] for index in columns_of(names, column, file))
+        table = opened.read(columns=[time, wanted])
+        parts = [
+            np.array([math.nan if value is None else value for value in table[name].to_pylist()], np.float64)
+            for name in (time, wanted)
+        ]
+    except CosimError:
+        raise
+    except Exception as error:  # pyarrow and numpy have many
+        raise ScenarioError(f"cannot read numbers from `{paths.shown(file)}`: {error}") from None
+    return Course(parts[0], parts[1], np.arange(len(parts[0])), file)

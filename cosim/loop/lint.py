@@ -1,0 +1,73 @@
+"""What is no error in a scenario but seldom meant: inputs that nothing drives, wires between unlike units."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cosim.loop import idle
+from cosim.loop.connect import Connector
+from cosim.loop.session import Session, located
+from cosim.metrics.units import SCALES
+from cosim.scenario.model import Wire
+
+MOST_NAMES = 8
+"""Names in one warning."""
+
+
+def check(session: Session) -> list[str]:
+    """Connect everything as a run does, without a step; returns warnings.
+
+    Raises
+    ------
+    CosimError
+        What a run would refuse before its first step.
+    """
+    scenario = session.scenario
+    with located(scenario):
+        session.fmu.initialise(scenario.controller.parameters)
+        commands = np.zeros(len(session.plant.commands))
+        Connector(scenario, session.fmu, session.plant, commands, scenario.loop.seed).links()
+    return warnings(session)
+
+
+def warnings(session: Session) -> list[str]:
+    """Sentences about what is undriven, of unlike units, or not demanded."""
+    found = []
+    if forgotten := idle.undriven(session.scenario, idle.ends(session.file, session.plant)):
+        found.append(f"nothing drives {listed(forgotten)}: wire what is missing, list the rest in `idle`")
+    found += [told for wire in session.scenario.wire if (told := unlike(wire, session))]
+    if not session.scenario.criterion:
+        found.append("no criterion demands anything of a run")
+    return found
+
+
+def unlike(wire: Wire, session: Session) -> str:
+    """Warning of a wire that carries a value into another unit as it is; empty if it does not."""
+    before, after = (unit_of(end, session) for end in (wire.source, wire.to))
+    unknown = {"", "1"} & {before, after}
+    if unknown or before == after or (wire.scale, wire.offset) != (1.0, 0.0):
+        return ""
+    told = f"`wire.{wire.to}` carries {before} from `{wire.source}` into {after} as it is"
+    factor = ratio(before, after)
+    return told if factor is None else f"{told}; set `scale = {factor:.12g}`"
+
+
+def unit_of(end: str, session: Session) -> str:
+    """Tell the unit at one end of a wire; empty where none is known."""
+    side, _, name = end.partition(".")
+    if side == "controller":
+        return session.file.variables[name].unit
+    channels = (*session.plant.readings, *session.plant.commands)
+    return next((channel.unit for channel in channels if channel.name == name), "")
+
+
+def ratio(before: str, after: str) -> float | None:
+    """Factor from one unit to another of the same kind, None where it is not known."""
+    (base, scale), (other, size) = SCALES.get(before, ("", 1.0)), SCALES.get(after, ("", 1.0))
+    return scale / size if base and base == other else None
+
+
+def listed(names: list[str]) -> str:
+    """Names with backticks, the first few of many."""
+    shown = ", ".join(f"`{name}`" for name in names[:MOST_NAMES])
+    return shown if len(names) <= MOST_NAMES else f"{shown} and {len(names) - MOST_NAMES} more"

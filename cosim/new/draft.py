@@ -1,0 +1,72 @@
+"""An FMU and a plant become a draft: opened, matched, with steps that fit both."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import fmpy
+
+from cosim import paths
+from cosim.fmu.archive import FmuFile, open_fmu
+from cosim.loop import plant
+from cosim.new.ends import channels, variables
+from cosim.new.match import match
+from cosim.new.write import Draft
+
+DEFAULT_STEP, LONGEST = 0.01, 1.0
+"""Communication step where the FMU names none, and length of the first run, s."""
+
+
+def draft(fmu: str, plant_name: str, folder: Path) -> Draft:
+    """Draft of a scenario that will lie in a folder.
+
+    Raises
+    ------
+    CosimError
+        The FMU or the plant cannot be opened.
+    """
+    file = open_fmu(paths.find_fmu(fmu, Path.cwd()))
+    driven = plant.build(plant_name, {}, Path.cwd()) if plant_name else None
+    sensed, commanded = (
+        channels(driven.readings if driven else ()),
+        channels(driven.commands if driven else ()),
+    )
+    inputs, outputs = variables(file, "input"), variables(file, "output")
+    step, substeps = steps(wanted_step(file), driven.timestep if driven else 0.0)
+    return Draft(
+        title=f"{file.name} and {Path(plant_name).stem}" if plant_name else f"{file.name} alone",
+        fmu=told(fmu, file.path, folder),
+        plant=told(plant_name, Path(plant_name), folder),
+        step=step,
+        substeps=substeps,
+        steps=max(1, round(LONGEST / step)),
+        readings=match([one.end for one in sensed], [one.end for one in inputs]),
+        commands=match([one.end for one in outputs], [one.end for one in commanded]),
+        inputs=inputs,
+        outputs=outputs,
+        sensed=sensed,
+        commanded=commanded,
+    )
+
+
+def wanted_step(file: FmuFile) -> float:
+    """Step that the description of an FMU proposes."""
+    experiment = fmpy.read_model_description(str(file.path), validate=False).defaultExperiment
+    step = float(experiment.stepSize or 0.0) if experiment is not None else 0.0
+    return step if step > 0.0 else DEFAULT_STEP
+
+
+def steps(wanted: float, timestep: float) -> tuple[float, int]:
+    """Communication step nearest to the one that is wanted, and the plant steps that fill it."""
+    if timestep <= 0.0:
+        return wanted, 1
+    substeps = max(1, round(wanted / timestep))
+    return float(f"{substeps * timestep:.12g}"), substeps
+
+
+def told(name: str, file: Path, folder: Path) -> str:
+    """Name as it stands in the scenario: a path is relative to its folder."""
+    if name.endswith((".fmu", plant.MJCF)) or os.sep in name:
+        return Path(os.path.relpath(file.resolve(), folder.resolve())).as_posix()
+    return name

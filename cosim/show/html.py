@@ -1,0 +1,48 @@
+"""Tables for notebooks."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from html import escape
+
+from cosim.metrics.criteria import Measured, Verdict
+from cosim.show.quantity import text
+from cosim.show.verdicts import limits, measured
+
+
+def run(title: str, line: str, metrics: Mapping[str, Measured], verdicts: Sequence[Verdict]) -> str:
+    """Title and a line of one run, its criteria, and the metrics that no criterion shows."""
+    held = {verdict.criterion.metric for verdict in verdicts}
+    judged = [
+        (
+            verdict.criterion.claim,
+            verdict.criterion.paper,
+            measured(verdict),
+            limits(verdict),
+            "yes" if verdict.passed else "NO",
+        )
+        for verdict in verdicts
+    ]
+    others = [
+        (metric.name, text(metric.value, metric.unit), metric.description)
+        for metric in metrics.values()
+        if metric.name not in held
+    ]
+    parts = [heading(title, line)]
+    if judged:
+        parts.append(table(("claim", "paper", "measured", "limit", "pass"), judged))
+    if others:
+        parts.append(table(("metric", "value", "description"), others))
+    return "\n".join(parts)
+
+
+def heading(title: str, line: str) -> str:
+    """Bold title with a line below."""
+    return f"<p><b>{escape(title)}</b><br>{escape(line)}</p>"
+
+
+def table(names: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Table of texts."""
+    head = "".join(f"<th>{escape(name)}</th>" for name in names)
+    body = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
+    return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"

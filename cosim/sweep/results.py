@@ -1,0 +1,122 @@
+"""A sweep called from Python, and what it gives."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from cosim.show import html
+from cosim.show.frame import dataframe
+from cosim.show.quantity import text
+from cosim.sweep import overview
+from cosim.sweep.command import Options, run_study
+from cosim.sweep.plan import Plan
+from cosim.sweep.store import Row, Store
+from cosim.sweep.survey import QUANTILES, Survey, quantiles, rows
+
+
+@dataclass(frozen=True, repr=False)
+class SweepResult:
+    """Result of a sweep.
+
+    Parameters
+    ----------
+    study
+        Title of the study, or its name.
+    folder
+        Folder of `results.jsonl`, tables, plots and traces.
+    survey
+        Counts, quantiles and what gave no result.
+    rows
+        One for each run: run, case, seed, status, reason, what was set, metrics, criteria, times, hash.
+    """
+
+    study: str
+    folder: Path
+    survey: Survey
+    rows: list[Row]
+
+    @property
+    def passed(self) -> bool | None:
+        """Whether every run of the study passed; None where all were done and nothing was demanded."""
+        return self.survey.passed
+
+    def __len__(self) -> int:
+        """Count the rows."""
+        return len(self.rows)
+
+    def __repr__(self) -> str:
+        """One line: study and how many runs passed."""
+        return f"<SweepResult of {self.study}: {overview.verdict(self.survey).plain}>"
+
+    def _repr_html_(self) -> str:
+        """Tables for a notebook: criteria and the distribution of the metrics."""
+        found = self.survey
+        held = [(name, f"{count} of {found.results}") for name, count in found.held.items()]
+        spread = [
+            (name, *(text(value, found.units[name]) for value in quantiles(values).values()))
+            for name, values in found.values.items()
+        ]
+        tables = [html.table(("criterion", "holds in"), held), html.table(("metric", *QUANTILES), spread)]
+        return "\n".join([html.heading(self.study, overview.verdict(found).plain), *tables])
+
+    def to_dataframe(self) -> Any:
+        """Return the table of all rows as a `pandas.DataFrame`, the same as `summary.csv`.
+
+        Raises
+        ------
+        CosimError
+            pandas is not installed.
+        """
+        return dataframe(
+            self.survey.columns, {f"metric.{name}": unit for name, unit in self.survey.units.items()}
+        )
+
+
+def sweep(
+    study: str | Path,
+    out: str | Path | None = None,
+    *,
+    workers: int | None = None,
+    cluster: str = "",
+    engine: str = "native",
+    again: bool = False,
+    plots: bool = False,
+    quiet: bool = True,
+) -> SweepResult:
+    """Run the cases of a study on many processes; what is done already is not done again.
+
+    Parameters
+    ----------
+    study
+        File of the study.
+    out
+        Folder of the results, by default `<study>.sweep` in the working directory.
+    workers
+        Worker processes on this machine; None is one per core.
+    cluster
+        Address of a Dask scheduler; empty runs on this machine.
+    engine
+        `native` or `reference`.
+    again
+        Whether runs without a result are done again.
+    plots
+        Whether to draw plots, if matplotlib is installed.
+    quiet
+        No progress on stderr.
+
+    Raises
+    ------
+    CosimError
+        The study is wrong, the folder cannot be written, or no worker can be had.
+    """
+    file = Path(study)
+    folder = Path(out) if out is not None else Path(f"{file.stem}.sweep")
+    return run_study(Options(file, folder, workers, cluster, engine, again, plots, quiet), collect)
+
+
+def collect(plan: Plan, store: Store, found: Survey) -> SweepResult:
+    """Take what is left of a sweep into memory."""
+    name = plan.study.title or plan.study.name
+    return SweepResult(name, store.folder, found, list(rows(plan, store)))

@@ -1,0 +1,127 @@
+"""One scenario with many seeds: which ones, their runs, and what they say together."""
+
+from __future__ import annotations
+
+import contextlib
+import re
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from rich.console import Group, RenderableType
+from rich.text import Text
+
+from cosim.errors import CosimError
+from cosim.loop.engines import Engine
+from cosim.loop.reference import Progress
+from cosim.loop.result import Result
+from cosim.pool.job import Job, Outcome
+from cosim.pool.limits import Limits
+from cosim.pool.runs import ordered
+from cosim.scenario.model import Scenario
+from cosim.sweep import overview
+from cosim.sweep.store import VERDICTS
+from cosim.sweep.survey import Survey
+
+MOST_SEEDS = 100_000
+"""More seeds than these want a study, which keeps what is done."""
+PART = re.compile(r"(\d{1,18})(?:\.\.(\d{1,18}))?")
+
+
+def parse(text: str) -> list[int]:
+    """Seeds of a text such as `1..20`, `3,5,8` or `1..10,100`; both ends belong to a range.
+
+    Raises
+    ------
+    CosimError
+        The text is no such list, names a seed twice, or too many.
+    """
+    seeds: list[int] = []
+    for part in text.split(","):
+        found = PART.fullmatch(part.strip())
+        if found is None:
+            problem = f"`--seeds {text}`: `{part.strip()}` is no seed and no range"
+            raise CosimError(problem, "give seeds as `1..20`, `3,5,8` or `1..10,100`")
+        first, last = int(found[1]), int(found[2] or found[1])
+        if last < first:
+            raise CosimError(
+                f"`--seeds {text}`: `{part.strip()}` ends before it begins", f"`{last}..{first}`"
+            )
+        if len(seeds) + last - first >= MOST_SEEDS:
+            problem = f"`--seeds {text}` names more than {MOST_SEEDS} seeds"
+            raise CosimError(problem, "a study of `cosim sweep` takes more, and keeps what is done")
+        seeds += range(first, last + 1)
+    if len(set(seeds)) < len(seeds):
+        again = next(seed for index, seed in enumerate(seeds) if seed in seeds[:index])
+        raise CosimError(f"`--seeds {text}` names the seed {again} twice")
+    return seeds
+
+
+def run(
+    scenario: Scenario,
+    seeds: Sequence[int],
+    engine: Engine = "native",
+    limits: Limits | None = None,
+    progress: Progress | None = None,
+) -> list[Outcome]:
+    """Run a scenario with many seeds on all cores; a run that gives no result stops no other.
+
+    Parameters
+    ----------
+    scenario, seeds, engine
+        As for `cosim.run_many`.
+    limits
+        What each run may take; None runs them in this process, one after the other.
+    progress
+        Told the runs done and in all.
+    """
+    workers = 1 if limits is None else None
+    found: list[Outcome] = []
+    with contextlib.closing(
+        ordered([Job(scenario, seed, engine) for seed in seeds], workers, limits)
+    ) as done:
+        for outcome in done:
+            found.append(outcome)
+            if progress is not None:
+                progress(len(found), len(seeds))
+    return found
+
+
+def survey(seeds: Sequence[int], outcomes: Sequence[Outcome]) -> Survey:
+    """Take counts and distributions; what gave no result is told with its first seed."""
+    found = Survey(len(seeds))
+    values: dict[str, list[float]] = {}
+    for seed, outcome in zip(seeds, outcomes, strict=True):
+        if not isinstance(outcome, Result):
+            status = getattr(outcome, "status", "error")
+            found.statuses[status] += 1
+            count, first = found.troubles.get((status, outcome.message), (0, seed))
+            found.troubles[status, outcome.message] = count + 1, first
+            continue
+        found.statuses[VERDICTS[outcome.passed]] += 1
+        for metric in outcome.metrics.values():
+            values.setdefault(metric.name, []).append(metric.value)
+            found.units[metric.name] = metric.unit
+        for verdict in outcome.criteria:
+            found.held[verdict.criterion.id] += verdict.passed
+    found.values = {name: np.array(column) for name, column in values.items()}
+    return found
+
+
+def tables(scenario: Scenario, found: Survey) -> RenderableType:
+    """Criteria, metrics, what gave no result, and the verdict."""
+    parts: list[RenderableType] = [Text(f"{scenario.name}: {scenario.title}", style="bold"), ""]
+    if scenario.criterion and found.results:
+        parts += [overview.criteria_table(scenario, found), ""]
+    if found.values:
+        parts += [overview.metric_table(found), ""]
+    if found.troubles:
+        parts += [overview.no_result_table(found, "first seed"), ""]
+    return Group(*parts, overview.verdict(found))
+
+
+def plain(seed: int, outcome: Outcome) -> dict[str, Any]:
+    """One run as plain data for JSON: its result, or why there is none."""
+    if isinstance(outcome, Result):
+        return outcome.to_dict()
+    return {"seed": seed, "passed": False, "error": outcome.message, "hint": outcome.hint}

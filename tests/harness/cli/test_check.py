@@ -1,0 +1,119 @@
+"""`cosim check`: scenarios and studies looked at without a run."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from cosim.loop import lint
+from cosim.loop.session import Session
+from cosim.scenario.load import load
+from cosim.sweep.check import check
+
+from .commands import cosim
+
+Write = Callable[..., Path]
+COMPLETE = """
+[[signal]]
+to = "plant.extra"
+times = [0.0]
+values = [0.0]
+[[metric]]
+name = "end"
+unit = "m"
+value = "last(plant.x)"
+[[criterion]]
+id = "end"
+claim = "The lag settles"
+metric = "end"
+maximum = 0.7
+"""
+STUDY = """
+scenario = "lag.toml"
+[design]
+kind = "grid"
+[[vary]]
+key = "plant.pole"
+values = [0.1, {}]
+"""
+
+
+def test_good_files_are_fit_and_nothing_is_run(write: Write, folder: Path) -> None:
+    # the plant would fail in its first step
+    write(COMPLETE + "[plant.parameters]\nfail_at = 0\n")
+    (folder / "study.toml").write_text(STUDY.format(0.2))
+    done = cosim("check", "lag.toml", "study.toml")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout == "lag.toml: scenario, fit to run\nstudy.toml: study, 2 runs, fit to run\n"
+
+
+def test_one_bad_file_of_three_is_exit_code_2_and_the_others_are_told(write: Write, folder: Path) -> None:
+    write(COMPLETE)
+    (folder / "bad.toml").write_text(STUDY.format(7.0))
+    done = cosim("check", "bad.toml", "none.toml", "lag.toml", "--json")
+    assert done.returncode == 2
+    bad, none, good = json.loads(done.stdout)
+    assert (bad["kind"], bad["ok"], bad["runs"]) == ("study", False, 0)
+    assert "`plant.pole` is `7.0`, it must lie in 0 .. 1" in bad["error"]["message"]
+    assert none["error"] == {
+        "message": "the scenario file `none.toml` does not exist",
+        "hint": "`cosim list` shows the known names",
+    }
+    assert good == {
+        "file": "lag.toml", "kind": "scenario", "ok": True, "runs": 1, "error": None, "warnings": [],
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("added", "told"),
+    [
+        ("[controller.parameters]\ngian = 1.0\n", "no variable `gian`"),
+        ("[controller.parameters]\ngain = 99.0\n", "the FMU refused"),
+        ("[plant.parameters]\npole = 2.0\n", "must lie in 0 .. 1"),
+        ('[[wire]]\nfrom = "plant.rmap"\nto = "controller.count"\n', "no reading `rmap`"),
+        ('[[wire]]\nfrom = "controller.label_out"\nto = "plant.extra"\n', "no numeric output"),
+        ('[[signal]]\nto = "controller.mode"\ntimes = [0.0]\nvalues = ["Fats"]\n', "`controller.mode` is"),
+        ('[[metric]]\nname = "m"\nvalue = "last(plant.y)"\n', "names `plant.y`"),
+    ],
+)
+def test_what_a_run_would_refuse_is_found(write: Write, added: str, told: str) -> None:
+    found = check(str(write(added)))
+    assert found.error is not None
+    assert told in found.error.message
+
+
+def test_undriven_ends_and_missing_demands_are_warnings(write: Write) -> None:
+    text = (
+        'title = "t"\nloop = {step = 0.001, duration = 0.01}\ncontroller = {fmu = "probe"}\n'
+        'plant = {name = "probe_plants:Lag"}\n'
+    )
+    found = check(str(write(text=text)))
+    assert found.error is None
+    assert found.warnings == [
+        "nothing drives `controller.in`: the start value holds",
+        "nothing drives `plant.u`, `plant.extra`: it stays 0",
+        "no criterion demands anything of a run",
+    ]
+
+
+def test_a_start_value_or_a_signal_is_an_answer(write: Write) -> None:
+    text = (
+        'title = "t"\nloop = {step = 0.001, duration = 0.01}\nplant = {name = "probe_plants:Lag"}\n'
+        'controller = {fmu = "probe", parameters = {"in" = 0.5}}\n'
+        '[[signal]]\nto = "plant.u"\ntimes = [0.0]\nvalues = [0.0]\n'
+    )
+    assert check(str(write(COMPLETE, text=text))).warnings == []
+
+
+def test_a_wire_between_unlike_units_is_told_with_its_scale(write: Write) -> None:
+    file = write(COMPLETE)
+    unlike = "`wire.controller.in` carries s from `plant.ramp` into m as it is"
+    changed = load(file, set=["wire.controller.in.from=plant.ramp"])
+    with Session(changed) as session:
+        assert lint.check(session) == [unlike]
+    with Session(load(file, set=["wire.controller.in.from=plant.ramp", "wire.controller.in.scale=2"])) as s:
+        assert lint.check(s) == []
+    assert (lint.ratio("mm", "m"), lint.ratio("m", "um"), lint.ratio("m", "s")) == (1e-3, 1e6, None)

@@ -1,0 +1,141 @@
+"""Results and sweeps in Python: one line, tables for notebooks, data frames."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import pytest
+
+import cosim
+from cosim.errors import CosimError
+
+Write = Callable[..., Path]
+JUDGED = """
+[[metric]]
+name = "end"
+unit = "m"
+value = "last(plant.x)"
+[[metric]]
+name = "<b>"
+value = "last(plant.u)"
+[[criterion]]
+id = "end"
+claim = "x < 1 & settles"
+metric = "end"
+maximum = 0.7
+"""
+STUDY = """
+scenario = "lag.toml"
+title = "Poles"
+[design]
+kind = "grid"
+[[vary]]
+key = "plant.pole"
+values = [0.1, 0.2, 0.3]
+[[vary]]
+key = "plant.fail_at"
+values = [-1, 7]
+"""
+
+
+class Frame(dict[str, Any]):
+    """As much of a data frame as is used."""
+
+    def __init__(self, columns: dict[str, Any]) -> None:
+        super().__init__(columns)
+        self.attrs: dict[str, Any] = {}
+
+
+@pytest.fixture
+def pandas(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Put a pandas in place, installed or not."""
+    module = ModuleType("pandas")
+    module.DataFrame = Frame  # type: ignore[attr-defined]
+    # too old for pyarrow, which looks for it, too
+    module.__version__ = "0.1"  # type: ignore[attr-defined]
+    monkeypatch.setitem(sys.modules, "pandas", module)
+
+
+@pytest.fixture
+def study(write: Write, folder: Path) -> Path:
+    write(JUDGED)
+    (folder / "poles.toml").write_text(STUDY)
+    return folder / "poles.toml"
+
+
+def test_a_result_is_one_line(write: Write) -> None:
+    scenario = cosim.load(write(JUDGED))
+    assert repr(cosim.run(scenario, 5)) == ("<Result of lag: the criterion holds, seed 5, 50 x 16 trace>")
+    (kept_none,) = cosim.run_many(scenario, [5])
+    assert repr(kept_none).endswith("seed 5, no trace>")
+
+
+def test_a_result_is_a_table_in_a_notebook(write: Write) -> None:
+    shown = cosim.run(cosim.load(write(JUDGED)))._repr_html_()
+    assert (
+        "<td>x &lt; 1 &amp; settles</td><td></td><td>666.7 mm</td><td>&lt;= 700 mm</td><td>yes</td>" in shown
+    )
+    assert "<td>&lt;b&gt;</td>" in shown
+    assert "<b>lag: Lag with a probe</b><br>the criterion holds; seed 1, 0.05 s simulated" in shown
+
+
+@pytest.mark.usefixtures("pandas")
+def test_the_trace_is_a_data_frame_with_units(write: Write) -> None:
+    result = cosim.run(cosim.load(write(JUDGED)))
+    frame = result.to_dataframe()
+    assert result.trace is not None
+    assert list(frame) == list(result.trace.dtype.names or ())
+    assert np.array_equal(frame["plant.x"], result.trace["plant.x"])
+    assert frame.attrs["units"]["plant.x"] == "m"
+
+
+def test_without_pandas_the_message_says_what_to_install(
+    write: Write, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    result = cosim.run(cosim.load(write()))
+    with pytest.raises(CosimError, match="needs pandas, which is not installed\nhint: `pip install pandas`"):
+        result.to_dataframe()
+
+
+def test_a_result_without_trace_has_no_data_frame(write: Write) -> None:
+    (result,) = cosim.run_many(cosim.load(write()), [1])
+    with pytest.raises(CosimError, match="holds no trace"):
+        result.to_dataframe()
+
+
+@pytest.mark.usefixtures("pandas")
+def test_a_sweep_is_called_and_gives_its_rows(study: Path, folder: Path) -> None:
+    found = cosim.sweep(study, workers=1)
+    assert isinstance(found, cosim.SweepResult)
+    assert len(found) == 6
+    assert not found.passed
+    assert [row["status"] for row in found.rows] == ["passed", "error"] * 3
+    assert found.folder == Path("poles.sweep")
+    assert (folder / "poles.sweep" / "summary.csv").is_file()
+    assert repr(found).startswith("<SweepResult of Poles: 6 of 6 runs: 3 passed, 3 error; 50 % passed (")
+    frame = found.to_dataframe()
+    assert frame["plant.pole"] == [0.1, 0.1, 0.2, 0.2, 0.3, 0.3]
+    assert [value is None for value in frame["metric.end"]] == [False, True] * 3
+    assert frame.attrs["units"]["metric.end"] == "m"
+    assert "<td>end</td><td>3 of 3</td>" in found._repr_html_()
+
+
+def test_a_second_call_does_nothing_again(study: Path, folder: Path) -> None:
+    first = cosim.sweep(study, folder / "out", workers=1)
+    lines = (folder / "out" / "results.jsonl").read_bytes()
+    again = cosim.sweep(str(study), str(folder / "out"), workers=1)
+    assert again.rows == first.rows
+    assert (folder / "out" / "results.jsonl").read_bytes() == lines
+
+
+def test_the_rooms_of_the_package_stay_reachable() -> None:
+    from cosim.sweep import study as module
+
+    assert sys.modules["cosim.sweep.study"] is module
+    assert callable(cosim.sweep)

@@ -1,0 +1,62 @@
+"""`cosim --version` and what a shell completes."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import platform
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from .commands import cosim
+
+Write = Callable[..., Path]
+
+
+def completed(*words: str) -> list[str]:
+    """List what bash would offer for the last word."""
+    line = " ".join(["cosim", *words])
+    program = {"COMP_WORDS": line, "COMP_CWORD": str(len(words)), "_COSIM_COMPLETE": "complete_bash"}
+    done = cosim(**program)
+    assert done.stderr == ""
+    return done.stdout.split()
+
+
+def test_the_version_tells_what_computes_the_numbers() -> None:
+    done = cosim("--version")
+    assert done.returncode == 0
+    found = dict(line.split() for line in done.stdout.splitlines())
+    assert found == {
+        "cosim": importlib.metadata.version("machining-fmus"),
+        "FMPy": importlib.metadata.version("fmpy"),
+        "MuJoCo": importlib.metadata.version("mujoco-core"),
+        "numpy": importlib.metadata.version("numpy"),
+        "Python": platform.python_version(),
+    }
+
+
+def test_names_of_scenarios_and_files_are_completed(write: Write, folder: Path) -> None:
+    write(name="scenarios/lag.toml")
+    write(name="scenarios/lag/fast.toml", text='extends = "lag"')
+    write(name="lagging.toml")
+    (folder / "lag.csv").write_text("")
+    assert completed("run", "lag") == ["lag", "lag/fast", "lagging.toml"]
+    assert completed("run", "scenarios/lag") == ["scenarios/lag/", "scenarios/lag.toml"]
+    assert completed("show", str(folder / "lagg")) == [str(folder / "lagging.toml")]
+    assert completed("ru") == ["run"]
+
+
+def test_keys_are_those_of_the_scenario_and_its_fmu(write: Write) -> None:
+    write("[plant.parameters]\npole = 0.2\n")
+    assert completed("run", "lag.toml", "--set", "controller.g") == ["controller.gain="]
+    assert completed("run", "lag.toml", "--set", "plant.") == ["plant.name=", "plant.pole="]
+    assert completed("run", "--set", "loop.seed=3", "lag.toml", "--set", "loop.d") == ["loop.duration="]
+    assert "wire.controller.in.noise=" in completed("run", "lag.toml", "--set", "wire.")
+
+
+@pytest.mark.parametrize("text", ["title =", "controller = 3", "controller = {fmu = 'lag.toml'}"])
+def test_a_broken_scenario_completes_nothing_and_says_nothing(write: Write, text: str) -> None:
+    write(name="lag.toml", text=text)
+    assert completed("run", "lag.toml", "--set", "controller.") == []
+    assert completed("run", "none.toml", "--set", "controller.") == []

@@ -1,0 +1,185 @@
+"""Signals from files: CSV and Parquet, held or interpolated, the same in both engines."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import cosim
+from cosim.errors import CosimError
+from cosim.loop.course import sample
+from cosim.loop.wiring import first_step
+from cosim.sweep import study
+from cosim.sweep.plan import Plan
+
+Write = Callable[..., Path]
+SIGNAL = """
+title = "A signal from a file"
+loop = {{step = 0.001, duration = 0.006}}
+controller = {{fmu = "probe"}}
+[[signal]]
+to = "{}"
+file = "{}"
+"""
+
+
+def scenario(write: Write, to: str = "controller.in", file: str = "x.csv", added: str = "") -> cosim.Scenario:
+    return cosim.load(write(added, name="deep/s.toml", text=SIGNAL.format(to, file)))
+
+
+def driven(write: Write, added: str = "", to: str = "controller.in", file: str = "x.csv") -> list[float]:
+    """Return what the FMU got, from both engines."""
+    loaded = scenario(write, to, file, added)
+    traces = [cosim.run(loaded, engine=engine).trace for engine in ("reference", "native")]
+    assert traces[0] is not None
+    assert traces[1] is not None
+    assert traces[0].tobytes() == traces[1].tobytes()
+    return [float(value) for value in traces[0][to]]
+
+
+@pytest.fixture
+def file(folder: Path) -> Path:
+    """Put a CSV file beside the scenario, with the FMU in reach."""
+    (folder / "deep").mkdir()
+    os.link(folder / "probe.fmu", folder / "deep" / "probe.fmu")
+    csv = folder / "deep" / "x.csv"
+    csv.write_text('"time","a","b c"\n0.0,1.0,10\n0.002,3.0,20\n\n0.004,2.0,-5e-1\n')
+    return csv
+
+
+def test_values_are_held_until_the_next(write: Write, file: Path) -> None:
+    assert driven(write, 'column = "a"\n') == [1.0, 1.0, 3.0, 3.0, 2.0, 2.0]
+    assert driven(write, 'column = "b c"\n') == [10.0, 10.0, 20.0, 20.0, -0.5, -0.5]
+
+
+def test_values_are_joined_by_lines(write: Write, file: Path) -> None:
+    found = driven(write, 'column = "a"\ninterpolation = "linear"\n')
+    assert found == pytest.approx([1.0, 2.0, 3.0, 2.5, 2.0, 2.0])
+
+
+def test_numbers_in_the_scenario_may_be_joined_by_lines_too(write: Write, file: Path) -> None:
+    text = SIGNAL.format("controller.in", "").replace('file = ""', "times = [0, 0.004]\nvalues = [0, 4]")
+    loaded = cosim.load(write('interpolation = "linear"\n', name="deep/s.toml", text=text))
+    trace = cosim.run(loaded).trace
+    assert trace is not None
+    assert trace["controller.in"] == pytest.approx([0.0, 1.0, 2.0, 3.0, 4.0, 4.0])
+
+
+@given(
+    st.lists(st.floats(0.0, 0.02), min_size=1, max_size=10, unique=True), st.sampled_from([1e-3, 1e-4, 3e-4])
+)
+def test_a_held_value_begins_with_the_first_step_that_is_not_before_it(
+    times: list[float], step: float
+) -> None:
+    rising = [0.0, *sorted(time for time in times if time > 0.0)]
+    expected = np.zeros(30)
+    for value, time in enumerate(rising):
+        expected[first_step(time, step) :] = value
+    assert sample(rising, list(range(len(rising))), step, 30).tolist() == expected.tolist()
+
+
+def test_a_time_column_may_have_any_name_and_begin_early(write: Write, file: Path) -> None:
+    file.write_text("\ufefft, u\n-1.0, 5\n0.003, 6\n", encoding="utf-8")
+    assert driven(write) == [5.0, 5.0, 5.0, 6.0, 6.0, 6.0]
+
+
+def test_switches_and_enumerations_take_words_and_whole_numbers(write: Write, file: Path) -> None:
+    file.write_text("time,flag\n0,false\n0.003,TRUE\n")
+    assert driven(write, to="controller.flag") == [0.0, 0.0, 0.0, 1.0, 1.0, 1.0]
+    file.write_text("time,mode\n0,1\n0.003,4\n")
+    assert driven(write, to="controller.mode") == [1.0, 1.0, 1.0, 4.0, 4.0, 4.0]
+
+
+def test_what_fmpy_writes_is_read(write: Write, file: Path) -> None:
+    loaded = scenario(write, added='column = "a"\n')
+    cosim.run(loaded).save_trace(file.with_name("again.csv"))
+    assert driven(write, 'column = "controller.in"\n', file="again.csv") == [1.0, 1.0, 3.0, 3.0, 2.0, 2.0]
+
+
+def test_parquet_is_read(write: Write, file: Path) -> None:
+    pyarrow = pytest.importorskip("pyarrow")
+    parquet = pytest.importorskip("pyarrow.parquet")
+    table = pyarrow.table({"a": [1.0, 3.0], "time": [0.0, 0.003], "n": [1, None], "text": ["x", "y"]})
+    parquet.write_table(table, file.with_name("x.parquet"))
+    assert driven(write, 'column = "a"\n', file="x.parquet") == [1.0, 1.0, 1.0, 3.0, 3.0, 3.0]
+    with pytest.raises(CosimError, match=r"x\.parquet`, row 1: time and value must be finite"):
+        driven(write, 'column = "n"\n', file="x.parquet")
+    with pytest.raises(CosimError, match=r"cannot read numbers from `deep/x\.parquet`"):
+        driven(write, 'column = "text"\n', file="x.parquet")
+
+
+def test_without_pyarrow_the_message_says_what_to_install(
+    write: Write, file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "pyarrow.parquet", None)
+    file.with_name("y.parquet").write_text("")
+    with pytest.raises(CosimError, match=r"needs pyarrow.*\nhint: `pip install machining-fmus\[parquet\]`"):
+        driven(write, file="y.parquet")
+
+
+BROKEN = {
+    "word": ("time,a\n0,1\n0.1,one\n", r"`deep/x.csv`, line 3: `one` is no number"),
+    "cells": ("time,a\n0,1\n\n0.1,1,2\n", r"`deep/x.csv`, line 4 has 3 cells, the first line 2"),
+    "nan": ("time,a\n0,nan\n", r"`deep/x.csv`, line 2: time and value must be finite"),
+    "late": ("time,a\n0.5,1\n", r"line 2: the time begins with `0.5` s, after 0"),
+    "falls": ("time,a\n0,1\n2,1\n1,1\n", r"line 4: the time `1` s does not rise, before it was `2` s"),
+    "twice": ("time,a\n0,1\n0,2\n", r"line 3: the time `0` s does not rise"),
+    "header": ("time,a\n", r"has no values, only a header"),
+    "empty": ("", r"`column` is missing\nhint: values are separated by commas"),
+    "semicolons": ("time;a\n0;1\n", r"`column` is missing\nhint: values are separated by commas"),
+    "choice": ("time,a,b\n0,1,2\n", r"`column` is missing\nhint: known here: `a`, `b`"),
+    "bytes": (b"time,a\n0,\xff\n", r"not a CSV file in UTF-8"),
+}
+
+
+@pytest.mark.parametrize("name", BROKEN)
+def test_a_broken_file_is_told_with_its_line(write: Write, file: Path, name: str) -> None:
+    text, told = BROKEN[name]
+    file.write_bytes(text.encode() if isinstance(text, str) else text)
+    with pytest.raises(CosimError, match=told) as raised:
+        cosim.run(scenario(write))
+    assert "`deep/s.toml`" in raised.value.message
+
+
+@pytest.mark.parametrize(
+    ("to", "added", "told"),
+    [
+        ("controller.in", 'column = "c"\n', r"has no column `c`\nhint: known here: `a`, `b c`"),
+        ("controller.in", "times = [0.0]\nvalues = [1.0]\n", "does not go with `times` and `values`"),
+        ("controller.in", 'interpolation = "cubic"\n', "it must be `hold` or `linear`"),
+        ("controller.mode", 'column = "a"\ninterpolation = "linear"\n', "takes no values in between"),
+        ("controller.mode", 'column = "a"\n', r"`deep/x.csv`, line 3: `controller.mode` is `3.0`"),
+        ("controller.flag", 'column = "b c"\n', r"line 5: `controller.flag` is `-0.5`"),
+    ],
+)
+def test_what_does_not_fit_is_told(write: Write, file: Path, to: str, added: str, told: str) -> None:
+    with pytest.raises(CosimError, match=told):
+        cosim.run(scenario(write, to, added=added))
+
+
+def test_a_missing_file_is_told(write: Write, file: Path) -> None:
+    with pytest.raises(CosimError, match=r"the file `none.csv` does not exist\nhint: looked in"):
+        cosim.run(scenario(write, file="none.csv"))
+
+
+def test_a_sweep_does_a_run_again_when_the_file_has_changed(write: Write, file: Path) -> None:
+    write('column = "a"\n', name="deep/s.toml", text=SIGNAL.format("controller.in", "x.csv"))
+    cases = file.with_name("study.toml")
+    vary = '[[vary]]\nkey = "controller.gain"\nvalues = [1.0, 2.0]\n'
+    cases.write_text(f'scenario = "s.toml"\n[design]\nkind = "grid"\n{vary}')
+    before = [run.hash for run in Plan(study.load(cases)).runs]
+    assert [run.hash for run in Plan(study.load(cases)).runs] == before
+    changed = file.with_name("y.csv")
+    changed.write_text(file.read_text().replace("3.0", "4.0"))
+    changed.replace(file)
+    from cosim.sweep import plan
+
+    plan.digest.cache_clear()
+    assert {run.hash for run in Plan(study.load(cases)).runs}.isdisjoint(before)
