@@ -6,10 +6,14 @@
 """
 
 from cosim.errors import CosimError
+from cosim.loop.judge import judge
 from cosim.loop.result import Result
 from cosim.loop.session import Session, run
+from cosim.loop.stored import read as read_trace
 from cosim.scenario.load import load
 from cosim.scenario.model import Scenario
 from cosim.sweep.many import run_each, run_many
 
-__all__ = ["CosimError", "Result", "Scenario", "Session", "load", "run", "run_each", "run_many"]
+__all__ = [
+    "CosimError", "Result", "Scenario", "Session", "judge", "load", "read_trace", "run", "run_each", "run_many"
+]  # fmt: skip

@@ -9,7 +9,9 @@ from typing import Any, NoReturn
 import typer
 import typer.exceptions
 
+from cosim.cli.compare import compare
 from cosim.cli.console import report
+from cosim.cli.judge import judge
 from cosim.cli.listing import list_scenarios
 from cosim.cli.options import COULD_NOT_RUN, INTERRUPTED
 from cosim.cli.run import run
@@ -29,6 +31,8 @@ app.command("list")(list_scenarios)
 app.command()(show)
 app.command()(run)
 app.command()(sweep)
+app.command()(compare)
+app.command()(judge)
 
 
 def main() -> NoReturn:

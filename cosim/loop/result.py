@@ -93,7 +93,12 @@ class Result:
         """Write the trace as `.npz` or `.csv`."""
         if self.trace is None:
             raise CosimError("this result holds no trace", "`run` keeps it, `run_many` does on demand")
-        trace.save(self.trace, path)
+        trace.save(self.trace, path, self.about())
+
+    def about(self) -> dict[str, Any]:
+        """Return what a saved trace tells beside its numbers; the same run gives the same bytes."""
+        names = ("scenario", "title", "seed", "simulated_s", "units", "items")
+        return {name: getattr(self, name) for name in names}
 
 
 def criterion(verdict: Verdict) -> dict[str, Any]:

@@ -228,13 +228,17 @@ def summary(found: Result) -> Text:
         verdict = Text(
             f"all {count} criteria hold" if count > 1 else "the criterion holds", style="bold green"
         )
-    speed = found.simulated_s / found.wall_s
-    verdict.append(
-        f"; seed {found.seed}, {number(found.simulated_s)} s simulated in {number(found.wall_s, 3)} s "
-        f"({number(speed, 2)} x real time)",
-        style="not bold default",
-    )
+    verdict.append(f"; seed {found.seed}, {speed(found)}", style="not bold default")
     return verdict
+
+
+def speed(found: Result) -> str:
+    """Tell the simulated time, and how long it took if something was run."""
+    if not found.wall_s:
+        return f"{number(found.simulated_s)} s judged as stored"
+    ratio = found.simulated_s / found.wall_s
+    taken = f"{number(found.simulated_s)} s simulated in {number(found.wall_s, 3)} s"
+    return f"{taken} ({number(ratio, 2)} x real time)"
 
 
 def plain_table(*names: str) -> Table:
