@@ -15,5 +15,14 @@ from cosim.scenario.model import Scenario
 from cosim.sweep.many import run_each, run_many
 
 __all__ = [
-    "CosimError", "Result", "Scenario", "Session", "judge", "load", "read_trace", "run", "run_each", "run_many"
-]  # fmt: skip
+    "CosimError",
+    "Result",
+    "Scenario",
+    "Session",
+    "judge",
+    "load",
+    "read_trace",
+    "run",
+    "run_each",
+    "run_many",
+]

@@ -29,7 +29,7 @@ value = "at(controller.out, 0.02)"
 id = "end"
 claim = "ends low"
 metric = "end"
-maximum = 0.5
+maximum = 1.5
 """
 
 
