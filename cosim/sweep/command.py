@@ -15,7 +15,7 @@ from rich.console import RenderableType
 
 from cosim.loop import engines
 from cosim.show.bar import bar
-from cosim.sweep import cluster, overview, study, supervisor
+from cosim.sweep import cluster, influence, overview, study, supervisor
 from cosim.sweep.plan import Plan
 from cosim.sweep.runner import Observer, Pool, pending, save_traces, sweep, worst
 from cosim.sweep.store import DONE, Row, Store
@@ -87,6 +87,9 @@ def summarise(plan: Plan, store: Store, found: Survey, plots: bool) -> None:
     save_parquet(plan, store, store.folder / "summary.parquet")
     if plots and found.results and overview.can_plot():
         overview.save_plots(plan, store, found, store.folder / "summary.svg")
+    if plots and found.influences and overview.can_plot():
+        title = plan.study.title or plan.study.name
+        influence.save_plots(found.influences, title, store.folder / "sensitivity.svg")
 
 
 def pool_of(plan: Plan, options: Options) -> Pool:

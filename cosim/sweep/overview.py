@@ -16,6 +16,7 @@ from cosim.scenario.model import Scenario
 from cosim.show.display import plain_table
 from cosim.show.plot import STYLE
 from cosim.show.quantity import number, text
+from cosim.sweep import influence
 from cosim.sweep.plan import Plan, Run
 from cosim.sweep.store import DONE, Store
 from cosim.sweep.survey import QUANTILES, Survey, confidence, quantiles, rows
@@ -34,6 +35,8 @@ def tables(plan: Plan, store: Store, found: Survey, worst: list[Run]) -> Rendera
         parts += [criteria_table(scenario, found), ""]
     if found.values:
         parts += [metric_table(found), ""]
+    if found.influences:
+        parts += [influence.table(found.influences), ""]
     if worst:
         parts += [worst_table(plan, store, found, worst), ""]
     if found.troubles:

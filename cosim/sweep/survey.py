@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from cosim.errors import CosimError
 from cosim.loop.result import plain
 from cosim.sweep.plan import Plan
+from cosim.sweep.sensitivity import Influence, influences
 from cosim.sweep.store import DONE, Row, Store
 
 QUANTILES = {"minimum": 0.0, "median": 0.5, "95 %": 0.95, "99 %": 0.99, "maximum": 1.0}
@@ -43,6 +44,8 @@ class Survey:
         Number of results in which each criterion held.
     troubles
         Status and reason of what gave no result: how often, and the first run.
+    influences
+        How the varied keys move the metrics.
     """
 
     wanted: int
@@ -51,6 +54,7 @@ class Survey:
     units: dict[str, str] = field(default_factory=dict)
     held: Counter[str] = field(default_factory=Counter)
     troubles: dict[tuple[str, str], tuple[int, int]] = field(default_factory=dict)
+    influences: list[Influence] = field(default_factory=list)
 
     @property
     def rows(self) -> int:
@@ -83,6 +87,7 @@ class Survey:
                 for name, values in self.values.items()
             },
             "criteria": {name: {"held": count, "of": self.results} for name, count in self.held.items()},
+            "sensitivity": [influence.to_dict() for influence in self.influences],
             "passed": self.passed,
         }
 
@@ -95,7 +100,8 @@ def survey(plan: Plan, store: Store) -> Survey:
     """Read all rows of a study once."""
     found = Survey(len(plan.runs))
     values: dict[str, list[float]] = {}
-    for row in rows(plan, store):
+    done = list(rows(plan, store))
+    for row in done:
         found.statuses[row["status"]] += 1
         for name, value in row.get("metrics", {}).items():
             values.setdefault(name, []).append(float(value))
@@ -107,6 +113,7 @@ def survey(plan: Plan, store: Store) -> Survey:
             count, first = found.troubles.get(trouble, (0, row["run"]))
             found.troubles[trouble] = (count + 1, first)
     found.values = {name: np.array(column) for name, column in values.items()}
+    found.influences = influences(plan, done)
     return found
 
 
