@@ -13,6 +13,7 @@ from cosim.cli.compare import compare
 from cosim.cli.console import report
 from cosim.cli.judge import judge
 from cosim.cli.listing import list_scenarios
+from cosim.cli.optimize import optimize
 from cosim.cli.options import COULD_NOT_RUN, INTERRUPTED
 from cosim.cli.run import run
 from cosim.cli.show import show
@@ -33,6 +34,7 @@ app.command()(run)
 app.command()(sweep)
 app.command()(compare)
 app.command()(judge)
+app.command()(optimize)
 
 
 def main() -> NoReturn:

@@ -57,15 +57,23 @@ def compare(
 ) -> None:
     """Compare traces, results or sweeps within tolerances, or a scenario with its baseline.
 
-    --atol, --rtol, --dt and --only may be given again. A limit holds for the columns or metrics that its
-    pattern fits (`*` is any text), without a pattern for all; of several the last one counts. A value v at
-    time t is good if |v - r| <= atol + rtol |r| for some value r that the reference has in t - dt .. t + dt.
+    What is right comes first:
 
-    A baseline is the file SCENARIO.baseline.npz beside the scenario: a run that was found good, kept with
-    `cosim compare dob --update`. Then `cosim compare dob --rtol 1e-6` runs the scenario and compares.
+        cosim compare before.npz after.npz --atol 'plant.*=1e-9' --dt 1e-4
+        cosim compare before.json after.json --rtol 1e-6
+        cosim compare old.sweep new.sweep --only depth --rtol 0.01
 
-    Two files: `cosim compare before.npz after.npz --atol 'plant.*=1e-9' --dt 1e-4`. Two sweeps, run by run:
-    `cosim compare old.sweep new.sweep --only depth --rtol 0.01`.
+    A baseline is the trace of a run that was found good, in the file
+    SCENARIO.baseline.npz beside the scenario:
+
+        cosim compare dob --update    (runs it and writes the baseline)
+        cosim compare dob             (runs it and compares)
+
+    --atol, --rtol, --dt and --only may be given again. A limit holds for the
+    columns or metrics that its pattern fits (`*` is any text), without a pattern
+    for all; of several the last one counts. A value v at time t is good if
+    |v - r| <= atol + rtol |r| for some r of the reference in t - dt .. t + dt.
+    NaN on one side only is a difference at any tolerance.
 
     Exit code: 0 within tolerance, 1 not, 2 could not be compared.
     """

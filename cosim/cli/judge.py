@@ -24,11 +24,13 @@ def judge(
 ) -> None:
     """Judge a stored trace by the metrics and criteria of a scenario, without running it again.
 
-    For a limit or a metric that changed after a long run: the numbers of the trace stay what they are, only
-    the tables metric and criterion of the scenario count. The trace must hold every column that they name; an
-    .npz file also holds their units and the items of enumerations.
+    For a limit or a metric that changed after a long run: the numbers of the
+    trace stay what they are, of the scenario only metrics and criteria count.
+    The trace must hold every column that they name; an .npz file also holds the
+    units of the columns, and the items of those that are enumerations. So:
 
-    `cosim run dob --trace dob.npz`, then `cosim judge dob.npz dob --set criterion.depth.maximum=4e-7`.
+        cosim run dob --trace dob.npz
+        cosim judge dob.npz dob --set criterion.depth.maximum=4e-7
 
     Exit code: 0 all criteria hold, 1 some do not, 2 could not be judged.
     """

@@ -120,7 +120,7 @@ def draw_tornado(axes: Any, entries: list[Influence]) -> None:
         draw_bars(axes, 0.2, [entry.total for entry in entries], "tab:orange", "total")
         axes.set_xlim(left=min(0.0, axes.get_xlim()[0]))
         axes.set_xlabel("part of the variance")
-        axes.legend(fontsize=7, loc="lower right")
+        axes.legend(fontsize=7, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2)
     else:
         draw_bars(axes, 0.0, [entry.rank for entry in entries], "tab:blue", "")
         axes.set_xlim(-1.0, 1.0)
