@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -51,6 +52,10 @@ def compare(
     ] = False,
     set_: Set = None,
     engine: Annotated[str, Option(help="Engine of the run: native or reference (same bits).")] = "native",
+    plot: Annotated[
+        Path | None,
+        Option(metavar="FILE.svg|.png", help="Plot the columns that deviate most, with their tubes."),
+    ] = None,
     json: Annotated[bool, Option("--json", help="Print the comparison as JSON.")] = False,
     verbose: Verbose = False,
     quiet: Quiet = False,
@@ -79,10 +84,13 @@ def compare(
     """
     configure_logging(verbose, quiet)
     from cosim.compare import command, tables, tolerance
+    from cosim.compare import plot as plots
 
     allowed = tolerance.tolerances(atol or (), rtol or (), dt or (), only or ())
+    if plot is not None:
+        plots.check("trace" if other is None else command.kind_of(other), plot)
     if update:
-        for name, given in (("OTHER", other), ("--set", set_)):
+        for name, given in (("OTHER", other), ("--set", set_), ("--plot", plot)):
             if given:
                 hint = "a baseline is made of one scenario as it stands"
                 raise CosimError(f"`{name}` does not go with `--update`", hint)
@@ -94,6 +102,8 @@ def compare(
         return
     else:
         found = maybe
+    if plot is not None:
+        plots.save(found, plot)
     if json:
         print(found.to_json(), end="", flush=True)
     else:

@@ -56,6 +56,15 @@ class Deviation:
         }
 
 
+@dataclass(frozen=True)
+class Course:
+    """A column of a trace and its tube, for a plot."""
+
+    times: NDArray[np.float64]
+    values: NDArray[np.float64]
+    tube: Tube
+
+
 @dataclass
 class Comparison:
     """Two things compared.
@@ -72,6 +81,8 @@ class Comparison:
         What else differs, each in one sentence.
     notes
         What is no difference but should be known.
+    courses
+        The columns of traces by name.
     """
 
     kind: str
@@ -80,6 +91,7 @@ class Comparison:
     deviations: list[Deviation] = field(default_factory=list)
     differences: list[str] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
+    courses: dict[str, Course] = field(default_factory=dict)
 
     @property
     def outside(self) -> list[Deviation]:

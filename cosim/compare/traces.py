@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.compare.comparison import Comparison, same_units, worst
+from cosim.compare.comparison import Comparison, Course, same_units, worst
 from cosim.compare.tolerance import Tolerances
 from cosim.compare.tube import tube
 from cosim.errors import CosimError
@@ -51,6 +51,7 @@ def compare(
         around = tube(reference.times, values, other.times, *allowed.of(name), stepped=stepped(values))
         unit = reference.units.get(name, "") or other.units.get(name, "")
         found.deviations.append(worst(name, unit, around, other.trace[name], other.times))
+        found.courses[name] = Course(other.times, other.trace[name], around)
     return found
 
 

@@ -58,9 +58,16 @@ class Tube:
 
     def tolerance(self, values: Array) -> Array:
         """Largest deviation allowed: that at the end of `low` .. `high` which a value is beyond."""
-        nearest = np.where(values > self.high, self.high, self.low)
-        scale = np.where(np.isfinite(nearest), np.abs(nearest), 0.0)
-        return self.atol + self.rtol * scale
+        return self.width(np.where(values > self.high, self.high, self.low))
+
+    @property
+    def walls(self) -> tuple[Array, Array]:
+        """Least and largest value allowed."""
+        return self.low - self.width(self.low), self.high + self.width(self.high)
+
+    def width(self, values: Array) -> Array:
+        """Tolerance at values of the reference."""
+        return self.atol + self.rtol * np.where(np.isfinite(values), np.abs(values), 0.0)
 
 
 def tube(

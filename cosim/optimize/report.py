@@ -66,13 +66,13 @@ def verdict(variants: Variants, trials: Sequence[Trial]) -> Text:
     objective, found = variants.problem.objective, best(variants.problem, trials)
     feasible = sum(trial.score.feasible for trial in trials)
     lost = sum(trial.score.value is None for trial in trials)
-    counts = f"{len(trials)} trials, {feasible} of them hold all criteria"
-    if objective.trace:
-        counts = f"{len(trials)} trials"
+    counts = f"{len(trials)} trials"
+    if not objective.trace:
+        counts += f", {feasible} of them hold all criteria"
     if lost:
         counts += f", {lost} without a number"
     if found is None or found.score.value is None:
-        return Text(f"no trial holds all criteria: {counts}", style="bold red")
+        return Text(f"no trial holds all criteria: {nearest(variants, trials)}; {counts}", style="bold red")
     if objective.trace:
         off = math.sqrt(found.score.value)
         what = (
@@ -82,6 +82,14 @@ def verdict(variants: Variants, trials: Sequence[Trial]) -> Text:
         value = text(found.score.value, unit_of(variants))
         what = f"{objective.direction.removesuffix('ize')}um of {objective.metric}: {value}"
     return Text(f"{what}, in trial {found.number}; {counts}", style="bold green")
+
+
+def nearest(variants: Variants, trials: Sequence[Trial]) -> str:
+    """Tell which trial is nearest to holding all criteria, and which of them do not hold there."""
+    trial = min((t for t in trials if t.score.value is not None), key=lambda t: sum(t.score.violations))
+    pairs = zip(variants.scenario.criterion, trial.score.violations, strict=True)
+    broken = ", ".join(f"`{entry.id}`" for entry, violation in pairs if violation > 0.0)
+    return f"nearest is trial {trial.number}, without {broken}"
 
 
 def range_text(vary: Vary) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -135,6 +136,17 @@ def test_one_row_less_is_a_difference(command: Run) -> None:
     ]
 
 
+@pytest.mark.usefixtures("folder")
+def test_the_plot_shows_the_columns_that_are_outside_first(command: Run) -> None:
+    columns = {f"c{index}": WAVE for index in range(8)}
+    save("a.npz", {"c7": "m"}, time=TIME, **columns)
+    save("b.npz", {"c7": "m"}, time=TIME, **{**columns, "c7": WAVE + 0.1})
+    assert command("compare", "a.npz", "b.npz", "--rtol", "0.01", "--dt", "0.01", "--plot", "p.svg")[0] == 1
+    # texts are drawn as outlines, each after a comment that holds it
+    drawn = re.findall(r"<!-- (c\d.*) -->", Path("p.svg").read_text())
+    assert drawn == ["c7 (m)", "c0", "c1", "c2", "c3", "c4"]
+
+
 CRITERION = '[[criterion]]\nid = "end"\nclaim = "ends"\nmetric = "end"\nmaximum = 0.01\n'
 
 
@@ -241,6 +253,9 @@ WRONG = {
     "update of files": (["a.npz", "b.npz", "--update"], "`OTHER` does not go with `--update`"),
     "set of files": (["a.npz", "b.npz", "--set", "a=1"], "`--set` does not go with two files"),
     "dt of results": (["r.json", "r.json", "--dt", "1"], "`--dt` does not go with a result"),
+    "plot of results": (["r.json", "r.json", "--plot", "p.svg"], "`--plot` does not go with a result"),
+    "plot ending": (["a.npz", "b.npz", "--plot", "p.doc"], "cannot plot to `p.doc`"),
+    "plot nowhere": (["a.npz", "b.npz", "--plot", "no/p.svg"], "cannot write `no/p.svg`"),
     "torn": (["torn.npz", "a.npz"], "`torn.npz` holds no trace"),
     "text": (["text.csv", "a.npz"], "`text.csv` holds no trace"),
     "ragged": (["ragged.csv", "a.npz"], "`ragged.csv` holds no trace"),
