@@ -51,7 +51,7 @@ def compare(
         bool, Option("--update", help="Run the scenario and make that its baseline, instead of comparing.")
     ] = False,
     set_: Set = None,
-    engine: Annotated[str, Option(help="Engine of the run: native or reference (same bits).")] = "native",
+    engine: Annotated[str, Option(help="reference (FMPy drives) or native (fast, same bits).")] = "reference",
     plot: Annotated[
         Path | None,
         Option(metavar="FILE.svg|.png", help="Plot the columns that deviate most, with their tubes."),

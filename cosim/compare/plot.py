@@ -80,6 +80,6 @@ def draw(axes: Any, found: Comparison, deviation: Deviation) -> None:
     axes.plot(course.times, course.values, color="tab:blue", linewidth=0.8, label="other")
     outside = course.tube.deviation(course.values) > course.tube.tolerance(course.values)
     where = np.where(outside, course.values, np.nan)
-    axes.plot(course.times, where, ".", color="tab:red", markersize=3.0, label="outside")
+    axes.plot(course.times, where, ".", color="tab:red", markersize=3.0, label="outside", rasterized=True)
     unit = f" ({deviation.unit})" if deviation.unit not in ("", "1") else ""
     axes.set_title(f"{deviation.name}{unit}", fontsize=9, loc="left")

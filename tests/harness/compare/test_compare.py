@@ -178,7 +178,9 @@ def test_a_scenario_is_compared_with_its_baseline(command: Run, write: Write, fo
     assert "hint: `cosim compare sub/lag.toml --update`" in err
     assert command("compare", "sub/lag.toml", "--update")[0] == 0
     assert (folder / "sub" / "lag.baseline.npz").is_file()
-    assert command("compare", "sub/lag.toml")[0] == 0
+    code, out, err = command("compare", "sub/lag.toml")
+    assert (code, err) == (0, "")
+    assert "`sub/lag.baseline.npz`: " in out
     code, out, _ = command("compare", "sub/lag.toml", "--set", "plant.pole=0.6")
     assert code == 1
     assert "plant.x" in out
