@@ -51,10 +51,11 @@ def optimize(
     configure_logging(verbose, quiet)
     from cosim.loop import engines
     from cosim.optimize import problem, report, search
+    from cosim.optimize.variants import Variants
     from cosim.sweep.store import Store
 
     options = search.SearchOptions(workers, engines.checked(engine), again)
-    variants = search.Variants(problem.load(study))
+    variants = Variants(problem.load(study))
     folder = out or Path(f"{study.stem}.optimize")
     with Store(folder) as store, progress_bar(variants.problem.name, quiet) as progress:
         trials = search.search(variants, store, options, progress)

@@ -58,11 +58,12 @@ class Deviation:
 
 @dataclass(frozen=True)
 class Course:
-    """A column of a trace and its tube, for a plot."""
+    """A column of a trace, its tube, and its items if it is an enumeration; for table and plot."""
 
     times: NDArray[np.float64]
     values: NDArray[np.float64]
     tube: Tube
+    items: dict[str, int]
 
 
 @dataclass

@@ -19,7 +19,7 @@ def comparison(found: Comparison) -> RenderableType:
     parts: list[RenderableType] = []
     shown = sorted((d for d in found.deviations if d.deviation), key=lambda d: not d.outside)
     if shown:
-        parts += [deviations(found.kind, shown), ""]
+        parts += [deviations(found, shown), ""]
     parts += [Text(f"differs: {sentence}", style="red") for sentence in found.differences]
     parts += [Text(f"note: {sentence}") for sentence in found.notes]
     if found.differences or found.notes:
@@ -27,23 +27,28 @@ def comparison(found: Comparison) -> RenderableType:
     return Group(*parts, verdict(found))
 
 
-def deviations(kind: str, shown: list[Deviation]) -> RenderableType:
+def deviations(found: Comparison, shown: list[Deviation]) -> RenderableType:
     """Table of the largest deviations."""
-    place = {"traces": ["at"], "sweeps": ["run"]}.get(kind, [])
-    within = ["outside"] if place else []
-    table = plain_table(
-        NAMES[kind], "reference", "other", "largest deviation", "tolerance", *place, *within, "within"
-    )
-    for found in shown:
-        where = [] if found.at is None else [f"{found.at:g} s" if kind == "traces" else f"{found.at:.0f}"]
-        counts = [f"{found.outside} of {found.compared}"] if place else []
-        yes = Text("NO", style="bold red") if found.outside else Text("yes", style="green")
-        deviation = text(found.deviation, found.unit) if math.isfinite(found.deviation) else "not a number"
-        values = [text(value, found.unit, 6) for value in (found.reference, found.value)]
-        table.add_row(
-            Text(found.name), *values, deviation, text(found.tolerance, found.unit), *where, *counts, yes
-        )
+    places = {"traces": ["at", "outside"], "sweeps": ["run", "outside"]}.get(found.kind, [])
+    names = ("reference", "other", "largest deviation", "tolerance")
+    table = plain_table(NAMES[found.kind], *names, *places, "within")
+    for one in shown:
+        course = found.courses.get(one.name)
+        items = {number: name for name, number in course.items.items()} if course else {}
+        values = [items.get(value) or text(value, one.unit, 6) for value in (one.reference, one.value)]
+        where = [] if one.at is None else [f"{one.at:g} s" if found.kind == "traces" else f"{one.at:.0f}"]
+        counts = [f"{one.outside} of {one.compared}"] if places else []
+        yes = Text("NO", style="bold red") if one.outside else Text("yes", style="green")
+        cells = [*values, distance(one), text(one.tolerance, one.unit), *where, *counts]
+        table.add_row(Text(one.name), *map(Text, cells), yes)
     return table
+
+
+def distance(found: Deviation) -> str:
+    """Deviation as text."""
+    if math.isnan(found.reference) or math.isnan(found.value):
+        return "not a number" if found.deviation else "0"
+    return text(found.deviation, found.unit)
 
 
 def verdict(found: Comparison) -> Text:

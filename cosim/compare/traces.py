@@ -51,7 +51,8 @@ def compare(
         around = tube(reference.times, values, other.times, *allowed.of(name), stepped=stepped(values))
         unit = reference.units.get(name, "") or other.units.get(name, "")
         found.deviations.append(worst(name, unit, around, other.trace[name], other.times))
-        found.courses[name] = Course(other.times, other.trace[name], around)
+        items = other.items.get(name) or reference.items.get(name) or {}
+        found.courses[name] = Course(other.times, other.trace[name], around, items)
     return found
 
 

@@ -17,7 +17,9 @@ from cosim import paths
 from cosim.errors import CosimError
 from cosim.loop.result import plain
 from cosim.optimize.objective import MISFIT
-from cosim.optimize.search import Trial, Variants, best
+from cosim.optimize.proposer import Trial
+from cosim.optimize.search import best
+from cosim.optimize.variants import Variants
 from cosim.show.display import plain_table
 from cosim.show.quantity import number, text
 from cosim.sweep.plan import text as value_text

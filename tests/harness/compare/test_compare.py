@@ -34,10 +34,11 @@ def command(capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) 
     return run
 
 
-def save(file: str, units: dict[str, str] | None = None, **columns: Any) -> None:
+def save(file: str, units: dict[str, str] | None = None, items: Any = None, **columns: Any) -> None:
     """Write a trace."""
     table = np.array(list(columns.values()), dtype=float).T
-    trace.save(trace.structured(table, list(columns)), Path(file), {"units": units or {}, "items": {}})
+    about = {"units": units or {}, "items": items or {}}
+    trace.save(trace.structured(table, list(columns)), Path(file), about)
 
 
 def found(command: Run, *arguments: str) -> tuple[int, dict[str, Any]]:
@@ -100,6 +101,22 @@ def test_nan_on_one_side_is_a_difference_at_any_tolerance(command: Run) -> None:
         assert (answer["quantities"][0]["at"], answer["quantities"][0]["outside"]) == (0.07, 1)
     assert found(command, "b.npz", "b.npz")[0] == 0
     assert "not a number" in command("compare", "a.npz", "b.npz", "--atol", "1e9")[1]
+
+
+@pytest.mark.usefixtures("folder")
+def test_enumerations_are_shown_by_name(command: Run) -> None:
+    off, on = np.zeros(100), (TIME >= 0.5).astype(float)
+    items = {"mode": {"Off": 0, "On": 1}}
+    save("a.npz", items=items, time=TIME, mode=off)
+    save("b.npz", items=items, time=TIME, mode=on)
+    (line,) = [
+        line for line in command("compare", "a.npz", "b.npz")[1].splitlines() if line.startswith("mode ")
+    ]
+    assert line.split()[1:3] == ["Off", "On"]
+    save("c.npz", items={"mode": {"On": 0, "Off": 1}}, time=TIME, mode=off)
+    assert found(command, "a.npz", "c.npz")[1]["differences"] == [
+        "`mode` has the items On=0 Off=1, the reference Off=0 On=1"
+    ]
 
 
 @pytest.mark.usefixtures("folder")

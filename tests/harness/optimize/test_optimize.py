@@ -15,6 +15,8 @@ import pytest
 import cosim
 from cosim.cli import app
 from cosim.optimize import problem, search
+from cosim.optimize.proposer import Proposer
+from cosim.optimize.variants import Variants
 from cosim.sweep.store import Store
 
 Write = Callable[..., Path]
@@ -280,10 +282,10 @@ def test_what_is_wrong_is_one_sentence(case: str, command: Run) -> None:
 
 def test_proposals_follow_from_the_trials_before_alone(command: Run) -> None:
     study('metric = "end"', trials=16, more="batch = 4")
-    variants = search.Variants(problem.load(Path("o.toml")))
+    variants = Variants(problem.load(Path("o.toml")))
     with Store(Path("one")) as store:
         trials = search.search(variants, store, search.SearchOptions(workers=1))
-    proposer = search.Proposer(variants.problem)
+    proposer = Proposer(variants.problem)
     for begin in range(0, 16, 4):
         batch = [proposer.propose(number) for number in range(begin, begin + 4)]
         assert batch == [trial.values for trial in trials[begin : begin + 4]]
