@@ -153,6 +153,9 @@ def same_units(name: str, before: str, now: str) -> str:
     return f"`{name}` is in `{now}`, the reference in `{before}`"
 
 
-def finite(value: Any) -> float:
-    """Read a number of a JSON file, which may be a text such as `NaN`."""
-    return float(value) if isinstance(value, int | float | str) else math.nan
+def number_of(value: Any) -> float:
+    """Read a number of a JSON file, which may be a text such as `NaN`; what is no number is NaN."""
+    try:
+        return float(value)
+    except (TypeError, ValueError, OverflowError):
+        return math.nan

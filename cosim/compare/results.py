@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from cosim import paths
-from cosim.compare.comparison import Comparison, finite, same_units, scalars, worst
+from cosim.compare.comparison import Comparison, number_of, same_units, scalars, worst
 from cosim.compare.tolerance import Tolerances
 from cosim.errors import CosimError
 
@@ -36,7 +36,9 @@ def read(path: Path) -> dict[str, Any]:
     if not isinstance(metrics, dict) or not isinstance(criteria, list):
         raise CosimError(f"`{shown}` is no result: it has no `metrics` and `criteria`", HINT)
     entries = [*metrics.values(), *criteria]
-    if not all(isinstance(entry, dict) for entry in entries) or any("id" not in entry for entry in criteria):
+    if not all(isinstance(entry, dict) for entry in entries) or not all(
+        isinstance(entry.get("id"), str) for entry in criteria
+    ):
         raise CosimError(f"`{shown}` is no result: its metrics and criteria are no tables", HINT)
     return table
 
@@ -70,8 +72,8 @@ def compare(
         unit = str(old.get("unit", ""))
         found.differences += [text] if (text := same_units(name, unit, str(new.get("unit", "")))) else []
         atol, rtol, _ = allowed.of(name)
-        around = scalars(np.array([finite(old.get("value"))]), atol, rtol)
-        found.deviations.append(worst(name, unit, around, np.array([finite(new.get("value"))]), None))
+        around = scalars(np.array([number_of(old.get("value"))]), atol, rtol)
+        found.deviations.append(worst(name, unit, around, np.array([number_of(new.get("value"))]), None))
     extra = [name for name in now if name not in before]
     if extra and not allowed.only:
         found.notes.append("not in the reference: " + ", ".join(f"`{name}`" for name in extra))

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from cosim import paths
-from cosim.compare.comparison import Comparison, finite, same_units, scalars, worst
+from cosim.compare.comparison import Comparison, number_of, same_units, scalars, worst
 from cosim.compare.tolerance import Tolerances
 from cosim.errors import CosimError
 from cosim.sweep.store import FILE, Row
@@ -38,6 +38,7 @@ def read(folder: Path) -> list[Row]:
         try:
             row = json.loads(line)
             row["run"], row["hash"], row["status"] = int(row["run"]), str(row["hash"]), str(row["status"])
+            row["metrics"], row["units"] = dict(row.get("metrics", {})), dict(row.get("units", {}))
         except (ValueError, KeyError, TypeError, RecursionError):
             log.warning("line %d of `%s` is no row, it is left out", number, paths.shown(file))
             continue
@@ -81,7 +82,7 @@ def compare(
     if extra:
         found.notes.append(f"{runs(extra)} not in the reference")
     compare_statuses(found, pairs)
-    known = list(dict.fromkeys(name for old, _ in pairs for name in old.get("metrics", {})))
+    known = list(dict.fromkeys(name for old, _ in pairs for name in old["metrics"]))
     for name in allowed.chosen(known):
         compare_metric(found, name, pairs, allowed)
     return found
@@ -121,18 +122,16 @@ def compare_statuses(found: Comparison, pairs: list[tuple[Row, Row]]) -> None:
 
 def compare_metric(found: Comparison, name: str, pairs: list[tuple[Row, Row]], allowed: Tolerances) -> None:
     """Compare a metric over all runs in which both have it."""
-    both = [(old, new) for old, new in pairs if name in old.get("metrics", {}) and new.get("metrics")]
+    both = [(old, new) for old, new in pairs if name in old["metrics"] and new["metrics"]]
     if not any(name in new["metrics"] for _, new in both):
         found.differences.append(f"the metric `{name}` is missing")
         return
     old, new = both[0]
-    unit = str(old.get("units", {}).get(name, ""))
-    found.differences += [
-        text for text in [same_units(name, unit, str(new.get("units", {}).get(name, "")))] if text
-    ]
+    unit = str(old["units"].get(name, ""))
+    found.differences += [text for text in [same_units(name, unit, str(new["units"].get(name, "")))] if text]
     atol, rtol, _ = allowed.of(name)
     before, now = (
-        np.array([finite(row["metrics"].get(name)) for row in rows]) for rows in zip(*both, strict=True)
+        np.array([number_of(row["metrics"].get(name)) for row in rows]) for rows in zip(*both, strict=True)
     )
     numbers = np.array([float(old["run"]) for old, _ in both])
     found.deviations.append(worst(name, unit, scalars(before, atol, rtol), now, numbers))

@@ -38,8 +38,8 @@ def judge(scenario: Scenario, found: StoredTrace) -> Result:
         A metric needs a column that the trace does not have, or cannot be computed.
     """
     shown = paths.shown(found.file)
-    about = found.about
-    ran = str(about.get("scenario", scenario.name))
+    ran = str(found.about.get("scenario", scenario.name))
+    seed, simulated = found.about.get("seed"), found.about.get("simulated_s")
     if ran.partition("/")[0] != scenario.name.partition("/")[0]:
         log.warning("`%s` is a trace of `%s`, it is judged as one of `%s`", shown, ran, scenario.name)
     with located(scenario):
@@ -54,11 +54,11 @@ def judge(scenario: Scenario, found: StoredTrace) -> Result:
     return Result(
         scenario=scenario.name,
         title=scenario.title,
-        seed=int(about.get("seed", scenario.loop.seed)),
+        seed=seed if isinstance(seed, int) else scenario.loop.seed,
         engine=ENGINE,
         metrics=measured,
         criteria=verdicts,
-        simulated_s=float(about.get("simulated_s", found.times[-1] + scenario.loop.step)),
+        simulated_s=simulated if isinstance(simulated, float) else found.times[-1] + scenario.loop.step,
         wall_s=0.0,
         trace=found.trace,
         units=found.units,

@@ -72,7 +72,7 @@ def read(path: str | Path) -> StoredTrace:
             raise CosimError(f"`{shown}` is no trace", "traces end in `.npz` or `.csv`")
     except OSError as error:
         raise CosimError(f"cannot read `{shown}`: {error.strerror or error}") from None
-    except (ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, csv.Error) as error:
+    except (ValueError, KeyError, EOFError, RecursionError, zipfile.BadZipFile, csv.Error) as error:
         hint = "a trace is what `cosim run --trace` writes, or a CSV file with a header"
         raise CosimError(f"`{shown}` holds no trace: {' '.join(str(error).split())}", hint) from None
     check(found, shown)
@@ -87,7 +87,11 @@ def read_npz(path: Path) -> StoredTrace:
     kinds = [kind for kind, *_ in (table.dtype.fields or {}).values()]
     if table.ndim != 1 or not kinds or any(kind != np.float64 for kind in kinds):
         raise ValueError("the array `trace` has no columns of 64-bit numbers")
-    return StoredTrace(path, table, about.pop("units", {}), about.pop("items", {}), about)
+    units, items = (about.pop(name, {}) if isinstance(about, dict) else None for name in ("units", "items"))
+    if not isinstance(units, dict) or not isinstance(items, dict):
+        raise ValueError("the array `about` does not tell units and items")
+    named = {name: entry for name, entry in items.items() if isinstance(entry, dict)}
+    return StoredTrace(path, table, {name: str(unit) for name, unit in units.items()}, named, about)
 
 
 def read_csv(path: Path) -> StoredTrace:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal, NoReturn
@@ -136,5 +137,8 @@ def check_varied(problem: Problem, fail: Any) -> None:
         if vary.distribution == "normal" or vary.mean is not None or vary.deviation is not None:
             fail(f"{key}.distribution", "cannot be `normal` here", "a search needs `minimum` and `maximum`")
         check_values(vary, key, "search", fail)
-        if any(not isinstance(value, bool | int | float | str) for value in vary.values):
-            fail(f"{key}.values", "holds something else than numbers, texts and truth values")
+        for value in vary.values:
+            if not isinstance(value, bool | int | float | str):
+                fail(f"{key}.values", f"holds `{value}`, which is no number, text or truth value")
+            if isinstance(value, float) and not math.isfinite(value):
+                fail(f"{key}.values", f"holds `{value}`, which is not finite")

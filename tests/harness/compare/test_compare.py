@@ -256,6 +256,7 @@ def test_the_same_hash_is_the_same_run_and_the_last_row_of_it_counts(command: Ru
     after = sweep("b", [row(0, 5.0), row(0, "NaN", set={}), row(0, 1.0, set={})])
     assert found(command, before, after)[0] == 0
     assert found(command, before, sweep("c", [row(0, "NaN")]), "--atol", "9")[0] == 1
+    assert found(command, before, sweep("d", [row(0, "much")]), "--atol", "9")[0] == 1
 
 
 WRONG = {
@@ -282,6 +283,9 @@ WRONG = {
     "no time": (["timeless.csv", "a.npz"], "no column `time`"),
     "time goes back": (["back.csv", "a.npz"], "do not ascend"),
     "objects": (["objects.npz", "a.npz"], "`objects.npz` holds no trace"),
+    "about is a list": (["about.npz", "a.npz"], "`about.npz` holds no trace"),
+    "criterion without name": (["id.json", "r.json"], "`id.json` is no result"),
+    "rows that are none": (["rows", "rows"], "has no rows"),
     "no result": (["text.json", "r.json"], "`text.json` is no result"),
     "list": (["list.json", "r.json"], "`list.json` is no result"),
     "no sweep": (["sub", "sub"], "results.jsonl"),
@@ -298,7 +302,11 @@ def test_what_cannot_be_compared_is_one_sentence(case: str, command: Run) -> Non
     whole = Path("a.npz").read_bytes()
     Path("torn.npz").write_bytes(whole[: len(whole) // 2])
     np.savez("objects.npz", trace=np.zeros(3))
+    np.savez("about.npz", trace=np.load("a.npz")["trace"], about="[1]")
+    Path("rows").mkdir()
     texts = {
+        "rows/results.jsonl": '{"run": "x"}\n[1]\n{"run": 1, "hash": "h", "status": "", "metrics": 3}\n',
+        "id.json": '{"metrics": {}, "criteria": [{"id": [1]}]}',
         "text.csv": "time,x\n0,a\n",
         "ragged.csv": "time,x\n0,1\n1\n",
         "empty.csv": "",
@@ -315,7 +323,6 @@ def test_what_cannot_be_compared_is_one_sentence(case: str, command: Run) -> Non
     arguments, problem = WRONG[case]
     code, out, err = command("compare", *arguments)
     assert (code, out) == (2, "")
-    error = err.splitlines()[0]
-    assert error.startswith("error: ")
+    (error,) = [line for line in err.splitlines() if line.startswith("error: ")]
     assert problem in error
     assert "Traceback" not in err

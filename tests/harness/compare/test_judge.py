@@ -9,9 +9,11 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import cosim
+from cosim.cli import app
 from cosim.errors import CosimError
 
 from ..conftest import END
@@ -102,3 +104,33 @@ def test_a_trace_of_another_loop_is_told(
     monkeypatch.setattr(logging.getLogger("cosim"), "propagate", True)
     cosim.judge(cosim.load("other.toml"), cosim.read_trace(stored))
     assert "is a trace of `lag`, it is judged as one of `other`" in caplog.text
+
+
+@pytest.mark.parametrize(
+    ("arguments", "problem"),
+    [
+        (["gone.npz", "lag.toml"], "cannot read `gone.npz`"),
+        (["lag.npz", "gone"], "there is no scenario `gone`"),
+        (["lag.npz", "lag.toml", "--set", "metric.end.value='plant.x'"], "gives 50 values, not one"),
+        (["lag.npz", "lag.toml", "--json", "no/a.json"], "cannot write `no/a.json`"),
+        (["lag.toml", "lag.toml"], "`lag.toml` is no trace"),
+    ],
+)
+@pytest.mark.usefixtures("stored")
+def test_what_cannot_be_judged_is_one_sentence(
+    arguments: list[str], problem: str, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "argv", ["cosim", "judge", *arguments])
+    assert app.status_of(app.app) == 2
+    out, err = capfd.readouterr()
+    assert out == ""
+    assert err.startswith("error: ")
+    assert problem in err.splitlines()[0]
+
+
+def test_what_a_file_tells_wrongly_is_not_taken(stored: Path) -> None:
+    trace = np.load(stored)["trace"]
+    about = {"seed": "x", "simulated_s": [], "scenario": 3, "units": {"plant.x": 1}, "items": {"a": 2}}
+    np.savez(stored, trace=trace, about=json.dumps(about))
+    again = cosim.judge(cosim.load("lag.toml", ["metric.active.value='0'"]), cosim.read_trace(stored))
+    assert (again.seed, again.simulated_s) == (1, pytest.approx(0.05))

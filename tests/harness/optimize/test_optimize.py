@@ -250,6 +250,7 @@ WRONG = {
     "twice": ('metric = "end"', GAIN + GAIN, "is there twice"),
     "nothing varies": ('metric = "end"', "vary = []\n", "vary"),
     "list of lists": ('metric = "end"', '[[vary]]\nkey = "plant.label"\nvalues = [[1]]\n', "values"),
+    "nan": ('metric = "end"', '[[vary]]\nkey = "plant.pole"\nvalues = [0.5, nan]\n', "which is not finite"),
     "no trials": ('metric = "end"', "trials = 0\n", "search.trials"),
     "no measured trace": ('trace = "gone.csv"', GAIN, "gone.csv"),
     "unknown column": ('trace = "m.csv"\ncolumns = ["plant.y"]', GAIN, "`plant.y`"),
