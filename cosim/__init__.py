@@ -12,8 +12,10 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from cosim.errors import CosimError
+    from cosim.loop.judge import judge
     from cosim.loop.result import Result
     from cosim.loop.session import Session
+    from cosim.loop.stored import read as read_trace
     from cosim.pool.runs import run, run_each, run_many
     from cosim.scenario.load import load
     from cosim.scenario.model import Scenario
@@ -28,7 +30,9 @@ __all__ = [
     "Scenario",
     "Session",
     "SweepResult",
+    "judge",
     "load",
+    "read_trace",
     "run",
     "run_each",
     "run_many",
@@ -36,24 +40,27 @@ __all__ = [
 ]
 
 PLACES = {
-    "CosimError": "cosim.errors",
-    "Result": "cosim.loop.result",
-    "Scenario": "cosim.scenario.model",
-    "Session": "cosim.loop.session",
-    "SweepResult": "cosim.sweep.results",
-    "load": "cosim.scenario.load",
-    "run": "cosim.pool.runs",
-    "run_each": "cosim.pool.runs",
-    "run_many": "cosim.pool.runs",
+    "CosimError": ("cosim.errors", "CosimError"),
+    "Result": ("cosim.loop.result", "Result"),
+    "Scenario": ("cosim.scenario.model", "Scenario"),
+    "Session": ("cosim.loop.session", "Session"),
+    "SweepResult": ("cosim.sweep.results", "SweepResult"),
+    "judge": ("cosim.loop.judge", "judge"),
+    "load": ("cosim.scenario.load", "load"),
+    "read_trace": ("cosim.loop.stored", "read"),
+    "run": ("cosim.pool.runs", "run"),
+    "run_each": ("cosim.pool.runs", "run_each"),
+    "run_many": ("cosim.pool.runs", "run_many"),
 }
-"""Module of each public name."""
+"""Module of each public name, and its name there."""
 
 
 def __getattr__(name: str) -> Any:
     """Import a public name when it is asked for."""
     if name not in PLACES:
         raise AttributeError(f"module `{__name__}` has no attribute `{name}`")
-    value = getattr(import_module(PLACES[name]), name)
+    module, there = PLACES[name]
+    value = getattr(import_module(module), there)
     globals()[name] = value
     return value
 

@@ -10,9 +10,12 @@ import typer.exceptions
 
 from cosim import interrupts
 from cosim.cli.check import check
+from cosim.cli.compare import compare
 from cosim.cli.console import report
+from cosim.cli.judge import judge
 from cosim.cli.listing import list_scenarios
 from cosim.cli.new import new
+from cosim.cli.optimize import optimize
 from cosim.cli.options import COULD_NOT_RUN, INTERRUPTED, READER_GONE
 from cosim.cli.run import run
 from cosim.cli.schema import schema
@@ -39,7 +42,10 @@ app.command()(show)
 app.command()(new)
 app.command()(check)
 app.command()(run)
+app.command()(judge)
+app.command()(compare)
 app.command()(sweep)
+app.command()(optimize)
 app.command()(schema)
 
 

@@ -123,7 +123,12 @@ class Result:
 
     def save_trace(self, path: str | Path) -> None:
         """Write the trace as `.npz` or `.csv`."""
-        trace.save(self.kept_trace(), Path(path))
+        trace.save(self.kept_trace(), Path(path), self.about())
+
+    def about(self) -> dict[str, Any]:
+        """Return what a saved trace tells beside its numbers; the same run gives the same bytes."""
+        names = ("scenario", "title", "seed", "simulated_s", "units", "items")
+        return {name: getattr(self, name) for name in names}
 
 
 def criterion(verdict: Verdict) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -113,8 +114,8 @@ def structured(table: NDArray[np.float64], names: list[str]) -> NDArray[Any]:
     return np.ascontiguousarray(table).view(dtype).reshape(len(table))
 
 
-def save(trace: NDArray[Any], path: Path) -> None:
-    """Save a trace as `.npz` (array `trace`) or `.csv` (as FMPy writes and reads it).
+def save(trace: NDArray[Any], path: Path, about: dict[str, Any]) -> None:
+    """Save a trace as `.npz` (arrays `trace`, and `about` as JSON) or `.csv` (as FMPy writes and reads it).
 
     Raises
     ------
@@ -123,7 +124,7 @@ def save(trace: NDArray[Any], path: Path) -> None:
     """
     try:
         if path.suffix == ".npz":
-            np.savez_compressed(path, trace=trace)
+            np.savez_compressed(path, trace=trace, about=np.array(json.dumps(about)))
         elif path.suffix == ".csv":
             table = trace.view(np.float64).reshape(len(trace), -1)
             header = ",".join(f'"{name}"' for name in trace.dtype.names or ())

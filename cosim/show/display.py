@@ -209,13 +209,17 @@ def criteria_table(verdicts: list[Verdict]) -> Table:
 def summary(found: Result) -> Text:
     """One line: verdict, seed and speed."""
     verdict = Text(counted(found.criteria), style=STYLES[found.passed])
-    speed = found.simulated_s / found.wall_s
-    verdict.append(
-        f"; seed {found.seed}, {number(found.simulated_s)} s simulated in {number(found.wall_s, 3)} s "
-        f"({number(speed, 2)} x real time)",
-        style="not bold default",
-    )
+    verdict.append(f"; seed {found.seed}, {speed(found)}", style="not bold default")
     return verdict
+
+
+def speed(found: Result) -> str:
+    """Tell the simulated time, and how long it took if something was run."""
+    if not found.wall_s:
+        return f"{number(found.simulated_s)} s judged as stored"
+    ratio = found.simulated_s / found.wall_s
+    taken = f"{number(found.simulated_s)} s simulated in {number(found.wall_s, 3)} s"
+    return f"{taken} ({number(ratio, 2)} x real time)"
 
 
 def heading(title: str) -> Text:

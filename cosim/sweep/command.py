@@ -19,7 +19,7 @@ from cosim.pool import cluster, local
 from cosim.pool.limits import Limits, processors
 from cosim.show.bar import bar
 from cosim.show.lines import ProgressLines
-from cosim.sweep import overview, study
+from cosim.sweep import influence, overview, study
 from cosim.sweep.export import save_csv, save_parquet
 from cosim.sweep.plan import Plan
 from cosim.sweep.runner import Observer, Pool, pending, save_traces, sweep, worst
@@ -102,6 +102,10 @@ def summarise(plan: Plan, found: Survey, folder: Path, plots: bool) -> None:
     save_parquet(found.columns, folder / "summary.parquet")
     if plots and found.results and overview.can_plot():
         overview.save_plots(plan, found, folder / "summary.svg")
+    if plots and found.influences and overview.can_plot():
+        influence.save_plots(
+            found.influences, plan.study.title or plan.study.name, folder / "sensitivity.svg"
+        )
 
 
 def pool_of(plan: Plan, options: Options) -> Pool:

@@ -45,11 +45,25 @@ def monte_carlo(varied: Sequence[Vary], samples: int, seed: int) -> list[Case]:
     return points(varied, generator(seed).random((samples, len(varied))))
 
 
+def saltelli(varied: Sequence[Vary], samples: int, seed: int) -> list[Case]:
+    """Points that give Sobol indices: A, B, and for each key A with the value of that key from B.
+
+    More samples only add to them; powers of two are balanced.
+    """
+    count = len(varied)
+    sampler = quasi_monte_carlo().Sobol(2 * count, scramble=True, rng=generator(seed))
+    both = sampler.random_base2(math.ceil(math.log2(samples)) if samples > 1 else 0)[:samples]
+    a, b = both[:, :count], both[:, count:]
+    mixed = [np.where(np.arange(count) == index, b, a) for index in range(count)]
+    return points(varied, np.stack([a, b, *mixed], axis=1).reshape(-1, count))
+
+
 DESIGNS: dict[str, Callable[[Sequence[Vary], int, int], list[Case]]] = {
     "grid": grid,
     "latin-hypercube": latin_hypercube,
     "sobol": sobol,
     "monte-carlo": monte_carlo,
+    "saltelli": saltelli,
 }
 
 
@@ -70,7 +84,9 @@ def quasi_monte_carlo() -> Any:
         return importlib.import_module("scipy.stats.qmc")
     except ImportError:
         hint = "install the extra: `pip install machining-fmus[sweep]`; `grid` and `monte-carlo` need nothing"
-        raise CosimError("scipy is not installed, it makes `latin-hypercube` and `sobol`", hint) from None
+        raise CosimError(
+            "scipy is not installed, it makes `latin-hypercube`, `sobol` and `saltelli`", hint
+        ) from None
 
 
 def levels(vary: Vary) -> list[Any]:

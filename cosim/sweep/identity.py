@@ -6,6 +6,7 @@ import functools
 import hashlib
 import importlib
 import importlib.metadata
+import importlib.util
 import sys
 import sysconfig
 from collections.abc import Iterator, Mapping
@@ -113,10 +114,20 @@ def imported(module: Path, folder: Path) -> set[Path]:
 def project() -> dict[str, str]:
     """Versions and contents of what computes the numbers, beside FMU and plant."""
     plants, cosim = PROJECT
-    # an engine of native code may lie in the package itself
     files = [*plants.rglob("*"), *cosim.glob("*"), *(f for room in ROOMS for f in (cosim / room).rglob("*"))]
     files = sorted((file for file in files if file.suffix in CODE), key=lambda file: file.parts[::-1])
-    return {**{name: version(name) for name in PACKAGES}, "project": joined([digest(file) for file in files])}
+    return {
+        **{name: version(name) for name in PACKAGES},
+        "project": joined([digest(file) for file in [*files, native()]]),
+    }
+
+
+def native() -> Path:
+    """File of the module with the native code of plants and loop."""
+    found = importlib.util.find_spec("machining_native")
+    assert found is not None
+    assert found.origin is not None
+    return Path(found.origin)
 
 
 def version(name: str) -> str:

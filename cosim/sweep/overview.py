@@ -19,6 +19,7 @@ from cosim.show.listing import plain_table
 from cosim.show.plot import STYLE
 from cosim.show.quantity import number, text
 from cosim.show.verdicts import NOTHING_DEMANDED
+from cosim.sweep import influence
 from cosim.sweep.plan import Plan
 from cosim.sweep.store import DONE
 from cosim.sweep.survey import QUANTILES, Survey, confidence, quantiles
@@ -37,6 +38,8 @@ def tables(plan: Plan, found: Survey, worst: list[int]) -> RenderableType:
         parts += [criteria_table(scenario, found), ""]
     if found.values:
         parts += [metric_table(found), ""]
+    if found.influences:
+        parts += [influence.table(found.influences), ""]
     if worst:
         parts += [worst_runs(plan, found, worst), ""]
     if found.troubles:

@@ -68,7 +68,8 @@ class Design:
     kind
         `list` takes the tables `[[case]]` or a CSV file, the others vary the keys of `[[vary]]`.
     samples
-        Number of cases of `latin-hypercube`, `sobol` and `monte-carlo`.
+        Number of cases of `latin-hypercube`, `sobol` and `monte-carlo`; of `saltelli`, whose cases give Sobol
+        indices, the number of points, each of which makes 2 cases and 1 for each key.
     file
         CSV file of a `list`, beside the study; its first line holds the keys.
     repeats
@@ -78,7 +79,7 @@ class Design:
         meet the same noise.
     """
 
-    kind: Literal["grid", "list", "latin-hypercube", "sobol", "monte-carlo"]
+    kind: Literal["grid", "list", "latin-hypercube", "sobol", "monte-carlo", "saltelli"]
     samples: int | None = None
     file: str = ""
     repeats: int = limited(COUNT, 1)
@@ -209,6 +210,8 @@ def count(study: Study) -> int:
             return len(study.case)
         case "grid":
             return math.prod(len(vary.values) or vary.points or 0 for vary in study.vary)
+        case "saltelli":
+            return (study.design.samples or 0) * (len(study.vary) + 2)
     return study.design.samples or 0
 
 

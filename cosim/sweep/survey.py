@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from cosim.loop.result import plain
 from cosim.sweep.plan import Plan
+from cosim.sweep.sensitivity import Influence, influences
 from cosim.sweep.store import DONE, Row, Store
 
 QUANTILES = {"minimum": 0.0, "median": 0.5, "95 %": 0.95, "99 %": 0.99, "maximum": 1.0}
@@ -42,6 +43,8 @@ class Survey:
         Number of results in which each criterion held.
     troubles
         Status and reason of what gave no result: how often, and the first run.
+    influences
+        How the varied keys move the metrics.
     """
 
     wanted: int
@@ -51,6 +54,7 @@ class Survey:
     units: dict[str, str] = field(default_factory=dict)
     held: Counter[str] = field(default_factory=Counter)
     troubles: dict[tuple[str, str], tuple[int, int]] = field(default_factory=dict)
+    influences: list[Influence] = field(default_factory=list)
 
     @property
     def rows(self) -> int:
@@ -85,6 +89,7 @@ class Survey:
                 for name, values in self.values.items()
             },
             "criteria": {name: {"held": count, "of": self.results} for name, count in self.held.items()},
+            "sensitivity": [influence.to_dict() for influence in self.influences],
             "passed": self.passed,
         }
 
@@ -112,6 +117,7 @@ def survey(plan: Plan, store: Store) -> Survey:
     for name in found.units:
         values = [value for value in found.columns.get(f"metric.{name}", ()) if value is not None]
         found.values[name] = np.array(values, dtype=np.float64)
+    found.influences = influences(plan, found.columns)
     return found
 
 

@@ -1,0 +1,133 @@
+"""`cosim compare`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from typer import Argument, Option
+
+from cosim.cli.console import configure_logging, output, progress_bar
+from cosim.cli.options import FAILED, Quiet, Set, Verbose
+from cosim.errors import CosimError
+
+if TYPE_CHECKING:
+    from cosim.compare.comparison import Comparison
+    from cosim.compare.tolerance import Tolerances
+
+LIMIT = "[PATTERN=]VALUE"
+FILES = (".npz", ".csv", ".json")
+
+
+def compare(
+    reference: Annotated[
+        str,
+        Argument(
+            metavar="REFERENCE|LOOP",
+            help="What is right: a trace (.npz, .csv), a result (.json) or the folder of a sweep. "
+            "Alone: a scenario, which is run and compared with its baseline.",
+        ),
+    ],
+    other: Annotated[
+        str | None,
+        Argument(metavar="OTHER", show_default=False, help="What is held against it, of the same kind."),
+    ] = None,
+    atol: Annotated[
+        list[str] | None,
+        Option(metavar=LIMIT, help="Absolute tolerance, in the unit of the column or metric. Default 0."),
+    ] = None,
+    rtol: Annotated[
+        list[str] | None, Option(metavar=LIMIT, help="Tolerance relative to the reference. Default 0.")
+    ] = None,
+    dt: Annotated[
+        list[str] | None,
+        Option(metavar=LIMIT, help="Time in s by which a column may come early or late. Default 0."),
+    ] = None,
+    only: Annotated[
+        list[str] | None, Option(metavar="PATTERN", help="Compare only what this fits: `plant.*`.")
+    ] = None,
+    update: Annotated[
+        bool, Option("--update", help="Run the scenario and make that its baseline, instead of comparing.")
+    ] = False,
+    set_: Set = None,
+    engine: Annotated[str, Option(help="reference (FMPy drives) or native (fast, same bits).")] = "reference",
+    plot: Annotated[
+        Path | None,
+        Option(metavar="FILE.svg|.png", help="Plot the columns that deviate most, with their tubes."),
+    ] = None,
+    json: Annotated[bool, Option("--json", help="Print the comparison as JSON.")] = False,
+    verbose: Verbose = False,
+    quiet: Quiet = False,
+) -> None:
+    """Compare traces, results or sweeps within tolerances, or a scenario with its baseline.
+
+    What is right comes first:
+
+        cosim compare before.npz after.npz --atol 'plant.*=1e-9' --dt 1e-4
+        cosim compare before.json after.json --rtol 1e-6
+        cosim compare old.sweep new.sweep --only depth --rtol 0.01
+
+    A baseline is the trace of a run that was found good, in the file
+    SCENARIO.baseline.npz beside the scenario:
+
+        cosim compare dob --update    (runs it and writes the baseline)
+        cosim compare dob             (runs it and compares)
+
+    --atol, --rtol, --dt and --only may be given again. A limit holds for the
+    columns or metrics that its pattern fits (`*` is any text), without a pattern
+    for all; of several the last one counts. A value v at time t is good if
+    |v - r| <= atol + rtol |r| for some r of the reference in t - dt .. t + dt.
+    NaN on one side only is a difference at any tolerance.
+
+    Exit code: 0 within tolerance, 1 not, 2 could not be compared.
+    """
+    configure_logging(verbose, quiet)
+    from cosim.compare import command, tables, tolerance
+    from cosim.compare import plot as plots
+
+    allowed = tolerance.tolerances(atol or (), rtol or (), dt or (), only or ())
+    if plot is not None:
+        plots.check("trace" if other is None else command.kind_of(other), plot)
+    if update:
+        for name, given in (("OTHER", other), ("--set", set_), ("--plot", plot)):
+            if given:
+                hint = "a baseline is made of one scenario as it stands"
+                raise CosimError(f"`{name}` does not go with `--update`", hint)
+    if other is not None:
+        if set_:
+            raise CosimError("`--set` does not go with two files", "it is for a scenario and its baseline")
+        found = command.compare(reference, other, allowed)
+    elif (maybe := with_baseline(reference, allowed, update, set_ or [], engine, quiet)) is None:
+        return
+    else:
+        found = maybe
+    if plot is not None:
+        plots.save(found, plot)
+    if json:
+        print(found.to_json(), end="", flush=True)
+    else:
+        output().print(tables.comparison(found))
+    raise typer.Exit(0 if found.within else FAILED)
+
+
+def with_baseline(
+    loop: str, allowed: Tolerances, update: bool, changes: list[str], engine: str, quiet: bool
+) -> Comparison | None:
+    """Compare a scenario with its baseline; None after it was written."""
+    from cosim.compare import baseline
+    from cosim.loop import engines
+    from cosim.scenario.load import load
+
+    chosen = engines.checked(engine)
+    if loop.endswith(FILES):
+        raise CosimError(
+            f"there is nothing to compare `{loop}` with", "give a second file, or a scenario alone"
+        )
+    scenario = load(loop, changes)
+    with progress_bar(scenario.name, quiet) as progress:
+        if update:
+            file = baseline.update(scenario, chosen, progress)
+            print(f"wrote {file}")
+            return None
+        return baseline.compare(scenario, allowed, chosen, progress)

@@ -1,0 +1,71 @@
+"""`cosim optimize`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from typer import Argument, Option
+
+from cosim.cli.console import configure_logging, output, progress_bar
+from cosim.cli.options import FAILED, Quiet, Verbose
+
+
+def optimize(
+    study: Annotated[
+        Path, Argument(metavar="STUDY.toml", help="What may vary, of which scenario, and what is wanted.")
+    ],
+    out: Annotated[
+        Path | None, Option(metavar="FOLDER", help="Folder of the results, by default `STUDY.optimize`.")
+    ] = None,
+    workers: Annotated[int | None, Option(min=1, help="Worker processes, by default one per core.")] = None,
+    engine: Annotated[str, Option(help="native (fast) or reference (FMPy drives, same bits).")] = "native",
+    again: Annotated[bool, Option("--again", help="Do runs again that gave no result.")] = False,
+    json: Annotated[bool, Option("--json", help="Print the best trial as JSON.")] = False,
+    verbose: Verbose = False,
+    quiet: Quiet = False,
+) -> None:
+    """Find the values of some keys at which a metric is best, or a run most like a measured one.
+
+    The file is like a study of `cosim sweep`, with what is wanted in place of a
+    design:
+
+        scenario = "crane"
+        vary = [{key = "controller.gain", minimum = 0.1, maximum = 10.0}]
+        objective = {metric = "swing", direction = "minimize"}
+        search = {trials = 100, batch = 8, seeds = [1, 2]}
+
+    The criteria of the scenario are constraints. To calibrate parameters, name a
+    measured trace: objective = {trace = "measured.csv", columns = ["plant.x"]}.
+    Of search everything may be left out; batch points are chosen at a time, and
+    of several seeds the mean counts.
+
+    Optuna proposes the points. The same file gives the same trials with any
+    number of workers, and what is done is not done again: the command goes on
+    after an interruption, or when trials was raised. The folder then holds
+    results.jsonl, a row for each run, and trials.csv.
+
+    Exit code: 0 found, 1 no trial holds all criteria, 2 could not run.
+    """
+    configure_logging(verbose, quiet)
+    from cosim.loop import engines
+    from cosim.optimize import problem, report, search
+    from cosim.optimize.variants import Variants
+    from cosim.sweep.store import Store
+
+    options = search.SearchOptions(workers, engines.checked(engine), again)
+    variants = Variants(problem.load(study))
+    folder = out or Path(f"{study.stem}.optimize")
+    with Store(folder) as store, progress_bar(variants.problem.name, quiet) as progress:
+        trials = search.search(variants, store, options, progress)
+    report.save_csv(variants, trials, folder / "trials.csv")
+    found = search.best(variants.problem, trials)
+    if json:
+        print(report.to_json(variants, trials), end="", flush=True)
+    else:
+        output().print(report.tables(variants, trials))
+        if found is not None:
+            # for copying: never wrapped
+            print(f"repeat it with: {report.command(variants, found)}")
+    raise typer.Exit(FAILED if found is None else 0)

@@ -1,0 +1,63 @@
+"""The baseline of a scenario: the trace of a run that was found good, in a file beside the scenario."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from cosim import paths
+from cosim.compare import traces
+from cosim.compare.comparison import Comparison
+from cosim.compare.tolerance import Tolerances
+from cosim.errors import CosimError
+from cosim.loop.engines import Engine
+from cosim.loop.reference import Progress
+from cosim.loop.stored import StoredTrace, read
+from cosim.pool.runs import run
+from cosim.scenario.model import Scenario
+
+ENDING = ".baseline.npz"
+
+
+def file_of(scenario: Scenario) -> Path:
+    """File of a scenario's baseline: `dob.toml` has `dob.baseline.npz`."""
+    return scenario.file.with_suffix(ENDING)
+
+
+def stored(scenario: Scenario) -> StoredTrace:
+    """Baseline of a scenario.
+
+    Raises
+    ------
+    CosimError
+        There is none, or it cannot be read.
+    """
+    file = file_of(scenario)
+    if not file.exists():
+        name = scenario.name if scenario.file.stem != scenario.name else paths.shown(scenario.file)
+        hint = f"`cosim compare {name} --update` runs the scenario and writes it"
+        raise CosimError(f"there is no baseline `{paths.shown(file)}`", hint)
+    return read(file)
+
+
+def compare(scenario: Scenario, allowed: Tolerances, engine: Engine, progress: Progress | None) -> Comparison:
+    """Run a scenario and compare its trace with the baseline.
+
+    Raises
+    ------
+    CosimError
+        There is no baseline, the run could not be done, or a pattern fits no column.
+    """
+    before = stored(scenario)
+    result = run(scenario, progress=progress, engine=engine)
+    if result.trace is None:
+        raise CosimError("this result holds no trace, there is nothing to compare")
+    now = StoredTrace(Path(), result.trace, result.units, result.items)
+    names = paths.shown(before.file), f"{result.scenario}, seed {result.seed}"
+    return traces.compare(before, now, allowed, names)
+
+
+def update(scenario: Scenario, engine: Engine, progress: Progress | None) -> Path:
+    """Run a scenario and write its baseline; returns the file."""
+    file = file_of(scenario)
+    run(scenario, progress=progress, engine=engine).save_trace(file)
+    return file

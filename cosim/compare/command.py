@@ -1,0 +1,56 @@
+"""What is compared with what, by the names that are given."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from cosim.compare import results, sweeps, traces
+from cosim.compare.comparison import Comparison
+from cosim.compare.tolerance import Tolerances
+from cosim.errors import CosimError
+from cosim.loop import stored
+
+KINDS = "traces (`.npz`, `.csv`), results (`.json`) and folders of sweeps can be compared"
+
+
+def compare(reference: str, other: str, allowed: Tolerances) -> Comparison:
+    """Compare two files or folders of the same kind.
+
+    Parameters
+    ----------
+    reference
+        What is right, within its tolerances.
+    other
+        What is held against it.
+    allowed
+        The tolerances.
+
+    Raises
+    ------
+    CosimError
+        A file is missing or broken, or the two cannot be compared.
+    """
+    kinds = kind_of(reference), kind_of(other)
+    if kinds[0] != kinds[1]:
+        raise CosimError(f"`{reference}` is a {kinds[0]} and `{other}` a {kinds[1]}", "give two of a kind")
+    if allowed.dt and kinds[0] != "trace":
+        raise CosimError(f"`--dt` does not go with a {kinds[0]}", "only traces have times")
+    first, second, names = Path(reference), Path(other), (reference, other)
+    match kinds[0]:
+        case "trace":
+            return traces.compare(stored.read(first), stored.read(second), allowed, names)
+        case "result":
+            return results.compare(results.read(first), results.read(second), allowed, names)
+    return sweeps.compare(sweeps.read(first), sweeps.read(second), allowed, names)
+
+
+def kind_of(name: str) -> str:
+    """Kind of a file or folder."""
+    path = Path(name)
+    if path.is_dir():
+        return "sweep"
+    if path.suffix in stored.ENDINGS or path.suffix == ".json":
+        if not path.is_file():
+            raise CosimError(f"the file `{name}` does not exist", KINDS)
+        return "result" if path.suffix == ".json" else "trace"
+    raise CosimError(f"`{name}` cannot be compared" if path.exists() else f"`{name}` does not exist", KINDS)

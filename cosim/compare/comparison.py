@@ -1,0 +1,161 @@
+"""What a comparison finds."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cosim.compare.tube import Tube
+from cosim.loop.result import plain
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """How one quantity differs, where it differs most for its tolerance.
+
+    Parameters
+    ----------
+    name, unit
+        The quantity.
+    reference, value
+        Nearest value of the reference within the time shift, and value of the other.
+    deviation, tolerance
+        Their distance, and how large it may be; infinite where one side is NaN.
+    at
+        Time in s, or number of the run; None for a single number.
+    outside, compared
+        Number of values beyond their tolerance, of how many.
+    """
+
+    name: str
+    unit: str
+    reference: float
+    value: float
+    deviation: float
+    tolerance: float
+    at: float | None
+    outside: int
+    compared: int
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return it as plain data for JSON."""
+        numbers = ("reference", "value", "deviation", "tolerance")
+        return {
+            "name": self.name,
+            "unit": self.unit,
+            "within": not self.outside,
+            **{name: plain(getattr(self, name)) for name in numbers},
+            "at": self.at,
+            "outside": self.outside,
+            "compared": self.compared,
+        }
+
+
+@dataclass(frozen=True)
+class Course:
+    """A column of a trace, its tube, and its items if it is an enumeration; for table and plot."""
+
+    times: NDArray[np.float64]
+    values: NDArray[np.float64]
+    tube: Tube
+    items: dict[str, int]
+
+
+@dataclass
+class Comparison:
+    """Two things compared.
+
+    Parameters
+    ----------
+    kind
+        `traces`, `results` or `sweeps`.
+    reference, other
+        What was compared, as the user named it.
+    deviations
+        Every quantity that both have.
+    differences
+        What else differs, each in one sentence.
+    notes
+        What is no difference but should be known.
+    courses
+        The columns of traces by name.
+    """
+
+    kind: str
+    reference: str
+    other: str
+    deviations: list[Deviation] = field(default_factory=list)
+    differences: list[str] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+    courses: dict[str, Course] = field(default_factory=dict)
+
+    @property
+    def outside(self) -> list[Deviation]:
+        """Quantities beyond their tolerance."""
+        return [found for found in self.deviations if found.outside]
+
+    @property
+    def within(self) -> bool:
+        """Whether nothing differs by more than its tolerance."""
+        return not self.outside and not self.differences
+
+    def to_json(self) -> str:
+        """Return the comparison as strict JSON."""
+        found = {
+            "kind": self.kind,
+            "reference": self.reference,
+            "other": self.other,
+            "within": self.within,
+            "quantities": [found.to_dict() for found in self.deviations],
+            "differences": self.differences,
+            "notes": self.notes,
+        }
+        return json.dumps(found, indent=2, allow_nan=False) + "\n"
+
+
+def worst(
+    name: str, unit: str, tube: Tube, values: NDArray[np.float64], at: NDArray[np.float64] | None
+) -> Deviation:
+    """Deviation of values from a tube: the first of those that take the largest share of their tolerance."""
+    deviation, tolerance = tube.deviation(values), tube.tolerance(values)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = np.where(deviation == 0.0, 0.0, deviation / tolerance)
+    index = int(np.lexsort((-np.arange(len(values)), deviation, share))[-1])
+    nearest = tube.high if values[index] > tube.high[index] else tube.low
+    inside = deviation[index] == 0.0
+    return Deviation(
+        name,
+        unit,
+        float(values[index] if inside else nearest[index]),
+        float(values[index]),
+        float(deviation[index]),
+        float(tolerance[index]),
+        None if at is None else float(at[index]),
+        int(np.sum(deviation > tolerance)),
+        len(values),
+    )
+
+
+def scalars(reference: NDArray[np.float64], atol: float, rtol: float) -> Tube:
+    """Tube around numbers that have no time."""
+    return Tube(reference, reference, np.isnan(reference), atol, rtol)
+
+
+def same_units(name: str, before: str, now: str) -> str:
+    """Sentence about a unit that changed, empty if it is the same or not known."""
+    if not before or not now or before == now:
+        return ""
+    return f"`{name}` is in `{now}`, the reference in `{before}`"
+
+
+def number_of(value: Any) -> float:
+    """Read a number of a JSON file, which may be a text such as `NaN`; what is no number is NaN."""
+    try:
+        return float(value)
+    except (TypeError, ValueError, OverflowError):
+        return math.nan

@@ -1,0 +1,98 @@
+"""Two results of runs: their metrics and verdicts."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cosim import paths
+from cosim.compare.comparison import Comparison, number_of, same_units, scalars, worst
+from cosim.compare.tolerance import Tolerances
+from cosim.errors import CosimError
+
+HINT = "a result is what `cosim run --json` writes"
+
+
+def read(path: Path) -> dict[str, Any]:
+    """Read the JSON file of a result.
+
+    Raises
+    ------
+    CosimError
+        The file is missing or no result.
+    """
+    shown = paths.shown(path)
+    try:
+        found: Any = json.loads(path.read_text(encoding="utf-8-sig"))
+    except OSError as error:
+        raise CosimError(f"cannot read `{shown}`: {error.strerror or error}") from None
+    except (ValueError, RecursionError) as error:
+        raise CosimError(f"`{shown}` is no result: {error}", HINT) from None
+    table: dict[str, Any] = found if isinstance(found, dict) else {}
+    metrics, criteria = table.get("metrics"), table.get("criteria")
+    if not isinstance(metrics, dict) or not isinstance(criteria, list):
+        raise CosimError(f"`{shown}` is no result: it has no `metrics` and `criteria`", HINT)
+    entries = [*metrics.values(), *criteria]
+    if not all(isinstance(entry, dict) for entry in entries) or not all(
+        isinstance(entry.get("id"), str) for entry in criteria
+    ):
+        raise CosimError(f"`{shown}` is no result: its metrics and criteria are no tables", HINT)
+    return table
+
+
+def compare(
+    reference: dict[str, Any], other: dict[str, Any], allowed: Tolerances, names: tuple[str, str]
+) -> Comparison:
+    """Compare a result with a reference.
+
+    Parameters
+    ----------
+    reference, other
+        The results, as `read` gives them.
+    allowed
+        Tolerances of the metrics.
+    names
+        What the two are called.
+
+    Raises
+    ------
+    CosimError
+        A pattern fits no metric.
+    """
+    found = Comparison("results", *names)
+    before, now = reference["metrics"], other["metrics"]
+    for name in allowed.chosen(before):
+        if name not in now:
+            found.differences.append(f"the metric `{name}` is missing")
+            continue
+        old, new = before[name], now[name]
+        unit = str(old.get("unit", ""))
+        found.differences += [text] if (text := same_units(name, unit, str(new.get("unit", "")))) else []
+        atol, rtol, _ = allowed.of(name)
+        around = scalars(np.array([number_of(old.get("value"))]), atol, rtol)
+        found.deviations.append(worst(name, unit, around, np.array([number_of(new.get("value"))]), None))
+    extra = [name for name in now if name not in before]
+    if extra and not allowed.only:
+        found.notes.append("not in the reference: " + ", ".join(f"`{name}`" for name in extra))
+    if not allowed.only:
+        compare_verdicts(found, reference["criteria"], other["criteria"])
+    return found
+
+
+def compare_verdicts(found: Comparison, reference: list[Any], other: list[Any]) -> None:
+    """Tell criteria that are missing, or whose verdict changed."""
+    now = {entry["id"]: bool(entry.get("passed")) for entry in other}
+    for entry in reference:
+        name, held = entry["id"], bool(entry.get("passed"))
+        if name not in now:
+            found.differences.append(f"the criterion `{name}` is missing")
+        elif held != now[name]:
+            text = (
+                "holds, in the reference it does not"
+                if now[name]
+                else "does not hold, in the reference it does"
+            )
+            found.differences.append(f"the criterion `{name}` {text}")

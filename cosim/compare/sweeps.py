@@ -1,0 +1,142 @@
+"""Two sweeps, run by run."""
+
+from __future__ import annotations
+
+import json
+import logging
+from collections import defaultdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cosim import paths
+from cosim.compare.comparison import Comparison, number_of, same_units, scalars, worst
+from cosim.compare.tolerance import Tolerances
+from cosim.errors import CosimError
+from cosim.sweep.store import FILE, Row
+
+log = logging.getLogger("cosim")
+
+
+def read(folder: Path) -> list[Row]:
+    """Read the rows of a sweep, the last one of each run, in the order of the runs.
+
+    Raises
+    ------
+    CosimError
+        The folder holds no sweep.
+    """
+    file = folder / FILE
+    try:
+        lines = file.read_bytes().splitlines()
+    except OSError as error:
+        hint = f"the folder of a sweep holds `{FILE}`"
+        raise CosimError(f"cannot read `{paths.shown(file)}`: {error.strerror or error}", hint) from None
+    found: dict[str, Row] = {}
+    for number, line in enumerate(lines, start=1):
+        try:
+            row = json.loads(line)
+            row["run"], row["hash"], row["status"] = int(row["run"]), str(row["hash"]), str(row["status"])
+            row["metrics"], row["units"] = dict(row.get("metrics", {})), dict(row.get("units", {}))
+        except (ValueError, KeyError, TypeError, RecursionError):
+            log.warning("line %d of `%s` is no row, it is left out", number, paths.shown(file))
+            continue
+        found[row["hash"]] = row
+    if not found:
+        raise CosimError(f"`{paths.shown(file)}` has no rows")
+    return sorted(found.values(), key=lambda row: int(row["run"]))
+
+
+def compare(
+    reference: list[Row], other: list[Row], allowed: Tolerances, names: tuple[str, str]
+) -> Comparison:
+    """Compare the runs of a sweep with those of a reference.
+
+    Two runs belong together if they have the same hash; else, as after a change of the program, if the same
+    keys were set to the same values with the same seed.
+
+    Parameters
+    ----------
+    reference, other
+        Rows, as `read` gives them.
+    allowed
+        Tolerances of the metrics.
+    names
+        What the two are called.
+
+    Raises
+    ------
+    CosimError
+        No run is in both, or a pattern fits no metric.
+    """
+    found = Comparison("sweeps", *names)
+    pairs, missing, extra = matched(reference, other)
+    if not pairs:
+        hint = "runs belong together by hash, or by what was set and the seed"
+        raise CosimError(f"no run of `{names[0]}` is in `{names[1]}`", hint)
+    if missing:
+        found.differences.append(
+            f"{runs(missing)} missing, the first is run {missing[0]['run']} of the reference"
+        )
+    if extra:
+        found.notes.append(f"{runs(extra)} not in the reference")
+    compare_statuses(found, pairs)
+    known = list(dict.fromkeys(name for old, _ in pairs for name in old["metrics"]))
+    for name in allowed.chosen(known):
+        compare_metric(found, name, pairs, allowed)
+    return found
+
+
+def matched(reference: list[Row], other: list[Row]) -> tuple[list[tuple[Row, Row]], list[Row], list[Row]]:
+    """Pairs of runs that belong together, and those that only the one and only the other has."""
+    by_hash = {row["hash"]: row for row in other}
+    by_case = {case_of(row): row for row in other}
+    pairs, missing = [], []
+    for row in reference:
+        partner = by_hash.get(row["hash"]) or by_case.get(case_of(row))
+        if partner is None:
+            missing.append(row)
+        else:
+            pairs.append((row, partner))
+    taken = {partner["hash"] for _, partner in pairs}
+    return pairs, missing, [row for row in other if row["hash"] not in taken]
+
+
+def case_of(row: Row) -> str:
+    """Tell what was set, and the seed."""
+    return json.dumps([row.get("set"), row.get("seed")], sort_keys=True)
+
+
+def compare_statuses(found: Comparison, pairs: list[tuple[Row, Row]]) -> None:
+    """Tell which statuses changed."""
+    changed: dict[tuple[str, str], list[Row]] = defaultdict(list)
+    for old, new in pairs:
+        if old["status"] != new["status"]:
+            changed[old["status"], new["status"]].append(old)
+    for (before, now), rows in changed.items():
+        found.differences.append(
+            f"{runs(rows)} `{now}` instead of `{before}`, the first is run {rows[0]['run']}"
+        )
+
+
+def compare_metric(found: Comparison, name: str, pairs: list[tuple[Row, Row]], allowed: Tolerances) -> None:
+    """Compare a metric over all runs in which both have it."""
+    both = [(old, new) for old, new in pairs if name in old["metrics"] and new["metrics"]]
+    if not any(name in new["metrics"] for _, new in both):
+        found.differences.append(f"the metric `{name}` is missing")
+        return
+    old, new = both[0]
+    unit = str(old["units"].get(name, ""))
+    found.differences += [text for text in [same_units(name, unit, str(new["units"].get(name, "")))] if text]
+    atol, rtol, _ = allowed.of(name)
+    before, now = (
+        np.array([number_of(row["metrics"].get(name)) for row in rows]) for rows in zip(*both, strict=True)
+    )
+    numbers = np.array([float(old["run"]) for old, _ in both])
+    found.deviations.append(worst(name, unit, scalars(before, atol, rtol), now, numbers))
+
+
+def runs(rows: list[Any]) -> str:
+    """Count runs, with the verb."""
+    return f"{len(rows)} run is" if len(rows) == 1 else f"{len(rows)} runs are"

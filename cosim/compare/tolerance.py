@@ -1,0 +1,107 @@
+"""What may differ by how much: `VALUE` for everything, `PATTERN=VALUE` for what a pattern names."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+
+from cosim.errors import CosimError, closest
+
+EVERYTHING = "*"
+
+
+@dataclass(frozen=True)
+class Limit:
+    """A number for the names that a pattern fits."""
+
+    pattern: str
+    value: float
+
+
+@dataclass(frozen=True)
+class Tolerances:
+    """Tolerances by name; of several that fit a name the last one counts.
+
+    Parameters
+    ----------
+    atol
+        Absolute tolerances, in the unit of what they are for.
+    rtol
+        Tolerances relative to the reference.
+    dt
+        Times by which a signal may come early or late, s.
+    only
+        Patterns of the names that are compared; empty is all.
+    """
+
+    atol: tuple[Limit, ...] = ()
+    rtol: tuple[Limit, ...] = ()
+    dt: tuple[Limit, ...] = ()
+    only: tuple[str, ...] = ()
+
+    def of(self, name: str) -> tuple[float, float, float]:
+        """Absolute and relative tolerance of a name, and its time shift."""
+        return value_for(self.atol, name), value_for(self.rtol, name), value_for(self.dt, name)
+
+    def chosen(self, names: Iterable[str]) -> list[str]:
+        """Names that are compared.
+
+        Raises
+        ------
+        CosimError
+            A pattern fits none of the names.
+        """
+        known = list(names)
+        limits = {"--atol": self.atol, "--rtol": self.rtol, "--dt": self.dt}
+        given = [("--only", pattern) for pattern in self.only]
+        given += [(option, limit.pattern) for option, found in limits.items() for limit in found]
+        for option, pattern in given:
+            if pattern != EVERYTHING and not any(fits(name, pattern) for name in known):
+                raise CosimError(
+                    f"`{option} {pattern}` fits nothing that is compared", closest(pattern, known)
+                )
+        return [name for name in known if not self.only or any(fits(name, p) for p in self.only)]
+
+
+def tolerances(
+    atol: Sequence[str] = (), rtol: Sequence[str] = (), dt: Sequence[str] = (), only: Sequence[str] = ()
+) -> Tolerances:
+    """Tolerances from the texts of the command line.
+
+    Raises
+    ------
+    CosimError
+        A text is no number, or the number is out of its range.
+    """
+    return Tolerances(
+        tuple(limit("--atol", text, math.inf) for text in atol),
+        tuple(limit("--rtol", text, 1.0) for text in rtol),
+        tuple(limit("--dt", text, math.inf) for text in dt),
+        tuple(only),
+    )
+
+
+def limit(option: str, text: str, below: float) -> Limit:
+    """Limit from `VALUE` or `PATTERN=VALUE`."""
+    pattern, _, number = text.rpartition("=")
+    try:
+        value = float(number)
+    except ValueError:
+        hint = f"for example `{option} 1e-6` or `{option} 'plant.*=1e-6'`"
+        raise CosimError(f"`{option} {text}` does not end in a number", hint) from None
+    if not 0.0 <= value < below:
+        bound = "finite" if math.isinf(below) else f"below {below:g}"
+        raise CosimError(f"`{option} {text}` is out of range: it must not be negative, and {bound}")
+    return Limit(pattern.strip() or EVERYTHING, value)
+
+
+def value_for(limits: Sequence[Limit], name: str) -> float:
+    """Value of the last limit that fits a name, 0 for none."""
+    return next((limit.value for limit in reversed(limits) if fits(name, limit.pattern)), 0.0)
+
+
+def fits(name: str, pattern: str) -> bool:
+    """Whether a pattern fits: `*` is any text, `?` one character; brackets are those of names."""
+    return fnmatchcase(name, pattern.replace("[", "[[]"))

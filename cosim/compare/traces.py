@@ -1,0 +1,97 @@
+"""Two traces, column by column, at the times of the second."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cosim.compare.comparison import Comparison, Course, same_units, worst
+from cosim.compare.tolerance import Tolerances
+from cosim.compare.tube import tube
+from cosim.errors import CosimError
+from cosim.loop.stored import StoredTrace
+
+SAME = 1e-3
+"""Part of a step by which steps and times may differ that are meant to be the same."""
+
+
+def compare(
+    reference: StoredTrace, other: StoredTrace, allowed: Tolerances, names: tuple[str, str]
+) -> Comparison:
+    """Compare a trace with a reference.
+
+    Parameters
+    ----------
+    reference, other
+        The traces.
+    allowed
+        Tolerances of the columns.
+    names
+        What the two are called.
+
+    Raises
+    ------
+    CosimError
+        No column to compare, or a pattern that fits none.
+    """
+    found = Comparison("traces", *names)
+    chosen = allowed.chosen(reference.columns)
+    if not chosen:
+        raise CosimError(f"`{names[0]}` has no columns to compare")
+    present = [name for name in chosen if name in other.columns]
+    missing = [name for name in chosen if name not in other.columns]
+    found.differences += [f"the column `{name}` is missing" for name in missing]
+    extra = [name for name in other.columns if name not in reference.columns]
+    if extra and not allowed.only:
+        found.notes.append("not in the reference: " + ", ".join(f"`{name}`" for name in extra))
+    compare_times(found, reference.times, other.times, max((allowed.of(n)[2] for n in present), default=0.0))
+    for name in present:
+        found.differences += meanings(name, reference, other)
+        values = reference.trace[name]
+        around = tube(reference.times, values, other.times, *allowed.of(name), stepped=stepped(values))
+        unit = reference.units.get(name, "") or other.units.get(name, "")
+        found.deviations.append(worst(name, unit, around, other.trace[name], other.times))
+        items = other.items.get(name) or reference.items.get(name) or {}
+        found.courses[name] = Course(other.times, other.trace[name], around, items)
+    return found
+
+
+def meanings(name: str, reference: StoredTrace, other: StoredTrace) -> list[str]:
+    """Sentences about a column whose numbers mean something else."""
+    sentence = same_units(name, reference.units.get(name, ""), other.units.get(name, ""))
+    before, now = reference.items.get(name), other.items.get(name)
+    if not sentence and before and now and before != now:
+        sentence = f"`{name}` has the items {listed(now)}, the reference {listed(before)}"
+    return [sentence] if sentence else []
+
+
+def compare_times(
+    found: Comparison, before: NDArray[np.float64], now: NDArray[np.float64], shift: float
+) -> None:
+    """Tell where the two do not cover the same time, and that their rows do not match."""
+    coarse, fine = sorted((longest_step(before), longest_step(now)), reverse=True)
+    same_step = coarse - fine <= SAME * coarse
+    # the last row of a coarser trace may lie up to its step before the end
+    slack = shift + (0.5 if same_step else 1.0) * coarse
+    for word, old, new in (("begins", before[0], now[0]), ("ends", before[-1], now[-1])):
+        if abs(old - new) > slack:
+            found.differences.append(f"it {word} at {new:g} s, the reference at {old:g} s")
+    common = min(len(before), len(now))
+    if not same_step or np.any(np.abs(before[:common] - now[:common]) > SAME * coarse):
+        found.notes.append("other times: the reference is interpolated, whole numbers are held")
+
+
+def longest_step(times: NDArray[np.float64]) -> float:
+    """Longest time between two rows, s."""
+    return float(np.max(np.diff(times))) if len(times) > 1 else 0.0
+
+
+def stepped(values: NDArray[np.float64]) -> bool:
+    """Whether a column only jumps (modes, flags, counters), so that nothing lies between two of its rows."""
+    known = values[np.isfinite(values)]
+    return bool(np.all(known == np.round(known)))
+
+
+def listed(items: dict[str, int]) -> str:
+    """Items of an enumeration as text."""
+    return " ".join(f"{name}={number}" for name, number in items.items())

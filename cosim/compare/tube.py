@@ -1,0 +1,143 @@
+"""The tolerance tube around a signal.
+
+A value `v` at time `t` is the value `r(s)` of the reference at some time `s` within `dt` of `t` as closely as
+`numpy.isclose` demands: `|v - r(s)| <= atol + rtol |r(s)|`. For `rtol < 1` both ends of that interval,
+`r - (atol + rtol |r|)` and `r + (atol + rtol |r|)`, grow with `r`. The hull of the intervals of all `s` in
+`[t - dt, t + dt]` is therefore the interval from the lower end at `min r(s)` to the upper end at `max r(s)`.
+
+Between its samples the reference is a straight line, which has its extremes at its ends: minimum and maximum
+are those of the samples in the window and of the values at both ends of the window. A signal that is held has
+the value at the beginning of the window and those of the samples in it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+ROUNDING = 1e-9
+"""Part of a step by which times may differ that are meant to be the same."""
+
+
+@dataclass(frozen=True)
+class Tube:
+    """Values of the reference within `dt` of each time, and how far one may be from them.
+
+    Parameters
+    ----------
+    low, high
+        Least and largest value of the reference, NaN where it has only NaN.
+    nan
+        Whether the reference has a NaN there.
+    atol, rtol
+        Absolute tolerance, and relative to `low` or `high`.
+    """
+
+    low: Array
+    high: Array
+    nan: NDArray[np.bool_]
+    atol: float
+    rtol: float
+
+    def deviation(self, values: Array) -> Array:
+        """Distance of values from `low` .. `high`; infinite where only one side is NaN."""
+        with np.errstate(invalid="ignore"):
+            # equal infinities are no distance
+            below = np.where(values == self.low, 0.0, self.low - values)
+            above = np.where(values == self.high, 0.0, values - self.high)
+            outside = np.maximum(0.0, np.maximum(below, above))
+        absent = np.isnan(values)
+        outside = np.where(absent | np.isnan(self.low), np.inf, outside)
+        return np.where(absent & self.nan, 0.0, outside)
+
+    def tolerance(self, values: Array) -> Array:
+        """Largest deviation allowed: that at the end of `low` .. `high` which a value is beyond."""
+        return self.width(np.where(values > self.high, self.high, self.low))
+
+    @property
+    def walls(self) -> tuple[Array, Array]:
+        """Least and largest value allowed."""
+        return self.low - self.width(self.low), self.high + self.width(self.high)
+
+    def width(self, values: Array) -> Array:
+        """Tolerance at values of the reference."""
+        return self.atol + self.rtol * np.where(np.isfinite(values), np.abs(values), 0.0)
+
+
+def tube(
+    times: Array,
+    reference: Array,
+    at: Array,
+    atol: float,
+    rtol: float,
+    dt: float = 0.0,
+    stepped: bool = False,
+) -> Tube:
+    """Tube around a reference at some times; before its first and after its last row it keeps its value.
+
+    Parameters
+    ----------
+    times, reference
+        Samples of the reference, shapes (n,), times in s and ascending.
+    at
+        Times at which the tube is wanted, s.
+    atol, rtol
+        Absolute tolerance in the unit of the signal, and relative to the reference.
+    dt
+        Time by which the signal may come early or late, s.
+    stepped
+        Whether the reference is held between its samples instead of interpolated.
+    """
+    slack = rounding(times)
+    last = np.searchsorted(times, at + dt + slack, side="right")
+    ends: list[Array] = []
+    if stepped:
+        # from the sample that is held when the window begins
+        first = np.maximum(np.searchsorted(times, at - dt + slack, side="right") - 1, 0)
+        last = np.maximum(last, first + 1)
+    else:
+        first = np.searchsorted(times, at - dt - slack, side="left")
+        ends = [interpolated(times, reference, at - dt), interpolated(times, reference, at + dt)]
+    low = extreme(np.fmin, reference, first, last)
+    high = extreme(np.fmax, reference, first, last)
+    nan = np.nan_to_num(extreme(np.fmax, np.isnan(reference).astype(np.float64), first, last)) > 0.0
+    for end in ends:
+        low, high, nan = np.fmin(low, end), np.fmax(high, end), nan | np.isnan(end)
+    return Tube(low, high, nan, atol, rtol)
+
+
+def rounding(times: Array) -> float:
+    """Time below which two times are the same, s."""
+    return ROUNDING * float(np.median(np.diff(times))) if len(times) > 1 else 0.0
+
+
+def interpolated(times: Array, values: Array, at: Array) -> Array:
+    """Values on straight lines between samples; its own at the time of a sample, forgiving rounding."""
+    after = np.clip(np.searchsorted(times, at), 0, len(times) - 1)
+    before = np.maximum(after - 1, 0)
+    nearest = np.where(at - times[before] < times[after] - at, times[before], times[after])
+    at = np.where(np.abs(at - nearest) <= rounding(times), nearest, at)
+    return np.interp(at, times, values)
+
+
+def extreme(function: Callable[..., Array], values: Array, first: Any, last: Any) -> Array:
+    """Least or largest of `values[first:last]` for each pair of bounds, NaN for none.
+
+    A stretch of any length is covered by two, that may overlap, whose length is a power of two; extremes of
+    all stretches of such a length come from those of half the length.
+    """
+    found = np.full(len(first), np.nan)
+    length = last - first
+    size, level = 1, values
+    while np.any(length >= size):
+        here = (length >= size) & (length < 2 * size)
+        found[here] = function(level[first[here]], level[last[here] - size])
+        level = function(level[:-size], level[size:])
+        size *= 2
+    return found

@@ -1,0 +1,91 @@
+"""Metrics and criteria of a scenario on a trace that was stored: judged again, not run again."""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import replace
+
+from cosim import paths
+from cosim.errors import ExpressionError, concerning
+from cosim.fmu.archive import open_fmu
+from cosim.loop.result import Result
+from cosim.loop.session import located
+from cosim.loop.stored import StoredTrace
+from cosim.metrics import criteria
+from cosim.metrics.expression import Expression
+from cosim.scenario.model import Scenario
+
+log = logging.getLogger("cosim")
+ENGINE = "stored"
+"""What stands in a result instead of the engine: nothing was run."""
+
+
+def judge(scenario: Scenario, found: StoredTrace) -> Result:
+    """Compute the metrics of a scenario on a stored trace and hold its criteria against them.
+
+    The numbers are those of the run that wrote the trace; only metrics and criteria of the scenario count.
+
+    Parameters
+    ----------
+    scenario
+        The scenario, see `cosim.load`.
+    found
+        The trace, see `cosim.read_trace`.
+
+    Raises
+    ------
+    CosimError
+        A metric needs a column that the trace does not have, or cannot be computed.
+    """
+    shown = paths.shown(found.file)
+    ran = str(found.about.get("scenario", scenario.name))
+    seed, simulated = found.about.get("seed"), found.about.get("simulated_s")
+    if ran.partition("/")[0] != scenario.name.partition("/")[0]:
+        log.warning("`%s` is a trace of `%s`, it is judged as one of `%s`", shown, ran, scenario.name)
+    with located(scenario):
+        found = described(found, scenario)
+        compiled = compile_metrics(scenario, found, shown)
+        columns = [found.times, *(found.trace[name] for name in found.columns)]
+        pairs = zip(scenario.metric, compiled, strict=True)
+        measured = {
+            metric.name: criteria.measure(metric, expression, columns) for metric, expression in pairs
+        }
+        verdicts = criteria.judge(scenario.criterion, measured)
+    return Result(
+        scenario=scenario.name,
+        title=scenario.title,
+        seed=seed if isinstance(seed, int) else scenario.loop.seed,
+        engine=ENGINE,
+        metrics=measured,
+        criteria=verdicts,
+        simulated_s=simulated if isinstance(simulated, float) else found.times[-1] + scenario.loop.step,
+        wall_s=0.0,
+        trace=found.trace,
+        units=found.units,
+        items=found.items,
+    )
+
+
+def compile_metrics(scenario: Scenario, found: StoredTrace, shown: str) -> list[Expression]:
+    """Compile the metrics against the columns of the trace; an error names the file of the trace."""
+    columns = {"time": None, **{name: found.items.get(name) for name in found.columns}}
+    try:
+        return criteria.compile_metrics(scenario.metric, columns, {"time": "s", **found.units})
+    except ExpressionError as error:
+        error.message += f" `{shown}`" if error.message.endswith("the trace") else f", in `{shown}`"
+        raise
+
+
+def described(found: StoredTrace, scenario: Scenario) -> StoredTrace:
+    """Trace with units and items; those of the FMU's variables where its file tells none, as a CSV file."""
+    if found.units:
+        return found
+    with concerning("controller.fmu"):
+        file = open_fmu(paths.find_fmu(scenario.controller.fmu, scenario.folder))
+    variables = {name: file.variables.get(name.removeprefix("controller.")) for name in found.columns}
+    known = {name: v for name, v in variables.items() if v is not None and name.startswith("controller.")}
+    return replace(
+        found,
+        units={name: variable.unit for name, variable in known.items()},
+        items={name: dict(variable.items) for name, variable in known.items() if variable.items},
+    )

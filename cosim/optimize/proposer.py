@@ -1,0 +1,95 @@
+"""The points of a search, proposed by Optuna from the trials before."""
+
+from __future__ import annotations
+
+import importlib
+import warnings
+from dataclasses import dataclass
+from typing import Any
+
+from cosim.errors import CosimError
+from cosim.loop.wiring import child
+from cosim.optimize.objective import Score
+from cosim.optimize.problem import Problem
+from cosim.optimize.variants import Values
+from cosim.sweep.study import Vary
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One point: its number from 0, its values, and what it is worth."""
+
+    number: int
+    values: Values
+    score: Score
+
+
+class Proposer:
+    """Points of a search by Optuna's tree-structured Parzen estimator, with constraints.
+
+    Raises
+    ------
+    CosimError
+        Optuna is not installed.
+    """
+
+    def __init__(self, problem: Problem) -> None:
+        self.problem = problem
+        self.optuna = imported()
+        with quiet():
+            self.study = self.optuna.create_study(direction=problem.objective.direction)
+        self.open: dict[int, Any] = {}
+
+    def propose(self, number: int) -> Values:
+        """Values of one trial; they are to be told before the next batch."""
+        # by its number: a search that is resumed draws the same
+        seed = int(child(self.problem.seed, f"trial {number}").generate_state(1)[0])
+        with quiet():
+            self.study.sampler = self.optuna.samplers.TPESampler(seed=seed)
+            trial = self.study.ask()
+            self.open[number] = trial
+            return {vary.key: suggested(trial, vary) for vary in self.problem.vary}
+
+    def tell(self, done: Trial) -> None:
+        """Tell what a trial is worth."""
+        trial = self.open.pop(done.number)
+        with quiet():
+            if done.score.value is None:
+                self.study.tell(trial, state=self.optuna.trial.TrialState.FAIL)
+                return
+            for index, violation in enumerate(done.score.violations):
+                trial.set_constraint(str(index), violation)
+            self.study.tell(trial, done.score.value)
+
+
+def suggested(trial: Any, vary: Vary) -> Any:
+    """Value of one key for a trial."""
+    if vary.values:
+        return trial.suggest_categorical(vary.key, vary.values)
+    low, high = vary.range
+    logarithmic = vary.distribution == "log-uniform"
+    if vary.integer:
+        return trial.suggest_int(vary.key, int(low), int(high), log=logarithmic)
+    return trial.suggest_float(vary.key, low, high, log=logarithmic)
+
+
+def imported() -> Any:
+    """Import Optuna.
+
+    Raises
+    ------
+    CosimError
+        It is not installed.
+    """
+    try:
+        optuna: Any = importlib.import_module("optuna")
+    except ImportError:
+        hint = "install the extra: `pip install machining-fmus[optimize]`"
+        raise CosimError("Optuna is not installed, it proposes the trials", hint) from None
+    optuna.logging.set_verbosity(optuna.logging.ERROR)
+    return optuna
+
+
+def quiet() -> Any:
+    """Keep what the library says about itself out of the terminal."""
+    return warnings.catch_warnings(action="ignore")

@@ -1,0 +1,144 @@
+"""Sensitivity of a sweep for a reader: table, tornado plots and heat map."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.console import RenderableType
+from rich.text import Text
+
+from cosim.errors import CosimError
+from cosim.show.listing import plain_table
+from cosim.show.plot import STYLE
+from cosim.sweep.sensitivity import Estimate, Influence
+
+MOST_KEYS = 6
+"""Keys in a table, the strongest; the plots and the JSON have all."""
+MOST_TORNADOS = 9
+
+
+def table(found: list[Influence]) -> RenderableType:
+    """Rank correlation of each metric with the strongest keys; bold where its interval is clear of zero."""
+    keys, metrics = ranked_keys(found), names(found)
+    by_both = {(entry.metric, entry.key): entry for entry in found}
+    shown = plain_table("sensitivity of", *keys[:MOST_KEYS])
+    for metric in metrics:
+        entries = [by_both[metric, key] for key in keys[:MOST_KEYS]]
+        shown.add_row(Text(metric), *(cell(entry) for entry in entries))
+    if len(keys) > MOST_KEYS:
+        shown.caption = f"and {len(keys) - MOST_KEYS} keys that matter less, see `sensitivity.svg`"
+    return shown
+
+
+def cell(entry: Influence) -> Text:
+    """Rank correlation with its interval, and Sobol indices where there are any."""
+    if math.isnan(entry.rank.value):
+        return Text("")
+    text = f"{entry.rank.value:+.2f} ({entry.rank.low:+.2f} .. {entry.rank.high:+.2f})"
+    if entry.first is not None and entry.total is not None:
+        text += f" S {entry.first.value:.2f} T {entry.total.value:.2f}"
+    return Text(text, style="bold" if is_clear(entry.rank) else "")
+
+
+def is_clear(estimate: Estimate) -> bool:
+    """Whether zero is outside the interval."""
+    return estimate.low > 0.0 or estimate.high < 0.0
+
+
+def names(found: list[Influence]) -> list[str]:
+    """Metrics in their order."""
+    return list(dict.fromkeys(entry.metric for entry in found))
+
+
+def ranked_keys(found: list[Influence]) -> list[str]:
+    """Keys by what they move most, the strongest first."""
+    strength: dict[str, float] = {}
+    for entry in found:
+        strength[entry.key] = max(entry.strength, strength.get(entry.key, -1.0))
+    return sorted(strength, key=lambda key: -strength[key])
+
+
+def save_plots(found: list[Influence], title: str, file: Path) -> None:
+    """Draw the heat map of all metrics and keys, and a tornado for each metric.
+
+    Raises
+    ------
+    CosimError
+        The file cannot be written.
+    """
+    import matplotlib
+
+    matplotlib.use("agg")
+    from matplotlib import pyplot
+
+    metrics, keys = names(found), ranked_keys(found)
+    drawn = metrics[:MOST_TORNADOS]
+    columns = min(3, len(drawn))
+    lines = -(-len(drawn) // columns)
+    heat, line = 0.32 * len(metrics) + 1.4, 0.34 * len(keys) + 1.0
+    with matplotlib.rc_context({**STYLE, "axes.grid": False}):
+        size = (4.0 * max(2, columns) + 1.0, heat + line * lines + 0.6)
+        figure = pyplot.figure(figsize=size, layout="constrained")
+        grid = figure.add_gridspec(1 + lines, columns, height_ratios=[heat, *[line] * lines])
+        draw_heat_map(figure, figure.add_subplot(grid[0, :]), found, metrics, keys)
+        for index, metric in enumerate(drawn):
+            axes = figure.add_subplot(grid[1 + index // columns, index % columns])
+            draw_tornado(axes, [entry for entry in found if entry.metric == metric])
+        figure.suptitle(f"{title}\nsensitivity, 95 % confidence", fontsize=10)
+        try:
+            figure.savefig(file, metadata={"Date": None})
+        except OSError as error:
+            raise CosimError(f"cannot write `{file}`: {error.strerror or error}") from None
+        finally:
+            pyplot.close(figure)
+
+
+def draw_heat_map(
+    figure: Any, axes: Any, found: list[Influence], metrics: list[str], keys: list[str]
+) -> None:
+    """Rank correlation of every metric with every key as a colour and a number."""
+    by_both = {(entry.metric, entry.key): entry.rank.value for entry in found}
+    values = np.array([[by_both[metric, key] for key in keys] for metric in metrics])
+    image = axes.imshow(values, cmap="RdBu_r", vmin=-1.0, vmax=1.0, aspect="auto")
+    axes.set_xticks(range(len(keys)), keys, rotation=20, ha="right")
+    axes.set_yticks(range(len(metrics)), metrics)
+    for (row, column), value in np.ndenumerate(values):
+        if np.isfinite(value):
+            colour = "white" if abs(value) > 0.6 else "black"
+            axes.text(column, row, f"{value:.2f}", ha="center", va="center", color=colour, fontsize=7)
+    figure.colorbar(image, ax=axes, label="rank correlation")
+
+
+def draw_tornado(axes: Any, entries: list[Influence]) -> None:
+    """Bars of one metric, the strongest key on top: Sobol indices, or else rank correlations."""
+    keys = [entry.key for entry in entries]
+    if entries[0].total is not None:
+        draw_bars(axes, -0.2, [entry.first for entry in entries], "tab:blue", "first order")
+        draw_bars(axes, 0.2, [entry.total for entry in entries], "tab:orange", "total")
+        axes.set_xlim(left=min(0.0, axes.get_xlim()[0]))
+        axes.set_xlabel("part of the variance")
+        axes.legend(fontsize=7, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2)
+    else:
+        draw_bars(axes, 0.0, [entry.rank for entry in entries], "tab:blue", "")
+        axes.set_xlim(-1.0, 1.0)
+        axes.set_xlabel("rank correlation")
+    axes.axvline(0.0, color="black", linewidth=0.8)
+    axes.set_yticks(range(len(keys)), keys)
+    axes.invert_yaxis()
+    axes.set_title(entries[0].metric, fontsize=9, loc="left")
+
+
+def draw_bars(axes: Any, shift: float, estimates: list[Estimate | None], colour: str, label: str) -> None:
+    """Horizontal bars with their intervals."""
+    known = [estimate or Estimate(math.nan, math.nan, math.nan) for estimate in estimates]
+    values = np.array([estimate.value for estimate in known])
+    errors = [
+        [max(0.0, e.value - e.low) for e in known],
+        [max(0.0, e.high - e.value) for e in known],
+    ]
+    places = np.arange(len(known)) + shift
+    height = 0.36 if shift else 0.7
+    axes.barh(places, values, height, xerr=errors, color=colour, alpha=0.7, capsize=2.0, label=label)

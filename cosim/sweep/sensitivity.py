@@ -1,0 +1,200 @@
+"""How much each varied key of a sweep moves each metric: rank correlation, and Sobol indices where it can be.
+
+Sobol indices share the variance of a metric out among the keys. The first-order index is the part that goes
+when one key is known, `S_i = V[E[f | x_i]] / V[f]`; the total index the part that stays when all others are
+known, `T_i = E[V[f | all but x_i]] / V[f]`. They are told by a design of two independent sets of points, A
+and B, and for each key the set A with the values of that key from B (AB_i). As f(B) and f(AB_i) share x_i
+alone, their covariance is V[E[f | x_i]]; as f(A) and f(AB_i) share all but x_i, half the mean square of their
+difference is E[V[f | all but x_i]].
+
+Saltelli et al. (2010), Variance based sensitivity analysis of model output, Comput. Phys. Commun. 181.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import math
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cosim.loop.result import plain
+from cosim.sweep.designs import generator
+from cosim.sweep.export import Table
+from cosim.sweep.plan import Plan
+from cosim.sweep.store import DONE
+
+Array = NDArray[np.float64]
+
+FEWEST_RUNS = 10
+"""Runs with a result below which nothing is said: the interval would be nearly all of -1 .. 1."""
+RESAMPLES = 400
+"""Bootstrap samples; the ends of a 95 % interval are then known to about a tenth of its width."""
+INTERVAL = (0.025, 0.975)
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A number with its 95 % confidence interval."""
+
+    value: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class Influence:
+    """How one key moves one metric.
+
+    Parameters
+    ----------
+    metric, key
+        Which of them.
+    rank
+        Rank correlation (Spearman), -1 .. 1: how far the metric only rises or only falls with the key.
+    first, total
+        Sobol indices; None where the design has none.
+    """
+
+    metric: str
+    key: str
+    rank: Estimate
+    first: Estimate | None = None
+    total: Estimate | None = None
+
+    @property
+    def strength(self) -> float:
+        """What keys are ordered by: the total index, else the size of the rank correlation."""
+        value = abs(self.rank.value) if self.total is None else self.total.value
+        return value if math.isfinite(value) else -1.0
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return it as plain data for JSON."""
+        found: dict[str, Any] = {"metric": self.metric, "key": self.key}
+        for name in ("rank", "first", "total"):
+            estimate = getattr(self, name)
+            if estimate is not None:
+                found[name] = {part: plain(value) for part, value in asdict(estimate).items()}
+        return found
+
+
+def influences(plan: Plan, table: Table) -> list[Influence]:
+    """Influence of every varied number on every metric that varies, the strongest key of a metric first.
+
+    Parameters
+    ----------
+    plan
+        The runs.
+    table
+        Columns of the rows that are there, see `survey`.
+
+    Returns
+    -------
+    list of Influence
+        Nothing with too few results, or without scipy.
+    """
+    done = [line for line, status in enumerate(table["status"]) if status in DONE]
+    if len(done) < FEWEST_RUNS or importlib.util.find_spec("scipy") is None:
+        return []
+    varied = dict.fromkeys(key for case in plan.cases for key in case)
+    keys = {key: column for key in varied if varies(column := numbers(table[key], done))}
+    names = [metric.name for metric in plan.scenario.metric]
+    metrics = {name: column for name in names if varies(column := numbers(table[f"metric.{name}"], done))}
+    cases = [table["case"][line] for line in done]
+    found = []
+    for metric, values in metrics.items():
+        indices = sobol_of(plan, cases, values) if plan.study.design.kind == "saltelli" else {}
+        found += sorted(
+            (
+                Influence(metric, key, rank(column, values), *indices.get(key, ()))
+                for key, column in keys.items()
+            ),
+            key=lambda influence: -influence.strength,
+        )
+    return found
+
+
+def numbers(column: Sequence[Any], lines: Sequence[int]) -> Array:
+    """Lines of a column as numbers, NaN where there is none; texts such as names of a mode are none."""
+    values = (column[line] for line in lines)
+    return np.array([float(value) if isinstance(value, int | float) else math.nan for value in values])
+
+
+def varies(column: Array) -> bool:
+    """Whether a column has different finite numbers."""
+    return np.unique(column[np.isfinite(column)]).size > 1
+
+
+def rank(x: Array, y: Array) -> Estimate:
+    """Rank correlation of the rows where both are finite.
+
+    Its interval is that of Bonett and Wright (2000): `artanh r` is normal with the variance
+    `(1 + r^2 / 2) / (n - 3)`.
+    """
+    from scipy.stats import spearmanr
+
+    both = np.isfinite(x) & np.isfinite(y)
+    count = int(np.sum(both))
+    if count < FEWEST_RUNS or not varies(x[both]) or not varies(y[both]):
+        return Estimate(math.nan, math.nan, math.nan)
+    value = float(np.clip(spearmanr(x[both], y[both]).statistic, -1.0, 1.0))
+    half = 1.959964 * math.sqrt((1.0 + value**2 / 2.0) / (count - 3))
+    # 1 is where artanh is infinite
+    middle = math.atanh(math.copysign(min(abs(value), 1.0 - 1e-12), value))
+    return Estimate(value, math.tanh(middle - half), math.tanh(middle + half))
+
+
+def sobol_of(plan: Plan, cases: Sequence[int], values: Array) -> dict[str, tuple[Estimate, Estimate]]:
+    """Sobol indices of a metric by key, from the samples of which every run has a result."""
+    keys = [vary.key for vary in plan.study.vary]
+    by_case: dict[int, list[float]] = defaultdict(list)
+    for case, value in zip(cases, values, strict=True):
+        by_case[case].append(float(value))
+    repeats = plan.study.design.repeats
+    # what is drawn anew in every repeat is averaged out
+    means = [
+        np.mean(drawn) if len(drawn := by_case[case]) == repeats else math.nan
+        for case in range((plan.study.design.samples or 0) * (len(keys) + 2))
+    ]
+    table = np.array(means, dtype=np.float64).reshape((-1, len(keys) + 2))
+    table = table[np.all(np.isfinite(table), axis=1)]
+    if len(table) < FEWEST_RUNS:
+        return {}
+    return dict(zip(keys, sobol(table, plan.study.seed), strict=True))
+
+
+def sobol(table: Array, seed: int) -> list[tuple[Estimate, Estimate]]:
+    """First-order and total indices of each key, with bootstrap intervals.
+
+    Parameters
+    ----------
+    table
+        Values at the points of a design `saltelli`, shape (samples, keys + 2): f(A), f(B), f(AB_1), ...
+    seed
+        Of the bootstrap.
+    """
+    first, total = indices(table)
+    rows = generator(seed).integers(len(table), size=(RESAMPLES, len(table)))
+    drawn = np.array([indices(table[row]) for row in rows])
+    low, high = np.nanquantile(drawn, INTERVAL, axis=0)
+    estimates = [
+        [Estimate(*map(float, ends)) for ends in zip(*parts, strict=True)]
+        for parts in zip((first, total), low, high, strict=True)
+    ]
+    return list(zip(*estimates, strict=True))
+
+
+def indices(table: Array) -> tuple[Array, Array]:
+    """First-order and total indices of each key."""
+    a, b, mixed = table[:, 0], table[:, 1], table[:, 2:].T
+    variance = np.var(table[:, :2])
+    # less scatter than with the values as they are
+    b = b - np.mean(table[:, :2])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        first = np.mean(b * (mixed - a), axis=1) / variance
+        total = 0.5 * np.mean(np.square(a - mixed), axis=1) / variance
+    return first, total
