@@ -7,7 +7,9 @@ import threading
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -77,6 +79,13 @@ def test_other_threads_go_on_meanwhile(cart: Callable[..., Path], monkeypatch: p
             turns += 1
             thread.join(0.001)
     assert turns > 5
+
+
+def test_no_clock_is_read_in_a_step(cart: Callable[..., Path]) -> None:
+    with cosim.Session(cosim.load(cart()), engine="native") as session:
+        session.run()
+        plant: Any = session.plant
+        assert not np.any(plant.data.timer.duration)
 
 
 options = st.fixed_dictionaries(
