@@ -30,10 +30,6 @@ impl Model for PassThrough {
     type Vars = Vars;
     type State = ();
 
-    fn period(_: &Vars) -> f64 {
-        1e-3
-    }
-
     fn initialise(_: &mut Vars, _: &mut Env) -> Result<(), Error> {
         Ok(())
     }

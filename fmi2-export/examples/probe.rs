@@ -74,7 +74,7 @@ mod variables {
     pub struct Parameters {
         /// Sample period
         #[var(unit = SECOND, range = 1e-6..=1.0, start = 1e-3, source = "our choice")]
-        pub period: f64,
+        pub sample_period: f64,
         /// Gain
         #[var(unit = NEWTON_PER_METRE, range = 0.0..=1e6, start = 2.0, tunable)]
         pub gain: f64,
@@ -129,10 +129,6 @@ impl Model for Probe {
     };
     type Vars = Vars;
     type State = State;
-
-    fn period(vars: &Vars) -> f64 {
-        vars.parameters.period
-    }
 
     fn calculate(vars: &mut Vars) {
         vars.parameters.natural_frequency = vars.parameters.gain.sqrt();

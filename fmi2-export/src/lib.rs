@@ -38,13 +38,9 @@
 //! struct Spring;
 //!
 //! impl Model for Spring {
-//!     const INFO: Info = Info { name: "Spring", description: "A sampled spring", step_size: 1e-3, ..package!() };
+//!     const INFO: Info = Info { name: "Spring", description: "A sampled spring", ..package!() };
 //!     type Vars = Vars;
 //!     type State = ();
-//!
-//!     fn period(_: &Vars) -> f64 {
-//!         1e-3
-//!     }
 //!
 //!     fn initialise(_: &mut Vars, _: &mut Env) -> Result<(), Error> {
 //!         Ok(())
@@ -100,7 +96,7 @@ pub mod __private {
     pub use crate::description::files::Files;
     pub use crate::exported::Exported;
     pub use crate::table::guid::of as guid;
-    pub use crate::table::index::{Entry, Index, computed, count, entries};
+    pub use crate::table::index::{Entry, Index, computed, count, entries, reference};
 
     /// Checks a model's table and facts; a wrong one does not compile.
     pub const fn check<M: crate::Model>() {

@@ -41,7 +41,7 @@ fn a_job_of_each_detector() {
 
 #[test]
 fn a_job_of_the_paper() {
-    job(&Parameters { law: Law::Paper, ..Parameters::START }.in_force());
+    job(&Parameters::PAPER);
 }
 
 #[test]

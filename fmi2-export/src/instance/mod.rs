@@ -122,15 +122,18 @@ impl<M: Exported> Instance<M> {
                 .map_err(|reason| forbidden(row, element, value, reason))?;
             value.verify(row, element)?;
         }
-        let mut parameters = false;
+        let (mut parameters, running) = (false, self.now.phase == Phase::StepComplete);
         for (&reference, value) in references.iter().zip(values) {
             let (row, element) = self.entry(reference)?;
             value.write(row, &mut self.now.vars, element);
             parameters |= row.role().is_parameter();
+            // a fixed parameter that is written again while running changes nothing
+            self.now.is_set[reference as usize] |=
+                row.role().is_parameter() && (!running || row.role() == Role::Tunable);
         }
         if parameters {
-            parameters_set::<M>(&mut self.now.vars);
-            if self.now.phase == Phase::StepComplete {
+            parameters_set::<M>(&mut self.now);
+            if running {
                 self.check_computed()?;
             }
         }
@@ -153,7 +156,7 @@ impl<M: Exported> Instance<M> {
 
     fn start(&mut self) -> Result<(), Refusal> {
         let experiment = self.now.experiment.ok_or_else(|| Refusal::error("fmi2SetupExperiment was not called"))?;
-        let period = M::period(&self.now.vars);
+        let period = sample_period::<M>(&self.now.vars);
         if !(period.is_finite() && period > 0.0) {
             return Err(Refusal::error(format!("the sample period {period} s is not positive")));
         }
@@ -283,9 +286,22 @@ impl<M: Exported> Instance<M> {
             }
         }
         restored.derivatives.iter().try_for_each(|derivative| self.check_derivative(derivative))?;
+        if restored.is_set.len() != M::INDEX.entries.len() {
+            return Err(Refusal::error("the state bytes hold other parameters"));
+        }
         let sane = restored.running.as_ref().is_none_or(|running| running.clock.is_sane() && running.time.is_finite());
         if sane { Ok(()) } else { Err(Refusal::error("the state bytes hold an impossible clock")) }
     }
+}
+
+/// Sample period before anything is set, s.
+pub fn start_period<M: Exported>() -> f64 {
+    sample_period::<M>(&fresh::<M>().vars)
+}
+
+/// Sample period of a model, s.
+fn sample_period<M: Model>(vars: &M::Vars) -> f64 {
+    vars.sample_period().unwrap_or(M::INFO.sample_period)
 }
 
 fn fresh<M: Exported>() -> SnapshotOf<M> {
@@ -295,14 +311,17 @@ fn fresh<M: Exported>() -> SnapshotOf<M> {
             set(&mut vars, start);
         }
     }
-    parameters_set::<M>(&mut vars);
-    Snapshot { phase: Phase::Instantiated, vars, running: None, experiment: None, derivatives: Vec::new() }
+    let is_set = vec![false; M::INDEX.entries.len()];
+    let (phase, derivatives) = (Phase::Instantiated, Vec::new());
+    let mut fresh = Snapshot { phase, vars, is_set, running: None, experiment: None, derivatives };
+    parameters_set::<M>(&mut fresh);
+    fresh
 }
 
 /// What follows from parameters after some were set.
-fn parameters_set<M: Model>(vars: &mut M::Vars) {
-    vars.bring_into_force();
-    M::calculate(vars);
+fn parameters_set<M: Model>(now: &mut SnapshotOf<M>) {
+    now.vars.bring_into_force(|reference| now.is_set[reference]);
+    M::calculate(&mut now.vars);
 }
 
 #[cold]
@@ -451,7 +470,7 @@ impl<M: Exported> Slave for Instance<M> {
                 Refusal::error(format!("the state bytes hold what no call could set: {}", refusal.text()))
             })?;
             // what follows from parameters is never taken from bytes
-            parameters_set::<M>(&mut restored.vars);
+            parameters_set::<M>(&mut restored);
             *slot = Some(Arc::new(restored));
             Ok(())
         })

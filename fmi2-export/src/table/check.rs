@@ -59,9 +59,9 @@ pub const fn info(info: &Info) {
         i += 1;
     }
     assert!(!info.name.is_empty() && !info.description.is_empty(), "an FMU needs a name and a description");
-    let numbers = info.step_size > 0.0 && info.stop_time > 0.0;
-    let finite = info.step_size.is_finite() && info.stop_time.is_finite();
-    assert!(numbers && finite, "step size and stop time are positive and finite");
+    let numbers = info.sample_period > 0.0 && info.stop_time > 0.0;
+    let finite = info.sample_period.is_finite() && info.stop_time.is_finite();
+    assert!(numbers && finite, "sample period and stop time are positive and finite");
     let texts = [info.name, info.description, info.version, info.author, info.copyright, info.license];
     let mut i = 0;
     while i < texts.len() {
@@ -391,9 +391,9 @@ mod tests {
         info(&GOOD);
         for bad in [
             Info { stop_time: f64::INFINITY, ..GOOD },
-            Info { step_size: f64::INFINITY, ..GOOD },
-            Info { step_size: f64::NAN, ..GOOD },
-            Info { step_size: 0.0, ..GOOD },
+            Info { sample_period: f64::INFINITY, ..GOOD },
+            Info { sample_period: f64::NAN, ..GOOD },
+            Info { sample_period: 0.0, ..GOOD },
             Info { author: "two\nlines", ..GOOD },
             Info { description: "\u{1}", ..GOOD },
             Info { identifier: "a.b", ..GOOD },

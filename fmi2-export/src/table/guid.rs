@@ -40,7 +40,7 @@ impl Hash {
 const fn info(hash: Hash, info: &Info) -> Hash {
     let hash = hash.text(env!("CARGO_PKG_VERSION")).text(info.name).text(info.identifier).text(info.description);
     let hash = hash.text(info.version).text(info.author).text(info.copyright).text(info.license);
-    hash.number(info.state_version as u64).real(info.stop_time).real(info.step_size)
+    hash.number(info.state_version as u64).real(info.stop_time).real(info.sample_period)
 }
 
 const fn row<V>(hash: Hash, row: &Variable<V>) -> Hash {
@@ -157,9 +157,6 @@ mod tests {
                 const INFO: Info = $info;
                 type Vars = $vars;
                 type State = $state;
-                fn period(_: &$vars) -> f64 {
-                    1.0
-                }
                 fn initialise(_: &mut $vars, _: &mut Env) -> Result<$state, Error> {
                     Ok(Default::default())
                 }
