@@ -7,7 +7,7 @@ mod run;
 mod slide;
 
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
-use fmu_dob::interface::{DetectorKind, Fault, Input, Law, Parameters, State};
+use fmu_dob::interface::{DetectorKind, Fault, Input, Parameters, State};
 use run::Loop;
 
 #[global_allocator]

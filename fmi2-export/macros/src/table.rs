@@ -130,7 +130,8 @@ fn new(row: &Row) -> TokenStream {
         None => (quote!(None), quote!(::core::slice::from_ref(&START.#access))),
         Some(length) => (quote!(Some(#length)), quote!(&START.#access)),
     };
-    quote!(::fmi2_export::Variable::<Vars>::#new(#name, ::core::option::Option::#size, START, #elements))
+    // the elements are a field of the start values, reached through fields and elements of arrays
+    quote!(unsafe { ::fmi2_export::Variable::<Vars>::#new(#name, ::core::option::Option::#size, START, #elements) })
 }
 
 fn role(row: &Row) -> TokenStream {

@@ -174,7 +174,7 @@ impl<M: Exported> Instance<M> {
         };
         check_step(&running.clock, &experiment, time, step)?;
         if self.now.derivatives.is_empty() {
-            self.run(experiment, step, |_, _| ())?;
+            self.run(experiment, step, |_, _, _| Ok(()))?;
         } else {
             self.run_with_derivatives(experiment, step)?;
         }
@@ -184,14 +184,20 @@ impl<M: Exported> Instance<M> {
         self.check_computed()
     }
 
-    /// Runs the samples in a communication step; `prepare` gets the seconds from its start to each of them.
+    /// Runs the samples in a communication step; `prepare` gets the time of each of them and the seconds from the start of
+    /// the step to it.
     #[inline]
-    fn run(&mut self, experiment: Experiment, step: f64, prepare: impl Fn(&mut M::Vars, f64)) -> Result<(), Refusal> {
+    fn run(
+        &mut self,
+        experiment: Experiment,
+        step: f64,
+        prepare: impl Fn(&mut M::Vars, f64, f64) -> Result<(), Refusal>,
+    ) -> Result<(), Refusal> {
         let Some(running) = &mut self.now.running else { return Ok(()) };
         let here = running.clock;
         for tick in running.clock.advance(step) {
-            prepare(&mut self.now.vars, here.until(tick));
             let time = experiment.start + here.time_of(tick);
+            prepare(&mut self.now.vars, time, here.until(tick))?;
             let mut env = Env { time, experiment, host: &self.host };
             let before = self.now.vars.status();
             let done = M::tick(&mut self.now.vars, &mut running.state, &mut env);
@@ -205,7 +211,14 @@ impl<M: Exported> Instance<M> {
     #[cold]
     fn run_with_derivatives(&mut self, experiment: Experiment, step: f64) -> Result<(), Refusal> {
         let slopes = self.take_slopes();
-        let done = self.run(experiment, step, |vars, after| slopes.iter().for_each(|slope| slope.apply(vars, after)));
+        let done = self.run(experiment, step, |vars, time, after| {
+            let apply = |slope: &Slope<M::Vars>| {
+                slope
+                    .apply(vars, after)
+                    .map_err(|value| endless(&M::INDEX.entries[slope.reference() as usize], slope, value, time))
+            };
+            slopes.iter().try_for_each(apply)
+        });
         slopes.iter().for_each(|slope| slope.restore(&mut self.now.vars));
         done
     }
@@ -216,7 +229,7 @@ impl<M: Exported> Instance<M> {
         derivatives.sort_by_key(|derivative| (derivative.reference, derivative.order));
         let slope = |derivatives: &[Derivative]| {
             let place = M::INDEX.entries[derivatives[0].reference as usize].input?;
-            Some(Slope::new(place, &self.now.vars, derivatives.to_vec()))
+            Slope::new(place, &self.now.vars, derivatives.to_vec())
         };
         derivatives.chunk_by(|a, b| a.reference == b.reference).filter_map(slope).collect()
     }
@@ -322,6 +335,15 @@ fn fresh<M: Exported>() -> SnapshotOf<M> {
 fn parameters_set<M: Model>(now: &mut SnapshotOf<M>) {
     now.vars.bring_into_force(|reference| now.is_set[reference]);
     M::calculate(&mut now.vars);
+}
+
+#[cold]
+fn endless<V>(entry: &Entry<V>, slope: &Slope<V>, value: f64, time: f64) -> Refusal {
+    let (row, element) = entry.position();
+    let (name, told) = (row.element_name(element), slope.told());
+    Refusal::error(format!(
+        "`{name}` = {value} at t = {time} s: extrapolated from {told}\nhint: give smaller derivatives, or take a shorter step"
+    ))
 }
 
 #[cold]

@@ -279,6 +279,7 @@ const fn same(a: &str, b: &str) -> bool {
 }
 
 #[cfg(test)]
+#[allow(unsafe_code)]
 mod tests {
     use super::*;
     use crate::{DisplayUnit, EnumType, Item, units};
@@ -296,15 +297,16 @@ mod tests {
     const START: &Vars = &Vars { x: 3.0, pair: [0.0, 1.0], n: 3, on: false, label: String::new() };
 
     fn real() -> Variable<Vars> {
-        Variable::new_real("x", None, START, from_ref(&START.x))
+        // SAFETY: a field, in a constant; so are the next ones.
+        const { unsafe { Variable::new_real("x", None, START, from_ref(&START.x)) } }
     }
 
     fn pair() -> Variable<Vars> {
-        Variable::new_real("pair", Some(2), START, &START.pair)
+        const { unsafe { Variable::new_real("pair", Some(2), START, &START.pair) } }
     }
 
     fn integer() -> Variable<Vars> {
-        Variable::new_integer("n", None, START, from_ref(&START.n))
+        const { unsafe { Variable::new_integer("n", None, START, from_ref(&START.n)) } }
     }
 
     fn text(start: &'static str) -> Variable<Vars> {
@@ -340,7 +342,7 @@ mod tests {
             real().tunable().unit(&units::METRE).display("um").range(3.0, 3.0).describe("x"),
             pair().input().unit(&units::METRE).range(0.0, 1.0).describe("x"),
             integer().output().range_int(3, 3).describe("x"),
-            Variable::new_boolean("on", None, START, from_ref(&START.on)).output().describe("x"),
+            const { unsafe { Variable::new_boolean("on", None, START, from_ref(&START.on)) } }.output().describe("x"),
             text("two lines\n\tand a tab").local().describe("x"),
             choice(1).parameter().describe("x"),
         ]);

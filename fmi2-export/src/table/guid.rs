@@ -128,6 +128,7 @@ const fn enumeration(hash: Hash, ty: &EnumType) -> Hash {
 }
 
 #[cfg(test)]
+#[allow(unsafe_code)]
 mod tests {
     use super::*;
     use crate::{Env, Error, Variable, units};
@@ -146,7 +147,8 @@ mod tests {
                 const TABLE: &'static [Variable<Self>] = {
                     const START: &$vars = &<$vars as Interface>::START;
                     const ROW: Variable<$vars> = {
-                        let $x = Variable::new_real("x", None, START, from_ref(&START.x));
+                        // SAFETY: a field, in a constant.
+                        let $x = unsafe { Variable::new_real("x", None, START, from_ref(&START.x)) };
                         $row
                     };
                     &[ROW]
