@@ -21,12 +21,7 @@ mod variables {
 struct PassThrough;
 
 impl Model for PassThrough {
-    const INFO: Info = Info {
-        name: "PassThrough",
-        identifier: "pass_through",
-        description: "Gives its sampled input back",
-        ..package!()
-    };
+    const INFO: Info = Info { name: "PassThrough", description: "Gives its sampled input back", ..package!() };
     type Vars = Vars;
     type State = ();
 

@@ -130,12 +130,8 @@ struct State {
 struct Probe;
 
 impl Model for Probe {
-    const INFO: Info = Info {
-        name: "Probe",
-        identifier: "probe",
-        description: "Every kind of variable & every kind of failure",
-        ..package!()
-    };
+    const INFO: Info =
+        Info { name: "Probe", description: "Every kind of variable & every kind of failure", ..package!() };
     type Vars = Vars;
     type State = State;
 

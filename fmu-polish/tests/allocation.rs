@@ -9,7 +9,7 @@ mod run;
 
 use assert_no_alloc::AllocDisabler;
 use fmu_polish::axes::Axes;
-use fmu_polish::interface::{Fault, Input, Law, Mode, Parameters, State};
+use fmu_polish::interface::{Fault, Input, Mode, Parameters, State};
 use nalgebra::Vector3;
 use robot::Build;
 use run::Loop;

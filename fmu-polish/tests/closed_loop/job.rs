@@ -1,7 +1,7 @@
 //! Whole jobs: default mode, the law as printed, the paper's stick-slip, robots that are not nominal.
 
 use fmu_polish::axes::Axes;
-use fmu_polish::interface::{Fault, FeedSource, ForceMode, Law, Mode, Parameters, Wave};
+use fmu_polish::interface::{Fault, FeedSource, ForceMode, Mode, Parameters, Wave};
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 
