@@ -225,7 +225,7 @@ const fn same_unit(a: &Unit, b: &Unit) -> bool {
 }
 
 #[cfg(test)]
-#[allow(unsafe_code)]
+#[allow(unsafe_code, clippy::undocumented_unsafe_blocks, reason = "each is a field, in a constant")]
 mod tests {
     use super::*;
     use crate::{DisplayUnit, EnumType, Item, units};
@@ -243,7 +243,6 @@ mod tests {
     const START: &Vars = &Vars { x: 3.0, pair: [0.0, 1.0], n: 3, on: false, label: String::new() };
 
     fn real() -> Variable<Vars> {
-        // SAFETY: a field, in a constant; so are the next ones.
         const { unsafe { Variable::new_real("x", None, START, from_ref(&START.x)) } }
     }
 
