@@ -83,6 +83,10 @@ fn model_identifier(description: &str) -> Result<String> {
     identifier.map(str::to_owned).with_context(|| format!("`{DESCRIPTION}` names no modelIdentifier"))
 }
 
+/// What a crate lacks that does not know the exporter.
+const DEPENDENCY: &str = "hint: `fmi2-export = { path = \"...\" }` or `fmi2-export = { git = \"...\" }` belongs in \
+                          `[dependencies]`: it is in no registry\n";
+
 fn exports_a_model(package: &Package, facts: &Facts) -> Result<()> {
     let missing = inspect::missing(facts);
     let name = &package.name;
@@ -93,7 +97,7 @@ fn exports_a_model(package: &Package, facts: &Facts) -> Result<()> {
     }
     if missing.len() == FMI2_FUNCTIONS.len() {
         let depends = package.dependencies.iter().any(|dependency| dependency.name == "fmi2-export");
-        let first = if depends { "" } else { "hint: `cargo add fmi2-export serde --features serde/derive`\n" };
+        let first = if depends { "" } else { DEPENDENCY };
         bail!("the library of `{name}` exports no function of FMI 2.0\n{first}{call}");
     }
     ensure!(missing.is_empty(), "the library of `{name}` does not export `{}`", missing.join("`, `"));

@@ -12,7 +12,7 @@ use cargo_fmu::inspect::Rules;
 use cargo_fmu::linker::{GLIBC, Linker};
 use cargo_fmu::project::Project;
 use cargo_fmu::{archive, choice, licences};
-use cargo_metadata::{MetadataCommand, Package};
+use cargo_metadata::{CargoOpt, MetadataCommand, Package};
 use clap::{Args, Parser, Subcommand};
 
 #[derive(Parser)]
@@ -112,6 +112,8 @@ impl Pack {
         if let Some(manifest) = &self.manifest_path {
             command.manifest_path(manifest);
         }
+        // the graph of every feature: what is built of it, the build tells
+        command.features(CargoOpt::AllFeatures);
         command.other_options(self.resolution().map(str::to_owned).collect::<Vec<_>>());
         let mut project = Project::load(&command)?;
         project.linker = Linker::find();
@@ -158,4 +160,35 @@ fn tell(project: &Project, package: &Package, packed: &Packed) -> Result<()> {
         eprintln!("hint: `pip install cargo-zigbuild` (with `zig`) makes it run with glibc {major}.{minor} and newer");
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A crate in a folder of its own, with these lines in its manifest.
+    fn package(folder: &Path, name: &str, more: &str) {
+        let folder = folder.join(name);
+        fs::create_dir_all(folder.join("src")).unwrap();
+        fs::write(folder.join("src/lib.rs"), "").unwrap();
+        let head =
+            format!("[package]\nname = \"{name}\"\nversion = \"0.1.0\"\nedition = \"2024\"\nlicense = \"MIT\"\n");
+        fs::write(folder.join("Cargo.toml"), format!("{head}{more}[workspace]\n")).unwrap();
+    }
+
+    #[test]
+    fn the_licence_of_a_crate_that_a_feature_brings_in_comes_along() {
+        let folder = tempfile::tempdir().unwrap();
+        package(folder.path(), "spring", "[dependencies]\ndamper = { path = \"../damper\", optional = true }\n");
+        package(folder.path(), "damper", "");
+        let manifest = folder.path().join("spring/Cargo.toml");
+        let words =
+            ["cargo", "fmu", "--offline", "--features", "damper", "--manifest-path", manifest.to_str().unwrap()];
+        let Cargo::Fmu { pack, .. } = Cargo::parse_from(words);
+        let project = pack.project().unwrap();
+        let built = project.metadata.packages.iter().map(|package| package.id.clone()).collect();
+        let package = choice::package(&project.metadata, None).unwrap();
+        let files = licences::files(&project, package, &built).unwrap();
+        assert!(files.iter().any(|(_, text)| text.contains("- damper 0.1.0: MIT")), "{files:?}");
+    }
 }

@@ -91,7 +91,10 @@ fn a_library_without_a_model() {
     let folder = project(&[("Cargo.toml", &manifest("silent", CDYLIB)), ("src/lib.rs", "")]);
     let without = "the library of `silent` exports no function of FMI 2.0";
     let call = "`fmi2_export::export!(YourModel);` belongs in `";
-    has(&refusal(&folder, &["--offline"]), &[without, "hint: `cargo add fmi2-export", call]);
+    has(
+        &refusal(&folder, &["--offline"]),
+        &[without, "hint: `fmi2-export = { path = \"...\" }` or `fmi2-export = { git", call],
+    );
 
     // the exporter's seam to a model that nobody gave
     let seam = "unsafe extern \"Rust\" { safe fn fmi2_export_model(); }\n\

@@ -21,6 +21,7 @@ pub use parameters::numbers::{real_numbers, whole_numbers};
 pub use parameters::parameter::Parameter;
 pub use sampling::consecutive::Consecutive;
 pub use sampling::edge::Edge;
-pub use sampling::input::believable;
+pub use sampling::input::{believable, with_nonsense};
+pub use sampling::last_good::LastGood;
 pub use sampling::sent_commands::{DELAY_MAX, SentCommands};
 pub use sampling::ticks::ticks;

@@ -21,18 +21,9 @@ mod variables {
 struct PassThrough;
 
 impl Model for PassThrough {
-    const INFO: Info = Info {
-        name: "PassThrough",
-        identifier: "pass_through",
-        description: "Gives its sampled input back",
-        ..package!()
-    };
+    const INFO: Info = Info { name: "PassThrough", description: "Gives its sampled input back", ..package!() };
     type Vars = Vars;
     type State = ();
-
-    fn period(_: &Vars) -> f64 {
-        1e-3
-    }
 
     fn initialise(_: &mut Vars, _: &mut Env) -> Result<(), Error> {
         Ok(())

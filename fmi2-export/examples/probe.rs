@@ -19,6 +19,14 @@ mod variables {
         Follow,
     }
 
+    /// Which values the parameters have that were not set
+    pub enum Law {
+        /// Their start values
+        Default,
+        /// Those of the paper
+        Paper,
+    }
+
     /// What the probe does wrong on purpose
     pub enum Failure {
         /// Nothing
@@ -74,14 +82,14 @@ mod variables {
     pub struct Parameters {
         /// Sample period
         #[var(unit = SECOND, range = 1e-6..=1.0, start = 1e-3, source = "our choice")]
-        pub period: f64,
+        pub sample_period: f64,
         /// Gain
-        #[var(unit = NEWTON_PER_METRE, range = 0.0..=1e6, start = 2.0, tunable)]
+        #[var(unit = NEWTON_PER_METRE, range = 0.0..=1e6, start = 2.0, paper = 3.0, tunable)]
         pub gain: f64,
         /// Limits of the force
         pub limits: Limits,
         /// Bias of the force
-        #[var(unit = NEWTON, start = [0.0, 0.5, 1.0], tunable)]
+        #[var(unit = NEWTON, start = [0.0, 0.5, 1.0], paper = [0.0, 5.0, 10.0], tunable)]
         pub bias: [f64; 3],
         /// Order
         #[var(range = 1..=5, start = 2)]
@@ -93,11 +101,12 @@ mod variables {
         #[var(tunable)]
         pub failure: Failure,
         /// Label for the log
-        #[var(start = "100 % <probe>")]
+        #[var(start = "100 % <probe>", paper = "probe of the paper")]
         pub label: String,
         /// sqrt(gain)
         #[var(unit = RADIAN_PER_SECOND, calculated)]
         pub natural_frequency: f64,
+        pub law: Law,
     }
 
     /// Limits of the force.
@@ -121,25 +130,17 @@ struct State {
 struct Probe;
 
 impl Model for Probe {
-    const INFO: Info = Info {
-        name: "Probe",
-        identifier: "probe",
-        description: "Every kind of variable & every kind of failure",
-        ..package!()
-    };
+    const INFO: Info =
+        Info { name: "Probe", description: "Every kind of variable & every kind of failure", ..package!() };
     type Vars = Vars;
     type State = State;
 
-    fn period(vars: &Vars) -> f64 {
-        vars.parameters.period
-    }
-
     fn calculate(vars: &mut Vars) {
-        vars.parameters.natural_frequency = vars.parameters.gain.sqrt();
+        vars.parameters.natural_frequency = vars.in_force.gain.sqrt();
     }
 
     fn initialise(vars: &mut Vars, _: &mut Env) -> Result<State, Error> {
-        let Limits { low, high } = vars.parameters.limits;
+        let Limits { low, high } = vars.in_force.limits;
         if low > high {
             return Err(format!("`limits.low` = {low} N must be at most `limits.high` = {high} N").into());
         }
@@ -147,7 +148,7 @@ impl Model for Probe {
     }
 
     fn tick(vars: &mut Vars, state: &mut State, env: &mut Env) -> Result<(), Error> {
-        let Vars { input, parameters, output } = vars;
+        let Vars { input, in_force: parameters, output, .. } = vars;
         output.force = match parameters.mode {
             Mode::Off => 0.0,
             Mode::Hold => output.force,

@@ -38,13 +38,9 @@
 //! struct Spring;
 //!
 //! impl Model for Spring {
-//!     const INFO: Info = Info { name: "Spring", description: "A sampled spring", step_size: 1e-3, ..package!() };
+//!     const INFO: Info = Info { name: "Spring", description: "A sampled spring", ..package!() };
 //!     type Vars = Vars;
 //!     type State = ();
-//!
-//!     fn period(_: &Vars) -> f64 {
-//!         1e-3
-//!     }
 //!
 //!     fn initialise(_: &mut Vars, _: &mut Env) -> Result<(), Error> {
 //!         Ok(())
@@ -63,7 +59,8 @@
 //! State that is hidden between samples derives [`serde`]'s traits: `#[serde(crate = "fmi2_export::serde")]` saves the
 //! dependency.
 //!
-//! All `unsafe` code is in [`c_api`], `table::place` and the functions that [`export!`] makes; every other module is safe Rust.
+//! All `unsafe` code is in [`c_api`], `table::place` and what [`export!`] and [`interface`](macro@interface) make; every other
+//! module is safe Rust.
 //!
 //! Timing: the model ticks at `start + n * period`. A communication step `[t, t + h)` runs every
 //! tick that lies in it, with the inputs set at `t`; outputs are held between ticks.
@@ -100,7 +97,7 @@ pub mod __private {
     pub use crate::description::files::Files;
     pub use crate::exported::Exported;
     pub use crate::table::guid::of as guid;
-    pub use crate::table::index::{Entry, Index, computed, count, entries};
+    pub use crate::table::index::{Entry, Index, computed, count, entries, reference};
 
     /// Checks a model's table and facts; a wrong one does not compile.
     pub const fn check<M: crate::Model>() {

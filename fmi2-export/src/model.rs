@@ -4,7 +4,7 @@ use crate::host::logger::{Category, Logger};
 use crate::table::enumeration::Item;
 use crate::table::variable::Variable;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
-use std::fmt::{self, Display};
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 /// Facts about an FMU for its model description.
@@ -29,8 +29,8 @@ pub struct Info {
     pub state_version: u32,
     /// Suggested stop time, s.
     pub stop_time: f64,
-    /// Suggested communication step, s.
-    pub step_size: f64,
+    /// Sample period where no parameter `sample_period` tells it, s.
+    pub sample_period: f64,
 }
 
 impl Info {
@@ -45,7 +45,7 @@ impl Info {
         license: "",
         state_version: 1,
         stop_time: 1.0,
-        step_size: 1e-3,
+        sample_period: 1e-3,
     };
 }
 
@@ -78,8 +78,14 @@ pub trait Interface: Sized + 'static {
     /// The variable table; value references are the positions in it.
     const TABLE: &'static [Variable<Self>];
 
-    /// Brings parameters into force after they were set: those of the paper, where `law` asks for them.
-    fn bring_into_force(&mut self) {}
+    /// Brings parameters into force after some were set: where `law` asks for those of the paper, each that `is_set` does
+    /// not know, by its value reference.
+    fn bring_into_force(&mut self, _is_set: impl Fn(usize) -> bool) {}
+
+    /// Sample period, s, where a parameter `sample_period` tells it.
+    fn sample_period(&self) -> Option<f64> {
+        None
+    }
 
     /// What the importer is told of: the items of the outputs `state` and `fault`, where the model has them.
     fn status(&self) -> Report {
@@ -96,7 +102,7 @@ pub struct Report {
     pub fault: Option<&'static Item>,
 }
 
-/// A sampled controller.
+/// A sampled controller. Its sample period is the parameter `sample_period`, where it has one, else that of [`Info`].
 pub trait Model: Sized + 'static {
     /// Facts for the model description.
     const INFO: Info;
@@ -107,16 +113,13 @@ pub trait Model: Sized + 'static {
     /// The numbers behind a new state or fault, told after its meaning, such as `: 3 mm, limit 2 mm`.
     const NUMBERS: fn(&Self::Vars) -> String = |_| String::new();
 
-    /// Sample period, s; may depend on fixed parameters.
-    fn period(vars: &Self::Vars) -> f64;
-
     /// Computes the calculated parameters from the others.
     fn calculate(_vars: &mut Self::Vars) {}
 
     /// Checks parameters against each other and makes the state of time zero.
     ///
-    /// A `hidden` field that is read from other parameters belongs into [`Model::calculate`], or into `parameters` before they
-    /// are brought into force: each set of a parameter makes `in_force` anew.
+    /// A `hidden` field that is read from other parameters belongs into [`Model::calculate`]: each set of a parameter makes
+    /// `in_force` anew.
     ///
     /// # Errors
     /// The parameter's name, value and limit.
@@ -202,26 +205,5 @@ impl Env<'_> {
     }
 }
 
-/// Why a model cannot go on: a text with names, values and limits.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Error(String);
-
-impl Display for Error {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl std::error::Error for Error {}
-
-impl From<String> for Error {
-    fn from(text: String) -> Self {
-        Self(text)
-    }
-}
-
-impl From<&str> for Error {
-    fn from(text: &str) -> Self {
-        Self(text.to_owned())
-    }
-}
+/// Why a model cannot go on: a text with names, values and limits, or any error that says so.
+pub type Error = Box<dyn std::error::Error + Send + Sync>;

@@ -8,7 +8,7 @@ use common::*;
 /// An instance with a sample period, started at a time.
 fn started(fmu: &Fmu, period: f64, start: f64) -> Instance<'_> {
     let instance = Instance::new(fmu);
-    assert_eq!(instance.set_real("period", period), OK);
+    assert_eq!(instance.set_real("sample_period", period), OK);
     assert_eq!((instance.setup(start, None), instance.enter(), instance.exit()), (OK, OK, OK));
     instance
 }

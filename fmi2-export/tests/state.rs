@@ -27,7 +27,7 @@ fn go_on(instance: &Instance, mut time: f64) -> Vec<(Vec<u64>, Vec<i32>, String)
 /// An instance in the middle of a run at 0.0123 s, with parameters that are not the start values.
 fn halfway(fmu: &Fmu) -> Instance<'_> {
     let instance = Instance::new(fmu);
-    assert_eq!(instance.set_reals(&["period", "bias[2]"], &[0.7e-3, -0.3]), OK);
+    assert_eq!(instance.set_reals(&["sample_period", "bias[2]"], &[0.7e-3, -0.3]), OK);
     assert_eq!(instance.set_texts(&["label"], &[c"a label \u{b5}"]), OK);
     assert_eq!((instance.setup(0.0, Some(10.0)), instance.enter(), instance.exit()), (OK, OK, OK));
     assert_eq!(instance.set_real("position", 0.1), OK);

@@ -75,42 +75,35 @@ pub fn next(state: State, events: &Events) -> State {
 mod tests {
     use super::*;
 
-    const ENABLED: Events = Events {
-        enabled: true,
-        start: false,
-        reset: false,
-        at_rest: false,
-        fault: None,
-        touched: false,
-        settled: false,
-        collected: false,
-        verdict: None,
-        launched: false,
-        stroke_over: false,
-    };
+    /// `enable` is set, and beside it what `change` sets.
+    fn enabled(change: impl FnOnce(&mut Events)) -> Events {
+        let mut events = Events { enabled: true, ..Events::default() };
+        change(&mut events);
+        events
+    }
 
     #[test]
     fn nothing_happens_without_events() {
         for state in State::ALL.iter().copied() {
-            assert_eq!(next(state, &ENABLED), state);
+            assert_eq!(next(state, &enabled(|_| ())), state);
         }
     }
 
     #[test]
     fn the_whole_way_of_one_centring() {
-        let settled = Events { settled: true, ..ENABLED };
-        let collected = Events { collected: true, ..ENABLED };
+        let settled = enabled(|events| events.settled = true);
+        let collected = enabled(|events| events.collected = true);
         let way = [
-            (Events { start: true, ..ENABLED }, State::Approach),
-            (Events { touched: true, ..ENABLED }, State::Follow),
+            (enabled(|events| events.start = true), State::Approach),
+            (enabled(|events| events.touched = true), State::Follow),
             (settled, State::Collect),
             (collected, State::Model),
-            (Events { verdict: Some(Verdict::Push), ..ENABLED }, State::Wait),
-            (Events { launched: true, ..ENABLED }, State::Push),
-            (Events { stroke_over: true, ..ENABLED }, State::Settle),
+            (enabled(|events| events.verdict = Some(Verdict::Push)), State::Wait),
+            (enabled(|events| events.launched = true), State::Push),
+            (enabled(|events| events.stroke_over = true), State::Settle),
             (settled, State::Collect),
             (collected, State::Model),
-            (Events { verdict: Some(Verdict::Centred), ..ENABLED }, State::Centred),
+            (enabled(|events| events.verdict = Some(Verdict::Centred)), State::Centred),
         ];
         let mut state = State::Idle;
         for (events, expected) in way {
@@ -121,21 +114,20 @@ mod tests {
 
     #[test]
     fn a_fault_wins_everywhere() {
-        let events = Events {
-            enabled: true,
-            start: true,
-            reset: true,
-            at_rest: true,
-            fault: Some(Fault::NoPart),
-            touched: true,
-            settled: true,
-            collected: true,
-            verdict: Some(Verdict::Centred),
-            launched: true,
-            stroke_over: true,
-        };
-        for state in State::ALL.iter().copied() {
-            assert_eq!(next(state, &events), State::Fault);
+        let others: [fn(&mut Events); 8] = [
+            |events| events.enabled = false,
+            |events| events.start = true,
+            |events| (events.reset, events.at_rest) = (true, true),
+            |events| (events.touched, events.settled) = (true, true),
+            |events| events.collected = true,
+            |events| events.verdict = Some(Verdict::Centred),
+            |events| events.launched = true,
+            |events| events.stroke_over = true,
+        ];
+        for (change, &state) in others.iter().flat_map(|other| State::ALL.iter().map(move |state| (other, state))) {
+            let mut events = enabled(|events| events.fault = Some(Fault::NoPart));
+            change(&mut events);
+            assert_eq!(next(state, &events), State::Fault, "{events:?}");
         }
     }
 
@@ -149,12 +141,12 @@ mod tests {
 
     #[test]
     fn a_fault_ends_with_its_reset_at_rest_only_and_then_waits_for_enable() {
-        let start = Events { start: true, at_rest: true, ..ENABLED };
+        let start = enabled(|events| (events.start, events.at_rest) = (true, true));
         assert_eq!(next(State::Fault, &start), State::Fault);
-        assert_eq!(next(State::Fault, &Events { reset: true, ..ENABLED }), State::Fault);
-        let reset = Events { reset: true, at_rest: true, ..ENABLED };
+        assert_eq!(next(State::Fault, &enabled(|events| events.reset = true)), State::Fault);
+        let reset = enabled(|events| (events.reset, events.at_rest) = (true, true));
         assert_eq!(next(State::Fault, &reset), State::Idle);
-        assert_eq!(next(State::Idle, &ENABLED), State::Idle);
+        assert_eq!(next(State::Idle, &enabled(|_| ())), State::Idle);
         assert_eq!(next(State::Idle, &start), State::Approach);
     }
 }

@@ -17,7 +17,6 @@ mod reading;
 mod run;
 mod servo;
 
-use control_blocks::ParameterError;
 use fmi2_export::{Env, Error, Info, Model, export, package};
 
 use bank::storage;
@@ -30,26 +29,26 @@ use path::path_file;
 pub struct Deburr;
 
 impl Model for Deburr {
-    const INFO: Info = Info {
-        name: "VariableSpeedDeburring",
-        identifier: "fmu_deburr",
-        description: "Drives a six-axis deburring robot with cutting-load control and interpolated repetitive control \
-                      (Kimura, Mukai and Kobayashi)",
-        state_version: 2,
-        stop_time: 10.0,
-        step_size: 0.01,
-        ..package!()
-    };
+    const INFO: Info = Info { name: "VariableSpeedDeburring", state_version: 2, stop_time: 10.0, ..package!() };
     type Vars = Vars;
     type State = Controller;
     const NUMBERS: fn(&Vars) -> String = faults::numbers;
 
-    fn period(vars: &Vars) -> f64 {
-        vars.parameters.sample_period
+    fn calculate(vars: &mut Vars) {
+        // what cannot be read is told by `initialise`
+        if let Ok(speeds) = Speeds::read(&vars.in_force.learn.speeds) {
+            vars.in_force.learn.factors = speeds;
+        }
     }
 
     fn initialise(vars: &mut Vars, env: &mut Env) -> Result<Controller, Error> {
-        initialise(vars, env).map_err(|error: ParameterError| error.to_string().into())
+        let (p, output) = (&vars.in_force, &mut vars.output);
+        Speeds::read(&p.learn.speeds)?;
+        let mut controller = Controller::new(p, path_file::read(p, env.resources())?)?;
+        let (path, bank) = controller.path_and_bank();
+        output.path.length = path.length();
+        output.bank = storage::import(p, env.resources(), path, bank)?;
+        Ok(controller)
     }
 
     fn tick(vars: &mut Vars, controller: &mut Controller, env: &mut Env) -> Result<(), Error> {
@@ -61,17 +60,6 @@ impl Model for Deburr {
         }
         Ok(())
     }
-}
-
-fn initialise(vars: &mut Vars, env: &Env) -> Result<Controller, ParameterError> {
-    vars.parameters.learn.factors = Speeds::read(&vars.parameters.learn.speeds)?;
-    vars.in_force = vars.parameters.in_force();
-    let (p, output) = (&vars.in_force, &mut vars.output);
-    let mut controller = Controller::new(p, path_file::read(p, env.resources())?)?;
-    let (path, bank) = controller.path_and_bank();
-    output.path.length = path.length();
-    output.bank = storage::import(p, env.resources(), path, bank)?;
-    Ok(controller)
 }
 
 export!(Deburr);

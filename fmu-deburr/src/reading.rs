@@ -1,6 +1,6 @@
 //! Checks the inputs of a sample: what can be used, and whether something is wrong.
 
-use control_blocks::believable;
+use control_blocks::{LastGood, believable};
 use serde::{Deserialize, Serialize};
 
 use crate::interface::Input;
@@ -25,16 +25,17 @@ pub struct Reading {
 /// Remembers the last good inputs; zeros before the first sample.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Reader {
-    good: Reading,
+    good: LastGood<Reading>,
 }
 
 impl Reader {
     /// Before the first sample.
-    pub const START: Self = Self { good: Reading { positions: [0.0; AXES], spindle_speed: 0.0, share: 0.0 } };
+    pub const START: Self =
+        Self { good: LastGood::new(Reading { positions: [0.0; AXES], spindle_speed: 0.0, share: 0.0 }) };
 
     /// The last good positions, rad or m.
     pub fn positions(&self) -> Joints {
-        self.good.positions
+        self.good.get().positions
     }
 
     /// Reads one sample; the flag says whether every input is believable.
@@ -47,16 +48,14 @@ impl Reader {
         let valid = now.positions.iter().all(|position| believable(*position, POSITION_MAX))
             && believable(now.spindle_speed, SPINDLE_MAX)
             && input.speed_override.is_finite();
-        if valid {
-            self.good = now;
-        }
-        (self.good, valid)
+        self.good.update(now, valid)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use control_blocks::with_nonsense;
 
     #[test]
     fn nonsense_in_any_input_is_invalid_and_never_used() {
@@ -67,15 +66,10 @@ mod tests {
             |i| &mut i.spindle_speed,
             |i| &mut i.speed_override,
         ];
-        for change in changes {
-            for nonsense in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-                let mut reader = Reader::START;
-                let (before, valid) = reader.read(&good);
-                assert!(valid);
-                let mut bad = good.clone();
-                *change(&mut bad) = nonsense;
-                assert_eq!(reader.read(&bad), (before, false));
-            }
+        for bad in with_nonsense(&good, &changes) {
+            let mut reader = Reader::START;
+            let before = reader.read(&good);
+            assert_eq!((before.1, reader.read(&bad)), (true, (before.0, false)));
         }
     }
 

@@ -20,10 +20,9 @@ struct Loop {
 
 impl Loop {
     fn new(change: impl FnOnce(&mut Parameters)) -> Self {
-        let mut p = Parameters::START;
-        p.learn.repetitions = 1;
-        change(&mut p);
-        let parameters = p.in_force();
+        let mut parameters = Parameters::START;
+        parameters.learn.repetitions = 1;
+        change(&mut parameters);
         let path = path_file::read(&parameters, None).unwrap();
         let controller = Controller::new(&parameters, path).unwrap();
         Self { controller, parameters, input: Input { enable: true, ..Input::START }, output: Output::START }
@@ -96,7 +95,9 @@ fn no_fault_allocates() {
             }
         }
         assert_eq!((run.output.state, run.output.fault), (State::Fault, *fault));
-        (run.input.reset_fault, run.input.spindle_speed) = (true, 1885.0);
+        run.input.spindle_speed = 1885.0;
+        run.step();
+        run.input.reset_fault = true;
         run.step_until(|output| output.state == State::Idle);
     }
 }

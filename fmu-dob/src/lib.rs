@@ -21,30 +21,18 @@ use interface::Vars;
 pub struct Dob;
 
 impl Model for Dob {
-    const INFO: Info = Info {
-        name: "DisturbanceObserverContactDetection",
-        identifier: "fmu_dob",
-        description: "Detects the contact of a micro tool without a sensor, from the disturbance observer of the \
-                      stage (Kakinuma and Nagakari, CIRP Annals 66, 2017)",
-        state_version: 2,
-        stop_time: 2.0,
-        step_size: 1e-4,
-        ..package!()
-    };
+    const INFO: Info =
+        Info { name: "DisturbanceObserverContactDetection", state_version: 2, stop_time: 2.0, ..package!() };
     type Vars = Vars;
     type State = Controller;
     const NUMBERS: fn(&Vars) -> String = faults::numbers;
-
-    fn period(vars: &Vars) -> f64 {
-        vars.parameters.sample_period
-    }
 
     fn calculate(vars: &mut Vars) {
         vars.parameters.approach.depth_limit = motion::depth_limit::depth_limit(&vars.in_force);
     }
 
     fn initialise(vars: &mut Vars, _: &mut Env) -> Result<Controller, Error> {
-        Controller::new(&vars.in_force).map_err(|error| error.to_string().into())
+        Ok(Controller::new(&vars.in_force)?)
     }
 
     fn tick(vars: &mut Vars, controller: &mut Controller, _: &mut Env) -> Result<(), Error> {

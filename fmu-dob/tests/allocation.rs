@@ -7,7 +7,7 @@ mod run;
 mod slide;
 
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
-use fmu_dob::interface::{DetectorKind, Fault, Input, Law, Parameters, State};
+use fmu_dob::interface::{DetectorKind, Fault, Input, Parameters, State};
 use run::Loop;
 
 #[global_allocator]
@@ -41,7 +41,7 @@ fn a_job_of_each_detector() {
 
 #[test]
 fn a_job_of_the_paper() {
-    job(&Parameters { law: Law::Paper, ..Parameters::START }.in_force());
+    job(&Parameters::PAPER);
 }
 
 #[test]

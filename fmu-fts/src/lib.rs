@@ -30,23 +30,10 @@ use texts::Tables;
 pub struct Fts;
 
 impl Model for Fts {
-    const INFO: Info = Info {
-        name: "RotaryFastToolServo",
-        identifier: "fmu_fts",
-        description: "Drives the arm of a rotary fast tool servo that turns toric lenses (Ludwick, Chargin, \
-                      Calzaretta and Trumper, 1999)",
-        state_version: 2,
-        stop_time: 2.0,
-        step_size: 1e-4,
-        ..package!()
-    };
+    const INFO: Info = Info { name: "RotaryFastToolServo", state_version: 2, stop_time: 2.0, ..package!() };
     type Vars = Vars;
     type State = Controller;
     const NUMBERS: fn(&Vars) -> String = faults::numbers;
-
-    fn period(vars: &Vars) -> f64 {
-        vars.parameters.sample_period
-    }
 
     fn calculate(vars: &mut Vars) {
         if vars.in_force.read_lists().is_ok() {
@@ -55,10 +42,9 @@ impl Model for Fts {
     }
 
     fn initialise(vars: &mut Vars, env: &mut Env) -> Result<Controller, Error> {
-        let text = |error: control_blocks::ParameterError| error.to_string();
-        vars.in_force.read_lists().map_err(text)?;
-        let tables = Tables::read(&vars.in_force, env.resources()).map_err(text)?;
-        let controller = Controller::new(&vars.in_force, &tables).map_err(text)?;
+        vars.in_force.read_lists()?;
+        let tables = Tables::read(&vars.in_force, env.resources())?;
+        let controller = Controller::new(&vars.in_force, &tables)?;
         vars.output.path_truncation = controller.truncation();
         faults::truncation(vars).into_iter().for_each(|warning| env.warn(warning));
         Ok(controller)

@@ -1,6 +1,6 @@
 //! Checks the inputs of a sample: what can be used, and what is wrong with the rest.
 
-use control_blocks::believable;
+use control_blocks::{LastGood, believable};
 use serde::{Deserialize, Serialize};
 
 use crate::interface::Input;
@@ -28,7 +28,7 @@ pub struct Reading {
 /// Remembers the last good inputs; by default zeros, before the first sample.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Reader {
-    good: Reading,
+    good: LastGood<Reading>,
 }
 
 impl Reader {
@@ -45,31 +45,24 @@ impl Reader {
             && believable(now.spindle_angle, ANGLE_MAX)
             && believable(now.slide_position, POSITION_MAX)
             && believable(now.hold_angle, ANGLE_MAX);
-        if valid {
-            self.good = now;
-        }
-        (self.good, valid)
+        self.good.update(now, valid)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use control_blocks::with_nonsense;
 
     #[test]
     fn nonsense_in_any_input_is_invalid_and_never_used() {
         let good = Input { arm_angle: 0.1, spindle_angle: 2.0, slide_position: 0.04, hold_angle: 0.3, ..Input::START };
         let changes: [fn(&mut Input) -> &mut f64; 4] =
             [|i| &mut i.arm_angle, |i| &mut i.spindle_angle, |i| &mut i.slide_position, |i| &mut i.hold_angle];
-        for change in changes {
-            for nonsense in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300] {
-                let mut reader = Reader::default();
-                let (before, valid) = reader.read(&good);
-                assert!(valid);
-                let mut bad = good.clone();
-                *change(&mut bad) = nonsense;
-                assert_eq!(reader.read(&bad), (before, false));
-            }
+        for bad in with_nonsense(&good, &changes) {
+            let mut reader = Reader::default();
+            let before = reader.read(&good);
+            assert_eq!((before.1, reader.read(&bad)), (true, (before.0, false)));
         }
     }
 

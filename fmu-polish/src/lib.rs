@@ -23,26 +23,14 @@ use interface::Vars;
 pub struct Polish;
 
 impl Model for Polish {
-    const INFO: Info = Info {
-        name: "StickSlipPolishing",
-        identifier: "fmu_polish",
-        description: "Polishes a mold along CL data with controlled force and stick-slip motion (Nagata et al., 2010)",
-        state_version: 2,
-        stop_time: 60.0,
-        step_size: 1e-3,
-        ..package!()
-    };
+    const INFO: Info = Info { name: "StickSlipPolishing", state_version: 2, stop_time: 60.0, ..package!() };
     type Vars = Vars;
     type State = Controller;
     const NUMBERS: fn(&Vars) -> String = faults::numbers;
 
-    fn period(vars: &Vars) -> f64 {
-        vars.parameters.sample_period
-    }
-
     fn initialise(vars: &mut Vars, env: &mut Env) -> Result<Controller, Error> {
-        let points = path::cl_file::read(env.resources(), &vars.in_force).map_err(|error| error.to_string())?;
-        let controller = Controller::new(&vars.in_force, &points).map_err(|error| error.to_string())?;
+        let points = path::cl_file::read(env.resources(), &vars.in_force)?;
+        let controller = Controller::new(&vars.in_force, &points)?;
         vars.output.path_length = controller.path().length();
         Ok(controller)
     }

@@ -36,10 +36,6 @@ impl Model for Spring {
     type Vars = Vars;
     type State = ();
 
-    fn period(_: &Vars) -> f64 {
-        1e-3
-    }
-
     fn initialise(_: &mut Vars, _: &mut Env) -> Result<(), Error> {
         Ok(())
     }

@@ -15,7 +15,6 @@ pub fn module(declaration: &Declaration, rows: &[Row]) -> TokenStream {
     let papers = papers(declaration, rows);
     let groups = declaration.groups.iter().map(|group| structure(declaration, group, &papers));
     let vars = variables(declaration, &papers);
-    let in_force = in_force(declaration, rows);
     let table = table::emit(declaration, rows);
     quote! {
         #(#attributes)*
@@ -24,7 +23,6 @@ pub fn module(declaration: &Declaration, rows: &[Row]) -> TokenStream {
             #(#choices)*
             #(#groups)*
             #vars
-            #in_force
             #table
         }
     }
@@ -167,6 +165,7 @@ fn repetitions(declaration: &Declaration, name: &Ident) -> Option<usize> {
 fn start(declaration: &Declaration, field: &Field, constant: &Ident) -> TokenStream {
     let given = match (constant == "PAPER", &field.var.paper) {
         (true, Some(paper)) => Some(paper),
+        (true, None) if field.name == "law" && is_switch(declaration, field) => return switched(field),
         _ => field.var.start.as_ref(),
     };
     match (&field.shape, given) {
@@ -182,6 +181,17 @@ fn start(declaration: &Declaration, field: &Field, constant: &Ident) -> TokenStr
         (Shape::Fields(kind), None) => fields_of(declaration, field, kind),
         (Shape::Hidden, None) => unreachable!("the rules ask for a start value"),
     }
+}
+
+/// Whether a field is the parameter `law`, which the values of the paper belong to.
+fn is_switch(declaration: &Declaration, field: &Field) -> bool {
+    let parameters = declaration.root(Root::Parameters);
+    parameters.is_some_and(|group| group.fields.iter().any(|own| std::ptr::eq(own, field)))
+}
+
+fn switched(field: &Field) -> TokenStream {
+    let law = &field.ty;
+    quote!(#law::Paper)
 }
 
 fn fields_of(declaration: &Declaration, field: &Field, kind: &Kind) -> TokenStream {
@@ -239,57 +249,6 @@ fn variables(declaration: &Declaration, papers: &[Ident]) -> TokenStream {
         impl Vars {
             /// Start values.
             const START: Self = Self { #(#starts),* };
-        }
-    }
-}
-
-/// The parameters in force: what stands at its start value takes the value of the paper.
-fn in_force(declaration: &Declaration, rows: &[Row]) -> Option<TokenStream> {
-    let group = declaration.root(Root::Parameters)?;
-    // a struct of elsewhere goes as a whole, with its first component
-    let first = |row: &&Row| match (row.component, &row.field.var.fields) {
-        (Some(component), Some(fields)) => fields.names.first() == Some(component),
-        _ => true,
-    };
-    let differs = |row: &&Row| row.field.var.paper.is_some() && row.name != "law";
-    let takes = rows.iter().filter(differs).filter(first).map(take_paper);
-    if !rows.iter().any(|row| row.field.var.paper.is_some()) {
-        return None;
-    }
-    let (name, visibility) = (&group.name, &group.visibility);
-    let law = group.fields.iter().find(|field| field.name == "law").map(|field| &field.ty);
-    Some(quote! {
-        impl #name {
-            /// The parameters in force: where `law` is `Paper`, each parameter that the paper sets otherwise and that
-            /// still has its start value takes the value of the paper.
-            #visibility fn in_force(&self) -> Self {
-                #[allow(unused_mut, reason = "the paper may differ in its law alone")]
-                let mut parameters = self.clone();
-                if parameters.law == #law::Paper {
-                    #(#takes)*
-                }
-                parameters
-            }
-        }
-    })
-}
-
-/// Puts the value of the paper into a parameter that has its start value.
-fn take_paper(row: &Row) -> TokenStream {
-    let (way, var) = (&row.way, &row.field.var);
-    // the table holds the start value of a String
-    if *row.kind == Kind::Text {
-        let start = var.start.as_ref().map_or_else(|| quote!(""), |start| quote!(#start));
-        let paper = &var.paper;
-        return quote! {
-            if parameters.#way == #start {
-                parameters.#way = ::std::string::String::from(#paper);
-            }
-        };
-    }
-    quote! {
-        if parameters.#way == Self::START.#way {
-            parameters.#way = Self::PAPER.#way;
         }
     }
 }

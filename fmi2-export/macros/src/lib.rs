@@ -4,6 +4,7 @@
 mod attributes;
 mod declaration;
 mod emit;
+mod force;
 mod rows;
 mod rules;
 mod table;
@@ -34,13 +35,15 @@ use syn::{ItemMod, parse_macro_input};
 /// | `unit = METRE as "um"` | unit of a Real, and the display unit, which may be left out |
 /// | `range = 0.0..=1.0` | allowed values, both ends included |
 /// | `start = 0.5` | start value; else zero, false, empty, or the first item |
-/// | `paper = 0.3` | value of the paper that the model follows, where it differs: the constant `PAPER` holds it, and `Parameters::in_force` holds it where the parameter `law` is `Paper` and the value stands at its start; which is the field `in_force` of `Vars`; of a `hidden` field only `PAPER` knows it |
+/// | `paper = 0.3` | value of the paper that the model follows, where it differs: the constant `PAPER` holds it, and so does the field `in_force` of `Vars` where the parameter `law` is `Paper` and the importer has not set the parameter; of a `hidden` field only `PAPER` knows it |
 /// | `source = "derived: ..."` | where the start value comes from |
 /// | `nominal = 1e-3` | usual magnitude of a Real |
 /// | `tunable`, `calculated` | a parameter that may change between steps; one that `Model::calculate` computes |
 /// | `local` | an output that is only worth plotting |
 /// | `accepts_nan` | NaN and infinities of a Real input reach the model |
 /// | `hidden` | a field that the law reads and that is no variable; needs `start` |
+///
+/// A Real parameter `sample_period` is the sample period of the model.
 ///
 /// Where the outputs have enumerations `state` and `fault`, the importer is told of each new one, with meaning and hint; the
 /// first fault means that there is none.

@@ -4,6 +4,7 @@ use proc_macro2::TokenStream;
 use quote::{quote, quote_spanned};
 
 use crate::declaration::{Declaration, Kind, Root};
+use crate::force;
 use crate::rows::Row;
 
 /// The table, and a check of each row at the place of its field.
@@ -12,13 +13,7 @@ pub fn emit(declaration: &Declaration, rows: &[Row]) -> TokenStream {
     let paper = rows.iter().any(|row| row.field.var.paper.is_some());
     let paper = paper.then(|| quote!(const PAPER: &#parameters = &#parameters::PAPER;));
     let table = rows.iter().map(row);
-    let into_force = rows.iter().any(|row| row.field.var.paper.is_some()).then(|| {
-        quote! {
-            fn bring_into_force(&mut self) {
-                self.in_force = self.parameters.in_force();
-            }
-        }
-    });
+    let (into_force, sample_period) = (force::bring_into_force(declaration, rows), force::sample_period(rows));
     let status = status(rows);
     let checks = rows.iter().enumerate().map(|(i, row)| {
         quote_spanned!(row.field.name.span()=>
@@ -33,6 +28,7 @@ pub fn emit(declaration: &Declaration, rows: &[Row]) -> TokenStream {
                 &[#(#table),*]
             };
             #into_force
+            #sample_period
             #status
         }
 
@@ -134,7 +130,8 @@ fn new(row: &Row) -> TokenStream {
         None => (quote!(None), quote!(::core::slice::from_ref(&START.#access))),
         Some(length) => (quote!(Some(#length)), quote!(&START.#access)),
     };
-    quote!(::fmi2_export::Variable::<Vars>::#new(#name, ::core::option::Option::#size, START, #elements))
+    // the elements are a field of the start values, reached through fields and elements of arrays
+    quote!(unsafe { ::fmi2_export::Variable::<Vars>::#new(#name, ::core::option::Option::#size, START, #elements) })
 }
 
 fn role(row: &Row) -> TokenStream {

@@ -3,6 +3,7 @@
 use crate::description::xml::{Writer, real};
 use crate::exported::Exported;
 use crate::host::logger::Category;
+use crate::instance::start_period;
 use crate::model::{Info, Interface};
 use crate::table::enumeration::EnumType;
 use crate::table::units::{self, Unit};
@@ -16,7 +17,7 @@ pub fn write<M: Exported>() -> String {
     unit_definitions(&mut xml, M::Vars::TABLE);
     type_definitions(&mut xml, M::Vars::TABLE);
     log_categories(&mut xml);
-    default_experiment(&mut xml, &M::INFO);
+    default_experiment(&mut xml, &M::INFO, start_period::<M>());
     variables(&mut xml, M::Vars::TABLE);
     structure(&mut xml, M::Vars::TABLE);
     xml.finish()
@@ -112,14 +113,14 @@ fn log_categories(xml: &mut Writer) {
     xml.close();
 }
 
-fn default_experiment(xml: &mut Writer, info: &Info) {
+fn default_experiment(xml: &mut Writer, info: &Info, step_size: f64) {
     xml.empty(
         "DefaultExperiment",
         &[
             ("startTime", "0.0"),
             ("stopTime", &real(info.stop_time)),
             ("tolerance", "1e-6"),
-            ("stepSize", &real(info.step_size)),
+            ("stepSize", &real(step_size)),
         ],
     );
 }

@@ -38,14 +38,37 @@ pub struct Slope<V> {
 
 impl<V> Slope<V> {
     /// The input that lies at `place`, from its present value on.
-    pub fn new(place: Place<V, f64>, vars: &V, derivatives: Vec<Derivative>) -> Self {
-        Self { place, base: place.get(vars), derivatives }
+    ///
+    /// None where that is no finite number: the importer has set it, and it stays.
+    pub fn new(place: Place<V, f64>, vars: &V, derivatives: Vec<Derivative>) -> Option<Self> {
+        let base = place.get(vars);
+        base.is_finite().then_some(Self { place, base, derivatives })
     }
 
     /// Sets the input to its value `after` seconds from the start of the step.
-    pub fn apply(&self, vars: &mut V, after: f64) {
+    ///
+    /// # Errors
+    /// That value, where it is no finite number; the input keeps the one before.
+    pub fn apply(&self, vars: &mut V, after: f64) -> Result<(), f64> {
         let terms = self.derivatives.iter().map(|derivative| derivative.term(after));
-        self.place.set(vars, terms.fold(self.base, |sum, term| sum + term));
+        let value = terms.fold(self.base, |sum, term| sum + term);
+        if !value.is_finite() {
+            return Err(value);
+        }
+        self.place.set(vars, value);
+        Ok(())
+    }
+
+    /// Value reference of the input.
+    pub fn reference(&self) -> u32 {
+        self.derivatives[0].reference
+    }
+
+    /// What the importer has set, for a message.
+    pub fn told(&self) -> String {
+        let derivative = |Derivative { order, value, .. }: &Derivative| format!("{value} (order {order})");
+        let derivatives = self.derivatives.iter().map(derivative).collect::<Vec<_>>().join(", ");
+        format!("{} with the derivatives {derivatives}", self.base)
     }
 
     /// Sets the input to the value that the master has set.

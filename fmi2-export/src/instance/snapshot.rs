@@ -12,6 +12,8 @@ use serde::{Deserialize, Serialize, de::DeserializeOwned};
 pub struct Snapshot<V, S> {
     pub phase: Phase,
     pub vars: V,
+    /// Which parameters the importer has set, by their value references.
+    pub is_set: Vec<bool>,
     /// Made at the end of initialization.
     pub running: Option<Running<S>>,
     /// Start and stop time, once fmi2SetupExperiment has told them.
@@ -29,7 +31,7 @@ pub struct Running<S> {
     pub time: f64,
 }
 
-const MAGIC: &[u8; 8] = b"FMU2ST\x01\n";
+const MAGIC: &[u8; 8] = b"FMU2ST\x02\n";
 const LENGTH: usize = 8;
 const HEADER: usize = MAGIC.len() + GUID + LENGTH;
 const CHECKSUM: usize = 16;

@@ -40,7 +40,7 @@ impl Hash {
 const fn info(hash: Hash, info: &Info) -> Hash {
     let hash = hash.text(env!("CARGO_PKG_VERSION")).text(info.name).text(info.identifier).text(info.description);
     let hash = hash.text(info.version).text(info.author).text(info.copyright).text(info.license);
-    hash.number(info.state_version as u64).real(info.stop_time).real(info.step_size)
+    hash.number(info.state_version as u64).real(info.stop_time).real(info.sample_period)
 }
 
 const fn row<V>(hash: Hash, row: &Variable<V>) -> Hash {
@@ -128,6 +128,7 @@ const fn enumeration(hash: Hash, ty: &EnumType) -> Hash {
 }
 
 #[cfg(test)]
+#[allow(unsafe_code)]
 mod tests {
     use super::*;
     use crate::{Env, Error, Variable, units};
@@ -146,7 +147,8 @@ mod tests {
                 const TABLE: &'static [Variable<Self>] = {
                     const START: &$vars = &<$vars as Interface>::START;
                     const ROW: Variable<$vars> = {
-                        let $x = Variable::new_real("x", None, START, from_ref(&START.x));
+                        // SAFETY: a field, in a constant.
+                        let $x = unsafe { Variable::new_real("x", None, START, from_ref(&START.x)) };
                         $row
                     };
                     &[ROW]
@@ -157,9 +159,6 @@ mod tests {
                 const INFO: Info = $info;
                 type Vars = $vars;
                 type State = $state;
-                fn period(_: &$vars) -> f64 {
-                    1.0
-                }
                 fn initialise(_: &mut $vars, _: &mut Env) -> Result<$state, Error> {
                     Ok(Default::default())
                 }

@@ -64,6 +64,16 @@ pub const fn count<V>(table: &[Variable<V>]) -> (usize, usize) {
     (all, computed)
 }
 
+/// Value reference of the first element of a row.
+pub const fn reference<V>(table: &[Variable<V>], row: usize) -> usize {
+    let (mut reference, mut i) = (0, 0);
+    while i < row {
+        reference += table[i].len();
+        i += 1;
+    }
+    reference
+}
+
 /// The `N` value references of a table.
 pub const fn entries<V, const N: usize>(table: &'static [Variable<V>]) -> [Entry<V>; N] {
     let mut entries = [Entry::new(&table[0], 0); N];

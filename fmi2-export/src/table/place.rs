@@ -1,8 +1,8 @@
 //! Fields of the variables by their place: read and written without a call of an accessor.
 //!
 //! # Safety
-//! A [`Place`] is made in one way only: from the start values of `V` and a slice inside them. What lies there in the
-//! start values lies there in every `V`.
+//! A [`Place`] is made in one way only: from the start values of `V` and a field of them. What lies there in the start
+//! values lies there in every `V`.
 #![allow(unsafe_code)]
 
 use std::marker::PhantomData;
@@ -25,8 +25,12 @@ impl<V, T> Clone for Place<V, T> {
 impl<V, T> Copy for Place<V, T> {}
 
 impl<V, T: Copy> Place<V, T> {
-    /// The place of `part`, a field of `base`; anything else does not compile.
-    pub const fn of(base: &'static V, part: &'static [T]) -> Self {
+    /// The place of `part`, a field of `base`; what lies outside of it does not compile.
+    ///
+    /// # Safety
+    /// `part` is reached from `base` through fields and elements of arrays only, never through an enumeration: so it lies
+    /// there in every `V`. The call is part of a constant.
+    pub const unsafe fn of(base: &'static V, part: &'static [T]) -> Self {
         let base = std::ptr::from_ref(base).cast::<u8>();
         // SAFETY: a table is a constant, and a constant refuses pointers into different values.
         let offset = unsafe { part.as_ptr().cast::<u8>().offset_from(base) };
@@ -68,8 +72,10 @@ mod tests {
     }
 
     const START: &Vars = &Vars { name: "start", x: 1.0, pair: [2.0, 3.0] };
-    const X: Place<Vars, f64> = Place::of(START, std::slice::from_ref(&START.x));
-    const SECOND: Place<Vars, f64> = Place::of(START, &START.pair).element(1);
+    const X: Place<Vars, f64> = // SAFETY: a field.
+        unsafe { Place::of(START, std::slice::from_ref(&START.x)) };
+    const SECOND: Place<Vars, f64> = // SAFETY: a field.
+        unsafe { Place::of(START, &START.pair) }.element(1);
 
     #[test]
     fn a_place_is_that_field_of_every_value() {

@@ -73,31 +73,50 @@ impl<V> Kind<V> {
     }
 }
 
-/// Constructors for the declaration. `start` is a field of `base`, the start values of `V`: from the two follows
-/// where the field lies.
+/// Constructors for the declaration.
+///
+/// # Safety
+/// Those of numbers take a field of `base`, the start values of `V`, as `start`: from the two follows where the field lies.
+/// It is reached through fields and elements of arrays only, and the call is part of a constant, as
+/// [`interface`](macro@crate::interface) makes it.
 #[doc(hidden)]
+#[allow(unsafe_code, clippy::missing_safety_doc, reason = "told above for all of them")]
 impl<V> Variable<V> {
     const fn new(name: &'static str, size: Option<usize>, kind: Kind<V>) -> Self {
         Self { name, role: None, description: "", source: "", paper: None, paper_text: "", size, kind }
     }
 
-    pub const fn new_real(name: &'static str, size: Option<usize>, base: &'static V, start: &'static [f64]) -> Self {
+    pub const unsafe fn new_real(
+        name: &'static str,
+        size: Option<usize>,
+        base: &'static V,
+        start: &'static [f64],
+    ) -> Self {
         let (min, max) = (f64::NEG_INFINITY, f64::INFINITY);
         let real = Real { min, max, nominal: 1.0, unit: None, display: None, accepts_nan: false };
-        Self::new(name, size, Kind::Real { place: Place::of(base, start), start, real })
+        // SAFETY: the caller keeps the same promise.
+        Self::new(name, size, Kind::Real { place: unsafe { Place::of(base, start) }, start, real })
     }
 
-    pub const fn new_integer(name: &'static str, size: Option<usize>, base: &'static V, start: &'static [i32]) -> Self {
-        Self::new(name, size, Kind::Integer { place: Place::of(base, start), start, min: i32::MIN, max: i32::MAX })
+    pub const unsafe fn new_integer(
+        name: &'static str,
+        size: Option<usize>,
+        base: &'static V,
+        start: &'static [i32],
+    ) -> Self {
+        // SAFETY: as above.
+        let place = unsafe { Place::of(base, start) };
+        Self::new(name, size, Kind::Integer { place, start, min: i32::MIN, max: i32::MAX })
     }
 
-    pub const fn new_boolean(
+    pub const unsafe fn new_boolean(
         name: &'static str,
         size: Option<usize>,
         base: &'static V,
         start: &'static [bool],
     ) -> Self {
-        Self::new(name, size, Kind::Boolean { place: Place::of(base, start), start })
+        // SAFETY: as above.
+        Self::new(name, size, Kind::Boolean { place: unsafe { Place::of(base, start) }, start })
     }
 
     pub const fn new_text(name: &'static str, get: fn(&V) -> &str, set: fn(&mut V, &str)) -> Self {

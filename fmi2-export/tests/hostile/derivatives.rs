@@ -105,8 +105,20 @@ fn a_ramp_that_leaves_the_numbers_does_not_leave_the_fmu() {
     let instance = Instance::started(&fmu);
     assert_eq!(instance.set_real("position", f64::MAX), OK);
     assert_eq!(instance.set_derivatives(&["position"], &[1], &[f64::MAX]), OK);
-    instance.step(0.0, 10.0);
+    // 10 samples lie in it, and the second already has no number
+    let told = ["`position` = inf at t = 0.001 s", "(order 1)", "hint:"];
+    instance.refused(instance.step(0.0, 0.01), ERROR, &told);
     for name in ["position", "force", "sum"] {
         assert!(instance.real(name).is_finite(), "{name} = {}", instance.real(name));
     }
+}
+
+#[test]
+fn a_sensor_that_has_failed_is_not_extrapolated() {
+    let fmu = Fmu::probe();
+    let instance = Instance::started(&fmu);
+    assert_eq!(instance.set_real("sensor", f64::INFINITY), OK);
+    assert_eq!(instance.set_derivatives(&["sensor"], &[1], &[-1.0]), OK);
+    assert_eq!(instance.step(0.0, 0.01), OK);
+    assert_eq!(instance.real("sensor"), f64::INFINITY);
 }

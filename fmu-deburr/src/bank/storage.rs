@@ -122,12 +122,8 @@ mod tests {
     #[test]
     fn the_banks_of_the_resources_belong_to_the_test_piece() {
         let resources = Path::new(env!("CARGO_MANIFEST_DIR")).join("resources");
-        for (file, law, io_delay) in
-            [("bank.bin", crate::interface::Law::Default, 1), ("bank_paper.bin", crate::interface::Law::Paper, 0)]
-        {
-            let mut p = Parameters::START;
-            (p.law, p.io_delay, p.bank.import) = (law, io_delay, file.to_owned());
-            let p = p.in_force();
+        for (file, mut p, io_delay) in [("bank.bin", Parameters::START, 1), ("bank_paper.bin", Parameters::PAPER, 0)] {
+            (p.io_delay, p.bank.import) = (io_delay, file.to_owned());
             let path = crate::path::path_file::read(&p, Some(&resources)).unwrap();
             let mut bank = PatternBank::plan(&p, &path).unwrap();
             let output = import(&p, Some(&resources), &path, &mut bank).unwrap();

@@ -1,7 +1,7 @@
 //! Whole jobs: default mode, the law as printed, the paper's stick-slip, robots that are not nominal.
 
 use fmu_polish::axes::Axes;
-use fmu_polish::interface::{Fault, FeedSource, ForceMode, Law, Mode, Parameters, Wave};
+use fmu_polish::interface::{Fault, FeedSource, ForceMode, Mode, Parameters, Wave};
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 
@@ -77,8 +77,7 @@ fn paper() -> Parameters {
 
 #[test]
 fn one_parameter_switches_to_the_law_of_the_paper() {
-    let switched = Parameters { law: Law::Paper, ..Parameters::START }.in_force();
-    let mut one = Loop::new(&switched, Build::NOMINAL, 114);
+    let mut one = Loop::new(&Parameters::PAPER, Build::NOMINAL, 114);
     let mut other = Loop::new(&paper(), Build::NOMINAL, 114);
     while !one.output.done {
         one.step();
@@ -86,13 +85,6 @@ fn one_parameter_switches_to_the_law_of_the_paper() {
         assert_eq!(one.output, other.output);
         assert!(one.time() < 30.0 && one.output.fault == Fault::None, "{:?}", one.output);
     }
-}
-
-#[test]
-fn what_was_set_stands_against_the_paper() {
-    let mut p = Parameters { law: Law::Paper, ..Parameters::START };
-    p.stick_slip.half_period = 20;
-    assert_eq!((p.in_force().stick_slip.half_period, p.in_force().stick_slip.mode), (20, Mode::Paper));
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Checks of parameters against each other; single ranges are in `interface.rs`.
 
-use control_blocks::{Check, ParameterError, check_all, require};
+use control_blocks::{Check, Parameter, ParameterError, check_all};
 
 use crate::interface::Parameters;
 
@@ -20,32 +20,21 @@ fn bandwidth(p: &Parameters) -> Result<(), ParameterError> {
     // half a sample of hold, half a sample of the difference, and the delay; the velocity loop crosses at 2 zeta w
     let delay = (1.0 + f64::from(p.io_delay)) * p.sample_period;
     let most = PHASE_MAX / (2.0 * p.servo.damping * delay);
-    require(p.servo.bandwidth <= most, || ParameterError {
-        name: "servo.bandwidth",
-        value: format!("{} rad/s", p.servo.bandwidth),
-        limit: format!("at most `{most} rad/s` with a delay of `{delay} s`"),
-        hint: "lower it, or shorten `sample_period`",
-    })
+    let bandwidth = Parameter::new("servo.bandwidth", p.servo.bandwidth, "rad/s", "lower it, or shorten `sample_period`");
+    bandwidth.at_most(most, format!("with a delay of `{delay} s`"))
 }
 
 fn integral(p: &Parameters) -> Result<(), ParameterError> {
     // by Routh the loop is stable below 2 zeta w
     let most = 0.5 * p.servo.damping * p.servo.bandwidth;
-    require(p.servo.integral_bandwidth <= most, || ParameterError {
-        name: "servo.integral_bandwidth",
-        value: format!("{} rad/s", p.servo.integral_bandwidth),
-        limit: format!("at most `{most} rad/s`, half of `servo.damping` times `servo.bandwidth`"),
-        hint: "a faster integral swings",
-    })
+    let integral =
+        Parameter::new("servo.integral_bandwidth", p.servo.integral_bandwidth, "rad/s", "a faster integral swings");
+    integral.at_most(most, "half of `servo.damping` times `servo.bandwidth`")
 }
 
 fn band(p: &Parameters) -> Result<(), ParameterError> {
-    require(p.settle.band < p.limits.following_error, || ParameterError {
-        name: "settle.band",
-        value: format!("{} m", p.settle.band),
-        limit: format!("less than `{} m`, the `limits.following_error`", p.limits.following_error),
-        hint: "narrow the band",
-    })
+    let band = Parameter::new("settle.band", p.settle.band, "m", "narrow the band");
+    band.less_than(p.limits.following_error, "the `limits.following_error`")
 }
 
 #[cfg(test)]

@@ -63,8 +63,7 @@ impl Controller {
         let events = Events {
             enabled: reading.enabled,
             start: reading.start,
-            reset: reading.reset,
-            at_rest: reading.at_rest,
+            reset: reading.reset && reading.at_rest,
             fault: faults::find(p, reading, error),
             arrived: settled > ticks(p.settle.time, p.sample_period),
         };

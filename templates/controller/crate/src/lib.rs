@@ -26,19 +26,14 @@ impl Model for __Name__ {
         // raise it when the variables or the state between samples change
         state_version: 1,
         stop_time: 2.0,
-        step_size: 1e-3,
         ..package!()
     };
     type Vars = Vars;
     type State = Controller;
     const NUMBERS: fn(&Vars) -> String = faults::numbers;
 
-    fn period(vars: &Vars) -> f64 {
-        vars.parameters.sample_period
-    }
-
     fn initialise(vars: &mut Vars, _: &mut Env) -> Result<Controller, Error> {
-        Controller::new(&vars.in_force).map_err(|error| error.to_string().into())
+        Ok(Controller::new(&vars.in_force)?)
     }
 
     fn tick(vars: &mut Vars, controller: &mut Controller, _: &mut Env) -> Result<(), Error> {

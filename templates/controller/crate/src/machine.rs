@@ -9,10 +9,8 @@ pub struct Events {
     pub enabled: bool,
     /// Rising edge of `enable`.
     pub start: bool,
-    /// Rising edge of `reset_fault`.
+    /// Rising edge of `reset_fault` at rest.
     pub reset: bool,
-    /// The slide is at rest.
-    pub at_rest: bool,
     /// Something is wrong.
     pub fault: Option<Fault>,
     /// The slide has been at the target for long enough.
@@ -23,7 +21,7 @@ pub struct Events {
 pub fn next(state: State, events: &Events) -> State {
     use State::{Done, Fault, Idle, Run};
     match state {
-        Fault if events.reset && events.at_rest && events.fault.is_none() => Idle,
+        Fault if events.reset && events.fault.is_none() => Idle,
         Fault => Fault,
         _ if events.fault.is_some() => Fault,
         Idle if events.start => Run,
@@ -37,32 +35,28 @@ pub fn next(state: State, events: &Events) -> State {
 mod tests {
     use super::*;
 
-    const ENABLED: Events =
-        Events { enabled: true, start: false, reset: false, at_rest: false, fault: None, arrived: false };
-
     #[test]
-    fn nothing_happens_without_events() {
-        for state in State::ALL.iter().copied() {
-            assert_eq!(next(state, &ENABLED), state);
+    fn each_state_goes_on_by_its_event_alone() {
+        let quiet = Events { enabled: true, ..Events::default() };
+        let start = Events { start: true, ..quiet };
+        let arrived = Events { arrived: true, ..quiet };
+        let off = Events::default();
+        for (state, by_start, by_arrival, by_off) in [
+            (State::Idle, State::Run, State::Idle, State::Idle),
+            (State::Run, State::Run, State::Done, State::Idle),
+            (State::Done, State::Done, State::Done, State::Idle),
+            (State::Fault, State::Fault, State::Fault, State::Fault),
+        ] {
+            let seen = [&quiet, &start, &arrived, &off].map(|events| next(state, events));
+            assert_eq!(seen, [state, by_start, by_arrival, by_off]);
         }
     }
 
     #[test]
-    fn the_whole_way() {
-        assert_eq!(next(State::Idle, &Events { start: true, ..ENABLED }), State::Run);
-        assert_eq!(next(State::Run, &Events { arrived: true, ..ENABLED }), State::Done);
-        assert_eq!(next(State::Done, &Events::default()), State::Idle);
-    }
-
-    #[test]
-    fn a_fault_wins_everywhere_and_ends_with_its_reset_at_rest_only() {
-        let wrong = Events { start: true, reset: true, at_rest: true, fault: Some(Fault::FollowingError), ..ENABLED };
-        for state in State::ALL.iter().copied() {
-            assert_eq!(next(state, &wrong), State::Fault);
-        }
-        for events in [Events { fault: None, at_rest: false, ..wrong }, Events { fault: None, reset: false, ..wrong }] {
-            assert_eq!(next(State::Fault, &events), State::Fault);
-        }
+    fn a_fault_wins_everywhere_and_ends_with_its_reset_only() {
+        let wrong = Events { start: true, reset: true, fault: Some(Fault::FollowingError), ..Events::default() };
+        assert!(State::ALL.iter().all(|state| next(*state, &wrong) == State::Fault));
+        assert_eq!(next(State::Fault, &Events { fault: None, reset: false, ..wrong }), State::Fault);
         assert_eq!(next(State::Fault, &Events { fault: None, ..wrong }), State::Idle);
     }
 }

@@ -90,15 +90,4 @@ mod tests {
         assert_eq!(rests(0.0), Some(true));
         assert_eq!(rests(1e-6), Some(false), "20 um in 20 samples");
     }
-
-    #[test]
-    fn enable_and_reset_are_edges() {
-        let mut reader = Reader::default();
-        let high = Input { enable: true, reset_fault: true, ..Input::START };
-        let edges = [&high, &high, &Input::START, &high].map(|input| {
-            let reading = reader.read(&P, input);
-            (reading.enabled, reading.start, reading.reset)
-        });
-        assert_eq!(edges, [(true, true, true), (true, false, false), (false, false, false), (true, true, true)]);
-    }
 }

@@ -35,31 +35,20 @@ impl Slide {
 
 /// The closed loop; a force acts one step later.
 pub struct Loop {
-    /// Plant.
     pub slide: Slide,
-    /// Law.
     pub controller: Controller,
-    /// The last outputs.
+    /// What the last step gave.
     pub output: Output,
-    parameters: Parameters,
+    p: Parameters,
+    /// Steps so far.
     steps: u32,
 }
 
 impl Loop {
-    /// A machine with the controller idle.
-    pub fn new(parameters: &Parameters) -> Self {
-        Self {
-            slide: Slide::default(),
-            controller: Controller::new(parameters).unwrap(),
-            output: Output::START,
-            parameters: parameters.clone(),
-            steps: 0,
-        }
-    }
-
-    /// Time of the next step, s.
-    pub fn time(&self) -> f64 {
-        f64::from(self.steps) * STEP
+    /// A slide at rest and an idle controller with the parameters `p`.
+    pub fn new(p: &Parameters) -> Self {
+        let controller = Controller::new(p).unwrap();
+        Self { slide: Slide::default(), controller, output: Output::START, p: p.clone(), steps: 0 }
     }
 
     /// One step; `enable` comes after 0.01 s.
@@ -72,19 +61,17 @@ impl Loop {
         let mut input = Input { position: self.slide.position, enable: self.steps >= IDLE, reset_fault: false };
         change(&mut input);
         let before = self.output.force;
-        self.controller.tick(&input, &self.parameters, &mut self.output);
+        self.controller.tick(&input, &self.p, &mut self.output);
         self.slide.advance(before);
         self.steps += 1;
     }
 
-    /// Steps until `state`; false if that takes longer than to the time `limit` s.
-    pub fn run_to(&mut self, state: State, limit: f64) -> bool {
-        while self.output.state != state {
-            if self.time() > limit {
-                return false;
-            }
+    /// Steps until `state`, for `seconds` at the most; true if it came.
+    pub fn run_to(&mut self, state: State, seconds: f64) -> bool {
+        let most = self.steps + (seconds / STEP) as u32;
+        while self.output.state != state && self.steps <= most {
             self.step();
         }
-        true
+        self.output.state == state
     }
 }
