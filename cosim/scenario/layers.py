@@ -216,7 +216,8 @@ def assign(layers: Layers, key: str, value: Any, origin: str = "") -> None:
         layers.put([key], value, origin)
     else:
         roots = ["controller.", "plant.", "loop.", *(f"{root}." for root in IDENTITY), "title", "description"]
-        raise ScenarioError(f"{origin}: no such key in a scenario", closest(key, roots))
+        where = origin if key in origin else f"{origin}: `{key}`"
+        raise ScenarioError(f"{where}: no such key in a scenario", closest(key, roots))
 
 
 def find_item(layers: Layers, section: str, name: str, origin: str) -> tuple[dict[str, Any], str]:
