@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import functools
 import logging
-import multiprocessing
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,7 +15,7 @@ from rich.console import RenderableType
 from cosim import paths
 from cosim.loop import engines
 from cosim.show.bar import bar
-from cosim.sweep import cluster, overview, study, supervisor
+from cosim.sweep import cluster, cores, overview, study, supervisor
 from cosim.sweep.plan import Plan
 from cosim.sweep.runner import Observer, Pool, pending, save_traces, sweep, worst
 from cosim.sweep.store import DONE, Row, Store
@@ -96,7 +95,7 @@ def pool_of(plan: Plan, options: Options) -> Pool:
     limits = Limits(plan.study.limits.timeout, None if memory is None else 1e6 * memory)
     if options.cluster:
         return functools.partial(cluster.outcomes, address=options.cluster, limits=limits)
-    workers = options.workers or multiprocessing.cpu_count()
+    workers = options.workers or cores.available()
     return functools.partial(supervisor.outcomes, workers=min(workers, len(plan.runs)), limits=limits)
 
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import contextlib
-import multiprocessing
 from collections.abc import Generator, Sequence
 
 from cosim.errors import CosimError
 from cosim.loop.engines import Engine
 from cosim.loop.result import Result
 from cosim.scenario.model import Scenario
+from cosim.sweep import cores
 from cosim.sweep.supervisor import Limits, outcomes
 from cosim.sweep.worker import Job, JobRunner, Outcome
 
@@ -77,7 +77,7 @@ def run_each(
 
 def ordered(jobs: Sequence[Job], workers: int | None) -> Generator[Outcome]:
     """Run the jobs and yield their outcomes in order; closing it drops what was not begun."""
-    count = min(workers or multiprocessing.cpu_count(), len(jobs))
+    count = min(workers or cores.available(), len(jobs))
     if count <= 1:
         with contextlib.closing(JobRunner()) as runner:
             yield from map(runner.run, jobs)
