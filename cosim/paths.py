@@ -97,8 +97,8 @@ def find_study(name: str) -> Path:
 def scenario_name(file: Path) -> str:
     """Name of a scenario file: relative to its folder where it lies in one, else its stem."""
     for folder in scenario_folders():
-        if file.resolve().is_relative_to(folder.resolve()):
-            return file.resolve().relative_to(folder.resolve()).with_suffix("").as_posix()
+        if resolved(file).is_relative_to(folder):
+            return resolved(file).relative_to(folder).with_suffix("").as_posix()
     return file.stem
 
 
@@ -174,6 +174,11 @@ def is_file(path: Path) -> bool:
         return False
 
 
+def resolved(path: Path) -> Path:
+    """Path without symbolic links; one that leads in a circle stays as it is."""
+    return Path(os.path.realpath(path))
+
+
 def expanded(name: str) -> Path:
     """Path with `~` replaced by the home of its user, where there is one."""
     try:
@@ -191,7 +196,7 @@ def brief(name: str) -> str:
 def shown(path: Path) -> str:
     """Path as shown to the user: relative to the working directory where that is shorter."""
     try:
-        return str(path.resolve().relative_to(Path.cwd())) or "."
+        return str(resolved(path).relative_to(Path.cwd())) or "."
     except (ValueError, OSError):
         return str(path)
 
@@ -208,4 +213,4 @@ def from_env(name: str) -> list[Path]:
 
 def unique(folders: list[Path]) -> list[Path]:
     """Remove repeated folders."""
-    return list(dict.fromkeys(Path(os.path.realpath(folder)) for folder in folders))
+    return list(dict.fromkeys(map(resolved, folders)))

@@ -25,6 +25,8 @@ from cosim.metrics.expression import Expression
 from cosim.scenario.model import Scenario
 
 TIMESTEP_TOLERANCE = 1e-9
+MOST_SUBSTEPS = 10**6
+"""Substeps that a hint proposes at most; more is a mistake in the time step."""
 
 
 class Session(Closing):
@@ -184,7 +186,7 @@ def check_timestep(scenario: Scenario, timestep: float) -> None:
     step, substeps = scenario.loop.step, scenario.loop.substeps
     if abs(substeps * timestep - step) > TIMESTEP_TOLERANCE * step:
         fitting = round(step / timestep)
-        fits = abs(fitting * timestep - step) <= TIMESTEP_TOLERANCE * step and fitting >= 1
+        fits = abs(fitting * timestep - step) <= TIMESTEP_TOLERANCE * step and 1 <= fitting <= MOST_SUBSTEPS
         hint = (
             f"set `loop.substeps = {fitting}`"
             if fits

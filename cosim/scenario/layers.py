@@ -209,7 +209,8 @@ def place_of(layers: Layers, key: str, origin: str) -> Place:
     if key in ("title", "description"):
         return [key]
     roots = ["controller.", "plant.", "loop.", *(f"{root}." for root in IDENTITY), "title", "description"]
-    raise ScenarioError(f"{origin}: no such key in a scenario", closest(key, roots))
+    where = origin if key in origin else f"{origin}: `{key}`"
+    raise ScenarioError(f"{where}: no such key in a scenario", closest(key, roots))
 
 
 def find_item(layers: Layers, section: str, name: str, origin: str) -> Place:

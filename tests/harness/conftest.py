@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import logging
 import shutil
 import subprocess
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import fmpy
@@ -84,6 +85,16 @@ def probe(tmp_path_factory: pytest.TempPathFactory, probe_library: bytes) -> Pat
     member = f"binaries/{fmpy.platform}/probe{fmpy.sharedLibraryExtension}"
     description = (DATA / "probe.xml").read_text()
     return pack(tmp_path_factory.mktemp("fmu") / "probe.fmu", description, {member: probe_library})
+
+
+@pytest.fixture(autouse=True)
+def _quiet_command_line() -> Iterator[None]:
+    """Undo what a command that was called in this process does to the log."""
+    yield
+    log = logging.getLogger("cosim")
+    log.handlers.clear()
+    log.setLevel(logging.NOTSET)
+    log.propagate = True
 
 
 @pytest.fixture

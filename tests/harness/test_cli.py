@@ -243,11 +243,11 @@ def test_ctrl_c_is_exit_code_130_without_traceback(write: Write, tmp_path: Path)
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     # the unpacked FMU is the first sign of life
-    while process.poll() is None and not any(cache.iterdir()):
+    while process.poll() is None and not any(cache.glob("*/*")):
         time.sleep(0.05)
     process.send_signal(signal.SIGINT)
     stdout, stderr = process.communicate(timeout=30)
-    assert process.returncode == 130
+    assert process.returncode == 130, stderr
     assert stdout == ""
     assert stderr.strip() == "error: interrupted"
 

@@ -173,7 +173,7 @@ WRONG = {
         "[[criterion]]\nid='c'\nclaim=''\nmetric='m'\nmaximum=1",
         "`criterion.c.metric` is `m`, there is no such",
     ),
-    "broken TOML": ("x = [1,\n2\n= 3", r"`lag.toml` is not valid TOML: .*line 23.*\nhint: "),
+    "broken TOML": ("x = [1,\n2\n= 3", r"`lag.toml` is not valid TOML: .*line 24.*\nhint: "),
     "not an array": ("[metric]\nname = 'm'", r"`metric` is .* \(a table\), it must be an array"),
 }
 

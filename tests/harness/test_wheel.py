@@ -1,4 +1,4 @@
-"""The wheel: one `pip install` brings harness, plants, FMUs and scenarios."""
+"""The wheel: one `pip install` brings harness, plants, FMUs, scenarios and studies."""
 
 from __future__ import annotations
 
@@ -48,9 +48,18 @@ def test_what_is_packed_into_the_package_is_found(tmp_path: Path) -> None:
     (package / "packed" / "scenarios").mkdir(parents=True)
     (package / "packed" / "fmu").mkdir()
     (package / "packed" / "scenarios" / "packed-one.toml").write_text('title = "From the wheel"\n')
-    code = "from cosim import paths; print(paths.fmu_folders()[-1], *dict(paths.list_scenarios()))"
-    done = run([sys.executable, "-c", code], tmp_path, PYTHONPATH=str(package.parent))
-    assert done.stdout.split() == [str(package / "packed" / "fmu"), "packed-one"], done.stderr
+    (package / "packed" / "studies").mkdir()
+    (package / "packed" / "studies" / "one.toml").write_text('scenario = "packed-one"\n')
+    found = "paths.fmu_folders()[-1], *dict(paths.list_scenarios()), paths.find_study('studies/one.toml')"
+    done = run(
+        [sys.executable, "-c", f"from cosim import paths; print({found})"],
+        tmp_path,
+        PYTHONPATH=str(package.parent),
+    )
+    packed = package / "packed"
+    assert done.stdout.split() == [str(packed / "fmu"), "packed-one", str(packed / "studies" / "one.toml")], (
+        done.stderr
+    )
 
 
 @pytest.mark.full
@@ -60,8 +69,9 @@ def test_the_wheel_runs_in_a_fresh_environment(tmp_path: Path) -> None:
     names = zipfile.ZipFile(wheel).namelist()
     for controller in (file.parent.name for file in ROOT.glob("fmu-*/Cargo.toml")):
         assert f"cosim/packed/fmu/{controller}.fmu" in names
-    for scenario in (ROOT / "scenarios").glob("**/*.toml"):
-        assert f"cosim/packed/{scenario.relative_to(ROOT).as_posix()}" in names
+    for folder in ("scenarios", "studies"):
+        for file in (ROOT / folder).glob("**/*.toml"):
+            assert f"cosim/packed/{file.relative_to(ROOT).as_posix()}" in names
 
     venv.create(tmp_path / "env", with_pip=True)
     programs = tmp_path / "env" / ("Scripts" if sys.platform == "win32" else "bin")

@@ -1,0 +1,78 @@
+"""Command lines and environments with one mistake each."""
+
+from __future__ import annotations
+
+from .calling import Case, given
+
+RUN = given("run", "lag.toml")
+LONG = "a" * 300
+
+LINES: dict[str, Case] = {
+    "unknown command": Case(given("rnu"), ("rnu",)),
+    "unknown option": Case((*RUN, "--sede", "1"), ("--sede",)),
+    "no scenario": Case(given("run"), ("LOOP",)),
+    "two scenarios": Case((*RUN, "lag.toml"), ("lag.toml",)),
+    "missing name": Case(given("run", "lagg"), ("there is no scenario `lagg`",)),
+    "missing file": Case(given("run", "lagg.toml"), ("the scenario file `lagg.toml` does not exist",)),
+    "empty name": Case(given("run", ""), ("there is no scenario ``",)),
+    "long name": Case(given("run", LONG), ("there is no scenario `aaaa",)),
+    "very long name": Case(given("run", "a" * 5000), ("there is no scenario `aaaa",)),
+    "long file name": Case(given("run", f"{LONG}.toml"), ("the scenario file `aaaa", "does not exist")),
+    "name of a folder": Case(given("run", "cache"), ("there is no scenario `cache`",)),
+    "name upwards": Case(given("run", "../../../../etc/passwd"), ("there is no scenario `../../../../etc",)),
+    "a device": Case(given("run", "/dev/zero.toml"), ("`/dev/zero.toml` does not exist",)),
+    "bytes": Case(given("run", "\udcff\udcfe.toml"), ("does not exist",)),
+    "terminal codes": Case(given("run", "\x1b[31mx"), ("there is no scenario",)),
+    "show a missing one": Case(given("show", "lagg"), ("there is no scenario `lagg`",)),
+    "show a missing FMU": Case(
+        given("show", "lag.toml", "--set", "controller.fmu=no"), ("`no.fmu` does not exist",)
+    ),
+    "show a torn FMU": Case(
+        given("show", "lag.toml", "--set", "controller.fmu=torn.fmu"), ("`torn.fmu`", "cut off")
+    ),
+    "seed is a word": Case((*RUN, "--seed", "one"), ("--seed", "integer")),
+    "seed negative": Case((*RUN, "--seed", "-1"), ("--seed",)),
+    "delay 2": Case((*RUN, "--delay", "2"), ("`loop.compute_delay` is `2`",)),
+    "duration nan": Case((*RUN, "--duration", "nan"), ("`loop.duration` is `nan`",)),
+    "duration negative": Case((*RUN, "--duration", "-1"), ("`loop.duration` is `-1.0`",)),
+    "duration is a word": Case((*RUN, "--duration", "long"), ("--duration", "number")),
+    "unknown engine": Case((*RUN, "--engine", "fast"), ("fast", "native")),
+    "trace of another kind": Case((*RUN, "--trace", "a.xls"), ("`a.xls`", "`.npz`")),
+    "trace without a kind": Case((*RUN, "--trace", "a"), ("`a`", "`.csv`")),
+    "trace is a folder": Case((*RUN, "--trace", "folder.csv"), ("cannot write `folder.csv`",)),
+    "trace into nothing": Case((*RUN, "--trace", "no/a.csv"), ("`no/a.csv`", "does not exist")),
+    "trace to a full disk": Case((*RUN, "--trace", "full.csv"), ("cannot write `full.csv`", "No space")),
+    "npz to a full disk": Case((*RUN, "--trace", "full.npz"), ("cannot write `full.npz`", "No space")),
+    "JSON into nothing": Case((*RUN, "--json", "no/a.json"), ("`no/a.json`", "does not exist")),
+    "JSON is a folder": Case((*RUN, "--json", "cache"), ("cannot write `cache`",)),
+    "JSON to a full disk": Case((*RUN, "--json", "/dev/full"), ("cannot write `/dev/full`", "No space")),
+    "plot of another kind": Case((*RUN, "--plot", "a.gif"), ("`a.gif`", "`.svg`")),
+    "plot into nothing": Case((*RUN, "--plot", "no/a.svg"), ("`no/a.svg`", "does not exist")),
+    "plot to a full disk": Case((*RUN, "--plot", "full.svg"), ("cannot write `full.svg`", "No space")),
+    "sweep of nothing": Case(given("sweep", "no.toml"), ("the study file `no.toml` does not exist",)),
+    "sweep of a folder": Case(given("sweep", "cache"), ("the study file `cache` does not exist",)),
+    "sweep of a long name": Case(given("sweep", f"{LONG}.toml"), ("the study file `aaaa",)),
+    "sweep of a scenario": Case(given("sweep", "lag.toml"), ("`lag.toml`", "is not a known key")),
+    "sweep into a file": Case(
+        given("sweep", "study.toml", "--out", "lag.toml"), ("cannot write", "`lag.toml`")
+    ),
+    "sweep into a device": Case(
+        given("sweep", "study.toml", "--out", "/proc/x"), ("cannot write", "/proc/x")
+    ),
+    "no workers": Case(given("sweep", "study.toml", "--workers", "0"), ("--workers",)),
+    "sweep with an unknown engine": Case(given("sweep", "study.toml", "--engine", "x"), ("`x`",)),
+}
+"""Command lines in a folder with a scenario, a study, a torn FMU, and files on a full disk."""
+ENVIRONMENTS: dict[str, tuple[dict[str, str], Case]] = {
+    "scenarios in a file": ({"COSIM_SCENARIOS": "lag.toml"}, Case(given("run", "no"), ("no scenario `no`",))),
+    "scenarios in a loop": ({"COSIM_SCENARIOS": "loop"}, Case(given("run", "no"), ("no scenario `no`",))),
+    "FMUs nowhere": (
+        {"COSIM_FMU_PATH": "/no/where"},
+        Case((*RUN, "--set", "controller.fmu=no"), ("`no.fmu` does not exist", "/no/where")),
+    ),
+    "home of nobody": (
+        {"HOME": "/no/where", "COSIM_CACHE": ""},
+        Case((*RUN, "--set", "controller.fmu=~/x.fmu"), ("`~/x.fmu` does not exist",)),
+    ),
+}
+"""Variables, and a command line that fails with them."""

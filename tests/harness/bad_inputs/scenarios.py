@@ -1,0 +1,230 @@
+"""Scenario files with one mistake each."""
+
+from __future__ import annotations
+
+from ..conftest import END, SCENARIO
+
+CRITERION = '[[criterion]]\nid = "end"\nclaim = "ends"\nmetric = "end"\nmaximum = 1.0\n'
+WHOLE = SCENARIO + END + CRITERION
+SIGNAL = '[[signal]]\nto = "controller.count"\ntimes = [0.0, 0.01]\nvalues = [1, 2]\n'
+FAULT = '[[inject]]\nto = "controller.in"\nfrom_time = 0.0\nto_time = 0.01\nvalue = 1.0\n'
+FILE = "`bad.toml`"
+
+
+def edited(old: str, new: str, text: str = WHOLE) -> str:
+    """Scenario with one text replaced, which must be there."""
+    assert old in text, old
+    return text.replace(old, new, 1)
+
+
+def metric(value: str) -> str:
+    """Scenario whose metric is computed by another expression."""
+    return edited('"last(plant.x)"', f"'{value}'")
+
+
+FILES: dict[str, tuple[str | bytes, tuple[str, ...]]] = {
+    # bytes and syntax
+    "latin 1": (WHOLE.replace("Lag", "L\xe4g").encode("latin-1"), (FILE, "not a text file in UTF-8")),
+    "UTF-16": (WHOLE.encode("utf-16"), (FILE, "not a text file in UTF-8")),
+    "NUL": (edited("Lag", "L\0g"), (FILE, "not valid TOML", "line 2")),
+    "empty": ("", (FILE, "`title` is missing")),
+    "no value": ("title = ", (FILE, "not valid TOML", "end of document")),
+    "no quotes": (edited('"probe"', "probe"), (FILE, "not valid TOML", "line 10")),
+    "bare point": (edited("0.001", ".001"), (FILE, "not valid TOML", "line 6")),
+    "table twice": (WHOLE + "[loop]\n", (FILE, "not valid TOML")),
+    # types
+    "title is a number": (edited('"Lag with a probe"', "5"), (FILE, "`title` is `5`", "a text")),
+    "title is a table": (edited('"Lag with a probe"', "{a = 1}"), (FILE, "`title`", "a text")),
+    "loop is an array": (edited("[loop]", "[[loop]]"), (FILE, "`loop`", "a table")),
+    "loop is missing": (edited("[loop]\nstep = 0.001\nduration = 0.05\n", ""), (FILE, "`loop` is missing")),
+    "wire is a table": (WHOLE.replace("[[wire]]", "[wire]", 1), ("not valid TOML",)),
+    "wire is a text": (
+        'wire = "a"\n'
+        + edited('[[wire]]\nfrom = "plant.x"\nto = "controller.in"\n', "").replace(
+            '[[wire]]\nfrom = "controller.out"\nto = "plant.u"\n', ""
+        ),
+        ("`wire`", "an array"),
+    ),
+    "step is a text": (edited("0.001", '"1 ms"'), ("`loop.step` is `'1 ms'`", "a number")),
+    "step is true": (edited("0.001", "true"), ("`loop.step` is `true`", "a number")),
+    "step is a date": (edited("0.001", "2020-01-01"), ("`loop.step`", "a number")),
+    "parameter is a date": (WHOLE + "[controller.parameters]\ngain = 2020-01-01\n", ("`controller.gain`",)),
+    "idle is a text": (
+        'idle = "plant.extra"\n'
+        + WHOLE.replace("idle", "description", 1).replace(
+            '["controller.count", "controller.mode", "controller.flag", "plant.extra"]', '"x"'
+        ),
+        ("`idle`",),
+    ),
+    "seed is a number": (edited("[loop]", "[loop]\nseed = 1.5"), ("`loop.seed`", "an integer")),
+    "drop is a text": ('drop = "wire"\n' + WHOLE, ("`drop` is `'wire'`", "array of texts")),
+    # names
+    "unknown table": (WHOLE + "[looop]\n", ("`looop` is not a known key", "`loop`")),
+    "unknown key": (edited("duration", "dration"), ("`loop.dration`", "did you mean `duration`")),
+    "unknown key of a wire": (
+        edited('to = "plant.u"', 'to = "plant.u"\ndealy = 1'),
+        ("`wire.plant.u.dealy`",),
+    ),
+    "unknown reading": (edited('"plant.x"', '"plant.y"'), ("no reading `y`", "`x`")),
+    "unknown command": (edited('"plant.u"', '"plant.v"'), ("no command `v`",)),
+    "unknown input": (edited('"controller.in"', '"controller.inn"'), ("no variable `inn`", "`in`")),
+    "unknown output": (edited('"controller.out"', '"controller.otu"'), ("no variable `otu`", "`out`")),
+    "wire to an output": (edited('"controller.in"', '"controller.sum"'), ("`controller.sum`", "no input")),
+    "wire from an input": (
+        edited('"controller.out"', '"controller.in"'),
+        ("`controller.in`", "no numeric output"),
+    ),
+    "wire from a text": (edited('"controller.out"', '"controller.label_out"'), ("no numeric output",)),
+    "wire without a side": (edited('"plant.x"', '"x"'), ("`from` = `x`",)),
+    "wire from plant to plant": (edited('"controller.out"', '"plant.x"'), ("`from` = `plant.x`",)),
+    "wire to a parameter": (edited('"controller.in"', '"controller.bias[1]"'), ("no tunable parameter",)),
+    "wire twice": (
+        WHOLE + '[[wire]]\nfrom = "plant.x"\nto = "controller.in"\n',
+        ("`wire.controller.in`", "twice"),
+    ),
+    "wire and signal": (WHOLE + SIGNAL.replace("count", "in"), ("controller.in", "twice")),
+    "metric twice": (WHOLE + END, ("`metric.end`", "twice")),
+    "criterion twice": (WHOLE + CRITERION, ("`criterion.end`", "twice")),
+    "no such plant": (edited("probe_plants:Lag", "slied"), ("no plant `slied`", "`slide`")),
+    "no such module": (edited("probe_plants:Lag", "nowhere:Lag"), ("`nowhere:Lag`", "No module named")),
+    "no such class": (edited("probe_plants:Lag", "probe_plants:Lga"), ("no class `Lga`", "`Lag`")),
+    "no module name": (edited("probe_plants:Lag", ":"), ("cannot import the plant `:`",)),
+    "relative module": (edited("probe_plants:Lag", "..x:Y"), ("cannot import the plant `..x:Y`",)),
+    "module with a mistake": (
+        edited("probe_plants:Lag", "torn:X"),
+        ("cannot import the plant `torn:X`", "line 1"),
+    ),
+    "plant that refuses": (
+        edited("probe_plants:Lag", "probe_plants:Refusing"),
+        ("pole and label do not go",),
+    ),
+    "no such FMU": (edited('"probe"', '"prob"'), ("the FMU `prob.fmu` does not exist",)),
+    "no such FMU file": (edited('"probe"', '"a/prob.fmu"'), ("`a/prob.fmu` does not exist",)),
+    "FMU is a folder": (edited('"probe"', '"./"'), ("the FMU file `./` does not exist",)),
+    "FMU without a name": (edited('"probe"', '""'), ("the FMU `.fmu` does not exist",)),
+    "FMU of nobody": (edited('"probe"', '"~nobody_here/x.fmu"'), ("`~nobody_here/x.fmu` does not exist",)),
+    "FMU of a long name": (edited('"probe"', f'"{"a" * 300}"'), ("aaaa...", "does not exist")),
+    "FMU file of a long name": (edited('"probe"', f'"{"a" * 5000}.fmu"'), ("aaaa...", "does not exist")),
+    "FMU with NUL": (edited('"probe"', '"a\\u0000.fmu"'), ("the FMU file", "does not exist")),
+    "MJCF of nobody": (edited("probe_plants:Lag", "~nobody_here/x.xml"), ("`~nobody_here/x.xml`",)),
+    "MJCF of a long name": (edited("probe_plants:Lag", f"{'a' * 300}.xml"), ("aaaa...", "does not exist")),
+    # ranges
+    "step 0": (edited("0.001", "0.0"), ("`loop.step` is `0.0`", "positive")),
+    "step negative": (edited("0.001", "-0.1"), ("`loop.step` is `-0.1`", "positive")),
+    "step nan": (edited("0.001", "nan"), ("`loop.step` is `nan`", "finite")),
+    "step tiny": (edited("0.001", "1e-300"), ("`loop.duration`", "steps")),
+    "duration inf": (edited("0.05", "inf"), ("`loop.duration` is `inf`", "finite")),
+    "duration off the grid": (edited("0.05", "0.0505"), ("`loop.duration` is `0.0505`", "multiple")),
+    "substeps 0": (edited("[loop]", "[loop]\nsubsteps = 0"), ("`loop.substeps` is `0`", "at least 1")),
+    "substeps do not fit": (
+        edited("[loop]", "[loop]\nsubsteps = 3"),
+        ("`loop.substeps` = `3`", "set `loop.substeps = 1`"),
+    ),
+    "record 0": (edited("[loop]", "[loop]\nrecord_every = 0"), ("`loop.record_every` is `0`",)),
+    "seed negative": (edited("[loop]", "[loop]\nseed = -1"), ("`loop.seed` is `-1`",)),
+    "delay 2": (edited("[loop]", "[loop]\ncompute_delay = 2"), ("`loop.compute_delay` is `2`", "`0` or `1`")),
+    "order": (edited("[loop]", '[loop]\norder = "plant_first"'), ("`loop.order`", "controller_first")),
+    "delay of a wire": (
+        edited('to = "plant.u"', 'to = "plant.u"\ndelay = -1'),
+        ("`wire.plant.u.delay` is `-1`",),
+    ),
+    "noise of a wire": (edited('to = "plant.u"', 'to = "plant.u"\nnoise = -1.0'), ("`wire.plant.u.noise`",)),
+    "scale of a wire": (
+        edited('to = "plant.u"', 'to = "plant.u"\nscale = inf'),
+        ("`wire.plant.u.scale`", "finite"),
+    ),
+    "parameter of the plant": (
+        WHOLE + "[plant.parameters]\npole = 2.0\n",
+        ("`plant.pole` is `2.0`", "0 .. 1"),
+    ),
+    "parameter of the FMU": (
+        WHOLE + "[controller.parameters]\ngain = 99.0\n",
+        ("`controller.gain` = `99.0`", "limit"),
+    ),
+    "output as a parameter": (
+        WHOLE + "[controller.parameters]\nout = 1.0\n",
+        ("`controller.out`", "cannot be set"),
+    ),
+    "item of an enumeration": (
+        WHOLE + '[controller.parameters]\nmode = "Fst"\n',
+        ("`controller.mode`", "`Fast`"),
+    ),
+    "integer too big": (
+        WHOLE + "[controller.parameters]\ncount = 99999999999\n",
+        ("`controller.count`", "32 bits"),
+    ),
+    "array too short": (
+        WHOLE + "[controller.parameters]\nbias = [1.0]\n",
+        ("`controller.bias` has 1 values", "2"),
+    ),
+    # signals and faults
+    "signal from later": (
+        WHOLE + edited("[0.0,", "[0.5,", SIGNAL),
+        ("`signal.controller.count.times`", "0.0"),
+    ),
+    "signal backwards": (
+        WHOLE + edited("0.01]", "-1.0]", SIGNAL),
+        ("`signal.controller.count.times`", "rise"),
+    ),
+    "signal too short": (
+        WHOLE + edited("[1, 2]", "[1]", SIGNAL),
+        ("`signal.controller.count`", "1 `values`"),
+    ),
+    "signal of texts": (WHOLE + edited("[1, 2]", '["a", "b"]', SIGNAL), ("`controller.count`", "`'a'`")),
+    "signal to nowhere": (WHOLE + edited("controller.count", "nowhere", SIGNAL), ("`nowhere`",)),
+    "fault backwards": (WHOLE + edited("0.01", "-1.0", FAULT), ("`inject.controller.in.to_time`", "later")),
+    "fault at nothing": (WHOLE + edited("controller.in", "plant.nothing", FAULT), ("no command `nothing`",)),
+    # metrics and criteria
+    "metric is no expression": (metric("last(plant.x"), ("`metric.end.value`", "is not an expression")),
+    "metric of nothing": (metric("last(plant.y)"), ("`metric.end.value`", "`plant.y`")),
+    "metric is a column": (metric("plant.x"), ("`metric.end.value`", "50 values, not one")),
+    "metric calls": (metric('__import__("os").system("true")'), ("`metric.end.value`",)),
+    "metric has attributes": (metric("plant.x.__class__"), ("`metric.end.value`",)),
+    "metric is too long": (metric("1+" * 1500 + "1"), ("longer than 2000 characters",)),
+    "metric is nested": (metric("(" * 900 + "1" + ")" * 900), ("`metric.end.value`",)),
+    "metric is a text": (metric('"a"'), ("`metric.end.value`", "text")),
+    "stop is a mistake": (
+        edited("[loop]", '[loop]\nstop_when = "plant.y > 1"'),
+        ("`loop.stop_when`", "`plant.y`"),
+    ),
+    "criterion of nothing": (edited('metric = "end"', 'metric = "ned"'), ("`criterion.end.metric`", "`end`")),
+    "criterion without limit": (edited("maximum = 1.0\n", ""), ("`criterion.end` has no limit",)),
+    "criterion in another unit": (WHOLE + 'unit = "s"\n', ("`criterion.end.unit` is `s`", "`m`", "convert")),
+    # inheritance
+    "extends itself": ('extends = "bad.toml"\n', (FILE, "leads back to `bad.toml`")),
+    "extends nothing": ('extends = "nothing"\n', ("there is no scenario `nothing`",)),
+    "extends a number": ("extends = 5\n", (FILE, "`extends` is `5`")),
+    "extends a system file": ('extends = "/etc/passwd"\n', ("there is no scenario `/etc/passwd`",)),
+    "extends a long name": (f'extends = "{"a" * 300}"\n', ("there is no scenario `aaaa",)),
+    "extends NUL": ('extends = "a\\u0000.toml"\n', ("the scenario file", "does not exist")),
+    "drops nothing": ('extends = "lag.toml"\ndrop = ["wire.plant.z"]\n', ("`drop` holds `wire.plant.z`",)),
+    "drops what is unknown": ('extends = "lag.toml"\ndrop = ["wires"]\n', ("`drop` holds `wires`", "`wire`")),
+}
+"""Content of `bad.toml`, and what the message must say."""
+SETS: dict[str, tuple[str, tuple[str, ...]]] = {
+    "no key": ("=1", ("`--set =1`", "KEY=VALUE")),
+    "no value": ("loop.step", ("`--set loop.step`", "KEY=VALUE")),
+    "unknown section": ("lop.step=1", ("`--set lop.step`", "no such key")),
+    "dots": ("...=1", ("`--set ...`", "no such key")),
+    "unknown key": ("loop.stpe=1", ("`loop.stpe`", "`step`")),
+    "unknown parameter": ("plant.ploe=1", ("`plant.ploe`", "`pole`")),
+    "unknown variable": ("controller.gian=1", ("`gian`", "`gain`")),
+    "unknown wire": ("wire.plant.v.noise=1", ("no wire `plant.v`",)),
+    "wire without key": ("wire.plant.u=1", ("`--set wire.plant.u`",)),
+    "plot": ("plot.zoom=1", ("`--set plot.zoom`", "no such key")),
+    "list": ("controller.gain=[1, 2]", ("`controller.gain` is `[1, 2]`", "a number")),
+    "table": ("controller.gain={a = 1}", ("`controller.gain`", "a number")),
+    "two lines": ("controller.gain=1\nfoo=2", ("`controller.gain`", "a number")),
+    "infinity": ("controller.gain=-inf", ("`controller.out` is `nan`", "finite")),
+    "not a number": ("controller.bias=[nan, 0]", ("`controller.out` is `nan`", "finite")),
+    "delay": ("loop.compute_delay=true", ("`loop.compute_delay` is `true`", "`0` or `1`")),
+    "long delay": ("wire.plant.u.delay=51", ("`wire.plant.u.delay` is `51`", "0 .. 50")),
+    "very long": ("loop.duration=1e9", ("`loop.duration`", "memory")),
+    "FMU is a table": ("controller.fmu={a = 1}", ("`controller.fmu`", "a text")),
+    "FMU is a device": ("controller.fmu=/dev/zero", ("`/dev/zero` does not exist",)),
+    "plant is a module": ("plant.name=os", ("no plant `os`",)),
+    "plant fails": ("plant.fail_at=3", ("step 3", "told to fail")),
+    "plant gives NaN": ("plant.nan_at=3", ("`plant.x` is `nan`", "step 3")),
+    "FMU fails": ("controller.fail_at=3", ("step 3", "told to fail at 0.003 s", "fmi2DoStep")),
+}
+"""One override, and what the message must say."""

@@ -1,0 +1,60 @@
+"""Command lines and environments with one mistake each."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from . import commands, studies
+from .calling import Case, given, refused
+
+
+@pytest.fixture
+def room(lag: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Put what the command lines speak of into the folder."""
+    (lag / "study.toml").write_text(studies.DRAWN + studies.RANGE)
+    (lag / "torn.fmu").write_bytes((lag / "probe.fmu").read_bytes()[:-100])
+    for name in ("full.csv", "full.npz", "full.svg"):
+        (lag / name).symlink_to("/dev/full")
+    (lag / "folder.csv").mkdir()
+    (lag / "cache").mkdir(exist_ok=True)
+    (lag / "loop").symlink_to("loop")
+    return lag
+
+
+@pytest.mark.usefixtures("room")
+@pytest.mark.parametrize("case", commands.LINES.values(), ids=commands.LINES)
+def test_a_bad_command_line_is_named(
+    case: Case, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    refused(case, monkeypatch, capsys)
+
+
+@pytest.mark.usefixtures("room")
+@pytest.mark.parametrize(("variables", "case"), commands.ENVIRONMENTS.values(), ids=commands.ENVIRONMENTS)
+def test_a_bad_environment_is_named(
+    variables: dict[str, str],
+    case: Case,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    for name, value in variables.items():
+        monkeypatch.setenv(name, value)
+    refused(case, monkeypatch, capsys)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows removes no folder in use")
+@pytest.mark.parametrize("arguments", [given("list"), given("run", "lag.toml"), given("sweep", "study.toml")])
+def test_a_removed_working_directory_is_named(
+    arguments: tuple[str, ...],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "gone").mkdir()
+    os.chdir(tmp_path / "gone")
+    (tmp_path / "gone").rmdir()
+    refused(Case(arguments, ("the working directory cannot be used",)), monkeypatch, capsys)

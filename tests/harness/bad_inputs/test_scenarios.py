@@ -1,0 +1,41 @@
+"""Scenario files and overrides with one mistake each: one error that names the key and its value."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from . import scenarios
+from .calling import Case, call, given, refused
+
+
+@pytest.mark.parametrize(("content", "words"), scenarios.FILES.values(), ids=scenarios.FILES)
+def test_a_bad_scenario_is_named(
+    content: str | bytes,
+    words: tuple[str, ...],
+    lag: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    (lag / "torn.py").write_text("def :\n")
+    (lag / "bad.toml").write_bytes(content if isinstance(content, bytes) else content.encode())
+    refused(Case(given("run", "bad.toml"), words), monkeypatch, capsys)
+
+
+@pytest.mark.usefixtures("lag")
+@pytest.mark.parametrize(("override", "words"), scenarios.SETS.values(), ids=scenarios.SETS)
+def test_a_bad_override_is_named(
+    override: str,
+    words: tuple[str, ...],
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    refused(Case(given("run", "lag.toml", "--set", override), words), monkeypatch, capsys)
+
+
+@pytest.mark.parametrize("ends", [b"\r\n", b"\n"])
+def test_a_scenario_of_windows_is_read(lag: Path, monkeypatch: pytest.MonkeyPatch, ends: bytes) -> None:
+    content = b"\xef\xbb\xbf" + scenarios.WHOLE.encode().replace(b"\n", ends)
+    (lag / "bom.toml").write_bytes(content)
+    assert call(given("run", "bom.toml"), monkeypatch) == 0

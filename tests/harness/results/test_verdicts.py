@@ -1,0 +1,90 @@
+"""What was demanded and whether it holds: nothing demanded is not passed, limits have units."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+import cosim
+from cosim.errors import ExpressionError
+from cosim.metrics.units import conversion
+
+from ..conftest import END
+from ..sweep import studies
+from ..test_cli import CRITERION
+from ..test_cli import cosim as command
+
+Write = Callable[..., Path]
+
+
+def test_nothing_demanded_is_not_passed(write: Write) -> None:
+    write(END)
+    assert cosim.run(cosim.load("lag.toml")).passed is None
+    done = command("run", "lag.toml", "--json", "a.json")
+    assert done.returncode == 0
+    assert "no criteria: nothing was demanded; seed 1" in done.stdout
+    assert json.loads(Path("a.json").read_text())["passed"] is None
+
+
+def test_a_sweep_of_what_is_not_demanded_is_done_not_passed(write: Write, folder: Path) -> None:
+    write(END)
+    (folder / "study.toml").write_text(studies.GRID)
+    done = studies.sweep("study.toml", "--json")
+    assert done.returncode == 0
+    found = json.loads(done.stdout)
+    assert (found["statuses"], found["passed"]) == ({"done": 12}, None)
+    assert {row["status"] for row in studies.rows(folder / "study.sweep")} == {"done"}
+    again = studies.sweep("study.toml")
+    assert "12 of 12 runs: 12 done; no criteria: nothing was demanded" in again.stdout
+
+
+UNITS = {
+    ("m", "um"): 1e6,
+    ("mm/s", "m/s"): 1e-3,
+    ("m/s2", "mm/s2"): 1e3,
+    ("N.m", "kN.mm"): 1.0,
+    ("m^-1", "1/mm"): 1e-3,
+    ("rpm", "rad/s"): 0.10471975511965977,
+    ("1", "%"): 100.0,
+    ("furlong", "furlong"): 1.0,
+}
+
+
+@pytest.mark.parametrize(("units", "factor"), UNITS.items())
+def test_units_convert(units: tuple[str, str], factor: float) -> None:
+    assert conversion(*units) == pytest.approx(factor, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("source", "target"), [("m", "s"), ("m", "1"), ("furlong", "m"), ("m//s", "m"), ("m2", "m")]
+)
+def test_units_that_do_not_fit_do_not_convert(source: str, target: str) -> None:
+    assert conversion(source, target) is None
+
+
+def test_a_criterion_is_held_in_its_own_unit(write: Write) -> None:
+    file = write(CRITERION)
+    held = cosim.run(cosim.load(file, set=["criterion.end.unit=mm", "criterion.end.maximum=700"]))
+    verdict = held.to_dict()["criteria"][0]
+    assert verdict["value"] == pytest.approx(1e3 * held.metrics["end"].value)
+    assert (verdict["unit"], verdict["passed"]) == ("mm", True)
+    assert held.metrics["end"].unit == "m"
+    # 667 mm is more than 0.7 mm, which the number alone does not tell
+    assert cosim.run(cosim.load(file, set=["criterion.end.unit=mm"])).passed is False
+
+
+def test_a_unit_that_does_not_fit_is_refused_before_the_run(write: Write) -> None:
+    file = write(CRITERION)
+    expected = r"--set criterion.end.*`criterion.end.unit` is `s`, `metric.end` is in `m`, which does not"
+    with pytest.raises(ExpressionError, match=expected):
+        cosim.Session(cosim.load(file, set="criterion.end.unit=s"))
+
+
+def test_a_metric_without_unit_is_in_that_of_the_criterion(write: Write) -> None:
+    file = write(CRITERION.replace('unit = "m"\n', "").replace("last(plant.x)", "sqrt(last(plant.x))"))
+    verdict = cosim.run(cosim.load(file, set="criterion.end.unit=mm")).criteria[0]
+    assert verdict.unit == "mm"
+    assert verdict.value == pytest.approx(0.8165, abs=1e-3)
