@@ -37,9 +37,9 @@ class Bare(Plant):
     def _mjcf(cls) -> Path:
         return cls.file
 
-    def shape(self, spec: Any) -> None:
+    def shape(self, spec: Any, p: Any) -> None:
         """Choose the integrator; the other parameters are written into the compiled model."""
-        name = named(self.parameters)["integrator"].lower()
+        name = named(p)["integrator"].lower()
         if name not in INTEGRATORS:
             raise PlantError(
                 f"there is no integrator `{name}`\nhint: take `euler`, `implicit` or `implicitfast`"
