@@ -87,9 +87,8 @@ class CylindricalRobot(Plant):
         told = f"Velocity command of drive {axis}"
         return Channel(f"axis{axis}_velocity", f"{unit(axis)}/s", told, 0.0, 0.0, -most, most)
 
-    def shape(self, spec: Any) -> None:
+    def shape(self, spec: Any, p: CylindricalRobotParameters) -> None:
         """Write masses, rotors, couplings and drives into the MJCF."""
-        p = self.parameters
         spec.site("tip").pos[2] = -p.tool_length
         for n in AXES:
             joint, drive = spec.joint(f"axis_{n}"), spec.actuator(f"axis_{n}")

@@ -68,9 +68,8 @@ class OrthogonalRobot(Plant):
             Channel("stiffness", "N/m", "Of tip and contact in series, along z"),
         )
 
-    def shape(self, spec: Any) -> None:
+    def shape(self, spec: Any, p: OrthogonalRobotParameters) -> None:
         """Write masses, strokes, stiffnesses and friction into the MJCF."""
-        p = self.parameters
         spec.body("x").pos = self._start()
         axes = zip(AXES, self._masses(), self._strokes(), self._start(), strict=True)
         for axis, mass, stroke, start in axes:

@@ -89,15 +89,9 @@ def _check_field(name: str, value: object, item: Field[Any], plant: str) -> None
             wanted = "`, `".join(item.metadata["options"])
             raise ParameterError(f"parameter `{name}` of plant `{plant}`: value `{value}`, one of `{wanted}`")
         return
-    if isinstance(item.default, str) and isinstance(value, str):
-        return
     boolean = isinstance(item.default, bool)
-    if (
-        isinstance(value, bool) != boolean
-        or not isinstance(value, int | float)
-        or isinstance(item.default, str)
-    ):
-        wanted = "true or false" if boolean else ("a text" if isinstance(item.default, str) else "a number")
+    if isinstance(value, bool) != boolean or not isinstance(value, int | float):
+        wanted = "true or false" if boolean else "a number"
         raise ParameterError(f"parameter `{name}` of plant `{plant}`: value `{value!r}`, expected {wanted}")
     low, high, unit = item.metadata["minimum"], item.metadata["maximum"], item.metadata["unit"]
     if not low <= value <= high:  # also refuses NaN

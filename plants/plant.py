@@ -62,10 +62,11 @@ class Plant(ABC):
     """A MuJoCo model that is stepped by a harness: sense, command, advance.
 
     A subclass lives in `<plant>.py` beside `<plant>.xml`. It names its channels in `readings`, `commands`
-    and `truths`, writes its parameters into the MJCF in `shape` (a `timestep` among them is written already),
-    and in `begin` draws what is random and ties every channel to a cell. One communication step is `sense`, `command`, `advance`; `truth` describes
-    the time of the last `sense`. Elements of `circuit` act in every plant step; those of `sensing` act when
-    readings are taken, for readings and truths that have to be computed from the state of that instant.
+    and `truths`, writes its parameters into the MJCF in `shape` (a `timestep` among them is there already),
+    and in `begin` draws what is random and ties every channel to a cell. One communication step is `sense`,
+    `command`, `advance`; `truth` describes the time of the last `sense`. Elements of `circuit` act in every
+    plant step; those of `sensing` act when readings are taken, for readings and truths that have to be
+    computed from the state of that instant.
 
     Parameters
     ----------
@@ -94,7 +95,7 @@ class Plant(ABC):
         spec = mujoco.MjSpec.from_file(str(self._mjcf()))
         if hasattr(self.parameters, "timestep"):
             spec.option.timestep = self.parameters.timestep
-        self.shape(Mjcf(spec, self._mjcf().name))
+        self.shape(Mjcf(spec, self._mjcf().name), self.parameters)
         self.model = spec.compile()
         self._refuse_rk4()
         self.data = mujoco.MjData(self.model)
@@ -121,8 +122,8 @@ class Plant(ABC):
     # what a subclass says
 
     @abstractmethod
-    def shape(self, spec: Any) -> None:
-        """Write the parameters into the MJCF (`plants.names.Mjcf`) before it is compiled."""
+    def shape(self, spec: Any, p: Any) -> None:
+        """Write the parameters `p` into the MJCF (`plants.names.Mjcf`) before it is compiled."""
 
     def name_channels(self, p: Any) -> None:  # noqa: B027
         """Set `readings`, `commands` and `truths` where they depend on the parameters `p`."""

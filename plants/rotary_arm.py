@@ -63,9 +63,8 @@ class RotaryArm(Plant):
             Channel("slide_position", "m", "Position of the slide"),
         )
 
-    def shape(self, spec: Any) -> None:
+    def shape(self, spec: Any, p: RotaryArmParameters) -> None:
         """Write lengths, inertias, stiffnesses, friction and drives into the MJCF."""
-        p = self.parameters
         spec.body("slide").pos[0] = p.centre_offset
         spec.site("tool").pos[0] = -p.arm_length
         hub, arm = spec.body("hub"), spec.body("arm")

@@ -55,9 +55,8 @@ class Slide(Plant):
         self._z = int(self.model.joint("z").qposadr[0])
         self._flutes = [self.model.tendon(name).id for name in ("flute1", "flute2")]
 
-    def shape(self, spec: Any) -> None:
+    def shape(self, spec: Any, p: SlideParameters) -> None:
         """Write mass, damping, stiffness and yield depth into the MJCF."""
-        p = self.parameters
         spec.body("slide").mass = p.mass
         spec.joint("z").damping[0] = p.damping
         for tendon in (spec.tendon("flute1"), spec.tendon("flute2")):

@@ -82,9 +82,8 @@ class SpindleRing(Plant):
         self._weight = -p.mass * float(self.model.opt.gravity[2])
         self._load_feet()
 
-    def shape(self, spec: Any) -> None:
+    def shape(self, spec: Any, p: SpindleRingParameters) -> None:
         """Write masses and sizes into the MJCF; the bristle takes the place of the contacts."""
-        p = self.parameters
         spec.geom("plate").size[0] = p.table_radius
         spec.geom("outline").size[0] = p.radius
         spec.body("ring").mass = p.mass

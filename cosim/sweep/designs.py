@@ -6,6 +6,7 @@ import importlib
 import itertools
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from statistics import NormalDist
 from typing import Any
 
@@ -127,8 +128,13 @@ def value_at(vary: Vary, share: float) -> Any:
 
 def normal_at(vary: Vary, share: float) -> float:
     """Value of a normal distribution cut to its range."""
-    normal = NormalDist(vary.mean or 0.0, vary.deviation or 0.0)
-    low, high = (normal.cdf(end) for end in vary.range)
-    inside = low + share * (high - low)
+    mean, deviation = vary.mean or 0.0, vary.deviation or 0.0
+    low, high = vary.range
+    if low > mean:
+        # probabilities close to 1 have lost their digits, those of the mirrored range have not
+        mirrored = replace(vary, minimum=2.0 * mean - high, maximum=2.0 * mean - low)
+        return 2.0 * mean - normal_at(mirrored, 1.0 - share)
+    # `NormalDist.cdf` has no digits either, far below the mean
+    below, up_to = (0.5 * math.erfc((mean - end) / (math.sqrt(2.0) * deviation)) for end in (low, high))
     tiny = 1e-300
-    return normal.inv_cdf(min(max(inside, tiny), MOST_OF_UNIT))
+    return NormalDist(mean, deviation).inv_cdf(min(max(below + share * (up_to - below), tiny), MOST_OF_UNIT))

@@ -3,12 +3,13 @@
 import math
 from collections.abc import Iterator
 from dataclasses import Field, field, fields, make_dataclass
-from typing import Any
+from typing import Any, Literal
 
 import mujoco
 import numpy as np
 
 from plants.bare.channels import KINDS, actuator_kind, joint_kind, servo, tendon_kind
+from plants.parameters import choice
 
 COEFFICIENTS = {
     "slide": {"damping": "N.s/m", "stiffness": "N/m", "armature": "kg", "frictionloss": "N"},
@@ -22,9 +23,11 @@ Term = tuple[str, tuple[Place, ...], str, str, float]
 """A number of an actuator: last part of its key, places, unit, description and minimum."""
 SOURCE = "the MJCF"
 INTEGRATORS = {
-    name.removeprefix("mjINT_").lower(): kind for name, kind in mujoco.mjtIntegrator.__members__.items()
+    name.removeprefix("mjINT_").lower(): kind
+    for name, kind in mujoco.mjtIntegrator.__members__.items()
+    if kind != mujoco.mjtIntegrator.mjINT_RK4
 }
-"""MuJoCo's integrators by their names in lower case."""
+"""MuJoCo's integrators by their names in lower case; RK4 cannot be split at the sensors."""
 
 
 def parameters_of(model: Any) -> type:
@@ -46,7 +49,7 @@ def parameters_of(model: Any) -> type:
 
 def entry(
     key: str,
-    default: float | str | None,
+    default: float | None,
     unit: str,
     description: str,
     minimum: float = -math.inf,
@@ -57,20 +60,27 @@ def entry(
         "key": key, "unit": unit, "description": description, "source": SOURCE, "minimum": minimum,
         "maximum": math.inf, "places": places,
     }  # fmt: skip
-    kind: Any = str if isinstance(default, str) else (float | None if default is None else float)
+    kind: Any = float | None if default is None else float
     return kind, field(default=default, metadata=metadata)
+
+
+def one_of(key: str, default: str, description: str, names: tuple[str, ...]) -> tuple[Any, Any]:
+    """Type and field of a parameter that is one of some names; the default may be none of them."""
+    text = f"{description}, one of `{'`, `'.join(names)}`"
+    item: Any = choice(default, text, SOURCE, names)
+    kind: Any = Literal.__getitem__(names)
+    return kind, field(default=default, metadata={**item.metadata, "key": key, "places": ()})
 
 
 def options(model: Any) -> Iterator[tuple[Any, Any]]:
     """Step, integrator, gravity and, if there are any, the keyframe to start from."""
     yield entry("timestep", float(model.opt.timestep), "s", "Plant step", 1e-9)
-    integrator = next(name for name, kind in INTEGRATORS.items() if kind == model.opt.integrator)
-    yield entry("integrator", integrator, "1", "One of `euler`, `implicit`, `implicitfast`")
+    integrator = next((name for name, kind in INTEGRATORS.items() if kind == model.opt.integrator), "rk4")
+    yield one_of("integrator", integrator, "Integrator", tuple(INTEGRATORS))
     for k, axis in enumerate("xyz"):
         yield entry(f"gravity.{axis}", float(model.opt.gravity[k]), "m/s2", "Gravity")
-    names = [model.key(k).name for k in range(model.nkey) if model.key(k).name]
-    if names:
-        yield entry("keyframe", "", "1", "Start: a keyframe, one of `" + "`, `".join(names) + "`")
+    if names := tuple(model.key(k).name for k in range(model.nkey) if model.key(k).name):
+        yield one_of("keyframe", "", "Start: a keyframe", names)
 
 
 def bodies(model: Any) -> Iterator[tuple[Any, Any]]:
@@ -200,13 +210,7 @@ def put(item: Field[Any], value: float, model: Any) -> None:
 
 
 def start(parameters: Any, model: Any, data: Any) -> None:
-    """Set the initial state: keyframe first, then the joints that were given one.
-
-    Raises
-    ------
-    ValueError
-        There is no such keyframe.
-    """
+    """Set the initial state: keyframe first, then the joints that were given one."""
     values = named(parameters)
     if keyframe := values.get("keyframe"):
         mujoco.mj_resetDataKeyframe(model, data, model.key(keyframe).id)

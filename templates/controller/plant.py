@@ -27,9 +27,9 @@ class __Name__(Plant):
             Channel("velocity", "m/s", "Velocity of the slide"),
         )
 
-    def shape(self, spec: Any) -> None:
+    def shape(self, spec: Any, p: __Name__Parameters) -> None:
         """Write the parameters into the MJCF."""
-        p, joint = self.parameters, spec.joint("x")
+        joint = spec.joint("x")
         spec.body("slide").mass = p.mass
         joint.frictionloss, joint.damping[0] = p.friction, p.damping
 

@@ -110,7 +110,7 @@ def test_a_plant_that_names_what_is_not_there_is_explained(
     file = write(text=SCENARIO.replace("probe_plants:Lag", "slide").replace("plant.x", "plant.position"))
     scenario = cosim.load(file, set=["wire.plant.u.to=plant.current", "loop.substeps=20"])
     with monkeypatch.context() as patch:
-        patch.setattr(Slide, "shape", lambda plant, spec: spec.body("slid"))
+        patch.setattr(Slide, "shape", lambda plant, spec, p: spec.body("slid"))
         expected = (
             r"the plant `slide` cannot be built: there is no body in `slide.xml` named `slid`\nhint: did you"
         )

@@ -275,9 +275,9 @@ def test_wrong_parameters_are_refused(write: Write) -> None:
     file = write()
     with pytest.raises(ParameterError, match=r"`plant.joint.slide.damping` .* `-1` N.s/m, limit `0` to"):
         build(file, joint__slide__damping=-1.0)
-    with pytest.raises(ParameterError, match=r"`plant.keyframe` .* expected a text"):
+    with pytest.raises(ParameterError, match=r"`plant.keyframe` .* value `1.0`, one of `away`"):
         build(file, keyframe=1.0)
-    with pytest.raises(PlantError, match=r"no such `keyframe`: .*'none'.*away"):
+    with pytest.raises(ParameterError, match=r"`plant.keyframe` .* value `none`, one of `away`"):
         build(file, keyframe="none")
 
 
@@ -295,7 +295,7 @@ def test_what_the_file_says_is_never_refused(write: Write) -> None:
 def test_another_integrator_makes_a_file_with_rk4_fit(write: Write) -> None:
     given = run(build(write(("implicitfast", "RK4")), integrator="implicitfast"), push=1.0)
     assert np.array_equal(given, run(build(write()), push=1.0))
-    with pytest.raises(PlantError, match=r"no integrator `verlet`\nhint: take `euler`"):
+    with pytest.raises(ParameterError, match=r"value `verlet`, one of `euler`, `implicit`, `implicitfast`"):
         build(write(), integrator="verlet")
 
 

@@ -30,7 +30,7 @@ class Bearing(Plant):
     def _mjcf(cls) -> Path:
         return cls.folder / "bearing.xml"
 
-    def shape(self, spec: Any) -> None:
+    def shape(self, spec: Any, p: Any) -> None:
         self.shaped(spec)
 
     def begin(self, steps: int) -> None:

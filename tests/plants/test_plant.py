@@ -38,7 +38,7 @@ class Ball(Plant):
     def _mjcf(cls) -> Path:
         return cls.folder / "ball.xml"
 
-    def shape(self, spec: Any) -> None:
+    def shape(self, spec: Any, p: Any) -> None:
         pass
 
     def begin(self, steps: int) -> None:

@@ -56,6 +56,16 @@ def test_drawn_values_keep_range_and_distribution(kind: str) -> None:
     assert abs(sum(case["d"] == "x" for case in cases) - 512) < 3 * 16
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_normal_distribution_keeps_its_shape_far_from_its_mean(sign: float) -> None:
+    ends = sorted([sign * 9.0, sign * 12.0])
+    tail = Vary("a", mean=0.0, deviation=1.0, distribution="normal", minimum=ends[0], maximum=ends[1])
+    drawn = sign * np.array([case["a"] for case in DESIGNS["latin-hypercube"]([tail], 1000, 3)])
+    # beyond 9 deviations it falls off as an exponential of 1 / 9 does, Mills' ratio
+    assert abs(drawn.mean() - 9.1085) < 1e-3
+    assert 9.0 <= drawn.min() < drawn.max() < 12.0
+
+
 def test_a_latin_hypercube_meets_every_part_of_each_range_once() -> None:
     cases = DESIGNS["latin-hypercube"]([LINEAR, GEOMETRIC], 20, 1)
     parts = [int((case["a"] + 1.0) / 4.0 * 20.0) for case in cases]
