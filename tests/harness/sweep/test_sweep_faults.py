@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import shutil
 import signal
-import socket
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -17,7 +16,7 @@ import pytest
 import cosim
 
 from ..conftest import DATA, SCENARIO
-from . import studies
+from . import clusters, studies
 
 Write = Callable[..., Path]
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="signals and limits of Linux")
@@ -42,28 +41,8 @@ LIMITS = "timeout = 4.0\nmemory = 500.0"
 @pytest.fixture(scope="module")
 def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     """Start a Dask scheduler and two Dask workers on loopback; returns the scheduler's address."""
-    folder = tmp_path_factory.mktemp("dask")
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
-    address = f"tcp://127.0.0.1:{port}"
-    common = ["--host", "127.0.0.1", "--no-dashboard"]
-    commands = [["scheduler", *common, "--port", str(port)]]
-    options = ["--nthreads", "1", "--nworkers", "1", "--local-directory", str(folder)]
-    commands += [["worker", address, *common, *options] for _ in range(2)]
-    environment = {**os.environ, "PYTHONPATH": str(studies.ROOT)}
-    with (folder / "log").open("w") as log:
-        processes = [
-            subprocess.Popen(
-                [sys.executable, "-m", "dask", *command], stdout=log, stderr=log, env=environment, cwd=folder
-            )
-            for command in commands
-        ]
-    yield address
-    for process in reversed(processes):
-        process.terminate()
-    for process in processes:
-        process.wait(30)
+    with clusters.running(tmp_path_factory.mktemp("dask")) as address:
+        yield address
 
 
 @pytest.fixture(params=["here", "dask"])
