@@ -42,9 +42,8 @@ def scheduler(text: str) -> Scheduler:
         It is none of them.
     """
     if text.endswith(".json"):
-        return Scheduler(
-            checked(str(read(text, json.loads).get("address", "")), f"`address` in `{text}`"), {}
-        )
+        found = str(read(text, json.loads).get("address", ""))
+        return Scheduler(checked(found, f"`address` in `{text}`"), {})
     if text.endswith(".toml"):
         return secured(text, read(text, tomllib.loads))
     return Scheduler(checked(text, "the Dask scheduler"), {})

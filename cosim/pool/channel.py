@@ -45,7 +45,10 @@ class Channel(Closing):
             The other side is gone.
         """
         arrays: list[pickle.PickleBuffer] = []
-        parts = [pickle.dumps(message, 5, buffer_callback=arrays.append), *(array.raw() for array in arrays)]
+        parts: list[bytes | memoryview] = [
+            pickle.dumps(message, 5, buffer_callback=arrays.append),
+            *(array.raw() for array in arrays),
+        ]
         with self.lock:
             self.end.sendall(LENGTH.pack(len(parts)))
             for part in parts:

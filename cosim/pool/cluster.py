@@ -211,7 +211,8 @@ def run_supervised(token: str, job: Job, limits: Limits) -> Outcome:
     key = (token, threading.get_ident())
     if key not in _workers:
         _workers[key] = Worker(limits)
-    return _workers[key].call(job)
+    outcome: Outcome = _workers[key].call(job)
+    return outcome
 
 
 def close_workers(token: str) -> None:
