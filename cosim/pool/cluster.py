@@ -17,6 +17,7 @@ from collections.abc import Generator, Iterable, Iterator
 from typing import Any
 
 from cosim.errors import CosimError
+from cosim.pool import address as addresses
 from cosim.pool.job import Finished, Job, Numbered, Outcome, WorkerError
 from cosim.pool.limits import Limits
 from cosim.pool.supervisor import Worker
@@ -39,14 +40,15 @@ def outcomes(jobs: Iterable[Numbered], address: str, limits: Limits) -> Generato
     jobs
         Jobs with their numbers; taken as threads of Dask workers become free.
     address
-        Address of the scheduler, or its scheduler file (`*.json`).
+        Address of the scheduler, its scheduler file or a security file, see `addresses.scheduler`.
     limits
         What each run may take.
 
     Raises
     ------
     CosimError
-        Dask is not installed, no scheduler or worker answers, or the workers lack the package `cosim`.
+        Dask is not installed, the address is none, no scheduler or worker answers, or the workers lack the
+        package `cosim`.
     """
     with connected(dask(), address) as client:
         token = uuid.uuid4().hex[:8]
@@ -154,15 +156,37 @@ def dask() -> Any:
 @contextlib.contextmanager
 def connected(distributed: Any, address: str) -> Iterator[Any]:
     """Client of a scheduler."""
-    where = {"scheduler_file": address} if address.endswith(".json") else {"address": address}
+    scheduler = addresses.scheduler(address)
+    client = distributed.Client.__new__(distributed.Client)
     try:
-        client = distributed.Client(**where, timeout=CONNECT_TIMEOUT, set_as_default=False)
-    except (OSError, ValueError) as error:  # a timeout is an OSError, too
-        raise CosimError(
-            f"no Dask scheduler answers at `{address}`: {error}", "`dask scheduler` starts one"
-        ) from None
+        client.__init__(
+            scheduler.address,
+            security=security(distributed, scheduler),
+            timeout=CONNECT_TIMEOUT,
+            set_as_default=False,
+        )
+    except Exception as error:  # whatever listens there says whatever it says
+        with contextlib.suppress(Exception):
+            client.close(timeout=POLL_INTERVAL)
+        # else it would try again when it is collected
+        client.status = "closed"
+        text = f"no Dask scheduler answers at `{scheduler.address}`: {error}"
+        raise CosimError(text, "`dask scheduler` starts one") from None
     with client:
         yield client
+
+
+def security(distributed: Any, scheduler: addresses.Scheduler) -> Any:
+    """Return what Dask needs for TLS, None without."""
+    if not scheduler.tls:
+        return None
+    tls = scheduler.tls
+    return distributed.Security(
+        tls_ca_file=tls["ca"],
+        tls_client_cert=tls["certificate"],
+        tls_client_key=tls["key"],
+        require_encryption=True,
+    )
 
 
 def report_lost_runs(client: Any, ended: queue.SimpleQueue[Ended]) -> None:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import os
+import shutil
 import signal
-import socket
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -16,7 +16,7 @@ import pytest
 import cosim
 
 from ..conftest import DATA, SCENARIO
-from . import studies
+from . import clusters, studies
 
 Write = Callable[..., Path]
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="signals and limits of Linux")
@@ -41,28 +41,8 @@ LIMITS = "timeout = 4.0\nmemory = 500.0"
 @pytest.fixture(scope="module")
 def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     """Start a Dask scheduler and two Dask workers on loopback; returns the scheduler's address."""
-    folder = tmp_path_factory.mktemp("dask")
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
-    address = f"tcp://127.0.0.1:{port}"
-    common = ["--host", "127.0.0.1", "--no-dashboard"]
-    commands = [["scheduler", *common, "--port", str(port)]]
-    options = ["--nthreads", "1", "--nworkers", "1", "--local-directory", str(folder)]
-    commands += [["worker", address, *common, *options] for _ in range(2)]
-    environment = {**os.environ, "PYTHONPATH": str(studies.ROOT)}
-    with (folder / "log").open("w") as log:
-        processes = [
-            subprocess.Popen(
-                [sys.executable, "-m", "dask", *command], stdout=log, stderr=log, env=environment, cwd=folder
-            )
-            for command in commands
-        ]
-    yield address
-    for process in reversed(processes):
-        process.terminate()
-    for process in processes:
-        process.wait(30)
+    with clusters.running(tmp_path_factory.mktemp("dask")) as address:
+        yield address
 
 
 @pytest.fixture(params=["here", "dask"])
@@ -103,10 +83,56 @@ def test_an_error_of_mujoco_costs_its_own_row(write: Write, folder: Path, where:
     assert "unknown joint type 99" in failed["reason"]
 
 
-def test_kill_9_of_a_worker_costs_the_run_it_was_doing(write: Write, folder: Path, where: list[str]) -> None:
+def test_kill_9_of_a_worker_costs_no_run(write: Write, folder: Path, where: list[str]) -> None:
     process, worker, _ = stalled(write, folder, where)
     os.kill(worker, signal.SIGKILL)
-    check_what_it_cost(process, folder, where, "crashed", "killed by SIGKILL")
+    assert process.wait(60) == 0
+    rows = studies.rows(folder / "kill.sweep")
+    assert [row["status"] for row in rows] == ["passed"] * 5
+    check_numbers(rows)
+
+
+def test_what_a_run_does_to_its_process_falls_on_no_other(
+    write: Write, folder: Path, where: list[str]
+) -> None:
+    write(studies.MEASURED)
+    cases = ["controller.spoil_at = 3", *[f"controller.gain = 0.{k}" for k in range(1, 5)]]
+    (folder / "spoilt.toml").write_text(studies.case_list(cases))
+    assert studies.sweep("spoilt.toml", *where).returncode == 0
+    rows = studies.rows(folder / "spoilt.sweep")
+    assert [row["status"] for row in rows] == ["passed"] * 5
+    check_numbers(rows)
+
+
+def test_each_run_may_have_a_process_of_its_own(write: Write, folder: Path) -> None:
+    write(studies.MEASURED)
+    shutil.copy(DATA / "counting.py", folder / "counting.py")
+    cases = [f'controller.gain = 0.{k}\nplant.name = "counting:Counting"' for k in range(1, 5)]
+    for text, processes in (("process_per_run = true", 4), ("", 1)):
+        (folder / "own.toml").write_text(studies.case_list(cases, text))
+        assert studies.sweep("own.toml", "--workers", "1", "--out", f"own-{processes}").returncode == 0
+        seen = (folder / "processes").read_text().split()
+        assert (len(seen), len(set(seen))) == (4, processes)
+        (folder / "processes").unlink()
+
+
+def test_a_signal_without_a_name_costs_its_own_row(write: Write, folder: Path, where: list[str]) -> None:
+    write(studies.MEASURED)
+    cases = ["controller.raise_at = 3\ncontroller.raised = 40", "controller.gain = 0.1"]
+    (folder / "signal.toml").write_text(studies.case_list(cases))
+    studies.sweep("signal.toml", *where)
+    crashed, passed = studies.rows(folder / "signal.sweep")
+    assert (crashed["status"], passed["status"]) == ("crashed", "passed")
+    assert "the FMU `probe` crashed at t = 0.003 s (step 3): killed by signal 40" in crashed["reason"]
+
+
+def test_too_little_memory_for_any_run_is_told(write: Write, folder: Path) -> None:
+    write(studies.MEASURED)
+    (folder / "small.toml").write_text(studies.case_list(["controller.gain = 0.1"], "memory = 1.0"))
+    studies.sweep("small.toml")
+    (row,) = studies.rows(folder / "small.sweep")
+    assert row["status"] == "memory"
+    assert "are more than its limit of `1` MB" in row["reason"]
 
 
 def test_kill_9_of_a_dask_worker_costs_the_run_it_was_doing(write: Write, folder: Path, cluster: str) -> None:
