@@ -73,8 +73,8 @@ def sample(
     """
     grid, known = np.arange(steps), np.asarray(values, np.float64)
     if interpolation == "linear":
-        moved: NDArray[np.float64] = np.interp(grid * step, times, known)
-        return moved
+        joined: NDArray[np.float64] = np.interp(grid * step, times, known)
+        return joined
     # the first step that is not before the time, as `first_step` tells it
     first = np.ceil(np.clip(np.asarray(times) / step - 1e-6, 0.0, MOST_STEPS))
     held: NDArray[np.float64] = known[np.searchsorted(first, grid, side="right") - 1]

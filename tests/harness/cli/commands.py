@@ -15,5 +15,7 @@ PROGRAM = "import sys; from cosim.cli import main; sys.argv[0] = 'cosim'; main()
 def cosim(*arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:
     """Run the command line in the working directory."""
     variables = {**os.environ, "PYTHONPATH": str(ROOT), **environment}
+    # tables have the width that they have in a file
+    variables.pop("COLUMNS", None)
     command = [sys.executable, "-c", PROGRAM, *arguments]
     return subprocess.run(command, capture_output=True, text=True, env=variables, check=False, timeout=120)

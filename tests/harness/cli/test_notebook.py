@@ -56,8 +56,6 @@ def pandas(monkeypatch: pytest.MonkeyPatch) -> None:
     """Put a pandas in place, installed or not."""
     module = ModuleType("pandas")
     module.DataFrame = Frame  # type: ignore[attr-defined]
-    # too old for pyarrow, which looks for it, too
-    module.__version__ = "0.1"  # type: ignore[attr-defined]
     monkeypatch.setitem(sys.modules, "pandas", module)
 
 
@@ -109,8 +107,9 @@ def test_a_result_without_trace_has_no_data_frame(write: Write) -> None:
         result.to_dataframe()
 
 
-@pytest.mark.usefixtures("pandas")
-def test_a_sweep_is_called_and_gives_its_rows(study: Path, folder: Path) -> None:
+def test_a_sweep_is_called_and_gives_its_rows(
+    study: Path, folder: Path, request: pytest.FixtureRequest
+) -> None:
     found = cosim.sweep(study, workers=1)
     assert isinstance(found, cosim.SweepResult)
     assert len(found) == 6
@@ -119,6 +118,8 @@ def test_a_sweep_is_called_and_gives_its_rows(study: Path, folder: Path) -> None
     assert found.folder == Path("poles.sweep")
     assert (folder / "poles.sweep" / "summary.csv").is_file()
     assert repr(found).startswith("<SweepResult of Poles: 6 of 6 runs: 3 passed, 3 error; 50 % passed (")
+    # pyarrow looks for pandas, too
+    request.getfixturevalue("pandas")
     frame = found.to_dataframe()
     assert frame["plant.pole"] == [0.1, 0.1, 0.2, 0.2, 0.3, 0.3]
     assert [value is None for value in frame["metric.end"]] == [False, True] * 3

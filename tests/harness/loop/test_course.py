@@ -124,7 +124,7 @@ def test_without_pyarrow_the_message_says_what_to_install(
         driven(write, file="y.parquet")
 
 
-BROKEN = {
+BROKEN: dict[str, tuple[str | bytes, str]] = {
     "word": ("time,a\n0,1\n0.1,one\n", r"`deep/x.csv`, line 3: `one` is no number"),
     "cells": ("time,a\n0,1\n\n0.1,1,2\n", r"`deep/x.csv`, line 4 has 3 cells, the first line 2"),
     "nan": ("time,a\n0,nan\n", r"`deep/x.csv`, line 2: time and value must be finite"),
