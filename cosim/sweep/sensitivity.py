@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import importlib.util
 import math
-from collections import defaultdict
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -80,7 +80,16 @@ class Influence:
         return found
 
 
-def influences(plan: Plan, rows: list[Row]) -> list[Influence]:
+@dataclass(frozen=True)
+class Columns:
+    """Numbers of the runs that gave a result: case, varied keys and metrics, NaN where there is none."""
+
+    cases: NDArray[np.int64]
+    keys: dict[str, Array]
+    metrics: dict[str, Array]
+
+
+def influences(plan: Plan, rows: Iterable[Row]) -> list[Influence]:
     """Influence of every varied number on every metric that varies, the strongest key of a metric first.
 
     Parameters
@@ -95,35 +104,48 @@ def influences(plan: Plan, rows: list[Row]) -> list[Influence]:
     list of Influence
         Nothing with too few results, or without scipy.
     """
-    done = [row for row in rows if row["status"] in DONE]
-    if len(done) < FEWEST_RUNS or importlib.util.find_spec("scipy") is None:
+    if importlib.util.find_spec("scipy") is None:
         return []
-    keys = {key: column for key in varied(plan) if varies(column := numbers(done, "set", key))}
-    names = dict.fromkeys(name for row in done for name in row["metrics"])
-    metrics = {name: column for name in names if varies(column := numbers(done, "metrics", name))}
+    done = columns(plan, rows)
+    if len(done.cases) < FEWEST_RUNS:
+        return []
     found = []
-    for metric, values in metrics.items():
-        indices = sobol_of(plan, done, metric) if plan.study.design.kind == "saltelli" else {}
-        found += sorted(
-            (
-                Influence(metric, key, rank(column, values), *indices.get(key, ()))
-                for key, column in keys.items()
-            ),
-            key=lambda influence: -influence.strength,
-        )
+    for metric, values in done.metrics.items():
+        if not varies(values):
+            continue
+        indices = sobol_of(plan, done.cases, values) if plan.study.design.kind == "saltelli" else {}
+        entries = [
+            Influence(metric, key, rank(column, values), *indices.get(key, ()))
+            for key, column in done.keys.items()
+            if varies(column)
+        ]
+        found += sorted(entries, key=lambda influence: -influence.strength)
     return found
 
 
-def varied(plan: Plan) -> list[str]:
-    """Keys that the runs set, each once."""
-    return list(dict.fromkeys(key for run in plan.runs for key in run.changes))
+def columns(plan: Plan, rows: Iterable[Row]) -> Columns:
+    """Take the numbers from rows, one row at a time."""
+    cases: list[int] = []
+    keys: dict[str, list[float]] = {key: [] for run in plan.runs for key in run.changes}
+    metrics: dict[str, list[float]] = {}
+    for row in rows:
+        if row["status"] not in DONE:
+            continue
+        for name in row["metrics"]:
+            # a metric that earlier rows did not have
+            metrics.setdefault(name, [math.nan] * len(cases))
+        cases.append(row["case"])
+        for key, column in keys.items():
+            column.append(numeric(row["set"].get(key)))
+        for name, column in metrics.items():
+            column.append(float(row["metrics"].get(name, math.nan)))
+    arrays = [{name: np.array(column) for name, column in part.items()} for part in (keys, metrics)]
+    return Columns(np.array(cases, dtype=np.int64), *arrays)
 
 
-def numbers(rows: list[Row], part: str, name: str) -> Array:
-    """Column of numbers of rows, NaN where there is none; texts such as names of a mode are none."""
-    values = (row[part].get(name) for row in rows)
-    kinds = (int, float) if part == "set" else (int, float, str)
-    return np.array([float(value) if isinstance(value, kinds) else math.nan for value in values])
+def numeric(value: Any) -> float:
+    """Value of a key as a number; texts, such as names of a mode, are none."""
+    return float(value) if isinstance(value, int | float) else math.nan
 
 
 def varies(column: Array) -> bool:
@@ -150,19 +172,15 @@ def rank(x: Array, y: Array) -> Estimate:
     return Estimate(value, math.tanh(middle - half), math.tanh(middle + half))
 
 
-def sobol_of(plan: Plan, done: list[Row], metric: str) -> dict[str, tuple[Estimate, Estimate]]:
-    """Sobol indices of a metric by key, from the samples of which every run has a result."""
-    keys = [vary.key for vary in plan.study.vary]
-    by_case: dict[int, list[float]] = defaultdict(list)
-    for row in done:
-        by_case[row["case"]].append(float(row["metrics"][metric]))
-    repeats = plan.study.design.repeats
+def sobol_of(plan: Plan, cases: NDArray[np.int64], values: Array) -> dict[str, tuple[Estimate, Estimate]]:
+    """Sobol indices of a metric by key, from the points of which every run has a result."""
+    keys, design = [vary.key for vary in plan.study.vary], plan.study.design
+    count = (design.samples or 0) * (len(keys) + 2)
+    results = np.bincount(cases, minlength=count)
     # what is drawn anew in every repeat is averaged out
-    means = [
-        np.mean(values) if len(values := by_case[case]) == repeats else math.nan
-        for case in range((plan.study.design.samples or 0) * (len(keys) + 2))
-    ]
-    table = np.array(means, dtype=np.float64).reshape((-1, len(keys) + 2))
+    means = np.bincount(cases, values, minlength=count) / np.maximum(results, 1)
+    means[results < design.repeats] = math.nan
+    table = means.reshape((-1, len(keys) + 2))
     table = table[np.all(np.isfinite(table), axis=1)]
     if len(table) < FEWEST_RUNS:
         return {}
@@ -180,8 +198,8 @@ def sobol(table: Array, seed: int) -> list[tuple[Estimate, Estimate]]:
         Of the bootstrap.
     """
     first, total = indices(table)
-    rows = generator(seed).integers(len(table), size=(RESAMPLES, len(table)))
-    drawn = np.array([indices(table[row]) for row in rows])
+    random, count = generator(seed), len(table)
+    drawn = np.array([indices(table[random.integers(count, size=count)]) for _ in range(RESAMPLES)])
     low, high = np.nanquantile(drawn, INTERVAL, axis=0)
     estimates = [
         [Estimate(*map(float, ends)) for ends in zip(*parts, strict=True)]

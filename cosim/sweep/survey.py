@@ -100,8 +100,7 @@ def survey(plan: Plan, store: Store) -> Survey:
     """Read all rows of a study once."""
     found = Survey(len(plan.runs))
     values: dict[str, list[float]] = {}
-    done = list(rows(plan, store))
-    for row in done:
+    for row in rows(plan, store):
         found.statuses[row["status"]] += 1
         for name, value in row.get("metrics", {}).items():
             values.setdefault(name, []).append(float(value))
@@ -113,7 +112,7 @@ def survey(plan: Plan, store: Store) -> Survey:
             count, first = found.troubles.get(trouble, (0, row["run"]))
             found.troubles[trouble] = (count + 1, first)
     found.values = {name: np.array(column) for name, column in values.items()}
-    found.influences = influences(plan, done)
+    found.influences = influences(plan, rows(plan, store))
     return found
 
 
