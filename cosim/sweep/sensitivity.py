@@ -81,7 +81,7 @@ class Influence:
 
 
 @dataclass(frozen=True)
-class Columns:
+class Numbers:
     """Numbers of the runs that gave a result: case, varied keys and metrics, NaN where there is none."""
 
     cases: NDArray[np.int64]
@@ -106,7 +106,7 @@ def influences(plan: Plan, rows: Iterable[Row]) -> list[Influence]:
     """
     if importlib.util.find_spec("scipy") is None:
         return []
-    done = columns(plan, rows)
+    done = numbers(plan, rows)
     if len(done.cases) < FEWEST_RUNS:
         return []
     found = []
@@ -123,7 +123,7 @@ def influences(plan: Plan, rows: Iterable[Row]) -> list[Influence]:
     return found
 
 
-def columns(plan: Plan, rows: Iterable[Row]) -> Columns:
+def numbers(plan: Plan, rows: Iterable[Row]) -> Numbers:
     """Take the numbers from rows, one row at a time."""
     cases: list[int] = []
     keys: dict[str, list[float]] = {key: [] for run in plan.runs for key in run.changes}
@@ -140,7 +140,7 @@ def columns(plan: Plan, rows: Iterable[Row]) -> Columns:
         for name, column in metrics.items():
             column.append(float(row["metrics"].get(name, math.nan)))
     arrays = [{name: np.array(column) for name, column in part.items()} for part in (keys, metrics)]
-    return Columns(np.array(cases, dtype=np.int64), *arrays)
+    return Numbers(np.array(cases, dtype=np.int64), *arrays)
 
 
 def numeric(value: Any) -> float:
