@@ -9,7 +9,7 @@ import pytest
 
 from cosim.cli import main
 
-IN_PROCESS: tuple[str, ...] = ()
+IN_PROCESS: tuple[str, ...] = ("--in-process",)
 """Options that keep `cosim run` in this process, where it is fast."""
 
 

@@ -1,4 +1,4 @@
-"""Bad inputs whose cure stands elsewhere: this file is collected once it is named `test_after_merge.py`."""
+"""Bad inputs of every room: files, studies, plants, processes, a full disk."""
 
 from __future__ import annotations
 
