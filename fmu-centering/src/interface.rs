@@ -17,7 +17,7 @@ mod variables {
 
     /// What the controller is doing.
     pub enum State {
-        /// Moves back to where it started, holds, and waits for `enable`
+        /// Waits for `enable`; after a centring that it ended, moves back to where it started first
         Idle,
         /// Moves towards the ring until the probe touches it
         Approach,

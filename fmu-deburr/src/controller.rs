@@ -30,8 +30,6 @@ pub struct Controller {
     load: LoadControl,
     reader: Reader,
     reset: Edge,
-    /// the fault is to end when the axes are at rest
-    resets: bool,
     /// `enable` was false during the present stop
     disabled: bool,
     state: State,
@@ -52,6 +50,8 @@ pub struct Controller {
     too_large: bool,
     /// the bank is to be written
     export: bool,
+    /// the bank is not that of a file any more
+    changed: bool,
 }
 
 impl Controller {
@@ -74,7 +74,6 @@ impl Controller {
             load,
             reader: Reader::START,
             reset: Edge::default(),
-            resets: false,
             disabled: false,
             state: State::Off,
             fault: Fault::None,
@@ -89,6 +88,7 @@ impl Controller {
             compensation: [0.0; AXES],
             too_large: false,
             export: false,
+            changed: false,
         })
     }
 
@@ -109,6 +109,7 @@ impl Controller {
 
     /// Whether the bank is to be written now; asked for once.
     pub fn take_export(&mut self) -> bool {
+        self.changed &= !self.export;
         std::mem::take(&mut self.export)
     }
 
@@ -127,8 +128,6 @@ impl Controller {
     fn decide(&mut self, p: &Parameters, input: &Input, reading: &Reading, valid: bool, at_rest: bool) {
         let fault = self.find_fault(p, reading, valid, input);
         let (before, mode) = (self.state, input.mode);
-        let asked = self.reset.rises(input.reset_fault);
-        self.resets = before == State::Fault && fault == Fault::None && (self.resets || asked);
         self.disabled = !input.enable || self.disabled && before == State::Stop;
         self.state = next(
             before,
@@ -138,7 +137,7 @@ impl Controller {
                 mode,
                 job: self.job,
                 hold: input.hold,
-                reset: self.resets && at_rest,
+                reset: self.reset.rises(input.reset_fault) && at_rest,
                 fault: fault != Fault::None,
                 progress: self.progress,
             },
@@ -150,9 +149,11 @@ impl Controller {
         if self.state != before || begins {
             self.enter(p, reading, before, fault);
         }
-        // what is asked for without `enable` or in a fault is no job, and nothing moves by itself afterwards
+        // nothing moves by itself after a fault, or after an edge of `enable` that came during a stop
         let ignored = !self.state.closed() || before == State::Fault;
-        if ignored || self.state == State::Idle && mode == Mode::Idle {
+        if self.state == State::Off && !input.enable {
+            self.job = Mode::Idle;
+        } else if ignored || self.state == State::Idle && mode == Mode::Idle {
             self.job = mode;
         }
     }
@@ -204,6 +205,7 @@ impl Controller {
             self.learner.start();
             if !p.learn.from_bank {
                 self.bank.clear();
+                self.changed = true;
             }
         }
     }
@@ -272,6 +274,7 @@ impl Controller {
         let speed = self.learner.speed;
         let next = self.learner.finish(p, self.bank.pattern_mut(speed));
         self.too_large |= next == Next::TooLarge;
+        self.changed = true;
         if matches!(next, Next::NextSpeed | Next::Done) {
             self.bank.learned(speed);
         }
@@ -336,8 +339,8 @@ impl Controller {
         *learn = self.learner.report(p, self.job == Mode::Learn || self.learned, self.learned);
         *load = self.load.report(p, self.state == State::Run);
         bank.patterns = self.bank.patterns().len() as i32;
-        if self.learned && matches!(bank.status, BankStatus::Empty | BankStatus::Imported) {
-            bank.status = BankStatus::Learned;
+        if self.changed {
+            bank.status = if bank.patterns == 0 { BankStatus::Empty } else { BankStatus::Learned };
         }
     }
 }

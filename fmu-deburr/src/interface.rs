@@ -25,7 +25,7 @@ mod variables {
     const PULSE: [f64; 6] = [TAU / 640e3, 2.5e-6, 5e-6, TAU / 400e3, TAU / 400e3, TAU / 400e3];
     const RPM: f64 = TAU / 60.0;
 
-    /// What is asked for; a job begins when the mode changes to it while `enable` is true
+    /// What is asked for; a job begins when the mode changes to it while `enable` is true, and when `enable` rises
     pub enum Mode {
         /// Hold the pose; a motion stops on its way
         Idle,
@@ -74,7 +74,7 @@ mod variables {
         /// The tool turned slower than `limits.spindle_speed_min` while deburring
         #[hint("start the tool before, or lower the taught speed")] SpindleSlow,
     }
-    /// Law in force
+    /// Law in force; Paper leaves `bank.format` and the sign of `load.k2` alone
     pub enum Law {
         /// Error read ahead through a zero-phase low-pass, best repetition kept, feed known ahead of the reference
         Default,
@@ -90,7 +90,7 @@ mod variables {
         /// Pattern plus the change that is best for the nominal loop
         NormOptimal,
     }
-    /// What `bank.export` is written as
+    /// What `bank.export` is written as; the paper's Records by this parameter alone, not by `law`
     pub enum Format {
         /// All digits and a checksum
         Full,
@@ -103,7 +103,7 @@ mod variables {
         Empty,
         /// Read from `bank.import`
         Imported,
-        /// Learned, not written
+        /// Learned, all or some of them, and not written
         Learned,
         /// Written to `bank.export`
         Exported,
@@ -322,7 +322,7 @@ mod variables {
         #[var(unit = RADIAN_PER_SECOND as "rpm", range = 10.0..=1e5, start = 17_300.0 * RPM, tunable, source = "paper: 17,300 rpm")] pub spindle_speed: f64,
         /// Gain K1 for each sample
         #[var(unit = METRE_PER_SECOND, range = 0.0..=10.0, start = 0.092, tunable, source = "derived: calm, and no stall up to 1.8 times the cutting force")] pub k1: f64,
-        /// Gain K2; negative is the sign as printed in the paper, which destabilises
+        /// Gain K2; negative is the sign as printed in the paper, which destabilises and which `law` does not set
         #[var(unit = METRE, range = -1.0..=1.0, start = 0.0138, tunable, source = "derived: K2 = tau K1 cancels the pole of the tool, tau = 0.15 s")] pub k2: f64,
         /// Slowest feed
         #[var(unit = METRE_PER_SECOND as "mm/s", range = 0.0..=1.0, start = 0.004, tunable, source = "our choice")] pub speed_min: f64,

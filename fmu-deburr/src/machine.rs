@@ -47,7 +47,7 @@ pub struct Events {
     pub job: Mode,
     /// Stand on the way.
     pub hold: bool,
-    /// A fault may end: it was asked for, and the axes are at rest.
+    /// Rising edge of `reset_fault` while the axes are at rest.
     pub reset: bool,
     /// Something is wrong.
     pub fault: bool,

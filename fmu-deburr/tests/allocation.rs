@@ -95,7 +95,9 @@ fn no_fault_allocates() {
             }
         }
         assert_eq!((run.output.state, run.output.fault), (State::Fault, *fault));
-        (run.input.reset_fault, run.input.spindle_speed) = (true, 1885.0);
+        run.input.spindle_speed = 1885.0;
+        run.step();
+        run.input.reset_fault = true;
         run.step_until(|output| output.state == State::Idle);
     }
 }

@@ -68,7 +68,7 @@ mod variables {
         /// Hard force guard
         ForceGuard,
     }
-    /// Which law is in force; `Paper` sets what was left at its start value
+    /// Which law is in force; `Paper` gives what was not set the value of the paper
     pub enum Law {
         /// Slopes over four windows with automatic thresholds
         Default,

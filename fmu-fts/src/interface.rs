@@ -94,7 +94,7 @@ mod variables {
     pub enum Law {
         /// What a good engineer would ship: 24 harmonics with phase advance, flexure of the arm compensated
         Default,
-        /// The law as printed, where a parameter was left at its start value
+        /// The law as printed, where a parameter was not set
         Paper,
     }
     /// What kind of surface is cut

@@ -58,7 +58,7 @@ mod variables {
         /// The surface was further from the path than `limits.surface_error`
         #[hint("check how the mold is set up")] SurfaceError,
     }
-    /// Which law polishes; Paper takes the paper's value where there is one and a parameter was left at its start value
+    /// Which law polishes; Paper takes the paper's value where there is one and the parameter was not set
     pub enum Law {
         /// What a good engineer would ship
         Default,

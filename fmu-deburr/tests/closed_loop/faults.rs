@@ -90,27 +90,46 @@ fn without_patterns_nothing_is_deburred_blindly() {
     }
 }
 
+/// A robot whose fault was reset with a mode set, at rest.
+fn recovered() -> Loop {
+    let mut run = running(Mode::DryRun);
+    run.input.spindle_speed = f64::NAN;
+    (0..100).for_each(|_| run.step());
+    // what is asked for now is no job
+    (run.input.mode, run.input.spindle_speed) = (Mode::Learn, 1885.0);
+    run.step();
+    run.input.reset_fault = true;
+    (0..300).for_each(|_| run.step());
+    assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::None));
+    run
+}
+
 #[test]
-fn after_a_fault_or_without_enable_nothing_moves_before_a_mode_is_asked_for_again() {
-    for disabled in [false, true] {
-        let mut run = running(Mode::DryRun);
-        if disabled {
-            run.input.enable = false;
-        } else {
-            run.input.spindle_speed = f64::NAN;
-        }
-        (0..100).for_each(|_| run.step());
-        assert_eq!(run.output.state, if disabled { State::Off } else { State::Fault });
-        // what is asked for now is no job
-        run.input.mode = Mode::Learn;
+fn after_a_fault_nothing_moves_before_another_mode_or_another_enable() {
+    let mut run = recovered();
+    run.input.mode = Mode::DryRun;
+    run.step();
+    assert_eq!(run.output.state, State::Approach);
+    let mut run = recovered();
+    for enable in [false, true] {
+        run.input.enable = enable;
         run.step();
-        (run.input.enable, run.input.spindle_speed, run.input.reset_fault) = (true, 1885.0, true);
-        (0..300).for_each(|_| run.step());
-        assert_eq!(run.output.state, State::Idle);
-        run.input.mode = Mode::DryRun;
-        run.step();
-        assert_eq!(run.output.state, State::Approach);
     }
+    run.step();
+    assert_eq!(run.output.state, State::Approach);
+}
+
+#[test]
+fn a_mode_that_is_set_already_begins_when_enable_rises() {
+    let mut run = running(Mode::DryRun);
+    run.input.enable = false;
+    (0..100).for_each(|_| run.step());
+    run.input.mode = Mode::Playback;
+    run.step();
+    assert_eq!(run.output.state, State::Off);
+    run.input.enable = true;
+    (0..2).for_each(|_| run.step());
+    assert_eq!(run.output.state, State::Approach);
 }
 
 #[test]
@@ -134,7 +153,13 @@ fn a_reset_needs_a_rising_edge_without_its_cause_and_axes_at_rest() {
         run.controller.tick(&run.input, &run.parameters, &mut run.output);
         stands_with(&run, Fault::InvalidInput);
     }
-    run.controller.tick(&run.input, &run.parameters, &mut run.output);
+    // that edge was too early
+    (0..100).for_each(|_| run.controller.tick(&run.input, &run.parameters, &mut run.output));
+    stands_with(&run, Fault::InvalidInput);
+    for reset in [false, true] {
+        run.input.reset_fault = reset;
+        run.controller.tick(&run.input, &run.parameters, &mut run.output);
+    }
     assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::None));
 }
 

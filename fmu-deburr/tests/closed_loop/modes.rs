@@ -1,6 +1,6 @@
 //! Modes and switches: hold, stop, override, load control, laps.
 
-use fmu_deburr::interface::{Mode, Parameters, State};
+use fmu_deburr::interface::{BankStatus, Mode, Parameters, State};
 use fmu_deburr::learning::speeds::Speeds;
 
 use crate::robot::Build;
@@ -130,4 +130,28 @@ fn blocks_are_counted_with_the_distance_from_their_teaching_point() {
         let path = &run.output.path;
         assert!((path.distance - path.block_distance - start).abs() < 1e-5, "{path:?}");
     }
+}
+
+#[test]
+fn a_bank_that_learning_has_begun_to_change_is_not_told_as_that_of_a_file() {
+    let mut p = Parameters::START;
+    (p.learn.repetitions, p.learn.factors) = (0, Speeds::new(&[1.0, 0.5]).unwrap());
+    let mut run = Loop::new(&p, &Build::NOMINAL);
+    run.output.bank.status = BankStatus::Imported;
+    run.step();
+    assert_eq!(run.output.bank.status, BankStatus::Imported);
+    run.input.mode = Mode::Learn;
+    run.step();
+    assert_eq!((run.output.bank.status, run.output.bank.patterns), (BankStatus::Empty, 0));
+    run_until(&mut run, |run| run.output.bank.patterns == 1);
+    run.input.mode = Mode::Idle;
+    run_until(&mut run, |run| run.output.state == State::Idle);
+    assert_eq!((run.output.bank.status, run.output.learn.done), (BankStatus::Learned, false));
+    // what was written stays told until the bank changes again
+    run.input.mode = Mode::Export;
+    run.step();
+    assert!(run.controller.take_export());
+    run.output.bank.status = BankStatus::Exported;
+    run.step();
+    assert_eq!(run.output.bank.status, BankStatus::Exported);
 }
