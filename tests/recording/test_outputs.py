@@ -16,7 +16,7 @@ from . import record
 pytestmark = pytest.mark.recording
 SILENT = {
     "DisturbanceObserverContactDetection": {"aborted"},
-    "RotaryFastToolServo": {"saturated", "path.truncation"},
+    "RotaryFastToolServo": {"saturated"},
     "StickSlipPolishing": {"ripple.frozen"},
     # no path of the project turns the tool about its own axis
     "VariableSpeedDeburring": {"saturated", "load.overload", "axis6.reference"},

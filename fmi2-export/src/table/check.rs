@@ -2,6 +2,7 @@
 
 use crate::model::Info;
 use crate::table::enumeration::EnumType;
+use crate::table::text::{is_line, is_structured_name, is_text, same};
 use crate::table::units::Unit;
 use crate::table::variable::{Kind, Real, Role, Variable};
 
@@ -223,63 +224,8 @@ const fn same_unit(a: &Unit, b: &Unit) -> bool {
     true
 }
 
-/// Whether XML can hold a text.
-const fn is_text(text: &str) -> bool {
-    is_printable(text, true)
-}
-
-/// Whether a text is the same after an XML reader has made it a `normalizedString`.
-const fn is_line(text: &str) -> bool {
-    is_printable(text, false)
-}
-
-/// Whether a text has no control characters, but tabs and ends of lines where they are allowed.
-const fn is_printable(text: &str, line_ends: bool) -> bool {
-    let mut i = 0;
-    while i < text.len() {
-        let byte = text.as_bytes()[i];
-        if byte < b' ' && !(line_ends && matches!(byte, b'\t' | b'\n' | b'\r')) {
-            return false;
-        }
-        i += 1;
-    }
-    true
-}
-
-/// Identifiers joined by dots, as the structured naming convention of FMI 2.0 wants it.
-const fn is_structured_name(name: &str) -> bool {
-    let bytes = name.as_bytes();
-    let mut at_start = true;
-    let mut i = 0;
-    while i < bytes.len() {
-        match bytes[i] {
-            b'a'..=b'z' | b'A'..=b'Z' | b'_' => at_start = false,
-            b'0'..=b'9' if !at_start => (),
-            b'.' if !at_start => at_start = true,
-            _ => return false,
-        }
-        i += 1;
-    }
-    !at_start
-}
-
-const fn same(a: &str, b: &str) -> bool {
-    let (a, b) = (a.as_bytes(), b.as_bytes());
-    if a.len() != b.len() {
-        return false;
-    }
-    let mut i = 0;
-    while i < a.len() {
-        if a[i] != b[i] {
-            return false;
-        }
-        i += 1;
-    }
-    true
-}
-
 #[cfg(test)]
-#[allow(unsafe_code)]
+#[allow(unsafe_code, clippy::undocumented_unsafe_blocks, reason = "each is a field, in a constant")]
 mod tests {
     use super::*;
     use crate::{DisplayUnit, EnumType, Item, units};
@@ -297,7 +243,6 @@ mod tests {
     const START: &Vars = &Vars { x: 3.0, pair: [0.0, 1.0], n: 3, on: false, label: String::new() };
 
     fn real() -> Variable<Vars> {
-        // SAFETY: a field, in a constant; so are the next ones.
         const { unsafe { Variable::new_real("x", None, START, from_ref(&START.x)) } }
     }
 
@@ -402,16 +347,6 @@ mod tests {
             Info { name: "", ..GOOD },
         ] {
             catch_unwind(|| info(&bad)).expect_err(&format!("{bad:?}"));
-        }
-    }
-
-    #[test]
-    fn names_follow_the_structured_convention() {
-        for name in ["x", "gains.kp", "_a1.b2"] {
-            assert!(is_structured_name(name), "{name}");
-        }
-        for name in ["", ".", "a.", ".a", "1a", "a b", "a..b", "a-b", "\u{e9}"] {
-            assert!(!is_structured_name(name), "{name}");
         }
     }
 }

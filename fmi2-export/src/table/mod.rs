@@ -6,5 +6,6 @@ pub mod guid;
 pub mod hash;
 pub mod index;
 pub mod place;
+pub mod text;
 pub mod units;
 pub mod variable;

@@ -1,0 +1,98 @@
+//! Getting and setting values: at once where nothing is wrong, else with the reason.
+
+use crate::exported::Exported;
+use crate::host::phase::{Function, Phase};
+use crate::instance::access::{Refusal, Scalar, Value, forbidden, wrong_type};
+use crate::instance::{Instance, parameters_set};
+use crate::table::variable::{Role, Variable};
+
+impl<M: Exported> Instance<M> {
+    /// fmi2SetReal of inputs, when nothing is wrong with it; otherwise `false`, and nothing has changed.
+    #[inline]
+    pub fn set_inputs(&mut self, references: &[u32], values: &[f64]) -> bool {
+        let inputs = || references.iter().map(|&reference| M::INDEX.entries.get(reference as usize)?.input);
+        if !Function::SetReal.is_allowed(self.now.phase)
+            || !inputs().zip(values).all(|(input, value)| input.is_some() && value.is_finite())
+        {
+            return false;
+        }
+        for (input, &value) in inputs().zip(values) {
+            if let Some(place) = input {
+                place.set(&mut self.now.vars, value);
+            }
+        }
+        true
+    }
+
+    /// fmi2GetReal, when nothing is wrong with it; otherwise `false`, and nothing was written.
+    #[inline]
+    pub fn get_reals(&self, references: &[u32], values: &mut [f64]) -> bool {
+        let places = || references.iter().map(|&reference| M::INDEX.entries.get(reference as usize)?.real);
+        if !Function::GetReal.is_allowed(self.now.phase) || !places().all(|place| place.is_some()) {
+            return false;
+        }
+        for (place, value) in places().zip(values) {
+            if let Some(place) = place {
+                *value = place.get(&self.now.vars);
+            }
+        }
+        true
+    }
+
+    /// All or nothing: every reference is checked before the first value is given.
+    pub(super) fn get<T: Scalar<M::Vars>>(
+        &self,
+        references: &[u32],
+        mut give: impl FnMut(usize, T),
+    ) -> Result<(), Refusal> {
+        let read = |reference: &u32| {
+            let (row, element) = self.entry(*reference)?;
+            T::read(row, &self.now.vars, element).ok_or_else(|| wrong_type(row, T::KIND))
+        };
+        references.iter().try_for_each(|reference| read(reference).map(|_| ()))?;
+        references.iter().enumerate().try_for_each(|(i, reference)| read(reference).map(|value| give(i, value)))
+    }
+
+    /// All or nothing: every value is checked before the first is written.
+    pub(super) fn set<T: Value<M::Vars>>(&mut self, references: &[u32], values: &[T]) -> Result<(), Refusal> {
+        for (&reference, value) in references.iter().zip(values) {
+            let (row, element) = self.entry(reference)?;
+            if !T::fits(row) {
+                return Err(wrong_type(row, T::KIND));
+            }
+            self.may_set(row, || value.equals(row, &self.now.vars, element))
+                .map_err(|reason| forbidden(row, element, value, reason))?;
+            value.verify(row, element)?;
+        }
+        let (mut parameters, running) = (false, self.now.phase == Phase::StepComplete);
+        for (&reference, value) in references.iter().zip(values) {
+            let (row, element) = self.entry(reference)?;
+            value.write(row, &mut self.now.vars, element);
+            parameters |= row.role().is_parameter();
+            // a fixed parameter that is written again while running changes nothing
+            self.now.is_set[reference as usize] |=
+                row.role().is_parameter() && (!running || row.role() == Role::Tunable);
+        }
+        if parameters {
+            parameters_set::<M>(&mut self.now);
+            if running {
+                self.check_computed()?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether a variable may be set in this phase, or why not.
+    fn may_set(&self, row: &Variable<M::Vars>, unchanged: impl FnOnce() -> bool) -> Result<(), &'static str> {
+        let running = self.now.phase == Phase::StepComplete;
+        match row.role() {
+            Role::Input | Role::Tunable => Ok(()),
+            // some importers write fixed parameters again after initialization
+            Role::Parameter if !running || unchanged() => Ok(()),
+            Role::Parameter => Err("it is fixed after initialization"),
+            Role::Calculated => Err("it is calculated from other parameters"),
+            Role::Output | Role::Local if !running => Ok(()),
+            Role::Output | Role::Local => Err("it is written by the FMU"),
+        }
+    }
+}
