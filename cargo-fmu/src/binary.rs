@@ -16,7 +16,8 @@ type ExportFile = unsafe extern "C" fn(*const c_char) -> *const c_char;
 /// When the library cannot be loaded or lists no `modelDescription.xml`.
 pub fn files(library: &Path) -> Result<Vec<(String, String)>> {
     let shown = library.display();
-    // SAFETY: the library was built a moment ago from the caller's own sources; loading it runs none of its code.
+    // SAFETY: the library was built a moment ago from the caller's own sources; its constructors may run, as its build
+    // script did.
     let library = unsafe { Library::new(library) }.with_context(|| format!("cannot load `{shown}`"))?;
     // SAFETY: `fmi2-export` defines the function with this signature.
     let export_file = unsafe { library.get::<ExportFile>(b"fmi2_export_file\0") }

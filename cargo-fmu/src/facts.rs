@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
 use anyhow::{Context, Result, bail};
-use object::read::elf::{ElfFile64, ProgramHeader as _, Sym as _};
+use object::read::elf::{ElfFile, FileHeader, ProgramHeader as _, Sym as _};
 use object::{BinaryFormat, NameOrOrdinal, Object, elf};
 
 /// Format of a library.
@@ -66,9 +66,12 @@ impl Facts {
             unbound: Vec::new(),
             executable_stack: false,
         };
-        if format == Format::Elf {
-            facts.read_elf(library).context("the ELF file is damaged")?;
-        }
+        let read = match &file {
+            object::File::Elf32(file) => facts.read_elf(file),
+            object::File::Elf64(file) => facts.read_elf(file),
+            _ => Ok(()),
+        };
+        read.context("the ELF file is damaged")?;
         Ok(facts)
     }
 
@@ -77,10 +80,9 @@ impl Facts {
         self.glibc.values().copied().max()
     }
 
-    fn read_elf(&mut self, library: &[u8]) -> Result<()> {
-        let file = Elf::parse(library)?;
-        self.glibc = glibc(&file)?;
-        self.unbound = unbound(&file)?;
+    fn read_elf<H: FileHeader>(&mut self, file: &ElfFile<H>) -> Result<()> {
+        self.glibc = glibc(file)?;
+        self.unbound = unbound(file)?;
         let dynamic = file.elf_dynamic_table()?;
         for entry in dynamic.iter() {
             if entry.tag == elf::DT_RPATH || entry.tag == elf::DT_RUNPATH {
@@ -109,8 +111,6 @@ impl fmt::Display for Facts {
         write!(f, ", needs {}", if libraries.is_empty() { "no library".into() } else { libraries.join(", ") })
     }
 }
-
-type Elf<'a> = ElfFile64<'a, object::Endianness>;
 
 fn exports(file: &object::File) -> Result<BTreeSet<String>> {
     let mut names = BTreeSet::new();
@@ -143,7 +143,7 @@ fn c_name(file: &object::File, name: &[u8]) -> String {
     if file.format() == BinaryFormat::MachO { name.strip_prefix('_').unwrap_or(&name).to_owned() } else { name }
 }
 
-fn glibc(file: &Elf) -> Result<BTreeMap<String, (u32, u32)>> {
+fn glibc<H: FileHeader>(file: &ElfFile<H>) -> Result<BTreeMap<String, (u32, u32)>> {
     let (endian, symbols) = (file.endian(), file.elf_dynamic_symbol_table());
     let mut needed = BTreeMap::new();
     let Some(versions) = file.elf_section_table().versions(endian, file.data())? else { return Ok(needed) };
@@ -156,7 +156,7 @@ fn glibc(file: &Elf) -> Result<BTreeMap<String, (u32, u32)>> {
     Ok(needed)
 }
 
-fn unbound(file: &Elf) -> Result<Vec<String>> {
+fn unbound<H: FileHeader>(file: &ElfFile<H>) -> Result<Vec<String>> {
     let (endian, symbols) = (file.endian(), file.elf_dynamic_symbol_table());
     let mut names = Vec::new();
     for (_, relocation) in file.dynamic_relocations().into_iter().flatten() {

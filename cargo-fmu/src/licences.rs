@@ -128,8 +128,9 @@ fn licence_files(folder: &Path) -> Result<Vec<(String, String)>> {
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let known = |start: &&str| name.to_uppercase().starts_with(*start);
         if path.is_file() && ["LICENSE", "LICENCE", "COPYING", "NOTICE"].iter().any(known) {
-            let text = fs::read_to_string(&path).with_context(|| format!("cannot read `{}`", path.display()))?;
-            files.push((name, text));
+            let bytes = fs::read(&path).with_context(|| format!("cannot read `{}`", path.display()))?;
+            // older texts hold names in Latin-1
+            files.push((name, String::from_utf8_lossy(&bytes).into_owned()));
         }
     }
     files.sort();
@@ -143,6 +144,14 @@ fn folder_of(package: &Package) -> Result<&Path> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_text_that_is_not_utf_8_is_kept() {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("COPYING"), b"Copyright M\xfcller").unwrap();
+        let files = licence_files(folder.path()).unwrap();
+        assert_eq!(files, [("COPYING".into(), "Copyright M\u{fffd}ller".into())]);
+    }
 
     #[test]
     fn the_summary_names_licence_and_files_in_the_order_of_the_expression() {

@@ -27,23 +27,27 @@ impl Content {
         Ok(())
     }
 
-    /// Adds everything in a folder of the disk, below `prefix`; a folder that is not there adds nothing.
+    /// Adds everything in a folder of the disk, below `prefix`, but what is hidden; a folder that is not there adds
+    /// nothing.
     ///
     /// # Errors
-    /// When a file cannot be read.
+    /// When a file cannot be read, or for a link: it may lead out of the folder, or back into it without end.
     pub fn add_folder(&mut self, prefix: &str, folder: &Path) -> Result<()> {
         if !folder.is_dir() {
             return Ok(());
         }
         for entry in fs::read_dir(folder).with_context(|| format!("cannot list `{}`", folder.display()))? {
             let entry = entry?;
-            let path = format!("{prefix}/{}", entry.file_name().to_string_lossy());
-            if entry.path().is_dir() {
-                self.add_folder(&path, &entry.path())?;
-            } else if !entry.file_name().to_string_lossy().starts_with('.') {
-                let bytes =
-                    fs::read(entry.path()).with_context(|| format!("cannot read `{}`", entry.path().display()))?;
-                self.add(path, bytes)?;
+            let (name, source) = (entry.file_name().to_string_lossy().into_owned(), entry.path());
+            if name.starts_with('.') {
+                continue;
+            }
+            let (path, shown, kind) = (format!("{prefix}/{name}"), source.display(), entry.file_type()?);
+            ensure!(!kind.is_symlink(), "`{shown}` is a link\nhint: put a copy of what it leads to in its place");
+            if kind.is_dir() {
+                self.add_folder(&path, &source)?;
+            } else {
+                self.add(path, fs::read(&source).with_context(|| format!("cannot read `{shown}`"))?)?;
             }
         }
         Ok(())
@@ -129,10 +133,24 @@ mod tests {
         fs::create_dir(folder.path().join("maps")).unwrap();
         fs::write(folder.path().join("maps/one.csv"), "1").unwrap();
         fs::write(folder.path().join(".hidden"), "").unwrap();
+        fs::create_dir(folder.path().join(".git")).unwrap();
+        fs::write(folder.path().join(".git/HEAD"), "").unwrap();
         let mut content = Content::default();
         content.add_folder("resources", folder.path()).unwrap();
         content.add_folder("resources", &folder.path().join("missing")).unwrap();
         assert_eq!(content.0.keys().collect::<Vec<_>>(), ["resources/maps/one.csv"]);
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn a_link_is_refused_by_name() {
+        for target in ["..", "missing"] {
+            let folder = tempfile::tempdir().unwrap();
+            let link = folder.path().join("link");
+            std::os::unix::fs::symlink(target, &link).unwrap();
+            let error = Content::default().add_folder("resources", folder.path()).unwrap_err().to_string();
+            assert!(error.starts_with(&format!("`{}` is a link\nhint: ", link.display())), "{error}");
+        }
     }
 
     #[test]

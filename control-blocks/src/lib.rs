@@ -1,4 +1,4 @@
-//! Discrete-time blocks that at least two of the controllers share, one per file, with derivation and closed-form
+//! Discrete-time blocks for more than one controller, one per file, with derivation and closed-form
 //! tests. They know neither FMI nor any controller; what runs sample by sample allocates nothing.
 #![forbid(unsafe_code)]
 
@@ -11,10 +11,10 @@ pub use estimation::angle::{Unwrapper, wrap, wrap_half_open};
 pub use estimation::canceller::{Canceller, adaptation_gain};
 pub use estimation::running_line::{AnchoredLine, RunningLine};
 pub use estimation::welford::Welford;
-pub use motion::quintic::{PEAK_OVER_MEAN, Quintic, minimum_jerk, minimum_jerk_rates, quintic_duration};
+pub use motion::quintic::{Quintic, minimum_jerk, minimum_jerk_rates, quintic_duration};
 pub use motion::ramp::{ramp, ramp_between};
 pub use motion::trajectory::{Trajectory, stopping_distance};
-pub use parameters::check::{Check, Refusal, assert_refusals, check_all, refusal};
+pub use parameters::check::{Check, Refusal, assert_refusals, check_all};
 pub use parameters::error::{ParameterError, require};
 pub use parameters::file::FileParameter;
 pub use parameters::numbers::{real_numbers, whole_numbers};

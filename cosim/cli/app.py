@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import os
 from typing import Any
 
 import typer
@@ -24,6 +25,8 @@ from cosim.cli.sweep import sweep
 from cosim.cli.version import options
 from cosim.errors import CosimError
 
+COMPLETING = "_COSIM_COMPLETE"
+"""Set by a shell that asks for completions; typer ends the process when it has told them."""
 LONGEST = 500
 """Characters shown of an error that nobody foresaw."""
 
@@ -69,8 +72,9 @@ def status_of(command: Any) -> int:
         return INTERRUPTED
     except SystemExit as error:
         # typer ends quietly when the reader of its output has gone; what else ends the process is no result
-        gone = isinstance(error.__context__, BrokenPipeError)
-        return READER_GONE if gone else unforeseen(error)
+        if isinstance(error.__context__, BrokenPipeError):
+            return READER_GONE
+        return 0 if COMPLETING in os.environ else unforeseen(error)
     except Exception as error:
         return unforeseen(error)
 

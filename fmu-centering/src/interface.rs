@@ -10,6 +10,7 @@ pub use variables::*;
 mod variables {
     use std::f64::consts::TAU;
 
+    use control_blocks::DELAY_MAX;
     use fmi2_export::{Unit, units::*};
 
     /// Unit of a velocity per length.
@@ -136,11 +137,12 @@ mod variables {
     }
     /// All parameters.
     #[parameters] pub struct Parameters {
-        /// Sample period of the setpoints
-        #[var(unit = SECOND as "ms", range = 1e-4..=0.01, start = 1e-3, source = "our choice: a 12 ms push needs setpoints at this rate")] pub sample_period: f64,
-        /// Samples between a setpoint and its action; 1 for a standard master, 0 if it acts at once
-        #[var(range = 0..=8, start = 1, source = "our choice: what a standard master does")] pub io_delay: i32,
         #[var(paper = Law::Paper, source = "our choice")] pub law: Law,
+        /// Sample period of the setpoints
+        #[var(unit = SECOND as "ms", range = 1e-4..=0.01, start = 1e-3, source = "our choice: a 12 ms push needs setpoints at this rate")]
+        pub sample_period: f64,
+        /// Samples between a setpoint and its action; 1 for a standard master, 0 if it acts at once
+        #[var(range = 0..=DELAY_MAX as i32, start = 1, source = "our choice: what a standard master does")] pub io_delay: i32,
         /// Largest eccentricity of a centred ring
         #[var(unit = METRE as "um", range = 1e-8..=1e-3, start = 2.5e-6, source = "paper")] pub tolerance: f64,
         pub ring: Ring,
@@ -276,7 +278,8 @@ mod variables {
         /// Shortest time from contact to rest
         #[var(unit = SECOND as "ms", range = 0.01..=1.0, start = 0.08, source = "our choice: three periods of the servo")] pub duration: f64,
         /// Largest deceleration at the end of a push
-        #[var(unit = METRE_PER_SECOND_SQUARED, range = 0.01..=10.0, start = 0.2, source = "derived: less than friction gives a light ring")] pub deceleration: f64,
+        #[var(unit = METRE_PER_SECOND_SQUARED, range = 0.01..=10.0, start = 0.2, source = "derived: less than friction gives a light ring")]
+        pub deceleration: f64,
         /// Largest velocity at contact
         #[var(unit = METRE_PER_SECOND as "mm/s", range = 1e-4..=1.0, start = 0.04, source = "our choice")] pub velocity_max: f64,
         /// Longest wait at the end for the surface to arrive
@@ -291,7 +294,9 @@ mod variables {
         /// The lateral ratio is learned
         #[var(start = true)] pub lateral: bool,
         /// Lateral ratio before the first push: slip across the push over slip along it
-        #[var(unit = ONE, range = 0.0..=1.0, start = 0.05, source = "derived: less than any, so that what is left comes to the pusher after a quarter of a revolution and not after three")] pub lateral_start: f64,
+        #[var(unit = ONE, range = 0.0..=1.0, start = 0.05,
+            source = "derived: less than any, so that what is left comes to the pusher after a quarter of a revolution and not after three")]
+        pub lateral_start: f64,
         /// Its standard deviation
         #[var(unit = ONE, range = 0.01..=1.0, start = 0.1, source = "our choice")] pub lateral_sigma: f64,
         /// The probe position at contact is learned

@@ -11,6 +11,7 @@ pub use variables::*;
 mod variables {
     use std::f64::consts::TAU;
 
+    use control_blocks::DELAY_MAX;
     use fmi2_export::units::{METRE, METRE_PER_SECOND, METRE_PER_SECOND_SQUARED, ONE, RADIAN, RADIAN_PER_SECOND, SECOND};
     use fmi2_export::Unit;
 
@@ -210,17 +211,19 @@ mod variables {
         /// Sample period t of servo and learning
         #[var(unit = SECOND as "ms", range = 1e-3..=0.05, start = 0.01, source = "paper")] pub sample_period: f64,
         /// Samples between a command and its action; 1 for a standard master, 0 if the command acts at once
-        #[var(range = 0..=6, start = 1, source = "our choice: what a standard master does")] pub io_delay: i32,
+        #[var(range = 0..=DELAY_MAX as i32, start = 1, source = "our choice: what a standard master does")] pub io_delay: i32,
         pub axis: [Axis; 6],
         pub arm: Arm,
         /// Gain Kp of the position loop of each axis
-        #[var(name = "servo.gain", unit = PER_SECOND, range = 0.1..=100.0, start = [13.0; 6], source = "paper: axes 1 and 3; the others our choice")] pub servo_gain: [f64; 6],
+        #[var(name = "servo.gain", unit = PER_SECOND, range = 0.1..=100.0, start = [13.0; 6], source = "paper: axes 1 and 3; the others our choice")]
+        pub servo_gain: [f64; 6],
         pub transfer: Transfer,
         pub path: Path,
         pub feed: Feed,
         pub learn: Learn,
         /// Natural frequency of the nominal velocity loop, eq. 1; NormOptimal
-        #[var(name = "model.natural_frequency", unit = RADIAN_PER_SECOND as "Hz", range = 10.0..=1e5, start = 280.0, source = "paper")] pub model_natural_frequency: f64,
+        #[var(name = "model.natural_frequency", unit = RADIAN_PER_SECOND as "Hz", range = 10.0..=1e5, start = 280.0, source = "paper")]
+        pub model_natural_frequency: f64,
         /// Damping ratio of the nominal velocity loop, eq. 1; NormOptimal
         #[var(name = "model.damping", unit = ONE, range = 0.05..=5.0, start = 0.52, source = "paper")] pub model_damping: f64,
         pub lookup: Lookup,
@@ -231,13 +234,16 @@ mod variables {
     /// One axis.
     pub struct Axis {
         /// Encoder pulse q of axis {n}
-        #[var(unit = JOINT[INDEX], range = 1e-9..=1e-2, start = PULSE[INDEX], source = "our choice: 5 um on axis 3 gives the 4 pulses of the paper's Fig. 2")] pub pulse: f64,
+        #[var(unit = JOINT[INDEX], range = 1e-9..=1e-2, start = PULSE[INDEX], source = "our choice: 5 um on axis 3 gives the 4 pulses of the paper's Fig. 2")]
+        pub pulse: f64,
         /// Largest velocity command of axis {n}
         #[var(unit = RATE[INDEX], range = 1e-3..=100.0, start = [3.0, 1.0, 1.5, 6.0, 6.0, 6.0][INDEX], source = "our choice")] pub velocity_max: f64,
         /// Lower end of the travel of axis {n}
-        #[var(unit = JOINT[INDEX] as SHOWN[INDEX], range = -100.0..=100.0, start = [-3.2, -1.0, 0.1, -6.3, -6.3, -6.3][INDEX], source = "our choice")] pub minimum: f64,
+        #[var(unit = JOINT[INDEX] as SHOWN[INDEX], range = -100.0..=100.0, start = [-3.2, -1.0, 0.1, -6.3, -6.3, -6.3][INDEX], source = "our choice")]
+        pub minimum: f64,
         /// Upper end of the travel of axis {n}
-        #[var(unit = JOINT[INDEX] as SHOWN[INDEX], range = -100.0..=100.0, start = [3.2, 1.0, 2.0, 6.3, 6.3, 6.3][INDEX], source = "our choice")] pub maximum: f64,
+        #[var(unit = JOINT[INDEX] as SHOWN[INDEX], range = -100.0..=100.0, start = [3.2, 1.0, 2.0, 6.3, 6.3, 6.3][INDEX], source = "our choice")]
+        pub maximum: f64,
     }
     /// Geometry of the robot.
     pub struct Arm {
@@ -287,7 +293,7 @@ mod variables {
         /// Learn on from the patterns of the bank, not from zero
         #[var(source = "our choice: adapts a bank to another machine")] pub from_bank: bool,
         /// Samples that the error is read ahead, beyond `io_delay`; Plain and LeadFilter
-        #[var(range = -6..=8, start = 2, paper = 0, source = "derived")] pub lead: i32,
+        #[var(range = -(DELAY_MAX as i32)..=8, start = 2, paper = 0, source = "derived")] pub lead: i32,
         /// Cut-off of the zero-phase filter; LeadFilter
         #[var(unit = RADIAN_PER_SECOND as "Hz", range = 0.6..=2.5e3, start = 20.0 * TAU, source = "derived: 20 Hz")] pub bandwidth: f64,
         /// Weight lambda of the change of the pattern; NormOptimal
@@ -304,7 +310,8 @@ mod variables {
         /// Eq. 4 with the speed recorded at the distance, not with the nominal one
         #[var(start = true, source = "derived")] pub recorded_speed: bool,
         /// Time by which the feed is known before the reference follows it, beyond `io_delay`
-        #[var(unit = SECOND as "ms", range = -0.3..=0.4, start = 0.0037, paper = 0.0, source = "derived: the lag 2 zeta / wn of the velocity loop")] pub preview: f64,
+        #[var(unit = SECOND as "ms", range = -0.4..=0.4, start = 0.0037, paper = 0.0, source = "derived: the lag 2 zeta / wn of the velocity loop")]
+        pub preview: f64,
     }
     /// Files of the control patterns.
     pub struct Bank {
@@ -321,9 +328,11 @@ mod variables {
         /// Target tool speed N_nom
         #[var(unit = RADIAN_PER_SECOND as "rpm", range = 10.0..=1e5, start = 17_300.0 * RPM, tunable, source = "paper: 17,300 rpm")] pub spindle_speed: f64,
         /// Gain K1 for each sample
-        #[var(unit = METRE_PER_SECOND, range = 0.0..=10.0, start = 0.092, tunable, source = "derived: calm, and no stall up to 1.8 times the cutting force")] pub k1: f64,
+        #[var(unit = METRE_PER_SECOND, range = 0.0..=10.0, start = 0.092, tunable, source = "derived: calm, and no stall up to 1.8 times the cutting force")]
+        pub k1: f64,
         /// Gain K2; negative is the sign as printed in the paper, which destabilises and which `law` does not set
-        #[var(unit = METRE, range = -1.0..=1.0, start = 0.0138, tunable, source = "derived: K2 = tau K1 cancels the pole of the tool, tau = 0.15 s")] pub k2: f64,
+        #[var(unit = METRE, range = -1.0..=1.0, start = 0.0138, tunable, source = "derived: K2 = tau K1 cancels the pole of the tool, tau = 0.15 s")]
+        pub k2: f64,
         /// Slowest feed
         #[var(unit = METRE_PER_SECOND as "mm/s", range = 0.0..=1.0, start = 0.004, tunable, source = "our choice")] pub speed_min: f64,
         /// Time at the slowest feed that is an overload
@@ -335,11 +344,15 @@ mod variables {
         /// Largest pattern value in pulses
         #[var(unit = ONE, range = 1.0..=1e9, start = 32_767.0, source = "paper: 16 bits")] pub pulses_max: f64,
         /// Tool speed below which deburring is a fault
-        #[var(unit = RADIAN_PER_SECOND as "rpm", range = 0.0..=1e5, start = 10_000.0 * RPM, tunable, source = "our choice: beyond the breakdown torque of the motor")] pub spindle_speed_min: f64,
+        #[var(unit = RADIAN_PER_SECOND as "rpm", range = 0.0..=1e5, start = 10_000.0 * RPM, tunable,
+            source = "our choice: beyond the breakdown torque of the motor")]
+        pub spindle_speed_min: f64,
     }
     /// What is a fault of one axis.
     pub struct AxisLimits {
         /// Control error of axis {n} that is a fault
-        #[var(unit = JOINT[INDEX] as SHOWN[INDEX], range = 1e-6..=10.0, start = [0.2, 0.1, 0.1, 0.5, 0.5, 0.5][INDEX], source = "our choice: twice the error of the servo without compensation at 0.5 m/s")] pub error_max: f64,
+        #[var(unit = JOINT[INDEX] as SHOWN[INDEX], range = 1e-6..=10.0, start = [0.2, 0.1, 0.1, 0.5, 0.5, 0.5][INDEX],
+            source = "our choice: twice the error of the servo without compensation at 0.5 m/s")]
+        pub error_max: f64,
     }
 }

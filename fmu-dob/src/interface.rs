@@ -223,13 +223,15 @@ mod variables {
     /// Disturbance observer
     pub struct Observer {
         /// Cut-off g_dis of the disturbance observer
-        #[var(unit = RADIAN_PER_SECOND as "Hz", range = 10.0..=1e4, start = 628.0, source = "our choice: 100 Hz; depth is flat from 50 to 200 Hz")] pub bandwidth: f64,
+        #[var(unit = RADIAN_PER_SECOND as "Hz", range = 10.0..=1e4, start = 628.0, source = "our choice: 100 Hz; depth is flat from 50 to 200 Hz")]
+        pub bandwidth: f64,
         /// Cut-off g_v of the velocity estimate
         #[var(unit = RADIAN_PER_SECOND as "Hz", range = 10.0..=5e4, start = 3142.0, source = "our choice: 500 Hz")] pub velocity_bandwidth: f64,
     }
     /// Threshold mu + alpha sigma of the raw, deviation and slope detectors
     pub struct Threshold {
-        #[var(start = ThresholdMode::Automatic, paper = ThresholdMode::Fixed, source = "our choice: the paper's gives a false alarm a minute")] pub mode: ThresholdMode,
+        #[var(start = ThresholdMode::Automatic, paper = ThresholdMode::Fixed, source = "our choice: the paper's gives a false alarm a minute")]
+        pub mode: ThresholdMode,
         /// Fixed alpha
         #[var(unit = ONE, range = 1.0..=50.0, start = 4.0, paper = 4.0, source = "paper")] pub alpha: f64,
         /// Wished mean time between false alarms, for the automatic alpha

@@ -8,6 +8,7 @@ pub use variables::*;
 mod variables {
     use std::f64::consts::{PI, TAU};
 
+    use control_blocks::DELAY_MAX;
     use fmi2_export::Unit;
     use fmi2_export::units::{METRE, METRE_PER_SECOND_SQUARED, NEWTON_METRE, ONE, RADIAN, RADIAN_PER_SECOND, SECOND};
 
@@ -226,23 +227,25 @@ mod variables {
     }
     /// Parameters.
     #[parameters] pub struct Parameters {
+        pub law: Law,
         /// Sample period T_s
         #[var(unit = SECOND as "us", range = 2e-5..=1e-3, start = 1e-4, source = "paper: 10 kHz")] pub sample_period: f64,
         /// Samples between a command and its action; 1 for a standard master, 0 if the command acts at once
-        #[var(range = 0..=8, start = 1, source = "our choice: what a standard master does")] pub io_delay: i32,
-        pub law: Law,
+        #[var(range = 0..=DELAY_MAX as i32, start = 1, source = "our choice: what a standard master does")] pub io_delay: i32,
         pub tool: Tool,
         pub surface: Surface,
         pub path: Path,
         pub servo: Servo,
         pub tip: Tip,
         /// Harmonics that are pre-shifted; 0 for none, else at least those of the path
-        #[var(name = "feedforward.harmonics", range = 0..=64, start = 24, source = "derived: what the arc of the arm makes of 12")] pub feedforward_harmonics: i32,
+        #[var(name = "feedforward.harmonics", range = 0..=64, start = 24, source = "derived: what the arc of the arm makes of 12")]
+        pub feedforward_harmonics: i32,
         /// JSON table of the frequency response, in the folder resources or with its whole path; empty for the nominal loop
         #[var(name = "response.file")] pub response_file: String,
         pub afc: Afc,
         /// Natural frequency of the loop that estimates the spindle speed; the path uses the raw angle
-        #[var(name = "pll.bandwidth", unit = RADIAN_PER_SECOND as "Hz", range = 1.0..=1e3, start = TAU * 20.0, source = "our choice: 20 Hz")] pub pll_bandwidth: f64,
+        #[var(name = "pll.bandwidth", unit = RADIAN_PER_SECOND as "Hz", range = 1.0..=1e3, start = TAU * 20.0, source = "our choice: 20 Hz")]
+        pub pll_bandwidth: f64,
         /// Time of the motion onto the path
         #[var(name = "approach.time", unit = SECOND, range = 0.01..=60.0, start = 0.3, source = "our choice")] pub approach_time: f64,
         /// Largest speed of the motion to `hold_angle`, which never takes less than `approach.time`
@@ -349,7 +352,8 @@ mod variables {
         /// Spindle speed below which nothing is learned
         #[var(unit = RADIAN_PER_SECOND as "rpm", range = 0.0..=1e3, start = TAU, source = "our choice: 60 rpm")] pub speed_min: f64,
         /// Harmonics above this frequency are left alone
-        #[var(unit = RADIAN_PER_SECOND as "Hz", range = 62.8..=31_400.0, start = TAU * 700.0, source = "our choice: three times the bandwidth")] pub frequency_max: f64,
+        #[var(unit = RADIAN_PER_SECOND as "Hz", range = 62.8..=31_400.0, start = TAU * 700.0, source = "our choice: three times the bandwidth")]
+        pub frequency_max: f64,
     }
     /// What is a fault.
     pub struct Limits {
@@ -386,7 +390,8 @@ mod variables {
         /// Standard deviation of the radius of the probe ball
         #[var(unit = METRE as "um", range = 0.0..=1e-3, start = 1e-7, source = "our choice")] pub radius_sigma: f64,
         /// Standard deviation of a depth reading on a cut surface
-        #[var(unit = METRE as "nm", range = 1e-9..=1e-3, start = 65e-9, source = "derived: step 0.1 um of the paper, 50 nm of noise, 30 nm of roughness")] pub depth_sigma: f64,
+        #[var(unit = METRE as "nm", range = 1e-9..=1e-3, start = 65e-9, source = "derived: step 0.1 um of the paper, 50 nm of noise, 30 nm of roughness")]
+        pub depth_sigma: f64,
         /// Standard deviation of the lateral position of the probe
         #[var(unit = METRE as "nm", range = 1e-9..=1e-3, start = 30e-9, source = "derived: step 0.1 um")] pub lateral_sigma: f64,
         /// Standard deviation of the zero of the lateral position on the spindle axis; a toroid probed on both sides finds it

@@ -4,6 +4,7 @@
 #[rustfmt::skip]
 mod variables {
     use crate::axes::Axes;
+    use control_blocks::DELAY_MAX;
     use fmi2_export::{Unit, units::*};
     const NEWTON_SECOND_PER_METRE: Unit = Unit::si("N.s/m", [1, 0, -1, 0, 0], &[]);
     const PER_SECOND: Unit = Unit::si("1/s", [0, 0, -1, 0, 0], &[]);
@@ -193,7 +194,7 @@ mod variables {
         /// Sample period
         #[var(unit = SECOND as "ms", range = 2e-4..=5e-3, start = 1e-3, source = "paper")] pub sample_period: f64,
         /// Samples between a command and its action; 1 for a standard master, 0 if the command acts at once
-        #[var(range = 0..=8, start = 1, source = "a standard FMI master")] pub io_delay: i32,
+        #[var(range = 0..=DELAY_MAX as i32, start = 1, source = "a standard FMI master")] pub io_delay: i32,
         /// Largest commanded velocity
         #[var(unit = METRE_PER_SECOND as "mm/s", range = 1e-3..=1.0, start = 0.05, source = "our choice")] pub velocity_max: f64,
         /// Stroke of the axes, the origin of the path in its middle
@@ -204,7 +205,8 @@ mod variables {
         #[var(name = "pulses.size", unit = METRE as "um", range = 1e-9..=1e-4, start = 1e-6, source = "paper")] pub pulses_size: f64,
         pub drive: Drive,
         /// Bandwidth of the filter of the force sensor
-        #[var(name = "sensor.bandwidth", unit = RADIAN_PER_SECOND as "Hz", range = 10.0..=1e6, start = 1256.6, source = "our choice: 200 Hz")] pub sensor_bandwidth: f64,
+        #[var(name = "sensor.bandwidth", unit = RADIAN_PER_SECOND as "Hz", range = 10.0..=1e6, start = 1256.6, source = "our choice: 200 Hz")]
+        pub sensor_bandwidth: f64,
         pub path: Path,
         pub feed: Feed,
         pub force: Force,
@@ -278,7 +280,9 @@ mod variables {
     /// Position feedback, eq. 6.
     pub struct Position {
         /// Gain K_p, eq. 6
-        #[var(fields = f64[x, y, z], unit = PER_SECOND, range = 0.0..=200.0, start = Axes::all(5.0), paper = Axes { x: 0.0, y: 0.0, z: 1.0 }, source = "our choice", tunable)] pub gain: Axes,
+        #[var(fields = f64[x, y, z], unit = PER_SECOND, range = 0.0..=200.0,
+            start = Axes::all(5.0), paper = Axes { x: 0.0, y: 0.0, z: 1.0 }, source = "our choice", tunable)]
+        pub gain: Axes,
         /// Integral gain K_i, the paper's over the sample period
         #[var(fields = f64[x, y, z], unit = PER_SECOND_SQUARED, range = 0.0..=1e4, source = "our choice", tunable)] pub integral: Axes,
         /// Limit of the integrated position error

@@ -123,11 +123,11 @@ def test_thirty_robots_with_the_law_as_printed() -> None:
     robots(sample("polish/impedance", CASES))
 
 
-# the default mode
+# the default law
 
 
 def refined(runs: list[Run]) -> None:
-    """Hold the default mode against robots and molds that are not nominal."""
+    """Hold the default law against robots and molds that are not nominal."""
     robots(runs)
     assert max(one.force_error for one in runs) <= 0.35
     assert min(one.least for one in runs) > 2.5

@@ -1,5 +1,6 @@
-/* Runs an FMU binary from loading to unloading, for a memory checker: `driver LIBRARY GUID`. With `traps` behind that it
- * does a short run in which a floating-point exception kills the process, as some hosts do. */
+/* Runs an FMU binary from loading to unloading, for a memory checker: `driver LIBRARY GUID REFERENCE`,
+ * the last of a Real input. With `traps` behind that it does a short run at rest in which a floating-point exception kills
+ * the process, as some hosts do. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <fenv.h>

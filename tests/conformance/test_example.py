@@ -23,6 +23,13 @@ PUBLISHED = ("cargo-fmu", "fmi2-export", "fmi2-export-macros")
 INTERVAL = 1e-2
 
 
+def test_the_readme_shows_the_example() -> None:
+    readme = (ROOT / "fmi2-export/README.md").read_text()
+    source = (EXAMPLE / "src/lib.rs").read_text()
+    # the crate's own first line says what it is
+    assert source.partition("\n\n")[2] in readme
+
+
 def build_cargo_fmu() -> Path:
     """Build the subcommand with the features of `cargo test --workspace`."""
     command = ["cargo", "build", "--workspace", "--bin", "cargo-fmu", "--locked", "--message-format=json"]

@@ -30,6 +30,15 @@ def test_the_scenario_loads_and_shows_every_key(folder: Path) -> None:
     assert set(raw["plot"]["panels"][0]) == set(model.Panel.__dataclass_fields__)
 
 
+def test_the_scenario_runs(folder: Path) -> None:
+    (folder / "readme.toml").write_text(blocks("toml")[0])
+    result = cosim.run(cosim.load("readme.toml"), engine="native")
+    assert result.trace is not None
+    # the input that the example replaces for a moment is what stops the controller
+    assert result.trace["controller.enable"].any()
+    assert result.items["controller.fault"]["InvalidInput"] in result.trace["controller.fault"]
+
+
 def test_the_study_loads_and_shows_the_keys(folder: Path) -> None:
     (text,) = [block for block in blocks("toml") if "[design]" in block]
     (folder / "study.toml").write_text(text)

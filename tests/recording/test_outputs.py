@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import cosim
+from cosim.fmu.archive import Variable
 
 from . import record
 
@@ -24,7 +25,7 @@ SILENT = {
 
 
 def written(name: str) -> tuple[str, dict[str, bool]]:
-    """Return the FMU of a scenario, and which of its outputs with numbers, arrays as one, were written."""
+    """Return the FMU of a scenario, and which outputs with numbers, arrays as one, left their start value."""
     found: dict[str, bool] = defaultdict(bool)
     with cosim.Session(cosim.load(name), engine="native") as session:
         trace = session.run().trace
@@ -33,8 +34,13 @@ def written(name: str) -> tuple[str, dict[str, bool]]:
             column = f"controller.{output.name}"
             if column in (trace.dtype.names or ()):
                 values = trace[column]
-                found[output.name.partition("[")[0]] |= bool(values[0] != 0 or np.any(values != values[0]))
+                found[output.name.partition("[")[0]] |= bool(np.any(values != start(output)))
         return session.file.name, dict(found)
+
+
+def start(output: Variable) -> float:
+    """Value of an output that nothing has written yet."""
+    return float({"true": "1", "false": "0", "": "0"}.get(output.start, output.start))
 
 
 def test_every_output_is_written_in_some_scenario() -> None:

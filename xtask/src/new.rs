@@ -77,8 +77,9 @@ fn made(root: &Path, name: &str) -> Result<Files> {
 }
 
 fn refuse_existing(root: &Path, name: &str, files: &Files) -> Result<()> {
-    let folder = PathBuf::from(format!("fmu-{name}"));
-    let mut paths = std::iter::once(&folder).chain(files.iter().map(|(path, _)| path));
+    // a folder of the plants would hide the module of the same name
+    let folders = [PathBuf::from(format!("fmu-{name}")), Path::new("plants").join(name)];
+    let mut paths = folders.iter().chain(files.iter().map(|(path, _)| path));
     match paths.find(|path| root.join(path).exists()) {
         Some(path) => bail!("`{}` exists, and nothing is overwritten\nhint: take another name", path.display()),
         None => Ok(()),
@@ -195,6 +196,7 @@ mod tests {
         for (path, told) in [
             ("fmu-trial/notes.txt", "fmu-trial"),
             ("plants/trial.xml", "plants/trial.xml"),
+            ("plants/trial/notes.txt", "plants/trial"),
             ("scenarios/trial.toml", "scenarios/trial.toml"),
             ("tests/acceptance/test_trial.py", "tests/acceptance/test_trial.py"),
         ] {
@@ -206,6 +208,9 @@ mod tests {
             assert!(error.starts_with(&format!("`{told}` exists")), "{error}");
         }
         assert!(refusal("dob").starts_with("`fmu-dob` exists"), "a controller of the project");
+        for folder in ["tools", "bare"] {
+            assert!(refusal(folder).starts_with(&format!("`plants/{folder}` exists")), "a folder of the plants");
+        }
     }
 
     #[test]

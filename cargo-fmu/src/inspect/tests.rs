@@ -54,6 +54,18 @@ fn an_executable_stack_and_a_search_path_are_refused() {
     assert_eq!(faults(&library, &rules()), found);
 }
 
+#[cfg(all(target_os = "linux", target_arch = "x86_64"))]
+#[test]
+fn a_library_of_32_bits_is_looked_into_like_any_other() {
+    let narrow = |more: &str, flags: &[&str]| compile(more, &[flags, &["-m32", "-nostdlib"]].concat());
+    let good = narrow("", &[]);
+    assert_eq!(Facts::read(&good).unwrap().processor, "I386");
+    assert_eq!(faults(&good, &rules()), [""; 0]);
+    let found = faults(&narrow("int helper(void) { return 1; }", &["-Wl,-rpath,/opt/lib"]), &rules());
+    assert!(found.iter().any(|fault| fault == "`helper` is exported and should not be"), "{found:?}");
+    assert!(found.iter().any(|fault| fault == "it searches libraries in `/opt/lib` (RPATH)"), "{found:?}");
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn a_new_c_library_and_a_foreign_one_are_refused() {

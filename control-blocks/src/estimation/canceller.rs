@@ -26,9 +26,6 @@ pub fn adaptation_gain(period: f64, tau: f64, t: Complex<f64>, response_min: f64
 pub struct Canceller(Complex<f64>);
 
 impl Canceller {
-    /// Nothing learned.
-    pub const NOTHING: Self = Self(Complex::ZERO);
-
     /// Learns from the error of one sample with a gain that was prepared: c += gain conj(p) e.
     pub fn learn(&mut self, gain: Complex<f64>, phasor: Complex<f64>, error: f64) {
         self.0 += gain * phasor.conj() * error;

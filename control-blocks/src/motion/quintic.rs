@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use super::trajectory::Trajectory;
 
 /// Peak speed of a quintic between two rests, over its mean speed.
-pub const PEAK_OVER_MEAN: f64 = 1.875;
+const PEAK_OVER_MEAN: f64 = 1.875;
 
 /// Duration (s) of a quintic between two rests over `distance` (m or rad) with the peak speed `speed` (m/s or rad/s).
 pub fn quintic_duration(distance: f64, speed: f64) -> f64 {

@@ -13,15 +13,8 @@ pub fn check_all<P>(p: &P, checks: &[Check<P>]) -> Result<(), ParameterError> {
     checks.iter().try_for_each(|check| check(p))
 }
 
-/// For tests of checks: the message with which `check` refuses the parameters that `change` makes of `p`.
-///
-/// # Panics
-/// When they are not refused.
-pub fn refusal<P>(
-    mut p: P,
-    change: impl FnOnce(&mut P),
-    check: impl FnOnce(&P) -> Result<(), ParameterError>,
-) -> String {
+/// The message with which `check` refuses the parameters that `change` makes of `p`.
+fn refusal<P>(mut p: P, change: impl FnOnce(&mut P), check: impl FnOnce(&P) -> Result<(), ParameterError>) -> String {
     change(&mut p);
     check(&p).expect_err("the changed parameters are accepted").to_string()
 }

@@ -120,9 +120,9 @@ impl RingModel {
     }
 
     /// Takes in the history again, linearised at what is known by now, then with less weight for what does not fit;
-    /// does nothing if later measurements are not kept.
+    /// does nothing if later measurements are not kept, or if there are none yet.
     pub fn refine(&mut self) {
-        if self.history.is_full() {
+        if self.history.is_empty() || self.history.is_full() {
             return;
         }
         for pass in 0..PASSES {

@@ -66,6 +66,20 @@ fn a_drive_that_does_not_move_is_a_control_error() {
 }
 
 #[test]
+fn a_command_at_its_limit_is_told_and_is_no_fault() {
+    let mut run = running(Mode::DryRun);
+    assert!(!run.output.saturated);
+    // 0.1 rad times 100 1/s are more than the axis can do
+    run.parameters.servo_gain[3] = 100.0;
+    let mut positions = run.robot.read();
+    positions[3] -= 0.1;
+    run.set_positions(&positions);
+    run.controller.tick(&run.input, &run.parameters, &mut run.output);
+    assert_eq!(run.output.axis[3].velocity, run.parameters.axis[3].velocity_max);
+    assert!(run.output.saturated && run.output.state == State::Run, "{:?}", run.output);
+}
+
+#[test]
 fn a_tool_that_stalls_ends_deburring_but_not_a_dry_run() {
     for (mode, state) in [(Mode::Deburr, State::Fault), (Mode::DryRun, State::Run)] {
         let mut run = running(mode);

@@ -32,14 +32,14 @@ fn false_alarms(parameters: &Parameters, first_seed: u64, hours: f64) -> usize {
 #[test]
 fn fixed_alpha_of_the_paper_alarms_every_minute() {
     let alarms = false_alarms(&Parameters::PAPER, 500_000, 1.0);
-    println!("paper mode: {alarms} false alarms per hour");
+    println!("paper's law: {alarms} false alarms per hour");
     assert!((40..=200).contains(&alarms), "{alarms} per hour");
 }
 
 #[test]
 fn automatic_alpha_alarms_at_most_twice() {
     let alarms = false_alarms(&Parameters::START, 600_000, 1.0);
-    println!("default mode: {alarms} false alarms per hour");
+    println!("default law: {alarms} false alarms per hour");
     assert!(alarms <= 2, "{alarms} per hour");
 }
 

@@ -116,6 +116,20 @@ fn five_hundred_hertz_at_500_metres_per_second_squared_in_air() {
 }
 
 #[test]
+fn what_the_path_leaves_out_is_an_output() {
+    let truncation = |harmonics| {
+        let mut p = Parameters::START;
+        p.surface.cross_curvature = 8.0 / 0.53;
+        p.path.harmonics = harmonics;
+        let mut run = Loop::new(&p, &Build::NOMINAL, 1);
+        run.run_to(0.01);
+        run.output.path_truncation
+    };
+    let (coarse, fine) = (truncation(16), truncation(24));
+    assert!(coarse > 0.1e-6 && coarse < 1e-6 && fine < 0.1 * coarse, "{coarse} {fine}");
+}
+
+#[test]
 fn three_centimetres_of_asymmetry() {
     for (speed, torque) in [(at(|_| 600.0 * RPM), 3.2), (at(|_| 870.0 * RPM), 6.0)] {
         let p = wave(five(), 2, 0.015);

@@ -1,4 +1,4 @@
-//! Whole jobs: default mode, the law as printed, the paper's stick-slip, robots that are not nominal.
+//! Whole jobs: default law, the law as printed, the paper's stick-slip, robots that are not nominal.
 
 use fmu_polish::axes::Axes;
 use fmu_polish::interface::{Fault, FeedSource, ForceMode, Mode, Parameters, Wave};

@@ -18,7 +18,7 @@ use super::yardstick::{PORTS, Runner};
 /// The whole recording is replayed at most so often.
 const MOST_REPLAYS: usize = 9;
 
-/// TickCosts of one set + doStep + get, in ns.
+/// Costs of one set + doStep + get, in ns.
 pub struct TickCosts {
     /// Name of the state in which a sample costs most.
     pub state: String,
@@ -108,7 +108,7 @@ struct Window<'a> {
 }
 
 impl Window<'_> {
-    /// TickCosts of a sample here and of one of the yardstick, in turns.
+    /// Costs of a sample here and of one of the yardstick, in turns.
     fn time(&self, yardstick: &mut Runner, effort: &Effort) -> Result<(Summary, Summary)> {
         let (mut own, mut base) = (Samples::default(), Samples::default());
         let mut outputs = vec![0.0; self.recording.outputs.len()];

@@ -8,6 +8,7 @@ pub use variables::*;
 mod variables {
     use std::f64::consts::TAU;
 
+    use control_blocks::DELAY_MAX;
     use fmi2_export::units::{KILOGRAM, METRE, METRE_PER_SECOND, NEWTON, ONE, RADIAN_PER_SECOND, SECOND};
 
     /// What the controller is doing.
@@ -75,15 +76,15 @@ mod variables {
     /// All parameters.
     #[parameters]
     pub struct Parameters {
+        /// Which law holds the slide
+        #[var(source = "our choice")]
+        pub law: Law,
         /// Sample period
         #[var(unit = SECOND as "ms", range = 1e-5..=0.1, start = 1e-3, source = "our choice")]
         pub sample_period: f64,
         /// Samples between a force and its action; 1 for a standard master, 0 if it acts at once
-        #[var(range = 0..=8, start = 1, source = "our choice: what a standard master does")]
+        #[var(range = 0..=DELAY_MAX as i32, start = 1, source = "our choice: what a standard master does")]
         pub io_delay: i32,
-        /// Which law holds the slide
-        #[var(source = "our choice")]
-        pub law: Law,
         /// The machine
         pub slide: Slide,
         /// Motion to the target
