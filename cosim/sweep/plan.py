@@ -134,7 +134,9 @@ class Plan:
         )
         files = {f"signal.{to}": digest(path) for to, path in course.files(scenario).items()}
         things = total({**project(), **files, "fmu": digest(file.path), "plant": made})
-        known = section("controller", merged.table["controller"]) | section("plant", merged.table.get("plant", {}))
+        known = section("controller", merged.table["controller"]) | section(
+            "plant", merged.table.get("plant", {})
+        )
         return Setting(
             file, kind, {key: leaf(key, value) for key, value in known.items()}, sum(parts) + things
         )

@@ -99,25 +99,25 @@ def test_an_edit_of_what_an_fmu_is_built_from_is_told(
     assert told() == ([wanted] if matters else [])
 
 
-@pytest.mark.parametrize("command", ["run", "show"])
+@pytest.mark.parametrize("command", [["run", "--in-process"], ["show"]])
 def test_the_command_line_tells_it_in_one_line(
     write: Write,
     checkout: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
-    command: str,
+    command: list[str],
 ) -> None:
     write()
-    assert stderr_of(capsys, monkeypatch, command, "lag.toml") == ""
+    assert stderr_of(capsys, monkeypatch, *command, "lag.toml") == ""
     stale.warn.cache_clear()
     edit(checkout / "probe" / "src" / "deep" / "lib.rs")
-    told = stderr_of(capsys, monkeypatch, command, "lag.toml")
+    told = stderr_of(capsys, monkeypatch, *command, "lag.toml")
     assert told.startswith("warning: `target/fmu/probe.fmu` is older than `probe/src/deep/lib.rs`: ")
     assert told.count("\n") == 1
     stale.warn.cache_clear()
     given = ("--set", "controller.fmu=target/fmu/probe.fmu")
-    assert stderr_of(capsys, monkeypatch, command, "lag.toml", *given) == ""
-    assert stderr_of(capsys, monkeypatch, command, "lag.toml", "-q") == ""
+    assert stderr_of(capsys, monkeypatch, *command, "lag.toml", *given) == ""
+    assert stderr_of(capsys, monkeypatch, *command, "lag.toml", "-q") == ""
 
 
 def test_an_fmu_without_sources_beside_it_is_never_old(checkout: Path, told: Callable[[], list[str]]) -> None:

@@ -92,16 +92,19 @@ def test_undriven_ends_and_missing_demands_are_warnings(write: Write) -> None:
     )
     found = check(str(write(text=text)))
     assert found.error is None
+    ends = (
+        "`controller.in`, `controller.count`, `controller.mode`, `controller.flag`, `plant.u`, `plant.extra`"
+    )
     assert found.warnings == [
-        "nothing drives `controller.in`: the start value holds",
-        "nothing drives `plant.u`, `plant.extra`: it stays 0",
+        f"nothing drives {ends}: wire what is missing, list the rest in `idle`",
         "no criterion demands anything of a run",
     ]
 
 
-def test_a_start_value_or_a_signal_is_an_answer(write: Write) -> None:
+def test_a_start_value_a_signal_or_idle_is_an_answer(write: Write) -> None:
     text = (
-        'title = "t"\nloop = {step = 0.001, duration = 0.01}\nplant = {name = "probe_plants:Lag"}\n'
+        'title = "t"\nidle = ["controller.count", "controller.mode", "controller.flag"]\n'
+        'loop = {step = 0.001, duration = 0.01}\nplant = {name = "probe_plants:Lag"}\n'
         'controller = {fmu = "probe", parameters = {"in" = 0.5}}\n'
         '[[signal]]\nto = "plant.u"\ntimes = [0.0]\nvalues = [0.0]\n'
     )
