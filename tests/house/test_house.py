@@ -22,7 +22,7 @@ ROOMS = (
     *("scenario", "fmu", "metrics", "words", "loop", "pool", "show", "sweep"),
     *("compare", "optimize", "new", "cli"),
 )
-"""Folders of cosim; each knows those before it only."""
+"""Folders of cosim, as ARCHITECTURE.md tells them; each knows those before it only."""
 
 
 def sources() -> list[Path]:
