@@ -6,10 +6,10 @@ Importing this package is cheap; MuJoCo is imported when the first plant is load
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from plants.names import unknown
+from plants.base.names import unknown
 
 if TYPE_CHECKING:
-    from plants.plant import Plant
+    from plants.base.plant import Plant
 
 PLANTS = {
     "cylindrical_robot": "CylindricalRobot",

@@ -18,8 +18,8 @@ import numpy as np
 
 import machining_native as _native
 from machining_native import Cell
+from plants.base.plant import Channel, Plant
 from plants.cylindrical_robot_parameters import TURN, CylindricalRobotParameters
-from plants.plant import Channel, Plant
 from plants.tools import burr
 
 AXES = range(1, 7)

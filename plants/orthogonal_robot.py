@@ -13,13 +13,13 @@ from typing import Any, ClassVar
 
 import machining_native as _native
 from machining_native import Cell
+from plants.base.plant import Channel, Plant
 from plants.orthogonal_robot_parameters import (
     SOLIMP,
     TURN,
     OrthogonalRobotParameters,
     check_together,
 )
-from plants.plant import Channel, Plant
 from plants.tools.molds import MOLDS
 
 AXES = ("x", "y", "z")

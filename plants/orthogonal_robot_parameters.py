@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from plants.parameters import ParameterError, choice, parameter
+from plants.base.parameters import ParameterError, choice, parameter
 
 TURN = 2.0 * math.pi
 SOLIMP = 0.95

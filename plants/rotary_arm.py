@@ -14,7 +14,7 @@ from typing import Any, ClassVar
 
 import machining_native as _native
 from machining_native import Cell
-from plants.plant import Channel, Plant
+from plants.base.plant import Channel, Plant
 from plants.rotary_arm_parameters import RotaryArmParameters
 
 TURN = 2.0 * math.pi

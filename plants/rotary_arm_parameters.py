@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 
-from plants.parameters import parameter
+from plants.base.parameters import parameter
 
 TURN = 2.0 * math.pi
 

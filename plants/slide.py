@@ -13,7 +13,7 @@ import mujoco
 
 import machining_native as _native
 from machining_native import Cell
-from plants.plant import Channel, Plant
+from plants.base.plant import Channel, Plant
 from plants.slide_parameters import SlideParameters
 
 TURN = 2.0 * math.pi

@@ -16,7 +16,7 @@ import numpy as np
 
 import machining_native as _native
 from machining_native import Cell, Circuit
-from plants.plant import Array, Channel, Plant
+from plants.base.plant import Array, Channel, Plant
 from plants.spindle_ring_parameters import LINE_LIMIT, TURN, SpindleRingParameters, check_together
 from plants.tools import contour
 

@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 
-from plants.parameters import ParameterError, parameter
+from plants.base.parameters import ParameterError, parameter
 
 TURN = 2.0 * math.pi
 LINE_LIMIT = 0.95

@@ -12,7 +12,6 @@ import typer.exceptions
 from cosim import interrupts
 from cosim.cli.check import check
 from cosim.cli.compare import compare
-from cosim.cli.console import report
 from cosim.cli.judge import judge
 from cosim.cli.listing import list_scenarios
 from cosim.cli.new import new
@@ -24,6 +23,7 @@ from cosim.cli.show import show
 from cosim.cli.sweep import sweep
 from cosim.cli.version import options
 from cosim.errors import CosimError
+from cosim.show.console import report
 
 COMPLETING = "_COSIM_COMPLETE"
 """Set by a shell that asks for completions; typer ends the process when it has told them."""

@@ -10,8 +10,8 @@ import typer
 from typer import Argument, Option
 
 from cosim.cli import complete
-from cosim.cli.console import configure_logging, report
 from cosim.cli.options import COULD_NOT_RUN, Quiet, Verbose
+from cosim.show.console import configure_logging, report
 
 if TYPE_CHECKING:
     from cosim.sweep import check as checks

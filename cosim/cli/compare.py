@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from typer import Argument, Option
 
-from cosim.cli.console import configure_logging, output, progress_bar
 from cosim.cli.options import FAILED, Quiet, Set, Verbose
 from cosim.errors import CosimError
+from cosim.show.console import configure_logging, output, progress_bar
 
 if TYPE_CHECKING:
     from cosim.compare.comparison import Comparison

@@ -8,8 +8,8 @@ from typing import Annotated
 import typer
 from typer import Argument, Option
 
-from cosim.cli.console import configure_logging, output
 from cosim.cli.options import FAILED, Loop, Quiet, Set, Verbose
+from cosim.show.console import configure_logging, output
 
 
 def judge(

@@ -5,10 +5,10 @@ from __future__ import annotations
 import logging
 
 from cosim import paths
-from cosim.cli.console import configure_logging, output
 from cosim.cli.options import Quiet, Verbose
 from cosim.errors import CosimError
 from cosim.scenario.titles import title_of
+from cosim.show.console import configure_logging, output
 
 log = logging.getLogger("cosim")
 

@@ -8,9 +8,9 @@ from typing import Annotated
 
 from typer import Argument, Option
 
-from cosim.cli.console import configure_logging
 from cosim.cli.options import Quiet, Verbose
 from cosim.errors import CosimError
+from cosim.show.console import configure_logging
 
 
 def new(

@@ -8,8 +8,8 @@ from typing import Annotated
 import typer
 from typer import Argument, Option
 
-from cosim.cli.console import configure_logging, output, progress_bar
 from cosim.cli.options import FAILED, Quiet, Verbose
+from cosim.show.console import configure_logging, output, progress_bar
 
 
 def optimize(

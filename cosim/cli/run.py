@@ -10,8 +10,6 @@ import typer
 from typer import Option
 
 from cosim import interrupts
-from cosim.cli import sheet
-from cosim.cli.console import configure_logging, progress_bar
 from cosim.cli.options import FAILED, Loop, Quiet, Set, Verbose
 from cosim.cli.seeds import check_options, run_seeds
 from cosim.cli.single import Report, Single
@@ -19,6 +17,8 @@ from cosim.errors import CosimError
 from cosim.loop import engines
 from cosim.pool.limits import Limits
 from cosim.pool.supervisor import Worker
+from cosim.show import sheet
+from cosim.show.console import configure_logging, progress_bar
 
 
 def run(

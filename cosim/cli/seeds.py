@@ -10,11 +10,11 @@ from typing import NoReturn
 import typer
 
 from cosim import paths
-from cosim.cli.console import output, progress_bar
 from cosim.cli.options import COULD_NOT_RUN, FAILED
 from cosim.errors import CosimError
 from cosim.loop.engines import Engine
 from cosim.pool.limits import Limits
+from cosim.show.console import output, progress_bar
 
 
 def run_seeds(

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from cosim.cli.console import configure_logging, output
 from cosim.cli.options import Loop, Quiet, Set, Verbose
+from cosim.show.console import configure_logging, output
 
 
 def show(loop: Loop, set_: Set = None, verbose: Verbose = False, quiet: Quiet = False) -> None:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from cosim.cli.sheet import Sheet, rendered
+from cosim.show.sheet import Sheet, rendered
 
 if TYPE_CHECKING:
     from cosim.loop.engines import Engine

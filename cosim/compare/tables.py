@@ -9,7 +9,7 @@ from rich.text import Text
 
 from cosim.compare.comparison import Comparison, Deviation
 from cosim.show.listing import plain_table
-from cosim.show.quantity import number, text
+from cosim.words.quantity import number, text
 
 NAMES = {"traces": "column", "results": "metric", "sweeps": "metric"}
 

@@ -65,7 +65,7 @@ def obstacle(plant: Any) -> str:
     """Why a plant cannot be stepped by native code, empty if it can."""
     if not hasattr(plant, "machine"):
         return "it is written in Python"
-    from plants.machine import NotNativeError
+    from plants.base.machine import NotNativeError
 
     try:
         plant.check_native()

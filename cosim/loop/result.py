@@ -14,9 +14,9 @@ from cosim.errors import CosimError
 from cosim.fmu.archive import DisplayUnit
 from cosim.loop import trace
 from cosim.metrics.criteria import Measured, Verdict
-from cosim.show import html
-from cosim.show.frame import dataframe
-from cosim.show.verdicts import counted
+from cosim.words import html
+from cosim.words.frame import dataframe
+from cosim.words.verdicts import counted
 
 
 @dataclass(frozen=True, repr=False)

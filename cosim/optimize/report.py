@@ -21,9 +21,9 @@ from cosim.optimize.proposer import Trial
 from cosim.optimize.search import best
 from cosim.optimize.variants import Variants
 from cosim.show.listing import plain_table
-from cosim.show.quantity import number, text
 from cosim.sweep.plan import text as value_text
 from cosim.sweep.study import Vary
+from cosim.words.quantity import number, text
 
 AT_END = 0.01
 """Part of a range within which a value lies at its end."""

@@ -18,8 +18,8 @@ from cosim.metrics.criteria import Verdict
 from cosim.scenario.model import Scenario
 from cosim.scenario.tables import toml_key
 from cosim.show.listing import plain_table
-from cosim.show.quantity import number, text
-from cosim.show.verdicts import counted, limits, measured
+from cosim.words.quantity import number, text
+from cosim.words.verdicts import counted, limits, measured
 
 STYLES = {True: "bold green", False: "bold red", None: "bold"}
 """Style of a verdict by `passed`."""

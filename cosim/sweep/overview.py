@@ -17,12 +17,12 @@ from cosim.scenario.model import Scenario
 from cosim.show.display import STYLES
 from cosim.show.listing import plain_table
 from cosim.show.plot import STYLE
-from cosim.show.quantity import number, text
-from cosim.show.verdicts import NOTHING_DEMANDED
 from cosim.sweep import influence
 from cosim.sweep.plan import Plan
 from cosim.sweep.store import DONE
 from cosim.sweep.survey import QUANTILES, Survey, confidence, quantiles
+from cosim.words.quantity import number, text
+from cosim.words.verdicts import NOTHING_DEMANDED
 
 MOST_TROUBLES = 8
 MOST_PANELS = 6

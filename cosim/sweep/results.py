@@ -6,14 +6,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from cosim.show import html
-from cosim.show.frame import dataframe
-from cosim.show.quantity import text
 from cosim.sweep import overview
 from cosim.sweep.command import Options, run_study
 from cosim.sweep.plan import Plan
 from cosim.sweep.store import Row, Store
 from cosim.sweep.survey import QUANTILES, Survey, quantiles, rows
+from cosim.words import html
+from cosim.words.frame import dataframe
+from cosim.words.quantity import text
 
 
 @dataclass(frozen=True, repr=False)

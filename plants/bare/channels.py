@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import mujoco
 
-from plants.plant import Channel, PlantError
+from plants.base.plant import Channel, PlantError
 
 KINDS = {"slide": ("m", "m/s", "N"), "hinge": ("rad", "rad/s", "N.m"), "": ("", "", "")}
 """Units of position, velocity and force along a joint, tendon or actuator, where MuJoCo can tell."""

@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 
 from plants.bare.channels import KINDS, actuator_kind, joint_kind, servo, tendon_kind
-from plants.parameters import choice
+from plants.base.parameters import choice
 
 COEFFICIENTS = {
     "slide": {"damping": "N.s/m", "stiffness": "N/m", "armature": "kg", "frictionloss": "N"},

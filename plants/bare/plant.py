@@ -10,7 +10,7 @@ import numpy as np
 from machining_native import Cell
 from plants.bare import channels
 from plants.bare.parameters import INTEGRATORS, apply, named, parameters_of, start
-from plants.plant import Plant, PlantError
+from plants.base.plant import Plant, PlantError
 
 
 class Bare(Plant):

@@ -3,7 +3,7 @@
 from typing import Any, ClassVar
 
 from machining_native import Cell
-from plants.plant import Channel, Plant
+from plants.base.plant import Channel, Plant
 
 from .__name___parameters import __Name__Parameters
 

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from plants.parameters import parameter
+from plants.base.parameters import parameter
 
 
 @dataclass(frozen=True)

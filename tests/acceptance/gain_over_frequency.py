@@ -7,7 +7,7 @@ import sys
 
 import cosim
 
-from .polishing import Run
+from .samples.polishing import Run
 
 HALF_PERIODS = (1, 2, 3, 4, 5, 7, 10, 14, 20)
 """Samples of 1 ms of one sign."""

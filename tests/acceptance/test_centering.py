@@ -13,7 +13,7 @@ import pytest
 
 import cosim
 
-from .rings import Rings, Sample, sample
+from .samples.rings import Rings, Sample, sample
 
 pytestmark = pytest.mark.acceptance
 

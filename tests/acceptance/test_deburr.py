@@ -14,8 +14,8 @@ import pytest
 
 import cosim
 
-from .robots import DELAYS, PLAIN, Changes, Sample, joined, learn, machine, sample
-from .runs import Columns, run, trace, value
+from .samples.robots import DELAYS, PLAIN, Changes, Sample, joined, learn, machine, sample
+from .samples.runs import Columns, run, trace, value
 
 pytestmark = pytest.mark.acceptance
 

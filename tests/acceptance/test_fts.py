@@ -14,7 +14,7 @@ import pytest
 
 import cosim
 
-from .runs import run, trace, value
+from .samples.runs import run, trace, value
 
 pytestmark = pytest.mark.acceptance
 

@@ -13,7 +13,7 @@ import cosim
 from plants.tools.molds import MOLDS
 from plants.tools.removal import Surface, evenness, roughness
 
-from .polishing import Changes, Run, polish, sample, worst
+from .samples.polishing import Changes, Run, polish, sample, worst
 
 pytestmark = pytest.mark.acceptance
 

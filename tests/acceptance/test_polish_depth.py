@@ -8,7 +8,7 @@ from plants.tools.cl_path import Spiral, cl_text
 from plants.tools.molds import MOLDS
 from plants.tools.removal import Surface, evenness, roughness
 
-from .polishing import polish
+from .samples.polishing import polish
 
 pytestmark = [pytest.mark.acceptance, pytest.mark.full]
 

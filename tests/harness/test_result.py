@@ -20,7 +20,7 @@ from cosim.fmu.archive import DisplayUnit, open_fmu
 from cosim.metrics.criteria import Verdict
 from cosim.scenario.model import Criterion
 from cosim.show import plot
-from cosim.show.quantity import text
+from cosim.words.quantity import text
 
 from .conftest import DATA, END, pack
 

@@ -18,6 +18,12 @@ MOST_FILES = 17
 PACKAGES = ("cosim", "plants", "tests", "xtask")
 """Folders with Python modules that import each other."""
 
+ROOMS = (
+    *("scenario", "fmu", "metrics", "words", "loop", "pool", "show", "sweep"),
+    *("compare", "optimize", "new", "cli"),
+)
+"""Folders of cosim, as ARCHITECTURE.md tells them; each knows those before it only."""
+
 
 def sources() -> list[Path]:
     """Rust and Python files of the repository with stubs, without what is built or installed."""
@@ -88,6 +94,20 @@ def test_no_python_files_import_each_other() -> None:
     files = [file for file in SOURCES if file.suffix != ".rs" and file.relative_to(ROOT).parts[0] in PACKAGES]
     found = circle(python.Packages(ROOT, files).imports())
     assert not found, found
+
+
+def test_a_room_of_the_harness_knows_only_those_before_it() -> None:
+    files = [file for file in SOURCES if file.is_relative_to(ROOT / "cosim") and file.suffix == ".py"]
+    assert {file.parent.name for file in files} - {"cosim"} == set(ROOMS)
+    upwards = [
+        f"`{shown(file)}` imports `{shown(known)}`"
+        for file, imported in python.Packages(ROOT, files).imports().items()
+        for known in imported
+        if file.parent.name in ROOMS
+        and known.parent.name in ROOMS
+        and ROOMS.index(known.parent.name) > ROOMS.index(file.parent.name)
+    ]
+    assert not upwards, "\n".join(sorted(upwards))
 
 
 @pytest.mark.parametrize("crate", CRATES)

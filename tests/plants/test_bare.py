@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 import plants.bare.plant
-from plants.parameters import ParameterError
-from plants.plant import PlantError
+from plants.base.parameters import ParameterError
+from plants.base.plant import PlantError
 
 CART = """
 <mujoco model="cart">

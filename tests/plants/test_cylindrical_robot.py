@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from plants.base.plant import PlantError
 from plants.cylindrical_robot import AXES, CylindricalRobot
 from plants.cylindrical_robot_parameters import RPM, TURN, CylindricalRobotParameters
-from plants.plant import PlantError
 from plants.tools import burr
 
 Matrix = np.ndarray[Any, Any]

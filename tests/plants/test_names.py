@@ -8,8 +8,8 @@ import pytest
 
 import machining_native as _native
 import plants
-from plants.names import UnknownNameError
-from plants.plant import Plant
+from plants.base.names import UnknownNameError
+from plants.base.plant import Plant
 
 MJCF = """
 <mujoco><option timestep="1e-3" integrator="implicitfast"/>

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from machining_native import Cell, Circuit, current_loop, latch, peak, summing_junction
-from plants.parameters import ParameterError, parameter
-from plants.plant import Channel, Plant, PlantError
+from plants.base.parameters import ParameterError, parameter
+from plants.base.plant import Channel, Plant, PlantError
 
 MJCF = """
 <mujoco><option timestep="1e-3" gravity="0 0 0" integrator="{integrator}"><flag autoreset="disable"/></option>

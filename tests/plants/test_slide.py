@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import plants
-from plants.names import UnknownNameError
-from plants.plant import PlantError
+from plants.base.names import UnknownNameError
+from plants.base.plant import PlantError
 from plants.slide import Slide
 from plants.slide_parameters import SlideParameters
 

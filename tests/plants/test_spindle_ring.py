@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from plants.plant import PlantError
+from plants.base.plant import PlantError
 from plants.spindle_ring import SpindleRing
 from plants.spindle_ring_parameters import SpindleRingParameters
 

@@ -6,7 +6,7 @@ import pathlib
 import numpy as np
 
 from plants import slide
-from plants.parameters import parameter
+from plants.base.parameters import parameter
 from plants.slide_parameters import SlideParameters
 
 

@@ -15,8 +15,8 @@ use crate::table;
 pub struct Outcome {
     scenario: String,
     criteria: Vec<Criterion>,
-    /// True when every criterion holds.
-    pub passed: bool,
+    /// Whether every criterion holds; nothing where there are none.
+    pub passed: Option<bool>,
     simulated_s: f64,
     wall_s: f64,
 }

@@ -16,7 +16,7 @@ use crate::stepper::Stepper;
 ///
 /// Parameters
 /// ----------
-/// machine : plants.machine.Machine
+/// machine : plants.base.machine.Machine
 ///     The plant, after its reset.
 /// controller : object or None
 ///     Addresses of an initialised FMU; None runs the plant alone.

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 import machining_native as _native
 from machining_native import Cell, Circuit, Stepper
-from plants.machine import Machine, NotNativeError, address, empty_model, functions
-from plants.names import Mjcf, native_names, unknown
-from plants.parameters import check
+from plants.base.machine import Machine, NotNativeError, address, empty_model, functions
+from plants.base.names import Mjcf, native_names, unknown
+from plants.base.parameters import check
 
 Array = NDArray[np.float64]
 STEPPED = ("sense", "command", "advance", "truth")
@@ -123,7 +123,7 @@ class Plant(ABC):
 
     @abstractmethod
     def shape(self, spec: Any, p: Any) -> None:
-        """Write the parameters `p` into the MJCF (`plants.names.Mjcf`) before it is compiled."""
+        """Write the parameters `p` into the MJCF (`plants.base.names.Mjcf`) before it is compiled."""
 
     def name_channels(self, p: Any) -> None:  # noqa: B027
         """Set `readings`, `commands` and `truths` where they depend on the parameters `p`."""

@@ -6,8 +6,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 
 from cosim.metrics.criteria import Measured, Verdict
-from cosim.show.quantity import text
-from cosim.show.verdicts import limits, measured
+from cosim.words.quantity import text
+from cosim.words.verdicts import limits, measured
 
 
 def run(title: str, line: str, metrics: Mapping[str, Measured], verdicts: Sequence[Verdict]) -> str:

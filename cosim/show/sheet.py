@@ -8,7 +8,7 @@ import sys
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from cosim.cli.console import WIDTH_IN_FILES
+from cosim.show.console import WIDTH_IN_FILES
 
 if TYPE_CHECKING:
     from rich.console import RenderableType

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from cosim.metrics.criteria import Verdict
-from cosim.show.quantity import text
+from cosim.words.quantity import text
 
 NOTHING_DEMANDED = "no criteria: nothing was demanded"
 

@@ -1,0 +1,1 @@
+"""What the acceptance tests draw and run: rings, robots, molds, scenarios with changes."""
