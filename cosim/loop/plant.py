@@ -206,7 +206,7 @@ def check_class(kind: Any) -> None:
     PlantError
         Names what is missing.
     """
-    name = getattr(kind, "__name__", str(kind))
+    name = f"{getattr(kind, '__module__', 'module')}:{getattr(kind, '__name__', kind)}"
     parameters: Any = getattr(kind, "Parameters", None)
     problem = ""
     if not isinstance(kind, type):

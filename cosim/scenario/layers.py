@@ -184,7 +184,7 @@ def override(layers: Layers, assignments: Sequence[str]) -> None:
                 f"`{SET} {assignment}` is not of the form KEY=VALUE", "for example `--set loop.duration=1.0`"
             )
         try:
-            value = toml_value(text.strip())
+            value = toml_value(text.strip(), key)
         except ScenarioError as error:
             raise ScenarioError(f"`{SET} {key}`: {error.message}", error.hint) from None
         assign(layers, key, value)

@@ -20,6 +20,7 @@ def parse_file(path: Path) -> dict[str, Any]:
     try:
         # editors of Windows begin a file with a byte order mark
         table = parse_text(path.read_text(encoding="utf-8-sig"))
+        check_sizes(table)
     except OSError as error:
         raise ScenarioError(f"cannot read `{path}`: {error.strerror}") from None
     except UnicodeDecodeError as error:
@@ -37,7 +38,7 @@ def parse_file(path: Path) -> dict[str, Any]:
 
 
 def parse_text(text: str) -> dict[str, Any]:
-    """Parse TOML; integers must have 64 bits, as the standard of TOML demands, and nesting an end.
+    """Parse TOML.
 
     Raises
     ------
@@ -54,20 +55,31 @@ def parse_text(text: str) -> dict[str, Any]:
         raise ScenarioError(TOO_DEEP) from None
     except ValueError as error:  # a number of thousands of digits
         raise ScenarioError(f"cannot be read: {error}") from None
-    check_sizes(table)
     return table
 
 
-def check_sizes(value: Any, level: int = 0) -> None:
-    """Check nesting and integers."""
+def check_sizes(value: Any, level: int = 0, place: str = "") -> None:
+    """Check that nesting has an end and integers have 64 bits, as the standard of TOML demands.
+
+    Parameters
+    ----------
+    place
+        Where the value stands, for messages.
+
+    Raises
+    ------
+    ScenarioError
+        It is deeper or larger.
+    """
     if level > MOST_NESTED:
         raise ScenarioError(TOO_DEEP)
     if isinstance(value, dict | list):
-        for item in value.values() if isinstance(value, dict) else value:
-            check_sizes(item, level + 1)
+        named = isinstance(value, dict)
+        for key, item in value.items() if named else enumerate(value):
+            check_sizes(item, level + 1, join(place, key) if named else f"{place}[{key}]")
     elif isinstance(value, int) and not -(2**63) <= value < 2**63:
         digits = show(value)
-        raise ScenarioError(f"the integer {digits} does not fit into 64 bits", "a number may be `1e20`")
+        raise ScenarioError(f"`{place}` is {digits}, integers have 64 bits", "a number may be `1e20`")
 
 
 def flatten(table: dict[str, Any], prefix: str = "") -> dict[str, Any]:
@@ -79,8 +91,8 @@ def flatten(table: dict[str, Any], prefix: str = "") -> dict[str, Any]:
     return flat
 
 
-def toml_value(text: str) -> Any:
-    """TOML value of a text, or the text itself when it is none.
+def toml_value(text: str, key: str) -> Any:
+    """TOML value of a text, or the text itself when it is none; `key` is what it is meant for.
 
     Raises
     ------
@@ -91,4 +103,6 @@ def toml_value(text: str) -> Any:
         parsed = parse_text(f"value = {text}")
     except tomllib.TOMLDecodeError:
         return text
+    for value in parsed.values():
+        check_sizes(value, place=key)
     return parsed["value"] if set(parsed) == {"value"} else text

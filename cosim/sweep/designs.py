@@ -36,7 +36,7 @@ def latin_hypercube(varied: Sequence[Vary], samples: int, seed: int) -> list[Cas
 def sobol(varied: Sequence[Vary], samples: int, seed: int) -> list[Case]:
     """Scrambled Sobol sequence; more samples only add to it, powers of two are balanced."""
     # scipy warns of other numbers than powers of two, the balance is the user's choice
-    sampler = quasi_monte_carlo().Sobol(len(varied), scramble=True, rng=generator(seed))
+    sampler = sobol_sampler(len(varied), seed)
     power = math.ceil(math.log2(samples)) if samples > 1 else 0
     return points(varied, sampler.random_base2(power)[:samples])
 
@@ -52,7 +52,7 @@ def saltelli(varied: Sequence[Vary], samples: int, seed: int) -> list[Case]:
     More samples only add to them; powers of two are balanced.
     """
     count = len(varied)
-    sampler = quasi_monte_carlo().Sobol(2 * count, scramble=True, rng=generator(seed))
+    sampler = sobol_sampler(2 * count, seed)
     both = sampler.random_base2(math.ceil(math.log2(samples)) if samples > 1 else 0)[:samples]
     a, b = both[:, :count], both[:, count:]
     mixed = [np.where(np.arange(count) == index, b, a) for index in range(count)]
@@ -71,6 +71,21 @@ DESIGNS: dict[str, Callable[[Sequence[Vary], int, int], list[Case]]] = {
 def generator(seed: int) -> np.random.Generator:
     """Random numbers of the design, apart from those of the runs."""
     return np.random.default_rng(child(seed, "design"))
+
+
+def sobol_sampler(dimensions: int, seed: int) -> Any:
+    """Return a scrambled Sobol sequence.
+
+    Raises
+    ------
+    CosimError
+        It has not so many dimensions, or scipy is not installed.
+    """
+    try:
+        return quasi_monte_carlo().Sobol(dimensions, scramble=True, rng=generator(seed))
+    except ValueError as error:
+        problem = f"a Sobol sequence of {dimensions} dimensions cannot be made: {error}"
+        raise CosimError(problem, "fewer keys in `vary`, or `latin-hypercube`") from None
 
 
 def quasi_monte_carlo() -> Any:

@@ -186,7 +186,7 @@ def read_cases(file: Path, fail: Any) -> Sequence[dict[str, Any]]:
             fail("design.file", f"is `{file}`, whose line {number} has {len(row)} cells, not {len(header)}")
         pairs = zip(header, (cell.strip() for cell in row), strict=True)
         try:
-            cases.append({key: toml_value(cell) for key, cell in pairs if cell})
+            cases.append({key: toml_value(cell, key) for key, cell in pairs if cell})
         except ScenarioError as error:
             fail("design.file", f"is `{file}`, in whose line {number} {error.message}", error.hint)
     return cases

@@ -152,7 +152,7 @@ FILES: dict[str, tuple[Build, tuple[str, ...]]] = {
         files({XML: description(), "sources/a.c": ""}),
         ("no binary for this platform", "`c-code`"),
     ),
-    "XML not well-formed": (described(description()[:-30]), ("not valid", "line 38")),
+    "XML not well-formed": (described(description()[:-30]), ("not valid", "line ")),
     "bad attribute": (edited(("<Real/>", '<Real wrong="1"/>')), ("not valid", "'wrong'", "not allowed")),
     "wrong order": (
         edited((IN_ORDER, ""), ("</ModelStructure>", f"</ModelStructure>{IN_ORDER}")),

@@ -81,7 +81,10 @@ FILES: dict[str, tuple[str, tuple[str, ...]]] = {
     ),
     "time step nan": (edited('timestep="0.001"', 'timestep="nan"'), ("model.xml",)),
     "time step tiny": (edited('timestep="0.001"', 'timestep="1e-300"'), ("plant steps of 1e-300 s",)),
-    "time step negative": (edited('timestep="0.001"', 'timestep="-1"'), ("plant steps of -1 s",)),
+    "time step negative": (
+        edited('timestep="0.001"', 'timestep="-1"'),
+        ("`model.xml`", "`timestep` is `-1.0`"),
+    ),
     "time step of another loop": (edited('"0.001"', '"0.0007"'), ("`loop.substeps`", "0.0007 s")),
     "memory of a galaxy": (
         edited("<worldbody>", '<size memory="900P"/><worldbody>'),

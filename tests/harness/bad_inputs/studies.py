@@ -36,11 +36,11 @@ FILES: dict[str, tuple[str | bytes, tuple[str, ...]]] = {
     ),
     "end is no number": (
         DRAWN + VARY + "minimum = nan\nmaximum = 1.0\n",
-        ("`vary[0].maximum`", "`minimum` = `nan`"),
+        ("`vary[0].minimum` is `nan`",),
     ),
     "timeout is a text": (DRAWN + RANGE + '[limits]\ntimeout = "1 s"\n', ("`limits.timeout` is `'1 s'`",)),
     "memory negative": (DRAWN + RANGE + "[limits]\nmemory = -5\n", ("`limits.memory`", "-5")),
-    "traces negative": (DRAWN + RANGE + "[traces]\nfailed = -1\n", ("`traces` asks for a negative number",)),
+    "traces negative": (DRAWN + RANGE + "[traces]\nfailed = -1\n", ("`traces.failed` is `-1`",)),
     "CSV is a folder": (LIST + 'file = "cache"\n', ("`design.file`", "cache`", "Is a directory")),
     "CSV of bytes": (LIST + 'file = "bytes.csv"\n', ("`design.file`", "bytes.csv`", "cannot be read")),
     "CSV is empty": (LIST + 'file = "empty.csv"\n', ("no cases",)),

@@ -13,12 +13,15 @@ import pytest
 
 import cosim
 
-from ..conftest import DATA
+from ..conftest import DATA, SCENARIO
 from . import command
 
 Write = Callable[..., Path]
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="POSIX signals")
 
+TOLD = "nothing drives `plant.extra`"
+"""What a run warns of when FMU and plant stand."""
+UNDRIVEN = SCENARIO.replace(', "plant.extra"]', "]")
 BUSY = {
     "in the loop": [command.STEPS],
     "in a step that hangs": ["--set", "controller.hang_at=3"],
@@ -30,10 +33,9 @@ BUSY = {
 @pytest.mark.parametrize("arguments", BUSY.values(), ids=BUSY.keys())
 def test_ctrl_c_ends_a_run(arguments: list[str], write: Write, folder: Path) -> None:
     shutil.copy(DATA / "hostile_plants.py", folder / "hostile_plants.py")
-    write()
+    write(text=UNDRIVEN)
     with command.started(*arguments, "-v", "--json", "-") as process:
-        # what nothing drives is told when FMU and plant stand
-        command.wait_for_line(process, "nothing drives `plant.extra`")
+        command.wait_for_line(process, TOLD)
         stdout, stderr = command.interrupted(process)
     assert (process.returncode, stdout) == (130, "")
     assert stderr.splitlines()[-1] == "error: interrupted"
@@ -58,18 +60,18 @@ def test_ctrl_c_during_the_imports(imported: str, write: Write, folder: Path) ->
 
 @pytest.mark.parametrize("engine", ["reference", "native"])
 def test_ctrl_c_in_process(engine: str, write: Write) -> None:
-    write()
+    write(text=UNDRIVEN)
     with command.started(command.STEPS, "--in-process", "-v", "--engine", engine) as process:
-        command.wait_for_line(process, "nothing drives `plant.extra`")
+        command.wait_for_line(process, TOLD)
         stdout, stderr = command.interrupted(process)
     assert (process.returncode, stdout) == (130, "")
     assert stderr.splitlines()[-1] == "error: interrupted"
 
 
 def test_the_second_ctrl_c_ends_a_step_that_hangs_in_process(write: Write) -> None:
-    write()
+    write(text=UNDRIVEN)
     with command.started("--set", "controller.hang_at=3", "--in-process", "-v") as process:
-        command.wait_for_line(process, "nothing drives `plant.extra`")
+        command.wait_for_line(process, TOLD)
         stdout, stderr = command.interrupted(process, presses=2)
     assert (process.returncode, stdout) == (130, "")
     assert stderr.splitlines()[-1] == "error: interrupted"
@@ -107,9 +109,9 @@ def test_a_killed_command_leaves_no_worker(write: Write, folder: Path) -> None:
     import psutil
 
     shutil.copy(DATA / "hostile_plants.py", folder / "hostile_plants.py")
-    write()
+    write(text=UNDRIVEN)
     with command.started("--set", "plant.name=hostile_plants:Hold", "-v") as process:
-        command.wait_for_line(process, "nothing drives `plant.extra`")
+        command.wait_for_line(process, TOLD)
         workers = psutil.Process(process.pid).children(recursive=True)
         assert workers
         process.kill()

@@ -1,6 +1,6 @@
 //! The way to the target, both laws, and the end of `enable`.
 
-use fmu___name__::interface::{Law, Parameters, State};
+use fmu___name__::interface::{Parameters, State};
 
 use crate::run::{FRICTION, Loop};
 

@@ -1,4 +1,4 @@
-"""Bad inputs of every room: files, studies, plants, processes, a full disk."""
+"""Bad inputs that ask for more: deep values, own plants, crashes, hangs, a full disk."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ FILES: dict[str, tuple[str, tuple[str, ...]]] = {
     "integer above 1e308": (scenarios.edited("0.001", DIGITS[:400]), ("`loop.step`",)),
     "limit above 1e308": (
         scenarios.edited("maximum = 1.0", f"maximum = {DIGITS[:400]}"),
-        ("`criterion.end.maximum`",),
+        ("`criterion[0].maximum`",),
     ),
     "parameter above 1e308": (
         scenarios.WHOLE + f"[controller.parameters]\ngain = {DIGITS[:400]}\n",
@@ -61,15 +61,15 @@ SETS = {
     "integer of 5000 digits": (f"controller.gain={DIGITS}", ("controller.gain",)),
 }
 PLANTS = {
-    "NoParameters": ("del Parameters", ("`own:Bad`", "`Parameters`")),
+    "NoParameters": ("del Parameters", ("`own:Bad`", "`reset`")),
     "DictParameters": ("Parameters = dict", ("`own:Bad`", "`Parameters`")),
     "NoReset": ("reset = None", ("`own:Bad`",)),
-    "NoChannels": ('readings = ("x",)', ("`own:Bad`", "`readings`")),
+    "NoChannels": ('readings = ("x",)', ("`own:Bad`", "has no attribute `name`")),
     "NoTimestep": ("timestep = None", ("`own:Bad`", "`timestep`")),
     "Timestep0": ("timestep = 0.0", ("`own:Bad`", "`timestep`")),
     "TwoChannels": ("readings = (probe_plants.Channel('x'),) * 2", ("`own:Bad`", "`x`")),
-    "SenseTwo": ("def sense(self): return [1.0, 2.0]", ("`own:Bad`", "sense")),
-    "TruthScalar": ("def truth(self): return 1.0", ("`own:Bad`", "truth")),
+    "SenseTwo": ("def sense(self): return [1.0, 2.0]", ("`sense` of the plant", "(2,)")),
+    "TruthScalar": ("def truth(self): return 1.0", ("`truth` of the plant", "single value")),
     "RaisesInInit": ("def __init__(self, parameters): raise RuntimeError('boom')", ("`own:Bad`", "boom")),
     "ExitsInInit": ("def __init__(self, parameters): raise SystemExit(0)", ("`own:Bad`",)),
     "ExitsInStep": ("def advance(self, substeps): raise SystemExit(0)", ("`own:Bad`",)),
