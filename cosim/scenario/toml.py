@@ -74,9 +74,13 @@ def check_sizes(value: Any, level: int = 0, place: str = "") -> None:
     if level > MOST_NESTED:
         raise ScenarioError(TOO_DEEP)
     if isinstance(value, dict | list):
-        named = isinstance(value, dict)
-        for key, item in value.items() if named else enumerate(value):
-            check_sizes(item, level + 1, join(place, key) if named else f"{place}[{key}]")
+        items = (
+            [(join(place, key), item) for key, item in value.items()]
+            if isinstance(value, dict)
+            else [(f"{place}[{index}]", item) for index, item in enumerate(value)]
+        )
+        for inner, item in items:
+            check_sizes(item, level + 1, inner)
     elif isinstance(value, int) and not -(2**63) <= value < 2**63:
         digits = show(value)
         raise ScenarioError(f"`{place}` is {digits}, integers have 64 bits", "a number may be `1e20`")
