@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Literal, NoReturn
+from typing import Literal
 
-from cosim import paths
-from cosim.errors import ScenarioError
-from cosim.scenario.tables import parse
+from cosim.scenario.tables import Fail, parse
 from cosim.scenario.toml import flatten, parse_file
-from cosim.sweep.study import Vary, check_values
+from cosim.sweep.varied import Varied, check_keys, check_values, failing
 
 MOST_TRIALS = 100_000
 """More than a search that learns from all its trials has time for."""
@@ -59,24 +57,12 @@ class Search:
     seeds: tuple[int, ...] = ()
 
 
-@dataclass(frozen=True)
-class Problem:
+@dataclass(frozen=True, kw_only=True)
+class Problem(Varied):
     """An optimization; load it with `load`. `seed` is that of the search."""
 
-    scenario: str
     objective: Objective
-    vary: tuple[Vary, ...]
     search: Search = Search()
-    title: str = ""
-    description: str = ""
-    seed: int = 1
-    set: dict[str, Any] = field(default_factory=dict)
-    file: Path = field(default=Path(), metadata={"key": ""})
-
-    @property
-    def name(self) -> str:
-        """Stem of the file."""
-        return self.file.stem
 
 
 def load(file: Path) -> Problem:
@@ -87,12 +73,7 @@ def load(file: Path) -> Problem:
     ScenarioError
         Missing or broken file, unknown key, wrong type, contradictory values; names file and key.
     """
-    origin = f"`{paths.shown(file)}`"
-    table = parse_file(file)
-
-    def fail(key: str, problem: str, hint: str = "") -> NoReturn:
-        raise ScenarioError(f"{origin}: `{key}` {problem}", hint)
-
+    fail, table = failing(file), parse_file(file)
     if "design" in table:
         fail(
             "design", "is of a study for `cosim sweep`", "an optimization has tables `objective` and `search`"
@@ -103,7 +84,7 @@ def load(file: Path) -> Problem:
     return problem
 
 
-def check(problem: Problem, fail: Any) -> None:
+def check(problem: Problem, fail: Fail) -> None:
     """Check what types cannot say."""
     objective, search = problem.objective, problem.search
     if bool(objective.metric) == bool(objective.trace):
@@ -117,23 +98,20 @@ def check(problem: Problem, fail: Any) -> None:
         fail("search.trials", f"is `{search.trials}`, it must lie in 1 .. {MOST_TRIALS}")
     if search.batch < 1:
         fail("search.batch", f"is `{search.batch}`, it must be at least 1")
-    if problem.seed < 0 or any(seed < 0 for seed in search.seeds):
-        fail("seed" if problem.seed < 0 else "search.seeds", "must not be negative")
+    if any(seed < 0 for seed in search.seeds):
+        fail("search.seeds", "must not be negative")
     if len(set(search.seeds)) != len(search.seeds):
         fail("search.seeds", "holds a seed twice", "it would count twice")
     check_varied(problem, fail)
 
 
-def check_varied(problem: Problem, fail: Any) -> None:
+def check_varied(problem: Problem, fail: Fail) -> None:
     """Check the ranges."""
     if not problem.vary:
         fail("vary", "is empty: there is nothing to choose", "give it tables `[[vary]]`")
-    seen = set(problem.set)
+    check_keys(problem, fail)
     for index, vary in enumerate(problem.vary):
         key = f"vary[{index}]"
-        if vary.key in seen:
-            fail(f"{key}.key", f"= `{vary.key}` is there twice", "a key has one place")
-        seen.add(vary.key)
         if vary.distribution == "normal" or vary.mean is not None or vary.deviation is not None:
             fail(f"{key}.distribution", "cannot be `normal` here", "a search needs `minimum` and `maximum`")
         check_values(vary, key, "search", fail)

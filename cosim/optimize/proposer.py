@@ -12,7 +12,7 @@ from cosim.loop.wiring import child
 from cosim.optimize.objective import Score
 from cosim.optimize.problem import Problem
 from cosim.optimize.variants import Values
-from cosim.sweep.study import Vary
+from cosim.sweep.varied import Vary
 
 
 @dataclass(frozen=True)

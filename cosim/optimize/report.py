@@ -22,7 +22,7 @@ from cosim.optimize.search import best
 from cosim.optimize.variants import Variants
 from cosim.show.listing import plain_table
 from cosim.sweep.plan import text as value_text
-from cosim.sweep.study import Vary
+from cosim.sweep.varied import Vary
 from cosim.words.quantity import number, text
 
 AT_END = 0.01

@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import NoReturn
-
 from cosim.errors import closest
 from cosim.scenario.layers import Layers
 from cosim.scenario.model import Criterion, Loop, Scenario, Signal, Wire
+from cosim.scenario.tables import Fail
 
 MOST_STEPS = 1e12
 """More steps than any run has; times beyond are never reached."""
-Fail = Callable[..., NoReturn]
-"""Raises an error from key, problem and hint."""
 
 
 def check(scenario: Scenario, merged: Layers) -> None:

@@ -13,8 +13,8 @@ from typing import Any, Literal, NoReturn, TypeVar
 from cosim.errors import closest, similar
 
 T = TypeVar("T")
-Fail = Callable[[str, str, str], NoReturn]
-"""Raises the caller's error from (key, problem, hint)."""
+Fail = Callable[..., NoReturn]
+"""Raises the caller's error from key, problem and, where one helps, hint."""
 Reader = Callable[[Any], Any]
 """Takes a TOML value and gives what the dataclass holds, or raises `Mismatch`."""
 IDENTITY = {"wire": "to", "signal": "to", "inject": "to", "metric": "name", "criterion": "id"}

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from cosim.errors import CosimError
 from cosim.loop.wiring import child
-from cosim.sweep.study import Vary
+from cosim.sweep.varied import Vary
 
 Case = dict[str, Any]
 """One point of a design: keys and values."""

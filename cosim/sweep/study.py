@@ -5,58 +5,19 @@ from __future__ import annotations
 import csv
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Literal, NoReturn
+from typing import Any, Literal
 
-from cosim import paths
 from cosim.errors import ScenarioError
-from cosim.scenario.ranges import COUNT, FINITE, NOT_NAN, NOT_NEGATIVE_COUNT, POSITIVE, limited
+from cosim.scenario.ranges import COUNT, NOT_NEGATIVE_COUNT, POSITIVE, limited
 from cosim.scenario.schema import schema_of
-from cosim.scenario.tables import parse
+from cosim.scenario.tables import Fail, parse
 from cosim.scenario.toml import flatten, parse_file, toml_value
+from cosim.sweep.varied import Varied, check_keys, check_values, failing
 
 MOST_RUNS = 1_000_000
 """More runs than any sweep has time for."""
-
-
-@dataclass(frozen=True)
-class Vary:
-    """One key and the values it takes: `values`, or a range with its distribution.
-
-    Parameters
-    ----------
-    key
-        Key of the scenario, as for `--set`.
-    values
-        Values; drawn with equal probability where the design is no grid.
-    minimum, maximum
-        Ends of the range; of `normal` where it is cut off.
-    points
-        Number of values of the range in a grid, both ends included.
-    distribution
-        Between the ends; in a grid `log-uniform` is a geometric series.
-    mean, deviation
-        Of the distribution `normal`, before it is cut off.
-    integer
-        Whether only integers are taken.
-    """
-
-    key: str
-    values: tuple[Any, ...] = ()
-    minimum: float | None = limited(NOT_NAN, None)
-    maximum: float | None = limited(NOT_NAN, None)
-    points: int | None = None
-    distribution: Literal["uniform", "log-uniform", "normal"] = "uniform"
-    mean: float | None = limited(FINITE, None)
-    deviation: float | None = limited(POSITIVE, None)
-    integer: bool = False
-
-    @property
-    def range(self) -> tuple[float, float]:
-        """Both ends, infinite where not given."""
-        low = -math.inf if self.minimum is None else self.minimum
-        return low, math.inf if self.maximum is None else self.maximum
 
 
 @dataclass(frozen=True)
@@ -117,26 +78,14 @@ class Traces:
     direction: Literal["large", "small"] = "large"
 
 
-@dataclass(frozen=True)
-class Study:
+@dataclass(frozen=True, kw_only=True)
+class Study(Varied):
     """A study; load it with `load`."""
 
-    scenario: str
     design: Design
-    title: str = ""
-    description: str = ""
-    seed: int = limited(NOT_NEGATIVE_COUNT, 1)
-    set: dict[str, Any] = field(default_factory=dict)
-    vary: tuple[Vary, ...] = ()
     case: tuple[dict[str, Any], ...] = ()
     limits: RunLimits = RunLimits()
     traces: Traces = Traces()
-    file: Path = field(default=Path(), metadata={"key": ""})
-
-    @property
-    def name(self) -> str:
-        """Stem of the file."""
-        return self.file.stem
 
 
 def load(file: Path) -> Study:
@@ -147,13 +96,8 @@ def load(file: Path) -> Study:
     ScenarioError
         Missing or broken file, unknown key, wrong type, contradictory values; names file and key.
     """
-    origin = f"`{paths.shown(file)}`"
-    table = parse_file(file)
-
-    def fail(key: str, problem: str, hint: str = "") -> NoReturn:
-        raise ScenarioError(f"{origin}: `{key}` {problem}", hint)
-
-    study = parse(Study, table, "", fail)
+    fail = failing(file)
+    study = parse(Study, parse_file(file), "", fail)
     study = replace(study, set=flatten(study.set), file=file)
     if study.design.file:
         study = replace(study, case=(*study.case, *read_cases(file.parent / study.design.file, fail)))
@@ -168,7 +112,7 @@ def study_schema() -> dict[str, Any]:
     return schema_of(Study, "Study of cosim")
 
 
-def read_cases(file: Path, fail: Any) -> Sequence[dict[str, Any]]:
+def read_cases(file: Path, fail: Fail) -> Sequence[dict[str, Any]]:
     """Cases of a CSV file; values are TOML, what is not TOML is a text, an empty cell is not set."""
     try:
         with file.open(newline="", encoding="utf-8-sig") as lines:
@@ -192,7 +136,7 @@ def read_cases(file: Path, fail: Any) -> Sequence[dict[str, Any]]:
     return cases
 
 
-def check(study: Study, fail: Any) -> None:
+def check(study: Study, fail: Fail) -> None:
     """Check what types cannot say."""
     design = study.design
     if study.traces.worst and not study.traces.metric:
@@ -215,7 +159,7 @@ def count(study: Study) -> int:
     return study.design.samples or 0
 
 
-def check_cases(study: Study, fail: Any) -> None:
+def check_cases(study: Study, fail: Fail) -> None:
     """Check a list."""
     if study.vary or study.design.samples is not None:
         fail("vary" if study.vary else "design.samples", "does not go with `design.kind` = `list`")
@@ -227,7 +171,7 @@ def check_cases(study: Study, fail: Any) -> None:
                 fail(f"case[{index}].{key}", "is in `[set]`, too", "a key has one place")
 
 
-def check_varied(study: Study, fail: Any) -> None:
+def check_varied(study: Study, fail: Fail) -> None:
     """Check ranges, and that the design has what it needs."""
     design = study.design
     if study.case:
@@ -238,46 +182,10 @@ def check_varied(study: Study, fail: Any) -> None:
         fail("design.samples", "does not go with a `grid`", "use `points` or `values` of each `[[vary]]`")
     if design.kind != "grid" and (design.samples is None or design.samples < 1):
         fail("design.samples", f"is `{design.samples}`, `{design.kind}` needs at least 1")
-    seen = set(study.set)
+    check_keys(study, fail)
     for index, vary in enumerate(study.vary):
         key = f"vary[{index}]"
-        if vary.key in seen:
-            fail(f"{key}.key", f"= `{vary.key}` is there twice", "a key has one place")
-        seen.add(vary.key)
         if vary.values or any(getattr(vary, name) is not None for name in ("minimum", "maximum", "mean")):
             check_values(vary, key, design.kind, fail)
         else:
             fail(f"{key}.values", f"is empty: `{vary.key}` has neither `values` nor a range")
-
-
-def check_values(vary: Vary, key: str, kind: str, fail: Any) -> None:
-    """Check that values, range and distribution of one key agree."""
-    given = [
-        name
-        for name in ("minimum", "maximum", "points", "mean", "deviation")
-        if getattr(vary, name) is not None
-    ]
-    if vary.values:
-        if given or vary.distribution != "uniform" or vary.integer:
-            also = (given or ["distribution" if vary.distribution != "uniform" else "integer"])[0]
-            fail(f"{key}.{also}", "does not go with `values`", "values or a range, not both")
-        return
-    low, high = vary.range
-    if not low < high:
-        fail(f"{key}.maximum", f"is `{high}`, it must be above `minimum` = `{low}`")
-    normal = vary.distribution == "normal"
-    if normal != (vary.mean is not None and vary.deviation is not None):
-        fail(
-            f"{key}.distribution",
-            f"is `{vary.distribution}`; `mean` and `deviation` belong to `normal`, both of them",
-        )
-    if not normal and not (math.isfinite(low) and math.isfinite(high)):
-        fail(f"{key}", f"needs `minimum` and `maximum` of `{vary.key}`, both finite")
-    if vary.distribution == "log-uniform" and low <= 0.0:
-        fail(f"{key}.minimum", f"is `{low}`, a logarithmic range starts above 0")
-    if vary.integer and any(math.isfinite(end) and not end.is_integer() for end in (low, high)):
-        fail(f"{key}.integer", f"is true, but `{low}` .. `{high}` does not end at integers")
-    if (kind == "grid") != (vary.points is not None):
-        fail(f"{key}.points", "belongs to a range in a `grid`, and only there")
-    if vary.points is not None and (vary.points < 2 or normal):
-        fail(f"{key}.points", f"is `{vary.points}`, a grid takes at least 2 points of an even range")

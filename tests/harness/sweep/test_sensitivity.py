@@ -16,7 +16,7 @@ import scipy.stats
 
 from cosim.sweep.designs import saltelli
 from cosim.sweep.sensitivity import rank, sobol
-from cosim.sweep.study import Vary
+from cosim.sweep.varied import Vary
 
 from . import studies
 

@@ -13,7 +13,7 @@ import pytest
 from cosim.cli import main
 from cosim.sweep import study
 from cosim.sweep.designs import DESIGNS, levels
-from cosim.sweep.study import Vary
+from cosim.sweep.varied import Vary
 
 from . import studies
 
