@@ -1,0 +1,131 @@
+"""What a study and an optimization share: one scenario, and which of its keys take which values."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal, NoReturn
+
+from cosim import paths
+from cosim.errors import ScenarioError
+from cosim.scenario.ranges import FINITE, NOT_NAN, NOT_NEGATIVE_COUNT, POSITIVE, limited
+from cosim.scenario.tables import Fail
+
+
+@dataclass(frozen=True)
+class Vary:
+    """One key and the values it takes: `values`, or a range with its distribution.
+
+    Parameters
+    ----------
+    key
+        Key of the scenario, as for `--set`.
+    values
+        Values; drawn with equal probability where the design is no grid.
+    minimum, maximum
+        Ends of the range; of `normal` where it is cut off.
+    points
+        Number of values of the range in a grid, both ends included.
+    distribution
+        Between the ends; in a grid `log-uniform` is a geometric series.
+    mean, deviation
+        Of the distribution `normal`, before it is cut off.
+    integer
+        Whether only integers are taken.
+    """
+
+    key: str
+    values: tuple[Any, ...] = ()
+    minimum: float | None = limited(NOT_NAN, None)
+    maximum: float | None = limited(NOT_NAN, None)
+    points: int | None = None
+    distribution: Literal["uniform", "log-uniform", "normal"] = "uniform"
+    mean: float | None = limited(FINITE, None)
+    deviation: float | None = limited(POSITIVE, None)
+    integer: bool = False
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """Both ends, infinite where not given."""
+        low = -math.inf if self.minimum is None else self.minimum
+        return low, math.inf if self.maximum is None else self.maximum
+
+
+@dataclass(frozen=True, kw_only=True)
+class Varied:
+    """A scenario, by its name or as a file beside this one, that is run with other values of its keys.
+
+    Parameters
+    ----------
+    seed
+        Seed of what is drawn.
+    set
+        Values of keys in all runs.
+    vary
+        Keys with the values they take.
+    """
+
+    scenario: str
+    title: str = ""
+    description: str = ""
+    seed: int = limited(NOT_NEGATIVE_COUNT, 1)
+    set: dict[str, Any] = field(default_factory=dict)
+    vary: tuple[Vary, ...] = ()
+    file: Path = field(default=Path(), metadata={"key": ""})
+
+    @property
+    def name(self) -> str:
+        """Stem of the file."""
+        return self.file.stem
+
+
+def failing(file: Path) -> Fail:
+    """Return what raises the error of a key in a file."""
+
+    def fail(key: str, problem: str, hint: str = "") -> NoReturn:
+        raise ScenarioError(f"`{paths.shown(file)}`: `{key}` {problem}", hint)
+
+    return fail
+
+
+def check_keys(varied: Varied, fail: Fail) -> None:
+    """Check that each key has one place."""
+    seen = set(varied.set)
+    for index, vary in enumerate(varied.vary):
+        if vary.key in seen:
+            fail(f"vary[{index}].key", f"= `{vary.key}` is there twice", "a key has one place")
+        seen.add(vary.key)
+
+
+def check_values(vary: Vary, key: str, kind: str, fail: Any) -> None:
+    """Check that values, range and distribution of one key agree."""
+    given = [
+        name
+        for name in ("minimum", "maximum", "points", "mean", "deviation")
+        if getattr(vary, name) is not None
+    ]
+    if vary.values:
+        if given or vary.distribution != "uniform" or vary.integer:
+            also = (given or ["distribution" if vary.distribution != "uniform" else "integer"])[0]
+            fail(f"{key}.{also}", "does not go with `values`", "values or a range, not both")
+        return
+    low, high = vary.range
+    if not low < high:
+        fail(f"{key}.maximum", f"is `{high}`, it must be above `minimum` = `{low}`")
+    normal = vary.distribution == "normal"
+    if normal != (vary.mean is not None and vary.deviation is not None):
+        fail(
+            f"{key}.distribution",
+            f"is `{vary.distribution}`; `mean` and `deviation` belong to `normal`, both of them",
+        )
+    if not normal and not (math.isfinite(low) and math.isfinite(high)):
+        fail(f"{key}", f"needs `minimum` and `maximum` of `{vary.key}`, both finite")
+    if vary.distribution == "log-uniform" and low <= 0.0:
+        fail(f"{key}.minimum", f"is `{low}`, a logarithmic range starts above 0")
+    if vary.integer and any(math.isfinite(end) and not end.is_integer() for end in (low, high)):
+        fail(f"{key}.integer", f"is true, but `{low}` .. `{high}` does not end at integers")
+    if (kind == "grid") != (vary.points is not None):
+        fail(f"{key}.points", "belongs to a range in a `grid`, and only there")
+    if vary.points is not None and (vary.points < 2 or normal):
+        fail(f"{key}.points", f"is `{vary.points}`, a grid takes at least 2 points of an even range")
