@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +9,7 @@ import numpy as np
 
 from cosim.compare.comparison import Comparison, Deviation
 from cosim.errors import CosimError
-from cosim.show.plot import ENDINGS, STYLE
+from cosim.show import figure as figures
 
 MOST_PANELS = 6
 
@@ -25,14 +24,7 @@ def check(kind: str, path: Path) -> None:
     """
     if kind != "trace":
         raise CosimError(f"`--plot` does not go with a {kind}", "only traces have courses to draw")
-    if path.suffix not in ENDINGS:
-        endings = ", ".join(f"`{ending}`" for ending in ENDINGS)
-        raise CosimError(f"cannot plot to `{path}`", f"the name must end in {endings}")
-    if not path.absolute().parent.is_dir():
-        raise CosimError(f"cannot write `{path}`: the folder `{path.absolute().parent}` does not exist")
-    if importlib.util.find_spec("matplotlib") is None:
-        hint = "install the extra: `pip install machining-fmus[report]`"
-        raise CosimError("matplotlib is not installed, it makes the plots", hint)
+    figures.check(path)
 
 
 def save(found: Comparison, path: Path) -> None:
@@ -43,13 +35,8 @@ def save(found: Comparison, path: Path) -> None:
     CosimError
         The file cannot be written.
     """
-    import matplotlib
-
-    matplotlib.use("agg")
-    from matplotlib import pyplot
-
     drawn = sorted(found.deviations, key=lambda d: (not d.outside, -d.outside))[:MOST_PANELS]
-    with matplotlib.rc_context(STYLE):
+    with figures.styled() as pyplot:
         figure, grid = pyplot.subplots(
             len(drawn),
             1,
@@ -63,12 +50,7 @@ def save(found: Comparison, path: Path) -> None:
         grid[0][0].legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=8)
         grid[-1][0].set_xlabel("time (s)")
         figure.suptitle(f"{found.other} against {found.reference}", fontsize=10)
-        try:
-            figure.savefig(path, dpi=110, metadata={"Date": None} if path.suffix == ".svg" else None)
-        except OSError as error:
-            raise CosimError(f"cannot write `{path}`: {error.strerror or error}") from None
-        finally:
-            pyplot.close(figure)
+        figures.save(figure, path)
 
 
 def draw(axes: Any, found: Comparison, deviation: Deviation) -> None:

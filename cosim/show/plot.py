@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import math
 from collections.abc import Mapping
 from pathlib import Path
@@ -16,19 +15,10 @@ from cosim.fmu.archive import DisplayUnit
 from cosim.loop.result import Result
 from cosim.metrics.expression import Expression, Items
 from cosim.scenario.model import Panel, Scenario
+from cosim.show import figure as figures
 
 MOST_PANELS = 6
 MOST_COLUMNS = 8
-ENDINGS = (".svg", ".png", ".pdf")
-STYLE: Any = {
-    "axes.grid": True,
-    "axes.spines.right": False,
-    "axes.spines.top": False,
-    "font.size": 9.0,
-    "grid.alpha": 0.3,
-    "legend.frameon": False,
-    "svg.hashsalt": "cosim",  # the same run gives the same bytes
-}
 
 
 def check(scenario: Scenario, columns: Mapping[str, Items | None], path: Path) -> None:
@@ -39,9 +29,7 @@ def check(scenario: Scenario, columns: Mapping[str, Items | None], path: Path) -
     CosimError
         Unknown ending or column, or matplotlib is not installed.
     """
-    if path.suffix not in ENDINGS:
-        endings = ", ".join(f"`{ending}`" for ending in ENDINGS)
-        raise CosimError(f"cannot plot to `{path}`", f"the name must end in {endings}")
+    figures.check(path)
     for index, panel in enumerate(scenario.plot.panels):
         for column in panel.columns:
             if column not in columns:
@@ -49,11 +37,6 @@ def check(scenario: Scenario, columns: Mapping[str, Items | None], path: Path) -
                 problem = f"{where} names `{column}`, which is no column of the trace"
                 raise ScenarioError(problem, closest(column, columns))
     zoom_condition(scenario, columns)
-    try:
-        importlib.import_module("matplotlib")
-    except ImportError:
-        hint = "install the extra: `pip install machining-fmus[report]`"
-        raise CosimError("matplotlib is not installed, it makes the plots", hint) from None
 
 
 def save(scenario: Scenario, result: Result, path: Path) -> None:
@@ -64,17 +47,12 @@ def save(scenario: Scenario, result: Result, path: Path) -> None:
     CosimError
         The file cannot be written.
     """
-    import matplotlib
-
-    matplotlib.use("agg")
-    from matplotlib import pyplot
-
     trace = result.trace
     if trace is None:
         raise CosimError("this result holds no trace, there is nothing to plot")
     panels = scenario.plot.panels or default_panels(trace, result)
     windows = [np.ones(len(trace), dtype=bool), *zoomed(scenario, result, trace)]
-    with matplotlib.rc_context(STYLE):
+    with figures.styled() as pyplot:
         size = (6.5 * len(windows) + 2.5, 1.2 + 1.7 * len(panels))
         figure, grid = pyplot.subplots(
             len(panels), len(windows), sharex="col", squeeze=False, layout="constrained", figsize=size
@@ -87,12 +65,7 @@ def save(scenario: Scenario, result: Result, path: Path) -> None:
         for axes in grid[-1]:
             axes.set_xlabel("time (s)")
         figure.suptitle(heading(result), fontsize=10)
-        try:
-            figure.savefig(path, dpi=110, metadata={"Date": None} if path.suffix == ".svg" else None)
-        except OSError as error:
-            raise CosimError(f"cannot write `{path}`: {error.strerror or error}") from None
-        finally:
-            pyplot.close(figure)
+        figures.save(figure, path)
 
 
 def heading(result: Result) -> str:

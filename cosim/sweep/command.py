@@ -18,6 +18,7 @@ from cosim.loop.reference import Progress
 from cosim.pool import cluster, local
 from cosim.pool.limits import Limits, processors
 from cosim.show.bar import bar
+from cosim.show.figure import can_plot
 from cosim.show.lines import ProgressLines
 from cosim.sweep import influence, overview, study
 from cosim.sweep.export import save_csv, save_parquet
@@ -100,9 +101,9 @@ def summarise(plan: Plan, found: Survey, folder: Path, plots: bool) -> None:
     """Write tables and plots of the rows that are there."""
     save_csv(found.columns, folder / "summary.csv")
     save_parquet(found.columns, folder / "summary.parquet")
-    if plots and found.results and overview.can_plot():
+    if plots and found.results and can_plot():
         overview.save_plots(plan, found, folder / "summary.svg")
-    if plots and found.influences and overview.can_plot():
+    if plots and found.influences and can_plot():
         influence.save_plots(
             found.influences, plan.study.title or plan.study.name, folder / "sensitivity.svg"
         )

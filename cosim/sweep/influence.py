@@ -10,9 +10,8 @@ import numpy as np
 from rich.console import RenderableType
 from rich.text import Text
 
-from cosim.errors import CosimError
+from cosim.show import figure as figures
 from cosim.show.listing import plain_table
-from cosim.show.plot import STYLE
 from cosim.sweep.sensitivity import Estimate, Influence
 
 MOST_KEYS = 6
@@ -69,17 +68,12 @@ def save_plots(found: list[Influence], title: str, file: Path) -> None:
     CosimError
         The file cannot be written.
     """
-    import matplotlib
-
-    matplotlib.use("agg")
-    from matplotlib import pyplot
-
     metrics, keys = names(found), ranked_keys(found)
     drawn = metrics[:MOST_TORNADOS]
     columns = min(3, len(drawn))
     lines = -(-len(drawn) // columns)
     heat, line = 0.32 * len(metrics) + 1.4, 0.34 * len(keys) + 1.0
-    with matplotlib.rc_context({**STYLE, "axes.grid": False}):
+    with figures.styled({"axes.grid": False}) as pyplot:
         size = (4.0 * max(2, columns) + 1.0, heat + line * lines + 0.6)
         figure = pyplot.figure(figsize=size, layout="constrained")
         grid = figure.add_gridspec(1 + lines, columns, height_ratios=[heat, *[line] * lines])
@@ -88,12 +82,7 @@ def save_plots(found: list[Influence], title: str, file: Path) -> None:
             axes = figure.add_subplot(grid[1 + index // columns, index % columns])
             draw_tornado(axes, [entry for entry in found if entry.metric == metric])
         figure.suptitle(f"{title}\nsensitivity, 95 % confidence", fontsize=10)
-        try:
-            figure.savefig(file, metadata={"Date": None})
-        except OSError as error:
-            raise CosimError(f"cannot write `{file}`: {error.strerror or error}") from None
-        finally:
-            pyplot.close(figure)
+        figures.save(figure, file)
 
 
 def draw_heat_map(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import math
 from pathlib import Path
 from typing import Any
@@ -11,12 +10,11 @@ import numpy as np
 from rich.console import Group, RenderableType
 from rich.text import Text
 
-from cosim.errors import CosimError
 from cosim.metrics.criteria import factor
 from cosim.scenario.model import Scenario
+from cosim.show import figure as figures
 from cosim.show.display import STYLES
 from cosim.show.listing import plain_table
-from cosim.show.plot import STYLE
 from cosim.sweep import influence
 from cosim.sweep.plan import Plan
 from cosim.sweep.store import DONE
@@ -104,11 +102,6 @@ def no_result_table(found: Survey, first: str = "first") -> RenderableType:
     return table
 
 
-def can_plot() -> bool:
-    """Whether matplotlib is installed."""
-    return importlib.util.find_spec("matplotlib") is not None
-
-
 def save_plots(plan: Plan, found: Survey, file: Path) -> None:
     """Draw success rates, distributions with their limits, and the metrics over the numbers that were varied.
 
@@ -117,16 +110,11 @@ def save_plots(plan: Plan, found: Survey, file: Path) -> None:
     CosimError
         The file cannot be written.
     """
-    import matplotlib
-
-    matplotlib.use("agg")
-    from matplotlib import pyplot
-
     scenario = plan.scenario
     names = drawn_metrics(scenario, found)
     keys = drawn_keys(plan)
     count = 1 + len(keys)
-    with matplotlib.rc_context({**STYLE, "axes.formatter.limits": (-3, 4)}):
+    with figures.styled({"axes.formatter.limits": (-3, 4)}) as pyplot:
         size = (3.6 * count + 1.0, 2.4 * max(1, len(names)) + 1.6)
         figure, grid = pyplot.subplots(
             1 + len(names), count, squeeze=False, layout="constrained", figsize=size
@@ -136,12 +124,7 @@ def save_plots(plan: Plan, found: Survey, file: Path) -> None:
         draw_rates(grid[0][0], scenario, found)
         draw_metrics(grid[1:], plan, found, names, keys)
         figure.suptitle(f"{plan.study.title or plan.study.name}\n{verdict(found).plain}", fontsize=10)
-        try:
-            figure.savefig(file, metadata={"Date": None})
-        except OSError as error:
-            raise CosimError(f"cannot write `{file}`: {error.strerror or error}") from None
-        finally:
-            pyplot.close(figure)
+        figures.save(figure, file)
 
 
 def drawn_metrics(scenario: Scenario, found: Survey) -> list[str]:

@@ -10,7 +10,7 @@ from collections.abc import Callable, Generator, Iterable, Iterator
 from cosim.loop.result import Result
 from cosim.pool.job import Finished, Numbered, Outcome
 from cosim.show import plot
-from cosim.sweep.overview import can_plot
+from cosim.show.figure import can_plot
 from cosim.sweep.plan import Plan, Run
 from cosim.sweep.store import DONE, TROUBLES, Row, Store, row_of
 from cosim.sweep.survey import Survey

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import pytest
@@ -27,6 +28,10 @@ class Case:
 
     arguments: tuple[str, ...]
     words: tuple[str, ...]
+
+
+Refuse = Callable[[Case], None]
+"""The fixture that checks a refusal."""
 
 
 def given(*arguments: str) -> tuple[str, ...]:

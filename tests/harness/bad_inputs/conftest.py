@@ -12,6 +12,7 @@ from cosim.loop import idle
 
 from ..conftest import DATA, END, HEADERS
 from . import fmus
+from .calling import Refuse, refused
 
 
 @pytest.fixture(scope="session")
@@ -32,6 +33,12 @@ def lag(write: object, folder: Path) -> Path:
     idle.warn.cache_clear()
     write(END + '[[criterion]]\nid = "end"\nclaim = "ends"\nmetric = "end"\nmaximum = 1.0\n')
     return folder
+
+
+@pytest.fixture
+def refuse(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Refuse:
+    """Check that a bad input is refused as it must be."""
+    return lambda case: refused(case, monkeypatch, capsys)
 
 
 @pytest.fixture

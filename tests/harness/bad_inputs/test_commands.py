@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from . import commands, studies
-from .calling import Case, given, refused
+from .calling import Case, Refuse, given
 
 
 @pytest.fixture
@@ -26,10 +26,8 @@ def room(lag: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.mark.usefixtures("room")
 @pytest.mark.parametrize("case", commands.LINES.values(), ids=commands.LINES)
-def test_a_bad_command_line_is_named(
-    case: Case, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    refused(case, monkeypatch, capsys)
+def test_a_bad_command_line_is_named(case: Case, refuse: Refuse) -> None:
+    refuse(case)
 
 
 @pytest.mark.usefixtures("room")
@@ -38,11 +36,11 @@ def test_a_bad_environment_is_named(
     variables: dict[str, str],
     case: Case,
     monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    refuse: Refuse,
 ) -> None:
     for name, value in variables.items():
         monkeypatch.setenv(name, value)
-    refused(case, monkeypatch, capsys)
+    refuse(case)
 
 
 @pytest.mark.skipif(os.name == "nt", reason="Windows removes no folder in use")
@@ -51,10 +49,10 @@ def test_a_removed_working_directory_is_named(
     arguments: tuple[str, ...],
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    refuse: Refuse,
 ) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "gone").mkdir()
     os.chdir(tmp_path / "gone")
     (tmp_path / "gone").rmdir()
-    refused(Case(arguments, ("the working directory cannot be used",)), monkeypatch, capsys)
+    refuse(Case(arguments, ("the working directory cannot be used",)))

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from . import models, studies
-from .calling import Case, given, refused
+from .calling import Case, Refuse, given
 
 
 @pytest.mark.parametrize(("content", "words"), models.FILES.values(), ids=models.FILES)
@@ -15,12 +15,11 @@ def test_a_bad_model_is_named(
     content: str,
     words: tuple[str, ...],
     lag: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    refuse: Refuse,
 ) -> None:
     (lag / "model.xml").write_text(content)
     (lag / "model.toml").write_text(models.WIRED)
-    refused(Case(given("run", "model.toml"), words), monkeypatch, capsys)
+    refuse(Case(given("run", "model.toml"), words))
 
 
 @pytest.mark.parametrize(("content", "words"), studies.FILES.values(), ids=studies.FILES)
@@ -28,12 +27,11 @@ def test_a_bad_study_is_named(
     content: str | bytes,
     words: tuple[str, ...],
     lag: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    refuse: Refuse,
 ) -> None:
     for name, table in studies.CSV.items():
         (lag / name).write_bytes(table)
     (lag / "cache").mkdir(exist_ok=True)
     (lag / "study.toml").write_bytes(content if isinstance(content, bytes) else content.encode())
-    refused(Case(given("sweep", "study.toml", "--no-plots"), words), monkeypatch, capsys)
+    refuse(Case(given("sweep", "study.toml", "--no-plots"), words))
     assert not (lag / "study.sweep").exists()

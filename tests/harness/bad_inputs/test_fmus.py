@@ -13,19 +13,18 @@ from cosim.fmu import archive, members
 
 from .. import test_cli
 from . import fmus
-from .calling import Case, call, given, refused
+from .calling import Case, Refuse, call, given
 
 
 @pytest.mark.parametrize("broken", fmus.FILES, indirect=True)
 def test_a_broken_fmu_is_named(
     broken: str,
     request: pytest.FixtureRequest,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    refuse: Refuse,
 ) -> None:
     words = fmus.FILES[request.node.callspec.params["broken"]][1]
     case = Case(given("run", "lag.toml", "--set", f"controller.fmu={broken}"), words)
-    refused(case, monkeypatch, capsys)
+    refuse(case)
 
 
 @pytest.mark.parametrize("broken", fmus.WARNED, indirect=True)
@@ -48,13 +47,12 @@ def test_what_hinders_no_run_is_a_warning(
 def test_a_library_without_a_function_is_named(
     folder: Path,
     probe_library: bytes,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    refuse: Refuse,
 ) -> None:
     renamed = probe_library.replace(b"fmi2CancelStep", b"fmi2CancelStop")
     fmus.write(folder / "broken.fmu", {fmus.XML: fmus.description(), fmus.LIBRARY: renamed})
     words = ("lacks an FMI function", "undefined symbol: fmi2CancelStep")
-    refused(Case(given("run", "lag.toml", "--set", "controller.fmu=broken.fmu"), words), monkeypatch, capsys)
+    refuse(Case(given("run", "lag.toml", "--set", "controller.fmu=broken.fmu"), words))
 
 
 def test_a_library_that_ends_its_process_costs_its_own_row(lag: Path, broken_library: bytes) -> None:
@@ -70,17 +68,15 @@ def test_a_library_that_ends_its_process_costs_its_own_row(lag: Path, broken_lib
 
 
 def test_an_fmu_of_very_many_files_is_refused(
-    lag: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], broken_library: bytes
+    lag: Path, monkeypatch: pytest.MonkeyPatch, refuse: Refuse, broken_library: bytes
 ) -> None:
     monkeypatch.setattr(members, "MOST_FILES", 10)
     fmus.holding({f"resources/{index}": "" for index in range(10)})(lag / "broken.fmu", broken_library)
     words = ("`broken.fmu` holds 12 files, more than 10",)
-    refused(Case(given("run", "lag.toml", "--set", "controller.fmu=broken.fmu"), words), monkeypatch, capsys)
+    refuse(Case(given("run", "lag.toml", "--set", "controller.fmu=broken.fmu"), words))
 
 
-def test_a_bad_sum_of_the_library_is_found(
-    lag: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], broken_library: bytes
-) -> None:
+def test_a_bad_sum_of_the_library_is_found(lag: Path, refuse: Refuse, broken_library: bytes) -> None:
     def flip(content: bytes) -> bytes:
         place = content.index(fmus.LIBRARY.encode()) + len(fmus.LIBRARY) + 500
         return (
@@ -91,7 +87,7 @@ def test_a_bad_sum_of_the_library_is_found(
 
     fmus.patched(flip)(lag / "broken.fmu", broken_library)
     words = ("`broken.fmu` is damaged", "does not unpack")
-    refused(Case(given("run", "lag.toml", "--set", "controller.fmu=broken.fmu"), words), monkeypatch, capsys)
+    refuse(Case(given("run", "lag.toml", "--set", "controller.fmu=broken.fmu"), words))
 
 
 def test_fmpy_says_the_same(lag: Path, broken_library: bytes) -> None:

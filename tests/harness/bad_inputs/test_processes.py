@@ -11,7 +11,7 @@ import pytest
 
 from .. import test_cli
 from . import fmus, models, scenarios, studies
-from .calling import Case, check_refusal, given, refused
+from .calling import Case, Refuse, check_refusal, given
 
 DIGITS = "9" * 5000
 FILES: dict[str, tuple[str, tuple[str, ...]]] = {
@@ -93,11 +93,10 @@ def test_a_bad_scenario_is_named(
     content: str,
     words: tuple[str, ...],
     lag: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    refuse: Refuse,
 ) -> None:
     (lag / "bad.toml").write_text(content)
-    refused(Case(given("run", "bad.toml"), words), monkeypatch, capsys)
+    refuse(Case(given("run", "bad.toml"), words))
 
 
 @pytest.mark.usefixtures("lag")
@@ -105,10 +104,9 @@ def test_a_bad_scenario_is_named(
 def test_a_bad_override_is_named(
     override: str,
     words: tuple[str, ...],
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    refuse: Refuse,
 ) -> None:
-    refused(Case(given("run", "lag.toml", "--set", override), words), monkeypatch, capsys)
+    refuse(Case(given("run", "lag.toml", "--set", override), words))
 
 
 @pytest.mark.parametrize(("body", "words"), PLANTS.values(), ids=PLANTS)
@@ -125,11 +123,10 @@ def test_a_bad_study_is_named(
     content: str,
     words: tuple[str, ...],
     lag: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    refuse: Refuse,
 ) -> None:
     (lag / "study.toml").write_text(content)
-    refused(Case(given("sweep", "study.toml", "--no-plots"), words), monkeypatch, capsys)
+    refuse(Case(given("sweep", "study.toml", "--no-plots"), words))
 
 
 @pytest.mark.parametrize("value", ["inf", "nan"])

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from . import scenarios
-from .calling import Case, call, given, refused
+from .calling import Case, Refuse, call, given
 
 
 @pytest.mark.parametrize(("content", "words"), scenarios.FILES.values(), ids=scenarios.FILES)
@@ -15,12 +15,11 @@ def test_a_bad_scenario_is_named(
     content: str | bytes,
     words: tuple[str, ...],
     lag: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    refuse: Refuse,
 ) -> None:
     (lag / "torn.py").write_text("def :\n")
     (lag / "bad.toml").write_bytes(content if isinstance(content, bytes) else content.encode())
-    refused(Case(given("run", "bad.toml"), words), monkeypatch, capsys)
+    refuse(Case(given("run", "bad.toml"), words))
 
 
 @pytest.mark.usefixtures("lag")
@@ -28,10 +27,9 @@ def test_a_bad_scenario_is_named(
 def test_a_bad_override_is_named(
     override: str,
     words: tuple[str, ...],
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    refuse: Refuse,
 ) -> None:
-    refused(Case(given("run", "lag.toml", "--set", override), words), monkeypatch, capsys)
+    refuse(Case(given("run", "lag.toml", "--set", override), words))
 
 
 @pytest.mark.parametrize("ends", [b"\r\n", b"\n"])

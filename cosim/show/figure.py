@@ -1,0 +1,75 @@
+"""Figures: what all plots share, from the check before a run to the file."""
+
+from __future__ import annotations
+
+import contextlib
+import importlib.util
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from cosim.errors import CosimError
+
+ENDINGS = (".svg", ".png", ".pdf")
+STYLE: Any = {
+    "axes.grid": True,
+    "axes.spines.right": False,
+    "axes.spines.top": False,
+    "font.size": 9.0,
+    "grid.alpha": 0.3,
+    "legend.frameon": False,
+    "svg.hashsalt": "cosim",  # the same run gives the same bytes
+}
+
+
+def can_plot() -> bool:
+    """Whether matplotlib is installed."""
+    return importlib.util.find_spec("matplotlib") is not None
+
+
+def check(file: Path) -> None:
+    """Check that a figure can be made.
+
+    Raises
+    ------
+    CosimError
+        Unknown ending, no such folder, or matplotlib is not installed.
+    """
+    if file.suffix not in ENDINGS:
+        endings = ", ".join(f"`{ending}`" for ending in ENDINGS)
+        raise CosimError(f"cannot plot to `{file}`", f"the name must end in {endings}")
+    if not file.absolute().parent.is_dir():
+        raise CosimError(f"cannot write `{file}`: the folder `{file.absolute().parent}` does not exist")
+    if not can_plot():
+        hint = "install the extra: `pip install machining-fmus[report]`"
+        raise CosimError("matplotlib is not installed, it makes the plots", hint)
+
+
+@contextlib.contextmanager
+def styled(changes: Any = None) -> Iterator[Any]:
+    """Give `pyplot` in the style of all figures, but for some settings of matplotlib by name."""
+    import matplotlib
+
+    matplotlib.use("agg")
+    from matplotlib import pyplot
+
+    with matplotlib.rc_context(STYLE | (changes or {})):
+        yield pyplot
+
+
+def save(figure: Any, file: Path) -> None:
+    """Write a figure and close it.
+
+    Raises
+    ------
+    CosimError
+        The file cannot be written.
+    """
+    from matplotlib import pyplot
+
+    try:
+        figure.savefig(file, dpi=110, metadata={"Date": None} if file.suffix == ".svg" else None)
+    except OSError as error:
+        raise CosimError(f"cannot write `{file}`: {error.strerror or error}") from None
+    finally:
+        pyplot.close(figure)
