@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from cosim.loop.result import Result
     from cosim.loop.session import Session
     from cosim.loop.stored import read as read_trace
+    from cosim.pool.limits import Limits
     from cosim.pool.runs import run, run_each, run_many
     from cosim.scenario.load import load
     from cosim.scenario.model import Scenario
@@ -26,6 +27,7 @@ else:
 
 __all__ = [
     "CosimError",
+    "Limits",
     "Result",
     "Scenario",
     "Session",
@@ -41,6 +43,7 @@ __all__ = [
 
 PLACES = {
     "CosimError": ("cosim.errors", "CosimError"),
+    "Limits": ("cosim.pool.limits", "Limits"),
     "Result": ("cosim.loop.result", "Result"),
     "Scenario": ("cosim.scenario.model", "Scenario"),
     "Session": ("cosim.loop.session", "Session"),

@@ -47,4 +47,4 @@ def judge(
         print(result.to_json(), end="", flush=True)
     else:
         output().print(display.result(result))
-    raise typer.Exit(0 if result.passed else FAILED)
+    raise typer.Exit(FAILED if result.passed is False else 0)

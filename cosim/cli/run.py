@@ -26,8 +26,9 @@ def run(
     set_: Set = None,
     seed: Annotated[int | None, Option(min=0, help="Seed of all noise, instead of the scenario's.")] = None,
     seeds: Annotated[
-        str, Option(metavar="FIRST..LAST|N,N", help="Run once with each seed and print distributions.")
-    ] = "",
+        str | None,
+        Option(metavar="FIRST..LAST|N,N", help="Run once with each seed and print distributions."),
+    ] = None,
     engine: Annotated[str, Option(help="reference (FMPy drives) or native (fast, same bits).")] = "reference",
     delay: Annotated[int | None, Option(help="Steps by which commands act later: 0 or 1.")] = None,
     duration: Annotated[float | None, Option(metavar="S", help="Simulated time in s.")] = None,
@@ -52,7 +53,7 @@ def run(
     limits = checked_limits(timeout, memory, in_process)
     check_outputs(json, trace, plot)
     inside = in_process or os.name != "posix"
-    if seeds:
+    if seeds is not None:
         check_options(seed, trace, plot)
         run_seeds(loop, changes, seeds, chosen, None if inside else limits, json, quiet)
     task = Single(loop, changes, chosen, verbose, trace is not None, plot, sheet.stdout())

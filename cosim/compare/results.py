@@ -60,10 +60,12 @@ def compare(
     Raises
     ------
     CosimError
-        A pattern fits no metric.
+        There are no metrics, or a pattern fits none.
     """
     found = Comparison("results", *names)
     before, now = reference["metrics"], other["metrics"]
+    if not before:
+        raise CosimError(f"`{names[0]}` has no metrics, there is nothing to compare")
     for name in allowed.chosen(before):
         if name not in now:
             found.differences.append(f"the metric `{name}` is missing")

@@ -42,7 +42,9 @@ def read(folder: Path) -> list[Row]:
         except (ValueError, KeyError, TypeError, RecursionError):
             log.warning("line %d of `%s` is no row, it is left out", number, paths.shown(file))
             continue
-        found[row["hash"]] = row
+        # the last row of a run counts: those of a program before it stay in the file
+        found.pop(case_of(row), None)
+        found[case_of(row)] = row
     if not found:
         raise CosimError(f"`{paths.shown(file)}` has no rows")
     return sorted(found.values(), key=lambda row: int(row["run"]))
@@ -83,6 +85,8 @@ def compare(
         found.notes.append(f"{runs(extra)} not in the reference")
     compare_statuses(found, pairs)
     known = list(dict.fromkeys(name for old, _ in pairs for name in old["metrics"]))
+    if not known and not found.differences:
+        raise CosimError(f"the runs of `{names[0]}` have no metrics, there is nothing to compare")
     for name in allowed.chosen(known):
         compare_metric(found, name, pairs, allowed)
     return found

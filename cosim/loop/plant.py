@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import importlib
+import importlib.util
 import math
 import sys
 from collections.abc import Hashable, Sequence
@@ -109,7 +110,7 @@ def plant_class(name: str, folder: Path) -> Any:
         if place not in sys.path:
             sys.path.append(place)
     try:
-        module = importlib.import_module(module_name)
+        module = own_module(module_name, folder)
     except Exception as error:
         raise PlantError(
             f"cannot import the plant `{name}`: {type(error).__name__}: {error}",
@@ -121,6 +122,24 @@ def plant_class(name: str, folder: Path) -> Any:
             f"the module `{module_name}` has no class `{class_name}`", closest(class_name, public)
         )
     return getattr(module, class_name)
+
+
+def own_module(name: str, folder: Path) -> Any:
+    """Import the module of a plant; one beside the scenario comes before any other of that name."""
+    file = folder.joinpath(*name.split(".")).with_suffix(".py").resolve()
+    module = sys.modules.get(name)
+    if not file.is_file() or (module is not None and getattr(module, "__file__", None) == str(file)):
+        return importlib.import_module(name)
+    spec = importlib.util.spec_from_file_location(name, file)
+    assert spec is not None
+    assert spec.loader is not None
+    sys.modules[name] = fresh = importlib.util.module_from_spec(spec)
+    try:
+        spec.loader.exec_module(fresh)
+    except BaseException:
+        del sys.modules[name]
+        raise
+    return fresh
 
 
 def bare(file: Path) -> Any:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import csv
 import json
+import tokenize
 import zipfile
+import zlib
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -17,6 +19,11 @@ from cosim.errors import CosimError
 from cosim.loop import trace
 
 ENDINGS = (".npz", ".csv")
+BROKEN = (
+    *(ValueError, KeyError, EOFError, NotImplementedError, RecursionError, SyntaxError),
+    *(csv.Error, tokenize.TokenError, zipfile.BadZipFile, zlib.error),
+)
+"""What numpy, zipfile and csv raise where a file is damaged."""
 
 
 @dataclass(frozen=True)
@@ -72,7 +79,7 @@ def read(path: str | Path) -> StoredTrace:
             raise CosimError(f"`{shown}` is no trace", "traces end in `.npz` or `.csv`")
     except OSError as error:
         raise CosimError(f"cannot read `{shown}`: {error.strerror or error}") from None
-    except (ValueError, KeyError, EOFError, RecursionError, zipfile.BadZipFile, csv.Error) as error:
+    except BROKEN as error:
         hint = "a trace is what `cosim run --trace` writes, or a CSV file with a header"
         raise CosimError(f"`{shown}` holds no trace: {' '.join(str(error).split())}", hint) from None
     check(found, shown)

@@ -13,8 +13,8 @@ from cosim.scenario import layers
 from cosim.scenario.load import build
 from cosim.scenario.model import Scenario
 from cosim.sweep.designs import value_at
-from cosim.sweep.identity import digest, finished, leaf, project, section, total
-from cosim.sweep.plan import Run, check
+from cosim.sweep.identity import digest, finished, leaf, plant_of, section, total
+from cosim.sweep.plan import Run, check, things
 
 Values = dict[str, Any]
 """Keys with their values."""
@@ -39,23 +39,21 @@ class Variants:
             layers.assign(self.base, key, value, f"{self.origin}, `set.{key}`")
         first, last = ({vary.key: value_at(vary, end) for vary in problem.vary} for end in (0.0, 1.0))
         self.scenario = self.at(first)
-        fmu, _, plant = check(self.scenario)
-        check(self.at(last))
+        plant_of.cache_clear()
+        for scenario in (self.scenario, self.at(last)):
+            check(scenario)
         metric, names = problem.objective.metric, [entry.name for entry in self.scenario.metric]
         if metric and metric not in names:
             text = f"{self.origin}: `objective.metric` is `{metric}`, there is no such metric"
             raise ScenarioError(text, closest(metric, names))
         self.target = measured(problem, self.scenario)
         self.seeds = problem.search.seeds or (self.scenario.loop.seed,)
-        things = {
-            **project(),
-            "fmu": digest(fmu.path),
-            "plant": plant,
+        wanted = {
             "target": "" if self.target is None else digest(self.target.file),
             "columns": problem.objective.columns,
         }
         parts = (total(section(name, part)) for name, part in self.base.table.items())
-        self.identity = sum(parts) + total(things)
+        self.identity = sum(parts) + total(wanted)
 
     def at(self, values: Values) -> Scenario:
         """Scenario with some values."""
@@ -66,7 +64,10 @@ class Variants:
 
     def runs(self, number: int, values: Values) -> list[Run]:
         """Make the runs of a trial, one for each seed."""
-        changed = self.identity + sum(leaf(f"set.{key}", value) for key, value in values.items())
+        scenario = self.at(values)
+        fmu, _, plant = check(scenario)
+        changed = self.identity + total(things(scenario, fmu, plant))
+        changed += sum(leaf(f"set.{key}", value) for key, value in values.items())
         first = number * len(self.seeds)
         return [
             Run(first + index, number, seed, values, finished(changed, seed).hex())

@@ -27,6 +27,8 @@ START_TIMEOUT = 120.0
 """Time for a worker process to import everything, s."""
 MEMORY_INTERVAL = 0.02
 """How often the memory of a worker process is looked at where the operating system does not limit it, s."""
+LOOK_INTERVAL = 1.0
+"""How often it is looked whether the process is alive, s: what it started may keep its connection open."""
 WATCH_INTERVAL = 0.1
 """How often a watcher is told the steps done, s."""
 LONGEST_OUTPUT = 300
@@ -171,7 +173,7 @@ class Worker(Closing):
         while True:
             left = None if end is None else max(0.0, end - time.monotonic())
             waits = (left, WATCH_INTERVAL if watch else None, MEMORY_INTERVAL if memory else None)
-            if child.channel.waits(min((wait for wait in waits if wait is not None), default=None)):
+            if child.channel.waits(min((wait for wait in waits if wait is not None), default=LOOK_INTERVAL)):
                 kind, content = child.channel.receive().open()
                 match kind:
                     case "ready":
@@ -184,6 +186,8 @@ class Worker(Closing):
                         return content
             elif left == 0.0:
                 return self.too_long(child)
+            elif child.process.poll() is not None and not child.channel.waits(0.0):
+                return self.crashed(child)
             if watch and self.place.page.steps:
                 watch(self.place.page.step, self.place.page.steps)
             if memory and (used := resident(child)) > memory:

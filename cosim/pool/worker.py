@@ -95,6 +95,9 @@ class Forward(logging.Handler):
 def main(end: int, page: int, parent: int, memory: float | None) -> None:
     """Serve the channel until the other side closes it."""
     die_with(parent)
+    for descriptor in (end, page):
+        # what FMU or plant may start must not keep the channel open
+        os.set_inheritable(descriptor, False)
     channel = Channel(socket.socket(fileno=end))
     tasks: queue.SimpleQueue[Parcel] = queue.SimpleQueue()
     threading.Thread(target=listen, args=(channel, tasks), daemon=True).start()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import hashlib
 import importlib
@@ -62,15 +63,21 @@ def values(key: str, value: Any) -> Iterator[tuple[str, Any]]:
         yield key, value
 
 
-@functools.cache
 def digest(path: Path) -> str:
-    """SHA-256 of a file."""
+    """SHA-256 of a file as it is now."""
+    state = path.stat()
+    return digest_of(path, state.st_mtime_ns, state.st_size)
+
+
+@functools.cache
+def digest_of(path: Path, *_: int) -> str:
+    """SHA-256 of a file of that time and size."""
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 @functools.cache
 def plant_of(name: str, folder: Path) -> tuple[Any, str]:
-    """Class of a plant and the SHA-256 of what it is made of."""
+    """Class of a plant and the SHA-256 of what it is made of; every plan asks anew."""
     kind = plant.plant_class(name, folder)
     plant.check_class(kind)
     parts = [digest(file) for file in sources(kind, folder)]
@@ -101,10 +108,9 @@ def imported(module: Path, folder: Path) -> set[Path]:
 
     places = list(dict.fromkeys([str(module.parent), str(folder), str(Path.cwd())]))
     finder = ModuleFinder(path=places)
-    try:
+    # a module that is only imported when it is needed may be missing; what was found until then counts
+    with contextlib.suppress(Exception):
         finder.run_script(str(module))
-    except (ImportError, SyntaxError):  # of what is imported only when it is needed
-        return set()
     names = [getattr(found, "__file__", None) for found in finder.modules.values()]
     files = {Path(name).resolve() for name in names if name}
     return {file for file in files if not is_installed(file)}

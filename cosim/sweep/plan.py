@@ -24,6 +24,7 @@ from cosim.pool.job import Job
 from cosim.scenario import layers
 from cosim.scenario.load import build
 from cosim.scenario.model import Scenario
+from cosim.scenario.toml import toml_value
 from cosim.sweep.designs import DESIGNS, Case
 from cosim.sweep.identity import digest, finished, leaf, plant_of, project, section, total
 from cosim.sweep.study import Study
@@ -85,6 +86,7 @@ class Plan:
     def __init__(self, study: Study, engine: Engine = "native", progress: Progress | None = None) -> None:
         self.study = study
         self.engine = engine
+        plant_of.cache_clear()
         self.origin = f"`{paths.shown(study.file)}`"
         near = study.file.parent if study.scenario.endswith(".toml") else None
         self.file = paths.find_scenario(study.scenario, near).resolve()
@@ -132,14 +134,11 @@ class Plan:
             self.totals[name] if part is base.get(name) else total(section(name, part))
             for name, part in merged.table.items()
         )
-        files = {f"signal.{to}": digest(path) for to, path in course.files(scenario).items()}
-        things = total({**project(), **files, "fmu": digest(file.path), "plant": made})
         known = section("controller", merged.table["controller"]) | section(
             "plant", merged.table.get("plant", {})
         )
-        return Setting(
-            file, kind, {key: leaf(key, value) for key, value in known.items()}, sum(parts) + things
-        )
+        leaves = {key: leaf(key, value) for key, value in known.items()}
+        return Setting(file, kind, leaves, sum(parts) + total(things(scenario, file, made)))
 
     def merged(self, case: Case, index: int) -> layers.Layers:
         """Layers of one case."""
@@ -179,6 +178,12 @@ class Plan:
         options = [shlex.quote(f"{key}={text(value)}") for key, value in changes.items()]
         words = ["cosim run", shlex.quote(scenario), *(f"--set {option}" for option in options)]
         return " ".join([*words, f"--seed {run.seed}"])
+
+
+def things(scenario: Scenario, file: FmuFile, plant_hash: str) -> dict[str, str]:
+    """Hashes of what the numbers of a run depend on beside the values of its scenario."""
+    signals = {f"signal.{to}": digest(path) for to, path in course.files(scenario).items()}
+    return {**project(), **signals, "fmu": digest(file.path), "plant": plant_hash}
 
 
 class Runs(Sequence[Run]):
@@ -239,9 +244,11 @@ def exchange(setting: Setting, key: str, value: Any) -> int:
 
 def text(value: Any) -> str:
     """Value as `--set` reads it."""
-    if isinstance(value, float | str):
-        return str(value)
-    return json.dumps(value)
+    if isinstance(value, str):
+        return value if toml_value(value, "") == value else json.dumps(value)
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(json.dumps(item) if isinstance(item, str) else text(item) for item in value)}]"
+    return str(value) if isinstance(value, float) else json.dumps(value)
 
 
 def check(scenario: Scenario) -> tuple[FmuFile, Any, str]:

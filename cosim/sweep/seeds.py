@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import re
+from collections import Counter
 from collections.abc import Sequence
 from typing import Any
 
@@ -52,7 +53,7 @@ def parse(text: str) -> list[int]:
             raise CosimError(problem, "a study of `cosim sweep` takes more, and keeps what is done")
         seeds += range(first, last + 1)
     if len(set(seeds)) < len(seeds):
-        again = next(seed for index, seed in enumerate(seeds) if seed in seeds[:index])
+        again = Counter(seeds).most_common(1)[0][0]
         raise CosimError(f"`--seeds {text}` names the seed {again} twice")
     return seeds
 

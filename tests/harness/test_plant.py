@@ -123,12 +123,12 @@ def test_a_plant_that_names_what_is_not_there_is_explained(
 
 
 SHAPELESS = {
-    "class P: ...": r"`P` has no method `reset`, so it is no plant\nhint: `cosim.loop.plant.Plant`",
-    "P = len": "`len` is no class, so it is no plant",
-    "class P(Lag):\n    Parameters = None": "`P` has no dataclass `Parameters`",
-    "class P(Lag):\n    Parameters = dict": "`P` has no dataclass `Parameters`",
+    "class P: ...": r":P` has no method `reset`, so it is no plant\nhint: `cosim.loop.plant.Plant`",
+    "P = len": ":len` is no class, so it is no plant",
+    "class P(Lag):\n    Parameters = None": ":P` has no dataclass `Parameters`",
+    "class P(Lag):\n    Parameters = dict": ":P` has no dataclass `Parameters`",
     "@dataclasses.dataclass\nclass Q:\n    a: 'Undefined' = 1\nclass P(Lag):\n    Parameters = Q": (
-        r"`P` has `Parameters` whose types cannot be told: NameError: name 'Undefined'"
+        r":P` has `Parameters` whose types cannot be told: NameError: name 'Undefined'"
     ),
     "class P(Lag):\n    readings = 'x'": "`readings` is `'x'`, it must be a tuple of channels",
     "class P(Lag):\n    readings = ('x',)": "AttributeError: 'str' object has no attribute 'name'",

@@ -20,7 +20,7 @@ CASES = ["plant.pole = 0.25", "controller.gain = 0.4", "loop.duration = 0.02", '
 
 def hashes(folder: Path, text: str) -> list[str]:
     """Hashes of the runs of a study, as another process would find them."""
-    for function in (identity.digest, identity.plant_of, identity.project):
+    for function in (identity.digest_of, identity.plant_of, identity.project):
         function.cache_clear()
     (folder / "study.toml").write_text(text)
     return [run.hash for run in Plan(study.load(folder / "study.toml")).runs]
