@@ -14,7 +14,7 @@ import pytest
 import cosim
 from cosim.errors import PlantError
 
-from .conftest import SCENARIO
+from .conftest import END, SCENARIO
 
 Write = Callable[..., Path]
 ROOT = Path(__file__).resolve().parents[2]
@@ -160,3 +160,16 @@ def test_what_has_not_the_shape_of_a_plant_is_told_in_one_message(
     (folder / f"shapeless{number}.py").write_text(f"{imports}{text}\n")
     with pytest.raises(PlantError, match=message):
         cosim.run(cosim.load(write(), set=[f"plant.name=shapeless{number}:P"]))
+
+
+def test_modules_of_one_name_beside_two_scenarios_are_two_plants(write: Write, folder: Path) -> None:
+    ends = []
+    for name, pole in (("one", 0.5), ("two", 0.9)):
+        file = write(name=f"{name}/lag.toml", added=END)
+        sense = f"    def sense(self): return {pole} * super().sense()\n"
+        file.with_name("tank.py").write_text(f"from probe_plants import *\nclass Tank(Lag):\n{sense}")
+        result = cosim.run(
+            cosim.load(file, set=["plant.name=tank:Tank", f"controller.fmu={folder / 'probe.fmu'}"])
+        )
+        ends.append(result.metrics["end"].value)
+    assert ends[0] != ends[1]

@@ -257,6 +257,11 @@ def test_the_same_hash_is_the_same_run_and_the_last_row_of_it_counts(command: Ru
     assert found(command, before, after)[0] == 0
     assert found(command, before, sweep("c", [row(0, "NaN")]), "--atol", "9")[0] == 1
     assert found(command, before, sweep("d", [row(0, "much")]), "--atol", "9")[0] == 1
+    # a changed program leaves the rows of before in the file
+    stale = sweep("e", [row(0, 1.0), row(0, 99.0, hash="new")])
+    assert found(command, before, stale, "--atol", "9")[0] == 1
+    code, _, err = command("compare", sweep("f", [row(0, 0.0, "crashed", metrics={})]), "f")
+    assert (code, "nothing to compare" in err) == (2, True)
 
 
 WRONG = {

@@ -89,6 +89,10 @@ def test_the_command_judges_without_a_run(stored: Path, folder: Path) -> None:
     done = subprocess.run([*command, *options], capture_output=True, text=True, check=False, timeout=60)
     assert done.returncode == 1
     assert json.loads(done.stdout)["engine"] == "stored"
+    scenario = folder / "lag.toml"
+    scenario.write_text(scenario.read_text().partition("[[criterion]]")[0])
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
+    assert (done.returncode, "nothing was demanded" in done.stdout) == (0, True)
 
 
 def test_a_column_that_the_trace_does_not_have_is_named(stored: Path) -> None:

@@ -31,6 +31,14 @@ class Vanish(probe_plants.Lag):
         os._exit(0)
 
 
+class Parent(probe_plants.Lag):
+    """Leaves a process behind that has inherited what can be inherited, and dies."""
+
+    def advance(self, substeps: int) -> None:
+        os.system("sleep 50 &")
+        os.abort()
+
+
 class Hold(probe_plants.Lag):
     """Hangs in code of C that keeps the GIL, so that no other thread of Python runs."""
 

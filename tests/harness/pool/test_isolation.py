@@ -68,6 +68,10 @@ DEATHS = {
         ["plant.name=hostile_plants:ExitInStep"],
         "the plant `hostile_plants:ExitInStep` failed at t = 0.004 s (step 4): SystemExit: 0",
     ),
+    "a child that lives on": (
+        ["plant.name=hostile_plants:Parent"],
+        "the plant `hostile_plants:Parent` crashed at t = 0 s (step 0): killed by SIGABRT",
+    ),
     "_exit": (
         ["plant.name=hostile_plants:Vanish"],
         "the plant `hostile_plants:Vanish` crashed at t = 0 s (step 0): it ended the process with exit",
