@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import threading
+import time
 from pathlib import Path
 
 import psutil
@@ -39,9 +40,16 @@ def started(*arguments: str, path: Path = ROOT) -> subprocess.Popen[str]:
 def interrupted(process: subprocess.Popen[str], presses: int = 1) -> tuple[str, str]:
     """Press Ctrl-C; give what is on stdout and stderr in the end, after which nothing of it is left."""
     family = [psutil.Process(process.pid), *psutil.Process(process.pid).children(recursive=True)]
-    for _ in range(presses):
+    for press in range(presses):
+        # two signals that wait are one
+        time.sleep(1.0 if press else 0.0)
         process.send_signal(signal.SIGINT)
-    stdout, stderr = process.communicate(timeout=60)
+    try:
+        stdout, stderr = process.communicate(timeout=60)
+    except subprocess.TimeoutExpired:
+        # nothing waits for ever, `with` included
+        process.kill()
+        raise
     _, alive = psutil.wait_procs(family, timeout=60)
     assert not alive
     return stdout, stderr
