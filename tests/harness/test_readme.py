@@ -59,7 +59,8 @@ def test_all_functions_are_listed() -> None:
 
 
 def test_the_plant_of_the_readme_runs(folder: Path) -> None:
-    (folder / "tank.py").write_text(blocks("python")[1])
+    (tank,) = (block for block in blocks("python") if "class Tank" in block)
+    (folder / "tank.py").write_text(tank)
     text = """
 title = "Tank"
 loop = {step = 0.1, duration = 5.0}
