@@ -6,7 +6,7 @@ import os
 import shutil
 import signal
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -28,6 +28,14 @@ BUSY = {
     "in a step that logs for ever": ["--set", "controller.chat_at=3"],
     "in a plant that keeps the GIL": ["--set", "plant.name=hostile_plants:Hold"],
 }
+
+
+@pytest.fixture
+def heard() -> Iterator[None]:
+    """Ctrl-C raises in this process, also where the tests were started with it ignored (`nohup`, `&`)."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
 
 
 @pytest.mark.parametrize("arguments", BUSY.values(), ids=BUSY.keys())
@@ -77,6 +85,7 @@ def test_the_second_ctrl_c_ends_a_step_that_hangs_in_process(write: Write) -> No
     assert stderr.splitlines()[-1] == "error: interrupted"
 
 
+@pytest.mark.usefixtures("heard")
 def test_ctrl_c_within_a_callback_of_the_fmu_is_not_lost(
     write: Write, monkeypatch: pytest.MonkeyPatch
 ) -> None:
