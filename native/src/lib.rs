@@ -5,11 +5,25 @@
 #![forbid(unsafe_code)]
 #![cfg(feature = "extension-module")]
 
-use pyo3::prelude::*;
-
 /// Elements of the MuJoCo plants, circuits of them, and the stepper of closed loops.
-#[pymodule]
-fn machining_native(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    plants::python::register(module)?;
-    cosim_engine::python::register(module)
+#[pyo3::pymodule]
+mod machining_native {
+    #[pymodule_export]
+    use cosim_engine::python::PyStepper;
+    #[pymodule_export]
+    use plants::python::cutting::{deburring, edge, edge_length, flute, turned_part};
+    #[pymodule_export]
+    use plants::python::drive::{current_loop, induction_spindle, motion_board, pulse_drive, rotation, thrust};
+    #[pymodule_export]
+    use plants::python::friction::{bristle, foot, rolling_friction};
+    #[pymodule_export]
+    use plants::python::polishing::{rubbing, tangent_plane, wear};
+    #[pymodule_export]
+    use plants::python::signal::{
+        coloured_noise, harmonics, integrator, latch, limit, lookup, low_pass, peak, product, slew, summing_junction,
+    };
+    #[pymodule_export]
+    use plants::python::table::{outline, tip, turntable, wrench};
+    #[pymodule_export]
+    use plants::python::{Cell, PyCircuit, PyElement};
 }

@@ -14,6 +14,8 @@ pub struct Circuit {
 /// An element with its places and room for its numbers.
 struct Wired {
     name: String,
+    /// at time zero
+    fresh: Box<dyn Element>,
     element: Box<dyn Element>,
     inputs: Vec<Place>,
     outputs: Vec<Place>,
@@ -55,14 +57,14 @@ impl Circuit {
     /// Appends an element with one place for each of its ports.
     pub fn bind(&mut self, name: String, element: Box<dyn Element>, inputs: Vec<Place>, outputs: Vec<Place>) {
         let (read, written) = (vec![0.0; inputs.len()], vec![0.0; outputs.len()]);
-        self.elements.push(Wired { name, element, inputs, outputs, read, written });
+        self.elements.push(Wired { name, fresh: element.clone(), element, inputs, outputs, read, written });
     }
 
     /// Back to time zero.
     pub fn reset(&mut self) {
         self.k = 0;
         for bound in &mut self.elements {
-            bound.element.reset();
+            bound.element = bound.fresh.clone();
         }
     }
 

@@ -1,5 +1,7 @@
 //! What every element is.
 
+use dyn_clone::DynClone;
+
 /// Names of the inputs and outputs of an element, in the order of the slices of [`Element::step`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ports {
@@ -12,12 +14,11 @@ pub struct Ports {
 /// One block of a plant: it reads its inputs and writes its outputs once per plant step.
 ///
 /// The call at time `t` sees the inputs of `t`; its outputs act during `[t, t + h)`.
-pub trait Element: Send + Sync {
+///
+/// A copy of an element that has made no step is its state at time zero: what cannot change needs no care for that.
+pub trait Element: DynClone + Send + Sync {
     /// Names of the inputs and outputs.
     fn ports(&self) -> Ports;
-
-    /// Back to the state at time zero.
-    fn reset(&mut self);
 
     /// One plant step of `h` seconds; `h = 0` writes the outputs of time zero.
     fn step(&mut self, inputs: &[f64], outputs: &mut [f64], h: f64);
@@ -27,3 +28,5 @@ pub trait Element: Send + Sync {
         None
     }
 }
+
+dyn_clone::clone_trait_object!(Element);

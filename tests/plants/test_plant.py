@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 
-from machining_native import Cell, Circuit, current_loop, latch, peak, summing_junction
+from machining_native import Cell, Circuit, current_loop, integrator, latch, peak, summing_junction
 from plants.base.parameters import ParameterError, parameter
 from plants.base.plant import Channel, Plant, PlantError
 
@@ -137,6 +137,19 @@ def test_signals_advance_with_the_step_and_end() -> None:
     circuit.reset()
     circuit.step(1e-3)
     assert out[0] == 1.0
+
+
+def test_reset_brings_every_element_back_to_time_zero() -> None:
+    value, integral, most = np.array([3.0]), np.zeros(1), np.zeros(1)
+    circuit = Circuit()
+    circuit.bind("sum", integrator(2.0), [Cell(value)], [Cell(integral)])
+    circuit.bind("top", peak(), [Cell(value)], [Cell(most)])
+    for _ in range(2):
+        circuit.step(1e-3)
+    circuit.reset()
+    value[0] = -1.0
+    circuit.step(1e-3)
+    assert (integral[0], most[0]) == (2.0, -1.0)
 
 
 def test_a_circuit_names_the_input_that_is_not_finite() -> None:

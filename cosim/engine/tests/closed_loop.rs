@@ -257,14 +257,13 @@ fn words_of_a_mujoco_error_come_back() {
     assert_eq!(refused, Err(Failure::MuJoCo("mj_step1: told to fail".into())));
 }
 
+#[derive(Clone)]
 struct Panics;
 
 impl Element for Panics {
     fn ports(&self) -> Ports {
         Ports { inputs: &[], outputs: &[] }
     }
-
-    fn reset(&mut self) {}
 
     fn step(&mut self, _: &[f64], _: &mut [f64], _: f64) {
         panic!("a bug of an element");

@@ -108,7 +108,7 @@ impl Cell {
 
 /// An element that waits to be bound to a circuit.
 #[pyclass(name = "Element", module = "machining_native")]
-pub(super) struct PyElement(Option<Box<dyn Element>>);
+pub struct PyElement(Option<Box<dyn Element>>);
 
 impl PyElement {
     /// Hand an element to Python.

@@ -6,16 +6,6 @@ use pyo3::prelude::*;
 use super::cells::PyElement;
 use crate::elements::cutting::{Burr, Deburring, Edge, Flute, Milling, Reaction, Shapes, TurnedPart};
 
-/// Adds them to a module.
-pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_function(wrap_pyfunction!(deburring, module)?)?;
-    module.add_function(wrap_pyfunction!(edge, module)?)?;
-    module.add_function(wrap_pyfunction!(edge_length, module)?)?;
-    module.add_function(wrap_pyfunction!(flute, module)?)?;
-    module.add_function(wrap_pyfunction!(turned_part, module)?)?;
-    Ok(())
-}
-
 /// End mill on a burr of bins from a distance m on: heights and thicknesses m.
 ///
 /// The mill is teeth, radius m, Pa per chip cross-section, N/m of engaged edge, largest chip m. The reaction is
@@ -28,7 +18,7 @@ pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 /// ValueError
 ///     Heights and thicknesses differ in number, or the pitch is not positive.
 #[pyfunction]
-fn deburring(
+pub fn deburring(
     bins: (f64, f64),
     heights: Vec<f64>,
     thicknesses: Vec<f64>,
@@ -51,7 +41,7 @@ fn deburring(
 /// ValueError
 ///     The lines are too short for the radius.
 #[pyfunction]
-fn edge(start: [f64; 3], corner: [f64; 3], end: [f64; 3], radius: f64) -> PyResult<PyElement> {
+pub fn edge(start: [f64; 3], corner: [f64; 3], end: [f64; 3], radius: f64) -> PyResult<PyElement> {
     Ok(PyElement::new(corner_edge(start, corner, end, radius)?))
 }
 
@@ -62,20 +52,20 @@ fn edge(start: [f64; 3], corner: [f64; 3], end: [f64; 3], radius: f64) -> PyResu
 /// ValueError
 ///     The lines are too short for the radius.
 #[pyfunction]
-fn edge_length(start: [f64; 3], corner: [f64; 3], end: [f64; 3], radius: f64) -> PyResult<f64> {
+pub fn edge_length(start: [f64; 3], corner: [f64; 3], end: [f64; 3], radius: f64) -> PyResult<f64> {
     Ok(corner_edge(start, corner, end, radius)?.length())
 }
 
 /// Cutting edge on a tilted tool (m, m, rad): angle -> retreat behind the longest point.
 #[pyfunction]
-fn flute(shortfall: f64, tilt: f64, offset: f64) -> PyElement {
+pub fn flute(shortfall: f64, tilt: f64, offset: f64) -> PyElement {
     PyElement::new(Flute::new(shortfall, tilt, offset))
 }
 
 /// Part that a tool turns and a probe reads, all m:
 /// angle, lateral, depth, cutting, normal, probing, probe -> reading.
 #[pyfunction]
-fn turned_part(tool_radius: f64, probe_radius: f64, part_radius: f64, face: f64, roughness: f64) -> PyElement {
+pub fn turned_part(tool_radius: f64, probe_radius: f64, part_radius: f64, face: f64, roughness: f64) -> PyElement {
     PyElement::new(TurnedPart::new(Shapes { tool_radius, probe_radius, part_radius, face, roughness }))
 }
 

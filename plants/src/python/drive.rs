@@ -7,20 +7,9 @@ use crate::elements::drive::{
     CurrentLoop, DriveGains, InductionSpindle, MotionBoard, PulseDrive, RatingPlate, Rotation, Thrust,
 };
 
-/// Adds them to a module.
-pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_function(wrap_pyfunction!(current_loop, module)?)?;
-    module.add_function(wrap_pyfunction!(induction_spindle, module)?)?;
-    module.add_function(wrap_pyfunction!(motion_board, module)?)?;
-    module.add_function(wrap_pyfunction!(pulse_drive, module)?)?;
-    module.add_function(wrap_pyfunction!(rotation, module)?)?;
-    module.add_function(wrap_pyfunction!(thrust, module)?)?;
-    Ok(())
-}
-
 /// First-order current loop of `bandwidth` rad/s: command, noise -> current, all A.
 #[pyfunction]
-fn current_loop(bandwidth: f64) -> PyElement {
+pub fn current_loop(bandwidth: f64) -> PyElement {
     PyElement::new(CurrentLoop::new(bandwidth))
 }
 
@@ -28,7 +17,7 @@ fn current_loop(bandwidth: f64) -> PyElement {
 ///
 /// The plate is synchronous and rated speed rad/s, rated power W, breakdown over rated torque, time constant s.
 #[pyfunction]
-fn induction_spindle(plate: (f64, f64, f64, f64, f64), friction: f64, lag: f64) -> PyElement {
+pub fn induction_spindle(plate: (f64, f64, f64, f64, f64), friction: f64, lag: f64) -> PyElement {
     let (synchronous, rated_speed, rated_power, overload, time) = plate;
     let plate = RatingPlate { synchronous, rated_speed, rated_power, overload, time };
     PyElement::new(InductionSpindle::new(plate, friction, lag))
@@ -36,7 +25,7 @@ fn induction_spindle(plate: (f64, f64, f64, f64, f64), friction: f64, lag: f64) 
 
 /// Servo of one axis (N/m, N.s/m, N, s): position_setpoint, velocity_setpoint, position, velocity -> force.
 #[pyfunction]
-fn motion_board(stiffness: f64, damping: f64, force_limit: f64, period: f64) -> PyElement {
+pub fn motion_board(stiffness: f64, damping: f64, force_limit: f64, period: f64) -> PyElement {
     PyElement::new(MotionBoard::new(stiffness, damping, force_limit, period))
 }
 
@@ -45,7 +34,7 @@ fn motion_board(stiffness: f64, damping: f64, force_limit: f64, period: f64) -> 
 /// The loops are position gain in 1/s, velocity gain in rad/s and its integral in 1/s; feedforward is share and
 /// bandwidth in rad/s; inertia in kg, the largest force in N.
 #[pyfunction]
-fn pulse_drive(
+pub fn pulse_drive(
     loops: (f64, f64, f64),
     feedforward: (f64, f64),
     inertia: f64,
@@ -61,12 +50,12 @@ fn pulse_drive(
 
 /// Shaft that starts at `start` rad: speed -> angle at the start of the step, angle at its end.
 #[pyfunction]
-fn rotation(start: f64) -> PyElement {
-    PyElement::new(Rotation::new(start))
+pub fn rotation(start: f64) -> PyElement {
+    PyElement::new(Rotation { angle: start })
 }
 
 /// Linear motor (N/A, relative ripple, ripple period m, phase rad): current, position -> force.
 #[pyfunction]
-fn thrust(force_constant: f64, ripple: f64, pitch: f64, phase: f64) -> PyElement {
+pub fn thrust(force_constant: f64, ripple: f64, pitch: f64, phase: f64) -> PyElement {
     PyElement::new(Thrust::new(force_constant, ripple, pitch, phase))
 }

@@ -5,20 +5,19 @@ use pyo3::prelude::*;
 use super::cells::PyElement;
 use crate::elements::friction::{Bristle, Foot, RollingFriction, Stribeck};
 
-/// Adds them to a module.
-pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_function(wrap_pyfunction!(bristle, module)?)?;
-    module.add_function(wrap_pyfunction!(foot, module)?)?;
-    module.add_function(wrap_pyfunction!(rolling_friction, module)?)?;
-    Ok(())
-}
-
 /// Elasto-plastic friction of a part on a table (N, friction law, m, N/m, N.s/m, break-away share).
 ///
 /// vx, vy, yaw_rate -> fx, fy, torque, all in the frame of the table. The law is static coefficient, kinetic
 /// coefficient and Stribeck speed in m/s.
 #[pyfunction]
-fn bristle(load: f64, law: (f64, f64, f64), radius: f64, stiffness: f64, damping: f64, break_away: f64) -> PyElement {
+pub fn bristle(
+    load: f64,
+    law: (f64, f64, f64),
+    radius: f64,
+    stiffness: f64,
+    damping: f64,
+    break_away: f64,
+) -> PyElement {
     PyElement::new(Bristle::new(load, stribeck(law), radius, stiffness, damping, break_away))
 }
 
@@ -26,13 +25,13 @@ fn bristle(load: f64, law: (f64, f64, f64), radius: f64, stiffness: f64, damping
 ///
 /// The law is static coefficient, kinetic coefficient and Stribeck speed in m/s.
 #[pyfunction]
-fn foot(place: (f64, f64), law: (f64, f64, f64)) -> PyElement {
+pub fn foot(place: (f64, f64), law: (f64, f64, f64)) -> PyElement {
     PyElement::new(Foot::new(place, stribeck(law)))
 }
 
 /// Friction of balls that roll, `friction` N at most, that turns over `distance` m after a reversal: velocity -> force.
 #[pyfunction]
-fn rolling_friction(friction: f64, distance: f64) -> PyElement {
+pub fn rolling_friction(friction: f64, distance: f64) -> PyElement {
     PyElement::new(RollingFriction::new(friction, distance))
 }
 

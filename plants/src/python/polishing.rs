@@ -6,19 +6,11 @@ use pyo3::prelude::*;
 use super::cells::PyElement;
 use crate::elements::polishing::{Abrasion, Dimple, HeightMap, Mold, Pose, Rubbing, Step, Stroke, TangentPlane};
 
-/// Adds them to a module.
-pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_function(wrap_pyfunction!(rubbing, module)?)?;
-    module.add_function(wrap_pyfunction!(tangent_plane, module)?)?;
-    module.add_function(wrap_pyfunction!(wear, module)?)?;
-    Ok(())
-}
-
 /// Contact that rubs: fx, fy, fz, normal_x, normal_y, normal_z, vx, vy, vz -> load, friction_x, friction_y,
 /// friction_z, speed, slid, rubbed, work.
 #[pyfunction]
-fn rubbing() -> PyElement {
-    PyElement::new(Rubbing::new())
+pub fn rubbing() -> PyElement {
+    PyElement::new(Rubbing::default())
 }
 
 /// Plane that touches a mold where it is nearest to a ball: x, y, z, lift -> place, quaternion, normal, contact
@@ -27,7 +19,7 @@ fn rubbing() -> PyElement {
 /// The base is curvature of cap and saddle in 1/m; dimples are x, y, depth, sigma and the step place, height, width,
 /// all m; beyond `rim` m there is no mold. It stands at `shift` m, turned by the rotation vector `tilt` rad.
 #[pyfunction]
-fn tangent_plane(
+pub fn tangent_plane(
     base: (f64, f64),
     dimples: Vec<(f64, f64, f64, f64)>,
     step: (f64, f64, f64),
@@ -52,7 +44,7 @@ fn tangent_plane(
 /// ValueError
 ///     The lists of the map differ in length, or their length is no square.
 #[pyfunction]
-fn wear(
+pub fn wear(
     grid: (f64, f64),
     points: (Vec<f64>, Vec<f64>, Vec<f64>),
     strokes: Vec<(f64, f64, f64, f64, f64)>,

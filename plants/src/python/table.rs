@@ -6,15 +6,6 @@ use super::cells::PyElement;
 use super::signal::table;
 use crate::elements::table::{Outline, Tip, Turntable, Wrench};
 
-/// Adds them to a module.
-pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_function(wrap_pyfunction!(outline, module)?)?;
-    module.add_function(wrap_pyfunction!(tip, module)?)?;
-    module.add_function(wrap_pyfunction!(turntable, module)?)?;
-    module.add_function(wrap_pyfunction!(wrench, module)?)?;
-    Ok(())
-}
-
 /// Round part with a table of its radius over one turn, m, met by the line y = 0.
 ///
 /// cx, cy, vcx, vcy, orientation, turn_rate -> surface, normal_x, normal_y, vx, vy, phase.
@@ -24,7 +15,7 @@ pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 /// ValueError
 ///     There is no sample.
 #[pyfunction]
-fn outline(radius: Vec<f64>) -> PyResult<PyElement> {
+pub fn outline(radius: Vec<f64>) -> PyResult<PyElement> {
     Ok(PyElement::new(Outline::new(table(radius)?)))
 }
 
@@ -32,7 +23,7 @@ fn outline(radius: Vec<f64>) -> PyResult<PyElement> {
 ///
 /// tip, tip_speed, surface, normal_x, normal_y, vx, vy -> collapse, force, fx, fy.
 #[pyfunction]
-fn tip(preload: f64, ramp: f64, stiffness: f64, damping: f64, friction: f64) -> PyElement {
+pub fn tip(preload: f64, ramp: f64, stiffness: f64, damping: f64, friction: f64) -> PyElement {
     PyElement::new(Tip { preload, ramp, stiffness, damping, friction })
 }
 
@@ -41,12 +32,12 @@ fn tip(preload: f64, ramp: f64, stiffness: f64, damping: f64, friction: f64) -> 
 /// angle, rate, x, y, yaw, vx, vy, yaw_rate, error_x, error_y -> cx, cy, vcx, vcy, orientation, turn_rate,
 /// eccentricity, slip_speed.
 #[pyfunction]
-fn turntable() -> PyElement {
+pub fn turntable() -> PyElement {
     PyElement::new(Turntable)
 }
 
 /// Force on a part on a turning table: fx, fy, place, cx, cy, angle -> table, x, y, torque.
 #[pyfunction]
-fn wrench() -> PyElement {
+pub fn wrench() -> PyElement {
     PyElement::new(Wrench)
 }

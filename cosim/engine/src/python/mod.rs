@@ -4,12 +4,4 @@ mod build;
 pub(crate) mod rows;
 mod stepper;
 
-use pyo3::prelude::*;
-
-/// Adds the stepper to a module.
-///
-/// # Errors
-/// When Python refuses.
-pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<stepper::PyStepper>()
-}
+pub use stepper::PyStepper;

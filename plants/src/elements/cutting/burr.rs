@@ -8,8 +8,6 @@ pub struct Burr {
     /// length of a bin, m
     pitch: f64,
     /// m
-    height: Vec<f64>,
-    /// m
     thickness: Vec<f64>,
     /// height that is left, negative where the tool has gouged, m
     left: Vec<f64>,
@@ -21,14 +19,7 @@ impl Burr {
     /// A burr from the distance `from` m on, in bins of `pitch` m; none if the columns differ in length.
     pub fn new(from: f64, pitch: f64, height: Vec<f64>, thickness: Vec<f64>) -> Option<Self> {
         let fits = height.len() == thickness.len() && pitch > 0.0;
-        let left = height.clone();
-        fits.then_some(Self { from, pitch, height, thickness, left, finish: [0.0; 2] })
-    }
-
-    /// As it was before the first pass.
-    pub fn reset(&mut self) {
-        self.left.copy_from_slice(&self.height);
-        self.finish = [0.0; 2];
+        fits.then_some(Self { from, pitch, thickness, left: height, finish: [0.0; 2] })
     }
 
     /// Height that is left and thickness at a distance, m; nothing beside the part.
@@ -115,8 +106,6 @@ mod tests {
         assert_eq!(burr.at(0.0301).0, f64::NEG_INFINITY);
         assert_eq!(burr.pass(0.0, 0.019, 0.0), 0.0);
         assert_eq!(burr.pass(0.031, 1.0, 0.0), 0.0);
-        burr.pass(0.0, 1.0, 0.0);
-        burr.reset();
         assert_eq!((burr.finish(), burr.at(0.025)), ([0.0; 2], (3e-3, 2e-3)));
         assert!(Burr::new(0.0, 1e-3, vec![1.0], vec![]).is_none());
     }

@@ -71,14 +71,6 @@ impl Element for Deburring {
         }
     }
 
-    fn reset(&mut self) {
-        self.burr.reset();
-        self.before = None;
-        self.removed = 0.0;
-        self.left = self.burr.volume();
-        self.crashed = None;
-    }
-
     fn step(&mut self, inputs: &[f64], outputs: &mut [f64], h: f64) {
         let &[distance, normal, across, tx, ty, tz, nx, ny, nz, speed, part] = inputs else { return };
         let before = self.before.replace(distance).unwrap_or(distance);
@@ -168,8 +160,6 @@ mod tests {
         let rows = pass(&mut deburring, 0.0, 0.0, 1.0);
         assert!((rows[300][6] - 2e-4).abs() < 1e-15);
         assert!(rows[499][10].abs() < 1e-15);
-        deburring.reset();
-        assert!((pass(&mut deburring, 0.0, 0.0, 1.0)[300][6] - 4e-3).abs() < 1e-15);
     }
 
     #[test]

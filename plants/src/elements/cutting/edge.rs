@@ -115,8 +115,6 @@ impl Element for Edge {
         }
     }
 
-    fn reset(&mut self) {}
-
     fn step(&mut self, inputs: &[f64], outputs: &mut [f64], _h: f64) {
         let &[x, y, z] = inputs else { return };
         let Clearance { distance, normal, across, tangent, outward } = self.place([x, y, z]);

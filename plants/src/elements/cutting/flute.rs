@@ -25,8 +25,6 @@ impl Element for Flute {
         Ports { inputs: &["angle"], outputs: &["retreat"] }
     }
 
-    fn reset(&mut self) {}
-
     fn step(&mut self, inputs: &[f64], outputs: &mut [f64], _h: f64) {
         outputs[0] = self.shortfall + self.tilt * (1.0 - (inputs[0] + self.offset).cos());
     }

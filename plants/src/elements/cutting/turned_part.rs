@@ -98,11 +98,6 @@ impl Element for TurnedPart {
         Ports { inputs: &["angle", "lateral", "depth", "cutting", "normal", "probing", "probe"], outputs: &["reading"] }
     }
 
-    fn reset(&mut self) {
-        self.section.fill(self.shapes.face);
-        self.before = None;
-    }
-
     fn step(&mut self, inputs: &[f64], outputs: &mut [f64], _h: f64) {
         let &[angle, lateral, depth, cutting, normal, probing, probe] = inputs else { return };
         let now = [angle, lateral, depth];
@@ -185,8 +180,6 @@ mod tests {
         let before = part.section.clone();
         turn(&mut part, 1, |_| [0.01, 1e-4]);
         assert_eq!(part.section, before);
-        part.reset();
-        assert!((read(&mut part, 0.01) + 1e-3).abs() < 1e-12);
     }
 
     #[test]

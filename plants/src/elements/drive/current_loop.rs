@@ -23,10 +23,6 @@ impl Element for CurrentLoop {
         Ports { inputs: &["command", "noise"], outputs: &["current"] }
     }
 
-    fn reset(&mut self) {
-        self.current = 0.0;
-    }
-
     fn step(&mut self, inputs: &[f64], outputs: &mut [f64], h: f64) {
         let (command, noise) = (inputs[0], inputs[1]);
         // mean of the exponential over the step: the impulse of the force is exact
@@ -70,11 +66,9 @@ mod tests {
     }
 
     #[test]
-    fn noise_is_added_and_reset_forgets() {
+    fn noise_is_added() {
         let mut current = CurrentLoop::new(1000.0);
         let mut out = [0.0];
-        current.step(&[5.0, 0.25], &mut out, 1.0);
-        current.reset();
         current.step(&[0.0, 0.25], &mut out, 1e-4);
         assert_eq!(out, [0.25]);
     }

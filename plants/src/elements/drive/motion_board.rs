@@ -45,10 +45,6 @@ impl Element for MotionBoard {
         Ports { inputs, outputs: &["force"] }
     }
 
-    fn reset(&mut self) {
-        (self.setpoint, self.age) = ((0.0, 0.0), 0.0);
-    }
-
     fn step(&mut self, inputs: &[f64], outputs: &mut [f64], h: f64) {
         let setpoint = (inputs[0], inputs[1]);
         if setpoint != self.setpoint {
@@ -110,13 +106,5 @@ mod tests {
         let mut damped = MotionBoard::new(0.0, 1.0, 1e9, 1e-3);
         let forces: Vec<f64> = (0..30).map(|_| force(&mut damped, 0.0, 0.1)).collect();
         assert_eq!((forces[5], forces[29]), (0.1, 0.0));
-    }
-
-    #[test]
-    fn reset_forgets_the_setpoint() {
-        let mut board = MotionBoard::new(1.0, 0.0, 1e9, 1e-3);
-        force(&mut board, 3.0, 0.0);
-        board.reset();
-        assert_eq!(force(&mut board, 0.0, 0.0), 0.0);
     }
 }

@@ -7,26 +7,13 @@ use crate::element::{Element, Ports};
 /// `angle` at the start of the step and `angle_next` at its end, rad in `[0, 2 pi)`, from `speed` in rad/s.
 #[derive(Clone, Debug)]
 pub struct Rotation {
-    /// angle at time zero, rad
-    start: f64,
-    /// angle now, rad
-    angle: f64,
-}
-
-impl Rotation {
-    /// A shaft at `start` rad.
-    pub fn new(start: f64) -> Self {
-        Self { start, angle: start }
-    }
+    /// where the shaft is, rad
+    pub angle: f64,
 }
 
 impl Element for Rotation {
     fn ports(&self) -> Ports {
         Ports { inputs: &["speed"], outputs: &["angle", "angle_next"] }
-    }
-
-    fn reset(&mut self) {
-        self.angle = self.start;
     }
 
     fn step(&mut self, inputs: &[f64], outputs: &mut [f64], h: f64) {
@@ -42,7 +29,7 @@ mod tests {
 
     #[test]
     fn turns_and_wraps() {
-        let mut rotation = Rotation::new(1.0);
+        let mut rotation = Rotation { angle: 1.0 };
         let mut out = [0.0; 2];
         // 10 turns and a quarter
         for _ in 0..41 {
@@ -54,7 +41,7 @@ mod tests {
 
     #[test]
     fn a_step_of_zero_shows_the_start() {
-        let mut rotation = Rotation::new(1.0);
+        let mut rotation = Rotation { angle: 1.0 };
         let mut out = [0.0; 2];
         rotation.step(&[300.0], &mut out, 0.0);
         assert_eq!(out, [1.0, 1.0]);

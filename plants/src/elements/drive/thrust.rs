@@ -29,8 +29,6 @@ impl Element for Thrust {
         Ports { inputs: &["current", "position"], outputs: &["force"] }
     }
 
-    fn reset(&mut self) {}
-
     fn step(&mut self, inputs: &[f64], outputs: &mut [f64], _h: f64) {
         let (current, position) = (inputs[0], inputs[1]);
         let ripple = self.ripple * (self.wavenumber * position + self.phase).sin();

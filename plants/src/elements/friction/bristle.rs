@@ -52,10 +52,6 @@ impl Element for Bristle {
         Ports { inputs: &["vx", "vy", "yaw_rate"], outputs: &["fx", "fy", "torque"] }
     }
 
-    fn reset(&mut self) {
-        self.z = Vector3::zeros();
-    }
-
     fn step(&mut self, inputs: &[f64], outputs: &mut [f64], h: f64) {
         let v = Vector3::new(inputs[0], inputs[1], self.radius * inputs[2]);
         let speed = v.norm();
@@ -133,11 +129,8 @@ mod tests {
     }
 
     #[test]
-    fn a_step_of_no_time_and_reset() {
+    fn a_step_of_no_time() {
         let mut bristle = bristle();
         assert_eq!(slide(&mut bristle, [0.1, 0.0, 0.0], 0.0, 1), [0.0; 3]);
-        slide(&mut bristle, [0.1, 0.0, 0.0], 1e-4, 10);
-        bristle.reset();
-        assert_eq!(bristle.z.norm(), 0.0);
     }
 }

@@ -25,8 +25,6 @@ impl Element for Foot {
         Ports { inputs: &["yaw", "vx", "vy", "yaw_rate"], outputs: &["mu_1", "mu_2"] }
     }
 
-    fn reset(&mut self) {}
-
     fn step(&mut self, inputs: &[f64], outputs: &mut [f64], _h: f64) {
         let [yaw, vx, vy, yaw_rate] = [inputs[0], inputs[1], inputs[2], inputs[3]];
         let (sin, cos) = yaw.sin_cos();

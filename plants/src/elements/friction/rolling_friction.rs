@@ -28,10 +28,6 @@ impl Element for RollingFriction {
         Ports { inputs: &["velocity"], outputs: &["force"] }
     }
 
-    fn reset(&mut self) {
-        self.share = 0.0;
-    }
-
     fn step(&mut self, inputs: &[f64], outputs: &mut [f64], h: f64) {
         let velocity = inputs[0];
         let missing = velocity.signum() + self.share;
@@ -71,14 +67,11 @@ mod tests {
     }
 
     #[test]
-    fn at_rest_it_stays_and_reset_relaxes_it() {
+    fn at_rest_it_stays() {
         let mut friction = RollingFriction::new(2.0, 20e-6);
         let force = roll(&mut friction, 1e-3, 10e-6);
         let mut out = [0.0];
         friction.step(&[0.0], &mut out, 1.0);
         assert!((out[0] - force).abs() < 1e-15);
-        friction.reset();
-        friction.step(&[0.0], &mut out, 1.0);
-        assert_eq!(out, [0.0]);
     }
 }

@@ -18,23 +18,12 @@ pub struct Rubbing {
     work: f64,
 }
 
-impl Rubbing {
-    /// A contact that has done nothing yet.
-    pub fn new() -> Self {
-        Self::default()
-    }
-}
-
 impl Element for Rubbing {
     fn ports(&self) -> Ports {
         Ports {
             inputs: &["fx", "fy", "fz", "normal_x", "normal_y", "normal_z", "vx", "vy", "vz"],
             outputs: &["load", "friction_x", "friction_y", "friction_z", "speed", "slid", "rubbed", "work"],
         }
-    }
-
-    fn reset(&mut self) {
-        *self = Self::default();
     }
 
     fn step(&mut self, inputs: &[f64], outputs: &mut [f64], h: f64) {
@@ -67,7 +56,7 @@ mod tests {
         let force = [0, 1, 2].map(|i| 5.0 * normal[i] - along[i]);
         let speed = [0, 1, 2].map(|i| 0.01 * along[i] + 0.3 * normal[i]);
         let inputs = [force, normal, speed].concat();
-        let mut rubbing = Rubbing::new();
+        let mut rubbing = Rubbing::default();
         for _ in 0..1000 {
             rubbing.step(&inputs, &mut out, 1e-4);
         }
@@ -78,7 +67,7 @@ mod tests {
 
     #[test]
     fn nothing_adds_up_without_load() {
-        let (mut rubbing, mut out) = (Rubbing::new(), [9.0; 8]);
+        let (mut rubbing, mut out) = (Rubbing::default(), [9.0; 8]);
         rubbing.step(&[0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.1, 0.0, 0.0], &mut out, 1e-4);
         assert_eq!(out, [0.0; 8]);
     }

@@ -122,10 +122,6 @@ impl Element for TangentPlane {
         }
     }
 
-    fn reset(&mut self) {
-        self.foot = [0.0; 2];
-    }
-
     fn step(&mut self, inputs: &[f64], outputs: &mut [f64], _h: f64) {
         let &[x, y, z, lift] = inputs else { return };
         let mut centre = self.pose.to_mold(Vector3::new(x, y, z));

@@ -21,8 +21,6 @@ impl Element for Harmonics {
         Ports { inputs: &["angle"], outputs: &["value"] }
     }
 
-    fn reset(&mut self) {}
-
     fn step(&mut self, inputs: &[f64], outputs: &mut [f64], _h: f64) {
         let orders = (1..).zip(&self.orders);
         outputs[0] = orders.map(|(n, (amplitude, phase))| amplitude * (f64::from(n) * inputs[0] + phase).sin()).sum();

@@ -8,20 +8,9 @@ pub struct Latch {
     seen: bool,
 }
 
-impl Latch {
-    /// A latch that has seen nothing.
-    pub fn new() -> Self {
-        Self::default()
-    }
-}
-
 impl Element for Latch {
     fn ports(&self) -> Ports {
         Ports { inputs: &["value"], outputs: &["seen"] }
-    }
-
-    fn reset(&mut self) {
-        self.seen = false;
     }
 
     fn step(&mut self, inputs: &[f64], outputs: &mut [f64], _h: f64) {
@@ -36,14 +25,11 @@ mod tests {
 
     #[test]
     fn remembers_the_first_positive_value() {
-        let mut latch = Latch::new();
+        let mut latch = Latch::default();
         let mut out = [9.0];
         for (value, seen) in [(0.0, 0.0), (-1.0, 0.0), (1e-300, 1.0), (-1.0, 1.0)] {
             latch.step(&[value], &mut out, 1e-4);
             assert_eq!(out, [seen]);
         }
-        latch.reset();
-        latch.step(&[0.0], &mut out, 1e-4);
-        assert_eq!(out, [0.0]);
     }
 }

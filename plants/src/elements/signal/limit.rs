@@ -28,10 +28,6 @@ impl Element for Limit {
         Ports { inputs: &["value"], outputs: &[] }
     }
 
-    fn reset(&mut self) {
-        self.refused = None;
-    }
-
     fn step(&mut self, inputs: &[f64], _outputs: &mut [f64], _h: f64) {
         self.refused = Some(inputs[0]).filter(|value| !(self.low..=self.high).contains(value));
     }
@@ -57,7 +53,5 @@ mod tests {
         limit.step(&[2.75], &mut [], 1e-4);
         let message = limit.stop().expect("beyond the limit");
         assert_eq!(message, "the oil is `2.750000` K, limit `-1.000000` to `2.500000` K\nhint: cool it");
-        limit.reset();
-        assert_eq!(limit.stop(), None);
     }
 }

@@ -36,8 +36,6 @@ impl Element for Lookup {
         Ports { inputs: &["angle"], outputs: &["value"] }
     }
 
-    fn reset(&mut self) {}
-
     fn step(&mut self, inputs: &[f64], outputs: &mut [f64], _h: f64) {
         outputs[0] = self.at(inputs[0]).0;
     }

@@ -2,7 +2,7 @@
 
 use crate::element::{Element, Ports};
 
-/// `maximum = max(value)` since the reset.
+/// `maximum = max(value)` since time zero.
 #[derive(Clone, Debug)]
 pub struct Peak {
     maximum: f64,
@@ -26,10 +26,6 @@ impl Element for Peak {
         Ports { inputs: &["value"], outputs: &["maximum"] }
     }
 
-    fn reset(&mut self) {
-        *self = Self::new();
-    }
-
     fn step(&mut self, inputs: &[f64], outputs: &mut [f64], _h: f64) {
         self.maximum = self.maximum.max(inputs[0]);
         outputs[0] = self.maximum;
@@ -41,15 +37,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn holds_the_largest_and_reset_forgets() {
+    fn holds_the_largest() {
         let mut peak = Peak::new();
         let mut out = [0.0];
         for (value, maximum) in [(-3.0, -3.0), (-1.0, -1.0), (-2.0, -1.0)] {
             peak.step(&[value], &mut out, 1e-4);
             assert_eq!(out, [maximum]);
         }
-        peak.reset();
-        peak.step(&[-5.0], &mut out, 1e-4);
-        assert_eq!(out, [-5.0]);
     }
 }

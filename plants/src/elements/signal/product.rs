@@ -3,22 +3,13 @@
 use crate::element::{Element, Ports};
 
 /// `product = a b`.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct Product;
-
-impl Product {
-    /// A multiplier.
-    pub fn new() -> Self {
-        Self
-    }
-}
 
 impl Element for Product {
     fn ports(&self) -> Ports {
         Ports { inputs: &["a", "b"], outputs: &["product"] }
     }
-
-    fn reset(&mut self) {}
 
     fn step(&mut self, inputs: &[f64], outputs: &mut [f64], _h: f64) {
         outputs[0] = inputs[0] * inputs[1];
@@ -32,7 +23,7 @@ mod tests {
     #[test]
     fn multiplies() {
         let mut out = [9.0];
-        Product::new().step(&[3.0, -2.5], &mut out, 1e-4);
+        Product.step(&[3.0, -2.5], &mut out, 1e-4);
         assert_eq!(out, [-7.5]);
     }
 }

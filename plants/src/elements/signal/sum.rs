@@ -25,8 +25,6 @@ impl Element for Sum {
         Ports { inputs: &NAMES[..self.terms], outputs: &["sum"] }
     }
 
-    fn reset(&mut self) {}
-
     fn step(&mut self, inputs: &[f64], outputs: &mut [f64], _h: f64) {
         outputs[0] = inputs.iter().sum();
     }

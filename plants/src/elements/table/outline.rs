@@ -31,8 +31,6 @@ impl Element for Outline {
         }
     }
 
-    fn reset(&mut self) {}
-
     fn step(&mut self, inputs: &[f64], outputs: &mut [f64], _h: f64) {
         let [cx, cy, vcx, vcy, orientation, turn_rate] =
             [inputs[0], inputs[1], inputs[2], inputs[3], inputs[4], inputs[5]];

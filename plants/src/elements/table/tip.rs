@@ -46,8 +46,6 @@ impl Element for Tip {
         }
     }
 
-    fn reset(&mut self) {}
-
     fn step(&mut self, inputs: &[f64], outputs: &mut [f64], _h: f64) {
         let [tip, tip_speed, surface, nx, ny] = [inputs[0], inputs[1], inputs[2], inputs[3], inputs[4]];
         let (vx, vy) = (inputs[5], inputs[6]);

@@ -16,8 +16,6 @@ impl Element for Turntable {
         }
     }
 
-    fn reset(&mut self) {}
-
     fn step(&mut self, inputs: &[f64], outputs: &mut [f64], _h: f64) {
         let [angle, rate, x, y, yaw] = [inputs[0], inputs[1], inputs[2], inputs[3], inputs[4]];
         let [vx, vy, yaw_rate, error_x, error_y] = [inputs[5], inputs[6], inputs[7], inputs[8], inputs[9]];

@@ -14,8 +14,6 @@ impl Element for Wrench {
         Ports { inputs: &["fx", "fy", "place", "cx", "cy", "angle"], outputs: &["table", "x", "y", "torque"] }
     }
 
-    fn reset(&mut self) {}
-
     fn step(&mut self, inputs: &[f64], outputs: &mut [f64], _h: f64) {
         let [fx, fy, place, cx, cy, angle] = [inputs[0], inputs[1], inputs[2], inputs[3], inputs[4], inputs[5]];
         let (sin, cos) = angle.sin_cos();
