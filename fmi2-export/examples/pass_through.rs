@@ -1,5 +1,6 @@
 //! The smallest FMU: its output is its input, sampled once in a period.
 
+use fmi2_export::serde::{Deserialize, Serialize};
 use fmi2_export::{Env, Error, Info, Model, export, package};
 use variables::Vars;
 
@@ -18,18 +19,19 @@ mod variables {
     }
 }
 
+#[derive(Clone, Serialize, Deserialize)]
+#[serde(crate = "fmi2_export::serde")]
 struct PassThrough;
 
 impl Model for PassThrough {
     const INFO: Info = Info { name: "PassThrough", description: "Gives its sampled input back", ..package!() };
     type Vars = Vars;
-    type State = ();
 
-    fn initialise(_: &mut Vars, _: &mut Env) -> Result<(), Error> {
-        Ok(())
+    fn initialise(_: &mut Vars, _: &mut Env) -> Result<Self, Error> {
+        Ok(Self)
     }
 
-    fn tick(vars: &mut Vars, _: &mut (), _: &mut Env) -> Result<(), Error> {
+    fn sample(&mut self, vars: &mut Vars, _: &mut Env) -> Result<(), Error> {
         vars.output.y = vars.input.u;
         Ok(())
     }

@@ -122,32 +122,29 @@ mod variables {
 
 #[derive(Clone, Serialize, Deserialize)]
 #[serde(crate = "fmi2_export::serde")]
-struct State {
+struct Probe {
     sum: f64,
     ticks: i32,
 }
-
-struct Probe;
 
 impl Model for Probe {
     const INFO: Info =
         Info { name: "Probe", description: "Every kind of variable & every kind of failure", ..package!() };
     type Vars = Vars;
-    type State = State;
 
     fn calculate(vars: &mut Vars) {
         vars.parameters.natural_frequency = vars.in_force.gain.sqrt();
     }
 
-    fn initialise(vars: &mut Vars, _: &mut Env) -> Result<State, Error> {
+    fn initialise(vars: &mut Vars, _: &mut Env) -> Result<Self, Error> {
         let Limits { low, high } = vars.in_force.limits;
         if low > high {
             return Err(format!("`limits.low` = {low} N must be at most `limits.high` = {high} N").into());
         }
-        Ok(State { sum: 0.0, ticks: 0 })
+        Ok(Self { sum: 0.0, ticks: 0 })
     }
 
-    fn tick(vars: &mut Vars, state: &mut State, env: &mut Env) -> Result<(), Error> {
+    fn sample(&mut self, vars: &mut Vars, env: &mut Env) -> Result<(), Error> {
         let Vars { input, in_force: parameters, output, .. } = vars;
         output.force = match parameters.mode {
             Mode::Off => 0.0,
@@ -156,10 +153,10 @@ impl Model for Probe {
         };
         fail(parameters, output, env)?;
         output.force = output.force.clamp(parameters.limits.low, parameters.limits.high);
-        state.sum += output.force;
-        state.ticks += 1;
-        output.sum = state.sum;
-        output.ticks = state.ticks;
+        self.sum += output.force;
+        self.ticks += 1;
+        output.sum = self.sum;
+        output.ticks = self.ticks;
         output.counted += input.count;
         output.enabled = input.enable;
         output.active_mode = parameters.mode;

@@ -6,6 +6,7 @@
 //! exports the whole C API of FMI 2.0.5 for co-simulation.
 //!
 //! ```
+//! use fmi2_export::serde::{Deserialize, Serialize};
 //! use fmi2_export::{Env, Error, Info, Model, export, package};
 //! use variables::Vars;
 //!
@@ -35,18 +36,19 @@
 //!     }
 //! }
 //!
+//! #[derive(Clone, Serialize, Deserialize)]
+//! #[serde(crate = "fmi2_export::serde")]
 //! struct Spring;
 //!
 //! impl Model for Spring {
 //!     const INFO: Info = Info { name: "Spring", description: "A sampled spring", ..package!() };
 //!     type Vars = Vars;
-//!     type State = ();
 //!
-//!     fn initialise(_: &mut Vars, _: &mut Env) -> Result<(), Error> {
-//!         Ok(())
+//!     fn initialise(_: &mut Vars, _: &mut Env) -> Result<Self, Error> {
+//!         Ok(Self)
 //!     }
 //!
-//!     fn tick(vars: &mut Vars, _: &mut (), _: &mut Env) -> Result<(), Error> {
+//!     fn sample(&mut self, vars: &mut Vars, _: &mut Env) -> Result<(), Error> {
 //!         vars.output.force = -vars.parameters.stiffness * vars.input.position;
 //!         Ok(())
 //!     }
@@ -56,8 +58,8 @@
 //! # fn main() {}
 //! ```
 //!
-//! State that is hidden between samples derives [`serde`]'s traits: `#[serde(crate = "fmi2_export::serde")]` saves the
-//! dependency.
+//! The fields of the model are its state between samples, so it derives [`serde`]'s traits:
+//! `#[serde(crate = "fmi2_export::serde")]` saves the dependency.
 //!
 //! All `unsafe` code is in [`c_api`], `table::place` and what [`export!`] and [`interface`](macro@interface) make; every other
 //! module is safe Rust.

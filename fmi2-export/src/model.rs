@@ -24,7 +24,7 @@ pub struct Info {
     pub copyright: &'static str,
     /// Licence.
     pub license: &'static str,
-    /// Raise it whenever `Vars` or `State` change their layout or meaning: the GUID changes and
+    /// Raise it whenever the variables or the model change their layout or meaning: the GUID changes and
     /// state bytes of the older version are refused.
     pub state_version: u32,
     /// Suggested stop time, s.
@@ -102,34 +102,37 @@ pub struct Report {
     pub fault: Option<&'static Item>,
 }
 
-/// A sampled controller. Its sample period is the parameter `sample_period`, where it has one, else that of [`Info`].
-pub trait Model: Sized + 'static {
+/// A sampled controller: a value of this type is what it remembers between samples beside its variables.
+///
+/// Its sample period is the parameter `sample_period`, where it has one, else that of [`Info`].
+pub trait Model: Clone + Serialize + DeserializeOwned + Send + Sync + 'static {
     /// Facts for the model description.
     const INFO: Info;
     /// All variables of the FMU, as plain fields.
     type Vars: Interface + Clone + Serialize + DeserializeOwned + Send + Sync + 'static;
-    /// Hidden state between samples.
-    type State: Clone + Serialize + DeserializeOwned + Send + Sync + 'static;
-    /// The numbers behind a new state or fault, told after its meaning, such as `: 3 mm, limit 2 mm`.
-    const NUMBERS: fn(&Self::Vars) -> String = |_| String::new();
 
     /// Computes the calculated parameters from the others.
     fn calculate(_vars: &mut Self::Vars) {}
 
-    /// Checks parameters against each other and makes the state of time zero.
+    /// Checks parameters against each other and makes the controller of time zero.
     ///
     /// A `hidden` field that is read from other parameters belongs into [`Model::calculate`]: each set of a parameter makes
     /// `in_force` anew.
     ///
     /// # Errors
     /// The parameter's name, value and limit.
-    fn initialise(vars: &mut Self::Vars, env: &mut Env) -> Result<Self::State, Error>;
+    fn initialise(vars: &mut Self::Vars, env: &mut Env) -> Result<Self, Error>;
 
-    /// One sample: reads inputs and parameters, writes outputs and state.
+    /// One sample: reads inputs and parameters, writes outputs.
     ///
     /// # Errors
     /// Only what the controller cannot answer with a fault state of its own.
-    fn tick(vars: &mut Self::Vars, state: &mut Self::State, env: &mut Env) -> Result<(), Error>;
+    fn sample(&mut self, vars: &mut Self::Vars, env: &mut Env) -> Result<(), Error>;
+
+    /// The numbers behind a new state or fault, told after its meaning, such as `: 3 mm, limit 2 mm`.
+    fn numbers(_vars: &Self::Vars) -> String {
+        String::new()
+    }
 }
 
 /// What a model sees of the world beside its variables.

@@ -23,27 +23,26 @@ use fmi2_export::{Env, Error, Info, Model, export, package};
 use controller::Controller;
 use interface::Vars;
 
-/// The FMU.
-pub struct Centering;
-
-impl Model for Centering {
+impl Model for Controller {
     const INFO: Info = Info { name: "RingCentering", state_version: 2, stop_time: 60.0, ..package!() };
     type Vars = Vars;
-    type State = Controller;
-    const NUMBERS: fn(&Vars) -> String = faults::numbers;
 
     fn calculate(vars: &mut Vars) {
         vars.parameters.approach.look_ahead = limits::look_ahead(&vars.in_force);
     }
 
-    fn initialise(vars: &mut Vars, _: &mut Env) -> Result<Controller, Error> {
-        Ok(Controller::new(&vars.in_force)?)
+    fn initialise(vars: &mut Vars, _: &mut Env) -> Result<Self, Error> {
+        Ok(Self::new(&vars.in_force)?)
     }
 
-    fn tick(vars: &mut Vars, controller: &mut Controller, _: &mut Env) -> Result<(), Error> {
-        controller.tick(&vars.input, &vars.in_force, &mut vars.output);
+    fn sample(&mut self, vars: &mut Vars, _: &mut Env) -> Result<(), Error> {
+        self.tick(&vars.input, &vars.in_force, &mut vars.output);
         Ok(())
+    }
+
+    fn numbers(vars: &Vars) -> String {
+        faults::numbers(vars)
     }
 }
 
-export!(Centering);
+export!(Controller);

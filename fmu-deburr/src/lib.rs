@@ -25,14 +25,9 @@ use interface::Vars;
 use learning::speeds::Speeds;
 use path::path_file;
 
-/// The FMU.
-pub struct Deburr;
-
-impl Model for Deburr {
+impl Model for Controller {
     const INFO: Info = Info { name: "VariableSpeedDeburring", state_version: 2, stop_time: 10.0, ..package!() };
     type Vars = Vars;
-    type State = Controller;
-    const NUMBERS: fn(&Vars) -> String = faults::numbers;
 
     fn calculate(vars: &mut Vars) {
         // what cannot be read is told by `initialise`
@@ -41,25 +36,29 @@ impl Model for Deburr {
         }
     }
 
-    fn initialise(vars: &mut Vars, env: &mut Env) -> Result<Controller, Error> {
+    fn initialise(vars: &mut Vars, env: &mut Env) -> Result<Self, Error> {
         let (p, output) = (&vars.in_force, &mut vars.output);
         Speeds::read(&p.learn.speeds)?;
-        let mut controller = Controller::new(p, path_file::read(p, env.resources())?)?;
+        let mut controller = Self::new(p, path_file::read(p, env.resources())?)?;
         let (path, bank) = controller.path_and_bank();
         output.path.length = path.length();
         output.bank = storage::import(p, env.resources(), path, bank)?;
         Ok(controller)
     }
 
-    fn tick(vars: &mut Vars, controller: &mut Controller, env: &mut Env) -> Result<(), Error> {
-        controller.tick(&vars.input, &vars.in_force, &mut vars.output);
-        if controller.take_export() {
+    fn sample(&mut self, vars: &mut Vars, env: &mut Env) -> Result<(), Error> {
+        self.tick(&vars.input, &vars.in_force, &mut vars.output);
+        if self.take_export() {
             let bank = &mut vars.output.bank;
-            let written = storage::export(&vars.in_force, controller.path(), controller.bank(), bank);
+            let written = storage::export(&vars.in_force, self.path(), self.bank(), bank);
             if written { env.event(&bank.message) } else { env.warn(&bank.message) }
         }
         Ok(())
     }
+
+    fn numbers(vars: &Vars) -> String {
+        faults::numbers(vars)
+    }
 }
 
-export!(Deburr);
+export!(Controller);

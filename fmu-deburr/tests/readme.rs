@@ -2,5 +2,5 @@
 
 #[test]
 fn the_readme_holds_the_variables() {
-    fmi2_export::assert_readme::<fmu_deburr::Deburr>(concat!(env!("CARGO_MANIFEST_DIR"), "/README.md"));
+    fmi2_export::assert_readme::<fmu_deburr::controller::Controller>(concat!(env!("CARGO_MANIFEST_DIR"), "/README.md"));
 }

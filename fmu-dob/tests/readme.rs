@@ -2,5 +2,5 @@
 
 #[test]
 fn the_tables_are_those_of_the_interface() {
-    fmi2_export::assert_readme::<fmu_dob::Dob>(concat!(env!("CARGO_MANIFEST_DIR"), "/README.md"));
+    fmi2_export::assert_readme::<fmu_dob::controller::Controller>(concat!(env!("CARGO_MANIFEST_DIR"), "/README.md"));
 }

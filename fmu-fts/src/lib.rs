@@ -26,14 +26,9 @@ use controller::Controller;
 use interface::Vars;
 use texts::Tables;
 
-/// The FMU.
-pub struct Fts;
-
-impl Model for Fts {
+impl Model for Controller {
     const INFO: Info = Info { name: "RotaryFastToolServo", state_version: 2, stop_time: 2.0, ..package!() };
     type Vars = Vars;
-    type State = Controller;
-    const NUMBERS: fn(&Vars) -> String = faults::numbers;
 
     fn calculate(vars: &mut Vars) {
         if vars.in_force.read_lists().is_ok() {
@@ -41,19 +36,23 @@ impl Model for Fts {
         }
     }
 
-    fn initialise(vars: &mut Vars, env: &mut Env) -> Result<Controller, Error> {
+    fn initialise(vars: &mut Vars, env: &mut Env) -> Result<Self, Error> {
         vars.in_force.read_lists()?;
         let tables = Tables::read(&vars.in_force, env.resources())?;
-        let controller = Controller::new(&vars.in_force, &tables)?;
+        let controller = Self::new(&vars.in_force, &tables)?;
         vars.output.path_truncation = controller.truncation();
         faults::truncation(vars).into_iter().for_each(|warning| env.warn(warning));
         Ok(controller)
     }
 
-    fn tick(vars: &mut Vars, controller: &mut Controller, _: &mut Env) -> Result<(), Error> {
-        controller.tick(&vars.input, &vars.in_force, &mut vars.output);
+    fn sample(&mut self, vars: &mut Vars, _: &mut Env) -> Result<(), Error> {
+        self.tick(&vars.input, &vars.in_force, &mut vars.output);
         Ok(())
+    }
+
+    fn numbers(vars: &Vars) -> String {
+        faults::numbers(vars)
     }
 }
 
-export!(Fts);
+export!(Controller);

@@ -19,30 +19,29 @@ use fmi2_export::{Env, Error, Info, Model, export, package};
 use controller::Controller;
 use interface::Vars;
 
-/// The FMU.
-pub struct Polish;
-
-impl Model for Polish {
+impl Model for Controller {
     const INFO: Info = Info { name: "StickSlipPolishing", state_version: 2, stop_time: 60.0, ..package!() };
     type Vars = Vars;
-    type State = Controller;
-    const NUMBERS: fn(&Vars) -> String = faults::numbers;
 
-    fn initialise(vars: &mut Vars, env: &mut Env) -> Result<Controller, Error> {
+    fn initialise(vars: &mut Vars, env: &mut Env) -> Result<Self, Error> {
         let points = path::cl_file::read(env.resources(), &vars.in_force)?;
-        let controller = Controller::new(&vars.in_force, &points)?;
+        let controller = Self::new(&vars.in_force, &points)?;
         vars.output.path_length = controller.path().length();
         Ok(controller)
     }
 
-    fn tick(vars: &mut Vars, controller: &mut Controller, env: &mut Env) -> Result<(), Error> {
+    fn sample(&mut self, vars: &mut Vars, env: &mut Env) -> Result<(), Error> {
         let frozen = vars.output.ripple_frozen;
-        controller.tick(&vars.input, &vars.in_force, &mut vars.output);
+        self.tick(&vars.input, &vars.in_force, &mut vars.output);
         if vars.output.ripple_frozen && !frozen {
             env.warn(force::ripple::FROZEN);
         }
         Ok(())
     }
+
+    fn numbers(vars: &Vars) -> String {
+        faults::numbers(vars)
+    }
 }
 
-export!(Polish);
+export!(Controller);

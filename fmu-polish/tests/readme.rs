@@ -2,5 +2,5 @@
 
 #[test]
 fn the_readme_holds_the_tables_of_the_interface() {
-    fmi2_export::assert_readme::<fmu_polish::Polish>(concat!(env!("CARGO_MANIFEST_DIR"), "/README.md"));
+    fmi2_export::assert_readme::<fmu_polish::controller::Controller>(concat!(env!("CARGO_MANIFEST_DIR"), "/README.md"));
 }

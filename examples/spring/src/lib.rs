@@ -1,5 +1,6 @@
 //! A spring whose force is computed once in a sample period.
 
+use fmi2_export::serde::{Deserialize, Serialize};
 use fmi2_export::{Env, Error, Info, Model, export, package};
 use variables::Vars;
 
@@ -29,18 +30,19 @@ mod variables {
     }
 }
 
+#[derive(Clone, Serialize, Deserialize)]
+#[serde(crate = "fmi2_export::serde")]
 struct Spring;
 
 impl Model for Spring {
     const INFO: Info = Info { name: "Spring", identifier: "spring", description: "A sampled spring", ..package!() };
     type Vars = Vars;
-    type State = ();
 
-    fn initialise(_: &mut Vars, _: &mut Env) -> Result<(), Error> {
-        Ok(())
+    fn initialise(_: &mut Vars, _: &mut Env) -> Result<Self, Error> {
+        Ok(Self)
     }
 
-    fn tick(vars: &mut Vars, _: &mut (), _: &mut Env) -> Result<(), Error> {
+    fn sample(&mut self, vars: &mut Vars, _: &mut Env) -> Result<(), Error> {
         vars.output.force = -vars.parameters.stiffness * vars.input.position;
         Ok(())
     }

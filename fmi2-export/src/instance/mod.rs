@@ -24,7 +24,7 @@ use crate::table::index::Entry;
 use crate::table::variable::{Kind, Variable};
 use std::ffi::CString;
 
-type SnapshotOf<M> = Snapshot<<M as Model>::Vars, <M as Model>::State>;
+type SnapshotOf<M> = Snapshot<<M as Model>::Vars, M>;
 
 /// An instance of the model `M`.
 pub struct Instance<M: Exported> {
@@ -75,8 +75,8 @@ impl<M: Exported> Instance<M> {
             return Err(Refusal::error(format!("the sample period {period} s is not positive")));
         }
         let mut env = Env { time: experiment.start, experiment, host: &self.host };
-        let state = M::initialise(&mut self.now.vars, &mut env).map_err(|error| Refusal::error(error.to_string()))?;
-        self.now.running = Some(Running { state, clock: Clock::new(period), time: experiment.start });
+        let model = M::initialise(&mut self.now.vars, &mut env).map_err(|error| Refusal::error(error.to_string()))?;
+        self.now.running = Some(Running { model, clock: Clock::new(period), time: experiment.start });
         self.now.phase = Phase::StepComplete;
         self.check_computed()
     }
@@ -114,10 +114,10 @@ impl<M: Exported> Instance<M> {
             prepare(&mut self.now.vars, time, here.until(tick))?;
             let mut env = Env { time, experiment, host: &self.host };
             let before = self.now.vars.status();
-            let done = M::tick(&mut self.now.vars, &mut running.state, &mut env);
+            let done = running.model.sample(&mut self.now.vars, &mut env);
             done.map_err(|error| Refusal::error(error.to_string()))?;
             let vars = &self.now.vars;
-            env.report(before, vars.status(), || (M::NUMBERS)(vars));
+            env.report(before, vars.status(), || M::numbers(vars));
         }
         Ok(())
     }

@@ -9,13 +9,13 @@ use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 /// Everything that changes in an instance: taken, put back and serialised as one.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Snapshot<V, S> {
+pub struct Snapshot<V, M> {
     pub phase: Phase,
     pub vars: V,
     /// Which parameters the importer has set, by their value references.
     pub is_set: Vec<bool>,
     /// Made at the end of initialization.
-    pub running: Option<Running<S>>,
+    pub running: Option<Running<M>>,
     /// Start and stop time, once fmi2SetupExperiment has told them.
     pub experiment: Option<Experiment>,
     /// Derivatives of Real inputs for the next step.
@@ -24,8 +24,8 @@ pub struct Snapshot<V, S> {
 
 /// The part that exists between initialization and reset.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Running<S> {
-    pub state: S,
+pub struct Running<M> {
+    pub model: M,
     pub clock: Clock,
     /// The communication point reached, as the master counts, s.
     pub time: f64,

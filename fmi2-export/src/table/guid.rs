@@ -16,7 +16,7 @@ pub const fn of<M: Model>() -> [u8; GUID] {
         i += 1;
     }
     // other variables or another state: the state bytes of before mean something else
-    hash::guid(hash.number(size_of::<M::Vars>() as u64).number(size_of::<M::State>() as u64).0)
+    hash::guid(hash.number(size_of::<M::Vars>() as u64).number(size_of::<M>() as u64).0)
 }
 
 /// A hash under construction.
@@ -154,15 +154,15 @@ mod tests {
                     &[ROW]
                 };
             }
-            struct $name;
+            #[derive(Clone, Serialize, Deserialize)]
+            struct $name($state);
             impl Model for $name {
                 const INFO: Info = $info;
                 type Vars = $vars;
-                type State = $state;
-                fn initialise(_: &mut $vars, _: &mut Env) -> Result<$state, Error> {
-                    Ok(Default::default())
+                fn initialise(_: &mut $vars, _: &mut Env) -> Result<Self, Error> {
+                    Ok(Self(Default::default()))
                 }
-                fn tick(_: &mut $vars, _: &mut $state, _: &mut Env) -> Result<(), Error> {
+                fn sample(&mut self, _: &mut $vars, _: &mut Env) -> Result<(), Error> {
                     Ok(())
                 }
             }

@@ -17,10 +17,7 @@ use fmi2_export::{Env, Error, Info, Model, export, package};
 use controller::Controller;
 use interface::Vars;
 
-/// The FMU.
-pub struct __Name__;
-
-impl Model for __Name__ {
+impl Model for Controller {
     const INFO: Info = Info {
         name: "__Name__",
         // raise it when the variables or the state between samples change
@@ -29,17 +26,19 @@ impl Model for __Name__ {
         ..package!()
     };
     type Vars = Vars;
-    type State = Controller;
-    const NUMBERS: fn(&Vars) -> String = faults::numbers;
 
-    fn initialise(vars: &mut Vars, _: &mut Env) -> Result<Controller, Error> {
-        Ok(Controller::new(&vars.in_force)?)
+    fn initialise(vars: &mut Vars, _: &mut Env) -> Result<Self, Error> {
+        Ok(Self::new(&vars.in_force)?)
     }
 
-    fn tick(vars: &mut Vars, controller: &mut Controller, _: &mut Env) -> Result<(), Error> {
-        controller.tick(&vars.input, &vars.in_force, &mut vars.output);
+    fn sample(&mut self, vars: &mut Vars, _: &mut Env) -> Result<(), Error> {
+        self.tick(&vars.input, &vars.in_force, &mut vars.output);
         Ok(())
+    }
+
+    fn numbers(vars: &Vars) -> String {
+        faults::numbers(vars)
     }
 }
 
-export!(__Name__);
+export!(Controller);
