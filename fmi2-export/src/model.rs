@@ -114,6 +114,11 @@ pub trait Model: Clone + Serialize + DeserializeOwned + Send + Sync + 'static {
     /// Computes the calculated parameters from the others.
     fn calculate(_vars: &mut Self::Vars) {}
 
+    /// The numbers behind a new state or fault, told after its meaning, such as `: 3 mm, limit 2 mm`.
+    fn numbers(_vars: &Self::Vars) -> String {
+        String::new()
+    }
+
     /// Checks parameters against each other and makes the controller of time zero.
     ///
     /// A `hidden` field that is read from other parameters belongs into [`Model::calculate`]: each set of a parameter makes
@@ -128,11 +133,6 @@ pub trait Model: Clone + Serialize + DeserializeOwned + Send + Sync + 'static {
     /// # Errors
     /// Only what the controller cannot answer with a fault state of its own.
     fn sample(&mut self, vars: &mut Self::Vars, env: &mut Env) -> Result<(), Error>;
-
-    /// The numbers behind a new state or fault, told after its meaning, such as `: 3 mm, limit 2 mm`.
-    fn numbers(_vars: &Self::Vars) -> String {
-        String::new()
-    }
 }
 
 /// What a model sees of the world beside its variables.

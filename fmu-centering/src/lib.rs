@@ -31,6 +31,10 @@ impl Model for Controller {
         vars.parameters.approach.look_ahead = limits::look_ahead(&vars.in_force);
     }
 
+    fn numbers(vars: &Vars) -> String {
+        faults::numbers(vars)
+    }
+
     fn initialise(vars: &mut Vars, _: &mut Env) -> Result<Self, Error> {
         Ok(Self::new(&vars.in_force)?)
     }
@@ -38,10 +42,6 @@ impl Model for Controller {
     fn sample(&mut self, vars: &mut Vars, _: &mut Env) -> Result<(), Error> {
         self.tick(&vars.input, &vars.in_force, &mut vars.output);
         Ok(())
-    }
-
-    fn numbers(vars: &Vars) -> String {
-        faults::numbers(vars)
     }
 }
 

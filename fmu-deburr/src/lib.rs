@@ -36,6 +36,10 @@ impl Model for Controller {
         }
     }
 
+    fn numbers(vars: &Vars) -> String {
+        faults::numbers(vars)
+    }
+
     fn initialise(vars: &mut Vars, env: &mut Env) -> Result<Self, Error> {
         let (p, output) = (&vars.in_force, &mut vars.output);
         Speeds::read(&p.learn.speeds)?;
@@ -54,10 +58,6 @@ impl Model for Controller {
             if written { env.event(&bank.message) } else { env.warn(&bank.message) }
         }
         Ok(())
-    }
-
-    fn numbers(vars: &Vars) -> String {
-        faults::numbers(vars)
     }
 }
 

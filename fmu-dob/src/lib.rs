@@ -26,6 +26,10 @@ impl Model for Controller {
         vars.parameters.approach.depth_limit = motion::depth_limit::depth_limit(&vars.in_force);
     }
 
+    fn numbers(vars: &Vars) -> String {
+        faults::numbers(vars)
+    }
+
     fn initialise(vars: &mut Vars, _: &mut Env) -> Result<Self, Error> {
         Ok(Self::new(&vars.in_force)?)
     }
@@ -33,10 +37,6 @@ impl Model for Controller {
     fn sample(&mut self, vars: &mut Vars, _: &mut Env) -> Result<(), Error> {
         self.tick(&vars.input, &vars.in_force, &mut vars.output);
         Ok(())
-    }
-
-    fn numbers(vars: &Vars) -> String {
-        faults::numbers(vars)
     }
 }
 

@@ -36,6 +36,10 @@ impl Model for Controller {
         }
     }
 
+    fn numbers(vars: &Vars) -> String {
+        faults::numbers(vars)
+    }
+
     fn initialise(vars: &mut Vars, env: &mut Env) -> Result<Self, Error> {
         vars.in_force.read_lists()?;
         let tables = Tables::read(&vars.in_force, env.resources())?;
@@ -48,10 +52,6 @@ impl Model for Controller {
     fn sample(&mut self, vars: &mut Vars, _: &mut Env) -> Result<(), Error> {
         self.tick(&vars.input, &vars.in_force, &mut vars.output);
         Ok(())
-    }
-
-    fn numbers(vars: &Vars) -> String {
-        faults::numbers(vars)
     }
 }
 

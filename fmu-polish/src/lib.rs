@@ -23,6 +23,10 @@ impl Model for Controller {
     const INFO: Info = Info { name: "StickSlipPolishing", state_version: 2, stop_time: 60.0, ..package!() };
     type Vars = Vars;
 
+    fn numbers(vars: &Vars) -> String {
+        faults::numbers(vars)
+    }
+
     fn initialise(vars: &mut Vars, env: &mut Env) -> Result<Self, Error> {
         let points = path::cl_file::read(env.resources(), &vars.in_force)?;
         let controller = Self::new(&vars.in_force, &points)?;
@@ -37,10 +41,6 @@ impl Model for Controller {
             env.warn(force::ripple::FROZEN);
         }
         Ok(())
-    }
-
-    fn numbers(vars: &Vars) -> String {
-        faults::numbers(vars)
     }
 }
 

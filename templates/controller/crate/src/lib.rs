@@ -27,6 +27,10 @@ impl Model for Controller {
     };
     type Vars = Vars;
 
+    fn numbers(vars: &Vars) -> String {
+        faults::numbers(vars)
+    }
+
     fn initialise(vars: &mut Vars, _: &mut Env) -> Result<Self, Error> {
         Ok(Self::new(&vars.in_force)?)
     }
@@ -34,10 +38,6 @@ impl Model for Controller {
     fn sample(&mut self, vars: &mut Vars, _: &mut Env) -> Result<(), Error> {
         self.tick(&vars.input, &vars.in_force, &mut vars.output);
         Ok(())
-    }
-
-    fn numbers(vars: &Vars) -> String {
-        faults::numbers(vars)
     }
 }
 
