@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import pytest
 
@@ -14,17 +14,8 @@ IN_PROCESS: tuple[str, ...] = ("--in-process",)
 """Options that keep `cosim run` in this process, where it is fast."""
 
 
-@dataclass(frozen=True)
-class Case:
-    """One bad input.
-
-    Parameters
-    ----------
-    arguments
-        Command line.
-    words
-        What the message must name: the thing, its value, its place.
-    """
+class Case(NamedTuple):
+    """A bad command line, and what the message must name: the thing, its value, its place."""
 
     arguments: tuple[str, ...]
     words: tuple[str, ...]

@@ -9,6 +9,7 @@ WHOLE = SCENARIO + END + CRITERION
 SIGNAL = '[[signal]]\nto = "controller.count"\ntimes = [0.0, 0.01]\nvalues = [1, 2]\n'
 FAULT = '[[inject]]\nto = "controller.in"\nfrom_time = 0.0\nto_time = 0.01\nvalue = 1.0\n'
 FILE = "`bad.toml`"
+DIGITS = "9" * 5000
 
 
 def edited(old: str, new: str, text: str = WHOLE) -> str:
@@ -199,6 +200,43 @@ FILES: dict[str, tuple[str | bytes, tuple[str, ...]]] = {
     "extends NUL": ('extends = "a\\u0000.toml"\n', ("the scenario file", "does not exist")),
     "drops nothing": ('extends = "lag.toml"\ndrop = ["wire.plant.z"]\n', ("`drop` holds `wire.plant.z`",)),
     "drops what is unknown": ('extends = "lag.toml"\ndrop = ["wires"]\n', ("`drop` holds `wires`", "`wire`")),
+    # depth, and numbers that are too large
+    "deep array": ("x = " + "[" * 2000 + "]" * 2000, ("`bad.toml`", "nested")),
+    "deep table": ("x = " + "{a = " * 2000 + "1" + "}" * 2000, ("`bad.toml`", "nested")),
+    "deep key": (".".join("a" * 2000) + " = 1", ("`bad.toml`",)),
+    "deep parameters": (
+        WHOLE + "[plant.parameters]\n" + ".".join("a" * 2000) + " = 1",
+        ("`bad.toml`",),
+    ),
+    "integer of 5000 digits": (edited("0.001", DIGITS), ("`bad.toml`",)),
+    "integer above 1e308": (edited("0.001", DIGITS[:400]), ("`loop.step`",)),
+    "limit above 1e308": (
+        edited("maximum = 1.0", f"maximum = {DIGITS[:400]}"),
+        ("`criterion[0].maximum`",),
+    ),
+    "parameter above 1e308": (
+        WHOLE + f"[controller.parameters]\ngain = {DIGITS[:400]}\n",
+        ("`controller.parameters.gain`",),
+    ),
+    "delay is a number": (
+        edited("[loop]", "[loop]\ncompute_delay = 1.0"),
+        ("`loop.compute_delay`", "1.0"),
+    ),
+    "delay is 0.0": (
+        edited("[loop]", "[loop]\ncompute_delay = 0.0"),
+        ("`loop.compute_delay`", "0.0"),
+    ),
+    "minimum nan": (
+        edited('to = "plant.u"', 'to = "plant.u"\nminimum = nan'),
+        ("`wire.plant.u.minimum`",),
+    ),
+    "minimum above maximum": (
+        edited('to = "plant.u"', 'to = "plant.u"\nminimum = 2.0\nmaximum = 1.0'),
+        ("`wire.plant.u.minimum`", "2"),
+    ),
+    "plant is a module": (edited("probe_plants:Lag", "os:path"), ("path` is no class",)),
+    "plant is a function": (edited("probe_plants:Lag", "os:_exit"), ("_exit` is no class",)),
+    "plant is a dict": (edited("probe_plants:Lag", "builtins:dict"), ("`builtins:dict`",)),
 }
 """Content of `bad.toml`, and what the message must say."""
 SETS: dict[str, tuple[str, tuple[str, ...]]] = {
@@ -226,5 +264,8 @@ SETS: dict[str, tuple[str, tuple[str, ...]]] = {
     "plant fails": ("plant.fail_at=3", ("step 3", "told to fail")),
     "plant gives NaN": ("plant.nan_at=3", ("`plant.x` is `nan`", "step 3")),
     "FMU fails": ("controller.fail_at=3", ("step 3", "told to fail at 0.003 s", "fmi2DoStep")),
+    "deep value": ("controller.gain=" + "[" * 2000 + "]" * 2000, ("controller.gain",)),
+    "integer above 1e308": (f"controller.gain={DIGITS[:400]}", ("`controller.gain`",)),
+    "integer of 5000 digits": (f"controller.gain={DIGITS}", ("controller.gain",)),
 }
 """One override, and what the message must say."""

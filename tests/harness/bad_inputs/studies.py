@@ -46,6 +46,12 @@ FILES: dict[str, tuple[str | bytes, tuple[str, ...]]] = {
     "CSV is empty": (LIST + 'file = "empty.csv"\n', ("no cases",)),
     "CSV with NUL": (LIST + 'file = "nul.csv"\n', ("`plant.pole`",)),
     "CSV with an unknown key": (LIST + 'file = "unknown.csv"\n', ("`plant.ploe`",)),
+    "too many dimensions": (
+        HEAD
+        + 'kind = "sobol"\nsamples = 4\n'
+        + "".join(f'[[vary]]\nkey = "wire.w{i}.noise"\nminimum = 0.0\nmaximum = 1.0\n' for i in range(21300)),
+        ("21300",),
+    ),
 }
 """Content of `study.toml`, and what the message must say."""
 CSV = {

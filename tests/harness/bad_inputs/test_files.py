@@ -11,12 +11,7 @@ from .calling import Case, Refuse, given
 
 
 @pytest.mark.parametrize(("content", "words"), models.FILES.values(), ids=models.FILES)
-def test_a_bad_model_is_named(
-    content: str,
-    words: tuple[str, ...],
-    lag: Path,
-    refuse: Refuse,
-) -> None:
+def test_a_bad_model_is_named(content: str, words: tuple[str, ...], lag: Path, refuse: Refuse) -> None:
     (lag / "model.xml").write_text(content)
     (lag / "model.toml").write_text(models.WIRED)
     refuse(Case(given("run", "model.toml"), words))
@@ -24,10 +19,7 @@ def test_a_bad_model_is_named(
 
 @pytest.mark.parametrize(("content", "words"), studies.FILES.values(), ids=studies.FILES)
 def test_a_bad_study_is_named(
-    content: str | bytes,
-    words: tuple[str, ...],
-    lag: Path,
-    refuse: Refuse,
+    content: str | bytes, words: tuple[str, ...], lag: Path, refuse: Refuse
 ) -> None:
     for name, table in studies.CSV.items():
         (lag / name).write_bytes(table)

@@ -10,54 +10,9 @@ from pathlib import Path
 import pytest
 
 from .. import test_cli
-from . import fmus, models, scenarios, studies
-from .calling import Case, Refuse, check_refusal, given
+from . import fmus, models, studies
+from .calling import check_refusal
 
-DIGITS = "9" * 5000
-FILES: dict[str, tuple[str, tuple[str, ...]]] = {
-    # the validator's: nesting, integers, types
-    "deep array": ("x = " + "[" * 2000 + "]" * 2000, ("`bad.toml`", "nested")),
-    "deep table": ("x = " + "{a = " * 2000 + "1" + "}" * 2000, ("`bad.toml`", "nested")),
-    "deep key": (".".join("a" * 2000) + " = 1", ("`bad.toml`",)),
-    "deep parameters": (
-        scenarios.WHOLE + "[plant.parameters]\n" + ".".join("a" * 2000) + " = 1",
-        ("`bad.toml`",),
-    ),
-    "integer of 5000 digits": (scenarios.edited("0.001", DIGITS), ("`bad.toml`",)),
-    "integer above 1e308": (scenarios.edited("0.001", DIGITS[:400]), ("`loop.step`",)),
-    "limit above 1e308": (
-        scenarios.edited("maximum = 1.0", f"maximum = {DIGITS[:400]}"),
-        ("`criterion[0].maximum`",),
-    ),
-    "parameter above 1e308": (
-        scenarios.WHOLE + f"[controller.parameters]\ngain = {DIGITS[:400]}\n",
-        ("`controller.parameters.gain`",),
-    ),
-    "delay is a number": (
-        scenarios.edited("[loop]", "[loop]\ncompute_delay = 1.0"),
-        ("`loop.compute_delay`", "1.0"),
-    ),
-    "delay is 0.0": (
-        scenarios.edited("[loop]", "[loop]\ncompute_delay = 0.0"),
-        ("`loop.compute_delay`", "0.0"),
-    ),
-    "minimum nan": (
-        scenarios.edited('to = "plant.u"', 'to = "plant.u"\nminimum = nan'),
-        ("`wire.plant.u.minimum`",),
-    ),
-    "minimum above maximum": (
-        scenarios.edited('to = "plant.u"', 'to = "plant.u"\nminimum = 2.0\nmaximum = 1.0'),
-        ("`wire.plant.u.minimum`", "2"),
-    ),
-    "plant is a module": (scenarios.edited("probe_plants:Lag", "os:path"), ("path` is no class",)),
-    "plant is a function": (scenarios.edited("probe_plants:Lag", "os:_exit"), ("_exit` is no class",)),
-    "plant is a dict": (scenarios.edited("probe_plants:Lag", "builtins:dict"), ("`builtins:dict`",)),
-}
-SETS = {
-    "deep value": ("controller.gain=" + "[" * 2000 + "]" * 2000, ("controller.gain",)),
-    "integer above 1e308": (f"controller.gain={DIGITS[:400]}", ("`controller.gain`",)),
-    "integer of 5000 digits": (f"controller.gain={DIGITS}", ("controller.gain",)),
-}
 PLANTS = {
     "NoParameters": ("del Parameters", ("`own:Bad`", "`reset`")),
     "DictParameters": ("Parameters = dict", ("`own:Bad`", "`Parameters`")),
@@ -72,41 +27,12 @@ PLANTS = {
     "ExitsInInit": ("def __init__(self, parameters): raise SystemExit(0)", ("`own:Bad`",)),
     "ExitsInStep": ("def advance(self, substeps): raise SystemExit(0)", ("`own:Bad`",)),
 }
-STUDIES: dict[str, tuple[str, tuple[str, ...]]] = {
-    "too many dimensions": (
-        studies.HEAD
-        + 'kind = "sobol"\nsamples = 4\n'
-        + "".join(f'[[vary]]\nkey = "wire.w{i}.noise"\nminimum = 0.0\nmaximum = 1.0\n' for i in range(21300)),
-        ("21300",),
-    ),
-}
 CRASHES: dict[str, tuple[str, ...]] = {
     **dict.fromkeys(fmus.CRASHES, ()),
     "real_time_signal": ("signal",),
     "close_files": (),
 }
 """Defects that end or starve the process of `cosim run`."""
-
-
-@pytest.mark.parametrize(("content", "words"), FILES.values(), ids=FILES)
-def test_a_bad_scenario_is_named(
-    content: str,
-    words: tuple[str, ...],
-    lag: Path,
-    refuse: Refuse,
-) -> None:
-    (lag / "bad.toml").write_text(content)
-    refuse(Case(given("run", "bad.toml"), words))
-
-
-@pytest.mark.usefixtures("lag")
-@pytest.mark.parametrize(("override", "words"), SETS.values(), ids=SETS)
-def test_a_bad_override_is_named(
-    override: str,
-    words: tuple[str, ...],
-    refuse: Refuse,
-) -> None:
-    refuse(Case(given("run", "lag.toml", "--set", override), words))
 
 
 @pytest.mark.parametrize(("body", "words"), PLANTS.values(), ids=PLANTS)
@@ -116,17 +42,6 @@ def test_a_bad_plant_is_named(body: str, words: tuple[str, ...], lag: Path) -> N
     (lag / "own.py").write_text(f"import probe_plants\n\n\nclass Bad({base}):\n    pass\n{inherited}")
     done = test_cli.cosim("run", "lag.toml", "--set", "plant.name=own:Bad")
     check_refusal(words, done.returncode, done.stdout, done.stderr)
-
-
-@pytest.mark.parametrize(("content", "words"), STUDIES.values(), ids=STUDIES)
-def test_a_bad_study_is_named(
-    content: str,
-    words: tuple[str, ...],
-    lag: Path,
-    refuse: Refuse,
-) -> None:
-    (lag / "study.toml").write_text(content)
-    refuse(Case(given("sweep", "study.toml", "--no-plots"), words))
 
 
 @pytest.mark.parametrize("value", ["inf", "nan"])

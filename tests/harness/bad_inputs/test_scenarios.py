@@ -12,10 +12,7 @@ from .calling import Case, Refuse, call, given
 
 @pytest.mark.parametrize(("content", "words"), scenarios.FILES.values(), ids=scenarios.FILES)
 def test_a_bad_scenario_is_named(
-    content: str | bytes,
-    words: tuple[str, ...],
-    lag: Path,
-    refuse: Refuse,
+    content: str | bytes, words: tuple[str, ...], lag: Path, refuse: Refuse
 ) -> None:
     (lag / "torn.py").write_text("def :\n")
     (lag / "bad.toml").write_bytes(content if isinstance(content, bytes) else content.encode())
@@ -24,11 +21,7 @@ def test_a_bad_scenario_is_named(
 
 @pytest.mark.usefixtures("lag")
 @pytest.mark.parametrize(("override", "words"), scenarios.SETS.values(), ids=scenarios.SETS)
-def test_a_bad_override_is_named(
-    override: str,
-    words: tuple[str, ...],
-    refuse: Refuse,
-) -> None:
+def test_a_bad_override_is_named(override: str, words: tuple[str, ...], refuse: Refuse) -> None:
     refuse(Case(given("run", "lag.toml", "--set", override), words))
 
 
