@@ -17,124 +17,112 @@ class CylindricalRobotParameters:
     """Parameters of the machine and the part."""
 
     timestep: float = parameter(
-        1e-3, "s", "Plant step", "derived: drives within 2 % to 400 rad/s", 1e-5, 5e-3
+        1e-3, "s", "Plant step", 1e-5, 5e-3, "derived: drives within 2 % to 400 rad/s"
     )
 
     # drives
     drive_frequency: float = parameter(
-        280.0, "rad/s", "Velocity loops, natural frequency", "paper", 10.0, 1e3
+        280.0, "rad/s", "Velocity loops, natural frequency", 10.0, 1e3, "paper"
     )
-    drive_damping: float = parameter(0.52, "1", "Velocity loops, damping ratio", "paper", 0.05, 2.0)
-    drive_gain: float = parameter(1.0, "1", "Velocity per commanded velocity", "paper", 0.5, 1.5)
+    drive_damping: float = parameter(0.52, "1", "Velocity loops, damping ratio", 0.05, 2.0, "paper")
+    drive_gain: float = parameter(1.0, "1", "Velocity per commanded velocity", 0.5, 1.5, "paper")
     coulomb_friction: float = parameter(
-        0.05, "1", "Coulomb friction, share of the largest force of each drive", "our choice", 0.0, 0.5
+        0.05, "1", "Coulomb friction, share of the largest force of each drive", 0.0, 0.5
     )
-    axis1_force: float = parameter(300.0, "N.m", "Largest torque of drive 1", "our choice", 1.0, 1e6)
-    axis2_force: float = parameter(1000.0, "N", "Largest force of drive 2", "our choice", 1.0, 1e6)
-    axis3_force: float = parameter(600.0, "N", "Largest force of drive 3", "our choice", 1.0, 1e6)
-    axis4_force: float = parameter(20.0, "N.m", "Largest torque of drive 4", "our choice", 0.1, 1e5)
-    axis5_force: float = parameter(20.0, "N.m", "Largest torque of drive 5", "our choice", 0.1, 1e5)
-    axis6_force: float = parameter(10.0, "N.m", "Largest torque of drive 6", "our choice", 0.1, 1e5)
-    axis1_speed: float = parameter(1.5, "rad/s", "Largest speed of drive 1", "our choice", 0.01, 100.0)
-    axis2_speed: float = parameter(1.0, "m/s", "Largest speed of drive 2", "our choice", 0.01, 100.0)
-    axis3_speed: float = parameter(1.0, "m/s", "Largest speed of drive 3", "paper: 500 mm/s", 0.01, 100.0)
-    axis4_speed: float = parameter(3.0, "rad/s", "Largest speed of drive 4", "our choice", 0.01, 100.0)
-    axis5_speed: float = parameter(3.0, "rad/s", "Largest speed of drive 5", "our choice", 0.01, 100.0)
-    axis6_speed: float = parameter(3.0, "rad/s", "Largest speed of drive 6", "our choice", 0.01, 100.0)
+    axis1_force: float = parameter(300.0, "N.m", "Largest torque of drive 1", 1.0, 1e6)
+    axis2_force: float = parameter(1000.0, "N", "Largest force of drive 2", 1.0, 1e6)
+    axis3_force: float = parameter(600.0, "N", "Largest force of drive 3", 1.0, 1e6)
+    axis4_force: float = parameter(20.0, "N.m", "Largest torque of drive 4", 0.1, 1e5)
+    axis5_force: float = parameter(20.0, "N.m", "Largest torque of drive 5", 0.1, 1e5)
+    axis6_force: float = parameter(10.0, "N.m", "Largest torque of drive 6", 0.1, 1e5)
+    axis1_speed: float = parameter(1.5, "rad/s", "Largest speed of drive 1", 0.01, 100.0)
+    axis2_speed: float = parameter(1.0, "m/s", "Largest speed of drive 2", 0.01, 100.0)
+    axis3_speed: float = parameter(1.0, "m/s", "Largest speed of drive 3", 0.01, 100.0, "paper: 500 mm/s")
+    axis4_speed: float = parameter(3.0, "rad/s", "Largest speed of drive 4", 0.01, 100.0)
+    axis5_speed: float = parameter(3.0, "rad/s", "Largest speed of drive 5", 0.01, 100.0)
+    axis6_speed: float = parameter(3.0, "rad/s", "Largest speed of drive 6", 0.01, 100.0)
 
     # encoders, on the motors
-    axis1_pulse: float = parameter(TURN / 640_000, "rad", "Pulse of encoder 1", "our choice", 0.0, 0.1)
-    axis2_pulse: float = parameter(2.5e-6, "m", "Pulse of encoder 2", "our choice", 0.0, 0.01)
+    axis1_pulse: float = parameter(TURN / 640_000, "rad", "Pulse of encoder 1", 0.0, 0.1)
+    axis2_pulse: float = parameter(2.5e-6, "m", "Pulse of encoder 2", 0.0, 0.01)
     axis3_pulse: float = parameter(
-        5e-6, "m", "Pulse of encoder 3", "our choice: 20 mm of lead and 4000 pulses a turn", 0.0, 0.01
+        5e-6, "m", "Pulse of encoder 3", 0.0, 0.01, "our choice: 20 mm of lead and 4000 pulses a turn"
     )
-    axis4_pulse: float = parameter(TURN / 400_000, "rad", "Pulse of encoder 4", "our choice", 0.0, 0.1)
-    axis5_pulse: float = parameter(TURN / 400_000, "rad", "Pulse of encoder 5", "our choice", 0.0, 0.1)
-    axis6_pulse: float = parameter(TURN / 400_000, "rad", "Pulse of encoder 6", "our choice", 0.0, 0.1)
+    axis4_pulse: float = parameter(TURN / 400_000, "rad", "Pulse of encoder 4", 0.0, 0.1)
+    axis5_pulse: float = parameter(TURN / 400_000, "rad", "Pulse of encoder 5", 0.0, 0.1)
+    axis6_pulse: float = parameter(TURN / 400_000, "rad", "Pulse of encoder 6", 0.0, 0.1)
 
     # what moves
-    axis1_rotor: float = parameter(12.8, "kg.m2", "Motor 1 behind its gear", "our choice: 1:160", 0.0, 1e4)
-    axis2_rotor: float = parameter(80.0, "kg", "Motor 2 behind its screw", "our choice", 0.0, 1e4)
-    axis3_rotor: float = parameter(49.0, "kg", "Motor 3 behind its screw", "our choice", 0.0, 1e4)
-    axis4_rotor: float = parameter(0.4, "kg.m2", "Motor 4 behind its gear", "our choice", 0.0, 1e2)
-    axis5_rotor: float = parameter(0.4, "kg.m2", "Motor 5 behind its gear", "our choice", 0.0, 1e2)
-    axis6_rotor: float = parameter(0.1, "kg.m2", "Motor 6 behind its gear", "our choice", 0.0, 1e2)
+    axis1_rotor: float = parameter(12.8, "kg.m2", "Motor 1 behind its gear", 0.0, 1e4, "our choice: 1:160")
+    axis2_rotor: float = parameter(80.0, "kg", "Motor 2 behind its screw", 0.0, 1e4)
+    axis3_rotor: float = parameter(49.0, "kg", "Motor 3 behind its screw", 0.0, 1e4)
+    axis4_rotor: float = parameter(0.4, "kg.m2", "Motor 4 behind its gear", 0.0, 1e2)
+    axis5_rotor: float = parameter(0.4, "kg.m2", "Motor 5 behind its gear", 0.0, 1e2)
+    axis6_rotor: float = parameter(0.1, "kg.m2", "Motor 6 behind its gear", 0.0, 1e2)
     tuned_payload: float = parameter(
-        5.0, "kg", "Mass of the spindle for which the drives are tuned", "our choice", 0.1, 50.0
+        5.0, "kg", "Mass of the spindle for which the drives are tuned", 0.1, 50.0
     )
-    tuned_radius: float = parameter(0.75, "m", "Reach for which they are tuned", "our choice", 0.3, 1.5)
-    payload: float = parameter(5.0, "kg", "Mass of the spindle", "our choice", 0.1, 50.0)
-    flexible: bool = parameter(True, "1", "Whether the gears of the axes 1 and 3 give way", "our choice")
+    tuned_radius: float = parameter(0.75, "m", "Reach for which they are tuned", 0.3, 1.5)
+    payload: float = parameter(5.0, "kg", "Mass of the spindle", 0.1, 50.0)
+    flexible: bool = parameter(True, "1", "Whether the gears of the axes 1 and 3 give way")
     coupling_frequency: float = parameter(
-        60.0, "Hz", "What they carry against the motors, natural frequency", "our choice", 10.0, 200.0
+        60.0, "Hz", "What they carry against the motors, natural frequency", 10.0, 200.0
     )
-    coupling_damping: float = parameter(0.05, "1", "Damping ratio of that", "our choice", 0.0, 1.0)
-    tool_length: float = parameter(0.2, "m", "Wrist to tip of the tool", "our choice", 0.01, 1.0)
-    start_height: float = parameter(0.02, "m", "Tip above the edge at the start", "our choice", -1.0, 1.0)
+    coupling_damping: float = parameter(0.05, "1", "Damping ratio of that", 0.0, 1.0)
+    tool_length: float = parameter(0.2, "m", "Wrist to tip of the tool", 0.01, 1.0)
+    start_height: float = parameter(0.02, "m", "Tip above the edge at the start", -1.0, 1.0)
 
     # spindle
     synchronous_speed: float = parameter(
-        18_000.0 * RPM, "rad/s", "Speed without slip", "our choice: 2 poles at 300 Hz", 1.0, 1e5
+        18_000.0 * RPM, "rad/s", "Speed without slip", 1.0, 1e5, "our choice: 2 poles at 300 Hz"
     )
-    rated_speed: float = parameter(17_500.0 * RPM, "rad/s", "Speed at rated power", "paper", 1.0, 1e5)
-    rated_power: float = parameter(600.0, "W", "Rated power", "paper", 1.0, 1e5)
-    overload: float = parameter(2.5, "1", "Breakdown torque over rated torque", "our choice", 1.01, 10.0)
+    rated_speed: float = parameter(17_500.0 * RPM, "rad/s", "Speed at rated power", 1.0, 1e5, "paper")
+    rated_power: float = parameter(600.0, "W", "Rated power", 1.0, 1e5, "paper")
+    overload: float = parameter(2.5, "1", "Breakdown torque over rated torque", 1.01, 10.0)
     spindle_time: float = parameter(
-        0.15, "s", "Time constant of the speed about the rated point", "paper: 0.1 to 0.25", 1e-2, 10.0
+        0.15, "s", "Time constant of the speed about the rated point", 1e-2, 10.0, "paper: 0.1 to 0.25"
     )
-    spindle_friction: float = parameter(0.008, "N.m", "Friction of the spindle", "our choice", 0.0, 0.1)
-    spindle_lag: float = parameter(0.02, "s", "Lag of the measured speed", "our choice", 1e-4, 1.0)
+    spindle_friction: float = parameter(0.008, "N.m", "Friction of the spindle", 0.0, 0.1)
+    spindle_lag: float = parameter(0.02, "s", "Lag of the measured speed", 1e-4, 1.0)
     spindle_resolution: float = parameter(
-        20_000.0 * RPM / 4096, "rad/s", "Step of the measured speed", "our choice: 12 bit", 0.0, 100.0
+        20_000.0 * RPM / 4096, "rad/s", "Step of the measured speed", 0.0, 100.0, "our choice: 12 bit"
     )
 
     # tool and cut
-    teeth: float = parameter(2.0, "1", "Teeth of the end mill", "paper", 1.0, 12.0)
-    tool_radius: float = parameter(6e-3, "m", "Radius of the end mill", "our choice", 1e-3, 0.05)
+    teeth: float = parameter(2.0, "1", "Teeth of the end mill", 1.0, 12.0, "paper")
+    tool_radius: float = parameter(6e-3, "m", "Radius of the end mill", 1e-3, 0.05)
     cutting_pressure: float = parameter(
-        9e8, "Pa", "Force per chip cross-section", "literature: 244 to 1319 MPa for aluminium", 0.0, 1e10
+        9e8, "Pa", "Force per chip cross-section", 0.0, 1e10, "literature: 244 to 1319 MPa for aluminium"
     )
     edge_force: float = parameter(
-        2e4, "N/m", "Force per engaged edge length", "literature: 7 to 28 N/mm for aluminium", 0.0, 1e6
+        2e4, "N/m", "Force per engaged edge length", 0.0, 1e6, "literature: 7 to 28 N/mm for aluminium"
     )
-    chip_most: float = parameter(
-        5e-4, "m", "Largest chip of a tooth, beyond it the tool rubs", "our choice", 1e-5, 0.01
-    )
-    force_along: float = parameter(0.5, "1", "Reaction against the feed, share", "our choice", -2.0, 2.0)
-    force_outward: float = parameter(0.35, "1", "Reaction outward, share", "our choice", -2.0, 2.0)
-    tool_reach: float = parameter(
-        0.01, "m", "The tool cuts so far above and below its tip", "our choice", 1e-3, 0.1
-    )
+    chip_most: float = parameter(5e-4, "m", "Largest chip of a tooth, beyond it the tool rubs", 1e-5, 0.01)
+    force_along: float = parameter(0.5, "1", "Reaction against the feed, share", -2.0, 2.0)
+    force_outward: float = parameter(0.35, "1", "Reaction outward, share", -2.0, 2.0)
+    tool_reach: float = parameter(0.01, "m", "The tool cuts so far above and below its tip", 1e-3, 0.1)
 
     # edge of the part, where the tip should go
-    edge_start_x: float = parameter(
-        0.75 - LEG * math.cos(HEADING), "m", "Start of the edge", "our choice", -2.0, 2.0
-    )
-    edge_start_y: float = parameter(
-        -LEG * math.sin(HEADING), "m", "Start of the edge", "our choice", -2.0, 2.0
-    )
-    edge_start_z: float = parameter(-0.2, "m", "Start of the edge", "our choice", -1.0, 1.0)
-    edge_corner_x: float = parameter(0.75, "m", "Where its lines would meet", "our choice", -2.0, 2.0)
-    edge_corner_y: float = parameter(0.0, "m", "Where its lines would meet", "our choice", -2.0, 2.0)
-    edge_corner_z: float = parameter(-0.2, "m", "Where its lines would meet", "our choice", -1.0, 1.0)
-    edge_end_x: float = parameter(
-        0.75 - LEG * math.sin(HEADING), "m", "End of the edge", "our choice", -2.0, 2.0
-    )
-    edge_end_y: float = parameter(LEG * math.cos(HEADING), "m", "End of the edge", "our choice", -2.0, 2.0)
-    edge_end_z: float = parameter(-0.2, "m", "End of the edge", "our choice", -1.0, 1.0)
-    edge_radius: float = parameter(0.015, "m", "Radius of the corner", "our choice", 0.0, 1.0)
+    edge_start_x: float = parameter(0.75 - LEG * math.cos(HEADING), "m", "Start of the edge", -2.0, 2.0)
+    edge_start_y: float = parameter(-LEG * math.sin(HEADING), "m", "Start of the edge", -2.0, 2.0)
+    edge_start_z: float = parameter(-0.2, "m", "Start of the edge", -1.0, 1.0)
+    edge_corner_x: float = parameter(0.75, "m", "Where its lines would meet", -2.0, 2.0)
+    edge_corner_y: float = parameter(0.0, "m", "Where its lines would meet", -2.0, 2.0)
+    edge_corner_z: float = parameter(-0.2, "m", "Where its lines would meet", -1.0, 1.0)
+    edge_end_x: float = parameter(0.75 - LEG * math.sin(HEADING), "m", "End of the edge", -2.0, 2.0)
+    edge_end_y: float = parameter(LEG * math.cos(HEADING), "m", "End of the edge", -2.0, 2.0)
+    edge_end_z: float = parameter(-0.2, "m", "End of the edge", -1.0, 1.0)
+    edge_radius: float = parameter(0.015, "m", "Radius of the corner", 0.0, 1.0)
 
     # burr
-    burr_height_least: float = parameter(2e-3, "m", "Lowest burr", "paper", 0.0, 0.02)
-    burr_height_most: float = parameter(5e-3, "m", "Highest burr", "paper", 0.0, 0.02)
-    burr_thickness_least: float = parameter(1e-3, "m", "Thinnest burr", "paper", 0.0, 0.02)
-    burr_thickness_most: float = parameter(2e-3, "m", "Thickest burr", "paper", 0.0, 0.02)
-    burr_correlation: float = parameter(
-        0.012, "m", "Length over which the burr changes", "our choice", 1e-3, 1.0
-    )
-    burr_gaps: float = parameter(2.0, "1", "Most gaps, drawn from 0 on", "our choice", 0.0, 20.0)
-    burr_gap_least: float = parameter(6e-3, "m", "Shortest gap", "our choice", 0.0, 1.0)
-    burr_gap_most: float = parameter(0.02, "m", "Longest gap", "our choice", 0.0, 1.0)
-    burr_begin: float = parameter(0.03, "m", "Where the part begins on the edge", "our choice", 0.0, 10.0)
-    burr_end: float = parameter(0.01, "m", "What is free before the end", "our choice", 0.0, 10.0)
-    burr_pitch: float = parameter(2.5e-4, "m", "Length of one bin", "our choice", 1e-5, 0.01)
+    burr_height_least: float = parameter(2e-3, "m", "Lowest burr", 0.0, 0.02, "paper")
+    burr_height_most: float = parameter(5e-3, "m", "Highest burr", 0.0, 0.02, "paper")
+    burr_thickness_least: float = parameter(1e-3, "m", "Thinnest burr", 0.0, 0.02, "paper")
+    burr_thickness_most: float = parameter(2e-3, "m", "Thickest burr", 0.0, 0.02, "paper")
+    burr_correlation: float = parameter(0.012, "m", "Length over which the burr changes", 1e-3, 1.0)
+    burr_gaps: float = parameter(2.0, "1", "Most gaps, drawn from 0 on", 0.0, 20.0)
+    burr_gap_least: float = parameter(6e-3, "m", "Shortest gap", 0.0, 1.0)
+    burr_gap_most: float = parameter(0.02, "m", "Longest gap", 0.0, 1.0)
+    burr_begin: float = parameter(0.03, "m", "Where the part begins on the edge", 0.0, 10.0)
+    burr_end: float = parameter(0.01, "m", "What is free before the end", 0.0, 10.0)
+    burr_pitch: float = parameter(2.5e-4, "m", "Length of one bin", 1e-5, 0.01)

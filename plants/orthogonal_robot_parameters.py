@@ -15,100 +15,91 @@ SOLIMP = 0.95
 class OrthogonalRobotParameters:
     """Parameters of the machine."""
 
-    timestep: float = parameter(1e-4, "s", "Plant step", "derived: longer ones hop", 1e-6, 1e-4)
+    timestep: float = parameter(1e-4, "s", "Plant step", 1e-6, 1e-4, "derived: longer ones hop")
 
     # axes
-    start_x: float = parameter(50e-6, "m", "Centre of the ball at the start", "our choice", -0.2, 0.2)
-    start_y: float = parameter(0.0, "m", "Centre of the ball at the start", "our choice", -0.15, 0.15)
+    start_x: float = parameter(50e-6, "m", "Centre of the ball at the start", -0.2, 0.2)
+    start_y: float = parameter(0.0, "m", "Centre of the ball at the start", -0.15, 0.15)
     start_z: float = parameter(
-        0.7e-3, "m", "Centre of the ball at the start", "our choice: 0.2 mm above the mold", -0.05, 0.05
+        0.7e-3, "m", "Centre of the ball at the start", -0.05, 0.05, "our choice: 0.2 mm above the mold"
     )
-    stroke_x: float = parameter(0.4, "m", "Stroke, with the mold in its middle", "paper", 0.01, 2.0)
-    stroke_y: float = parameter(0.3, "m", "Stroke, with the mold in its middle", "paper", 0.01, 2.0)
-    stroke_z: float = parameter(0.1, "m", "Stroke, with the mold in its middle", "paper", 0.01, 2.0)
-    mass_x: float = parameter(12.0, "kg", "Carriage of the x axis alone", "our choice", 0.1, 1e3)
-    mass_y: float = parameter(8.0, "kg", "Carriage of the y axis alone", "our choice", 0.1, 1e3)
-    mass_z: float = parameter(5.0, "kg", "Carriage of the z axis alone, balanced", "our choice", 0.1, 1e3)
-    screw_mass: float = parameter(
-        3.0, "kg", "Screw and motor of each axis, as a mass on it", "our choice", 0.0, 1e3
-    )
-    drive_friction: float = parameter(2.0, "N", "Friction of each axis", "our choice", 0.0, 1e2)
+    stroke_x: float = parameter(0.4, "m", "Stroke, with the mold in its middle", 0.01, 2.0, "paper")
+    stroke_y: float = parameter(0.3, "m", "Stroke, with the mold in its middle", 0.01, 2.0, "paper")
+    stroke_z: float = parameter(0.1, "m", "Stroke, with the mold in its middle", 0.01, 2.0, "paper")
+    mass_x: float = parameter(12.0, "kg", "Carriage of the x axis alone", 0.1, 1e3)
+    mass_y: float = parameter(8.0, "kg", "Carriage of the y axis alone", 0.1, 1e3)
+    mass_z: float = parameter(5.0, "kg", "Carriage of the z axis alone, balanced", 0.1, 1e3)
+    screw_mass: float = parameter(3.0, "kg", "Screw and motor of each axis, as a mass on it", 0.0, 1e3)
+    drive_friction: float = parameter(2.0, "N", "Friction of each axis", 0.0, 1e2)
     drive_rolling_way: float = parameter(
-        20e-6, "m", "Way after a reversal over which it turns, 0 for dry friction",
-        "our choice: balls roll freely after 0.1 mm (Futami, Furutani and Yoshida 1991)", 0.0, 1e-3,
+        20e-6, "m", "Way after a reversal over which it turns, 0 for dry friction", 0.0, 1e-3,
+        "our choice: balls roll freely after 0.1 mm (Futami, Furutani and Yoshida 1991)",
     )  # fmt: skip
-    drive_damping: float = parameter(100.0, "N.s/m", "Viscous friction of each axis", "our choice", 0.0, 1e5)
-    drive_gain: float = parameter(
-        1.0, "1", "Gain of position and velocity loop against nominal", "our choice", 0.1, 10.0
-    )
-    position_gain: float = parameter(80.0, "1/s", "Position loop", "our choice: usual AC servo", 1.0, 1e3)
+    drive_damping: float = parameter(100.0, "N.s/m", "Viscous friction of each axis", 0.0, 1e5)
+    drive_gain: float = parameter(1.0, "1", "Gain of position and velocity loop against nominal", 0.1, 10.0)
+    position_gain: float = parameter(80.0, "1/s", "Position loop", 1.0, 1e3, "our choice: usual AC servo")
     velocity_bandwidth: float = parameter(
-        500.0, "rad/s", "Velocity loop", "our choice: usual AC servo", 10.0, 5e3
+        500.0, "rad/s", "Velocity loop", 10.0, 5e3, "our choice: usual AC servo"
     )
     velocity_integral: float = parameter(
-        60.0, "1/s", "Integral of the velocity loop", "our choice: usual AC servo", 0.0, 1e3
+        60.0, "1/s", "Integral of the velocity loop", 0.0, 1e3, "our choice: usual AC servo"
     )
-    feedforward: float = parameter(
-        0.8, "1", "Share of the commanded velocity that is fed forward", "our choice", 0.0, 1.0
-    )
+    feedforward: float = parameter(0.8, "1", "Share of the commanded velocity that is fed forward", 0.0, 1.0)
     feedforward_bandwidth: float = parameter(
-        100.0, "Hz", "Lag of that way", "our choice: usual AC servo", 1.0, 5e3
+        100.0, "Hz", "Lag of that way", 1.0, 5e3, "our choice: usual AC servo"
     )
-    drive_force: float = parameter(400.0, "N", "Largest force of each drive", "our choice", 1.0, 1e5)
-    pulse: float = parameter(1e-6, "m", "Travel per pulse", "paper", 1e-9, 1e-4)
+    drive_force: float = parameter(400.0, "N", "Largest force of each drive", 1.0, 1e5)
+    pulse: float = parameter(1e-6, "m", "Travel per pulse", 1e-9, 1e-4, "paper")
     pulse_period: float = parameter(
-        1e-3, "s", "Time over which the pulses of a command are spread", "paper", 1e-5, 1.0
+        1e-3, "s", "Time over which the pulses of a command are spread", 1e-5, 1.0, "paper"
     )
-    encoder_resolution: float = parameter(1e-6, "m", "Step of the encoders", "paper", 0.0, 1e-3)
+    encoder_resolution: float = parameter(1e-6, "m", "Step of the encoders", 0.0, 1e-3, "paper")
 
     # tip, contact and force sensor
-    ball_radius: float = parameter(0.5e-3, "m", "Radius of the ball of wood", "paper", 1e-4, 5e-3)
-    tip_mass: float = parameter(0.010, "kg", "What hangs below the force sensor", "our choice", 1e-3, 1.0)
+    ball_radius: float = parameter(0.5e-3, "m", "Radius of the ball of wood", 1e-4, 5e-3, "paper")
+    tip_mass: float = parameter(0.010, "kg", "What hangs below the force sensor", 1e-3, 1.0)
     tip_stiffness: float = parameter(
-        209e3, "N/m", "Of tip and sensor",
-        "derived: the paper's 178 N/mm with the contact in series", 1e4, 4e5,
+        209e3, "N/m", "Of tip and sensor", 1e4, 4e5,
+        "derived: the paper's 178 N/mm with the contact in series",
     )  # fmt: skip
     tip_lateral: float = parameter(
-        1.0, "1", "Stiffness of the tip across its axis over that along it", "our choice", 0.05, 2.0
+        1.0, "1", "Stiffness of the tip across its axis over that along it", 0.05, 2.0
     )
-    tip_damping: float = parameter(0.1, "1", "Damping ratio of the free tip", "our choice", 0.0, 2.0)
+    tip_damping: float = parameter(0.1, "1", "Damping ratio of the free tip", 0.0, 2.0)
     contact_stiffness: float = parameter(
-        1.2e6, "N/m", "Of ball on mold", "our choice: stiffer ones hop", 1e5, 1e8
+        1.2e6, "N/m", "Of ball on mold", 1e5, 1e8, "our choice: stiffer ones hop"
     )
     contact_damping: float = parameter(
-        500.0, "N.s/m", "Of ball on mold",
+        500.0, "N.s/m", "Of ball on mold", 0.0, 1e6,
         "derived: less hops on stiff tips; MuJoCo lifts a sliding ball by mu v c / k, 0.8 um at 10 mm/s",
-        0.0, 1e6,
     )  # fmt: skip
-    friction: float = parameter(0.2, "1", "Friction coefficient of ball on mold", "our choice", 0.0, 2.0)
-    force_bandwidth: float = parameter(200.0, "Hz", "Filter of the force sensor", "our choice", 1.0, 5e3)
-    force_noise: float = parameter(0.05, "N", "Noise of the force sensor, deviation", "our choice", 0.0, 10.0)
+    friction: float = parameter(0.2, "1", "Friction coefficient of ball on mold", 0.0, 2.0)
+    force_bandwidth: float = parameter(200.0, "Hz", "Filter of the force sensor", 1.0, 5e3)
+    force_noise: float = parameter(0.05, "N", "Noise of the force sensor, deviation", 0.0, 10.0)
     force_resolution: float = parameter(
-        0.178, "N", "Step of the force sensor", "paper: 1 um at 178 N/mm", 0.0, 10.0
+        0.178, "N", "Step of the force sensor", 0.0, 10.0, "paper: 1 um at 178 N/mm"
     )
 
     # mold
     mold: Literal["sphere", "led", "saddle", "freeform", "steep"] = choice(
         "led",
         "Surface, a name of `plants.tools.molds`",
-        "paper",
         ("sphere", "led", "saddle", "freeform", "steep"),
+        "paper",
     )
-    mold_radius: float = parameter(2e-3, "m", "Where the surface ends", "paper: 4 mm wide", 1e-4, 2.2e-3)
-    shift_x: float = parameter(0.0, "m", "Misplacement of the mold", "our choice: none", -1e-3, 1e-3)
-    shift_y: float = parameter(0.0, "m", "Misplacement of the mold", "our choice: none", -1e-3, 1e-3)
-    shift_z: float = parameter(0.0, "m", "Misplacement of the mold", "our choice: none", -1e-3, 1e-3)
-    tilt_x: float = parameter(0.0, "rad", "Rotation vector of the mold", "our choice: none", -0.2, 0.2)
-    tilt_y: float = parameter(0.0, "rad", "Rotation vector of the mold", "our choice: none", -0.2, 0.2)
-    tilt_z: float = parameter(0.0, "rad", "Rotation vector of the mold", "our choice: none", -0.2, 0.2)
-    lift_rate: float = parameter(
-        0.02, "m/s", "Speed at which the mold follows `mold_lift`", "our choice", 1e-4, 1.0
-    )
+    mold_radius: float = parameter(2e-3, "m", "Where the surface ends", 1e-4, 2.2e-3, "paper: 4 mm wide")
+    shift_x: float = parameter(0.0, "m", "Misplacement of the mold", -1e-3, 1e-3, "our choice: none")
+    shift_y: float = parameter(0.0, "m", "Misplacement of the mold", -1e-3, 1e-3, "our choice: none")
+    shift_z: float = parameter(0.0, "m", "Misplacement of the mold", -1e-3, 1e-3, "our choice: none")
+    tilt_x: float = parameter(0.0, "rad", "Rotation vector of the mold", -0.2, 0.2, "our choice: none")
+    tilt_y: float = parameter(0.0, "rad", "Rotation vector of the mold", -0.2, 0.2, "our choice: none")
+    tilt_z: float = parameter(0.0, "rad", "Rotation vector of the mold", -0.2, 0.2, "our choice: none")
+    lift_rate: float = parameter(0.02, "m/s", "Speed at which the mold follows `mold_lift`", 1e-4, 1.0)
     step_height: float = parameter(
-        0.0, "m", "Height of a step in the surface", "our choice: none", -2e-4, 2e-4
+        0.0, "m", "Height of a step in the surface", -2e-4, 2e-4, "our choice: none"
     )
-    step_place: float = parameter(0.5e-3, "m", "Where it begins, along x", "our choice", -2e-3, 2e-3)
-    step_width: float = parameter(0.5e-3, "m", "Length of its rise", "our choice", 1e-4, 2e-3)
+    step_place: float = parameter(0.5e-3, "m", "Where it begins, along x", -2e-3, 2e-3)
+    step_width: float = parameter(0.5e-3, "m", "Length of its rise", 1e-4, 2e-3)
 
 
 def check_together(p: OrthogonalRobotParameters) -> None:

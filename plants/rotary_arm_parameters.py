@@ -12,98 +12,90 @@ TURN = 2.0 * math.pi
 class RotaryArmParameters:
     """Parameters of the machine."""
 
-    timestep: float = parameter(2e-5, "s", "Plant step", "derived: 31 nm rms at the tool", 1e-6, 1e-4)
-    arm_length: float = parameter(0.08, "m", "Arm axis to the centre of the tool nose", "paper", 0.01, 0.5)
+    timestep: float = parameter(2e-5, "s", "Plant step", 1e-6, 1e-4, "derived: 31 nm rms at the tool")
+    arm_length: float = parameter(0.08, "m", "Arm axis to the centre of the tool nose", 0.01, 0.5, "paper")
     arm_zero: float = parameter(
-        0.0523, "rad", "Angle of the arm at the index of its encoder", "our choice: 3 degrees", -10.0, 10.0
+        0.0523, "rad", "Angle of the arm at the index of its encoder", -10.0, 10.0, "our choice: 3 degrees"
     )
     centre_offset: float = parameter(
-        0.15, "m", "Slide position with the arm axis on the spindle axis", "our choice", -1.0, 1.0
+        0.15, "m", "Slide position with the arm axis on the spindle axis", -1.0, 1.0
     )
     hub_inertia: float = parameter(
-        4.5e-4, "kg.m2", "Motor, encoder and hub", "our choice: rotor 2e-4 and half an arm", 1e-6, 1.0
+        4.5e-4, "kg.m2", "Motor, encoder and hub", 1e-6, 1.0, "our choice: rotor 2e-4 and half an arm"
     )
     arm_inertia: float = parameter(
-        3.5e-4, "kg.m2", "What bends: arm and both tool heads", "our choice: 20 g each at 80 mm", 1e-6, 1.0
+        3.5e-4, "kg.m2", "What bends: arm and both tool heads", 1e-6, 1.0, "our choice: 20 g each at 80 mm"
     )
     flexure_frequency: float = parameter(
-        1200.0, "Hz", "Resonance of the arm with the hub held", "our choice: above 500 Hz", 100.0, 1e4
+        1200.0, "Hz", "Resonance of the arm with the hub held", 100.0, 1e4, "our choice: above 500 Hz"
     )
-    flexure_damping: float = parameter(0.02, "1", "Damping ratio of that resonance", "our choice", 0.0, 0.5)
-    viscous_friction: float = parameter(2e-3, "N.m.s/rad", "Of the arm bearing", "our choice", 0.0, 1.0)
+    flexure_damping: float = parameter(0.02, "1", "Damping ratio of that resonance", 0.0, 0.5)
+    viscous_friction: float = parameter(2e-3, "N.m.s/rad", "Of the arm bearing", 0.0, 1.0)
     coulomb_friction: float = parameter(
-        0.01, "N.m", "Of the arm bearing", "our choice: stays below the 12th harmonic", 0.0, 1.0
+        0.01, "N.m", "Of the arm bearing", 0.0, 1.0, "our choice: stays below the 12th harmonic"
     )
     torque_limit: float = parameter(
-        7.0, "N.m", "Largest torque", "derived: 500 m/s^2 at 8e-4 kg.m2 needs 5.0, 25 % more", 1e-3, 1e3
+        7.0, "N.m", "Largest torque", 1e-3, 1e3, "derived: 500 m/s^2 at 8e-4 kg.m2 needs 5.0, 25 % more"
     )
-    torque_gain: float = parameter(1.0, "1", "Torque per commanded torque", "our choice", 0.1, 10.0)
+    torque_gain: float = parameter(1.0, "1", "Torque per commanded torque", 0.1, 10.0)
     torque_resolution: float = parameter(
-        14.0 / 65_536.0, "N.m", "Step of the torque command", "our choice: 16 bit for +-7 N.m", 0.0, 1.0
+        14.0 / 65_536.0, "N.m", "Step of the torque command", 0.0, 1.0, "our choice: 16 bit for +-7 N.m"
     )
-    current_bandwidth: float = parameter(2e3, "Hz", "Bandwidth of the current loop", "our choice", 10.0, 1e5)
+    current_bandwidth: float = parameter(2e3, "Hz", "Bandwidth of the current loop", 10.0, 1e5)
     ripple_torque: float = parameter(
-        6e-3, "N.m", "Arm torque in step with the spindle, amplitude", "our choice: gives the paper's 1.2 um",
-        0.0, 1.0,
+        6e-3, "N.m", "Arm torque in step with the spindle, amplitude", 0.0, 1.0,
+        "our choice: gives the paper's 1.2 um",
     )  # fmt: skip
-    ripple_order: float = parameter(12.0, "1", "Its cycles per turn of the spindle", "paper", 0.0, 100.0)
+    ripple_order: float = parameter(12.0, "1", "Its cycles per turn of the spindle", 0.0, 100.0, "paper")
     hum_torque: float = parameter(
-        0.0, "N.m", "Arm torque of fixed frequency, amplitude", "our choice: none", 0.0, 1.0
+        0.0, "N.m", "Arm torque of fixed frequency, amplitude", 0.0, 1.0, "our choice: none"
     )
     hum_frequency: float = parameter(
-        120.0, "Hz", "Its frequency", "our choice: twice the mains, the 12th of 600 rpm", 0.0, 5e3
+        120.0, "Hz", "Its frequency", 0.0, 5e3, "our choice: twice the mains, the 12th of 600 rpm"
     )
-    cutting_force: float = parameter(2.0, "N", "Mean thrust on the tool", "our choice", 0.0, 1e3)
-    cutting_force_twice: float = parameter(0.1, "N", "Thrust twice a turn, amplitude", "our choice", 0.0, 1e3)
-    cutting_noise: float = parameter(0.03, "N", "Noise of the thrust, deviation", "our choice", 0.0, 1e2)
-    cutting_bandwidth: float = parameter(800.0, "Hz", "Bandwidth of that noise", "our choice", 1.0, 1e5)
-    spindle_speed: float = parameter(20.0 * math.pi, "rad/s", "At the start", "paper: 600 rpm", -1e3, 1e3)
+    cutting_force: float = parameter(2.0, "N", "Mean thrust on the tool", 0.0, 1e3)
+    cutting_force_twice: float = parameter(0.1, "N", "Thrust twice a turn, amplitude", 0.0, 1e3)
+    cutting_noise: float = parameter(0.03, "N", "Noise of the thrust, deviation", 0.0, 1e2)
+    cutting_bandwidth: float = parameter(800.0, "Hz", "Bandwidth of that noise", 1.0, 1e5)
+    spindle_speed: float = parameter(20.0 * math.pi, "rad/s", "At the start", -1e3, 1e3, "paper: 600 rpm")
     spindle_acceleration: float = parameter(
-        10.0 * math.pi, "rad/s2", "Ramp of the drive", "our choice: 300 rpm in 1 s", 1e-3, 1e5
+        10.0 * math.pi, "rad/s2", "Ramp of the drive", 1e-3, 1e5, "our choice: 300 rpm in 1 s"
     )
-    spindle_inertia: float = parameter(0.05, "kg.m2", "Spindle and part", "our choice", 1e-4, 1e3)
-    spindle_gain: float = parameter(2.0, "N.m.s/rad", "Velocity loop of the drive", "our choice", 1e-3, 1e4)
+    spindle_inertia: float = parameter(0.05, "kg.m2", "Spindle and part", 1e-4, 1e3)
+    spindle_gain: float = parameter(2.0, "N.m.s/rad", "Velocity loop of the drive", 1e-3, 1e4)
     spindle_ripple: float = parameter(
-        0.05, "N.m", "Drive torque once a turn, amplitude", "our choice: 0.02 % of the speed", 0.0, 1e2
+        0.05, "N.m", "Drive torque once a turn, amplitude", 0.0, 1e2, "our choice: 0.02 % of the speed"
     )
     spindle_ripple_twelfth: float = parameter(
-        0.02, "N.m", "Drive torque twelve times a turn, amplitude", "our choice", 0.0, 1e2
+        0.02, "N.m", "Drive torque twelve times a turn, amplitude", 0.0, 1e2
     )
     slide_start: float = parameter(
-        0.04, "m", "Slide position at the start", "paper: cutting radius 30 mm", -1.0, 1.0
+        0.04, "m", "Slide position at the start", -1.0, 1.0, "paper: cutting radius 30 mm"
     )
-    feed: float = parameter(1e-5, "m", "Slide travel per turn of the spindle", "our choice", -1e-2, 1e-2)
-    slide_acceleration: float = parameter(1.0, "m/s2", "Ramp of the slide drive", "our choice", 1e-3, 1e3)
-    slide_mass: float = parameter(40.0, "kg", "All that the slide carries", "our choice", 2.0, 1e4)
-    slide_bandwidth: float = parameter(
-        30.0, "Hz", "Natural frequency of its position loop", "our choice", 1.0, 1e3
-    )
-    slide_damping: float = parameter(0.7, "1", "Damping ratio of that loop", "our choice", 0.01, 2.0)
+    feed: float = parameter(1e-5, "m", "Slide travel per turn of the spindle", -1e-2, 1e-2)
+    slide_acceleration: float = parameter(1.0, "m/s2", "Ramp of the slide drive", 1e-3, 1e3)
+    slide_mass: float = parameter(40.0, "kg", "All that the slide carries", 2.0, 1e4)
+    slide_bandwidth: float = parameter(30.0, "Hz", "Natural frequency of its position loop", 1.0, 1e3)
+    slide_damping: float = parameter(0.7, "1", "Damping ratio of that loop", 0.01, 2.0)
     start_angle: float = parameter(
-        0.0, "rad", "Angle of the arm at the start, 0 is along the slide", "our choice", -10.0, 10.0
+        0.0, "rad", "Angle of the arm at the start, 0 is along the slide", -10.0, 10.0
     )
     tool_radius: float = parameter(
-        2e-3, "m", "Radius of the tool nose", "our choice: usual diamond", 1e-5, 0.02
+        2e-3, "m", "Radius of the tool nose", 1e-5, 0.02, "our choice: usual diamond"
     )
-    part_radius: float = parameter(0.05, "m", "Radius of the part", "paper: 100 mm", 1e-3, 0.5)
-    part_face: float = parameter(-0.01, "m", "Depth of the face of the blank", "our choice", -1.0, 1.0)
-    roughness: float = parameter(
-        3e-8, "m", "What the material adds to a cut, deviation", "our choice", 0.0, 1e-3
-    )
-    probe_radius: float = parameter(1.5e-3, "m", "Radius of the probe ball", "our choice", 1e-5, 0.02)
+    part_radius: float = parameter(0.05, "m", "Radius of the part", 1e-3, 0.5, "paper: 100 mm")
+    part_face: float = parameter(-0.01, "m", "Depth of the face of the blank", -1.0, 1.0)
+    roughness: float = parameter(3e-8, "m", "What the material adds to a cut, deviation", 0.0, 1e-3)
+    probe_radius: float = parameter(1.5e-3, "m", "Radius of the probe ball", 1e-5, 0.02)
     probe_place: float = parameter(
-        0.08, "m", "Probe on the slide, from the arm axis to the spindle axis", "our choice", -1.0, 1.0
+        0.08, "m", "Probe on the slide, from the arm axis to the spindle axis", -1.0, 1.0
     )
-    probe_misplacement: float = parameter(
-        2e-5, "m", "Error of that place, drawn within +-", "our choice", 0.0, 1e-2
-    )
-    probe_zero: float = parameter(5e-3, "m", "Depth at which the probe reads 0", "our choice", -1.0, 1.0)
-    probe_noise: float = parameter(5e-8, "m", "Probe noise, deviation", "our choice", 0.0, 1e-3)
-    probe_resolution: float = parameter(1e-7, "m", "Step of the probe", "paper", 0.0, 1e-3)
+    probe_misplacement: float = parameter(2e-5, "m", "Error of that place, drawn within +-", 0.0, 1e-2)
+    probe_zero: float = parameter(5e-3, "m", "Depth at which the probe reads 0", -1.0, 1.0)
+    probe_noise: float = parameter(5e-8, "m", "Probe noise, deviation", 0.0, 1e-3)
+    probe_resolution: float = parameter(1e-7, "m", "Step of the probe", 0.0, 1e-3, "paper")
     arm_resolution: float = parameter(
-        TURN / 2**23, "rad", "Step of the arm encoder", "our choice: 60 nm at the tool", 0.0, 1e-2
+        TURN / 2**23, "rad", "Step of the arm encoder", 0.0, 1e-2, "our choice: 60 nm at the tool"
     )
-    spindle_resolution: float = parameter(
-        TURN / 2**20, "rad", "Step of the spindle encoder", "our choice", 0.0, 1e-1
-    )
-    slide_resolution: float = parameter(1e-7, "m", "Step of the slide encoder", "our choice", 0.0, 1e-3)
+    spindle_resolution: float = parameter(TURN / 2**20, "rad", "Step of the spindle encoder", 0.0, 1e-1)
+    slide_resolution: float = parameter(1e-7, "m", "Step of the slide encoder", 0.0, 1e-3)

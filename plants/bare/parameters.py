@@ -67,7 +67,7 @@ def entry(
 def one_of(key: str, default: str, description: str, names: tuple[str, ...]) -> tuple[Any, Any]:
     """Type and field of a parameter that is one of some names; the default may be none of them."""
     text = f"{description}, one of `{'`, `'.join(names)}`"
-    item: Any = choice(default, text, SOURCE, names)
+    item: Any = choice(default, text, names, SOURCE)
     kind: Any = Literal.__getitem__(names)
     return kind, field(default=default, metadata={**item.metadata, "key": key, "places": ()})
 

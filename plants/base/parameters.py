@@ -4,6 +4,9 @@ import math
 from dataclasses import Field, field, fields
 from typing import Any
 
+CHOSEN = "our choice"
+"""Source of a default that no paper gives."""
+
 
 class ParameterError(ValueError):
     """A parameter has the wrong type or is outside its range."""
@@ -13,9 +16,9 @@ def parameter(
     default: float | bool,
     unit: str,
     description: str,
-    source: str,
     minimum: float = -math.inf,
     maximum: float = math.inf,
+    source: str = CHOSEN,
 ) -> Any:
     """Field of a parameter dataclass.
 
@@ -27,10 +30,10 @@ def parameter(
         SI unit, `1` for a plain number and for a Boolean.
     description : str
         What it is, in one sentence.
-    source : str
-        Where the default comes from.
     minimum, maximum : float
         Closed range of the value.
+    source : str
+        Where the default comes from.
 
     Raises
     ------
@@ -50,7 +53,7 @@ def parameter(
     return field(default=default, metadata=metadata)
 
 
-def choice(default: str, description: str, source: str, options: tuple[str, ...]) -> Any:
+def choice(default: str, description: str, options: tuple[str, ...], source: str = CHOSEN) -> Any:
     """Field of a parameter dataclass that is one of some names.
 
     Parameters
@@ -59,10 +62,10 @@ def choice(default: str, description: str, source: str, options: tuple[str, ...]
         Name for the nominal plant.
     description : str
         What it is, in one sentence.
-    source : str
-        Where the default comes from.
     options : tuple of str
         The names.
+    source : str
+        Where the default comes from.
     """
     metadata = {"unit": "1", "description": description, "source": source, "options": options}
     return field(default=default, metadata=metadata)

@@ -95,7 +95,7 @@ def test_channels_are_connected_by_name(tmp_path: Path) -> None:
 
 def test_a_default_outside_its_range_is_refused_where_it_stands() -> None:
     with pytest.raises(ParameterError, match=r"the default of `Mass`: value `-1` kg, limit `0` to `inf` kg"):
-        parameter(-1.0, "kg", "Mass", "catalogue", 0.0)
+        parameter(-1.0, "kg", "Mass", 0.0, source="catalogue")
 
 
 def test_importing_the_package_does_not_import_mujoco() -> None:

@@ -12,7 +12,7 @@ from plants.slide_parameters import SlideParameters
 
 @dataclasses.dataclass(frozen=True)
 class BreakableParameters(SlideParameters):
-    broken: float = parameter(0.0, "1", "1: MuJoCo fails", "test", 0.0, 1.0)
+    broken: float = parameter(0.0, "1", "1: MuJoCo fails", 0.0, 1.0, "test")
 
 
 class Breakable(slide.Slide):
