@@ -18,7 +18,7 @@ import numpy as np
 
 import machining_native as _native
 from machining_native import Cell
-from plants.base.plant import Channel, Plant
+from plants.base.plant import Channel, Plant, vector
 from plants.cylindrical_robot_parameters import TURN, CylindricalRobotParameters
 from plants.tools import burr
 
@@ -59,9 +59,7 @@ class CylindricalRobot(Plant):
             Channel("workpiece", "1", "1 while the part lies there", minimum=0.0, maximum=1.0),
         )
         self.truths = (
-            Channel("tip_x", "m", "Tip of the tool"),
-            Channel("tip_y", "m", "Tip of the tool"),
-            Channel("tip_z", "m", "Tip of the tool"),
+            *vector("tip", "m", "Tip of the tool"),
             Channel("distance", "m", "Nearest place of the edge, from its start"),
             Channel("deviation", "m", "Tip from the edge: positive leaves burr, negative gouges"),
             Channel("deviation_across", "m", "Tip from the edge, across the plane of its corner"),

@@ -13,7 +13,7 @@ from typing import Any, ClassVar
 
 import machining_native as _native
 from machining_native import Cell
-from plants.base.plant import Channel, Plant
+from plants.base.plant import Channel, Plant, vector
 from plants.orthogonal_robot_parameters import (
     SOLIMP,
     TURN,
@@ -42,29 +42,29 @@ class OrthogonalRobot(Plant):
         check_together(p)
         force = {"noise": p.force_noise, "quantum": p.force_resolution}
         self.readings = (
-            *_vector("position", "m", "Encoders: centre of the ball if the tip did not give way",
+            *vector("position", "m", "Encoders: centre of the ball if the tip did not give way",
                      quantum=p.encoder_resolution),
-            *_vector("force", "N", "Force sensor: force on the tool, weight of the tip included", **force),
+            *vector("force", "N", "Force sensor: force on the tool, weight of the tip included", **force),
         )  # fmt: skip
         self.commands = (
-            *_vector("pulses", "1", "Pulses of this tick", quantum=1.0),
+            *vector("pulses", "1", "Pulses of this tick", quantum=1.0),
             Channel("mold_lift", "m", "How far the mold is lifted along its axis"),
         )
         self.truths = (
             Channel("contact_force", "N", "Normal force of the mold on the ball, last plant step"),
-            *_vector("friction", "N", "Friction of the mold on the ball, last plant step"),
+            *vector("friction", "N", "Friction of the mold on the ball, last plant step"),
             Channel("sliding_speed", "m/s", "Speed of the ball along the mold while they touch"),
             Channel("slid", "m", "Way of that motion"),
             Channel(
                 "rubbed", "N.m", "Integral of normal force times sliding speed: what Preston's law needs"
             ),
             Channel("friction_work", "J", "Work of the friction"),
-            *_vector("contact", "m", "Place of the mold next to the ball, in the frame of the mold"),
-            *_vector("normal", "1", "Unit normal of the mold there, out of the material"),
+            *vector("contact", "m", "Place of the mold next to the ball, in the frame of the mold"),
+            *vector("normal", "1", "Unit normal of the mold there, out of the material"),
             Channel("gap", "m", "From ball to mold, negative when they are pressed into each other"),
-            *_vector("ball", "m", "Centre of the ball"),
-            *_vector("axis", "m", "Encoder position without resolution"),
-            *_vector("reference", "m", "Where the pulses say the axis should be"),
+            *vector("ball", "m", "Centre of the ball"),
+            *vector("axis", "m", "Encoder position without resolution"),
+            *vector("reference", "m", "Where the pulses say the axis should be"),
             Channel("stiffness", "N/m", "Of tip and contact in series, along z"),
         )
 
@@ -197,10 +197,6 @@ class OrthogonalRobot(Plant):
     def _cells_of(self, sensor: str, scale: float = 1.0) -> list[Cell]:
         row = int(self.model.sensor(sensor).adr[0])
         return [Cell(self.data.sensordata, row + i, scale=scale) for i in range(3)]
-
-
-def _vector(name: str, unit: str, description: str, **options: Any) -> tuple[Channel, ...]:
-    return tuple(Channel(f"{name}_{axis}", unit, f"{description}, {axis}", **options) for axis in AXES)
 
 
 def _named(name: str, cells: list[Cell]) -> dict[str, Cell]:

@@ -16,7 +16,7 @@ import numpy as np
 
 import machining_native as _native
 from machining_native import Cell, Circuit
-from plants.base.plant import Array, Channel, Plant
+from plants.base.plant import Array, Channel, Plant, vector
 from plants.spindle_ring_parameters import LINE_LIMIT, TURN, SpindleRingParameters, check_together
 from plants.tools import contour
 
@@ -63,8 +63,7 @@ class SpindleRing(Plant):
             Channel("slide_velocity_setpoint", "m/s", "How fast it should go", minimum=-speed, maximum=speed),
         )
         self.truths = (
-            Channel("ring_x", "m", "Centre of the ring on the table"),
-            Channel("ring_y", "m", "Centre of the ring on the table"),
+            *vector("ring", "m", "Centre of the ring on the table", "xy"),
             Channel("ring_yaw", "rad", "Angle of the ring on the table"),
             Channel("eccentricity", "m", "Distance of the ring from the axis"),
             Channel("slip_speed", "m/s", "Speed of the ring's centre on the table"),

@@ -58,6 +58,13 @@ class Channel:
     maximum: float = math.inf
 
 
+def vector(
+    name: str, unit: str, description: str, axes: str = "xyz", **options: float
+) -> tuple[Channel, ...]:
+    """Channels of a vector, `<name>_<axis>` for each axis, with the options of `Channel`."""
+    return tuple(Channel(f"{name}_{axis}", unit, f"{description}, {axis}", **options) for axis in axes)
+
+
 class Plant(ABC):
     """A MuJoCo model that is stepped by a harness: sense, command, advance.
 
