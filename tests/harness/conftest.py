@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import logging
 import shutil
 import subprocess
@@ -39,12 +40,13 @@ to = "plant.u"
 """
 
 
-END = """
-[[metric]]
-name = "end"
-unit = "m"
-value = "last(plant.x)"
-"""
+def entry(table: str, **keys: object) -> str:
+    """One entry of an array of tables of a scenario; TOML writes such values as JSON does."""
+    lines = (f"{key} = {json.dumps(value)}" for key, value in keys.items())
+    return "\n".join((f"[[{table}]]", *lines, ""))
+
+
+END = "\n" + entry("metric", name="end", unit="m", value="last(plant.x)")
 """Metric of the lag scenario: where it ends."""
 
 

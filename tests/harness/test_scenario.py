@@ -10,27 +10,16 @@ import pytest
 import cosim
 from cosim.errors import CosimError, ScenarioError
 
-from .conftest import END
+from .conftest import END, entry
 
 Write = Callable[..., Path]
 
-MEASURED = f"""{END}
-[[metric]]
-name = "peak"
-value = "max(plant.x)"
-
-[[criterion]]
-id = "small"
-claim = "it gets small"
-metric = "end"
-maximum = 0.7
-
-[[criterion]]
-id = "start"
-claim = "it starts at one"
-metric = "peak"
-equals = 1
-"""
+MEASURED = (
+    END
+    + entry("metric", name="peak", value="max(plant.x)")
+    + entry("criterion", id="small", claim="it gets small", metric="end", maximum=0.7)
+    + entry("criterion", id="start", claim="it starts at one", metric="peak", equals=1)
+)
 
 
 def test_a_scenario_is_loaded_with_its_defaults(write: Write) -> None:

@@ -8,9 +8,9 @@ RUN = given("run", "lag.toml")
 LONG = "a" * 300
 
 LINES: dict[str, Case] = {
-    "unknown command": Case(given("rnu"), ("rnu",)),
-    "unknown option": Case((*RUN, "--sede", "1"), ("--sede",)),
-    "no scenario": Case(given("run"), ("LOOP",)),
+    "unknown command": Case(given("rnu"), ("rnu", "--help")),
+    "unknown option": Case((*RUN, "--sede", "1"), ("--sede", "--help")),
+    "no scenario": Case(given("run"), ("LOOP", "--help")),
     "two scenarios": Case((*RUN, "lag.toml"), ("lag.toml",)),
     "missing name": Case(given("run", "lagg"), ("there is no scenario `lagg`",)),
     "missing file": Case(given("run", "lagg.toml"), ("the scenario file `lagg.toml` does not exist",)),
@@ -34,9 +34,11 @@ LINES: dict[str, Case] = {
     "seed negative": Case((*RUN, "--seed", "-1"), ("--seed",)),
     "delay 2": Case((*RUN, "--delay", "2"), ("`loop.compute_delay` is `2`",)),
     "duration nan": Case((*RUN, "--duration", "nan"), ("`loop.duration` is `nan`",)),
+    "duration 0": Case((*RUN, "--duration", "0"), ("`loop.duration` is `0.0`",)),
+    "duration endless": Case((*RUN, "--duration", "1e8"), ("`loop.duration`", "shorter runs")),
     "duration negative": Case((*RUN, "--duration", "-1"), ("`loop.duration` is `-1.0`",)),
     "duration is a word": Case((*RUN, "--duration", "long"), ("--duration", "number")),
-    "unknown engine": Case((*RUN, "--engine", "fast"), ("fast", "native")),
+    "unknown engine": Case((*RUN, "--engine", "nativ"), ("`nativ`", "did you mean `native`?")),
     "trace of another kind": Case((*RUN, "--trace", "a.xls"), ("`a.xls`", "`.npz`")),
     "trace without a kind": Case((*RUN, "--trace", "a"), ("`a`", "`.csv`")),
     "trace is a folder": Case((*RUN, "--trace", "folder.csv"), ("cannot write `folder.csv`",)),

@@ -13,24 +13,15 @@ from cosim.loop.session import Session
 from cosim.scenario.load import load
 from cosim.sweep.check import check
 
+from ..conftest import END, entry
 from .commands import cosim
 
 Write = Callable[..., Path]
-COMPLETE = """
-[[signal]]
-to = "plant.extra"
-times = [0.0]
-values = [0.0]
-[[metric]]
-name = "end"
-unit = "m"
-value = "last(plant.x)"
-[[criterion]]
-id = "end"
-claim = "The lag settles"
-metric = "end"
-maximum = 0.7
-"""
+COMPLETE = (
+    END
+    + entry("signal", to="plant.extra", times=[0.0], values=[0.0])
+    + entry("criterion", id="end", claim="The lag settles", metric="end", maximum=0.7)
+)
 STUDY = """
 scenario = "lag.toml"
 [design]

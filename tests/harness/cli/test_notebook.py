@@ -14,21 +14,14 @@ import pytest
 import cosim
 from cosim.errors import CosimError
 
+from ..conftest import END, entry
+
 Write = Callable[..., Path]
-JUDGED = """
-[[metric]]
-name = "end"
-unit = "m"
-value = "last(plant.x)"
-[[metric]]
-name = "<b>"
-value = "last(plant.u)"
-[[criterion]]
-id = "end"
-claim = "x < 1 & settles"
-metric = "end"
-maximum = 0.7
-"""
+JUDGED = (
+    END
+    + entry("metric", name="<b>", value="last(plant.u)")
+    + entry("criterion", id="end", claim="x < 1 & settles", metric="end", maximum=0.7)
+)
 STUDY = """
 scenario = "lag.toml"
 title = "Poles"

@@ -16,26 +16,17 @@ import cosim
 from cosim.cli import app
 from cosim.errors import CosimError
 
-from ..conftest import END
+from ..conftest import END, entry
 
 Write = Callable[..., Path]
 
-JUDGED = f"""{END}
-[[metric]]
-name = "active"
-value = "mean(controller.mode == 'Off')"
-[[metric]]
-name = "last"
-value = "at(controller.out, 0.02)"
-[[metric]]
-name = "top"
-value = "max(plant.x)"
-[[criterion]]
-id = "end"
-claim = "ends low"
-metric = "end"
-maximum = 1.5
-"""
+JUDGED = (
+    END
+    + entry("metric", name="active", value="mean(controller.mode == 'Off')")
+    + entry("metric", name="last", value="at(controller.out, 0.02)")
+    + entry("metric", name="top", value="max(plant.x)")
+    + entry("criterion", id="end", claim="ends low", metric="end", maximum=1.5)
+)
 
 
 @pytest.fixture

@@ -12,29 +12,20 @@ import cosim
 from cosim.errors import CosimError
 from cosim.loop.session import Session
 
+from ..conftest import entry
+
 Write = Callable[..., Path]
-ALONE = """
+ALONE = (
+    """
 title = "The probe alone"
 loop = {step = 0.001, duration = 0.05, substeps = 3}
 controller = {fmu = "probe", parameters = {gain = 2.0}}
-[[signal]]
-to = "controller.in"
-times = [0.0, 0.02]
-values = [1.0, -3.0]
-[[inject]]
-to = "controller.in"
-from_time = 0.03
-to_time = 0.04
-value = 7.0
-[[metric]]
-name = "end"
-value = "last(controller.out)"
-[[criterion]]
-id = "end"
-claim = "The gain holds"
-metric = "end"
-equals = -6.0
 """
+    + entry("signal", to="controller.in", times=[0.0, 0.02], values=[1.0, -3.0])
+    + entry("inject", to="controller.in", from_time=0.03, to_time=0.04, value=7.0)
+    + entry("metric", name="end", value="last(controller.out)")
+    + entry("criterion", id="end", claim="The gain holds", metric="end", equals=-6.0)
+)
 
 
 @pytest.mark.parametrize("engine", ["reference", "native"])

@@ -17,6 +17,7 @@ from hypothesis import strategies as st
 import cosim
 from cosim.loop import native
 
+from ..conftest import entry
 from .loops import CHUNKS, both, chunked, outcome
 
 Write = Callable[..., Path]
@@ -132,36 +133,15 @@ def test_every_option_of_a_wire_gives_the_same_bytes(
         assert outcome(fast) == outcome(reference)
 
 
-STIMULI = """
-[[signal]]
-to = "controller.gain"
-times = [0.0, 0.01, 0.03]
-values = [-40.0, 3.0, -10.0]
-[[signal]]
-to = "plant.kick"
-times = [0.0, 0.015]
-values = [0.0, -0.0]
-[[inject]]
-to = "controller.in"
-from_time = 0.011
-to_time = 0.013
-value = 0.7
-[[inject]]
-to = "controller.count"
-from_time = 0.02
-to_time = 0.04
-value = -7
-[[inject]]
-to = "plant.drive"
-from_time = 0.03
-to_time = 0.035
-value = -2.5
-[[inject]]
-to = "plant.kick"
-from_time = 0.04
-to_time = 1.0
-value = 0.1
-"""
+STIMULI = (
+    "\n"
+    + entry("signal", to="controller.gain", times=[0.0, 0.01, 0.03], values=[-40.0, 3.0, -10.0])
+    + entry("signal", to="plant.kick", times=[0.0, 0.015], values=[0.0, -0.0])
+    + entry("inject", to="controller.in", from_time=0.011, to_time=0.013, value=0.7)
+    + entry("inject", to="controller.count", from_time=0.02, to_time=0.04, value=-7)
+    + entry("inject", to="plant.drive", from_time=0.03, to_time=0.035, value=-2.5)
+    + entry("inject", to="plant.kick", from_time=0.04, to_time=1.0, value=0.1)
+)
 
 
 def test_signals_and_injections_give_the_same_bytes(cart: Callable[..., Path]) -> None:

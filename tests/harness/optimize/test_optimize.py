@@ -19,23 +19,16 @@ from cosim.optimize.proposer import Proposer
 from cosim.optimize.variants import Variants
 from cosim.sweep.store import Store
 
+from ..conftest import END, entry
+
 Write = Callable[..., Path]
 Run = Callable[..., tuple[int, str, str]]
 
-LOOP = """
-[[metric]]
-name = "end"
-unit = "m"
-value = "last(plant.x)"
-[[metric]]
-name = "off"
-value = "(last(plant.x) - 0.5) ** 2"
-[[criterion]]
-id = "end"
-claim = "does not end low"
-metric = "end"
-minimum = 0.3
-"""
+LOOP = (
+    END
+    + entry("metric", name="off", value="(last(plant.x) - 0.5) ** 2")
+    + entry("criterion", id="end", claim="does not end low", metric="end", minimum=0.3)
+)
 """Ends the lag scenario, whose state decays by `pole + (1 - pole) gain` in each step."""
 SET = "[set]\nloop.duration = 0.005\nloop.compute_delay = 0\n"
 """Four steps lie between the first and the last row, nothing is late."""

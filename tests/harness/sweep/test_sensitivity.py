@@ -18,6 +18,7 @@ from cosim.sweep.designs import saltelli
 from cosim.sweep.sensitivity import rank, sobol
 from cosim.sweep.varied import Vary
 
+from ..conftest import END
 from . import studies
 
 Write = Callable[..., Path]
@@ -132,16 +133,10 @@ kind = "saltelli"
 samples = 16
 seeds = "repeat"
 """
-ENDS = """
-[[metric]]
-name = "end"
-unit = "m"
-value = "last(plant.x)"
-"""
 
 
 def test_a_sweep_tells_what_moves_its_metrics(write: Write, folder: Path) -> None:
-    write(ENDS)
+    write(END)
     (folder / "s.toml").write_text(STUDY)
     command = [sys.executable, "-m", "cosim", "sweep", "s.toml", "--json"]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
@@ -164,7 +159,7 @@ def test_a_sweep_tells_what_moves_its_metrics(write: Write, folder: Path) -> Non
 
 
 def test_indices_are_told_of_the_samples_that_are_whole(write: Write, folder: Path) -> None:
-    write(ENDS)
+    write(END)
     (folder / "s.toml").write_text(STUDY)
     studies.sweep("s.toml")
     file = folder / "s.sweep" / "results.jsonl"
