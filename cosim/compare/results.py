@@ -52,10 +52,8 @@ def compare(
     ----------
     reference, other
         The results, as `read` gives them.
-    allowed
-        Tolerances of the metrics.
-    names
-        What the two are called.
+    allowed, names
+        Tolerances of the metrics, and what the two are called.
 
     Raises
     ------

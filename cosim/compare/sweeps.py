@@ -62,10 +62,8 @@ def compare(
     ----------
     reference, other
         Rows, as `read` gives them.
-    allowed
-        Tolerances of the metrics.
-    names
-        What the two are called.
+    allowed, names
+        Tolerances of the metrics, and what the two are called.
 
     Raises
     ------

@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import csv
 import functools
-import importlib
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim import paths
+from cosim import extras, paths
 from cosim.errors import CosimError, ScenarioError, closest
 from cosim.scenario.checks import MOST_STEPS
 from cosim.scenario.model import Scenario
@@ -181,11 +180,8 @@ def number(cell: str, at: str) -> float:
 
 def read_parquet(file: Path, column: str) -> Course:
     """Read a Parquet file."""
-    try:
-        parquet: Any = importlib.import_module("pyarrow.parquet")
-    except ImportError:
-        problem = f"`{paths.shown(file)}` needs pyarrow, which is not installed"
-        raise CosimError(problem, "`pip install machining-fmus[parquet]`") from None
+    problem = f"`{paths.shown(file)}` needs pyarrow, which is not installed"
+    parquet = extras.needed("pyarrow.parquet", problem, extras.hint("parquet"))
     try:
         opened = parquet.ParquetFile(file)
         names = list(opened.schema_arrow.names)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import importlib
 import warnings
 from dataclasses import dataclass
 from typing import Any
 
-from cosim.errors import CosimError
+from cosim import extras
 from cosim.loop.wiring import child
 from cosim.optimize.objective import Score
 from cosim.optimize.problem import Problem
@@ -74,18 +73,9 @@ def suggested(trial: Any, vary: Vary) -> Any:
 
 
 def imported() -> Any:
-    """Import Optuna.
-
-    Raises
-    ------
-    CosimError
-        It is not installed.
-    """
-    try:
-        optuna: Any = importlib.import_module("optuna")
-    except ImportError:
-        hint = "install the extra: `pip install machining-fmus[optimize]`"
-        raise CosimError("Optuna is not installed, it proposes the trials", hint) from None
+    """Import Optuna."""
+    problem = "Optuna is not installed, it proposes the trials"
+    optuna = extras.needed("optuna", problem, extras.hint("optimize"))
     optuna.logging.set_verbosity(optuna.logging.ERROR)
     return optuna
 

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from cosim import extras
 from cosim.errors import CosimError
 
 ENDINGS = (".svg", ".png", ".pdf")
@@ -41,8 +42,7 @@ def check(file: Path) -> None:
     if not file.absolute().parent.is_dir():
         raise CosimError(f"cannot write `{file}`: the folder `{file.absolute().parent}` does not exist")
     if not can_plot():
-        hint = "install the extra: `pip install machining-fmus[report]`"
-        raise CosimError("matplotlib is not installed, it makes the plots", hint)
+        raise CosimError("matplotlib is not installed, it makes the plots", extras.hint("report"))
 
 
 @contextlib.contextmanager

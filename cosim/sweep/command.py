@@ -33,27 +33,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Options:
-    """Options of the command.
-
-    Parameters
-    ----------
-    file
-        The study.
-    folder
-        Folder of the results.
-    workers
-        Worker processes on this machine; None is one per processor that this process may use.
-    cluster
-        Address of a Dask scheduler; empty runs on this machine.
-    engine
-        `native` or `reference`.
-    again
-        Whether runs without a result are done again.
-    plots
-        Whether to draw plots, if matplotlib is installed.
-    quiet
-        No progress bar.
-    """
+    """Options of the command, as `cosim.sweep` tells them; `folder` is that of the results."""
 
     file: Path
     folder: Path

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import itertools
 import math
 from collections.abc import Callable, Sequence
@@ -13,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cosim import extras
 from cosim.errors import CosimError
 from cosim.loop.wiring import child
 from cosim.sweep.varied import Vary
@@ -89,20 +89,10 @@ def sobol_sampler(dimensions: int, seed: int) -> Any:
 
 
 def quasi_monte_carlo() -> Any:
-    """Return scipy's module of quasi-Monte-Carlo sequences.
-
-    Raises
-    ------
-    CosimError
-        Scipy is not installed.
-    """
-    try:
-        return importlib.import_module("scipy.stats.qmc")
-    except ImportError:
-        hint = "install the extra: `pip install machining-fmus[sweep]`; `grid` and `monte-carlo` need nothing"
-        raise CosimError(
-            "scipy is not installed, it makes `latin-hypercube`, `sobol` and `saltelli`", hint
-        ) from None
+    """Return scipy's module of quasi-Monte-Carlo sequences."""
+    problem = "scipy is not installed, it makes `latin-hypercube`, `sobol` and `saltelli`"
+    hint = f"{extras.hint('sweep')}; `grid` and `monte-carlo` need nothing"
+    return extras.needed("scipy.stats.qmc", problem, hint)
 
 
 def levels(vary: Vary) -> list[Any]:

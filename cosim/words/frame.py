@@ -2,27 +2,16 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Mapping
 from typing import Any
 
-from cosim.errors import CosimError
+from cosim import extras
 
 
 def dataframe(columns: Mapping[str, Any], units: Mapping[str, str]) -> Any:
-    """Make a `pandas.DataFrame` whose `attrs["units"]` holds the units.
-
-    Raises
-    ------
-    CosimError
-        pandas is not installed.
-    """
-    try:
-        pandas: Any = importlib.import_module("pandas")
-    except ImportError:
-        raise CosimError(
-            "a data frame needs pandas, which is not installed", "`pip install pandas`"
-        ) from None
+    """Make a `pandas.DataFrame` whose `attrs["units"]` holds the units."""
+    problem = "a data frame needs pandas, which is not installed"
+    pandas = extras.needed("pandas", problem, "`pip install pandas`")
     frame = pandas.DataFrame(dict(columns))
     frame.attrs["units"] = dict(units)
     return frame
