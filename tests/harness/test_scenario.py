@@ -173,45 +173,9 @@ def test_a_mistake_in_a_file_names_file_and_key(write: Write, added: str, messag
         cosim.load(write(added))
 
 
-WRONG_SET = {
-    "unknown key": (
-        "loop.dration=1",
-        r"`--set loop.dration`: .* not a known key\nhint: did you mean `duration`",
-    ),
-    "wrong type": (
-        "loop.substeps=1.5",
-        r"`--set loop.substeps`: .* `1.5` \(a number\), it must be an integer",
-    ),
-    "text for a number": (
-        "loop.step=fast",
-        r"`--set loop.step`: .* `'fast'` \(a text\), it must be a number",
-    ),
-    "Boolean for a number": ("loop.step=true", r"`true` \(true or false\), it must be a number"),
-    "no value": ("loop.step", "is not of the form KEY=VALUE"),
-    "unknown section": ("controler.gain=1", "no such key in a scenario\nhint: did you mean `controller.`"),
-    "unknown wire": (
-        "wire.controller.on.noise=1",
-        "has no wire `controller.on`\nhint: did you mean `wire.controller.in`",
-    ),
-    "unknown wire key": ("wire.controller.in.nose=1", "not a known key\nhint: did you mean `noise`"),
-    "not on the grid": (
-        "loop.duration=0.0505",
-        "it must be a multiple of `loop.step` = `0.001` s\nhint: the nearest is 0.05 s",
-    ),
-    "not finite": ("loop.step=nan", "it must be positive and finite"),
-    "negative": ("loop.duration=-1", "it must be positive and finite"),
-    "delay": ("loop.compute_delay=2", "is `2`, it must be `0` or `1`"),
-    "order": ("loop.order=plant_first", "it must be `controller_first`"),
-    "negative noise": ("wire.controller.in.noise=-1", "it must be finite and not negative"),
-    "negative delay": ("wire.controller.in.delay=-1", "it must lie in 0 .. 50"),
-    "seed": ("loop.seed=-1", "it must not be negative"),
-}
-
-
-@pytest.mark.parametrize(("override", "message"), WRONG_SET.values(), ids=WRONG_SET.keys())
-def test_a_mistake_in_an_override_names_the_override(write: Write, override: str, message: str) -> None:
-    with pytest.raises(ScenarioError, match=message):
-        cosim.load(write(), set=[override])
+def test_a_mistake_in_an_override_is_found_where_it_is_loaded(write: Write) -> None:
+    with pytest.raises(ScenarioError, match=r"`--set loop.dration`: .*\nhint: did you mean `duration`"):
+        cosim.load(write(), set=["loop.dration=1"])
 
 
 def test_a_circle_of_files_is_refused(write: Write) -> None:
@@ -223,23 +187,8 @@ def test_a_circle_of_files_is_refused(write: Write) -> None:
         cosim.load("a.toml")
 
 
-WRONG_NAMES = {
-    "wire from": ("wire.controller.in.from=plant.y", "has no reading `y`"),
-    "wire from the wrong side": ("wire.controller.in.from=controller.out", "takes a `plant.` reading"),
-    "command from the plant": ("wire.plant.u.from=plant.x", "takes a `controller.` output"),
-    "wire to": ("wire.controller.in.to=controller.inn", r"no variable `inn`\nhint: did you mean `in`"),
-    "wire to an output": ("wire.controller.in.to=controller.out", "no input and no tunable parameter"),
-    "wire to a command": ("wire.plant.u.to=plant.v", "has no command `v`"),
-    "wire from a text": ("wire.plant.u.from=controller.label_out", "is no numeric output"),
-    "wire to nowhere": ("wire.plant.u.to=nowhere", "`to` = `nowhere`, it must be `controller.<input>` or"),
-    "substeps": ("loop.substeps=2", "do not fill `loop.step` = `0.001` s\nhint: set `loop.substeps = 1`"),
-    "stop_when": ("loop.stop_when=plant.y > 1", "names `plant.y`, which is no column"),
-}
-
-
-@pytest.mark.parametrize(("override", "message"), WRONG_NAMES.values(), ids=WRONG_NAMES.keys())
-def test_a_wrong_name_is_found_before_the_run(write: Write, override: str, message: str) -> None:
+@pytest.mark.parametrize("override", ["wire.controller.in.from=plant.y", "loop.stop_when=plant.y > 1"])
+def test_a_wrong_name_is_found_before_the_run(write: Write, override: str) -> None:
     scenario = cosim.load(write(), set=[override])
-    with pytest.raises(CosimError, match=message) as caught:
+    with pytest.raises(CosimError, match=r"(lag\.toml|--set).*`(plant\.)?y`"):
         cosim.run(scenario)
-    assert "lag.toml" in caught.value.message or "--set" in caught.value.message

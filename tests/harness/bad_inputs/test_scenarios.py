@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from . import scenarios
+from . import overrides, scenarios
 from .calling import Case, Refuse, call, given
 
 
@@ -20,7 +20,7 @@ def test_a_bad_scenario_is_named(
 
 
 @pytest.mark.usefixtures("lag")
-@pytest.mark.parametrize(("override", "words"), scenarios.SETS.values(), ids=scenarios.SETS)
+@pytest.mark.parametrize(("override", "words"), overrides.SETS.values(), ids=overrides.SETS)
 def test_a_bad_override_is_named(override: str, words: tuple[str, ...], refuse: Refuse) -> None:
     refuse(Case(given("run", "lag.toml", "--set", override), words))
 
