@@ -42,27 +42,27 @@ __all__ = [
 ]
 
 PLACES = {
-    "CosimError": ("cosim.errors", "CosimError"),
-    "Limits": ("cosim.pool.limits", "Limits"),
-    "Result": ("cosim.loop.result", "Result"),
-    "Scenario": ("cosim.scenario.model", "Scenario"),
-    "Session": ("cosim.loop.session", "Session"),
-    "SweepResult": ("cosim.sweep.results", "SweepResult"),
-    "judge": ("cosim.loop.judge", "judge"),
-    "load": ("cosim.scenario.load", "load"),
-    "read_trace": ("cosim.loop.stored", "read"),
-    "run": ("cosim.pool.runs", "run"),
-    "run_each": ("cosim.pool.runs", "run_each"),
-    "run_many": ("cosim.pool.runs", "run_many"),
+    "CosimError": "cosim.errors.CosimError",
+    "Limits": "cosim.pool.limits.Limits",
+    "Result": "cosim.loop.result.Result",
+    "Scenario": "cosim.scenario.model.Scenario",
+    "Session": "cosim.loop.session.Session",
+    "SweepResult": "cosim.sweep.results.SweepResult",
+    "judge": "cosim.loop.judge.judge",
+    "load": "cosim.scenario.load.load",
+    "read_trace": "cosim.loop.stored.read",
+    "run": "cosim.pool.runs.run",
+    "run_each": "cosim.pool.runs.run_each",
+    "run_many": "cosim.pool.runs.run_many",
 }
-"""Module of each public name, and its name there."""
+"""Where each public name is defined."""
 
 
 def __getattr__(name: str) -> Any:
     """Import a public name when it is asked for."""
     if name not in PLACES:
         raise AttributeError(f"module `{__name__}` has no attribute `{name}`")
-    module, there = PLACES[name]
+    module, _, there = PLACES[name].rpartition(".")
     value = getattr(import_module(module), there)
     globals()[name] = value
     return value
