@@ -45,7 +45,7 @@ def save(scenario: Scenario, result: Result, path: Path) -> None:
     Raises
     ------
     CosimError
-        The file cannot be written.
+        The result holds no trace, or the file cannot be written.
     """
     trace = result.trace
     if trace is None:

@@ -282,21 +282,26 @@ WRONG = {
     "plot ending": (["a.npz", "b.npz", "--plot", "p.doc"], "cannot plot to `p.doc`"),
     "plot nowhere": (["a.npz", "b.npz", "--plot", "no/p.svg"], "cannot write `no/p.svg`"),
     "torn": (["torn.npz", "a.npz"], "`torn.npz` holds no trace"),
-    "text": (["text.csv", "a.npz"], "`text.csv` holds no trace"),
-    "ragged": (["ragged.csv", "a.npz"], "`ragged.csv` holds no trace"),
-    "empty": (["empty.csv", "a.npz"], "`empty.csv`"),
-    "no time": (["timeless.csv", "a.npz"], "no column `time`"),
-    "time goes back": (["back.csv", "a.npz"], "do not ascend"),
     "objects": (["objects.npz", "a.npz"], "`objects.npz` holds no trace"),
     "about is a list": (["about.npz", "a.npz"], "`about.npz` holds no trace"),
-    "criterion without name": (["id.json", "r.json"], "`id.json` is no result"),
     "rows that are none": (["rows", "rows"], "has no rows"),
-    "no result": (["text.json", "r.json"], "`text.json` is no result"),
-    "list": (["list.json", "r.json"], "`list.json` is no result"),
     "no sweep": (["sub", "sub"], "results.jsonl"),
     "no scenario": (["gone"], "there is no scenario `gone`"),
     "no engine": (["gone", "--engine", "fast"], "there is no engine `fast`"),
 }
+
+BROKEN = {
+    "text.csv": ("time,x\n0,a\n", "`text.csv` holds no trace"),
+    "ragged.csv": ("time,x\n0,1\n1\n", "`ragged.csv` holds no trace"),
+    "empty.csv": ("", "`empty.csv`"),
+    "timeless.csv": ("t,x\n0,1\n", "no column `time`"),
+    "back.csv": ("time,x\n0,1\n0,1\n", "do not ascend"),
+    "id.json": ('{"metrics": {}, "criteria": [{"id": [1]}]}', "`id.json` is no result"),
+    "text.json": ("{", "`text.json` is no result"),
+    "list.json": ("[1]", "`list.json` is no result"),
+}
+"""Files with their text, and what is wrong with them."""
+WRONG |= {name: ([name, name], problem) for name, (_, problem) in BROKEN.items()}
 
 
 @pytest.mark.parametrize("case", WRONG)
@@ -311,16 +316,9 @@ def test_what_cannot_be_compared_is_one_sentence(case: str, command: Run) -> Non
     Path("rows").mkdir()
     texts = {
         "rows/results.jsonl": '{"run": "x"}\n[1]\n{"run": 1, "hash": "h", "status": "", "metrics": 3}\n',
-        "id.json": '{"metrics": {}, "criteria": [{"id": [1]}]}',
-        "text.csv": "time,x\n0,a\n",
-        "ragged.csv": "time,x\n0,1\n1\n",
-        "empty.csv": "",
-        "timeless.csv": "t,x\n0,1\n",
-        "back.csv": "time,x\n0,1\n0,1\n",
-        "text.json": "{",
-        "list.json": "[1]",
         "r.json": '{"metrics": {}, "criteria": []}',
         "a.xls": "",
+        **{name: text for name, (text, _) in BROKEN.items()},
     }
     for name, text in texts.items():
         Path(name).write_text(text)
