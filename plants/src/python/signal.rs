@@ -52,7 +52,7 @@ pub fn lookup(samples: Vec<f64>) -> PyResult<PyElement> {
 /// First-order filter of `bandwidth` rad/s: value -> filtered.
 #[pyfunction]
 pub fn low_pass(bandwidth: f64) -> PyElement {
-    PyElement::new(LowPass::new(bandwidth))
+    PyElement::new(LowPass { bandwidth, filtered: 0.0 })
 }
 
 /// Largest value so far: value -> maximum.

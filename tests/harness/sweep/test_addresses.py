@@ -34,32 +34,25 @@ def test_an_address_is_taken_as_it_is(text: str) -> None:
 
 
 WRONG = {
-    "missing file": ("nope.json", "cannot read `nope.json`: No such file"),
-    "broken file": ("broken.json", "`broken.json` is no file of a Dask scheduler"),
-    "list": ("list.json", "it holds no table"),
-    "no address": ("empty.json", "`address` in `empty.json` is ``, which is no address"),
-    "junk": ("junk", "the Dask scheduler is `junk`, which is no address"),
-    "missing security": ("nope.toml", "cannot read `nope.toml`"),
-    "unknown key": ("unknown.toml", "`adress` is not a known key"),
-    "missing key": ("half.toml", "`ca` is missing"),
-    "not encrypted": ("open.toml", "which is not encrypted"),
-    "missing certificate": ("bare.toml", "`ca` is `certificate.pem`, which is not there"),
+    "nope.json": (None, "cannot read `nope.json`: No such file"),
+    "broken.json": ("{", "`broken.json` is no file of a Dask scheduler"),
+    "list.json": ("[]", "it holds no table"),
+    "empty.json": ("{}", "`address` in `empty.json` is ``, which is no address"),
+    "junk": (None, "the Dask scheduler is `junk`, which is no address"),
+    "nope.toml": (None, "cannot read `nope.toml`"),
+    "unknown.toml": ('adress = "tls://node0:8786"\n', "`adress` is not a known key"),
+    "half.toml": ('address = "tls://node0:8786"\n', "`ca` is missing"),
+    "open.toml": (SECURITY.format("tcp://node0:8786"), "which is not encrypted"),
+    "bare.toml": (SECURITY.format("tls://node0:8786"), "`ca` is `certificate.pem`, which is not there"),
 }
+"""Addresses, the text of the file that they name, and what is wrong."""
 
 
-@pytest.mark.parametrize(("text", "problem"), WRONG.values(), ids=WRONG.keys())
-def test_what_is_no_address_is_told_at_once(text: str, problem: str, folder: Path) -> None:
-    contents = {
-        "broken.json": "{",
-        "list.json": "[]",
-        "empty.json": "{}",
-        "unknown.toml": 'adress = "tls://node0:8786"\n',
-        "half.toml": 'address = "tls://node0:8786"\n',
-        "open.toml": SECURITY.format("tcp://node0:8786"),
-        "bare.toml": SECURITY.format("tls://node0:8786"),
-    }
-    for name, content in contents.items():
-        (folder / name).write_text(content)
+@pytest.mark.parametrize("text", WRONG)
+def test_what_is_no_address_is_told_at_once(text: str, folder: Path) -> None:
+    content, problem = WRONG[text]
+    if content is not None:
+        (folder / text).write_text(content)
     with pytest.raises(CosimError) as caught:
         list(cluster.outcomes([], text, Limits()))
     assert problem in caught.value.message

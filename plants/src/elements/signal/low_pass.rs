@@ -6,15 +6,9 @@ use crate::element::{Element, Ports};
 #[derive(Clone, Debug)]
 pub struct LowPass {
     /// rad/s
-    bandwidth: f64,
-    filtered: f64,
-}
-
-impl LowPass {
-    /// A filter of `bandwidth` rad/s that stands at zero.
-    pub fn new(bandwidth: f64) -> Self {
-        Self { bandwidth, filtered: 0.0 }
-    }
+    pub bandwidth: f64,
+    /// where it stands
+    pub filtered: f64,
 }
 
 impl Element for LowPass {
@@ -35,7 +29,7 @@ mod tests {
     #[test]
     fn a_step_is_answered_by_the_exponential_at_any_step_size() {
         for (h, steps) in [(1e-4, 10), (1e-5, 100)] {
-            let (mut filter, mut out) = (LowPass::new(1000.0), [0.0]);
+            let (mut filter, mut out) = (LowPass { bandwidth: 1000.0, filtered: 0.0 }, [0.0]);
             for _ in 0..steps {
                 filter.step(&[2.0], &mut out, h);
             }
