@@ -9,6 +9,7 @@ from plants.base.parameters import ParameterError, choice, parameter
 TURN = 2.0 * math.pi
 SOLIMP = 0.95
 """Constraint impedance of the contact: see `contact_stiffness`."""
+SERVO = "our choice: usual AC servo"
 
 
 @dataclass(frozen=True)
@@ -37,17 +38,11 @@ class OrthogonalRobotParameters:
     )  # fmt: skip
     drive_damping: float = parameter(100.0, "N.s/m", "Viscous friction of each axis", 0.0, 1e5)
     drive_gain: float = parameter(1.0, "1", "Gain of position and velocity loop against nominal", 0.1, 10.0)
-    position_gain: float = parameter(80.0, "1/s", "Position loop", 1.0, 1e3, "our choice: usual AC servo")
-    velocity_bandwidth: float = parameter(
-        500.0, "rad/s", "Velocity loop", 10.0, 5e3, "our choice: usual AC servo"
-    )
-    velocity_integral: float = parameter(
-        60.0, "1/s", "Integral of the velocity loop", 0.0, 1e3, "our choice: usual AC servo"
-    )
+    position_gain: float = parameter(80.0, "1/s", "Position loop", 1.0, 1e3, SERVO)
+    velocity_bandwidth: float = parameter(500.0, "rad/s", "Velocity loop", 10.0, 5e3, SERVO)
+    velocity_integral: float = parameter(60.0, "1/s", "Integral of the velocity loop", 0.0, 1e3, SERVO)
     feedforward: float = parameter(0.8, "1", "Share of the commanded velocity that is fed forward", 0.0, 1.0)
-    feedforward_bandwidth: float = parameter(
-        100.0, "Hz", "Lag of that way", 1.0, 5e3, "our choice: usual AC servo"
-    )
+    feedforward_bandwidth: float = parameter(100.0, "Hz", "Lag of that way", 1.0, 5e3, SERVO)
     drive_force: float = parameter(400.0, "N", "Largest force of each drive", 1.0, 1e5)
     pulse: float = parameter(1e-6, "m", "Travel per pulse", 1e-9, 1e-4, "paper")
     pulse_period: float = parameter(

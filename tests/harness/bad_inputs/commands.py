@@ -7,6 +7,11 @@ from .calling import Case, given
 RUN = given("run", "lag.toml")
 LONG = "a" * 300
 
+NOWHERE = {"--trace": "no/a.csv", "--json": "no/a.json", "--plot": "no/a.svg"}
+"""Options with a file in a folder that is not there."""
+FULL = {"full.csv": "--trace", "full.npz": "--trace", "/dev/full": "--json", "full.svg": "--plot"}
+"""Files on a full disk, and the option that writes such files."""
+
 LINES: dict[str, Case] = {
     "unknown command": Case(given("rnu"), ("rnu", "--help")),
     "unknown option": Case((*RUN, "--sede", "1"), ("--sede", "--help")),
@@ -42,15 +47,16 @@ LINES: dict[str, Case] = {
     "trace of another kind": Case((*RUN, "--trace", "a.xls"), ("`a.xls`", "`.npz`")),
     "trace without a kind": Case((*RUN, "--trace", "a"), ("`a`", "`.csv`")),
     "trace is a folder": Case((*RUN, "--trace", "folder.csv"), ("cannot write `folder.csv`",)),
-    "trace into nothing": Case((*RUN, "--trace", "no/a.csv"), ("`no/a.csv`", "does not exist")),
-    "trace to a full disk": Case((*RUN, "--trace", "full.csv"), ("cannot write `full.csv`", "No space")),
-    "npz to a full disk": Case((*RUN, "--trace", "full.npz"), ("cannot write `full.npz`", "No space")),
-    "JSON into nothing": Case((*RUN, "--json", "no/a.json"), ("`no/a.json`", "does not exist")),
     "JSON is a folder": Case((*RUN, "--json", "cache"), ("cannot write `cache`",)),
-    "JSON to a full disk": Case((*RUN, "--json", "/dev/full"), ("cannot write `/dev/full`", "No space")),
     "plot of another kind": Case((*RUN, "--plot", "a.gif"), ("`a.gif`", "`.svg`")),
-    "plot into nothing": Case((*RUN, "--plot", "no/a.svg"), ("`no/a.svg`", "does not exist")),
-    "plot to a full disk": Case((*RUN, "--plot", "full.svg"), ("cannot write `full.svg`", "No space")),
+    **{
+        f"{option} into nothing": Case((*RUN, option, file), (f"`{file}`", "does not exist"))
+        for option, file in NOWHERE.items()
+    },
+    **{
+        f"{option} to a full disk: {file}": Case((*RUN, option, file), (f"cannot write `{file}`", "No space"))
+        for file, option in FULL.items()
+    },
     "sweep of nothing": Case(given("sweep", "no.toml"), ("the study file `no.toml` does not exist",)),
     "sweep of a folder": Case(given("sweep", "cache"), ("the study file `cache` does not exist",)),
     "sweep of a long name": Case(given("sweep", f"{LONG}.toml"), ("the study file `aaaa",)),
