@@ -7,6 +7,7 @@ hangs never takes the Dask worker with it. If a Dask worker itself is lost, that
 from __future__ import annotations
 
 import contextlib
+import importlib
 import logging
 import queue
 import threading
@@ -15,7 +16,6 @@ import uuid
 from collections.abc import Generator, Iterable, Iterator
 from typing import Any
 
-from cosim import extras
 from cosim.errors import CosimError
 from cosim.pool import address as addresses
 from cosim.pool.job import Finished, Job, Numbered, Outcome, WorkerError
@@ -144,8 +144,11 @@ def outcome_of(future: Any, lost: str) -> Outcome:
 
 def dask() -> Any:
     """Return Dask's package `distributed`."""
-    problem = "Dask is not installed, it runs sweeps on a cluster"
-    distributed = extras.needed("distributed", problem, extras.hint("cluster"))
+    try:
+        distributed = importlib.import_module("distributed")
+    except ImportError:
+        hint = "install the extra: `pip install machining-fmus[cluster]`"
+        raise CosimError("Dask is not installed, it runs sweeps on a cluster", hint) from None
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
     return distributed
 

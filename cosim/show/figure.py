@@ -58,13 +58,7 @@ def styled(changes: Any = None) -> Iterator[Any]:
 
 
 def save(figure: Any, file: Path) -> None:
-    """Write a figure and close it.
-
-    Raises
-    ------
-    CosimError
-        The file cannot be written.
-    """
+    """Write a figure and close it; a `CosimError` says why it cannot be written."""
     from matplotlib import pyplot
 
     try:
