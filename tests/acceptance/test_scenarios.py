@@ -9,6 +9,8 @@ import pytest
 
 import cosim
 
+from .samples.runs import WORKERS
+
 pytestmark = pytest.mark.acceptance
 
 ROOT = Path(__file__).parents[2]
@@ -24,7 +26,7 @@ SEEDS = tuple(range(52_001, 52_004))
 def test_criteria_hold(name: str) -> None:
     failed = [
         f"seed {result.seed}: {verdict.criterion.id} = {verdict.value:g} {verdict.unit}, {verdict.limits}"
-        for result in cosim.run_many(cosim.load(name), SEEDS)
+        for result in cosim.run_many(cosim.load(name), SEEDS, WORKERS)
         for verdict in result.criteria
         if not verdict.passed
     ]
@@ -34,7 +36,9 @@ def test_criteria_hold(name: str) -> None:
 @pytest.mark.parametrize("loop", LOOPS)
 def test_same_seed_same_bytes(loop: str, tmp_path: Path) -> None:
     scenario = cosim.load(loop)
-    first, again, other = (cosim.run(scenario, seed).trace for seed in (73, 73, 74))
+    first = cosim.run(scenario, 73).trace
+    # from the first row to the last the native engine, by which the other tests run, gives what FMPy gives
+    again, other = (cosim.run(scenario, seed, engine="native").trace for seed in (73, 74))
     assert first is not None
     assert again is not None
     assert other is not None
