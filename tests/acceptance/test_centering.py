@@ -150,7 +150,7 @@ def test_each_idea_switched_off(rings: Rings) -> None:
 # the plant
 
 
-@pytest.mark.parametrize("name", ["centering", "centering/paper"])
+@pytest.mark.parametrize("name", ["centering", pytest.param("centering/paper", marks=pytest.mark.full)])
 def test_half_the_timestep_gives_the_same_centring_time(name: str) -> None:
     finer = ["plant.timestep=5e-5", "loop.substeps=20"]
     first, second = cosim.run_each([cosim.load(name), cosim.load(name, set=finer)], WORKERS)
