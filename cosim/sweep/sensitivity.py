@@ -12,7 +12,6 @@ Saltelli et al. (2010), Variance based sensitivity analysis of model output, Com
 
 from __future__ import annotations
 
-import importlib.util
 import math
 from collections import defaultdict
 from collections.abc import Sequence
@@ -95,10 +94,10 @@ def influences(plan: Plan, table: Table) -> list[Influence]:
     Returns
     -------
     list of Influence
-        Nothing with too few results, or without scipy.
+        Nothing with too few results.
     """
     done = [line for line, status in enumerate(table["status"]) if status in DONE]
-    if len(done) < FEWEST_RUNS or importlib.util.find_spec("scipy") is None:
+    if len(done) < FEWEST_RUNS:
         return []
     varied = dict.fromkeys(key for case in plan.cases for key in case)
     keys = {key: column for key in varied if varies(column := numbers(table[key], done))}
@@ -135,17 +134,23 @@ def rank(x: Array, y: Array) -> Estimate:
     Its interval is that of Bonett and Wright (2000): `artanh r` is normal with the variance
     `(1 + r^2 / 2) / (n - 3)`.
     """
-    from scipy.stats import spearmanr
-
     both = np.isfinite(x) & np.isfinite(y)
     count = int(np.sum(both))
     if count < FEWEST_RUNS or not varies(x[both]) or not varies(y[both]):
         return Estimate(math.nan, math.nan, math.nan)
-    value = float(np.clip(spearmanr(x[both], y[both]).statistic, -1.0, 1.0))
+    value = float(np.clip(np.corrcoef(ranks(x[both]), ranks(y[both]))[0, 1], -1.0, 1.0))
     half = 1.959964 * math.sqrt((1.0 + value**2 / 2.0) / (count - 3))
     # 1 is where artanh is infinite
     middle = math.atanh(math.copysign(min(abs(value), 1.0 - 1e-12), value))
     return Estimate(value, math.tanh(middle - half), math.tanh(middle + half))
+
+
+def ranks(column: Array) -> Array:
+    """Place of each number in the order of all, from 1; equal numbers share the mean of theirs."""
+    # as scipy.stats.rankdata, whose import takes longer than most sweeps that are watched
+    _, group, sizes = np.unique(column, return_inverse=True, return_counts=True)
+    means: Array = np.cumsum(sizes) - (sizes - 1) / 2
+    return means[group]
 
 
 def sobol_of(plan: Plan, cases: Sequence[int], values: Array) -> dict[str, tuple[Estimate, Estimate]]:

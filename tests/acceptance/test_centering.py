@@ -14,6 +14,7 @@ import pytest
 import cosim
 
 from .samples.rings import Rings, Sample, sample
+from .samples.runs import WORKERS
 
 pytestmark = pytest.mark.acceptance
 
@@ -149,10 +150,10 @@ def test_each_idea_switched_off(rings: Rings) -> None:
 # the plant
 
 
-@pytest.mark.parametrize("name", ["centering", "centering/paper"])
+@pytest.mark.parametrize("name", ["centering", pytest.param("centering/paper", marks=pytest.mark.full)])
 def test_half_the_timestep_gives_the_same_centring_time(name: str) -> None:
     finer = ["plant.timestep=5e-5", "loop.substeps=20"]
-    first, second = cosim.run_each([cosim.load(name), cosim.load(name, set=finer)])
+    first, second = cosim.run_each([cosim.load(name), cosim.load(name, set=finer)], WORKERS)
     assert isinstance(first, cosim.Result)
     assert isinstance(second, cosim.Result)
     times = [result.metrics["time_to_centre"].value for result in (first, second)]
@@ -161,6 +162,6 @@ def test_half_the_timestep_gives_the_same_centring_time(name: str) -> None:
 
 def test_a_centred_ring_stays_centred() -> None:
     longer = "loop.stop_when=controller.centred and time > controller.time_to_centre + 15"
-    result = cosim.run(cosim.load("centering", set=[longer]), SOME)
+    result = cosim.run(cosim.load("centering", set=[longer]), SOME, engine="native")
     assert result.metrics["centred"].value
     assert result.metrics["eccentricity"].value <= 2.8e-6

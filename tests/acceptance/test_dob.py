@@ -14,6 +14,8 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 import cosim
 
+from .samples.runs import WORKERS
+
 pytestmark = pytest.mark.acceptance
 
 ROOT = Path(__file__).parents[2]
@@ -25,7 +27,7 @@ MANY = tuple(range(60_001, 60_201))
 
 @functools.cache
 def runs(name: str, seeds: Sequence[int], *changes: str) -> list[cosim.Result]:
-    return cosim.run_many(cosim.load(name, set=changes), seeds)
+    return cosim.run_many(cosim.load(name, set=changes), seeds, WORKERS)
 
 
 def values(results: list[cosim.Result], metric: str) -> np.ndarray[Any, Any]:
@@ -33,7 +35,7 @@ def values(results: list[cosim.Result], metric: str) -> np.ndarray[Any, Any]:
 
 
 def trace(name: str, seed: int, *changes: str) -> np.ndarray[Any, Any]:
-    result = cosim.run(cosim.load(name, set=changes), seed)
+    result = cosim.run(cosim.load(name, set=changes), seed, engine="native")
     assert result.trace is not None
     return result.trace
 

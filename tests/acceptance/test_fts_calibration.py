@@ -70,7 +70,7 @@ def test_without_the_thrust_twice_a_turn_nothing_is_left_at_n_2() -> None:
 
 
 def test_the_measurement_takes_as_long_as_was_told() -> None:
-    with cosim.Session(cosim.load("fts/identify", set=["loop.duration=6.0"])) as session:
+    with cosim.Session(cosim.load("fts/identify", set=["loop.duration=6.0"]), engine="native") as session:
         rows = trace(session.run())
         told = session.fmu.read(session.file.variables["identify.duration"])
     progress = rows["controller.identify.progress"]

@@ -9,7 +9,6 @@ import math
 import numpy as np
 import pytest
 
-import cosim
 from plants.tools.molds import MOLDS
 from plants.tools.removal import Surface, evenness, roughness
 
@@ -275,10 +274,3 @@ def test_the_plant_step_hardly_matters() -> None:
     print(coarse, fine, sep="\n")
     assert fine.gain == pytest.approx(coarse.gain, rel=0.02)
     assert fine.force.std() == pytest.approx(coarse.force.std(), abs=0.01)
-
-
-def test_same_seed_same_bytes() -> None:
-    short = cosim.load("polish", set=["loop.duration=1.2"])
-    traces = [cosim.run(short, seed).trace for seed in (73, 73, 74)]
-    first, again, other = (trace.tobytes() for trace in traces if trace is not None)
-    assert first == again != other

@@ -9,6 +9,8 @@ import pytest
 
 import cosim
 
+from .samples.runs import WORKERS
+
 pytestmark = pytest.mark.acceptance
 
 ROOT = Path(__file__).parents[2]
@@ -17,14 +19,16 @@ NAMES = [str(file.relative_to(FOLDER).with_suffix("").as_posix()) for file in so
 LOOPS = [file.stem for file in sorted(FOLDER.glob("*.toml"))]
 
 # nothing was tuned on these seeds
-SEEDS = tuple(range(52_001, 52_004))
+SOME = (52_001,)
+MANY = (52_002, 52_003)
 
 
+@pytest.mark.parametrize("seeds", [SOME, pytest.param(MANY, marks=pytest.mark.full)], ids=["some", "many"])
 @pytest.mark.parametrize("name", NAMES)
-def test_criteria_hold(name: str) -> None:
+def test_criteria_hold(name: str, seeds: tuple[int, ...]) -> None:
     failed = [
         f"seed {result.seed}: {verdict.criterion.id} = {verdict.value:g} {verdict.unit}, {verdict.limits}"
-        for result in cosim.run_many(cosim.load(name), SEEDS)
+        for result in cosim.run_many(cosim.load(name), seeds, WORKERS)
         for verdict in result.criteria
         if not verdict.passed
     ]
@@ -34,7 +38,9 @@ def test_criteria_hold(name: str) -> None:
 @pytest.mark.parametrize("loop", LOOPS)
 def test_same_seed_same_bytes(loop: str, tmp_path: Path) -> None:
     scenario = cosim.load(loop)
-    first, again, other = (cosim.run(scenario, seed).trace for seed in (73, 73, 74))
+    first = cosim.run(scenario, 73).trace
+    # from the first row to the last the native engine, by which the other tests run, gives what FMPy gives
+    again, other = (cosim.run(scenario, seed, engine="native").trace for seed in (73, 74))
     assert first is not None
     assert again is not None
     assert other is not None

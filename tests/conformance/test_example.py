@@ -13,6 +13,7 @@ from pathlib import Path
 
 import fmpy
 import numpy as np
+import pytest
 
 from .conftest import ROOT
 
@@ -86,6 +87,7 @@ def test_the_crates_for_others_are_packaged_without_a_warning() -> None:
         assert {"README.md", "LICENSE-MIT", "LICENSE-APACHE", "src/lib.rs"} <= files
 
 
+@pytest.mark.xdist_group("builds")
 def test_a_crate_elsewhere_is_packed_validated_and_simulated() -> None:
     program, folder = build_cargo_fmu(), strangers_copy()
     file = folder / "spring.fmu"

@@ -64,7 +64,7 @@ def test_between_two_samples_of_moving_inputs(fmu: Fmu, tmp_path: Path) -> None:
 )
 def test_in_the_middle_of_a_state_of_a_closed_loop(loop: str, state: str, tmp_path: Path) -> None:
     scenario = cosim.load(loop)
-    result = cosim.run(scenario, 57_001)
+    result = cosim.run(scenario, 57_001, engine="native")
     trace = result.trace
     assert trace is not None
     busy = np.flatnonzero(trace["controller.state"] == result.items["controller.state"][state])

@@ -9,6 +9,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).resolve().parents[2]
 # both are kept between runs at one place, so that what did not change is compiled once
 COPY = ROOT / "target/newcomer/repository"
@@ -49,6 +51,8 @@ def run(program: str | Path, line: str) -> str:
     return text
 
 
+# in a row with the other test that builds from the start, and both among the first
+@pytest.mark.xdist_group("builds")
 def test_a_new_controller_is_built_tested_and_run() -> None:
     program, python, crate = xtask(), sys.executable, f"fmu-{NAME}"
     copy_repository()

@@ -56,7 +56,7 @@ fn checks(workspace: &Workspace) -> Vec<(&'static str, Command)> {
         ),
         ("bench", cargo("xtask bench --short")),
         ("cargo test", cargo("test --workspace --locked")),
-        ("pytest", venv("pytest --numprocesses auto --durations 10")),
+        ("pytest", venv("pytest --numprocesses auto --dist loadgroup --durations 20")),
     ]
 }
 

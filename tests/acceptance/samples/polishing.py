@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 
 import cosim
 
+from .runs import WORKERS
+
 Array = NDArray[np.float64]
 Columns = Any
 Changes = tuple[str, ...]
@@ -150,13 +152,13 @@ def rms(values: Array) -> float:
 
 def polish(name: str, *changes: str, seed: int | None = None) -> Run:
     """Run one scenario with overrides."""
-    return Run(cosim.run(cosim.load(name, set=changes), seed))
+    return Run(cosim.run(cosim.load(name, set=changes), seed, engine="native"))
 
 
 def sample(name: str, seeds: Sequence[int], *changes: str) -> list[Run]:
     """Run a scenario with a robot and a mold for each seed; `changes` are overrides for all of them."""
     scenarios = [cosim.load(name, set=[*drawn(seed), *changes]) for seed in seeds]
-    outcomes = cosim.run_each(scenarios, keep_trace=True)
+    outcomes = cosim.run_each(scenarios, WORKERS, keep_trace=True)
     failed = [outcome for outcome in outcomes if isinstance(outcome, cosim.CosimError)]
     assert not failed, failed[0].message
     return [Run(outcome) for outcome in outcomes if isinstance(outcome, cosim.Result)]

@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 
 import cosim
 
+from .runs import WORKERS
+
 Array = NDArray[np.float64]
 Range = tuple[float, float]
 
@@ -178,7 +180,7 @@ class Sample:
 def sample(rings: Rings, seeds: Sequence[int], *changes: str, name: str = "centering") -> Sample:
     """Run a scenario with a ring for each seed; `changes` are overrides for all of them."""
     scenarios = [cosim.load(name, set=[*rings.draw(seed), *changes]) for seed in seeds]
-    return Sample(scenarios, cosim.run_each(scenarios))
+    return Sample(scenarios, cosim.run_each(scenarios, WORKERS))
 
 
 def reason(outcome: cosim.Result | cosim.CosimError) -> str:

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 import cosim
 
+from .runs import WORKERS
+
 Changes = tuple[str, ...]
 Array = NDArray[np.float64]
 
@@ -64,7 +66,7 @@ def learning(bank: Path, *changes: str, speed: float = 0.1, repetitions: int = 1
 
 def learn(bank: Path, *changes: str, speed: float = 0.1, repetitions: int = 19) -> cosim.Result:
     """Learn, and see that all speeds were learned and written."""
-    result = cosim.run(learning(bank, *changes, speed=speed, repetitions=repetitions))
+    result = cosim.run(learning(bank, *changes, speed=speed, repetitions=repetitions), engine="native")
     assert result.trace is not None
     assert result.trace["controller.learn.done"][-1] == 1.0
     assert bank.exists()
@@ -104,7 +106,7 @@ class Sample:
 
 def sample(seeds: Sequence[int], *changes: str, name: str = "deburr") -> Sample:
     """Deburr a casting for each seed on one machine."""
-    results = cosim.run_many(cosim.load(name, set=changes), seeds, keep_trace=False)
+    results = cosim.run_many(cosim.load(name, set=changes), seeds, workers=WORKERS)
     return Sample(tuple(seeds), tuple(results))
 
 

@@ -1,17 +1,21 @@
-"""Runs of scenarios with changes, and what is read from their results."""
+"""Runs of scenarios with changes by the native engine, and what is read from their results."""
 
 import functools
+import os
 from typing import Any
 
 import cosim
 
 Columns = Any
 
+WORKERS = 1 if "PYTEST_XDIST_WORKER" in os.environ else None
+"""Processes for a sample: none beside this one where the tests themselves are spread over the cores."""
+
 
 @functools.lru_cache(maxsize=16)
 def run(name: str, *changes: str, seed: int | None = None) -> cosim.Result:
     """Run a scenario with changes, as `--set` takes them; the last results are kept."""
-    return cosim.run(cosim.load(name, set=changes), seed)
+    return cosim.run(cosim.load(name, set=changes), seed, engine="native")
 
 
 def trace(result: cosim.Result) -> Columns:

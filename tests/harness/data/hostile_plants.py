@@ -35,7 +35,7 @@ class Parent(probe_plants.Lag):
     """Leaves a process behind that has inherited what can be inherited, and dies."""
 
     def advance(self, substeps: int) -> None:
-        os.system("sleep 50 &")
+        os.system("sleep 300 & echo $! > child")
         os.abort()
 
 

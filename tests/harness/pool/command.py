@@ -6,30 +6,40 @@ import os
 import signal
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 from pathlib import Path
+from typing import IO
 
 import psutil
 
+File = int | IO[str]
 ROOT = Path(__file__).resolve().parents[3]
 STEPS = "--duration=1000"
 """A run that nobody waits for."""
 
 
 def finished(*arguments: str, path: Path = ROOT) -> subprocess.CompletedProcess[str]:
-    """Run `cosim run lag.toml` with these arguments."""
-    with started(*arguments, path=path) as process:
-        stdout, stderr = process.communicate(timeout=100.0)
-    return subprocess.CompletedProcess(arguments, process.returncode, stdout, stderr)
+    """Run `cosim run lag.toml` with these arguments; nothing that outlives it is waited for."""
+    with tempfile.TemporaryFile("w+") as out, tempfile.TemporaryFile("w+") as err:
+        process = started(*arguments, path=path, stdout=out, stderr=err)
+        try:
+            status = process.wait(timeout=100.0)
+        finally:
+            process.kill()
+        texts = [(file.seek(0), file.read())[1] for file in (out, err)]
+    return subprocess.CompletedProcess(arguments, status, *texts)
 
 
-def started(*arguments: str, path: Path = ROOT) -> subprocess.Popen[str]:
+def started(
+    *arguments: str, path: Path = ROOT, stdout: File = subprocess.PIPE, stderr: File = subprocess.PIPE
+) -> subprocess.Popen[str]:
     """Start `cosim run lag.toml` with these arguments; modules are looked for in `path` as well."""
     return subprocess.Popen(
         [sys.executable, "-m", "cosim", "run", "lag.toml", *arguments],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
+        stdout=stdout,
+        stderr=stderr,
         text=True,
         env={**os.environ, "PYTHONPATH": os.pathsep.join(map(str, (path, ROOT)))},
         # a shell that starts the tests in the background lets them ignore the signal

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import shutil
+import signal
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -89,6 +91,8 @@ def test_a_death_is_one_line_and_exit_code_2(changes: list[str], line: str, fold
     assert own[0].startswith(f"error: {line}")
     assert all(text.startswith("hint: ") for text in own[1:])
     assert not (folder / "result.json").exists()
+    if (folder / "child").exists():
+        os.kill(int((folder / "child").read_text()), signal.SIGKILL)
 
 
 @pytest.mark.parametrize("engine", ["reference", "native"])

@@ -101,6 +101,13 @@ def test_rank_correlation_is_one_where_a_metric_only_rises() -> None:
     assert rank(with_holes, np.exp(x)).value == pytest.approx(1.0)
 
 
+def test_the_rank_correlation_is_that_of_scipy_with_equal_numbers_too() -> None:
+    random = np.random.default_rng(6)
+    for _ in range(20):
+        x, y = random.integers(0, 6, 30).astype(float), random.integers(0, 9, 30) + 0.1
+        assert rank(x, y).value == pytest.approx(scipy.stats.spearmanr(x, y).statistic, abs=1e-12)
+
+
 def test_the_interval_of_a_rank_correlation_holds_the_true_one_in_95_of_100() -> None:
     random = np.random.default_rng(1)
     rho, held = 0.6, 0

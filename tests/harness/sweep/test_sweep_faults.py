@@ -20,6 +20,8 @@ from . import clusters, studies
 
 Write = Callable[..., Path]
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="signals and limits of Linux")
+# one cluster serves them, also where the tests are spread over several processes
+ON_DASK = pytest.mark.xdist_group("dask")
 
 FAULTS = {
     "controller.gain = 0.1": ("passed", ""),
@@ -45,7 +47,7 @@ def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
         yield address
 
 
-@pytest.fixture(params=["here", "dask"])
+@pytest.fixture(params=["here", pytest.param("dask", marks=ON_DASK)])
 def where(request: pytest.FixtureRequest) -> list[str]:
     """Give the options that say where a sweep runs."""
     if request.param == "here":
@@ -56,7 +58,7 @@ def where(request: pytest.FixtureRequest) -> list[str]:
 def test_each_fault_costs_its_own_row_with_a_reason(write: Write, folder: Path, where: list[str]) -> None:
     write(studies.MEASURED)
     (folder / "faults.toml").write_text(studies.case_list(list(FAULTS), LIMITS))
-    done = studies.sweep("faults.toml", *where)
+    done = studies.sweep("faults.toml", "--quiet", *where)
     rows = studies.rows(folder / "faults.sweep")
     found = {text: (row["status"], row["reason"]) for text, row in zip(FAULTS, rows, strict=True)}
     for text, (status, reason) in FAULTS.items():
@@ -135,6 +137,7 @@ def test_too_little_memory_for_any_run_is_told(write: Write, folder: Path) -> No
     assert "are more than its limit of `1` MB" in row["reason"]
 
 
+@ON_DASK
 def test_kill_9_of_a_dask_worker_costs_the_run_it_was_doing(write: Write, folder: Path, cluster: str) -> None:
     where = ["--cluster", cluster]
     process, _, dask_worker = stalled(write, folder, where)
