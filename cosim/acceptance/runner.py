@@ -19,7 +19,6 @@ from cosim.pool import local
 from cosim.pool.job import Outcome
 from cosim.pool.limits import Limits, processors
 from cosim.scenario.load import load
-from cosim.scenario.model import Scenario
 from cosim.show import display
 from cosim.show.bar import bar
 
@@ -61,27 +60,22 @@ def run(scenarios: Sequence[str], options: Options) -> Outcomes:
     CosimError
         Two files have one name, the folder cannot be written, or no worker can be had.
     """
-    found: dict[str, Outcome | None] = {}
-    jobs: dict[str, RecordedJob] = {}
+    found: dict[str, RecordedJob | Outcome] = {}
     for given in scenarios:
-        try:
-            scenario = load(given)
-        except CosimError as error:
-            found[given] = error
-            continue
-        if scenario.name in found:
-            problem = f"`{given}` and another file are both the scenario `{scenario.name}`"
-            raise CosimError(problem, "run them one after the other")
-        found[scenario.name] = None
-        jobs[scenario.name] = job(scenario, options)
+        name = paths.scenario_name(Path(given)) if given.endswith(".toml") else given
+        if name in found:
+            problem = f"`{given}` and another file are both the scenario `{name}`"
+            raise CosimError(problem, "test them one after the other")
+        found[name] = job(given, name, options)
     with progress(len(found), options.quiet) as tell:
-        for name, known in found.items():
-            if known is not None:
-                tell(name, known)
+        for name, error in found.items():
+            if isinstance(error, CosimError):
+                tell(name, error)
+        jobs = {name: job for name, job in found.items() if isinstance(job, RecordedJob)}
         for name, outcome in outcomes(jobs, options):
             found[name] = outcome
             tell(name, outcome)
-    return {name: outcome for name, outcome in found.items() if outcome is not None}
+    return {name: outcome for name, outcome in found.items() if not isinstance(outcome, RecordedJob)}
 
 
 def outcomes(jobs: Mapping[str, RecordedJob], options: Options) -> Iterator[tuple[str, Outcome]]:
@@ -93,21 +87,29 @@ def outcomes(jobs: Mapping[str, RecordedJob], options: Options) -> Iterator[tupl
             yield names[number], outcome
 
 
-def job(scenario: Scenario, options: Options) -> RecordedJob:
-    """Job of a scenario; files of an earlier run are gone, so that none is taken for one of this."""
-    with contextlib.suppress(CosimError):
-        stale.warn(scenario.controller.fmu, paths.find_fmu(scenario.controller.fmu, scenario.folder))
-    seed, engine = scenario.loop.seed, options.engine
-    if options.folder is None:
-        return RecordedJob(scenario, seed, engine)
-    json, plot = (options.folder / f"{scenario.name}{ending}" for ending in (".json", ".svg"))
+def job(given: str, name: str, options: Options) -> RecordedJob | CosimError:
+    """Job of a scenario, or what is wrong with it."""
+    json, plot = (fresh(options.folder, f"{name}{ending}") for ending in (".json", ".svg"))
     try:
-        json.parent.mkdir(parents=True, exist_ok=True)
-        json.unlink(missing_ok=True)
-        plot.unlink(missing_ok=True)
+        scenario = load(given)
+        stale.warn(scenario.controller.fmu, paths.find_fmu(scenario.controller.fmu, scenario.folder))
+    except CosimError as error:
+        return error
+    plot = plot if options.plots else None
+    return RecordedJob(scenario, scenario.loop.seed, options.engine, plot is not None, "", json, plot)
+
+
+def fresh(folder: Path | None, name: str) -> Path | None:
+    """File in the folder of the results, without what an earlier run left there."""
+    if folder is None:
+        return None
+    file = folder / name
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.unlink(missing_ok=True)
     except OSError as error:
-        raise CosimError(f"cannot write to `{json.parent}`: {error.strerror or error}") from None
-    return RecordedJob(scenario, seed, engine, options.plots, "", json, plot if options.plots else None)
+        raise CosimError(f"cannot write `{file}`: {error.strerror or error}") from None
+    return file
 
 
 def plain(outcomes: Outcomes) -> list[dict[str, Any]]:

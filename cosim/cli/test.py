@@ -25,7 +25,7 @@ def run_tests(
     scenarios: Annotated[
         list[str] | None,
         Argument(
-            metavar="[LOOP|PATTERN|FILE.toml]...",
+            metavar="LOOP|PATTERN|FILE.toml",
             help="Such as `dob` or `'dob/*'`; all of `cosim list` without one.",
             autocompletion=complete.loops,
         ),
