@@ -19,7 +19,8 @@ FOLDED = ("claim", "paper")
 """Columns that a narrow terminal shows on several lines."""
 DIGITS = 3
 """Digits of what was measured: enough to compare, `cosim run` shows more."""
-WIDEST = 10_000
+WIDTH = 160
+"""Columns of the table in a file: few claims need two lines."""
 COULD_NOT_RUN = "could not run"
 
 
@@ -54,7 +55,7 @@ def closing_line(outcomes: Outcomes) -> str:
 
 
 def text(shown: RenderableType) -> str:
-    """Table as plain text, as wide as it needs to be."""
+    """Table as plain text for a file."""
     page = io.StringIO()
-    plain_console(file=page, width=WIDEST).print(shown)
+    plain_console(file=page, width=WIDTH).print(shown)
     return "".join(f"{line.rstrip()}\n" for line in page.getvalue().splitlines())

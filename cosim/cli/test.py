@@ -18,7 +18,9 @@ from cosim.loop import engines
 from cosim.show.console import configure_logging, output, report
 
 if TYPE_CHECKING:
-    from rich.console import RenderableType
+    from collections.abc import Mapping
+
+    from cosim.pool.job import Outcome
 
 
 def run_tests(
@@ -64,28 +66,28 @@ def run_tests(
     options = runner.Options(out, plots and can_plot(), workers, engines.checked(engine), limits, quiet)
     found = runner.run(select(scenarios or ()), options)
     shown = table.table(found)
+    text = table.text(shown)
     if out is not None:
-        write(table.text(shown), str(out / "acceptance.txt"))
+        write(text, str(out / "acceptance.txt"))
     if json is not None:
         write(jsons.dumps(runner.plain(found), indent=2, allow_nan=False) + "\n", json)
     if junit is not None:
         write(xml.document(found), junit)
-    if json != "-":
-        show(shown, table.text(shown))
-    status = 0
-    for name, outcome in found.items():
+    console = output()
+    if json != "-" and console.is_terminal:
+        console.print(shown)
+    elif json != "-":
+        print(text, end="", flush=True)
+    raise typer.Exit(judged(found))
+
+
+def judged(outcomes: Mapping[str, Outcome]) -> int:
+    """Exit code of all outcomes; errors are told."""
+    code = 0
+    for name, outcome in outcomes.items():
         if isinstance(outcome, CosimError):
             report(f"`{name}`: {outcome.message}", outcome.hint)
-            status = COULD_NOT_RUN
+            code = COULD_NOT_RUN
         elif outcome.passed is False:
-            status = max(status, FAILED)
-    raise typer.Exit(status)
-
-
-def show(table: RenderableType, text: str) -> None:
-    """Print the table as wide as the terminal, or as it needs to be where there is none."""
-    console = output()
-    if console.is_terminal:
-        console.print(table)
-    else:
-        print(text, end="", flush=True)
+            code = max(code, FAILED)
+    return code
