@@ -25,12 +25,11 @@ class RecordedJob(Job):
 
     def run(self, bench: Bench) -> Result:
         """Run the scenario once and write its files; the result comes back without its trace."""
+        result = super().run(bench)
         if self.plot is not None:
             from cosim.show import plot
 
-            plot.check(self.scenario, bench.session(self.scenario, self.engine).columns, self.plot)
-        result = super().run(bench)
-        if self.plot is not None:
+            plot.check(self.scenario, {name: result.items.get(name) for name in result.units}, self.plot)
             plot.save(self.scenario, result, self.plot)
         if self.json is not None:
             result.save_json(self.json)

@@ -27,7 +27,7 @@ Outcomes = Mapping[str, Outcome]
 
 
 @dataclass(frozen=True)
-class Options:
+class RunOptions:
     """How scenarios are run.
 
     Parameters
@@ -52,7 +52,7 @@ class Options:
     quiet: bool = False
 
 
-def run(scenarios: Sequence[str], options: Options) -> Outcomes:
+def run(scenarios: Sequence[str], options: RunOptions) -> Outcomes:
     """Run scenarios given by name or file, each once with its own seed.
 
     Raises
@@ -78,7 +78,7 @@ def run(scenarios: Sequence[str], options: Options) -> Outcomes:
     return {name: outcome for name, outcome in found.items() if not isinstance(outcome, RecordedJob)}
 
 
-def outcomes(jobs: Mapping[str, RecordedJob], options: Options) -> Iterator[tuple[str, Outcome]]:
+def outcomes(jobs: Mapping[str, RecordedJob], options: RunOptions) -> Iterator[tuple[str, Outcome]]:
     """Outcomes by name, as they come."""
     names = list(jobs)
     workers = min(options.workers or processors(), len(jobs))
@@ -87,7 +87,7 @@ def outcomes(jobs: Mapping[str, RecordedJob], options: Options) -> Iterator[tupl
             yield names[number], outcome
 
 
-def job(given: str, name: str, options: Options) -> RecordedJob | CosimError:
+def job(given: str, name: str, options: RunOptions) -> RecordedJob | CosimError:
     """Job of a scenario, or what is wrong with it."""
     json, plot = (fresh(options.folder, f"{name}{ending}") for ending in (".json", ".svg"))
     try:

@@ -12,13 +12,13 @@ from typer import Option
 from cosim import interrupts
 from cosim.cli.options import FAILED, Loop, Quiet, Set, Verbose
 from cosim.cli.seeds import check_options, run_seeds
+from cosim.cli.single import Report, Single
 from cosim.errors import CosimError
 from cosim.loop import engines
 from cosim.pool.limits import Limits
 from cosim.pool.supervisor import Worker
 from cosim.show import sheet
 from cosim.show.console import configure_logging, progress_bar
-from cosim.show.single import Report, Single
 
 
 def run(

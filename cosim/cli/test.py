@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from typer import Argument, Option
 
-from cosim.cli import complete
 from cosim.cli.options import COULD_NOT_RUN, FAILED, Quiet, Verbose
 from cosim.cli.run import check_outputs, checked_limits
 from cosim.cli.seeds import write
 from cosim.errors import CosimError
 from cosim.loop import engines
+from cosim.scenario import complete
 from cosim.show.console import configure_logging, output, report
 
 if TYPE_CHECKING:
@@ -63,7 +63,7 @@ def run_tests(
     for file in (json, junit):
         check_outputs(file, None, None)
     limits = checked_limits(timeout, memory, in_process=False)
-    options = runner.Options(out, plots and can_plot(), workers, engines.checked(engine), limits, quiet)
+    options = runner.RunOptions(out, plots and can_plot(), workers, engines.checked(engine), limits, quiet)
     found = runner.run(select(scenarios or ()), options)
     shown = table.table(found)
     text = table.text(shown)

@@ -169,4 +169,4 @@ def test_scenarios_are_meant_by_name_file_and_pattern() -> None:
 @pytest.mark.usefixtures("tested")
 def test_two_files_of_one_name_are_refused() -> None:
     with pytest.raises(CosimError, match="another file are both the scenario `lag`"):
-        runner.run(["lag", "elsewhere/lag.toml"], runner.Options())
+        runner.run(["lag", "elsewhere/lag.toml"], runner.RunOptions())
