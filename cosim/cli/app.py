@@ -21,6 +21,7 @@ from cosim.cli.run import run
 from cosim.cli.schema import schema
 from cosim.cli.show import show
 from cosim.cli.sweep import sweep
+from cosim.cli.test import run_tests
 from cosim.cli.version import options
 from cosim.errors import CosimError
 from cosim.show.console import report
@@ -45,6 +46,7 @@ app.command()(show)
 app.command()(new)
 app.command()(check)
 app.command()(run)
+app.command("test")(run_tests)
 app.command()(judge)
 app.command()(compare)
 app.command()(sweep)

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from typer import Argument, Option
 
-from cosim.cli import complete
 from cosim.cli.options import COULD_NOT_RUN, Quiet, Verbose
+from cosim.scenario import complete
 from cosim.show.console import configure_logging, report
 
 if TYPE_CHECKING:

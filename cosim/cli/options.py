@@ -7,7 +7,7 @@ from typing import Annotated
 from typer import Argument, Option
 
 from cosim import interrupts
-from cosim.cli import complete
+from cosim.scenario import complete
 
 FAILED = 1
 """Exit code: a criterion does not hold."""

@@ -19,7 +19,7 @@ from cosim.scenario.model import Scenario
 from cosim.scenario.tables import toml_key
 from cosim.show.listing import plain_table
 from cosim.words.quantity import number, text
-from cosim.words.verdicts import counted, limits, measured
+from cosim.words.verdicts import counted, row
 
 STYLES = {True: "bold green", False: "bold red", None: "bold"}
 """Style of a verdict by `passed`."""
@@ -195,15 +195,14 @@ def criteria_table(verdicts: list[Verdict]) -> Table:
     table.add_column("limit", justify="right", no_wrap=True)
     table.add_column("pass", no_wrap=True)
     for verdict in verdicts:
-        passed = Text("yes", style="green") if verdict.passed else Text("NO", style="bold red")
-        table.add_row(
-            Text(verdict.criterion.claim),
-            Text(verdict.criterion.paper),
-            measured(verdict),
-            limits(verdict),
-            passed,
-        )
+        claim, paper, value, limit, _ = row(verdict)
+        table.add_row(Text(claim), Text(paper), value, limit, pass_text(verdict))
     return table
+
+
+def pass_text(verdict: Verdict) -> Text:
+    """Yes or no, in colours."""
+    return Text("yes", style="green") if verdict.passed else Text("NO", style="bold red")
 
 
 def summary(found: Result) -> Text:

@@ -7,22 +7,13 @@ from html import escape
 
 from cosim.metrics.criteria import Measured, Verdict
 from cosim.words.quantity import text
-from cosim.words.verdicts import limits, measured
+from cosim.words.verdicts import row
 
 
 def run(title: str, line: str, metrics: Mapping[str, Measured], verdicts: Sequence[Verdict]) -> str:
     """Title and a line of one run, its criteria, and the metrics that no criterion shows."""
     held = {verdict.criterion.metric for verdict in verdicts}
-    judged = [
-        (
-            verdict.criterion.claim,
-            verdict.criterion.paper,
-            measured(verdict),
-            limits(verdict),
-            "yes" if verdict.passed else "NO",
-        )
-        for verdict in verdicts
-    ]
+    judged = [row(verdict) for verdict in verdicts]
     others = [
         (metric.name, text(metric.value, metric.unit), metric.description)
         for metric in metrics.values()

@@ -19,14 +19,15 @@ def text(value: float, unit: str = "", digits: int = 4) -> str:
     # rounding may carry into the next prefix: 999.96 nm is 1 um
     if abs(float(f"{value / 10.0**exponent:.{digits}g}")) >= 1000.0:
         exponent += 3
-    exponent = min(max(exponent, min(PREFIXES)), max(PREFIXES))
+    if exponent not in PREFIXES:
+        return f"{number(value, digits)} {unit}"
     if abs(exponent) == 3 and unit == "s" and exponent > 0:
         exponent = 0
     return f"{number(value / 10.0**exponent, digits)} {PREFIXES[exponent]}{unit}"
 
 
 def number(value: float, digits: int = 4) -> str:
-    """Format a number with up to `digits` significant digits, whole numbers in full."""
-    if float(value).is_integer() and abs(value) < 1e9:
+    """Format a number with up to `digits` significant digits, but with all before the point."""
+    if abs(value) < 1e9 and (float(value).is_integer() or 10.0**digits <= abs(value) < 1e6):
         return f"{value:.0f}"
     return f"{value:.{digits}g}"

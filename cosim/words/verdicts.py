@@ -10,11 +10,18 @@ from cosim.words.quantity import text
 NOTHING_DEMANDED = "no criteria: nothing was demanded"
 
 
-def measured(verdict: Verdict) -> str:
+def row(verdict: Verdict, digits: int = 4) -> tuple[str, str, str, str, str]:
+    """Claim, paper, measured, limit and pass, as tables of criteria show them."""
+    criterion = verdict.criterion
+    passed = "yes" if verdict.passed else "NO"
+    return criterion.claim, criterion.paper, measured(verdict, digits), limits(verdict), passed
+
+
+def measured(verdict: Verdict, digits: int = 4) -> str:
     """Value that was held against the limits; yes or no where the limit is."""
     if verdict.logical:
         return "yes" if verdict.value else "no"
-    return text(verdict.value, verdict.unit)
+    return text(verdict.value, verdict.unit, digits)
 
 
 def limits(verdict: Verdict) -> str:

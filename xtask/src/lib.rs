@@ -10,7 +10,6 @@ pub mod fmu;
 pub mod new;
 pub mod python;
 pub mod setup;
-pub mod table;
 pub mod test;
 pub mod wheel;
 pub mod workspace;

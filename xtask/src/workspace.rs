@@ -1,11 +1,12 @@
 //! Where things are: the checkout, its packages, its virtual environment.
 
 use std::ffi::OsString;
+use std::fs;
 use std::ops::Deref;
 use std::path::PathBuf;
 use std::process::Command;
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use cargo_fmu::linker::Linker;
 use cargo_fmu::project::Project;
 use cargo_metadata::MetadataCommand;
@@ -42,6 +43,23 @@ impl Workspace {
     /// A program of the virtual environment as a command, in the root of the checkout.
     pub fn venv_command(&self, name: &str) -> Command {
         self.command(self.venv_program(name))
+    }
+
+    /// Names of the closed loops, without variants.
+    ///
+    /// # Errors
+    /// When the scenarios cannot be listed.
+    pub fn loops(&self) -> Result<Vec<String>> {
+        let folder = self.path("scenarios");
+        let mut stems = Vec::new();
+        for entry in fs::read_dir(&folder).with_context(|| format!("cannot list `{}`", folder.display()))? {
+            let path = entry?.path();
+            if path.extension().is_some_and(|extension| extension == "toml") {
+                stems.push(path.file_stem().unwrap_or_default().to_string_lossy().into_owned());
+            }
+        }
+        stems.sort();
+        Ok(stems)
     }
 
     fn venv_programs(&self) -> PathBuf {

@@ -19,7 +19,6 @@ use std::fs;
 
 use anyhow::{Context, Result};
 
-use crate::demo;
 use crate::fmu;
 use crate::process;
 use crate::setup;
@@ -57,7 +56,7 @@ pub fn run(workspace: &Workspace, effort: &Effort, scenarios: &[String]) -> Resu
     let mut rows = Vec::new();
     if scenarios.is_empty() {
         rows.extend(pass_through_rows(&pass_through::measure(workspace, &folder, &checked, effort)?));
-        for scenario in demo::loops(workspace)? {
+        for scenario in workspace.loops()? {
             rows.extend(loop_rows(workspace, &scenario, &checked, effort)?);
             let paper = format!("{scenario}/paper");
             if effort.full && workspace.path(format!("scenarios/{paper}.toml")).is_file() {

@@ -1,10 +1,10 @@
 //! The table of results.
 
 use anyhow::{Result, ensure};
+use comfy_table::{ContentArrangement, Table, TableComponent, presets};
 use serde::Serialize;
 
 use super::statistics::Summary;
-use crate::table;
 
 /// One line of the result.
 #[derive(Serialize)]
@@ -49,7 +49,10 @@ pub fn check(rows: &[Row]) -> Result<()> {
 
 /// The rows as a table.
 pub fn show(rows: &[Row]) -> String {
-    let mut shown = table::new(&["quantity", "unit", "minimum", "median", "goal"]);
+    let mut shown = Table::new();
+    shown.load_preset(presets::UTF8_HORIZONTAL_ONLY).remove_style(TableComponent::HorizontalLines);
+    shown.remove_style(TableComponent::MiddleIntersections).set_content_arrangement(ContentArrangement::Dynamic);
+    shown.set_header(["quantity", "unit", "minimum", "median", "goal"]);
     for row in rows {
         shown.add_row([
             row.quantity.clone(),

@@ -1,0 +1,36 @@
+"""A run whose result and plot are written where it is done, so that its trace need not travel."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from pathlib import Path
+
+from cosim.loop.result import Result
+from cosim.pool.job import Bench, Job
+
+
+@dataclass(frozen=True)
+class RecordedJob(Job):
+    """A job that leaves files behind.
+
+    Parameters
+    ----------
+    json, plot
+        Where result and plot are written, None is nowhere.
+    """
+
+    json: Path | None = None
+    plot: Path | None = None
+
+    def run(self, bench: Bench) -> Result:
+        """Run the scenario once and write its files; the result comes back without its trace."""
+        result = super().run(bench)
+        if self.plot is not None:
+            from cosim.show import plot
+
+            plot.check(self.scenario, {name: result.items.get(name) for name in result.units}, self.plot)
+            plot.save(self.scenario, result, self.plot)
+        if self.json is not None:
+            result.save_json(self.json)
+        return dataclasses.replace(result, trace=None)

@@ -1,0 +1,53 @@
+"""JUnit XML, which CI systems show: a test suite for each scenario, a test case for each criterion."""
+
+from __future__ import annotations
+
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element, SubElement
+
+from cosim.acceptance.runner import Outcomes
+from cosim.loop.result import Result
+from cosim.metrics.criteria import Verdict
+from cosim.pool.job import Outcome
+from cosim.words.verdicts import NOTHING_DEMANDED, limits, measured
+
+COUNTS = {"failures": "failure", "errors": "error", "skipped": "skipped"}
+"""Counts of a test suite, by what they count."""
+
+
+def document(outcomes: Outcomes) -> str:
+    """Text of the XML file."""
+    root = Element("testsuites", name="cosim")
+    for name, outcome in outcomes.items():
+        root.append(suite(name, outcome))
+    ElementTree.indent(root)
+    return ElementTree.tostring(root, "unicode", xml_declaration=True) + "\n"
+
+
+def suite(name: str, outcome: Outcome) -> Element:
+    """Test suite of a scenario; one case stands for it where nothing was judged."""
+    found = Element("testsuite", name=name)
+    if not isinstance(outcome, Result):
+        SubElement(case(found, name, "run"), "error", message=outcome.message).text = str(outcome)
+    elif not outcome.criteria:
+        SubElement(case(found, name, "run"), "skipped", message=NOTHING_DEMANDED)
+    else:
+        found.set("time", f"{outcome.wall_s:.3f}")
+        for verdict in outcome.criteria:
+            judged(case(found, name, verdict.criterion.id), verdict)
+    found.set("tests", str(len(found)))
+    for count, kind in COUNTS.items():
+        found.set(count, str(len(found.findall(f"testcase/{kind}"))))
+    return found
+
+
+def case(parent: Element, scenario: str, name: str) -> Element:
+    """Test case of a suite."""
+    return SubElement(parent, "testcase", classname=scenario, name=name)
+
+
+def judged(found: Element, verdict: Verdict) -> None:
+    """Note that a criterion does not hold."""
+    if not verdict.passed:
+        problem = f"{verdict.criterion.claim}: measured {measured(verdict)}, limit {limits(verdict)}"
+        SubElement(found, "failure", message=problem)

@@ -1,0 +1,141 @@
+"""Runs scenarios on all cores; one that cannot run stops no other."""
+
+from __future__ import annotations
+
+import contextlib
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from cosim import paths
+from cosim.acceptance.job import RecordedJob
+from cosim.errors import CosimError
+from cosim.fmu import stale
+from cosim.loop.engines import Engine
+from cosim.loop.result import Result
+from cosim.pool import local
+from cosim.pool.job import Outcome
+from cosim.pool.limits import Limits, processors
+from cosim.scenario.load import load
+from cosim.show import display
+from cosim.show.bar import bar
+
+Outcomes = Mapping[str, Outcome]
+"""What became of each scenario, by name, in the order in which they were asked for."""
+
+
+@dataclass(frozen=True)
+class RunOptions:
+    """How scenarios are run.
+
+    Parameters
+    ----------
+    folder
+        Where `NAME.json` and `NAME.svg` are written, None is nowhere.
+    plots
+        Whether to draw the plots.
+    workers
+        Worker processes; None is one per processor that this process may use.
+    limits
+        What each run may take.
+    quiet
+        No progress.
+    """
+
+    folder: Path | None = None
+    plots: bool = True
+    workers: int | None = None
+    engine: Engine = "native"
+    limits: Limits = field(default_factory=Limits)
+    quiet: bool = False
+
+
+def run(scenarios: Sequence[str], options: RunOptions) -> Outcomes:
+    """Run scenarios given by name or file, each once with its own seed.
+
+    Raises
+    ------
+    CosimError
+        Two files have one name, the folder cannot be written, or no worker can be had.
+    """
+    found: dict[str, RecordedJob | Outcome] = {}
+    for given in scenarios:
+        name = paths.scenario_name(Path(given)) if given.endswith(".toml") else given
+        if name in found:
+            problem = f"`{given}` and another file are both the scenario `{name}`"
+            raise CosimError(problem, "test them one after the other")
+        found[name] = job(given, name, options)
+    with progress(len(found), options.quiet) as tell:
+        for name, error in found.items():
+            if isinstance(error, CosimError):
+                tell(name, error)
+        jobs = {name: job for name, job in found.items() if isinstance(job, RecordedJob)}
+        for name, outcome in outcomes(jobs, options):
+            found[name] = outcome
+            tell(name, outcome)
+    return {name: outcome for name, outcome in found.items() if not isinstance(outcome, RecordedJob)}
+
+
+def outcomes(jobs: Mapping[str, RecordedJob], options: RunOptions) -> Iterator[tuple[str, Outcome]]:
+    """Outcomes by name, as they come."""
+    names = list(jobs)
+    workers = min(options.workers or processors(), len(jobs))
+    with contextlib.closing(local.outcomes(enumerate(jobs.values()), workers, options.limits)) as done:
+        for number, outcome in done:
+            yield names[number], outcome
+
+
+def job(given: str, name: str, options: RunOptions) -> RecordedJob | CosimError:
+    """Job of a scenario, or what is wrong with it."""
+    json, plot = (fresh(options.folder, f"{name}{ending}") for ending in (".json", ".svg"))
+    try:
+        scenario = load(given)
+        stale.warn(scenario.controller.fmu, paths.find_fmu(scenario.controller.fmu, scenario.folder))
+    except CosimError as error:
+        return error
+    plot = plot if options.plots else None
+    return RecordedJob(scenario, scenario.loop.seed, options.engine, plot is not None, "", json, plot)
+
+
+def fresh(folder: Path | None, name: str) -> Path | None:
+    """File in the folder of the results, without what an earlier run left there."""
+    if folder is None:
+        return None
+    file = folder / name
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.unlink(missing_ok=True)
+    except OSError as error:
+        raise CosimError(f"cannot write `{file}`: {error.strerror or error}") from None
+    return file
+
+
+def plain(outcomes: Outcomes) -> list[dict[str, Any]]:
+    """Results as plain data for JSON, in their order; why there is none for those that could not run."""
+    return [
+        outcome.to_dict()
+        if isinstance(outcome, Result)
+        else {"scenario": name, "passed": False, "error": outcome.message, "hint": outcome.hint}
+        for name, outcome in outcomes.items()
+    ]
+
+
+@contextlib.contextmanager
+def progress(count: int, quiet: bool) -> Iterator[Callable[[str, Outcome], None]]:
+    """Tell each scenario that is done in a line on stderr, above a bar if that is a terminal."""
+    from rich.progress import MofNCompleteColumn
+
+    with bar(quiet, MofNCompleteColumn()) as shown:
+        task: Any = None if shown is None else shown.add_task("scenarios", total=count)
+
+        def tell(name: str, outcome: Outcome) -> None:
+            words = display.summary(outcome).plain if isinstance(outcome, Result) else "could not run"
+            if shown is not None:
+                shown.console.print(f"{name}: {words}")
+                shown.advance(task)
+            elif not quiet:
+                print(f"{name}: {words}", file=sys.stderr, flush=True)
+
+        yield tell

@@ -1,0 +1,93 @@
+"""`cosim test`."""
+
+from __future__ import annotations
+
+import json as jsons
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from typer import Argument, Option
+
+from cosim.cli.options import COULD_NOT_RUN, FAILED, Quiet, Verbose
+from cosim.cli.run import check_outputs, checked_limits
+from cosim.cli.seeds import write
+from cosim.errors import CosimError
+from cosim.loop import engines
+from cosim.scenario import complete
+from cosim.show.console import configure_logging, output, report
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from cosim.pool.job import Outcome
+
+
+def run_tests(
+    scenarios: Annotated[
+        list[str] | None,
+        Argument(
+            metavar="LOOP|PATTERN|FILE.toml",
+            help="Such as `dob` or `'dob/*'`; all of `cosim list` without one.",
+            autocompletion=complete.loops,
+        ),
+    ] = None,
+    out: Annotated[
+        Path | None, Option(metavar="FOLDER", help="Write table, results and plots into this folder.")
+    ] = None,
+    workers: Annotated[int | None, Option(min=1, help="Worker processes, by default one per core.")] = None,
+    engine: Annotated[str, Option(help="native (fast) or reference (FMPy drives, same bits).")] = "native",
+    timeout: Annotated[float | None, Option(metavar="S", help="Most wall time of a run in s.")] = None,
+    memory: Annotated[float | None, Option(metavar="MB", help="Most memory of a run's process.")] = None,
+    plots: Annotated[bool, Option(help="Whether to draw plots, if matplotlib is installed.")] = True,
+    json: Annotated[
+        str | None, Option(metavar="FILE|-", help="Write all results as JSON; `-` is stdout.")
+    ] = None,
+    junit: Annotated[
+        str | None, Option(metavar="FILE.xml", help="Write the verdicts as JUnit XML, for CI.")
+    ] = None,
+    verbose: Verbose = False,
+    quiet: Quiet = False,
+) -> None:
+    """Run many scenarios and hold the criteria of each: the acceptance table.
+
+    Each runs once with its own seed. One that cannot run stops no other. Exit
+    code: 0 all criteria hold, 1 some do not, 2 a scenario could not run.
+    """
+    configure_logging(verbose, quiet)
+    from cosim.acceptance import junit as xml
+    from cosim.acceptance import runner, table
+    from cosim.acceptance.selection import select
+    from cosim.show.figure import can_plot
+
+    for file in (json, junit):
+        check_outputs(file, None, None)
+    limits = checked_limits(timeout, memory, in_process=False)
+    options = runner.RunOptions(out, plots and can_plot(), workers, engines.checked(engine), limits, quiet)
+    found = runner.run(select(scenarios or ()), options)
+    shown = table.table(found)
+    text = table.text(shown)
+    if out is not None:
+        write(text, str(out / "acceptance.txt"))
+    if json is not None:
+        write(jsons.dumps(runner.plain(found), indent=2, allow_nan=False) + "\n", json)
+    if junit is not None:
+        write(xml.document(found), junit)
+    console = output()
+    if json != "-" and console.is_terminal:
+        console.print(shown)
+    elif json != "-":
+        print(text, end="", flush=True)
+    raise typer.Exit(judged(found))
+
+
+def judged(outcomes: Mapping[str, Outcome]) -> int:
+    """Exit code of all outcomes; errors are told."""
+    code = 0
+    for name, outcome in outcomes.items():
+        if isinstance(outcome, CosimError):
+            report(f"`{name}`: {outcome.message}", outcome.hint)
+            code = COULD_NOT_RUN
+        elif outcome.passed is False:
+            code = max(code, FAILED)
+    return code

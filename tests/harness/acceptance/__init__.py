@@ -1,0 +1,1 @@
+"""`cosim test`: many scenarios in one table."""
