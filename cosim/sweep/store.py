@@ -111,7 +111,7 @@ class Store(Closing):
             row = read(line)
             self.places[row["hash"]] = (place, row["status"])
         except (ValueError, RecursionError) as error:
-            text = "`%s`, line %d is no row (%s): it stays as it is; a run that has no other row is done again"
+            text = "`%s`, line %d is no row (%s): it stays as it is, a run without another row is done again"
             log.warning(text, self.shown, number, error)
 
     def append(self, row: Row) -> None:
