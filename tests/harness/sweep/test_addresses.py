@@ -71,7 +71,7 @@ def test_what_is_no_address_is_told_at_once(text: str, problem: str, folder: Pat
 def test_what_is_no_scheduler_is_told_without_a_traceback(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("cosim.pool.cluster.CONNECT_TIMEOUT", 1.0)
+    monkeypatch.setattr("cosim.pool.connection.CONNECT_TIMEOUT", 1.0)
     with socket.create_server(("127.0.0.1", 0)) as server:
 
         def answer() -> None:
