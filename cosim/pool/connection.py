@@ -29,7 +29,9 @@ def dask() -> Any:
     except ImportError:
         hint = "install the extra: `pip install machining-fmus[cluster]`"
         raise CosimError("Dask is not installed, it runs sweeps on a cluster", hint) from None
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)
+    for name in ("distributed", "distributed.client"):
+        # what it says is told in our words
+        logging.getLogger(name).setLevel(logging.CRITICAL)
     return distributed
 
 

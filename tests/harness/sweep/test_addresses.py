@@ -13,7 +13,8 @@ from pathlib import Path
 import pytest
 
 from cosim.errors import CosimError
-from cosim.pool import address, cluster
+from cosim.pool import address
+from cosim.pool.cluster import outcomes
 from cosim.pool.limits import Limits
 
 from . import clusters, studies
@@ -61,7 +62,7 @@ def test_what_is_no_address_is_told_at_once(text: str, problem: str, folder: Pat
     for name, content in contents.items():
         (folder / name).write_text(content)
     with pytest.raises(CosimError) as caught:
-        list(cluster.outcomes([], text, Limits()))
+        list(outcomes([], text, Limits()))
     assert problem in caught.value.message
     assert (
         caught.value.hint or "cannot read" in problem or "file" in caught.value.message or "there" in problem
@@ -82,7 +83,7 @@ def test_what_is_no_scheduler_is_told_without_a_traceback(
         threading.Thread(target=answer, daemon=True).start()
         text = f"tcp://127.0.0.1:{server.getsockname()[1]}"
         with pytest.raises(CosimError, match="no Dask scheduler answers at"):
-            list(cluster.outcomes([], text, Limits()))
+            list(outcomes([], text, Limits()))
     assert "Traceback" not in capsys.readouterr().err
 
 
@@ -97,7 +98,8 @@ def test_a_sweep_over_tls(write: Write, folder: Path, tmp_path_factory: pytest.T
     tls = [f"--tls-ca-file={certificate}", f"--tls-cert={certificate}", f"--tls-key={key}"]
     write(studies.MEASURED)
     (folder / "grid.toml").write_text(studies.GRID)
-    with clusters.running(secrets, "tls", tls) as where:
+    with clusters.running(secrets, "tls", tls) as cluster:
+        where = cluster.address
         (secrets / "mine.toml").write_text(SECURITY.format(where))
         done = studies.sweep("grid.toml", "--cluster", str(secrets / "mine.toml"))
         refused = studies.sweep("grid.toml", "--out", "other", "--cluster", where)
