@@ -55,10 +55,8 @@ def test_a_row_that_is_none_is_done_again(write: Write, folder: Path) -> None:
     ]
     file.write_text("".join([*edited, DEEP, lines[-1]]))
     done = studies.sweep("list.toml")
-    warnings = [line for line in done.stderr.splitlines() if "is no row (" in line]
-    assert [re.search(r"`list.sweep/results.jsonl`, line (\d+) is no row", line)[1] for line in warnings] == [
-        str(number) for number in range(1, len(EDITS) + 2)
-    ]
+    warned = re.findall(r"`list.sweep/results.jsonl`, line (\d+) is no row \(", done.stderr)
+    assert list(map(int, warned)) == list(range(1, len(EDITS) + 2))
     assert "Traceback" not in done.stderr
     fresh = {json.loads(line)["hash"]: line for line in file.read_text().splitlines()[len(EDITS) + 1 :]}
     file.write_text("\n".join(fresh.values()) + "\n")
