@@ -221,10 +221,10 @@ def run_supervised(token: str, jobs: list[Job], limits: Limits) -> list[Outcome]
     key = (token, threading.get_ident())
     if key not in _workers:
         _workers[key] = Worker(limits)
-    outcomes: list[Outcome] = []
+    worker, outcomes = _workers[key], []
     end = time.monotonic() + BATCH_TIME
     for job in jobs:
-        outcomes.append(_workers[key].call(job))
+        outcomes.append(worker.call(job))
         if time.monotonic() > end:
             break
     return outcomes

@@ -190,9 +190,11 @@ def test_a_kill_in_the_middle_of_a_batch_costs_only_what_was_under_way(command: 
     line = [sys.executable, "-m", "cosim", "optimize", "o.toml", "--workers", "2"]
     process = subprocess.Popen(line, env=studies.environment(), stderr=subprocess.DEVNULL)
     results = Path("o.optimize/results.jsonl")
-    studies.wait_for(lambda: results.exists() and results.read_bytes().count(b"\n") == 5)
-    process.kill()
-    process.wait()
+    try:
+        studies.wait_for(lambda: results.exists() and results.read_bytes().count(b"\n") == 5)
+    finally:
+        process.kill()
+        process.wait()
     before = results.read_bytes()
     found(command)
     assert results.read_bytes().startswith(before)
