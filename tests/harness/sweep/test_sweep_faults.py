@@ -62,7 +62,9 @@ def test_each_fault_costs_its_own_row_with_a_reason(write: Write, folder: Path, 
     for text, (status, reason) in FAULTS.items():
         assert found[text][0] == status, found[text]
         assert reason in found[text][1]
-    assert (done.returncode, done.stderr) == (1, "")
+    assert done.returncode == 1
+    # on a slow machine a line now and then
+    assert all(line.startswith("faults: ") for line in done.stderr.splitlines())
     assert "11 of 11 runs: 4 passed" in done.stdout
 
     check_numbers(rows)
