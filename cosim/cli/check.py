@@ -14,7 +14,7 @@ from cosim.scenario import complete
 from cosim.show.console import configure_logging, report
 
 if TYPE_CHECKING:
-    from cosim.sweep import check as checks
+    from cosim.sweep.check import Checked
 
 log = logging.getLogger("cosim")
 
@@ -22,15 +22,19 @@ log = logging.getLogger("cosim")
 def check(
     files: Annotated[
         list[str],
-        Argument(metavar="LOOP|FILE.toml...", help="Scenarios and studies.", autocompletion=complete.loops),
+        Argument(
+            metavar="LOOP|FILE.toml...",
+            help="Scenarios, studies and optimizations.",
+            autocompletion=complete.loops,
+        ),
     ],
     json: Annotated[bool, Option("--json", help="Print what was found as JSON.")] = False,
     verbose: Verbose = False,
     quiet: Quiet = False,
 ) -> None:
-    """Check scenarios and studies without running them: names, types, units, ranges, wires, metrics."""
+    """Check files of all kinds without running them: names, types, units, ranges, wires, metrics."""
     configure_logging(verbose, quiet)
-    from cosim.sweep import check as checks
+    from cosim.optimize import check as checks
 
     found = [checks.check(file) for file in files]
     if json:
@@ -41,12 +45,12 @@ def check(
     raise typer.Exit(COULD_NOT_RUN if any(entry.error for entry in found) else 0)
 
 
-def show(entry: checks.Checked, quiet: bool) -> None:
+def show(entry: Checked, quiet: bool) -> None:
     """Print one line for what can run, and what is wrong or doubtful on stderr."""
     if entry.error is not None:
         report(f"`{entry.name}`: {entry.error.message}", entry.error.hint)
         return
     for warning in () if quiet else entry.warnings:
         log.warning("`%s`: %s", entry.name, warning)
-    runs = f", {entry.runs} runs" if entry.kind == "study" else ""
+    runs = f", {entry.runs} runs" if entry.kind != "scenario" else ""
     print(f"{entry.name}: {entry.kind}{runs}, fit to run")

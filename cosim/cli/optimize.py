@@ -35,11 +35,13 @@ def optimize(
         vary = [{key = "controller.gain", minimum = 0.1, maximum = 10.0}]
         objective = {metric = "swing", direction = "minimize"}
         search = {trials = 100, batch = 8, seeds = [1, 2]}
+        limits = {timeout = 600.0, memory = 2000.0}
 
     The criteria of the scenario are constraints. To calibrate parameters, name a
     measured trace: objective = {trace = "measured.csv", columns = ["plant.x"]}.
-    Of search everything may be left out; batch points are chosen at a time, and
-    of several seeds the mean counts.
+    Of search and limits everything may be left out; batch points are chosen at a
+    time, of several seeds the mean counts, and a run may take timeout in s and
+    memory in MB.
 
     Optuna proposes the points. The same file gives the same trials with any
     number of workers, and what is done is not done again: the command goes on
@@ -51,10 +53,11 @@ def optimize(
     configure_logging(verbose, quiet)
     from cosim.loop import engines
     from cosim.optimize import problem, report, search
+    from cosim.optimize.runner import SearchOptions
     from cosim.optimize.variants import Variants
     from cosim.sweep.store import Store
 
-    options = search.SearchOptions(workers, engines.checked(engine), again)
+    options = SearchOptions(workers, engines.checked(engine), again)
     variants = Variants(problem.load(study))
     folder = out or Path(f"{study.stem}.optimize")
     with Store(folder) as store, progress_bar(variants.problem.name, quiet) as progress:

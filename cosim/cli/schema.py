@@ -14,19 +14,25 @@ class File(enum.StrEnum):
 
     SCENARIO = "scenario"
     STUDY = "study"
+    OPTIMIZATION = "optimization"
 
 
 def schema(
-    file: Annotated[File, Argument(help="Whether of a scenario or of a study.")] = File.SCENARIO,
+    file: Annotated[File, Argument(help="Which kind of file.")] = File.SCENARIO,
 ) -> None:
-    """Print the JSON schema of scenario or study files, with which editors complete and check them.
+    """Print the JSON schema of one kind of file, with which editors complete and check them.
 
     Write it to a file and name that in the first line of your TOML:
     `cosim schema > scenario.schema.json`, then `#:schema ./scenario.schema.json`.
     Editors with Taplo do the rest: Even Better TOML for VS Code, `taplo lsp` for others.
     """
+    from cosim.optimize.problem import problem_schema
     from cosim.scenario.model import scenario_schema
     from cosim.sweep.study import study_schema
 
-    found = scenario_schema() if file is File.SCENARIO else study_schema()
-    print(json.dumps(found, indent=2))
+    schemas = {
+        File.SCENARIO: scenario_schema,
+        File.STUDY: study_schema,
+        File.OPTIMIZATION: problem_schema,
+    }
+    print(json.dumps(schemas[file](), indent=2))

@@ -11,7 +11,7 @@ import numpy as np
 
 from cosim.errors import ExpressionError, concerning
 from cosim.metrics.expression import Columns, Expression, Items
-from cosim.metrics.units import PLAIN, conversion
+from cosim.metrics.units import ONE, PLAIN, conversion
 from cosim.scenario.model import Criterion, Metric
 
 
@@ -107,24 +107,35 @@ def check_units(
 
 
 def unit_of(metric: Metric, expression: Expression) -> str:
-    """Tell the unit of a metric: its own, else that of its expression, else none."""
+    """Tell the unit of a metric: its own, else that of its expression; empty where none is known."""
     return metric.unit or expression.unit or PLAIN
 
 
 def factor(criterion: Criterion, unit: str) -> float:
     """Find the number by which a metric in `unit` is multiplied to be held against the limits of a criterion.
 
-    A metric without a unit is taken to be in that of the criterion.
+    The number of a metric of which no unit is known is taken as it is, in the unit of the criterion. In
+    percent that would be a guess: such a number may be a part of one as well.
+
+    Raises
+    ------
+    ExpressionError
+        The units do not fit, or the metric needs one.
     """
     wanted = criterion.unit or unit
-    found = conversion(unit, wanted)
-    if found is None and unit != PLAIN:
-        problem = f"`criterion.{criterion.id}.unit` is `{wanted}`, `metric.{criterion.metric}` is in `{unit}`"
+    found = conversion(unit or ONE, wanted)
+    problem = f"`criterion.{criterion.id}.unit` is `{wanted}`, `metric.{criterion.metric}`"
+    if not unit:
+        if found in (None, 1.0):
+            return 1.0
+        hint = f'give the metric `unit = "{ONE}"` if it is a part of one, else `unit = "{wanted}"`'
+        raise ExpressionError(f"{problem} has no unit, its number may be meant in another", hint)
+    if found is None:
         raise ExpressionError(
-            f"{problem}, which does not convert to it",
+            f"{problem} is in `{unit}`, which does not convert to it",
             f"give limits in `{unit}` and leave out `unit`, or compute the metric in `{wanted}`",
         )
-    return 1.0 if found is None else found
+    return found
 
 
 def judge(criteria: tuple[Criterion, ...], measured: Mapping[str, Measured]) -> list[Verdict]:

@@ -16,8 +16,10 @@ SCALES = {
     "V": ("V", 1.0), "mV": ("V", 1e-3), "W": ("W", 1.0), "J": ("J", 1.0),
 }  # fmt: skip
 """SI unit and number of each unit: `5 * um` is 5e-6, `depth / um` is the depth in micrometres."""
-PLAIN = "1"
-OTHERS = {PLAIN: (PLAIN, 1.0), "%": (PLAIN, 0.01)}
+PLAIN = ""
+"""Unit of a number of which none is known: it may be meant in any, also as a part of one or in percent."""
+ONE = "1"
+OTHERS = {ONE: (ONE, 1.0), "%": (ONE, 0.01)}
 """Units that are no names and so stand in no expression."""
 FACTOR = re.compile(r"([^\d./*^-]+)\^?(-?\d{0,2})")
 """Unit and exponent of one factor: `m`, `s2`, `s^-1`."""
@@ -64,25 +66,25 @@ def unit_of(what: str, units: Sequence[str | None]) -> str | None:
 
 def common(units: Sequence[str | None]) -> str | None:
     """Return the one unit of a sum, None where its parts have different ones or one that is not known."""
-    found = {unit for unit in units if unit != PLAIN}
+    found = set(units) - {PLAIN, ONE}
     if not found:
-        return PLAIN
+        return ONE if ONE in units else PLAIN
     known = found - {None}
     return known.pop() if len(known) == 1 else None
 
 
 def product(left: str | None, right: str | None) -> str | None:
-    """Tell the unit of a product of which one side is a plain number."""
-    if left == PLAIN:
-        return right
-    return left if right == PLAIN else None
+    """Tell the unit of a product of which one side is a plain number; `100 * share` may be in percent."""
+    if left in (PLAIN, ONE):
+        return PLAIN if right == ONE else right
+    return left if right in (PLAIN, ONE) else None
 
 
 def quotient(left: str | None, right: str | None) -> str | None:
-    """Tell the unit of a quotient of equal units, or by a plain number."""
-    if right == PLAIN:
-        return left
-    return PLAIN if left is not None and left == right else None
+    """Tell the unit of a quotient by a plain number; that of equal units is a plain number: `depth / um`."""
+    if left is not None and left == right:
+        return PLAIN
+    return product(left, right) if right in (PLAIN, ONE) else None
 
 
 def conversion(source: str, target: str) -> float | None:
@@ -112,4 +114,4 @@ def reduced(unit: str) -> tuple[float, Counter[str]] | None:
             # `rpm` is a quotient itself
             for sign, name in zip((1, -1), base.split("/"), strict=False):
                 powers[name] += sign * exponent
-    return scale, Counter({name: power for name, power in powers.items() if power and name != PLAIN})
+    return scale, Counter({name: power for name, power in powers.items() if power and name != ONE})

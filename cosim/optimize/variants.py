@@ -7,8 +7,10 @@ from typing import Any
 
 from cosim import paths
 from cosim.errors import ScenarioError, closest
+from cosim.loop.engines import Engine
 from cosim.optimize.objective import measured
 from cosim.optimize.problem import Problem
+from cosim.pool.job import Job
 from cosim.scenario import layers
 from cosim.scenario.load import build
 from cosim.scenario.model import Scenario
@@ -61,6 +63,12 @@ class Variants:
         for key, value in values.items():
             layers.assign(merged, key, value, f"{self.origin}, `{key}` = `{value}`")
         return replace(build(merged), name=paths.scenario_name(self.file), file=self.file)
+
+    def job(self, run: Run, engine: Engine) -> Job:
+        """Job of one run, whose trace is kept where it is compared."""
+        scenario = self.at(run.changes)
+        fmu = paths.find_fmu(scenario.controller.fmu, scenario.folder)
+        return Job(scenario, run.seed, engine, self.target is not None, digest(fmu))
 
     def runs(self, number: int, values: Values) -> list[Run]:
         """Make the runs of a trial, one for each seed."""

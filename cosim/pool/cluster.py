@@ -1,35 +1,48 @@
 """Runs on a Dask cluster, each under the same supervision as on this machine.
 
 A Dask worker keeps one supervised worker process for each of its threads, so that an FMU that crashes or
-hangs never takes the Dask worker with it. If a Dask worker itself is lost, that costs the runs it was doing.
+hangs never takes the Dask worker with it. If a Dask worker itself is lost, its runs are done once more; if
+the scheduler is, the runs go on when it is back, or another at its address.
 """
 
 from __future__ import annotations
 
 import contextlib
-import importlib
 import logging
 import queue
 import threading
 import time
 import uuid
-from collections.abc import Generator, Iterable, Iterator
+from collections.abc import Generator, Iterable
 from typing import Any
 
 from cosim.errors import CosimError
-from cosim.pool import address as addresses
-from cosim.pool.job import Finished, Job, Numbered, Outcome, WorkerError
+from cosim.pool.batches import BATCH_TIME, Batch, Batches
+from cosim.pool.connection import GOES_ON, RETURN_TIMEOUT, connect, dask, is_connected, returned
+from cosim.pool.job import Finished, Job, Numbered, Outcome
 from cosim.pool.limits import Limits
 from cosim.pool.supervisor import Worker
 
-CONNECT_TIMEOUT = 20.0
-"""Time to reach the scheduler, s."""
 WORKERS_TIMEOUT = 60.0
 """Time without any Dask worker after which a sweep gives up, s."""
+FETCH_TIMEOUT = 60.0
+"""Time to fetch outcomes that a Dask worker has, s."""
 POLL_INTERVAL = 1.0
 """Time between two counts of the Dask workers, s."""
+MOST_LOSSES = 5
+"""Times in a row that a scheduler may be lost without a run being done."""
 Ended = tuple[str, str]
-"""Key of a run that ended, and the Dask worker if it was lost."""
+"""Key of a batch that ended, and the Dask worker if it was lost."""
+
+log = logging.getLogger("cosim")
+
+
+class SchedulerLostError(Exception):
+    """The scheduler is gone, and with it all it was told."""
+
+
+class WorkerLostError(Exception):
+    """What a Dask worker was to give is gone."""
 
 
 def outcomes(jobs: Iterable[Numbered], address: str, limits: Limits) -> Generator[Finished]:
@@ -47,48 +60,86 @@ def outcomes(jobs: Iterable[Numbered], address: str, limits: Limits) -> Generato
     Raises
     ------
     CosimError
-        Dask is not installed, the address is none, no scheduler or worker answers, or the workers lack the
-        package `cosim`.
+        Dask is not installed, the address is none, no scheduler or worker answers, the scheduler was lost and
+        did not come back, or the workers lack the package `cosim`.
     """
-    with connected(dask(), address) as client:
-        token = uuid.uuid4().hex[:8]
-        try:
-            yield from dispatched(client, iter(jobs), limits, token)
-        finally:
+    distributed, batches = dask(), Batches(iter(jobs))
+    client, patience = connect(distributed, address), WORKERS_TIMEOUT
+    losses = 0
+    while True:
+        done = batches.finished
+        with client:
+            try:
+                yield from dispatched(client, batches, limits, patience)
+                return
+            except SchedulerLostError:
+                # else it would go on trying for as long as a connection may take
+                client.close(timeout=POLL_INTERVAL)
+        losses = 1 if batches.finished > done else losses + 1
+        if losses > MOST_LOSSES:
+            raise CosimError(f"the Dask scheduler was lost {losses} times before a run was done", GOES_ON)
+        client, patience = returned(distributed, address), RETURN_TIMEOUT
+
+
+def dispatched(client: Any, batches: Batches, limits: Limits, patience: float) -> Generator[Finished]:
+    """Keep every thread of the cluster busy with one batch; none waits on a worker that may be lost.
+
+    Raises
+    ------
+    SchedulerLostError
+        The scheduler is gone; what was under way is back in `batches`.
+    """
+    ended: queue.SimpleQueue[Ended] = queue.SimpleQueue()
+    report_lost_runs(client, ended)
+    running: dict[str, tuple[Batch, Any]] = {}
+    size, token = ClusterSize(client, patience), uuid.uuid4().hex[:8]
+    try:
+        while True:
+            free = size.threads() - len(running)
+            for _ in range(free):
+                if not (batch := batches.take()):
+                    break
+                key, work = f"cosim-{token}-{uuid.uuid4().hex}", [job for _, job in batch]
+                future = client.submit(run_supervised, token, work, limits, key=key, pure=False, retries=0)
+                running[key] = batch, future
+                future.add_done_callback(lambda done: ended.put((done.key, "")))
+            if free > 0 and not running:
+                break
+            with contextlib.suppress(queue.Empty):
+                key, lost = ended.get(timeout=POLL_INTERVAL)
+                if key in running:
+                    batch, future = running[key]
+                    found = finished(client, batches, batch, future, lost)
+                    del running[key]
+                    yield from found
+    finally:
+        for batch, _ in running.values():
+            batches.put_back(batch)
+        if is_connected(client):
             with contextlib.suppress(Exception):
                 client.run(close_workers, token, on_error="ignore")
 
 
-def dispatched(client: Any, jobs: Iterator[Numbered], limits: Limits, token: str) -> Generator[Finished]:
-    """Keep every thread of the cluster busy with one run; none waits on a worker that may be lost."""
-    ended: queue.SimpleQueue[Ended] = queue.SimpleQueue()
-    report_lost_runs(client, ended)
-    running: dict[str, tuple[int, Any]] = {}
-    size = ClusterSize(client)
-    more = True
-    while more or running:
-        free = size.threads() - len(running)
-        while more and free > 0:
-            if (job := next(jobs, None)) is None:
-                more = False
-                break
-            key = f"cosim-{token}-{job[0]}"
-            future = client.submit(run_supervised, token, job[1], limits, key=key, pure=False, retries=0)
-            running[key] = job[0], future
-            future.add_done_callback(lambda done: ended.put((done.key, "")))
-            free -= 1
-        with contextlib.suppress(queue.Empty):
-            key, lost = ended.get(timeout=POLL_INTERVAL)
-            if key in running:
-                number, future = running.pop(key)
-                yield number, outcome_of(future, lost)
+def finished(client: Any, batches: Batches, batch: Batch, future: Any, lost: str) -> list[Finished]:
+    """Outcomes of a batch that ended, or whose Dask worker was lost."""
+    try:
+        if lost:
+            raise WorkerLostError(lost)
+        return batches.finish(batch, outcomes_of(client, future))
+    except WorkerLostError as error:
+        future.cancel()
+        given_up = batches.lose(batch, str(error))
+        if again := len(batch) - len(given_up):
+            log.warning("the Dask worker `%s` was lost: %d runs are done once more", error, again)
+        return given_up
 
 
 class ClusterSize:
-    """Threads of all Dask workers; workers may come and go."""
+    """Threads of all Dask workers; workers may come and go, and all may be away for `patience` in s."""
 
-    def __init__(self, client: Any) -> None:
+    def __init__(self, client: Any, patience: float) -> None:
         self.client = client
+        self.patience = patience
         self.count = 0
         self.counted = -POLL_INTERVAL
         self.last_worker = time.monotonic()
@@ -100,93 +151,52 @@ class ClusterSize:
         ------
         CosimError
             There has been no worker for too long.
+        SchedulerLostError
+            The scheduler does not answer.
         """
+        if not is_connected(self.client):
+            raise SchedulerLostError
         now = time.monotonic()
         if now - self.counted >= POLL_INTERVAL or not self.count:
             self.counted = now
             try:
                 self.count = sum(self.client.nthreads().values())
-            except Exception as error:
-                raise CosimError(
-                    f"lost the Dask scheduler: {error}", "the next call goes on from here"
-                ) from None
+            except Exception:
+                raise SchedulerLostError from None
         if self.count:
             self.last_worker = now
-        elif now - self.last_worker > WORKERS_TIMEOUT:
-            problem = f"the Dask scheduler has had no worker for {WORKERS_TIMEOUT:g} s"
+        elif now - self.last_worker > self.patience:
+            problem = f"the Dask scheduler has had no worker for {self.patience:g} s"
             raise CosimError(problem, "start one with `dask worker ADDRESS`")
         else:
             time.sleep(POLL_INTERVAL)
         return self.count
 
 
-def outcome_of(future: Any, lost: str) -> Outcome:
-    """Outcome of a future that is done, or whose Dask worker was lost."""
-    if lost:
-        future.cancel()
-        return WorkerError(
-            "lost", f"the Dask worker `{lost}` was lost during the run", "`--again` does it again"
-        )
+def outcomes_of(client: Any, future: Any) -> list[Outcome]:
+    """Outcomes of a batch that ended.
+
+    Raises
+    ------
+    SchedulerLostError, WorkerLostError
+        They are gone.
+    CosimError
+        The workers cannot do any run.
+    """
     try:
-        outcome: Outcome = future.result()
+        outcomes: list[Outcome] = future.result(timeout=FETCH_TIMEOUT)
     except CosimError:
         raise
     except Exception as error:
+        # it takes back all futures when its connection ends
+        if future.cancelled() or not is_connected(client):
+            raise SchedulerLostError from None
         name = type(error).__name__
-        if name == "KilledWorker":
-            return WorkerError(
-                "lost", f"a Dask worker was lost during the run: {error}", "`--again` does it again"
-            )
+        if name == "KilledWorker" or isinstance(error, TimeoutError):
+            raise WorkerLostError(error) from None
         hint = "scheduler and workers need the same packages as this machine"
         raise CosimError(f"the cluster failed: {name}: {error}", hint) from None
-    return outcome
-
-
-def dask() -> Any:
-    """Return Dask's package `distributed`."""
-    try:
-        distributed = importlib.import_module("distributed")
-    except ImportError:
-        hint = "install the extra: `pip install machining-fmus[cluster]`"
-        raise CosimError("Dask is not installed, it runs sweeps on a cluster", hint) from None
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)
-    return distributed
-
-
-@contextlib.contextmanager
-def connected(distributed: Any, address: str) -> Iterator[Any]:
-    """Client of a scheduler."""
-    scheduler = addresses.scheduler(address)
-    client = distributed.Client.__new__(distributed.Client)
-    try:
-        client.__init__(
-            scheduler.address,
-            security=security(distributed, scheduler),
-            timeout=CONNECT_TIMEOUT,
-            set_as_default=False,
-        )
-    except Exception as error:  # whatever listens there says whatever it says
-        with contextlib.suppress(Exception):
-            client.close(timeout=POLL_INTERVAL)
-        # else it would try again when it is collected
-        client.status = "closed"
-        text = f"no Dask scheduler answers at `{scheduler.address}`: {error}"
-        raise CosimError(text, "`dask scheduler` starts one") from None
-    with client:
-        yield client
-
-
-def security(distributed: Any, scheduler: addresses.Scheduler) -> Any:
-    """Return what Dask needs for TLS, None without."""
-    if not scheduler.tls:
-        return None
-    tls = scheduler.tls
-    return distributed.Security(
-        tls_ca_file=tls["ca"],
-        tls_client_cert=tls["certificate"],
-        tls_client_key=tls["key"],
-        require_encryption=True,
-    )
+    return outcomes
 
 
 def report_lost_runs(client: Any, ended: queue.SimpleQueue[Ended]) -> None:
@@ -206,13 +216,18 @@ _workers: dict[tuple[str, int], Worker] = {}
 """Supervised worker processes of a Dask worker, by sweep and thread."""
 
 
-def run_supervised(token: str, job: Job, limits: Limits) -> Outcome:
-    """Run one job; runs on a Dask worker."""
+def run_supervised(token: str, jobs: list[Job], limits: Limits) -> list[Outcome]:
+    """Run the first of some jobs, as many as there is time for; runs on a Dask worker."""
     key = (token, threading.get_ident())
     if key not in _workers:
         _workers[key] = Worker(limits)
-    outcome: Outcome = _workers[key].call(job)
-    return outcome
+    worker, outcomes = _workers[key], []
+    end = time.monotonic() + BATCH_TIME
+    for job in jobs:
+        outcomes.append(worker.call(job))
+        if time.monotonic() > end:
+            break
+    return outcomes
 
 
 def close_workers(token: str) -> None:

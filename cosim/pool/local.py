@@ -8,6 +8,7 @@ import threading
 from collections.abc import Callable, Generator, Iterable, Iterator
 from typing import Any
 
+from cosim.pool.inbox import Inbox
 from cosim.pool.job import Finished, Numbered
 from cosim.pool.limits import Limits
 from cosim.pool.supervisor import ClosedError, Worker
@@ -21,7 +22,8 @@ def outcomes(jobs: Iterable[Numbered], workers: int, limits: Limits) -> Generato
     Parameters
     ----------
     jobs
-        Jobs with their numbers; taken from the iterable as workers become free.
+        Jobs with their numbers; taken from the iterable as workers become free. An `Inbox` is closed in the
+        end.
     workers
         Processes.
     limits
@@ -49,6 +51,8 @@ def outcomes(jobs: Iterable[Numbered], workers: int, limits: Limits) -> Generato
             else:
                 yield item
     finally:
+        if isinstance(jobs, Inbox):
+            jobs.close()
         for worker in pool:
             worker.stop()
         for thread in threads:

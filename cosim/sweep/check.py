@@ -36,7 +36,7 @@ class Checked:
     """
 
     name: str
-    kind: Literal["scenario", "study"] = "scenario"
+    kind: Literal["scenario", "study", "optimization"] = "scenario"
     error: CosimError | None = None
     warnings: list[str] = field(default_factory=list)
     runs: int = 1
@@ -70,9 +70,13 @@ def check(name: str) -> Checked:
 
 
 def file_of(name: str) -> Path:
-    """File of a study or scenario."""
+    """File of a scenario, by name or path, or of a study."""
     file = Path(name).expanduser()
-    return file if file.is_file() else paths.find_scenario(name)
+    if file.is_file():
+        return file
+    if Path(name).parts[:1] == (paths.OWN_STUDIES.name,):
+        return paths.find_study(name)
+    return paths.find_scenario(name)
 
 
 def is_study(file: Path) -> bool:

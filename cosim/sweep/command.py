@@ -16,7 +16,7 @@ from cosim import paths
 from cosim.loop import engines
 from cosim.loop.reference import Progress
 from cosim.pool import cluster, local
-from cosim.pool.limits import Limits, processors
+from cosim.pool.limits import processors
 from cosim.show.bar import bar
 from cosim.show.figure import can_plot
 from cosim.show.lines import ProgressLines
@@ -91,12 +91,7 @@ def summarise(plan: Plan, found: Survey, folder: Path, plots: bool) -> None:
 
 def pool_of(plan: Plan, options: Options) -> Pool:
     """Where the runs are done."""
-    memory = plan.study.limits.memory
-    limits = Limits(
-        plan.study.limits.timeout,
-        None if memory is None else 1e6 * memory,
-        plan.study.limits.process_per_run,
-    )
+    limits = plan.study.limits.of_workers()
     if options.cluster:
         return functools.partial(cluster.outcomes, address=options.cluster, limits=limits)
     workers = options.workers or processors()

@@ -6,6 +6,7 @@ import contextlib
 import errno
 import json
 import logging
+import os
 from collections.abc import Collection
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -64,6 +65,7 @@ class Store(Closing):
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
+        self.shown = paths.shown(folder / FILE)
         self.places: dict[str, tuple[int, str]] = {}
         try:
             folder.mkdir(parents=True, exist_ok=True)
@@ -95,41 +97,45 @@ class Store(Closing):
             ) from None
 
     def scan(self) -> None:
-        """Find the rows that are there; a last line that was cut off is removed."""
-        place = 0
-        for line in self.reader:
-            if not line.endswith(b"\n"):
-                log.warning("`%s` ended in the middle of a row, that run is done again", FILE)
-                self.file.truncate(place)
-                break
-            self.note(line, place)
+        """Find the rows that are there; nothing is removed, and a last line without its end gets one."""
+        place, line = 0, b"\n"
+        for number, line in enumerate(self.reader, 1):
+            self.note(line, number, place)
             place += len(line)
-        self.end = place
+        if not line.endswith(b"\n"):
+            self.write(b"\n")
 
-    def note(self, line: bytes, place: int) -> None:
+    def note(self, line: bytes, number: int, place: int) -> None:
         """Remember the place of a row; what is no row is passed over."""
         try:
             row = read(line)
             self.places[row["hash"]] = (place, row["status"])
         except (ValueError, RecursionError) as error:
-            log.warning("`%s` has a line that is no row (%s), that run is done again", FILE, error)
+            text = "`%s`, line %d is no row (%s): it stays as it is, a run without another row is done again"
+            log.warning(text, self.shown, number, error)
 
     def append(self, row: Row) -> None:
         """Write one row; it is in the file when this returns."""
         line = json.dumps(row, allow_nan=False, default=str).encode() + b"\n"
+        self.places[row["hash"]] = (self.write(line), row["status"])
+
+    def write(self, line: bytes) -> int:
+        """Write to the end of the file, all or nothing; returns the place."""
         try:
-            written = self.file.write(line)
-            if written != len(line):
-                raise OSError(errno.ENOSPC, "no space left for a whole row")
+            place = self.file.seek(0, os.SEEK_END)
+            try:
+                if self.file.write(line) != len(line):
+                    raise OSError(errno.ENOSPC, "no space left for a whole row")
+            except OSError:
+                with contextlib.suppress(OSError):
+                    self.file.truncate(place)
+                raise
         except OSError as error:
-            with contextlib.suppress(OSError):
-                self.file.truncate(self.end)
             raise CosimError(
-                f"cannot write `{self.folder / FILE}`: {error.strerror or error}",
+                f"cannot write `{self.shown}`: {error.strerror or error}",
                 "what is in it stays; the same command goes on from there",
             ) from None
-        self.places[row["hash"]] = (self.end, row["status"])
-        self.end += len(line)
+        return place
 
     def status(self, name: str) -> str:
         """Status of the run with a hash; empty if it has no row."""

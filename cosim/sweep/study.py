@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from cosim.errors import ScenarioError
-from cosim.scenario.ranges import COUNT, NOT_NEGATIVE_COUNT, POSITIVE, limited
+from cosim.scenario.ranges import COUNT, NOT_NEGATIVE_COUNT, limited
 from cosim.scenario.schema import schema_of
 from cosim.scenario.tables import Fail, parse
 from cosim.scenario.toml import flatten, parse_file, toml_value
@@ -48,15 +48,6 @@ class Design:
 
 
 @dataclass(frozen=True)
-class RunLimits:
-    """What one run may take: wall time in s, memory of its process in MB; and whether that is its own."""
-
-    timeout: float = limited(POSITIVE, 600.0)
-    memory: float | None = limited(POSITIVE, None)
-    process_per_run: bool = False
-
-
-@dataclass(frozen=True)
 class Traces:
     """Which traces are kept: of runs that failed criteria (at most so many), and of the worst.
 
@@ -84,7 +75,6 @@ class Study(Varied):
 
     design: Design
     case: tuple[dict[str, Any], ...] = ()
-    limits: RunLimits = RunLimits()
     traces: Traces = Traces()
 
 

@@ -9,6 +9,7 @@ from typing import Any, Literal, NoReturn
 
 from cosim import paths
 from cosim.errors import ScenarioError
+from cosim.pool.limits import Limits
 from cosim.scenario.ranges import FINITE, NOT_NAN, NOT_NEGATIVE_COUNT, POSITIVE, limited
 from cosim.scenario.tables import Fail
 
@@ -52,6 +53,20 @@ class Vary:
         return low, math.inf if self.maximum is None else self.maximum
 
 
+@dataclass(frozen=True)
+class RunLimits:
+    """What one run may take: wall time in s, memory of its process in MB; and whether that is its own."""
+
+    timeout: float = limited(POSITIVE, 600.0)
+    memory: float | None = limited(POSITIVE, None)
+    process_per_run: bool = False
+
+    def of_workers(self) -> Limits:
+        """Return them as workers take them."""
+        memory = None if self.memory is None else 1e6 * self.memory
+        return Limits(self.timeout, memory, self.process_per_run)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Varied:
     """A scenario, by its name or as a file beside this one, that is run with other values of its keys.
@@ -64,6 +79,8 @@ class Varied:
         Values of keys in all runs.
     vary
         Keys with the values they take.
+    limits
+        What a run may take.
     """
 
     scenario: str
@@ -72,6 +89,7 @@ class Varied:
     seed: int = limited(NOT_NEGATIVE_COUNT, 1)
     set: dict[str, Any] = field(default_factory=dict)
     vary: tuple[Vary, ...] = ()
+    limits: RunLimits = RunLimits()
     file: Path = field(default=Path(), metadata={"key": ""})
 
     @property

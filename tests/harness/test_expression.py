@@ -125,11 +125,11 @@ UNITS = {
     "where(plant.x > 0, plant.x, 0)": "m",
     "at(plant.x, 0.2)": "m",
     "max(derivative(plant.x))": "m/s",
-    "last(plant.x) / mm": "1",
+    "last(plant.x) / mm": "",
     "last(plant.x) / 0.1": "m",
-    "last(plant.x > 1 * mm)": "1",
-    "count(plant.x)": "1",
-    'last(controller.state) == "Idle"': "1",
+    "last(plant.x > 1 * mm)": "",
+    "count(plant.x)": "",
+    'last(controller.state) == "Idle"': "",
     "first_time(plant.x > 0) - 0.1": "s",
     "arctan2(1, 2)": "rad",
     "30 * deg": "rad",
@@ -137,6 +137,11 @@ UNITS = {
     "last(plant.x) ** 2": None,
     "last(plant.x) * last(plant.x)": None,
     "last(controller.on)": None,
+    "max(controller.bias[1] - 0.1)": "1",
+    "100 * max(controller.bias[1])": "",
+    "max(controller.bias[1]) / 2": "",
+    "max(controller.bias[1]) * plant.x": "m",
+    "max(plant.x) / last(controller.bias[1])": "m",
     "last(plant.x) - last(controller.on)": "m",
     "integral(plant.x)": None,
     "derivative(derivative(plant.x))": None,
@@ -145,7 +150,7 @@ UNITS = {
 
 @pytest.mark.parametrize(("text", "unit"), UNITS.items(), ids=UNITS.keys())
 def test_the_unit_is_told_where_it_is_clear(text: str, unit: str | None) -> None:
-    units = {"time": "s", "plant.x": "m", "controller.on": ""}
+    units = {"time": "s", "plant.x": "m", "controller.on": "", "controller.bias[1]": "1"}
     assert Expression(text, NAMES, "`metric`", units=units).unit == unit
 
 

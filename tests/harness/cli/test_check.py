@@ -10,8 +10,9 @@ import pytest
 
 from cosim.loop import lint
 from cosim.loop.session import Session
+from cosim.optimize.check import check
 from cosim.scenario.load import load
-from cosim.sweep.check import check
+from cosim.sweep.check import file_of
 
 from ..conftest import END, entry
 from .commands import cosim
@@ -39,6 +40,32 @@ def test_good_files_are_fit_and_nothing_is_run(write: Write, folder: Path) -> No
     done = cosim("check", "lag.toml", "study.toml")
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout == "lag.toml: scenario, fit to run\nstudy.toml: study, 2 runs, fit to run\n"
+
+
+OPTIMIZATION = """
+scenario = "lag.toml"
+vary = [{{key = "plant.pole", minimum = 0.1, maximum = {}}}]
+objective = {{metric = "end"}}
+search = {{trials = 20, seeds = [1, 2]}}
+"""
+
+
+def test_an_optimization_is_checked_at_both_ends(write: Write, folder: Path) -> None:
+    write(COMPLETE + "[plant.parameters]\nfail_at = 0\n")
+    (folder / "good.toml").write_text(OPTIMIZATION.format(0.9))
+    (folder / "bad.toml").write_text(OPTIMIZATION.format(1.5))
+    done = cosim("check", "good.toml", "bad.toml")
+    assert done.returncode == 2
+    assert done.stdout == "good.toml: optimization, 40 runs, fit to run\n"
+    assert "`plant.pole` is `1.5`, it must lie in 0 .. 1" in done.stderr
+
+
+def test_the_studies_of_the_project_are_known_in_any_folder(folder: Path) -> None:
+    assert file_of("studies/dob-contact.toml").is_file()
+    found = check("studies/dob-contcat.toml")
+    assert found.error is not None
+    assert "the study file `studies/dob-contcat.toml` does not exist" in found.error.message
+    assert "studies/dob-contact.toml" in found.error.hint
 
 
 def test_one_bad_file_of_three_is_exit_code_2_and_the_others_are_told(write: Write, folder: Path) -> None:

@@ -57,7 +57,7 @@ def test_a_csv_file_takes_items_and_units_from_the_fmu(stored: Path) -> None:
     values = {name: metric.value for name, metric in result.metrics.items()}
     assert {name: metric.value for name, metric in again.metrics.items()} == values
     # what the plant's columns are in is not known
-    assert [again.metrics[name].unit for name in ("last", "top")] == ["m", "1"]
+    assert [again.metrics[name].unit for name in ("last", "top")] == ["m", ""]
     assert again.simulated_s == pytest.approx(result.simulated_s)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -16,10 +17,12 @@ import cosim
 from cosim.cli import app
 from cosim.optimize import problem, search
 from cosim.optimize.proposer import Proposer
+from cosim.optimize.runner import Runner, SearchOptions
 from cosim.optimize.variants import Variants
 from cosim.sweep.store import Store
 
 from ..conftest import END, entry
+from ..sweep import studies
 
 Write = Callable[..., Path]
 Run = Callable[..., tuple[int, str, str]]
@@ -139,15 +142,16 @@ def test_a_search_that_is_stopped_anywhere_goes_on_to_the_same_trials(
     study('metric = "end"', trials=22, more="batch = 4")
     found(command, "--out", "whole")
     runs: list[int] = []
-    original = cosim.run_each
+    original = Runner.do
 
-    def counted(scenarios: Any, *arguments: Any, **named: Any) -> Any:
-        runs.append(len(scenarios))
+    def counted(runner: Runner, wanted: Any, store: Store) -> None:
+        missing = [run for run in wanted if not store.status(run.hash)]
+        runs.append(len(missing))
         if len(runs) == 3:
             raise KeyboardInterrupt
-        return original(scenarios, *arguments, **named)
+        original(runner, wanted, store)
 
-    monkeypatch.setattr("cosim.optimize.search.run_each", counted)
+    monkeypatch.setattr(Runner, "do", counted)
     assert command()[0] == 130
     file = Path("o.optimize/results.jsonl")
     lines = file.read_bytes().splitlines(keepends=True)
@@ -156,17 +160,52 @@ def test_a_search_that_is_stopped_anywhere_goes_on_to_the_same_trials(
     file.write_bytes(b"".join(lines[:6]) + lines[6][:40])
     runs[:] = [0, 0, 0]
     found(command)
-    assert runs[3:] == [2, 4, 4, 4, 2]
+    assert runs[3:] == [0, 2, 4, 4, 4, 2]
     assert history() == history("whole")
     # all is done: no run, the same answer
     runs[:] = [0, 0, 0]
     found(command)
-    assert runs[3:] == []
+    assert sum(runs) == 0
     # more trials only add to them
     study('metric = "end"', trials=30, more="batch = 4")
     found(command)
-    assert sum(runs[3:]) == 8
+    assert sum(runs) == 8
     assert history()[:23] == history("whole")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="signals of Linux")
+def test_a_kill_in_the_middle_of_a_batch_costs_only_what_was_under_way(command: Run) -> None:
+    study('metric = "end"', trials=6, more="batch = 6")
+    file = Path("o.toml")
+    file.write_text(file.read_text().replace(SET, SET + "plant.stall_at = 3\n"))
+    # one of its six runs never ends, the first time
+    line = [sys.executable, "-m", "cosim", "optimize", "o.toml", "--workers", "2"]
+    process = subprocess.Popen(line, env=studies.environment(), stderr=subprocess.DEVNULL)
+    results = Path("o.optimize/results.jsonl")
+    try:
+        studies.wait_for(lambda: results.exists() and results.read_bytes().count(b"\n") == 5)
+    finally:
+        process.kill()
+        process.wait()
+    before = results.read_bytes()
+    found(command)
+    assert results.read_bytes().startswith(before)
+    assert results.read_bytes().count(b"\n") == 6
+    found(command, "--out", "whole")
+    assert history() == history("whole")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="signals of Linux")
+def test_a_run_that_crashes_or_hangs_costs_its_trial_only(command: Run) -> None:
+    values = "".join(
+        f'[[vary]]\nkey = "controller.{key}_at"\nvalues = [-1, 3]\n' for key in ("crash", "hang")
+    )
+    study('metric = "end"', GAIN + values + "[limits]\ntimeout = 2.0\n", trials=5, more="batch = 5")
+    assert found(command)["best"]["set"]["controller.crash_at"] == -1
+    told = {(row[2], row[3]): row[-1] for row in history()[1:]}
+    assert "killed by SIGSEGV" in told["3", "-1"]
+    assert "no result within `limits.timeout` = `2` s" in told["-1", "3"]
+    assert told["-1", "-1"] == ""
 
 
 def test_trials_do_not_depend_on_the_number_of_workers(command: Run, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -278,7 +317,7 @@ def test_proposals_follow_from_the_trials_before_alone(command: Run) -> None:
     study('metric = "end"', trials=16, more="batch = 4")
     variants = Variants(problem.load(Path("o.toml")))
     with Store(Path("one")) as store:
-        trials = search.search(variants, store, search.SearchOptions(workers=1))
+        trials = search.search(variants, store, SearchOptions(workers=1))
     proposer = Proposer(variants.problem)
     for begin in range(0, 16, 4):
         batch = [proposer.propose(number) for number in range(begin, begin + 4)]

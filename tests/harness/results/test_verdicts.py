@@ -88,3 +88,29 @@ def test_a_metric_without_unit_is_in_that_of_the_criterion(write: Write) -> None
     verdict = cosim.run(cosim.load(file, set="criterion.end.unit=mm")).criteria[0]
     assert verdict.unit == "mm"
     assert verdict.value == pytest.approx(0.8165, abs=1e-3)
+
+
+SHARE = CRITERION.replace('unit = "m"\n', "{}").replace("last(plant.x)", "last(plant.x) / (1 * m)")
+"""A metric of which no unit is known."""
+
+
+def test_percent_of_a_metric_without_unit_is_no_guess(write: Write) -> None:
+    file = write(SHARE.format(""))
+    expected = r"`criterion.end.unit` is `%`, `metric.end` has no unit, its number may be meant in another"
+    with pytest.raises(ExpressionError, match=expected) as caught:
+        cosim.Session(cosim.load(file, set="criterion.end.unit=%"))
+    assert caught.value.hint == 'give the metric `unit = "1"` if it is a part of one, else `unit = "%"`'
+
+
+@pytest.mark.parametrize(("unit", "factor"), [("1", 100.0), ("%", 1.0)])
+def test_percent_of_a_metric_with_unit_converts(unit: str, factor: float, write: Write) -> None:
+    file = write(SHARE.format(f'unit = "{unit}"\n'))
+    found = cosim.run(cosim.load(file, set="criterion.end.unit=%"))
+    assert found.metrics["end"].unit == unit
+    assert found.criteria[0].value == pytest.approx(factor * found.metrics["end"].value)
+
+
+def test_a_number_that_is_a_part_of_one_is_no_length(write: Write) -> None:
+    file = write(SHARE.format('unit = "1"\n'))
+    with pytest.raises(ExpressionError, match=r"`metric.end` is in `1`, which does not convert to it"):
+        cosim.Session(cosim.load(file, set="criterion.end.unit=mm"))

@@ -1,4 +1,4 @@
-"""JSON schemas of scenarios and studies: they take what cosim takes, and refuse what it refuses."""
+"""JSON schemas of all kinds of files: they take what cosim takes, and refuse what it refuses."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from typing import Any
 
 import pytest
 
+from cosim.optimize.problem import problem_schema
 from cosim.scenario.model import scenario_schema
 from cosim.sweep.study import study_schema
 
@@ -64,6 +65,31 @@ def test_what_cosim_refuses_is_refused_by_the_schema(key: str, value: Any) -> No
     assert problems(scenario_schema(), table) == [place]
 
 
+OPTIMIZATION = {
+    "scenario": "dob",
+    "vary": [{"key": "controller.gain", "minimum": 0.1, "maximum": 1.0, "distribution": "log-uniform"}],
+    "objective": {"metric": "end", "direction": "maximize"},
+    "search": {"trials": 10, "batch": 2, "seeds": [1, 2]},
+    "limits": {"timeout": 10.0},
+}
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "place"),
+    [
+        ("search", {"trials": 10}, []),
+        ("search", {"trails": 10}, ["search"]),
+        ("search", {"seeds": [0.5]}, ["search.seeds.0"]),
+        ("objective", {"metric": "end", "direction": "down"}, ["objective.direction"]),
+        ("limits", {"timeout": 0.0}, ["limits.timeout"]),
+        ("design", {"kind": "grid"}, [""]),
+    ],
+)
+def test_an_optimization_has_a_schema(key: str, value: Any, place: list[str]) -> None:
+    assert problems(problem_schema(), OPTIMIZATION) == []
+    assert problems(problem_schema(), {**OPTIMIZATION, key: value}) == place
+
+
 def test_only_a_scenario_that_extends_another_may_leave_things_out() -> None:
     short = {"title": "Short", "loop": {"duration": 1.0}}
     assert problems(scenario_schema(), short) != []
@@ -78,9 +104,12 @@ def test_keys_carry_their_texts_units_and_defaults() -> None:
     assert {"from", "to"} == set(wire["required"])
 
 
-@pytest.mark.parametrize("kind", [[], ["scenario"], ["study"]])
+SCHEMAS = {"scenario": scenario_schema, "study": study_schema, "optimization": problem_schema}
+
+
+@pytest.mark.parametrize("kind", [[], *([name] for name in SCHEMAS)])
 def test_the_command_prints_strict_json(kind: list[str]) -> None:
     command = [sys.executable, "-m", "cosim", "schema", *kind]
     done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT, check=True)
-    wanted = study_schema() if kind == ["study"] else scenario_schema()
+    wanted = SCHEMAS[(kind or ["scenario"])[0]]()
     assert json.loads(done.stdout) == json.loads(json.dumps(wanted, allow_nan=False))

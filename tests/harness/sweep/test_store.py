@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 from collections.abc import Callable
@@ -10,6 +11,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+
+from cosim.sweep.store import Store
 
 from . import studies
 
@@ -52,11 +55,38 @@ def test_a_row_that_is_none_is_done_again(write: Write, folder: Path) -> None:
     ]
     file.write_text("".join([*edited, DEEP, lines[-1]]))
     done = studies.sweep("list.toml")
-    assert done.stderr.count("has a line that is no row (") == len(EDITS) + 1
+    warned = re.findall(r"`list.sweep/results.jsonl`, line (\d+) is no row \(", done.stderr)
+    assert list(map(int, warned)) == list(range(1, len(EDITS) + 2))
     assert "Traceback" not in done.stderr
     fresh = {json.loads(line)["hash"]: line for line in file.read_text().splitlines()[len(EDITS) + 1 :]}
     file.write_text("\n".join(fresh.values()) + "\n")
     assert studies.numbers(folder / "list.sweep") == before
+
+
+ROW = json.dumps(
+    {"run": 0, "case": 0, "seed": 1, "set": {}, "hash": "a", "status": "error", "reason": "told to fail"}
+)
+TAILS = {"half a row": ROW[:40], "what is no row": "a note of mine", "a row": ROW.replace('"a"', '"b"')}
+"""Last lines without end."""
+
+
+@pytest.mark.parametrize("tail", TAILS)
+def test_a_last_line_without_end_is_never_removed(
+    tail: str, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    file = tmp_path / "results.jsonl"
+    kept = f"{ROW}\n{TAILS[tail]}"
+    file.write_text(kept)
+    damaged = tail != "a row"
+    with Store(tmp_path) as store:
+        assert [store.status(name) for name in "ab"] == ["error", "" if damaged else "error"]
+        store.append(json.loads(ROW) | {"hash": "c", "status": "lost"})
+    text = file.read_text()
+    assert text.startswith(f"{kept}\n")
+    assert ("results.jsonl`, line 2 is no row (" in caplog.text) == damaged
+    with Store(tmp_path) as store:
+        assert [store.status(name) for name in "ac"] == ["error", "lost"]
+    assert file.read_text() == text
 
 
 def test_values_that_json_has_not_are_kept(write: Write, folder: Path) -> None:

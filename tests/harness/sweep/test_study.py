@@ -185,7 +185,7 @@ def test_bad_options_are_one_message_and_exit_code_2(
     refused: Refused,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("cosim.pool.cluster.CONNECT_TIMEOUT", 1.0)
+    monkeypatch.setattr("cosim.pool.connection.CONNECT_TIMEOUT", 1.0)
     write(studies.MEASURED)
     (folder / "study.toml").write_text(DRAWN + RANGE)
     refused(["study.toml", *options], problem)

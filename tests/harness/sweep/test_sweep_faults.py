@@ -43,8 +43,8 @@ LIMITS = "timeout = 4.0\nmemory = 500.0"
 @pytest.fixture(scope="module")
 def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     """Start a Dask scheduler and two Dask workers on loopback; returns the scheduler's address."""
-    with clusters.running(tmp_path_factory.mktemp("dask")) as address:
-        yield address
+    with clusters.running(tmp_path_factory.mktemp("dask")) as cluster:
+        yield cluster.address
 
 
 @pytest.fixture(params=["here", pytest.param("dask", marks=ON_DASK)])
@@ -64,7 +64,9 @@ def test_each_fault_costs_its_own_row_with_a_reason(write: Write, folder: Path, 
     for text, (status, reason) in FAULTS.items():
         assert found[text][0] == status, found[text]
         assert reason in found[text][1]
-    assert (done.returncode, done.stderr) == (1, "")
+    assert done.returncode == 1
+    # on a slow machine a line now and then
+    assert all(line.startswith("faults: ") for line in done.stderr.splitlines())
     assert "11 of 11 runs: 4 passed" in done.stdout
 
     check_numbers(rows)
@@ -138,11 +140,15 @@ def test_too_little_memory_for_any_run_is_told(write: Write, folder: Path) -> No
 
 
 @ON_DASK
-def test_kill_9_of_a_dask_worker_costs_the_run_it_was_doing(write: Write, folder: Path, cluster: str) -> None:
+def test_a_run_that_lost_two_dask_workers_is_given_up(write: Write, folder: Path, cluster: str) -> None:
     where = ["--cluster", cluster]
     process, _, dask_worker = stalled(write, folder, where)
+    # once more it stalls
+    (folder / "stalled").unlink()
     os.kill(dask_worker, signal.SIGKILL)
-    check_what_it_cost(process, folder, where, "lost", "was lost during the run")
+    studies.wait_for(lambda: (folder / "stalled").exists() and (folder / "stalled").stat().st_size > 0)
+    os.kill(int((folder / "stalled").read_text().split()[1]), signal.SIGKILL)
+    check_what_it_cost(process, folder, where, "lost", "was lost during the run, and the one before it")
 
 
 def stalled(write: Write, folder: Path, where: list[str]) -> tuple[subprocess.Popen[bytes], int, int]:

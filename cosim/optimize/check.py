@@ -1,0 +1,38 @@
+"""A file of any kind looked at without a run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from cosim.errors import CosimError
+from cosim.optimize import problem
+from cosim.optimize.variants import Variants
+from cosim.scenario.toml import parse_file
+from cosim.sweep import check as others
+from cosim.sweep.check import Checked
+
+
+def check(name: str) -> Checked:
+    """Check a scenario, by name or file, a study or an optimization; errors are found, not raised."""
+    found = Checked(name)
+    try:
+        file = others.file_of(name)
+        if not is_optimization(file):
+            return others.check(name)
+        found.kind = "optimization"
+        found.warnings = check_optimization(file, found)
+    except CosimError as error:
+        found.error, found.runs = error, 0
+    return found
+
+
+def is_optimization(file: Path) -> bool:
+    """Whether a file says what is wanted."""
+    return "objective" in parse_file(file)
+
+
+def check_optimization(file: Path, found: Checked) -> list[str]:
+    """Check an optimization at both ends of its ranges, and the wires of its scenario; returns warnings."""
+    variants = Variants(problem.load(file))
+    found.runs = variants.problem.search.trials * len(variants.seeds)
+    return others.check_scenario(variants.scenario)

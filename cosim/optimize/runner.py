@@ -1,0 +1,61 @@
+"""The runs of a search: on worker processes that stay from batch to batch, within the limits of the file."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from cosim.closing import Closing
+from cosim.loop.engines import Engine
+from cosim.loop.result import Result, plain
+from cosim.optimize.objective import MISFIT, misfit
+from cosim.optimize.variants import Variants
+from cosim.pool import local
+from cosim.pool.inbox import Inbox
+from cosim.pool.job import Outcome
+from cosim.pool.limits import processors
+from cosim.sweep.plan import Run
+from cosim.sweep.store import TROUBLES, Row, Store, row_of
+
+
+@dataclass(frozen=True)
+class SearchOptions:
+    """How a search runs: worker processes, engine, and whether runs without a result are done again."""
+
+    workers: int | None = None
+    engine: Engine = "native"
+    again: bool = False
+
+
+class Runner(Closing):
+    """Does the runs of a search; no process is started before there is one to do."""
+
+    def __init__(self, variants: Variants, options: SearchOptions) -> None:
+        self.variants, self.options = variants, options
+        most = variants.problem.search.batch * len(variants.seeds)
+        count = min(options.workers or processors(), most)
+        self.inbox = Inbox()
+        self.outcomes = local.outcomes(self.inbox, count, variants.problem.limits.of_workers())
+
+    def do(self, runs: Sequence[Run], store: Store) -> None:
+        """Do those of some runs that have no row yet, each once; a row is written as its run ends."""
+        redone = ("", *TROUBLES) if self.options.again else ("",)
+        pending = list({run.hash: run for run in runs if store.status(run.hash) in redone}.values())
+        for number, run in enumerate(pending):
+            self.inbox.put((number, self.variants.job(run, self.options.engine)))
+        for number, outcome in itertools.islice(self.outcomes, len(pending)):
+            store.append(self.row(pending[number], outcome))
+
+    def row(self, run: Run, outcome: Outcome) -> Row:
+        """Row of a run; of a calibration with its distance from what was measured."""
+        row, target = row_of(run, outcome), self.variants.target
+        if isinstance(outcome, Result) and target is not None:
+            distance = misfit(outcome, target, self.variants.problem.objective.columns)
+            row["metrics"] = {**row["metrics"], MISFIT: plain(distance)}
+            row["units"] = {**row["units"], MISFIT: "1"}
+        return row
+
+    def close(self) -> None:
+        """End the worker processes."""
+        self.outcomes.close()
