@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import importlib
 import importlib.util
+import logging
 import math
 import sys
 from collections.abc import Hashable, Sequence
@@ -21,6 +22,7 @@ from cosim.scenario.tables import parse, parse_value, readers, show
 MJCF = ".xml"
 """Ending of the names of plants that are MJCF files."""
 METHODS = ("reset", "sense", "command", "advance", "truth")
+log = logging.getLogger("cosim")
 SHAPE = "`cosim.loop.plant.Plant` is the shape of a plant, `Channel` that of its channels"
 
 
@@ -48,7 +50,10 @@ class Channel(Protocol):
 
 
 class Plant(Protocol):
-    """A plant as the reference loop drives it; any class of this shape will do."""
+    """A plant as the reference loop drives it; any class of this shape will do.
+
+    One that also has a method `close()` is told with it that it is not wanted any more.
+    """
 
     Parameters: ClassVar[type]
 
@@ -197,6 +202,14 @@ def build(name: str, parameters: dict[str, Any], folder: Path) -> Plant:
         raise PlantError(f"the plant `{name}` cannot be built: {problem}", hint) from error
     check_shape(plant, name)
     return plant
+
+
+def close(plant: Plant, name: str) -> None:
+    """Close a plant that can be closed; what goes wrong costs no result, it is logged."""
+    try:
+        getattr(plant, "close", lambda: None)()
+    except (Exception, SystemExit) as error:
+        log.warning("the plant `%s` failed while it was closed: %s: %s", name, type(error).__name__, error)
 
 
 def check_parameters(kind: Any, parameters: dict[str, Any]) -> Any:

@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import contextlib
+import functools
+import logging
 import queue
 import threading
 from collections.abc import Callable, Generator, Iterable, Iterator
 from typing import Any
 
-from cosim.pool.job import Finished, Numbered
+from cosim.pool.job import Finished, Job, Numbered
 from cosim.pool.limits import Limits
+from cosim.pool.lines import Lines
 from cosim.pool.supervisor import ClosedError, Worker
+
+log = logging.getLogger("cosim")
 
 
 def outcomes(jobs: Iterable[Numbered], workers: int, limits: Limits) -> Generator[Finished]:
@@ -34,8 +39,10 @@ def outcomes(jobs: Iterable[Numbered], workers: int, limits: Limits) -> Generato
     """
     done: queue.SimpleQueue[Finished | BaseException | None] = queue.SimpleQueue()
     pool = [Worker(limits) for _ in range(workers)]
-    take = shared(jobs)
-    threads = [threading.Thread(target=serve, args=(worker, take, done), daemon=True) for worker in pool]
+    take, lines = shared(jobs), Lines()
+    threads = [
+        threading.Thread(target=serve, args=(worker, take, done, lines), daemon=True) for worker in pool
+    ]
     try:
         for thread in threads:
             thread.start()
@@ -63,7 +70,13 @@ def inside(jobs: Iterable[Numbered]) -> Generator[Finished]:
 
     with contextlib.closing(JobRunner()) as runner:
         for number, job in jobs:
+            log.info("%s:", name(number, job))
             yield number, runner.run(job)
+
+
+def name(number: int, job: Job) -> str:
+    """Name of a run in the log."""
+    return f"run {number}, seed {job.seed}"
 
 
 def shared(jobs: Iterable[Numbered]) -> Callable[[], Numbered | None]:
@@ -78,11 +91,12 @@ def shared(jobs: Iterable[Numbered]) -> Callable[[], Numbered | None]:
     return take
 
 
-def serve(worker: Worker, take: Callable[[], Numbered | None], done: Any) -> None:
+def serve(worker: Worker, take: Callable[[], Numbered | None], done: Any, lines: Lines) -> None:
     """Give jobs to one worker until there are no more; None tells the end, an exception the failure."""
     try:
         while (job := take()) is not None:
-            done.put((job[0], worker.call(job[1])))
+            done.put((job[0], worker.call(job[1], told=functools.partial(lines.tell, name(*job)))))
+        worker.finish()
         done.put(None)
     except ClosedError:
         done.put(None)
