@@ -9,7 +9,7 @@ from typing import Any
 import typer
 import typer.exceptions
 
-from cosim import interrupts
+from cosim import errors, interrupts
 from cosim.cli.check import check
 from cosim.cli.compare import compare
 from cosim.cli.judge import judge
@@ -27,8 +27,6 @@ from cosim.show.console import report
 
 COMPLETING = "_COSIM_COMPLETE"
 """Set by a shell that asks for completions; typer ends the process when it has told them."""
-LONGEST = 500
-"""Characters shown of an error that nobody foresaw."""
 
 log = logging.getLogger("cosim")
 app = typer.Typer(
@@ -82,6 +80,6 @@ def status_of(command: Any) -> int:
 def unforeseen(error: BaseException) -> int:
     """Report what should not happen."""
     log.debug("here:", exc_info=error)
-    words = " ".join(str(error).split())[:LONGEST] or "without a word"
-    report(f"this should not happen: {type(error).__name__}: {words}", "`-v` shows where; please report it")
+    failure = errors.unforeseen(error)
+    report(failure.message, failure.hint)
     return COULD_NOT_RUN

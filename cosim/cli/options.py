@@ -8,6 +8,9 @@ from typer import Argument, Option
 
 from cosim import interrupts
 from cosim.cli import complete
+from cosim.errors import CosimError
+from cosim.pool import limits
+from cosim.pool.limits import Limits
 
 FAILED = 1
 """Exit code: a criterion does not hold."""
@@ -18,6 +21,10 @@ INTERRUPTED = interrupts.INTERRUPTED
 READER_GONE = 141
 """Exit code: nobody reads stdout any more, as a shell tells it of SIGPIPE."""
 
+Timeout = Annotated[float | None, Option(metavar="S", help="Most wall time in s.")]
+InProcess = Annotated[
+    bool, Option("--in-process", help="Work in this process, for debuggers; a crash ends it.")
+]
 Verbose = Annotated[
     bool, Option("-v", "--verbose", help="Log what the FMU reports, and where an error came from.")
 ]
@@ -41,3 +48,24 @@ Set = Annotated[
         "`criterion.<id>.<key>`. May be given again.",
     ),
 ]
+
+
+def checked_limits(timeout: float | None, memory: float | None, in_process: bool) -> Limits | None:
+    """Limits of what is done in a process of its own, None where it is done in this one.
+
+    Raises
+    ------
+    CosimError
+        A limit is no number, or there is no process that could keep it.
+    """
+    for name, value in (("--timeout", timeout), ("--memory", memory)):
+        if value is not None and not 0.0 < value < float("inf"):
+            raise CosimError(f"`{name}` = `{value:g}` must be positive and finite")
+        if value is not None and in_process:
+            raise CosimError(f"`{name}` needs a process of its own", "leave `--in-process` out")
+        if value is not None and not limits.isolates():
+            problem = f"`{name}` cannot be kept: this system cannot supervise the process of a run"
+            raise CosimError(problem, f"leave `{name}` out; all is done in the process of the command")
+    if in_process or not limits.isolates():
+        return None
+    return Limits(timeout, None if memory is None else 1e6 * memory, keys=("--timeout", "--memory"))

@@ -8,6 +8,7 @@ import importlib.util
 import logging
 import math
 import sys
+import threading
 from collections.abc import Hashable, Sequence
 from pathlib import Path
 from typing import Any, ClassVar, NoReturn, Protocol, cast
@@ -23,6 +24,8 @@ MJCF = ".xml"
 """Ending of the names of plants that are MJCF files."""
 METHODS = ("reset", "sense", "command", "advance", "truth")
 log = logging.getLogger("cosim")
+_importing = threading.Lock()
+"""Held while a module is imported that other threads must not see half done."""
 SHAPE = "`cosim.loop.plant.Plant` is the shape of a plant, `Channel` that of its channels"
 
 
@@ -115,7 +118,8 @@ def plant_class(name: str, folder: Path) -> Any:
         if place not in sys.path:
             sys.path.append(place)
     try:
-        module = own_module(module_name, folder)
+        with _importing:
+            module = own_module(module_name, folder)
     except Exception as error:
         raise PlantError(
             f"cannot import the plant `{name}`: {type(error).__name__}: {error}",

@@ -37,6 +37,11 @@ class Limits:
     keys: tuple[str, str] = ("limits.timeout", "limits.memory")
 
 
+def isolates() -> bool:
+    """Whether this system has what it takes to supervise worker processes."""
+    return os.name == "posix"
+
+
 def memory_of(process: int | None = None) -> Any:
     """Memory of a process, None is this one, as psutil tells it: resident is `rss`, in bytes."""
     return importlib.import_module("psutil").Process(process).memory_info()

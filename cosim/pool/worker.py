@@ -15,7 +15,7 @@ import traceback
 from typing import Any
 
 from cosim.closing import Closing
-from cosim.errors import CosimError
+from cosim.errors import CosimError, unforeseen
 from cosim.loop.engines import Engine
 from cosim.loop.place import Place, Stage
 from cosim.loop.reference import Progress
@@ -41,15 +41,18 @@ class JobRunner(Closing):
     ----------
     place
         Where it notes what it is doing.
-    progress
-        Told the steps done and in all.
     """
 
-    def __init__(self, place: Place | None = None, progress: Progress | None = None) -> None:
+    def __init__(self, place: Place | None = None) -> None:
         self.place = place or Place()
-        self.progress = progress
+        self.progress: Progress | None = None
         self.opened: Session | None = None
         self.wanted: tuple[Scenario, Engine, bool] | None = None
+
+    def call(self, task: Task, watch: Progress | None = None) -> Any:
+        """Do one task as `Worker.call` does: `watch` is told the steps done and in all."""
+        self.progress = watch
+        return self.run(task)
 
     def run(self, task: Task) -> Any:
         """Do one task; its errors are outcomes, and after one the next gets a fresh FMU and plant."""
@@ -62,9 +65,7 @@ class JobRunner(Closing):
             return error
         except (Exception, SystemExit) as error:  # whatever it is, it concerns only this run
             self.close()
-            failure = CosimError(f"the run failed: {type(error).__name__}: {error}", "`-v` shows where")
-            failure.__cause__ = error
-            return failure
+            return unforeseen(error)
 
     def session(self, scenario: Scenario, engine: Engine, log_events: bool = False) -> Session:
         """Session of a scenario; what fits of the one before stays open."""

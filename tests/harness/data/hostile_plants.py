@@ -28,6 +28,17 @@ class ExitInStep(probe_plants.Lag):
             sys.exit(0)
 
 
+class AbortInInit(probe_plants.Lag):
+    def __init__(self, parameters: probe_plants.LagParameters) -> None:
+        os.abort()
+
+
+class SleepInInit(probe_plants.Lag):
+    def __init__(self, parameters: probe_plants.LagParameters) -> None:
+        print("asleep", flush=True)
+        time.sleep(1000.0)
+
+
 class Vanish(probe_plants.Lag):
     def advance(self, substeps: int) -> None:
         os._exit(0)

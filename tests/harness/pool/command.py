@@ -24,10 +24,12 @@ def finished(*arguments: str, path: Path = ROOT) -> subprocess.CompletedProcess[
     return subprocess.CompletedProcess(arguments, process.returncode, stdout, stderr)
 
 
-def started(*arguments: str, path: Path = ROOT) -> subprocess.Popen[str]:
+def started(
+    *arguments: str, path: Path = ROOT, command: tuple[str, ...] = ("run", "lag.toml")
+) -> subprocess.Popen[str]:
     """Start `cosim run lag.toml` with these arguments; modules are looked for in `path` as well."""
     return subprocess.Popen(
-        [sys.executable, "-m", "cosim", "run", "lag.toml", *arguments],
+        [sys.executable, "-m", "cosim", *command, *arguments],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

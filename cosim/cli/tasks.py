@@ -1,4 +1,4 @@
-"""What `cosim run` does in its worker process, or with `--in-process` in its own."""
+"""What commands do in a worker process, or with `--in-process` in their own: all that runs foreign code."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from cosim.loop.engines import Engine
     from cosim.loop.result import Result
     from cosim.pool.job import Bench
+    from cosim.scenario.checked import Checked
     from cosim.scenario.model import Scenario
 
 
@@ -83,3 +84,63 @@ class Single:
             result=result if self.trace or self.plot else None,
             scenario=scenario if self.plot else None,
         )
+
+
+@dataclass(frozen=True)
+class Show:
+    """The tables of a loop, for what they are printed on."""
+
+    loop: str
+    changes: tuple[str, ...]
+    sheet: Sheet
+
+    def run(self, bench: Bench) -> str:
+        """Open the loop and describe it."""
+        from cosim.fmu import stale
+        from cosim.scenario.load import load
+        from cosim.show import display
+
+        scenario = load(self.loop, self.changes)
+        session = bench.session(scenario, "reference")
+        stale.warn(scenario.controller.fmu, session.file.path)
+        return rendered(display.scenario(scenario, session.file, session.plant), self.sheet)
+
+
+@dataclass(frozen=True)
+class Check:
+    """One scenario or study."""
+
+    file: str
+
+    def run(self, bench: Bench) -> Checked:
+        """Look at it without a run."""
+        from cosim.sweep.check import check
+
+        return check(self.file, bench.place)
+
+
+@dataclass(frozen=True)
+class Draft:
+    """Text of a new scenario, its wires, and the inputs and commands that are left without one."""
+
+    text: str
+    wired: int
+    left: int
+
+
+@dataclass(frozen=True)
+class New:
+    """A draft of a scenario that will lie in `folder`, of an FMU and of a plant if there is one."""
+
+    fmu: str
+    plant: str
+    folder: Path
+
+    def run(self, bench: Bench) -> Draft:
+        """Open both and match them."""
+        from cosim.new.draft import draft
+        from cosim.new.write import text
+
+        found = draft(self.fmu, self.plant, self.folder, bench.place)
+        wired = len(found.readings) + len(found.commands)
+        return Draft(text(found), wired, len(found.inputs) + len(found.commanded) - wired)
