@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import errno
 import logging
 import os
+import sys
 from typing import Any
 
 import typer
@@ -25,6 +27,8 @@ from cosim.cli.version import options
 from cosim.errors import CosimError
 from cosim.show.console import report
 
+NO_ROOM = (errno.ENOSPC, errno.EFBIG, errno.EIO, getattr(errno, "EDQUOT", errno.ENOSPC))
+"""Errors of a disk behind stdout."""
 COMPLETING = "_COSIM_COMPLETE"
 """Set by a shell that asks for completions; typer ends the process when it has told them."""
 
@@ -55,6 +59,7 @@ def status_of(command: Any) -> int:
     try:
         with interrupts.raising():
             code = command(standalone_mode=False)
+            sys.stdout.flush()
         if code == INTERRUPTED:
             report("interrupted")
         return code if isinstance(code, int) else 0
@@ -73,6 +78,11 @@ def status_of(command: Any) -> int:
         if isinstance(error.__context__, BrokenPipeError):
             return READER_GONE
         return 0 if COMPLETING in os.environ else unforeseen(error)
+    except OSError as error:
+        if error.filename is not None or error.errno not in NO_ROOM:
+            return unforeseen(error)
+        report(f"cannot write the result: {error.strerror}")
+        return COULD_NOT_RUN
     except Exception as error:
         return unforeseen(error)
 

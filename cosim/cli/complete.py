@@ -32,11 +32,12 @@ def loops(incomplete: str) -> list[str]:
 def files(incomplete: str) -> list[str]:
     """TOML files, and folders on the way to one, that begin as told."""
     folder, _, start = incomplete.rpartition("/")
-    inside = Path(folder) if folder else Path("/" if incomplete.startswith("/") else ".")
+    inside = paths.expanded(folder or ("/" if incomplete.startswith("/") else "."))
     found = sorted(inside.glob(f"{glob_escape(start)}*")) if inside.is_dir() else []
     prefix = incomplete[: len(incomplete) - len(start)]
-    shown = [prefix + file.name + ("/" if file.is_dir() else "") for file in found]
-    return [name for name in shown if name.endswith((".toml", "/")) and not name.startswith(".")]
+    wanted = [file for file in found if start.startswith(".") or not file.name.startswith(".")]
+    shown = [prefix + file.name + ("/" if file.is_dir() else "") for file in wanted]
+    return [name for name in shown if name.endswith((".toml", "/"))]
 
 
 def glob_escape(text: str) -> str:
