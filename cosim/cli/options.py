@@ -9,8 +9,7 @@ from typer import Argument, Option
 from cosim import interrupts
 from cosim.cli import complete
 from cosim.errors import CosimError
-from cosim.pool import limits
-from cosim.pool.limits import Limits
+from cosim.pool.limits import Limits, isolates, unkept
 
 FAILED = 1
 """Exit code: a criterion does not hold."""
@@ -63,9 +62,8 @@ def checked_limits(timeout: float | None, memory: float | None, in_process: bool
             raise CosimError(f"`{name}` = `{value:g}` must be positive and finite")
         if value is not None and in_process:
             raise CosimError(f"`{name}` needs a process of its own", "leave `--in-process` out")
-        if value is not None and not limits.isolates():
-            problem = f"`{name}` cannot be kept: this system cannot supervise the process of a run"
-            raise CosimError(problem, f"leave `{name}` out; all is done in the process of the command")
-    if in_process or not limits.isolates():
-        return None
-    return Limits(timeout, None if memory is None else 1e6 * memory, keys=("--timeout", "--memory"))
+    limits = Limits(timeout, None if memory is None else 1e6 * memory, keys=("--timeout", "--memory"))
+    for option in unkept(limits):
+        problem = f"{option} cannot be kept: this system has no supervised worker processes"
+        raise CosimError(problem, f"leave {option} out; then all is done in the process of the command")
+    return None if in_process or not isolates() else limits

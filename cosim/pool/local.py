@@ -11,7 +11,7 @@ from collections.abc import Callable, Generator, Iterable, Iterator
 from typing import Any
 
 from cosim.pool.job import Finished, Job, Numbered
-from cosim.pool.limits import Limits
+from cosim.pool.limits import Limits, isolates, unkept
 from cosim.pool.lines import Lines
 from cosim.pool.supervisor import ClosedError, Worker
 
@@ -21,7 +21,8 @@ log = logging.getLogger("cosim")
 def outcomes(jobs: Iterable[Numbered], workers: int, limits: Limits) -> Generator[Finished]:
     """Run jobs on worker processes of this machine; outcomes come as they are done.
 
-    Closing the generator ends the worker processes at once.
+    Closing the generator ends the worker processes at once. Where the system cannot supervise them, all is
+    done in this process, with a warning.
 
     Parameters
     ----------
@@ -37,6 +38,12 @@ def outcomes(jobs: Iterable[Numbered], workers: int, limits: Limits) -> Generato
     CosimError
         No worker process can be started.
     """
+    if not isolates():
+        text = "this system has no supervised worker processes: the runs are done in this one"
+        lost = ", ".join(unkept(limits))
+        log.warning("%s", f"{text}, {lost} cannot be kept" if lost else text)
+        yield from inside(jobs)
+        return
     done: queue.SimpleQueue[Finished | BaseException | None] = queue.SimpleQueue()
     pool = [Worker(limits) for _ in range(workers)]
     take, lines = shared(jobs), Lines()

@@ -16,10 +16,11 @@ from collections.abc import Callable
 from typing import Any
 
 from cosim.closing import Closing
+from cosim.errors import CosimError
 from cosim.loop.place import Place
 from cosim.pool.child import Child, ending, no_start, spawn
 from cosim.pool.job import Order, Task, WorkerError
-from cosim.pool.limits import Limits, system_confines
+from cosim.pool.limits import Limits, isolates, system_confines
 from cosim.pool.lines import Tell, most, tell
 
 START_TIMEOUT = 120.0
@@ -53,9 +54,16 @@ class Worker(Closing):
     relay
         Whether all it prints goes to our stderr and all it logs to our log; else only the last line is kept,
         for the text of an error, and what it logs is limited.
+
+    Raises
+    ------
+    CosimError
+        This system cannot supervise a process.
     """
 
     def __init__(self, limits: Limits, relay: bool = False) -> None:
+        if not isolates():
+            raise CosimError("runs cannot be isolated on this system", "it takes Linux or macOS")
         self.limits = limits
         self.relay = relay
         self.confined = limits.memory if system_confines() else None
