@@ -11,9 +11,8 @@ from typer import Argument, Option
 
 from cosim.cli import complete
 from cosim.cli.options import COULD_NOT_RUN, InProcess, Quiet, Timeout, Verbose, checked_limits
-from cosim.cli.tasks import Check
+from cosim.cli.tasks import Check, place
 from cosim.errors import CosimError
-from cosim.pool import once
 from cosim.scenario.checked import Checked
 from cosim.show.console import configure_logging, report
 
@@ -33,7 +32,7 @@ def check(
 ) -> None:
     """Check scenarios and studies without running them: names, types, units, ranges, wires, metrics."""
     configure_logging(verbose, quiet)
-    with once.place(checked_limits(timeout, None, in_process)) as do:
+    with place(checked_limits(timeout, None, in_process)) as do:
         found = [named(file, do(Check(file))) for file in files]
     if json:
         print(jsons.dumps([entry.to_dict() for entry in found], indent=2), flush=True)

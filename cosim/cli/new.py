@@ -10,9 +10,8 @@ from typer import Argument, Option
 
 from cosim import paths
 from cosim.cli.options import InProcess, Quiet, Timeout, Verbose, checked_limits
-from cosim.cli.tasks import Draft, New
+from cosim.cli.tasks import Draft, New, place
 from cosim.errors import CosimError
-from cosim.pool import once
 from cosim.show.console import configure_logging
 
 
@@ -38,7 +37,7 @@ def new(
     if file.suffix != ".toml":
         raise CosimError(f"cannot write a scenario to `{file}`", "the name must end in `.toml`")
     # the description of an FMU is only read, a plant is code
-    with once.place(limits if plant or timeout else None) as do:
+    with place(limits if plant or timeout else None) as do:
         found: Draft | CosimError = do(New(fmu, plant, file.parent))
     if isinstance(found, CosimError):
         raise found

@@ -10,10 +10,9 @@ from typer import Option
 
 from cosim.cli.options import FAILED, InProcess, Loop, Quiet, Set, Timeout, Verbose, checked_limits
 from cosim.cli.seeds import check_options, run_seeds
-from cosim.cli.tasks import Report, Single
+from cosim.cli.tasks import Report, Single, place
 from cosim.errors import CosimError
 from cosim.loop import engines
-from cosim.pool import once
 from cosim.show import sheet
 from cosim.show.console import configure_logging, progress_bar
 
@@ -51,7 +50,7 @@ def run(
         check_options(seed, trace, plot)
         run_seeds(loop, changes, seeds, chosen, limits, json, quiet)
     task = Single(loop, changes, chosen, verbose, trace is not None, plot, sheet.stdout())
-    with once.place(limits) as do, progress_bar(loop, quiet) as progress:
+    with place(limits) as do, progress_bar(loop, quiet) as progress:
         done: Report | CosimError = do(task, progress)
     if isinstance(done, CosimError):
         raise done

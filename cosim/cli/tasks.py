@@ -2,18 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from cosim import interrupts
 from cosim.show.sheet import Sheet, rendered
 
 if TYPE_CHECKING:
     from cosim.loop.engines import Engine
     from cosim.loop.result import Result
     from cosim.pool.job import Bench
+    from cosim.pool.limits import Limits
     from cosim.scenario.checked import Checked
     from cosim.scenario.model import Scenario
+
+
+def place(limits: Limits | None) -> AbstractContextManager[Callable[..., Any]]:
+    """Place where tasks are done, see `once.place`; what it needs is imported only now."""
+    with interrupts.handled_by(interrupts.quit_at_once):
+        from cosim.pool import once
+    return once.place(limits)
 
 
 @dataclass(frozen=True)

@@ -36,7 +36,9 @@ def windows(write: Write, monkeypatch: pytest.MonkeyPatch) -> None:
         """The module `os` as another system has it."""
 
         name = "nt"
-        __getattr__ = staticmethod(lambda name: getattr(os, name))
+
+        def __getattr__(self, name: str) -> object:
+            return getattr(os, name)
 
     monkeypatch.setattr(limits, "os", System())
 
