@@ -78,6 +78,7 @@ class Slow(Notes):
     """Does not return from a step."""
 
     def advance(self, substeps: int) -> None:
+        print("asleep", flush=True)
         time.sleep(1000.0)
 
 

@@ -37,8 +37,14 @@ def test_a_run_terminates_its_fmu_and_closes_its_plant(notes: Path) -> None:
 
 
 def test_a_run_that_is_given_up_is_not_waited_for(notes: Path) -> None:
-    done = command.finished("--set", "plant.name=hostile_plants:Slow", "--timeout", "0.5")
-    assert (done.returncode, notes.read_text()) == (2, "built 0.5\n")
+    slow = ("--set", "plant.name=hostile_plants:Slow")
+    assert command.finished(*slow, "--timeout", "0.5").returncode == 2
+    assert not notes.exists() or notes.read_text() == "built 0.5\n"
+    notes.unlink(missing_ok=True)
+    with command.started(*slow) as process:
+        command.wait_for_line(process, "asleep")
+        command.interrupted(process)
+    assert (process.returncode, notes.read_text()) == (130, "built 0.5\n")
 
 
 ENDINGS = {
