@@ -6,6 +6,9 @@ import contextlib
 import difflib
 from collections.abc import Iterable, Iterator
 
+LONGEST = 500
+"""Characters shown of an error that nobody foresaw."""
+
 
 class CosimError(Exception):
     """A run that could not be done, said in one sentence.
@@ -48,6 +51,16 @@ class FmuError(CosimError):
 
 class PlantError(CosimError):
     """A plant cannot be found or built, or failed in a step."""
+
+
+def unforeseen(error: BaseException) -> CosimError:
+    """Error of what should not happen."""
+    words = " ".join(str(error).split())[:LONGEST] or "without a word"
+    failure = CosimError(
+        f"this should not happen: {type(error).__name__}: {words}", "`-v` shows where; please report it"
+    )
+    failure.__cause__ = error
+    return failure
 
 
 def similar(name: str, choices: Iterable[str]) -> str:

@@ -53,7 +53,7 @@ def find_scenario(name: str, near: Path | None = None) -> Path:
     bases = [near] if near else []
     if name.endswith(".toml"):
         for base in [*bases, working_folder()]:
-            if is_file(file := base / name):
+            if is_file(file := base / expanded(name)):
                 return file
         raise ScenarioError(
             f"the scenario file `{brief(name)}` does not exist", "`cosim list` shows the known names"
@@ -88,7 +88,7 @@ def find_study(name: str) -> Path:
         No such file.
     """
     for base in (working_folder(), OWN_STUDIES.parent):
-        if is_file(file := base / name):
+        if is_file(file := base / expanded(name)):
             return file
     own = [f"{OWN_STUDIES.name}/{file.name}" for file in sorted(OWN_STUDIES.glob("*.toml"))]
     raise ScenarioError(f"the study file `{brief(name)}` does not exist", closest(name, own))
@@ -170,6 +170,14 @@ def is_file(path: Path) -> bool:
     """Whether there is a file; a name that no file can have is none."""
     try:
         return path.is_file()
+    except (OSError, ValueError):
+        return False
+
+
+def is_there(path: Path) -> bool:
+    """Whether there is anything at all, be it a folder or a device."""
+    try:
+        return path.exists()
     except (OSError, ValueError):
         return False
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import sys
+from pathlib import Path
 from typing import NoReturn
 
 from cosim import interrupts
@@ -10,6 +12,9 @@ from cosim import interrupts
 
 def main() -> NoReturn:
     """Run the command line and exit; Ctrl-C ends it at any moment, the imports included."""
+    # a stream that the caller has closed takes everything and shows nothing
+    sys.stdout = sys.stdout or Path(os.devnull).open("w")  # noqa: SIM115
+    sys.stderr = sys.stderr or Path(os.devnull).open("w")  # noqa: SIM115
     with interrupts.handled_by(interrupts.quit_at_once):
         from cosim.cli.app import app, status_of
 

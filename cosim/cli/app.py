@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import errno
 import logging
 import os
+import sys
 from typing import Any
 
 import typer
 import typer.exceptions
 
-from cosim import interrupts
+from cosim import errors, interrupts
 from cosim.cli.check import check
 from cosim.cli.compare import compare
 from cosim.cli.judge import judge
@@ -26,10 +28,10 @@ from cosim.cli.version import options
 from cosim.errors import CosimError
 from cosim.show.console import report
 
+NO_ROOM = (errno.ENOSPC, errno.EFBIG, errno.EIO, getattr(errno, "EDQUOT", errno.ENOSPC))
+"""Errors of a disk behind stdout."""
 COMPLETING = "_COSIM_COMPLETE"
 """Set by a shell that asks for completions; typer ends the process when it has told them."""
-LONGEST = 500
-"""Characters shown of an error that nobody foresaw."""
 
 log = logging.getLogger("cosim")
 app = typer.Typer(
@@ -59,6 +61,7 @@ def status_of(command: Any) -> int:
     try:
         with interrupts.raising():
             code = command(standalone_mode=False)
+            sys.stdout.flush()
         if code == INTERRUPTED:
             report("interrupted")
         return code if isinstance(code, int) else 0
@@ -77,6 +80,11 @@ def status_of(command: Any) -> int:
         if isinstance(error.__context__, BrokenPipeError):
             return READER_GONE
         return 0 if COMPLETING in os.environ else unforeseen(error)
+    except OSError as error:
+        if error.filename is not None or error.errno not in NO_ROOM:
+            return unforeseen(error)
+        report(f"cannot write the result: {error.strerror}")
+        return COULD_NOT_RUN
     except Exception as error:
         return unforeseen(error)
 
@@ -84,6 +92,6 @@ def status_of(command: Any) -> int:
 def unforeseen(error: BaseException) -> int:
     """Report what should not happen."""
     log.debug("here:", exc_info=error)
-    words = " ".join(str(error).split())[:LONGEST] or "without a word"
-    report(f"this should not happen: {type(error).__name__}: {words}", "`-v` shows where; please report it")
+    failure = errors.unforeseen(error)
+    report(failure.message, failure.hint)
     return COULD_NOT_RUN

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import json as jsons
 import logging
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 from typer import Argument, Option
 
-from cosim.cli.options import COULD_NOT_RUN, Quiet, Verbose
+from cosim.cli.options import COULD_NOT_RUN, InProcess, Quiet, Timeout, Verbose, checked_limits
+from cosim.cli.tasks import Check, place
+from cosim.errors import CosimError
 from cosim.scenario import complete
+from cosim.scenario.checked import Checked
 from cosim.show.console import configure_logging, report
-
-if TYPE_CHECKING:
-    from cosim.sweep.check import Checked
 
 log = logging.getLogger("cosim")
 
@@ -29,20 +29,26 @@ def check(
         ),
     ],
     json: Annotated[bool, Option("--json", help="Print what was found as JSON.")] = False,
+    timeout: Timeout = None,
+    in_process: InProcess = False,
     verbose: Verbose = False,
     quiet: Quiet = False,
 ) -> None:
     """Check files of all kinds without running them: names, types, units, ranges, wires, metrics."""
     configure_logging(verbose, quiet)
-    from cosim.optimize import check as checks
-
-    found = [checks.check(file) for file in files]
+    with place(checked_limits(timeout, None, in_process)) as do:
+        found = [named(file, do(Check(file))) for file in files]
     if json:
         print(jsons.dumps([entry.to_dict() for entry in found], indent=2), flush=True)
     else:
         for entry in found:
             show(entry, quiet)
     raise typer.Exit(COULD_NOT_RUN if any(entry.error for entry in found) else 0)
+
+
+def named(file: str, outcome: Checked | CosimError) -> Checked:
+    """Put what was found under the name of its file, also where that took the process along."""
+    return Checked(file, error=outcome, runs=0) if isinstance(outcome, CosimError) else outcome
 
 
 def show(entry: Checked, quiet: bool) -> None:

@@ -7,7 +7,6 @@ import logging
 from cosim import paths
 from cosim.cli.options import Quiet, Verbose
 from cosim.errors import CosimError
-from cosim.scenario.titles import title_of
 from cosim.show.console import configure_logging, output
 
 log = logging.getLogger("cosim")
@@ -16,6 +15,7 @@ log = logging.getLogger("cosim")
 def list_scenarios(verbose: Verbose = False, quiet: Quiet = False) -> None:
     """List the scenarios by name and title."""
     configure_logging(verbose, quiet)
+    from cosim.scenario.titles import title_of
     from cosim.show import listing
 
     entries = []

@@ -8,7 +8,9 @@ from typing import Annotated
 
 from typer import Argument, Option
 
-from cosim.cli.options import Quiet, Verbose
+from cosim import paths
+from cosim.cli.options import InProcess, Quiet, Timeout, Verbose, checked_limits
+from cosim.cli.tasks import Draft, New, place
 from cosim.errors import CosimError
 from cosim.show.console import configure_logging
 
@@ -22,26 +24,29 @@ def new(
     out: Annotated[
         Path | None, Option(metavar="FILE.toml", help="The file to write, by default named as the FMU.")
     ] = None,
+    timeout: Timeout = None,
+    in_process: InProcess = False,
     verbose: Verbose = False,
     quiet: Quiet = False,
 ) -> None:
     """Write a scenario to start from: an FMU wired to a plant by names and units, the rest as comments."""
     configure_logging(verbose, quiet)
-    from cosim.new.draft import draft
-    from cosim.new.write import text
-
-    file = out or Path(f"{Path(fmu).stem if fmu.endswith('.fmu') else Path(fmu).name}.toml")
+    limits = checked_limits(timeout, None, in_process)
+    stem = Path(fmu).stem if fmu.endswith(".fmu") else Path(fmu).name
+    file = paths.expanded(str(out)) if out else Path(f"{stem}.toml")
     if file.suffix != ".toml":
         raise CosimError(f"cannot write a scenario to `{file}`", "the name must end in `.toml`")
-    found = draft(fmu, plant, file.parent)
+    # the description of an FMU is only read, a plant is code
+    with place(limits if plant or timeout else None) as do:
+        found: Draft | CosimError = do(New(fmu, plant, file.parent))
+    if isinstance(found, CosimError):
+        raise found
     try:
         with file.open("x", encoding="utf-8") as stream:
-            stream.write(text(found))
+            stream.write(found.text)
     except FileExistsError:
         raise CosimError(f"`{file}` is there already", "choose another name with `--out`") from None
     except OSError as error:
         raise CosimError(f"cannot write `{file}`: {error.strerror or error}") from None
-    open_ends = len(found.inputs) - len(found.readings) + len(found.commanded) - len(found.commands)
-    wired = len(found.readings) + len(found.commands)
-    print(f"{file}: {wired} wires, {open_ends} inputs and commands left as comments")
+    print(f"{file}: {found.wired} wires, {found.left} inputs and commands left as comments")
     print(f"next: cosim check {shlex.quote(str(file))}")

@@ -7,6 +7,8 @@ from typing import Annotated
 from typer import Argument, Option
 
 from cosim import interrupts
+from cosim.errors import CosimError
+from cosim.pool.limits import Limits, isolates, unkept
 from cosim.scenario import complete
 
 FAILED = 1
@@ -18,6 +20,10 @@ INTERRUPTED = interrupts.INTERRUPTED
 READER_GONE = 141
 """Exit code: nobody reads stdout any more, as a shell tells it of SIGPIPE."""
 
+Timeout = Annotated[float | None, Option(metavar="S", help="Most wall time in s.")]
+InProcess = Annotated[
+    bool, Option("--in-process", help="Work in this process, for debuggers; a crash ends it.")
+]
 Verbose = Annotated[
     bool, Option("-v", "--verbose", help="Log what the FMU reports, and where an error came from.")
 ]
@@ -41,3 +47,23 @@ Set = Annotated[
         "`criterion.<id>.<key>`. May be given again.",
     ),
 ]
+
+
+def checked_limits(timeout: float | None, memory: float | None, in_process: bool) -> Limits | None:
+    """Limits of what is done in a process of its own, None where it is done in this one.
+
+    Raises
+    ------
+    CosimError
+        A limit is no number, or there is no process that could keep it.
+    """
+    for name, value in (("--timeout", timeout), ("--memory", memory)):
+        if value is not None and not 0.0 < value < float("inf"):
+            raise CosimError(f"`{name}` = `{value:g}` must be positive and finite")
+        if value is not None and in_process:
+            raise CosimError(f"`{name}` needs a process of its own", "leave `--in-process` out")
+    limits = Limits(timeout, None if memory is None else 1e6 * memory, keys=("--timeout", "--memory"))
+    for option in unkept(limits):
+        problem = f"{option} cannot be kept: this system has no supervised worker processes"
+        raise CosimError(problem, f"leave {option} out; then all is done in the process of the command")
+    return None if in_process or not isolates() else limits

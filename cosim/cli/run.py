@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import Annotated
 
 import typer
 from typer import Option
 
-from cosim import interrupts
-from cosim.cli.options import FAILED, Loop, Quiet, Set, Verbose
+from cosim.cli.options import FAILED, InProcess, Loop, Quiet, Set, Timeout, Verbose, checked_limits
 from cosim.cli.seeds import check_options, run_seeds
-from cosim.cli.single import Report, Single
+from cosim.cli.tasks import Report, Single, place
 from cosim.errors import CosimError
 from cosim.loop import engines
-from cosim.pool.limits import Limits
-from cosim.pool.supervisor import Worker
 from cosim.show import sheet
 from cosim.show.console import configure_logging, progress_bar
 
@@ -37,11 +33,9 @@ def run(
     ] = None,
     trace: Annotated[Path | None, Option(metavar="FILE.npz|.csv", help="Write the trace.")] = None,
     plot: Annotated[Path | None, Option(metavar="FILE.svg|.png", help="Plot the run.")] = None,
-    timeout: Annotated[float | None, Option(metavar="S", help="Most wall time of the run in s.")] = None,
+    timeout: Timeout = None,
     memory: Annotated[float | None, Option(metavar="MB", help="Most memory of the run's process.")] = None,
-    in_process: Annotated[
-        bool, Option("--in-process", help="Run in this process, for debuggers; a crash ends it.")
-    ] = False,
+    in_process: InProcess = False,
     verbose: Verbose = False,
     quiet: Quiet = False,
 ) -> None:
@@ -52,40 +46,17 @@ def run(
     changes = (*(set_ or ()), *(f"{key}={value!r}" for key, value in options.items() if value is not None))
     limits = checked_limits(timeout, memory, in_process)
     check_outputs(json, trace, plot)
-    inside = in_process or os.name != "posix"
     if seeds is not None:
         check_options(seed, trace, plot)
-        run_seeds(loop, changes, seeds, chosen, None if inside else limits, json, quiet)
+        run_seeds(loop, changes, seeds, chosen, limits, json, quiet)
     task = Single(loop, changes, chosen, verbose, trace is not None, plot, sheet.stdout())
-    done = here(task, quiet) if inside else isolated(task, limits, quiet)
+    with place(limits) as do, progress_bar(loop, quiet) as progress:
+        done: Report | CosimError = do(task, progress)
     if isinstance(done, CosimError):
         raise done
     save(done, json, trace, plot)
     print(done.json if json == "-" else done.table, end="", flush=True)
     raise typer.Exit(FAILED if done.passed is False else 0)
-
-
-def isolated(task: Single, limits: Limits, quiet: bool) -> Report | CosimError:
-    """Outcome of a run in a worker process."""
-    with Worker(limits, relay=True) as worker:
-        worker.prepare()
-        with progress_bar(task.loop, quiet) as progress:
-            outcome: Report | CosimError = worker.call(task, progress)
-    return outcome
-
-
-def here(task: Single, quiet: bool) -> Report | CosimError:
-    """Outcome of a run in this process."""
-    with interrupts.handled_by(interrupts.quit_at_once):
-        from cosim.pool.worker import JobRunner
-
-    with (
-        interrupts.second_ends_all(),
-        progress_bar(task.loop, quiet) as progress,
-        JobRunner(progress=progress) as runner,
-    ):
-        outcome: Report | CosimError = runner.run(task)
-    return outcome
 
 
 def save(report: Report, json: str | None, trace: Path | None, plot: Path | None) -> None:
@@ -101,16 +72,6 @@ def save(report: Report, json: str | None, trace: Path | None, plot: Path | None
             Path(json).write_text(report.json, encoding="utf-8")
         except OSError as error:
             raise CosimError(f"cannot write `{json}`: {error.strerror or error}") from None
-
-
-def checked_limits(timeout: float | None, memory: float | None, in_process: bool) -> Limits:
-    """Limits of the run."""
-    for name, value in (("--timeout", timeout), ("--memory", memory)):
-        if value is not None and in_process:
-            raise CosimError(f"`{name}` needs a process of its own", "leave `--in-process` out")
-        if value is not None and not 0.0 < value < float("inf"):
-            raise CosimError(f"`{name}` = `{value:g}` must be positive and finite")
-    return Limits(timeout, None if memory is None else 1e6 * memory, keys=("--timeout", "--memory"))
 
 
 def check_outputs(json: str | None, trace: Path | None, plot: Path | None) -> None:

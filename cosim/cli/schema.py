@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import enum
-import json
 from typing import Annotated
 
 from typer import Argument
@@ -26,6 +25,8 @@ def schema(
     `cosim schema > scenario.schema.json`, then `#:schema ./scenario.schema.json`.
     Editors with Taplo do the rest: Even Better TOML for VS Code, `taplo lsp` for others.
     """
+    import json
+
     from cosim.optimize.problem import problem_schema
     from cosim.scenario.model import scenario_schema
     from cosim.sweep.study import study_schema

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import NoReturn
@@ -27,6 +26,8 @@ def run_seeds(
     quiet: bool,
 ) -> NoReturn:
     """Run a scenario with the seeds of a text, print what came of it and exit."""
+    import json
+
     from cosim.fmu import stale
     from cosim.scenario.load import load
     from cosim.sweep import seeds

@@ -11,6 +11,11 @@ from typer import Argument, Option
 from cosim.cli.options import FAILED, Quiet, Verbose
 from cosim.show.console import configure_logging, output
 
+CLUSTER = (
+    "Run on the Dask scheduler at this address, of this scheduler file, or of this security file, "
+    "which holds address, ca, certificate and key for TLS."
+)
+
 
 def sweep(
     study: Annotated[Path, Argument(metavar="STUDY.toml", help="What is varied, and of which scenario.")],
@@ -18,9 +23,7 @@ def sweep(
         Path | None, Option(metavar="FOLDER", help="Folder of the results, by default `STUDY.sweep`.")
     ] = None,
     workers: Annotated[int | None, Option(min=1, help="Worker processes, by default one per core.")] = None,
-    cluster: Annotated[
-        str, Option(metavar="ADDRESS|FILE.json", help="Run on the Dask scheduler at this address.")
-    ] = "",
+    cluster: Annotated[str, Option(metavar="ADDRESS|FILE.json|FILE.toml", help=CLUSTER)] = "",
     engine: Annotated[str, Option(help="native (fast) or reference (FMPy drives, same bits).")] = "native",
     again: Annotated[bool, Option("--again", help="Do runs again that gave no result.")] = False,
     plots: Annotated[bool, Option(help="Whether to draw plots, if matplotlib is installed.")] = True,

@@ -12,7 +12,8 @@ from cosim.errors import CosimError
 from cosim.loop.engines import Engine
 from cosim.loop.reference import Progress
 from cosim.loop.stored import StoredTrace, read
-from cosim.pool.runs import ISOLATES, run
+from cosim.pool.limits import isolates
+from cosim.pool.runs import run
 from cosim.scenario.model import Scenario
 
 ENDING = ".baseline.npz"
@@ -48,7 +49,7 @@ def compare(scenario: Scenario, allowed: Tolerances, engine: Engine, progress: P
         There is no baseline, the run could not be done, or a pattern fits no column.
     """
     before = stored(scenario)
-    result = run(scenario, progress=progress, engine=engine, isolated=ISOLATES)
+    result = run(scenario, progress=progress, engine=engine, isolated=isolates())
     if result.trace is None:
         raise CosimError("this result holds no trace, there is nothing to compare")
     now = StoredTrace(Path(), result.trace, result.units, result.items)
@@ -59,7 +60,7 @@ def compare(scenario: Scenario, allowed: Tolerances, engine: Engine, progress: P
 def update(scenario: Scenario, engine: Engine, progress: Progress | None) -> Path:
     """Run a scenario and write its baseline; returns the file."""
     file = file_of(scenario)
-    result = run(scenario, progress=progress, engine=engine, isolated=ISOLATES)
+    result = run(scenario, progress=progress, engine=engine, isolated=isolates())
     if result.passed is False:
         failed = ", ".join(f"`{held.criterion.id}`" for held in result.criteria if not held.passed)
         raise CosimError(f"a run that does not hold {failed} is no baseline", "`cosim run` shows more")

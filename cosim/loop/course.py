@@ -88,10 +88,13 @@ def find(name: str, folder: Path) -> Path:
     ScenarioError
         There is no such file.
     """
-    for base in (folder, Path.cwd()):
-        if (file := base / Path(name).expanduser()).is_file():
+    places = [base / paths.expanded(name) for base in (folder, paths.working_folder())]
+    for file in places:
+        if paths.is_file(file):
             return file
-    raise ScenarioError(f"the file `{name}` does not exist", f"looked in `{folder}` and `{Path.cwd()}`")
+    problem = "is no file" if any(map(paths.is_there, places)) else "does not exist"
+    looked = f"looked in `{folder}` and `{paths.working_folder()}`"
+    raise ScenarioError(f"the file `{paths.brief(name)}` {problem}", looked)
 
 
 def files(scenario: Scenario) -> dict[str, Path]:

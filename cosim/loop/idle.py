@@ -17,12 +17,19 @@ log = logging.getLogger("cosim")
 def report(scenario: Scenario, file: FmuFile, plant: Plant) -> None:
     """Log the inputs of the FMU and commands of the plant that nothing drives and `idle` does not list."""
     known = ends(file, plant)
-    if unknown := [name for name in scenario.idle if name not in known]:
-        text = f"{scenario.origin('idle')}: `idle` lists {quoted(unknown)}, which is no input and no command"
-        warn(f"{text}; {closest(unknown[0], known)}")
+    if text := unknown(scenario, known):
+        warn(f"{scenario.origin('idle')}: {text}")
     if forgotten := undriven(scenario, known):
         text = f"{scenario.origin('wire')}: nothing drives {quoted(forgotten)}"
         warn(f"{text}: wire what is missing, list the rest in `idle`")
+
+
+def unknown(scenario: Scenario, known: list[str]) -> str:
+    """Sentence about the names in `idle` that nothing has; empty if there are none."""
+    names = [name for name in scenario.idle if name not in known]
+    if not names:
+        return ""
+    return f"`idle` lists {quoted(names)}, which is no input and no command; {closest(names[0], known)}"
 
 
 def ends(file: FmuFile, plant: Plant) -> list[str]:

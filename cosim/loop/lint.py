@@ -6,6 +6,7 @@ import numpy as np
 
 from cosim.loop import idle
 from cosim.loop.connect import Connector
+from cosim.loop.place import Stage
 from cosim.loop.session import Session, located
 from cosim.metrics.units import SCALES
 from cosim.scenario.model import Wire
@@ -24,7 +25,9 @@ def check(session: Session) -> list[str]:
     """
     scenario = session.scenario
     with located(scenario):
+        session.place.at(Stage.INITIALISE)
         session.fmu.initialise(scenario.controller.parameters)
+        session.place.at(Stage.NONE)
         commands = np.zeros(len(session.plant.commands))
         Connector(scenario, session.fmu, session.plant, commands, scenario.loop.seed).links()
     return warnings(session)
@@ -33,7 +36,10 @@ def check(session: Session) -> list[str]:
 def warnings(session: Session) -> list[str]:
     """Sentences about what is undriven, of unlike units, or not demanded."""
     found = []
-    if forgotten := idle.undriven(session.scenario, idle.ends(session.file, session.plant)):
+    known = idle.ends(session.file, session.plant)
+    if unknown := idle.unknown(session.scenario, known):
+        found.append(unknown)
+    if forgotten := idle.undriven(session.scenario, known):
         found.append(f"nothing drives {listed(forgotten)}: wire what is missing, list the rest in `idle`")
     found += [told for wire in session.scenario.wire if (told := unlike(wire, session))]
     if not session.scenario.criterion:

@@ -23,18 +23,22 @@ class Stage(enum.IntEnum):
     RESET_PLANT = 6
     STEP_PLANT = 7
     STEP_BOTH = 8
+    READ = 9
+    CLOSE_PLANT = 10
 
 
 FMU = {
     Stage.LOAD: "while it was loaded and instantiated",
     Stage.INITIALISE: "while it was initialised",
     Stage.STEP: "",
+    Stage.READ: "while its variables were read after the run",
     Stage.CLOSE: "while it was terminated and freed",
 }
 PLANT = {
     Stage.BUILD_PLANT: "while it was built",
     Stage.RESET_PLANT: "while it was reset",
     Stage.STEP_PLANT: "",
+    Stage.CLOSE_PLANT: "while it was closed",
 }
 
 

@@ -5,8 +5,10 @@ from __future__ import annotations
 import dataclasses
 import importlib
 import importlib.util
+import logging
 import math
 import sys
+import threading
 from collections.abc import Hashable, Sequence
 from pathlib import Path
 from typing import Any, ClassVar, NoReturn, Protocol, cast
@@ -21,6 +23,9 @@ from cosim.scenario.tables import parse, parse_value, readers, show
 MJCF = ".xml"
 """Ending of the names of plants that are MJCF files."""
 METHODS = ("reset", "sense", "command", "advance", "truth")
+log = logging.getLogger("cosim")
+_importing = threading.Lock()
+"""Held while a module is imported that other threads must not see half done."""
 SHAPE = "`cosim.loop.plant.Plant` is the shape of a plant, `Channel` that of its channels"
 
 
@@ -48,7 +53,10 @@ class Channel(Protocol):
 
 
 class Plant(Protocol):
-    """A plant as the reference loop drives it; any class of this shape will do."""
+    """A plant as the reference loop drives it; any class of this shape will do.
+
+    One that also has a method `close()` is told with it that it is not wanted any more.
+    """
 
     Parameters: ClassVar[type]
 
@@ -110,7 +118,8 @@ def plant_class(name: str, folder: Path) -> Any:
         if place not in sys.path:
             sys.path.append(place)
     try:
-        module = own_module(module_name, folder)
+        with _importing:
+            module = own_module(module_name, folder)
     except Exception as error:
         raise PlantError(
             f"cannot import the plant `{name}`: {type(error).__name__}: {error}",
@@ -197,6 +206,14 @@ def build(name: str, parameters: dict[str, Any], folder: Path) -> Plant:
         raise PlantError(f"the plant `{name}` cannot be built: {problem}", hint) from error
     check_shape(plant, name)
     return plant
+
+
+def close(plant: Plant, name: str) -> None:
+    """Close a plant that can be closed; what goes wrong costs no result, it is logged."""
+    try:
+        getattr(plant, "close", lambda: None)()
+    except (Exception, SystemExit) as error:
+        log.warning("the plant `%s` failed while it was closed: %s: %s", name, type(error).__name__, error)
 
 
 def check_parameters(kind: Any, parameters: dict[str, Any]) -> Any:

@@ -62,6 +62,7 @@ class Session(Closing):
     ) -> None:
         self.scenario = scenario
         self.place = place or Place()
+        self.has_plant = self.complete = False
         self.place.begin(
             scenario.controller.fmu, scenario.plant.name, scenario.loop.steps, scenario.loop.step
         )
@@ -70,17 +71,27 @@ class Session(Closing):
                 self.file = open_fmu(paths.find_fmu(scenario.controller.fmu, scenario.folder))
             self.place.at(Stage.BUILD_PLANT)
             self.plant = open_plant(scenario, previous)
-            self.engine = native.choose(checked(engine), scenario.plant.name, self.plant)
-            check_timestep(scenario, self.plant.timestep)
-            inputs = driven(scenario, self.file)
-            self.place.at(Stage.LOAD)
-            self.fmu = open_instance(self.file, inputs, log_events, previous)
-            self.place.at(Stage.NONE)
+            self.has_plant = True
             try:
-                self._compile()
-            except CosimError:
-                self.fmu.close()
+                self._open(engine, log_events, previous)
+            except BaseException:
+                self.close_plant()
                 raise
+
+    def _open(self, engine: Engine, log_events: bool, previous: Session | None) -> None:
+        """Instantiate the FMU, and check that it and the plant fit the scenario."""
+        scenario = self.scenario
+        self.engine = native.choose(checked(engine), scenario.plant.name, self.plant)
+        check_timestep(scenario, self.plant.timestep)
+        inputs = driven(scenario, self.file)
+        self.place.at(Stage.LOAD)
+        self.fmu = open_instance(self.file, inputs, log_events, previous)
+        self.place.at(Stage.NONE)
+        try:
+            self._compile()
+        except CosimError:
+            self.fmu.close()
+            raise
 
     def _compile(self) -> None:
         """Compile all expressions against the columns of the trace."""
@@ -114,6 +125,7 @@ class Session(Closing):
         """
         scenario, place = self.scenario, self.place
         seed = scenario.loop.seed if seed is None else seed
+        self.complete = False
         place.begin(scenario.controller.fmu, scenario.plant.name, scenario.loop.steps, scenario.loop.step)
         with located(scenario), interrupts.deferred() as interrupt:
             idle.report(scenario, self.file, self.plant)
@@ -126,7 +138,7 @@ class Session(Closing):
             done = run(Parts(scenario, self.fmu, self.plant, seed, self.stop, progress, interrupt, place))
             wall = time.perf_counter() - begin
             place.at(Stage.NONE)
-            readable.report(self.fmu)
+            self.complete = True
             pairs = zip(scenario.metric, self.metrics, strict=True)
             measured = [criteria.measure(metric, expression, done.table.T) for metric, expression in pairs]
         by_name = {entry.name: entry for entry in measured}
@@ -147,18 +159,34 @@ class Session(Closing):
         )
 
     def close(self) -> None:
-        """Free the FMU; the session cannot run any more."""
+        """Free the FMU and close the plant; the session cannot run any more.
+
+        What the FMU refuses to read is asked for here: it cannot cost the result of the run any more.
+        """
+        if self.complete and self.fmu.running:
+            self.place.at(Stage.READ)
+            readable.report(self.fmu)
         self.place.at(Stage.CLOSE)
         self.fmu.close()
+        self.close_plant()
+
+    def close_plant(self) -> None:
+        """Close the plant, if it was not closed or taken over before."""
+        if self.has_plant:
+            self.has_plant = False
+            self.place.at(Stage.CLOSE_PLANT)
+            plant.close(self.plant, self.scenario.plant.name)
         self.place.at(Stage.NONE)
 
 
 def open_plant(scenario: Scenario, previous: Session | None) -> plant.Plant:
-    """Plant of a scenario, that of the previous session if it is the same."""
+    """Plant of a scenario, that of the previous session if it is the same; else that one is closed."""
     if previous is not None:
         before = previous.scenario
         if (chosen(before), before.folder) == (chosen(scenario), scenario.folder):
+            previous.has_plant = False
             return previous.plant
+        previous.close_plant()
     return plant.build(*chosen(scenario), scenario.folder)
 
 

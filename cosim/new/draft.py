@@ -10,6 +10,7 @@ import fmpy
 from cosim import paths
 from cosim.fmu.archive import FmuFile, open_fmu
 from cosim.loop import plant
+from cosim.loop.place import Place, Stage
 from cosim.new.ends import channels, variables
 from cosim.new.match import match
 from cosim.new.write import Draft
@@ -18,8 +19,8 @@ DEFAULT_STEP, LONGEST = 0.01, 1.0
 """Communication step where the FMU names none, and length of the first run, s."""
 
 
-def draft(fmu: str, plant_name: str, folder: Path) -> Draft:
-    """Draft of a scenario that will lie in a folder.
+def draft(fmu: str, plant_name: str, folder: Path, place: Place) -> Draft:
+    """Draft of a scenario that will lie in a folder; `place` is told whose code runs.
 
     Raises
     ------
@@ -27,6 +28,8 @@ def draft(fmu: str, plant_name: str, folder: Path) -> Draft:
         The FMU or the plant cannot be opened.
     """
     file = open_fmu(paths.find_fmu(fmu, Path.cwd()))
+    place.begin(file.name, plant_name, 0, 0.0)
+    place.at(Stage.BUILD_PLANT)
     driven = plant.build(plant_name, {}, Path.cwd()) if plant_name else None
     sensed, commanded = (
         channels(driven.readings if driven else ()),
@@ -34,10 +37,14 @@ def draft(fmu: str, plant_name: str, folder: Path) -> Draft:
     )
     inputs, outputs = variables(file, "input"), variables(file, "output")
     step, substeps = steps(wanted_step(file), driven.timestep if driven else 0.0)
+    if driven is not None:
+        place.at(Stage.CLOSE_PLANT)
+        plant.close(driven, plant_name)
+    place.at(Stage.NONE)
     return Draft(
         title=f"{file.name} and {Path(plant_name).stem}" if plant_name else f"{file.name} alone",
         fmu=told(fmu, file.path, folder),
-        plant=told(plant_name, Path(plant_name), folder),
+        plant=told(plant_name, paths.expanded(plant_name), folder),
         step=step,
         substeps=substeps,
         steps=max(1, round(LONGEST / step)),

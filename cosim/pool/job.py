@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
+import logging
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 from cosim.errors import CosimError, FmuError
+from cosim.pool.lines import EVENTS
 
 if TYPE_CHECKING:
     from cosim.loop.engines import Engine
@@ -21,6 +23,8 @@ Outcome: TypeAlias = "Result | CosimError"
 """What became of a run: its result, or why it could not be done."""
 Numbered: TypeAlias = "tuple[int, Job]"
 Finished: TypeAlias = "tuple[int, Outcome]"
+
+log = logging.getLogger("cosim")
 
 
 class WorkerError(CosimError):
@@ -58,8 +62,19 @@ class Task(Protocol):
 
 
 @dataclass(frozen=True)
+class Order:
+    """What is sent to a worker: a task, the level of its log, and the lines of it that are wanted at most."""
+
+    task: Task
+    level: int
+    lines: float
+
+
+@dataclass(frozen=True)
 class Job:
     """One run of a scenario with a seed, by the engine of that name, whose result may keep its trace.
+
+    Where the log takes events of FMUs, this one's FMU is told to log them.
 
     `fmu` is the SHA-256 that the FMU must have, as far as the name of its extracted folder goes; empty takes
     any.
@@ -73,7 +88,7 @@ class Job:
 
     def run(self, bench: Bench) -> Result:
         """Run the scenario once."""
-        session = bench.session(self.scenario, self.engine)
+        session = bench.session(self.scenario, self.engine, log.isEnabledFor(EVENTS))
         folder = session.file.folder
         if self.fmu and folder.name != self.fmu[: len(folder.name)]:
             problem = f"the FMU `{session.file.path}` is not the one the sweep began with"

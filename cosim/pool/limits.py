@@ -37,6 +37,20 @@ class Limits:
     keys: tuple[str, str] = ("limits.timeout", "limits.memory")
 
 
+def isolates() -> bool:
+    """Whether this system has what it takes to supervise worker processes."""
+    return os.name == "posix"
+
+
+def unkept(limits: Limits) -> list[str]:
+    """List what the user calls the limits that this system cannot keep, in backticks."""
+    if isolates():
+        return []
+    wanted = (limits.timeout, limits.memory, limits.process_per_run or None)
+    names = (*limits.keys, "limits.process_per_run")
+    return [f"`{name}`" for name, value in zip(names, wanted, strict=True) if value is not None]
+
+
 def memory_of(process: int | None = None) -> Any:
     """Memory of a process, None is this one, as psutil tells it: resident is `rss`, in bytes."""
     return importlib.import_module("psutil").Process(process).memory_info()

@@ -3,21 +3,27 @@
 from __future__ import annotations
 
 import contextlib
+import functools
+import logging
 import queue
 import threading
 from collections.abc import Callable, Generator, Iterable, Iterator
 from typing import Any
 
 from cosim.pool.inbox import Inbox
-from cosim.pool.job import Finished, Numbered
-from cosim.pool.limits import Limits
+from cosim.pool.job import Finished, Job, Numbered
+from cosim.pool.limits import Limits, isolates, unkept
+from cosim.pool.lines import Lines
 from cosim.pool.supervisor import ClosedError, Worker
+
+log = logging.getLogger("cosim")
 
 
 def outcomes(jobs: Iterable[Numbered], workers: int, limits: Limits) -> Generator[Finished]:
     """Run jobs on worker processes of this machine; outcomes come as they are done.
 
-    Closing the generator ends the worker processes at once.
+    Closing the generator ends the worker processes at once. Where the system cannot supervise them, all is
+    done in this process, with a warning.
 
     Parameters
     ----------
@@ -34,10 +40,18 @@ def outcomes(jobs: Iterable[Numbered], workers: int, limits: Limits) -> Generato
     CosimError
         No worker process can be started.
     """
+    if not isolates():
+        text = "this system has no supervised worker processes: the runs are done in this one"
+        lost = ", ".join(unkept(limits))
+        log.warning("%s", f"{text}, {lost} cannot be kept" if lost else text)
+        yield from inside(jobs)
+        return
     done: queue.SimpleQueue[Finished | BaseException | None] = queue.SimpleQueue()
     pool = [Worker(limits) for _ in range(workers)]
-    take = shared(jobs)
-    threads = [threading.Thread(target=serve, args=(worker, take, done), daemon=True) for worker in pool]
+    take, lines = shared(jobs), Lines()
+    threads = [
+        threading.Thread(target=serve, args=(worker, take, done, lines), daemon=True) for worker in pool
+    ]
     try:
         for thread in threads:
             thread.start()
@@ -67,7 +81,13 @@ def inside(jobs: Iterable[Numbered]) -> Generator[Finished]:
 
     with contextlib.closing(JobRunner()) as runner:
         for number, job in jobs:
+            log.info("%s:", name(number, job))
             yield number, runner.run(job)
+
+
+def name(number: int, job: Job) -> str:
+    """Name of a run in the log."""
+    return f"run {number}, seed {job.seed}"
 
 
 def shared(jobs: Iterable[Numbered]) -> Callable[[], Numbered | None]:
@@ -82,11 +102,12 @@ def shared(jobs: Iterable[Numbered]) -> Callable[[], Numbered | None]:
     return take
 
 
-def serve(worker: Worker, take: Callable[[], Numbered | None], done: Any) -> None:
+def serve(worker: Worker, take: Callable[[], Numbered | None], done: Any, lines: Lines) -> None:
     """Give jobs to one worker until there are no more; None tells the end, an exception the failure."""
     try:
         while (job := take()) is not None:
-            done.put((job[0], worker.call(job[1])))
+            done.put((job[0], worker.call(job[1], told=functools.partial(lines.tell, name(*job)))))
+        worker.finish()
         done.put(None)
     except ClosedError:
         done.put(None)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import os
 from collections.abc import Generator, Sequence
 
 from cosim.errors import CosimError
@@ -13,12 +12,9 @@ from cosim.loop.result import Result
 from cosim.loop.session import Session
 from cosim.pool import local
 from cosim.pool.job import Job, Outcome
-from cosim.pool.limits import Limits, processors
+from cosim.pool.limits import Limits, isolates, processors
 from cosim.pool.supervisor import Worker
 from cosim.scenario.model import Scenario
-
-ISOLATES = os.name == "posix"
-"""Whether worker processes can be supervised on this system."""
 
 
 def run(
@@ -55,7 +51,7 @@ def run(
     if not isolated:
         with Session(scenario, engine=engine) as session:
             return session.run(seed, progress)
-    if not ISOLATES:
+    if not isolates():
         raise CosimError("runs cannot be isolated on this system", "`isolated=False` runs in this process")
     job = Job(scenario, scenario.loop.seed if seed is None else seed, engine, keep_trace=True)
     with Worker(limits or Limits(keys=("timeout", "memory")), relay=True) as worker:

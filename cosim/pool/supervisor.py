@@ -3,37 +3,36 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import logging
+import math
 import os
 import signal
-import socket
 import subprocess
-import sys
 import tempfile
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
-from typing import IO, Any
+from typing import Any
 
 from cosim.closing import Closing
 from cosim.errors import CosimError
 from cosim.loop.place import Place
-from cosim.pool.channel import Channel
-from cosim.pool.job import Task, WorkerError
-from cosim.pool.limits import Limits, memory_of, system_confines
+from cosim.pool.child import Child, ending, no_start, spawn
+from cosim.pool.job import Order, Task, WorkerError
+from cosim.pool.limits import Limits, isolates, system_confines
+from cosim.pool.lines import Tell, most, tell
 
 START_TIMEOUT = 120.0
 """Time for a worker process to import everything, s."""
 MEMORY_INTERVAL = 0.02
 """How often the memory of a worker process is looked at where the operating system does not limit it, s."""
+GRACE = 2.0
+"""Time for a worker process to close FMU and plant and to end, s."""
 LOOK_INTERVAL = 1.0
 """How often it is looked whether the process is alive, s: what it started may keep its connection open."""
 WATCH_INTERVAL = 0.1
 """How often a watcher is told the steps done, s."""
-LONGEST_OUTPUT = 300
-"""Characters kept of what a worker process said last."""
-COMMAND = "from cosim.pool.worker import main; main({}, {}, {}, {})"
 AGAIN = "a longer `{}`, or a scenario that hangs"
 
 log = logging.getLogger("cosim")
@@ -45,28 +44,6 @@ class ClosedError(Exception):
     """The worker is not wanted any more."""
 
 
-@dataclass
-class Child:
-    """A worker process that was started.
-
-    Parameters
-    ----------
-    memory
-        Bytes that the operating system lets it have, None for any amount.
-    output
-        What it prints, None where that goes to our stderr.
-    tasks
-        Tasks that it was given.
-    """
-
-    process: subprocess.Popen[bytes]
-    channel: Channel
-    memory: float | None
-    output: IO[bytes] | None
-    ready: bool = False
-    tasks: int = field(default=0)
-
-
 class Worker(Closing):
     """One worker process: started when a task comes, killed when it exceeds a limit, replaced when gone.
 
@@ -75,15 +52,23 @@ class Worker(Closing):
     limits
         What each task may take.
     relay
-        Whether its log and all it prints goes to our log and stderr; else only the last line is kept, for the
-        text of an error.
+        Whether all it prints goes to our stderr and all it logs to our log; else only the last line is kept,
+        for the text of an error, and what it logs is limited.
+
+    Raises
+    ------
+    CosimError
+        This system cannot supervise a process.
     """
 
     def __init__(self, limits: Limits, relay: bool = False) -> None:
+        if not isolates():
+            raise CosimError("runs cannot be isolated on this system", "it takes Linux or macOS")
         self.limits = limits
         self.relay = relay
         self.confined = limits.memory if system_confines() else None
         self.child: Child | None = None
+        self.told: Tell = tell
         self.lock = threading.Lock()
         self.closed = False
         with tempfile.TemporaryFile() as page:
@@ -95,8 +80,10 @@ class Worker(Closing):
         """Start the process, which imports what it needs while others have something else to do."""
         self.start(self.confined)
 
-    def call(self, task: Task, watch: Watch | None = None) -> Any:
+    def call(self, task: Task, watch: Watch | None = None, told: Tell = tell) -> Any:
         """Do one task and wait for its outcome, which is a `CosimError` if it could not be done.
+
+        `told` is given what it logs.
 
         A process may die of what an earlier run did to it, of a memory limit, or be killed from outside: then
         the task is done once more in a fresh process, whose memory is only watched.
@@ -106,12 +93,13 @@ class Worker(Closing):
         CosimError
             No worker process can be started.
         """
+        self.told = told
         outcome = self.attempt(task, watch, self.confined)
         if self.doubtful(outcome):
             log.info("%s; the run is done once more in a fresh process", outcome.message)
             outcome = self.attempt(task, watch, None)
         if self.limits.process_per_run or (self.child and self.child.memory != self.confined):
-            self.kill()
+            self.finish()
         return outcome
 
     def doubtful(self, outcome: Any) -> bool:
@@ -128,10 +116,12 @@ class Worker(Closing):
             child.output.truncate(0)
         self.place.clear()
         child.tasks += 1
+        child.busy, child.said = True, ""
+        lines = math.inf if self.relay else most()
         try:
             # a process that dies while it starts is told of by `outcome`
             with contextlib.suppress(BrokenPipeError, ConnectionResetError):
-                child.channel.send((task, log.getEffectiveLevel() if self.relay else None))
+                child.channel.send(Order(task, log.getEffectiveLevel(), lines))
             return self.outcome(child, watch)
         except (EOFError, OSError):
             return self.crashed(child)
@@ -146,24 +136,7 @@ class Worker(Closing):
                 return child
             self.kill()
             self.release()
-            ours, theirs = socket.socketpair()
-            # it lives as long as the process
-            output = None if self.relay else tempfile.TemporaryFile("a+b")  # noqa: SIM115
-            with theirs:
-                process = subprocess.Popen(
-                    [
-                        sys.executable,
-                        "-c",
-                        COMMAND.format(theirs.fileno(), self.page, os.getpid(), memory),
-                    ],
-                    stdin=subprocess.DEVNULL,
-                    stdout=output or 2,
-                    stderr=output,
-                    pass_fds=(theirs.fileno(), self.page),
-                    start_new_session=True,  # Ctrl-C is for us to handle
-                    env={**os.environ, "PYTHONPATH": os.pathsep.join(map(os.path.abspath, sys.path))},
-                )
-            self.child = Child(process, Channel(ours), memory, output)
+            self.child = spawn(self.page, memory, self.relay)
             return self.child
 
     def outcome(self, child: Child, watch: Watch | None) -> Any:
@@ -174,24 +147,29 @@ class Worker(Closing):
             left = None if end is None else max(0.0, end - time.monotonic())
             waits = (left, WATCH_INTERVAL if watch else None, MEMORY_INTERVAL if memory else None)
             if child.channel.waits(min((wait for wait in waits if wait is not None), default=LOOK_INTERVAL)):
-                kind, content = child.channel.receive().open()
-                match kind:
-                    case "ready":
-                        child.ready = True
-                        end = self.deadline(child)
-                    case "log":
-                        name, level, text = content
-                        logging.getLogger(name).log(level, "%s", text)
-                    case "done":
-                        return content
+                kind, content = self.message(child)
+                if kind == "ready":
+                    child.ready = True
+                    end = self.deadline(child)
+                elif kind == "done":
+                    child.busy = False
+                    return content
             elif left == 0.0:
                 return self.too_long(child)
             elif child.process.poll() is not None and not child.channel.waits(0.0):
                 return self.crashed(child)
             if watch and self.place.page.steps:
                 watch(self.place.page.step, self.place.page.steps)
-            if memory and (used := resident(child)) > memory:
+            if memory and (used := child.resident()) > memory:
                 return self.too_much(used)
+
+    def message(self, child: Child) -> tuple[str, Any]:
+        """Next message of a process; what it logs is told."""
+        kind, content = child.channel.receive().open()
+        if kind == "log":
+            child.said = content[2]
+            self.told(content)
+        return kind, content
 
     def deadline(self, child: Child) -> float | None:
         """Time until which there must be an answer."""
@@ -224,28 +202,49 @@ class Worker(Closing):
             child.process.wait(1.0)
         how = ending(child.process.poll())
         self.kill()
-        said = last_line(child.output) if child.output else ""
+        said = child.last_words()
         how += f"; its last words: {said}" if said else ""
         if not child.ready:
             raise no_start(how)
         who = self.place.who() or "the worker process"
         return WorkerError("crashed", f"{who} crashed {self.place.when()}".rstrip() + f": {how}")
 
+    def finish(self) -> None:
+        """Let a process that has nothing to do close FMU and plant and end; one that does not is killed."""
+        child = self.child
+        if child is None or child.busy or not child.tasks or child.process.poll() is not None:
+            self.kill()
+            return
+        end = time.monotonic() + GRACE
+        late = True
+        try:
+            child.channel.send(None)
+            while (left := end - time.monotonic()) > 0.0 and child.channel.waits(left):
+                self.message(child)
+        except (EOFError, OSError):
+            late = False
+        finally:
+            self.kill()
+        self.look_back(child, late)
+
+    def look_back(self, child: Child, late: bool) -> None:
+        """Tell of a process that did not end as it should; its results are there."""
+        who, when, code = self.place.who(), self.place.when(), child.process.returncode
+        if self.closed or not (who or late or code not in (0, -signal.SIGKILL)):
+            return
+        how = f"it did not end within {GRACE:g} s and was killed" if late else ending(code)
+        warn(f"{who or 'a worker process'} {'hung' if late else 'crashed'} {when}".rstrip() + f": {how}")
+
     def kill(self) -> None:
         """End the process, and what it may have started, at once."""
-        if self.child is not None and self.child.process.poll() is None:
-            with contextlib.suppress(ProcessLookupError):
-                os.killpg(self.child.process.pid, signal.SIGKILL)
-            self.child.process.wait()
+        if self.child is not None:
+            self.child.kill()
 
     def release(self) -> None:
         """Give back what belonged to a process that is gone."""
         child, self.child = self.child, None
         if child is not None:
-            child.process.wait()
-            child.channel.close()
-            if child.output:
-                child.output.close()
+            child.release()
 
     def stop(self) -> None:
         """End the process; a `call` under way in another thread returns, and no other begins."""
@@ -254,7 +253,11 @@ class Worker(Closing):
             self.kill()
 
     def close(self) -> None:
-        """End the process and give back what belonged to it; no `call` is under way any more."""
+        """End the process and give back what belonged to it; no `call` is under way any more.
+
+        FMU and plant are closed before, unless the process is in the middle of a task that was given up.
+        """
+        self.finish()
         self.stop()
         self.release()
         if self.page >= 0:
@@ -262,34 +265,7 @@ class Worker(Closing):
             self.page = -1
 
 
-def ending(code: int | None) -> str:
-    """How a process ended, from its code as subprocess gives it; None is alive."""
-    if code is None:
-        return "it does not answer"
-    if code >= 0:
-        return f"it ended the process with exit code {code}"
-    try:
-        return f"killed by {signal.Signals(-code).name}"
-    except ValueError:
-        return f"killed by signal {-code}"
-
-
-def no_start(how: str) -> CosimError:
-    """Error of a process that does not come up."""
-    hint = f"it runs `{sys.executable}`, which must find the package `cosim`"
-    return CosimError(f"a worker process does not start: {how}", hint)
-
-
-def last_line(output: IO[bytes]) -> str:
-    """Last line of a file that is not empty."""
-    output.seek(-min(output.seek(0, os.SEEK_END), 4 * LONGEST_OUTPUT), os.SEEK_END)
-    lines = output.read().decode(errors="replace").split("\n")
-    return next((line.strip()[:LONGEST_OUTPUT] for line in reversed(lines) if line.strip()), "")
-
-
-def resident(child: Child) -> int:
-    """Resident memory of a process, bytes; 0 where it is gone."""
-    try:
-        return int(memory_of(child.process.pid).rss)
-    except Exception:  # psutil says with an exception of its own that it is gone
-        return 0
+@functools.cache
+def warn(text: str) -> None:
+    """Log a warning once in a process: many workers say the same."""
+    log.warning("%s", text)

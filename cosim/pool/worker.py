@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import gc
 import logging
 import os
 import queue
@@ -14,13 +15,13 @@ import traceback
 from typing import Any
 
 from cosim.closing import Closing
-from cosim.errors import CosimError
+from cosim.errors import CosimError, unforeseen
 from cosim.loop.engines import Engine
-from cosim.loop.place import Place
+from cosim.loop.place import Place, Stage
 from cosim.loop.reference import Progress
 from cosim.loop.session import Session
 from cosim.pool.channel import Channel, Parcel
-from cosim.pool.job import Task, WorkerError
+from cosim.pool.job import Order, Task, WorkerError
 from cosim.pool.limits import confine
 from cosim.scenario.model import Scenario
 
@@ -40,15 +41,18 @@ class JobRunner(Closing):
     ----------
     place
         Where it notes what it is doing.
-    progress
-        Told the steps done and in all.
     """
 
-    def __init__(self, place: Place | None = None, progress: Progress | None = None) -> None:
+    def __init__(self, place: Place | None = None) -> None:
         self.place = place or Place()
-        self.progress = progress
+        self.progress: Progress | None = None
         self.opened: Session | None = None
         self.wanted: tuple[Scenario, Engine, bool] | None = None
+
+    def call(self, task: Task, watch: Progress | None = None) -> Any:
+        """Do one task as `Worker.call` does: `watch` is told the steps done and in all."""
+        self.progress = watch
+        return self.run(task)
 
     def run(self, task: Task) -> Any:
         """Do one task; its errors are outcomes, and after one the next gets a fresh FMU and plant."""
@@ -61,9 +65,7 @@ class JobRunner(Closing):
             return error
         except (Exception, SystemExit) as error:  # whatever it is, it concerns only this run
             self.close()
-            failure = CosimError(f"the run failed: {type(error).__name__}: {error}", "`-v` shows where")
-            failure.__cause__ = error
-            return failure
+            return unforeseen(error)
 
     def session(self, scenario: Scenario, engine: Engine, log_events: bool = False) -> Session:
         """Session of a scenario; what fits of the one before stays open."""
@@ -74,26 +76,30 @@ class JobRunner(Closing):
         return self.opened
 
     def close(self) -> None:
-        """Free the FMU."""
+        """Free the FMU and close the plant."""
         session, self.opened = self.opened, None
         if session is not None:
             session.close()
+        self.place.at(Stage.NONE)
 
 
 class Forward(logging.Handler):
-    """Sends what is logged to the process that watches over this one."""
+    """Sends what is logged to the process that watches over this one, of a task so many lines at most."""
 
     def __init__(self, channel: Channel) -> None:
         super().__init__()
         self.channel = channel
+        self.left: float = 0
 
     def emit(self, record: logging.LogRecord) -> None:
         """Send one line."""
-        self.channel.send((LOG, (record.name, record.levelno, self.format(record))))
+        if self.left > 0:
+            self.left -= 1
+            self.channel.send((LOG, (record.name, record.levelno, self.format(record))))
 
 
 def main(end: int, page: int, parent: int, memory: float | None) -> None:
-    """Serve the channel until the other side closes it."""
+    """Serve the channel until there is an order to end, or the other side closes it."""
     die_with(parent)
     for descriptor in (end, page):
         # what FMU or plant may start must not keep the channel open
@@ -101,15 +107,14 @@ def main(end: int, page: int, parent: int, memory: float | None) -> None:
     channel = Channel(socket.socket(fileno=end))
     tasks: queue.SimpleQueue[Parcel] = queue.SimpleQueue()
     threading.Thread(target=listen, args=(channel, tasks), daemon=True).start()
-    runner = JobRunner(Place(page))
     refusal = refused(memory) if memory is not None else None
-    channel.send((READY, None))
-    while True:
-        try:
-            parcel = tasks.get(timeout=IDLE)
-        except queue.Empty:
-            return
-        channel.send((DONE, refusal or done(runner, parcel, channel)))
+    told = Forward(channel)
+    with JobRunner(Place(page)) as runner:
+        channel.send((READY, None))
+        while (order := awaited(tasks)) is not None:
+            channel.send((DONE, refusal or done(runner, order, told)))
+    # the interpreter would look through all that was imported for circles, which takes longer than the rest
+    gc.freeze()
 
 
 def refused(memory: float) -> WorkerError | None:
@@ -122,17 +127,26 @@ def refused(memory: float) -> WorkerError | None:
     return None
 
 
-def done(runner: JobRunner, parcel: Parcel, channel: Channel) -> Any:
-    """Outcome of one task; its log is forwarded if a level is given with it."""
+def awaited(tasks: queue.SimpleQueue[Parcel]) -> Order | CosimError | None:
+    """Wait for an order; None is to end."""
     try:
-        task, level = parcel.open()
+        order: Order | None = tasks.get(timeout=IDLE).open()
+    except queue.Empty:
+        return None
     except Exception as error:
         text = f"a worker process cannot read its task: {type(error).__name__}: {error}"
         return CosimError(text, "its module must be found by every process")
-    if level is not None:
-        log.handlers[:], log.propagate = [Forward(channel)], False
-        log.setLevel(level)
-    outcome = runner.run(task)
+    return order
+
+
+def done(runner: JobRunner, order: Order | CosimError, told: Forward) -> Any:
+    """Outcome of one task; its log is forwarded."""
+    if isinstance(order, CosimError):
+        return order
+    told.left = order.lines
+    log.handlers[:], log.propagate = [told], False
+    log.setLevel(order.level)
+    outcome = runner.run(order.task)
     if isinstance(outcome, CosimError) and log.isEnabledFor(logging.DEBUG):
         # a traceback does not travel, its text does
         outcome.add_note("".join(traceback.format_exception(outcome)))

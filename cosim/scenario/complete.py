@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 import re
-import zipfile
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
-from xml.etree import ElementTree
 
 import typer
 
 from cosim import paths
-from cosim.scenario import layers
-from cosim.scenario.tables import IDENTITY
 
 ITEM_KEYS = {
     "wire": ("scale", "offset", "noise", "quantum", "delay", "minimum", "maximum"),
@@ -32,11 +28,12 @@ def loops(incomplete: str) -> list[str]:
 def files(incomplete: str) -> list[str]:
     """TOML files, and folders on the way to one, that begin as told."""
     folder, _, start = incomplete.rpartition("/")
-    inside = Path(folder) if folder else Path("/" if incomplete.startswith("/") else ".")
+    inside = paths.expanded(folder or ("/" if incomplete.startswith("/") else "."))
     found = sorted(inside.glob(f"{glob_escape(start)}*")) if inside.is_dir() else []
     prefix = incomplete[: len(incomplete) - len(start)]
-    shown = [prefix + file.name + ("/" if file.is_dir() else "") for file in found]
-    return [name for name in shown if name.endswith((".toml", "/")) and not name.startswith(".")]
+    wanted = [file for file in found if start.startswith(".") or not file.name.startswith(".")]
+    shown = [prefix + file.name + ("/" if file.is_dir() else "") for file in wanted]
+    return [name for name in shown if name.endswith((".toml", "/"))]
 
 
 def glob_escape(text: str) -> str:
@@ -46,6 +43,8 @@ def glob_escape(text: str) -> str:
 
 def keys(ctx: typer.Context, incomplete: str) -> list[str]:
     """Keys of the scenario that stands before on the command line, each with its `=`."""
+    from cosim.scenario import layers
+
     # an option that still lacks its value leaves the arguments unparsed
     loop = next((word for word in (ctx.params.get("loop"), *ctx.args) if word), "")
     try:
@@ -59,6 +58,8 @@ def keys(ctx: typer.Context, incomplete: str) -> list[str]:
 
 def scenario_keys(table: dict[str, Any]) -> Iterator[str]:
     """Keys that a scenario holds or may hold."""
+    from cosim.scenario.tables import IDENTITY
+
     yield from ("controller.fmu", "plant.name", *(f"loop.{key}" for key in LOOP_KEYS))
     for section in ("controller", "plant"):
         yield from (f"{section}.{name}" for name in table.get(section, {}).get("parameters", {}))
@@ -70,6 +71,9 @@ def scenario_keys(table: dict[str, Any]) -> Iterator[str]:
 
 def fmu_keys(table: dict[str, Any], folder: Path) -> Iterator[str]:
     """Parameters of the FMU, read from its description alone."""
+    import zipfile
+    from xml.etree import ElementTree
+
     path = paths.find_fmu(table["controller"]["fmu"], folder)
     with zipfile.ZipFile(path) as archive, archive.open("modelDescription.xml") as file:
         for _, element in ElementTree.iterparse(file):

@@ -63,6 +63,6 @@ def configure_logging(verbose: bool, quiet: bool) -> None:
 
 def report(message: str, hint: str = "") -> None:
     """Print an error and its hint on stderr, never wrapped."""
-    print(f"error: {message}", file=sys.stderr)
-    if hint:
-        print(f"hint: {hint}", file=sys.stderr)
+    # where stderr is full or has no reader, the exit code still tells
+    with contextlib.suppress(OSError):
+        print(f"error: {message}", *([f"hint: {hint}"] if hint else []), sep="\n", file=sys.stderr)

@@ -11,7 +11,7 @@ import pytest
 from cosim.cli import main
 
 IN_PROCESS: tuple[str, ...] = ("--in-process",)
-"""Options that keep `cosim run` in this process, where it is fast."""
+"""Options that keep a command in this process, where it is fast."""
 
 
 class Case(NamedTuple):
@@ -32,7 +32,7 @@ def given(*arguments: str) -> tuple[str, ...]:
 
 def call(arguments: tuple[str, ...], monkeypatch: pytest.MonkeyPatch) -> object:
     """Exit code of a command line."""
-    extra = IN_PROCESS if arguments[:1] == ("run",) else ()
+    extra = IN_PROCESS if arguments[0] in ("run", "show", "check", "new") else ()
     monkeypatch.setattr(sys, "argv", ["cosim", *arguments, *extra])
     with pytest.raises(SystemExit) as exited:
         main()

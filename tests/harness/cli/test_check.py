@@ -14,7 +14,7 @@ from cosim.optimize.check import check
 from cosim.scenario.load import load
 from cosim.sweep.check import file_of
 
-from ..conftest import END, entry
+from ..conftest import END, SCENARIO, entry
 from .commands import cosim
 
 Write = Callable[..., Path]
@@ -117,6 +117,14 @@ def test_undriven_ends_and_missing_demands_are_warnings(write: Write) -> None:
         f"nothing drives {ends}: wire what is missing, list the rest in `idle`",
         "no criterion demands anything of a run",
     ]
+
+
+def test_an_unknown_name_in_idle_is_a_warning(write: Write) -> None:
+    text = SCENARIO.replace('"plant.extra"]', '"plant.extra", "plant.extras"]')
+    (told,) = check(str(write(COMPLETE, text=text))).warnings
+    assert told.startswith(
+        "`idle` lists `plant.extras`, which is no input and no command; did you mean `plant."
+    )
 
 
 def test_a_start_value_a_signal_or_idle_is_an_answer(write: Write) -> None:

@@ -18,8 +18,21 @@ HEAVY = {
 COMMANDS = {
     "import cosim": {"typer", "rich", "logging", "tomllib"},
     "import cosim.cli": {"rich"},
-    "from cosim.cli import main; import sys; sys.argv = ['cosim', '--help']; main()": {"rich"},
-    "from cosim.cli import main; import sys; sys.argv = ['cosim', 'list']; main()": {"rich.markdown"},
+    "from cosim.cli import main; import sys; sys.argv = ['cosim', '--help']; main()": {
+        "rich",
+        "pydantic",
+        "tomllib",
+        "zipfile",
+        "xml.etree",
+        "cosim.pool.supervisor",
+        "cosim.scenario.toml",
+    },
+    "from cosim.cli import main; import sys; sys.argv = ['cosim', 'list']; main()": {
+        "rich.markdown",
+        "rich.progress",
+        "xml.etree",
+        "cosim.pool.supervisor",
+    },
 }
 """What runs, and what it must not import beside what is heavy."""
 

@@ -44,6 +44,12 @@ def test_names_of_scenarios_and_files_are_completed(write: Write, folder: Path) 
     assert completed("run", "lag") == ["lag", "lag/fast", "lagging.toml"]
     assert completed("run", "scenarios/lag") == ["scenarios/lag/", "scenarios/lag.toml"]
     assert completed("show", str(folder / "lagg")) == [str(folder / "lagging.toml")]
+    assert completed("run", "./lagg") == ["./lagging.toml"]
+    assert completed("run", "./sc") == ["./scenarios/"]
+    assert completed("run", f"../{folder.name}/lagg") == [f"../{folder.name}/lagging.toml"]
+    write(name=".hidden.toml")
+    assert completed("run", "./") == ["./lagging.toml", "./scenarios/"]
+    assert completed("run", "./.h") == ["./.hidden.toml"]
     assert completed("ru") == ["run"]
 
 

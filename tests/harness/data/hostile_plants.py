@@ -2,7 +2,9 @@
 
 import ctypes
 import os
+import pathlib
 import sys
+import time
 from typing import Any
 
 import numpy as np
@@ -26,6 +28,17 @@ class ExitInStep(probe_plants.Lag):
             sys.exit(0)
 
 
+class AbortInInit(probe_plants.Lag):
+    def __init__(self, parameters: probe_plants.LagParameters) -> None:
+        os.abort()
+
+
+class SleepInInit(probe_plants.Lag):
+    def __init__(self, parameters: probe_plants.LagParameters) -> None:
+        print("asleep", flush=True)
+        time.sleep(1000.0)
+
+
 class Vanish(probe_plants.Lag):
     def advance(self, substeps: int) -> None:
         os._exit(0)
@@ -44,3 +57,40 @@ class Hold(probe_plants.Lag):
 
     def sense(self) -> Any:
         ctypes.PyDLL(None).pause()
+
+
+class Notes(probe_plants.Lag):
+    """Writes down when it is built and closed."""
+
+    def __init__(self, parameters: probe_plants.LagParameters) -> None:
+        super().__init__(parameters)
+        self.note("built")
+
+    def note(self, text: str) -> None:
+        with pathlib.Path(__file__).with_name("notes").open("a") as file:
+            file.write(f"{text} {self.parameters.pole:g}\n")
+
+    def close(self) -> None:
+        self.note("closed")
+
+
+class Slow(Notes):
+    """Does not return from a step."""
+
+    def advance(self, substeps: int) -> None:
+        print("asleep", flush=True)
+        time.sleep(1000.0)
+
+
+class Clings(Notes):
+    """Does not return from `close`."""
+
+    def close(self) -> None:
+        time.sleep(1000.0)
+
+
+class Breaks(Notes):
+    """Fails in `close`."""
+
+    def close(self) -> None:
+        raise RuntimeError("the door is stuck")

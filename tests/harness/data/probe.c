@@ -4,7 +4,9 @@
  * flag_out = !flag, count_out = count + 1, mode_out = mode, text_out = text, calls = steps done.
  * In the steps `crash_at`, `hang_at` and `eat_at` it breaks a pointer, never returns, takes 600 MB and then never returns.
  * In `exit_at` it ends the process with code 0 (in the initialisation if that is -2), in `chat_at` it logs for ever, in
- * `spoil_at` it does what kills its process in the next reset, in `raise_at` it raises the signal `raised`.
+ * `spoil_at` it does what kills its process in the next reset, in `raise_at` it raises the signal `raised`, in `warn_at`
+ * it warns. With -3 it crashes, hangs, or logs an event (`chat_at`) when it is terminated; with -4 it
+ * crashes when `gain` is read.
  */
 #include <math.h>
 #include <signal.h>
@@ -15,7 +17,7 @@
 #include "fmi2Functions.h"
 
 enum { IN, GAIN, BIAS_1, BIAS_2, OUT, SUM, TIME, LIMIT, REALS };
-enum { COUNT, COUNT_OUT, MODE, MODE_OUT, CALLS, FAIL_AT, NAN_AT, FATAL_AT, CRASH_AT, HANG_AT, EAT_AT, EXIT_AT, CHAT_AT, SPOIL_AT, RAISE_AT, RAISED, INTEGERS };
+enum { COUNT, COUNT_OUT, MODE, MODE_OUT, CALLS, FAIL_AT, NAN_AT, FATAL_AT, CRASH_AT, HANG_AT, EAT_AT, EXIT_AT, CHAT_AT, SPOIL_AT, RAISE_AT, RAISED, WARN_AT, INTEGERS };
 enum { FLAG, FLAG_OUT, BOOLEANS };
 
 typedef struct {
@@ -81,7 +83,14 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
     return fmi2OK;
 }
 
-fmi2Status fmi2Terminate(fmi2Component c) { return fmi2OK; }
+fmi2Status fmi2Terminate(fmi2Component c) {
+    Probe *p = c;
+    if (p->integer[CRASH_AT] == -3) abort();
+    if (p->integer[CHAT_AT] == -3) tell(p, fmi2OK, "logAll", "terminated after %g steps", (double)p->integer[CALLS]);
+    while (p->integer[HANG_AT] == -3) sleep(1);
+    return fmi2OK;
+}
+
 static int spoiled;
 
 fmi2Status fmi2Reset(fmi2Component c) {
@@ -100,7 +109,15 @@ fmi2Status fmi2Reset(fmi2Component c) {
         for (size_t i = 0; i < n; i++) ((Probe *)c)->field[vr[i]] = value[i];                                \
         return fmi2OK;                                                                                       \
     }
-ACCESS(Real, fmi2Real, real)
+
+fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2Real value[]) {
+    for (size_t i = 0; i < n; i++) {
+        if (vr[i] == GAIN && ((Probe *)c)->integer[CRASH_AT] == -4) abort();
+        value[i] = ((Probe *)c)->real[vr[i]];
+    }
+    return fmi2OK;
+}
+
 ACCESS(Integer, fmi2Integer, integer)
 ACCESS(Boolean, fmi2Boolean, boolean)
 ASSIGN(Integer, fmi2Integer, integer)
@@ -147,6 +164,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step, fmi2Boolean
     }
     if (k == p->integer[EXIT_AT]) exit(0);
     if (k == p->integer[RAISE_AT]) raise(p->integer[RAISED]);
+    if (k == p->integer[WARN_AT]) tell(p, fmi2Warning, "logStatusWarning", "something is odd at %g s", time);
     if (k == p->integer[SPOIL_AT]) spoiled = 1;
     while (k == p->integer[CHAT_AT]) tell(p, fmi2OK, "logAll", "still here at %g s", time);
     if (k == p->integer[HANG_AT] || k == p->integer[EAT_AT]) for (;;) sleep(1);

@@ -181,3 +181,18 @@ def test_a_sweep_does_a_run_again_when_the_file_has_changed(write: Write, file: 
     changed.replace(file)
 
     assert {run.hash for run in Plan(study.load(cases)).runs}.isdisjoint(before)
+
+
+def test_a_signal_of_the_home_is_found_and_what_is_no_file_is_told(
+    write: Write, file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("HOME", str(file.parent))
+    assert driven(write, 'column = "a"\n', file="~/x.csv")[0] == 1.0
+    for name, told in {
+        "~nobody-at-all/x.csv": "does not exist",
+        "x" * 300: "does not exist",
+        "..": "is no file",
+        "/dev/zero": "is no file",
+    }.items():
+        with pytest.raises(CosimError, match=f"the file `{name[:100]}.*` {told}"):
+            driven(write, 'column = "a"\n', file=name)

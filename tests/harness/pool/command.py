@@ -33,11 +33,15 @@ def finished(*arguments: str, path: Path = ROOT) -> subprocess.CompletedProcess[
 
 
 def started(
-    *arguments: str, path: Path = ROOT, stdout: File = subprocess.PIPE, stderr: File = subprocess.PIPE
+    *arguments: str,
+    path: Path = ROOT,
+    command: tuple[str, ...] = ("run", "lag.toml"),
+    stdout: File = subprocess.PIPE,
+    stderr: File = subprocess.PIPE,
 ) -> subprocess.Popen[str]:
     """Start `cosim run lag.toml` with these arguments; modules are looked for in `path` as well."""
     return subprocess.Popen(
-        [sys.executable, "-m", "cosim", "run", "lag.toml", *arguments],
+        [sys.executable, "-m", "cosim", *command, *arguments],
         stdout=stdout,
         stderr=stderr,
         text=True,

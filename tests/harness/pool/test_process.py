@@ -54,7 +54,7 @@ def test_what_nobody_foresaw_is_one_line_and_exit_code_2(
     write()
     monkeypatch.setattr("cosim.scenario.load.build", fail)
     for verbose in ((), ("-v",)):
-        monkeypatch.setattr(sys, "argv", ["cosim", "show", "lag.toml", *verbose])
+        monkeypatch.setattr(sys, "argv", ["cosim", "show", "lag.toml", "--in-process", *verbose])
         with pytest.raises(SystemExit) as exited:
             main()
         out, err = capsys.readouterr()

@@ -1,0 +1,157 @@
+"""What commands do in a worker process, or with `--in-process` in their own: all that runs foreign code."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from cosim import interrupts
+from cosim.show.sheet import Sheet, rendered
+
+if TYPE_CHECKING:
+    from cosim.loop.engines import Engine
+    from cosim.loop.result import Result
+    from cosim.pool.job import Bench
+    from cosim.pool.limits import Limits
+    from cosim.scenario.checked import Checked
+    from cosim.scenario.model import Scenario
+
+
+def place(limits: Limits | None) -> AbstractContextManager[Callable[..., Any]]:
+    """Place where tasks are done, see `once.place`; what it needs is imported only now."""
+    with interrupts.handled_by(interrupts.quit_at_once):
+        from cosim.pool import once
+    return once.place(limits)
+
+
+@dataclass(frozen=True)
+class Report:
+    """What is left of a run: texts are ready, so that who prints them need not import what made them.
+
+    Parameters
+    ----------
+    table, json
+        The result as a table and as JSON.
+    result
+        The result, where trace or plot are wanted.
+    scenario
+        The scenario, where a plot is wanted.
+    """
+
+    passed: bool | None
+    table: str
+    json: str
+    result: Result | None
+    scenario: Scenario | None
+
+
+@dataclass(frozen=True)
+class Single:
+    """One run from the words of a command line.
+
+    Parameters
+    ----------
+    loop, changes
+        The scenario and its overrides, as for `cosim.load`.
+    verbose
+        Whether the FMU shall log events.
+    trace
+        Whether the trace is wanted.
+    plot
+        Plot that will be made of the run, None is none; it is checked before the run.
+    sheet
+        What the table is printed on.
+    """
+
+    loop: str
+    changes: tuple[str, ...]
+    engine: Engine
+    verbose: bool
+    trace: bool
+    plot: Path | None
+    sheet: Sheet
+
+    def run(self, bench: Bench) -> Report:
+        """Run once."""
+        from cosim.fmu import stale
+        from cosim.scenario.load import load
+        from cosim.show import display
+
+        scenario = load(self.loop, self.changes)
+        session = bench.session(scenario, self.engine, self.verbose)
+        stale.warn(scenario.controller.fmu, session.file.path)
+        if self.plot is not None:
+            from cosim.show import plot
+
+            plot.check(scenario, session.columns, self.plot)
+        result = session.run(progress=bench.progress)
+        return Report(
+            passed=result.passed,
+            table=rendered(display.result(result), self.sheet),
+            json=result.to_json(),
+            result=result if self.trace or self.plot else None,
+            scenario=scenario if self.plot else None,
+        )
+
+
+@dataclass(frozen=True)
+class Show:
+    """The tables of a loop, for what they are printed on."""
+
+    loop: str
+    changes: tuple[str, ...]
+    sheet: Sheet
+
+    def run(self, bench: Bench) -> str:
+        """Open the loop and describe it."""
+        from cosim.fmu import stale
+        from cosim.scenario.load import load
+        from cosim.show import display
+
+        scenario = load(self.loop, self.changes)
+        session = bench.session(scenario, "reference")
+        stale.warn(scenario.controller.fmu, session.file.path)
+        return rendered(display.scenario(scenario, session.file, session.plant), self.sheet)
+
+
+@dataclass(frozen=True)
+class Check:
+    """One file of any kind."""
+
+    file: str
+
+    def run(self, bench: Bench) -> Checked:
+        """Look at it without a run."""
+        from cosim.optimize.check import check
+
+        return check(self.file, bench.place)
+
+
+@dataclass(frozen=True)
+class Draft:
+    """Text of a new scenario, its wires, and the inputs and commands that are left without one."""
+
+    text: str
+    wired: int
+    left: int
+
+
+@dataclass(frozen=True)
+class New:
+    """A draft of a scenario that will lie in `folder`, of an FMU and of a plant if there is one."""
+
+    fmu: str
+    plant: str
+    folder: Path
+
+    def run(self, bench: Bench) -> Draft:
+        """Open both and match them."""
+        from cosim.new.draft import draft
+        from cosim.new.write import text
+
+        found = draft(self.fmu, self.plant, self.folder, bench.place)
+        wired = len(found.readings) + len(found.commands)
+        return Draft(text(found), wired, len(found.inputs) + len(found.commanded) - wired)

@@ -1,0 +1,126 @@
+"""A worker process as the process that watches over it has it: started, listened to, killed."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass
+from typing import IO
+
+from cosim.errors import CosimError
+from cosim.pool.channel import Channel
+from cosim.pool.limits import memory_of
+
+LONGEST_OUTPUT = 300
+"""Characters kept of what a worker process said last."""
+COMMAND = "from cosim.pool.worker import main; main({}, {}, {}, {})"
+
+
+@dataclass
+class Child:
+    """A worker process that was started.
+
+    Parameters
+    ----------
+    memory
+        Bytes that the operating system lets it have, None for any amount.
+    output
+        What it prints, None where that goes to our stderr.
+    tasks
+        Tasks that it was given.
+    busy
+        Whether it has not answered the last of them.
+    said
+        The last line that it logged.
+    """
+
+    process: subprocess.Popen[bytes]
+    channel: Channel
+    memory: float | None
+    output: IO[bytes] | None
+    ready: bool = False
+    tasks: int = 0
+    busy: bool = False
+    said: str = ""
+
+    def kill(self) -> None:
+        """End it, and what it may have started, at once."""
+        # of a process that was not waited for the number is still its own
+        if self.process.returncode is None:
+            with contextlib.suppress(ProcessLookupError, PermissionError):
+                os.killpg(self.process.pid, signal.SIGKILL)
+            self.process.wait()
+
+    def release(self) -> None:
+        """Give back what belonged to it; it is gone."""
+        self.process.wait()
+        self.channel.close()
+        if self.output:
+            self.output.close()
+
+    def last_words(self) -> str:
+        """Last line that it printed, or logged; empty if that went to our stderr."""
+        if self.output is None:
+            return ""
+        self.output.seek(-min(self.output.seek(0, os.SEEK_END), 4 * LONGEST_OUTPUT), os.SEEK_END)
+        lines = self.output.read().decode(errors="replace").split("\n")
+        printed = next((line.strip() for line in reversed(lines) if line.strip()), "")
+        return (printed or self.said)[:LONGEST_OUTPUT]
+
+    def resident(self) -> int:
+        """Resident memory, bytes; 0 where it is gone."""
+        try:
+            return int(memory_of(self.process.pid).rss)
+        except Exception:  # psutil says with an exception of its own that it is gone
+            return 0
+
+
+def spawn(page: int, memory: float | None, relay: bool) -> Child:
+    """Start a worker process.
+
+    Parameters
+    ----------
+    page
+        Descriptor of the file in which it notes what it is doing.
+    memory
+        Bytes that the operating system shall let it have, None is any amount.
+    relay
+        Whether what it prints goes to our stderr.
+    """
+    ours, theirs = socket.socketpair()
+    # it lives as long as the process
+    output = None if relay else tempfile.TemporaryFile("a+b")  # noqa: SIM115
+    with theirs:
+        process = subprocess.Popen(
+            [sys.executable, "-c", COMMAND.format(theirs.fileno(), page, os.getpid(), memory)],
+            stdin=subprocess.DEVNULL,
+            stdout=output or 2,
+            stderr=output,
+            pass_fds=(theirs.fileno(), page),
+            start_new_session=True,  # Ctrl-C is for the parent to handle
+            env={**os.environ, "PYTHONPATH": os.pathsep.join(map(os.path.abspath, sys.path))},
+        )
+    return Child(process, Channel(ours), memory, output)
+
+
+def ending(code: int | None) -> str:
+    """How a process ended, from its code as subprocess gives it; None is alive."""
+    if code is None:
+        return "it does not answer"
+    if code >= 0:
+        return f"it ended the process with exit code {code}"
+    try:
+        return f"killed by {signal.Signals(-code).name}"
+    except ValueError:
+        return f"killed by signal {-code}"
+
+
+def no_start(how: str) -> CosimError:
+    """Error of a process that does not come up."""
+    hint = f"it runs `{sys.executable}`, which must find the package `cosim`"
+    return CosimError(f"a worker process does not start: {how}", hint)

@@ -1,0 +1,35 @@
+"""Where a command does what runs foreign code: a worker process under supervision, or on demand its own."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from cosim import interrupts
+from cosim.pool.limits import Limits
+from cosim.pool.supervisor import Worker
+
+Do = Callable[..., Any]
+"""Does a task, told the steps done if there is a watcher; the outcome is a `CosimError` if it could not."""
+
+
+@contextlib.contextmanager
+def place(limits: Limits | None) -> Iterator[Do]:
+    """Place for one task after the other.
+
+    Parameters
+    ----------
+    limits
+        What each may take; None does them in this process, which nothing protects from them.
+    """
+    if limits is not None:
+        with Worker(limits, relay=True) as worker:
+            worker.prepare()
+            yield worker.call
+        return
+    with interrupts.handled_by(interrupts.quit_at_once):
+        from cosim.pool.worker import JobRunner
+
+    with interrupts.second_ends_all(), JobRunner() as runner:
+        yield runner.call

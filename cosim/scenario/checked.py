@@ -1,0 +1,45 @@
+"""What `cosim check` found in one file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+from cosim.errors import CosimError
+
+
+@dataclass
+class Checked:
+    """What was found in one file.
+
+    Parameters
+    ----------
+    name
+        As it was asked for.
+    kind
+        What it is.
+    error
+        Why it cannot run, None if it can.
+    warnings
+        What is no error but seldom meant.
+    runs
+        Runs that it makes.
+    """
+
+    name: str
+    kind: Literal["scenario", "study", "optimization"] = "scenario"
+    error: CosimError | None = None
+    warnings: list[str] = field(default_factory=list)
+    runs: int = 1
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain data for JSON."""
+        error = self.error and {"message": self.error.message, "hint": self.error.hint}
+        return {
+            "file": self.name,
+            "kind": self.kind,
+            "ok": self.error is None,
+            "runs": self.runs,
+            "error": error,
+            "warnings": self.warnings,
+        }

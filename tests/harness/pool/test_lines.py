@@ -1,0 +1,53 @@
+"""What FMUs say in runs that are done elsewhere is told with the run, and not without end."""
+
+from __future__ import annotations
+
+import logging
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+import cosim
+from cosim.pool.lines import MOST, Lines
+
+Write = Callable[..., Path]
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_events_and_warnings_of_many_runs_are_told(
+    workers: int, write: Write, caplog: pytest.LogCaptureFixture
+) -> None:
+    scenario = cosim.load(write(), ["controller.warn_at=3"])
+    odd = "Probe [logStatusWarning] something is odd at 0.003 s"
+    with caplog.at_level(logging.INFO, "cosim"):
+        cosim.run_many(scenario, [5, 6], workers, engine="reference")
+    if workers == 1:
+        named = ["run 0, seed 5:", odd, "run 1, seed 6:", odd]
+        assert caplog.messages == named
+        return
+    assert sorted(caplog.messages) == [f"run 0, seed 5: {odd}", f"run 1, seed 6: {odd}"]
+    caplog.clear()
+    cosim.run_many(scenario, [5, 6], workers, engine="reference")
+    (told,) = caplog.messages
+    assert told.endswith(odd)
+    assert told.startswith("run ")
+
+
+def test_an_fmu_that_warns_in_every_step_does_not_flood(caplog: pytest.LogCaptureFixture) -> None:
+    lines = Lines()
+    for number in range(10 * MOST):
+        lines.tell("run 0, seed 1", ("cosim.fmu", logging.WARNING, f"odd at {number} s"))
+    assert len(caplog.messages) == MOST + 1
+    assert caplog.messages[0] == "run 0, seed 1: odd at 0 s"
+    assert caplog.messages[-1] == "the runs log more than this; `-v` shows all"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="signals of Linux")
+def test_a_crash_repeats_what_the_fmu_logged_last(write: Write) -> None:
+    scenario = cosim.load(write(), ["controller.warn_at=2", "controller.raise_at=3"])
+    fine = cosim.load(write())
+    crashed, _ = cosim.run_each([scenario, fine], 2, engine="reference")
+    assert isinstance(crashed, cosim.CosimError)
+    assert "its last words: Probe [logStatusWarning] something is odd at 0.002 s" in crashed.message
