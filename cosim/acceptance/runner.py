@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -48,7 +48,7 @@ class RunOptions:
     plots: bool = True
     workers: int | None = None
     engine: Engine = "native"
-    limits: Limits = field(default_factory=Limits)
+    limits: Limits | None = None
     quiet: bool = False
 
 
@@ -82,7 +82,9 @@ def outcomes(jobs: Mapping[str, RecordedJob], options: RunOptions) -> Iterator[t
     """Outcomes by name, as they come."""
     names = list(jobs)
     workers = min(options.workers or processors(), len(jobs))
-    with contextlib.closing(local.outcomes(enumerate(jobs.values()), workers, options.limits)) as done:
+    with contextlib.closing(
+        local.outcomes(enumerate(jobs.values()), workers, options.limits or Limits())
+    ) as done:
         for number, outcome in done:
             yield names[number], outcome
 

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from typer import Argument, Option
 
-from cosim.cli.options import COULD_NOT_RUN, FAILED, Quiet, Verbose
-from cosim.cli.run import check_outputs, checked_limits
+from cosim.cli.options import COULD_NOT_RUN, FAILED, Quiet, Timeout, Verbose, checked_limits
+from cosim.cli.run import check_outputs
 from cosim.cli.seeds import write
 from cosim.errors import CosimError
 from cosim.loop import engines
@@ -37,7 +37,7 @@ def run_tests(
     ] = None,
     workers: Annotated[int | None, Option(min=1, help="Worker processes, by default one per core.")] = None,
     engine: Annotated[str, Option(help="native (fast) or reference (FMPy drives, same bits).")] = "native",
-    timeout: Annotated[float | None, Option(metavar="S", help="Most wall time of a run in s.")] = None,
+    timeout: Timeout = None,
     memory: Annotated[float | None, Option(metavar="MB", help="Most memory of a run's process.")] = None,
     plots: Annotated[bool, Option(help="Whether to draw plots, if matplotlib is installed.")] = True,
     json: Annotated[
