@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from cosim.loop import idle
-from cosim.loop.connect import Connector
+from cosim.loop import fmus, idle
 from cosim.loop.session import Session, located
+from cosim.loop.wires.connect import Connector
 from cosim.metrics.units import SCALES
 from cosim.scenario.model import Wire
 
@@ -24,16 +24,16 @@ def check(session: Session) -> list[str]:
     """
     scenario = session.scenario
     with located(scenario):
-        session.fmu.initialise(scenario.controller.parameters)
+        fmus.initialise(scenario, session.fmus, session.place)
         commands = np.zeros(len(session.plant.commands))
-        Connector(scenario, session.fmu, session.plant, commands, scenario.loop.seed).links()
+        Connector(scenario, session.fmus, session.plant, commands, scenario.loop.seed).links()
     return warnings(session)
 
 
 def warnings(session: Session) -> list[str]:
     """Sentences about what is undriven, of unlike units, or not demanded."""
     found = []
-    if forgotten := idle.undriven(session.scenario, idle.ends(session.file, session.plant)):
+    if forgotten := idle.undriven(session.scenario, idle.ends(session.fmus, session.plant)):
         found.append(f"nothing drives {listed(forgotten)}: wire what is missing, list the rest in `idle`")
     found += [told for wire in session.scenario.wire if (told := unlike(wire, session))]
     if not session.scenario.criterion:
@@ -55,8 +55,8 @@ def unlike(wire: Wire, session: Session) -> str:
 def unit_of(end: str, session: Session) -> str:
     """Tell the unit at one end of a wire; empty where none is known."""
     side, _, name = end.partition(".")
-    if side == "controller":
-        return session.file.variables[name].unit
+    if fmu := next((fmu for fmu in session.fmus if fmu.name == side), None):
+        return fmu.file.variables[name].unit
     channels = (*session.plant.readings, *session.plant.commands)
     return next((channel.unit for channel in channels if channel.name == name), "")
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -92,6 +92,10 @@ class FmuChoice:
     def shown(self) -> str:
         """What tells it from the others of the run."""
         return self.fmu if self.alone else self.name
+
+
+ALONE = FmuChoice("controller", "", alone=True)
+"""What the FMU of a table `[controller]` is called by."""
 
 
 @dataclass(frozen=True)
@@ -259,8 +263,8 @@ class Scenario:
     @property
     def fmus(self) -> tuple[FmuChoice, ...]:
         """FMUs in the order in which they step; `[controller]` is one of that name."""
-        alone = FmuChoice("controller", self.controller.fmu, self.controller.parameters, alone=True)
-        return self.fmu or (alone,)
+        only = self.controller
+        return self.fmu or (replace(ALONE, fmu=only.fmu, parameters=only.parameters),)
 
     @property
     def folder(self) -> Path:

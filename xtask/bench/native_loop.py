@@ -17,9 +17,9 @@ from part import part
 
 import cosim
 from cosim.loop import condition, native, reference
-from cosim.loop.connect import Connector, Drive, Links, Place
+from cosim.loop.wires.connect import Connector, Drive, Links, Place
 from cosim.loop.trace import Recorder
-from cosim.loop.wiring import child
+from cosim.loop.wires.wiring import child
 from machining_native import Stepper
 
 
