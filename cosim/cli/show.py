@@ -16,5 +16,5 @@ def show(loop: Loop, set_: Set = None, verbose: Verbose = False, quiet: Quiet = 
 
     scenario = load(loop, set_ or ())
     with Session(scenario) as session:
-        stale.warn(scenario.controller.fmu, session.file.path)
-        output().print(display.scenario(scenario, session.file, session.plant))
+        stale.warn_of(scenario)
+        output().print(display.scenario(scenario, session.fmus, session.plant))

@@ -70,7 +70,7 @@ class Single:
 
         scenario = load(self.loop, self.changes)
         session = bench.session(scenario, self.engine, self.verbose)
-        stale.warn(scenario.controller.fmu, session.file.path)
+        stale.warn_of(scenario)
         if self.plot is not None:
             from cosim.show import plot
 

@@ -123,9 +123,7 @@ class Instance(Closing):
         if self.closed:
             raise FmuError(f"`{self.called}` is closed, a new run needs a new session")
         if self.dead:
-            raise FmuError(
-                f"`{self.called}` has failed for good (fmi2Fatal), a new run needs a new instance"
-            )
+            raise FmuError(f"`{self.called}` has failed for good (fmi2Fatal), a new run needs a new instance")
         if self.used:
             with self.errors(f"reset {self.owner.who}"):
                 self.slave.reset()
