@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zipfile
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ import cosim
 from cosim.errors import CosimError
 from cosim.fmu.instance import Instance
 
-from ..conftest import END, SCENARIO
+from ..conftest import END, SCENARIO, pack
 from .several import LOOP, Write, column, fmu, run, signal, wire
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -162,16 +163,34 @@ def test_a_session_takes_over_the_instances_that_fit(write: Write) -> None:
     assert old["a"].closed
 
 
-def test_what_cannot_be_opened_leaves_nothing_open(write: Write, monkeypatch: pytest.MonkeyPatch) -> None:
-    scenario = cosim.load(write(text=ring(1)), set=["loop.stop_when=c.out > 1"])
-    opened: list[Instance] = []
+@pytest.fixture
+def opened(monkeypatch: pytest.MonkeyPatch) -> list[Instance]:
+    """Note every instance that is made."""
+    made: list[Instance] = []
     opening = Instance.__init__
 
     def noted(instance: Instance, *arguments: Any) -> None:
         opening(instance, *arguments)
-        opened.append(instance)
+        made.append(instance)
 
     monkeypatch.setattr(Instance, "__init__", noted)
+    return made
+
+
+def test_a_scenario_that_cannot_run_leaves_nothing_open(write: Write, opened: list[Instance]) -> None:
+    scenario = cosim.load(write(text=ring(1)), set=["loop.stop_when=c.out > 1"])
     with pytest.raises(CosimError, match=r"names `c\.out`"):
         cosim.Session(scenario)
     assert [instance.closed for instance in opened] == [True, True]
+
+
+def test_an_fmu_that_cannot_be_instantiated_leaves_none_open(
+    write: Write, folder: Path, opened: list[Instance]
+) -> None:
+    with zipfile.ZipFile(folder / "probe.fmu") as archive:
+        parts = {name: archive.read(name) for name in archive.namelist()}
+    description = parts.pop("modelDescription.xml").decode().replace("probe-guid", "another")
+    pack(folder / "wrong.fmu", description, parts)
+    with pytest.raises(CosimError, match="cannot instantiate the FMU `b`: wrong GUID"):
+        run(write(text=ring(1)), "b.fmu=wrong")
+    assert [(instance.name, instance.closed) for instance in opened] == [("a", True)]
