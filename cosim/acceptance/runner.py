@@ -94,11 +94,13 @@ def job(given: str, name: str, options: RunOptions) -> RecordedJob | CosimError:
     json, plot = (fresh(options.folder, f"{name}{ending}") for ending in (".json", ".svg"))
     try:
         scenario = load(given)
-        stale.warn(scenario.controller.fmu, paths.find_fmu(scenario.controller.fmu, scenario.folder))
+        stale.warn_of(scenario)
     except CosimError as error:
         return error
     plot = plot if options.plots else None
-    return RecordedJob(scenario, scenario.loop.seed, options.engine, plot is not None, "", json, plot)
+    return RecordedJob(
+        scenario, scenario.loop.seed, options.engine, keep_trace=plot is not None, json=json, plot=plot
+    )
 
 
 def fresh(folder: Path | None, name: str) -> Path | None:

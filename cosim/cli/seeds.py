@@ -8,7 +8,6 @@ from typing import NoReturn
 
 import typer
 
-from cosim import paths
 from cosim.cli.options import COULD_NOT_RUN, FAILED
 from cosim.errors import CosimError
 from cosim.loop.engines import Engine
@@ -33,7 +32,7 @@ def run_seeds(
     from cosim.sweep import seeds
 
     scenario = load(loop, changes)
-    stale.warn(scenario.controller.fmu, paths.find_fmu(scenario.controller.fmu, scenario.folder))
+    stale.warn_of(scenario)
     chosen = seeds.parse(text)
     with progress_bar(f"{scenario.name}, {len(chosen)} seeds", quiet) as progress:
         outcomes = seeds.run(scenario, chosen, engine, limits, progress)

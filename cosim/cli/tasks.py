@@ -82,7 +82,7 @@ class Single:
 
         scenario = load(self.loop, self.changes)
         session = bench.session(scenario, self.engine, self.verbose)
-        stale.warn(scenario.controller.fmu, session.file.path)
+        stale.warn_of(scenario)
         if self.plot is not None:
             from cosim.show import plot
 
@@ -113,8 +113,8 @@ class Show:
 
         scenario = load(self.loop, self.changes)
         session = bench.session(scenario, "reference")
-        stale.warn(scenario.controller.fmu, session.file.path)
-        return rendered(display.scenario(scenario, session.file, session.plant), self.sheet)
+        stale.warn_of(scenario)
+        return rendered(display.scenario(scenario, session.fmus, session.plant), self.sheet)
 
 
 @dataclass(frozen=True)

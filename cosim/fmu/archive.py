@@ -72,7 +72,10 @@ class Variable:
 
 @dataclass(frozen=True)
 class FmuFile:
-    """An FMU that was found to be an FMI 2.0 co-simulation FMU for this platform."""
+    """An FMU that was found to be an FMI 2.0 co-simulation FMU for this platform.
+
+    `once` tells that a process can instantiate it only once.
+    """
 
     path: Path
     folder: Path
@@ -81,6 +84,7 @@ class FmuFile:
     name: str
     description: str
     variables: dict[str, Variable]
+    once: bool = False
 
     def named(self, causality: str) -> list[Variable]:
         """Return the variables of one causality in the order of the model description."""
@@ -239,6 +243,7 @@ def describe(path: Path, folder: Path, description: Any) -> FmuFile:
         name=description.modelName,
         description=description.description or "",
         variables=variables,
+        once=bool(description.coSimulation.canBeInstantiatedOnlyOncePerProcess),
     )
 
 

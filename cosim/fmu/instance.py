@@ -20,6 +20,7 @@ from cosim.fmu.archive import FmuFile, Variable
 from cosim.fmu.library import check_library
 from cosim.fmu.messages import Messages
 from cosim.fmu.values import expand
+from cosim.scenario.model import ALONE, FmuChoice
 
 BASE = {
     "Real": "Real",
@@ -76,18 +77,28 @@ class Instance(Closing):
         Variables that `set` and `get` move in every step.
     log_events
         Whether the FMU shall log events beside warnings and errors.
+    owner
+        Its entry in the scenario, for messages.
     """
 
     def __init__(
-        self, file: FmuFile, inputs: list[Variable], outputs: list[Variable], log_events: bool = False
+        self,
+        file: FmuFile,
+        inputs: list[Variable],
+        outputs: list[Variable],
+        log_events: bool = False,
+        owner: FmuChoice = ALONE,
     ) -> None:
         self.file = file
+        self.owner = owner
+        self.name = owner.name
         self.driven = inputs
         self.log_events = log_events
         self.inputs = banks(inputs)
         self.outputs = banks(outputs)
-        self.messages = Messages(file.name)
-        self.slave = load_library(file)
+        self.called = file.name if owner.alone else owner.name
+        self.messages = Messages(self.called)
+        self.slave = load_library(file, self.name)
         self.used = self.running = self.dead = self.closed = False
         with self.errors("instantiate the FMU"):
             self.slave.instantiate(callbacks=self.messages.callbacks, loggingOn=log_events)
@@ -110,22 +121,20 @@ class Instance(Closing):
             instance is closed.
         """
         if self.closed:
-            raise FmuError(f"`{self.file.name}` is closed, a new run needs a new session")
+            raise FmuError(f"`{self.called}` is closed, a new run needs a new session")
         if self.dead:
-            raise FmuError(
-                f"`{self.file.name}` has failed for good (fmi2Fatal), a new run needs a new instance"
-            )
+            raise FmuError(f"`{self.called}` has failed for good (fmi2Fatal), a new run needs a new instance")
         if self.used:
-            with self.errors("reset the FMU"):
+            with self.errors(f"reset {self.owner.who}"):
                 self.slave.reset()
         self.used, self.running = True, False
-        with self.errors("set up the experiment"):
+        with self.errors("set up the experiment" + ("" if self.owner.alone else f" of `{self.name}`")):
             self.slave.setupExperiment(startTime=0.0)
-        for variable, value in expand(self.file.variables, parameters):
-            refused = f"the FMU refused `controller.{variable.name}` = `{value}`"
-            with concerning(f"controller.parameters.{variable.name}"), self.errors(refused):
+        for variable, value in expand(self.file.variables, parameters, self.owner):
+            refused = f"the FMU refused `{self.name}.{variable.name}` = `{value}`"
+            with concerning(f"{self.name}.parameters.{variable.name}"), self.errors(refused):
                 getattr(self.slave, f"set{BASE[variable.kind]}")([variable.reference], [value])
-        with self.errors("the FMU refused its parameters"):
+        with self.errors(f"{self.owner.who} refused its parameters"):
             self.slave.enterInitializationMode()
             self.slave.exitInitializationMode()
         self.running = True
@@ -136,7 +145,7 @@ class Instance(Closing):
 
     def read(self, variable: Variable) -> float:
         """Read the present value of one variable as a number."""
-        with self.errors(f"read `controller.{variable.name}`"):
+        with self.errors(f"read `{self.name}.{variable.name}`"):
             return float(getattr(self.slave, f"get{BASE[variable.kind]}")([variable.reference])[0])
 
     def set(self) -> None:
@@ -164,7 +173,7 @@ class Instance(Closing):
             raise self.failure(action, error) from None
         except Exception as error:  # FMPy raises bare exceptions, for example when instantiation fails
             words = self.messages.take()
-            raise FmuError(f"cannot {action} `{self.file.name}`: {words or error}") from None
+            raise FmuError(f"cannot {action} `{self.called}`: {words or error}") from None
         self.messages.take()
 
     def failure(self, action: str, error: FMICallException) -> FmuError:
@@ -186,8 +195,8 @@ class Instance(Closing):
         self.messages.close()
 
 
-def load_library(file: FmuFile) -> Any:
-    """Load the FMU's library."""
+def load_library(file: FmuFile, name: str) -> Any:
+    """Load the FMU's library for an instance of that name."""
     check_library(file.folder, file.identifier, file.path.name)
     try:
         with _loading, working_directory_kept():
@@ -195,7 +204,7 @@ def load_library(file: FmuFile) -> Any:
                 guid=file.guid,
                 modelIdentifier=file.identifier,
                 unzipDirectory=str(file.folder),
-                instanceName="controller",
+                instanceName=name,
             )
     except FmuError:
         raise

@@ -29,6 +29,10 @@ def report(fmu: Instance) -> None:
         except FmuError as error:
             reference = f"value reference {variable.reference}"
             log.warning(
-                "the FMU does not know its variable `%s` (%s): %s", variable.name, reference, error.message
+                "%s does not know its variable `%s` (%s): %s",
+                fmu.owner.who,
+                variable.name,
+                reference,
+                error.message,
             )
             return

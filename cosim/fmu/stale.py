@@ -10,11 +10,18 @@ from pathlib import Path
 from typing import Any
 
 from cosim import paths
+from cosim.scenario.model import Scenario
 
 log = logging.getLogger("cosim")
 
 PARTS = ("Cargo.toml", "build.rs", "src", "resources")
 """What a library is built from, in the folder of its crate."""
+
+
+def warn_of(scenario: Scenario) -> None:
+    """Warn as `warn` does of every FMU of a scenario."""
+    for choice in scenario.fmus:
+        warn(choice.fmu, paths.find_fmu(choice.fmu, scenario.folder))
 
 
 @functools.cache

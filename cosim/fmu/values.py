@@ -6,13 +6,14 @@ from typing import Any
 
 from cosim.errors import FmuError, closest, concerning, similar
 from cosim.fmu.archive import Variable
+from cosim.scenario.model import ALONE, FmuChoice
 from cosim.scenario.tables import show
 
 Value = float | int | bool | str
 
 
-def encode(variable: Variable, value: Any) -> Value:
-    """Value of the FMI type of a variable.
+def encode(variable: Variable, value: Any, owner: FmuChoice = ALONE) -> Value:
+    """Value of the FMI type of a variable; `owner` is its FMU, for messages.
 
     Enumerations take the item's name or number, Booleans `true`, `false`, 0 or 1; numbers are never rounded.
 
@@ -31,17 +32,17 @@ def encode(variable: Variable, value: Any) -> Value:
         case "String" if isinstance(value, str):
             return value
         case "Enumeration":
-            return item_number(variable, value)
+            return item_number(variable, value, owner)
     kinds = {
         "Real": "a number",
         "Integer": "an integer of 32 bits",
         "Boolean": "true or false",
         "String": "a text",
     }
-    raise FmuError(f"`controller.{variable.name}` is {show(value)}, it must be {kinds[variable.kind]}")
+    raise FmuError(f"`{owner.name}.{variable.name}` is {show(value)}, it must be {kinds[variable.kind]}")
 
 
-def item_number(variable: Variable, value: Any) -> int:
+def item_number(variable: Variable, value: Any, owner: FmuChoice) -> int:
     """Find the number of an enumeration item given by name or number."""
     items = dict(variable.items)
     if isinstance(value, str) and value in items:
@@ -50,13 +51,20 @@ def item_number(variable: Variable, value: Any) -> int:
         return int(value)
     names = ", ".join(f"`{name}`" for name in items)
     raise FmuError(
-        f"`controller.{variable.name}` is {show(value)}, it must be one of {names}",
+        f"`{owner.name}.{variable.name}` is {show(value)}, it must be one of {names}",
         similar(value, items) if isinstance(value, str) else "",
     )
 
 
-def expand(variables: dict[str, Variable], parameters: dict[str, Any]) -> list[tuple[Variable, Value]]:
+def expand(
+    variables: dict[str, Variable], parameters: dict[str, Any], owner: FmuChoice = ALONE
+) -> list[tuple[Variable, Value]]:
     """Variables and values of a table of parameters; `bias = [1, 2]` sets `bias[1]` and `bias[2]`.
+
+    Parameters
+    ----------
+    owner
+        The FMU, for messages.
 
     Raises
     ------
@@ -68,34 +76,34 @@ def expand(variables: dict[str, Variable], parameters: dict[str, Any]) -> list[t
         if isinstance(value, list) and name not in variables:
             length = sum(known.startswith(f"{name}[") for known in variables)
             if 0 < length != len(value):
-                raise FmuError(f"`controller.{name}` has {len(value)} values, it takes {length}")
+                raise FmuError(f"`{owner.name}.{name}` has {len(value)} values, it takes {length}")
             flat += [(f"{name}[{index}]", item) for index, item in enumerate(value, start=1)]
         else:
             flat.append((name, value))
     pairs = []
     for name, value in flat:
-        with concerning(f"controller.parameters.{name}"):
-            pairs.append((settable(variables, name), encode(variables[name], value)))
+        with concerning(f"{owner.name}.parameters.{name}"):
+            pairs.append((settable(variables, name, owner), encode(variables[name], value, owner)))
     return pairs
 
 
-def settable(variables: dict[str, Variable], name: str) -> Variable:
+def settable(variables: dict[str, Variable], name: str, owner: FmuChoice) -> Variable:
     """Variable that may be given a start value."""
-    variable = lookup(variables, name)
+    variable = lookup(variables, name, owner)
     derived = variable.causality in ("output", "calculatedParameter", "independent")
     if variable.variability == "constant" or derived:
         what = "constant" if variable.variability == "constant" else variable.causality
         raise FmuError(
-            f"`controller.{name}` is of causality `{what}`, it cannot be set",
+            f"`{owner.name}.{name}` is of causality `{what}`, it cannot be set",
             "parameters and start values of inputs can",
         )
     return variable
 
 
-def lookup(variables: dict[str, Variable], name: str) -> Variable:
+def lookup(variables: dict[str, Variable], name: str, owner: FmuChoice = ALONE) -> Variable:
     """Variable by name, or an error with the closest name."""
     if name not in variables:
-        raise FmuError(f"the FMU has no variable `{name}`", closest(name, variables))
+        raise FmuError(f"{owner.who} has no variable `{name}`", closest(name, variables))
     return variables[name]
 
 

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import functools
 import logging
+from collections.abc import Sequence
 
 from cosim.errors import closest
-from cosim.fmu.archive import FmuFile
-from cosim.loop.connect import targets
+from cosim.fmu.instance import Instance
 from cosim.loop.plant import Plant
+from cosim.loop.wires.connect import targets
 from cosim.scenario.model import Scenario
 
 log = logging.getLogger("cosim")
 
 
-def report(scenario: Scenario, file: FmuFile, plant: Plant) -> None:
-    """Log the inputs of the FMU and commands of the plant that nothing drives and `idle` does not list."""
-    known = ends(file, plant)
+def report(scenario: Scenario, fmus: Sequence[Instance], plant: Plant) -> None:
+    """Log the inputs of FMUs and commands of the plant that nothing drives and `idle` does not list."""
+    known = ends(fmus, plant)
     if text := unknown(scenario, known):
         warn(f"{scenario.origin('idle')}: {text}")
     if forgotten := undriven(scenario, known):
@@ -32,9 +33,9 @@ def unknown(scenario: Scenario, known: list[str]) -> str:
     return f"`idle` lists {quoted(names)}, which is no input and no command; {closest(names[0], known)}"
 
 
-def ends(file: FmuFile, plant: Plant) -> list[str]:
-    """List everything that can be driven: inputs of the FMU, commands of the plant."""
-    inputs = [f"controller.{variable.name}" for variable in file.named("input")]
+def ends(fmus: Sequence[Instance], plant: Plant) -> list[str]:
+    """List everything that can be driven: inputs of the FMUs, commands of the plant."""
+    inputs = [f"{fmu.name}.{variable.name}" for fmu in fmus for variable in fmu.file.named("input")]
     return inputs + [f"plant.{channel.name}" for channel in plant.commands]
 
 
@@ -45,7 +46,7 @@ def quoted(names: list[str]) -> str:
 
 def undriven(scenario: Scenario, known: list[str]) -> list[str]:
     """List the names of `known` without wire, signal, injection or start value that `idle` does not list."""
-    started = {f"controller.{name}" for name in scenario.controller.parameters}
+    started = {f"{choice.name}.{name}" for choice in scenario.fmus for name in choice.parameters}
     meant = {to for _, to in targets(scenario)} | started | set(scenario.idle)
     return [name for name in known if name not in meant]
 

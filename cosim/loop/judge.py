@@ -6,8 +6,8 @@ import logging
 from dataclasses import replace
 
 from cosim import paths
-from cosim.errors import ExpressionError, concerning
-from cosim.fmu.archive import open_fmu
+from cosim.errors import ExpressionError
+from cosim.loop import fmus
 from cosim.loop.result import Result
 from cosim.loop.session import located
 from cosim.loop.stored import StoredTrace
@@ -77,13 +77,12 @@ def compile_metrics(scenario: Scenario, found: StoredTrace, shown: str) -> list[
 
 
 def described(found: StoredTrace, scenario: Scenario) -> StoredTrace:
-    """Trace with units and items; those of the FMU's variables where its file tells none, as a CSV file."""
+    """Trace with units and items; those of the FMUs' variables where its file tells none, as a CSV file."""
     if found.units:
         return found
-    with concerning("controller.fmu"):
-        file = open_fmu(paths.find_fmu(scenario.controller.fmu, scenario.folder))
-    variables = {name: file.variables.get(name.removeprefix("controller.")) for name in found.columns}
-    known = {name: v for name, v in variables.items() if v is not None and name.startswith("controller.")}
+    files = fmus.open_files(scenario)
+    variables = {f"{owner}.{name}": v for owner, file in files.items() for name, v in file.variables.items()}
+    known = {name: variables[name] for name in found.columns if name in variables}
     return replace(
         found,
         units={name: variable.unit for name, variable in known.items()},

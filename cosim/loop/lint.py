@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from cosim.loop import idle
-from cosim.loop.connect import Connector
+from cosim.loop import fmus, idle
 from cosim.loop.place import Stage
 from cosim.loop.session import Session, located
+from cosim.loop.wires.connect import Connector
 from cosim.metrics.units import SCALES
 from cosim.scenario.model import Wire
 
@@ -25,18 +25,17 @@ def check(session: Session) -> list[str]:
     """
     scenario = session.scenario
     with located(scenario):
-        session.place.at(Stage.INITIALISE)
-        session.fmu.initialise(scenario.controller.parameters)
+        fmus.initialise(scenario, session.fmus, session.place)
         session.place.at(Stage.NONE)
         commands = np.zeros(len(session.plant.commands))
-        Connector(scenario, session.fmu, session.plant, commands, scenario.loop.seed).links()
+        Connector(scenario, session.fmus, session.plant, commands, scenario.loop.seed).links()
     return warnings(session)
 
 
 def warnings(session: Session) -> list[str]:
     """Sentences about what is undriven, of unlike units, or not demanded."""
     found = []
-    known = idle.ends(session.file, session.plant)
+    known = idle.ends(session.fmus, session.plant)
     if unknown := idle.unknown(session.scenario, known):
         found.append(unknown)
     if forgotten := idle.undriven(session.scenario, known):
@@ -61,8 +60,8 @@ def unlike(wire: Wire, session: Session) -> str:
 def unit_of(end: str, session: Session) -> str:
     """Tell the unit at one end of a wire; empty where none is known."""
     side, _, name = end.partition(".")
-    if side == "controller":
-        return session.file.variables[name].unit
+    if fmu := next((fmu for fmu in session.fmus if fmu.name == side), None):
+        return fmu.file.variables[name].unit
     channels = (*session.plant.readings, *session.plant.commands)
     return next((channel.unit for channel in channels if channel.name == name), "")
 

@@ -14,12 +14,14 @@ from numpy.typing import NDArray
 
 from cosim.fmu.instance import Bank, Instance
 from cosim.loop import condition, reference
-from cosim.loop.connect import Connector, Links, whole
 from cosim.loop.engines import Engine
 from cosim.loop.place import Stage
 from cosim.loop.plant import Plant
 from cosim.loop.reference import PROGRESS_EVERY, Parts, Run
 from cosim.loop.trace import Recorder
+from cosim.loop.wires.connect import Connector
+from cosim.loop.wires.links import Links, whole
+from cosim.scenario.model import Scenario
 
 log = logging.getLogger("cosim")
 
@@ -51,12 +53,15 @@ class Controller:
         return [*(call.name for call in self.set), DO_STEP, *(call.name for call in self.get)][number]
 
 
-def choose(engine: Engine, name: str, plant: Plant) -> Engine:
-    """Engine for a plant: the one asked for, or with one warning the reference loop."""
+def choose(engine: Engine, scenario: Scenario, plant: Plant) -> Engine:
+    """Engine for a scenario and its plant: the one asked for, or with one warning the reference loop."""
     if engine == "reference":
         return engine
+    if scenario.fmu:
+        warn_once(f"`{scenario.name}` runs in the reference loop: the native engine takes a `[controller]`")
+        return "reference"
     if reason := obstacle(plant):
-        warn_once(f"the plant `{name}` runs in the reference loop: {reason}")
+        warn_once(f"the plant `{scenario.plant.name}` runs in the reference loop: {reason}")
         return "reference"
     return engine
 
@@ -114,13 +119,13 @@ def run(parts: Parts, chunk: int = PROGRESS_EVERY) -> Run:
     """
     from machining_native import Stepper
 
-    scenario, fmu, plant = parts.scenario, parts.fmu, parts.plant
+    scenario, plant, (fmu,) = parts.scenario, parts.plant, parts.fmus
     stop_when, progress = parts.stop_when, parts.progress
     body: Any = plant
     steps, step = scenario.loop.steps, scenario.loop.step
     machine = body.machine()
-    links = Connector(scenario, fmu, plant, np.zeros(len(plant.commands)), parts.seed).links()
-    recorder = Recorder(fmu, plant, steps, scenario.loop.record_every)
+    links = Connector(scenario, parts.fmus, plant, np.zeros(len(plant.commands)), parts.seed).links()
+    recorder = Recorder(parts.fmus, plant, steps, scenario.loop.record_every)
     columns = recorder.table.shape[1]
     recorder.stop = condition.program(stop_when, columns) if stop_when else None
     calls = controller(fmu)

@@ -78,8 +78,9 @@ class Place:
         """Forget everything."""
         self.begin("", "", 0, 0.0)
 
-    def at(self, stage: Stage) -> None:
-        """Note whose code runs now."""
+    def at(self, stage: Stage, fmu: str = "") -> None:
+        """Note whose code runs now; of several FMUs, of which."""
+        self.page.fmu = fmu.encode()[: NAME - 1] or self.page.fmu
         self.page.stage = stage
 
     def who(self) -> str:

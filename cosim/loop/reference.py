@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 
 from cosim.errors import CosimError, PlantError
 from cosim.fmu.instance import Instance
-from cosim.loop.connect import Connector, Fault, Link, Links
 from cosim.loop.place import Place, Stage
 from cosim.loop.plant import Plant, one_each
 from cosim.loop.trace import Recorder
+from cosim.loop.wires.connect import Connector
+from cosim.loop.wires.links import Fault, Inlet, Link
 from cosim.metrics.expression import Expression
 from cosim.scenario.model import Scenario
 
@@ -33,14 +34,14 @@ class Run(NamedTuple):
 
 @dataclass(frozen=True)
 class Parts:
-    """What a run needs: an initialised FMU and a plant that was reset, wired by a scenario.
+    """What a run needs: initialised FMUs in the order of the scenario and a plant that was reset.
 
     The run ends early in the first row that `stop_when` holds for. `interrupt` is called after every step and
     may raise; `place` is told whose code runs.
     """
 
     scenario: Scenario
-    fmu: Instance
+    fmus: Sequence[Instance]
     plant: Plant
     seed: int
     stop_when: Expression | None = None
@@ -50,40 +51,45 @@ class Parts:
 
 
 def run(parts: Parts) -> Run:
-    """Run FMU and plant in closed loop.
+    """Run FMUs and plant in closed loop.
 
-    The row of step `k` holds the time `k * step`, the inputs that the controller got then, the outputs it
+    The row of step `k` holds the time `k * step`, the inputs that the FMUs got then, the outputs they
     computed from them and the truths of the plant at that time.
 
     Raises
     ------
     CosimError
-        The FMU returned an error, the plant failed, or a value on a wire is not finite; names step and time.
+        An FMU returned an error, the plant failed, or a value on a wire is not finite; names step and time.
     """
-    scenario, fmu, plant = parts.scenario, parts.fmu, parts.plant
+    scenario, plant = parts.scenario, parts.plant
     stop_when, progress, loop = parts.stop_when, parts.progress, scenario.loop
     commands = np.zeros(len(plant.commands))
-    links = Connector(scenario, fmu, plant, commands, parts.seed).links()
-    recorder = Recorder(fmu, plant, loop.steps, loop.record_every)
-    page, interrupt = parts.place.page, parts.interrupt
+    links = Connector(scenario, parts.fmus, plant, commands, parts.seed).links()
+    recorder = Recorder(parts.fmus, plant, loop.steps, loop.record_every)
+    place, page, interrupt = parts.place, parts.place.page, parts.interrupt
+    rates = [(choice.shown, loop.every(choice.step)) for choice in scenario.fmus]
+    turns = list(zip(rates, parts.fmus, links.fmus, strict=True))
 
-    k = 0
+    k, fmu = 0, parts.fmus[0]
     page.stage = Stage.STEP_PLANT
     try:
         for k in range(loop.steps):
             page.step = k
             # time is never accumulated
             time = k * loop.step
-            # sample: ideal readings become what the controller sees
-            carry_readings(links, plant, k)
-            # compute: the controller moves first
-            page.stage = Stage.STEP
-            fmu.set()
-            fmu.step(time, loop.step)
-            fmu.get()
-            page.stage = Stage.STEP_PLANT
+            # sample: ideal readings, which wires make what the FMUs see
+            links.sensed[:] = one_each(plant.sense(), plant.readings, "sense")
+            # compute: the FMUs move first, one after the other
+            for (name, every), fmu, inlet in turns:
+                arrive(inlet, k)
+                if k % every == 0:
+                    place.at(Stage.STEP, name)
+                    fmu.set()
+                    fmu.step(time, every * loop.step)
+                    fmu.get()
+                    page.stage = Stage.STEP_PLANT
             # act: the commands of this step, or of `compute_delay` steps ago
-            carry_outputs(links, k)
+            arrive(links.plant, k)
             plant.command(commands)
             row = recorder.record(k, time)
             # move the plant to the next communication point
@@ -115,21 +121,13 @@ def reset_plant(plant: Plant, scenario: Scenario, seed: np.random.SeedSequence) 
         raise failed_plant(f"the plant `{scenario.plant.name}` cannot be reset", error) from error
 
 
-def carry_readings(links: Links, plant: Plant, k: int) -> None:
-    """Carry readings through their wires, then signals, then injections, into the inputs of the FMU."""
-    links.sensed[:] = one_each(plant.sense(), plant.readings, "sense")
-    for link in links.readings:
+def arrive(inlet: Inlet, k: int) -> None:
+    """Carry values through their wires, then signals, then injections, to where they are meant for."""
+    for link in inlet.wires:
         carry(link, k)
-    for drive in links.drives:
+    for drive in inlet.drives:
         drive.target.array[drive.target.index] = drive.target.convert(drive.course.item(k))
-    inject(links.input_faults, k)
-
-
-def carry_outputs(links: Links, k: int) -> None:
-    """Carry outputs of the FMU through their wires, then injections, into the commands of the plant."""
-    for link in links.outputs:
-        carry(link, k)
-    inject(links.command_faults, k)
+    inject(inlet.faults, k)
 
 
 def carry(link: Link, k: int) -> None:
@@ -149,7 +147,7 @@ def located(error: Exception | SystemExit, fmu: Instance, scenario: Scenario, k:
     """Error of a run with step and time, and with the FMU's own words if it was the FMU."""
     when = f"at t = {k * scenario.loop.step:.9g} s (step {k})"
     if isinstance(error, FMICallException):
-        return fmu.failure(f"the FMU failed {when}", error)
+        return fmu.failure(f"{fmu.owner.who} failed {when}", error)
     if isinstance(error, CosimError):
         return type(error)(f"{error.message} {when}", error.hint)
     return failed_plant(f"the plant `{scenario.plant.name}` failed {when}", error)

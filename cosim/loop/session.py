@@ -4,22 +4,21 @@ from __future__ import annotations
 
 import contextlib
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
-from cosim import interrupts, paths
+from cosim import interrupts
 from cosim.closing import Closing
 from cosim.errors import CosimError, PlantError, concerning
 from cosim.fmu import readable
-from cosim.fmu.archive import FmuFile, Variable, open_fmu
+from cosim.fmu.archive import FmuFile
 from cosim.fmu.instance import Instance
-from cosim.loop import idle, native, plant, reference, trace
-from cosim.loop.connect import driven
+from cosim.loop import fmus, idle, native, plant, reference, trace
 from cosim.loop.engines import Engine, checked
 from cosim.loop.place import Place, Stage
 from cosim.loop.reference import Parts, Progress
 from cosim.loop.result import Result
-from cosim.loop.wiring import child
+from cosim.loop.wires.wiring import child
 from cosim.metrics import criteria
 from cosim.metrics.expression import Expression
 from cosim.scenario.model import Scenario
@@ -30,17 +29,17 @@ MOST_SUBSTEPS = 10**6
 
 
 class Session(Closing):
-    """A scenario with its FMU and plant opened once; each `run` resets both.
+    """A scenario with its FMUs and plant opened once; each `run` resets all.
 
     Parameters
     ----------
     scenario
         The scenario, see `cosim.load`.
     log_events
-        Whether the FMU shall log events beside warnings and errors.
+        Whether the FMUs shall log events beside warnings and errors.
     engine
-        `reference` is FMPy's loop, `native` does the same in native code, bit for bit; a plant written in
-        Python runs in the reference loop in any case.
+        `reference` is FMPy's loop, `native` does the same in native code, bit for bit; several FMUs and a
+        plant written in Python run in the reference loop in any case.
     previous
         A session that is not used any more: what it has open is taken over where it fits, else closed.
     place
@@ -49,7 +48,7 @@ class Session(Closing):
     Raises
     ------
     CosimError
-        The FMU or plant cannot be opened, or does not fit the scenario.
+        An FMU or the plant cannot be opened, or does not fit the scenario.
     """
 
     def __init__(
@@ -63,43 +62,57 @@ class Session(Closing):
         self.scenario = scenario
         self.place = place or Place()
         self.has_plant = self.complete = False
-        self.place.begin(
-            scenario.controller.fmu, scenario.plant.name, scenario.loop.steps, scenario.loop.step
-        )
+        self.begin()
         with located(scenario):
-            with concerning("controller.fmu"):
-                self.file = open_fmu(paths.find_fmu(scenario.controller.fmu, scenario.folder))
+            files = fmus.open_files(scenario)
             self.place.at(Stage.BUILD_PLANT)
             self.plant = open_plant(scenario, previous)
             self.has_plant = True
             try:
-                self._open(engine, log_events, previous)
+                self._open(files, engine, log_events, previous)
             except BaseException:
                 self.close_plant()
                 raise
 
-    def _open(self, engine: Engine, log_events: bool, previous: Session | None) -> None:
-        """Instantiate the FMU, and check that it and the plant fit the scenario."""
+    def _open(
+        self, files: Mapping[str, FmuFile], engine: Engine, log_events: bool, previous: Session | None
+    ) -> None:
+        """Instantiate the FMUs, and check that they and the plant fit the scenario."""
         scenario = self.scenario
-        self.engine = native.choose(checked(engine), scenario.plant.name, self.plant)
+        self.engine = native.choose(checked(engine), scenario, self.plant)
         check_timestep(scenario, self.plant.timestep)
-        inputs = driven(scenario, self.file)
-        self.place.at(Stage.LOAD)
-        self.fmu = open_instance(self.file, inputs, log_events, previous)
+        before: tuple[Instance, ...] = () if previous is None else previous.fmus
+        self.fmus: tuple[Instance, ...] = fmus.open_instances(scenario, files, log_events, before, self.place)
         self.place.at(Stage.NONE)
         try:
             self._compile()
         except CosimError:
-            self.fmu.close()
+            fmus.close(self.fmus, self.place)
             raise
+
+    @property
+    def fmu(self) -> Instance:
+        """The first FMU, which in most scenarios is the only one."""
+        return self.fmus[0]
+
+    @property
+    def file(self) -> FmuFile:
+        """File of the first FMU."""
+        return self.fmu.file
+
+    def begin(self) -> None:
+        """Tell the place that another run begins."""
+        scenario = self.scenario
+        first = scenario.fmus[0].shown
+        self.place.begin(first, scenario.plant.name, scenario.loop.steps, scenario.loop.step)
 
     def _compile(self) -> None:
         """Compile all expressions against the columns of the trace."""
-        found = trace.columns(self.fmu, self.plant)
+        found = trace.columns(self.fmus, self.plant)
         columns = {name: dict(v.items) if v and v.items else None for name, v in found.items()}
         self.columns = columns
         self.metrics = criteria.compile_metrics(
-            self.scenario.metric, columns, trace.units(self.file, self.plant)
+            self.scenario.metric, columns, trace.units(self.fmus, self.plant)
         )
         criteria.check_units(self.scenario.criterion, self.scenario.metric, self.metrics)
         stop = self.scenario.loop.stop_when
@@ -126,23 +139,22 @@ class Session(Closing):
         scenario, place = self.scenario, self.place
         seed = scenario.loop.seed if seed is None else seed
         self.complete = False
-        place.begin(scenario.controller.fmu, scenario.plant.name, scenario.loop.steps, scenario.loop.step)
+        self.begin()
         with located(scenario), interrupts.deferred() as interrupt:
-            idle.report(scenario, self.file, self.plant)
-            place.at(Stage.INITIALISE)
-            self.fmu.initialise(scenario.controller.parameters)
+            idle.report(scenario, self.fmus, self.plant)
+            fmus.initialise(scenario, self.fmus, place)
             place.at(Stage.RESET_PLANT)
             reference.reset_plant(self.plant, scenario, child(seed, "plant"))
             begin = time.perf_counter()
             run = native.run if self.engine == "native" else reference.run
-            done = run(Parts(scenario, self.fmu, self.plant, seed, self.stop, progress, interrupt, place))
+            done = run(Parts(scenario, self.fmus, self.plant, seed, self.stop, progress, interrupt, place))
             wall = time.perf_counter() - begin
             place.at(Stage.NONE)
             self.complete = True
             pairs = zip(scenario.metric, self.metrics, strict=True)
             measured = [criteria.measure(metric, expression, done.table.T) for metric, expression in pairs]
         by_name = {entry.name: entry for entry in measured}
-        units = trace.units(self.file, self.plant)
+        units = trace.units(self.fmus, self.plant)
         return Result(
             scenario=scenario.name,
             title=scenario.title,
@@ -155,19 +167,19 @@ class Session(Closing):
             trace=trace.structured(done.table, list(self.columns)),
             units={name: units[name] for name in self.columns},
             items={name: items for name, items in self.columns.items() if items},
-            displays=trace.displays(self.file),
+            displays=trace.displays(self.fmus),
         )
 
     def close(self) -> None:
-        """Free the FMU and close the plant; the session cannot run any more.
+        """Free the FMUs and close the plant; the session cannot run any more.
 
-        What the FMU refuses to read is asked for here: it cannot cost the result of the run any more.
+        What an FMU refuses to read is asked for here: it cannot cost the result of the run any more.
         """
-        if self.complete and self.fmu.running:
-            self.place.at(Stage.READ)
-            readable.report(self.fmu)
-        self.place.at(Stage.CLOSE)
-        self.fmu.close()
+        for choice, fmu in zip(self.scenario.fmus, self.fmus, strict=True):
+            if self.complete and fmu.running:
+                self.place.at(Stage.READ, choice.shown)
+                readable.report(fmu)
+        fmus.close(self.fmus, self.place)
         self.close_plant()
 
     def close_plant(self) -> None:
@@ -195,18 +207,6 @@ def chosen(scenario: Scenario) -> tuple[str, dict[str, Any]]:
     if not scenario.plant.name:
         return "", {"timestep": scenario.loop.step / scenario.loop.substeps}
     return scenario.plant.name, scenario.plant.parameters
-
-
-def open_instance(
-    file: FmuFile, inputs: list[Variable], log_events: bool, previous: Session | None
-) -> Instance:
-    """Instance of an FMU, that of the previous session if it moves the same variables."""
-    if previous is not None:
-        same = previous.file is file and previous.fmu.driven == inputs
-        if same and previous.fmu.log_events == log_events and not previous.fmu.dead:
-            return previous.fmu
-        previous.close()
-    return Instance(file, inputs, trace.numeric_outputs(file), log_events)
 
 
 def check_timestep(scenario: Scenario, timestep: float) -> None:

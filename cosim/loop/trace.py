@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -21,8 +22,8 @@ class Recorder:
 
     Parameters
     ----------
-    fmu
-        Initialised instance: inputs that nothing drives are recorded with their start value.
+    fmus
+        Initialised instances: inputs that nothing drives are recorded with their start value.
     plant
         The plant.
     steps
@@ -31,21 +32,21 @@ class Recorder:
         Steps between two rows.
     """
 
-    def __init__(self, fmu: Instance, plant: Plant, steps: int, every: int = 1) -> None:
+    def __init__(self, fmus: Sequence[Instance], plant: Plant, steps: int, every: int = 1) -> None:
         self.plant = plant
         self.every = every
         self.stop: Program | None = None
-        self.table = np.zeros((-(-steps // every), len(columns(fmu, plant))))
+        self.table = np.zeros((-(-steps // every), len(columns(fmus, plant))))
         # inputs that nothing drives are constant
         first = 1
-        for variable in idle(fmu):
+        for fmu, variable in idle(fmus):
             self.table[:, first] = fmu.read(variable)
             first += 1
         self.start = first
-        # then every bank of the FMU, each a slice of the row
+        # then every bank of the FMUs, each a slice of the row
         self.banks: list[NDArray[Any]] = []
         self.parts: list[slice] = []
-        for bank in [*fmu.inputs, *fmu.outputs]:
+        for bank in (bank for fmu in fmus for bank in [*fmu.inputs, *fmu.outputs]):
             self.banks.append(bank.values)
             self.parts.append(slice(first, first + len(bank.variables)))
             first += len(bank.variables)
@@ -72,35 +73,36 @@ class Recorder:
         return self.table[: -(-steps // self.every)]
 
 
-def idle(fmu: Instance) -> list[Variable]:
-    """Numeric inputs of the FMU that nothing drives."""
-    moved = {variable.name for bank in fmu.inputs for variable in bank.variables}
-    return [v for v in fmu.file.named("input") if v.name not in moved and v.kind != "String"]
+def idle(fmus: Sequence[Instance]) -> list[tuple[Instance, Variable]]:
+    """Numeric inputs of the FMUs that nothing drives."""
+    moved = {(fmu.name, v.name) for fmu in fmus for bank in fmu.inputs for v in bank.variables}
+    inputs = [(fmu, v) for fmu in fmus for v in fmu.file.named("input") if v.kind != "String"]
+    return [(fmu, v) for fmu, v in inputs if (fmu.name, v.name) not in moved]
 
 
-def columns(fmu: Instance, plant: Plant) -> dict[str, Variable | None]:
+def columns(fmus: Sequence[Instance], plant: Plant) -> dict[str, Variable | None]:
     """Names of the columns of a trace in order; with the FMU's variable where there is one."""
-    variables = [*idle(fmu), *(v for bank in [*fmu.inputs, *fmu.outputs] for v in bank.variables)]
+    moved = [(fmu, v) for fmu in fmus for bank in [*fmu.inputs, *fmu.outputs] for v in bank.variables]
     return {
         "time": None,
-        **{f"controller.{variable.name}": variable for variable in variables},
+        **{f"{fmu.name}.{variable.name}": variable for fmu, variable in [*idle(fmus), *moved]},
         **{f"plant.{channel.name}": None for channel in plant.truths},
     }
 
 
-def units(file: FmuFile, plant: Plant) -> dict[str, str]:
+def units(fmus: Sequence[Instance], plant: Plant) -> dict[str, str]:
     """Units of the columns of a trace, empty where none is known."""
     return {
         "time": "s",
-        **{f"controller.{variable.name}": variable.unit for variable in file.variables.values()},
+        **{f"{fmu.name}.{v.name}": v.unit for fmu in fmus for v in fmu.file.variables.values()},
         **{f"plant.{channel.name}": channel.unit for channel in plant.truths},
     }
 
 
-def displays(file: FmuFile) -> dict[str, DisplayUnit]:
+def displays(fmus: Sequence[Instance]) -> dict[str, DisplayUnit]:
     """Display units of the columns of a trace that have one."""
-    variables = file.variables.values()
-    return {f"controller.{variable.name}": variable.display for variable in variables if variable.display}
+    variables = [(fmu.name, variable) for fmu in fmus for variable in fmu.file.variables.values()]
+    return {f"{name}.{variable.name}": variable.display for name, variable in variables if variable.display}
 
 
 def numeric_outputs(file: FmuFile) -> list[Variable]:

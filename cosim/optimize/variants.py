@@ -67,14 +67,14 @@ class Variants:
     def job(self, run: Run, engine: Engine) -> Job:
         """Job of one run, whose trace is kept where it is compared."""
         scenario = self.at(run.changes)
-        fmu = paths.find_fmu(scenario.controller.fmu, scenario.folder)
-        return Job(scenario, run.seed, engine, self.target is not None, digest(fmu))
+        fmus = tuple(digest(paths.find_fmu(choice.fmu, scenario.folder)) for choice in scenario.fmus)
+        return Job(scenario, run.seed, engine, self.target is not None, fmus)
 
     def runs(self, number: int, values: Values) -> list[Run]:
         """Make the runs of a trial, one for each seed."""
         scenario = self.at(values)
-        fmu, _, plant = check(scenario)
-        changed = self.identity + total(things(scenario, fmu, plant))
+        files, _, plant = check(scenario)
+        changed = self.identity + total(things(scenario, files, plant))
         changed += sum(leaf(f"set.{key}", value) for key, value in values.items())
         first = number * len(self.seeds)
         return [

@@ -74,24 +74,25 @@ class Order:
 class Job:
     """One run of a scenario with a seed, by the engine of that name, whose result may keep its trace.
 
-    Where the log takes events of FMUs, this one's FMU is told to log them.
+    Where the log takes events of FMUs, these are told to log them.
 
-    `fmu` is the SHA-256 that the FMU must have, as far as the name of its extracted folder goes; empty takes
-    any.
+    `fmus` are the SHA-256 that the FMUs must have, as far as the names of their extracted folders go; none
+    takes any.
     """
 
     scenario: Scenario
     seed: int
     engine: Engine = "native"
     keep_trace: bool = False
-    fmu: str = ""
+    fmus: tuple[str, ...] = ()
 
     def run(self, bench: Bench) -> Result:
         """Run the scenario once."""
         session = bench.session(self.scenario, self.engine, log.isEnabledFor(EVENTS))
-        folder = session.file.folder
-        if self.fmu and folder.name != self.fmu[: len(folder.name)]:
-            problem = f"the FMU `{session.file.path}` is not the one the sweep began with"
-            raise FmuError(problem, "it was built or copied anew")
+        for fmu, wanted in zip(session.fmus, self.fmus, strict=False):
+            folder = fmu.file.folder
+            if folder.name != wanted[: len(folder.name)]:
+                problem = f"the FMU `{fmu.file.path}` is not the one the sweep began with"
+                raise FmuError(problem, "it was built or copied anew")
         result = session.run(self.seed, bench.progress)
         return result if self.keep_trace else dataclasses.replace(result, trace=None)

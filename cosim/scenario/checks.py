@@ -2,18 +2,27 @@
 
 from __future__ import annotations
 
+import keyword
+import re
+
 from cosim.errors import closest
 from cosim.scenario.layers import Layers
-from cosim.scenario.model import Criterion, Loop, Scenario, Signal, Wire
-from cosim.scenario.tables import Fail
+from cosim.scenario.model import Criterion, FmuChoice, Loop, Scenario, Signal, Wire
+from cosim.scenario.tables import IDENTITY, Fail, show
 
 MOST_STEPS = 1e12
 """More steps than any run has; times beyond are never reached."""
+TAKEN = {"plant", "loop", "time", "title", "description", "idle", "plot", *IDENTITY}
+"""Names that mean something else in wires, columns and overrides."""
 
 
 def check(scenario: Scenario, merged: Layers) -> None:
     """Check a loaded scenario."""
     check_loop(scenario.loop, merged.fail)
+    check_forms(merged)
+    check_unique([("fmu", choice.name) for choice in scenario.fmu], merged.fail)
+    for choice in scenario.fmu:
+        check_fmu(choice, scenario.loop, merged.fail)
     check_unique(
         [
             *(("wire", wire.to) for wire in scenario.wire),
@@ -52,6 +61,38 @@ def check_loop(loop: Loop, fail: Fail) -> None:
         )
 
 
+def check_forms(merged: Layers) -> None:
+    """Check that there is either one FMU or a list of them."""
+    hint = "one FMU is a table `[controller]`, several are tables `[[fmu]]`"
+    if "fmu" not in merged.table:
+        if "controller" not in merged.table:
+            merged.fail("controller", "is missing", hint)
+    elif "controller" in merged.table:
+        merged.fail("fmu", "is there beside `controller`", hint)
+    elif not merged.table["fmu"]:
+        merged.fail("fmu", "is empty", hint)
+
+
+def check_fmu(choice: FmuChoice, loop: Loop, fail: Fail) -> None:
+    """Check that the name of an FMU can stand in wires and expressions, and its step on the grid."""
+    key = f"fmu.{choice.name}"
+    if not re.fullmatch(r"[A-Za-z_]\w*", choice.name, re.ASCII) or keyword.iskeyword(choice.name):
+        letters = "letters, digits and `_`, with no digit first, and no word of Python"
+        fail(f"{key}.name", f"is {show(choice.name)}, it must be made of {letters}")
+    if choice.name in TAKEN:
+        fail(f"{key}.name", f"is `{choice.name}`, which means something else here", "give it another name")
+    if choice.step is not None and not MOST_STEPS > choice.step / loop.step > 0.5:
+        fail(f"{key}.step", f"is `{choice.step}` s, it must be a multiple of `loop.step` = `{loop.step}` s")
+    every = loop.every(choice.step)
+    if choice.step is not None and abs(choice.step / loop.step - every) > 1e-6:
+        hint = f"the nearest is {every * loop.step:.12g} s"
+        fail(
+            f"{key}.step",
+            f"is `{choice.step}` s, it must be a multiple of `loop.step` = `{loop.step}` s",
+            hint,
+        )
+
+
 def check_unique(keys: list[tuple[str, str]], fail: Fail) -> None:
     """Check that nothing is driven or named twice."""
     seen: dict[str, str] = {}
@@ -60,7 +101,7 @@ def check_unique(keys: list[tuple[str, str]], fail: Fail) -> None:
             fail(
                 f"{section}.{name}",
                 f"is there twice, as `{seen[name]}` and as `{section}`",
-                "each target has one wire or one signal, each metric and criterion its own name",
+                "each target has one wire or one signal, each FMU, metric and criterion its own name",
             )
         seen[name] = section
 

@@ -60,22 +60,30 @@ def scenario_keys(table: dict[str, Any]) -> Iterator[str]:
     """Keys that a scenario holds or may hold."""
     from cosim.scenario.tables import IDENTITY
 
-    yield from ("controller.fmu", "plant.name", *(f"loop.{key}" for key in LOOP_KEYS))
-    for section in ("controller", "plant"):
-        yield from (f"{section}.{name}" for name in table.get(section, {}).get("parameters", {}))
+    yield from ("plant.name", *(f"loop.{key}" for key in LOOP_KEYS))
+    for name, entry in [*fmus(table), ("plant", table.get("plant", {}))]:
+        yield from (f"{name}.{parameter}" for parameter in entry.get("parameters", {}))
     for section, identity in IDENTITY.items():
-        for item in table.get(section, ()):
+        for item in () if section == "fmu" else table.get(section, ()):
             own = {key for key in item if key != identity} | set(ITEM_KEYS.get(section, ()))
             yield from (f"{section}.{item[identity]}.{key}" for key in own)
 
 
 def fmu_keys(table: dict[str, Any], folder: Path) -> Iterator[str]:
-    """Parameters of the FMU, read from its description alone."""
+    """Files and parameters of the FMUs, these read from their descriptions alone."""
     import zipfile
     from xml.etree import ElementTree
 
-    path = paths.find_fmu(table["controller"]["fmu"], folder)
-    with zipfile.ZipFile(path) as archive, archive.open("modelDescription.xml") as file:
-        for _, element in ElementTree.iterparse(file):
-            if element.tag == "ScalarVariable" and element.get("causality") == "parameter":
-                yield f"controller.{element.get('name')}"
+    for name, entry in fmus(table):
+        yield f"{name}.fmu"
+        path = paths.find_fmu(entry["fmu"], folder)
+        with zipfile.ZipFile(path) as archive, archive.open("modelDescription.xml") as file:
+            for _, element in ElementTree.iterparse(file):
+                if element.tag == "ScalarVariable" and element.get("causality") == "parameter":
+                    yield f"{name}.{element.get('name')}"
+
+
+def fmus(table: dict[str, Any]) -> list[tuple[str, dict[str, Any]]]:
+    """Tables of the FMUs of a scenario, by their names."""
+    several = [(entry["name"], entry) for entry in table.get("fmu", ())]
+    return several or [("controller", table["controller"])]

@@ -172,7 +172,8 @@ def override(layers: Layers, assignments: Sequence[str]) -> None:
     """Apply `KEY=VALUE` overrides.
 
     `controller.<fmi name>` and `plant.<parameter>` reach the parameters (`controller.fmu` and `plant.name`
-    the FMU and the plant); `loop.<key>`, `title` and `description` stand for themselves;
+    the FMU and the plant); of several FMUs the name of one stands for `controller`. `loop.<key>`, `title` and
+    `description` stand for themselves;
     `wire.<to>.<key>`, `signal.<to>.<key>`, `inject.<to>.<key>`, `metric.<name>.<key>` and
     `criterion.<id>.<key>` reach one item. Values are TOML; what is not TOML is a text.
     """
@@ -198,19 +199,30 @@ def assign(layers: Layers, key: str, value: Any, origin: str = "") -> None:
 
 def place_of(layers: Layers, key: str, origin: str) -> Place:
     """Place in the merged tables that a dotted key means."""
+    tables = parameterised(layers.table)
     section, _, name = key.partition(".")
-    direct = {"controller": ("fmu",), "plant": ("name",)}
-    if section in IDENTITY and name:
+    if section in tables and name:
+        place, own = tables[section]
+        return [*place, name] if name in own else [*place, "parameters", name.removeprefix("parameters.")]
+    items = [root for root in IDENTITY if root != "fmu"]
+    if section in items and name:
         return find_item(layers, section, name, origin)
-    if (section == "loop" and name) or (name and name in direct.get(section, ())):
+    if section == "loop" and name:
         return [section, name]
-    if section in direct and name:
-        return [section, "parameters", name.removeprefix("parameters.")]
     if key in ("title", "description"):
         return [key]
-    roots = ["controller.", "plant.", "loop.", *(f"{root}." for root in IDENTITY), "title", "description"]
+    roots = [*(f"{root}." for root in (*tables, "loop", *items)), "title", "description"]
     where = origin if key in origin else f"{origin}: `{key}`"
     raise ScenarioError(f"{where}: no such key in a scenario", closest(key, roots))
+
+
+def parameterised(table: dict[str, Any]) -> dict[str, tuple[Place, tuple[str, ...]]]:
+    """Places of the tables with parameters, by the names that stand for them, and their other keys."""
+    found: dict[str, tuple[Place, tuple[str, ...]]] = {"plant": (["plant"], ("name",))}
+    if not is_tables(table.get("fmu")):
+        return {"controller": (["controller"], ("fmu",)), **found}
+    fmus = {str(item.get("name")): index for index, item in enumerate(table["fmu"])}
+    return {**{name: (["fmu", index], ("fmu", "step")) for name, index in fmus.items()}, **found}
 
 
 def find_item(layers: Layers, section: str, name: str, origin: str) -> Place:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -50,6 +50,10 @@ class Loop:
         """Number of communication steps."""
         return round(self.duration / self.step)
 
+    def every(self, step: float | None) -> int:
+        """Communication steps in one of an FMU, whose own is `step` in s or, if that is None, the same."""
+        return 1 if step is None else round(step / self.step)
+
 
 @dataclass(frozen=True)
 class Controller:
@@ -57,6 +61,41 @@ class Controller:
 
     fmu: str
     parameters: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class FmuChoice:
+    """One of several FMUs, and start values of its variables by FMI name.
+
+    Parameters
+    ----------
+    name
+        Name in wires, columns and overrides, as in `<name>.<variable>`.
+    fmu
+        FMU by name or path.
+    step
+        Its communication step in s, a whole multiple of `loop.step`, which it is where it is left out.
+    """
+
+    name: str
+    fmu: str
+    parameters: dict[str, Any] = field(default_factory=dict)
+    step: float | None = limited(POSITIVE, None, unit="s")
+    alone: bool = field(default=False, metadata={"key": ""})
+
+    @property
+    def who(self) -> str:
+        """What messages call it."""
+        return "the FMU" if self.alone else f"the FMU `{self.name}`"
+
+    @property
+    def shown(self) -> str:
+        """What tells it from the others of the run."""
+        return self.fmu if self.alone else self.name
+
+
+ALONE = FmuChoice("controller", "", alone=True)
+"""What the FMU of a table `[controller]` is called by."""
 
 
 @dataclass(frozen=True)
@@ -69,15 +108,16 @@ class PlantChoice:
 
 @dataclass(frozen=True)
 class Wire:
-    """One value carried from the plant to the controller or back.
+    """One value carried from the plant to an FMU or back, or from one FMU to another.
 
     `noise`, `quantum`, `minimum` and `maximum` are in the unit of the plant's channel and default to the
-    channel's own; `scale` and `offset` convert between the two: `to = scale * from + offset`.
+    channel's own; `scale` and `offset` convert between the two: `to = scale * from + offset`. Between FMUs
+    they are in the unit of the input and default to none.
 
     Parameters
     ----------
     source
-        `plant.<reading>` or `controller.<output>`.
+        `plant.<reading>` or `controller.<output>`; of several FMUs the name of one stands for `controller`.
     to
         `controller.<input>` or `plant.<command>`.
     noise
@@ -85,7 +125,8 @@ class Wire:
     quantum
         Resolution; 0 is continuous.
     delay
-        Transport delay in steps, beside `loop.compute_delay`.
+        Transport delay in steps, beside `loop.compute_delay`. A wire to an FMU that does not come after the
+        one it is from needs at least 1.
     minimum, maximum
         Limits.
     """
@@ -194,13 +235,18 @@ class Scenario:
 
     Parameters
     ----------
+    controller
+        The FMU, where there is one.
+    fmu
+        The FMUs, in the order in which they step, where there are several.
     idle
         `controller.<input>` and `plant.<command>` that nothing drives on purpose; others are warned of.
     """
 
     title: str
     loop: Loop
-    controller: Controller
+    controller: Controller = Controller("")
+    fmu: tuple[FmuChoice, ...] = ()
     plant: PlantChoice = PlantChoice("")
     description: str = ""
     idle: tuple[str, ...] = ()
@@ -215,12 +261,20 @@ class Scenario:
     origins: dict[str, str] = field(default_factory=dict, metadata={"key": ""}, repr=False, compare=False)
 
     @property
+    def fmus(self) -> tuple[FmuChoice, ...]:
+        """FMUs in the order in which they step; `[controller]` is one of that name."""
+        only = self.controller
+        return self.fmu or (replace(ALONE, fmu=only.fmu, parameters=only.parameters),)
+
+    @property
     def folder(self) -> Path:
         """Folder of the scenario file; FMU paths are relative to it."""
         return self.file.parent
 
     def origin(self, key: str) -> str:
-        """File or override that a key comes from, for messages."""
+        """File or override that a key comes from, for messages; `NAME.fmu` is that of an FMU of several."""
+        if any(key.startswith(f"{choice.name}.") for choice in self.fmu):
+            key = f"fmu.{key}"
         return layers.find_origin(self.origins, key) or f"`{paths.shown(self.file)}`"
 
 
@@ -238,6 +292,7 @@ def scenario_schema() -> dict[str, Any]:
     parts = found["properties"]
     alone = {
         "required": found.pop("required"),
+        "oneOf": [{"required": ["controller"]}, {"required": ["fmu"]}],
         "properties": {
             name: {"required": parts[name].pop("required")} for name in ("loop", "controller", "plant")
         },

@@ -17,7 +17,14 @@ Fail = Callable[..., NoReturn]
 """Raises the caller's error from key, problem and, where one helps, hint."""
 Reader = Callable[[Any], Any]
 """Takes a TOML value and gives what the dataclass holds, or raises `Mismatch`."""
-IDENTITY = {"wire": "to", "signal": "to", "inject": "to", "metric": "name", "criterion": "id"}
+IDENTITY = {
+    "fmu": "name",
+    "wire": "to",
+    "signal": "to",
+    "inject": "to",
+    "metric": "name",
+    "criterion": "id",
+}
 """Key by which an item of an array of tables is known."""
 NAMES = {
     float: "a number",

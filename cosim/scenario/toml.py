@@ -30,8 +30,8 @@ def parse_file(path: Path) -> dict[str, Any]:
         raise ScenarioError(f"`{paths.shown(path)}` is not valid TOML: {error}", hint) from None
     except ScenarioError as error:
         raise ScenarioError(f"`{paths.shown(path)}`: {error.message}", error.hint) from None
-    for part in ("controller", "plant"):
-        section = table.get(part)
+    fmus = table.get("fmu")
+    for section in (table.get("controller"), table.get("plant"), *(fmus if isinstance(fmus, list) else ())):
         if isinstance(section, dict) and isinstance(section.get("parameters"), dict):
             section["parameters"] = flatten(section["parameters"])
     return table

@@ -5,13 +5,15 @@ from __future__ import annotations
 import dataclasses
 import math
 import typing
+from collections.abc import Sequence
 from typing import Any
 
 from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from cosim.fmu.archive import FmuFile, Variable
+from cosim.fmu.archive import Variable
+from cosim.fmu.instance import Instance
 from cosim.loop.plant import Channel, Plant
 from cosim.loop.result import Result
 from cosim.metrics.criteria import Verdict
@@ -31,7 +33,7 @@ CAUSALITIES = {
 }
 
 
-def scenario(found: Scenario, file: FmuFile, plant: Plant) -> RenderableType:
+def scenario(found: Scenario, fmus: Sequence[Instance], plant: Plant) -> RenderableType:
     """Everything about one closed loop."""
     loop = found.loop
     head = Text()
@@ -43,11 +45,12 @@ def scenario(found: Scenario, file: FmuFile, plant: Plant) -> RenderableType:
         f"\nloop: step {text(loop.step, 's')}, {loop.substeps} plant steps each, {loop.duration:g} s long,"
         f" {loop.order}, {delay}, seed {loop.seed}\n"
     )
-    head.append(f"controller: {file.name} ({file.path.name})")
+    head.append("\n".join(f"{fmu.name}: {fmu.file.name} ({fmu.file.path.name})" for fmu in fmus))
     parts: list[RenderableType] = [head]
-    for causality, title in CAUSALITIES.items():
-        if variables := file.named(causality):
-            parts += [heading(f"controller {title}"), variable_table(variables, found.controller.parameters)]
+    for choice, fmu in zip(found.fmus, fmus, strict=True):
+        for causality, title in CAUSALITIES.items():
+            if variables := fmu.file.named(causality):
+                parts += [heading(f"{fmu.name} {title}"), variable_table(variables, choice.parameters)]
     if found.plant.name:
         parts += plant_parts(found, plant)
     parts += [heading("wires, signals and injections"), wire_table(found)]

@@ -14,16 +14,16 @@ import numpy as np
 from cosim import paths
 from cosim.errors import CosimError, ScenarioError, closest, concerning
 from cosim.fmu import stale
-from cosim.fmu.archive import FmuFile, open_fmu
+from cosim.fmu.archive import FmuFile
 from cosim.fmu.values import expand
-from cosim.loop import course, plant
+from cosim.loop import course, fmus, plant
 from cosim.loop.engines import Engine
 from cosim.loop.reference import Progress
 from cosim.loop.session import located
 from cosim.pool.job import Job
 from cosim.scenario import layers
 from cosim.scenario.load import build
-from cosim.scenario.model import Scenario
+from cosim.scenario.model import FmuChoice, Scenario
 from cosim.scenario.toml import toml_value
 from cosim.sweep.designs import DESIGNS, Case
 from cosim.sweep.identity import digest, finished, leaf, plant_of, project, section, total
@@ -60,16 +60,19 @@ class Setting:
 
     Parameters
     ----------
-    file, plant
-        The FMU, and the class of the plant.
+    files, plant
+        The FMUs by their names, and the class of the plant.
+    places
+        Where the tables of the FMUs and the plant stand in the scenario, by their names.
     leaves
         Hashes of the parameters that the scenario gives, by their places.
     total
         Sum of the hashes of everything.
     """
 
-    file: FmuFile
+    files: dict[str, FmuFile]
     plant: Any
+    places: dict[str, str]
     leaves: dict[str, int]
     total: int
 
@@ -96,6 +99,7 @@ class Plan:
             layers.assign(self.base, key, value, f"{self.origin}, `set.{key}`")
         self.scenario = replace(build(self.base), name=self.name, file=self.file)
         self.totals = {name: total(section(name, part)) for name, part in self.base.table.items()}
+        self.named = (*(choice.name for choice in self.scenario.fmus), "plant")
         self.settings: dict[str, Setting] = {}
         self.cases: Sequence[Case] = study.case
         if study.design.kind != "list":
@@ -105,7 +109,7 @@ class Plan:
     def admit(self, index: int) -> int:
         """Check one case; returns the sum of the hashes of all that its numbers depend on."""
         case = self.cases[index]
-        parameters = {key: value for key, value in case.items() if is_parameter(key)}
+        parameters = {key: value for key, value in case.items() if is_parameter(key, self.named)}
         rest = {key: value for key, value in case.items() if key not in parameters}
         name = repr(rest)
         if name not in self.settings:
@@ -124,7 +128,7 @@ class Plan:
         """Check a case without the parameters that it varies."""
         merged = self.merged(changes, index)
         scenario = self.build(merged)
-        file, kind, made = check(scenario)
+        files, kind, made = check(scenario)
         names = [metric.name for metric in scenario.metric]
         if (metric := self.study.traces.metric) and metric not in names:
             problem = f"{self.origin}: `traces.metric` is `{metric}`, there is no such metric"
@@ -134,11 +138,12 @@ class Plan:
             self.totals[name] if part is base.get(name) else total(section(name, part))
             for name, part in merged.table.items()
         )
-        known = section("controller", merged.table["controller"]) | section(
-            "plant", merged.table.get("plant", {})
-        )
+        held = {name: merged.table.get(name, {}) for name in ("controller", "fmu", "plant")}
+        known = {key: value for name, part in held.items() for key, value in section(name, part).items()}
         leaves = {key: leaf(key, value) for key, value in known.items()}
-        return Setting(file, kind, leaves, sum(parts) + total(things(scenario, file, made)))
+        places = {"controller": "controller", "plant": "plant"}
+        places |= {choice.name: f"fmu[{index}]" for index, choice in enumerate(scenario.fmu)}
+        return Setting(files, kind, places, leaves, sum(parts) + total(things(scenario, files, made)))
 
     def merged(self, case: Case, index: int) -> layers.Layers:
         """Layers of one case."""
@@ -167,8 +172,8 @@ class Plan:
     def job(self, run: Run, keep_trace: bool = False) -> Job:
         """Job of one run."""
         scenario = self.build(self.merged(run.changes, run.case))
-        fmu = paths.find_fmu(scenario.controller.fmu, scenario.folder)
-        return Job(scenario, run.seed, self.engine, keep_trace, digest(fmu))
+        files = [paths.find_fmu(choice.fmu, scenario.folder) for choice in scenario.fmus]
+        return Job(scenario, run.seed, self.engine, keep_trace, tuple(map(digest, files)))
 
     def command(self, run: Run) -> str:
         """Command line that repeats a run, from the working directory of now."""
@@ -180,10 +185,11 @@ class Plan:
         return " ".join([*words, f"--seed {run.seed}"])
 
 
-def things(scenario: Scenario, file: FmuFile, plant_hash: str) -> dict[str, str]:
+def things(scenario: Scenario, files: dict[str, FmuFile], plant_hash: str) -> dict[str, str]:
     """Hashes of what the numbers of a run depend on beside the values of its scenario."""
     signals = {f"signal.{to}": digest(path) for to, path in course.files(scenario).items()}
-    return {**project(), **signals, "fmu": digest(file.path), "plant": plant_hash}
+    digests = {f"fmu.{name}": digest(file.path) for name, file in files.items()}
+    return {**project(), **signals, **digests, "plant": plant_hash}
 
 
 class Runs(Sequence[Run]):
@@ -224,10 +230,10 @@ class Runs(Sequence[Run]):
 
 
 @functools.lru_cache(1000)
-def is_parameter(key: str) -> bool:
-    """Whether a key of a scenario is a parameter of the controller or the plant."""
+def is_parameter(key: str, names: tuple[str, ...]) -> bool:
+    """Whether a key of a scenario is a parameter of the plant or an FMU, whose names are given."""
     part, _, name = key.partition(".")
-    return (part == "controller" and name != "fmu") or (part == "plant" and name != "name")
+    return part in names and name not in (("name",) if part == "plant" else ("fmu", "step"))
 
 
 def exchange(setting: Setting, key: str, value: Any) -> int:
@@ -237,8 +243,9 @@ def exchange(setting: Setting, key: str, value: Any) -> int:
     if part == "plant":
         plant.check_parameter(setting.plant, name, value)
     else:
-        expand(setting.file.variables, {name: value})
-    place = f"{part}.parameters.{name}"
+        owner = FmuChoice(part, "", alone=setting.places[part] == "controller")
+        expand(setting.files[part].variables, {name: value}, owner)
+    place = f"{setting.places[part]}.parameters.{name}"
     return leaf(place, value) - setting.leaves.get(place, 0)
 
 
@@ -251,13 +258,13 @@ def text(value: Any) -> str:
     return str(value) if isinstance(value, float) else json.dumps(value)
 
 
-def check(scenario: Scenario) -> tuple[FmuFile, Any, str]:
+def check(scenario: Scenario) -> tuple[dict[str, FmuFile], Any, str]:
     """Check names, types and ranges of all parameters without running.
 
     Returns
     -------
-    (FmuFile, type, str)
-        The FMU, the plant's class and its hash.
+    (dict of str to FmuFile, type, str)
+        The FMUs by their names, the plant's class and its hash.
 
     Raises
     ------
@@ -265,12 +272,12 @@ def check(scenario: Scenario) -> tuple[FmuFile, Any, str]:
         What the run would refuse.
     """
     with located(scenario):
-        with concerning("controller.fmu"):
-            file = open_fmu(paths.find_fmu(scenario.controller.fmu, scenario.folder))
-            stale.warn(scenario.controller.fmu, file.path)
-        with concerning("controller.parameters"):
-            expand(file.variables, scenario.controller.parameters)
+        files = fmus.open_files(scenario)
+        stale.warn_of(scenario)
+        for choice in scenario.fmus:
+            with concerning(f"{choice.name}.parameters"):
+                expand(files[choice.name].variables, choice.parameters, choice)
         with concerning("plant.name"):
             kind, found = plant_of(scenario.plant.name, scenario.folder)
         plant.check_parameters(kind, scenario.plant.parameters)
-    return file, kind, found
+    return files, kind, found

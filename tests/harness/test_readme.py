@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import re
+import shutil
 import tomllib
 from pathlib import Path
+
+import pytest
 
 import cosim
 from cosim.metrics.functions import ROWWISE, TIMES, WHOLE
@@ -37,6 +40,19 @@ def test_the_scenario_runs(folder: Path) -> None:
     # the input that the example replaces for a moment is what stops the controller
     assert result.trace["controller.enable"].any()
     assert result.items["controller.fault"]["InvalidInput"] in result.trace["controller.fault"]
+
+
+def test_several_fmus_run(folder: Path) -> None:
+    (text,) = [block for block in blocks("toml") if "[[fmu]]" in block]
+    for name in ("law", "axis"):
+        shutil.copy(folder / "probe.fmu", folder / f"{name}.fmu")
+    (folder / "several.toml").write_text(text)
+    result = cosim.run(cosim.load("several.toml"))
+    assert result.trace is not None
+    assert result.trace["axis.sum"][-1] == pytest.approx(1.0 - (1.0 - 40.0 * 0.002) ** 100)
+    assert set(tomllib.loads(text)["fmu"][0]) | {"step"} == set(model.FmuChoice.__dataclass_fields__) - {
+        "alone"
+    }
 
 
 def test_the_study_loads_and_shows_the_keys(folder: Path) -> None:

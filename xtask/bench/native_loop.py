@@ -17,9 +17,10 @@ from part import part
 
 import cosim
 from cosim.loop import condition, native, reference
-from cosim.loop.connect import Connector, Drive, Links, Place
 from cosim.loop.trace import Recorder
-from cosim.loop.wiring import child
+from cosim.loop.wires.connect import Connector
+from cosim.loop.wires.links import Drive, Inlet, Links, Place
+from cosim.loop.wires.wiring import child
 from machining_native import Stepper
 
 
@@ -47,8 +48,10 @@ class Bench:
         """Tie the closed loop and its trace together, as the engine does."""
         self.fmu.initialise(self.scenario.controller.parameters)
         machine = self.reset()
-        links = Connector(self.scenario, self.fmu, self.plant, self.commands, self.scenario.loop.seed).links()
-        log = Recorder(self.fmu, self.plant, self.steps)
+        links = Connector(
+            self.scenario, [self.fmu], self.plant, self.commands, self.scenario.loop.seed
+        ).links()
+        log = Recorder([self.fmu], self.plant, self.steps)
         if stop := self.session.stop:
             log.stop = condition.program(stop, log.table.shape[1])
         return self.stepper(machine, native.controller(self.fmu), links, log)
@@ -57,7 +60,7 @@ class Bench:
         """Tie the plant to the commands of the closed loop; no controller, no wires, no trace."""
         machine = self.reset()
         drives = [Drive(course, Place(self.commands, i)) for i, course in enumerate(self.courses)]
-        links = Links(np.zeros(len(self.plant.readings)), self.commands, [], drives, [], [], [])
+        links = Links(np.zeros(len(self.plant.readings)), self.commands, [Inlet()], Inlet(drives=drives))
         return self.stepper(machine, None, links, None)
 
     def record(self) -> list[NDArray[np.float64]]:

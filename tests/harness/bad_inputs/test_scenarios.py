@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from . import overrides, scenarios
+from . import overrides, scenarios, several
 from .calling import Case, Refuse, call, given
 
 
@@ -23,6 +23,24 @@ def test_a_bad_scenario_is_named(
 @pytest.mark.parametrize(("override", "words"), overrides.SETS.values(), ids=overrides.SETS)
 def test_a_bad_override_is_named(override: str, words: tuple[str, ...], refuse: Refuse) -> None:
     refuse(Case(given("run", "lag.toml", "--set", override), words))
+
+
+@pytest.mark.usefixtures("lag")
+@pytest.mark.parametrize(("content", "words"), several.FILES.values(), ids=several.FILES)
+def test_a_bad_scenario_of_several_fmus_is_named(
+    content: str, words: tuple[str, ...], refuse: Refuse
+) -> None:
+    Path("bad.toml").write_text(content)
+    refuse(Case(given("run", "bad.toml"), words))
+
+
+@pytest.mark.usefixtures("lag")
+@pytest.mark.parametrize(("override", "words"), several.SETS.values(), ids=several.SETS)
+def test_a_bad_override_of_several_fmus_is_named(
+    override: str, words: tuple[str, ...], refuse: Refuse
+) -> None:
+    Path("two.toml").write_text(several.TWO)
+    refuse(Case(given("run", "two.toml", "--set", override), words))
 
 
 @pytest.mark.parametrize("ends", [b"\r\n", b"\n"])

@@ -1,4 +1,4 @@
-"""The mathematics of wires and signals: what happens to a value between the plant and the controller."""
+"""The mathematics of wires and signals: what happens to a value on its way between FMUs and plant."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ class Shape:
     """Scale, offset, noise, quantum and limits of one wire: value that leaves it, from the one that enters.
 
     Noise, quantum and limits act on the plant's side, in the unit of its channel: before the conversion of a
-    reading, after that of a command.
+    reading, after that of a command. Between FMUs they act after it.
 
     Parameters
     ----------
     source
         Where the value comes from, for messages.
     from_plant
-        Whether the wire carries a reading (else a command).
+        Whether the wire carries a reading (else a command, or the output of an FMU to another).
     noise
         Noise of every step, or None.
     """
@@ -86,9 +86,9 @@ def shaper(wire: Wire, channel: Channel, from_plant: bool, samples: NDArray[np.f
     Parameters
     ----------
     wire, channel
-        The wire, and the plant's channel it starts or ends at.
+        The wire, and the plant's channel it starts or ends at, or an ideal one.
     from_plant
-        Whether the wire carries a reading (else a command).
+        Whether the wire carries a reading (else a command, or the output of an FMU to another).
     samples
         Noise of every step, or None.
     """
@@ -102,6 +102,19 @@ def shaper(wire: Wire, channel: Channel, from_plant: bool, samples: NDArray[np.f
         minimum=channel.minimum if wire.minimum is None else wire.minimum,
         maximum=channel.maximum if wire.maximum is None else wire.maximum,
     )
+
+
+@dataclass(frozen=True)
+class Ideal:
+    """Channel at the end of a wire between FMUs: nothing disturbs and limits a value there."""
+
+    name: str = ""
+    unit: str = ""
+    description: str = ""
+    noise: float = 0.0
+    quantum: float = 0.0
+    minimum: float = -math.inf
+    maximum: float = math.inf
 
 
 class Delay:

@@ -1,100 +1,31 @@
-"""Names become places: wires, signals and injections are tied to the arrays of FMU and plant."""
+"""Names become places: wires, signals and injections are tied to the arrays of FMUs and plant."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.errors import CosimError, ScenarioError, closest, concerning
+from cosim.errors import CosimError, ScenarioError, closest, concerning, similar
 from cosim.fmu.archive import FmuFile, Variable
 from cosim.fmu.instance import BASE, Instance
 from cosim.fmu.values import encode, lookup
 from cosim.loop.course import find, read, sample
 from cosim.loop.plant import Channel, Plant
-from cosim.loop.wiring import Delay, Shape, first_step, noise, shaper
-from cosim.scenario.model import Injection, Scenario, Signal, Wire
+from cosim.loop.wires import order
+from cosim.loop.wires.links import Drive, Fault, Inlet, Link, Links, Place
+from cosim.loop.wires.wiring import Delay, Ideal, first_step, noise, shaper
+from cosim.scenario.model import FmuChoice, Injection, Scenario, Signal, Wire
 from cosim.scenario.tables import show
 
-
-def truth(value: float) -> int:
-    """Boolean of a number: everything but 0 is true."""
-    return int(value != 0.0)
-
-
-def whole(value: float) -> int:
-    """Integer of a number, rounded half to even."""
-    number = round(value) if math.isfinite(value) else 2**31
-    if not abs(number) < 2**31:
-        raise CosimError(f"an integer input got `{value}`, it takes 32 bits")
-    return number
-
-
-CONVERT: dict[str, Callable[[float], Any]] = {"Real": float, "Integer": whole, "Boolean": truth}
-"""What a number becomes on writing."""
+PLANT = "plant"
 KINDS = {"Integer": "an integer or an enumeration", "Boolean": "a Boolean"}
 
 
-@dataclass(frozen=True)
-class Place:
-    """Where a value is read or written: `array[index]`, a `Real`, `Integer` or `Boolean`."""
-
-    array: NDArray[Any]
-    index: int
-    kind: str = "Real"
-    convert: Callable[[float], Any] = field(init=False, repr=False)
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "convert", CONVERT[self.kind])
-
-
-@dataclass(frozen=True)
-class Link:
-    """One wire, ready to carry values."""
-
-    source: Place
-    target: Place
-    shape: Shape
-    delay: Delay
-
-
-@dataclass(frozen=True)
-class Drive:
-    """One signal: `course[k]` is written in step `k`."""
-
-    course: NDArray[np.float64]
-    target: Place
-
-
-@dataclass(frozen=True)
-class Fault:
-    """One injection: `value` is written in the steps `begin <= k < end`."""
-
-    begin: int
-    end: int
-    value: Any
-    target: Place
-
-
-@dataclass(frozen=True)
-class Links:
-    """All connections of a run; `sensed` takes the ideal readings of a step, `commands` the commands."""
-
-    sensed: NDArray[np.float64]
-    commands: NDArray[np.float64]
-    readings: list[Link]
-    drives: list[Drive]
-    input_faults: list[Fault]
-    outputs: list[Link]
-    command_faults: list[Fault]
-
-
-def driven(scenario: Scenario, file: FmuFile) -> list[Variable]:
-    """List the inputs and tunable parameters of the FMU that something drives, in its order.
+def driven(scenario: Scenario, choice: FmuChoice, file: FmuFile) -> list[Variable]:
+    """List the inputs and tunable parameters of an FMU that something drives, in its order.
 
     Raises
     ------
@@ -104,10 +35,10 @@ def driven(scenario: Scenario, file: FmuFile) -> list[Variable]:
     names = set()
     for section, item in targets(scenario):
         side, _, name = item.partition(".")
-        if side != "controller":
+        if side != choice.name:
             continue
         with concerning(f"{section}.{item}.to"):
-            variable = lookup(file.variables, name)
+            variable = lookup(file.variables, name, choice)
             tunable = variable.causality == "parameter" and variable.variability == "tunable"
             if (variable.causality != "input" and not tunable) or variable.kind == "String":
                 raise ScenarioError(
@@ -127,65 +58,92 @@ def targets(scenario: Scenario) -> list[tuple[str, str]]:
     ]
 
 
+def side_of(end: str) -> str:
+    """Name of what a wire, signal or injection begins or ends at."""
+    return end.partition(".")[0]
+
+
 class Connector:
-    """Ties the names of a scenario to an FMU instance, a plant and its array of commands."""
+    """Ties the names of a scenario to FMU instances, a plant and its array of commands."""
 
     def __init__(
-        self, scenario: Scenario, fmu: Instance, plant: Plant, commands: NDArray[np.float64], seed: int
+        self,
+        scenario: Scenario,
+        fmus: Sequence[Instance],
+        plant: Plant,
+        commands: NDArray[np.float64],
+        seed: int,
     ) -> None:
-        self.scenario, self.fmu, self.seed, self.commands = scenario, fmu, seed, commands
+        self.scenario, self.seed, self.commands = scenario, seed, commands
+        self.fmus = {fmu.name: fmu for fmu in fmus}
         self.sensed = np.zeros(len(plant.readings))
         self.readings = {channel.name: (i, channel) for i, channel in enumerate(plant.readings)}
         self.channels = {channel.name: (i, channel) for i, channel in enumerate(plant.commands)}
 
     def links(self) -> Links:
-        """Build all connections; the FMU must have been initialised, its outputs prime the delays."""
-        readings, outputs = [], []
+        """Build all connections; the FMUs must have been initialised, their outputs prime the delays."""
+        inlets = {name: Inlet() for name in (*self.fmus, PLANT)}
         for wire in self.scenario.wire:
             with concerning(f"wire.{wire.to}"):
-                if wire.to.startswith("controller."):
-                    readings.append(self.reading(wire))
-                else:
-                    outputs.append(self.output(wire))
-        drives = [*(self.drive(signal) for signal in self.scenario.signal), *self.holds()]
-        faults: dict[bool, list[Fault]] = {True: [], False: []}
+                link = self.link(wire)
+                inlets[side_of(wire.to)].wires.append(link)
+        for signal in self.scenario.signal:
+            drive = self.drive(signal)
+            inlets[side_of(signal.to)].drives.append(drive)
+        for to, hold in self.holds().items():
+            inlets[side_of(to)].drives.append(hold)
         for injection in self.scenario.inject:
-            faults[injection.to.startswith("controller.")].append(self.fault(injection))
-        return Links(self.sensed, self.commands, readings, drives, faults[True], outputs, faults[False])
+            inlets[side_of(injection.to)].faults.append(self.fault(injection))
+        return Links(self.sensed, self.commands, [inlets[name] for name in self.fmus], inlets[PLANT])
 
-    def reading(self, wire: Wire) -> Link:
-        """Wire from a reading of the plant to an input of the FMU."""
-        side, _, name = wire.source.partition(".")
-        if side != "plant":
-            raise ScenarioError(
-                f"`from` = `{wire.source}`: an input of the controller takes a `plant.` reading"
-            )
-        index, channel = self.channel(self.readings, name, "reading")
+    def link(self, wire: Wire) -> Link:
+        """Wire by what is at its ends."""
+        target, source = self.target(wire.to), side_of(wire.source)
+        if source in self.fmus:
+            return self.output(wire, target)
+        if side_of(wire.to) == PLANT:
+            outputs = " or ".join(f"`{name}.`" for name in self.fmus)
+            raise ScenarioError(f"`from` = `{wire.source}`: a command of the plant takes a {outputs} output")
+        if source != PLANT:
+            outputs = "".join(f" or a `{name}.` output" for name in self.fmus if len(self.fmus) > 1)
+            taken = f"an input of the {side_of(wire.to)} takes a `plant.` reading{outputs}"
+            raise ScenarioError(f"`from` = `{wire.source}`: {taken}")
+        return self.reading(wire, target)
+
+    def reading(self, wire: Wire, target: Place) -> Link:
+        """Wire from a reading of the plant to an input of an FMU."""
+        index, channel = self.channel(self.readings, wire.source.partition(".")[2], "reading")
         shape = shaper(wire, channel, True, noise(wire, channel, self.seed, self.scenario.loop.steps))
-        return Link(Place(self.sensed, index), self.target(wire.to), shape, Delay(wire.delay))
+        return Link(Place(self.sensed, index), target, shape, Delay(wire.delay))
 
-    def output(self, wire: Wire) -> Link:
-        """Wire from an output of the FMU to a command of the plant."""
-        target = self.target(wire.to)
-        side, _, name = wire.source.partition(".")
-        if side != "controller":
-            raise ScenarioError(
-                f"`from` = `{wire.source}`: a command of the plant takes a `controller.` output"
-            )
-        variable = lookup(self.fmu.file.variables, name)
-        source = self.find(self.fmu.outputs, variable)
-        if source is None:
-            raise ScenarioError(
-                f"`from` = `{wire.source}` is no numeric output of the FMU",
-                closest(name, [v.name for v in self.fmu.file.named("output")]),
-            )
-        loop = self.scenario.loop
-        _, channel = self.channels[wire.to.partition(".")[2]]
-        shape = shaper(wire, channel, False, noise(wire, channel, self.seed, loop.steps))
+    def output(self, wire: Wire, target: Place) -> Link:
+        """Wire from an output of an FMU to a command of the plant, or to an input of an FMU."""
+        source, loop = self.source(wire.source), self.scenario.loop
+        side, _, name = wire.to.partition(".")
+        channel: Channel = Ideal()
         delay = Delay(wire.delay + loop.compute_delay)
-        # before its first result arrives the plant gets what the initialised FMU puts out
+        if side == PLANT:
+            _, channel = self.channels[name]
+        else:
+            order.check(wire, self.scenario)
+            # what goes back is read before its source steps, so it is a step old already
+            delay = Delay(wire.delay - order.goes_back(wire, list(self.fmus)))
+        shape = shaper(wire, channel, False, noise(wire, channel, self.seed, loop.steps))
+        # before its first result arrives the other end gets what the initialised FMU puts out
         delay.prime(shape(float(source.array[source.index]), 0))
         return Link(source, target, shape, delay)
+
+    def source(self, end: str) -> Place:
+        """Place of `<fmu>.<output>`."""
+        side, _, name = end.partition(".")
+        fmu = self.fmus[side]
+        place = self.find(fmu.outputs, lookup(fmu.file.variables, name, fmu.owner))
+        if place is None:
+            raise ScenarioError(
+                f"`from` = `{end}` is no numeric output of {fmu.owner.who}",
+                closest(name, [v.name for v in fmu.file.named("output")]),
+            )
+        return place
 
     def drive(self, signal: Signal) -> Drive:
         """Signal to an input of the FMU or a command of the plant."""
@@ -210,15 +168,13 @@ class Connector:
                     raise ScenarioError(f"{found.place(index)}: {error.message}", error.hint) from None
         return found.times, found.values
 
-    def holds(self) -> list[Drive]:
-        """Hold the start values of inputs that only injections write, so that they come back afterwards."""
+    def holds(self) -> dict[str, Drive]:
+        """Hold the start values of targets that only injections write, so that they come back afterwards."""
         written = {to for section, to in targets(self.scenario) if section != "inject"}
         only = dict.fromkeys(entry.to for entry in self.scenario.inject if entry.to not in written)
-        holds = []
-        for to in only:
-            place = self.target(to)
-            holds.append(Drive(np.full(self.scenario.loop.steps, float(place.array[place.index])), place))
-        return holds
+        places = {to: self.target(to) for to in only}
+        steps = self.scenario.loop.steps
+        return {to: Drive(np.full(steps, float(at.array[at.index])), at) for to, at in places.items()}
 
     def fault(self, injection: Injection) -> Fault:
         """Injection at an input of the FMU or a command of the plant."""
@@ -233,27 +189,29 @@ class Connector:
     def number(self, to: str, value: Any) -> float:
         """Value of a stimulus as a number; enumeration items may be given by name."""
         side, _, name = to.partition(".")
-        if side == "controller":
-            return float(encode(self.fmu.file.variables[name], value))
+        if fmu := self.fmus.get(side):
+            return float(encode(fmu.file.variables[name], value, fmu.owner))
         if not isinstance(value, int | float):
             raise ScenarioError(f"`{to}` is {show(value)}, it must be a number")
         return float(value)
 
     def target(self, to: str) -> Place:
-        """Place of `controller.<input>` or `plant.<command>`."""
+        """Place of `<fmu>.<input>` or `plant.<command>`."""
         side, _, name = to.partition(".")
-        if side == "plant":
+        if side == PLANT:
             index, _ = self.channel(self.channels, name, "command")
             return Place(self.commands, index)
         place = None
-        if side == "controller":
-            place = self.find(self.fmu.inputs, lookup(self.fmu.file.variables, name))
+        if fmu := self.fmus.get(side):
+            place = self.find(fmu.inputs, lookup(fmu.file.variables, name, fmu.owner))
         if place is None:
-            raise ScenarioError(f"`to` = `{to}`, it must be `controller.<input>` or `plant.<command>`")
+            inputs = ", ".join(f"`{known}.<input>`" for known in self.fmus)
+            problem = f"`to` = `{to}`, it must be {inputs} or `plant.<command>`"
+            raise ScenarioError(problem, similar(side, self.fmus))
         return place
 
     def find(self, banks: list[Any], variable: Variable) -> Place | None:
-        """Place of a variable in the banks of the FMU."""
+        """Place of a variable in the banks of its FMU."""
         for bank in banks:
             if variable in bank.variables:
                 return Place(bank.values, bank.variables.index(variable), BASE[variable.kind])

@@ -1,0 +1,101 @@
+"""The FMUs of a session: opened, taken over from the one before, initialised and closed together."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from cosim import paths
+from cosim.errors import FmuError, concerning
+from cosim.fmu.archive import FmuFile, Variable, open_fmu
+from cosim.fmu.instance import Instance
+from cosim.loop import trace
+from cosim.loop.place import Place, Stage
+from cosim.loop.wires.connect import driven
+from cosim.scenario.model import Scenario
+
+
+def open_files(scenario: Scenario) -> dict[str, FmuFile]:
+    """Open the FMU files of a scenario; by the names of the FMUs, in the order in which they step.
+
+    Raises
+    ------
+    FmuError
+        A file cannot be opened, or would be instantiated more often than it allows.
+    """
+    files: dict[str, FmuFile] = {}
+    for choice in scenario.fmus:
+        with concerning(f"{choice.name}.fmu"):
+            file = open_fmu(paths.find_fmu(choice.fmu, scenario.folder))
+            twins = [name for name, other in files.items() if other is file]
+            if file.once and twins:
+                both = f"`{twins[0]}` and `{choice.name}` are both `{file.path.name}`"
+                problem = f"{both}, which a process can instantiate only once"
+                raise FmuError(
+                    problem, "so its model description says: `canBeInstantiatedOnlyOncePerProcess`"
+                )
+            files[choice.name] = file
+    return files
+
+
+def open_instances(
+    scenario: Scenario,
+    files: Mapping[str, FmuFile],
+    log_events: bool,
+    before: Sequence[Instance],
+    place: Place,
+) -> tuple[Instance, ...]:
+    """Instances of the FMUs; of those before, what fits is taken over and the rest closed.
+
+    Raises
+    ------
+    CosimError
+        An FMU cannot be instantiated, or something is driven that cannot be.
+    """
+    wanted = [
+        (choice, files[choice.name], driven(scenario, choice, files[choice.name])) for choice in scenario.fmus
+    ]
+    fitting = {
+        choice.name: fmu
+        for fmu in before
+        for choice, file, inputs in wanted
+        if fmu.owner.who == choice.who and fmu.name == choice.name and fits(fmu, file, inputs, log_events)
+    }
+    close([fmu for fmu in before if fmu not in fitting.values()], place)
+    opened = []
+    try:
+        for choice, file, inputs in wanted:
+            place.at(Stage.LOAD, choice.shown)
+            fmu = fitting.get(choice.name) or Instance(
+                file, inputs, trace.numeric_outputs(file), log_events, choice
+            )
+            opened.append(fmu)
+    except BaseException:
+        close([*opened, *fitting.values()], place)
+        raise
+    return tuple(opened)
+
+
+def fits(fmu: Instance, file: FmuFile, inputs: list[Variable], log_events: bool) -> bool:
+    """Whether an instance that is open moves these variables of a file."""
+    same = fmu.file is file and fmu.driven == inputs
+    return same and fmu.log_events == log_events and not fmu.dead
+
+
+def initialise(scenario: Scenario, fmus: Sequence[Instance], place: Place) -> None:
+    """Give all FMUs their start values, in their order; used ones are reset before.
+
+    Raises
+    ------
+    FmuError
+        As `Instance.initialise`.
+    """
+    for choice, fmu in zip(scenario.fmus, fmus, strict=True):
+        place.at(Stage.INITIALISE, choice.shown)
+        fmu.initialise(choice.parameters)
+
+
+def close(fmus: Sequence[Instance], place: Place) -> None:
+    """Free instances; those that are closed stay so."""
+    for fmu in fmus:
+        place.at(Stage.CLOSE, fmu.owner.shown)
+        fmu.close()

@@ -1,0 +1,126 @@
+"""All connections of a run, ready to carry values from array to array."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cosim.errors import CosimError
+from cosim.loop.wires.wiring import Delay, Shape
+
+
+def truth(value: float) -> int:
+    """Boolean of a number: everything but 0 is true."""
+    return int(value != 0.0)
+
+
+def whole(value: float) -> int:
+    """Integer of a number, rounded half to even."""
+    number = round(value) if math.isfinite(value) else 2**31
+    if not abs(number) < 2**31:
+        raise CosimError(f"an integer input got `{value}`, it takes 32 bits")
+    return number
+
+
+CONVERT: dict[str, Callable[[float], Any]] = {"Real": float, "Integer": whole, "Boolean": truth}
+"""What a number becomes on writing."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where a value is read or written: `array[index]`, a `Real`, `Integer` or `Boolean`."""
+
+    array: NDArray[Any]
+    index: int
+    kind: str = "Real"
+    convert: Callable[[float], Any] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "convert", CONVERT[self.kind])
+
+
+@dataclass(frozen=True)
+class Link:
+    """One wire, ready to carry values."""
+
+    source: Place
+    target: Place
+    shape: Shape
+    delay: Delay
+
+
+@dataclass(frozen=True)
+class Drive:
+    """One signal: `course[k]` is written in step `k`."""
+
+    course: NDArray[np.float64]
+    target: Place
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One injection: `value` is written in the steps `begin <= k < end`."""
+
+    begin: int
+    end: int
+    value: Any
+    target: Place
+
+
+@dataclass(frozen=True)
+class Inlet:
+    """What arrives at the inputs of an FMU, or at the commands of the plant, before it moves."""
+
+    wires: list[Link] = field(default_factory=list)
+    drives: list[Drive] = field(default_factory=list)
+    faults: list[Fault] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class Links:
+    """All connections of a run.
+
+    Parameters
+    ----------
+    sensed, commands
+        Ideal readings and commands of a step.
+    fmus
+        What arrives at each FMU, in the order in which they step.
+    plant
+        What arrives at the plant.
+    """
+
+    sensed: NDArray[np.float64]
+    commands: NDArray[np.float64]
+    fmus: list[Inlet]
+    plant: Inlet
+
+    @property
+    def drives(self) -> list[Drive]:
+        """All signals, as native code takes them."""
+        return [drive for inlet in (*self.fmus, self.plant) for drive in inlet.drives]
+
+    @property
+    def readings(self) -> list[Link]:
+        """Wires to the only FMU."""
+        return self.fmus[0].wires
+
+    @property
+    def input_faults(self) -> list[Fault]:
+        """Injections at the only FMU."""
+        return self.fmus[0].faults
+
+    @property
+    def outputs(self) -> list[Link]:
+        """Wires to the plant."""
+        return self.plant.wires
+
+    @property
+    def command_faults(self) -> list[Fault]:
+        """Injections at the plant."""
+        return self.plant.faults
