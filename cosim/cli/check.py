@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json as jsons
 import logging
 from typing import TYPE_CHECKING, Annotated
 
@@ -12,6 +11,8 @@ from typer import Argument, Option
 from cosim.cli import complete
 from cosim.cli.options import COULD_NOT_RUN, Quiet, Verbose
 from cosim.show.console import configure_logging, report
+from cosim.words import strict
+from cosim.writing import write
 
 if TYPE_CHECKING:
     from cosim.sweep import check as checks
@@ -34,7 +35,7 @@ def check(
 
     found = [checks.check(file) for file in files]
     if json:
-        print(jsons.dumps([entry.to_dict() for entry in found], indent=2), flush=True)
+        write(strict.text([entry.to_dict() for entry in found]), "-")
     else:
         for entry in found:
             show(entry, quiet)

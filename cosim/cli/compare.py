@@ -11,6 +11,7 @@ from typer import Argument, Option
 from cosim.cli.options import FAILED, Quiet, Set, Verbose
 from cosim.errors import CosimError
 from cosim.show.console import configure_logging, output, progress_bar
+from cosim.writing import write
 
 if TYPE_CHECKING:
     from cosim.compare.comparison import Comparison
@@ -105,7 +106,7 @@ def compare(
     if plot is not None:
         plots.save(found, plot)
     if json:
-        print(found.to_json(), end="", flush=True)
+        write(found.to_json(), "-")
     else:
         output().print(tables.comparison(found))
     raise typer.Exit(0 if found.within else FAILED)

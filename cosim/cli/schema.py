@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import enum
-import json
 from typing import Annotated
 
 from typer import Argument
+
+from cosim.words import strict
+from cosim.writing import write
 
 
 class File(enum.StrEnum):
@@ -29,4 +31,4 @@ def schema(
     from cosim.sweep.study import study_schema
 
     found = scenario_schema() if file is File.SCENARIO else study_schema()
-    print(json.dumps(found, indent=2))
+    write(strict.text(found), "-")

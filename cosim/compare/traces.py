@@ -9,7 +9,7 @@ from cosim.compare.comparison import Comparison, Course, same_units, worst
 from cosim.compare.tolerance import Tolerances
 from cosim.compare.tube import tube
 from cosim.errors import CosimError
-from cosim.loop.stored import StoredTrace
+from cosim.trace.stored import StoredTrace
 
 SAME = 1e-3
 """Part of a step by which steps and times may differ that are meant to be the same."""
@@ -47,12 +47,12 @@ def compare(
     compare_times(found, reference.times, other.times, max((allowed.of(n)[2] for n in present), default=0.0))
     for name in present:
         found.differences += meanings(name, reference, other)
-        values = reference.trace[name]
+        values, others = reference.data[name], other.data[name]
         around = tube(reference.times, values, other.times, *allowed.of(name), stepped=stepped(values))
         unit = reference.units.get(name, "") or other.units.get(name, "")
-        found.deviations.append(worst(name, unit, around, other.trace[name], other.times))
+        found.deviations.append(worst(name, unit, around, others, other.times))
         items = other.items.get(name) or reference.items.get(name) or {}
-        found.courses[name] = Course(other.times, other.trace[name], around, items)
+        found.courses[name] = Course(other.times, others, around, items)
     return found
 
 

@@ -15,7 +15,7 @@ from cosim.fmu.instance import Instance
 from cosim.loop.connect import Connector, Fault, Link, Links
 from cosim.loop.place import Place, Stage
 from cosim.loop.plant import Plant, one_each
-from cosim.loop.trace import Recorder
+from cosim.loop.trace import Recorder, Sink
 from cosim.metrics.expression import Expression
 from cosim.scenario.model import Scenario
 
@@ -36,7 +36,7 @@ class Parts:
     """What a run needs: an initialised FMU and a plant that was reset, wired by a scenario.
 
     The run ends early in the first row that `stop_when` holds for. `interrupt` is called after every step and
-    may raise; `place` is told whose code runs.
+    may raise; `place` is told whose code runs. `sink` takes the rows of the trace, else they are kept.
     """
 
     scenario: Scenario
@@ -47,6 +47,7 @@ class Parts:
     progress: Progress | None = None
     interrupt: Callable[[], None] = lambda: None
     place: Place = field(default_factory=Place)
+    sink: Sink | None = None
 
 
 def run(parts: Parts) -> Run:
@@ -64,7 +65,7 @@ def run(parts: Parts) -> Run:
     stop_when, progress, loop = parts.stop_when, parts.progress, scenario.loop
     commands = np.zeros(len(plant.commands))
     links = Connector(scenario, fmu, plant, commands, parts.seed).links()
-    recorder = Recorder(fmu, plant, loop.steps, loop.record_every)
+    recorder = Recorder(fmu, plant, loop.steps, loop.record_every, parts.sink)
     page, interrupt = parts.place.page, parts.interrupt
 
     k = 0
@@ -85,6 +86,7 @@ def run(parts: Parts) -> Run:
             # act: the commands of this step, or of `compute_delay` steps ago
             carry_outputs(links, k)
             plant.command(commands)
+            recorder.room(k)
             row = recorder.record(k, time)
             # move the plant to the next communication point
             plant.advance(loop.substeps)

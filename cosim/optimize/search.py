@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from cosim.errors import CosimError
 from cosim.loop.engines import Engine
 from cosim.loop.reference import Progress
-from cosim.loop.result import Result, plain
+from cosim.loop.result import Result
 from cosim.optimize.objective import MISFIT, misfit, score
 from cosim.optimize.problem import Problem
 from cosim.optimize.proposer import Proposer, Trial
@@ -21,6 +21,7 @@ from cosim.optimize.variants import Variants
 from cosim.pool.runs import run_each
 from cosim.sweep.plan import Run
 from cosim.sweep.store import TROUBLES, Store, row_of
+from cosim.words.strict import plain
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 from cosim.errors import CosimError, FmuError
@@ -61,6 +62,8 @@ class Task(Protocol):
 class Job:
     """One run of a scenario with a seed, by the engine of that name, whose result may keep its trace.
 
+    `stream` is the Parquet file that takes the trace instead.
+
     `fmu` is the SHA-256 that the FMU must have, as far as the name of its extracted folder goes; empty takes
     any.
     """
@@ -70,6 +73,7 @@ class Job:
     engine: Engine = "native"
     keep_trace: bool = False
     fmu: str = ""
+    stream: Path | None = None
 
     def run(self, bench: Bench) -> Result:
         """Run the scenario once."""
@@ -78,5 +82,5 @@ class Job:
         if self.fmu and folder.name != self.fmu[: len(folder.name)]:
             problem = f"the FMU `{session.file.path}` is not the one the sweep began with"
             raise FmuError(problem, "it was built or copied anew")
-        result = session.run(self.seed, bench.progress)
+        result = session.run(self.seed, bench.progress, self.stream)
         return result if self.keep_trace else dataclasses.replace(result, trace=None)

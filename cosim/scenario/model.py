@@ -50,6 +50,11 @@ class Loop:
         """Number of communication steps."""
         return round(self.duration / self.step)
 
+    @property
+    def rows(self) -> int:
+        """Rows of the trace of a run that does not end early."""
+        return -(-self.steps // self.record_every)
+
 
 @dataclass(frozen=True)
 class Controller:

@@ -14,7 +14,8 @@ import pytest
 
 import cosim
 from cosim.cli import app
-from cosim.loop import trace
+from cosim.trace import files
+from cosim.trace.columns import Held, structured
 
 from ..conftest import END
 
@@ -38,7 +39,7 @@ def save(file: str, units: dict[str, str] | None = None, items: Any = None, **co
     """Write a trace."""
     table = np.array(list(columns.values()), dtype=float).T
     about = {"units": units or {}, "items": items or {}}
-    trace.save(trace.structured(table, list(columns)), Path(file), about)
+    files.save(Held(structured(table, list(columns))), Path(file), about)
 
 
 def found(command: Run, *arguments: str) -> tuple[int, dict[str, Any]]:
