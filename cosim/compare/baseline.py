@@ -11,6 +11,7 @@ from cosim.compare.tolerance import Tolerances
 from cosim.errors import CosimError
 from cosim.loop.engines import Engine
 from cosim.loop.reference import Progress
+from cosim.loop.result import Result
 from cosim.pool.runs import ISOLATES, run
 from cosim.scenario.model import Scenario
 from cosim.trace.files import read
@@ -55,12 +56,18 @@ def compare(scenario: Scenario, allowed: Tolerances, engine: Engine, progress: P
     return traces.compare(before, now, allowed, names)
 
 
-def update(scenario: Scenario, engine: Engine, progress: Progress | None) -> Path:
-    """Run a scenario and write its baseline; returns the file."""
+def update(scenario: Scenario, engine: Engine, progress: Progress | None) -> Result:
+    """Run a scenario and write its baseline.
+
+    Raises
+    ------
+    CosimError
+        The run could not be done, or does not hold a criterion: the baseline of before stays.
+    """
     file = file_of(scenario)
     result = run(scenario, progress=progress, engine=engine, isolated=ISOLATES)
     if result.passed is False:
         failed = ", ".join(f"`{held.criterion.id}`" for held in result.criteria if not held.passed)
         raise CosimError(f"a run that does not hold {failed} is no baseline", "`cosim run` shows more")
     result.save_trace(file)
-    return file
+    return result

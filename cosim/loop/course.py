@@ -18,10 +18,10 @@ from cosim import paths
 from cosim.errors import CosimError, ScenarioError, closest
 from cosim.scenario.checks import MOST_STEPS
 from cosim.scenario.model import Scenario
+from cosim.trace.endings import PARQUET, check_installed
 
 TIME = "time"
 """Column of the time, s; a file without it has it first."""
-PARQUET = (".parquet", ".pq")
 LOGICAL = {"true": 1.0, "false": 0.0}
 Interpolation = Literal["hold", "linear"]
 
@@ -181,11 +181,8 @@ def number(cell: str, at: str) -> float:
 
 def read_parquet(file: Path, column: str) -> Course:
     """Read a Parquet file."""
-    try:
-        parquet: Any = importlib.import_module("pyarrow.parquet")
-    except ImportError:
-        problem = f"`{paths.shown(file)}` needs pyarrow, which is not installed"
-        raise CosimError(problem, "`pip install machining-fmus[parquet]`") from None
+    check_installed(file)
+    parquet: Any = importlib.import_module("pyarrow.parquet")
     try:
         opened = parquet.ParquetFile(file)
         names = list(opened.schema_arrow.names)

@@ -189,10 +189,16 @@ class Session(Closing):
 def open_plant(scenario: Scenario, previous: Session | None) -> plant.Plant:
     """Plant of a scenario, that of the previous session if it is the same."""
     if previous is not None:
-        before = previous.scenario
-        if (chosen(before), before.folder) == (chosen(scenario), scenario.folder):
+        wanted, before = (
+            (chosen(one), one.folder, one.loop.record_qpos) for one in (scenario, previous.scenario)
+        )
+        if wanted == before:
             return previous.plant
-    return plant.build(*chosen(scenario), scenario.folder)
+    built = plant.build(*chosen(scenario), scenario.folder)
+    if scenario.loop.record_qpos:
+        with concerning("loop.record_qpos"):
+            plant.record_qpos(built, scenario.plant.name)
+    return built
 
 
 def chosen(scenario: Scenario) -> tuple[str, dict[str, Any]]:
