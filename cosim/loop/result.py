@@ -115,7 +115,7 @@ class Result:
         if self.trace is not None:
             return Held(self.trace)
         if self.file is not None:
-            return files.read(self.file).data
+            return files.opened(self.file).data
         raise CosimError("this result holds no trace", "`run` keeps it, `run_many` does on demand")
 
     def to_dict(self) -> dict[str, Any]:

@@ -77,12 +77,25 @@ def read(file: str | Path) -> StoredTrace:
         Missing or broken file, no times, or times that do not ascend.
     """
     file = Path(file)
-    shown = paths.shown(file)
     if file.suffix not in endings.READ:
-        raise CosimError(f"`{shown}` is no trace", f"traces end in {endings.listed(endings.READ)}")
+        problem = f"`{paths.shown(file)}` is no trace"
+        raise CosimError(problem, f"traces end in {endings.listed(endings.READ)}")
+    found = opened(file)
+    check(found)
+    return found
+
+
+def opened(file: Path) -> StoredTrace:
+    """Open a trace that this program wrote: its times, which may be many, are not read to be checked.
+
+    Raises
+    ------
+    CosimError
+        Missing or broken file.
+    """
+    shown = paths.shown(file)
     try:
         found: StoredTrace = module(file).read(file)
-        check(found)
     except OSError as error:
         raise CosimError(f"cannot read `{shown}`: {error.strerror or error}") from None
     except BROKEN as error:

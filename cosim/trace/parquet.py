@@ -140,7 +140,9 @@ def read(path: Path) -> StoredTrace:
     if not all(names) or len(set(names)) != len(names):
         raise ValueError("its columns must have names, each once")
     known = {key.decode(): value.decode() for key, value in (data.file.metadata.metadata or {}).items()}
-    about: dict[str, Any] = json.loads(known.get(FACTS, "{}"))
+    about: Any = json.loads(known.get(FACTS, "{}"))
+    if not isinstance(about, dict):
+        raise ValueError(f"its metadata `{FACTS}` is no table")
     if END in known:
         about[END] = float(known[END])
     for label in LABELS:

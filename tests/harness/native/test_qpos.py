@@ -30,7 +30,7 @@ LOOSE = """
 
 def test_the_coordinates_of_a_row_give_its_sensors_again(cart: Cart) -> None:
     scenario = cosim.load(cart(), ["loop.record_qpos=true"])
-    runs = [cosim.run(scenario, engine=engine) for engine in ("reference", "native")]  # type: ignore[arg-type]
+    runs = [cosim.run(scenario, engine=engine) for engine in ("reference", "native")]
     trace, native = (run.trace for run in runs)
     assert trace is not None
     assert native is not None

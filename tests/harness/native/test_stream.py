@@ -93,7 +93,7 @@ def test_only_a_block_of_rows_is_in_memory(cart: Cart, monkeypatch: pytest.Monke
 
     monkeypatch.setattr(Recorder, "__init__", noted)
     for engine in ("reference", "native"):
-        cosim.run(cosim.load(cart()), engine=engine, stream="x.parquet")  # type: ignore[arg-type]
+        cosim.run(cosim.load(cart()), engine=engine, stream="x.parquet")
     assert tables == [7, 7]
 
 
@@ -130,7 +130,7 @@ def test_a_disk_that_is_full_is_an_error_of_the_trace(cart: Cart, monkeypatch: p
     monkeypatch.setattr(streamed.Writer, "write", full)
     for engine in ("reference", "native"):
         with pytest.raises(CosimError, match=r"^the trace cannot be written: No space left on device at "):
-            cosim.run(cosim.load(cart()), engine=engine, stream="x.parquet")  # type: ignore[arg-type]
+            cosim.run(cosim.load(cart()), engine=engine, stream="x.parquet")
 
 
 def test_what_cannot_be_streamed_is_said_before_the_run(cart: Cart) -> None:
