@@ -15,12 +15,12 @@ if TYPE_CHECKING:
     from cosim.loop.judge import judge
     from cosim.loop.result import Result
     from cosim.loop.session import Session
-    from cosim.loop.stored import read as read_trace
     from cosim.pool.limits import Limits
     from cosim.pool.runs import run, run_each, run_many
     from cosim.scenario.load import load
     from cosim.scenario.model import Scenario
     from cosim.sweep.results import SweepResult, sweep
+    from cosim.trace.files import read as read_trace
 else:
     # a package that can be called, and imports nothing until then
     from cosim import sweep
@@ -50,7 +50,7 @@ PLACES = {
     "SweepResult": "cosim.sweep.results.SweepResult",
     "judge": "cosim.loop.judge.judge",
     "load": "cosim.scenario.load.load",
-    "read_trace": "cosim.loop.stored.read",
+    "read_trace": "cosim.trace.files.read",
     "run": "cosim.pool.runs.run",
     "run_each": "cosim.pool.runs.run_each",
     "run_many": "cosim.pool.runs.run_many",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json as jsons
 import logging
 from typing import Annotated
 
@@ -15,6 +14,8 @@ from cosim.errors import CosimError
 from cosim.scenario import complete
 from cosim.scenario.checked import Checked
 from cosim.show.console import configure_logging, report
+from cosim.words import strict
+from cosim.writing import write
 
 log = logging.getLogger("cosim")
 
@@ -39,7 +40,7 @@ def check(
     with place(checked_limits(timeout, None, in_process)) as do:
         found = [named(file, do(Check(file))) for file in files]
     if json:
-        print(jsons.dumps([entry.to_dict() for entry in found], indent=2), flush=True)
+        write(strict.text([entry.to_dict() for entry in found]), "-")
     else:
         for entry in found:
             show(entry, quiet)

@@ -10,14 +10,19 @@ from typer import Argument, Option
 
 from cosim.cli.options import FAILED, Quiet, Set, Verbose
 from cosim.errors import CosimError
+from cosim.loop import engines
 from cosim.show.console import configure_logging, output, progress_bar
+from cosim.trace.endings import READ, listed
+from cosim.words import strict
+from cosim.writing import write
 
 if TYPE_CHECKING:
     from cosim.compare.comparison import Comparison
     from cosim.compare.tolerance import Tolerances
+    from cosim.scenario.model import Scenario
 
 LIMIT = "[PATTERN=]VALUE"
-FILES = (".npz", ".csv", ".json")
+FILES = (*READ, ".json")
 
 
 def compare(
@@ -25,7 +30,7 @@ def compare(
         str,
         Argument(
             metavar="REFERENCE|LOOP",
-            help="What is right: a trace (.npz, .csv), a result (.json) or the folder of a sweep. "
+            help=f"What is right: a trace ({listed(READ)}), a result (`.json`) or the folder of a sweep. "
             "Alone: a scenario, which is run and compared with its baseline.",
         ),
     ],
@@ -86,48 +91,63 @@ def compare(
     from cosim.compare import command, tables, tolerance
     from cosim.compare import plot as plots
 
-    allowed = tolerance.tolerances(atol or (), rtol or (), dt or (), only or ())
-    if plot is not None:
-        plots.check("trace" if other is None else command.kind_of(other), plot)
     if update:
-        for name, given in (("OTHER", other), ("--set", set_), ("--plot", plot)):
+        limits = (("--atol", atol), ("--rtol", rtol), ("--dt", dt), ("--only", only))
+        for name, given in (("OTHER", other), ("--set", set_), ("--plot", plot), *limits):
             if given:
                 hint = "a baseline is made of one scenario as it stands"
                 raise CosimError(f"`{name}` does not go with `--update`", hint)
+        write_baseline(reference, engine, json, quiet)
+        return
+    allowed = tolerance.tolerances(atol or (), rtol or (), dt or (), only or ())
+    if plot is not None:
+        plots.check("trace" if other is None else command.kind_of(other), plot)
     if other is not None:
         if set_:
             raise CosimError("`--set` does not go with two files", "it is for a scenario and its baseline")
         found = command.compare(reference, other, allowed)
-    elif (maybe := with_baseline(reference, allowed, update, set_ or [], engine, quiet)) is None:
-        return
     else:
-        found = maybe
+        found = with_baseline(reference, allowed, set_ or [], engine, quiet)
     if plot is not None:
         plots.save(found, plot)
     if json:
-        print(found.to_json(), end="", flush=True)
+        write(found.to_json(), "-")
     else:
         output().print(tables.comparison(found))
     raise typer.Exit(0 if found.within else FAILED)
 
 
-def with_baseline(
-    loop: str, allowed: Tolerances, update: bool, changes: list[str], engine: str, quiet: bool
-) -> Comparison | None:
-    """Compare a scenario with its baseline; None after it was written."""
+def with_baseline(loop: str, allowed: Tolerances, changes: list[str], engine: str, quiet: bool) -> Comparison:
+    """Compare a scenario with its baseline."""
     from cosim.compare import baseline
-    from cosim.loop import engines
-    from cosim.scenario.load import load
 
     chosen = engines.checked(engine)
+    scenario = scenario_of(loop, changes)
+    with progress_bar(scenario.name, quiet) as progress:
+        return baseline.compare(scenario, allowed, chosen, progress)
+
+
+def write_baseline(loop: str, engine: str, json: bool, quiet: bool) -> None:
+    """Write the baseline of a scenario and tell so."""
+    from cosim.compare import baseline
+
+    chosen = engines.checked(engine)
+    scenario = scenario_of(loop, [])
+    with progress_bar(scenario.name, quiet) as progress:
+        result = baseline.update(scenario, chosen, progress)
+    file = baseline.file_of(scenario)
+    if json:
+        write(strict.text({"baseline": str(file), **result.to_dict()}), "-")
+    else:
+        print(f"wrote {file}")
+
+
+def scenario_of(loop: str, changes: list[str]) -> Scenario:
+    """Load the scenario that has a baseline."""
+    from cosim.scenario.load import load
+
     if loop.endswith(FILES):
         raise CosimError(
             f"there is nothing to compare `{loop}` with", "give a second file, or a scenario alone"
         )
-    scenario = load(loop, changes)
-    with progress_bar(scenario.name, quiet) as progress:
-        if update:
-            file = baseline.update(scenario, chosen, progress)
-            print(f"wrote {file}")
-            return None
-        return baseline.compare(scenario, allowed, chosen, progress)
+    return load(loop, changes)

@@ -10,10 +10,14 @@ from typer import Argument, Option
 
 from cosim.cli.options import FAILED, Loop, Quiet, Set, Verbose
 from cosim.show.console import configure_logging, output
+from cosim.trace.endings import READ, listed
+from cosim.writing import write
 
 
 def judge(
-    trace: Annotated[Path, Argument(metavar="TRACE", help="What `cosim run --trace` wrote, .npz or .csv.")],
+    trace: Annotated[
+        Path, Argument(metavar="TRACE", help=f"What `cosim run --trace` wrote: {listed(READ)}.")
+    ],
     loop: Loop,
     set_: Set = None,
     json: Annotated[
@@ -26,8 +30,8 @@ def judge(
 
     For a limit or a metric that changed after a long run: the numbers of the
     trace stay what they are, of the scenario only metrics and criteria count.
-    The trace must hold every column that they name; an .npz file also holds the
-    units of the columns, and the items of those that are enumerations. So:
+    The trace must hold every column that they name; all but .csv files also hold
+    the units of the columns, and the items of those that are enumerations. So:
 
         cosim run dob --trace dob.npz
         cosim judge dob.npz dob --set criterion.depth.maximum=4e-7
@@ -35,16 +39,14 @@ def judge(
     Exit code: 0 all criteria hold, 1 some do not, 2 could not be judged.
     """
     configure_logging(verbose, quiet)
-    from cosim.loop import stored
     from cosim.loop.judge import judge as judged
     from cosim.scenario.load import load
     from cosim.show import display
+    from cosim.trace import files
 
-    result = judged(load(loop, set_ or ()), stored.read(trace))
-    if json is not None and json != "-":
-        result.save_json(Path(json))
-    if json == "-":
-        print(result.to_json(), end="", flush=True)
-    else:
+    result = judged(load(loop, set_ or ()), files.read(trace))
+    if json is not None:
+        write(result.to_json(), json)
+    if json != "-":
         output().print(display.result(result))
     raise typer.Exit(FAILED if result.passed is False else 0)

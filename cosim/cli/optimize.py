@@ -10,6 +10,7 @@ from typer import Argument, Option
 
 from cosim.cli.options import FAILED, Quiet, Verbose
 from cosim.show.console import configure_logging, output, progress_bar
+from cosim.writing import write
 
 
 def optimize(
@@ -65,7 +66,7 @@ def optimize(
     report.save_csv(variants, trials, folder / "trials.csv")
     found = search.best(variants.problem, trials)
     if json:
-        print(report.to_json(variants, trials), end="", flush=True)
+        write(report.to_json(variants, trials), "-")
     else:
         output().print(report.tables(variants, trials))
         if found is not None:

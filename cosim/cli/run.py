@@ -15,6 +15,13 @@ from cosim.errors import CosimError
 from cosim.loop import engines
 from cosim.show import sheet
 from cosim.show.console import configure_logging, progress_bar
+from cosim.trace import endings
+from cosim.writing import discard, write
+
+TRACE = (
+    f"Write the trace: {endings.listed(endings.WRITTEN)}. A Parquet file is written while the run goes, "
+    "in little memory."
+)
 
 
 def run(
@@ -31,7 +38,7 @@ def run(
     json: Annotated[
         str | None, Option(metavar="FILE|-", help="Write the result as JSON; `-` is stdout.")
     ] = None,
-    trace: Annotated[Path | None, Option(metavar="FILE.npz|.csv", help="Write the trace.")] = None,
+    trace: Annotated[Path | None, Option(metavar="FILE.npz|.csv|...", help=TRACE)] = None,
     plot: Annotated[Path | None, Option(metavar="FILE.svg|.png", help="Plot the run.")] = None,
     timeout: Timeout = None,
     memory: Annotated[float | None, Option(metavar="MB", help="Most memory of the run's process.")] = None,
@@ -49,9 +56,13 @@ def run(
     if seeds is not None:
         check_options(seed, trace, plot)
         run_seeds(loop, changes, seeds, chosen, limits, json, quiet)
-    task = Single(loop, changes, chosen, verbose, trace is not None, plot, sheet.stdout())
-    with place(limits) as do, progress_bar(loop, quiet) as progress:
-        done: Report | CosimError = do(task, progress)
+    task = Single(loop, changes, chosen, verbose, trace, plot, sheet.stdout())
+    try:
+        with place(limits) as do, progress_bar(loop, quiet) as progress:
+            done: Report | CosimError = do(task, progress)
+    finally:
+        if trace is not None:
+            discard(trace)
     if isinstance(done, CosimError):
         raise done
     save(done, json, trace, plot)
@@ -61,24 +72,21 @@ def run(
 
 def save(report: Report, json: str | None, trace: Path | None, plot: Path | None) -> None:
     """Write the files that are wanted."""
-    if trace is not None and report.result is not None:
+    if trace is not None and report.result is not None and not endings.streams(trace):
         report.result.save_trace(trace)
     if plot is not None and report.result is not None and report.scenario is not None:
         from cosim.show import plot as plots
 
         plots.save(report.scenario, report.result, plot)
     if json is not None and json != "-":
-        try:
-            Path(json).write_text(report.json, encoding="utf-8")
-        except OSError as error:
-            raise CosimError(f"cannot write `{json}`: {error.strerror or error}") from None
+        write(report.json, json)
 
 
 def check_outputs(json: str | None, trace: Path | None, plot: Path | None) -> None:
     """Check before a long run that its files can be written."""
-    if trace is not None and trace.suffix not in (".npz", ".csv"):
-        raise CosimError(f"cannot save a trace as `{trace}`", "the name must end in `.npz` or `.csv`")
-    files = [Path(json) if json and json != "-" else None, trace, plot]
+    if trace is not None:
+        endings.check(trace)
+    files = [Path(json) if json and json != "-" else None, plot]
     for file in files:
         if file is not None and not file.absolute().parent.is_dir():
             raise CosimError(f"cannot write `{file}`: the folder `{file.absolute().parent}` does not exist")

@@ -7,6 +7,9 @@ from typing import Annotated
 
 from typer import Argument
 
+from cosim.words import strict
+from cosim.writing import write
+
 
 class File(enum.StrEnum):
     """Kinds of files."""
@@ -25,8 +28,6 @@ def schema(
     `cosim schema > scenario.schema.json`, then `#:schema ./scenario.schema.json`.
     Editors with Taplo do the rest: Even Better TOML for VS Code, `taplo lsp` for others.
     """
-    import json
-
     from cosim.optimize.problem import problem_schema
     from cosim.scenario.model import scenario_schema
     from cosim.sweep.study import study_schema
@@ -36,4 +37,4 @@ def schema(
         File.STUDY: study_schema,
         File.OPTIMIZATION: problem_schema,
     }
-    print(json.dumps(schemas[file](), indent=2))
+    write(strict.text(schemas[file]()), "-")

@@ -13,6 +13,8 @@ from cosim.errors import CosimError
 from cosim.loop.engines import Engine
 from cosim.pool.limits import Limits
 from cosim.show.console import output, progress_bar
+from cosim.words import strict
+from cosim.writing import write
 
 
 def run_seeds(
@@ -25,8 +27,6 @@ def run_seeds(
     quiet: bool,
 ) -> NoReturn:
     """Run a scenario with the seeds of a text, print what came of it and exit."""
-    import json
-
     from cosim.fmu import stale
     from cosim.scenario.load import load
     from cosim.sweep import seeds
@@ -39,23 +39,12 @@ def run_seeds(
     found = seeds.survey(chosen, outcomes)
     runs = [seeds.plain(seed, outcome) for seed, outcome in zip(chosen, outcomes, strict=True)]
     if file is not None:
-        write(json.dumps(runs, indent=2, allow_nan=False) + "\n", file)
+        write(strict.text(runs), file)
     if file != "-":
         output().print(seeds.tables(scenario, found))
     if found.results < found.wanted:
         raise typer.Exit(COULD_NOT_RUN)
     raise typer.Exit(FAILED if found.passed is False else 0)
-
-
-def write(text: str, file: str) -> None:
-    """Write to a file, or to stdout where it is `-`."""
-    if file == "-":
-        print(text, end="", flush=True)
-        return
-    try:
-        Path(file).write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise CosimError(f"cannot write `{file}`: {error.strerror or error}") from None
 
 
 def check_options(seed: int | None, trace: Path | None, plot: Path | None) -> None:

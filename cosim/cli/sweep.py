@@ -10,6 +10,7 @@ from typer import Argument, Option
 
 from cosim.cli.options import FAILED, Quiet, Verbose
 from cosim.show.console import configure_logging, output
+from cosim.writing import write
 
 CLUSTER = (
     "Run on the Dask scheduler at this address, of this scheduler file, or of this security file, "
@@ -39,7 +40,7 @@ def sweep(
     options = command.Options(study, folder, workers, cluster, engine, again, plots, quiet)
     found, tables = command.execute(options)
     if json:
-        print(found.to_json(), end="", flush=True)
+        write(found.to_json(), "-")
     else:
         output().print(tables, crop=False)
     raise typer.Exit(FAILED if found.passed is False else 0)

@@ -36,7 +36,7 @@ class Report:
     table, json
         The result as a table and as JSON.
     result
-        The result, where trace or plot are wanted.
+        The result, where a plot or a trace that was not streamed is wanted.
     scenario
         The scenario, where a plot is wanted.
     """
@@ -59,7 +59,7 @@ class Single:
     verbose
         Whether the FMU shall log events.
     trace
-        Whether the trace is wanted.
+        File of the trace, None is none; it is written during the run where its format allows that.
     plot
         Plot that will be made of the run, None is none; it is checked before the run.
     sheet
@@ -70,7 +70,7 @@ class Single:
     changes: tuple[str, ...]
     engine: Engine
     verbose: bool
-    trace: bool
+    trace: Path | None
     plot: Path | None
     sheet: Sheet
 
@@ -79,6 +79,7 @@ class Single:
         from cosim.fmu import stale
         from cosim.scenario.load import load
         from cosim.show import display
+        from cosim.trace import endings, files
 
         scenario = load(self.loop, self.changes)
         session = bench.session(scenario, self.engine, self.verbose)
@@ -87,12 +88,15 @@ class Single:
             from cosim.show import plot
 
             plot.check(scenario, session.columns, self.plot)
-        result = session.run(progress=bench.progress)
+        stream = self.trace if self.trace and endings.streams(self.trace) else None
+        if self.trace is not None:
+            files.check_rows(self.trace, scenario.loop.rows)
+        result = session.run(progress=bench.progress, stream=stream)
         return Report(
             passed=result.passed,
             table=rendered(display.result(result), self.sheet),
             json=result.to_json(),
-            result=result if self.trace or self.plot else None,
+            result=result if self.plot or (self.trace and not stream) else None,
             scenario=scenario if self.plot else None,
         )
 

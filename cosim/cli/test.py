@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json as jsons
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -11,11 +10,12 @@ from typer import Argument, Option
 
 from cosim.cli.options import COULD_NOT_RUN, FAILED, Quiet, Timeout, Verbose, checked_limits
 from cosim.cli.run import check_outputs
-from cosim.cli.seeds import write
 from cosim.errors import CosimError
 from cosim.loop import engines
 from cosim.scenario import complete
 from cosim.show.console import configure_logging, output, report
+from cosim.words import strict
+from cosim.writing import write
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -70,7 +70,7 @@ def run_tests(
     if out is not None:
         write(text, str(out / "acceptance.txt"))
     if json is not None:
-        write(jsons.dumps(runner.plain(found), indent=2, allow_nan=False) + "\n", json)
+        write(strict.text(runner.plain(found)), json)
     if junit is not None:
         write(xml.document(found), junit)
     console = output()

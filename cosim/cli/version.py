@@ -8,20 +8,15 @@ from typing import Annotated
 import typer
 from typer import Option
 
-DISTRIBUTIONS = {"cosim": "machining-fmus", "FMPy": "fmpy", "MuJoCo": "mujoco-core", "numpy": "numpy"}
+from cosim.words.versions import PROJECT, version
+
+DISTRIBUTIONS = {"cosim": PROJECT, "FMPy": "fmpy", "MuJoCo": "mujoco-core", "numpy": "numpy"}
 """Distribution of each thing whose version is told."""
 
 
 def versions() -> dict[str, str]:
     """Versions of what computes the numbers; nothing is imported for it."""
-    from importlib.metadata import PackageNotFoundError, version
-
-    found = {}
-    for name, distribution in DISTRIBUTIONS.items():
-        try:
-            found[name] = version(distribution)
-        except PackageNotFoundError:
-            found[name] = "not installed"
+    found = {name: version(distribution) or "not installed" for name, distribution in DISTRIBUTIONS.items()}
     return {**found, "Python": platform.python_version()}
 
 

@@ -11,10 +11,12 @@ from cosim.compare.tolerance import Tolerances
 from cosim.errors import CosimError
 from cosim.loop.engines import Engine
 from cosim.loop.reference import Progress
-from cosim.loop.stored import StoredTrace, read
+from cosim.loop.result import Result
 from cosim.pool.limits import isolates
 from cosim.pool.runs import run
 from cosim.scenario.model import Scenario
+from cosim.trace.files import read
+from cosim.trace.stored import StoredTrace
 
 ENDING = ".baseline.npz"
 
@@ -50,22 +52,23 @@ def compare(scenario: Scenario, allowed: Tolerances, engine: Engine, progress: P
     """
     before = stored(scenario)
     result = run(scenario, progress=progress, engine=engine, isolated=isolates())
-    if result.trace is None:
-        raise CosimError("this result holds no trace, there is nothing to compare")
-    now = StoredTrace(Path(), result.trace, result.units, result.items)
+    now = StoredTrace(Path(), result.columns, result.units, result.items)
     names = paths.shown(before.file), f"{result.scenario}, seed {result.seed}"
     return traces.compare(before, now, allowed, names)
 
 
-def update(scenario: Scenario, engine: Engine, progress: Progress | None) -> Path:
-    """Run a scenario and write its baseline; returns the file."""
+def update(scenario: Scenario, engine: Engine, progress: Progress | None) -> Result:
+    """Run a scenario and write its baseline.
+
+    Raises
+    ------
+    CosimError
+        The run could not be done, or does not hold a criterion: the baseline of before stays.
+    """
     file = file_of(scenario)
     result = run(scenario, progress=progress, engine=engine, isolated=isolates())
     if result.passed is False:
         failed = ", ".join(f"`{held.criterion.id}`" for held in result.criteria if not held.passed)
         raise CosimError(f"a run that does not hold {failed} is no baseline", "`cosim run` shows more")
-    # a file that is there is whole
-    partial = file.with_name(f".{file.name}")
-    result.save_trace(partial)
-    partial.replace(file)
-    return file
+    result.save_trace(file)
+    return result

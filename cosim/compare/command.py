@@ -8,9 +8,10 @@ from cosim.compare import results, sweeps, traces
 from cosim.compare.comparison import Comparison
 from cosim.compare.tolerance import Tolerances
 from cosim.errors import CosimError
-from cosim.loop import stored
+from cosim.trace import endings, files
 
-KINDS = "traces (`.npz`, `.csv`), results (`.json`) and folders of sweeps can be compared"
+RESULT = ".json"
+KINDS = f"traces ({endings.listed(endings.READ)}), results (`{RESULT}`) and folders of sweeps can be compared"
 
 
 def compare(reference: str, other: str, allowed: Tolerances) -> Comparison:
@@ -38,7 +39,7 @@ def compare(reference: str, other: str, allowed: Tolerances) -> Comparison:
     first, second, names = Path(reference), Path(other), (reference, other)
     match kinds[0]:
         case "trace":
-            return traces.compare(stored.read(first), stored.read(second), allowed, names)
+            return traces.compare(files.read(first), files.read(second), allowed, names)
         case "result":
             return results.compare(results.read(first), results.read(second), allowed, names)
     return sweeps.compare(sweeps.read(first), sweeps.read(second), allowed, names)
@@ -49,8 +50,8 @@ def kind_of(name: str) -> str:
     path = Path(name)
     if path.is_dir():
         return "sweep"
-    if path.suffix in stored.ENDINGS or path.suffix == ".json":
+    if path.suffix in (*endings.READ, RESULT):
         if not path.is_file():
             raise CosimError(f"the file `{name}` does not exist", KINDS)
-        return "result" if path.suffix == ".json" else "trace"
+        return "result" if path.suffix == RESULT else "trace"
     raise CosimError(f"`{name}` cannot be compared" if path.exists() else f"`{name}` does not exist", KINDS)

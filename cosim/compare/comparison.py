@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import dataclass, field
 from typing import Any
@@ -11,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cosim.compare.tube import Tube
-from cosim.loop.result import plain
+from cosim.words import strict
+from cosim.words.strict import plain
 
 
 @dataclass(frozen=True)
@@ -115,7 +115,7 @@ class Comparison:
             "differences": self.differences,
             "notes": self.notes,
         }
-        return json.dumps(found, indent=2, allow_nan=False) + "\n"
+        return strict.text(found)
 
 
 def worst(

@@ -9,7 +9,7 @@ from cosim.compare.comparison import Comparison, Course, same_units, worst
 from cosim.compare.tolerance import Tolerances
 from cosim.compare.tube import tube
 from cosim.errors import CosimError
-from cosim.loop.stored import StoredTrace
+from cosim.trace.stored import StoredTrace
 
 SAME = 1e-3
 """Part of a step by which steps and times may differ that are meant to be the same."""
@@ -44,15 +44,15 @@ def compare(
     extra = [name for name in other.columns if name not in reference.columns]
     if extra and not allowed.only:
         found.notes.append("not in the reference: " + ", ".join(f"`{name}`" for name in extra))
-    compare_times(found, reference.times, other.times, max((allowed.of(n)[2] for n in present), default=0.0))
+    compare_times(found, reference.times, other.times, min((allowed.of(n)[2] for n in present), default=0.0))
     for name in present:
         found.differences += meanings(name, reference, other)
-        values = reference.trace[name]
+        values, others = reference.data[name], other.data[name]
         around = tube(reference.times, values, other.times, *allowed.of(name), stepped=stepped(values))
         unit = reference.units.get(name, "") or other.units.get(name, "")
-        found.deviations.append(worst(name, unit, around, other.trace[name], other.times))
+        found.deviations.append(worst(name, unit, around, others, other.times))
         items = other.items.get(name) or reference.items.get(name) or {}
-        found.courses[name] = Course(other.times, other.trace[name], around, items)
+        found.courses[name] = Course(other.times, others, around, items)
     return found
 
 
@@ -68,22 +68,28 @@ def meanings(name: str, reference: StoredTrace, other: StoredTrace) -> list[str]
 def compare_times(
     found: Comparison, before: NDArray[np.float64], now: NDArray[np.float64], shift: float
 ) -> None:
-    """Tell where the two do not cover the same time, and that their rows do not match."""
-    coarse, fine = sorted((longest_step(before), longest_step(now)), reverse=True)
+    """Tell where the two do not cover the same time, and that their rows do not match.
+
+    A trace may begin and end as much earlier or later as every column may, by `shift`.
+    """
+    coarse, fine = sorted((typical_step(before), typical_step(now)), reverse=True)
     same_step = coarse - fine <= SAME * coarse
     # the last row of a coarser trace may lie up to its step before the end
     slack = shift + (0.5 if same_step else 1.0) * coarse
     for word, old, new in (("begins", before[0], now[0]), ("ends", before[-1], now[-1])):
+        sentence = f"it {word} at {new:.9g} s, the reference at {old:.9g} s"
         if abs(old - new) > slack:
-            found.differences.append(f"it {word} at {new:g} s, the reference at {old:g} s")
+            found.differences.append(sentence)
+        elif abs(old - new) > 0.5 * coarse:
+            found.notes.append(sentence)
     common = min(len(before), len(now))
     if not same_step or np.any(np.abs(before[:common] - now[:common]) > SAME * coarse):
         found.notes.append("other times: the reference is interpolated, whole numbers are held")
 
 
-def longest_step(times: NDArray[np.float64]) -> float:
-    """Longest time between two rows, s."""
-    return float(np.max(np.diff(times))) if len(times) > 1 else 0.0
+def typical_step(times: NDArray[np.float64]) -> float:
+    """Median of the times between two rows, s: a gap does not make a trace coarse."""
+    return float(np.median(np.diff(times))) if len(times) > 1 else 0.0
 
 
 def stepped(values: NDArray[np.float64]) -> bool:

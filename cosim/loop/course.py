@@ -17,10 +17,10 @@ from cosim import extras, paths
 from cosim.errors import CosimError, ScenarioError, closest
 from cosim.scenario.checks import MOST_STEPS
 from cosim.scenario.model import Scenario
+from cosim.trace.endings import PARQUET
 
 TIME = "time"
 """Column of the time, s; a file without it has it first."""
-PARQUET = (".parquet", ".pq")
 LOGICAL = {"true": 1.0, "false": 0.0}
 Interpolation = Literal["hold", "linear"]
 

@@ -10,10 +10,12 @@ from cosim.errors import ExpressionError
 from cosim.loop import fmus
 from cosim.loop.result import Result
 from cosim.loop.session import located
-from cosim.loop.stored import StoredTrace
 from cosim.metrics import criteria
 from cosim.metrics.expression import Expression
 from cosim.scenario.model import Scenario
+from cosim.trace.columns import Held
+from cosim.trace.measure import measured
+from cosim.trace.stored import StoredTrace
 
 log = logging.getLogger("cosim")
 ENGINE = "stored"
@@ -45,22 +47,19 @@ def judge(scenario: Scenario, found: StoredTrace) -> Result:
     with located(scenario):
         found = described(found, scenario)
         compiled = compile_metrics(scenario, found, shown)
-        columns = [found.times, *(found.trace[name] for name in found.columns)]
-        pairs = zip(scenario.metric, compiled, strict=True)
-        measured = {
-            metric.name: criteria.measure(metric, expression, columns) for metric, expression in pairs
-        }
-        verdicts = criteria.judge(scenario.criterion, measured)
+        metrics = measured(scenario.metric, compiled, found.data)
+        verdicts = criteria.judge(scenario.criterion, metrics)
     return Result(
         scenario=scenario.name,
         title=scenario.title,
         seed=seed if isinstance(seed, int) else scenario.loop.seed,
         engine=ENGINE,
-        metrics=measured,
+        metrics=metrics,
         criteria=verdicts,
         simulated_s=simulated if isinstance(simulated, float) else found.times[-1] + scenario.loop.step,
         wall_s=0.0,
-        trace=found.trace,
+        trace=found.data.table if isinstance(found.data, Held) else None,
+        file=None if isinstance(found.data, Held) else found.file,
         units=found.units,
         items=found.items,
     )

@@ -125,7 +125,7 @@ def run(parts: Parts, chunk: int = PROGRESS_EVERY) -> Run:
     steps, step = scenario.loop.steps, scenario.loop.step
     machine = body.machine()
     links = Connector(scenario, parts.fmus, plant, np.zeros(len(plant.commands)), parts.seed).links()
-    recorder = Recorder(parts.fmus, plant, steps, scenario.loop.record_every)
+    recorder = Recorder(parts.fmus, plant, steps, scenario.loop.record_every, parts.sink)
     columns = recorder.table.shape[1]
     recorder.stop = condition.program(stop_when, columns) if stop_when else None
     calls = controller(fmu)
@@ -137,7 +137,8 @@ def run(parts: Parts, chunk: int = PROGRESS_EVERY) -> Run:
     try:
         while done < steps and not ended:
             parts.place.page.step = done
-            until = min(done + chunk, steps) if look is None else done + 1
+            room = recorder.room(done)
+            until = min(done + chunk, steps, room) if look is None else done + 1
             ended = explain(body.run(stepper, until), links, calls, plant)
             if look is not None and (row := recorder.row(done)) is not None:
                 ended = bool(look(row))

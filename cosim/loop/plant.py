@@ -216,6 +216,22 @@ def close(plant: Plant, name: str) -> None:
         log.warning("the plant `%s` failed while it was closed: %s: %s", name, type(error).__name__, error)
 
 
+def record_qpos(plant: Any, name: str) -> None:
+    """Make MuJoCo's `qpos` a part of what is recorded of a plant.
+
+    Raises
+    ------
+    PlantError
+        The plant has none, or cannot add it.
+    """
+    if not hasattr(plant, "record_qpos"):
+        raise PlantError(f"the plant `{name}` has no `qpos`", "only plants of `plants` and MJCF files have")
+    try:
+        plant.record_qpos()
+    except RuntimeError as error:
+        raise PlantError(str(error)) from error
+
+
 def check_parameters(kind: Any, parameters: dict[str, Any]) -> Any:
     """Parameters of a plant's class from a table, checked as for `build`; defaults are the plant's own."""
     check_class(kind)

@@ -14,7 +14,7 @@ from cosim.errors import CosimError, PlantError
 from cosim.fmu.instance import Instance
 from cosim.loop.place import Place, Stage
 from cosim.loop.plant import Plant, one_each
-from cosim.loop.trace import Recorder
+from cosim.loop.trace import Recorder, Sink
 from cosim.loop.wires.connect import Connector
 from cosim.loop.wires.links import Fault, Inlet, Link
 from cosim.metrics.expression import Expression
@@ -37,7 +37,7 @@ class Parts:
     """What a run needs: initialised FMUs in the order of the scenario and a plant that was reset.
 
     The run ends early in the first row that `stop_when` holds for. `interrupt` is called after every step and
-    may raise; `place` is told whose code runs.
+    may raise; `place` is told whose code runs. `sink` takes the rows of the trace, else they are kept.
     """
 
     scenario: Scenario
@@ -48,6 +48,7 @@ class Parts:
     progress: Progress | None = None
     interrupt: Callable[[], None] = lambda: None
     place: Place = field(default_factory=Place)
+    sink: Sink | None = None
 
 
 def run(parts: Parts) -> Run:
@@ -65,7 +66,7 @@ def run(parts: Parts) -> Run:
     stop_when, progress, loop = parts.stop_when, parts.progress, scenario.loop
     commands = np.zeros(len(plant.commands))
     links = Connector(scenario, parts.fmus, plant, commands, parts.seed).links()
-    recorder = Recorder(parts.fmus, plant, loop.steps, loop.record_every)
+    recorder = Recorder(parts.fmus, plant, loop.steps, loop.record_every, parts.sink)
     place, page, interrupt = parts.place, parts.place.page, parts.interrupt
     rates = [(choice.shown, loop.every(choice.step)) for choice in scenario.fmus]
     turns = list(zip(rates, parts.fmus, links.fmus, strict=True))
@@ -91,6 +92,7 @@ def run(parts: Parts) -> Run:
             # act: the commands of this step, or of `compute_delay` steps ago
             arrive(links.plant, k)
             plant.command(commands)
+            recorder.room(k)
             row = recorder.record(k, time)
             # move the plant to the next communication point
             plant.advance(loop.substeps)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -12,11 +11,16 @@ from numpy.typing import NDArray
 
 from cosim.errors import CosimError
 from cosim.fmu.archive import DisplayUnit
-from cosim.loop import trace
 from cosim.metrics.criteria import Measured, Verdict
-from cosim.words import html
+from cosim.trace import files
+from cosim.trace.columns import Columns, Held
+from cosim.trace.stored import LABELS
+from cosim.words import html, strict
 from cosim.words.frame import dataframe
+from cosim.words.strict import plain
 from cosim.words.verdicts import counted
+from cosim.words.versions import PROJECT, version
+from cosim.writing import write
 
 
 @dataclass(frozen=True, repr=False)
@@ -29,11 +33,15 @@ class Result:
         Name of the scenario, for example `dob/paper`.
     trace
         Structured array, one row per communication step; fields `time`, `controller.<name>`, `plant.<truth>`.
-        None where it was not kept (`run_many`).
+        None where it was not kept (`run_many`) or went into a file.
+    file
+        Parquet file that took the trace while the run went.
     units
         Unit of every column of the trace.
     items
         Names and numbers of the columns that are enumerations.
+    descriptions
+        What the columns are, empty where nobody says.
     displays
         Display units of the columns that have one; the trace is in `units`.
     metrics
@@ -42,6 +50,8 @@ class Result:
         Verdicts in the order of the scenario.
     simulated_s, wall_s
         Simulated time and time taken by the loop, s.
+    fmus
+        GUIDs of the FMUs by their names.
     """
 
     scenario: str
@@ -53,9 +63,12 @@ class Result:
     simulated_s: float
     wall_s: float
     trace: NDArray[Any] | None = None
+    file: Path | None = None
     units: dict[str, str] = field(default_factory=dict)
     items: dict[str, dict[str, int]] = field(default_factory=dict)
+    descriptions: dict[str, str] = field(default_factory=dict)
     displays: dict[str, DisplayUnit] = field(default_factory=dict)
+    fmus: dict[str, str] = field(default_factory=dict)
 
     @property
     def loop(self) -> str:
@@ -70,8 +83,9 @@ class Result:
         return all(verdict.passed for verdict in self.criteria)
 
     def __repr__(self) -> str:
-        """One line: scenario, verdict, seed, size of the trace."""
+        """One line: scenario, verdict, seed, size of the trace or its file."""
         rows = "no trace" if self.trace is None else f"{len(self.trace)} x {len(self.units)} trace"
+        rows = f"trace in `{self.file}`" if self.file else rows
         return f"<Result of {self.scenario}: {counted(self.criteria)}, seed {self.seed}, {rows}>"
 
     def _repr_html_(self) -> str:
@@ -87,14 +101,22 @@ class Result:
         CosimError
             pandas is not installed, or the result holds no trace.
         """
-        kept = self.kept_trace()
-        return dataframe({name: kept[name] for name in kept.dtype.names or ()}, self.units)
+        return dataframe(self.columns, self.units)
 
-    def kept_trace(self) -> NDArray[Any]:
-        """Return the trace, which must have been kept."""
-        if self.trace is None:
-            raise CosimError("this result holds no trace", "`run` keeps it, `run_many` does on demand")
-        return self.trace
+    @property
+    def columns(self) -> Columns:
+        """Columns of the trace by name; those that went into a file are read when they are asked for.
+
+        Raises
+        ------
+        CosimError
+            The trace was not kept.
+        """
+        if self.trace is not None:
+            return Held(self.trace)
+        if self.file is not None:
+            return files.opened(self.file).data
+        raise CosimError("this result holds no trace", "`run` keeps it, `run_many` does on demand")
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result without the trace, in the order and names of the JSON file."""
@@ -112,23 +134,21 @@ class Result:
 
     def to_json(self) -> str:
         """Return the result as strict JSON."""
-        return json.dumps(self.to_dict(), indent=2, allow_nan=False) + "\n"
+        return strict.text(self.to_dict())
 
     def save_json(self, path: str | Path) -> None:
         """Write the JSON file."""
-        try:
-            Path(path).write_text(self.to_json(), encoding="utf-8")
-        except OSError as error:
-            raise CosimError(f"cannot write `{path}`: {error.strerror or error}") from None
+        write(self.to_json(), Path(path))
 
     def save_trace(self, path: str | Path) -> None:
-        """Write the trace as `.npz` or `.csv`."""
-        trace.save(self.kept_trace(), Path(path), self.about())
+        """Write the trace in the format of the ending: `.npz`, `.csv`, `.parquet` or `.mat`."""
+        files.save(self.columns, Path(path), self.about())
 
     def about(self) -> dict[str, Any]:
         """Return what a saved trace tells beside its numbers; the same run gives the same bytes."""
-        names = ("scenario", "title", "seed", "simulated_s", "units", "items")
-        return {name: getattr(self, name) for name in names}
+        run = ("scenario", "title", "seed", "engine", "fmus", "simulated_s")
+        told = {name: getattr(self, name) for name in (*run, *LABELS)}
+        return {"cosim": version(PROJECT), **told}
 
 
 def criterion(verdict: Verdict) -> dict[str, Any]:
@@ -143,10 +163,3 @@ def criterion(verdict: Verdict) -> dict[str, Any]:
         "unit": verdict.unit,
         "passed": verdict.passed,
     }
-
-
-def plain(value: float) -> float | str:
-    """Return what strict JSON can hold: `NaN`, `Infinity` and `-Infinity` are texts, which `float` reads."""
-    if math.isfinite(value):
-        return value
-    return "NaN" if math.isnan(value) else ("Infinity" if value > 0 else "-Infinity")

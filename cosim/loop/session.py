@@ -5,6 +5,8 @@ from __future__ import annotations
 import contextlib
 import time
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 from cosim import interrupts
@@ -16,12 +18,15 @@ from cosim.fmu.instance import Instance
 from cosim.loop import fmus, idle, native, plant, reference, trace
 from cosim.loop.engines import Engine, checked
 from cosim.loop.place import Place, Stage
-from cosim.loop.reference import Parts, Progress
+from cosim.loop.reference import Parts, Progress, Run
 from cosim.loop.result import Result
 from cosim.loop.wires.wiring import child
 from cosim.metrics import criteria
 from cosim.metrics.expression import Expression
 from cosim.scenario.model import Scenario
+from cosim.trace import endings
+from cosim.trace.columns import structured
+from cosim.trace.measure import measured
 
 TIMESTEP_TOLERANCE = 1e-9
 MOST_SUBSTEPS = 10**6
@@ -119,7 +124,9 @@ class Session(Closing):
         with concerning("loop.stop_when"):
             self.stop = Expression(stop, columns, "`loop.stop_when`", rowwise=True) if stop else None
 
-    def run(self, seed: int | None = None, progress: Progress | None = None) -> Result:
+    def run(
+        self, seed: int | None = None, progress: Progress | None = None, stream: str | Path | None = None
+    ) -> Result:
         """Run the scenario once.
 
         Parameters
@@ -128,16 +135,19 @@ class Session(Closing):
             Seed of all noise; None is the scenario's.
         progress
             Told the steps done and in all.
+        stream
+            Parquet file that takes the trace while the run goes; None keeps it in memory.
 
         Raises
         ------
         CosimError
-            The run could not be done, or the session is closed.
+            The run could not be done, and leaves no file, or the session is closed.
         KeyboardInterrupt
             After the step in which Ctrl-C came.
         """
         scenario, place = self.scenario, self.place
         seed = scenario.loop.seed if seed is None else seed
+        file = None if stream is None else endings.streamed(Path(stream))
         self.complete = False
         self.begin()
         with located(scenario), interrupts.deferred() as interrupt:
@@ -145,29 +155,54 @@ class Session(Closing):
             fmus.initialise(scenario, self.fmus, place)
             place.at(Stage.RESET_PLANT)
             reference.reset_plant(self.plant, scenario, child(seed, "plant"))
+            result = self._result(seed)
+            parts = Parts(scenario, self.fmus, self.plant, seed, self.stop, progress, interrupt, place)
             begin = time.perf_counter()
-            run = native.run if self.engine == "native" else reference.run
-            done = run(Parts(scenario, self.fmus, self.plant, seed, self.stop, progress, interrupt, place))
-            wall = time.perf_counter() - begin
+            done = self._loop(parts, result, file)
+            result = replace(
+                result,
+                simulated_s=done.steps * scenario.loop.step,
+                wall_s=time.perf_counter() - begin,
+                trace=structured(done.table, list(self.columns)) if file is None else None,
+                file=file,
+            )
             place.at(Stage.NONE)
             self.complete = True
-            pairs = zip(scenario.metric, self.metrics, strict=True)
-            measured = [criteria.measure(metric, expression, done.table.T) for metric, expression in pairs]
-        by_name = {entry.name: entry for entry in measured}
+            metrics = measured(scenario.metric, self.metrics, result.columns)
+        return replace(result, metrics=metrics, criteria=criteria.judge(scenario.criterion, metrics))
+
+    def _loop(self, parts: Parts, known: Result, file: Path | None) -> Run:
+        """Run the loop; the trace goes into a file if there is one."""
+        run = native.run if self.engine == "native" else reference.run
+        if file is None:
+            return run(parts)
+        from cosim.trace.parquet import streaming
+
+        with streaming(file, list(self.columns), known.about()) as writer:
+            done = run(replace(parts, sink=writer))
+            writer.finish(done.steps * self.scenario.loop.step)
+        return done
+
+    def _result(self, seed: int) -> Result:
+        """Return what is known of a result before the run."""
         units = trace.units(self.fmus, self.plant)
+        descriptions = trace.descriptions(self.fmus, self.plant)
         return Result(
-            scenario=scenario.name,
-            title=scenario.title,
+            scenario=self.scenario.name,
+            title=self.scenario.title,
             seed=seed,
             engine=self.engine,
-            metrics=by_name,
-            criteria=criteria.judge(scenario.criterion, by_name),
-            simulated_s=done.steps * scenario.loop.step,
-            wall_s=wall,
-            trace=trace.structured(done.table, list(self.columns)),
+            metrics={},
+            criteria=[],
+            simulated_s=0.0,
+            wall_s=0.0,
             units={name: units[name] for name in self.columns},
             items={name: items for name, items in self.columns.items() if items},
+            descriptions={name: descriptions[name] for name in self.columns},
             displays=trace.displays(self.fmus),
+            fmus={
+                choice.fmu: fmu.file.guid for choice, fmu in zip(self.scenario.fmus, self.fmus, strict=True)
+            },
         )
 
     def close(self) -> None:
@@ -194,12 +229,18 @@ class Session(Closing):
 def open_plant(scenario: Scenario, previous: Session | None) -> plant.Plant:
     """Plant of a scenario, that of the previous session if it is the same; else that one is closed."""
     if previous is not None:
-        before = previous.scenario
-        if (chosen(before), before.folder) == (chosen(scenario), scenario.folder):
+        wanted, before = (
+            (chosen(one), one.folder, one.loop.record_qpos) for one in (scenario, previous.scenario)
+        )
+        if wanted == before:
             previous.has_plant = False
             return previous.plant
         previous.close_plant()
-    return plant.build(*chosen(scenario), scenario.folder)
+    built = plant.build(*chosen(scenario), scenario.folder)
+    if scenario.loop.record_qpos:
+        with concerning("loop.record_qpos"):
+            plant.record_qpos(built, scenario.plant.name)
+    return built
 
 
 def chosen(scenario: Scenario) -> tuple[str, dict[str, Any]]:

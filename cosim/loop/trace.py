@@ -1,11 +1,9 @@
-"""Traces: what is recorded in every step, and the files it is saved in."""
+"""What is recorded in every step of a run."""
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
-from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,8 +15,17 @@ from cosim.loop.condition import Program
 from cosim.loop.plant import Plant, one_each
 
 
+class Sink(Protocol):
+    """Takes the rows of a run, so many at once, that would not fit into memory."""
+
+    rows: int
+
+    def write(self, columns: Sequence[NDArray[np.float64]]) -> None:
+        """Take rows, given by their columns."""
+
+
 class Recorder:
-    """Preallocated table of a run, shape (steps, columns); first column is the time.
+    """Preallocated table of a run, shape (rows, columns); first column is the time.
 
     Parameters
     ----------
@@ -30,13 +37,25 @@ class Recorder:
         Steps of the run.
     every
         Steps between two rows.
+    sink
+        Takes the rows whenever the table, which is as long as it says, is full; None is a table for all rows.
     """
 
-    def __init__(self, fmus: Sequence[Instance], plant: Plant, steps: int, every: int = 1) -> None:
+    def __init__(
+        self,
+        fmus: Sequence[Instance],
+        plant: Plant,
+        steps: int,
+        every: int = 1,
+        sink: Sink | None = None,
+    ) -> None:
         self.plant = plant
         self.every = every
+        self.sink = sink
         self.stop: Program | None = None
-        self.table = np.zeros((-(-steps // every), len(columns(fmus, plant))))
+        rows = -(-steps // every)
+        self.table = np.zeros((rows if sink is None else min(rows, sink.rows), len(columns(fmus, plant))))
+        self.taken = 0
         # inputs that nothing drives are constant
         first = 1
         for fmu, variable in idle(fmus):
@@ -65,12 +84,42 @@ class Recorder:
 
     def row(self, k: int) -> NDArray[np.float64] | None:
         """Return the row of step `k`, if it has one."""
-        row: NDArray[np.float64] | None = None if k % self.every else self.table[k // self.every]
+        row: NDArray[np.float64] | None = None if k % self.every else self.table[k // self.every - self.taken]
         return row
 
+    def room(self, k: int) -> int:
+        """Make room for the row of step `k`; returns the first step after it that needs room again."""
+        if k == self.full:
+            self.hand_over(len(self.table))
+        return self.full
+
+    @property
+    def full(self) -> int:
+        """Step whose row is beyond the table."""
+        return (self.taken + len(self.table)) * self.every
+
     def recorded(self, steps: int) -> NDArray[np.float64]:
-        """Return the rows of the first steps."""
-        return self.table[: -(-steps // self.every)]
+        """Return the rows of the first steps that no sink took."""
+        rows = -(-steps // self.every) - self.taken
+        if self.sink is None:
+            return self.table[:rows]
+        self.hand_over(rows)
+        return self.table[:0]
+
+    def hand_over(self, rows: int) -> None:
+        """Give the first rows of the table to the sink.
+
+        Raises
+        ------
+        CosimError
+            It cannot take them.
+        """
+        if self.sink is not None and rows:
+            try:
+                self.sink.write(list(self.table[:rows].T))
+            except OSError as error:
+                raise CosimError(f"the trace cannot be written: {error.strerror or error}") from error
+            self.taken += rows
 
 
 def idle(fmus: Sequence[Instance]) -> list[tuple[Instance, Variable]]:
@@ -99,6 +148,16 @@ def units(fmus: Sequence[Instance], plant: Plant) -> dict[str, str]:
     }
 
 
+def descriptions(fmus: Sequence[Instance], plant: Plant) -> dict[str, str]:
+    """Descriptions of the columns of a trace, empty where there is none."""
+    variables = [(fmu.name, variable) for fmu in fmus for variable in fmu.file.variables.values()]
+    return {
+        "time": "",
+        **{f"{name}.{variable.name}": variable.description for name, variable in variables},
+        **{f"plant.{channel.name}": channel.description for channel in plant.truths},
+    }
+
+
 def displays(fmus: Sequence[Instance]) -> dict[str, DisplayUnit]:
     """Display units of the columns of a trace that have one."""
     variables = [(fmu.name, variable) for fmu in fmus for variable in fmu.file.variables.values()]
@@ -108,30 +167,3 @@ def displays(fmus: Sequence[Instance]) -> dict[str, DisplayUnit]:
 def numeric_outputs(file: FmuFile) -> list[Variable]:
     """List the outputs of an FMU that can be recorded."""
     return [variable for variable in file.named("output") if BASE[variable.kind] != "String"]
-
-
-def structured(table: NDArray[np.float64], names: list[str]) -> NDArray[Any]:
-    """Table as a structured array with one field per column, the shape FMPy and pandas take."""
-    dtype = np.dtype([(name, np.float64) for name in names])
-    return np.ascontiguousarray(table).view(dtype).reshape(len(table))
-
-
-def save(trace: NDArray[Any], path: Path, about: dict[str, Any]) -> None:
-    """Save a trace as `.npz` (arrays `trace`, and `about` as JSON) or `.csv` (as FMPy writes and reads it).
-
-    Raises
-    ------
-    CosimError
-        Unknown ending or a file that cannot be written.
-    """
-    try:
-        if path.suffix == ".npz":
-            np.savez_compressed(path, trace=trace, about=np.array(json.dumps(about)))
-        elif path.suffix == ".csv":
-            table = trace.view(np.float64).reshape(len(trace), -1)
-            header = ",".join(f'"{name}"' for name in trace.dtype.names or ())
-            np.savetxt(path, table, fmt="%.17g", delimiter=",", header=header, comments="")
-        else:
-            raise CosimError(f"cannot save a trace as `{path}`", "the name must end in `.npz` or `.csv`")
-    except OSError as error:
-        raise CosimError(f"cannot write `{path}`: {error.strerror or error}") from None

@@ -12,10 +12,11 @@ from cosim import paths
 from cosim.compare.tube import interpolated
 from cosim.errors import CosimError, ScenarioError, closest
 from cosim.loop.result import Result
-from cosim.loop.stored import StoredTrace, read
 from cosim.optimize.problem import Problem
 from cosim.scenario.model import Criterion, Scenario
 from cosim.sweep.store import DONE, Row
+from cosim.trace.files import read
+from cosim.trace.stored import StoredTrace
 
 MISFIT = "misfit"
 """Metric of a calibration: mean square of all deviations, each in standard deviations of its column."""
@@ -76,29 +77,33 @@ def misfit(result: Result, target: StoredTrace, columns: Sequence[str]) -> float
     """Mean square of the deviations from a measured trace, each in standard deviations of its column.
 
     The simulated course is interpolated at the times of the measured one; where that has NaN nothing counts.
+    A run that ended before the last of these times is infinitely far off.
 
     Raises
     ------
     CosimError
-        The run has no such column, or it has another unit.
+        The run has no trace or no such column, or it has another unit.
     """
-    trace = result.trace
-    if trace is None or trace.dtype.names is None:
-        raise CosimError("this result holds no trace, there is nothing to compare")
+    simulation = result.columns
+    times = simulation["time"]
+    # a row stands for the time up to the next
+    end = result.simulated_s + (times[1] if len(times) > 1 else 0.0)
     squares = []
     for name in columns or target.columns:
-        if name not in trace.dtype.names:
+        if name not in simulation:
             text = f"`{paths.shown(target.file)}` has the column `{name}`, which is not in the trace of a run"
-            raise CosimError(text, closest(name, trace.dtype.names))
+            raise CosimError(text, closest(name, simulation))
         units = target.units.get(name, ""), result.units.get(name, "")
         if all(units) and units[0] != units[1]:
             text = (
                 f"`{name}` in `{paths.shown(target.file)}` is in `{units[0]}`, that of a run in `{units[1]}`"
             )
             raise CosimError(text)
-        wanted = target.trace[name]
+        wanted = target.data[name]
         known = np.isfinite(wanted)
-        simulated = interpolated(trace["time"], trace[name], target.times[known])
+        if np.any(target.times[known] > end):
+            return math.inf
+        simulated = interpolated(times, simulation[name], target.times[known])
         scale = float(np.std(wanted[known])) or 1.0
         squares.append(np.square((simulated - wanted[known]) / scale))
     return float(np.mean(np.concatenate(squares)))
@@ -112,7 +117,8 @@ def score(problem: Problem, scenario: Scenario, rows: Sequence[Row]) -> Score:
     name = problem.objective.metric or MISFIT
     value = float(np.mean([float(row["metrics"][name]) for row in rows]))
     if not math.isfinite(value):
-        return Score(None, reason=f"`{name}` is {value}")
+        early = ": the run ended before what was measured" if (name, value) == (MISFIT, math.inf) else ""
+        return Score(None, reason=f"`{name}` is {value}{early}")
     held = scenario.criterion if problem.objective.metric else ()
     return Score(value, tuple(max(violation(entry, row) for row in rows) for entry in held))
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import json
 import math
 import shlex
 from collections.abc import Sequence
@@ -15,7 +14,6 @@ from rich.text import Text
 
 from cosim import paths
 from cosim.errors import CosimError
-from cosim.loop.result import plain
 from cosim.optimize.objective import MISFIT
 from cosim.optimize.proposer import Trial
 from cosim.optimize.search import best
@@ -23,6 +21,7 @@ from cosim.optimize.variants import Variants
 from cosim.show.listing import plain_table
 from cosim.sweep.plan import text as value_text
 from cosim.sweep.varied import Vary
+from cosim.words import strict
 from cosim.words.quantity import number, text
 
 AT_END = 0.01
@@ -124,12 +123,12 @@ def to_json(variants: Variants, trials: Sequence[Trial]) -> str:
         if found is None
         else {
             "trial": found.number,
-            "value": plain(found.score.value or 0.0),
+            "value": found.score.value or 0.0,
             "set": found.values,
             "command": command(variants, found),
         },
     }
-    return json.dumps(content, indent=2, allow_nan=False) + "\n"
+    return strict.text(content)
 
 
 def save_csv(variants: Variants, trials: Sequence[Trial], file: Path) -> None:

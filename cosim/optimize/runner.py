@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from cosim.closing import Closing
 from cosim.loop.engines import Engine
-from cosim.loop.result import Result, plain
+from cosim.loop.result import Result
 from cosim.optimize.objective import MISFIT, misfit
 from cosim.optimize.variants import Variants
 from cosim.pool import local
@@ -17,6 +17,7 @@ from cosim.pool.job import Outcome
 from cosim.pool.limits import processors
 from cosim.sweep.plan import Run
 from cosim.sweep.store import TROUBLES, Row, Store, row_of
+from cosim.words.strict import plain
 
 
 @dataclass(frozen=True)

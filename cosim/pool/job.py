@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import logging
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 from cosim.errors import CosimError, FmuError
@@ -74,7 +75,8 @@ class Order:
 class Job:
     """One run of a scenario with a seed, by the engine of that name, whose result may keep its trace.
 
-    Where the log takes events of FMUs, these are told to log them.
+    `stream` is the Parquet file that takes the trace instead. Where the log takes events of FMUs, these are
+    told to log them.
 
     `fmus` are the SHA-256 that the FMUs must have, as far as the names of their extracted folders go; none
     takes any.
@@ -85,6 +87,7 @@ class Job:
     engine: Engine = "native"
     keep_trace: bool = False
     fmus: tuple[str, ...] = ()
+    stream: Path | None = None
 
     def run(self, bench: Bench) -> Result:
         """Run the scenario once."""
@@ -94,5 +97,5 @@ class Job:
             if folder.name != wanted[: len(folder.name)]:
                 problem = f"the FMU `{fmu.file.path}` is not the one the sweep began with"
                 raise FmuError(problem, "it was built or copied anew")
-        result = session.run(self.seed, bench.progress)
+        result = session.run(self.seed, bench.progress, self.stream)
         return result if self.keep_trace else dataclasses.replace(result, trace=None)

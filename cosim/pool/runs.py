@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Generator, Sequence
+from pathlib import Path
 
 from cosim.errors import CosimError
 from cosim.loop.engines import Engine
@@ -15,6 +16,7 @@ from cosim.pool.job import Job, Outcome
 from cosim.pool.limits import Limits, isolates, processors
 from cosim.pool.supervisor import Worker
 from cosim.scenario.model import Scenario
+from cosim.writing import discard
 
 
 def run(
@@ -24,6 +26,7 @@ def run(
     engine: Engine = "reference",
     isolated: bool = False,
     limits: Limits | None = None,
+    stream: str | Path | None = None,
 ) -> Result:
     """Run a scenario once with a fresh FMU and plant.
 
@@ -42,20 +45,29 @@ def run(
         error like any other; a second or so for the imports of that process is the price.
     limits
         What an isolated run may take.
+    stream
+        Parquet file that takes the trace while the run goes, in little memory; None keeps it in memory.
 
     Raises
     ------
     CosimError
-        The run could not be done.
+        The run could not be done; it leaves no file then.
     """
     if not isolated:
         with Session(scenario, engine=engine) as session:
-            return session.run(seed, progress)
+            return session.run(seed, progress, stream)
     if not isolates():
         raise CosimError("runs cannot be isolated on this system", "`isolated=False` runs in this process")
-    job = Job(scenario, scenario.loop.seed if seed is None else seed, engine, keep_trace=True)
-    with Worker(limits or Limits(keys=("timeout", "memory")), relay=True) as worker:
-        outcome = worker.call(job, progress)
+    file = None if stream is None else Path(stream).absolute()
+    seed = scenario.loop.seed if seed is None else seed
+    job = Job(scenario, seed, engine, keep_trace=True, stream=file)
+    try:
+        with Worker(limits or Limits(keys=("timeout", "memory")), relay=True) as worker:
+            outcome = worker.call(job, progress)
+    finally:
+        if file is not None:
+            # a process that died left it
+            discard(file)
     if isinstance(outcome, CosimError):
         raise outcome
     done: Result = outcome

@@ -16,7 +16,16 @@ ITEM_KEYS = {
     "criterion": ("minimum", "maximum", "equals"),
 }
 """Keys of the items of a scenario that are worth an override, though the file may not hold them."""
-LOOP_KEYS = ("step", "duration", "substeps", "seed", "compute_delay", "record_every", "stop_when")
+LOOP_KEYS = (
+    "step",
+    "duration",
+    "substeps",
+    "seed",
+    "compute_delay",
+    "record_every",
+    "record_qpos",
+    "stop_when",
+)
 
 
 def loops(incomplete: str) -> list[str]:

@@ -32,6 +32,8 @@ class Loop:
         Steps by which commands act later; 1 is what standard FMI masters do.
     record_every
         Steps between two rows of the trace; metrics and `stop_when` see these rows.
+    record_qpos
+        Whether the trace holds MuJoCo's `qpos` as well, `plant.qpos.<joint>`, to show the run again.
     stop_when
         Expression over the current row of the trace that ends the run early; empty never does.
     """
@@ -43,12 +45,18 @@ class Loop:
     order: Literal["controller_first"] = "controller_first"
     compute_delay: Literal[0, 1] = 1
     record_every: int = limited(COUNT, 1)
+    record_qpos: bool = False
     stop_when: str = ""
 
     @property
     def steps(self) -> int:
         """Number of communication steps."""
         return round(self.duration / self.step)
+
+    @property
+    def rows(self) -> int:
+        """Rows of the trace of a run that does not end early."""
+        return -(-self.steps // self.record_every)
 
     def every(self, step: float | None) -> int:
         """Communication steps in one of an FMU, whose own is `step` in s or, if that is None, the same."""

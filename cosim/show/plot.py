@@ -10,12 +10,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.errors import CosimError, ScenarioError, closest, concerning
+from cosim.errors import ScenarioError, closest, concerning
 from cosim.fmu.archive import DisplayUnit
 from cosim.loop.result import Result
 from cosim.metrics.expression import Expression, Items
 from cosim.scenario.model import Panel, Scenario
 from cosim.show import figure as figures
+from cosim.trace.columns import Columns, InOrder
 
 MOST_PANELS = 6
 MOST_COLUMNS = 8
@@ -47,11 +48,9 @@ def save(scenario: Scenario, result: Result, path: Path) -> None:
     CosimError
         The result holds no trace, or the file cannot be written.
     """
-    trace = result.trace
-    if trace is None:
-        raise CosimError("this result holds no trace, there is nothing to plot")
+    trace = result.columns
     panels = scenario.plot.panels or default_panels(trace, result)
-    windows = [np.ones(len(trace), dtype=bool), *zoomed(scenario, result, trace)]
+    windows = [np.ones(len(trace["time"]), dtype=bool), *zoomed(scenario, result, trace)]
     with figures.styled() as pyplot:
         size = (6.5 * len(windows) + 2.5, 1.2 + 1.7 * len(panels))
         figure, grid = pyplot.subplots(
@@ -59,7 +58,7 @@ def save(scenario: Scenario, result: Result, path: Path) -> None:
         )
         for row, panel in zip(grid, panels, strict=True):
             for axes, window in zip(row, windows, strict=True):
-                draw(axes, trace[window], panel, result)
+                draw(axes, {name: trace[name][window] for name in ("time", *panel.columns)}, panel, result)
             row[0].set_title(panel.title, fontsize=9, loc="left")
             row[-1].legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=8)
         for axes in grid[-1]:
@@ -76,7 +75,7 @@ def heading(result: Result) -> str:
     return f"{result.title}\n{result.scenario}, seed {result.seed}{verdict}"
 
 
-def draw(axes: Any, trace: NDArray[Any], panel: Panel, result: Result) -> None:
+def draw(axes: Any, trace: Columns, panel: Panel, result: Result) -> None:
     """Draw one panel; values that only jump (modes, flags) are drawn as steps, enumerations with names."""
     shown = unit_of(panel, result)
     for column in panel.columns:
@@ -109,10 +108,10 @@ def items_of(panel: Panel, result: Result) -> dict[str, int]:
     return first if all(items == first for items in others) else {}
 
 
-def default_panels(trace: NDArray[Any], result: Result) -> tuple[Panel, ...]:
+def default_panels(trace: Columns, result: Result) -> tuple[Panel, ...]:
     """Panels of a scenario that names none: the columns that move, by enumeration or unit."""
-    names = list(trace.dtype.names or ())[1:]
-    moving = [name for name in names if np.any(trace[name] != trace[name][0])] or names[:1]
+    names = list(trace)[1:]
+    moving = [name for name in names if moves(trace[name])] or names[:1]
     groups: dict[tuple[tuple[str, ...], str], list[str]] = {}
     for name in moving:
         group = tuple(result.items.get(name, ())), result.units.get(name, "")
@@ -120,6 +119,11 @@ def default_panels(trace: NDArray[Any], result: Result) -> tuple[Panel, ...]:
     # what the loop is doing comes first
     largest = sorted(groups.items(), key=lambda group: (not group[0][0], -len(group[1])))[:MOST_PANELS]
     return tuple(Panel(columns=tuple(columns[:MOST_COLUMNS])) for _, columns in largest)
+
+
+def moves(column: NDArray[np.float64]) -> bool:
+    """Whether a column has more than one value."""
+    return bool(np.any(column != column[0]))
 
 
 def zoom_condition(scenario: Scenario, columns: Mapping[str, Items | None]) -> Expression | None:
@@ -130,13 +134,12 @@ def zoom_condition(scenario: Scenario, columns: Mapping[str, Items | None]) -> E
         return Expression(f"first_time({scenario.plot.zoom})", columns, "`plot.zoom`")
 
 
-def zoomed(scenario: Scenario, result: Result, trace: NDArray[Any]) -> list[NDArray[np.bool_]]:
+def zoomed(scenario: Scenario, result: Result, trace: Columns) -> list[NDArray[np.bool_]]:
     """Rows around the moment that the scenario zooms on; nothing if it did not come."""
-    names = trace.dtype.names or ()
-    condition = zoom_condition(scenario, {name: result.items.get(name) for name in names})
+    condition = zoom_condition(scenario, {name: result.items.get(name) for name in trace})
     if condition is None:
         return []
-    moment = float(condition([trace[name] for name in names]))
+    moment = float(condition(InOrder(trace)))
     if not math.isfinite(moment):
         return []
     time = trace["time"]

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import contextlib
 import csv
 import importlib
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from cosim.errors import CosimError
+from cosim.writing import whole
 
 Table = dict[str, list[Any]]
 """Columns by name, all of one length; None where a run has no value."""
@@ -61,16 +59,3 @@ def typed(pyarrow: Any, values: list[Any]) -> Any:
     elif len(kinds) > 1:
         values = [None if value is None else str(value) for value in values]
     return pyarrow.array(values)
-
-
-@contextlib.contextmanager
-def whole(file: Path) -> Iterator[Path]:
-    """Path to write to that becomes `file` at the end: a file that is there is whole."""
-    partial = file.with_name(f".{file.name}.partial")
-    try:
-        yield partial
-        partial.replace(file)
-    except OSError as error:
-        with contextlib.suppress(OSError):
-            partial.unlink(missing_ok=True)
-        raise CosimError(f"cannot write `{file}`: {error.strerror or error}") from None

@@ -6,7 +6,6 @@ import contextlib
 import functools
 import hashlib
 import importlib
-import importlib.metadata
 import importlib.util
 import sys
 import sysconfig
@@ -16,6 +15,7 @@ from typing import Any
 
 from cosim.loop import plant
 from cosim.scenario.layers import is_tables
+from cosim.words.versions import version
 
 PRESENTATION = ("title", "description", "plot")
 """Parts of a scenario that change no number."""
@@ -134,14 +134,6 @@ def native() -> Path:
     assert found is not None
     assert found.origin is not None
     return Path(found.origin)
-
-
-def version(name: str) -> str:
-    """Version of a package; empty if it was not installed as one."""
-    try:
-        return importlib.metadata.version(name)
-    except importlib.metadata.PackageNotFoundError:
-        return ""
 
 
 def joined(parts: list[str]) -> str:

@@ -81,11 +81,8 @@ def save_traces(plan: Plan, store: Store, found: Survey, pool: Pool, plots: bool
             log.warning(
                 "run %d gives other numbers when it is repeated: something in it is random", run.number
             )
-        # a file that is there is whole
         file = files[run.number]
-        partial = folder / f".{file.name}"
-        outcome.save_trace(partial)
-        partial.replace(file)
+        outcome.save_trace(file)
         if run.number in drawn:
             plot.save(plan.job(run).scenario, outcome, file.with_suffix(".svg"))
 

@@ -15,11 +15,13 @@ from typing import Any, Literal, NoReturn
 from cosim import paths
 from cosim.closing import Closing
 from cosim.errors import CosimError
-from cosim.loop.result import Result, plain
+from cosim.loop.result import Result
 from cosim.metrics.criteria import Verdict
 from cosim.pool.job import Outcome
 from cosim.scenario.tables import parse
 from cosim.sweep.plan import Run
+from cosim.words import strict
+from cosim.words.strict import plain
 
 log = logging.getLogger("cosim")
 FILE = "results.jsonl"
@@ -116,7 +118,7 @@ class Store(Closing):
 
     def append(self, row: Row) -> None:
         """Write one row; it is in the file when this returns."""
-        line = json.dumps(row, allow_nan=False, default=str).encode() + b"\n"
+        line = strict.line(row).encode() + b"\n"
         self.places[row["hash"]] = (self.write(line), row["status"])
 
     def write(self, line: bytes) -> int:
@@ -186,16 +188,9 @@ def status_of(held: Collection[bool]) -> str:
     return ("passed" if all(held) else "failed") if held else "done"
 
 
-def storable(value: Any) -> Any:
-    """Return what strict JSON can hold of a value of a scenario."""
-    if isinstance(value, float):
-        return plain(value)
-    return [storable(item) for item in value] if isinstance(value, list) else value
-
-
 def row_of(run: Run, outcome: Outcome) -> Row:
     """Row of a run and its outcome."""
-    changes = {key: storable(value) for key, value in run.changes.items()}
+    changes = {key: plain(value) for key, value in run.changes.items()}
     row: Row = {"run": run.number, "case": run.case, "seed": run.seed, "set": changes, "hash": run.hash}
     if isinstance(outcome, Result):
         return {

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import sys
 from collections import Counter
@@ -13,10 +12,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.loop.result import plain
 from cosim.sweep.plan import Plan
 from cosim.sweep.sensitivity import Influence, influences
 from cosim.sweep.store import DONE, Row, Store
+from cosim.words import strict
+from cosim.words.strict import plain
 
 QUANTILES = {"minimum": 0.0, "median": 0.5, "95 %": 0.95, "99 %": 0.99, "maximum": 1.0}
 NORMAL_95 = 1.959964
@@ -95,7 +95,7 @@ class Survey:
 
     def to_json(self) -> str:
         """Return the survey as strict JSON."""
-        return json.dumps(self.to_dict(), indent=2, allow_nan=False) + "\n"
+        return strict.text(self.to_dict())
 
 
 def survey(plan: Plan, store: Store) -> Survey:

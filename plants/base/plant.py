@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 import machining_native as _native
 from machining_native import Cell, Circuit, Stepper
+from plants.base.coordinates import coordinates
 from plants.base.machine import Machine, NotNativeError, address, empty_model, functions
 from plants.base.names import Mjcf, native_names, unknown
 from plants.base.parameters import check
@@ -90,6 +91,7 @@ class Plant(ABC):
 
     Parameters: ClassVar[type]
     wires: ClassVar[tuple[str, ...]] = ()
+    coordinates: tuple[Channel, ...] = ()
 
     readings: tuple[Channel, ...]
     commands: tuple[Channel, ...]
@@ -169,9 +171,28 @@ class Plant(ABC):
         """Tie the channels to cells by name."""
         self.reading_cells = _in_order(self.readings, readings)
         self.command_cells = _in_order(self.commands, commands)
-        self.truth_cells = _in_order(self.truths, truths)
+        places = {one.name: Cell(self.data.qpos, i) for i, one in enumerate(self.coordinates)}
+        self.truth_cells = _in_order(self.truths, {**truths, **places})
 
     # what a harness calls
+
+    def record_qpos(self) -> None:
+        """Make every number of MuJoCo's `qpos` a truth, from the next reset on; a second call does nothing.
+
+        Raises
+        ------
+        PlantError
+            The plant tells its truths in Python, or has one of such a name.
+        """
+        if type(self).truth is not Plant.truth:
+            raise PlantError(f"`qpos` cannot be added to `{type(self).__name__}.truth`, which is in Python")
+        if self.coordinates:
+            return
+        told = "Coordinate of MuJoCo, for replay"
+        found = tuple(Channel(name, unit, told) for name, unit in coordinates(self.model))
+        if taken := {one.name for one in found} & {truth.name for truth in self.truths}:
+            raise PlantError(f"plant `{self.name}` has a truth `{min(taken)}`, the name of a coordinate")
+        self.coordinates, self.truths = found, (*self.truths, *found)
 
     def reset(self, seed: int | SeedSequence, duration: float) -> None:
         """Back to time zero; all random numbers of a run of `duration` seconds are drawn here.

@@ -23,10 +23,8 @@ pub struct Log {
 impl Log {
     /// Fills the row of step `k`, if it has one.
     pub(super) fn record(&mut self, k: usize, time: f64, truths: &[Place]) {
-        if !k.is_multiple_of(self.every) {
-            return;
-        }
-        let row = self.table.row(k / self.every);
+        let Some(row) = self.row(k) else { return };
+        let row = self.table.row(row);
         row[0] = time;
         let mut rest = &mut row[self.start..];
         for bank in &self.banks {
@@ -37,9 +35,17 @@ impl Log {
         rest[..truths.len()].iter_mut().zip(truths).for_each(|(number, place)| *number = place.sample(0));
     }
 
+    /// Number of the row of step `k`, if it has one; a full table begins anew.
+    fn row(&self, k: usize) -> Option<usize> {
+        k.is_multiple_of(self.every).then(|| k / self.every % self.table.rows())
+    }
+
     /// Whether the row of step `k`, if it has one, is the last.
     pub(super) fn ends(&mut self, k: usize) -> bool {
-        let Some(stop) = self.stop.as_mut().filter(|_| k.is_multiple_of(self.every)) else { return false };
-        stop.holds(self.table.row(k / self.every))
+        if self.stop.is_none() {
+            return false;
+        }
+        let row = self.row(k);
+        row.zip(self.stop.as_mut()).is_some_and(|(row, stop)| stop.holds(self.table.row(row)))
     }
 }

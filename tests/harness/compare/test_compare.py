@@ -14,7 +14,8 @@ import pytest
 
 import cosim
 from cosim.cli import app
-from cosim.loop import trace
+from cosim.trace import files
+from cosim.trace.columns import Held, structured
 
 from ..conftest import END
 
@@ -38,7 +39,7 @@ def save(file: str, units: dict[str, str] | None = None, items: Any = None, **co
     """Write a trace."""
     table = np.array(list(columns.values()), dtype=float).T
     about = {"units": units or {}, "items": items or {}}
-    trace.save(trace.structured(table, list(columns)), Path(file), about)
+    files.save(Held(structured(table, list(columns))), Path(file), about)
 
 
 def found(command: Run, *arguments: str) -> tuple[int, dict[str, Any]]:
@@ -204,6 +205,50 @@ def test_a_scenario_is_compared_with_its_baseline(command: Run, write: Write, fo
     assert command("compare", "sub/lag.toml", "--set", "plant.pole=0.6", "--atol", "1")[0] == 0
 
 
+def test_a_run_that_fails_is_no_baseline_and_leaves_the_one_before(
+    command: Run, write: Write, folder: Path
+) -> None:
+    write(END + CRITERION)
+    assert command("compare", "lag.toml", "--update")[0] == 2
+    assert not list(folder.glob("*baseline*"))
+    write(END + CRITERION.replace("0.01", "9.0"))
+    assert command("compare", "lag.toml", "--update")[0] == 0
+    before = (folder / "lag.baseline.npz").read_bytes()
+    write(END + CRITERION)
+    code, out, err = command("compare", "lag.toml", "--update", "--json")
+    assert (code, out) == (2, "")
+    assert "a run that does not hold `end` is no baseline" in err
+    assert (folder / "lag.baseline.npz").read_bytes() == before
+
+
+@pytest.mark.usefixtures("folder")
+def test_the_json_of_an_update_tells_file_and_result(command: Run, write: Write) -> None:
+    write(END)
+    code, out, _ = command("compare", "lag.toml", "--update", "--json")
+    answer = json.loads(out)
+    assert code == 0
+    assert Path(answer["baseline"]).samefile("lag.baseline.npz")
+    assert answer["metrics"]["end"]["value"] == cosim.run(cosim.load("lag.toml")).metrics["end"].value
+
+
+@pytest.mark.usefixtures("folder")
+def test_a_trace_that_ends_early_is_a_difference_unless_all_its_columns_may(command: Run) -> None:
+    gap = np.append(TIME, 3.0)
+    save("a.npz", time=TIME, x=WAVE, y=WAVE)
+    save("b.npz", time=TIME[:-3], x=WAVE[:-3], y=WAVE[:-3])
+    ends = "it ends at 0.96 s, the reference at 0.99 s"
+    # the tolerance of one column is none of the other
+    for options in ((), ("--dt", "x=0.1")):
+        code, answer = found(command, "a.npz", "b.npz", *options)
+        assert (code, answer["differences"]) == (1, [ends])
+    code, answer = found(command, "a.npz", "b.npz", "--dt", "0.1")
+    assert (code, answer["notes"]) == (0, [ends])
+    # a gap is no step
+    save("c.npz", time=gap, x=np.append(WAVE, 0.0), y=np.append(WAVE, 0.0))
+    code, answer = found(command, "c.npz", "a.npz")
+    assert (code, answer["differences"]) == (1, ["it ends at 0.99 s, the reference at 3 s"])
+
+
 def row(run: int, end: float | str, status: str = "passed", **more: Any) -> dict[str, Any]:
     """Row of a sweep."""
     return {
@@ -276,6 +321,7 @@ WRONG = {
     "only nothing": (["a.npz", "b.npz", "--only", "plant.*"], "`--only plant.*` fits nothing"),
     "only one file": (["a.npz"], "nothing to compare `a.npz` with"),
     "update of files": (["a.npz", "b.npz", "--update"], "`OTHER` does not go with `--update`"),
+    "limit of an update": (["lag", "--update", "--rtol", "1e-6"], "`--rtol` does not go with `--update`"),
     "set of files": (["a.npz", "b.npz", "--set", "a=1"], "`--set` does not go with two files"),
     "dt of results": (["r.json", "r.json", "--dt", "1"], "`--dt` does not go with a result"),
     "plot of results": (["r.json", "r.json", "--plot", "p.svg"], "`--plot` does not go with a result"),

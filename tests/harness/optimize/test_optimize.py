@@ -265,6 +265,17 @@ def test_the_true_value_has_no_misfit(command: Run) -> None:
     assert (best["set"], best["value"]) == ({"plant.pole": 0.4}, 0.0)
 
 
+def test_a_run_that_ends_before_what_was_measured_is_no_fit(command: Run) -> None:
+    cosim.run(cosim.load("lag.toml", ["plant.pole=0.4"])).save_trace(Path("m.npz"))
+    vary = '[[vary]]\nkey = "plant.pole"\nvalues = [0.1, 0.4, 0.8]\n'
+    file = study('trace = "m.npz"\ncolumns = ["plant.x"]', vary, trials=10)
+    # what comes before the end is the same, and what is held after it may be near
+    file.write_text(file.read_text().replace(SET, '[set]\nloop.stop_when = "time >= 0.02"\n'))
+    code, _, err = command()
+    assert code == 2
+    assert "gave a number; the first: `misfit` is inf: the run ended before what was measured" in err
+
+
 WRONG = {
     "no objective": ("", GAIN, "`objective` needs one of `metric` and `trace`"),
     "two": ('metric = "end"\ntrace = "m.csv"', GAIN, "needs one of"),

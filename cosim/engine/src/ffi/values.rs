@@ -193,6 +193,11 @@ impl Table {
         Self { first, rows, columns }
     }
 
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
     /// Numbers in a row.
     pub fn columns(&self) -> usize {
         self.columns

@@ -1,0 +1,1 @@
+"""Traces: their columns, and the files that hold them."""

@@ -1,0 +1,70 @@
+"""Columns of a trace by name: in memory, or read when they are asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Columns = Mapping[str, Array]
+"""Columns by name in their order, each of shape (rows,); the time is `time`."""
+
+
+class Held(Mapping[str, Array]):
+    """Columns in memory: a structured array with one field per column."""
+
+    def __init__(self, table: NDArray[Any]) -> None:
+        self.table = table
+
+    def __getitem__(self, name: str) -> Array:
+        if name not in (self.table.dtype.names or ()):
+            raise KeyError(name)
+        column: Array = self.table[name]
+        return column
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.table.dtype.names or ())
+
+    def __len__(self) -> int:
+        return len(self.table.dtype.names or ())
+
+
+class InOrder(Sequence[Array]):
+    """Columns by number as expressions ask for them, the time first; what was asked for stays in memory."""
+
+    def __init__(self, columns: Columns) -> None:
+        self.columns = columns
+        self.names = ["time", *(name for name in columns if name != "time")]
+        self.known: dict[str, Array] = {}
+
+    @overload
+    def __getitem__(self, index: int) -> Array: ...
+    @overload
+    def __getitem__(self, index: slice) -> Sequence[Array]: ...
+    def __getitem__(self, index: int | slice) -> Array | Sequence[Array]:
+        if isinstance(index, slice):
+            return [self[number] for number in range(len(self))[index]]
+        name = self.names[index]
+        if name not in self.known:
+            self.known[name] = self.columns[name]
+        return self.known[name]
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+
+def structured(table: Array, names: Sequence[str]) -> NDArray[Any]:
+    """Make a table, shape (rows, columns), a structured array with a field per column, as FMPy takes it."""
+    dtype = np.dtype([(name, np.float64) for name in names])
+    return np.ascontiguousarray(table).view(dtype).reshape(len(table))
+
+
+def whole(columns: Columns) -> NDArray[Any]:
+    """Read all columns into one structured array."""
+    if isinstance(columns, Held):
+        return columns.table
+    read = [columns[name] for name in columns]
+    return structured(np.column_stack(read), list(columns))

@@ -1,0 +1,70 @@
+"""Endings of the files that hold traces; nothing is imported for them."""
+
+from __future__ import annotations
+
+import importlib.util
+from collections.abc import Sequence
+from pathlib import Path
+
+from cosim.errors import CosimError
+
+NPZ, CSV, MAT = ".npz", ".csv", ".mat"
+PARQUET = (".parquet", ".pq")
+READ = (NPZ, CSV, *PARQUET)
+WRITTEN = (*READ, MAT)
+NEEDS = {**dict.fromkeys(PARQUET, ("pyarrow", "parquet")), MAT: ("scipy", "matlab")}
+"""Packages that a format needs, and the extras that install them."""
+
+
+def listed(endings: Sequence[str]) -> str:
+    """List endings as text."""
+    *first, last = (f"`{ending}`" for ending in endings)
+    return f"{', '.join(first)} or {last}"
+
+
+def streams(file: Path) -> bool:
+    """Whether a trace can be written to this file while the run goes."""
+    return file.suffix in PARQUET
+
+
+def streamed(file: Path) -> Path:
+    """File that takes a trace while the run goes, checked.
+
+    Raises
+    ------
+    CosimError
+        As for `check`, or it is no Parquet file.
+    """
+    if not streams(file):
+        raise CosimError(f"a trace cannot be streamed to `{file}`", f"the name must end in {listed(PARQUET)}")
+    check(file)
+    return file
+
+
+def check(file: Path) -> None:
+    """Check before a long run that its trace can be written to a file of this name.
+
+    Raises
+    ------
+    CosimError
+        Unknown ending, a package that is not installed, or no such folder.
+    """
+    if file.suffix not in WRITTEN:
+        raise CosimError(f"cannot save a trace as `{file}`", f"the name must end in {listed(WRITTEN)}")
+    check_installed(file)
+    if not file.absolute().parent.is_dir():
+        raise CosimError(f"cannot write `{file}`: the folder `{file.absolute().parent}` does not exist")
+
+
+def check_installed(file: Path) -> None:
+    """Check that what a format needs is installed.
+
+    Raises
+    ------
+    CosimError
+        Names the package and how to get it.
+    """
+    package, extra = NEEDS.get(file.suffix, ("", ""))
+    if package and importlib.util.find_spec(package) is None:
+        problem = f"`{file}` needs {package}, which is not installed"
+        raise CosimError(problem, f"`pip install machining-fmus[{extra}]`")

@@ -1,0 +1,104 @@
+"""Files that hold traces: one format for each ending."""
+
+from __future__ import annotations
+
+import csv
+import importlib
+import json
+import tokenize
+import zipfile
+import zlib
+from pathlib import Path
+from typing import Any
+
+from cosim import paths
+from cosim.errors import CosimError
+from cosim.trace import endings
+from cosim.trace.columns import Columns
+from cosim.trace.stored import StoredTrace, check
+from cosim.writing import whole
+
+MODULES = {
+    endings.NPZ: "npz",
+    endings.CSV: "comma",
+    **dict.fromkeys(endings.PARQUET, "parquet"),
+    endings.MAT: "mat",
+}
+"""Module of each format: `write` takes columns, what is told of them, and a stream; `read` a path."""
+BROKEN = (
+    *(ValueError, KeyError, EOFError, NotImplementedError, RecursionError, SyntaxError),
+    *(csv.Error, tokenize.TokenError, zipfile.BadZipFile, zlib.error, json.JSONDecodeError),
+)
+"""What numpy, zipfile, csv and pyarrow raise where a file is damaged."""
+
+
+def module(file: Path) -> Any:
+    """Import the module of the format of a file."""
+    endings.check_installed(file)
+    return importlib.import_module(f"cosim.trace.{MODULES[file.suffix]}")
+
+
+def save(columns: Columns, file: Path, about: dict[str, Any]) -> None:
+    """Save a trace in the format of its ending; a file that is there is whole.
+
+    Raises
+    ------
+    CosimError
+        Unknown ending, a package that is not installed, or a file that cannot be written.
+    """
+    endings.check(file)
+    with whole(file) as partial, partial.open("wb") as stream:
+        module(file).write(columns, about, stream)
+
+
+def check_rows(file: Path, rows: int) -> None:
+    """Check before a long run that a trace of so many rows fits into a file.
+
+    Raises
+    ------
+    CosimError
+        It does not.
+    """
+    if file.suffix == endings.MAT:
+        module(file).check_rows(rows)
+
+
+def read(file: str | Path) -> StoredTrace:
+    """Read a trace as `Result.save_trace` writes it, or any file of numbers with a column `time`.
+
+    Parameters
+    ----------
+    file
+        It ends in `.npz`, `.csv` or `.parquet`; the columns of the last are read when they are asked for.
+
+    Raises
+    ------
+    CosimError
+        Missing or broken file, no times, or times that do not ascend.
+    """
+    file = Path(file)
+    if file.suffix not in endings.READ:
+        problem = f"`{paths.shown(file)}` is no trace"
+        raise CosimError(problem, f"traces end in {endings.listed(endings.READ)}")
+    found = opened(file)
+    check(found)
+    return found
+
+
+def opened(file: Path) -> StoredTrace:
+    """Open a trace that this program wrote: its times, which may be many, are not read to be checked.
+
+    Raises
+    ------
+    CosimError
+        Missing or broken file.
+    """
+    shown = paths.shown(file)
+    try:
+        found: StoredTrace = module(file).read(file)
+    except OSError as error:
+        raise CosimError(f"cannot read `{shown}`: {error.strerror or error}") from None
+    except BROKEN as error:
+        hint = "a trace is what `cosim run --trace` writes, or a CSV or Parquet file with a column `time`"
+        raise CosimError(f"`{shown}` holds no trace: {' '.join(str(error).split())}", hint) from None
+    return found

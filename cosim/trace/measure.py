@@ -1,0 +1,32 @@
+"""Metrics of a trace."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from cosim.metrics import criteria
+from cosim.metrics.criteria import Measured
+from cosim.metrics.expression import Expression
+from cosim.scenario.model import Metric
+from cosim.trace.columns import Columns, InOrder
+
+
+def measured(
+    metrics: Sequence[Metric], expressions: Sequence[Expression], columns: Columns
+) -> dict[str, Measured]:
+    """Values of metrics by name; of columns in a file only those of one metric are in memory at a time.
+
+    Parameters
+    ----------
+    metrics, expressions
+        The metrics, and what they compute from the columns in this order.
+    columns
+        The trace.
+
+    Raises
+    ------
+    ExpressionError
+        A metric gives a column instead of one number, or cannot be computed.
+    """
+    pairs = zip(metrics, expressions, strict=True)
+    return {metric.name: criteria.measure(metric, found, InOrder(columns)) for metric, found in pairs}

@@ -1,0 +1,29 @@
+"""Traces as `.npz`: the array `trace`, one field per column, and `about` as JSON."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import numpy as np
+
+from cosim.trace.columns import Columns, Held, whole
+from cosim.trace.stored import StoredTrace, told
+from cosim.words import strict
+
+
+def write(columns: Columns, about: dict[str, Any], stream: BinaryIO) -> None:
+    """Write a file."""
+    np.savez_compressed(stream, trace=whole(columns), about=np.array(strict.line(about)))
+
+
+def read(path: Path) -> StoredTrace:
+    """Read a file."""
+    with np.load(path, allow_pickle=False) as saved:
+        table = saved["trace"]
+        about = json.loads(str(saved["about"])) if "about" in saved else {}
+    kinds = [kind for kind, *_ in (table.dtype.fields or {}).values()]
+    if table.ndim != 1 or not kinds or any(kind != np.float64 for kind in kinds):
+        raise ValueError("the array `trace` has no columns of 64-bit numbers")
+    return told(path, Held(table), about)

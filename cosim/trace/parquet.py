@@ -1,0 +1,154 @@
+"""Traces as Parquet: written block by block while a run goes, read column by column.
+
+A column is a field of 64-bit numbers whose metadata holds `units`, `descriptions` and, as JSON, `items`. The
+metadata of the file hold the facts of the run as JSON, `cosim`, and `simulated_s`.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import numpy as np
+import pyarrow
+from pyarrow import parquet
+
+from cosim import paths
+from cosim.closing import Closing
+from cosim.errors import CosimError
+from cosim.trace.columns import Array, Columns
+from cosim.trace.stored import LABELS, StoredTrace, facts, told
+from cosim.words import strict
+from cosim.writing import whole
+
+BLOCK = 1 << 25
+"""Most bytes of a block of rows, which is what a run holds in memory."""
+ROWS = 65_536
+"""Most rows of a block."""
+FACTS, END = "cosim", "simulated_s"
+
+
+class Writer(Closing):
+    """Parquet file that grows block by block.
+
+    Parameters
+    ----------
+    stream
+        Where it is written.
+    names
+        Names of the columns.
+    about
+        What is told of columns and run.
+    """
+
+    def __init__(self, stream: BinaryIO, names: Sequence[str], about: dict[str, Any]) -> None:
+        self.rows = max(1, min(ROWS, BLOCK // (8 * len(names))))
+        known = {FACTS: strict.line({name: fact for name, fact in facts(about).items() if name != END})}
+        self.schema = pyarrow.schema([field(name, about) for name in names], known)
+        options = {"compression": "zstd", "use_dictionary": False, "use_byte_stream_split": True}
+        self.writer = parquet.ParquetWriter(stream, self.schema, **options)
+
+    def write(self, columns: Sequence[Array]) -> None:
+        """Write rows, given by their columns.
+
+        Raises
+        ------
+        OSError
+            The file cannot be written.
+        """
+        arrays = [pyarrow.array(np.ascontiguousarray(column)) for column in columns]
+        self.writer.write_table(pyarrow.Table.from_arrays(arrays, schema=self.schema), self.rows)
+
+    def finish(self, simulated: float) -> None:
+        """Tell the time that was simulated, s, and end the file."""
+        self.writer.add_key_value_metadata({END: repr(simulated)})
+        self.close()
+
+    def close(self) -> None:
+        """End the file as it is."""
+        self.writer.close()
+
+
+@contextlib.contextmanager
+def streaming(file: Path, names: Sequence[str], about: dict[str, Any]) -> Iterator[Writer]:
+    """Writer of a file that is there when its rows are whole, and not at all after an error.
+
+    Raises
+    ------
+    CosimError
+        The file cannot be written.
+    """
+    with (
+        whole(file) as partial,
+        partial.open("wb") as stream,
+        Writer(stream, names, about) as writer,
+    ):
+        yield writer
+
+
+def field(name: str, about: dict[str, Any]) -> Any:
+    """Field of a column with what is told of it."""
+    of_it = {label: about[label][name] for label in LABELS if about.get(label, {}).get(name)}
+    texts = {label: value if isinstance(value, str) else strict.line(value) for label, value in of_it.items()}
+    return pyarrow.field(name, pyarrow.float64(), nullable=False, metadata=texts)
+
+
+class Read(Mapping[str, Array]):
+    """Columns of a file, each read when it is asked for, and not kept."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.file = parquet.ParquetFile(path)
+        self.names = list(self.file.schema_arrow.names)
+
+    def __getitem__(self, name: str) -> Array:
+        if name not in self.names:
+            raise KeyError(name)
+        column = np.empty(self.file.metadata.num_rows)
+        row = 0
+        try:
+            for group in range(self.file.num_row_groups):
+                values = self.file.read_row_group(group, [name])[name].cast(pyarrow.float64())
+                column[row : row + len(values)] = values.to_numpy()
+                row += len(values)
+        except (pyarrow.ArrowException, OSError) as error:
+            problem = " ".join(str(error).split())
+            raise CosimError(f"cannot read `{name}` in `{paths.shown(self.path)}`: {problem}") from None
+        return column
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.names)
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+
+def write(columns: Columns, about: dict[str, Any], stream: BinaryIO) -> None:
+    """Write a trace that is there already."""
+    with Writer(stream, list(columns), about) as writer:
+        writer.write(list(columns.values()))
+        writer.finish(about[END])
+
+
+def read(path: Path) -> StoredTrace:
+    """Open a file."""
+    data = Read(path)
+    names = data.names
+    if not all(names) or len(set(names)) != len(names):
+        raise ValueError("its columns must have names, each once")
+    known = {key.decode(): value.decode() for key, value in (data.file.metadata.metadata or {}).items()}
+    about: Any = json.loads(known.get(FACTS, "{}"))
+    if not isinstance(about, dict):
+        raise ValueError(f"its metadata `{FACTS}` is no table")
+    if END in known:
+        about[END] = float(known[END])
+    for label in LABELS:
+        about[label] = {}
+        for found in data.file.schema_arrow:
+            text = (found.metadata or {}).get(label.encode())
+            if text is not None:
+                about[label][found.name] = json.loads(text) if label == "items" else text.decode()
+    return told(path, data, about)

@@ -1,0 +1,94 @@
+"""Traces read back from files."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cosim import paths
+from cosim.errors import CosimError
+from cosim.trace.columns import Columns, whole
+
+LABELS = ("units", "items", "descriptions")
+"""What is told of columns, each by their names: unit, items of an enumeration, and what they are."""
+
+
+@dataclass(frozen=True)
+class StoredTrace:
+    """A trace from a file.
+
+    Parameters
+    ----------
+    file
+        The file.
+    data
+        Its columns by name, `time` among them; those of a Parquet file are read when they are asked for.
+    units, items
+        Units and items of the columns, where the file tells them.
+    about
+        What else the file tells of the run: scenario, title, seed, simulated time, FMUs, versions.
+    """
+
+    file: Path
+    data: Columns
+    units: dict[str, str] = field(default_factory=dict)
+    items: dict[str, dict[str, int]] = field(default_factory=dict)
+    about: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def columns(self) -> list[str]:
+        """Names of the columns but that of the time."""
+        return [name for name in self.data if name != "time"]
+
+    @functools.cached_property
+    def times(self) -> NDArray[np.float64]:
+        """Times of the rows, s; they ascend."""
+        return self.data["time"]
+
+    @property
+    def trace(self) -> NDArray[Any]:
+        """All of it in memory, a structured array as `Result.trace`."""
+        return whole(self.data)
+
+
+def told(file: Path, data: Columns, about: Any) -> StoredTrace:
+    """Trace with what its file tells of the run and of the columns.
+
+    Raises
+    ------
+    ValueError
+        It is not told by names.
+    """
+    if not isinstance(about, dict) or not all(isinstance(about.get(label, {}), dict) for label in LABELS):
+        raise ValueError(f"what it tells beside its numbers is no table with {', '.join(LABELS)}")
+    units = {name: str(unit) for name, unit in about.get("units", {}).items()}
+    items = {name: entry for name, entry in about.get("items", {}).items() if isinstance(entry, dict)}
+    return StoredTrace(file, data, units, items, facts(about))
+
+
+def facts(about: dict[str, Any]) -> dict[str, Any]:
+    """Facts of the run, without what is told of its columns."""
+    return {name: value for name, value in about.items() if name not in LABELS}
+
+
+def check(found: StoredTrace) -> None:
+    """Check that there are rows, and that their times ascend.
+
+    Raises
+    ------
+    CosimError
+        Names what is wrong.
+    """
+    shown = paths.shown(found.file)
+    if "time" not in found.data:
+        known = ", ".join(f"`{name}`" for name in found.columns[:8])
+        raise CosimError(f"`{shown}` has no column `time`", f"its columns are {known}")
+    if not len(found.times):
+        raise CosimError(f"`{shown}` has no rows")
+    if not np.all(np.isfinite(found.times)) or np.any(np.diff(found.times) <= 0.0):
+        raise CosimError(f"the times in `{shown}` do not ascend from row to row")
