@@ -200,9 +200,7 @@ class Session(Closing):
             items={name: items for name, items in self.columns.items() if items},
             descriptions={name: descriptions[name] for name in self.columns},
             displays=trace.displays(self.fmus),
-            fmus={
-                choice.fmu: fmu.file.guid for choice, fmu in zip(self.scenario.fmus, self.fmus, strict=True)
-            },
+            fmus={fmu.owner.fmu: fmu.file.guid for fmu in self.fmus},
         )
 
     def close(self) -> None:
