@@ -19,7 +19,7 @@ import cosim
 from cosim.loop import condition, native, reference
 from cosim.loop.trace import Recorder
 from cosim.loop.wires.connect import Connector
-from cosim.loop.wires.links import Drive, Inlet, Links, Place
+from cosim.loop.wires.links import Drive, Inlet, Links, Slot
 from cosim.loop.wires.wiring import child
 from machining_native import Stepper
 
@@ -59,7 +59,7 @@ class Bench:
     def alone(self) -> Stepper:
         """Tie the plant to the commands of the closed loop; no controller, no wires, no trace."""
         machine = self.reset()
-        drives = [Drive(course, Place(self.commands, i)) for i, course in enumerate(self.courses)]
+        drives = [Drive(course, Slot(self.commands, i)) for i, course in enumerate(self.courses)]
         links = Links(np.zeros(len(self.plant.readings)), self.commands, [Inlet()], Inlet(drives=drives))
         return self.stepper(machine, None, links, None)
 

@@ -15,7 +15,7 @@ from cosim.fmu.values import encode, lookup
 from cosim.loop.course import find, read, sample
 from cosim.loop.plant import Channel, Plant
 from cosim.loop.wires import order
-from cosim.loop.wires.links import Drive, Fault, Inlet, Link, Links, Place
+from cosim.loop.wires.links import Drive, Fault, Inlet, Link, Links, Slot
 from cosim.loop.wires.wiring import Delay, Ideal, first_step, noise, shaper
 from cosim.scenario.model import FmuChoice, Injection, Scenario, Signal, Wire
 from cosim.scenario.tables import show
@@ -110,13 +110,13 @@ class Connector:
             raise ScenarioError(f"`from` = `{wire.source}`: {taken}")
         return self.reading(wire, target)
 
-    def reading(self, wire: Wire, target: Place) -> Link:
+    def reading(self, wire: Wire, target: Slot) -> Link:
         """Wire from a reading of the plant to an input of an FMU."""
         index, channel = self.channel(self.readings, wire.source.partition(".")[2], "reading")
         shape = shaper(wire, channel, True, noise(wire, channel, self.seed, self.scenario.loop.steps))
-        return Link(Place(self.sensed, index), target, shape, Delay(wire.delay))
+        return Link(Slot(self.sensed, index), target, shape, Delay(wire.delay))
 
-    def output(self, wire: Wire, target: Place) -> Link:
+    def output(self, wire: Wire, target: Slot) -> Link:
         """Wire from an output of an FMU to a command of the plant, or to an input of an FMU."""
         source, loop = self.source(wire.source), self.scenario.loop
         side, _, name = wire.to.partition(".")
@@ -133,8 +133,8 @@ class Connector:
         delay.prime(shape(float(source.array[source.index]), 0))
         return Link(source, target, shape, delay)
 
-    def source(self, end: str) -> Place:
-        """Place of `<fmu>.<output>`."""
+    def source(self, end: str) -> Slot:
+        """Slot of `<fmu>.<output>`."""
         side, _, name = end.partition(".")
         fmu = self.fmus[side]
         place = self.find(fmu.outputs, lookup(fmu.file.variables, name, fmu.owner))
@@ -195,12 +195,12 @@ class Connector:
             raise ScenarioError(f"`{to}` is {show(value)}, it must be a number")
         return float(value)
 
-    def target(self, to: str) -> Place:
-        """Place of `<fmu>.<input>` or `plant.<command>`."""
+    def target(self, to: str) -> Slot:
+        """Slot of `<fmu>.<input>` or `plant.<command>`."""
         side, _, name = to.partition(".")
         if side == PLANT:
             index, _ = self.channel(self.channels, name, "command")
-            return Place(self.commands, index)
+            return Slot(self.commands, index)
         place = None
         if fmu := self.fmus.get(side):
             place = self.find(fmu.inputs, lookup(fmu.file.variables, name, fmu.owner))
@@ -210,11 +210,11 @@ class Connector:
             raise ScenarioError(problem, similar(side, self.fmus))
         return place
 
-    def find(self, banks: list[Any], variable: Variable) -> Place | None:
-        """Place of a variable in the banks of its FMU."""
+    def find(self, banks: list[Any], variable: Variable) -> Slot | None:
+        """Slot of a variable in the banks of its FMU."""
         for bank in banks:
             if variable in bank.variables:
-                return Place(bank.values, bank.variables.index(variable), BASE[variable.kind])
+                return Slot(bank.values, bank.variables.index(variable), BASE[variable.kind])
         return None
 
     def channel(self, channels: dict[str, tuple[int, Channel]], name: str, kind: str) -> tuple[int, Channel]:

@@ -32,7 +32,7 @@ CONVERT: dict[str, Callable[[float], Any]] = {"Real": float, "Integer": whole, "
 
 
 @dataclass(frozen=True)
-class Place:
+class Slot:
     """Where a value is read or written: `array[index]`, a `Real`, `Integer` or `Boolean`."""
 
     array: NDArray[Any]
@@ -48,8 +48,8 @@ class Place:
 class Link:
     """One wire, ready to carry values."""
 
-    source: Place
-    target: Place
+    source: Slot
+    target: Slot
     shape: Shape
     delay: Delay
 
@@ -59,7 +59,7 @@ class Drive:
     """One signal: `course[k]` is written in step `k`."""
 
     course: NDArray[np.float64]
-    target: Place
+    target: Slot
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ class Fault:
     begin: int
     end: int
     value: Any
-    target: Place
+    target: Slot
 
 
 @dataclass(frozen=True)
