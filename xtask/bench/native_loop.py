@@ -1,7 +1,9 @@
-"""What a step of the native engine costs against its plant alone; JSON for `cargo xtask bench`.
+"""What a step of the native engine costs, part by part; JSON for `cargo xtask bench`.
 
 The plant alone makes the same steps with the same elements and gets the commands of the closed loop, so that
-it goes through the same states. Times are CPU time of the thread, the two kinds of run take turns.
+it goes through the same states. With the FMU's own calls, which get the inputs of the closed loop, it is
+what no engine can do without. MuJoCo's bare steps are those of the same model without elements, readings and
+commands. Times are CPU time of the thread, the kinds of run take turns.
 """
 
 from __future__ import annotations
@@ -11,6 +13,7 @@ import sys
 import time
 from typing import Any
 
+import mujoco
 import numpy as np
 from numpy.typing import NDArray
 from part import part
@@ -32,7 +35,9 @@ class Bench:
         self.fmu, self.plant = session.fmu, session.plant
         self.commands = np.zeros(len(self.plant.commands))
         self.steps = self.scenario.loop.steps
-        self.courses = self.record()
+        banks = self.fmu.inputs
+        self.inputs = [Slot(bank.values, i, bank.base) for bank in banks for i in range(bank.values.size)]
+        self.courses, self.given = self.record()
 
     def reset(self) -> Any:
         """Reset the plant and return what steps it."""
@@ -58,22 +63,35 @@ class Bench:
 
     def alone(self) -> Stepper:
         """Tie the plant to the commands of the closed loop; no controller, no wires, no trace."""
+        return self.driven(None, [])
+
+    def served(self) -> Stepper:
+        """Tie plant and FMU to commands and inputs of the closed loop; no wires, no trace."""
+        self.fmu.initialise(self.scenario.controller.parameters)
+        drives = [Drive(course, place) for course, place in zip(self.given, self.inputs, strict=True)]
+        return self.driven(native.controller(self.fmu), drives)
+
+    def driven(self, controller: Any, inputs: list[Drive]) -> Stepper:
+        """Tie the plant to the commands of the closed loop."""
         machine = self.reset()
         drives = [Drive(course, Slot(self.commands, i)) for i, course in enumerate(self.courses)]
-        links = Links(np.zeros(len(self.plant.readings)), self.commands, [Inlet()], Inlet(drives=drives))
-        return self.stepper(machine, None, links, None)
+        links = Links(
+            np.zeros(len(self.plant.readings)), self.commands, [Inlet(drives=inputs)], Inlet(drives=drives)
+        )
+        return self.stepper(machine, controller, links, None)
 
-    def record(self) -> list[NDArray[np.float64]]:
-        """Commands of the closed loop, step by step; the run may end early."""
+    def record(self) -> tuple[list[NDArray[np.float64]], list[NDArray[np.float64]]]:
+        """Commands and inputs of the closed loop, step by step; the run may end early."""
         stepper = self.closed()
-        rows = []
+        commands, inputs = [], []
         while stepper.k < self.steps:
             stop = stepper.run(stepper.k + 1)
-            rows.append(self.commands.copy())
+            commands.append(self.commands.copy())
+            inputs.append(np.concatenate([bank.values for bank in self.fmu.inputs]).astype(np.float64))
             if stop is not None:
                 break
         self.steps = stepper.k
-        return [np.ascontiguousarray(course) for course in np.transpose(rows)]
+        return columns(commands), columns(inputs)
 
     def cost(self, stepper: Stepper) -> float:
         """CPU time of a step, us."""
@@ -81,27 +99,38 @@ class Bench:
         stepper.run(self.steps)
         return 1e6 * (time.thread_time() - begin) / stepper.k
 
-    def pair(self) -> tuple[float, float]:
-        """Costs of a step in closed loop and of the plant alone, which must end in the same state."""
+    def bare(self) -> float:
+        """CPU time of MuJoCo's steps in one communication step, us."""
+        self.reset()
         plant: Any = self.plant
-        closed = self.cost(self.closed())
-        end = plant.data.qpos.copy()
-        alone = self.cost(self.alone())
-        assert plant.data.qpos.tobytes() == end.tobytes()
-        return closed, alone
+        begin = time.thread_time()
+        mujoco.mj_step(plant.model, plant.data, self.steps * self.scenario.loop.substeps)
+        return 1e6 * (time.thread_time() - begin) / self.steps
+
+    def once(self) -> dict[str, float]:
+        """Cost of a step of each kind; those with the same commands must end in the same state."""
+        plant: Any = self.plant
+        costs, ends = {}, set()
+        for kind, tied in (("native", self.closed), ("served", self.served), ("plant", self.alone)):
+            costs[kind] = self.cost(tied())
+            ends.add(plant.data.qpos.tobytes())
+        assert len(ends) == 1
+        return {**costs, "bare": self.bare()}
+
+
+def columns(rows: list[NDArray[np.float64]]) -> list[NDArray[np.float64]]:
+    """Numbers of each column, one after the other."""
+    return [np.ascontiguousarray(column) for column in np.transpose(rows)]
 
 
 def main(scenario: str, repeats: int, longest: int) -> None:
     """Run a scenario of at most so many steps, `repeats` times each way."""
     with cosim.Session(part(scenario, longest), engine="native") as session:
         bench = Bench(session)
-        pairs = [bench.pair() for _ in range(repeats)]
+        costs = [bench.once() for _ in range(repeats)]
         runs = [session.run() for _ in range(repeats)]
-    measured = {
-        "native": [closed for closed, _ in pairs],
-        "plant": [alone for _, alone in pairs],
-        "real_time_factor": [run.simulated_s / run.wall_s for run in runs],
-    }
+    measured = {kind: [cost[kind] for cost in costs] for kind in costs[0]}
+    measured["real_time_factor"] = [run.simulated_s / run.wall_s for run in runs]
     json.dump(measured, sys.stdout)
 
 

@@ -98,10 +98,10 @@ def test_a_death_is_one_line_and_exit_code_2(changes: list[str], line: str, fold
 @pytest.mark.parametrize("engine", ["reference", "native"])
 @pytest.mark.usefixtures("lag")
 def test_a_hang_ends_with_the_timeout(engine: str) -> None:
-    done = command.finished("--set", "controller.hang_at=3", "--timeout", "0.5", "--engine", engine, "-q")
+    done = command.finished("--set", "controller.hang_at=3", "--timeout", "2", "--engine", engine, "-q")
     assert done.returncode == 2
     assert done.stderr.splitlines() == [
-        f"error: no result within `--timeout` = `0.5` s: the FMU `probe` did not return {AT}",
+        f"error: no result within `--timeout` = `2` s: the FMU `probe` did not return {AT}",
         "hint: a longer `--timeout`, or a scenario that hangs",
     ]
 

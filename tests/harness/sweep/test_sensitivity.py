@@ -104,7 +104,7 @@ def test_rank_correlation_is_one_where_a_metric_only_rises() -> None:
 def test_the_rank_correlation_is_that_of_scipy_with_equal_numbers_too() -> None:
     random = np.random.default_rng(6)
     for _ in range(20):
-        x, y = random.integers(0, 6, 30).astype(float), random.integers(0, 9, 30) + 0.1
+        x, y = (random.integers(0, most, 30).astype(float) for most in (6, 9))
         assert rank(x, y).value == pytest.approx(scipy.stats.spearmanr(x, y).statistic, abs=1e-12)
 
 

@@ -9,13 +9,17 @@ use super::statistics::Samples;
 use crate::process;
 use crate::workspace::Workspace;
 
-/// What the runs took; times are us of CPU per communication step, and the two take turns.
+/// What the runs took; times are us of CPU per communication step, and the kinds take turns.
 #[derive(Deserialize)]
 pub struct NativeLoopCosts {
     /// The closed loop with its trace.
     pub native: Samples,
+    /// The plant with its elements and the FMU's own calls, with the commands and inputs of that loop.
+    pub served: Samples,
     /// The plant with its elements and the commands of that loop.
     pub plant: Samples,
+    /// MuJoCo's steps of the same model and nothing else.
+    pub bare: Samples,
     /// Simulated time over wall time, set-up of the run included.
     pub real_time_factor: Samples,
 }
