@@ -63,6 +63,13 @@ def unforeseen(error: BaseException) -> CosimError:
     return failure
 
 
+def readable(text: str) -> str:
+    """Text of others as a message may show it: no codes of terminals, nothing that cannot be seen."""
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() or c in "\n\t\xa0" else "\ufffd" for c in text)
+
+
 def similar(name: str, choices: Iterable[str]) -> str:
     """Hint that names the closest of `choices`, empty when none is close."""
     match = difflib.get_close_matches(name, list(choices), n=1, cutoff=0.6)

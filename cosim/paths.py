@@ -8,7 +8,7 @@ from pathlib import Path
 
 import platformdirs
 
-from cosim.errors import CosimError, FmuError, PlantError, ScenarioError, closest
+from cosim.errors import CosimError, FmuError, PlantError, ScenarioError, closest, readable
 
 PACKED = Path(__file__).resolve().parent / "packed"
 """Scenarios and FMUs that a wheel brings along."""
@@ -197,7 +197,7 @@ def expanded(name: str) -> Path:
 
 def brief(name: str) -> str:
     """Name as a message repeats it: not without end, no control codes."""
-    shown = "".join(c if c.isprintable() else "\ufffd" for c in name[:LONGEST])
+    shown = readable(name[:LONGEST]).replace("\n", "\ufffd")
     return shown if len(name) <= LONGEST else f"{shown}..."
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import sys
 from pathlib import Path
@@ -18,7 +19,14 @@ def main() -> NoReturn:
     with interrupts.handled_by(interrupts.quit_at_once):
         from cosim.cli.app import app, status_of
 
+        replace_what_cannot_be_written()
         if len(sys.argv) == 1:
             sys.argv.append("--help")
         status = status_of(app)
     sys.exit(status)
+
+
+def replace_what_cannot_be_written() -> None:
+    """Let stdout show `?` for characters that it has not, instead of ending the run; JSON is ASCII anyway."""
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="replace")

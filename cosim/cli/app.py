@@ -67,6 +67,9 @@ def status_of(command: Any) -> int:
         return code if isinstance(code, int) else 0
     except CosimError as error:
         log.debug("here:", exc_info=error)
+        if is_interrupt(error):
+            report("interrupted")
+            return INTERRUPTED
         report(error.message, error.hint)
         return COULD_NOT_RUN
     except typer.exceptions.TyperException as error:
@@ -89,9 +92,19 @@ def status_of(command: Any) -> int:
         return unforeseen(error)
 
 
+def is_interrupt(error: BaseException | None) -> bool:
+    """Whether Ctrl-C stands behind an error: a module in C turns it into an `ImportError` of its own."""
+    while error is not None and not isinstance(error, KeyboardInterrupt):
+        error = error.__cause__ or error.__context__
+    return error is not None
+
+
 def unforeseen(error: BaseException) -> int:
     """Report what should not happen."""
     log.debug("here:", exc_info=error)
+    if is_interrupt(error):
+        report("interrupted")
+        return INTERRUPTED
     failure = errors.unforeseen(error)
     report(failure.message, failure.hint)
     return COULD_NOT_RUN

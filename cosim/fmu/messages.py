@@ -10,6 +10,8 @@ from typing import Any
 from fmpy import fmi2
 from fmpy.logging import addLoggerProxy
 
+from cosim import errors
+
 log = logging.getLogger("cosim.fmu")
 
 LEVELS = {0: logging.INFO, 1: logging.WARNING, 2: logging.WARNING, 3: logging.ERROR, 4: logging.ERROR}
@@ -69,8 +71,7 @@ def _receive(environment: int | None, instance: bytes, status: int, category: by
 
 def readable(text: bytes | None) -> str:
     """Text of an FMU as it may be shown: no control codes of terminals, and not without end."""
-    shown = (text or b"")[: LONGEST + 1].decode("utf-8", "replace").strip()
-    clean = "".join(c if c.isprintable() or c in "\n\t" else "\ufffd" for c in shown)
+    clean = errors.readable((text or b"")[: LONGEST + 1].decode("utf-8", "replace").strip())
     return clean if len(clean) <= LONGEST else f"{clean[:LONGEST]}..."
 
 

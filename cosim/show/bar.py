@@ -7,14 +7,29 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
+from rich.segment import Segment
+
+from cosim.errors import readable
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from rich.console import ConsoleOptions, RenderableType
     from rich.progress import Progress, ProgressColumn
+
+
+class PlainConsole(Console):
+    """Console on which the texts of others cannot move the cursor or colour the terminal."""
+
+    def render(self, renderable: RenderableType, options: ConsoleOptions | None = None) -> Iterable[Segment]:
+        """Render, and show control codes as what cannot be shown."""
+        for segment in super().render(renderable, options):
+            yield segment if segment.control else Segment(readable(segment.text), segment.style)
 
 
 def plain_console(**options: Any) -> Console:
     """Console that shows texts as they are: `[m/s]` of an FMU is a unit, no markup."""
-    return Console(highlight=False, markup=False, emoji=False, **options)
+    return PlainConsole(highlight=False, markup=False, emoji=False, **options)
 
 
 @contextlib.contextmanager

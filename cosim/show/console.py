@@ -9,6 +9,8 @@ import sys
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from cosim.errors import readable
+
 if TYPE_CHECKING:
     from rich.console import Console
 
@@ -18,6 +20,14 @@ WIDTH_IN_FILES = 132
 """Columns of tables that do not go to a terminal."""
 
 log = logging.getLogger("cosim")
+
+
+class Lines(logging.Formatter):
+    """One line a message; what others wrote in it holds no codes of terminals."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        """Text of a message."""
+        return readable(super().format(record))
 
 
 @contextlib.contextmanager
@@ -48,7 +58,7 @@ def configure_logging(verbose: bool, quiet: bool) -> None:
     """Log to stderr, one line a message."""
     level = logging.DEBUG if verbose else (logging.ERROR if quiet else logging.WARNING)
     handler = logging.StreamHandler(sys.stderr)
-    handler.setFormatter(logging.Formatter("%(levelname)s: %(message)s"))
+    handler.setFormatter(Lines("%(levelname)s: %(message)s"))
     for number, name in (
         (logging.DEBUG, "debug"),
         (logging.INFO, "info"),
@@ -63,6 +73,7 @@ def configure_logging(verbose: bool, quiet: bool) -> None:
 
 def report(message: str, hint: str = "") -> None:
     """Print an error and its hint on stderr, never wrapped."""
+    lines = [f"error: {readable(message)}", *([f"hint: {readable(hint)}"] if hint else [])]
     # where stderr is full or has no reader, the exit code still tells
     with contextlib.suppress(OSError):
-        print(f"error: {message}", *([f"hint: {hint}"] if hint else []), sep="\n", file=sys.stderr)
+        print(*lines, sep="\n", file=sys.stderr)

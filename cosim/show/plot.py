@@ -32,6 +32,9 @@ def check(scenario: Scenario, columns: Mapping[str, Items | None], path: Path) -
     """
     figures.check(path)
     for index, panel in enumerate(scenario.plot.panels):
+        if not panel.columns:
+            where = f"{scenario.origin('plot.panels')}: `plot.panels[{index}].columns`"
+            raise ScenarioError(f"{where} is empty", "name the columns that the panel shows")
         for column in panel.columns:
             if column not in columns:
                 where = f"{scenario.origin('plot.panels')}: `plot.panels[{index}].columns`"
@@ -78,14 +81,17 @@ def heading(result: Result) -> str:
 def draw(axes: Any, trace: Columns, panel: Panel, result: Result) -> None:
     """Draw one panel; values that only jump (modes, flags) are drawn as steps, enumerations with names."""
     shown = unit_of(panel, result)
+    positive = False
     for column in panel.columns:
         values = shown.factor * trace[column] + shown.offset
+        positive |= bool(np.any(values > 0.0))
         stepped = bool(np.all(trace[column] == np.round(trace[column])))
         style = "steps-post" if stepped else "default"
         axes.plot(trace["time"], values, label=column, linewidth=1.1, drawstyle=style)
     axes.set_ylabel("" if shown.name == "1" else shown.name)
     axes.margins(x=0.0)
-    if panel.log:
+    # without a positive value there is nothing to show on a logarithmic axis
+    if panel.log and positive:
         axes.set_yscale("log", nonpositive="mask")
     if items := items_of(panel, result):
         present = np.unique([trace[column] for column in panel.columns])

@@ -16,16 +16,18 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Sheet:
-    """What stdout is: a terminal or not, and its columns."""
+    """What stdout is: a terminal or not, its columns, and what its characters are."""
 
     terminal: bool
     width: int
+    encoding: str = "utf-8"
 
 
 class Page(io.StringIO):
     """Text in memory that is written as if it went to a terminal, or not."""
 
     terminal = False
+    encoding = "utf-8"
 
     def isatty(self) -> bool:
         """Whether it stands for a terminal."""
@@ -39,7 +41,7 @@ def stdout() -> Sheet:
         width = os.get_terminal_size(sys.stdout.fileno()).columns
     except (OSError, ValueError):
         width = 0
-    return Sheet(terminal, width or WIDTH_IN_FILES)
+    return Sheet(terminal, width or WIDTH_IN_FILES, sys.stdout.encoding or Sheet.encoding)
 
 
 def rendered(table: RenderableType, sheet: Sheet) -> str:
@@ -48,6 +50,7 @@ def rendered(table: RenderableType, sheet: Sheet) -> str:
 
     page = Page()
     page.terminal = sheet.terminal
+    page.encoding = sheet.encoding
     width = None if "COLUMNS" in os.environ else sheet.width
     plain_console(file=page, width=width).print(table)
     return page.getvalue()

@@ -1,6 +1,7 @@
 """A plant that is nothing but an MJCF file: its sensors are the readings, its actuators the commands."""
 
 import hashlib
+import logging
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -11,6 +12,8 @@ from machining_native import Cell
 from plants.bare import channels
 from plants.bare.parameters import INTEGRATORS, apply, named, parameters_of, start
 from plants.base.plant import Plant, PlantError
+
+log = logging.getLogger(__name__)
 
 
 class Bare(Plant):
@@ -78,9 +81,17 @@ def fingerprint(file: Path) -> str:
 
 
 def compiled(file: Path) -> Any:
-    """Compile an MJCF file."""
+    """Compile an MJCF file; a number that is none is a mistake, which MuJoCo only warns of."""
+    heard: list[str] = []
+    before = mujoco.get_mju_user_warning()
+    mujoco.set_mju_user_warning(heard.append)
     try:
-        return mujoco.MjSpec.from_file(str(file)).compile()
+        model = mujoco.MjSpec.from_file(str(file)).compile()
+        if nan := [text for text in heard if "NaN" in text]:
+            raise ValueError(nan[0])
+        for text in dict.fromkeys(heard):
+            log.warning("MuJoCo warns of `%s`: %s", file.name, text)
+        return model
     except ValueError as error:
         lines = (
             str(error).removeprefix("XML Error: ").removeprefix("Error: ").replace(":\n", ": ").split("\n")
@@ -88,3 +99,5 @@ def compiled(file: Path) -> Any:
         problem = ", ".join(filter(None, lines))
         hint = "hint: MuJoCo's XML reference lists the elements of an MJCF and their attributes"
         raise PlantError(f"MuJoCo cannot load `{file.name}`: {problem}\n{hint}") from None
+    finally:
+        mujoco.set_mju_user_warning(before)

@@ -186,9 +186,17 @@ columns = ["controller.mode_out"]
 """
 
 
-VARIANTS = ["", PANELS, PANELS.replace("== 20", "> 999"), PANELS.replace("scale = 1e3", "log = true")]
+LOGARITHMIC = PANELS.replace("scale = 1e3", "log = true")
+VARIANTS = [
+    "",
+    PANELS,
+    PANELS.replace("== 20", "> 999"),
+    LOGARITHMIC,
+    LOGARITHMIC.replace('"plant.x", "controller.in"', '"plant.extra"'),
+]
 
 
+@pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("added", VARIANTS)
 def test_a_plot_is_drawn_and_the_same_each_time(write: Write, folder: Path, added: str) -> None:
     scenario = cosim.load(write(added))
@@ -294,12 +302,15 @@ def test_a_difference_has_no_offset_in_its_display_unit(folder: Path) -> None:
     assert variables["gain"].display is None
 
 
-def test_a_wrong_column_of_a_plot_is_found_before_the_run(write: Write, folder: Path) -> None:
-    scenario = cosim.load(write(PANELS.replace("plant.x", "plant.xx")))
-    with (
-        cosim.Session(scenario) as session,
-        pytest.raises(CosimError, match=r"`plant\.xx`, which is no column"),
-    ):
+@pytest.mark.parametrize(
+    ("columns", "problem"),
+    [('"plant.xx"', r"`plant\.xx`, which is no column"), ("", r"`plot\.panels\[0\]\.columns` is empty")],
+)
+def test_a_wrong_column_of_a_plot_is_found_before_the_run(
+    write: Write, folder: Path, columns: str, problem: str
+) -> None:
+    scenario = cosim.load(write(PANELS.replace('"plant.x", "controller.in"', columns)))
+    with cosim.Session(scenario) as session, pytest.raises(CosimError, match=problem):
         plot.check(scenario, session.columns, folder / "plot.svg")
 
 

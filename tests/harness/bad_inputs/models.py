@@ -79,6 +79,11 @@ FILES: dict[str, tuple[str, tuple[str, ...]]] = {
         edited("<worldbody>", '<extension><plugin plugin="evil.so"/></extension><worldbody>'),
         ("MuJoCo cannot load", "evil.so"),
     ),
+    "mass nan": (edited('mass="1"', 'mass="nan"'), ("MuJoCo cannot load", "`model.xml`", "NaN")),
+    "gravity nan": (
+        edited('timestep="0.001"', 'timestep="0.001" gravity="0 0 nan"'),
+        ("MuJoCo cannot load", "NaN"),
+    ),
     "time step nan": (edited('timestep="0.001"', 'timestep="nan"'), ("model.xml",)),
     "time step tiny": (edited('timestep="0.001"', 'timestep="1e-300"'), ("plant steps of 1e-300 s",)),
     "time step negative": (

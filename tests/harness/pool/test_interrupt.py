@@ -14,6 +14,7 @@ import pytest
 import cosim
 
 from ..conftest import DATA, SCENARIO
+from ..test_cli import cosim as cli
 from . import command
 
 Write = Callable[..., Path]
@@ -48,6 +49,17 @@ def test_ctrl_c_ends_a_run(arguments: list[str], write: Write, folder: Path) -> 
     assert (process.returncode, stdout) == (130, "")
     assert stderr.splitlines()[-1] == "error: interrupted"
     assert "Traceback" not in stderr
+
+
+def test_ctrl_c_that_a_module_in_c_turned_into_another_error(write: Write, folder: Path) -> None:
+    # as pybind11 does it
+    (folder / "own.py").write_text(
+        "try:\n    raise KeyboardInterrupt\n"
+        "except BaseException as error:\n    raise ImportError('initialization failed') from error\n"
+    )
+    write()
+    done = cli("run", "lag.toml", "--in-process", "--set", "plant.name=own:Plant")
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "error: interrupted\n")
 
 
 @pytest.mark.parametrize("imported", ["typer", "rich.console", "cosim.pool.supervisor"])

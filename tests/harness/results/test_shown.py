@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -12,6 +15,7 @@ import cosim
 from cosim.fmu.messages import LONGEST, readable
 
 from ..conftest import DATA, SCENARIO, pack
+from ..test_cli import CRITERION, ROOT
 from ..test_cli import cosim as command
 
 Write = Callable[..., Path]
@@ -45,6 +49,33 @@ def test_messages_of_an_fmu_hold_no_codes_of_the_terminal() -> None:
     assert readable(b"two\nlines") == "two\nlines"
     assert len(readable(b"A" * 1_000_000)) == LONGEST + 3
     assert readable(None) == ""
+
+
+def test_texts_of_a_scenario_hold_no_codes_of_the_terminal(write: Write) -> None:
+    metric = '[[metric]]\nname = "end"\nvalue = "last(plant.x)"\ndescription = "\\u001b[2Jx\\u202ey"\n'
+    write(metric, text=SCENARIO.replace("Lag with", "L\\u001b[31mag\\u0007 with"))
+    done = command("run", "lag.toml", "--set", "plant.label=\x1b[31m", COLUMNS="200")
+    assert done.returncode == 0, done.stderr
+    assert "L\ufffd[31mag with a probe" in done.stdout
+    assert "\ufffd[2Jx\ufffdy" in done.stdout
+    refused = command("run", "lag.toml", "--set", "controller.g\x1b[31main=1", "--set", "plant.p\u200bole=1")
+    assert refused.returncode == 2
+    assert not {"\x1b", "\x07", "\u200b", "\u202e"} & {*done.stdout, *refused.stderr}
+
+
+@pytest.mark.parametrize(("encoding", "shown"), [("ascii", "L??g"), ("cp1252", "L\u00e4?g")])
+def test_a_terminal_shows_the_characters_that_it_has(write: Write, encoding: str, shown: str) -> None:
+    write(CRITERION, text=SCENARIO.replace("Lag with", "L\u00e4\u8d77g with"))
+    done = subprocess.run(
+        [sys.executable, "-m", "cosim", "run", "lag.toml"],
+        capture_output=True,
+        env={**os.environ, "PYTHONPATH": str(ROOT), "PYTHONIOENCODING": encoding},
+        encoding=encoding,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert f"lag: {shown} with a probe" in done.stdout
+    assert "| measured |" in done.stdout
 
 
 def test_files_and_overrides_may_be_texts(write: Write, folder: Path) -> None:
