@@ -99,7 +99,7 @@ def test_an_edit_of_what_an_fmu_is_built_from_is_told(
     assert told() == ([wanted] if matters else [])
 
 
-@pytest.mark.parametrize("command", [["run", "--in-process"], ["show"]])
+@pytest.mark.parametrize("command", [["run", "--in-process"], ["show", "--in-process"]])
 def test_the_command_line_tells_it_in_one_line(
     write: Write,
     checkout: Path,
