@@ -40,11 +40,11 @@ class OrthogonalRobot(Plant):
     def name_channels(self, p: OrthogonalRobotParameters) -> None:
         """Name them, with the noise, resolution and limits that the parameters say."""
         check_together(p)
-        force = {"noise": p.force_noise, "quantum": p.force_resolution}
         self.readings = (
             *vector("position", "m", "Encoders: centre of the ball if the tip did not give way",
                      quantum=p.encoder_resolution),
-            *vector("force", "N", "Force sensor: force on the tool, weight of the tip included", **force),
+            *vector("force", "N", "Force sensor: force on the tool, weight of the tip included",
+                     noise=p.force_noise, quantum=p.force_resolution),
         )  # fmt: skip
         self.commands = (
             *vector("pulses", "1", "Pulses of this tick", quantum=1.0),

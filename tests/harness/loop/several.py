@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,4 +38,10 @@ def run(file: Path, *changes: str) -> cosim.Result:
 
 def column(result: cosim.Result, name: str) -> NDArray[np.float64]:
     """Column of a trace that was kept."""
-    return np.array(result.kept_trace()[name])
+    return result.columns[name]
+
+
+def whole(result: cosim.Result) -> NDArray[Any]:
+    """The whole trace that was kept."""
+    assert result.trace is not None
+    return result.trace

@@ -14,7 +14,7 @@ from cosim.errors import CosimError
 from cosim.fmu.instance import Instance
 
 from ..conftest import END, SCENARIO, pack
-from .several import LOOP, Write, column, fmu, run, signal, wire
+from .several import LOOP, Write, column, fmu, run, signal, whole, wire
 
 ROOT = Path(__file__).resolve().parents[3]
 K = np.arange(20)
@@ -123,7 +123,7 @@ def several(text: str) -> str:
 def test_the_two_forms_give_the_same_bytes(write: Write) -> None:
     file = write(END)
     noisy = ("wire.controller.in.noise=0.1", "controller.gain=0.7", "controller.bias=[0.1, 0.2]")
-    traces = [run(path, *noisy).kept_trace() for path in (file, write(END, "many.toml", several(SCENARIO)))]
+    traces = [whole(run(path, *noisy)) for path in (file, write(END, "many.toml", several(SCENARIO)))]
     assert traces[0].dtype == traces[1].dtype
     assert traces[0].tobytes() == traces[1].tobytes()
 
@@ -131,7 +131,7 @@ def test_the_two_forms_give_the_same_bytes(write: Write) -> None:
 def test_a_scenario_of_the_project_gives_the_same_bytes_in_both_forms(tmp_path: Path) -> None:
     (tmp_path / "many.toml").write_text(several((ROOT / "scenarios" / "dob.toml").read_text()))
     short = "loop.duration=0.03"
-    traces = [run(file, short).kept_trace() for file in (Path("dob"), tmp_path / "many.toml")]
+    traces = [whole(run(file, short)) for file in (Path("dob"), tmp_path / "many.toml")]
     assert traces[0].dtype == traces[1].dtype
     assert len(traces[0]) == 300
     assert traces[0].tobytes() == traces[1].tobytes()
@@ -147,7 +147,7 @@ def test_runs_repeat_and_the_native_engine_leaves_it_to_the_reference_loop(
     assert result.engine == "reference"
     told = [record.getMessage() for record in caplog.records if "reference loop" in record.getMessage()]
     assert told == ["`ring` runs in the reference loop: the native engine takes a `[controller]`"]
-    assert first.kept_trace().tobytes() == again.kept_trace().tobytes() == result.kept_trace().tobytes()
+    assert whole(first).tobytes() == whole(again).tobytes() == whole(result).tobytes()
 
 
 def test_a_session_takes_over_the_instances_that_fit(write: Write) -> None:
