@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import IO
 
 from cosim.errors import CosimError
-from cosim.pool.channel import Channel
+from cosim.pool.channel import MessageChannel
 from cosim.pool.limits import memory_of
 
 LONGEST_OUTPUT = 300
@@ -40,7 +40,7 @@ class Child:
     """
 
     process: subprocess.Popen[bytes]
-    channel: Channel
+    channel: MessageChannel
     memory: float | None
     output: IO[bytes] | None
     ready: bool = False
@@ -105,7 +105,7 @@ def spawn(page: int, memory: float | None, relay: bool) -> Child:
             start_new_session=True,  # Ctrl-C is for the parent to handle
             env={**os.environ, "PYTHONPATH": os.pathsep.join(map(os.path.abspath, sys.path))},
         )
-    return Child(process, Channel(ours), memory, output)
+    return Child(process, MessageChannel(ours), memory, output)
 
 
 def ending(code: int | None) -> str:

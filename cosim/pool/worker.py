@@ -20,7 +20,7 @@ from cosim.loop.engines import Engine
 from cosim.loop.place import Place, Stage
 from cosim.loop.reference import Progress
 from cosim.loop.session import Session
-from cosim.pool.channel import Channel, Parcel
+from cosim.pool.channel import MessageChannel, Parcel
 from cosim.pool.job import Order, Task, WorkerError
 from cosim.pool.limits import confine
 from cosim.scenario.model import Scenario
@@ -86,7 +86,7 @@ class JobRunner(Closing):
 class Forward(logging.Handler):
     """Sends what is logged to the process that watches over this one, of a task so many lines at most."""
 
-    def __init__(self, channel: Channel) -> None:
+    def __init__(self, channel: MessageChannel) -> None:
         super().__init__()
         self.channel = channel
         self.left: float = 0
@@ -104,7 +104,7 @@ def main(end: int, page: int, parent: int, memory: float | None) -> None:
     for descriptor in (end, page):
         # what FMU or plant may start must not keep the channel open
         os.set_inheritable(descriptor, False)
-    channel = Channel(socket.socket(fileno=end))
+    channel = MessageChannel(socket.socket(fileno=end))
     tasks: queue.SimpleQueue[Parcel] = queue.SimpleQueue()
     threading.Thread(target=listen, args=(channel, tasks), daemon=True).start()
     refusal = refused(memory) if memory is not None else None
@@ -153,7 +153,7 @@ def done(runner: JobRunner, order: Order | CosimError, told: Forward) -> Any:
     return outcome
 
 
-def listen(channel: Channel, tasks: queue.SimpleQueue[Parcel]) -> None:
+def listen(channel: MessageChannel, tasks: queue.SimpleQueue[Parcel]) -> None:
     """Take in tasks; when the other side is gone the process ends at once, even from within a run."""
     try:
         while True:

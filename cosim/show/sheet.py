@@ -23,7 +23,7 @@ class Sheet:
     encoding: str = "utf-8"
 
 
-class Page(io.StringIO):
+class TextBuffer(io.StringIO):
     """Text in memory that is written as if it went to a terminal, or not."""
 
     terminal = False
@@ -48,7 +48,7 @@ def rendered(table: RenderableType, sheet: Sheet) -> str:
     """Text of a table; `COLUMNS`, `NO_COLOR` and `FORCE_COLOR` are kept as rich does."""
     from cosim.show.bar import plain_console
 
-    page = Page()
+    page = TextBuffer()
     page.terminal = sheet.terminal
     page.encoding = sheet.encoding
     width = None if "COLUMNS" in os.environ else sheet.width
