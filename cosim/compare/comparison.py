@@ -57,7 +57,7 @@ class Deviation:
 
 
 @dataclass(frozen=True)
-class Course:
+class ComparedColumn:
     """A column of a trace, its tube, and its items if it is an enumeration; for table and plot."""
 
     times: NDArray[np.float64]
@@ -92,7 +92,7 @@ class Comparison:
     deviations: list[Deviation] = field(default_factory=list)
     differences: list[str] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
-    courses: dict[str, Course] = field(default_factory=dict)
+    courses: dict[str, ComparedColumn] = field(default_factory=dict)
 
     @property
     def outside(self) -> list[Deviation]:

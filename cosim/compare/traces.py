@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.compare.comparison import Comparison, Course, same_units, worst
+from cosim.compare.comparison import ComparedColumn, Comparison, same_units, worst
 from cosim.compare.tolerance import Tolerances
 from cosim.compare.tube import tube
 from cosim.errors import CosimError
@@ -52,7 +52,7 @@ def compare(
         unit = reference.units.get(name, "") or other.units.get(name, "")
         found.deviations.append(worst(name, unit, around, other.trace[name], other.times))
         items = other.items.get(name) or reference.items.get(name) or {}
-        found.courses[name] = Course(other.times, other.trace[name], around, items)
+        found.courses[name] = ComparedColumn(other.times, other.trace[name], around, items)
     return found
 
 

@@ -40,7 +40,7 @@ KINDS = {"Integer": "an integer or an enumeration", "Boolean": "a Boolean"}
 
 
 @dataclass(frozen=True)
-class Place:
+class Slot:
     """Where a value is read or written: `array[index]`, a `Real`, `Integer` or `Boolean`."""
 
     array: NDArray[Any]
@@ -56,8 +56,8 @@ class Place:
 class Link:
     """One wire, ready to carry values."""
 
-    source: Place
-    target: Place
+    source: Slot
+    target: Slot
     shape: Shape
     delay: Delay
 
@@ -67,7 +67,7 @@ class Drive:
     """One signal: `course[k]` is written in step `k`."""
 
     course: NDArray[np.float64]
-    target: Place
+    target: Slot
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,7 @@ class Fault:
     begin: int
     end: int
     value: Any
-    target: Place
+    target: Slot
 
 
 @dataclass(frozen=True)
@@ -162,7 +162,7 @@ class Connector:
             )
         index, channel = self.channel(self.readings, name, "reading")
         shape = shaper(wire, channel, True, noise(wire, channel, self.seed, self.scenario.loop.steps))
-        return Link(Place(self.sensed, index), self.target(wire.to), shape, Delay(wire.delay))
+        return Link(Slot(self.sensed, index), self.target(wire.to), shape, Delay(wire.delay))
 
     def output(self, wire: Wire) -> Link:
         """Wire from an output of the FMU to a command of the plant."""
@@ -239,12 +239,12 @@ class Connector:
             raise ScenarioError(f"`{to}` is {show(value)}, it must be a number")
         return float(value)
 
-    def target(self, to: str) -> Place:
-        """Place of `controller.<input>` or `plant.<command>`."""
+    def target(self, to: str) -> Slot:
+        """Slot of `controller.<input>` or `plant.<command>`."""
         side, _, name = to.partition(".")
         if side == "plant":
             index, _ = self.channel(self.channels, name, "command")
-            return Place(self.commands, index)
+            return Slot(self.commands, index)
         place = None
         if side == "controller":
             place = self.find(self.fmu.inputs, lookup(self.fmu.file.variables, name))
@@ -252,11 +252,11 @@ class Connector:
             raise ScenarioError(f"`to` = `{to}`, it must be `controller.<input>` or `plant.<command>`")
         return place
 
-    def find(self, banks: list[Any], variable: Variable) -> Place | None:
-        """Place of a variable in the banks of the FMU."""
+    def find(self, banks: list[Any], variable: Variable) -> Slot | None:
+        """Slot of a variable in the banks of the FMU."""
         for bank in banks:
             if variable in bank.variables:
-                return Place(bank.values, bank.variables.index(variable), BASE[variable.kind])
+                return Slot(bank.values, bank.variables.index(variable), BASE[variable.kind])
         return None
 
     def channel(self, channels: dict[str, tuple[int, Channel]], name: str, kind: str) -> tuple[int, Channel]:

@@ -27,7 +27,7 @@ Interpolation = Literal["hold", "linear"]
 
 
 @dataclass(frozen=True)
-class Course:
+class TimeSeries:
     """Values over time.
 
     Parameters
@@ -100,7 +100,7 @@ def files(scenario: Scenario) -> dict[str, Path]:
     return {signal.to: find(signal.file, scenario.folder) for signal in scenario.signal if signal.file}
 
 
-def read(file: Path, column: str) -> Course:
+def read(file: Path, column: str) -> TimeSeries:
     """Read one column of a file over its time.
 
     Raises
@@ -116,7 +116,7 @@ def read(file: Path, column: str) -> Course:
 
 
 @functools.lru_cache(8)
-def cached(file: Path, column: str, changed: int, size: int) -> Course:
+def cached(file: Path, column: str, changed: int, size: int) -> TimeSeries:
     """Read and check one column; the same file is read once in a process."""
     course = read_parquet(file, column) if file.suffix in PARQUET else read_csv(file, column)
     if not course.times.size:
@@ -148,7 +148,7 @@ def columns_of(names: Sequence[str], column: str, file: Path) -> tuple[int, int]
     return time, names.index(column)
 
 
-def read_csv(file: Path, column: str) -> Course:
+def read_csv(file: Path, column: str) -> TimeSeries:
     """Read a CSV file: names in the first line, numbers, `true` and `false` below."""
     numbers: list[tuple[float, float, int]] = []
     with file.open(newline="", encoding="utf-8-sig") as stream:
@@ -167,7 +167,7 @@ def read_csv(file: Path, column: str) -> Course:
             at = f"`{paths.shown(file)}`, after line {lines.line_num}"
             raise ScenarioError(f"{at}: not a CSV file in UTF-8: {error}") from None
     table = np.array(numbers, np.float64).reshape(-1, 3)
-    return Course(table[:, 0], table[:, 1], table[:, 2].astype(np.int64), file)
+    return TimeSeries(table[:, 0], table[:, 1], table[:, 2].astype(np.int64), file)
 
 
 def number(cell: str, at: str) -> float:
@@ -179,7 +179,7 @@ def number(cell: str, at: str) -> float:
         raise ScenarioError(f"{at}: `{text[:40]}` is no number") from None
 
 
-def read_parquet(file: Path, column: str) -> Course:
+def read_parquet(file: Path, column: str) -> TimeSeries:
     """Read a Parquet file."""
     try:
         parquet: Any = importlib.import_module("pyarrow.parquet")
@@ -199,4 +199,4 @@ def read_parquet(file: Path, column: str) -> Course:
         raise
     except Exception as error:  # pyarrow and numpy have many
         raise ScenarioError(f"cannot read numbers from `{paths.shown(file)}`: {error}") from None
-    return Course(parts[0], parts[1], np.arange(len(parts[0])), file)
+    return TimeSeries(parts[0], parts[1], np.arange(len(parts[0])), file)

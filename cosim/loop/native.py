@@ -18,7 +18,7 @@ from cosim.loop.connect import Connector, Links, whole
 from cosim.loop.engines import Engine
 from cosim.loop.place import Stage
 from cosim.loop.plant import Plant
-from cosim.loop.reference import PROGRESS_EVERY, Parts, Run
+from cosim.loop.reference import PROGRESS_EVERY, Parts, Recording
 from cosim.loop.trace import Recorder
 
 log = logging.getLogger("cosim")
@@ -37,7 +37,7 @@ class Call:
 
 
 @dataclass(frozen=True)
-class Controller:
+class NativeFmu:
     """Addresses of an initialised FMU."""
 
     component: int
@@ -80,7 +80,7 @@ def warn_once(text: str) -> None:
     log.warning("%s", text)
 
 
-def controller(fmu: Instance) -> Controller:
+def controller(fmu: Instance) -> NativeFmu:
     """Addresses of an FMU's functions, from FMPy's handle of its library."""
 
     def function(name: str) -> int:
@@ -90,7 +90,7 @@ def controller(fmu: Instance) -> Controller:
         name = f"fmi2{verb}{bank.base}"
         return Call(name, function(name), np.array(bank.references[:], np.uint32), bank.values)
 
-    return Controller(
+    return NativeFmu(
         component=fmu.slave.component,
         set=[call("Set", bank) for bank in fmu.inputs],
         step=function(DO_STEP),
@@ -99,7 +99,7 @@ def controller(fmu: Instance) -> Controller:
     )
 
 
-def run(parts: Parts, chunk: int = PROGRESS_EVERY) -> Run:
+def run(parts: Parts, chunk: int = PROGRESS_EVERY) -> Recording:
     """Run as `cosim.loop.reference.run`, in native code from chunk to chunk.
 
     Parameters
@@ -143,10 +143,10 @@ def run(parts: Parts, chunk: int = PROGRESS_EVERY) -> Run:
             parts.interrupt()
     except Exception as error:
         raise reference.located(error, fmu, scenario, stepper.k) from error
-    return Run(recorder.recorded(done), done)
+    return Recording(recorder.recorded(done), done)
 
 
-def explain(stop: tuple[str, int, float] | None, links: Links, calls: Controller, plant: Plant) -> bool:
+def explain(stop: tuple[str, int, float] | None, links: Links, calls: NativeFmu, plant: Plant) -> bool:
     """Whether the condition stopped the native code; else raise what the reference loop would have raised."""
     match stop:
         case ("reading", wire, value):

@@ -24,7 +24,7 @@ Progress = Callable[[int, int], None]
 PROGRESS_EVERY = 500
 
 
-class Run(NamedTuple):
+class Recording(NamedTuple):
     """What a run leaves: the table of its trace and the communication steps that were done."""
 
     table: NDArray[np.float64]
@@ -49,7 +49,7 @@ class Parts:
     place: Place = field(default_factory=Place)
 
 
-def run(parts: Parts) -> Run:
+def run(parts: Parts) -> Recording:
     """Run FMU and plant in closed loop.
 
     The row of step `k` holds the time `k * step`, the inputs that the controller got then, the outputs it
@@ -96,7 +96,7 @@ def run(parts: Parts) -> Run:
                 progress(k, loop.steps)
     except (Exception, SystemExit) as error:
         raise located(error, fmu, scenario, k) from error
-    return Run(recorder.recorded(k + 1), k + 1)
+    return Recording(recorder.recorded(k + 1), k + 1)
 
 
 def reset_plant(plant: Plant, scenario: Scenario, seed: np.random.SeedSequence) -> None:

@@ -29,7 +29,7 @@ class Parcel:
         return pickle.loads(self.body, buffers=self.arrays)
 
 
-class Channel(Closing):
+class MessageChannel(Closing):
     """One end of a connection; several threads may send, one receives."""
 
     def __init__(self, end: socket.socket) -> None:

@@ -19,7 +19,7 @@ from typing import IO, Any
 from cosim.closing import Closing
 from cosim.errors import CosimError
 from cosim.loop.place import Place
-from cosim.pool.channel import Channel
+from cosim.pool.channel import MessageChannel
 from cosim.pool.job import Task, WorkerError
 from cosim.pool.limits import Limits, memory_of, system_confines
 
@@ -60,7 +60,7 @@ class Child:
     """
 
     process: subprocess.Popen[bytes]
-    channel: Channel
+    channel: MessageChannel
     memory: float | None
     output: IO[bytes] | None
     ready: bool = False
@@ -163,7 +163,7 @@ class Worker(Closing):
                     start_new_session=True,  # Ctrl-C is for us to handle
                     env={**os.environ, "PYTHONPATH": os.pathsep.join(map(os.path.abspath, sys.path))},
                 )
-            self.child = Child(process, Channel(ours), memory, output)
+            self.child = Child(process, MessageChannel(ours), memory, output)
             return self.child
 
     def outcome(self, child: Child, watch: Watch | None) -> Any:

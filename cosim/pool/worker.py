@@ -19,7 +19,7 @@ from cosim.loop.engines import Engine
 from cosim.loop.place import Place
 from cosim.loop.reference import Progress
 from cosim.loop.session import Session
-from cosim.pool.channel import Channel, Parcel
+from cosim.pool.channel import MessageChannel, Parcel
 from cosim.pool.job import Task, WorkerError
 from cosim.pool.limits import confine
 from cosim.scenario.model import Scenario
@@ -83,7 +83,7 @@ class JobRunner(Closing):
 class Forward(logging.Handler):
     """Sends what is logged to the process that watches over this one."""
 
-    def __init__(self, channel: Channel) -> None:
+    def __init__(self, channel: MessageChannel) -> None:
         super().__init__()
         self.channel = channel
 
@@ -98,7 +98,7 @@ def main(end: int, page: int, parent: int, memory: float | None) -> None:
     for descriptor in (end, page):
         # what FMU or plant may start must not keep the channel open
         os.set_inheritable(descriptor, False)
-    channel = Channel(socket.socket(fileno=end))
+    channel = MessageChannel(socket.socket(fileno=end))
     tasks: queue.SimpleQueue[Parcel] = queue.SimpleQueue()
     threading.Thread(target=listen, args=(channel, tasks), daemon=True).start()
     runner = JobRunner(Place(page))
@@ -122,7 +122,7 @@ def refused(memory: float) -> WorkerError | None:
     return None
 
 
-def done(runner: JobRunner, parcel: Parcel, channel: Channel) -> Any:
+def done(runner: JobRunner, parcel: Parcel, channel: MessageChannel) -> Any:
     """Outcome of one task; its log is forwarded if a level is given with it."""
     try:
         task, level = parcel.open()
@@ -139,7 +139,7 @@ def done(runner: JobRunner, parcel: Parcel, channel: Channel) -> Any:
     return outcome
 
 
-def listen(channel: Channel, tasks: queue.SimpleQueue[Parcel]) -> None:
+def listen(channel: MessageChannel, tasks: queue.SimpleQueue[Parcel]) -> None:
     """Take in tasks; when the other side is gone the process ends at once, even from within a run."""
     try:
         while True:

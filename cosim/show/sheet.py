@@ -22,7 +22,7 @@ class Sheet:
     width: int
 
 
-class Page(io.StringIO):
+class TextBuffer(io.StringIO):
     """Text in memory that is written as if it went to a terminal, or not."""
 
     terminal = False
@@ -46,7 +46,7 @@ def rendered(table: RenderableType, sheet: Sheet) -> str:
     """Text of a table; `COLUMNS`, `NO_COLOR` and `FORCE_COLOR` are kept as rich does."""
     from cosim.show.bar import plain_console
 
-    page = Page()
+    page = TextBuffer()
     page.terminal = sheet.terminal
     width = None if "COLUMNS" in os.environ else sheet.width
     plain_console(file=page, width=width).print(table)

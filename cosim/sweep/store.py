@@ -34,7 +34,7 @@ Number = float | Literal["NaN", "Infinity", "-Infinity"]
 
 
 @dataclass(frozen=True)
-class Shape:
+class RowSchema:
     """What a row must look like; `metrics` and all behind it belong to runs that gave a result."""
 
     run: int
@@ -165,7 +165,7 @@ def read(line: bytes) -> Row:
 
     if not isinstance(row, dict):
         raise ValueError("it is no object")
-    shape = parse(Shape, row, "", fail)
+    shape = parse(RowSchema, row, "", fail)
     if shape.status in TROUBLES:
         return row
     if shape.status != status_of(shape.criteria.values()):

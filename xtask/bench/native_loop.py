@@ -17,7 +17,7 @@ from part import part
 
 import cosim
 from cosim.loop import condition, native, reference
-from cosim.loop.connect import Connector, Drive, Links, Place
+from cosim.loop.connect import Connector, Drive, Links, Slot
 from cosim.loop.trace import Recorder
 from cosim.loop.wiring import child
 from machining_native import Stepper
@@ -56,7 +56,7 @@ class Bench:
     def alone(self) -> Stepper:
         """Tie the plant to the commands of the closed loop; no controller, no wires, no trace."""
         machine = self.reset()
-        drives = [Drive(course, Place(self.commands, i)) for i, course in enumerate(self.courses)]
+        drives = [Drive(course, Slot(self.commands, i)) for i, course in enumerate(self.courses)]
         links = Links(np.zeros(len(self.plant.readings)), self.commands, [], drives, [], [], [])
         return self.stepper(machine, None, links, None)
 
