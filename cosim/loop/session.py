@@ -18,7 +18,7 @@ from cosim.fmu.instance import Instance
 from cosim.loop import fmus, idle, native, plant, reference, trace
 from cosim.loop.engines import Engine, checked
 from cosim.loop.place import Place, Stage
-from cosim.loop.reference import Parts, Progress, Run
+from cosim.loop.reference import Parts, Progress, Recording
 from cosim.loop.result import Result
 from cosim.loop.wires.wiring import child
 from cosim.metrics import criteria
@@ -171,7 +171,7 @@ class Session(Closing):
             metrics = measured(scenario.metric, self.metrics, result.columns)
         return replace(result, metrics=metrics, criteria=criteria.judge(scenario.criterion, metrics))
 
-    def _loop(self, parts: Parts, known: Result, file: Path | None) -> Run:
+    def _loop(self, parts: Parts, known: Result, file: Path | None) -> Recording:
         """Run the loop; the trace goes into a file if there is one."""
         run = native.run if self.engine == "native" else reference.run
         if file is None:

@@ -60,3 +60,13 @@ class Packages:
             targets = (self.target(importer, *found) for found in self.found[importer])
             graph[file] = {self.files[target] for target in targets if target is not None} - {file}
         return graph
+
+
+def types(files: list[Path]) -> list[tuple[str, Path]]:
+    """Classes that some files define, each with its file."""
+    return [
+        (node.name, file)
+        for file in files
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
+        if isinstance(node, ast.ClassDef)
+    ]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections import defaultdict
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -114,10 +114,22 @@ def test_a_room_of_the_harness_knows_only_those_before_it() -> None:
     assert not upwards, "\n".join(sorted(upwards))
 
 
+def twice(types: Iterable[tuple[str, Path]]) -> str:
+    """Names that more than one type has, as text."""
+    places: dict[str, list[str]] = defaultdict(list)
+    for name, file in types:
+        places[name].append(shown(file))
+    return "\n".join(f"`{name}` in {', '.join(files)}" for name, files in places.items() if len(files) > 1)
+
+
 @pytest.mark.parametrize("crate", CRATES)
 def test_a_type_name_means_one_thing_in_a_crate(crate: str) -> None:
-    places: dict[str, list[str]] = defaultdict(list)
-    for name, file in rust.types(ROOT / crate):
-        places[name].append(shown(file))
-    twice = [f"`{name}` in {', '.join(files)}" for name, files in places.items() if len(files) > 1]
-    assert not twice, "\n".join(twice)
+    found = twice(rust.types(ROOT / crate))
+    assert not found, found
+
+
+@pytest.mark.parametrize("package", ["cosim", "plants"])
+def test_a_class_name_means_one_thing_in_a_package(package: str) -> None:
+    files = [file for file in SOURCES if file.is_relative_to(ROOT / package) and file.suffix == ".py"]
+    found = twice(python.types(files))
+    assert not found, found

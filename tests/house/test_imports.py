@@ -78,6 +78,11 @@ def test_types_of_tests_and_comments_do_not_count(tmp_path: Path) -> None:
     assert [name for name, _ in rust.types(tmp_path)] == ["B", "D"]
 
 
+def test_classes_within_classes_and_functions_count(tmp_path: Path) -> None:
+    text = '"""class A."""\nclass B:\n    class C: ...\ndef f():\n    class D: ...\n'
+    assert [name for name, _ in python.types(written(tmp_path, {"a.py": text}))] == ["B", "C", "D"]
+
+
 @pytest.mark.parametrize(
     ("text", "imported"),
     [

@@ -42,6 +42,6 @@ def column(result: cosim.Result, name: str) -> NDArray[np.float64]:
 
 
 def whole(result: cosim.Result) -> NDArray[Any]:
-    """The whole trace that was kept."""
+    """Return the whole trace that was kept."""
     assert result.trace is not None
     return result.trace
