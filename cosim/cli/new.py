@@ -10,7 +10,7 @@ from typer import Argument, Option
 
 from cosim import paths
 from cosim.cli.options import InProcess, Quiet, Timeout, Verbose, checked_limits
-from cosim.cli.tasks import Draft, New, place
+from cosim.cli.tasks import DraftText, New, place
 from cosim.errors import CosimError
 from cosim.show.console import configure_logging
 
@@ -38,7 +38,7 @@ def new(
         raise CosimError(f"cannot write a scenario to `{file}`", "the name must end in `.toml`")
     # the description of an FMU is only read, a plant is code
     with place(limits if plant or timeout else None) as do:
-        found: Draft | CosimError = do(New(fmu, plant, file.parent))
+        found: DraftText | CosimError = do(New(fmu, plant, file.parent))
     if isinstance(found, CosimError):
         raise found
     try:

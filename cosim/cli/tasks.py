@@ -135,7 +135,7 @@ class Check:
 
 
 @dataclass(frozen=True)
-class Draft:
+class DraftText:
     """Text of a new scenario, its wires, and the inputs and commands that are left without one."""
 
     text: str
@@ -151,11 +151,11 @@ class New:
     plant: str
     folder: Path
 
-    def run(self, bench: Bench) -> Draft:
+    def run(self, bench: Bench) -> DraftText:
         """Open both and match them."""
         from cosim.new.draft import draft
         from cosim.new.write import text
 
         found = draft(self.fmu, self.plant, self.folder, bench.place)
         wired = len(found.readings) + len(found.commands)
-        return Draft(text(found), wired, len(found.inputs) + len(found.commanded) - wired)
+        return DraftText(text(found), wired, len(found.inputs) + len(found.commanded) - wired)

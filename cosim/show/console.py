@@ -22,7 +22,7 @@ WIDTH_IN_FILES = 132
 log = logging.getLogger("cosim")
 
 
-class Lines(logging.Formatter):
+class ReadableFormatter(logging.Formatter):
     """One line a message; what others wrote in it holds no codes of terminals."""
 
     def format(self, record: logging.LogRecord) -> str:
@@ -58,7 +58,7 @@ def configure_logging(verbose: bool, quiet: bool) -> None:
     """Log to stderr, one line a message."""
     level = logging.DEBUG if verbose else (logging.ERROR if quiet else logging.WARNING)
     handler = logging.StreamHandler(sys.stderr)
-    handler.setFormatter(Lines("%(levelname)s: %(message)s"))
+    handler.setFormatter(ReadableFormatter("%(levelname)s: %(message)s"))
     for number, name in (
         (logging.DEBUG, "debug"),
         (logging.INFO, "info"),
