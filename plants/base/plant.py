@@ -60,7 +60,7 @@ class Channel:
 
 
 def vector(
-    name: str, unit: str, description: str, axes: str = "xyz", **options: float
+    name: str, unit: str, description: str, axes: str = "xyz", /, **options: float
 ) -> tuple[Channel, ...]:
     """Channels of a vector, `<name>_<axis>` for each axis, with the options of `Channel`."""
     return tuple(Channel(f"{name}_{axis}", unit, f"{description}, {axis}", **options) for axis in axes)
