@@ -30,16 +30,22 @@ def write(text: str, file: str | Path) -> None:
 def whole(file: Path) -> Iterator[Path]:
     """Path to write to that becomes `file` at the end: a file that is there is whole.
 
+    A link stays one, what it leads to is written; so is a device at once, nothing can take its place.
+
     Raises
     ------
     CosimError
         The file cannot be written; as after any other exception, nothing of it stays.
     """
+    target = file.resolve()
     try:
-        yield partial(file)
-        partial(file).replace(file)
+        if target.exists() and not target.is_file():
+            yield target
+        else:
+            yield partial(target)
+            partial(target).replace(target)
     except BaseException as error:
-        discard(file)
+        discard(target)
         if isinstance(error, OSError):
             raise refused(file, error) from None
         raise
@@ -53,7 +59,7 @@ def partial(file: Path) -> Path:
 def discard(file: Path) -> None:
     """Remove what a process that died has left of a file."""
     with contextlib.suppress(OSError):
-        partial(file).unlink(missing_ok=True)
+        partial(file.resolve()).unlink(missing_ok=True)
 
 
 def refused(file: str | Path, error: OSError) -> CosimError:

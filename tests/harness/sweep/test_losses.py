@@ -55,7 +55,7 @@ failed = 0
 """
 PATIENCE = 300.0
 """Time without a new row after which nothing more is expected, s."""
-MOST_PER_RUN = 2000.0
+MOST_PER_RUN = 1000.0
 """Memory of the command for each run, bytes: where its row is, and its cells in the table."""
 
 
@@ -145,8 +145,9 @@ def test_a_sweep_survives_a_killed_worker_and_a_restarted_scheduler(
     for row in rows[:: runs // 5]:
         single = cosim.run(cosim.load("lag.toml", [f"plant.pole={row['set']['plant.pole']}"]), row["seed"])
         assert row["metrics"] == {"end": single.metrics["end"].value}
-    early = next(memory for rows, memory in sweep.memory if rows > runs // 10)
-    assert max(memory for _, memory in sweep.memory) - early < 30e6 + MOST_PER_RUN * runs
+    # the tables at the end are of the whole
+    going = [memory for rows, memory in sweep.memory if runs // 10 < rows < runs]
+    assert max(going) - going[0] < 30e6 + MOST_PER_RUN * runs
 
 
 def report(sweep: Sweep, rows: int) -> str:
@@ -162,7 +163,7 @@ def test_a_scheduler_that_does_not_come_back_is_told_and_the_sweep_resumes(
 ) -> None:
     cluster.start()
     monkeypatch.setattr("cosim.pool.connection.RETURN_TIMEOUT", 0.0)
-    monkeypatch.setattr("cosim.pool.connection.CONNECT_TIMEOUT", 1.0)
+    monkeypatch.setattr("cosim.pool.connection.CONNECT_TIMEOUT", 5.0)
     write(studies.MEASURED)
     (folder / "grid.toml").write_text(studies.GRID)
     monkeypatch.setattr(Store, "append", stopping(Store.append, cluster.stop))
