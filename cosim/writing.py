@@ -20,10 +20,8 @@ def write(text: str, file: str | Path) -> None:
     if file == "-":
         print(text, end="", flush=True)
         return
-    try:
+    with naming(file):
         Path(file).write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise refused(file, error) from None
 
 
 @contextlib.contextmanager
@@ -62,6 +60,15 @@ def discard(file: Path) -> None:
         partial(file.resolve()).unlink(missing_ok=True)
 
 
-def refused(file: str | Path, error: OSError) -> CosimError:
+def refused(file: str | Path, error: OSError, hint: str = "") -> CosimError:
     """Error of a file that cannot be written."""
-    return CosimError(f"cannot write `{file}`: {error.strerror or error}")
+    return CosimError(f"cannot write `{file}`: {error.strerror or error}", hint)
+
+
+@contextlib.contextmanager
+def naming(file: str | Path, hint: str = "") -> Iterator[None]:
+    """Make an error of the system one of the file that is written."""
+    try:
+        yield
+    except OSError as error:
+        raise refused(file, error, hint) from None

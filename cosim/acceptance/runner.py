@@ -21,6 +21,7 @@ from cosim.pool.limits import Limits, processors
 from cosim.scenario.load import load
 from cosim.show import display
 from cosim.show.bar import bar
+from cosim.writing import naming
 
 Outcomes = Mapping[str, Outcome]
 """What became of each scenario, by name, in the order in which they were asked for."""
@@ -108,11 +109,9 @@ def fresh(folder: Path | None, name: str) -> Path | None:
     if folder is None:
         return None
     file = folder / name
-    try:
+    with naming(file):
         file.parent.mkdir(parents=True, exist_ok=True)
         file.unlink(missing_ok=True)
-    except OSError as error:
-        raise CosimError(f"cannot write `{file}`: {error.strerror or error}") from None
     return file
 
 

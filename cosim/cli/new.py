@@ -13,6 +13,7 @@ from cosim.cli.options import InProcess, Quiet, Timeout, Verbose, checked_limits
 from cosim.cli.tasks import DraftText, New, place
 from cosim.errors import CosimError
 from cosim.show.console import configure_logging
+from cosim.writing import naming
 
 
 def new(
@@ -41,12 +42,11 @@ def new(
         found: DraftText | CosimError = do(New(fmu, plant, file.parent))
     if isinstance(found, CosimError):
         raise found
-    try:
-        with file.open("x", encoding="utf-8") as stream:
-            stream.write(found.text)
-    except FileExistsError:
-        raise CosimError(f"`{file}` is there already", "choose another name with `--out`") from None
-    except OSError as error:
-        raise CosimError(f"cannot write `{file}`: {error.strerror or error}") from None
+    with naming(file):
+        try:
+            with file.open("x", encoding="utf-8") as stream:
+                stream.write(found.text)
+        except FileExistsError:
+            raise CosimError(f"`{file}` is there already", "choose another name with `--out`") from None
     print(f"{file}: {found.wired} wires, {found.left} inputs and commands left as comments")
     print(f"next: cosim check {shlex.quote(str(file))}")

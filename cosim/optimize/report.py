@@ -13,7 +13,6 @@ from rich.console import Group, RenderableType
 from rich.text import Text
 
 from cosim import paths
-from cosim.errors import CosimError
 from cosim.optimize.objective import MISFIT
 from cosim.optimize.proposer import Trial
 from cosim.optimize.search import best
@@ -23,6 +22,7 @@ from cosim.sweep.plan import text as value_text
 from cosim.sweep.varied import Vary
 from cosim.words import strict
 from cosim.words.quantity import number, text
+from cosim.writing import naming
 
 AT_END = 0.01
 """Part of a range within which a value lies at its end."""
@@ -140,15 +140,10 @@ def save_csv(variants: Variants, trials: Sequence[Trial], file: Path) -> None:
         The file cannot be written.
     """
     keys = [vary.key for vary in variants.problem.vary]
-    try:
-        with file.open("w", newline="", encoding="utf-8") as lines:
-            writer = csv.writer(lines)
-            writer.writerow(
-                ["trial", *keys, variants.problem.objective.metric or MISFIT, "feasible", "reason"]
-            )
-            for trial in trials:
-                values = [value_text(trial.values[key]) for key in keys]
-                held = str(trial.score.feasible).lower()
-                writer.writerow([trial.number, *values, trial.score.value, held, trial.score.reason])
-    except OSError as error:
-        raise CosimError(f"cannot write `{file}`: {error.strerror or error}") from None
+    with naming(file), file.open("w", newline="", encoding="utf-8") as lines:
+        writer = csv.writer(lines)
+        writer.writerow(["trial", *keys, variants.problem.objective.metric or MISFIT, "feasible", "reason"])
+        for trial in trials:
+            values = [value_text(trial.values[key]) for key in keys]
+            held = str(trial.score.feasible).lower()
+            writer.writerow([trial.number, *values, trial.score.value, held, trial.score.reason])

@@ -10,6 +10,7 @@ from typing import Any
 
 from cosim import extras
 from cosim.errors import CosimError
+from cosim.writing import naming
 
 ENDINGS = (".svg", ".png", ".pdf")
 STYLE: Any = {
@@ -62,8 +63,7 @@ def save(figure: Any, file: Path) -> None:
     from matplotlib import pyplot
 
     try:
-        figure.savefig(file, dpi=110, metadata={"Date": None} if file.suffix == ".svg" else None)
-    except OSError as error:
-        raise CosimError(f"cannot write `{file}`: {error.strerror or error}") from None
+        with naming(file):
+            figure.savefig(file, dpi=110, metadata={"Date": None} if file.suffix == ".svg" else None)
     finally:
         pyplot.close(figure)

@@ -22,6 +22,7 @@ from cosim.scenario.tables import parse
 from cosim.sweep.plan import Run
 from cosim.words import strict
 from cosim.words.strict import plain
+from cosim.writing import naming
 
 log = logging.getLogger("cosim")
 FILE = "results.jsonl"
@@ -123,7 +124,7 @@ class Store(Closing):
 
     def write(self, line: bytes) -> int:
         """Write to the end of the file, all or nothing; returns the place."""
-        try:
+        with naming(self.shown, "what is in it stays; the same command goes on from there"):
             place = self.file.seek(0, os.SEEK_END)
             try:
                 if self.file.write(line) != len(line):
@@ -132,11 +133,6 @@ class Store(Closing):
                 with contextlib.suppress(OSError):
                     self.file.truncate(place)
                 raise
-        except OSError as error:
-            raise CosimError(
-                f"cannot write `{self.shown}`: {error.strerror or error}",
-                "what is in it stays; the same command goes on from there",
-            ) from None
         return place
 
     def status(self, name: str) -> str:
