@@ -32,24 +32,45 @@ pub struct Callbacks {
     environment: *const c_void,
 }
 
+/// Declares the functions that are called often, each with its type and its name in the library.
+macro_rules! functions {
+    ($($field:ident: $type:ty = $name:literal,)+) => {
+        /// The functions of a library that are called often.
+        pub(super) struct Functions {
+            $(pub(super) $field: $type,)+
+        }
+
+        impl Functions {
+            fn find(library: &Library) -> Result<Self> {
+                // SAFETY: the types are those of fmi2FunctionTypes.h.
+                unsafe { Ok(Self { $($field: function(library, $name)?,)+ }) }
+            }
+        }
+    };
+}
+
+functions! {
+    instantiate: Instantiate = "fmi2Instantiate",
+    free_instance: unsafe extern "C" fn(Component) = "fmi2FreeInstance",
+    setup_experiment: unsafe extern "C" fn(Component, i32, f64, f64, i32, f64) -> Status = "fmi2SetupExperiment",
+    enter_initialization: Transition = "fmi2EnterInitializationMode",
+    exit_initialization: Transition = "fmi2ExitInitializationMode",
+    terminate: Transition = "fmi2Terminate",
+    set_real: unsafe extern "C" fn(Component, *const u32, usize, *const f64) -> Status = "fmi2SetReal",
+    get_real: unsafe extern "C" fn(Component, *const u32, usize, *mut f64) -> Status = "fmi2GetReal",
+    do_step: unsafe extern "C" fn(Component, f64, f64, i32) -> Status = "fmi2DoStep",
+    get_state: TakeState = "fmi2GetFMUstate",
+    set_state: unsafe extern "C" fn(Component, State) -> Status = "fmi2SetFMUstate",
+    free_state: TakeState = "fmi2FreeFMUstate",
+}
+
 /// An FMU whose library is loaded.
 pub struct Fmu {
     guid: CString,
     resources: Option<CString>,
     // instances keep this address
     callbacks: Box<Callbacks>,
-    instantiate: Instantiate,
-    pub(super) free_instance: unsafe extern "C" fn(Component),
-    pub(super) setup_experiment: unsafe extern "C" fn(Component, i32, f64, f64, i32, f64) -> Status,
-    pub(super) enter_initialization: Transition,
-    pub(super) exit_initialization: Transition,
-    pub(super) terminate: Transition,
-    pub(super) set_real: unsafe extern "C" fn(Component, *const u32, usize, *const f64) -> Status,
-    pub(super) get_real: unsafe extern "C" fn(Component, *const u32, usize, *mut f64) -> Status,
-    pub(super) do_step: unsafe extern "C" fn(Component, f64, f64, i32) -> Status,
-    pub(super) get_state: TakeState,
-    pub(super) set_state: unsafe extern "C" fn(Component, State) -> Status,
-    pub(super) free_state: TakeState,
+    pub(super) api: Functions,
     library: Library,
 }
 
@@ -69,27 +90,13 @@ impl Fmu {
             step_finished: ptr::null(),
             environment: ptr::null(),
         };
-        // SAFETY: the types above are those of fmi2FunctionTypes.h.
-        unsafe {
-            Ok(Self {
-                guid: CString::new(guid)?,
-                resources: resources.map(CString::new).transpose()?,
-                callbacks: Box::new(callbacks),
-                instantiate: function(&library, "fmi2Instantiate")?,
-                free_instance: function(&library, "fmi2FreeInstance")?,
-                setup_experiment: function(&library, "fmi2SetupExperiment")?,
-                enter_initialization: function(&library, "fmi2EnterInitializationMode")?,
-                exit_initialization: function(&library, "fmi2ExitInitializationMode")?,
-                terminate: function(&library, "fmi2Terminate")?,
-                set_real: function(&library, "fmi2SetReal")?,
-                get_real: function(&library, "fmi2GetReal")?,
-                do_step: function(&library, "fmi2DoStep")?,
-                get_state: function(&library, "fmi2GetFMUstate")?,
-                set_state: function(&library, "fmi2SetFMUstate")?,
-                free_state: function(&library, "fmi2FreeFMUstate")?,
-                library,
-            })
-        }
+        Ok(Self {
+            guid: CString::new(guid)?,
+            resources: resources.map(CString::new).transpose()?,
+            callbacks: Box::new(callbacks),
+            api: Functions::find(&library)?,
+            library,
+        })
     }
 
     /// Calls `fmi2Instantiate`; NULL when the FMU makes no instance.
@@ -98,7 +105,7 @@ impl Fmu {
         let resources = self.resources.as_ref().map_or(ptr::null(), |uri| uri.as_ptr());
         // SAFETY: texts and callbacks live as long as the library.
         unsafe {
-            (self.instantiate)(
+            (self.api.instantiate)(
                 c"bench".as_ptr(),
                 CO_SIMULATION,
                 self.guid.as_ptr(),

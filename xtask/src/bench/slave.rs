@@ -74,7 +74,7 @@ impl<'a> Slave<'a> {
     /// When a call fails.
     pub fn enter_initialization(&self, values: &[(Variable, Value)]) -> Result<()> {
         // SAFETY: the component is alive; no tolerance and no stop time are defined.
-        passed("fmi2SetupExperiment", unsafe { (self.fmu.setup_experiment)(self.component, 0, 0.0, 0.0, 0, 0.0) })?;
+        passed("fmi2SetupExperiment", unsafe { (self.fmu.api.setup_experiment)(self.component, 0, 0.0, 0.0, 0, 0.0) })?;
         for (variable, value) in values {
             match value {
                 Value::Number(value) => self.set(*variable, *value)?,
@@ -82,7 +82,7 @@ impl<'a> Slave<'a> {
             }
         }
         // SAFETY: the component is alive.
-        passed("fmi2EnterInitializationMode", unsafe { (self.fmu.enter_initialization)(self.component) })
+        passed("fmi2EnterInitializationMode", unsafe { (self.fmu.api.enter_initialization)(self.component) })
     }
 
     /// Leaves the initialisation.
@@ -91,7 +91,7 @@ impl<'a> Slave<'a> {
     /// When the call fails.
     pub fn exit_initialization(&self) -> Result<()> {
         // SAFETY: the component is alive.
-        passed("fmi2ExitInitializationMode", unsafe { (self.fmu.exit_initialization)(self.component) })
+        passed("fmi2ExitInitializationMode", unsafe { (self.fmu.api.exit_initialization)(self.component) })
     }
 
     /// Ends the simulation.
@@ -100,7 +100,7 @@ impl<'a> Slave<'a> {
     /// When the call fails.
     pub fn terminate(&self) -> Result<()> {
         // SAFETY: the component is alive.
-        passed("fmi2Terminate", unsafe { (self.fmu.terminate)(self.component) })
+        passed("fmi2Terminate", unsafe { (self.fmu.api.terminate)(self.component) })
     }
 
     /// Sets Real inputs, does one step and gets Real outputs; the worst of the three statuses.
@@ -109,10 +109,10 @@ impl<'a> Slave<'a> {
         debug_assert!(inputs.0.len() == inputs.1.len() && outputs.0.len() == outputs.1.len());
         // SAFETY: the component is alive; references and values are of the same length.
         unsafe {
-            let set = (self.fmu.set_real)(self.component, inputs.0.as_ptr(), inputs.0.len(), inputs.1.as_ptr());
-            let step = (self.fmu.do_step)(self.component, time, step, 1);
+            let set = (self.fmu.api.set_real)(self.component, inputs.0.as_ptr(), inputs.0.len(), inputs.1.as_ptr());
+            let step = (self.fmu.api.do_step)(self.component, time, step, 1);
             let (references, values) = (outputs.0.as_ptr(), outputs.1.as_mut_ptr());
-            set.max(step).max((self.fmu.get_real)(self.component, references, outputs.0.len(), values))
+            set.max(step).max((self.fmu.api.get_real)(self.component, references, outputs.0.len(), values))
         }
     }
 
@@ -125,8 +125,9 @@ impl<'a> Slave<'a> {
         let name = match variable.base {
             Base::Real => {
                 // SAFETY: the component is alive; one reference and one value.
-                let status =
-                    unsafe { (self.fmu.set_real)(self.component, &raw const variable.reference, 1, &raw const value) };
+                let status = unsafe {
+                    (self.fmu.api.set_real)(self.component, &raw const variable.reference, 1, &raw const value)
+                };
                 return passed("fmi2SetReal", status);
             }
             Base::Integer => "fmi2SetInteger",
@@ -178,7 +179,7 @@ impl<'a> Slave<'a> {
 impl Drop for Slave<'_> {
     fn drop(&mut self) {
         // SAFETY: the component is alive and not used again.
-        unsafe { (self.fmu.free_instance)(self.component) }
+        unsafe { (self.fmu.api.free_instance)(self.component) }
     }
 }
 
@@ -195,7 +196,7 @@ impl Snapshot<'_> {
     /// When the FMU refuses.
     pub fn save(&mut self) -> Result<()> {
         // SAFETY: the component is alive; the state is its own, or NULL, which asks for a new one.
-        passed("fmi2GetFMUstate", unsafe { (self.slave.fmu.get_state)(self.slave.component, &raw mut self.state) })
+        passed("fmi2GetFMUstate", unsafe { (self.slave.fmu.api.get_state)(self.slave.component, &raw mut self.state) })
     }
 
     /// Brings the instance back to this state.
@@ -204,14 +205,14 @@ impl Snapshot<'_> {
     /// When the FMU refuses.
     pub fn restore(&self) -> Result<()> {
         // SAFETY: component and state are alive and belong together.
-        passed("fmi2SetFMUstate", unsafe { (self.slave.fmu.set_state)(self.slave.component, self.state) })
+        passed("fmi2SetFMUstate", unsafe { (self.slave.fmu.api.set_state)(self.slave.component, self.state) })
     }
 }
 
 impl Drop for Snapshot<'_> {
     fn drop(&mut self) {
         // SAFETY: the state is alive and not used again.
-        unsafe { (self.slave.fmu.free_state)(self.slave.component, &raw mut self.state) };
+        unsafe { (self.slave.fmu.api.free_state)(self.slave.component, &raw mut self.state) };
     }
 }
 
