@@ -8,23 +8,26 @@ enumeration are texts: `controller.state == "Detect"`. Numbers are 64-bit floats
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cosim.errors import ExpressionError, closest
 from cosim.metrics.functions import BINARY, COMPARE, CONSTANTS, KEEP_ITEMS, ROWWISE, TIMES, UNARY, WHOLE
 from cosim.metrics.units import PLAIN, SCALES, unit_of
 
-Columns = Sequence[Any] | NDArray[np.float64]
-"""Columns of a trace by index: whole columns for a metric, single numbers for a row."""
 Items = Mapping[str, int]
 """Items of an enumeration by name."""
 
 LONGEST = 2000
+
+
+class Columns(Protocol):
+    """Columns of a trace by index: whole columns for a metric, single numbers for a row."""
+
+    def __getitem__(self, index: int, /) -> Any: ...
 
 
 @dataclass(frozen=True)

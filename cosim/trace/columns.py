@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, overload
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,7 +32,7 @@ class Held(Mapping[str, Array]):
         return len(self.table.dtype.names or ())
 
 
-class InOrder(Sequence[Array]):
+class InOrder:
     """Columns by number as expressions ask for them, the time first; what was asked for stays in memory."""
 
     def __init__(self, columns: Columns) -> None:
@@ -40,20 +40,11 @@ class InOrder(Sequence[Array]):
         self.names = ["time", *(name for name in columns if name != "time")]
         self.known: dict[str, Array] = {}
 
-    @overload
-    def __getitem__(self, index: int) -> Array: ...
-    @overload
-    def __getitem__(self, index: slice) -> Sequence[Array]: ...
-    def __getitem__(self, index: int | slice) -> Array | Sequence[Array]:
-        if isinstance(index, slice):
-            return [self[number] for number in range(len(self))[index]]
+    def __getitem__(self, index: int) -> Array:
         name = self.names[index]
         if name not in self.known:
             self.known[name] = self.columns[name]
         return self.known[name]
-
-    def __len__(self) -> int:
-        return len(self.names)
 
 
 def structured(table: Array, names: Sequence[str]) -> NDArray[Any]:
