@@ -104,17 +104,12 @@ def shaper(wire: Wire, channel: Channel, from_plant: bool, samples: NDArray[np.f
     )
 
 
-@dataclass(frozen=True)
 class Ideal:
     """Channel at the end of a wire between FMUs: nothing disturbs and limits a value there."""
 
-    name: str = ""
-    unit: str = ""
-    description: str = ""
-    noise: float = 0.0
-    quantum: float = 0.0
-    minimum: float = -math.inf
-    maximum: float = math.inf
+    name = unit = description = ""
+    noise = quantum = 0.0
+    minimum, maximum = -math.inf, math.inf
 
 
 class Delay:
