@@ -29,9 +29,9 @@ def check(
             autocompletion=complete.loops,
         ),
     ],
-    json: Annotated[bool, Option("--json", help="Print what was found as JSON.")] = False,
     timeout: Timeout = None,
     in_process: InProcess = False,
+    json: Annotated[bool, Option("--json", help="Print what was found as JSON.")] = False,
     verbose: Verbose = False,
     quiet: Quiet = False,
 ) -> None:

@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from typer import Argument, Option
+from typer import Argument
 
-from cosim.cli.options import FAILED, Loop, Quiet, Set, Verbose
+from cosim.cli.options import FAILED, Json, Loop, Quiet, Set, Verbose
 from cosim.show.console import configure_logging, output
 from cosim.trace.endings import READ, listed
 from cosim.writing import write
@@ -20,9 +20,7 @@ def judge(
     ],
     loop: Loop,
     set_: Set = None,
-    json: Annotated[
-        str | None, Option(metavar="FILE|-", help="Write the result as JSON; `-` is stdout.")
-    ] = None,
+    json: Json = None,
     verbose: Verbose = False,
     quiet: Quiet = False,
 ) -> None:

@@ -24,6 +24,7 @@ Timeout = Annotated[float | None, Option(metavar="S", help="Most wall time in s.
 InProcess = Annotated[
     bool, Option("--in-process", help="Work in this process, for debuggers; a crash ends it.")
 ]
+Json = Annotated[str | None, Option(metavar="FILE|-", help="Write the result as JSON; `-` is stdout.")]
 Verbose = Annotated[
     bool, Option("-v", "--verbose", help="Log what the FMU reports, and where an error came from.")
 ]

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 from typer import Option
 
-from cosim.cli.options import FAILED, InProcess, Loop, Quiet, Set, Timeout, Verbose, checked_limits
+from cosim.cli.options import FAILED, InProcess, Json, Loop, Quiet, Set, Timeout, Verbose, checked_limits
 from cosim.cli.seeds import check_options, run_seeds
 from cosim.cli.tasks import Report, Single, place
 from cosim.errors import CosimError
@@ -35,9 +35,7 @@ def run(
     engine: Annotated[str, Option(help="reference (FMPy drives) or native (fast, same bits).")] = "reference",
     delay: Annotated[int | None, Option(help="Steps by which commands act later: 0 or 1.")] = None,
     duration: Annotated[float | None, Option(metavar="S", help="Simulated time in s.")] = None,
-    json: Annotated[
-        str | None, Option(metavar="FILE|-", help="Write the result as JSON; `-` is stdout.")
-    ] = None,
+    json: Json = None,
     trace: Annotated[Path | None, Option(metavar="FILE.npz|.csv|...", help=TRACE)] = None,
     plot: Annotated[Path | None, Option(metavar="FILE.svg|.png", help="Plot the run.")] = None,
     timeout: Timeout = None,
