@@ -13,14 +13,6 @@ EVERYTHING = "*"
 
 
 @dataclass(frozen=True)
-class Limit:
-    """A number for the names that a pattern fits."""
-
-    pattern: str
-    value: float
-
-
-@dataclass(frozen=True)
 class Tolerances:
     """Tolerances by name; of several that fit a name the last one counts.
 
@@ -63,6 +55,14 @@ class Tolerances:
                     f"`{option} {pattern}` fits nothing that is compared", closest(pattern, known)
                 )
         return [name for name in known if not self.only or any(fits(name, p) for p in self.only)]
+
+
+@dataclass(frozen=True)
+class Limit:
+    """A number for the names that a pattern fits."""
+
+    pattern: str
+    value: float
 
 
 def tolerances(

@@ -63,15 +63,6 @@ class Task(Protocol):
 
 
 @dataclass(frozen=True)
-class Order:
-    """What is sent to a worker: a task, the level of its log, and the lines of it that are wanted at most."""
-
-    task: Task
-    level: int
-    lines: float
-
-
-@dataclass(frozen=True)
 class Job:
     """One run of a scenario with a seed, by the engine of that name, whose result may keep its trace.
 
@@ -99,3 +90,12 @@ class Job:
                 raise FmuError(problem, "it was built or copied anew")
         result = session.run(self.seed, bench.progress, self.stream)
         return result if self.keep_trace else dataclasses.replace(result, trace=None)
+
+
+@dataclass(frozen=True)
+class Order:
+    """What is sent to a worker: a task, the level of its log, and the lines of it that are wanted at most."""
+
+    task: Task
+    level: int
+    lines: float

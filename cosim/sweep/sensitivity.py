@@ -37,15 +37,6 @@ INTERVAL = (0.025, 0.975)
 
 
 @dataclass(frozen=True)
-class Estimate:
-    """A number with its 95 % confidence interval."""
-
-    value: float
-    low: float
-    high: float
-
-
-@dataclass(frozen=True)
 class Influence:
     """How one key moves one metric.
 
@@ -79,6 +70,15 @@ class Influence:
             if estimate is not None:
                 found[name] = {part: plain(value) for part, value in asdict(estimate).items()}
         return found
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A number with its 95 % confidence interval."""
+
+    value: float
+    low: float
+    high: float
 
 
 def influences(plan: Plan, table: Table) -> list[Influence]:
