@@ -7,7 +7,7 @@ import logging
 import shutil
 import subprocess
 import zipfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import fmpy
@@ -44,6 +44,12 @@ def entry(table: str, **keys: object) -> str:
     """One entry of an array of tables of a scenario; TOML writes such values as JSON does."""
     lines = (f"{key} = {json.dumps(value)}" for key, value in keys.items())
     return "\n".join((f"[[{table}]]", *lines, ""))
+
+
+def grid(**varied: Sequence[object]) -> str:
+    """Study of the lag scenario: the grid of these values of its plant, by their keys."""
+    keys = (entry("vary", key=f"plant.{key}", values=values) for key, values in varied.items())
+    return "\n".join(('scenario = "lag.toml"', "[design]", 'kind = "grid"', *keys))
 
 
 END = "\n" + entry("metric", name="end", unit="m", value="last(plant.x)")

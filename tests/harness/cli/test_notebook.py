@@ -14,7 +14,7 @@ import pytest
 import cosim
 from cosim.errors import CosimError
 
-from ..conftest import END, entry
+from ..conftest import END, entry, grid
 
 Write = Callable[..., Path]
 JUDGED = (
@@ -22,18 +22,6 @@ JUDGED = (
     + entry("metric", name="<b>", value="last(plant.u)")
     + entry("criterion", id="end", claim="x < 1 & settles", metric="end", maximum=0.7)
 )
-STUDY = """
-scenario = "lag.toml"
-title = "Poles"
-[design]
-kind = "grid"
-[[vary]]
-key = "plant.pole"
-values = [0.1, 0.2, 0.3]
-[[vary]]
-key = "plant.fail_at"
-values = [-1, 7]
-"""
 
 
 class Frame(dict[str, Any]):
@@ -55,7 +43,7 @@ def pandas(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture
 def study(write: Write, folder: Path) -> Path:
     write(JUDGED)
-    (folder / "poles.toml").write_text(STUDY)
+    (folder / "poles.toml").write_text('title = "Poles"\n' + grid(pole=[0.1, 0.2, 0.3], fail_at=[-1, 7]))
     return folder / "poles.toml"
 
 

@@ -11,15 +11,9 @@ from cosim.show.lines import ProgressLines
 from cosim.sweep import study
 from cosim.sweep.plan import Plan
 
+from ..conftest import grid
+
 Write = Callable[..., Path]
-STUDY = """
-scenario = "lag.toml"
-[design]
-kind = "grid"
-[[vary]]
-key = "plant.{}"
-values = {}
-"""
 
 
 class Clock:
@@ -67,7 +61,7 @@ def test_nothing_new_in_a_minute_promises_no_end() -> None:
 
 def test_planning_is_told(write: Write, folder: Path) -> None:
     write()
-    (folder / "study.toml").write_text(STUDY.format("pole", "[0.1, 0.2, 0.3]"))
+    (folder / "study.toml").write_text(grid(pole=[0.1, 0.2, 0.3]))
     heard: list[tuple[int, int]] = []
     Plan(study.load(folder / "study.toml"), progress=lambda done, total: heard.append((done, total)))
     assert heard == [(1, 3), (2, 3), (3, 3)]
@@ -88,7 +82,7 @@ def test_a_sweep_without_a_terminal_tells_its_runs(
     monkeypatch.setattr(lines, "TENTH", 0.0)
     write()
     file = folder / "study.toml"
-    file.write_text(STUDY.format("fail_at", "[-1, 3]"))
+    file.write_text(grid(fail_at=[-1, 3]))
     execute(Options(file, folder / "out", workers=1, plots=False, quiet=quiet))
     told = capsys.readouterr().err
     assert ("study, planning: 100 % after 0:00:0" in told) is not quiet

@@ -10,21 +10,13 @@ from pathlib import Path
 import pytest
 
 from ..cli.commands import cosim
-from ..conftest import DATA, SCENARIO
+from ..conftest import DATA, SCENARIO, grid
 from . import command
 
 Write = Callable[..., Path]
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="signals of Linux")
 BUILT = "the plant `hostile_plants:AbortInInit` crashed while it was built: killed by SIGABRT"
 EXITS = "the FMU `probe` crashed while it was initialised: it ended the process with exit code 0"
-STUDY = """
-scenario = "lag.toml"
-[design]
-kind = "grid"
-[[vary]]
-key = "plant.name"
-values = ["hostile_plants:AbortInInit"]
-"""
 
 
 @pytest.fixture(autouse=True)
@@ -34,7 +26,7 @@ def lag(write: Write, folder: Path) -> Path:
     write()
     write(text=SCENARIO.replace("probe_plants:Lag", "hostile_plants:AbortInInit"), name="abort.toml")
     write("[controller.parameters]\nexit_at = -2\n", name="exit.toml")
-    (folder / "study.toml").write_text(STUDY)
+    (folder / "study.toml").write_text(grid(name=["hostile_plants:AbortInInit"]))
     return folder
 
 

@@ -16,15 +16,9 @@ from cosim.pool.job import Job
 from cosim.pool.limits import Limits
 from cosim.pool.supervisor import Worker
 
+from ..conftest import grid
+
 Write = Callable[..., Path]
-STUDY = """
-scenario = "lag.toml"
-[design]
-kind = "grid"
-[[vary]]
-key = "plant.pole"
-values = [0.1, 0.2]
-"""
 
 
 @pytest.fixture(autouse=True)
@@ -73,7 +67,7 @@ def test_an_option_that_cannot_be_kept_is_refused(
 def test_a_sweep_is_done_in_one_process_and_says_so(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    (folder / "study.toml").write_text(STUDY)
+    (folder / "study.toml").write_text(grid(pole=[0.1, 0.2]))
     assert call(monkeypatch, "sweep", "study.toml", "--no-plots") == 0
     seen = capsys.readouterr()
     assert "2 of 2 runs" in seen.out
