@@ -6,6 +6,7 @@ import importlib.util
 from collections.abc import Sequence
 from pathlib import Path
 
+from cosim import extras
 from cosim.errors import CosimError
 
 NPZ, CSV, MAT = ".npz", ".csv", ".mat"
@@ -67,4 +68,4 @@ def check_installed(file: Path) -> None:
     package, extra = NEEDS.get(file.suffix, ("", ""))
     if package and importlib.util.find_spec(package) is None:
         problem = f"`{file}` needs {package}, which is not installed"
-        raise CosimError(problem, f"`pip install machining-fmus[{extra}]`")
+        raise CosimError(problem, extras.hint(extra))

@@ -110,12 +110,17 @@ def library() -> str:
     return f"binaries/{fmpy.platform}/probe{fmpy.sharedLibraryExtension}"
 
 
-def test_check_finds_units_and_mistakes(write: Write) -> None:
+def test_check_finds_units_and_mistakes(write: Write, folder: Path, probe_library: bytes) -> None:
     file = write(text=CHAIN + DEMAND.format(16.0))
     assert check(str(file)).warnings == []
-    shifted = cosim.load(file, set=["wire.b.in.from=a.sum"])
-    with cosim.Session(shifted) as session:
-        assert lint.check(session) == []
+    description = (DATA / "probe.xml").read_text()
+    unit = '<Unit name="mm"><BaseUnit m="1" factor="0.001"/></Unit></UnitDefinitions>'
+    small = description.replace("</UnitDefinitions>", unit)
+    small = small.replace('causality="output"><Real unit="m"', 'causality="output"><Real unit="mm"')
+    pack(folder / "small.fmu", small, {library(): probe_library})
+    with cosim.Session(cosim.load(file, set=["a.fmu=small"])) as session:
+        (told,) = lint.check(session)
+    assert told == "`wire.b.in` carries mm from `a.out` into m as it is; set `scale = 0.001`"
     found = check(str(write(text=CHAIN.replace('"a.out"', '"a.otu"'))))
     assert found.error is not None
     assert "the FMU `a` has no variable `otu`" in found.error.message
