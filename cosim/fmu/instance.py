@@ -100,7 +100,7 @@ class Instance(Closing):
         self.messages = Messages(self.called)
         self.slave = load_library(file, self.name)
         self.used = self.running = self.dead = self.closed = False
-        with self.errors("instantiate the FMU"):
+        with self.errors(f"instantiate the FMU `{self.called}`"):
             self.slave.instantiate(callbacks=self.messages.callbacks, loggingOn=log_events)
         self._setters = [self._mover("Set", bank) for bank in self.inputs]
         self._getters = [self._mover("Get", bank) for bank in self.outputs]
@@ -139,7 +139,7 @@ class Instance(Closing):
             self.slave.exitInitializationMode()
         self.running = True
         # the arrays start with what the FMU holds
-        with self.errors("read the inputs and outputs of"):
+        with self.errors(f"read the inputs and outputs of {self.owner.who}"):
             for bank in [*self.inputs, *self.outputs]:
                 self._mover("Get", bank)()
 
@@ -173,7 +173,7 @@ class Instance(Closing):
             raise self.failure(action, error) from None
         except Exception as error:  # FMPy raises bare exceptions, for example when instantiation fails
             words = self.messages.take()
-            raise FmuError(f"cannot {action} `{self.called}`: {words or error}") from None
+            raise FmuError(f"{refusal(action)}: {words or error}") from None
         self.messages.take()
 
     def failure(self, action: str, error: FMICallException) -> FmuError:
@@ -181,8 +181,7 @@ class Instance(Closing):
         self.running, self.dead = False, error.status >= 4
         words = self.messages.take() or "the FMU logged no reason"
         status = STATUS.get(error.status, str(error.status))
-        refused = action if action.startswith("the FMU") else f"cannot {action}"
-        return FmuError(f"{refused}: {words} ({error.function} returned {status})")
+        return FmuError(f"{refusal(action)}: {words} ({error.function} returned {status})")
 
     def close(self) -> None:
         """Terminate and free the instance; errors on this way out are of no interest."""
@@ -193,6 +192,11 @@ class Instance(Closing):
             self.slave.freeInstance()
         self.running, self.closed = False, True
         self.messages.close()
+
+
+def refusal(action: str) -> str:
+    """Begin the message of what could not be done, or of what the FMU did."""
+    return action if action.startswith("the FMU") else f"cannot {action}"
 
 
 def load_library(file: FmuFile, name: str) -> Any:

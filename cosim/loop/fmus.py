@@ -11,7 +11,7 @@ from cosim.fmu.instance import Instance
 from cosim.loop import trace
 from cosim.loop.place import Place, Stage
 from cosim.loop.wires.connect import driven
-from cosim.scenario.model import Scenario
+from cosim.scenario.model import FmuChoice, Scenario
 
 
 def open_files(scenario: Scenario) -> dict[str, FmuFile]:
@@ -58,7 +58,7 @@ def open_instances(
         choice.name: fmu
         for fmu in before
         for choice, file, inputs in wanted
-        if fmu.owner.who == choice.who and fmu.name == choice.name and fits(fmu, file, inputs, log_events)
+        if called(fmu.owner) == called(choice) and fits(fmu, file, inputs, log_events)
     }
     close([fmu for fmu in before if fmu not in fitting.values()], place)
     opened = []
@@ -73,6 +73,11 @@ def open_instances(
         close([*opened, *fitting.values()], place)
         raise
     return tuple(opened)
+
+
+def called(choice: FmuChoice) -> tuple[str, str, bool]:
+    """How an FMU is told of: its name, its file as the scenario gives it, whether it is the only one."""
+    return choice.name, choice.fmu, choice.alone
 
 
 def fits(fmu: Instance, file: FmuFile, inputs: list[Variable], log_events: bool) -> bool:

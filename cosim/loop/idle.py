@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import functools
-import logging
 from collections.abc import Sequence
 
 from cosim.errors import closest
@@ -11,18 +9,17 @@ from cosim.fmu.instance import Instance
 from cosim.loop.plant import Plant
 from cosim.loop.wires.connect import targets
 from cosim.scenario.model import Scenario
-
-log = logging.getLogger("cosim")
+from cosim.warned import warn_once
 
 
 def report(scenario: Scenario, fmus: Sequence[Instance], plant: Plant) -> None:
     """Log the inputs of FMUs and commands of the plant that nothing drives and `idle` does not list."""
     known = ends(fmus, plant)
     if text := unknown(scenario, known):
-        warn(f"{scenario.origin('idle')}: {text}")
+        warn_once(f"{scenario.origin('idle')}: {text}")
     if forgotten := undriven(scenario, known):
         text = f"{scenario.origin('wire')}: nothing drives {quoted(forgotten)}"
-        warn(f"{text}: wire what is missing, list the rest in `idle`")
+        warn_once(f"{text}: wire what is missing, list the rest in `idle`")
 
 
 def unknown(scenario: Scenario, known: list[str]) -> str:
@@ -49,9 +46,3 @@ def undriven(scenario: Scenario, known: list[str]) -> list[str]:
     started = {f"{choice.name}.{name}" for choice in scenario.fmus for name in choice.parameters}
     meant = {to for _, to in targets(scenario)} | started | set(scenario.idle)
     return [name for name in known if name not in meant]
-
-
-@functools.cache
-def warn(text: str) -> None:
-    """Log a warning once in a process."""
-    log.warning("%s", text)

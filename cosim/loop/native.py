@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import ctypes
-import functools
-import logging
 from dataclasses import dataclass
 from typing import Any
 
@@ -22,8 +20,7 @@ from cosim.loop.trace import Recorder
 from cosim.loop.wires.connect import Connector
 from cosim.loop.wires.links import Links, whole
 from cosim.scenario.model import Scenario
-
-log = logging.getLogger("cosim")
+from cosim.warned import warn_once
 
 DO_STEP = "fmi2DoStep"
 
@@ -77,12 +74,6 @@ def obstacle(plant: Any) -> str:
     except NotNativeError as error:
         return str(error)
     return ""
-
-
-@functools.cache
-def warn_once(text: str) -> None:
-    """Log a warning, once in a process."""
-    log.warning("%s", text)
 
 
 def controller(fmu: Instance) -> NativeFmu:

@@ -91,7 +91,7 @@ class Session(Closing):
         self.place.at(Stage.NONE)
         try:
             self._compile()
-        except CosimError:
+        except BaseException:
             fmus.close(self.fmus, self.place)
             raise
 

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 
-def reduction(function: Callable[[Any], Any], empty: float = math.nan) -> Callable[[Any], Any]:
-    """One number from a column; `empty` from a column without rows."""
-    return lambda values: function(values) if np.size(values) else np.float64(empty)
+def reduction(function: Callable[[Any], Any]) -> Callable[[Any], Any]:
+    """One number from a column; NaN from a column without rows."""
+    return lambda values: function(values) if np.size(values) else np.float64(math.nan)
 
 
 BINARY: dict[type[ast.operator], Callable[[Any, Any], Any]] = {

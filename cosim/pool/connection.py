@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import contextlib
-import importlib
 import logging
 import time
 from typing import Any
 
+from cosim import extras
 from cosim.errors import CosimError
 from cosim.pool import address as addresses
 
@@ -24,11 +24,8 @@ log = logging.getLogger("cosim")
 
 def dask() -> Any:
     """Return Dask's package `distributed`."""
-    try:
-        distributed = importlib.import_module("distributed")
-    except ImportError:
-        hint = "install the extra: `pip install machining-fmus[cluster]`"
-        raise CosimError("Dask is not installed, it runs sweeps on a cluster", hint) from None
+    problem = "Dask is not installed, it runs sweeps on a cluster"
+    distributed = extras.needed("distributed", problem, extras.hint("cluster"))
     for name in ("distributed", "distributed.client"):
         # what it says is told in our words
         logging.getLogger(name).setLevel(logging.CRITICAL)

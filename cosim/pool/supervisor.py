@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import functools
 import logging
 import math
 import os
@@ -22,6 +21,7 @@ from cosim.pool.child import Child, ending, no_start, spawn
 from cosim.pool.job import Order, Task, WorkerError
 from cosim.pool.limits import Limits, isolates, system_confines
 from cosim.pool.lines import Tell, most, tell
+from cosim.warned import warn_once
 
 START_TIMEOUT = 120.0
 """Time for a worker process to import everything, s."""
@@ -233,7 +233,7 @@ class Worker(Closing):
         if self.closed or not (who or late or code not in (0, -signal.SIGKILL)):
             return
         how = f"it did not end within {GRACE:g} s and was killed" if late else ending(code)
-        warn(f"{who or 'a worker process'} {'hung' if late else 'crashed'} {when}".rstrip() + f": {how}")
+        warn_once(f"{who or 'a worker process'} {'hung' if late else 'crashed'} {when}".rstrip() + f": {how}")
 
     def kill(self) -> None:
         """End the process, and what it may have started, at once."""
@@ -263,9 +263,3 @@ class Worker(Closing):
         if self.page >= 0:
             os.close(self.page)
             self.page = -1
-
-
-@functools.cache
-def warn(text: str) -> None:
-    """Log a warning once in a process: many workers say the same."""
-    log.warning("%s", text)

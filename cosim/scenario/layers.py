@@ -173,9 +173,9 @@ def override(layers: Layers, assignments: Sequence[str]) -> None:
 
     `controller.<fmi name>` and `plant.<parameter>` reach the parameters (`controller.fmu` and `plant.name`
     the FMU and the plant); of several FMUs the name of one stands for `controller`. `loop.<key>`, `title` and
-    `description` stand for themselves;
-    `wire.<to>.<key>`, `signal.<to>.<key>`, `inject.<to>.<key>`, `metric.<name>.<key>` and
-    `criterion.<id>.<key>` reach one item. Values are TOML; what is not TOML is a text.
+    `description` stand for themselves; `wire.<to>.<key>`, `signal.<to>.<key>`, `inject.<to>.<key>`,
+    `metric.<name>.<key>` and `criterion.<id>.<key>` reach one item. Values are TOML; what is not TOML is a
+    text.
     """
     for assignment in assignments:
         key, equals, text = assignment.partition("=")

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from cosim.loop import idle
+from cosim.warned import warn_once
 
 from ..conftest import DATA, END, HEADERS
 from . import fmus
@@ -30,7 +30,7 @@ def broken_library(tmp_path_factory: pytest.TempPathFactory) -> bytes:
 def lag(write: object, folder: Path) -> Path:
     """Write the lag scenario with a metric and a criterion into a folder of its own."""
     assert callable(write)
-    idle.warn.cache_clear()
+    warn_once.cache_clear()
     write(END + '[[criterion]]\nid = "end"\nclaim = "ends"\nmetric = "end"\nmaximum = 1.0\n')
     return folder
 

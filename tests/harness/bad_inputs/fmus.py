@@ -246,7 +246,7 @@ FILES: dict[str, tuple[Build, tuple[str, ...]]] = {
     "message of a megabyte": (defect("log_long"), ("AAAA...", "fmi2DoStep")),
     "output not known": (
         edited(('"clock.time" valueReference="6"', '"clock.time" valueReference="77"')),
-        ("there is no such value reference", "fmi2GetReal"),
+        ("cannot read the inputs and outputs of the FMU: there is no such value reference", "fmi2GetReal"),
     ),
 }
 """Each defect: how it is made, and what the message must say."""

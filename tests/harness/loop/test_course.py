@@ -118,11 +118,12 @@ def test_parquet_is_read(write: Write, file: Path) -> None:
 def test_without_pyarrow_the_message_says_what_to_install(
     write: Write, file: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setitem(sys.modules, "pyarrow.parquet", None)
+    # whether it was imported before or not
+    for module in ("pyarrow", "pyarrow.parquet"):
+        monkeypatch.setitem(sys.modules, module, None)
     file.with_name("y.parquet").write_text("")
-    with pytest.raises(
-        CosimError, match=r"needs pyarrow.*\nhint: install the extra: `pip install machining-fmus\[parquet\]`"
-    ):
+    hint = r"hint: install the extra: `pip install machining-fmus\[parquet\]`"
+    with pytest.raises(CosimError, match=rf"needs pyarrow.*\n{hint}"):
         driven(write, file="y.parquet")
 
 

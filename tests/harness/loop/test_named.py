@@ -11,12 +11,13 @@ from rich.console import Console
 
 import cosim
 from cosim.errors import CosimError, FmuError
-from cosim.loop import idle, lint
+from cosim.loop import lint
 from cosim.scenario import complete, layers
 from cosim.scenario.model import scenario_schema
 from cosim.show import display
 from cosim.sweep.check import check
 from cosim.sweep.command import Options, execute
+from cosim.warned import warn_once
 
 from ..conftest import DATA, pack
 from ..scenario.test_schema import problems
@@ -73,7 +74,7 @@ def test_a_variant_replaces_one_and_drops_another(write: Write, folder: Path) ->
 
 
 def test_what_nothing_drives_is_warned_of(write: Write, caplog: pytest.LogCaptureFixture) -> None:
-    idle.warn.cache_clear()
+    warn_once.cache_clear()
     run(write(text=CHAIN.replace('"b.flag"', '"b.flga"')))
     unknown, forgotten = (record.getMessage() for record in caplog.records)
     assert "lists `b.flga`" in unknown
@@ -110,12 +111,17 @@ def library() -> str:
     return f"binaries/{fmpy.platform}/probe{fmpy.sharedLibraryExtension}"
 
 
-def test_check_finds_units_and_mistakes(write: Write) -> None:
+def test_check_finds_units_and_mistakes(write: Write, folder: Path, probe_library: bytes) -> None:
     file = write(text=CHAIN + DEMAND.format(16.0))
     assert check(str(file)).warnings == []
-    shifted = cosim.load(file, set=["wire.b.in.from=a.sum"])
-    with cosim.Session(shifted) as session:
-        assert lint.check(session) == []
+    description = (DATA / "probe.xml").read_text()
+    unit = '<Unit name="mm"><BaseUnit m="1" factor="0.001"/></Unit></UnitDefinitions>'
+    small = description.replace("</UnitDefinitions>", unit)
+    small = small.replace('causality="output"><Real unit="m"', 'causality="output"><Real unit="mm"')
+    pack(folder / "small.fmu", small, {library(): probe_library})
+    with cosim.Session(cosim.load(file, set=["a.fmu=small"])) as session:
+        (told,) = lint.check(session)
+    assert told == "`wire.b.in` carries mm from `a.out` into m as it is; set `scale = 0.001`"
     found = check(str(write(text=CHAIN.replace('"a.out"', '"a.otu"'))))
     assert found.error is not None
     assert "the FMU `a` has no variable `otu`" in found.error.message

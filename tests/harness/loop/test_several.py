@@ -163,6 +163,13 @@ def test_a_session_takes_over_the_instances_that_fit(write: Write) -> None:
     assert old["a"].closed
 
 
+def test_an_fmu_is_told_by_the_name_that_the_scenario_gives_it(write: Write) -> None:
+    file = write()
+    first = cosim.Session(cosim.load(file))
+    with cosim.Session(cosim.load(file, set=["controller.fmu=./probe.fmu"]), previous=first) as second:
+        assert second.run().fmus == {"./probe.fmu": "probe-guid"}
+
+
 @pytest.fixture
 def opened(monkeypatch: pytest.MonkeyPatch) -> list[Instance]:
     """Note every instance that is made."""

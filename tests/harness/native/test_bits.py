@@ -15,7 +15,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import cosim
-from cosim.loop import native
+from cosim.warned import warn_once
 
 from ..conftest import entry
 from .loops import CHUNKS, both, chunked, outcome
@@ -195,7 +195,7 @@ def test_every_nth_row_is_recorded(cart: Callable[..., Path]) -> None:
 def test_a_plant_in_python_runs_in_the_reference_loop_with_one_warning(
     write: Write, caplog: pytest.LogCaptureFixture
 ) -> None:
-    native.warn_once.cache_clear()
+    warn_once.cache_clear()
     scenario = cosim.load(write())
     with caplog.at_level(logging.WARNING, "cosim"):
         for _ in range(2):

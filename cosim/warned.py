@@ -1,0 +1,14 @@
+"""Warnings that are told once in a process, however many runs or workers they concern."""
+
+from __future__ import annotations
+
+import functools
+import logging
+
+log = logging.getLogger("cosim")
+
+
+@functools.cache
+def warn_once(text: str) -> None:
+    """Log a warning, unless it was logged before."""
+    log.warning("%s", text)
