@@ -1,4 +1,4 @@
-"""What is no error in a scenario but seldom meant: inputs that nothing drives, units that differ, no effect."""
+"""What is no error in a scenario but seldom meant: undriven inputs, units that differ, idle faults."""
 
 from __future__ import annotations
 

@@ -117,7 +117,7 @@ def time_at(time: Any, condition: Any, index: int, never: float) -> Any:
 
 
 def value_at(time: Any, values: Any, moment: Any) -> Any:
-    """Value in the last row at or before a moment, forgiving rounding; NaN before the first and at no time."""
+    """Value in the last row at or before a moment, forgiving rounding; NaN before the first, at no time."""
     row = np.searchsorted(time, moment + 1e-9, side="right") - 1
     return (
         np.broadcast_to(values, np.shape(time))[row]

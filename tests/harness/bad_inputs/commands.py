@@ -69,13 +69,14 @@ LINES: dict[str, Case] = {
     ),
     **{
         f"sweep into a folder with a {kind} for its rows": Case(
-            given("sweep", "study.toml", "--out", kind), ("cannot write results", "results.jsonl` is no file")
+            given("sweep", "study.toml", "--out", kind),
+            (f"cannot write results: `{kind}/results.jsonl` is no file",),
         )
         for kind in ("pipe", "zero", "full")
     },
     "traces are a file": Case(
         given("sweep", "failing.toml", "--out", "taken", "--workers", "1", "--no-plots"),
-        ("cannot write traces", "taken/traces` is no folder"),
+        ("cannot write traces: `taken/traces` is no folder",),
     ),
     "sweep into an empty name": Case(given("sweep", "study.toml", "--out", ""), ("`--out` is empty",)),
     "optimize into an empty name": Case(given("optimize", "search.toml", "--out", ""), ("`--out` is empty",)),
