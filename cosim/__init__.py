@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from cosim.loop.judge import judge
     from cosim.loop.result import Result
     from cosim.loop.session import Session
+    from cosim.optimize.results import OptimizeResult, optimize
     from cosim.pool.limits import Limits
     from cosim.pool.runs import run, run_each, run_many
     from cosim.scenario.load import load
@@ -22,18 +23,20 @@ if TYPE_CHECKING:
     from cosim.sweep.results import SweepResult, sweep
     from cosim.trace.files import read as read_trace
 else:
-    # a package that can be called, and imports nothing until then
-    from cosim import sweep
+    # packages that can be called, and import nothing until then
+    from cosim import optimize, sweep
 
 __all__ = [
     "CosimError",
     "Limits",
+    "OptimizeResult",
     "Result",
     "Scenario",
     "Session",
     "SweepResult",
     "judge",
     "load",
+    "optimize",
     "read_trace",
     "run",
     "run_each",
@@ -44,6 +47,7 @@ __all__ = [
 PLACES = {
     "CosimError": "cosim.errors.CosimError",
     "Limits": "cosim.pool.limits.Limits",
+    "OptimizeResult": "cosim.optimize.results.OptimizeResult",
     "Result": "cosim.loop.result.Result",
     "Scenario": "cosim.scenario.model.Scenario",
     "Session": "cosim.loop.session.Session",

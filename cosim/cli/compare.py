@@ -69,6 +69,7 @@ def compare(
 
     What is right comes first:
 
+    \b
         cosim compare before.npz after.npz --atol 'plant.*=1e-9' --dt 1e-4
         cosim compare before.json after.json --rtol 1e-6
         cosim compare old.sweep new.sweep --only depth --rtol 0.01
@@ -76,6 +77,7 @@ def compare(
     A baseline is the trace of a run that was found good, in the file
     SCENARIO.baseline.npz beside the scenario:
 
+    \b
         cosim compare dob --update    (runs it and writes the baseline)
         cosim compare dob             (runs it and compares)
 
@@ -86,7 +88,7 @@ def compare(
     NaN on one side only is a difference at any tolerance.
 
     Exit code: 0 within tolerance, 1 not, 2 could not be compared.
-    """
+    """  # noqa: D301 - click keeps the lines of a paragraph that begins with a backspace
     configure_logging(verbose, quiet)
     from cosim.compare import command, tables, tolerance
     from cosim.compare import plot as plots

@@ -33,6 +33,7 @@ def new(
     """Write a scenario to start from: an FMU wired to a plant by names and units, the rest as comments."""
     configure_logging(verbose, quiet)
     limits = checked_limits(timeout, None, in_process)
+    paths.find_fmu(fmu, paths.working_folder())
     stem = Path(fmu).stem if fmu.endswith(".fmu") else Path(fmu).name
     file = paths.expanded(str(out)) if out else Path(f"{stem}.toml")
     if file.suffix != ".toml":

@@ -8,8 +8,9 @@ from typing import Annotated
 import typer
 from typer import Argument, Option
 
+from cosim import paths
 from cosim.cli.options import FAILED, Quiet, Verbose
-from cosim.show.console import configure_logging, output, progress_bar
+from cosim.show.console import configure_logging, output
 from cosim.writing import write
 
 
@@ -18,7 +19,7 @@ def optimize(
         Path, Argument(metavar="STUDY.toml", help="What may vary, of which scenario, and what is wanted.")
     ],
     out: Annotated[
-        Path | None, Option(metavar="FOLDER", help="Folder of the results, by default `STUDY.optimize`.")
+        str | None, Option(metavar="FOLDER", help="Folder of the results, by default `STUDY.optimize`.")
     ] = None,
     workers: Annotated[int | None, Option(min=1, help="Worker processes, by default one per core.")] = None,
     engine: Annotated[str, Option(help="native (fast) or reference (FMPy drives, same bits).")] = "native",
@@ -32,6 +33,7 @@ def optimize(
     The file is like a study of `cosim sweep`, with what is wanted in place of a
     design:
 
+    \b
         scenario = "crane"
         vary = [{key = "controller.gain", minimum = 0.1, maximum = 10.0}]
         objective = {metric = "swing", direction = "minimize"}
@@ -50,26 +52,17 @@ def optimize(
     results.jsonl, a row for each run, and trials.csv.
 
     Exit code: 0 found, 1 no trial holds all criteria, 2 could not run.
-    """
+    """  # noqa: D301 - click keeps the lines of a paragraph that begins with a backspace
     configure_logging(verbose, quiet)
-    from cosim.loop import engines
-    from cosim.optimize import problem, report, search
-    from cosim.optimize.runner import SearchOptions
-    from cosim.optimize.variants import Variants
-    from cosim.sweep.store import Store
+    from cosim.optimize import report, results
 
-    options = SearchOptions(workers, engines.checked(engine), again)
-    variants = Variants(problem.load(study))
-    folder = out or Path(f"{study.stem}.optimize")
-    with Store(folder) as store, progress_bar(variants.problem.name, quiet) as progress:
-        trials = search.search(variants, store, options, progress)
-    report.save_csv(variants, trials, folder / "trials.csv")
-    found = search.best(variants.problem, trials)
+    found = results.optimize(study, out, workers=workers, engine=engine, again=again, quiet=quiet)
     if json:
-        write(report.to_json(variants, trials), "-")
+        write(report.to_json(found.variants, found.trials), "-")
     else:
-        output().print(report.tables(variants, trials))
-        if found is not None:
-            # for copying: never wrapped
-            print(f"repeat it with: {report.command(variants, found)}")
-    raise typer.Exit(FAILED if found is None else 0)
+        output().print(report.tables(found.variants, found.trials))
+        # for copying: never wrapped
+        if found.best is not None:
+            print(f"repeat it with: {found.command}")
+        print(f"wrote {paths.shown(found.folder)}")
+    raise typer.Exit(FAILED if found.best is None else 0)

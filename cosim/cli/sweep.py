@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 from typer import Argument, Option
 
+from cosim import paths
 from cosim.cli.options import FAILED, Quiet, Verbose
 from cosim.show.console import configure_logging, output
 from cosim.writing import write
@@ -21,10 +22,10 @@ CLUSTER = (
 def sweep(
     study: Annotated[Path, Argument(metavar="STUDY.toml", help="What is varied, and of which scenario.")],
     out: Annotated[
-        Path | None, Option(metavar="FOLDER", help="Folder of the results, by default `STUDY.sweep`.")
+        str | None, Option(metavar="FOLDER", help="Folder of the results, by default `STUDY.sweep`.")
     ] = None,
     workers: Annotated[int | None, Option(min=1, help="Worker processes, by default one per core.")] = None,
-    cluster: Annotated[str, Option(metavar="ADDRESS|FILE.json|FILE.toml", help=CLUSTER)] = "",
+    cluster: Annotated[str | None, Option(metavar="ADDRESS|FILE.json|FILE.toml", help=CLUSTER)] = None,
     engine: Annotated[str, Option(help="native (fast) or reference (FMPy drives, same bits).")] = "native",
     again: Annotated[bool, Option("--again", help="Do runs again that gave no result.")] = False,
     plots: Annotated[bool, Option(help="Whether to draw plots, if matplotlib is installed.")] = True,
@@ -35,12 +36,15 @@ def sweep(
     """Run the cases of a study on many processes; what is done already is not done again."""
     configure_logging(verbose, quiet)
     from cosim.sweep import command
+    from cosim.sweep.store import folder_of
 
-    folder = out or Path(f"{study.stem}.sweep")
+    folder = folder_of(out, Path(f"{study.stem}.sweep"))
     options = command.Options(study, folder, workers, cluster, engine, again, plots, quiet)
     found, tables = command.execute(options)
     if json:
         write(found.to_json(), "-")
     else:
         output().print(tables, crop=False)
+        # for copying: never wrapped
+        print(f"wrote {paths.shown(folder)}")
     raise typer.Exit(FAILED if found.passed is False else 0)

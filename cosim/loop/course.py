@@ -139,6 +139,8 @@ def cached(file: Path, column: str, changed: int, size: int) -> TimeSeries:
 
 def columns_of(names: Sequence[str], column: str, file: Path) -> tuple[int, int]:
     """Places of the time and of the column that is asked for; with two columns it is the other one."""
+    if twice := next((name for name in names if name and names.count(name) > 1), ""):
+        raise ScenarioError(f"`{paths.shown(file)}` has two columns `{twice}`", "each needs its own name")
     time = names.index(TIME) if TIME in names else 0
     others = [name for index, name in enumerate(names) if index != time]
     if not column and len(others) == 1:

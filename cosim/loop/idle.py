@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from cosim.errors import closest
 from cosim.fmu.instance import Instance
+from cosim.loop.doubts import doubts
 from cosim.loop.plant import Plant
 from cosim.loop.wires.connect import targets
 from cosim.scenario.model import Scenario
@@ -13,13 +14,15 @@ from cosim.warned import warn_once
 
 
 def report(scenario: Scenario, fmus: Sequence[Instance], plant: Plant) -> None:
-    """Log the inputs of FMUs and commands of the plant that nothing drives and `idle` does not list."""
+    """Log what nothing drives and `idle` does not list, and what the scenario says to no effect."""
     known = ends(fmus, plant)
     if text := unknown(scenario, known):
         warn_once(f"{scenario.origin('idle')}: {text}")
     if forgotten := undriven(scenario, known):
         text = f"{scenario.origin('wire')}: nothing drives {quoted(forgotten)}"
         warn_once(f"{text}: wire what is missing, list the rest in `idle`")
+    for key, told in doubts(scenario):
+        warn_once(f"{scenario.origin(key)}: {told}")
 
 
 def unknown(scenario: Scenario, known: list[str]) -> str:

@@ -1,10 +1,11 @@
-"""What is no error in a scenario but seldom meant: inputs that nothing drives, wires between unlike units."""
+"""What is no error in a scenario but seldom meant: undriven inputs, units that differ, idle faults."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from cosim.loop import fmus, idle
+from cosim.loop.doubts import doubts
 from cosim.loop.place import Stage
 from cosim.loop.session import Session, located
 from cosim.loop.wires.connect import Connector
@@ -33,7 +34,7 @@ def check(session: Session) -> list[str]:
 
 
 def warnings(session: Session) -> list[str]:
-    """Sentences about what is undriven, of unlike units, or not demanded."""
+    """Sentences about what is undriven, of unlike units, without effect, or not demanded."""
     found = []
     known = idle.ends(session.fmus, session.plant)
     if unknown := idle.unknown(session.scenario, known):
@@ -41,6 +42,7 @@ def warnings(session: Session) -> list[str]:
     if forgotten := idle.undriven(session.scenario, known):
         found.append(f"nothing drives {listed(forgotten)}: wire what is missing, list the rest in `idle`")
     found += [told for wire in session.scenario.wire if (told := unlike(wire, session))]
+    found += [told for _, told in doubts(session.scenario)]
     if not session.scenario.criterion:
         found.append("no criterion demands anything of a run")
     return found

@@ -9,11 +9,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from cosim import interrupts
 from cosim.closing import Closing
-from cosim.errors import CosimError, PlantError, concerning
+from cosim.errors import CosimError, ExpressionError, FmuError, PlantError, concerning
 from cosim.fmu import readable
-from cosim.fmu.archive import FmuFile
+from cosim.fmu.archive import FmuFile, Variable
 from cosim.fmu.instance import Instance
 from cosim.loop import fmus, idle, native, plant, reference, trace
 from cosim.loop.engines import Engine, checked
@@ -123,6 +125,8 @@ class Session(Closing):
         stop = self.scenario.loop.stop_when
         with concerning("loop.stop_when"):
             self.stop = Expression(stop, columns, "`loop.stop_when`", rowwise=True) if stop else None
+            if self.stop is not None:
+                check_condition(self.stop, found)
 
     def run(
         self, seed: int | None = None, progress: Progress | None = None, stream: str | Path | None = None
@@ -248,6 +252,15 @@ def chosen(scenario: Scenario) -> tuple[str, dict[str, Any]]:
     return scenario.plant.name, scenario.plant.parameters
 
 
+def check_condition(stop: Expression, columns: Mapping[str, Variable | None]) -> None:
+    """Check that an expression tells true or false: a number that is not 0 would end the run at once."""
+    column = columns.get(stop.text.strip())
+    truth = np.asarray(stop(np.zeros(len(columns)))).dtype == np.bool_
+    if not truth and (column is None or column.kind != "Boolean"):
+        hint = f"compare it with a number: `{stop.text} > 0`"
+        raise ExpressionError(f"`loop.stop_when` = `{stop.text}` is no condition", hint)
+
+
 def check_timestep(scenario: Scenario, timestep: float) -> None:
     """Check that the plant's substeps fill the communication step exactly."""
     step, substeps = scenario.loop.step, scenario.loop.substeps
@@ -272,7 +285,8 @@ def located(scenario: Scenario) -> Iterator[None]:
     except CosimError as error:
         if error.key:
             error.message = f"{scenario.origin(error.key)}: {error.message}"
-            error.hint = error.hint or "`cosim show` lists types, units and ranges"
+            if isinstance(error, FmuError | PlantError) or error.key.startswith(("wire.", "inject.")):
+                error.hint = error.hint or "`cosim show` lists types, units and ranges"
             error.key = ""
         raise
     except SystemExit as error:

@@ -105,7 +105,8 @@ class Expression:
             try:
                 return self.root.evaluate(columns)
             except (ValueError, IndexError, TypeError) as error:
-                hint = "a condition in `[...]` keeps only the rows where it holds"
+                lengths = isinstance(error, IndexError) or "shape" in str(error)
+                hint = "a condition in `[...]` keeps only the rows where it holds" if lengths else ""
                 raise self.error(f"cannot be computed: {error}", hint) from None
 
     def error(self, problem: str, hint: str = "") -> ExpressionError:

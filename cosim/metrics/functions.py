@@ -117,9 +117,13 @@ def time_at(time: Any, condition: Any, index: int, never: float) -> Any:
 
 
 def value_at(time: Any, values: Any, moment: Any) -> Any:
-    """Value in the last row at or before a moment, forgiving rounding; NaN before the first."""
+    """Value in the last row at or before a moment, forgiving rounding; NaN before the first, at no time."""
     row = np.searchsorted(time, moment + 1e-9, side="right") - 1
-    return np.broadcast_to(values, np.shape(time))[row] if row >= 0 else np.float64(math.nan)
+    return (
+        np.broadcast_to(values, np.shape(time))[row]
+        if row >= 0 and np.isfinite(moment)
+        else np.float64(math.nan)
+    )
 
 
 def longest(time: Any, condition: Any) -> Any:

@@ -52,6 +52,11 @@ def text(draft: Draft) -> str:
 def head(draft: Draft) -> Iterator[str]:
     """Loop, FMU and plant."""
     yield f"title = {quoted(draft.title)}"
+    names = [f"controller.{end.end.name}" for end in undriven(draft.inputs, draft.readings)]
+    names += [f"plant.{end.end.name}" for end in undriven(draft.commanded, draft.commands)]
+    if names:
+        yield "# what nothing drives; take away the `# ` and leave in the list what keeps its start value"
+        yield f"# idle = [{', '.join(map(quoted, names))}]"
     yield ""
     yield "[loop]"
     yield f"step = {draft.step!r}".ljust(26) + "# s, the FMU is called so often"
@@ -94,16 +99,21 @@ def wire(match: Match, source: str, target: str) -> Iterator[str]:
 
 def left(draft: Draft) -> Iterator[str]:
     """Tell what nothing drives and what nobody reads, as comments."""
-    yield from undriven("controller", draft.inputs, draft.readings, "inputs of the FMU that nothing drives")
-    yield from undriven("plant", draft.commanded, draft.commands, "commands that nothing drives")
+    inputs, commands = undriven(draft.inputs, draft.readings), undriven(draft.commanded, draft.commands)
+    yield from signals("controller", inputs, "inputs of the FMU that nothing drives")
+    yield from signals("plant", commands, "commands that nothing drives")
     yield from unread("controller", draft.outputs, draft.commands)
     yield from unread("plant", draft.sensed, draft.readings)
 
 
-def undriven(side: str, ends: Sequence[Described], matches: list[Match], title: str) -> Iterator[str]:
-    """Signals for ends without a wire, as comments."""
+def undriven(ends: Sequence[Described], matches: list[Match]) -> list[Described]:
+    """List the ends without a wire."""
     driven = {match.target.name for match in matches}
-    rest = [end for end in ends if end.end.name not in driven]
+    return [end for end in ends if end.end.name not in driven]
+
+
+def signals(side: str, rest: list[Described], title: str) -> Iterator[str]:
+    """Signals for ends without a wire, as comments."""
     if rest:
         yield f"# {title}: take away the `# ` of a signal, or make it a wire with `from`"
         yield ""

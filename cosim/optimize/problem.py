@@ -50,12 +50,12 @@ class Search:
         Points that are chosen at a time, and can run side by side; what is found depends on it, but not on
         the number of workers.
     seeds
-        Seeds of the runs of each trial, of which the mean counts; none is the scenario's.
+        Seeds of the runs of each trial, of which the mean counts; left out it is the scenario's alone.
     """
 
     trials: int = 100
     batch: int = 8
-    seeds: tuple[int, ...] = ()
+    seeds: tuple[int, ...] | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -104,11 +104,19 @@ def check(problem: Problem, fail: Fail) -> None:
         fail("search.trials", f"is `{search.trials}`, it must lie in 1 .. {MOST_TRIALS}")
     if search.batch < 1:
         fail("search.batch", f"is `{search.batch}`, it must be at least 1")
-    if any(seed < 0 for seed in search.seeds):
-        fail("search.seeds", "must not be negative")
-    if len(set(search.seeds)) != len(search.seeds):
-        fail("search.seeds", "holds a seed twice", "it would count twice")
+    if search.seeds is not None:
+        check_seeds(search.seeds, fail)
     check_varied(problem, fail)
+
+
+def check_seeds(seeds: tuple[int, ...], fail: Fail) -> None:
+    """Check that there is a seed, and each once."""
+    if not seeds:
+        fail("search.seeds", "is empty", "leave it out for the seed of the scenario")
+    if any(seed < 0 for seed in seeds):
+        fail("search.seeds", "must not be negative")
+    if len(set(seeds)) != len(seeds):
+        fail("search.seeds", "holds a seed twice", "it would count twice")
 
 
 def check_varied(problem: Problem, fail: Fail) -> None:
@@ -118,6 +126,10 @@ def check_varied(problem: Problem, fail: Fail) -> None:
     check_keys(problem, fail)
     for index, vary in enumerate(problem.vary):
         key = f"vary[{index}]"
+        if vary.key == "loop.seed":
+            fail(
+                f"{key}.key", "is `loop.seed`, which is no choice", "runs with several seeds: `search.seeds`"
+            )
         if vary.distribution == "normal" or vary.mean is not None or vary.deviation is not None:
             fail(f"{key}.distribution", "cannot be `normal` here", "a search needs `minimum` and `maximum`")
         check_values(vary, key, "search", fail)

@@ -59,6 +59,10 @@ def check_loop(loop: Loop, fail: Fail) -> None:
             f"is `{loop.duration}` s, it must be a multiple of `loop.step` = `{loop.step}` s",
             f"the nearest is {nearest:.12g} s",
         )
+    if loop.record_every > loop.steps:
+        most = f"it must not be above {loop.steps}, the steps of the run"
+        hint = "metrics would see the first row alone"
+        fail("loop.record_every", f"is `{loop.record_every}`, {most}", hint)
 
 
 def check_forms(merged: Layers) -> None:
@@ -94,9 +98,11 @@ def check_fmu(choice: FmuChoice, loop: Loop, fail: Fail) -> None:
 
 
 def check_unique(keys: list[tuple[str, str]], fail: Fail) -> None:
-    """Check that nothing is driven or named twice."""
+    """Check that nothing is driven or named twice, or without a name."""
     seen: dict[str, str] = {}
     for section, name in keys:
+        if not name and section != "fmu":
+            fail(f"{section}.{name}.{IDENTITY[section]}", "is empty")
         if name in seen:
             fail(
                 f"{section}.{name}",
@@ -152,4 +158,7 @@ def check_criterion(criterion: Criterion, metrics: list[str], fail: Fail) -> Non
     limits = (criterion.minimum, criterion.maximum, criterion.equals)
     if all(limit is None for limit in limits):
         fail(key, "has no limit", "give it a `minimum`, a `maximum` or `equals`")
+    if criterion.equals is not None and limits[:2] != (None, None):
+        other = "minimum" if criterion.maximum is None else "maximum"
+        fail(f"{key}.equals", f"is `{criterion.equals}`, it does not go with `{other}`", "two criteria can")
     check_order(key, criterion, fail)

@@ -39,6 +39,10 @@ class Layers:
         dropped = table.pop("drop", [])
         if not isinstance(dropped, list) or not all(isinstance(entry, str) for entry in dropped):
             raise ScenarioError(f"{origin}: `drop` is {show(dropped)}, it must be an array of texts")
+        if dropped and not self.table:
+            raise ScenarioError(
+                f"{origin}: `drop` is there without `extends`", "it leaves out what is inherited"
+            )
         for entry in dropped:
             drop(self.table, entry, origin)
         self.table = merge(self.table, table)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import datetime
 import functools
 import math
 import types
@@ -33,6 +34,9 @@ NAMES = {
     bool: "true or false",
     list: "an array",
     dict: "a table",
+    datetime.date: "a date",
+    datetime.datetime: "a date with a time",
+    datetime.time: "a time of the day",
 }
 
 
@@ -242,5 +246,16 @@ def join(key: str, name: str) -> str:
 
 def show(value: Any) -> str:
     """Value as it would stand in a TOML file, in backticks."""
-    text = str(value).lower() if isinstance(value, bool) else repr(value)
+    text = toml_text(value)
     return f"`{text if len(text) <= 60 else text[:57] + '...'}`"
+
+
+def toml_text(value: Any) -> str:
+    """Value as it would stand in a TOML file, texts and tables as Python shows them."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, datetime.date | datetime.time):
+        return value.isoformat()
+    if isinstance(value, list):
+        return f"[{', '.join(map(toml_text, value))}]"
+    return repr(value)

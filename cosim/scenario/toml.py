@@ -34,7 +34,19 @@ def parse_file(path: Path) -> dict[str, Any]:
     for section in (table.get("controller"), table.get("plant"), *(fmus if isinstance(fmus, list) else ())):
         if isinstance(section, dict) and isinstance(section.get("parameters"), dict):
             section["parameters"] = flatten(section["parameters"])
+            check_arrays(section["parameters"], path)
     return table
+
+
+def check_arrays(parameters: dict[str, Any], path: Path) -> None:
+    """Check that parameters give no item of an array beside the whole array: one of them would be lost."""
+    for name in parameters:
+        whole = name.partition("[")[0]
+        if whole != name and isinstance(parameters.get(whole), list):
+            raise ScenarioError(
+                f"`{paths.shown(path)}`: the parameter `{whole}` is there beside `{name}`",
+                "a value has one place",
+            )
 
 
 def parse_text(text: str) -> dict[str, Any]:

@@ -13,6 +13,7 @@ from typing import TypeVar
 from rich.console import RenderableType
 
 from cosim import paths
+from cosim.errors import CosimError
 from cosim.loop import engines
 from cosim.loop.reference import Progress
 from cosim.pool import cluster, local
@@ -38,11 +39,16 @@ class Options:
     file: Path
     folder: Path
     workers: int | None = None
-    cluster: str = ""
+    cluster: str | None = None
     engine: str = "native"
     again: bool = False
     plots: bool = True
     quiet: bool = False
+
+    def __post_init__(self) -> None:
+        """Refuse an address that was forgotten: the runs would be done here."""
+        if self.cluster == "":
+            raise CosimError("`--cluster` is empty", "leave it out to run on this machine")
 
 
 def execute(options: Options) -> tuple[Survey, RenderableType]:
@@ -92,7 +98,7 @@ def summarise(plan: Plan, found: Survey, folder: Path, plots: bool) -> None:
 def pool_of(plan: Plan, options: Options) -> Pool:
     """Where the runs are done."""
     limits = plan.study.limits.of_workers()
-    if options.cluster:
+    if options.cluster is not None:
         return functools.partial(cluster.outcomes, address=options.cluster, limits=limits)
     workers = options.workers or processors()
     return functools.partial(local.outcomes, workers=min(workers, len(plan.runs)), limits=limits)

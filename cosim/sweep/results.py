@@ -9,7 +9,7 @@ from typing import Any
 from cosim.sweep import overview
 from cosim.sweep.command import Options, run_study
 from cosim.sweep.plan import Plan
-from cosim.sweep.store import Row, Store
+from cosim.sweep.store import Row, Store, folder_of
 from cosim.sweep.survey import QUANTILES, Survey, quantiles, rows
 from cosim.words import html
 from cosim.words.frame import dataframe
@@ -79,7 +79,7 @@ def sweep(
     out: str | Path | None = None,
     *,
     workers: int | None = None,
-    cluster: str = "",
+    cluster: str | None = None,
     engine: str = "native",
     again: bool = False,
     plots: bool = False,
@@ -96,7 +96,7 @@ def sweep(
     workers
         Worker processes on this machine; None is one per core.
     cluster
-        Address of a Dask scheduler; empty runs on this machine.
+        Address of a Dask scheduler; None runs on this machine.
     engine
         `native` or `reference`.
     again
@@ -112,7 +112,7 @@ def sweep(
         The study is wrong, the folder cannot be written, or no worker can be had.
     """
     file = Path(study)
-    folder = Path(out) if out is not None else Path(f"{file.stem}.sweep")
+    folder = folder_of(out, Path(f"{file.stem}.sweep"))
     return run_study(Options(file, folder, workers, cluster, engine, again, plots, quiet), collect)
 
 

@@ -6,7 +6,10 @@ import contextlib
 import logging
 import math
 from collections.abc import Callable, Generator, Iterable, Iterator
+from pathlib import Path
 
+from cosim import paths
+from cosim.errors import CosimError
 from cosim.loop.result import Result
 from cosim.pool.job import Finished, Numbered, Outcome
 from cosim.show import plot
@@ -71,7 +74,7 @@ def save_traces(plan: Plan, store: Store, found: Survey, pool: Pool, plots: bool
     files = {number: folder / name for number, name in names.items()}
     missing = [number for number, file in files.items() if not file.exists()]
     if missing:
-        folder.mkdir(exist_ok=True)
+        make(folder)
     for run, outcome in outcomes(plan, missing, pool, keep_trace=True):
         before = store.row(run)
         if not isinstance(outcome, Result) or before is None:
@@ -85,6 +88,18 @@ def save_traces(plan: Plan, store: Store, found: Survey, pool: Pool, plots: bool
         outcome.save_trace(file)
         if run.number in drawn:
             plot.save(plan.job(run).scenario, outcome, file.with_suffix(".svg"))
+
+
+def make(folder: Path) -> None:
+    """Make the folder of the traces."""
+    try:
+        folder.mkdir(exist_ok=True)
+    except FileExistsError:
+        raise CosimError(f"cannot write traces: `{paths.shown(folder)}` is no folder") from None
+    except OSError as error:
+        raise CosimError(
+            f"cannot write traces to `{paths.shown(folder)}`: {error.strerror or error}"
+        ) from None
 
 
 def chosen(plan: Plan, found: Survey) -> list[int]:

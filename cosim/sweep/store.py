@@ -70,6 +70,8 @@ class Store(Closing):
         self.folder = folder
         self.shown = paths.shown(folder / FILE)
         self.places: dict[str, tuple[int, str]] = {}
+        if paths.is_there(folder / FILE) and not paths.is_file(folder / FILE):
+            raise CosimError(f"cannot write results: `{self.shown}` is no file", "choose another `--out`")
         try:
             folder.mkdir(parents=True, exist_ok=True)
             # without a buffer: what could not be written is not tried again
@@ -152,6 +154,19 @@ class Store(Closing):
         self.reader.close()
         with contextlib.suppress(OSError):
             self.file.close()
+
+
+def folder_of(out: str | Path | None, otherwise: Path) -> Path:
+    """Folder of results that was asked for, or another where none was.
+
+    Raises
+    ------
+    CosimError
+        Its name is empty, which would mean the working directory.
+    """
+    if out == "":
+        raise CosimError("`--out` is empty", "`--out .` is the working directory")
+    return otherwise if out is None else Path(out)
 
 
 def read(line: bytes) -> Row:

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
+from cosim import paths
 from cosim.errors import ScenarioError
 from cosim.scenario.ranges import COUNT, NOT_NEGATIVE_COUNT, limited
 from cosim.scenario.schema import schema_of
@@ -104,6 +105,10 @@ def study_schema() -> dict[str, Any]:
 
 def read_cases(file: Path, fail: Fail) -> Sequence[dict[str, Any]]:
     """Cases of a CSV file; values are TOML, what is not TOML is a text, an empty cell is not set."""
+    if not paths.is_file(file):
+        fail(
+            "design.file", f"is `{file}`, which {'is no file' if paths.is_there(file) else 'does not exist'}"
+        )
     try:
         with file.open(newline="", encoding="utf-8-sig") as lines:
             header, *rows = list(csv.reader(lines)) or [[]]

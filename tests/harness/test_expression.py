@@ -102,6 +102,8 @@ VALUES = {
     "at(plant.x, 0.1999)": -3.0,
     "at(plant.x, 99)": 0.5,
     "isfinite(at(plant.x, -1))": 0.0,
+    "isfinite(at(plant.x, nan))": 0.0,
+    "isfinite(at(plant.x, first_time(plant.x > 99)))": 0.0,
     'at(controller.state, 0.1) == "Detect"': 1.0,
     "5 * um": 5e-6,
     "first(plant.x) / mm": 1000.0,

@@ -67,6 +67,24 @@ LINES: dict[str, Case] = {
     "sweep into a device": Case(
         given("sweep", "study.toml", "--out", "/proc/x"), ("cannot write", "/proc/x")
     ),
+    **{
+        f"sweep into a folder with a {kind} for its rows": Case(
+            given("sweep", "study.toml", "--out", kind),
+            (f"cannot write results: `{kind}/results.jsonl` is no file",),
+        )
+        for kind in ("pipe", "zero", "full")
+    },
+    "traces are a file": Case(
+        given("sweep", "failing.toml", "--out", "taken", "--workers", "1", "--no-plots"),
+        ("cannot write traces: `taken/traces` is no folder",),
+    ),
+    "sweep into an empty name": Case(given("sweep", "study.toml", "--out", ""), ("`--out` is empty",)),
+    "optimize into an empty name": Case(given("optimize", "search.toml", "--out", ""), ("`--out` is empty",)),
+    "sweep on an empty cluster": Case(
+        given("sweep", "study.toml", "--cluster", ""), ("`--cluster` is empty",)
+    ),
+    "optimize a pipe": Case(given("optimize", "pipe/results.jsonl"), ("does not exist",)),
+    "new of a folder": Case(given("new", "./"), ("the FMU file `./` does not exist",)),
     "no workers": Case(given("sweep", "study.toml", "--workers", "0"), ("--workers",)),
     "sweep with an unknown engine": Case(given("sweep", "study.toml", "--engine", "x"), ("`x`",)),
 }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..conftest import END, SCENARIO
+from ..conftest import END, SCENARIO, entry
 
 CRITERION = '[[criterion]]\nid = "end"\nclaim = "ends"\nmetric = "end"\nmaximum = 1.0\n'
 WHOLE = SCENARIO + END + CRITERION
@@ -23,6 +23,8 @@ def metric(value: str) -> str:
     return edited('"last(plant.x)"', f"'{value}'")
 
 
+CSV = {"twice.csv": "u,u\n0,1\n0.01,2\n"}
+"""Courses that the signals speak of."""
 FILES: dict[str, tuple[str | bytes, tuple[str, ...]]] = {
     # bytes and syntax
     "latin 1": (WHOLE.replace("Lag", "L\xe4g").encode("latin-1"), (FILE, "not a text file in UTF-8")),
@@ -48,7 +50,11 @@ FILES: dict[str, tuple[str | bytes, tuple[str, ...]]] = {
     ),
     "step is a text": (edited("0.001", '"1 ms"'), ("`loop.step` is `'1 ms'`", "a number")),
     "step is true": (edited("0.001", "true"), ("`loop.step` is `true`", "a number")),
-    "step is a date": (edited("0.001", "2020-01-01"), ("`loop.step`", "a number")),
+    "step is a date": (edited("0.001", "2020-01-01"), ("`loop.step` is `2020-01-01` (a date)", "a number")),
+    "parameter holds a date": (
+        WHOLE + "[controller.parameters]\ncount = [2020-01-01]\n",
+        ("`controller.count` is `[2020-01-01]`",),
+    ),
     "parameter is a date": (WHOLE + "[controller.parameters]\ngain = 2020-01-01\n", ("`controller.gain`",)),
     "idle is a text": (
         'idle = "plant.extra"\n'
@@ -58,6 +64,16 @@ FILES: dict[str, tuple[str | bytes, tuple[str, ...]]] = {
         ("`idle`",),
     ),
     "seed is a number": (edited("[loop]", "[loop]\nseed = 1.5"), ("`loop.seed`", "an integer")),
+    "drops without extends": ('drop = ["wire"]\n' + WHOLE, ("`drop`", "without `extends`")),
+    "parameter twice": (
+        WHOLE + '[controller.parameters]\nbias = [1, 2]\n"bias[1]" = 3\n',
+        (FILE, "parameter `bias`", "beside `bias[1]`"),
+    ),
+    "metric without a name": (WHOLE + entry("metric", name="", value="1"), ("`metric..name` is empty",)),
+    "criterion without an id": (
+        edited('id = "end"', 'id = ""'),
+        ("`criterion..id` is empty",),
+    ),
     "drop is a text": ('drop = "wire"\n' + WHOLE, ("`drop` is `'wire'`", "array of texts")),
     # names
     "unknown table": (WHOLE + "[looop]\n", ("`looop` is not a known key", "`loop`")),
@@ -121,6 +137,10 @@ FILES: dict[str, tuple[str | bytes, tuple[str, ...]]] = {
         edited("[loop]", "[loop]\nsubsteps = 3"),
         ("`loop.substeps` = `3`", "set `loop.substeps = 1`"),
     ),
+    "record beyond the end": (
+        edited("[loop]", "[loop]\nrecord_every = 51"),
+        ("`loop.record_every` is `51`", "50, the steps of the run"),
+    ),
     "record 0": (edited("[loop]", "[loop]\nrecord_every = 0"), ("`loop.record_every` is `0`",)),
     "seed negative": (edited("[loop]", "[loop]\nseed = -1"), ("`loop.seed` is `-1`",)),
     "delay 2": (edited("[loop]", "[loop]\ncompute_delay = 2"), ("`loop.compute_delay` is `2`", "`0` or `1`")),
@@ -173,6 +193,14 @@ FILES: dict[str, tuple[str | bytes, tuple[str, ...]]] = {
     ),
     "signal of texts": (WHOLE + edited("[1, 2]", '["a", "b"]', SIGNAL), ("`controller.count`", "`'a'`")),
     "signal to nowhere": (WHOLE + edited("controller.count", "nowhere", SIGNAL), ("`nowhere`",)),
+    "signal of a long name": (
+        WHOLE + f'[[signal]]\nto = "controller.count"\nfile = "{"a" * 300}.csv"\n',
+        (FILE, "the file `aaaa", "does not exist"),
+    ),
+    "signal with a column twice": (
+        WHOLE + '[[signal]]\nto = "controller.count"\nfile = "twice.csv"\n',
+        ("`twice.csv` has two columns `u`",),
+    ),
     "fault backwards": (WHOLE + edited("0.01", "-1.0", FAULT), ("`inject.controller.in.to_time`", "later")),
     "fault at nothing": (WHOLE + edited("controller.in", "plant.nothing", FAULT), ("no command `nothing`",)),
     # metrics and criteria
@@ -184,12 +212,24 @@ FILES: dict[str, tuple[str | bytes, tuple[str, ...]]] = {
     "metric is too long": (metric("1+" * 1500 + "1"), ("longer than 2000 characters",)),
     "metric is nested": (metric("(" * 900 + "1" + ")" * 900), ("`metric.end.value`",)),
     "metric is a text": (metric('"a"'), ("`metric.end.value`", "text")),
+    "stop is no condition": (
+        edited("[loop]", '[loop]\nstop_when = "plant.x"'),
+        ("`loop.stop_when` = `plant.x` is no condition", "`plant.x > 0`"),
+    ),
+    "stop is a constant": (
+        edited("[loop]", '[loop]\nstop_when = "where(plant.x > 1, 2, 3)"'),
+        ("`loop.stop_when`", "is no condition"),
+    ),
     "stop is a mistake": (
         edited("[loop]", '[loop]\nstop_when = "plant.y > 1"'),
         ("`loop.stop_when`", "`plant.y`"),
     ),
     "criterion of nothing": (edited('metric = "end"', 'metric = "ned"'), ("`criterion.end.metric`", "`end`")),
     "criterion without limit": (edited("maximum = 1.0\n", ""), ("`criterion.end` has no limit",)),
+    "criterion with two demands": (
+        WHOLE + "equals = 0.5\n",
+        ("`criterion.end.equals`", "does not go with `maximum`"),
+    ),
     "criterion in another unit": (WHOLE + 'unit = "s"\n', ("`criterion.end.unit` is `s`", "`m`", "convert")),
     # inheritance
     "extends itself": ('extends = "bad.toml"\n', (FILE, "leads back to `bad.toml`")),

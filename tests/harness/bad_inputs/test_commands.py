@@ -10,6 +10,9 @@ import pytest
 from . import commands, studies
 from .calling import Case, Refuse, given
 
+FAILING = studies.LIST + "[[case]]\nplant.pole = 0.5\ncriterion.end.maximum = -1.0\n"
+SEARCH = 'scenario = "lag.toml"\nobjective = {metric = "end"}\n' + studies.RANGE
+
 
 @pytest.fixture
 def room(lag: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
@@ -21,6 +24,14 @@ def room(lag: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (lag / "folder.csv").mkdir()
     (lag / "cache").mkdir(exist_ok=True)
     (lag / "loop").symlink_to("loop")
+    for name in ("pipe", "zero", "full", "taken"):
+        (lag / name).mkdir()
+    os.mkfifo(lag / "pipe" / "results.jsonl")
+    for name in ("zero", "full"):
+        (lag / name / "results.jsonl").symlink_to(f"/dev/{name}")
+    (lag / "taken" / "traces").touch()
+    (lag / "failing.toml").write_text(FAILING)
+    (lag / "search.toml").write_text(SEARCH)
     return lag
 
 

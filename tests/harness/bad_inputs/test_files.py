@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
@@ -24,6 +25,8 @@ def test_a_bad_study_is_named(
     for name, table in studies.CSV.items():
         (lag / name).write_bytes(table)
     (lag / "cache").mkdir(exist_ok=True)
+    (lag / "zero.csv").symlink_to("/dev/zero")
+    os.mkfifo(lag / "pipe.csv")
     (lag / "study.toml").write_bytes(content if isinstance(content, bytes) else content.encode())
     refuse(Case(given("sweep", "study.toml", "--no-plots"), words))
     assert not (lag / "study.sweep").exists()

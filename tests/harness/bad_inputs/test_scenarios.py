@@ -15,6 +15,8 @@ def test_a_bad_scenario_is_named(
     content: str | bytes, words: tuple[str, ...], lag: Path, refuse: Refuse
 ) -> None:
     (lag / "torn.py").write_text("def :\n")
+    for name, course in scenarios.CSV.items():
+        (lag / name).write_text(course)
     (lag / "bad.toml").write_bytes(content if isinstance(content, bytes) else content.encode())
     refuse(Case(given("run", "bad.toml"), words))
 
@@ -41,6 +43,25 @@ def test_a_bad_override_of_several_fmus_is_named(
 ) -> None:
     Path("two.toml").write_text(several.TWO)
     refuse(Case(given("run", "two.toml", "--set", override), words))
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        scenarios.metric("max()"),
+        scenarios.metric("percentile(plant.x, 101)"),
+        scenarios.edited("[loop]", '[loop]\nstop_when = "plant.x >"'),
+        scenarios.WHOLE + '[[signal]]\nto = "controller.count"\nfile = "twice.csv"\n',
+    ],
+)
+def test_a_hint_is_about_the_mistake(content: str, lag: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (lag / "twice.csv").write_text("time,u\n0,x\n")
+    (lag / "bad.toml").write_text(content)
+    with pytest.MonkeyPatch.context() as patch:
+        assert call(given("run", "bad.toml"), patch) == 2
+    stderr = capsys.readouterr().err
+    assert "lists types" not in stderr
+    assert "keeps only the rows" not in stderr
 
 
 @pytest.mark.parametrize("ends", [b"\r\n", b"\n"])

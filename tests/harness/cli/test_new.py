@@ -100,6 +100,16 @@ def test_the_comments_are_a_scenario_once_the_marks_are_taken_away(folder: Path)
     assert cosim("check", "all.toml").stderr == ""
 
 
+def test_the_comment_at_the_top_quiets_what_is_left(folder: Path) -> None:
+    (folder / "cart.xml").write_text(MJCF)
+    cosim("new", "probe.fmu", "cart.xml")
+    text = (folder / "probe.toml").read_text()
+    (folder / "quiet.toml").write_text(text.replace("# idle = [", "idle = [", 1))
+    scenario = api.load(folder / "quiet.toml")
+    assert scenario.idle == ("controller.count", "controller.mode", "controller.flag", "plant.brake")
+    assert "nothing drives" not in cosim("check", "quiet.toml").stderr
+
+
 def test_an_fmu_alone_gets_a_scenario_without_a_plant(folder: Path) -> None:
     (folder / "deep").mkdir()
     assert cosim("new", "probe.fmu", "--out", "deep/alone.toml").returncode == 0

@@ -75,3 +75,21 @@ def test_a_path_may_begin_with_the_home(write: Write, folder: Path, monkeypatch:
     text = (folder / "deep" / "new.toml").read_text()
     assert 'name = "../cart.xml"' in text
     assert 'fmu = "../probe.fmu"' in text
+
+
+@pytest.mark.parametrize(
+    ("command", "line"),
+    [
+        ("optimize", 'vary = [{key = "controller.gain", minimum = 0.1, maximum = 10.0}]'),
+        ("compare", "cosim compare before.json after.json --rtol 1e-6"),
+    ],
+)
+def test_examples_in_the_help_can_be_copied(command: str, line: str) -> None:
+    assert line in [shown.strip() for shown in cosim(command, "--help").stdout.splitlines()]
+
+
+def test_a_sweep_tells_where_its_results_are(write: Write, folder: Path) -> None:
+    write("")
+    (folder / "study.toml").write_text('scenario = "lag.toml"\ncase = [{}]\ndesign = {kind = "list"}\n')
+    done = cosim("sweep", "study.toml", "--workers", "1", "--no-plots")
+    assert done.stdout.endswith("wrote study.sweep\n"), done.stderr

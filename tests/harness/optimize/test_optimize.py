@@ -102,6 +102,20 @@ def test_criteria_are_constraints(command: Run, direction: str, end: float) -> N
     assert 0 < best["feasible"] < 40 or direction == "maximize"
 
 
+def test_python_gives_the_trials_of_the_command(command: Run) -> None:
+    study('metric = "end"\ndirection = "maximize"', trials=10)
+    code, out, _ = command()
+    assert code == 0
+    assert out.endswith("wrote o.optimize\n")
+    result = cosim.optimize("o.toml", "again", workers=1)
+    assert history() == history("again")
+    assert (result.folder, len(result.trials)) == (Path("again"), 10)
+    assert result.best in result.trials
+    assert f"repeat it with: {result.command}\n" in out
+    assert result.verdict in result._repr_html_()
+    assert repr(result) == f"<OptimizeResult of o: {result.verdict}>"
+
+
 def test_no_trial_that_holds_the_criteria_is_exit_code_1(command: Run) -> None:
     study('metric = "end"', GAIN.replace("maximum = 1.0", "maximum = 0.1"), trials=9)
     code, out, err = command()
@@ -295,6 +309,8 @@ WRONG = {
     "list of lists": ('metric = "end"', '[[vary]]\nkey = "plant.label"\nvalues = [[1]]\n', "values"),
     "nan": ('metric = "end"', '[[vary]]\nkey = "plant.pole"\nvalues = [0.5, nan]\n', "which is not finite"),
     "no trials": ('metric = "end"', "trials = 0\n", "search.trials"),
+    "no seeds": ('metric = "end"', "seeds = []\n", "`search.seeds` is empty"),
+    "the seed": ('metric = "end"', GAIN + '[[vary]]\nkey = "loop.seed"\nvalues = [1, 2]\n', "`loop.seed`"),
     "no measured trace": ('trace = "gone.csv"', GAIN, "gone.csv"),
     "unknown column": ('trace = "m.csv"\ncolumns = ["plant.y"]', GAIN, "`plant.y`"),
     "column of no run": ('trace = "m.csv"', GAIN, "the column `speed`, which is not in the trace of a run"),
@@ -312,6 +328,8 @@ def test_what_is_wrong_is_one_sentence(case: str, command: Run) -> None:
     Path("long.csv").write_text("time,plant.x\n0,1\n1,2\n")
     if vary.startswith("trials"):
         study(wanted, GAIN, trials=0)
+    elif vary.startswith("seeds"):
+        study(wanted, GAIN, more=vary)
     elif vary.startswith("vary"):
         Path("o.toml").write_text(f'scenario = "lag.toml"\n{vary}[objective]\n{wanted}\n')
     else:

@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 
 import cosim
-from cosim.loop import idle
+from cosim.loop import idle, lint
 from cosim.warned import warn_once
 
-from ..conftest import SCENARIO
+from ..conftest import END, SCENARIO, entry
 
 Write = Callable[..., Path]
 
@@ -42,6 +42,36 @@ def test_what_is_driven_otherwise_is_not_idle(
     warn_once.cache_clear()
     cosim.run(cosim.load(write(driven, text=SCENARIO.replace(', "controller.flag"', ""))))
     assert not caplog.records
+
+
+FAULT = '[[inject]]\nto = "controller.in"\nfrom_time = {}\nto_time = {}\nvalue = 1.0\n'
+LIMIT = END + entry("criterion", id="end", claim="It ends", metric="end")
+
+
+@pytest.mark.parametrize(
+    ("content", "told"),
+    [
+        (FAULT.format(0.05, 0.06), "`inject.controller.in` from 0.05 s to 0.06 s reaches no step of the run"),
+        (FAULT.format(0.0012, 0.0018), "reaches no step of the run, which ends at 0.05 s: it never happens"),
+        (FAULT.format(0.049, 9.0), ""),
+        (LIMIT + "maximum = inf\n", "`criterion.end.maximum` is `inf`, which any number holds"),
+        (LIMIT + "minimum = -inf\n", "`criterion.end.minimum` is `-inf`, which any number holds"),
+        (LIMIT + "minimum = -1.0\n", ""),
+    ],
+)
+def test_what_has_no_effect_is_warned_of_in_runs_and_checks(
+    write: Write, caplog: pytest.LogCaptureFixture, content: str, told: str
+) -> None:
+    warn_once.cache_clear()
+    scenario = cosim.load(write(content))
+    cosim.run(scenario)
+    messages = [record.getMessage() for record in caplog.records]
+    assert len(messages) == bool(told)
+    assert all(message.startswith("`lag.toml`: ") and told in message for message in messages)
+    with cosim.Session(scenario) as session:
+        warnings = [told for told in lint.check(session) if told.startswith(("`inject", "`criterion"))]
+    assert len(warnings) == bool(told)
+    assert told in "".join(warnings)
 
 
 @pytest.mark.parametrize("name", ["centering", "deburr", "dob", "fts", "polish"])
