@@ -9,6 +9,7 @@ import typer
 from typer import Argument, Option
 
 from cosim.cli.options import FAILED, Loop, Quiet, Set, Verbose
+from cosim.cli.run import check_outputs
 from cosim.show.console import configure_logging, output
 from cosim.trace.endings import READ, listed
 from cosim.writing import write
@@ -39,6 +40,7 @@ def judge(
     Exit code: 0 all criteria hold, 1 some do not, 2 could not be judged.
     """
     configure_logging(verbose, quiet)
+    check_outputs(json, None, None)
     from cosim.loop.judge import judge as judged
     from cosim.scenario.load import load
     from cosim.show import display

@@ -102,6 +102,20 @@ def files(scenario: Scenario) -> dict[str, Path]:
     return {signal.to: find(signal.file, scenario.folder) for signal in scenario.signal if signal.file}
 
 
+def check_apart(scenario: Scenario, option: str, file: Path) -> None:
+    """Check that what a run writes is no file that a signal is read from.
+
+    Raises
+    ------
+    CosimError
+        It is.
+    """
+    for target, read_from in files(scenario).items():
+        if paths.resolved(read_from) == paths.resolved(file):
+            problem = f"`{option}` `{file}` would be written over the file of `signal.{target}`"
+            raise CosimError(problem, "choose another name")
+
+
 def read(file: Path, column: str) -> TimeSeries:
     """Read one column of a file over its time.
 

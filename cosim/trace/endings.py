@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from cosim.errors import CosimError
+from cosim.writing import check_folder
 
 NPZ, CSV, MAT = ".npz", ".csv", ".mat"
 PARQUET = (".parquet", ".pq")
@@ -52,8 +53,7 @@ def check(file: Path) -> None:
     if file.suffix not in WRITTEN:
         raise CosimError(f"cannot save a trace as `{file}`", f"the name must end in {listed(WRITTEN)}")
     check_installed(file)
-    if not file.absolute().parent.is_dir():
-        raise CosimError(f"cannot write `{file}`: the folder `{file.absolute().parent}` does not exist")
+    check_folder(file)
 
 
 def check_installed(file: Path) -> None:
