@@ -111,12 +111,13 @@ def find_fmu(name: str, near: Path) -> Path:
         No such file; the hint says how to build it or where it was looked for.
     """
     if name.endswith(".fmu") or "/" in name or os.sep in name:
-        for base in (near, working_folder()):
+        bases = unique([near, working_folder()])
+        for base in bases:
             if is_file(file := base / expanded(name)):
                 return file
-        looked = f"looked in `{near}` and `{working_folder()}`"
+        looked = "looked in " + " and ".join(f"`{base}`" for base in bases)
         raise FmuError(f"the FMU file `{brief(name)}` does not exist", looked)
-    folders = [near, *fmu_folders()]
+    folders = unique([near, *fmu_folders()])
     for folder in folders:
         if is_file(file := folder / f"{name}.fmu"):
             return file

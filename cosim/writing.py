@@ -101,7 +101,7 @@ def check_apart(files: Mapping[str, Path | None]) -> None:
 
 
 def is_device(file: Path) -> bool:
-    """Whether a file is there and holds nothing, such as `/dev/null`."""
+    """Whether what is there is no file that holds something, such as `/dev/null`."""
     return file.exists() and not file.is_file()
 
 
@@ -109,14 +109,19 @@ def is_device(file: Path) -> bool:
 def whole(file: Path) -> Iterator[Path]:
     """Path to write to that becomes `file` at the end: a file that is there is whole.
 
+    A link stays one, and a device is written to itself.
+
     Raises
     ------
     CosimError
         The file cannot be written; as after any other exception, nothing of it stays.
     """
     try:
-        yield partial(file)
-        partial(file).replace(file)
+        if is_device(file):
+            yield file
+        else:
+            yield partial(file)
+            partial(file).replace(os.path.realpath(file))
     except BaseException as error:
         discard(file)
         if isinstance(error, OSError):
@@ -126,7 +131,8 @@ def whole(file: Path) -> Iterator[Path]:
 
 def partial(file: Path) -> Path:
     """Path of a file that is being written."""
-    return file.with_name(f".{file.name}.partial")
+    target = Path(os.path.realpath(file))
+    return target.with_name(f".{target.name}.partial")
 
 
 def discard(file: Path) -> None:

@@ -64,8 +64,8 @@ LINES: dict[str, Case] = {
     ),
     "memory beyond all": Case((*RUN, "--memory", "1e300"), ("`--memory` = `1e+300`", "1e+12")),
     "timeout beyond all": Case((*RUN, "--timeout", "inf"), ("`--timeout` = `inf`",)),
-    "judge a pipe": Case(given("judge", "pipe.csv", "lag.toml"), ("`pipe.csv` is no regular file",)),
-    "judge a device": Case(given("judge", "zero.npz", "lag.toml"), ("`zero.npz` is no regular file",)),
+    "judge a pipe": Case(given("judge", "pipe.csv", "lag.toml"), ("cannot read `pipe.csv`", "no regular file")),
+    "judge a device": Case(given("judge", "zero.npz", "lag.toml"), ("cannot read `zero.npz`", "no regular file")),
     "compare a pipe": Case(given("compare", "pipe.csv", "in.csv"), ("`pipe.csv`", "regular file")),
     "judge a trace without end": Case(given("judge", "vast.npz", "lag.toml"), ("`vast.npz` holds no trace",)),
     "judge half a trace": Case(
