@@ -97,7 +97,9 @@ def check_apart(files: Mapping[str, Path | None]) -> None:
             continue
         other = seen.setdefault(os.path.realpath(file), option)
         if other != option and not is_device(file):
-            raise CosimError(f"`{other}` and `{option}` are one file: `{file}`", "give each a file of its own")
+            raise CosimError(
+                f"`{other}` and `{option}` are one file: `{file}`", "give each a file of its own"
+            )
 
 
 def is_device(file: Path) -> bool:

@@ -196,7 +196,6 @@ class Instance(Closing):
         self.running, self.closed = False, True
         self.messages.close()
 
-
     def terminate(self) -> None:
         """End the run; an FMU that fails in it is told of."""
         try:

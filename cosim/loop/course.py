@@ -93,8 +93,7 @@ def find(name: str, folder: Path) -> Path:
         if paths.is_file(file):
             return file
     problem = "is no file" if any(map(paths.is_there, places)) else "does not exist"
-    looked = f"looked in `{folder}` and `{paths.working_folder()}`"
-    raise ScenarioError(f"the file `{paths.brief(name)}` {problem}", looked)
+    raise ScenarioError(f"the file `{paths.brief(name)}` {problem}", paths.looked_in(folder))
 
 
 def files(scenario: Scenario) -> dict[str, Path]:

@@ -64,8 +64,12 @@ LINES: dict[str, Case] = {
     ),
     "memory beyond all": Case((*RUN, "--memory", "1e300"), ("`--memory` = `1e+300`", "1e+12")),
     "timeout beyond all": Case((*RUN, "--timeout", "inf"), ("`--timeout` = `inf`",)),
-    "judge a pipe": Case(given("judge", "pipe.csv", "lag.toml"), ("cannot read `pipe.csv`", "no regular file")),
-    "judge a device": Case(given("judge", "zero.npz", "lag.toml"), ("cannot read `zero.npz`", "no regular file")),
+    "judge a pipe": Case(
+        given("judge", "pipe.csv", "lag.toml"), ("cannot read `pipe.csv`", "no regular file")
+    ),
+    "judge a device": Case(
+        given("judge", "zero.npz", "lag.toml"), ("cannot read `zero.npz`", "no regular file")
+    ),
     "compare a pipe": Case(given("compare", "pipe.csv", "in.csv"), ("`pipe.csv`", "regular file")),
     "judge a trace without end": Case(given("judge", "vast.npz", "lag.toml"), ("`vast.npz` holds no trace",)),
     "judge half a trace": Case(
@@ -96,7 +100,9 @@ LINES: dict[str, Case] = {
     "sweep of nothing": Case(given("sweep", "no.toml"), ("the study file `no.toml` does not exist",)),
     "sweep of a folder": Case(given("sweep", "cache"), ("the study file `cache` does not exist",)),
     "sweep of a long name": Case(given("sweep", f"{LONG}.toml"), ("the study file `aaaa",)),
-    "sweep of a scenario": Case(given("sweep", "lag.toml"), ("`lag.toml` is a scenario", "`cosim run lag.toml`")),
+    "sweep of a scenario": Case(
+        given("sweep", "lag.toml"), ("`lag.toml` is a scenario", "`cosim run lag.toml`")
+    ),
     "sweep into a file": Case(
         given("sweep", "study.toml", "--out", "lag.toml"), ("cannot write", "`lag.toml`")
     ),

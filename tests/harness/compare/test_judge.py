@@ -68,7 +68,9 @@ def test_a_limit_in_a_unit_needs_one_of_the_number(stored: Path) -> None:
     assert result.passed is False
     result.save_trace(stored.with_suffix(".csv"))
     found = cosim.read_trace(stored.with_suffix(".csv"))
-    with pytest.raises(CosimError, match=r"`criterion.end.unit` is `mm`, `lag.csv` tells no units.*`metric.top`"):
+    with pytest.raises(
+        CosimError, match=r"`criterion.end.unit` is `mm`, `lag.csv` tells no units.*`metric.top`"
+    ):
         cosim.judge(scenario, found)
     told = cosim.load("lag.toml", [*demand, "metric.top.unit=m"])
     assert cosim.judge(told, found).criteria == result.criteria
