@@ -73,7 +73,7 @@ def test_a_file_is_named_once(write: Write, folder: Path) -> None:
     (folder / "bad.toml").write_text(STUDY.format(7.0))
     done = cosim("check", "./bad.toml", "none.toml")
     first, second = (line for line in done.stderr.splitlines() if line.startswith("error: "))
-    assert first.startswith("error: `bad.toml`: ")
+    assert first.startswith("error: `bad.toml`, case 1: ")
     assert first.count("bad.toml") == 1
     assert second.startswith("error: `none.toml`: the scenario file `none.toml`")
 
