@@ -114,13 +114,12 @@ def find_fmu(name: str, near: Path) -> Path:
         for base in (near, working_folder()):
             if is_file(file := base / expanded(name)):
                 return file
-        looked = f"looked in `{near}` and `{working_folder()}`"
-        raise FmuError(f"the FMU file `{brief(name)}` does not exist", looked)
+        raise FmuError(f"the FMU file `{brief(name)}` does not exist", looked_in(near))
     folders = [near, *fmu_folders()]
     for folder in folders:
         if is_file(file := folder / f"{name}.fmu"):
             return file
-    searched = ", ".join(f"`{shown(folder)}`" for folder in folders)
+    searched = ", ".join(f"`{shown(folder)}`" for folder in unique(folders))
     build = f"build it with `cargo xtask fmu {brief(name.removeprefix('fmu-'))}`"
     raise FmuError(
         f"the FMU `{brief(name)}.fmu` does not exist", f"{build}, or set {FMU_PATH_ENV}; looked in {searched}"
@@ -139,8 +138,13 @@ def find_mjcf(name: str, near: Path) -> Path:
         if is_file(file := base / expanded(name)):
             return file.resolve()
     beside = [file.name for file in sorted(near.glob("*.xml"))]
-    hint = closest(name, beside) or f"looked in `{near}` and `{working_folder()}`"
+    hint = closest(name, beside) or looked_in(near)
     raise PlantError(f"the MJCF file `{brief(name)}` does not exist", hint)
+
+
+def looked_in(near: Path) -> str:
+    """Hint for a file that is in neither of its places: beside what names it, and the working directory."""
+    return "looked in " + " and ".join(f"`{folder}`" for folder in unique([near, working_folder()]))
 
 
 def cache_folder() -> Path:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
@@ -11,6 +12,8 @@ from cosim.metrics.criteria import Verdict
 from cosim.pool.job import Outcome
 from cosim.words.verdicts import NOTHING_DEMANDED, limits, measured
 
+BEGINNING = re.compile(rb"\s*(<\?xml[^>]*>\s*)?<testsuite")
+"""How a file of this kind begins, of whatever program."""
 COUNTS = {"failures": "failure", "errors": "error", "skipped": "skipped"}
 """Counts of a test suite, by what they count."""
 

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 from typer import Argument, Option
 
+from cosim import paths
 from cosim.cli.options import COULD_NOT_RUN, InProcess, Quiet, Timeout, Verbose, checked_limits
 from cosim.cli.tasks import Check, place
 from cosim.errors import CosimError
@@ -52,10 +53,16 @@ def named(file: str, outcome: Checked | CosimError) -> Checked:
     return Checked(file, error=outcome, runs=0) if isinstance(outcome, CosimError) else outcome
 
 
+def about(file: str, message: str) -> str:
+    """Message with the file that it is about in front, unless it names that itself."""
+    named = {f"`{file}`", f"`{paths.shown(paths.expanded(file))}`"}
+    return message if message.startswith(tuple(named)) else f"`{file}`: {message}"
+
+
 def show(entry: Checked, quiet: bool) -> None:
     """Print one line for what can run, and what is wrong or doubtful on stderr."""
     if entry.error is not None:
-        report(f"`{entry.name}`: {entry.error.message}", entry.error.hint)
+        report(about(entry.name, entry.error.message), entry.error.hint)
         return
     for warning in () if quiet else entry.warnings:
         log.warning("`%s`: %s", entry.name, warning)

@@ -9,6 +9,8 @@ import typer
 from typer import Argument
 
 from cosim.cli.options import FAILED, Json, Loop, Quiet, Set, Verbose
+from cosim.cli.run import check_outputs
+from cosim.errors import CosimError
 from cosim.show.console import configure_logging, output
 from cosim.trace.endings import READ, listed
 from cosim.writing import write
@@ -37,6 +39,9 @@ def judge(
     Exit code: 0 all criteria hold, 1 some do not, 2 could not be judged.
     """
     configure_logging(verbose, quiet)
+    if trace.suffix not in READ and Path(loop).suffix in READ:
+        raise CosimError(f"`{trace}` is no trace", f"the trace comes first: `cosim judge {loop} {trace}`")
+    check_outputs(json, None, None)
     from cosim.loop.judge import judge as judged
     from cosim.scenario.load import load
     from cosim.show import display

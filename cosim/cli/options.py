@@ -56,14 +56,12 @@ def checked_limits(timeout: float | None, memory: float | None, in_process: bool
     Raises
     ------
     CosimError
-        A limit is no number, or there is no process that could keep it.
+        A limit that nothing can be held to, or there is no process that could keep it.
     """
+    limits = Limits(timeout, None if memory is None else 1e6 * memory, keys=("--timeout", "--memory"))
     for name, value in (("--timeout", timeout), ("--memory", memory)):
-        if value is not None and not 0.0 < value < float("inf"):
-            raise CosimError(f"`{name}` = `{value:g}` must be positive and finite")
         if value is not None and in_process:
             raise CosimError(f"`{name}` needs a process of its own", "leave `--in-process` out")
-    limits = Limits(timeout, None if memory is None else 1e6 * memory, keys=("--timeout", "--memory"))
     for option in unkept(limits):
         problem = f"{option} cannot be kept: this system has no supervised worker processes"
         raise CosimError(problem, f"leave {option} out; then all is done in the process of the command")

@@ -16,7 +16,7 @@ from cosim.loop import engines
 from cosim.show import sheet
 from cosim.show.console import configure_logging, progress_bar
 from cosim.trace import endings
-from cosim.writing import discard, write
+from cosim.writing import JSON, check_apart, check_folder, check_text, discard, write
 
 TRACE = (
     f"Write the trace: {endings.listed(endings.WRITTEN)}. A Parquet file is written while the run goes, "
@@ -81,10 +81,12 @@ def save(report: Report, json: str | None, trace: Path | None, plot: Path | None
 
 
 def check_outputs(json: str | None, trace: Path | None, plot: Path | None) -> None:
-    """Check before a long run that its files can be written."""
+    """Check before a long run that its files can be written, and that nothing else is lost by them."""
     if trace is not None:
         endings.check(trace)
-    files = [Path(json) if json and json != "-" else None, plot]
-    for file in files:
-        if file is not None and not file.absolute().parent.is_dir():
-            raise CosimError(f"cannot write `{file}`: the folder `{file.absolute().parent}` does not exist")
+    if plot is not None:
+        check_folder(plot)
+    if json is not None:
+        check_text("--json", json, "JSON", JSON)
+    named = Path(json) if json is not None and json != "-" else None
+    check_apart({"--json": named, "--trace": trace, "--plot": plot})

@@ -15,7 +15,7 @@ from cosim.loop import engines
 from cosim.scenario import complete
 from cosim.show.console import configure_logging, output, report
 from cosim.words import strict
-from cosim.writing import write
+from cosim.writing import check_apart, check_text, write
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -60,8 +60,10 @@ def run_tests(
     from cosim.acceptance.selection import select
     from cosim.show.figure import can_plot
 
-    for file in (json, junit):
-        check_outputs(file, None, None)
+    check_outputs(json, None, None)
+    if junit is not None:
+        check_text("--junit", junit, "JUnit XML", xml.BEGINNING)
+    check_apart({"--json": Path(json) if json else None, "--junit": Path(junit) if junit else None})
     limits = checked_limits(timeout, memory, in_process=False)
     options = runner.RunOptions(out, plots and can_plot(), workers, engines.checked(engine), limits, quiet)
     found = runner.run(select(scenarios or ()), options)

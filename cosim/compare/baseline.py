@@ -66,6 +66,8 @@ def update(scenario: Scenario, engine: Engine, progress: Progress | None) -> Res
         The run could not be done, or does not hold a criterion: the baseline of before stays.
     """
     file = file_of(scenario)
+    if file.is_dir():
+        raise CosimError(f"cannot write `{paths.shown(file)}`: it is a folder")
     result = run(scenario, progress=progress, engine=engine, isolated=isolates())
     if result.passed is False:
         failed = ", ".join(f"`{held.criterion.id}`" for held in result.criteria if not held.passed)

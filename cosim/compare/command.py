@@ -52,6 +52,7 @@ def kind_of(name: str) -> str:
         return "sweep"
     if path.suffix in (*endings.READ, RESULT):
         if not path.is_file():
-            raise CosimError(f"the file `{name}` does not exist", KINDS)
+            problem = "is no regular file" if path.exists() else "does not exist"
+            raise CosimError(f"the file `{name}` {problem}", KINDS)
         return "result" if path.suffix == RESULT else "trace"
     raise CosimError(f"`{name}` cannot be compared" if path.exists() else f"`{name}` does not exist", KINDS)

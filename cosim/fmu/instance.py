@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
+import logging
 import os
 import threading
 from collections.abc import Callable, Iterator
@@ -17,7 +18,7 @@ from numpy.typing import NDArray
 from cosim.closing import Closing
 from cosim.errors import FmuError, concerning
 from cosim.fmu.archive import FmuFile, Variable
-from cosim.fmu.library import check_library
+from cosim.fmu.library import check_headers, check_library
 from cosim.fmu.messages import Messages
 from cosim.fmu.values import expand
 from cosim.scenario.model import ALONE, FmuChoice
@@ -33,7 +34,7 @@ BASE = {
 CTYPE: dict[str, Any] = {"Real": ctypes.c_double, "Integer": ctypes.c_int, "Boolean": ctypes.c_int}
 STATUS = {0: "fmi2OK", 1: "fmi2Warning", 2: "fmi2Discard", 3: "fmi2Error", 4: "fmi2Fatal", 5: "fmi2Pending"}
 
-
+log = logging.getLogger("cosim")
 _loading = threading.Lock()
 """Held while FMPy is in another working directory, which the threads of a process share."""
 
@@ -102,6 +103,7 @@ class Instance(Closing):
         self.used = self.running = self.dead = self.closed = False
         with self.errors(f"instantiate the FMU `{self.called}`"):
             self.slave.instantiate(callbacks=self.messages.callbacks, loggingOn=log_events)
+        check_headers(self.slave, file.path.name)
         self._setters = [self._mover("Set", bank) for bank in self.inputs]
         self._getters = [self._mover("Get", bank) for bank in self.outputs]
 
@@ -134,7 +136,8 @@ class Instance(Closing):
             refused = f"the FMU refused `{self.name}.{variable.name}` = `{value}`"
             with concerning(f"{self.name}.parameters.{variable.name}"), self.errors(refused):
                 getattr(self.slave, f"set{BASE[variable.kind]}")([variable.reference], [value])
-        with self.errors(f"{self.owner.who} refused its parameters"):
+        refused = f"{self.owner.who} refused its parameters" if parameters else f"initialise {self.owner.who}"
+        with self.errors(refused):
             self.slave.enterInitializationMode()
             self.slave.exitInitializationMode()
         self.running = True
@@ -184,14 +187,20 @@ class Instance(Closing):
         return FmuError(f"{refusal(action)}: {words} ({error.function} returned {status})")
 
     def close(self) -> None:
-        """Terminate and free the instance; errors on this way out are of no interest."""
+        """Terminate and free the instance; an error on this way out costs no result, it is logged."""
+        if self.running:
+            self.terminate()
         if not self.dead and not self.closed:
-            if self.running:
-                with contextlib.suppress(FMICallException):
-                    self.slave.terminate()
             self.slave.freeInstance()
         self.running, self.closed = False, True
         self.messages.close()
+
+    def terminate(self) -> None:
+        """End the run; an FMU that fails in it is told of."""
+        try:
+            self.slave.terminate()
+        except FMICallException as error:
+            log.warning("%s", self.failure(f"terminate `{self.called}`", error).message)
 
 
 def refusal(action: str) -> str:

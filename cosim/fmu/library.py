@@ -2,19 +2,27 @@
 
 from __future__ import annotations
 
+import functools
+import logging
 import struct
 from pathlib import Path
+from typing import Any
 
 import fmpy
 
 from cosim.errors import FmuError
+from cosim.fmu.messages import readable
 
+ANSWERS = {"fmi2GetVersion": b"2.0", "fmi2GetTypesPlatform": b"default"}
+"""What a library of FMI 2.0 tells of the headers that it was compiled with."""
 HEADER = struct.Struct("<4sBB10xHHIQQQIHHHHHH")
 """Header of a 64-bit ELF file."""
 SEGMENT = struct.Struct("<IIQQQQQQ")
 """Entry of its table of segments."""
 LITTLE_64 = (2, 1)
 """Class and byte order of the files that are looked into."""
+
+log = logging.getLogger("cosim")
 
 
 def check_library(folder: Path, identifier: str, shown: str) -> None:
@@ -35,6 +43,21 @@ def check_library(folder: Path, identifier: str, shown: str) -> None:
         )
     if fmpy.platform.startswith("linux") and (problem := elf_problem(library)):
         raise FmuError(f"`{shown}`: the library `{place}/{library.name}` in it {problem}", "build it again")
+
+
+def check_headers(slave: Any, shown: str) -> None:
+    """Warn of a library that was compiled with other headers than those of FMI 2.0."""
+    for function, wanted in ANSWERS.items():
+        told: bytes | None = getattr(slave, function)()
+        if told != wanted:
+            answer = "nothing" if told is None else f"`{readable(told)}`"
+            warn(f"the library of `{shown}`: `{function}` returns {answer}, not `{wanted.decode()}`")
+
+
+@functools.cache
+def warn(text: str) -> None:
+    """Log a warning once in a process: every instance would say it again."""
+    log.warning("%s", text)
 
 
 def elf_problem(library: Path) -> str:

@@ -29,7 +29,7 @@ def encode(variable: Variable, value: Any, owner: FmuChoice = ALONE) -> Value:
             return int(value)
         case "Boolean" if isinstance(value, bool) or (is_number(value) and value in (0, 1)):
             return bool(value)
-        case "String" if isinstance(value, str):
+        case "String" if isinstance(value, str) and "\0" not in value:
             return value
         case "Enumeration":
             return item_number(variable, value, owner)
@@ -37,7 +37,7 @@ def encode(variable: Variable, value: Any, owner: FmuChoice = ALONE) -> Value:
         "Real": "a number",
         "Integer": "an integer of 32 bits",
         "Boolean": "true or false",
-        "String": "a text",
+        "String": "a text without NUL, at which it would end",
     }
     raise FmuError(f"`{owner.name}.{variable.name}` is {show(value)}, it must be {kinds[variable.kind]}")
 

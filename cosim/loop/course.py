@@ -93,13 +93,26 @@ def find(name: str, folder: Path) -> Path:
         if paths.is_file(file):
             return file
     problem = "is no file" if any(map(paths.is_there, places)) else "does not exist"
-    looked = f"looked in `{folder}` and `{paths.working_folder()}`"
-    raise ScenarioError(f"the file `{paths.brief(name)}` {problem}", looked)
+    raise ScenarioError(f"the file `{paths.brief(name)}` {problem}", paths.looked_in(folder))
 
 
 def files(scenario: Scenario) -> dict[str, Path]:
     """Files of the signals by their targets: a run depends on what is in them."""
     return {signal.to: find(signal.file, scenario.folder) for signal in scenario.signal if signal.file}
+
+
+def check_apart(scenario: Scenario, option: str, file: Path) -> None:
+    """Check that what a run writes is no file that a signal is read from.
+
+    Raises
+    ------
+    CosimError
+        It is.
+    """
+    for target, read_from in files(scenario).items():
+        if paths.resolved(read_from) == paths.resolved(file):
+            problem = f"`{option}` `{file}` would be written over the file of `signal.{target}`"
+            raise CosimError(problem, "choose another name")
 
 
 def read(file: Path, column: str) -> TimeSeries:

@@ -6,12 +6,13 @@ import logging
 from dataclasses import replace
 
 from cosim import paths
-from cosim.errors import ExpressionError
+from cosim.errors import ExpressionError, concerning
 from cosim.loop import fmus
 from cosim.loop.result import Result
 from cosim.loop.session import located
 from cosim.metrics import criteria
 from cosim.metrics.expression import Expression
+from cosim.metrics.units import ONE
 from cosim.scenario.model import Scenario
 from cosim.trace.columns import Held
 from cosim.trace.measure import measured
@@ -47,6 +48,7 @@ def judge(scenario: Scenario, found: StoredTrace) -> Result:
     with located(scenario):
         found = described(found, scenario)
         compiled = compile_metrics(scenario, found, shown)
+        check_units(scenario, compiled, found, shown)
         metrics = measured(scenario.metric, compiled, found.data)
         verdicts = criteria.judge(scenario.criterion, metrics)
     return Result(
@@ -73,6 +75,30 @@ def compile_metrics(scenario: Scenario, found: StoredTrace, shown: str) -> list[
     except ExpressionError as error:
         error.message += f" `{shown}`" if error.message.endswith("the trace") else f", in `{shown}`"
         raise
+
+
+def check_units(scenario: Scenario, compiled: list[Expression], found: StoredTrace, shown: str) -> None:
+    """Check that no limit is held against a number whose unit would come from a column that tells none.
+
+    Raises
+    ------
+    ExpressionError
+        Names criterion and metric: the number may be meant in another unit.
+    """
+    untold = [name for name in found.columns if name not in found.units]
+    if not untold:
+        return
+    as_if = replace(found, units=found.units | dict.fromkeys(untold, ONE))
+    told = compile_metrics(scenario, as_if, shown)
+    columns = zip(scenario.metric, compiled, told, strict=True)
+    doubtful = {metric.name for metric, now, then in columns if not metric.unit and now.unit != then.unit}
+    for criterion in scenario.criterion:
+        if criterion.unit and criterion.metric in doubtful:
+            with concerning(f"criterion.{criterion.id}.unit"):
+                problem = f"`criterion.{criterion.id}.unit` is `{criterion.unit}`, `{shown}` tells no units"
+                metric = f"`metric.{criterion.metric}`"
+                hint = f"give {metric} the `unit` of its number, or take a trace in `.npz` or `.parquet`"
+                raise ExpressionError(f"{problem}: that of {metric} is not known", hint)
 
 
 def described(found: StoredTrace, scenario: Scenario) -> StoredTrace:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import operator
 import time
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
@@ -150,7 +151,7 @@ class Session(Closing):
             After the step in which Ctrl-C came.
         """
         scenario, place = self.scenario, self.place
-        seed = scenario.loop.seed if seed is None else seed
+        seed = scenario.loop.seed if seed is None else checked_seed(seed)
         file = None if stream is None else endings.streamed(Path(stream))
         self.complete = False
         self.begin()
@@ -226,6 +227,23 @@ class Session(Closing):
             self.place.at(Stage.CLOSE_PLANT)
             plant.close(self.plant, self.scenario.plant.name)
         self.place.at(Stage.NONE)
+
+
+def checked_seed(seed: Any) -> int:
+    """Seed that the noise can be drawn from.
+
+    Raises
+    ------
+    CosimError
+        It is no whole number, or negative.
+    """
+    try:
+        whole = operator.index(seed)
+    except TypeError:
+        whole = -1
+    if whole < 0:
+        raise CosimError(f"`seed` is `{seed!r}`, it must be a whole number that is not negative")
+    return whole
 
 
 def open_plant(scenario: Scenario, previous: Session | None) -> plant.Plant:

@@ -8,6 +8,7 @@ from pathlib import Path
 import fmpy
 
 from cosim import paths
+from cosim.errors import FmuError
 from cosim.fmu.archive import FmuFile, open_fmu
 from cosim.loop import plant
 from cosim.loop.place import Place, Stage
@@ -27,6 +28,9 @@ def draft(fmu: str, plant_name: str, folder: Path, place: Place) -> Draft:
     CosimError
         The FMU or the plant cannot be opened.
     """
+    if fmu.endswith(plant.MJCF):
+        hint = f"the FMU comes first: `cosim new {plant_name or 'FMU'} {fmu}`"
+        raise FmuError(f"`{paths.brief(fmu)}` is no FMU", hint)
     file = open_fmu(paths.find_fmu(fmu, Path.cwd()))
     place.begin(file.name, plant_name, 0, 0.0)
     place.at(Stage.BUILD_PLANT)

@@ -9,6 +9,7 @@ from cosim.loop.place import Place
 from cosim.optimize import problem
 from cosim.optimize.variants import Variants
 from cosim.scenario.checked import Checked
+from cosim.scenario.kinds import kind_of
 from cosim.scenario.toml import parse_file
 from cosim.sweep import check as others
 
@@ -21,18 +22,13 @@ def check(name: str, place: Place | None = None) -> Checked:
     found = Checked(name)
     try:
         file = others.file_of(name)
-        if not is_optimization(file):
+        if kind_of(parse_file(file)) != "optimization":
             return others.check(name, place)
         found.kind = "optimization"
         found.warnings = check_optimization(file, found, place)
     except CosimError as error:
         found.error, found.runs = error, 0
     return found
-
-
-def is_optimization(file: Path) -> bool:
-    """Whether a file says what is wanted."""
-    return "objective" in parse_file(file)
 
 
 def check_optimization(file: Path, found: Checked, place: Place | None) -> list[str]:

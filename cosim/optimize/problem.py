@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
+from cosim.scenario.kinds import check_kind
 from cosim.scenario.schema import schema_of
 from cosim.scenario.tables import Fail, parse
 from cosim.scenario.toml import flatten, parse_file
@@ -75,6 +76,7 @@ def load(file: Path) -> Problem:
         Missing or broken file, unknown key, wrong type, contradictory values; names file and key.
     """
     fail, table = failing(file), parse_file(file)
+    check_kind(table, file, "optimization")
     if "design" in table:
         fail(
             "design", "is of a study for `cosim sweep`", "an optimization has tables `objective` and `search`"

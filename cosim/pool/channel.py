@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import pickle
 import select
 import socket
@@ -35,15 +36,25 @@ class MessageChannel(Closing):
     def __init__(self, end: socket.socket) -> None:
         self.end = end
         self.lock = threading.Lock()
+        self.maker = os.getpid()
+
+    @property
+    def own(self) -> bool:
+        """Whether this is the process that made it, and no copy that foreign code forked."""
+        return os.getpid() == self.maker
 
     def send(self, message: Any) -> None:
         """Send one message; arrays in it go straight from their memory.
+
+        A copy of the process, which an FMU forked, ends here: two must not answer for one.
 
         Raises
         ------
         OSError
             The other side is gone.
         """
+        if not self.own:
+            os._exit(0)
         arrays: list[pickle.PickleBuffer] = []
         parts: list[bytes | memoryview] = [
             pickle.dumps(message, 5, buffer_callback=arrays.append),

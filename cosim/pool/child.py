@@ -37,6 +37,8 @@ class Child:
         Whether it has not answered the last of them.
     said
         The last line that it logged.
+    killed
+        Whether it was killed, and all that it started.
     """
 
     process: subprocess.Popen[bytes]
@@ -47,11 +49,13 @@ class Child:
     tasks: int = 0
     busy: bool = False
     said: str = ""
+    killed: bool = False
 
     def kill(self) -> None:
         """End it, and what it may have started, at once."""
-        # of a process that was not waited for the number is still its own
-        if self.process.returncode is None:
+        # once: what it started may outlive it, but the number is not its own for ever
+        if not self.killed:
+            self.killed = True
             with contextlib.suppress(ProcessLookupError, PermissionError):
                 os.killpg(self.process.pid, signal.SIGKILL)
             self.process.wait()
@@ -96,8 +100,9 @@ def spawn(page: int, memory: float | None, relay: bool) -> Child:
     # it lives as long as the process
     output = None if relay else tempfile.TemporaryFile("a+b")  # noqa: SIM115
     with theirs:
+        # `-P`: a `numpy.py` of the user in the working directory is not taken for the package
         process = subprocess.Popen(
-            [sys.executable, "-c", COMMAND.format(theirs.fileno(), page, os.getpid(), memory)],
+            [sys.executable, "-P", "-c", COMMAND.format(theirs.fileno(), page, os.getpid(), memory)],
             stdin=subprocess.DEVNULL,
             stdout=output or 2,
             stderr=output,

@@ -11,6 +11,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from cosim.errors import CosimError
+
+MOST_MEMORY = 1e18
+"""More bytes than any machine has, and few enough for what counts them in 64 bits."""
 CGROUPS = Path("/sys/fs/cgroup")
 MEMBERSHIP = Path("/proc/self/cgroup")
 
@@ -29,12 +33,24 @@ class Limits:
         Whether every run gets a process of its own.
     keys
         What the user calls timeout and memory.
+
+    Raises
+    ------
+    CosimError
+        A limit that nothing can be held to.
     """
 
     timeout: float | None = None
     memory: float | None = None
     process_per_run: bool = False
     keys: tuple[str, str] = ("limits.timeout", "limits.memory")
+
+    def __post_init__(self) -> None:
+        if self.timeout is not None and not 0.0 < self.timeout < math.inf:
+            raise CosimError(f"`{self.keys[0]}` = `{self.timeout:g}` must be positive and finite")
+        if self.memory is not None and not 0.0 < self.memory <= MOST_MEMORY:
+            given = f"`{self.keys[1]}` = `{self.memory / 1e6:g}`"
+            raise CosimError(f"{given} must be positive and at most {MOST_MEMORY / 1e6:g}, in MB")
 
 
 def isolates() -> bool:

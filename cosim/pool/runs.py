@@ -15,12 +15,13 @@ from cosim.pool import local
 from cosim.pool.job import Job, Outcome
 from cosim.pool.limits import Limits, isolates, processors
 from cosim.pool.supervisor import Worker
+from cosim.scenario.load import load
 from cosim.scenario.model import Scenario
 from cosim.writing import discard
 
 
 def run(
-    scenario: Scenario,
+    scenario: Scenario | str | Path,
     seed: int | None = None,
     progress: Progress | None = None,
     engine: Engine = "reference",
@@ -33,7 +34,7 @@ def run(
     Parameters
     ----------
     scenario
-        The scenario, see `cosim.load`.
+        The scenario, or its name or file as for `cosim.load`.
     seed
         Seed of all noise; None is the scenario's. The same seed gives the same bytes.
     progress
@@ -53,6 +54,7 @@ def run(
     CosimError
         The run could not be done; it leaves no file then.
     """
+    scenario = loaded(scenario)
     if not isolated:
         with Session(scenario, engine=engine) as session:
             return session.run(seed, progress, stream)
@@ -75,7 +77,7 @@ def run(
 
 
 def run_many(
-    scenario: Scenario,
+    scenario: Scenario | str | Path,
     seeds: Sequence[int],
     workers: int | None = None,
     keep_trace: bool = False,
@@ -86,7 +88,7 @@ def run_many(
     Parameters
     ----------
     scenario
-        The scenario.
+        The scenario, or its name or file.
     seeds
         One run each.
     workers
@@ -102,6 +104,7 @@ def run_many(
         A run could not be done, or its worker process died.
     """
     results = []
+    scenario = loaded(scenario)
     jobs = [Job(scenario, seed, engine, keep_trace) for seed in seeds]
     with contextlib.closing(ordered(jobs, workers)) as done:
         for outcome in done:
@@ -109,6 +112,11 @@ def run_many(
                 raise outcome
             results.append(outcome)
     return results
+
+
+def loaded(scenario: Scenario | str | Path) -> Scenario:
+    """Load a scenario that is given by its name or file."""
+    return scenario if isinstance(scenario, Scenario) else load(scenario)
 
 
 def run_each(

@@ -146,7 +146,7 @@ class Worker(Closing):
         while True:
             left = None if end is None else max(0.0, end - time.monotonic())
             waits = (left, WATCH_INTERVAL if watch else None, MEMORY_INTERVAL if memory else None)
-            if child.channel.waits(min((wait for wait in waits if wait is not None), default=LOOK_INTERVAL)):
+            if child.channel.waits(min((LOOK_INTERVAL, *(wait for wait in waits if wait is not None)))):
                 kind, content = self.message(child)
                 if kind == "ready":
                     child.ready = True

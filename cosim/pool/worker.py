@@ -93,7 +93,7 @@ class Forward(logging.Handler):
 
     def emit(self, record: logging.LogRecord) -> None:
         """Send one line."""
-        if self.left > 0:
+        if self.left > 0 and self.channel.own:
             self.left -= 1
             self.channel.send((LOG, (record.name, record.levelno, self.format(record))))
 

@@ -10,6 +10,7 @@ from typing import Any, NoReturn
 
 from cosim import paths
 from cosim.errors import ScenarioError, closest
+from cosim.scenario.kinds import check_kind
 from cosim.scenario.tables import IDENTITY, dotted, item_key, join, show
 from cosim.scenario.toml import parse_file, toml_value
 
@@ -73,10 +74,10 @@ def read(path: Path) -> Layers:
     Raises
     ------
     ScenarioError
-        Missing file, broken TOML, a circle of `extends`.
+        Missing file, broken TOML, a file of another kind, a circle of `extends`.
     """
     layers = Layers()
-    chain = [(path.resolve(), parse_file(path))]
+    chain = [(path.resolve(), parse_scenario(path))]
     while (parent := chain[-1][1].pop("extends", None)) is not None:
         origin = f"`{paths.shown(chain[-1][0])}`"
         if not isinstance(parent, str):
@@ -84,11 +85,18 @@ def read(path: Path) -> Layers:
         file = paths.find_scenario(parent, near=chain[-1][0].parent).resolve()
         if file in (visited for visited, _ in chain):
             raise ScenarioError(f"{origin}: `extends` = `{parent}` leads back to `{paths.shown(file)}`")
-        chain.append((file, parse_file(file)))
+        chain.append((file, parse_scenario(file)))
     for file, table in reversed(chain):
         layers.files.append(file)
         layers.apply(table, f"`{paths.shown(file)}`")
     return layers
+
+
+def parse_scenario(file: Path) -> dict[str, Any]:
+    """Parse one file of a scenario, and no study."""
+    table = parse_file(file)
+    check_kind(table, file, "scenario")
+    return table
 
 
 def replaced(table: Any, path: Place, value: Any) -> Any:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from cosim import paths
+from cosim.errors import ScenarioError
 from cosim.scenario import checks, layers
 from cosim.scenario.model import Scenario
 from cosim.scenario.tables import parse, parse_value
@@ -29,6 +30,8 @@ def load(name_or_path: str | Path, set: str | Sequence[str] = ()) -> Scenario:  
     """
     file = paths.find_scenario(str(name_or_path))
     merged = layers.read(file)
+    if isinstance(set, Mapping) or not all(isinstance(entry, str) for entry in set):
+        raise ScenarioError(f"`set` is `{set!r}`, it must hold texts", 'for example `set=["loop.seed=1"]`')
     layers.override(merged, [set] if isinstance(set, str) else set)
     return replace(build(merged), name=paths.scenario_name(file), file=file.resolve())
 

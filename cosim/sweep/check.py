@@ -10,6 +10,7 @@ from cosim.loop import lint
 from cosim.loop.place import Place
 from cosim.loop.session import Session
 from cosim.scenario.checked import Checked
+from cosim.scenario.kinds import kind_of
 from cosim.scenario.load import load
 from cosim.scenario.model import Scenario
 from cosim.scenario.toml import parse_file
@@ -25,7 +26,7 @@ def check(name: str, place: Place | None = None) -> Checked:
     found = Checked(name)
     try:
         file = file_of(name)
-        if is_study(file):
+        if kind_of(parse_file(file)) == "study":
             found.kind = "study"
             found.warnings = check_study(file, found, place)
         else:
@@ -43,11 +44,6 @@ def file_of(name: str) -> Path:
     if Path(name).parts[:1] == (paths.OWN_STUDIES.name,):
         return paths.find_study(name)
     return paths.find_scenario(name)
-
-
-def is_study(file: Path) -> bool:
-    """Whether a file names a scenario that it varies, which no scenario does."""
-    return not {"scenario", "design"}.isdisjoint(parse_file(file))
 
 
 def check_scenario(scenario: Scenario, place: Place | None) -> list[str]:

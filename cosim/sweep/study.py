@@ -11,6 +11,7 @@ from typing import Any, Literal
 
 from cosim import paths
 from cosim.errors import ScenarioError
+from cosim.scenario.kinds import check_kind
 from cosim.scenario.ranges import COUNT, NOT_NEGATIVE_COUNT, limited
 from cosim.scenario.schema import schema_of
 from cosim.scenario.tables import Fail, parse
@@ -87,8 +88,9 @@ def load(file: Path) -> Study:
     ScenarioError
         Missing or broken file, unknown key, wrong type, contradictory values; names file and key.
     """
-    fail = failing(file)
-    study = parse(Study, parse_file(file), "", fail)
+    fail, table = failing(file), parse_file(file)
+    check_kind(table, file, "study")
+    study = parse(Study, table, "", fail)
     study = replace(study, set=flatten(study.set), file=file)
     if study.design.file:
         study = replace(study, case=(*study.case, *read_cases(file.parent / study.design.file, fail)))

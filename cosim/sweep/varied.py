@@ -9,9 +9,15 @@ from typing import Any, Literal, NoReturn
 
 from cosim import paths
 from cosim.errors import ScenarioError
-from cosim.pool.limits import Limits
+from cosim.pool.limits import MOST_MEMORY, Limits
 from cosim.scenario.ranges import FINITE, NOT_NAN, NOT_NEGATIVE_COUNT, POSITIVE, limited
 from cosim.scenario.tables import Fail
+
+MEMORY = {
+    **POSITIVE,
+    "maximum": MOST_MEMORY / 1e6,
+    "demand": f"be positive and at most {MOST_MEMORY / 1e6:g}",
+}
 
 
 @dataclass(frozen=True)
@@ -58,7 +64,7 @@ class RunLimits:
     """What one run may take: wall time in s, memory of its process in MB; and whether that is its own."""
 
     timeout: float = limited(POSITIVE, 600.0)
-    memory: float | None = limited(POSITIVE, None)
+    memory: float | None = limited(MEMORY, None)
     process_per_run: bool = False
 
     def of_workers(self) -> Limits:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from cosim import extras
 from cosim.errors import CosimError
+from cosim.writing import check_folder
 
 NPZ, CSV, MAT = ".npz", ".csv", ".mat"
 PARQUET = (".parquet", ".pq")
@@ -53,8 +54,7 @@ def check(file: Path) -> None:
     if file.suffix not in WRITTEN:
         raise CosimError(f"cannot save a trace as `{file}`", f"the name must end in {listed(WRITTEN)}")
     check_installed(file)
-    if not file.absolute().parent.is_dir():
-        raise CosimError(f"cannot write `{file}`: the folder `{file.absolute().parent}` does not exist")
+    check_folder(file)
 
 
 def check_installed(file: Path) -> None:

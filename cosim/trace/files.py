@@ -25,8 +25,9 @@ MODULES = {
     endings.MAT: "mat",
 }
 """Module of each format: `write` takes columns, what is told of them, and a stream; `read` a path."""
+HINT = "a trace is what `cosim run --trace` writes, or a CSV or Parquet file with a column `time`"
 BROKEN = (
-    *(ValueError, KeyError, EOFError, NotImplementedError, RecursionError, SyntaxError),
+    *(MemoryError, ValueError, KeyError, EOFError, NotImplementedError, RecursionError, SyntaxError),
     *(csv.Error, tokenize.TokenError, zipfile.BadZipFile, zlib.error, json.JSONDecodeError),
 )
 """What numpy, zipfile, csv and pyarrow raise where a file is damaged."""
@@ -94,11 +95,12 @@ def opened(file: Path) -> StoredTrace:
         Missing or broken file.
     """
     shown = paths.shown(file)
+    if paths.is_there(file) and not paths.is_file(file):
+        raise CosimError(f"cannot read `{shown}`: it is no regular file")
     try:
         found: StoredTrace = module(file).read(file)
     except OSError as error:
         raise CosimError(f"cannot read `{shown}`: {error.strerror or error}") from None
     except BROKEN as error:
-        hint = "a trace is what `cosim run --trace` writes, or a CSV or Parquet file with a column `time`"
-        raise CosimError(f"`{shown}` holds no trace: {' '.join(str(error).split())}", hint) from None
+        raise CosimError(f"`{shown}` holds no trace: {' '.join(str(error).split())}", HINT) from None
     return found

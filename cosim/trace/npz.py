@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import zipfile
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -19,7 +20,17 @@ def write(columns: Columns, about: dict[str, Any], stream: BinaryIO) -> None:
 
 
 def read(path: Path) -> StoredTrace:
-    """Read a file."""
+    """Read a file.
+
+    Raises
+    ------
+    ValueError
+        It is none, among others.
+    """
+    # numpy takes anything else for a pickle, and advises to trust it
+    with path.open("rb") as stream:
+        if not zipfile.is_zipfile(stream):
+            raise ValueError("it is no npz file, or one cut off")
     with np.load(path, allow_pickle=False) as saved:
         table = saved["trace"]
         about = json.loads(str(saved["about"])) if "about" in saved else {}

@@ -49,6 +49,46 @@ LINES: dict[str, Case] = {
     "trace is a folder": Case((*RUN, "--trace", "folder.csv"), ("cannot write `folder.csv`",)),
     "JSON is a folder": Case((*RUN, "--json", "cache"), ("cannot write `cache`",)),
     "plot of another kind": Case((*RUN, "--plot", "a.gif"), ("`a.gif`", "`.svg`")),
+    "JSON over the scenario": Case((*RUN, "--json", "lag.toml"), ("`--json` `lag.toml`", "is no JSON")),
+    "JSON over the FMU": Case((*RUN, "--json", "probe.fmu"), ("`--json` `probe.fmu`", "is no JSON")),
+    "two outputs in one file": Case(
+        (*RUN, "--json", "x.svg", "--plot", "./x.svg"), ("`--json` and `--plot`", "`x.svg`")
+    ),
+    "seeds over the scenario": Case((*RUN, "--seeds", "1..2", "--json", "lag.toml"), ("is no JSON",)),
+    "JUnit over a model": Case(given("test", "lag.toml", "--junit", "model.xml"), ("is no JUnit XML",)),
+    "trace over a signal": Case(
+        given("run", "driven.toml", "--trace", "in.csv"), ("`--trace` `in.csv`", "`signal.controller.flag`")
+    ),
+    "judged over the trace": Case(
+        given("judge", "in.csv", "lag.toml", "--json", "in.csv"), ("`--json` `in.csv`", "is no JSON")
+    ),
+    "memory beyond all": Case((*RUN, "--memory", "1e300"), ("`--memory` = `1e+300`", "1e+12")),
+    "timeout beyond all": Case((*RUN, "--timeout", "inf"), ("`--timeout` = `inf`",)),
+    "judge a pipe": Case(
+        given("judge", "pipe.csv", "lag.toml"), ("cannot read `pipe.csv`", "no regular file")
+    ),
+    "judge a device": Case(
+        given("judge", "zero.npz", "lag.toml"), ("cannot read `zero.npz`", "no regular file")
+    ),
+    "compare a pipe": Case(given("compare", "pipe.csv", "in.csv"), ("`pipe.csv`", "regular file")),
+    "judge a trace without end": Case(given("judge", "vast.npz", "lag.toml"), ("`vast.npz` holds no trace",)),
+    "judge half a trace": Case(
+        given("judge", "half.npz", "lag.toml"), ("`half.npz` holds no trace", "no npz file, or one cut off")
+    ),
+    "judge the other way round": Case(
+        given("judge", "lag.toml", "in.csv"), ("`lag.toml` is no trace", "the trace comes first")
+    ),
+    "baseline is a folder": Case(
+        given("compare", "lag.toml", "--update"), ("cannot write `lag.baseline.npz`", "folder")
+    ),
+    "new the other way round": Case(
+        given("new", "model.xml", "probe.fmu"), ("`model.xml` is no FMU", "the FMU comes first")
+    ),
+    "run a study": Case(given("run", "study.toml"), ("`study.toml` is a study", "`cosim sweep study.toml`")),
+    "run an optimization": Case(
+        given("run", "best.toml"), ("`best.toml` is an optimization", "`cosim optimize best.toml`")
+    ),
+    "optimize a study": Case(given("optimize", "study.toml"), ("`study.toml` is a study", "cosim sweep")),
     **{
         f"{option} into nothing": Case((*RUN, option, file), (f"`{file}`", "does not exist"))
         for option, file in NOWHERE.items()
@@ -60,7 +100,9 @@ LINES: dict[str, Case] = {
     "sweep of nothing": Case(given("sweep", "no.toml"), ("the study file `no.toml` does not exist",)),
     "sweep of a folder": Case(given("sweep", "cache"), ("the study file `cache` does not exist",)),
     "sweep of a long name": Case(given("sweep", f"{LONG}.toml"), ("the study file `aaaa",)),
-    "sweep of a scenario": Case(given("sweep", "lag.toml"), ("`lag.toml`", "is not a known key")),
+    "sweep of a scenario": Case(
+        given("sweep", "lag.toml"), ("`lag.toml` is a scenario", "`cosim run lag.toml`")
+    ),
     "sweep into a file": Case(
         given("sweep", "study.toml", "--out", "lag.toml"), ("cannot write", "`lag.toml`")
     ),

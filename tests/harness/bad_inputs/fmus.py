@@ -256,6 +256,14 @@ WARNED: dict[str, tuple[Build, tuple[str, ...]]] = {
         edited(('name="bias[2]" valueReference="3"', 'name="bias[2]" valueReference="99"')),
         ("does not know its variable `bias[2]` (value reference 99)", "there is no such value reference"),
     ),
+    "terminate error": (
+        defect("terminate_error"),
+        ("cannot terminate `Probe`", "terminate failed on purpose", "fmi2Terminate returned fmi2Error"),
+    ),
+    "terminate fatal": (defect("terminate_fatal"), ("cannot terminate `Probe`", "returned fmi2Fatal")),
+    "another version": (defect("version_3"), ("`broken.fmu`: `fmi2GetVersion` returns `3.0`, not `2.0`",)),
+    "no version told": (defect("version_null"), ("`fmi2GetVersion` returns nothing",)),
+    "another platform": (defect("platform"), ("`fmi2GetTypesPlatform` returns `nonsense`, not `default`",)),
 }
 """Defects that hinder no run: it is done, with a warning."""
 CRASHES = (

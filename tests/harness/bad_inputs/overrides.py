@@ -10,6 +10,7 @@ SETS: dict[str, tuple[str, tuple[str, ...]]] = {
     "dots": ("...=1", ("`--set ...`", "no such key")),
     "wire without key": ("wire.plant.u=1", ("`--set wire.plant.u`",)),
     "plot": ("plot.zoom=1", ("`--set plot.zoom`", "no such key")),
+    "text with NUL": ('controller.label="a\\u0000b"', ("`controller.label`", "a text without NUL")),
     "list": ("controller.gain=[1, 2]", ("`controller.gain` is `[1, 2]`", "a number")),
     "table": ("controller.gain={a = 1}", ("`controller.gain`", "a number")),
     "two lines": ("controller.gain=1\nfoo=2", ("`controller.gain`", "a number")),

@@ -12,7 +12,10 @@ RANGE = VARY + "minimum = 0.1\nmaximum = 0.9\n"
 FILES: dict[str, tuple[str | bytes, tuple[str, ...]]] = {
     "empty": ("", ("`study.toml`", "is missing")),
     "latin 1": ("title = '\xe4'\n".encode("latin-1"), ("study.toml", "UTF-8")),
-    "a scenario": ('title = "x"\n[loop]\nstep = 1.0\n', ("`loop` is not a known key",)),
+    "a scenario": (
+        'title = "x"\n[loop]\nstep = 1.0\n',
+        ("`study.toml` is a scenario, not a study", "`cosim run study.toml`"),
+    ),
     "scenario is a number": (DRAWN.replace('"lag.toml"', "5") + RANGE, ("`scenario` is `5`", "a text")),
     "design is a text": ('scenario = "lag.toml"\ndesign = "grid"\n', ("`design` is `'grid'`", "a table")),
     "vary is a table": (DRAWN + RANGE.replace("[[vary]]", "[vary]"), ("`vary`", "an array")),

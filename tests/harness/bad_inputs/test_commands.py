@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import io
 import os
+import zipfile
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from ..conftest import SCENARIO, entry
 from . import commands, studies
 from .calling import Case, Refuse, given
 
@@ -23,6 +27,7 @@ def room(lag: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         (lag / name).symlink_to("/dev/full")
     (lag / "folder.csv").mkdir()
     (lag / "cache").mkdir(exist_ok=True)
+    (lag / "lag.baseline.npz").mkdir()
     (lag / "loop").symlink_to("loop")
     for name in ("pipe", "zero", "full", "taken"):
         (lag / name).mkdir()
@@ -32,7 +37,25 @@ def room(lag: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (lag / "taken" / "traces").touch()
     (lag / "failing.toml").write_text(FAILING)
     (lag / "search.toml").write_text(SEARCH)
+    (lag / "best.toml").write_text('scenario = "lag.toml"\nobjective = {metric = "end"}\n')
+    (lag / "model.xml").write_text("<mujoco/>")
+    (lag / "driven.toml").write_text(SCENARIO + entry("signal", to="controller.flag", file="in.csv"))
+    write_traces(lag)
     return lag
+
+
+def write_traces(folder: Path) -> None:
+    """Write what is a trace, and what only has the name of one."""
+    (folder / "in.csv").write_text("time,flag\n0,1\n1,0\n")
+    os.mkfifo(folder / "pipe.csv")
+    (folder / "zero.npz").symlink_to("/dev/zero")
+    header = {"descr": [("time", "<f8")], "fortran_order": False, "shape": (99999999999999,)}
+    vast = io.BytesIO()
+    np.lib.format.write_array_header_1_0(vast, header)
+    with zipfile.ZipFile(folder / "vast.npz", "w") as archive:
+        archive.writestr("trace.npy", vast.getvalue())
+    np.savez(folder / "half.npz", trace=np.zeros(100))
+    (folder / "half.npz").write_bytes((folder / "half.npz").read_bytes()[:-200])
 
 
 @pytest.mark.usefixtures("room")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 import sys
@@ -95,3 +96,28 @@ def test_a_full_disk_behind_the_output_is_named(options: list[str]) -> None:
             command, stdout=full, stderr=subprocess.PIPE, text=True, env=variables, check=False
         )
     check_refusal(("No space left",), done.returncode, "", done.stderr)
+
+
+def test_a_library_that_forks_answers_once(lag: Path, broken_library: bytes) -> None:
+    fmus.defect("fork")(lag / "broken.fmu", broken_library)
+    done = test_cli.cosim("run", "lag.toml", "--set", "controller.fmu=broken.fmu", "--json", "-")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert json.loads(done.stdout)["metrics"]["end"]["value"] > 0.0
+
+
+def test_what_a_library_started_ends_with_its_crash(lag: Path, broken_library: bytes) -> None:
+    """Else it would hold the streams of the command, for which this test waits."""
+    fmus.defect("orphan")(lag / "broken.fmu", broken_library)
+    done = test_cli.cosim("run", "lag.toml", "--set", "controller.fmu=broken.fmu")
+    check_refusal(("killed by SIGSEGV",), done.returncode, done.stdout, done.stderr)
+
+
+@pytest.mark.parametrize("name", ["numpy", "json", "random"])
+def test_a_file_named_as_a_package_harms_no_worker(name: str, lag: Path) -> None:
+    (lag / f"{name}.py").write_text("raise SystemExit('not the package')\n")
+    (lag / "own.py").write_text("import probe_plants\n\n\nclass Own(probe_plants.Lag):\n    pass\n")
+    # as the installed command starts, without the working directory among the places of packages
+    command = [sys.executable, "-P", "-c", "from cosim.cli import main; main()"]
+    options = ["run", "lag.toml", "--set", "plant.name=own:Own"]
+    done = subprocess.run([*command, *options], capture_output=True, text=True, check=False, timeout=120)
+    assert (done.returncode, done.stderr) == (0, "")

@@ -68,6 +68,16 @@ def test_the_studies_of_the_project_are_known_in_any_folder(folder: Path) -> Non
     assert "studies/dob-contact.toml" in found.error.hint
 
 
+def test_a_file_is_named_once(write: Write, folder: Path) -> None:
+    write(COMPLETE)
+    (folder / "bad.toml").write_text(STUDY.format(7.0))
+    done = cosim("check", "./bad.toml", "none.toml")
+    first, second = (line for line in done.stderr.splitlines() if line.startswith("error: "))
+    assert first.startswith("error: `bad.toml`, case 1: ")
+    assert first.count("bad.toml") == 1
+    assert second.startswith("error: `none.toml`: the scenario file `none.toml`")
+
+
 def test_one_bad_file_of_three_is_exit_code_2_and_the_others_are_told(write: Write, folder: Path) -> None:
     write(COMPLETE)
     (folder / "bad.toml").write_text(STUDY.format(7.0))

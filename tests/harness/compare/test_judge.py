@@ -61,6 +61,21 @@ def test_a_csv_file_takes_items_and_units_from_the_fmu(stored: Path) -> None:
     assert again.simulated_s == pytest.approx(result.simulated_s)
 
 
+def test_a_limit_in_a_unit_needs_one_of_the_number(stored: Path) -> None:
+    demand = ["criterion.end.metric=top", "criterion.end.unit=mm", "criterion.end.maximum=1.0"]
+    scenario = cosim.load("lag.toml", demand)
+    result = cosim.run(scenario)
+    assert result.passed is False
+    result.save_trace(stored.with_suffix(".csv"))
+    found = cosim.read_trace(stored.with_suffix(".csv"))
+    with pytest.raises(
+        CosimError, match=r"`criterion.end.unit` is `mm`, `lag.csv` tells no units.*`metric.top`"
+    ):
+        cosim.judge(scenario, found)
+    told = cosim.load("lag.toml", [*demand, "metric.top.unit=m"])
+    assert cosim.judge(told, found).criteria == result.criteria
+
+
 def test_only_metrics_and_criteria_count(stored: Path) -> None:
     run = cosim.run(cosim.load("lag.toml"))
     end = run.metrics["end"].value

@@ -5,19 +5,31 @@
 #undef fmi2ExitInitializationMode
 #undef fmi2DoStep
 #undef fmi2GetReal
+#undef fmi2Terminate
+#undef fmi2GetVersion
+#undef fmi2GetTypesPlatform
 #define fmi2Instantiate probe_instantiate
 #define fmi2ExitInitializationMode probe_exit_initialization
 #define fmi2DoStep probe_do_step
 #define fmi2GetReal probe_get_real
+#define fmi2Terminate probe_terminate
+#define fmi2GetVersion probe_get_version
+#define fmi2GetTypesPlatform probe_get_types_platform
 #include "probe.c"
 #undef fmi2Instantiate
 #undef fmi2ExitInitializationMode
 #undef fmi2DoStep
 #undef fmi2GetReal
+#undef fmi2Terminate
+#undef fmi2GetVersion
+#undef fmi2GetTypesPlatform
 
 #define LONG 1000000
 static char defect[64];
 static int is(const char *name) { return strcmp(defect, name) == 0; }
+
+const char *fmi2GetVersion(void) { return is("version_3") ? "3.0" : is("version_null") ? NULL : fmi2Version; }
+const char *fmi2GetTypesPlatform(void) { return is("platform") ? "nonsense" : fmi2TypesPlatform; }
 
 fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
                               const fmi2CallbackFunctions *functions, fmi2Boolean visible, fmi2Boolean logging) {
@@ -28,6 +40,7 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     }
     if (is("instantiate_null")) return NULL;
     if (is("exit_in_instantiate")) exit(0);
+    if (is("fork")) fork();
     return probe_instantiate(name, type, guid, resources, functions, visible, logging);
 }
 
@@ -38,6 +51,14 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
     }
     if (is("init_segfault")) raise(SIGSEGV);
     return probe_exit_initialization(c);
+}
+
+fmi2Status fmi2Terminate(fmi2Component c) {
+    if (is("terminate_error")) {
+        tell(c, fmi2Error, "logStatusError", "terminate failed on purpose", 0.0);
+        return fmi2Error;
+    }
+    return is("terminate_fatal") ? fmi2Fatal : probe_terminate(c);
 }
 
 fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2Real value[]) {
@@ -68,7 +89,8 @@ static fmi2Status step_status(Probe *p) {
 }
 
 static void break_process(Probe *p) {
-    if (is("segfault")) raise(SIGSEGV);
+    if (is("orphan") && fork() == 0) for (;;) sleep(1);
+    if (is("segfault") || is("orphan")) raise(SIGSEGV);
     if (is("abort")) abort();
     if (is("bus_error")) raise(SIGBUS);
     if (is("real_time_signal")) raise(SIGRTMIN + 5);
