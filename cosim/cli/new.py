@@ -33,9 +33,9 @@ def new(
     """Write a scenario to start from: an FMU wired to a plant by names and units, the rest as comments."""
     configure_logging(verbose, quiet)
     limits = checked_limits(timeout, None, in_process)
-    paths.find_fmu(fmu, paths.working_folder())
     stem = Path(fmu).stem if fmu.endswith(".fmu") else Path(fmu).name
-    file = paths.expanded(str(out)) if out else Path(f"{stem}.toml")
+    # what has no name is no FMU, which is told later
+    file = paths.expanded(str(out)) if out else Path(f"{stem or 'fmu'}.toml")
     if file.suffix != ".toml":
         raise CosimError(f"cannot write a scenario to `{file}`", "the name must end in `.toml`")
     # the description of an FMU is only read, a plant is code
