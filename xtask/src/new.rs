@@ -222,7 +222,7 @@ mod tests {
             assert!(!text.contains("__name__") && !text.contains("__Name__"), "{}", path.display());
         }
         let lib = &here.iter().find(|(path, _)| path.ends_with("fmu-feed_drive/src/lib.rs")).unwrap().1;
-        assert!(lib.contains("export!(FeedDrive);"));
+        assert!(lib.contains("name: \"FeedDrive\""));
     }
 
     #[test]
