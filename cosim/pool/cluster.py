@@ -188,10 +188,10 @@ def outcomes_of(client: Any, future: Any) -> list[Outcome]:
     except CosimError:
         raise
     except Exception as error:
-        # it takes back all futures when its connection ends
-        if future.cancelled() or not is_connected(client):
-            raise SchedulerLostError from None
         name = type(error).__name__
+        # it takes back all futures when its connection ends, and may not have seen that end
+        if future.cancelled() or name == "CommClosedError" or not is_connected(client):
+            raise SchedulerLostError from None
         if name == "KilledWorker" or isinstance(error, TimeoutError):
             raise WorkerLostError(error) from None
         hint = "scheduler and workers need the same packages as this machine"

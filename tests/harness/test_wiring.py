@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 
 import numpy as np
 import pytest
@@ -33,6 +34,12 @@ def test_quantising_rounds_half_to_even_as_numpy_does() -> None:
     shape = shaper(Wire("plant.x", "controller.in"), Channel("x", quantum=0.5), True, None)
     halves = np.arange(-2.25, 2.5, 0.5)
     assert [shape(value, 0) for value in halves] == list(np.round(halves / 0.5) * 0.5)
+
+
+@given(st.floats(1.0, 1e6))
+def test_a_quantum_finer_than_any_value_changes_none(value: float) -> None:
+    wire = Wire("plant.x", "controller.in", quantum=sys.float_info.min)
+    assert shaper(wire, PLAIN, True, None)(value, 0) == value
 
 
 @given(numbers, st.floats(-10.0, 0.0), st.floats(0.0, 10.0))

@@ -36,8 +36,10 @@ impl Shape {
         if !value.is_finite() {
             return Err(value);
         }
-        if self.quantum > 0.0 {
-            value = (value / self.quantum).round_ties_even() * self.quantum;
+        let quanta = value / self.quantum;
+        // more quanta than there are numbers: finer than the value itself
+        if self.quantum > 0.0 && quanta.is_finite() {
+            value = quanta.round_ties_even() * self.quantum;
         }
         // the value itself where it equals a limit: a zero keeps its sign
         let value = if self.minimum > value { self.minimum } else { value };
@@ -101,6 +103,12 @@ mod tests {
     fn quanta_round_half_to_even() {
         let shape = Shape { quantum: 1.0, ..PLAIN };
         assert_eq!([0.5, 1.5, 2.5, -0.5].map(|value| shape.apply(value, None)), [Ok(0.0), Ok(2.0), Ok(2.0), Ok(-0.0)]);
+    }
+
+    #[test]
+    fn a_quantum_finer_than_any_value_changes_none() {
+        let shape = Shape { quantum: f64::MIN_POSITIVE, ..PLAIN };
+        assert_eq!([0.5, -1e300, 0.0].map(|value| shape.apply(value, None)), [Ok(0.5), Ok(-1e300), Ok(0.0)]);
     }
 
     #[test]

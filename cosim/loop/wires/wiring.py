@@ -56,7 +56,10 @@ class Shape:
             raise self.refusal(value)
         # round half to even
         if self.quantum > 0.0:
-            value = float(np.rint(value / self.quantum)) * self.quantum
+            quanta = value / self.quantum
+            # else more quanta than there are numbers: finer than the value itself
+            if math.isfinite(quanta):
+                value = float(np.rint(quanta)) * self.quantum
         return min(max(value, self.minimum), self.maximum)
 
     def refusal(self, value: float) -> CosimError:

@@ -4,13 +4,20 @@ from __future__ import annotations
 
 import contextlib
 import os
+import signal
 import socket
 import subprocess
 import sys
+import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+import pytest
+
 from . import studies
+
+START_TIMEOUT = 120.0
+"""Time for all workers to join their scheduler, s."""
 
 
 class Cluster:
@@ -27,31 +34,46 @@ class Cluster:
             probe.bind(("127.0.0.1", 0))
             self.port = probe.getsockname()[1]
         self.address = f"{scheme}://127.0.0.1:{self.port}"
+        self.log = folder / "log"
         self.processes: list[subprocess.Popen[bytes]] = []
 
     def start(self, workers: int = 2) -> None:
         """Start scheduler and workers, if they are not running."""
         if self.processes:
             return
+        self.log.unlink(missing_ok=True)
         host = f"{self.scheme}://127.0.0.1"
         self.run("scheduler", "--host", host, "--port", str(self.port))
         for _ in range(workers):
             threads = ["--nthreads", "1", "--nworkers", "1", "--local-directory", str(self.folder)]
             nanny = "--nanny" if self.nanny else "--no-nanny"
             self.run("worker", self.address, "--host", "127.0.0.1", nanny, *threads)
+        self.wait_for_workers(workers)
+
+    def wait_for_workers(self, count: int) -> None:
+        """Wait until the scheduler knows so many: one on its way can be neither lost nor ended."""
+        end = time.monotonic() + START_TIMEOUT
+        while self.log.read_text().count("Registered to:") < count:
+            if time.monotonic() > end:
+                pytest.fail(f"no {count} workers after {START_TIMEOUT} s:\n{self.log.read_text()}")
+            time.sleep(0.05)
 
     def run(self, *command: str) -> None:
         """Start one process."""
         environment = {**os.environ, "PYTHONPATH": str(studies.ROOT)}
-        with (self.folder / "log").open("a") as log:
+        with self.log.open("a") as log:
             line = [sys.executable, "-m", "dask", *command, "--no-dashboard", *self.options]
             self.processes.append(
                 subprocess.Popen(line, stdout=log, stderr=log, env=environment, cwd=self.folder)
             )
 
     def kill_worker(self) -> None:
-        """Kill a worker that has no nanny."""
-        self.processes[-1].kill()
+        """Kill a worker that has no nanny while runs lie with it."""
+        worker = self.processes[-1]
+        worker.send_signal(signal.SIGSTOP)
+        # what it had done is told, and new runs are on their way
+        time.sleep(1.0)
+        worker.kill()
 
     def restart(self, workers: int) -> None:
         """Kill the scheduler, with which its workers end, and start all anew."""
@@ -62,10 +84,9 @@ class Cluster:
         self.start(workers)
 
     def stop(self) -> None:
-        """End all."""
+        """End all, the scheduler last: a worker that is told to end twice at a time may hang in Dask."""
         for process in reversed(self.processes):
             process.terminate()
-        for process in self.processes:
             process.wait(30)
         self.processes.clear()
 

@@ -9,13 +9,16 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import SimpleNamespace
 
 import psutil
 import pytest
+from distributed.comm.core import CommClosedError
 
 import cosim
 from cosim.errors import CosimError
 from cosim.pool.batches import MOST_RUNS, Batches
+from cosim.pool.cluster import SchedulerLostError, outcomes_of
 from cosim.pool.job import Job
 from cosim.sweep.store import Store
 
@@ -188,6 +191,16 @@ def stopping(append: Callable[..., None], stop: Callable[[], None]) -> Callable[
             stop()
 
     return wrapped
+
+
+def test_a_connection_that_ends_while_outcomes_are_fetched_is_that_of_the_scheduler() -> None:
+    def closed(timeout: float) -> None:
+        raise CommClosedError("Stream is closed")
+
+    link = SimpleNamespace(comm=SimpleNamespace(closed=lambda: False))
+    client = SimpleNamespace(status="running", scheduler_comm=link)
+    with pytest.raises(SchedulerLostError):
+        outcomes_of(client, SimpleNamespace(cancelled=lambda: False, result=closed))
 
 
 def jobs(count: int) -> Iterator[tuple[int, Job]]:
