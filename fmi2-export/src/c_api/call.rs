@@ -7,6 +7,7 @@ use crate::host::hook;
 use crate::host::phase::{Function, Status};
 use crate::instance::Instance;
 use crate::instance::slave::Slave;
+use std::any::Any;
 use std::cell::{Cell, UnsafeCell};
 use std::ffi::CStr;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -38,13 +39,21 @@ pub(super) fn with(
     let slave = unsafe { &mut *component.slave.get() };
     let status = match catch_unwind(AssertUnwindSafe(|| body(slave.as_mut()))) {
         Ok(status) => status.into(),
-        Err(_) => match catch_unwind(AssertUnwindSafe(|| slave.poison(function, &hook::take_panic()))) {
-            Ok(()) => fmi2Error,
-            Err(_) => fmi2Fatal,
-        },
+        Err(panic) => panicked(slave.as_mut(), function, panic),
     };
     component.busy.set(false);
     status
+}
+
+/// A call that has panicked. Kept out of the way of all others, whose registers it would take.
+#[cold]
+#[inline(never)]
+fn panicked(slave: &mut dyn Slave, function: Function, panic: Box<dyn Any + Send>) -> fmi2Status {
+    let ended = catch_unwind(AssertUnwindSafe(|| {
+        drop(panic);
+        slave.poison(function, &hook::take_panic());
+    }));
+    if ended.is_ok() { fmi2Error } else { fmi2Fatal }
 }
 
 /// The instance behind a pointer when no call runs on it. Only for calls in which no callback can run: they leave `busy`

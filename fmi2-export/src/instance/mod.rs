@@ -84,7 +84,7 @@ impl<M: Exported> Instance<M> {
     #[inline]
     fn step(&mut self, time: f64, step: f64) -> Result<(), Refusal> {
         let (Some(running), Some(experiment)) = (&self.now.running, self.now.experiment) else {
-            return Err(Refusal::error("the instance is not initialized"));
+            return Err(not_initialized());
         };
         check_step(&running.clock, &experiment, time, step)?;
         if self.now.derivatives.is_empty() {
@@ -196,6 +196,11 @@ fn fresh<M: Exported>() -> SnapshotOf<M> {
 fn parameters_set<M: Model>(now: &mut SnapshotOf<M>) {
     now.vars.bring_into_force(|reference| now.is_set[reference]);
     M::calculate(&mut now.vars);
+}
+
+#[cold]
+fn not_initialized() -> Refusal {
+    Refusal::error("the instance is not initialized")
 }
 
 #[cold]

@@ -10,33 +10,33 @@ impl<M: Exported> Instance<M> {
     /// fmi2SetReal of inputs, when nothing is wrong with it; otherwise `false`, and nothing has changed.
     #[inline]
     pub fn set_inputs(&mut self, references: &[u32], values: &[f64]) -> bool {
-        let inputs = || references.iter().map(|&reference| M::INDEX.entries.get(reference as usize)?.input);
-        if !Function::SetReal.is_allowed(self.now.phase)
-            || !inputs().zip(values).all(|(input, value)| input.is_some() && value.is_finite())
-        {
+        let input = |reference: u32| M::INDEX.entries.get(reference as usize)?.input;
+        let fits = |(&reference, value): (&u32, &f64)| input(reference).is_some() && value.is_finite();
+        if !Function::SetReal.is_allowed(self.now.phase) {
             return false;
         }
-        for (input, &value) in inputs().zip(values) {
-            if let Some(place) = input {
-                place.set(&mut self.now.vars, value);
-            }
+        let mut set = |reference, value| input(reference).map(|place| place.set(&mut self.now.vars, value)).is_some();
+        // most importers set one variable at a time
+        if let (&[reference], &[value]) = (references, values) {
+            return value.is_finite() && set(reference, value);
         }
-        true
+        let all = || references.iter().zip(values);
+        all().all(fits) && all().all(|(&reference, &value)| set(reference, value))
     }
 
     /// fmi2GetReal, when nothing is wrong with it; otherwise `false`, and nothing was written.
     #[inline]
     pub fn get_reals(&self, references: &[u32], values: &mut [f64]) -> bool {
-        let places = || references.iter().map(|&reference| M::INDEX.entries.get(reference as usize)?.real);
-        if !Function::GetReal.is_allowed(self.now.phase) || !places().all(|place| place.is_some()) {
+        let read = |&reference: &u32| Some(M::INDEX.entries.get(reference as usize)?.real?.get(&self.now.vars));
+        let give = |(reference, value): (&u32, &mut f64)| read(reference).map(|read| *value = read).is_some();
+        if !Function::GetReal.is_allowed(self.now.phase) {
             return false;
         }
-        for (place, value) in places().zip(values) {
-            if let Some(place) = place {
-                *value = place.get(&self.now.vars);
-            }
+        // most importers get one variable at a time
+        if let ([reference], [value]) = (references, &mut *values) {
+            return give((reference, value));
         }
-        true
+        references.iter().all(|reference| read(reference).is_some()) && references.iter().zip(values).all(give)
     }
 
     /// All or nothing: every reference is checked before the first value is given.
