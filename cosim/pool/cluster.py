@@ -19,8 +19,9 @@ from typing import Any
 from cosim.errors import CosimError
 from cosim.pool.batches import BATCH_TIME, Batch, Batches
 from cosim.pool.connection import GOES_ON, RETURN_TIMEOUT, connect, dask, is_connected, returned
-from cosim.pool.job import Finished, Job, Numbered, Outcome
+from cosim.pool.job import Finished, Job, Numbered, Outcome, name
 from cosim.pool.limits import Limits
+from cosim.pool.lines import Line, Lines
 from cosim.pool.supervisor import Worker
 
 WORKERS_TIMEOUT = 60.0
@@ -33,6 +34,8 @@ MOST_LOSSES = 5
 """Times in a row that a scheduler may be lost without a run being done."""
 Ended = tuple[str, str]
 """Key of a batch that ended, and the Dask worker if it was lost."""
+Reported = tuple[Outcome, list[Line]]
+"""Outcome of a run and what it logged."""
 
 log = logging.getLogger("cosim")
 
@@ -63,14 +66,14 @@ def outcomes(jobs: Iterable[Numbered], address: str, limits: Limits) -> Generato
         Dask is not installed, the address is none, no scheduler or worker answers, the scheduler was lost and
         did not come back, or the workers lack the package `cosim`.
     """
-    distributed, batches = dask(), Batches(iter(jobs))
+    distributed, batches, lines = dask(), Batches(iter(jobs)), Lines()
     client, patience = connect(distributed, address), WORKERS_TIMEOUT
     losses = 0
     while True:
         done = batches.finished
         with client:
             try:
-                yield from dispatched(client, batches, limits, patience)
+                yield from dispatched(client, batches, lines, limits, patience)
                 return
             except SchedulerLostError:
                 # else it would go on trying for as long as a connection may take
@@ -81,7 +84,9 @@ def outcomes(jobs: Iterable[Numbered], address: str, limits: Limits) -> Generato
         client, patience = returned(distributed, address), RETURN_TIMEOUT
 
 
-def dispatched(client: Any, batches: Batches, limits: Limits, patience: float) -> Generator[Finished]:
+def dispatched(
+    client: Any, batches: Batches, lines: Lines, limits: Limits, patience: float
+) -> Generator[Finished]:
     """Keep every thread of the cluster busy with one batch; none waits on a worker that may be lost.
 
     Raises
@@ -92,7 +97,7 @@ def dispatched(client: Any, batches: Batches, limits: Limits, patience: float) -
     ended: queue.SimpleQueue[Ended] = queue.SimpleQueue()
     report_lost_runs(client, ended)
     running: dict[str, tuple[Batch, Any]] = {}
-    size, token = ClusterSize(client, patience), uuid.uuid4().hex[:8]
+    size, token, level = ClusterSize(client, patience), uuid.uuid4().hex[:8], log.getEffectiveLevel()
     try:
         while True:
             free = size.threads() - len(running)
@@ -100,7 +105,9 @@ def dispatched(client: Any, batches: Batches, limits: Limits, patience: float) -
                 if not (batch := batches.take()):
                     break
                 key, work = f"cosim-{token}-{uuid.uuid4().hex}", [job for _, job in batch]
-                future = client.submit(run_supervised, token, work, limits, key=key, pure=False, retries=0)
+                future = client.submit(
+                    run_supervised, token, work, limits, level, key=key, pure=False, retries=0
+                )
                 running[key] = batch, future
                 future.add_done_callback(lambda done: ended.put((done.key, "")))
             if free > 0 and not running:
@@ -109,7 +116,7 @@ def dispatched(client: Any, batches: Batches, limits: Limits, patience: float) -
                 key, lost = ended.get(timeout=POLL_INTERVAL)
                 if key in running:
                     batch, future = running[key]
-                    found = finished(client, batches, batch, future, lost)
+                    found = finished(client, batches, lines, batch, future, lost)
                     del running[key]
                     yield from found
     finally:
@@ -120,12 +127,18 @@ def dispatched(client: Any, batches: Batches, limits: Limits, patience: float) -
                 client.run(close_workers, token, on_error="ignore")
 
 
-def finished(client: Any, batches: Batches, batch: Batch, future: Any, lost: str) -> list[Finished]:
-    """Outcomes of a batch that ended, or whose Dask worker was lost."""
+def finished(
+    client: Any, batches: Batches, lines: Lines, batch: Batch, future: Any, lost: str
+) -> list[Finished]:
+    """Outcomes of a batch that ended, or whose Dask worker was lost; what the runs logged is told."""
     try:
         if lost:
             raise WorkerLostError(lost)
-        return batches.finish(batch, outcomes_of(client, future))
+        reported = reported_by(client, future)
+        for (number, job), (_, told) in zip(batch, reported, strict=False):
+            for line in told:
+                lines.tell(name(number, job), line)
+        return batches.finish(batch, [outcome for outcome, _ in reported])
     except WorkerLostError as error:
         future.cancel()
         given_up = batches.lose(batch, str(error))
@@ -173,8 +186,8 @@ class ClusterSize:
         return self.count
 
 
-def outcomes_of(client: Any, future: Any) -> list[Outcome]:
-    """Outcomes of a batch that ended.
+def reported_by(client: Any, future: Any) -> list[Reported]:
+    """Outcomes of a batch that ended, and what its runs logged.
 
     Raises
     ------
@@ -184,19 +197,19 @@ def outcomes_of(client: Any, future: Any) -> list[Outcome]:
         The workers cannot do any run.
     """
     try:
-        outcomes: list[Outcome] = future.result(timeout=FETCH_TIMEOUT)
+        reported: list[Reported] = future.result(timeout=FETCH_TIMEOUT)
     except CosimError:
         raise
     except Exception as error:
-        name = type(error).__name__
+        kind = type(error).__name__
         # it takes back all futures when its connection ends, and may not have seen that end
-        if future.cancelled() or name == "CommClosedError" or not is_connected(client):
+        if future.cancelled() or kind == "CommClosedError" or not is_connected(client):
             raise SchedulerLostError from None
-        if name == "KilledWorker" or isinstance(error, TimeoutError):
+        if kind == "KilledWorker" or isinstance(error, TimeoutError):
             raise WorkerLostError(error) from None
         hint = "scheduler and workers need the same packages as this machine"
-        raise CosimError(f"the cluster failed: {name}: {error}", hint) from None
-    return outcomes
+        raise CosimError(f"the cluster failed: {kind}: {error}", hint) from None
+    return reported
 
 
 def report_lost_runs(client: Any, ended: queue.SimpleQueue[Ended]) -> None:
@@ -216,18 +229,21 @@ _workers: dict[tuple[str, int], Worker] = {}
 """Supervised worker processes of a Dask worker, by sweep and thread."""
 
 
-def run_supervised(token: str, jobs: list[Job], limits: Limits) -> list[Outcome]:
-    """Run the first of some jobs, as many as there is time for; runs on a Dask worker."""
+def run_supervised(token: str, jobs: list[Job], limits: Limits, level: int) -> list[Reported]:
+    """Run the first jobs, as many as there is time for; done on a Dask worker, which logs at `level`."""
     key = (token, threading.get_ident())
     if key not in _workers:
         _workers[key] = Worker(limits)
-    worker, outcomes = _workers[key], []
+    log.setLevel(level)
+    worker: Worker = _workers[key]
+    reported: list[Reported] = []
     end = time.monotonic() + BATCH_TIME
     for job in jobs:
-        outcomes.append(worker.call(job))
+        told: list[Line] = []
+        reported.append((worker.call(job, told=told.append), told))
         if time.monotonic() > end:
             break
-    return outcomes
+    return reported
 
 
 def close_workers(token: str) -> None:

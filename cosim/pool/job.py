@@ -92,6 +92,11 @@ class Job:
         return result if self.keep_trace else dataclasses.replace(result, trace=None)
 
 
+def name(number: int, job: Job) -> str:
+    """Name of a run in the log."""
+    return f"run {number}, seed {job.seed}"
+
+
 @dataclass(frozen=True)
 class Order:
     """What is sent to a worker: a task, the level of its log, and the lines of it that are wanted at most."""

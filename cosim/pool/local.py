@@ -11,7 +11,7 @@ from collections.abc import Callable, Generator, Iterable, Iterator
 from typing import Any
 
 from cosim.pool.inbox import Inbox
-from cosim.pool.job import Finished, Job, Numbered
+from cosim.pool.job import Finished, Numbered, name
 from cosim.pool.limits import Limits, isolates, unkept
 from cosim.pool.lines import Lines
 from cosim.pool.supervisor import ClosedError, Worker
@@ -83,11 +83,6 @@ def inside(jobs: Iterable[Numbered]) -> Generator[Finished]:
         for number, job in jobs:
             log.info("%s:", name(number, job))
             yield number, runner.run(job)
-
-
-def name(number: int, job: Job) -> str:
-    """Name of a run in the log."""
-    return f"run {number}, seed {job.seed}"
 
 
 def shared(jobs: Iterable[Numbered]) -> Callable[[], Numbered | None]:

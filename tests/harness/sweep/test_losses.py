@@ -18,7 +18,7 @@ from distributed.comm.core import CommClosedError
 import cosim
 from cosim.errors import CosimError
 from cosim.pool.batches import MOST_RUNS, Batches
-from cosim.pool.cluster import SchedulerLostError, outcomes_of
+from cosim.pool.cluster import SchedulerLostError, reported_by
 from cosim.pool.job import Job
 from cosim.sweep.store import Store
 
@@ -200,7 +200,7 @@ def test_a_connection_that_ends_while_outcomes_are_fetched_is_that_of_the_schedu
     link = SimpleNamespace(comm=SimpleNamespace(closed=lambda: False))
     client = SimpleNamespace(status="running", scheduler_comm=link)
     with pytest.raises(SchedulerLostError):
-        outcomes_of(client, SimpleNamespace(cancelled=lambda: False, result=closed))
+        reported_by(client, SimpleNamespace(cancelled=lambda: False, result=closed))
 
 
 def jobs(count: int) -> Iterator[tuple[int, Job]]:

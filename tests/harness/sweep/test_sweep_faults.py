@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -70,6 +71,14 @@ def test_each_fault_costs_its_own_row_with_a_reason(write: Write, folder: Path, 
     assert "11 of 11 runs: 4 passed" in done.stdout
 
     check_numbers(rows)
+
+
+def test_what_runs_log_is_told_with_the_run(write: Write, folder: Path, where: list[str]) -> None:
+    write(studies.MEASURED)
+    (folder / "odd.toml").write_text(studies.case_list(["controller.gain = 0.3", "controller.warn_at = 3"]))
+    done = studies.sweep("odd.toml", *where)
+    told = r"warning: run 1, seed [0-9]+: .*something is odd at 0\.003 s"
+    assert re.search(told, done.stderr), done.stderr
 
 
 def test_an_error_of_mujoco_costs_its_own_row(write: Write, folder: Path, where: list[str]) -> None:
