@@ -19,6 +19,7 @@ pub use monitoring::progress::Progress;
 pub use monitoring::residual::{Residual, false_alarm_interval, residual_limit};
 pub use monitoring::response::Response;
 pub use monitoring::reversals::Reversals;
+pub use monitoring::safe_end::SafeEnd;
 pub use motion::quintic::{Quintic, minimum_jerk, minimum_jerk_rates, quintic_duration};
 pub use motion::ramp::{ramp, ramp_between};
 pub use motion::trajectory::{Trajectory, stopping_distance};

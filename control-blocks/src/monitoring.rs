@@ -9,3 +9,4 @@ pub mod progress;
 pub mod residual;
 pub mod response;
 pub mod reversals;
+pub mod safe_end;
