@@ -14,7 +14,7 @@ from cosim.fmu.instance import Bank, Instance
 from cosim.loop import condition, reference
 from cosim.loop.engines import Engine
 from cosim.loop.place import Stage
-from cosim.loop.plant import Plant
+from cosim.loop.plant import Plant, starts
 from cosim.loop.reference import PROGRESS_EVERY, Parts, Recording
 from cosim.loop.trace import Recorder
 from cosim.loop.wires.connect import Connector
@@ -115,7 +115,7 @@ def run(parts: Parts, chunk: int = PROGRESS_EVERY) -> Recording:
     body: Any = plant
     steps, step = scenario.loop.steps, scenario.loop.step
     machine = body.machine()
-    links = Connector(scenario, parts.fmus, plant, np.zeros(len(plant.commands)), parts.seed).links()
+    links = Connector(scenario, parts.fmus, plant, starts(plant.commands), parts.seed).links()
     recorder = Recorder(parts.fmus, plant, steps, scenario.loop.record_every, parts.sink)
     columns = recorder.table.shape[1]
     recorder.stop = condition.program(stop_when, columns) if stop_when else None

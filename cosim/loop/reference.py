@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from cosim.errors import CosimError, PlantError
 from cosim.fmu.instance import Instance
 from cosim.loop.place import Place, Stage
-from cosim.loop.plant import Plant, one_each
+from cosim.loop.plant import Plant, one_each, starts
 from cosim.loop.trace import Recorder, Sink
 from cosim.loop.wires.connect import Connector
 from cosim.loop.wires.links import Fault, Inlet, Link
@@ -64,7 +64,7 @@ def run(parts: Parts) -> Recording:
     """
     scenario, plant = parts.scenario, parts.plant
     stop_when, progress, loop = parts.stop_when, parts.progress, scenario.loop
-    commands = np.zeros(len(plant.commands))
+    commands = starts(plant.commands)
     links = Connector(scenario, parts.fmus, plant, commands, parts.seed).links()
     recorder = Recorder(parts.fmus, plant, loop.steps, loop.record_every, parts.sink)
     place, page, interrupt = parts.place, parts.place.page, parts.interrupt

@@ -14,7 +14,7 @@ from rich.text import Text
 
 from cosim.fmu.archive import Variable
 from cosim.fmu.instance import Instance
-from cosim.loop.plant import Channel, Plant
+from cosim.loop.plant import Channel, Plant, start
 from cosim.loop.result import Result
 from cosim.metrics.criteria import Verdict
 from cosim.scenario.model import Scenario
@@ -135,11 +135,12 @@ def parameter_table(plant: Plant, given: dict[str, Any]) -> Table:
 
 def channel_table(channels: tuple[Channel, ...]) -> Table:
     """Channels of a plant."""
-    table = plain_table("name", "unit", "noise", "resolution", "range", "description")
+    table = plain_table("name", "unit", "start", "noise", "resolution", "range", "description")
     for channel in channels:
         table.add_row(
             channel.name,
             channel.unit,
+            text(start(channel), channel.unit) if start(channel) else "",
             text(channel.noise, channel.unit) if channel.noise else "",
             text(channel.quantum, channel.unit) if channel.quantum else "",
             limits_text(channel.minimum, channel.maximum),

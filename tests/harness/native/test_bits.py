@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import logging
 import threading
 from collections.abc import Callable
@@ -153,6 +154,18 @@ def test_signals_and_injections_give_the_same_bytes(cart: Callable[..., Path]) -
     assert trace is not None
     assert set(trace["controller.flag"]) == {0.0, 1.0}
     assert trace["controller.count"][25] == -7.0
+
+
+def test_a_command_that_nothing_drives_stays_at_its_start(cart: Callable[..., Path]) -> None:
+    found = []
+    for session in both(cosim.load(cart())):
+        with session:
+            plant: Any = session.plant
+            drive, kick = plant.commands
+            plant.commands = (drive, dataclasses.replace(kick, start=0.3))
+            found.append(outcome(session))
+            assert plant.data.ctrl[1] == 0.3
+    assert found[0] == found[1]
 
 
 STOPS = {
