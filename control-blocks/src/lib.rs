@@ -3,6 +3,7 @@
 #![forbid(unsafe_code)]
 
 mod estimation;
+mod monitoring;
 mod motion;
 mod parameters;
 mod sampling;
@@ -11,6 +12,14 @@ pub use estimation::angle::{Unwrapper, wrap, wrap_half_open};
 pub use estimation::canceller::{Canceller, adaptation_gain};
 pub use estimation::running_line::{AnchoredLine, RunningLine};
 pub use estimation::welford::Welford;
+pub use monitoring::following::Following;
+pub use monitoring::frozen::Frozen;
+pub use monitoring::jump::{JumpGuard, Reach};
+pub use monitoring::progress::Progress;
+pub use monitoring::residual::{Residual, false_alarm_interval, residual_limit};
+pub use monitoring::response::Response;
+pub use monitoring::reversals::Reversals;
+pub use monitoring::safe_end::SafeEnd;
 pub use motion::quintic::{Quintic, minimum_jerk, minimum_jerk_rates, quintic_duration};
 pub use motion::ramp::{ramp, ramp_between};
 pub use motion::trajectory::{Trajectory, stopping_distance};

@@ -1,0 +1,119 @@
+//! A reading that stands while the machine moves.
+//!
+//! A reading `y` is held against its anchor `a`. While |y - a| <= band the motion that was expected since the anchor,
+//! e = sum(dr), is unanswered; beyond the band the reading lives: a = y, e = 0. With the band b and a following error of
+//! at most f a living reading leaves its anchor before |e| > b + f, so that is where the limit stands. A last bit that
+//! flickers moves a reading by one quantum q: b = 1.5 q covers it, and a coarse reading as well, because what is waited
+//! for is motion and not time.
+//!
+//! At rest nothing is expected. There only the noise tells that a reading lives: with the standard deviation s of a
+//! rounded normal distribution the share of samples within the band of the anchor is at most p = erf(1.5 q / (s sqrt 2)),
+//! and n of them in a row come by chance with p^n.
+
+use serde::{Deserialize, Serialize};
+
+/// Anchor of a reading, and what was expected of it since.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Frozen {
+    anchor: Option<f64>,
+    expected: f64,
+    still: u32,
+}
+
+impl Frozen {
+    /// Forgets the anchor, after a new zero for instance.
+    pub fn clear(&mut self) {
+        *self = Self::default();
+    }
+
+    /// Takes a reading and the motion that was expected since the last one, both in the unit of `band`.
+    pub fn update(&mut self, reading: f64, motion: f64, band: f64) {
+        self.expected += motion;
+        self.still = self.still.saturating_add(1);
+        if self.anchor.is_none_or(|anchor| (reading - anchor).abs() > band) {
+            *self = Self { anchor: Some(reading), expected: 0.0, still: 0 };
+        }
+    }
+
+    /// Motion that the reading has not answered, not negative.
+    pub fn unanswered(&self) -> f64 {
+        self.expected.abs()
+    }
+
+    /// Samples since the reading moved, whatever was expected.
+    pub fn still(&self) -> u32 {
+        self.still
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const QUANTUM: f64 = 1e-3;
+    const BAND: f64 = 1.5 * QUANTUM;
+    const STEP: f64 = 1e-4;
+
+    fn rounded(value: f64) -> f64 {
+        (value / QUANTUM).round() * QUANTUM
+    }
+
+    /// The largest unanswered motion of 10,000 samples at a constant speed.
+    fn largest(reading: impl Fn(u32) -> f64) -> f64 {
+        let mut frozen = Frozen::default();
+        let unanswered = (0..10_000u32).map(|k| {
+            frozen.update(reading(k), STEP, BAND);
+            frozen.unanswered()
+        });
+        unanswered.fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn a_living_reading_answers_within_the_band_and_its_lag() {
+        for lag in [0.0, 0.5e-3, 20e-3] {
+            let most = largest(|k| rounded((STEP * f64::from(k) - lag).max(0.0)));
+            // one quantum more by rounding
+            assert!(most <= BAND + lag + QUANTUM, "{lag}: {most}");
+        }
+    }
+
+    #[test]
+    fn a_coarse_reading_is_not_frozen_between_its_steps() {
+        // ten samples for each quantum
+        assert!(largest(|k| rounded(STEP * f64::from(k))) <= BAND + QUANTUM);
+    }
+
+    #[test]
+    fn a_reading_that_stands_is_told_by_the_motion_alone() {
+        let most = largest(|_| 0.0);
+        assert!((most - 9_999.0 * STEP).abs() < 1e-9, "{most}");
+    }
+
+    #[test]
+    fn a_last_bit_that_flickers_hides_nothing() {
+        let most = largest(|k| QUANTUM * f64::from(k % 2));
+        assert!((most - 9_999.0 * STEP).abs() < 1e-9, "{most}");
+    }
+
+    #[test]
+    fn to_and_fro_is_no_motion_to_answer_where_it_comes_back() {
+        let mut frozen = Frozen::default();
+        for k in 0..1000 {
+            frozen.update(0.0, if k % 2 == 0 { STEP } else { -STEP }, BAND);
+            assert!(frozen.unanswered() < 1.5 * STEP);
+        }
+        assert_eq!(frozen.still(), 999);
+    }
+
+    #[test]
+    fn noise_tells_life_at_rest() {
+        let mut frozen = Frozen::default();
+        let longest = (0..1000u32)
+            .map(|k| {
+                frozen.update(4.0 * QUANTUM * (f64::from(k) * 1.7).sin(), 0.0, BAND);
+                frozen.still()
+            })
+            .max();
+        assert!(longest < Some(5), "{longest:?}");
+    }
+}

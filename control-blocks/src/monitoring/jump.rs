@@ -1,0 +1,96 @@
+//! A reading that moves faster than the machine can.
+//!
+//! With the greatest speed v, the sample period T and the spread w of the noise a reading is believed while
+//! |y - y_b| <= n v T + w, where y_b is the last believed one, n samples ago. One bad sample is so replaced by the one
+//! before it; a reading that stays away comes back into reach after |jump| / (v T) samples, or is told as lost before.
+
+use serde::{Deserialize, Serialize};
+
+/// The last believed reading and the samples since.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct JumpGuard {
+    believed: Option<f64>,
+    doubted: u32,
+}
+
+/// How far a reading may move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reach {
+    /// Greatest motion in one sample, in the unit of the reading.
+    pub motion: f64,
+    /// Greatest difference of two readings at rest.
+    pub spread: f64,
+}
+
+impl JumpGuard {
+    /// Believes the next reading, whatever it is.
+    pub fn clear(&mut self) {
+        *self = Self::default();
+    }
+
+    /// The reading to use: `reading` where the machine can be there, else the last that was believed.
+    ///
+    /// A reading that is not finite is not believed; without any believed one it is 0.
+    pub fn update(&mut self, reading: f64, reach: Reach) -> f64 {
+        let samples = f64::from(self.doubted.saturating_add(1));
+        let allowed = samples * reach.motion + reach.spread;
+        let near = self.believed.is_none_or(|believed| (reading - believed).abs() <= allowed);
+        if reading.is_finite() && near {
+            *self = Self { believed: Some(reading), doubted: 0 };
+        } else {
+            self.doubted = self.doubted.saturating_add(1);
+        }
+        self.believed.unwrap_or_default()
+    }
+
+    /// Readings in a row that were not believed.
+    pub fn doubted(&self) -> u32 {
+        self.doubted
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const REACH: Reach = Reach { motion: 0.1, spread: 0.025 };
+
+    #[test]
+    fn the_fastest_motion_is_believed_and_a_faster_one_is_not() {
+        let mut guard = JumpGuard::default();
+        for k in 0..100 {
+            let reading = 0.1 * f64::from(k) + if k % 2 == 0 { 0.01 } else { -0.01 };
+            assert_eq!(guard.update(reading, REACH), reading);
+        }
+        assert_eq!(guard.doubted(), 0);
+        let before = guard.update(9.9, REACH);
+        assert_eq!((guard.update(10.026, REACH), guard.doubted()), (before, 1));
+    }
+
+    #[test]
+    fn one_bad_sample_moves_nothing() {
+        for bad in [1e9, -50.0, f64::NAN, f64::INFINITY] {
+            let mut guard = JumpGuard::default();
+            guard.update(1.0, REACH);
+            assert_eq!((guard.update(bad, REACH), guard.doubted()), (1.0, 1));
+            assert_eq!((guard.update(1.05, REACH), guard.doubted()), (1.05, 0));
+        }
+    }
+
+    #[test]
+    fn what_stays_away_is_doubted_until_the_machine_could_be_there() {
+        let mut guard = JumpGuard::default();
+        guard.update(0.0, REACH);
+        // 1.0 is within n 0.1 + 0.025 from n = 10 on
+        let doubted = (0..12).map(|_| (guard.update(1.0, REACH), guard.doubted())).collect::<Vec<_>>();
+        assert_eq!(doubted[8], (0.0, 9));
+        assert_eq!(doubted[9], (1.0, 0));
+    }
+
+    #[test]
+    fn nothing_is_believed_before_the_first_good_reading() {
+        let mut guard = JumpGuard::default();
+        assert_eq!((guard.update(f64::NAN, REACH), guard.doubted()), (0.0, 1));
+        assert_eq!(guard.update(7.0, REACH), 7.0);
+    }
+}

@@ -1,0 +1,70 @@
+//! How much of what was commanded a machine does: sign, strength, and whether it does anything.
+//!
+//! Least squares of the measured answer m on the modelled one c with exponential forgetting over n samples:
+//! P' = (1 - 1/n) P + c m, Q' = (1 - 1/n) Q + c^2, share = P / Q. It is 1 for the machine that the model describes,
+//! negative for a swapped sign, 0 for a drive that is off, below 1 for one that is weak. With a noise of variance s^2 in
+//! m the share has the standard deviation s / sqrt(Q), so it is worth something only where Q > (s / wanted)^2.
+
+use serde::{Deserialize, Serialize};
+
+/// Sums of the least squares; nothing at first.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Response {
+    product: f64,
+    square: f64,
+}
+
+impl Response {
+    /// Takes one sample: what the model does, what the machine does; `memory` in samples, at least 1.
+    pub fn update(&mut self, modelled: f64, measured: f64, memory: f64) {
+        let keep = 1.0 - memory.max(1.0).recip();
+        self.product = keep * self.product + modelled * measured;
+        self.square = keep * self.square + modelled * modelled;
+    }
+
+    /// Share of the modelled answer that is measured; none below the excitation `least`, in the unit of the square.
+    pub fn share(&self, least: f64) -> Option<f64> {
+        (self.square > least.max(f64::MIN_POSITIVE)).then(|| self.product / self.square)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn share(of: f64, offset: f64) -> Option<f64> {
+        let mut response = Response::default();
+        for k in 0..2000 {
+            let modelled = (f64::from(k) * 0.3).sin();
+            response.update(modelled, of * modelled + offset * (f64::from(k) * 1.9).cos(), 500.0);
+        }
+        response.share(1.0)
+    }
+
+    #[test]
+    fn the_share_is_that_of_the_machine() {
+        for of in [1.0, 0.4, 0.0, -1.0, 1.7] {
+            assert!((share(of, 0.0).unwrap() - of).abs() < 1e-12);
+            assert!((share(of, 0.2).unwrap() - of).abs() < 0.01);
+        }
+    }
+
+    #[test]
+    fn without_excitation_nothing_is_said() {
+        let mut response = Response::default();
+        (0..1000).for_each(|_| response.update(1e-3, 5.0, 100.0));
+        // the square tends to n c^2
+        assert_eq!(response.share(1.01e-4), None);
+        assert!(response.share(0.99e-4).is_some());
+        assert_eq!(Response::default().share(0.0), None);
+    }
+
+    #[test]
+    fn what_is_old_is_forgotten() {
+        let mut response = Response::default();
+        (0..1000).for_each(|_| response.update(1.0, 1.0, 50.0));
+        (0..500).for_each(|_| response.update(1.0, -1.0, 50.0));
+        // 1 - 2 (1 - 0.98^500)
+        assert!((response.share(1.0).unwrap() + 1.0).abs() < 1e-3);
+    }
+}
