@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Collection
 from concurrent.futures import ProcessPoolExecutor
 
 from . import document
@@ -17,14 +18,17 @@ NEAR = 0.1
 def main() -> int:
     """Run the command; 0 if the document says what is measured, else 1."""
     parser = argparse.ArgumentParser(prog="python -m tests.communication_step", description=__doc__)
+    names = [loop.name for loop in LOOPS]
+    parser.add_argument("names", metavar="NAME", nargs="*", help="loops, all by default")
     parser.add_argument("--write", action="store_true", help="write the document instead of comparing")
     parser.add_argument("-j", "--jobs", type=int, help="processes, as many as cores by default")
     given = parser.parse_args()
-    outcomes = measured(given.jobs)
+    if not set(given.names) <= set(names):
+        parser.error(f"the loops are {', '.join(names)}")
+    outcomes, before = measured(given.names or names, given.jobs), document.read()
     if given.write:
-        document.write(outcomes)
+        document.write({**before, **outcomes})
         return 0
-    before = document.read()
     other = [
         f"{name} {cell}: {before[name, cell]} is now {outcome}"
         for (name, cell), outcome in outcomes.items()
@@ -34,9 +38,9 @@ def main() -> int:
     return 1 if other else 0
 
 
-def measured(jobs: int | None) -> dict[tuple[str, Cell], Outcome]:
-    """Outcomes of all cells, from processes beside each other."""
-    tasks = [(loop, cell) for loop in LOOPS for cell in CELLS]
+def measured(names: Collection[str], jobs: int | None) -> dict[tuple[str, Cell], Outcome]:
+    """Outcomes of all cells of some loops, from processes beside each other."""
+    tasks = [(loop, cell) for loop in LOOPS if loop.name in names for cell in CELLS]
     with ProcessPoolExecutor(jobs) as pool:
         outcomes = pool.map(measure, *zip(*tasks, strict=True))
         return {(loop.name, cell): outcome for (loop, cell), outcome in zip(tasks, outcomes, strict=True)}
