@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import random
+import zipfile
+from pathlib import Path
 
 import pytest
+
+from cosim.paths import find_fmu
 
 from . import document
 from .__main__ import alike, measured
@@ -33,6 +37,14 @@ def test_the_fmu_warns_beyond_the_longest_step_with_which_its_loop_works(loop: L
         cell = Cell(samples, 0, True)
         assert outcomes[loop.name, cell].warned is (samples > longest), samples
         assert warnings(loop, cell, steps=4) == int(samples > longest), samples
+
+
+@loops
+def test_the_page_in_the_fmu_tells_the_longest_step(loop: Loop) -> None:
+    with zipfile.ZipFile(find_fmu(f"fmu-{loop.name}", Path())) as fmu:
+        page = fmu.read("documentation/index.html").decode()
+    longest = document.limit(loop, document.read())
+    assert f"communication steps of up to {longest:g} sample periods" in page
 
 
 @pytest.mark.full
