@@ -128,8 +128,12 @@ struct Probe {
 }
 
 impl Model for Probe {
-    const INFO: Info =
-        Info { name: "Probe", description: "Every kind of variable & every kind of failure", ..package!() };
+    const INFO: Info = Info {
+        name: "Probe",
+        description: "Every kind of variable & every kind of failure",
+        longest_step: 1e6,
+        ..package!()
+    };
     type Vars = Vars;
 
     fn calculate(vars: &mut Vars) {

@@ -31,6 +31,9 @@ pub struct Info {
     pub stop_time: f64,
     /// Sample period where no parameter `sample_period` tells it, s.
     pub sample_period: f64,
+    /// Longest communication step, in sample periods, at which a closed loop with this model was seen to work: the first
+    /// longer one is told as a warning. Infinity where nobody knows.
+    pub longest_step: f64,
 }
 
 impl Info {
@@ -46,6 +49,7 @@ impl Info {
         state_version: 1,
         stop_time: 1.0,
         sample_period: 1e-3,
+        longest_step: f64::INFINITY,
     };
 }
 

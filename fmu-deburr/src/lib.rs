@@ -26,7 +26,9 @@ use learning::speeds::Speeds;
 use path::path_file;
 
 impl Model for Controller {
-    const INFO: Info = Info { name: "VariableSpeedDeburring", state_version: 2, stop_time: 10.0, ..package!() };
+    // `longest_step` as measured: docs/communication-step.md
+    const INFO: Info =
+        Info { name: "VariableSpeedDeburring", state_version: 2, stop_time: 10.0, longest_step: 1.0, ..package!() };
     type Vars = Vars;
 
     fn calculate(vars: &mut Vars) {

@@ -18,8 +18,14 @@ use fmi2_export::{Env, Error, Info, Model, export, package};
 use interface::Vars;
 
 impl Model for Controller {
-    const INFO: Info =
-        Info { name: "DisturbanceObserverContactDetection", state_version: 2, stop_time: 2.0, ..package!() };
+    // `longest_step` as measured: docs/communication-step.md
+    const INFO: Info = Info {
+        name: "DisturbanceObserverContactDetection",
+        state_version: 2,
+        stop_time: 2.0,
+        longest_step: 2.0,
+        ..package!()
+    };
     type Vars = Vars;
 
     fn calculate(vars: &mut Vars) {

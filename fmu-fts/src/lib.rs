@@ -27,7 +27,9 @@ use interface::Vars;
 use texts::Tables;
 
 impl Model for Controller {
-    const INFO: Info = Info { name: "RotaryFastToolServo", state_version: 2, stop_time: 2.0, ..package!() };
+    // `longest_step` as measured: docs/communication-step.md
+    const INFO: Info =
+        Info { name: "RotaryFastToolServo", state_version: 2, stop_time: 2.0, longest_step: 2.0, ..package!() };
     type Vars = Vars;
 
     fn calculate(vars: &mut Vars) {

@@ -37,6 +37,9 @@ pub fn write<M: Model>() -> String {
     html.element("p", &facts.collect::<Vec<_>>().join(" "));
     html.element("h2", "Timing");
     TIMING.iter().for_each(|text| html.element("p", text));
+    if info.longest_step.is_finite() {
+        html.element("p", &step_limit(info.longest_step));
+    }
     for (title, roles) in [
         ("Inputs", &[Role::Input][..]),
         ("Outputs", &[Role::Output]),
@@ -48,6 +51,14 @@ pub fn write<M: Model>() -> String {
     enumerations(&mut html, M::Vars::TABLE);
     categories(&mut html);
     html.finish()
+}
+
+fn step_limit(longest: f64) -> String {
+    format!(
+        "A closed loop works with communication steps of up to {longest} sample periods, best with one: in a longer step \
+         inputs are held for all of its samples, and of the outputs those of the last sample are seen. The first step \
+         beyond that is told as a warning."
+    )
 }
 
 fn section<V>(html: &mut Writer, title: &'static str, table: &[Variable<V>], roles: &[Role]) {

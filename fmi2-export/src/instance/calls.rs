@@ -63,6 +63,7 @@ impl<M: Exported> Slave for Instance<M> {
         self.call(Function::Reset, |this| {
             this.now = fresh::<M>();
             this.host.logger.reset();
+            this.told_long_step = false;
             Ok(())
         })
     }

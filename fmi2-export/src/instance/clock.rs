@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
 /// A position closer than this to a tick is that tick. In ticks.
-const SNAP: f64 = 1e-6;
+pub const SNAP: f64 = 1e-6;
 
 /// Longest communication step, in ticks: keeps a wrong step size from hanging the master.
 pub const MAX_TICKS: f64 = 1e9;

@@ -1,7 +1,7 @@
 //! Communication points and steps: those that fit the clock and the experiment, and what is wrong with others.
 
 use crate::instance::access::Refusal;
-use crate::instance::clock::{Clock, MAX_TICKS};
+use crate::instance::clock::{Clock, MAX_TICKS, SNAP};
 use crate::model::Experiment;
 
 /// Whether a step begins where the last one has ended, by the clock, and is one that can be done.
@@ -36,4 +36,20 @@ fn wrong_step(clock: &Clock, experiment: &Experiment, time: f64, step: f64) -> R
     } else {
         Refusal::error(format!("the communication point {time} s is not the end of the last step, {expected} s"))
     }
+}
+
+/// Whether a step is longer than `longest` sample periods, beyond what rounding makes of it.
+#[inline]
+pub fn is_too_long(clock: &Clock, step: f64, longest: f64) -> bool {
+    step > (longest + SNAP) * clock.period
+}
+
+/// What a user is told of a step that [`is_too_long`].
+pub fn too_long(clock: &Clock, step: f64, longest: f64) -> String {
+    let (period, samples) = (clock.period, (step / clock.period * 1e6).round() / 1e6);
+    format!(
+        "the communication step `{step} s` is {samples} sample periods of `{period} s`, a closed loop works up to \
+         {longest}: inputs are held for the whole step, and of the outputs those of its last sample are seen\n\
+         hint: set the communication step of the importer to `{period} s`"
+    )
 }

@@ -15,7 +15,7 @@ use crate::exported::Exported;
 use crate::host::phase::{Function, Phase, Status};
 use crate::instance::access::{Refusal, Scalar, Value, not_finite, unknown};
 use crate::instance::clock::Clock;
-use crate::instance::communication::check_step;
+use crate::instance::communication::{check_step, is_too_long, too_long};
 use crate::instance::slave::Slave;
 use crate::instance::snapshot::{Running, Snapshot};
 use crate::instance::states::TakenState;
@@ -32,11 +32,13 @@ pub struct Instance<M: Exported> {
     now: SnapshotOf<M>,
     /// Texts handed out by the last fmi2GetString.
     strings: Vec<CString>,
+    /// Whether a step that is too long was told; not of the state, so that no master that goes back hears it twice.
+    told_long_step: bool,
 }
 
 impl<M: Exported> Instance<M> {
     pub fn new(host: Host) -> Self {
-        Self { host, now: fresh::<M>(), strings: Vec::new() }
+        Self { host, now: fresh::<M>(), strings: Vec::new(), told_long_step: false }
     }
 
     /// The only way through every call: phase check, message, error phase.
@@ -87,6 +89,11 @@ impl<M: Exported> Instance<M> {
             return Err(not_initialized());
         };
         check_step(&running.clock, &experiment, time, step)?;
+        if is_too_long(&running.clock, step, M::INFO.longest_step) && !self.told_long_step {
+            let env = Env { time, experiment, host: &self.host };
+            env.warn(too_long(&running.clock, step, M::INFO.longest_step));
+            self.told_long_step = true;
+        }
         if self.now.derivatives.is_empty() {
             self.run(experiment, step, |_, _, _| Ok(()))?;
         } else {

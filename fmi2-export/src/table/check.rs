@@ -63,6 +63,7 @@ pub const fn info(info: &Info) {
     let numbers = info.sample_period > 0.0 && info.stop_time > 0.0;
     let finite = info.sample_period.is_finite() && info.stop_time.is_finite();
     assert!(numbers && finite, "sample period and stop time are positive and finite");
+    assert!(info.longest_step >= 1.0, "the longest communication step is at least one sample period");
     let texts = [info.name, info.description, info.version, info.author, info.copyright, info.license];
     let mut i = 0;
     while i < texts.len() {
@@ -341,6 +342,8 @@ mod tests {
             Info { sample_period: f64::INFINITY, ..GOOD },
             Info { sample_period: f64::NAN, ..GOOD },
             Info { sample_period: 0.0, ..GOOD },
+            Info { longest_step: 0.5, ..GOOD },
+            Info { longest_step: f64::NAN, ..GOOD },
             Info { author: "two\nlines", ..GOOD },
             Info { description: "\u{1}", ..GOOD },
             Info { identifier: "a.b", ..GOOD },

@@ -108,3 +108,27 @@ fn experiments_that_make_no_sense_are_an_error() {
     // a stop time that never comes is one
     assert_eq!(Instance::new(&fmu).setup(0.0, Some(f64::INFINITY)), OK);
 }
+
+#[test]
+fn a_step_too_long_for_a_closed_loop_is_told_once_and_done() {
+    let fmu = Fmu::probe();
+    // the probe works up to a million of its sample periods of 1 us
+    let started = |instance: &Instance| {
+        assert_eq!(instance.set_real("sample_period", 1e-6), OK);
+        assert_eq!((instance.setup(0.0, None), instance.enter(), instance.exit()), (OK, OK, OK));
+    };
+    let instance = Instance::new(&fmu);
+    started(&instance);
+    assert_eq!((instance.step(0.0, 1.0 + 1e-13), instance.messages().len()), (OK, 0));
+    let before = instance.take_state();
+    let words = ["t = 1 s", "`1.5 s`", "1500000 sample periods of `0.000001 s`", "up to 1000000", "\nhint: set"];
+    instance.refused(instance.step(1.0, 1.5), WARNING, &words);
+    assert_eq!(instance.integer("ticks"), 2_500_000);
+    assert_eq!((instance.step(2.5, 1.5), instance.messages().len()), (OK, 0));
+    // a master that goes back heard it, a reset makes a new instance
+    assert_eq!((instance.put_state(before), instance.step(1.0, 1.5), instance.messages().len()), (OK, OK, 0));
+    instance.free_state(before);
+    assert_eq!(instance.reset(), OK);
+    started(&instance);
+    instance.refused(instance.step(0.0, 1.5), WARNING, &words[1..]);
+}

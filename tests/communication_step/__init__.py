@@ -1,0 +1,1 @@
+"""What communication step and delay do to the closed loops, measured: `docs/communication-step.md`."""
