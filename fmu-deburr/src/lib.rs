@@ -12,6 +12,7 @@ pub mod interface;
 pub mod learning;
 mod load;
 mod machine;
+pub mod monitoring;
 pub mod path;
 mod reading;
 mod run;

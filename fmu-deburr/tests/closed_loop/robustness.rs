@@ -34,7 +34,7 @@ fn random_inputs_do_no_harm() {
             run.input.hold = dice.roll(50) == 0 || run.input.hold && dice.roll(30) != 0;
             run.input.enable = dice.roll(2000) != 0;
             run.input.reset_fault = dice.roll(20) == 0;
-            run.input.spindle_speed = 1700.0 + dice.roll(200) as f64;
+            run.input.spindle_speed = 1640.0 + dice.roll(100) as f64;
             run.input.speed_override = dice.roll(5) as f64 / 3.0 - 0.2;
             match dice.roll(3000) {
                 0 => run.input.spindle_speed = NONSENSE[dice.roll(4) as usize],

@@ -1,0 +1,8 @@
+//! What watches the machine: axes against the model of their loop, the tool's speed, the time of a job.
+
+pub mod axis;
+pub mod budget;
+pub mod finding;
+pub mod rest;
+pub mod tool;
+pub mod watch;
