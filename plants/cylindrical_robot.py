@@ -45,6 +45,7 @@ class CylindricalRobot(Plant):
         "distance", "normal", "across", "tx", "ty", "tz", "nx", "ny", "nz", "workpiece",
         "load", "force", "feed", "engagement", "finish_low", "finish_high", "removed", "left",
         "spindle_speed", "spindle_measured", "spindle_torque", "enable",
+        *(f"hold_{n}" for n in AXES),
     )  # fmt: skip
 
     def name_channels(self, p: CylindricalRobotParameters) -> None:
@@ -171,10 +172,10 @@ class CylindricalRobot(Plant):
             brake = Cell(model.dof_frictionloss, dof, offset=friction)
             bind(f"axis {n} brake", product(), [disable, self.constant(force)], [brake])
             model.dof_frictionloss[dof] = friction
-            held = int(drive.actadr[0])
-            bind(f"axis {n} holds", product(), [enable, Cell(data.act, held)], [Cell(data.act, held)])
-            here = Cell(data.act, held, add=True)
-            bind(f"axis {n} is", product(), [disable, Cell(data.qpos, place)], [here])
+            held, hold = Cell(data.act, int(drive.actadr[0])), f"hold_{n}"
+            bind(f"axis {n} holds", product(), [enable, held], [self.wire(hold, add=True)])
+            bind(f"axis {n} is", product(), [disable, Cell(data.qpos, place)], [self.wire(hold, add=True)])
+            bind(f"axis {n} drive", product(), [self.constant(1.0), self.wire(hold)], [held])
 
     def _cut(self) -> None:
         p, wire, data, bind = self.parameters, self.wire, self.data, self.circuit.bind
