@@ -13,6 +13,7 @@ use crate::load::LoadControl;
 use crate::machine::{Events, Progress, next};
 use crate::monitoring::axis::{Expectation, Verdict};
 use crate::monitoring::budget::budget;
+use crate::monitoring::delay::DelayMonitor;
 use crate::monitoring::finding::{Finding, Numbers};
 use crate::monitoring::tool::ToolMonitor;
 use crate::monitoring::watch::Watch;
@@ -39,6 +40,7 @@ pub struct Controller {
     load: LoadControl,
     reader: Reader,
     watch: Watch,
+    delay: DelayMonitor,
     tool: ToolMonitor,
     reset: Edge,
     /// `enable` was false during the present stop
@@ -99,6 +101,7 @@ impl Controller {
             load,
             reader: Reader::start(),
             watch: Watch::new(p),
+            delay: DelayMonitor::default(),
             tool: ToolMonitor::default(),
             reset: Edge::default(),
             disabled: false,
@@ -176,8 +179,11 @@ impl Controller {
         if !self.state.closed() {
             return (Finding::NONE, false);
         }
-        if self.state == State::Run && self.run.rests(p) {
-            self.watch.rests(p, &reading.positions);
+        if self.state == State::Run {
+            self.delay.update(p, &reading.positions, &self.sent);
+            if self.run.rests(p) {
+                self.watch.rests(p, &reading.positions);
+            }
         }
         let (runs, compensates) = (self.state == State::Run, self.compensates(p, self.job));
         let expected = match self.job {
@@ -189,7 +195,16 @@ impl Controller {
         match self.watch.look(p, &reading.positions, motions, &self.error, expected) {
             Verdict::Good => (Finding::NONE, false),
             Verdict::Grown => (Finding::NONE, runs),
-            Verdict::Wrong(finding) => (finding, false),
+            Verdict::Wrong(finding) => (self.cause(p, finding), false),
+        }
+    }
+
+    /// An answer that comes later than told looks weak, or far away.
+    fn cause(&self, p: &Parameters, finding: Finding) -> Finding {
+        let late = self.delay.after_run(p);
+        match finding.fault {
+            Fault::WeakDrive | Fault::PatternMismatch | Fault::FollowingError if late.is_fault() => late,
+            _ => finding,
         }
     }
 
@@ -326,6 +341,7 @@ impl Controller {
         self.load = LoadControl::new(self.path.speed);
         self.learner.restart();
         self.watch.begin_run();
+        self.delay.restart();
         self.tool.restart();
         (self.on_path, self.inside) = (true, true);
     }
@@ -423,8 +439,9 @@ impl Controller {
 
     /// What a run that has come to its end has wrong.
     fn after_run(&self, p: &Parameters) -> Finding {
-        let rest = self.watch.after_run(p);
-        if !rest.is_fault() && self.job == Mode::Deburr { self.tool.after_run(p) } else { rest }
+        let tool = if self.job == Mode::Deburr { self.tool.after_run(p) } else { Finding::NONE };
+        let found = [self.watch.after_run(p), self.delay.after_run(p), tool];
+        found.into_iter().find(Finding::is_fault).unwrap_or(Finding::NONE)
     }
 
     /// Ends a repetition.

@@ -39,7 +39,12 @@ impl Fault {
     pub fn safe_end(self) -> SafeEnd {
         match self {
             // where the axes are is known and they do what they are told
-            Self::None | Self::PatternMismatch | Self::SpindleSlow | Self::NoCut | Self::NoProgress => SafeEnd::Retract,
+            Self::None
+            | Self::PatternMismatch
+            | Self::WrongDelay
+            | Self::SpindleSlow
+            | Self::NoCut
+            | Self::NoProgress => SafeEnd::Retract,
             Self::PatternTooLarge | Self::BankEmpty => SafeEnd::Stop,
             // a command would be one for another place or another drive
             Self::InvalidInput
@@ -67,6 +72,7 @@ pub fn numbers(Vars { input, output, in_force: p, .. }: &Vars) -> String {
         | Fault::WeakDrive
         | Fault::FollowingError
         | Fault::PatternMismatch => of_axis(output),
+        Fault::WrongDelay => format!(": they answer after `{value}` samples, `io_delay` = `{limit}`"),
         Fault::PatternTooLarge => format!(": limit `{} pulses`", p.limits.pulses_max),
         Fault::SpindleSlow => format!(": `spindle_speed` = `{value:.1} rad/s`, limit `{limit:.1} rad/s`"),
         Fault::NoCut => format!(": it changed by `{value:.2} rad/s`, at least `{limit} rad/s`"),
@@ -123,9 +129,8 @@ mod tests {
     fn what_is_not_under_control_is_switched_off_and_the_rest_ends_gently() {
         for fault in Fault::ALL {
             let expected = match fault {
-                Fault::None | Fault::PatternMismatch | Fault::SpindleSlow | Fault::NoCut | Fault::NoProgress => {
-                    SafeEnd::Retract
-                }
+                Fault::None | Fault::PatternMismatch | Fault::WrongDelay => SafeEnd::Retract,
+                Fault::SpindleSlow | Fault::NoCut | Fault::NoProgress => SafeEnd::Retract,
                 Fault::PatternTooLarge | Fault::BankEmpty => SafeEnd::Stop,
                 _ => SafeEnd::DriveOff,
             };

@@ -85,6 +85,8 @@ mod variables {
         #[hint("did the tool collide, and are `io_delay` and `axisN.pulse` right?")] FollowingError,
         /// With patterns an axis was farther from its reference than `limits.axisN.pattern_error`
         #[hint("patterns belong to a machine: learn on with `learn.from_bank`, or learn anew")] PatternMismatch,
+        /// The axes answer after another number of samples than `io_delay`
+        #[hint("set `io_delay` to it and learn anew")] WrongDelay,
         /// A pattern became larger than `limits.pulses_max`
         #[hint("a larger pulse, or a law that converges")] PatternTooLarge,
         /// There is no pattern to compensate with
@@ -354,10 +356,10 @@ mod variables {
         #[var(start = true, tunable)] pub enable: bool,
         /// Target tool speed N_nom
         #[var(unit = RADIAN_PER_SECOND as "rpm", range = 10.0..=1e5, start = 17_300.0 * RPM, tunable, source = "paper: 17,300 rpm")] pub spindle_speed: f64,
-        /// Gain K1 for each sample
+        /// Gain K1 for each 10 ms, the paper's sample period
         #[var(unit = METRE_PER_SECOND, range = 0.0..=10.0, start = 0.092, tunable, source = "derived: calm, and no stall up to 1.8 times the cutting force")]
         pub k1: f64,
-        /// Gain K2; negative is the sign as printed in the paper, which destabilises and which `law` does not set
+        /// Gain K2 at the paper's sample period; negative is the sign as printed in the paper, which destabilises and which `law` does not set
         #[var(unit = METRE, range = -1.0..=1.0, start = 0.0138, tunable, source = "derived: K2 = tau K1 cancels the pole of the tool, tau = 0.15 s")]
         pub k2: f64,
         /// Slowest feed
@@ -391,9 +393,9 @@ mod variables {
     /// What is a fault of one axis.
     pub struct AxisLimits {
         /// Difference of axis {n} from its reference, or from the model of its loop, that is a fault at rest; in motion
-        /// 1.5 and 0.5 times the lag V/Kp of the bare servo more
+        /// twice and half the lag V/Kp of the bare servo more
         #[var(unit = JOINT[INDEX] as SHOWN[INDEX], range = 1e-6..=10.0, start = [1.5e-3, 1e-3, 1e-3, 5e-3, 5e-3, 5e-3][INDEX],
-            source = "our choice: 1 mm at the tip; the lag is for drives of 2/3 to 2 times their gain")]
+            source = "our choice: 1 mm at the tip; the lag is for drives of 2/3 to 2 times their gain; held at its peak")]
         pub error_max: f64,
         /// Control error of axis {n} with patterns in Playback and Deburr that is a fault
         #[var(unit = JOINT[INDEX] as SHOWN[INDEX], range = 1e-6..=10.0, start = [7.5e-4, 5e-4, 5e-4, 2.5e-3, 2.5e-3, 2.5e-3][INDEX],

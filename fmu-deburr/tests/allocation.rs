@@ -94,6 +94,7 @@ fn towards(fault: Fault) -> Loop {
         Fault::PatternTooLarge => running(Mode::Learn, nothing),
         Fault::Oscillation => Loop::new(|p| (p.servo_gain, p.lookup.enable) = ([150.0; 6], false)),
         Fault::NoCut => running(Mode::Deburr, |p| p.limits.spindle_change = 2.0),
+        Fault::WrongDelay => running(Mode::DryRun, |p| p.io_delay = 3),
         Fault::NoProgress => running(Mode::DryRun, |p| p.limits.job_time = 5.0),
         Fault::PatternMismatch => {
             let mut run = Loop::new(|p| {
@@ -115,7 +116,7 @@ fn towards(fault: Fault) -> Loop {
         Fault::DriveSign => run.share = -1.0,
         Fault::Oscillation => run.input.mode = Mode::DryRun,
         Fault::FollowingError => run.share = 3.0,
-        Fault::None | Fault::PatternTooLarge | Fault::NoCut | Fault::NoProgress => {}
+        Fault::None | Fault::PatternTooLarge | Fault::NoCut | Fault::WrongDelay | Fault::NoProgress => {}
     }
     run
 }

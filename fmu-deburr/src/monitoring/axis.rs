@@ -3,7 +3,8 @@
 //! The loop makes of reference and compensation the position T (r + c), with T of the nominal drive. What the encoder says
 //! beyond that is what nothing explains: at rest nothing, in motion the error of the drive's gain times the lag V/Kp of
 //! the bare servo. So the limit is `error_max` + 0.5 V/Kp for drives of 2/3 to 2 times their gain, whether the patterns are
-//! learned, foreign or none. A pattern that grows is explained by the model, and found by its error: `error_max` + 1.5 V/Kp.
+//! learned, foreign or none. A pattern that grows is explained by the model, and found by its error: `error_max` + V/Kp; the
+//! error of a bare servo of half its gain is twice V/Kp.
 //!
 //! A limit that is passed asks for the cause: a reading that stands, a command that swings, the sign and the strength of
 //! the answer.
@@ -18,9 +19,11 @@ use crate::monitoring::finding::{Finding, Numbers};
 /// Difference from the model in lags of the bare servo.
 const MISMATCH: f64 = 0.5;
 /// Error in lags of the bare servo.
-const BARE: f64 = 1.5;
-/// The lag fades with so many times Kp.
-const FADING: f64 = 0.5;
+const BARE: f64 = 2.0;
+/// Error in lags of the bare servo from which a pattern that is learned does harm.
+const GROWN: f64 = 1.0;
+/// The lag is held at its peak and fades with so many times Kp, in motion and in the rest after it.
+const FADING: [f64; 2] = [0.25, 0.5];
 /// Samples over which the answer of an axis is compared with its command.
 const MEMORY: f64 = 4.0;
 /// Counts of motion in a sample from which there is an answer to compare.
@@ -31,6 +34,8 @@ const BAND: f64 = 1.5;
 const WEAK: f64 = 0.7;
 /// Share below which it goes the other way.
 const OPPOSITE: f64 = -0.2;
+/// Share of the command for `error_max` from which a command swings.
+const SWING: f64 = 0.1;
 /// Reversals of a loop that is not stable, and the longest time between two, samples.
 const SWINGS: (u32, u32) = (3, 20);
 
@@ -41,6 +46,8 @@ pub struct AxisMonitor {
     model: LoopState,
     /// lag of the bare servo, held at its peak, rad or m
     lag: f64,
+    /// the same that fades faster, in the rest after a run
+    tail: f64,
     reference: f64,
     before: f64,
     frozen: Frozen,
@@ -92,6 +99,7 @@ impl AxisMonitor {
             nominal: Nominal::new(p, axis),
             model: LoopState::default(),
             lag: 0.0,
+            tail: 0.0,
             reference: 0.0,
             before: 0.0,
             frozen: Frozen::default(),
@@ -108,7 +116,8 @@ impl AxisMonitor {
     pub fn restart(&mut self, position: f64, pulse: f64) {
         let place = position / pulse;
         self.model = LoopState::resting(place.round());
-        (self.lag, self.reference, self.before) = (0.0, place.round() * pulse, position);
+        (self.lag, self.tail) = (0.0, 0.0);
+        (self.reference, self.before) = (place.round() * pulse, position);
         (self.frozen, self.response, self.swing, self.swings) =
             (Frozen::default(), Response::default(), Reversals::default(), 0);
         (self.unexplained, self.far, self.off) = (Consecutive::NONE, Consecutive::NONE, Consecutive::NONE);
@@ -119,9 +128,9 @@ impl AxisMonitor {
         position - self.model.position() * pulse
     }
 
-    /// How far the position may be from the model, beyond what is allowed at rest, rad or m.
+    /// How far the position may be from the model in the rest after a run, because the drive is slow, rad or m.
     pub fn allowance(&self) -> f64 {
-        MISMATCH * self.lag
+        MISMATCH * self.tail
     }
 
     /// Takes what was sent: reference and compensation in counts, and the velocity command (rad/s or m/s).
@@ -130,9 +139,10 @@ impl AxisMonitor {
         self.nominal.step(&mut self.model, reference + compensation);
         let moved = (reference * pulse - self.reference).abs();
         self.reference = reference * pulse;
-        let fade = (-FADING * kp * p.sample_period).exp();
-        self.lag = (self.lag * fade).max(moved / (kp * p.sample_period));
-        let limit = 0.5 * kp * p.limits.axis[axis].error_max;
+        let lag = moved / (kp * p.sample_period);
+        let [slow, fast] = FADING.map(|fading| (-fading * kp * p.sample_period).exp());
+        (self.lag, self.tail) = ((self.lag * slow).max(lag), (self.tail * fast).max(lag));
+        let limit = SWING * kp * p.limits.axis[axis].error_max;
         self.swings = self.swing.update(velocity, limit, SWINGS.1);
     }
 
@@ -150,11 +160,12 @@ impl AxisMonitor {
             return self.wrong(axis, Fault::FrozenReading, unanswered, limits.error_max, p);
         }
         let residual = self.residual(position, pulse).abs();
-        let most = limits.error_max + self.allowance();
+        let most = limits.error_max + MISMATCH * self.lag;
         if self.unexplained.update(residual > most) > bridged {
             return self.wrong(axis, Fault::FollowingError, residual, most, p);
         }
-        let most = limits.error_max + BARE * self.lag;
+        let lags = if expected == Expectation::Learned { GROWN } else { BARE };
+        let most = limits.error_max + lags * self.lag;
         if self.far.update(error.abs() > most) > bridged {
             return match expected {
                 Expectation::Learned => Verdict::Grown,

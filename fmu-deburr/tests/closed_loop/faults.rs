@@ -137,8 +137,8 @@ fn a_reading_that_drifts_is_told_before_done() {
 #[test]
 fn a_loop_that_is_not_stable_is_an_oscillation() {
     let mut p = Parameters::START;
-    p.servo_gain[2] = 80.0;
-    let mut run = Loop::new(&p, &Build { delay: 3, ..Build::NOMINAL });
+    p.servo_gain[2] = 90.0;
+    let mut run = Loop::new(&p, &Build::NOMINAL);
     run.step();
     run.input.mode = Mode::DryRun;
     let mut off: f64 = 0.0;
@@ -148,6 +148,17 @@ fn a_loop_that_is_not_stable_is_an_oscillation() {
     }
     stands_with(&run, Fault::Oscillation);
     assert!(off < 0.02, "{off}");
+}
+
+#[test]
+fn a_delay_that_is_not_the_one_told_is_named() {
+    for (delay, io_delay) in [(0, 1), (1, 0), (2, 1)] {
+        let mut p = Parameters::START;
+        p.io_delay = io_delay;
+        let mut run = Loop::new(&p, &Build { delay, ..Build::NOMINAL });
+        assert!(!run.finish(Mode::Learn));
+        assert_eq!((run.output.fault, run.output.numbers.value), (Fault::WrongDelay, delay as f64));
+    }
 }
 
 #[test]

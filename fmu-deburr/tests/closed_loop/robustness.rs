@@ -21,11 +21,12 @@ fn random_inputs_do_no_harm() {
     const NONSENSE: [f64; 4] = [f64::NAN, f64::INFINITY, 1e300, -1e5];
     let mut p = Parameters::START;
     p.learn.repetitions = 1;
-    p.path.taught_speed = 0.5;
+    (p.path.taught_speed, p.transfer.time) = (0.5, 0.3);
     p.learn.factors = Speeds::new(&[1.0]).unwrap();
     let mut visited = [false; State::ALL.len() + 1];
     for seed in 0..12 {
         let mut run = Loop::new(&p, &Build::NOMINAL);
+        run.parameters.lookup.enable = seed % 2 == 0;
         let mut dice = Dice(seed);
         for _ in 0..6000 {
             if dice.roll(300) == 0 {
