@@ -9,9 +9,9 @@ wrist. Axis 4 turns the wrist about the vertical, axis 5 tilts it, axis 6 turns 
 With all three at zero the tool points down. The origin is on the axis of the column, at the height of the
 wrist with axis 2 at zero.
 
-Each drive has a spring-applied brake, as the axes of robots have: without `enable` the drives have no force and
-the brakes are closed, with the largest force of the drive as dry friction (our choice). Enabled again a drive
-holds the place where it is.
+Each drive has a spring-applied brake, as the axes of robots have: without `enable` the drives have no force
+and the brakes are closed, with the largest force of the drive as dry friction (our choice). Enabled again a
+drive holds the place where it is.
 """
 
 import math

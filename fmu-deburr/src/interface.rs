@@ -16,7 +16,7 @@ mod variables {
     use fmi2_export::Unit;
 
     use crate::learning::speeds::Speeds;
-    use crate::monitoring::finding::Numbers;
+    use crate::monitoring::numbers::Numbers;
 
     const PER_SECOND: Unit = Unit::si("1/s", [0, 0, -1, 0, 0], &[]);
     /// Units of the six axes.

@@ -27,7 +27,7 @@ use learning::speeds::Speeds;
 use path::path_file;
 
 impl Model for Controller {
-    const INFO: Info = Info { name: "VariableSpeedDeburring", state_version: 2, stop_time: 10.0, ..package!() };
+    const INFO: Info = Info { name: "VariableSpeedDeburring", state_version: 3, stop_time: 10.0, ..package!() };
     type Vars = Vars;
 
     fn calculate(vars: &mut Vars) {

@@ -5,6 +5,7 @@ pub mod axis;
 pub mod budget;
 pub mod delay;
 pub mod finding;
+pub mod numbers;
 pub mod rest;
 pub mod tool;
 pub mod watch;
