@@ -92,14 +92,18 @@ fn commanded(run: &mut Loop, change: impl Fn(&mut fmu_deburr::path::Joints)) {
 
 #[test]
 fn a_drive_that_does_something_else_is_named_by_what_it_does() {
-    let cases: [(Fault, fn(&mut f64), f64); 4] = [
-        (Fault::DriveSign, |v| *v = -*v, 0.03),
-        (Fault::WeakDrive, |v| *v *= 0.3, 0.015),
-        (Fault::WeakDrive, |v| *v = v.clamp(-0.02, 0.02), 0.015),
-        (Fault::FrozenReading, |v| *v = 0.0, 0.015),
+    // gain, largest speed, distance from the reference
+    let cases = [
+        (Fault::DriveSign, -1.0, 1.0, 0.03),
+        (Fault::WeakDrive, 0.3, 1.0, 0.015),
+        (Fault::WeakDrive, 1.0, 0.02, 0.015),
+        (Fault::FrozenReading, 0.0, 1.0, 0.015),
     ];
-    for (fault, change, most) in cases {
-        let (found, off) = bent(Mode::DryRun, |run, _| commanded(run, |velocity| change(&mut velocity[2])));
+    for (fault, gain, fastest, most) in cases {
+        let bend = |velocity: &mut fmu_deburr::path::Joints| {
+            velocity[2] = (gain * velocity[2]).clamp(-fastest, fastest);
+        };
+        let (found, off) = bent(Mode::DryRun, |run, _| commanded(run, bend));
         assert_eq!(found, fault);
         assert!(off < most, "{fault:?}: {off}");
     }
