@@ -1,17 +1,18 @@
 //! One sample of the whole law: read, decide, refer, compensate, command, report.
 
-use control_blocks::{Consecutive, Edge, ParameterError, Progress as Elapsed, SafeEnd, SentCommands, ticks};
+mod following;
+mod watching;
+
+use control_blocks::{Consecutive, Edge, ParameterError, Progress as Elapsed, SafeEnd, SentCommands};
 use serde::{Deserialize, Serialize};
 
 use crate::bank::kept::KeptPatterns;
 use crate::bank::pattern_bank::PatternBank;
 use crate::check::check;
-use crate::faults::{self, Signs};
 use crate::interface::{AxisOutput, BankStatus, Fault, Input, Mode, Output, Parameters, State};
-use crate::learning::learner::{Learner, Next};
+use crate::learning::learner::Learner;
 use crate::load::LoadControl;
 use crate::machine::{Events, Progress, next};
-use crate::monitoring::axis::{Expectation, Verdict};
 use crate::monitoring::budget::budget;
 use crate::monitoring::delay::DelayMonitor;
 use crate::monitoring::finding::{Finding, Numbers};
@@ -174,51 +175,9 @@ impl Controller {
         self.state == State::Run && self.job == Mode::Deburr
     }
 
-    /// Looks at the axes while their loops are closed: what is wrong, and whether a pattern grows.
-    fn watch_axes(&mut self, p: &Parameters, reading: &Reading, motions: &Joints) -> (Finding, bool) {
-        if !self.state.closed() {
-            return (Finding::NONE, false);
-        }
-        if self.state == State::Run {
-            self.delay.update(p, &reading.positions, &self.sent);
-            if self.run.rests(p) {
-                self.watch.rests(p, &reading.positions);
-            }
-        }
-        let (runs, compensates) = (self.state == State::Run, self.compensates(p, self.job));
-        let expected = match self.job {
-            // the error that has ended a repetition fades while it stops
-            Mode::Learn if runs && self.learner.repetition > 0 || self.state == State::Stop => Expectation::Learned,
-            _ if runs && compensates => Expectation::Compensated,
-            _ => Expectation::Bare,
-        };
-        match self.watch.look(p, &reading.positions, motions, &self.error, expected) {
-            Verdict::Good => (Finding::NONE, false),
-            Verdict::Grown => (Finding::NONE, runs),
-            Verdict::Wrong(finding) => (self.cause(p, finding), false),
-        }
-    }
-
-    /// An answer that comes later than told looks weak, or far away.
-    fn cause(&self, p: &Parameters, finding: Finding) -> Finding {
-        let late = self.delay.after_run(p);
-        match finding.fault {
-            Fault::WeakDrive | Fault::PatternMismatch | Fault::FollowingError if late.is_fault() => late,
-            _ => finding,
-        }
-    }
-
     /// A job that uses patterns.
     fn compensates(&self, p: &Parameters, job: Mode) -> bool {
         matches!(job, Mode::Playback | Mode::Deburr) && p.lookup.enable
-    }
-
-    /// Keeps the best pattern of a speed at which the error grows.
-    fn abandon_repetition(&mut self, p: &Parameters) -> bool {
-        let speed = self.learner.speed;
-        let next = self.learner.abandon(p, self.bank.pattern_mut(speed));
-        self.end_speed(speed, next);
-        true
     }
 
     /// Goes on to the next state.
@@ -257,15 +216,6 @@ impl Controller {
         }
     }
 
-    /// The fault in force and how it ends: a graver one takes the place of a lighter one, and never the other way.
-    fn escalate(&mut self, found: Finding, counts: bool) -> Option<SafeEnd> {
-        let graver = self.fault == Fault::None || found.fault.safe_end() > self.fault.safe_end();
-        if counts && found.is_fault() && graver {
-            (self.fault, self.numbers) = (found.fault, found.numbers);
-        }
-        (self.fault != Fault::None).then(|| self.fault.safe_end())
-    }
-
     /// What `mode` asks for where it is no job: nothing moves by itself afterwards.
     fn take_mode(&mut self, before: State, input: &Input) {
         let mode = input.mode;
@@ -280,31 +230,6 @@ impl Controller {
         if input.enable {
             self.asked = mode;
         }
-    }
-
-    fn find_fault(
-        &mut self,
-        p: &Parameters,
-        reading: &Reading,
-        inputs: Finding,
-        axes: Finding,
-        input: &Input,
-    ) -> Finding {
-        let starts = input.enable && self.state.waits() && input.mode != self.job;
-        let empty = self.compensates(p, input.mode) && self.bank.patterns().is_empty();
-        let tool = if self.cuts() { self.tool.update(p, reading.spindle_speed) } else { Finding::NONE };
-        let works = self.job.moves() && !self.state.waits() && self.state.closed();
-        faults::find(
-            p,
-            &Signs {
-                inputs,
-                axes,
-                run: std::mem::replace(&mut self.ended, Finding::NONE),
-                nothing_learned: starts && empty,
-                tool,
-                job: if works { (self.elapsed.samples(), self.budget) } else { (0, 0) },
-            },
-        )
     }
 
     fn enter(&mut self, p: &Parameters, reading: &Reading, before: State) {
@@ -359,130 +284,8 @@ impl Controller {
         }
     }
 
-    /// Moves the reference on and finds its compensation.
-    fn advance(&mut self, p: &Parameters, reading: &Reading, hold: bool) {
-        self.compensation = [0.0; AXES];
-        let waits = hold || self.job != Mode::Learn && reading.share == 0.0;
-        if !waits && self.job.moves() && !self.state.waits() {
-            self.elapsed.count();
-        }
-        match self.state {
-            State::Approach => self.follow_route(p, hold),
-            State::Retract => {
-                self.follow_route(p, false);
-                self.inside = self.progress == Progress::Busy;
-            }
-            State::Settle => {
-                let near = (0..AXES).all(|i| self.error[i].abs() * p.axis[i].pulse <= p.limits.axis[i].error_max);
-                let rested = self.rested.update(near);
-                self.finish_if(rested >= ticks(p.transfer.settle_time, p.sample_period));
-            }
-            State::Stop if !self.on_path => {
-                self.follow_route(p, true);
-                self.finish_if(self.route.stands() || self.route.over());
-            }
-            State::Stop => {
-                self.follow(p, 0.0);
-                self.finish_if(self.run.stands());
-            }
-            State::Run => {
-                let target = self.target(p, reading);
-                self.follow(p, if hold { 0.0 } else { target });
-            }
-            State::Off | State::Idle | State::Done | State::Fault => {}
-        }
-    }
-
-    fn follow_route(&mut self, p: &Parameters, hold: bool) {
-        self.joints = self.route.step(p.sample_period, hold);
-        self.inside = self.route.inside();
-        self.finish_if(self.route.over());
-    }
-
     fn finish_if(&mut self, over: bool) {
         self.progress = if over { Progress::Over } else { Progress::Busy };
-    }
-
-    /// Wanted speed on the path, m/s.
-    fn target(&mut self, p: &Parameters, reading: &Reading) -> f64 {
-        let taught = self.path.speed * reading.share;
-        match self.job {
-            Mode::Learn => self.bank.factor(self.learner.speed) * self.path.speed,
-            Mode::Deburr if p.load.enable => self.load.step(p, reading.spindle_speed, self.run.speed(), taught),
-            _ => taught,
-        }
-    }
-
-    /// One sample on the path.
-    fn follow(&mut self, p: &Parameters, target: f64) {
-        let laps = self.run.laps;
-        let goes_on = self.run.step(p, &self.path, target);
-        let (runs, lap) = (self.state == State::Run, self.run.laps > laps);
-        let repetition_over = if self.path.cyclic { laps > 0 && lap } else { !goes_on };
-        if lap && self.job != Mode::Learn {
-            self.elapsed.restart();
-        }
-        if runs && !goes_on {
-            self.ended = self.after_run(p);
-        }
-        if self.job == Mode::Learn && runs && repetition_over && !self.ended.is_fault() {
-            self.renew(p);
-        } else {
-            self.finish_if(!goes_on);
-        }
-        if self.progress == Progress::Busy {
-            let pose = self.path.at(self.run.point().distance);
-            self.joints = p.arm.inverse(&pose, &self.joints).unwrap_or(self.joints);
-            self.compensation = self.compensate(p).map(f64::round);
-        }
-    }
-
-    /// What a run that has come to its end has wrong.
-    fn after_run(&self, p: &Parameters) -> Finding {
-        let tool = if self.job == Mode::Deburr { self.tool.after_run(p) } else { Finding::NONE };
-        let found = [self.watch.after_run(p), self.delay.after_run(p), tool];
-        found.into_iter().find(Finding::is_fault).unwrap_or(Finding::NONE)
-    }
-
-    /// Ends a repetition.
-    fn renew(&mut self, p: &Parameters) {
-        let speed = self.learner.speed;
-        let next = self.learner.finish(p, self.bank.pattern_mut(speed));
-        if next == Next::TooLarge {
-            self.ended = Finding::plain(Fault::PatternTooLarge);
-        }
-        self.end_speed(speed, next);
-        self.progress = match next {
-            Next::Repeat if self.path.cyclic => Progress::Busy,
-            Next::Done => Progress::Over,
-            Next::Repeat | Next::NextSpeed | Next::TooLarge => Progress::Again,
-        };
-    }
-
-    /// Takes the pattern of a speed over when it is learned.
-    fn end_speed(&mut self, speed: usize, next: Next) {
-        if matches!(next, Next::NextSpeed | Next::Done) {
-            self.bank.learned(speed);
-            self.changed = true;
-        }
-        if next == Next::Done {
-            (self.learning, self.learned, self.export) = (false, true, true);
-        }
-    }
-
-    /// Compensation of this sample on the path, pulses, not rounded.
-    fn compensate(&self, p: &Parameters) -> Joints {
-        match self.job {
-            Mode::Learn => {
-                let pattern = self.bank.pattern(self.learner.speed);
-                match self.run.index(pattern) {
-                    Some(index) if self.state == State::Run => pattern.compensation(index as isize),
-                    _ => self.run.compensation(p, &self.path, std::slice::from_ref(pattern)),
-                }
-            }
-            job if self.compensates(p, job) => self.run.compensation(p, &self.path, self.bank.patterns()),
-            _ => [0.0; AXES],
-        }
     }
 
     /// Velocity commands, rad/s or m/s.
