@@ -8,6 +8,10 @@ Axis 1 turns the column, axis 2 lifts the carriage, axis 3 moves the arm out: an
 wrist. Axis 4 turns the wrist about the vertical, axis 5 tilts it, axis 6 turns the spindle about the tool.
 With all three at zero the tool points down. The origin is on the axis of the column, at the height of the
 wrist with axis 2 at zero.
+
+Each drive has a spring-applied brake, as the axes of robots have: without `enable` the drives have no force
+and the brakes are closed, with the largest force of the drive as dry friction (our choice). Enabled again a
+drive holds the place where it is.
 """
 
 import math
@@ -40,7 +44,8 @@ class CylindricalRobot(Plant):
     wires: ClassVar[tuple[str, ...]] = (
         "distance", "normal", "across", "tx", "ty", "tz", "nx", "ny", "nz", "workpiece",
         "load", "force", "feed", "engagement", "finish_low", "finish_high", "removed", "left",
-        "spindle_speed", "spindle_measured", "spindle_torque",
+        "spindle_speed", "spindle_measured", "spindle_torque", "enable",
+        *(f"hold_{n}" for n in AXES),
     )  # fmt: skip
 
     def name_channels(self, p: CylindricalRobotParameters) -> None:
@@ -57,6 +62,7 @@ class CylindricalRobot(Plant):
         self.commands = (
             *(self._command(n) for n in AXES),
             Channel("workpiece", "1", "1 while the part lies there", minimum=0.0, maximum=1.0),
+            Channel("enable", "1", "1 for live drives, 0 for closed brakes", 0.0, 0.0, 0.0, 1.0, start=1.0),
         )
         self.truths = (
             *vector("tip", "m", "Tip of the tool"),
@@ -136,6 +142,7 @@ class CylindricalRobot(Plant):
     def begin(self, steps: int) -> None:
         """Draw the burr, place the tip above the start of the edge, bind the elements."""
         self._place()
+        self._brake()
         self._cut()
         self._channels()
 
@@ -150,6 +157,25 @@ class CylindricalRobot(Plant):
             data.joint(f"axis_{n}").qpos[0] = place
             # the drive holds where it is
             data.act[self.model.actuator(f"axis_{n}").actadr[0]] = place
+
+    def _brake(self) -> None:
+        """Without `enable` no force of the drives, closed brakes, and drives that hold where the axes are."""
+        model, data, bind, product = self.model, self.data, self.circuit.bind, _native.product
+        enable, disable = self.wire("enable"), self.wire("enable", scale=-1.0, offset=1.0)
+        for n in AXES:
+            drive, joint = model.actuator(f"axis_{n}"), model.joint(f"axis_{n}")
+            force, friction = self._of(n, "force"), self.parameters.coulomb_friction * self._of(n, "force")
+            for side, most in enumerate((-force, force)):
+                limit = Cell(model.actuator_forcerange, 2 * int(drive.id) + side)
+                bind(f"axis {n} limit {side}", product(), [enable, self.constant(most)], [limit])
+            dof, place = int(joint.dofadr[0]), int(joint.qposadr[0])
+            brake = Cell(model.dof_frictionloss, dof, offset=friction)
+            bind(f"axis {n} brake", product(), [disable, self.constant(force)], [brake])
+            model.dof_frictionloss[dof] = friction
+            held, hold = Cell(data.act, int(drive.actadr[0])), f"hold_{n}"
+            bind(f"axis {n} holds", product(), [enable, held], [self.wire(hold, add=True)])
+            bind(f"axis {n} is", product(), [disable, Cell(data.qpos, place)], [self.wire(hold, add=True)])
+            bind(f"axis {n} drive", product(), [self.constant(1.0), self.wire(hold)], [held])
 
     def _cut(self) -> None:
         p, wire, data, bind = self.parameters, self.wire, self.data, self.circuit.bind
@@ -184,7 +210,7 @@ class CylindricalRobot(Plant):
         readings = {f"axis{n}_position": Cell(data.sensordata, n - 1) for n in AXES}
         readings["spindle_speed"] = wire("spindle_measured")
         commands = {f"axis{n}_velocity": self._control(f"axis_{n}", p.drive_gain) for n in AXES}
-        commands["workpiece"] = wire("workpiece")
+        commands |= {"workpiece": wire("workpiece"), "enable": wire("enable")}
         truths = {f"tip_{c}": Cell(data.site_xpos, tip + i) for i, c in enumerate("xyz")}
         named = {
             "distance": "distance", "deviation": "normal", "deviation_across": "across", "feed": "feed",

@@ -8,7 +8,7 @@ use crate::run::PREVIEW_MAX;
 
 /// Checks all combinations; the first that fails is the error.
 pub fn check(p: &Parameters, path: &TaughtPath) -> Result<(), ParameterError> {
-    check_all(p, &[travel, bandwidth, lead, lead_in, preview])?;
+    check_all(p, &[travel, bandwidth, lead, lead_in, lead_out, preview])?;
     speed_min(p, path)
 }
 
@@ -40,6 +40,15 @@ fn lead_in(p: &Parameters) -> Result<(), ParameterError> {
     lead_in.at_least(p.shift(), "`learn.lead` and `io_delay` together")
 }
 
+fn lead_out(p: &Parameters) -> Result<(), ParameterError> {
+    // the slowest axis has come to 2 % of its lag
+    let slowest = p.servo_gain.iter().fold(f64::INFINITY, |least, gain| least.min(*gain));
+    let least = (4.0 / (slowest * p.sample_period)).ceil() as i32;
+    let hint = "samples are shorter or the servo is slower than these rests were meant for";
+    let lead_out = Parameter::new("learn.lead_out", p.learn.lead_out, "", hint);
+    lead_out.at_least(least, "4 time constants 1/Kp of the slowest axis")
+}
+
 fn preview(p: &Parameters) -> Result<(), ParameterError> {
     let delay = f64::from(p.io_delay) * p.sample_period;
     let (low, high) = (-delay, PREVIEW_MAX as f64 * p.sample_period - delay);
@@ -67,6 +76,7 @@ mod tests {
         (|p| p.learn.bandwidth = 300.0, "learn.bandwidth", "`300 rad/s`", "`282.7 rad/s`"),
         (|p| p.learn.lead = -3, "learn.lead", "`-3`", "at least `-1`"),
         (|p| (p.learn.lead, p.io_delay) = (8, 6), "learn.lead_in", "`10`", "at least `14`"),
+        (|p| p.learn.lead_out = 30, "learn.lead_out", "`30`", "at least `31`"),
         (|p| p.lookup.preview = 0.08, "lookup.preview", "`0.08 s`", "`-0.01` to `0.07 s`"),
         (|p| p.load.speed_min = 0.2, "load.speed_min", "`0.2 m/s`", "`0.1 m/s`"),
     ];

@@ -1,20 +1,28 @@
 //! One sample of the whole law: read, decide, refer, compensate, command, report.
 
-use control_blocks::{Edge, ParameterError, ticks};
+mod following;
+mod watching;
+
+use control_blocks::{Consecutive, Edge, ParameterError, Progress as Elapsed, SafeEnd, SentCommands};
 use serde::{Deserialize, Serialize};
 
+use crate::bank::kept::KeptPatterns;
 use crate::bank::pattern_bank::PatternBank;
 use crate::check::check;
-use crate::faults::{self, Signs};
 use crate::interface::{AxisOutput, BankStatus, Fault, Input, Mode, Output, Parameters, State};
-use crate::learning::learner::{Learner, Next};
+use crate::learning::learner::Learner;
 use crate::load::LoadControl;
 use crate::machine::{Events, Progress, next};
+use crate::monitoring::budget::budget;
+use crate::monitoring::delay::DelayMonitor;
+use crate::monitoring::finding::{Finding, Numbers};
+use crate::monitoring::tool::ToolMonitor;
+use crate::monitoring::watch::Watch;
 use crate::path::feasible;
 use crate::path::kinematics::{AXES, Joints};
+use crate::path::route::Route;
 use crate::path::taught_path::TaughtPath;
-use crate::path::transfer::TransferMotion;
-use crate::reading::{Reader, Reading};
+use crate::reading::{Known, Reader, Reading};
 use crate::run::Run;
 use crate::servo;
 
@@ -25,33 +33,51 @@ pub struct Controller {
     /// axes at the start of the path
     start: Joints,
     bank: PatternBank,
+    kept: KeptPatterns,
     learner: Learner,
+    /// something is being learned; all of it was learned
+    learning: bool,
     learned: bool,
     load: LoadControl,
     reader: Reader,
+    watch: Watch,
+    delay: DelayMonitor,
+    tool: ToolMonitor,
     reset: Edge,
     /// `enable` was false during the present stop
     disabled: bool,
     state: State,
     fault: Fault,
+    numbers: Numbers,
     /// what is being done
     job: Mode,
+    /// `mode` of the last sample with `enable`
+    asked: Mode,
+    /// samples of the job, and how many it may take
+    elapsed: Elapsed,
+    budget: u64,
     progress: Progress,
-    transfer: TransferMotion,
+    route: Route,
     run: Run,
-    /// the run, not the transfer, was the last motion
+    /// the run, not the route, was the last motion
     on_path: bool,
-    rested: u32,
+    /// the tool may be in the part
+    inside: bool,
+    rested: Consecutive,
     /// reference, rad or m
     joints: Joints,
+    sent: [SentCommands; AXES],
     /// control error and compensation of the last sample, pulses
     error: Joints,
     compensation: Joints,
-    too_large: bool,
+    /// what a run that came to its end had wrong
+    ended: Finding,
     /// the bank is to be written
     export: bool,
     /// the bank is not that of a file any more
     changed: bool,
+    /// where the bank was from before
+    origin: BankStatus,
 }
 
 impl Controller {
@@ -64,31 +90,43 @@ impl Controller {
         let start = feasible::start(p, &path)?;
         let bank = PatternBank::plan(p, &path)?;
         let learner = Learner::new(p, bank.longest());
-        let (load, run) = (LoadControl::new(path.speed), Run::new(p, &path));
+        let (load, run, kept) = (LoadControl::new(path.speed), Run::new(p, &path), KeptPatterns::new(&bank));
         Ok(Self {
             path,
             start,
             bank,
+            kept,
             learner,
+            learning: false,
             learned: false,
             load,
-            reader: Reader::START,
+            reader: Reader::start(),
+            watch: Watch::new(p),
+            delay: DelayMonitor::default(),
+            tool: ToolMonitor::default(),
             reset: Edge::default(),
             disabled: false,
             state: State::Off,
             fault: Fault::None,
+            numbers: Numbers::START,
             job: Mode::Idle,
+            asked: Mode::Idle,
+            elapsed: Elapsed::default(),
+            budget: 0,
             progress: Progress::Busy,
-            transfer: TransferMotion::at(&[0.0; AXES]),
+            route: Route::at(&[0.0; AXES]),
             run,
             on_path: false,
-            rested: 0,
+            inside: false,
+            rested: Consecutive::NONE,
             joints: [0.0; AXES],
+            sent: [SentCommands::default(); AXES],
             error: [0.0; AXES],
             compensation: [0.0; AXES],
-            too_large: false,
+            ended: Finding::NONE,
             export: false,
             changed: false,
+            origin: BankStatus::Empty,
         })
     }
 
@@ -115,19 +153,38 @@ impl Controller {
 
     /// One sample: reads the inputs, writes the outputs.
     pub fn tick(&mut self, input: &Input, p: &Parameters, output: &mut Output) {
+        if !self.learning && !self.changed {
+            self.origin = output.bank.status;
+        }
         let before = self.reader.positions();
-        let (reading, valid) = self.reader.read(input);
+        let motions = self.sent.map(|sent| sent.before(p.io_delay as usize) * p.sample_period);
+        let known = Known { motions: &motions, closed: self.state.closed(), cuts: self.cuts() };
+        let (reading, found) = self.reader.read(p, input, &known);
         let at_rest = servo::at_rest(p, &reading.positions, &before);
-        self.decide(p, input, &reading, valid, at_rest);
+        let (axes, grown) = self.watch_axes(p, &reading, &motions);
+        let grown = grown && self.abandon_repetition(p);
+        let found = self.find_fault(p, &reading, found, axes, input);
+        self.decide(p, input, &reading, found, (at_rest, grown));
         self.advance(p, &reading, input.hold);
         let velocity = self.command(p, &reading);
         self.report(p, &velocity, output);
     }
 
-    /// Finds faults, and goes on to the next state.
-    fn decide(&mut self, p: &Parameters, input: &Input, reading: &Reading, valid: bool, at_rest: bool) {
-        let fault = self.find_fault(p, reading, valid, input);
+    /// The tool cuts.
+    fn cuts(&self) -> bool {
+        self.state == State::Run && self.job == Mode::Deburr
+    }
+
+    /// A job that uses patterns.
+    fn compensates(&self, p: &Parameters, job: Mode) -> bool {
+        matches!(job, Mode::Playback | Mode::Deburr) && p.lookup.enable
+    }
+
+    /// Goes on to the next state.
+    fn decide(&mut self, p: &Parameters, input: &Input, reading: &Reading, found: Finding, signs: (bool, bool)) {
+        let (at_rest, grown) = signs;
         let (before, mode) = (self.state, input.mode);
+        let end = self.escalate(found, before != State::Off || input.enable);
         self.disabled = !input.enable || self.disabled && before == State::Stop;
         self.state = next(
             before,
@@ -138,7 +195,11 @@ impl Controller {
                 job: self.job,
                 hold: input.hold,
                 reset: self.reset.rises(input.reset_fault) && at_rest,
-                fault: fault != Fault::None,
+                end,
+                fault: found.is_fault(),
+                inside: self.inside,
+                grown,
+                learned: self.job == Mode::Learn && self.learned,
                 progress: self.progress,
             },
         );
@@ -147,48 +208,52 @@ impl Controller {
             self.begin(p, mode);
         }
         if self.state != before || begins {
-            self.enter(p, reading, before, fault);
+            self.enter(p, reading, before);
         }
-        // nothing moves by itself after a fault, or after an edge of `enable` that came during a stop
+        self.take_mode(before, input);
+        if self.learning && (self.job != Mode::Learn || !self.state.closed()) {
+            (self.learning, self.changed) = (false, self.kept.end(&mut self.bank) || self.changed);
+        }
+    }
+
+    /// What `mode` asks for where it is no job: nothing moves by itself afterwards.
+    fn take_mode(&mut self, before: State, input: &Input) {
+        let mode = input.mode;
+        // after a fault, or after an edge of `enable` that came during a stop
         let ignored = !self.state.closed() || before == State::Fault;
         if self.state == State::Off && !input.enable {
-            self.job = Mode::Idle;
+            // a mode that changes now does not begin with `enable`
+            self.job = if mode == self.asked { Mode::Idle } else { mode };
         } else if ignored || self.state == State::Idle && mode == Mode::Idle {
             self.job = mode;
         }
+        if input.enable {
+            self.asked = mode;
+        }
     }
 
-    fn find_fault(&mut self, p: &Parameters, reading: &Reading, valid: bool, input: &Input) -> Fault {
-        let starts = input.enable && self.state.waits() && input.mode != self.job;
-        let compensates = matches!(input.mode, Mode::Playback | Mode::Deburr) && p.lookup.enable;
-        let signs = Signs {
-            valid,
-            error: if self.state.closed() { &self.error } else { &[0.0; AXES] },
-            too_large: std::mem::take(&mut self.too_large),
-            nothing_learned: starts && compensates && self.bank.patterns().is_empty(),
-            cuts: self.state == State::Run && self.job == Mode::Deburr,
-            spindle_speed: reading.spindle_speed,
-        };
-        faults::find(p, &signs)
-    }
-
-    fn enter(&mut self, p: &Parameters, reading: &Reading, before: State, fault: Fault) {
-        self.fault = fault;
+    fn enter(&mut self, p: &Parameters, reading: &Reading, before: State) {
         self.progress = Progress::Busy;
+        if before == State::Fault {
+            (self.fault, self.numbers) = (Fault::None, Numbers::START);
+        }
         match self.state {
             State::Idle if before.closed() => self.job = Mode::Idle,
-            State::Idle => self.joints = reading.positions,
+            State::Idle => {
+                self.joints = reading.positions;
+                self.watch.restart(p, &reading.positions);
+            }
             State::Approach => {
-                self.transfer = TransferMotion::new(p, &self.joints, &self.start);
+                // repetitions are learned in air
+                self.route = match before {
+                    State::Run => Route::straight(p, &self.joints, &self.start, true),
+                    _ => Route::around(p, &self.joints, &self.start, self.inside),
+                };
                 self.on_path = false;
             }
-            State::Settle => self.rested = 0,
-            State::Run => {
-                self.run = Run::new(p, &self.path);
-                self.load = LoadControl::new(self.path.speed);
-                self.learner.restart();
-                self.on_path = true;
-            }
+            State::Retract => (self.route, self.on_path) = (Route::out(p, &self.joints), false),
+            State::Settle => self.rested = Consecutive::NONE,
+            State::Run => self.begin_run(p),
             _ => {}
         }
         if !before.closed() {
@@ -196,45 +261,26 @@ impl Controller {
         }
     }
 
+    fn begin_run(&mut self, p: &Parameters) {
+        self.run = Run::new(p, &self.path);
+        self.load = LoadControl::new(self.path.speed);
+        self.learner.restart();
+        self.watch.begin_run();
+        self.delay.restart();
+        self.tool.restart();
+        (self.on_path, self.inside) = (true, true);
+    }
+
     /// A new job.
     fn begin(&mut self, p: &Parameters, mode: Mode) {
         self.job = mode;
+        self.elapsed.restart();
+        self.budget = budget(p, &self.path, mode);
         self.export |= mode == Mode::Export;
         if mode == Mode::Learn {
-            self.learned = false;
+            (self.learning, self.learned) = (true, false);
             self.learner.start();
-            if !p.learn.from_bank {
-                self.bank.clear();
-                self.changed = true;
-            }
-        }
-    }
-
-    /// Moves the reference on and finds its compensation.
-    fn advance(&mut self, p: &Parameters, reading: &Reading, hold: bool) {
-        self.compensation = [0.0; AXES];
-        match self.state {
-            State::Approach => {
-                self.joints = self.transfer.step(p.sample_period, hold);
-                self.finish_if(self.transfer.over());
-            }
-            State::Settle => {
-                self.rested = self.rested.saturating_add(1);
-                self.finish_if(self.rested >= ticks(p.transfer.settle_time, p.sample_period));
-            }
-            State::Stop if !self.on_path => {
-                self.joints = self.transfer.step(p.sample_period, true);
-                self.finish_if(self.transfer.over() || self.transfer.stands());
-            }
-            State::Stop => {
-                self.follow(p, 0.0);
-                self.finish_if(self.run.stands());
-            }
-            State::Run => {
-                let target = self.target(p, reading);
-                self.follow(p, if hold { 0.0 } else { target });
-            }
-            State::Off | State::Idle | State::Done | State::Fault => {}
+            self.kept.begin(&mut self.bank, p.learn.from_bank);
         }
     }
 
@@ -242,72 +288,10 @@ impl Controller {
         self.progress = if over { Progress::Over } else { Progress::Busy };
     }
 
-    /// Wanted speed on the path, m/s.
-    fn target(&mut self, p: &Parameters, reading: &Reading) -> f64 {
-        let taught = self.path.speed * reading.share;
-        match self.job {
-            Mode::Learn => self.bank.factor(self.learner.speed) * self.path.speed,
-            Mode::Deburr if p.load.enable => self.load.step(p, reading.spindle_speed, self.run.speed(), taught),
-            _ => taught,
-        }
-    }
-
-    /// One sample on the path.
-    fn follow(&mut self, p: &Parameters, target: f64) {
-        let laps = self.run.laps;
-        let goes_on = self.run.step(p, &self.path, target);
-        let repetition_over = if self.path.cyclic { laps > 0 && self.run.laps > laps } else { !goes_on };
-        if self.job == Mode::Learn && self.state == State::Run && repetition_over {
-            self.renew(p);
-        } else {
-            self.finish_if(!goes_on);
-        }
-        if self.progress == Progress::Busy {
-            let pose = self.path.at(self.run.point().distance);
-            self.joints = p.arm.inverse(&pose, &self.joints).unwrap_or(self.joints);
-            self.compensation = self.compensate(p).map(f64::round);
-        }
-    }
-
-    /// Ends a repetition.
-    fn renew(&mut self, p: &Parameters) {
-        let speed = self.learner.speed;
-        let next = self.learner.finish(p, self.bank.pattern_mut(speed));
-        self.too_large |= next == Next::TooLarge;
-        self.changed = true;
-        if matches!(next, Next::NextSpeed | Next::Done) {
-            self.bank.learned(speed);
-        }
-        self.progress = match next {
-            Next::Repeat if self.path.cyclic => Progress::Busy,
-            Next::Done => Progress::Over,
-            Next::Repeat | Next::NextSpeed | Next::TooLarge => Progress::Again,
-        };
-        if next == Next::Done {
-            (self.learned, self.export) = (true, true);
-        }
-    }
-
-    /// Compensation of this sample on the path, pulses, not rounded.
-    fn compensate(&self, p: &Parameters) -> Joints {
-        match self.job {
-            Mode::Learn => {
-                let pattern = self.bank.pattern(self.learner.speed);
-                match self.run.index(pattern) {
-                    Some(index) if self.state == State::Run => pattern.compensation(index as isize),
-                    _ => self.run.compensation(p, &self.path, std::slice::from_ref(pattern)),
-                }
-            }
-            Mode::Playback | Mode::Deburr if p.lookup.enable => {
-                self.run.compensation(p, &self.path, self.bank.patterns())
-            }
-            _ => [0.0; AXES],
-        }
-    }
-
     /// Velocity commands, rad/s or m/s.
     fn command(&mut self, p: &Parameters, reading: &Reading) -> Joints {
         if !self.state.closed() {
+            self.sent.iter_mut().for_each(|sent| sent.send(0.0));
             return [0.0; AXES];
         }
         let (reference, encoder) = (servo::pulses(p, &self.joints), servo::pulses(p, &reading.positions));
@@ -319,12 +303,15 @@ impl Controller {
                 self.learner.record(index, &self.error, &p.pulses(), &p.arm.levers(&self.joints));
             }
         }
-        servo::command(p, &self.error, &self.compensation)
+        let velocity = servo::command(p, &self.error, &self.compensation);
+        self.watch.command(p, &reference, &self.compensation, &velocity);
+        self.sent.iter_mut().zip(velocity).for_each(|(sent, velocity)| sent.send(velocity));
+        velocity
     }
 
-    fn report(&self, p: &Parameters, velocity: &Joints, output: &mut Output) {
+    fn report(&mut self, p: &Parameters, velocity: &Joints, output: &mut Output) {
         let reference = servo::pulses(p, &self.joints);
-        let Output { axis, saturated, state, fault, path, learn, load, bank } = output;
+        let Output { axis, saturated, state, fault, drive_enable, path, learn, load, bank, numbers } = output;
         *axis = std::array::from_fn(|i| AxisOutput {
             velocity: velocity[i],
             reference: reference[i] * p.axis[i].pulse,
@@ -334,13 +321,16 @@ impl Controller {
             peak: self.learner.errors.peak[i],
         });
         *saturated = (0..AXES).any(|i| velocity[i].abs() >= p.axis[i].velocity_max);
-        (*state, *fault) = (self.state, self.fault);
+        (*state, *fault, *numbers) = (self.state, self.fault, self.numbers);
+        *drive_enable = self.state != State::Fault || self.fault.safe_end() != SafeEnd::DriveOff;
         *path = self.run.report(&self.path, self.on_path, self.state == State::Done && self.job.moves());
         *learn = self.learner.report(p, self.job == Mode::Learn || self.learned, self.learned);
         *load = self.load.report(p, self.state == State::Run);
         bank.patterns = self.bank.patterns().len() as i32;
-        if self.changed {
-            bank.status = if bank.patterns == 0 { BankStatus::Empty } else { BankStatus::Learned };
-        }
+        bank.status = match self.learning || self.changed {
+            true if bank.patterns == 0 => BankStatus::Empty,
+            true => BankStatus::Learned,
+            false => self.origin,
+        };
     }
 }

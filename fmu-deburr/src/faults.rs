@@ -1,64 +1,95 @@
-//! Every fault is found here; and the numbers that are told with it.
+//! Every fault is found here or in `monitoring`; how each of them ends, and the numbers that are told with it.
 
-use crate::interface::{AxisLimits, AxisOutput, Fault, Parameters, Vars};
-use crate::path::kinematics::{AXES, Joints};
+use control_blocks::SafeEnd;
 
-/// What may be a fault.
+use crate::interface::{Fault, Input, Output, Parameters, Vars};
+use crate::monitoring::finding::{Finding, Numbers};
+
+/// What may be a fault; each is none, or its finding.
 #[derive(Clone, Copy, Debug)]
-pub struct Signs<'a> {
-    /// Every input is plausible.
-    pub valid: bool,
-    /// Control error of each axis, pulses; zeros while the position loop is open.
-    pub error: &'a Joints,
-    /// A renewed pattern was larger than its limit.
-    pub too_large: bool,
+pub struct Signs {
+    /// Of the inputs.
+    pub inputs: Finding,
+    /// Of the axes.
+    pub axes: Finding,
+    /// A renewed pattern was larger than its limit, or a run ended where it should not.
+    pub run: Finding,
     /// A job begins that needs patterns, and there are none.
     pub nothing_learned: bool,
-    /// The tool cuts.
-    pub cuts: bool,
-    /// Tool speed, rad/s.
-    pub spindle_speed: f64,
+    /// Of the tool that cuts.
+    pub tool: Finding,
+    /// Samples of the job, and how many it may take.
+    pub job: (u64, u64),
 }
 
-/// The first that is found.
-pub fn find(p: &Parameters, signs: &Signs) -> Fault {
-    if !signs.valid {
-        Fault::InvalidInput
-    } else if (0..AXES).any(|i| signs.error[i].abs() * p.axis[i].pulse > p.limits.axis[i].error_max) {
-        Fault::ControlError
-    } else if signs.too_large {
-        Fault::PatternTooLarge
-    } else if signs.nothing_learned {
-        Fault::BankEmpty
-    } else if signs.cuts && signs.spindle_speed < p.limits.spindle_speed_min {
-        Fault::SpindleSlow
-    } else {
-        Fault::None
+/// The first that is found, causes before consequences.
+pub fn find(p: &Parameters, signs: &Signs) -> Finding {
+    let &Signs { inputs, axes, run, nothing_learned, tool, job: (samples, most) } = signs;
+    let empty = if nothing_learned { Finding::plain(Fault::BankEmpty) } else { Finding::NONE };
+    let seconds = |samples: u64| samples as f64 * p.sample_period;
+    let late = match samples > most {
+        true => Finding::beyond(Fault::NoProgress, seconds(samples), seconds(most)),
+        false => Finding::NONE,
+    };
+    [inputs, axes, run, empty, tool, late].into_iter().find(Finding::is_fault).unwrap_or(Finding::NONE)
+}
+
+impl Fault {
+    /// How the machine is brought to rest. `None` asks for nothing: the gentlest, which any other one outweighs.
+    pub fn safe_end(self) -> SafeEnd {
+        match self {
+            // where the axes are is known and they do what they are told
+            Self::None
+            | Self::PatternMismatch
+            | Self::WrongDelay
+            | Self::SpindleSlow
+            | Self::NoCut
+            | Self::NoProgress => SafeEnd::Retract,
+            Self::PatternTooLarge | Self::BankEmpty => SafeEnd::Stop,
+            // a command would be one for another place or another drive
+            Self::InvalidInput
+            | Self::ReadingJump
+            | Self::FrozenReading
+            | Self::Oscillation
+            | Self::DriveSign
+            | Self::WeakDrive
+            | Self::FollowingError => SafeEnd::DriveOff,
+        }
     }
 }
 
 /// The numbers behind a fault, for the log.
 pub fn numbers(Vars { input, output, in_force: p, .. }: &Vars) -> String {
+    let Numbers { axis, value, limit, .. } = output.numbers;
     match output.fault {
         Fault::None | Fault::BankEmpty => String::new(),
-        Fault::InvalidInput => {
-            let (positions, n, share) =
-                (input.axis.map(|axis| axis.position), input.spindle_speed, input.speed_override);
-            format!(": positions `{positions:?}`, `spindle_speed` = `{n} rad/s`, `speed_override` = `{share}`")
-        }
-        Fault::ControlError => {
-            let beyond = |(i, (axis, limits)): (usize, (&AxisOutput, &AxisLimits))| {
-                let (error, limit) = (axis.error, limits.error_max);
-                (error.abs() > limit).then(|| format!(": `axis{}.error` = `{error:.6}`, limit `{limit}`", i + 1))
-            };
-            output.axis.iter().zip(&p.limits.axis).enumerate().filter_map(beyond).collect()
-        }
+        Fault::InvalidInput => invalid(input),
+        Fault::ReadingJump if axis == 0 => format!(": `spindle_speed`, more than `{limit}` samples"),
+        Fault::ReadingJump => format!(": `axis{axis}.position`, more than `{limit}` samples"),
+        Fault::FrozenReading
+        | Fault::Oscillation
+        | Fault::DriveSign
+        | Fault::WeakDrive
+        | Fault::FollowingError
+        | Fault::PatternMismatch => of_axis(output),
+        Fault::WrongDelay => format!(": they answer after `{value}` samples, `io_delay` = `{limit}`"),
         Fault::PatternTooLarge => format!(": limit `{} pulses`", p.limits.pulses_max),
-        Fault::SpindleSlow => {
-            let (n, limit) = (input.spindle_speed, p.limits.spindle_speed_min);
-            format!(": `spindle_speed` = `{n:.1} rad/s`, limit `{limit:.1} rad/s`")
-        }
+        Fault::SpindleSlow => format!(": `spindle_speed` = `{value:.1} rad/s`, limit `{limit:.1} rad/s`"),
+        Fault::NoCut => format!(": it changed by `{value:.2} rad/s`, at least `{limit} rad/s`"),
+        Fault::NoProgress => format!(": `{value:.1} s`, limit `{limit:.1} s`"),
     }
+}
+
+fn invalid(input: &Input) -> String {
+    let (positions, n, share) = (input.axis.map(|axis| axis.position), input.spindle_speed, input.speed_override);
+    format!(": positions `{positions:?}`, `spindle_speed` = `{n} rad/s`, `speed_override` = `{share}`")
+}
+
+fn of_axis(output: &Output) -> String {
+    let Numbers { axis, value, limit, share } = output.numbers;
+    let unit = if matches!(axis, 2 | 3) { "m" } else { "rad" };
+    let answer = share.map_or(String::new(), |share| format!("; it does `{share:.2}` of what it is told"));
+    format!(": axis {axis} by `{value:.6} {unit}`, limit `{limit:.6} {unit}`{answer}")
 }
 
 #[cfg(test)]
@@ -66,30 +97,44 @@ mod tests {
     use super::*;
 
     const GOOD: Signs = Signs {
-        valid: true,
-        error: &[0.0; AXES],
-        too_large: false,
+        inputs: Finding::NONE,
+        axes: Finding::NONE,
+        run: Finding::NONE,
         nothing_learned: false,
-        cuts: true,
-        spindle_speed: 1800.0,
+        tool: Finding::NONE,
+        job: (7, 7),
     };
 
     #[test]
-    fn each_sign_is_its_fault_and_an_invalid_input_comes_first() {
+    fn each_sign_is_its_fault_and_the_cause_comes_first() {
         let p = Parameters::START;
-        let mut error = [0.0; AXES];
-        error[4] = -0.51 / p.axis[4].pulse;
+        let plain = Finding::plain;
         let cases = [
             (GOOD, Fault::None),
-            (Signs { error: &error, ..GOOD }, Fault::ControlError),
-            (Signs { too_large: true, ..GOOD }, Fault::PatternTooLarge),
-            (Signs { nothing_learned: true, ..GOOD }, Fault::BankEmpty),
-            (Signs { spindle_speed: 1000.0, ..GOOD }, Fault::SpindleSlow),
-            (Signs { spindle_speed: 1000.0, cuts: false, ..GOOD }, Fault::None),
+            (Signs { job: (8, 7), ..GOOD }, Fault::NoProgress),
+            (Signs { tool: plain(Fault::SpindleSlow), job: (8, 7), ..GOOD }, Fault::SpindleSlow),
+            (Signs { nothing_learned: true, job: (8, 7), ..GOOD }, Fault::BankEmpty),
+            (Signs { run: plain(Fault::PatternTooLarge), nothing_learned: true, ..GOOD }, Fault::PatternTooLarge),
+            (Signs { axes: plain(Fault::WeakDrive), run: plain(Fault::NoCut), ..GOOD }, Fault::WeakDrive),
         ];
         for (signs, fault) in cases {
-            assert_eq!(find(&p, &signs), fault);
-            assert_eq!(find(&p, &Signs { valid: false, ..signs }), Fault::InvalidInput);
+            assert_eq!(find(&p, &signs).fault, fault);
+            let invalid = Signs { inputs: plain(Fault::InvalidInput), ..signs };
+            assert_eq!(find(&p, &invalid).fault, Fault::InvalidInput);
+        }
+        assert_eq!(find(&p, &Signs { job: (800, 700), ..GOOD }).numbers.limit, 7.0);
+    }
+
+    #[test]
+    fn what_is_not_under_control_is_switched_off_and_the_rest_ends_gently() {
+        for fault in Fault::ALL {
+            let expected = match fault {
+                Fault::None | Fault::PatternMismatch | Fault::WrongDelay => SafeEnd::Retract,
+                Fault::SpindleSlow | Fault::NoCut | Fault::NoProgress => SafeEnd::Retract,
+                Fault::PatternTooLarge | Fault::BankEmpty => SafeEnd::Stop,
+                _ => SafeEnd::DriveOff,
+            };
+            assert_eq!(fault.safe_end(), expected, "{fault:?}");
         }
     }
 
@@ -97,9 +142,16 @@ mod tests {
     fn a_fault_is_told_with_its_numbers_and_a_state_without() {
         let mut vars = <Vars as fmi2_export::Interface>::START;
         assert_eq!(numbers(&vars), "");
-        (vars.output.fault, vars.output.axis[2].error) = (Fault::ControlError, -0.25);
-        assert_eq!(numbers(&vars), ": `axis3.error` = `-0.250000`, limit `0.1`");
-        (vars.output.fault, vars.input.spindle_speed) = (Fault::SpindleSlow, 900.0);
-        assert_eq!(numbers(&vars), ": `spindle_speed` = `900.0 rad/s`, limit `1047.2 rad/s`");
+        vars.output.fault = Fault::WeakDrive;
+        vars.output.numbers = Numbers { axis: 3, value: 0.0025, limit: 0.002, share: Some(0.3) };
+        assert_eq!(numbers(&vars), ": axis 3 by `0.002500 m`, limit `0.002000 m`; it does `0.30` of what it is told");
+        vars.output.fault = Fault::SpindleSlow;
+        vars.output.numbers = Numbers { value: 900.0, limit: 1675.5, ..Numbers::START };
+        assert_eq!(numbers(&vars), ": `spindle_speed` = `900.0 rad/s`, limit `1675.5 rad/s`");
+        for fault in Fault::ALL {
+            vars.output.fault = *fault;
+            let silent = matches!(fault, Fault::None | Fault::BankEmpty);
+            assert_eq!(numbers(&vars).is_empty(), silent, "{fault:?}");
+        }
     }
 }

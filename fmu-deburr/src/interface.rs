@@ -16,17 +16,20 @@ mod variables {
     use fmi2_export::Unit;
 
     use crate::learning::speeds::Speeds;
+    use crate::monitoring::numbers::Numbers;
 
     const PER_SECOND: Unit = Unit::si("1/s", [0, 0, -1, 0, 0], &[]);
     /// Units of the six axes.
     const JOINT: [Unit; 6] = [RADIAN, METRE, METRE, RADIAN, RADIAN, RADIAN];
     const SHOWN: [&str; 6] = ["deg", "mm", "mm", "deg", "deg", "deg"];
+    const TURN_PER_SECOND: Unit = Unit::si("rad/s2", [0, 0, -2, 0, 1], &[]);
     const TURN: Unit = RADIAN_PER_SECOND;
     const RATE: [Unit; 6] = [TURN, METRE_PER_SECOND, METRE_PER_SECOND, TURN, TURN, TURN];
     const PULSE: [f64; 6] = [TAU / 640e3, 2.5e-6, 5e-6, TAU / 400e3, TAU / 400e3, TAU / 400e3];
     const RPM: f64 = TAU / 60.0;
 
     /// What is asked for; a job begins when the mode changes to it while `enable` is true, and when `enable` rises
+    /// with a mode that has not changed meanwhile
     pub enum Mode {
         /// Hold the pose; a motion stops on its way
         Idle,
@@ -59,6 +62,8 @@ mod variables {
         Done,
         /// Velocity commands are zero; `reset_fault` ends it at rest
         Fault,
+        /// Draws the tool back out of the part after a fault
+        Retract,
     }
     /// Why the controller is in the state Fault
     pub enum Fault {
@@ -66,14 +71,32 @@ mod variables {
         None,
         /// An input is NaN, infinite or out of its plausible range
         InvalidInput,
-        /// An axis was farther from its reference than `limits.axisN.error_max`
-        #[hint("is the drive on, and is `axisN.pulse` that of the encoder?")] ControlError,
+        /// A reading was for more than `limits.lost_samples` where neither axis nor tool can be
+        #[hint("look at the cable and the counter of the encoder, or at the speed sensor of the tool")] ReadingJump,
+        /// An axis was told to move and its reading stands
+        #[hint("does the encoder count, is the drive on and its brake open?")] FrozenReading,
+        /// An axis does not follow, and its command swings from one side to the other
+        #[hint("lower `servo.gain`, and see that `io_delay` is that of the importer")] Oscillation,
+        /// An axis moves against its command
+        #[hint("change the sign of the command or that of the encoder")] DriveSign,
+        /// An axis does less than 0.7 of what it is told
+        #[hint("is the drive at a limit of force or speed, does something brake, is `axisN.pulse` that of the encoder?")] WeakDrive,
+        /// An axis was farther from its reference, or from where its loop brings it, than `limits.axisN.error_max` allows
+        #[hint("did the tool collide, and are `io_delay` and `axisN.pulse` right?")] FollowingError,
+        /// With patterns an axis was farther from its reference than `limits.axisN.pattern_error`
+        #[hint("patterns belong to a machine: learn on with `learn.from_bank`, or learn anew")] PatternMismatch,
+        /// The axes answer after another number of samples than `io_delay`
+        #[hint("set `io_delay` to it and learn anew")] WrongDelay,
         /// A pattern became larger than `limits.pulses_max`
         #[hint("a larger pulse, or a law that converges")] PatternTooLarge,
         /// There is no pattern to compensate with
         #[hint("learn, name a `bank.import`, or switch `lookup.enable` off")] BankEmpty,
         /// The tool turned slower than `limits.spindle_speed_min` while deburring
         #[hint("start the tool before, or lower the taught speed")] SpindleSlow,
+        /// The tool speed was the same all along the path: nothing was cut, or its reading stands
+        #[hint("is there a part, and does the speed sensor of the tool live? `limits.spindle_change` = 0 allows it")] NoCut,
+        /// The job took longer than `limits.job_time`
+        #[hint("look at what does not come to its end: an axis that never stands, or a feed that is too slow")] NoProgress,
     }
     /// Law in force; Paper leaves `bank.format` and the sign of `load.k2` alone
     pub enum Law {
@@ -138,10 +161,14 @@ mod variables {
         pub saturated: bool,
         pub state: State,
         pub fault: Fault,
+        /// The drives may live; false from a fault that the drives cannot mend until its reset: then close the brakes
+        #[var(start = true)] pub drive_enable: bool,
         pub path: PathOutput,
         pub learn: LearnOutput,
         pub load: LoadOutput,
         pub bank: BankOutput,
+        /// What is told with the fault.
+        #[var(hidden, start = Numbers::START)] pub numbers: Numbers,
     }
     /// Outputs of one axis.
     pub struct AxisOutput {
@@ -256,11 +283,13 @@ mod variables {
     }
     /// Motion to the start of the path, and the rest there.
     pub struct Transfer {
-        /// Shortest time of the motion to the start of the path
+        /// Shortest time of each leg of the motion to the start of the path
         #[var(unit = SECOND, range = 0.1..=60.0, start = 1.5, source = "derived: no count of error is left after the rest")] pub time: f64,
-        /// Rest before a run
+        /// Rest before a run: so long no axis is farther from its reference than `limits.axisN.error_max`
         #[var(unit = SECOND, range = 0.0..=60.0, start = 0.8, source = "derived: ten time constants 1/Kp")] pub settle_time: f64,
-        /// Part of the largest velocities that the motion to the start may use
+        /// Way along the tool by which it is drawn back out of the part, and from which it comes in
+        #[var(unit = METRE as "mm", range = 0.0..=1.0, start = 0.02, source = "our choice: above burr and tool reach, 15 mm")] pub clearance: f64,
+        /// Part of the largest velocities that these motions may use
         #[var(unit = ONE, range = 0.01..=1.0, start = 0.3, source = "our choice")] pub velocity_share: f64,
     }
     /// The taught path.
@@ -327,10 +356,10 @@ mod variables {
         #[var(start = true, tunable)] pub enable: bool,
         /// Target tool speed N_nom
         #[var(unit = RADIAN_PER_SECOND as "rpm", range = 10.0..=1e5, start = 17_300.0 * RPM, tunable, source = "paper: 17,300 rpm")] pub spindle_speed: f64,
-        /// Gain K1 for each sample
+        /// Gain K1 for each 10 ms, the paper's sample period
         #[var(unit = METRE_PER_SECOND, range = 0.0..=10.0, start = 0.092, tunable, source = "derived: calm, and no stall up to 1.8 times the cutting force")]
         pub k1: f64,
-        /// Gain K2; negative is the sign as printed in the paper, which destabilises and which `law` does not set
+        /// Gain K2 at the paper's sample period; negative is the sign as printed in the paper, which destabilises and which `law` does not set
         #[var(unit = METRE, range = -1.0..=1.0, start = 0.0138, tunable, source = "derived: K2 = tau K1 cancels the pole of the tool, tau = 0.15 s")]
         pub k2: f64,
         /// Slowest feed
@@ -343,16 +372,38 @@ mod variables {
         pub axis: [AxisLimits; 6],
         /// Largest pattern value in pulses
         #[var(unit = ONE, range = 1.0..=1e9, start = 32_767.0, source = "paper: 16 bits")] pub pulses_max: f64,
-        /// Tool speed below which deburring is a fault
-        #[var(unit = RADIAN_PER_SECOND as "rpm", range = 0.0..=1e5, start = 10_000.0 * RPM, tunable,
-            source = "our choice: beyond the breakdown torque of the motor")]
+        /// Tool speed below which deburring is a fault, for more than `lost_samples`
+        #[var(unit = RADIAN_PER_SECOND as "rpm", range = 0.0..=1e5, start = 16_000.0 * RPM, tunable,
+            source = "derived: an induction motor of 2.5 times its rated torque breaks down at 15,600 rpm")]
         pub spindle_speed_min: f64,
+        /// Fastest change of the tool speed while it cuts; what changes faster is a lost sample
+        #[var(unit = TURN_PER_SECOND, range = 1.0..=1e9, start = 2e4,
+            source = "derived: 1e-3 kg.m2 stalled by 20 N.m, 25 times the breakdown torque")]
+        pub spindle_slew: f64,
+        /// Change of the tool speed along a whole path below which nothing was cut; 0 allows that
+        #[var(unit = RADIAN_PER_SECOND as "rpm", range = 0.0..=1e5, start = 2.0,
+            source = "derived: four counts of a 12-bit reading, a twentieth of the slip at rated load")]
+        pub spindle_change: f64,
+        /// Samples in a row that are bridged when a reading cannot be believed
+        #[var(range = 0..=100, start = 3, source = "our choice: at 100 mm/s the tool is blind for 3 mm")] pub lost_samples: i32,
+        /// Longest time of a job, or of a lap of a cyclic path; time that is held or at an override of 0 does not count.
+        /// 0 for twice the time at the slowest feed, with motions to the start through the whole travel
+        #[var(unit = SECOND, range = 0.0..=1e6, source = "derived")] pub job_time: f64,
     }
     /// What is a fault of one axis.
     pub struct AxisLimits {
-        /// Control error of axis {n} that is a fault
-        #[var(unit = JOINT[INDEX] as SHOWN[INDEX], range = 1e-6..=10.0, start = [0.2, 0.1, 0.1, 0.5, 0.5, 0.5][INDEX],
-            source = "our choice: twice the error of the servo without compensation at 0.5 m/s")]
+        /// Difference of axis {n} from its reference, or from the model of its loop, that is a fault at rest; in motion
+        /// twice and half the lag V/Kp of the bare servo more
+        #[var(unit = JOINT[INDEX] as SHOWN[INDEX], range = 1e-6..=10.0, start = [1.5e-3, 1e-3, 1e-3, 5e-3, 5e-3, 5e-3][INDEX],
+            source = "our choice: 1 mm at the tip; the lag is for drives of 2/3 to 2 times their gain; held at its peak")]
         pub error_max: f64,
+        /// Control error of axis {n} with patterns in Playback and Deburr that is a fault
+        #[var(unit = JOINT[INDEX] as SHOWN[INDEX], range = 1e-6..=10.0, start = [7.5e-4, 5e-4, 5e-4, 2.5e-3, 2.5e-3, 2.5e-3][INDEX],
+            paper = [3e-3, 2e-3, 2e-3, 1e-2, 1e-2, 1e-2][INDEX], source = "paper: 0.5 mm; four times that for the law as printed")]
+        pub pattern_error: f64,
+        /// Mean difference of axis {n} from the model of its loop in the rest after a run that is a fault
+        #[var(unit = JOINT[INDEX] as SHOWN[INDEX], range = 1e-9..=10.0, start = [7.5e-5, 5e-5, 5e-5, 2.5e-4, 2.5e-4, 2.5e-4][INDEX],
+            source = "our choice: ten counts, which a reading that drifts by 0.65 mm/s has")]
+        pub rest_error: f64,
     }
 }

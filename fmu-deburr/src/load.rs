@@ -5,6 +5,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::interface::{Load, LoadOutput, Parameters};
 
+/// Sample period that K1 and K2 are told for, the paper's, s.
+const PERIOD: f64 = 0.01;
+
 /// The regulated feed between two samples.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct LoadControl {
@@ -27,7 +30,8 @@ impl LoadControl {
         let Load { spindle_speed: nominal, k1, k2, speed_min, .. } = p.load;
         let before = self.before.replace(n).unwrap_or(n);
         // eq. 5, with the sign of K2 that damps: a falling speed lowers the feed
-        let change = -k1 * (nominal - n) / nominal - k2 * (before - n) / (p.sample_period * nominal);
+        let period = p.sample_period / PERIOD;
+        let change = period * (-k1 * (nominal - n) / nominal - k2 * (before - n) / (p.sample_period * nominal));
         // the feed moves on from where it is: no wind-up against its acceleration
         let margin = 2.0 * p.feed.acceleration * p.sample_period;
         let from = if change < 0.0 { self.feed.min(realised + margin) } else { self.feed.max(realised - margin) };
@@ -74,6 +78,19 @@ mod tests {
         let n = 0.999 * NOMINAL;
         let expected = 0.06 - 0.092 * 0.001 - 0.0138 * 0.001 / 0.01;
         assert!((load.step(&p, n, 0.06, 0.1) - expected).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_feed_falls_as_fast_at_any_sample_period() {
+        let after = |period: f64| {
+            let mut p = Parameters::START;
+            (p.sample_period, p.feed.acceleration) = (period, 50.0);
+            let mut load = LoadControl::new(0.1);
+            let steps = (0.2 / period).round() as usize;
+            // the tool falls by 1 % in 0.2 s
+            (0..=steps).fold(0.1, |feed, k| load.step(&p, NOMINAL * (1.0 - 0.01 * k as f64 / steps as f64), feed, 0.1))
+        };
+        assert!((after(0.01) - after(0.001)).abs() < 2e-3 && after(0.01) < 0.085, "{} {}", after(0.01), after(0.001));
     }
 
     #[test]

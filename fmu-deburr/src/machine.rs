@@ -1,5 +1,6 @@
 //! State machine: the transitions between the states, as a pure function.
 
+use control_blocks::SafeEnd;
 use serde::{Deserialize, Serialize};
 
 use crate::interface::{Mode, State};
@@ -49,21 +50,51 @@ pub struct Events {
     pub hold: bool,
     /// Rising edge of `reset_fault` while the axes are at rest.
     pub reset: bool,
-    /// Something is wrong.
+    /// How the fault ends that stopped the job, if one did.
+    pub end: Option<SafeEnd>,
+    /// Something is wrong in this sample.
     pub fault: bool,
+    /// The tool may be in the part.
+    pub inside: bool,
+    /// A pattern that is being learned grows.
+    pub grown: bool,
+    /// All that was to be learned is learned.
+    pub learned: bool,
     /// How far the present state has come.
     pub progress: Progress,
 }
 
 /// The state after `state`.
 pub fn next(state: State, events: &Events) -> State {
-    let Events { enable, disabled, mode, job, hold, reset, fault, progress } = *events;
+    let Events { enable, reset, fault, .. } = *events;
+    match (state, events.end) {
+        (State::Fault, _) if fault || !reset => State::Fault,
+        (State::Fault | State::Off, _) if !enable => State::Off,
+        (State::Fault, _) => State::Idle,
+        (_, Some(end)) => ending(state, end, events),
+        _ => going_on(state, events),
+    }
+}
+
+/// The state after `state` on the way to the safe end of a fault.
+fn ending(state: State, end: SafeEnd, events: &Events) -> State {
+    let over = events.progress != Progress::Busy;
+    let retracts = end == SafeEnd::Retract && events.inside;
+    match state {
+        _ if end == SafeEnd::DriveOff => State::Fault,
+        State::Approach | State::Run => State::Stop,
+        State::Stop | State::Retract if !over => state,
+        State::Idle | State::Settle | State::Done | State::Stop if retracts => State::Retract,
+        _ => State::Fault,
+    }
+}
+
+/// The state after `state` without a fault.
+fn going_on(state: State, events: &Events) -> State {
+    let Events { enable, disabled, mode, job, hold, progress, .. } = *events;
     let over = progress != Progress::Busy;
     match state {
-        State::Fault if fault || !reset => State::Fault,
-        State::Fault | State::Off if !enable => State::Off,
-        _ if fault => State::Fault,
-        State::Fault | State::Off => State::Idle,
+        State::Off | State::Fault | State::Retract => State::Idle,
         State::Idle | State::Settle | State::Done if !enable => State::Off,
         State::Approach | State::Run if !enable => State::Stop,
         State::Idle | State::Done if mode == job => state,
@@ -76,11 +107,13 @@ pub fn next(state: State, events: &Events) -> State {
         State::Stop if disabled => State::Off,
         State::Stop if mode != job => State::Idle,
         State::Stop if hold => State::Stop,
+        State::Stop if events.learned => State::Done,
         State::Stop => State::Approach,
         State::Approach | State::Run if mode != job => State::Stop,
         State::Settle if mode != job => State::Idle,
         // a repetition with a rest on its way cannot be learned from
         State::Run if hold && job == Mode::Learn => State::Stop,
+        State::Run if events.grown => State::Stop,
         State::Approach if over => State::Settle,
         State::Settle if over && !hold => State::Run,
         State::Run if progress == Progress::Again => State::Approach,
@@ -100,14 +133,18 @@ mod tests {
         job: Mode::Deburr,
         hold: false,
         reset: false,
+        end: None,
         fault: false,
+        inside: true,
+        grown: false,
+        learned: false,
         progress: Progress::Busy,
     };
     const LEARN: Events = Events { mode: Mode::Learn, job: Mode::Learn, ..EVENTS };
 
     #[test]
     fn without_enable_a_motion_stops_first_and_everything_else_is_off() {
-        for state in State::ALL {
+        for state in State::ALL.iter().filter(|state| **state != State::Retract) {
             let expected = match state {
                 State::Fault => State::Fault,
                 State::Approach | State::Run | State::Stop => State::Stop,
@@ -122,16 +159,55 @@ mod tests {
     }
 
     #[test]
-    fn a_fault_wins_and_stays_until_it_is_reset() {
+    fn a_fault_that_no_command_helps_wins_at_once_and_stays_until_it_is_reset() {
+        let wrong = Events { end: Some(SafeEnd::DriveOff), fault: true, progress: Progress::Over, ..EVENTS };
         for state in State::ALL {
-            assert_eq!(next(*state, &Events { fault: true, progress: Progress::Over, ..EVENTS }), State::Fault);
+            assert_eq!(next(*state, &wrong), State::Fault);
         }
-        assert_eq!(next(State::Fault, &EVENTS), State::Fault);
-        assert_eq!(next(State::Fault, &Events { enable: false, ..EVENTS }), State::Fault);
-        let reset = Events { reset: true, ..EVENTS };
+        let told = Events { fault: false, ..wrong };
+        assert_eq!(next(State::Fault, &told), State::Fault);
+        assert_eq!(next(State::Fault, &Events { enable: false, ..told }), State::Fault);
+        let reset = Events { reset: true, ..told };
         assert_eq!(next(State::Fault, &reset), State::Idle);
         assert_eq!(next(State::Fault, &Events { enable: false, ..reset }), State::Off);
         assert_eq!(next(State::Fault, &Events { fault: true, ..reset }), State::Fault);
+    }
+
+    #[test]
+    fn a_gentle_end_stops_then_draws_back_then_stands() {
+        let (busy, over) = (Progress::Busy, Progress::Over);
+        for (end, inside, states) in [
+            (SafeEnd::Retract, true, [State::Stop, State::Stop, State::Retract, State::Retract, State::Fault]),
+            (SafeEnd::Retract, false, [State::Stop, State::Stop, State::Fault, State::Fault, State::Fault]),
+            (SafeEnd::Stop, true, [State::Stop, State::Stop, State::Fault, State::Fault, State::Fault]),
+        ] {
+            // without enable, too
+            for enable in [true, false] {
+                let mut state = State::Run;
+                let visited = [over, busy, over, busy, over].map(|progress| {
+                    let wrong = Events { end: Some(end), inside, enable, disabled: !enable, progress, ..EVENTS };
+                    state = next(state, &wrong);
+                    state
+                });
+                assert_eq!(visited, states, "{end:?} {inside}");
+            }
+        }
+        let wrong = Events { end: Some(SafeEnd::Retract), ..EVENTS };
+        for (state, then) in
+            [(State::Settle, State::Retract), (State::Done, State::Retract), (State::Off, State::Fault)]
+        {
+            assert_eq!(next(state, &wrong), then);
+        }
+        let escalated = Events { end: Some(SafeEnd::DriveOff), ..EVENTS };
+        assert_eq!(next(State::Retract, &escalated), State::Fault);
+    }
+
+    #[test]
+    fn a_repetition_that_grows_stops_and_the_next_speed_follows() {
+        assert_eq!(next(State::Run, &Events { grown: true, ..LEARN }), State::Stop);
+        let stands = Events { progress: Progress::Over, ..LEARN };
+        assert_eq!(next(State::Stop, &stands), State::Approach);
+        assert_eq!(next(State::Stop, &Events { learned: true, ..stands }), State::Done);
     }
 
     #[test]

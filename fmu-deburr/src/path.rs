@@ -5,6 +5,7 @@ pub(crate) mod feed;
 pub(crate) mod geometry;
 pub(crate) mod kinematics;
 pub mod path_file;
+pub(crate) mod route;
 pub(crate) mod taught_path;
 pub(crate) mod transfer;
 

@@ -1,15 +1,20 @@
-//! Checks the inputs of a sample: what can be used, and whether something is wrong.
+//! Checks the inputs of a sample: what can be used, what stands in for the rest, and what is wrong.
 
-use control_blocks::{LastGood, believable};
+use control_blocks::{JumpGuard, LastGood, Reach, believable};
 use serde::{Deserialize, Serialize};
 
-use crate::interface::Input;
+use crate::interface::{Fault, Input, Parameters};
+use crate::monitoring::finding::{Finding, Numbers};
 use crate::path::kinematics::{AXES, Joints};
 
 /// No axis is farther away, rad or m.
 const POSITION_MAX: f64 = 1e4;
 /// No tool turns faster, rad/s.
 const SPINDLE_MAX: f64 = 1e5;
+/// An axis that is told to move may stand, or go the other way as fast.
+const OTHER_WAY: f64 = 2.0;
+/// Share of its peak that the speed of an axis keeps for a sample longer.
+const FADING: f64 = 0.8;
 
 /// The usable inputs: those of this sample, or the last good ones.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -22,43 +27,118 @@ pub struct Reading {
     pub share: f64,
 }
 
+/// What is known of the machine before a sample is read.
+#[derive(Clone, Copy, Debug)]
+pub struct Known<'a> {
+    /// Motion that was commanded for the sample that ends now, rad or m.
+    pub motions: &'a Joints,
+    /// The loops are closed: nothing else moves the axes.
+    pub closed: bool,
+    /// The tool cuts.
+    pub cuts: bool,
+}
+
 /// Remembers the last good inputs; zeros before the first sample.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Reader {
     good: LastGood<Reading>,
+    axes: [AxisReader; AXES],
+    spindle: JumpGuard,
+}
+
+/// One encoder: what the commands do not explain of it may not jump.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct AxisReader {
+    guard: JumpGuard,
+    /// motion that was commanded so far, rad or m
+    carried: f64,
+    /// fastest motion in a sample, fading
+    fastest: f64,
+}
+
+impl AxisReader {
+    /// The position to use: the reading, or where the commands have brought the axis since the last believed one.
+    fn read(&mut self, position: f64, motion: f64, anywhere: f64, spread: f64) -> f64 {
+        self.carried += motion;
+        self.fastest = motion.abs().max(FADING * self.fastest);
+        let reach = Reach { motion: (OTHER_WAY * self.fastest).max(anywhere), spread };
+        let believed = self.guard.update(position - self.carried, reach);
+        // the difference does not come back to the last bit
+        if self.guard.doubted() == 0 { position } else { believed + self.carried }
+    }
 }
 
 impl Reader {
     /// Before the first sample.
-    pub const START: Self =
-        Self { good: LastGood::new(Reading { positions: [0.0; AXES], spindle_speed: 0.0, share: 0.0 }) };
+    pub fn start() -> Self {
+        Self {
+            good: LastGood::new(Reading { positions: [0.0; AXES], spindle_speed: 0.0, share: 0.0 }),
+            axes: [AxisReader::default(); AXES],
+            spindle: JumpGuard::default(),
+        }
+    }
 
     /// The last good positions, rad or m.
     pub fn positions(&self) -> Joints {
         self.good.get().positions
     }
 
-    /// Reads one sample; the flag says whether every input is believable.
-    pub fn read(&mut self, input: &Input) -> (Reading, bool) {
+    /// Reads one sample: what to use, and what is wrong with it.
+    pub fn read(&mut self, p: &Parameters, input: &Input, known: &Known) -> (Reading, Finding) {
+        let positions = input.axis.map(|axis| axis.position);
+        let valid = positions.iter().all(|position| believable(*position, POSITION_MAX))
+            && believable(input.spindle_speed, SPINDLE_MAX)
+            && input.speed_override.is_finite();
+        if !valid {
+            return (*self.good.get(), Finding::plain(Fault::InvalidInput));
+        }
         let now = Reading {
-            positions: input.axis.map(|axis| axis.position),
-            spindle_speed: input.spindle_speed,
+            positions: std::array::from_fn(|i| self.read_axis(p, i, positions[i], known)),
+            spindle_speed: self.read_spindle(p, input.spindle_speed, known.cuts),
             share: input.speed_override.clamp(0.0, 1.0),
         };
-        let valid = now.positions.iter().all(|position| believable(*position, POSITION_MAX))
-            && believable(now.spindle_speed, SPINDLE_MAX)
-            && input.speed_override.is_finite();
-        self.good.update(now, valid)
+        self.good.update(now, true);
+        (now, self.jumped(p))
+    }
+
+    fn read_axis(&mut self, p: &Parameters, i: usize, position: f64, known: &Known) -> f64 {
+        // by hand, or while the drives run out
+        let anywhere = if known.closed { 0.0 } else { p.axis[i].velocity_max * p.sample_period };
+        self.axes[i].read(position, known.motions[i], anywhere, p.limits.axis[i].error_max)
+    }
+
+    fn read_spindle(&mut self, p: &Parameters, speed: f64, cuts: bool) -> f64 {
+        let motion = if cuts { p.limits.spindle_slew * p.sample_period } else { SPINDLE_MAX };
+        self.spindle.update(speed, Reach { motion, spread: 0.0 })
+    }
+
+    /// The reading that was doubted too long; axis 0 is the tool.
+    fn jumped(&self, p: &Parameters) -> Finding {
+        let bridged = p.limits.lost_samples.unsigned_abs();
+        let axis = self.axes.iter().position(|axis| axis.guard.doubted() > bridged);
+        let axis = axis.map_or(0, |i| i as i32 + 1);
+        if axis == 0 && self.spindle.doubted() <= bridged {
+            return Finding::NONE;
+        }
+        Finding { fault: Fault::ReadingJump, numbers: Numbers { axis, limit: f64::from(bridged), ..Numbers::START } }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::interface::AxisInput;
     use control_blocks::with_nonsense;
+
+    const REST: Known = Known { motions: &[0.0; AXES], closed: true, cuts: true };
+
+    fn at(position: f64) -> Input {
+        Input { axis: [AxisInput { position }; AXES], spindle_speed: 1800.0, ..Input::START }
+    }
 
     #[test]
     fn nonsense_in_any_input_is_invalid_and_never_used() {
+        let p = Parameters::START;
         let good = Input { spindle_speed: 1800.0, speed_override: 0.7, ..Input::START };
         let changes: [fn(&mut Input) -> &mut f64; 4] = [
             |i| &mut i.axis[0].position,
@@ -67,17 +147,89 @@ mod tests {
             |i| &mut i.speed_override,
         ];
         for bad in with_nonsense(&good, &changes) {
-            let mut reader = Reader::START;
-            let before = reader.read(&good);
-            assert_eq!((before.1, reader.read(&bad)), (true, (before.0, false)));
+            let mut reader = Reader::start();
+            let before = reader.read(&p, &good, &REST);
+            let (reading, found) = reader.read(&p, &bad, &REST);
+            assert_eq!((before.1, reading, found.fault), (Finding::NONE, before.0, Fault::InvalidInput));
         }
     }
 
     #[test]
     fn the_override_is_limited() {
         for (value, share) in [(-1.0, 0.0), (0.3, 0.3), (7.0, 1.0)] {
-            let mut reader = Reader::START;
-            assert_eq!(reader.read(&Input { speed_override: value, ..Input::START }).0.share, share);
+            let input = Input { speed_override: value, ..Input::START };
+            assert_eq!(Reader::start().read(&Parameters::START, &input, &REST).0.share, share);
         }
+    }
+
+    #[test]
+    fn one_sample_where_no_axis_can_be_is_bridged_along_the_commands() {
+        let p = Parameters::START;
+        let mut reader = Reader::start();
+        let moving = Known { motions: &[1e-3; AXES], ..REST };
+        for k in 0..10 {
+            let position = 0.5 + 1e-3 * f64::from(k);
+            let (reading, found) = reader.read(&p, &at(position), &moving);
+            assert_eq!((reading.positions, found), ([position; AXES], Finding::NONE));
+        }
+        for bad in [0.53, -0.2, 1.7] {
+            let mut reader = reader.clone();
+            let (reading, found) = reader.read(&p, &at(bad), &moving);
+            assert_eq!(found, Finding::NONE);
+            assert!(reading.positions.iter().all(|position| (position - 0.51).abs() < 1e-12), "{reading:?}");
+            assert_eq!(reader.read(&p, &at(0.511), &moving).0.positions, [0.511; AXES]);
+        }
+    }
+
+    #[test]
+    fn a_reading_that_stays_away_is_told_with_its_axis() {
+        let p = Parameters::START;
+        let mut reader = Reader::start();
+        reader.read(&p, &at(0.5), &REST);
+        let mut moved = at(0.5);
+        moved.axis[2].position = 0.52;
+        let found = [0; 4].map(|_| reader.read(&p, &moved, &REST).1);
+        assert_eq!(found[..3], [Finding::NONE; 3]);
+        assert_eq!((found[3].fault, found[3].numbers.axis), (Fault::ReadingJump, 3));
+    }
+
+    #[test]
+    fn a_drive_that_stands_or_runs_away_is_no_jump() {
+        let p = Parameters::START;
+        for share in [0.0, -1.0, 2.0] {
+            let mut reader = Reader::start();
+            for k in 0..100 {
+                let position = 0.5 + share * 5e-3 * f64::from(k);
+                let (reading, found) = reader.read(&p, &at(position), &Known { motions: &[5e-3; AXES], ..REST });
+                assert_eq!((reading.positions[2], found), (position, Finding::NONE), "{share}, {k}");
+            }
+        }
+    }
+
+    #[test]
+    fn without_a_closed_loop_the_axes_are_moved_by_hand() {
+        let p = Parameters::START;
+        let mut reader = Reader::start();
+        for k in 0..50 {
+            let (_, found) = reader.read(&p, &at(9e-3 * f64::from(k)), &Known { closed: false, ..REST });
+            assert_eq!(found, Finding::NONE);
+        }
+    }
+
+    #[test]
+    fn a_tool_that_starts_is_believed_and_one_bad_sample_while_it_cuts_is_not() {
+        let p = Parameters::START;
+        let mut reader = Reader::start();
+        for speed in [0.0, 1800.0] {
+            let input = Input { spindle_speed: speed, ..at(0.5) };
+            assert_eq!(reader.read(&p, &input, &Known { cuts: false, ..REST }).0.spindle_speed, speed);
+        }
+        let lost = Input { spindle_speed: 0.0, ..at(0.5) };
+        for _ in 0..3 {
+            let (reading, found) = reader.read(&p, &lost, &REST);
+            assert_eq!((reading.spindle_speed, found), (1800.0, Finding::NONE));
+        }
+        let (_, found) = reader.read(&p, &lost, &REST);
+        assert_eq!((found.fault, found.numbers.axis), (Fault::ReadingJump, 0));
     }
 }

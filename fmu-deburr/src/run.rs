@@ -103,6 +103,11 @@ impl Run {
         self.ahead[0].speed
     }
 
+    /// Whether the reference is in the second half of its rest after the path.
+    pub fn rests(&self, p: &Parameters) -> bool {
+        2 * self.left > p.learn.lead_out as usize
+    }
+
     /// Whether neither feed nor reference move.
     pub fn stands(&self) -> bool {
         self.ahead[..=self.preview].iter().all(|point| point.speed == 0.0)

@@ -10,26 +10,37 @@ use fmu_deburr::path::path_file;
 #[global_allocator]
 static ALLOCATOR: AllocDisabler = AllocDisabler;
 
-/// The controller on axes that are where they should be, a little late.
+/// The controller on axes that do what they were told one sample ago, or a share of it.
 struct Loop {
     controller: Controller,
     parameters: Parameters,
     input: Input,
     output: Output,
+    told: [f64; 6],
+    share: f64,
 }
 
 impl Loop {
     fn new(change: impl FnOnce(&mut Parameters)) -> Self {
         let mut parameters = Parameters::START;
         parameters.learn.repetitions = 1;
+        parameters.limits.spindle_change = 0.0;
+        parameters.limits.axis.iter_mut().for_each(|axis| axis.pattern_error = 0.1);
         change(&mut parameters);
         let path = path_file::read(&parameters, None).unwrap();
         let controller = Controller::new(&parameters, path).unwrap();
-        Self { controller, parameters, input: Input { enable: true, ..Input::START }, output: Output::START }
+        let mut input = Input { enable: true, ..Input::START };
+        for (axis, position) in input.axis.iter_mut().zip([-0.1, 0.02, 0.7, 0.0, 0.0, 0.0]) {
+            axis.position = position;
+        }
+        Self { controller, parameters, input, output: Output::START, told: [0.0; 6], share: 1.0 }
     }
 
     fn step(&mut self) {
-        self.input.axis = self.output.axis.map(|axis| AxisInput { position: axis.reference });
+        for i in 0..6 {
+            self.input.axis[i] = AxisInput { position: self.input.axis[i].position + 0.01 * self.share * self.told[i] };
+        }
+        self.told = self.output.axis.map(|axis| axis.velocity);
         self.tick();
     }
 
@@ -66,36 +77,59 @@ fn no_sample_of_a_job_allocates() {
     }
 }
 
-#[test]
-fn no_fault_allocates() {
-    let running = |mode: Mode| {
-        let mut run = Loop::new(|p| (p.lookup.enable, p.limits.pulses_max) = (false, 1.0));
+/// A job on its way, on a machine and with inputs that lead to a fault.
+fn towards(fault: Fault) -> Loop {
+    let running = |mode: Mode, change: fn(&mut Parameters)| {
+        let mut run = Loop::new(|p| {
+            (p.lookup.enable, p.limits.pulses_max) = (false, 1.0);
+            change(p);
+        });
         run.input.mode = mode;
-        run.step_until(|output| output.path.distance > 0.0);
+        run.step_until(|output| output.path.distance > 0.05);
         run
     };
-    for fault in Fault::ALL {
-        let mut run = match fault {
-            Fault::None => continue,
-            Fault::BankEmpty => Loop::new(|_| ()),
-            Fault::PatternTooLarge => running(Mode::Learn),
-            Fault::InvalidInput | Fault::ControlError | Fault::SpindleSlow => running(Mode::Deburr),
-        };
-        match fault {
-            Fault::InvalidInput => run.input.spindle_speed = f64::NAN,
-            Fault::SpindleSlow => run.input.spindle_speed = 1000.0,
-            Fault::BankEmpty => run.input.mode = Mode::Playback,
-            _ => {}
+    let nothing = |_: &mut Parameters| ();
+    let mut run = match fault {
+        Fault::None | Fault::BankEmpty => Loop::new(nothing),
+        Fault::PatternTooLarge => running(Mode::Learn, nothing),
+        Fault::Oscillation => Loop::new(|p| (p.servo_gain, p.lookup.enable) = ([150.0; 6], false)),
+        Fault::NoCut => running(Mode::Deburr, |p| p.limits.spindle_change = 2.0),
+        Fault::WrongDelay => running(Mode::DryRun, |p| p.io_delay = 3),
+        Fault::NoProgress => running(Mode::DryRun, |p| p.limits.job_time = 5.0),
+        Fault::PatternMismatch => {
+            let mut run = Loop::new(|p| {
+                (p.learn.repetitions, p.limits.axis) = (0, Parameters::START.limits.axis);
+            });
+            run.input.mode = Mode::Learn;
+            run.step_until(|output| output.state == State::Done);
+            run
         }
+        _ => running(Mode::Deburr, nothing),
+    };
+    match fault {
+        Fault::InvalidInput => run.input.spindle_speed = f64::NAN,
+        Fault::ReadingJump => run.input.axis[0].position += 0.5,
+        Fault::SpindleSlow => run.input.spindle_speed = 1600.0,
+        Fault::BankEmpty | Fault::PatternMismatch => run.input.mode = Mode::Playback,
+        Fault::FrozenReading => run.share = 0.0,
+        Fault::WeakDrive => run.share = 0.3,
+        Fault::DriveSign => run.share = -1.0,
+        Fault::Oscillation => run.input.mode = Mode::DryRun,
+        Fault::FollowingError => run.share = 3.0,
+        Fault::None | Fault::PatternTooLarge | Fault::NoCut | Fault::WrongDelay | Fault::NoProgress => {}
+    }
+    run
+}
+
+#[test]
+fn no_fault_allocates() {
+    for fault in Fault::ALL.iter().skip(1) {
+        let mut run = towards(*fault);
         for _ in 0..2000 {
-            match fault {
-                // axes that stay, or that follow badly
-                Fault::ControlError => run.tick(),
-                _ => run.step(),
-            }
+            run.step();
         }
         assert_eq!((run.output.state, run.output.fault), (State::Fault, *fault));
-        run.input.spindle_speed = 1885.0;
+        (run.input.spindle_speed, run.share) = (1885.0, 1.0);
         run.step();
         run.input.reset_fault = true;
         run.step_until(|output| output.state == State::Idle);

@@ -42,7 +42,7 @@ def run(plant: CylindricalRobot, ticks: int, law: Law, tick: float = TICK) -> Co
         row = named(plant) | {f"read_{name}": value for name, value in sensed}
         rows.append(row)
         orders = law(k * tick, row)
-        plant.command(np.array([orders.get(channel.name, 0.0) for channel in plant.commands]))
+        plant.command(np.array([orders.get(channel.name, channel.start) for channel in plant.commands]))
         plant.advance(round(tick / plant.timestep))
     return {name: np.array([row[name] for row in rows]) for name in rows[0]}
 
@@ -71,6 +71,24 @@ def response(plant: CylindricalRobot, axis: int, speed: float) -> complex:
 
 
 # drives
+
+
+def test_without_enable_the_brakes_stop_the_arm_and_nothing_snaps_back() -> None:
+    def law(time: float, _: dict[str, float]) -> dict[str, float]:
+        if time < 0.5:
+            return {"axis1_velocity": 0.2, "axis3_velocity": 0.2}
+        # commands are of no use while the drives are off
+        on = time >= 1.0
+        return {"axis3_velocity": 0.0 if on else 0.2, "enable": float(on)}
+
+    rows = run(robot(2.0), 150, law)
+    place, force = rows["read_axis3_position"], rows["axis3_force"]
+    assert place[49] - place[10] > 0.07
+    assert 0.0 < place[55] - place[50] < 5e-3
+    assert np.ptp(place[56:100]) < 1e-5
+    assert not force[52:100].any()
+    assert abs(place[149] - place[99]) < 5e-4
+    assert np.ptp(rows["read_axis1_position"][60:100]) < 1e-5
 
 
 @pytest.mark.parametrize("axis", AXES)

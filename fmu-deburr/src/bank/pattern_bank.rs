@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::fingerprint::Fingerprint;
 use crate::interface::Parameters;
 use crate::learning::pattern::Pattern;
-use crate::path::kinematics::{AXES, Joints};
+use crate::path::kinematics::Joints;
 use crate::path::taught_path::TaughtPath;
 
 /// What a bank belongs to; another path or machine needs another bank.
@@ -83,6 +83,11 @@ impl PatternBank {
         &self.patterns[..self.usable]
     }
 
+    /// Patterns of all speeds, learned or not.
+    pub fn planned(&self) -> &[Pattern] {
+        &self.patterns
+    }
+
     /// What the bank belongs to.
     pub fn identity(&self) -> &Identity {
         &self.identity
@@ -138,11 +143,9 @@ impl PatternBank {
         Ok(())
     }
 
-    /// Forgets everything that was learned.
-    pub fn clear(&mut self) {
-        self.usable = 0;
-        let samples = self.patterns.iter_mut().flat_map(|pattern| &mut pattern.samples);
-        samples.for_each(|sample| sample.compensation = [0.0; AXES]);
+    /// Only the first `usable` patterns are learned.
+    pub fn limit(&mut self, usable: usize) {
+        self.usable = usable.min(self.patterns.len());
     }
 }
 
@@ -191,8 +194,6 @@ pub(crate) mod tests {
         assert!(bank.patterns().is_empty());
         bank.take_over(&numbered(|k| k as f64), 32_767.0).unwrap();
         assert_eq!(bank, numbered(|k| k as f64));
-        bank.clear();
-        assert_eq!(bank, PatternBank::plan(&Parameters::START, &path()).unwrap());
     }
 
     #[test]

@@ -150,8 +150,7 @@ mod tests {
         let samples: usize = bank.patterns().iter().map(Pattern::len).sum();
         let header = MAGIC.len() + 8 + 7 * 8 + 4 + 5 * 12;
         assert_eq!(bytes.len(), header + RECORD * samples + 8);
-        let mut empty = bank.clone();
-        empty.clear();
+        let empty = PatternBank::plan(&crate::interface::Parameters::START, &path()).unwrap();
         assert_eq!(decode(&bytes, &empty, &path()), Some(Ok(bank)));
     }
 

@@ -127,6 +127,17 @@ impl Learner {
         if p.learn.stop_at_best || diverged {
             self.restore(pattern);
         }
+        self.next_speed(p)
+    }
+
+    /// Ends a speed within a repetition, because the error grows: the best pattern stays.
+    pub fn abandon(&mut self, p: &Parameters, pattern: &mut Pattern) -> Next {
+        self.restore(pattern);
+        self.restart();
+        self.next_speed(p)
+    }
+
+    fn next_speed(&mut self, p: &Parameters) -> Next {
         self.speed += 1;
         self.repetition = 0;
         if self.speed < p.learn.factors.list().len() { Next::NextSpeed } else { Next::Done }
@@ -273,6 +284,17 @@ mod tests {
         assert_eq!(repeat(&mut learner, &p, &mut pattern, |_| 31.0), Next::NextSpeed);
         assert_eq!(pattern.samples[0].compensation[0], 0.0);
         assert_eq!((learner.speed, learner.repetition), (1, 0));
+    }
+
+    #[test]
+    fn a_speed_that_is_abandoned_keeps_its_best_pattern() {
+        let p = Parameters::PAPER;
+        let (mut learner, mut pattern) = setup(&p);
+        for size in [10.0, 4.0] {
+            repeat(&mut learner, &p, &mut pattern, |_| size);
+        }
+        assert_eq!(learner.abandon(&p, &mut pattern), Next::NextSpeed);
+        assert_eq!((pattern.samples[0].compensation[0], learner.speed, learner.repetition), (10.0, 1, 0));
     }
 
     #[test]

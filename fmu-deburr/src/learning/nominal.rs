@@ -17,10 +17,22 @@ pub struct Nominal {
 }
 
 /// State of the loop between two samples.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct LoopState {
     x: [f64; 3],
     sent: SentCommands,
+}
+
+impl LoopState {
+    /// At rest at a position, in counts.
+    pub fn resting(position: f64) -> Self {
+        Self { x: [position, 0.0, 0.0], sent: SentCommands::default() }
+    }
+
+    /// Position in counts.
+    pub fn position(&self) -> f64 {
+        self.x[0]
+    }
 }
 
 impl Nominal {

@@ -42,6 +42,10 @@ pub fn start(p: &Parameters, path: &TaughtPath) -> Result<Joints, ParameterError
             .ok_or_else(|| wrong(distance, "the wrist is on the axis of the column".to_owned(), "move the part"))?;
         travel(p, &joints)
             .map_err(|what| wrong(distance, what, "move the part, or widen `axisN.minimum` and `.maximum`"))?;
+        travel(p, &p.arm.drawn_back(&joints, p.transfer.clearance)).map_err(|what| {
+            let what = format!("drawn back by `transfer.clearance` = `{} m`, {what}", p.transfer.clearance);
+            wrong(distance, what, "move the part, or lower `transfer.clearance`")
+        })?;
         if first.is_some() {
             speed(p, &joints, &before, step / path.speed).map_err(|what| {
                 wrong(
@@ -129,6 +133,16 @@ mod tests {
         let places = [([0.7, 0.0, -0.2], [0.1, 0.001, -1.0]), ([0.7, 0.1, -0.2], [-0.1, 0.001, -1.0])];
         let message = message(&places);
         assert!(message.contains("block 1, 0.0") && message.contains("`axis4` turns with"), "{message}");
+    }
+
+    #[test]
+    fn a_tool_that_cannot_be_drawn_back_is_refused() {
+        let path = path(&[([0.7, 0.0, 0.79], DOWN), ([0.7, 0.1, 0.79], DOWN)]);
+        let message = start(&Parameters::START, &path).unwrap_err().to_string();
+        assert!(
+            message.contains("`transfer.clearance` = `0.02 m`") && message.contains("`axis2` is `1.01"),
+            "{message}"
+        );
     }
 
     #[test]

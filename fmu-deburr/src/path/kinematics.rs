@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use crate::interface::Arm;
-use crate::path::geometry::Pose;
+use crate::path::geometry::{Pose, Vector};
 
 /// Number of axes.
 pub const AXES: usize = 6;
@@ -27,6 +27,22 @@ impl Arm {
         let tangential = cos * pose.axis.y - sin * pose.axis.x;
         let [yaw, pitch] = wrist_angles(radial, tangential, pose.axis.z, before[3]);
         Some([column, wrist.z - self.height, radius - self.reach, yaw, pitch, 0.0])
+    }
+
+    /// Pose to which the axes bring the tool; roll changes nothing.
+    pub fn forward(&self, joints: &Joints) -> Pose {
+        let [column, height, reach, yaw, pitch, _] = *joints;
+        let (tilt, azimuth) = (-pitch, column + yaw);
+        let axis = Vector::new(tilt.sin() * azimuth.cos(), tilt.sin() * azimuth.sin(), -tilt.cos());
+        let radius = reach + self.reach;
+        let wrist = Vector::new(radius * column.cos(), radius * column.sin(), height + self.height);
+        Pose { tip: wrist + axis * self.tool_offset, axis }
+    }
+
+    /// Axes that hold the tool `way` (m) farther back along itself; where they are when it cannot go there.
+    pub fn drawn_back(&self, joints: &Joints, way: f64) -> Joints {
+        let Pose { tip, axis } = self.forward(joints);
+        self.inverse(&Pose { tip: tip - axis * way, axis }, joints).unwrap_or(*joints)
     }
 
     /// How far the tip moves for a unit motion of each axis, at most: m/rad or 1.
@@ -60,19 +76,8 @@ fn near(angle: f64, before: f64, period: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::path::geometry::Vector;
 
     const ARM: Arm = Arm { height: 0.9, reach: 0.1, tool_offset: 0.2 };
-
-    /// Where the axes bring the tool: the same robot, the other way round.
-    fn forward(arm: &Arm, joints: &Joints) -> Pose {
-        let [column, height, reach, yaw, pitch, _] = *joints;
-        let (tilt, azimuth) = (-pitch, column + yaw);
-        let axis = Vector::new(tilt.sin() * azimuth.cos(), tilt.sin() * azimuth.sin(), -tilt.cos());
-        let radius = reach + arm.reach;
-        let wrist = Vector::new(radius * column.cos(), radius * column.sin(), height + arm.height);
-        Pose { tip: wrist + axis * arm.tool_offset, axis }
-    }
 
     #[test]
     fn forward_and_back_from_all_over_the_room() {
@@ -83,7 +88,7 @@ mod tests {
             if joints[4].abs() < 1e-3 {
                 continue;
             }
-            let back = ARM.inverse(&forward(&ARM, &joints), &joints).unwrap();
+            let back = ARM.inverse(&ARM.forward(&joints), &joints).unwrap();
             for (a, b) in joints.iter().zip(&back) {
                 assert!((a - b).abs() < 1e-9, "{joints:?} {back:?}");
             }
@@ -91,11 +96,20 @@ mod tests {
     }
 
     #[test]
+    fn a_tool_is_drawn_back_along_itself() {
+        let joints = [0.7, 0.1, 0.5, 0.4, -0.3, 0.0];
+        let (before, after) = (ARM.forward(&joints), ARM.forward(&ARM.drawn_back(&joints, 0.02)));
+        assert!(
+            (after.tip - (before.tip - before.axis * 0.02)).norm() < 1e-12 && (after.axis - before.axis).norm() < 1e-12
+        );
+    }
+
+    #[test]
     fn many_turns_stay_continuous() {
         let mut joints = [0.0, 0.0, 0.5, 0.0, -0.3, 0.0];
         for k in 0..2000 {
             let wanted = [0.01 * f64::from(k), 0.0, 0.5, -0.02 * f64::from(k), -0.3, 0.0];
-            joints = ARM.inverse(&forward(&ARM, &wanted), &joints).unwrap();
+            joints = ARM.inverse(&ARM.forward(&wanted), &joints).unwrap();
             assert!((joints[0] - wanted[0]).abs() < 1e-9 && (joints[3] - wanted[3]).abs() < 1e-9);
         }
     }
@@ -105,7 +119,7 @@ mod tests {
         let mut joints = [0.3, 0.0, 0.5, 0.7, -0.2, 0.0];
         for k in 0..=400 {
             let wanted = [0.3, 0.0, 0.5, 0.7, -0.2 + 0.001 * f64::from(k), 0.0];
-            joints = ARM.inverse(&forward(&ARM, &wanted), &joints).unwrap();
+            joints = ARM.inverse(&ARM.forward(&wanted), &joints).unwrap();
             assert!((joints[3] - 0.7).abs() < 1e-9, "{joints:?}");
             assert!((joints[4] - wanted[4]).abs() < 1e-9, "{joints:?}");
         }

@@ -66,6 +66,11 @@ impl TaughtPath {
         self.blocks.len()
     }
 
+    /// Number of places at which the feed stops, the end among them.
+    pub fn stops(&self) -> usize {
+        self.stops.len()
+    }
+
     /// First distance (m) beyond `distance` at which the feed stops.
     pub fn next_stop(&self, distance: f64) -> f64 {
         let passed = self.stops.partition_point(|stop| *stop <= distance);

@@ -10,6 +10,8 @@ use crate::setup::{Loop, parameters, swinging};
 fn adapted(nominal: &Loop, build: &Build, law: LearningLaw, repetitions: i32) -> Joints {
     let mut p = nominal.parameters.clone();
     (p.learn.law, p.learn.from_bank, p.learn.repetitions) = (law, true, repetitions);
+    // a foreign bank is to be seen
+    p.limits.axis.iter_mut().for_each(|axis| axis.pattern_error = 0.1);
     let mut run = Loop::new(&p, build);
     run.controller.path_and_bank().1.take_over(nominal.controller.bank(), 1e9).unwrap();
     assert!(run.finish(Mode::Learn));

@@ -15,7 +15,7 @@ fn short(mut p: Parameters) -> Parameters {
 fn the_paper_law_is_its_keys_by_hand_bit_for_bit() {
     let mut by_hand = short(Parameters::START);
     (by_hand.learn.law, by_hand.learn.lead, by_hand.learn.stop_at_best) = (LearningLaw::Plain, 0, false);
-    by_hand.lookup.preview = 0.0;
+    (by_hand.lookup.preview, by_hand.limits) = (0.0, Parameters::PAPER.limits);
     let build = Build { delay: 0, ..Build::NOMINAL };
     let mut loops = [short(Parameters::PAPER), by_hand].map(|p| Loop::new(&p, &build));
     for mode in [Mode::Learn, Mode::Playback] {

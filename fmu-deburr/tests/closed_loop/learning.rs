@@ -1,6 +1,6 @@
 //! Learning and playback on the test piece.
 
-use fmu_deburr::interface::{Mode, Parameters};
+use fmu_deburr::interface::{Mode, Parameters, State};
 use fmu_deburr::path::TaughtPath;
 use fmu_deburr::path::{Block, Pose, Vector};
 
@@ -49,6 +49,25 @@ fn the_paper_mode_has_what_the_paper_has() {
         assert!(error < 0.5, "{factor}: {error}");
     }
     assert!(worst(&mut run, swinging(0.5)) < 0.35);
+}
+
+#[test]
+fn a_pattern_that_grows_ends_its_speed_before_it_shakes_the_robot() {
+    // a delay that the controller does not know makes the plain law grow
+    for (io_delay, lead) in [(0, 0), (1, -1)] {
+        let mut p = parameters(&Parameters::PAPER, io_delay);
+        (p.learn.lead, p.learn.repetitions) = (lead, 40);
+        let mut run = Loop::new(&p, &Build::NOMINAL);
+        run.step();
+        run.input.mode = Mode::Learn;
+        let mut largest: f64 = 0.0;
+        while !matches!(run.output.state, State::Done | State::Fault) {
+            run.step();
+            largest = largest.max(run.output.axis[2].error.abs());
+        }
+        println!("{io_delay}: {largest} {:?} {:?} {:?}", run.output.state, run.output.fault, run.output.numbers);
+        assert!(largest < 0.015, "{io_delay}: {largest}");
+    }
 }
 
 #[test]

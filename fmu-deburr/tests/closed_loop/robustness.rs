@@ -21,11 +21,12 @@ fn random_inputs_do_no_harm() {
     const NONSENSE: [f64; 4] = [f64::NAN, f64::INFINITY, 1e300, -1e5];
     let mut p = Parameters::START;
     p.learn.repetitions = 1;
-    p.path.taught_speed = 0.5;
+    (p.path.taught_speed, p.transfer.time) = (0.5, 0.3);
     p.learn.factors = Speeds::new(&[1.0]).unwrap();
     let mut visited = [false; State::ALL.len() + 1];
     for seed in 0..12 {
         let mut run = Loop::new(&p, &Build::NOMINAL);
+        run.parameters.lookup.enable = seed % 2 == 0;
         let mut dice = Dice(seed);
         for _ in 0..6000 {
             if dice.roll(300) == 0 {
@@ -34,7 +35,7 @@ fn random_inputs_do_no_harm() {
             run.input.hold = dice.roll(50) == 0 || run.input.hold && dice.roll(30) != 0;
             run.input.enable = dice.roll(2000) != 0;
             run.input.reset_fault = dice.roll(20) == 0;
-            run.input.spindle_speed = 1700.0 + dice.roll(200) as f64;
+            run.input.spindle_speed = 1640.0 + dice.roll(100) as f64;
             run.input.speed_override = dice.roll(5) as f64 / 3.0 - 0.2;
             match dice.roll(3000) {
                 0 => run.input.spindle_speed = NONSENSE[dice.roll(4) as usize],

@@ -98,6 +98,9 @@ impl Loop {
                 break;
             }
         }
+        if self.output.state == State::Fault {
+            println!("{:?}: {:?}", self.output.fault, self.output.numbers);
+        }
         self.output.state == State::Done
     }
 

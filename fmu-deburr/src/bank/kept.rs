@@ -1,0 +1,72 @@
+//! What a bank held before the present learning: each pattern of it stays until that of its speed is learned.
+
+use serde::{Deserialize, Serialize};
+
+use crate::bank::pattern_bank::PatternBank;
+use crate::path::kinematics::{AXES, Joints};
+
+/// Room for the compensations of a bank.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct KeptPatterns {
+    compensations: Vec<Vec<Joints>>,
+    usable: usize,
+}
+
+impl KeptPatterns {
+    /// With room for the patterns of a bank.
+    pub fn new(bank: &PatternBank) -> Self {
+        let compensations = bank.planned().iter().map(|pattern| vec![[0.0; AXES]; pattern.len()]).collect();
+        Self { compensations, usable: 0 }
+    }
+
+    /// Learning begins, from zero or from what is there.
+    pub fn begin(&mut self, bank: &mut PatternBank, from_bank: bool) {
+        self.usable = bank.patterns().len();
+        for (index, kept) in self.compensations.iter_mut().enumerate() {
+            for (sample, kept) in bank.pattern_mut(index).samples.iter_mut().zip(kept) {
+                *kept = sample.compensation;
+                if !from_bank {
+                    sample.compensation = [0.0; AXES];
+                }
+            }
+        }
+        bank.limit(0);
+    }
+
+    /// Learning ends before all is learned: what is not learned is what it was before. Whether anything is new.
+    pub fn end(&self, bank: &mut PatternBank) -> bool {
+        let learned = bank.patterns().len();
+        for (index, kept) in self.compensations.iter().enumerate().skip(learned) {
+            let samples = bank.pattern_mut(index).samples.iter_mut();
+            samples.zip(kept).for_each(|(sample, kept)| sample.compensation = *kept);
+        }
+        bank.limit(learned.max(self.usable));
+        learned > 0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bank::pattern_bank::tests::numbered;
+
+    #[test]
+    fn learning_that_is_interrupted_leaves_what_was_there() {
+        for from_bank in [false, true] {
+            let mut bank = numbered(|k| k as f64);
+            let mut kept = KeptPatterns::new(&bank);
+            kept.begin(&mut bank, from_bank);
+            assert!(bank.patterns().is_empty());
+            assert_eq!(bank.pattern(3).samples[7].compensation[0], if from_bank { 7.0 } else { 0.0 });
+            assert!(!kept.end(&mut bank));
+            assert_eq!(bank, numbered(|k| k as f64));
+            kept.begin(&mut bank, from_bank);
+            bank.pattern_mut(0).samples[7].compensation = [55.0; AXES];
+            bank.learned(0);
+            bank.pattern_mut(1).samples[7].compensation = [66.0; AXES];
+            assert!(kept.end(&mut bank));
+            let values: Vec<f64> = bank.patterns().iter().map(|pattern| pattern.samples[7].compensation[0]).collect();
+            assert_eq!(values, [55.0, 7.0, 7.0, 7.0, 7.0]);
+        }
+    }
+}

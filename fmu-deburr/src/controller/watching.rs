@@ -1,0 +1,89 @@
+//! What is wrong in a sample, and the fault that is in force.
+
+use control_blocks::SafeEnd;
+
+use crate::controller::Controller;
+use crate::faults::{self, Signs};
+use crate::interface::{Fault, Input, Mode, Parameters, State};
+use crate::monitoring::axis::{Expectation, Verdict};
+use crate::monitoring::finding::Finding;
+use crate::path::kinematics::Joints;
+use crate::reading::Reading;
+
+impl Controller {
+    /// Looks at the axes while their loops are closed: what is wrong, and whether a pattern grows.
+    pub(super) fn watch_axes(&mut self, p: &Parameters, reading: &Reading, motions: &Joints) -> (Finding, bool) {
+        if !self.state.closed() {
+            return (Finding::NONE, false);
+        }
+        if self.state == State::Run {
+            self.delay.update(p, &reading.positions, &self.sent);
+            if self.run.rests(p) {
+                self.watch.rests(p, &reading.positions);
+            }
+        }
+        let (runs, compensates) = (self.state == State::Run, self.compensates(p, self.job));
+        let expected = match self.job {
+            // the error that has ended a repetition fades while it stops
+            Mode::Learn if runs && self.learner.repetition > 0 || self.state == State::Stop => Expectation::Learned,
+            _ if runs && compensates => Expectation::Compensated,
+            _ => Expectation::Bare,
+        };
+        match self.watch.look(p, &reading.positions, motions, &self.error, expected) {
+            Verdict::Good => (Finding::NONE, false),
+            Verdict::Grown => (Finding::NONE, runs),
+            Verdict::Wrong(finding) => (self.cause(p, finding), false),
+        }
+    }
+
+    /// An answer that comes later than told looks weak, or far away.
+    fn cause(&self, p: &Parameters, finding: Finding) -> Finding {
+        let late = self.delay.after_run(p);
+        match finding.fault {
+            Fault::WeakDrive | Fault::PatternMismatch | Fault::FollowingError if late.is_fault() => late,
+            _ => finding,
+        }
+    }
+
+    /// Keeps the best pattern of a speed at which the error grows.
+    pub(super) fn abandon_repetition(&mut self, p: &Parameters) -> bool {
+        let speed = self.learner.speed;
+        let next = self.learner.abandon(p, self.bank.pattern_mut(speed));
+        self.end_speed(speed, next);
+        true
+    }
+
+    pub(super) fn find_fault(
+        &mut self,
+        p: &Parameters,
+        reading: &Reading,
+        inputs: Finding,
+        axes: Finding,
+        input: &Input,
+    ) -> Finding {
+        let starts = input.enable && self.state.waits() && input.mode != self.job;
+        let empty = self.compensates(p, input.mode) && self.bank.patterns().is_empty();
+        let tool = if self.cuts() { self.tool.update(p, reading.spindle_speed) } else { Finding::NONE };
+        let works = self.job.moves() && !self.state.waits() && self.state.closed();
+        faults::find(
+            p,
+            &Signs {
+                inputs,
+                axes,
+                run: std::mem::replace(&mut self.ended, Finding::NONE),
+                nothing_learned: starts && empty,
+                tool,
+                job: if works { (self.elapsed.samples(), self.budget) } else { (0, 0) },
+            },
+        )
+    }
+
+    /// The fault in force and how it ends: a graver one takes the place of a lighter one, and never the other way.
+    pub(super) fn escalate(&mut self, found: Finding, counts: bool) -> Option<SafeEnd> {
+        let graver = self.fault == Fault::None || found.fault.safe_end() > self.fault.safe_end();
+        if counts && found.is_fault() && graver {
+            (self.fault, self.numbers) = (found.fault, found.numbers);
+        }
+        (self.fault != Fault::None).then(|| self.fault.safe_end())
+    }
+}

@@ -1,0 +1,11 @@
+//! What watches the machine: axes against the model of their loop, the delay of their answers,
+//! the tool's speed, the time of a job.
+
+pub mod axis;
+pub mod budget;
+pub mod delay;
+pub mod finding;
+pub mod numbers;
+pub mod rest;
+pub mod tool;
+pub mod watch;

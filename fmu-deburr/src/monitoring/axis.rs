@@ -1,0 +1,303 @@
+//! One axis against the model of its loop.
+//!
+//! The loop makes of reference and compensation the position T (r + c), with T of the nominal drive. What the encoder says
+//! beyond that is what nothing explains: at rest nothing, in motion the error of the drive's gain times the lag V/Kp of
+//! the bare servo. So the limit is `error_max` + 0.5 V/Kp for drives of 2/3 to 2 times their gain, whether the patterns are
+//! learned, foreign or none. A pattern that grows is explained by the model, and found by its error: `error_max` + V/Kp; the
+//! error of a bare servo of half its gain is twice V/Kp.
+//!
+//! A limit that is passed asks for the cause: a reading that stands, a command that swings, the sign and the strength of
+//! the answer.
+
+use control_blocks::{Consecutive, Frozen, Response, Reversals};
+use serde::{Deserialize, Serialize};
+
+use crate::interface::{Fault, Parameters};
+use crate::learning::nominal::{LoopState, Nominal};
+use crate::monitoring::finding::{Finding, Numbers};
+
+/// Difference from the model in lags of the bare servo.
+const MISMATCH: f64 = 0.5;
+/// Error in lags of the bare servo.
+const BARE: f64 = 2.0;
+/// Error in lags of the bare servo from which a pattern that is learned does harm.
+const GROWN: f64 = 1.0;
+/// The lag is held at its peak and fades with so many times Kp, in motion and in the rest after it.
+const FADING: [f64; 2] = [0.25, 0.5];
+/// Samples over which the answer of an axis is compared with its command.
+const MEMORY: f64 = 4.0;
+/// Counts of motion in a sample from which there is an answer to compare.
+const EXCITED: f64 = 20.0;
+/// Counts within which a reading stands.
+const BAND: f64 = 1.5;
+/// Share of the commanded motion below which a drive is weak.
+const WEAK: f64 = 0.7;
+/// Share below which it goes the other way.
+const OPPOSITE: f64 = -0.2;
+/// Share of the command for `error_max` from which a command swings.
+const SWING: f64 = 0.1;
+/// Reversals of a loop that is not stable, and the longest time between two, samples.
+const SWINGS: (u32, u32) = (3, 20);
+
+/// What one axis is watched with.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct AxisMonitor {
+    nominal: Nominal,
+    model: LoopState,
+    /// lag of the bare servo, held at its peak, rad or m
+    lag: f64,
+    /// the same that fades faster, in the rest after a run
+    tail: f64,
+    reference: f64,
+    before: f64,
+    frozen: Frozen,
+    response: Response,
+    swing: Reversals,
+    swings: u32,
+    unexplained: Consecutive,
+    far: Consecutive,
+    off: Consecutive,
+}
+
+/// What one axis does, rad or m.
+#[derive(Clone, Copy, Debug)]
+pub struct Motion {
+    /// Encoder reading.
+    pub position: f64,
+    /// Motion that was commanded for the sample that ends now.
+    pub commanded: f64,
+    /// Control error.
+    pub error: f64,
+}
+
+/// Which limits hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Expectation {
+    /// The bare servo.
+    Bare,
+    /// Patterns that are being learned: an error that grows ends the repetition.
+    Learned,
+    /// Patterns that were learned.
+    Compensated,
+}
+
+/// What is wrong with an axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Verdict {
+    /// Nothing.
+    Good,
+    /// A pattern that is being learned grows.
+    Grown,
+    /// A fault.
+    Wrong(Finding),
+}
+
+impl AxisMonitor {
+    /// At rest at zero; `axis` from 0.
+    pub fn new(p: &Parameters, axis: usize) -> Self {
+        Self {
+            nominal: Nominal::new(p, axis),
+            model: LoopState::default(),
+            lag: 0.0,
+            tail: 0.0,
+            reference: 0.0,
+            before: 0.0,
+            frozen: Frozen::default(),
+            response: Response::default(),
+            swing: Reversals::default(),
+            swings: 0,
+            unexplained: Consecutive::NONE,
+            far: Consecutive::NONE,
+            off: Consecutive::NONE,
+        }
+    }
+
+    /// The loop closes at rest at a position (rad or m); `pulse` is that of the encoder.
+    pub fn restart(&mut self, position: f64, pulse: f64) {
+        let place = position / pulse;
+        self.model = LoopState::resting(place.round());
+        (self.lag, self.tail) = (0.0, 0.0);
+        (self.reference, self.before) = (place.round() * pulse, position);
+        (self.frozen, self.response, self.swing, self.swings) =
+            (Frozen::default(), Response::default(), Reversals::default(), 0);
+        (self.unexplained, self.far, self.off) = (Consecutive::NONE, Consecutive::NONE, Consecutive::NONE);
+    }
+
+    /// Position beyond that of the model, rad or m.
+    pub fn residual(&self, position: f64, pulse: f64) -> f64 {
+        position - self.model.position() * pulse
+    }
+
+    /// How far the position may be from the model in the rest after a run, because the drive is slow, rad or m.
+    pub fn allowance(&self) -> f64 {
+        MISMATCH * self.tail
+    }
+
+    /// Takes what was sent: reference and compensation in counts, and the velocity command (rad/s or m/s).
+    pub fn command(&mut self, p: &Parameters, axis: usize, reference: f64, compensation: f64, velocity: f64) {
+        let (kp, pulse) = (p.servo_gain[axis], p.axis[axis].pulse);
+        self.nominal.step(&mut self.model, reference + compensation);
+        let moved = (reference * pulse - self.reference).abs();
+        self.reference = reference * pulse;
+        let lag = moved / (kp * p.sample_period);
+        let [slow, fast] = FADING.map(|fading| (-fading * kp * p.sample_period).exp());
+        (self.lag, self.tail) = ((self.lag * slow).max(lag), (self.tail * fast).max(lag));
+        let limit = SWING * kp * p.limits.axis[axis].error_max;
+        self.swings = self.swing.update(velocity, limit, SWINGS.1);
+    }
+
+    /// Looks at the axis `axis` (from 0) in a sample in which its loop is closed.
+    pub fn look(&mut self, p: &Parameters, axis: usize, motion: &Motion, expected: Expectation) -> Verdict {
+        let Motion { position, commanded, error } = *motion;
+        let (pulse, limits) = (p.axis[axis].pulse, &p.limits.axis[axis]);
+        self.frozen.update(position, commanded, BAND * pulse);
+        self.response.update(commanded, position - self.before, MEMORY);
+        self.before = position;
+        let bridged = p.limits.lost_samples.unsigned_abs();
+        let stands = self.frozen.still() > bridged;
+        let unanswered = self.frozen.unanswered();
+        if stands && unanswered > limits.error_max {
+            return self.wrong(axis, Fault::FrozenReading, unanswered, limits.error_max, p);
+        }
+        let residual = self.residual(position, pulse).abs();
+        let most = limits.error_max + MISMATCH * self.lag;
+        if self.unexplained.update(residual > most) > bridged {
+            return self.wrong(axis, Fault::FollowingError, residual, most, p);
+        }
+        let lags = if expected == Expectation::Learned { GROWN } else { BARE };
+        let most = limits.error_max + lags * self.lag;
+        if self.far.update(error.abs() > most) > bridged {
+            return match expected {
+                Expectation::Learned => Verdict::Grown,
+                _ => self.wrong(axis, Fault::FollowingError, error.abs(), most, p),
+            };
+        }
+        let most = limits.pattern_error;
+        if self.off.update(expected == Expectation::Compensated && error.abs() > most) > bridged {
+            return self.wrong(axis, Fault::PatternMismatch, error.abs(), most, p);
+        }
+        Verdict::Good
+    }
+
+    fn wrong(&self, axis: usize, consequence: Fault, value: f64, limit: f64, p: &Parameters) -> Verdict {
+        let pulse = p.axis[axis].pulse;
+        let share = self.response.share((EXCITED * pulse).powi(2));
+        let stands = self.frozen.still() > p.limits.lost_samples.unsigned_abs();
+        let fault = if stands && self.frozen.unanswered() > EXCITED * pulse {
+            Fault::FrozenReading
+        } else if self.swings >= SWINGS.0 {
+            Fault::Oscillation
+        } else {
+            match share {
+                Some(share) if share < OPPOSITE => Fault::DriveSign,
+                Some(share) if share < WEAK => Fault::WeakDrive,
+                _ => consequence,
+            }
+        };
+        Verdict::Wrong(Finding { fault, numbers: Numbers { axis: axis as i32 + 1, value, limit, share } })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Axis 3 on a path of constant speed (m/s): what the monitor says, and after how many samples of it.
+    struct Bench {
+        p: Parameters,
+        monitor: AxisMonitor,
+        drive: LoopState,
+        nominal: Nominal,
+        sent: control_blocks::SentCommands,
+        reference: f64,
+        position: f64,
+    }
+
+    impl Bench {
+        fn new() -> Self {
+            let p = Parameters::START;
+            let (mut monitor, nominal) = (AxisMonitor::new(&p, 2), Nominal::new(&p, 2));
+            monitor.restart(0.0, p.axis[2].pulse);
+            let sent = control_blocks::SentCommands::default();
+            Self { p, monitor, drive: LoopState::default(), nominal, sent, reference: 0.0, position: 0.0 }
+        }
+
+        /// One sample; `bends` makes of commanded motion and position (counts) what the machine does and what is read.
+        fn step(&mut self, speed: f64, expected: Expectation, bends: impl Fn(f64, f64) -> (f64, f64)) -> Verdict {
+            let pulse = self.p.axis[2].pulse;
+            let commanded = self.sent.before(1) * self.p.sample_period;
+            let (moved, seen) = bends(commanded / pulse, self.position);
+            // the drive follows its command at once
+            self.position += moved;
+            let read = seen + moved;
+            let error = self.reference - read;
+            let motion = Motion { position: read.floor() * pulse, commanded, error: error * pulse };
+            let verdict = self.monitor.look(&self.p, 2, &motion, expected);
+            self.reference += speed * self.p.sample_period / pulse;
+            let velocity = 13.0 * pulse * (self.reference - read);
+            self.sent.send(velocity);
+            self.nominal.step(&mut self.drive, self.reference);
+            self.monitor.command(&self.p, 2, self.reference.round(), 0.0, velocity);
+            verdict
+        }
+
+        fn faulted(&mut self, bends: impl Fn(f64, f64) -> (f64, f64)) -> Option<(usize, Finding)> {
+            for _ in 0..150 {
+                assert_eq!(self.step(0.1, Expectation::Bare, |moved, at| (moved, at)), Verdict::Good);
+            }
+            (0..300).find_map(|k| match self.step(0.1, Expectation::Bare, &bends) {
+                Verdict::Wrong(finding) => Some((k, finding)),
+                _ => None,
+            })
+        }
+    }
+
+    #[test]
+    fn a_good_axis_is_good_at_any_speed_and_when_it_stops() {
+        let mut bench = Bench::new();
+        for speed in [0.0, 0.02, 0.5, -0.5, 0.1, 0.0] {
+            for _ in 0..100 {
+                assert_eq!(bench.step(speed, Expectation::Bare, |moved, at| (moved, at)), Verdict::Good);
+            }
+        }
+    }
+
+    #[test]
+    fn drives_within_a_fifth_of_their_gain_are_good() {
+        for gain in [0.8, 1.2] {
+            assert_eq!(Bench::new().faulted(|moved, at| (gain * moved, at)), None);
+        }
+    }
+
+    #[test]
+    fn the_cause_is_named_before_the_consequence() {
+        let (k, finding) = Bench::new().faulted(|moved, at| (-moved, at)).unwrap();
+        assert_eq!((finding.fault, finding.numbers.axis), (Fault::DriveSign, 3));
+        assert!(k < 20, "{k}: {finding:?}");
+        let (_, finding) = Bench::new().faulted(|moved, at| (0.3 * moved, at)).unwrap();
+        assert_eq!(finding.fault, Fault::WeakDrive);
+        assert!((finding.numbers.share.unwrap() - 0.3).abs() < 0.05, "{finding:?}");
+        let (k, finding) = Bench::new().faulted(|_, at| (0.0, at)).unwrap();
+        assert_eq!(finding.fault, Fault::FrozenReading);
+        assert!(k < 8, "{k}: {finding:?}");
+    }
+
+    #[test]
+    fn what_the_commands_do_not_explain_is_a_following_error() {
+        // something pushes with 60 mm/s against the motion
+        let (_, finding) = Bench::new().faulted(|moved, at| (moved - 240.0, at)).unwrap();
+        assert!(finding.numbers.value > finding.numbers.limit, "{finding:?}");
+        assert!(matches!(finding.fault, Fault::FollowingError | Fault::WeakDrive), "{finding:?}");
+    }
+
+    #[test]
+    fn only_what_should_be_compensated_has_the_narrow_limit() {
+        let run = |expected| {
+            let mut bench = Bench::new();
+            (0..100).map(|_| bench.step(0.05, expected, |moved, at| (moved, at))).find(|said| *said != Verdict::Good)
+        };
+        assert_eq!(run(Expectation::Bare), None);
+        let Some(Verdict::Wrong(finding)) = run(Expectation::Compensated) else { panic!("nothing was found") };
+        assert_eq!((finding.fault, finding.numbers.limit), (Fault::PatternMismatch, 5e-4));
+    }
+}

@@ -1,0 +1,59 @@
+//! How long a job may take.
+//!
+//! One run takes a rest, its length at its slowest speed, and another rest; before it there are the legs of the motion to
+//! the start, each at most through the whole travel of the slowest axis. Twice that for every run is the budget.
+
+use control_blocks::{quintic_duration, ticks};
+
+use crate::interface::{Mode, Parameters};
+use crate::path::taught_path::TaughtPath;
+
+/// Budget over the time that is planned.
+const MARGIN: f64 = 2.0;
+/// Legs of a motion to the start.
+const LEGS: f64 = 3.0;
+/// Slowest feed that a job is planned with, share of the taught speed.
+const SLOWEST: f64 = 0.01;
+
+/// Samples that a job may take; of a cyclic path a lap, unless it is learned.
+pub fn budget(p: &Parameters, path: &TaughtPath, job: Mode) -> u64 {
+    let time = if p.limits.job_time > 0.0 { p.limits.job_time } else { derived(p, path, job) };
+    u64::from(ticks(time, p.sample_period))
+}
+
+/// Time for a job (s) as the parameters say.
+fn derived(p: &Parameters, path: &TaughtPath, job: Mode) -> f64 {
+    let leg = p
+        .axis
+        .iter()
+        .map(|axis| quintic_duration(axis.maximum - axis.minimum, axis.velocity_max * p.transfer.velocity_share));
+    let approach = LEGS * leg.fold(p.transfer.time, f64::max) + p.transfer.settle_time;
+    let rests = f64::from(p.learn.lead_in + p.learn.lead_out) * p.sample_period;
+    // up to speed and down again at each stop takes as long as the speed over the acceleration more
+    let run = |speed: f64| path.length() / speed + path.stops() as f64 * speed / p.feed.acceleration + rests;
+    let runs = match job {
+        Mode::Learn => {
+            let once: f64 = p.learn.factors.list().iter().map(|factor| approach + run(factor * path.speed)).sum();
+            once * f64::from(p.learn.repetitions + 1)
+        }
+        _ => approach + run(p.load.speed_min.max(SLOWEST * path.speed)),
+    };
+    MARGIN * runs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::learning::pattern::tests::straight;
+
+    #[test]
+    fn a_budget_is_given_or_twice_what_the_parameters_need() {
+        let (mut p, path) = (Parameters::START, straight(0.2));
+        // 0.2 m at 4 mm/s, three legs of 13.3 s (6.4 rad at 0.9 rad/s), rests of 0.8 and 0.7 s
+        let once = 3.0 * 1.875 * 6.4 / 0.9 + 0.8 + 0.7 + 50.0 + 0.008;
+        assert!((budget(&p, &path, Mode::Deburr) as f64 - 200.0 * once).abs() < 200.0 * 0.01 * once);
+        assert!(budget(&p, &path, Mode::Learn) > 20 * 5 * 2 * 100 * 20);
+        p.limits.job_time = 12.0;
+        assert_eq!(budget(&p, &path, Mode::Learn), 1200);
+    }
+}

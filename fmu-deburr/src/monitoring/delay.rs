@@ -1,0 +1,124 @@
+//! After how many samples the axes answer: the delay that explains their accelerations, against `io_delay`.
+//!
+//! For each delay d the changes of the commanded motion m_d, late by d samples and by the lag 2 zeta/wn of the drive, are
+//! compared with the changes of the measured motion a. What the best factor leaves is J_d = sum a^2 - (sum a m_d)^2 / sum m_d^2,
+//! so that the gain of the drive does not count. Noise of the reading is in every J_d, and a little more in those of long delays,
+//! because the servo answers to it: by a tenth at Kp T = 0.13. So a delay is believed only where it leaves less than 0.8 of what
+//! `io_delay` leaves.
+
+use control_blocks::SentCommands;
+use serde::{Deserialize, Serialize};
+
+use crate::interface::{Fault, Parameters};
+use crate::monitoring::finding::Finding;
+use crate::path::kinematics::{AXES, Joints};
+
+/// Delays that are compared: 0 to 6 samples.
+const DELAYS: usize = 7;
+/// Part of what is left with `io_delay` below which another delay is the right one.
+const CLEAR: f64 = 0.8;
+
+/// Sums over one run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct DelayMonitor {
+    answer: f64,
+    product: [f64; DELAYS],
+    square: [f64; DELAYS],
+    before: Option<Joints>,
+    motion: Option<Joints>,
+}
+
+impl DelayMonitor {
+    /// Begins a run.
+    pub fn restart(&mut self) {
+        *self = Self::default();
+    }
+
+    /// Takes the positions (rad or m) of a sample, and what was sent before it.
+    pub fn update(&mut self, p: &Parameters, positions: &Joints, sent: &[SentCommands; AXES]) {
+        let motion = self.before.map(|before| std::array::from_fn(|i| positions[i] - before[i]));
+        if let (Some(now), Some(last)) = (motion, self.motion) {
+            (0..AXES).for_each(|i| self.compare(p, i, now[i] - last[i], &sent[i]));
+        }
+        (self.before, self.motion) = (Some(*positions), motion);
+    }
+
+    fn compare(&mut self, p: &Parameters, axis: usize, change: f64, sent: &SentCommands) {
+        // all axes in what they move the tip by
+        let scale = p.limits.axis[axis].error_max;
+        let lag = (2.0 * p.model_damping / (p.model_natural_frequency * p.sample_period)).min(1.0);
+        let commanded = |late: usize| (sent.before(late) - sent.before(late + 1)) * p.sample_period / scale;
+        let change = change / scale;
+        self.answer += change * change;
+        for d in 0..DELAYS {
+            let modelled = (1.0 - lag) * commanded(d) + lag * commanded(d + 1);
+            self.product[d] += change * modelled;
+            self.square[d] += modelled * modelled;
+        }
+    }
+
+    /// What the delay leaves unexplained.
+    fn left(&self, delay: usize) -> f64 {
+        self.answer - self.product[delay].powi(2) / self.square[delay].max(f64::MIN_POSITIVE)
+    }
+
+    /// What is wrong after a run: another delay than `io_delay`.
+    pub fn after_run(&self, p: &Parameters) -> Finding {
+        let told = p.io_delay as usize;
+        if told >= DELAYS {
+            return Finding::NONE;
+        }
+        let best = (0..DELAYS).fold(told, |best, d| if self.left(d) < self.left(best) { d } else { best });
+        match best != told && self.left(best) < CLEAR * self.left(told) {
+            true => Finding::beyond(Fault::WrongDelay, best as f64, told as f64),
+            false => Finding::NONE,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is found of axes that answer to the command of `delay` samples ago with a gain and a noise of counts.
+    fn found(io_delay: i32, delay: usize, gain: f64, noise: f64) -> Finding {
+        let mut p = Parameters::START;
+        p.io_delay = io_delay;
+        let (mut monitor, mut sent) = (DelayMonitor::default(), [SentCommands::default(); AXES]);
+        let mut place = 0.5;
+        for k in 0..400 {
+            // to and fro with ramps of 0.5 m/s2
+            let speed = (0.005 * f64::from(k % 80) - 0.05).clamp(0.0, 0.1) * if k % 160 < 80 { 1.0 } else { -1.0 };
+            place += gain * p.sample_period * (0.63 * sent[2].before(delay) + 0.37 * sent[2].before(delay + 1));
+            let seen = place + noise * 5e-6 * (f64::from(k) * 2.3).sin();
+            let mut positions = [0.0; AXES];
+            positions[2] = (seen / 5e-6).round() * 5e-6;
+            monitor.update(&p, &positions, &sent);
+            sent[2].send(speed);
+        }
+        monitor.after_run(&p)
+    }
+
+    #[test]
+    fn the_delay_that_was_told_is_good_whatever_gain_and_noise_are() {
+        for delay in 0..5 {
+            for (gain, noise) in [(1.0, 0.0), (0.7, 0.0), (1.3, 2.0), (1.0, 20.0), (1.0, 200.0)] {
+                assert_eq!(found(delay, delay as usize, gain, noise), Finding::NONE, "{delay} {gain} {noise}");
+            }
+        }
+    }
+
+    #[test]
+    fn another_delay_is_told_with_its_number() {
+        for (told, delay) in [(0, 1), (1, 0), (1, 2), (1, 4), (3, 1)] {
+            for gain in [0.8, 1.0, 1.2] {
+                let finding = found(told, delay, gain, 0.3);
+                assert_eq!(
+                    finding,
+                    Finding::beyond(Fault::WrongDelay, delay as f64, f64::from(told)),
+                    "{told} {delay}"
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,236 @@
+"""Faults of the deburring robot, on the test piece with a random burr."""
+
+from dataclasses import replace
+
+from cosim.scenario.injection import Injection
+from cosim.scenario.model import Signal
+
+from .matrix import DONE, Matrix, Row
+
+TIP = "max(abs(plant.deviation[controller.path.distance > 0]))"
+"""Tip from the edge, from the first motion on the path until the run ends."""
+HEIGHT = "first(plant.tip_z) - min(plant.tip_z)"
+"""Way of the tip down towards the path, of 20 mm."""
+
+AXIS1, AXIS2, AXIS3 = ("controller.axis1.position", "controller.axis2.position", "controller.axis3.position")
+DRIVE1, DRIVE3 = ("plant.axis1_velocity", "plant.axis3_velocity")
+TOOL = "controller.spindle_speed"
+BURR = ("plant.burr_height_least=5e-3", "plant.burr_thickness_least=2e-3", "plant.burr_gaps=0.0")
+
+# what is allowed until the end
+FROZEN = "1 mm and 4 samples of 1 mm unanswered, then closed brakes"
+BRIDGED = "3 samples of 1 mm are bridged along the commands"
+BLIND = "1 mm at rest, half the lag of 7.7 mm in motion, 4 samples of 1 mm, then closed brakes"
+NARROW = "0.5 mm with patterns, 4 samples that grow by 1 mm at most, then closed brakes"
+HELD = "what patterns leave, and the stop along the path"
+
+
+def at(time: float, to: str, **kind: float | bool) -> tuple[Injection, ...]:
+    """Fault from a time (s) on."""
+    return (Injection(to, from_time=time, **kind),)  # type: ignore[arg-type]
+
+
+ROWS = (
+    Row(
+        "encoder 1 frozen before it moves", ("FrozenReading",), TIP, 5e-3, FROZEN, at(0.0, AXIS1, frozen=True)
+    ),
+    Row("encoder 1 frozen in the burr", ("FrozenReading",), TIP, 5e-3, FROZEN, at(4.0, AXIS1, frozen=True)),
+    Row(
+        "encoder 2 frozen above the part",
+        ("FrozenReading",),
+        HEIGHT,
+        5e-3,
+        FROZEN,
+        at(0.3, AXIS2, frozen=True),
+    ),
+    Row("encoder 3 frozen in the burr", ("FrozenReading",), TIP, 5e-3, FROZEN, at(4.0, AXIS3, frozen=True)),
+    Row(
+        "encoder 3 off by 20 mm for one sample",
+        (DONE,),
+        TIP,
+        2e-4,
+        HELD,
+        (Injection(AXIS3, from_time=4.0, duration=0.01, offset=0.02),),
+    ),
+    Row("encoder 3 off by 20 mm", ("ReadingJump",), TIP, 3e-3, BRIDGED, at(4.0, AXIS3, offset=0.02)),
+    Row(
+        "encoder 3 off by 0.3 mm, less than a jump",
+        (DONE,),
+        TIP,
+        6e-4,
+        "the offset, twice with its recovery",
+        at(4.0, AXIS3, offset=3e-4),
+    ),
+    Row(
+        "encoder 3 drifts by 20 mm/s",
+        ("PatternMismatch", "FrozenReading"),
+        TIP,
+        6e-3,
+        "0.5 mm of error are 6.5 mm/s over Kp; the way until then, and of the retract",
+        at(4.0, AXIS3, ramp=0.02),
+    ),
+    Row(
+        "encoder 3 drifts by 2 mm/s",
+        ("FollowingError",),
+        TIP,
+        6e-3,
+        "3 s until the rest after the path",
+        at(4.0, AXIS3, ramp=2e-3),
+    ),
+    Row(
+        "noise of 0.1 mm on encoder 3, twenty counts",
+        (DONE,),
+        TIP,
+        3e-4,
+        "three times the noise",
+        at(0.0, AXIS3, noise=1e-4),
+    ),
+    Row(
+        "a third of the samples of encoder 1 lost",
+        (DONE, "FrozenReading"),
+        TIP,
+        5e-3,
+        FROZEN,
+        at(3.0, AXIS1, drop=0.33),
+    ),
+    Row("encoder 3 late by 5 samples", ("WrongDelay",), TIP, 5e-3, NARROW, at(3.0, AXIS3, late=5)),
+    Row(
+        "encoder 3 is no number",
+        ("InvalidInput",),
+        TIP,
+        2e-3,
+        "the same sample, then closed brakes",
+        at(4.0, AXIS3, value=float("nan")),
+    ),
+    Row(
+        "tool speed stuck at idle",
+        ("NoCut",),
+        TIP,
+        2e-3,
+        "the taught speed on the random burr",
+        at(0.0, TOOL, frozen=True),
+    ),
+    Row(
+        "tool speed 0 for one sample",
+        (DONE,),
+        TIP,
+        2e-4,
+        HELD,
+        (Injection(TOOL, from_time=4.0, duration=0.01, value=0.0),),
+    ),
+    Row(
+        "tool speed 0", ("ReadingJump",), TIP, 2e-3, "4 samples, then closed brakes", at(4.0, TOOL, value=0.0)
+    ),
+    Row("noise of 300 rpm on the tool speed", (DONE,), TIP, 2e-4, HELD, at(0.0, TOOL, noise=31.4)),
+    Row(
+        "tool speed frozen in the burr",
+        (DONE, "NoCut"),
+        TIP,
+        5e-4,
+        "the paper's accuracy",
+        at(4.0, TOOL, frozen=True),
+    ),
+    Row("drive 1 with the wrong sign", ("DriveSign",), TIP, 8e-3, BLIND, at(0.0, DRIVE1, scale=-1.0)),
+    Row("drive 3 does 0.3 of its command", ("WeakDrive",), TIP, 5e-3, NARROW, at(3.5, DRIVE3, scale=0.3)),
+    Row("command of drive 3 lost", ("FrozenReading",), TIP, 5e-3, FROZEN, at(4.0, DRIVE3, value=0.0)),
+    Row(
+        "command of drive 3 stuck",
+        ("FollowingError", "PatternMismatch", "WeakDrive", "DriveSign"),
+        TIP,
+        5e-3,
+        NARROW,
+        at(4.2, DRIVE3, frozen=True),
+    ),
+    Row(
+        "drive 1 limited to 0.05 rad/s",
+        ("WeakDrive", "FollowingError"),
+        TIP,
+        5e-3,
+        NARROW,
+        changes=("plant.axis1_speed=0.05",),
+    ),
+    Row(
+        "drives with 0.7 of their gain, foreign bank",
+        ("PatternMismatch", "WeakDrive"),
+        TIP,
+        5e-3,
+        NARROW,
+        changes=("plant.drive_gain=0.7",),
+    ),
+    Row(
+        "drives with 1.3 of their gain, foreign bank",
+        ("PatternMismatch",),
+        TIP,
+        5e-3,
+        NARROW,
+        changes=("plant.drive_gain=1.3",),
+    ),
+    Row(
+        "commands at once, told 1 sample late",
+        ("WrongDelay",),
+        TIP,
+        5e-4,
+        "the paper's accuracy",
+        changes=("loop.compute_delay=0",),
+    ),
+    Row(
+        "commands of drives 1 and 3 late by 3 samples more",
+        ("WrongDelay", "PatternMismatch"),
+        TIP,
+        5e-3,
+        NARROW,
+        (*at(0.0, DRIVE1, late=3), *at(0.0, DRIVE3, late=3)),
+    ),
+    Row(
+        "burr six times as hard, feed not regulated",
+        ("SpindleSlow",),
+        TIP,
+        3e-3,
+        "4 samples at the taught speed, retract",
+        changes=("plant.cutting_pressure=5.4e9", "controller.load.enable=false", *BURR),
+    ),
+    Row(
+        "stalled tool, then encoder 2 frozen in the retract",
+        ("SpindleSlow", "FrozenReading"),
+        TIP,
+        5e-3,
+        FROZEN,
+        (Injection(AXIS2, when='controller.state == "Retract"', after=0.1, frozen=True),),
+        changes=("plant.cutting_pressure=5.4e9", "controller.load.enable=false", *BURR),
+    ),
+    Row(
+        "enable lost for 0.5 s",
+        (DONE,),
+        TIP,
+        2e-4,
+        HELD,
+        signals=(Signal("controller.enable", (0.0, 4.0, 4.5), (True, False, True)),),
+    ),
+    Row(
+        "deburred twice, the part stays and has no burr any more",
+        ("NoCut",),
+        TIP,
+        2e-4,
+        HELD,
+        signals=(Signal("controller.mode", (0.0, 7.0, 7.5), ("Deburr", "Idle", "Deburr")),),
+    ),
+)
+
+
+def lasting(row: Row) -> Row:
+    """Row that goes on after the fault or the end of the job: nothing may move by itself."""
+    again = any(signal.to in ("controller.enable", "controller.mode") for signal in row.signals)
+    end = 17.0 if again else 8.4
+    return replace(row, changes=(*row.changes, f"loop.duration={end}", "loop.stop_when=''"))
+
+
+MATRIX = Matrix(
+    scenario="deburr",
+    seed=81_311,
+    good=(
+        '(last(controller.state) == "Done") and (last(plant.finish_low) > -5e-4)'
+        " and (last(plant.finish_high) < 1e-3)"
+    ),
+    rest="last(abs(plant.feed)) < 1e-4",
+    rows=tuple(lasting(row) for row in ROWS),
+)
