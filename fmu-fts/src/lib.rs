@@ -13,6 +13,7 @@ pub mod interface;
 mod json_table;
 pub mod lists;
 mod machine;
+mod monitors;
 mod motion;
 mod path;
 mod reading;
@@ -27,7 +28,7 @@ use interface::Vars;
 use texts::Tables;
 
 impl Model for Controller {
-    const INFO: Info = Info { name: "RotaryFastToolServo", state_version: 2, stop_time: 2.0, ..package!() };
+    const INFO: Info = Info { name: "RotaryFastToolServo", state_version: 3, stop_time: 2.0, ..package!() };
     type Vars = Vars;
 
     fn calculate(vars: &mut Vars) {
