@@ -154,6 +154,9 @@ impl Controller {
             self.escalate(&events, input.enable);
         }
         if !self.closed() {
+            self.reader.begin_arm_anew();
+        }
+        if !self.closed() || self.tracker.gone(p) {
             self.reader.begin_anew();
         }
     }

@@ -90,7 +90,9 @@ impl Guarded {
         let unknown = self.velocity.is_none() || (axis.runs && !self.moved);
         let motion = if unknown { f64::INFINITY } else { axis.motion };
         let spread = n * axis.spread + 0.5 * axis.change * n * (n + 1.0);
-        let used = self.guard.update(if valid && !stands { raw } else { f64::NAN }, Reach { motion, spread });
+        // what was lost for good is not believed again before `begin_anew`
+        let usable = valid && !stands && self.guard.doubted() < axis.lost;
+        let used = self.guard.update(if usable { raw } else { f64::NAN }, Reach { motion, spread });
         if self.guard.doubted() == 0 {
             self.velocity = self.last.replace(used).map(|last| (used - last) / n);
             self.moved |= self.velocity.is_some_and(|velocity| velocity != 0.0);
@@ -207,16 +209,19 @@ impl Reader {
         self.spindle.known() && self.slide.known()
     }
 
-    /// Believes the next readings of an axis that was lost; where nothing moves there is time for it.
+    /// Believes the next readings of spindle and slide that were lost; where no path is followed there is time for it.
     pub fn begin_anew(&mut self) {
-        for (axis, missing) in [
-            (&mut self.arm, self.missing.arm),
-            (&mut self.spindle, self.missing.spindle),
-            (&mut self.slide, self.missing.slide),
-        ] {
+        for (axis, missing) in [(&mut self.spindle, self.missing.spindle), (&mut self.slide, self.missing.slide)] {
             if missing.is_some() {
                 *axis = Guarded::default();
             }
+        }
+    }
+
+    /// The same for the arm; where the loop is open.
+    pub fn begin_arm_anew(&mut self) {
+        if self.missing.arm.is_some() {
+            self.arm = Guarded::default();
         }
     }
 }
@@ -375,7 +380,7 @@ mod tests {
     fn what_was_lost_is_believed_anew_where_it_is() {
         let p = Parameters::START;
         let (mut reader, _, _) = after(600, 10, |i| i.arm_angle += 0.5);
-        reader.begin_anew();
+        reader.begin_arm_anew();
         let there = Input { arm_angle: 0.5, ..on_path(610) };
         for _ in 0..2 {
             assert_eq!(reader.read(&p, &there, 0.0).arm_angle, 0.5);

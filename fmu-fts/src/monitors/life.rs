@@ -1,6 +1,6 @@
 //! Whether the encoder of the arm lives: it must answer the wanted motion, and at rest the torque.
 //!
-//! On a path the reading leaves its anchor before the path is farther from it than the band and the following error. At
+//! On a path a reading that lives leaves one anchor after the other; it stays at one only where it turns, late. At
 //! rest only a torque can move the arm: beyond twice the disturbances, from one sign to the other, it would accelerate
 //! with (|u - u_a| - 2 d) / J, u_a the torque at the anchor. Above 50 Hz even a large torque moves it by less than the band.
 
@@ -12,8 +12,9 @@ use serde::{Deserialize, Serialize};
 use crate::interface::Parameters;
 use crate::monitors::drive::disturbance;
 
-/// Following error that a living encoder may have, as part of the one that is a fault.
-const FOLLOWING: f64 = 0.3;
+/// Path at the tool that a living encoder may leave unanswered where it turns, m: the 500 Hz at 500 m/s2, which feedback
+/// alone hardly answers.
+const UNANSWERED: f64 = 5e-5;
 
 /// Corner of the torque that must move the arm, rad/s.
 const CORNER: f64 = TAU * 50.0;
@@ -52,7 +53,7 @@ impl LifeWatch {
     /// Motion of the tool (m) that the encoder has not answered, over the one that it must answer.
     pub fn unanswered(&self, p: &Parameters, length: f64) -> f64 {
         let angle = self.by_path.unanswered().max(self.by_torque.unanswered());
-        length * angle / (FOLLOWING * p.limits.following_error + length * p.limits.arm_spread)
+        length * angle / (UNANSWERED + length * p.limits.arm_spread)
     }
 
     /// Samples for which the reading has stood.
