@@ -150,8 +150,9 @@ fn an_arm_that_does_not_follow_is_a_fault() {
 
 #[test]
 fn nonsense_is_bridged_and_then_a_fault_in_every_state() {
+    type Place = fn(&mut Input) -> &mut f64;
     // and whether a held arm needs it
-    let changes: [(fn(&mut Input) -> &mut f64, Fault, bool); 4] = [
+    let changes: [(Place, Fault, bool); 4] = [
         (|i| &mut i.arm_angle, Fault::LostReading, true),
         (|i| &mut i.spindle_angle, Fault::InvalidInput, false),
         (|i| &mut i.slide_position, Fault::InvalidInput, false),
