@@ -25,7 +25,7 @@ class RotaryArm(Plant):
 
     Parameters: ClassVar[type] = RotaryArmParameters
     wires: ClassVar[tuple[str, ...]] = (
-        "speed_change", "slide_velocity", "cutting", "feed", "feed_ramp",
+        "torque", "enable", "speed_change", "slide_velocity", "cutting", "feed", "feed_ramp",
         "hum_angle", "hum_angle_next", "cutting_twice", "cutting_noise", "cutting_force",
         "probing", "probe_lateral", "probe_depth",
     )  # fmt: skip
@@ -44,6 +44,9 @@ class RotaryArm(Plant):
         )
         self.commands = (
             Channel("torque", "N.m", "Torque command of the arm", 0.0, p.torque_resolution, -limit, limit),
+            Channel(
+                "enable", "1", "1 while the amplifier of the arm is on", minimum=0.0, maximum=1.0, start=1.0
+            ),
             Channel("speed_change", "rad/s", "Spindle speed against `spindle_speed`"),
             Channel("slide_velocity", "m/s", "Slide velocity besides the feed"),
             Channel("cutting", "1", "1 while the tool is in the part", minimum=0.0, maximum=1.0),
@@ -93,6 +96,7 @@ class RotaryArm(Plant):
     def begin(self, steps: int) -> None:
         """Draw angles and phases, start the spindle, bind the elements."""
         self._place()
+        self._motor()
         self._spindle()
         self._slide()
         self._ripple()
@@ -106,6 +110,13 @@ class RotaryArm(Plant):
         data.qpos[self._position("slide")] = p.slide_start
         data.qpos[self._position("arm")] = p.start_angle
         data.qvel[self._dof("spindle")] = p.spindle_speed
+
+    def _motor(self) -> None:
+        # without its amplifier the motor gives no torque: the arm coasts, its bearing has no brake
+        wire = self.wire
+        self.circuit.bind(
+            "motor", _native.product(), [wire("enable"), wire("torque")], [self._control("torque")]
+        )
 
     def _spindle(self) -> None:
         p, wire, bind = self.parameters, self.wire, self.circuit.bind
@@ -211,7 +222,8 @@ class RotaryArm(Plant):
             "probe_depth": wire("probe_depth", offset=-p.probe_zero),
             "probe_lateral": wire("probe_lateral", offset=away),
         }
-        commands = {name: wire(name) for name in ("speed_change", "slide_velocity", "cutting", "probing")}
+        told = ("torque", "enable", "speed_change", "slide_velocity", "cutting", "probing")
+        commands = {name: wire(name) for name in told}
         truths = {
             "tip_depth": Cell(data.site_xpos, tool + 2),
             "tip_lateral": Cell(data.site_xpos, tool),
@@ -225,7 +237,7 @@ class RotaryArm(Plant):
             "spindle_speed": Cell(data.qvel, self._dof("spindle")),
             "slide_position": slide,
         }
-        self.connect(readings, {"torque": self._control("torque"), **commands}, truths)
+        self.connect(readings, commands, truths)
 
     def _angle(self, scale: float = 1.0) -> Cell:
         return Cell(self.data.qpos, self._position("spindle"), scale=scale)

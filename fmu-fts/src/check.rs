@@ -6,7 +6,7 @@ use crate::interface::{ERROR_HARMONICS, Parameters, SurfaceKind};
 
 /// Checks all combinations; the first that fails is the error.
 pub fn check(p: &Parameters) -> Result<(), ParameterError> {
-    check_all(p, &[tip_frequency, radii, roll_off, path_harmonics, automatic, frequencies])
+    check_all(p, &[tip_frequency, radii, roll_off, path_harmonics, automatic, time_constant, frequencies])
 }
 
 fn tip_frequency(p: &Parameters) -> Result<(), ParameterError> {
@@ -46,6 +46,16 @@ fn automatic(p: &Parameters) -> Result<(), ParameterError> {
     })
 }
 
+/// All harmonics together learn with 2 N / tau, which the position loop must bear: measured by the eigenvalues of both.
+fn time_constant(p: &Parameters) -> Result<(), ParameterError> {
+    let count = p.afc.cancelled.iter().count();
+    let tau = Parameter::new("afc.tau", p.afc.tau, "s", "cancel fewer harmonics, or wish for more `servo.bandwidth`");
+    tau.at_least(
+        5.0 * count as f64 / p.servo.bandwidth,
+        format_args!("5 / `servo.bandwidth` for each of `{count}` harmonics"),
+    )
+}
+
 fn frequencies(p: &Parameters) -> Result<(), ParameterError> {
     let highest = p.identify.grid.highest();
     let frequencies = Parameter::new("identify.frequencies", highest, "Hz", "leave out the highest frequencies");
@@ -62,6 +72,7 @@ mod tests {
         (|p| p.tip.frequency = 1000.0, "tip.frequency", "`1000 rad/s`", "at least `2167"),
         (|p| p.surface.outer_radius = 0.0, "surface.outer_radius", "`0 m`", "`0.0005 m`"),
         (|p| p.identify.grid = "10, 2500".parse().unwrap(), "identify.frequencies", "`2500 Hz`", "`2000 Hz`"),
+        (|p| p.afc.tau = 0.05, "afc.tau", "`0.05 s`", "for each of `24` harmonics"),
         (|p| p.servo.roll_off = 2000.0, "servo.roll_off", "`2000 rad/s`", "`2890"),
         (|p| p.surface.kind = SurfaceKind::Wave, "path.harmonics", "`12`", "`surface.wave_harmonic` = `50`"),
         (

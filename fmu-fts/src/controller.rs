@@ -1,6 +1,6 @@
 //! One sample of the whole law: read, decide, refer, act, report.
 
-use control_blocks::{Edge, ParameterError, Trajectory};
+use control_blocks::{Edge, ParameterError, Progress, SafeEnd, Trajectory};
 use serde::{Deserialize, Serialize};
 
 use crate::calibration::calibrator::Calibrator;
@@ -12,7 +12,8 @@ use crate::identify::tone::Expected;
 use crate::interface::{ErrorOutput, Fault, Input, Mode, Output, Parameters};
 use crate::interface::{ReferenceOutput, ResponseOutput, State};
 use crate::machine::{Events, Request, next};
-use crate::motion::hold::HoldMotion;
+use crate::monitors::watch::{Sample, Watch, overdue};
+use crate::motion::hold::{HoldMotion, duration};
 use crate::motion::sweep::sweep;
 use crate::path::depth_table::DepthTable;
 use crate::path::feasibility::needed_torque;
@@ -42,6 +43,13 @@ pub struct Controller {
     spindle: Spindle,
     state: State,
     fault: Fault,
+    /// how the fault ends, and whether the position loop is closed while it does
+    end: SafeEnd,
+    retracting: bool,
+    watch: Watch,
+    job: Progress,
+    /// the last command, N.m
+    torque: f64,
     hold: HoldMotion,
     tracker: Tracker,
     /// motion of the hub that is wanted
@@ -82,6 +90,11 @@ impl Controller {
             spindle: Spindle::default(),
             state: State::Idle,
             fault: Fault::None,
+            end: SafeEnd::Retract,
+            retracting: false,
+            watch: Watch::default(),
+            job: Progress::default(),
+            torque: 0.0,
             hold: HoldMotion::at(0.0),
             tracker: Tracker::new(p, path, response),
             motion: Trajectory::default(),
@@ -94,13 +107,15 @@ impl Controller {
 
     /// One sample; the parameters must be those of [`Controller::new`].
     pub fn tick(&mut self, input: &Input, p: &Parameters, output: &mut Output) {
-        let (reading, valid) = self.reader.read(input);
+        let reading = self.reader.read(p, input, self.torque);
         self.spindle.update(p, reading.spindle_angle);
         let phasors = self.tracker.locate(p, reading.slide_position, &self.spindle);
-        self.decide(p, input, &reading, valid);
+        self.decide(p, input, &reading);
         let layers = self.layers(p, input);
         let wanted = self.refer(p, &reading, layers, &phasors);
         let torque = self.act(p, &wanted, &reading);
+        self.torque = torque;
+        self.monitor(p, torque, &wanted, &reading, layers.learning);
         self.calibrate(p, input, &reading, torque);
         self.report(p, torque, &wanted, &reading, output);
         output.afc_frozen = !layers.learning;
@@ -115,12 +130,18 @@ impl Controller {
     }
 
     /// State machine.
-    fn decide(&mut self, p: &Parameters, input: &Input, reading: &Reading, valid: bool) {
+    fn decide(&mut self, p: &Parameters, input: &Input, reading: &Reading) {
         let mode = self.request.read(input);
+        if self.request.renewed() {
+            self.job.restart();
+        }
         let events = Events {
-            fault: faults::find(p, &self.situation(mode, reading, valid)),
+            fault: faults::find(p, &self.situation(p, mode, reading)),
             reset: self.reset_fault.rises(input.reset_fault),
-            spindle_known: self.spindle.known(),
+            renewed: self.request.renewed(),
+            arm_known: self.reader.arm_known(),
+            spindle_known: self.spindle.known() && self.reader.spindle_known(),
+            cut_over: self.reader.spindle_known() && !self.tracker.path().covers(reading.slide_position),
             arrived: self.tracker.arrived(p),
         };
         let state = next(self.state, mode, &events);
@@ -129,41 +150,121 @@ impl Controller {
                 self.request.spend();
             }
             self.enter(p, state, &events, reading);
-            self.state = state;
+        } else if self.state == State::Fault {
+            self.escalate(&events, input.enable);
+        }
+        if !self.closed() {
+            self.reader.begin_arm_anew();
+        }
+        if !self.closed() || self.tracker.gone(p) {
+            self.reader.begin_anew();
         }
     }
 
     /// What faults are found from.
-    fn situation(&self, mode: Mode, reading: &Reading, valid: bool) -> Situation<'_> {
-        let error = self.arm.length * (self.motion.position - reading.arm_angle);
+    fn situation(&self, p: &Parameters, mode: Mode, reading: &Reading) -> Situation<'_> {
+        let path = self.tracker.path();
+        let wanted = matches!(mode, Mode::Approach | Mode::Track) && !matches!(self.state, State::Fault | State::Done);
         Situation {
-            valid,
-            following_error: if self.state.closed() { error } else { 0.0 },
-            path: matches!(mode, Mode::Approach | Mode::Track).then_some(self.tracker.path()),
+            missing: self.reader.missing(),
+            found: if self.closed() { self.watch.find(p, self.arm.length) } else { None },
+            overdue: overdue(p, path, self.identification.duration(), self.state, &self.job),
+            path: wanted.then_some(path),
+            on_path: matches!(self.state, State::Ready | State::Track),
             slide_position: reading.slide_position,
             spindle_speed: self.spindle.speed,
         }
     }
 
+    /// Whether the position loop is closed.
+    fn closed(&self) -> bool {
+        match self.state {
+            State::Idle => false,
+            State::Fault => self.retracting,
+            _ => true,
+        }
+    }
+
+    /// A later fault may ask for more and never for less, and what was switched off moves no more.
+    fn escalate(&mut self, events: &Events, enabled: bool) {
+        if let Some(fault) = events.fault.filter(|fault| fault.safe_end() > self.end) {
+            (self.fault, self.end) = (fault, fault.safe_end());
+        }
+        if self.retracting && !enabled {
+            self.end = SafeEnd::DriveOff;
+        }
+        self.retracting &= self.end < SafeEnd::DriveOff;
+    }
+
     /// What happens once, when `state` begins.
     fn enter(&mut self, p: &Parameters, state: State, events: &Events, reading: &Reading) {
+        let closed = self.closed();
         self.fault = events.fault.filter(|_| state == State::Fault).unwrap_or(Fault::None);
-        if !self.state.closed() {
-            self.hold = HoldMotion::at(reading.arm_angle);
-            self.motion = Trajectory::resting(reading.arm_angle);
-            self.recursion = Recursion::default();
-        }
-        // from any motion, that of an identification broken off, too
-        if self.state == State::Identify || matches!(state, State::Hold | State::Identify | State::Calibrate) {
-            self.hold.go(p, self.motion, reading.hold_angle);
+        self.end = self.fault.safe_end();
+        self.retracting = state == State::Fault && closed && self.end < SafeEnd::DriveOff;
+        if !closed {
+            self.begin(p, reading.arm_angle);
         }
         match state {
-            State::Idle | State::Fault => self.tracker.forget(),
-            State::Hold | State::Calibrate => (),
-            State::Identify => self.identification.restart(),
-            State::Approach => self.tracker.approach(),
+            State::Idle => self.tracker.forget(),
+            State::Hold | State::Calibrate => self.leave(p, reading.hold_angle),
+            State::Identify => {
+                self.leave(p, reading.hold_angle);
+                if !self.identification.swinging() {
+                    self.identification.restart();
+                }
+            }
+            State::Fault | State::Done => {
+                let out = self.out_of_the_part(p);
+                self.leave(p, out);
+            }
+            State::Approach => {
+                self.identification.stop();
+                self.tracker.approach(p);
+            }
             State::Ready | State::Track => (),
         }
+        if state == State::Fault && !self.retracting {
+            self.tracker.forget();
+        }
+        self.state = state;
+    }
+
+    /// Closes the loop where the arm is; one that moves is stopped first.
+    fn begin(&mut self, p: &Parameters, arm_angle: f64) {
+        self.motion = Trajectory { velocity: self.reader.arm_velocity(p), ..Trajectory::resting(arm_angle) };
+        self.hold = HoldMotion::stopping(p, self.motion);
+        (self.recursion, self.watch) = (Recursion::default(), Watch::default());
+        self.tracker.rest();
+        self.identification.restart();
+    }
+
+    /// Off the path and out of a swing, to rest at `goal` (rad).
+    fn leave(&mut self, p: &Parameters, goal: f64) {
+        self.identification.stop();
+        if self.tracker.arrived(p) {
+            // nothing of what was held before is in the motion
+            self.hold = HoldMotion::at(goal);
+            self.tracker.leave(p, duration(p, self.motion.position, goal));
+            return;
+        }
+        if !self.hold.stops(p) {
+            self.hold.turn(p, goal);
+        }
+        if !self.tracker.gone(p) {
+            self.tracker.leave(p, duration(p, self.motion.position, goal));
+        }
+    }
+
+    /// Angle (rad) at which the tool is `limits.retract` out of the part; where the other end of the arm is, as it is.
+    fn out_of_the_part(&self, p: &Parameters) -> f64 {
+        let angle = self.motion.position;
+        if self.arm.lever(angle) <= 0.0 {
+            return angle;
+        }
+        let depth = self.arm.depth(angle);
+        let least = if self.tracker.gone(p) { depth } else { depth.min(self.tracker.lowest()) };
+        self.arm.angle(least - p.limits.retract)
     }
 
     /// Which layers work in this sample.
@@ -171,7 +272,7 @@ impl Controller {
         if self.forget.rises(input.afc_reset) || !input.afc_enable {
             self.tracker.forget();
         }
-        let steady = !self.recursion.saturated && self.spindle.speed.abs() >= p.afc.speed_min;
+        let steady = !self.recursion.saturated && self.reader.known() && self.spindle.speed.abs() >= p.afc.speed_min;
         Layers {
             feedforward: input.feedforward_enable,
             cancellation: input.afc_enable,
@@ -181,29 +282,33 @@ impl Controller {
 
     /// What the arm should do.
     fn refer(&mut self, p: &Parameters, reading: &Reading, layers: Layers, phasors: &Phasors) -> Wanted {
-        let wanted = match self.state {
-            State::Idle | State::Fault => self.still(Trajectory::resting(reading.arm_angle)),
-            State::Calibrate if reading.cutting => {
-                let motion = sweep(p, self.motion, reading.hold_angle);
-                // what comes after the cut begins here
-                self.hold.go(p, motion, reading.hold_angle);
-                self.still(motion)
-            }
-            State::Hold | State::Calibrate => {
-                let motion = self.hold.step(p, reading.hold_angle);
-                self.still(motion)
-            }
-            State::Identify => {
-                let motion = self.swing(p, reading);
-                self.still(motion)
-            }
-            State::Approach | State::Ready | State::Track => {
-                let held = self.hold.coast(p);
+        let wanted = if self.closed() {
+            let held = self.held(p, reading);
+            let held = self.swing(p, held, reading);
+            if self.tracker.gone(p) {
+                self.still(held)
+            } else {
                 self.tracker.follow(p, held, reading.arm_angle, layers, phasors)
             }
+        } else {
+            self.still(Trajectory::resting(reading.arm_angle))
         };
         self.motion = wanted.motion;
         wanted
+    }
+
+    /// The motion beside the path.
+    fn held(&mut self, p: &Parameters, reading: &Reading) -> Trajectory {
+        match self.state {
+            State::Calibrate if reading.cutting && self.tracker.gone(p) && !self.identification.swinging() => {
+                let motion = sweep(p, self.motion, reading.hold_angle);
+                // what comes after the cut begins here
+                self.hold.go(p, motion, reading.hold_angle);
+                motion
+            }
+            State::Hold | State::Calibrate | State::Identify => self.hold.step(p, reading.hold_angle),
+            _ => self.hold.coast(p),
+        }
     }
 
     /// A motion that needs no correction.
@@ -211,19 +316,44 @@ impl Controller {
         Wanted { motion, depth: self.arm.depth(motion.position), set_point: motion.position }
     }
 
-    /// Once the arm holds its angle it swings about it, until the frequency response is complete and in use.
-    fn swing(&mut self, p: &Parameters, reading: &Reading) -> Trajectory {
-        let centre = self.hold.step(p, reading.hold_angle);
-        if !self.hold.arrived(p) || self.identification.done() {
+    /// Once the arm holds its angle it swings about it, until the frequency response is complete and in use; what is broken
+    /// off fades.
+    fn swing(&mut self, p: &Parameters, centre: Trajectory, reading: &Reading) -> Trajectory {
+        let identifies = self.state == State::Identify;
+        let begins = identifies && self.hold.arrived(p) && self.tracker.gone(p) && !self.identification.done();
+        if begins && self.identification.broken_off() {
+            self.identification.restart();
+        }
+        if !begins && !self.identification.swinging() {
             return centre;
         }
         let saturated = self.recursion.saturated;
         let position = centre.position + self.identification.step(reading.arm_angle - centre.position, saturated);
-        if self.identification.done() {
+        if identifies && self.identification.done() {
             self.tracker.response().correct(self.identification.response());
             self.response = Some(*self.identification.response());
         }
         Trajectory { position, velocity: (position - self.motion.position) / p.sample_period, acceleration: 0.0 }
+    }
+
+    /// What the next sample is judged by.
+    fn monitor(&mut self, p: &Parameters, torque: f64, wanted: &Wanted, reading: &Reading, learning: bool) {
+        let sample = Sample {
+            wanted: wanted.motion.position,
+            arm_angle: reading.arm_angle,
+            torque,
+            swinging: self.identification.swinging(),
+            learning,
+            rms: self.tracker.last_turn().rms,
+        };
+        if self.closed() {
+            self.watch.update(p, self.arm.length, &sample);
+            // what is measured and held has no end
+            let over = self.state == State::Identify && self.identification.done();
+            if !over {
+                self.job.count();
+            }
+        }
     }
 
     /// Samples of a calibration and its fits.
@@ -238,7 +368,7 @@ impl Controller {
 
     /// Position loop.
     fn act(&mut self, p: &Parameters, wanted: &Wanted, reading: &Reading) -> f64 {
-        if !self.state.closed() {
+        if !self.closed() {
             return 0.0;
         }
         let (error, limit) = (wanted.set_point - reading.arm_angle, p.servo.torque_max);
@@ -252,15 +382,21 @@ impl Controller {
         output.torque = torque;
         output.state = self.state;
         output.fault = self.fault;
+        output.drive_enable = self.state != State::Fault || self.end < SafeEnd::DriveOff;
+        output.drive_share = self.watch.share(p).unwrap_or(1.0);
         output.reference = ReferenceOutput { depth: wanted.depth, angle: wanted.motion.position };
         output.error = ErrorOutput {
-            tracking: self.arm.lever(reading.arm_angle) * behind,
+            // of a fault the last error is told
+            tracking: match self.state {
+                State::Fault if !self.closed() => self.watch.following_error(),
+                _ => self.arm.lever(reading.arm_angle) * behind,
+            },
             rms: turn.rms,
             peak: turn.peak,
             harmonic: turn.harmonic.map(|c| c.norm()),
         };
         output.spindle_speed = speed;
-        output.saturated = self.state.closed() && self.recursion.saturated;
+        output.saturated = self.closed() && self.recursion.saturated;
         output.path_torque = needed_torque(p, path, speed);
         output.path_truncation = path.truncation;
         output.calibration = self.calibration.report();

@@ -1,43 +1,102 @@
-//! Every fault is found here; and the numbers that are told with it.
+//! Every fault is named here, how it ends, and the numbers that are told with it.
+
+use control_blocks::SafeEnd;
 
 use crate::interface::{Fault, Parameters, Vars};
 use crate::path::feasibility::{available_torque, needed_torque};
 use crate::path::path_table::PathTable;
+use crate::reading::{Loss, Missing};
 
 /// A table that leaves out more is told to the user, m.
 const TRUNCATION_MAX: f64 = 1e-7;
 
 /// What the faults of one sample are found from.
 pub struct Situation<'a> {
-    /// Every input that the law needs is believable.
-    pub valid: bool,
-    /// Following error at the tool, m; 0 while the position loop is open.
-    pub following_error: f64,
+    /// What of the readings is missing.
+    pub missing: &'a Missing,
+    /// What the monitors of the closed loop have found.
+    pub found: Option<Fault>,
+    /// The job has taken longer than it may.
+    pub overdue: bool,
     /// The path that is asked for, if one is.
     pub path: Option<&'a PathTable>,
+    /// The arm is on the path: its end is the end of the cut.
+    pub on_path: bool,
     /// Slide position, m.
     pub slide_position: f64,
     /// Spindle speed, rad/s.
     pub spindle_speed: f64,
 }
 
-/// The gravest fault of this sample.
+impl Fault {
+    /// How the job ends. The arm obeys wherever its encoder, its drive and its loop do, and leaves the part then; without
+    /// one of them no torque is known to help.
+    pub fn safe_end(self) -> SafeEnd {
+        match self {
+            Self::None
+            | Self::Infeasible
+            | Self::OutsideTable
+            | Self::InvalidInput
+            | Self::LostSpindle
+            | Self::LostSlide
+            | Self::Saturation
+            | Self::NoProgress => SafeEnd::Retract,
+            Self::FollowingError
+            | Self::LostReading
+            | Self::FrozenReading
+            | Self::ReadingJump
+            | Self::DriveSign
+            | Self::WeakDrive
+            | Self::Oscillation => SafeEnd::DriveOff,
+        }
+    }
+}
+
+/// The gravest fault of this sample, its cause before its consequences.
 pub fn find(p: &Parameters, now: &Situation) -> Option<Fault> {
-    let outside = |path: &PathTable| !path.covers(now.slide_position);
-    let infeasible = |path: &PathTable| needed_torque(p, path, now.spindle_speed) > available_torque(p);
-    (!now.valid)
-        .then_some(Fault::InvalidInput)
-        .or((now.following_error.abs() > p.limits.following_error).then_some(Fault::FollowingError))
-        .or(now.path.is_some_and(outside).then_some(Fault::OutsideTable))
-        .or(now.path.is_some_and(infeasible).then_some(Fault::Infeasible))
+    let Situation { missing, slide_position, spindle_speed, .. } = *now;
+    let arm = missing.arm.map(|loss| match loss {
+        Loss::Invalid => Fault::LostReading,
+        Loss::Frozen => Fault::FrozenReading,
+        Loss::Jump => Fault::ReadingJump,
+    });
+    arm.or(now.found)
+        .or(missing.hold.then_some(Fault::InvalidInput))
+        .or(now.path.and_then(|path| {
+            let axis = |loss: Option<Loss>, own| {
+                loss.map(|loss| if loss == Loss::Invalid { Fault::InvalidInput } else { own })
+            };
+            let outside = !now.on_path && !path.covers(slide_position);
+            let infeasible = needed_torque(p, path, spindle_speed) > available_torque(p);
+            axis(missing.spindle, Fault::LostSpindle)
+                .or(axis(missing.slide, Fault::LostSlide))
+                .or(outside.then_some(Fault::OutsideTable))
+                .or(infeasible.then_some(Fault::Infeasible))
+        }))
+        .or(now.overdue.then_some(Fault::NoProgress))
 }
 
 /// The numbers behind a fault.
 pub fn numbers(vars: &Vars) -> String {
     let Vars { input, output, in_force: p, .. } = vars;
+    let share =
+        format!("`{:.2}` of what the torque should do, at least `{}`", output.drive_share, p.limits.drive_share);
     match output.fault {
         Fault::None => String::new(),
-        Fault::FollowingError => format!(": limit `{} m`", p.limits.following_error),
+        Fault::FollowingError => format!(
+            ": `{:.3} mm`, limit `{} mm`; the arm does {share}",
+            1e3 * output.error.tracking,
+            1e3 * p.limits.following_error
+        ),
+        Fault::DriveSign | Fault::WeakDrive | Fault::Saturation | Fault::Oscillation => {
+            format!(": the arm does {share}; torque limit `{} N.m`", p.servo.torque_max)
+        }
+        Fault::NoProgress => format!(
+            ": error over a turn `{:.1} um`, limit `{:.1} um`; `limits.job_time` = `{} s`",
+            1e6 * output.error.rms,
+            1e6 * p.limits.tracking_error,
+            p.limits.job_time
+        ),
         Fault::Infeasible => format!(
             ": needed `{:.3} N.m` at `{:.2} rad/s`, available `{:.3} N.m`",
             output.path_torque,
@@ -45,9 +104,13 @@ pub fn numbers(vars: &Vars) -> String {
             available_torque(p)
         ),
         Fault::OutsideTable => format!(": `slide_position` = `{} m`", input.slide_position),
-        Fault::InvalidInput => format!(
-            ": `arm_angle` = `{} rad`, `spindle_angle` = `{} rad`, `slide_position` = `{} m`, `hold_angle` = `{} rad`",
-            input.arm_angle, input.spindle_angle, input.slide_position, input.hold_angle
+        Fault::LostReading | Fault::FrozenReading | Fault::ReadingJump => format!(
+            ": `arm_angle` = `{} rad`, wanted `{} rad`, more than `{}` readings",
+            input.arm_angle, output.reference.angle, p.limits.lost_samples
+        ),
+        Fault::InvalidInput | Fault::LostSpindle | Fault::LostSlide => format!(
+            ": `spindle_angle` = `{} rad`, `slide_position` = `{} m`, `hold_angle` = `{} rad`",
+            input.spindle_angle, input.slide_position, input.hold_angle
         ),
     }
 }

@@ -10,7 +10,8 @@ mod variables {
 
     use control_blocks::DELAY_MAX;
     use fmi2_export::Unit;
-    use fmi2_export::units::{METRE, METRE_PER_SECOND_SQUARED, NEWTON_METRE, ONE, RADIAN, RADIAN_PER_SECOND, SECOND};
+    use fmi2_export::units::{METRE, METRE_PER_SECOND, METRE_PER_SECOND_SQUARED, NEWTON_METRE, ONE, RADIAN};
+    use fmi2_export::units::{RADIAN_PER_SECOND, SECOND};
 
     use crate::lists::frequencies::{COUNT_MAX, Frequencies};
     use crate::lists::harmonics::Harmonics;
@@ -19,6 +20,7 @@ mod variables {
     pub const ERROR_HARMONICS: usize = 24;
     const PER_METRE: Unit = Unit::si("1/m", [0, -1, 0, 0, 0], &[]);
     const KILOGRAM_METRE_SQUARED: Unit = Unit::si("kg.m2", [1, 2, 0, 0, 0], &[]);
+    const RADIAN_PER_SECOND_SQUARED: Unit = Unit::si("rad/s2", [0, 0, -2, 0, 1], &[]);
     const NEWTON_METRE_SECOND: Unit = Unit::si("N.m.s/rad", [1, 2, -1, 0, -1], &[]);
 
     /// What is asked for
@@ -54,21 +56,43 @@ mod variables {
         Identify,
         /// Holds `hold_angle` for a calibration
         Calibrate,
-        /// No torque, for the reason that `fault` gives; `reset_fault` ends it
+        /// Stopped for the reason that `fault` gives: out of the part where the arm obeys, else without torque; `reset_fault` ends it
         Fault,
+        /// The slide has left the table, the cut is finished: holds the tool out of the part
+        Done,
     }
     /// Why the controller is in the fault state
     pub enum Fault {
         /// No fault
         None,
-        /// The arm was more than `limits.following_error` from where it should be
+        /// The arm was more than `limits.following_error` from where it should be, though drive and encoder answer
         #[hint("free the arm, or allow more `limits.following_error`")] FollowingError,
         /// The path needs more than `limits.torque_share` of `servo.torque_max`
         #[hint("turn slower, or end the cut at a smaller `surface.outer_radius`")] Infeasible,
         /// The slide is where the path has no table
         #[hint("move the slide between `surface.outer_radius` and `surface.inner_radius`, or to the rows of `path.file`")] OutsideTable,
-        /// An angle or position is NaN, infinite or absurd
+        /// `hold_angle`, the spindle angle or the slide position is NaN, infinite or absurd
         #[hint("check the encoders and what is wired to the inputs")] InvalidInput,
+        /// The arm encoder gives NaN, infinite or absurd readings
+        #[hint("check the arm encoder and its link")] LostReading,
+        /// The arm encoder stands though the arm must move
+        #[hint("check the arm encoder; communicate in steps of `sample_period`; with an arm that sticks, allow more `limits.disturbance`")] FrozenReading,
+        /// The arm encoder reads where the arm cannot be
+        #[hint("check the arm encoder and its link, what has hit the arm, and `tip.*`; with a coarse or noisy encoder allow more `limits.arm_spread`")] ReadingJump,
+        /// The spindle encoder stands or jumps while the path needs it
+        #[hint("check the spindle encoder; with a coarse or quick spindle, allow more `limits.spindle_spread` or `limits.spindle_acceleration`")] LostSpindle,
+        /// The slide reading jumps while the path needs it
+        #[hint("check the slide encoder, or allow more `limits.slide_speed`")] LostSlide,
+        /// The torque was at its limit for too long
+        #[hint("turn slower, or look for what is in the way of the arm")] Saturation,
+        /// The arm accelerates against the torque
+        #[hint("swap the sign of the torque, or of the arm encoder")] DriveSign,
+        /// The arm does less than `limits.drive_share` of what the torque should do
+        #[hint("check amplifier and motor, `servo.inertia`, and the arm encoder")] WeakDrive,
+        /// The torque goes from one limit to the other again and again
+        #[hint("the loop is not stable: check `tip.*`, `io_delay`, `servo.inertia`, or wish for less `servo.bandwidth`")] Oscillation,
+        /// The job comes to no end, or the cancellation to no small error
+        #[hint("check the drive, or allow more `limits.job_time` or `limits.tracking_error`")] NoProgress,
     }
     /// How the calibration goes
     pub enum Status {
@@ -155,10 +179,14 @@ mod variables {
         pub state: State,
         /// Why it is in the state Fault
         pub fault: Fault,
+        /// The drive may be on; false from a fault that ends without torque until it is reset
+        #[var(start = true)] pub drive_enable: bool,
         pub reference: ReferenceOutput,
         pub error: ErrorOutput,
         /// Estimated spindle speed
         #[var(unit = RADIAN_PER_SECOND as "rpm")] pub spindle_speed: f64,
+        /// Acceleration of the arm over that of the torque in the last 10 ms; 1 while the torque is too small to tell
+        #[var(unit = ONE, start = 1.0)] pub drive_share: f64,
         /// The torque is at its limit
         pub saturated: bool,
         /// The cancellation learns nothing at present
@@ -361,6 +389,28 @@ mod variables {
         #[var(unit = METRE as "um", range = 1e-6..=0.1, start = 1e-3, source = "our choice")] pub following_error: f64,
         /// Part of `servo.torque_max` that a path may need
         #[var(unit = ONE, range = 0.1..=1.0, start = 0.9, source = "our choice: the rest is for control")] pub torque_share: f64,
+        /// Readings in a row that may be lost, while the motion of the axis stands in for them
+        #[var(range = 1..=100, start = 5, source = "derived: 60 um at 500 m/s2")] pub lost_samples: i32,
+        /// Largest difference of two readings of the arm at rest
+        #[var(unit = RADIAN, range = 1e-9..=0.1, start = 2e-5, source = "derived: 1.6 um at the tool, 26 steps of the encoder")] pub arm_spread: f64,
+        /// Largest difference of two readings of the spindle at steady speed; a slower spindle may stand without a fault
+        #[var(unit = RADIAN, range = 1e-9..=1.0, start = 1.6e-3, source = "derived: two steps of 2^13 a turn; 153 rpm at 10 kHz")] pub spindle_spread: f64,
+        /// Largest acceleration of the spindle
+        #[var(unit = RADIAN_PER_SECOND_SQUARED, range = 1.0..=1e6, start = 1e4, source = "our choice: three times the quickest that was tried")] pub spindle_acceleration: f64,
+        /// Largest speed of the slide
+        #[var(unit = METRE_PER_SECOND, range = 1e-3..=10.0, start = 0.5, source = "our choice: rapid traverse")] pub slide_speed: f64,
+        /// Torque of friction and cut that may come without a command; 0 for 3 % of `servo.torque_max`
+        #[var(unit = NEWTON_METRE, range = 0.0..=1e4, source = "derived: 2 N of thrust and 0.05 N.m of friction")] pub disturbance: f64,
+        /// Least part of what a torque should do to the arm that it must do; 0 for no check
+        #[var(unit = ONE, range = 0.0..=0.9, start = 0.4, source = "our choice: half the torque still tracks within 1 um")] pub drive_share: f64,
+        /// Time at the limit of the torque that is too long, as a mean over five times as long
+        #[var(unit = SECOND, range = 1e-3..=10.0, start = 0.02, source = "derived: a third of a turn at 600 rpm in its mean")] pub saturated_time: f64,
+        /// Error over a turn that the cancellation must come below, within 8 `afc.tau`, root mean square
+        #[var(unit = METRE as "um", range = 1e-7..=0.1, start = 20e-6, source = "derived: fifty times what it leaves, three times what x20 noise leaves")] pub tracking_error: f64,
+        /// Way out of the part after a fault and after the cut
+        #[var(unit = METRE as "mm", range = 0.0..=0.05, start = 1e-3, source = "our choice")] pub retract: f64,
+        /// Longest time of a job; 0 for a feed of 1 um/s through the table, and twice the measurement of a response
+        #[var(unit = SECOND, range = 0.0..=1e6, source = "derived: slower is no cut")] pub job_time: f64,
     }
     /// Measurement of the frequency response in place.
     pub struct Identify {

@@ -11,11 +11,13 @@ pub struct Request {
     asked: Mode,
     /// It ended with a fault: until something else is asked for, nothing is.
     spent: bool,
+    /// Something else is asked for than in the last sample.
+    renewed: bool,
 }
 
 impl Default for Request {
     fn default() -> Self {
-        Self { asked: Mode::Idle, spent: false }
+        Self { asked: Mode::Idle, spent: false, renewed: false }
     }
 }
 
@@ -23,21 +25,20 @@ impl Request {
     /// The job of this sample: `mode` while `enable` is true.
     pub fn read(&mut self, input: &Input) -> Mode {
         let asked = if input.enable { input.mode } else { Mode::Idle };
-        self.spent &= asked == self.asked;
+        self.renewed = asked != self.asked;
+        self.spent &= !self.renewed;
         self.asked = asked;
         if self.spent { Mode::Idle } else { asked }
+    }
+
+    /// Whether this sample is the first that asks for it.
+    pub fn renewed(&self) -> bool {
+        self.renewed
     }
 
     /// What is asked for now begins nothing any more.
     pub fn spend(&mut self) {
         self.spent = true;
-    }
-}
-
-impl State {
-    /// Whether the position loop is closed.
-    pub fn closed(self) -> bool {
-        !matches!(self, Self::Idle | Self::Fault)
     }
 }
 
@@ -48,20 +49,29 @@ pub struct Events {
     pub fault: Option<Fault>,
     /// `reset_fault` rises.
     pub reset: bool,
-    /// Angle and speed of the spindle are known.
+    /// Something else is asked for.
+    pub renewed: bool,
+    /// Angle and speed of the arm are known.
+    pub arm_known: bool,
+    /// Angle and speed of the spindle are known, and where the slide is.
     pub spindle_known: bool,
+    /// The slide has left the table.
+    pub cut_over: bool,
     /// The motion onto the path is complete.
     pub arrived: bool,
 }
 
-/// The state after `state` when `mode` is asked for; a fault comes first and stays until it is reset. In it there is no
-/// torque, so that the arm is at rest for the reset.
+/// The state after `state` when `mode` is asked for; a fault comes first and stays until it is reset.
 pub fn next(state: State, mode: Mode, events: &Events) -> State {
     match (state, mode) {
         (State::Fault, _) if events.reset => State::Idle,
         (State::Fault, _) => State::Fault,
         (_, Mode::Idle) => State::Idle,
         _ if events.fault.is_some() => State::Fault,
+        (State::Done, _) if !events.renewed => State::Done,
+        (State::Ready | State::Track, Mode::Approach | Mode::Track) if events.cut_over => State::Done,
+        // nothing begins from a place that is not known
+        (State::Idle, _) if !events.arm_known => State::Idle,
         (_, Mode::Hold) => State::Hold,
         (_, Mode::Identify) => State::Identify,
         (_, Mode::CalibrateFlats | Mode::CalibrateToroid) => State::Calibrate,
@@ -77,9 +87,17 @@ pub fn next(state: State, mode: Mode, events: &Events) -> State {
 mod tests {
     use super::*;
 
-    /// All but the fault.
-    const WORKING: &[State] = State::ALL.split_last().unwrap().1;
-    const NOTHING: Events = Events { fault: None, reset: false, spindle_known: true, arrived: false };
+    /// All but the fault and the end.
+    const WORKING: &[State] = State::ALL.split_at(7).0;
+    const NOTHING: Events = Events {
+        fault: None,
+        reset: false,
+        renewed: false,
+        arm_known: true,
+        spindle_known: true,
+        cut_over: false,
+        arrived: false,
+    };
 
     #[test]
     fn idle_is_idle_from_everywhere_but_a_fault() {
@@ -159,6 +177,31 @@ mod tests {
             assert_eq!(next(state, Mode::Track, &unknown), state);
             assert_eq!(next(state, Mode::Hold, &unknown), State::Hold);
         }
+    }
+
+    #[test]
+    fn nothing_moves_before_the_arm_is_known() {
+        let unknown = Events { arm_known: false, ..NOTHING };
+        for mode in Mode::ALL {
+            assert_eq!(next(State::Idle, *mode, &unknown), State::Idle);
+        }
+        assert_eq!(next(State::Hold, Mode::Identify, &unknown), State::Identify);
+    }
+
+    #[test]
+    fn the_end_of_the_table_is_the_end_of_the_cut_until_something_else_is_asked_for() {
+        let over = Events { cut_over: true, ..NOTHING };
+        for mode in [Mode::Approach, Mode::Track] {
+            for state in [State::Ready, State::Track] {
+                assert_eq!(next(state, mode, &over), State::Done);
+            }
+            assert_eq!(next(State::Done, mode, &NOTHING), State::Done);
+            assert_eq!(next(State::Done, mode, &Events { renewed: true, ..NOTHING }), State::Approach);
+        }
+        assert_eq!(next(State::Hold, Mode::Hold, &over), State::Hold);
+        assert_eq!(next(State::Done, Mode::Idle, &NOTHING), State::Idle);
+        assert_eq!(next(State::Done, Mode::Hold, &Events { renewed: true, ..NOTHING }), State::Hold);
+        assert_eq!(next(State::Done, Mode::Track, &Events { fault: Some(Fault::DriveSign), ..over }), State::Fault);
     }
 
     #[test]

@@ -55,6 +55,8 @@ fn no_sample_of_a_job_allocates_under_either_law() {
 fn neither_a_whole_identification_nor_a_fit_allocates() {
     let mut p = Parameters::START;
     p.identify.grid = "100, 200".parse().unwrap();
+    // the arm of the bench swings without a torque
+    p.limits.arm_spread = 0.1;
     let mut bench = Bench::new(p);
     bench.run(Mode::Identify, 12_000, |_, _| ());
     assert_eq!(bench.output.identify_progress, 1.0);
@@ -72,11 +74,12 @@ fn neither_a_whole_identification_nor_a_fit_allocates() {
 #[test]
 fn no_fault_allocates() {
     type Spoil = fn(&mut Input);
-    let wrong: [(Fault, Spoil); 4] = [
-        (Fault::FollowingError, |input| input.arm_angle += 0.1),
-        (Fault::Infeasible, |input| input.spindle_angle *= 10.0),
-        (Fault::OutsideTable, |input| input.slide_position = 1.0),
-        (Fault::InvalidInput, |input| input.arm_angle = f64::NAN),
+    let wrong: [(Fault, Spoil); 5] = [
+        (Fault::ReadingJump, |input| input.arm_angle += 0.1),
+        (Fault::LostSpindle, |input| input.spindle_angle *= 10.0),
+        (Fault::LostSlide, |input| input.slide_position = 1.0),
+        (Fault::LostReading, |input| input.arm_angle = f64::NAN),
+        (Fault::InvalidInput, |input| input.hold_angle = f64::NAN),
     ];
     for (fault, spoil) in wrong {
         let mut bench = Bench::new(Parameters::START);
@@ -85,7 +88,7 @@ fn no_fault_allocates() {
         assert_eq!((bench.output.state, bench.output.fault), (State::Fault, fault));
         bench.run(Mode::Track, 10, |k, input| input.reset_fault = k > 5);
         assert_eq!((bench.output.state, bench.output.fault), (State::Idle, Fault::None));
-        bench.input.slide_position = 0.04;
+        (bench.input.slide_position, bench.input.hold_angle) = (0.04, 0.0);
         bench.run(Mode::Hold, 100, |_, _| ());
         assert_eq!(bench.output.state, State::Hold);
     }

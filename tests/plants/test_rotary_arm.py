@@ -32,7 +32,7 @@ def arm(duration: float = 1.0, seed: int = 1, **changes: Any) -> RotaryArm:
 
 
 def order(plant: RotaryArm, **values: float) -> Matrix:
-    return np.array([values.get(channel.name, 0.0) for channel in plant.commands])
+    return np.array([values.get(channel.name, channel.start) for channel in plant.commands])
 
 
 def truth(plant: RotaryArm) -> dict[str, float]:
@@ -51,6 +51,13 @@ def run(plant: RotaryArm, ticks: int, torque: Torque = lambda time: 0.0, **comma
     rows.append(plant.truth())
     table = np.array(rows).T
     return {channel.name: column for channel, column in zip(plant.truths, table, strict=True)}
+
+
+def test_an_amplifier_that_is_off_gives_no_torque() -> None:
+    on, off = run(arm(), 200, lambda _: 1.0), run(arm(), 200, lambda _: 1.0, enable=0.0)
+    assert on["torque"][-1] == pytest.approx(1.0, abs=1e-3)
+    assert np.all(off["torque"] == 0.0)
+    assert np.all(off["arm_angle"] == off["arm_angle"][0])
 
 
 # the arm as a linear system

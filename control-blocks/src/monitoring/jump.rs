@@ -3,6 +3,7 @@
 //! With the greatest speed v, the sample period T and the spread w of the noise a reading is believed while
 //! |y - y_b| <= n v T + w, where y_b is the last believed one, n samples ago. One bad sample is so replaced by the one
 //! before it; a reading that stays away comes back into reach after |jump| / (v T) samples, or is told as lost before.
+//! Where the motion is known, [`JumpGuard::shift`] carries y_b along, and v is only what it can be wrong by.
 
 use serde::{Deserialize, Serialize};
 
@@ -26,6 +27,11 @@ impl JumpGuard {
     /// Believes the next reading, whatever it is.
     pub fn clear(&mut self) {
         *self = Self::default();
+    }
+
+    /// The machine moves by `motion` (in the unit of the reading) until the next reading.
+    pub fn shift(&mut self, motion: f64) {
+        self.believed = self.believed.map(|believed| believed + motion);
     }
 
     /// The reading to use: `reading` where the machine can be there, else the last that was believed.
@@ -85,6 +91,18 @@ mod tests {
         let doubted = (0..12).map(|_| (guard.update(1.0, REACH), guard.doubted())).collect::<Vec<_>>();
         assert_eq!(doubted[8], (0.0, 9));
         assert_eq!(doubted[9], (1.0, 0));
+    }
+
+    #[test]
+    fn a_known_motion_is_bridged_along_it() {
+        let mut guard = JumpGuard::default();
+        guard.update(0.0, REACH);
+        for k in 1..=5 {
+            guard.shift(3.0);
+            assert_eq!(guard.update(0.0, REACH), 3.0 * f64::from(k));
+        }
+        guard.shift(3.0);
+        assert_eq!((guard.update(18.5, REACH), guard.doubted()), (18.5, 0));
     }
 
     #[test]

@@ -34,6 +34,8 @@ pub struct Identification {
     angle: Complex<f64>,
     /// The torque has reached its limit in this tone.
     saturated: bool,
+    /// Broken off: amplitude (rad) and frequency (periods in a sample) from which the swing fades.
+    fading: Option<(f64, f64)>,
     response: FrequencyResponse,
 }
 
@@ -52,6 +54,7 @@ impl Identification {
             set_point: Complex::ZERO,
             angle: Complex::ZERO,
             saturated: false,
+            fading: None,
             response: FrequencyResponse::EMPTY,
         }
     }
@@ -60,7 +63,20 @@ impl Identification {
     pub fn restart(&mut self) {
         (self.tone, self.tick, self.elapsed, self.phase) = (0, 0, 0, 0.0);
         (self.set_point, self.angle, self.saturated) = (Complex::ZERO, Complex::ZERO, false);
-        self.response = FrequencyResponse::EMPTY;
+        (self.response, self.fading) = (FrequencyResponse::EMPTY, None);
+    }
+
+    /// Breaks off: the swing fades within `identify.glide_time`.
+    pub fn stop(&mut self) {
+        if self.swinging() && self.fading.is_none() {
+            self.fading = Some(self.excitation());
+            (self.tone, self.tick) = (self.tones.len(), 0);
+        }
+    }
+
+    /// Whether the set-point swings.
+    pub fn swinging(&self) -> bool {
+        self.elapsed > 0 && !self.over()
     }
 
     /// One sample: takes the arm angle (rad) and gives the set-point (rad), both from the centre of the swing;
@@ -77,6 +93,20 @@ impl Identification {
 
     /// Whether the arm is at rest again and the response complete.
     pub fn done(&self) -> bool {
+        self.over() && self.fading.is_none()
+    }
+
+    /// Time of the whole experiment, s.
+    pub fn duration(&self) -> f64 {
+        f64::from(self.ticks()) * self.period
+    }
+
+    /// Whether it was broken off and has faded.
+    pub fn broken_off(&self) -> bool {
+        self.over() && self.fading.is_some()
+    }
+
+    fn over(&self) -> bool {
         self.tone == self.tones.len() && self.tick >= self.glide
     }
 
@@ -101,6 +131,9 @@ impl Identification {
         let time = (f64::from(self.tick + 1) / f64::from(self.glide)).min(1.0);
         // begins and ends level
         let share = time * time * (3.0 - 2.0 * time);
+        if let Some((amplitude, frequency)) = self.fading {
+            return ((1.0 - share) * amplitude, frequency);
+        }
         let between = |from: f64, to: f64| from * (to / from).powf(share);
         match (self.tone.checked_sub(1).map(|i| &self.tones[i]), self.tones.get(self.tone)) {
             (_, Some(now)) if share >= 1.0 => (now.amplitude, now.frequency()),
@@ -141,7 +174,7 @@ impl Identification {
 /// Time (s) that the experiment of these parameters takes.
 pub fn duration(p: &Parameters) -> f64 {
     let any = Expected { response: Complex::ONE, stiffness: 1.0 };
-    f64::from(Identification::new(p, |_| any).ticks()) * p.sample_period
+    Identification::new(p, |_| any).duration()
 }
 
 #[cfg(test)]

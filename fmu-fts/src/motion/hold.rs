@@ -5,31 +5,53 @@ use serde::{Deserialize, Serialize};
 
 use crate::interface::Parameters;
 
+/// Least time in which a moving arm is stopped, s.
+const STOP_TIME: f64 = 0.02;
+
 /// The motion in progress.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct HoldMotion {
     quintic: Quintic,
     ticks: u32,
+    /// It stops an arm that was found moving: no other goal before it stands.
+    stops: bool,
 }
 
 impl HoldMotion {
     /// At rest at an angle (rad).
     pub fn at(angle: f64) -> Self {
-        Self { quintic: Quintic::resting(angle), ticks: 0 }
+        Self { quintic: Quintic::resting(angle), ticks: 0, stops: false }
+    }
+
+    /// Stops an arm that moves: half way of its speed, with a fifth of the torque.
+    pub fn stopping(p: &Parameters, motion: Trajectory) -> Self {
+        let speed = motion.velocity.abs();
+        let duration = f64::max(STOP_TIME, 10.0 * speed * p.servo.inertia / p.servo.torque_max);
+        let goal = motion.position + 0.5 * motion.velocity * duration;
+        Self { quintic: Quintic::new(motion, goal, duration), ticks: 0, stops: speed > 0.0 }
+    }
+
+    /// Whether the arm was found moving and does not stand yet.
+    pub fn stops(&self, p: &Parameters) -> bool {
+        self.stops && !self.arrived(p)
     }
 
     /// Starts from `motion` to rest at `goal` (rad).
     pub fn go(&mut self, p: &Parameters, motion: Trajectory, goal: f64) {
-        let distance = (goal - motion.position).abs();
-        let duration = f64::max(p.approach_time, quintic_duration(distance, p.hold_speed));
-        *self = Self { quintic: Quintic::new(motion, goal, duration), ticks: 0 };
+        let duration = duration(p, motion.position, goal);
+        *self = Self { quintic: Quintic::new(motion, goal, duration), ticks: 0, stops: false };
+    }
+
+    /// From the present motion to rest at `goal` (rad).
+    pub fn turn(&mut self, p: &Parameters, goal: f64) {
+        let motion = self.now(p);
+        self.go(p, motion, goal);
     }
 
     /// Reference (rad) of this sample; `goal` is the wanted angle.
     pub fn step(&mut self, p: &Parameters, goal: f64) -> Trajectory {
-        if goal != self.quintic.goal() {
-            let motion = self.now(p);
-            self.go(p, motion, goal);
+        if goal != self.quintic.goal() && !self.stops(p) {
+            self.turn(p, goal);
         }
         self.coast(p)
     }
@@ -50,6 +72,11 @@ impl HoldMotion {
     }
 }
 
+/// Time (s) of the motion from one angle to another (rad).
+pub fn duration(p: &Parameters, from: f64, to: f64) -> f64 {
+    f64::max(p.approach_time, quintic_duration((to - from).abs(), p.hold_speed))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -66,6 +93,24 @@ mod tests {
         assert!((fastest - p.hold_speed).abs() < 1e-6, "{fastest}");
         assert!(hold.arrived(&p));
         assert_eq!(hold.step(&p, 1.0), Trajectory::resting(1.0));
+    }
+
+    #[test]
+    fn an_arm_that_is_found_moving_stops_before_it_goes_anywhere() {
+        let p = Parameters::START;
+        for velocity in [-34.0, -1.0, 2.7, 10.0] {
+            let mut hold = HoldMotion::stopping(&p, Trajectory { position: 0.1, velocity, acceleration: 0.0 });
+            let (mut before, mut most) = (velocity, 0.0f64);
+            while hold.stops(&p) {
+                let now = hold.step(&p, -0.5);
+                assert!((now.velocity - before).abs() < 0.3 * p.servo.torque_max / p.servo.inertia * p.sample_period);
+                assert!(now.velocity * velocity >= -1e-9);
+                (before, most) = (now.velocity, most.max((now.position - 0.1).abs()));
+            }
+            assert!(most < 0.51 * velocity.abs() * (0.012 * velocity.abs() / 10.0).max(0.02), "{velocity}: {most}");
+            let last = (0..20_000).map(|_| hold.step(&p, -0.5)).last();
+            assert_eq!(last, Some(Trajectory::resting(-0.5)));
+        }
     }
 
     #[test]

@@ -92,6 +92,11 @@ impl PathTable {
         place >= -MARGIN && place <= (self.rows - 1) as f64 + MARGIN
     }
 
+    /// Way of the slide through the table, m.
+    pub fn extent(&self) -> f64 {
+        (self.rows - 1) as f64 * self.step.abs()
+    }
+
     /// A row to interpolate into.
     pub fn row(&self) -> Row {
         Row { depth_count: self.depth_count, values: vec![Complex::default(); self.width()] }
@@ -141,6 +146,12 @@ impl Row {
             n += 1.0;
         }
         depth
+    }
+
+    /// A depth (m) that the path never goes below.
+    pub fn lowest(&self) -> f64 {
+        let [mean, harmonics @ ..] = &self.values[..self.depth_count] else { return 0.0 };
+        mean.re - harmonics.iter().map(|c| c.norm()).sum::<f64>()
     }
 
     /// Harmonics of the encoder angle, n = 1 first, rad.
@@ -245,6 +256,8 @@ mod tests {
         path.interpolate(0.041, &mut row);
         let at = |theta: f64| row.depth(Phasors::new(theta, 24).from_zero());
         let (before, here, after) = (at(0.9 - 1e-5), at(0.9), at(0.9 + 1e-5));
+        let lowest = (0..6283).map(|k| at(1e-3 * f64::from(k)).value).fold(f64::INFINITY, f64::min);
+        assert!(row.lowest() <= lowest && row.lowest() > lowest - 100e-6, "{} {lowest}", row.lowest());
         assert!(((after.value - before.value) / 2e-5 - here.first).abs() < 1e-11);
         assert!(((after.first - before.first) / 2e-5 - here.second).abs() < 1e-10);
     }

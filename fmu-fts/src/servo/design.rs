@@ -13,6 +13,10 @@ const PHASE_MARGIN_MIN: f64 = 0.524;
 const GAIN_MARGIN_MIN: f64 = 2.0;
 /// Frequencies looked at, per octave.
 const PER_OCTAVE: i32 = 96;
+/// Frequencies looked at about the resonance of the arm, in its half widths: a peak is narrower than the grid.
+const ABOUT_PEAK: [f64; 9] = [-30.0, -8.0, -2.5, -0.8, 0.0, 0.8, 2.5, 8.0, 30.0];
+/// Least damping ratio for which that is done.
+const DAMPING_MIN: f64 = 1e-6;
 
 /// How far a loop is from instability.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,7 +38,7 @@ pub fn design(p: &Parameters) -> Result<LeadLag, ParameterError> {
     // more crossover, more bandwidth
     let (mut low, mut high) = (0.1 * wanted, 1.5 * wanted);
     let model = LoopModel::new(p, LeadLag::new(p, low));
-    let grid = grid(&model);
+    let grid = grid(p, &model);
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
         let tried = model.with(LeadLag::new(p, middle));
@@ -73,15 +77,17 @@ fn bandwidth(model: &LoopModel, grid: &[ArmPoint]) -> f64 {
 /// Margins of a loop.
 fn margins(model: &LoopModel, grid: &[ArmPoint]) -> LoopMargins {
     let mut margins = LoopMargins { phase: std::f64::consts::PI, gain: f64::INFINITY, sensitivity: 0.0 };
+    let mut crossed = false;
     for piece in grid.windows(2) {
         let (here, there) = (piece[0].open(model.compensator()), piece[1].open(model.compensator()));
         let return_difference = here + 1.0;
         margins.sensitivity = margins.sensitivity.max(1.0 / return_difference.norm());
         if here.norm() >= 1.0 && there.norm() < 1.0 {
             margins.phase = margins.phase.min(lag_left(here, there));
+            crossed = true;
         }
-        // through the negative real axis, inside the unit circle
-        if here.im * there.im < 0.0 && here.re < 0.0 && here.re > -1.0 {
+        // through the negative real axis: inside the unit circle, or outside of it in a peak beyond the crossover
+        if here.im * there.im < 0.0 && here.re < 0.0 && (crossed || here.re > -1.0) {
             margins.gain = margins.gain.min(2.0 / (here.norm() + there.norm()));
         }
     }
@@ -95,12 +101,20 @@ fn lag_left(here: Complex<f64>, there: Complex<f64>) -> f64 {
     (-here).arg() + share * turned
 }
 
-/// The arm at frequencies from 1 Hz (or below) to half the sampling rate; it is the same for every compensator.
-fn grid(model: &LoopModel) -> Vec<ArmPoint> {
+/// The arm at frequencies from 1 Hz (or below) to half the sampling rate, and about its resonance; it is the same for
+/// every compensator.
+fn grid(p: &Parameters, model: &LoopModel) -> Vec<ArmPoint> {
     let nyquist = model.nyquist();
     let ratio = 2f64.powf(-1.0 / f64::from(PER_OCTAVE));
     let octaves = (nyquist / 3.0).log2().ceil() as i32;
-    (0..=octaves * PER_OCTAVE).rev().map(|k| model.at(nyquist * ratio.powi(k))).collect()
+    let stiffening = (1.0 - p.tip.inertia).sqrt().recip();
+    let (peak, damping) = (p.tip.frequency * stiffening, (p.tip.damping * stiffening).max(DAMPING_MIN));
+    let about = ABOUT_PEAK.iter().map(|width| peak * (1.0 + width * damping));
+    let even = (0..=octaves * PER_OCTAVE).map(|k| nyquist * ratio.powi(k));
+    let lowest = nyquist * ratio.powi(octaves * PER_OCTAVE);
+    let mut frequencies: Vec<f64> = even.chain(about.filter(|omega| *omega > lowest && *omega < nyquist)).collect();
+    frequencies.sort_by(f64::total_cmp);
+    frequencies.into_iter().map(|omega| model.at(omega)).collect()
 }
 
 #[cfg(test)]
@@ -110,13 +124,13 @@ mod tests {
 
     fn designed(p: &Parameters) -> (LoopModel, LoopMargins) {
         let model = LoopModel::new(p, design(p).unwrap());
-        (model, margins(&model, &grid(&model)))
+        (model, margins(&model, &grid(p, &model)))
     }
 
     #[test]
     fn the_default_loop_has_the_bandwidth_and_margins_of_the_paper() {
         let (model, margins) = designed(&Parameters::START);
-        assert!((bandwidth(&model, &grid(&model)) / TAU - 230.0).abs() < 1e-6);
+        assert!((bandwidth(&model, &grid(&Parameters::START, &model)) / TAU - 230.0).abs() < 1e-6);
         assert!((margins.phase.to_degrees() - 43.7).abs() < 0.5, "{margins:?}");
         assert!((margins.gain - 5.0).abs() < 0.1, "{margins:?}");
         assert!((margins.sensitivity - 1.59).abs() < 0.01, "{margins:?}");
@@ -131,7 +145,7 @@ mod tests {
             let mut p = Parameters::START;
             p.servo.bandwidth = TAU * frequency;
             let (model, margins) = designed(&p);
-            assert!((bandwidth(&model, &grid(&model)) / TAU - frequency).abs() < 1e-6, "{frequency} Hz");
+            assert!((bandwidth(&model, &grid(&p, &model)) / TAU - frequency).abs() < 1e-6, "{frequency} Hz");
             assert!(margins.sensitivity < 2.0, "{frequency} Hz: {margins:?}");
         }
         let mut p = Parameters::START;
@@ -139,6 +153,15 @@ mod tests {
         let message = design(&p).unwrap_err().to_string();
         assert!(message.starts_with("parameter `servo.bandwidth` is `3078"), "{message}");
         assert!(message.contains("phase margin") && message.contains("hint:"), "{message}");
+    }
+
+    #[test]
+    fn a_resonance_that_makes_the_loop_unstable_is_found_however_narrow_it_is() {
+        for (damping, good) in [(0.02, true), (0.01, true), (2e-3, false), (1e-3, false), (5e-4, false), (0.0, false)] {
+            let mut p = Parameters::START;
+            p.tip.damping = damping;
+            assert_eq!(design(&p).is_ok(), good, "{damping}: {:?}", design(&p).map(|_| ()));
+        }
     }
 
     #[test]

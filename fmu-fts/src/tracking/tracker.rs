@@ -106,10 +106,20 @@ impl Tracker {
         p.afc.cancelled.contains(n) && (!p.afc.automatic || self.chooser.chosen().contains(n))
     }
 
-    /// Begins to move onto the path.
-    pub fn approach(&mut self) {
+    /// On no path: at rest.
+    pub fn rest(&mut self) {
         self.transition = Transition::default();
+    }
+
+    /// Begins to move onto the path.
+    pub fn approach(&mut self, p: &Parameters) {
+        self.transition.approach(p);
         self.statistics = ErrorStatistics::default();
+    }
+
+    /// Begins to move off the path, within `duration` (s).
+    pub fn leave(&mut self, p: &Parameters, duration: f64) {
+        self.transition.leave(p, duration);
     }
 
     /// What the arm, now at `arm_angle` (rad), should do in this sample; `held` is the motion that it leaves.
@@ -154,6 +164,16 @@ impl Tracker {
     /// Whether the path is reached.
     pub fn arrived(&self, p: &Parameters) -> bool {
         self.transition.arrived(p)
+    }
+
+    /// Whether nothing of the path is left in the motion.
+    pub fn gone(&self, p: &Parameters) -> bool {
+        self.transition.gone(p)
+    }
+
+    /// A depth (m) that the path at the present slide position never goes below.
+    pub fn lowest(&self) -> f64 {
+        self.row.lowest()
     }
 
     /// The path.

@@ -1,6 +1,9 @@
-//! Motion onto the moving path: the held motion fades out, the path fades in, on a quintic.
+//! Motion onto the moving path and off it: the share of the path in the motion is a quintic of the time, the rest is held.
+//!
+//! What is between a path and a held angle goes beyond neither: no overshoot, whatever the speed of the path. And the path
+//! keeps its feedforward while it fades, so that the arm follows.
 
-use control_blocks::{Trajectory, minimum_jerk, minimum_jerk_rates};
+use control_blocks::{Quintic, Trajectory};
 use serde::{Deserialize, Serialize};
 
 use crate::interface::Parameters;
@@ -17,9 +20,6 @@ pub struct Blend {
 }
 
 impl Blend {
-    /// On the path.
-    pub const FULL: Self = Self { share: 1.0, first: 0.0, second: 0.0 };
-
     /// From `held` to `path`.
     pub fn motion(&self, held: Trajectory, path: Trajectory) -> Trajectory {
         let (angle, velocity) = (path.position - held.position, path.velocity - held.velocity);
@@ -35,32 +35,53 @@ impl Blend {
     }
 }
 
-/// Progress of the motion; by default at its beginning.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+/// Share of the path over the time; by default none.
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Transition {
+    share: Quintic,
     ticks: u32,
 }
 
+impl Default for Transition {
+    fn default() -> Self {
+        Self { share: Quintic::resting(0.0), ticks: 0 }
+    }
+}
+
 impl Transition {
+    /// From the present share onto the path, within `approach.time`.
+    pub fn approach(&mut self, p: &Parameters) {
+        *self = Self { share: Quintic::new(self.now(p), 1.0, p.approach_time), ticks: 0 };
+    }
+
+    /// From the present share off the path, within `duration` (s).
+    pub fn leave(&mut self, p: &Parameters, duration: f64) {
+        *self = Self { share: Quintic::new(self.now(p), 0.0, duration), ticks: 0 };
+    }
+
     /// One sample farther.
     pub fn step(&mut self, p: &Parameters) -> Blend {
         self.ticks = self.ticks.saturating_add(1);
-        if self.arrived(p) {
-            return Blend::FULL;
-        }
-        // begins and ends with no velocity and no acceleration
-        let s = self.time(p);
-        let [first, second] = minimum_jerk_rates(s, 1.0 / p.approach_time);
-        Blend { share: minimum_jerk(s), first, second }
+        let Trajectory { position, velocity, acceleration } = self.now(p);
+        Blend { share: position, first: velocity, second: acceleration }
     }
 
     /// Whether the path is reached.
     pub fn arrived(&self, p: &Parameters) -> bool {
-        self.time(p) >= 1.0
+        self.over(p) && self.share.goal() == 1.0
     }
 
-    fn time(&self, p: &Parameters) -> f64 {
-        f64::from(self.ticks) * p.sample_period / p.approach_time
+    /// Whether nothing of the path is left.
+    pub fn gone(&self, p: &Parameters) -> bool {
+        self.over(p) && self.share.goal() == 0.0
+    }
+
+    fn over(&self, p: &Parameters) -> bool {
+        self.share.over(f64::from(self.ticks) * p.sample_period)
+    }
+
+    fn now(&self, p: &Parameters) -> Trajectory {
+        self.share.at(f64::from(self.ticks) * p.sample_period)
     }
 }
 
@@ -79,8 +100,9 @@ mod tests {
         let held = |t: f64| Trajectory { position: 0.3 - 0.1 * t, velocity: -0.1, acceleration: 0.0 };
         let mut transition = Transition::default();
         let mut before = held(0.0);
+        transition.approach(&p);
         for k in 1..=3000 {
-            assert!(!transition.arrived(&p));
+            assert!(!transition.arrived(&p) && !transition.gone(&p));
             let t = 1e-4 * f64::from(k);
             let now = transition.step(&p).motion(held(t), path(t));
             let predicted = before.position + 0.5e-4 * (before.velocity + now.velocity);
@@ -91,6 +113,41 @@ mod tests {
         }
         assert!(transition.arrived(&p));
         assert!((before.position - path(0.3).position).abs() < 1e-15);
-        assert_eq!(transition.step(&p), Blend::FULL);
+        assert_eq!(transition.step(&p), Blend { share: 1.0, first: 0.0, second: 0.0 });
+    }
+
+    #[test]
+    fn nothing_goes_beyond_the_path_on_the_way_off() {
+        let p = Parameters::START;
+        let mut transition = Transition::default();
+        transition.approach(&p);
+        (0..3000).for_each(|_| {
+            transition.step(&p);
+        });
+        transition.leave(&p, 0.3);
+        for k in 0..3000 {
+            assert!(!transition.gone(&p), "sample {k}");
+            let share = transition.step(&p).share;
+            assert!((0.0..=1.0).contains(&share), "sample {k}: {share}");
+        }
+        assert!(transition.gone(&p) && !transition.arrived(&p));
+    }
+
+    #[test]
+    fn the_way_back_begins_anywhere_without_a_jump() {
+        let p = Parameters::START;
+        for turn in [1, 700, 1500, 2999] {
+            let mut transition = Transition::default();
+            let mut before = 0.0;
+            for k in 0..6000 {
+                if k == 0 || k == turn {
+                    if k == 0 { transition.approach(&p) } else { transition.leave(&p, 0.3) }
+                }
+                let share = transition.step(&p).share;
+                assert!((share - before).abs() < 1e-3 && (-1e-12..=1.0).contains(&share), "{turn} {k}: {share}");
+                before = share;
+            }
+            assert!(transition.gone(&p));
+        }
     }
 }

@@ -97,6 +97,8 @@ pub struct Machine {
     slide: f64,
     /// The tool is in the part.
     pub in_part: bool,
+    /// Speed of the slide besides 10 um a turn, m/s.
+    pub feed: f64,
 }
 
 impl Machine {
@@ -119,6 +121,7 @@ impl Machine {
             spindle,
             slide: 0.15 - ARM_LENGTH - build.radius,
             in_part: false,
+            feed: 0.0,
             build: build.clone(),
         }
     }
@@ -161,7 +164,7 @@ impl Machine {
             + self.build.spindle_ripple[0] * (self.spindle + self.phases[2]).sin()
             + self.build.spindle_ripple[1] * (12.0 * self.spindle + self.phases[3]).sin();
         self.spindle += speed * DT;
-        self.slide += 1e-5 * speed / TAU * DT;
+        self.slide += (1e-5 * speed / TAU + self.feed) * DT;
         self.time += DT;
     }
 }

@@ -4,6 +4,7 @@ mod calibration;
 mod faults;
 mod identify;
 mod law;
+mod leaving;
 mod machine;
 mod modes;
 mod robustness;

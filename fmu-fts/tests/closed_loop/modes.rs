@@ -65,7 +65,7 @@ fn the_way_from_rest_to_tracking_has_no_jump() {
     let mut states = Vec::new();
     while run.time() < 0.5 {
         run.step();
-        if let Some(before) = before.filter(|before| before.state.closed()) {
+        if let Some(before) = before.filter(|before| before.state != State::Idle) {
             let moved = run.output.reference.angle - before.reference.angle;
             assert!(moved.abs() < 5.0 * STEP, "{moved} rad at {} s", run.time());
         }
@@ -153,7 +153,8 @@ fn a_saturated_loop_learns_nothing() {
     p.servo.torque_max = 0.46;
     p.limits.torque_share = 1.0;
     p.surface.outer_radius = 0.031;
-    p.limits.following_error = 0.1;
+    (p.limits.following_error, p.limits.saturated_time) = (0.1, 10.0);
+    (p.limits.disturbance, p.limits.drive_share) = (0.2, 0.0);
     let mut run = Loop::new(&p, &Build { gain: 0.7, ..Build::NOMINAL }, 3);
     let (mut saturated, mut learned) = (0, 0);
     while run.time() < 1.0 {

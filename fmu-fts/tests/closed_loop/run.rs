@@ -67,6 +67,16 @@ impl Loop {
         self.step_with_inputs();
     }
 
+    /// One communication step with inputs that `change` has changed.
+    pub fn step_with(&mut self, change: impl Fn(&mut Input)) {
+        let [arm_angle, spindle_angle, slide_position] = self.machine.read();
+        let good = self.input.clone();
+        self.input = Input { arm_angle, spindle_angle, slide_position, ..good.clone() };
+        change(&mut self.input);
+        self.step_with_inputs();
+        self.input = good;
+    }
+
     /// One communication step with the inputs as they are.
     pub fn step_with_inputs(&mut self) {
         self.machine.in_part = self.time() > 0.5;
@@ -80,6 +90,11 @@ impl Loop {
     pub fn reloaded(&self) -> Self {
         let bytes = postcard::to_allocvec(&self.controller).unwrap();
         Self { controller: postcard::from_bytes(&bytes).unwrap(), ..self.clone() }
+    }
+
+    /// Moves the slide besides its feed, m/s.
+    pub fn feed(&mut self, speed: f64) {
+        self.machine.feed = speed;
     }
 
     /// Swings the arm by `angle` (rad): from now on its encoder reads so much more.

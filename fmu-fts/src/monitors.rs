@@ -1,0 +1,5 @@
+//! Monitors of the closed loop: what was asked of the arm against what its encoder says.
+
+pub mod drive;
+pub mod life;
+pub mod watch;

@@ -1,0 +1,125 @@
+//! What the drive does of what it is told: acceleration of the arm over that of the torque command.
+//!
+//! The second difference of three readings answers the mean of the two commands that acted between them,
+//! y_k - 2 y_(k-1) + y_(k-2) = T_s^2 (u_(k-1-d) + u_(k-2-d)) / (2 J). Both sides lose what is slower than 20 ms, a thrust that
+//! only the torque balances, and what is faster than 200 Hz, where the arm is no rigid body and encoders are noisy.
+
+use std::f64::consts::TAU;
+
+use control_blocks::{DELAY_MAX, Response, SentCommands};
+use serde::{Deserialize, Serialize};
+
+use crate::interface::Parameters;
+
+/// Time constant of what is too slow, s.
+const SLOW: f64 = 0.02;
+/// Corner of what is too fast, rad/s.
+const FAST: f64 = TAU * 200.0;
+/// Time after which a motion is forgotten, s; and where only the cause counts.
+const MEMORY: f64 = 0.01;
+const SHORT: f64 = 0.002;
+
+/// A signal without its slow and its fast part.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Band {
+    slow: f64,
+    first: f64,
+    second: f64,
+}
+
+impl Band {
+    fn update(&mut self, value: f64, dt: f64) -> f64 {
+        let keep = (-FAST * dt).exp();
+        self.slow += (value - self.slow) * (dt / SLOW);
+        self.first = keep * self.first + (1.0 - keep) * (value - self.slow);
+        self.second = keep * self.second + (1.0 - keep) * self.first;
+        self.second
+    }
+}
+
+/// The commands on their way and the last readings.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct DriveWatch {
+    sent: SentCommands,
+    readings: [Option<f64>; 2],
+    told: Band,
+    done: Band,
+    response: Response,
+    latest: Response,
+}
+
+impl DriveWatch {
+    /// Takes the reading of the arm (rad) of this sample, then the torque (N.m) that it is answered with.
+    pub fn update(&mut self, p: &Parameters, arm_angle: f64, torque: f64) {
+        let dt = p.sample_period;
+        let [before, earlier] = self.readings;
+        self.readings = [Some(arm_angle), before];
+        let late = p.io_delay as usize;
+        let torques = self.sent.before(late) + self.sent.before((late + 1).min(DELAY_MAX));
+        self.sent.send(torque);
+        if let Some((before, earlier)) = before.zip(earlier) {
+            let told = self.told.update(0.5 * torques / p.servo.inertia, dt);
+            let done = self.done.update((arm_angle - 2.0 * before + earlier) / (dt * dt), dt);
+            self.response.update(told, done, MEMORY / dt);
+            self.latest.update(told, done, SHORT / dt);
+        }
+    }
+
+    /// The same over the last 2 ms, where what was before does not blur what a fault has become.
+    pub fn latest(&self, p: &Parameters) -> Option<f64> {
+        let least = disturbance(p) / p.servo.inertia;
+        self.latest.share(SHORT / p.sample_period * least * least)
+    }
+
+    /// Acceleration of the arm over that of the torque; none while the torque is not more than the disturbances.
+    pub fn share(&self, p: &Parameters) -> Option<f64> {
+        let least = disturbance(p) / p.servo.inertia;
+        self.response.share(MEMORY / p.sample_period * least * least)
+    }
+}
+
+/// Torque of friction and cut that may come without a command, N.m.
+pub fn disturbance(p: &Parameters) -> f64 {
+    if p.limits.disturbance > 0.0 { p.limits.disturbance } else { 0.03 * p.servo.torque_max }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The share of a rigid arm with `gain` under a torque over the time, after 0.1 s.
+    fn share(gain: f64, torque: impl Fn(f64) -> f64, resolution: f64) -> Option<f64> {
+        let (p, dt) = (Parameters::START, 1e-4);
+        let mut watch = DriveWatch::default();
+        let (mut angle, mut velocity, mut before) = (0.0, 0.0, 0.0);
+        for k in 0..1000 {
+            let command = torque(dt * f64::from(k));
+            watch.update(&p, f64::round(angle / resolution) * resolution, command);
+            // one sample of delay
+            let acceleration = gain * before / p.servo.inertia;
+            angle += dt * (velocity + 0.5 * dt * acceleration);
+            velocity += dt * acceleration;
+            before = command;
+        }
+        watch.share(&p)
+    }
+
+    #[test]
+    fn the_share_is_that_of_the_drive() {
+        for gain in [1.0, 0.3, 0.0, -1.0] {
+            for (hertz, torque) in [(20.0, 2.0), (80.0, 2.0), (500.0, 5.0)] {
+                let swing = |t: f64| torque * (TAU * hertz * t).cos();
+                for resolution in [1e-9, 7.5e-7, 1.2e-5] {
+                    let share = share(gain, swing, resolution).unwrap();
+                    assert!((share - gain).abs() < 0.06, "{gain} {hertz} Hz {resolution}: {share}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_small_torque_says_nothing() {
+        assert_eq!(share(1.0, |t| 0.2 * (TAU * 20.0 * t).cos(), 1e-9), None);
+        assert_eq!(share(0.0, |_| 5.0, 1e-9), None);
+    }
+}

@@ -1,0 +1,102 @@
+//! Whether the encoder of the arm lives: it must answer the wanted motion, and at rest the torque.
+//!
+//! On a path a reading that lives leaves one anchor after the other; it stays at one only where it turns, late. At
+//! rest only a torque can move the arm: beyond twice the disturbances, from one sign to the other, it would accelerate
+//! with (|u - u_a| - 2 d) / J, u_a the torque at the anchor. Above 50 Hz even a large torque moves it by less than the band.
+
+use std::f64::consts::TAU;
+
+use control_blocks::Frozen;
+use serde::{Deserialize, Serialize};
+
+use crate::interface::Parameters;
+use crate::monitors::drive::disturbance;
+
+/// Path at the tool that a living encoder may leave unanswered where it turns, m: the 500 Hz at 500 m/s2, which feedback
+/// alone hardly answers.
+const UNANSWERED: f64 = 5e-5;
+
+/// Corner of the torque that must move the arm, rad/s.
+const CORNER: f64 = TAU * 50.0;
+
+/// The two expectations.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct LifeWatch {
+    by_path: Frozen,
+    by_torque: Frozen,
+    wanted: Option<f64>,
+    /// velocity since the anchor, rad/s
+    drift: f64,
+    /// without its fast part: now and at the anchor, N.m
+    torque: Option<f64>,
+    anchor: f64,
+}
+
+impl LifeWatch {
+    /// Takes the wanted and the read angle (rad) and the torque (N.m) of a sample.
+    pub fn update(&mut self, p: &Parameters, wanted: f64, arm_angle: f64, torque: f64) {
+        let (band, dt) = (p.limits.arm_spread, p.sample_period);
+        let motion = wanted - self.wanted.replace(wanted).unwrap_or(wanted);
+        self.by_path.update(arm_angle, motion, band);
+        self.by_torque.update(arm_angle, self.drift * dt, band);
+        let before = self.torque.unwrap_or(torque);
+        let torque = before + (torque - before) * (1.0 - (-CORNER * dt).exp());
+        self.torque = Some(torque);
+        if self.by_torque.still() == 0 {
+            (self.drift, self.anchor) = (0.0, torque);
+        }
+        let change = torque - self.anchor;
+        let excess = (change.abs() - 2.0 * disturbance(p)).max(0.0);
+        self.drift += dt * excess.copysign(change) / p.servo.inertia;
+    }
+
+    /// Motion of the tool (m) that the encoder has not answered, over the one that it must answer.
+    pub fn unanswered(&self, p: &Parameters, length: f64) -> f64 {
+        let angle = self.by_path.unanswered().max(self.by_torque.unanswered());
+        length * angle / (UNANSWERED + length * p.limits.arm_spread)
+    }
+
+    /// Samples for which the reading has stood.
+    pub fn still(&self) -> u32 {
+        self.by_path.still()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LENGTH: f64 = 0.08;
+
+    /// The most that is unanswered in 1 s.
+    fn most(wanted: impl Fn(f64) -> f64, read: impl Fn(f64) -> f64, torque: impl Fn(f64) -> f64) -> f64 {
+        let (p, mut watch) = (Parameters::START, LifeWatch::default());
+        let unanswered = (0..10_000).map(|k| {
+            let t = 1e-4 * f64::from(k);
+            watch.update(&p, wanted(t), read(t), torque(t));
+            watch.unanswered(&p, LENGTH)
+        });
+        unanswered.fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn an_arm_that_follows_late_lives() {
+        // 100 um of following error at 1.75 mm and 20 Hz
+        let path = |t: f64| 0.0219 * (125.7 * t).sin();
+        assert!(most(path, |t| path(t) - 1.25e-3 * (125.7 * t).cos(), |_| 0.0) < 0.8);
+    }
+
+    #[test]
+    fn an_encoder_that_stands_or_flickers_is_told_by_the_path() {
+        let path = |t: f64| 0.004 * (125.7 * t).sin();
+        assert!(most(path, |_| 0.0, |_| 0.0) > 1.0);
+        assert!(most(path, |t| 7.5e-7 * ((1e4 * t) as i32 % 2) as f64, |_| 0.0) > 1.0);
+    }
+
+    #[test]
+    fn at_rest_only_a_torque_beyond_the_disturbances_tells() {
+        assert_eq!(most(|_| 0.3, |_| 0.3, |t| 0.2 * (100.0 * t).sin()), 0.0);
+        assert_eq!(most(|_| 0.3, |_| 0.3, |t| 5.0 * (1.2e4 * t).sin()), 0.0);
+        assert!(most(|_| 0.3, |_| 0.3, |t| t) > 1.0);
+    }
+}

@@ -1,0 +1,127 @@
+//! All monitors of the closed loop, and the fault that they find.
+
+use std::f64::consts::TAU;
+
+use control_blocks::{Progress, Reversals, quintic_duration, ticks};
+use serde::{Deserialize, Serialize};
+
+use crate::interface::{Fault, Parameters, State};
+use crate::monitors::drive::DriveWatch;
+use crate::monitors::life::LifeWatch;
+use crate::path::path_table::PathTable;
+
+/// Below this share the arm accelerates against the torque.
+const AGAINST: f64 = -0.2;
+/// Below this one of the last milliseconds, too; a drive that is just off is taken for up to -0.4.
+const TURNED: f64 = -0.6;
+/// Mean of the saturated samples, over five times `limits.saturated_time`, that is too much: 1 - exp(-1/5).
+const SATURATED: f64 = 0.18;
+/// Time within which the torque of an unstable loop turns, s: 100 Hz and more.
+const REVERSAL: f64 = 5e-3;
+/// So many times; accelerating and braking is one.
+const REVERSALS: u32 = 8;
+/// Time constants of the cancellation within which its error becomes small: also after the tool has gone into the part.
+const SETTLED: f64 = 8.0;
+/// The slowest feed of a cut, m/s.
+const SLOWEST: f64 = 1e-6;
+
+/// One sample of the closed loop.
+#[derive(Clone, Copy, Debug)]
+pub struct Sample {
+    /// Where the hub should be, rad.
+    pub wanted: f64,
+    /// Where its encoder says it is, rad.
+    pub arm_angle: f64,
+    /// Torque command, N.m.
+    pub torque: f64,
+    /// The swing of an identification lags behind what is wanted.
+    pub swinging: bool,
+    /// The cancellation learns.
+    pub learning: bool,
+    /// Error over the last turn, root mean square, m.
+    pub rms: f64,
+}
+
+/// The monitors; by default before the first sample of a closed loop.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Watch {
+    drive: DriveWatch,
+    life: LifeWatch,
+    reversals: Reversals,
+    turns: u32,
+    saturated: f64,
+    /// samples that the cancellation has learned with too large an error
+    poor: u32,
+    following_error: f64,
+}
+
+impl Watch {
+    /// Takes one sample; `length` is that of the arm, m.
+    pub fn update(&mut self, p: &Parameters, length: f64, sample: &Sample) {
+        let (dt, limit) = (p.sample_period, p.servo.torque_max);
+        self.drive.update(p, sample.arm_angle, sample.torque);
+        // a swing of the identification is seen by the drive's share alone: the arm answers it late, or hardly
+        if sample.swinging {
+            self.life = LifeWatch::default();
+        }
+        self.life.update(p, sample.wanted, sample.arm_angle, sample.torque);
+        self.turns = self.reversals.update(sample.torque, limit, ticks(REVERSAL, dt));
+        let full = f64::from(u8::from(sample.torque.abs() >= limit));
+        self.saturated += (full - self.saturated) * (dt / (5.0 * p.limits.saturated_time)).min(1.0);
+        let poor = sample.learning && sample.rms > p.limits.tracking_error;
+        self.poor = if poor { self.poor.saturating_add(1) } else { 0 };
+        self.following_error = length * (sample.wanted - sample.arm_angle);
+    }
+
+    /// The cause of what is wrong, if something is.
+    pub fn find(&self, p: &Parameters, length: f64) -> Option<Fault> {
+        let share = self.drive.share(p);
+        let frozen = self.life.unanswered(p, length) > 1.0;
+        let behind = self.following_error.abs() > p.limits.following_error;
+        let poor = f64::from(self.poor) * p.sample_period > SETTLED * p.afc.tau;
+        frozen
+            .then_some(Fault::FrozenReading)
+            .or(share.and_then(|share| self.drive_fault(p, share)))
+            .or((self.turns >= REVERSALS).then_some(Fault::Oscillation))
+            .or((self.saturated > SATURATED).then_some(Fault::Saturation))
+            .or(behind.then_some(Fault::FollowingError))
+            .or(poor.then_some(Fault::NoProgress))
+    }
+
+    /// Where the arm is against where it should be, at the tool, m.
+    pub fn following_error(&self) -> f64 {
+        self.following_error
+    }
+
+    /// Acceleration of the arm over that of the torque, where the torque is enough to tell.
+    pub fn share(&self, p: &Parameters) -> Option<f64> {
+        self.drive.share(p)
+    }
+
+    /// What a share of the torque means.
+    fn drive_fault(&self, p: &Parameters, share: f64) -> Option<Fault> {
+        if p.limits.drive_share == 0.0 || share >= p.limits.drive_share {
+            return None;
+        }
+        let stands = share.abs() < 0.1 && f64::from(self.life.still()) * p.sample_period > 5e-3;
+        Some(if share < AGAINST || self.drive.latest(p).is_some_and(|latest| latest < TURNED) {
+            Fault::DriveSign
+        } else if stands {
+            Fault::FrozenReading
+        } else {
+            Fault::WeakDrive
+        })
+    }
+}
+
+/// Whether a job has taken longer than it may: a cut, or an identification of `identify` s. Holding has no end.
+pub fn overdue(p: &Parameters, path: &PathTable, identify: f64, state: State, job: &Progress) -> bool {
+    let usual = match state {
+        State::Approach | State::Ready | State::Track => path.extent() / SLOWEST,
+        // before it, at most two turns to `hold_angle` and the way off the path
+        State::Identify => 2.0 * (identify + p.approach_time + quintic_duration(2.0 * TAU, p.hold_speed)),
+        _ => return false,
+    };
+    let time = if p.limits.job_time > 0.0 { p.limits.job_time } else { usual };
+    job.samples() as f64 * p.sample_period > time
+}

@@ -1,0 +1,175 @@
+"""Faults of the rotary fast tool servo: the 0x4 lens at 600 rpm, from the cut at 0.4 s on.
+
+The excursion is how far the tool goes into the part beyond its path. Where the drive is off the arm coasts
+with the speed of the path, 2.75 rad/s at most, against the 2 N of the cut: J v^2 / (2 F) = 1.5 mm.
+"""
+
+from __future__ import annotations
+
+import math
+
+from cosim.scenario.injection import Injection
+from cosim.scenario.model import Signal
+
+from .matrix import DONE, Matrix, Row
+
+BEGIN = 0.53
+"""The tool moves into the part."""
+STEP = 1e-4
+
+INTO = "max(plant.tip_depth) - max(plant.tip_depth[time < 0.5])"
+EARLY = "max(plant.tip_depth) - 1.97e-3"
+"""Beyond the deepest of the path, where the fault is there from the beginning."""
+OFF = "max(abs((plant.tip_depth - controller.reference.depth)[time > 0.5]))"
+COASTS = "J v^2 / (2 F): the arm coasts against 2 N of the cut"
+CONTROLLED = "5 % of the path's 1.75 mm: under control"
+GOOD = "as good as without the fault: 20 um"
+
+ARM, SPINDLE, SLIDE, TORQUE = (
+    "controller.arm_angle", "controller.spindle_angle", "controller.slide_position", "plant.torque",
+)  # fmt: skip
+
+
+def at_once(to: str, **kind: float | int | bool) -> tuple[Injection, ...]:
+    """Fault from the middle of the cut to the end."""
+    return (Injection(to, from_time=BEGIN, **kind),)  # type: ignore[arg-type]
+
+
+def spike(to: str, offset: float) -> tuple[Injection, ...]:
+    """One bad sample."""
+    return (Injection(to, from_time=BEGIN, duration=STEP, offset=offset),)
+
+
+def lost(
+    name: str,
+    fault: str | tuple[str, ...],
+    *inject: Injection,
+    changes: tuple[str, ...] = (),
+    truth: str = INTO,
+) -> Row:
+    """Fault that ends with the drive off."""
+    faults = (fault,) if isinstance(fault, str) else fault
+    return Row(name, faults, truth, 2e-3, COASTS, inject, changes=changes, unit="m")
+
+
+def left(name: str, fault: str, *inject: Injection, changes: tuple[str, ...] = ()) -> Row:
+    """Fault that ends out of the part under control."""
+    return Row(name, (fault,), INTO, 90e-6, CONTROLLED, inject, changes=changes, unit="m")
+
+
+def borne(
+    name: str, *inject: Injection, changes: tuple[str, ...] = (), signals: tuple[Signal, ...] = ()
+) -> Row:
+    """Fault that does no harm."""
+    return Row(name, (DONE,), OFF, 20e-6, GOOD, inject, signals, changes, unit="m")
+
+
+MATRIX = Matrix(
+    scenario="fts",
+    seed=71_301,
+    good=(
+        '(last(controller.fault) == "None") & (max(abs((plant.tip_depth - controller.reference.depth)'
+        "[time > last(time) - 0.1])) < 20e-6)"
+    ),
+    rest=(
+        '(last(controller.state) == "Track")'
+        " | (abs(last(plant.tip_depth) - at(plant.tip_depth, last(time) - 0.02)) < 20e-6)"
+    ),
+    stop="time > 0.9",
+    rows=(
+        lost("arm encoder frozen in motion", "FrozenReading", *at_once(ARM, frozen=True)),
+        lost(
+            "arm encoder frozen, its last bit flickers",
+            ("FrozenReading", "ReadingJump"),
+            *at_once(ARM, frozen=True),
+            *at_once(ARM, noise=7.5e-7),
+        ),
+        lost(
+            "arm encoder frozen on a nearly flat lens",
+            ("FrozenReading", "WeakDrive"),
+            *at_once(ARM, frozen=True),
+            changes=("controller.surface.cross_curvature=0.94", "plant.slide_start=0.05"),
+        ),
+        lost("arm encoder 0.01 rad off", "ReadingJump", *at_once(ARM, offset=0.01)),
+        lost("arm encoder gives no number", "LostReading", *at_once(ARM, value=math.nan)),
+        lost("arm encoder with noise of 1 mrad", "ReadingJump", *at_once(ARM, noise=1e-3)),
+        Row(
+            "arm encoder ends in the path",
+            ("FrozenReading", "ReadingJump"),
+            EARLY,
+            80e-3,
+            "a circle of the arm: in air nothing stops it",
+            changes=("wire.controller.arm_angle.maximum=-0.055",),
+            unit="m",
+        ),
+        lost("every second sample of the arm lost", ("FrozenReading", DONE), *at_once(ARM, drop=0.5)),
+        lost("arm encoder 3 samples late", "ReadingJump", *at_once(ARM, late=3)),
+        borne("one spike of the arm encoder, 0.1 rad", *spike(ARM, 0.1)),
+        borne(
+            "one sample of the arm encoder is no number",
+            Injection(ARM, from_time=BEGIN, duration=STEP, value=math.nan),
+        ),
+        borne("arm encoder with noise of 5 urad, x20", *at_once(ARM, noise=5e-6)),
+        borne("one of twenty samples of the arm lost", *at_once(ARM, drop=0.05)),
+        left("spindle encoder frozen", "LostSpindle", *at_once(SPINDLE, frozen=True)),
+        left("spindle encoder 1 rad off", "LostSpindle", *at_once(SPINDLE, offset=1.0)),
+        left("spindle encoder gives no number", "InvalidInput", *at_once(SPINDLE, value=math.nan)),
+        borne("one spike of the spindle encoder, 1 rad", *spike(SPINDLE, 1.0)),
+        left("slide encoder 20 mm off", "LostSlide", *at_once(SLIDE, offset=0.02)),
+        borne("one spike of the slide encoder, 20 mm", *spike(SLIDE, 0.02)),
+        left("hold angle is no number", "InvalidInput", *at_once("controller.hold_angle", value=math.nan)),
+        lost("torque with the wrong sign", ("DriveSign", "FollowingError"), *at_once(TORQUE, scale=-1.0)),
+        lost(
+            "torque with the wrong sign from the beginning",
+            ("DriveSign", "FollowingError"),
+            Injection(TORQUE, from_time=0.0, scale=-1.0),
+            truth=EARLY,
+        ),
+        lost("drive gives 0.3 of the torque", "WeakDrive", *at_once(TORQUE, scale=0.3)),
+        lost("no torque", "WeakDrive", *at_once(TORQUE, value=0.0)),
+        lost("torque stuck", ("WeakDrive", "DriveSign", "FollowingError"), *at_once(TORQUE, frozen=True)),
+        lost("amplifier trips", "WeakDrive", *at_once("plant.enable", value=0.0)),
+        lost(
+            "flexure without damping, at 840 Hz",
+            ("Oscillation", "ReadingJump"),
+            changes=("plant.flexure_damping=0.0005", "plant.flexure_frequency=840.0"),
+            truth=EARLY,
+        ),
+        Row(
+            "inertia told 1.3 times too large",
+            (DONE,),
+            OFF,
+            30e-6,
+            "1.3 times the 20 um, which are not learned yet",
+            changes=("controller.servo.inertia=1.04e-3",),
+            unit="m",
+        ),
+        borne(
+            "delay of two samples, told as none",
+            changes=("controller.io_delay=0", "wire.plant.torque.delay=1"),
+        ),
+        Row(
+            "spindle encoder frozen, then the arm encoder, too",
+            ("LostSpindle", "FrozenReading"),
+            INTO,
+            2e-3,
+            COASTS,
+            (*at_once(SPINDLE, frozen=True), Injection(ARM, from_time=BEGIN + 0.05, frozen=True)),
+            unit="m",
+        ),
+        Row(
+            "switched off for 50 ms in the cut",
+            (DONE,),
+            INTO,
+            2e-3,
+            COASTS,
+            signals=(Signal("controller.enable", (0.0, BEGIN, BEGIN + 0.05), (True, False, True)),),
+            changes=("loop.duration=1.1", "loop.stop_when=''"),
+            unit="m",
+        ),
+        borne(
+            "slide runs out of the table",
+            changes=("plant.feed=5e-4", "controller.surface.inner_radius=0.0275"),
+        ),
+    ),
+)
