@@ -10,6 +10,7 @@ mod faults;
 mod force;
 pub mod interface;
 mod machine;
+mod monitoring;
 mod motion;
 mod reading;
 
@@ -19,7 +20,7 @@ use interface::Vars;
 
 impl Model for Controller {
     const INFO: Info =
-        Info { name: "DisturbanceObserverContactDetection", state_version: 2, stop_time: 2.0, ..package!() };
+        Info { name: "DisturbanceObserverContactDetection", state_version: 3, stop_time: 2.0, ..package!() };
     type Vars = Vars;
 
     fn calculate(vars: &mut Vars) {

@@ -3,6 +3,7 @@
 //! With the greatest speed v, the sample period T and the spread w of the noise a reading is believed while
 //! |y - y_b| <= n v T + w, where y_b is the last believed one, n samples ago. One bad sample is so replaced by the one
 //! before it; a reading that stays away comes back into reach after |jump| / (v T) samples, or is told as lost before.
+//! Where a model tells the motion of the sample, y_b moves along with it, and v T is only what the model cannot foresee.
 
 use serde::{Deserialize, Serialize};
 
@@ -26,6 +27,11 @@ impl JumpGuard {
     /// Believes the next reading, whatever it is.
     pub fn clear(&mut self) {
         *self = Self::default();
+    }
+
+    /// Moves the last believed reading by what the machine is known to have moved since, in the unit of the reading.
+    pub fn expect(&mut self, motion: f64) {
+        self.believed = self.believed.map(|believed| believed + motion);
     }
 
     /// The reading to use: `reading` where the machine can be there, else the last that was believed.
@@ -85,6 +91,21 @@ mod tests {
         let doubted = (0..12).map(|_| (guard.update(1.0, REACH), guard.doubted())).collect::<Vec<_>>();
         assert_eq!(doubted[8], (0.0, 9));
         assert_eq!(doubted[9], (1.0, 0));
+    }
+
+    #[test]
+    fn a_foreseen_motion_needs_no_reach() {
+        let mut guard = JumpGuard::default();
+        let near = Reach { motion: 0.0, spread: 0.5 };
+        guard.update(0.0, near);
+        for k in 1..10 {
+            guard.expect(3.0);
+            let reading = 3.0 * f64::from(k);
+            // one sample in the middle is bad: the model bridges it
+            let expected = (reading, u32::from(k == 5));
+            let given = if k == 5 { reading + 0.6 } else { reading };
+            assert_eq!((guard.update(given, near), guard.doubted()), expected);
+        }
     }
 
     #[test]
