@@ -7,10 +7,13 @@ from collections.abc import Sequence
 from cosim.errors import closest
 from cosim.fmu.instance import Instance
 from cosim.loop.doubts import doubts
-from cosim.loop.plant import Plant
+from cosim.loop.plant import Plant, start
 from cosim.loop.wires.connect import targets
 from cosim.scenario.model import Scenario
 from cosim.warned import warn_once
+
+MOST_NAMES = 8
+"""Names in one warning."""
 
 
 def report(scenario: Scenario, fmus: Sequence[Instance], plant: Plant) -> None:
@@ -19,10 +22,18 @@ def report(scenario: Scenario, fmus: Sequence[Instance], plant: Plant) -> None:
     if text := unknown(scenario, known):
         warn_once(f"{scenario.origin('idle')}: {text}")
     if forgotten := undriven(scenario, known):
-        text = f"{scenario.origin('wire')}: nothing drives {quoted(forgotten)}"
-        warn_once(f"{text}: wire what is missing, list the rest in `idle`")
-    for key, told in doubts(scenario):
-        warn_once(f"{scenario.origin(key)}: {told}")
+        warn_once(f"{scenario.origin('wire')}: {told(forgotten, plant)}")
+    for key, doubt in doubts(scenario):
+        warn_once(f"{scenario.origin(key)}: {doubt}")
+
+
+def report_unmet(scenario: Scenario, injected: Sequence[float | None]) -> None:
+    """Log which injections waited in vain for their condition."""
+    for entry, begin in zip(scenario.inject, injected, strict=True):
+        if entry.when and begin is None:
+            key = f"inject.{entry.to}.when"
+            text = f"`{key}` = `{entry.when}` held too late or in no row of the run: it never happened"
+            warn_once(f"{scenario.origin(key)}: {text}")
 
 
 def unknown(scenario: Scenario, known: list[str]) -> str:
@@ -37,6 +48,19 @@ def ends(fmus: Sequence[Instance], plant: Plant) -> list[str]:
     """List everything that can be driven: inputs of the FMUs, commands of the plant."""
     inputs = [f"{fmu.name}.{variable.name}" for fmu in fmus for variable in fmu.file.named("input")]
     return inputs + [f"plant.{channel.name}" for channel in plant.commands]
+
+
+def told(forgotten: list[str], plant: Plant) -> str:
+    """Sentence about what nothing drives; a command that does not start at 0 tells what it stays at."""
+    held = {f"plant.{channel.name}": start(channel) for channel in plant.commands if start(channel)}
+    names = [f"`{name}`" + (f" (stays at {held[name]:g})" if name in held else "") for name in forgotten]
+    return f"nothing drives {several(names)}: wire what is missing, list the rest in `idle`"
+
+
+def several(names: list[str]) -> str:
+    """Names, the first few of many."""
+    shown = ", ".join(names[:MOST_NAMES])
+    return shown if len(names) <= MOST_NAMES else f"{shown} and {len(names) - MOST_NAMES} more"
 
 
 def quoted(names: list[str]) -> str:

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from cosim.loop import fmus, idle
 from cosim.loop.doubts import doubts
 from cosim.loop.place import Stage
+from cosim.loop.plant import starts
 from cosim.loop.session import Session, located
 from cosim.loop.wires.connect import Connector
 from cosim.metrics.units import SCALES
 from cosim.scenario.model import Wire
-
-MOST_NAMES = 8
-"""Names in one warning."""
 
 
 def check(session: Session) -> list[str]:
@@ -28,7 +24,7 @@ def check(session: Session) -> list[str]:
     with located(scenario):
         fmus.initialise(scenario, session.fmus, session.place)
         session.place.at(Stage.NONE)
-        commands = np.zeros(len(session.plant.commands))
+        commands = starts(session.plant.commands)
         Connector(scenario, session.fmus, session.plant, commands, scenario.loop.seed).links()
     return warnings(session)
 
@@ -40,7 +36,7 @@ def warnings(session: Session) -> list[str]:
     if unknown := idle.unknown(session.scenario, known):
         found.append(unknown)
     if forgotten := idle.undriven(session.scenario, known):
-        found.append(f"nothing drives {listed(forgotten)}: wire what is missing, list the rest in `idle`")
+        found.append(idle.told(forgotten, session.plant))
     found += [told for wire in session.scenario.wire if (told := unlike(wire, session))]
     found += [told for _, told in doubts(session.scenario)]
     if not session.scenario.criterion:
@@ -72,9 +68,3 @@ def ratio(before: str, after: str) -> float | None:
     """Factor from one unit to another of the same kind, None where it is not known."""
     (base, scale), (other, size) = SCALES.get(before, ("", 1.0)), SCALES.get(after, ("", 1.0))
     return scale / size if base and base == other else None
-
-
-def listed(names: list[str]) -> str:
-    """Names with backticks, the first few of many."""
-    shown = ", ".join(f"`{name}`" for name in names[:MOST_NAMES])
-    return shown if len(names) <= MOST_NAMES else f"{shown} and {len(names) - MOST_NAMES} more"

@@ -33,7 +33,8 @@ class Channel(Protocol):
     """A reading, command or truth of a plant.
 
     The harness applies `noise` (standard deviation), `quantum` (resolution, 0 is continuous), `minimum` and
-    `maximum` to readings and commands.
+    `maximum` to readings and commands. A command may have a `start` (0 without one): what the plant gets
+    where nothing drives it.
     """
 
     @property
@@ -297,6 +298,17 @@ def check_shape(plant: Plant, name: str) -> None:
             raise PlantError(f"the plant `{name}` has not the shape of one: {problem}", SHAPE) from error
 
 
+def starts(channels: Sequence[Channel]) -> NDArray[np.float64]:
+    """Values that commands have until something drives them."""
+    return np.array([start(channel) for channel in channels], dtype=float)
+
+
+def start(channel: Channel) -> float:
+    """Value that a command has until something drives it, 0 where its channel says none."""
+    value: float = getattr(channel, "start", 0.0)
+    return value
+
+
 def one_each(values: Any, channels: Sequence[Channel], method: str) -> Any:
     """Return the values that a method of a plant gave, if there is one for each of its channels.
 
@@ -326,5 +338,7 @@ def check_channels(group: str, channels: Any) -> None:
         for key in ("noise", "quantum"):
             if not 0.0 <= getattr(channel, key) < math.inf:
                 raise PlantError(f"{where} has the {key} {show(getattr(channel, key))}, it must be 0 or more")
+        if not math.isfinite(start(channel)):
+            raise PlantError(f"{where} has the start {show(start(channel))}, it must be finite")
         if not channel.minimum <= channel.maximum:
             raise PlantError(f"{where} is limited to `{channel.minimum}` .. `{channel.maximum}`")

@@ -48,6 +48,8 @@ class Channel:
         Resolution to which the harness rounds, 0 for none.
     minimum, maximum : float
         Limits that the harness applies.
+    start : float
+        Commands: value from the reset on until the first command, and for good where nothing commands it.
     """
 
     name: str
@@ -57,6 +59,7 @@ class Channel:
     quantum: float = 0.0
     minimum: float = -math.inf
     maximum: float = math.inf
+    start: float = 0.0
 
 
 def vector(
@@ -211,6 +214,8 @@ class Plant(ABC):
         self.sensing = Circuit()
         with native_names(_native):
             self.begin(round(duration / self.timestep) + 1)
+        for channel, cell in zip(self.commands, self.command_cells, strict=True):
+            cell.write(channel.start)
         # a step of no time writes the outputs of time zero
         mujoco.mj_forward(self.model, self.data)
         for circuit in (self.circuit, self.sensing):

@@ -20,6 +20,7 @@ from part import part
 
 import cosim
 from cosim.loop import condition, native, reference
+from cosim.loop.plant import starts
 from cosim.loop.trace import Recorder
 from cosim.loop.wires.connect import Connector
 from cosim.loop.wires.links import Drive, Inlet, Links, Slot
@@ -33,7 +34,7 @@ class Bench:
     def __init__(self, session: cosim.Session) -> None:
         self.session, self.scenario = session, session.scenario
         self.fmu, self.plant = session.fmu, session.plant
-        self.commands = np.zeros(len(self.plant.commands))
+        self.commands = starts(self.plant.commands)
         self.steps = self.scenario.loop.steps
         banks = self.fmu.inputs
         self.inputs = [Slot(bank.values, i, bank.base) for bank in banks for i in range(bank.values.size)]

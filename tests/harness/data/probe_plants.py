@@ -76,6 +76,17 @@ class Lag:
         return np.array([self.x, *self.u, self.random])
 
 
+@dataclasses.dataclass(frozen=True)
+class Started(Channel):
+    start: float = 0.0
+
+
+class Switched(Lag):
+    """A plant whose second command is on unless something switches it off."""
+
+    commands = (Channel("u", "m"), Started("extra", start=1.0))
+
+
 class Refusing(Lag):
     def __init__(self, parameters: LagParameters) -> None:
         raise ValueError("pole and label do not go together")

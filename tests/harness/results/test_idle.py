@@ -28,6 +28,21 @@ def test_what_nothing_drives_is_warned_of_once(write: Write, caplog: pytest.LogC
     assert forgotten.startswith("`lag.toml`: nothing drives `controller.flag`, `plant.extra`: wire what is ")
 
 
+def test_a_command_that_nothing_drives_stays_at_its_start(
+    write: Write, caplog: pytest.LogCaptureFixture
+) -> None:
+    warn_once.cache_clear()
+    text = SCENARIO.replace(', "plant.extra"', "").replace("probe_plants:Lag", "probe_plants:Switched")
+    trace = cosim.run(cosim.load(write(text=text))).trace
+    assert trace is not None
+    assert set(trace["plant.extra"]) == {1.0}
+    assert ["nothing drives `plant.extra` (stays at 1): wire" in told for told in caplog.messages] == [True]
+    off = '[[inject]]\nto = "plant.extra"\nfrom_time = 0.01\nto_time = 0.02\nvalue = 0.0\n'
+    trace = cosim.run(cosim.load(write(off, text=text))).trace
+    assert trace is not None
+    assert trace["plant.extra"].tolist() == [1.0] * 10 + [0.0] * 10 + [1.0] * 30
+
+
 @pytest.mark.parametrize(
     "driven",
     [
