@@ -53,6 +53,8 @@ pub struct Controller {
     waiting: bool,
     contact: Option<DetectedContact>,
     motion: Motion,
+    /// tracking error as the drive went off, m
+    strayed: f64,
     integrator: Integrator,
     amplifier: Amplifier,
 }
@@ -119,6 +121,7 @@ impl Controller {
             waiting: false,
             contact: None,
             motion: Motion::new(p),
+            strayed: 0.0,
             integrator: Integrator::default(),
             amplifier: Amplifier::default(),
         })
@@ -151,16 +154,20 @@ impl Controller {
     /// What the observer and the reference say about the position to come.
     fn expect(&self, p: &Parameters) -> Expected {
         let (dt, acted) = (p.sample_period, self.amplifier.acted(p));
-        let approaching = self.state.approaching();
-        let planned = if approaching { self.motion.approach.acceleration } else { p.retract.deceleration };
-        // a push of the guard's force, and the motion that is planned; all while nothing is known of the velocity
-        let acceleration =
-            if self.tracked(p) && !self.off() { p.guard_force / p.stage.mass + planned } else { f64::INFINITY };
+        let (approaching, steady) = (self.state.approaching(), matches!(self.state, State::Learn | State::Detect));
+        let planned = match (steady, approaching) {
+            (true, _) => 0.0,
+            (_, true) => self.motion.approach.acceleration,
+            _ => p.retract.deceleration,
+        };
+        // a push of the guard's force, and what is planned; anything while nothing is known of the velocity
+        let known = self.tracked(p) && !self.off();
+        let acceleration = if known { p.guard_force / p.stage.mass + planned } else { f64::INFINITY };
         Expected {
             motion: self.observer.motion(acted, dt),
             unforeseen: acceleration * self.observer.leverage(dt),
             asked: self.motion.asked,
-            behind: if matches!(self.state, State::Learn | State::Detect) { 0.0 } else { self.motion.late(p) },
+            behind: if steady { 0.0 } else { self.motion.late(p) },
             steady_spindle: approaching,
         }
     }
@@ -364,6 +371,7 @@ impl Controller {
     fn stop(&mut self, fault: Fault, reading: &Reading) {
         self.fault = fault;
         if fault.safe_end() == SafeEnd::DriveOff {
+            self.strayed = reading.position.map_or(0.0, |z| self.motion.reference.position - z);
             self.integrator = Integrator::default();
             self.reader.forgive();
             self.motion.lie(reading.position.unwrap_or(self.motion.reference.position));
@@ -418,6 +426,7 @@ impl Controller {
         let direction = p.direction();
         let reference = self.motion.reference;
         let error = reading.position.map_or(0.0, |z| reference.position - z);
+        let error = if self.off() { self.strayed } else { error };
         let contact = self.contact.as_ref();
         *output = Output {
             current: direction * current,

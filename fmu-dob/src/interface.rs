@@ -156,7 +156,7 @@ mod variables {
         pub force: ForceOutput,
         pub threshold: ThresholdOutput,
         pub reference: ReferenceOutput,
-        /// Reference less position; 0 while the position is lost
+        /// Reference less position; 0 while the position is lost; what it was when the drive went off
         #[var(unit = METRE as "nm")] pub tracking_error: f64,
         /// Share of the commanded force that accelerates the stage: 1 for the nominal one; 0 while too little is commanded to tell
         #[var(unit = ONE)] pub drive_share: f64,

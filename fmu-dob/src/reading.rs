@@ -11,6 +11,9 @@ const POSITION_MAX: f64 = 1e3;
 const SPEED_MAX: f64 = 1e5;
 /// A reading stands while it is within this many steps of the encoder, one of them a last bit that flickers.
 const STANDS: f64 = 1.5;
+/// Share of `limits.jump` that the reach grows by in each sample without a position. A bad sample that is just believed
+/// leaves a velocity by which the expected position goes astray: by a third of it in each sample.
+const DOUBT: f64 = 0.5;
 /// Share of a spindle's speed within which readings of it may differ, and the least such difference, rad/s.
 const SPEED_SPREAD: (f64, f64) = (0.02, 1.0);
 
@@ -130,7 +133,7 @@ impl Reader {
             self.standing.update(position, e.asked, STANDS * p.stage.encoder_resolution);
         }
         let stands = given.is_some() && self.standing.unanswered() > p.limits.frozen + e.behind;
-        let reach = Reach { motion: e.unforeseen, spread: p.limits.jump };
+        let reach = Reach { motion: e.unforeseen + DOUBT * p.limits.jump, spread: (1.0 - DOUBT) * p.limits.jump };
         self.position.expect(e.motion);
         self.position.update(given.filter(|_| !stands).unwrap_or(f64::NAN), reach);
         let position = given.filter(|_| self.position.doubted() == 0);

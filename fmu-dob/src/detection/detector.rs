@@ -14,6 +14,9 @@ const WINDOWS: [f64; 4] = [2e-3, 5e-3, 10e-3, 20e-3];
 /// Samples of the shortest window.
 const LEAST: u32 = 3;
 
+/// An innovation counts as this many standard deviations at most: one bad sample alone is no contact.
+const INNOVATION_MAX: f64 = 4.0;
+
 /// Samples of a window of `time` s.
 pub fn samples(time: f64, sample_period: f64) -> usize {
     ticks(time, sample_period).max(LEAST) as usize
@@ -102,6 +105,12 @@ impl Innovation {
 
     fn update(&mut self, sample: &Sample) {
         self.value = self.filter.update(sample.position, sample.acted, sample.spindle_speed);
+    }
+
+    /// The innovation (m) without what only a bad sample could be.
+    fn limited(&self) -> f64 {
+        let most = INNOVATION_MAX * self.noise.sigma();
+        self.value.clamp(-most, most)
     }
 
     fn reset(&mut self, position: f64) {
@@ -245,11 +254,11 @@ impl Detector {
             // a contact makes the stage lag behind its prediction
             Method::Cusum(inner) => {
                 let (innovation, sum) = &mut **inner;
-                sum.test(&p.cusum, -innovation.value / innovation.noise.sigma())
+                sum.test(&p.cusum, -innovation.limited() / innovation.noise.sigma())
             }
             Method::Glr(inner) => {
                 let (innovation, bank) = &mut **inner;
-                bank.update(innovation.value, innovation.noise.sigma()) > p.glr.threshold
+                bank.update(innovation.limited(), innovation.noise.sigma()) > p.glr.threshold
             }
         }
     }
