@@ -153,22 +153,26 @@ impl Controller {
 
     /// What the observer and the reference say about the position to come.
     fn expect(&self, p: &Parameters) -> Expected {
-        let (dt, acted) = (p.sample_period, self.amplifier.acted(p));
-        let (approaching, steady) = (self.state.approaching(), matches!(self.state, State::Learn | State::Detect));
-        let planned = match (steady, approaching) {
-            (true, _) => 0.0,
-            (_, true) => self.motion.approach.acceleration,
+        let dt = p.sample_period;
+        let commanded = self.observer.acceleration(self.amplifier.acted(p));
+        let steady = matches!(self.state, State::Learn | State::Detect);
+        let planned = match self.state {
+            State::Approach => self.motion.approach.acceleration,
+            _ if steady => 0.0,
             _ => p.retract.deceleration,
         };
-        // a push of the guard's force, and what is planned; anything while nothing is known of the velocity
+        // a push of the guard's force, what is planned, and a drive that does anything from the contrary to twice what
+        // it is told; anything while nothing is known of the velocity
         let known = self.tracked(p) && !self.off();
-        let acceleration = if known { p.guard_force / p.stage.mass + planned } else { f64::INFINITY };
+        let push = p.guard_force / p.stage.mass;
+        let unforeseen = if known { push + planned + 2.0 * commanded.abs() } else { f64::INFINITY };
         Expected {
-            motion: self.observer.motion(acted, dt),
-            unforeseen: acceleration * self.observer.leverage(dt),
+            motion: self.observer.motion(commanded, dt),
+            unforeseen: unforeseen * self.observer.leverage(dt),
+            reference: self.motion.reference.position,
             asked: self.motion.asked,
             behind: if steady { 0.0 } else { self.motion.late(p) },
-            steady_spindle: approaching,
+            steady_spindle: self.state.approaching(),
         }
     }
 
@@ -390,13 +394,14 @@ impl Controller {
 
     /// Moves the reference; with the drive off it lies where the stage is.
     fn follow(&mut self, p: &Parameters, reading: &Reading) {
+        let cruised = self.motion.reference.acceleration == 0.0 && !self.motion.at_rest();
         match reading.position {
             Some(position) if self.off() => self.motion.lie(position),
             None if self.off() => {}
             position => self.motion.step(p, self.state, position.is_some(), self.waiting),
         }
         // the drive is judged by its last braking, far from the workpiece
-        if self.state == State::Retract && !self.motion.at_rest() && self.motion.reference.acceleration == 0.0 {
+        if self.state == State::Retract && cruised && self.motion.reference.acceleration != 0.0 {
             self.monitors.drive.begin();
         }
     }

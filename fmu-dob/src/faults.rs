@@ -103,21 +103,16 @@ pub fn find(p: &Parameters, symptoms: &Symptoms) -> Option<Fault> {
     found.map(|fault| cause(p, fault, s.share))
 }
 
-/// The cause of a fault: a stage that does not follow may have a drive that pushes the wrong way, or hardly at all.
+/// The cause of a fault: a stage that does not follow, or goes where it cannot be, may have a drive that pushes the wrong
+/// way; one that only does not follow may have a drive that hardly pushes.
 fn cause(p: &Parameters, fault: Fault, share: Option<f64>) -> Fault {
-    match (fault, share) {
-        (
-            Fault::Oscillation | Fault::Saturation | Fault::FollowingError | Fault::Overload | Fault::WeakDrive,
-            Some(share),
-        ) => {
-            if share < WRONG_WAY {
-                Fault::DriveSign
-            } else if share < p.limits.drive_share && fault != Fault::Oscillation {
-                Fault::WeakDrive
-            } else {
-                fault
-            }
+    use Fault::{FollowingError, Oscillation, Overload, ReadingJump, Saturation, WeakDrive};
+    let Some(share) = share else { return fault };
+    match fault {
+        Oscillation | Saturation | FollowingError | Overload | WeakDrive | ReadingJump if share < WRONG_WAY => {
+            Fault::DriveSign
         }
+        Saturation | FollowingError | Overload if share < p.limits.drive_share => WeakDrive,
         _ => fault,
     }
 }
@@ -265,6 +260,10 @@ mod tests {
         // a share alone is no fault until it is to be judged
         let share = |judged| find(&p, &Symptoms { share: Some(0.1), judged, ..symptoms(&GOOD) });
         assert_eq!((share(false), share(true)), (None, Some(Fault::WeakDrive)));
+        // where the drive takes it the wrong way, the position cannot be believed either
+        let jumps = Reading { position: None, lost: 9, loss: Loss::Jumps, ..GOOD };
+        let jump = |share| find(&p, &Symptoms { share: Some(share), judged: false, ..symptoms(&jumps) });
+        assert_eq!((jump(0.1), jump(-0.3)), (Some(Fault::ReadingJump), Some(Fault::DriveSign)));
         // a loop that swings has a drive that answers
         let swings = |share| find(&p, &Symptoms { share: Some(share), judged: false, reversals: 9, ..symptoms(&GOOD) });
         assert_eq!((swings(0.3), swings(-0.3)), (Some(Fault::Oscillation), Some(Fault::DriveSign)));

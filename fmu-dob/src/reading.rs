@@ -11,6 +11,8 @@ const POSITION_MAX: f64 = 1e3;
 const SPEED_MAX: f64 = 1e5;
 /// A reading stands while it is within this many steps of the encoder, one of them a last bit that flickers.
 const STANDS: f64 = 1.5;
+/// A stage follows its reference within this many times `limits.frozen`.
+const WITH_IT: f64 = 4.0;
 /// Share of `limits.jump` that the reach grows by in each sample without a position. A bad sample that is just believed
 /// leaves a velocity by which the expected position goes astray: by a third of it in each sample.
 const DOUBT: f64 = 0.5;
@@ -35,6 +37,8 @@ pub struct Expected {
     pub motion: f64,
     /// What it cannot foresee, m in a sample.
     pub unforeseen: f64,
+    /// The reference until now, m.
+    pub reference: f64,
     /// Motion of the reference since the last sample, m.
     pub asked: f64,
     /// By how much the stage may be behind the reference, m.
@@ -132,7 +136,10 @@ impl Reader {
         if let Some(position) = given {
             self.standing.update(position, e.asked, STANDS * p.stage.encoder_resolution);
         }
-        let stands = given.is_some() && self.standing.unanswered() > p.limits.frozen + e.behind;
+        let unanswered = self.standing.unanswered();
+        // a stage that was astray before may truly stand
+        let with_it = |z: f64| (e.reference - z).abs() <= unanswered + e.behind + WITH_IT * p.limits.frozen;
+        let stands = unanswered > p.limits.frozen + e.behind && given.is_some_and(with_it);
         let reach = Reach { motion: e.unforeseen + DOUBT * p.limits.jump, spread: (1.0 - DOUBT) * p.limits.jump };
         self.position.expect(e.motion);
         self.position.update(given.filter(|_| !stands).unwrap_or(f64::NAN), reach);
@@ -165,9 +172,10 @@ mod tests {
     use super::*;
 
     const LOST: Input = Input { position_valid: false, ..Input::START };
-    const RESTING: Expected = Expected { motion: 0.0, unforeseen: 0.0, asked: 0.0, behind: 0.0, steady_spindle: true };
+    const RESTING: Expected =
+        Expected { motion: 0.0, unforeseen: 0.0, reference: 0.0, asked: 0.0, behind: 0.0, steady_spindle: true };
     /// 10 nm in a sample
-    const CRUISING: Expected = Expected { motion: 1e-8, asked: 1e-8, ..RESTING };
+    const CRUISING: Expected = Expected { motion: 1e-8, reference: 1e-6, asked: 1e-8, ..RESTING };
 
     fn at(position: f64) -> Input {
         Input { position, ..Input::START }
@@ -225,6 +233,16 @@ mod tests {
             });
             let seen: Vec<_> = stuck.map(|reading| (reading.position, reading.lost, reading.loss)).collect();
             assert_eq!(seen, [1, 2, 3, 4].map(|lost| (None, lost, Loss::Stands)));
+        }
+    }
+
+    #[test]
+    fn a_stage_that_is_astray_may_stand() {
+        let mut reader = cruising();
+        // 100 nm behind its reference, and braked to a stop
+        let astray = Expected { motion: 0.0, reference: 1.1e-6, ..CRUISING };
+        for _ in 0..4 {
+            assert!(reader.read(&Parameters::START, &at(99e-8), &astray).position.is_some());
         }
     }
 

@@ -72,11 +72,15 @@ impl DisturbanceObserver {
         self.force_filter = force + self.momentum_gain * velocity;
     }
 
-    /// Motion (m) in a sample of `dt` s in which the drive pushes with the current `acted` (A), if the force stays:
-    /// v dt + a (dt^2 / 2 + dt / g_v), where v is late by the 1 / g_v of its filter.
-    pub fn motion(&self, acted: f64, dt: f64) -> f64 {
-        let acceleration = (self.force_constant * acted - self.force()) / self.mass;
+    /// Motion (m) in a sample of `dt` s at an acceleration of `a` (m/s2): v dt + a (dt^2 / 2 + dt / g_v), where v is late by
+    /// the 1 / g_v of its filter.
+    pub fn motion(&self, acceleration: f64, dt: f64) -> f64 {
         self.velocity * dt + acceleration * self.leverage(dt)
+    }
+
+    /// Acceleration (m/s2) of the nominal stage when the drive pushes with the current `acted` (A), if the force stays.
+    pub fn acceleration(&self, acted: f64) -> f64 {
+        (self.force_constant * acted - self.force()) / self.mass
     }
 
     /// What an acceleration of 1 m/s2 adds to the motion of a sample of `dt` s, m.
