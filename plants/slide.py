@@ -26,8 +26,8 @@ class Slide(Plant):
 
     Parameters: ClassVar[type] = SlideParameters
     wires: ClassVar[tuple[str, ...]] = (
-        "command", "enable", "amplifier_noise", "loop_current", "current", "angle", "angle_next", "spindle_force",
-        "disturbance", "position_peak", "touched",
+        "command", "enable", "amplifier_noise", "loop_current", "current", "angle", "angle_next",
+        "spindle_force", "disturbance", "position_peak", "touched",
     )  # fmt: skip
 
     def name_channels(self, p: SlideParameters) -> None:

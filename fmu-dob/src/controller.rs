@@ -245,10 +245,10 @@ impl Controller {
         if state != self.state {
             self.enter(p, state, &events, reading);
             (self.state, self.ticks) = (state, 0);
-        } else if let (State::Fault, Some(graver)) = (state, events.fault) {
-            if graver.safe_end() > self.fault.safe_end() {
-                self.stop(graver, reading);
-            }
+        } else if let (State::Fault, Some(graver)) = (state, events.fault)
+            && graver.safe_end() > self.fault.safe_end()
+        {
+            self.stop(graver, reading);
         }
     }
 

@@ -3,6 +3,7 @@
 #[expect(dead_code, reason = "the closed loop uses more of it")]
 #[path = "closed_loop/run.rs"]
 mod run;
+#[expect(dead_code, reason = "the closed loop uses more of it")]
 #[path = "closed_loop/slide.rs"]
 mod slide;
 
