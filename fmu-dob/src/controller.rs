@@ -1,6 +1,6 @@
 //! One sample of the whole law: read, estimate, decide, move, act, report.
 
-use control_blocks::{Consecutive, ParameterError, Progress, RunningLine, SafeEnd, ticks};
+use control_blocks::{ParameterError, Progress, RunningLine, SafeEnd, ticks};
 use serde::{Deserialize, Serialize};
 
 use crate::check::check;
@@ -13,8 +13,7 @@ use crate::force::notch::NotchCascade;
 use crate::force::observer::DisturbanceObserver;
 use crate::interface::{ContactSource, Fault, ForceOutput, Input, Output, Parameters, ReferenceOutput, State};
 use crate::machine::{Events, next};
-use crate::monitoring::drive::DriveResponse;
-use crate::monitoring::rest::Rest;
+use crate::monitoring::monitors::Monitors;
 use crate::monitoring::rest_force::RestForce;
 use crate::motion::reference::Motion;
 use crate::motion::servo::{self, Amplifier, Integrator};
@@ -65,34 +64,6 @@ const HELD: f64 = 0.25;
 /// Samples at constant speed until the observer has forgotten the acceleration to it.
 fn started(p: &Parameters) -> u32 {
     ticks(STARTING / p.observer.bandwidth, p.sample_period)
-}
-
-/// What is watched beside the law.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-struct Monitors {
-    drive: DriveResponse,
-    rest: Rest,
-    /// the reading has lived at rest and now stands
-    standing: bool,
-    /// the force behind the retract
-    relief: RestForce,
-    astray: Consecutive,
-    overloaded: Consecutive,
-    job: Progress,
-}
-
-impl Monitors {
-    fn new(p: &Parameters) -> Self {
-        Self {
-            drive: DriveResponse::new(p),
-            rest: Rest::default(),
-            standing: false,
-            relief: RestForce::default(),
-            astray: Consecutive::NONE,
-            overloaded: Consecutive::NONE,
-            job: Progress::default(),
-        }
-    }
 }
 
 impl Controller {
