@@ -26,8 +26,8 @@ class Slide(Plant):
 
     Parameters: ClassVar[type] = SlideParameters
     wires: ClassVar[tuple[str, ...]] = (
-        "command", "amplifier_noise", "current", "angle", "angle_next", "spindle_force",
-        "disturbance", "position_peak", "touched",
+        "command", "enable", "amplifier_noise", "loop_current", "current", "angle", "angle_next",
+        "spindle_force", "disturbance", "position_peak", "touched",
     )  # fmt: skip
 
     def name_channels(self, p: SlideParameters) -> None:
@@ -39,6 +39,7 @@ class Slide(Plant):
         )
         self.commands = (
             Channel("current", "A", "Current command", 0.0, p.current_resolution, -limit, limit),
+            Channel("enable", "1", "Power stage of the drive: 0 blocks the current at once", start=1.0),
         )
         self.truths = (
             Channel("position", "m", "Position of the slide"),
@@ -107,8 +108,9 @@ class Slide(Plant):
             "current_loop",
             _native.current_loop(bandwidth),
             [wire("command"), wire("amplifier_noise")],
-            [wire("current")],
+            [wire("loop_current")],
         )
+        bind("power", _native.product(), [wire("loop_current"), wire("enable")], [wire("current")])
         bind(
             "thrust",
             _native.thrust(p.force_constant, p.force_ripple, p.magnetic_pitch, phase),
@@ -175,7 +177,7 @@ class Slide(Plant):
             "current": wire("current"),
         }
         readings = {"position": Cell(data.sensordata, 0), "spindle_speed": self.speed}
-        self.connect(readings, {"current": wire("command")}, truths)
+        self.connect(readings, {"current": wire("command"), "enable": wire("enable")}, truths)
 
     def _indentation(self) -> Cell:
         # the longest flute goes deepest

@@ -1,16 +1,18 @@
 //! Checks of parameters against each other; single ranges are in the variable table of the FMU.
 
-use control_blocks::{Parameter, ParameterError, check_all, stopping_distance, ticks};
+use control_blocks::{Parameter, ParameterError, check_all, ticks};
 
 use crate::detection::detector::Detector;
 use crate::interface::Parameters;
+use crate::motion::stability::spectral_radius;
+use crate::motion::travel::arming_travel;
 
 /// Learning needs this many independent windows.
-const LEARN_WINDOWS: i32 = 5;
+const LEARN_WINDOWS: usize = 5;
 
 /// Checks all combinations; the first that fails is the error.
 pub fn check(p: &Parameters) -> Result<(), ParameterError> {
-    check_all(p, &[direction, velocity_bandwidth, settle_time, learn_time, travel, guard])
+    check_all(p, &[direction, velocity_bandwidth, stability, settle_time, learn_time, travel, retract, guard, readings])
 }
 
 fn direction(p: &Parameters) -> Result<(), ParameterError> {
@@ -27,29 +29,59 @@ fn velocity_bandwidth(p: &Parameters) -> Result<(), ParameterError> {
 
 fn settle_time(p: &Parameters) -> Result<(), ParameterError> {
     let (value, samples) = (p.learn.settle_time, Detector::settling(p));
-    let least = f64::from(samples) * p.sample_period;
+    let least = samples as f64 * p.sample_period;
     let hint = "shorten `deviation.window` or `slope.window`, or settle longer";
     let time = Parameter::new("learn.settle_time", value, "s", hint);
-    time.must_be(ticks(value, p.sample_period) >= samples.unsigned_abs(), || {
+    time.must_be(ticks(value, p.sample_period) as usize >= samples, || {
         format!("at least `{least} s`, the `{samples}` samples that `detector` needs at constant speed")
     })
 }
 
 fn learn_time(p: &Parameters) -> Result<(), ParameterError> {
     let samples = LEARN_WINDOWS * Detector::window(p);
-    let least = f64::from(samples) * p.sample_period;
+    let least = samples as f64 * p.sample_period;
     let time = Parameter::new("learn.time", p.learn.time, "s", "learn longer, or shorten `slope.window`");
-    time.must_be(ticks(p.learn.time, p.sample_period) >= samples.unsigned_abs(), || {
+    time.must_be(ticks(p.learn.time, p.sample_period) as usize >= samples, || {
         format!("at least `{least} s`, `{LEARN_WINDOWS}` times the longest slope window")
     })
 }
 
 fn travel(p: &Parameters) -> Result<(), ParameterError> {
-    let v = p.approach.velocity;
-    let least = stopping_distance(v, p.approach.acceleration) + v * (p.learn.settle_time + p.learn.time);
     let hint = "allow more travel, approach slower, or learn for less time";
     Parameter::new("approach.travel_max", p.approach.travel_max, "m", hint)
-        .more_than(least, "the way until the detector is armed")
+        .more_than(arming_travel(p, &p.approach), "the way until the detector is armed")
+}
+
+fn retract(p: &Parameters) -> Result<(), ParameterError> {
+    let hint = "retract farther, or set `0`; else the next approach touches before its detector is armed";
+    let least = arming_travel(p, &p.approach);
+    let distance = Parameter::new("retract.distance", p.retract.distance, "m", hint);
+    distance.must_be(p.retract.distance == 0.0 || p.retract.distance >= least, || {
+        format!("`0`, or at least `{least} m`, the way until the detector is armed")
+    })
+}
+
+fn readings(p: &Parameters) -> Result<(), ParameterError> {
+    let step = p.stage.encoder_resolution;
+    let hint = "raise it, or the steps of the encoder look like a fault";
+    Parameter::new("limits.jump", p.limits.jump, "m", hint)
+        .at_least(4.0 * step, "four times `stage.encoder_resolution`")?;
+    Parameter::new("limits.frozen", p.limits.frozen, "m", hint)
+        .at_least(3.0 * step, "three times `stage.encoder_resolution`")
+}
+
+fn stability(p: &Parameters) -> Result<(), ParameterError> {
+    let hint = "lower `servo.bandwidth`, `observer.bandwidth`, `io_delay` or `sample_period`, or raise \
+                `observer.velocity_bandwidth`";
+    let radius = spectral_radius(p);
+    let servo = Parameter::new("servo.bandwidth", p.servo.bandwidth, "rad/s", hint);
+    servo.must_be(radius < 1.0, || {
+        format!(
+            "so low that the loop is stable with a drive 30 % stronger than told and one more sample of delay: with \
+             `observer.bandwidth` = `{} rad/s` its largest eigenvalue is `{radius}`, the limit `1`",
+            p.observer.bandwidth
+        )
+    })
 }
 
 fn guard(p: &Parameters) -> Result<(), ParameterError> {
@@ -67,9 +99,20 @@ mod tests {
     const REFUSALS: &[Refusal<Parameters>] = &[
         (|p| p.approach.direction = 0, "approach.direction", "`0`", "`-1`"),
         (|p| p.servo.bandwidth = 1000.0, "observer.velocity_bandwidth", "`3142 rad/s`", "`4000 rad/s`"),
-        (|p| p.deviation_window = 5000, "learn.settle_time", "`0.25 s`", "`0.52 s`"),
+        (|p| p.deviation_window = 0.5, "learn.settle_time", "`0.25 s`", "`0.52 s`"),
         (|p| p.learn.time = 0.05, "learn.time", "`0.05 s`", "`0.1 s`"),
         (|p| p.approach.travel_max = 5e-5, "approach.travel_max", "`0.00005 m`", "armed"),
+        (|p| p.retract.distance = 2e-5, "retract.distance", "`0.00002 m`", "`0.000075"),
+        (|p| p.limits.jump = 3e-9, "limits.jump", "`0.000000003 m`", "`stage.encoder_resolution`"),
+        (|p| p.stage.encoder_resolution = 2e-9, "limits.frozen", "`0.000000005 m`", "`stage.encoder_resolution`"),
+        // limit cycles that the ranges allow
+        (|p| (p.servo.bandwidth, p.observer.bandwidth) = (785.0, 3000.0), "servo.bandwidth", "`785 rad/s`", "stable"),
+        (
+            |p| (p.sample_period, p.observer.velocity_bandwidth) = (1e-3, 800.0),
+            "servo.bandwidth",
+            "`188 rad/s`",
+            "stable",
+        ),
         (|p| p.guard_force = 100.0, "guard.force", "`100 N`", "`100 N`"),
     ];
 

@@ -1,11 +1,11 @@
 //! One sample of the whole law: read, estimate, decide, move, act, report.
 
-use control_blocks::{ParameterError, RunningLine, ticks};
+use control_blocks::{ParameterError, Progress, RunningLine, SafeEnd, ticks};
 use serde::{Deserialize, Serialize};
 
 use crate::check::check;
 use crate::detection::contact::DetectedContact;
-use crate::detection::detector::{Detector, Sample};
+use crate::detection::detector::{Detector, Sample, samples};
 use crate::detection::guard::ForceGuard;
 use crate::faults::{self, Symptoms};
 use crate::force::deviation::MovingDeviation;
@@ -13,9 +13,18 @@ use crate::force::notch::NotchCascade;
 use crate::force::observer::DisturbanceObserver;
 use crate::interface::{ContactSource, Fault, ForceOutput, Input, Output, Parameters, ReferenceOutput, State};
 use crate::machine::{Events, next};
+use crate::monitoring::monitors::Monitors;
+use crate::monitoring::rest_force::RestForce;
 use crate::motion::reference::Motion;
 use crate::motion::servo::{self, Amplifier, Integrator};
-use crate::reading::{Reader, Reading};
+use crate::motion::travel::{job_limit, learn_limit};
+use crate::reading::{Expected, Reader, Reading};
+
+/// The observer has forgotten an acceleration after this many times 1 / `observer.bandwidth`: exp(-6) is left.
+const STARTING: f64 = 6.0;
+
+/// The observer knows the velocity of a stage that has just been found after this many times its 1 / g_v.
+const FOUND: f64 = 10.0;
 
 /// The controller between two samples. Everything inside is in the frame where the workpiece is in
 /// the positive direction; only [`Reader`] and the outputs know `approach.direction`.
@@ -25,21 +34,36 @@ pub struct Controller {
     samples: u64,
     reader: Reader,
     observer: DisturbanceObserver,
+    /// samples since the position was found
+    known: u32,
     notch: NotchCascade,
     deviation: MovingDeviation,
     slope: RunningLine,
     force: ForceOutput,
     detector: Detector,
     guard: ForceGuard,
+    monitors: Monitors,
     state: State,
     /// samples of the present state at constant speed
     ticks: u32,
     fault: Fault,
     aborted: bool,
+    /// the approach has not begun to move: the force at rest is taken first
+    waiting: bool,
     contact: Option<DetectedContact>,
     motion: Motion,
+    /// tracking error as the drive went off, m
+    strayed: f64,
     integrator: Integrator,
     amplifier: Amplifier,
+}
+
+/// Something holds the stage above this share of `guard.force`.
+const HELD: f64 = 0.25;
+
+/// Samples at constant speed until the observer has forgotten the acceleration to it.
+fn started(p: &Parameters) -> u32 {
+    ticks(STARTING / p.observer.bandwidth, p.sample_period)
 }
 
 impl Controller {
@@ -53,18 +77,22 @@ impl Controller {
             samples: 0,
             reader: Reader::default(),
             observer: DisturbanceObserver::new(p),
+            known: 0,
             notch: NotchCascade::new(p),
-            deviation: MovingDeviation::new(p.deviation_window as usize),
-            slope: RunningLine::zeroed(p.slope_window as usize),
+            deviation: MovingDeviation::new(samples(p.deviation_window, p.sample_period)),
+            slope: RunningLine::zeroed(samples(p.slope_window, p.sample_period)),
             force: ForceOutput::START,
             detector: Detector::new(p),
             guard: ForceGuard::default(),
+            monitors: Monitors::new(p),
             state: State::Idle,
             ticks: 0,
             fault: Fault::None,
             aborted: false,
+            waiting: false,
             contact: None,
             motion: Motion::new(p),
+            strayed: 0.0,
             integrator: Integrator::default(),
             amplifier: Amplifier::default(),
         })
@@ -73,25 +101,65 @@ impl Controller {
     /// One sample. The parameters must be those of [`Controller::new`], but for the tunable ones, which count at the
     /// moment when an approach begins and of a contact.
     pub fn tick(&mut self, input: &Input, p: &Parameters, output: &mut Output) {
-        let reading = self.reader.read(p, input);
+        let expected = self.expect(p);
+        let reading = self.reader.read(p, input, &expected);
         self.estimate(p, &reading);
+        self.watch(p, &reading);
         self.decide(p, &reading);
-        self.motion.step(p, self.state, reading.position.is_some());
+        self.follow(p, &reading);
         let current = self.act(p, &reading);
         self.report(p, &reading, current, output);
         self.samples += 1;
+    }
+
+    /// Whether the drive is off, by a fault.
+    fn off(&self) -> bool {
+        self.state == State::Fault && self.fault.safe_end() == SafeEnd::DriveOff
+    }
+
+    /// Whether the position has been there for long enough to know the velocity.
+    fn tracked(&self, p: &Parameters) -> bool {
+        self.known >= ticks(FOUND / p.observer.velocity_bandwidth, p.sample_period)
+    }
+
+    /// What the observer and the reference say about the position to come.
+    fn expect(&self, p: &Parameters) -> Expected {
+        let dt = p.sample_period;
+        let commanded = self.observer.acceleration(self.amplifier.acted(p));
+        let steady = matches!(self.state, State::Learn | State::Detect);
+        let planned = match self.state {
+            State::Approach => self.motion.approach.acceleration,
+            _ if steady => 0.0,
+            _ => p.retract.deceleration,
+        };
+        // a push of the guard's force, what is planned, and a drive that does anything from the contrary to twice what
+        // it is told; anything while nothing is known of the velocity
+        let known = self.tracked(p) && !self.off();
+        let push = p.guard_force / p.stage.mass;
+        let unforeseen = if known { push + planned + 2.0 * commanded.abs() } else { f64::INFINITY };
+        Expected {
+            motion: self.observer.motion(commanded, dt),
+            unforeseen: unforeseen * self.observer.leverage(dt),
+            reference: self.motion.reference.position,
+            asked: self.motion.asked,
+            behind: if steady { 0.0 } else { self.motion.late(p) },
+            steady_spindle: self.state.approaching(),
+        }
     }
 
     /// Disturbance observer, notches, deviation, slope, detector; a lost position is bridged by coasting.
     fn estimate(&mut self, p: &Parameters, reading: &Reading) {
         let acted = self.amplifier.acted(p);
         if let Some(position) = reading.position {
+            self.known = self.known.saturating_add(1);
             if reading.found {
+                self.known = 0;
                 self.motion.reseat(position, 0.0);
                 self.observer.reseat(position, 0.0);
             }
             self.observer.update(position, acted);
             let disturbance = self.observer.force();
+            self.monitors.drive.update(p.stage.force_constant * acted, disturbance);
             let notched = self.notch.update(disturbance, reading.spindle_speed);
             let deviation = self.deviation.update(notched);
             self.slope.update(deviation);
@@ -105,29 +173,62 @@ impl Controller {
         self.detector.update(p, &Sample { position, acted, spindle_speed, notched, deviation, slope });
     }
 
+    /// Monitors of the drive, of a stage at rest and of the job; what a lost position would say is no news.
+    fn watch(&mut self, p: &Parameters, reading: &Reading) {
+        let watching = !self.off();
+        let monitors = &mut self.monitors;
+        if let Some(position) = reading.position {
+            let error = self.motion.reference.position - position;
+            monitors.astray.update(watching && error.abs() > p.limits.following + self.motion.late(p));
+            let disturbance = self.force.disturbance.abs();
+            monitors.overloaded.update(watching && disturbance > faults::disturbance_limit(p));
+            if watching && self.motion.at_rest() {
+                monitors.standing = monitors.rest.update(p, position);
+            } else {
+                monitors.rest.clear();
+                monitors.standing = false;
+            }
+            if self.state == State::Retract && self.motion.retreated(p) {
+                monitors.relief.update(p, self.force.notched);
+            }
+        }
+        if self.state.at_work() {
+            monitors.job.count();
+        }
+    }
+
     /// State machine.
     fn decide(&mut self, p: &Parameters, reading: &Reading) {
         let elapsed = self.count(p, reading);
+        let settled = self.motion.retreated(p) && self.monitors.relief.known(p);
         let events = Events {
             begin: reading.begin,
             enabled: reading.enabled,
             reset: reading.reset,
-            restful: reading.position.is_some() && self.motion.at_rest(),
-            fault: self.find_fault(p, elapsed, reading),
-            contact: reading.position.and_then(|_| self.find_contact(p)),
+            restful: reading.position.is_some() && self.tracked(p) && self.motion.at_rest(),
+            fault: self.find_fault(p, elapsed, settled, reading),
+            contact: reading.position.and_then(|_| self.find_contact(p, reading)),
             elapsed,
             turned: self.motion.reference.velocity <= 0.0,
-            retreated: self.motion.retreated(p),
+            retreated: if self.state == State::Retract { settled } else { self.motion.retreated(p) },
         };
         let state = next(self.state, &events);
         if state != self.state {
             self.enter(p, state, &events, reading);
             (self.state, self.ticks) = (state, 0);
+        } else if let (State::Fault, Some(graver)) = (state, events.fault)
+            && graver.safe_end() > self.fault.safe_end()
+        {
+            self.stop(graver, reading);
         }
     }
 
     /// Counts the samples at constant speed and learns from them; true when the state has had enough.
     fn count(&mut self, p: &Parameters, reading: &Reading) -> bool {
+        if self.state == State::Approach && self.waiting && reading.position.is_some() {
+            self.waiting = !self.guard.tare(p, self.force.notched);
+            self.monitors.drive.begin();
+        }
         if reading.position.is_none() || !self.motion.cruising() {
             return false;
         }
@@ -154,26 +255,45 @@ impl Controller {
     }
 
     /// The gravest fault of this sample.
-    fn find_fault(&self, p: &Parameters, elapsed: bool, reading: &Reading) -> Option<Fault> {
+    fn find_fault(&self, p: &Parameters, elapsed: bool, settled: bool, reading: &Reading) -> Option<Fault> {
+        let (state, monitors) = (self.state, &self.monitors);
+        let learning = state == State::Learn;
+        let retracted = state == State::Retract && settled;
         let symptoms = Symptoms {
             reading,
+            standing: monitors.standing,
+            steady_spindle: state.approaching(),
             limited: self.amplifier.limited(),
-            travelled: self.state.approaching() && self.motion.beyond_travel(p),
-            learned: (self.state == State::Learn && elapsed).then(|| self.detector.learned()),
+            reversals: self.amplifier.reversals(),
+            astray: monitors.astray.count(),
+            overloaded: monitors.overloaded.count(),
+            share: monitors.drive.share(),
+            judged: retracted || self.has_started(p),
+            travelled: state.approaching() && self.motion.beyond_travel(p),
+            learned: (learning && elapsed).then(|| self.detector.learned()),
+            learning: learning && self.ticks > ticks(learn_limit(p), p.sample_period),
+            force_left: (retracted && self.contact.is_some()).then(|| monitors.relief.mean() - self.guard.before()),
+            late: state.at_work()
+                && monitors.job.samples() > u64::from(ticks(job_limit(p, &self.motion.approach), p.sample_period)),
         };
         faults::find(p, &symptoms)
     }
 
-    /// Contact by the armed detector or by the guard.
-    fn find_contact(&mut self, p: &Parameters) -> Option<ContactSource> {
-        let guarded = match self.state {
-            State::Approach => {
-                let steady = self.motion.cruising() && self.deviation.full();
-                steady && self.force.deviation > p.guard_force
-            }
-            State::Learn | State::Detect => self.guard.exceeded(p.guard_force, self.force.notched),
-            _ => return None,
-        };
+    /// Whether the stage has just been accelerated, and nothing holds it: a contact would look like a weak drive.
+    fn has_started(&self, p: &Parameters) -> bool {
+        let held = (self.force.notched - self.guard.before()).abs() > HELD * p.guard_force;
+        self.state == State::Approach && self.ticks == started(p) && !held
+    }
+
+    /// Contact by the armed detector or by the guard; a position that stands proves nothing.
+    fn find_contact(&mut self, p: &Parameters, reading: &Reading) -> Option<ContactSource> {
+        if !self.state.approaching() || self.waiting || !reading.alive {
+            return None;
+        }
+        // the observer still holds the force of inertia
+        let starting = self.state == State::Approach && self.ticks <= started(p);
+        let acceleration = if starting { self.motion.approach.acceleration } else { 0.0 };
+        let guarded = self.guard.exceeded(p, acceleration, self.force.notched);
         if self.state == State::Detect && self.detector.test(p) {
             Some(self.detector.source())
         } else {
@@ -185,18 +305,29 @@ impl Controller {
     fn enter(&mut self, p: &Parameters, state: State, events: &Events, reading: &Reading) {
         match (state, reading.position) {
             (State::Approach, Some(position)) => self.restart(p, position),
+            (State::Learn, _) => self.guard.learn(),
             (State::Contact, Some(position)) => {
                 self.motion.depart(p);
                 let time = self.samples as f64 * p.sample_period;
                 self.contact =
                     events.contact.map(|source| DetectedContact { source, position, bias: p.contact_bias, time });
             }
-            (State::Fault, _) => self.fail(p, events, reading),
+            (State::Fault, _) => {
+                if self.state.approaching() {
+                    self.motion.depart(p);
+                }
+                if self.state.at_work() {
+                    self.contact = None;
+                }
+                if let Some(fault) = events.fault {
+                    self.stop(fault, reading);
+                }
+            }
             (State::Retract, _) if self.state.approaching() => {
                 self.motion.depart(p);
                 self.aborted = true;
             }
-            (State::Idle, _) => self.fault = Fault::None,
+            (State::Idle, _) => self.recover(reading),
             _ => {}
         }
     }
@@ -207,24 +338,50 @@ impl Controller {
         self.deviation.clear();
         self.detector.reset(position);
         self.guard = ForceGuard::default();
-        (self.aborted, self.contact) = (false, None);
+        (self.aborted, self.contact, self.waiting) = (false, None, true);
+        (self.monitors.relief, self.monitors.job) = (RestForce::default(), Progress::default());
     }
 
-    /// Names the fault; retreats if the stage was approaching, and does not press on after a saturation.
-    fn fail(&mut self, p: &Parameters, events: &Events, reading: &Reading) {
-        if let Some(fault) = events.fault {
-            self.fault = fault;
+    /// Names the fault and ends what must not go on.
+    fn stop(&mut self, fault: Fault, reading: &Reading) {
+        self.fault = fault;
+        if fault.safe_end() == SafeEnd::DriveOff {
+            self.strayed = reading.position.map_or(0.0, |z| self.motion.reference.position - z);
+            self.integrator = Integrator::default();
+            self.reader.forgive();
+            self.motion.lie(reading.position.unwrap_or(self.motion.reference.position));
         }
-        if let (Fault::Saturation, Some(position)) = (self.fault, reading.position) {
+    }
+
+    /// After a reset: a stage that nothing held is brought to rest.
+    fn recover(&mut self, reading: &Reading) {
+        if let (SafeEnd::DriveOff, Some(position)) = (self.fault.safe_end(), reading.position) {
             self.motion.reseat(position, self.observer.velocity());
+            self.motion.hold();
         }
-        if self.state.approaching() {
-            self.motion.depart(p);
+        self.amplifier.forget();
+        self.fault = Fault::None;
+    }
+
+    /// Moves the reference; with the drive off it lies where the stage is.
+    fn follow(&mut self, p: &Parameters, reading: &Reading) {
+        let cruised = self.motion.reference.acceleration == 0.0 && !self.motion.at_rest();
+        match reading.position {
+            Some(position) if self.off() => self.motion.lie(position),
+            None if self.off() => {}
+            position => self.motion.step(p, self.state, position.is_some(), self.waiting),
+        }
+        // the drive is judged by its last braking, far from the workpiece
+        if self.state == State::Retract && cruised && self.motion.reference.acceleration != 0.0 {
+            self.monitors.drive.begin();
         }
     }
 
-    /// Servo: acceleration, force, current; feed-forward alone while the position is lost.
+    /// Servo: acceleration, force, current; feed-forward alone while the position is lost, nothing while the drive is off.
     fn act(&mut self, p: &Parameters, reading: &Reading) -> f64 {
+        if self.off() {
+            return self.amplifier.send(p, 0.0);
+        }
         let reference = self.motion.reference;
         let mut acceleration = reference.acceleration;
         if let Some(position) = reading.position {
@@ -245,11 +402,13 @@ impl Controller {
         let direction = p.direction();
         let reference = self.motion.reference;
         let error = reading.position.map_or(0.0, |z| reference.position - z);
+        let error = if self.off() { self.strayed } else { error };
         let contact = self.contact.as_ref();
         *output = Output {
             current: direction * current,
             state: self.state,
             fault: self.fault,
+            drive_enable: !self.off(),
             aborted: self.aborted,
             contact: contact.is_some(),
             contact_source: contact.map_or(ContactSource::None, |c| c.source),
@@ -263,6 +422,7 @@ impl Controller {
                 velocity: direction * reference.velocity,
             },
             tracking_error: direction * error,
+            drive_share: self.monitors.drive.share().unwrap_or_default(),
         };
     }
 }

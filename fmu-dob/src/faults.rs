@@ -1,47 +1,179 @@
-//! Every fault is found here, the gravest first; and the numbers that are told with it.
+//! Every fault is found here, the gravest first; how it ends; and the numbers that are told with it.
+
+use control_blocks::SafeEnd;
 
 use crate::interface::{Fault, Parameters, ThresholdOutput, Vars};
-use crate::reading::Reading;
+use crate::motion::travel::{job_limit, learn_limit};
+use crate::reading::{Loss, Reading};
+
+/// Share of the commanded force below which the drive pushes the wrong way.
+const WRONG_WAY: f64 = -0.2;
+/// Samples in a row that make a disturbance or a following error.
+const ROW: u32 = 3;
+/// Changes from one limit of the current to the other that make an oscillation.
+const REVERSALS: u32 = 6;
+
+impl Fault {
+    /// How a job ends that this fault has stopped.
+    ///
+    /// With a position that cannot be believed, or a stage that does not do what the current says, no controlled end is
+    /// known to be safe.
+    pub fn safe_end(self) -> SafeEnd {
+        match self {
+            Self::None
+            | Self::TravelLimit
+            | Self::InvalidInput
+            | Self::LostSpindle
+            | Self::LearnRejected
+            | Self::LearnTimeout
+            | Self::NoProgress => SafeEnd::Retract,
+            // it has retracted already
+            Self::ContactRejected => SafeEnd::Stop,
+            Self::LostReading
+            | Self::FrozenReading
+            | Self::ReadingJump
+            | Self::FollowingError
+            | Self::Saturation
+            | Self::Overload
+            | Self::DriveSign
+            | Self::WeakDrive
+            | Self::Oscillation => SafeEnd::DriveOff,
+        }
+    }
+}
 
 /// What faults are found in.
+#[derive(Clone, Copy)]
 pub struct Symptoms<'a> {
     /// The inputs of this sample.
     pub reading: &'a Reading,
+    /// The reading has lived at rest and now stands.
+    pub standing: bool,
+    /// The spindle must be steady.
+    pub steady_spindle: bool,
     /// Samples in a row with the current at its limit.
     pub limited: u32,
+    /// Changes in a row from one limit of the current to the other.
+    pub reversals: u32,
+    /// Samples in a row with a following error beyond its limit.
+    pub astray: u32,
+    /// Samples in a row with a disturbance beyond its limit.
+    pub overloaded: u32,
+    /// Share of the commanded force that accelerates the stage, where it is known.
+    pub share: Option<f64>,
+    /// The drive is to be judged by that share now.
+    pub judged: bool,
     /// The approach, stopped now, would end beyond its longest travel.
     pub travelled: bool,
     /// What has just been learned.
     pub learned: Option<ThresholdOutput>,
+    /// Learning takes too long.
+    pub learning: bool,
+    /// Change of the force from before the contact to behind the retract, N.
+    pub force_left: Option<f64>,
+    /// The job takes too long.
+    pub late: bool,
 }
 
 /// The gravest fault of this sample.
 pub fn find(p: &Parameters, symptoms: &Symptoms) -> Option<Fault> {
-    let Symptoms { reading, limited, travelled, learned } = symptoms;
+    let s = symptoms;
+    let lost = s.reading.lost > p.limits.lost_samples.unsigned_abs();
+    let lost = |loss| lost && s.reading.loss == loss;
+    let weak = s.judged && s.share.is_some_and(|share| share < p.limits.drive_share);
+    let learned = |learned: ThresholdOutput| !learned.plausible(p.limits.slope_sigma_max);
     let faults = [
-        (Fault::InvalidInput, reading.invalid),
-        (Fault::LostSync, reading.lost > p.limits.lost_samples.unsigned_abs()),
-        (Fault::Saturation, *limited > p.limits.saturated_samples.unsigned_abs()),
-        (Fault::TravelLimit, *travelled),
-        (Fault::LearnRejected, learned.is_some_and(|learned| !learned.plausible(p.limits.slope_sigma_max))),
+        (Fault::FrozenReading, s.standing || lost(Loss::Stands)),
+        (Fault::ReadingJump, lost(Loss::Jumps)),
+        (Fault::LostReading, lost(Loss::Told)),
+        (Fault::Oscillation, s.reversals >= REVERSALS),
+        (Fault::Saturation, s.limited > p.limits.saturated_samples.unsigned_abs()),
+        (Fault::FollowingError, s.astray >= ROW),
+        (Fault::Overload, s.overloaded >= ROW),
+        (Fault::WeakDrive, weak),
+        (Fault::InvalidInput, s.reading.invalid),
+        (Fault::LostSpindle, s.steady_spindle && s.reading.spindle_lost > p.limits.lost_samples.unsigned_abs()),
+        (Fault::TravelLimit, s.travelled),
+        (Fault::LearnRejected, s.learned.is_some_and(learned)),
+        (Fault::LearnTimeout, s.learning),
+        (Fault::ContactRejected, s.force_left.is_some_and(|force| force.abs() > p.limits.force_left)),
+        (Fault::NoProgress, s.late),
     ];
-    faults.into_iter().find_map(|(fault, found)| found.then_some(fault))
+    let found = faults.into_iter().find_map(|(fault, found)| found.then_some(fault));
+    found.map(|fault| cause(p, fault, s.share))
+}
+
+/// The cause of a fault: a stage that does not follow, or goes where it cannot be, may have a drive that pushes the wrong
+/// way; one that only does not follow may have a drive that hardly pushes.
+fn cause(p: &Parameters, fault: Fault, share: Option<f64>) -> Fault {
+    use Fault::{FollowingError, Oscillation, Overload, ReadingJump, Saturation, WeakDrive};
+    let Some(share) = share else { return fault };
+    match fault {
+        Oscillation | Saturation | FollowingError | Overload | WeakDrive | ReadingJump if share < WRONG_WAY => {
+            Fault::DriveSign
+        }
+        Saturation | FollowingError | Overload if share < p.limits.drive_share => WeakDrive,
+        _ => fault,
+    }
 }
 
 /// The numbers behind the fault, for the log.
 pub fn numbers(vars: &Vars) -> String {
     let (p, output) = (&vars.in_force, &vars.output);
+    let row = format!("for more than `limits.lost_samples` = `{}`", p.limits.lost_samples);
+    let error = format!(
+        "tracking error `{} m`, disturbance `{} N`, share of the commanded force `{}`",
+        output.tracking_error, output.force.disturbance, output.drive_share
+    );
     match output.fault {
         Fault::None => String::new(),
         Fault::TravelLimit => format!(": `{} m`", p.approach.travel_max),
-        Fault::LostSync => format!(": more than `limits.lost_samples` = `{}`", p.limits.lost_samples),
-        Fault::Saturation => format!(": more than `limits.saturated_samples` = `{}`", p.limits.saturated_samples),
+        Fault::LostReading => format!(": {row}"),
+        Fault::FrozenReading => format!(
+            ": `{} m`, more than `limits.frozen` = `{} m` unanswered {row}, or equal for `limits.rest_time` = `{} s`",
+            vars.input.position, p.limits.frozen, p.limits.rest_time
+        ),
+        Fault::ReadingJump => {
+            format!(": `{} m` is beyond `limits.jump` = `{} m` {row}", vars.input.position, p.limits.jump)
+        }
+        Fault::LostSpindle => format!(
+            ": `{} rad/s`, faster than `limits.spindle_acceleration` = `{} rad/s2` {row}",
+            vars.input.spindle_speed, p.limits.spindle_acceleration
+        ),
+        Fault::FollowingError => format!(": {error}, limit `limits.following` = `{} m`", p.limits.following),
+        Fault::Saturation => {
+            format!(": more than `limits.saturated_samples` = `{}`; {error}", p.limits.saturated_samples)
+        }
+        Fault::Overload => format!(": {error}, limit of the disturbance `{} N`", disturbance_limit(p)),
+        Fault::DriveSign => format!(": {error}"),
+        Fault::WeakDrive => format!(": {error}, least `limits.drive_share` = `{}`", p.limits.drive_share),
+        Fault::Oscillation => {
+            format!(": `{REVERSALS}` changes from limit to limit of `stage.current_max` = `{} A`", p.stage.current_max)
+        }
         Fault::LearnRejected => format!(
             ": mean `{} N/s`, sigma `{} N/s`, limit `limits.slope_sigma_max` = `{} N/s`",
             output.threshold.mean, output.threshold.sigma, p.limits.slope_sigma_max
         ),
+        Fault::LearnTimeout => format!(": `{} s`", learn_limit(p)),
+        Fault::ContactRejected => {
+            format!(
+                ": notched force `{} N`, limit `limits.force_left` = `{} N`",
+                output.force.notched, p.limits.force_left
+            )
+        }
+        Fault::NoProgress => format!(": `{} s`", job_limit(p, &p.approach)),
         Fault::InvalidInput => format!(": `{} m`, `{} rad/s`", vars.input.position, vars.input.spindle_speed),
     }
+}
+
+/// Largest disturbance (N): `limits.disturbance`, or the larger of half the force of the drive and of `guard.force` with
+/// the force of the hardest acceleration.
+pub fn disturbance_limit(p: &Parameters) -> f64 {
+    if p.limits.disturbance > 0.0 {
+        return p.limits.disturbance;
+    }
+    let acceleration = p.retract.deceleration.max(p.approach.acceleration);
+    f64::max(0.5 * p.stage.force_constant * p.stage.current_max, p.guard_force + p.stage.mass * acceleration)
 }
 
 #[cfg(test)]
@@ -57,36 +189,120 @@ mod tests {
         found: false,
         invalid: false,
         lost: 0,
+        loss: Loss::Told,
+        alive: true,
+        spindle_lost: 0,
     };
+    const LOST: Reading = Reading { position: None, lost: 100, ..GOOD };
     const NOISE: ThresholdOutput = ThresholdOutput { sigma: 1.0, ..ThresholdOutput::START };
 
     fn symptoms(reading: &Reading) -> Symptoms<'_> {
-        Symptoms { reading, limited: 0, travelled: false, learned: Some(NOISE) }
+        Symptoms {
+            reading,
+            standing: false,
+            steady_spindle: true,
+            limited: 0,
+            reversals: 0,
+            astray: 0,
+            overloaded: 0,
+            share: Some(1.0),
+            judged: true,
+            travelled: false,
+            learned: Some(NOISE),
+            learning: false,
+            force_left: Some(0.0),
+            late: false,
+        }
     }
 
     #[test]
     fn each_limit_is_the_last_value_without_a_fault() {
         let mut p = Parameters::START;
         (p.limits.lost_samples, p.limits.saturated_samples, p.limits.slope_sigma_max) = (7, 9, 1.0);
-        let lost = |lost| find(&p, &symptoms(&Reading { position: None, lost, ..GOOD }));
-        assert_eq!([lost(7), lost(8)], [None, Some(Fault::LostSync)]);
-        let limited = |limited| find(&p, &Symptoms { limited, ..symptoms(&GOOD) });
-        assert_eq!([limited(9), limited(10)], [None, Some(Fault::Saturation)]);
-        let learned = |sigma| {
-            let learned = Some(ThresholdOutput { sigma, ..NOISE });
-            find(&p, &Symptoms { learned, ..symptoms(&GOOD) })
+        (p.limits.drive_share, p.limits.force_left) = (0.4, 0.3);
+        type Set = fn(&mut Reading, &mut Symptoms, f64);
+        let found = |set: Set, value: f64| {
+            let (mut reading, mut all) = (GOOD, symptoms(&GOOD));
+            set(&mut reading, &mut all, value);
+            find(&p, &Symptoms { reading: &reading, ..all })
         };
-        assert_eq!([learned(1.0), learned(1.1)], [None, Some(Fault::LearnRejected)]);
+        let limits: [(Set, f64, f64, Fault); 12] = [
+            (|r, _, x| r.lost = x as u32, 7.0, 8.0, Fault::LostReading),
+            (|r, _, x| (r.lost, r.loss) = (x as u32, Loss::Jumps), 7.0, 8.0, Fault::ReadingJump),
+            (|r, _, x| (r.lost, r.loss) = (x as u32, Loss::Stands), 7.0, 8.0, Fault::FrozenReading),
+            (|r, _, x| r.spindle_lost = x as u32, 7.0, 8.0, Fault::LostSpindle),
+            (|_, s, x| s.limited = x as u32, 9.0, 10.0, Fault::Saturation),
+            (|_, s, x| s.reversals = x as u32, 5.0, 6.0, Fault::Oscillation),
+            (|_, s, x| s.astray = x as u32, 2.0, 3.0, Fault::FollowingError),
+            (|_, s, x| s.overloaded = x as u32, 2.0, 3.0, Fault::Overload),
+            (|_, s, x| s.share = Some(x), 0.4, 0.39, Fault::WeakDrive),
+            (|_, s, x| s.share = Some(x), 0.4, -0.21, Fault::DriveSign),
+            (|_, s, x| s.force_left = Some(x), -0.3, -0.31, Fault::ContactRejected),
+            (|_, s, x| s.learned = Some(ThresholdOutput { sigma: x, ..NOISE }), 1.0, 1.1, Fault::LearnRejected),
+        ];
+        for (set, last, first, fault) in limits {
+            assert_eq!((found(set, last), found(set, first)), (None, Some(fault)));
+        }
+    }
+
+    #[test]
+    fn the_share_of_the_commanded_force_names_the_cause() {
+        let p = Parameters::START;
+        let named = |share, judged| {
+            let all = Symptoms { share, judged, astray: 3, ..symptoms(&GOOD) };
+            find(&p, &all)
+        };
+        assert_eq!(named(Some(1.0), false), Some(Fault::FollowingError));
+        assert_eq!(named(None, false), Some(Fault::FollowingError));
+        assert_eq!(named(Some(0.3), false), Some(Fault::WeakDrive));
+        assert_eq!(named(Some(-0.1), false), Some(Fault::WeakDrive));
+        assert_eq!(named(Some(-0.9), false), Some(Fault::DriveSign));
+        // a share alone is no fault until it is to be judged
+        let share = |judged| find(&p, &Symptoms { share: Some(0.1), judged, ..symptoms(&GOOD) });
+        assert_eq!((share(false), share(true)), (None, Some(Fault::WeakDrive)));
+        // where the drive takes it the wrong way, the position cannot be believed either
+        let jumps = Reading { position: None, lost: 9, loss: Loss::Jumps, ..GOOD };
+        let jump = |share| find(&p, &Symptoms { share: Some(share), judged: false, ..symptoms(&jumps) });
+        assert_eq!((jump(0.1), jump(-0.3)), (Some(Fault::ReadingJump), Some(Fault::DriveSign)));
+        // a loop that swings has a drive that answers
+        let swings = |share| find(&p, &Symptoms { share: Some(share), judged: false, reversals: 9, ..symptoms(&GOOD) });
+        assert_eq!((swings(0.3), swings(-0.3)), (Some(Fault::Oscillation), Some(Fault::DriveSign)));
     }
 
     #[test]
     fn the_gravest_fault_is_named() {
         let p = Parameters::START;
-        let reading = Reading { position: None, invalid: true, lost: 100, ..GOOD };
-        let all = Symptoms { reading: &reading, limited: 100, travelled: true, learned: Some(ThresholdOutput::START) };
-        assert_eq!(find(&p, &all), Some(Fault::InvalidInput));
-        assert_eq!(find(&p, &Symptoms { reading: &GOOD, ..all }), Some(Fault::Saturation));
-        assert_eq!(find(&p, &Symptoms { reading: &GOOD, limited: 0, ..all }), Some(Fault::TravelLimit));
+        let reading = Reading { loss: Loss::Stands, spindle_lost: 100, ..LOST };
+        let all = Symptoms {
+            standing: false,
+            limited: 100,
+            reversals: 9,
+            astray: 9,
+            overloaded: 9,
+            travelled: true,
+            learned: Some(ThresholdOutput::START),
+            learning: true,
+            force_left: Some(9.0),
+            late: true,
+            ..symptoms(&reading)
+        };
+        assert_eq!(find(&p, &all), Some(Fault::FrozenReading));
+        assert_eq!(find(&p, &Symptoms { reading: &GOOD, ..all }), Some(Fault::Oscillation));
+        let invalid = Reading { invalid: true, ..GOOD };
+        assert_eq!(find(&p, &symptoms(&invalid)), Some(Fault::InvalidInput));
+        assert_eq!(find(&p, &symptoms(&Reading { invalid: true, ..LOST })), Some(Fault::LostReading));
+        assert_eq!(
+            find(&p, &Symptoms { reading: &GOOD, late: true, travelled: true, ..symptoms(&GOOD) }),
+            Some(Fault::TravelLimit)
+        );
+    }
+
+    #[test]
+    fn the_drive_goes_off_where_the_position_or_the_drive_cannot_be_trusted() {
+        let ends = |end: SafeEnd| Fault::ALL.iter().filter(move |fault| fault.safe_end() == end).count();
+        assert_eq!([SafeEnd::Retract, SafeEnd::Stop, SafeEnd::DriveOff].map(ends), [7, 1, 9]);
+        assert_eq!(Fault::FrozenReading.safe_end(), SafeEnd::DriveOff);
+        assert_eq!(Fault::TravelLimit.safe_end(), SafeEnd::Retract);
     }
 
     #[test]
@@ -96,5 +312,15 @@ mod tests {
             vars.output.fault = fault;
             assert_eq!(numbers(&vars).is_empty(), fault == Fault::None, "{fault:?}");
         }
+    }
+
+    #[test]
+    fn the_disturbance_of_a_machine_is_half_its_drive_or_what_its_motion_needs() {
+        let mut p = Parameters::START;
+        assert_eq!(disturbance_limit(&p), 50.0);
+        p.retract.deceleration = 20.0;
+        assert_eq!(disturbance_limit(&p), 200.4);
+        p.limits.disturbance = 7.0;
+        assert_eq!(disturbance_limit(&p), 7.0);
     }
 }

@@ -14,12 +14,14 @@ mod variables {
     pub const HARMONICS_MAX: usize = 4;
     /// Unit of the integral gain.
     const PER_SECOND_CUBED: Unit = Unit::si("1/s3", [0, 0, -3, 0, 0], &[]);
+    /// Unit of the acceleration of the spindle.
+    const RADIAN_PER_SECOND_SQUARED: Unit = Unit::si("rad/s2", [0, 0, -2, 0, 1], &[]);
 
     /// What the controller is doing
     pub enum State {
         /// Holds its position and waits for a rising edge of `enable`
         Idle,
-        /// Accelerates and settles at constant speed
+        /// Stands to take the force at rest, accelerates, and settles at constant speed
         Approach,
         /// Learns the noise at constant speed
         Learn,
@@ -27,11 +29,11 @@ mod variables {
         Detect,
         /// Has detected contact and decelerates
         Contact,
-        /// Moves back
+        /// Moves back, stands, and checks that the force of the contact has gone
         Retract,
         /// Holds its position after the retract; a rising edge of `enable` begins again
         Done,
-        /// Decelerates, moves back if it was approaching, then holds; a rising edge of `reset_fault` ends it at rest
+        /// Moves back and holds, or switches the drive off, whichever the fault asks for; a rising edge of `reset_fault` ends it
         Fault,
     }
     /// Why the controller is in the fault state
@@ -41,11 +43,33 @@ mod variables {
         /// No contact within `approach.travel_max`
         #[hint("start closer to the workpiece, or allow more travel")] TravelLimit,
         /// `position_valid` was false for too many samples in a row
-        #[hint("check the encoder and its link")] LostSync,
+        #[hint("check the encoder and its link")] LostReading,
+        /// `position` stands although the stage must have moved
+        #[hint("check the encoder and its link; a position without any noise at rest needs `limits.rest_time` = 0")] FrozenReading,
+        /// `position` is where the stage cannot be, for too many samples in a row
+        #[hint("check the encoder, its link and its noise against `limits.jump`")] ReadingJump,
+        /// `spindle_speed` changes faster than a spindle can, for too many samples in a row
+        #[hint("check the signal of the spindle, or raise `limits.spindle_acceleration`")] LostSpindle,
+        /// The stage is too far from its reference
+        #[hint("check that the stage moves freely, `stage.mass`, `stage.force_constant` and `io_delay`")] FollowingError,
         /// The current was at its limit for too many samples in a row
         #[hint("check that the stage moves freely, or lower `approach.acceleration` and `retract.deceleration`")] Saturation,
+        /// The estimated disturbance is larger than the machine can have
+        #[hint("check that nothing blocks the stage, and `stage.mass` and `stage.force_constant`")] Overload,
+        /// The stage moves against the current
+        #[hint("swap the sign of the current or of the encoder, and check `approach.direction`")] DriveSign,
+        /// The stage moves far less than the current should move it: the drive is weak or off, or the stage is held
+        #[hint("check the amplifier, its cable and its limit, that the stage moves freely, and `stage.force_constant`")] WeakDrive,
+        /// The current goes from limit to limit
+        #[hint("lower `servo.bandwidth` or `observer.bandwidth`, and check `io_delay`")] Oscillation,
         /// The learned slope is too noisy, not around zero, or silent
         #[hint("check that `spindle_speed` is connected, settle longer, or raise `limits.slope_sigma_max`")] LearnRejected,
+        /// Learning did not end
+        #[hint("check that `spindle_speed` stands, or raise `limits.learn_time`")] LearnTimeout,
+        /// The force did not go away with the retract: something else than a contact changed it
+        #[hint("look for a force that changed, or raise `limits.force_left`")] ContactRejected,
+        /// The job took longer than it may
+        #[hint("check what holds it up, or raise `limits.job_time`")] NoProgress,
         /// `position` or `spindle_speed` is NaN, infinite or out of any plausible range
         #[hint("check what is connected to these inputs, and its unit")] InvalidInput,
     }
@@ -83,7 +107,7 @@ mod variables {
         Deviation,
         /// Slope over one window, eq. 3, as in the paper
         Slope,
-        /// Slope over 20, 50, 100 and 200 samples side by side
+        /// Slope over 2, 5, 10 and 20 ms side by side
         MultiSlope,
         /// Cumulative sum of the Kalman innovation
         Cusum,
@@ -105,9 +129,9 @@ mod variables {
         #[var(start = true)] pub position_valid: bool,
         /// Spindle speed; 0 switches the notches off
         #[var(unit = RADIAN_PER_SECOND as "rpm", accepts_nan)] pub spindle_speed: f64,
-        /// Rising edge begins an approach from `Idle` or `Done`; false ends one: decelerate, retract, `Done`
+        /// Rising edge after the first sample begins an approach from `Idle` or `Done`; false ends one: decelerate, retract, `Done`
         pub enable: bool,
-        /// Rising edge ends a fault once the stage is at rest behind its retreat
+        /// Rising edge ends a fault once the stage is at rest behind its retreat, or the drive is off and `position` is good
         pub reset_fault: bool,
     }
     /// Outputs; always finite
@@ -116,9 +140,11 @@ mod variables {
         #[var(unit = AMPERE)] pub current: f64,
         pub state: State,
         pub fault: Fault,
+        /// The drive shall be on; false from a fault that the controller cannot control until it is reset
+        pub drive_enable: bool,
         /// The approach was ended by `enable`; kept until the next approach
         pub aborted: bool,
-        /// Contact was detected; kept until the next approach
+        /// Contact was detected; kept until the next approach, withdrawn by a fault before `Done`
         pub contact: bool,
         pub contact_source: ContactSource,
         /// Encoder position at the detection, as in the paper
@@ -130,8 +156,10 @@ mod variables {
         pub force: ForceOutput,
         pub threshold: ThresholdOutput,
         pub reference: ReferenceOutput,
-        /// Reference less position; 0 while the position is lost
+        /// Reference less position; 0 while the position is lost; what it was when the drive went off
         #[var(unit = METRE as "nm")] pub tracking_error: f64,
+        /// Share of the commanded force that accelerates the stage: 1 for the nominal one; 0 while too little is commanded to tell
+        #[var(unit = ONE)] pub drive_share: f64,
     }
     /// Chain of force estimates; positive when the workpiece pushes back
     pub struct ForceOutput {
@@ -178,10 +206,10 @@ mod variables {
         #[var(name = "notch.harmonics", range = 0..=HARMONICS_MAX as i32, start = 2, source = "our choice")] pub notch_harmonics: i32,
         /// Quality Q of each notch
         #[var(name = "notch.quality", unit = ONE, range = 0.5..=100.0, start = 2.0, source = "our choice")] pub notch_quality: f64,
-        /// Samples r of the moving average, eq. 2
-        #[var(name = "deviation.window", range = 10..=100_000, start = 1000, source = "our choice: depth is flat from 200 to 5000")] pub deviation_window: i32,
-        /// Samples N of the least-squares slope, eq. 3
-        #[var(name = "slope.window", range = 3..=1000, start = 50, source = "our choice")] pub slope_window: i32,
+        /// Time of the moving average, r samples in eq. 2
+        #[var(name = "deviation.window", unit = SECOND as "ms", range = 1e-3..=10.0, start = 0.1, source = "our choice: depth is flat from 20 to 500 ms")] pub deviation_window: f64,
+        /// Time of the least-squares slope, N samples in eq. 3
+        #[var(name = "slope.window", unit = SECOND as "ms", range = 1e-4..=1.0, start = 5e-3, source = "our choice")] pub slope_window: f64,
         #[var(start = DetectorKind::MultiSlope, paper = DetectorKind::Slope, source = "our choice: sees slow contacts, too")] pub detector: DetectorKind,
         pub threshold: Threshold,
         pub learn: Learn,
@@ -206,6 +234,8 @@ mod variables {
         #[var(unit = AMPERE, range = 0.01..=1e3, start = 5.0, source = "our choice")] pub current_max: f64,
         /// Resolution of the current command over +-`stage.current_max`, bit
         #[var(range = 8..=24, start = 16, source = "paper")] pub current_bits: i32,
+        /// Step of the encoder; a reading that stays within one and a half of it stands
+        #[var(unit = METRE as "nm", range = 0.0..=1e-3, start = 1e-9, source = "paper: 1 nm is usual")] pub encoder_resolution: f64,
         /// Bandwidth of the current loop, for the Kalman filter
         #[var(unit = RADIAN_PER_SECOND as "Hz", range = 100.0..=1e6, start = 6283.0, source = "our choice: 1 kHz")] pub current_bandwidth: f64,
     }
@@ -254,6 +284,26 @@ mod variables {
         #[var(range = 0..=100_000, start = 50, source = "our choice")] pub saturated_samples: i32,
         /// Largest plausible sigma of the learned slope
         #[var(unit = NEWTON_PER_SECOND, range = 1e-6..=1e6, start = 5.0, source = "our choice: five times the noise of a good stage")] pub slope_sigma_max: f64,
+        /// Largest distance of a reading from where the observer expects it; a reading beyond counts as lost
+        #[var(unit = METRE as "nm", range = 1e-12..=1e-3, start = 1e-8, source = "our choice: ten steps of 1 nm; eight sigma of noise and rounding")] pub jump: f64,
+        /// Motion that a reading may leave unanswered before it counts as lost
+        #[var(unit = METRE as "nm", range = 1e-12..=1e-3, start = 5e-9, source = "derived: three and a third times the 1.5 nm within which a reading stands")] pub frozen: f64,
+        /// Time at rest without any change of a reading that had changed before; 0: not watched, for an encoder without noise
+        #[var(unit = SECOND, range = 0.0..=100.0, start = 0.03, source = "our choice: 300 equal samples, of which noise of half a step makes every second differ")] pub rest_time: f64,
+        /// Largest distance of the stage from its reference, besides the v (1 + io_delay) T_s that it is late
+        #[var(unit = METRE as "um", range = 1e-9..=1.0, start = 2e-5, source = "our choice: three times the 2 zeta a / (omega_n g_v) = 7 um of braking at 2 m/s2")] pub following: f64,
+        /// Largest disturbance that the machine can have; 0: half of the force of the drive, or `guard.force` and the force of the hardest acceleration
+        #[var(unit = NEWTON, range = 0.0..=1e8, start = 0.0, source = "derived: max(K_tn I_max / 2, guard.force + M_n a)")] pub disturbance: f64,
+        /// Least share of the commanded force that must accelerate the stage
+        #[var(unit = ONE, range = 0.0..=1.0, start = 0.5, source = "our choice: nominal mass and thrust may be wrong by 30 % each")] pub drive_share: f64,
+        /// Largest acceleration of the spindle; a speed that changes faster is not believed
+        #[var(unit = RADIAN_PER_SECOND_SQUARED, range = 1.0..=1e9, start = 2e4, source = "our choice: 30 000 rpm in 0.16 s")] pub spindle_acceleration: f64,
+        /// Longest learning; 0: twice `learn.time` and the time that the filters need
+        #[var(unit = SECOND, range = 0.0..=1e4, start = 0.0, source = "derived: 2 learn.time + settling")] pub learn_time: f64,
+        /// Largest change of the force from before the contact to behind the retract
+        #[var(unit = NEWTON, range = 1e-6..=1e6, start = 0.2, source = "our choice: half of `guard.force`, ten sigma of the weight balancer")] pub force_left: f64,
+        /// Longest job from `enable` to `Done`; 0: what its ways and times need, and a quarter more
+        #[var(unit = SECOND, range = 0.0..=1e9, start = 0.0, source = "derived: 1.25 (travel_max / v + v / a + settle_time + limits.learn_time + (travel_max + distance) / v_retract) + 1 s")] pub job_time: f64,
     }
     /// Kalman filter behind the detectors `Cusum` and `Glr`; all values are standard deviations
     pub struct Kalman {
@@ -299,7 +349,7 @@ mod variables {
         #[var(unit = METRE_PER_SECOND as "um/s", range = 1e-6..=0.1, start = 1e-3, source = "our choice")] pub velocity: f64,
         /// Deceleration a_stop after a detection, and acceleration of the retract
         #[var(unit = METRE_PER_SECOND_SQUARED, range = 0.01..=50.0, start = 2.0, source = "our choice: 1 A of this stage")] pub deceleration: f64,
-        /// Distance of the retract
-        #[var(unit = METRE as "um", range = 1e-7..=0.1, start = 2e-5, source = "our choice")] pub distance: f64,
+        /// Distance of the retract, at least the way until the detector is armed; 0: 1.2 times that way
+        #[var(unit = METRE as "um", range = 0.0..=0.1, start = 0.0, source = "derived: 1.2 (v^2 / (2 a) + v (settle_time + learn.time)), so that the next approach is armed before it touches")] pub distance: f64,
     }
 }

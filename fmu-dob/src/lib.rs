@@ -10,6 +10,7 @@ mod faults;
 mod force;
 pub mod interface;
 mod machine;
+mod monitoring;
 mod motion;
 mod reading;
 
@@ -21,7 +22,7 @@ impl Model for Controller {
     // `longest_step` as measured: docs/communication-step.md
     const INFO: Info = Info {
         name: "DisturbanceObserverContactDetection",
-        state_version: 2,
+        state_version: 3,
         stop_time: 2.0,
         longest_step: 2.0,
         ..package!()

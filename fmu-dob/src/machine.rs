@@ -7,6 +7,11 @@ impl State {
     pub fn approaching(self) -> bool {
         matches!(self, Self::Approach | Self::Learn | Self::Detect)
     }
+
+    /// Whether a job is going on.
+    pub fn at_work(self) -> bool {
+        self.approaching() || matches!(self, Self::Contact | Self::Retract)
+    }
 }
 
 /// What happened in one sample.
@@ -18,7 +23,7 @@ pub struct Events {
     pub enabled: bool,
     /// Rising edge of `reset_fault`.
     pub reset: bool,
-    /// The position is valid and the reference is at rest.
+    /// The position is valid, the velocity known, and the reference at rest.
     pub restful: bool,
     /// Something is wrong.
     pub fault: Option<Fault>,
@@ -28,7 +33,7 @@ pub struct Events {
     pub elapsed: bool,
     /// The reference no longer moves towards the workpiece.
     pub turned: bool,
-    /// The retreat is complete.
+    /// The retreat is complete, and in a job the force behind it known.
     pub retreated: bool,
 }
 
@@ -106,7 +111,7 @@ mod tests {
             enabled: false,
             reset: true,
             restful: true,
-            fault: Some(Fault::LostSync),
+            fault: Some(Fault::LostReading),
             contact: Some(ContactSource::Slope),
             elapsed: true,
             turned: true,

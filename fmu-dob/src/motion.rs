@@ -3,3 +3,5 @@
 pub mod depth_limit;
 pub mod reference;
 pub mod servo;
+pub mod stability;
+pub mod travel;

@@ -1,6 +1,6 @@
 //! Checks the inputs of a sample: what can be used, and what is wrong with the rest.
 
-use control_blocks::{Consecutive, Edge, believable};
+use control_blocks::{Consecutive, Edge, Frozen, JumpGuard, Reach, believable};
 use serde::{Deserialize, Serialize};
 
 use crate::interface::{Input, Parameters};
@@ -9,6 +9,43 @@ use crate::interface::{Input, Parameters};
 const POSITION_MAX: f64 = 1e3;
 /// No spindle is faster, rad/s.
 const SPEED_MAX: f64 = 1e5;
+/// A reading stands while it is within this many steps of the encoder, one of them a last bit that flickers.
+const STANDS: f64 = 1.5;
+/// A stage follows its reference within this many times `limits.frozen`.
+const WITH_IT: f64 = 4.0;
+/// Share of `limits.jump` that the reach grows by in each sample without a position. A bad sample that is just believed
+/// leaves a velocity by which the expected position goes astray: by a third of it in each sample.
+const DOUBT: f64 = 0.5;
+/// Share of a spindle's speed within which readings of it may differ, and the least such difference, rad/s.
+const SPEED_SPREAD: (f64, f64) = (0.02, 1.0);
+
+/// Why there is no position.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Loss {
+    /// The encoder says so, or the number is none.
+    Told,
+    /// It stands although the stage must have moved.
+    Stands,
+    /// The stage cannot be there.
+    Jumps,
+}
+
+/// What the model of the stage says about the position of this sample, towards the workpiece.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Expected {
+    /// Motion since the last sample by the observer, m.
+    pub motion: f64,
+    /// What it cannot foresee, m in a sample.
+    pub unforeseen: f64,
+    /// The reference until now, m.
+    pub reference: f64,
+    /// Motion of the reference since the last sample, m.
+    pub asked: f64,
+    /// By how much the stage may be behind the reference, m.
+    pub behind: f64,
+    /// The spindle must be steady.
+    pub steady_spindle: bool,
+}
 
 /// The usable part of the inputs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,6 +66,12 @@ pub struct Reading {
     pub invalid: bool,
     /// Samples in a row without a position.
     pub lost: u32,
+    /// Why the last of them had none.
+    pub loss: Loss,
+    /// The position answers the motion of the reference.
+    pub alive: bool,
+    /// Samples in a row with a spindle speed that cannot be.
+    pub spindle_lost: u32,
 }
 
 /// Remembers what one reading needs from the ones before; by default nothing, before the first sample.
@@ -36,7 +79,10 @@ pub struct Reading {
 pub struct Reader {
     known: bool,
     lost: Consecutive,
-    spindle_speed: f64,
+    standing: Frozen,
+    position: JumpGuard,
+    spindle_speed: JumpGuard,
+    started: bool,
     enable: Edge,
     reset_fault: Edge,
 }
@@ -50,26 +96,74 @@ impl Parameters {
 
 impl Reader {
     /// Reads one sample.
-    pub fn read(&mut self, p: &Parameters, input: &Input) -> Reading {
+    pub fn read(&mut self, p: &Parameters, input: &Input, expected: &Expected) -> Reading {
         let position_good = believable(input.position, POSITION_MAX);
         let speed_good = believable(input.spindle_speed, SPEED_MAX);
-        if speed_good {
-            self.spindle_speed = input.spindle_speed;
-        }
-        let position = (input.position_valid && position_good).then_some(p.direction() * input.position);
+        let given = (input.position_valid && position_good).then_some(p.direction() * input.position);
         let lost_too_long = self.lost.count() > p.limits.lost_samples.unsigned_abs();
+        let (position, loss) = self.believe(p, given, expected, lost_too_long);
         let found = position.is_some() && (!self.known || lost_too_long);
         self.known |= position.is_some();
+        let spindle_speed = self.spindle(p, if speed_good { input.spindle_speed } else { f64::NAN }, expected);
+        let begin = self.enable.rises(input.enable) && self.started;
+        self.started = true;
         Reading {
             position,
-            spindle_speed: self.spindle_speed,
+            spindle_speed,
             enabled: input.enable,
-            begin: self.enable.rises(input.enable),
+            begin,
             reset: self.reset_fault.rises(input.reset_fault),
             found,
             invalid: !speed_good || (input.position_valid && !position_good),
             lost: self.lost.update(position.is_none()),
+            loss,
+            alive: self.standing.unanswered() <= 0.5 * p.limits.frozen,
+            spindle_lost: self.spindle_speed.doubted(),
         }
+    }
+
+    /// The motion that the position has not answered is forgotten, when it is no longer controlled for instance.
+    pub fn forgive(&mut self) {
+        self.standing.clear();
+    }
+
+    /// The given position if the stage can be there; after too long without one any is taken.
+    fn believe(&mut self, p: &Parameters, given: Option<f64>, e: &Expected, anew: bool) -> (Option<f64>, Loss) {
+        if anew {
+            self.position.clear();
+        }
+        let standing_before = self.standing;
+        if let Some(position) = given {
+            self.standing.update(position, e.asked, STANDS * p.stage.encoder_resolution);
+        }
+        let unanswered = self.standing.unanswered();
+        // a stage that was astray before may truly stand
+        let with_it = |z: f64| (e.reference - z).abs() <= unanswered + e.behind + WITH_IT * p.limits.frozen;
+        let stands = unanswered > p.limits.frozen + e.behind && given.is_some_and(with_it);
+        let reach = Reach { motion: e.unforeseen + DOUBT * p.limits.jump, spread: (1.0 - DOUBT) * p.limits.jump };
+        self.position.shift(e.motion);
+        self.position.update(given.filter(|_| !stands).unwrap_or(f64::NAN), reach);
+        let position = given.filter(|_| self.position.doubted() == 0);
+        if position.is_none() && !stands {
+            // where the stage cannot be, no reading can stand
+            self.standing = standing_before;
+        }
+        let loss = match given {
+            None => Loss::Told,
+            Some(_) if stands => Loss::Stands,
+            Some(_) => Loss::Jumps,
+        };
+        (position, loss)
+    }
+
+    /// The last spindle speed that can be; at any other time than a job every speed can.
+    fn spindle(&mut self, p: &Parameters, given: f64, expected: &Expected) -> f64 {
+        if !expected.steady_spindle && given.is_finite() {
+            self.spindle_speed.clear();
+        }
+        let spread = (SPEED_SPREAD.0 * given.abs()).max(SPEED_SPREAD.1);
+        let reach = Reach { motion: p.limits.spindle_acceleration * p.sample_period, spread };
+        self.spindle_speed.update(given, reach)
     }
 }
 
@@ -78,37 +172,111 @@ mod tests {
     use super::*;
 
     const LOST: Input = Input { position_valid: false, ..Input::START };
+    const RESTING: Expected =
+        Expected { motion: 0.0, unforeseen: 0.0, reference: 0.0, asked: 0.0, behind: 0.0, steady_spindle: true };
+    /// 10 nm in a sample
+    const CRUISING: Expected = Expected { motion: 1e-8, reference: 1e-6, asked: 1e-8, ..RESTING };
 
     fn at(position: f64) -> Input {
         Input { position, ..Input::START }
     }
 
-    fn first(input: &Input) -> Reading {
-        Reader::default().read(&Parameters::START, input)
+    fn read(reader: &mut Reader, input: &Input) -> Reading {
+        reader.read(&Parameters::START, input, &RESTING)
+    }
+
+    /// A reader that has followed 100 samples of 10 nm.
+    fn cruising() -> Reader {
+        let mut reader = Reader::default();
+        for k in 0..100 {
+            let reading = reader.read(&Parameters::START, &at(1e-8 * f64::from(k)), &CRUISING);
+            assert!(reading.position.is_some() && reading.alive);
+        }
+        reader
     }
 
     #[test]
     fn a_position_is_found_at_first_and_after_more_than_the_bridged_samples() {
-        let mut p = Parameters::START;
-        p.limits.lost_samples = 3;
         let mut reader = Reader::default();
-        assert!(reader.read(&p, &at(0.1)).found);
-        assert!(!reader.read(&p, &at(0.1)).found);
+        assert!(read(&mut reader, &at(0.1)).found);
+        assert!(!read(&mut reader, &at(0.1)).found);
         for k in 1..=3 {
-            assert_eq!(reader.read(&p, &LOST).lost, k);
+            assert_eq!(read(&mut reader, &LOST).lost, k);
         }
-        assert!(!reader.clone().read(&p, &at(0.1)).found);
-        assert_eq!(reader.read(&p, &LOST).lost, 4);
-        assert!(reader.read(&p, &at(0.1)).found);
+        assert!(!read(&mut reader.clone(), &at(0.1)).found);
+        assert_eq!(read(&mut reader, &LOST).lost, 4);
+        // wherever it is then
+        let reading = read(&mut reader, &at(0.2));
+        assert_eq!((reading.found, reading.position), (true, Some(0.2)));
+    }
+
+    #[test]
+    fn a_sample_where_the_stage_cannot_be_is_lost() {
+        for jump in [-1e-3, -1.3e-8, 1.1e-8, 1e-3] {
+            let mut reader = cruising();
+            let bad = reader.read(&Parameters::START, &at(1e-6 + jump), &CRUISING);
+            assert_eq!((bad.position, bad.lost, bad.loss), (None, 1, Loss::Jumps));
+            let good = reader.read(&Parameters::START, &at(1.01e-6), &CRUISING);
+            assert_eq!((good.position, good.lost), (Some(1.01e-6), 0));
+        }
+        let near = cruising().read(&Parameters::START, &at(1e-6 + 0.9e-8), &CRUISING);
+        assert!(near.position.is_some());
+    }
+
+    #[test]
+    fn a_position_that_stands_while_it_should_move_is_lost_even_with_a_last_bit_that_flickers() {
+        for flicker in [0.0, 1e-9] {
+            let mut reader = cruising();
+            let stuck = (0..4u32).map(|k| {
+                let input = at(99e-8 + flicker * f64::from(k % 2));
+                reader.read(&Parameters::START, &input, &CRUISING)
+            });
+            let seen: Vec<_> = stuck.map(|reading| (reading.position, reading.lost, reading.loss)).collect();
+            assert_eq!(seen, [1, 2, 3, 4].map(|lost| (None, lost, Loss::Stands)));
+        }
+    }
+
+    #[test]
+    fn a_stage_that_is_astray_may_stand() {
+        let mut reader = cruising();
+        // 100 nm behind its reference, and braked to a stop
+        let astray = Expected { motion: 0.0, reference: 1.1e-6, ..CRUISING };
+        for _ in 0..4 {
+            assert!(reader.read(&Parameters::START, &at(99e-8), &astray).position.is_some());
+        }
+    }
+
+    #[test]
+    fn a_stage_may_be_behind_its_reference_by_what_it_is_late() {
+        let mut reader = cruising();
+        let late = Expected { motion: 0.0, behind: 1e-8, ..CRUISING };
+        let reading = reader.read(&Parameters::START, &at(99e-8), &late);
+        assert!(reading.position.is_some() && !reading.alive);
+    }
+
+    #[test]
+    fn a_spindle_cannot_change_its_speed_at_once_while_it_must_be_steady() {
+        let turning = |spindle_speed| Input { spindle_speed, ..at(0.1) };
+        let mut reader = Reader::default();
+        assert_eq!(read(&mut reader, &turning(3000.0)).spindle_lost, 0);
+        assert_eq!(read(&mut reader, &turning(3015.0)).spindle_lost, 0);
+        for k in 1..=5 {
+            let reading = read(&mut reader, &turning(0.0));
+            assert_eq!((reading.spindle_speed, reading.spindle_lost), (3015.0, k));
+        }
+        let before_a_job = Expected { steady_spindle: false, ..RESTING };
+        let reading = reader.read(&Parameters::START, &turning(0.0), &before_a_job);
+        assert_eq!((reading.spindle_speed, reading.spindle_lost), (0.0, 0));
     }
 
     #[test]
     fn nonsense_is_invalid_and_never_used() {
         for nonsense in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300] {
-            let reading = first(&at(nonsense));
+            let reading = read(&mut Reader::default(), &at(nonsense));
             assert!(reading.invalid);
             assert_eq!(reading.position, None);
-            let reading = first(&Input { spindle_speed: nonsense, ..Input::START });
+            let input = Input { spindle_speed: nonsense, ..Input::START };
+            let reading = read(&mut Reader::default(), &input);
             assert!(reading.invalid);
             assert_eq!(reading.spindle_speed, 0.0);
         }
@@ -116,25 +284,25 @@ mod tests {
 
     #[test]
     fn nonsense_while_invalid_is_only_lost() {
-        let reading = first(&Input { position: f64::NAN, ..LOST });
+        let reading = read(&mut Reader::default(), &Input { position: f64::NAN, ..LOST });
         assert_eq!((reading.invalid, reading.lost), (false, 1));
     }
 
     #[test]
-    fn enable_and_reset_count_on_their_edges() {
+    fn enable_and_reset_count_on_their_edges_and_enable_not_at_first() {
         let mut reader = Reader::default();
         let both = Input { enable: true, reset_fault: true, ..Input::START };
         let edges: Vec<_> = [&both, &both, &Input::START, &both]
-            .map(|input| reader.read(&Parameters::START, input))
+            .map(|input| read(&mut reader, input))
             .map(|reading| (reading.enabled, reading.begin, reading.reset))
             .into();
-        assert_eq!(edges, [(true, true, true), (true, false, false), (false, false, false), (true, true, true)]);
+        assert_eq!(edges, [(true, false, true), (true, false, false), (false, false, false), (true, true, true)]);
     }
 
     #[test]
     fn direction_turns_the_axis() {
         let mut p = Parameters::START;
         p.approach.direction = -1;
-        assert_eq!(Reader::default().read(&p, &at(0.2)).position, Some(-0.2));
+        assert_eq!(Reader::default().read(&p, &at(0.2), &RESTING).position, Some(-0.2));
     }
 }

@@ -3,6 +3,7 @@
 #[expect(dead_code, reason = "the closed loop uses more of it")]
 #[path = "closed_loop/run.rs"]
 mod run;
+#[expect(dead_code, reason = "the closed loop uses more of it")]
 #[path = "closed_loop/slide.rs"]
 mod slide;
 
@@ -62,16 +63,17 @@ fn every_fault_and_its_reset() {
     short.approach.travel_max = 8e-5;
     strict.limits.slope_sigma_max = 0.1;
     (weak.stage.current_max, weak.limits.saturated_samples) = (0.05, 5);
-    let cases: [(Fault, &Parameters, Cause); 5] = [
+    let cases: [(Fault, &Parameters, Cause); 6] = [
         (Fault::TravelLimit, &short, |_| ()),
-        (Fault::LostSync, &p, |input| input.position_valid = false),
+        (Fault::LostReading, &p, |input| input.position_valid = false),
         (Fault::Saturation, &weak, |_| ()),
         (Fault::LearnRejected, &strict, |_| ()),
+        (Fault::FrozenReading, &p, |input| input.position = input.position.min(4e-5)),
         (Fault::InvalidInput, &p, |input| input.position = f64::NAN),
     ];
     for (fault, p, cause) in cases {
         let mut run = Loop::new(p, 53, NO_WORKPIECE);
-        run.slide.push = if fault == Fault::Saturation { 2.0 } else { 0.0 };
+        run.slide.push = if fault == Fault::Saturation { -2.0 } else { 0.0 };
         while run.output.state != State::Fault {
             assert!(run.time() < 4.0, "{fault:?}: {:?}", run.output);
             assert_no_alloc(|| run.step_with(cause));

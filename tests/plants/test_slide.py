@@ -36,7 +36,7 @@ def run(plant: Slide, current: float, ticks: int, substeps: int = 2) -> dict[str
     for _ in range(ticks):
         plant.sense()
         rows.append(plant.truth())
-        plant.command(np.array([current]))
+        plant.command(np.array([current, 1.0]))
         plant.advance(substeps)
     plant.sense()
     rows.append(plant.truth())
@@ -212,7 +212,7 @@ def test_disturbance_and_contact_close_the_balance_of_forces() -> None:
     for _ in range(400):
         plant.sense()
         truth = dict(zip([channel.name for channel in plant.truths], plant.truth(), strict=True))
-        plant.command(np.array([0.05]))
+        plant.command(np.array([0.05, 1.0]))
         contact = truth["contact_force"]
         plant.advance(1)
         disturbance = plant.wire("disturbance").read()
@@ -283,11 +283,11 @@ def test_two_substeps_are_two_steps() -> None:
     two.reset(9, 0.1)
     for _ in range(200):
         one.sense()
-        one.command(np.array([0.2]))
+        one.command(np.array([0.2, 1.0]))
         one.advance(2)
         for _ in range(2):
             two.sense()
-            two.command(np.array([0.2]))
+            two.command(np.array([0.2, 1.0]))
             two.advance(1)
     assert one.sense().tobytes() == two.sense().tobytes()
     assert one.truth().tobytes() == two.truth().tobytes()
@@ -328,7 +328,7 @@ def test_a_command_that_is_not_finite_is_an_error() -> None:
     plant = slide()
     plant.sense()
     with pytest.raises(PlantError, match=r"`slide` at t = `0` s: command `current` is `nan` A"):
-        plant.command(np.array([math.nan]))
+        plant.command(np.array([math.nan, 1.0]))
 
 
 def test_a_state_that_is_not_finite_is_an_error() -> None:

@@ -1,6 +1,6 @@
 //! The six detectors behind one type: each learns its noise before contact and then tests every sample.
 
-use control_blocks::{Consecutive, RunningLine, Welford};
+use control_blocks::{Consecutive, RunningLine, Welford, ticks};
 use serde::{Deserialize, Serialize};
 
 use crate::detection::cusum::CumulativeSum;
@@ -9,8 +9,18 @@ use crate::detection::kalman::{self, KalmanFilter};
 use crate::detection::threshold::Statistics;
 use crate::interface::{ContactSource, DetectorKind, Parameters, ThresholdOutput};
 
-/// Windows of the multi-slope detector, samples.
-pub const WINDOWS: [usize; 4] = [20, 50, 100, 200];
+/// Windows of the multi-slope detector, s.
+const WINDOWS: [f64; 4] = [2e-3, 5e-3, 10e-3, 20e-3];
+/// Samples of the shortest window.
+const LEAST: u32 = 3;
+
+/// An innovation counts as this many standard deviations at most: one bad sample alone is no contact.
+const INNOVATION_MAX: f64 = 4.0;
+
+/// Samples of a window of `time` s.
+pub fn samples(time: f64, sample_period: f64) -> usize {
+    ticks(time, sample_period).max(LEAST) as usize
+}
 
 /// One sample of all that detectors look at, in the frame where a contact pushes against the stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -74,6 +84,12 @@ struct Scale {
     monitor: Monitor,
 }
 
+impl Scale {
+    fn new(window: usize) -> Self {
+        Self { line: RunningLine::zeroed(window), monitor: Monitor::new() }
+    }
+}
+
 /// Kalman innovation, normalised by its learned standard deviation.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Innovation {
@@ -89,6 +105,12 @@ impl Innovation {
 
     fn update(&mut self, sample: &Sample) {
         self.value = self.filter.update(sample.position, sample.acted, sample.spindle_speed);
+    }
+
+    /// The innovation (m) without what only a bad sample could be.
+    fn limited(&self) -> f64 {
+        let most = INNOVATION_MAX * self.noise.sigma();
+        self.value.clamp(-most, most)
     }
 
     fn reset(&mut self, position: f64) {
@@ -122,9 +144,9 @@ impl Detector {
             DetectorKind::Raw => Method::Raw(Monitor::new()),
             DetectorKind::Deviation => Method::Deviation(Monitor::new()),
             DetectorKind::Slope => Method::Slope,
-            DetectorKind::MultiSlope => Method::MultiSlope(
-                WINDOWS.map(|window| Scale { line: RunningLine::zeroed(window), monitor: Monitor::new() }).into(),
-            ),
+            DetectorKind::MultiSlope => {
+                Method::MultiSlope(WINDOWS.map(|time| Scale::new(samples(time, p.sample_period))).into())
+            }
             DetectorKind::Cusum => Method::Cusum(Box::new((Innovation::new(p), CumulativeSum::default()))),
             DetectorKind::Glr => Method::Glr(Box::new((Innovation::new(p), OnsetBank::new(p)))),
         };
@@ -132,19 +154,20 @@ impl Detector {
     }
 
     /// Longest slope window, samples.
-    pub fn window(p: &Parameters) -> i32 {
-        match p.detector {
-            DetectorKind::MultiSlope => p.slope_window.max(WINDOWS[3] as i32),
+    pub fn window(p: &Parameters) -> usize {
+        let longest = match p.detector {
+            DetectorKind::MultiSlope => p.slope_window.max(WINDOWS[3]),
             _ => p.slope_window,
-        }
+        };
+        samples(longest, p.sample_period)
     }
 
     /// Samples at constant speed that the detector needs before it may learn.
-    pub fn settling(p: &Parameters) -> i32 {
-        let filters = p.deviation_window + Self::window(p);
+    pub fn settling(p: &Parameters) -> usize {
+        let filters = samples(p.deviation_window, p.sample_period) + Self::window(p);
         match p.detector {
-            DetectorKind::Cusum => filters.max(kalman::ITERATIONS as i32),
-            DetectorKind::Glr => filters.max(kalman::ITERATIONS as i32 + p.glr.onsets),
+            DetectorKind::Cusum => filters.max(kalman::ITERATIONS as usize),
+            DetectorKind::Glr => filters.max(kalman::ITERATIONS as usize + p.glr.onsets as usize),
             _ => filters,
         }
     }
@@ -231,11 +254,11 @@ impl Detector {
             // a contact makes the stage lag behind its prediction
             Method::Cusum(inner) => {
                 let (innovation, sum) = &mut **inner;
-                sum.test(&p.cusum, -innovation.value / innovation.noise.sigma())
+                sum.test(&p.cusum, -innovation.limited() / innovation.noise.sigma())
             }
             Method::Glr(inner) => {
                 let (innovation, bank) = &mut **inner;
-                bank.update(innovation.value, innovation.noise.sigma()) > p.glr.threshold
+                bank.update(innovation.limited(), innovation.noise.sigma()) > p.glr.threshold
             }
         }
     }

@@ -1,23 +1,51 @@
-//! Hard force guard: catches the contact that the learning phase would mistake for noise.
+//! Hard force guard: catches the contact that comes before the detector is armed.
 
-use control_blocks::Welford;
+use control_blocks::{Consecutive, Welford};
 use serde::{Deserialize, Serialize};
 
-/// Compares the force with its mean just before learning; before that mean exists, the deviation must do.
+use crate::interface::Parameters;
+use crate::monitoring::rest_force::RestForce;
+
+/// Share by which the force of inertia may be wrong: 30 % of mass or thrust.
+const INERTIA_ERROR: f64 = 0.3;
+
+/// Compares the force with that at rest before the approach, and from learning on with its mean just before.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct ForceGuard {
-    base: Welford,
+    rest: RestForce,
+    settled: Welford,
+    before: f64,
+    row: Consecutive,
 }
 
 impl ForceGuard {
-    /// Takes one notched force (N) before learning into the mean.
-    pub fn settle(&mut self, notched: f64) {
-        self.base.push(notched);
+    /// Takes one notched force (N) at rest before the approach; whether their mean is known.
+    pub fn tare(&mut self, p: &Parameters, notched: f64) -> bool {
+        self.rest.update(p, notched);
+        self.before = self.rest.mean();
+        self.rest.known(p)
     }
 
-    /// Whether the notched force (N) is more than `limit` (N) above its mean.
-    pub fn exceeded(&self, limit: f64, notched: f64) -> bool {
-        notched - self.base.mean() > limit
+    /// Takes one notched force (N) at constant speed before learning.
+    pub fn settle(&mut self, notched: f64) {
+        self.settled.push(notched);
+    }
+
+    /// From now on the mean at constant speed counts.
+    pub fn learn(&mut self) {
+        self.before = self.settled.mean();
+    }
+
+    /// Notched force without contact, N.
+    pub fn before(&self) -> f64 {
+        self.before
+    }
+
+    /// Whether the notched force (N) is too far above that before for `threshold.row` samples in a row; the force of
+    /// the `acceleration` (m/s2) may be a part of it.
+    pub fn exceeded(&mut self, p: &Parameters, acceleration: f64, notched: f64) -> bool {
+        let limit = p.guard_force + INERTIA_ERROR * p.stage.mass * acceleration;
+        self.row.update(notched - self.before > limit) >= p.threshold.row.unsigned_abs()
     }
 }
 
@@ -25,12 +53,39 @@ impl ForceGuard {
 mod tests {
     use super::*;
 
-    #[test]
-    fn looks_only_at_the_change_and_only_at_a_push() {
+    fn settled() -> ForceGuard {
         let mut guard = ForceGuard::default();
         [2.9, 3.1, 3.0].iter().for_each(|f| guard.settle(*f));
-        assert!(!guard.exceeded(0.4, 3.39));
-        assert!(guard.exceeded(0.4, 3.41));
-        assert!(!guard.exceeded(0.4, -9.0));
+        guard.learn();
+        guard
+    }
+
+    /// Samples until `force` is a contact.
+    fn told(guard: &mut ForceGuard, acceleration: f64, force: f64) -> Option<usize> {
+        (1..100).find(|_| guard.exceeded(&Parameters::START, acceleration, force))
+    }
+
+    #[test]
+    fn looks_only_at_the_change_and_only_at_a_push_of_three_samples() {
+        assert_eq!(told(&mut settled(), 0.0, 3.39), None);
+        assert_eq!(told(&mut settled(), 0.0, 3.41), Some(3));
+        assert_eq!(told(&mut settled(), 0.0, -9.0), None);
+    }
+
+    #[test]
+    fn one_sample_below_begins_again() {
+        let mut guard = settled();
+        let hits = [9.0, 9.0, 3.0, 9.0, 9.0, 9.0].map(|force| guard.exceeded(&Parameters::START, 0.0, force));
+        assert_eq!(hits, [false, false, false, false, false, true]);
+    }
+
+    #[test]
+    fn before_learning_the_force_at_rest_counts_and_inertia_is_allowed_for() {
+        let mut guard = ForceGuard::default();
+        while !guard.tare(&Parameters::START, 1.0) {}
+        assert_eq!(guard.before(), 1.0);
+        // 0.4 N, and 0.3 of 10 kg 0.05 m/s2
+        assert_eq!(told(&mut guard, 0.05, 1.54), None);
+        assert_eq!(told(&mut guard, 0.05, 1.56), Some(3));
     }
 }

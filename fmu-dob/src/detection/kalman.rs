@@ -11,8 +11,10 @@ use crate::interface::{HARMONICS_MAX, Parameters};
 const STATES: usize = 3 + 2 * HARMONICS_MAX;
 /// Riccati iterations, one per sample, after a start or a speed change; then the gain is constant.
 pub const ITERATIONS: u32 = 2000;
-/// Relative speed change that makes a new gain.
+/// Relative speed change that makes a new model.
 const RETUNE: f64 = 1e-3;
+/// Relative speed change that makes a new gain; the harmonics follow a smaller one with the gain they have.
+const REGAIN: f64 = 0.05;
 /// Harmonics above this share of the Nyquist frequency are not modelled.
 const NYQUIST_SHARE: f64 = 0.9;
 /// Standard deviations at the start: velocity (m/s), disturbance (N), harmonic (N).
@@ -31,6 +33,7 @@ pub struct KalmanFilter {
     lag: [f64; 2],
     current: f64,
     tuned_speed: f64,
+    gain_speed: f64,
     iterations_left: u32,
     noise: NoiseModel,
     force_input: Vector,
@@ -64,6 +67,7 @@ impl KalmanFilter {
             lag: [(-decay).exp(), (1.0 - (-decay).exp()) / decay],
             current: 0.0,
             tuned_speed: 0.0,
+            gain_speed: 0.0,
             iterations_left: 0,
             noise: NoiseModel {
                 force: p.kalman.force_noise.powi(2),
@@ -102,7 +106,9 @@ impl KalmanFilter {
         let speed = spindle_speed.abs();
         if (speed - self.tuned_speed).abs() > RETUNE * self.tuned_speed {
             self.tune(speed);
-            self.iterations_left = ITERATIONS;
+        }
+        if (speed - self.gain_speed).abs() > REGAIN * self.gain_speed {
+            (self.gain_speed, self.iterations_left) = (speed, ITERATIONS);
         }
         let force = self.force_constant * self.mean_current(acted);
         self.state = self.transition * self.state + self.force_input * force;
@@ -247,8 +253,10 @@ mod tests {
     fn a_new_speed_makes_a_new_gain() {
         let (mut filter, _) = innovations(|_| 0.0);
         let gain = filter.gain;
-        filter.update(Some(0.0), 0.0, 1.0005 * SPEED);
-        assert!(filter.settled() && filter.gain == gain);
+        for wobble in [1.0005, 1.003, 0.997, 1.04] {
+            filter.update(Some(0.0), 0.0, wobble * SPEED);
+            assert!(filter.settled() && filter.gain == gain);
+        }
         filter.update(Some(0.0), 0.0, 1.1 * SPEED);
         assert!(!filter.settled() && filter.gain != gain);
     }

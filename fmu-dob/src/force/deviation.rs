@@ -39,11 +39,6 @@ impl MovingDeviation {
         self.past.fill(0.0);
         (self.next, self.count, self.sum) = (0, 0, 0.0);
     }
-
-    /// Whether the window is full.
-    pub fn full(&self) -> bool {
-        self.count == self.past.len()
-    }
 }
 
 #[cfg(test)]
@@ -65,7 +60,6 @@ mod tests {
         let mut filter = MovingDeviation::new(1000);
         for k in 0..5000 {
             assert!(filter.update(10.0).abs() < 1e-11, "tick {k}");
-            assert_eq!(filter.full(), k >= 999);
         }
     }
 
@@ -74,7 +68,6 @@ mod tests {
         let mut filter = MovingDeviation::new(4);
         (0..9).for_each(|_| _ = filter.update(100.0));
         filter.clear();
-        assert!(!filter.full());
         assert_eq!(filter.update(3.0), 0.0);
         assert_eq!(filter.update(5.0), 2.0);
         assert_eq!(filter.update(4.0), 0.0);

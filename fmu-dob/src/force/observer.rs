@@ -13,6 +13,7 @@ use crate::interface::{Observer, Parameters, Stage};
 pub struct DisturbanceObserver {
     velocity_gain: f64,
     velocity_share: f64,
+    mass: f64,
     momentum_gain: f64,
     force_share: f64,
     force_constant: f64,
@@ -30,6 +31,7 @@ impl DisturbanceObserver {
         Self {
             velocity_gain: velocity_bandwidth,
             velocity_share: share(velocity_bandwidth),
+            mass,
             momentum_gain: bandwidth * mass,
             force_share: share(bandwidth),
             force_constant,
@@ -37,6 +39,16 @@ impl DisturbanceObserver {
             force_filter: 0.0,
             velocity: 0.0,
         }
+    }
+
+    /// The same with what it remembers: filtered position (m) and filtered force (N).
+    pub fn with_memory(&self, [position_filter, force_filter]: [f64; 2]) -> Self {
+        Self { position_filter, force_filter, ..self.clone() }
+    }
+
+    /// What it remembers: filtered position (m) and filtered force (N).
+    pub fn memory(&self) -> [f64; 2] {
+        [self.position_filter, self.force_filter]
     }
 
     /// Takes the position (m) and the current that acted since the last sample (A).
@@ -58,6 +70,22 @@ impl DisturbanceObserver {
         self.velocity = velocity;
         self.position_filter = position - velocity / self.velocity_gain;
         self.force_filter = force + self.momentum_gain * velocity;
+    }
+
+    /// Motion (m) in a sample of `dt` s at an acceleration of `a` (m/s2): v dt + a (dt^2 / 2 + dt / g_v), where v is late by
+    /// the 1 / g_v of its filter.
+    pub fn motion(&self, acceleration: f64, dt: f64) -> f64 {
+        self.velocity * dt + acceleration * self.leverage(dt)
+    }
+
+    /// Acceleration (m/s2) of the nominal stage when the drive pushes with the current `acted` (A), if the force stays.
+    pub fn acceleration(&self, acted: f64) -> f64 {
+        (self.force_constant * acted - self.force()) / self.mass
+    }
+
+    /// What an acceleration of 1 m/s2 adds to the motion of a sample of `dt` s, m.
+    pub fn leverage(&self, dt: f64) -> f64 {
+        0.5 * dt * dt + dt / self.velocity_gain
     }
 
     /// Estimated disturbance force, N; positive against the positive axis.

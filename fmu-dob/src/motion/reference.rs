@@ -4,13 +4,17 @@ use control_blocks::{Trajectory, stopping_distance};
 use serde::{Deserialize, Serialize};
 
 use crate::interface::{Approach, Parameters, State};
+use crate::motion::travel::retract_distance;
 
 /// Reference of the servo in the frame where the workpiece is in the positive direction.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Motion {
     /// The reference itself.
     pub reference: Trajectory,
-    approach: Approach,
+    /// The tunable parameters of this approach.
+    pub approach: Approach,
+    /// Motion of the reference in the last sample, m.
+    pub asked: f64,
     started_at: f64,
     retreat_to: f64,
 }
@@ -18,7 +22,7 @@ pub struct Motion {
 impl Motion {
     /// Reference at rest at 0.
     pub fn new(p: &Parameters) -> Self {
-        Self { reference: Trajectory::default(), approach: p.approach, started_at: 0.0, retreat_to: 0.0 }
+        Self { reference: Trajectory::default(), approach: p.approach, asked: 0.0, started_at: 0.0, retreat_to: 0.0 }
     }
 
     /// Begins an approach at the measured position (m), with the tunable parameters of this moment.
@@ -30,7 +34,7 @@ impl Motion {
 
     /// Marks where the retreat begins.
     pub fn depart(&mut self, p: &Parameters) {
-        self.retreat_to = self.reference.position - p.retract.distance;
+        self.retreat_to = self.reference.position - retract_distance(p, &self.approach);
     }
 
     /// Goes on from another position (m) and velocity (m/s), with the same way still to retreat.
@@ -39,15 +43,34 @@ impl Motion {
         self.reference = Trajectory { position, velocity, acceleration: 0.0 };
     }
 
-    /// Moves the reference for one sample; without a valid position it only stops.
-    pub fn step(&mut self, p: &Parameters, state: State, valid: bool) {
+    /// Lies at a position (m), with nowhere to go: nothing moves the stage by command.
+    pub fn lie(&mut self, position: f64) {
+        self.reference = Trajectory::resting(position);
+        (self.asked, self.retreat_to) = (0.0, position);
+    }
+
+    /// Has no way left to retreat once it has stopped.
+    pub fn hold(&mut self) {
+        self.retreat_to = f64::INFINITY;
+    }
+
+    /// Moves the reference for one sample; without a valid position it only stops, and an approach that must wait stands.
+    pub fn step(&mut self, p: &Parameters, state: State, valid: bool, wait: bool) {
         let (velocity, acceleration) = match state {
+            State::Approach if wait => (0.0, self.approach.acceleration),
             State::Approach | State::Learn | State::Detect => (self.approach.velocity, self.approach.acceleration),
             State::Contact => (-p.retract.velocity, p.retract.deceleration),
             State::Retract | State::Fault if valid && self.way_left(p) => (-p.retract.velocity, p.retract.deceleration),
             _ => (0.0, p.retract.deceleration),
         };
+        let before = self.reference.position;
         self.reference.step(velocity, acceleration, p.sample_period);
+        self.asked = self.reference.position - before;
+    }
+
+    /// How far (m) the stage may be behind the reference, because the current acts late: v (1 + io_delay) T_s.
+    pub fn late(&self, p: &Parameters) -> f64 {
+        self.reference.velocity.abs() * (1.0 + f64::from(p.io_delay)) * p.sample_period
     }
 
     /// Whether the reference moves at the approach speed.
@@ -88,7 +111,7 @@ mod tests {
         let mut motion = Motion::new(p);
         motion.start(0.3, &p.approach);
         for _ in 0..ticks {
-            motion.step(p, State::Approach, true);
+            motion.step(p, State::Approach, true, false);
         }
         motion
     }
@@ -109,12 +132,12 @@ mod tests {
         let from = motion.reference.position;
         motion.depart(&p);
         let ticks = (0..10_000).find(|_| {
-            motion.step(&p, State::Retract, true);
+            motion.step(&p, State::Retract, true, false);
             motion.retreated(&p)
         });
         assert!(ticks.is_some());
         let way = from - motion.reference.position;
-        assert!((way - p.retract.distance).abs() < 0.2e-6, "{way} m");
+        assert!((way - retract_distance(&p, &p.approach)).abs() < 0.2e-6, "{way} m");
     }
 
     #[test]
@@ -124,7 +147,7 @@ mod tests {
         motion.depart(&p);
         let from = motion.reference.position;
         for _ in 0..1000 {
-            motion.step(&p, State::Fault, false);
+            motion.step(&p, State::Fault, false, false);
         }
         assert!(motion.at_rest() && !motion.retreated(&p));
         assert!((motion.reference.position - from).abs() < 1e-8);
@@ -136,10 +159,10 @@ mod tests {
         p.approach.travel_max = 1e-4;
         let mut motion = approaching(&p, 100);
         while !motion.beyond_travel(&p) {
-            motion.step(&p, State::Detect, true);
+            motion.step(&p, State::Detect, true, false);
         }
         while !motion.at_rest() {
-            motion.step(&p, State::Fault, false);
+            motion.step(&p, State::Fault, false, false);
         }
         let travel = motion.reference.position - 0.3;
         assert!(travel > 0.99e-4 && travel < 1e-4 + 11e-9, "{travel} m");
@@ -152,6 +175,6 @@ mod tests {
         motion.depart(&p);
         motion.reseat(0.5, 0.0);
         let left = motion.reference.position - motion.retreat_to;
-        assert!((left - p.retract.distance).abs() < 1e-15);
+        assert!((left - retract_distance(&p, &p.approach)).abs() < 1e-15);
     }
 }

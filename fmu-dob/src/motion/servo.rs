@@ -1,6 +1,6 @@
 //! Position servo: proportional-derivative control of the acceleration over the disturbance observer.
 
-use control_blocks::{Consecutive, SentCommands, Trajectory};
+use control_blocks::{Consecutive, Reversals, SentCommands, Trajectory, ticks};
 use serde::{Deserialize, Serialize};
 
 use crate::interface::Parameters;
@@ -12,6 +12,9 @@ pub fn acceleration(p: &Parameters, reference: &Trajectory, position: f64, veloc
         + omega * omega * (reference.position - position)
         + 2.0 * p.servo.damping * omega * (reference.velocity - velocity)
 }
+
+/// Two changes of the current from limit to limit belong together within this time, s: an unstable loop swings faster.
+const SWING: f64 = 0.05;
 
 /// Smallest step of the current command, A.
 pub fn current_step(p: &Parameters) -> f64 {
@@ -45,6 +48,8 @@ impl Integrator {
 pub struct Amplifier {
     sent: SentCommands,
     limited: Consecutive,
+    reversals: Reversals,
+    swings: u32,
 }
 
 impl Amplifier {
@@ -57,8 +62,20 @@ impl Amplifier {
     pub fn send(&mut self, p: &Parameters, current: f64) -> f64 {
         let sent = quantise(p, current);
         self.sent.send(sent);
-        self.limited.update(sent.abs() >= quantise(p, p.stage.current_max));
+        let limit = quantise(p, p.stage.current_max);
+        self.limited.update(sent.abs() >= limit);
+        self.swings = self.reversals.update(sent, limit, ticks(SWING, p.sample_period));
         sent
+    }
+
+    /// Changes in a row of the current from one limit to the other.
+    pub fn reversals(&self) -> u32 {
+        self.swings
+    }
+
+    /// Forgets what the current did at its limits.
+    pub fn forget(&mut self) {
+        (self.limited, self.reversals, self.swings) = (Consecutive::NONE, Reversals::default(), 0);
     }
 
     /// Samples in a row with the current at its limit.

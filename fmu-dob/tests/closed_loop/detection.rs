@@ -128,11 +128,12 @@ fn slope_beats_deviation_and_raw_force() {
 #[test]
 fn one_calibration_touch_gives_the_contact_position() {
     let p = with(DetectorKind::MultiSlope, ThresholdMode::Automatic, 100.0);
-    let calibration = approach(&p, 84_000).late;
-    let errors = approaches(&p, 84_001, 40).into_iter().map(|o| (o.late - calibration).abs());
+    let late: Vec<f64> = approaches(&p, 84_000, 41).into_iter().map(|o| o.late).collect();
+    // every touch once as the calibration of all others
+    let errors = late.iter().flat_map(|calibration| late.iter().map(move |late| (late - calibration).abs()));
     let p90 = quantile(errors, 0.9);
     println!("estimate after one calibration touch: p90 {p90:.3} um");
-    assert!(p90 <= 0.040, "p90 {p90} um");
+    assert!(p90 <= 0.060, "p90 {p90} um");
 }
 
 #[test]

@@ -8,6 +8,9 @@ use crate::run::Loop;
 /// Out of reach, m.
 const NO_WORKPIECE: f64 = 1.0;
 
+/// Distance of the retract at 100 um/s, m.
+const RETRACT: f64 = 90.12e-6;
+
 /// A loop in `state`, without a workpiece.
 fn running(p: &Parameters, seed: u64, state: State) -> Loop {
     let mut run = Loop::new(p, seed, NO_WORKPIECE);
@@ -25,10 +28,22 @@ fn retreats(mut run: Loop, fault: Fault) {
         assert_eq!((run.output.state, run.output.fault), (State::Fault, fault));
     }
     let way = from - run.output.reference.position;
-    assert!((way - 20e-6).abs() < 0.2e-6, "retreat of {way} m");
+    assert!((way - RETRACT).abs() < 0.2e-6, "retreat of {way} m");
+    assert!(run.output.drive_enable);
     assert_eq!(run.output.reference.velocity, 0.0);
     assert!(run.output.tracking_error.abs() < 20e-9, "{} m", run.output.tracking_error);
     assert!(!run.output.contact);
+}
+
+/// Checks the fault, and that the drive is off from then on.
+fn switches_off(mut run: Loop, fault: Fault) {
+    assert_eq!((run.output.state, run.output.fault), (State::Fault, fault));
+    for _ in 0..1000 {
+        assert!(finite(&run.output) && !run.output.contact);
+        assert_eq!((run.output.current, run.output.drive_enable), (0.0, false));
+        run.step();
+        assert_eq!((run.output.state, run.output.fault), (State::Fault, fault));
+    }
 }
 
 #[test]
@@ -60,21 +75,21 @@ fn lose_position(run: &mut Loop) {
 }
 
 #[test]
-fn lost_sync_of_ten_samples() {
+fn lost_reading_of_ten_samples() {
     let mut run = running(&Parameters::START, 2, State::Detect);
     for k in 0..10 {
         lose_position(&mut run);
         assert_eq!(run.output.state == State::Fault, k >= 3, "sample {k}");
     }
-    retreats(run, Fault::LostSync);
+    switches_off(run, Fault::LostReading);
 }
 
 #[test]
-fn lost_sync_in_every_approaching_state() {
+fn lost_reading_in_every_approaching_state() {
     for state in [State::Approach, State::Learn, State::Detect] {
         let mut run = running(&Parameters::START, 3, state);
         (0..4).for_each(|_| lose_position(&mut run));
-        retreats(run, Fault::LostSync);
+        switches_off(run, Fault::LostReading);
     }
 }
 
@@ -99,18 +114,13 @@ fn a_long_blackout_is_survived() {
     for _ in 0..5000 {
         lose_position(&mut run);
     }
-    // the stage has drifted; it goes on from where it is
-    retreats_after_drift(run);
-}
-
-fn retreats_after_drift(mut run: Loop) {
-    run.step();
-    let from = run.output.reference.position;
-    (0..5000).for_each(|_| run.step());
-    let way = from - run.output.reference.position;
-    assert!((way - 20e-6).abs() < 0.2e-6, "retreat of {way} m");
-    assert!(run.output.tracking_error.abs() < 20e-9);
-    assert_eq!(run.output.fault, Fault::LostSync);
+    // the stage has drifted, and nothing holds it; after a reset it is brought to rest where it is
+    assert_eq!((run.output.current, run.output.drive_enable), (0.0, false));
+    (0..100).for_each(|_| run.step());
+    reset(&mut run);
+    (0..5000).for_each(|_| run.step_with(|input| input.enable = false));
+    assert_eq!((run.output.state, run.output.drive_enable), (State::Idle, true), "{:?}", run.output);
+    assert!(run.output.tracking_error.abs() < 20e-9, "{} m", run.output.tracking_error);
 }
 
 #[test]
@@ -126,20 +136,19 @@ fn nonsense_for_one_sample() {
 }
 
 #[test]
-fn saturation_for_more_than_fifty_samples() {
+fn a_pull_that_the_drive_cannot_hold_switches_it_off() {
     let mut p = Parameters::START;
     p.guard_force = 99.0;
     let mut run = running(&p, 8, State::Learn);
-    run.slide.push = -300.0;
-    assert!(run.run_to(State::Fault, 2.0));
-    assert_eq!(run.output.fault, Fault::Saturation);
-    // it does not fight for the position it has lost
-    assert!(run.output.tracking_error.abs() < 20e-6, "{} m", run.output.tracking_error);
-    run.slide.push = 0.0;
-    (0..50_000).for_each(|_| run.step());
-    assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::Saturation));
-    assert_eq!(run.output.reference.velocity, 0.0);
-    assert!(finite(&run.output) && run.output.tracking_error.abs() < 20e-9, "{:?}", run.output);
+    while run.output.state == State::Learn {
+        run.slide.push -= 0.2;
+        run.step();
+    }
+    println!("{:?} at {} N", run.output.fault, run.slide.push);
+    // the thrust goes into the pull: a drive too weak for it
+    assert!(matches!(run.output.fault, Fault::Overload | Fault::WeakDrive), "{:?}", run.output);
+    let fault = run.output.fault;
+    switches_off(run, fault);
 }
 
 #[test]
@@ -188,13 +197,15 @@ fn no_position_from_the_beginning() {
         });
         assert_eq!(run.output.current, 0.0);
     }
-    assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::LostSync));
+    assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::LostReading));
     // it comes back: hold where it is, and begin when asked
     (0..2000).for_each(|_| run.step_with(|input| input.enable = false));
     assert_eq!(run.output.reference.velocity, 0.0);
     reset(&mut run);
+    (0..2000).for_each(|_| run.step_with(|input| input.enable = false));
     run.step();
     assert_eq!((run.output.state, run.output.fault), (State::Approach, Fault::None));
+    assert!(run.output.drive_enable);
 }
 
 /// One sample with `reset_fault`, disabled.
@@ -215,7 +226,7 @@ fn disabling_decelerates_retracts_and_is_done() {
         assert!(run.run_to(State::Done, 2.0));
         assert!(run.output.aborted && !run.output.contact);
         let way = from - run.output.reference.position;
-        assert!((way - 20e-6).abs() < 0.2e-6, "{way} m");
+        assert!((way - RETRACT).abs() < 0.2e-6, "{way} m");
         (0..1000).for_each(|_| run.step());
         assert_eq!(run.output.state, State::Done);
     }
@@ -279,11 +290,13 @@ fn a_reset_needs_a_rising_edge_at_rest_and_moves_nothing() {
 #[test]
 fn a_new_approach_forgets_the_forces_before() {
     let mut run = running(&Parameters::START, 24, State::Detect);
-    run.slide.push = -0.9;
-    (0..1500).for_each(|_| run.step());
+    for _ in 0..1500 {
+        run.slide.push -= 0.9 / 1500.0;
+        run.step();
+    }
     run.slide.push = 0.0;
     run.step_with(|input| input.enable = false);
-    assert!(run.run_to(State::Done, 2.0));
+    assert!(run.run_to(State::Done, 2.0), "{:?}", run.output);
     run.step_with(|input| input.enable = false);
     // the end of the pull would look like a push
     assert!(run.run_to(State::Detect, 3.0), "{:?}", run.output);
@@ -308,12 +321,28 @@ fn contact_before_the_detector_is_armed_is_caught_by_the_guard() {
 
 #[test]
 fn contact_while_settling_is_caught_by_the_guard() {
+    // from the first instant of the motion on; 1 mm/s with some micrometres of delay
+    for (velocity, deepest) in [(10e-6, 2.2e-6), (100e-6, 2.6e-6), (1e-3, 6e-6)] {
+        let mut p = Parameters::START;
+        p.approach.velocity = velocity;
+        for (time, seed) in [(0.0, 19), (0.005, 20), (0.05, 21), (0.15, 22), (0.22, 23)] {
+            let mut run = Loop::new(&p, seed, velocity * time);
+            assert!(run.run_to(State::Done, 3.0), "{:?}", run.output);
+            assert_eq!(run.output.contact_source, ContactSource::ForceGuard);
+            println!("{velocity} m/s, contact after {time} s: depth {} m", run.slide.depth);
+            assert!(run.slide.depth <= deepest, "{velocity} m/s, {time} s: depth {} m", run.slide.depth);
+        }
+    }
+}
+
+#[test]
+fn the_next_approach_is_armed_before_it_touches_again() {
     let p = Parameters::START;
-    for (time, seed) in [(0.06, 20), (0.15, 21), (0.22, 22)] {
-        let mut run = Loop::new(&p, seed, p.approach.velocity * time);
+    let mut run = Loop::new(&p, 25, 90e-6);
+    for _ in 0..2 {
         assert!(run.run_to(State::Done, 3.0), "{:?}", run.output);
-        assert_eq!(run.output.contact_source, ContactSource::ForceGuard);
-        println!("contact after {time} s: depth {} m", run.slide.depth);
-        assert!(run.slide.depth <= 6e-6, "depth {} m", run.slide.depth);
+        assert_eq!(run.output.contact_source, ContactSource::MultiSlope);
+        run.step_with(|input| input.enable = false);
+        run.step();
     }
 }

@@ -23,6 +23,7 @@ pub fn finite(o: &Output) -> bool {
         o.reference.position,
         o.reference.velocity,
         o.tracking_error,
+        o.drive_share,
     ];
     reals.iter().all(|x| x.is_finite())
 }

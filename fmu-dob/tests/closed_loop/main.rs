@@ -6,6 +6,7 @@ mod hostile;
 mod law;
 mod motion;
 mod noise;
+mod readings;
 mod run;
 mod slide;
 mod state;

@@ -38,9 +38,12 @@ fn starts_at_rest_anywhere() {
     let p = Parameters::START;
     for position in [0.0, -0.75, 123.456] {
         let mut controller = Controller::new(&p).unwrap();
-        let input = Input { position, enable: true, ..Input::START };
         let mut output = Output::START;
-        controller.tick(&input, &p, &mut output);
+        // the velocity is known after 3.2 ms
+        for k in 0..50 {
+            let input = Input { position, enable: k == 49, ..Input::START };
+            controller.tick(&input, &p, &mut output);
+        }
         assert_eq!(output.state, State::Approach);
         assert!((output.reference.position - position).abs() < 1e-8);
         // one tick of the acceleration feed-forward, nothing else
@@ -77,19 +80,17 @@ fn calibrated_bias_moves_the_estimate_only() {
         let mut p = Parameters::START;
         p.approach.direction = direction;
         p.contact_bias = 300e-9;
-        p.guard_force = 0.05;
         let mut controller = Controller::new(&p).unwrap();
-        let mut output = Output::START;
-        for k in 0..4000 {
-            // jump back of the stage: a push
-            let lag = if k > 3000 { 1e-6 } else { 0.0 };
-            let sign = f64::from(direction);
-            let position = output.reference.position - sign * lag;
-            let input = Input { position, enable: k > 0, ..Input::START };
+        let mut slide = Slide::new(36, 90e-6);
+        let (mut output, sign) = (Output::START, f64::from(direction));
+        for k in 0..14_000 {
+            let position = sign * slide.encoder();
+            let input = Input { position, spindle_speed: SPINDLE_SPEED, enable: k > 100, ..Input::START };
             controller.tick(&input, &p, &mut output);
+            slide.advance(sign * output.current);
         }
-        assert!(output.contact);
+        assert_eq!((output.state, output.contact), (State::Done, true));
         let shift = output.contact_position - output.contact_position_estimate;
-        assert!((shift - f64::from(direction) * 300e-9).abs() < 1e-15, "{shift}");
+        assert!((shift - sign * 300e-9).abs() < 1e-15, "{shift}");
     }
 }

@@ -56,6 +56,8 @@ pub struct Slide {
     pub push: f64,
     /// Contact force of the last substep, N.
     pub contact_force: f64,
+    /// Share of the thrust that the drive gives.
+    pub strength: f64,
 }
 
 impl Slide {
@@ -79,6 +81,7 @@ impl Slide {
             touch: None,
             push: 0.0,
             contact_force: 0.0,
+            strength: 1.0,
         }
     }
 
@@ -86,6 +89,11 @@ impl Slide {
     pub fn encoder(&mut self) -> f64 {
         let noisy = self.position + ENCODER_NOISE * self.normal();
         (noisy / ENCODER_STEP).round() * ENCODER_STEP
+    }
+
+    /// Where it is, m.
+    pub fn place(&self) -> f64 {
+        self.position
     }
 
     /// One communication step; the command (A) acts from the next step on.
@@ -102,7 +110,7 @@ impl Slide {
     fn substep(&mut self, sent: f64) {
         self.current = sent + (self.current - sent) * (-CURRENT_BANDWIDTH * DT).exp();
         let phase = TAU * self.position / POLE_PITCH;
-        let motor = FORCE_CONSTANT * (1.0 + RIPPLE * phase.sin()) * self.current;
+        let motor = self.strength * FORCE_CONSTANT * (1.0 + RIPPLE * phase.sin()) * self.current;
         let cogging = COGGING[0] * phase.sin() + COGGING[1] * (2.0 * phase).sin();
         let spindle = SPINDLE_FORCE[0] * self.angle.sin() + SPINDLE_FORCE[1] * (2.0 * self.angle).cos();
         let disturbance = self.residual + self.balancer + self.air + cogging + spindle + self.push;

@@ -1,0 +1,6 @@
+//! What is watched beside the law: the drive's answer, a reading at rest, the force at rest.
+
+pub mod drive;
+pub mod monitors;
+pub mod rest;
+pub mod rest_force;

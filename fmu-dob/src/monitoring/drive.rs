@@ -1,0 +1,113 @@
+//! How much of the commanded force accelerates the stage: the sign and the strength of the drive.
+//!
+//! The observer's disturbance is what the thrust of the current does not turn into acceleration, so Q [K_tn I] - F is the
+//! inertial force M_n z'' behind both low-passes. Held against the thrust behind the same low-passes it tells the drive.
+//! Both lose what is steady: a weight takes thrust for ever and accelerates nothing.
+
+use control_blocks::Response;
+use serde::{Deserialize, Serialize};
+
+use crate::interface::Parameters;
+
+/// What is older is forgotten, and taken for steady, s.
+const MEMORY: f64 = 0.1;
+/// Least root of the sum of squares of the thrust that tells something, in `guard.force`: the noise of the force is a
+/// quarter of that limit at most, so that the share is known to 0.1.
+const EXCITATION: f64 = 2.5;
+
+/// The drive's answer.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct DriveResponse {
+    force_share: f64,
+    velocity_share: f64,
+    slow_share: f64,
+    memory: f64,
+    least: f64,
+    thrust: f64,
+    late_thrust: f64,
+    /// of the commanded and of the inertial force
+    answers: [f64; 2],
+    steady: [f64; 2],
+    response: Response,
+}
+
+impl DriveResponse {
+    /// Nothing commanded so far.
+    pub fn new(p: &Parameters) -> Self {
+        let share = |g: f64| g * p.sample_period / (1.0 + g * p.sample_period);
+        Self {
+            force_share: share(p.observer.bandwidth),
+            velocity_share: share(p.observer.velocity_bandwidth),
+            slow_share: share(MEMORY.recip()),
+            memory: MEMORY / p.sample_period,
+            least: (EXCITATION * p.guard_force).powi(2),
+            thrust: 0.0,
+            late_thrust: 0.0,
+            answers: [0.0; 2],
+            steady: [0.0; 2],
+            response: Response::default(),
+        }
+    }
+
+    /// Takes the thrust of the current that acted (N) and the disturbance that the observer made of it (N).
+    pub fn update(&mut self, thrust: f64, disturbance: f64) {
+        self.thrust += self.force_share * (thrust - self.thrust);
+        self.late_thrust += self.velocity_share * (self.thrust - self.late_thrust);
+        self.answers = [self.late_thrust, self.thrust - disturbance];
+        for (steady, answer) in self.steady.iter_mut().zip(self.answers) {
+            *steady += self.slow_share * (answer - *steady);
+        }
+        let [modelled, measured] = [0, 1].map(|i| self.answers[i] - self.steady[i]);
+        self.response.update(modelled, measured, self.memory);
+    }
+
+    /// A motion begins: what is now is the steady part, and what was is forgotten.
+    pub fn begin(&mut self) {
+        (self.steady, self.response) = (self.answers, Response::default());
+    }
+
+    /// Share of the thrust that accelerates the stage; none while too little was commanded.
+    pub fn share(&self) -> Option<f64> {
+        self.response.share(self.least)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::force::observer::DisturbanceObserver;
+
+    /// Share after a push to and fro on a stage that does `strength` of what it is told, under a weight of 3 N.
+    fn share(strength: f64, amplitude: f64) -> Option<f64> {
+        let p = Parameters::START;
+        let (mut observer, mut drive) = (DisturbanceObserver::new(&p), DriveResponse::new(&p));
+        let (dt, constant) = (p.sample_period, p.stage.force_constant);
+        let (mut z, mut v) = (0.0, 0.0);
+        for k in 0..4000 {
+            if k == 3900 {
+                drive.begin();
+            }
+            let push = if (3900..3920).contains(&k) { amplitude } else { 0.0 };
+            let current = (3.0 / strength + push) / constant;
+            let acceleration = (strength * constant * current - 3.0) / p.stage.mass;
+            z += v * dt + 0.5 * acceleration * dt * dt;
+            v += acceleration * dt;
+            observer.update(z, current);
+            drive.update(constant * current, observer.force());
+        }
+        drive.share()
+    }
+
+    #[test]
+    fn the_share_is_the_strength_and_its_sign() {
+        for strength in [1.0, 0.3, -1.0, 1.5] {
+            let share = share(strength, 5.0).unwrap();
+            assert!((share - strength).abs() < 0.05, "{strength}: {share}");
+        }
+    }
+
+    #[test]
+    fn a_whisper_tells_nothing() {
+        assert_eq!(share(1.0, 0.1), None);
+    }
+}

@@ -1,0 +1,43 @@
+//! All monitors of the controller, side by side.
+
+use control_blocks::{Consecutive, Progress};
+use serde::{Deserialize, Serialize};
+
+use crate::interface::Parameters;
+use crate::monitoring::drive::DriveResponse;
+use crate::monitoring::rest::Rest;
+use crate::monitoring::rest_force::RestForce;
+
+/// What is watched beside the law.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Monitors {
+    /// The drive's answer.
+    pub drive: DriveResponse,
+    /// The reading at rest.
+    pub rest: Rest,
+    /// The reading has lived at rest and now stands.
+    pub standing: bool,
+    /// The force behind the retract.
+    pub relief: RestForce,
+    /// Samples in a row too far from the reference.
+    pub astray: Consecutive,
+    /// Samples in a row with too large a disturbance.
+    pub overloaded: Consecutive,
+    /// The whole job.
+    pub job: Progress,
+}
+
+impl Monitors {
+    /// Nothing seen so far.
+    pub fn new(p: &Parameters) -> Self {
+        Self {
+            drive: DriveResponse::new(p),
+            rest: Rest::default(),
+            standing: false,
+            relief: RestForce::default(),
+            astray: Consecutive::NONE,
+            overloaded: Consecutive::NONE,
+            job: Progress::default(),
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! A reading that stands at rest: noise that was there and is gone.
+//!
+//! Nothing is asked of a stage at rest, so only the last bits tell that its encoder lives. Once they have been seen to
+//! change, at rest and after every motion has died out, `limits.rest_time` without any change is no chance: a rounded
+//! normal noise of half a step stays at one number with at most 0.68 a sample.
+
+use control_blocks::{Frozen, ticks};
+use serde::{Deserialize, Serialize};
+
+use crate::interface::Parameters;
+
+/// What is left of a motion has died out after this many times 1 / `servo.bandwidth`.
+const SETTLING: f64 = 20.0;
+/// Share of samples that change by which a reading lives.
+const LIVES: f64 = 0.1;
+/// A change is more than this share of a step.
+const CHANGE: f64 = 0.5;
+
+/// The reading since the stage rests.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Rest {
+    samples: u32,
+    still: Frozen,
+    changing: f64,
+    lived: bool,
+}
+
+impl Rest {
+    /// Begins again, after a motion for instance.
+    pub fn clear(&mut self) {
+        *self = Self::default();
+    }
+
+    /// Takes one position at rest (m); whether it has lived and now stands.
+    pub fn update(&mut self, p: &Parameters, position: f64) -> bool {
+        let window = ticks(p.limits.rest_time, p.sample_period);
+        self.samples = self.samples.saturating_add(1);
+        self.still.update(position, 0.0, CHANGE * p.stage.encoder_resolution);
+        if window == 0 || self.samples <= ticks(SETTLING / p.servo.bandwidth, p.sample_period) {
+            return false;
+        }
+        let changed = f64::from(u8::from(self.still.still() == 0));
+        self.changing += (changed - self.changing) / f64::from(window);
+        self.lived |= self.changing > LIVES;
+        self.lived && self.still.still() >= window
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Samples of noise until the reading stands, and then until that is told.
+    fn told(p: &Parameters, noise: usize, freeze: impl Fn(usize) -> f64) -> Option<usize> {
+        let mut rest = Rest::default();
+        // steps of 0 and 1 nm in an irregular row
+        for k in 0..noise {
+            assert!(!rest.update(p, if k * k % 7 < 3 { 1e-9 } else { 0.0 }), "{k}");
+        }
+        (0..5000).find(|k| rest.update(p, freeze(*k)))
+    }
+
+    #[test]
+    fn noise_that_is_gone_is_told_after_the_rest_time() {
+        let p = Parameters::START;
+        assert!(told(&p, 3000, |_| 0.0).is_some_and(|k| (298..=302).contains(&k)));
+        assert_eq!(told(&p, 3000, |k| 1e-9 * (k % 300 / 299) as f64), None);
+    }
+
+    #[test]
+    fn what_never_lived_is_not_told() {
+        let p = Parameters::START;
+        // only while the motion before dies out
+        assert_eq!(told(&p, 1000, |_| 0.0), None);
+        let mut unwatched = p.clone();
+        unwatched.limits.rest_time = 0.0;
+        assert_eq!(told(&unwatched, 3000, |_| 0.0), None);
+    }
+}

@@ -1,0 +1,112 @@
+//! Whether the servo over its observer is stable on the nominal stage, before anything moves.
+//!
+//! Without its limits the loop is linear: one sample is x' = A x with x = (position, velocity, current, memory of the
+//! observer, integral, currents on their way), and column i of A is what a sample makes of the i-th unit vector. The loop
+//! is stable while all eigenvalues of A lie inside the unit circle. It must be so with a margin: with a drive that is
+//! stronger than told, and one sample of delay more.
+
+use control_blocks::{DELAY_MAX, Trajectory};
+use nalgebra::DMatrix;
+
+use crate::force::observer::DisturbanceObserver;
+use crate::interface::Parameters;
+use crate::motion::servo;
+
+/// A drive as much stronger than told must be stable, too: 30 % of thrust or mass.
+const GAIN_MARGIN: f64 = 1.3;
+/// So many more samples of delay must be stable, too.
+const DELAY_MARGIN: usize = 1;
+/// Position, velocity, current, two of the observer, integral.
+const OWN: usize = 6;
+/// Steps of the stage in a sample.
+const SUBSTEPS: u32 = 8;
+/// Largest absolute value of the eigenvalues of a sample, with the margins.
+pub fn spectral_radius(p: &Parameters) -> f64 {
+    let order = OWN + p.io_delay as usize + DELAY_MARGIN + 1;
+    let observer = DisturbanceObserver::new(p);
+    let mut matrix = DMatrix::zeros(order, order);
+    for i in 0..order {
+        let mut x = [0.0; OWN + DELAY_MAX + DELAY_MARGIN + 1];
+        x[i] = 1.0;
+        sample(p, &observer, &mut x[..order]);
+        (0..order).for_each(|row| matrix[(row, i)] = x[row]);
+    }
+    matrix.complex_eigenvalues().iter().map(|z| z.norm()).fold(0.0, f64::max)
+}
+
+/// One sample of the loop: read, act, move.
+fn sample(p: &Parameters, observer: &DisturbanceObserver, x: &mut [f64]) {
+    let mut observer = observer.with_memory([x[3], x[4]]);
+    let told = x[OWN + p.io_delay as usize];
+    observer.update(x[0], told);
+    [x[3], x[4]] = observer.memory();
+    let mut force = p.stage.mass * servo::acceleration(p, &Trajectory::default(), x[0], observer.velocity());
+    if p.servo.disturbance_compensation {
+        force += observer.force();
+    }
+    if p.servo.disturbance_compensation || p.servo.integral_gain == 0.0 {
+        // not there, and no eigenvalue 1
+        x[5] = 0.0;
+    } else {
+        x[5] -= p.servo.integral_gain * x[0] * p.sample_period;
+        force += p.stage.mass * x[5];
+    }
+    x[OWN..].rotate_right(1);
+    x[OWN] = force / p.stage.force_constant;
+    let acting = x[x.len() - 1];
+    let dt = p.sample_period / f64::from(SUBSTEPS);
+    let lag = (-p.stage.current_bandwidth * dt).exp();
+    for _ in 0..SUBSTEPS {
+        x[2] = acting + (x[2] - acting) * lag;
+        let acceleration = GAIN_MARGIN * p.stage.force_constant * x[2] / p.stage.mass;
+        x[0] += x[1] * dt + 0.5 * acceleration * dt * dt;
+        x[1] += acceleration * dt;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_presets_are_stable_with_every_delay_up_to_four() {
+        for io_delay in 0..=4 {
+            for compensation in [false, true] {
+                let mut p = Parameters { io_delay, ..Parameters::START };
+                p.servo.disturbance_compensation = compensation;
+                assert!(spectral_radius(&p) < 0.999, "{io_delay}: {}", spectral_radius(&p));
+            }
+        }
+    }
+
+    #[test]
+    fn the_radius_is_the_growth_of_the_loop_in_a_sample() {
+        let mut p = Parameters::START;
+        (p.servo.bandwidth, p.observer.bandwidth) = (785.0, 3000.0);
+        let observer = DisturbanceObserver::new(&p);
+        let mut x = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+        let mut largest = || {
+            (0..400)
+                .map(|_| {
+                    sample(&p, &observer, &mut x);
+                    x[0].abs()
+                })
+                .fold(0.0, f64::max)
+        };
+        largest();
+        let growth = (largest().recip() * largest()).powf(1.0 / 400.0);
+        assert!(
+            growth > 1.001 && (growth / spectral_radius(&p) - 1.0).abs() < 5e-3,
+            "{growth} {}",
+            spectral_radius(&p)
+        );
+    }
+
+    #[test]
+    fn without_any_gain_the_radius_is_that_of_a_free_mass() {
+        let mut p = Parameters::START;
+        (p.servo.disturbance_compensation, p.servo.integral_gain) = (false, 0.0);
+        p.servo.bandwidth = 1e-9;
+        assert!((spectral_radius(&p) - 1.0).abs() < 1e-6);
+    }
+}

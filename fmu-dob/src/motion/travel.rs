@@ -1,0 +1,62 @@
+//! Ways and times of a job.
+
+use control_blocks::stopping_distance;
+
+use crate::detection::detector::Detector;
+use crate::interface::{Approach, Parameters};
+
+/// The retract is longer than the way to arm by this share, for what the surface and the stop may differ.
+const RETRACT_SPARE: f64 = 1.2;
+/// A job may take longer than its ways and times need by this share and this time, s.
+const JOB_SPARE: (f64, f64) = (1.25, 1.0);
+
+/// Way (m) until the detector is armed, v^2 / (2 a) + v (t_settle + t_learn).
+pub fn arming_travel(p: &Parameters, approach: &Approach) -> f64 {
+    let v = approach.velocity;
+    stopping_distance(v, approach.acceleration) + v * (p.learn.settle_time + p.learn.time)
+}
+
+/// Distance of the retract (m): `retract.distance`, or what lets the next approach arm before it touches.
+pub fn retract_distance(p: &Parameters, approach: &Approach) -> f64 {
+    if p.retract.distance > 0.0 { p.retract.distance } else { RETRACT_SPARE * arming_travel(p, approach) }
+}
+
+/// Longest learning (s): `limits.learn_time`, or twice `learn.time` and what the filters need to settle.
+pub fn learn_limit(p: &Parameters) -> f64 {
+    if p.limits.learn_time > 0.0 {
+        return p.limits.learn_time;
+    }
+    2.0 * p.learn.time + Detector::settling(p) as f64 * p.sample_period
+}
+
+/// Longest job (s): `limits.job_time`, or what its ways and times need and some more.
+pub fn job_limit(p: &Parameters, approach: &Approach) -> f64 {
+    if p.limits.job_time > 0.0 {
+        return p.limits.job_time;
+    }
+    let Approach { velocity, acceleration, travel_max, .. } = *approach;
+    let there = travel_max / velocity + velocity / acceleration + p.learn.settle_time + learn_limit(p);
+    let back = (travel_max + retract_distance(p, approach)) / p.retract.velocity;
+    JOB_SPARE.0 * (there + back) + JOB_SPARE.1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ways_and_times_of_the_defaults() {
+        let mut p = Parameters::START;
+        let near = |value: f64, expected: f64| assert!((value / expected - 1.0).abs() < 1e-9, "{value} {expected}");
+        // 100 um/s for 0.75 s, and 0.1 um to get there
+        near(arming_travel(&p, &p.approach), 75.1e-6);
+        near(retract_distance(&p, &p.approach), 90.12e-6);
+        near(learn_limit(&p), 1.12);
+        // 50 s there, 5.09 s back
+        near(job_limit(&p, &p.approach), 1.25 * (50.0 + 0.002 + 0.25 + 1.12 + 5.09012) + 1.0);
+        (p.retract.distance, p.limits.learn_time, p.limits.job_time) = (1e-3, 3.0, 7.0);
+        near(retract_distance(&p, &p.approach), 1e-3);
+        near(learn_limit(&p), 3.0);
+        near(job_limit(&p, &p.approach), 7.0);
+    }
+}

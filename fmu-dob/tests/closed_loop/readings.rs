@@ -1,0 +1,168 @@
+//! Readings that lie: frozen, jumping, drifting; and what the controller says of them.
+
+use fmu_dob::interface::{ContactSource, DetectorKind, Fault, Input, Parameters, State};
+
+use crate::run::Loop;
+
+/// Out of reach, m.
+const NO_WORKPIECE: f64 = 1.0;
+
+fn running(p: &Parameters, seed: u64, state: State) -> Loop {
+    let mut run = Loop::new(p, seed, NO_WORKPIECE);
+    assert!(run.run_to(state, 3.0), "{:?}", run.output);
+    (0..50).for_each(|_| run.step());
+    run
+}
+
+/// Steps with a changed input until a fault or a contact; the way of the slide in that time, m.
+fn until_told(run: &mut Loop, samples: u32, mut change: impl FnMut(&mut Input)) -> f64 {
+    let from = run.slide.place();
+    let mut way: f64 = 0.0;
+    for _ in 0..samples {
+        run.step_with(&mut change);
+        way = way.max((run.slide.place() - from).abs());
+        if run.output.state == State::Fault || run.output.contact {
+            break;
+        }
+    }
+    way
+}
+
+#[test]
+fn a_frozen_encoder_is_told_before_it_looks_like_a_contact() {
+    for &detector in DetectorKind::ALL {
+        for speed in [1e-5, 3e-5, 1e-4, 1e-3] {
+            for flicker in [0.0, 1e-9] {
+                for seed in 60..63 {
+                    let mut p = Parameters { detector, ..Parameters::START };
+                    p.approach.velocity = speed;
+                    let mut run = running(&p, seed, State::Detect);
+                    let (mut held, mut k) = (None, 0);
+                    let way = until_told(&mut run, 1000, |input| {
+                        k += 1;
+                        input.position = *held.get_or_insert(input.position) + flicker * f64::from(k % 2);
+                    });
+                    let told = (run.output.fault, run.output.contact, run.output.drive_enable);
+                    assert_eq!(told, (Fault::FrozenReading, false, false), "{detector:?} {speed} {flicker} {seed}");
+                    // what it moves in the samples until then, and what it has been turned away
+                    assert!(way < 10.0 * speed * 1e-4 + 20e-9, "{detector:?} {speed} {flicker}: {way} m");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_frozen_encoder_is_told_while_learning_and_on_the_way_back() {
+    for state in [State::Approach, State::Learn, State::Retract] {
+        let mut run = Loop::new(&Parameters::START, 64, 90e-6);
+        assert!(run.run_to(state, 3.0));
+        (0..400).for_each(|_| run.step());
+        let mut held = None;
+        for _ in 0..100 {
+            run.step_with(|input| input.position = *held.get_or_insert(input.position));
+        }
+        assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::FrozenReading), "{state:?}");
+    }
+}
+
+#[test]
+fn an_encoder_that_freezes_at_rest_is_told_before_or_as_the_approach_begins() {
+    // long before, just before, and with a last bit that flickers
+    for (at, enable, flicker) in [(4000, 9000, 0.0), (4000, 4050, 0.0), (4000, 4050, 1e-9), (0, 300, 0.0)] {
+        let mut run = Loop::new(&Parameters::START, 65, NO_WORKPIECE);
+        let mut held = None;
+        let mut from = None;
+        for k in 0..10_000 {
+            run.step_with(|input| {
+                input.enable = k >= enable;
+                if k >= at {
+                    input.position = *held.get_or_insert(input.position) + flicker * f64::from(k % 2);
+                }
+            });
+            if k >= at {
+                from.get_or_insert(run.slide.place());
+            }
+            if run.output.state == State::Fault {
+                break;
+            }
+        }
+        let way = (run.slide.place() - from.unwrap()).abs();
+        println!("frozen at {at}, enabled at {enable}: moved {way} m");
+        assert_eq!(run.output.fault, Fault::FrozenReading, "{at} {enable}");
+    }
+}
+
+#[test]
+fn one_bad_sample_is_no_contact_and_moves_nothing() {
+    for &detector in DetectorKind::ALL {
+        for offset in [3e-9, 5e-9, 8e-9, 12e-9, 20e-9, 50e-9, 1e-7, 1e-6, 1e-3] {
+            // just below `limits.jump` it is believed, and the ratio knows no single samples
+            if detector == DetectorKind::Glr && offset == 8e-9 {
+                continue;
+            }
+            for sign in [1.0, -1.0] {
+                for seed in 66..68 {
+                    let p = Parameters { detector, ..Parameters::START };
+                    let mut run = running(&p, seed, State::Detect);
+                    run.step_with(|input| input.position += sign * offset);
+                    let way = until_told(&mut run, 2000, |_| ());
+                    let told = (run.output.state, run.output.contact_source);
+                    assert_eq!(
+                        told,
+                        (State::Detect, ContactSource::None),
+                        "{detector:?} {} nm, {seed}: {:?}",
+                        sign * offset * 1e9,
+                        run.output
+                    );
+                    assert!((way - 2e-5).abs() < 1e-7);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_position_that_jumps_for_good_is_told() {
+    for offset in [4e-8, -4e-8, 1e-6, -1e-3] {
+        let mut run = running(&Parameters::START, 71, State::Detect);
+        until_told(&mut run, 100, |input| input.position += offset);
+        assert_eq!((run.output.fault, run.output.contact), (Fault::ReadingJump, false), "{offset}");
+    }
+}
+
+#[test]
+fn the_spindle_signal_does_not_vanish_in_a_sample() {
+    let mut run = running(&Parameters::START, 72, State::Detect);
+    until_told(&mut run, 100, |input| input.spindle_speed = 0.0);
+    assert_eq!((run.output.fault, run.output.contact), (Fault::LostSpindle, false));
+    assert!(run.output.drive_enable);
+}
+
+#[test]
+fn a_wobbling_spindle_lets_every_detector_arm() {
+    for &detector in DetectorKind::ALL {
+        let p = Parameters { detector, ..Parameters::START };
+        let mut run = Loop::new(&p, 73, NO_WORKPIECE);
+        for k in 0..12_000 {
+            let wobble = 1.0 + 0.003 * (1e-4 * std::f64::consts::TAU * f64::from(k)).sin();
+            run.step_with(|input| input.spindle_speed *= wobble);
+        }
+        assert_eq!(run.output.state, State::Detect, "{detector:?} {:?}", run.output);
+    }
+}
+
+#[test]
+fn learning_that_does_not_end_is_told() {
+    let p = Parameters { detector: DetectorKind::Glr, ..Parameters::START };
+    let mut run = Loop::new(&p, 74, NO_WORKPIECE);
+    // 10 % to and fro, slowly enough for a spindle: a new gain again and again
+    for k in 0..40_000 {
+        let wobble = 1.0 + 0.1 * (4e-4 * std::f64::consts::TAU * f64::from(k)).sin();
+        run.step_with(|input| input.spindle_speed *= wobble);
+        if run.output.state == State::Fault {
+            break;
+        }
+    }
+    assert_eq!((run.output.fault, run.output.drive_enable), (Fault::LearnTimeout, true));
+}

@@ -1,0 +1,320 @@
+"""Faults of the contact detection: encoder, spindle signal, drive and machine on the way to the touch."""
+
+from dataclasses import replace
+
+from cosim.scenario.injection import Injection
+from cosim.scenario.model import Signal
+
+from .matrix import DONE, Matrix, Row
+
+POSITION = "controller.position"
+CURRENT = "plant.current"
+DETECT = 'controller.state == "Detect"'
+LEARN = 'controller.state == "Learn"'
+SHORT = (
+    "controller.learn.settle_time=0.13", "controller.learn.time=0.12", "loop.duration=0.6",
+    "plant.surface_distance=3e-5", "plant.surface_spread=5e-6",
+)  # fmt: skip
+"""Armed after 0.27 s and 25 um, the surface 5 to 10 um later."""
+
+DEEP = "max(maximum(plant.depth, 0.0)[controller.drive_enable])"
+"""Travel beyond the first possible touch while the drive is on; then the brake of the machine holds it."""
+ASTRAY = "max(abs(plant.position - controller.reference.position)[controller.drive_enable])"
+"""Where the slide is while the drive is on, against where it should be."""
+
+
+def wrong(to: str, when: str = DETECT, after: float = 0.02, **kind: object) -> Injection:
+    return Injection(to, when=when, after=after, **kind)  # type: ignore[arg-type]
+
+
+def at(time: float, to: str = POSITION, **kind: object) -> Injection:
+    return Injection(to, from_time=time, **kind)  # type: ignore[arg-type]
+
+
+OFF = "an encoder that lies: what is commanded in the 4 samples until it is told, 10 nm each at 100 um/s"
+TOLD = "the reading is bridged or told: the servo follows within 10 nm, 5 sigma of its noise"
+GUARD = "force guard: 0.4 N on one flute, 2 um, and 1 um to stop"
+TOUCH = "a touch as in the nominal run, 0.42 um in 99 of 100"
+FALL = "drive lost: the weight left over, 0.5 N, takes 10.4 kg to `limits.following` = 20 um"
+WILD = "5 A, 97 N: 9.3 m/s2 for the time to `limits.following` = 20 um and the 3 samples after it"
+
+ROWS = (
+    # the encoder
+    Row(
+        "encoder frozen at rest, before the start",
+        ("FrozenReading",),
+        ASTRAY,
+        1e-6,
+        "the force of 10 mN that noise leaves moves it 0.5 um in the 30 ms of `limits.rest_time`",
+        (at(0.3, frozen=True),),
+        (Signal("controller.enable", (0.0, 0.5), (False, True)),),
+    ),
+    Row(
+        "encoder frozen just before the start",
+        ("FrozenReading",),
+        ASTRAY,
+        1e-6,
+        "as before, for the 20 ms of the force at rest",
+        (at(0.3, frozen=True),),
+        (Signal("controller.enable", (0.0, 0.3), (False, True)),),
+    ),
+    Row("encoder frozen while settling", ("FrozenReading",), ASTRAY, 5e-8, OFF, (at(0.1, frozen=True),)),
+    Row(
+        "encoder frozen while learning",
+        ("FrozenReading",),
+        ASTRAY,
+        5e-8,
+        OFF,
+        (wrong(POSITION, LEARN, frozen=True),),
+    ),
+    Row(
+        "encoder frozen while watching",
+        ("FrozenReading",),
+        ASTRAY,
+        5e-8,
+        OFF,
+        (wrong(POSITION, frozen=True),),
+    ),
+    Row(
+        "encoder frozen while watching, 10 um/s",
+        ("FrozenReading",),
+        ASTRAY,
+        5e-8,
+        OFF,
+        (wrong(POSITION, frozen=True),),
+        changes=("controller.approach.velocity=1e-5",),
+    ),
+    Row(
+        "encoder frozen while watching, paper's law",
+        ("FrozenReading",),
+        ASTRAY,
+        5e-8,
+        OFF,
+        (wrong(POSITION, frozen=True),),
+        changes=("controller.law=Paper",),
+    ),
+    Row(
+        "encoder frozen on the way back",
+        ("FrozenReading",),
+        ASTRAY,
+        1e-6,
+        "1 mm/s for the 4 samples until it is told, and the 0.2 um that it is late",
+        (wrong(POSITION, 'controller.state == "Retract"', frozen=True),),
+    ),
+    Row(
+        "encoder frozen for 2 samples",
+        (DONE,),
+        DEEP,
+        4.2e-7,
+        TOUCH,
+        (wrong(POSITION, duration=2e-4, frozen=True),),
+    ),
+    Row(
+        "encoder 1 um off from now on",
+        ("ReadingJump",),
+        ASTRAY,
+        2e-6,
+        "1 um, which the reference then has",
+        (wrong(POSITION, offset=1e-6),),
+    ),
+    Row(
+        "encoder spike of 1 um", (DONE,), DEEP, 4.2e-7, TOUCH, (wrong(POSITION, duration=1e-4, offset=1e-6),)
+    ),
+    Row(
+        "encoder spike of 20 nm", (DONE,), DEEP, 4.2e-7, TOUCH, (wrong(POSITION, duration=1e-4, offset=2e-8),)
+    ),
+    Row(
+        "encoder spike of -8 nm",
+        (DONE,),
+        DEEP,
+        4.2e-7,
+        TOUCH,
+        (wrong(POSITION, duration=1e-4, offset=-8e-9),),
+    ),
+    Row("encoder drifts by 2 um/s", (DONE,), DEEP, 4.2e-7, TOUCH, (wrong(POSITION, ramp=2e-6),)),
+    Row(
+        "encoder noise of 10 nm, twenty times",
+        ("ReadingJump", "LearnRejected"),
+        DEEP,
+        1e-9,
+        "found before the surface",
+        (at(0.0, noise=1e-8),),
+    ),
+    Row(
+        "encoder loses a tenth of the samples",
+        (DONE, "FrozenReading"),
+        DEEP,
+        4.2e-7,
+        TOUCH,
+        (wrong(POSITION, LEARN, drop=0.1),),
+    ),
+    Row(
+        "encoder invalid for a tenth of the samples",
+        (DONE, "LostReading"),
+        DEEP,
+        4.2e-7,
+        TOUCH,
+        (wrong("controller.position_valid", LEARN, drop=0.1),),
+    ),
+    Row(
+        "encoder invalid from now on",
+        ("LostReading",),
+        ASTRAY,
+        5e-8,
+        OFF,
+        (wrong("controller.position_valid", value=0.0),),
+    ),
+    Row(
+        "encoder NaN for one sample",
+        ("InvalidInput",),
+        ASTRAY,
+        1e-6,
+        TOLD,
+        (wrong(POSITION, duration=1e-4, value=float("nan")),),
+    ),
+    Row(
+        "encoder NaN from now on",
+        ("InvalidInput", "LostReading"),
+        ASTRAY,
+        1e-6,
+        OFF,
+        (wrong(POSITION, value=float("nan")),),
+    ),
+    Row(
+        "encoder 3 samples late", (DONE,), DEEP, 4.5e-7, "a touch, and 3 samples of 10 nm", (at(0.0, late=3),)
+    ),
+    # the spindle
+    Row(
+        "spindle signal lost",
+        ("LostSpindle",),
+        DEEP,
+        1e-9,
+        "found before the surface",
+        (wrong("controller.spindle_speed", value=0.0),),
+    ),
+    Row(
+        "spindle signal with 0.3 % of noise",
+        (DONE,),
+        DEEP,
+        4.2e-7,
+        TOUCH,
+        (at(0.0, "controller.spindle_speed", noise=9.4),),
+    ),
+    # the drive
+    Row("current of the wrong sign", ("DriveSign",), ASTRAY, 3e-4, WILD, (at(0.0, CURRENT, scale=-1.0),)),
+    Row(
+        "current of the wrong sign while watching",
+        ("DriveSign",),
+        ASTRAY,
+        3e-4,
+        WILD,
+        (wrong(CURRENT, scale=-1.0),),
+    ),
+    Row(
+        "drive at 0.3 of its strength",
+        ("WeakDrive",),
+        DEEP,
+        1e-9,
+        "found before the surface",
+        (at(0.0, CURRENT, scale=0.3),),
+    ),
+    Row("drive at 0.3 from now on", (DONE, "WeakDrive"), ASTRAY, 2e-5, FALL, (wrong(CURRENT, scale=0.3),)),
+    Row(
+        "current lost",
+        ("WeakDrive", "FollowingError", "Overload"),
+        ASTRAY,
+        3e-5,
+        FALL,
+        (wrong(CURRENT, value=0.0),),
+    ),
+    Row(
+        "current stuck",
+        ("WeakDrive", "FollowingError", "Overload", "DriveSign"),
+        ASTRAY,
+        3e-5,
+        FALL,
+        (wrong(CURRENT, frozen=True),),
+    ),
+    Row(
+        "current limited to 0.02 A",
+        (DONE, "WeakDrive", "FollowingError", "Overload"),
+        ASTRAY,
+        3e-5,
+        FALL,
+        (),
+        changes=("plant.current_limit=0.02",),
+    ),
+    Row(
+        "current 3 samples late",
+        (DONE,),
+        DEEP,
+        4.5e-7,
+        "a touch, and 3 samples of 10 nm",
+        (at(0.0, CURRENT, late=3),),
+    ),
+    # what the controller is told
+    Row("mass told 30 % too small", (DONE,), DEEP, 4.2e-7, TOUCH, changes=("controller.stage.mass=7.3",)),
+    Row(
+        "thrust told twice too large",
+        (DONE, "WeakDrive"),
+        DEEP,
+        4.2e-7,
+        TOUCH,
+        changes=("controller.stage.force_constant=39",),
+    ),
+    Row("delay told one sample too short", (DONE,), DEEP, 4.2e-7, TOUCH, changes=("controller.io_delay=0",)),
+    # the machine and its operator
+    Row(
+        "surface 1 um from the start",
+        (DONE,),
+        DEEP,
+        3e-6,
+        GUARD,
+        changes=("plant.surface_distance=1e-6", "plant.surface_spread=0"),
+    ),
+    Row(
+        "the slide is held",
+        ("WeakDrive", "Saturation", "FollowingError"),
+        DEEP,
+        1e-9,
+        "it never gets there",
+        changes=("plant.damping=1e4", "plant.current_limit=0.3", "controller.stage.current_max=0.3"),
+    ),
+    Row(
+        "restart behind the retract",
+        (DONE,),
+        DEEP,
+        4.2e-7,
+        TOUCH,
+        changes=("loop.duration=1.1", "loop.stop_when="),
+        signals=(Signal("controller.enable", (0.0, 0.01, 0.5, 0.51), (False, True, False, True)),),
+    ),
+    Row(
+        "enable goes off and on on the way",
+        (DONE,),
+        DEEP,
+        1e-9,
+        "it goes back before the surface",
+        signals=(Signal("controller.enable", (0.0, 0.01, 0.2, 0.201), (False, True, False, True)),),
+    ),
+    Row(
+        "second fault: travel limit, then the encoder",
+        ("TravelLimit", "LostReading"),
+        DEEP,
+        1e-9,
+        "the travel ends before the surface",
+        (Injection("controller.position_valid", when='controller.state == "Fault"', after=0.005, value=0.0),),
+        changes=("controller.approach.travel_max=2.8e-5",),
+    ),
+)
+
+MATRIX = Matrix(
+    scenario="dob",
+    seed=77_013,
+    good=(
+        '(last(controller.state) == "Done") & (last(controller.contact) == (last(plant.touched) > 0))'
+        " & ~any(controller.contact & (plant.touched == 0))"
+    ),
+    rest="max(abs(plant.velocity[time > last(time) - 0.002])) < 1e-4",
+    rows=tuple(replace(row, changes=(*SHORT, *row.changes)) for row in ROWS),
+)
