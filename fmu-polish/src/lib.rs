@@ -10,6 +10,7 @@ mod faults;
 mod force;
 pub mod interface;
 mod machine;
+mod monitor;
 mod motion;
 pub mod path;
 mod reading;
@@ -20,7 +21,7 @@ use controller::Controller;
 use interface::Vars;
 
 impl Model for Controller {
-    const INFO: Info = Info { name: "StickSlipPolishing", state_version: 2, stop_time: 60.0, ..package!() };
+    const INFO: Info = Info { name: "StickSlipPolishing", state_version: 3, stop_time: 60.0, ..package!() };
     type Vars = Vars;
 
     fn numbers(vars: &Vars) -> String {

@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::cl_data::Point;
+use super::feed::CREEP;
 use crate::interface::{ErrorOutput, Parameters};
 
 /// Smaller turns than this never slow the feed, rad.
@@ -94,6 +95,17 @@ impl CentrePath {
     /// Its length along the contact points, m.
     pub fn length(&self) -> f64 {
         self.knots.last().map_or(0.0, |knot| knot.s)
+    }
+
+    /// Planned time along it without overrides, s.
+    pub fn time(&self, p: &Parameters) -> f64 {
+        let wanted = if p.feed.uses_file() { f64::MAX } else { p.feed.velocity };
+        let piece = |pair: &[Knot]| {
+            let fastest = 0.5 * (pair[0].feed_max + pair[1].feed_max);
+            (pair[1].s - pair[0].s) / fastest.min(wanted).max(CREEP)
+        };
+        let cruise: f64 = self.knots.windows(2).map(piece).sum();
+        cruise + p.feed.velocity / p.feed.acceleration
     }
 
     /// The place at the arc length `s` (m) beyond `place`, at most the end.
