@@ -237,6 +237,7 @@ impl Controller {
         match state {
             State::Fault => {
                 self.fault = events.fault.unwrap_or(Fault::None);
+                self.taring = false;
                 self.halted = self.fault.safe_end() != SafeEnd::Retract || !self.state.moving();
             }
             State::Idle => (self.fault, self.halted, self.taring) = (Fault::None, false, false),
