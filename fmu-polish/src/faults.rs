@@ -172,7 +172,7 @@ pub fn numbers(vars: &Vars) -> String {
             )
         }
         Fault::InvalidPath => format!(" {place}, by more than `limits.force_angle` = `{} rad`", p.limits.force_angle),
-        Fault::ApproachTimeout => format!(" = `{} m`", p.approach.travel_max),
+        Fault::ApproachTimeout => format!(": `{} m`, `{} m`", p.approach.travel_max, p.limits.surface_error),
         Fault::PositionError => format!(": `{:.6} m` along, `{:.6} m` beside", error.tangential, error.lateral),
         Fault::Stroke => format!(": position `{} {} {} m`", x.x, x.y, x.z),
         Fault::TareRejected => format!(" = `{} N`: raw force `{} {} {} N`", p.limits.tare_force, f.x, f.y, f.z),
@@ -186,7 +186,7 @@ pub fn numbers(vars: &Vars) -> String {
         Fault::Saturation => format!(" = `{} N`: raw force `{} {} {} N`", p.sensor_range, f.x, f.y, f.z),
         Fault::NoisyForce => format!(" = `{} N` {place}", p.limits.force_noise),
         Fault::Oscillation | Fault::ForceError => {
-            format!(" {place}: `{:.2} N` of `{} N`", force.measured, force.setpoint)
+            format!(" {place}: `{:.2} N` of `{} N`", force.measured, p.force.target)
         }
         Fault::WrongStiffness => {
             format!(

@@ -56,8 +56,8 @@ const CASES: [Case; 27] = [
     (Fault::FollowingError, |p, _| p.limits.following_error = 2e-6, |_, _| ()),
     (Fault::DriveSign, |_, build| build.pulses.z = -1.0, |_, _| ()),
     (Fault::WeakDrive, |_, build| build.pulses.z = 0.3, |_, _| ()),
-    (Fault::Oscillation, swings, |_, _| ()),
-    (Fault::ForceError, |p, _| p.limits.force_error = 0.03, |_, _| ()),
+    (Fault::Oscillation, |p, _| p.limits.force_error = 0.005, |_, _| ()),
+    (Fault::ForceError, |_, build| build.shift.x = 0.6e-3, |_, _| ()),
     (Fault::WrongStiffness, |p, _| p.limits.stiffness_ratio = 1.001, |_, _| ()),
     (Fault::UnstableLoop, |_, _| (), |_, _| ()),
     (Fault::UnloadTimeout, |_, _| (), |state, input| set(state == State::Retract, &mut input.force.z, 1.0)),
@@ -78,12 +78,6 @@ fn lean(p: &mut Parameters, build: &mut Build) {
 /// A limit that no machine keeps.
 fn precise(p: &mut Parameters, _: &mut Build) {
     (p.limits.position_error, p.stick_slip.mode) = (1e-6, Mode::Off);
-}
-
-/// A contact five times as stiff as told.
-fn swings(p: &mut Parameters, build: &mut Build) {
-    (p.impedance.adaptive, p.impedance.damping, p.ripple.gain) = (false, 2500.0, 0.0);
-    (p.limits.stiffness_ratio, p.misalignment.enable, build.stiffness) = (4.0, false, 900e3);
 }
 
 #[test]

@@ -11,12 +11,12 @@ use crate::interface::{Fault, Parameters};
 
 /// What a response means: below the first a wrong sign, below the second a weak drive.
 const SHARES: (f64, f64) = (-0.2, 0.5);
-/// Time over which motions are compared, s; slower ones are left out.
-const SLOW: f64 = 0.1;
+/// Share of the largest following error from which on motions are compared.
+const BEGIN: f64 = 0.25;
+/// Fewest samples of that: a reading that jumps says nothing about the drive.
+const COMPARED: u32 = 3;
 /// Time for which a reading may stand where an axis turns round later than told, s.
 const TURN: f64 = 0.015;
-/// Memory of the comparison, s.
-const MEMORY: f64 = 0.2;
 /// A reading lives beyond this, in its steps: the last bit may flicker.
 pub const BAND: f64 = 1.5;
 
@@ -56,9 +56,9 @@ struct Axis {
     state: State,
     sent: SentCommands,
     frozen: Frozen,
+    /// measured motion over the modelled one of each sample, since the error began to grow
     response: Response,
-    /// the faster part of modelled and measured motion, m
-    fast: (f64, f64),
+    compared: u32,
     /// last reading, m
     before: f64,
     /// reading less model, m
@@ -77,9 +77,12 @@ impl Axis {
         let motion = self.state[4] - before;
         self.error = reading - self.origin - self.state[4];
         self.frozen.update(reading, motion, BAND * p.encoder_resolution);
-        let keep = (-p.sample_period / SLOW).exp();
-        self.fast = (keep * (self.fast.0 + motion), keep * (self.fast.1 + reading - self.before));
-        self.response.update(self.fast.0, self.fast.1, MEMORY / p.sample_period);
+        if self.error.abs() < BEGIN * p.limits.following_error {
+            (self.response, self.compared) = (Response::default(), 0);
+        } else {
+            self.response.update(motion, reading - self.before, f64::INFINITY);
+            self.compared = self.compared.saturating_add(1);
+        }
         self.before = reading;
     }
 
@@ -99,7 +102,8 @@ impl Axis {
 
     /// Share of the motion that was told, where there was one to speak of.
     fn share(&self, p: &Parameters) -> Option<f64> {
-        self.response.share(p.limits.frozen_way.powi(2))
+        let share = self.response.share((3.0 * p.encoder_resolution).powi(2))?;
+        (self.compared >= COMPARED).then_some(share)
     }
 }
 
@@ -211,6 +215,15 @@ mod tests {
         let name = |found: Option<(Fault, u32)>| found.map(|(fault, _)| fault);
         assert_eq!(name(found(|x, _| -x)), Some(Fault::DriveSign));
         assert_eq!(name(found(|x, _| 0.3 * x)), Some(Fault::WeakDrive));
+        // from the middle of the motion on
+        let place = std::cell::Cell::new(0.0);
+        let turned = found(|x, k| {
+            if k <= 905 {
+                place.set(x);
+            }
+            2.0 * place.get() - x
+        });
+        assert_eq!(name(turned), Some(Fault::DriveSign));
         assert_eq!(name(found(|x, k| if k < 300 { x } else { x + 0.15e-3 })), Some(Fault::FollowingError));
         assert_eq!(name(found(|x, k| x + 1e-6 * f64::from(k))), Some(Fault::FollowingError));
     }

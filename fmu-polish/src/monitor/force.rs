@@ -28,7 +28,7 @@ const CLIP: f64 = 4.0;
 const ERROR_TIME: f64 = 0.2;
 /// Force error of the wanted force where `limits.force_error` is 0.
 const ERROR_SHARE: f64 = 0.25;
-/// Swing of an oscillation over the largest force error.
+/// Swing of an oscillation over the largest force error, and the most that one sample counts.
 const SWING: f64 = 2.0;
 /// Longest half period of an oscillation, s.
 const HALF_PERIOD: f64 = 0.1;
@@ -87,11 +87,13 @@ impl ForceMonitor {
         self.update_answer(p, sample);
         let share = if sample.state == State::Follow { memory(p, ERROR_TIME) } else { 1.0 };
         let error = if sample.state == State::Follow { sample.now.force_error } else { 0.0 };
+        let most = SWING * error_limit(p);
         // in the air there is nothing to control
         if sample.state != State::Follow || sample.now.force.controlled >= p.limits.lost_force {
-            self.error += share * (error * error - self.error);
+            // a moment beyond all measure is a matter of the largest force
+            self.error += share * (error.powi(2).min(most * most) - self.error);
         }
-        self.swings = self.reversals.update(error, SWING * error_limit(p), ticks(HALF_PERIOD, p.sample_period));
+        self.swings = self.reversals.update(error, most, ticks(HALF_PERIOD, p.sample_period));
     }
 
     fn update_noise(&mut self, p: &Parameters, force: f64) {
