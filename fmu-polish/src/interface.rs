@@ -65,7 +65,7 @@ mod variables {
         /// An encoder stood while its axis was told to move by `limits.frozen_way`
         #[hint("check the plug of the encoder; if the axis itself stands, its drive")] FrozenReading,
         /// The force stood for `limits.still_time`, or did not answer the way into the mold
-        #[hint("check the plug and the amplifier of the force sensor")] FrozenForce,
+        #[hint("check the plug and the amplifier of the force sensor, and that the mold is no steeper against the path than `limits.surface_slope`")] FrozenForce,
         /// The force was at the end of `sensor.range`
         #[hint("take a larger sensor, or press less")] Saturation,
         /// The noise of the force was above `limits.force_noise`

@@ -57,7 +57,7 @@ const CASES: [Case; 27] = [
     (Fault::DriveSign, |_, build| build.pulses.z = -1.0, |_, _| ()),
     (Fault::WeakDrive, |_, build| build.pulses.z = 0.3, |_, _| ()),
     (Fault::Oscillation, |p, _| p.limits.force_error = 0.005, |_, _| ()),
-    (Fault::ForceError, |_, build| build.shift.x = 0.6e-3, |_, _| ()),
+    (Fault::ForceError, lags, |_, _| ()),
     (Fault::WrongStiffness, |p, _| p.limits.stiffness_ratio = 1.001, |_, _| ()),
     (Fault::UnstableLoop, |_, _| (), |_, _| ()),
     (Fault::UnloadTimeout, |_, _| (), |state, input| set(state == State::Retract, &mut input.force.z, 1.0)),
@@ -78,6 +78,12 @@ fn lean(p: &mut Parameters, build: &mut Build) {
 /// A limit that no machine keeps.
 fn precise(p: &mut Parameters, _: &mut Build) {
     (p.limits.position_error, p.stick_slip.mode) = (1e-6, Mode::Off);
+}
+
+/// A slow law on a mold that is beside its path.
+fn lags(p: &mut Parameters, build: &mut Build) {
+    (p.impedance.adaptive, p.impedance.damping, p.force.integral_time) = (false, 20e3, 0.0);
+    (p.misalignment.enable, build.shift.x) = (false, 0.25e-3);
 }
 
 #[test]
