@@ -83,7 +83,7 @@ fn precise(p: &mut Parameters, _: &mut Build) {
 /// A slow law on a mold that is beside its path.
 fn lags(p: &mut Parameters, build: &mut Build) {
     (p.impedance.adaptive, p.impedance.damping, p.force.integral_time) = (false, 20e3, 0.0);
-    (p.misalignment.enable, build.shift.x) = (false, 0.25e-3);
+    (p.misalignment.enable, p.limits.force_error, build.shift.x) = (false, 0.6, 0.25e-3);
 }
 
 #[test]
