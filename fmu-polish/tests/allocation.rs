@@ -60,7 +60,11 @@ const CASES: [Case; 27] = [
     (Fault::ForceError, lags, |_, _| ()),
     (Fault::WrongStiffness, |p, _| p.limits.stiffness_ratio = 1.001, |_, _| ()),
     (Fault::UnstableLoop, |_, _| (), |_, _| ()),
-    (Fault::UnloadTimeout, |_, _| (), |state, input| set(state == State::Retract, &mut input.force.z, 1.0)),
+    (
+        Fault::UnloadTimeout,
+        |p, _| p.limits.still_time = 0.0,
+        |state, input| set(state == State::Retract, &mut input.force.z, 1.0),
+    ),
     (Fault::NoProgress, |p, _| p.limits.job_time = 2.0, |_, _| ()),
 ];
 

@@ -70,6 +70,17 @@ fn force_limit_at_a_step_up() {
 }
 
 #[test]
+fn the_force_limit_counts_what_acts_across_the_normal() {
+    let mut run = running(&P, Build::NOMINAL, 69, State::Follow);
+    let mut across = 0.0;
+    for _ in 0..12 {
+        across += 3.0;
+        run.step_with(|input| input.force.x += across);
+    }
+    assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::ForceLimit));
+}
+
+#[test]
 fn settle_timeout_when_the_force_is_out_of_reach() {
     let p = with(|p| p.impedance.damping = 5e6);
     retracts(running(&p, Build::NOMINAL, 51, State::Settle), Fault::SettleTimeout, 2.1);
