@@ -9,6 +9,9 @@ use crate::run::Loop;
 
 const P: Parameters = Parameters::START;
 
+/// What is wrong with the inputs of a sample.
+type Spoil = fn(&mut Input);
+
 /// What a failure did.
 #[derive(Debug)]
 struct Failure {
@@ -108,7 +111,7 @@ fn wrong_drives_are_named_by_their_share() {
 
 #[test]
 fn one_bad_sample_moves_nothing_and_ends_nothing() {
-    let spoil: [fn(&mut Input); 6] = [
+    let spoil: [Spoil; 6] = [
         |input| input.force.z = f64::NAN,
         |input| input.force.z += 50.0,
         |input| input.force.z -= 8.0,
@@ -130,7 +133,7 @@ fn one_bad_sample_moves_nothing_and_ends_nothing() {
 
 #[test]
 fn what_stays_bad_is_lost_or_has_jumped() {
-    let cases: [(Fault, fn(&mut Input)); 4] = [
+    let cases: [(Fault, Spoil); 4] = [
         (Fault::LostReading, |input| input.force.y = f64::NAN),
         (Fault::LostReading, |input| input.position.z = f64::NAN),
         (Fault::ReadingJump, |input| input.position.y += 20e-3),
