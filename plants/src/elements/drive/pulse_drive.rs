@@ -115,7 +115,7 @@ mod tests {
             drive.step(&[7.0, 0.0, 0.0, 1.0], &mut out, H);
             assert!((out[1] - 7e-7 * f64::from(k)).abs() < 1e-20);
         }
-        drive.step(&[0.0, 0.0, 0.0], &mut out, H);
+        drive.step(&[0.0, 0.0, 0.0, 1.0], &mut out, H);
         assert!((out[1] - 7e-6).abs() < 1e-18);
     }
 
