@@ -30,7 +30,7 @@ class OrthogonalRobot(Plant):
 
     Parameters: ClassVar[type] = OrthogonalRobotParameters
     wires: ClassVar[tuple[str, ...]] = (
-        "pulses_x", "pulses_y", "pulses_z", "mold_lift", "lift",
+        "pulses_x", "pulses_y", "pulses_z", "enable", "mold_lift", "lift",
         "reference_x", "reference_y", "reference_z", "force_x", "force_y", "force_z",
         "normal_x", "normal_y", "normal_z",
         "contact_x", "contact_y", "contact_z", "distance",
@@ -48,6 +48,7 @@ class OrthogonalRobot(Plant):
         )  # fmt: skip
         self.commands = (
             *vector("pulses", "1", "Pulses of this tick", quantum=1.0),
+            Channel("enable", "1", "Servo on; 0 takes the force from the motors, the axes coast", start=1.0),
             Channel("mold_lift", "m", "How far the mold is lifted along its axis"),
         )
         self.truths = (
@@ -127,7 +128,8 @@ class OrthogonalRobot(Plant):
             # an axis carries those after it
             inertia = sum(masses[i:]) + p.tip_mass + p.screw_mass
             drive = _native.pulse_drive(loops, feedforward, inertia, p.drive_force, p.pulse, p.pulse_period)
-            inputs = [wire(f"pulses_{axis}"), Cell(self.data.qpos, i), Cell(self.data.qvel, i)]
+            state = [Cell(self.data.qpos, i), Cell(self.data.qvel, i)]
+            inputs = [wire(f"pulses_{axis}"), *state, wire("enable")]
             self.circuit.bind(axis, drive, inputs, [Cell(self.data.ctrl, i), wire(f"reference_{axis}")])
             if p.drive_rolling_way > 0.0:
                 friction = _native.rolling_friction(p.drive_friction, p.drive_rolling_way)
@@ -184,7 +186,8 @@ class OrthogonalRobot(Plant):
             **_named("reference", references),
             "stiffness": self.constant(1.0 / (1.0 / p.tip_stiffness + 1.0 / p.contact_stiffness)),
         }
-        commands = {**_named("pulses", self._wires("pulses")), "mold_lift": wire("mold_lift")}
+        single = {name: wire(name) for name in ("enable", "mold_lift")}
+        commands = {**_named("pulses", self._wires("pulses")), **single}
         self.connect(readings, commands, truths)
 
     def _wires(self, name: str) -> list[Cell]:

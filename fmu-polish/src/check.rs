@@ -2,7 +2,10 @@
 
 use control_blocks::{Parameter, ParameterError, check_all};
 
-use crate::interface::{Mode, Parameters};
+use crate::force::impedance::{Coefficients, damping};
+use crate::force::margin::{self, LEAST};
+use crate::interface::{Force, Mode, Parameters};
+use crate::motion::stick_slip;
 
 /// Samples per time constant of the loop, at least.
 const SAMPLES_PER_LOOP: f64 = 10.0;
@@ -12,12 +15,33 @@ const SAMPLES_PER_LOOP: f64 = 10.0;
 /// # Errors
 /// Names the parameter, its value and the limit.
 pub fn check(p: &Parameters) -> Result<(), ParameterError> {
-    check_all(p, &[force_limit, lost_force, contact_force, position_gain, loop_gain, pulse_rate, stick_slip_velocity])
+    check_all(
+        p,
+        &[
+            force_limit,
+            force_range,
+            lost_force,
+            contact_force,
+            position_gain,
+            loop_gain,
+            phase_margin,
+            pulse_rate,
+            pulse_counts,
+            stick_slip_velocity,
+            stick_slip_sweep,
+        ],
+    )
 }
 
 fn force_limit(p: &Parameters) -> Result<(), ParameterError> {
     let limit = Parameter::new("limits.force", p.limits.force, "N", "raise it, or press less");
     limit.at_least(1.5 * p.force.target, "1.5 times `force.target`")
+}
+
+fn force_range(p: &Parameters) -> Result<(), ParameterError> {
+    let range = Parameter::new("sensor.range", p.sensor_range, "N", "the sensor must show the force that is a fault");
+    let limit = p.limits.force;
+    range.must_be(p.sensor_range > limit, || format!("more than `limits.force` = `{limit} N`"))
 }
 
 fn lost_force(p: &Parameters) -> Result<(), ParameterError> {
@@ -53,9 +77,37 @@ fn loop_gain(p: &Parameters) -> Result<(), ParameterError> {
     })
 }
 
+/// Settling and following: each law with its own damping, at the nominal stiffness.
+fn phase_margin(p: &Parameters) -> Result<(), ParameterError> {
+    let (hint, damped) = ("the force would swing", damping(p, p.stiffness_nominal));
+    let settling = Coefficients { integral: 0.0, ..Coefficients::new(p, p.impedance.damping) };
+    let following = Coefficients::new(p, damped);
+    let proportional = Coefficients { integral: 0.0, ..following };
+    let bare = Parameters { force: Force { filter_bandwidth: 0.0, ..p.force }, ..p.clone() };
+    let margin = |p: &Parameters, law: &Coefficients| margin::phase_margin(p, law, p.stiffness_nominal);
+    let least = margin(p, &settling).min(margin(p, &following));
+    let parameter = if margin(p, &settling).min(margin(p, &proportional)) >= LEAST {
+        Parameter::new("force.integral_time", p.force.integral_time, "s", hint)
+    } else if margin(&bare, &settling).min(margin(&bare, &proportional)) >= LEAST {
+        Parameter::new("force.filter_bandwidth", p.force.filter_bandwidth, "rad/s", hint)
+    } else {
+        Parameter::new("impedance.mass", p.impedance.mass, "kg", "less mass, more damping or a slower loop")
+    };
+    parameter.must_be(least >= LEAST, || {
+        let [least, limit] = [least, LEAST].map(f64::to_degrees);
+        format!("what leaves `{limit:.0} deg` of phase to the force loop, here `{least:.0} deg`")
+    })
+}
+
 fn pulse_rate(p: &Parameters) -> Result<(), ParameterError> {
     let velocity = Parameter::new("velocity_max", p.velocity_max, "m/s", "lower it, or take larger pulses");
     velocity.less_than(f64::from(i32::MAX) * p.pulses_size / p.sample_period, "the most pulses of a sample")
+}
+
+fn pulse_counts(p: &Parameters) -> Result<(), ParameterError> {
+    let stroke = p.stroke.vector().max();
+    let size = Parameter::new("pulses.size", p.pulses_size, "m", "larger pulses, or a shorter `stroke`");
+    size.must_be(p.pulses_size * f64::from(i32::MAX) > stroke, || format!("`stroke` = `{stroke} m` in 31 bits"))
 }
 
 fn stick_slip_velocity(p: &Parameters) -> Result<(), ParameterError> {
@@ -64,6 +116,17 @@ fn stick_slip_velocity(p: &Parameters) -> Result<(), ParameterError> {
     let velocity = Parameter::new("stick_slip.velocity", value, "m/s", hint);
     velocity
         .must_be(p.stick_slip.mode == Mode::Off || value < most, || format!("less than `velocity_max` = `{most} m/s`"))
+}
+
+/// Half of the sweep to and fro is a position error that is wanted.
+fn stick_slip_sweep(p: &Parameters) -> Result<(), ParameterError> {
+    let velocity = stick_slip::velocity(&p.stick_slip, p.feed.velocity);
+    let half = 0.5 * velocity * f64::from(p.stick_slip.half_period) * p.sample_period;
+    let (value, limit) = (f64::from(p.stick_slip.half_period), p.limits.position_error);
+    let period = Parameter::new("stick_slip.half_period", value, "samples", "a shorter one, or a slower `stick_slip`");
+    period.must_be(half < limit, || {
+        format!("a sweep of less than `limits.position_error` = `{limit} m` to each side, not `{half} m`")
+    })
 }
 
 #[cfg(test)]
@@ -79,6 +142,13 @@ mod tests {
         (|p| p.approach.contact_force = 5.0, "approach.contact_force", "`5 N`", "`5 N`"),
         (|p| p.impedance.damping = 1000.0, "impedance.damping", "`1000 N.s/m`", "`1780 N.s/m`"),
         (|p| p.pulses_size = 1e-15, "velocity_max", "`0.05 m/s`", "pulses of a sample"),
+        (|p| p.limits.force = 100.0, "sensor.range", "`100 N`", "`limits.force` = `100 N`"),
+        (|p| p.force.integral_time = 1e-3, "force.integral_time", "`0.001 s`", "`-51 deg`"),
+        (|p| p.force.filter_bandwidth = 10.0, "force.filter_bandwidth", "`10 rad/s`", "`25 deg`"),
+        (|p| p.impedance.mass = 1e3, "impedance.mass", "`1000 kg`", "`1 deg`"),
+        (|p| (p.pulses_size, p.velocity_max) = (1e-10, 1e-3), "pulses.size", "`0.0000000001 m`", "`stroke`"),
+        (|p| p.stick_slip.half_period = 100, "stick_slip.half_period", "`100 samples`", "`0.0005 m`"),
+        (|p| p.stick_slip.ratio = 60.0, "stick_slip.half_period", "`10 samples`", "`0.0006 m`"),
         (|p| p.stick_slip.velocity = 0.06, "stick_slip.velocity", "`0.06 m/s`", "`0.05 m/s`"),
     ];
 

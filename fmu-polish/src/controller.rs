@@ -1,6 +1,6 @@
 //! One sample of the whole law: read, measure, decide, move, report.
 
-use control_blocks::{ParameterError, ramp, ticks};
+use control_blocks::{ParameterError, SafeEnd, ramp, ticks};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -10,7 +10,10 @@ use crate::force::contact::{ContactMonitor, Measurement};
 use crate::force::normal_motion::{NormalMeasurement, NormalMotion, PathState};
 use crate::force::sensor::ForceSensor;
 use crate::interface::{Fault, ForceOutput, Input, MisalignmentOutput, Output, Parameters, State};
-use crate::machine::{Events, next};
+use crate::machine::{Events, graver, next};
+use crate::monitor::axis::AxisMonitor;
+use crate::monitor::force::{ForceMonitor, ForceSample};
+use crate::monitor::job::JobTime;
 use crate::motion::position::PositionFeedback;
 use crate::motion::pulses::Remainder;
 use crate::motion::stick_slip;
@@ -50,6 +53,11 @@ pub struct Controller {
     /// samples of stick-slip
     k: u32,
     remainder: Remainder,
+    /// way along the path in the last sample, m
+    way: f64,
+    axes: AxisMonitor,
+    force: ForceMonitor,
+    time: JobTime,
 }
 
 impl Controller {
@@ -77,6 +85,10 @@ impl Controller {
             feedback: PositionFeedback::new(),
             k: 0,
             remainder: Remainder::new(),
+            way: 0.0,
+            axes: AxisMonitor::new(p),
+            force: ForceMonitor::default(),
+            time: JobTime::default(),
         })
     }
 
@@ -88,11 +100,24 @@ impl Controller {
     /// One sample; parameters that are not tunable must be those of [`Controller::new`].
     pub fn tick(&mut self, input: &Input, parameters: &Parameters, output: &mut Output) {
         let p = parameters;
-        let reading = self.reader.read(input);
+        if self.at_rest() {
+            self.reader.forget();
+        }
+        let reading = self.reader.read(p, input, self.normal.stiffness);
         let now = self.measure(p, &reading);
         self.decide(p, &reading, &now);
         let parts = self.act(p, &reading, &now);
         *output = self.report(p, &now, &parts);
+    }
+
+    /// Nothing is commanded and nothing measured: what moves the machine now is not this controller.
+    fn at_rest(&self) -> bool {
+        match self.state {
+            State::Idle => !self.taring,
+            State::Done => true,
+            State::Fault => self.halted,
+            _ => false,
+        }
     }
 
     fn measure(&mut self, p: &Parameters, reading: &Reading) -> Measurement {
@@ -108,7 +133,9 @@ impl Controller {
     fn decide(&mut self, p: &Parameters, reading: &Reading, now: &Measurement) {
         let steady = self.setpoint >= p.force.target * reading.force_override;
         self.contact.update(p, self.state, now, steady);
+        self.time.update(self.state, self.taring);
         let zero = self.tare(p, reading);
+        self.axes.update(p, &reading.position);
         let events = Events {
             fault: self.fault(p, reading, now, zero),
             enabled: reading.enabled,
@@ -117,10 +144,10 @@ impl Controller {
             contact: self.contact.contact(p),
             settled: self.contact.settled(p),
             arrived: self.place.s >= self.path.length(),
-            unloaded: self.unloaded(p, now),
-            retracted: self.halted || self.travelled >= p.retract.distance,
+            unloaded: now.force.controlled < 0.5 * p.approach.contact_force,
+            retracted: self.retracted(p),
         };
-        self.halted |= self.state == State::Fault && events.fault.is_some();
+        self.escalate(&events);
         let state = next(self.state, &events);
         self.ticks = self.ticks.saturating_add(1);
         if state != self.state {
@@ -129,18 +156,63 @@ impl Controller {
         }
     }
 
-    fn fault(&self, p: &Parameters, reading: &Reading, now: &Measurement, zero: Option<Vector3<f64>>) -> Option<Fault> {
-        let Self { state, ticks, travelled, halted, ref contact, .. } = *self;
-        faults::find(p, &Evidence { state, ticks, travelled, halted, reading, now, zero, contact })
+    fn fault(
+        &mut self,
+        p: &Parameters,
+        reading: &Reading,
+        now: &Measurement,
+        zero: Option<Vector3<f64>>,
+    ) -> Option<Fault> {
+        let stiffness = self.normal.stiffness;
+        let sample = ForceSample { state: self.state, raw: &reading.force, now, stiffness, way: self.way };
+        self.force.update(p, &sample);
+        let stable = !self.state.pressing() || self.normal.stable(p);
+        let (stiffness_ratio, overdue) = (self.normal.stiffness_ratio(p), self.time.over());
+        let Self { state, taring, ticks, travelled, halted, ref contact, ref axes, ref force, .. } = *self;
+        let (sample, taring) = (&sample, taring || zero.is_some());
+        faults::find(
+            p,
+            &Evidence {
+                state,
+                taring,
+                ticks,
+                travelled,
+                halted,
+                reading,
+                now,
+                zero,
+                contact,
+                axes,
+                force,
+                sample,
+                stiffness_ratio,
+                stable,
+                overdue,
+            },
+        )
+    }
+
+    /// A graver fault on the way out takes over, and ends the motion.
+    fn escalate(&mut self, events: &Events) {
+        if let (State::Fault, Some(found)) = (self.state, events.fault) {
+            self.fault = graver(self.fault, found);
+            self.halted |= self.fault.safe_end() != SafeEnd::Retract;
+        }
+    }
+
+    /// The tool is out; after a job without a fault only when the force has gone as well.
+    fn retracted(&self, p: &Parameters) -> bool {
+        let out = self.travelled >= p.retract.distance;
+        self.halted || (out && (self.state != State::Retract || self.contact.free(p)))
     }
 
     /// Takes the zero of the sensor (N) after `enable`; none until there are enough samples.
     fn tare(&mut self, p: &Parameters, reading: &Reading) -> Option<Vector3<f64>> {
-        if self.state != State::Idle || !reading.valid {
+        if self.state != State::Idle || !reading.fresh {
             return None;
         }
         if reading.start {
-            self.restart(p);
+            self.restart(p, reading);
         }
         self.taring &= reading.enabled;
         let zero = if self.taring { self.sensor.tare(p, &reading.force) } else { None };
@@ -149,17 +221,14 @@ impl Controller {
     }
 
     /// Forgets the last job.
-    fn restart(&mut self, p: &Parameters) {
+    fn restart(&mut self, p: &Parameters, reading: &Reading) {
         self.sensor.restart();
+        self.axes.restart(&reading.position);
+        self.time.restart(p, &self.path);
         self.taring = true;
         self.fault = Fault::None;
         self.place = Place::default();
         self.normal = NormalMotion::new(p);
-    }
-
-    /// The force is gone, or does not want to go.
-    fn unloaded(&self, p: &Parameters, now: &Measurement) -> bool {
-        now.force.controlled < 0.5 * p.approach.contact_force || self.ticks > ticks(p.settle.time_max, p.sample_period)
     }
 
     /// What happens once, when `state` begins.
@@ -168,7 +237,8 @@ impl Controller {
         match state {
             State::Fault => {
                 self.fault = events.fault.unwrap_or(Fault::None);
-                self.halted = !(self.fault.retracts() && self.state.moving());
+                self.taring = false;
+                self.halted = self.fault.safe_end() != SafeEnd::Retract || !self.state.moving();
             }
             State::Idle => (self.fault, self.halted, self.taring) = (Fault::None, false, false),
             State::Approach => self.contact = ContactMonitor::default(),
@@ -184,6 +254,7 @@ impl Controller {
             State::Unload => self.normal.unload(),
             State::Retract | State::Done => (),
         }
+        self.way = 0.0;
         if !state.pressing() {
             self.setpoint = 0.0;
         }
@@ -194,9 +265,9 @@ impl Controller {
         match self.state {
             State::Idle | State::Done => VelocityParts::default(),
             State::Approach => self.travel(p, -p.approach.velocity),
-            State::Retract => self.travel(p, p.retract.velocity),
-            State::Fault if self.halted || self.travelled >= p.retract.distance => VelocityParts::default(),
-            State::Fault => self.travel(p, p.retract.velocity),
+            State::Fault if self.halted => VelocityParts::default(),
+            State::Retract | State::Fault if self.travelled >= p.retract.distance => VelocityParts::default(),
+            State::Retract | State::Fault => self.travel(p, p.retract.velocity),
             State::Settle | State::Unload => self.settle(p, reading, now),
             State::Follow => self.follow(p, reading, now),
         }
@@ -215,11 +286,17 @@ impl Controller {
         if self.state == State::Settle && self.ticks > ticks(TOUCH_TIME, p.sample_period) {
             self.normal.observe_stiffness(p, &reading.position, &now.frame.normal, now.force.normal);
         }
+        let normal = self.normal.settle(p, error);
         VelocityParts {
-            normal: self.normal.settle(p, error),
+            normal: self.towards(p, now, normal),
             position: self.feedback.step(p, &now.offset, &now.frame.normal),
             ..VelocityParts::default()
         }
+    }
+
+    /// Without a force the tool goes towards the mold no faster than on the approach, m/s.
+    fn towards(&self, p: &Parameters, now: &Measurement, velocity: f64) -> f64 {
+        if touching(p, now) { velocity } else { velocity.max(-p.approach.velocity) }
     }
 
     /// Moves the wanted force and gives the force error, N.
@@ -234,11 +311,13 @@ impl Controller {
         let error = self.want(p, reading, now);
         self.feed = next_feed(p, self.feed, reading.feed_override, now.frame.feed_max);
         self.k = self.k.wrapping_add(1).max(1);
-        let contact = NormalMeasurement { error, force: now.force.normal, offset: -now.error.normal };
+        let contact =
+            NormalMeasurement { error, force: now.force.normal, offset: -now.error.normal, touching: touching(p, now) };
         let feed = self.feed;
         let at = PathState { path: &self.path, place: self.place, frame: &now.frame, feed };
+        let normal = self.normal.step(p, &contact, self.k, &at);
         let parts = VelocityParts {
-            normal: self.normal.step(p, &contact, self.k, &at),
+            normal: self.towards(p, now, normal),
             // eq. 2
             tangential: feed * now.frame.ratio,
             position: self.feedback.step(p, &now.offset, &now.frame.normal),
@@ -246,16 +325,20 @@ impl Controller {
             stick_slip: stick_slip::sign(&p.stick_slip, self.k) * stick_slip::velocity(&p.stick_slip, feed),
             sideways: stick_slip::direction(p.stick_slip.mode, &now.frame),
         };
-        self.place = self.path.advance(self.place, self.place.s + feed * p.sample_period);
+        self.way = feed * p.sample_period;
+        self.place = self.path.advance(self.place, self.place.s + self.way);
         parts
     }
 
     fn report(&mut self, p: &Parameters, now: &Measurement, parts: &VelocityParts) -> Output {
         let velocity = parts.sum(&now.frame, p.velocity_max);
+        let pulses = self.remainder.step(p, &velocity);
+        self.axes.send(p, &pulses);
         let (shift, turn) = (self.normal.misalignment.shift(), self.normal.misalignment.rotation());
         Output {
             velocity: parts.report(&velocity),
-            pulses: self.remainder.step(p, &velocity).into(),
+            pulses: pulses.into(),
+            counts: self.remainder.counts().into(),
             force: ForceOutput {
                 measured: now.force.controlled,
                 setpoint: self.setpoint,
@@ -265,10 +348,12 @@ impl Controller {
             normal: now.frame.normal.into(),
             tangent: now.frame.tangent.into(),
             error: now.error,
+            following: self.axes.errors().into(),
             progress: (self.place.s / self.path.length()).min(1.0),
             state: self.state,
             fault: self.fault,
-            in_contact: self.state.pressing(),
+            drive_enable: self.state != State::Fault || self.fault.safe_end() != SafeEnd::DriveOff,
+            in_contact: self.state.pressing() && touching(p, now),
             done: self.state == State::Done && self.place.s >= self.path.length(),
             stiffness_estimate: self.normal.stiffness,
             misalignment: MisalignmentOutput { shift: shift.into(), rx: turn.x, ry: turn.y, rz: turn.z },
@@ -276,4 +361,9 @@ impl Controller {
             path_length: self.path.length(),
         }
     }
+}
+
+/// There is a force to speak of.
+fn touching(p: &Parameters, now: &Measurement) -> bool {
+    now.force.controlled >= p.limits.lost_force
 }

@@ -1,17 +1,21 @@
 //! Every fault is found here, the gravest first; and the numbers that are told with it.
 
-use control_blocks::ticks;
+use control_blocks::{SafeEnd, ticks};
 use nalgebra::Vector3;
 
 use crate::force::contact::{ContactMonitor, Measurement};
 use crate::interface::{Fault, Parameters, State, Vars};
+use crate::monitor::axis::AxisMonitor;
+use crate::monitor::force::{ForceMonitor, ForceSample};
 use crate::reading::Reading;
 
 /// From what a fault is found.
 pub struct Evidence<'a> {
     /// State of the last sample.
     pub state: State,
-    /// Samples since it began.
+    /// The zero of the sensor is being taken.
+    pub taring: bool,
+    /// Samples since the state began.
     pub ticks: u32,
     /// Way of approach or retract so far, m.
     pub travelled: f64,
@@ -25,30 +29,101 @@ pub struct Evidence<'a> {
     pub zero: Option<Vector3<f64>>,
     /// Counters and means.
     pub contact: &'a ContactMonitor,
+    /// The axes against their pulses.
+    pub axes: &'a AxisMonitor,
+    /// The force against the motion.
+    pub force: &'a ForceMonitor,
+    /// The force of this sample.
+    pub sample: &'a ForceSample<'a>,
+    /// Stiffness that was found over the nominal one, or the reciprocal.
+    pub stiffness_ratio: f64,
+    /// The force loop has its phase margin.
+    pub stable: bool,
+    /// The job has used up its time.
+    pub overdue: bool,
 }
 
-/// The gravest fault of one sample.
+impl Evidence<'_> {
+    /// A job is on, the tare included.
+    fn working(&self) -> bool {
+        self.taring || self.state.moving()
+    }
+
+    /// Pulses are sent, after a fault too.
+    fn moves(&self) -> bool {
+        self.working() || (self.state == State::Fault && !self.halted)
+    }
+
+    fn longer_than(&self, state: State, p: &Parameters) -> bool {
+        self.state == state && self.ticks > ticks(p.settle.time_max, p.sample_period)
+    }
+}
+
+/// The gravest fault of one sample: first what can be read, then the axes, then the force, and at last what comes of them.
 pub fn find(p: &Parameters, seen: &Evidence) -> Option<Fault> {
-    let Evidence { state, reading, now, zero, contact, .. } = *seen;
-    let (pressing, on_path) = (state.pressing(), matches!(state, State::Settle | State::Follow));
+    readings(p, seen).or_else(|| start(p, seen)).or_else(|| axes(p, seen)).or_else(|| job(p, seen))
+}
+
+fn first<const N: usize>(faults: [(Fault, bool); N]) -> Option<Fault> {
+    faults.into_iter().find_map(|(fault, holds)| holds.then_some(fault))
+}
+
+fn readings(p: &Parameters, seen: &Evidence) -> Option<Fault> {
+    let (reading, most) = (seen.reading, p.limits.lost_samples.unsigned_abs());
     let beyond = reading.position.abs() - 0.5 * p.stroke.vector();
-    let at_rest = matches!(state, State::Idle | State::Done) || (state == State::Fault && seen.halted);
-    let beside_path = now.error.tangential.abs().max(now.error.lateral.abs());
-    let faults = [
+    first([
         (Fault::EmergencyStop, reading.stopped),
-        (Fault::InvalidInput, !reading.valid),
-        (Fault::Stroke, !at_rest && beyond.max() > 0.0),
-        (Fault::TareRejected, zero.is_some_and(|zero| zero.norm() > p.limits.tare_force)),
-        (Fault::NotAtStart, zero.is_some() && away_from_start(p, now)),
-        (Fault::ForceLimit, now.force.norm > p.limits.force && (pressing || state == State::Approach)),
+        (Fault::LostReading, seen.moves() && reading.lost > most),
+        (Fault::ReadingJump, seen.moves() && reading.doubted > most),
+        (Fault::InvalidInput, seen.working() && reading.invalid > most),
+        (Fault::Stroke, seen.moves() && beyond.max() > 0.0),
+    ])
+}
+
+fn start(p: &Parameters, seen: &Evidence) -> Option<Fault> {
+    first([
+        (Fault::TareRejected, seen.zero.is_some_and(|zero| zero.norm() > p.limits.tare_force)),
+        (Fault::NotAtStart, seen.zero.is_some() && away_from_start(p, seen.now)),
+    ])
+}
+
+fn axes(p: &Parameters, seen: &Evidence) -> Option<Fault> {
+    if seen.moves() { seen.axes.fault(p) } else { None }
+}
+
+fn job(p: &Parameters, seen: &Evidence) -> Option<Fault> {
+    if !seen.working() {
+        return None;
+    }
+    seen.force.reading_fault(p, seen.sample).or_else(|| contact(p, seen)).or_else(|| control(p, seen))
+}
+
+fn contact(p: &Parameters, seen: &Evidence) -> Option<Fault> {
+    let Evidence { state, now, contact, .. } = *seen;
+    let on_path = matches!(state, State::Settle | State::Follow);
+    let too_deep = now.error.normal > p.limits.surface_error;
+    first([
+        (Fault::ForceLimit, now.force.norm > p.limits.force && (state.pressing() || state == State::Approach)),
         (Fault::InvalidPath, on_path && contact.misdirected(p, &now.frame.normal)),
-        (Fault::ApproachTimeout, state == State::Approach && seen.travelled > p.approach.travel_max),
-        (Fault::SettleTimeout, state == State::Settle && seen.ticks > ticks(p.settle.time_max, p.sample_period)),
+        (Fault::ApproachTimeout, state == State::Approach && (seen.travelled > p.approach.travel_max || too_deep)),
+        (Fault::SettleTimeout, seen.longer_than(State::Settle, p)),
+        (Fault::UnloadTimeout, seen.longer_than(State::Unload, p) || seen.longer_than(State::Retract, p)),
         (Fault::LostContact, contact.lost(p)),
+    ])
+}
+
+fn control(p: &Parameters, seen: &Evidence) -> Option<Fault> {
+    let Evidence { state, now, .. } = *seen;
+    let on_path = matches!(state, State::Settle | State::Follow);
+    let beside_path = now.error.tangential.abs().max(now.error.lateral.abs());
+    first([
         (Fault::PositionError, state == State::Follow && beside_path > p.limits.position_error),
         (Fault::SurfaceError, on_path && now.surface.abs() > p.limits.surface_error),
-    ];
-    faults.into_iter().find_map(|(fault, holds)| holds.then_some(fault))
+        (Fault::WrongStiffness, state == State::Follow && seen.stiffness_ratio > p.limits.stiffness_ratio),
+        (Fault::UnstableLoop, state.pressing() && !seen.stable),
+    ])
+    .or_else(|| seen.force.loop_fault(p))
+    .or_else(|| seen.overdue.then_some(Fault::NoProgress))
 }
 
 /// The tool is beside the begin of the path, or below it.
@@ -59,15 +134,18 @@ fn away_from_start(p: &Parameters, now: &Measurement) -> bool {
 }
 
 impl Fault {
-    /// Whether the tool moves out; if not, it stops where it is.
-    pub fn retracts(self) -> bool {
-        use Fault::{
-            ApproachTimeout, ForceLimit, InvalidPath, LostContact, PositionError, SettleTimeout, SurfaceError,
-        };
-        matches!(
-            self,
-            ForceLimit | SettleTimeout | LostContact | InvalidPath | ApproachTimeout | PositionError | SurfaceError
-        )
+    /// How the job ends: out along the normal while pulses move the axes as they should, which needs no force; else off.
+    pub fn safe_end(self) -> SafeEnd {
+        use Fault::*;
+        match self {
+            None | ForceLimit | SettleTimeout | LostContact | InvalidInput | InvalidPath | ApproachTimeout => {
+                SafeEnd::Retract
+            }
+            PositionError | SurfaceError | FrozenForce | Saturation | NoisyForce | Oscillation => SafeEnd::Retract,
+            ForceError | WrongStiffness | UnstableLoop | UnloadTimeout | NoProgress => SafeEnd::Retract,
+            Stroke | EmergencyStop | TareRejected | NotAtStart => SafeEnd::Stop,
+            LostReading | ReadingJump | FrozenReading | FollowingError | DriveSign | WeakDrive => SafeEnd::DriveOff,
+        }
     }
 }
 
@@ -81,13 +159,46 @@ pub fn numbers(vars: &Vars) -> String {
         Fault::ForceLimit => format!(" = `{} N` {place}", p.limits.force),
         Fault::SettleTimeout => format!(" = `{} s`: `{:.2} N`", p.settle.time_max, force.measured),
         Fault::LostContact => format!(" {place}: `{:.2} N`", force.measured),
-        Fault::InvalidInput => format!(": position `{} {} {} m`, force `{} {} {} N`", x.x, x.y, x.z, f.x, f.y, f.z),
+        Fault::InvalidInput => {
+            format!(
+                ": `feed_override` = `{}`, `force_override` = `{}`",
+                vars.input.feed_override, vars.input.force_override
+            )
+        }
+        Fault::LostReading | Fault::ReadingJump => {
+            format!(
+                " = `{}`: position `{} {} {} m`, force `{} {} {} N`",
+                p.limits.lost_samples, x.x, x.y, x.z, f.x, f.y, f.z
+            )
+        }
         Fault::InvalidPath => format!(" {place}, by more than `limits.force_angle` = `{} rad`", p.limits.force_angle),
-        Fault::ApproachTimeout => format!(" = `{} m`", p.approach.travel_max),
+        Fault::ApproachTimeout => format!(": `{} m`, `{} m`", p.approach.travel_max, p.limits.surface_error),
         Fault::PositionError => format!(": `{:.6} m` along, `{:.6} m` beside", error.tangential, error.lateral),
         Fault::Stroke => format!(": position `{} {} {} m`", x.x, x.y, x.z),
         Fault::TareRejected => format!(" = `{} N`: raw force `{} {} {} N`", p.limits.tare_force, f.x, f.y, f.z),
         Fault::NotAtStart => format!(": `{:.6} m` above it, `{:.6} m` beside", -error.normal, error.beside()),
         Fault::SurfaceError => format!(" = `{} m` {place}", p.limits.surface_error),
+        Fault::FrozenReading | Fault::FollowingError | Fault::DriveSign | Fault::WeakDrive => {
+            let e = output.following;
+            format!(" {place}: `{:.6} {:.6} {:.6} m` from where the pulses bring it", e.x, e.y, e.z)
+        }
+        Fault::FrozenForce => format!(" {place}: raw force `{} {} {} N`", f.x, f.y, f.z),
+        Fault::Saturation => format!(" = `{} N`: raw force `{} {} {} N`", p.sensor_range, f.x, f.y, f.z),
+        Fault::NoisyForce => format!(" = `{} N` {place}", p.limits.force_noise),
+        Fault::Oscillation | Fault::ForceError => {
+            format!(" {place}: `{:.2} N` of `{} N`", force.measured, p.force.target)
+        }
+        Fault::WrongStiffness => {
+            format!(
+                " = `{}`: `{:.0} N/m` for `{} N/m`",
+                p.limits.stiffness_ratio, output.stiffness_estimate, p.stiffness_nominal
+            )
+        }
+        Fault::UnstableLoop => format!(
+            ": `impedance.gain` = `{}`, `impedance.damping` = `{} N.s/m`, `force.integral_time` = `{} s`",
+            p.impedance.gain, p.impedance.damping, p.force.integral_time
+        ),
+        Fault::UnloadTimeout => format!(" = `{} s`: `{:.2} N`", p.settle.time_max, force.measured),
+        Fault::NoProgress => format!(" {place}"),
     }
 }

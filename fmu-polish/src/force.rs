@@ -2,6 +2,7 @@
 
 pub mod contact;
 pub mod impedance;
+pub mod margin;
 pub mod misalignment;
 pub mod normal_motion;
 pub mod response;

@@ -40,11 +40,11 @@ mod variables {
         #[hint("lower `impedance.damping`, or `position.gain` if it works along the normal")] SettleTimeout,
         /// The force was below `limits.lost_force` for `limits.lost_time`
         #[hint("look for a drop in the surface, or raise `impedance.bandwidth` (without `impedance.adaptive`: lower `impedance.damping`)")] LostContact,
-        /// An input is NaN, infinite or beyond any machine
-        #[hint("check the wires of encoders and force sensor")] InvalidInput,
+        /// An override was NaN or infinite for `limits.lost_samples` samples
+        #[hint("check the wires of `feed_override` and `force_override`")] InvalidInput,
         /// The force does not point along the normals of the path
         #[hint("check the normals of the CL data, and how the mold is set up")] InvalidPath,
-        /// No contact within `approach.travel_max`
+        /// No contact within `approach.travel_max`, nor `limits.surface_error` below the begin of the path
         #[hint("move the tool closer before `enable`, or check the place of the mold")] ApproachTimeout,
         /// The tool was more than `limits.position_error` off along the path or beside it
         #[hint("check the drives, or lower `feed.velocity`")] PositionError,
@@ -58,6 +58,36 @@ mod variables {
         #[hint("move there before `enable`")] NotAtStart,
         /// The surface was further from the path than `limits.surface_error`
         #[hint("check how the mold is set up")] SurfaceError,
+        /// A position or force was NaN, infinite or beyond any machine for `limits.lost_samples` samples
+        #[hint("check the wires of encoders and force sensor")] LostReading,
+        /// A position or force was where the machine cannot have come for `limits.lost_samples` samples
+        #[hint("check shields and plugs of encoders and force sensor")] ReadingJump,
+        /// An encoder stood while its axis was told to move by `limits.frozen_way`
+        #[hint("check the plug of the encoder; if the axis itself stands, its drive")] FrozenReading,
+        /// The force stood for `limits.still_time`, or did not answer the way into the mold
+        #[hint("check the plug and the amplifier of the force sensor, and that the mold is no steeper against the path than `limits.surface_slope`")] FrozenForce,
+        /// The force was at the end of `sensor.range`
+        #[hint("take a larger sensor, or press less")] Saturation,
+        /// The noise of the force was above `limits.force_noise`
+        #[hint("check the shield of the force sensor")] NoisyForce,
+        /// An axis was more than `limits.following_error` from where its pulses bring it
+        #[hint("make `drive` and `io_delay` those of the machine, or look for what holds the axis")] FollowingError,
+        /// An axis moves against its pulses
+        #[hint("swap the sign of its pulses, or of its encoder")] DriveSign,
+        /// An axis moves less far than its pulses say
+        #[hint("make `pulses.size` that of the drives, and look for lost pulses")] WeakDrive,
+        /// The force loop swings
+        #[hint("raise `impedance.damping` or `force.integral_time`, or lower `stick_slip.velocity`")] Oscillation,
+        /// The force was off by more than `limits.force_error`, root mean square over 0.2 s
+        #[hint("check that the CL data are of this mold, and how it is set up")] ForceError,
+        /// The stiffness that was found is not `stiffness.nominal` within `limits.stiffness_ratio`
+        #[hint("check the scale of the force sensor and the tip, or tell their stiffness")] WrongStiffness,
+        /// A parameter was tuned to where the force loop is not stable enough
+        #[hint("raise `impedance.damping` or `force.integral_time`, or lower `impedance.gain`")] UnstableLoop,
+        /// The force did not go within `settle.time_max`, or came back on the way out
+        #[hint("look at the force sensor: its zero may have moved")] UnloadTimeout,
+        /// The job took longer than `limits.job_time`
+        #[hint("raise it, or `feed_override`")] NoProgress,
     }
     /// Which law polishes; Paper takes the paper's value where there is one and the parameter was not set
     pub enum Law {
@@ -116,8 +146,10 @@ mod variables {
     /// What a sample gives; always finite
     #[outputs] pub struct Output {
         pub velocity: VelocityOutput,
-        /// Pulses of this sample
+        /// Pulses of this sample; for communication steps of `sample_period` alone
         #[var(fields = i32[x, y, z])] pub pulses: Axes<i32>,
+        /// Pulses since the beginning, complete at any communication step
+        #[var(fields = i32[x, y, z])] pub counts: Axes<i32>,
         pub force: ForceOutput,
         /// Desired ball centre x_d
         #[var(fields = f64[x, y, z], unit = METRE as "mm")] pub desired: Axes,
@@ -126,11 +158,15 @@ mod variables {
         /// Unit tangent t
         #[var(fields = f64[x, y, z], unit = ONE, start = Axes { x: 1.0, y: 0.0, z: 0.0 })] pub tangent: Axes,
         pub error: ErrorOutput,
+        /// Encoder less where the pulses bring the axis
+        #[var(fields = f64[x, y, z], unit = METRE as "um")] pub following: Axes,
         /// Part of the path that is done
         #[var(unit = ONE as "%")] pub progress: f64,
         pub state: State,
         pub fault: Fault,
-        /// The tool presses on the mold
+        /// The drives are wanted; false from a fault that switches them off until it is reset
+        #[var(start = true)] pub drive_enable: bool,
+        /// The tool presses on the mold: the force law works and there is a force
         pub in_contact: bool,
         /// The whole path is polished and the tool retracted
         pub done: bool,
@@ -203,10 +239,16 @@ mod variables {
         #[var(name = "tool.radius", unit = METRE as "mm", range = 5e-5..=0.02, start = 0.5e-3, source = "paper: tip diameter 1 mm")] pub tool_radius: f64,
         /// Way of one pulse
         #[var(name = "pulses.size", unit = METRE as "um", range = 1e-9..=1e-4, start = 1e-6, source = "paper")] pub pulses_size: f64,
+        /// Step of the encoders
+        #[var(name = "encoder.resolution", unit = METRE as "um", range = 1e-9..=1e-4, start = 1e-6, source = "paper")] pub encoder_resolution: f64,
         pub drive: Drive,
         /// Bandwidth of the filter of the force sensor
         #[var(name = "sensor.bandwidth", unit = RADIAN_PER_SECOND as "Hz", range = 10.0..=1e6, start = 1256.6, source = "our choice: 200 Hz")]
         pub sensor_bandwidth: f64,
+        /// Largest force that the sensor can show on each axis
+        #[var(name = "sensor.range", unit = NEWTON, range = 1.0..=1e5, start = 100.0, source = "our choice: a usual sensor")] pub sensor_range: f64,
+        /// Step of the force sensor
+        #[var(name = "sensor.resolution", unit = NEWTON, range = 1e-6..=10.0, start = 0.178, source = "paper: 1 um at 178 N/mm")] pub sensor_resolution: f64,
         pub path: Path,
         pub feed: Feed,
         pub force: Force,
@@ -363,11 +405,29 @@ mod variables {
         /// Largest distance of the surface from the path along the normal
         #[var(unit = METRE as "mm", range = 1e-6..=0.05, start = 0.5e-3, source = "our choice")] pub surface_error: f64,
         /// Largest angle between the mean force and the normal
-        #[var(unit = RADIAN as "deg", range = 0.1..=3.0, start = 0.87, source = "derived: friction alone gives 22 deg at 0.4")] pub force_angle: f64,
+        #[var(unit = RADIAN as "deg", range = 0.1..=3.0, start = 0.6, source = "derived: friction alone gives 22 deg at 0.4, the rest for normals")] pub force_angle: f64,
         /// Largest force that may be a zero of the sensor
         #[var(unit = NEWTON, range = 0.1..=100.0, start = 2.0, source = "our choice: the tip weighs 0.1 N")] pub tare_force: f64,
         /// Largest distance beside the begin of the path, and below it
-        #[var(unit = METRE as "mm", range = 1e-6..=0.05, start = 0.5e-3, source = "our choice")] pub start_offset: f64,
+        #[var(unit = METRE as "mm", range = 1e-6..=0.05, start = 0.1e-3, source = "our choice: one winding")] pub start_offset: f64,
+        /// Samples in a row that may be lost or unbelievable; the last good one stands in for them
+        #[var(range = 1..=100, start = 5, source = "derived: 5 ms at `approach.velocity` are 0.4 N")] pub lost_samples: i32,
+        /// Way that an encoder or the force may leave unanswered, beyond one and a half steps of it
+        #[var(unit = METRE as "um", range = 1e-6..=1e-2, start = 20e-6, source = "derived: a fifth of the stick-slip motion; 3.6 N at 178 N/mm")] pub frozen_way: f64,
+        /// Time for which the force may stand to the bit; 0 for a sensor without noise
+        #[var(unit = SECOND, range = 0.0..=10.0, start = 0.25, source = "derived: 250 samples of 0.05 N in a step of 0.178 N, once in 3e8 windows")] pub still_time: f64,
+        /// Largest standard deviation of the noise of the force
+        #[var(unit = NEWTON, range = 1e-3..=100.0, start = 0.35, source = "measured: six times 0.05 N still polishes well")] pub force_noise: f64,
+        /// Largest distance of an axis from where its pulses bring it
+        #[var(unit = METRE as "mm", range = 1e-6..=0.05, start = 0.1e-3, source = "our choice: one winding; drives without feedforward need half")] pub following_error: f64,
+        /// Largest force error while the path is followed, root mean square over 0.2 s; 0 for a quarter of `force.target`
+        #[var(unit = NEWTON, range = 0.0..=100.0, source = "our choice")] pub force_error: f64,
+        /// Largest ratio of the stiffness that is found and the nominal one, either way; 4 for any
+        #[var(unit = ONE, range = 1.0..=4.0, start = 2.2, source = "measured: tips and woods from 92 to 242 N/mm")] pub stiffness_ratio: f64,
+        /// Steepest slope of the surface against the path
+        #[var(unit = ONE, range = 1e-3..=1.0, start = 0.1, source = "our choice: a mold that is 6 deg askew")] pub surface_slope: f64,
+        /// Longest time of a job; 0 for the time it plans without overrides, four times the path
+        #[var(unit = SECOND, range = 0.0..=1e6, source = "derived: tare, way down, settling, unloading, way out, and the path")] pub job_time: f64,
     }
 }
 

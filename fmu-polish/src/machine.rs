@@ -1,5 +1,7 @@
 //! State machine: what happened in a sample and the transitions.
 
+use control_blocks::SafeEnd;
+
 use crate::interface::{Fault, State};
 
 impl State {
@@ -33,8 +35,14 @@ pub struct Events {
     pub arrived: bool,
     /// The force is gone.
     pub unloaded: bool,
-    /// The retract is complete.
+    /// The way out is complete, and the force stays away.
     pub retracted: bool,
+}
+
+/// The fault to name when `found` is seen after `fault`: the graver one, never back.
+pub fn graver(fault: Fault, found: Fault) -> Fault {
+    let ends: (SafeEnd, SafeEnd) = (fault.safe_end(), found.safe_end());
+    if fault == Fault::None || ends.1 > ends.0 { found } else { fault }
 }
 
 /// The state after `state`.
@@ -113,6 +121,18 @@ mod tests {
         ] {
             assert_eq!(next(State::Fault, &refused), State::Fault);
         }
+    }
+
+    #[test]
+    fn a_graver_fault_takes_the_name_and_a_lighter_one_does_not() {
+        for first in Fault::ALL.iter().copied() {
+            for second in Fault::ALL.iter().copied() {
+                let named = graver(first, second);
+                assert!(named == first || named == second);
+                assert_eq!(named.safe_end(), first.safe_end().max(second.safe_end()), "{first:?} {second:?}");
+            }
+        }
+        assert_eq!(graver(Fault::ForceLimit, Fault::LostContact), Fault::ForceLimit);
     }
 
     #[test]

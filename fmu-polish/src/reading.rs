@@ -1,10 +1,10 @@
 //! Checks the inputs of a sample: the usable values, and whether they can be believed.
 
-use control_blocks::{Edge, believable};
+use control_blocks::{Consecutive, Edge, JumpGuard, Reach, believable};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-use crate::interface::Input;
+use crate::interface::{Input, Parameters};
 
 /// No such machine has a longer axis, m.
 const POSITION_MAX: f64 = 1e3;
@@ -12,6 +12,9 @@ const POSITION_MAX: f64 = 1e3;
 const FORCE_MAX: f64 = 1e5;
 /// Largest override; a larger one counts as this.
 const OVERRIDE_MAX: f64 = 2.0;
+
+/// Spread of readings at rest, in steps of the encoders or of the force sensor.
+const SPREAD: f64 = 10.0;
 
 /// The usable inputs: those of this sample, or the last good ones.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -32,58 +35,93 @@ pub struct Reading {
     pub start: bool,
     /// Rising edge of `reset_fault`.
     pub reset: bool,
-    /// Every input is believable.
-    pub valid: bool,
+    /// Every reading is of this sample.
+    pub fresh: bool,
+    /// Samples in a row without a position or a force.
+    pub lost: u32,
+    /// Samples in a row with a position or a force that is out of reach.
+    pub doubted: u32,
+    /// Samples in a row with an override that is no number.
+    pub invalid: u32,
 }
 
 /// Remembers the last good inputs; at the origin without force before the first sample.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Reader {
-    good: Reading,
-    enable: Edge,
+    overrides: (f64, f64),
+    position: [JumpGuard; 3],
+    force: [JumpGuard; 3],
+    lost: Consecutive,
+    invalid: Consecutive,
+    /// `enable` of the last sample; set before the first, so that nothing moves by itself
+    enabled: bool,
     reset: Edge,
 }
 
 impl Reader {
     /// Before the first sample.
     pub fn new() -> Self {
-        let good = Reading {
-            position: Vector3::zeros(),
-            force: Vector3::zeros(),
-            feed_override: 1.0,
-            force_override: 1.0,
-            enabled: false,
-            stopped: false,
-            start: false,
-            reset: false,
-            valid: false,
-        };
-        Self { good, enable: Edge::default(), reset: Edge::default() }
+        Self {
+            overrides: (1.0, 1.0),
+            position: Default::default(),
+            force: Default::default(),
+            lost: Consecutive::NONE,
+            invalid: Consecutive::NONE,
+            enabled: true,
+            reset: Edge::default(),
+        }
     }
 
-    /// Reads one sample.
-    pub fn read(&mut self, input: &Input) -> Reading {
-        let (position, force) = (input.position.vector(), input.force.vector());
-        let all = |v: &Vector3<f64>, limit| v.iter().all(|value| believable(*value, limit));
-        let valid = all(&position, POSITION_MAX)
-            && all(&force, FORCE_MAX)
-            && input.feed_override.is_finite()
-            && input.force_override.is_finite();
-        if valid {
-            self.good.position = position;
-            self.good.force = force;
-            self.good.feed_override = input.feed_override.clamp(0.0, OVERRIDE_MAX);
-            self.good.force_override = input.force_override.clamp(0.0, OVERRIDE_MAX);
-        }
-        Reading {
+    /// Believes the next readings wherever they are: outside a job anything may move the machine.
+    pub fn forget(&mut self) {
+        (self.position, self.force) = Default::default();
+    }
+
+    /// Reads one sample, on a contact of `stiffness` N/m.
+    pub fn read(&mut self, p: &Parameters, input: &Input, stiffness: f64) -> Reading {
+        let way = p.velocity_max * p.sample_period;
+        let force = Reach { motion: stiffness * way, spread: SPREAD * p.sensor_resolution };
+        let position = Reach { motion: way, spread: SPREAD * p.encoder_resolution };
+        let (x, f) = (input.position.vector(), input.force.vector());
+        let missing = [x.map(|x| !believable(x, POSITION_MAX)), f.map(|f| !believable(f, FORCE_MAX))];
+        let lost = self.lost.update(missing.iter().any(|axes| axes.iter().any(|missing| *missing)));
+        let reading = Reading {
+            position: believe(&mut self.position, &x, missing[0], position),
+            force: believe(&mut self.force, &f, missing[1], force),
             enabled: input.enable,
             stopped: input.estop,
-            start: self.enable.rises(input.enable),
+            start: input.enable && !self.enabled,
             reset: self.reset.rises(input.reset_fault),
-            valid,
-            ..self.good.clone()
+            fresh: false,
+            lost,
+            doubted: self.position.iter().chain(&self.force).map(JumpGuard::doubted).max().unwrap_or_default(),
+            invalid: self.read_overrides(input),
+            feed_override: self.overrides.0,
+            force_override: self.overrides.1,
+        };
+        let fresh = reading.lost == 0 && reading.doubted == 0;
+        // an edge counts with the first good sample
+        if fresh {
+            self.enabled = input.enable;
         }
+        Reading { fresh, start: fresh && reading.start, ..reading }
     }
+
+    /// Takes the overrides; samples in a row that were none.
+    fn read_overrides(&mut self, input: &Input) -> u32 {
+        let valid = input.feed_override.is_finite() && input.force_override.is_finite();
+        if valid {
+            let usable = |value: f64| value.clamp(0.0, OVERRIDE_MAX);
+            self.overrides = (usable(input.feed_override), usable(input.force_override));
+        }
+        self.invalid.update(!valid)
+    }
+}
+
+/// The readings to use, each the last believed one where it is missing or out of reach.
+fn believe(guards: &mut [JumpGuard; 3], readings: &Vector3<f64>, missing: Vector3<bool>, reach: Reach) -> Vector3<f64> {
+    let usable = readings.zip_map(&missing, |reading, missing| if missing { f64::NAN } else { reading });
+    Vector3::from_fn(|i, _| guards[i].update(usable[i], reach))
 }
 
 impl Default for Reader {
@@ -98,9 +136,15 @@ mod tests {
     use crate::axes::Axes;
     use control_blocks::with_nonsense;
 
+    const P: Parameters = Parameters::START;
+    const K: f64 = 178e3;
+
+    fn resting() -> Input {
+        Input { position: Axes::all(1e-3), force: Axes::all(2.0), feed_override: 0.5, ..Input::START }
+    }
+
     #[test]
-    fn nonsense_in_any_input_is_invalid_and_never_used() {
-        let good = Input { position: Axes::all(1e-3), force: Axes::all(2.0), feed_override: 0.5, ..Input::START };
+    fn nonsense_in_any_input_is_counted_and_never_used() {
         let changes: [fn(&mut Input) -> &mut f64; 5] = [
             |i| &mut i.position.x,
             |i| &mut i.position.z,
@@ -108,20 +152,60 @@ mod tests {
             |i| &mut i.feed_override,
             |i| &mut i.force_override,
         ];
-        for bad in with_nonsense(&good, &changes) {
+        for bad in with_nonsense(&resting(), &changes) {
             let mut reader = Reader::new();
-            let before = reader.read(&good);
-            assert!(before.valid);
-            assert_eq!(reader.read(&bad), Reading { valid: false, ..before });
+            let before = reader.read(&P, &resting(), K);
+            assert!(before.fresh && before.invalid == 0);
+            for k in 1..4 {
+                let now = reader.read(&P, &bad, K);
+                assert_eq!((now.position, now.force), (before.position, before.force));
+                assert_eq!((now.feed_override, now.force_override), (0.5, 1.0));
+                assert_eq!(now.lost.max(now.invalid), k);
+            }
+            assert!(reader.read(&P, &resting(), K).fresh);
+        }
+    }
+
+    #[test]
+    fn one_spike_is_not_used() {
+        for (position, force) in [(0.2e-3, 0.0), (0.0, -30.0), (0.0, 20.0), (-5e-3, 0.0)] {
+            let mut reader = Reader::new();
+            let before = reader.read(&P, &resting(), K);
+            let mut spike = resting();
+            spike.position.y += position;
+            spike.force.z += force;
+            let now = reader.read(&P, &spike, K);
+            assert_eq!((now.position, now.force, now.doubted), (before.position, before.force, 1));
+            assert!(!now.fresh && reader.read(&P, &resting(), K).fresh);
+        }
+    }
+
+    #[test]
+    fn the_fastest_machine_is_believed() {
+        let mut reader = Reader::new();
+        for k in 0..200 {
+            let mut input = resting();
+            input.position.z -= 50e-6 * f64::from(k);
+            input.force.z += K * 50e-6 * f64::from(k);
+            assert!(reader.read(&P, &input, K).fresh);
         }
     }
 
     #[test]
     fn overrides_are_limited_and_switches_are_edges() {
         let mut reader = Reader::new();
-        let input = Input { feed_override: 7.0, force_override: -1.0, enable: true, ..Input::START };
-        let first = reader.read(&input);
+        let input = Input { feed_override: 7.0, force_override: -1.0, ..Input::START };
+        reader.read(&P, &input, K);
+        let on = Input { enable: true, ..input };
+        let first = reader.read(&P, &on, K);
         assert_eq!((first.feed_override, first.force_override, first.start), (2.0, 0.0, true));
-        assert!(!reader.read(&input).start);
+        assert!(!reader.read(&P, &on, K).start);
+    }
+
+    #[test]
+    fn an_enable_that_was_never_off_starts_nothing() {
+        let mut reader = Reader::new();
+        let on = Input { enable: true, ..Input::START };
+        assert!((0..10).all(|_| !reader.read(&P, &on, K).start));
     }
 }

@@ -30,19 +30,42 @@ fn no_sample_of_a_job_allocates() {
 /// A fault, what is different from the start, and what the inputs say in a state.
 type Case = (Fault, fn(&mut Parameters, &mut Build), fn(State, &mut Input));
 
-const CASES: [Case; 12] = [
+const CASES: [Case; 27] = [
     (Fault::ForceLimit, |_, _| (), |state, input| set(state == State::Follow, &mut input.force.z, 30.0)),
     (Fault::SettleTimeout, |p, _| p.impedance.damping = 5e6, |_, _| ()),
     (Fault::LostContact, |_, _| (), |state, input| set(state == State::Follow, &mut input.force, Axes::ZERO)),
-    (Fault::InvalidInput, |_, _| (), |state, input| set(state == State::Follow, &mut input.force.x, f64::NAN)),
+    (Fault::InvalidInput, |_, _| (), |state, input| set(state == State::Follow, &mut input.feed_override, f64::NAN)),
     (Fault::InvalidPath, lean, |_, _| ()),
     (Fault::ApproachTimeout, |_, build| build.shift = Vector3::new(0.0, 0.0, -2.1e-3), |_, _| ()),
-    (Fault::PositionError, |p, _| p.limits.position_error = 1e-6, |_, _| ()),
-    (Fault::Stroke, |_, _| (), |state, input| set(state == State::Approach, &mut input.position.y, 0.151)),
+    (Fault::PositionError, precise, |_, _| ()),
+    (Fault::Stroke, |_, _| (), |_, _| ()),
     (Fault::EmergencyStop, |_, _| (), |state, input| set(state == State::Settle, &mut input.estop, true)),
     (Fault::TareRejected, |_, build| build.height = -20e-6, |_, _| ()),
     (Fault::NotAtStart, |_, _| (), |_, input| input.position.x += 1e-3),
-    (Fault::SurfaceError, |p, _| p.limits.surface_error = 1e-6, |_, _| ()),
+    (Fault::SurfaceError, |_, _| (), |_, _| ()),
+    (Fault::LostReading, |_, _| (), |state, input| set(state == State::Follow, &mut input.force.x, f64::NAN)),
+    (Fault::ReadingJump, |_, _| (), |state, input| set(state == State::Follow, &mut input.position.x, 9e-3)),
+    (Fault::FrozenReading, |_, _| (), |state, input| set(state == State::Approach, &mut input.position.z, 0.7e-3)),
+    (Fault::FrozenForce, |_, _| (), |state, input| set(state == State::Follow, &mut input.force.z, 5.0)),
+    (
+        Fault::Saturation,
+        |p, _| p.sensor_range = 26.0,
+        |state, input| set(state == State::Follow, &mut input.force.z, 26.0),
+    ),
+    (Fault::NoisyForce, |p, _| p.limits.force_noise = 0.02, |_, _| ()),
+    (Fault::FollowingError, |p, _| p.limits.following_error = 2e-6, |_, _| ()),
+    (Fault::DriveSign, |_, build| build.pulses.z = -1.0, |_, _| ()),
+    (Fault::WeakDrive, |_, build| build.pulses.z = 0.3, |_, _| ()),
+    (Fault::Oscillation, |p, _| p.limits.force_error = 0.005, |_, _| ()),
+    (Fault::ForceError, lags, |_, _| ()),
+    (Fault::WrongStiffness, |p, _| p.limits.stiffness_ratio = 1.001, |_, _| ()),
+    (Fault::UnstableLoop, |_, _| (), |_, _| ()),
+    (
+        Fault::UnloadTimeout,
+        |p, _| p.limits.still_time = 0.0,
+        |state, input| set(state == State::Retract, &mut input.force.z, 1.0),
+    ),
+    (Fault::NoProgress, |p, _| p.limits.job_time = 2.0, |_, _| ()),
 ];
 
 fn set<T>(now: bool, place: &mut T, value: T) {
@@ -56,6 +79,17 @@ fn lean(p: &mut Parameters, build: &mut Build) {
     (p.limits.force_angle, p.stick_slip.mode, build.friction) = (0.3, Mode::Off, 0.6);
 }
 
+/// A limit that no machine keeps.
+fn precise(p: &mut Parameters, _: &mut Build) {
+    (p.limits.position_error, p.stick_slip.mode) = (1e-6, Mode::Off);
+}
+
+/// A slow law on a mold that is beside its path.
+fn lags(p: &mut Parameters, build: &mut Build) {
+    (p.impedance.adaptive, p.impedance.damping, p.force.integral_time) = (false, 20e3, 0.0);
+    (p.misalignment.enable, p.limits.force_error, build.shift.x) = (false, 0.6, 0.25e-3);
+}
+
 #[test]
 fn no_sample_around_a_fault_allocates() {
     for (fault, change, hostile) in CASES {
@@ -64,8 +98,14 @@ fn no_sample_around_a_fault_allocates() {
         let mut run = Loop::new(&p, build, 401);
         while run.output.state != State::Fault {
             let state = run.output.state;
+            match (fault, state) {
+                (Fault::UnstableLoop, State::Follow) => run.parameters.impedance.gain = 20.0,
+                (Fault::SurfaceError, State::Settle) => run.parameters.limits.surface_error = 1e-7,
+                (Fault::Stroke, State::Approach) => run.parameters.stroke = Axes::all(1e-6),
+                _ => (),
+            }
             run.step_with(|input| hostile(state, input));
-            assert!(run.time() < 10.0, "{fault:?}: {:?}", run.output);
+            assert!(run.time() < 20.0, "{fault:?}: {:?}", run.output);
         }
         assert_eq!(run.output.fault, fault);
         (0..400).for_each(|_| run.step());

@@ -38,6 +38,7 @@ pub struct ContactMonitor {
     touching: Consecutive,
     settled: Consecutive,
     lost: Consecutive,
+    free: Consecutive,
     error: f64,
     force: Vector3<f64>,
 }
@@ -51,6 +52,7 @@ impl ContactMonitor {
         let small = self.error.abs() < p.settle.tolerance * p.force.target;
         self.settled.update(state == State::Settle && steady && small);
         self.lost.update(state == State::Follow && now.force.controlled < p.limits.lost_force);
+        self.free.update(state == State::Retract && now.force.controlled.abs() < p.approach.contact_force);
         self.force += (now.force.vector - self.force) * share(FORCE_TIME);
     }
 
@@ -62,6 +64,11 @@ impl ContactMonitor {
     /// The force is settled.
     pub fn settled(&self, p: &Parameters) -> bool {
         self.settled.count() >= ticks(p.settle.hold_time, p.sample_period).max(1)
+    }
+
+    /// The force is gone and stays away on the way out.
+    pub fn free(&self, p: &Parameters) -> bool {
+        self.free.count() >= p.approach.contact_samples.unsigned_abs()
     }
 
     /// The contact is lost.

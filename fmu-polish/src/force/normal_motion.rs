@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::impedance::{Coefficients, ForceLaw, damping};
+use super::margin::{LEAST, phase_margin};
 use super::misalignment::MisalignmentEstimate;
 use super::ripple::RippleCancellation;
 use super::stiffness::Slope;
@@ -19,11 +20,18 @@ pub struct NormalMotion {
     pub stiffness: f64,
     /// Damping in use, N s/m; none for that of the parameters.
     damping: Option<f64>,
+    /// the integral works
+    following: bool,
+    /// the law that was judged last, and whether it is stable
+    judged: Option<(Tuned, bool)>,
     /// Cancellation of the ripple.
     pub ripple: RippleCancellation,
     /// Estimate of the misalignment.
     pub misalignment: MisalignmentEstimate,
 }
+
+/// What the stability of the loop hangs on and can change: K_f, B_d, T_i and the stiffness.
+type Tuned = (f64, f64, f64, f64);
 
 /// What is measured along the normal in one sample.
 #[derive(Clone, Copy, Debug)]
@@ -34,6 +42,8 @@ pub struct NormalMeasurement {
     pub force: f64,
     /// Ball centre by the encoders less the desired one, along the normal, m.
     pub offset: f64,
+    /// There is a force at all.
+    pub touching: bool,
 }
 
 impl NormalMotion {
@@ -45,6 +55,8 @@ impl NormalMotion {
             slope: Slope::default(),
             stiffness,
             damping: None,
+            following: false,
+            judged: None,
             ripple: RippleCancellation::new(p, &Coefficients::new(p, p.impedance.damping), stiffness),
             misalignment: MisalignmentEstimate::new(),
         }
@@ -59,6 +71,7 @@ impl NormalMotion {
     /// Begins to follow the path with what was learned of the stiffness.
     pub fn follow(&mut self, p: &Parameters) {
         self.stiffness = self.slope.stiffness(p.stiffness_nominal);
+        (self.following, self.judged) = (true, None);
         self.damping = p.impedance.adaptive.then(|| damping(p, self.stiffness));
         self.ripple = RippleCancellation::new(p, &self.law(p), self.stiffness);
     }
@@ -82,7 +95,8 @@ impl NormalMotion {
     pub fn step(&mut self, p: &Parameters, contact: &NormalMeasurement, k: u32, at: &PathState) -> f64 {
         let law = self.law(p);
         let mut velocity = self.force_law.step(&law, contact.error);
-        velocity += self.force_law.integrate(&law, contact.error);
+        // nothing is integrated in the air
+        velocity += self.force_law.integrate(&law, if contact.touching { contact.error } else { 0.0 });
         velocity += self.ripple.step(p, k, contact.error);
         if p.misalignment.enable {
             self.misalignment.update(p, at.frame, contact.offset + contact.force / self.stiffness);
@@ -100,6 +114,28 @@ impl NormalMotion {
         let place = at.path.advance(at.place, begin);
         let next = at.path.advance(place, begin + at.feed * p.sample_period);
         self.misalignment.velocity(p, &at.path.frame(place), &at.path.frame(next))
+    }
+
+    /// Whether the loop has its phase margin with the parameters of now; judged again when they have changed.
+    pub fn stable(&mut self, p: &Parameters) -> bool {
+        let whole = self.law(p);
+        let law = if self.following { whole } else { Coefficients { integral: 0.0, ..whole } };
+        let tuned =
+            (p.impedance.gain, self.damping.unwrap_or(p.impedance.damping), p.force.integral_time, self.stiffness);
+        match self.judged {
+            Some((before, stable)) if before == tuned => stable,
+            _ => {
+                let stable = phase_margin(p, &law, self.stiffness) >= LEAST;
+                self.judged = Some((tuned, stable));
+                stable
+            }
+        }
+    }
+
+    /// Stiffness that was found over the nominal one, or its reciprocal where that is larger.
+    pub fn stiffness_ratio(&self, p: &Parameters) -> f64 {
+        let ratio = self.stiffness / p.stiffness_nominal;
+        ratio.max(ratio.recip())
     }
 
     fn law(&self, p: &Parameters) -> Coefficients {

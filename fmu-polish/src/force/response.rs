@@ -33,13 +33,17 @@ pub fn open(p: &Parameters, stiffness: f64, omega: f64) -> Complex<f64> {
     stiffness * hold * late * axis(p, omega) * sensor * filter
 }
 
-/// The same with the force law closed around it.
-pub fn closed(p: &Parameters, law: &Coefficients, stiffness: f64, omega: f64) -> Complex<f64> {
+/// Gain of the opened force loop: the response times the force law.
+pub fn loop_gain(p: &Parameters, law: &Coefficients, stiffness: f64, omega: f64) -> Complex<f64> {
     let delay = (-Complex::new(0.0, omega) * p.sample_period).exp();
     let impedance = law.admittance * (1.0 - law.decay) / (1.0 - law.decay * delay);
     let integral = law.integral / (1.0 - delay);
-    let open = open(p, stiffness, omega);
-    open / (1.0 + open * (impedance + integral))
+    open(p, stiffness, omega) * (impedance + integral)
+}
+
+/// Force error over velocity with the force law closed around it.
+pub fn closed(p: &Parameters, law: &Coefficients, stiffness: f64, omega: f64) -> Complex<f64> {
+    open(p, stiffness, omega) / (1.0 + loop_gain(p, law, stiffness, omega))
 }
 
 #[cfg(test)]

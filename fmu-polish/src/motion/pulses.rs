@@ -9,12 +9,14 @@ use crate::interface::Parameters;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Remainder {
     left: Vector3<f64>,
+    /// all that were sent
+    counts: Vector3<i32>,
 }
 
 impl Remainder {
     /// Nothing left over.
     pub fn new() -> Self {
-        Self { left: Vector3::zeros() }
+        Self { left: Vector3::zeros(), counts: Vector3::zeros() }
     }
 
     /// The pulses of one sample with the velocity `velocity` (m/s).
@@ -23,7 +25,14 @@ impl Remainder {
         // halves always go up: at rest nothing goes to and fro between -1 and 1
         let sent = wanted.map(|pulses| (pulses + 0.5).floor());
         self.left = wanted - sent;
-        sent.map(|count| count as i32)
+        let pulses = sent.map(|count| count as i32);
+        self.counts = self.counts.zip_map(&pulses, i32::wrapping_add);
+        pulses
+    }
+
+    /// Pulses that were sent since the beginning.
+    pub fn counts(&self) -> Vector3<i32> {
+        self.counts
     }
 }
 
@@ -60,5 +69,6 @@ mod tests {
         }
         let error = sum.map(f64::from) * p.pulses_size - velocity * 10.0;
         assert!(error.amax() <= 0.5 * p.pulses_size * 1.001, "{error}");
+        assert_eq!(remainder.counts(), sum);
     }
 }

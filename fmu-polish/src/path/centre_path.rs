@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::cl_data::Point;
+use super::feed::CREEP;
 use crate::interface::{ErrorOutput, Parameters};
 
 /// Smaller turns than this never slow the feed, rad.
@@ -96,6 +97,17 @@ impl CentrePath {
         self.knots.last().map_or(0.0, |knot| knot.s)
     }
 
+    /// Planned time along it without overrides, s.
+    pub fn time(&self, p: &Parameters) -> f64 {
+        let wanted = if p.feed.uses_file() { f64::MAX } else { p.feed.velocity };
+        let piece = |pair: &[Knot]| {
+            let fastest = 0.5 * (pair[0].feed_max + pair[1].feed_max);
+            (pair[1].s - pair[0].s) / fastest.min(wanted).max(CREEP)
+        };
+        let cruise: f64 = self.knots.windows(2).map(piece).sum();
+        cruise + p.feed.velocity / p.feed.acceleration
+    }
+
     /// The place at the arc length `s` (m) beyond `place`, at most the end.
     pub fn advance(&self, place: Place, s: f64) -> Place {
         let s = s.clamp(0.0, self.length());
@@ -152,5 +164,43 @@ fn limit_by_braking(knots: &mut [Knot], acceleration: f64) {
     for i in (0..last).rev() {
         let gain = 2.0 * acceleration * (knots[i + 1].s - knots[i].s);
         knots[i].feed_max = knots[i].feed_max.min((knots[i + 1].feed_max.powi(2) + gain).sqrt());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const P: Parameters = Parameters::START;
+    const RADIUS: f64 = 1e-3;
+
+    /// A whole circle on a plane, 10 um from point to point.
+    fn circle() -> Vec<Point> {
+        let at = |a: f64| Vector3::new(RADIUS * a.cos(), RADIUS * a.sin(), 0.0);
+        let point = |k: u32| Point { contact: at(0.01 * f64::from(k)), normal: Vector3::z(), feed: 1.0, line: 0 };
+        (0..628).map(point).collect()
+    }
+
+    #[test]
+    fn the_feed_keeps_the_turn_rate_and_can_always_brake() {
+        let mut p = P;
+        (p.feed.turn_rate_max, p.feed.acceleration) = (2.0, 0.05);
+        let path = CentrePath::new(&p, &circle());
+        let middle = path.frame(path.advance(Place::default(), 0.5 * path.length()));
+        assert!((middle.feed_max / (2.0 * RADIUS) - 1.0).abs() < 1e-3, "{}", middle.feed_max);
+        p.feed.turn_rate_max = 1e3;
+        let path = CentrePath::new(&p, &circle());
+        for left in [0.0, 1e-4, 1e-3, 3e-3] {
+            let here = path.frame(path.advance(Place::default(), path.length() - left));
+            assert!((here.feed_max - (2.0 * 0.05 * left).sqrt()).abs() < 1e-6, "{left}: {}", here.feed_max);
+        }
+    }
+
+    #[test]
+    fn the_planned_time_is_way_over_feed_and_what_braking_costs() {
+        let path = CentrePath::new(&P, &circle());
+        // v / a more: speeding up and braking take half of it each, and the way of both is counted
+        let expected = path.length() / P.feed.velocity + 1.5 * P.feed.velocity / P.feed.acceleration;
+        assert!((path.time(&P) / expected - 1.0).abs() < 0.02, "{} {expected}", path.time(&P));
     }
 }

@@ -5,7 +5,7 @@ use control_blocks::ramp_between;
 use crate::interface::{Feed, FeedSource, Parameters};
 
 /// Slowest feed that still arrives, m/s.
-const CREEP: f64 = 2e-5;
+pub const CREEP: f64 = 2e-5;
 
 impl Feed {
     /// Whether the feed stands in the CL file.

@@ -1,7 +1,7 @@
 //! Whole jobs: default law, the law as printed, the paper's stick-slip, robots that are not nominal.
 
 use fmu_polish::axes::Axes;
-use fmu_polish::interface::{Fault, FeedSource, ForceMode, Mode, Parameters, Wave};
+use fmu_polish::interface::{Fault, FeedSource, ForceMode, Mode, Parameters, State, Wave};
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 
@@ -156,6 +156,24 @@ fn a_shifted_mold_is_found_and_followed() {
     let m = run.output.misalignment;
     let middle = m.shift.vector() + Vector3::new(m.rx, m.ry, m.rz).cross(&Vector3::new(0.0, 0.0, HOLLOW));
     assert!((middle - shift).amax() <= 10e-6, "{middle}");
+}
+
+#[test]
+fn the_feedforward_is_ahead_by_its_lead_time() {
+    let build = Build { shift: Vector3::new(0.1e-3, -0.1e-3, 0.0), ..Build::NOMINAL };
+    let mut p = without(Parameters::START);
+    p.feed.velocity = 8e-3;
+    let right = job("6 ms", &p, build, 115);
+    p.misalignment.lead_time = 0.03;
+    let far = job("30 ms", &p, build, 115);
+    assert!(far.deviation > 1.3 * right.deviation, "{far:?} {right:?}");
+}
+
+#[test]
+fn the_force_is_gone_before_the_tool_leaves() {
+    let mut run = Loop::new(&Parameters::START, Build::NOMINAL, 116);
+    assert!(run.run_to(State::Retract, 20.0));
+    assert!(run.robot.normal_force < 1.0, "{} N", run.robot.normal_force);
 }
 
 #[test]

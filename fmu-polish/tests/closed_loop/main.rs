@@ -5,6 +5,7 @@ mod common;
 mod faults;
 mod hostile;
 mod job;
+mod monitors;
 mod robot;
 mod run;
 mod state;

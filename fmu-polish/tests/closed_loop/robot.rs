@@ -40,6 +40,8 @@ pub struct Build {
     pub shift: Vector3<f64>,
     /// Height of the ball above the begin of the path, m.
     pub height: f64,
+    /// What becomes of the pulses of each axis.
+    pub pulses: Vector3<f64>,
 }
 
 impl Build {
@@ -51,6 +53,7 @@ impl Build {
         drive_gain: 1.0,
         shift: Vector3::new(0.0, 0.0, 0.0),
         height: 0.2e-3,
+        pulses: Vector3::new(1.0, 1.0, 1.0),
     };
 }
 
@@ -66,7 +69,22 @@ struct Axis {
 }
 
 impl Axis {
-    fn substep(&mut self, build: &Build, told: f64, load: f64) {
+    fn substep(&mut self, build: &Build, told: Option<f64>, load: f64) {
+        let push = if let Some(told) = told { self.servo(build, told) } else { self.off() };
+        self.roll = (self.roll + self.velocity * DT) / (1.0 + self.velocity.abs() * DT / ROLLING_WAY);
+        let friction = build.drive_friction * self.roll / ROLLING_WAY;
+        self.velocity += DT * (push + (load - friction) / MASS);
+        self.position += DT * self.velocity;
+    }
+
+    /// No force, and nothing to go back to.
+    fn off(&mut self) -> f64 {
+        (self.reference, self.ahead, self.integral) = (self.position, 0.0, 0.0);
+        0.0
+    }
+
+    /// Acceleration by the loops, m/s2.
+    fn servo(&mut self, build: &Build, told: f64) -> f64 {
         let drive = Parameters::START.drive;
         self.reference += told * DT;
         self.ahead += (told - self.ahead) * DT * drive.feedforward_bandwidth;
@@ -74,11 +92,7 @@ impl Axis {
             build.drive_gain * drive.position_gain * (self.reference - self.position) + drive.feedforward * self.ahead;
         let lag = wanted - self.velocity;
         self.integral += drive.velocity_integral * lag * DT;
-        let push = build.drive_gain * drive.velocity_bandwidth * (lag + self.integral);
-        self.roll = (self.roll + self.velocity * DT) / (1.0 + self.velocity.abs() * DT / ROLLING_WAY);
-        let friction = build.drive_friction * self.roll / ROLLING_WAY;
-        self.velocity += DT * (push + (load - friction) / MASS);
-        self.position += DT * self.velocity;
+        build.drive_gain * drive.velocity_bandwidth * (lag + self.integral)
     }
 }
 
@@ -126,13 +140,14 @@ impl Robot {
         noisy.map(|f| (f / SENSOR_STEP).round() * SENSOR_STEP)
     }
 
-    /// One communication step; the pulses act from the next step on.
-    pub fn advance(&mut self, pulses: Vector3<i32>) {
+    /// One communication step; the pulses act from the next step on. Without `enable` the motors give no force.
+    pub fn advance(&mut self, pulses: Vector3<i32>, enable: bool) {
         let told = std::mem::replace(&mut self.pending, pulses).map(|count| 1e-6 * f64::from(count) / STEP);
+        let told = told.component_mul(&self.build.pulses);
         for _ in 0..SUBSTEPS {
             let load = self.contact();
             for i in 0..3 {
-                self.axes[i].substep(&self.build, told[i], load[i]);
+                self.axes[i].substep(&self.build, enable.then_some(told[i]), load[i]);
             }
             self.filtered += (load + WEIGHT - self.filtered) * (1.0 - (-SENSOR_BANDWIDTH * DT).exp());
         }

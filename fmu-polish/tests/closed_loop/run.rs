@@ -52,12 +52,22 @@ pub struct Job {
 impl Loop {
     /// A robot from `seed` above the spiral.
     pub fn new(p: &Parameters, build: Build, seed: u64) -> Self {
+        Self::beside(p, build, seed, Vector3::zeros())
+    }
+
+    /// The same, the robot `offset` m from there.
+    pub fn beside(p: &Parameters, build: Build, seed: u64, offset: Vector3<f64>) -> Self {
         let path = points(file(&spiral(POINTS)).as_bytes(), p).unwrap();
         let controller = Controller::new(p, &path).unwrap();
         let start = path[0].contact + (p.tool_radius + build.height) * path[0].normal;
-        let robot = Robot::new(build, start, seed);
+        let robot = Robot::new(build, start + offset, seed);
         let input = Input { enable: true, ..Input::START };
         Self { robot, controller, input, output: Output::START, parameters: p.clone(), steps: 0 }
+    }
+
+    /// From now on `enable` is what it is, from the first sample on.
+    pub fn skip_first_edge(&mut self) {
+        self.steps += 1;
     }
 
     /// Time of the next step, s.
@@ -76,11 +86,13 @@ impl Loop {
         self.input.force = self.robot.force().into();
         let mut input = self.input.clone();
         change(&mut input);
+        // a job begins with a rising edge
+        input.enable &= self.steps > 0;
         let Self { controller, parameters, output, .. } = self;
         // `tests/allocation.rs` has an allocator that ends the test here
         assert_no_alloc(|| controller.tick(&input, parameters, output));
         let pulses = self.output.pulses;
-        self.robot.advance(Vector3::new(pulses.x, pulses.y, pulses.z));
+        self.robot.advance(Vector3::new(pulses.x, pulses.y, pulses.z), self.output.drive_enable);
         self.steps += 1;
     }
 

@@ -29,7 +29,7 @@ pub fn motion_board(stiffness: f64, damping: f64, force_limit: f64, period: f64)
     PyElement::new(MotionBoard::new(stiffness, damping, force_limit, period))
 }
 
-/// Positioner with pulses of `pulse` m that arrive in `tick` s: pulses, position, velocity -> force, reference.
+/// Positioner with pulses of `pulse` m that arrive in `tick` s: pulses, position, velocity, enable -> force, reference.
 ///
 /// The loops are position gain in 1/s, velocity gain in rad/s and its integral in 1/s; feedforward is share and
 /// bandwidth in rad/s; inertia in kg, the largest force in N.

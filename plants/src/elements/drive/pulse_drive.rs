@@ -25,6 +25,8 @@ pub struct DriveGains {
 ///
 /// `v_ref = position (x_ref - x) + feedforward lag(v_command)`, then
 /// `force = inertia velocity (e + integral of integral e)` with `e = v_ref - v`, which stops integrating at its limit.
+/// While `enable` is 0 there is no force and pulses are lost; the amplifier clears its deviation counter, so that the axis
+/// stays where it is when `enable` comes back.
 #[derive(Clone, Debug)]
 pub struct PulseDrive {
     gains: DriveGains,
@@ -49,12 +51,17 @@ impl PulseDrive {
 
 impl Element for PulseDrive {
     fn ports(&self) -> Ports {
-        Ports { inputs: &["pulses", "position", "velocity"], outputs: &["force", "reference"] }
+        Ports { inputs: &["pulses", "position", "velocity", "enable"], outputs: &["force", "reference"] }
     }
 
     fn step(&mut self, inputs: &[f64], outputs: &mut [f64], h: f64) {
-        let &[pulses, position, velocity] = inputs else { return };
+        let &[pulses, position, velocity, enable] = inputs else { return };
         let g = self.gains;
+        if enable == 0.0 {
+            (self.reference, self.smoothed, self.sum) = (position, 0.0, 0.0);
+            outputs.copy_from_slice(&[0.0, position]);
+            return;
+        }
         outputs[1] = self.reference;
         let command = pulses * self.pulse / self.tick;
         let error = g.position * (self.reference - position) + g.feedforward * self.smoothed - velocity;
@@ -93,7 +100,7 @@ mod tests {
     fn travel(drive: &mut PulseDrive, pulses: impl Fn(u32) -> f64, ticks: u32, load: f64) -> (f64, f64) {
         let (mut x, mut v, mut out) = (0.0, 0.0, [0.0; 2]);
         for k in 0..10 * ticks {
-            drive.step(&[pulses(k / 10), x, v], &mut out, H);
+            drive.step(&[pulses(k / 10), x, v, 1.0], &mut out, H);
             v += (out[0] - 20.0 * v - load) / 10.0 * H;
             x += v * H;
         }
@@ -105,10 +112,10 @@ mod tests {
         let mut drive = drive(GAINS);
         let mut out = [0.0; 2];
         for k in 0..10 {
-            drive.step(&[7.0, 0.0, 0.0], &mut out, H);
+            drive.step(&[7.0, 0.0, 0.0, 1.0], &mut out, H);
             assert!((out[1] - 7e-7 * f64::from(k)).abs() < 1e-20);
         }
-        drive.step(&[0.0, 0.0, 0.0], &mut out, H);
+        drive.step(&[0.0, 0.0, 0.0, 1.0], &mut out, H);
         assert!((out[1] - 7e-6).abs() < 1e-18);
     }
 
@@ -133,9 +140,20 @@ mod tests {
         let mut stiff = drive(DriveGains { force: 5.0, ..GAINS });
         let mut out = [0.0; 2];
         for _ in 0..10_000 {
-            stiff.step(&[50.0, 0.0, 0.0], &mut out, H);
+            stiff.step(&[50.0, 0.0, 0.0, 1.0], &mut out, H);
             assert!(out[0].abs() <= 5.0);
         }
         assert!(stiff.sum < 1e-4, "{}", stiff.sum);
+    }
+
+    #[test]
+    fn without_enable_there_is_no_force_and_the_axis_stays_where_it_was_moved_to() {
+        let mut drive = drive(GAINS);
+        let mut out = [0.0; 2];
+        (0..100).for_each(|_| drive.step(&[50.0, 0.0, 0.0, 1.0], &mut out, H));
+        drive.step(&[50.0, 3e-3, 0.1, 0.0], &mut out, H);
+        assert_eq!(out, [0.0, 3e-3]);
+        drive.step(&[0.0, 3e-3, 0.0, 1.0], &mut out, H);
+        assert_eq!(out, [0.0, 3e-3]);
     }
 }

@@ -1,0 +1,5 @@
+//! What goes wrong in a job although every law does its work: axes, force and time.
+
+pub mod axis;
+pub mod force;
+pub mod job;

@@ -1,0 +1,170 @@
+//! The force reading held against the motion and against itself: does it live, is it noise, does the loop hold it?
+//!
+//! At rest and on the approach nothing moves the force but its noise, so a reading that stands to the bit for
+//! `limits.still_time` is not alive. In contact it must answer the way into the mold: the reading is anchored
+//! ([`Frozen`]), and a depth that has changed by more than the surface can have changed since, a way w along the path
+//! times `limits.surface_slope`, without that the force has left a band of one and a half steps, was not felt.
+//!
+//! The noise is told by the second difference, which slow signals do not reach: white noise of the deviation s has
+//! d = f(k) - 2 f(k-1) + f(k-2) with the variance 6 s^2.
+
+use control_blocks::{Frozen, Reversals, ticks};
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+use super::axis::BAND;
+use crate::force::contact::Measurement;
+use crate::interface::{Fault, Parameters, State};
+
+/// Share of the normal from which on an axis carries the force.
+const CARRIES: f64 = 0.5;
+/// Memory of the noise, s.
+const NOISE_TIME: f64 = 0.1;
+/// Variance of the second difference over that of the noise.
+const DIFFERENCES: f64 = 6.0;
+/// A difference counts as no more than this, in deviations: one spike is no noise.
+const CLIP: f64 = 4.0;
+/// Memory of the force error, s.
+const ERROR_TIME: f64 = 0.2;
+/// Force error of the wanted force where `limits.force_error` is 0.
+const ERROR_SHARE: f64 = 0.25;
+/// Swing of an oscillation over the largest force error, and the most that one sample counts.
+const SWING: f64 = 2.0;
+/// Longest half period of an oscillation, s.
+const HALF_PERIOD: f64 = 0.1;
+/// Half periods in a row that are an oscillation.
+const SWINGS: u32 = 8;
+
+/// What is known of the force; by default nothing.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct ForceMonitor {
+    /// each raw axis, to the bit
+    still: [Frozen; 3],
+    /// each raw axis against the depth
+    answers: [Answer; 3],
+    depth: Option<f64>,
+    /// the last two forces along the normal, N
+    last: Option<(f64, f64)>,
+    /// variance of the noise, N2
+    noise: f64,
+    /// mean square of the force error, N2
+    error: f64,
+    reversals: Reversals,
+    swings: u32,
+}
+
+/// One raw axis of the force against the depth.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+struct Answer {
+    /// N
+    frozen: Frozen,
+    /// way along the path since the anchor, m
+    way: f64,
+}
+
+/// One sample of the force.
+#[derive(Clone, Copy, Debug)]
+pub struct ForceSample<'a> {
+    /// State of the last sample.
+    pub state: State,
+    /// Raw force, N.
+    pub raw: &'a Vector3<f64>,
+    /// What it says.
+    pub now: &'a Measurement,
+    /// Stiffness in use, N/m.
+    pub stiffness: f64,
+    /// Way along the path in this sample, m.
+    pub way: f64,
+}
+
+impl ForceMonitor {
+    /// Takes one sample.
+    pub fn update(&mut self, p: &Parameters, sample: &ForceSample) {
+        for (still, raw) in self.still.iter_mut().zip(sample.raw.iter()) {
+            still.update(*raw, 0.0, 0.0);
+        }
+        self.update_noise(p, sample.raw.dot(&sample.now.frame.normal));
+        self.update_answer(p, sample);
+        let share = if sample.state == State::Follow { memory(p, ERROR_TIME) } else { 1.0 };
+        let error = if sample.state == State::Follow { sample.now.force_error } else { 0.0 };
+        let most = SWING * error_limit(p);
+        // in the air there is nothing to control
+        if sample.state != State::Follow || sample.now.force.controlled >= p.limits.lost_force {
+            // a moment beyond all measure is a matter of the largest force
+            self.error += share * (error.powi(2).min(most * most) - self.error);
+        }
+        self.swings = self.reversals.update(error, most, ticks(HALF_PERIOD, p.sample_period));
+    }
+
+    fn update_noise(&mut self, p: &Parameters, force: f64) {
+        if let Some((one, two)) = self.last {
+            let most = DIFFERENCES * (CLIP * p.limits.force_noise).powi(2);
+            let difference = (force - 2.0 * one + two).powi(2).min(most);
+            self.noise += memory(p, NOISE_TIME) * (difference / DIFFERENCES - self.noise);
+        }
+        self.last = Some((force, self.last.map_or(force, |(one, _)| one)));
+    }
+
+    fn update_answer(&mut self, p: &Parameters, sample: &ForceSample) {
+        let depth = sample.now.error.normal;
+        let moved = depth - self.depth.replace(depth).unwrap_or(depth);
+        // no force, no answer: that is a matter of the contact
+        if !sample.state.pressing() || sample.now.force.controlled < p.limits.lost_force {
+            self.answers = Default::default();
+            return;
+        }
+        let normal = sample.now.frame.normal;
+        for ((answer, raw), share) in self.answers.iter_mut().zip(sample.raw.iter()).zip(normal.iter()) {
+            answer.way += sample.way;
+            answer.frozen.update(*raw, sample.stiffness * moved * share, BAND * p.sensor_resolution);
+            if answer.frozen.still() == 0 {
+                answer.way = 0.0;
+            }
+        }
+    }
+
+    /// What is wrong with the reading while a job is on.
+    pub fn reading_fault(&self, p: &Parameters, sample: &ForceSample) -> Option<Fault> {
+        let end = p.sensor_range - 0.5 * p.sensor_resolution;
+        let faults = [
+            (Fault::Saturation, sample.raw.amax() >= end),
+            (Fault::FrozenForce, self.stands(p, &sample.now.frame.normal) || self.unanswered(p, sample)),
+            (Fault::NoisyForce, self.noise.sqrt() > p.limits.force_noise),
+        ];
+        faults.into_iter().find_map(|(fault, holds)| holds.then_some(fault))
+    }
+
+    /// What is wrong with the loop.
+    pub fn loop_fault(&self, p: &Parameters) -> Option<Fault> {
+        let swings = (self.swings >= SWINGS).then_some(Fault::Oscillation);
+        swings.or((self.error.sqrt() > error_limit(p)).then_some(Fault::ForceError))
+    }
+
+    fn stands(&self, p: &Parameters, normal: &Vector3<f64>) -> bool {
+        let longest = ticks(p.limits.still_time, p.sample_period);
+        let carries = |(still, share): (&Frozen, &f64)| share.abs() > CARRIES && still.still() >= longest;
+        longest > 0 && self.still.iter().zip(normal.iter()).any(carries)
+    }
+
+    fn unanswered(&self, p: &Parameters, sample: &ForceSample) -> bool {
+        let felt = |answer: &Answer, share: f64| {
+            let depth = p.limits.frozen_way + p.limits.surface_slope * answer.way;
+            answer.frozen.unanswered() <= BAND * p.sensor_resolution + sample.stiffness * depth * share.abs()
+        };
+        let normal = &sample.now.frame.normal;
+        self.answers.iter().zip(normal.iter()).any(|(answer, share)| share.abs() > CARRIES && !felt(answer, *share))
+    }
+}
+
+/// Largest force error, root mean square, N.
+fn error_limit(p: &Parameters) -> f64 {
+    match p.limits.force_error {
+        0.0 => ERROR_SHARE * p.force.target,
+        limit => limit,
+    }
+}
+
+/// Share of a new sample in a mean over `time` s.
+fn memory(p: &Parameters, time: f64) -> f64 {
+    -(-p.sample_period / time).exp_m1()
+}

@@ -1,0 +1,270 @@
+//! Readings and drives that fail in the middle of a job: the fault that is named, and how hard the tool presses meanwhile.
+
+use fmu_polish::axes::Axes;
+use fmu_polish::interface::{Fault, Input, Parameters, State};
+use nalgebra::Vector3;
+
+use crate::robot::Build;
+use crate::run::Loop;
+
+const P: Parameters = Parameters::START;
+
+/// What is wrong with the inputs of a sample.
+type Spoil = fn(&mut Input);
+
+/// What a failure did.
+#[derive(Debug)]
+struct Failure {
+    fault: Fault,
+    /// from its begin, s
+    after: f64,
+    /// largest true force from its begin to 0.5 s after it was named, N
+    most: f64,
+    drive_enable: bool,
+}
+
+/// A job in which `change` falsifies the inputs from 0.3 s after `state` was reached.
+fn fails(p: &Parameters, build: Build, state: State, mut change: impl FnMut(&mut Input, u32)) -> Failure {
+    let mut run = Loop::new(p, build, 500);
+    assert!(run.run_to(state, 5.0), "{state:?}: {:?}", run.output);
+    if state == State::Follow {
+        (0..300).for_each(|_| run.step());
+    }
+    let (begin, mut most, mut after) = (run.time(), 0.0f64, None);
+    for k in 0..40_000 {
+        run.step_with(|input| change(input, k));
+        most = most.max(run.robot.normal_force);
+        if run.output.state == State::Fault {
+            after = after.or(Some(run.time() - begin));
+        }
+        if run.output.state == State::Done || after.is_some_and(|after| run.time() > begin + after + 0.5) {
+            break;
+        }
+    }
+    let (fault, drive_enable) = (run.output.fault, run.output.drive_enable);
+    assert!(fault == Fault::None || (run.output.pulses == Axes::all(0)), "{:?}", run.output);
+    Failure { fault, after: after.unwrap_or(f64::NAN), most, drive_enable }
+}
+
+#[test]
+fn a_force_that_stands_is_frozen_and_the_tool_leaves() {
+    for (state, value, limit) in [
+        (State::Idle, 0.0, 0.0),
+        (State::Approach, 0.0, 8.0),
+        (State::Settle, 1.0, 12.0),
+        (State::Settle, 4.5, 12.0),
+        (State::Follow, 5.0, 6.0),
+        (State::Follow, 4.5, 14.0),
+        (State::Follow, 4.0, 16.0),
+        (State::Unload, 3.0, 8.0),
+    ] {
+        let p = P;
+        let failure = fails(&p, Build::NOMINAL, state, |input, k| {
+            input.force.z = value;
+            // it ends the job
+            input.enable = state != State::Unload || k == 0;
+        });
+        assert_eq!((failure.fault, failure.drive_enable), (Fault::FrozenForce, true), "{state:?} {value}: {failure:?}");
+        assert!(failure.most <= limit, "{state:?} {value}: {failure:?}");
+    }
+}
+
+#[test]
+fn a_last_bit_that_flickers_hides_no_frozen_force() {
+    for (state, value, limit) in [(State::Settle, 1.0, 10.0), (State::Follow, 4.0, 18.0)] {
+        let failure = fails(&P, Build::NOMINAL, state, |input, k| {
+            input.force.z = value + if k % 7 < 3 { 0.178 } else { 0.0 };
+        });
+        assert_eq!(failure.fault, Fault::FrozenForce, "{state:?} {value}: {failure:?}");
+        assert!(failure.most <= limit, "{state:?} {value}: {failure:?}");
+    }
+}
+
+#[test]
+fn an_encoder_that_stands_switches_the_drives_off() {
+    for (state, axis) in [(State::Approach, 2), (State::Follow, 0), (State::Follow, 1)] {
+        let mut held = None;
+        let failure = fails(&P, Build::NOMINAL, state, |input, _| {
+            let fields = [&mut input.position.x, &mut input.position.y, &mut input.position.z];
+            *fields[axis] = *held.get_or_insert(*fields[axis]);
+        });
+        assert_eq!((failure.fault, failure.drive_enable), (Fault::FrozenReading, false), "{axis}: {failure:?}");
+        assert!(failure.most < 6.0 && failure.after < 1.0, "{axis}: {failure:?}");
+    }
+}
+
+#[test]
+fn wrong_drives_are_named_by_their_share() {
+    for (pulses, expected) in [
+        (Vector3::new(1.0, 1.0, -1.0), Fault::DriveSign),
+        (Vector3::new(1.0, -1.0, 1.0), Fault::DriveSign),
+        (Vector3::new(1.0, 1.0, 0.3), Fault::WeakDrive),
+        (Vector3::new(0.3, 1.0, 1.0), Fault::WeakDrive),
+        (Vector3::new(1.0, 1.0, 0.0), Fault::FrozenReading),
+        (Vector3::new(1.0, 0.0, 1.0), Fault::FrozenReading),
+    ] {
+        let failure = fails(&P, Build { pulses, ..Build::NOMINAL }, State::Idle, |_, _| ());
+        assert_eq!((failure.fault, failure.drive_enable), (expected, false), "{pulses:?}: {failure:?}");
+        assert!(failure.most < 8.0, "{pulses:?}: {failure:?}");
+    }
+}
+
+#[test]
+fn one_bad_sample_moves_nothing_and_ends_nothing() {
+    let spoil: [Spoil; 6] = [
+        |input| input.force.z = f64::NAN,
+        |input| input.force.z += 50.0,
+        |input| input.force.z -= 8.0,
+        |input| input.position.x += 0.3e-3,
+        |input| input.position.z = f64::INFINITY,
+        |input| input.feed_override = f64::NAN,
+    ];
+    for change in spoil {
+        for state in [State::Idle, State::Approach, State::Settle, State::Follow] {
+            let failure = fails(&P, Build::NOMINAL, state, |input, k| {
+                if k % 400 == 50 {
+                    change(input);
+                }
+            });
+            assert!(failure.fault == Fault::None && failure.most < 6.0, "{state:?}: {failure:?}");
+        }
+    }
+}
+
+#[test]
+fn what_stays_bad_is_lost_or_has_jumped() {
+    let cases: [(Fault, Spoil); 4] = [
+        (Fault::LostReading, |input| input.force.y = f64::NAN),
+        (Fault::LostReading, |input| input.position.z = f64::NAN),
+        (Fault::ReadingJump, |input| input.position.y += 20e-3),
+        (Fault::FollowingError, |input| input.position.y += 0.15e-3),
+    ];
+    for (expected, change) in cases {
+        for state in [State::Approach, State::Settle, State::Follow] {
+            let failure = fails(&P, Build::NOMINAL, state, |input, _| change(input));
+            assert_eq!((failure.fault, failure.drive_enable), (expected, false), "{state:?}: {failure:?}");
+            assert!(failure.after < 0.01 && failure.most < 6.0, "{state:?}: {failure:?}");
+        }
+    }
+}
+
+#[test]
+fn an_override_that_is_no_number_takes_the_tool_out() {
+    let failure = fails(&P, Build::NOMINAL, State::Follow, |input, _| input.force_override = f64::INFINITY);
+    assert_eq!((failure.fault, failure.drive_enable), (Fault::InvalidInput, true));
+}
+
+#[test]
+fn an_encoder_that_drifts_is_a_following_error() {
+    let failure = fails(&P, Build::NOMINAL, State::Follow, |input, k| input.position.y += 0.2e-6 * f64::from(k));
+    assert_eq!(failure.fault, Fault::FollowingError, "{failure:?}");
+    assert!(failure.after < 0.6, "{failure:?}");
+}
+
+#[test]
+fn a_noisy_sensor_is_named_and_five_times_the_noise_is_not() {
+    // a uniform distribution by the golden ratio, of deviation `size`
+    let noise = |k: u32, size: f64| size * 12f64.sqrt() * ((f64::from(k) * 0.618_033_988_75).fract() - 0.5);
+    for (size, expected) in [(1.0, Fault::NoisyForce), (0.25, Fault::None)] {
+        let failure = fails(&P, Build::NOMINAL, State::Follow, |input, k| input.force.z += noise(k, size));
+        assert_eq!(failure.fault, expected, "{size}: {failure:?}");
+        assert!(failure.most < 8.0, "{size}: {failure:?}");
+    }
+}
+
+#[test]
+fn a_sensor_at_its_end_is_named() {
+    let p = Parameters { sensor_range: 30.0, ..P };
+    let mut force = 5.0;
+    let failure = fails(&p, Build::NOMINAL, State::Follow, |input, _| {
+        force = f64::min(force + 8.0, 30.0);
+        input.force.x = force;
+    });
+    assert!(matches!(failure.fault, Fault::ForceLimit | Fault::Saturation), "{failure:?}");
+}
+
+#[test]
+fn a_sensor_that_shows_a_third_is_a_wrong_stiffness() {
+    let failure = fails(&P, Build::NOMINAL, State::Idle, |input, _| {
+        input.force.z *= 0.35;
+    });
+    assert_eq!(failure.fault, Fault::WrongStiffness, "{failure:?}");
+    assert!(failure.most < 5.5 / 0.35, "{failure:?}");
+}
+
+#[test]
+fn another_mold_is_a_force_error() {
+    let failure = fails(&P, Build { shift: Vector3::new(0.6e-3, 0.0, 0.0), ..Build::NOMINAL }, State::Idle, |_, _| ());
+    assert!(failure.fault == Fault::ForceError && failure.most < 9.0, "{failure:?}");
+}
+
+#[test]
+fn a_gain_that_is_tuned_to_swing_is_refused_at_once() {
+    let mut run = Loop::new(&P, Build::NOMINAL, 501);
+    assert!(run.run_to(State::Follow, 5.0));
+    run.parameters.impedance.gain = 20.0;
+    run.step();
+    assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::UnstableLoop));
+    assert!(run.output.drive_enable);
+}
+
+#[test]
+fn a_force_that_comes_back_on_the_way_out_is_not_done() {
+    let mut run = Loop::new(&P, Build::NOMINAL, 502);
+    assert!(run.run_to(State::Retract, 20.0));
+    let until = run.time() + 3.0;
+    while run.output.state == State::Retract && run.time() < until {
+        run.step_with(|input| input.force.z += 2.0);
+    }
+    assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::UnloadTimeout));
+    assert!(!run.output.done);
+}
+
+#[test]
+fn a_job_that_stands_ends_by_its_time_and_one_that_goes_on_does_not() {
+    for (share, fault) in [(0.0, Fault::NoProgress), (0.5, Fault::None)] {
+        let failure = fails(&P, Build::NOMINAL, State::Follow, |input, _| input.feed_override = share);
+        // 8 mm at 2 mm/s, four times, and some 8 s around it
+        assert_eq!(failure.fault, fault, "{failure:?}");
+        assert!(failure.most < 6.0, "{failure:?}");
+    }
+}
+
+#[test]
+fn a_graver_fault_on_the_way_out_switches_the_drives_off() {
+    let mut run = Loop::new(&P, Build::NOMINAL, 503);
+    assert!(run.run_to(State::Follow, 5.0));
+    run.robot.build.shift.z += 0.15e-3;
+    assert!(run.run_to(State::Fault, 5.0));
+    assert_eq!((run.output.fault, run.output.drive_enable), (Fault::ForceLimit, true));
+    (0..6).for_each(|_| run.step_with(|input| input.position.x = f64::NAN));
+    assert_eq!((run.output.fault, run.output.drive_enable), (Fault::LostReading, false));
+    (0..200).for_each(|_| run.step());
+    // it stays off, and named, until the reset; then nothing moves by itself
+    assert_eq!((run.output.fault, run.output.drive_enable), (Fault::LostReading, false));
+    run.step_with(|input| input.reset_fault = true);
+    assert_eq!((run.output.state, run.output.drive_enable), (State::Idle, true));
+    (0..300).for_each(|_| run.step());
+    assert_eq!((run.output.state, run.output.pulses), (State::Idle, Axes::all(0)));
+}
+
+#[test]
+fn an_enable_that_is_on_from_the_start_moves_nothing() {
+    let mut fresh = Loop::new(&P, Build::NOMINAL, 504);
+    fresh.skip_first_edge();
+    (0..500).for_each(|_| fresh.step());
+    assert_eq!((fresh.output.state, fresh.output.pulses), (State::Idle, Axes::all(0)));
+}
+
+#[test]
+fn the_counts_are_the_sum_of_all_pulses() {
+    let mut run = Loop::new(&P, Build::NOMINAL, 505);
+    let mut sum = Vector3::<i32>::zeros();
+    for _ in 0..3000 {
+        run.step();
+        let pulses = run.output.pulses;
+        sum += Vector3::new(pulses.x, pulses.y, pulses.z);
+        assert_eq!(run.output.counts, sum.into());
+    }
+    assert!(sum.z < -150, "{sum}");
+}

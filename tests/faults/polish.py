@@ -1,0 +1,339 @@
+"""Faults of the polishing robot: sensors, encoders, drives, parameters, the mold, and what a user does."""
+
+from __future__ import annotations
+
+from cosim.scenario.injection import Injection
+from cosim.scenario.model import Signal
+
+from .matrix import DONE, Matrix, Row
+
+# three times the feed of the scenario: the runs get shorter
+QUICK = ("controller.feed.velocity=0.006", "loop.duration=2.1")
+WHOLE = ("loop.duration=4.1",)
+"""The job to its end."""
+MIDWAY = {"when": 'controller.state == "Follow"', "after": 0.5}
+FORCE = "max(plant.contact_force)"
+BESIDE = "max(hypot(plant.axis_x - controller.desired.x, plant.axis_y - controller.desired.y))"
+HELD = "5 N and the ripple of the law"
+SEEN = (
+    "0.25 s of `limits.still_time` at what the law then makes of 0.5 N too little: 45 um at 178 N/mm, and 5 N"
+)
+TOUCH = "0.25 s of `limits.still_time` at `approach.velocity`, 178 N/mm"
+COAST = "`limits.following_error`, 50 um of stick-slip, 0.59 mm coasting: 31 kg, 10 mm/s, 2 N, 100 N.s/m"
+
+
+def row(
+    name: str, faults: str, *inject: Injection, most: float = 5.6, why: str = HELD, truth: str = FORCE,
+    changes: tuple[str, ...] = (), signals: tuple[Signal, ...] = (),
+) -> Row:  # fmt: skip
+    """One row; the largest true force counts if nothing else is said."""
+    unit = "m" if truth == BESIDE else "N"
+    return Row(name, tuple(faults.split()), truth, most, why, inject, signals, (*QUICK, *changes), unit=unit)
+
+
+def midway(to: str, **kind: float) -> Injection:
+    """Return a fault in the middle of the path."""
+    return Injection(to, **MIDWAY, **kind)  # type: ignore[arg-type]
+
+
+SENSOR = (
+    row(
+        "force stands before the start",
+        "FrozenForce",
+        Injection("controller.force.z", 0.0, frozen=True),
+        most=0.0,
+        why="nothing moves yet",
+    ),
+    row(
+        "force stands on the approach",
+        "FrozenForce",
+        Injection("controller.force.z", when='controller.state == "Approach"', frozen=True),
+        most=22.0,
+        why=TOUCH,
+    ),
+    row(
+        "force stands where it has just touched",
+        "FrozenForce",
+        Injection("controller.force.z", when='controller.state == "Settle"', frozen=True),
+        most=6.0,
+        why="a way of `limits.frozen_way` without an answer, and a band: 3.9 N at 178 N/mm",
+    ),
+    row(
+        "force stands on the path",
+        "FrozenForce",
+        midway("controller.force.z", frozen=True),
+        most=13.0,
+        why=SEEN,
+    ),
+    row("force stands at 4.5 N", "FrozenForce", midway("controller.force.z", value=4.5), most=13.0, why=SEEN),
+    row(
+        "force is 0",
+        "LostContact",
+        midway("controller.force.z", value=0.0),
+        most=14.0,
+        why="`limits.lost_time` at `approach.velocity`: 50 um at 178 N/mm, and 5 N",
+    ),
+    row(
+        "force is 2 N too large",
+        "FrozenForce UnloadTimeout",
+        midway("controller.force.z", offset=2.0),
+        changes=WHOLE,
+    ),
+    row(
+        "force is 2 N too small",
+        "FrozenForce UnloadTimeout",
+        midway("controller.force.z", offset=-2.0),
+        most=7.6,
+        why="5 N and the offset; only the unloaded tool shows it",
+        changes=("loop.duration=5.2", "controller.settle.time_max=1.0"),
+    ),
+    row(
+        "force drifts by 1 N/s",
+        "FrozenForce UnloadTimeout",
+        midway("controller.force.z", ramp=1.0),
+        changes=WHOLE,
+    ),
+    row("one spike of 30 N", DONE, midway("controller.force.z", offset=30.0, duration=1e-3), changes=WHOLE),
+    row(
+        "one spike of -6 N on the approach",
+        DONE,
+        Injection("controller.force.z", when='controller.state == "Approach"', offset=-6.0, duration=1e-3),
+        changes=WHOLE,
+    ),
+    row("20 times the noise", "NoisyForce", midway("controller.force.z", noise=1.0)),
+    row("half of the forces get lost", DONE, midway("controller.force.z", drop=0.5), changes=WHOLE),
+    row("force is no number", "LostReading", midway("controller.force.x", value=float("nan"))),
+    row(
+        "force at the end of its range",
+        "Saturation ReadingJump ForceLimit",
+        midway("controller.force.x", value=100.0),
+    ),
+    row(
+        "force shows a third",
+        "WrongStiffness",
+        Injection("controller.force.z", 0.0, scale=0.35),
+        most=15.5,
+        why="5 N over the share that is shown",
+    ),
+    row(
+        "force with the wrong sign",
+        "InvalidPath SettleTimeout",
+        Injection("controller.force.z", 0.0, scale=-1.0),
+    ),
+    row(
+        "force 20 ms late",
+        f"Oscillation ForceError {DONE}",
+        midway("controller.force.z", late=20),
+        most=6.5,
+        why="5 N and the largest swing that is good",
+        changes=WHOLE,
+    ),
+)
+
+ENCODERS = (
+    row(
+        "encoder z stands on the approach",
+        "FrozenReading",
+        Injection("controller.position.z", when='controller.state == "Approach"', frozen=True),
+        most=0.0,
+        why="0.2 mm above the mold",
+    ),
+    row(
+        "encoder x stands on the path",
+        "FrozenReading",
+        midway("controller.position.x", frozen=True),
+        truth=BESIDE,
+        most=0.74e-3,
+        why=COAST,
+    ),
+    row(
+        "encoder y flickers in its last bit",
+        "FrozenReading",
+        midway("controller.position.y", frozen=True),
+        midway("controller.position.y", noise=0.4e-6),
+        truth=BESIDE,
+        most=0.74e-3,
+        why=COAST,
+    ),
+    row(
+        "encoder x is 0.15 mm off",
+        "FollowingError",
+        midway("controller.position.x", offset=0.15e-3),
+        truth=BESIDE,
+        most=0.74e-3,
+        why=COAST,
+    ),
+    row(
+        "encoder y drifts by 0.2 mm/s",
+        "FollowingError",
+        midway("controller.position.y", ramp=0.2e-3),
+        truth=BESIDE,
+        most=0.74e-3,
+        why=COAST,
+    ),
+    row(
+        "one spike of 0.5 mm",
+        DONE,
+        midway("controller.position.x", offset=0.5e-3, duration=1e-3),
+        truth=BESIDE,
+        most=0.15e-3,
+        why="50 um of stick-slip, and the lag of feed and reversal on both axes",
+        changes=WHOLE,
+    ),
+    row(
+        "encoder x jumps by 10 mm",
+        "ReadingJump",
+        midway("controller.position.x", offset=10e-3),
+        truth=BESIDE,
+        most=0.74e-3,
+        why=COAST,
+    ),
+    row("encoder z is no number", "LostReading", midway("controller.position.z", value=float("nan"))),
+    row("a fifth of the places get lost", DONE, midway("controller.position.x", drop=0.2), changes=WHOLE),
+    row(
+        "encoder x 20 ms late",
+        f"FollowingError WeakDrive DriveSign {DONE}",
+        midway("controller.position.x", late=20),
+        truth=BESIDE,
+        most=0.74e-3,
+        why=COAST,
+    ),
+)
+
+DRIVES = (
+    row(
+        "pulses z with the wrong sign",
+        "DriveSign",
+        Injection("plant.pulses_z", 0.0, scale=-1.0),
+        most=0.0,
+        why="away from the mold",
+    ),
+    row(
+        "pulses y with the wrong sign",
+        "DriveSign",
+        Injection("plant.pulses_y", 0.0, scale=-1.0),
+        truth=BESIDE,
+        most=0.74e-3,
+        why=COAST,
+    ),
+    row(
+        "drive z at 0.3",
+        "WeakDrive",
+        Injection("plant.pulses_z", 0.0, scale=0.3),
+        most=0.0,
+        why="still above the mold",
+    ),
+    row(
+        "drive x at 0.3",
+        "WeakDrive",
+        midway("plant.pulses_x", scale=0.3),
+        truth=BESIDE,
+        most=0.74e-3,
+        why=COAST,
+    ),
+    row(
+        "pulses z get lost",
+        "FrozenReading",
+        Injection("plant.pulses_z", 0.0, value=0.0),
+        most=0.0,
+        why="it stands",
+    ),
+    row(
+        "pulses x get lost on the path",
+        "FrozenReading FollowingError",
+        midway("plant.pulses_x", value=0.0),
+        truth=BESIDE,
+        most=0.74e-3,
+        why=COAST,
+    ),
+    row(
+        "drive z runs down with 5 mm/s",
+        "DriveSign FollowingError ForceLimit",
+        midway("plant.pulses_z", value=-5.0),
+        most=32.0,
+        why="`limits.following_error` at 178 N/mm, 5 N, and 8 kg with 5 mm/s: 6 N",
+    ),
+    row(
+        "drive x runs away with 20 mm/s",
+        "DriveSign FollowingError",
+        midway("plant.pulses_x", value=20.0),
+        truth=BESIDE,
+        most=2.05e-3,
+        why="`limits.following_error`, 50 um of stick-slip, and 1.9 mm that 31 kg coast from 20 mm/s",
+    ),
+    row(
+        "pulses of z 20 ms late",
+        f"Oscillation ForceError WeakDrive FollowingError {DONE}",
+        midway("plant.pulses_z", late=20),
+        most=7.5,
+        why="5 N and a swing of twice `limits.force_error`",
+        changes=WHOLE,
+    ),
+)
+
+REST = (
+    row(
+        "stiffness told a third",
+        "WrongStiffness UnstableLoop",
+        changes=("controller.stiffness.nominal=55e3",),
+    ),
+    row(
+        "pulses told twice as long",
+        "WeakDrive",
+        changes=("controller.pulses.size=2e-6",),
+        most=0.0,
+        why="still above the mold",
+    ),
+    row(
+        "mold 0.6 mm beside",
+        "ForceError",
+        changes=("plant.shift_x=6e-4",),
+        most=9.0,
+        why="5 N, and a ramp to 4 N that is a quarter of 5 N root mean square over 0.2 s",
+    ),
+    row(
+        "another mold",
+        "ForceError Oscillation",
+        changes=("plant.mold='saddle'", *WHOLE),
+        most=9.0,
+        why="5 N, and a ramp to 4 N that is a quarter of 5 N root mean square over 0.2 s",
+    ),
+    row(
+        "mold 0.3 mm lower at once",
+        "LostContact",
+        signals=(Signal("plant.mold_lift", (0.0, 1.5), (0.0, -3e-4)),),
+    ),
+    row(
+        "restart in mid-run",
+        "NotAtStart",
+        signals=(Signal("controller.enable", (0.0, 0.01, 1.5, 2.2), (False, True, False, True)),),
+        changes=("loop.duration=2.5",),
+    ),
+    row(
+        "estop on the path", "EmergencyStop", signals=(Signal("controller.estop", (0.0, 1.5), (False, True)),)
+    ),
+    row(
+        "feed stopped for ever",
+        "NoProgress",
+        Injection("controller.feed_override", 1.2, value=0.0),
+        changes=("controller.limits.job_time=1.6",),
+    ),
+    row("override is no number", "InvalidInput", midway("controller.feed_override", value=float("nan"))),
+    row(
+        "encoder lost on the way out",
+        "ForceLimit LostReading",
+        Injection("controller.position.x", when='controller.state == "Fault"', value=float("nan")),
+        signals=(Signal("plant.mold_lift", (0.0, 1.5), (0.0, 1.5e-4)),),
+        most=32.0,
+        why="the step of 0.15 mm at 178 N/mm, and 5 N",
+    ),
+)
+
+MATRIX = Matrix(
+    scenario="polish",
+    seed=71_301,
+    good="last(controller.done) & (max(plant.contact_force) < 6.5)",
+    rest="max(hypot(diff(plant.axis_x), diff(plant.axis_z))[time > last(time) - 0.05]) < 1e-6",
+    rows=(*SENSOR, *ENCODERS, *DRIVES, *REST),
+    stop="time > 1e3",
+)
