@@ -24,7 +24,7 @@ use controller::Controller;
 use interface::Vars;
 
 impl Model for Controller {
-    const INFO: Info = Info { name: "RingCentering", state_version: 2, stop_time: 60.0, ..package!() };
+    const INFO: Info = Info { name: "RingCentering", state_version: 3, stop_time: 60.0, ..package!() };
     type Vars = Vars;
 
     fn calculate(vars: &mut Vars) {

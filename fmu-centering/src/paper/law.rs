@@ -69,6 +69,10 @@ impl CentringLaw for PaperLaw {
         None
     }
 
+    fn ahead(&self) -> f64 {
+        0.0
+    }
+
     fn stroke_over(&self, p: &Parameters, motion: &Motion) -> bool {
         motion.arrived(p, p.push.dwell)
     }

@@ -150,6 +150,10 @@ impl CentringLaw for PredictiveLaw {
         Some(press.step(p, &goal, seen, now.sample.slide))
     }
 
+    fn ahead(&self) -> f64 {
+        self.press.as_ref().map_or(0.0, Press::ahead)
+    }
+
     fn stroke_over(&self, p: &Parameters, _: &Motion) -> bool {
         self.press.as_ref().is_none_or(|press| press.over(p))
     }
