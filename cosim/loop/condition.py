@@ -1,12 +1,17 @@
-"""Conditions in native code: an expression applied to symbols tells what it computes."""
+"""Conditions over the current row of a trace, and their programs for native code.
+
+An expression that is applied to symbols tells what it computes.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
-from cosim.errors import CosimError
+from cosim.errors import CosimError, ExpressionError, concerning
+from cosim.fmu.archive import Variable
 from cosim.metrics.expression import Expression
 
 Program = list[tuple[str, float]]
@@ -61,3 +66,37 @@ def program(expression: Expression, columns: int) -> Program | None:
     except CosimError:
         return None
     return found.program if isinstance(found, Symbol) else None
+
+
+def compiled(text: str, key: str, found: Mapping[str, Variable | None]) -> Expression | None:
+    """Condition over the current row of the trace, None where there is none.
+
+    Parameters
+    ----------
+    text
+        The expression; empty for none.
+    key
+        Key of the scenario that holds it.
+    found
+        Columns of the trace, with the FMU's variable where there is one.
+
+    Raises
+    ------
+    ExpressionError
+        It is no expression, or it tells a number: one that is not 0 would hold at once.
+    """
+    if not text:
+        return None
+    with concerning(key):
+        made = Expression(text, items_of(found), f"`{key}`", rowwise=True)
+        column = found.get(text.strip())
+        truth = np.asarray(made(np.zeros(len(found)))).dtype == np.bool_
+        if not truth and (column is None or column.kind != "Boolean"):
+            hint = f"compare it with a number: `{text} > 0`"
+            raise ExpressionError(f"`{key}` = `{text}` is no condition", hint)
+    return made
+
+
+def items_of(found: Mapping[str, Variable | None]) -> dict[str, dict[str, int] | None]:
+    """Columns with the items of those that are enumerations."""
+    return {name: dict(v.items) if v and v.items else None for name, v in found.items()}

@@ -5,8 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from cosim.loop.wires.change import steps_of
 from cosim.loop.wires.wiring import first_step
-from cosim.scenario.model import Criterion, Injection, Loop, Scenario
+from cosim.scenario.injection import Injection
+from cosim.scenario.model import Criterion, Loop, Scenario
+
+NEUTRAL = {"offset": 0.0, "scale": 1.0, "ramp": 0.0, "noise": 0.0, "drop": 0.0}
+"""Numbers that make no fault, by the kind of an injection."""
 
 
 def doubts(scenario: Scenario) -> Iterator[tuple[str, str]]:
@@ -14,8 +19,13 @@ def doubts(scenario: Scenario) -> Iterator[tuple[str, str]]:
     for injection in scenario.inject:
         if not happens(injection, scenario.loop):
             end = f"no step of the run, which ends at {scenario.loop.duration:g} s"
-            span = f"from {injection.from_time:g} s to {injection.to_time:g} s"
+            until = "" if injection.to_time is None else f" to {injection.to_time:g} s"
+            span = f"from {injection.from_time:g} s{until}"
             yield f"inject.{injection.to}", f"`inject.{injection.to}` {span} reaches {end}: it never happens"
+        kind = injection.kind
+        if getattr(injection, kind) == NEUTRAL.get(kind):
+            key = f"inject.{injection.to}.{kind}"
+            yield key, f"`{key}` is `{getattr(injection, kind):g}`, which changes nothing"
     for criterion in scenario.criterion:
         if name := boundless(criterion):
             key = f"criterion.{criterion.id}"
@@ -24,8 +34,10 @@ def doubts(scenario: Scenario) -> Iterator[tuple[str, str]]:
 
 def happens(injection: Injection, loop: Loop) -> bool:
     """Whether an injection is active in any step of a run that does not end early."""
-    begin, end = (first_step(time, loop.step) for time in (injection.from_time, injection.to_time))
-    return begin < min(end, loop.steps)
+    if injection.from_time is None:
+        return True
+    begin = first_step(injection.from_time, loop.step)
+    return begin < min(begin + steps_of(injection, loop), loop.steps)
 
 
 def boundless(criterion: Criterion) -> str:

@@ -27,6 +27,15 @@ def report(scenario: Scenario, fmus: Sequence[Instance], plant: Plant) -> None:
         warn_once(f"{scenario.origin(key)}: {doubt}")
 
 
+def report_unmet(scenario: Scenario, injected: Sequence[float | None]) -> None:
+    """Log which injections waited in vain for their condition."""
+    for entry, begin in zip(scenario.inject, injected, strict=True):
+        if entry.when and begin is None:
+            key = f"inject.{entry.to}.when"
+            text = f"`{key}` = `{entry.when}` held too late or in no row of the run: it never happened"
+            warn_once(f"{scenario.origin(key)}: {text}")
+
+
 def unknown(scenario: Scenario, known: list[str]) -> str:
     """Sentence about the names in `idle` that nothing has; empty if there are none."""
     names = [name for name in scenario.idle if name not in known]

@@ -18,7 +18,7 @@ from cosim.loop.plant import Plant, starts
 from cosim.loop.reference import PROGRESS_EVERY, Parts, Recording
 from cosim.loop.trace import Recorder
 from cosim.loop.wires.connect import Connector
-from cosim.loop.wires.links import Links, whole
+from cosim.loop.wires.links import Links, Slot, whole
 from cosim.scenario.model import Scenario
 from cosim.warned import warn_once
 
@@ -33,6 +33,15 @@ class Call:
     function: int
     references: NDArray[np.uint32]
     values: NDArray[Any]
+
+
+@dataclass(frozen=True)
+class NativeTrigger:
+    """A trigger of `cosim.loop.wires.change`, its condition as a program."""
+
+    program: condition.Program
+    delay: int
+    begin: Slot
 
 
 @dataclass(frozen=True)
@@ -119,20 +128,30 @@ def run(parts: Parts, chunk: int = PROGRESS_EVERY) -> Recording:
     recorder = Recorder(parts.fmus, plant, steps, scenario.loop.record_every, parts.sink)
     columns = recorder.table.shape[1]
     recorder.stop = condition.program(stop_when, columns) if stop_when else None
+    triggers = reference.triggers_of(parts, links.begins)
+    programs = [condition.program(trigger.condition, columns) for trigger in triggers]
+    recorder.triggers = [
+        NativeTrigger(program, trigger.delay, Slot(trigger.begins, trigger.index))
+        for trigger, program in zip(triggers, programs, strict=True)
+        if program is not None
+    ]
     calls = controller(fmu)
     stepper = Stepper(machine, calls, links, recorder, step, scenario.loop.substeps)
     # what native code cannot evaluate is looked at after every step
     look = stop_when if recorder.stop is None else None
+    slow = [trigger for trigger, program in zip(triggers, programs, strict=True) if program is None]
     done, ended = 0, False
     parts.place.at(Stage.STEP_BOTH)
     try:
         while done < steps and not ended:
             parts.place.page.step = done
             room = recorder.room(done)
-            until = min(done + chunk, steps, room) if look is None else done + 1
+            until = done + 1 if look or slow else min(done + chunk, steps, room)
             ended = explain(body.run(stepper, until), links, calls, plant)
-            if look is not None and (row := recorder.row(done)) is not None:
-                ended = bool(look(row))
+            if (look or slow) and (row := recorder.row(done)) is not None:
+                for trigger in slow:
+                    trigger(row, done)
+                ended = ended or (look is not None and bool(look(row)))
             if progress is not None:
                 for told in range(-(-done // PROGRESS_EVERY) * PROGRESS_EVERY, stepper.k, PROGRESS_EVERY):
                     progress(told, steps)
@@ -140,7 +159,7 @@ def run(parts: Parts, chunk: int = PROGRESS_EVERY) -> Recording:
             parts.interrupt()
     except Exception as error:
         raise reference.located(error, fmu, scenario, stepper.k) from error
-    return Recording(recorder.recorded(done), done)
+    return Recording(recorder.recorded(done), done, links.begins)
 
 
 def explain(stop: tuple[str, int, float] | None, links: Links, calls: NativeFmu, plant: Plant) -> bool:

@@ -15,6 +15,7 @@ from cosim.fmu.instance import Instance
 from cosim.loop.place import Place, Stage
 from cosim.loop.plant import Plant, one_each, starts
 from cosim.loop.trace import Recorder, Sink
+from cosim.loop.wires.change import Trigger, delay_of
 from cosim.loop.wires.connect import Connector
 from cosim.loop.wires.links import Fault, Inlet, Link
 from cosim.metrics.expression import Expression
@@ -26,18 +27,24 @@ PROGRESS_EVERY = 500
 
 
 class Recording(NamedTuple):
-    """What a run leaves: the table of its trace and the communication steps that were done."""
+    """What a run leaves: the table of its trace, the steps done, and the first step of each injection."""
 
     table: NDArray[np.float64]
     steps: int
+    begins: NDArray[np.float64]
+
+    def injected(self, step: float) -> tuple[float | None, ...]:
+        """Time at which each injection began, None for one that did not."""
+        return tuple(k * step if k < self.steps else None for k in self.begins.tolist())
 
 
 @dataclass(frozen=True)
 class Parts:
     """What a run needs: initialised FMUs in the order of the scenario and a plant that was reset.
 
-    The run ends early in the first row that `stop_when` holds for. `interrupt` is called after every step and
-    may raise; `place` is told whose code runs. `sink` takes the rows of the trace, else they are kept.
+    The run ends early in the first row that `stop_when` holds for; `when` are the conditions that injections
+    begin with, None for those that have none. `interrupt` is called after every step and may raise; `place`
+    is told whose code runs. `sink` takes the rows of the trace, else they are kept.
     """
 
     scenario: Scenario
@@ -45,6 +52,7 @@ class Parts:
     plant: Plant
     seed: int
     stop_when: Expression | None = None
+    when: Sequence[Expression | None] = ()
     progress: Progress | None = None
     interrupt: Callable[[], None] = lambda: None
     place: Place = field(default_factory=Place)
@@ -66,6 +74,7 @@ def run(parts: Parts) -> Recording:
     stop_when, progress, loop = parts.stop_when, parts.progress, scenario.loop
     commands = starts(plant.commands)
     links = Connector(scenario, parts.fmus, plant, commands, parts.seed).links()
+    triggers = triggers_of(parts, links.begins)
     recorder = Recorder(parts.fmus, plant, loop.steps, loop.record_every, parts.sink)
     place, page, interrupt = parts.place, parts.place.page, parts.interrupt
     rates = [(choice.shown, loop.every(choice.step)) for choice in scenario.fmus]
@@ -94,6 +103,9 @@ def run(parts: Parts) -> Recording:
             plant.command(commands)
             recorder.room(k)
             row = recorder.record(k, time)
+            if row is not None:
+                for trigger in triggers:
+                    trigger(row, k)
             # move the plant to the next communication point
             plant.advance(loop.substeps)
 
@@ -104,7 +116,17 @@ def run(parts: Parts) -> Recording:
                 progress(k, loop.steps)
     except (Exception, SystemExit) as error:
         raise located(error, fmu, scenario, k) from error
-    return Recording(recorder.recorded(k + 1), k + 1)
+    return Recording(recorder.recorded(k + 1), k + 1, links.begins)
+
+
+def triggers_of(parts: Parts, begins: NDArray[np.float64]) -> list[Trigger]:
+    """Triggers of the injections that begin with a condition."""
+    entries = enumerate(zip(parts.scenario.inject, parts.when, strict=False))
+    return [
+        Trigger(condition, delay_of(entry, parts.scenario.loop), begins, index)
+        for index, (entry, condition) in entries
+        if condition is not None
+    ]
 
 
 def reset_plant(plant: Plant, scenario: Scenario, seed: np.random.SeedSequence) -> None:
@@ -139,10 +161,12 @@ def carry(link: Link, k: int) -> None:
 
 
 def inject(faults: list[Fault], k: int) -> None:
-    """Replace values that arrive by those of the injections that are active."""
+    """Change values that arrive by the injections that are active; the others only see them."""
     for fault in faults:
-        if fault.begin <= k < fault.end:
-            fault.target.array[fault.target.index] = fault.value
+        since = k - fault.begin.array.item(fault.begin.index)
+        value = fault.change(float(fault.target.array[fault.target.index]), k, since)
+        if 0.0 <= since < fault.length:
+            fault.target.array[fault.target.index] = fault.target.convert(value)
 
 
 def located(error: Exception | SystemExit, fmu: Instance, scenario: Scenario, k: int) -> CosimError:

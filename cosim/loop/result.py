@@ -52,6 +52,8 @@ class Result:
         Simulated time and time taken by the loop, s.
     fmus
         GUIDs of the FMUs by their names.
+    injected
+        Time at which each injection of the scenario began, s; None where it never happened.
     """
 
     scenario: str
@@ -69,6 +71,7 @@ class Result:
     descriptions: dict[str, str] = field(default_factory=dict)
     displays: dict[str, DisplayUnit] = field(default_factory=dict)
     fmus: dict[str, str] = field(default_factory=dict)
+    injected: tuple[float | None, ...] = ()
 
     @property
     def loop(self) -> str:

@@ -10,22 +10,19 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from cosim import interrupts
 from cosim.closing import Closing
-from cosim.errors import CosimError, ExpressionError, FmuError, PlantError, concerning
+from cosim.errors import CosimError, FmuError, PlantError, concerning
 from cosim.fmu import readable
-from cosim.fmu.archive import FmuFile, Variable
+from cosim.fmu.archive import FmuFile
 from cosim.fmu.instance import Instance
-from cosim.loop import fmus, idle, native, plant, reference, trace
+from cosim.loop import condition, fmus, idle, native, plant, reference, trace
 from cosim.loop.engines import Engine, checked
 from cosim.loop.place import Place, Stage
 from cosim.loop.reference import Parts, Progress, Recording
 from cosim.loop.result import Result
 from cosim.loop.wires.wiring import child
 from cosim.metrics import criteria
-from cosim.metrics.expression import Expression
 from cosim.scenario.model import Scenario
 from cosim.trace import endings
 from cosim.trace.columns import structured
@@ -117,17 +114,15 @@ class Session(Closing):
     def _compile(self) -> None:
         """Compile all expressions against the columns of the trace."""
         found = trace.columns(self.fmus, self.plant)
-        columns = {name: dict(v.items) if v and v.items else None for name, v in found.items()}
-        self.columns = columns
+        self.columns = columns = condition.items_of(found)
         self.metrics = criteria.compile_metrics(
             self.scenario.metric, columns, trace.units(self.fmus, self.plant)
         )
         criteria.check_units(self.scenario.criterion, self.scenario.metric, self.metrics)
-        stop = self.scenario.loop.stop_when
-        with concerning("loop.stop_when"):
-            self.stop = Expression(stop, columns, "`loop.stop_when`", rowwise=True) if stop else None
-            if self.stop is not None:
-                check_condition(self.stop, found)
+        self.stop = condition.compiled(self.scenario.loop.stop_when, "loop.stop_when", found)
+        self.when = [
+            condition.compiled(one.when, f"inject.{one.to}.when", found) for one in self.scenario.inject
+        ]
 
     def run(
         self, seed: int | None = None, progress: Progress | None = None, stream: str | Path | None = None
@@ -161,18 +156,22 @@ class Session(Closing):
             place.at(Stage.RESET_PLANT)
             reference.reset_plant(self.plant, scenario, child(seed, "plant"))
             result = self._result(seed)
-            parts = Parts(scenario, self.fmus, self.plant, seed, self.stop, progress, interrupt, place)
+            parts = Parts(
+                scenario, self.fmus, self.plant, seed, self.stop, self.when, progress, interrupt, place
+            )
             begin = time.perf_counter()
             done = self._loop(parts, result, file)
             result = replace(
                 result,
                 simulated_s=done.steps * scenario.loop.step,
+                injected=done.injected(scenario.loop.step),
                 wall_s=time.perf_counter() - begin,
                 trace=structured(done.table, list(self.columns)) if file is None else None,
                 file=file,
             )
             place.at(Stage.NONE)
             self.complete = True
+            idle.report_unmet(scenario, result.injected)
             metrics = measured(scenario.metric, self.metrics, result.columns)
         return replace(result, metrics=metrics, criteria=criteria.judge(scenario.criterion, metrics))
 
@@ -268,15 +267,6 @@ def chosen(scenario: Scenario) -> tuple[str, dict[str, Any]]:
     if not scenario.plant.name:
         return "", {"timestep": scenario.loop.step / scenario.loop.substeps}
     return scenario.plant.name, scenario.plant.parameters
-
-
-def check_condition(stop: Expression, columns: Mapping[str, Variable | None]) -> None:
-    """Check that an expression tells true or false: a number that is not 0 would end the run at once."""
-    column = columns.get(stop.text.strip())
-    truth = np.asarray(stop(np.zeros(len(columns)))).dtype == np.bool_
-    if not truth and (column is None or column.kind != "Boolean"):
-        hint = f"compare it with a number: `{stop.text} > 0`"
-        raise ExpressionError(f"`loop.stop_when` = `{stop.text}` is no condition", hint)
 
 
 def check_timestep(scenario: Scenario, timestep: float) -> None:

@@ -53,6 +53,7 @@ class Recorder:
         self.every = every
         self.sink = sink
         self.stop: Program | None = None
+        self.triggers: Sequence[Any] = ()
         rows = -(-steps // every)
         self.table = np.zeros((rows if sink is None else min(rows, sink.rows), len(columns(fmus, plant))))
         self.taken = 0

@@ -6,6 +6,7 @@ import keyword
 import re
 
 from cosim.errors import closest
+from cosim.scenario.injection import INJECTED, Injection
 from cosim.scenario.layers import Layers
 from cosim.scenario.model import Criterion, FmuChoice, Loop, Scenario, Signal, Wire
 from cosim.scenario.tables import IDENTITY, Fail, show
@@ -37,11 +38,7 @@ def check(scenario: Scenario, merged: Layers) -> None:
     for signal in scenario.signal:
         check_signal(signal, merged.fail)
     for injection in scenario.inject:
-        if not injection.from_time < injection.to_time:
-            merged.fail(
-                f"inject.{injection.to}.to_time",
-                f"is `{injection.to_time}` s, it must be later than `from_time` = `{injection.from_time}` s",
-            )
+        check_injection(injection, scenario.loop, merged.fail)
     metrics = [metric.name for metric in scenario.metric]
     for criterion in scenario.criterion:
         check_criterion(criterion, metrics, merged.fail)
@@ -144,6 +141,39 @@ def check_signal(signal: Signal, fail: Fail) -> None:
         fail(f"{key}.times", "must start with 0.0")
     if any(not earlier < later for earlier, later in zip(signal.times, signal.times[1:], strict=False)):
         fail(f"{key}.times", "must rise from one to the next")
+
+
+def check_injection(injection: Injection, loop: Loop, fail: Fail) -> None:
+    """Check that an injection has one beginning, at most one end after it, and one kind."""
+    key = f"inject.{injection.to}"
+    begin, end = injection.from_time, injection.to_time
+    check_kinds(key, injection, fail)
+    if not injection.when and begin is None:
+        fail(f"{key}.from_time", "is missing", "`from_time` (s) or `when` (a condition) says where it begins")
+    if injection.when and begin is not None:
+        fail(f"{key}.when", f"does not go with `from_time` = `{begin}` s", "either of them begins it")
+    if injection.when and end is not None:
+        hint = "`duration` (s) says how long it lasts"
+        fail(f"{key}.to_time", f"is `{end}` s, but with `when` nobody knows its beginning", hint)
+    if injection.after and not injection.when:
+        fail(f"{key}.after", f"is `{injection.after}` s, but there is no `when`", "`from_time` alone says it")
+    if injection.duration is not None and end is not None:
+        fail(f"{key}.duration", f"does not go with `to_time` = `{end}` s", "either of them ends it")
+    if begin is not None and end is not None and not begin < end:
+        fail(f"{key}.to_time", f"is `{end}` s, it must be later than `from_time` = `{begin}` s")
+    if injection.late is not None and injection.late > loop.steps:
+        most = f"it must not be above {loop.steps}, the steps of the run"
+        fail(f"{key}.late", f"is `{injection.late}` steps, {most}")
+
+
+def check_kinds(key: str, injection: Injection, fail: Fail) -> None:
+    """Check that an injection has one kind."""
+    kinds, choices = injection.kinds, ", ".join(f"`{kind}`" for kind in INJECTED)
+    if not kinds:
+        fail(key, "does not say what happens to the value", f"give it one of {choices}")
+    if len(kinds) > 1:
+        hint = "each has one kind; several `[[inject]]` of one target act in their order"
+        fail(f"{key}.{kinds[1]}", f"does not go with `{kinds[0]}`", hint)
 
 
 def check_criterion(criterion: Criterion, metrics: list[str], fail: Fail) -> None:

@@ -8,6 +8,7 @@ from typing import Any, Literal
 
 from cosim import paths
 from cosim.scenario import layers
+from cosim.scenario.injection import Injection
 from cosim.scenario.ranges import COUNT, FINITE, NOT_NAN, NOT_NEGATIVE, NOT_NEGATIVE_COUNT, POSITIVE, limited
 from cosim.scenario.schema import schema_of
 
@@ -170,16 +171,6 @@ class Signal:
     file: str = ""
     column: str = ""
     interpolation: Literal["hold", "linear"] = "hold"
-
-
-@dataclass(frozen=True)
-class Injection:
-    """Fault: in `[from_time, to_time)` (s) the value that arrives at `to` is `value`."""
-
-    to: str
-    from_time: float
-    to_time: float
-    value: float
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ from cosim.fmu.instance import Instance
 from cosim.loop.plant import Channel, Plant, start
 from cosim.loop.result import Result
 from cosim.metrics.criteria import Verdict
+from cosim.scenario.injection import Injection
 from cosim.scenario.model import Scenario
 from cosim.scenario.tables import toml_key
 from cosim.show.listing import plain_table
@@ -171,8 +172,18 @@ def wire_table(found: Scenario) -> Table:
         )
         table.add_row(signal.to, "signal", course)
     for entry in found.inject:
-        table.add_row(entry.to, "injection", f"{entry.value:g} in {entry.from_time:g} .. {entry.to_time:g} s")
+        table.add_row(entry.to, "injection", injection_text(entry))
     return table
+
+
+def injection_text(entry: Injection) -> str:
+    """Say what an injection does, and when."""
+    said = "" if entry.kind == "frozen" else f" {getattr(entry, entry.kind):g}"
+    begin = f"from {entry.from_time:g} s" if entry.from_time is not None else f"when {entry.when}"
+    after = f" after {entry.after:g} s" if entry.after else ""
+    end = "" if entry.to_time is None else f" to {entry.to_time:g} s"
+    lasting = "" if entry.duration is None else f" for {entry.duration:g} s"
+    return f"{entry.kind}{said} {begin}{after}{end}{lasting}"
 
 
 def result(found: Result) -> RenderableType:

@@ -12,6 +12,7 @@ import pytest
 import cosim
 from cosim.metrics.functions import ROWWISE, TIMES, WHOLE
 from cosim.scenario import model
+from cosim.scenario.injection import INJECTED
 from cosim.sweep import study
 
 README = (Path(cosim.__file__).parent / "README.md").read_text(encoding="utf-8")
@@ -40,6 +41,15 @@ def test_the_scenario_runs(folder: Path) -> None:
     # the input that the example replaces for a moment is what stops the controller
     assert result.trace["controller.enable"].any()
     assert result.items["controller.fault"]["InvalidInput"] in result.trace["controller.fault"]
+
+
+def test_the_injection_begins_with_its_condition(folder: Path) -> None:
+    (fault,) = [block for block in blocks("toml") if "\nwhen = " in block]
+    whole = re.sub(r"\[\[inject\]\].*?\n\n", "", blocks("toml")[0], flags=re.DOTALL)
+    (folder / "readme.toml").write_text(whole + fault)
+    result = cosim.run(cosim.load("readme.toml"), engine="native")
+    assert result.injected[0] is not None
+    assert all(f"| `{kind} = " in README for kind in INJECTED)
 
 
 def test_several_fmus_run(folder: Path) -> None:

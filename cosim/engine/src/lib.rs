@@ -6,6 +6,7 @@
 
 #![deny(unsafe_code)]
 
+mod change;
 mod condition;
 mod failure;
 #[allow(unsafe_code)]
@@ -18,10 +19,11 @@ pub mod python;
 mod stepper;
 mod wire;
 
+pub use change::Change;
 pub use condition::{Condition, Operation};
 pub use failure::Failure;
 pub use links::{Drive, Injection, Link, Links};
-pub use log::Log;
+pub use log::{Log, Trigger};
 pub use machine::Machine;
 pub use stepper::Stepper;
 pub use wire::{Delay, Shape};

@@ -1,5 +1,6 @@
 //! The wiring table of a closed loop: wires, signals and injections, tied to addresses.
 
+use crate::change::Change;
 use crate::failure::Failure;
 use crate::ffi::{Series, Slot};
 use crate::wire::{Delay, Shape};
@@ -28,15 +29,17 @@ pub struct Drive {
     pub target: Slot,
 }
 
-/// One injection: the value is written in the steps `begin <= k < end`.
-#[derive(Clone, Copy, Debug)]
+/// One injection: for so many steps from the one on that stands in `begin`, what arrives is changed.
+#[derive(Clone, Debug)]
 pub struct Injection {
-    /// first step
-    pub begin: u64,
-    /// step after the last
-    pub end: u64,
-    /// what arrives instead
-    pub value: f64,
+    /// holds the first step, infinite before it is known
+    pub begin: Slot,
+    /// steps
+    pub length: f64,
+    /// what happens to the value
+    pub change: Change,
+    /// a number of it for every step
+    pub series: Option<Series>,
     /// where
     pub target: Slot,
 }
@@ -69,7 +72,7 @@ impl Links {
         for drive in &self.drives {
             drive.target.write(drive.course.at(k)).map_err(Failure::Integer)?;
         }
-        inject(&self.input_faults, k)
+        inject(&mut self.input_faults, k)
     }
 
     /// Carries outputs of the controller through their wires, then injections, into the commands of the plant.
@@ -77,7 +80,7 @@ impl Links {
         for (wire, link) in self.outputs.iter_mut().enumerate() {
             link.carry(k, |value| Failure::Output { wire, value })?;
         }
-        inject(&self.command_faults, k)
+        inject(&mut self.command_faults, k)
     }
 }
 
@@ -89,9 +92,15 @@ impl Link {
     }
 }
 
-fn inject(faults: &[Injection], k: usize) -> Result<(), Failure> {
-    for fault in faults.iter().filter(|fault| (fault.begin..fault.end).contains(&(k as u64))) {
-        fault.target.write(fault.value).map_err(Failure::Integer)?;
+/// Applies the injections that are active; the others only see the values.
+fn inject(faults: &mut [Injection], k: usize) -> Result<(), Failure> {
+    for fault in faults {
+        #[allow(clippy::cast_precision_loss)]
+        let since = k as f64 - fault.begin.read();
+        let value = fault.change.apply(fault.target.read(), k, since, fault.series.map_or(0.0, |series| series.at(k)));
+        if (0.0..fault.length).contains(&since) {
+            fault.target.write(value).map_err(Failure::Integer)?;
+        }
     }
     Ok(())
 }

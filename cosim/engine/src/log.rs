@@ -3,7 +3,19 @@
 use plants::Place;
 
 use crate::condition::Condition;
-use crate::ffi::{Bank, Table};
+use crate::failure::Failure;
+use crate::ffi::{Bank, Slot, Table};
+
+/// Begins an injection some steps after the first row for which a condition holds.
+#[derive(Debug)]
+pub struct Trigger {
+    /// the condition
+    pub condition: Condition,
+    /// steps from that row on
+    pub delay: f64,
+    /// takes the first step of the injection, infinite until then
+    pub begin: Slot,
+}
 
 /// Table and what goes into a row: the time first, then, from column `start` on, the banks and the truths.
 #[derive(Debug)]
@@ -18,12 +30,14 @@ pub struct Log {
     pub every: usize,
     /// ends the run with the row for which it holds
     pub stop: Option<Condition>,
+    /// begin injections
+    pub triggers: Vec<Trigger>,
 }
 
 impl Log {
-    /// Fills the row of step `k`, if it has one.
-    pub(super) fn record(&mut self, k: usize, time: f64, truths: &[Place]) {
-        let Some(row) = self.row(k) else { return };
+    /// Fills the row of step `k`, if it has one, and looks which injections it begins.
+    pub(super) fn record(&mut self, k: usize, time: f64, truths: &[Place]) -> Result<(), Failure> {
+        let Some(row) = self.row(k) else { return Ok(()) };
         let row = self.table.row(row);
         row[0] = time;
         let mut rest = &mut row[self.start..];
@@ -33,6 +47,13 @@ impl Log {
             rest = after;
         }
         rest[..truths.len()].iter_mut().zip(truths).for_each(|(number, place)| *number = place.sample(0));
+        for Trigger { condition, delay, begin } in &mut self.triggers {
+            if begin.read().is_infinite() && condition.holds(row) {
+                #[allow(clippy::cast_precision_loss)]
+                begin.write(k as f64 + *delay).map_err(Failure::Integer)?;
+            }
+        }
+        Ok(())
     }
 
     /// Number of the row of step `k`, if it has one; a full table begins anew.

@@ -93,7 +93,7 @@ fn one_step(
     links.carry_outputs(k)?;
     machine.command(&links.commands)?;
     if let Some(log) = &mut log {
-        log.record(k, time, &machine.truths);
+        log.record(k, time, &machine.truths)?;
     }
     machine.advance(circuit)?;
     Ok(log.is_some_and(|log| log.ends(k)))

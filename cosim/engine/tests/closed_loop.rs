@@ -170,7 +170,7 @@ fn log(bench: &mut Bench, stop: Option<Condition>) -> Log {
         let banks =
             vec![Bank::reals(NonNull::from(&mut bench.input), 1), Bank::reals(NonNull::from(&mut bench.output), 1)];
         let table = Table::new(NonNull::from(&mut bench.table).cast(), 8, 4);
-        Log { table, start: 1, banks, every: 1, stop }
+        Log { table, start: 1, banks, every: 1, stop, triggers: vec![] }
     }
 }
 

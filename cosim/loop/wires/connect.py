@@ -15,12 +15,16 @@ from cosim.fmu.values import encode, lookup
 from cosim.loop.course import find, read, sample
 from cosim.loop.plant import Channel, Plant
 from cosim.loop.wires import order
+from cosim.loop.wires.change import NEVER, change, steps_of
 from cosim.loop.wires.links import Drive, Fault, Inlet, Link, Links, Slot
 from cosim.loop.wires.wiring import Delay, Ideal, first_step, noise, shaper
-from cosim.scenario.model import FmuChoice, Injection, Scenario, Signal, Wire
+from cosim.scenario.injection import INJECTED, Injection
+from cosim.scenario.model import FmuChoice, Scenario, Signal, Wire
 from cosim.scenario.tables import show
 
 PLANT = "plant"
+ARITHMETIC = ("offset", "scale", "ramp", "noise")
+"""Kinds of injections that compute with a value."""
 KINDS = {"Integer": "an integer or an enumeration", "Boolean": "a Boolean"}
 
 
@@ -92,9 +96,10 @@ class Connector:
             inlets[side_of(signal.to)].drives.append(drive)
         for to, hold in self.holds().items():
             inlets[side_of(to)].drives.append(hold)
-        for injection in self.scenario.inject:
-            inlets[side_of(injection.to)].faults.append(self.fault(injection))
-        return Links(self.sensed, self.commands, [inlets[name] for name in self.fmus], inlets[PLANT])
+        begins = np.full(len(self.scenario.inject), NEVER)
+        for index, injection in enumerate(self.scenario.inject):
+            inlets[side_of(injection.to)].faults.append(self.fault(injection, Slot(begins, index)))
+        return Links(self.sensed, self.commands, [inlets[name] for name in self.fmus], inlets[PLANT], begins)
 
     def link(self, wire: Wire) -> Link:
         """Wire by what is at its ends."""
@@ -176,15 +181,31 @@ class Connector:
         steps = self.scenario.loop.steps
         return {to: Drive(np.full(steps, float(at.array[at.index])), at) for to, at in places.items()}
 
-    def fault(self, injection: Injection) -> Fault:
-        """Injection at an input of the FMU or a command of the plant."""
+    def fault(self, injection: Injection, begin: Slot) -> Fault:
+        """Injection at an input of the FMU or a command of the plant; its first step stands in `begin`."""
         with concerning(f"inject.{injection.to}"):
-            step = self.scenario.loop.step
-            target = self.target(injection.to)
-            value = target.convert(self.number(injection.to, injection.value))
-            return Fault(
-                first_step(injection.from_time, step), first_step(injection.to_time, step), value, target
-            )
+            loop, target = self.scenario.loop, self.target(injection.to)
+            self.check_kind(injection, target)
+            if injection.from_time is not None:
+                begin.array[begin.index] = first_step(injection.from_time, loop.step)
+            earlier = [other for other in self.scenario.inject[: begin.index] if other.to == injection.to]
+            name = f"inject.{injection.to}" + (f".{len(earlier)}" if earlier else "")
+            made = change(injection, name, self.seed, loop, target.kind == "Boolean")
+            return Fault(begin, steps_of(injection, loop), made, target)
+
+    def check_kind(self, injection: Injection, target: Slot) -> None:
+        """Check that a target takes what an injection makes of its value."""
+        to, kind = injection.to, injection.kind
+        if kind == "value":
+            target.convert(self.number(to, injection.value))
+        if kind not in ARITHMETIC:
+            return
+        side, _, name = to.partition(".")
+        fmu = self.fmus.get(side)
+        if target.kind == "Boolean" or (fmu and fmu.file.variables[name].items):
+            what = "a Boolean" if target.kind == "Boolean" else "an enumeration"
+            taken = ", ".join(f"`{one}`" for one in INJECTED if one not in ARITHMETIC)
+            raise ScenarioError(f"`inject.{to}.{kind}`: `{to}` is {what}", f"it takes {taken}")
 
     def number(self, to: str, value: Any) -> float:
         """Value of a stimulus as a number; enumeration items may be given by name."""

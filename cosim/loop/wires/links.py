@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cosim.errors import CosimError
+from cosim.loop.wires.change import Change
 from cosim.loop.wires.wiring import Delay, Shape
 
 
@@ -64,11 +65,11 @@ class Drive:
 
 @dataclass(frozen=True)
 class Fault:
-    """One injection: `value` is written in the steps `begin <= k < end`."""
+    """One injection: `change` is applied in `length` steps from the one on that stands in `begin`."""
 
-    begin: int
-    end: int
-    value: Any
+    begin: Slot
+    length: int
+    change: Change
     target: Slot
 
 
@@ -93,12 +94,15 @@ class Links:
         What arrives at each FMU, in the order in which they step.
     plant
         What arrives at the plant.
+    begins
+        First step of every injection, infinite before it is known.
     """
 
     sensed: NDArray[np.float64]
     commands: NDArray[np.float64]
     fmus: list[Inlet]
     plant: Inlet
+    begins: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
 
     @property
     def drives(self) -> list[Drive]:

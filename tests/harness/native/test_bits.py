@@ -156,6 +156,72 @@ def test_signals_and_injections_give_the_same_bytes(cart: Callable[..., Path]) -
     assert trace["controller.count"][25] == -7.0
 
 
+KINDS: dict[str, dict[str, Any]] = {
+    "frozen": {"frozen": True},
+    "offset": {"offset": 0.3},
+    "scale": {"scale": -0.7},
+    "ramp": {"ramp": 3.7},
+    "noise": {"noise": 0.1},
+    "drop": {"drop": 0.4},
+    "late": {"late": 3},
+}
+TARGETS = {
+    "controller.in": list(KINDS),
+    "controller.count": list(KINDS),
+    "controller.flag": ["frozen", "drop", "late"],
+    "controller.mode": ["frozen", "drop", "late"],
+    "plant.drive": list(KINDS),
+    "plant.kick": list(KINDS),
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(
+    "begin",
+    [{"from_time": 0.0123}, {"when": "controller.calls >= 10", "after": 0.0035}],
+    ids=["time", "when"],
+)
+def test_every_kind_of_injection_gives_the_same_bytes(
+    cart: Callable[..., Path], kind: str, begin: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    chunked(monkeypatch, 7)
+    targets = [to for to, kinds in TARGETS.items() if kind in kinds]
+    kick = "\n" + entry("signal", to="plant.kick", times=[0.0, 0.015, 0.02], values=[0.5, -0.5, 0.7])
+    faults = "".join(entry("inject", to=to, **begin, **KINDS[kind]) for to in targets)
+    with cosim.Session(cosim.load(cart(kick))) as sound:
+        unchanged = outcome(sound)
+    reference, fast = both(cosim.load(cart(kick + faults)))
+    with reference, fast:
+        expected = outcome(reference)
+        assert expected != unchanged
+        # a second run begins anew
+        assert outcome(fast) == outcome(fast) == expected
+        assert fast.run().injected == reference.run().injected == pytest.approx([0.013] * len(targets))
+
+
+WHEN = {
+    "controller.calls >= 7": 0.007,
+    "controller.mode == 'Fast'": 0.021,
+    # numpy's own bits: looked at in Python after every step
+    "sin(time) > sin(0.0255)": 0.027,
+    "1 > 2": None,
+}
+
+
+@pytest.mark.parametrize("every", [1, 4])
+@pytest.mark.parametrize("when", WHEN)
+def test_the_same_row_begins_an_injection(cart: Callable[..., Path], when: str, every: int) -> None:
+    added = entry("inject", to="controller.in", when=when, offset=0.2, duration=0.004)
+    added += entry("inject", to="plant.drive", when="plant.slide.position > 1e-6", after=0.002, scale=-1.0)
+    reference, fast = both(cosim.load(cart("\n" + added), set=[f"loop.record_every={every}"]))
+    with reference, fast:
+        assert outcome(fast) == outcome(reference)
+        found = fast.run().injected
+        assert found == reference.run().injected
+    if every == 1:
+        assert found[0] == (WHEN[when] and pytest.approx(WHEN[when]))
+
+
 def test_a_command_that_nothing_drives_stays_at_its_start(cart: Callable[..., Path]) -> None:
     found = []
     for session in both(cosim.load(cart())):

@@ -5,11 +5,12 @@ use plants::python::Cell;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use super::rows::{DriveRow, FaultRow, LinkRow, LinksRow, LogRow, MachineRow, ShapeRow};
+use super::rows::{ChangeRow, DriveRow, FaultRow, LinkRow, LinksRow, LogRow, MachineRow, ShapeRow, TriggerRow};
+use crate::change::Change;
 use crate::condition::{Condition, Operation};
 use crate::ffi::{Bank, Exports};
 use crate::links::{Drive, Injection, Link, Links};
-use crate::log::Log;
+use crate::log::{Log, Trigger};
 use crate::machine::Machine;
 use crate::wire::{Delay, Shape};
 
@@ -17,8 +18,8 @@ use crate::wire::{Delay, Shape};
 pub fn links(exports: &mut Exports, row: LinksRow) -> PyResult<Links> {
     let mut links = |rows: Vec<LinkRow>| rows.into_iter().map(|row| link(exports, row)).collect::<PyResult<_>>();
     let (readings, outputs) = (links(row.readings)?, links(row.outputs)?);
-    let mut faults = |rows: &[FaultRow]| rows.iter().map(|row| injection(exports, row)).collect::<PyResult<_>>();
-    let (input_faults, command_faults) = (faults(&row.input_faults)?, faults(&row.command_faults)?);
+    let mut faults = |rows: Vec<FaultRow>| rows.into_iter().map(|row| injection(exports, row)).collect::<PyResult<_>>();
+    let (input_faults, command_faults) = (faults(row.input_faults)?, faults(row.command_faults)?);
     Ok(Links {
         sensed: exports.slots(&row.sensed)?,
         commands: exports.slots(&row.commands)?,
@@ -45,8 +46,30 @@ fn drive(exports: &mut Exports, row: &DriveRow) -> PyResult<Drive> {
     Ok(Drive { course: exports.series(&row.course)?, target: exports.slot(&row.target)? })
 }
 
-fn injection(exports: &mut Exports, row: &FaultRow) -> PyResult<Injection> {
-    Ok(Injection { begin: row.begin, end: row.end, value: row.value, target: exports.slot(&row.target)? })
+fn injection(exports: &mut Exports, row: FaultRow) -> PyResult<Injection> {
+    let series = row.change.series.as_ref().map(|samples| exports.series(samples)).transpose()?;
+    Ok(Injection {
+        begin: exports.slot(&row.begin)?,
+        length: row.length,
+        change: change(row.change)?,
+        series,
+        target: exports.slot(&row.target)?,
+    })
+}
+
+fn change(row: ChangeRow) -> PyResult<Change> {
+    Ok(match row.kind.as_str() {
+        "value" => Change::Value(row.number),
+        "frozen" => Change::Frozen(0.0),
+        "offset" => Change::Offset(row.number),
+        "scale" => Change::Scale(row.number),
+        "ramp" => Change::Ramp(row.number),
+        "noise" => Change::Noise,
+        "drop" => Change::Drop(0.0),
+        "lose" => Change::Lose,
+        "late" => Change::Late(Delay::new(row.delay.steps, row.delay.ring)),
+        kind => return Err(PyValueError::new_err(format!("`{kind}` is no kind of injection"))),
+    })
 }
 
 /// The trace of a run.
@@ -58,7 +81,12 @@ pub fn log(exports: &mut Exports, row: &LogRow, truths: usize) -> PyResult<Log> 
         return Err(PyValueError::new_err("the columns of the table do not fit"));
     }
     let stop = row.stop.as_ref().map(|program| condition(program, table.columns())).transpose()?;
-    Ok(Log { table, start: row.start, banks, every: row.every, stop })
+    let mut triggers = Vec::with_capacity(row.triggers.len());
+    for TriggerRow { program, delay, begin } in &row.triggers {
+        let condition = condition(program, table.columns())?;
+        triggers.push(Trigger { condition, delay: *delay, begin: exports.slot(begin)? });
+    }
+    Ok(Log { table, start: row.start, banks, every: row.every, stop, triggers })
 }
 
 /// A plant after its reset.

@@ -84,10 +84,27 @@ pub struct DriveRow<'py> {
 /// An injection.
 #[derive(FromPyObject)]
 pub struct FaultRow<'py> {
-    pub begin: u64,
-    pub end: u64,
-    pub value: f64,
+    pub begin: PlaceRow<'py>,
+    pub length: f64,
+    pub change: ChangeRow<'py>,
     pub target: PlaceRow<'py>,
+}
+
+/// What an injection does; `kind` says what the rest means.
+#[derive(FromPyObject)]
+pub struct ChangeRow<'py> {
+    pub kind: String,
+    pub number: f64,
+    pub series: Option<Bound<'py, PyAny>>,
+    pub delay: DelayRow,
+}
+
+/// A condition as in [`LogRow`], the steps from its row to the first step of an injection, and where that stands.
+#[derive(FromPyObject)]
+pub struct TriggerRow<'py> {
+    pub program: Vec<(String, f64)>,
+    pub delay: f64,
+    pub begin: PlaceRow<'py>,
 }
 
 /// All connections; `sensed` and `commands` are the arrays of the plant's side.
@@ -111,4 +128,5 @@ pub struct LogRow<'py> {
     pub banks: Vec<Bound<'py, PyAny>>,
     pub every: usize,
     pub stop: Option<Vec<(String, f64)>>,
+    pub triggers: Vec<TriggerRow<'py>>,
 }

@@ -1,0 +1,83 @@
+//! What an injection does to the value that arrives.
+
+use crate::wire::Delay;
+
+/// What an injection does to the value that arrives.
+#[derive(Clone, Debug)]
+pub enum Change {
+    /// the value is this number
+    Value(f64),
+    /// the value stays what it was in the first step, which is held here
+    Frozen(f64),
+    /// this is added
+    Offset(f64),
+    /// the value is multiplied
+    Scale(f64),
+    /// this is added for each step since the first
+    Ramp(f64),
+    /// the number of the step is added
+    Noise,
+    /// where the number of the step is not 0 the sample is lost, and the last one is held
+    Drop(f64),
+    /// where the number of the step is not 0 the truth value is false
+    Lose,
+    /// the value is late
+    Late(Delay),
+}
+
+impl Change {
+    /// Value that arrives instead in step `k`, so many steps after the first; `sample` is the number of the step.
+    ///
+    /// Before the first step `since` is negative and the value is only seen: what is given back means nothing.
+    pub(super) fn apply(&mut self, value: f64, k: usize, since: f64, sample: f64) -> f64 {
+        let lost = since >= 0.0 && sample != 0.0;
+        match self {
+            Self::Value(number) => *number,
+            Self::Frozen(held) => hold(held, value, since > 0.0),
+            Self::Offset(number) => value + *number,
+            Self::Scale(number) => value * *number,
+            Self::Ramp(number) => value + *number * since,
+            Self::Noise => value + sample,
+            Self::Drop(held) => hold(held, value, lost),
+            Self::Lose => hold(&mut 0.0, value, lost),
+            Self::Late(delay) => delay.pass(value, k),
+        }
+    }
+}
+
+/// The value that is held, which is the new one unless that is lost.
+fn hold(held: &mut f64, value: f64, lost: bool) -> f64 {
+    if !lost {
+        *held = value;
+    }
+    *held
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_kind_does_what_it_says() {
+        // the second step is the first of the injection; samples are lost in it and in the last
+        let steps = [(1.0, -1.0, 0.0), (2.0, 0.0, 1.0), (4.0, 1.0, 0.0), (8.0, 2.0, 1.0)];
+        for (mut change, expected) in [
+            (Change::Value(0.5), [0.5, 0.5, 0.5]),
+            (Change::Frozen(0.0), [2.0, 2.0, 2.0]),
+            (Change::Offset(0.5), [2.5, 4.5, 8.5]),
+            (Change::Scale(-1.0), [-2.0, -4.0, -8.0]),
+            (Change::Ramp(0.5), [2.0, 4.5, 9.0]),
+            (Change::Noise, [3.0, 4.0, 9.0]),
+            (Change::Drop(0.0), [1.0, 4.0, 4.0]),
+            (Change::Lose, [0.0, 4.0, 0.0]),
+            (Change::Late(Delay::new(1, vec![])), [1.0, 2.0, 4.0]),
+        ] {
+            let found: Vec<f64> = steps
+                .iter()
+                .enumerate()
+                .map(|(k, (value, since, sample))| change.apply(*value, k, *since, *sample))
+                .collect();
+            assert_eq!(found[1..], expected, "{change:?}");
+        }
+    }
+}

@@ -1,0 +1,140 @@
+"""The mathematics of injections: what a fault does to a value that arrives, and when it begins."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cosim.loop.wires.wiring import Delay, child, first_step
+from cosim.metrics.expression import Expression
+from cosim.scenario.injection import Injection
+from cosim.scenario.model import Loop
+
+NEVER = math.inf
+"""First step of an injection that has not begun."""
+
+
+@dataclass
+class Change:
+    """What an injection does to the value that arrives.
+
+    Parameters
+    ----------
+    kind
+        Key of `Injection` that says it; `lose` is `drop` of a truth value.
+    number
+        Number of the kind; of a ramp for one step.
+    series
+        Noise of every step, or 1 in the steps whose sample is lost.
+    delay
+        What makes the value late.
+    """
+
+    kind: str
+    number: float = 0.0
+    series: NDArray[np.float64] | None = None
+    delay: Delay = field(default_factory=lambda: Delay(0))
+    held: float = 0.0
+
+    def __call__(self, value: float, k: int, since: float) -> float:
+        """Value that arrives instead in step `k`, so many steps after the first.
+
+        Before it, `since` is negative and the value is only seen: what is given back means nothing.
+        """
+        match self.kind:
+            case "frozen" | "drop":
+                # what was there before is held, too
+                if not self.loses(k, since):
+                    self.held = value
+                return self.held
+            case "late":
+                return self.delay(value, k)
+            case "lose":
+                return 0.0 if self.loses(k, since) else value
+            case "offset":
+                return value + self.number
+            case "scale":
+                return value * self.number
+            case "ramp":
+                return value + self.number * since
+            case "noise":
+                return value + self.sample(k)
+        return self.number
+
+    def loses(self, k: int, since: float) -> bool:
+        """Whether the sample of this step is lost; one that freezes keeps its first."""
+        if self.kind == "frozen":
+            return since > 0.0
+        return since >= 0.0 and self.sample(k) != 0.0
+
+    def sample(self, k: int) -> float:
+        """Sample of the series in step `k`."""
+        assert self.series is not None
+        return self.series.item(k)
+
+
+def change(entry: Injection, name: str, seed: int, loop: Loop, truth: bool) -> Change:
+    """Change that an injection says.
+
+    Parameters
+    ----------
+    entry
+        The injection.
+    name
+        Name of its stream of random numbers.
+    seed
+        Seed of the run.
+    loop
+        Step and length of the run.
+    truth
+        Whether its target is a truth value.
+    """
+    kind = entry.kind
+    number = float(getattr(entry, kind))
+    random = np.random.default_rng(child(seed, name))
+    match kind:
+        case "noise":
+            return Change(kind, series=random.normal(0.0, number, loop.steps))
+        case "drop":
+            lost = (random.random(loop.steps) < number).astype(float)
+            return Change("lose" if truth else kind, series=lost)
+        case "late":
+            return Change(kind, delay=Delay(int(number)))
+        case "ramp":
+            return Change(kind, number * loop.step)
+    return Change(kind, number)
+
+
+def steps_of(entry: Injection, loop: Loop) -> int:
+    """Count the steps of an injection; it lasts to the end of the run where nothing ends it."""
+    if entry.duration is not None:
+        return max(1, first_step(entry.duration, loop.step))
+    if entry.to_time is None or entry.from_time is None:
+        return loop.steps
+    return first_step(entry.to_time, loop.step) - first_step(entry.from_time, loop.step)
+
+
+def delay_of(entry: Injection, loop: Loop) -> int:
+    """Count the steps from the row that `when` holds for to the first step; that of the row is over."""
+    return max(1, first_step(entry.after, loop.step))
+
+
+@dataclass(frozen=True)
+class Trigger:
+    """What begins an injection `delay` steps after the first row that a condition holds for.
+
+    `begins[index]` is the step.
+    """
+
+    condition: Expression
+    delay: int
+    begins: NDArray[np.float64]
+    index: int
+
+    def __call__(self, row: NDArray[np.float64], k: int) -> None:
+        """Look at the row of step `k`."""
+        if self.begins[self.index] == NEVER and self.condition(row):
+            self.begins[self.index] = k + self.delay
