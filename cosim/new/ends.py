@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 from cosim.fmu.archive import FmuFile, Variable
+from cosim.loop import plant
 from cosim.loop.plant import Channel
 from cosim.new.match import End
 
@@ -43,7 +44,7 @@ def start(found: Variable) -> str:
 
 def channels(found: tuple[Channel, ...]) -> list[Described]:
     """List readings or commands of a plant."""
-    return [Described(End(one.name, one.unit), channel_note(one)) for one in found]
+    return [Described(End(one.name, one.unit), channel_note(one), repr(plant.start(one))) for one in found]
 
 
 def channel_note(found: Channel) -> str:

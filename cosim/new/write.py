@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 from cosim.new.ends import Described
 from cosim.new.match import Match
+from cosim.scenario.injection import INJECTED
 
 PLAIN = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*|\[\d+\])*")
 """Names that an expression takes as they are."""
@@ -46,7 +47,7 @@ class Draft:
 
 def text(draft: Draft) -> str:
     """Write a scenario that can run; what could not be wired stands in it as comments."""
-    return "\n".join([*head(draft), *wires(draft), *left(draft), *demands(draft)]) + "\n"
+    return "\n".join([*head(draft), *wires(draft), *left(draft), *faults(draft), *demands(draft)]) + "\n"
 
 
 def head(draft: Draft) -> Iterator[str]:
@@ -133,6 +134,17 @@ def unread(side: str, ends: Sequence[Described], matches: list[Match]) -> Iterat
     if rest:
         yield "# not wired:"
         yield from (f"#   {side}.{end.end.name}: {end.note}" for end in rest)
+        yield ""
+
+
+def faults(draft: Draft) -> Iterator[str]:
+    """Fault of the first reading, as a comment."""
+    for match in draft.readings[:1]:
+        yield "# a fault on the way: take away the `# `, and see what the FMU makes of it"
+        yield "# [[inject]]"
+        yield f"# to = {quoted(f'controller.{match.target.name}')}"
+        yield f"# from_time = {float(f'{0.5 * draft.steps * draft.step:.12g}')!r}"
+        yield "# frozen = true".ljust(26) + f"# or {', '.join(kind for kind in INJECTED if kind != 'frozen')}"
         yield ""
 
 

@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 from cosim import paths
 from cosim.scenario import layers
-from cosim.scenario.injection import Injection
+from cosim.scenario.injection import INJECTED, Injection
 from cosim.scenario.ranges import COUNT, FINITE, NOT_NAN, NOT_NEGATIVE, NOT_NEGATIVE_COUNT, POSITIVE, limited
 from cosim.scenario.schema import schema_of
 
@@ -289,11 +289,17 @@ def scenario_schema() -> dict[str, Any]:
     }
     found = schema_of(Scenario, "Scenario of cosim", **layered)
     parts = found["properties"]
+    parts["inject"]["items"]["allOf"] = [one_of("from_time", "when"), one_of(*INJECTED)]
     alone = {
         "required": found.pop("required"),
-        "oneOf": [{"required": ["controller"]}, {"required": ["fmu"]}],
+        **one_of("controller", "fmu"),
         "properties": {
             name: {"required": parts[name].pop("required")} for name in ("loop", "controller", "plant")
         },
     }
     return {**found, "if": {"not": {"required": ["extends"]}}, "then": alone}
+
+
+def one_of(*keys: str) -> dict[str, Any]:
+    """JSON schema of a table that holds exactly one of some keys."""
+    return {"oneOf": [{"required": [key]} for key in keys]}

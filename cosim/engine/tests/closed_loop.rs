@@ -5,7 +5,9 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::ptr::NonNull;
 
 use cosim_engine::ffi::{Apply, Bank, Body, Call, Controller, Functions, Physics, Slot, Table, Trap};
-use cosim_engine::{Condition, Delay, Failure, Link, Links, Log, Machine, Operation, Shape, Stepper};
+use cosim_engine::{
+    Change, Condition, Delay, Failure, Injection, Link, Links, Log, Machine, Operation, Shape, Stepper, Trigger,
+};
 use plants::{Circuit, Element, Place, Ports};
 
 /// model of the fake plant: x goes on by h u in the second half, the first half copies it to the sensor
@@ -118,6 +120,7 @@ struct Bench {
     input: f64,
     output: f64,
     table: [[f64; 4]; 8],
+    begin: f64,
 }
 
 fn at(value: &mut f64) -> Slot {
@@ -174,15 +177,23 @@ fn log(bench: &mut Bench, stop: Option<Condition>) -> Log {
     }
 }
 
-fn stepper(bench: &mut Bench, delay: usize, substeps: usize, apply: Apply, stop: Option<Condition>) -> Stepper {
-    let links = Links {
+fn links(bench: &mut Bench, delay: usize) -> Links {
+    Links {
         sensed: vec![at(&mut bench.sensed)],
         readings: vec![link(at(&mut bench.sensed), at(&mut bench.input), 0)],
         outputs: vec![link(at(&mut bench.output), at(&mut bench.command), delay)],
         commands: vec![at(&mut bench.command)],
         ..Links::default()
-    };
-    let (controller, log) = (controller(bench), log(bench, stop));
+    }
+}
+
+fn stepper(bench: &mut Bench, delay: usize, substeps: usize, apply: Apply, stop: Option<Condition>) -> Stepper {
+    let (links, log) = (links(bench, delay), log(bench, stop));
+    assembled(bench, substeps, apply, links, log)
+}
+
+fn assembled(bench: &mut Bench, substeps: usize, apply: Apply, links: Links, log: Log) -> Stepper {
+    let controller = controller(bench);
     let functions = Functions { make, delete, apply, error: words };
     // SAFETY: the fakes do what MuJoCo does.
     let trap = unsafe { Trap::new(functions, std::ptr::null()) }.expect("a trap");
@@ -228,6 +239,24 @@ fn a_condition_ends_the_run_after_its_step() {
     let mut stepper = stepper(&mut bench, 0, 2, apply, Condition::new(program, 4));
     assert_eq!(run(&mut stepper, 8), Ok(true));
     assert_eq!((stepper.steps(), bench.world.x), (3, 0.125));
+}
+
+#[test]
+fn a_condition_begins_an_injection_once_and_it_ends_by_itself() {
+    let program = vec![Operation::Column(3), Operation::Number(0.6), Operation::named("less").expect("an operation")];
+    let mut bench = start();
+    bench.begin = f64::INFINITY;
+    let (mut links, mut log) = (links(&mut bench, 0), log(&mut bench, None));
+    let (change, target) = (Change::Offset(1.0), at(&mut bench.input));
+    links.input_faults = vec![Injection { begin: at(&mut bench.begin), length: 2.0, change, series: None, target }];
+    let condition = Condition::new(program, 4).expect("a condition");
+    log.triggers = vec![Trigger { condition, delay: 1.0, begin: at(&mut bench.begin) }];
+    let mut stepper = assembled(&mut bench, 2, apply, links, log);
+    assert_eq!(run(&mut stepper, 5), Ok(false));
+    // x is below 0.6 in the row of step 1; what arrives in the steps 2 and 3 is x + 1
+    let rows = bench.table.map(|row| (row[1], row[3]));
+    assert_eq!(rows[..5], [(1.0, 1.0), (0.5, 0.5), (1.25, 0.25), (0.625, -0.375), (-0.6875, -0.6875)]);
+    assert_eq!(bench.begin, 2.0);
 }
 
 #[test]

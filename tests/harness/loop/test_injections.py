@@ -30,7 +30,7 @@ def arrives(write: Write, *entries: dict[str, Any], column: str = "controller.in
 
 
 TIME = np.arange(50) * 0.001
-KINDS = {
+KINDS: dict[str, tuple[dict[str, Any], Any]] = {
     "value": ({"value": 7.0}, np.full(50, 7.0)),
     "frozen": ({"frozen": True}, np.full(50, 0.01)),
     "offset": ({"offset": -0.5}, TIME - 0.5),
@@ -92,7 +92,7 @@ def test_a_lost_truth_value_is_false(write: Write) -> None:
     assert 5 < flags[10:].sum() < 35
 
 
-WRONG = {
+WRONG: dict[str, tuple[dict[str, Any], str]] = {
     "no kind": (
         {"from_time": 0.0},
         r"`inject.controller.in` does not say what happens .*\nhint: give it one of",

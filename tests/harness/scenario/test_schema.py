@@ -65,6 +65,23 @@ def test_what_cosim_refuses_is_refused_by_the_schema(key: str, value: Any) -> No
     assert problems(scenario_schema(), table) == [place]
 
 
+@pytest.mark.parametrize(
+    ("fault", "fits"),
+    [
+        ({"from_time": 0.1, "frozen": True}, True),
+        ({"when": "controller.contact", "after": 0.1, "duration": 0.1, "late": 3}, True),
+        ({"from_time": 0.1}, False),
+        ({"from_time": 0.1, "scale": -1.0, "offset": 1.0}, False),
+        ({"scale": -1.0}, False),
+        ({"from_time": 0.1, "when": "controller.contact", "scale": -1.0}, False),
+        ({"from_time": 0.1, "drop": 1.5}, False),
+    ],
+)
+def test_an_injection_has_one_beginning_and_one_kind(fault: dict[str, Any], fits: bool) -> None:
+    table = {**DOB, "inject": [{"to": "controller.position", **fault}]}
+    assert (problems(scenario_schema(), table) == []) == fits
+
+
 OPTIMIZATION = {
     "scenario": "dob",
     "vary": [{"key": "controller.gain", "minimum": 0.1, "maximum": 1.0, "distribution": "log-uniform"}],

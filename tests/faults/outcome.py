@@ -1,0 +1,158 @@
+"""Rows of a fault matrix are run, and what came of each is judged."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+import cosim
+from cosim.metrics.criteria import Measured
+from cosim.scenario.injection import Injection
+from cosim.scenario.model import Metric, Scenario
+from cosim.words.quantity import text
+
+from .matrix import DONE, Matrix, Row
+
+FAULT = "controller.fault"
+ENABLE = "controller.drive_enable"
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of one row.
+
+    Parameters
+    ----------
+    row
+        The row.
+    found
+        Faults that the controller told, in their order.
+    after
+        Time from the beginning of the injection, or of the run, to the first of them, s.
+    excursion
+        True excursion, in `unit`.
+    problems
+        What is demanded of it and does not hold; empty for a good one.
+    """
+
+    row: Row
+    found: tuple[str, ...]
+    after: float
+    excursion: float
+    unit: str
+    problems: tuple[str, ...]
+
+
+class Runner:
+    """Runs the rows of one matrix, each once; sessions hand on what they have open."""
+
+    def __init__(self, matrix: Matrix) -> None:
+        self.matrix = matrix
+        self.session: cosim.Session | None = None
+        self.done: dict[str, Outcome] = {}
+
+    def outcome(self, row: Row) -> Outcome:
+        """Outcome of a row."""
+        if row.name not in self.done:
+            scenario = changed(self.matrix, row)
+            self.session = cosim.Session(scenario, engine="native", previous=self.session)
+            self.done[row.name] = judged(row, self.session.run(), scenario)
+        return self.done[row.name]
+
+    def outcomes(self) -> list[Outcome]:
+        """Outcomes of all rows."""
+        return [self.outcome(row) for row in self.matrix.rows]
+
+    def close(self) -> None:
+        """Close what is open."""
+        if self.session is not None:
+            self.session.close()
+            self.session = None
+
+
+@contextlib.contextmanager
+def running(matrix: Matrix) -> Iterator[Runner]:
+    """Runner of a matrix that is closed at the end."""
+    runner = Runner(matrix)
+    try:
+        yield runner
+    finally:
+        runner.close()
+
+
+def changed(matrix: Matrix, row: Row) -> Scenario:
+    """Scenario of a row: with its fault and what is asked of its trace."""
+    scenario = cosim.load(row.scenario or matrix.scenario, set=list(row.changes))
+    loop = replace(scenario.loop, seed=matrix.seed, stop_when=matrix.stop or scenario.loop.stop_when)
+    targets = {signal.to for signal in row.signals}
+    return replace(
+        scenario,
+        loop=loop,
+        inject=(*scenario.inject, *row.inject),
+        signal=(*(one for one in scenario.signal if one.to not in targets), *row.signals),
+        metric=(
+            Metric("excursion", row.truth, row.unit),
+            Metric("good", matrix.good, "1"),
+            Metric("rest", matrix.rest, "1"),
+        ),
+        criterion=(),
+    )
+
+
+def judged(row: Row, result: cosim.Result, scenario: Scenario) -> Outcome:
+    """Outcome of a row from its run."""
+    assert result.trace is not None
+    trace, metrics = result.trace, result.metrics
+    items = {number: name for name, number in result.items[FAULT].items()}
+    faults = [items[number] for number in trace[FAULT]]
+    found = tuple(dict.fromkeys(name for name in faults if name != DONE))
+    began = min((time for time in result.injected if time is not None), default=0.0)
+    after = float(trace["time"][faults.index(found[0])]) - began if found else np.nan
+    excursion = metrics["excursion"]
+    good, rest = (bool(metrics[name].value) for name in ("good", "rest"))
+    driven = ENABLE not in result.units or bool(trace[ENABLE][-1])
+    problems = (
+        *unmet(row, found, good),
+        *(f"`inject.{one.to}` never began" for one in late(result, scenario)),
+        *(f"`{name}` is not finite" for name in broken(result, scenario)),
+        *([] if rest or not driven else ["the machine moves at the end, and its drive is on"]),
+        *([] if excursion.value <= row.limit else [beyond(row, excursion)]),
+    )
+    return Outcome(row, found, after, excursion.value, excursion.unit, problems)
+
+
+def beyond(row: Row, excursion: Measured) -> str:
+    """Sentence about an excursion above its limit."""
+    limit = text(row.limit, excursion.unit)
+    return f"the excursion is {text(excursion.value, excursion.unit)}, it must not be above {limit}"
+
+
+def unmet(row: Row, found: tuple[str, ...], good: bool) -> Iterator[str]:
+    """Sentences about what was found and is not right, or was not found."""
+    right = " or ".join(f"`{name}`" for name in row.faults)
+    if not found and DONE not in row.faults:
+        yield f"silent: no fault, {right} is right"
+    if not found and DONE in row.faults and not good:
+        yield "silent: no fault, and the job is not done and good"
+    for name in found:
+        if name not in row.faults:
+            yield f"`{name}` was told, {right} is right"
+
+
+def late(result: cosim.Result, scenario: Scenario) -> Iterator[Injection]:
+    """Injections that never began."""
+    for entry, began in zip(scenario.inject, result.injected, strict=True):
+        if began is None:
+            yield entry
+
+
+def broken(result: cosim.Result, scenario: Scenario) -> Iterator[str]:
+    """Columns that hold NaN or infinity; an input may get them from an injection."""
+    assert result.trace is not None
+    changed = {entry.to for entry in scenario.inject}
+    for name in result.units:
+        if name not in changed and not np.isfinite(result.trace[name]).all():
+            yield name

@@ -1,0 +1,70 @@
+"""The page of a fault matrix in the documentation, and whether it tells what the runs give."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+from cosim.words.quantity import text
+
+from .matrix import Matrix
+from .outcome import Outcome
+
+FOLDER = Path(__file__).resolve().parents[2] / "docs" / "faults"
+DIGITS = 3
+"""Digits of the numbers on a page."""
+TOLERANCE = 0.02
+"""Share by which a number of a run may differ from the page: another processor rounds otherwise."""
+NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?")
+
+
+def file(name: str) -> Path:
+    """Page of a controller."""
+    return FOLDER / f"{name}.md"
+
+
+def page(name: str, matrix: Matrix, outcomes: Sequence[Outcome]) -> str:
+    """Page of a controller."""
+    silent = sum(any(told.startswith("silent") for told in one.problems) for one in outcomes)
+    lines = [
+        f"# Faults of fmu-{name}",
+        "",
+        f"{len(outcomes)} faults, one in each run of the loop `{matrix.scenario}` (seed {matrix.seed}).",
+        f"Silent are {silent}: neither a right fault is told nor is the job done and good. The excursion is",
+        "what the machine truly does until its safe end, the limit what it must not exceed.",
+        f"`python -m tests.faults {name}` writes this page; a test compares it with the runs.",
+        "",
+        "| injected | found as | after | excursion | limit | why that limit |",
+        "|---|---|---|---|---|---|",
+        *(line(one) for one in outcomes),
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def line(one: Outcome) -> str:
+    """Line of one row in the table."""
+    found = " then ".join(f"`{name}`" for name in one.found) or "the job is done and good"
+    if one.problems:
+        found = f"**{'; '.join(one.problems)}**"
+    after = "" if math.isnan(one.after) else text(one.after, "s", DIGITS)
+    numbers = (text(value, one.unit, DIGITS) for value in (one.excursion, one.row.limit))
+    return f"| {' | '.join([one.row.name, found, after, *numbers, one.row.why])} |"
+
+
+def differences(kept: str, now: str) -> list[str]:
+    """Lines of a page that differ from those of the runs in words, or in a number beyond the tolerance."""
+    before, after = kept.splitlines(), now.splitlines()
+    if len(before) != len(after):
+        return [f"the page has {len(before)} lines, the runs give {len(after)}"]
+    pairs = zip(before, after, strict=True)
+    return [f"page: {old}\nruns: {new}" for old, new in pairs if not alike(old, new)]
+
+
+def alike(old: str, new: str) -> bool:
+    """Whether two lines have the same words and nearly the same numbers."""
+    if NUMBER.sub("", old) != NUMBER.sub("", new):
+        return False
+    numbers = zip(map(float, NUMBER.findall(old)), map(float, NUMBER.findall(new)), strict=True)
+    return all(math.isclose(a, b, rel_tol=TOLERANCE) for a, b in numbers)

@@ -1,0 +1,96 @@
+"""The machinery of the fault matrices, with a fault that is told, a harmless and a silent one."""
+
+from __future__ import annotations
+
+import pytest
+
+from cosim.scenario.injection import Injection
+
+from . import page
+from .matrix import DONE, Matrix, Row
+from .outcome import Outcome, running, unmet
+
+LEARNING = 'controller.state == "Learn"'
+ROWS = (
+    Row(
+        "no number from the encoder",
+        ("InvalidInput",),
+        "max(plant.velocity * (time > first_time(controller.fault > 1)))",
+        2e-2,
+        "speed of the approach",
+        (
+            Injection(
+                "controller.position", when='controller.state == "Learn"', value=float("nan"), duration=1e-4
+            ),
+        ),
+        unit="m/s",
+    ),
+    Row(
+        "encoder 1 pm off",
+        (DONE,),
+        "last(plant.depth_max)",
+        5e-7,
+        "as without a fault",
+        (Injection("controller.position", from_time=0.1, offset=1e-12),),
+    ),
+    Row(
+        "too little told of",
+        ("Saturation",),
+        "last(plant.depth_max)",
+        1e-8,
+        "less than the detector needs",
+        (Injection("controller.spindle_speed", when="time > 1e3", frozen=True),),
+    ),
+)
+MATRIX = Matrix(
+    "dob",
+    71_201,
+    '(last(controller.state) == "Done") & (last(plant.depth_max) < 1e-6)',
+    "abs(last(plant.velocity)) < 1e-3",
+    ROWS,
+)
+
+
+@pytest.fixture(scope="module")
+def outcomes() -> list[Outcome]:
+    with running(MATRIX) as runner:
+        return runner.outcomes()
+
+
+def test_a_fault_that_is_told_is_found_with_its_time(outcomes: list[Outcome]) -> None:
+    told = outcomes[0]
+    assert (told.found, told.problems) == (("InvalidInput",), ())
+    assert 0.0 <= told.after < 1e-3
+
+
+def test_a_harmless_one_leaves_a_good_job(outcomes: list[Outcome]) -> None:
+    assert (outcomes[1].found, outcomes[1].problems) == ((), ())
+
+
+def test_one_that_is_not_told_is_silent_and_says_all_that_is_wrong(outcomes: list[Outcome]) -> None:
+    assert [told.partition(":")[0] for told in outcomes[2].problems] == [
+        "silent",
+        "`inject.controller.spindle_speed` never began",
+        f"the excursion is {outcomes[2].excursion * 1e9:.4g} nm, it must not be above 10 nm",
+    ]
+
+
+def test_a_fault_that_is_not_right_is_no_success(outcomes: list[Outcome]) -> None:
+    told = list(unmet(ROWS[1], ("InvalidInput",), good=True))
+    assert told == ["`InvalidInput` was told, `None` is right"]
+    assert list(unmet(ROWS[1], (), good=False)) == ["silent: no fault, and the job is not done and good"]
+
+
+def test_the_page_shows_every_row_and_is_compared_by_words_and_numbers(outcomes: list[Outcome]) -> None:
+    made = page.page("dob", MATRIX, outcomes)
+    lines = made.splitlines()
+    assert sum(line.startswith("| ") for line in lines) == 1 + len(ROWS)
+    assert "| no number from the encoder | `InvalidInput` | 0 s | " in made
+    assert "| encoder 1 pm off | the job is done and good |  | " in made
+    assert "Silent are 1: " in made
+    assert page.differences(made, made) == []
+    assert len(page.differences(made.replace("`InvalidInput`", "`Saturation`"), made)) == 1
+    assert page.differences(made.replace("20 mm/s", "20.2 mm/s"), made) == []
+    assert len(page.differences(made.replace("20 mm/s", "21 mm/s"), made)) == 1
+    assert len(page.differences(made.replace("20 mm/s", "20 um/s"), made)) == 1
+    assert page.differences(made + "more\n", made) == ["the page has 13 lines, the runs give 12"]

@@ -1,0 +1,43 @@
+"""Every fault of a matrix is found by its name or does no harm, and the page tells what the runs give."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+
+from . import matrix, page
+from .matrix import Row
+from .outcome import Runner
+
+LEAST = 20
+"""Rows of a matrix."""
+ROWS = [(name, row) for name in matrix.names() for row in matrix.load(name).rows]
+
+
+@pytest.fixture(scope="module")
+def runners() -> Iterator[dict[str, Runner]]:
+    """Runners by controller; a row runs once for all tests."""
+    found = {name: Runner(matrix.load(name)) for name in matrix.names()}
+    yield found
+    for runner in found.values():
+        runner.close()
+
+
+@pytest.mark.parametrize(("name", "row"), ROWS, ids=[f"{name}: {row.name}" for name, row in ROWS])
+def test_a_fault_is_told_or_does_no_harm(runners: dict[str, Runner], name: str, row: Row) -> None:
+    assert runners[name].outcome(row).problems == ()
+
+
+@pytest.mark.parametrize("name", matrix.names())
+def test_a_matrix_has_rows_enough_of_different_names(name: str) -> None:
+    rows = [row.name for row in matrix.load(name).rows]
+    assert len(set(rows)) == len(rows) >= LEAST
+
+
+@pytest.mark.parametrize("name", matrix.names())
+def test_the_page_tells_what_the_runs_give(runners: dict[str, Runner], name: str) -> None:
+    found = matrix.load(name)
+    now = page.page(name, found, runners[name].outcomes())
+    kept = page.file(name).read_text(encoding="utf-8")
+    assert page.differences(kept, now) == [], f"`python -m tests.faults {name}` writes the page again"
