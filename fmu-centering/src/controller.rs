@@ -165,6 +165,7 @@ impl Controller {
     /// The gravest fault of this sample.
     fn find_fault(&mut self, p: &Parameters, reading: &Reading, turned: f64) -> Option<Fault> {
         let frozen = reading.fresh && self.frozen.update(p, self.phase(), &self.sample, turned) && self.state.active();
+        let astray = self.state == State::Push && self.law.astray(p);
         let view = Watched {
             state: self.state,
             probe: self.calm.probe,
@@ -180,7 +181,7 @@ impl Controller {
         let late = self.progress.samples() > u64::from(p.ticks(job_time(p, view.speed))) && self.state.active();
         let found = [
             reading.fault,
-            frozen.then_some(Fault::FrozenReading),
+            (frozen || astray).then_some(Fault::FrozenReading),
             self.drive.fault(p),
             self.supervisor.check(p, &view),
             late.then_some(Fault::NoProgress),

@@ -59,8 +59,8 @@ mod variables {
         #[hint("check these two encoders and their links")] InvalidInput,
         /// Spindle or probe encoder is for more than `limits.lost_samples` samples where the machine cannot have gone
         #[hint("check the counters and cables of spindle and probe")] ReadingJump,
-        /// The probe keeps its value although the slide or the ring moves
-        #[hint("is the probe jammed, or its link dead?")] FrozenReading,
+        /// The probe keeps its value although slide or ring moves, or does not answer the slide by what that moves
+        #[hint("is the probe jammed, its link dead, or its scale wrong? was the ring touched?")] FrozenReading,
         /// The slide encoder is invalid, jumps, or keeps its value although the slide should move
         #[hint("check the slide encoder; or the slide is blocked, or its drive is dead")] LostReading,
         /// The slide is further from its setpoint than `limits.following_error`

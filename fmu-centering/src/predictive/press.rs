@@ -4,8 +4,8 @@ use control_blocks::{SentCommands, Trajectory};
 use serde::{Deserialize, Serialize};
 
 use crate::interface::Parameters;
-use crate::predictive::despike::{LAG, Measurement};
 use crate::predictive::stroke::Stroke;
+use crate::sensing::{LAG, Measurement};
 
 /// Gap that counts as contact, m.
 const CONTACT_GAP: f64 = 5e-7;

@@ -6,10 +6,11 @@ use serde::{Deserialize, Serialize};
 use crate::interface::{Fault, Parameters};
 use crate::sensing::reading::RESOLUTION;
 
-/// Time over which the share of the motion is taken, s (our choice: some periods of a servo).
-const MEMORY: f64 = 0.1;
+/// Time over which the share of the motion is taken, s (our choice: longer than the lag of a servo, and shorter than a
+/// slide that nothing drives needs to the limit).
+const MEMORY: f64 = 0.02;
 /// Least motion in that time for which a share means something, m.
-const EXCITED: f64 = 1e-4;
+const EXCITED: f64 = 1e-6;
 /// Share of the following error that an encoder which stands has not answered.
 const UNANSWERED: f64 = 0.5;
 /// A slide with a smaller share goes backwards; one with less than the other is weak.

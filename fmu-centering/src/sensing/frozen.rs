@@ -17,8 +17,12 @@ use crate::sensing::reading::{RESOLUTION, Sample};
 const MOVED: f64 = 10.0 * RESOLUTION;
 const MOVED_IN_STROKE: f64 = 1e-3;
 /// Uncertainty of the probe position at which the pusher touches, in a push and else, m (our choice).
-const PRESSED_IN_PUSH: f64 = 1e-3;
+pub const PRESSED_IN_PUSH: f64 = 1e-3;
 const PRESSED: f64 = 1e-4;
+/// Error of following beyond its dead zone that no surface keeps up, m (our choice: more than 15 mm at 45 rpm).
+const FAR: f64 = 5e-4;
+/// How far a ring that turns may push back a slide on its way out, m (our choice: 40 mm/s for the way of 0.1 s).
+const PUSHED_BACK: f64 = 5e-3;
 /// A value that stands for less is chance: three samples beside a surface of 80 mm/s, s (our choice).
 const STILL_TIME: f64 = 0.02;
 /// Band of a last bit, in bits.
@@ -37,18 +41,6 @@ pub enum Phase {
     Push,
     /// The slide goes away from the ring.
     Retract,
-}
-
-/// What counts as frozen in a phase.
-struct Rule {
-    /// change that shows life, m
-    band: f64,
-    /// motion without it, m
-    limit: f64,
-    /// distance from the pusher at which the ring may go with it, m
-    pressed: f64,
-    /// whether this probe can show life at all
-    sees: bool,
 }
 
 /// Since when the probe has kept its value.
@@ -77,22 +69,24 @@ impl FrozenProbe {
         if change > 0.0 {
             self.bit = self.bit.min(change);
         }
-        let following = Rule { band: FLICKER * self.bit, limit: MOVED, pressed: PRESSED, sees: self.bit < BIT_MAX };
-        let stroke = Rule { band: RESOLUTION, limit: MOVED_IN_STROKE, pressed: PRESSED, sees: true };
-        let rule = match phase {
-            Phase::Push => Rule { pressed: PRESSED_IN_PUSH, ..stroke },
-            Phase::Retract => stroke,
-            Phase::Follow => following,
-        };
         // a ring at the pusher goes with the slide, and without contact there is nothing to read
-        if !rule.sees || !(p.probe.contact..p.probe.at_pusher - rule.pressed).contains(&sample.probe) {
+        let pressed = |distance: f64| sample.probe >= p.probe.at_pusher - distance;
+        // far from its place a probe comes back to it, by more than the coarsest resolution
+        let far = (p.null() - sample.probe).abs() > p.dead_zone() + FAR;
+        let (band, limit, sees) = match phase {
+            Phase::Push => (RESOLUTION, MOVED_IN_STROKE, !pressed(PRESSED_IN_PUSH)),
+            Phase::Retract => (RESOLUTION, if pressed(PRESSED) { PUSHED_BACK } else { MOVED_IN_STROKE }, true),
+            Phase::Follow if far => (RESOLUTION, MOVED_IN_STROKE, !pressed(PRESSED)),
+            Phase::Follow => (FLICKER * self.bit, MOVED, self.bit < BIT_MAX && !pressed(PRESSED)),
+        };
+        if !sees || sample.probe < p.probe.contact {
             self.monitor.clear();
         }
-        self.monitor.update(sample.probe, sample.slide - before.slide, rule.band);
+        self.monitor.update(sample.probe, sample.slide - before.slide, band);
         self.turned = if self.monitor.still() == 0 { 0.0 } else { self.turned + turned };
         let fine = self.bit < FINE * p.tolerance;
         let still = self.monitor.still() > p.ticks(STILL_TIME);
-        (still && self.monitor.unanswered() > rule.limit) || (fine && self.turned.abs() >= TAU)
+        (still && self.monitor.unanswered() > limit) || (fine && self.turned.abs() >= TAU)
     }
 }
 
@@ -149,6 +143,13 @@ mod tests {
     }
 
     #[test]
+    fn far_from_its_place_even_a_coarse_probe_must_come_back() {
+        let jammed = |probe: f64| broken_in(Phase::Follow, 5e-6, move |angle| (0.1 + 1e-3 * angle, probe));
+        assert!(jammed(0.9e-3).is_some() && jammed(8.1e-3).is_some());
+        assert_eq!(jammed(1.1e-3), None);
+    }
+
+    #[test]
     fn a_coarse_probe_may_read_the_same_for_long() {
         assert_eq!(broken(1e-6, |_| (0.1, 5e-3)), None);
     }
@@ -156,7 +157,9 @@ mod tests {
     #[test]
     fn without_contact_and_at_the_pusher_it_may_rest() {
         for probe in [0.0, P.probe.at_pusher - 3e-5, P.probe.at_pusher + 3e-5] {
-            assert_eq!(broken(1e-7, |angle| (1e-3 * angle, probe)), None);
+            assert_eq!(broken_in(Phase::Push, 1e-7, |angle| (1e-3 * angle, probe)), None);
         }
+        // but not while the slide goes away
+        assert!(broken_in(Phase::Retract, 1e-7, |angle| (-1e-3 * angle, P.probe.at_pusher)).is_some());
     }
 }
