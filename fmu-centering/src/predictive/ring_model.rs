@@ -27,6 +27,8 @@ const RADIUS: f64 = 0.02;
 const HISTORY: usize = 256;
 /// Largest misfit of a ring that is only rough (our choice: 2 um with the noise of the default); beyond it was moved.
 const MISFIT_MAX: f64 = 10.0;
+/// Least share of the measurements that a rough ring explains; else some of them belong to another place of the ring.
+const EXPLAINED: f64 = 0.9;
 /// Passes over the history at a time, at most.
 const PASSES: usize = 4;
 
@@ -158,7 +160,10 @@ impl RingModel {
         let (noise, rejected) = (self.misfit * self.assumed.noise, self.rejections as usize);
         let fits =
             |&(angle, y): &(f64, f64)| (y - self.expect(angle, &self.now.mean).0).abs() <= self.assumed.gate * noise;
-        let explained = !self.history.is_full() && self.history.iter().rev().take(rejected).all(fits);
+        let known = self.history.iter().filter(|seen| fits(seen)).count() as f64;
+        let explained = !self.history.is_full()
+            && known >= EXPLAINED * self.history.len() as f64
+            && self.history.iter().rev().take(rejected).all(fits);
         if explained {
             self.rejections = 0;
         }
