@@ -84,12 +84,11 @@ class Matrix:
     stop: str = ""
 
 
-NAMES = ("centering", "deburr", "dob", "fts", "polish")
-
-
 def names() -> list[str]:
     """List the controllers that have a matrix."""
-    return [name for name in NAMES if Path(__file__).with_name(f"{name}.py").is_file()]
+    crates = Path(__file__).resolve().parents[2].glob("fmu-*/Cargo.toml")
+    found = sorted(crate.parent.name.removeprefix("fmu-") for crate in crates)
+    return [name for name in found if Path(__file__).with_name(f"{name}.py").is_file()]
 
 
 def load(name: str) -> Matrix:
