@@ -257,7 +257,7 @@ mod tests {
     fn no_change_of_state_gives_back_the_turning_since_the_last_push() {
         let mut supervisor = Supervisor::default();
         let mut flip = |k: u32| {
-            let state = if k % 2 == 0 { State::Collect } else { State::Wait };
+            let state = if k.is_multiple_of(2) { State::Collect } else { State::Wait };
             supervisor.enter(state);
             supervisor.check(&P, &Watched { state, ..GOOD })
         };

@@ -1,7 +1,7 @@
 """Faults of `centering`: what is wrong with encoders, drive, machine or operator, and what comes of it.
 
-The excursion is that of the ring: how much further from the axis than at the beginning it ever was. A push goes
-towards the axis, so there is none as long as nothing is pushed by mistake.
+The excursion is that of the ring: how much further from the axis than at the beginning it ever was. A push
+goes towards the axis, so there is none as long as nothing is pushed by mistake.
 """
 
 from __future__ import annotations

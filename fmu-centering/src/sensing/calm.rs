@@ -4,8 +4,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::sensing::reading::Sample;
-
 /// Probe and surface without single spikes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Calm {
@@ -20,9 +18,8 @@ pub struct Calm {
 pub struct CalmFilter(Option<[Calm; 3]>);
 
 impl CalmFilter {
-    /// Takes a sample.
-    pub fn update(&mut self, sample: &Sample) -> Calm {
-        let now = Calm { probe: sample.probe, tip: sample.tip() };
+    /// Takes what was read.
+    pub fn update(&mut self, now: Calm) -> Calm {
         let [_, a, b] = self.0.unwrap_or([now; 3]);
         self.0 = Some([a, b, now]);
         let middle = |of: fn(&Calm) -> f64| median([of(&a), of(&b), of(&now)]);
@@ -40,7 +37,7 @@ mod tests {
 
     fn calmed(probes: &[f64]) -> Vec<f64> {
         let mut filter = CalmFilter::default();
-        probes.iter().map(|&probe| filter.update(&Sample { probe, ..Sample::default() }).probe).collect()
+        probes.iter().map(|&probe| filter.update(Calm { probe, tip: 0.0 }).probe).collect()
     }
 
     #[test]

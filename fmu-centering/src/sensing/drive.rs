@@ -114,7 +114,8 @@ mod tests {
 
     #[test]
     fn every_cause_has_its_name_at_the_same_limit() {
-        let causes: [(Fault, fn(f64) -> f64); 4] = [
+        type Cause = (Fault, fn(f64) -> f64);
+        let causes: [Cause; 4] = [
             (Fault::DriveSign, |told| -told),
             (Fault::WeakDrive, |told| 0.3 * told),
             (Fault::FollowingError, |told| 0.9 * told),

@@ -121,7 +121,7 @@ impl Reader {
         Reading {
             sample: Some(sample),
             fresh: sample == *raw,
-            calm: self.calm.update(&sample),
+            calm: self.calm.update(Calm { probe: sample.probe, tip: sample.tip() }),
             slide: (self.slide.doubted() == 0).then_some(raw.slide),
             jumped,
             fault: self.fault(p),

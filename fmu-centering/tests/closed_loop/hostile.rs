@@ -37,7 +37,8 @@ fn a_slide_that_does_not_know_where_it_is_loses_its_drive() {
 
 #[test]
 fn one_jump_of_an_encoder_is_bridged_and_a_lasting_one_has_a_name_but_not_while_idle() {
-    let jumps: [(fn(&mut Input), Fault); 3] = [
+    type Jump = (fn(&mut Input), Fault);
+    let jumps: [Jump; 3] = [
         (|input| input.spindle_angle += 2.0, Fault::ReadingJump),
         (|input| input.probe_position -= 0.01, Fault::ReadingJump),
         (|input| input.slide_position += 0.01, Fault::LostReading),
