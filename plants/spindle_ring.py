@@ -37,7 +37,7 @@ class SpindleRing(Plant):
 
     Parameters: ClassVar[type] = SpindleRingParameters
     wires: ClassVar[tuple[str, ...]] = (
-        "position_setpoint", "velocity_setpoint",
+        "position_setpoint", "velocity_setpoint", "enable", "servo", "driven", "braked",
         "async_x", "async_y", "sync_x", "sync_y", "error_x", "error_y",
         "cx", "cy", "vcx", "vcy", "orientation", "turn_rate", "eccentricity", "slip_speed",
         "surface", "normal_x", "normal_y", "vx", "vy", "phase", "dirt", "probed", "fx", "fy",
@@ -61,6 +61,7 @@ class SpindleRing(Plant):
                 "slide_position_setpoint", "m", "Where the slide should be", minimum=0.0, maximum=p.travel
             ),
             Channel("slide_velocity_setpoint", "m/s", "How fast it should go", minimum=-speed, maximum=speed),
+            Channel("enable", "1", "1: the servo drives the slide; 0: shorted windings brake it", start=1.0),
         )
         self.truths = (
             *vector("ring", "m", "Centre of the ring on the table", "xy"),
@@ -245,7 +246,14 @@ class SpindleRing(Plant):
             p.setpoint_period,
         )
         inputs = [wire("position_setpoint"), wire("velocity_setpoint"), *self._state("slide")]
-        self.circuit.bind("servo", board, inputs, [Cell(self.data.ctrl, 1)])
+        self.circuit.bind("servo", board, inputs, [wire("servo")])
+        # without the drive the shorted windings brake
+        braking = Cell(self.data.qvel, self._at["slide"], scale=-p.slide_mass / p.brake_time)
+        on, off = wire("enable"), wire("enable", scale=-1.0, offset=1.0)
+        self.circuit.bind("drive", _native.product(), [wire("servo"), on], [wire("driven")])
+        self.circuit.bind("brake", _native.product(), [braking, off], [wire("braked")])
+        both = [wire("driven"), wire("braked")]
+        self.circuit.bind("motor", _native.summing_junction(2), both, [Cell(self.data.ctrl, 1)])
 
     def _friction(self) -> None:
         p, bind = self.parameters, self.circuit.bind
@@ -280,6 +288,7 @@ class SpindleRing(Plant):
         commands = {
             "slide_position_setpoint": wire("position_setpoint"),
             "slide_velocity_setpoint": wire("velocity_setpoint"),
+            "enable": wire("enable"),
         }
         seen = ("eccentricity", "slip_speed", "surface", "probe_force", "pusher_force", "pusher_gap")
         truths = {

@@ -84,6 +84,10 @@ class SpindleRingParameters:
     servo_bandwidth: float = parameter(40.0, "Hz", "Natural frequency of the slide's servo", 1.0, 500.0)
     servo_damping: float = parameter(0.7, "1", "Damping ratio of the slide's servo", 0.05, 5.0)
     servo_force: float = parameter(400.0, "N", "Largest force of the slide's motor", 1.0, 1e5)
+    brake_time: float = parameter(
+        0.02, "s", "Time constant with which the slide stops without its drive", 1e-3, 1e3,
+        "our choice: shorted windings of a linear motor",
+    )  # fmt: skip
     setpoint_period: float = parameter(
         1e-3, "s", "Longest time for which the servo extrapolates a setpoint", 0.0, 1.0, "our choice: 1 kHz"
     )

@@ -1,16 +1,25 @@
 //! One sample of the whole law: read, estimate the spindle and the ring, decide, move, report.
 
-use control_blocks::{Consecutive, ParameterError};
+use control_blocks::{Consecutive, ParameterError, Progress, SafeEnd};
 use serde::{Deserialize, Serialize};
 
 use crate::centre::{Centre, Estimate};
 use crate::check::check;
-use crate::faults::{Supervisor, Watched, judge};
-use crate::interface::{Fault, Input, Output, Parameters, PushReport, Setpoint, State};
+use crate::faults::{Supervisor, Watched, graver, judge};
+use crate::interface::{Fault, Input, MonitorReport, Output, Parameters, PushReport, Setpoint, State};
 use crate::law::{ActiveLaw, Launch, Observation, Verdict};
+use crate::limits::{job_time, trial_move};
 use crate::machine::{Events, next};
 use crate::motion::{Follower, Motion};
-use crate::sensing::{Clock, Due, Frozen, Reader, Reading, Sample, Spindle};
+use crate::sensing::{
+    Calm, Clock, DriveMonitor, Due, FrozenProbe, Phase, ProbeTrial, Reader, Reading, Sample, Spindle, believable_share,
+};
+
+/// Velocity of the slide in the test of the probe (m/s), and the time after which it is at rest there, s.
+const TRIAL_VELOCITY: f64 = 0.01;
+const TRIAL_REST: f64 = 0.03;
+/// Time in which a slide without drive that has not moved stands, s.
+const STILL_TIME: f64 = 0.1;
 
 /// The controller between two samples.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -19,14 +28,20 @@ pub struct Controller {
     clock: Clock,
     spindle: Spindle,
     follower: Follower,
-    frozen: Frozen,
+    frozen: FrozenProbe,
+    drive: DriveMonitor,
+    trial: ProbeTrial,
+    progress: Progress,
     law: ActiveLaw,
     supervisor: Supervisor,
     motion: Motion,
     state: State,
     fault: Fault,
-    /// the last good sample
+    /// the last good sample, and without single spikes
     sample: Sample,
+    calm: Calm,
+    /// how far the setpoint was beyond the ring on purpose, since the last push, m
+    ahead: f64,
     /// samples in a row within the band of settling
     settled: Consecutive,
     estimate: Option<Estimate>,
@@ -51,13 +66,18 @@ impl Controller {
             clock: Clock::default(),
             spindle: Spindle::new(p),
             follower: Follower::default(),
-            frozen: Frozen::default(),
+            frozen: FrozenProbe::default(),
+            drive: DriveMonitor::default(),
+            trial: ProbeTrial::default(),
+            progress: Progress::default(),
             law: ActiveLaw::new(p),
             supervisor: Supervisor::default(),
             motion: Motion::default(),
             state: State::Idle,
             fault: Fault::None,
-            sample: Sample { angle: 0.0, slide: 0.0, probe: 0.0 },
+            sample: Sample::default(),
+            calm: Calm::default(),
+            ahead: 0.0,
             settled: Consecutive::default(),
             estimate: None,
             first: None,
@@ -70,11 +90,11 @@ impl Controller {
 
     /// One sample. The parameters must be those of [`Controller::new`].
     pub fn tick(&mut self, input: &Input, p: &Parameters, output: &mut Output) {
-        let reading = self.reader.read(p, input);
+        let reading = self.reader.read(p, input, self.watched(p));
         let due = self.clock.advance(p);
         let turned = self.observe(p, &reading, due);
         self.decide(p, &reading, due, turned);
-        self.drive(p, due);
+        self.move_on(p, due);
         *output = self.report(p);
     }
 
@@ -84,17 +104,30 @@ impl Controller {
             self.motion.place(slide, reading.jumped && self.state == State::Idle);
         }
         let Some(sample) = reading.sample else { return 0.0 };
-        self.sample = sample;
+        (self.sample, self.calm) = (sample, reading.calm);
+        if self.watched(p) {
+            self.drive.update(p, &self.motion.setpoint, self.ahead, sample.slide);
+        } else {
+            self.drive = DriveMonitor::default();
+        }
         if reading.jumped {
             self.spindle.restart();
         }
         let turned = self.spindle.update(sample.angle);
         if due.control {
-            self.follower.update(p, &sample);
+            self.follower.update(p, &self.calm);
         }
-        let now = self.observation(due);
-        self.law.observe(p, &now);
+        // a bridged sample is no measurement
+        if reading.fresh {
+            let now = self.observation(due);
+            self.law.observe(p, &now);
+        }
         turned
+    }
+
+    /// Whether the slide is where it was told to be; in `Idle`, at rest, a hand may move it.
+    fn watched(&self, p: &Parameters) -> bool {
+        self.state != State::Idle || !self.motion.resting(p)
     }
 
     /// State machine.
@@ -103,9 +136,9 @@ impl Controller {
             enabled: reading.enabled,
             start: reading.start,
             reset: reading.reset,
-            at_rest: self.motion.resting(p),
+            at_rest: self.motion.resting(p) && (self.driven() || self.drive.still() > p.ticks(STILL_TIME)),
             fault: self.find_fault(p, reading, turned),
-            touched: self.sample.probe > p.probe.contact,
+            touched: self.calm.probe > p.probe.contact,
             settled: self.settle(p),
             collected: self.law.collected(),
             stroke_over: self.state == State::Push && self.law.stroke_over(p, &self.motion),
@@ -114,14 +147,16 @@ impl Controller {
         let now = self.observation(due);
         if events.fault.is_none() {
             self.conclude(p, &now, &mut events);
+            self.confirm(p, &mut events);
         }
+        self.escalate(p, events.fault);
         let ready = self.state == State::Wait && matches!(events.verdict, None | Some(Verdict::Push));
         let launch = if ready { self.law.launch(p, &now) } else { None };
         events.launched = launch.is_some();
         let state = next(self.state, &events);
         if state != self.state {
-            self.supervisor.enter();
-            self.enter(p, state, &events, reading, launch);
+            self.supervisor.enter(state);
+            self.enter(p, state, &events, launch);
             self.law.enter(p, state, &now);
             self.state = state;
         }
@@ -129,19 +164,53 @@ impl Controller {
 
     /// The gravest fault of this sample.
     fn find_fault(&mut self, p: &Parameters, reading: &Reading, turned: f64) -> Option<Fault> {
-        let frozen = self.frozen.update(p, &self.sample, turned);
-        let invalid = reading.sample.is_none() || ((reading.jumped || frozen) && self.state.active());
+        let frozen = reading.fresh && self.frozen.update(p, self.phase(), &self.sample, turned) && self.state.active();
+        let astray = self.state == State::Push && self.law.astray(p);
         let view = Watched {
             state: self.state,
-            probe: self.sample.probe,
+            probe: self.calm.probe,
             turned,
             speed: self.spindle.speed(),
             surface: self.follower.surface(),
             beyond_travel: self.motion.beyond_travel(p),
             estimate: self.estimate.as_ref(),
         };
-        let fault = self.supervisor.check(p, &view);
-        if invalid { Some(Fault::InvalidInput) } else { fault }
+        if self.state.active() && self.state != State::Centred {
+            self.progress.count();
+        }
+        let late = self.progress.samples() > u64::from(p.ticks(job_time(p, view.speed))) && self.state.active();
+        let found = [
+            reading.fault,
+            (frozen || astray).then_some(Fault::FrozenReading),
+            self.drive.fault(p),
+            self.supervisor.check(p, &view),
+            late.then_some(Fault::NoProgress),
+        ];
+        graver(&found)
+    }
+
+    /// How slide and ring move against each other.
+    fn phase(&self) -> Phase {
+        match self.state {
+            State::Push => Phase::Push,
+            State::Settle if self.motion.moving() => Phase::Retract,
+            _ => Phase::Follow,
+        }
+    }
+
+    /// A later fault may ask for a safer end.
+    fn escalate(&mut self, p: &Parameters, fault: Option<Fault>) {
+        if let Some(fault) = fault.filter(|fault| fault.safe_end() > self.fault.safe_end())
+            && self.state == State::Fault
+        {
+            self.fault = fault;
+            self.leave(p);
+        }
+    }
+
+    /// Whether the drive of the slide may be on.
+    fn driven(&self) -> bool {
+        self.state != State::Fault || self.fault.safe_end() != SafeEnd::DriveOff
     }
 
     /// Ends the retract after a push, and counts how long the probe is where it should be.
@@ -150,10 +219,28 @@ impl Controller {
             self.motion.release();
         }
         let (band, time) = p.settling();
-        let inside = (self.sample.probe - p.null()).abs() <= band;
+        let inside = (self.calm.probe - p.null()).abs() <= band;
         let following = matches!(self.state, State::Follow | State::Settle) && !self.motion.moving();
         let settled = self.settled.update(inside && following);
         inside && following && settled >= p.ticks(time)
+    }
+
+    /// Moves the slide out and in, and judges what the probe has answered.
+    fn confirm(&mut self, p: &Parameters, events: &mut Events) {
+        if self.state != State::Confirm || !self.motion.arrived(p, TRIAL_REST) {
+            return;
+        }
+        self.trial.note(self.sample.slide, self.calm.probe);
+        match self.trial.share() {
+            None => self.try_probe(p, trial_move(p)),
+            Some(share) if believable_share(share) => events.confirmed = true,
+            Some(_) => events.fault = Some(Fault::FrozenReading),
+        }
+    }
+
+    /// One move of that test, m.
+    fn try_probe(&mut self, p: &Parameters, way: f64) {
+        self.motion.go(p, self.motion.setpoint.position + way, TRIAL_VELOCITY.min(p.approach.velocity));
     }
 
     /// Makes the model, and judges the ring.
@@ -199,31 +286,38 @@ impl Controller {
     }
 
     /// What happens once, when `state` begins.
-    fn enter(&mut self, p: &Parameters, state: State, events: &Events, reading: &Reading, launch: Option<Launch>) {
+    fn enter(&mut self, p: &Parameters, state: State, events: &Events, launch: Option<Launch>) {
         match state {
             // nothing moves by itself after a reset
             State::Idle if self.state == State::Fault => self.fault = Fault::None,
-            State::Idle => self.leave(p, reading),
+            State::Idle => self.leave(p),
             State::Fault => {
                 self.fault = events.fault.unwrap_or(self.fault);
-                self.leave(p, reading);
+                self.leave(p);
             }
             State::Approach => self.restart(p),
             State::Push => self.launch(p, launch),
             State::Settle => self.retract(p),
-            State::Centred => self.centred = Some(self.clock.time(p)),
+            State::Confirm => {
+                self.trial = ProbeTrial::default();
+                self.trial.note(self.sample.slide, self.calm.probe);
+                self.try_probe(p, -trial_move(p));
+            }
+            State::Centred => {
+                self.motion.release();
+                self.centred = Some(self.clock.time(p));
+            }
             // at once, or the slide would brake until the next beat
-            State::Follow => self.follower.update(p, &self.sample),
+            State::Follow => self.follower.update(p, &self.calm),
             State::Collect | State::Model | State::Wait => {}
         }
     }
 
-    /// Goes back to where the approach began; stops only, if the slide does not know where it is.
-    fn leave(&mut self, p: &Parameters, reading: &Reading) {
-        if reading.slide.is_some() {
-            self.motion.retreat(p);
-        } else {
-            self.motion.release();
+    /// Goes back to where the approach began, if anything drives the slide.
+    fn leave(&mut self, p: &Parameters) {
+        match self.fault.safe_end() {
+            SafeEnd::Retract | SafeEnd::Stop => self.motion.retreat(p),
+            SafeEnd::DriveOff => self.motion.release(),
         }
     }
 
@@ -231,6 +325,8 @@ impl Controller {
     fn restart(&mut self, p: &Parameters) {
         self.motion.start(self.sample.slide);
         self.law.restart(p);
+        self.progress.restart();
+        (self.frozen, self.drive, self.trial) = Default::default();
         (self.fault, self.estimate, self.first, self.before) = (Fault::None, None, None, None);
         (self.report, self.started, self.centred) = (PushReport::START, self.clock.time(p), None);
     }
@@ -255,20 +351,29 @@ impl Controller {
     }
 
     /// Moves the setpoint for one sample.
-    fn drive(&mut self, p: &Parameters, due: Due) {
+    fn move_on(&mut self, p: &Parameters, due: Due) {
+        if !self.driven() {
+            return self.motion.yield_to(self.sample.slide);
+        }
         let now = self.observation(due);
         let press = if self.state == State::Push { self.law.press(p, &now) } else { None };
         match press {
             Some(setpoint) => self.motion.setpoint = setpoint,
             None => self.motion.step(p, self.wished_velocity(p)),
         }
+        self.ahead = match self.state {
+            State::Push => self.law.ahead(),
+            // what the ring has deflected comes back on the way out
+            State::Settle | State::Fault | State::Idle => self.ahead,
+            _ => 0.0,
+        };
     }
 
     /// Velocity of the slide when it is not on a move, m/s.
     fn wished_velocity(&self, p: &Parameters) -> f64 {
         match self.state {
             State::Approach => p.approach.velocity,
-            State::Idle | State::Push | State::Fault => 0.0,
+            State::Idle | State::Push | State::Confirm | State::Fault => 0.0,
             _ => self.follower.velocity(),
         }
     }
@@ -282,6 +387,7 @@ impl Controller {
             },
             state: self.state,
             fault: self.fault,
+            drive_enable: self.driven(),
             centred: self.centred.is_some(),
             time_to_centre: self.centred.map_or(0.0, |time| time - self.started),
             eccentricity: ring.map_or(0.0, |ring| ring.centre.eccentricity()),
@@ -290,6 +396,12 @@ impl Controller {
             spindle_speed: self.spindle.speed(),
             pusher_gap: p.probe.at_pusher - self.sample.probe,
             push: PushReport { offset: self.law.offset(), ..self.report },
+            monitor: MonitorReport {
+                following_error: self.drive.error(),
+                drive_share: self.drive.share(p),
+                probe_share: self.trial.share().unwrap_or(1.0),
+                job_time: self.progress.samples() as f64 * p.sample_period,
+            },
         }
     }
 }

@@ -2,12 +2,12 @@
 
 use std::f64::consts::TAU;
 
-use control_blocks::Consecutive;
+use control_blocks::{Consecutive, SafeEnd};
 use serde::{Deserialize, Serialize};
 
 use crate::centre::Estimate;
 use crate::interface::{Fault, Input, Parameters, State, Vars};
-use crate::limits::{GRAVITY, held_surface_velocity, speed_limit};
+use crate::limits::{GRAVITY, held_surface_velocity, job_time, speed_limit};
 
 /// A probe that has no contact for longer has lost the ring, s.
 const LOST_TIME: f64 = 0.1;
@@ -21,6 +21,38 @@ const STILL_TIME: f64 = 0.5;
 const UNSETTLED_TIME: f64 = 3.0;
 /// Turning (in revolutions) in which every collection and every wait ends.
 const TURNS_MAX: f64 = 1.1;
+/// Turning (in revolutions) from push to push, with three models of the ring and the wait (our choice).
+const CYCLE_TURNS_MAX: f64 = 4.4;
+/// Least share of its turning that a spindle which does not reverse goes forward.
+const FORWARD: f64 = 0.9;
+
+impl Fault {
+    /// How a centring ends that this fault has stopped: by going back, where the place of the slide is known.
+    pub fn safe_end(self) -> SafeEnd {
+        match self {
+            Self::LostReading | Self::FollowingError | Self::DriveSign | Self::WeakDrive => SafeEnd::DriveOff,
+            Self::None
+            | Self::NoPart
+            | Self::RingTooSmall
+            | Self::ProbeRange
+            | Self::Centrifugal
+            | Self::PushBudget
+            | Self::InvalidInput
+            | Self::ReadingJump
+            | Self::FrozenReading
+            | Self::Spindle
+            | Self::Diverged
+            | Self::Unresolved
+            | Self::NoProgress => SafeEnd::Retract,
+        }
+    }
+}
+
+/// The first of the gravest faults.
+pub fn graver(found: &[Option<Fault>]) -> Option<Fault> {
+    let worse = |a: Fault, b: Fault| if b.safe_end() > a.safe_end() { b } else { a };
+    found.iter().copied().flatten().reduce(worse)
+}
 
 /// What is watched in one tick.
 #[derive(Clone, Copy, Debug)]
@@ -50,12 +82,20 @@ pub struct Supervisor {
     still: Consecutive,
     unsettled: Consecutive,
     turned: f64,
+    /// the same with its sign
+    forward: f64,
+    /// turning since the last push
+    cycle: f64,
 }
 
 impl Supervisor {
-    /// The state has changed.
-    pub fn enter(&mut self) {
-        (self.turned, self.unsettled, self.still) = (0.0, Consecutive::default(), Consecutive::default());
+    /// The state has changed to `state`.
+    pub fn enter(&mut self, state: State) {
+        (self.turned, self.forward) = (0.0, 0.0);
+        (self.unsettled, self.still) = (Consecutive::NONE, Consecutive::NONE);
+        if matches!(state, State::Approach | State::Settle) {
+            self.cycle = 0.0;
+        }
     }
 
     /// The gravest thing that is wrong in this tick.
@@ -67,25 +107,29 @@ impl Supervisor {
         let over = |count: Consecutive, time: f64| count.count() > p.ticks(time);
         let too_far = view.probe >= p.probe.stroke || over(self.pressed, PRESSED_TIME);
         let unsettled = over(self.unsettled, UNSETTLED_TIME + p.settling().1);
-        let standing = over(self.still, STILL_TIME) || self.turned > TURNS_MAX * TAU;
+        let endless = self.turned > TURNS_MAX * TAU || self.cycle > CYCLE_TURNS_MAX * TAU;
+        let reversing = self.turned > TURNS_MAX * TAU && self.forward.abs() < FORWARD * self.turned;
+        let standing = over(self.still, STILL_TIME) || reversing;
         let flying = over(self.flying, FLYING_TIME) || view.estimate.is_some_and(|ring| too_fast(p, view.speed, ring));
         (too_far || unsettled)
             .then_some(Fault::ProbeRange)
             .or((view.beyond_travel || over(self.lost, LOST_TIME)).then_some(Fault::NoPart))
             .or(flying.then_some(Fault::Centrifugal))
             .or(standing.then_some(Fault::Spindle))
+            .or(endless.then_some(Fault::NoProgress))
     }
 
     fn count(&mut self, p: &Parameters, view: &Watched) {
         let settling = matches!(view.state, State::Follow | State::Settle);
-        let contact = view.state.follows() || matches!(view.state, State::Push | State::Settle);
-        self.lost.update(contact && view.probe < 0.5 * p.probe.contact);
+        self.lost.update(view.state.touches() && view.probe < 0.5 * p.probe.contact);
         self.pressed.update(view.state.follows() && view.probe > p.probe.at_pusher);
         self.flying.update(shows_too_fast(p, view));
         self.still.update(view.state.needs_rotation() && view.speed.abs() < p.limits.spindle_speed_min);
         self.unsettled.update(settling);
         if view.state.needs_rotation() {
             self.turned += view.turned.abs();
+            self.forward += view.turned;
+            self.cycle += view.turned.abs();
         }
     }
 }
@@ -138,8 +182,26 @@ pub fn numbers(vars: &Vars) -> String {
         (State::Fault, Fault::PushBudget | Fault::Diverged) => {
             format!(": `{}` pushes, B = `{e:.2} um`", output.push.count)
         }
-        (State::Fault, Fault::InvalidInput) => {
-            format!(": `{spindle_angle} rad`, `{slide_position} m`, `{probe_position} m`")
+        (State::Fault, Fault::InvalidInput | Fault::ReadingJump) => {
+            format!(": spindle at `{spindle_angle} rad`, probe at `{probe_position} m`")
+        }
+        (State::Fault, Fault::FrozenReading) => {
+            let share = output.monitor.probe_share;
+            format!(": probe at `{probe_position} m`, share of its test before Centred `{share:.2}`")
+        }
+        (State::Fault, Fault::LostReading) => {
+            format!(": slide at `{slide_position} m`, following error `{:.3} mm`", 1e3 * output.monitor.following_error)
+        }
+        (State::Fault, Fault::FollowingError | Fault::DriveSign | Fault::WeakDrive) => {
+            let (error, limit) = (1e3 * output.monitor.following_error, 1e3 * p.limits.following_error);
+            format!(
+                ": following error `{error:.3} mm` of `{limit} mm`, share of the setpoint `{:.2}`",
+                output.monitor.drive_share
+            )
+        }
+        (State::Fault, Fault::NoProgress) => {
+            let limit = job_time(p, output.spindle_speed);
+            format!(": `{:.1} s` of `{limit:.1} s`, B = `{e:.2} um`", output.monitor.job_time)
         }
         (State::Fault, Fault::Spindle) => format!(": `{:.3} rad/s`", output.spindle_speed),
         (State::Fault, Fault::Unresolved) => format!(": B = `{e:.3} um`, standard deviation `{sigma:.3} um`"),
@@ -177,8 +239,44 @@ mod tests {
     #[test]
     fn a_revolution_has_no_fault_and_more_than_that_has() {
         assert_eq!(fault(GOOD, 3299), None);
-        assert_eq!(fault(GOOD, 3400), Some((3299, Fault::Spindle)));
+        assert_eq!(fault(GOOD, 3400), Some((3299, Fault::NoProgress)));
         assert_eq!(fault(Watched { state: State::Centred, ..GOOD }, 100_000), None);
+    }
+
+    #[test]
+    fn one_that_reverses_is_told_from_one_that_turns() {
+        let mut supervisor = Supervisor::default();
+        let found = (0..3400).find_map(|k| {
+            let turned = if k % 1000 < 500 { GOOD.turned } else { -GOOD.turned };
+            supervisor.check(&P, &Watched { turned, ..GOOD })
+        });
+        assert_eq!(found, Some(Fault::Spindle));
+    }
+
+    #[test]
+    fn no_change_of_state_gives_back_the_turning_since_the_last_push() {
+        let mut supervisor = Supervisor::default();
+        let mut flip = |k: u32| {
+            let state = if k.is_multiple_of(2) { State::Collect } else { State::Wait };
+            supervisor.enter(state);
+            supervisor.check(&P, &Watched { state, ..GOOD })
+        };
+        // 3000 samples for a revolution
+        let found = (0..20_000).find_map(|k| Some((k, flip(k)?)));
+        assert_eq!(found, Some((13_199, Fault::NoProgress)));
+        supervisor.enter(State::Settle);
+        assert_eq!(supervisor.check(&P, &GOOD), None);
+    }
+
+    #[test]
+    fn only_a_slide_that_knows_its_place_goes_back() {
+        for &fault in Fault::ALL {
+            let own = [Fault::LostReading, Fault::FollowingError, Fault::DriveSign, Fault::WeakDrive];
+            let end = if own.contains(&fault) { SafeEnd::DriveOff } else { SafeEnd::Retract };
+            assert_eq!(fault.safe_end(), end, "{fault:?}");
+        }
+        let found = [None, Some(Fault::NoPart), Some(Fault::DriveSign), Some(Fault::LostReading)];
+        assert_eq!((graver(&found), graver(&[None])), (Some(Fault::DriveSign), None));
     }
 
     #[test]

@@ -34,9 +34,11 @@ mod variables {
         Push,
         /// Retracts after a push and follows again
         Settle,
+        /// Moves the slide out and in by 0.2 mm: a probe that does not answer has measured nothing
+        Confirm,
         /// The ring is centred; follows it until `enable` is false
         Centred,
-        /// Moves back to where it started and holds; a rising edge of `reset_fault` ends it at rest
+        /// Moves back to where it started and holds, or has switched the drive off; a rising edge of `reset_fault` ends it at rest
         Fault,
     }
     /// Why the controller is in the fault state.
@@ -53,14 +55,28 @@ mod variables {
         #[hint("turn the spindle more slowly")] Centrifugal,
         /// Not centred within `limits.pushes` pushes
         #[hint("raise `tolerance` or `limits.pushes`; does the ring slide at all?")] PushBudget,
-        /// An input is NaN, infinite, out of any plausible range, has jumped, or the probe is frozen
-        #[hint("check the three encoders and their links")] InvalidInput,
+        /// Spindle or probe encoder is NaN, infinite or out of any plausible range
+        #[hint("check these two encoders and their links")] InvalidInput,
+        /// Spindle or probe encoder is for more than `limits.lost_samples` samples where the machine cannot have gone
+        #[hint("check the counters and cables of spindle and probe")] ReadingJump,
+        /// The probe keeps its value although slide or ring moves, or does not answer the slide by what that moves
+        #[hint("is the probe jammed, its link dead, or its scale wrong? was the ring touched?")] FrozenReading,
+        /// The slide encoder is invalid, jumps, or keeps its value although the slide should move
+        #[hint("check the slide encoder; or the slide is blocked, or its drive is dead")] LostReading,
+        /// The slide is further from its setpoint than `limits.following_error`
+        #[hint("check drive and servo of the slide, and `io_delay`; or is it blocked?")] FollowingError,
+        /// The slide moves against its setpoint
+        #[hint("swap the sign of drive or encoder of the slide")] DriveSign,
+        /// The slide does less than half of what its setpoint says
+        #[hint("check scale, current limit and power of the drive of the slide")] WeakDrive,
         /// The spindle stands still, keeps reversing, or is too fast for `rates.collect`
         #[hint("turn the spindle evenly in one direction")] Spindle,
         /// The pushes have moved the ring away from the axis by more than `push.critical_distance`
         #[hint("is `spindle_angle` positive about the upward axis?")] Diverged,
         /// A full revolution does not tell the eccentricity from the tolerance
         #[hint("raise `tolerance`, or mend the noise of the probe")] Unresolved,
+        /// The measurements fit no ring for some revolutions, or the centring takes longer than `limits.job_time`
+        #[hint("is the ring rough, dirty or loose? raise `estimator.noise`, or `limits.job_time` for a slow spindle")] NoProgress,
     }
     /// Which law centres the ring.
     pub enum Law {
@@ -93,8 +109,10 @@ mod variables {
     #[outputs] pub struct Output {
         pub slide: Setpoint,
         pub state: State,
-        /// Why it is in the state Fault; kept until `reset_fault`
+        /// Why it is in the state Fault, the gravest reason so far; kept until `reset_fault`
         pub fault: Fault,
+        /// The drive of the slide may be on; false from a fault in which no command is known to help until `reset_fault`
+        #[var(start = true)] pub drive_enable: bool,
         /// The ring was centred; kept until the next start
         pub centred: bool,
         /// From the start to `centred`
@@ -110,6 +128,7 @@ mod variables {
         /// Gap between pusher and ring as the probe says
         #[var(unit = METRE as "um")] pub pusher_gap: f64,
         pub push: PushReport,
+        pub monitor: MonitorReport,
     }
     /// Command to the servo of the slide.
     pub struct Setpoint {
@@ -134,6 +153,17 @@ mod variables {
         #[var(unit = METRE as "um")] pub overshoot: f64,
         /// Largest overshoot since the start
         #[var(unit = METRE as "um")] pub overshoot_max: f64,
+    }
+    /// What the monitors see.
+    pub struct MonitorReport {
+        /// Setpoint minus position of the slide, aligned by `io_delay`
+        #[var(unit = METRE as "um")] pub following_error: f64,
+        /// How much of its setpoint the slide has moved lately; 1 is right, and 1 without motion
+        #[var(unit = ONE, start = 1.0)] pub drive_share: f64,
+        /// How much of the last small move before Centred the probe has answered; 1 is right
+        #[var(unit = ONE, start = 1.0)] pub probe_share: f64,
+        /// Since the start, until `centred`
+        #[var(unit = SECOND)] pub job_time: f64,
     }
     /// All parameters.
     #[parameters] pub struct Parameters {
@@ -329,5 +359,13 @@ mod variables {
         #[var(range = 1..=1000, start = 25, source = "our choice")] pub pushes: i32,
         /// A slower spindle stands still
         #[var(unit = RADIAN_PER_SECOND as "rpm", range = 1e-3..=10.0, start = 0.1, source = "our choice: 1 rpm")] pub spindle_speed_min: f64,
+        /// Samples in a row with a reading where the machine cannot be; fewer are bridged
+        #[var(range = 0..=100, start = 3, source = "our choice: a spike is shorter")] pub lost_samples: i32,
+        /// Largest distance of the slide from its setpoint, beside what one sample of motion is worth
+        #[var(unit = METRE as "mm", range = 1e-5..=0.1, start = 1e-3,
+            source = "derived: a / w^2 = 0.04 mm in the fastest moves, 0.3 mm of deflection by 70 kg on 40 Hz, and three times that")]
+        pub following_error: f64,
+        /// Longest centring; 0 for `approach.travel_max` / `approach.velocity` + (`limits.pushes` + 1) (5 s + 2.2 revolutions)
+        #[var(unit = SECOND, range = 0.0..=1e5, start = 0.0, source = "derived: what every push may take until the next")] pub job_time: f64,
     }
 }

@@ -1,6 +1,6 @@
 //! Speed and look-ahead limits of the machine, eq. 2 and 4 to 9.
 
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 use control_blocks::stopping_distance;
 
@@ -8,6 +8,12 @@ use crate::interface::Parameters;
 
 /// Gravity as the paper takes it, m/s2.
 pub const GRAVITY: f64 = 9.807;
+
+/// From push to push: settling and stroke (s), and a revolution each of measuring and waiting with a tenth to spare.
+const CYCLE_TIME: f64 = 5.0;
+const CYCLE_TURNS: f64 = 2.2;
+/// Move of the slide that shows whether the probe lives, m (our choice: a thousand times its noise).
+const TRIAL_MOVE: f64 = 2e-4;
 
 /// Spindle speed (rad/s) at which the centrifugal force equals the friction `mu` at the eccentricity `e` m.
 pub fn speed_limit(mu: f64, e: f64) -> f64 {
@@ -40,6 +46,21 @@ pub fn look_ahead(p: &Parameters) -> f64 {
     let surface = surface_velocity(e, r, speed_limit(p.limits.friction, e));
     // eq. 7 to 9
     stopping_distance(p.approach.velocity + surface, p.slide.acceleration_max)
+}
+
+/// Longest centring, s, with the spindle at `speed` rad/s.
+pub fn job_time(p: &Parameters, speed: f64) -> f64 {
+    if p.limits.job_time > 0.0 {
+        return p.limits.job_time;
+    }
+    let revolution = TAU / speed.abs().max(p.limits.spindle_speed_min);
+    let cycle = CYCLE_TIME + CYCLE_TURNS * revolution;
+    p.approach.travel_max / p.approach.velocity + f64::from(p.limits.pushes + 1) * cycle
+}
+
+/// Way of the slide in the test of the probe, m: half of what leaves the probe on the ring, and 0.2 mm suffice.
+pub fn trial_move(p: &Parameters) -> f64 {
+    TRIAL_MOVE.min(0.5 * (p.null() - p.dead_zone() - p.probe.contact))
 }
 
 #[cfg(test)]
@@ -78,6 +99,16 @@ mod tests {
         assert!(held_surface_velocity(0.05, 0.05, 0.0).is_finite());
         // at most twice e w, for a ring whose rim is on the axis
         assert!((surface_velocity(0.05, 0.05, 1.0) - 0.1).abs() < 1e-3);
+    }
+
+    #[test]
+    fn the_budget_of_a_centring_goes_with_the_speed_of_the_spindle() {
+        let mut p = Parameters::START;
+        // 1.25 s, and 26 cycles of 5 s and 6.6 s
+        assert!((job_time(&p, TAU / 3.0) - 302.85).abs() < 1e-9);
+        assert!((job_time(&p, 0.0) - 1.25 - 26.0 * (5.0 + 2.2 * TAU / 0.1)).abs() < 1e-9);
+        p.limits.job_time = 7.0;
+        assert_eq!(job_time(&p, 0.0), 7.0);
     }
 
     #[test]

@@ -18,6 +18,11 @@ impl State {
     pub fn needs_rotation(self) -> bool {
         matches!(self, Self::Collect | Self::Wait)
     }
+
+    /// Whether the probe must touch the ring.
+    pub fn touches(self) -> bool {
+        self.follows() || matches!(self, Self::Push | Self::Settle | Self::Confirm)
+    }
 }
 
 /// What happened in one sample.
@@ -45,11 +50,13 @@ pub struct Events {
     pub launched: bool,
     /// The stroke of the push is over.
     pub stroke_over: bool,
+    /// The probe has answered the test before the end.
+    pub confirmed: bool,
 }
 
 /// The state after `state` and `events`; a fault comes first, then the end of `enable`.
 pub fn next(state: State, events: &Events) -> State {
-    use State::{Approach, Centred, Collect, Fault, Follow, Idle, Model, Push, Settle, Wait};
+    use State::{Approach, Centred, Collect, Confirm, Fault, Follow, Idle, Model, Push, Settle, Wait};
     match state {
         Fault if events.reset && events.at_rest && events.fault.is_none() => Idle,
         Fault => Fault,
@@ -61,12 +68,13 @@ pub fn next(state: State, events: &Events) -> State {
         Follow | Settle if events.settled => Collect,
         Wait if events.launched => Push,
         Collect | Model | Wait if events.verdict.is_some() => match events.verdict {
-            Some(Verdict::Centred) => Centred,
+            Some(Verdict::Centred) => Confirm,
             Some(Verdict::Push) => Wait,
             _ => Collect,
         },
         Collect if events.collected => Model,
         Push if events.stroke_over => Settle,
+        Confirm if events.confirmed => Centred,
         unchanged => unchanged,
     }
 }
@@ -103,7 +111,8 @@ mod tests {
             (enabled(|events| events.stroke_over = true), State::Settle),
             (settled, State::Collect),
             (collected, State::Model),
-            (enabled(|events| events.verdict = Some(Verdict::Centred)), State::Centred),
+            (enabled(|events| events.verdict = Some(Verdict::Centred)), State::Confirm),
+            (enabled(|events| events.confirmed = true), State::Centred),
         ];
         let mut state = State::Idle;
         for (events, expected) in way {
@@ -114,7 +123,7 @@ mod tests {
 
     #[test]
     fn a_fault_wins_everywhere() {
-        let others: [fn(&mut Events); 8] = [
+        let others: [fn(&mut Events); 9] = [
             |events| events.enabled = false,
             |events| events.start = true,
             |events| (events.reset, events.at_rest) = (true, true),
@@ -123,6 +132,7 @@ mod tests {
             |events| events.verdict = Some(Verdict::Centred),
             |events| events.launched = true,
             |events| events.stroke_over = true,
+            |events| events.confirmed = true,
         ];
         for (change, &state) in others.iter().flat_map(|other| State::ALL.iter().map(move |state| (other, state))) {
             let mut events = enabled(|events| events.fault = Some(Fault::NoPart));

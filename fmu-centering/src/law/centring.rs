@@ -79,6 +79,12 @@ pub trait CentringLaw {
     /// Setpoint of a push that is not left to the motion.
     fn press(&mut self, p: &Parameters, now: &Observation) -> Option<Trajectory>;
 
+    /// Whether the surface is not where the model says while the slide goes to push it.
+    fn astray(&self, p: &Parameters) -> bool;
+
+    /// How far the setpoint of a push is beyond its stroke on purpose, m.
+    fn ahead(&self) -> f64;
+
     /// Whether the stroke of the push is over.
     fn stroke_over(&self, p: &Parameters, motion: &Motion) -> bool;
 

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::interface::{Law, Parameters};
-use crate::sensing::Sample;
+use crate::sensing::Calm;
 
 impl Parameters {
     /// Collapse of the probe while following, m.
@@ -43,15 +43,15 @@ pub struct Follower {
 
 impl Follower {
     /// One beat of the control loop.
-    pub fn update(&mut self, p: &Parameters, sample: &Sample) {
-        let tip = (sample.probe >= p.probe.contact).then(|| sample.tip());
+    pub fn update(&mut self, p: &Parameters, calm: &Calm) {
+        let tip = (calm.probe >= p.probe.contact).then_some(calm.tip);
         let before = std::mem::replace(&mut self.tip, tip);
         (self.surface, self.velocity) = (0.0, 0.0);
         // a slide that chases a lost ring would crash into it when it comes back
         let Some(tip) = tip else { return };
         // the tip has the velocity of the surface, whatever the slide does
         self.surface = before.map_or(0.0, |before| (tip - before) * p.rates.control);
-        let error = p.null() - sample.probe;
+        let error = p.null() - calm.probe;
         let beyond = error - error.clamp(-p.dead_zone(), p.dead_zone());
         if beyond != 0.0 || p.dead_zone() == 0.0 {
             let limit = p.slide.velocity_max;
@@ -85,7 +85,7 @@ mod tests {
             let angle = w * 1e-3 * f64::from(k);
             let probe = slide[0] - (0.08 - b * angle.cos());
             if k % 10 == 0 {
-                follower.update(p, &Sample { angle, slide: slide[0], probe });
+                follower.update(p, &Calm { tip: slide[0] - probe, probe });
             }
             setpoint.step(follower.velocity(), p.slide.acceleration_max, p.sample_period);
             slide.rotate_left(1);
@@ -126,7 +126,7 @@ mod tests {
     fn a_lost_ring_is_not_chased() {
         let p = Parameters::PAPER;
         let mut follower = Follower::default();
-        follower.update(&p, &Sample { angle: 0.0, slide: 0.1, probe: 0.0 });
+        follower.update(&p, &Calm { tip: 0.1, probe: 0.0 });
         assert_eq!(follower.velocity(), 0.0);
     }
 
@@ -137,10 +137,10 @@ mod tests {
         let mut follower = Follower::default();
         for k in 0..100 {
             let probe = p.null() + 0.9e-4 * (0.1 * f64::from(k)).sin();
-            follower.update(&p, &Sample { angle: 0.0, slide: 0.1, probe });
+            follower.update(&p, &Calm { tip: 0.1 - probe, probe });
             assert_eq!(follower.velocity(), 0.0);
         }
-        follower.update(&p, &Sample { angle: 0.0, slide: 0.1, probe: p.null() - 2e-4 });
+        follower.update(&p, &Calm { tip: 0.1 - p.null() + 2e-4, probe: p.null() - 2e-4 });
         assert!(follower.velocity() > 0.0);
     }
 }

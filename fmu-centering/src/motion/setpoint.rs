@@ -49,6 +49,12 @@ impl Motion {
         self.go(p, self.home, p.approach.velocity);
     }
 
+    /// Stands at the place of a slide (m) that nothing drives.
+    pub fn yield_to(&mut self, position: f64) {
+        self.setpoint = Trajectory { position, ..Trajectory::default() };
+        self.course = None;
+    }
+
     /// Ends a move: the setpoint has the velocity it is told.
     pub fn release(&mut self) {
         self.course = None;

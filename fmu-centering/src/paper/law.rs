@@ -10,10 +10,12 @@ use crate::motion::Motion;
 use crate::paper::model::SineModel;
 use crate::paper::offset::{LastStroke, Learner};
 use crate::paper::plan::{LeadPlanner, Situation};
+use crate::sensing::{Despiker, Measurement};
 
 /// The law between two samples; by default before its first.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct PaperLaw {
+    despiker: Despiker,
     model: SineModel,
     planner: LeadPlanner,
     learner: Learner,
@@ -29,8 +31,14 @@ impl CentringLaw for PaperLaw {
 
     fn observe(&mut self, p: &Parameters, now: &Observation) {
         // a probe without contact shows the slide, not the surface
-        if now.due.collect && now.state == State::Collect && now.sample.probe >= p.probe.contact {
-            self.model.update(p, now.angle, now.sample.tip());
+        if now.sample.probe < p.probe.contact {
+            self.despiker = Despiker::default();
+            return;
+        }
+        let sample = &now.sample;
+        let seen = self.despiker.update(Measurement { angle: now.angle, slide: sample.slide, tip: sample.tip() });
+        if let Some(seen) = seen.filter(|_| now.due.collect && now.state == State::Collect) {
+            self.model.update(p, seen.angle, seen.tip);
         }
     }
 
@@ -67,6 +75,14 @@ impl CentringLaw for PaperLaw {
 
     fn press(&mut self, _: &Parameters, _: &Observation) -> Option<Trajectory> {
         None
+    }
+
+    fn astray(&self, _: &Parameters) -> bool {
+        false
+    }
+
+    fn ahead(&self) -> f64 {
+        0.0
     }
 
     fn stroke_over(&self, p: &Parameters, motion: &Motion) -> bool {

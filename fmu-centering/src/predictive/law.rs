@@ -11,10 +11,11 @@ use crate::interface::{Fault, Parameters, State};
 use crate::law::{CentringLaw, Conclusion, Launch, Observation, Verdict};
 use crate::motion::Motion;
 use crate::predictive::aim::{AimInput, aim};
-use crate::predictive::despike::{Despiker, Measurement};
 use crate::predictive::learned::{LastPush, LearnedParameters, PushKind};
 use crate::predictive::press::{Goal, Press};
 use crate::predictive::ring_model::{Assumptions, RingModel};
+use crate::sensing::PRESSED_IN_PUSH;
+use crate::sensing::{Despiker, Measurement};
 
 /// Time after a push until the ring lies still, s.
 const REST: f64 = 0.03;
@@ -25,6 +26,10 @@ const SPREAD: f64 = 0.3;
 const SPREAD_MIN: f64 = 5e-6;
 /// Least share of a push that must have been done to feel the ring.
 const FELT: f64 = 0.3;
+/// Error of the surface on the way to the ring with which no stroke goes on: relative to the eccentricity, more than
+/// twice the `estimator.certainty` of a push, and at least, m (what a probe seems to be off that is 10 ms late).
+const ASTRAY: f64 = 0.5;
+const ASTRAY_MIN: f64 = 1.5e-3;
 /// Turning (in revolutions) after which more measurements of the same places tell nothing new.
 const TURNS: f64 = 1.05;
 /// A slower spindle never brings the ring to the pusher, rad/s: nothing is divided by less.
@@ -85,7 +90,7 @@ impl CentringLaw for PredictiveLaw {
         if self.ring.observe(seen.angle, seen.tip) {
             let since = *self.since.get_or_insert(seen.angle);
             self.turned = (seen.angle - since).abs();
-        } else if self.ring.lost() {
+        } else if self.ring.lost() && !self.ring.reconsider() {
             self.ring = RingModel::new(assumptions(p));
             (self.since, self.turned) = (None, 0.0);
         }
@@ -150,6 +155,17 @@ impl CentringLaw for PredictiveLaw {
         Some(press.step(p, &goal, seen, now.sample.slide))
     }
 
+    fn astray(&self, p: &Parameters) -> bool {
+        let (Some(_), Some(seen)) = (&self.press, &self.seen) else { return false };
+        let far = seen.probe() < p.probe.at_pusher - PRESSED_IN_PUSH;
+        let most = (ASTRAY * self.ring.eccentricity()).max(ASTRAY_MIN);
+        far && (seen.tip - self.ring.line(seen.angle)).abs() > most
+    }
+
+    fn ahead(&self) -> f64 {
+        self.press.as_ref().map_or(0.0, Press::ahead)
+    }
+
     fn stroke_over(&self, p: &Parameters, _: &Motion) -> bool {
         self.press.as_ref().is_none_or(|press| press.over(p))
     }
@@ -198,7 +214,7 @@ impl PredictiveLaw {
         }
         // what a full revolution will leave in doubt
         let samples = p.rates.collect * TAU / speed.abs().max(STANDING);
-        let doubt = p.estimator.noise * (2.0 / samples).sqrt();
+        let doubt = p.estimator.noise * self.ring.misfit() * (2.0 / samples).sqrt();
         let worth = eccentricity > p.tolerance - p.estimator.margin * doubt;
         if certain && (full || (p.estimator.partial && worth)) {
             Verdict::Push

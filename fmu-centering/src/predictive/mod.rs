@@ -2,7 +2,6 @@
 
 mod aim;
 mod contact;
-mod despike;
 mod gaussian;
 mod law;
 mod learned;

@@ -4,8 +4,8 @@ use control_blocks::{SentCommands, Trajectory};
 use serde::{Deserialize, Serialize};
 
 use crate::interface::Parameters;
-use crate::predictive::despike::{LAG, Measurement};
 use crate::predictive::stroke::Stroke;
+use crate::sensing::{LAG, Measurement};
 
 /// Gap that counts as contact, m.
 const CONTACT_GAP: f64 = 5e-7;
@@ -52,6 +52,8 @@ pub struct Press {
     /// time of this sample from the begin of the stroke, s
     time: f64,
     correction: f64,
+    /// preload and correction of the last setpoint, m
+    ahead: f64,
     /// setpoints on their way, less the feed-forward of acceleration, m; the newest first
     sent: SentCommands,
     deflection: f64,
@@ -72,6 +74,7 @@ impl Press {
             contact,
             time: -wait,
             correction: 0.0,
+            ahead: 0.0,
             sent: SentCommands::resting(start),
             deflection: 0.0,
             most: [0.0; 2],
@@ -101,6 +104,11 @@ impl Press {
         let late = self.time - self.stroke.duration();
         let longest = if self.ending == Ending::Rest { p.stroke.hold } else { LAG * p.sample_period };
         late >= longest || (late >= 0.0 && self.arrived)
+    }
+
+    /// How far the setpoint is beyond the stroke, against what the ring does to the servo, m.
+    pub fn ahead(&self) -> f64 {
+        self.ahead
     }
 
     /// The sample with which it ended.
@@ -142,6 +150,7 @@ impl Press {
             Ending::Rest => goal.deflection * (since / PRELOAD_TIME).clamp(0.0, 1.0),
             Ending::Blow => 0.0,
         };
+        self.ahead = preload + self.correction;
         let position = reference.position + preload + self.correction;
         self.sent.send(position);
         Trajectory { position: position + feed_forward(p, reference.acceleration), ..reference }

@@ -1,53 +1,92 @@
-//! A probe that keeps one value although it cannot: a broken encoder would else look like a ring that is centred.
+//! A probe that keeps its value although it cannot: a jammed probe would else look like a ring that is centred.
+//!
+//! In a stroke and its retract the slide moves far against the ring, so the probe must answer by more than the coarsest
+//! resolution. While it follows, the probe is to stay where it is: there only one that shows its last bit can be told
+//! from a jammed one, which flickers by that bit at most. What neither shows is found by the test before `Centred`.
 
 use std::f64::consts::TAU;
 
+use control_blocks::Frozen;
 use serde::{Deserialize, Serialize};
 
 use crate::interface::Parameters;
-use crate::sensing::reading::Sample;
+use crate::sensing::reading::{RESOLUTION, Sample};
 
-/// Motion of the slide on the ring that must change what the probe reads, m (ten times the coarsest resolution).
-const MOVED: f64 = 2e-4;
-/// Uncertainty of the probe position at which the pusher touches, m (our choice: three times that of the first push).
+/// Motion of the slide on the ring that must change what the probe reads while following, m (ten times the coarsest
+/// resolution); and in a stroke, where slide and surface may go side by side for 8 ms, at 0.12 m/s as they cross at 2.56 m/s2.
+const MOVED: f64 = 10.0 * RESOLUTION;
+const MOVED_IN_STROKE: f64 = 1e-3;
+/// Uncertainty of the probe position at which the pusher touches, in a push and else, m (our choice).
+pub const PRESSED_IN_PUSH: f64 = 1e-3;
 const PRESSED: f64 = 1e-4;
+/// Error of following beyond its dead zone that no surface keeps up, m (our choice: more than 15 mm at 45 rpm).
+const FAR: f64 = 5e-4;
+/// How far a ring that turns may push back a slide on its way out, m (our choice: 40 mm/s for the way of 0.1 s).
+const PUSHED_BACK: f64 = 5e-3;
+/// A value that stands for less is chance: three samples beside a surface of 80 mm/s, s (our choice).
+const STILL_TIME: f64 = 0.02;
+/// Band of a last bit, in bits.
+const FLICKER: f64 = 1.5;
+/// Coarsest last bit that can be seen while following, m.
+const BIT_MAX: f64 = 6e-7;
 /// Resolution of the probe, in tolerances, with which no ring reads the same for a whole revolution.
 const FINE: f64 = 0.2;
 
-/// Since when the probe has kept its value.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Frozen {
-    probe: f64,
-    /// slide position when the probe read something else, m
-    slide: f64,
-    /// turning since then, rad
-    turned: f64,
-    /// smallest change that was ever read, m
-    finest: f64,
+/// How slide and ring move against each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// The probe is held where it is.
+    Follow,
+    /// The slide goes to the ring and pushes it.
+    Push,
+    /// The slide goes away from the ring.
+    Retract,
 }
 
-impl Default for Frozen {
+/// Since when the probe has kept its value.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct FrozenProbe {
+    monitor: Frozen,
+    before: Option<Sample>,
+    /// turning since it moved, rad
+    turned: f64,
+    /// smallest change that was ever read, m
+    bit: f64,
+}
+
+impl Default for FrozenProbe {
     /// Nothing read.
     fn default() -> Self {
-        Self { probe: 0.0, slide: 0.0, turned: 0.0, finest: f64::MAX }
+        Self { monitor: Frozen::default(), before: None, turned: 0.0, bit: f64::MAX }
     }
 }
 
-impl Frozen {
+impl FrozenProbe {
     /// Takes a sample and the turning (rad) since the one before; whether the probe is broken.
-    pub fn update(&mut self, p: &Parameters, sample: &Sample, turned: f64) -> bool {
-        // a ring at the pusher goes with the slide, and without contact there is nothing to read
-        let rests = !(p.probe.contact..p.probe.at_pusher - PRESSED).contains(&sample.probe);
-        let change = (sample.probe - self.probe).abs();
+    pub fn update(&mut self, p: &Parameters, phase: Phase, sample: &Sample, turned: f64) -> bool {
+        let before = self.before.replace(*sample).unwrap_or(*sample);
+        let change = (sample.probe - before.probe).abs();
         if change > 0.0 {
-            self.finest = self.finest.min(change);
+            self.bit = self.bit.min(change);
         }
-        if rests || change > 0.0 {
-            (self.probe, self.slide, self.turned) = (sample.probe, sample.slide, 0.0);
+        // a ring at the pusher goes with the slide, and without contact there is nothing to read
+        let pressed = |distance: f64| sample.probe >= p.probe.at_pusher - distance;
+        // far from its place a probe comes back to it, by more than the coarsest resolution
+        let far = (p.null() - sample.probe).abs() > p.dead_zone() + FAR;
+        let (band, limit, sees) = match phase {
+            Phase::Push => (RESOLUTION, MOVED_IN_STROKE, !pressed(PRESSED_IN_PUSH)),
+            Phase::Retract => (RESOLUTION, if pressed(PRESSED) { PUSHED_BACK } else { MOVED_IN_STROKE }, true),
+            Phase::Follow if far => (RESOLUTION, MOVED_IN_STROKE, !pressed(PRESSED)),
+            Phase::Follow => (FLICKER * self.bit, MOVED, self.bit < BIT_MAX && !pressed(PRESSED)),
+        };
+        if !sees || sample.probe < p.probe.contact {
+            self.monitor.clear();
         }
-        self.turned += turned;
-        let moved = (sample.slide - self.slide).abs() > MOVED;
-        moved || (self.finest < FINE * p.tolerance && self.turned.abs() >= TAU)
+        self.monitor.update(sample.probe, sample.slide - before.slide, band);
+        self.turned = if self.monitor.still() == 0 { 0.0 } else { self.turned + turned };
+        let fine = self.bit < FINE * p.tolerance;
+        let still = self.monitor.still() > p.ticks(STILL_TIME);
+        (still && self.monitor.unanswered() > limit) || (fine && self.turned.abs() >= TAU)
     }
 }
 
@@ -57,12 +96,16 @@ mod tests {
 
     const P: Parameters = Parameters::START;
 
-    /// Angle at which the probe counts as broken, in samples of 0.01 rad of a probe that has read steps of `finest` m.
-    fn broken(finest: f64, sample: impl Fn(f64) -> (f64, f64)) -> Option<f64> {
-        let mut frozen = Frozen { finest, ..Frozen::default() };
+    /// Angle at which the probe counts as broken, in samples of 0.01 rad of a probe that has read steps of `bit` m.
+    fn broken(bit: f64, sample: impl Fn(f64) -> (f64, f64)) -> Option<f64> {
+        broken_in(Phase::Follow, bit, sample)
+    }
+
+    fn broken_in(phase: Phase, bit: f64, sample: impl Fn(f64) -> (f64, f64)) -> Option<f64> {
+        let mut frozen = FrozenProbe { bit, ..FrozenProbe::default() };
         (0..3000).map(|k| 0.01 * f64::from(k)).find(|&angle| {
             let (slide, probe) = sample(angle);
-            frozen.update(&P, &Sample { angle, slide, probe }, 0.01)
+            frozen.update(&P, phase, &Sample { angle, slide, probe }, 0.01)
         })
     }
 
@@ -81,6 +124,32 @@ mod tests {
     }
 
     #[test]
+    fn a_last_bit_that_flickers_hides_nothing() {
+        let flicker = |angle: f64| 5e-3 + if (100.0 * angle) as i32 % 2 == 0 { 0.0 } else { 5e-8 };
+        assert!(broken(5e-8, |angle| (0.1 + 1e-3 * angle, flicker(angle))).is_some_and(|angle| angle < 0.25));
+        let turned = broken(5e-8, |angle| (0.1, flicker(angle))).unwrap();
+        assert!((turned - TAU).abs() < 0.03, "{turned} rad");
+    }
+
+    #[test]
+    fn in_a_stroke_even_a_coarse_probe_must_answer() {
+        let rounded = |x: f64| (x / 5e-6).round() * 5e-6;
+        let live = |angle: f64| (0.1 + 1e-3 * angle, 5e-3 + rounded(1e-4 * angle));
+        assert_eq!(broken_in(Phase::Push, 5e-6, live), None);
+        let jammed = broken_in(Phase::Push, 5e-6, |angle| (0.1 + 1e-3 * angle, 5e-3)).unwrap();
+        assert!((jammed - 1.0).abs() < 0.02, "{jammed} rad");
+        // a millimetre before the pusher it may be at the ring
+        assert_eq!(broken_in(Phase::Push, 5e-6, |angle| (0.1 + 1e-3 * angle, 19.5e-3)), None);
+    }
+
+    #[test]
+    fn far_from_its_place_even_a_coarse_probe_must_come_back() {
+        let jammed = |probe: f64| broken_in(Phase::Follow, 5e-6, move |angle| (0.1 + 1e-3 * angle, probe));
+        assert!(jammed(0.9e-3).is_some() && jammed(8.1e-3).is_some());
+        assert_eq!(jammed(1.1e-3), None);
+    }
+
+    #[test]
     fn a_coarse_probe_may_read_the_same_for_long() {
         assert_eq!(broken(1e-6, |_| (0.1, 5e-3)), None);
     }
@@ -88,7 +157,9 @@ mod tests {
     #[test]
     fn without_contact_and_at_the_pusher_it_may_rest() {
         for probe in [0.0, P.probe.at_pusher - 3e-5, P.probe.at_pusher + 3e-5] {
-            assert_eq!(broken(1e-7, |angle| (1e-3 * angle, probe)), None);
+            assert_eq!(broken_in(Phase::Push, 1e-7, |angle| (1e-3 * angle, probe)), None);
         }
+        // but not while the slide goes away
+        assert!(broken_in(Phase::Retract, 1e-7, |angle| (-1e-3 * angle, P.probe.at_pusher)).is_some());
     }
 }

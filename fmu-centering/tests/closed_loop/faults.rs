@@ -98,7 +98,7 @@ fn a_ring_that_does_not_contain_the_axis_is_lost_on_the_way() {
 }
 
 #[test]
-fn a_frozen_probe_is_an_invalid_input_and_never_a_centred_ring() {
+fn a_frozen_probe_has_a_name_and_is_never_a_centred_ring() {
     for (p, pushes) in [(P, 0), (P, 1), (Parameters::START, 0), (Parameters::START, 1)] {
         let mut run = running(&p, State::Collect);
         while run.output.push.count < pushes || run.output.state != State::Collect {
@@ -109,14 +109,24 @@ fn a_frozen_probe_is_an_invalid_input_and_never_a_centred_ring() {
             run.step_with(|input| input.probe_position = p.probe.at_pusher - frozen);
             assert!(!run.output.centred && run.time() < begin + 4.0, "{pushes}: {:?}", run.output);
         }
-        assert_eq!(run.output.fault, Fault::InvalidInput);
+        assert_eq!(run.output.fault, Fault::FrozenReading);
     }
 }
 
 #[test]
 fn a_probe_beyond_its_stroke() {
     let mut run = running(&P, State::Wait);
+    // a single one is a spike
     run.step_with(|input| input.probe_position = 0.0251);
+    (0..10).for_each(|_| run.step());
+    assert_eq!(run.output.state, State::Wait);
+    // pressed in at the speed of the slide
+    let mut probe = 0.0195;
+    while run.output.state != State::Fault {
+        probe += 1.2e-4;
+        run.step_with(|input| input.probe_position = probe);
+    }
+    assert!(probe < 0.0253, "{probe} m");
     retreats(run, Fault::ProbeRange, 0.0);
 }
 

@@ -24,25 +24,37 @@ fn nonsense_from_any_encoder_is_an_invalid_input() {
 }
 
 #[test]
-fn a_slide_that_does_not_know_where_it_is_stops() {
+fn a_slide_that_does_not_know_where_it_is_loses_its_drive() {
     for state in [State::Approach, State::Push] {
         let mut run = running(&P, state);
         for k in 0..1000 {
             run.step_with(|input| input.slide_position = f64::NAN);
-            assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::InvalidInput));
-            assert!(finite(&run.output) && (k < 60 || run.output.slide.velocity_setpoint == 0.0));
+            assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::LostReading), "{k}");
+            assert!(finite(&run.output) && !run.output.drive_enable && run.output.slide.velocity_setpoint == 0.0);
         }
     }
 }
 
 #[test]
-fn a_jump_of_an_encoder_is_an_invalid_input_but_not_while_idle() {
-    let mut run = running(&P, State::Wait);
-    run.step_with(|input| input.spindle_angle += 2.0);
-    retreats(run, Fault::InvalidInput, 0.0);
-    let mut run = running(&P, State::Collect);
-    run.step_with(|input| input.slide_position += 0.01);
-    retreats(run, Fault::InvalidInput, 0.0);
+fn one_jump_of_an_encoder_is_bridged_and_a_lasting_one_has_a_name_but_not_while_idle() {
+    type Jump = (fn(&mut Input), Fault);
+    let jumps: [Jump; 3] = [
+        (|input| input.spindle_angle += 2.0, Fault::ReadingJump),
+        (|input| input.probe_position -= 0.01, Fault::ReadingJump),
+        (|input| input.slide_position += 0.01, Fault::LostReading),
+    ];
+    for (jump, fault) in jumps {
+        for state in [State::Collect, State::Wait, State::Push, State::Centred] {
+            let (mut run, mut calm) = (running(&P, state), running(&P, state));
+            run.step_with(jump);
+            (0..100).for_each(|_| run.step());
+            (0..101).for_each(|_| calm.step());
+            let moved = run.output.slide.position_setpoint - calm.output.slide.position_setpoint;
+            assert!(run.output.state == calm.output.state && moved.abs() < 1e-5, "{moved} m");
+            (0..4).for_each(|_| run.step_with(jump));
+            assert_eq!((run.output.state, run.output.fault), (State::Fault, fault));
+        }
+    }
     let mut controller = Controller::new(&P).unwrap();
     let mut output = Output::START;
     controller.tick(&Input::START, &P, &mut output);

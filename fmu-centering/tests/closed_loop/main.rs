@@ -5,6 +5,7 @@ mod enable;
 mod faults;
 mod hostile;
 mod law;
+mod monitors;
 mod ring;
 mod run;
 mod state;

@@ -20,7 +20,7 @@ const DT: f64 = STEP / SUBSTEPS as f64;
 /// Time constant of the servo, s.
 const SERVO_TIME: f64 = 4e-3;
 /// Collapse of the probe at which the pusher touches, m.
-const AT_PUSHER: f64 = 0.020;
+pub const AT_PUSHER: f64 = 0.020;
 /// Distance of the pusher from a centred ring at the start, m.
 const START_GAP: f64 = 0.070;
 const SLIDE_STEP: f64 = 20e-9;
@@ -121,7 +121,8 @@ impl Ring {
         }
     }
 
-    fn slide(&self) -> f64 {
+    /// Position of the slide, m.
+    pub fn slide(&self) -> f64 {
         self.free_slide - self.deflection
     }
 

@@ -1,0 +1,140 @@
+//! Whether the slide does what its setpoint says: following error, and what its cause is.
+
+use control_blocks::{Following, Frozen, Response, Trajectory};
+use serde::{Deserialize, Serialize};
+
+use crate::interface::{Fault, Parameters};
+use crate::sensing::reading::RESOLUTION;
+
+/// Time over which the share of the motion is taken, s (our choice: longer than the lag of a servo, and shorter than a
+/// slide that nothing drives needs to the limit).
+const MEMORY: f64 = 0.02;
+/// Least motion in that time for which a share means something, m.
+const EXCITED: f64 = 1e-6;
+/// Share of the following error that an encoder which stands has not answered.
+const UNANSWERED: f64 = 0.5;
+/// A slide with a smaller share goes backwards; one with less than the other is weak.
+const BACKWARDS: f64 = -0.2;
+const WEAK: f64 = 0.5;
+
+/// Setpoint and slide beside each other; by default before the first sample.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct DriveMonitor {
+    following: Following,
+    before: Option<Place>,
+    frozen: Frozen,
+    response: Response,
+    error: f64,
+    allowed: f64,
+}
+
+/// One sample of both, m.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+struct Place {
+    setpoint: f64,
+    slide: f64,
+}
+
+impl DriveMonitor {
+    /// Takes the last setpoint and the position of the slide (m) that may answer it; `ahead` (m) is how far the setpoint is
+    /// beyond the ring on purpose.
+    pub fn update(&mut self, p: &Parameters, setpoint: &Trajectory, ahead: f64, slide: f64) {
+        if self.before.is_none() {
+            self.following = Following::resting(setpoint.position);
+        }
+        self.error = self.following.update(setpoint.position, slide, p.io_delay.unsigned_abs() as usize);
+        let now = Place { setpoint: self.error + slide, slide };
+        let before = self.before.replace(now).unwrap_or(now);
+        let (told, done) = (now.setpoint - before.setpoint, now.slide - before.slide);
+        self.frozen.update(slide, told, RESOLUTION);
+        let samples = MEMORY / p.sample_period;
+        self.response.update(told, done, samples);
+        let moving = setpoint.velocity.abs() * p.sample_period;
+        self.allowed = p.limits.following_error + moving + ahead.abs();
+    }
+
+    /// Setpoint minus position, m.
+    pub fn error(&self) -> f64 {
+        self.error
+    }
+
+    /// Share of its setpoint that the slide has moved lately; 1 if that was not enough to tell.
+    pub fn share(&self, p: &Parameters) -> f64 {
+        // the smallest sum of squares for this way: evenly in all samples
+        let samples = MEMORY / p.sample_period;
+        self.response.share(EXCITED.powi(2) / samples).unwrap_or(1.0)
+    }
+
+    /// How many samples the slide has been within the resolution of where it is.
+    pub fn still(&self) -> u32 {
+        self.frozen.still()
+    }
+
+    /// The cause of too large an error.
+    pub fn fault(&self, p: &Parameters) -> Option<Fault> {
+        if self.error.abs() <= self.allowed {
+            return None;
+        }
+        let share = self.share(p);
+        Some(if self.frozen.unanswered() > UNANSWERED * self.error.abs() {
+            Fault::LostReading
+        } else if share < BACKWARDS {
+            Fault::DriveSign
+        } else if share < WEAK {
+            Fault::WeakDrive
+        } else {
+            Fault::FollowingError
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const P: Parameters = Parameters::START;
+
+    /// The first fault, and the error (m) at that time, of a slide told to go at 0.1 m/s for 0.3 s.
+    fn found(slide: impl Fn(f64) -> f64) -> Option<(Fault, f64)> {
+        let mut drive = DriveMonitor::default();
+        (0..300u32).find_map(|k| {
+            let told = |k: u32| 1e-4 * f64::from(k);
+            // what is read answers the setpoint of `io_delay` samples before the last
+            let setpoint = Trajectory { position: told(k), velocity: 0.1, acceleration: 0.0 };
+            drive.update(&P, &setpoint, 0.0, slide(told(k.saturating_sub(P.io_delay as u32))));
+            drive.fault(&P).map(|fault| (fault, drive.error()))
+        })
+    }
+
+    #[test]
+    fn a_slide_that_follows_has_no_fault() {
+        assert_eq!(found(|told| told), None);
+        assert_eq!(found(|told| told - 9e-4), None);
+    }
+
+    #[test]
+    fn every_cause_has_its_name_at_the_same_limit() {
+        type Cause = (Fault, fn(f64) -> f64);
+        let causes: [Cause; 4] = [
+            (Fault::DriveSign, |told| -told),
+            (Fault::WeakDrive, |told| 0.3 * told),
+            (Fault::FollowingError, |told| 0.9 * told),
+            (Fault::LostReading, |told| 1e-5 * (1e4 * told).sin()),
+        ];
+        for (fault, slide) in causes {
+            let (name, error) = found(slide).unwrap();
+            assert_eq!(name, fault);
+            assert!((1e-3..1.5e-3).contains(&error), "{fault:?}: {error} m");
+        }
+    }
+
+    #[test]
+    fn a_setpoint_that_is_ahead_on_purpose_is_no_error() {
+        let mut drive = DriveMonitor::default();
+        let setpoint = Trajectory { position: 2e-3, ..Trajectory::default() };
+        drive.update(&P, &setpoint, 1.5e-3, 0.0);
+        assert_eq!(drive.fault(&P), None);
+        drive.update(&P, &setpoint, 0.0, 0.0);
+        assert_eq!(drive.fault(&P), Some(Fault::FollowingError));
+    }
+}

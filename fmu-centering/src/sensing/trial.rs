@@ -1,0 +1,71 @@
+//! The test of the probe before `Centred`: it must follow a small move of the slide, out and in again.
+//!
+//! With the places s and q of slide and probe at rest before, outside and after it, the probe has answered the share
+//! (q0 - 2 q1 + q2) / (s0 - 2 s1 + s2) of the move. The surface goes on turning meanwhile; what it moves evenly cancels.
+
+use arrayvec::ArrayVec;
+use serde::{Deserialize, Serialize};
+
+/// Places at which it is read.
+const PLACES: usize = 3;
+/// The probe must answer the whole move but this, and no more than it beside: errors of its scale, and what the surface
+/// of an eccentric ring moves unevenly (our choice).
+const SHARE_ERROR: f64 = 0.2;
+
+/// The places so far.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct ProbeTrial(ArrayVec<[f64; 2], PLACES>);
+
+impl ProbeTrial {
+    /// Takes a place at rest: slide and probe, m.
+    pub fn note(&mut self, slide: f64, probe: f64) {
+        if !self.over() {
+            self.0.push([slide, probe]);
+        }
+    }
+
+    /// Whether all places have been read.
+    pub fn over(&self) -> bool {
+        self.0.is_full()
+    }
+
+    /// Share of the move that the probe has answered, once it is over.
+    pub fn share(&self) -> Option<f64> {
+        let [a, b, c] = self.0.as_slice() else { return None };
+        let turn = |i: usize| a[i] - 2.0 * b[i] + c[i];
+        let share = turn(1) / turn(0);
+        Some(if share.is_finite() { share } else { 0.0 })
+    }
+}
+
+/// Whether a probe with this share can be believed.
+pub fn believable_share(share: f64) -> bool {
+    (share - 1.0).abs() <= SHARE_ERROR
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn share(places: [[f64; 2]; 3]) -> f64 {
+        let mut trial = ProbeTrial::default();
+        places.iter().for_each(|[slide, probe]| trial.note(*slide, *probe));
+        trial.share().unwrap()
+    }
+
+    #[test]
+    fn the_share_is_that_of_the_probe_whatever_the_surface_does_evenly() {
+        for (scale, drift) in [(1.0, 0.0), (1.0, 5e-5), (0.3, -5e-5), (0.0, 0.0)] {
+            let probe = |slide: f64, time: f64| 4e-3 + scale * slide + drift * time;
+            let places = [[0.1, probe(0.1, 0.0)], [0.0998, probe(0.0998, 1.0)], [0.1, probe(0.1, 2.0)]];
+            assert!((share(places) - scale).abs() < 1e-9);
+            assert_eq!(believable_share(share(places)), scale == 1.0);
+        }
+    }
+
+    #[test]
+    fn a_slide_that_has_not_moved_proves_nothing() {
+        assert_eq!(share([[0.1, 4e-3]; 3]), 0.0);
+        assert_eq!(ProbeTrial::default().share(), None);
+    }
+}

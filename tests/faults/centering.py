@@ -1,0 +1,124 @@
+"""Faults of `centering`: what is wrong with encoders, drive, machine or operator, and what comes of it.
+
+The excursion is that of the ring: how much further from the axis than at the beginning it ever was. A push
+goes towards the axis, so there is none as long as nothing is pushed by mistake.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from cosim.scenario.injection import Injection
+from cosim.scenario.model import Signal
+
+from .matrix import DONE, Matrix, Row
+
+# 45 rpm and the largest plant step: short runs
+FAST = ("plant.spindle_speed=4.71238898038469", "plant.timestep=2e-4", "loop.substeps=5")
+OUTWARDS = "max(plant.eccentricity) - first(plant.eccentricity)"
+PROBE, SLIDE, SPINDLE = (
+    f"controller.{name}" for name in ("probe_position", "slide_position", "spindle_angle")
+)
+POSITION, VELOCITY = "plant.slide_position_setpoint", "plant.slide_velocity_setpoint"
+IN_COLLECT, IN_PUSH = "controller.state == 'Collect'", "controller.state == 'Push'"
+KEPT = 5e-6, "what the probe presses: no fault drives the ring outwards"
+
+
+def row(name: str, faults: str, *inject: Injection, **more: object) -> Row:
+    """Row of the fast machine; `faults` by spaces."""
+    limit, why = KEPT
+    changes = (*FAST, *more.pop("changes", ()))  # type: ignore[misc]
+    return Row(name, tuple(faults.split()), OUTWARDS, limit, why, inject, changes=changes, **more)  # type: ignore[arg-type]
+
+
+def collecting(to: str, **kind: object) -> Injection:
+    """Injection from 0.2 s after the first collection on."""
+    return Injection(to, when=IN_COLLECT, **{"after": 0.2, **kind})  # type: ignore[arg-type]
+
+
+def pushing(to: str, **kind: object) -> Injection:
+    """Injection from the first push on."""
+    return Injection(to, when=IN_PUSH, **{"after": 0.05, **kind})  # type: ignore[arg-type]
+
+
+def both(**kind: object) -> tuple[Injection, Injection]:
+    """Injection into position and velocity of the drive, from the approach on."""
+    at = Injection(POSITION, from_time=0.0, **kind)  # type: ignore[arg-type]
+    return at, replace(at, to=VELOCITY)
+
+
+MATRIX = Matrix(
+    scenario="centering",
+    seed=90_417,
+    good="last(controller.centred) & (last(plant.eccentricity) < 3e-6)",
+    rest="abs(last(plant.slide_velocity)) < 1e-3",
+    stop=(
+        "(controller.centred and time > controller.time_to_centre + 0.05) or "
+        "(controller.state == 'Fault' and abs(plant.slide_velocity) < 5e-4 and "
+        "(not controller.drive_enable or controller.slide.position_setpoint < 1e-4))"
+    ),
+    rows=(
+        row("probe frozen at rest", "FrozenReading", collecting(PROBE, frozen=True)),
+        row(
+            "probe frozen with a last bit that flickers", "FrozenReading",
+            collecting(PROBE, frozen=True), collecting(PROBE, noise=2e-8),
+        ),
+        row("probe frozen in a push", "FrozenReading", pushing(PROBE, frozen=True)),
+        row("coarse probe frozen", "FrozenReading", collecting(PROBE, frozen=True),
+            changes=("plant.probe_resolution=1e-6",)),
+        row("probe jumps by 5 mm for good", "ReadingJump", collecting(PROBE, offset=5e-3)),
+        row("probe off by 0.2 mm", f"NoProgress PushBudget {DONE}", collecting(PROBE, offset=2e-4)),
+        row("one spike of 5 mm", DONE, collecting(PROBE, offset=5e-3, duration=1e-3)),
+        row("one spike of 0.5 mm", DONE, collecting(PROBE, offset=5e-4, duration=1e-3)),
+        row("one spike of 5 mm in the approach", DONE,
+            Injection(PROBE, from_time=0.1, offset=5e-3, duration=1e-3)),
+        row("spikes of 20 um on a fifth of the samples", DONE,
+            changes=("plant.spike_height=2e-5", "plant.spike_fraction=0.2")),
+        row("probe drifts by 1 um/s", f"NoProgress Unresolved {DONE}", collecting(PROBE, ramp=1e-6)),
+        row("probe noise x 20", f"Unresolved NoProgress {DONE}", collecting(PROBE, noise=6e-7)),
+        row("a fifth of the probe's samples is lost", DONE, collecting(PROBE, drop=0.2)),
+        row("probe free for 50 ms", DONE, collecting(PROBE, value=0.0, duration=0.05)),
+        row("probe free for good", "NoPart", collecting(PROBE, value=0.0)),
+        row("probe free for good in a push", "NoPart", pushing(PROBE, value=0.0)),
+        row("probe saturated", "ReadingJump", collecting(PROBE, value=0.0249)),
+        row("probe scaled by 0.7", "FrozenReading NoProgress PushBudget",
+            Injection(PROBE, from_time=0.0, scale=0.7)),
+        row("probe 5 steps late", DONE, collecting(PROBE, late=5)),
+        row("probe is no number", "InvalidInput", collecting(PROBE, value=float("nan"))),
+        row("slide encoder frozen in the approach", "LostReading",
+            Injection(SLIDE, from_time=0.1, frozen=True)),
+        row("slide encoder frozen at rest", "LostReading", collecting(SLIDE, frozen=True)),
+        row("slide encoder frozen in a push", "LostReading", pushing(SLIDE, frozen=True)),
+        row("slide encoder jumps by 10 mm for good", "LostReading", collecting(SLIDE, offset=0.01)),
+        row("one spike of the slide encoder", DONE, collecting(SLIDE, offset=0.01, duration=1e-3)),
+        row("slide noise x 20", f"Unresolved {DONE}", collecting(SLIDE, noise=4e-7)),
+        row("slide is no number in a push", "LostReading", pushing(SLIDE, value=float("nan"))),
+        row("spindle encoder frozen", "Spindle", collecting(SPINDLE, frozen=True)),
+        row("spindle jumps by 1 rad for good", "ReadingJump", collecting(SPINDLE, offset=1.0)),
+        row("one spike of the spindle", DONE, collecting(SPINDLE, offset=1.0, duration=1e-3)),
+        row("a fifth of the spindle's samples is lost", DONE, collecting(SPINDLE, drop=0.2)),
+        row("spindle 5 steps late", DONE, collecting(SPINDLE, late=5)),
+        row("spindle at rest", "Spindle", changes=("plant.spindle_speed=0.0",)),
+        row("sign of the drive swapped", "DriveSign LostReading", *both(scale=-1.0)),
+        row("drive does a third", "WeakDrive", *both(scale=0.3)),
+        row("drive does nine tenths", "FollowingError", *both(scale=0.9)),
+        row("drive lost in the approach", "LostReading WeakDrive FollowingError",
+            Injection("plant.enable", from_time=0.1, value=0.0)),
+        row("drive lost in a push", "LostReading WeakDrive FollowingError",
+            pushing("plant.enable", value=0.0)),
+        row("setpoint stuck", "LostReading WeakDrive FollowingError",
+            Injection(POSITION, from_time=0.2, frozen=True), Injection(VELOCITY, from_time=0.2, value=0.0)),
+        row("drive of 10 N", "FollowingError WeakDrive LostReading", changes=("plant.servo_force=10",)),
+        row("servo of 28 Hz told 40 Hz", f"PushBudget {DONE}", changes=("plant.servo_bandwidth=28",)),
+        row("delay of 3 samples told 1", f"PushBudget {DONE}", *both(late=2)),
+        row("radius told 20 % too large", DONE, changes=("controller.ring.radius=0.06",)),
+        row("roughness of 1 um told 0.1 um", f"NoProgress Unresolved {DONE}",
+            changes=("plant.roughness=1e-6",)),
+        row("oval by 0.1 mm told 2 um", f"NoProgress Unresolved {DONE}", changes=("plant.lobe_2=1e-4",)),
+        row("ring of 20 kg", DONE, changes=("plant.mass=20",)),
+        row("enable falls and rises in a push", DONE, signals=(
+            Signal("controller.enable", (0.0, 0.01, 1.9, 1.95), (False, True, False, True)),)),
+        row("slide lost on the way back of another fault", "InvalidInput LostReading",
+            collecting(PROBE, value=float("nan")), collecting(SLIDE, value=float("nan"), after=0.25)),
+    ),
+)  # fmt: skip
