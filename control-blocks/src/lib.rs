@@ -16,7 +16,6 @@ pub use monitoring::following::Following;
 pub use monitoring::frozen::Frozen;
 pub use monitoring::jump::{JumpGuard, Reach};
 pub use monitoring::progress::Progress;
-pub use monitoring::residual::{Residual, false_alarm_interval, residual_limit};
 pub use monitoring::response::Response;
 pub use monitoring::reversals::Reversals;
 pub use monitoring::safe_end::SafeEnd;

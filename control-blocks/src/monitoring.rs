@@ -6,7 +6,6 @@ pub mod following;
 pub mod frozen;
 pub mod jump;
 pub mod progress;
-pub mod residual;
 pub mod response;
 pub mod reversals;
 pub mod safe_end;

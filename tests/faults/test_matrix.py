@@ -29,6 +29,10 @@ def test_a_fault_is_told_or_does_no_harm(runners: dict[str, Runner], name: str, 
     assert runners[name].outcome(row).problems == ()
 
 
+def test_each_page_has_its_matrix() -> None:
+    assert {file.stem for file in page.FOLDER.glob("*.md")} == set(matrix.names())
+
+
 @pytest.mark.parametrize("name", matrix.names())
 def test_a_matrix_has_rows_enough_of_different_names(name: str) -> None:
     rows = [row.name for row in matrix.load(name).rows]
