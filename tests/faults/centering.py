@@ -119,6 +119,7 @@ MATRIX = Matrix(
         row("enable falls and rises in a push", DONE, signals=(
             Signal("controller.enable", (0.0, 0.01, 1.9, 1.95), (False, True, False, True)),)),
         row("slide lost on the way back of another fault", "InvalidInput LostReading",
-            collecting(PROBE, value=float("nan")), collecting(SLIDE, value=float("nan"), after=0.25)),
+            collecting(PROBE, value=float("nan")), collecting(SLIDE, value=float("nan"), after=0.25),
+            sequence=True),
     ),
 )  # fmt: skip

@@ -41,6 +41,8 @@ class Row:
         Scenario that this row changes; empty is that of the matrix.
     unit
         Unit of the excursion, where the expression does not tell it.
+    sequence
+        Whether all of `faults` must come, in their order: one that is found while another is ended.
     """
 
     name: str
@@ -53,6 +55,7 @@ class Row:
     changes: Sequence[str] = ()
     scenario: str = ""
     unit: str = ""
+    sequence: bool = False
 
 
 @dataclass(frozen=True)

@@ -137,6 +137,8 @@ def unmet(row: Row, found: tuple[str, ...], good: bool) -> Iterator[str]:
         yield f"silent: no fault, {right} is right"
     if not found and DONE in row.faults and not good:
         yield "silent: no fault, and the job is not done and good"
+    if row.sequence and found != row.faults:
+        yield f"told were {', '.join(found)}: {', '.join(row.faults)} are right, in this order"
     for name in found:
         if name not in row.faults:
             yield f"`{name}` was told, {right} is right"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from cosim.scenario.injection import Injection
@@ -78,6 +80,13 @@ def test_one_that_is_not_told_is_silent_and_says_all_that_is_wrong(outcomes: lis
 def test_a_fault_that_is_not_right_is_no_success(outcomes: list[Outcome]) -> None:
     told = list(unmet(ROWS[1], ("InvalidInput",), good=True))
     assert told == ["`InvalidInput` was told, `None` is right"]
+
+
+def test_a_second_fault_that_is_not_told_or_told_first_is_no_success() -> None:
+    both = replace(ROWS[0], faults=("InvalidInput", "LostReading"), sequence=True)
+    assert list(unmet(both, both.faults, good=False)) == []
+    for found in (("InvalidInput",), ("LostReading", "InvalidInput")):
+        assert len(list(unmet(both, found, good=False))) == 1
     assert list(unmet(ROWS[1], (), good=False)) == ["silent: no fault, and the job is not done and good"]
 
 
