@@ -34,12 +34,14 @@ def rest(_: int) -> tuple[float, float, float]:
     return 0.0, 0.0, 0.0
 
 
-def run(plant: OrthogonalRobot, ticks: int, pulses: Pulses = rest, lift: float = 0.0) -> Columns:
+def run(
+    plant: OrthogonalRobot, ticks: int, pulses: Pulses = rest, lift: float = 0.0, enable: float = 1.0
+) -> Columns:
     """Record readings and truths by name, one row per tick of 1 ms and one at the end."""
     rows, substeps = [], round(1e-3 / plant.timestep)
     for k in range(ticks):
         rows.append(np.concatenate([plant.sense(), plant.truth()]))
-        plant.command(np.array([*pulses(k), lift]))
+        plant.command(np.array([*pulses(k), enable, lift]))
         plant.advance(substeps)
     rows.append(np.concatenate([plant.sense(), plant.truth()]))
     names = [channel.name for channel in (*plant.readings, *plant.truths)]
@@ -94,7 +96,18 @@ def test_channels_have_noise_and_resolution() -> None:
     assert {readings[f"position_{axis}"].quantum for axis in AXES} == {1e-6}
     assert {readings[f"force_{axis}"].quantum for axis in AXES} == {0.178}
     assert {readings[f"force_{axis}"].noise for axis in AXES} == {0.05}
-    assert [channel.quantum for channel in robot().commands] == [1.0, 1.0, 1.0, 0.0]
+    assert [channel.quantum for channel in robot().commands] == [1.0, 1.0, 1.0, 0.0, 0.0]
+
+
+def test_without_enable_pulses_are_lost() -> None:
+    plant = robot()
+    before = run(plant, 20)
+    lost = run(plant, 20, lambda _: (5.0, 5.0, 5.0), enable=0.0)
+    again = run(plant, 20)
+    for axis in AXES:
+        name = f"position_{axis}"
+        assert abs(again[name][-1] - before[name][-1]) < 5e-6, axis
+        assert abs(lost[name][-1] - before[name][-1]) < 5e-6, axis
 
 
 # friction of ball and mold
@@ -335,11 +348,11 @@ def test_ten_substeps_are_ten_steps() -> None:
     one, ten = robot(**PRESSED), robot(**PRESSED)
     for _ in range(50):
         one.sense()
-        one.command(np.array([3.0, -2.0, 1.0, 0.0]))
+        one.command(np.array([3.0, -2.0, 1.0, 1.0, 0.0]))
         one.advance(10)
         for _ in range(10):
             ten.sense()
-            ten.command(np.array([3.0, -2.0, 1.0, 0.0]))
+            ten.command(np.array([3.0, -2.0, 1.0, 1.0, 0.0]))
             ten.advance(1)
     assert one.sense().tobytes() == ten.sense().tobytes()
     assert one.truth().tobytes() == ten.truth().tobytes()

@@ -23,6 +23,20 @@ def test_reverse_rotation_is_the_mirror_image() -> None:
         assert forth[name] == pytest.approx(sign * back[name], abs=1e-12), name
 
 
+def test_without_enable_the_windings_brake_the_slide() -> None:
+    plant, speed, rows = ring(brake_time=0.02, **ROUND), 0.05, []
+    for k in range(500):
+        plant.sense()
+        on = k < 200
+        plant.command(np.array([speed * k * 1e-3, speed, float(on)]))
+        plant.advance(round(1e-3 / plant.timestep))
+        rows.append(plant.data.qvel[plant.model.joint("slide").dofadr[0]])
+    assert rows[199] == pytest.approx(speed, rel=0.01)
+    # v' = -v / brake_time
+    assert rows[219] == pytest.approx(speed / math.e, rel=0.05)
+    assert abs(rows[-1]) < 1e-4 * speed
+
+
 @MODELS
 def test_the_same_seed_gives_the_same_run_bit_for_bit(bristle: bool) -> None:
     plant = ring(
