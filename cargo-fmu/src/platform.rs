@@ -85,10 +85,8 @@ impl Platform {
         let (format, processor) = (facts.format, &facts.processor);
         let fits = format == self.format && processor == self.processor;
         (!fits).then(|| {
-            format!(
-                "it is {format:?} for {processor}: `{}` loads {:?} for {}",
-                self.folder, self.format, self.processor
-            )
+            let Self { folder, format: wanted, processor: own, .. } = self;
+            format!("it is for {format:?} {processor}, and `{folder}` loads {wanted:?} {own}")
         })
     }
 }
