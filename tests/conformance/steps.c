@@ -1,4 +1,5 @@
-/* Replays recorded inputs on an FMU binary of any platform: `steps LIBRARY GUID RESOURCES RECORDING OUTPUTS`.
+/* Replays recorded inputs on an FMU binary of any platform: `steps LIBRARY GUID RESOURCES RECORDING OUTPUTS`. With `fails`
+ * in the place of the last, the first step must fail, and after a reset the next one.
  * A recording is a row of 8-byte words, little-endian: the numbers of parameters, inputs, outputs and rows, the row
  * before which the state is saved, the step; every parameter as kind, reference, value; every input and every output as
  * kind and reference; then the values of the inputs, row by row. A text is its length and its bytes, filled up to words.
@@ -32,6 +33,7 @@ static fmi2FreeInstanceTYPE *free_instance;
 static fmi2SetupExperimentTYPE *setup_experiment;
 static fmi2EnterInitializationModeTYPE *enter_initialization_mode;
 static fmi2ExitInitializationModeTYPE *exit_initialization_mode;
+static fmi2ResetTYPE *reset;
 static fmi2TerminateTYPE *terminate;
 static fmi2DoStepTYPE *do_step;
 static fmi2GetRealTYPE *get_real;
@@ -63,6 +65,7 @@ static void find(void *library) {
     FIND(library, setup_experiment, "fmi2SetupExperiment");
     FIND(library, enter_initialization_mode, "fmi2EnterInitializationMode");
     FIND(library, exit_initialization_mode, "fmi2ExitInitializationMode");
+    FIND(library, reset, "fmi2Reset");
     FIND(library, terminate, "fmi2Terminate");
     FIND(library, do_step, "fmi2DoStep");
     FIND(library, get_real, "fmi2GetReal");
@@ -167,6 +170,17 @@ static void hand_over(fmi2Component from, fmi2Component to) {
     free(bytes);
 }
 
+/* a panic of the model is an error of one instance, as often as it happens */
+static int fails(fmi2Component c, const uint64_t *start, uint64_t parameters, fmi2Real h) {
+    check(do_step(c, 0.0, h, fmi2True) == fmi2Error, "the first step did not fail");
+    OK(reset(c));
+    next = start;
+    initialize(c, parameters);
+    check(do_step(c, 0.0, h, fmi2True) == fmi2Error, "the step after the reset did not fail");
+    free_instance(c);
+    return 0;
+}
+
 static const uint64_t *read_file(const char *name) {
     FILE *file = fopen(name, "rb");
     check(file != NULL, name);
@@ -196,6 +210,7 @@ int main(int argc, char **argv) {
         next = head + 6;
         initialize(c[i], parameters);
     }
+    if (strcmp(argv[5], "fails") == 0) return fails(c[0], head + 6, parameters, h);
     const Variable *input = (const Variable *)next, *output = input + inputs;
     const uint64_t *row = (const uint64_t *)(output + outputs);
     FILE *file = fopen(argv[5], "wb");

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 import cosim
 
 from .conftest import ROOT
-from .platforms import AARCH64, LINUX64, WIN64, Machine, machine
+from .platforms import AARCH64, FOLDER, LINUX64, WIN64, Machine, machine
 
 SET = ROOT / "target/release-set"
 ROWS = 10_000
@@ -148,6 +148,21 @@ def test_outputs_and_log_are_those_of_linux64(name: str, loop: str, folder: Path
     assert differing == []
     assert home.log == away.log
     assert home.log
+
+
+@pytest.mark.parametrize("name", [LINUX64, AARCH64, WIN64])
+def test_a_panic_is_an_error_of_one_instance(name: str, folder: Path) -> None:
+    on, replays = program(name, folder)
+    probe = FOLDER / "probe"
+    description = fmpy.read_model_description(str(probe))
+    failure = next(v for v in description.modelVariables if v.name == "failure")
+    recording = folder / "failure"
+    given = struct.pack("<2Q", KINDS[failure.type], failure.valueReference) + word(failure, "Panic")
+    recording.write_bytes(struct.pack("<5Qd", 1, 0, 0, 1, 0, 1e-3) + given)
+    library = on.path(probe / f"binaries/{name}/probe.{on.extension}")
+    result = on.run(replays, library, description.guid, on.uri(probe), on.path(recording), "fails")
+    assert (result.returncode, result.stderr) == (0, "")
+    assert result.stdout.count("panic") >= 2, result.stdout
 
 
 def test_every_fmu_holds_all_platforms_and_is_small() -> None:
