@@ -91,6 +91,10 @@ def win64() -> Machine:
         "WINEDEBUG": "-all",
         "WINEDLLOVERRIDES": "bcryptprimitives=n;mscoree,mshtml=",
     }
+    if not (FOLDER / "windows").exists():
+        # the first program makes the disk, with words of its own; what is run matters not
+        boot = [str(wine), "wineboot", "--init"]
+        subprocess.run(boot, check=False, env=os.environ | variables, capture_output=True)
     return Machine(WIN64, "dll", compiler, (str(wine),), variables)
 
 

@@ -22,7 +22,7 @@
 #define SYMBOL(library, name) dlsym(library, name)
 #endif
 
-enum { REAL, INTEGER, BOOLEAN, STRING };
+enum { KIND_REAL, KIND_INTEGER, KIND_BOOLEAN, KIND_STRING };
 
 typedef struct {
     uint64_t kind, reference;
@@ -106,9 +106,9 @@ static void set(fmi2Component c, Variable v, uint64_t word) {
     const fmi2ValueReference reference = (fmi2ValueReference)v.reference;
     const fmi2Real number = real(word);
     const int whole = (int)(int64_t)word;
-    if (v.kind == REAL) OK(set_real(c, &reference, 1, &number));
-    if (v.kind == INTEGER) OK(set_integer(c, &reference, 1, &whole));
-    if (v.kind == BOOLEAN) OK(set_boolean(c, &reference, 1, &whole));
+    if (v.kind == KIND_REAL) OK(set_real(c, &reference, 1, &number));
+    if (v.kind == KIND_INTEGER) OK(set_integer(c, &reference, 1, &whole));
+    if (v.kind == KIND_BOOLEAN) OK(set_boolean(c, &reference, 1, &whole));
 }
 
 static uint64_t get(fmi2Component c, Variable v) {
@@ -116,9 +116,9 @@ static uint64_t get(fmi2Component c, Variable v) {
     fmi2Real number = 0.0;
     uint64_t word = 0;
     int whole = 0;
-    if (v.kind == INTEGER) OK(get_integer(c, &reference, 1, &whole));
-    if (v.kind == BOOLEAN) OK(get_boolean(c, &reference, 1, &whole));
-    if (v.kind != REAL) return (uint64_t)(int64_t)whole;
+    if (v.kind == KIND_INTEGER) OK(get_integer(c, &reference, 1, &whole));
+    if (v.kind == KIND_BOOLEAN) OK(get_boolean(c, &reference, 1, &whole));
+    if (v.kind != KIND_REAL) return (uint64_t)(int64_t)whole;
     OK(get_real(c, &reference, 1, &number));
     memcpy(&word, &number, sizeof word);
     return word;
@@ -130,7 +130,7 @@ static const uint64_t *next;
 static void set_parameters(fmi2Component c, uint64_t count) {
     for (uint64_t k = 0; k < count; k++) {
         const Variable v = {next[0], next[1]};
-        if (v.kind == STRING) {
+        if (v.kind == KIND_STRING) {
             const fmi2ValueReference reference = (fmi2ValueReference)v.reference;
             const uint64_t length = next[2];
             char *text = calloc(1, length + 1);
