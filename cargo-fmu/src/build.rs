@@ -89,6 +89,10 @@ fn release(project: &Project, platform: &Platform) -> Result<Command> {
         // an FMU calls its own functions, even in a process that has loaded another one globally
         flags.push("-Clink-arg=-Wl,-Bsymbolic".into());
     }
+    if platform.format == Format::Pe && platform != Platform::host()? {
+        // the GNU linker would write the time of day
+        flags.push("-Clink-arg=-Wl,--no-insert-timestamp".into());
+    }
     command.env("CARGO_ENCODED_RUSTFLAGS", flags.join("\u{1f}"));
     Ok(command)
 }
