@@ -39,6 +39,8 @@ pub struct Packed {
 /// When a library is no FMI library, is of another model or for another platform than told, when that of this machine
 /// cannot be loaded, or when a file cannot be read.
 pub fn pack(project: &Project, package: &Package, built: &Built, more: &[Built], rules: &Rules) -> Result<Packed> {
+    let all: Vec<_> = std::iter::once(built).chain(more).collect();
+    let libraries = all.iter().map(|built| read(package, built)).collect::<Result<Vec<_>>>()?;
     let mut content = Content::default();
     for (path, text) in binary::files(&built.library)? {
         content.add(path, text.into_bytes())?;
@@ -46,16 +48,16 @@ pub fn pack(project: &Project, package: &Package, built: &Built, more: &[Built],
     let description = content.text(DESCRIPTION).unwrap_or_default();
     let (identifier, guid) = (model_identifier(description)?, guid(description)?);
     let mut packed = Packed { bytes: Vec::new(), facts: Vec::new(), faults: Vec::new() };
-    for built in std::iter::once(built).chain(more) {
+    for (built, (library, facts)) in all.iter().zip(libraries) {
+        belongs(built, &facts, &guid)?;
         let platform = built.platform;
-        let (library, facts) = examine(package, built, &guid)?;
         let faults = inspect::faults(&library, &facts, rules);
         packed.faults.extend(faults.iter().map(|fault| format!("{}: {fault}", platform.folder)));
         packed.facts.push((platform, facts));
         content.add(format!("binaries/{}/{identifier}.{}", platform.folder, platform.extension), library)?;
     }
     content.add_folder("resources", &package.manifest_path.with_file_name("resources").into_std_path_buf())?;
-    let packages = std::iter::once(built).chain(more).flat_map(|built| built.packages.iter().cloned()).collect();
+    let packages = all.iter().flat_map(|built| built.packages.iter().cloned()).collect();
     for (path, text) in licences::files(project, package, &packages)? {
         content.add(path, text.into_bytes())?;
     }
@@ -63,20 +65,26 @@ pub fn pack(project: &Project, package: &Package, built: &Built, more: &[Built],
     Ok(packed)
 }
 
-/// Reads a library, which must be one of this model for its platform.
-fn examine(package: &Package, built: &Built, guid: &str) -> Result<(Vec<u8>, Facts)> {
+/// Reads a library, which must be one of FMI.
+fn read(package: &Package, built: &Built) -> Result<(Vec<u8>, Facts)> {
     let shown = built.library.display();
     let library = fs::read(&built.library).with_context(|| format!("cannot read `{shown}`"))?;
     let facts = Facts::read(&library).with_context(|| format!("cannot read `{shown}`"))?;
     exports_a_model(package, &facts)?;
+    Ok((library, facts))
+}
+
+/// A library must be of this model, and for its platform.
+fn belongs(built: &Built, facts: &Facts, guid: &str) -> Result<()> {
+    let shown = built.library.display();
     ensure!(
         facts.guid.is_some(),
         "`{shown}` does not tell of which model it is: it exports no `{}`\nhint: build it with `fmi2-export`",
         functions::GUID
     );
-    let misplaced = inspect::misplaced(&facts, built.platform, guid);
+    let misplaced = inspect::misplaced(facts, built.platform, guid);
     ensure!(misplaced.is_empty(), "`{shown}` cannot be packed: {}", misplaced.join("; "));
-    Ok((library, facts))
+    Ok(())
 }
 
 /// Writes an FMU; of a file that holds the same bytes only the date changes: it is as new as the sources.

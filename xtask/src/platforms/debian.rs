@@ -88,3 +88,35 @@ impl Apt {
         Ok(files)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lists_and_packages_stay_in_the_folder() {
+        let folder = tempfile::tempdir().unwrap();
+        let place = folder.path().join("arm.apt");
+        let words = process::display(&Apt::new(place.clone(), Some("arm64")).unwrap().command());
+        for key in ["Dir::State", "Dir::State::status", "Dir::Cache"] {
+            assert!(words.contains(&format!("-o {key}={}", place.display())), "{key} in {words}");
+        }
+        assert!(words.contains("-o APT::Architecture=arm64"), "{words}");
+
+        // what the machine has is not fetched again
+        let own = process::display(&Apt::new(place, None).unwrap().command());
+        assert!(own.contains("Dir::State::status=/var/lib/dpkg/status") && !own.contains("Architecture"), "{own}");
+    }
+
+    #[test]
+    fn only_packages_are_unpacked_in_the_order_of_their_names() {
+        let folder = tempfile::tempdir().unwrap();
+        let apt = Apt::new(folder.path().join("a.apt"), None).unwrap();
+        for name in ["b.deb", "a.deb", "lock"] {
+            fs::write(apt.folder.join("cache/archives").join(name), "").unwrap();
+        }
+        let files = apt.files().unwrap();
+        let names: Vec<_> = files.iter().map(|file| file.file_name().unwrap().to_str().unwrap()).collect();
+        assert_eq!(names, ["a.deb", "b.deb"]);
+    }
+}
