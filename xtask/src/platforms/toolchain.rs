@@ -1,6 +1,6 @@
 //! One compiler with the standard libraries of several platforms, and the linker for Windows.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, Result};
@@ -20,18 +20,21 @@ const HINT: &str = "hint: `rustup` fetches the compiler and the standard librari
 pub fn install(workspace: &mut Workspace, platforms: &[&Platform]) -> Result<()> {
     let compiler = compiler(workspace, platforms)?;
     let mut variables = vec![("RUSTC", compiler.join("rustc").into())];
+    let mut programs = vec![compiler];
     if platforms.contains(&WIN64) && *WIN64 != *Platform::host()? {
         let root = debian::unpack(workspace, "mingw", None, &["gcc-mingw-w64-x86-64-win32"])?;
         let linker = root.join("usr/bin/x86_64-w64-mingw32-gcc-win32");
         variables.push(("CARGO_TARGET_X86_64_PC_WINDOWS_GNU_LINKER", linker.into()));
         variables.push(("LD_LIBRARY_PATH", libraries(&root).into()));
+        // the compiler itself calls `dlltool`
+        programs.push(root.join("usr/bin"));
     }
-    workspace.build_with(&format!("{FOLDER}/build"), &[compiler], variables);
+    workspace.build_with(&format!("{FOLDER}/build"), &programs, variables);
     Ok(())
 }
 
 /// Where packages of this machine's processor put their libraries below a root folder.
-pub fn libraries(root: &std::path::Path) -> PathBuf {
+pub fn libraries(root: &Path) -> PathBuf {
     root.join(format!("usr/lib/{}-linux-gnu", std::env::consts::ARCH))
 }
 
