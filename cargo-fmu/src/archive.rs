@@ -10,8 +10,9 @@ use roxmltree::Document;
 use zip::ZipArchive;
 
 use crate::facts::Facts;
-use crate::fmu::DESCRIPTION;
+use crate::fmu::{self, DESCRIPTION};
 use crate::inspect::{self, Rules};
+use crate::platform::Platform;
 
 /// What an FMU says of itself and what its libraries need.
 pub struct Report {
@@ -31,6 +32,7 @@ pub fn inspect(file: &Path) -> Result<Report> {
     let mut archive = ZipArchive::new(BufReader::new(opened)).with_context(|| format!("`{shown}` is no zip file"))?;
     let description = read(&mut archive, DESCRIPTION).with_context(|| format!("`{shown}` is no FMU"))?;
     let description = String::from_utf8(description).with_context(|| format!("`{DESCRIPTION}` is no UTF-8"))?;
+    let guid = fmu::guid(&description)?;
     let mut report = Report { text: head(&description)?, faults: 0 };
 
     let mut names = archive.file_names().filter_map(Result::ok).map(String::from).collect::<Vec<_>>();
@@ -42,8 +44,10 @@ pub fn inspect(file: &Path) -> Result<Report> {
         match Facts::read(&library) {
             Ok(facts) => {
                 let _ = writeln!(report.text, "    {facts}");
-                let faults = inspect::faults(&library, &facts, &Rules::for_anyone());
-                report.tell(&faults);
+                report.tell(&inspect::faults(&library, &facts, &Rules::for_anyone()));
+                if let Some(platform) = name.split('/').nth(1).and_then(Platform::find) {
+                    report.tell(&inspect::misplaced(&facts, platform, &guid));
+                }
             }
             Err(error) => report.tell(&[format!("{error:#}")]),
         }

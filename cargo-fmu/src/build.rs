@@ -1,70 +1,62 @@
-//! Builds the C library of an FMU for the platform at hand.
+//! Builds the C library of an FMU.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, ensure};
 use cargo_metadata::{Artifact, Message, Package, PackageId, Target};
 
+use crate::facts::Format;
 use crate::linker::{GLIBC, Linker};
+use crate::platform::Platform;
 use crate::process;
 use crate::profile;
 use crate::project::Project;
 
-/// Folder of the binary inside an FMU, as FMI 2.0.4 names the platform.
-///
-/// # Errors
-/// When FMI has no name for this platform.
-pub fn platform() -> Result<&'static str> {
-    Ok(match (std::env::consts::OS, std::env::consts::ARCH) {
-        ("linux", "x86_64") => "linux64",
-        ("windows", "x86_64") => "win64",
-        ("macos", "x86_64") => "darwin64",
-        ("linux", "aarch64") => "aarch64-linux",
-        ("windows", "aarch64") => "aarch64-windows",
-        ("macos", "aarch64") => "aarch64-darwin",
-        (system, processor) => {
-            bail!("FMI 2.0 has no binary folder for `{system}` on `{processor}`")
-        }
-    })
-}
-
-/// File name extension of a C library on this platform.
-pub fn extension() -> &'static str {
-    std::env::consts::DLL_EXTENSION
-}
-
 /// A C library and the packages that were compiled for it, build scripts and macros included.
 pub struct Built {
+    /// What it was compiled for.
+    pub platform: &'static Platform,
     /// The library.
     pub library: PathBuf,
     /// The packages.
     pub packages: BTreeSet<PackageId>,
 }
 
+impl Built {
+    /// A library that was built elsewhere: nobody knows of which packages.
+    pub fn elsewhere(platform: &'static Platform, library: PathBuf) -> Self {
+        Self { platform, library, packages: BTreeSet::new() }
+    }
+}
+
 /// Builds a package in release mode. Alone, so that its bytes do not depend on what else is built.
+///
+/// For another platform than this machine's the compiler needs its standard library and a linker.
 ///
 /// # Errors
 /// When the package makes no C library, or when the build fails.
-pub fn library(project: &Project, package: &Package) -> Result<Built> {
+pub fn library(project: &Project, package: &Package, platform: &'static Platform) -> Result<Built> {
     let name = &cdylib(package)?.name;
-    let mut command = release(project)?;
+    let mut command = release(project, platform)?;
     command.args(["--package", &package.name, "--lib"]);
-    let artefacts = artefacts(&format!("build `{}`", package.name), command)?;
-    let library = find(&artefacts, name, Target::is_cdylib)?;
-    Ok(Built { library, packages: artefacts.into_iter().map(|artefact| artefact.package_id).collect() })
+    let host = platform == Platform::host()?;
+    let place = if host { String::new() } else { format!(" for {}", platform.folder) };
+    let artefacts = artefacts(&format!("build `{}`{place}", package.name), command)?;
+    let library = find(&artefacts, name, platform, Target::is_cdylib)?;
+    Ok(Built { platform, library, packages: artefacts.into_iter().map(|artefact| artefact.package_id).collect() })
 }
 
 /// Builds an example of a package as a C library, in the same way as the FMUs.
 ///
 /// # Errors
 /// When the build fails.
-pub fn example(project: &Project, package: &str, name: &str) -> Result<PathBuf> {
-    let mut command = release(project)?;
+pub fn example(project: &Project, package: &str, name: &str, platform: &'static Platform) -> Result<PathBuf> {
+    let mut command = release(project, platform)?;
     command.args(["--package", package, "--example", name]);
     let artefacts = artefacts(&format!("build the example `{name}` of `{package}`"), command)?;
-    find(&artefacts, name, Target::is_example)
+    find(&artefacts, name, platform, Target::is_example)
 }
 
 /// The C library among the targets of a package.
@@ -76,22 +68,30 @@ fn cdylib(package: &Package) -> Result<&Target> {
     })
 }
 
-fn release(project: &Project) -> Result<Command> {
-    let mut command = match project.linker {
-        Linker::System => project.cargo("build"),
-        Linker::Zig => {
-            let mut command = project.cargo("zigbuild");
-            let (major, minor) = GLIBC;
-            command.arg(format!("--target={}-unknown-linux-gnu.{major}.{minor}", std::env::consts::ARCH));
-            command
+fn release(project: &Project, platform: &Platform) -> Result<Command> {
+    let linux = platform.format == Format::Elf;
+    let mut command = if project.linker == Linker::Zig && linux {
+        let (major, minor) = GLIBC;
+        let mut command = project.cargo("zigbuild");
+        command.arg(format!("--target={}.{major}.{minor}", platform.triple));
+        command
+    } else {
+        let mut command = project.cargo("build");
+        if platform != Platform::host()? {
+            command.arg(format!("--target={}", platform.triple));
         }
+        command
     };
     command.args(["--release", "--message-format=json-render-diagnostics"]).args(&project.arguments);
     command.args(profile::arguments(&project.path("Cargo.toml"))?);
     let mut flags = remap_flags(project);
-    if cfg!(target_os = "linux") {
+    if linux {
         // an FMU calls its own functions, even in a process that has loaded another one globally
         flags.push("-Clink-arg=-Wl,-Bsymbolic".into());
+    }
+    if platform.format == Format::Pe && platform != Platform::host()? {
+        // the GNU linker would write the time of day
+        flags.push("-Clink-arg=-Wl,--no-insert-timestamp".into());
     }
     command.env("CARGO_ENCODED_RUSTFLAGS", flags.join("\u{1f}"));
     Ok(command)
@@ -145,9 +145,9 @@ fn artefacts(title: &str, mut command: Command) -> Result<Vec<Artifact>> {
     Ok(built)
 }
 
-fn find(built: &[Artifact], name: &str, kind: fn(&Target) -> bool) -> Result<PathBuf> {
+fn find(built: &[Artifact], name: &str, platform: &Platform, kind: fn(&Target) -> bool) -> Result<PathBuf> {
     let matching = built.iter().filter(|artefact| kind(&artefact.target) && artefact.target.name == name);
     let mut files = matching.flat_map(|artefact| &artefact.filenames);
-    let library = files.find(|file| file.extension() == Some(extension()));
+    let library = files.find(|file| file.extension() == Some(platform.extension));
     library.map(|file| file.clone().into()).with_context(|| format!("the build left no C library `{name}`"))
 }

@@ -5,7 +5,9 @@ use std::fmt;
 
 use anyhow::{Context, Result, bail};
 use object::read::elf::{ElfFile, FileHeader, ProgramHeader as _, Sym as _};
-use object::{BinaryFormat, NameOrOrdinal, Object, elf};
+use object::{BinaryFormat, ExportTarget, NameOrOrdinal, Object, ObjectSection as _, elf};
+
+use crate::functions;
 
 /// Format of a library.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,6 +33,8 @@ pub struct Facts {
     pub imports: BTreeSet<String>,
     /// Files of the libraries that must be there.
     pub libraries: BTreeSet<String>,
+    /// GUID of the model description; None when the library does not tell it.
+    pub guid: Option<String>,
     /// ELF: version of the GNU C library that each symbol of it needs.
     pub glibc: BTreeMap<String, (u32, u32)>,
     /// ELF: folders in which libraries are searched (RPATH).
@@ -61,6 +65,7 @@ impl Facts {
             exports: exports(&file)?,
             imports,
             libraries,
+            guid: guid(&file)?,
             glibc: BTreeMap::new(),
             search_paths: Vec::new(),
             unbound: Vec::new(),
@@ -120,6 +125,20 @@ fn exports(file: &object::File) -> Result<BTreeSet<String>> {
         names.insert(c_name(file, name));
     }
     Ok(names)
+}
+
+/// The letters behind the symbol.
+fn guid(file: &object::File) -> Result<Option<String>> {
+    for export in file.exports()? {
+        let export = export?;
+        let NameOrOrdinal::Name(name) = export.name() else { continue };
+        if c_name(file, name) == functions::GUID {
+            let ExportTarget::Address { address } = export.target() else { bail!("the GUID is in another library") };
+            let bytes = file.sections().find_map(|section| section.data_range(address, 36).ok().flatten());
+            return Ok(Some(text(bytes.context("the GUID is outside of the file")?)));
+        }
+    }
+    Ok(None)
 }
 
 /// Names and, where the format tells them there, libraries.

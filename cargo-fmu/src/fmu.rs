@@ -9,50 +9,82 @@ use cargo_metadata::Package;
 use roxmltree::Document;
 
 use crate::binary;
-use crate::build::{self, Built};
+use crate::build::Built;
 use crate::facts::Facts;
-use crate::functions::{FMI2_FUNCTIONS, OWN_PREFIX};
+use crate::functions::{self, FMI2_FUNCTIONS, OWN_PREFIX};
 use crate::inspect::{self, Rules};
 use crate::licences;
 use crate::pack::{self, Content};
+use crate::platform::Platform;
 use crate::process;
 use crate::project::Project;
 
 /// Path of the description inside an FMU.
 pub const DESCRIPTION: &str = "modelDescription.xml";
 
-/// A packed FMU and what was seen of its library.
+/// A packed FMU and what was seen of its libraries.
 pub struct Packed {
     /// The file.
     pub bytes: Vec<u8>,
-    /// The library, as the loader sees it.
-    pub facts: Facts,
-    /// What keeps the library from being portable, one sentence each.
+    /// The libraries, as the loader of their platform sees them; that of this machine is the first.
+    pub facts: Vec<(&'static Platform, Facts)>,
+    /// What keeps the libraries from being portable, one sentence each.
     pub faults: Vec<String>,
 }
 
-/// Packs a built library with its own texts, the folder `resources` beside its manifest, and the licences.
+/// Packs a built library with its own texts, the folder `resources` beside its manifest, and the licences; and `more`
+/// libraries of the same model, for other platforms.
 ///
 /// # Errors
-/// When the library is no FMI library, cannot be loaded, or a file cannot be read.
-pub fn pack(project: &Project, package: &Package, built: &Built, rules: &Rules) -> Result<Packed> {
-    let shown = built.library.display();
-    let library = fs::read(&built.library).with_context(|| format!("cannot read `{shown}`"))?;
-    let facts = Facts::read(&library).with_context(|| format!("cannot read `{shown}`"))?;
-    exports_a_model(package, &facts)?;
-    let faults = inspect::faults(&library, &facts, rules);
-
+/// When a library is no FMI library, is of another model or for another platform than told, when that of this machine
+/// cannot be loaded, or when a file cannot be read.
+pub fn pack(project: &Project, package: &Package, built: &Built, more: &[Built], rules: &Rules) -> Result<Packed> {
+    let all: Vec<_> = std::iter::once(built).chain(more).collect();
+    let libraries = all.iter().map(|built| read(package, built)).collect::<Result<Vec<_>>>()?;
     let mut content = Content::default();
     for (path, text) in binary::files(&built.library)? {
         content.add(path, text.into_bytes())?;
     }
-    let identifier = model_identifier(content.text(DESCRIPTION).unwrap_or_default())?;
-    content.add(format!("binaries/{}/{identifier}.{}", build::platform()?, build::extension()), library)?;
+    let description = content.text(DESCRIPTION).unwrap_or_default();
+    let (identifier, guid) = (model_identifier(description)?, guid(description)?);
+    let mut packed = Packed { bytes: Vec::new(), facts: Vec::new(), faults: Vec::new() };
+    for (built, (library, facts)) in all.iter().zip(libraries) {
+        belongs(built, &facts, &guid)?;
+        let platform = built.platform;
+        let faults = inspect::faults(&library, &facts, rules);
+        packed.faults.extend(faults.iter().map(|fault| format!("{}: {fault}", platform.folder)));
+        packed.facts.push((platform, facts));
+        content.add(format!("binaries/{}/{identifier}.{}", platform.folder, platform.extension), library)?;
+    }
     content.add_folder("resources", &package.manifest_path.with_file_name("resources").into_std_path_buf())?;
-    for (path, text) in licences::files(project, package, &built.packages)? {
+    let packages = all.iter().flat_map(|built| built.packages.iter().cloned()).collect();
+    for (path, text) in licences::files(project, package, &packages)? {
         content.add(path, text.into_bytes())?;
     }
-    Ok(Packed { bytes: pack::to_bytes(&content)?, facts, faults })
+    packed.bytes = pack::to_bytes(&content)?;
+    Ok(packed)
+}
+
+/// Reads a library, which must be one of FMI.
+fn read(package: &Package, built: &Built) -> Result<(Vec<u8>, Facts)> {
+    let shown = built.library.display();
+    let library = fs::read(&built.library).with_context(|| format!("cannot read `{shown}`"))?;
+    let facts = Facts::read(&library).with_context(|| format!("cannot read `{shown}`"))?;
+    exports_a_model(package, &facts)?;
+    Ok((library, facts))
+}
+
+/// A library must be of this model, and for its platform.
+fn belongs(built: &Built, facts: &Facts, guid: &str) -> Result<()> {
+    let shown = built.library.display();
+    ensure!(
+        facts.guid.is_some(),
+        "`{shown}` does not tell of which model it is: it exports no `{}`\nhint: build it with `fmi2-export`",
+        functions::GUID
+    );
+    let misplaced = inspect::misplaced(facts, built.platform, guid);
+    ensure!(misplaced.is_empty(), "`{shown}` cannot be packed: {}", misplaced.join("; "));
+    Ok(())
 }
 
 /// Writes an FMU; of a file that holds the same bytes only the date changes: it is as new as the sources.
@@ -81,6 +113,13 @@ fn model_identifier(description: &str) -> Result<String> {
     let kind = document.root_element().children().find(|node| node.has_tag_name("CoSimulation"));
     let identifier = kind.and_then(|node| node.attribute("modelIdentifier"));
     identifier.map(str::to_owned).with_context(|| format!("`{DESCRIPTION}` names no modelIdentifier"))
+}
+
+/// What the description and every library of it have in common.
+pub fn guid(description: &str) -> Result<String> {
+    let document = Document::parse(description).with_context(|| format!("`{DESCRIPTION}` is not well-formed"))?;
+    let guid = document.root_element().attribute("guid");
+    guid.map(str::to_owned).with_context(|| format!("`{DESCRIPTION}` has no GUID"))
 }
 
 /// What a crate lacks that does not know the exporter.

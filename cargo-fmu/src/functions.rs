@@ -40,3 +40,6 @@ pub const FMI2_FUNCTIONS: [&str; 34] = [
 
 /// How the names begin of what `fmi2-export` adds: the files of the FMU, and the seam between C functions and model.
 pub const OWN_PREFIX: &str = "fmi2_export_";
+
+/// Name of the 36 letters by which a library tells its GUID without being run.
+pub const GUID: &str = "fmi2_export_guid";

@@ -6,6 +6,7 @@ use crate::build;
 use crate::facts::{Facts, Format};
 use crate::functions::{FMI2_FUNCTIONS, OWN_PREFIX};
 use crate::linker::{self, Linker};
+use crate::platform::Platform;
 use crate::project::Project;
 
 // the parts of each system that every machine has
@@ -52,7 +53,11 @@ impl Rules {
 
     /// The rules for an FMU of unknown origin.
     pub fn for_anyone() -> Self {
-        Self { glibc: None, libgcc: true, folders: ["/home/", "/Users/", ":\\Users\\"].map(str::to_owned).to_vec() }
+        Self {
+            glibc: None,
+            libgcc: true,
+            folders: ["/home/", "/root/", "/Users/", ":\\Users\\"].map(str::to_owned).to_vec(),
+        }
     }
 }
 
@@ -83,6 +88,15 @@ pub fn faults(library: &[u8], facts: &Facts, rules: &Rules) -> Vec<String> {
     faults.extend(foreign.map(|name| format!("it needs the library `{name}`")));
     if facts.executable_stack {
         faults.push("it asks for an executable stack".into());
+    }
+    faults
+}
+
+/// What is wrong with a library in this place of an FMU that has this GUID, one sentence each.
+pub fn misplaced(facts: &Facts, platform: &Platform, guid: &str) -> Vec<String> {
+    let mut faults: Vec<_> = platform.refuses(facts).into_iter().collect();
+    if let Some(own) = facts.guid.as_deref().filter(|own| *own != guid) {
+        faults.push(format!("it is of another model: its GUID is {own}, the description has {guid}"));
     }
     faults
 }

@@ -14,6 +14,7 @@ pub mod inspect;
 pub mod licences;
 pub mod linker;
 pub mod pack;
+pub mod platform;
 pub mod process;
 mod profile;
 pub mod project;

@@ -6,10 +6,11 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{Context, Result};
-use cargo_fmu::build;
+use cargo_fmu::build::{self, Built};
 use cargo_fmu::fmu::{self, Packed};
 use cargo_fmu::inspect::Rules;
 use cargo_fmu::linker::{GLIBC, Linker};
+use cargo_fmu::platform::Platform;
 use cargo_fmu::project::Project;
 use cargo_fmu::{archive, choice, licences};
 use cargo_metadata::{CargoOpt, MetadataCommand, Package};
@@ -45,6 +46,9 @@ struct Pack {
     /// The FMU to write [default: fmu/PACKAGE.fmu in the target directory]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+    /// A library of the same model that was built elsewhere, such as `win64=FILE`; once for each platform
+    #[arg(long, value_name = "PLATFORM=FILE", value_parser = elsewhere)]
+    binary: Vec<(&'static Platform, PathBuf)>,
     /// Path of the `Cargo.toml`
     #[arg(long, value_name = "FILE")]
     manifest_path: Option<PathBuf>,
@@ -81,6 +85,12 @@ fn main() -> ExitCode {
     }
 }
 
+/// A platform and the library for it.
+fn elsewhere(words: &str) -> Result<(&'static Platform, PathBuf)> {
+    let (platform, file) = words.split_once('=').with_context(|| format!("`{words}` is no `PLATFORM=FILE`"))?;
+    Ok((Platform::named(platform)?, file.into()))
+}
+
 /// True when nothing is wrong with the libraries of the FMU.
 fn look(file: &Path) -> Result<bool> {
     let report = archive::inspect(file)?;
@@ -92,8 +102,10 @@ impl Pack {
     fn run(&self) -> Result<()> {
         let project = self.project()?;
         let package = choice::package(&project.metadata, self.package.as_deref())?;
-        let built = build::library(&project, package)?;
-        let packed = fmu::pack(&project, package, &built, &Rules::for_host(&project))?;
+        let built = build::library(&project, package, Platform::host()?)?;
+        let more: Vec<_> =
+            self.binary.iter().map(|(platform, file)| Built::elsewhere(platform, file.clone())).collect();
+        let packed = fmu::pack(&project, package, &built, &more, &Rules::for_host(&project))?;
         let file = match &self.output {
             Some(file) => file.clone(),
             None => self.target(&project).join("fmu").join(format!("{}.fmu", package.name)),
@@ -146,7 +158,9 @@ impl Pack {
 
 /// What the one who hands the FMU on should know.
 fn tell(project: &Project, package: &Package, packed: &Packed) -> Result<()> {
-    eprintln!("    {}", packed.facts);
+    for (platform, facts) in &packed.facts {
+        eprintln!("    {}: {facts}", platform.folder);
+    }
     for fault in &packed.faults {
         eprintln!("warning: {fault}");
     }
@@ -154,7 +168,8 @@ fn tell(project: &Project, package: &Package, packed: &Packed) -> Result<()> {
         eprintln!("warning: nobody may use the FMU of `{}`: its licence is not told", package.name);
         eprintln!("hint: `license = \"MIT\"` or the like in `{}`, with the text in `LICENSE`", package.manifest_path);
     }
-    let newer = packed.facts.needed_glibc().is_some_and(|needed| needed > GLIBC);
+    let needed = packed.facts.first().and_then(|(_, facts)| facts.needed_glibc());
+    let newer = needed.is_some_and(|needed| needed > GLIBC);
     if project.linker == Linker::System && newer {
         let (major, minor) = GLIBC;
         eprintln!("hint: `pip install cargo-zigbuild` (with `zig`) makes it run with glibc {major}.{minor} and newer");

@@ -104,6 +104,13 @@ fn a_library_without_a_model() {
 }
 
 #[test]
+fn a_library_for_a_platform_that_is_not_known() {
+    let folder = project(&[]);
+    has(&refusal(&folder, &["--binary", "win32=a.dll"]), &["no platform `win32`", "`linux64`", "`win64`"]);
+    has(&refusal(&folder, &["--binary", "a.dll"]), &["`a.dll` is no `PLATFORM=FILE`"]);
+}
+
+#[test]
 fn a_file_that_is_no_fmu() {
     let folder = project(&[("a.fmu", "no zip")]);
     has(&refusal(&folder, &["inspect", "a.fmu"]), &["`a.fmu` is no zip file"]);

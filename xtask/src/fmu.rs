@@ -7,6 +7,7 @@ use anyhow::{Context, Result, bail, ensure};
 use cargo_fmu::fmu;
 use cargo_fmu::inspect::Rules;
 use cargo_fmu::linker::Linker;
+use cargo_fmu::platform::Platform;
 use cargo_fmu::project::Project;
 pub use cargo_fmu::{binary, build};
 use cargo_metadata::Package;
@@ -27,19 +28,30 @@ pub fn run(workspace: &Workspace, names: &[String]) -> Result<()> {
     pack_all(workspace, &packages)
 }
 
-/// Builds and packs these controllers; `.venv` must be there. A file whose bytes would not change keeps them.
+/// Builds and packs these controllers into `target/fmu` for this machine's platform; `.venv` must be there.
 ///
 /// # Errors
 /// As [`run`].
 pub fn pack_all(workspace: &Workspace, packages: &[&Package]) -> Result<()> {
-    let folder = workspace.path("target/fmu");
-    fs::create_dir_all(&folder).with_context(|| format!("cannot make `{}`", folder.display()))?;
+    pack_for(workspace, packages, &[Platform::host()?], &workspace.path("target/fmu"))
+}
 
+/// Builds and packs these controllers for platforms, this machine's first. A file whose bytes would not change keeps them.
+///
+/// # Errors
+/// As [`run`].
+pub fn pack_for(
+    workspace: &Workspace,
+    packages: &[&Package],
+    platforms: &[&'static Platform],
+    folder: &Path,
+) -> Result<()> {
+    fs::create_dir_all(folder).with_context(|| format!("cannot make `{}`", folder.display()))?;
     for package in packages {
         let file = folder.join(format!("{}.fmu", package.name));
-        fmu::write(&file, &pack_controller(workspace, package)?)?;
+        fmu::write(&file, &pack_controller(workspace, package, platforms)?)?;
     }
-    fmu::write(&folder.join("SHA256SUMS"), sums(&folder)?.as_bytes())
+    fmu::write(&folder.join("SHA256SUMS"), sums(folder)?.as_bytes())
 }
 
 /// The packages `fmu-*` of the workspace, by name; one that makes no C library is refused when it is built.
@@ -50,7 +62,11 @@ pub fn controllers(project: &Project) -> Vec<&Package> {
     packages
 }
 
-fn select<'a>(root: &Path, packages: &[&'a Package], names: &[String]) -> Result<Vec<&'a Package>> {
+/// The packages of these names, all when none is told.
+///
+/// # Errors
+/// When a name is unknown.
+pub fn select<'a>(root: &Path, packages: &[&'a Package], names: &[String]) -> Result<Vec<&'a Package>> {
     if names.is_empty() {
         return Ok(packages.to_vec());
     }
@@ -70,13 +86,15 @@ fn select<'a>(root: &Path, packages: &[&'a Package], names: &[String]) -> Result
     names.iter().map(find).collect()
 }
 
-/// The FMU of a controller, which runs on every machine of this platform or not at all.
-fn pack_controller(workspace: &Workspace, package: &Package) -> Result<Vec<u8>> {
-    let built = build::library(workspace, package)?;
-    let packed = fmu::pack(workspace, package, &built, &Rules::for_host(workspace))?;
+/// The FMU of a controller, which runs on every machine of these platforms or not at all.
+fn pack_controller(workspace: &Workspace, package: &Package, platforms: &[&'static Platform]) -> Result<Vec<u8>> {
+    let built = platforms.iter().map(|platform| build::library(workspace, package, platform));
+    let built = built.collect::<Result<Vec<_>>>()?;
+    let (own, more) = built.split_first().context("no platform to build for")?;
+    let packed = fmu::pack(workspace, package, own, more, &Rules::for_host(workspace))?;
     ensure!(
         packed.faults.is_empty(),
-        "the library of `{}` breaks the rules of a portable FMU: {}",
+        "a library of `{}` breaks the rules of a portable FMU: {}",
         package.name,
         packed.faults.join("\n")
     );
@@ -153,7 +171,7 @@ mod tests {
     fn a_controller_without_a_c_library_is_told_with_the_lines_to_add() {
         let (_folder, project) = workspace_of(&["blocks", "fmu-trial"]);
         let found = select(&project.root, &controllers(&project), &["trial".into()]).unwrap();
-        let error = build::library(&project, found[0]).err().unwrap().to_string();
+        let error = build::library(&project, found[0], Platform::host().unwrap()).err().unwrap().to_string();
         assert!(error.starts_with("`fmu-trial` makes no C library\nhint: add to `"), "{error}");
         assert!(error.ends_with("    [lib]\n    crate-type = [\"cdylib\"]"), "{error}");
     }

@@ -6,7 +6,7 @@ use anyhow::Result;
 use clap::{Parser, Subcommand};
 use xtask::bench::effort::Effort;
 use xtask::workspace::Workspace;
-use xtask::{bench, demo, fmu, new, setup, test, wheel};
+use xtask::{bench, demo, fmu, new, release_set, setup, test, wheel};
 
 /// Builds, demonstrates, tests and measures the project. Steps that are up to date are skipped.
 #[derive(Parser)]
@@ -29,11 +29,18 @@ enum Command {
     Fmu {
         /// Controllers to build, such as `dob` or `fmu-dob`; all of them when none is named
         names: Vec<String>,
+        /// Put libraries for Linux on x86-64 and ARM and for Windows into each, below `target/release-set/`
+        #[arg(long)]
+        release_set: bool,
     },
     /// Run every closed loop and print the acceptance table; results land in `target/demo/`
     Demo,
     /// Prove the project: rustfmt, clippy, cargo test, ruff, mypy, pytest, the short form of bench
-    Test,
+    Test {
+        /// Instead prove the release set on the platforms that it is for, under Wine and QEMU
+        #[arg(long)]
+        platforms: bool,
+    },
     /// Measure the FMUs and both engines; results land in `target/bench/`
     Bench {
         /// Only show that everything can be measured; the numbers mean little
@@ -63,9 +70,11 @@ fn run(command: &Command) -> Result<bool> {
     match command {
         Command::Setup => setup::run(&workspace).map(|()| true),
         Command::New { name } => new::run(&workspace.root, name).map(|()| true),
-        Command::Fmu { names } => fmu::run(&workspace, names).map(|()| true),
+        Command::Fmu { names, release_set: true } => release_set::run(&workspace, names).map(|()| true),
+        Command::Fmu { names, release_set: false } => fmu::run(&workspace, names).map(|()| true),
         Command::Demo => demo::run(&workspace),
-        Command::Test => test::run(&workspace),
+        Command::Test { platforms: true } => release_set::test(&workspace).map(|()| true),
+        Command::Test { platforms: false } => test::run(&workspace),
         Command::Bench { short, scenarios } => {
             let effort = if *short { Effort::SHORT } else { Effort::FULL };
             bench::run(&workspace, &effort, scenarios).map(|()| true)

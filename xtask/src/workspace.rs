@@ -35,6 +35,17 @@ impl Workspace {
         Ok(workspace)
     }
 
+    /// From now on everything is built in a folder of its own, by the programs in these folders and with more variables.
+    pub fn build_with(&mut self, folder: &str, programs: &[PathBuf], variables: Vec<(&'static str, OsString)>) {
+        let before = self.search_path();
+        let folders = programs.iter().cloned().chain(std::env::split_paths(&before));
+        let path = std::env::join_paths(folders).unwrap_or(before);
+        self.0.environment.push(("PATH", path));
+        self.0.environment.extend(variables);
+        let target = self.path(folder);
+        self.0.arguments.extend(["--target-dir".into(), target.into()]);
+    }
+
     /// A program of the virtual environment.
     pub fn venv_program(&self, name: &str) -> PathBuf {
         self.venv_programs().join(format!("{name}{}", std::env::consts::EXE_SUFFIX))

@@ -98,6 +98,22 @@ fn a_path_of_the_builder_is_refused() {
 }
 
 #[test]
+fn a_library_of_another_model_or_platform_is_in_the_wrong_place() {
+    let guid = "00000000-1111-2222-3333-444444444444";
+    let library = compile(&format!("const char fmi2_export_guid[36] = \"{guid}\";"), &[]);
+    let facts = Facts::read(&library).unwrap();
+    assert_eq!(facts.guid.as_deref(), Some(guid));
+    let host = Platform::host().unwrap();
+    assert_eq!(misplaced(&facts, host, guid), [""; 0]);
+    let other = misplaced(&facts, host, "9");
+    assert_eq!(other, [format!("it is of another model: its GUID is {guid}, the description has 9")]);
+    let strange = if host.folder == "win64" { "linux64" } else { "win64" };
+    let found = misplaced(&facts, Platform::named(strange).unwrap(), guid);
+    assert!(found.len() == 1 && found[0].starts_with("it is for ") && found[0].contains(strange), "{found:?}");
+    assert_eq!(Facts::read(&compile("", &[])).unwrap().guid, None);
+}
+
+#[test]
 fn libraries_of_each_system_are_known() {
     assert!(is_of_the_system(Format::Pe, "KERNEL32.dll") && !is_of_the_system(Format::Pe, "libgcc_s_seh-1.dll"));
     assert!(is_of_the_system(Format::MachO, "/usr/lib/libSystem.B.dylib"));

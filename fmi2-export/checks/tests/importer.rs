@@ -4,7 +4,8 @@
 #[path = "../../tests/common/mod.rs"]
 mod common;
 
-use cargo_fmu::{binary, build, pack};
+use cargo_fmu::platform::Platform;
+use cargo_fmu::{binary, pack};
 use common::example;
 use fmi_rs::fmi2::builder::FMU2Builder;
 use fmi_rs::fmi2::types::{fmi2Status, fmi2StatusKind};
@@ -20,7 +21,8 @@ fn packed(folder: &tempfile::TempDir) -> PathBuf {
     for (path, text) in binary::files(&library).unwrap() {
         content.add(path, text.into_bytes()).unwrap();
     }
-    let inside = format!("binaries/{}/probe.{}", build::platform().unwrap(), build::extension());
+    let platform = Platform::host().unwrap();
+    let inside = format!("binaries/{}/probe.{}", platform.folder, platform.extension);
     content.add(inside, std::fs::read(&library).unwrap()).unwrap();
     let file = folder.path().join("probe \u{e9}.fmu");
     std::fs::write(&file, pack::to_bytes(&content).unwrap()).unwrap();

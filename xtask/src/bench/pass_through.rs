@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use anyhow::{Context, Result};
+use cargo_fmu::platform::Platform;
 
 use super::description::Description;
 use super::effort::Effort;
@@ -28,7 +29,7 @@ pub struct PassThroughCosts {
 /// # Errors
 /// When a build fails or an FMU does not pass its input through.
 pub fn measure(workspace: &Workspace, folder: &Path, checked: &Fmu, effort: &Effort) -> Result<PassThroughCosts> {
-    let library = build::example(workspace, "fmi2-export", "pass_through")?;
+    let library = build::example(workspace, "fmi2-export", "pass_through", Platform::host()?)?;
     let (_, xml) =
         binary::files(&library)?.into_iter().find(|(path, _)| path == "modelDescription.xml").context("no XML")?;
     let description = Description::parse(&xml)?;

@@ -8,7 +8,6 @@ use anyhow::{Context, Result, ensure};
 
 use super::library::Fmu;
 use super::slave::{Slave, Snapshot, went_well};
-use crate::fmu::build;
 use crate::process;
 use crate::setup;
 use crate::workspace::Workspace;
@@ -35,7 +34,7 @@ pub fn bare(workspace: &Workspace, folder: &Path) -> Result<Fmu> {
 }
 
 fn compile(workspace: &Workspace, folder: &Path, name: &str, flags: &[&str]) -> Result<Fmu> {
-    let library = folder.join(format!("idle-{name}.{}", build::extension()));
+    let library = folder.join(format!("idle-{name}.{}", std::env::consts::DLL_EXTENSION));
     let mut command = Command::new(std::env::var_os("CC").unwrap_or_else(|| "cc".into()));
     command.args(["-std=c11", "-O3", "-Wall", "-Wextra", "-Werror", "-shared", "-fPIC"]).args(flags);
     command.arg("-I").arg(setup::fmpy_folder(workspace)?.join("c-code"));
