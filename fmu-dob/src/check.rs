@@ -3,6 +3,7 @@
 use control_blocks::{Parameter, ParameterError, check_all, ticks};
 
 use crate::detection::detector::Detector;
+use crate::force::observer::forgetting;
 use crate::interface::Parameters;
 use crate::motion::stability::spectral_radius;
 use crate::motion::travel::arming_travel;
@@ -12,7 +13,22 @@ const LEARN_WINDOWS: usize = 5;
 
 /// Checks all combinations; the first that fails is the error.
 pub fn check(p: &Parameters) -> Result<(), ParameterError> {
-    check_all(p, &[direction, velocity_bandwidth, stability, settle_time, learn_time, travel, retract, guard, readings])
+    check_all(
+        p,
+        &[
+            direction,
+            velocity_bandwidth,
+            stability,
+            settle_time,
+            learn_time,
+            travel,
+            retract,
+            guard,
+            readings,
+            starting,
+            learn_limit,
+        ],
+    )
 }
 
 fn direction(p: &Parameters) -> Result<(), ParameterError> {
@@ -35,6 +51,20 @@ fn settle_time(p: &Parameters) -> Result<(), ParameterError> {
     time.must_be(ticks(value, p.sample_period) as usize >= samples, || {
         format!("at least `{least} s`, the `{samples}` samples that `detector` needs at constant speed")
     })
+}
+
+fn starting(p: &Parameters) -> Result<(), ParameterError> {
+    let hint =
+        "settle longer, or raise `observer.bandwidth`; else the guard and the drive are judged by the acceleration";
+    Parameter::new("learn.settle_time", p.learn.settle_time, "s", hint)
+        .at_least(2.0 * forgetting(p), "twice the `6 / observer.bandwidth` that the observer needs to forget it")
+}
+
+fn learn_limit(p: &Parameters) -> Result<(), ParameterError> {
+    let hint = "or every learning ends in `LearnTimeout`";
+    let (limit, least) = (p.limits.learn_time, p.learn.time);
+    Parameter::new("limits.learn_time", limit, "s", hint)
+        .must_be(limit == 0.0 || limit >= least, || format!("`0`, or at least `learn.time`, `{least} s`"))
 }
 
 fn learn_time(p: &Parameters) -> Result<(), ParameterError> {
@@ -113,6 +143,8 @@ mod tests {
             "`188 rad/s`",
             "stable",
         ),
+        (|p| p.observer.bandwidth = 40.0, "learn.settle_time", "`0.25 s`", "`0.3 s`"),
+        (|p| p.limits.learn_time = 0.4, "limits.learn_time", "`0.4 s`", "`0.5 s`"),
         (|p| p.guard_force = 100.0, "guard.force", "`100 N`", "`100 N`"),
     ];
 

@@ -10,18 +10,15 @@ use crate::detection::guard::ForceGuard;
 use crate::faults::{self, Symptoms};
 use crate::force::deviation::MovingDeviation;
 use crate::force::notch::NotchCascade;
-use crate::force::observer::DisturbanceObserver;
+use crate::force::observer::{DisturbanceObserver, forgetting};
 use crate::interface::{ContactSource, Fault, ForceOutput, Input, Output, Parameters, ReferenceOutput, State};
 use crate::machine::{Events, next};
 use crate::monitoring::monitors::Monitors;
 use crate::monitoring::rest_force::RestForce;
 use crate::motion::reference::Motion;
 use crate::motion::servo::{self, Amplifier, Integrator};
-use crate::motion::travel::{job_limit, learn_limit};
+use crate::motion::travel::{late, learn_limit};
 use crate::reading::{Expected, Reader, Reading};
-
-/// The observer has forgotten an acceleration after this many times 1 / `observer.bandwidth`: exp(-6) is left.
-const STARTING: f64 = 6.0;
 
 /// The observer knows the velocity of a stage that has just been found after this many times its 1 / g_v.
 const FOUND: f64 = 10.0;
@@ -47,6 +44,8 @@ pub struct Controller {
     /// samples of the present state at constant speed
     ticks: u32,
     fault: Fault,
+    /// an edge of `enable` waits for a stage at rest
+    asked: bool,
     aborted: bool,
     /// the approach has not begun to move: the force at rest is taken first
     waiting: bool,
@@ -63,7 +62,7 @@ const HELD: f64 = 0.25;
 
 /// Samples at constant speed until the observer has forgotten the acceleration to it.
 fn started(p: &Parameters) -> u32 {
-    ticks(STARTING / p.observer.bandwidth, p.sample_period)
+    ticks(forgetting(p), p.sample_period)
 }
 
 impl Controller {
@@ -88,6 +87,7 @@ impl Controller {
             state: State::Idle,
             ticks: 0,
             fault: Fault::None,
+            asked: false,
             aborted: false,
             waiting: false,
             contact: None,
@@ -179,7 +179,7 @@ impl Controller {
         let monitors = &mut self.monitors;
         if let Some(position) = reading.position {
             let error = self.motion.reference.position - position;
-            monitors.astray.update(watching && error.abs() > p.limits.following + self.motion.late(p));
+            monitors.astray.update(watching && error.abs() > faults::following_limit(p) + self.motion.late(p));
             let disturbance = self.force.disturbance.abs();
             monitors.overloaded.update(watching && disturbance > faults::disturbance_limit(p));
             if watching && self.motion.at_rest() {
@@ -201,8 +201,9 @@ impl Controller {
     fn decide(&mut self, p: &Parameters, reading: &Reading) {
         let elapsed = self.count(p, reading);
         let settled = self.motion.retreated(p) && self.monitors.relief.known(p);
+        self.asked = self.state.asked(self.asked, reading.begin, reading.enabled);
         let events = Events {
-            begin: reading.begin,
+            begin: self.asked,
             enabled: reading.enabled,
             reset: reading.reset,
             restful: reading.position.is_some() && self.tracked(p) && self.motion.at_rest(),
@@ -273,8 +274,7 @@ impl Controller {
             learned: (learning && elapsed).then(|| self.detector.learned()),
             learning: learning && self.ticks > ticks(learn_limit(p), p.sample_period),
             force_left: (retracted && self.contact.is_some()).then(|| monitors.relief.mean() - self.guard.before()),
-            late: state.at_work()
-                && monitors.job.samples() > u64::from(ticks(job_limit(p, &self.motion.approach), p.sample_period)),
+            late: state.at_work() && late(p, &self.motion.approach, monitors.job.samples()),
         };
         faults::find(p, &symptoms)
     }
@@ -353,13 +353,14 @@ impl Controller {
         }
     }
 
-    /// After a reset: a stage that nothing held is brought to rest.
+    /// After a reset: a stage that nothing held is brought to rest, and the drive's answer of the run before tells nothing.
     fn recover(&mut self, reading: &Reading) {
         if let (SafeEnd::DriveOff, Some(position)) = (self.fault.safe_end(), reading.position) {
             self.motion.reseat(position, self.observer.velocity());
             self.motion.hold();
         }
         self.amplifier.forget();
+        self.monitors.drive.begin();
         self.fault = Fault::None;
     }
 
@@ -377,7 +378,8 @@ impl Controller {
         }
     }
 
-    /// Servo: acceleration, force, current; feed-forward alone while the position is lost, nothing while the drive is off.
+    /// Servo: acceleration, force, current; nothing while the drive is off. While a lost position is bridged there is no
+    /// feedback: feed-forward, and the last disturbance or integral, which is held, as it bears the weight.
     fn act(&mut self, p: &Parameters, reading: &Reading) -> f64 {
         if self.off() {
             return self.amplifier.send(p, 0.0);

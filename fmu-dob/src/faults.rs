@@ -10,6 +10,8 @@ use crate::reading::{Loss, Reading};
 const WRONG_WAY: f64 = -0.2;
 /// Samples in a row that make a disturbance or a following error.
 const ROW: u32 = 3;
+/// Least limit of the following error (m), and how many times the error of the hardest acceleration it is.
+const FOLLOWING: (f64, f64) = (20e-6, 3.0);
 /// Changes from one limit of the current to the other that make an oscillation.
 const REVERSALS: u32 = 6;
 
@@ -140,7 +142,7 @@ pub fn numbers(vars: &Vars) -> String {
             ": `{} rad/s`, faster than `limits.spindle_acceleration` = `{} rad/s2` {row}",
             vars.input.spindle_speed, p.limits.spindle_acceleration
         ),
-        Fault::FollowingError => format!(": {error}, limit `limits.following` = `{} m`", p.limits.following),
+        Fault::FollowingError => format!(": {error}, limit of the distance `{} m`", following_limit(p)),
         Fault::Saturation => {
             format!(": more than `limits.saturated_samples` = `{}`; {error}", p.limits.saturated_samples)
         }
@@ -166,14 +168,28 @@ pub fn numbers(vars: &Vars) -> String {
     }
 }
 
+/// Largest distance (m) from the reference, besides what the stage is late: `limits.following`, or three times what the
+/// late velocity makes of the hardest acceleration.
+pub fn following_limit(p: &Parameters) -> f64 {
+    if p.limits.following > 0.0 {
+        return p.limits.following;
+    }
+    let braking = 2.0 * p.servo.damping * hardest(p) / (p.servo.bandwidth * p.observer.velocity_bandwidth);
+    f64::max(FOLLOWING.0, FOLLOWING.1 * braking)
+}
+
+/// Hardest acceleration of a job, m/s2.
+fn hardest(p: &Parameters) -> f64 {
+    p.retract.deceleration.max(p.approach.acceleration)
+}
+
 /// Largest disturbance (N): `limits.disturbance`, or the larger of half the force of the drive and of `guard.force` with
 /// the force of the hardest acceleration.
 pub fn disturbance_limit(p: &Parameters) -> f64 {
     if p.limits.disturbance > 0.0 {
         return p.limits.disturbance;
     }
-    let acceleration = p.retract.deceleration.max(p.approach.acceleration);
-    f64::max(0.5 * p.stage.force_constant * p.stage.current_max, p.guard_force + p.stage.mass * acceleration)
+    f64::max(0.5 * p.stage.force_constant * p.stage.current_max, p.guard_force + p.stage.mass * hardest(p))
 }
 
 #[cfg(test)]
@@ -312,6 +328,19 @@ mod tests {
             vars.output.fault = fault;
             assert_eq!(numbers(&vars).is_empty(), fault == Fault::None, "{fault:?}");
         }
+    }
+
+    #[test]
+    fn a_slow_servo_and_a_hard_braking_may_be_farther_from_the_reference() {
+        let near = |p: &Parameters, expected: f64| assert!((following_limit(p) / expected - 1.0).abs() < 1e-9);
+        let mut p = Parameters::START;
+        near(&p, 3.0 * 2.0 * 2.0 / (188.0 * 3142.0));
+        p.servo.bandwidth = 50.0;
+        near(&p, 3.0 * 2.0 * 2.0 / (50.0 * 3142.0));
+        p.retract.deceleration = 0.2;
+        near(&p, 20e-6);
+        p.limits.following = 7e-6;
+        near(&p, 7e-6);
     }
 
     #[test]

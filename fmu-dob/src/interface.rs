@@ -129,7 +129,7 @@ mod variables {
         #[var(start = true)] pub position_valid: bool,
         /// Spindle speed; 0 switches the notches off
         #[var(unit = RADIAN_PER_SECOND as "rpm", accepts_nan)] pub spindle_speed: f64,
-        /// Rising edge after the first sample begins an approach from `Idle` or `Done`; false ends one: decelerate, retract, `Done`
+        /// Rising edge after the first sample begins an approach from `Idle` or `Done`, once the stage is found and at rest; false ends one: decelerate, retract, `Done`
         pub enable: bool,
         /// Rising edge ends a fault once the stage is at rest behind its retreat, or the drive is off and `position` is good
         pub reset_fault: bool,
@@ -141,7 +141,7 @@ mod variables {
         pub state: State,
         pub fault: Fault,
         /// The drive shall be on; false from a fault that the controller cannot control until it is reset
-        pub drive_enable: bool,
+        #[var(start = true)] pub drive_enable: bool,
         /// The approach was ended by `enable`; kept until the next approach
         pub aborted: bool,
         /// Contact was detected; kept until the next approach, withdrawn by a fault before `Done`
@@ -290,15 +290,15 @@ mod variables {
         #[var(unit = METRE as "nm", range = 1e-12..=1e-3, start = 5e-9, source = "derived: three and a third times the 1.5 nm within which a reading stands")] pub frozen: f64,
         /// Time at rest without any change of a reading that had changed before; 0: not watched, for an encoder without noise
         #[var(unit = SECOND, range = 0.0..=100.0, start = 0.03, source = "our choice: 300 equal samples, of which noise of half a step makes every second differ")] pub rest_time: f64,
-        /// Largest distance of the stage from its reference, besides the v (1 + io_delay) T_s that it is late
-        #[var(unit = METRE as "um", range = 1e-9..=1.0, start = 2e-5, source = "our choice: three times the 2 zeta a / (omega_n g_v) = 7 um of braking at 2 m/s2")] pub following: f64,
+        /// Largest distance of the stage from its reference, besides the v (1 + io_delay) T_s that it is late; 0: three times what the hardest acceleration makes, at least 20 um
+        #[var(unit = METRE as "um", range = 0.0..=1.0, start = 0.0, source = "derived: max(20 um, 3 * 2 zeta a / (omega_n g_v)), 7 um of it once at 2 m/s2")] pub following: f64,
         /// Largest disturbance that the machine can have; 0: half of the force of the drive, or `guard.force` and the force of the hardest acceleration
         #[var(unit = NEWTON, range = 0.0..=1e8, start = 0.0, source = "derived: max(K_tn I_max / 2, guard.force + M_n a)")] pub disturbance: f64,
         /// Least share of the commanded force that must accelerate the stage
         #[var(unit = ONE, range = 0.0..=1.0, start = 0.5, source = "our choice: nominal mass and thrust may be wrong by 30 % each")] pub drive_share: f64,
         /// Largest acceleration of the spindle; a speed that changes faster is not believed
         #[var(unit = RADIAN_PER_SECOND_SQUARED, range = 1.0..=1e9, start = 2e4, source = "our choice: 30 000 rpm in 0.16 s")] pub spindle_acceleration: f64,
-        /// Longest learning; 0: twice `learn.time` and the time that the filters need
+        /// Longest learning, at least `learn.time`; 0: twice `learn.time` and the time that the filters need
         #[var(unit = SECOND, range = 0.0..=1e4, start = 0.0, source = "derived: 2 learn.time + settling")] pub learn_time: f64,
         /// Largest change of the force from before the contact to behind the retract
         #[var(unit = NEWTON, range = 1e-6..=1e6, start = 0.2, source = "our choice: half of `guard.force`, ten sigma of the weight balancer")] pub force_left: f64,

@@ -22,9 +22,9 @@ impl Model for Controller {
     // `longest_step` as measured: docs/communication-step.md
     const INFO: Info = Info {
         name: "DisturbanceObserverContactDetection",
-        state_version: 3,
+        state_version: 4,
         stop_time: 2.0,
-        longest_step: 2.0,
+        longest_step: 1.0,
         ..package!()
     };
     type Vars = Vars;

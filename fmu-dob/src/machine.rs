@@ -12,12 +12,18 @@ impl State {
     pub fn at_work(self) -> bool {
         self.approaching() || matches!(self, Self::Contact | Self::Retract)
     }
+
+    /// Whether an approach is asked for: by a rising edge of `enable` here, or by one `before` that still waits for a
+    /// stage at rest.
+    pub fn asked(self, before: bool, edge: bool, enabled: bool) -> bool {
+        matches!(self, Self::Idle | Self::Done) && enabled && (before || edge)
+    }
 }
 
 /// What happened in one sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Events {
-    /// Rising edge of `enable`.
+    /// An approach is asked for, see [`State::asked`].
     pub begin: bool,
     /// `enable` is set.
     pub enabled: bool,
@@ -101,6 +107,15 @@ mod tests {
         for (events, expected) in way.iter().zip(expected) {
             state = next(state, events);
             assert_eq!(state, expected);
+        }
+    }
+
+    #[test]
+    fn an_edge_waits_for_rest_until_enable_falls() {
+        for &state in State::ALL {
+            let waits = matches!(state, State::Idle | State::Done);
+            assert_eq!([state.asked(false, true, true), state.asked(true, false, true)], [waits; 2]);
+            assert!(!state.asked(true, false, false) && !state.asked(false, false, true));
         }
     }
 

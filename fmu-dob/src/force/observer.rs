@@ -4,6 +4,14 @@ use serde::{Deserialize, Serialize};
 
 use crate::interface::{Observer, Parameters, Stage};
 
+/// The observer has forgotten an acceleration after this many times 1 / `observer.bandwidth`: exp(-6) is left.
+const FORGOTTEN: f64 = 6.0;
+
+/// Time (s) until the observer has forgotten an acceleration.
+pub fn forgetting(p: &Parameters) -> f64 {
+    FORGOTTEN / p.observer.bandwidth
+}
+
 /// Velocity-form disturbance observer, discretised by backward Euler.
 ///
 /// With Q(s) = g / (s + g) and v = g_v s / (s + g_v) z the filtered eq. 1 is

@@ -40,6 +40,11 @@ pub fn job_limit(p: &Parameters, approach: &Approach) -> f64 {
     JOB_SPARE.0 * (there + back) + JOB_SPARE.1
 }
 
+/// Whether a job of so many samples takes longer than it may; `limits.job_time` may be longer than a 32-bit count.
+pub fn late(p: &Parameters, approach: &Approach, samples: u64) -> bool {
+    samples as f64 * p.sample_period > job_limit(p, approach)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -58,5 +63,13 @@ mod tests {
         near(retract_distance(&p, &p.approach), 1e-3);
         near(learn_limit(&p), 3.0);
         near(job_limit(&p, &p.approach), 7.0);
+    }
+
+    #[test]
+    fn a_job_may_last_for_more_samples_than_a_counter_of_32_bit_holds() {
+        let mut p = Parameters::START;
+        p.limits.job_time = 1e9;
+        assert!(!late(&p, &p.approach, 2 * u64::from(u32::MAX)));
+        assert!(late(&p, &p.approach, 10_000_000_000_001));
     }
 }

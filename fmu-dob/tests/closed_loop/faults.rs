@@ -346,3 +346,41 @@ fn the_next_approach_is_armed_before_it_touches_again() {
         run.step();
     }
 }
+
+#[test]
+fn an_edge_waits_for_a_stage_at_rest() {
+    // the sample of the edge is bridged
+    let mut run = Loop::new(&Parameters::START, 27, NO_WORKPIECE);
+    (0..200).for_each(|_| run.step_with(|input| input.enable = false));
+    run.step_with(|input| (input.enable, input.position_valid) = (true, false));
+    assert_eq!(run.output.state, State::Idle);
+    assert!(run.run_to(State::Approach, 0.03), "{:?}", run.output);
+    // it comes before the stage is found
+    let mut run = Loop::new(&Parameters::START, 27, NO_WORKPIECE);
+    run.step_with(|input| input.enable = false);
+    (0..100).for_each(|_| run.step_with(|input| input.enable = true));
+    assert_eq!(run.output.state, State::Approach);
+    // it falls again: nothing is begun later
+    let mut run = Loop::new(&Parameters::START, 27, NO_WORKPIECE);
+    (0..1000).for_each(|k| run.step_with(|input| input.enable = k == 1));
+    assert_eq!(run.output.state, State::Idle);
+}
+
+#[test]
+fn a_reset_forgets_the_answer_of_the_drive() {
+    let mut run = running(&Parameters::START, 28, State::Detect);
+    (0..100).for_each(|_| run.step_with(|input| input.enable = false));
+    (0..10).for_each(|_| run.step_with(|input| (input.enable, input.position_valid) = (false, false)));
+    assert_eq!(run.output.fault, Fault::LostReading);
+    (0..100).for_each(|_| run.step_with(|input| input.enable = false));
+    // a stage that nothing drove looks like a weak drive
+    let share = run.output.drive_share;
+    assert!(share != 0.0 && share < 0.5, "{share}");
+    reset(&mut run);
+    assert_eq!(run.output.drive_share, 0.0);
+}
+
+#[test]
+fn the_drive_is_on_before_the_first_sample() {
+    assert!(Loop::new(&Parameters::START, 29, NO_WORKPIECE).output.drive_enable);
+}
