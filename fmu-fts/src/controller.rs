@@ -52,6 +52,8 @@ pub struct Controller {
     torque: f64,
     hold: HoldMotion,
     tracker: Tracker,
+    /// slide position at which the arm came onto the path, m
+    joined: f64,
     /// motion of the hub that is wanted
     motion: Trajectory,
     recursion: Recursion,
@@ -97,6 +99,7 @@ impl Controller {
             torque: 0.0,
             hold: HoldMotion::at(0.0),
             tracker: Tracker::new(p, path, response),
+            joined: 0.0,
             motion: Trajectory::default(),
             recursion: Recursion::default(),
             identification,
@@ -119,7 +122,7 @@ impl Controller {
         self.calibrate(p, input, &reading, torque);
         self.report(p, torque, &wanted, &reading, output);
         output.afc_frozen = !layers.learning;
-        if matches!(self.state, State::Ready | State::Track) {
+        if self.on_path() {
             self.tracker.judge(output.error.tracking, &self.spindle, &phasors);
         }
     }
@@ -138,10 +141,11 @@ impl Controller {
         let events = Events {
             fault: faults::find(p, &self.situation(p, mode, reading)),
             reset: self.reset_fault.rises(input.reset_fault),
+            at_rest: !self.retracting || self.stands(p),
             renewed: self.request.renewed(),
             arm_known: self.reader.arm_known(),
             spindle_known: self.spindle.known() && self.reader.spindle_known(),
-            cut_over: self.reader.spindle_known() && !self.tracker.path().covers(reading.slide_position),
+            cut_over: self.left(reading) && self.tracker.path().cut_over(self.joined, reading.slide_position),
             arrived: self.tracker.arrived(p),
         };
         let state = next(self.state, mode, &events);
@@ -170,10 +174,28 @@ impl Controller {
             found: if self.closed() { self.watch.find(p, self.arm.length) } else { None },
             overdue: overdue(p, path, self.identification.duration(), self.state, &self.job),
             path: wanted.then_some(path),
-            on_path: matches!(self.state, State::Ready | State::Track),
-            slide_position: reading.slide_position,
+            outside: if self.on_path() {
+                self.left(reading) && !path.cut_over(self.joined, reading.slide_position)
+            } else {
+                !path.covers(reading.slide_position)
+            },
             spindle_speed: self.spindle.speed,
         }
+    }
+
+    /// Whether the arm is on the path: the end of the table may be the end of the cut.
+    fn on_path(&self) -> bool {
+        matches!(self.state, State::Ready | State::Track)
+    }
+
+    /// Whether the slide is seen where the path has no table.
+    fn left(&self, reading: &Reading) -> bool {
+        self.reader.spindle_known() && !self.tracker.path().covers(reading.slide_position)
+    }
+
+    /// Whether the arm has come to rest beside the path.
+    fn stands(&self, p: &Parameters) -> bool {
+        self.tracker.gone(p) && self.motion.velocity == 0.0 && !self.identification.swinging()
     }
 
     /// Whether the position loop is closed.
@@ -222,6 +244,7 @@ impl Controller {
                 self.identification.stop();
                 self.tracker.approach(p);
             }
+            State::Ready | State::Track if self.state == State::Approach => self.joined = reading.slide_position,
             State::Ready | State::Track => (),
         }
         if state == State::Fault && !self.retracting {

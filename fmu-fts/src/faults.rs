@@ -20,17 +20,15 @@ pub struct Situation<'a> {
     pub overdue: bool,
     /// The path that is asked for, if one is.
     pub path: Option<&'a PathTable>,
-    /// The arm is on the path: its end is the end of the cut.
-    pub on_path: bool,
-    /// Slide position, m.
-    pub slide_position: f64,
+    /// The slide is where the path has no table, and it is not the end of the cut.
+    pub outside: bool,
     /// Spindle speed, rad/s.
     pub spindle_speed: f64,
 }
 
 impl Fault {
     /// How the job ends. The arm obeys wherever its encoder, its drive and its loop do, and leaves the part then; without
-    /// one of them no torque is known to help.
+    /// one of them, or with no torque to spare, none is known to help.
     pub fn safe_end(self) -> SafeEnd {
         match self {
             Self::None
@@ -39,7 +37,6 @@ impl Fault {
             | Self::InvalidInput
             | Self::LostSpindle
             | Self::LostSlide
-            | Self::Saturation
             | Self::NoProgress => SafeEnd::Retract,
             Self::FollowingError
             | Self::LostReading
@@ -47,14 +44,15 @@ impl Fault {
             | Self::ReadingJump
             | Self::DriveSign
             | Self::WeakDrive
-            | Self::Oscillation => SafeEnd::DriveOff,
+            | Self::Oscillation
+            | Self::Saturation => SafeEnd::DriveOff,
         }
     }
 }
 
 /// The gravest fault of this sample, its cause before its consequences.
 pub fn find(p: &Parameters, now: &Situation) -> Option<Fault> {
-    let Situation { missing, slide_position, spindle_speed, .. } = *now;
+    let Situation { missing, spindle_speed, .. } = *now;
     let arm = missing.arm.map(|loss| match loss {
         Loss::Invalid => Fault::LostReading,
         Loss::Frozen => Fault::FrozenReading,
@@ -66,11 +64,10 @@ pub fn find(p: &Parameters, now: &Situation) -> Option<Fault> {
             let axis = |loss: Option<Loss>, own| {
                 loss.map(|loss| if loss == Loss::Invalid { Fault::InvalidInput } else { own })
             };
-            let outside = !now.on_path && !path.covers(slide_position);
             let infeasible = needed_torque(p, path, spindle_speed) > available_torque(p);
             axis(missing.spindle, Fault::LostSpindle)
                 .or(axis(missing.slide, Fault::LostSlide))
-                .or(outside.then_some(Fault::OutsideTable))
+                .or(now.outside.then_some(Fault::OutsideTable))
                 .or(infeasible.then_some(Fault::Infeasible))
         }))
         .or(now.overdue.then_some(Fault::NoProgress))
@@ -124,4 +121,23 @@ pub fn truncation(vars: &Vars) -> Option<String> {
              or end the cut at a smaller `surface.outer_radius`"
         )
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_arm_moves_on_only_where_encoder_drive_and_loop_obey() {
+        for fault in Fault::ALL {
+            let end = match fault {
+                Fault::None | Fault::Infeasible | Fault::OutsideTable | Fault::InvalidInput => SafeEnd::Retract,
+                Fault::LostSpindle | Fault::LostSlide | Fault::NoProgress => SafeEnd::Retract,
+                Fault::LostReading | Fault::FrozenReading | Fault::ReadingJump => SafeEnd::DriveOff,
+                Fault::DriveSign | Fault::WeakDrive | Fault::Oscillation => SafeEnd::DriveOff,
+                Fault::FollowingError | Fault::Saturation => SafeEnd::DriveOff,
+            };
+            assert_eq!(fault.safe_end(), end, "{fault:?}");
+        }
+    }
 }

@@ -56,9 +56,10 @@ mod variables {
         Identify,
         /// Holds `hold_angle` for a calibration
         Calibrate,
-        /// Stopped for the reason that `fault` gives: out of the part where the arm obeys, else without torque; `reset_fault` ends it
+        /// Stopped for the reason that `fault` gives: out of the part where the arm obeys, else without torque; `reset_fault` ends it once the arm is there
         Fault,
-        /// The slide has left the table, the cut is finished: holds the tool out of the part
+        /// The slide has left the table at least a row from where the path was joined, the cut is finished: holds the tool out of the
+        /// part
         Done,
     }
     /// Why the controller is in the fault state
@@ -143,7 +144,7 @@ mod variables {
         pub enable: bool,
         /// What is asked for; acts while `enable` is true
         pub mode: Mode,
-        /// Rising edge ends a fault; the next job begins when `mode` changes or `enable` rises anew
+        /// Rising edge ends a fault, once the arm is out of the part or the drive off; the next job begins when `mode` changes or `enable` rises anew
         pub reset_fault: bool,
         /// Pre-shift the path by the frequency response of the position loop
         #[var(name = "feedforward.enable", start = true)] pub feedforward_enable: bool,

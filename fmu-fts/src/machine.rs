@@ -49,22 +49,24 @@ pub struct Events {
     pub fault: Option<Fault>,
     /// `reset_fault` rises.
     pub reset: bool,
+    /// The arm is not on its way out of the part.
+    pub at_rest: bool,
     /// Something else is asked for.
     pub renewed: bool,
     /// Angle and speed of the arm are known.
     pub arm_known: bool,
     /// Angle and speed of the spindle are known, and where the slide is.
     pub spindle_known: bool,
-    /// The slide has left the table.
+    /// The slide has left the table at the end of the cut.
     pub cut_over: bool,
     /// The motion onto the path is complete.
     pub arrived: bool,
 }
 
-/// The state after `state` when `mode` is asked for; a fault comes first and stays until it is reset.
+/// The state after `state` when `mode` is asked for; a fault comes first and stays until it is reset, at rest.
 pub fn next(state: State, mode: Mode, events: &Events) -> State {
     match (state, mode) {
-        (State::Fault, _) if events.reset => State::Idle,
+        (State::Fault, _) if events.reset && events.at_rest => State::Idle,
         (State::Fault, _) => State::Fault,
         (_, Mode::Idle) => State::Idle,
         _ if events.fault.is_some() => State::Fault,
@@ -92,6 +94,7 @@ mod tests {
     const NOTHING: Events = Events {
         fault: None,
         reset: false,
+        at_rest: true,
         renewed: false,
         arm_known: true,
         spindle_known: true,
@@ -119,6 +122,14 @@ mod tests {
         for mode in Mode::ALL {
             assert_eq!(next(State::Fault, *mode, &NOTHING), State::Fault);
             assert_eq!(next(State::Fault, *mode, &Events { reset: true, ..broken }), State::Idle);
+        }
+    }
+
+    #[test]
+    fn a_reset_waits_until_the_arm_is_out_of_the_part() {
+        let moving = Events { reset: true, at_rest: false, ..NOTHING };
+        for mode in Mode::ALL {
+            assert_eq!(next(State::Fault, *mode, &moving), State::Fault);
         }
     }
 

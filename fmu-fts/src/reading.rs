@@ -91,7 +91,7 @@ impl Guarded {
         let motion = if unknown { f64::INFINITY } else { axis.motion };
         let spread = n * axis.spread + 0.5 * axis.change * n * (n + 1.0);
         // what was lost for good is not believed again before `begin_anew`
-        let usable = valid && !stands && self.guard.doubted() < axis.lost;
+        let usable = valid && !stands && self.guard.doubted() <= axis.lost;
         let used = self.guard.update(if usable { raw } else { f64::NAN }, Reach { motion, spread });
         if self.guard.doubted() == 0 {
             self.velocity = self.last.replace(used).map(|last| (used - last) / n);
@@ -123,7 +123,7 @@ impl Guarded {
 
     /// Why so many readings in a row are lost, if they are.
     fn lost(&self, axis: &Axis) -> Option<Loss> {
-        self.loss.filter(|_| self.guard.doubted() >= axis.lost)
+        self.loss.filter(|_| self.guard.doubted() > axis.lost)
     }
 
     /// Whether place and velocity are known.
@@ -178,7 +178,7 @@ impl Reader {
             arm: self.arm.lost(&arm),
             spindle: self.spindle.lost(&spindle),
             slide: self.slide.lost(&slide),
-            hold: self.hold_lost >= arm.lost,
+            hold: self.hold_lost > arm.lost,
         };
         reading
     }
@@ -339,7 +339,7 @@ mod tests {
         let stuck = on_path(499);
         let (arm, spindle) = (stuck.arm_angle, stuck.spindle_angle);
         for count in 1..20 {
-            let lost = |loss| (count >= most).then_some(loss);
+            let lost = |loss| (count > most).then_some(loss);
             assert_eq!(after(500, count, |i| i.arm_angle = f64::NAN).0.missing().arm, lost(Loss::Invalid));
             assert_eq!(after(500, count, |i| i.arm_angle += 5e-4).0.missing().arm, lost(Loss::Jump));
             assert_eq!(after(500, count, |i| i.arm_angle = arm).0.missing().arm, lost(Loss::Frozen));
@@ -370,9 +370,9 @@ mod tests {
         let p = Parameters::START;
         let bad = Input { arm_angle: f64::NAN, hold_angle: f64::NAN, ..Input::START };
         let mut reader = Reader::default();
-        for k in 1..=5 {
+        for k in 1..=6 {
             assert_eq!(reader.read(&p, &bad, 0.0), Reading::default());
-            assert_eq!((reader.missing().hold, reader.known()), (k == 5, false));
+            assert_eq!((reader.missing().hold, reader.known()), (k == 6, false));
         }
     }
 

@@ -84,7 +84,8 @@ fn no_fault_allocates() {
     for (fault, spoil) in wrong {
         let mut bench = Bench::new(Parameters::START);
         bench.run(Mode::Track, 5000, |_, _| ());
-        bench.run(Mode::Track, 200, |_, input| spoil(input));
+        // until the arm is out of the part
+        bench.run(Mode::Track, 4000, |_, input| spoil(input));
         assert_eq!((bench.output.state, bench.output.fault), (State::Fault, fault));
         bench.run(Mode::Track, 10, |k, input| input.reset_fault = k > 5);
         assert_eq!((bench.output.state, bench.output.fault), (State::Idle, Fault::None));

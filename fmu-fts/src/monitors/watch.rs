@@ -83,8 +83,8 @@ impl Watch {
             .then_some(Fault::FrozenReading)
             .or(share.and_then(|share| self.drive_fault(p, share)))
             .or((self.turns >= REVERSALS).then_some(Fault::Oscillation))
-            .or((self.saturated > SATURATED).then_some(Fault::Saturation))
             .or(behind.then_some(Fault::FollowingError))
+            .or((self.saturated > SATURATED).then_some(Fault::Saturation))
             .or(poor.then_some(Fault::NoProgress))
     }
 
@@ -124,4 +124,35 @@ pub fn overdue(p: &Parameters, path: &PathTable, identify: f64, state: State, jo
     };
     let time = if p.limits.job_time > 0.0 { p.limits.job_time } else { usual };
     job.samples() as f64 * p.sample_period > time
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use control_blocks::SafeEnd;
+
+    /// What is found after 0.5 s at full torque, of an arm that moves `behind` (rad) what is wanted.
+    fn at_full_torque(behind: f64) -> Option<Fault> {
+        let (p, length, mut watch) = (Parameters::START, 0.08, Watch::default());
+        for k in 0..5000 {
+            let arm_angle = 1e-3 * f64::from(k);
+            let (wanted, torque) = (arm_angle + behind, p.servo.torque_max);
+            let sample = Sample { wanted, arm_angle, torque, swinging: false, learning: false, rms: 0.0 };
+            watch.update(&p, length, &sample);
+        }
+        watch.find(&p, length)
+    }
+
+    #[test]
+    fn an_arm_that_full_torque_leaves_behind_does_not_follow() {
+        assert_eq!(at_full_torque(0.02), Some(Fault::FollowingError));
+        assert_eq!(at_full_torque(0.001), Some(Fault::Saturation));
+    }
+
+    #[test]
+    fn nothing_goes_on_at_full_torque() {
+        for behind in [0.02, 0.001] {
+            assert_eq!(at_full_torque(behind).map(Fault::safe_end), Some(SafeEnd::DriveOff));
+        }
+    }
 }

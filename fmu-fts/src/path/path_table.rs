@@ -92,6 +92,13 @@ impl PathTable {
         place >= -MARGIN && place <= (self.rows - 1) as f64 + MARGIN
     }
 
+    /// Whether the slide has left the table by an end to which it has come from where the path was joined (m): at least a row
+    /// of the way is cut then.
+    pub fn cut_over(&self, joined: f64, slide_position: f64) -> bool {
+        let end = if slide_position < self.first { self.first } else { self.first + self.extent() };
+        !self.covers(slide_position) && (end - joined).abs() >= self.step
+    }
+
     /// Way of the slide through the table, m.
     pub fn extent(&self) -> f64 {
         (self.rows - 1) as f64 * self.step.abs()
@@ -236,6 +243,25 @@ mod tests {
         }
         for rho in [0.0502, -0.0002] {
             assert!(!path.covers(path.arm().slide_position(rho, 0.0)), "{rho}");
+        }
+    }
+
+    #[test]
+    fn the_cut_is_over_at_the_end_that_it_has_come_to() {
+        let path = path(&Parameters::START);
+        let at = |rho: f64| path.arm().slide_position(rho, 0.0);
+        let (rim, axis) = (0.0502, -0.0002);
+        for (joined, left, over) in [
+            (0.05, rim, false),
+            (0.0496, rim, false),
+            (0.05, axis, true),
+            (0.03, axis, true),
+            (0.001, axis, true),
+            (0.0004, axis, false),
+            (0.0, rim, true),
+            (0.03, 0.01, false),
+        ] {
+            assert_eq!(path.cut_over(at(joined), at(left)), over, "{joined} {left}");
         }
     }
 

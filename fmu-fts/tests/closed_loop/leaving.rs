@@ -81,7 +81,7 @@ fn a_swing_that_is_broken_off_fades() {
 fn after_the_end_of_the_table_the_tool_is_out_of_the_part_and_nothing_is_wrong() {
     let mut p = Parameters::START;
     p.surface.inner_radius = 0.0295;
-    let mut run = Loop::new(&p, &Build::NOMINAL, 11);
+    let mut run = Loop::new(&p, &Build { radius: 0.0301, ..Build::NOMINAL }, 11);
     run.run_to(0.6);
     let deepest = range(&mut run, 0.11).0;
     run.feed(5e-3);
@@ -97,6 +97,42 @@ fn after_the_end_of_the_table_the_tool_is_out_of_the_part_and_nothing_is_wrong()
     run.input.enable = false;
     run.step();
     assert_eq!(run.output.state, State::Idle);
+}
+
+#[test]
+fn out_of_the_table_where_the_path_was_joined_nothing_is_done() {
+    let mut p = Parameters::START;
+    p.surface.outer_radius = 0.0303;
+    let mut run = Loop::new(&p, &Build::NOMINAL, 11);
+    run.run_to(0.6);
+    run.feed(-5e-3);
+    while run.output.state == State::Track {
+        assert!(run.time() < 1.0);
+        run.step();
+    }
+    assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::OutsideTable));
+    assert!(run.output.drive_enable);
+}
+
+#[test]
+fn a_reset_on_the_way_out_of_the_part_waits_for_its_end() {
+    let mut run = Loop::new(&Parameters::START, &Build::NOMINAL, 11);
+    run.run_to(0.6);
+    run.input.hold_angle = f64::NAN;
+    run.run_to(0.61);
+    run.input.hold_angle = 0.0;
+    let mut before = run.machine.tip_depth();
+    loop {
+        run.input.reset_fault ^= true;
+        run.step();
+        let moved = (run.machine.tip_depth() - before).abs();
+        before = run.machine.tip_depth();
+        if run.output.state == State::Idle {
+            assert!(run.time() > 0.8 && moved < 1e-6, "{} s: {moved} m in a sample", run.time());
+            break;
+        }
+        assert!(run.time() < 1.0);
+    }
 }
 
 #[test]
@@ -116,7 +152,7 @@ fn a_lost_spindle_ends_out_of_the_part_under_control() {
         assert!(high < most + 0.05 * (most - least), "{high} {most}");
         assert_eq!((run.output.fault, run.output.drive_enable), (Fault::LostSpindle, true));
         // a second fault in the end is not ignored, and asks for more
-        for _ in 0..5 {
+        for _ in 0..6 {
             run.step_with(|input| input.arm_angle = f64::NAN);
         }
         let told = (run.output.fault, run.output.drive_enable, run.output.torque);
