@@ -3,7 +3,7 @@
 //! The observer's disturbance is what the thrust of the current does not turn into acceleration, so Q [K_tn I] - F is the
 //! inertial force M_n z'' behind both low-passes. Held against the thrust behind the same low-passes it tells the drive.
 //! Both lose what is steady: a weight takes thrust for ever and accelerates nothing. At an `approach.velocity` below some
-//! 70 um/s the start of the defaults is too faint to tell anything; the drive is then judged behind the retract alone.
+//! 60 um/s the start of the defaults is too faint to tell anything; the drive is then judged behind the retract alone.
 
 use control_blocks::Response;
 use serde::{Deserialize, Serialize};
