@@ -391,7 +391,7 @@ mod variables {
         /// Part of `servo.torque_max` that a path may need
         #[var(unit = ONE, range = 0.1..=1.0, start = 0.9, source = "our choice: the rest is for control")] pub torque_share: f64,
         /// Readings in a row that may be lost, while the motion of the axis stands in for them
-        #[var(range = 1..=100, start = 5, source = "derived: 60 um at 500 m/s2")] pub lost_samples: i32,
+        #[var(range = 1..=100, start = 4, source = "derived: 40 um at 500 m/s2")] pub lost_samples: i32,
         /// Largest difference of two readings of the arm at rest
         #[var(unit = RADIAN, range = 1e-9..=0.1, start = 2e-5, source = "derived: 1.6 um at the tool, 26 steps of the encoder")] pub arm_spread: f64,
         /// Largest difference of two readings of the spindle at steady speed; a slower spindle may stand without a fault

@@ -64,7 +64,7 @@ fn only_a_rising_edge_resets_a_fault() {
     let mut run = Loop::new(&Parameters::START, &Build::NOMINAL, 4);
     run.input.reset_fault = true;
     run.run_to(0.02);
-    (0..6).for_each(|_| run.step_with(|input| input.slide_position = f64::NAN));
+    (0..5).for_each(|_| run.step_with(|input| input.slide_position = f64::NAN));
     for k in 0..100 {
         // neither the level, nor another mode, nor the switch
         run.input.mode = if k < 50 { Mode::Idle } else { Mode::Hold };
@@ -166,7 +166,7 @@ fn nonsense_is_bridged_and_then_a_fault_in_every_state() {
                 let mut run = Loop::new(&Parameters::START, &Build::NOMINAL, 4);
                 run.input.mode = *mode;
                 run.run_to(0.02);
-                for _ in 0..5 {
+                for _ in 0..4 {
                     run.step_with(|input| *change(input) = nonsense);
                     assert_eq!(run.output.fault, Fault::None, "{mode:?}");
                 }
