@@ -175,10 +175,11 @@ impl Controller {
             beyond_travel: self.motion.beyond_travel(p),
             estimate: self.estimate.as_ref(),
         };
-        if self.state.active() && self.state != State::Centred {
+        let centring = self.state.active() && self.state != State::Centred;
+        if centring {
             self.progress.count();
         }
-        let late = self.progress.samples() > u64::from(p.ticks(job_time(p, view.speed))) && self.state.active();
+        let late = centring && self.progress.samples() > u64::from(p.ticks(job_time(p, view.speed)));
         let found = [
             reading.fault,
             (frozen || astray).then_some(Fault::FrozenReading),

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::centre::Estimate;
 use crate::interface::{Fault, Input, Parameters, State, Vars};
 use crate::limits::{GRAVITY, held_surface_velocity, job_time, speed_limit};
+use crate::sensing::believable_share;
 
 /// A probe that has no contact for longer has lost the ring, s.
 const LOST_TIME: f64 = 0.1;
@@ -187,7 +188,9 @@ pub fn numbers(vars: &Vars) -> String {
         }
         (State::Fault, Fault::FrozenReading) => {
             let share = output.monitor.probe_share;
-            format!(": probe at `{probe_position} m`, share of its test before Centred `{share:.2}`")
+            let tested =
+                if believable_share(share) { String::new() } else { format!(", it answered `{share:.2}` of its test") };
+            format!(": probe at `{probe_position} m`{tested}")
         }
         (State::Fault, Fault::LostReading) => {
             format!(": slide at `{slide_position} m`, following error `{:.3} mm`", 1e3 * output.monitor.following_error)

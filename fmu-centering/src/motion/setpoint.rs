@@ -49,10 +49,10 @@ impl Motion {
         self.go(p, self.home, p.approach.velocity);
     }
 
-    /// Stands at the place of a slide (m) that nothing drives.
+    /// Stands at the place of a slide (m) that nothing drives, which is not sent back from there.
     pub fn yield_to(&mut self, position: f64) {
         self.setpoint = Trajectory { position, ..Trajectory::default() };
-        self.course = None;
+        (self.home, self.course) = (position, None);
     }
 
     /// Ends a move: the setpoint has the velocity it is told.
