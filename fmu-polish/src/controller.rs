@@ -14,6 +14,7 @@ use crate::machine::{Events, graver, next};
 use crate::monitor::axis::AxisMonitor;
 use crate::monitor::force::{ForceMonitor, ForceSample};
 use crate::monitor::job::JobTime;
+use crate::monitor::numbers::Numbers;
 use crate::motion::position::PositionFeedback;
 use crate::motion::pulses::Remainder;
 use crate::motion::stick_slip;
@@ -101,7 +102,7 @@ impl Controller {
     pub fn tick(&mut self, input: &Input, parameters: &Parameters, output: &mut Output) {
         let p = parameters;
         if self.at_rest() {
-            self.reader.forget();
+            self.reader.rest(p, input);
         }
         let reading = self.reader.read(p, input, self.normal.stiffness);
         let now = self.measure(p, &reading);
@@ -144,7 +145,7 @@ impl Controller {
             contact: self.contact.contact(p),
             settled: self.contact.settled(p),
             arrived: self.place.s >= self.path.length(),
-            unloaded: now.force.controlled < 0.5 * p.approach.contact_force,
+            unloaded: self.contact.unloaded(p),
             retracted: self.retracted(p),
         };
         self.escalate(&events);
@@ -224,6 +225,7 @@ impl Controller {
     fn restart(&mut self, p: &Parameters, reading: &Reading) {
         self.sensor.restart();
         self.axes.restart(&reading.position);
+        self.force.restart();
         self.time.restart(p, &self.path);
         self.taring = true;
         self.fault = Fault::None;
@@ -233,7 +235,10 @@ impl Controller {
 
     /// What happens once, when `state` begins.
     fn enter(&mut self, p: &Parameters, state: State, events: &Events, now: &Measurement) {
-        self.travelled = 0.0;
+        // a way out goes on
+        if (self.state, state) != (State::Retract, State::Fault) {
+            self.travelled = 0.0;
+        }
         match state {
             State::Fault => {
                 self.fault = events.fault.unwrap_or(Fault::None);
@@ -359,7 +364,13 @@ impl Controller {
             misalignment: MisalignmentOutput { shift: shift.into(), rx: turn.x, ry: turn.y, rz: turn.z },
             ripple_frozen: self.normal.ripple.frozen(),
             path_length: self.path.length(),
+            numbers: self.numbers(p),
         }
+    }
+
+    fn numbers(&self, p: &Parameters) -> Numbers {
+        let (time, time_limit) = self.time.seconds(p);
+        Numbers { share: self.axes.share(p), time, time_limit }
     }
 }
 

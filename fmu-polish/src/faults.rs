@@ -54,8 +54,8 @@ impl Evidence<'_> {
         self.working() || (self.state == State::Fault && !self.halted)
     }
 
-    fn longer_than(&self, state: State, p: &Parameters) -> bool {
-        self.state == state && self.ticks > ticks(p.settle.time_max, p.sample_period)
+    fn longer_than(&self, p: &Parameters, state: State, time: f64) -> bool {
+        self.state == state && self.ticks > ticks(time, p.sample_period)
     }
 }
 
@@ -88,7 +88,8 @@ fn start(p: &Parameters, seen: &Evidence) -> Option<Fault> {
 }
 
 fn axes(p: &Parameters, seen: &Evidence) -> Option<Fault> {
-    if seen.moves() { seen.axes.fault(p) } else { None }
+    // the model moves on while the last good reading stands in for a bad one
+    if seen.moves() && seen.reading.fresh { seen.axes.fault(p) } else { None }
 }
 
 fn job(p: &Parameters, seen: &Evidence) -> Option<Fault> {
@@ -102,12 +103,14 @@ fn contact(p: &Parameters, seen: &Evidence) -> Option<Fault> {
     let Evidence { state, now, contact, .. } = *seen;
     let on_path = matches!(state, State::Settle | State::Follow);
     let too_deep = now.error.normal > p.limits.surface_error;
+    let most = p.settle.time_max;
+    let out = p.retract.distance / p.retract.velocity + most;
     first([
         (Fault::ForceLimit, now.force.norm > p.limits.force && (state.pressing() || state == State::Approach)),
         (Fault::InvalidPath, on_path && contact.misdirected(p, &now.frame.normal)),
         (Fault::ApproachTimeout, state == State::Approach && (seen.travelled > p.approach.travel_max || too_deep)),
-        (Fault::SettleTimeout, seen.longer_than(State::Settle, p)),
-        (Fault::UnloadTimeout, seen.longer_than(State::Unload, p) || seen.longer_than(State::Retract, p)),
+        (Fault::SettleTimeout, seen.longer_than(p, State::Settle, most)),
+        (Fault::UnloadTimeout, seen.longer_than(p, State::Unload, most) || seen.longer_than(p, State::Retract, out)),
         (Fault::LostContact, contact.lost(p)),
     ])
 }
@@ -180,7 +183,11 @@ pub fn numbers(vars: &Vars) -> String {
         Fault::SurfaceError => format!(" = `{} m` {place}", p.limits.surface_error),
         Fault::FrozenReading | Fault::FollowingError | Fault::DriveSign | Fault::WeakDrive => {
             let e = output.following;
-            format!(" {place}: `{:.6} {:.6} {:.6} m` from where the pulses bring it", e.x, e.y, e.z)
+            let share = output
+                .numbers
+                .share
+                .map_or(String::new(), |share| format!("; it does `{share:.2}` of what it is told"));
+            format!(" {place}: `{:.6} {:.6} {:.6} m` from where the pulses bring it{share}", e.x, e.y, e.z)
         }
         Fault::FrozenForce => format!(" {place}: raw force `{} {} {} N`", f.x, f.y, f.z),
         Fault::Saturation => format!(" = `{} N`: raw force `{} {} {} N`", p.sensor_range, f.x, f.y, f.z),
@@ -199,6 +206,28 @@ pub fn numbers(vars: &Vars) -> String {
             p.impedance.gain, p.impedance.damping, p.force.integral_time
         ),
         Fault::UnloadTimeout => format!(" = `{} s`: `{:.2} N`", p.settle.time_max, force.measured),
-        Fault::NoProgress => format!(" {place}"),
+        Fault::NoProgress => {
+            format!(" = `{:.1} s`: `{:.1} s` {place}", output.numbers.time_limit, output.numbers.time)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::monitor::numbers::Numbers;
+
+    #[test]
+    fn a_drive_tells_its_share_and_a_job_its_time() {
+        let mut vars = <Vars as fmi2_export::Interface>::START;
+        vars.output.numbers = Numbers { share: Some(0.3), time: 28.4, time_limit: 28.3 };
+        for (fault, told) in [
+            (Fault::WeakDrive, "; it does `0.30` of what it is told"),
+            (Fault::DriveSign, "; it does `0.30` of what it is told"),
+            (Fault::NoProgress, " = `28.3 s`: `28.4 s` at `0.000` of the path"),
+        ] {
+            vars.output.fault = fault;
+            assert!(numbers(&vars).contains(told), "{}", numbers(&vars));
+        }
     }
 }

@@ -4,6 +4,7 @@
 #[rustfmt::skip]
 mod variables {
     use crate::axes::Axes;
+    use crate::monitor::numbers::Numbers;
     use control_blocks::DELAY_MAX;
     use fmi2_export::{Unit, units::*};
     const NEWTON_SECOND_PER_METRE: Unit = Unit::si("N.s/m", [1, 0, -1, 0, 0], &[]);
@@ -177,6 +178,8 @@ mod variables {
         #[var(name = "ripple.frozen")] pub ripple_frozen: bool,
         /// Length of the path along the contact points
         #[var(name = "path.length", unit = METRE as "mm")] pub path_length: f64,
+        /// What is told with the fault.
+        #[var(hidden, start = Numbers::START)] pub numbers: Numbers,
     }
     /// Commanded velocity and its parts.
     pub struct VelocityOutput {
@@ -266,9 +269,10 @@ mod variables {
         pub retract: Retract,
         pub limits: Limits,
     }
-    /// Linear model of an axis from its pulses to its position: position loop, velocity feedforward, velocity loop.
+    /// Linear model of an axis from its pulses to its position: position loop, velocity feedforward, velocity loop. It tells the
+    /// phases of the ripple and the margin of the force loop, and `FollowingError` is measured from it.
     pub struct Drive {
-        /// Gain of the position loop of the drives, for the phases of the ripple
+        /// Gain of the position loop of the drives
         #[var(unit = PER_SECOND, range = 1.0..=1e4, start = 80.0, source = "our choice: usual AC servo")] pub position_gain: f64,
         /// Part of the velocity that the drives feed forward
         #[var(unit = ONE, range = 0.0..=1.0, start = 0.8, source = "our choice")] pub feedforward: f64,

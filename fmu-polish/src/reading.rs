@@ -72,9 +72,12 @@ impl Reader {
         }
     }
 
-    /// Believes the next readings wherever they are: outside a job anything may move the machine.
-    pub fn forget(&mut self) {
-        (self.position, self.force) = Default::default();
+    /// Believes the sample to come wherever it is, as outside a job anything may move the machine; but with `enable`,
+    /// when a job may begin with it, only after too many doubts.
+    pub fn rest(&mut self, p: &Parameters, input: &Input) {
+        if !input.enable || self.doubted() > p.limits.lost_samples.unsigned_abs() {
+            (self.position, self.force) = Default::default();
+        }
     }
 
     /// Reads one sample, on a contact of `stiffness` N/m.
@@ -94,7 +97,7 @@ impl Reader {
             reset: self.reset.rises(input.reset_fault),
             fresh: false,
             lost,
-            doubted: self.position.iter().chain(&self.force).map(JumpGuard::doubted).max().unwrap_or_default(),
+            doubted: self.doubted(),
             invalid: self.read_overrides(input),
             feed_override: self.overrides.0,
             force_override: self.overrides.1,
@@ -105,6 +108,11 @@ impl Reader {
             self.enabled = input.enable;
         }
         Reading { fresh, start: fresh && reading.start, ..reading }
+    }
+
+    /// Samples in a row in which a reading was not believed.
+    fn doubted(&self) -> u32 {
+        self.position.iter().chain(&self.force).map(JumpGuard::doubted).max().unwrap_or_default()
     }
 
     /// Takes the overrides; samples in a row that were none.
@@ -200,6 +208,25 @@ mod tests {
         let first = reader.read(&P, &on, K);
         assert_eq!((first.feed_override, first.force_override, first.start), (2.0, 0.0, true));
         assert!(!reader.read(&P, &on, K).start);
+    }
+
+    #[test]
+    fn a_bad_sample_with_the_edge_is_not_believed_and_what_stays_is() {
+        let (off, on) = (resting(), Input { enable: true, ..resting() });
+        let mut moved = on.clone();
+        (moved.force.z, moved.position.x) = (30.0, 0.1);
+        let mut reader = Reader::new();
+        let mut read = |input: &Input| {
+            reader.rest(&P, input);
+            reader.read(&P, input, K)
+        };
+        read(&off);
+        let edge = read(&moved);
+        assert_eq!((edge.force, edge.fresh, edge.start), (Vector3::from_element(2.0), false, false));
+        assert!(read(&on).start);
+        // moved by hand with `enable`, and without
+        assert!((0..10).any(|_| read(&moved).fresh));
+        assert!(read(&off).fresh && read(&Input { enable: false, ..moved.clone() }).fresh);
     }
 
     #[test]

@@ -15,6 +15,9 @@ const FORCE_TIME: f64 = 0.1;
 /// A force has a direction from here on, over the contact force.
 const DIRECTION_RATIO: f64 = 2.0;
 
+/// A force is gone below this, over the contact force.
+const UNLOADED_RATIO: f64 = 0.5;
+
 /// What is measured in one sample, before anything is decided.
 #[derive(Clone, Copy, Debug)]
 pub struct Measurement {
@@ -38,6 +41,7 @@ pub struct ContactMonitor {
     touching: Consecutive,
     settled: Consecutive,
     lost: Consecutive,
+    unloaded: Consecutive,
     free: Consecutive,
     error: f64,
     force: Vector3<f64>,
@@ -52,6 +56,8 @@ impl ContactMonitor {
         let small = self.error.abs() < p.settle.tolerance * p.force.target;
         self.settled.update(state == State::Settle && steady && small);
         self.lost.update(state == State::Follow && now.force.controlled < p.limits.lost_force);
+        let none = now.force.controlled < UNLOADED_RATIO * p.approach.contact_force;
+        self.unloaded.update(state == State::Unload && none);
         self.free.update(state == State::Retract && now.force.controlled.abs() < p.approach.contact_force);
         self.force += (now.force.vector - self.force) * share(FORCE_TIME);
     }
@@ -64,6 +70,11 @@ impl ContactMonitor {
     /// The force is settled.
     pub fn settled(&self, p: &Parameters) -> bool {
         self.settled.count() >= ticks(p.settle.hold_time, p.sample_period).max(1)
+    }
+
+    /// The force is gone where the tool still stands on the mold.
+    pub fn unloaded(&self, p: &Parameters) -> bool {
+        self.unloaded.count() >= p.approach.contact_samples.unsigned_abs()
     }
 
     /// The force is gone and stays away on the way out.

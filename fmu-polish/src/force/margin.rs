@@ -17,7 +17,8 @@ const LOWEST: f64 = 0.05;
 /// Frequencies.
 const COUNT: u32 = 400;
 
-/// Phase margin (rad) of the force law `law` on a contact of `stiffness` N/m; infinite where |L| is never 1.
+/// Phase margin (rad) of the force law `law` on a contact of `stiffness` N/m; infinite where |L| is always below 1, and
+/// minus infinite where it is 1 or more up to half the sample rate, beyond which nothing is controlled.
 pub fn phase_margin(p: &Parameters, law: &Coefficients, stiffness: f64) -> f64 {
     let highest = std::f64::consts::PI / p.sample_period;
     let growth = (highest / LOWEST).powf(f64::from(COUNT).recip());
@@ -34,7 +35,7 @@ pub fn phase_margin(p: &Parameters, law: &Coefficients, stiffness: f64) -> f64 {
         }
         before = now;
     }
-    margin
+    if before.norm() < 1.0 { margin } else { f64::NEG_INFINITY }
 }
 
 /// The phase between -360 and 0 degrees where two integrators begin, rad.
@@ -71,6 +72,15 @@ mod tests {
         let expected = (omega * t).atan();
         let margin = phase_margin(&p, &law, p.stiffness_nominal);
         assert!((margin / expected - 1.0).abs() < 0.03, "{margin} {expected}");
+    }
+
+    #[test]
+    fn a_loop_that_never_falls_below_1_has_none() {
+        let fast = |p: &mut Parameters| {
+            (p.impedance.gain, p.impedance.damping, p.impedance.mass) = (100.0, 10.0, 0.01);
+            p.impedance.adaptive = false;
+        };
+        assert_eq!(degrees(fast), f64::NEG_INFINITY);
     }
 
     #[test]

@@ -146,6 +146,11 @@ impl AxisMonitor {
         self.axes.iter().find_map(|axis| axis.fault(p))
     }
 
+    /// Share of the told motion that the first axis with a fault does, where it was told one to speak of.
+    pub fn share(&self, p: &Parameters) -> Option<f64> {
+        self.axes.iter().find(|axis| axis.fault(p).is_some())?.share(p)
+    }
+
     /// Distance of each axis from where its pulses bring it, m.
     pub fn errors(&self) -> Vector3<f64> {
         Vector3::from_fn(|i, _| self.axes[i].error)

@@ -78,6 +78,11 @@ pub struct ForceSample<'a> {
 }
 
 impl ForceMonitor {
+    /// Forgets what was before a job, but for how long a reading stands: a sensor needs no job to be alive.
+    pub fn restart(&mut self) {
+        *self = Self { still: self.still, ..Self::default() };
+    }
+
     /// Takes one sample.
     pub fn update(&mut self, p: &Parameters, sample: &ForceSample) {
         for (still, raw) in self.still.iter_mut().zip(sample.raw.iter()) {

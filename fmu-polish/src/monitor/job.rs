@@ -34,6 +34,11 @@ impl JobTime {
     pub fn over(&self) -> bool {
         self.progress.samples() > u64::from(self.limit)
     }
+
+    /// Time of the job so far and the longest one, s.
+    pub fn seconds(&self, p: &Parameters) -> (f64, f64) {
+        (self.progress.samples() as f64 * p.sample_period, f64::from(self.limit) * p.sample_period)
+    }
 }
 
 /// Longest time of a job, s: `limits.job_time`, or what its parts may take.

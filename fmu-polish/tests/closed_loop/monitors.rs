@@ -218,6 +218,89 @@ fn a_force_that_comes_back_on_the_way_out_is_not_done() {
     }
     assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::UnloadTimeout));
     assert!(!run.output.done);
+    // it is out already
+    let counts = run.output.counts;
+    (0..300).for_each(|_| run.step());
+    assert_eq!(run.output.counts, counts);
+}
+
+#[test]
+fn a_long_way_out_is_no_timeout() {
+    let mut p = P;
+    // 5 s, more than twice `settle.time_max`
+    p.retract.velocity = 0.1e-3;
+    let mut run = Loop::new(&p, Build::NOMINAL, 506);
+    assert!(run.run_to(State::Done, 20.0), "{:?}", run.output);
+    assert!(run.output.done);
+}
+
+#[test]
+fn one_sample_without_a_force_is_not_unloaded() {
+    let mut run = Loop::new(&P, Build::NOMINAL, 507);
+    assert!(run.run_to(State::Unload, 20.0));
+    run.step_with(|input| input.force = Axes::all(0.0));
+    assert_eq!(run.output.state, State::Unload);
+    (0..10).for_each(|_| run.step());
+    assert_eq!(run.output.state, State::Unload);
+}
+
+#[test]
+fn a_knock_before_the_job_is_no_noise_in_it() {
+    let mut run = Loop::new(&P, Build::NOMINAL, 508);
+    for k in 0..100 {
+        run.step_with(|input| {
+            input.enable = false;
+            input.force.z += if k % 2 == 0 { 5.0 } else { -5.0 };
+        });
+    }
+    assert!(run.run_to(State::Approach, 1.0), "{:?}", run.output);
+}
+
+#[test]
+fn a_spike_with_the_edge_of_enable_moves_no_zero() {
+    let mut run = Loop::new(&P, Build::NOMINAL, 509);
+    run.step();
+    run.step_with(|input| input.force.z += 50.0);
+    assert!(run.run_to(State::Approach, 1.0), "{:?}", run.output);
+    let forces: Vec<f64> = std::iter::repeat_with(|| {
+        run.step();
+        run.output.force.measured
+    })
+    .take(100)
+    .collect();
+    let mean = forces.iter().sum::<f64>() / forces.len() as f64;
+    // a hundredth of the spike is 0.5 N
+    assert!(mean.abs() < 0.1, "{mean}");
+}
+
+#[test]
+fn a_drive_is_not_judged_by_readings_that_stand_in_for_lost_ones() {
+    let mut p = P;
+    p.limits.lost_samples = 30;
+    for axis in [0, 1] {
+        let failure = fails(&p, Build::NOMINAL, State::Follow, |input, k| {
+            // longer than half a period of the stick-slip
+            if k % 400 < 25 {
+                *[&mut input.position.x, &mut input.position.y][axis] = f64::NAN;
+            }
+        });
+        assert!(failure.fault == Fault::None && failure.most < 6.0, "{axis}: {failure:?}");
+    }
+}
+
+#[test]
+fn the_share_of_a_drive_and_the_time_of_a_job_are_told() {
+    let mut run = Loop::new(&P, Build { pulses: Vector3::new(1.0, 1.0, 0.3), ..Build::NOMINAL }, 510);
+    assert!(run.run_to(State::Fault, 5.0));
+    let share = run.output.numbers.share.unwrap();
+    assert!(run.output.fault == Fault::WeakDrive && (0.2..0.4).contains(&share), "{share}");
+    let mut p = P;
+    p.limits.job_time = 1.5;
+    let mut run = Loop::new(&p, Build::NOMINAL, 511);
+    assert!(run.run_to(State::Fault, 5.0));
+    let numbers = run.output.numbers;
+    assert!(run.output.fault == Fault::NoProgress && numbers.time > numbers.time_limit, "{numbers:?}");
+    assert!((numbers.time_limit - 1.5).abs() < 1e-9 && numbers.time < 1.51, "{numbers:?}");
 }
 
 #[test]
