@@ -252,7 +252,7 @@ def still(axis: str) -> str:
 def lasting(row: Row) -> Row:
     """Row that goes on after the fault or the end of the job: nothing may move by itself."""
     again = any(signal.to in ("controller.enable", "controller.mode") for signal in row.signals)
-    end = 17.0 if again else 8.4
+    end = 18.8 if again else 8.4
     return replace(row, changes=(*row.changes, f"loop.duration={end}", "loop.stop_when=''"))
 
 
