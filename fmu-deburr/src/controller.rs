@@ -51,8 +51,8 @@ pub struct Controller {
     numbers: Numbers,
     /// what is being done
     job: Mode,
-    /// `mode` of the last sample with `enable`
-    asked: Mode,
+    /// `mode` of the last sample with `enable`; none before the first one
+    asked: Option<Mode>,
     /// samples of the job, and how many it may take
     elapsed: Elapsed,
     budget: u64,
@@ -110,7 +110,7 @@ impl Controller {
             fault: Fault::None,
             numbers: Numbers::START,
             job: Mode::Idle,
-            asked: Mode::Idle,
+            asked: None,
             elapsed: Elapsed::default(),
             budget: 0,
             progress: Progress::Busy,
@@ -223,12 +223,12 @@ impl Controller {
         let ignored = !self.state.closed() || before == State::Fault;
         if self.state == State::Off && !input.enable {
             // a mode that changes now does not begin with `enable`
-            self.job = if mode == self.asked { Mode::Idle } else { mode };
+            self.job = if self.asked.is_none_or(|asked| asked == mode) { Mode::Idle } else { mode };
         } else if ignored || self.state == State::Idle && mode == Mode::Idle {
             self.job = mode;
         }
         if input.enable {
-            self.asked = mode;
+            self.asked = Some(mode);
         }
     }
 

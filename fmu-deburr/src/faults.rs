@@ -48,6 +48,7 @@ impl Fault {
             Self::PatternTooLarge | Self::BankEmpty => SafeEnd::Stop,
             // a command would be one for another place or another drive
             Self::InvalidInput
+            | Self::LostReading
             | Self::ReadingJump
             | Self::FrozenReading
             | Self::Oscillation
@@ -64,8 +65,10 @@ pub fn numbers(Vars { input, output, in_force: p, .. }: &Vars) -> String {
     match output.fault {
         Fault::None | Fault::BankEmpty => String::new(),
         Fault::InvalidInput => invalid(input),
-        Fault::ReadingJump if axis == 0 => format!(": `spindle_speed`, more than `{limit}` samples"),
-        Fault::ReadingJump => format!(": `axis{axis}.position`, more than `{limit}` samples"),
+        Fault::ReadingJump | Fault::LostReading if axis == 0 => {
+            format!(": `spindle_speed`, more than `{limit}` samples")
+        }
+        Fault::ReadingJump | Fault::LostReading => format!(": `axis{axis}.position`, more than `{limit}` samples"),
         Fault::FrozenReading
         | Fault::Oscillation
         | Fault::DriveSign

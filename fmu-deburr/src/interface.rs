@@ -29,7 +29,7 @@ mod variables {
     const RPM: f64 = TAU / 60.0;
 
     /// What is asked for; a job begins when the mode changes to it while `enable` is true, and when `enable` rises
-    /// with a mode that has not changed meanwhile
+    /// for the first time or with a mode that has not changed meanwhile
     pub enum Mode {
         /// Hold the pose; a motion stops on its way
         Idle,
@@ -69,7 +69,7 @@ mod variables {
     pub enum Fault {
         /// No fault
         None,
-        /// An input is NaN, infinite or out of its plausible range
+        /// An input is infinite or out of its plausible range, `speed_override` is NaN, or a reading is before any good one
         InvalidInput,
         /// A reading was for more than `limits.lost_samples` where neither axis nor tool can be
         #[hint("look at the cable and the counter of the encoder, or at the speed sensor of the tool")] ReadingJump,
@@ -85,7 +85,7 @@ mod variables {
         #[hint("did the tool collide, and are `io_delay` and `axisN.pulse` right?")] FollowingError,
         /// With patterns an axis was farther from its reference than `limits.axisN.pattern_error`
         #[hint("patterns belong to a machine: learn on with `learn.from_bank`, or learn anew")] PatternMismatch,
-        /// The axes answer after another number of samples than `io_delay`
+        /// The axes answer after another number of samples, 0 to 6, than `io_delay`
         #[hint("set `io_delay` to it and learn anew")] WrongDelay,
         /// A pattern became larger than `limits.pulses_max`
         #[hint("a larger pulse, or a law that converges")] PatternTooLarge,
@@ -97,6 +97,8 @@ mod variables {
         #[hint("is there a part, and does the speed sensor of the tool live? `limits.spindle_change` = 0 allows it")] NoCut,
         /// The job took longer than `limits.job_time`
         #[hint("look at what does not come to its end: an axis that never stands, or a feed that is too slow")] NoProgress,
+        /// A reading was NaN for more than `limits.lost_samples`
+        #[hint("look at the link to the encoder, or at the speed sensor of the tool")] LostReading,
     }
     /// Law in force; Paper leaves `bank.format` and the sign of `load.k2` alone
     pub enum Law {
@@ -140,7 +142,8 @@ mod variables {
         /// Tool speed N
         #[var(unit = RADIAN_PER_SECOND as "rpm", start = 1885.0, accepts_nan)] pub spindle_speed: f64,
         pub mode: Mode,
-        /// The drives may move; false stops a motion on its way, then all velocity commands are zero
+        /// The drives may move; false stops a motion on its way, then all velocity commands are zero; the stop and the
+        /// retract of a fault go on to their end
         pub enable: bool,
         /// Slow down and stand on the way; false goes on
         pub hold: bool,
@@ -237,7 +240,8 @@ mod variables {
         pub law: Law,
         /// Sample period t of servo and learning
         #[var(unit = SECOND as "ms", range = 1e-3..=0.05, start = 0.01, source = "paper")] pub sample_period: f64,
-        /// Samples between a command and its action; 1 for a standard master, 0 if the command acts at once
+        /// Samples between a command and its action; 1 for a standard master, 0 if the command acts at once; above 6 it
+        /// is not tested
         #[var(range = 0..=DELAY_MAX as i32, start = 1, source = "our choice: what a standard master does")] pub io_delay: i32,
         pub axis: [Axis; 6],
         pub arm: Arm,
@@ -248,10 +252,10 @@ mod variables {
         pub path: Path,
         pub feed: Feed,
         pub learn: Learn,
-        /// Natural frequency of the nominal velocity loop, eq. 1; NormOptimal
+        /// Natural frequency of the nominal velocity loop, eq. 1; for NormOptimal, `FollowingError` and `WrongDelay`
         #[var(name = "model.natural_frequency", unit = RADIAN_PER_SECOND as "Hz", range = 10.0..=1e5, start = 280.0, source = "paper")]
         pub model_natural_frequency: f64,
-        /// Damping ratio of the nominal velocity loop, eq. 1; NormOptimal
+        /// Damping ratio of the nominal velocity loop, eq. 1; for NormOptimal, `FollowingError` and `WrongDelay`
         #[var(name = "model.damping", unit = ONE, range = 0.05..=5.0, start = 0.52, source = "paper")] pub model_damping: f64,
         pub lookup: Lookup,
         pub bank: Bank,

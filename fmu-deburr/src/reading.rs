@@ -44,6 +44,8 @@ pub struct Reader {
     good: LastGood<Reading>,
     axes: [AxisReader; AXES],
     spindle: JumpGuard,
+    /// there is a good reading to bridge with
+    begun: bool,
 }
 
 /// One encoder: what the commands do not explain of it may not jump.
@@ -75,6 +77,7 @@ impl Reader {
             good: LastGood::new(Reading { positions: [0.0; AXES], spindle_speed: 0.0, share: 0.0 }),
             axes: [AxisReader::default(); AXES],
             spindle: JumpGuard::default(),
+            begun: false,
         }
     }
 
@@ -86,8 +89,9 @@ impl Reader {
     /// Reads one sample: what to use, and what is wrong with it.
     pub fn read(&mut self, p: &Parameters, input: &Input, known: &Known) -> (Reading, Finding) {
         let positions = input.axis.map(|axis| axis.position);
-        let valid = positions.iter().all(|position| believable(*position, POSITION_MAX))
-            && believable(input.spindle_speed, SPINDLE_MAX)
+        let readable = |reading: f64, most: f64| believable(reading, most) || self.begun && reading.is_nan();
+        let valid = positions.iter().all(|position| readable(*position, POSITION_MAX))
+            && readable(input.spindle_speed, SPINDLE_MAX)
             && input.speed_override.is_finite();
         if !valid {
             return (*self.good.get(), Finding::plain(Fault::InvalidInput));
@@ -97,8 +101,9 @@ impl Reader {
             spindle_speed: self.read_spindle(p, input.spindle_speed, known.cuts),
             share: input.speed_override.clamp(0.0, 1.0),
         };
+        self.begun = true;
         self.good.update(now, true);
-        (now, self.jumped(p))
+        (now, self.doubted(p, input))
     }
 
     fn read_axis(&mut self, p: &Parameters, i: usize, position: f64, known: &Known) -> f64 {
@@ -113,14 +118,16 @@ impl Reader {
     }
 
     /// The reading that was doubted too long; axis 0 is the tool.
-    fn jumped(&self, p: &Parameters) -> Finding {
+    fn doubted(&self, p: &Parameters, input: &Input) -> Finding {
         let bridged = p.limits.lost_samples.unsigned_abs();
         let axis = self.axes.iter().position(|axis| axis.guard.doubted() > bridged);
-        let axis = axis.map_or(0, |i| i as i32 + 1);
-        if axis == 0 && self.spindle.doubted() <= bridged {
+        if axis.is_none() && self.spindle.doubted() <= bridged {
             return Finding::NONE;
         }
-        Finding { fault: Fault::ReadingJump, numbers: Numbers { axis, limit: f64::from(bridged), ..Numbers::START } }
+        let reading = axis.map_or(input.spindle_speed, |i| input.axis[i].position);
+        let fault = if reading.is_nan() { Fault::LostReading } else { Fault::ReadingJump };
+        let axis = axis.map_or(0, |i| i as i32 + 1);
+        Finding { fault, numbers: Numbers { axis, limit: f64::from(bridged), ..Numbers::START } }
     }
 }
 
@@ -137,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn nonsense_in_any_input_is_invalid_and_never_used() {
+    fn nonsense_in_any_input_is_never_used_and_invalid_unless_it_is_a_missing_reading() {
         let p = Parameters::START;
         let good = Input { spindle_speed: 1800.0, speed_override: 0.7, ..Input::START };
         let changes: [fn(&mut Input) -> &mut f64; 4] = [
@@ -149,8 +156,29 @@ mod tests {
         for bad in with_nonsense(&good, &changes) {
             let mut reader = Reader::start();
             let before = reader.read(&p, &good, &REST);
+            let missing = bad.spindle_speed.is_nan() || bad.axis.iter().any(|axis| axis.position.is_nan());
+            let fault = if missing { Fault::None } else { Fault::InvalidInput };
             let (reading, found) = reader.read(&p, &bad, &REST);
-            assert_eq!((before.1, reading, found.fault), (Finding::NONE, before.0, Fault::InvalidInput));
+            assert_eq!((before.1, reading, found.fault), (Finding::NONE, before.0, fault));
+        }
+    }
+
+    #[test]
+    fn a_reading_that_is_no_number_is_bridged_and_then_lost() {
+        let p = Parameters::START;
+        for axis in [3, 0] {
+            let mut reader = Reader::start();
+            let (good, _) = reader.read(&p, &at(0.5), &REST);
+            let mut lost = at(0.5);
+            *(if axis == 3 { &mut lost.axis[2].position } else { &mut lost.spindle_speed }) = f64::NAN;
+            // nothing to bridge with
+            assert_eq!(Reader::start().read(&p, &lost, &REST).1.fault, Fault::InvalidInput);
+            for _ in 0..3 {
+                assert_eq!(reader.read(&p, &lost, &REST), (good, Finding::NONE));
+            }
+            let (_, found) = reader.clone().read(&p, &lost, &REST);
+            assert_eq!((found.fault, found.numbers.axis), (Fault::LostReading, axis));
+            assert_eq!(reader.read(&p, &at(0.5), &REST), (good, Finding::NONE));
         }
     }
 

@@ -107,7 +107,8 @@ fn towards(fault: Fault) -> Loop {
         _ => running(Mode::Deburr, nothing),
     };
     match fault {
-        Fault::InvalidInput => run.input.spindle_speed = f64::NAN,
+        Fault::InvalidInput => run.input.spindle_speed = f64::INFINITY,
+        Fault::LostReading => run.input.spindle_speed = f64::NAN,
         Fault::ReadingJump => run.input.axis[0].position += 0.5,
         Fault::SpindleSlow => run.input.spindle_speed = 1600.0,
         Fault::BankEmpty | Fault::PatternMismatch => run.input.mode = Mode::Playback,

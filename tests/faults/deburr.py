@@ -9,6 +9,8 @@ from .matrix import DONE, Matrix, Row
 
 TIP = "max(abs(plant.deviation[controller.path.distance > 0]))"
 """Tip from the edge, from the first motion on the path until the run ends."""
+BEYOND = "max(plant.tip_z - controller.axis2.position) - min(plant.tip_z - controller.axis2.position)"
+"""Way of the tip in height that the reading of axis 2 does not tell, of the 20 mm of the retract."""
 HEIGHT = "first(plant.tip_z) - min(plant.tip_z)"
 """Way of the tip down towards the path, of 20 mm."""
 
@@ -20,8 +22,9 @@ BURR = ("plant.burr_height_least=5e-3", "plant.burr_thickness_least=2e-3", "plan
 # what is allowed until the end
 FROZEN = "1 mm and 4 samples of 1 mm unanswered, then closed brakes"
 BRIDGED = "3 samples of 1 mm are bridged along the commands"
-BLIND = "1 mm at rest, half the lag of 7.7 mm in motion, 4 samples of 1 mm, then closed brakes"
+BLIND = "1 mm, half the lag of 3.8 mm at 50 mm/s, 4 samples of 0.5 mm, then closed brakes"
 NARROW = "0.5 mm with patterns, 4 samples that grow by 1 mm at most, then closed brakes"
+EARLY = "0.5 mm with patterns, 4 samples of 0.22 mm from rest, then closed brakes or the retract"
 HELD = "what patterns leave, and the stop along the path"
 
 
@@ -32,15 +35,20 @@ def at(time: float, to: str, **kind: float | bool) -> tuple[Injection, ...]:
 
 ROWS = (
     Row(
-        "encoder 1 frozen before it moves", ("FrozenReading",), TIP, 5e-3, FROZEN, at(0.0, AXIS1, frozen=True)
+        "encoder 1 frozen before it moves",
+        ("FrozenReading",),
+        TIP,
+        2.5e-3,
+        "1 mm unanswered from rest, 4 samples of 0.32 mm, then closed brakes",
+        at(0.0, AXIS1, frozen=True),
     ),
     Row("encoder 1 frozen in the burr", ("FrozenReading",), TIP, 5e-3, FROZEN, at(4.0, AXIS1, frozen=True)),
     Row(
         "encoder 2 frozen above the part",
         ("FrozenReading",),
         HEIGHT,
-        5e-3,
-        FROZEN,
+        3e-3,
+        "1 mm and 4 samples of 0.3 mm unanswered, then closed brakes",
         at(0.3, AXIS2, frozen=True),
     ),
     Row("encoder 3 frozen in the burr", ("FrozenReading",), TIP, 5e-3, FROZEN, at(4.0, AXIS3, frozen=True)),
@@ -93,14 +101,32 @@ ROWS = (
         FROZEN,
         at(3.0, AXIS1, drop=0.33),
     ),
-    Row("encoder 3 late by 5 samples", ("WrongDelay",), TIP, 5e-3, NARROW, at(3.0, AXIS3, late=5)),
+    Row(
+        "encoder 3 late by 5 samples", ("WrongDelay", "WeakDrive"), TIP, 5e-3, NARROW, at(3.0, AXIS3, late=5)
+    ),
     Row(
         "encoder 3 is no number",
+        ("LostReading",),
+        TIP,
+        2e-3,
+        "3 samples are bridged along the commands, then closed brakes",
+        at(4.0, AXIS3, value=float("nan")),
+    ),
+    Row(
+        "encoder 3 is no number for one sample",
+        (DONE,),
+        TIP,
+        2e-4,
+        HELD,
+        (Injection(AXIS3, from_time=4.0, duration=0.01, value=float("nan")),),
+    ),
+    Row(
+        "override is no number",
         ("InvalidInput",),
         TIP,
         2e-3,
         "the same sample, then closed brakes",
-        at(4.0, AXIS3, value=float("nan")),
+        at(4.0, "controller.speed_override", value=float("nan")),
     ),
     Row(
         "tool speed stuck at idle",
@@ -130,7 +156,7 @@ ROWS = (
         "the paper's accuracy",
         at(4.0, TOOL, frozen=True),
     ),
-    Row("drive 1 with the wrong sign", ("DriveSign",), TIP, 8e-3, BLIND, at(0.0, DRIVE1, scale=-1.0)),
+    Row("drive 1 with the wrong sign", ("DriveSign",), TIP, 5e-3, BLIND, at(0.0, DRIVE1, scale=-1.0)),
     Row("drive 3 does 0.3 of its command", ("WeakDrive",), TIP, 5e-3, NARROW, at(3.5, DRIVE3, scale=0.3)),
     Row("command of drive 3 lost", ("FrozenReading",), TIP, 5e-3, FROZEN, at(4.0, DRIVE3, value=0.0)),
     Row(
@@ -153,16 +179,16 @@ ROWS = (
         "drives with 0.7 of their gain, foreign bank",
         ("PatternMismatch", "WeakDrive"),
         TIP,
-        5e-3,
-        NARROW,
+        1.5e-3,
+        EARLY,
         changes=("plant.drive_gain=0.7",),
     ),
     Row(
         "drives with 1.3 of their gain, foreign bank",
         ("PatternMismatch",),
         TIP,
-        5e-3,
-        NARROW,
+        1.5e-3,
+        EARLY,
         changes=("plant.drive_gain=1.3",),
     ),
     Row(
@@ -175,10 +201,10 @@ ROWS = (
     ),
     Row(
         "commands of drives 1 and 3 late by 3 samples more",
-        ("WrongDelay", "PatternMismatch"),
+        ("WrongDelay", "PatternMismatch", "WeakDrive"),
         TIP,
-        5e-3,
-        NARROW,
+        1.5e-3,
+        EARLY,
         (*at(0.0, DRIVE1, late=3), *at(0.0, DRIVE3, late=3)),
     ),
     Row(
@@ -192,9 +218,9 @@ ROWS = (
     Row(
         "stalled tool, then encoder 2 frozen in the retract",
         ("SpindleSlow", "FrozenReading"),
-        TIP,
-        5e-3,
-        FROZEN,
+        BEYOND,
+        3e-3,
+        "1 mm and 4 samples of 0.3 mm unanswered, then closed brakes",
         (Injection(AXIS2, when='controller.state == "Retract"', after=0.1, frozen=True),),
         changes=("plant.cutting_pressure=5.4e9", "controller.load.enable=false", *BURR),
     ),
@@ -217,10 +243,16 @@ ROWS = (
 )
 
 
+def still(axis: str) -> str:
+    """Tip that stays within 0.2 mm in the last 0.3 s, twice the largest noise of a reading."""
+    tip = f"plant.tip_{axis}[time > last(time) - 0.3]"
+    return f"max({tip}) - min({tip}) < 2e-4"
+
+
 def lasting(row: Row) -> Row:
     """Row that goes on after the fault or the end of the job: nothing may move by itself."""
     again = any(signal.to in ("controller.enable", "controller.mode") for signal in row.signals)
-    end = 17.0 if again else 8.4
+    end = 18.8 if again else 8.4
     return replace(row, changes=(*row.changes, f"loop.duration={end}", "loop.stop_when=''"))
 
 
@@ -231,6 +263,6 @@ MATRIX = Matrix(
         '(last(controller.state) == "Done") and (last(plant.finish_low) > -5e-4)'
         " and (last(plant.finish_high) < 1e-3)"
     ),
-    rest="last(abs(plant.feed)) < 1e-4",
+    rest=" and ".join(f"({still(axis)})" for axis in "xyz"),
     rows=tuple(lasting(row) for row in ROWS),
 )

@@ -70,8 +70,10 @@ impl Controller {
         if lap && self.job != Mode::Learn {
             self.elapsed.restart();
         }
-        if runs && !goes_on {
+        if runs && (lap || !goes_on) {
             self.ended = self.after_run(p);
+            self.delay.restart();
+            self.tool.restart();
         }
         if self.job == Mode::Learn && runs && repetition_over && !self.ended.is_fault() {
             self.renew(p);
@@ -85,10 +87,10 @@ impl Controller {
         }
     }
 
-    /// What a run that has come to its end has wrong.
+    /// What a run or a lap that has come to its end has wrong.
     fn after_run(&self, p: &Parameters) -> Finding {
         let tool = if self.job == Mode::Deburr { self.tool.after_run(p) } else { Finding::NONE };
-        let found = [self.watch.after_run(p), self.delay.after_run(p), tool];
+        let found = [self.watch.after_run(p), self.delay.found(p), tool];
         found.into_iter().find(Finding::is_fault).unwrap_or(Finding::NONE)
     }
 

@@ -36,13 +36,11 @@ impl Controller {
         }
     }
 
-    /// An answer that comes later than told looks weak, or far away.
+    /// Patterns do not match where the answer comes at another time than told; a fault that ends graver than a wrong
+    /// delay stands.
     fn cause(&self, p: &Parameters, finding: Finding) -> Finding {
-        let late = self.delay.after_run(p);
-        match finding.fault {
-            Fault::WeakDrive | Fault::PatternMismatch | Fault::FollowingError if late.is_fault() => late,
-            _ => finding,
-        }
+        let late = self.delay.found(p);
+        if finding.fault == Fault::PatternMismatch && late.is_fault() { late } else { finding }
     }
 
     /// Keeps the best pattern of a speed at which the error grows.

@@ -13,7 +13,7 @@ use crate::interface::{Fault, Parameters};
 use crate::monitoring::finding::Finding;
 use crate::path::kinematics::{AXES, Joints};
 
-/// Delays that are compared: 0 to 6 samples.
+/// Delays that are compared: 0 to 6 samples, as far back as commands are kept.
 const DELAYS: usize = 7;
 /// Part of what is left with `io_delay` below which another delay is the right one.
 const CLEAR: f64 = 0.8;
@@ -62,8 +62,8 @@ impl DelayMonitor {
         self.answer - self.product[delay].powi(2) / self.square[delay].max(f64::MIN_POSITIVE)
     }
 
-    /// What is wrong after a run: another delay than `io_delay`.
-    pub fn after_run(&self, p: &Parameters) -> Finding {
+    /// What is wrong so far: another delay than `io_delay`.
+    pub fn found(&self, p: &Parameters) -> Finding {
         let told = p.io_delay as usize;
         if told >= DELAYS {
             return Finding::NONE;
@@ -96,7 +96,7 @@ mod tests {
             monitor.update(&p, &positions, &sent);
             sent[2].send(speed);
         }
-        monitor.after_run(&p)
+        monitor.found(&p)
     }
 
     #[test]

@@ -1,4 +1,7 @@
 //! The tool's speed while it cuts: too slow, or the same all along the path.
+//!
+//! A speed counts only where it holds: of each block of one sample more than are bridged the slowest block is known by its
+//! fastest sample, and the fastest block by its slowest one. So neither a bad sample nor noise is a cut.
 
 use control_blocks::Consecutive;
 use serde::{Deserialize, Serialize};
@@ -10,8 +13,11 @@ use crate::monitoring::finding::Finding;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ToolMonitor {
     slow: Consecutive,
-    /// slowest and fastest, rad/s
-    seen: Option<(f64, f64)>,
+    /// slowest and fastest of the present block, rad/s, and its samples
+    block: Option<(f64, f64)>,
+    count: u32,
+    /// slowest and fastest that held for a block, rad/s
+    held: Option<(f64, f64)>,
 }
 
 impl ToolMonitor {
@@ -22,18 +28,28 @@ impl ToolMonitor {
 
     /// Takes the tool speed (rad/s) of a sample in which the tool cuts.
     pub fn update(&mut self, p: &Parameters, speed: f64) -> Finding {
-        let (slowest, fastest) = self.seen.unwrap_or((speed, speed));
-        self.seen = Some((slowest.min(speed), fastest.max(speed)));
-        let least = p.limits.spindle_speed_min;
-        if self.slow.update(speed < least) > p.limits.lost_samples.unsigned_abs() {
+        let (least, bridged) = (p.limits.spindle_speed_min, p.limits.lost_samples.unsigned_abs());
+        self.hold(speed, bridged);
+        if self.slow.update(speed < least) > bridged {
             return Finding::beyond(Fault::SpindleSlow, speed, least);
         }
         Finding::NONE
     }
 
+    fn hold(&mut self, speed: f64, bridged: u32) {
+        let (slowest, fastest) = self.block.unwrap_or((speed, speed));
+        let block = (slowest.min(speed), fastest.max(speed));
+        (self.block, self.count) = (Some(block), self.count + 1);
+        if self.count > bridged {
+            let (slowest, fastest) = self.held.unwrap_or((block.1, block.0));
+            self.held = Some((slowest.min(block.1), fastest.max(block.0)));
+            (self.block, self.count) = (None, 0);
+        }
+    }
+
     /// What is wrong with a path that has come to its end: nothing was cut.
     pub fn after_run(&self, p: &Parameters) -> Finding {
-        let change = self.seen.map_or(0.0, |(slowest, fastest)| fastest - slowest);
+        let change = self.held.map_or(0.0, |(slowest, fastest)| (fastest - slowest).max(0.0));
         let least = p.limits.spindle_change;
         if change < least { Finding::beyond(Fault::NoCut, change, least) } else { Finding::NONE }
     }
@@ -65,9 +81,28 @@ mod tests {
         p.limits.spindle_change = 0.0;
         assert_eq!(tool.after_run(&p).fault, Fault::None);
         p.limits.spindle_change = 2.0;
-        tool.update(&p, 1860.0);
+        for _ in 0..8 {
+            tool.update(&p, 1860.0);
+        }
         assert_eq!(tool.after_run(&p).fault, Fault::None);
         tool.restart();
+        assert_eq!(tool.after_run(&p).fault, Fault::NoCut);
+    }
+
+    #[test]
+    fn bad_samples_and_noise_are_no_cut() {
+        let p = Parameters::START;
+        for bad in 1..=3 {
+            let mut tool = ToolMonitor::default();
+            for k in 0..500 {
+                tool.update(&p, if (201..201 + bad).contains(&k) { 1860.0 } else { 1880.0 });
+            }
+            assert_eq!(tool.after_run(&p).fault, Fault::NoCut, "{bad}");
+        }
+        let mut tool = ToolMonitor::default();
+        for k in 0..500 {
+            tool.update(&p, 1880.0 + 30.0 * (2.3 * f64::from(k)).sin());
+        }
         assert_eq!(tool.after_run(&p).fault, Fault::NoCut);
     }
 }

@@ -1,6 +1,7 @@
 //! Faults: the right one, at once, with zero commands, and back again.
 
 use fmu_deburr::interface::{Fault, Mode, Parameters, State};
+use fmu_deburr::path::{Block, Pose, TaughtPath, Vector};
 
 use crate::robot::Build;
 use crate::setup::{Loop, taught};
@@ -34,7 +35,7 @@ fn everything_is_finite(run: &Loop) {
 
 #[test]
 fn nonsense_in_any_input_stops_the_axes_in_the_same_sample() {
-    for nonsense in [f64::NAN, f64::INFINITY, -1e300] {
+    for nonsense in [f64::INFINITY, f64::NEG_INFINITY, -1e300] {
         for which in 0..3 {
             let mut run = running(Mode::DryRun);
             let mut positions = run.robot.read();
@@ -47,6 +48,25 @@ fn nonsense_in_any_input_stops_the_axes_in_the_same_sample() {
             run.controller.tick(&run.input, &run.parameters, &mut run.output);
             stands_with(&run, Fault::InvalidInput);
             everything_is_finite(&run);
+        }
+    }
+}
+
+#[test]
+fn a_reading_that_is_no_number_is_bridged_for_three_samples() {
+    for (samples, expected) in [(3, Fault::None), (4, Fault::LostReading)] {
+        for axis in [true, false] {
+            let mut run = running(Mode::DryRun);
+            for k in 0..20 {
+                run.read();
+                let lost = if k < samples { f64::NAN } else { 0.0 };
+                run.input.axis[2].position += if axis { lost } else { 0.0 };
+                run.input.spindle_speed = 1885.0 + if axis { 0.0 } else { lost };
+                run.controller.tick(&run.input, &run.parameters, &mut run.output);
+                run.robot.advance(&run.output.axis.map(|axis| axis.velocity));
+                everything_is_finite(&run);
+            }
+            assert_eq!((run.output.fault, run.output.drive_enable), (expected, expected == Fault::None), "{axis}");
         }
     }
 }
@@ -162,6 +182,53 @@ fn a_delay_that_is_not_the_one_told_is_named() {
         let mut run = Loop::new(&p, &Build { delay, ..Build::NOMINAL });
         assert!(!run.finish(Mode::Learn));
         assert_eq!((run.output.fault, run.output.numbers.value), (Fault::WrongDelay, delay as f64));
+    }
+}
+
+#[test]
+fn a_drive_that_is_weak_is_switched_off_also_where_the_delay_is_wrong() {
+    let mut p = Parameters::START;
+    p.lookup.enable = false;
+    let mut run = Loop::new(&p, &Build { delay: 2, ..Build::NOMINAL });
+    run.step();
+    run.input.mode = Mode::DryRun;
+    while run.output.path.distance < 0.05 {
+        run.step();
+    }
+    for _ in 0..100 {
+        commanded(&mut run, |velocity| velocity[0] *= 0.3);
+    }
+    assert!(matches!(run.output.fault, Fault::WeakDrive | Fault::FollowingError), "{:?}", run.output.fault);
+    assert!(!run.output.drive_enable);
+}
+
+/// There and back again, without end.
+fn cyclic(p: &Parameters, build: &Build, mode: Mode) -> Loop {
+    let pose = |y: f64| Pose { tip: Vector::new(0.75, y, -0.2), axis: Vector::new(0.0, 0.0, -1.0) };
+    let blocks = [0.0, 0.1, 0.0].map(pose).windows(2).map(|ends| Block::line(&ends[0], &ends[1]).unwrap()).collect();
+    let mut run = Loop::with_path(p, build, TaughtPath::new(blocks, 0.1, true, 0.2).unwrap());
+    run.step();
+    run.input.mode = mode;
+    run
+}
+
+#[test]
+fn every_lap_tests_the_delay_and_the_tool() {
+    let mut p = Parameters::START;
+    p.lookup.enable = false;
+    let cut = |k: usize| if k % 50 < 25 { 1800.0 } else { 1885.0 };
+    // the tool cuts up to a lap
+    let cases = [(1, 0, Fault::NoCut, 1), (1, 2, Fault::NoCut, 3), (2, usize::MAX, Fault::WrongDelay, 1)];
+    for (delay, laps_cut, expected, laps) in cases {
+        let mut run = cyclic(&p, &Build { delay, ..Build::NOMINAL }, Mode::Deburr);
+        for k in 0..4000 {
+            run.input.spindle_speed = if (run.output.path.laps as usize) < laps_cut { cut(k) } else { 1885.0 };
+            run.step();
+            if run.output.fault != Fault::None {
+                break;
+            }
+        }
+        assert_eq!((run.output.fault, run.output.path.laps), (expected, laps), "{delay} {laps_cut}");
     }
 }
 
@@ -286,7 +353,7 @@ fn without_patterns_nothing_is_deburred_blindly() {
 /// A robot whose fault was reset with a mode set, at rest.
 fn recovered() -> Loop {
     let mut run = running(Mode::DryRun);
-    run.input.spindle_speed = f64::NAN;
+    run.input.spindle_speed = f64::INFINITY;
     (0..100).for_each(|_| run.step());
     // what is asked for now is no job
     (run.input.mode, run.input.spindle_speed) = (Mode::Learn, 1885.0);
@@ -328,13 +395,17 @@ fn a_mode_that_changed_without_enable_does_not_begin_with_it() {
         run.step();
     }
     assert_eq!(run.output.state, State::Approach);
-    // nor at the start
+}
+
+#[test]
+fn a_mode_that_is_set_before_the_first_enable_begins_with_it() {
     let mut run = Loop::new(&Parameters::START, &Build::NOMINAL);
     (run.input.enable, run.input.mode) = (false, Mode::DryRun);
-    run.step();
+    (0..10).for_each(|_| run.step());
+    assert_eq!(run.output.state, State::Off);
     run.input.enable = true;
-    (0..100).for_each(|_| run.step());
-    assert_eq!(run.output.state, State::Idle);
+    (0..2).for_each(|_| run.step());
+    assert_eq!(run.output.state, State::Approach);
 }
 
 #[test]
@@ -350,7 +421,7 @@ fn a_mode_that_has_stayed_begins_again_with_enable() {
 #[test]
 fn a_reset_needs_a_rising_edge_without_its_cause_and_axes_at_rest() {
     let mut run = running(Mode::DryRun);
-    (run.input.reset_fault, run.input.spindle_speed) = (true, f64::NAN);
+    (run.input.reset_fault, run.input.spindle_speed) = (true, f64::INFINITY);
     run.step();
     run.step();
     // the edge came before or with the cause
