@@ -223,6 +223,7 @@ ROWS = (
         "1 mm and 4 samples of 0.3 mm unanswered, then closed brakes",
         (Injection(AXIS2, when='controller.state == "Retract"', after=0.1, frozen=True),),
         changes=("plant.cutting_pressure=5.4e9", "controller.load.enable=false", *BURR),
+        sequence=True,
     ),
     Row(
         "enable lost for 0.5 s",

@@ -307,6 +307,7 @@ ROWS = (
         "the travel ends before the surface",
         (Injection("controller.position_valid", when='controller.state == "Fault"', after=0.005, value=0.0),),
         changes=("controller.approach.travel_max=2.8e-5",),
+        sequence=True,
     ),
 )
 

@@ -156,6 +156,7 @@ MATRIX = Matrix(
             COASTS,
             (*at_once(SPINDLE, frozen=True), Injection(ARM, from_time=BEGIN + 0.05, frozen=True)),
             unit="m",
+            sequence=True,
         ),
         Row(
             "switched off for 50 ms in the cut",

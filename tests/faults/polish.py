@@ -24,11 +24,14 @@ COAST = "`limits.following_error`, 50 um of stick-slip, 0.59 mm coasting: 31 kg,
 
 def row(
     name: str, faults: str, *inject: Injection, most: float = 5.6, why: str = HELD, truth: str = FORCE,
-    changes: tuple[str, ...] = (), signals: tuple[Signal, ...] = (),
+    changes: tuple[str, ...] = (), signals: tuple[Signal, ...] = (), sequence: bool = False,
 ) -> Row:  # fmt: skip
     """One row; the largest true force counts if nothing else is said."""
     unit = "m" if truth == BESIDE else "N"
-    return Row(name, tuple(faults.split()), truth, most, why, inject, signals, (*QUICK, *changes), unit=unit)
+    changed = (*QUICK, *changes)
+    return Row(
+        name, tuple(faults.split()), truth, most, why, inject, signals, changed, unit=unit, sequence=sequence
+    )
 
 
 def midway(to: str, **kind: float) -> Injection:
@@ -326,6 +329,7 @@ REST = (
         signals=(Signal("plant.mold_lift", (0.0, 1.5), (0.0, 1.5e-4)),),
         most=32.0,
         why="the step of 0.15 mm at 178 N/mm, and 5 N",
+        sequence=True,
     ),
 )
 
