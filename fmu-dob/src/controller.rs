@@ -136,10 +136,10 @@ impl Controller {
         // it is told; anything while nothing is known of the velocity
         let known = self.tracked(p) && !self.off();
         let push = p.guard_force / p.stage.mass;
-        let unforeseen = if known { push + planned + 2.0 * commanded.abs() } else { f64::INFINITY };
+        let unforeseen = push + planned + 2.0 * commanded.abs();
         Expected {
             motion: self.observer.motion(commanded, dt),
-            unforeseen: unforeseen * self.observer.leverage(dt),
+            unforeseen: if known { unforeseen * self.observer.leverage(dt) } else { f64::INFINITY },
             reference: self.motion.reference.position,
             asked: self.motion.asked,
             behind: if steady { 0.0 } else { self.motion.late(p) },

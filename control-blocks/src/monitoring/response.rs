@@ -24,7 +24,10 @@ impl Response {
 
     /// Share of the modelled answer that is measured; none below the excitation `least`, in the unit of the square.
     pub fn share(&self, least: f64) -> Option<f64> {
-        (self.square > least.max(f64::MIN_POSITIVE)).then(|| self.product / self.square)
+        let least = least.max(f64::MIN_POSITIVE);
+        // divided in any case: a compiler that divides before it asks raises no exception
+        let share = self.product / self.square.max(least);
+        (self.square > least).then_some(share)
     }
 }
 
