@@ -100,6 +100,11 @@ to = "plant.slide_position_setpoint"
 from_time = 0.1
 to_time = 9.0
 value = 0.2
+# else the controller sees it and switches the drive off
+[[inject]]
+to = "plant.enable"
+from_time = 0.0
+value = 1.0
 """
 BREAKS: dict[str, tuple[Callable[[cosim.Session], object] | None, str]] = {
     "MuJoCo error": (broken_sensor, r"step 0\): .*mj_computeSensorPos: invalid sensor type"),
