@@ -10,10 +10,9 @@ use crate::interface::{Fault, Input, MonitorReport, Output, Parameters, PushRepo
 use crate::law::{ActiveLaw, Launch, Observation, Verdict};
 use crate::limits::{job_time, trial_move};
 use crate::machine::{Events, next};
+use crate::monitoring::{DriveMonitor, FrozenProbe, Phase, ProbeTrial, believable_share};
 use crate::motion::{Follower, Motion};
-use crate::sensing::{
-    Calm, Clock, DriveMonitor, Due, FrozenProbe, Phase, ProbeTrial, Reader, Reading, Sample, Spindle, believable_share,
-};
+use crate::sensing::{Calm, Clock, Due, Reader, Reading, Sample, Spindle};
 
 /// Velocity of the slide in the test of the probe (m/s), and the time after which it is at rest there, s.
 const TRIAL_VELOCITY: f64 = 0.01;

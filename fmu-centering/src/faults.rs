@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::centre::Estimate;
 use crate::interface::{Fault, Input, Parameters, State, Vars};
 use crate::limits::{GRAVITY, held_surface_velocity, job_time, speed_limit};
-use crate::sensing::believable_share;
+use crate::monitoring::believable_share;
 
 /// A probe that has no contact for longer has lost the ring, s.
 const LOST_TIME: f64 = 0.1;

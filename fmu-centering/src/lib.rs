@@ -12,6 +12,7 @@ pub mod interface;
 mod law;
 mod limits;
 mod machine;
+mod monitoring;
 mod motion;
 mod paper;
 mod predictive;

@@ -12,7 +12,7 @@ use crate::identify::tone::Expected;
 use crate::interface::{ErrorOutput, Fault, Input, Mode, Output, Parameters};
 use crate::interface::{ReferenceOutput, ResponseOutput, State};
 use crate::machine::{Events, Request, next};
-use crate::monitors::watch::{Sample, Watch, overdue};
+use crate::monitoring::watch::{Sample, Watch, overdue};
 use crate::motion::hold::{HoldMotion, duration};
 use crate::motion::sweep::sweep;
 use crate::path::depth_table::DepthTable;

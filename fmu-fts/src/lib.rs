@@ -13,7 +13,7 @@ pub mod interface;
 mod json_table;
 pub mod lists;
 mod machine;
-mod monitors;
+mod monitoring;
 mod motion;
 mod path;
 mod reading;

@@ -8,7 +8,7 @@ use control_blocks::{JumpGuard, LastGood, Reach, believable, wrap};
 use serde::{Deserialize, Serialize};
 
 use crate::interface::{Input, Parameters};
-use crate::monitors::drive::disturbance;
+use crate::monitoring::drive::disturbance;
 
 /// No encoder counts more turns, rad.
 const ANGLE_MAX: f64 = 1e9;

@@ -5,8 +5,8 @@ use nalgebra::Vector3;
 
 use crate::force::contact::{ContactMonitor, Measurement};
 use crate::interface::{Fault, Parameters, State, Vars};
-use crate::monitor::axis::AxisMonitor;
-use crate::monitor::force::{ForceMonitor, ForceSample};
+use crate::monitoring::axis::AxisMonitor;
+use crate::monitoring::force::{ForceMonitor, ForceSample};
 use crate::reading::Reading;
 
 /// From what a fault is found.
@@ -215,7 +215,7 @@ pub fn numbers(vars: &Vars) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::monitor::numbers::Numbers;
+    use crate::monitoring::numbers::Numbers;
 
     #[test]
     fn a_drive_tells_its_share_and_a_job_its_time() {

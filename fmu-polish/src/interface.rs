@@ -4,7 +4,7 @@
 #[rustfmt::skip]
 mod variables {
     use crate::axes::Axes;
-    use crate::monitor::numbers::Numbers;
+    use crate::monitoring::numbers::Numbers;
     use control_blocks::DELAY_MAX;
     use fmi2_export::{Unit, units::*};
     const NEWTON_SECOND_PER_METRE: Unit = Unit::si("N.s/m", [1, 0, -1, 0, 0], &[]);

@@ -10,7 +10,7 @@ mod faults;
 mod force;
 pub mod interface;
 mod machine;
-mod monitor;
+mod monitoring;
 mod motion;
 pub mod path;
 mod reading;

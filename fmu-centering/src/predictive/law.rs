@@ -9,12 +9,12 @@ use serde::{Deserialize, Serialize};
 use crate::centre::{Centre, Estimate};
 use crate::interface::{Fault, Parameters, State};
 use crate::law::{CentringLaw, Conclusion, Launch, Observation, Verdict};
+use crate::monitoring::PRESSED_IN_PUSH;
 use crate::motion::Motion;
 use crate::predictive::aim::{AimInput, aim};
 use crate::predictive::learned::{LastPush, LearnedParameters, PushKind};
 use crate::predictive::press::{Goal, Press};
 use crate::predictive::ring_model::{Assumptions, RingModel};
-use crate::sensing::PRESSED_IN_PUSH;
 use crate::sensing::{Despiker, Measurement};
 
 /// Time after a push until the ring lies still, s.

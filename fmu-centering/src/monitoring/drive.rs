@@ -4,7 +4,7 @@ use control_blocks::{Following, Frozen, Response, Trajectory};
 use serde::{Deserialize, Serialize};
 
 use crate::interface::{Fault, Parameters};
-use crate::sensing::reading::RESOLUTION;
+use crate::sensing::RESOLUTION;
 
 /// Time over which the share of the motion is taken, s (our choice: longer than the lag of a servo, and shorter than a
 /// slide that nothing drives needs to the limit).

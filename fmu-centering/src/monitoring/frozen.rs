@@ -10,7 +10,7 @@ use control_blocks::Frozen;
 use serde::{Deserialize, Serialize};
 
 use crate::interface::Parameters;
-use crate::sensing::reading::{RESOLUTION, Sample};
+use crate::sensing::{RESOLUTION, Sample};
 
 /// Motion of the slide on the ring that must change what the probe reads while following, m (ten times the coarsest
 /// resolution); and in a stroke, where slide and surface may go side by side for 8 ms, at 0.12 m/s as they cross at 2.56 m/s2.

@@ -6,8 +6,8 @@ use control_blocks::{Progress, Reversals, quintic_duration, ticks};
 use serde::{Deserialize, Serialize};
 
 use crate::interface::{Fault, Parameters, State};
-use crate::monitors::drive::DriveWatch;
-use crate::monitors::life::LifeWatch;
+use crate::monitoring::drive::DriveWatch;
+use crate::monitoring::life::LifeWatch;
 use crate::path::path_table::PathTable;
 
 /// Below this share the arm accelerates against the torque.

@@ -11,7 +11,7 @@ use control_blocks::Frozen;
 use serde::{Deserialize, Serialize};
 
 use crate::interface::Parameters;
-use crate::monitors::drive::disturbance;
+use crate::monitoring::drive::disturbance;
 
 /// Path at the tool that a living encoder may leave unanswered where it turns, m: the 500 Hz at 500 m/s2, which feedback
 /// alone hardly answers.

@@ -1,0 +1,9 @@
+//! What is watched beside the law: the drive's answer, a probe that stands, and its test before the ring counts as centred.
+
+mod drive;
+mod frozen;
+mod trial;
+
+pub use drive::DriveMonitor;
+pub use frozen::{FrozenProbe, PRESSED_IN_PUSH, Phase};
+pub use trial::{ProbeTrial, believable_share};
