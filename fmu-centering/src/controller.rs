@@ -165,13 +165,16 @@ impl Controller {
     fn find_fault(&mut self, p: &Parameters, reading: &Reading, turned: f64) -> Option<Fault> {
         let frozen = reading.fresh && self.frozen.update(p, self.phase(), &self.sample, turned) && self.state.active();
         let astray = self.state == State::Push && self.law.astray(p);
+        // a ring that was found is further away by no more than the probe gives way
+        let slack = if self.state == State::Approach { 0.0 } else { p.probe.stroke };
+        let travel = p.approach.travel_max + slack;
         let view = Watched {
             state: self.state,
             probe: self.calm.probe,
             turned,
             speed: self.spindle.speed(),
             surface: self.follower.surface(),
-            beyond_travel: self.motion.beyond_travel(p),
+            beyond_travel: self.motion.beyond(p, travel),
             estimate: self.estimate.as_ref(),
         };
         let centring = self.state.active() && self.state != State::Centred;

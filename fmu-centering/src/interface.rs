@@ -224,7 +224,8 @@ mod variables {
     pub struct Approach {
         /// Velocity of the approach and of the way back
         #[var(unit = METRE_PER_SECOND as "mm/s", range = 1e-4..=10.0, start = 0.12, source = "paper")] pub velocity: f64,
-        /// Longest travel from the start position
+        /// Longest travel from the start position until the probe touches, and `probe.stroke` more from then on; where a
+        /// dead probe must not let the pusher meet the ring, less than the way to it
         #[var(unit = METRE as "mm", range = 1e-3..=10.0, start = 0.15, source = "our choice")] pub travel_max: f64,
         /// Stroke of the probe before the pusher that the fastest approach needs, eq. 9
         #[var(unit = METRE as "mm", calculated)] pub look_ahead: f64,

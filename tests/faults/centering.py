@@ -63,6 +63,7 @@ MATRIX = Matrix(
             "probe frozen with a last bit that flickers", "FrozenReading",
             collecting(PROBE, frozen=True), collecting(PROBE, noise=2e-8),
         ),
+        row("dead probe in the approach", "NoPart", Injection(PROBE, from_time=0.0, value=0.0)),
         row("probe frozen in a push", "FrozenReading", pushing(PROBE, frozen=True)),
         row("coarse probe frozen", "FrozenReading", collecting(PROBE, frozen=True),
             changes=("plant.probe_resolution=1e-6",)),

@@ -84,12 +84,12 @@ impl Motion {
         self.course.is_some()
     }
 
-    /// Whether the setpoint, stopped now, would end beyond the travel of the approach.
-    pub fn beyond_travel(&self, p: &Parameters) -> bool {
+    /// Whether the setpoint, stopped now, would end further from the start than `travel`, m.
+    pub fn beyond(&self, p: &Parameters, travel: f64) -> bool {
         let velocity = self.setpoint.velocity.max(0.0);
         // one sample early is better than late
         let way = velocity * p.sample_period + stopping_distance(velocity, p.slide.acceleration_max);
-        self.setpoint.position + way - self.home >= p.approach.travel_max
+        self.setpoint.position + way - self.home >= travel
     }
 
     /// Whether the setpoint stands, and no move will change that.
@@ -159,7 +159,7 @@ mod tests {
     #[test]
     fn stops_inside_its_travel() {
         let mut motion = approaching(100);
-        while !motion.beyond_travel(&P) {
+        while !motion.beyond(&P, P.approach.travel_max) {
             motion.step(&P, P.approach.velocity);
         }
         motion.retreat(&P);
