@@ -106,6 +106,18 @@ def compile_driver(folder: Path, source: str) -> Path:
     compiler = need("cc", shutil.which("cc"))
     (folder / "driver.c").write_text(source)
     flags = ["-std=gnu11", "-O1", "-g", "-Wall", "-Wextra", "-Werror"]
-    command = [compiler, *flags, "-I", str(HEADERS), "driver.c", "-o", "driver", "-ldl", "-lm"]
+    command = [
+        compiler,
+        *flags,
+        "-I",
+        str(HEADERS),
+        "-I",
+        str(DRIVER.parent),
+        "driver.c",
+        "-o",
+        "driver",
+        "-ldl",
+        "-lm",
+    ]
     subprocess.run(command, cwd=folder, check=True)
     return folder / "driver"

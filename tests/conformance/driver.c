@@ -2,32 +2,13 @@
  * the last of a Real input. With `traps` behind that it does a short run at rest in which a floating-point exception kills
  * the process, as some hosts do. */
 #define _GNU_SOURCE
-#include <dlfcn.h>
 #include <fenv.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include "fmi2Functions.h"
+#include "fmu.h"
 
 #define STEPS 100
-
-static fmi2InstantiateTYPE *instantiate;
-static fmi2FreeInstanceTYPE *free_instance;
-static fmi2SetupExperimentTYPE *setup_experiment;
-static fmi2EnterInitializationModeTYPE *enter_initialization_mode;
-static fmi2ExitInitializationModeTYPE *exit_initialization_mode;
-static fmi2ResetTYPE *reset;
-static fmi2TerminateTYPE *terminate;
-static fmi2DoStepTYPE *do_step;
-static fmi2GetRealTYPE *get_real;
-static fmi2SetRealTYPE *set_real;
-static fmi2GetStringTYPE *get_string;
-static fmi2GetFMUstateTYPE *get_state;
-static fmi2SetFMUstateTYPE *set_state;
-static fmi2FreeFMUstateTYPE *free_state;
-static fmi2SerializedFMUstateSizeTYPE *serialized_size;
-static fmi2SerializeFMUstateTYPE *serialize;
-static fmi2DeSerializeFMUstateTYPE *deserialize;
 
 static int messages;
 
@@ -40,35 +21,6 @@ static void count(fmi2ComponentEnvironment environment, fmi2String instance, fmi
     (void)status;
     /* every byte of the texts is read */
     messages += strlen(instance) + strlen(category) + strlen(message) > 0;
-}
-
-static void check(int good, const char *what) {
-    if (!good) {
-        fprintf(stderr, "%s\n", what);
-        exit(1);
-    }
-}
-#define OK(call) check((call) == fmi2OK, #call)
-#define FIND(library, pointer, name) check((*(void **)&pointer = dlsym(library, name)) != NULL, name)
-
-static void find(void *library) {
-    FIND(library, instantiate, "fmi2Instantiate");
-    FIND(library, free_instance, "fmi2FreeInstance");
-    FIND(library, setup_experiment, "fmi2SetupExperiment");
-    FIND(library, enter_initialization_mode, "fmi2EnterInitializationMode");
-    FIND(library, exit_initialization_mode, "fmi2ExitInitializationMode");
-    FIND(library, reset, "fmi2Reset");
-    FIND(library, terminate, "fmi2Terminate");
-    FIND(library, do_step, "fmi2DoStep");
-    FIND(library, get_real, "fmi2GetReal");
-    FIND(library, set_real, "fmi2SetReal");
-    FIND(library, get_string, "fmi2GetString");
-    FIND(library, get_state, "fmi2GetFMUstate");
-    FIND(library, set_state, "fmi2SetFMUstate");
-    FIND(library, free_state, "fmi2FreeFMUstate");
-    FIND(library, serialized_size, "fmi2SerializedFMUstateSize");
-    FIND(library, serialize, "fmi2SerializeFMUstate");
-    FIND(library, deserialize, "fmi2DeSerializeFMUstate");
 }
 
 static void start(fmi2Component c) {
