@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
+import re
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -21,10 +23,15 @@ from cosim.pool.limits import Limits, processors
 from cosim.scenario.load import load
 from cosim.show import display
 from cosim.show.bar import bar
-from cosim.writing import naming
+from cosim.writing import check_text, naming
 
 Outcomes = Mapping[str, Outcome]
 """What became of each scenario, by name, in the order in which they were asked for."""
+KINDS = {
+    ".json": ("result of a run", re.compile(rb'\{\s*"loop":')),
+    ".svg": ("SVG", re.compile(rb"\s*(<\?xml[^>]*>\s*)?(<!DOCTYPE svg|<svg)")),
+}
+"""What is written for each scenario, and how such files begin."""
 
 
 @dataclass(frozen=True)
@@ -59,15 +66,23 @@ def run(scenarios: Sequence[str], options: RunOptions) -> Outcomes:
     Raises
     ------
     CosimError
-        Two files have one name, the folder cannot be written, or no worker can be had.
+        Two files have one name, the folder cannot be written, a file there is none of a
+        scenario's results, or no worker can be had.
     """
-    found: dict[str, RecordedJob | Outcome] = {}
+    names: dict[str, str] = {}
     for given in scenarios:
         name = paths.scenario_name(Path(given)) if given.endswith(".toml") else given
-        if name in found:
+        if name in names:
             problem = f"`{given}` and another file are both the scenario `{name}`"
             raise CosimError(problem, "test them one after the other")
-        found[name] = job(given, name, options)
+        names[name] = given
+    files = {name: places(options.folder, name) for name in names}
+    for file in itertools.chain.from_iterable(files.values()):
+        with naming(file):
+            file.unlink(missing_ok=True)  # what an earlier run left there
+    found: dict[str, RecordedJob | Outcome] = {
+        name: job(given, files[name], options) for name, given in names.items()
+    }
     with progress(len(found), options.quiet) as tell:
         for name, error in found.items():
             if isinstance(error, CosimError):
@@ -90,9 +105,9 @@ def outcomes(jobs: Mapping[str, RecordedJob], options: RunOptions) -> Iterator[t
             yield names[number], outcome
 
 
-def job(given: str, name: str, options: RunOptions) -> RecordedJob | CosimError:
+def job(given: str, files: tuple[Path, ...], options: RunOptions) -> RecordedJob | CosimError:
     """Job of a scenario, or what is wrong with it."""
-    json, plot = (fresh(options.folder, f"{name}{ending}") for ending in (".json", ".svg"))
+    json, plot = files or (None, None)
     try:
         scenario = load(given)
         stale.warn_of(scenario)
@@ -104,15 +119,16 @@ def job(given: str, name: str, options: RunOptions) -> RecordedJob | CosimError:
     )
 
 
-def fresh(folder: Path | None, name: str) -> Path | None:
-    """File in the folder of the results, without what an earlier run left there."""
+def places(folder: Path | None, name: str) -> tuple[Path, ...]:
+    """Files of a scenario's results, whose folder is made; no file of another kind may be there."""
     if folder is None:
-        return None
-    file = folder / name
-    with naming(file):
-        file.parent.mkdir(parents=True, exist_ok=True)
-        file.unlink(missing_ok=True)
-    return file
+        return ()
+    files = tuple(folder / f"{name}{ending}" for ending in KINDS)
+    for file in files:
+        with naming(file):
+            file.parent.mkdir(parents=True, exist_ok=True)
+        check_text("--out", file, *KINDS[file.suffix])
+    return files
 
 
 def plain(outcomes: Outcomes) -> list[dict[str, Any]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 
 from rich.console import Group, RenderableType
 from rich.table import Table
@@ -15,6 +16,8 @@ from cosim.show.listing import plain_table
 from cosim.words.verdicts import NOTHING_DEMANDED, row
 
 COLUMNS = ("scenario", "claim", "paper", "measured", "limit", "pass")
+BEGINNING = re.compile(rb"\s+".join(map(str.encode, COLUMNS)))
+"""How a file that holds the table begins."""
 FOLDED = ("claim", "paper")
 """Columns that a narrow terminal shows on several lines."""
 DIGITS = 3

@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 
     from cosim.pool.job import Outcome
 
+TABLE = "acceptance.txt"
+"""File of the table in the folder of the results."""
+
 
 def run_tests(
     scenarios: Annotated[
@@ -64,13 +67,15 @@ def run_tests(
     if junit is not None:
         check_text("--junit", junit, "JUnit XML", xml.BEGINNING)
     check_apart({"--json": Path(json) if json else None, "--junit": Path(junit) if junit else None})
+    if out is not None and out.is_dir():
+        check_text("--out", out / TABLE, "acceptance table", table.BEGINNING)
     limits = checked_limits(timeout, memory, in_process=False)
     options = runner.RunOptions(out, plots and can_plot(), workers, engines.checked(engine), limits, quiet)
     found = runner.run(select(scenarios or ()), options)
     shown = table.table(found)
     text = table.text(shown)
     if out is not None:
-        write(text, str(out / "acceptance.txt"))
+        write(text, out / TABLE)
     if json is not None:
         write(strict.text(runner.plain(found)), json)
     if junit is not None:

@@ -64,6 +64,9 @@ failing/plant  could not run
 """
 
 
+EARLIER = '{\n  "loop": "of an earlier run"\n}\n'
+
+
 @dataclass(frozen=True)
 class Acceptance:
     """What one call of `cosim test` left behind."""
@@ -78,7 +81,7 @@ def tested(tmp_path_factory: pytest.TempPathFactory, probe: Path) -> Iterator[Ac
     folder = tmp_path_factory.mktemp("project")
     shutil.copy(DATA / "probe_plants.py", folder)
     for name, text in TEXTS.items():
-        for file, content in ((f"scenarios/{name}.toml", text), (f"out/{name}.json", "old")):
+        for file, content in ((f"scenarios/{name}.toml", text), (f"out/{name}.json", EARLIER)):
             (folder / file).parent.mkdir(parents=True, exist_ok=True)
             (folder / file).write_text(content)
     arguments = ("lag*", "failing/*", "--out", "out", "--json", "all.json", "--junit", "all.xml")
@@ -170,3 +173,32 @@ def test_scenarios_are_meant_by_name_file_and_pattern() -> None:
 def test_two_files_of_one_name_are_refused() -> None:
     with pytest.raises(CosimError, match="another file are both the scenario `lag`"):
         runner.run(["lag", "elsewhere/lag.toml"], runner.RunOptions())
+
+
+@pytest.mark.parametrize(
+    ("file", "content", "kind"),
+    [
+        ("lag.json", '{"colour": "of the user"}', "result of a run"),
+        ("lag/free.svg", "a note", "SVG"),
+        ("acceptance.txt", "a note", "acceptance table"),
+    ],
+)
+@pytest.mark.usefixtures("tested")
+def test_no_file_of_the_user_is_written_over(
+    file: str,
+    content: str,
+    kind: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    (tmp_path / "lag").mkdir()
+    earlier = tmp_path / "lag.json"
+    earlier.write_text(EARLIER)
+    (tmp_path / file).write_text(content)
+    before = {place: place.read_text() for place in tmp_path.rglob("*.*")}
+    monkeypatch.setattr(sys, "argv", ["cosim", "test", "lag", "lag/free", "--out", str(tmp_path)])
+    assert app.status_of(app.app) == 2
+    told = capsys.readouterr().err
+    assert f"`{tmp_path / file}` would be written over a file that is no {kind}" in told
+    assert {place: place.read_text() for place in tmp_path.rglob("*.*")} == before
