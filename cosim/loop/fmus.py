@@ -8,7 +8,7 @@ from cosim import paths
 from cosim.errors import FmuError, concerning
 from cosim.fmu.archive import FmuFile, Variable, open_fmu
 from cosim.fmu.instance import Instance
-from cosim.loop import trace
+from cosim.loop import recorder
 from cosim.loop.place import Place, Stage
 from cosim.loop.wires.connect import driven
 from cosim.scenario.model import FmuChoice, Scenario
@@ -66,7 +66,7 @@ def open_instances(
         for choice, file, inputs in wanted:
             place.at(Stage.LOAD, choice.shown)
             fmu = fitting.get(choice.name) or Instance(
-                file, inputs, trace.numeric_outputs(file), log_events, choice
+                file, inputs, recorder.numeric_outputs(file), log_events, choice
             )
             opened.append(fmu)
     except BaseException:

@@ -15,8 +15,8 @@ from cosim.loop import condition, reference
 from cosim.loop.engines import Engine
 from cosim.loop.place import Stage
 from cosim.loop.plant import Plant, starts
+from cosim.loop.recorder import Recorder
 from cosim.loop.reference import PROGRESS_EVERY, Parts, Recording
-from cosim.loop.trace import Recorder
 from cosim.loop.wires.connect import Connector
 from cosim.loop.wires.links import Links, Slot, whole
 from cosim.scenario.model import Scenario

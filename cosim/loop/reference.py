@@ -14,7 +14,7 @@ from cosim.errors import CosimError, PlantError
 from cosim.fmu.instance import Instance
 from cosim.loop.place import Place, Stage
 from cosim.loop.plant import Plant, one_each, starts
-from cosim.loop.trace import Recorder, Sink
+from cosim.loop.recorder import Recorder, Sink
 from cosim.loop.wires.change import Trigger, delay_of
 from cosim.loop.wires.connect import Connector
 from cosim.loop.wires.links import Fault, Inlet, Link

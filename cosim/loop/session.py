@@ -16,7 +16,7 @@ from cosim.errors import CosimError, FmuError, PlantError, concerning
 from cosim.fmu import readable
 from cosim.fmu.archive import FmuFile
 from cosim.fmu.instance import Instance
-from cosim.loop import condition, fmus, idle, native, plant, reference, trace
+from cosim.loop import condition, fmus, idle, native, plant, recorder, reference
 from cosim.loop.engines import Engine, checked
 from cosim.loop.place import Place, Stage
 from cosim.loop.reference import Parts, Progress, Recording
@@ -113,10 +113,10 @@ class Session(Closing):
 
     def _compile(self) -> None:
         """Compile all expressions against the columns of the trace."""
-        found = trace.columns(self.fmus, self.plant)
+        found = recorder.columns(self.fmus, self.plant)
         self.columns = columns = condition.items_of(found)
         self.metrics = criteria.compile_metrics(
-            self.scenario.metric, columns, trace.units(self.fmus, self.plant)
+            self.scenario.metric, columns, recorder.units(self.fmus, self.plant)
         )
         criteria.check_units(self.scenario.criterion, self.scenario.metric, self.metrics)
         self.stop = condition.compiled(self.scenario.loop.stop_when, "loop.stop_when", found)
@@ -189,8 +189,8 @@ class Session(Closing):
 
     def _result(self, seed: int) -> Result:
         """Return what is known of a result before the run."""
-        units = trace.units(self.fmus, self.plant)
-        descriptions = trace.descriptions(self.fmus, self.plant)
+        units = recorder.units(self.fmus, self.plant)
+        descriptions = recorder.descriptions(self.fmus, self.plant)
         return Result(
             scenario=self.scenario.name,
             title=self.scenario.title,
@@ -203,7 +203,7 @@ class Session(Closing):
             units={name: units[name] for name in self.columns},
             items={name: items for name, items in self.columns.items() if items},
             descriptions={name: descriptions[name] for name in self.columns},
-            displays=trace.displays(self.fmus),
+            displays=recorder.displays(self.fmus),
             fmus={fmu.owner.fmu: fmu.file.guid for fmu in self.fmus},
         )
 

@@ -21,7 +21,7 @@ from part import part
 import cosim
 from cosim.loop import condition, native, reference
 from cosim.loop.plant import starts
-from cosim.loop.trace import Recorder
+from cosim.loop.recorder import Recorder
 from cosim.loop.wires.connect import Connector
 from cosim.loop.wires.links import Drive, Inlet, Links, Slot
 from cosim.loop.wires.wiring import child

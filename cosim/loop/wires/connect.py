@@ -125,14 +125,13 @@ class Connector:
         """Wire from an output of an FMU to a command of the plant, or to an input of an FMU."""
         source, loop = self.source(wire.source), self.scenario.loop
         side, _, name = wire.to.partition(".")
-        channel: Channel = Ideal()
-        delay = Delay(wire.delay + loop.compute_delay)
+        channel: Channel
         if side == PLANT:
-            _, channel = self.channels[name]
+            (_, channel), delay = self.channels[name], Delay(wire.delay + loop.compute_delay)
         else:
             order.check(wire, self.scenario)
             # what goes back is read before its source steps, so it is a step old already
-            delay = Delay(wire.delay - order.goes_back(wire, list(self.fmus)))
+            channel, delay = Ideal(), Delay(wire.delay - order.goes_back(wire, list(self.fmus)))
         shape = shaper(wire, channel, False, noise(wire, channel, self.seed, loop.steps))
         # before its first result arrives the other end gets what the initialised FMU puts out
         delay.prime(shape(float(source.array[source.index]), 0))

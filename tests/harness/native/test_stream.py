@@ -16,7 +16,7 @@ import cosim
 from cosim.cli import app
 from cosim.errors import CosimError
 from cosim.loop.engines import Engine
-from cosim.loop.trace import Recorder
+from cosim.loop.recorder import Recorder
 from cosim.trace import parquet as streamed
 
 Cart = Callable[..., Path]
