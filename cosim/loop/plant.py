@@ -134,11 +134,16 @@ def plant_class(name: str, folder: Path) -> Any:
     return getattr(module, class_name)
 
 
+def exited(name: str, error: SystemExit) -> PlantError:
+    """Error of a plant that would end the process."""
+    problem = f"the plant `{name}` ended the process: `sys.exit({error.code!r})`"
+    return PlantError(problem, "a plant raises an exception for what it cannot do")
+
+
 def own_module(name: str, folder: Path) -> Any:
     """Import the module of a plant; one beside the scenario comes before any other of that name."""
-    file = folder.joinpath(*name.split(".")).with_suffix(".py").resolve()
-    module = sys.modules.get(name)
-    if not file.is_file() or (module is not None and getattr(module, "__file__", None) == str(file)):
+    file = beside(name, folder)
+    if not file.is_file() or is_imported(name, folder):
         return importlib.import_module(name)
     spec = importlib.util.spec_from_file_location(name, file)
     assert spec is not None
@@ -150,6 +155,17 @@ def own_module(name: str, folder: Path) -> Any:
         del sys.modules[name]
         raise
     return fresh
+
+
+def is_imported(name: str, folder: Path) -> bool:
+    """Whether the module of a plant was imported before, so that nothing of it runs again."""
+    module, file = sys.modules.get(name), beside(name, folder)
+    return module is not None and (not file.is_file() or getattr(module, "__file__", None) == str(file))
+
+
+def beside(name: str, folder: Path) -> Path:
+    """File that a module has if it lies beside the scenario."""
+    return folder.joinpath(*name.split(".")).with_suffix(".py").resolve()
 
 
 def bare(file: Path) -> Any:

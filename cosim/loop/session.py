@@ -298,8 +298,7 @@ def located(scenario: Scenario) -> Iterator[None]:
             error.key = ""
         raise
     except SystemExit as error:
-        problem = f"the plant `{scenario.plant.name}` ended the process: `sys.exit({error.code!r})`"
-        raise PlantError(problem, "a plant raises an exception for what it cannot do") from error
+        raise plant.exited(scenario.plant.name, error) from error
     except MemoryError as error:
         problem = f"a run of `loop.duration` = `{scenario.loop.duration:g}` s does not fit into memory"
         raise CosimError(problem, "several shorter runs with other seeds need less") from error

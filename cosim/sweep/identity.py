@@ -15,6 +15,7 @@ from typing import Any
 
 from cosim.loop import plant
 from cosim.scenario.layers import is_tables
+from cosim.sweep import trial
 from cosim.words.versions import version
 
 PRESENTATION = ("title", "description", "plot")
@@ -78,6 +79,9 @@ def digest_of(path: Path, *_: int) -> str:
 @functools.cache
 def plant_of(name: str, folder: Path) -> tuple[Any, str]:
     """Class of a plant and the SHA-256 of what it is made of; every plan asks anew."""
+    module, colon, _ = name.partition(":")
+    if colon and not plant.is_imported(module, folder):
+        trial.import_plant(name, folder)
     kind = plant.plant_class(name, folder)
     plant.check_class(kind)
     parts = [digest(file) for file in sources(kind, folder)]

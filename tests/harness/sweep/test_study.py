@@ -168,6 +168,25 @@ def test_a_bad_study_is_one_message_and_exit_code_2(
     assert not (folder / "study.sweep").exists()
 
 
+@pytest.mark.parametrize(
+    ("lines", "problem"),
+    [
+        ("import os\nos._exit(0)", "it ended the process with exit code 0"),
+        ("import os, signal\nos.kill(os.getpid(), signal.SIGSEGV)", "killed by SIGSEGV"),
+        ("import sys\nsys.exit(0)", "ended the process: `sys.exit(0)`"),
+    ],
+)
+def test_a_plant_that_ends_its_process_at_import_ends_no_sweep(
+    lines: str, problem: str, write: Write, folder: Path, refused: Refused
+) -> None:
+    file = write(studies.MEASURED)
+    file.write_text(file.read_text().replace("probe_plants:Lag", "ending:Any"))
+    (folder / "ending.py").write_text(lines)
+    (folder / "study.toml").write_text(DRAWN + RANGE)
+    refused(["study.toml"], problem)
+    assert not (folder / "study.sweep").exists()
+
+
 BAD_OPTIONS = {
     "unwritable folder": (["--out", "lag.toml/out"], "cannot write results to `lag.toml/out`"),
     "unknown engine": (["--engine", "natvie"], "there is no engine `natvie`"),
