@@ -61,7 +61,7 @@ impl Rules {
     }
 }
 
-/// The functions of FMI 2.0 for co-simulation that a library does not export.
+/// The functions of FMI 2.0 that a library does not export.
 pub fn missing(facts: &Facts) -> Vec<&'static str> {
     FMI2_FUNCTIONS.into_iter().filter(|name| !facts.exports.contains(*name)).collect()
 }

@@ -19,7 +19,7 @@ use clap::{Args, Parser, Subcommand};
 #[derive(Parser)]
 #[command(name = "cargo", bin_name = "cargo")]
 enum Cargo {
-    /// Build a crate that uses `fmi2-export` and pack it as an FMI 2.0 co-simulation FMU
+    /// Build a crate that uses `fmi2-export` and pack it as an FMI 2.0 FMU
     #[command(version, args_conflicts_with_subcommands = true)]
     Fmu {
         #[command(subcommand)]

@@ -1,6 +1,6 @@
 //! What a shared library offers: `export!` makes the tables of its model and the functions that are compiled for it.
 
-/// Exports a [`Model`](crate::Model) from this library as an FMI 2.0 co-simulation FMU.
+/// Exports a [`Model`](crate::Model) from this library as an FMI 2.0 FMU, for co-simulation and model exchange.
 ///
 /// One library holds one model. What breaks a rule of the declaration or of the facts does not compile.
 ///

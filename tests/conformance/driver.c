@@ -42,6 +42,20 @@ static void step(fmi2Component c, int first) {
     }
 }
 
+/* the time events of an instance for model exchange, up to a time */
+static void events(fmi2Component c, fmi2Real end) {
+    fmi2EventInfo info = {0};
+    while (info.nextEventTime < end) {
+        /* a controller may warn of a fault that it sees in these inputs */
+        check(new_discrete_states(c, &info) <= fmi2Warning, "new_discrete_states");
+        check(info.nextEventTimeDefined && !info.newDiscreteStatesNeeded, "no next event");
+        OK(enter_continuous_time_mode(c));
+        OK(set_time(c, info.nextEventTime));
+        OK(set_real(c, &input, 1, &info.nextEventTime));
+        OK(enter_event_mode(c));
+    }
+}
+
 /* state of one instance through bytes into the other */
 static void hand_over(fmi2Component from, fmi2Component to) {
     fmi2FMUstate taken = NULL, restored = NULL;
@@ -113,6 +127,17 @@ int main(int argc, char **argv) {
     step(two, STEPS);
     OK(terminate(two));
     refuse(one);
+    fmi2Component three = instantiate("three", fmi2ModelExchange, argv[2], NULL, &callbacks, fmi2False, fmi2True);
+    fmi2Component four = instantiate("four", fmi2ModelExchange, argv[2], NULL, &callbacks, fmi2False, fmi2True);
+    check(three != NULL && four != NULL, "fmi2Instantiate");
+    start(three);
+    events(three, 0.05);
+    hand_over(three, four);
+    events(three, 0.1);
+    events(four, 0.1);
+    OK(terminate(three));
+    free_instance(three);
+    free_instance(four);
     free_instance(one);
     free_instance(two);
     free_instance(NULL);

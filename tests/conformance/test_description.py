@@ -87,7 +87,6 @@ def test_capabilities_are_those_of_the_library(fmu: Fmu) -> None:
         "canSerializeFMUstate": "true",
         "providesDirectionalDerivative": "false",
     }
-    assert fmu.description.modelExchange is None
 
 
 def test_the_default_experiment_is_complete(fmu: Fmu) -> None:

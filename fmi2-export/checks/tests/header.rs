@@ -12,8 +12,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Enumerations and the structure: a C compiler cannot compare two definitions of these, so [`LAYOUT`] does.
-const DEFINED_TWICE: [&str; 4] = ["fmi2Status", "fmi2Type", "fmi2StatusKind", "fmi2CallbackFunctions"];
+/// Enumerations and structures: a C compiler cannot compare two definitions of these, so [`LAYOUT`] does.
+const DEFINED_TWICE: [&str; 5] = ["fmi2Status", "fmi2Type", "fmi2StatusKind", "fmi2CallbackFunctions", "fmi2EventInfo"];
 
 /// Types of the callbacks; no prototype uses them directly.
 const CALLBACKS: [&str; 4] =
@@ -47,6 +47,9 @@ const LAYOUT: &str = r#"
 #define FIELD(name) \
     SAME(offsetof(fmi2CallbackFunctions, name) == offsetof(rs_fmi2CallbackFunctions, name)); \
     SAME(sizeof(((fmi2CallbackFunctions *)0)->name) == sizeof(((rs_fmi2CallbackFunctions *)0)->name))
+#define EVENT(name) \
+    SAME(offsetof(fmi2EventInfo, name) == offsetof(rs_fmi2EventInfo, name)); \
+    SAME(sizeof(((fmi2EventInfo *)0)->name) == sizeof(((rs_fmi2EventInfo *)0)->name))
 #define VALUE(name) SAME((int)name == (int)rs_fmi2Status_##name)
 
 SAME(sizeof(fmi2CallbackFunctions) == sizeof(rs_fmi2CallbackFunctions));
@@ -57,6 +60,14 @@ FIELD(freeMemory);
 FIELD(stepFinished);
 FIELD(componentEnvironment);
 SAME(__builtin_types_compatible_p(fmi2Component, __typeof__(((rs_fmi2CallbackFunctions *)0)->componentEnvironment)));
+SAME(sizeof(fmi2EventInfo) == sizeof(rs_fmi2EventInfo));
+SAME(_Alignof(fmi2EventInfo) == _Alignof(rs_fmi2EventInfo));
+EVENT(newDiscreteStatesNeeded);
+EVENT(terminateSimulation);
+EVENT(nominalsOfContinuousStatesChanged);
+EVENT(valuesOfContinuousStatesChanged);
+EVENT(nextEventTimeDefined);
+EVENT(nextEventTime);
 SAME(__builtin_types_compatible_p(fmi2Type, rs_fmi2Type));
 SAME(__builtin_types_compatible_p(fmi2StatusKind, rs_fmi2StatusKind));
 SAME(sizeof(fmi2Status) == sizeof(rs_fmi2Status));
@@ -144,7 +155,7 @@ fn compare(source: &Source) -> Result<(), String> {
 }
 
 #[test]
-fn all_34_functions_are_those_of_the_official_headers() {
+fn all_44_functions_are_those_of_the_official_headers() {
     let folder = tempfile::tempdir().unwrap();
     generate(&source(), folder.path());
     let ours = fs::read_to_string(folder.path().join("names.h")).unwrap();
@@ -155,7 +166,7 @@ fn all_34_functions_are_those_of_the_official_headers() {
         let written = if made { format!("(*{})(", &name[4..]) } else { format!("{name}(") };
         declared && ours.matches(&written).count() == 1
     });
-    assert_eq!(compared.count(), 34, "{ours}");
+    assert_eq!(compared.count(), 44, "{ours}");
     compare(&source()).unwrap();
 }
 
@@ -197,6 +208,11 @@ fn a_changed_source_does_not_pass() {
             "    pub freeMemory: fmi2CallbackFreeMemory,\n    pub stepFinished: fmi2StepFinished,\n",
             "    pub stepFinished: fmi2StepFinished,\n    pub freeMemory: fmi2CallbackFreeMemory,\n",
         ),
+        (
+            "    pub terminateSimulation: fmi2Boolean,\n    pub nominalsOfContinuousStatesChanged: fmi2Boolean,\n",
+            "    pub nominalsOfContinuousStatesChanged: fmi2Boolean,\n    pub terminateSimulation: fmi2Boolean,\n",
+        ),
+        ("    ni: usize,\n", "    ni: fmi2Integer,\n"),
         // the value of an enumerator
         ("    fmi2Discard,\n    fmi2Error,\n    fmi2Fatal,", "    fmi2Error,\n    fmi2Discard,\n    fmi2Fatal,"),
         ("    fmi2Pending,\n}", "    fmi2Pending = 7,\n}"),

@@ -9,7 +9,7 @@ use cargo_fmu::{binary, pack};
 use common::example;
 use fmi_rs::fmi2::builder::FMU2Builder;
 use fmi_rs::fmi2::types::{fmi2Status, fmi2StatusKind};
-use fmi_rs::fmi2::{CS, FMU2};
+use fmi_rs::fmi2::{CS, FMU2, ME};
 use fmi_rs::model_description::fmi2::{Causality, ModelDescription};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -106,4 +106,29 @@ fn fmi_rs_takes_and_restores_states() {
     assert_eq!(run(), 3.5);
     assert_eq!(fmu.freeFMUstate(&mut state), fmi2Status::Ok);
     assert_eq!(fmu.freeFMUstate(&mut restored), fmi2Status::Ok);
+}
+
+#[test]
+fn fmi_rs_comes_to_the_time_events() {
+    let folder = tempfile::tempdir().unwrap();
+    let builder = FMU2Builder::new(&packed(&folder)).unwrap();
+    let find = |name| reference(&builder.model_description, name);
+    let (position, force, ticks) = (find("position"), find("force"), find("ticks"));
+    let fmu: Arc<FMU2<ME>> = builder.instantiate_me("events").unwrap();
+    assert_eq!(fmu.setupExperiment(None, 0.0, Some(1.0)), fmi2Status::Ok);
+    assert_eq!((fmu.enterInitializationMode(), fmu.exitInitializationMode()), (fmi2Status::Ok, fmi2Status::Ok));
+    for k in 1..=100 {
+        let ([mut needed, mut end, mut nominals, mut values], mut next) = ([true; 4], None);
+        assert_eq!(fmu.setReal(&position, &[f64::from(k)]), fmi2Status::Ok);
+        let status = fmu.newDiscreteStates(&mut needed, &mut end, &mut nominals, &mut values, &mut next);
+        let (mut value, mut count) = ([f64::NAN], [0]);
+        assert_eq!(fmu.getReal(&force, &mut value), fmi2Status::Ok);
+        assert_eq!(fmu.getInteger(&ticks, &mut count), fmi2Status::Ok);
+        assert_eq!((value[0], count[0]), ((2.0 * f64::from(k) + 1.5).min(10.0), k));
+        assert_eq!((status, needed, end, nominals, values), (fmi2Status::Ok, false, false, false, false));
+        let next = next.unwrap();
+        assert_eq!(next, f64::from(k) * 1e-3);
+        assert_eq!(fmu.enterContinuousTimeMode(), fmi2Status::Ok);
+        assert_eq!((fmu.setTime(next), fmu.enterEventMode()), (fmi2Status::Ok, fmi2Status::Ok));
+    }
 }

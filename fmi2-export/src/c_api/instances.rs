@@ -6,7 +6,7 @@ use crate::description::files::Files;
 use crate::exported::Exported;
 use crate::host::hook;
 use crate::host::logger::{Callback, Category, Logger};
-use crate::host::phase::Status;
+use crate::host::phase::{FmuType, Status};
 use crate::host::resources;
 use crate::host::text::c_string;
 use crate::instance::{Instance, states};
@@ -16,6 +16,7 @@ use std::ffi::{CStr, CString};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 
+const MODEL_EXCHANGE: fmi2Type = 0;
 const CO_SIMULATION: fmi2Type = 1;
 
 /// fmi2Instantiate of a model.
@@ -36,17 +37,20 @@ pub unsafe fn instantiate<M: Exported>(
         let name = text(name).unwrap_or_default();
         // SAFETY: the caller gives a valid structure or NULL.
         let logger = Logger::new(callback(unsafe { functions.as_ref() }, name), logging != 0);
-        if let Err(reason) = accept(name, kind, text(guid), M::guid()) {
-            logger.send(Category::Error, format_args!("fmi2Instantiate: {reason}"));
-            return std::ptr::null_mut();
-        }
+        let fmu_type = match accept(name, kind, text(guid), M::guid()) {
+            Ok(fmu_type) => fmu_type,
+            Err(reason) => {
+                logger.send(Category::Error, format_args!("fmi2Instantiate: {reason}"));
+                return std::ptr::null_mut();
+            }
+        };
         let resources = folder(resources).unwrap_or_else(|reason| {
             logger.send(Category::Warning, format_args!("fmi2Instantiate: {reason}"));
             // fmi2Instantiate has no status; the next call is not to blame
             logger.take_warned();
             None
         });
-        let instance = Instance::<M>::new(Host { name: name.to_owned(), resources, logger });
+        let instance = Instance::<M>::new(Host { name: name.to_owned(), resources, logger }, fmu_type);
         let component = Component { busy: Cell::new(false), slave: UnsafeCell::new(Box::new(instance)) };
         Box::into_raw(Box::new(component)).cast()
     };
@@ -62,16 +66,21 @@ fn folder(location: fmi2String) -> Result<Option<PathBuf>, String> {
     resources::folder(unsafe { CStr::from_ptr(location) }.to_bytes())
 }
 
-/// Whether an instance may be made of these arguments.
-fn accept(name: &str, kind: fmi2Type, guid: Option<&str>, own: &str) -> Result<(), String> {
+/// The type of the instance that is made of these arguments, or why none is.
+fn accept(name: &str, kind: fmi2Type, guid: Option<&str>, own: &str) -> Result<FmuType, String> {
     if name.trim().is_empty() {
         return Err("the instance name is empty, blank or not UTF-8".to_owned());
     }
-    if kind != CO_SIMULATION {
-        return Err(format!("the FMU type {kind} is not supported, only co-simulation ({CO_SIMULATION})"));
-    }
+    let fmu_type = match kind {
+        MODEL_EXCHANGE => FmuType::ModelExchange,
+        CO_SIMULATION => FmuType::CoSimulation,
+        _ => {
+            let known = format!("model exchange ({MODEL_EXCHANGE}) or co-simulation ({CO_SIMULATION})");
+            return Err(format!("the FMU type {kind} is not {known}"));
+        }
+    };
     match guid {
-        Some(guid) if guid == own => Ok(()),
+        Some(guid) if guid == own => Ok(fmu_type),
         Some(guid) => Err(format!("the GUID `{guid}` is not that of this binary, `{own}`")),
         None => Err("the GUID is NULL or not UTF-8".to_owned()),
     }

@@ -1,4 +1,4 @@
-//! The C API of FMI 2.0.5 for co-simulation: all 34 functions.
+//! The C API of FMI 2.0.5: all 44 functions.
 //!
 //! Every function turns C arguments into Rust ones, passes a barrier for panics and re-entrance,
 //! and calls the safe instance. Names and types are those of the standard's headers.
@@ -10,6 +10,7 @@
 #![allow(unsafe_code, non_camel_case_types, non_snake_case, missing_docs, clippy::missing_safety_doc)]
 
 mod call;
+mod exchange;
 mod instances;
 mod phases;
 mod states;

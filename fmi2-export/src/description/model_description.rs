@@ -42,6 +42,19 @@ fn head(xml: &mut Writer, info: &Info, guid: &str) {
 
 fn capabilities(xml: &mut Writer, info: &Info) {
     xml.empty(
+        "ModelExchange",
+        &[
+            ("modelIdentifier", info.identifier),
+            ("needsExecutionTool", "false"),
+            ("completedIntegratorStepNotNeeded", "true"),
+            ("canBeInstantiatedOnlyOncePerProcess", "false"),
+            ("canNotUseMemoryManagementFunctions", "true"),
+            ("canGetAndSetFMUstate", "true"),
+            ("canSerializeFMUstate", "true"),
+            ("providesDirectionalDerivative", "false"),
+        ],
+    );
+    xml.empty(
         "CoSimulation",
         &[
             ("modelIdentifier", info.identifier),

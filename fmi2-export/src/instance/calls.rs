@@ -53,15 +53,30 @@ impl<M: Exported> Slave for Instance<M> {
     }
 
     fn terminate(&mut self) -> Status {
-        self.call(Function::Terminate, |this| {
-            this.now.phase = Phase::Terminated;
+        self.enter(Function::Terminate, Phase::Terminated)
+    }
+
+    fn enter(&mut self, function: Function, phase: Phase) -> Status {
+        self.call(function, |this| {
+            this.now.phase = phase;
+            Ok(())
+        })
+    }
+
+    fn set_time(&mut self, time: f64) -> Status {
+        self.call(Function::SetTime, |this| this.move_to(time))
+    }
+
+    fn new_discrete_states(&mut self, next: &mut f64) -> Status {
+        self.call(Function::NewDiscreteStates, |this| {
+            *next = this.update()?;
             Ok(())
         })
     }
 
     fn reset(&mut self) -> Status {
         self.call(Function::Reset, |this| {
-            this.now = fresh::<M>();
+            this.now = fresh::<M>(this.now.fmu_type);
             this.host.logger.reset();
             this.told_long_step = false;
             Ok(())
@@ -153,6 +168,7 @@ impl<M: Exported> Slave for Instance<M> {
     fn deserialize(&mut self, bytes: &[u8], slot: &mut Option<TakenState>) -> Status {
         self.call(Function::DeSerializeFMUstate, |this| {
             let mut restored: SnapshotOf<M> = snapshot::from_bytes(M::guid(), bytes).map_err(Refusal::error)?;
+            this.check_type(&restored)?;
             this.check_restored(&restored).map_err(|refusal| {
                 Refusal::error(format!("the state bytes hold what no call could set: {}", refusal.text()))
             })?;

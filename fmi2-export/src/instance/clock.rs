@@ -85,6 +85,26 @@ impl Clock {
         first..self.next_tick()
     }
 
+    /// Moves behind the ticks that lie at or before `time` and returns them; `start` is the time of the first.
+    ///
+    /// For importers that come at the time of a tick, as [`next_time`](Self::next_time) tells it, or less than [`SNAP`]
+    /// earlier.
+    pub fn come_to(&mut self, start: f64, time: f64) -> Range<u64> {
+        let first = self.next_tick();
+        let passed = (time - start) / self.period + SNAP;
+        let passed = if passed < 0.0 { 0 } else { (passed as u64).saturating_add(1) };
+        // far from the start the quotient is too coarse: the very time that was told has come
+        let told = first + u64::from(time >= self.next_time(start));
+        let end = passed.max(told);
+        (self.whole, self.fraction) = (end, 0.0);
+        first..end
+    }
+
+    /// Time of the next tick; `start` is the time of the first.
+    pub fn next_time(&self, start: f64) -> f64 {
+        start + self.time_of(self.next_tick())
+    }
+
     /// Present position, s from the start.
     #[inline]
     pub fn position(&self) -> f64 {
@@ -171,6 +191,31 @@ mod tests {
         let mut clock = Clock::new(1.0);
         assert_eq!(count(&mut clock, 1e-8, 100), 1);
         assert!((clock.until(1) - (1.0 - 1e-6)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn an_importer_that_comes_at_the_time_told_finds_one_tick_and_no_second_one() {
+        for (start, period) in [(0.0, 1e-4), (0.1, 1e-4), (-3.0, 0.7e-3), (1e5, 1e-4), (1e9, 1e-7)] {
+            let mut clock = Clock::new(period);
+            for k in 0..10_000 {
+                let time = clock.next_time(start);
+                assert_eq!(clock.come_to(start, time), k..k + 1, "{start} {period}");
+                assert!(clock.next_time(start) >= time);
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_is_due_between_two_ticks_and_all_that_was_passed_is() {
+        let mut clock = Clock::new(1e-2);
+        assert_eq!(clock.come_to(0.0, -1.0), 0..0);
+        assert_eq!(clock.come_to(0.0, 0.0), 0..1);
+        assert_eq!(clock.come_to(0.0, 0.0), 1..1);
+        assert_eq!(clock.come_to(0.0, 0.999e-2), 1..1);
+        assert_eq!(clock.come_to(0.0, 1e-2 * (1.0 - 1e-7)), 1..2);
+        assert_eq!(clock.come_to(0.0, 4.5e-2), 2..5);
+        assert_eq!(clock.come_to(0.0, 3e-2), 5..5);
+        assert_eq!(clock.next_time(0.0), 5e-2);
     }
 
     #[test]

@@ -3,19 +3,26 @@
 use crate::exported::Exported;
 use crate::instance::Instance;
 use crate::instance::access::Refusal;
+use crate::instance::clock::Clock;
 use crate::instance::slope::{Derivative, Slope};
 use crate::model::Experiment;
 use crate::table::index::Entry;
 use crate::table::variable::{Kind, Role};
+use std::ops::Range;
 
 impl<M: Exported> Instance<M> {
     #[cold]
-    pub(super) fn run_with_derivatives(&mut self, experiment: Experiment, step: f64) -> Result<(), Refusal> {
+    pub(super) fn run_with_derivatives(
+        &mut self,
+        experiment: Experiment,
+        here: Clock,
+        ticks: Range<u64>,
+    ) -> Result<(), Refusal> {
         let slopes = self.take_slopes();
-        let done = self.run(experiment, step, |vars, time, after| {
+        let done = self.run(experiment, ticks, |vars, time, tick| {
             let apply = |slope: &Slope<M::Vars>| {
                 slope
-                    .apply(vars, after)
+                    .apply(vars, here.until(tick))
                     .map_err(|value| endless(&M::INDEX.entries[slope.reference() as usize], slope, value, time))
             };
             slopes.iter().try_for_each(apply)

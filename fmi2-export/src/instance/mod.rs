@@ -5,6 +5,7 @@ mod calls;
 mod clock;
 mod communication;
 mod derivatives;
+mod events;
 pub mod slave;
 mod slope;
 mod snapshot;
@@ -12,7 +13,7 @@ pub mod states;
 mod values;
 
 use crate::exported::Exported;
-use crate::host::phase::{Function, Phase, Status};
+use crate::host::phase::{FmuType, Function, Phase, Status};
 use crate::instance::access::{Refusal, Scalar, Value, not_finite, unknown};
 use crate::instance::clock::Clock;
 use crate::instance::communication::{check_step, is_too_long, too_long};
@@ -23,6 +24,7 @@ use crate::model::{Env, Experiment, Host, Interface, Model};
 use crate::table::index::Entry;
 use crate::table::variable::{Kind, Variable};
 use std::ffi::CString;
+use std::ops::Range;
 
 type SnapshotOf<M> = Snapshot<<M as Model>::Vars, M>;
 
@@ -37,14 +39,17 @@ pub struct Instance<M: Exported> {
 }
 
 impl<M: Exported> Instance<M> {
-    pub fn new(host: Host) -> Self {
-        Self { host, now: fresh::<M>(), strings: Vec::new(), told_long_step: false }
+    pub fn new(host: Host, fmu_type: FmuType) -> Self {
+        Self { host, now: fresh::<M>(fmu_type), strings: Vec::new(), told_long_step: false }
     }
 
     /// The only way through every call: phase check, message, error phase.
     #[inline]
     fn call(&mut self, function: Function, body: impl FnOnce(&mut Self) -> Result<(), Refusal>) -> Status {
-        let result = if function.is_allowed(self.now.phase) { body(self) } else { Err(illegal(self.now.phase)) };
+        let Snapshot { fmu_type, phase, .. } = self.now;
+        let is_foreign = function.fmu_type().is_some_and(|other| other != fmu_type);
+        let is_allowed = function.is_allowed(phase) && !is_foreign;
+        let result = if is_allowed { body(self) } else { Err(illegal(phase, is_foreign.then_some(fmu_type))) };
         match result {
             Ok(()) if self.host.logger.take_warned() => Status::Warning,
             Ok(()) => Status::Ok,
@@ -79,7 +84,10 @@ impl<M: Exported> Instance<M> {
         let mut env = Env { time: experiment.start, experiment, host: &self.host };
         let model = M::initialise(&mut self.now.vars, &mut env).map_err(|error| Refusal::error(error.to_string()))?;
         self.now.running = Some(Running { model, clock: Clock::new(period), time: experiment.start });
-        self.now.phase = Phase::StepComplete;
+        self.now.phase = match self.now.fmu_type {
+            FmuType::CoSimulation => Phase::StepComplete,
+            FmuType::ModelExchange => Phase::EventMode,
+        };
         self.check_computed()
     }
 
@@ -94,10 +102,13 @@ impl<M: Exported> Instance<M> {
             env.warn(too_long(&running.clock, step, M::INFO.longest_step));
             self.told_long_step = true;
         }
+        let Some(running) = &mut self.now.running else { return Err(not_initialized()) };
+        let here = running.clock;
+        let ticks = running.clock.advance(step);
         if self.now.derivatives.is_empty() {
-            self.run(experiment, step, |_, _, _| Ok(()))?;
+            self.run(experiment, ticks, |_, _, _| Ok(()))?;
         } else {
-            self.run_with_derivatives(experiment, step)?;
+            self.run_with_derivatives(experiment, here, ticks)?;
         }
         if let Some(running) = &mut self.now.running {
             running.time = time + step;
@@ -105,20 +116,18 @@ impl<M: Exported> Instance<M> {
         self.check_computed()
     }
 
-    /// Runs the samples in a communication step; `prepare` gets the time of each of them and the seconds from the start of
-    /// the step to it.
+    /// Runs samples; `prepare` gets the time of each of them and its number.
     #[inline]
     fn run(
         &mut self,
         experiment: Experiment,
-        step: f64,
-        prepare: impl Fn(&mut M::Vars, f64, f64) -> Result<(), Refusal>,
+        ticks: Range<u64>,
+        prepare: impl Fn(&mut M::Vars, f64, u64) -> Result<(), Refusal>,
     ) -> Result<(), Refusal> {
         let Some(running) = &mut self.now.running else { return Ok(()) };
-        let here = running.clock;
-        for tick in running.clock.advance(step) {
-            let time = experiment.start + here.time_of(tick);
-            prepare(&mut self.now.vars, time, here.until(tick))?;
+        for tick in ticks {
+            let time = experiment.start + running.clock.time_of(tick);
+            prepare(&mut self.now.vars, time, tick)?;
             let mut env = Env { time, experiment, host: &self.host };
             let before = self.now.vars.status();
             let done = running.model.sample(&mut self.now.vars, &mut env);
@@ -144,7 +153,7 @@ impl<M: Exported> Instance<M> {
 
     /// Puts start values where a failed step left numbers that are not finite.
     fn make_finite(&mut self) {
-        let start = fresh::<M>().vars;
+        let start = fresh::<M>(self.now.fmu_type).vars;
         for place in M::INDEX.computed.iter().filter_map(|entry| entry.real) {
             if !place.get(&self.now.vars).is_finite() {
                 place.set(&mut self.now.vars, place.get(&start));
@@ -153,7 +162,19 @@ impl<M: Exported> Instance<M> {
     }
 
     fn taken<'a>(&self, state: &'a TakenState) -> Result<&'a SnapshotOf<M>, Refusal> {
-        state.downcast_ref().ok_or_else(|| Refusal::error("the state is not of this FMU"))
+        let state = state.downcast_ref().ok_or_else(|| Refusal::error("the state is not of this FMU"))?;
+        self.check_type(state)?;
+        Ok(state)
+    }
+
+    /// A state leads to phases that only instances of its own type have.
+    fn check_type(&self, state: &SnapshotOf<M>) -> Result<(), Refusal> {
+        let (theirs, own) = (state.fmu_type, self.now.fmu_type);
+        if theirs == own {
+            return Ok(());
+        }
+        let (theirs, own) = (theirs.name(), own.name());
+        Err(Refusal::error(format!("the state is of an instance for {theirs}, this one is for {own}")))
     }
 
     /// Restored bytes may hold any numbers: takes only such as the instance could have reached.
@@ -167,6 +188,11 @@ impl<M: Exported> Instance<M> {
             }
         }
         restored.derivatives.iter().try_for_each(|derivative| self.check_derivative(derivative))?;
+        let (stepping, by_events) =
+            (restored.phase == Phase::StepComplete, restored.fmu_type == FmuType::ModelExchange);
+        if restored.phase.is_running() && stepping == by_events {
+            return Err(Refusal::error("the state bytes hold a phase of another FMU type"));
+        }
         if restored.is_set.len() != M::INDEX.entries.len() {
             return Err(Refusal::error("the state bytes hold other parameters"));
         }
@@ -177,7 +203,7 @@ impl<M: Exported> Instance<M> {
 
 /// Sample period before anything is set, s.
 pub fn start_period<M: Exported>() -> f64 {
-    sample_period::<M>(&fresh::<M>().vars)
+    sample_period::<M>(&fresh::<M>(FmuType::CoSimulation).vars)
 }
 
 /// Sample period of a model, s.
@@ -185,7 +211,7 @@ fn sample_period<M: Model>(vars: &M::Vars) -> f64 {
     vars.sample_period().unwrap_or(M::INFO.sample_period)
 }
 
-fn fresh<M: Exported>() -> SnapshotOf<M> {
+fn fresh<M: Exported>(fmu_type: FmuType) -> SnapshotOf<M> {
     let mut vars = M::Vars::START;
     for row in M::Vars::TABLE {
         if let Kind::Text { set, start, .. } = row.kind {
@@ -194,7 +220,7 @@ fn fresh<M: Exported>() -> SnapshotOf<M> {
     }
     let is_set = vec![false; M::INDEX.entries.len()];
     let (phase, derivatives) = (Phase::Instantiated, Vec::new());
-    let mut fresh = Snapshot { phase, vars, is_set, running: None, experiment: None, derivatives };
+    let mut fresh = Snapshot { fmu_type, phase, vars, is_set, running: None, experiment: None, derivatives };
     parameters_set::<M>(&mut fresh);
     fresh
 }
@@ -210,7 +236,9 @@ fn not_initialized() -> Refusal {
     Refusal::error("the instance is not initialized")
 }
 
+/// What may not be called in a phase, or never on an instance that was made for `other`.
 #[cold]
-fn illegal(phase: Phase) -> Refusal {
-    Refusal::error(format!("may not be called {}", phase.name()))
+fn illegal(phase: Phase, other: Option<FmuType>) -> Refusal {
+    let made_for = other.map_or(String::new(), |other| format!(": this instance is for {}", other.name()));
+    Refusal::error(format!("may not be called {}{made_for}", phase.name()))
 }

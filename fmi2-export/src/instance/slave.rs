@@ -1,6 +1,6 @@
 //! An instance as the C API sees it, whatever its model.
 
-use crate::host::phase::{Function, Status};
+use crate::host::phase::{Function, Phase, Status};
 use crate::instance::states::TakenState;
 use std::ffi::CStr;
 
@@ -38,6 +38,12 @@ pub trait Slave: Send {
     fn set_input_derivatives(&mut self, references: &[u32], orders: &[i32], values: &[f64]) -> Status;
     /// fmi2GetRealStatus with fmi2LastSuccessfulTime
     fn last_successful_time(&mut self, value: &mut f64) -> Status;
+    /// Any function that leads to another phase and does nothing else.
+    fn enter(&mut self, function: Function, phase: Phase) -> Status;
+    /// fmi2SetTime
+    fn set_time(&mut self, time: f64) -> Status;
+    /// fmi2NewDiscreteStates; gives the time of the next event.
+    fn new_discrete_states(&mut self, next: &mut f64) -> Status;
     /// fmi2GetFMUstate
     fn take_state(&mut self, slot: &mut Option<TakenState>) -> Status;
     /// fmi2SetFMUstate

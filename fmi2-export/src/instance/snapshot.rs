@@ -1,6 +1,6 @@
 //! The whole state of an instance, and its form as bytes.
 
-use crate::host::phase::Phase;
+use crate::host::phase::{FmuType, Phase};
 use crate::instance::clock::Clock;
 use crate::instance::slope::Derivative;
 use crate::model::Experiment;
@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize, de::DeserializeOwned};
 /// Everything that changes in an instance: taken, put back and serialised as one.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Snapshot<V, M> {
+    pub fmu_type: FmuType,
     pub phase: Phase,
     pub vars: V,
     /// Which parameters the importer has set, by their value references.
@@ -27,11 +28,11 @@ pub struct Snapshot<V, M> {
 pub struct Running<M> {
     pub model: M,
     pub clock: Clock,
-    /// The communication point reached, as the master counts, s.
+    /// The communication point reached, or the time set, as the importer counts, s.
     pub time: f64,
 }
 
-const MAGIC: &[u8; 8] = b"FMU2ST\x02\n";
+const MAGIC: &[u8; 8] = b"FMU2ST\x03\n";
 const LENGTH: usize = 8;
 const HEADER: usize = MAGIC.len() + GUID + LENGTH;
 const CHECKSUM: usize = 16;

@@ -64,7 +64,7 @@ impl<M: Exported> Instance<M> {
                 .map_err(|reason| forbidden(row, element, value, reason))?;
             value.verify(row, element)?;
         }
-        let (mut parameters, running) = (false, self.now.phase == Phase::StepComplete);
+        let (mut parameters, running) = (false, self.now.phase.is_running());
         for (&reference, value) in references.iter().zip(values) {
             let (row, element) = self.entry(reference)?;
             value.write(row, &mut self.now.vars, element);
@@ -84,9 +84,11 @@ impl<M: Exported> Instance<M> {
 
     /// Whether a variable may be set in this phase, or why not.
     fn may_set(&self, row: &Variable<M::Vars>, unchanged: impl FnOnce() -> bool) -> Result<(), &'static str> {
-        let running = self.now.phase == Phase::StepComplete;
+        let running = self.now.phase.is_running();
         match row.role() {
-            Role::Input | Role::Tunable => Ok(()),
+            Role::Input => Ok(()),
+            Role::Tunable if self.now.phase != Phase::ContinuousTime => Ok(()),
+            Role::Tunable => Err("a parameter may be set in event mode, not in continuous-time mode"),
             // some importers write fixed parameters again after initialization
             Role::Parameter if !running || unchanged() => Ok(()),
             Role::Parameter => Err("it is fixed after initialization"),

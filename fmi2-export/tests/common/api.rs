@@ -1,4 +1,4 @@
-//! The C types of FMI 2.0 and a loaded library with its 34 functions, written from the standard's
+//! The C types of FMI 2.0 and a loaded library with its 44 functions, written from the standard's
 //! headers and not from the sources of this crate.
 
 use libloading::Library;
@@ -12,6 +12,7 @@ pub const WARNING: Status = 1;
 pub const DISCARD: Status = 2;
 pub const ERROR: Status = 3;
 
+pub const MODEL_EXCHANGE: c_int = 0;
 pub const CO_SIMULATION: c_int = 1;
 pub const DO_STEP_STATUS: c_int = 0;
 pub const PENDING_STATUS: c_int = 1;
@@ -32,6 +33,18 @@ pub struct Callbacks {
     pub free: Option<unsafe extern "C" fn(*mut c_void)>,
     pub step_finished: Option<unsafe extern "C" fn(*mut c_void, Status)>,
     pub environment: *mut c_void,
+}
+
+/// What fmi2NewDiscreteStates answers.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EventInfo {
+    pub new_discrete_states_needed: c_int,
+    pub terminate_simulation: c_int,
+    pub nominals_changed: c_int,
+    pub values_changed: c_int,
+    pub next_event_time_defined: c_int,
+    pub next_event_time: f64,
 }
 
 macro_rules! api {
@@ -112,6 +125,16 @@ api! {
     get_integer_status fmi2GetIntegerStatus(Component, c_int, *mut c_int) -> Status;
     get_boolean_status fmi2GetBooleanStatus(Component, c_int, *mut c_int) -> Status;
     get_string_status fmi2GetStringStatus(Component, c_int, *mut Text) -> Status;
+    enter_event_mode fmi2EnterEventMode(Component) -> Status;
+    new_discrete_states fmi2NewDiscreteStates(Component, *mut EventInfo) -> Status;
+    enter_continuous_time_mode fmi2EnterContinuousTimeMode(Component) -> Status;
+    completed_integrator_step fmi2CompletedIntegratorStep(Component, c_int, *mut c_int, *mut c_int) -> Status;
+    set_time fmi2SetTime(Component, f64) -> Status;
+    set_continuous_states fmi2SetContinuousStates(Component, *const f64, usize) -> Status;
+    get_derivatives fmi2GetDerivatives(Component, *mut f64, usize) -> Status;
+    get_event_indicators fmi2GetEventIndicators(Component, *mut f64, usize) -> Status;
+    get_continuous_states fmi2GetContinuousStates(Component, *mut f64, usize) -> Status;
+    get_nominals fmi2GetNominalsOfContinuousStates(Component, *mut f64, usize) -> Status;
 }
 
 impl Fmu {

@@ -1,7 +1,7 @@
 //! Short forms of the calls, with variables by their names.
 #![allow(clippy::undocumented_unsafe_blocks, reason = "always: the component lives and the arrays are as long as told")]
 
-use super::{Instance, OK, State, Status, Text};
+use super::{ERROR, EventInfo, Instance, OK, State, Status, Text};
 use std::ffi::{CStr, c_char};
 
 impl Instance<'_> {
@@ -24,6 +24,46 @@ impl Instance<'_> {
     }
     pub fn step(&self, time: f64, step: f64) -> Status {
         unsafe { (self.fmu.do_step)(self.component, time, step, 1) }
+    }
+
+    pub fn enter_event_mode(&self) -> Status {
+        unsafe { (self.fmu.enter_event_mode)(self.component) }
+    }
+    pub fn enter_continuous_time_mode(&self) -> Status {
+        unsafe { (self.fmu.enter_continuous_time_mode)(self.component) }
+    }
+    pub fn set_time(&self, time: f64) -> Status {
+        unsafe { (self.fmu.set_time)(self.component, time) }
+    }
+    /// Status, and the time of the next event where the answer is one.
+    pub fn new_discrete_states(&self) -> (Status, f64) {
+        let nothing = EventInfo {
+            new_discrete_states_needed: 7,
+            terminate_simulation: 7,
+            nominals_changed: 7,
+            values_changed: 7,
+            next_event_time_defined: 7,
+            next_event_time: f64::NAN,
+        };
+        let mut info = nothing;
+        let status = unsafe { (self.fmu.new_discrete_states)(self.component, &mut info) };
+        let [needed, end, nominals, values, defined] = [
+            info.new_discrete_states_needed,
+            info.terminate_simulation,
+            info.nominals_changed,
+            info.values_changed,
+            info.next_event_time_defined,
+        ];
+        let wanted = if status == ERROR { [7; 5] } else { [0, 0, 0, 0, 1] };
+        assert_eq!([needed, end, nominals, values, defined], wanted);
+        (status, info.next_event_time)
+    }
+    /// From continuous-time mode through the event at `time` and back; the time of the next event.
+    pub fn event(&self, time: f64) -> f64 {
+        assert_eq!((self.set_time(time), self.enter_event_mode()), (OK, OK));
+        let (status, next) = self.new_discrete_states();
+        assert_eq!((status, self.enter_continuous_time_mode()), (OK, OK));
+        next
     }
 
     pub fn set_reals(&self, names: &[&str], values: &[f64]) -> Status {

@@ -7,7 +7,7 @@ mod api;
 mod calls;
 
 pub use api::*;
-use std::ffi::{CStr, c_void};
+use std::ffi::{CStr, c_int, c_void};
 use std::sync::Mutex;
 
 /// One call of the logger.
@@ -40,12 +40,25 @@ pub enum Phase {
     Instantiated,
     Initialization,
     StepComplete,
+    EventMode,
+    ContinuousTime,
     Terminated,
     Error,
 }
 
+/// Phases of an instance for co-simulation.
 pub const PHASES: [Phase; 5] =
     [Phase::Instantiated, Phase::Initialization, Phase::StepComplete, Phase::Terminated, Phase::Error];
+
+/// Phases of an instance for model exchange.
+pub const EXCHANGE_PHASES: [Phase; 6] = [
+    Phase::Instantiated,
+    Phase::Initialization,
+    Phase::EventMode,
+    Phase::ContinuousTime,
+    Phase::Terminated,
+    Phase::Error,
+];
 
 /// An instance, its log, and short forms of the calls. Freed when dropped.
 pub struct Instance<'f> {
@@ -67,23 +80,33 @@ impl Drop for Instance<'_> {
 }
 
 impl<'f> Instance<'f> {
+    /// An instance for co-simulation.
     pub fn new(fmu: &'f Fmu) -> Self {
+        Self::of_type(fmu, CO_SIMULATION)
+    }
+
+    /// An instance of an FMU type.
+    pub fn of_type(fmu: &'f Fmu, fmu_type: c_int) -> Self {
         let log = Box::<Log>::default();
         let environment = std::ptr::from_ref(&*log).cast_mut().cast();
         let callbacks =
             Box::new(Callbacks { logger: Some(capture), allocate: None, free: None, step_finished: None, environment });
         let (name, guid) = (c"test", fmu.guid.as_ptr());
         // SAFETY: all pointers live during the call, the callbacks and the log as long as the instance.
-        let component = unsafe {
-            (fmu.instantiate)(name.as_ptr(), CO_SIMULATION, guid, std::ptr::null(), &raw const *callbacks, 0, 0)
-        };
+        let component =
+            unsafe { (fmu.instantiate)(name.as_ptr(), fmu_type, guid, std::ptr::null(), &raw const *callbacks, 0, 0) };
         assert!(!component.is_null(), "{:?}", log.lock());
         Self { fmu, component, log, _callbacks: callbacks }
     }
 
     /// A new instance in a phase; parameters have their start values and time starts at zero.
     pub fn in_phase(fmu: &'f Fmu, phase: Phase) -> Self {
-        let instance = Self::new(fmu);
+        Self::of_type_in_phase(fmu, CO_SIMULATION, phase)
+    }
+
+    /// The same of an FMU type.
+    pub fn of_type_in_phase(fmu: &'f Fmu, fmu_type: c_int, phase: Phase) -> Self {
+        let instance = Self::of_type(fmu, fmu_type);
         if phase != Phase::Instantiated {
             assert_eq!(instance.setup(0.0, None), OK);
             assert_eq!(instance.enter(), OK);
@@ -94,10 +117,16 @@ impl<'f> Instance<'f> {
         match phase {
             Phase::Terminated => assert_eq!(instance.terminate(), OK),
             Phase::Error => assert_eq!(instance.step(0.0, f64::NAN), ERROR),
+            Phase::ContinuousTime => assert_eq!(instance.enter_continuous_time_mode(), OK),
             _ => (),
         }
         instance.messages();
         instance
+    }
+
+    /// An instance for model exchange at the first time event.
+    pub fn at_first_event(fmu: &'f Fmu) -> Self {
+        Self::of_type_in_phase(fmu, MODEL_EXCHANGE, Phase::EventMode)
     }
 
     /// An instance ready for its first step.
@@ -116,10 +145,13 @@ impl<'f> Instance<'f> {
         // SAFETY: the component lives.
         assert_eq!(unsafe { (self.fmu.cancel_step)(self.component) }, ERROR);
         let text = self.messages().remove(0).text;
-        match text.strip_prefix("fmi2CancelStep: may not be called ").unwrap() {
+        let phase = text.strip_prefix("fmi2CancelStep: may not be called ").unwrap();
+        match phase.strip_suffix(": this instance is for model exchange").unwrap_or(phase) {
             "before initialization" => Phase::Instantiated,
             "in initialization mode" => Phase::Initialization,
             "between steps" => Phase::StepComplete,
+            "in event mode" => Phase::EventMode,
+            "in continuous-time mode" => Phase::ContinuousTime,
             "after termination" => Phase::Terminated,
             "after an error" => Phase::Error,
             other => panic!("unknown phase `{other}`"),

@@ -12,6 +12,7 @@ mod common;
 mod arguments;
 mod bytes;
 mod derivatives;
+mod exchange;
 mod failures;
 mod instantiate;
 mod phases;

@@ -1,6 +1,7 @@
-//! Every function in every phase, against the table of FMI 2.0.5, section 4.2.4.
+//! Every function in every phase, against the table of FMI 2.0.5, sections 3.2.3 and 4.2.4.
 
 use crate::common::*;
+use std::ffi::c_int;
 use std::ptr::{null, null_mut};
 
 /// What an allowed call answers, and where it leads; `None` stays in the phase.
@@ -12,18 +13,26 @@ const NOT_OFFERED: Answer = (ERROR, Some(Phase::Error));
 /// Synchronous steps: nothing is pending, so a status is discarded (section 4.2.3).
 const DISCARDED: Answer = (DISCARD, None);
 
+const CS: &[c_int] = &[CO_SIMULATION];
+const ME: &[c_int] = &[MODEL_EXCHANGE];
+const BOTH: &[c_int] = &[MODEL_EXCHANGE, CO_SIMULATION];
+
 struct Row {
     function: &'static str,
-    /// Letters of the phases: Instantiated, iNitialization, Step complete, Terminated, Error.
+    /// FMU types that have it.
+    types: &'static [c_int],
+    /// Letters of the phases: Instantiated, iNitialization, Step complete, eVent mode, Continuous-time mode, Terminated,
+    /// Error.
     phases: &'static str,
     answer: Answer,
     call: fn(&Instance, State) -> Status,
 }
 
 macro_rules! rows {
-    ($($function:ident $phases:literal $answer:expr, |$i:ident, $s:pat_param| $call:expr;)+) => {
+    ($($function:ident $types:ident $phases:literal $answer:expr, |$i:ident, $s:pat_param| $call:expr;)+) => {
         &[$(Row {
             function: stringify!($function),
+            types: $types,
             phases: $phases,
             answer: $answer,
             call: |$i, $s| unsafe { $call },
@@ -36,39 +45,49 @@ macro_rules! rows {
 #[rustfmt::skip]
 #[allow(unused_unsafe, reason = "some rows call short forms, which are safe")]
 const TABLE: &[Row] = rows! {
-    fmi2SetDebugLogging          "INSTE" STAYS, |i, _| (i.fmu.set_debug_logging)(i.component, 1, 0, null());
-    fmi2SetupExperiment          "I"     STAYS, |i, _| i.setup(0.0, None);
-    fmi2EnterInitializationMode  "I"     (OK, Some(Phase::Initialization)), |i, _| i.enter();
-    fmi2ExitInitializationMode   "N"     (OK, Some(Phase::StepComplete)), |i, _| i.exit();
-    fmi2Terminate                "S"     (OK, Some(Phase::Terminated)), |i, _| i.terminate();
-    fmi2Reset                    "INSTE" (OK, Some(Phase::Instantiated)), |i, _| i.reset();
-    fmi2GetReal                  "NSTE"  STAYS, |i, _| (i.fmu.get_real)(i.component, null(), 0, null_mut());
-    fmi2GetInteger               "NSTE"  STAYS, |i, _| (i.fmu.get_integer)(i.component, null(), 0, null_mut());
-    fmi2GetBoolean               "NSTE"  STAYS, |i, _| (i.fmu.get_boolean)(i.component, null(), 0, null_mut());
-    fmi2GetString                "NSTE"  STAYS, |i, _| (i.fmu.get_string)(i.component, null(), 0, null_mut());
-    fmi2SetReal                  "INS"   STAYS, |i, _| (i.fmu.set_real)(i.component, null(), 0, null());
-    fmi2SetInteger               "INS"   STAYS, |i, _| (i.fmu.set_integer)(i.component, null(), 0, null());
-    fmi2SetBoolean               "INS"   STAYS, |i, _| (i.fmu.set_boolean)(i.component, null(), 0, null());
-    fmi2SetString                "INS"   STAYS, |i, _| (i.fmu.set_string)(i.component, null(), 0, null());
-    fmi2GetFMUstate              "INSTE" STAYS, |i, mut s| (i.fmu.get_fmu_state)(i.component, &mut s);
-    fmi2SetFMUstate              "INSTE" STAYS, |i, s| i.put_state(s);
-    fmi2FreeFMUstate             "INSTE" STAYS, |i, _| (i.fmu.free_fmu_state)(i.component, &mut null_mut());
-    fmi2SerializedFMUstateSize   "INSTE" STAYS, |i, s| (i.fmu.serialized_size)(i.component, s, &mut 0);
-    fmi2SerializeFMUstate        "INSTE" STAYS, |i, s| (i.fmu.serialize)(i.component, s, [0; 4096].as_mut_ptr(), 4096);
-    fmi2DeSerializeFMUstate      "INSTE" STAYS, |i, mut s| {
+    fmi2SetDebugLogging             BOTH "INSVCTE"  STAYS, |i, _| (i.fmu.set_debug_logging)(i.component, 1, 0, null());
+    fmi2SetupExperiment             BOTH "I"        STAYS, |i, _| i.setup(0.0, None);
+    fmi2EnterInitializationMode     BOTH "I"        (OK, Some(Phase::Initialization)), |i, _| i.enter();
+    fmi2ExitInitializationMode      BOTH "N"        (OK, Some(Phase::StepComplete)), |i, _| i.exit();
+    fmi2Terminate                   BOTH "SVC"      (OK, Some(Phase::Terminated)), |i, _| i.terminate();
+    fmi2Reset                       BOTH "INSVCTE"  (OK, Some(Phase::Instantiated)), |i, _| i.reset();
+    fmi2GetReal                     BOTH "NSVCTE"   STAYS, |i, _| (i.fmu.get_real)(i.component, null(), 0, null_mut());
+    fmi2GetInteger                  BOTH "NSVCTE"   STAYS, |i, _| (i.fmu.get_integer)(i.component, null(), 0, null_mut());
+    fmi2GetBoolean                  BOTH "NSVCTE"   STAYS, |i, _| (i.fmu.get_boolean)(i.component, null(), 0, null_mut());
+    fmi2GetString                   BOTH "NSVCTE"   STAYS, |i, _| (i.fmu.get_string)(i.component, null(), 0, null_mut());
+    fmi2SetReal                     BOTH "INSVC"    STAYS, |i, _| (i.fmu.set_real)(i.component, null(), 0, null());
+    fmi2SetInteger                  BOTH "INSV"     STAYS, |i, _| (i.fmu.set_integer)(i.component, null(), 0, null());
+    fmi2SetBoolean                  BOTH "INSV"     STAYS, |i, _| (i.fmu.set_boolean)(i.component, null(), 0, null());
+    fmi2SetString                   BOTH "INSV"     STAYS, |i, _| (i.fmu.set_string)(i.component, null(), 0, null());
+    fmi2GetFMUstate                 BOTH "INSVCTE"  STAYS, |i, mut s| (i.fmu.get_fmu_state)(i.component, &mut s);
+    fmi2SetFMUstate                 BOTH "INSVCTE"  STAYS, |i, s| i.put_state(s);
+    fmi2FreeFMUstate                BOTH "INSVCTE"  STAYS, |i, _| (i.fmu.free_fmu_state)(i.component, &mut null_mut());
+    fmi2SerializedFMUstateSize      BOTH "INSVCTE"  STAYS, |i, s| (i.fmu.serialized_size)(i.component, s, &mut 0);
+    fmi2SerializeFMUstate           BOTH "INSVCTE"  STAYS, |i, s| (i.fmu.serialize)(i.component, s, [0; 4096].as_mut_ptr(), 4096);
+    fmi2DeSerializeFMUstate         BOTH "INSVCTE"  STAYS, |i, mut s| {
         let bytes = i.bytes();
         (i.fmu.deserialize)(i.component, bytes.as_ptr().cast(), bytes.len(), &mut s)
     };
-    fmi2GetDirectionalDerivative "NSTE"  NOT_OFFERED, |i, _| (i.fmu.get_directional_derivative)(i.component, null(), 0, null(), 0, null(), null_mut());
-    fmi2SetRealInputDerivatives  "INS"   STAYS, |i, _| (i.fmu.set_input_derivatives)(i.component, null(), 0, null(), null());
-    fmi2GetRealOutputDerivatives "STE"   NOT_OFFERED, |i, _| (i.fmu.get_output_derivatives)(i.component, null(), 0, null(), null_mut());
-    fmi2DoStep                   "S"     STAYS, |i, _| i.step(0.0, 1e-3);
-    fmi2CancelStep               ""      STAYS, |i, _| (i.fmu.cancel_step)(i.component);
-    fmi2GetStatus                "STE"   DISCARDED, |i, _| (i.fmu.get_status)(i.component, DO_STEP_STATUS, &mut 0);
-    fmi2GetRealStatus            "STE"   STAYS, |i, _| (i.fmu.get_real_status)(i.component, LAST_SUCCESSFUL_TIME, &mut 0.0);
-    fmi2GetIntegerStatus         "STE"   DISCARDED, |i, _| (i.fmu.get_integer_status)(i.component, PENDING_STATUS, &mut 0);
-    fmi2GetBooleanStatus         "STE"   STAYS, |i, _| (i.fmu.get_boolean_status)(i.component, TERMINATED, &mut 0);
-    fmi2GetStringStatus          "STE"   DISCARDED, |i, _| (i.fmu.get_string_status)(i.component, PENDING_STATUS, &mut null());
+    fmi2GetDirectionalDerivative    BOTH "NSVCTE"   NOT_OFFERED, |i, _| (i.fmu.get_directional_derivative)(i.component, null(), 0, null(), 0, null(), null_mut());
+    fmi2SetRealInputDerivatives     CS   "INS"      STAYS, |i, _| (i.fmu.set_input_derivatives)(i.component, null(), 0, null(), null());
+    fmi2GetRealOutputDerivatives    CS   "STE"      NOT_OFFERED, |i, _| (i.fmu.get_output_derivatives)(i.component, null(), 0, null(), null_mut());
+    fmi2DoStep                      CS   "S"        STAYS, |i, _| i.step(0.0, 1e-3);
+    fmi2CancelStep                  CS   ""         STAYS, |i, _| (i.fmu.cancel_step)(i.component);
+    fmi2GetStatus                   CS   "STE"      DISCARDED, |i, _| (i.fmu.get_status)(i.component, DO_STEP_STATUS, &mut 0);
+    fmi2GetRealStatus               CS   "STE"      STAYS, |i, _| (i.fmu.get_real_status)(i.component, LAST_SUCCESSFUL_TIME, &mut 0.0);
+    fmi2GetIntegerStatus            CS   "STE"      DISCARDED, |i, _| (i.fmu.get_integer_status)(i.component, PENDING_STATUS, &mut 0);
+    fmi2GetBooleanStatus            CS   "STE"      STAYS, |i, _| (i.fmu.get_boolean_status)(i.component, TERMINATED, &mut 0);
+    fmi2GetStringStatus             CS   "STE"      DISCARDED, |i, _| (i.fmu.get_string_status)(i.component, PENDING_STATUS, &mut null());
+    fmi2EnterEventMode              ME   "VC"      (OK, Some(Phase::EventMode)), |i, _| i.enter_event_mode();
+    fmi2NewDiscreteStates           ME   "V"       STAYS, |i, _| i.new_discrete_states().0;
+    fmi2EnterContinuousTimeMode     ME   "V"       (OK, Some(Phase::ContinuousTime)), |i, _| i.enter_continuous_time_mode();
+    fmi2CompletedIntegratorStep     ME   "C"       STAYS, |i, _| (i.fmu.completed_integrator_step)(i.component, 1, &mut 7, &mut 7);
+    fmi2SetTime                     ME   "VC"      STAYS, |i, _| i.set_time(1e-3);
+    fmi2SetContinuousStates         ME   "C"       STAYS, |i, _| (i.fmu.set_continuous_states)(i.component, null(), 0);
+    fmi2GetDerivatives              ME   "VCTE"    STAYS, |i, _| (i.fmu.get_derivatives)(i.component, null_mut(), 0);
+    fmi2GetEventIndicators          ME   "NVCTE"   STAYS, |i, _| (i.fmu.get_event_indicators)(i.component, null_mut(), 0);
+    fmi2GetContinuousStates         ME   "NVCTE"   STAYS, |i, _| (i.fmu.get_continuous_states)(i.component, null_mut(), 0);
+    fmi2GetNominalsOfContinuousStates ME "IVCTE"   STAYS, |i, _| (i.fmu.get_nominals)(i.component, null_mut(), 0);
 };
 
 fn letter(phase: Phase) -> char {
@@ -76,6 +95,8 @@ fn letter(phase: Phase) -> char {
         Phase::Instantiated => 'I',
         Phase::Initialization => 'N',
         Phase::StepComplete => 'S',
+        Phase::EventMode => 'V',
+        Phase::ContinuousTime => 'C',
         Phase::Terminated => 'T',
         Phase::Error => 'E',
     }
@@ -85,33 +106,40 @@ fn letter(phase: Phase) -> char {
 fn the_table_holds_every_function_that_takes_an_instance() {
     let others = ["fmi2GetTypesPlatform", "fmi2GetVersion", "fmi2Instantiate", "fmi2FreeInstance"];
     let listed: Vec<_> = TABLE.iter().map(|row| row.function).chain(others).collect();
-    assert_eq!(listed.len(), 34);
-    assert!(Fmu::FUNCTIONS.len() == 34 && Fmu::FUNCTIONS.iter().all(|name| listed.contains(name)));
+    assert_eq!(listed.len(), 44);
+    assert!(Fmu::FUNCTIONS.len() == 44 && Fmu::FUNCTIONS.iter().all(|name| listed.contains(name)));
 }
 
 #[test]
 fn every_function_in_every_phase() {
     let fmu = Fmu::probe();
-    for row in TABLE {
-        for phase in PHASES {
-            let what = format!("{} in {phase:?}", row.function);
-            let instance = Instance::in_phase(&fmu, phase);
+    let phases = PHASES.map(|phase| (CO_SIMULATION, phase)).into_iter();
+    for (fmu_type, phase) in phases.chain(EXCHANGE_PHASES.map(|phase| (MODEL_EXCHANGE, phase))) {
+        for row in TABLE {
+            let what = format!("{} in {phase:?} of {fmu_type}", row.function);
+            let instance = Instance::of_type_in_phase(&fmu, fmu_type, phase);
             if row.function == "fmi2EnterInitializationMode" && phase == Phase::Instantiated {
                 assert_eq!(instance.setup(0.0, None), OK);
             }
             let state = instance.take_state();
             let status = (row.call)(&instance, state);
             instance.free_state(state);
-            let (wanted, next) = match row.phases.contains(letter(phase)) {
-                true => row.answer,
-                false => (ERROR, Some(Phase::Error)),
-            };
-            match (wanted, row.phases.contains(letter(phase))) {
+            let is_allowed = row.types.contains(&fmu_type) && row.phases.contains(letter(phase));
+            let (wanted, next) = if is_allowed { row.answer } else { (ERROR, Some(Phase::Error)) };
+            let made_for = if fmu_type == CO_SIMULATION { "is for co-simulation" } else { "is for model exchange" };
+            match (wanted, is_allowed) {
                 (OK, _) => assert_eq!((status, instance.messages()), (OK, vec![]), "{what}"),
                 (_, true) => instance.refused(status, wanted, &[row.function]),
-                (_, false) => instance.refused(status, ERROR, &[row.function, "may not be called"]),
+                (_, false) if row.types.contains(&fmu_type) => {
+                    instance.refused(status, ERROR, &[row.function, "may not be called"]);
+                }
+                (_, false) => instance.refused(status, ERROR, &[row.function, "may not be called", made_for]),
             }
-            assert_eq!(instance.end_phase(), next.unwrap_or(phase), "{what}");
+            let next = match next {
+                Some(Phase::StepComplete) if fmu_type == MODEL_EXCHANGE => Phase::EventMode,
+                next => next.unwrap_or(phase),
+            };
+            assert_eq!(instance.end_phase(), next, "{what}");
         }
     }
 }
@@ -120,6 +148,7 @@ fn every_function_in_every_phase() {
 fn an_instance_can_be_freed_in_every_phase() {
     let fmu = Fmu::probe();
     PHASES.iter().for_each(|phase| drop(Instance::in_phase(&fmu, *phase)));
+    EXCHANGE_PHASES.iter().for_each(|phase| drop(Instance::of_type_in_phase(&fmu, MODEL_EXCHANGE, *phase)));
 }
 
 #[test]
