@@ -44,6 +44,8 @@ pub struct Controller {
     delay: DelayMonitor,
     tool: ToolMonitor,
     reset: Edge,
+    /// the inputs of this sample hold for more than one
+    long_step: bool,
     /// `enable` was false during the present stop
     disabled: bool,
     state: State,
@@ -88,7 +90,10 @@ impl Controller {
     pub fn new(p: &Parameters, path: TaughtPath) -> Result<Self, ParameterError> {
         check(p, &path)?;
         let start = feasible::start(p, &path)?;
-        let bank = PatternBank::plan(p, &path)?;
+        let mut bank = PatternBank::plan(p, &path)?;
+        if p.bank.compute {
+            bank.compute(p, &path, &start);
+        }
         let learner = Learner::new(p, bank.longest());
         let (load, run, kept) = (LoadControl::new(path.speed), Run::new(p, &path), KeptPatterns::new(&bank));
         Ok(Self {
@@ -105,6 +110,7 @@ impl Controller {
             delay: DelayMonitor::default(),
             tool: ToolMonitor::default(),
             reset: Edge::default(),
+            long_step: false,
             disabled: false,
             state: State::Off,
             fault: Fault::None,
@@ -149,6 +155,11 @@ impl Controller {
     pub fn take_export(&mut self) -> bool {
         self.changed &= !self.export;
         std::mem::take(&mut self.export)
+    }
+
+    /// The next samples have the inputs of one communication step that is too long.
+    pub fn begin_long_step(&mut self) {
+        self.long_step = true;
     }
 
     /// One sample: reads the inputs, writes the outputs.

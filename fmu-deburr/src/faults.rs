@@ -54,14 +54,15 @@ impl Fault {
             | Self::Oscillation
             | Self::DriveSign
             | Self::WeakDrive
-            | Self::FollowingError => SafeEnd::DriveOff,
+            | Self::FollowingError
+            | Self::LongStep => SafeEnd::DriveOff,
         }
     }
 }
 
 /// The numbers behind a fault, for the log.
 pub fn numbers(Vars { input, output, in_force: p, .. }: &Vars) -> String {
-    let Numbers { axis, value, limit, .. } = output.numbers;
+    let Numbers { axis, value, limit, share } = output.numbers;
     match output.fault {
         Fault::None | Fault::BankEmpty => String::new(),
         Fault::InvalidInput => invalid(input),
@@ -69,6 +70,9 @@ pub fn numbers(Vars { input, output, in_force: p, .. }: &Vars) -> String {
             format!(": `spindle_speed`, more than `{limit}` samples")
         }
         Fault::ReadingJump | Fault::LostReading => format!(": `axis{axis}.position`, more than `{limit}` samples"),
+        Fault::FrozenReading if axis == 0 => {
+            format!(": `spindle_speed` is `{value:.1} rad/s` below idle and stands within `{limit} rad/s` without feed")
+        }
         Fault::FrozenReading
         | Fault::Oscillation
         | Fault::DriveSign
@@ -78,7 +82,11 @@ pub fn numbers(Vars { input, output, in_force: p, .. }: &Vars) -> String {
         Fault::WrongDelay => format!(": they answer after `{value}` samples, `io_delay` = `{limit}`"),
         Fault::PatternTooLarge => format!(": limit `{} pulses`", p.limits.pulses_max),
         Fault::SpindleSlow => format!(": `spindle_speed` = `{value:.1} rad/s`, limit `{limit:.1} rad/s`"),
-        Fault::NoCut => format!(": it changed by `{value:.2} rad/s`, at least `{limit} rad/s`"),
+        Fault::LongStep => format!(": limit `{} s`", p.sample_period),
+        Fault::NoCut => match share {
+            Some(way) => format!(": idle for `{:.1} mm`, limit `{:.1} mm`", 1e3 * way, 1e3 * limit),
+            None => format!(": it changed by `{value:.2} rad/s`, at least `{limit} rad/s`"),
+        },
         Fault::NoProgress => format!(": `{value:.1} s`, limit `{limit:.1} s`"),
     }
 }

@@ -73,14 +73,14 @@ mod variables {
         InvalidInput,
         /// A reading was for more than `limits.lost_samples` where neither axis nor tool can be
         #[hint("look at the cable and the counter of the encoder, or at the speed sensor of the tool")] ReadingJump,
-        /// An axis was told to move and its reading stands
-        #[hint("does the encoder count, is the drive on and its brake open?")] FrozenReading,
+        /// An axis was told to move, or the feed of a loaded tool was stopped, and the reading stands
+        #[hint("does the encoder count, is the drive on and its brake open; does the speed sensor of the tool live?")] FrozenReading,
         /// An axis does not follow, and its command swings from one side to the other
         #[hint("lower `servo.gain`, and see that `io_delay` is that of the importer")] Oscillation,
         /// An axis moves against its command
         #[hint("change the sign of the command or that of the encoder")] DriveSign,
         /// An axis does less than 0.7 of what it is told
-        #[hint("is the drive at a limit of force or speed, does something brake, is `axisN.pulse` that of the encoder?")] WeakDrive,
+        #[hint("is the drive at a limit of force or speed, does something brake, are `axisN.pulse` and `io_delay` right?")] WeakDrive,
         /// An axis was farther from its reference, or from where its loop brings it, than `limits.axisN.error_max` allows
         #[hint("did the tool collide, and are `io_delay` and `axisN.pulse` right?")] FollowingError,
         /// With patterns an axis was farther from its reference than `limits.axisN.pattern_error`
@@ -93,12 +93,14 @@ mod variables {
         #[hint("learn, name a `bank.import`, or switch `lookup.enable` off")] BankEmpty,
         /// The tool turned slower than `limits.spindle_speed_min` while deburring
         #[hint("start the tool before, or lower the taught speed")] SpindleSlow,
-        /// The tool speed was the same all along the path: nothing was cut, or its reading stands
-        #[hint("is there a part, and does the speed sensor of the tool live? `limits.spindle_change` = 0 allows it")] NoCut,
+        /// The tool speed was the same all along the path, or for longer than `limits.idle_way`: nothing was cut, or its reading stands
+        #[hint("is there a part, and does the speed sensor of the tool live? `limits.spindle_change` = 0 allows it, `limits.idle_way` a gap")] NoCut,
         /// The job took longer than `limits.job_time`
         #[hint("look at what does not come to its end: an axis that never stands, or a feed that is too slow")] NoProgress,
         /// A reading was NaN for more than `limits.lost_samples`
         #[hint("look at the link to the encoder, or at the speed sensor of the tool")] LostReading,
+        /// The communication step is longer than a sample: several samples have the same inputs, and of their commands the last alone is seen
+        #[hint("set the communication step of the importer to `sample_period`")] LongStep,
     }
     /// Law in force; Paper leaves `bank.format` and the sign of `load.k2` alone
     pub enum Law {
@@ -135,6 +137,8 @@ mod variables {
         Exported,
         /// Not written; they are still here
         ExportFailed,
+        /// Computed from the nominal drive
+        Computed,
     }
     /// Inputs, sampled at the start of the tick.
     #[inputs] pub struct Input {
@@ -350,6 +354,8 @@ mod variables {
     pub struct Bank {
         /// Bank that is read at initialisation, in the folder resources or with its whole path; empty for none
         pub import: String,
+        /// Compute the patterns from the nominal drive at the start, as long as none are imported or learned
+        #[var(source = "our choice: learned patterns suit the drive as it is")] pub compute: bool,
         /// File that the bank is written to after learning and on Export; empty for none
         pub export: String,
         pub format: Format,
@@ -384,10 +390,12 @@ mod variables {
         #[var(unit = TURN_PER_SECOND, range = 1.0..=1e9, start = 2e4,
             source = "derived: 1e-3 kg.m2 stalled by 20 N.m, 25 times the breakdown torque")]
         pub spindle_slew: f64,
-        /// Change of the tool speed along a whole path below which nothing was cut; 0 allows that
+        /// Change of the tool speed below which nothing was cut, and within which a reading stands; 0 allows both
         #[var(unit = RADIAN_PER_SECOND as "rpm", range = 0.0..=1e5, start = 2.0,
             source = "derived: four counts of a 12-bit reading, a twentieth of the slip at rated load")]
         pub spindle_change: f64,
+        /// Longest way on the path without a cut; 0 for any
+        #[var(unit = METRE as "mm", range = 0.0..=1e3, start = 0.1, source = "our choice: at 100 mm/s the tool is blind for 1 s")] pub idle_way: f64,
         /// Samples in a row that are bridged when a reading cannot be believed
         #[var(range = 0..=100, start = 3, source = "our choice: at 100 mm/s the tool is blind for 3 mm")] pub lost_samples: i32,
         /// Longest time of a job, or of a lap of a cyclic path; time that is held or at an override of 0 does not count.

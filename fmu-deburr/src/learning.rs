@@ -1,5 +1,6 @@
 //! Iterative learning control: the control patterns, how repetitions renew them, and the lookup between their speeds.
 
+pub mod computed;
 pub mod learner;
 pub mod lookup;
 pub(crate) mod nominal;

@@ -29,7 +29,7 @@ use path::path_file;
 impl Model for Controller {
     // `longest_step` as measured: docs/communication-step.md
     const INFO: Info =
-        Info { name: "VariableSpeedDeburring", state_version: 3, stop_time: 10.0, longest_step: 1.0, ..package!() };
+        Info { name: "VariableSpeedDeburring", state_version: 4, stop_time: 10.0, longest_step: 1.0, ..package!() };
     type Vars = Vars;
 
     fn calculate(vars: &mut Vars) {
@@ -49,8 +49,12 @@ impl Model for Controller {
         let mut controller = Self::new(p, path_file::read(p, env.resources())?)?;
         let (path, bank) = controller.path_and_bank();
         output.path.length = path.length();
-        output.bank = storage::import(p, env.resources(), path, bank)?;
+        output.bank = storage::start(p, env.resources(), path, bank)?;
         Ok(controller)
+    }
+
+    fn begin_long_step(&mut self) {
+        self.begin_long_step();
     }
 
     fn sample(&mut self, vars: &mut Vars, env: &mut Env) -> Result<(), Error> {

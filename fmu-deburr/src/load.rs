@@ -102,6 +102,15 @@ mod tests {
     }
 
     #[test]
+    fn a_rising_feed_starts_where_it_is() {
+        let p = Parameters::START;
+        let mut load = LoadControl::new(0.004);
+        load.step(&p, NOMINAL, 0.08, 0.1);
+        // two samples of acceleration below what is realised
+        assert!(load.step(&p, 1.001 * NOMINAL, 0.08, 0.1) > 0.07);
+    }
+
+    #[test]
     fn overload_is_told_after_a_time_at_the_slowest_feed() {
         let p = Parameters::START;
         let mut load = LoadControl::new(0.1);

@@ -38,11 +38,15 @@ mod tests {
 
     #[test]
     fn the_velocity_is_the_gain_times_error_and_compensation() {
-        let p = Parameters::START;
+        let mut p = Parameters::START;
         let v = command(&p, &[100.0, 0.0, 1000.0, 0.0, 0.0, -3.0], &[0.0, 0.0, 200.0, 0.0, 0.0, 1.0]);
         assert!((v[0] - 13.0 * 100.0 * p.axis[0].pulse).abs() < 1e-15);
         assert!((v[2] - 13.0 * 1200.0 * 5e-6).abs() < 1e-15);
         assert!((v[5] + 13.0 * 2.0 * p.axis[5].pulse).abs() < 1e-15);
+        p.servo_gain = [13.0, 14.0, 15.0, 16.0, 17.0, 18.0];
+        for (i, v) in command(&p, &[10.0; AXES], &[0.0; AXES]).into_iter().enumerate() {
+            assert!((v - (13.0 + i as f64) * 10.0 * p.axis[i].pulse).abs() < 1e-12);
+        }
         let fast = command(&p, &[1e9; AXES], &[0.0; AXES]);
         assert_eq!(fast, p.axis.map(|axis| axis.velocity_max));
     }

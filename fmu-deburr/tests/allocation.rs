@@ -115,6 +115,7 @@ fn towards(fault: Fault) -> Loop {
         Fault::FrozenReading => run.share = 0.0,
         Fault::WeakDrive => run.share = 0.3,
         Fault::DriveSign => run.share = -1.0,
+        Fault::LongStep => run.controller.begin_long_step(),
         Fault::Oscillation => run.input.mode = Mode::DryRun,
         Fault::FollowingError => run.share = 3.0,
         Fault::None | Fault::PatternTooLarge | Fault::NoCut | Fault::WrongDelay | Fault::NoProgress => {}

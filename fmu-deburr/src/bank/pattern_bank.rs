@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::fingerprint::Fingerprint;
 use crate::interface::Parameters;
+use crate::learning::computed::compute;
 use crate::learning::pattern::Pattern;
 use crate::path::kinematics::Joints;
 use crate::path::taught_path::TaughtPath;
@@ -76,6 +77,12 @@ impl PatternBank {
             hint: "leave out the slowest speed, or split the path",
         })?;
         Ok(Self { identity: identity(p, path), patterns, usable: 0 })
+    }
+
+    /// Fills all patterns with what the nominal drive needs; `start` are the axes at the start of the path, rad or m.
+    pub fn compute(&mut self, p: &Parameters, path: &TaughtPath, start: &Joints) {
+        self.patterns.iter_mut().for_each(|pattern| compute(p, path, start, pattern));
+        self.usable = self.patterns.len();
     }
 
     /// Patterns that can be used, from the fastest on.

@@ -13,18 +13,24 @@ use crate::path::taught_path::TaughtPath;
 /// Largest file that is read, bytes.
 const BYTES_MAX: u64 = 64 << 20;
 
-/// Reads the bank that `bank.import` names, if it names one.
+/// Reads the bank that `bank.import` names, if it names one; else says whether the bank was computed.
 ///
 /// # Errors
 /// Names the file and what is wrong with it; nothing is taken over then.
-pub fn import(
+pub fn start(
     p: &Parameters,
     resources: Option<&Path>,
     path: &TaughtPath,
     bank: &mut PatternBank,
 ) -> Result<BankOutput, ParameterError> {
-    if p.bank.import.is_empty() {
-        return Ok(BankOutput::START);
+    let computed = bank.patterns().len();
+    match (p.bank.import.is_empty(), computed) {
+        (true, 0) => return Ok(BankOutput::START),
+        (true, _) => {
+            let message = format!("computed {computed} patterns from the nominal drive");
+            return Ok(BankOutput { status: BankStatus::Computed, patterns: computed as i32, message });
+        }
+        _ => {}
     }
     let file = FileParameter {
         name: "bank.import",
@@ -79,7 +85,7 @@ mod tests {
         let (mut p, path) = (Parameters::START, straight(length));
         p.bank.import = file.to_str().unwrap().to_owned();
         let mut bank = PatternBank::plan(&p, &path).unwrap();
-        let output = import(&p, None, &path, &mut bank).map_err(|error| error.to_string())?;
+        let output = start(&p, None, &path, &mut bank).map_err(|error| error.to_string())?;
         Ok((bank, output))
     }
 
@@ -126,7 +132,7 @@ mod tests {
             (p.io_delay, p.bank.import) = (io_delay, file.to_owned());
             let path = crate::path::path_file::read(&p, Some(&resources)).unwrap();
             let mut bank = PatternBank::plan(&p, &path).unwrap();
-            let output = import(&p, Some(&resources), &path, &mut bank).unwrap();
+            let output = start(&p, Some(&resources), &path, &mut bank).unwrap();
             assert_eq!((output.status, output.patterns), (BankStatus::Imported, 5));
         }
     }

@@ -59,14 +59,19 @@ impl Controller {
         axes: Finding,
         input: &Input,
     ) -> Finding {
+        let long_step = std::mem::take(&mut self.long_step);
         let starts = input.enable && self.state.waits() && input.mode != self.job;
         let empty = self.compensates(p, input.mode) && self.bank.patterns().is_empty();
-        let tool = if self.cuts() { self.tool.update(p, reading.spindle_speed) } else { Finding::NONE };
+        let tool = if self.cuts() {
+            self.tool.update(p, reading.spindle_speed, self.run.point().speed * p.sample_period)
+        } else {
+            Finding::NONE
+        };
         let works = self.job.moves() && !self.state.waits() && self.state.closed();
         faults::find(
             p,
             &Signs {
-                inputs,
+                inputs: if long_step { Finding::plain(Fault::LongStep) } else { inputs },
                 axes,
                 run: std::mem::replace(&mut self.ended, Finding::NONE),
                 nothing_learned: starts && empty,

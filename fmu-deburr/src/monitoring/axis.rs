@@ -174,7 +174,10 @@ impl AxisMonitor {
         }
         let most = limits.pattern_error;
         if self.off.update(expected == Expectation::Compensated && error.abs() > most) > bridged {
-            return self.wrong(axis, Fault::PatternMismatch, error.abs(), most, p);
+            // no drive of another gain is off like this: it is not the pattern
+            let explained = residual <= most + MISMATCH * self.lag;
+            let consequence = if explained { Fault::PatternMismatch } else { Fault::FollowingError };
+            return self.wrong(axis, consequence, error.abs(), most, p);
         }
         Verdict::Good
     }
@@ -288,6 +291,19 @@ mod tests {
         let (_, finding) = Bench::new().faulted(|moved, at| (moved - 240.0, at)).unwrap();
         assert!(finding.numbers.value > finding.numbers.limit, "{finding:?}");
         assert!(matches!(finding.fault, Fault::FollowingError | Fault::WeakDrive), "{finding:?}");
+    }
+
+    #[test]
+    fn what_no_gain_explains_is_not_the_pattern() {
+        let mut bench = Bench::new();
+        for _ in 0..50 {
+            assert_eq!(bench.step(0.0, Expectation::Compensated, |moved, at| (moved, at)), Verdict::Good);
+        }
+        // pushed by 10 mm/s at rest: 0.77 mm, more than a pattern leaves and less than `error_max`
+        let said = (0..200).map(|_| bench.step(0.0, Expectation::Compensated, |moved, at| (moved + 20.0, at)));
+        let Some(Verdict::Wrong(finding)) = said.into_iter().find(|said| *said != Verdict::Good) else { panic!() };
+        // retracting would move an axis that is not under control
+        assert_eq!(finding.fault.safe_end(), control_blocks::SafeEnd::DriveOff, "{finding:?}");
     }
 
     #[test]

@@ -105,6 +105,19 @@ mod tests {
     }
 
     #[test]
+    fn the_tip_moves_by_the_lever_of_each_axis() {
+        let joints = [0.4, 0.1, 0.6, 0.0, 0.0, 0.0];
+        let levers = ARM.levers(&joints);
+        assert_eq!((levers[0], levers[5]), (0.7, 0.0));
+        for i in 0..3 {
+            let mut moved = joints;
+            moved[i] += 1e-6;
+            let way = (ARM.forward(&moved).tip - ARM.forward(&joints).tip).norm();
+            assert!((way - 1e-6 * levers[i]).abs() < 1e-11, "axis {}: {way}", i + 1);
+        }
+    }
+
+    #[test]
     fn many_turns_stay_continuous() {
         let mut joints = [0.0, 0.0, 0.5, 0.0, -0.3, 0.0];
         for k in 0..2000 {

@@ -115,3 +115,24 @@ fn the_preview_suits_machines_that_are_a_fifth_off() {
         assert!(error < 0.05, "{gain} {dynamics}: {error}");
     }
 }
+
+/// Largest errors with patterns that are computed, at a speed, mm.
+fn computed(gain: f64, speed: impl Fn(f64) -> f64) -> f64 {
+    let mut p = parameters(&Parameters::START, 1);
+    p.bank.compute = true;
+    p.limits.axis.iter_mut().for_each(|axis| axis.pattern_error = 0.1);
+    worst(&mut Loop::new(&p, &Build { gain, ..Build::NOMINAL }), speed)
+}
+
+#[test]
+fn patterns_that_are_computed_are_as_good_as_learned_ones_on_the_nominal_drive_alone() {
+    let mut run = learned(&Parameters::START, 1);
+    for speed in [1.0, 0.7, 0.3] {
+        let (baseline, default) = (computed(1.0, |_| speed), worst(&mut run, |_| speed));
+        println!("{speed}: computed {baseline:.3}, learned {default:.3} mm");
+        assert!(baseline < 1.5 * default + 0.007, "{speed}: {baseline} {default}");
+    }
+    let (foreign, gain) = (computed(0.8, |_| 1.0), computed(1.2, |_| 1.0));
+    println!("gain 0.8: {foreign:.3}, 1.2: {gain:.3} mm");
+    assert!(foreign > 0.5 && gain > 0.5, "{foreign} {gain}");
+}

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use fmu_deburr::controller::Controller;
-use fmu_deburr::interface::{AxisInput, Input, Mode, Output, Parameters, State};
+use fmu_deburr::interface::{AxisInput, Fault, Input, Mode, Output, Parameters, State};
 use fmu_deburr::path::path_file;
 use fmu_deburr::path::{AXES, Joints};
 
@@ -126,4 +126,24 @@ impl Loop {
         self.input.speed_override = 1.0;
         largest
     }
+}
+
+/// A robot that runs the path without patterns.
+pub fn running(mode: Mode) -> Loop {
+    let mut p = Parameters::START;
+    p.lookup.enable = false;
+    let mut run = Loop::new(&p, &Build::NOMINAL);
+    run.step();
+    run.input.mode = mode;
+    while run.output.state != State::Run {
+        run.step();
+    }
+    (0..100).for_each(|_| run.step());
+    run
+}
+
+/// In the fault, with zero commands.
+pub fn stands_with(run: &Loop, fault: Fault) {
+    assert_eq!((run.output.state, run.output.fault), (State::Fault, fault));
+    assert!(run.output.axis.iter().all(|axis| axis.velocity == 0.0));
 }

@@ -1,0 +1,145 @@
+//! Faults of the tool that cuts, and what is tested in each lap.
+
+use fmu_deburr::interface::{Fault, Mode, Parameters, State};
+use fmu_deburr::path::{Block, Pose, TaughtPath, Vector};
+
+use crate::robot::Build;
+use crate::setup::{Loop, running, stands_with};
+
+/// There and back again, without end.
+fn cyclic(p: &Parameters, build: &Build, mode: Mode) -> Loop {
+    let pose = |y: f64| Pose { tip: Vector::new(0.75, y, -0.2), axis: Vector::new(0.0, 0.0, -1.0) };
+    let blocks = [0.0, 0.1, 0.0].map(pose).windows(2).map(|ends| Block::line(&ends[0], &ends[1]).unwrap()).collect();
+    let mut run = Loop::with_path(p, build, TaughtPath::new(blocks, 0.1, true, 0.2).unwrap());
+    run.step();
+    run.input.mode = mode;
+    run
+}
+
+#[test]
+fn every_lap_tests_the_delay_and_the_tool() {
+    let mut p = Parameters::START;
+    (p.lookup.enable, p.limits.idle_way) = (false, 0.0);
+    let cut = |k: usize| if k % 50 < 25 { 1800.0 } else { 1885.0 };
+    // the tool cuts up to a lap
+    let cases = [(1, 0, Fault::NoCut, 1), (1, 2, Fault::NoCut, 3), (2, usize::MAX, Fault::WrongDelay, 1)];
+    for (delay, laps_cut, expected, laps) in cases {
+        let mut run = cyclic(&p, &Build { delay, ..Build::NOMINAL }, Mode::Deburr);
+        for k in 0..4000 {
+            run.input.spindle_speed = if (run.output.path.laps as usize) < laps_cut { cut(k) } else { 1885.0 };
+            run.step();
+            if run.output.fault != Fault::None {
+                break;
+            }
+        }
+        assert_eq!((run.output.fault, run.output.path.laps), (expected, laps), "{delay} {laps_cut}");
+    }
+}
+
+#[test]
+fn nothing_that_was_cut_is_told_and_the_tool_drawn_back() {
+    let mut run = running(Mode::Deburr);
+    let height = run.robot.positions()[1];
+    (0..3000).for_each(|_| run.step());
+    stands_with(&run, Fault::NoCut);
+    assert!(run.output.drive_enable);
+    assert!((run.robot.positions()[1] - height - run.parameters.transfer.clearance).abs() < 1e-4);
+}
+
+#[test]
+fn a_tool_that_stalls_stops_and_leaves_the_part_but_not_in_a_dry_run() {
+    for (mode, expected) in [(Mode::Deburr, vec![State::Stop, State::Retract, State::Fault]), (Mode::DryRun, vec![])] {
+        let mut run = running(mode);
+        let height = run.robot.positions()[1];
+        run.input.spindle_speed = 1600.0;
+        let mut visited = Vec::new();
+        for _ in 0..250 {
+            run.step();
+            if run.output.state != State::Run {
+                visited.push(run.output.state);
+            }
+        }
+        visited.dedup();
+        visited.retain(|state| *state != State::Done);
+        assert_eq!(visited, expected);
+        if mode == Mode::Deburr {
+            assert_eq!((run.output.fault, run.output.drive_enable), (Fault::SpindleSlow, true));
+            assert!((run.robot.positions()[1] - height - 0.02).abs() < 1e-4);
+        }
+    }
+}
+
+#[test]
+fn bad_samples_of_the_tool_do_not_end_a_casting() {
+    let mut run = running(Mode::Deburr);
+    let speed = run.output.path.speed;
+    for bad in [0.0, 900.0, 5000.0] {
+        run.input.spindle_speed = bad;
+        (0..3).for_each(|_| run.step());
+        run.input.spindle_speed = 1885.0;
+        (0..3).for_each(|_| run.step());
+        assert_eq!((run.output.fault, run.output.path.speed), (Fault::None, speed));
+    }
+}
+
+#[test]
+fn a_tool_reading_that_freezes_in_the_burr_is_found_within_a_second() {
+    // the tool of an even burr, 0.64 mm/s for each 5 rpm, first order, 0.15 s
+    for frozen in [true, false] {
+        let mut run = running(Mode::Deburr);
+        let (mut tool, mut slowest) = (1884.0, f64::INFINITY);
+        let began = run.output.path.distance;
+        for k in 0..if frozen { 180 } else { 120 } {
+            tool += (1884.0 - 700.0 * run.output.path.speed - tool) * 0.01 / 0.15;
+            if !frozen || k < 60 {
+                run.input.spindle_speed = (tool / 0.51_f64).round() * 0.51;
+            }
+            run.step();
+            slowest = slowest.min(run.output.path.speed);
+            if run.output.fault != Fault::None {
+                assert!(k < 60 + 100, "{k}");
+                break;
+            }
+        }
+        if frozen {
+            stands_with(&run, Fault::FrozenReading);
+            assert_eq!((run.output.numbers.axis, run.output.path.speed), (0, 0.0));
+            assert!(run.output.path.distance - began < 0.13);
+        } else {
+            // asked once in a while, and it answers at once
+            assert_eq!(run.output.fault, Fault::None);
+            assert!((0.02..0.099).contains(&slowest), "{slowest}");
+        }
+    }
+}
+
+#[test]
+fn a_long_way_without_a_cut_is_told_before_the_end_of_the_path() {
+    let mut run = running(Mode::Deburr);
+    (0..300).for_each(|_| run.step());
+    stands_with(&run, Fault::NoCut);
+    let way = run.output.numbers.share.unwrap();
+    assert!(way > run.parameters.limits.idle_way && run.output.path.distance < 0.16, "{way}");
+}
+
+#[test]
+fn the_second_casting_is_begun_with_the_taught_feed() {
+    let mut p = Parameters::START;
+    (p.lookup.enable, p.limits.spindle_change) = (false, 0.0);
+    let mut run = Loop::new(&p, &Build::NOMINAL);
+    for casting in 0..2 {
+        run.input.mode = Mode::Idle;
+        (0..2).for_each(|_| run.step());
+        run.input.mode = Mode::Deburr;
+        let mut first = None;
+        while run.output.state != State::Done {
+            // the tool is overloaded at the end of the path
+            run.input.spindle_speed = if run.output.path.distance > 0.2 { 1700.0 } else { 1885.0 };
+            run.step();
+            if run.output.state == State::Run && run.output.path.distance > 0.02 {
+                first = first.or(Some(run.output.path.speed));
+            }
+        }
+        assert!(first.unwrap() > 0.09, "casting {casting}: {first:?}");
+    }
+}
