@@ -74,16 +74,16 @@ class Slide(Plant):
             tendon.springyield = p.yield_depth
 
     def _shape_tool(self, spec: Any) -> None:
-        p, joint = self.parameters, spec.joint("tool")
+        # spindle and tool on a spring behind the encoder
+        p = self.parameters
         if not _bends(p):
-            spec.delete(joint)
             return
-        speed = TURN * p.tool_frequency
+        speed, slide = TURN * p.tool_frequency, spec.body("slide")
+        slide.mass = p.mass - p.tool_mass
+        tool = slide.add_body(name="tool", mass=p.tool_mass, inertia=[0.01, 0.01, 0.01])
+        joint = tool.add_joint(name="tool", type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[0.0, 0.0, -1.0])
         joint.stiffness[0] = p.tool_mass * speed**2
         joint.damping[0] = 2.0 * p.tool_damping * p.tool_mass * speed
-        spec.body("slide").mass = p.mass - p.tool_mass
-        spec.body("tool").mass = p.tool_mass
-        spec.body("tool").inertia[:] = 0.01
         for name in ("flute1", "flute2"):
             spec.tendon(name).wrap_joint("tool", 1.0)
 

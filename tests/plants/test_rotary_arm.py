@@ -406,7 +406,8 @@ def test_there_is_no_chip_beyond_the_part() -> None:
 
 @pytest.mark.parametrize(("name", "place"), [("arm", 0), ("spindle", 1)])
 def test_a_grating_beside_its_axis_errs_once_a_turn(name: str, place: int) -> None:
-    plant = arm(**{f"{name}_eccentricity": 2e-5})
+    changes: dict[str, Any] = {f"{name}_eccentricity": 2e-5}
+    plant = arm(**changes)
     joint = plant.model.joint("arm" if name == "arm" else "spindle").qposadr[0]
     angles = TURN * np.arange(64) / 64.0
     errors = []

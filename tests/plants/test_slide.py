@@ -452,6 +452,6 @@ def test_the_floor_shakes_the_slide() -> None:
         ({"cutting_pressure": 1e9, "yield_depth": 1e-8}, r"`plant.yield_depth`.*`1e-08` m"),
     ],
 )
-def test_parameters_that_do_not_go_together_are_refused(changes: dict[str, float], message: str) -> None:
+def test_parameters_that_do_not_go_together_are_refused(changes: dict[str, Any], message: str) -> None:
     with pytest.raises(ParameterError, match=message):
         slide(**changes)
