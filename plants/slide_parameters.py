@@ -67,7 +67,7 @@ class SlideParameters:
     )
     cutting_pressure: float = parameter(
         0.0, "Pa", "Force per cross-section of the chip, 0: the flutes press and cut nothing", 0.0, 1e12,
-        "our choice: none; 1 GPa for thick chips of aluminium, some ten times that below 1 um",
+        "our choice: none; 1 GPa for thick chips, some ten times that below 1 um",
     )  # fmt: skip
     cutting_width: float = parameter(
         1e-4, "m", "Width of the chip of a flute", 1e-6, 1e-2, "our choice: end mill of 0.2 mm"

@@ -123,7 +123,7 @@ mod tests {
     #[test]
     fn it_turns_through_zero() {
         let mut plunge = Plunge::new(K, C);
-        step(&mut plunge, 1e-6, 1.0, TAU - 0.5 * STEP, STEP);
+        step(&mut plunge, 1e-6, 1.0, TAU - 0.45 * STEP, STEP);
         let cut = plunge.floor.iter().filter(|floor| **floor > 0.0).count();
         assert_eq!(cut, 10);
         assert!(plunge.floor[0] > 0.0 && plunge.floor[BINS - 1] > 0.0);
