@@ -63,7 +63,7 @@ class RotaryArmParameters:
     cutting_bandwidth: float = parameter(800.0, "Hz", "Bandwidth of that noise", 1.0, 1e5)
     cutting_pressure: float = parameter(
         0.0, "Pa", "Thrust per cross-section of the chip, 0: none", 0.0, 1e11,
-        "our choice: none; 0.1 to 0.3 GPa for the plastics of spectacle lenses",
+        "our choice: none; 20 to 150 MPa, up to half of what plastics of lenses take along the cut",
     )  # fmt: skip
     depth_of_cut: float = parameter(
         1e-5, "m", "Height of the face above the last groove", 0.0, 1e-3, "our choice: finishing"
