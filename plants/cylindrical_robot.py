@@ -45,7 +45,7 @@ class CylindricalRobot(Plant):
         "distance", "normal", "across", "tx", "ty", "tz", "nx", "ny", "nz", "workpiece",
         "load", "force", "feed", "engagement", "finish_low", "finish_high", "removed", "left",
         "spindle_speed", "spindle_measured", "spindle_torque", "enable",
-        *(f"hold_{n}" for n in AXES),
+        *(f"hold_{n}" for n in AXES), *(f"{kind}_{n}" for kind in ("speed", "rubs") for n in (1, 3)),
     )  # fmt: skip
 
     def name_channels(self, p: CylindricalRobotParameters) -> None:
@@ -57,7 +57,9 @@ class CylindricalRobot(Plant):
         self._length = _native.edge_length(*self._edge)
         self.readings = (
             *(self._encoder(n) for n in AXES),
-            Channel("spindle_speed", "rad/s", "Speed of the tool, lagged", quantum=p.spindle_resolution),
+            Channel(
+                "spindle_speed", "rad/s", "Speed of the tool, lagged", p.spindle_noise, p.spindle_resolution
+            ),
         )
         self.commands = (
             *(self._command(n) for n in AXES),
@@ -84,7 +86,8 @@ class CylindricalRobot(Plant):
 
     def _encoder(self, axis: int) -> Channel:
         pulse = self._of(axis, "pulse")
-        return Channel(f"axis{axis}_position", unit(axis), f"Motor encoder of axis {axis}", quantum=pulse)
+        noise = self.parameters.encoder_noise * pulse
+        return Channel(f"axis{axis}_position", unit(axis), f"Motor encoder of axis {axis}", noise, pulse)
 
     def _command(self, axis: int) -> Channel:
         most = self._of(axis, "speed")
@@ -136,13 +139,28 @@ class CylindricalRobot(Plant):
             if p.flexible:
                 joint.stiffness[0] = inertia[name] * speed**2
                 joint.damping[0] = 2.0 * p.coupling_damping * inertia[name] * speed
+                if p.backlash > 0.0:
+                    self._loosen(spec, name)
             else:
                 spec.delete(joint)
 
+    def _loosen(self, spec: Any, name: str) -> None:
+        # a fixed tendon is a spring with a dead band
+        p, joint = self.parameters, spec.joint(name)
+        play = 0.5 * p.backlash / (p.tuned_radius if name == "coupling_1" else 1.0)
+        tendon = spec.add_tendon(name=name, springlength=[-play, play])
+        tendon.stiffness[0], joint.stiffness[0] = joint.stiffness[0], 0.0
+        tendon.wrap_joint(name, 1.0)
+
     def begin(self, steps: int) -> None:
         """Draw the burr, place the tip above the start of the edge, bind the elements."""
+        p = self.parameters
         self._place()
         self._brake()
+        if p.cogging > 0.0:
+            self._cog()
+        if p.reversal_friction > 0.0:
+            self._rub()
         self._cut()
         self._channels()
 
@@ -176,6 +194,31 @@ class CylindricalRobot(Plant):
             bind(f"axis {n} holds", product(), [enable, held], [self.wire(hold, add=True)])
             bind(f"axis {n} is", product(), [disable, Cell(data.qpos, place)], [self.wire(hold, add=True)])
             bind(f"axis {n} drive", product(), [self.constant(1.0), self.wire(hold)], [held])
+
+    def _cog(self) -> None:
+        p, random = self.parameters, self.stream("cogging")
+        for n in AXES:
+            period = p.axis1_cogging if n in TURNING else p.axis3_cogging
+            wave = _native.harmonics([(p.cogging * self._of(n, "force"), random.uniform(0.0, TURN))])
+            joint = self.model.joint(f"axis_{n}")
+            place = Cell(self.data.qpos, int(joint.qposadr[0]), scale=TURN / period)
+            force = Cell(self.data.qfrc_applied, int(joint.dofadr[0]), add=True)
+            self.circuit.bind(f"cogging {n}", wave, [place], [force])
+
+    def _rub(self) -> None:
+        """Friction between load and frame: the encoder on the motor does not see what it does to the gear."""
+        p, data, bind = self.parameters, self.data, self.circuit.bind
+        for n in COUPLINGS:
+            joints = (f"axis_{n}", f"coupling_{n}") if p.flexible else (f"axis_{n}",)
+            moved = [int(self.model.joint(name).dofadr[0]) for name in joints]
+            speed, rubs = self.wire(f"speed_{n}"), self.wire(f"rubs_{n}")
+            load = [Cell(data.qvel, dof) for dof in moved]
+            bind(f"speed {n}", _native.summing_junction(len(load)), load, [speed])
+            law = _native.rolling_friction(p.reversal_friction * self._of(n, "force"), p.reversal_way)
+            bind(f"reversal {n}", law, [speed], [rubs])
+            for dof in moved:
+                force = Cell(data.qfrc_applied, dof, add=True)
+                bind(f"reversal {n} on {dof}", _native.summing_junction(1), [rubs], [force])
 
     def _cut(self) -> None:
         p, wire, data, bind = self.parameters, self.wire, self.data, self.circuit.bind

@@ -29,6 +29,29 @@ class CylindricalRobotParameters:
     coulomb_friction: float = parameter(
         0.05, "1", "Coulomb friction, share of the largest force of each drive", 0.0, 0.5
     )
+    reversal_friction: float = parameter(
+        0.0, "1", "Friction behind the gears of axes 1 and 3, grown after a reversal, over the largest force",
+        0.0, 0.5, "our choice: none; guides and seals carry some 3 %",
+    )  # fmt: skip
+    reversal_way: float = parameter(
+        2e-4, "1", "Way after a reversal over which it turns, rad or m", 1e-6, 0.1,
+        "our choice: 0.15 mm at the reach of axis 1",
+    )  # fmt: skip
+    backlash: float = parameter(
+        0.0, "m", "Play of the gears of axes 1 and 3, at the tip at the tuned reach", 0.0, 0.01,
+        "our choice: none; one arc minute is 0.2 mm at 0.75 m",
+    )  # fmt: skip
+    cogging: float = parameter(
+        0.0, "1", "Cogging of each drive, amplitude over its largest force", 0.0, 0.2,
+        "our choice: none; servo motors have 1 to 2 %",
+    )  # fmt: skip
+    axis1_cogging: float = parameter(
+        TURN / 160.0 / 24.0, "rad", "Period of that, axes 1, 4, 5 and 6", 1e-6, 10.0,
+        "our choice: 24 a turn of a motor behind 1:160",
+    )  # fmt: skip
+    axis3_cogging: float = parameter(
+        0.02 / 24.0, "m", "Period of that, axes 2 and 3", 1e-6, 1.0, "our choice: 24 a turn, lead of 20 mm"
+    )
     axis1_force: float = parameter(300.0, "N.m", "Largest torque of drive 1", 1.0, 1e6)
     axis2_force: float = parameter(1000.0, "N", "Largest force of drive 2", 1.0, 1e6)
     axis3_force: float = parameter(600.0, "N", "Largest force of drive 3", 1.0, 1e6)
@@ -51,6 +74,15 @@ class CylindricalRobotParameters:
     axis4_pulse: float = parameter(TURN / 400_000, "rad", "Pulse of encoder 4", 0.0, 0.1)
     axis5_pulse: float = parameter(TURN / 400_000, "rad", "Pulse of encoder 5", 0.0, 0.1)
     axis6_pulse: float = parameter(TURN / 400_000, "rad", "Pulse of encoder 6", 0.0, 0.1)
+
+    encoder_noise: float = parameter(
+        0.0,
+        "1",
+        "Noise of the encoders, deviation in pulses",
+        0.0,
+        100.0,
+        "our choice: none, as in the paper",
+    )
 
     # what moves
     axis1_rotor: float = parameter(12.8, "kg.m2", "Motor 1 behind its gear", 0.0, 1e4, "our choice: 1:160")
@@ -84,6 +116,14 @@ class CylindricalRobotParameters:
     )
     spindle_friction: float = parameter(0.008, "N.m", "Friction of the spindle", 0.0, 0.1)
     spindle_lag: float = parameter(0.02, "s", "Lag of the measured speed", 1e-4, 1.0)
+    spindle_noise: float = parameter(
+        0.0,
+        "rad/s",
+        "Noise of the measured speed, deviation",
+        0.0,
+        100.0,
+        "our choice: none, as in the paper",
+    )
     spindle_resolution: float = parameter(
         20_000.0 * RPM / 4096, "rad/s", "Step of the measured speed", 0.0, 100.0, "our choice: 12 bit"
     )

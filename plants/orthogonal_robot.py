@@ -148,6 +148,14 @@ class OrthogonalRobot(Plant):
         sums = [self.wire(name) for name in ("speed", "slid", "rubbed", "work")]
         outputs = [self.wire("load"), *self._wires("friction"), *sums]
         self.circuit.bind("rubbing", _native.rubbing(), inputs, outputs)
+        p = self.parameters
+        if p.friction_ratio > 1.0:
+            law = (p.friction_ratio * p.friction, p.friction, p.stribeck_speed)
+            # a foot without a place: its slip is that of the ball
+            still, velocity = self.constant(0.0), self.wire("speed")
+            coefficients = [Cell(self.model.pair_friction, i) for i in range(2)]
+            slip = [still, velocity, still, still]
+            self.circuit.bind("break_away", _native.foot((0.0, 0.0), law), slip, coefficients)
 
     def _mold(self) -> None:
         p, wire, data, mold = self.parameters, self.wire, self.data, MOLDS[self.parameters.mold]

@@ -69,6 +69,15 @@ class OrthogonalRobotParameters:
         "derived: less hops on stiff tips; MuJoCo lifts a sliding ball by mu v c / k, 0.8 um at 10 mm/s",
     )  # fmt: skip
     friction: float = parameter(0.2, "1", "Friction coefficient of ball on mold", 0.0, 2.0)
+    friction_ratio: float = parameter(
+        1.0,
+        "1",
+        "Static over kinetic friction of ball on mold",
+        1.0,
+        5.0,
+        "our choice: none; wood on steel has 1.2",
+    )
+    stribeck_speed: float = parameter(1e-3, "m/s", "Slip speed of the Stribeck curve", 1e-5, 1.0)
     force_bandwidth: float = parameter(200.0, "Hz", "Filter of the force sensor", 1.0, 5e3)
     force_noise: float = parameter(0.05, "N", "Noise of the force sensor, deviation", 0.0, 10.0)
     force_resolution: float = parameter(

@@ -18,6 +18,8 @@ from plants.base.plant import Channel, Plant
 from plants.rotary_arm_parameters import RotaryArmParameters
 
 TURN = 2.0 * math.pi
+RIPPLES = (5, 7, 18, 31)
+"""Cycles per turn of the ripple besides the one of the paper: odd and even ones, the last beyond the 24th."""
 
 
 class RotaryArm(Plant):
@@ -28,6 +30,7 @@ class RotaryArm(Plant):
         "torque", "enable", "speed_change", "slide_velocity", "cutting", "feed", "feed_ramp",
         "hum_angle", "hum_angle_next", "cutting_twice", "cutting_noise", "cutting_force",
         "probing", "probe_lateral", "probe_depth",
+        "chip_area", "chip_thrust", "arm_error", "arm_read", "spindle_error", "spindle_read",
     )  # fmt: skip
 
     def name_channels(self, p: RotaryArmParameters) -> None:
@@ -55,6 +58,7 @@ class RotaryArm(Plant):
         self.truths = (
             Channel("tip_depth", "m", "Depth of the centre of the tool nose from the arm axis"),
             Channel("tip_lateral", "m", "Distance of the centre of the tool nose from the spindle axis"),
+            Channel("tip_height", "m", "Height of that centre above the axis of the spindle"),
             Channel("arm_angle", "rad", "Angle of the hub from the encoder's index"),
             Channel("flexure", "rad", "Angle of the tool against the hub"),
             Channel("torque", "N.m", "Torque of the motor"),
@@ -69,7 +73,7 @@ class RotaryArm(Plant):
     def shape(self, spec: Any, p: RotaryArmParameters) -> None:
         """Write lengths, inertias, stiffnesses, friction and drives into the MJCF."""
         spec.body("slide").pos[0] = p.centre_offset
-        spec.site("tool").pos[0] = -p.arm_length
+        spec.site("tool").pos[:2] = -p.arm_length, p.tool_height
         hub, arm = spec.body("hub"), spec.body("arm")
         hub.inertia[:], arm.inertia[:] = p.hub_inertia, p.arm_inertia
         spec.body("slide").mass = p.slide_mass - hub.mass - arm.mass
@@ -152,6 +156,12 @@ class RotaryArm(Plant):
             [self._angle(scale=p.ripple_order)],
             [self._force("arm")],
         )
+        if p.ripple_orders > 0.0:
+            random = self.stream("ripple_orders")
+            waves = [
+                (p.ripple_orders if n in RIPPLES else 0.0, random.uniform(0.0, TURN)) for n in range(1, 32)
+            ]
+            bind("ripple_orders", _native.harmonics(waves), [self._angle()], [self._force("arm")])
         bind(
             "hum_angle",
             _native.rotation(hum),
@@ -175,12 +185,13 @@ class RotaryArm(Plant):
             [self.normals("cutting", steps)],
             [wire("cutting_noise")],
         )
-        bind(
-            "cutting_force",
-            _native.summing_junction(2),
-            [wire("cutting_twice", offset=p.cutting_force), wire("cutting_noise")],
-            [wire("cutting_force")],
-        )
+        parts = [wire("cutting_twice", offset=p.cutting_force), wire("cutting_noise")]
+        if p.cutting_pressure > 0.0:
+            place = [self._angle(), *self._nose(), wire("cutting")]
+            chip = _native.chip(p.tool_radius, p.depth_of_cut, p.part_radius, p.spindle_speed < 0.0)
+            bind("chip", chip, place, [wire("chip_area")])
+            parts.append(wire("chip_area", scale=p.cutting_pressure))
+        bind("cutting_force", _native.summing_junction(len(parts)), parts, [wire("cutting_force")])
         bind(
             "thrust",
             _native.product(),
@@ -190,7 +201,6 @@ class RotaryArm(Plant):
 
     def _part(self, steps: int) -> None:
         p, wire, data, bind = self.parameters, self.wire, self.data, self.circuit.bind
-        tool = self._tool()
         place = Cell(data.qpos, self._position("slide"), scale=-1.0, offset=p.centre_offset - p.probe_place)
         bind("probe_lateral", _native.summing_junction(1), [place], [wire("probe_lateral")])
         bind(
@@ -198,8 +208,7 @@ class RotaryArm(Plant):
             _native.turned_part(p.tool_radius, p.probe_radius, p.part_radius, p.part_face, p.roughness),
             [
                 self._angle(),
-                Cell(data.site_xpos, tool),
-                Cell(data.site_xpos, tool + 2),
+                *self._nose(),
                 wire("cutting"),
                 self.normals("roughness", steps),
                 wire("probing"),
@@ -210,14 +219,14 @@ class RotaryArm(Plant):
 
     def _channels(self) -> None:
         p, wire, data = self.parameters, self.wire, self.data
-        arm, tool = self._dof("arm"), self._tool()
+        arm, (lateral, depth) = self._dof("arm"), self._nose()
         angle = Cell(data.sensordata, 0, offset=-p.arm_zero)
         spindle, slide = Cell(data.sensordata, 1), Cell(data.sensordata, 2)
         torque = int(self.model.actuator_actadr[self.model.actuator("torque").id])
         away = self.stream("probe").uniform(-p.probe_misplacement, p.probe_misplacement)
         readings = {
-            "arm_angle": angle,
-            "spindle_angle": spindle,
+            "arm_angle": self._grating("arm", angle, p.arm_eccentricity),
+            "spindle_angle": self._grating("spindle", spindle, p.spindle_eccentricity),
             "slide_position": slide,
             "probe_depth": wire("probe_depth", offset=-p.probe_zero),
             "probe_lateral": wire("probe_lateral", offset=away),
@@ -225,8 +234,9 @@ class RotaryArm(Plant):
         told = ("torque", "enable", "speed_change", "slide_velocity", "cutting", "probing")
         commands = {name: wire(name) for name in told}
         truths = {
-            "tip_depth": Cell(data.site_xpos, tool + 2),
-            "tip_lateral": Cell(data.site_xpos, tool),
+            "tip_depth": depth,
+            "tip_lateral": lateral,
+            "tip_height": Cell(data.site_xpos, self._tool() + 1),
             "arm_angle": angle,
             "flexure": Cell(data.qpos, self._position("flexure")),
             "torque": Cell(data.act, torque, scale=p.torque_gain),
@@ -238,6 +248,22 @@ class RotaryArm(Plant):
             "slide_position": slide,
         }
         self.connect(readings, commands, truths)
+
+    def _grating(self, name: str, angle: Cell, eccentricity: float) -> Cell:
+        # the grating turns about an axis beside its own
+        if eccentricity == 0.0:
+            return angle
+        phase = self.stream(f"{name}_eccentricity").uniform(0.0, TURN)
+        error, read = self.wire(f"{name}_error"), self.wire(f"{name}_read")
+        bind = self.sensing.bind
+        bind(f"{name}_error", _native.harmonics([(eccentricity, phase)]), [angle], [error])
+        bind(f"{name}_read", _native.summing_junction(2), [angle, error], [read])
+        return read
+
+    def _nose(self) -> tuple[Cell, Cell]:
+        # lateral place and depth of its centre
+        tool = self._tool()
+        return Cell(self.data.site_xpos, tool), Cell(self.data.site_xpos, tool + 2)
 
     def _angle(self, scale: float = 1.0) -> Cell:
         return Cell(self.data.qpos, self._position("spindle"), scale=scale)

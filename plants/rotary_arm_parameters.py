@@ -47,6 +47,10 @@ class RotaryArmParameters:
         "our choice: gives the paper's 1.2 um",
     )  # fmt: skip
     ripple_order: float = parameter(12.0, "1", "Its cycles per turn of the spindle", 0.0, 100.0, "paper")
+    ripple_orders: float = parameter(
+        0.0, "N.m", "The same at 5, 7, 18 and 31 cycles per turn, amplitude of each", 0.0, 1.0,
+        "our choice: none; the paper names the 12th alone",
+    )  # fmt: skip
     hum_torque: float = parameter(
         0.0, "N.m", "Arm torque of fixed frequency, amplitude", 0.0, 1.0, "our choice: none"
     )
@@ -57,6 +61,13 @@ class RotaryArmParameters:
     cutting_force_twice: float = parameter(0.1, "N", "Thrust twice a turn, amplitude", 0.0, 1e3)
     cutting_noise: float = parameter(0.03, "N", "Noise of the thrust, deviation", 0.0, 1e2)
     cutting_bandwidth: float = parameter(800.0, "Hz", "Bandwidth of that noise", 1.0, 1e5)
+    cutting_pressure: float = parameter(
+        0.0, "Pa", "Thrust per cross-section of the chip, 0: none", 0.0, 1e11,
+        "our choice: none; 20 to 150 MPa, up to half of what plastics of lenses take along the cut",
+    )  # fmt: skip
+    depth_of_cut: float = parameter(
+        1e-5, "m", "Height of the face above the last groove", 0.0, 1e-3, "our choice: finishing"
+    )
     spindle_speed: float = parameter(20.0 * math.pi, "rad/s", "At the start", -1e3, 1e3, "paper: 600 rpm")
     spindle_acceleration: float = parameter(
         10.0 * math.pi, "rad/s2", "Ramp of the drive", 1e-3, 1e5, "our choice: 300 rpm in 1 s"
@@ -80,6 +91,14 @@ class RotaryArmParameters:
     start_angle: float = parameter(
         0.0, "rad", "Angle of the arm at the start, 0 is along the slide", -10.0, 10.0
     )
+    tool_height: float = parameter(
+        0.0,
+        "m",
+        "Tool above the axis of the spindle",
+        -1e-3,
+        1e-3,
+        "our choice: none; 20 um in the paper's set-up",
+    )
     tool_radius: float = parameter(
         2e-3, "m", "Radius of the tool nose", 1e-5, 0.02, "our choice: usual diamond"
     )
@@ -96,6 +115,13 @@ class RotaryArmParameters:
     probe_resolution: float = parameter(1e-7, "m", "Step of the probe", 0.0, 1e-3, "paper")
     arm_resolution: float = parameter(
         TURN / 2**23, "rad", "Step of the arm encoder", 0.0, 1e-2, "our choice: 60 nm at the tool"
+    )
+    arm_eccentricity: float = parameter(
+        0.0, "rad", "Arm encoder: error once a turn, amplitude", 0.0, 1e-2,
+        "our choice: none; 1 um of eccentricity on a grating of 50 mm is 20 urad",
+    )  # fmt: skip
+    spindle_eccentricity: float = parameter(
+        0.0, "rad", "Spindle encoder: error once a turn, amplitude", 0.0, 1e-2, "our choice: none, as above"
     )
     spindle_resolution: float = parameter(TURN / 2**20, "rad", "Step of the spindle encoder", 0.0, 1e-1)
     slide_resolution: float = parameter(1e-7, "m", "Step of the slide encoder", 0.0, 1e-3)

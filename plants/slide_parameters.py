@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 
-from plants.base.parameters import parameter
+from plants.base.parameters import ParameterError, parameter
 
 
 @dataclass(frozen=True)
@@ -18,6 +18,20 @@ class SlideParameters:
     damping: float = parameter(10.0, "N.s/m", "Viscous friction", 0.0, 1e4, "our choice: air bearing")
     cogging: float = parameter(0.2, "N", "Cogging at the pitch, amplitude", 0.0, 1e2)
     cogging_half: float = parameter(0.05, "N", "Cogging at half the pitch, amplitude", 0.0, 1e2)
+    tool_mass: float = parameter(
+        2.0, "kg", "Share of the mass beyond the structural mode: spindle and tool", 1e-3, 1e3
+    )
+    tool_frequency: float = parameter(
+        0.0, "Hz", "Resonance of that share on a slide that is held, 0: rigid", 0.0, 5e3,
+        "our choice: none; spindle brackets have some hundred hertz",
+    )  # fmt: skip
+    tool_damping: float = parameter(0.02, "1", "Damping ratio of that resonance", 0.0, 1.0)
+    floor_force: float = parameter(
+        0.0, "N", "Force of the shaking floor, amplitude", 0.0, 10.0, "our choice: none; 0.02 N is 0.2 mg"
+    )
+    floor_frequency: float = parameter(
+        18.0, "Hz", "Frequency of the floor", 0.1, 1e3, "our choice: slab of a workshop"
+    )
     balancer_residual: float = parameter(0.5, "N", "Weight left over, drawn within +-", 0.0, 1e2)
     balancer_sway: float = parameter(0.02, "N", "Balancer noise, deviation", 0.0, 10.0)
     balancer_time: float = parameter(0.5, "s", "Correlation time of that noise", 1e-3, 1e3)
@@ -28,8 +42,17 @@ class SlideParameters:
     )
     spindle_force: float = parameter(0.02, "N", "Axial force once a turn, amplitude", 0.0, 10.0)
     spindle_force_twice: float = parameter(0.01, "N", "The same twice a turn", 0.0, 10.0)
+    spindle_wobble: float = parameter(
+        0.0, "1", "Swing of the spindle speed, amplitude over the mean", 0.0, 0.1, "our choice: none"
+    )
+    wobble_frequency: float = parameter(1.0, "Hz", "Frequency of that swing", 0.0, 1e3)
     encoder_noise: float = parameter(5e-10, "m", "Encoder noise, deviation", 0.0, 1e-3)
     encoder_resolution: float = parameter(1e-9, "m", "Encoder step", 0.0, 1e-3, "paper: 1 nm is usual")
+    encoder_interpolation: float = parameter(
+        0.0, "m", "Encoder error within a signal period, amplitude", 0.0, 1e-6,
+        "our choice: none; interpolated encoders have some nanometres",
+    )  # fmt: skip
+    encoder_period: float = parameter(4e-6, "m", "Signal period of the encoder", 1e-8, 1e-3)
     current_limit: float = parameter(5.0, "A", "Largest current", 1e-3, 1e3)
     current_resolution: float = parameter(
         10.0 / 65_536.0, "A", "Step of the current command", 0.0, 1.0, "paper: 16 bit, here for +-5 A"
@@ -42,9 +65,36 @@ class SlideParameters:
     yield_depth: float = parameter(
         0.0, "m", "Elastic depth of one flute before the surface yields, 0: never", 0.0, 1e-3
     )
+    cutting_pressure: float = parameter(
+        0.0, "Pa", "Force per cross-section of the chip, 0: the flutes press and cut nothing", 0.0, 1e12,
+        "our choice: none; 1 GPa for thick chips, some ten times that below 1 um",
+    )  # fmt: skip
+    cutting_width: float = parameter(
+        1e-4, "m", "Width of the chip of a flute", 1e-6, 1e-2, "our choice: end mill of 0.2 mm"
+    )
     tilt: float = parameter(5e-8, "m", "Axial run-out of the flutes, amplitude", 0.0, 1e-4)
     flute_shortfall: float = parameter(1e-7, "m", "What the second flute lacks", 0.0, 1e-4)
     workpiece: bool = parameter(True, "1", "Whether there is a workpiece")
     surface_distance: float = parameter(1e-4, "m", "Least distance from the start to the surface", 0.0, 0.5)
     surface_spread: float = parameter(5e-5, "m", "Extra distance, drawn from 0 to", 0.0, 0.1)
     start_spread: float = parameter(1e-3, "m", "Start position, drawn within +-", 0.0, 0.1)
+
+
+def check_together(p: SlideParameters) -> None:
+    """Check parameters that limit each other.
+
+    Raises
+    ------
+    ParameterError
+        The first that does not fit: its name, value and limit.
+    """
+    if p.tool_frequency > 0.0 and p.tool_mass >= p.mass:
+        raise ParameterError(
+            f"parameter `plant.tool_mass` of plant `slide`: value `{p.tool_mass:g}` kg, "
+            f"limit `{p.mass:g}` kg\nhint: it is a share of `plant.mass`"
+        )
+    if p.cutting_pressure > 0.0 and p.yield_depth > 0.0:
+        raise ParameterError(
+            f"parameter `plant.yield_depth` of plant `slide`: value `{p.yield_depth:g}` m, limit `0` m\n"
+            "hint: a surface that is cut (`plant.cutting_pressure`) does not yield besides"
+        )

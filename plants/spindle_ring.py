@@ -22,6 +22,8 @@ from plants.tools import contour
 
 ROUGHNESS_ORDERS = range(15, 101)
 """Waves per turn of the roughness."""
+FORM_ORDERS = range(7, 15)
+"""Waves per turn of the form that a model of few lobes does not have."""
 ERROR_ORDERS = range(2, 6)
 """Cycles per turn of the error motion: one cycle per turn is eccentricity by definition."""
 TOUCH = 1e-6
@@ -41,6 +43,7 @@ class SpindleRing(Plant):
         "async_x", "async_y", "sync_x", "sync_y", "error_x", "error_y",
         "cx", "cy", "vcx", "vcy", "orientation", "turn_rate", "eccentricity", "slip_speed",
         "surface", "normal_x", "normal_y", "vx", "vy", "phase", "dirt", "probed", "fx", "fy",
+        "mu", *(f"{kind}_{foot}" for foot in FEET for kind in ("rubs", "patch_x", "patch_y", "patch")),
         "probe_collapse", "probe_force", "probe_reading", "pusher_compression", "pusher_force", "pusher_gap",
     )  # fmt: skip
 
@@ -120,6 +123,8 @@ class SpindleRing(Plant):
         if p.spike_height > 0.0:
             self._spikes(steps)
         self._servo()
+        if p.spindle_ripple > 0.0:
+            self._spindle_ripple()
         if p.part_present:
             self._friction()
             self._push()
@@ -142,6 +147,9 @@ class SpindleRing(Plant):
         roughness = p.roughness * math.sqrt(2.0 / len(ROUGHNESS_ORDERS))
         waves = {2: p.lobe_2, 3: p.lobe_3, 5: p.lobe_5, **dict.fromkeys(ROUGHNESS_ORDERS, roughness)}
         self._outline: Array = contour.lobed(p.radius, waves, self.stream("outline"))
+        if p.form > 0.0:
+            form = dict.fromkeys(FORM_ORDERS, p.form * math.sqrt(2.0 / len(FORM_ORDERS)))
+            self._outline += contour.lobed(0.0, form, self.stream("form"))
         self._dirty = p.part_present and p.dirt_height > 0.0
         self._dirt: Array = contour.dirty(
             p.radius, p.dirt_height, p.dirt_width, p.dirt_fraction, self.stream("dirt")
@@ -244,6 +252,7 @@ class SpindleRing(Plant):
             2.0 * p.servo_damping * p.slide_mass * bandwidth,
             p.servo_force,
             p.setpoint_period,
+            p.servo_integral_time,
         )
         inputs = [wire("position_setpoint"), wire("velocity_setpoint"), *self._state("slide")]
         self.circuit.bind("servo", board, inputs, [wire("servo")])
@@ -254,6 +263,14 @@ class SpindleRing(Plant):
         self.circuit.bind("brake", _native.product(), [braking, off], [wire("braked")])
         both = [wire("driven"), wire("braked")]
         self.circuit.bind("motor", _native.summing_junction(2), both, [Cell(self.data.ctrl, 1)])
+
+    def _spindle_ripple(self) -> None:
+        p = self.parameters
+        swing = p.spindle_ripple * p.spindle_speed
+        ripple = _native.harmonics([(swing, self.stream("spindle_ripple").uniform(0.0, TURN))])
+        angle = Cell(self.data.qpos, self._at["spindle"], scale=p.spindle_ripple_order)
+        setpoint = Cell(self.data.ctrl, 0, offset=p.spindle_speed)
+        self.circuit.bind("spindle_ripple", ripple, [angle], [setpoint])
 
     def _friction(self) -> None:
         p, bind = self.parameters, self.circuit.bind
@@ -269,7 +286,26 @@ class SpindleRing(Plant):
         columns = self.model.pair_friction.shape[1]
         for row, (foot, place) in enumerate(zip(FEET, _feet(p), strict=True)):
             tangents = [Cell(self.model.pair_friction, row * columns + i) for i in range(2)]
-            bind(foot, _native.foot(place, law), [yaw, *speeds], tangents)
+            if p.mu_spread == 0.0:
+                bind(foot, _native.foot(place, law), [yaw, *speeds], tangents)
+                continue
+            rubs = self.wire(f"rubs_{foot}")
+            bind(foot, _native.foot(place, law), [yaw, *speeds], [self.wire("mu"), rubs])
+            patch = self._patch(foot)
+            for i, tangent in enumerate(tangents):
+                bind(f"{foot}_tangent_{i}", _native.product(), [rubs, patch], [tangent])
+
+    def _patch(self, foot: str) -> Cell:
+        # friction under a foot over its mean: the ring turns little, so the feet move as its centre does
+        p, random = self.parameters, self.stream(f"patch_{foot}")
+        waves = [self.wire(f"patch_{axis}_{foot}") for axis in "xy"]
+        for wave, joint in zip(waves, RING[:2], strict=True):
+            place = Cell(self.data.qpos, self._at[joint], scale=TURN / p.mu_patch)
+            wavy = _native.harmonics([(0.5 * p.mu_spread, random.uniform(0.0, TURN))])
+            self.circuit.bind(f"patch {joint} {foot}", wavy, [place], [wave])
+        patch = self.wire(f"patch_{foot}", offset=1.0)
+        self.circuit.bind(f"patch {foot}", _native.summing_junction(2), waves, [self.wire(f"patch_{foot}")])
+        return patch
 
     def _push(self) -> None:
         # what probe and pusher do to the ring, and the ring to the slide

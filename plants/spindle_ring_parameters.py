@@ -18,6 +18,12 @@ class SpindleRingParameters:
     spindle_speed: float = parameter(
         TURN / 3.0, "rad/s", "Spindle speed, positive about +z", -20.0, 20.0, "paper: 20 rpm"
     )
+    spindle_ripple: float = parameter(
+        0.0, "1", "Swing of the spindle speed over its mean, amplitude", 0.0, 0.1, "our choice: none"
+    )
+    spindle_ripple_order: float = parameter(
+        6.0, "1", "Its cycles per turn", 0.1, 1e3, "our choice: pole pairs of the motor"
+    )
     spindle_error: float = parameter(
         0.0, "m", "Error motion of the axis in x and in y, amplitudes of n = 2 to 5 in all", 0.0, 1e-4
     )
@@ -46,10 +52,22 @@ class SpindleRingParameters:
         1e-7, "m", "Roughness of 15 to 100 waves per turn, deviation, phases drawn", 0.0, 1e-4
     )
 
+    form: float = parameter(
+        0.0, "m", "Form of 7 to 14 waves per turn, deviation, phases drawn", 0.0, 1e-4,
+        "our choice: none; what chucks and rolls leave",
+    )  # fmt: skip
+
     mu_static: float = parameter(
         0.2, "1", "Static friction of ring on table", 0.01, 2.0, "paper: 0.15 to 0.25"
     )
     mu_ratio: float = parameter(1.25, "1", "Static over kinetic friction", 1.0, 5.0)
+    mu_spread: float = parameter(
+        0.0, "1", "Variation of the friction under a foot over the table, amplitude", 0.0, 0.9,
+        "our choice: none; planar friction varies by some ten percent over the place",
+    )  # fmt: skip
+    mu_patch: float = parameter(
+        2e-4, "m", "Period of that variation in x and in y", 1e-6, 0.1, "our choice: shorter than a push"
+    )
     stribeck_speed: float = parameter(1e-3, "m/s", "Slip speed of the Stribeck curve", 1e-5, 1.0)
     bristle: bool = parameter(False, "1", "Elasto-plastic bristle instead of MuJoCo's contacts")
     presliding: float = parameter(1e-6, "m", "Bristle: deflection at the static force", 1e-7, 1e-4)
@@ -83,6 +101,14 @@ class SpindleRingParameters:
     slide_mass: float = parameter(8.0, "kg", "Moving mass of the slide", 0.5, 200.0)
     servo_bandwidth: float = parameter(40.0, "Hz", "Natural frequency of the slide's servo", 1.0, 500.0)
     servo_damping: float = parameter(0.7, "1", "Damping ratio of the slide's servo", 0.05, 5.0)
+    servo_integral_time: float = parameter(
+        0.0,
+        "s",
+        "Integral time of the slide's servo, 0: none",
+        0.0,
+        10.0,
+        "our choice: none; drives have 20 ms up",
+    )
     servo_force: float = parameter(400.0, "N", "Largest force of the slide's motor", 1.0, 1e5)
     brake_time: float = parameter(
         0.02, "s", "Time constant with which the slide stops without its drive", 1e-3, 1e3,
@@ -119,6 +145,11 @@ def check_together(p: SpindleRingParameters) -> None:
         ("eccentricity", "radius", p.eccentricity, LINE_LIMIT * p.radius),
         ("eccentricity", "table_radius", p.eccentricity, p.table_radius - p.feet_radius),
     )
+    if p.bristle and p.mu_spread > 0.0:
+        raise ParameterError(
+            f"parameter `plant.mu_spread` of plant `spindle_ring`: value `{p.mu_spread:g}`, limit `0`\n"
+            "hint: only the contacts have it, set `plant.bristle` to false"
+        )
     for name, bound, value, limit in pairs:
         if value > limit:
             raise ParameterError(

@@ -12,7 +12,7 @@ Heights are along the normal of the surface, and areas are true ones, not their 
 
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -51,6 +51,23 @@ class Process:
     radius: float = 0.6e-3
     pick: float = 0.1e-3
     selective: bool = True
+
+    @classmethod
+    def of_contact(cls, stiffness: float, load: float, radius: float = 0.6e-3) -> Self:
+        """Process with the contact of the plant: of Hertz's contacts the one with its stiffness at a load.
+
+        Parameters
+        ----------
+        stiffness : float
+            Parameter `contact_stiffness` of the plant, N/m.
+        load : float
+            N.
+        radius : float
+            Of ball and hollow, m.
+        """
+        # stiffness = 2 modulus a with a^3 = 3/4 load radius / modulus
+        modulus = (0.5 * stiffness) ** 1.5 / math.sqrt(0.75 * load * radius)
+        return cls(modulus=modulus, radius=radius)
 
     @property
     def selectivity(self) -> float:

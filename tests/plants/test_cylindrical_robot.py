@@ -298,3 +298,63 @@ def test_half_the_plant_step_changes_little() -> None:
     coarse, fine = straight(0.05), straight(0.05, timestep=5e-4)
     assert coarse["spindle_speed"] == pytest.approx(fine["spindle_speed"], abs=2.0 * RPM)
     assert coarse["read_axis3_position"] == pytest.approx(fine["read_axis3_position"], abs=1e-5)
+
+
+# what the controller's model does not have
+
+
+@pytest.mark.parametrize(("axis", "reach"), [(1, 0.75), (3, 1.0)])
+def test_the_gear_has_play(axis: int, reach: float) -> None:
+    # no force within the play, the spring of the coupling beyond
+    plant, stiff = robot(backlash=3e-4), robot()
+    joint = plant.model.joint(f"coupling_{axis}")
+    place, dof = int(joint.qposadr[0]), int(joint.dofadr[0])
+    stiffness = float(stiff.model.jnt_stiffness[stiff.model.joint(f"coupling_{axis}").id])
+    for at_tip, beyond in ((-1.4e-4, 0.0), (1.4e-4, 0.0), (2.5e-4, 1e-4), (-2.5e-4, -1e-4)):
+        plant.data.qpos[place] = at_tip / reach
+        plant.sense()
+        force = -float(plant.data.qfrc_spring[dof])
+        assert force == pytest.approx(stiffness * beyond / reach, rel=1e-9, abs=1e-12)
+
+
+def test_friction_behind_the_gear_bends_it_where_the_encoder_does_not_see_it() -> None:
+    # 3 % of 600 N on the spring of the coupling, either way; Dahl's law has turned after some ways
+    plant = robot(reversal_friction=0.03, reversal_way=1e-4, coulomb_friction=0.0, coupling_damping=0.3)
+    coupling = plant.model.joint("coupling_3")
+    stiffness = float(plant.model.jnt_stiffness[coupling.id])
+    bent = []
+
+    def law(time: float, _: dict[str, float]) -> dict[str, float]:
+        bent.append(float(plant.data.qpos[int(coupling.qposadr[0])]))
+        return {"axis3_velocity": 0.02 if time < 1.0 else -0.02}
+
+    run(plant, 200, law)
+    forth, back = np.mean(bent[60:95]), np.mean(bent[160:195])
+    assert 0.5 * (back - forth) == pytest.approx(0.03 * 600.0 / stiffness, rel=0.02)
+    assert abs(back + forth) < 0.02 * abs(back - forth)
+
+
+@pytest.mark.parametrize(
+    ("axis", "period", "force"), [(1, TURN / 160.0 / 24.0, 300.0), (3, 0.02 / 24.0, 600.0)]
+)
+def test_the_motor_cogs(axis: int, period: float, force: float) -> None:
+    plant = robot(cogging=0.02)
+    joint = plant.model.joint(f"axis_{axis}")
+    place, dof = int(joint.qposadr[0]), int(joint.dofadr[0])
+    start, found = float(plant.data.qpos[place]), []
+    for i in range(48):
+        plant.data.qpos[place] = start + 2.0 * period * i / 48.0
+        plant.data.qvel[:] = 0.0
+        plant.sense()
+        plant.advance(1)
+        found.append(float(plant.data.qfrc_applied[dof]))
+    waves = np.abs(np.fft.rfft(found)) / 24.0
+    assert waves[2] == pytest.approx(0.02 * force, rel=1e-6)
+    assert np.delete(waves, 2).max() < 1e-6 * force
+
+
+def test_noise_is_told_to_the_harness() -> None:
+    readings = robot(encoder_noise=2.0, spindle_noise=0.5).readings
+    assert [channel.noise for channel in readings[:3]] == [2.0 * TURN / 640_000, 5e-6, 1e-5]
+    assert readings[6].noise == 0.5
+    assert all(channel.noise == 0.0 for channel in robot().readings)

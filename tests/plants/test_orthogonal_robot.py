@@ -365,3 +365,16 @@ def test_every_mold_can_be_chosen() -> None:
     kind = typing.get_type_hints(OrthogonalRobotParameters)["mold"]
     field = OrthogonalRobotParameters.__dataclass_fields__["mold"]
     assert typing.get_args(kind) == field.metadata["options"] == tuple(MOLDS)
+
+
+# what the controller's model does not have
+
+
+def test_wood_sticks_better_than_it_slides() -> None:
+    # pulled sideways: the friction rises to its static share, then falls to the kinetic one
+    for ratio in (1.0, 1.5):
+        plant = robot(**PRESSED, friction=0.2, friction_ratio=ratio, tip_lateral=0.5)
+        rows = run(plant, 400, lambda k: (0.5 * (k % 2), 0.0, 0.0) if k < 20 else (2.0, 0.0, 0.0))
+        share = np.abs(rows["friction_x"][20:]) / rows["contact_force"][20:]
+        assert share.max() == pytest.approx(0.2 * ratio, rel=0.05)
+        assert share[300:].mean() < 0.2 * (1.02 + 0.9 * (ratio - 1.0))

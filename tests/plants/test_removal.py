@@ -42,6 +42,17 @@ def test_the_volume_is_that_of_preston(mold: str, selective: bool) -> None:
     assert surface.volume == pytest.approx(4e-11 * 4.0 * slid[-1], rel=1e-9)
 
 
+def test_a_process_has_the_contact_of_the_plant() -> None:
+    # Hertz: load = 4/3 modulus sqrt(radius) indentation^1.5
+    process = Process.of_contact(1.2e6, 5.0)
+    indentation = (0.75 * 5.0 / (process.modulus * math.sqrt(process.radius))) ** (2.0 / 3.0)
+    loads = [
+        4.0 / 3.0 * process.modulus * math.sqrt(process.radius) * (indentation + d) ** 1.5
+        for d in (-1e-9, 1e-9)
+    ]
+    assert (loads[1] - loads[0]) / 2e-9 == pytest.approx(1.2e6, rel=1e-6)
+
+
 def test_the_contact_is_that_of_hertz() -> None:
     # the longest way through the contact lies in the middle of a straight line
     surface = Surface(PLANE, PLAIN)

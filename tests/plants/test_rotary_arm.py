@@ -381,3 +381,56 @@ def test_five_substeps_are_five_steps() -> None:
             five.advance(1)
     assert one.sense().tobytes() == five.sense().tobytes()
     assert one.truth().tobytes() == five.truth().tobytes()
+
+
+# what the controller's model does not have
+
+
+def once_a_turn(values: Matrix, angle: Matrix, order: float = 1.0) -> float:
+    """Amplitude at a number of cycles per turn of the spindle, rows over whole turns."""
+    return float(2.0 * abs(np.mean(values * np.exp(-1j * order * angle))))
+
+
+def test_the_cut_pushes_with_the_chip() -> None:
+    # 10 um deep, 10 um a turn: an arm too heavy to be moved by 0.2 mN
+    plant = arm(hub_inertia=1.0, cutting_pressure=2e6, depth_of_cut=1e-5, feed=1e-5)
+    truth = run(plant, 3000, cutting=1.0)
+    assert np.all(truth["cutting_force"][:990] == 0.0)
+    assert truth["cutting_force"][1500:] == pytest.approx(2e6 * 1e-5 * 1e-5, rel=0.05)
+
+
+def test_there_is_no_chip_beyond_the_part() -> None:
+    plant = arm(hub_inertia=1.0, cutting_pressure=2e8, part_radius=0.02, feed=1e-5)
+    assert np.all(run(plant, 2500, cutting=1.0)["cutting_force"] == 0.0)
+
+
+@pytest.mark.parametrize(("name", "place"), [("arm", 0), ("spindle", 1)])
+def test_a_grating_beside_its_axis_errs_once_a_turn(name: str, place: int) -> None:
+    changes: dict[str, Any] = {f"{name}_eccentricity": 2e-5}
+    plant = arm(**changes)
+    joint = plant.model.joint("arm" if name == "arm" else "spindle").qposadr[0]
+    angles = TURN * np.arange(64) / 64.0
+    errors = []
+    for angle in angles:
+        plant.data.qpos[joint] = angle
+        read = plant.sense()[place]
+        errors.append(read - truth(plant)[f"{name}_angle"])
+    assert once_a_turn(np.array(errors), angles) == pytest.approx(2e-5, rel=1e-6)
+    assert np.ptp(errors) == pytest.approx(4e-5, rel=0.01)
+
+
+def test_the_ripple_has_four_orders_more() -> None:
+    plant = arm(ripple_orders=3e-3)
+    truth = run(plant, 2000)
+    turns = slice(0, 2000)
+    angle, ripple = truth["spindle_angle"][turns], truth["ripple"][turns]
+    for order in range(1, 36):
+        amplitude = 3e-3 if order in (5, 7, 18, 31) else 0.0
+        assert once_a_turn(ripple, angle, order) == pytest.approx(amplitude, abs=5e-5)
+
+
+def test_the_tool_stands_beside_the_axis_of_the_spindle() -> None:
+    plant = arm(tool_height=2e-5)
+    plant.sense()
+    assert truth(plant)["tip_height"] == pytest.approx(2e-5, abs=1e-15)
+    assert truth(plant)["tip_lateral"] == pytest.approx(0.03, abs=1e-12)

@@ -1,5 +1,6 @@
 """The slide against closed forms."""
 
+import itertools
 import math
 from dataclasses import replace
 from typing import Any
@@ -9,6 +10,7 @@ import pytest
 
 import plants
 from plants.base.names import UnknownNameError
+from plants.base.parameters import ParameterError
 from plants.base.plant import PlantError
 from plants.slide import Slide
 from plants.slide_parameters import SlideParameters
@@ -356,3 +358,101 @@ def test_registry() -> None:
     assert plants.load("slide") is Slide
     with pytest.raises(UnknownNameError, match=r"there is no plant `slid`\nhint: did you mean `slide`"):
         plants.load("slid")
+
+
+# what the controller's model does not have
+
+
+def fed(plant: Slide, velocity: float, ticks: int) -> dict[str, np.ndarray[Any, Any]]:
+    """Truths of a slide that nothing slows down, one row per tick."""
+    rows = []
+    for _ in range(ticks):
+        plant.data.qvel[0] = velocity
+        plant.sense()
+        rows.append(plant.truth())
+        plant.advance(2)
+    return dict(zip((channel.name for channel in plant.truths), np.array(rows).T, strict=True))
+
+
+def test_flutes_that_cut_push_with_the_feed_per_tooth() -> None:
+    # 100 um/s, 500 turns/s, two flutes: 0.1 um each, of 1e10 Pa on 0.1 mm, however deep
+    plant = slide(cutting_pressure=1e10, spindle_speed=500.0 * TURN, mass=1e3)
+    truth = fed(plant, 1e-4, 1000)
+    force = 2.0 * 1e10 * 1e-4 * 1e-7
+    assert truth["contact_force"][800:] == pytest.approx(force, rel=0.01)
+    # the spring of 2e5 N/m behind each flute
+    assert truth["indentation"][-1] == pytest.approx(truth["depth"][-1] - 0.5 * force / 2e5, abs=5e-8)
+    assert truth["disturbance"][-1] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_flutes_that_stand_still_only_press() -> None:
+    plant = slide(cutting_pressure=1e10, spindle_speed=0.0, flute_shortfall=1e-4)
+    plant.data.qpos[0] = plant.surface + 1e-7
+    plant.sense()
+    plant.advance(1)
+    assert plant.truth()[5] == pytest.approx(1e-7 / (1.0 / 2e5 + 1.0 / 1e6), rel=1e-9)
+
+
+def test_the_tool_swings_where_the_encoder_does_not_see_it() -> None:
+    # half of the mass at 300 Hz and 2 % swings against the other half
+    plant = slide(mass=10.0, tool_mass=5.0, tool_frequency=300.0, tool_damping=0.02, workpiece=False)
+    plant.data.qpos[1] = 1e-6
+    truth = run(plant, 0.0, 400)
+    tool = truth["depth"] + plant.surface
+    swing = tool - truth["position"]
+    up = np.flatnonzero((swing[:-1] < 0.0) & (swing[1:] >= 0.0))
+    period = (up[10] - up[0]) * 1e-4 / 10.0
+    assert 1.0 / period == pytest.approx(300.0 * math.sqrt(2.0), rel=0.01)
+    peaks = [swing[a:b].max() for a, b in itertools.pairwise(up[:11])]
+    assert math.log(peaks[0] / peaks[8]) / 8.0 == pytest.approx(TURN * 0.02 * math.sqrt(2.0), rel=0.1)
+    assert 0.5 * (tool + truth["position"]) == pytest.approx(5e-7, abs=1e-12)
+
+
+def test_the_tool_touches_and_gives_way() -> None:
+    # both springs carry the force: contact of one flute of 2e6 N/m, and the bracket of 2 kg at 300 Hz
+    plant = slide(stiffness=2e6, tool_frequency=300.0, tool_damping=1.0, flute_shortfall=1e-4, mass=1e3)
+    plant.data.qpos[0] = plant.surface + 1e-7
+    truth = run(plant, 0.0, 30)
+    bracket = 2.0 * (TURN * 300.0) ** 2
+    assert truth["contact_force"][-1] == pytest.approx(1e-7 / (1.0 / 2e6 + 1.0 / bracket), rel=0.02)
+
+
+def test_the_speed_of_the_spindle_swings() -> None:
+    plant = slide(spindle_wobble=3e-3, wobble_frequency=5.0, workpiece=False)
+    speeds = []
+    for _ in range(4000):
+        speeds.append(plant.sense()[1])
+        plant.advance(2)
+    assert np.mean(speeds) == pytest.approx(1000.0 * math.pi, rel=1e-6)
+    assert np.std(speeds) * math.sqrt(2.0) / (1000.0 * math.pi) == pytest.approx(3e-3, rel=1e-3)
+
+
+def test_the_encoder_errs_within_its_signal_period() -> None:
+    plant = slide(encoder_interpolation=3e-9, encoder_period=4e-6)
+    places = np.linspace(0.0, 8e-6, 160, endpoint=False)
+    errors = []
+    for place in places:
+        plant.data.qpos[0] = place
+        errors.append(plant.sense()[0] - place)
+    waves = np.abs(np.fft.rfft(errors)) / 80.0
+    assert waves[2] == pytest.approx(3e-9, rel=1e-6)
+    assert np.delete(waves, 2).max() < 1e-15
+
+
+def test_the_floor_shakes_the_slide() -> None:
+    # velocity of a free mass: force over mass and frequency
+    plant = slide(floor_force=0.02, floor_frequency=18.0, workpiece=False)
+    velocity = run(plant, 0.0, 5000)["velocity"]
+    assert 0.5 * np.ptp(velocity) == pytest.approx(0.02 / (10.0 * TURN * 18.0), rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"tool_frequency": 300.0, "tool_mass": 10.0}, r"`plant.tool_mass`.*`10` kg.*`10` kg"),
+        ({"cutting_pressure": 1e9, "yield_depth": 1e-8}, r"`plant.yield_depth`.*`1e-08` m"),
+    ],
+)
+def test_parameters_that_do_not_go_together_are_refused(changes: dict[str, Any], message: str) -> None:
+    with pytest.raises(ParameterError, match=message):
+        slide(**changes)

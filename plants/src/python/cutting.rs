@@ -4,7 +4,13 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use super::cells::PyElement;
-use crate::elements::cutting::{Burr, Deburring, Edge, Flute, Milling, Reaction, Shapes, TurnedPart};
+use crate::elements::cutting::{Burr, Chip, Deburring, Edge, Flute, Milling, Plunge, Reaction, Shapes, TurnedPart};
+
+/// Chip of a round nose on a face (all m; whether the part turns backward): angle, lateral, depth, cutting -> area m2.
+#[pyfunction]
+pub fn chip(nose: f64, depth_of_cut: f64, part_radius: f64, backward: bool) -> PyElement {
+    PyElement::new(Chip::new(nose, depth_of_cut, part_radius, backward))
+}
 
 /// End mill on a burr of bins from a distance m on: heights and thicknesses m.
 ///
@@ -60,6 +66,13 @@ pub fn edge_length(start: [f64; 3], corner: [f64; 3], end: [f64; 3], radius: f64
 #[pyfunction]
 pub fn flute(shortfall: f64, tilt: f64, offset: f64) -> PyElement {
     PyElement::new(Flute::new(shortfall, tilt, offset))
+}
+
+/// End mill of two teeth that sinks into a face (springs N/m, force per thickness of the chip N/m):
+/// depth, retreat_1, retreat_2, angle, angle_next -> force, floor.
+#[pyfunction]
+pub fn plunge(stiffness: f64, chip: f64) -> PyElement {
+    PyElement::new(Plunge::new(stiffness, chip))
 }
 
 /// Part that a tool turns and a probe reads, all m:

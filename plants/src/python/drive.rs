@@ -23,10 +23,11 @@ pub fn induction_spindle(plate: (f64, f64, f64, f64, f64), friction: f64, lag: f
     PyElement::new(InductionSpindle::new(plate, friction, lag))
 }
 
-/// Servo of one axis (N/m, N.s/m, N, s): position_setpoint, velocity_setpoint, position, velocity -> force.
+/// Servo of one axis (N/m, N.s/m, N, s, integral time s or 0):
+/// position_setpoint, velocity_setpoint, position, velocity -> force.
 #[pyfunction]
-pub fn motion_board(stiffness: f64, damping: f64, force_limit: f64, period: f64) -> PyElement {
-    PyElement::new(MotionBoard::new(stiffness, damping, force_limit, period))
+pub fn motion_board(stiffness: f64, damping: f64, force_limit: f64, period: f64, integral_time: f64) -> PyElement {
+    PyElement::new(MotionBoard::new(stiffness, damping, force_limit, period, integral_time))
 }
 
 /// Positioner with pulses of `pulse` m that arrive in `tick` s: pulses, position, velocity, enable -> force, reference.

@@ -5,6 +5,8 @@ import math
 import numpy as np
 import pytest
 
+from plants.base.parameters import ParameterError
+
 from .bench import (
     FREE,
     MODELS,
@@ -192,3 +194,23 @@ def test_friction_of_the_tip_turns_the_ring_on_three_feet_twice_as_fast_as_on_a_
     slipped = trace["slip_speed"].sum() * 1e-4
     turned = (1.0 if bristle else 2.0) * -p.pusher_friction * p.radius / p.feet_radius**2 * slipped
     assert trace["ring_yaw"][-1] == pytest.approx(turned, rel=0.05)
+
+
+def test_friction_under_each_foot_varies_over_the_table() -> None:
+    # one period in x and y: the mean is that of the law, the extremes are off by the spread
+    plant = ring(spindle_speed=0.0, part_present=True, mu_static=0.2, mu_spread=0.3, mu_patch=1e-4, **FREE)
+    found = []
+    for i in range(16):
+        for j in range(16):
+            place(plant, ring_x=1e-4 * i / 16, ring_y=1e-4 * j / 16)
+            plant.data.qvel[:] = 0.0
+            plant.sense()
+            plant.advance(1)
+            found.append(plant.model.pair_friction[:, :2].copy())
+    coefficients = np.array(found)
+    assert np.all(coefficients[:, :, 0] == coefficients[:, :, 1])
+    assert coefficients.mean(axis=0) == pytest.approx(0.2, rel=1e-2)
+    assert coefficients.max(axis=0) == pytest.approx(0.2 * 1.3, rel=0.02)
+    assert coefficients.min(axis=0) == pytest.approx(0.2 * 0.7, rel=0.02)
+    with pytest.raises(ParameterError, match=r"`plant.mu_spread`.*`0.3`.*`0`"):
+        ring(mu_spread=0.3, bristle=True)

@@ -2,7 +2,8 @@
 
 use crate::element::{Element, Ports};
 
-/// `force = limit(stiffness (x_ref - x) + damping (v_ref - v))`, with `x_ref` going on at the velocity setpoint.
+/// `force = limit(stiffness (e + integral of e / integral_time) + damping (v_ref - v))`, with `e = x_ref - x` and `x_ref`
+/// going on at the velocity setpoint. An integral time of 0 stands for no integral; at the limit it waits.
 ///
 /// A setpoint is new when it differs from the last one. From then on the reference moves at the velocity setpoint,
 /// for at most `period`; if no new one has come by then, it stands still.
@@ -16,6 +17,10 @@ pub struct MotionBoard {
     force_limit: f64,
     /// longest extrapolation, s
     period: f64,
+    /// s, 0 for none
+    integral_time: f64,
+    /// integral of the position error over `integral_time`, m
+    integral: f64,
     /// last setpoint, m and m/s
     setpoint: (f64, f64),
     /// time since it arrived, s
@@ -23,9 +28,11 @@ pub struct MotionBoard {
 }
 
 impl MotionBoard {
-    /// A servo of `stiffness` N/m, `damping` N.s/m and `force_limit` N that gets a setpoint every `period` s.
-    pub fn new(stiffness: f64, damping: f64, force_limit: f64, period: f64) -> Self {
-        Self { stiffness, damping, force_limit, period, setpoint: (0.0, 0.0), age: 0.0 }
+    /// A servo of `stiffness` N/m, `damping` N.s/m and `force_limit` N that gets a setpoint every `period` s, with an
+    /// integral of `integral_time` s unless that is 0.
+    pub fn new(stiffness: f64, damping: f64, force_limit: f64, period: f64, integral_time: f64) -> Self {
+        let (setpoint, age, integral) = ((0.0, 0.0), 0.0, 0.0);
+        Self { stiffness, damping, force_limit, period, integral_time, integral, setpoint, age }
     }
 
     /// position and velocity that the axis should have now
@@ -51,8 +58,12 @@ impl Element for MotionBoard {
             (self.setpoint, self.age) = (setpoint, 0.0);
         }
         let (position, velocity) = self.reference();
-        let force = self.stiffness * (position - inputs[2]) + self.damping * (velocity - inputs[3]);
+        let error = position - inputs[2];
+        let force = self.stiffness * (error + self.integral) + self.damping * (velocity - inputs[3]);
         outputs[0] = force.clamp(-self.force_limit, self.force_limit);
+        if self.integral_time > 0.0 && force.abs() < self.force_limit {
+            self.integral += error * h / self.integral_time;
+        }
         self.age += h;
     }
 }
@@ -72,7 +83,7 @@ mod tests {
 
     #[test]
     fn force_is_proportional_to_the_errors_up_to_its_limit() {
-        let mut board = MotionBoard::new(1e5, 1e3, 400.0, 1e-3);
+        let mut board = MotionBoard::new(1e5, 1e3, 400.0, 1e-3, 0.0);
         let mut out = [0.0];
         for (inputs, wanted) in [
             ([1e-3, 0.0, 0.0, 0.0], 100.0),
@@ -89,7 +100,7 @@ mod tests {
 
     #[test]
     fn a_straight_line_in_setpoints_of_1_ms_is_followed_at_every_step() {
-        let mut board = MotionBoard::new(1.0, 0.0, 1e9, 1e-3);
+        let mut board = MotionBoard::new(1.0, 0.0, 1e9, 1e-3, 0.0);
         for k in 0..100 {
             // setpoints of 0.1 m/s at 0, 1, 2, ... ms
             let (tick, now) = (f64::from(k / 10) * 1e-3, f64::from(k) * H);
@@ -100,11 +111,21 @@ mod tests {
 
     #[test]
     fn without_new_setpoints_the_reference_stops_after_one_period() {
-        let mut board = MotionBoard::new(1.0, 0.0, 1e9, 1e-3);
+        let mut board = MotionBoard::new(1.0, 0.0, 1e9, 1e-3, 0.0);
         let last = (0..50).map(|_| force(&mut board, 0.0, 0.1)).last();
         assert!((last.expect("steps") - 1e-4).abs() < 1e-15);
-        let mut damped = MotionBoard::new(0.0, 1.0, 1e9, 1e-3);
+        let mut damped = MotionBoard::new(0.0, 1.0, 1e9, 1e-3, 0.0);
         let forces: Vec<f64> = (0..30).map(|_| force(&mut damped, 0.0, 0.1)).collect();
         assert_eq!((forces[5], forces[29]), (0.1, 0.0));
+    }
+
+    #[test]
+    fn the_integral_doubles_the_force_in_its_time_and_waits_at_the_limit() {
+        let mut board = MotionBoard::new(1e5, 0.0, 400.0, 1e-3, 0.1);
+        let forces: Vec<f64> = (0..20_000).map(|_| force(&mut board, 1e-3, 0.0)).collect();
+        assert!((forces[1000] - 200.0).abs() < 1e-9, "{} N after the integral time", forces[1000]);
+        assert!((forces[19_999] - 400.0).abs() < 1e-9);
+        // from 400 N at once down with the error, not after what was wound up
+        assert!((force(&mut board, 0.0, 0.0) - 300.0).abs() < 0.2);
     }
 }
