@@ -19,7 +19,7 @@ PACKAGES = ("cosim", "plants", "tests", "xtask")
 """Folders with Python modules that import each other."""
 
 ROOMS = (
-    *("scenario", "fmu", "metrics", "words", "trace", "loop", "pool", "show", "sweep"),
+    *("scenario", "fmu", "metrics", "words", "trace", "loop", "pool", "show", "replay", "sweep"),
     *("acceptance", "compare", "optimize", "new", "cli"),
 )
 """Folders of cosim, as ARCHITECTURE.md tells them; each knows those before it only."""
