@@ -26,6 +26,9 @@ from cosim.writing import naming
 Outcomes = Mapping[str, Outcome]
 """What became of each scenario, by name, in the order in which they were asked for."""
 
+Change = Callable[[str, RecordedJob], RecordedJob]
+"""Takes the name of a scenario and its job."""
+
 
 @dataclass(frozen=True)
 class RunOptions:
@@ -53,8 +56,13 @@ class RunOptions:
     quiet: bool = False
 
 
-def run(scenarios: Sequence[str], options: RunOptions) -> Outcomes:
+def run(scenarios: Sequence[str], options: RunOptions, change: Change | None = None) -> Outcomes:
     """Run scenarios given by name or file, each once with its own seed.
+
+    Parameters
+    ----------
+    change
+        Makes of the job of each scenario the one that is done.
 
     Raises
     ------
@@ -67,7 +75,8 @@ def run(scenarios: Sequence[str], options: RunOptions) -> Outcomes:
         if name in found:
             problem = f"`{given}` and another file are both the scenario `{name}`"
             raise CosimError(problem, "test them one after the other")
-        found[name] = job(given, name, options)
+        made = job(given, name, options)
+        found[name] = change(name, made) if change and isinstance(made, RecordedJob) else made
     with progress(len(found), options.quiet) as tell:
         for name, error in found.items():
             if isinstance(error, CosimError):

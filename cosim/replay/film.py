@@ -15,7 +15,7 @@ from cosim.errors import CosimError
 from cosim.replay import caption, enlarge
 from cosim.replay.motion import Motion, Recorded, motion
 from cosim.replay.pace import RATE, Pace, pace
-from cosim.writing import check_folder, naming, whole
+from cosim.writing import check_folder, whole
 
 if TYPE_CHECKING:
     from cosim.replay.renderer import Picture
@@ -83,23 +83,19 @@ def save(recorded: Recorded, shot: Shot, file: Path, tell: Callable[[int, int], 
         As for `check`; its coordinates are not in the trace; nothing here can draw.
     """
     check(file, shot)
+    content = made(recorded, shot, file.suffix, tell)
+    with whole(file) as partial:
+        partial.write_bytes(content)
+
+
+def made(
+    recorded: Recorded, shot: Shot, ending: str, tell: Callable[[int, int], None] | None = None
+) -> bytes:
+    """Film of a run in the format of an ending."""
     moved = motion(recorded)
     paced = pace(moved.times, shot.seconds, shot.begin, shot.end)
     pictures = told(filmed(recorded, moved, paced, shot), len(paced.rows), tell)
-    # pictures first: a file that is there is whole
-    with whole(file) as partial, partial.open("wb") as stream:
-        content = (encoded if file.suffix == ".mp4" else animated)(pictures, shot, file.suffix)
-        with naming(file):
-            stream.write(content)
-
-
-def still(recorded: Recorded, shot: Shot) -> bytes:
-    """Picture of the middle of a run as WebP."""
-    moved = motion(recorded)
-    paced = pace(moved.times, shot.seconds, shot.begin, shot.end)
-    middle = Pace(paced.rows[len(paced.rows) // 2 :][:1], paced.speed)
-    (picture,) = filmed(recorded, moved, middle, shot)
-    return animated(iter([picture]), shot, ".webp")
+    return (encoded if ending == ".mp4" else animated)(pictures, shot, ending)
 
 
 def filmed(recorded: Recorded, moved: Motion, paced: Pace, shot: Shot) -> Iterator[Picture]:

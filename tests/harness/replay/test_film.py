@@ -121,7 +121,7 @@ def test_what_cannot_be_filmed_is_one_message(
 @pytest.mark.usefixtures("_drawing")
 def test_a_camera_that_is_not_there_is_told(cart: Path) -> None:
     with pytest.raises(CosimError, match="no camera `sid`") as caught:
-        film.still(recorded(cart), Shot((64, 48), camera="sid"))
+        film.made(recorded(cart), Shot((64, 48), camera="sid"), ".webp")
     assert caught.value.hint == "did you mean `side`?"
 
 
@@ -130,8 +130,8 @@ def test_without_a_renderer_there_is_a_hint(monkeypatch: pytest.MonkeyPatch) -> 
         raise AttributeError("no library `libEGL.so`")
 
     monkeypatch.delenv(renderer.CHOICE, raising=False)
-    monkeypatch.setattr(renderer.extras, "needed", lambda *_: None)
-    monkeypatch.setattr(renderer.importlib, "import_module", fails)
+    monkeypatch.setattr("cosim.extras.needed", lambda *_: None)
+    monkeypatch.setattr("importlib.import_module", fails)
     with pytest.raises(CosimError, match=r"no picture can be drawn here: .* fails: no library") as caught:
         renderer.graphics((32, 32))
     assert "libegl1" in caught.value.hint
