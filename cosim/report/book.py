@@ -60,8 +60,16 @@ def check(option: str, file: Path) -> None:
     check_text(option, file, "HTML page", BEGINNING)
 
 
-def write(contents: Contents, options: runner.RunOptions, file: Path) -> runner.Outcomes:
-    """Run what a page holds and write it; returns what became of the scenarios.
+@dataclass(frozen=True)
+class Written:
+    """What became of the scenarios of a page, and whether each study passed."""
+
+    scenarios: runner.Outcomes
+    studies: Sequence[bool | None]
+
+
+def write(contents: Contents, options: runner.RunOptions, file: Path) -> Written:
+    """Run what a page holds and write it.
 
     Raises
     ------
@@ -79,7 +87,7 @@ def write(contents: Contents, options: runner.RunOptions, file: Path) -> runner.
     content = page.text(contents.title, chapters, errors, swept, documents)
     with whole(file) as partial:
         partial.write_text(content, encoding="utf-8")
-    return found
+    return Written(found, [sweep["passed"] for sweep in swept])
 
 
 def told(contents: Contents, options: runner.RunOptions) -> tuple[runner.Outcomes, list[page.Chapter]]:

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 from typer import Argument, Option
 
-from cosim.cli.options import Quiet, Timeout, Verbose, checked_limits
+from cosim.cli.options import FAILED, Quiet, Timeout, Verbose, checked_limits
 from cosim.cli.test import judged
 from cosim.loop import engines
 from cosim.scenario import complete
@@ -60,6 +60,6 @@ def report(
     options = RunOptions(None, False, workers, engines.checked(engine), limits, quiet)
     chosen = select(scenarios or ()) if scenarios or not study else ()
     contents = book.Contents(title, chosen, tuple(study or ()), tuple(document or ()), films)
-    found = book.write(contents, options, out)
+    written = book.write(contents, options, out)
     print(f"wrote {out}")
-    raise typer.Exit(judged(found))
+    raise typer.Exit(max(judged(written.scenarios), FAILED if False in written.studies else 0))
