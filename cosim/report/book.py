@@ -16,6 +16,8 @@ from cosim.report import page, sweeps
 from cosim.report.job import ToldJob
 from cosim.writing import check_text, whole
 
+TITLE = "What was measured in closed loop"
+"""Title of a page that is given none."""
 ENDINGS = (".html", ".htm")
 BEGINNING = re.compile(rb"\s*<!doctype html>", re.IGNORECASE)
 """How a page begins."""

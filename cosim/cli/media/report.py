@@ -33,7 +33,7 @@ def report(
         list[Path] | None,
         Option(metavar="FILE.md", help="A text in Markdown. May be given again."),
     ] = None,
-    title: Annotated[str, Option(help="Title of the page.")] = "What was measured in closed loop",
+    title: Annotated[str, Option(help="Title of the page.")] = "",
     films: Annotated[
         bool, Option(help="Whether to film one scenario of each loop; needs the extra `replay`.")
     ] = True,
@@ -59,7 +59,7 @@ def report(
     limits = checked_limits(timeout, memory, in_process=False)
     options = RunOptions(None, False, workers, engines.checked(engine), limits, quiet)
     chosen = select(scenarios or ()) if scenarios or not study else ()
-    contents = book.Contents(title, chosen, tuple(study or ()), tuple(document or ()), films)
+    contents = book.Contents(title or book.TITLE, chosen, tuple(study or ()), tuple(document or ()), films)
     written = book.write(contents, options, out)
     print(f"wrote {out}")
     raise typer.Exit(max(judged(written.scenarios), FAILED if False in written.studies else 0))

@@ -190,6 +190,22 @@ def test_what_cannot_be_written_is_told_before_a_run(
     assert (folder / "lag.html").read_text() == "mine"
 
 
+def test_the_page_is_made_of_the_runs_of_a_test(made: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(made)
+    words = ("test", "lag.toml", "--no-plots", "-q")
+    cache = {"COSIM_CACHE": str(made / "cache")}
+    plain = command(*words, **cache)
+    told = command(*words, "--report", "tested.html", "--document", "faults.md", "--out", "out", **cache)
+    assert (told.returncode, told.stdout) == (plain.returncode, plain.stdout) == (1, plain.stdout)
+    assert (made / "out/acceptance.txt").read_text() == told.stdout
+    page = html.fromstring((made / "tested.html").read_text())
+    assert cells(page.get_element_by_id("table"))[0][:2] == ["lag", "it ends <b>near</b> zero"]
+    assert page.find_class("document")
+    alone = command(*words, "--document", "faults.md")
+    assert (alone.returncode, alone.stdout) == (2, "")
+    assert "`--document` is for the page of `--report`" in alone.stderr
+
+
 QUESTION = """
 (async () => {
   const wait = () => new Promise((go) => setTimeout(go, 100));
