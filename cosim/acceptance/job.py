@@ -26,6 +26,11 @@ class RecordedJob(Job):
     def run(self, bench: Bench) -> Result:
         """Run the scenario once and write its files; the result comes back without its trace."""
         result = super().run(bench)
+        self.leave(result, bench)
+        return dataclasses.replace(result, trace=None)
+
+    def leave(self, result: Result, bench: Bench) -> None:
+        """Write the files of a run."""
         if self.plot is not None:
             from cosim.show import plot
 
@@ -33,4 +38,3 @@ class RecordedJob(Job):
             plot.save(self.scenario, result, self.plot)
         if self.json is not None:
             result.save_json(self.json)
-        return dataclasses.replace(result, trace=None)

@@ -33,6 +33,9 @@ KINDS = {
 }
 """What is written for each scenario, and how such files begin."""
 
+Change = Callable[[str, RecordedJob], RecordedJob]
+"""Takes the name of a scenario and its job."""
+
 
 @dataclass(frozen=True)
 class RunOptions:
@@ -60,8 +63,13 @@ class RunOptions:
     quiet: bool = False
 
 
-def run(scenarios: Sequence[str], options: RunOptions) -> Outcomes:
+def run(scenarios: Sequence[str], options: RunOptions, change: Change | None = None) -> Outcomes:
     """Run scenarios given by name or file, each once with its own seed.
+
+    Parameters
+    ----------
+    change
+        Makes of the job of each scenario the one that is done.
 
     Raises
     ------
@@ -80,9 +88,10 @@ def run(scenarios: Sequence[str], options: RunOptions) -> Outcomes:
     for file in itertools.chain.from_iterable(files.values()):
         with naming(file):
             file.unlink(missing_ok=True)  # what an earlier run left there
-    found: dict[str, RecordedJob | Outcome] = {
-        name: job(given, files[name], options) for name, given in names.items()
-    }
+    found: dict[str, RecordedJob | Outcome] = {}
+    for name, given in names.items():
+        made = job(given, files[name], options)
+        found[name] = change(name, made) if change and isinstance(made, RecordedJob) else made
     with progress(len(found), options.quiet) as tell:
         for name, error in found.items():
             if isinstance(error, CosimError):

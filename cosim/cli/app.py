@@ -16,6 +16,9 @@ from cosim.cli.check import check
 from cosim.cli.compare import compare
 from cosim.cli.judge import judge
 from cosim.cli.listing import list_scenarios
+from cosim.cli.media.report import report as report_page
+from cosim.cli.media.video import video
+from cosim.cli.media.view import view
 from cosim.cli.new import new
 from cosim.cli.optimize import optimize
 from cosim.cli.options import COULD_NOT_RUN, INTERRUPTED, READER_GONE
@@ -49,6 +52,9 @@ app.command()(new)
 app.command()(check)
 app.command()(run)
 app.command("test")(run_tests)
+app.command("report")(report_page)
+app.command()(view)
+app.command()(video)
 app.command()(judge)
 app.command()(compare)
 app.command()(sweep)

@@ -49,6 +49,14 @@ def run_tests(
     junit: Annotated[
         str | None, Option(metavar="FILE.xml", help="Write the verdicts as JUnit XML, for CI.")
     ] = None,
+    page: Annotated[
+        Path | None,
+        Option("--report", metavar="FILE.html", help="Write the page of `cosim report`, too."),
+    ] = None,
+    document: Annotated[
+        list[Path] | None,
+        Option(metavar="FILE.md", help="A text in Markdown for this page. May be given again."),
+    ] = None,
     verbose: Verbose = False,
     quiet: Quiet = False,
 ) -> None:
@@ -66,12 +74,24 @@ def run_tests(
     check_outputs(json, None, None)
     if junit is not None:
         check_text("--junit", junit, "JUnit XML", xml.BEGINNING)
-    check_apart({"--json": Path(json) if json else None, "--junit": Path(junit) if junit else None})
+    files = {"--json": json, "--junit": junit, "--report": page}
+    check_apart({option: Path(file) if file else None for option, file in files.items()})
+    if page is None and document:
+        raise CosimError("`--document` is for the page of `--report`", "name that, too")
     if out is not None and out.is_dir():
         check_text("--out", out / TABLE, "acceptance table", table.BEGINNING)
     limits = checked_limits(timeout, memory, in_process=False)
     options = runner.RunOptions(out, plots and can_plot(), workers, engines.checked(engine), limits, quiet)
-    found = runner.run(select(scenarios or ()), options)
+    chosen = select(scenarios or ())
+    if page is None:
+        found = runner.run(chosen, options)
+    else:
+        from cosim.report import book
+
+        book.check("--report", page)
+        found = book.write(
+            book.Contents(book.TITLE, chosen, documents=document or ()), options, page
+        ).scenarios
     shown = table.table(found)
     text = table.text(shown)
     if out is not None:

@@ -19,8 +19,8 @@ PACKAGES = ("cosim", "plants", "tests", "xtask")
 """Folders with Python modules that import each other."""
 
 ROOMS = (
-    *("scenario", "fmu", "metrics", "words", "trace", "loop", "pool", "show", "sweep"),
-    *("acceptance", "compare", "optimize", "new", "cli"),
+    *("scenario", "fmu", "metrics", "words", "trace", "loop", "pool", "show", "replay", "sweep"),
+    *("acceptance", "report", "compare", "optimize", "new", "cli"),
 )
 """Folders of cosim, as ARCHITECTURE.md tells them; each knows those before it only."""
 

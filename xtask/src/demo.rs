@@ -1,7 +1,7 @@
 //! `cargo xtask demo`: every closed loop, run and judged against its paper by `cosim test`.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 
@@ -12,8 +12,11 @@ use crate::setup;
 use crate::workspace::Workspace;
 
 const FOLDER: &str = "target/demo";
+const PAGE: &str = "target/demo/report.html";
+const DOCUMENTS: &str = "docs/faults";
 // whatever can change a result
-const SOURCES: &[&str] = &["scenarios", "plants", "cosim", "requirements.txt", "Cargo.lock", "target/fmu/SHA256SUMS"];
+const SOURCES: &[&str] =
+    &["scenarios", "plants", "cosim", DOCUMENTS, "requirements.txt", "Cargo.lock", "target/fmu/SHA256SUMS"];
 
 /// Runs all scenarios and prints the acceptance table; true when every criterion holds.
 ///
@@ -41,7 +44,7 @@ pub fn run(workspace: &Workspace) -> Result<bool> {
         }
         held
     };
-    process::header(&format!("results, plots and this table are in `{FOLDER}`"));
+    process::header(&format!("results, plots and this table are in `{FOLDER}`; open `{PAGE}` in a browser"));
     Ok(held)
 }
 
@@ -49,13 +52,26 @@ fn test(workspace: &Workspace) -> Result<bool> {
     process::header("run all scenarios");
     let mut command = workspace.venv_command("cosim");
     // the scenarios of this checkout, and no others
-    command.args(["test", "--out", FOLDER]).env_remove("COSIM_SCENARIOS");
+    command.args(["test", "--out", FOLDER, "--report", PAGE]).env_remove("COSIM_SCENARIOS");
+    for document in documents(workspace)? {
+        command.arg("--document").arg(document);
+    }
     let status = process::status(&mut command)?;
     match status.code() {
         Some(0) => Ok(true),
         Some(1) => Ok(false),
         _ => bail!("`{}` failed: {status}", process::display(&command)),
     }
+}
+
+/// The texts that the page holds, by name.
+fn documents(workspace: &Workspace) -> Result<Vec<PathBuf>> {
+    let folder = workspace.path(DOCUMENTS);
+    let entries = fs::read_dir(&folder).with_context(|| format!("cannot read `{}`", folder.display()))?;
+    let mut found = entries.map(|entry| Ok(entry?.path())).collect::<Result<Vec<_>>>()?;
+    found.retain(|file| file.extension().is_some_and(|ending| ending == "md"));
+    found.sort();
+    Ok(found)
 }
 
 fn clear(folder: &Path) -> Result<()> {

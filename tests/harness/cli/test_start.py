@@ -14,6 +14,7 @@ import cosim
 ROOT = Path(__file__).resolve().parents[3]
 HEAVY = {
     "numpy", "fmpy", "lxml", "mujoco", "matplotlib", "scipy", "pandas", "pyarrow", "dask", "plants", "attr",
+    "av", "PIL", "OpenGL", "glfw", "jinja2", "plotly",
 }  # fmt: skip
 COMMANDS = {
     "import cosim": {"typer", "rich", "logging", "tomllib"},

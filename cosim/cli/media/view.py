@@ -1,0 +1,36 @@
+"""`cosim view`."""
+
+from __future__ import annotations
+
+from cosim.cli.media.tasks import Begin, End, Enlarge, Run, Seconds, TracedLoop, View
+from cosim.cli.options import InProcess, Quiet, Set, Verbose, checked_limits
+from cosim.cli.tasks import place
+from cosim.errors import CosimError
+from cosim.show.console import configure_logging
+
+
+def view(
+    run: Run,
+    loop: TracedLoop = "",
+    seconds: Seconds = 8.0,
+    begin: Begin = None,
+    end: End = None,
+    enlarge: Enlarge = None,
+    set_: Set = None,
+    in_process: InProcess = False,
+    verbose: Verbose = False,
+    quiet: Quiet = False,
+) -> None:
+    """Show a run in MuJoCo's viewer, again and again until its window is closed.
+
+    The mouse turns and moves the camera. The trace must hold MuJoCo's coordinates,
+    see `cosim video`, which needs no screen. It needs the extra `replay`.
+    """
+    configure_logging(verbose, quiet)
+    from cosim.replay.film import Shot
+
+    shot = Shot(seconds=seconds, begin=begin, end=end, enlarge=tuple(enlarge or ()))
+    with place(checked_limits(None, None, in_process)) as do:
+        outcome: CosimError | None = do(View(run, loop, tuple(set_ or ()), shot))
+    if outcome is not None:
+        raise outcome

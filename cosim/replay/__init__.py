@@ -1,0 +1,1 @@
+"""Runs shown again from their traces: pictures, films and MuJoCo's viewer."""

@@ -1,0 +1,70 @@
+"""What is written into a picture: time, states, key numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from cosim.replay.motion import Recorded
+from cosim.words.quantity import number, text
+
+MOST_STATES, MOST_NUMBERS = 2, 4
+Line = Callable[[int], str]
+"""Text for a row of the trace."""
+
+
+def lines(recorded: Recorded) -> list[Line]:
+    """Lines of a picture: time, enumerations that move, then the first column of each panel of the plot."""
+    times = recorded.columns["time"]
+    digits = max(0, min(6, 2 - int(np.floor(np.log10(max(times[-1], 1e-6) / 10.0)))))
+    return [
+        lambda row: f"t = {times[row]:.{digits}f} s",
+        *(state(recorded, name) for name in states(recorded)),
+        *numbers(recorded)[:MOST_NUMBERS],
+    ]
+
+
+def states(recorded: Recorded) -> list[str]:
+    """Columns of enumerations that move, the states before all others."""
+    moving = [name for name in recorded.items if name in recorded.columns and np.ptp(recorded.columns[name])]
+    return sorted(moving, key=lambda name: not name.endswith(".state"))[:MOST_STATES]
+
+
+def state(recorded: Recorded, name: str) -> Line:
+    """Name of the item in a row."""
+    column = recorded.columns[name]
+    items = {number: item for item, number in recorded.items[name].items()}
+    label = name.partition(".")[2]
+    return lambda row: f"{label}: {items.get(int(column[row]), number(float(column[row])))}"
+
+
+def numbers(recorded: Recorded) -> list[Line]:
+    """Key numbers: what the plot of the scenario begins each panel with, else truths that move."""
+    found = []
+    for panel in recorded.scenario.plot.panels:
+        name = panel.columns[0] if panel.columns else ""
+        if name in recorded.columns and name not in recorded.items:
+            found.append(quantity(recorded, name, panel.unit, panel.scale))
+    return found or [quantity(recorded, name) for name in moving_truths(recorded)]
+
+
+def moving_truths(recorded: Recorded) -> list[str]:
+    """Truths of the plant that move, without the coordinates that the picture shows."""
+    known = [n for n in recorded.columns if n.startswith("plant.") and not n.startswith("plant.qpos")]
+    return [name for name in known if np.ptp(recorded.columns[name]) > 0.0]
+
+
+def quantity(recorded: Recorded, name: str, unit: str = "", scale: float = 1.0) -> Line:
+    """Value of a column in a row, as a panel shows it or with a prefix."""
+    column = recorded.columns[name]
+    label = name.partition(".")[2]
+    own = recorded.units.get(name, "")
+    if unit or scale != 1.0:
+        return lambda row: f"{label}: {number(scale * float(column[row]), 3)} {unit}".rstrip()
+    return lambda row: f"{label}: {text(float(column[row]), own, 3)}"
+
+
+def written(shown: Sequence[Line], row: int) -> list[str]:
+    """Texts of a row."""
+    return [line(row) for line in shown]

@@ -1,0 +1,175 @@
+"""Films: the pictures of a run with what is written into them, as MP4, GIF or WebP."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from cosim import extras
+from cosim.errors import CosimError
+from cosim.replay import caption, enlarge
+from cosim.replay.motion import Motion, Recorded, motion
+from cosim.replay.pace import RATE, Pace, pace
+from cosim.writing import check_folder, whole
+
+if TYPE_CHECKING:
+    from cosim.replay.renderer import Picture
+
+ENDINGS = (".mp4", ".gif", ".webp")
+LARGEST = 4096
+"""Pixels of a side that MuJoCo's buffers and the formats take."""
+POSES = 32
+"""Poses in which everything shall be in sight."""
+
+
+@dataclass(frozen=True)
+class Shot:
+    """How a run is filmed.
+
+    Parameters
+    ----------
+    size
+        Width and height, pixels.
+    seconds
+        Time that the film takes, s.
+    begin, end
+        Part of the run, s; None is its own.
+    camera
+        Name of a camera of the model, empty as for `Renderer`.
+    enlarge
+        Texts `COORDINATE=FACTOR`; none lets the program choose.
+    """
+
+    size: tuple[int, int] = (640, 480)
+    seconds: float = 8.0
+    begin: float | None = None
+    end: float | None = None
+    camera: str = ""
+    enlarge: tuple[str, ...] = ()
+
+
+def check(file: Path, shot: Shot) -> None:
+    """Check before a long run that its film can be written.
+
+    Raises
+    ------
+    CosimError
+        Unknown ending, no such folder, a size that no film has, or a package that is not installed.
+    """
+    if file.suffix not in ENDINGS:
+        endings = ", ".join(f"`{ending}`" for ending in ENDINGS)
+        raise CosimError(f"cannot film to `{file}`", f"the name must end in {endings}")
+    check_folder(file)
+    width, height = shot.size
+    if not (16 <= width <= LARGEST and 16 <= height <= LARGEST) or width % 2 or height % 2:
+        problem = f"`--size` is `{width}x{height}`"
+        raise CosimError(problem, f"width and height are even numbers from 16 to {LARGEST}")
+    if file.suffix == ".mp4":
+        extras.needed("av", "an MP4 file needs PyAV, which is not installed", extras.hint("replay"))
+    extras.needed("PIL", "films need Pillow, which is not installed", extras.hint("replay"))
+
+
+def save(recorded: Recorded, shot: Shot, file: Path, tell: Callable[[int, int], None] | None = None) -> None:
+    """Film a run into a file.
+
+    Raises
+    ------
+    CosimError
+        As for `check`; its coordinates are not in the trace; nothing here can draw.
+    """
+    check(file, shot)
+    content = made(recorded, shot, file.suffix, tell)
+    with whole(file) as partial:
+        partial.write_bytes(content)
+
+
+def made(
+    recorded: Recorded, shot: Shot, ending: str, tell: Callable[[int, int], None] | None = None
+) -> bytes:
+    """Film of a run in the format of an ending."""
+    moved = motion(recorded)
+    paced = pace(moved.times, shot.seconds, shot.begin, shot.end)
+    pictures = told(filmed(recorded, moved, paced, shot), len(paced.rows), tell)
+    return (encoded if ending == ".mp4" else animated)(pictures, shot, ending)
+
+
+def filmed(recorded: Recorded, moved: Motion, paced: Pace, shot: Shot) -> Iterator[Picture]:
+    """Pictures of a run one after the other, written on."""
+    from cosim.replay.renderer import Renderer
+
+    factors = enlarge.given(shot.enlarge, moved) if shot.enlarge else enlarge.chosen(moved)
+    qpos = enlarge.enlarged(moved, factors)
+    always = [paced.words, *enlarge.words(factors)]
+    lines = caption.lines(recorded)
+    poses = qpos[paced.rows[:: max(1, len(paced.rows) // POSES)]]
+    with Renderer(moved.model, moved.data, shot.size, shot.camera, poses) as renderer:
+        for row in paced.rows:
+            yield lettered(renderer.picture(qpos[row]), caption.written(lines, int(row)), always)
+
+
+def lettered(picture: Picture, left: Sequence[str], below: Sequence[str]) -> Picture:
+    """Write into a picture: what changes above, what holds for all of it below."""
+    from PIL import Image, ImageDraw, ImageFont
+
+    image = Image.fromarray(picture)
+    draw = ImageDraw.Draw(image, "RGBA")
+    size = max(10, picture.shape[0] // 30)
+    font = ImageFont.load_default(size)
+    for texts, top in ((left, True), (below, False)):
+        box = draw.multiline_textbbox((0, 0), "\n".join(texts), font=font, spacing=size // 4)
+        width, height = box[2] + size, box[3] + size
+        y = 0 if top else picture.shape[0] - height
+        draw.rectangle((0, y, width, y + height), fill=(16, 22, 28, 170))
+        place = (size // 2, y + size // 2 - size // 8)
+        draw.multiline_text(place, "\n".join(texts), font=font, spacing=size // 4, fill="white")
+    return np.asarray(image)
+
+
+def told(
+    pictures: Iterator[Picture], count: int, tell: Callable[[int, int], None] | None
+) -> Iterator[Picture]:
+    """Pictures, each told when it is done."""
+    for done, picture in enumerate(pictures, 1):
+        yield picture
+        if tell is not None:
+            tell(done, count)
+
+
+def encoded(pictures: Iterator[Picture], shot: Shot, ending: str) -> bytes:
+    """Make an MP4 file with H.264, which every browser shows."""
+    av: Any = extras.needed("av", "an MP4 file needs PyAV, which is not installed", extras.hint("replay"))
+    content = io.BytesIO()
+    with av.open(content, "w", format=ending[1:]) as container:
+        stream = container.add_stream("libx264", rate=RATE)
+        stream.width, stream.height = shot.size
+        stream.pix_fmt = "yuv420p"
+        stream.options = {"crf": "27", "preset": "medium", "threads": "1"}
+        for picture in pictures:
+            frame = av.VideoFrame.from_ndarray(np.ascontiguousarray(picture), format="rgb24")
+            container.mux(stream.encode(frame))
+        container.mux(stream.encode(None))
+    return content.getvalue()
+
+
+def animated(pictures: Iterator[Picture], shot: Shot, ending: str) -> bytes:
+    """Make a GIF or WebP file that is shown again and again."""
+    from PIL import Image
+
+    first, *others = (Image.fromarray(picture) for picture in pictures)
+    content = io.BytesIO()
+    options: dict[str, Any] = {"quality": 70, "method": 2} if ending == ".webp" else {}
+    first.save(
+        content,
+        ending[1:],
+        save_all=bool(others),
+        append_images=others,
+        duration=1000 // RATE,
+        loop=0,
+        **options,
+    )
+    return content.getvalue()

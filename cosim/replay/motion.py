@@ -1,0 +1,110 @@
+"""What moved in a run: a MuJoCo model and its coordinates row by row."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from cosim.errors import CosimError
+from cosim.loop import plant as plants
+from cosim.loop.result import Result
+from cosim.scenario.model import Scenario
+from cosim.trace.columns import Array, Columns
+from cosim.trace.stored import StoredTrace
+
+RECORD = "loop.record_qpos=true"
+"""Override with which a run keeps its coordinates."""
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """A run as it can be shown again.
+
+    Parameters
+    ----------
+    scenario
+        What was run; its plant is what is drawn.
+    columns
+        Columns of the trace, MuJoCo's coordinates among them.
+    units, items
+        Units of the columns, and the items of those that are enumerations.
+    """
+
+    scenario: Scenario
+    columns: Columns
+    units: dict[str, str] = field(default_factory=dict)
+    items: dict[str, dict[str, int]] = field(default_factory=dict)
+
+
+def of_result(scenario: Scenario, result: Result) -> Recorded:
+    """Run that was just made."""
+    return Recorded(scenario, result.columns, result.units, result.items)
+
+
+def of_trace(scenario: Scenario, trace: StoredTrace) -> Recorded:
+    """Run that a file holds."""
+    return Recorded(scenario, trace.data, trace.units, trace.items)
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A model with its data, and its coordinates at the times of the rows.
+
+    Parameters
+    ----------
+    model, data
+        MuJoCo's, free to be changed: they are drawn and never stepped.
+    names, units
+        Columns of the coordinates, and their units.
+    times
+        Times of the rows, s.
+    qpos
+        Coordinates, shape (rows, coordinates).
+    """
+
+    model: Any
+    data: Any
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    times: Array
+    qpos: Array
+
+
+def motion(recorded: Recorded) -> Motion:
+    """Build the plant of a run and take its coordinates from the trace.
+
+    Raises
+    ------
+    CosimError
+        The run has no plant of MuJoCo, or its trace does not hold the coordinates of this one.
+    """
+    scenario = recorded.scenario
+    plant: Any = plants.build(scenario.plant.name, scenario.plant.parameters, scenario.folder)
+    plants.record_qpos(plant, scenario.plant.name)
+    names = tuple(f"plant.{one.name}" for one in plant.coordinates)
+    check(recorded.columns, names, scenario)
+    # what is placed at the start and has no coordinates
+    plant.reset(scenario.loop.seed, plant.timestep)
+    return Motion(
+        plant.model,
+        plant.data,
+        names,
+        tuple(one.unit for one in plant.coordinates),
+        recorded.columns["time"],
+        np.column_stack([recorded.columns[name] for name in names]),
+    )
+
+
+def check(columns: Columns, names: tuple[str, ...], scenario: Scenario) -> None:
+    """Check that a trace holds the coordinates of a plant."""
+    if not names:
+        raise CosimError(f"nothing moves in the plant `{scenario.plant.name}`: it has no joint")
+    missing = [name for name in names if name not in columns]
+    if len(missing) == len(names):
+        hint = f"`cosim run {scenario.name} --set {RECORD} --trace FILE` keeps them"
+        raise CosimError("the trace holds no coordinates to show the run from", hint)
+    if missing:
+        problem = f"the trace has no column `{missing[0]}`, a coordinate of the plant `{scenario.plant.name}`"
+        raise CosimError(problem, "name the scenario that was run, with the same `--set`")

@@ -1,0 +1,70 @@
+"""MuJoCo's viewer in step with a trace."""
+
+from __future__ import annotations
+
+import importlib
+import time
+import warnings
+from typing import Any
+
+from cosim import extras
+from cosim.errors import CosimError
+from cosim.replay import enlarge
+from cosim.replay.film import Shot
+from cosim.replay.motion import Recorded, motion
+from cosim.replay.pace import RATE, pace
+from cosim.replay.renderer import colour, light, place
+
+
+def show(recorded: Recorded, shot: Shot, again: bool = True) -> None:
+    """Open a window and show a run in it until the window is closed.
+
+    Parameters
+    ----------
+    shot
+        Part, pace and enlargement of the run; the camera is moved with the mouse.
+    again
+        Whether it begins anew at its end.
+
+    Raises
+    ------
+    CosimError
+        Its coordinates are not in the trace, or there is no screen.
+    """
+    moved = motion(recorded)
+    paced = pace(moved.times, shot.seconds, shot.begin, shot.end)
+    factors = enlarge.given(shot.enlarge, moved) if shot.enlarge else enlarge.chosen(moved)
+    qpos = enlarge.enlarged(moved, factors)
+    light(moved.model)
+    colour(moved.model)
+    viewer = opened(moved.model, moved.data)
+    try:
+        begun = time.monotonic()
+        while viewer.is_running():
+            picture = round(RATE * (time.monotonic() - begun))
+            if picture >= len(paced.rows) and not again:
+                return
+            with viewer.lock():
+                place(moved.model, moved.data, qpos[paced.rows[picture % len(paced.rows)]])
+            viewer.sync()
+            time.sleep(1.0 / RATE)
+    finally:
+        viewer.close()
+
+
+def opened(model: Any, data: Any) -> Any:
+    """Window of MuJoCo's viewer that steps nothing by itself."""
+    extras.needed("glfw", "the viewer needs the package `glfw`", extras.hint("replay"))
+    hint = "it needs a screen; `cosim video` makes a film without one"
+    try:
+        with warnings.catch_warnings():
+            # told once, as the error
+            warnings.simplefilter("ignore")
+            started = importlib.import_module("glfw").init()
+        if not started:
+            raise CosimError("the viewer cannot open a window", hint)
+        return importlib.import_module("mujoco.viewer").launch_passive(model, data)
+    except CosimError:
+        raise
+    except Exception as error:  # whatever the system lacks
+        raise CosimError(f"the viewer cannot open a window: {' '.join(str(error).split())}", hint) from error

@@ -1,0 +1,1 @@
+"""The page that tells scenarios and sweeps: one HTML file that needs nothing else."""

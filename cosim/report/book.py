@@ -1,0 +1,118 @@
+"""Runs scenarios and sweeps, and puts what is told of them on one page."""
+
+from __future__ import annotations
+
+import json
+import re
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from cosim.acceptance import runner
+from cosim.acceptance.job import RecordedJob
+from cosim.errors import CosimError
+from cosim.report import page, sweeps
+from cosim.report.job import ToldJob
+from cosim.writing import check_text, whole
+
+TITLE = "What was measured in closed loop"
+"""Title of a page that is given none."""
+ENDINGS = (".html", ".htm")
+BEGINNING = re.compile(rb"\s*<!doctype html>", re.IGNORECASE)
+"""How a page begins."""
+
+
+@dataclass(frozen=True)
+class Contents:
+    """What a page holds.
+
+    Parameters
+    ----------
+    title
+        Its title.
+    scenarios
+        Names and files of scenarios, which are run.
+    studies
+        Files of studies, of which is run what is not done yet.
+    documents
+        Files in Markdown.
+    films
+        Whether one scenario of each loop is filmed, the first of it.
+    """
+
+    title: str
+    scenarios: Sequence[str]
+    studies: Sequence[Path] = ()
+    documents: Sequence[Path] = ()
+    films: bool = True
+
+
+def check(option: str, file: Path) -> None:
+    """Check before long runs that the page can be made and written.
+
+    Raises
+    ------
+    CosimError
+        A package is missing, there is no such folder, or a file there is no page.
+    """
+    page.check()
+    if file.suffix not in ENDINGS:
+        raise CosimError(f"cannot write a page to `{file}`", "the name must end in `.html`")
+    check_text(option, file, "HTML page", BEGINNING)
+
+
+@dataclass(frozen=True)
+class Written:
+    """What became of the scenarios of a page, and whether each study passed."""
+
+    scenarios: runner.Outcomes
+    studies: Sequence[bool | None]
+
+
+def write(contents: Contents, options: runner.RunOptions, file: Path) -> Written:
+    """Run what a page holds and write it.
+
+    Raises
+    ------
+    CosimError
+        As for `check`; a document or study cannot be read; no worker can be had.
+    """
+    documents = [page.document(document) for document in contents.documents]
+    found, chapters = told(contents, options)
+    swept = [sweeps.told(study, options.workers, options.engine, options.quiet) for study in contents.studies]
+    errors = [
+        {"name": name, "message": outcome.message, "hint": outcome.hint}
+        for name, outcome in found.items()
+        if isinstance(outcome, CosimError)
+    ]
+    content = page.text(contents.title, chapters, errors, swept, documents)
+    with whole(file) as partial:
+        partial.write_text(content, encoding="utf-8")
+    return Written(found, [sweep["passed"] for sweep in swept])
+
+
+def told(contents: Contents, options: runner.RunOptions) -> tuple[runner.Outcomes, list[page.Chapter]]:
+    """Run the scenarios; returns outcomes and the chapters of those that could be run."""
+    if not contents.scenarios:
+        return {}, []
+    with tempfile.TemporaryDirectory(prefix="cosim-report-") as scratch:
+        jobs: dict[str, ToldJob] = {}
+
+        def telling(name: str, job: RecordedJob) -> RecordedJob:
+            filmed = contents.films and not any(loop(name) == loop(other) for other in jobs)
+            place = Path(scratch, f"{len(jobs)}.json")
+            jobs[name] = ToldJob(**{**vars(job), "keep_trace": True}, chapter=place, film=filmed)
+            return jobs[name]
+
+        found = runner.run(contents.scenarios, options, telling)
+        return found, [
+            json.loads(jobs[name].chapter.read_text(encoding="utf-8"))
+            for name, outcome in found.items()
+            if not isinstance(outcome, CosimError)
+        ]
+
+
+def loop(name: str) -> str:
+    """Name of the closed loop of a scenario."""
+    return name.partition("/")[0]

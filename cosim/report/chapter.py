@@ -1,0 +1,118 @@
+"""What a page tells of one scenario, as plain data."""
+
+from __future__ import annotations
+
+import base64
+import dataclasses
+import shlex
+from typing import TYPE_CHECKING, Any
+
+from cosim import extras, paths
+from cosim.errors import CosimError
+from cosim.loop.result import Result
+from cosim.report import panels
+from cosim.scenario.model import Scenario
+from cosim.scenario.tables import toml_key
+from cosim.show.display import injection_text, shorten
+from cosim.words.quantity import text
+from cosim.words.verdicts import counted, row
+
+if TYPE_CHECKING:
+    from cosim.loop.session import Session
+
+FILM_SIZE = (480, 360)
+FILM_SECONDS = 8.0
+DIGITS = 3
+"""Digits of what was measured, as in the table of `cosim test`."""
+
+
+def chapter(scenario: Scenario, result: Result, session: Session) -> dict[str, Any]:
+    """Tell one run."""
+    return {
+        "name": result.scenario,
+        "loop": result.loop,
+        "title": result.title,
+        "story": [part for part in scenario.description.split("\n\n") if part.strip()],
+        "command": command(scenario, result.seed),
+        "seed": result.seed,
+        "simulated": text(result.simulated_s, "s"),
+        "plant": scenario.plant.name,
+        "fmus": [{"name": fmu.file.path.name, "guid": fmu.file.guid} for fmu in session.fmus],
+        "claims": claims(result),
+        "metrics": metrics(result),
+        "settings": settings(scenario, session),
+        "injected": [f"{entry.to}: {injection_text(entry)}" for entry in scenario.inject],
+        "verdict": counted(result.criteria),
+        "passed": result.passed,
+        "views": panels.views(scenario, result),
+        "film": None,
+        "no_film": "",
+    }
+
+
+def command(scenario: Scenario, seed: int) -> str:
+    """Command that makes the numbers again."""
+    known = {name for name, _ in paths.list_scenarios()}
+    given = scenario.name if scenario.name in known else paths.shown(scenario.file)
+    return f"cosim run {shlex.quote(given)} --seed {seed}"
+
+
+def claims(result: Result) -> list[dict[str, Any]]:
+    """Tell what was claimed, measured and demanded."""
+    found = []
+    for verdict in result.criteria:
+        claim, paper, value, limit, _ = row(verdict, DIGITS)
+        entry = {"claim": claim, "paper": paper, "measured": value, "limit": limit, "passed": verdict.passed}
+        found.append({**entry, "id": verdict.criterion.id})
+    return found
+
+
+def metrics(result: Result) -> list[dict[str, str]]:
+    """All metrics."""
+    return [
+        {"name": metric.name, "value": text(metric.value, metric.unit), "description": metric.description}
+        for metric in result.metrics.values()
+    ]
+
+
+def settings(scenario: Scenario, session: Session) -> list[dict[str, str]]:
+    """Tell what the scenario sets, of loop, FMUs and plant, with unit and meaning."""
+    loop = scenario.loop
+    found = [
+        setting("loop.step", loop.step, "s", "Communication step"),
+        setting("loop.substeps", loop.substeps, "", "Plant steps in each"),
+        setting("loop.compute_delay", loop.compute_delay, "", "Steps by which commands act later"),
+    ]
+    for choice, fmu in zip(scenario.fmus, session.fmus, strict=True):
+        for name, value in choice.parameters.items():
+            known = fmu.file.variables.get(name)
+            told = (known.unit, known.description) if known else ("", "")
+            found.append(setting(f"{choice.name}.{name}", value, *told))
+    if scenario.plant.name:
+        kind: Any = type(session.plant)
+        fields = {toml_key(field): field.metadata for field in dataclasses.fields(kind.Parameters)}
+        for name, value in scenario.plant.parameters.items():
+            unit, description = (str(fields[name].get(key, "")) for key in ("unit", "description"))
+            found.append(setting(f"plant.{name}", value, unit, description))
+    return found
+
+
+def setting(name: str, value: Any, unit: str, description: str) -> dict[str, str]:
+    """One value that was set."""
+    return {"name": name, "value": shorten(value), "unit": unit, "description": description}
+
+
+def filmed(scenario: Scenario, result: Result) -> dict[str, Any]:
+    """Film of a run as part of a chapter, or why there is none.
+
+    `result` is that of a run that kept MuJoCo's coordinates.
+    """
+    from cosim.replay import film, motion
+
+    shot = film.Shot(FILM_SIZE, FILM_SECONDS)
+    try:
+        extras.needed("av", "films need PyAV, which is not installed", extras.hint("replay"))
+        content = film.made(motion.of_result(scenario, result), shot, ".mp4")
+    except CosimError as error:
+        return {"no_film": str(error)}
+    return {"film": base64.b64encode(content).decode()}

@@ -1,0 +1,137 @@
+"""The page: templates, style, script and library in one file that loads nothing."""
+
+from __future__ import annotations
+
+import base64
+import functools
+import gzip
+import html
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from cosim import extras, paths
+from cosim.errors import CosimError
+from cosim.words import strict
+from cosim.words.versions import PROJECT, version
+
+Chapter = dict[str, Any]
+"""What is told of one scenario, see `chapter.chapter`."""
+FOLDER = Path(__file__).parent / "templates"
+DISTRIBUTIONS = {"cosim": PROJECT, "FMPy": "fmpy", "MuJoCo": "mujoco-core", "numpy": "numpy"}
+"""What computes the numbers, with its distribution."""
+
+
+def check() -> None:
+    """Check before long runs that a page can be made.
+
+    Raises
+    ------
+    CosimError
+        A package is missing.
+    """
+    for package in ("jinja2", "markdown_it", "plotly"):
+        problem = f"the page needs the package `{package}`, which is not installed"
+        extras.needed(package, problem, extras.hint("report"))
+
+
+def text(
+    title: str,
+    chapters: Sequence[Chapter],
+    errors: Sequence[dict[str, str]] = (),
+    sweeps: Sequence[dict[str, Any]] = (),
+    documents: Sequence[dict[str, str]] = (),
+) -> str:
+    """Text of the page.
+
+    Parameters
+    ----------
+    title
+        Its title.
+    chapters
+        What is told of each scenario, see `chapter.chapter`.
+    errors
+        Name, message and hint of those that could not be run.
+    sweeps
+        What is told of each sweep, see `sweeps.told`.
+    documents
+        Name and HTML of each document, see `document`.
+    """
+    check()
+    import jinja2
+
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(FOLDER),
+        autoescape=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        undefined=jinja2.StrictUndefined,
+    )
+    claims = [claim for chapter in chapters for claim in chapter["claims"]]
+    return environment.get_template("page.html").render(
+        title=title,
+        loops=grouped(chapters),
+        claims=len(claims),
+        held=sum(claim["passed"] for claim in claims),
+        errors=errors,
+        sweeps=sweeps,
+        documents=documents,
+        versions={name: version(of) for name, of in DISTRIBUTIONS.items() if version(of)},
+        style=(FOLDER / "page.css").read_text(encoding="utf-8"),
+        script=(FOLDER / "page.js").read_text(encoding="utf-8"),
+        library=library(),
+        data=compressed(strict.line([views(chapter) for chapter in chapters])),
+    )
+
+
+def grouped(chapters: Sequence[Chapter]) -> dict[str, list[Chapter]]:
+    """Chapters by their loop, numbered as their views are."""
+    found: dict[str, list[Chapter]] = {}
+    for number, chapter in enumerate(chapters):
+        found.setdefault(chapter["loop"], []).append({**chapter, "number": number})
+    return found
+
+
+def views(chapter: Chapter) -> list[dict[str, Any]]:
+    """Take the views of a chapter without their drawings, which stand in the page itself."""
+    return [
+        {**view, "panels": [{k: v for k, v in panel.items() if k != "svg"} for panel in view["panels"]]}
+        for view in chapter["views"]
+    ]
+
+
+@functools.cache
+def library() -> str:
+    """Read Plotly's script, compressed to a third of its size."""
+    import plotly.offline
+
+    return compressed(plotly.offline.get_plotlyjs())
+
+
+def compressed(content: str) -> str:
+    """Text as gzip in base64; the same text gives the same bytes."""
+    return base64.b64encode(gzip.compress(content.encode(), mtime=0)).decode()
+
+
+def document(file: Path) -> dict[str, str]:
+    """Document in Markdown as a part of the page; HTML in it is shown and not taken.
+
+    Raises
+    ------
+    CosimError
+        The file cannot be read.
+    """
+    check()
+    from markdown_it import MarkdownIt
+
+    try:
+        content = file.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "it is no text in UTF-8"
+        raise CosimError(f"cannot read `{paths.shown(file)}`: {reason}") from None
+    heading = next((line.lstrip("# ") for line in content.splitlines() if line.startswith("# ")), file.stem)
+    renderer = MarkdownIt("commonmark", {"html": False}).enable("table")
+    body = renderer.render(content)
+    # the page has the heading already
+    shown = body.replace(f"<h1>{html.escape(heading)}</h1>", "", 1)
+    return {"name": heading, "html": shown}

@@ -1,0 +1,148 @@
+"use strict";
+const root = document.documentElement;
+const one = (selector, from = document) => from.querySelector(selector);
+const all = (selector, from = document) => [...from.querySelectorAll(selector)];
+
+// texts are compressed in the page
+const bytesOf = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+async function expanded(id) {
+  const stream = new Blob([bytesOf(one("#" + id).textContent)]).stream();
+  return new Response(stream.pipeThrough(new DecompressionStream("gzip"))).text();
+}
+
+// the library is read when the first plot comes into sight
+let ready;
+function prepared() {
+  ready ??= (async () => {
+    const script = document.createElement("script");
+    script.textContent = await expanded("library");
+    document.head.append(script);
+    return JSON.parse(await expanded("data"));
+  })();
+  return ready;
+}
+
+function numbers(entry) {
+  const steps = new Uint16Array(bytesOf(entry.data).buffer);
+  return Array.from(steps, (step) => (step > 65534 ? null : entry.low + (entry.span * step) / 65534));
+}
+
+const DASHES = ["solid", "14px,6px", "4px,5px", "14px,5px,4px,5px", "24px,6px", "8px,4px", "2px,4px", "20px,5px,4px,5px"];
+function colour(name) {
+  const probe = document.createElement("i");
+  probe.style.color = "var(" + name + ")";
+  document.body.append(probe);
+  const found = getComputedStyle(probe).color;
+  probe.remove();
+  return found;
+}
+
+function traces(view, panel) {
+  return panel.lines.map((line, i) => {
+    const y = numbers(line);
+    const step = (view.to - view.from) / Math.max(1, y.length - 1);
+    return {
+      x: y.map((_, k) => view.from + k * step), y, name: line.name, mode: "lines",
+      line: { width: 1.5, color: colour("--c" + (i % 8)), dash: DASHES[i % 8], shape: line.stepped ? "hv" : "linear" },
+      hovertemplate: "%{y:.5g}",
+    };
+  });
+}
+
+function layout(view, panel) {
+  const ink = colour("--faint"), rule = colour("--rule");
+  const axis = { gridcolor: rule, linecolor: rule, zeroline: false, automargin: true };
+  const names = Object.keys(panel.items);
+  const wide = names.length ? { tickvals: Object.values(panel.items), ticktext: names } : { nticks: 5 };
+  return {
+    height: 210, margin: { l: 62, r: 8, t: 6, b: 34 }, font: { color: ink, size: 11 },
+    paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)", hovermode: "x unified",
+    hoverlabel: { bgcolor: colour("--sheet"), font: { color: colour("--ink") } },
+    showlegend: true, legend: { orientation: "h", x: 0, y: 1.02, yanchor: "bottom", font: { size: 11 } },
+    xaxis: { ...axis, range: [view.from, view.to], title: { text: "time (s)", standoff: 4 }, hoverformat: ".5g" },
+    yaxis: { ...axis, ...wide, type: panel.log ? "log" : "linear", exponentformat: "SI" },
+    shapes: view.events.map(([t]) => ({ type: "line", x0: t, x1: t, yref: "paper", y0: 0, y1: 1, line: { color: colour("--no"), width: 1.5, dash: "dash" } })),
+    annotations: view.events.map(([t, text]) => ({ x: t, yref: "paper", y: 1, text, showarrow: false, xanchor: "left", font: { size: 10, color: colour("--no") } })),
+  };
+}
+
+async function draw(box) {
+  const chapters = await prepared();
+  const view = chapters[box.closest(".chapter").dataset.number][box.dataset.view];
+  const plots = all("figure", box).map((figure) => [one(".plot", figure), view.panels[figure.dataset.panel]]);
+  for (const [place, panel] of plots) {
+    if (!place.dataset.drawn) place.replaceChildren();
+    place.dataset.drawn = "yes";
+    await Plotly.react(place, traces(view, panel), layout(view, panel), { responsive: true, displaylogo: false, displayModeBar: false });
+  }
+  if (box.dataset.drawn) return;
+  box.dataset.drawn = "yes";
+  // the panels of a view show the same time
+  for (const [place] of plots) {
+    place.on("plotly_relayout", (change) => {
+      const keys = ["xaxis.range[0]", "xaxis.range[1]", "xaxis.autorange"].filter((key) => key in change);
+      if (!keys.length) return;
+      const range = change["xaxis.autorange"] ? [view.from, view.to] : [change["xaxis.range[0]"], change["xaxis.range[1]"]];
+      for (const [other] of plots) {
+        const now = other.layout.xaxis.range;
+        if (now[0] !== range[0] || now[1] !== range[1]) Plotly.relayout(other, { "xaxis.range": range });
+      }
+    });
+  }
+}
+
+const watch = new IntersectionObserver((entries) => {
+  for (const entry of entries) {
+    if (entry.isIntersecting) {
+      watch.unobserve(entry.target);
+      draw(entry.target);
+    }
+  }
+}, { rootMargin: "200px" });
+all(".view").forEach((box) => watch.observe(box));
+
+// light or dark: as the system says, until somebody chooses
+const dark = matchMedia("(prefers-color-scheme: dark)");
+const again = () => all(".view[data-drawn]").forEach(draw);
+one("#theme").addEventListener("click", () => {
+  const now = root.dataset.theme ?? (dark.matches ? "dark" : "light");
+  root.dataset.theme = now === "dark" ? "light" : "dark";
+  again();
+});
+dark.addEventListener("change", again);
+
+const filters = one("#filters");
+function filter() {
+  const words = filters.words.value.toLowerCase().split(/\s+/).filter(Boolean);
+  const rows = all("#table tbody tr");
+  for (const row of rows) {
+    const chosen = ["loop", "passed", "source"].every((key) => !filters[key].value || row.dataset[key] === filters[key].value);
+    const text = row.textContent.toLowerCase();
+    row.hidden = !(chosen && words.every((word) => text.includes(word)));
+  }
+  one("#shown").textContent = rows.filter((row) => !row.hidden).length + " of " + rows.length;
+}
+if (filters) {
+  filters.addEventListener("input", filter);
+  filters.addEventListener("submit", (event) => event.preventDefault());
+  filter();
+}
+
+// a link opens what it leads to
+function opened() {
+  const target = location.hash && document.getElementById(location.hash.slice(1));
+  if (target && target.tagName === "DETAILS") {
+    target.open = true;
+    target.scrollIntoView();
+  }
+}
+addEventListener("hashchange", opened);
+opened();
+
+// what is closed is printed, too
+let closed = [];
+addEventListener("beforeprint", () => {
+  closed = all("details:not([open])");
+  closed.forEach((part) => { part.open = true; });
+});
+addEventListener("afterprint", () => closed.forEach((part) => { part.open = false; }));

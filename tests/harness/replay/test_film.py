@@ -1,0 +1,148 @@
+"""Pictures and films of a cart, looked at pixel by pixel."""
+
+from __future__ import annotations
+
+import importlib
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import cosim
+from cosim.errors import CosimError
+from cosim.replay import film, renderer
+from cosim.replay.film import Shot
+from cosim.replay.motion import Recorded, motion, of_result
+from cosim.replay.pace import RATE
+
+from ..cli.commands import cosim as command
+
+SMALL = Shot((160, 120), seconds=0.4)
+
+
+def recorded(file: Path) -> Recorded:
+    scenario = cosim.load(file, ["loop.record_qpos=true"])
+    return of_result(scenario, cosim.run(scenario))
+
+
+def red(picture: Any) -> Any:
+    """Columns in which the cart is seen."""
+    colours = picture.astype(int)
+    return np.flatnonzero(((colours[..., 0] > 90) & (colours[..., 1] < 60)).any(axis=0))
+
+
+@pytest.mark.usefixtures("_drawing")
+def test_the_machine_is_drawn_where_its_coordinates_say(cart: Path) -> None:
+    moved = motion(recorded(cart))
+    poses = np.array([[-0.3], [0.0], [0.3]])
+    with renderer.Renderer(moved.model, moved.data, (160, 120), "side", poses) as drawer:
+        left, middle, right = (red(drawer.picture(qpos)).mean() for qpos in poses)
+    assert left < middle < right
+    # metres to pixels by the camera: 3 m away less the half cart, 45 degrees high
+    shift = 0.3 * 60.0 / np.tan(np.radians(22.5)) / 2.9
+    assert right - middle == pytest.approx(shift, abs=2.0)
+
+
+@pytest.mark.usefixtures("_drawing")
+def test_the_free_camera_sees_all_of_it_before_a_background(cart: Path) -> None:
+    moved = motion(recorded(cart))
+    poses = np.array([[-0.3], [3.0]])
+    sky = renderer.background(120, 160)
+    with renderer.Renderer(moved.model, moved.data, (160, 120), "", poses) as drawer:
+        for qpos in poses:
+            picture = drawer.picture(qpos)
+            assert red(picture).size
+            for edge in (np.s_[0], np.s_[-1], np.s_[:, 0], np.s_[:, -1]):
+                assert np.array_equal(picture[edge], sky[edge])
+
+
+@pytest.mark.usefixtures("_drawing")
+@pytest.mark.parametrize("ending", film.ENDINGS)
+def test_a_film_has_its_pictures(ending: str, cart: Path, folder: Path) -> None:
+    file = folder / f"cart{ending}"
+    seen: list[tuple[int, int]] = []
+    film.save(recorded(cart), SMALL, file, lambda done, total: seen.append((done, total)))
+    count = round(RATE * SMALL.seconds)
+    assert seen == [(n, count) for n in range(1, count + 1)]
+    if ending == ".mp4":
+        with importlib.import_module("av").open(str(file)) as container:
+            pictures = [frame.to_ndarray(format="rgb24") for frame in container.decode(video=0)]
+            assert container.duration / 1e6 == pytest.approx(SMALL.seconds, abs=0.05)
+    else:
+        image = importlib.import_module("PIL.Image").open(file)
+        pictures = []
+        for n in range(image.n_frames):
+            image.seek(n)
+            pictures.append(np.asarray(image.convert("RGB")))
+    assert len(pictures) == count
+    assert pictures[0].shape == (120, 160, 3)
+    assert np.abs(pictures[0].astype(int) - pictures[-1].astype(int)).max() > 60
+
+
+@pytest.mark.usefixtures("_drawing")
+def test_the_command_films_a_trace_or_a_scenario(cart: Path, folder: Path) -> None:
+    options = ("--seconds", "0.2", "--size", "64x48")
+    done = command("run", "cart.toml", "--set", "loop.record_qpos=true", "--trace", "cart.npz", "-q")
+    assert done.returncode == 0, done.stderr
+    films = []
+    for source in (("cart.npz", "cart.toml"), ("cart.toml",)):
+        done = command("video", *source, "-o", "cart.webp", "-q", *options)
+        assert (done.returncode, done.stdout) == (0, "wrote cart.webp\n"), done.stderr
+        films.append(Path("cart.webp").read_bytes())
+    assert films[0] == films[1]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("cart.toml", "-o", "cart.avi"), "cannot film to `cart.avi`"),
+        (("cart.toml", "-o", "nowhere/cart.mp4"), "cannot write `nowhere/cart.mp4`"),
+        (("cart.toml", "--size", "63x48"), "`--size` is `63x48`"),
+        (("cart.toml", "--size", "large"), "`large` is no size such as `640x480`"),
+        (("cart.toml", "cart.toml"), "`cart.toml` is no trace"),
+        (("gone.npz",), "cannot read `gone.npz`"),
+        (("cart.toml", "--seconds", "-1"), "`--seconds` is `-1`"),
+        (("cart.toml", "--enlarge", "x=2"), "no coordinate is named `x`"),
+    ],
+)
+def test_what_cannot_be_filmed_is_one_message(
+    arguments: tuple[str, ...], message: str, cart: Path, folder: Path
+) -> None:
+    done = command("video", *arguments, "-q", "--in-process")
+    assert done.returncode == 2
+    assert message in done.stderr
+    assert "Traceback" not in done.stderr
+    assert not list(folder.glob("*.mp4"))
+
+
+@pytest.mark.usefixtures("_drawing")
+def test_a_camera_that_is_not_there_is_told(cart: Path) -> None:
+    with pytest.raises(CosimError, match="no camera `sid`") as caught:
+        film.made(recorded(cart), Shot((64, 48), camera="sid"), ".webp")
+    assert caught.value.hint == "did you mean `side`?"
+
+
+def test_without_a_renderer_there_is_a_hint(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fails(name: str) -> Any:
+        raise AttributeError("no library `libEGL.so`")
+
+    monkeypatch.delenv(renderer.CHOICE, raising=False)
+    monkeypatch.setattr("cosim.extras.needed", lambda *_: None)
+    monkeypatch.setattr("importlib.import_module", fails)
+    with pytest.raises(CosimError, match=r"no picture can be drawn here: .* fails: no library") as caught:
+        renderer.graphics((32, 32))
+    assert "libegl1" in caught.value.hint
+    monkeypatch.setenv(renderer.CHOICE, "wrong")
+    with pytest.raises(CosimError, match="`MUJOCO_GL` is `wrong`"):
+        renderer.graphics((32, 32))
+
+
+def test_the_viewer_needs_a_screen(cart: Path) -> None:
+    hidden = {name: "" for name in ("DISPLAY", "WAYLAND_DISPLAY") if name in os.environ}
+    done = command("view", "cart.toml", "-q", "--in-process", **hidden)
+    assert done.returncode == 2
+    assert "error: the viewer cannot open a window" in done.stderr
+    assert json.dumps(done.stderr).count("error:") == 1

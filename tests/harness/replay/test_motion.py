@@ -1,0 +1,117 @@
+"""Which instants are shown, what is drawn larger, and what is written into the picture."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import cosim
+from cosim.errors import CosimError
+from cosim.replay import caption, enlarge
+from cosim.replay.motion import Motion, Recorded, motion, of_result, of_trace
+from cosim.replay.pace import RATE, pace
+from cosim.words.quantity import number
+
+RECORD = ["loop.record_qpos=true"]
+
+
+def run(file: Path, *changes: str) -> Recorded:
+    scenario = cosim.load(file, [*RECORD, *changes])
+    return of_result(scenario, cosim.run(scenario))
+
+
+@pytest.mark.parametrize(
+    ("last", "seconds", "words"),
+    [
+        (8.0, 8.0, "real time"),
+        (60.0, 8.0, "time-lapse: 7.5 x faster"),
+        (2.0, 8.0, "slow motion: 4 x slower"),
+    ],
+)
+def test_a_film_tells_how_fast_it_is(last: float, seconds: float, words: str) -> None:
+    times = np.linspace(0.0, last, 1001)
+    found = pace(times, seconds)
+    assert found.words == words
+    assert len(found.rows) == RATE * seconds
+    assert (found.rows[0], found.rows[-1]) == (0, 1000)
+
+
+def test_a_picture_shows_the_row_that_held_at_its_time() -> None:
+    times = np.array([0.0, 0.1, 0.5, 1.0])
+    found = pace(times, 1.0, 0.1, 0.6)
+    shown = np.linspace(0.1, 0.6, RATE)
+    assert [float(times[row]) for row in found.rows] == [0.5 if t >= 0.5 else 0.1 for t in shown]
+    assert found.speed == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize(("seconds", "begin", "end"), [(0.0, None, None), (1.0, 0.6, 0.4), (1.0, 0.0, 2.0)])
+def test_a_time_that_is_none_is_told(seconds: float, begin: float | None, end: float | None) -> None:
+    with pytest.raises(CosimError, match=r"must be above 0|is no part of the run"):
+        pace(np.linspace(0.0, 1.0, 11), seconds, begin, end)
+
+
+def test_the_coordinates_come_from_the_trace(cart: Path, folder: Path) -> None:
+    recorded = run(cart)
+    moved = motion(recorded)
+    assert moved.names == ("plant.qpos.slide",)
+    assert np.array_equal(moved.qpos[:, 0], recorded.columns["plant.slide.position"])
+    cosim.run(cosim.load(cart, RECORD)).save_trace("cart.npz")
+    stored = motion(of_trace(cosim.load(cart), cosim.read_trace("cart.npz")))
+    assert np.array_equal(stored.qpos, moved.qpos)
+
+
+def test_a_trace_without_coordinates_says_how_to_get_them(cart: Path) -> None:
+    scenario = cosim.load(cart)
+    with pytest.raises(CosimError, match="no coordinates") as caught:
+        motion(of_result(scenario, cosim.run(scenario)))
+    assert "--set loop.record_qpos=true --trace FILE" in caught.value.hint
+
+
+def test_a_motion_too_small_to_be_seen_is_drawn_larger_and_said(cart: Path) -> None:
+    moved = motion(run(cart))
+    factors = enlarge.chosen(moved)
+    factor = factors["plant.qpos.slide"]
+    span = float(np.ptp(moved.qpos)) / moved.model.stat.extent
+    # as large as 1, 2, 5 ... allows
+    assert enlarge.SEEN / 2.5 < factor * span <= enlarge.SEEN * (1.0 + 1e-9)
+    assert enlarge.enlarged(moved, factors) == pytest.approx(factor * moved.qpos)
+    assert enlarge.words(factors) == [f"drawn {factor:g} x larger: slide"]
+
+
+def test_what_can_be_seen_stays_as_it_is(cart: Path) -> None:
+    moved = motion(run(cart, "controller.bias=[40.0, 0.0]"))
+    assert enlarge.chosen(moved) == {}
+    assert np.array_equal(enlarge.enlarged(moved, {}), moved.qpos)
+
+
+def test_far_from_home_a_motion_is_drawn_larger_where_it_is(cart: Path) -> None:
+    moved = motion(run(cart))
+    far = Motion(moved.model, moved.data, moved.names, moved.units, moved.times, moved.qpos + 5.0)
+    drawn = enlarge.enlarged(far, {"plant.qpos.slide": 10.0})
+    assert drawn.mean() == pytest.approx(far.qpos.mean())
+    assert np.ptp(drawn) == pytest.approx(10.0 * np.ptp(far.qpos))
+
+
+@pytest.mark.parametrize(
+    ("word", "told"), [("slide", "no factor"), ("slide=0", "no factor"), ("slid=2", "did you mean `slide`")]
+)
+def test_a_wrong_enlargement_is_told(word: str, told: str, cart: Path) -> None:
+    with pytest.raises(CosimError) as caught:
+        enlarge.given([word], motion(run(cart)))
+    assert told in str(caught.value)
+
+
+def test_a_picture_tells_time_state_and_key_numbers(cart: Path) -> None:
+    recorded = run(cart)
+    lines = caption.lines(recorded)
+    row = 150
+    value = 1e6 * recorded.columns["plant.slide.position"][row]
+    assert caption.written(lines, row) == [
+        "t = 0.1500 s",
+        "mode: Fast",
+        "mode_out: Fast",
+        f"slide.position: {number(value, 3)} um",
+    ]
+    assert caption.written(lines, 50)[1] == "mode: Slow"

@@ -1,0 +1,68 @@
+"""A page in Chromium without a screen, driven by its remote protocol."""
+
+from __future__ import annotations
+
+import asyncio
+import itertools
+import json
+import shutil
+import subprocess
+from pathlib import Path
+from typing import Any
+
+from tornado.websocket import websocket_connect
+
+PROGRAM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+DOMAINS = ("Runtime", "Log", "Page", "Network")
+TROUBLES = ("Runtime.exceptionThrown", "Runtime.consoleAPICalled", "Log.entryAdded")
+LOADED = "location.protocol === 'file:' && document.readyState === 'complete'"
+OWN = ("file:", "data:", "blob:", "chrome")
+
+
+async def visit(page: Path, width: int, theme: str, question: str, folder: Path) -> tuple[Any, list[str]]:
+    """Open a page; returns what a JavaScript expression gives in the end, and what went wrong meanwhile."""
+    options = ["--headless=new", "--no-sandbox", "--disable-gpu", "--remote-debugging-port=0"]
+    command = [str(PROGRAM), *options, f"--user-data-dir={folder}", "about:blank"]
+    chromium = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    try:
+        return await asyncio.wait_for(asked(page, width, theme, question, folder), 90)
+    finally:
+        chromium.kill()
+        chromium.wait()
+
+
+async def asked(page: Path, width: int, theme: str, question: str, folder: Path) -> tuple[Any, list[str]]:
+    place = folder / "DevToolsActivePort"
+    while not (place.is_file() and place.read_text().count("\n")):
+        await asyncio.sleep(0.1)
+    port, path = place.read_text().splitlines()[:2]
+    socket = await websocket_connect(f"ws://127.0.0.1:{port}{path}")
+    numbers = itertools.count(1)
+    troubles: list[str] = []
+    session: dict[str, str] = {}
+
+    async def call(method: str, **parameters: Any) -> Any:
+        number = next(numbers)
+        words = {"id": number, "method": method, "params": parameters, **session}
+        await socket.write_message(json.dumps(words))
+        while True:
+            message = json.loads(await socket.read_message() or "{}")
+            if message.get("id") == number:
+                return message.get("result")
+            url = message.get("params", {}).get("request", {}).get("url", "file:")
+            if message.get("method") in TROUBLES or not url.startswith(OWN):
+                troubles.append(json.dumps(message["params"])[:500])
+
+    target = await call("Target.createTarget", url="about:blank")
+    attached = await call("Target.attachToTarget", targetId=target["targetId"], flatten=True)
+    session["sessionId"] = attached["sessionId"]
+    for domain in DOMAINS:
+        await call(f"{domain}.enable")
+    size = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 600}
+    await call("Emulation.setDeviceMetricsOverride", **size)
+    await call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": theme}])
+    await call("Page.navigate", url=page.as_uri())
+    while (await call("Runtime.evaluate", expression=LOADED))["result"].get("value") is not True:
+        await asyncio.sleep(0.1)
+    answer = await call("Runtime.evaluate", expression=question, awaitPromise=True, returnByValue=True)
+    return answer["result"].get("value"), troubles

@@ -1,0 +1,240 @@
+"""One page of a foreign machine, a broken scenario, a study and a document, taken apart."""
+
+from __future__ import annotations
+
+import asyncio
+import base64
+import gzip
+import json
+import re
+import shutil
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from lxml import html
+
+import cosim
+from cosim.report.series import unpacked
+from cosim.words.verdicts import row
+
+from ..cli.commands import cosim as command
+from ..conftest import DATA, END, SCENARIO
+from . import browser
+
+SCRIPT = "<script>document.title = 'taken'</script>"
+LAG = (
+    SCENARIO.replace('"Lag with a probe"', json.dumps(f"Lag {SCRIPT}"))
+    + END
+    + """
+description = "A lag.\\n\\nIt ends."
+[[criterion]]
+id = "end"
+claim = "it ends <b>near</b> zero"
+paper = "first order & more"
+metric = "end"
+maximum = 0.7
+[[criterion]]
+id = "far"
+claim = "it ends far away"
+metric = "end"
+minimum = 2.0
+[[inject]]
+to = "plant.u"
+from_time = 0.02
+value = 0.0
+[[plot.panels]]
+title = "Place"
+columns = ["plant.x"]
+unit = "mm"
+scale = 1e3
+"""
+)
+STUDY = """
+scenario = "lag.toml"
+[design]
+kind = "list"
+[[case]]
+"controller.gain" = -1.0
+[[case]]
+"controller.gain" = -2.0
+"""
+DOCUMENT = f"# Faults of it\n\n| found | how |\n|---|---|\n| one | {SCRIPT} |\n"
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory, probe: Path) -> Path:
+    """Folder with the page."""
+    folder = tmp_path_factory.mktemp("page")
+    shutil.copy(probe, folder / "probe.fmu")
+    shutil.copy(DATA / "probe_plants.py", folder)
+    text = LAG.replace('description = "A lag.\\n\\nIt ends."\n', "")
+    (folder / "lag.toml").write_text('description = "A lag.\\n\\nIt ends."\n' + text)
+    (folder / "broken.toml").write_text(SCENARIO.replace("duration", "durration"))
+    (folder / "study.toml").write_text(STUDY)
+    (folder / "faults.md").write_text(DOCUMENT)
+    words = ["lag.toml", "broken.toml", "--study", "study.toml", "--document", "faults.md", "-o", "page.html"]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        done = command("report", *words, "-q", COSIM_CACHE=str(folder / "cache"))
+    assert done.stdout == "wrote page.html\n", done.stderr
+    # a scenario could not run, which counts more than a criterion that does not hold
+    assert done.returncode == 2
+    return folder
+
+
+@pytest.fixture(scope="module")
+def page(made: Path) -> Any:
+    return html.fromstring((made / "page.html").read_text())
+
+
+@pytest.fixture
+def result(made: Path, monkeypatch: pytest.MonkeyPatch) -> cosim.Result:
+    monkeypatch.chdir(made)
+    return cosim.run(cosim.load("lag.toml"))
+
+
+def cells(table: Any) -> list[list[str]]:
+    return [[cell.text_content() for cell in line.findall("td")] for line in table.iter("tr")][1:]
+
+
+def test_every_claim_stands_in_the_table_as_it_was_measured(page: Any, result: cosim.Result) -> None:
+    wanted = [["lag", *row(verdict, 3)] for verdict in result.criteria]
+    assert [line[-1] for line in wanted] == ["yes", "NO"]
+    assert cells(page.get_element_by_id("table")) == wanted
+    sources = [line.get("data-source") for line in page.get_element_by_id("table").iter("tr")][1:]
+    assert sources == ["paper", "own"]
+    assert "1 of 2 criteria hold" in page.text_content()
+
+
+def test_what_could_not_run_is_told(page: Any) -> None:
+    (told,) = page.find_class("error")
+    assert "broken could not run: " in told.text_content()
+    assert "durration" in told.text_content()
+    assert "hint: " in told.text_content()
+
+
+def test_texts_of_others_are_no_code(page: Any, made: Path) -> None:
+    text = (made / "page.html").read_text()
+    assert "document.title" in text
+    assert SCRIPT not in text
+    scripts = [part for part in page.iter("script") if part.get("type") != "text/plain"]
+    assert len(scripts) == 1
+    assert SCRIPT in page.get_element_by_id("documents").text_content()
+    assert SCRIPT in page.get_element_by_id("chapter-0").text_content()
+
+
+def test_the_page_loads_nothing(page: Any) -> None:
+    links = [part.get(name) for part in page.iter() for name in ("src", "href") if part.get(name)]
+    assert [link for link in links if not link.startswith(("data:", "#"))] == []
+    (style,) = page.iter("style")
+    assert not re.search(r"url\(|@import", style.text)
+
+
+def test_the_command_gives_the_numbers_again(page: Any, made: Path, result: cosim.Result) -> None:
+    (line,) = [code.text for code in page.iter("code") if code.text.startswith("cosim run ")]
+    done = command(*line.split()[1:], "--json", "-", "-q", COSIM_CACHE=str(made / "cache"))
+    again = json.loads(done.stdout)
+    assert {name: entry["value"] for name, entry in again["metrics"].items()} == {
+        name: metric.value for name, metric in result.metrics.items()
+    }
+
+
+def test_the_plots_hold_the_trace(page: Any, result: cosim.Result) -> None:
+    data = json.loads(gzip.decompress(base64.b64decode(page.get_element_by_id("data").text)))
+    ((view,),) = data
+    (panel,) = view["panels"]
+    (line,) = panel["lines"]
+    assert result.trace is not None
+    wanted = 1e3 * result.trace["plant.x"]
+    assert unpacked(line) == pytest.approx(wanted, abs=np.ptp(wanted) / 1e5)
+    assert (panel["unit"], line["name"]) == ("mm", "plant.x")
+    assert view["events"] == [[pytest.approx(0.02), "fault injected"]]
+    assert page.get_element_by_id("chapter-0").xpath(".//figure//path[@class='line c0']")
+    library = gzip.decompress(base64.b64decode(page.get_element_by_id("library").text))
+    assert b"plotly.js" in library[:2000]
+
+
+def test_a_plant_without_coordinates_has_no_film_and_says_why(page: Any) -> None:
+    (note,) = page.find_class("note")
+    assert "the plant `probe_plants:Lag` has no `qpos`" in note.text_content()
+
+
+def test_a_study_and_a_document_stand_on_the_page(page: Any) -> None:
+    sweep = page.get_element_by_id("sweep-1")
+    assert "2 of 2 runs: 2 failed" in sweep.text_content()
+    criteria, metrics = (cells(table) for table in sweep.iter("table"))
+    assert criteria[1] == ["far", "0 of 2"]
+    assert metrics[0][0] == "end"
+    (document,) = page.find_class("document")
+    assert [cells(table) for table in document.iter("table")] == [[["one", SCRIPT]]]
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("lag.toml", "-o", "page.pdf"), "the name must end in `.html`"),
+        (("lag.toml", "-o", "lag.html"), "would be written over a file that is no HTML page"),
+        (("lag.toml", "--document", "gone.md"), "cannot read `gone.md`"),
+    ],
+)
+def test_what_cannot_be_written_is_told_before_a_run(
+    words: tuple[str, ...], message: str, folder: Path
+) -> None:
+    (folder / "lag.toml").write_text(SCENARIO)
+    (folder / "lag.html").write_text("mine")
+    done = command("report", *words, "-q")
+    assert done.returncode == 2
+    assert message in done.stderr
+    assert (folder / "lag.html").read_text() == "mine"
+
+
+def test_the_page_is_made_of_the_runs_of_a_test(made: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(made)
+    words = ("test", "lag.toml", "--no-plots", "-q")
+    cache = {"COSIM_CACHE": str(made / "cache")}
+    plain = command(*words, **cache)
+    told = command(*words, "--report", "tested.html", "--document", "faults.md", "--out", "out", **cache)
+    assert (told.returncode, told.stdout) == (plain.returncode, plain.stdout) == (1, plain.stdout)
+    assert (made / "out/acceptance.txt").read_text() == told.stdout
+    page = html.fromstring((made / "tested.html").read_text())
+    assert cells(page.get_element_by_id("table"))[0][:2] == ["lag", "it ends <b>near</b> zero"]
+    assert page.find_class("document")
+    alone = command(*words, "--document", "faults.md")
+    assert (alone.returncode, alone.stdout) == (2, "")
+    assert "`--document` is for the page of `--report`" in alone.stderr
+
+
+QUESTION = """
+(async () => {
+  const wait = () => new Promise((go) => setTimeout(go, 100));
+  document.querySelector(".view").scrollIntoView();
+  for (let n = 0; n < 300 && !document.querySelector(".view[data-drawn]"); n++) await wait();
+  const found = document.querySelector(".plot .scatterlayer path.js-line");
+  const words = document.forms[0].elements.words;
+  words.value = "FAR";
+  words.dispatchEvent(new Event("input", { bubbles: true }));
+  return {
+    line: Boolean(found), colour: getComputedStyle(document.body).backgroundColor, title: document.title,
+    shown: document.querySelector("#shown").textContent,
+    inside: document.documentElement.scrollWidth <= innerWidth,
+  };
+})()
+"""
+
+
+@pytest.mark.skipif(browser.PROGRAM is None, reason="no Chromium")
+@pytest.mark.parametrize(("width", "theme"), [(1400, "light"), (400, "dark")])
+def test_a_browser_draws_it_without_a_complaint(made: Path, width: int, theme: str, tmp_path: Path) -> None:
+    page = made / "page.html"
+    answer, troubles = asyncio.run(browser.visit(page, width, theme, QUESTION, tmp_path))
+    assert troubles == []
+    paper = {"light": "rgb(255, 255, 255)", "dark": "rgb(20, 24, 29)"}[theme]
+    assert answer == {
+        "line": True,
+        "colour": paper,
+        "title": "What was measured in closed loop",
+        "shown": "1 of 2",
+        "inside": True,
+    }

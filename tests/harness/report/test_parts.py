@@ -1,0 +1,102 @@
+"""What a page is made of: thinned and packed columns, drawings."""
+
+from __future__ import annotations
+
+import re
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+from cosim.report import drawing
+from cosim.report.series import BUCKETS, STEPS, packed, thinned, unpacked
+
+NAN = float("nan")
+
+
+def test_no_peak_is_lost() -> None:
+    values = np.sin(np.linspace(0.0, 20.0, 100_003))
+    values[[17, 51_234]] = 40.0, -30.0
+    found = thinned(values)
+    assert len(found) == 2 * BUCKETS
+    assert (found.max(), found.min()) == (40.0, -30.0)
+    # in the order of the time: the peak in the first part, the dip where it was
+    assert np.argmax(found) // 2 == 0
+    assert np.argmin(found) // 2 == 51_234 * BUCKETS // 100_003
+    assert np.abs(np.sort(found) - found).max() > 1.0
+
+
+def test_a_short_column_stays_as_it_is() -> None:
+    values = np.random.default_rng(5).normal(size=2 * BUCKETS)
+    assert np.array_equal(thinned(values), values)
+
+
+def test_what_is_no_number_stays_none() -> None:
+    values = np.full(10_000, NAN)
+    values[5000:] = 3.0
+    found = unpacked(packed(thinned(values)))
+    half = len(found) // 2
+    assert np.all(np.isnan(found[:half]))
+    assert np.all(found[half:] == 3.0)
+
+
+@pytest.mark.parametrize("scale", [1e-9, 1.0, 1e12])
+def test_packed_values_are_closer_than_a_pixel(scale: float) -> None:
+    values = scale * np.random.default_rng(7).normal(size=500)
+    values[3] = NAN
+    found = unpacked(packed(values))
+    assert np.isnan(found[3])
+    assert np.nanmax(np.abs(found - values)) <= 0.5 / STEPS * np.ptp(values[np.isfinite(values)]) * (1 + 1e-6)
+
+
+def parts(svg: str, kind: str) -> list[ElementTree.Element]:
+    return [part for part in ElementTree.fromstring(svg) if part.get("class", "").split()[0] == kind]
+
+
+def points(path: ElementTree.Element) -> list[tuple[int, int]]:
+    return [(int(x), int(y)) for x, y in re.findall(r"[ML](-?\d+) (-?\d+)", path.get("d", ""))]
+
+
+def test_a_drawing_shows_values_from_low_to_high_within_its_frame() -> None:
+    svg = drawing.panel([np.linspace(0.0, 1.0, 100), np.full(100, 0.5)], (0.0, 2.0), False, {}, [1.0])
+    rising, level = (points(line) for line in parts(svg, "line"))
+    assert [x for x, _ in rising] == sorted(x for x, _ in rising)
+    assert [y for _, y in rising] == sorted((y for _, y in rising), reverse=True)
+    assert rising[0][0] == drawing.LEFT
+    assert rising[-1][0] == drawing.WIDTH - drawing.RIGHT
+    assert len({y for _, y in level}) == 1
+    assert all(drawing.TOP <= y <= drawing.HEIGHT - drawing.BOTTOM for _, y in rising)
+    (event,) = parts(svg, "event")
+    middle = drawing.LEFT + (drawing.WIDTH - drawing.LEFT - drawing.RIGHT) // 2
+    assert (event.get("d") or "").startswith(f"M{middle} ")
+
+
+def test_a_drawing_is_interrupted_where_there_is_no_number() -> None:
+    line = np.array([1.0, 2.0, NAN, 4.0, 5.0])
+    (path,) = parts(drawing.panel([line], (0.0, 1.0), False, {}, []), "line")
+    assert (path.get("d") or "").count("M") == 2
+    assert len(points(path)) == 4
+
+
+def test_a_logarithmic_drawing_leaves_out_what_is_not_positive() -> None:
+    line = np.array([-1.0, 0.0, 1.0, 10.0, 100.0])
+    (path,) = parts(drawing.panel([line], (0.0, 1.0), True, {}, []), "line")
+    heights = [y for _, y in points(path)]
+    assert len(heights) == 3
+    assert heights[0] - heights[1] == pytest.approx(heights[1] - heights[2], abs=1)
+
+
+def test_the_items_that_come_are_named_at_the_axis_and_escaped() -> None:
+    svg = drawing.panel(
+        [np.array([1.0, 3.0, 3.0])], (0.0, 1.0), False, {"<Idle>": 1, "Never": 2, "Run": 3}, []
+    )
+    assert [mark.text for mark in parts(svg, "y")] == ["<Idle>", "Run"]
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "found"),
+    [(0.0, 1.0, [0.0, 0.5, 1.0]), (-3.0, 7.0, [0.0, 5.0]), (1e-9, 2.1e-9, [1e-9, 1.5e-9, 2e-9])],
+)
+def test_ticks_are_round_numbers(low: float, high: float, found: list[float]) -> None:
+    assert drawing.ticks(low, high, 3) == pytest.approx(found)
+    assert drawing.ticks(1.0, 1.0, 3) == [1.0]
