@@ -31,6 +31,11 @@ impl Centre {
         (-self.y).atan2(self.x)
     }
 
+    /// How far the centre is towards the pusher at the spindle angle `angle` rad, m.
+    pub fn along(&self, angle: f64) -> f64 {
+        self.eccentricity() * (angle - self.nearest()).cos()
+    }
+
     /// Distance to another centre, m.
     pub fn distance(&self, other: &Self) -> f64 {
         // eq. 39 in cartesian coordinates

@@ -5,14 +5,14 @@ use serde::{Deserialize, Serialize};
 
 use crate::centre::{Centre, Estimate};
 use crate::check::check;
-use crate::faults::{Supervisor, Watched, graver, judge};
+use crate::faults::{Supervisor, Watched, graver, judge, moved_line};
 use crate::interface::{Fault, Input, MonitorReport, Output, Parameters, PushReport, Setpoint, State};
 use crate::law::{ActiveLaw, Launch, Observation, Verdict};
 use crate::limits::{job_time, trial_move};
 use crate::machine::{Events, next};
 use crate::monitoring::{DriveMonitor, FrozenProbe, Phase, ProbeTrial, believable_share};
 use crate::motion::{Follower, Motion};
-use crate::sensing::{Calm, Clock, Due, Reader, Reading, Sample, Spindle};
+use crate::sensing::{Calm, Clock, Due, Freedom, Reader, Reading, Sample, Spindle};
 
 /// Velocity of the slide in the test of the probe (m/s), and the time after which it is at rest there, s.
 const TRIAL_VELOCITY: f64 = 0.01;
@@ -46,6 +46,8 @@ pub struct Controller {
     estimate: Option<Estimate>,
     /// eccentricity of the first model, m
     first: Option<f64>,
+    /// the surest model so far
+    surest: Option<Estimate>,
     /// where the ring was before the last push, until the model after it
     before: Option<Centre>,
     report: PushReport,
@@ -80,6 +82,7 @@ impl Controller {
             settled: Consecutive::default(),
             estimate: None,
             first: None,
+            surest: None,
             before: None,
             report: PushReport::START,
             started: 0.0,
@@ -89,7 +92,7 @@ impl Controller {
 
     /// One sample. The parameters must be those of [`Controller::new`].
     pub fn tick(&mut self, input: &Input, p: &Parameters, output: &mut Output) {
-        let reading = self.reader.read(p, input, self.watched(p));
+        let reading = self.reader.read(p, input, self.freedom(p));
         let due = self.clock.advance(p);
         let turned = self.observe(p, &reading, due);
         self.decide(p, &reading, due, turned);
@@ -127,6 +130,15 @@ impl Controller {
     /// Whether the slide is where it was told to be; in `Idle`, at rest, a hand may move it.
     fn watched(&self, p: &Parameters) -> bool {
         self.state != State::Idle || !self.motion.resting(p)
+    }
+
+    /// What may move the machine until the next sample.
+    fn freedom(&self, p: &Parameters) -> Freedom {
+        match self.state {
+            State::Idle if !self.watched(p) => Freedom::Hand,
+            State::Idle | State::Push | State::Settle | State::Fault => Freedom::Pushed,
+            _ => Freedom::Held,
+        }
     }
 
     /// State machine.
@@ -222,7 +234,7 @@ impl Controller {
             self.motion.release();
         }
         let (band, time) = p.settling();
-        let inside = (self.calm.probe - p.null()).abs() <= band;
+        let inside = self.calm.probe >= p.probe.contact && (self.calm.probe - p.null()).abs() <= band;
         let following = matches!(self.state, State::Follow | State::Settle) && !self.motion.moving();
         let settled = self.settled.update(inside && following);
         inside && following && settled >= p.ticks(time)
@@ -233,12 +245,18 @@ impl Controller {
         if self.state != State::Confirm || !self.motion.arrived(p, TRIAL_REST) {
             return;
         }
-        self.trial.note(self.sample.slide, self.calm.probe);
+        self.note_trial();
         match self.trial.share() {
             None => self.try_probe(p, trial_move(p)),
             Some(share) if believable_share(share) => events.confirmed = true,
             Some(_) => events.fault = Some(Fault::FrozenReading),
         }
+    }
+
+    /// A place of that test, less what the ring has turned towards the probe.
+    fn note_trial(&mut self) {
+        let turned = self.estimate.map_or(0.0, |ring| ring.centre.along(self.spindle.angle()));
+        self.trial.note(self.sample.slide, self.calm.probe - turned);
     }
 
     /// One move of that test, m.
@@ -272,8 +290,12 @@ impl Controller {
             self.report.overshoot = ring.centre.overshoot(&before);
             self.report.overshoot_max = self.report.overshoot_max.max(self.report.overshoot);
         }
+        let surest = *self.surest.get_or_insert(*ring);
+        if ring.sigma < surest.sigma {
+            self.surest = Some(*ring);
+        }
         let first = *self.first.get_or_insert(ring.centre.eccentricity());
-        judge(p, self.spindle.speed(), self.report.count, first, ring)
+        moved_line(p, &surest, ring).or_else(|| judge(p, self.spindle.speed(), self.report.count, first, ring))
     }
 
     /// What the law sees.
@@ -303,7 +325,7 @@ impl Controller {
             State::Settle => self.retract(p),
             State::Confirm => {
                 self.trial = ProbeTrial::default();
-                self.trial.note(self.sample.slide, self.calm.probe);
+                self.note_trial();
                 self.try_probe(p, -trial_move(p));
             }
             State::Centred => {
@@ -330,7 +352,7 @@ impl Controller {
         self.law.restart(p);
         self.progress.restart();
         (self.frozen, self.drive, self.trial) = Default::default();
-        (self.fault, self.estimate, self.first, self.before) = (Fault::None, None, None, None);
+        (self.fault, self.estimate, self.first, self.surest, self.before) = (Fault::None, None, None, None, None);
         (self.report, self.started, self.centred) = (PushReport::START, self.clock.time(p), None);
     }
 
@@ -347,8 +369,11 @@ impl Controller {
         self.report.lead_angle = launch.lead;
     }
 
-    /// Retracts at once after a push.
+    /// Retracts at once after a push; where the probe has lost the ring, nobody knows how far, and the slide stops.
     fn retract(&mut self, p: &Parameters) {
+        if self.sample.probe < p.probe.contact {
+            return self.motion.release();
+        }
         let back = self.motion.setpoint.position - (p.probe.at_pusher - p.null());
         self.motion.go(p, back, p.slide.velocity_max);
     }

@@ -24,6 +24,11 @@ const UNSETTLED_TIME: f64 = 3.0;
 const TURNS_MAX: f64 = 1.1;
 /// Turning (in revolutions) from push to push, with three models of the ring and the wait (our choice).
 const CYCLE_TURNS_MAX: f64 = 4.4;
+/// What the line of a centred ring may move in a centring, m (our choice: warmth moves it by less).
+const LINE_MOVED: f64 = 1e-4;
+/// Standard deviations, of both models, and share of the arc's height for a radius that is told wrong.
+const LINE_SIGMAS: f64 = 6.0;
+const LINE_BEND: f64 = 0.25;
 /// Least share of its turning that a spindle which does not reverse goes forward.
 const FORWARD: f64 = 0.9;
 
@@ -147,6 +152,15 @@ fn shows_too_fast(p: &Parameters, view: &Watched) -> bool {
     view.state.follows()
         && fastest * view.speed.abs() > p.limits.friction * GRAVITY
         && fastest > held_surface_velocity(p.limits.friction, p.ring.radius, view.speed)
+}
+
+/// What is wrong with a new model that sees the line of a centred ring elsewhere than the surest one so far: no ring and
+/// no spindle moves that, so the zero of slide or probe has.
+pub fn moved_line(p: &Parameters, surest: &Estimate, ring: &Estimate) -> Option<Fault> {
+    let most = surest.centre.eccentricity().max(ring.centre.eccentricity());
+    let bend = LINE_BEND * most.powi(2) / (4.0 * p.ring.radius);
+    let allowed = LINE_MOVED + LINE_SIGMAS * (surest.sigma + ring.sigma) + bend;
+    ((ring.mean - surest.mean).abs() > allowed).then_some(Fault::ReadingJump)
 }
 
 /// What is wrong with a new model after `pushes` pushes; the first model had the eccentricity `first` m.

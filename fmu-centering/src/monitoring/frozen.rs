@@ -29,8 +29,8 @@ const STILL_TIME: f64 = 0.02;
 const FLICKER: f64 = 1.5;
 /// Coarsest last bit that can be seen while following, m.
 const BIT_MAX: f64 = 6e-7;
-/// Resolution of the probe, in tolerances, with which no ring reads the same for a whole revolution.
-const FINE: f64 = 0.2;
+/// Coarsest last bit with which no ring reads the same for a whole revolution, m (our choice: none is as round and true).
+const FINE: f64 = 1e-7;
 
 /// How slide and ring move against each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,14 +77,18 @@ impl FrozenProbe {
             Phase::Push => (RESOLUTION, MOVED_IN_STROKE, !pressed(PRESSED_IN_PUSH)),
             Phase::Retract => (RESOLUTION, if pressed(PRESSED) { PUSHED_BACK } else { MOVED_IN_STROKE }, true),
             Phase::Follow if far => (RESOLUTION, MOVED_IN_STROKE, !pressed(PRESSED)),
-            Phase::Follow => (FLICKER * self.bit, MOVED, self.bit < BIT_MAX && !pressed(PRESSED)),
+            Phase::Follow if self.bit < BIT_MAX => (FLICKER * self.bit, MOVED, !pressed(PRESSED)),
+            // a coarse one may keep up with the surface for long: half of the way to the pusher
+            Phase::Follow => {
+                (RESOLUTION, (0.5 * (p.probe.at_pusher - p.null())).max(MOVED_IN_STROKE), !pressed(PRESSED))
+            }
         };
         if !sees || sample.probe < p.probe.contact {
             self.monitor.clear();
         }
         self.monitor.update(sample.probe, sample.slide - before.slide, band);
         self.turned = if self.monitor.still() == 0 { 0.0 } else { self.turned + turned };
-        let fine = self.bit < FINE * p.tolerance;
+        let fine = self.bit <= FINE;
         let still = self.monitor.still() > p.ticks(STILL_TIME);
         (still && self.monitor.unanswered() > limit) || (fine && self.turned.abs() >= TAU)
     }
@@ -145,13 +149,18 @@ mod tests {
     #[test]
     fn far_from_its_place_even_a_coarse_probe_must_come_back() {
         let jammed = |probe: f64| broken_in(Phase::Follow, 5e-6, move |angle| (0.1 + 1e-3 * angle, probe));
-        assert!(jammed(0.9e-3).is_some() && jammed(8.1e-3).is_some());
-        assert_eq!(jammed(1.1e-3), None);
+        assert!(jammed(0.9e-3).is_some_and(|moved| moved < 1.1) && jammed(8.1e-3).is_some_and(|moved| moved < 1.1));
+        // else before the pusher meets the ring
+        for probe in [1.1e-3, 4.5e-3] {
+            let moved = jammed(probe).unwrap();
+            assert!((moved - 7.75).abs() < 0.02, "{moved} mm");
+        }
     }
 
     #[test]
     fn a_coarse_probe_may_read_the_same_for_long() {
-        assert_eq!(broken(1e-6, |_| (0.1, 5e-3)), None);
+        assert!(broken(1e-7, |_| (0.1, 5e-3)).is_some());
+        assert_eq!(broken(1.1e-7, |_| (0.1, 5e-3)), None);
     }
 
     #[test]
