@@ -95,6 +95,16 @@ mod tests {
     }
 
     #[test]
+    fn towards_the_pusher_it_is_the_projection_at_every_angle() {
+        let centre = Centre { x: 3e-4, y: 4e-4 };
+        for k in 0..16 {
+            let angle = 0.5 * f64::from(k);
+            let expected = 3e-4 * angle.cos() - 4e-4 * angle.sin();
+            assert!((centre.along(angle) - expected).abs() < 1e-15, "{angle} rad");
+        }
+    }
+
+    #[test]
     fn only_what_went_through_the_axis_is_overshoot() {
         let before = Centre { x: 3e-4, y: 4e-4 };
         assert_eq!(Centre { x: 3e-5, y: 4e-5 }.overshoot(&before), 0.0);

@@ -370,4 +370,19 @@ mod tests {
         assert_eq!(judge(&P, 2.0, 1, 0.010, &ring(0.0126)), Some(Fault::Diverged));
         assert_eq!(judge(&P, 2.0, 1, 0.010, &ring(0.0124)), None);
     }
+
+    #[test]
+    fn a_line_that_moves_is_a_jump_of_a_reading() {
+        let seen = |mean: f64, sigma: f64, x: f64| Estimate { centre: Centre { x, y: 0.0 }, mean, sigma };
+        let sure = seen(0.08, 1e-6, 1e-5);
+        // 0.1 mm and 6 x (1 + 4) um
+        for way in [1.29e-4, -1.29e-4] {
+            assert_eq!(moved_line(&P, &sure, &seen(0.08 + way, 4e-6, 0.0)), None);
+            assert_eq!(moved_line(&P, &sure, &seen(0.08 + 1.02 * way, 4e-6, 0.0)), Some(Fault::ReadingJump));
+        }
+        // 20 mm off, a radius that is told 25 % wrong moves the line by 0.5 mm
+        let far = seen(0.08, 0.0, 0.02);
+        assert_eq!(moved_line(&P, &far, &seen(0.08059, 0.0, 0.0)), None);
+        assert_eq!(moved_line(&P, &far, &seen(0.08061, 0.0, 0.0)), Some(Fault::ReadingJump));
+    }
 }

@@ -114,6 +114,15 @@ mod tests {
     }
 
     #[test]
+    fn the_test_of_the_probe_keeps_it_on_the_ring() {
+        let mut p = Parameters::START;
+        assert_eq!(trial_move(&p), 2e-4);
+        // 4.5 - 4.05 - 0.2 mm
+        p.park.dead_zone = 4.05e-3;
+        assert!((trial_move(&p) - 1.25e-4).abs() < 1e-15);
+    }
+
+    #[test]
     fn both_directions_are_equally_fast() {
         assert_eq!(surface_velocity(0.01, 0.05, 4.0), surface_velocity(0.01, 0.05, -4.0));
     }

@@ -21,7 +21,12 @@ PROBE, SLIDE, SPINDLE = (
 )
 POSITION, VELOCITY = "plant.slide_position_setpoint", "plant.slide_velocity_setpoint"
 IN_COLLECT, IN_PUSH = "controller.state == 'Collect'", "controller.state == 'Push'"
+AFTER_A_PUSH = f"controller.push.count > 0 and {IN_COLLECT}"
+TOUCHED = "controller.probe_position > 1.1e-3"
+PAPER = ('controller.law="Paper"',)
 KEPT = 5e-6, "what the probe presses: no fault drives the ring outwards"
+
+FED_BACK = 3.6e-4, "what is fed back of the surface: 3 mm/s for the 0.12 s of the contact"
 
 
 def row(name: str, faults: str, *inject: Injection, within: tuple[float, str] = KEPT, **more: object) -> Row:
@@ -68,8 +73,18 @@ MATRIX = Matrix(
         row("coarse probe frozen", "FrozenReading", collecting(PROBE, frozen=True),
             changes=("plant.probe_resolution=1e-6",)),
         row("probe jumps by 5 mm for good", "ReadingJump", collecting(PROBE, offset=5e-3)),
-        row("probe off by 0.2 mm", f"NoProgress PushBudget {DONE}", collecting(PROBE, offset=2e-4),
+        row("coarse probe frozen as it touches the ring", "FrozenReading",
+            Injection(PROBE, when=TOUCHED, frozen=True), changes=("plant.probe_resolution=5e-6",)),
+        row("probe frozen with a tolerance of 0.1 mm", "FrozenReading", collecting(PROBE, frozen=True),
+            changes=("controller.tolerance=1e-4",)),
+        row("probe off by -0.2 mm before there is a model", DONE,
+            Injection(PROBE, when=TOUCHED, offset=-2e-4),
             within=(2e-4, "a push past the axis by what the probe is off")),
+        row("probe off by 0.2 mm", "ReadingJump", collecting(PROBE, offset=2e-4)),
+        row("probe jumps by 1 mm in a push", "ReadingJump", pushing(PROBE, offset=1e-3), within=FED_BACK),
+        row("probe jumps by -1 mm in a push", "ReadingJump", pushing(PROBE, offset=-1e-3), within=FED_BACK),
+        row("probe off by -0.8 mm after a push", "ReadingJump",
+            Injection(PROBE, when=AFTER_A_PUSH, after=0.1, offset=-8e-4)),
         row("one spike of 5 mm", DONE, collecting(PROBE, offset=5e-3, duration=1e-3)),
         row("one spike of 0.5 mm", DONE, collecting(PROBE, offset=5e-4, duration=1e-3)),
         row("one spike of 5 mm in the approach", DONE,
@@ -86,6 +101,11 @@ MATRIX = Matrix(
         row("probe scaled by 0.7", "FrozenReading NoProgress PushBudget",
             Injection(PROBE, from_time=0.0, scale=0.7)),
         row("probe 5 steps late", DONE, collecting(PROBE, late=5)),
+        row("probe free for 50 ms in a push", DONE, pushing(PROBE, value=0.0, duration=0.05)),
+        row("probe is no number for one sample", DONE,
+            collecting(PROBE, value=float("nan"), duration=1e-3)),
+        row("probe is no number for 0.3 s", "InvalidInput",
+            collecting(PROBE, value=float("nan"), duration=0.3)),
         row("probe is no number", "InvalidInput", collecting(PROBE, value=float("nan"))),
         row("slide encoder frozen in the approach", "LostReading",
             Injection(SLIDE, from_time=0.1, frozen=True)),
@@ -94,6 +114,8 @@ MATRIX = Matrix(
         row("slide encoder jumps by 10 mm for good", "LostReading", collecting(SLIDE, offset=0.01)),
         row("one spike of the slide encoder", DONE, collecting(SLIDE, offset=0.01, duration=1e-3)),
         row("slide noise x 20", f"Unresolved {DONE}", collecting(SLIDE, noise=4e-7)),
+        row("slide is no number for one sample in a push", DONE,
+            pushing(SLIDE, value=float("nan"), duration=1e-3)),
         row("slide is no number in a push", "LostReading", pushing(SLIDE, value=float("nan"))),
         row("spindle encoder frozen", "Spindle", collecting(SPINDLE, frozen=True)),
         row("spindle jumps by 1 rad for good", "ReadingJump", collecting(SPINDLE, offset=1.0)),
@@ -126,5 +148,22 @@ MATRIX = Matrix(
         row("slide lost on the way back of another fault", "InvalidInput LostReading",
             collecting(PROBE, value=float("nan")), collecting(SLIDE, value=float("nan"), after=0.25),
             sequence=True),
+        row("drive lost on the way back of another fault", "InvalidInput FollowingError",
+            collecting(PROBE, value=float("nan")),
+            Injection("plant.enable", when="controller.state == 'Fault'", after=0.05, value=0.0),
+            sequence=True),
+        row("probe frozen at rest, paper's law", "FrozenReading",
+            collecting(PROBE, frozen=True), changes=PAPER),
+        row("probe scaled by 0.7, paper's law", "FrozenReading",
+            Injection(PROBE, from_time=0.0, scale=0.7), changes=PAPER,
+            within=(6e-3, "1 mm unanswered or 20 ms, and the stop from 0.12 m/s")),
+        row("probe off by -0.2 mm after a push, paper's law", "ReadingJump",
+            Injection(PROBE, when=AFTER_A_PUSH, after=0.1, offset=-2e-4), changes=PAPER),
+        row("probe free for good, paper's law", "NoPart", collecting(PROBE, value=0.0), changes=PAPER),
+        row("slide encoder frozen in a push, paper's law", "LostReading",
+            pushing(SLIDE, frozen=True), changes=PAPER),
+        row("drive does a third, paper's law", "WeakDrive", *both(scale=0.3), changes=PAPER),
+        row("spindle encoder frozen, paper's law", "Spindle",
+            collecting(SPINDLE, frozen=True), changes=PAPER),
     ),
 )  # fmt: skip
