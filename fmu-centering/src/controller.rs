@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::centre::{Centre, Estimate};
 use crate::check::check;
-use crate::faults::{Supervisor, judge, moved_line};
+use crate::faults::{Supervisor, judge, line_moved};
 use crate::interface::{Fault, Input, MonitorReport, Output, Parameters, PushReport, Setpoint, State};
 use crate::law::{ActiveLaw, Launch, Observation, Verdict};
 use crate::limits::trial_move;
@@ -201,7 +201,10 @@ impl Controller {
             self.surest = Some(*ring);
         }
         let first = *self.first.get_or_insert(ring.centre.eccentricity());
-        moved_line(p, &surest, ring).or_else(|| judge(p, self.spindle.speed(), self.report.count, first, ring))
+        if line_moved(p, &surest, ring) {
+            return Some(if self.frozen.stands(p) { Fault::FrozenReading } else { Fault::ReadingJump });
+        }
+        judge(p, self.spindle.speed(), self.report.count, first, ring)
     }
 
     /// What the law sees.

@@ -25,6 +25,8 @@ const FAR: f64 = 5e-4;
 const PUSHED_BACK: f64 = 5e-3;
 /// A value that stands for less is chance: three samples beside a surface of 80 mm/s, s (our choice).
 const STILL_TIME: f64 = 0.02;
+/// A probe that keeps its value for longer has none of a ring that turns, unless that is where it turns back, s (our choice).
+const STANDS_TIME: f64 = 0.1;
 /// Band of a last bit, in bits.
 const FLICKER: f64 = 1.5;
 /// Coarsest last bit that can be seen while following, m.
@@ -62,6 +64,11 @@ impl Default for FrozenProbe {
 }
 
 impl FrozenProbe {
+    /// Whether the probe has kept its value for long: what is wrong with a model then is not the ring.
+    pub fn stands(&self, p: &Parameters) -> bool {
+        self.monitor.still() > p.ticks(STANDS_TIME)
+    }
+
     /// Takes a sample and the turning (rad) since the one before; whether the probe is broken.
     pub fn update(&mut self, p: &Parameters, phase: Phase, sample: &Sample, turned: f64) -> bool {
         let before = self.before.replace(*sample).unwrap_or(*sample);
@@ -161,6 +168,16 @@ mod tests {
     fn a_coarse_probe_may_read_the_same_for_long() {
         assert!(broken(1e-7, |_| (0.1, 5e-3)).is_some());
         assert_eq!(broken(1.1e-7, |_| (0.1, 5e-3)), None);
+    }
+
+    #[test]
+    fn one_that_keeps_its_value_for_a_tenth_of_a_second_stands() {
+        let mut frozen = FrozenProbe { bit: 1e-7, ..FrozenProbe::default() };
+        for k in 0..300 {
+            let probe = if k < 100 { 5e-3 + 1e-6 * f64::from(k) } else { 5e-3 };
+            frozen.update(&P, Phase::Follow, &Sample { probe, ..Sample::default() }, 0.0);
+            assert_eq!(frozen.stands(&P), k > 200, "{k}");
+        }
     }
 
     #[test]
