@@ -202,7 +202,7 @@ impl Controller {
         }
         let first = *self.first.get_or_insert(ring.centre.eccentricity());
         if line_moved(p, &surest, ring) {
-            return Some(if self.frozen.stands(p) { Fault::FrozenReading } else { Fault::ReadingJump });
+            return Some(if self.frozen.stands() { Fault::FrozenReading } else { Fault::ReadingJump });
         }
         judge(p, self.spindle.speed(), self.report.count, first, ring)
     }

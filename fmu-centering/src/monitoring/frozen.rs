@@ -25,8 +25,8 @@ const FAR: f64 = 5e-4;
 const PUSHED_BACK: f64 = 5e-3;
 /// A value that stands for less is chance: three samples beside a surface of 80 mm/s, s (our choice).
 const STILL_TIME: f64 = 0.02;
-/// A probe that keeps its value for longer has none of a ring that turns, unless that is where it turns back, s (our choice).
-const STANDS_TIME: f64 = 0.1;
+/// Turning (rad) in which an eccentric ring moves its surface by more than a last bit, also where it turns back.
+const STANDS_TURN: f64 = 0.125 * TAU;
 /// Band of a last bit, in bits.
 const FLICKER: f64 = 1.5;
 /// Coarsest last bit that can be seen while following, m.
@@ -50,6 +50,8 @@ pub enum Phase {
 pub struct FrozenProbe {
     monitor: Frozen,
     before: Option<Sample>,
+    /// surface that stands, held against the turning (rad) of the ring
+    standing: Frozen,
     /// turning since it moved, rad
     turned: f64,
     /// smallest change that was ever read, m
@@ -59,14 +61,14 @@ pub struct FrozenProbe {
 impl Default for FrozenProbe {
     /// Nothing read.
     fn default() -> Self {
-        Self { monitor: Frozen::default(), before: None, turned: 0.0, bit: f64::MAX }
+        Self { monitor: Frozen::default(), standing: Frozen::default(), before: None, turned: 0.0, bit: f64::MAX }
     }
 }
 
 impl FrozenProbe {
-    /// Whether the probe has kept its value for long: what is wrong with a model then is not the ring.
-    pub fn stands(&self, p: &Parameters) -> bool {
-        self.monitor.still() > p.ticks(STANDS_TIME)
+    /// Whether the surface stands while the ring turns: what is wrong with a model then is the probe.
+    pub fn stands(&self) -> bool {
+        self.standing.unanswered() > STANDS_TURN
     }
 
     /// Takes a sample and the turning (rad) since the one before; whether the probe is broken.
@@ -76,6 +78,7 @@ impl FrozenProbe {
         if change > 0.0 {
             self.bit = self.bit.min(change);
         }
+        self.standing.update(sample.tip(), turned, (FLICKER * self.bit).clamp(BIT_MAX, RESOLUTION));
         // a ring at the pusher goes with the slide, and without contact there is nothing to read
         let pressed = |distance: f64| sample.probe >= p.probe.at_pusher - distance;
         // far from its place a probe comes back to it, by more than the coarsest resolution
@@ -171,12 +174,14 @@ mod tests {
     }
 
     #[test]
-    fn one_that_keeps_its_value_for_a_tenth_of_a_second_stands() {
-        let mut frozen = FrozenProbe { bit: 1e-7, ..FrozenProbe::default() };
-        for k in 0..300 {
-            let probe = if k < 100 { 5e-3 + 1e-6 * f64::from(k) } else { 5e-3 };
-            frozen.update(&P, Phase::Follow, &Sample { probe, ..Sample::default() }, 0.0);
-            assert_eq!(frozen.stands(&P), k > 200, "{k}");
+    fn one_that_keeps_its_value_for_an_eighth_of_a_turn_stands() {
+        for (bit, flicker) in [(1e-7, 1e-7), (1e-9, 5e-7), (5e-6, 7e-6)] {
+            let mut frozen = FrozenProbe { bit, ..FrozenProbe::default() };
+            for k in 0..300 {
+                let moves = 1e-4 * f64::from(k.min(100)) + if k % 2 == 0 { flicker } else { 0.0 };
+                frozen.update(&P, Phase::Follow, &Sample { probe: 5e-3 + moves, ..Sample::default() }, 0.01);
+                assert_eq!(frozen.stands(), k > 178, "{bit}: {k}");
+            }
         }
     }
 
