@@ -36,11 +36,11 @@ fn the_default_law_centres() {
 
 #[test]
 fn a_jammed_probe_is_never_a_centred_ring_however_coarse_it_is() {
-    for bit in [0.0, 5e-8, 1e-6, 5e-6] {
-        for state in [State::Follow, State::Collect, State::Wait, State::Settle] {
-            let run = running(&P, state);
-            let jammed = AT_PUSHER - run.output.pusher_gap;
-            faulted(run, Fault::FrozenReading, |k, input| {
+    for state in [State::Follow, State::Collect, State::Wait, State::Settle] {
+        let run = running(&P, state);
+        let jammed = AT_PUSHER - run.output.pusher_gap;
+        for bit in [0.0, 5e-8, 1e-6, 5e-6] {
+            faulted(run.clone(), Fault::FrozenReading, |k, input| {
                 input.probe_position = jammed + if k % 2 == 0 { bit } else { 0.0 };
             });
         }
@@ -122,19 +122,20 @@ fn a_probe_that_is_off_for_good_after_a_model_has_a_name_before_the_next_push() 
     let near = [2e-4, -2e-4, 4e-4, 3e-3, -3e-3];
     let far = [2e-4, -2e-4, 8e-4, -8e-4, 3e-3, -3e-3];
     for (p, offsets) in [(P, &far[..]), (Parameters::PAPER, &near[..])] {
+        // the ring is known, and is measured again after a push
+        let mut run = running(&p, State::Settle);
+        assert!(run.run_to(State::Collect, run.time() + 1.0));
         for &offset in offsets {
-            // the ring is known, and is measured again after a push
-            let mut run = running(&p, State::Settle);
-            assert!(run.run_to(State::Collect, run.time() + 1.0));
-            faulted(run, Fault::ReadingJump, |_, input| input.probe_position += offset);
+            faulted(run.clone(), Fault::ReadingJump, |_, input| input.probe_position += offset);
         }
     }
 }
 
 #[test]
 fn a_probe_that_loses_the_ring_in_a_stroke_ends_it_and_the_ring_is_centred_later() {
+    let push = running(&P, State::Push);
     for (after, free) in [(5, 10), (5, 80), (60, 30), (150, 6), (150, 50)] {
-        let mut run = running(&P, State::Push);
+        let mut run = push.clone();
         (0..after).for_each(|_| run.step());
         let mut before = run.output.slide;
         for _ in 0..free {
