@@ -31,6 +31,11 @@ impl Centre {
         (-self.y).atan2(self.x)
     }
 
+    /// How far the centre is towards the pusher at the spindle angle `angle` rad, m.
+    pub fn along(&self, angle: f64) -> f64 {
+        self.eccentricity() * (angle - self.nearest()).cos()
+    }
+
     /// Distance to another centre, m.
     pub fn distance(&self, other: &Self) -> f64 {
         // eq. 39 in cartesian coordinates
@@ -87,6 +92,16 @@ mod tests {
         // a quarter turn before, the ring is on the -y side of the world: it comes by turning
         let ahead = Centre { x: 0.0, y: -1e-3 };
         assert!((ahead.nearest() - TAU / 4.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn towards_the_pusher_it_is_the_projection_at_every_angle() {
+        let centre = Centre { x: 3e-4, y: 4e-4 };
+        for k in 0..16 {
+            let angle = 0.5 * f64::from(k);
+            let expected = 3e-4 * angle.cos() - 4e-4 * angle.sin();
+            assert!((centre.along(angle) - expected).abs() < 1e-15, "{angle} rad");
+        }
     }
 
     #[test]

@@ -2,16 +2,29 @@
 
 use control_blocks::{Check, Parameter, ParameterError, check_all};
 
+use crate::interface::Law;
 use crate::interface::Parameters;
-use crate::limits::look_ahead;
+use crate::limits::{TRIAL_MOVE_MIN, look_ahead};
 
 /// Checks all combinations; the first that fails is the error.
 ///
 /// # Errors
 /// When a parameter does not fit the others.
 pub fn check(p: &Parameters) -> Result<(), ParameterError> {
-    const CHECKS: [Check<Parameters>; 10] =
-        [park, gap, stroke, approach_velocity, stopping, follow_delay, follow_braking, bands, rates, push_velocities];
+    const CHECKS: [Check<Parameters>; 12] = [
+        park,
+        gap,
+        trial,
+        following,
+        stroke,
+        approach_velocity,
+        stopping,
+        follow_delay,
+        follow_braking,
+        bands,
+        rates,
+        push_velocities,
+    ];
     check_all(p, &CHECKS)
 }
 
@@ -32,6 +45,31 @@ fn gap(p: &Parameters) -> Result<(), ParameterError> {
     let most = p.probe.at_pusher - 2.0 * p.probe.contact;
     Parameter::new("follow.gap", p.follow.gap, "m", "the probe must touch while the slide follows")
         .at_most(most, "`probe.at_pusher` less twice `probe.contact`")
+}
+
+/// Way (m) that the probe must keep on the ring for its test: twice the least move.
+fn trial(p: &Parameters) -> Result<(), ParameterError> {
+    let least = p.probe.contact + 2.0 * TRIAL_MOVE_MIN;
+    let hint = "or the probe cannot be tested before `Centred`";
+    match p.law {
+        Law::Default => Parameter::new("park.dead_zone", p.park.dead_zone, "m", hint)
+            .at_most(p.park.probe - least, "`park.probe` less `probe.contact` and 0.2 mm"),
+        Law::Paper => Parameter::new("follow.gap", p.follow.gap, "m", hint).at_most(
+            p.probe.at_pusher - least - p.follow.dead_zone,
+            "`probe.at_pusher` less `probe.contact`, `follow.dead_zone` and 0.2 mm",
+        ),
+    }
+}
+
+/// A servo lags by a / w^2 while it accelerates, by twice that in the other direction when it turns; with a reserve.
+fn following(p: &Parameters) -> Result<(), ParameterError> {
+    if p.slide.bandwidth == 0.0 {
+        return Ok(());
+    }
+    let least = 3.0 * p.slide.acceleration_max / p.slide.bandwidth.powi(2);
+    let hint = "or every fast move is a fault";
+    Parameter::new("limits.following_error", p.limits.following_error, "m", hint)
+        .at_least(least, "three times `slide.acceleration_max` over the square of `slide.bandwidth`")
 }
 
 fn approach_velocity(p: &Parameters) -> Result<(), ParameterError> {
@@ -95,6 +133,14 @@ mod tests {
         (|p| p.probe.stroke = 0.01, "probe.stroke", "`0.01 m`", "`0.0205 m`"),
         (|p| p.park.dead_zone = 5e-3, "park.dead_zone", "`0.005 m`", "`0.0043 m`"),
         (|p| p.follow.gap = 0.02, "follow.gap", "`0.02 m`", "`0.0196 m`"),
+        (|p| (p.law, p.park.dead_zone) = (Law::Default, 4.2e-3), "park.dead_zone", "`0.0042 m`", "`0.00409"),
+        (
+            |p| (p.law, p.probe.contact, p.follow.gap) = (Law::Paper, 1e-4, 0.01975),
+            "follow.gap",
+            "`0.01975 m`",
+            "`0.0197 m`",
+        ),
+        (|p| p.limits.following_error = 1e-4, "limits.following_error", "`0.0001 m`", "`0.00012"),
         (|p| p.approach.velocity = 0.2, "approach.velocity", "`0.2 m/s`", "`0.12 m/s`"),
         (|p| p.limits.friction = 0.5, "approach.velocity", "`0.12 m/s`", "`0.0198 m`"),
         (|p| p.follow.gain = 30.0, "follow.gain", "`30 1/s`", "`25 1/s`"),

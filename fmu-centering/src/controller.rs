@@ -1,22 +1,21 @@
 //! One sample of the whole law: read, estimate the spindle and the ring, decide, move, report.
 
+mod watching;
+
 use control_blocks::{Consecutive, ParameterError, Progress, SafeEnd};
 use serde::{Deserialize, Serialize};
 
 use crate::centre::{Centre, Estimate};
 use crate::check::check;
-use crate::faults::{Supervisor, Watched, graver, judge};
+use crate::faults::{Supervisor, judge, line_moved};
 use crate::interface::{Fault, Input, MonitorReport, Output, Parameters, PushReport, Setpoint, State};
 use crate::law::{ActiveLaw, Launch, Observation, Verdict};
-use crate::limits::{job_time, trial_move};
+use crate::limits::trial_move;
 use crate::machine::{Events, next};
-use crate::monitoring::{DriveMonitor, FrozenProbe, Phase, ProbeTrial, believable_share};
+use crate::monitoring::{DriveMonitor, FrozenProbe, ProbeTrial};
 use crate::motion::{Follower, Motion};
 use crate::sensing::{Calm, Clock, Due, Reader, Reading, Sample, Spindle};
 
-/// Velocity of the slide in the test of the probe (m/s), and the time after which it is at rest there, s.
-const TRIAL_VELOCITY: f64 = 0.01;
-const TRIAL_REST: f64 = 0.03;
 /// Time in which a slide without drive that has not moved stands, s.
 const STILL_TIME: f64 = 0.1;
 
@@ -46,6 +45,8 @@ pub struct Controller {
     estimate: Option<Estimate>,
     /// eccentricity of the first model, m
     first: Option<f64>,
+    /// the surest model so far
+    surest: Option<Estimate>,
     /// where the ring was before the last push, until the model after it
     before: Option<Centre>,
     report: PushReport,
@@ -80,6 +81,7 @@ impl Controller {
             settled: Consecutive::default(),
             estimate: None,
             first: None,
+            surest: None,
             before: None,
             report: PushReport::START,
             started: 0.0,
@@ -89,7 +91,7 @@ impl Controller {
 
     /// One sample. The parameters must be those of [`Controller::new`].
     pub fn tick(&mut self, input: &Input, p: &Parameters, output: &mut Output) {
-        let reading = self.reader.read(p, input, self.watched(p));
+        let reading = self.reader.read(p, input, self.freedom(p));
         let due = self.clock.advance(p);
         let turned = self.observe(p, &reading, due);
         self.decide(p, &reading, due, turned);
@@ -124,11 +126,6 @@ impl Controller {
         turned
     }
 
-    /// Whether the slide is where it was told to be; in `Idle`, at rest, a hand may move it.
-    fn watched(&self, p: &Parameters) -> bool {
-        self.state != State::Idle || !self.motion.resting(p)
-    }
-
     /// State machine.
     fn decide(&mut self, p: &Parameters, reading: &Reading, due: Due, turned: f64) {
         let mut events = Events {
@@ -161,89 +158,16 @@ impl Controller {
         }
     }
 
-    /// The gravest fault of this sample.
-    fn find_fault(&mut self, p: &Parameters, reading: &Reading, turned: f64) -> Option<Fault> {
-        let frozen = reading.fresh && self.frozen.update(p, self.phase(), &self.sample, turned) && self.state.active();
-        let astray = self.state == State::Push && self.law.astray(p);
-        // a ring that was found is further away by no more than the probe gives way
-        let slack = if self.state == State::Approach { 0.0 } else { p.probe.stroke };
-        let travel = p.approach.travel_max + slack;
-        let view = Watched {
-            state: self.state,
-            probe: self.calm.probe,
-            turned,
-            speed: self.spindle.speed(),
-            surface: self.follower.surface(),
-            beyond_travel: self.motion.beyond(p, travel),
-            estimate: self.estimate.as_ref(),
-        };
-        let centring = self.state.active() && self.state != State::Centred;
-        if centring {
-            self.progress.count();
-        }
-        let late = centring && self.progress.samples() > u64::from(p.ticks(job_time(p, view.speed)));
-        let found = [
-            reading.fault,
-            (frozen || astray).then_some(Fault::FrozenReading),
-            self.drive.fault(p),
-            self.supervisor.check(p, &view),
-            late.then_some(Fault::NoProgress),
-        ];
-        graver(&found)
-    }
-
-    /// How slide and ring move against each other.
-    fn phase(&self) -> Phase {
-        match self.state {
-            State::Push => Phase::Push,
-            State::Settle if self.motion.moving() => Phase::Retract,
-            _ => Phase::Follow,
-        }
-    }
-
-    /// A later fault may ask for a safer end.
-    fn escalate(&mut self, p: &Parameters, fault: Option<Fault>) {
-        if let Some(fault) = fault.filter(|fault| fault.safe_end() > self.fault.safe_end())
-            && self.state == State::Fault
-        {
-            self.fault = fault;
-            self.leave(p);
-        }
-    }
-
-    /// Whether the drive of the slide may be on.
-    fn driven(&self) -> bool {
-        self.state != State::Fault || self.fault.safe_end() != SafeEnd::DriveOff
-    }
-
     /// Ends the retract after a push, and counts how long the probe is where it should be.
     fn settle(&mut self, p: &Parameters) -> bool {
         if self.state == State::Settle && self.motion.arrived(p, 0.0) {
             self.motion.release();
         }
         let (band, time) = p.settling();
-        let inside = (self.calm.probe - p.null()).abs() <= band;
+        let inside = self.calm.probe >= p.probe.contact && (self.calm.probe - p.null()).abs() <= band;
         let following = matches!(self.state, State::Follow | State::Settle) && !self.motion.moving();
         let settled = self.settled.update(inside && following);
         inside && following && settled >= p.ticks(time)
-    }
-
-    /// Moves the slide out and in, and judges what the probe has answered.
-    fn confirm(&mut self, p: &Parameters, events: &mut Events) {
-        if self.state != State::Confirm || !self.motion.arrived(p, TRIAL_REST) {
-            return;
-        }
-        self.trial.note(self.sample.slide, self.calm.probe);
-        match self.trial.share() {
-            None => self.try_probe(p, trial_move(p)),
-            Some(share) if believable_share(share) => events.confirmed = true,
-            Some(_) => events.fault = Some(Fault::FrozenReading),
-        }
-    }
-
-    /// One move of that test, m.
-    fn try_probe(&mut self, p: &Parameters, way: f64) {
-        self.motion.go(p, self.motion.setpoint.position + way, TRIAL_VELOCITY.min(p.approach.velocity));
     }
 
     /// Makes the model, and judges the ring.
@@ -272,7 +196,14 @@ impl Controller {
             self.report.overshoot = ring.centre.overshoot(&before);
             self.report.overshoot_max = self.report.overshoot_max.max(self.report.overshoot);
         }
+        let surest = *self.surest.get_or_insert(*ring);
+        if ring.sigma < surest.sigma {
+            self.surest = Some(*ring);
+        }
         let first = *self.first.get_or_insert(ring.centre.eccentricity());
+        if line_moved(p, &surest, ring) {
+            return Some(if self.frozen.stands() { Fault::FrozenReading } else { Fault::ReadingJump });
+        }
         judge(p, self.spindle.speed(), self.report.count, first, ring)
     }
 
@@ -303,7 +234,7 @@ impl Controller {
             State::Settle => self.retract(p),
             State::Confirm => {
                 self.trial = ProbeTrial::default();
-                self.trial.note(self.sample.slide, self.calm.probe);
+                self.note_trial();
                 self.try_probe(p, -trial_move(p));
             }
             State::Centred => {
@@ -330,7 +261,7 @@ impl Controller {
         self.law.restart(p);
         self.progress.restart();
         (self.frozen, self.drive, self.trial) = Default::default();
-        (self.fault, self.estimate, self.first, self.before) = (Fault::None, None, None, None);
+        (self.fault, self.estimate, self.first, self.surest, self.before) = (Fault::None, None, None, None, None);
         (self.report, self.started, self.centred) = (PushReport::START, self.clock.time(p), None);
     }
 
@@ -347,8 +278,11 @@ impl Controller {
         self.report.lead_angle = launch.lead;
     }
 
-    /// Retracts at once after a push.
+    /// Retracts at once after a push; where the probe has lost the ring, nobody knows how far, and the slide stops.
     fn retract(&mut self, p: &Parameters) {
+        if self.sample.probe < p.probe.contact {
+            return self.motion.release();
+        }
         let back = self.motion.setpoint.position - (p.probe.at_pusher - p.null());
         self.motion.go(p, back, p.slide.velocity_max);
     }

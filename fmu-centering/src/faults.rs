@@ -24,6 +24,11 @@ const UNSETTLED_TIME: f64 = 3.0;
 const TURNS_MAX: f64 = 1.1;
 /// Turning (in revolutions) from push to push, with three models of the ring and the wait (our choice).
 const CYCLE_TURNS_MAX: f64 = 4.4;
+/// What the line of a centred ring may move in a centring, m (our choice: warmth moves it by less).
+const LINE_MOVED: f64 = 1e-4;
+/// Standard deviations, of both models, and share of the arc's height for a radius that is told wrong.
+const LINE_SIGMAS: f64 = 6.0;
+const LINE_BEND: f64 = 0.25;
 /// Least share of its turning that a spindle which does not reverse goes forward.
 const FORWARD: f64 = 0.9;
 
@@ -147,6 +152,14 @@ fn shows_too_fast(p: &Parameters, view: &Watched) -> bool {
     view.state.follows()
         && fastest * view.speed.abs() > p.limits.friction * GRAVITY
         && fastest > held_surface_velocity(p.limits.friction, p.ring.radius, view.speed)
+}
+
+/// Whether a new model sees the line of a centred ring elsewhere than the surest one so far: no ring and no spindle moves
+/// that, so a reading has.
+pub fn line_moved(p: &Parameters, surest: &Estimate, ring: &Estimate) -> bool {
+    let most = surest.centre.eccentricity().max(ring.centre.eccentricity());
+    let bend = LINE_BEND * most.powi(2) / (4.0 * p.ring.radius);
+    (ring.mean - surest.mean).abs() > LINE_MOVED + LINE_SIGMAS * (surest.sigma + ring.sigma) + bend
 }
 
 /// What is wrong with a new model after `pushes` pushes; the first model had the eccentricity `first` m.
@@ -355,5 +368,20 @@ mod tests {
         assert_eq!(judge(&P, 2.0, 24, 1e-4, &ring(1e-5)), None);
         assert_eq!(judge(&P, 2.0, 1, 0.010, &ring(0.0126)), Some(Fault::Diverged));
         assert_eq!(judge(&P, 2.0, 1, 0.010, &ring(0.0124)), None);
+    }
+
+    #[test]
+    fn a_line_that_moves_is_a_jump_of_a_reading() {
+        let seen = |mean: f64, sigma: f64, x: f64| Estimate { centre: Centre { x, y: 0.0 }, mean, sigma };
+        let sure = seen(0.08, 1e-6, 1e-5);
+        // 0.1 mm and 6 x (1 + 4) um
+        for way in [1.29e-4, -1.29e-4] {
+            assert!(!line_moved(&P, &sure, &seen(0.08 + way, 4e-6, 0.0)));
+            assert!(line_moved(&P, &sure, &seen(0.08 + 1.02 * way, 4e-6, 0.0)));
+        }
+        // 20 mm off, a radius that is told 25 % wrong moves the line by 0.5 mm
+        let far = seen(0.08, 0.0, 0.02);
+        assert!(!line_moved(&P, &far, &seen(0.08059, 0.0, 0.0)));
+        assert!(line_moved(&P, &far, &seen(0.08061, 0.0, 0.0)));
     }
 }

@@ -57,8 +57,8 @@ mod variables {
         #[hint("raise `tolerance` or `limits.pushes`; does the ring slide at all?")] PushBudget,
         /// Spindle or probe encoder is NaN, infinite or out of any plausible range
         #[hint("check these two encoders and their links")] InvalidInput,
-        /// Spindle or probe encoder is for more than `limits.lost_samples` samples where the machine cannot have gone
-        #[hint("check the counters and cables of spindle and probe")] ReadingJump,
+        /// Spindle or probe encoder is for more than `limits.lost_samples` samples where the machine cannot have gone, or the ring's centred surface is elsewhere than before
+        #[hint("check the counters and cables of spindle, probe and slide")] ReadingJump,
         /// The probe keeps its value although slide or ring moves, or does not answer the slide by what that moves
         #[hint("is the probe jammed, its link dead, or its scale wrong? was the ring touched?")] FrozenReading,
         /// The slide encoder is invalid, jumps, or keeps its value although the slide should move

@@ -12,8 +12,10 @@ pub const GRAVITY: f64 = 9.807;
 /// From push to push: settling and stroke (s), and a revolution each of measuring and waiting with a tenth to spare.
 const CYCLE_TIME: f64 = 5.0;
 const CYCLE_TURNS: f64 = 2.2;
-/// Move of the slide that shows whether the probe lives, m (our choice: a thousand times its noise).
+/// Move of the slide that shows whether the probe lives, m (our choice: a thousand times its noise); and the least, with
+/// which a last bit of 20 um does not decide.
 const TRIAL_MOVE: f64 = 2e-4;
+pub const TRIAL_MOVE_MIN: f64 = 1e-4;
 
 /// Spindle speed (rad/s) at which the centrifugal force equals the friction `mu` at the eccentricity `e` m.
 pub fn speed_limit(mu: f64, e: f64) -> f64 {
@@ -109,6 +111,15 @@ mod tests {
         assert!((job_time(&p, 0.0) - 1.25 - 26.0 * (5.0 + 2.2 * TAU / 0.1)).abs() < 1e-9);
         p.limits.job_time = 7.0;
         assert_eq!(job_time(&p, 0.0), 7.0);
+    }
+
+    #[test]
+    fn the_test_of_the_probe_keeps_it_on_the_ring() {
+        let mut p = Parameters::START;
+        assert_eq!(trial_move(&p), 2e-4);
+        // 4.5 - 4.05 - 0.2 mm
+        p.park.dead_zone = 4.05e-3;
+        assert!((trial_move(&p) - 1.25e-4).abs() < 1e-15);
     }
 
     #[test]

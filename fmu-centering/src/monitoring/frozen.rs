@@ -25,12 +25,14 @@ const FAR: f64 = 5e-4;
 const PUSHED_BACK: f64 = 5e-3;
 /// A value that stands for less is chance: three samples beside a surface of 80 mm/s, s (our choice).
 const STILL_TIME: f64 = 0.02;
+/// Turning (rad) in which an eccentric ring moves its surface by more than a last bit, also where it turns back.
+const STANDS_TURN: f64 = 0.125 * TAU;
 /// Band of a last bit, in bits.
 const FLICKER: f64 = 1.5;
 /// Coarsest last bit that can be seen while following, m.
 const BIT_MAX: f64 = 6e-7;
-/// Resolution of the probe, in tolerances, with which no ring reads the same for a whole revolution.
-const FINE: f64 = 0.2;
+/// Coarsest last bit with which no ring reads the same for a whole revolution, m (our choice: none is as round and true).
+const FINE: f64 = 1e-7;
 
 /// How slide and ring move against each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,6 +50,8 @@ pub enum Phase {
 pub struct FrozenProbe {
     monitor: Frozen,
     before: Option<Sample>,
+    /// surface that stands, held against the turning (rad) of the ring
+    standing: Frozen,
     /// turning since it moved, rad
     turned: f64,
     /// smallest change that was ever read, m
@@ -57,11 +61,16 @@ pub struct FrozenProbe {
 impl Default for FrozenProbe {
     /// Nothing read.
     fn default() -> Self {
-        Self { monitor: Frozen::default(), before: None, turned: 0.0, bit: f64::MAX }
+        Self { monitor: Frozen::default(), standing: Frozen::default(), before: None, turned: 0.0, bit: f64::MAX }
     }
 }
 
 impl FrozenProbe {
+    /// Whether the surface stands while the ring turns: what is wrong with a model then is the probe.
+    pub fn stands(&self) -> bool {
+        self.standing.unanswered() > STANDS_TURN
+    }
+
     /// Takes a sample and the turning (rad) since the one before; whether the probe is broken.
     pub fn update(&mut self, p: &Parameters, phase: Phase, sample: &Sample, turned: f64) -> bool {
         let before = self.before.replace(*sample).unwrap_or(*sample);
@@ -69,6 +78,7 @@ impl FrozenProbe {
         if change > 0.0 {
             self.bit = self.bit.min(change);
         }
+        self.standing.update(sample.tip(), turned, (FLICKER * self.bit).clamp(BIT_MAX, RESOLUTION));
         // a ring at the pusher goes with the slide, and without contact there is nothing to read
         let pressed = |distance: f64| sample.probe >= p.probe.at_pusher - distance;
         // far from its place a probe comes back to it, by more than the coarsest resolution
@@ -77,14 +87,18 @@ impl FrozenProbe {
             Phase::Push => (RESOLUTION, MOVED_IN_STROKE, !pressed(PRESSED_IN_PUSH)),
             Phase::Retract => (RESOLUTION, if pressed(PRESSED) { PUSHED_BACK } else { MOVED_IN_STROKE }, true),
             Phase::Follow if far => (RESOLUTION, MOVED_IN_STROKE, !pressed(PRESSED)),
-            Phase::Follow => (FLICKER * self.bit, MOVED, self.bit < BIT_MAX && !pressed(PRESSED)),
+            Phase::Follow if self.bit < BIT_MAX => (FLICKER * self.bit, MOVED, !pressed(PRESSED)),
+            // a coarse one may keep up with the surface for long: half of the way to the pusher
+            Phase::Follow => {
+                (RESOLUTION, (0.5 * (p.probe.at_pusher - p.null())).max(MOVED_IN_STROKE), !pressed(PRESSED))
+            }
         };
         if !sees || sample.probe < p.probe.contact {
             self.monitor.clear();
         }
         self.monitor.update(sample.probe, sample.slide - before.slide, band);
         self.turned = if self.monitor.still() == 0 { 0.0 } else { self.turned + turned };
-        let fine = self.bit < FINE * p.tolerance;
+        let fine = self.bit <= FINE;
         let still = self.monitor.still() > p.ticks(STILL_TIME);
         (still && self.monitor.unanswered() > limit) || (fine && self.turned.abs() >= TAU)
     }
@@ -145,13 +159,30 @@ mod tests {
     #[test]
     fn far_from_its_place_even_a_coarse_probe_must_come_back() {
         let jammed = |probe: f64| broken_in(Phase::Follow, 5e-6, move |angle| (0.1 + 1e-3 * angle, probe));
-        assert!(jammed(0.9e-3).is_some() && jammed(8.1e-3).is_some());
-        assert_eq!(jammed(1.1e-3), None);
+        assert!(jammed(0.9e-3).is_some_and(|moved| moved < 1.1) && jammed(8.1e-3).is_some_and(|moved| moved < 1.1));
+        // else before the pusher meets the ring
+        for probe in [1.1e-3, 4.5e-3] {
+            let moved = jammed(probe).unwrap();
+            assert!((moved - 7.75).abs() < 0.02, "{moved} mm");
+        }
     }
 
     #[test]
     fn a_coarse_probe_may_read_the_same_for_long() {
-        assert_eq!(broken(1e-6, |_| (0.1, 5e-3)), None);
+        assert!(broken(1e-7, |_| (0.1, 5e-3)).is_some());
+        assert_eq!(broken(1.1e-7, |_| (0.1, 5e-3)), None);
+    }
+
+    #[test]
+    fn one_that_keeps_its_value_for_an_eighth_of_a_turn_stands() {
+        for (bit, flicker) in [(1e-7, 1e-7), (1e-9, 5e-7), (5e-6, 7e-6)] {
+            let mut frozen = FrozenProbe { bit, ..FrozenProbe::default() };
+            for k in 0..300 {
+                let moves = 1e-4 * f64::from(k.min(100)) + if k % 2 == 0 { flicker } else { 0.0 };
+                frozen.update(&P, Phase::Follow, &Sample { probe: 5e-3 + moves, ..Sample::default() }, 0.01);
+                assert_eq!(frozen.stands(), k > 178, "{bit}: {k}");
+            }
+        }
     }
 
     #[test]

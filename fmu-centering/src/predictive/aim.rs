@@ -140,3 +140,88 @@ fn wait_for(p: &Parameters, input: &AimInput, approach: &PlannedApproach, stroke
     let samples = ((wait + stroke.duration()) / p.sample_period).round();
     samples * p.sample_period - stroke.duration()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::predictive::ring_model::Assumptions;
+    use control_blocks::wrap;
+    use nalgebra::Vector2;
+
+    const P: Parameters = Parameters::START;
+    const HORIZON: f64 = 0.015;
+
+    fn ring(centre: Vector2<f64>) -> RingModel {
+        let assumed = Assumptions { radius: 0.05, noise: 2e-7, centre: 5e-3, form: 0.0, gate: 6.0, rejections_max: 5 };
+        let mut ring = RingModel::new(assumed);
+        ring.displaced(centre, 1e-6);
+        ring
+    }
+
+    /// Angles and plans of all launches of a spindle that turns by `speed` rad/s for a revolution, without their effect.
+    fn launches(p: &Parameters, centre: Vector2<f64>, speed: f64, tap: Option<f64>) -> Vec<(f64, PlannedStroke)> {
+        let (ring, learned) = (ring(centre), LearnedParameters::new(p));
+        let setpoint = Trajectory { position: p.park.probe, ..Trajectory::default() };
+        let beats = (TAU / (speed.abs() * HORIZON)) as i32;
+        let at = |k: i32| 0.4 + speed * HORIZON * f64::from(k);
+        let plan = |angle: f64| {
+            let input = AimInput { ring: &ring, learned: &learned, angle, speed, setpoint, horizon: HORIZON };
+            aim(p, &input, tap).map(|planned| (angle, planned))
+        };
+        (0..beats).filter_map(|k| plan(at(k))).collect()
+    }
+
+    #[test]
+    fn the_ring_is_met_in_the_direction_from_which_the_push_ends_at_the_centre() {
+        let centre = Vector2::new(2e-4, -3e-4);
+        for speed in [2.094, -2.094, 4.712] {
+            // the first launch of a revolution is on time; a later one of the same chance is late by up to 0.1 rad
+            let found = launches(&P, centre, speed, None);
+            let (angle, planned) = &found[0];
+            let e = centre.norm();
+            let finish = Finish::braked(e, 0.08, 0.04);
+            let meeting = Contact { radius: 0.05, speed, lateral: 0.05 }.meeting(e, &finish);
+            let touch = planned.angle - speed * meeting.time + centre.y.atan2(centre.x);
+            // a sample, and the line that changes on the way
+            assert!(wrap(touch - meeting.direction()).abs() < 1e-3 * speed.abs(), "{speed}: {touch}");
+            assert!((planned.angle - angle - speed.signum() * planned.lead).abs() < 1e-9);
+            assert!((planned.velocity - 2.0 * e / 0.08).abs() < 1e-12, "{} m/s", planned.velocity);
+            // from the parked probe to the pusher on the line of the centred ring, which is 0
+            assert!((planned.distance - (P.probe.at_pusher - P.park.probe)).abs() < 1e-12, "{}", planned.distance);
+        }
+    }
+
+    #[test]
+    fn a_large_push_takes_longer_and_brakes_less_than_friction() {
+        let (_, planned) = launches(&P, Vector2::new(4e-3, 0.0), 2.094, None).swap_remove(0);
+        // sqrt(2 e / 0.2 m/s2) = 0.2 s, with 40 mm/s at contact
+        assert!((planned.velocity - 0.04).abs() < 1e-12, "{}", planned.velocity);
+    }
+
+    #[test]
+    fn a_tiny_push_is_not_slower_than_the_standoff_allows() {
+        let (_, planned) = launches(&P, Vector2::new(3e-6, 0.0), 2.094, None).swap_remove(0);
+        // 3 x 30 um and 2 um in 0.15 s
+        assert!((planned.velocity - 92e-6 / 0.15).abs() < 1e-12, "{}", planned.velocity);
+    }
+
+    #[test]
+    fn without_the_plan_of_the_phase_it_is_met_at_its_nearest() {
+        let mut p = P;
+        p.stroke.phase_plan = false;
+        let (_, planned) = launches(&p, Vector2::new(0.0, 1e-4), 2.094, None).swap_remove(0);
+        // the contact is 0.08 s before the end
+        assert!(wrap(planned.angle + TAU / 4.0 - 2.094 * 0.08).abs() < 4e-3, "{}", planned.angle);
+    }
+
+    #[test]
+    fn a_tap_goes_with_its_speed_to_where_the_ring_is() {
+        let e = 5e-5;
+        let (_, planned) = launches(&P, Vector2::new(e, 0.0), 2.094, Some(0.06)).swap_remove(0);
+        assert_eq!(planned.velocity, 0.06);
+        let direction = 0.05_f64.atan();
+        assert!(wrap(planned.angle - direction).abs() < 3e-3, "{}", planned.angle);
+        let way = P.probe.at_pusher - P.park.probe - e * planned.angle.cos();
+        assert!((planned.distance - way).abs() < 1e-9, "{} of {way}", planned.distance);
+    }
+}

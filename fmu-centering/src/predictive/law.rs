@@ -119,7 +119,7 @@ impl CentringLaw for PredictiveLaw {
 
     /// The next stroke, if it must begin before the next measurement.
     fn launch(&mut self, p: &Parameters, now: &Observation) -> Option<Launch> {
-        if !now.due.collect || now.speed.abs() < STANDING {
+        if !now.due.collect || now.speed.abs() < STANDING || self.seen.is_none() {
             return None;
         }
         let mut learned = self.relearned(p);
@@ -167,7 +167,8 @@ impl CentringLaw for PredictiveLaw {
     }
 
     fn stroke_over(&self, p: &Parameters, _: &Motion) -> bool {
-        self.press.as_ref().is_none_or(|press| press.over(p))
+        // a stroke that does not see the ring ends at once
+        self.seen.is_none() || self.press.as_ref().is_none_or(|press| press.over(p))
     }
 
     fn enter(&mut self, p: &Parameters, state: State, _: &Observation) {
@@ -187,7 +188,11 @@ impl PredictiveLaw {
     /// What the contact tells is learned, and the centre is where it should be, more or less.
     fn end_stroke(&mut self, p: &Parameters) {
         let (Some(press), Some(last_push)) = (self.press.take(), &mut self.last_push) else { return };
-        if let PushKind::Push(reached) = &mut last_push.kind {
+        let spread = SPREAD * last_push.eccentricity + SPREAD_MIN;
+        if self.seen.is_none() {
+            // what was not seen teaches nothing
+            self.last_push = None;
+        } else if let PushKind::Push(reached) = &mut last_push.kind {
             *reached = press.last().tip;
             last_push.angle = press.last().angle;
             match press.felt(FELT * last_push.eccentricity) {
@@ -195,7 +200,7 @@ impl PredictiveLaw {
                 None => self.learned.missed(p, press.last().probe()),
             }
         }
-        self.ring.displaced(Vector2::zeros(), SPREAD * last_push.eccentricity + SPREAD_MIN);
+        self.ring.displaced(Vector2::zeros(), spread);
         (self.since, self.turned) = (None, 0.0);
         self.rest = p.ticks(REST);
     }

@@ -133,6 +133,7 @@ impl LearnedParameters {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::predictive::ring_model::Assumptions;
 
     const P: Parameters = Parameters::START;
 
@@ -154,5 +155,81 @@ mod tests {
         learned.missed(&p, p.probe.at_pusher + 7e-6);
         learned.touched(&p, 1e-5, Some(p.probe.at_pusher + 5e-6));
         assert_eq!(learned, LearnedParameters::new(&p));
+    }
+
+    const ANGLE: f64 = 0.7;
+    const E: f64 = 1e-4;
+
+    /// A ring that lies at (x, y) m in the world at the angle of the last push, known to 1 um.
+    fn left(x: f64, y: f64) -> RingModel {
+        let assumed = Assumptions { radius: 0.05, noise: 2e-7, centre: 5e-3, form: 0.0, gate: 6.0, rejections_max: 5 };
+        let mut ring = RingModel::new(assumed);
+        ring.displaced(Rotation2::new(-ANGLE) * Vector2::new(x, y), 1e-6);
+        ring
+    }
+
+    fn push(sense: f64, kind: PushKind) -> LastPush {
+        LastPush { eccentricity: E, angle: ANGLE, sense, lateral: 0.05, kind }
+    }
+
+    #[test]
+    fn where_the_ring_went_sideways_teaches_the_lateral_ratio() {
+        let learned = LearnedParameters::new(&P);
+        for sense in [1.0, -1.0] {
+            let after = learned.after(&P, &push(sense, PushKind::Push(0.0)), &left(1e-5, -sense * 9e-6));
+            // 9 um beside a way of 90 um, on the side to which the table turns
+            let expected = learned.lateral.after(0.05 + 0.1, 0.02_f64.hypot(1e-6 / 9e-5));
+            assert!((after.lateral.mean - expected.mean).abs() < 1e-9, "{:?} {expected:?}", after.lateral);
+            assert!((after.lateral.sigma - expected.sigma).abs() < 1e-9);
+        }
+        // too short a way says nothing, and no ratio is negative
+        let short = learned.after(&P, &push(1.0, PushKind::Push(0.0)), &left(7.1e-5, -9e-6));
+        assert_eq!(short.lateral, learned.lateral);
+        let back = learned.after(&P, &push(1.0, PushKind::Push(0.0)), &left(0.0, 5e-5));
+        assert_eq!(back.lateral.mean, 0.0);
+    }
+
+    #[test]
+    fn where_the_ring_lies_after_the_stroke_teaches_the_recoil() {
+        let learned = LearnedParameters::new(&P);
+        // the surface was 3 um before the line of the centred ring, and is 5 um behind it
+        let after = learned.after(&P, &push(1.0, PushKind::Push(-3e-6)), &left(5e-6, 0.0));
+        let expected = learned.recoil.after(2e-6, 2e-7 + 1e-6);
+        assert!(
+            (after.recoil.mean - expected.mean).abs() < 1e-12 && (after.recoil.sigma - expected.sigma).abs() < 1e-12
+        );
+        let mut p = P;
+        p.learn.recoil = false;
+        assert_eq!(learned.after(&p, &push(1.0, PushKind::Push(-3e-6)), &left(5e-6, 0.0)).recoil, learned.recoil);
+    }
+
+    #[test]
+    fn a_tap_teaches_the_law_of_taps_and_no_recoil() {
+        let mut learned = LearnedParameters::new(&P);
+        learned.deflection.mean = 2e-4;
+        let law = learned.prepare_tap(&P);
+        let servo = P.tap.slide_mass * P.slide.bandwidth.powi(2);
+        let hammer = Hammer { mass: P.tap.slide_mass, servo, tip: P.tap.tip_stiffness };
+        assert_eq!(law, TapLaw::guess(&hammer, 2e-4));
+        let after = learned.after(&P, &push(1.0, PushKind::Tap(0.08)), &left(2e-5, 0.0));
+        let expected = law.after(0.08, 8e-5, 1e-6);
+        for d in [0.0, 1e-5] {
+            assert!((after.tap.unwrap().speed(d) - expected.speed(d)).abs() < 1e-9);
+        }
+        assert_eq!(after.recoil, learned.recoil);
+    }
+
+    #[test]
+    fn the_touch_teaches_deflection_and_contact() {
+        let mut learned = LearnedParameters::new(&P);
+        let before = learned.clone();
+        learned.touched(&P, 4e-6, Some(P.probe.at_pusher + 5e-6));
+        assert_eq!(learned.deflection, before.deflection.after(4e-6, 0.4e-6 + 3e-7));
+        let contact = before.contact.after(5e-6, 3e-7);
+        assert!((learned.contact.mean - contact.mean).abs() < 1e-12);
+        assert!((learned.contact.sigma - contact.sigma).abs() < 1e-12);
+        learned = before.clone();
+        learned.touched(&P, 4e-6, None);
+        assert_eq!(learned.contact, before.contact);
     }
 }

@@ -162,3 +162,115 @@ fn feed_forward(p: &Parameters, acceleration: f64) -> f64 {
     let frequency = p.slide.bandwidth;
     if frequency > 0.0 { acceleration / frequency.powi(2) } else { 0.0 }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::predictive::stroke::{Finish, SlideLimits};
+
+    const P: Parameters = Parameters::START;
+    const CONTACT: f64 = 0.08;
+    const GOAL: Goal = Goal { line: 0.1, contact: 0.02, deflection: 0.0 };
+    /// Place of the stroke's end, m: the line of the goal with the probe at the pusher.
+    const END: f64 = 0.12;
+
+    fn stroke() -> Stroke {
+        let begin = Trajectory { position: 0.104, ..Trajectory::default() };
+        let finish = Finish::braked(5e-4, CONTACT, 0.04);
+        Stroke::plan(&begin, END, 5e-4, &finish, &SlideLimits { velocity: 0.12, acceleration: 2.56 })
+    }
+
+    /// Steps from the contact on with the surface `error` m before its place in the plan and the probe at `probe` m;
+    /// setpoint less stroke and feed-forward after each sample.
+    fn added(goal: &Goal, samples: u32, error: f64, probe: f64) -> (Press, Vec<f64>) {
+        let stroke = stroke();
+        let wait = -(stroke.duration() - CONTACT) - 1e-6;
+        let mut press = Press::new(stroke.clone(), Ending::Rest, CONTACT, wait);
+        let added = (0..samples).map(|_| {
+            let time = press.time;
+            let left = END - stroke.at(time - LAG * P.sample_period).position;
+            let tip = goal.line - left - error;
+            let told = press.step(&P, goal, &Measurement { angle: 0.0, slide: tip + probe, tip }, tip + probe);
+            let plan = stroke.at(time + P.sample_period);
+            told.position - plan.position - feed_forward(&P, plan.acceleration)
+        });
+        let added = added.collect();
+        (press, added)
+    }
+
+    #[test]
+    fn a_blow_is_the_stroke_told_in_advance() {
+        let stroke = stroke();
+        let mut press = Press::new(stroke.clone(), Ending::Blow, 0.0, 0.003);
+        for k in 0..300 {
+            let told = press.step(&P, &GOAL, &Measurement::default(), 0.1);
+            // a wait of 3 samples, and a delay of one
+            let plan = stroke.at(1e-3 * (f64::from(k) - 2.0));
+            let ahead = plan.acceleration / P.slide.bandwidth.powi(2);
+            assert!((told.position - plan.position - ahead).abs() < 1e-12, "{k}");
+            assert!((told.velocity - plan.velocity).abs() < 1e-12);
+            let late = 1e-3 * (f64::from(k) - 2.0) - stroke.duration();
+            assert_eq!(press.over(&P), late >= 2e-3 - 1e-12, "{k}");
+        }
+    }
+
+    #[test]
+    fn the_error_of_the_surface_is_integrated_within_its_limits() {
+        // 60 1/s x 10 um x 1 ms each sample
+        let (_, forwards) = added(&GOAL, 20, 1e-5, 0.02);
+        for (k, added) in forwards.iter().enumerate() {
+            assert!((added - 6e-7 * (k + 1) as f64).abs() < 1e-12, "{k}: {added}");
+        }
+        let (_, back) = added(&GOAL, 20, -1e-5, 0.02);
+        assert!((back[19] + 1.2e-5).abs() < 1e-12, "{}", back[19]);
+        // beyond 50 um no faster, and not further back than 50 um
+        let (_, fast) = added(&GOAL, 10, 2e-4, 0.02);
+        assert!((fast[9] - 3e-5).abs() < 1e-12, "{}", fast[9]);
+        let (_, far) = added(&GOAL, 80, -2e-4, 0.02);
+        assert!((far[79] + 5e-5).abs() < 1e-12, "{}", far[79]);
+    }
+
+    #[test]
+    fn before_the_pusher_touches_nothing_is_taken_back() {
+        let (_, apart) = added(&GOAL, 20, -1e-5, 0.02 - 1e-6);
+        assert!(apart.iter().all(|added| added.abs() < 1e-12));
+        let (_, forwards) = added(&GOAL, 20, 1e-5, 0.02 - 1e-6);
+        assert!((forwards[19] - 1.2e-5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_deflection_is_given_within_20_ms_and_counts_as_ahead() {
+        let goal = Goal { deflection: 1e-4, ..GOAL };
+        let (press, added) = added(&goal, 40, 0.0, 0.02);
+        // one sample of delay
+        assert!((added[9] - 5e-5).abs() < 1e-8 && (added[30] - 1e-4).abs() < 1e-12, "{added:?}");
+        assert!((press.ahead() - 1e-4).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_push_ends_when_the_surface_arrives_and_not_later_than_its_hold() {
+        let ends = |error: f64| {
+            let (mut samples, mut over) = (0, false);
+            while !over {
+                samples += 1;
+                over = added(&GOAL, samples, error, 0.02).0.over(&P);
+            }
+            samples
+        };
+        assert_eq!((ends(0.0), ends(2e-7)), (80, 120));
+    }
+
+    #[test]
+    fn what_was_felt_is_the_deflection_and_where_the_probe_stood() {
+        let (press, _) = added(&GOAL, 70, 0.0, 0.02);
+        let (deflection, probe) = press.felt(1e-4).unwrap();
+        // the slide is where the surface and the pusher put it, two samples behind the plan; the filter has 10 ms
+        assert!(deflection > 0.0 && deflection < 5e-5, "{deflection}");
+        assert_eq!(probe, Some(press.last().probe()));
+        assert!(press.felt(6e-4).is_none());
+        // a ring that has left the pusher does not tell where the contact is
+        let mut gone = press.clone();
+        gone.last = Measurement { tip: gone.last.tip, slide: gone.last.slide - 1.1e-5, ..gone.last };
+        assert_eq!(gone.felt(1e-4).unwrap().1, None);
+    }
+}

@@ -76,3 +76,67 @@ impl TapLaw {
 fn terms(d: f64) -> Vector2<f64> {
     Vector2::new(1.0, d.max(0.0).sqrt())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 8 kg on a servo of 40 Hz before 70 kg, whose kinetic friction of 109.8 N bends it by 0.217 mm.
+    const HAMMER: Hammer = Hammer { mass: 8.0, servo: 505_323.745_335_775_14, tip: 5e6 };
+    const DEFLECTION: f64 = 2.173_624_354_957_139_7e-4;
+
+    fn guess() -> TapLaw {
+        TapLaw::guess(&HAMMER, DEFLECTION)
+    }
+
+    #[test]
+    fn the_first_guess_is_the_balance_of_momentum_and_friction() {
+        // 11.49 kg v = 109.8 N x 3.76 ms + sqrt(2 x 109.8 N x 70 kg x d)
+        for (d, speed) in [(-1e-6, 0.035_995_8), (0.0, 0.035_995_8), (1e-5, 0.070_133_0), (1e-4, 0.143_947_1)] {
+            assert!((guess().speed(d) - speed).abs() < 1e-7, "{d} m: {} m/s", guess().speed(d));
+        }
+        let doubt = guess().covariance.diagonal().map(f64::sqrt);
+        assert!((doubt - 0.5 * guess().mean).norm() < 1e-12);
+    }
+
+    #[test]
+    fn one_blow_is_taken_in_as_a_kalman_filter_does() {
+        // a ring that stays teaches v0 alone
+        let (speed, sigma) = (0.05, 1e-8);
+        let before = guess();
+        let after = before.after(speed, 0.0, sigma);
+        let prior = (0.25 + 0.0025) * before.mean.x.powi(2);
+        let noise = (0.03 * speed).powi(2) + (before.mean.y * sigma / 2e-4).powi(2);
+        let gain = prior / (prior + noise);
+        assert!((after.mean.x - before.mean.x - gain * (speed - before.mean.x)).abs() < 1e-12);
+        assert!((after.covariance[(0, 0)] / (prior * (1.0 - gain)) - 1.0).abs() < 1e-9);
+        assert_eq!(after.mean.y, before.mean.y);
+    }
+
+    #[test]
+    fn what_is_known_badly_teaches_less() {
+        let d = 4e-5;
+        let sharp = guess().after(0.15, d, 1e-8).speed(d) - guess().speed(d);
+        let vague = guess().after(0.15, d, 2e-5).speed(d) - guess().speed(d);
+        assert!(0.0 < vague && vague < 0.9 * sharp, "{vague} m/s against {sharp}");
+    }
+
+    #[test]
+    fn blows_teach_the_law_of_the_ring() {
+        let ring = |d: f64| 0.02 + 16.0 * d.sqrt();
+        let mut law = guess();
+        for d in [1e-4, 5e-5, 2e-5, 1e-5, 5e-6, 3e-5] {
+            law = law.after(ring(d), d, 1e-7);
+        }
+        for d in [5e-6, 2e-5, 8e-5] {
+            assert!((law.speed(d) / ring(d) - 1.0).abs() < 0.05, "{d} m: {} of {} m/s", law.speed(d), ring(d));
+        }
+    }
+
+    #[test]
+    fn a_faster_blow_always_moves_more() {
+        let law = guess().after(1e-3, 1e-3, 1e-7);
+        assert!(law.mean.x >= 0.0 && law.mean.y >= 0.1 * guess().mean.y);
+        assert!(law.speed(1e-5) < law.speed(2e-5));
+    }
+}

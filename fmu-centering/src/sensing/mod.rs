@@ -9,5 +9,5 @@ mod spindle;
 pub use calm::Calm;
 pub use despike::{Despiker, LAG, Measurement};
 pub use rates::{Clock, Due};
-pub use reading::{RESOLUTION, Reader, Reading, Sample};
+pub use reading::{Freedom, RESOLUTION, Reader, Reading, Sample};
 pub use spindle::Spindle;

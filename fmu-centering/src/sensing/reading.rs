@@ -1,8 +1,10 @@
 //! Checks the inputs of a sample: what can be used, what stands in for the rest, and what is wrong with it.
 //!
-//! A reading where the machine cannot be is bridged by the last believed one: it moves nothing, and it begins and ends
-//! nothing. Reach in one sample: three times the largest velocity of the slide (taps spring back), the fastest believable
-//! table, and for the probe what slide and ring can do together, the ring at most 2 sqrt(mu g r) (eq. 2 and 5).
+//! A reading that is no number, or is where the machine cannot be, is bridged by the last believed one: it moves nothing,
+//! and it begins and ends nothing. Reach in one sample: three times the largest velocity of the slide (taps spring back),
+//! the fastest believable table, and for the probe what the slide has moved and the ring may move. A ring that is held
+//! goes with the table (eq. 2 and 5 with `ring.eccentricity_max`); one that is pushed may be anywhere around the axis, and
+//! is hit at up to twice the speed of the slide.
 
 use control_blocks::{Consecutive, Edge, JumpGuard, Reach, believable, wrap};
 use serde::{Deserialize, Serialize};
@@ -41,10 +43,21 @@ impl Sample {
     }
 }
 
+/// What may move the machine until the next sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Freedom {
+    /// A hand: everything is believed that is a number.
+    Hand,
+    /// Spindle and slide; the ring is held by friction.
+    Held,
+    /// The slide may push the ring as well.
+    Pushed,
+}
+
 /// What is made of the inputs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Reading {
-    /// The encoders, or what stands in for them; none before the first numbers, or if one is no number.
+    /// The encoders, or what stands in for them; none before the first numbers of all three.
     pub sample: Option<Sample>,
     /// All three are what has just been read.
     pub fresh: bool,
@@ -79,73 +92,80 @@ pub struct Reader {
 }
 
 impl Reader {
-    /// Reads one sample; a machine that is not `watched` may be moved by hand, and is believed.
-    pub fn read(&mut self, p: &Parameters, input: &Input, watched: bool) -> Reading {
+    /// Reads one sample.
+    pub fn read(&mut self, p: &Parameters, input: &Input, freedom: Freedom) -> Reading {
         let (start, reset) = (self.enable.rises(input.enable), self.reset.rises(input.reset_fault));
         // an `enable` that stands from the first sample on has not risen
         let start = std::mem::replace(&mut self.begun, true) && start;
-        let events = Reading { enabled: input.enable, start, reset, ..Reading::default() };
-        let slide = believable(input.slide_position, POSITION_MAX).then_some(input.slide_position);
-        let Some(slide) = slide else { return Reading { fault: Some(Fault::LostReading), ..events } };
-        if !(believable(input.probe_position, POSITION_MAX) && believable(input.spindle_angle, ANGLE_MAX)) {
-            return Reading { slide: Some(slide), fault: Some(Fault::InvalidInput), ..events };
-        }
-        let raw = Sample { angle: input.spindle_angle, slide, probe: input.probe_position };
-        Reading { enabled: input.enable, start, reset, ..self.believe(p, &raw, watched) }
+        let number = |value: f64, most: f64| if believable(value, most) { value } else { f64::NAN };
+        let raw = Sample {
+            angle: number(input.spindle_angle, ANGLE_MAX),
+            slide: number(input.slide_position, POSITION_MAX),
+            probe: number(input.probe_position, POSITION_MAX),
+        };
+        Reading { enabled: input.enable, start, reset, ..self.believe(p, &raw, freedom) }
     }
 
     /// Bridges what the machine cannot have done.
-    fn believe(&mut self, p: &Parameters, raw: &Sample, watched: bool) -> Reading {
+    fn believe(&mut self, p: &Parameters, raw: &Sample, freedom: Freedom) -> Reading {
         let before = self.believed.unwrap_or(*raw);
         // the spindle turns for ever: its guard sees the angle from the last believed one
-        self.angle.update(wrap(raw.angle - before.angle), turning(p));
-        self.slide.update(raw.slide, sliding(p));
-        let doubted = self.angle.doubted() > 0 || self.slide.doubted() > 0;
-        let jumped = self.believed.is_none() || (doubted && !watched);
-        if !watched {
-            (self.angle, self.slide, self.probe) = Default::default();
-            self.slide.update(raw.slide, sliding(p));
-        }
-        let probe = self.collapse(p, raw.probe, before.probe);
+        let turned = take(&mut self.angle, wrap(raw.angle - before.angle), turning(p), freedom);
+        let slid = take(&mut self.slide, raw.slide, sliding(p), freedom);
         let kept = |guard: &JumpGuard, now: f64, last: f64| if guard.doubted() > 0 { last } else { now };
-        let sample = Sample {
-            angle: kept(&self.angle, raw.angle, before.angle),
-            slide: kept(&self.slide, raw.slide, before.slide),
-            probe,
-        };
+        let (angle, slide) = (kept(&self.angle, raw.angle, before.angle), kept(&self.slide, raw.slide, before.slide));
+        let probe = self.collapse(p, raw.probe, &before, slide, freedom);
         if self.angle.doubted() == 0 {
             self.angle.clear();
             self.angle.update(0.0, turning(p));
         }
-        self.believed = Some(sample);
-        Reading {
-            sample: Some(sample),
-            fresh: sample == *raw,
-            calm: self.calm.update(Calm { probe: sample.probe, tip: sample.tip() }),
+        let sample = Sample { angle, slide, probe };
+        let known = self.believed.is_some() || sample == *raw;
+        let jumped = self.believed.is_none() || turned || slid;
+        let events = Reading {
             slide: (self.slide.doubted() == 0).then_some(raw.slide),
             jumped,
-            fault: self.fault(p),
+            fault: self.fault(p, raw),
             ..Reading::default()
+        };
+        if !known {
+            return events;
         }
+        self.believed = Some(sample);
+        let calm = self.calm.update(Calm { probe: sample.probe, tip: sample.tip() });
+        Reading { sample: Some(sample), fresh: sample == *raw, calm, ..events }
     }
 
-    /// Collapse of the probe (m) to use; `before` is the one used last.
+    /// Collapse of the probe (m) to use, with the slide at `slide` m; `before` is the sample used last.
     ///
     /// A probe that has lost the ring springs out at once, so that is believed when it lasts.
-    fn collapse(&mut self, p: &Parameters, raw: f64, before: f64) -> f64 {
-        let reach = collapsing(p);
+    fn collapse(&mut self, p: &Parameters, raw: f64, before: &Sample, slide: f64, freedom: Freedom) -> f64 {
+        let reach = collapsing(p, (slide - before.slide).abs(), freedom);
         let free = raw < 0.5 * p.probe.contact;
-        let springs = free && (self.probe.doubted() > 0 || before - raw > reach.motion + reach.spread);
-        let believed = self.probe.update(if springs { f64::NAN } else { raw }, reach);
+        let springs = free && (self.probe.doubted() > 0 || before.probe - raw > reach.motion + reach.spread);
+        take(&mut self.probe, if springs { f64::NAN } else { raw }, reach, freedom);
         let out = self.sprung.update(free && self.probe.doubted() > 0) > p.limits.lost_samples.unsigned_abs();
-        if out { raw } else { believed }
+        if out || self.probe.doubted() == 0 { raw } else { before.probe }
     }
 
-    fn fault(&self, p: &Parameters) -> Option<Fault> {
+    fn fault(&self, p: &Parameters, raw: &Sample) -> Option<Fault> {
         let lost = |guard: &JumpGuard| guard.doubted() > p.limits.lost_samples.unsigned_abs();
         let jumping = lost(&self.angle) || (lost(&self.probe) && self.sprung.count() == 0);
-        lost(&self.slide).then_some(Fault::LostReading).or(jumping.then_some(Fault::ReadingJump))
+        let nonsense = raw.angle.is_nan() || raw.probe.is_nan();
+        let cause = if nonsense { Fault::InvalidInput } else { Fault::ReadingJump };
+        lost(&self.slide).then_some(Fault::LostReading).or(jumping.then_some(cause))
     }
+}
+
+/// Takes a reading into its guard; whether it was believed only because a hand may have done it.
+fn take(guard: &mut JumpGuard, raw: f64, reach: Reach, freedom: Freedom) -> bool {
+    guard.update(raw, reach);
+    let moved = freedom == Freedom::Hand && raw.is_finite() && guard.doubted() > 0;
+    if moved {
+        guard.clear();
+        guard.update(raw, reach);
+    }
+    moved
 }
 
 fn turning(p: &Parameters) -> Reach {
@@ -156,11 +176,15 @@ fn sliding(p: &Parameters) -> Reach {
     Reach { motion: SLIDE_SPEED_RATIO * p.slide.velocity_max * p.sample_period, spread: RESOLUTION }
 }
 
-fn collapsing(p: &Parameters) -> Reach {
-    // a ring that is hit goes at most at twice the speed of the slide
-    let surface = 2.0 * (p.limits.friction * GRAVITY * p.ring.radius).sqrt() + 2.0 * p.slide.velocity_max;
-    let slide = sliding(p);
-    Reach { motion: slide.motion + surface * p.sample_period, spread: RESOLUTION }
+/// Reach of the probe while the slide goes by `slid` m.
+fn collapsing(p: &Parameters, slid: f64, freedom: Freedom) -> Reach {
+    // twice the place of the axis of any ring, times the speed at which friction holds it there: more than eq. 5
+    let held = |eccentricity: f64| 2.0 * (p.limits.friction * GRAVITY * eccentricity).sqrt();
+    let surface = match freedom {
+        Freedom::Held => held(p.ring.eccentricity_max.min(p.ring.radius)),
+        Freedom::Hand | Freedom::Pushed => held(p.ring.radius) + 2.0 * p.slide.velocity_max,
+    };
+    Reach { motion: slid + surface * p.sample_period, spread: RESOLUTION }
 }
 
 #[cfg(test)]
@@ -176,18 +200,52 @@ mod tests {
     /// What is made of the probe or slide positions (m), read one after the other beside a slide and a spindle at rest.
     fn read(inputs: &[Input]) -> Vec<Reading> {
         let mut reader = Reader::default();
-        inputs.iter().map(|input| reader.read(&P, input, true)).collect()
+        inputs.iter().map(|input| reader.read(&P, input, Freedom::Pushed)).collect()
     }
 
     #[test]
-    fn nonsense_is_never_used() {
+    fn nonsense_is_never_used_and_has_a_name_when_it_lasts() {
+        let good = at(1.0, 0.1, 0.01);
         for nonsense in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300] {
-            for (k, input) in
-                [at(nonsense, 0.0, 0.0), at(0.0, nonsense, 0.0), at(0.0, 0.0, nonsense)].iter().enumerate()
-            {
-                let reading = Reader::default().read(&P, input, true);
-                let (slide, fault) = if k == 1 { (None, Fault::LostReading) } else { (Some(0.0), Fault::InvalidInput) };
-                assert_eq!((reading.sample, reading.slide, reading.fault), (None, slide, Some(fault)));
+            let spoilt = [
+                (at(nonsense, 0.1, 0.01), Fault::InvalidInput),
+                (at(1.0, 0.1, nonsense), Fault::InvalidInput),
+                (at(1.0, nonsense, 0.01), Fault::LostReading),
+            ];
+            for (bad, fault) in spoilt {
+                // before the first good one nothing stands in for it
+                for (k, reading) in read(&vec![bad.clone(); 4]).iter().enumerate() {
+                    assert_eq!((reading.sample, reading.fault), (None, (k == 3).then_some(fault)));
+                }
+                let readings = read(&[good.clone(), bad.clone(), bad.clone(), bad.clone(), bad, good.clone()]);
+                for (k, reading) in readings.iter().enumerate() {
+                    assert_eq!(reading.sample, Some(Sample { angle: 1.0, slide: 0.1, probe: 0.01 }), "{k}");
+                    assert_eq!(reading.fresh, k == 0 || k == 5, "{k}");
+                    assert_eq!(reading.fault, (k == 4).then_some(fault), "{k}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_probe_that_tells_nothing_does_not_hide_the_slide() {
+        let slid = |k: u32| 0.1 + 1.2e-4 * f64::from(k);
+        let inputs: Vec<Input> = (0..100).map(|k| at(1.0, slid(k), if k > 0 { f64::NAN } else { 0.01 })).collect();
+        for (k, reading) in (0..).zip(read(&inputs)) {
+            assert_eq!((reading.slide, reading.sample.unwrap().slide), (Some(slid(k)), slid(k)));
+            assert_eq!(reading.fault, (k > 3).then_some(Fault::InvalidInput));
+        }
+    }
+
+    #[test]
+    fn a_held_ring_goes_with_the_table_and_a_pushed_one_with_the_slide() {
+        // 25 mm: 0.22 mm in a sample; a ring that is hit, and the slide springing back
+        for (freedom, slid, reach) in [(Freedom::Held, 0.0, 2.41e-4), (Freedom::Pushed, 3e-4, 8.73e-4)] {
+            for (step, believed) in [(reach - 1e-6, true), (reach + 1e-6, false)] {
+                let mut reader = Reader::default();
+                reader.read(&P, &at(1.0, 0.1, 0.01), freedom);
+                let reading = reader.read(&P, &at(1.0, 0.1 + slid, 0.01 + step), freedom);
+                assert_eq!(reading.fresh, believed, "{freedom:?}: {step} m");
             }
         }
     }
@@ -236,7 +294,7 @@ mod tests {
     fn what_a_hand_does_is_believed_at_once() {
         let mut reader = Reader::default();
         for (k, slide) in [0.1, 0.3, 0.2].into_iter().enumerate() {
-            let reading = reader.read(&P, &at(f64::from(k as u8), slide, 0.0), false);
+            let reading = reader.read(&P, &at(f64::from(k as u8), slide, 0.0), Freedom::Hand);
             assert_eq!((reading.sample.unwrap().slide, reading.jumped, reading.fault), (slide, true, None));
         }
     }
@@ -246,7 +304,7 @@ mod tests {
         let mut reader = Reader::default();
         let high = Input { enable: true, reset_fault: true, ..Input::START };
         let edges = [&high, &high, &Input::START, &high].map(|input| {
-            let reading = reader.read(&P, input, true);
+            let reading = reader.read(&P, input, Freedom::Hand);
             (reading.enabled, reading.start, reading.reset)
         });
         assert_eq!(edges, [(true, false, true), (true, false, false), (false, false, false), (true, true, true)]);

@@ -49,7 +49,7 @@ fn enable_again_on_the_way_back_begins_anew() {
 /// In `Fault` for a probe that told nonsense while waiting, and back at rest, with `enable` set all the time.
 fn faulted() -> Loop {
     let mut run = running(&P, State::Wait);
-    run.step_with(|input| input.probe_position = f64::NAN);
+    run.spoil(|input| input.probe_position = f64::NAN);
     (0..3000).for_each(|_| run.step());
     assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::InvalidInput));
     run
@@ -92,7 +92,7 @@ fn an_edge_of_enable_together_with_the_reset_begins_nothing() {
 #[test]
 fn a_reset_on_the_way_back_is_too_early() {
     let mut run = running(&P, State::Wait);
-    run.step_with(|input| input.probe_position = f64::NAN);
+    run.spoil(|input| input.probe_position = f64::NAN);
     (0..3000).for_each(|k| run.step_with(|input| input.reset_fault = k == 0 || k == 100));
     assert_eq!(run.output.state, State::Fault);
     run.step_with(|input| input.reset_fault = true);
@@ -102,7 +102,7 @@ fn a_reset_on_the_way_back_is_too_early() {
 #[test]
 fn a_slide_that_stopped_without_its_encoder_stays_there_after_the_reset() {
     let mut run = running(&P, State::Wait);
-    run.step_with(|input| input.slide_position = f64::NAN);
+    run.spoil(|input| input.slide_position = f64::NAN);
     (0..1000).for_each(|_| run.step());
     assert!(run.output.slide.position_setpoint > 0.04, "{} m", run.output.slide.position_setpoint);
     run.step_with(|input| input.reset_fault = true);
@@ -112,6 +112,7 @@ fn a_slide_that_stopped_without_its_encoder_stays_there_after_the_reset() {
 #[test]
 fn a_fault_that_is_still_there_is_not_reset() {
     let mut run = running(&P, State::Wait);
+    run.spoil(|input| input.probe_position = f64::NAN);
     for k in 0..100 {
         run.step_with(|input| {
             input.probe_position = f64::NAN;

@@ -36,11 +36,11 @@ fn the_default_law_centres() {
 
 #[test]
 fn a_jammed_probe_is_never_a_centred_ring_however_coarse_it_is() {
-    for bit in [0.0, 5e-8, 1e-6, 5e-6] {
-        for state in [State::Follow, State::Collect, State::Wait, State::Settle] {
-            let run = running(&P, state);
-            let jammed = AT_PUSHER - run.output.pusher_gap;
-            faulted(run, Fault::FrozenReading, |k, input| {
+    for state in [State::Follow, State::Collect, State::Wait, State::Settle] {
+        let run = running(&P, state);
+        let jammed = AT_PUSHER - run.output.pusher_gap;
+        for bit in [0.0, 5e-8, 1e-6, 5e-6] {
+            faulted(run.clone(), Fault::FrozenReading, |k, input| {
                 input.probe_position = jammed + if k % 2 == 0 { bit } else { 0.0 };
             });
         }
@@ -77,19 +77,103 @@ fn a_centring_that_is_too_long_ends_with_a_name() {
 #[test]
 fn a_second_fault_on_the_way_back_switches_the_drive_off_and_a_lighter_one_does_not_take_that_back() {
     let mut run = running(&P, State::Wait);
-    run.step_with(|input| input.probe_position = f64::NAN);
+    run.spoil(|input| input.probe_position = f64::NAN);
     (0..50).for_each(|_| run.step());
     assert!(run.output.fault == Fault::InvalidInput && run.output.drive_enable);
-    run.step_with(|input| input.slide_position = f64::NAN);
+    run.spoil(|input| input.slide_position = f64::NAN);
     let lost = |run: &Loop| run.output.fault == Fault::LostReading && !run.output.drive_enable;
     assert!(lost(&run), "{:?}", run.output);
-    run.step_with(|input| input.probe_position = f64::NAN);
+    run.spoil(|input| input.probe_position = f64::NAN);
     assert!(lost(&run), "{:?}", run.output);
     // the setpoint goes with the slide, so the drive comes back without a step
     (0..200).for_each(|_| run.step());
     assert!((run.output.slide.position_setpoint - run.ring.slide()).abs() < 1e-6);
     run.step_with(|input| input.reset_fault = true);
     assert!(run.output.state == State::Idle && run.output.drive_enable, "{:?}", run.output);
+}
+
+#[test]
+fn on_the_way_back_from_a_probe_that_tells_nothing_the_drive_is_watched() {
+    let spoilt = || {
+        let mut run = running(&P, State::Wait);
+        run.spoil(|input| input.probe_position = f64::NAN);
+        assert_eq!(run.output.fault, Fault::InvalidInput);
+        run
+    };
+    // a good slide goes back, with the probe dead all the way and when it comes to life
+    for dead in [100, 2000] {
+        let mut run = spoilt();
+        (0..dead).for_each(|_| run.step_with(|input| input.probe_position = f64::NAN));
+        (0..2000).for_each(|_| run.step());
+        assert_eq!(run.output.fault, Fault::InvalidInput, "{:?}", run.output);
+        assert!(run.output.slide.position_setpoint.abs() < 1e-6);
+    }
+    // one that stands does not
+    let mut run = spoilt();
+    let stands = run.ring.slide();
+    let slide_stands = |input: &mut Input| (input.probe_position, input.slide_position) = (f64::NAN, stands);
+    (0..100).for_each(|_| run.step_with(slide_stands));
+    assert!(run.output.fault == Fault::LostReading && !run.output.drive_enable, "{:?}", run.output);
+}
+
+#[test]
+fn a_probe_that_is_off_for_good_after_a_model_has_a_name_before_the_next_push() {
+    // the pusher of the paper's law is half a millimetre before the ring
+    let near = [2e-4, -2e-4, 4e-4, 3e-3, -3e-3];
+    let far = [2e-4, -2e-4, 8e-4, -8e-4, 3e-3, -3e-3];
+    for (p, offsets) in [(P, &far[..]), (Parameters::PAPER, &near[..])] {
+        // the ring is known, and is measured again after a push
+        let mut run = running(&p, State::Settle);
+        assert!(run.run_to(State::Collect, run.time() + 1.0));
+        for &offset in offsets {
+            faulted(run.clone(), Fault::ReadingJump, |_, input| input.probe_position += offset);
+        }
+    }
+}
+
+#[test]
+fn a_probe_that_loses_the_ring_in_a_stroke_ends_it_and_the_ring_is_centred_later() {
+    let push = running(&P, State::Push);
+    for (after, free) in [(5, 10), (5, 80), (60, 30), (150, 6), (150, 50)] {
+        let mut run = push.clone();
+        (0..after).for_each(|_| run.step());
+        let mut before = run.output.slide;
+        for _ in 0..free {
+            run.step_with(|input| input.probe_position = 0.0);
+            let step = run.output.slide.velocity_setpoint - before.velocity_setpoint;
+            // what is fed back of the surface may change faster
+            assert!(step.abs() <= 5e-3, "{after}, {free}: velocity jumps by {step} m/s");
+            before = run.output.slide;
+        }
+        assert_eq!(run.output.state, State::Settle, "{after}, {free}");
+        assert!(run.run_to(State::Centred, run.time() + 20.0), "{:?}", run.output);
+        assert!(run.ring.eccentricity() < P.tolerance);
+    }
+}
+
+#[test]
+fn a_ring_that_turns_fast_spoils_no_test_of_the_probe() {
+    let mut p = P;
+    p.tolerance = 5e-4;
+    for phase in [0.5, 2.0, 3.5, 5.0] {
+        let mut ring = Ring::new(1, 3e-4, phase);
+        ring.speed *= 5.0;
+        let mut run = Loop::new(&p, ring);
+        assert!(run.run_to(State::Centred, 20.0), "{:?}", run.output);
+        assert!((run.output.monitor.probe_share - 1.0).abs() < 0.05, "{}", run.output.monitor.probe_share);
+    }
+}
+
+#[test]
+fn a_coarse_probe_that_is_frozen_as_it_touches_does_not_let_the_pusher_meet_the_ring() {
+    for frozen in [0.9e-3, 1.05e-3, 1.2e-3, 1.45e-3] {
+        let mut run = Loop::new(&P, Ring::new(1, 5e-4, 0.5));
+        while AT_PUSHER - run.ring.gap() < frozen {
+            run.step_with(|input| input.probe_position = (input.probe_position / 5e-6).round() * 5e-6);
+        }
+        let run = faulted(run, Fault::FrozenReading, |_, input| input.probe_position = frozen);
+        assert!(run.ring.gap() > 5e-3, "{} m", run.ring.gap());
+    }
 }
 
 #[test]

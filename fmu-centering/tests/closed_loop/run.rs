@@ -68,6 +68,11 @@ impl Loop {
         self.longest_wait = self.longest_wait.max(self.wait);
     }
 
+    /// Steps with inputs that are changed for longer than is bridged.
+    pub fn spoil(&mut self, change: impl Fn(&mut Input)) {
+        (0..=self.parameters.limits.lost_samples).for_each(|_| self.step_with(&change));
+    }
+
     /// Steps until `state`; false if that takes longer than to the time `limit` s.
     pub fn run_to(&mut self, state: State, limit: f64) -> bool {
         while self.output.state != state && self.time() <= limit {

@@ -1,0 +1,110 @@
+//! What is wrong in a sample, the fault that is in force, and the test of the probe before `Centred`.
+
+use control_blocks::SafeEnd;
+
+use crate::controller::Controller;
+use crate::faults::{Watched, graver};
+use crate::interface::{Fault, Parameters, State};
+use crate::limits::{job_time, trial_move};
+use crate::machine::Events;
+use crate::monitoring::{Phase, believable_share};
+use crate::sensing::{Freedom, Reading};
+
+/// Velocity of the slide in the test of the probe (m/s), and the time after which it is at rest there, s.
+const TRIAL_VELOCITY: f64 = 0.01;
+const TRIAL_REST: f64 = 0.03;
+
+impl Controller {
+    /// Whether the slide is where it was told to be; in `Idle`, at rest, a hand may move it.
+    pub(super) fn watched(&self, p: &Parameters) -> bool {
+        self.state != State::Idle || !self.motion.resting(p)
+    }
+
+    /// What may move the machine until the next sample.
+    pub(super) fn freedom(&self, p: &Parameters) -> Freedom {
+        match self.state {
+            State::Idle if !self.watched(p) => Freedom::Hand,
+            State::Idle | State::Push | State::Settle | State::Fault => Freedom::Pushed,
+            _ => Freedom::Held,
+        }
+    }
+
+    /// The gravest fault of this sample.
+    pub(super) fn find_fault(&mut self, p: &Parameters, reading: &Reading, turned: f64) -> Option<Fault> {
+        let frozen = reading.fresh && self.frozen.update(p, self.phase(), &self.sample, turned) && self.state.active();
+        let astray = self.state == State::Push && self.law.astray(p);
+        // a ring that was found is further away by no more than the probe gives way
+        let slack = if self.state == State::Approach { 0.0 } else { p.probe.stroke };
+        let travel = p.approach.travel_max + slack;
+        let view = Watched {
+            state: self.state,
+            probe: self.calm.probe,
+            turned,
+            speed: self.spindle.speed(),
+            surface: self.follower.surface(),
+            beyond_travel: self.motion.beyond(p, travel),
+            estimate: self.estimate.as_ref(),
+        };
+        let centring = self.state.active() && self.state != State::Centred;
+        if centring {
+            self.progress.count();
+        }
+        let late = centring && self.progress.samples() > u64::from(p.ticks(job_time(p, view.speed)));
+        let found = [
+            reading.fault,
+            (frozen || astray).then_some(Fault::FrozenReading),
+            self.drive.fault(p),
+            self.supervisor.check(p, &view),
+            late.then_some(Fault::NoProgress),
+        ];
+        graver(&found)
+    }
+
+    /// How slide and ring move against each other.
+    fn phase(&self) -> Phase {
+        match self.state {
+            State::Push => Phase::Push,
+            State::Settle if self.motion.moving() => Phase::Retract,
+            _ => Phase::Follow,
+        }
+    }
+
+    /// A later fault may ask for a safer end.
+    pub(super) fn escalate(&mut self, p: &Parameters, fault: Option<Fault>) {
+        if let Some(fault) = fault.filter(|fault| fault.safe_end() > self.fault.safe_end())
+            && self.state == State::Fault
+        {
+            self.fault = fault;
+            self.leave(p);
+        }
+    }
+
+    /// Whether the drive of the slide may be on.
+    pub(super) fn driven(&self) -> bool {
+        self.state != State::Fault || self.fault.safe_end() != SafeEnd::DriveOff
+    }
+
+    /// Moves the slide out and in, and judges what the probe has answered.
+    pub(super) fn confirm(&mut self, p: &Parameters, events: &mut Events) {
+        if self.state != State::Confirm || !self.motion.arrived(p, TRIAL_REST) {
+            return;
+        }
+        self.note_trial();
+        match self.trial.share() {
+            None => self.try_probe(p, trial_move(p)),
+            Some(share) if believable_share(share) => events.confirmed = true,
+            Some(_) => events.fault = Some(Fault::FrozenReading),
+        }
+    }
+
+    /// A place of that test, less what the ring has turned towards the probe.
+    pub(super) fn note_trial(&mut self) {
+        let turned = self.estimate.map_or(0.0, |ring| ring.centre.along(self.spindle.angle()));
+        self.trial.note(self.sample.slide, self.calm.probe - turned);
+    }
+
+    /// One move of that test, m.
+    pub(super) fn try_probe(&mut self, p: &Parameters, way: f64) {
+        self.motion.go(p, self.motion.setpoint.position + way, TRIAL_VELOCITY.min(p.approach.velocity));
+    }
+}
