@@ -415,7 +415,7 @@ mod variables {
         /// Largest distance beside the begin of the path, and below it
         #[var(unit = METRE as "mm", range = 1e-6..=0.05, start = 0.1e-3, source = "our choice: one winding")] pub start_offset: f64,
         /// Largest depth below the begin of the path without a contact
-        #[var(unit = METRE as "mm", range = 1e-6..=0.05, start = 0.14e-3, source = "derived: what a dead sensor lets the tool press, 25 N at 178 N/mm")] pub approach_depth: f64,
+        #[var(unit = METRE as "mm", range = 1e-6..=0.05, start = 0.13e-3, source = "derived: a dead sensor lets the tool press so far, 23 N at 178 N/mm")] pub approach_depth: f64,
         /// Samples in a row that may be lost or unbelievable; the last good one stands in for them
         #[var(range = 1..=100, start = 5, source = "derived: 5 ms at `approach.velocity` are 0.4 N")] pub lost_samples: i32,
         /// Way that an encoder or the force may leave unanswered, beyond one and a half steps of it

@@ -1,17 +1,18 @@
-//! Does the force swing about the wanted one? The sign changes of its error are counted, of means over whole periods of the
-//! stick-slip motion: the ripple of that is no swing of the loop.
+//! Does the force swing about the wanted one? The sign changes of its error are counted: of means over whole periods of the
+//! stick-slip motion, whose ripple is no swing of the loop, and only where one follows the other within half of the time
+//! in which the path may turn round, as a mold that is not where the path says makes an error once in a turn.
+
+use std::f64::consts::PI;
 
 use control_blocks::{Reversals, ticks};
 use serde::{Deserialize, Serialize};
 
 use crate::interface::Parameters;
 
-/// Mean error that is a swing, over the largest force error.
-const SWING: f64 = 0.4;
-/// Longest half period, s: a loop swings above its bandwidth, pi over 35 rad/s.
-const HALF_PERIOD: f64 = 0.09;
-/// Sign changes in a row: two periods.
-const CHANGES: u32 = 4;
+/// Mean error that is a swing, over the largest force error: one that grows threefold in each half period is told after three.
+const SWING: f64 = 0.2;
+/// Sign changes in a row: one and a half periods.
+const CHANGES: u32 = 3;
 
 /// Swings in a row; by default none.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
@@ -30,7 +31,9 @@ impl Swings {
         self.sum += error;
         self.samples += 1;
         if self.samples >= period {
-            let window = ticks(HALF_PERIOD, p.sample_period).div_ceil(period);
+            let half_turn = ticks(PI / p.feed.turn_rate_max, p.sample_period);
+            // what lies between two means counts for the one or the other
+            let window = half_turn.div_ceil(period);
             self.changes = self.reversals.update(self.sum / f64::from(period), SWING * limit, window);
             (self.sum, self.samples) = (0.0, 0);
         }
@@ -58,12 +61,12 @@ mod tests {
     }
 
     #[test]
-    fn what_swings_faster_than_the_bandwidth_of_the_loop_is_told() {
-        for frequency in [6.0, 8.0, 12.0, 19.0] {
+    fn what_swings_faster_than_the_path_turns_is_told() {
+        for frequency in [4.5, 6.0, 8.0, 12.0, 19.0] {
             assert!(swings(|t| 1.5 * (TAU * frequency * t).sin()), "{frequency} Hz");
         }
-        // 35 rad/s are 5.6 Hz
-        for frequency in [1.0, 2.0, 4.0] {
+        // 25 rad/s are 4 Hz
+        for frequency in [1.0, 2.0, 3.3] {
             assert!(!swings(|t| 3.0 * (TAU * frequency * t).sin()), "{frequency} Hz");
         }
     }
@@ -72,7 +75,7 @@ mod tests {
     fn ripple_of_the_stick_slip_offsets_and_small_swings_are_none() {
         assert!(!swings(|t| 5.0 * (TAU * 50.0 * t).sin() + 2.0 * (TAU * 100.0 * t).cos()));
         assert!(!swings(|t| 2.0 + 1.2 * (TAU * 10.0 * t).sin()));
-        assert!(!swings(|t| 0.45 * (TAU * 10.0 * t).sin()));
+        assert!(!swings(|t| 0.24 * (TAU * 10.0 * t).sin()));
     }
 
     #[test]
