@@ -28,7 +28,7 @@ const CLIP: f64 = 4.0;
 /// Memory of the force error, s.
 const ERROR_TIME: f64 = 0.2;
 /// Force error of the wanted force where `limits.force_error` is 0.
-const ERROR_SHARE: f64 = 0.25;
+const ERROR_SHARE: f64 = 0.2;
 /// The most that one sample counts, over the largest force error.
 const ERROR_CLIP: f64 = 2.0;
 
