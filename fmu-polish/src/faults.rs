@@ -102,7 +102,7 @@ fn job(p: &Parameters, seen: &Evidence) -> Option<Fault> {
 fn contact(p: &Parameters, seen: &Evidence) -> Option<Fault> {
     let Evidence { state, now, contact, .. } = *seen;
     let on_path = matches!(state, State::Settle | State::Follow);
-    let too_deep = now.error.normal > p.limits.surface_error;
+    let too_deep = now.error.normal > p.limits.approach_depth;
     let most = p.settle.time_max;
     let out = p.retract.distance / p.retract.velocity + most;
     first([
@@ -175,7 +175,12 @@ pub fn numbers(vars: &Vars) -> String {
             )
         }
         Fault::InvalidPath => format!(" {place}, by more than `limits.force_angle` = `{} rad`", p.limits.force_angle),
-        Fault::ApproachTimeout => format!(": `{} m`, `{} m`", p.approach.travel_max, p.limits.surface_error),
+        Fault::ApproachTimeout => {
+            format!(
+                ": `{} m` down, `{:.6} m` below it, with `{:.2} N`",
+                p.approach.travel_max, error.normal, force.measured
+            )
+        }
         Fault::PositionError => format!(": `{:.6} m` along, `{:.6} m` beside", error.tangential, error.lateral),
         Fault::Stroke => format!(": position `{} {} {} m`", x.x, x.y, x.z),
         Fault::TareRejected => format!(" = `{} N`: raw force `{} {} {} N`", p.limits.tare_force, f.x, f.y, f.z),

@@ -4,3 +4,4 @@ pub mod axis;
 pub mod force;
 pub mod job;
 pub mod numbers;
+mod swings;

@@ -56,7 +56,7 @@ const CASES: [Case; 27] = [
     (Fault::FollowingError, |p, _| p.limits.following_error = 2e-6, |_, _| ()),
     (Fault::DriveSign, |_, build| build.pulses.z = -1.0, |_, _| ()),
     (Fault::WeakDrive, |_, build| build.pulses.z = 0.3, |_, _| ()),
-    (Fault::Oscillation, |p, _| p.limits.force_error = 0.005, |_, _| ()),
+    (Fault::Oscillation, |p, _| p.impedance.bandwidth = 80.0, |_, _| ()),
     (Fault::ForceError, lags, |_, _| ()),
     (Fault::WrongStiffness, |p, _| p.limits.stiffness_ratio = 1.001, |_, _| ()),
     (Fault::UnstableLoop, |_, _| (), |_, _| ()),
@@ -100,6 +100,7 @@ fn no_sample_around_a_fault_allocates() {
             let state = run.output.state;
             match (fault, state) {
                 (Fault::UnstableLoop, State::Follow) => run.parameters.impedance.gain = 20.0,
+                (Fault::Oscillation, State::Follow) => run.robot.build.stiffness = 540e3,
                 (Fault::SurfaceError, State::Settle) => run.parameters.limits.surface_error = 1e-7,
                 (Fault::Stroke, State::Approach) => run.parameters.stroke = Axes::all(1e-6),
                 _ => (),

@@ -18,6 +18,8 @@ HELD = "5 N and the ripple of the law"
 SEEN = (
     "0.25 s of `limits.still_time` at what the law then makes of 0.5 N too little: 45 um at 178 N/mm, and 5 N"
 )
+UNFELT = "5 N, a way of `limits.frozen_way` and `limits.surface_slope` without an answer, 3.6 N and more, and a band"
+DEAD = "`limits.approach_depth` at 178 N/mm, and 2 N until it has turned round"
 TOUCH = "0.25 s of `limits.still_time` at `approach.velocity`, 50 um of them in the air: 75 um at 178 N/mm"
 COAST = "`limits.following_error`, 50 um of stick-slip, 0.59 mm coasting: 31 kg, 10 mm/s, 2 N, 100 N.s/m"
 
@@ -55,6 +57,14 @@ SENSOR = (
         why=TOUCH,
     ),
     row(
+        "force flickers about its zero on the approach",
+        "ApproachTimeout",
+        Injection("controller.force.z", when='controller.state == "Approach"', value=0.0),
+        Injection("controller.force.z", when='controller.state == "Approach"', noise=0.1),
+        most=25.0,
+        why=DEAD,
+    ),
+    row(
         "force stands where it has just touched",
         "FrozenForce",
         Injection("controller.force.z", when='controller.state == "Settle"', frozen=True),
@@ -69,6 +79,23 @@ SENSOR = (
         why=SEEN,
     ),
     row("force stands at 4.5 N", "FrozenForce", midway("controller.force.z", value=4.5), most=13.0, why=SEEN),
+    row(
+        "force stands at 4.5 N and flickers",
+        "FrozenForce",
+        midway("controller.force.z", value=4.5),
+        midway("controller.force.z", noise=0.05),
+        most=13.0,
+        why=UNFELT,
+    ),
+    row(
+        "force stands at 4.5 N and flickers while the feed stands",
+        "FrozenForce",
+        Injection("controller.feed_override", 1.2, value=0.0),
+        midway("controller.force.z", value=4.5),
+        midway("controller.force.z", noise=0.05),
+        most=13.0,
+        why=UNFELT,
+    ),
     row(
         "force is 0",
         "LostContact",
@@ -125,11 +152,33 @@ SENSOR = (
     ),
     row(
         "force 20 ms late",
-        f"Oscillation ForceError {DONE}",
+        f"Oscillation {DONE}",
         midway("controller.force.z", late=20),
         most=6.5,
         why="5 N and the largest swing that is good",
         changes=WHOLE,
+    ),
+    row(
+        "force 40 ms late",
+        "Oscillation",
+        midway("controller.force.z", late=40),
+        most=9.0,
+        why="5 N, and a swing that grows threefold in each half period",
+        changes=WHOLE,
+    ),
+    row(
+        "slow sensor in a fast loop",
+        "Oscillation",
+        changes=("plant.force_bandwidth=4.0", "controller.impedance.bandwidth=100.0", *WHOLE),
+        most=13.0,
+        why="5 N, and a swing that grows threefold in each half period",
+    ),
+    row(
+        "force turned half round",
+        "InvalidPath",
+        Injection("controller.force.x", 0.0, scale=-1.0),
+        Injection("controller.force.y", 0.0, scale=-1.0),
+        Injection("controller.force.z", 0.0, scale=-1.0),
     ),
 )
 
@@ -292,14 +341,14 @@ REST = (
         "ForceError",
         changes=("plant.shift_x=6e-4",),
         most=9.0,
-        why="5 N, and a ramp to 4 N that is a quarter of 5 N root mean square over 0.2 s",
+        why="5 N, and a ramp to 3.5 N that is a fifth of 5 N root mean square over 0.2 s",
     ),
     row(
         "another mold",
-        "ForceError Oscillation",
-        changes=("plant.mold='saddle'", *WHOLE),
+        "ForceError",
+        changes=("plant.mold='saddle'", "controller.feed.velocity=0.002", "loop.duration=10.0"),
         most=9.0,
-        why="5 N, and a ramp to 4 N that is a quarter of 5 N root mean square over 0.2 s",
+        why="5 N, and a ramp to 3.5 N that is a fifth of 5 N root mean square over 0.2 s",
     ),
     row(
         "mold 0.3 mm lower at once",
@@ -322,6 +371,44 @@ REST = (
         changes=("controller.limits.job_time=1.6",),
     ),
     row("override is no number", "InvalidInput", midway("controller.feed_override", value=float("nan"))),
+    row(
+        "stopped on the way out",
+        "ForceLimit EmergencyStop",
+        signals=(
+            Signal("plant.mold_lift", (0.0, 1.5), (0.0, 1.5e-4)),
+            Signal("controller.estop", (0.0, 1.52), (False, True)),
+        ),
+        most=32.0,
+        why="the step of 0.15 mm at 178 N/mm, and 5 N",
+        sequence=True,
+    ),
+    row(
+        "encoder stands on the way out",
+        "ForceLimit FrozenReading",
+        Injection("controller.position.z", when='controller.state == "Fault"', frozen=True),
+        signals=(Signal("plant.mold_lift", (0.0, 1.5), (0.0, 1.5e-4)),),
+        most=32.0,
+        why="the step of 0.15 mm at 178 N/mm, and 5 N",
+        sequence=True,
+    ),
+    row(
+        "override lost on the way out",
+        "LostContact",
+        Injection("controller.feed_override", when='controller.state == "Fault"', value=float("nan")),
+        signals=(Signal("plant.mold_lift", (0.0, 1.5), (0.0, -3e-4)),),
+    ),
+    row(
+        "enable falls and rises on the path",
+        "NotAtStart",
+        signals=(
+            Signal(
+                "controller.enable",
+                (0.0, 0.01, 1.5, 1.52, 1.9, 1.95),
+                (False, True, False, True, False, True),
+            ),
+        ),
+        changes=("loop.duration=2.5",),
+    ),
     row(
         "encoder lost on the way out",
         "ForceLimit LostReading",

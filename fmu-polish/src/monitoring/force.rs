@@ -8,11 +8,12 @@
 //! The noise is told by the second difference, which slow signals do not reach: white noise of the deviation s has
 //! d = f(k) - 2 f(k-1) + f(k-2) with the variance 6 s^2.
 
-use control_blocks::{Frozen, Reversals, ticks};
+use control_blocks::{Frozen, ticks};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::axis::BAND;
+use super::swings::Swings;
 use crate::force::contact::Measurement;
 use crate::interface::{Fault, Parameters, State};
 
@@ -27,13 +28,9 @@ const CLIP: f64 = 4.0;
 /// Memory of the force error, s.
 const ERROR_TIME: f64 = 0.2;
 /// Force error of the wanted force where `limits.force_error` is 0.
-const ERROR_SHARE: f64 = 0.25;
-/// Swing of an oscillation over the largest force error, and the most that one sample counts.
-const SWING: f64 = 2.0;
-/// Longest half period of an oscillation, s.
-const HALF_PERIOD: f64 = 0.1;
-/// Half periods in a row that are an oscillation.
-const SWINGS: u32 = 8;
+const ERROR_SHARE: f64 = 0.2;
+/// The most that one sample counts, over the largest force error.
+const ERROR_CLIP: f64 = 2.0;
 
 /// What is known of the force; by default nothing.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -49,8 +46,7 @@ pub struct ForceMonitor {
     noise: f64,
     /// mean square of the force error, N2
     error: f64,
-    reversals: Reversals,
-    swings: u32,
+    swings: Swings,
 }
 
 /// One raw axis of the force against the depth.
@@ -90,15 +86,22 @@ impl ForceMonitor {
         }
         self.update_noise(p, sample.raw.dot(&sample.now.frame.normal));
         self.update_answer(p, sample);
-        let share = if sample.state == State::Follow { memory(p, ERROR_TIME) } else { 1.0 };
-        let error = if sample.state == State::Follow { sample.now.force_error } else { 0.0 };
-        let most = SWING * error_limit(p);
-        // in the air there is nothing to control
-        if sample.state != State::Follow || sample.now.force.controlled >= p.limits.lost_force {
-            // a moment beyond all measure is a matter of the largest force
-            self.error += share * (error.powi(2).min(most * most) - self.error);
+        self.update_error(p, sample);
+    }
+
+    fn update_error(&mut self, p: &Parameters, sample: &ForceSample) {
+        if sample.state != State::Follow {
+            (self.error, self.swings) = Default::default();
+            return;
         }
-        self.swings = self.reversals.update(error, most, ticks(HALF_PERIOD, p.sample_period));
+        let (error, limit) = (sample.now.force_error, error_limit(p));
+        self.swings.update(p, error, limit);
+        // in the air there is nothing to control
+        if sample.now.force.controlled >= p.limits.lost_force {
+            // a moment beyond all measure is a matter of the largest force
+            let square = error.abs().min(ERROR_CLIP * limit).powi(2);
+            self.error += memory(p, ERROR_TIME) * (square - self.error);
+        }
     }
 
     fn update_noise(&mut self, p: &Parameters, force: f64) {
@@ -141,8 +144,8 @@ impl ForceMonitor {
 
     /// What is wrong with the loop.
     pub fn loop_fault(&self, p: &Parameters) -> Option<Fault> {
-        let swings = (self.swings >= SWINGS).then_some(Fault::Oscillation);
-        swings.or((self.error.sqrt() > error_limit(p)).then_some(Fault::ForceError))
+        let cause = if self.swings.many() { Fault::Oscillation } else { Fault::ForceError };
+        (self.error.sqrt() > error_limit(p)).then_some(cause)
     }
 
     fn stands(&self, p: &Parameters, normal: &Vector3<f64>) -> bool {

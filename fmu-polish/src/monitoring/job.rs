@@ -48,5 +48,6 @@ pub fn budget(p: &Parameters, path: &CentrePath) -> f64 {
     }
     let down = p.approach.travel_max / p.approach.velocity;
     let out = p.retract.distance / p.retract.velocity;
-    p.tare_time + down + 2.0 * p.settle.time_max + out + PATHS * path.time(p)
+    // settling, unloading, and until the force stays away on the way out
+    p.tare_time + down + 3.0 * p.settle.time_max + out + PATHS * path.time(p)
 }

@@ -85,6 +85,51 @@ fn hostile_inputs_never_give_a_wild_output() {
     assert!(seen[State::Fault as usize] > 0 && seen[State::Approach as usize] > 0, "{seen:?}");
 }
 
+/// What keeps a job from its end, by the sample.
+type Hindrance = fn(&mut Input, u32);
+
+#[test]
+fn every_job_ends_within_its_time_and_rests_after_the_way_out() {
+    let hindrances: [Hindrance; 10] = [
+        |input, _| input.feed_override = 0.0,
+        |input, _| input.feed_override = 1e-3,
+        |input, _| input.force_override = 0.0,
+        |input, k| input.force_override = if (k / 300).is_multiple_of(2) { 0.0 } else { 2.0 },
+        |input, k| input.force.z = if k.is_multiple_of(2) { f64::NAN } else { input.force.z },
+        |input, k| input.position.x = if k.is_multiple_of(2) { f64::NAN } else { input.position.x },
+        |input, k| input.force.z = if k.is_multiple_of(3) { 0.178 } else { 0.0 },
+        |input, k| input.force.z = if k.is_multiple_of(3) { 2.178 } else { 2.0 },
+        |input, k| input.enable = (k / 40).is_multiple_of(2),
+        |input, _| input.enable = false,
+    ];
+    let mut p = Parameters::START;
+    p.feed.velocity = 0.01;
+    let out = p.retract.distance / p.retract.velocity;
+    for (i, hinder) in hindrances.into_iter().enumerate() {
+        for from in [State::Idle, State::Approach, State::Settle, State::Follow, State::Unload, State::Retract] {
+            let mut run = Loop::new(&p, Build::NOMINAL, 82);
+            (0..2).for_each(|_| run.step());
+            let limit = run.time() + run.output.numbers.time_limit;
+            assert!(run.run_to(from, limit), "{i} {from:?}");
+            let (mut rest, mut counts) = (None, run.output.counts);
+            // until it has rested for 50 samples, or the zero was not taken in 200
+            for k in 0.. {
+                run.step_with(|input| hinder(input, k));
+                if run.output.state.moving() || (run.output.state == State::Idle && k < 200) {
+                    assert!(run.time() <= limit + 2e-3, "{i} {from:?}: {:?}", run.output);
+                    rest = None;
+                } else if run.time() > *rest.get_or_insert(run.time() + out + 0.01) {
+                    assert_eq!(run.output.counts, counts, "{i} {from:?}");
+                    if run.time() > rest.unwrap() + 0.05 {
+                        break;
+                    }
+                }
+                counts = run.output.counts;
+            }
+        }
+    }
+}
+
 #[test]
 fn extreme_parameters_stay_finite() {
     let changes: [fn(&mut Parameters); 8] = [

@@ -198,6 +198,49 @@ fn another_mold_is_a_force_error() {
     assert!(failure.fault == Fault::ForceError && failure.most < 9.0, "{failure:?}");
 }
 
+/// The fault of a job in which the contact becomes `stiffer` times as stiff and the force comes `late` samples too late.
+fn swinging(bandwidth: f64, stiffer: f64, late: usize) -> Fault {
+    let mut p = P;
+    p.impedance.bandwidth = bandwidth;
+    let mut run = Loop::new(&p, Build::NOMINAL, 512);
+    assert!(run.run_to(State::Follow, 5.0));
+    (0..300).for_each(|_| run.step());
+    run.robot.build.stiffness *= stiffer;
+    let mut forces = vec![run.input.force; late];
+    while run.output.state == State::Follow {
+        run.step_with(|input| {
+            forces.push(input.force);
+            input.force = forces.remove(0);
+        });
+        assert!(run.robot.normal_force < P.limits.force, "{} N", run.robot.normal_force);
+    }
+    run.output.fault
+}
+
+#[test]
+fn a_loop_that_swings_is_named_by_it_and_not_by_its_error() {
+    for (bandwidth, stiffer, late) in [(35.0, 1.0, 40), (80.0, 1.0, 20), (80.0, 1.0, 30), (80.0, 3.0, 0)] {
+        assert_eq!(swinging(bandwidth, stiffer, late), Fault::Oscillation, "{bandwidth} {stiffer} {late}");
+    }
+    // with its margin it bears both
+    assert_eq!(swinging(35.0, 3.0, 0), Fault::None);
+    assert_eq!(swinging(35.0, 1.0, 20), Fault::None);
+}
+
+#[test]
+fn a_force_that_flickers_about_its_zero_on_the_approach_presses_no_harder_than_the_limit() {
+    let mut run = Loop::new(&P, Build::NOMINAL, 513);
+    assert!(run.run_to(State::Approach, 1.0));
+    let (mut k, mut most) = (0, 0.0f64);
+    while run.output.state == State::Approach {
+        k += 1;
+        run.step_with(|input| input.force.z = if k % 7 < 3 { 0.0 } else { -0.178 });
+        most = most.max(run.robot.normal_force);
+    }
+    assert_eq!(run.output.fault, Fault::ApproachTimeout);
+    assert!((20.0..P.limits.force).contains(&most), "{most} N");
+}
+
 #[test]
 fn a_gain_that_is_tuned_to_swing_is_refused_at_once() {
     let mut run = Loop::new(&P, Build::NOMINAL, 501);

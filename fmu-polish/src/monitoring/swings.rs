@@ -1,0 +1,85 @@
+//! Does the force swing about the wanted one? The sign changes of its error are counted: of means over whole periods of the
+//! stick-slip motion, whose ripple is no swing of the loop, and only where one follows the other within half of the time
+//! in which the path may turn round, as a mold that is not where the path says makes an error once in a turn.
+
+use std::f64::consts::PI;
+
+use control_blocks::{Reversals, ticks};
+use serde::{Deserialize, Serialize};
+
+use crate::interface::Parameters;
+
+/// Mean error that is a swing, over the largest force error: one that grows threefold in each half period is told after three.
+const SWING: f64 = 0.2;
+/// Sign changes in a row: one and a half periods.
+const CHANGES: u32 = 3;
+
+/// Swings in a row; by default none.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub struct Swings {
+    /// force errors of this period of the stick-slip motion, N
+    sum: f64,
+    samples: u32,
+    reversals: Reversals,
+    changes: u32,
+}
+
+impl Swings {
+    /// Takes a force error (N) of which `limit` (N) is the largest.
+    pub fn update(&mut self, p: &Parameters, error: f64, limit: f64) {
+        let period = 2 * p.stick_slip.half_period.unsigned_abs();
+        self.sum += error;
+        self.samples += 1;
+        if self.samples >= period {
+            let half_turn = ticks(PI / p.feed.turn_rate_max, p.sample_period);
+            // what lies between two means counts for the one or the other
+            let window = half_turn.div_ceil(period);
+            self.changes = self.reversals.update(self.sum / f64::from(period), SWING * limit, window);
+            (self.sum, self.samples) = (0.0, 0);
+        }
+    }
+
+    /// It swings.
+    pub fn many(&self) -> bool {
+        self.changes >= CHANGES
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    const P: Parameters = Parameters::START;
+    const LIMIT: f64 = 1.25;
+
+    /// Whether two seconds of an error are swings.
+    fn swings(error: impl Fn(f64) -> f64) -> bool {
+        let mut swings = Swings::default();
+        (0..2000).map(|k| swings.update(&P, error(1e-3 * f64::from(k)), LIMIT)).last();
+        swings.many()
+    }
+
+    #[test]
+    fn what_swings_faster_than_the_path_turns_is_told() {
+        for frequency in [4.5, 6.0, 8.0, 12.0, 19.0] {
+            assert!(swings(|t| 1.5 * (TAU * frequency * t).sin()), "{frequency} Hz");
+        }
+        // 25 rad/s are 4 Hz
+        for frequency in [1.0, 2.0, 3.3] {
+            assert!(!swings(|t| 3.0 * (TAU * frequency * t).sin()), "{frequency} Hz");
+        }
+    }
+
+    #[test]
+    fn ripple_of_the_stick_slip_offsets_and_small_swings_are_none() {
+        assert!(!swings(|t| 5.0 * (TAU * 50.0 * t).sin() + 2.0 * (TAU * 100.0 * t).cos()));
+        assert!(!swings(|t| 2.0 + 1.2 * (TAU * 10.0 * t).sin()));
+        assert!(!swings(|t| 0.24 * (TAU * 10.0 * t).sin()));
+    }
+
+    #[test]
+    fn a_single_swing_is_soon_forgotten() {
+        assert!(!swings(|t| if t < 1.8 { 1.5 * (TAU * 10.0 * t).sin() } else { 0.0 }));
+    }
+}
