@@ -1,6 +1,6 @@
 //! One sample of the whole law: read, decide, refer, act, report.
 
-use control_blocks::{Edge, ParameterError, Progress, SafeEnd, Trajectory};
+use control_blocks::{Edge, ParameterError, Progress, Trajectory};
 use serde::{Deserialize, Serialize};
 
 use crate::calibration::calibrator::Calibrator;
@@ -12,7 +12,9 @@ use crate::identify::tone::Expected;
 use crate::interface::{ErrorOutput, Fault, Input, Mode, Output, Parameters};
 use crate::interface::{ReferenceOutput, ResponseOutput, State};
 use crate::machine::{Events, Request, next};
+use crate::monitoring::feed::FeedWatch;
 use crate::monitoring::watch::{Sample, Watch, overdue};
+use crate::motion::ending::Ending;
 use crate::motion::hold::{HoldMotion, duration};
 use crate::motion::sweep::sweep;
 use crate::path::depth_table::DepthTable;
@@ -42,11 +44,9 @@ pub struct Controller {
     forget: Edge,
     spindle: Spindle,
     state: State,
-    fault: Fault,
-    /// how the fault ends, and whether the position loop is closed while it does
-    end: SafeEnd,
-    retracting: bool,
+    ending: Ending,
     watch: Watch,
+    feed: FeedWatch,
     job: Progress,
     /// the last command, N.m
     torque: f64,
@@ -91,10 +91,9 @@ impl Controller {
             forget: Edge::default(),
             spindle: Spindle::default(),
             state: State::Idle,
-            fault: Fault::None,
-            end: SafeEnd::Retract,
-            retracting: false,
+            ending: Ending::default(),
             watch: Watch::default(),
+            feed: FeedWatch::default(),
             job: Progress::default(),
             torque: 0.0,
             hold: HoldMotion::at(0.0),
@@ -123,6 +122,7 @@ impl Controller {
         self.report(p, torque, &wanted, &reading, output);
         output.afc_frozen = !layers.learning;
         if self.on_path() {
+            self.feed.update(p, self.spindle.angle, reading.slide_position);
             self.tracker.judge(output.error.tracking, &self.spindle, &phasors);
         }
     }
@@ -141,7 +141,7 @@ impl Controller {
         let events = Events {
             fault: faults::find(p, &self.situation(p, mode, reading)),
             reset: self.reset_fault.rises(input.reset_fault),
-            at_rest: !self.retracting || self.stands(p),
+            at_rest: !self.ending.braking() && (!self.closed() || self.stands(p)),
             renewed: self.request.renewed(),
             arm_known: self.reader.arm_known(),
             spindle_known: self.spindle.known() && self.reader.spindle_known(),
@@ -155,7 +155,10 @@ impl Controller {
             }
             self.enter(p, state, &events, reading);
         } else if self.state == State::Fault {
-            self.escalate(&events, input.enable);
+            self.ending.escalate(p, events.fault, self.reader.arm_velocity(p));
+            if !input.enable && self.stands(p) {
+                self.ending.release();
+            }
         }
         if !self.closed() {
             self.reader.begin_arm_anew();
@@ -172,6 +175,7 @@ impl Controller {
         Situation {
             missing: self.reader.missing(),
             found: if self.closed() { self.watch.find(p, self.arm.length) } else { None },
+            feed_lost: self.on_path() && self.feed.lost(),
             overdue: overdue(p, path, self.identification.duration(), self.state, &self.job),
             path: wanted.then_some(path),
             outside: if self.on_path() {
@@ -202,28 +206,16 @@ impl Controller {
     fn closed(&self) -> bool {
         match self.state {
             State::Idle => false,
-            State::Fault => self.retracting,
+            State::Fault => self.ending.retracting(),
             _ => true,
         }
-    }
-
-    /// A later fault may ask for more and never for less, and what was switched off moves no more.
-    fn escalate(&mut self, events: &Events, enabled: bool) {
-        if let Some(fault) = events.fault.filter(|fault| fault.safe_end() > self.end) {
-            (self.fault, self.end) = (fault, fault.safe_end());
-        }
-        if self.retracting && !enabled {
-            self.end = SafeEnd::DriveOff;
-        }
-        self.retracting &= self.end < SafeEnd::DriveOff;
     }
 
     /// What happens once, when `state` begins.
     fn enter(&mut self, p: &Parameters, state: State, events: &Events, reading: &Reading) {
         let closed = self.closed();
-        self.fault = events.fault.filter(|_| state == State::Fault).unwrap_or(Fault::None);
-        self.end = self.fault.safe_end();
-        self.retracting = state == State::Fault && closed && self.end < SafeEnd::DriveOff;
+        let fault = events.fault.filter(|_| state == State::Fault).unwrap_or(Fault::None);
+        self.ending.begin(p, fault, closed && state == State::Fault, self.reader.arm_velocity(p));
         if !closed {
             self.begin(p, reading.arm_angle);
         }
@@ -236,18 +228,23 @@ impl Controller {
                     self.identification.restart();
                 }
             }
-            State::Fault | State::Done => {
+            State::Retract if self.tracker.gone(p) => {
+                self.identification.stop();
+                self.hold.stop(p);
+            }
+            State::Fault | State::Done | State::Retract => {
                 let out = self.out_of_the_part(p);
                 self.leave(p, out);
             }
             State::Approach => {
                 self.identification.stop();
                 self.tracker.approach(p);
+                self.feed = FeedWatch::default();
             }
             State::Ready | State::Track if self.state == State::Approach => self.joined = reading.slide_position,
             State::Ready | State::Track => (),
         }
-        if state == State::Fault && !self.retracting {
+        if state == State::Fault && !self.ending.retracting() {
             self.tracker.forget();
         }
         self.state = state;
@@ -392,7 +389,7 @@ impl Controller {
     /// Position loop.
     fn act(&mut self, p: &Parameters, wanted: &Wanted, reading: &Reading) -> f64 {
         if !self.closed() {
-            return 0.0;
+            return self.ending.torque();
         }
         let (error, limit) = (wanted.set_point - reading.arm_angle, p.servo.torque_max);
         let torque = self.recursion.update(&self.compensator, error, limit) + dry_friction(p, wanted.motion);
@@ -404,8 +401,8 @@ impl Controller {
         let behind = wanted.motion.position - reading.arm_angle;
         output.torque = torque;
         output.state = self.state;
-        output.fault = self.fault;
-        output.drive_enable = self.state != State::Fault || self.end < SafeEnd::DriveOff;
+        output.fault = self.ending.fault();
+        output.drive_enable = self.ending.drive_enable();
         output.drive_share = self.watch.share(p).unwrap_or(1.0);
         output.reference = ReferenceOutput { depth: wanted.depth, angle: wanted.motion.position };
         output.error = ErrorOutput {

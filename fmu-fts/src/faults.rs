@@ -16,6 +16,8 @@ pub struct Situation<'a> {
     pub missing: &'a Missing,
     /// What the monitors of the closed loop have found.
     pub found: Option<Fault>,
+    /// The slide does not go on with its feed.
+    pub feed_lost: bool,
     /// The job has taken longer than it may.
     pub overdue: bool,
     /// The path that is asked for, if one is.
@@ -27,6 +29,11 @@ pub struct Situation<'a> {
 }
 
 impl Fault {
+    /// Whether a torque does to the arm what it should, as far as is known.
+    pub fn drive_obeys(self) -> bool {
+        !matches!(self, Self::DriveSign | Self::WeakDrive | Self::Oscillation)
+    }
+
     /// How the job ends. The arm obeys wherever its encoder, its drive and its loop do, and leaves the part then; without
     /// one of them, or with no torque to spare, none is known to help.
     pub fn safe_end(self) -> SafeEnd {
@@ -67,6 +74,7 @@ pub fn find(p: &Parameters, now: &Situation) -> Option<Fault> {
             let infeasible = needed_torque(p, path, spindle_speed) > available_torque(p);
             axis(missing.spindle, Fault::LostSpindle)
                 .or(axis(missing.slide, Fault::LostSlide))
+                .or(now.feed_lost.then_some(Fault::LostSlide))
                 .or(now.outside.then_some(Fault::OutsideTable))
                 .or(infeasible.then_some(Fault::Infeasible))
         }))

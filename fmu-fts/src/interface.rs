@@ -25,7 +25,7 @@ mod variables {
 
     /// What is asked for
     pub enum Mode {
-        /// No torque
+        /// Leave the path and the part, then no torque
         Idle,
         /// Hold `hold_angle`
         Hold,
@@ -61,6 +61,8 @@ mod variables {
         /// The slide has left the table at least a row from where the path was joined, the cut is finished: holds the tool out of the
         /// part
         Done,
+        /// No job is asked for any more: leaves the path and the part, or stops beside them; `Idle` comes next
+        Retract,
     }
     /// Why the controller is in the fault state
     pub enum Fault {
@@ -81,9 +83,9 @@ mod variables {
         /// The arm encoder reads where the arm cannot be
         #[hint("check the arm encoder and its link, what has hit the arm, and `tip.*`; with a coarse or noisy encoder allow more `limits.arm_spread`")] ReadingJump,
         /// The spindle encoder stands or jumps while the path needs it
-        #[hint("check the spindle encoder; with a coarse or quick spindle, allow more `limits.spindle_spread` or `limits.spindle_acceleration`")] LostSpindle,
-        /// The slide reading jumps while the path needs it
-        #[hint("check the slide encoder, or allow more `limits.slide_speed`")] LostSlide,
+        #[hint("check the spindle encoder; communicate in steps of `sample_period`; with a coarse or quick spindle, allow more `limits.spindle_spread` or `limits.spindle_acceleration`")] LostSpindle,
+        /// The slide reading jumps while the path needs it, or does not go on with `limits.feed`
+        #[hint("check the slide encoder, or allow more `limits.slide_speed`; set `limits.feed` to 0 if the slide may stand")] LostSlide,
         /// The torque was at its limit for too long
         #[hint("turn slower, or look for what is in the way of the arm")] Saturation,
         /// The arm accelerates against the torque
@@ -140,7 +142,7 @@ mod variables {
         #[var(unit = RADIAN as "deg", accepts_nan)] pub spindle_angle: f64,
         /// Reading x of the cross slide
         #[var(unit = METRE as "mm", accepts_nan)] pub slide_position: f64,
-        /// The controller may act; false is the mode Idle: no torque, the arm coasts
+        /// The controller may act; false is the mode `Idle`: off the path and out of the part, then no torque
         pub enable: bool,
         /// What is asked for; acts while `enable` is true
         pub mode: Mode,
@@ -390,8 +392,8 @@ mod variables {
         #[var(unit = METRE as "um", range = 1e-6..=0.1, start = 1e-3, source = "our choice")] pub following_error: f64,
         /// Part of `servo.torque_max` that a path may need
         #[var(unit = ONE, range = 0.1..=1.0, start = 0.9, source = "our choice: the rest is for control")] pub torque_share: f64,
-        /// Readings in a row that may be lost, while the motion of the axis stands in for them
-        #[var(range = 1..=100, start = 4, source = "derived: 40 um at 500 m/s2")] pub lost_samples: i32,
+        /// Readings that may be lost, while the motion of the axis stands in for them; four good ones give one back
+        #[var(range = 1..=100, start = 3, source = "derived: the fourth is the fault; 30 um at 500 m/s2 meanwhile")] pub lost_samples: i32,
         /// Largest difference of two readings of the arm at rest
         #[var(unit = RADIAN, range = 1e-9..=0.1, start = 2e-5, source = "derived: 1.6 um at the tool, 26 steps of the encoder")] pub arm_spread: f64,
         /// Largest difference of two readings of the spindle at steady speed; a slower spindle may stand without a fault
@@ -400,6 +402,9 @@ mod variables {
         #[var(unit = RADIAN_PER_SECOND_SQUARED, range = 1.0..=1e6, start = 1e4, source = "our choice: three times the quickest that was tried")] pub spindle_acceleration: f64,
         /// Largest speed of the slide
         #[var(unit = METRE_PER_SECOND, range = 1e-3..=10.0, start = 0.5, source = "our choice: rapid traverse")] pub slide_speed: f64,
+        /// Feed of the slide in a turn of the spindle, either way; once it went with that for a turn it must until the cut is over,
+        /// to a half of it. 0 for a slide that may stand
+        #[var(unit = METRE as "um", range = 0.0..=0.01, source = "our choice: only the machine knows it")] pub feed: f64,
         /// Torque of friction and cut that may come without a command; 0 for 3 % of `servo.torque_max`
         #[var(unit = NEWTON_METRE, range = 0.0..=1e4, source = "derived: 2 N of thrust and 0.05 N.m of friction")] pub disturbance: f64,
         /// Least part of what a torque should do to the arm that it must do; 0 for no check

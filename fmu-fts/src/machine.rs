@@ -49,7 +49,7 @@ pub struct Events {
     pub fault: Option<Fault>,
     /// `reset_fault` rises.
     pub reset: bool,
-    /// The arm is not on its way out of the part.
+    /// The arm is not moved.
     pub at_rest: bool,
     /// Something else is asked for.
     pub renewed: bool,
@@ -68,8 +68,10 @@ pub fn next(state: State, mode: Mode, events: &Events) -> State {
     match (state, mode) {
         (State::Fault, _) if events.reset && events.at_rest => State::Idle,
         (State::Fault, _) => State::Fault,
-        (_, Mode::Idle) => State::Idle,
+        (State::Idle, Mode::Idle) => State::Idle,
         _ if events.fault.is_some() => State::Fault,
+        (_, Mode::Idle) if events.at_rest => State::Idle,
+        (_, Mode::Idle) => State::Retract,
         (State::Done, _) if !events.renewed => State::Done,
         (State::Ready | State::Track, Mode::Approach | Mode::Track) if events.cut_over => State::Done,
         // nothing begins from a place that is not known
@@ -89,7 +91,7 @@ pub fn next(state: State, mode: Mode, events: &Events) -> State {
 mod tests {
     use super::*;
 
-    /// All but the fault and the end.
+    /// All but the fault, the end and the way to it.
     const WORKING: &[State] = State::ALL.split_at(7).0;
     const NOTHING: Events = Events {
         fault: None,
@@ -103,12 +105,25 @@ mod tests {
     };
 
     #[test]
-    fn idle_is_idle_from_everywhere_but_a_fault() {
-        let broken = Events { fault: Some(Fault::InvalidInput), ..NOTHING };
-        for state in WORKING {
+    fn without_a_job_the_arm_is_let_go_only_where_it_stands() {
+        let moving = Events { at_rest: false, ..NOTHING };
+        for state in WORKING.iter().chain(&[State::Done, State::Retract]) {
             assert_eq!(next(*state, Mode::Idle, &NOTHING), State::Idle);
-            assert_eq!(next(*state, Mode::Idle, &broken), State::Idle);
+            let ended = if *state == State::Idle { State::Idle } else { State::Retract };
+            assert_eq!(next(*state, Mode::Idle, &moving), ended);
         }
+    }
+
+    #[test]
+    fn on_the_way_out_faults_count_and_another_job_may_begin() {
+        let moving = Events { at_rest: false, ..NOTHING };
+        let broken = Events { fault: Some(Fault::LostReading), ..moving };
+        assert_eq!(next(State::Retract, Mode::Idle, &broken), State::Fault);
+        assert_eq!(next(State::Idle, Mode::Idle, &broken), State::Idle);
+        assert_eq!(next(State::Retract, Mode::Hold, &moving), State::Hold);
+        assert_eq!(next(State::Retract, Mode::Track, &moving), State::Approach);
+        let unknown = Events { spindle_known: false, ..moving };
+        assert_eq!(next(State::Retract, Mode::Track, &unknown), State::Retract);
     }
 
     #[test]

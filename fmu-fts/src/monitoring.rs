@@ -1,5 +1,6 @@
 //! Monitors of the closed loop: what was asked of the arm against what its encoder says.
 
 pub mod drive;
+pub mod feed;
 pub mod life;
 pub mod watch;

@@ -2,7 +2,8 @@
 //!
 //! An axis has inertia: with the velocity v of its last two readings, n samples later it is at y + n v T_s, within
 //! n w + a T_s^2 n (n + 1) / 2 for the spread w of a reading and the acceleration a that may come. A reading elsewhere, none at
-//! all, and one that stands while the axis moves (v T_s > w) are lost; y + n v T_s stands in for them.
+//! all, and one that stands while the axis moves (v T_s > w) are lost; y + n v T_s stands in for them. Each costs one of
+//! `limits.lost_samples`, and four good ones give one back: one of five may be lost for ever, every second may not.
 
 use control_blocks::{JumpGuard, LastGood, Reach, believable, wrap};
 use serde::{Deserialize, Serialize};
@@ -16,6 +17,8 @@ const ANGLE_MAX: f64 = 1e9;
 const POSITION_MAX: f64 = 1e3;
 /// Spread of slide readings, m: a hundred steps of 0.1 um.
 const SLIDE_SPREAD: f64 = 1e-5;
+/// What a good reading gives back of a lost one.
+const REGAINED: f64 = 0.25;
 /// Time in which a torque may still act, s: half a period of 250 Hz.
 const RECENT: f64 = 2e-3;
 
@@ -58,7 +61,7 @@ struct Axis {
     change: f64,
     /// It may run already when it is read first.
     runs: bool,
-    /// Readings in a row that may be lost.
+    /// Readings that may be lost.
     lost: u32,
 }
 
@@ -74,6 +77,8 @@ struct Guarded {
     moved: bool,
     /// samples since the last believed reading
     age: u32,
+    /// readings lost, less what the good ones gave back
+    spent: f64,
     loss: Option<Loss>,
 }
 
@@ -91,20 +96,25 @@ impl Guarded {
         let motion = if unknown { f64::INFINITY } else { axis.motion };
         let spread = n * axis.spread + 0.5 * axis.change * n * (n + 1.0);
         // what was lost for good is not believed again before `begin_anew`
-        let usable = valid && !stands && self.guard.doubted() <= axis.lost;
+        let given_up = self.exhausted(axis);
+        let usable = valid && !stands && !given_up;
+        let near_last = self.last.is_some_and(|last| (raw - last).abs() <= axis.spread);
         let used = self.guard.update(if usable { raw } else { f64::NAN }, Reach { motion, spread });
         if self.guard.doubted() == 0 {
             self.velocity = self.last.replace(used).map(|last| (used - last) / n);
             self.moved |= self.velocity.is_some_and(|velocity| velocity != 0.0);
+            self.spent = (self.spent - REGAINED).max(0.0);
             self.loss = None;
             // what runs and was read several times has run for as long
             if self.moved || !(again && axis.runs) {
                 self.age = 0;
             }
-        } else {
+        } else if !given_up {
+            self.spent += 1.0;
             self.loss = Some(if !valid {
                 Loss::Invalid
-            } else if stands {
+            } else if near_last {
+                // a last bit may flicker
                 Loss::Frozen
             } else {
                 Loss::Jump
@@ -121,9 +131,14 @@ impl Guarded {
         if self.guard.doubted() == 0 { raw } else { used }
     }
 
-    /// Why so many readings in a row are lost, if they are.
+    /// Whether more readings are lost than may be.
+    fn exhausted(&self, axis: &Axis) -> bool {
+        self.spent > f64::from(axis.lost)
+    }
+
+    /// Why so many readings are lost, if they are.
     fn lost(&self, axis: &Axis) -> Option<Loss> {
-        self.loss.filter(|_| self.guard.doubted() > axis.lost)
+        self.loss.filter(|_| self.exhausted(axis))
     }
 
     /// Whether place and velocity are known.
@@ -135,7 +150,7 @@ impl Guarded {
 /// What of the readings of a sample is missing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Missing {
-    /// So many readings of the arm in a row are lost that nothing stands in for them any more.
+    /// So many readings of the arm are lost that nothing stands in for them any more.
     pub arm: Option<Loss>,
     /// The same for the spindle.
     pub spindle: Option<Loss>,
@@ -356,12 +371,46 @@ mod tests {
     }
 
     #[test]
-    fn inputs_that_are_held_over_three_samples_are_no_loss() {
+    fn a_frozen_reading_with_a_flickering_last_bit_is_named_frozen() {
         let p = Parameters::START;
-        let mut reader = Reader::default();
-        for k in 0..3000 {
-            reader.read(&p, &on_path(k / 3 * 3), 0.4);
-            assert_eq!(reader.missing(), &Missing::default(), "sample {k}");
+        for begin in 500..520 {
+            let (mut reader, _, stuck) = after(begin, 1, |_| ());
+            for k in 0..4 {
+                let flicker = if k % 2 == 0 { 7.5e-7 } else { 0.0 };
+                reader.read(&p, &Input { arm_angle: stuck.arm_angle + flicker, ..on_path(begin + 1 + k) }, 0.4);
+            }
+            assert_eq!(reader.missing().arm, Some(Loss::Frozen), "{begin}");
+        }
+    }
+
+    /// What is missing first where inputs are held over `held` samples.
+    fn found_in_steps_of(held: u32) -> Missing {
+        let (p, mut reader) = (Parameters::START, Reader::default());
+        let missing = (0..3000).map(|k| {
+            reader.read(&p, &on_path(k / held * held), 0.4);
+            *reader.missing()
+        });
+        missing.into_iter().find(|missing| *missing != Missing::default()).unwrap_or_default()
+    }
+
+    #[test]
+    fn inputs_that_are_held_over_several_samples_are_told_at_once() {
+        assert_eq!(found_in_steps_of(1), Missing::default());
+        for held in 2..12 {
+            assert_eq!(found_in_steps_of(held).spindle, Some(Loss::Frozen), "{held}");
+        }
+    }
+
+    #[test]
+    fn one_of_six_readings_may_be_lost_for_ever_every_third_may_not() {
+        for (every, told) in [(6, None), (3, Some(Loss::Invalid)), (2, Some(Loss::Invalid))] {
+            let (p, mut reader) = (Parameters::START, Reader::default());
+            for k in 0..3000 {
+                let lost = k > 100 && k % every == 0;
+                let input = Input { arm_angle: if lost { f64::NAN } else { on_path(k).arm_angle }, ..on_path(k) };
+                reader.read(&p, &input, 0.4);
+            }
+            assert_eq!(reader.missing().arm, told, "every {every}");
         }
     }
 
@@ -372,7 +421,7 @@ mod tests {
         let mut reader = Reader::default();
         for k in 1..=5 {
             assert_eq!(reader.read(&p, &bad, 0.0), Reading::default());
-            assert_eq!((reader.missing().hold, reader.known()), (k == 5, false));
+            assert_eq!((reader.missing().hold, reader.known()), (k >= 4, false));
         }
     }
 

@@ -46,7 +46,8 @@ fn no_sample_of_a_job_allocates_under_either_law() {
         assert_eq!(bench.output.state, State::Track);
         bench.run(Mode::Approach, 1000, |_, _| ());
         bench.run(Mode::Idle, 10, |_, _| ());
-        bench.run(Mode::Track, 10, |_, input| input.enable = false);
+        assert_eq!(bench.output.state, State::Retract);
+        bench.run(Mode::Track, 4000, |_, input| input.enable = false);
         assert_eq!(bench.output.state, State::Idle);
     }
 }

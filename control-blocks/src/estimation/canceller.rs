@@ -51,6 +51,11 @@ impl Canceller {
         self.0 *= share;
     }
 
+    /// Turns and stretches what was learned along with what it belongs to.
+    pub fn scale(&mut self, factor: Complex<f64>) {
+        self.0 *= factor;
+    }
+
     /// Re c p: what is added to the output in this sample.
     pub fn output(&self, phasor: Complex<f64>) -> f64 {
         self.0.re * phasor.re - self.0.im * phasor.im
@@ -140,5 +145,15 @@ mod tests {
         assert_eq!(canceller, Canceller(Complex::new(1.5, -2.0)));
         canceller.fade(0.5);
         assert_eq!(canceller, Canceller(Complex::new(0.75, -1.0)));
+    }
+
+    #[test]
+    fn what_was_learned_goes_along_with_what_it_belongs_to() {
+        let mut canceller = Canceller::default();
+        canceller.learn(Complex::new(2.0, 0.0), Complex::new(1.0, 0.0), 1.0);
+        canceller.scale(Complex::new(0.0, 1.5));
+        // 2 cos(x) has become 3 cos(x + pi / 2)
+        assert!((canceller.output(Complex::new(0.0, 1.0)) + 3.0).abs() < 1e-15);
+        assert!(canceller.output(Complex::new(1.0, 0.0)).abs() < 1e-15);
     }
 }

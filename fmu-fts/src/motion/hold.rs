@@ -31,6 +31,11 @@ impl HoldMotion {
         Self { quintic: Quintic::new(motion, goal, duration), ticks: 0, stops: speed > 0.0 }
     }
 
+    /// Stops the motion in progress.
+    pub fn stop(&mut self, p: &Parameters) {
+        *self = Self::stopping(p, self.now(p));
+    }
+
     /// Whether the arm was found moving and does not stand yet.
     pub fn stops(&self, p: &Parameters) -> bool {
         self.stops && !self.arrived(p)

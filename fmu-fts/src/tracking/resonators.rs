@@ -8,6 +8,9 @@
 //! ```
 //!
 //! In the angle domain it needs no speed: xi_n += 2 T_s / (tau |T|) e exp(-j (n theta + arg T)), u = Re xi_n e^(j n theta).
+//!
+//! What a feedforward with a wrong response leaves grows and shrinks with the harmonic B_n of the path: xi_n is carried along,
+//! xi_n B_n(x) / B_n(x'), as the slide goes from x' to x. Learned alone it would be late by tau for ever.
 
 use control_blocks::{Canceller, adaptation_gain};
 use nalgebra::Complex;
@@ -20,18 +23,27 @@ const RESPONSE_MIN: f64 = 0.05;
 /// What is left at each tuning of a harmonic that is not in use.
 const FADE: f64 = 0.9;
 
+/// Least harmonic of the path along which a state is carried, rad: 0.1 um at the tool.
+const PATH_MIN: f64 = 1e-6;
+/// Largest change of it from one tuning to the next: what is learned beside it, in step with the spindle, must not grow
+/// faster than it is corrected, 2.4 ms / `afc.tau`.
+const CARRIED_MAX: f64 = 3e-3;
+
 /// Resonators of the harmonics, n = 1 first.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Resonators {
     states: Vec<Canceller>,
     gains: Vec<Complex<f64>>,
+    /// B_n at the last tuning, rad
+    path: Vec<Complex<f64>>,
 }
 
 impl Resonators {
     /// Nothing learned.
     pub fn new(p: &Parameters) -> Self {
         let highest = p.afc.cancelled.highest();
-        Self { states: vec![Canceller::default(); highest], gains: vec![Complex::default(); highest] }
+        let none = vec![Complex::default(); highest];
+        Self { states: vec![Canceller::default(); highest], gains: none.clone(), path: none }
     }
 
     /// Takes the response `t` of the position loop at harmonic `n`, which is at `omega` (rad/s) and `wanted` or not.
@@ -42,6 +54,17 @@ impl Resonators {
             if !in_use {
                 state.fade(FADE);
             }
+        }
+    }
+
+    /// Takes the harmonic `n` of the path, rad.
+    pub fn carry(&mut self, n: usize, path: Complex<f64>) {
+        if let (Some(state), Some(before)) = (self.states.get_mut(n - 1), self.path.get_mut(n - 1)) {
+            let change = path - *before;
+            if before.norm() >= PATH_MIN && change.norm() <= CARRIED_MAX * before.norm() {
+                state.scale(path / *before);
+            }
+            *before = path;
         }
     }
 
@@ -127,6 +150,28 @@ mod tests {
         assert!(before > 0.0 && resonators.output(phasors.from_one()) < 1e-4 * before);
         resonators.clear();
         assert_eq!(resonators.output(phasors.from_one()), 0.0);
+    }
+
+    #[test]
+    fn what_is_learned_goes_along_with_the_path() {
+        let p = Parameters::START;
+        let phasors = Phasors::new(0.0, 24);
+        let learned = |from: Complex<f64>, to: Complex<f64>| {
+            let mut resonators = tuned(&p, 2, Complex::new(1.0, 0.0));
+            resonators.carry(2, from);
+            resonators.learn(1e-4, phasors.from_one());
+            let before = resonators.output(phasors.from_one());
+            resonators.carry(2, to);
+            // of no concern to the others
+            resonators.carry(3, to);
+            resonators.output(phasors.from_one()) / before
+        };
+        let path = Complex::new(0.01, 0.02);
+        assert!((learned(path, path * 1.002) - 1.002).abs() < 1e-12);
+        // too much at once, or too little to be told
+        assert_eq!(learned(path, path * 1.01), 1.0);
+        assert_eq!(learned(path * 1e-5, path * 1.002e-5), 1.0);
+        assert_eq!(learned(Complex::default(), path), 1.0);
     }
 
     #[test]

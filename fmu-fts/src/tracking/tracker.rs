@@ -99,6 +99,9 @@ impl Tracker {
         let t = self.response.at(omega);
         self.feedforward.tune(self.tuned, t, hub_over_tool(p, omega));
         self.resonators.tune(p, self.tuned, t, omega, self.cancels(p, self.tuned));
+        if let Some(path) = self.row.angle_harmonics().get(self.tuned - 1) {
+            self.resonators.carry(self.tuned, *path);
+        }
     }
 
     /// Whether harmonic `n` is one to be cancelled.

@@ -44,7 +44,8 @@ pub struct Transition {
 
 impl Default for Transition {
     fn default() -> Self {
-        Self { share: Quintic::resting(0.0), ticks: 0 }
+        // long over
+        Self { share: Quintic::resting(0.0), ticks: u32::MAX }
     }
 }
 

@@ -31,7 +31,16 @@ fn range(run: &mut Loop, duration: f64) -> (f64, f64) {
 
 #[test]
 fn the_tool_goes_beyond_neither_the_path_nor_the_held_angle() {
-    for (p, build) in cuts() {
+    leaves_within_five_percent(&Build::NOMINAL);
+    for (gain, flexure) in [(0.8, 1080.0), (0.8, 1320.0), (1.2, 1080.0), (1.2, 1320.0)] {
+        leaves_within_five_percent(&Build { gain, flexure, ..Build::NOMINAL });
+    }
+}
+
+/// From all cuts to a held angle, on a machine with the arm of `arm`.
+fn leaves_within_five_percent(arm: &Build) {
+    for (p, cut) in cuts() {
+        let build = Build { gain: arm.gain, flexure: arm.flexure, ..cut };
         let mut tracking = Loop::new(&p, &build, 11);
         tracking.run_to(1.0);
         let (least, most) = range(&mut tracking, 0.11);
@@ -161,17 +170,86 @@ fn a_lost_spindle_ends_out_of_the_part_under_control() {
 }
 
 #[test]
-fn what_is_switched_off_in_the_end_stays_off() {
+fn what_is_switched_off_on_the_way_out_of_the_part_goes_on_and_is_let_go_there() {
     let mut run = Loop::new(&Parameters::START, &Build::NOMINAL, 11);
     run.run_to(0.6);
+    let least = range(&mut run, 0.11).0;
     run.input.hold_angle = f64::NAN;
-    run.run_to(0.61);
+    run.run_to(run.time() + 0.01);
     assert_eq!((run.output.fault, run.output.drive_enable), (Fault::InvalidInput, true));
     run.input.enable = false;
-    run.step();
+    let high = range(&mut run, 0.4).1;
+    assert!(high < least + 3.6e-3, "{high} {least}");
+    // enabled anew it stays where it is
     run.input.enable = true;
     for _ in 0..100 {
         run.step();
-        assert_eq!((run.output.torque, run.output.drive_enable, run.output.state), (0.0, false, State::Fault));
+        assert_eq!((run.output.torque, run.output.state), (0.0, State::Fault));
+        assert!(run.machine.tip_depth() < least - 0.9e-3);
+    }
+}
+
+#[test]
+fn a_job_that_is_switched_off_ends_out_of_the_part_under_control() {
+    for (p, build) in cuts() {
+        let mut run = Loop::new(&p, &build, 11);
+        run.run_to(1.0);
+        let (least, most) = range(&mut run, 0.11);
+        for enable in [false, true] {
+            let mut run = run.clone();
+            (run.input.enable, run.input.mode) = (enable, if enable { Mode::Idle } else { Mode::Track });
+            let mut high = f64::NEG_INFINITY;
+            run.step();
+            while run.output.state == State::Retract {
+                run.step();
+                high = high.max(run.machine.tip_depth());
+            }
+            assert!(high < most + 0.05 * (most - least), "{high} {most}");
+            assert!(run.machine.tip_depth() < least - 0.9e-3);
+            let told = (run.output.state, run.output.fault, run.output.torque, run.output.drive_enable);
+            assert_eq!(told, (State::Idle, Fault::None, 0.0, true));
+            // it is let go there: the thrust takes it only farther out
+            assert!(range(&mut run, 0.1).1 < least - 0.9e-3);
+        }
+    }
+}
+
+#[test]
+fn a_held_arm_that_is_switched_off_is_stopped_and_let_go() {
+    let mut run = Loop::new(&Parameters::START, &Build::NOMINAL, 11);
+    (run.input.mode, run.input.hold_angle) = (Mode::Hold, 0.5);
+    run.run_to(0.2);
+    let from = run.machine.tip_depth();
+    run.input.enable = false;
+    run.step();
+    assert_eq!(run.output.state, State::Retract);
+    run.run_to(0.23);
+    assert_eq!((run.output.state, run.output.torque), (State::Idle, 0.0));
+    // 2 rad/s at most, half way of that in 20 ms
+    assert!((run.machine.tip_depth() - from).abs() < 1.8e-3);
+}
+
+#[test]
+fn an_arm_whose_encoder_is_lost_is_braked_before_the_drive_is_off() {
+    for (p, build) in cuts() {
+        for gain in [0.8, 1.0, 1.2] {
+            // torque of the pulse, over the inertia that is there
+            let build = Build { gain, ..build.clone() };
+            let mut tracking = Loop::new(&p, &build, 11);
+            tracking.run_to(1.0);
+            let (least, most) = range(&mut tracking, 0.11);
+            for phase in 0..6 {
+                let mut run = tracking.clone();
+                run.run_to(run.time() + 0.0061 * f64::from(phase));
+                let (mut high, until) = (f64::NEG_INFINITY, run.time() + 0.2);
+                while run.time() < until {
+                    run.step_with(|input| input.arm_angle = f64::NAN);
+                    high = high.max(run.machine.tip_depth());
+                }
+                assert_eq!((run.output.fault, run.output.drive_enable), (Fault::LostReading, false));
+                // coasting, 3 cm at 870 rpm would go round in circles
+                assert!(high < most + 0.05 * (most - least), "gain {gain}, {phase}: {high} {most}");
+            }
+        }
     }
 }

@@ -23,7 +23,7 @@ fn idle_gives_no_torque() {
 }
 
 #[test]
-fn nothing_happens_before_it_is_enabled_and_a_disabled_loop_is_open() {
+fn nothing_happens_before_it_is_enabled_and_a_job_begins_with_it() {
     let mut run = Loop::new(&Parameters::START, &Build::NOMINAL, 3);
     run.input.enable = false;
     run.run_to(0.01);
@@ -33,6 +33,8 @@ fn nothing_happens_before_it_is_enabled_and_a_disabled_loop_is_open() {
     assert_eq!(run.output.state, State::Track);
     run.input.enable = false;
     run.step();
+    assert_eq!((run.output.state, run.output.fault), (State::Retract, Fault::None));
+    run.run_to(1.5);
     assert_eq!((run.output.torque, run.output.state, run.output.fault), (0.0, State::Idle, Fault::None));
     run.input.enable = true;
     run.step();

@@ -66,3 +66,45 @@ fn ten_machines_that_are_not_the_nominal_one() {
 fn fifty_machines_that_are_not_the_nominal_one() {
     try_all(200..250);
 }
+
+/// The simplest law that could do it: feedback and feedforward from the nominal loop, with the flexure compensated.
+fn against_the_baseline(speeds: &[fn(f64) -> f64], gains: &[f64], flexures: &[f64]) {
+    for speed in speeds {
+        for (gain, flexure) in gains.iter().flat_map(|gain| flexures.iter().map(move |flexure| (*gain, *flexure))) {
+            let build = Build { gain, flexure, speed: *speed, ..Build::NOMINAL };
+            let mut p = Parameters::START;
+            p.surface.outer_radius = 0.032;
+            let mut run = Loop::new(&p, &build, 31);
+            run.input.afc_enable = false;
+            run.run_to(0.8);
+            let baseline = run.measure(0.3);
+            run.input.afc_enable = true;
+            run.run_to(3.0);
+            let default = run.measure(0.5);
+            println!(
+                "{:.0} rpm, gain {gain}, {flexure} Hz: baseline {:.2} (tip {:.2}), default {:.3} (tip {:.3}) um",
+                speed(0.0) / RPM,
+                baseline.rms,
+                baseline.tip,
+                default.rms,
+                default.tip
+            );
+            assert!(default.tip < 0.3 * baseline.tip, "{default:?} {baseline:?}");
+            assert!(default.rms < 0.5, "{default:?}");
+        }
+    }
+}
+
+#[test]
+fn the_cancellation_is_better_than_feedforward_alone() {
+    against_the_baseline(&[|_| 600.0 * RPM], &[1.0, 0.8], &[1200.0]);
+    against_the_baseline(&[|_| 2400.0 * RPM], &[1.2], &[1080.0]);
+}
+
+/// `cargo test --release -p fmu-fts --test closed_loop -- baseline --ignored --nocapture`
+#[test]
+#[ignore = "takes a minute"]
+fn the_whole_table_against_the_baseline() {
+    let speeds: [fn(f64) -> f64; 3] = [|_| 600.0 * RPM, |_| 1200.0 * RPM, |_| 2400.0 * RPM];
+    against_the_baseline(&speeds, &[0.8, 1.0, 1.2], &[1080.0, 1200.0, 1320.0]);
+}

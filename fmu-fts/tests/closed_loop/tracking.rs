@@ -255,3 +255,19 @@ fn with_more_bandwidth_less_of_the_noise_of_the_cut_is_left() {
         assert!(all.rms < if gain < 1.0 { 0.4 } else { 0.3 });
     }
 }
+
+#[test]
+fn what_a_wrong_response_leaves_goes_along_with_the_feed() {
+    // 2400 rpm with a fifth less torque: feedforward alone leaves a tenth of the path, which shrinks as the slide goes in
+    let build = Build { gain: 0.8, flexure: 1080.0, speed: |_| 2400.0 * RPM, ..Build::NOMINAL };
+    let mut p = Parameters::START;
+    p.surface.outer_radius = 0.032;
+    for feed in [0.0, 0.4e-3, 2e-3] {
+        let mut run = Loop::new(&p, &build, 7);
+        run.feed(feed);
+        run.run_to(2.5);
+        let left = run.measure(0.5);
+        println!("feed {} um a turn: {left:?}", 10.0 + 1e6 * feed / 40.0);
+        assert!(left.rms < 0.7, "{feed} m/s: {left:?}");
+    }
+}

@@ -1,0 +1,71 @@
+//! Whether the slide goes on with its feed, turn by turn.
+//!
+//! Another drives the slide, and it may stand. Where `limits.feed` tells how far it goes in a turn, a reading that went with
+//! it for one turn and is more than half of it off in a later one stands, drifts or slips: half a feed a turn tells a
+//! slide that stands from one that goes, whatever the resolution below that.
+
+use std::f64::consts::TAU;
+
+use serde::{Deserialize, Serialize};
+
+use crate::interface::Parameters;
+
+/// The turn in progress; by default before the first.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub struct FeedWatch {
+    /// where it began: spindle angle (rad) and slide position (m)
+    begin: Option<(f64, f64)>,
+    fed: bool,
+    lost: bool,
+}
+
+impl FeedWatch {
+    /// Takes the spindle angle without wraps (rad) and the slide position (m) of a sample.
+    pub fn update(&mut self, p: &Parameters, spindle_angle: f64, slide_position: f64) {
+        let (angle, position) = *self.begin.get_or_insert((spindle_angle, slide_position));
+        if p.limits.feed > 0.0 && (spindle_angle - angle).abs() >= TAU {
+            let off = ((slide_position - position).abs() - p.limits.feed).abs();
+            let right = off <= 0.5 * p.limits.feed;
+            self.lost |= self.fed && !right;
+            self.fed |= right;
+            self.begin = Some((spindle_angle, slide_position));
+        }
+    }
+
+    /// Whether the slide went with its feed and does no more.
+    pub fn lost(&self) -> bool {
+        self.lost
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The turn in which the slide is lost, with a feed of 10 um a turn.
+    fn lost_in(feed: f64, position: impl Fn(f64) -> f64) -> Option<u32> {
+        let (mut p, mut watch) = (Parameters::START, FeedWatch::default());
+        p.limits.feed = feed;
+        (0..3000).find_map(|k| {
+            let turns = 0.0105 * f64::from(k);
+            watch.update(&p, -TAU * turns, (position(turns) * 1e7).round() * 1e-7);
+            watch.lost().then_some(turns as u32)
+        })
+    }
+
+    #[test]
+    fn a_slide_that_feeds_either_way_or_never_did_is_not_lost() {
+        assert_eq!(lost_in(1e-5, |turns| 1e-5 * turns), None);
+        assert_eq!(lost_in(1e-5, |turns| -1.4e-5 * turns), None);
+        assert_eq!(lost_in(1e-5, |_| 0.03), None);
+        assert_eq!(lost_in(0.0, |turns| 1e-5 * turns.min(5.0)), None);
+    }
+
+    #[test]
+    fn one_that_stands_or_drifts_after_that_is_lost_within_two_turns() {
+        for drift in [0.0, 0.3, 2.0] {
+            let lost = lost_in(1e-5, |turns| 1e-5 * (turns.min(10.0) + drift * (turns - 10.0).max(0.0)));
+            assert!(matches!(lost, Some(10..=12)), "{drift}: {lost:?}");
+        }
+    }
+}

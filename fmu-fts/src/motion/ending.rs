@@ -1,0 +1,173 @@
+//! How a fault ends: out of the part under control, or with the drive off.
+//!
+//! The arm has no brake. Where its drive obeys, a pulse of torque takes its last known speed v before the drive is off: the
+//! whole `servo.torque_max` for J |v| / T_max, over which it goes J v^2 / (2 T_max) further. An inertia that is told wrong
+//! by the share s leaves the speed s v.
+
+use control_blocks::SafeEnd;
+use serde::{Deserialize, Serialize};
+
+use crate::interface::{Fault, Parameters};
+
+/// Longest pulse, s: that of 87 rad/s, more than any path has.
+const PULSE_MAX: f64 = 0.01;
+
+/// The fault in force and its end; by default none.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub struct Ending {
+    fault: Fault,
+    end: SafeEnd,
+    /// the position loop is closed
+    retracting: bool,
+    brake: Pulse,
+}
+
+/// A torque (N.m) for some samples.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+struct Pulse {
+    torque: f64,
+    left: u32,
+    /// it acts in this sample
+    acts: bool,
+}
+
+impl Default for Ending {
+    fn default() -> Self {
+        Self { fault: Fault::None, end: SafeEnd::Retract, retracting: false, brake: Pulse::default() }
+    }
+}
+
+impl Ending {
+    /// Begins the end of a fault; of an arm that was under control before (`closed`) with its `velocity` (rad/s).
+    pub fn begin(&mut self, p: &Parameters, fault: Fault, closed: bool, velocity: f64) {
+        *self = Self { fault, end: fault.safe_end(), retracting: closed, brake: Pulse::default() };
+        self.switch_off(p, velocity);
+    }
+
+    /// A later fault may ask for more and never for less.
+    pub fn escalate(&mut self, p: &Parameters, fault: Option<Fault>, velocity: f64) {
+        if let Some(fault) = fault.filter(|fault| fault.safe_end() > self.end) {
+            (self.fault, self.end) = (fault, fault.safe_end());
+            self.switch_off(p, velocity);
+        }
+    }
+
+    /// Lets go of an arm that stands out of the part.
+    pub fn release(&mut self) {
+        self.retracting = false;
+    }
+
+    /// The fault in force.
+    pub fn fault(&self) -> Fault {
+        self.fault
+    }
+
+    /// Whether the arm is under control.
+    pub fn retracting(&self) -> bool {
+        self.retracting
+    }
+
+    /// Whether the arm is being braked.
+    pub fn braking(&self) -> bool {
+        self.brake.left > 0 || self.brake.acts
+    }
+
+    /// Whether the drive may be on.
+    pub fn drive_enable(&self) -> bool {
+        self.end < SafeEnd::DriveOff || self.braking()
+    }
+
+    /// Torque (N.m) of a sample in which the loop is open.
+    pub fn torque(&mut self) -> f64 {
+        self.brake.acts = self.brake.left > 0;
+        self.brake.left = self.brake.left.saturating_sub(1);
+        if self.brake.acts { self.brake.torque } else { 0.0 }
+    }
+
+    fn switch_off(&mut self, p: &Parameters, velocity: f64) {
+        if self.end < SafeEnd::DriveOff {
+            return;
+        }
+        if self.retracting && self.fault.drive_obeys() {
+            self.brake = Pulse::against(p, velocity);
+        }
+        self.retracting = false;
+    }
+}
+
+impl Pulse {
+    /// Takes a speed (rad/s) from the arm, in whole samples.
+    fn against(p: &Parameters, velocity: f64) -> Self {
+        let (impulse, dt, most) = (p.servo.inertia * velocity, p.sample_period, p.servo.torque_max);
+        let samples = ((impulse.abs() / most).min(PULSE_MAX) / dt).ceil();
+        let torque = (-impulse / (samples.max(1.0) * dt)).clamp(-most, most);
+        Self { torque, left: samples as u32, acts: false }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Torques after a fault of an arm that moves with `velocity`, and the samples for which the drive is on.
+    fn ended(fault: Fault, closed: bool, velocity: f64) -> (Vec<f64>, usize) {
+        let (p, mut ending) = (Parameters::START, Ending::default());
+        ending.begin(&p, fault, closed, velocity);
+        let (mut torques, mut on) = (Vec::new(), 0);
+        for _ in 0..200 {
+            torques.push(ending.torque());
+            on += usize::from(ending.drive_enable());
+        }
+        (torques, on)
+    }
+
+    #[test]
+    fn the_pulse_takes_the_speed_with_no_more_than_the_torque() {
+        let p = Parameters::START;
+        for velocity in [34.0, -34.0, 2.75, -0.1] {
+            let (torques, on) = ended(Fault::LostReading, true, velocity);
+            let taken: f64 = torques.iter().sum::<f64>() * p.sample_period / p.servo.inertia;
+            assert!((taken + velocity).abs() < 1e-9, "{velocity}: {taken}");
+            assert!(torques.iter().all(|torque| torque.abs() <= p.servo.torque_max));
+            let shortest = p.servo.inertia * velocity.abs() / p.servo.torque_max / p.sample_period;
+            assert!((on as f64) < shortest + 1.0, "{velocity}: {on} samples");
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_braked_is_off_at_once() {
+        for fault in [Fault::DriveSign, Fault::WeakDrive, Fault::Oscillation] {
+            assert_eq!(ended(fault, true, 5.0), (vec![0.0; 200], 0), "{fault:?}");
+        }
+        // an arm at rest, or one that nobody held
+        assert_eq!(ended(Fault::LostReading, true, 0.0), (vec![0.0; 200], 0));
+        assert_eq!(ended(Fault::LostReading, false, 5.0), (vec![0.0; 200], 0));
+        // an absurd speed
+        assert_eq!(ended(Fault::ReadingJump, true, 1e6).1, 100);
+    }
+
+    #[test]
+    fn a_graver_fault_takes_over_and_a_lighter_one_never_does() {
+        let (p, mut ending) = (Parameters::START, Ending::default());
+        ending.begin(&p, Fault::LostSpindle, true, 5.0);
+        assert_eq!((ending.retracting(), ending.braking(), ending.drive_enable()), (true, false, true));
+        ending.escalate(&p, Some(Fault::NoProgress), 5.0);
+        assert_eq!((ending.fault(), ending.retracting()), (Fault::LostSpindle, true));
+        ending.escalate(&p, Some(Fault::ReadingJump), 5.0);
+        assert_eq!((ending.fault(), ending.retracting(), ending.braking()), (Fault::ReadingJump, false, true));
+        while ending.torque() < 0.0 {
+            assert!(ending.drive_enable());
+        }
+        assert!(!ending.drive_enable() && !ending.braking());
+        ending.escalate(&p, Some(Fault::LostSpindle), 5.0);
+        assert_eq!((ending.fault(), ending.drive_enable()), (Fault::ReadingJump, false));
+    }
+
+    #[test]
+    fn what_is_let_go_may_keep_its_drive() {
+        let (p, mut ending) = (Parameters::START, Ending::default());
+        ending.begin(&p, Fault::LostSlide, true, 5.0);
+        ending.release();
+        assert_eq!((ending.retracting(), ending.drive_enable(), ending.torque()), (false, true, 0.0));
+    }
+}
