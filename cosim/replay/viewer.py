@@ -63,7 +63,9 @@ def opened(model: Any, data: Any) -> Any:
             started = importlib.import_module("glfw").init()
         if not started:
             raise CosimError("the viewer cannot open a window", hint)
-        return importlib.import_module("mujoco.viewer").launch_passive(model, data)
+        viewer = importlib.import_module("mujoco.viewer")
+        # panels that would change what is only shown
+        return viewer.launch_passive(model, data, show_left_ui=False, show_right_ui=False)
     except CosimError:
         raise
     except Exception as error:  # whatever the system lacks

@@ -30,19 +30,17 @@ def panel(
     Parameters
     ----------
     lines
-        Values of each column over equal times.
+        Values of each column over equal times, as the axis takes them.
     time
         First and last of them, s.
     log
-        Logarithmic axis.
+        Whether the values are logarithms.
     items
         Names of the values, where they are those of an enumeration.
     events
         Times that are marked, s.
     """
     shown = [thinned(line, POINTS) for line in lines]
-    if log:
-        shown = [np.log10(np.where(line > 0.0, line, math.nan)) for line in shown]
     low, high = extent(shown)
     inside_x, inside_y = WIDTH - LEFT - RIGHT, HEIGHT - TOP - BOTTOM
     span = time[1] - time[0] or 1.0

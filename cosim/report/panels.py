@@ -65,9 +65,14 @@ def one(
             {
                 "name": name,
                 "stepped": bool(np.all(line == np.round(line))),
-                **series.packed(series.thinned(line)),
+                **series.packed(scaled(series.thinned(line), log)),
             }
             for name, line in zip(panel.columns, lines, strict=True)
         ],
-        "svg": drawing.panel(lines, span, log, items, [t for t, _ in marks]),
+        "svg": drawing.panel([scaled(line, log) for line in lines], span, log, items, [t for t, _ in marks]),
     }
+
+
+def scaled(values: Array, log: bool) -> Array:
+    """Values as the axis takes them: the logarithm of what is above 0 on a logarithmic one."""
+    return np.log10(np.where(values > 0.0, values, np.nan)) if log else values

@@ -39,7 +39,8 @@ function colour(name) {
 
 function traces(view, panel) {
   return panel.lines.map((line, i) => {
-    const y = numbers(line);
+    // a logarithmic axis has the logarithms
+    const y = numbers(line).map((value) => (panel.log && value !== null ? 10 ** value : value));
     const step = (view.to - view.from) / Math.max(1, y.length - 1);
     return {
       x: y.map((_, k) => view.from + k * step), y, name: line.name, mode: "lines",

@@ -3,12 +3,20 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 
-from cosim.report import drawing
+import cosim
+from cosim.acceptance import runner
+from cosim.acceptance.job import RecordedJob
+from cosim.errors import CosimError
+from cosim.report import book, drawing
+from cosim.report.panels import scaled
 from cosim.report.series import BUCKETS, STEPS, packed, thinned, unpacked
 
 NAN = float("nan")
@@ -79,9 +87,11 @@ def test_a_drawing_is_interrupted_where_there_is_no_number() -> None:
 
 
 def test_a_logarithmic_drawing_leaves_out_what_is_not_positive() -> None:
-    line = np.array([-1.0, 0.0, 1.0, 10.0, 100.0])
-    (path,) = parts(drawing.panel([line], (0.0, 1.0), True, {}, []), "line")
+    line = scaled(np.array([-1.0, 0.0, 1.0, 10.0, 100.0]), log=True)
+    svg = drawing.panel([line], (0.0, 1.0), True, {}, [])
+    (path,) = parts(svg, "line")
     heights = [y for _, y in points(path)]
+    assert {mark.text for mark in parts(svg, "y")} >= {"1", "10", "100"}
     assert len(heights) == 3
     assert heights[0] - heights[1] == pytest.approx(heights[1] - heights[2], abs=1)
 
@@ -91,6 +101,26 @@ def test_the_items_that_come_are_named_at_the_axis_and_escaped() -> None:
         [np.array([1.0, 3.0, 3.0])], (0.0, 1.0), False, {"<Idle>": 1, "Never": 2, "Run": 3}, []
     )
     assert [mark.text for mark in parts(svg, "y")] == ["<Idle>", "Run"]
+
+
+def test_one_scenario_of_each_loop_is_filmed(write: Callable[..., Path], monkeypatch: Any) -> None:
+    write()
+    scenario = cosim.load("lag.toml")
+    filmed: dict[str, bool] = {}
+
+    def run(names: Sequence[str], options: runner.RunOptions, change: Any) -> dict[str, CosimError]:
+        for name in names:
+            job = change(name, RecordedJob(scenario, 1))
+            assert job.keep_trace
+            filmed[name] = job.film
+        return {name: CosimError("not run") for name in names}
+
+    monkeypatch.setattr(runner, "run", run)
+    names = ["dob", "dob/nan", "fts/lens", "fts", "dob/10"]
+    book.told(book.Contents("", names), runner.RunOptions())
+    assert [name for name, film in filmed.items() if film] == ["dob", "fts/lens"]
+    book.told(book.Contents("", names, films=False), runner.RunOptions())
+    assert not any(filmed.values())
 
 
 @pytest.mark.parametrize(
