@@ -54,7 +54,7 @@ fn section(events: &[Event]) -> Section {
     let id = format!("guide-{}", words.collect::<Vec<_>>().join("-").to_lowercase());
     let mut html = String::new();
     let body = if is_headed {
-        _ = write!(html, "<h2 id=\"{id}\">{}</h2>\n", escaped(&title));
+        _ = writeln!(html, "<h2 id=\"{id}\">{}</h2>", escaped(&title));
         events.iter().position(|event| matches!(event, Event::End(TagEnd::Heading(_)))).map_or(0, |end| end + 1)
     } else {
         0

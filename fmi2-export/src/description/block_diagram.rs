@@ -40,10 +40,10 @@ fn port<V>(svg: &mut String, row: &Variable<V>, y: usize, [from, head, tip]: [us
     let unit = if unit.is_empty() { String::new() } else { format!(" <tspan class=\"u\">{}</tspan>", escape(unit)) };
     let fill =
         if matches!(row.kind, Kind::Real { .. }) { "" } else { " style=\"fill:var(--paper);stroke:var(--soft)\"" };
-    write!(
+    writeln!(
         svg,
         "<line x1=\"{from}\" y1=\"{y}\" x2=\"{head}\" y2=\"{y}\"/><path d=\"M{head} {}L{tip} {y}L{head} {}z\"{fill}/>\
-         <a href=\"#{}\"><text{class} x=\"{x}\" y=\"{}\">{}{unit}</text></a>\n",
+         <a href=\"#{}\"><text{class} x=\"{x}\" y=\"{}\">{}{unit}</text></a>",
         y - 5,
         y + 5,
         row.name,
