@@ -12,15 +12,22 @@ use crate::binary;
 use crate::build::Built;
 use crate::facts::Facts;
 use crate::functions::{self, FMI2_FUNCTIONS, OWN_PREFIX};
+use crate::guide;
 use crate::inspect::{self, Rules};
 use crate::licences;
 use crate::pack::{self, Content};
+use crate::picture;
 use crate::platform::Platform;
 use crate::process;
 use crate::project::Project;
+use crate::reference;
+use crate::terminals::{self, Ports};
 
 /// Path of the description inside an FMU.
 pub const DESCRIPTION: &str = "modelDescription.xml";
+
+/// Path of the page for people.
+const PAGE: &str = "documentation/index.html";
 
 /// A packed FMU and what was seen of its libraries.
 pub struct Packed {
@@ -42,11 +49,18 @@ pub fn pack(project: &Project, package: &Package, built: &Built, more: &[Built],
     let all: Vec<_> = std::iter::once(built).chain(more).collect();
     let libraries = all.iter().map(|built| read(package, built)).collect::<Result<Vec<_>>>()?;
     let mut content = Content::default();
+    let readme = readme(package)?;
     for (path, text) in binary::files(&built.library)? {
+        let text = if path == PAGE { guide::insert(&text, &readme) } else { text };
         content.add(path, text.into_bytes())?;
     }
     let description = content.text(DESCRIPTION).unwrap_or_default();
     let (identifier, guid) = (model_identifier(description)?, guid(description)?);
+    let ports = Ports::read(description)?;
+    let picture = picture::write(&ports)?;
+    content.add(terminals::ICON, picture.clone())?;
+    content.add("model.png", picture)?;
+    content.add(terminals::FILE, terminals::write(&ports).into_bytes())?;
     let mut packed = Packed { bytes: Vec::new(), facts: Vec::new(), faults: Vec::new() };
     for (built, (library, facts)) in all.iter().zip(libraries) {
         belongs(built, &facts, &guid)?;
@@ -56,13 +70,30 @@ pub fn pack(project: &Project, package: &Package, built: &Built, more: &[Built],
         packed.facts.push((platform, facts));
         content.add(format!("binaries/{}/{identifier}.{}", platform.folder, platform.extension), library)?;
     }
-    content.add_folder("resources", &package.manifest_path.with_file_name("resources").into_std_path_buf())?;
+    let resources = package.manifest_path.with_file_name("resources").into_std_path_buf();
+    let description = content.text(DESCRIPTION).unwrap_or_default();
+    match reference::files(&built.library, description, &resources) {
+        Ok(files) => {
+            for (path, text) in files {
+                content.add(path, text.into_bytes())?;
+            }
+        }
+        Err(reason) => eprintln!("warning: there is no reference run in the FMU: {reason:#}"),
+    }
+    content.add_folder("resources", &resources)?;
     let packages = all.iter().flat_map(|built| built.packages.iter().cloned()).collect();
     for (path, text) in licences::files(project, package, &packages)? {
         content.add(path, text.into_bytes())?;
     }
     packed.bytes = pack::to_bytes(&content)?;
     Ok(packed)
+}
+
+/// The README of a package, which may have none.
+fn readme(package: &Package) -> Result<String> {
+    let file = package.readme.as_ref().map(|file| package.manifest_path.with_file_name(file));
+    let Some(file) = file.filter(|file| file.is_file()) else { return Ok(String::new()) };
+    fs::read_to_string(&file).with_context(|| format!("cannot read `{file}`"))
 }
 
 /// Reads a library, which must be one of FMI.

@@ -1,12 +1,13 @@
 //! What a table of variables shows of a row, in words: for the documentation page and for a README.
 
+use crate::table::units::DisplayUnit;
 use crate::table::variable::{Kind, Role, Variable};
 
 /// The cells of a row beside its texts; empty where there is nothing to show.
 #[derive(Default)]
 pub struct Cells {
     pub name: String,
-    /// Type, and `tunable` where the variable may change between steps.
+    /// Type.
     pub kind: String,
     /// Unit, and the display unit.
     pub unit: String,
@@ -14,8 +15,12 @@ pub struct Cells {
     pub range: String,
     /// Value of the paper.
     pub paper: String,
+    /// Start value in the display unit, where it is one number.
+    pub shown: String,
     /// Start value and value of the paper are words of the interface: items and texts.
     pub words: bool,
+    /// The variable is of an enumeration: `kind` is its name.
+    pub is_choice: bool,
 }
 
 impl Cells {
@@ -28,6 +33,13 @@ impl Cells {
                 let display = real.display.map_or(String::new(), |display| format!(" ({display})"));
                 cells.unit = real.unit.map_or(String::new(), |unit| format!("{}{display}", unit.name));
                 cells.start = alike(start, |x| number(*x));
+                let told = |display: &&DisplayUnit| real.display == Some(display.name);
+                let display = real.unit.and_then(|unit| unit.display.iter().find(told));
+                if let (Some(display), Ok(value)) = (display, cells.start.parse::<f64>())
+                    && value != 0.0
+                {
+                    cells.shown = format!("{} {}", rounded(value * display.factor), display.name);
+                }
                 let (low, high) = (real.min > f64::NEG_INFINITY, real.max < f64::INFINITY);
                 cells.range = range(low.then(|| number(real.min)), high.then(|| number(real.max)));
                 cells.paper = row.paper.map_or(String::new(), number);
@@ -49,13 +61,11 @@ impl Cells {
                 let item = |number: i32| ty.items[number as usize - 1].name.to_owned();
                 ty.name.clone_into(&mut cells.kind);
                 cells.paper = row.paper.map_or(String::new(), |value| item(value as i32));
-                (cells.start, cells.words) = (item(*start), true);
+                (cells.start, cells.words, cells.is_choice) = (item(*start), true, true);
             }
         }
-        match row.role() {
-            Role::Calculated => cells.start = "calculated".to_owned(),
-            Role::Tunable => cells.kind += ", tunable",
-            _ => {}
+        if row.role() == Role::Calculated {
+            (cells.start, cells.shown) = ("calculated".to_owned(), String::new());
         }
         cells
     }
@@ -72,6 +82,11 @@ fn alike<T: PartialEq>(values: &[T], show: impl Fn(&T) -> String) -> String {
 /// A number with a power of ten where that is shorter.
 fn number(value: f64) -> String {
     if value == 0.0 || (1e-3..1e5).contains(&value.abs()) { format!("{value}") } else { format!("{value:e}") }
+}
+
+/// A number without the last digits, which conversion to another unit makes.
+fn rounded(value: f64) -> String {
+    number(format!("{value:.8e}").parse().unwrap_or(value))
 }
 
 fn range(low: Option<String>, high: Option<String>) -> String {
@@ -91,6 +106,7 @@ mod tests {
     fn numbers_are_short_and_arrays_of_one_value_are_that_value() {
         assert_eq!([1e-4, 0.5, 188.0, 1e5, 0.0, -2e-6].map(number), ["1e-4", "0.5", "188", "1e5", "0", "-2e-6"]);
         assert_eq!(alike(&[13.0; 6], |x| number(*x)), "13");
+        assert_eq!([0.1 * 3.0 * 1e3, 5e-5 * 1e6, 1e-7 * 1e9].map(rounded), ["300", "50", "100"]);
         assert_eq!(alike(&[1, 2], i32::to_string), "1, 2");
         assert_eq!(range(Some("1".into()), None), ">= 1");
     }

@@ -1,104 +1,268 @@
-//! `documentation/index.html`: the variable table for people.
+//! `documentation/index.html`: the declaration for people, as one page for screens, light and dark, and for paper.
 
+use crate::description::block_diagram;
 use crate::description::cells::Cells;
 use crate::description::model_description::used_types;
-use crate::description::xml::Writer;
+use crate::description::xml::escape;
+use crate::exported::Exported;
 use crate::host::logger::Category;
-use crate::model::{Interface, Model};
+use crate::instance::start_period;
+use crate::model::{Info, Interface};
+use crate::table::enumeration::EnumType;
 use crate::table::variable::{Role, Variable};
+use std::fmt::Write;
 
-const STYLE: &str = "body{font-family:sans-serif;margin:2em;max-width:75em}\
-table{border-collapse:collapse}td,th{border:1px solid silver;padding:.2em .6em;text-align:left;vertical-align:top}";
+const STYLE: &str = include_str!("documentation.css");
 
-const TIMING: [&str; 3] = [
-    "The controller samples at start time + n periods, whatever the communication step: a step [t, t + h) runs every \
-     sample that lies in it, with the inputs set at t. Outputs are held between samples.",
-    "Read the outputs after fmi2DoStep and apply them from t on, and the loop has no delay beside the sampling; a \
-     master that applies them at t + h adds one communication step.",
-    "Real inputs may be given with their derivatives of any order (fmi2SetRealInputDerivatives); they are extrapolated \
-     to the samples inside the step.",
-];
+/// Where a packer may put what else there is to read, as sections of the page with headings of the second order.
+const GUIDE: &str = "<!-- guide -->\n";
+
+/// And the links to them.
+const GUIDE_CONTENTS: &str = "<!-- contents of the guide -->\n";
+
+const STEPS: &str = "<p>The controller samples at the start time plus <var>n</var> sample periods, whatever the importer does; \
+outputs are held between samples.</p>
+<h3>Co-simulation</h3>
+<p>A step [t, t + h) runs every sample that lies in it, with the inputs set at t. Read the outputs after \
+<code>fmi2DoStep</code> and apply them from t on, and the loop has no delay beside the sampling; an importer that applies them \
+at t + h, as most do, adds one communication step. Real inputs may come with derivatives of any order \
+(<code>fmi2SetRealInputDerivatives</code>); they are extrapolated to the samples inside the step.</p>
+";
+
+const EVENTS: &str = "<h3>Model exchange</h3>
+<p>There are no continuous states. Each sample is a time event: <code>fmi2NewDiscreteStates</code> runs the sample that is due \
+and tells the time of the next. There is no communication step to choose, and outputs act at once: a parameter that tells the \
+controller of a delay in samples is 0 there.</p>
+";
 
 /// The whole page.
-pub fn write<M: Model>() -> String {
-    let info = M::INFO;
-    let mut html = Writer::new("<!DOCTYPE html>");
-    html.open("html", &[("lang", "en")]);
-    html.open("head", &[]);
-    html.empty("meta", &[("charset", "utf-8")]);
-    html.element("title", info.name);
-    html.element("style", STYLE);
-    html.close();
-    html.open("body", &[]);
-    html.element("h1", info.name);
-    html.element("p", info.description);
-    let facts = [("Version", info.version), ("Licence:", info.license)];
-    let facts = facts.iter().filter(|(_, fact)| !fact.is_empty()).map(|(what, fact)| format!("{what} {fact}."));
-    html.element("p", &facts.collect::<Vec<_>>().join(" "));
-    html.element("h2", "Timing");
-    TIMING.iter().for_each(|text| html.element("p", text));
-    if info.longest_step.is_finite() {
-        html.element("p", &step_limit(info.longest_step));
-    }
-    for (title, roles) in [
-        ("Inputs", &[Role::Input][..]),
-        ("Outputs", &[Role::Output]),
-        ("Parameters", &[Role::Parameter, Role::Tunable, Role::Calculated]),
-        ("Local variables", &[Role::Local]),
-    ] {
-        section(&mut html, title, M::Vars::TABLE, roles);
-    }
-    enumerations(&mut html, M::Vars::TABLE);
-    categories(&mut html);
-    html.finish()
-}
-
-fn step_limit(longest: f64) -> String {
-    format!(
-        "A closed loop works with communication steps of up to {longest} sample periods, best with one: in a longer step \
-         inputs are held for all of its samples, and of the outputs those of the last sample are seen. The first step \
-         beyond that is told as a warning."
-    )
-}
-
-fn section<V>(html: &mut Writer, title: &'static str, table: &[Variable<V>], roles: &[Role]) {
-    if !table.iter().any(|row| roles.contains(&row.role())) {
-        return;
-    }
-    html.element("h2", title);
-    html.open("table", &[]);
-    let parameters = roles.contains(&Role::Parameter);
-    let more: &[&str] = if parameters { &["Paper", "Source"] } else { &[] };
-    line(html, "th", &[&["Name", "Type", "Unit", "Start", "Range", "Description"], more].concat());
-    for row in table.iter().filter(|row| roles.contains(&row.role())) {
-        let Cells { name, kind, unit, start, range, paper, .. } = Cells::of(row);
-        let more: &[&str] = if parameters { &[&paper, row.source] } else { &[] };
-        line(html, "td", &[&[name.as_str(), &kind, &unit, &start, &range, row.description], more].concat());
-    }
-    html.close();
-}
-
-fn enumerations<V>(html: &mut Writer, table: &[Variable<V>]) {
-    for ty in used_types(table) {
-        html.element("h2", &format!("Enumeration {}", ty.name));
-        html.element("p", ty.description);
-        html.open("table", &[]);
-        for (i, item) in ty.items.iter().enumerate() {
-            line(html, "td", &[&(i + 1).to_string(), item.name, item.description, item.hint]);
+pub fn write<M: Exported>() -> String {
+    let (info, table) = (M::INFO, M::Vars::TABLE);
+    let mut page = Page { text: String::new(), names: table.iter().map(|row| row.name).collect() };
+    page.head(&info);
+    page.contents(table);
+    page.section("block", "Block");
+    page.text += &block_diagram::write(info.name, table);
+    page.text += GUIDE;
+    page.section("timing", "Timing and delay");
+    page.text += STEPS;
+    page.step(&info, start_period::<M>());
+    page.text += EVENTS;
+    page.signals(table, "inputs", "Inputs", Role::Input);
+    page.signals(table, "outputs", "Outputs", Role::Output);
+    page.signals(table, "locals", "Local variables", Role::Local);
+    page.parameters(table);
+    page.enumerations(table);
+    page.section("log", "Log categories");
+    page.table("log", &["Category", "Meaning"], &mut |page| {
+        for category in Category::ALL {
+            page.row(&[&code(category.name()), &escape(category.description())]);
         }
-        html.close();
+    });
+    page.text += "</main>\n</body>\n</html>\n";
+    page.text
+}
+
+struct Page {
+    text: String,
+    /// Names of the variables, each of which has a row to lead to.
+    names: Vec<&'static str>,
+}
+
+impl Page {
+    fn head(&mut self, info: &Info) {
+        let name = escape(info.name);
+        self.put(format_args!(
+            "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
+             <meta name=\"viewport\" content=\"width=device-width\"/>\n<title>{name}</title>\n<style>\n{STYLE}</style>\n</head>\n\
+             <body>\n<header>\n<h1>{}</h1>\n<p>{}</p>\n",
+            breakable(info.name),
+            self.inline(info.description)
+        ));
+        let facts = [("Version", info.version), ("Author", info.author), ("Licence", info.license)];
+        let facts = facts.iter().filter(|(_, fact)| !fact.is_empty());
+        let facts: Vec<_> = facts.map(|(what, fact)| format!("{what} {}", escape(fact))).collect();
+        self.put(format_args!("<p class=\"facts\">{}</p>\n</header>\n", facts.join(" &#183; ")));
+    }
+
+    /// Links to the sections of the declaration and to the groups of the parameters.
+    fn contents<V>(&mut self, table: &[Variable<V>]) {
+        self.text += "<nav>\n";
+        let has = |role: Role| table.iter().any(|row| row.role() == role);
+        let mut link = |id: &str, title: &str| self.put(format_args!("<a href=\"#{id}\">{title}</a>\n"));
+        link("block", "Block");
+        self.text += GUIDE_CONTENTS;
+        let mut link = |id: &str, title: &str| self.put(format_args!("<a href=\"#{id}\">{title}</a>\n"));
+        link("timing", "Timing and delay");
+        for (role, id, title) in
+            [(Role::Input, "inputs", "Inputs"), (Role::Output, "outputs", "Outputs"), (Role::Local, "locals", "Locals")]
+        {
+            if has(role) {
+                link(id, title);
+            }
+        }
+        if table.iter().any(|row| is_parameter(row.role())) {
+            link("parameters", "Parameters");
+        }
+        for ty in used_types(table) {
+            link(&format!("type-{}", ty.name), ty.name);
+        }
+        link("log", "Log");
+        self.text += "</nav>\n<main>\n";
+    }
+
+    fn step(&mut self, info: &Info, period: f64) {
+        self.put(format_args!("<p>The sample period is {period} s unless a parameter sets another one. "));
+        if info.longest_step.is_finite() {
+            let steps = match info.longest_step {
+                1.0 => "a communication step of one sample period".to_owned(),
+                longest => format!("communication steps of up to {longest} sample periods, best with one"),
+            };
+            self.put(format_args!(
+                "A closed loop works with {steps}: in a longer step inputs are held for all of its samples, and of the outputs \
+                 those of the last sample are seen. The first step beyond that is told as a warning."
+            ));
+        }
+        self.text += "</p>\n";
+    }
+
+    fn signals<V>(&mut self, table: &[Variable<V>], id: &str, title: &str, role: Role) {
+        if !table.iter().any(|row| row.role() == role) {
+            return;
+        }
+        self.section(id, title);
+        self.table("signals", &["Name", "Type", "Unit", "Start", "Meaning"], &mut |page| {
+            for row in table.iter().filter(|row| row.role() == role) {
+                let cells = Cells::of(row);
+                let kind = if cells.is_choice { link_to_type(&cells.kind) } else { cells.kind };
+                let description = page.inline(row.description);
+                page.row_of(row.name, &[&code(&cells.name), &kind, &cells.unit, &escape(&cells.start), &description]);
+            }
+        });
+    }
+
+    /// Parameters group by group: the part of a name before its last dot.
+    fn parameters<V>(&mut self, table: &[Variable<V>]) {
+        let rows: Vec<_> = table.iter().filter(|row| is_parameter(row.role())).collect();
+        if rows.is_empty() {
+            return;
+        }
+        self.section("parameters", "Parameters");
+        let mut groups: Vec<&str> = Vec::new();
+        for row in &rows {
+            if !groups.contains(&group(row.name)) {
+                groups.push(group(row.name));
+            }
+        }
+        for of in groups {
+            if !of.is_empty() {
+                self.put(format_args!("<h3>{}</h3>\n", code(of)));
+            }
+            let rows: Vec<_> = rows.iter().filter(|row| group(row.name) == of).collect();
+            let head = ["Name", "Start", "Range", "Paper", "Meaning", "Source"];
+            self.table("parameters", &head, &mut |page| rows.iter().for_each(|row| page.parameter(row)));
+        }
+    }
+
+    fn parameter<V>(&mut self, row: &Variable<V>) {
+        let Cells { name, kind, unit, start, shown, range, paper, is_choice, .. } = Cells::of(row);
+        let mut value = if is_choice { link_to_item(&kind, &start) } else { escape(&start) };
+        if let Some(unit) = unit.split(" (").next().filter(|unit| !unit.is_empty() && row.role() != Role::Calculated) {
+            value += &format!(" {}", escape(unit));
+        }
+        if !shown.is_empty() {
+            value += &format!(" <small>= {}</small>", escape(&shown));
+        }
+        if row.role() == Role::Tunable {
+            value += " <small class=\"tag\">tunable</small>";
+        }
+        let paper = if is_choice && !paper.is_empty() { link_to_item(&kind, &paper) } else { escape(&paper) };
+        let (meaning, source) = (self.inline(row.description), self.inline(row.source));
+        self.row_of(row.name, &[&code(&name), &value, &escape(&range), &paper, &meaning, &source]);
+    }
+
+    fn enumerations<V>(&mut self, table: &[Variable<V>]) {
+        for ty in used_types(table) {
+            self.section(&format!("type-{}", ty.name), &format!("Enumeration {}", code(ty.name)));
+            let description = self.inline(ty.description);
+            self.put(format_args!("<p>{description}.</p>\n"));
+            let has_remedies = ty.items.iter().any(|item| !item.hint.is_empty());
+            let head: &[&str] =
+                if has_remedies { &["Number", "Item", "Meaning", "Remedy"] } else { &["Number", "Item", "Meaning"] };
+            self.table("items", head, &mut |page| page.items(ty, has_remedies));
+        }
+    }
+
+    fn items(&mut self, ty: &EnumType, has_remedies: bool) {
+        for (item, number) in ty.items.iter().zip(1..) {
+            let number = format!("{number}");
+            let (name, meaning, hint) = (code(item.name), self.inline(item.description), self.inline(item.hint));
+            let cells = [number.as_str(), &name, &meaning, &hint];
+            self.row_of(&format!("{}-{}", ty.name, item.name), if has_remedies { &cells } else { &cells[..3] });
+        }
+    }
+
+    fn section(&mut self, id: &str, title: &str) {
+        self.put(format_args!("<h2 id=\"{id}\">{title}</h2>\n"));
+    }
+
+    fn table(&mut self, class: &str, head: &[&str], rows: &mut dyn FnMut(&mut Self)) {
+        self.put(format_args!("<table class=\"declared {class}\">\n<tr><th>{}</th></tr>\n", head.join("</th><th>")));
+        rows(self);
+        self.text += "</table>\n";
+    }
+
+    fn row(&mut self, cells: &[&str]) {
+        self.put(format_args!("<tr><td>{}</td></tr>\n", cells.join("</td><td>")));
+    }
+
+    /// A row that links lead to.
+    #[inline(never)]
+    fn row_of(&mut self, id: &str, cells: &[&str]) {
+        self.put(format_args!("<tr id=\"{id}\"><td>{}</td></tr>\n", cells.join("</td><td>")));
+    }
+
+    /// A text of the declaration: what stands between backticks is code, and leads to the variable of that name.
+    #[inline(never)]
+    fn inline(&self, text: &str) -> String {
+        let parts = text.split('`').enumerate().map(|(i, part)| match self.names.contains(&part) {
+            _ if i % 2 == 0 => escape(part),
+            true => format!("<a href=\"#{part}\">{}</a>", code(part)),
+            false => code(part),
+        });
+        parts.collect()
+    }
+
+    // here and below: the page is made once, in every FMU, so small code is worth more than fast code
+    #[inline(never)]
+    fn put(&mut self, text: std::fmt::Arguments) {
+        self.text.write_fmt(text).expect("writing to a String");
     }
 }
 
-fn categories(html: &mut Writer) {
-    html.element("h2", "Log categories");
-    html.open("table", &[]);
-    Category::ALL.iter().for_each(|category| line(html, "td", &[category.name(), category.description()]));
-    html.close();
+/// A name in camel case that may be broken between its words.
+fn breakable(name: &str) -> String {
+    let capital = |c: char| if c.is_uppercase() { format!("<wbr/>{c}") } else { escape(c.encode_utf8(&mut [0; 4])) };
+    name.chars().map(capital).collect()
 }
 
-fn line(html: &mut Writer, cell: &'static str, texts: &[&str]) {
-    html.open("tr", &[]);
-    texts.iter().for_each(|text| html.element(cell, text));
-    html.close();
+fn is_parameter(role: Role) -> bool {
+    role.is_parameter() || role == Role::Calculated
+}
+
+fn group(name: &str) -> &str {
+    name.rsplit_once('.').map_or("", |(group, _)| group)
+}
+
+#[inline(never)]
+fn code(text: &str) -> String {
+    format!("<code>{}</code>", escape(text))
+}
+
+fn link_to_type(name: &str) -> String {
+    format!("<a href=\"#type-{name}\">{name}</a>")
+}
+
+fn link_to_item(ty: &str, item: &str) -> String {
+    format!("<a href=\"#{ty}-{item}\">{item}</a>")
 }

@@ -1,5 +1,6 @@
 //! The files that a library describes itself with.
 
+mod block_diagram;
 mod cells;
 pub mod documentation;
 pub mod files;

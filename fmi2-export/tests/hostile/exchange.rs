@@ -54,7 +54,9 @@ fn a_place_for_an_answer_that_is_null_is_refused() {
     let instance = Instance::at_first_event(&fmu);
     let status = unsafe { (fmu.new_discrete_states)(instance.component, null_mut()) };
     instance.refused(status, ERROR, &["fmi2NewDiscreteStates", "`fmi2eventInfo` is NULL"]);
-    for (event, end, word) in [(null_mut(), &raw mut *(&mut 7), "enterEventMode"), (&mut 7, null_mut(), "terminate")] {
+    let mut answer = 7;
+    let place = &raw mut answer;
+    for (event, end, word) in [(null_mut(), place, "enterEventMode"), (place, null_mut(), "terminateSimulation")] {
         let instance = Instance::of_type_in_phase(&fmu, MODEL_EXCHANGE, Phase::ContinuousTime);
         let status = unsafe { (fmu.completed_integrator_step)(instance.component, 1, event, end) };
         instance.refused(status, ERROR, &["fmi2CompletedIntegratorStep", word, "is NULL"]);

@@ -1,0 +1,174 @@
+//! The README of a package as the guide in the documentation page of its FMU.
+
+use std::fmt::Write as _;
+use std::ops::Range;
+
+use pulldown_cmark::{CodeBlockKind, CowStr, Event, HeadingLevel, Options, Parser, Tag, TagEnd, html};
+
+/// Where the page of `fmi2-export` takes a guide, and the links to its sections.
+const PLACE: &str = "<!-- guide -->\n";
+const CONTENTS: &str = "<!-- contents of the guide -->\n";
+
+/// The heading of a section that the page has of its own.
+const TABLES: &str = "<!-- variables:";
+
+/// The page with the README in it; a page without a place for it stays as it is.
+pub fn insert(page: &str, readme: &str) -> String {
+    let sections = sections(&written(readme));
+    let links = sections.iter().filter(|section| !section.title.is_empty());
+    let links = links.map(|section| format!("<a href=\"#{}\">{}</a>\n", section.id, section.title)).collect::<String>();
+    let bodies = sections.iter().map(|section| section.html.as_str()).collect::<String>();
+    page.replacen(PLACE, &bodies, 1).replacen(CONTENTS, &links, 1)
+}
+
+/// A heading of the second order and what follows it; the first section has no heading.
+struct Section {
+    id: String,
+    title: String,
+    html: String,
+}
+
+/// The README without its title and without the sections that hold the tables of the declaration.
+fn written(readme: &str) -> String {
+    let body = if readme.starts_with("# ") { readme.split_once('\n').map_or("", |(_, body)| body) } else { readme };
+    let is_kept = |part: &str| !part.contains(TABLES);
+    format!("\n{body}").split("\n## ").filter(|part| is_kept(part)).collect::<Vec<_>>().join("\n## ")
+}
+
+fn sections(markdown: &str) -> Vec<Section> {
+    let events: Vec<_> = Parser::new_ext(markdown, Options::ENABLE_TABLES).collect();
+    let begins = |event: &Event| matches!(event, Event::Start(Tag::Heading { level: HeadingLevel::H2, .. }));
+    let mut starts: Vec<_> = (0..events.len()).filter(|i| begins(&events[*i])).collect();
+    starts.insert(0, 0);
+    starts.dedup();
+    let ends = starts[1..].iter().copied().chain([events.len()]);
+    let ranges: Vec<Range<usize>> = starts.iter().zip(ends).map(|(start, end)| *start..end).collect();
+    ranges.into_iter().map(|range| section(&events[range])).collect()
+}
+
+fn section(events: &[Event]) -> Section {
+    let heading = events.iter().take_while(|event| !matches!(event, Event::End(TagEnd::Heading(HeadingLevel::H2))));
+    let is_headed = matches!(events.first(), Some(Event::Start(Tag::Heading { level: HeadingLevel::H2, .. })));
+    let title: String = if is_headed { heading.map(text).collect() } else { String::new() };
+    let words = title.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty());
+    let id = format!("guide-{}", words.collect::<Vec<_>>().join("-").to_lowercase());
+    let mut html = String::new();
+    let body = if is_headed {
+        _ = writeln!(html, "<h2 id=\"{id}\">{}</h2>", escaped(&title));
+        events.iter().position(|event| matches!(event, Event::End(TagEnd::Heading(_)))).map_or(0, |end| end + 1)
+    } else {
+        0
+    };
+    html::push_html(&mut html, adapted(&events[body..]).into_iter());
+    Section { id, title: escaped(&title), html }
+}
+
+/// Links that lead out of the FMU become plain text, tables may be scrolled, and a chart of states becomes a table.
+fn adapted<'a>(events: &[Event<'a>]) -> Vec<Event<'a>> {
+    let mut adapted = Vec::new();
+    let mut chart = None;
+    let mut unlinked = Vec::new();
+    for event in events {
+        match event {
+            Event::Start(Tag::CodeBlock(CodeBlockKind::Fenced(kind))) if &**kind == "mermaid" => {
+                chart = Some(String::new())
+            }
+            Event::End(TagEnd::CodeBlock) if chart.is_some() => {
+                let table = transitions(&chart.take().unwrap_or_default());
+                adapted.push(Event::Html(CowStr::from(table)));
+            }
+            Event::Text(text) if chart.is_some() => chart.iter_mut().for_each(|chart| chart.push_str(text)),
+            Event::Start(Tag::Link { dest_url, .. }) => {
+                unlinked.push(!dest_url.contains("://"));
+                if dest_url.contains("://") {
+                    adapted.push(event.clone());
+                }
+            }
+            Event::End(TagEnd::Link) if unlinked.pop() == Some(true) => {}
+            Event::Start(Tag::Table(_)) => {
+                adapted.extend([Event::Html("<div class=\"scroll\">".into()), event.clone()])
+            }
+            Event::End(TagEnd::Table) => adapted.extend([event.clone(), Event::Html("</div>\n".into())]),
+            // a picture beside the README is not inside the FMU, and a comment is for who writes it
+            Event::Start(Tag::Image { .. }) | Event::End(TagEnd::Image) | Event::Html(_) | Event::InlineHtml(_) => {}
+            event => adapted.push(event.clone()),
+        }
+    }
+    adapted
+}
+
+/// The transitions of a state diagram of Mermaid as a table, and its notes.
+fn transitions(chart: &str) -> String {
+    let mut html = "<table class=\"declared chart\">\n<tr><th>From</th><th>To</th><th>When</th></tr>\n".to_owned();
+    let mut notes = String::new();
+    for line in chart.lines().map(str::trim) {
+        if let Some((from, rest)) = line.split_once("-->") {
+            let (to, when) = rest.split_once(':').unwrap_or((rest, ""));
+            let state = |name: &str| match name.trim() {
+                "[*]" => "begin".to_owned(),
+                name => format!("<a href=\"#State-{0}\">{0}</a>", escaped(name)),
+            };
+            _ = writeln!(
+                html,
+                "<tr><td>{}</td><td>{}</td><td>{}</td></tr>",
+                state(from),
+                state(to),
+                escaped(when.trim())
+            );
+        } else if let Some((of, note)) = line.strip_prefix("note ").and_then(|note| note.split_once(':')) {
+            let of = of.rsplit(' ').next().unwrap_or_default();
+            _ = writeln!(notes, "<p>{}: {}.</p>", escaped(of), escaped(note.trim()));
+        }
+    }
+    html + "</table>\n" + &notes
+}
+
+fn text<'a>(event: &'a Event) -> &'a str {
+    match event {
+        Event::Text(text) | Event::Code(text) => text,
+        _ => "",
+    }
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const README: &str = "# spring\n\nA *spring*, [measured](../docs/x.md), see [FMI](https://fmi-standard.org).\n\n\
+        ## How `it` works\n\n```mermaid\nstateDiagram-v2\n    [*] --> Idle\n    Idle --> Run: a < b\n    \
+        note right of Run: slow\n```\n\n| a | b |\n|---|---|\n| 1 | `x` |\n\n\
+        ## Variables\n\n<!-- variables: made -->\n| n |\n|---|\n| y |\n<!-- end -->\n\n## Limits\n\nNone.\n";
+
+    #[test]
+    fn the_readme_stands_in_its_place_without_title_and_tables() {
+        let page = insert("<nav><!-- contents of the guide -->\n</nav>\n<!-- guide -->\nend", README);
+        assert!(page.starts_with(
+            "<nav><a href=\"#guide-how-it-works\">How it works</a>\n<a href=\"#guide-limits\">Limits</a>\n</nav>\n<p>A <em>"
+        ));
+        assert!(page.ends_with("<h2 id=\"guide-limits\">Limits</h2>\n<p>None.</p>\nend"));
+        assert!(!page.contains("Variables") && !page.contains("spring</h1>") && !page.contains("<!--"));
+        assert!(page.contains("<div class=\"scroll\"><table>") && page.contains("<code>x</code>"));
+    }
+
+    #[test]
+    fn only_links_to_the_net_stay_links() {
+        let page = insert(PLACE, README);
+        assert!(page.contains("</em>, measured, see <a href=\"https://fmi-standard.org\">FMI</a>"), "{page}");
+    }
+
+    #[test]
+    fn a_chart_of_states_is_a_table_of_transitions() {
+        let page = insert(PLACE, README);
+        assert!(page.contains("<tr><td>begin</td><td><a href=\"#State-Idle\">Idle</a></td><td></td></tr>"), "{page}");
+        assert!(page.contains("Run</a></td><td>a &lt; b</td></tr>") && page.contains("<p>Run: slow.</p>"), "{page}");
+    }
+
+    #[test]
+    fn a_page_without_a_place_stays() {
+        assert_eq!(insert("<p/>", README), "<p/>");
+    }
+}

@@ -1,0 +1,124 @@
+//! `model.png`, the picture of an FMU in tools: a block with as many ports as the model has, and a sampled signal in it.
+
+use anyhow::{Context, Result};
+
+use crate::terminals::Ports;
+
+/// Width and height, pixels.
+const SIZE: usize = 256;
+/// Points per pixel and direction that the edges are smoothed with.
+const FINE: usize = 4;
+/// The ends of the block, and half its height at most, in pixels from the middle.
+const BLOCK: f64 = 88.0;
+/// Red, green and blue of the block, its frame, and the signal.
+const FILL: [u8; 3] = [240, 245, 250];
+const FRAME: [u8; 3] = [86, 101, 120];
+const SIGNAL: [u8; 3] = [10, 88, 168];
+
+/// The picture as PNG.
+///
+/// # Errors
+/// When it cannot be encoded.
+pub fn write(ports: &Ports) -> Result<Vec<u8>> {
+    let mut pixels = Vec::with_capacity(SIZE * SIZE * 4);
+    for (y, x) in (0..SIZE).flat_map(|y| (0..SIZE).map(move |x| (y, x))) {
+        pixels.extend(pixel(x, y, ports.inputs.len(), ports.outputs.len()));
+    }
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, SIZE as u32, SIZE as u32);
+    encoder.set_color(png::ColorType::Rgba);
+    encoder.set_compression(png::Compression::High);
+    let mut writer = encoder.write_header().context("cannot write the picture")?;
+    writer.write_image_data(&pixels).context("cannot write the picture")?;
+    drop(writer);
+    Ok(bytes)
+}
+
+/// The mean colour of the points in a pixel, and their share as opacity.
+fn pixel(x: usize, y: usize, inputs: usize, outputs: usize) -> [u8; 4] {
+    let at = |pixel: usize, k: usize| pixel as f64 + (k as f64 + 0.5) / FINE as f64 - SIZE as f64 / 2.0;
+    let points = (0..FINE * FINE).filter_map(|k| colour(at(x, k % FINE), at(y, k / FINE), inputs, outputs));
+    let (sum, count) = points.fold(([0_usize; 3], 0), |(sum, count), colour| {
+        (std::array::from_fn(|i| sum[i] + usize::from(colour[i])), count + 1)
+    });
+    let mean = sum.map(|sum| (sum / count.max(1)) as u8);
+    [mean[0], mean[1], mean[2], (255 * count / (FINE * FINE)) as u8]
+}
+
+/// What lies at a point, from the front to the back; the origin is in the middle, and y points down.
+fn colour(x: f64, y: f64, inputs: usize, outputs: usize) -> Option<[u8; 3]> {
+    let outside = |half: f64| {
+        let corner = 14.0;
+        let (dx, dy) = (x.abs() - (half - corner), y.abs() - (half - corner));
+        dx.max(0.0).hypot(dy.max(0.0)) > corner
+    };
+    if is_signal(x, y) {
+        Some(SIGNAL)
+    } else if !outside(BLOCK - 3.0) {
+        Some(FILL)
+    } else if !outside(BLOCK) || is_port(x + BLOCK + 26.0, y, inputs) || is_port(x - BLOCK - 4.0, y, outputs) {
+        Some(FRAME)
+    } else {
+        None
+    }
+}
+
+/// Triangles that point to the right, 22 pixels long at most, in a column.
+fn is_port(x: f64, y: f64, count: usize) -> bool {
+    let pitch = (2.0 * BLOCK - 24.0) / count.max(1) as f64;
+    let (half, from_top) = ((0.38 * pitch).min(9.0), y + BLOCK - 12.0);
+    let off = (from_top.rem_euclid(pitch) - 0.5 * pitch).abs();
+    let is_inside = count > 0 && (0.0..2.0 * BLOCK - 24.0).contains(&from_top);
+    is_inside && (0.0..22.0).contains(&x) && off <= half * (1.0 - x / 22.0)
+}
+
+/// A step response as a sampled controller sees it: held between samples.
+fn is_signal(x: f64, y: f64) -> bool {
+    const SAMPLE: f64 = 16.0;
+    const LINE: f64 = 2.5;
+    let level = |k: f64| {
+        let t = (k + 4.0).max(0.0);
+        44.0 - 84.0 * (1.0 - (-0.6 * t).exp() * ((0.9 * t).cos() + 0.6 * (0.9 * t).sin()))
+    };
+    let k = (x / SAMPLE).floor();
+    if !(-4.4..4.0).contains(&(x / SAMPLE)) {
+        return false;
+    }
+    let (before, now) = (level(k - 1.0), level(k));
+    let rise = x - k * SAMPLE < LINE && k > -4.0 && (before.min(now) - LINE..=before.max(now) + LINE).contains(&y);
+    let sample = (x / SAMPLE).round();
+    (y - now).abs() <= LINE || rise || (x - sample * SAMPLE).hypot(y - level(sample)) < 5.5
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ports(inputs: usize, outputs: usize) -> Ports {
+        Ports { inputs: vec![String::new(); inputs], outputs: vec![String::new(); outputs] }
+    }
+
+    #[test]
+    fn the_picture_is_small_the_same_each_time_and_shows_the_ports() {
+        let picture = write(&ports(3, 12)).unwrap();
+        assert_eq!(picture[..8], *b"\x89PNG\r\n\x1a\n");
+        assert!(picture.len() < 12_000, "{} bytes", picture.len());
+        assert_eq!(write(&ports(3, 12)).unwrap(), picture);
+        assert_ne!(write(&ports(2, 12)).unwrap(), picture);
+    }
+
+    #[test]
+    fn a_side_has_as_many_triangles_as_ports() {
+        for count in [0, 1, 3, 20] {
+            let column: Vec<_> = (0..SIZE * 8).map(|k| is_port(1.0, k as f64 / 8.0 - 128.0, count)).collect();
+            let begun = column.windows(2).filter(|pair| !pair[0] && pair[1]).count();
+            assert_eq!(begun, count);
+        }
+    }
+
+    #[test]
+    fn corners_are_clear_and_the_middle_is_not() {
+        assert_eq!(pixel(0, 0, 1, 1)[3], 0);
+        assert_eq!(pixel(SIZE / 2, SIZE / 2 + 70, 1, 1)[3], 255);
+    }
+}

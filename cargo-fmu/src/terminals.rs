@@ -1,0 +1,96 @@
+//! `terminalsAndIcons/terminalsAndIcons.xml`: the inputs and outputs in bundles, and the icon.
+
+use std::fmt::Write as _;
+
+use anyhow::{Context, Result};
+use roxmltree::Document;
+
+/// Path of the file inside an FMU.
+pub const FILE: &str = "terminalsAndIcons/terminalsAndIcons.xml";
+
+/// Path of the icon that the file speaks of.
+pub const ICON: &str = "terminalsAndIcons/icon.png";
+
+/// Inputs and outputs of a model, in the order of its description.
+pub struct Ports {
+    /// Names of the inputs.
+    pub inputs: Vec<String>,
+    /// Names of the outputs.
+    pub outputs: Vec<String>,
+}
+
+impl Ports {
+    /// Those of a model description.
+    ///
+    /// # Errors
+    /// When it is not well-formed.
+    pub fn read(description: &str) -> Result<Self> {
+        let document = Document::parse(description).context("the model description is not well-formed")?;
+        let of = |causality: &str| {
+            let variables = document.descendants().filter(|node| node.has_tag_name("ScalarVariable"));
+            let wanted = variables.filter(|node| node.attribute("causality") == Some(causality));
+            wanted.filter_map(|node| node.attribute("name").map(str::to_owned)).collect()
+        };
+        Ok(Self { inputs: of("input"), outputs: of("output") })
+    }
+}
+
+/// The file: a terminal for each group, which is the part of a name before its first dot; what has no group is in the
+/// terminal `inputs` or `outputs`.
+pub fn write(ports: &Ports) -> String {
+    let mut terminals: Vec<(String, Vec<(&str, &str)>)> = Vec::new();
+    let all = [("inputs", &ports.inputs), ("outputs", &ports.outputs)];
+    for (rest, name) in all.iter().flat_map(|(rest, names)| names.iter().map(move |name| (*rest, name))) {
+        let (group, member) = name.split_once('.').unwrap_or((rest, name));
+        match terminals.iter_mut().find(|(terminal, _)| terminal == group) {
+            Some((_, members)) => members.push((name, member)),
+            None => terminals.push((group.to_owned(), vec![(name, member)])),
+        }
+    }
+    let mut xml = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiTerminalsAndIcons fmiVersion=\"3.0\">\n  \
+                   <GraphicalRepresentation>\n    \
+                   <CoordinateSystem x1=\"-100\" y1=\"-100\" x2=\"100\" y2=\"100\" suggestedScalingFactorTo_mm=\"0.1\"/>\n    \
+                   <Icon x1=\"-100\" y1=\"-100\" x2=\"100\" y2=\"100\"/>\n  </GraphicalRepresentation>\n"
+        .to_owned();
+    if !terminals.is_empty() {
+        xml += "  <Terminals>\n";
+        for (terminal, members) in &terminals {
+            _ = writeln!(xml, "    <Terminal name=\"{terminal}\" matchingRule=\"bus\">");
+            for (name, member) in members {
+                _ = writeln!(
+                    xml,
+                    "      <TerminalMemberVariable variableName=\"{name}\" memberName=\"{member}\" variableKind=\"signal\"/>"
+                );
+            }
+            xml += "    </Terminal>\n";
+        }
+        xml += "  </Terminals>\n";
+    }
+    xml + "</fmiTerminalsAndIcons>\n"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_group_is_a_terminal_with_its_members() {
+        let description = "<fmiModelDescription><ModelVariables>\
+            <ScalarVariable name=\"x\" causality=\"input\"/><ScalarVariable name=\"force.slope\" causality=\"output\"/>\
+            <ScalarVariable name=\"k\" causality=\"parameter\"/><ScalarVariable name=\"force.raw[1]\" causality=\"output\"/>\
+            <ScalarVariable name=\"u\" causality=\"output\"/></ModelVariables></fmiModelDescription>";
+        let ports = Ports::read(description).unwrap();
+        assert_eq!((ports.inputs.len(), ports.outputs.len()), (1, 3));
+        let text = write(&ports);
+        let document = Document::parse(&text).unwrap();
+        let terminals = document.descendants().filter(|node| node.has_tag_name("Terminal"));
+        let seen: Vec<_> = terminals
+            .map(|node| {
+                let members = node.children().filter_map(|member| member.attribute("memberName"));
+                (node.attribute("name").unwrap(), members.collect::<Vec<_>>().join(" "))
+            })
+            .collect();
+        let wanted = [("inputs", "x"), ("force", "slope raw[1]"), ("outputs", "u")];
+        assert_eq!(seen, wanted.map(|(name, members)| (name, members.to_owned())));
+    }
+}
