@@ -48,8 +48,8 @@ FEW = {
 ALL = {
     "centering": Ends(197, 0),
     "deburr": Ends(178, 0),
-    "dob": Ends(0, 200),
-    "fts": Ends(0, 200),
+    "dob": Ends(128, 37),
+    "fts": Ends(163, 29),
     "polish": Ends(164, 31),
 }
 
