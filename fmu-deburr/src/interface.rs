@@ -93,7 +93,7 @@ mod variables {
         #[hint("learn, name a `bank.import`, or switch `lookup.enable` off")] BankEmpty,
         /// The tool turned slower than `limits.spindle_speed_min` while deburring
         #[hint("start the tool before, or lower the taught speed")] SpindleSlow,
-        /// The tool speed was the same all along the path, or for longer than `limits.idle_way`: nothing was cut, or its reading stands
+        /// The tool speed was the same all along the path, or for longer than `limits.idle_way` after a cut: nothing was cut, or its reading stands
         #[hint("is there a part, and does the speed sensor of the tool live? `limits.spindle_change` = 0 allows it, `limits.idle_way` a gap")] NoCut,
         /// The job took longer than `limits.job_time`
         #[hint("look at what does not come to its end: an axis that never stands, or a feed that is too slow")] NoProgress,
@@ -394,7 +394,7 @@ mod variables {
         #[var(unit = RADIAN_PER_SECOND as "rpm", range = 0.0..=1e5, start = 2.0,
             source = "derived: four counts of a 12-bit reading, a twentieth of the slip at rated load")]
         pub spindle_change: f64,
-        /// Longest way on the path without a cut; 0 for any
+        /// Longest way on the path without a cut after the first one; 0 for any
         #[var(unit = METRE as "mm", range = 0.0..=1e3, start = 0.1, source = "our choice: at 100 mm/s the tool is blind for 1 s")] pub idle_way: f64,
         /// Samples in a row that are bridged when a reading cannot be believed
         #[var(range = 0..=100, start = 3, source = "our choice: at 100 mm/s the tool is blind for 3 mm")] pub lost_samples: i32,

@@ -7,15 +7,18 @@ import json
 import resource
 import subprocess
 import sys
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import cosim
+from cosim.scenario.injection import Injection
 
 from .samples.robots import DELAYS, PLAIN, Changes, Sample, joined, learn, machine, sample
-from .samples.runs import Columns, run, trace, value
+from .samples.runs import WORKERS, Columns, run, trace, value
 
 pytestmark = pytest.mark.acceptance
 
@@ -83,6 +86,34 @@ def test_castings_at_60_mm_per_s() -> None:
     print(f"60 mm/s: {found}")
     assert found.good.all()
     assert found.metric("feed").min() >= 0.05
+
+
+# false faults
+
+NOISE = (("axis1.position", 1e-5), ("axis2.position", 5e-6), ("axis3.position", 1e-5), ("spindle_speed", 1.0))
+"""Standard deviations of one to two counts of each reading, in its unit."""
+
+
+def castings_without_fault(seeds: Sequence[int]) -> float:
+    """Deburr a casting for each seed with noisy readings, see that each is good, and tell the hours."""
+    noise = tuple(Injection(f"controller.{to}", from_time=0.0, noise=width) for to, width in NOISE)
+    scenario = replace(cosim.load("deburr"), inject=noise)
+    results = cosim.run_many(scenario, seeds, workers=WORKERS)
+    bad = [seed for seed, result in zip(seeds, results, strict=True) if value(result, "good") != 1.0]
+    assert bad == []
+    return sum(result.simulated_s for result in results) / 3600.0
+
+
+def test_no_fault_is_told_of_good_castings_with_noise() -> None:
+    print(f"0 faults in {castings_without_fault(range(73_001, 73_021)):.3f} h")
+
+
+@pytest.mark.full
+def test_no_fault_is_told_in_ten_hours_with_noise() -> None:
+    # a casting takes 5.9 s
+    hours = castings_without_fault(range(74_001, 80_301))
+    print(f"0 faults in {hours:.2f} h")
+    assert hours >= 10.0
 
 
 # patterns

@@ -29,8 +29,8 @@ pub struct ToolMonitor {
     count: u32,
     /// slowest and fastest that held for a block, rad/s
     held: Option<(f64, f64)>,
-    /// way since the tool was loaded, m
-    idle: f64,
+    /// way since the tool was loaded, m; none before the first time, because a part may be begun again
+    idle: Option<f64>,
     reading: Frozen,
     asked: bool,
     /// samples without feed in which the tool did not answer
@@ -61,10 +61,10 @@ impl ToolMonitor {
             };
         }
         let most = p.limits.idle_way;
-        if band > 0.0 && most > 0.0 && self.idle > most {
+        if band > 0.0 && most > 0.0 && self.idle.is_some_and(|way| way > most) {
             return Finding {
                 fault: Fault::NoCut,
-                numbers: Numbers { share: Some(self.idle), limit: most, ..Numbers::START },
+                numbers: Numbers { share: self.idle, limit: most, ..Numbers::START },
             };
         }
         Finding::NONE
@@ -78,13 +78,14 @@ impl ToolMonitor {
     fn hold(&mut self, p: &Parameters, speed: f64, way: f64) {
         let (slowest, fastest) = self.block.unwrap_or((speed, speed));
         let block = (slowest.min(speed), fastest.max(speed));
-        (self.block, self.count, self.idle) = (Some(block), self.count + 1, self.idle + way);
+        (self.block, self.count) = (Some(block), self.count + 1);
+        self.idle = self.idle.map(|idle| idle + way);
         if self.count > p.limits.lost_samples.unsigned_abs() {
             let (slowest, fastest) = self.held.unwrap_or((block.1, block.0));
             let held = (slowest.min(block.1), fastest.max(block.0));
             (self.block, self.count, self.held) = (None, 0, Some(held));
             if held.1 - block.1 >= p.limits.spindle_change {
-                self.idle = 0.0;
+                self.idle = Some(0.0);
             }
         }
     }

@@ -13,10 +13,11 @@ fn errors() {
         ("paper, stop at best", Parameters::PAPER, true),
         ("default", Parameters::START, true),
         ("norm-optimal, 3 repetitions", Parameters::START, true),
+        ("computed", Parameters::START, true),
     ] {
         for delay in [0, 1] {
             let mut p = parameters(&base, delay);
-            p.learn.stop_at_best = stop;
+            (p.learn.stop_at_best, p.bank.compute) = (stop, name == "computed");
             if name.starts_with("norm") {
                 (p.learn.law, p.learn.repetitions) = (LearningLaw::NormOptimal, 3);
             }
@@ -24,7 +25,7 @@ fn errors() {
                 p.lookup.preview = -0.01 * f64::from(delay);
             }
             let mut run = Loop::new(&p, &Build { delay: delay as usize, ..Build::NOMINAL });
-            assert!(run.finish(Mode::Learn));
+            assert!(p.bank.compute || run.finish(Mode::Learn));
             let mut worst = |speed: &dyn Fn(f64) -> f64| {
                 let errors = run.largest_errors(Mode::Playback, speed);
                 format!("{:.3}/{:.3}", errors[0], errors[2])

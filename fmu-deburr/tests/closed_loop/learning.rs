@@ -136,3 +136,14 @@ fn patterns_that_are_computed_are_as_good_as_learned_ones_on_the_nominal_drive_a
     println!("gain 0.8: {foreign:.3}, 1.2: {gain:.3} mm");
     assert!(foreign > 0.5 && gain > 0.5, "{foreign} {gain}");
 }
+
+#[test]
+fn learning_goes_on_from_patterns_that_were_computed() {
+    let mut p = parameters(&Parameters::START, 1);
+    (p.bank.compute, p.learn.from_bank, p.learn.repetitions) = (true, true, 3);
+    let mut run = Loop::new(&p, &Build { gain: 0.8, ..Build::NOMINAL });
+    assert!(run.finish(Mode::Learn));
+    let error = worst(&mut run, |_| 1.0);
+    // a tenth of what they leave before
+    assert!(error < 0.1 * computed(0.8, |_| 1.0), "{error}");
+}
