@@ -9,10 +9,12 @@ import math
 import numpy as np
 import pytest
 
+import cosim
 from plants.tools.molds import MOLDS
 from plants.tools.removal import Surface, evenness, roughness
 
 from .samples.polishing import Changes, Run, polish, sample, worst
+from .samples.runs import WORKERS
 
 pytestmark = pytest.mark.acceptance
 
@@ -161,6 +163,24 @@ def test_the_whole_cavity_on_a_mold_set_up_askew() -> None:
     assert done.force.std() <= 0.10
     np.testing.assert_allclose(estimate, [50.0, 50.0, 70.0], atol=10.0)
     np.testing.assert_allclose(turn, [2.0, 0.0, 0.0], atol=0.1)
+
+
+def faultless(seeds: range) -> float:
+    """Polish the nominal mold once for each seed; hours of it."""
+    results = cosim.run_many("polish", seeds, WORKERS)
+    assert all(result.metrics["done"].value for result in results)
+    return sum(float(result.metrics["time"].value) for result in results) / 3600.0
+
+
+def test_three_jobs_without_a_false_fault() -> None:
+    assert faultless(range(66_001, 66_004)) > 0.007
+
+
+@pytest.mark.full
+def test_ten_hours_without_a_false_fault() -> None:
+    hours = faultless(range(66_001, 70_101))
+    print(f"{hours:.2f} h")
+    assert hours >= 10.0
 
 
 def test_ten_times_the_feed_on_a_mold_set_up_askew() -> None:
