@@ -315,7 +315,7 @@ DRIVES = (
     ),
     row(
         "pulses of z 20 ms late",
-        f"Oscillation ForceError WeakDrive FollowingError {DONE}",
+        f"Oscillation ForceError WeakDrive FollowingError FrozenReading {DONE}",
         midway("plant.pulses_z", late=20),
         most=7.5,
         why="5 N and a swing of twice `limits.force_error`",
