@@ -9,10 +9,12 @@ import math
 import numpy as np
 import pytest
 
+import cosim
 from plants.tools.molds import MOLDS
 from plants.tools.removal import Surface, evenness, roughness
 
 from .samples.polishing import Changes, Run, polish, sample, worst
+from .samples.runs import WORKERS
 
 pytestmark = pytest.mark.acceptance
 
@@ -106,7 +108,7 @@ def robots(runs: list[Run]) -> None:
         print(number, one)
     assert all(one.done for one in runs)
     assert max(one.settle for one in runs) <= 0.5
-    assert max(one.overshoot for one in runs) <= 1.0
+    assert max(one.overshoot for one in runs) <= 0.22
     assert max(one.force_error for one in runs) <= 1.2
     assert min(one.least for one in runs) > 1.0
     assert max(one.lateral for one in runs) <= 15e-6
@@ -163,12 +165,30 @@ def test_the_whole_cavity_on_a_mold_set_up_askew() -> None:
     np.testing.assert_allclose(turn, [2.0, 0.0, 0.0], atol=0.1)
 
 
+def faultless(seeds: range) -> float:
+    """Polish the nominal mold once for each seed; hours of it."""
+    results = cosim.run_many("polish", seeds, WORKERS)
+    assert all(result.metrics["done"].value for result in results)
+    return sum(float(result.metrics["time"].value) for result in results) / 3600.0
+
+
+def test_three_jobs_without_a_false_fault() -> None:
+    assert faultless(range(66_001, 66_004)) > 0.007
+
+
+@pytest.mark.full
+def test_ten_hours_without_a_false_fault() -> None:
+    hours = faultless(range(66_001, 70_101))
+    print(f"{hours:.2f} h")
+    assert hours >= 10.0
+
+
 def test_ten_times_the_feed_on_a_mold_set_up_askew() -> None:
     done = run("polish/20-mm-s")
     print(done)
     assert done.done
-    assert done.force.std() <= 0.7
-    assert done.force.min() > 2.5
+    assert done.force.std() <= 0.19
+    assert done.force.min() > 4.3
 
 
 @pytest.mark.parametrize("stiffness", [100e3, 209e3, 300e3])

@@ -31,9 +31,7 @@ impl Swings {
         self.sum += error;
         self.samples += 1;
         if self.samples >= period {
-            let half_turn = ticks(PI / p.feed.turn_rate_max, p.sample_period);
-            // what lies between two means counts for the one or the other
-            let window = half_turn.div_ceil(period);
+            let window = ticks(PI / p.feed.turn_rate_max, p.sample_period) / period;
             self.changes = self.reversals.update(self.sum / f64::from(period), SWING * limit, window);
             (self.sum, self.samples) = (0.0, 0);
         }

@@ -199,6 +199,34 @@ fn a_reset_on_the_way_out_does_not_count() {
 }
 
 #[test]
+fn a_machine_that_was_moved_by_hand_begins_where_it_is() {
+    let mut run = Loop::new(&P, Build::NOMINAL, 69);
+    for k in 0..10 {
+        run.step_with(|input| {
+            input.enable = false;
+            input.position.x += if k < 8 { 0.1 } else { 0.0 };
+        });
+    }
+    // the zero of the sensor takes 100 samples
+    (0..102).for_each(|_| run.step());
+    assert_eq!(run.output.state, State::Approach, "{:?}", run.output.fault);
+}
+
+#[test]
+fn an_enable_that_rose_in_a_fault_starts_nothing_after_it() {
+    let mut run = running(&P, Build::NOMINAL, 70, State::Approach);
+    run.step_with(|input| (input.estop, input.enable) = (true, false));
+    for _ in 0..10 {
+        run.step_with(|input| input.position.x += 0.1);
+    }
+    run.step_with(|input| (input.position.x, input.reset_fault) = (0.1, true));
+    for _ in 0..300 {
+        run.step_with(|input| input.position.x += 0.1);
+        assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::None));
+    }
+}
+
+#[test]
 fn tare_rejected_while_the_tool_touches() {
     let build = Build { height: -20e-6, ..Build::NOMINAL };
     let mut run = Loop::new(&P, build, 62);

@@ -220,6 +220,18 @@ fn thirty_robots_that_are_not_nominal() {
     }
 }
 
+#[test]
+#[ignore = "ten hours of polishing, some minutes of computing"]
+fn ten_hours_without_a_false_fault() {
+    let (mut seconds, mut jobs) = (0.0, 0);
+    while seconds < 36e3 {
+        let mut run = Loop::new(&Parameters::START, Build::NOMINAL, 100_000 + jobs);
+        assert!(run.job(30.0).is_some(), "job {jobs}: {:?}", run.output.fault);
+        (seconds, jobs) = (seconds + run.time(), jobs + 1);
+    }
+    println!("{jobs} jobs, {seconds:.0} s");
+}
+
 /// The tables of the README.
 #[test]
 #[ignore = "prints tables"]

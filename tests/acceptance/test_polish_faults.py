@@ -1,0 +1,17 @@
+"""The fault matrix of polishing with seeds that its page does not have."""
+
+from dataclasses import replace
+
+import pytest
+
+from ..faults.matrix import load
+from ..faults.outcome import running
+
+pytestmark = [pytest.mark.acceptance, pytest.mark.full]
+
+
+@pytest.mark.parametrize("seed", [71_302, 71_303])
+def test_every_row_holds_with_another_seed(seed: int) -> None:
+    with running(replace(load("polish"), seed=seed)) as runner:
+        unmet = {outcome.row.name: outcome.problems for outcome in runner.outcomes() if outcome.problems}
+    assert not unmet
