@@ -81,7 +81,7 @@ mod variables {
         /// The arm encoder stands though the arm must move
         #[hint("check the arm encoder; communicate in steps of `sample_period`; with an arm that sticks, allow more `limits.disturbance`")] FrozenReading,
         /// The arm encoder reads where the arm cannot be
-        #[hint("check the arm encoder and its link, what has hit the arm, and `tip.*`; with a coarse or noisy encoder allow more `limits.arm_spread`")] ReadingJump,
+        #[hint("check the arm encoder and its link, what has hit the arm, and `servo.inertia` and `tip.*`; with a coarse or noisy encoder allow more `limits.arm_spread`")] ReadingJump,
         /// The spindle encoder stands or jumps while the path needs it
         #[hint("check the spindle encoder; communicate in steps of `sample_period`; with a coarse or quick spindle, allow more `limits.spindle_spread` or `limits.spindle_acceleration`")] LostSpindle,
         /// The slide reading jumps while the path needs it, or does not go on with `limits.feed`
@@ -392,7 +392,7 @@ mod variables {
         #[var(unit = METRE as "um", range = 1e-6..=0.1, start = 1e-3, source = "our choice")] pub following_error: f64,
         /// Part of `servo.torque_max` that a path may need
         #[var(unit = ONE, range = 0.1..=1.0, start = 0.9, source = "our choice: the rest is for control")] pub torque_share: f64,
-        /// Readings that may be lost, while the motion of the axis stands in for them; four good ones give one back
+        /// Readings in a row that may be lost, while the motion of the axis stands in for them; no more than one of three for long
         #[var(range = 1..=100, start = 3, source = "derived: the fourth is the fault; 30 um at 500 m/s2 meanwhile")] pub lost_samples: i32,
         /// Largest difference of two readings of the arm at rest
         #[var(unit = RADIAN, range = 1e-9..=0.1, start = 2e-5, source = "derived: 1.6 um at the tool, 26 steps of the encoder")] pub arm_spread: f64,

@@ -2,8 +2,8 @@
 //!
 //! An axis has inertia: with the velocity v of its last two readings, n samples later it is at y + n v T_s, within
 //! n w + a T_s^2 n (n + 1) / 2 for the spread w of a reading and the acceleration a that may come. A reading elsewhere, none at
-//! all, and one that stands while the axis moves (v T_s > w) are lost; y + n v T_s stands in for them. Each costs one of
-//! `limits.lost_samples`, and four good ones give one back: one of five may be lost for ever, every second may not.
+//! all, and one that stands while the axis moves (v T_s > w) are lost; y + n v T_s stands in for them. `limits.lost_samples`
+//! of them may be lost in a row, and no more than one of three for long.
 
 use control_blocks::{JumpGuard, LastGood, Reach, believable, wrap};
 use serde::{Deserialize, Serialize};
@@ -17,8 +17,11 @@ const ANGLE_MAX: f64 = 1e9;
 const POSITION_MAX: f64 = 1e3;
 /// Spread of slide readings, m: a hundred steps of 0.1 um.
 const SLIDE_SPREAD: f64 = 1e-5;
-/// What a good reading gives back of a lost one.
-const REGAINED: f64 = 0.25;
+/// What a good reading gives back of a lost one: one of three may be lost for ever.
+const REGAINED: f64 = 0.5;
+/// So many times what may be lost in a row may be lost in all: 4 ms of every second reading, and by chance never of one in
+/// twenty.
+const IN_ALL: f64 = 3.0;
 /// Time in which a torque may still act, s: half a period of 250 Hz.
 const RECENT: f64 = 2e-3;
 
@@ -61,7 +64,7 @@ struct Axis {
     change: f64,
     /// It may run already when it is read first.
     runs: bool,
-    /// Readings that may be lost.
+    /// Readings in a row that may be lost.
     lost: u32,
 }
 
@@ -79,6 +82,8 @@ struct Guarded {
     age: u32,
     /// readings lost, less what the good ones gave back
     spent: f64,
+    /// the readings lost since the last believed one stand where that was
+    standing: bool,
     loss: Option<Loss>,
 }
 
@@ -98,13 +103,14 @@ impl Guarded {
         // what was lost for good is not believed again before `begin_anew`
         let given_up = self.exhausted(axis);
         let usable = valid && !stands && !given_up;
-        let near_last = self.last.is_some_and(|last| (raw - last).abs() <= axis.spread);
+        // a last bit may flicker, and all that is lost in a row must stand
+        self.standing &= self.last.is_some_and(|last| (raw - last).abs() <= axis.spread);
         let used = self.guard.update(if usable { raw } else { f64::NAN }, Reach { motion, spread });
         if self.guard.doubted() == 0 {
             self.velocity = self.last.replace(used).map(|last| (used - last) / n);
             self.moved |= self.velocity.is_some_and(|velocity| velocity != 0.0);
             self.spent = (self.spent - REGAINED).max(0.0);
-            self.loss = None;
+            (self.standing, self.loss) = (true, None);
             // what runs and was read several times has run for as long
             if self.moved || !(again && axis.runs) {
                 self.age = 0;
@@ -113,8 +119,7 @@ impl Guarded {
             self.spent += 1.0;
             self.loss = Some(if !valid {
                 Loss::Invalid
-            } else if near_last {
-                // a last bit may flicker
+            } else if self.standing {
                 Loss::Frozen
             } else {
                 Loss::Jump
@@ -133,7 +138,7 @@ impl Guarded {
 
     /// Whether more readings are lost than may be.
     fn exhausted(&self, axis: &Axis) -> bool {
-        self.spent > f64::from(axis.lost)
+        self.guard.doubted() > axis.lost || self.spent > IN_ALL * f64::from(axis.lost)
     }
 
     /// Why so many readings are lost, if they are.
@@ -402,8 +407,8 @@ mod tests {
     }
 
     #[test]
-    fn one_of_six_readings_may_be_lost_for_ever_every_third_may_not() {
-        for (every, told) in [(6, None), (3, Some(Loss::Invalid)), (2, Some(Loss::Invalid))] {
+    fn one_of_three_readings_may_be_lost_for_ever_every_second_may_not() {
+        for (every, told) in [(6, None), (3, None), (2, Some(Loss::Invalid))] {
             let (p, mut reader) = (Parameters::START, Reader::default());
             for k in 0..3000 {
                 let lost = k > 100 && k % every == 0;

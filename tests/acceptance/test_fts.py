@@ -216,6 +216,26 @@ def test_the_wide_loop_keeps_its_accuracy_with_other_machines_and_delays() -> No
         assert value(result, "rms") <= 0.4e-6
 
 
+# nominal operation
+
+
+def no_false_faults(seeds: tuple[int, ...], duration: float) -> None:
+    changes = [f"loop.duration={duration}", "controller.limits.feed=1e-5"]
+    results = cosim.run_many(cosim.load("fts", set=changes), seeds, WORKERS)
+    faults = [result.seed for result in results if not value(result, "good")]
+    print(f"{len(seeds) * duration / 3600:.2f} h, {len(faults)} faults")
+    assert faults == []
+
+
+def test_a_good_cut_has_no_fault() -> None:
+    no_false_faults((63_001, 63_002), 3.0)
+
+
+@pytest.mark.full
+def test_two_hours_of_good_cuts_have_no_fault() -> None:
+    no_false_faults(tuple(range(63_001, 63_091)), 80.0)
+
+
 # plants that differ from what the controller knows
 
 

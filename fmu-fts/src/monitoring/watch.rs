@@ -68,15 +68,21 @@ impl Watch {
         self.turns = self.reversals.update(sample.torque, limit, ticks(REVERSAL, dt));
         let full = f64::from(u8::from(sample.torque.abs() >= limit));
         self.saturated += (full - self.saturated) * (dt / (5.0 * p.limits.saturated_time)).min(1.0);
-        let poor = sample.learning && sample.rms > p.limits.tracking_error;
-        self.poor = if poor { self.poor.saturating_add(1) } else { 0 };
+        // a sample without learning neither counts nor forgives
+        if sample.rms <= p.limits.tracking_error {
+            self.poor = 0;
+        } else if sample.learning {
+            self.poor = self.poor.saturating_add(1);
+        }
         self.following_error = length * (sample.wanted - sample.arm_angle);
     }
 
     /// The cause of what is wrong, if something is.
     pub fn find(&self, p: &Parameters, length: f64) -> Option<Fault> {
         let share = self.drive.share(p);
-        let frozen = self.life.unanswered(p, length) > 1.0;
+        // an arm that turns late stands for a moment, too
+        let stands = i64::from(self.life.still()) > i64::from(p.limits.lost_samples);
+        let frozen = stands && self.life.unanswered(p, length) > 1.0;
         let behind = self.following_error.abs() > p.limits.following_error;
         let poor = f64::from(self.poor) * p.sample_period > SETTLED * p.afc.tau;
         frozen
@@ -147,6 +153,43 @@ mod tests {
     fn an_arm_that_full_torque_leaves_behind_does_not_follow() {
         assert_eq!(at_full_torque(0.02), Some(Fault::FollowingError));
         assert_eq!(at_full_torque(0.001), Some(Fault::Saturation));
+    }
+
+    /// What is found after `time` s of learning in all samples but every `pause`th, with an error of `rms` (m) over a turn.
+    fn learned(time: f64, pause: u32, rms: impl Fn(f64) -> f64) -> Option<Fault> {
+        let (p, mut watch) = (Parameters::START, Watch::default());
+        for k in 0..ticks(time, p.sample_period) {
+            let (learning, rms) = (k % pause != 0, rms(f64::from(k) * p.sample_period));
+            let sample = Sample { wanted: 0.0, arm_angle: 0.0, torque: 0.0, swinging: false, learning, rms };
+            watch.update(&p, 0.08, &sample);
+        }
+        watch.find(&p, 0.08)
+    }
+
+    #[test]
+    fn what_is_learned_in_vain_for_eight_time_constants_makes_no_progress() {
+        assert_eq!(learned(2.35, 1000, |_| 21e-6), None);
+        assert_eq!(learned(2.45, 1000, |_| 21e-6), Some(Fault::NoProgress));
+        assert_eq!(learned(10.0, 1000, |_| 19e-6), None);
+        // good in between, or nothing learned at all
+        assert_eq!(learned(4.0, 1000, |t| if t < 2.0 { 21e-6 } else { 19e-6 }), None);
+        assert_eq!(learned(4.0, 1, |_| 21e-6), None);
+    }
+
+    #[test]
+    fn a_torque_that_turns_again_and_again_is_an_oscillation() {
+        let found = |turns: u32, every: u32| {
+            let (p, mut watch) = (Parameters::START, Watch::default());
+            for k in 0..turns * every {
+                let torque = if k / every % 2 == 0 { p.servo.torque_max } else { -p.servo.torque_max };
+                watch.turns = watch.reversals.update(torque, p.servo.torque_max, ticks(REVERSAL, p.sample_period));
+            }
+            watch.find(&p, 0.08)
+        };
+        assert_eq!(found(8, 10), None);
+        assert_eq!(found(9, 10), Some(Fault::Oscillation));
+        // slower than 100 Hz
+        assert_eq!(found(20, 60), None);
     }
 
     #[test]
