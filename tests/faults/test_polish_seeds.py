@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import pytest
 
-from ..faults.matrix import load
-from ..faults.outcome import running
+from .matrix import load
+from .outcome import running
 
 pytestmark = [pytest.mark.acceptance, pytest.mark.full]
 
