@@ -294,11 +294,13 @@ impl Controller {
         let starting = self.state == State::Approach && self.ticks <= started(p);
         let acceleration = if starting { self.motion.approach.acceleration } else { 0.0 };
         let guarded = self.guard.exceeded(p, acceleration, self.force.notched);
-        if self.state == State::Detect && self.detector.test(p) {
-            Some(self.detector.source())
-        } else {
-            guarded.then_some(ContactSource::ForceGuard)
+        // a contact pushes, it does not jump: what has counted only in part may not look like one
+        if reading.whole <= Detector::memory(p) {
+            self.detector.clear();
+        } else if self.state == State::Detect && self.detector.test(p) {
+            return Some(self.detector.source());
         }
+        guarded.then_some(ContactSource::ForceGuard)
     }
 
     /// What happens once, when `state` begins.
@@ -424,7 +426,7 @@ impl Controller {
                 velocity: direction * reference.velocity,
             },
             tracking_error: direction * error,
-            drive_share: self.monitors.drive.share().unwrap_or_default(),
+            drive_share: self.monitors.drive.share().unwrap_or(1.0),
         };
     }
 }

@@ -37,8 +37,8 @@ OFF = "an encoder that lies: what is commanded in the 4 samples until it is told
 TOLD = "the reading is bridged or told: the servo follows within 10 nm, 5 sigma of its noise"
 GUARD = "force guard: 0.4 N on one flute, 2 um, and 1 um to stop"
 TOUCH = "a touch as in the nominal run, 0.42 um in 99 of 100"
-FALL = "drive lost: the weight left over, 0.5 N, takes 10.4 kg to `limits.following` = 20 um"
-WILD = "5 A, 97 N: 9.3 m/s2 for the time to `limits.following` = 20 um and the 4 samples after it"
+FALL = "drive lost: the weight left over, 0.5 N, takes 10.4 kg to `limits.following_error` = 20 um"
+WILD = "5 A, 97 N: 9.3 m/s2 for the time to `limits.following_error` = 20 um and the 4 samples after it"
 
 ROWS = (
     # the encoder
@@ -133,6 +133,40 @@ ROWS = (
         TOUCH,
         (wrong(POSITION, duration=1e-4, offset=-8e-9),),
     ),
+    Row(
+        "encoder 20 nm off from now on",
+        ("ReadingJump",),
+        CRUISING,
+        5e-8,
+        "20 nm, and " + OFF.split(": ")[1],
+        (wrong(POSITION, offset=2e-8),),
+    ),
+    Row(
+        "encoder 12 nm off from now on",
+        (DONE, "ReadingJump"),
+        DEEP,
+        4.4e-7,
+        "a touch, and the 12 nm",
+        (wrong(POSITION, offset=1.2e-8),),
+    ),
+    Row(
+        "encoder spike of 8 nm, CUSUM",
+        (DONE,),
+        DEEP,
+        4.2e-7,
+        TOUCH,
+        (wrong(POSITION, duration=1e-4, offset=8e-9),),
+        changes=("controller.detector=Cusum",),
+    ),
+    Row(
+        "encoder spike of 8 nm, GLR",
+        (DONE,),
+        DEEP,
+        4.2e-7,
+        TOUCH,
+        (wrong(POSITION, duration=1e-4, offset=8e-9),),
+        changes=("controller.detector=Glr", "loop.duration=0.8", "controller.learn.settle_time=0.25"),
+    ),
     Row("encoder drifts by 2 um/s", (DONE,), DEEP, 4.2e-7, TOUCH, (wrong(POSITION, ramp=2e-6),)),
     Row(
         "encoder noise of 10 nm, twenty times",
@@ -168,20 +202,13 @@ ROWS = (
     ),
     Row(
         "encoder NaN for one sample",
-        ("InvalidInput",),
-        CRUISING,
-        1e-6,
-        TOLD,
+        (DONE,),
+        DEEP,
+        4.2e-7,
+        TOUCH,
         (wrong(POSITION, duration=1e-4, value=float("nan")),),
     ),
-    Row(
-        "encoder NaN from now on",
-        ("InvalidInput", "LostReading"),
-        CRUISING,
-        1e-6,
-        OFF,
-        (wrong(POSITION, value=float("nan")),),
-    ),
+    Row("encoder NaN from now on", ("LostReading",), CRUISING, 5e-8, OFF, (wrong(POSITION, value=float("nan")),)),
     Row(
         "encoder 3 samples late", (DONE,), DEEP, 4.5e-7, "a touch, and 3 samples of 10 nm", (at(0.0, late=3),)
     ),
@@ -193,6 +220,31 @@ ROWS = (
         1e-9,
         "found before the surface",
         (wrong("controller.spindle_speed", value=0.0),),
+    ),
+    Row(
+        "spindle signal NaN from now on",
+        ("InvalidInput",),
+        DEEP,
+        1e-9,
+        "found before the surface",
+        (wrong("controller.spindle_speed", value=float("nan")),),
+    ),
+    Row(
+        "spindle signal NaN for 2 samples",
+        (DONE,),
+        DEEP,
+        4.2e-7,
+        TOUCH,
+        (wrong("controller.spindle_speed", duration=2e-4, value=float("nan")),),
+    ),
+    Row(
+        "spindle signal with 0.3 % of noise, CUSUM",
+        (DONE,),
+        DEEP,
+        4.2e-7,
+        TOUCH,
+        (at(0.0, "controller.spindle_speed", noise=9.4),),
+        changes=("controller.detector=Cusum",),
     ),
     Row(
         "spindle signal with 0.3 % of noise",
@@ -219,6 +271,15 @@ ROWS = (
         1e-9,
         "found before the surface",
         (at(0.0, CURRENT, scale=0.3),),
+    ),
+    Row(
+        "drive at 0.3 of its strength, 10 um/s",
+        ("WeakDrive",),
+        DEEP,
+        4.2e-7,
+        "too slow a start to tell: a touch, and told behind the retract",
+        (at(0.0, CURRENT, scale=0.3),),
+        changes=("controller.approach.velocity=1e-5", "plant.surface_distance=3e-6", "plant.surface_spread=1e-6"),
     ),
     Row("drive at 0.3 from now on", (DONE, "WeakDrive"), CRUISING, 2e-5, FALL, (wrong(CURRENT, scale=0.3),)),
     Row(

@@ -7,6 +7,7 @@ use crate::detection::cusum::CumulativeSum;
 use crate::detection::glr::OnsetBank;
 use crate::detection::kalman::{self, KalmanFilter};
 use crate::detection::threshold::Statistics;
+use crate::force::observer::forgetting;
 use crate::interface::{ContactSource, DetectorKind, Parameters, ThresholdOutput};
 
 /// Windows of the multi-slope detector, s.
@@ -64,7 +65,6 @@ impl Monitor {
 
     fn arm(&mut self, p: &Parameters, tests: usize) {
         self.threshold = self.statistics.threshold(p, tests);
-        self.row = Consecutive::NONE;
     }
 
     fn test(&mut self, p: &Parameters) -> bool {
@@ -162,6 +162,11 @@ impl Detector {
         samples(longest, p.sample_period)
     }
 
+    /// Samples until observer and detector have forgotten a bad one.
+    pub fn memory(p: &Parameters) -> u32 {
+        ticks(forgetting(p), p.sample_period) + Self::window(p) as u32
+    }
+
     /// Samples at constant speed that the detector needs before it may learn.
     pub fn settling(p: &Parameters) -> usize {
         let filters = samples(p.deviation_window, p.sample_period) + Self::window(p);
@@ -233,8 +238,19 @@ impl Detector {
         self.slope.arm(p, tests);
         match &mut self.method {
             Method::Raw(monitor) | Method::Deviation(monitor) => monitor.arm(p, tests),
-            Method::Slope => {}
             Method::MultiSlope(scales) => scales.iter_mut().for_each(|s| s.monitor.arm(p, tests)),
+            Method::Slope | Method::Cusum(_) | Method::Glr(_) => {}
+        }
+        self.clear();
+    }
+
+    /// Forgets what looked like a contact, not what was learned.
+    pub fn clear(&mut self) {
+        self.slope.row = Consecutive::NONE;
+        match &mut self.method {
+            Method::Raw(monitor) | Method::Deviation(monitor) => monitor.row = Consecutive::NONE,
+            Method::Slope => {}
+            Method::MultiSlope(scales) => scales.iter_mut().for_each(|s| s.monitor.row = Consecutive::NONE),
             Method::Cusum(inner) => inner.1 = CumulativeSum::default(),
             Method::Glr(inner) => inner.1.clear(),
         }
