@@ -132,6 +132,9 @@ pub trait Model: Clone + Serialize + DeserializeOwned + Send + Sync + 'static {
     /// The parameter's name, value and limit.
     fn initialise(vars: &mut Self::Vars, env: &mut Env) -> Result<Self, Error>;
 
+    /// Before the samples of each communication step that is longer than [`Info::longest_step`].
+    fn begin_long_step(&mut self) {}
+
     /// One sample: reads inputs and parameters, writes outputs.
     ///
     /// # Errors

@@ -29,6 +29,8 @@ const FOUND: f64 = 10.0;
 pub struct Controller {
     /// samples since the initialisation
     samples: u64,
+    /// the communication step that begins is longer than a sample
+    long_step: bool,
     reader: Reader,
     observer: DisturbanceObserver,
     /// samples since the position was found
@@ -74,6 +76,7 @@ impl Controller {
         check(p)?;
         Ok(Self {
             samples: 0,
+            long_step: false,
             reader: Reader::default(),
             observer: DisturbanceObserver::new(p),
             known: 0,
@@ -98,6 +101,11 @@ impl Controller {
         })
     }
 
+    /// The next samples have the inputs of one communication step that is too long.
+    pub fn begin_long_step(&mut self) {
+        self.long_step = true;
+    }
+
     /// One sample. The parameters must be those of [`Controller::new`], but for the tunable ones, which count at the
     /// moment when an approach begins and of a contact.
     pub fn tick(&mut self, input: &Input, p: &Parameters, output: &mut Output) {
@@ -110,6 +118,7 @@ impl Controller {
         let current = self.act(p, &reading);
         self.report(p, &reading, current, output);
         self.samples += 1;
+        self.long_step = false;
     }
 
     /// Whether the drive is off, by a fault.
@@ -262,6 +271,7 @@ impl Controller {
         let retracted = state == State::Retract && settled;
         let symptoms = Symptoms {
             reading,
+            long_step: self.long_step,
             standing: monitors.standing,
             steady_spindle: state.approaching(),
             limited: self.amplifier.limited(),

@@ -39,7 +39,8 @@ impl Fault {
             | Self::Overload
             | Self::DriveSign
             | Self::WeakDrive
-            | Self::Oscillation => SafeEnd::DriveOff,
+            | Self::Oscillation
+            | Self::LongStep => SafeEnd::DriveOff,
         }
     }
 }
@@ -49,6 +50,8 @@ impl Fault {
 pub struct Symptoms<'a> {
     /// The inputs of this sample.
     pub reading: &'a Reading,
+    /// The communication step is longer than a sample.
+    pub long_step: bool,
     /// The reading has lived at rest and now stands.
     pub standing: bool,
     /// The spindle must be steady.
@@ -85,6 +88,7 @@ pub fn find(p: &Parameters, symptoms: &Symptoms) -> Option<Fault> {
     let weak = s.judged && s.share.is_some_and(|share| share < p.limits.drive_share);
     let learned = |learned: ThresholdOutput| !learned.plausible(p.limits.slope_sigma_max);
     let faults = [
+        (Fault::LongStep, s.long_step),
         (Fault::FrozenReading, s.standing || lost(Loss::Stands)),
         (Fault::ReadingJump, lost(Loss::Jumps)),
         (Fault::LostReading, lost(Loss::Told)),
@@ -164,6 +168,7 @@ pub fn numbers(vars: &Vars) -> String {
             )
         }
         Fault::NoProgress => format!(": `{} s`", job_limit(p, &p.approach)),
+        Fault::LongStep => format!(": limit `{} s`", p.sample_period),
         Fault::InvalidInput => format!(": `{} rad/s` {row}", vars.input.spindle_speed),
     }
 }
@@ -216,6 +221,7 @@ mod tests {
     fn symptoms(reading: &Reading) -> Symptoms<'_> {
         Symptoms {
             reading,
+            long_step: false,
             standing: false,
             steady_spindle: true,
             limited: 0,
@@ -304,6 +310,7 @@ mod tests {
             late: true,
             ..symptoms(&reading)
         };
+        assert_eq!(find(&p, &Symptoms { long_step: true, ..all }), Some(Fault::LongStep));
         assert_eq!(find(&p, &all), Some(Fault::FrozenReading));
         assert_eq!(find(&p, &Symptoms { reading: &GOOD, ..all }), Some(Fault::Oscillation));
         let nonsense = Reading { invalid: 4, spindle_lost: 4, ..GOOD };
@@ -318,7 +325,7 @@ mod tests {
     #[test]
     fn the_drive_goes_off_where_the_position_or_the_drive_cannot_be_trusted() {
         let ends = |end: SafeEnd| Fault::ALL.iter().filter(move |fault| fault.safe_end() == end).count();
-        assert_eq!([SafeEnd::Retract, SafeEnd::Stop, SafeEnd::DriveOff].map(ends), [7, 1, 9]);
+        assert_eq!([SafeEnd::Retract, SafeEnd::Stop, SafeEnd::DriveOff].map(ends), [7, 1, 10]);
         assert_eq!(Fault::FrozenReading.safe_end(), SafeEnd::DriveOff);
         assert_eq!(Fault::TravelLimit.safe_end(), SafeEnd::Retract);
     }

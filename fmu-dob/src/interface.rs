@@ -72,6 +72,8 @@ mod variables {
         #[hint("check what holds it up, or raise `limits.job_time`")] NoProgress,
         /// `spindle_speed` was NaN, infinite or beyond 1e5 rad/s for too many samples in a row
         #[hint("check what is connected to this input, and its unit")] InvalidInput,
+        /// The communication step is longer than a sample: several samples have the same inputs, and of their commands the last alone is seen
+        #[hint("set the communication step of the importer to `sample_period`")] LongStep,
     }
     /// What detected the contact
     pub enum ContactSource {

@@ -89,10 +89,15 @@ impl<M: Exported> Instance<M> {
             return Err(not_initialized());
         };
         check_step(&running.clock, &experiment, time, step)?;
-        if is_too_long(&running.clock, step, M::INFO.longest_step) && !self.told_long_step {
-            let env = Env { time, experiment, host: &self.host };
-            env.warn(too_long(&running.clock, step, M::INFO.longest_step));
-            self.told_long_step = true;
+        if is_too_long(&running.clock, step, M::INFO.longest_step) {
+            if !self.told_long_step {
+                let env = Env { time, experiment, host: &self.host };
+                env.warn(too_long(&running.clock, step, M::INFO.longest_step));
+                self.told_long_step = true;
+            }
+            if let Some(running) = &mut self.now.running {
+                running.model.begin_long_step();
+            }
         }
         if self.now.derivatives.is_empty() {
             self.run(experiment, step, |_, _, _| Ok(()))?;

@@ -319,6 +319,72 @@ mod tests {
     }
 
     #[test]
+    fn four_windows_share_the_wished_interval() {
+        let mut detector = Detector::new(&Parameters::START);
+        for k in 0..1000 {
+            detector.update(
+                &Parameters::START,
+                &Sample { position: Some(0.0), slope: (f64::from(k) * 1.3).sin(), ..Sample::default() },
+            );
+            detector.learn();
+        }
+        detector.arm(&Parameters::START);
+        let ThresholdOutput { crossing_rate, alpha_used, .. } = detector.learned();
+        assert!((alpha_used - (2.0 * (crossing_rate * 36_000.0 * 4.0).ln()).sqrt()).abs() < 1e-12, "{alpha_used}");
+    }
+
+    #[test]
+    fn what_looked_like_a_contact_before_is_forgotten() {
+        for &detector in &[DetectorKind::Raw, DetectorKind::Deviation, DetectorKind::Slope, DetectorKind::MultiSlope] {
+            let p = Parameters { detector, ..Parameters::START };
+            let sample =
+                |x: f64| Sample { position: Some(0.0), notched: x, deviation: x, slope: x, ..Sample::default() };
+            let learn = |detector: &mut Detector| {
+                for k in 0..1000 {
+                    detector.update(&p, &sample((f64::from(k) * 1.3).sin()));
+                    detector.learn();
+                }
+                detector.arm(&p);
+            };
+            let contact = |detector: &mut Detector| {
+                (1..100).find(|k| {
+                    detector.update(&p, &sample(1e3 * f64::from(*k)));
+                    detector.test(&p)
+                })
+            };
+            let mut fresh = Detector::new(&p);
+            learn(&mut fresh);
+            let mut old = fresh.clone();
+            let samples = contact(&mut fresh.clone());
+            assert!(samples.is_some_and(|k| k < 5), "{detector:?}: {samples:?}");
+            assert_eq!(contact(&mut old), samples);
+            // learned again, or doubted
+            old.reset(0.0);
+            assert_eq!(old.learned(), ThresholdOutput::START);
+            learn(&mut old);
+            assert_eq!(old.learned(), fresh.learned());
+            assert_eq!(contact(&mut old), samples);
+            old.clear();
+            let rows = (1..5).map(|_| old.test(&p)).collect::<Vec<_>>();
+            assert_eq!(rows, [false, false, true, true], "{detector:?}");
+        }
+    }
+
+    #[test]
+    fn windows_and_memories_are_those_of_the_times() {
+        let with = |detector| Parameters { detector, ..Parameters::START };
+        let multi = with(DetectorKind::MultiSlope);
+        // 20 ms of the longest window, 100 ms of the mean, 9.55 ms of the observer
+        assert_eq!([Detector::window(&multi), Detector::settling(&multi)], [200, 1200]);
+        assert_eq!(Detector::memory(&multi), 296);
+        let slope = with(DetectorKind::Slope);
+        assert_eq!([Detector::window(&slope), Detector::settling(&slope)], [50, 1050]);
+        assert_eq!(Detector::settling(&with(DetectorKind::Cusum)), 2000);
+        assert_eq!(Detector::settling(&with(DetectorKind::Glr)), 2300);
+        assert_eq!(samples(1e-4, 1e-4), 3);
+    }
+
+    #[test]
     fn row_starts_again_below_the_threshold() {
         let p = Parameters::PAPER;
         let mut monitor = Monitor::new();

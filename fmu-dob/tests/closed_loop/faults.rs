@@ -347,6 +347,18 @@ fn contact_while_settling_is_caught_by_the_guard() {
 }
 
 #[test]
+fn the_guard_compares_with_the_second_half_of_settling() {
+    let mut run = running(&Parameters::START, 18, State::Approach);
+    // a pull of 0.9 N that is gone after 0.1 of 0.25 s
+    for k in 0..1000 {
+        run.slide.push = -0.9 * f64::min(1.0, f64::from(k.min(1000 - k)) / 300.0);
+        run.step();
+    }
+    run.slide.push = 0.0;
+    assert!(run.run_to(State::Detect, 2.0), "{:?}", run.output);
+}
+
+#[test]
 fn the_next_approach_is_armed_before_it_touches_again() {
     let p = Parameters::START;
     let mut run = Loop::new(&p, 25, 90e-6);
@@ -389,6 +401,25 @@ fn a_reset_forgets_the_answer_of_the_drive() {
     assert!(share < 0.5, "{share}");
     reset(&mut run);
     assert_eq!(run.output.drive_share, 1.0);
+}
+
+#[test]
+fn a_long_communication_step_switches_the_drive_off_until_it_is_short() {
+    for state in [State::Idle, State::Detect, State::Retract] {
+        let mut run = Loop::new(&Parameters::START, 26, 90e-6);
+        assert!(run.run_to(state, 3.0));
+        run.controller.begin_long_step();
+        run.step();
+        assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::LongStep), "{state:?}");
+        assert_eq!((run.output.current, run.output.drive_enable), (0.0, false));
+        (0..100).for_each(|_| run.step());
+        run.controller.begin_long_step();
+        reset(&mut run);
+        assert_eq!(run.output.fault, Fault::LongStep);
+        run.step();
+        reset(&mut run);
+        assert_eq!((run.output.state, run.output.drive_enable), (State::Idle, true));
+    }
 }
 
 #[test]
