@@ -16,6 +16,8 @@ SHORT = (
     "plant.surface_distance=3e-5", "plant.surface_spread=5e-6",
 )  # fmt: skip
 """Armed after 0.27 s and 25 um, the surface 5 to 10 um later."""
+SLOWER = ("controller.learn.settle_time=0.23", "loop.duration=0.7", "plant.surface_distance=4e-5")
+"""The same for detectors with a Kalman filter, 10 um later."""
 
 DEEP = "max(maximum(plant.depth, 0.0)[controller.drive_enable])"
 """Travel beyond the first possible touch while the drive is on; a drift without it is not counted."""
@@ -156,7 +158,7 @@ ROWS = (
         4.2e-7,
         TOUCH,
         (wrong(POSITION, duration=1e-4, offset=8e-9),),
-        changes=("controller.detector=Cusum",),
+        changes=("controller.detector=Cusum", *SLOWER),
     ),
     Row(
         "encoder spike of 8 nm, GLR",
@@ -165,7 +167,7 @@ ROWS = (
         4.2e-7,
         TOUCH,
         (wrong(POSITION, duration=1e-4, offset=8e-9),),
-        changes=("controller.detector=Glr", "loop.duration=0.8", "controller.learn.settle_time=0.25"),
+        changes=("controller.detector=Glr", *SLOWER),
     ),
     Row("encoder drifts by 2 um/s", (DONE,), DEEP, 4.2e-7, TOUCH, (wrong(POSITION, ramp=2e-6),)),
     Row(
@@ -208,7 +210,14 @@ ROWS = (
         TOUCH,
         (wrong(POSITION, duration=1e-4, value=float("nan")),),
     ),
-    Row("encoder NaN from now on", ("LostReading",), CRUISING, 5e-8, OFF, (wrong(POSITION, value=float("nan")),)),
+    Row(
+        "encoder NaN from now on",
+        ("LostReading",),
+        CRUISING,
+        5e-8,
+        OFF,
+        (wrong(POSITION, value=float("nan")),),
+    ),
     Row(
         "encoder 3 samples late", (DONE,), DEEP, 4.5e-7, "a touch, and 3 samples of 10 nm", (at(0.0, late=3),)
     ),
@@ -244,7 +253,7 @@ ROWS = (
         4.2e-7,
         TOUCH,
         (at(0.0, "controller.spindle_speed", noise=9.4),),
-        changes=("controller.detector=Cusum",),
+        changes=("controller.detector=Cusum", *SLOWER),
     ),
     Row(
         "spindle signal with 0.3 % of noise",
@@ -279,7 +288,11 @@ ROWS = (
         4.2e-7,
         "too slow a start to tell: a touch, and told behind the retract",
         (at(0.0, CURRENT, scale=0.3),),
-        changes=("controller.approach.velocity=1e-5", "plant.surface_distance=3e-6", "plant.surface_spread=1e-6"),
+        changes=(
+            "controller.approach.velocity=1e-5",
+            "plant.surface_distance=3e-6",
+            "plant.surface_spread=1e-6",
+        ),
     ),
     Row("drive at 0.3 from now on", (DONE, "WeakDrive"), CRUISING, 2e-5, FALL, (wrong(CURRENT, scale=0.3),)),
     Row(

@@ -340,9 +340,11 @@ mod tests {
             let sample =
                 |x: f64| Sample { position: Some(0.0), notched: x, deviation: x, slope: x, ..Sample::default() };
             let learn = |detector: &mut Detector| {
-                for k in 0..1000 {
+                for k in 0..1300 {
                     detector.update(&p, &sample((f64::from(k) * 1.3).sin()));
-                    detector.learn();
+                    if k >= 300 {
+                        detector.learn();
+                    }
                 }
                 detector.arm(&p);
             };

@@ -199,5 +199,8 @@ mod tests {
         observer.reseat(0.3, 1e-3);
         assert!((observer.force() - before).abs() < 1e-12);
         assert!((observer.velocity() - 1e-3).abs() < 1e-15);
+        // and so it goes on
+        observer.update(0.3 + 1e-3 * p.sample_period, 0.01);
+        assert!((observer.velocity() - 1e-3).abs() < 1e-12, "{}", observer.velocity());
     }
 }

@@ -414,7 +414,7 @@ fn a_long_communication_step_switches_the_drive_off_until_it_is_short() {
         assert_eq!((run.output.current, run.output.drive_enable), (0.0, false));
         (0..100).for_each(|_| run.step());
         run.controller.begin_long_step();
-        reset(&mut run);
+        run.step_with(|input| (input.enable, input.reset_fault) = (false, true));
         assert_eq!(run.output.fault, Fault::LongStep);
         run.step();
         reset(&mut run);
