@@ -286,7 +286,7 @@ mod variables {
         #[var(unit = SECOND as "ms", range = 0.0..=10.0, start = 5e-3, source = "our choice: ten times the 0.5 ms of the hardest acceleration")] pub saturated_time: f64,
         /// Largest plausible sigma of the learned slope
         #[var(unit = NEWTON_PER_SECOND, range = 1e-6..=1e6, start = 5.0, source = "our choice: five times the noise of a good stage")] pub slope_sigma_max: f64,
-        /// Largest distance of a reading from where the observer expects it; a reading beyond counts as lost
+        /// Largest distance of a reading from where the observer expects it; a reading beyond counts as lost, one beyond half of it in part
         #[var(unit = METRE as "nm", range = 1e-12..=1e-3, start = 1e-8, source = "our choice: ten steps of 1 nm; eight sigma of noise and rounding")] pub jump: f64,
         /// Motion that a reading may leave unanswered before it counts as lost
         #[var(unit = METRE as "nm", range = 1e-12..=1e-3, start = 5e-9, source = "derived: three and a third times the 1.5 nm within which a reading stands")] pub frozen: f64,
