@@ -1,5 +1,7 @@
 //! One sample of the whole law: read, estimate, decide, move, act, report.
 
+mod judging;
+
 use control_blocks::{ParameterError, Progress, RunningLine, SafeEnd, ticks};
 use serde::{Deserialize, Serialize};
 
@@ -7,18 +9,16 @@ use crate::check::check;
 use crate::detection::contact::DetectedContact;
 use crate::detection::detector::{Detector, Sample, samples};
 use crate::detection::guard::ForceGuard;
-use crate::faults::{self, Symptoms};
 use crate::force::deviation::MovingDeviation;
 use crate::force::notch::NotchCascade;
-use crate::force::observer::{DisturbanceObserver, forgetting};
+use crate::force::observer::DisturbanceObserver;
 use crate::interface::{ContactSource, Fault, ForceOutput, Input, Output, Parameters, ReferenceOutput, State};
 use crate::machine::{Events, next};
 use crate::monitoring::monitors::Monitors;
 use crate::monitoring::rest_force::RestForce;
 use crate::motion::reference::Motion;
 use crate::motion::servo::{self, Amplifier, Integrator};
-use crate::motion::travel::{late, learn_limit};
-use crate::reading::{Expected, Reader, Reading};
+use crate::reading::{Reader, Reading};
 
 /// The observer knows the velocity of a stage that has just been found after this many times its 1 / g_v.
 const FOUND: f64 = 10.0;
@@ -29,6 +29,8 @@ const FOUND: f64 = 10.0;
 pub struct Controller {
     /// samples since the initialisation
     samples: u64,
+    /// the communication step that begins is longer than a sample
+    long_step: bool,
     reader: Reader,
     observer: DisturbanceObserver,
     /// samples since the position was found
@@ -57,14 +59,6 @@ pub struct Controller {
     amplifier: Amplifier,
 }
 
-/// Something holds the stage above this share of `guard.force`.
-const HELD: f64 = 0.25;
-
-/// Samples at constant speed until the observer has forgotten the acceleration to it.
-fn started(p: &Parameters) -> u32 {
-    ticks(forgetting(p), p.sample_period)
-}
-
 impl Controller {
     /// Controller before its first sample.
     ///
@@ -74,6 +68,7 @@ impl Controller {
         check(p)?;
         Ok(Self {
             samples: 0,
+            long_step: false,
             reader: Reader::default(),
             observer: DisturbanceObserver::new(p),
             known: 0,
@@ -98,6 +93,11 @@ impl Controller {
         })
     }
 
+    /// The next samples have the inputs of one communication step that is too long.
+    pub fn begin_long_step(&mut self) {
+        self.long_step = true;
+    }
+
     /// One sample. The parameters must be those of [`Controller::new`], but for the tunable ones, which count at the
     /// moment when an approach begins and of a contact.
     pub fn tick(&mut self, input: &Input, p: &Parameters, output: &mut Output) {
@@ -110,6 +110,7 @@ impl Controller {
         let current = self.act(p, &reading);
         self.report(p, &reading, current, output);
         self.samples += 1;
+        self.long_step = false;
     }
 
     /// Whether the drive is off, by a fault.
@@ -120,31 +121,6 @@ impl Controller {
     /// Whether the position has been there for long enough to know the velocity.
     fn tracked(&self, p: &Parameters) -> bool {
         self.known >= ticks(FOUND / p.observer.velocity_bandwidth, p.sample_period)
-    }
-
-    /// What the observer and the reference say about the position to come.
-    fn expect(&self, p: &Parameters) -> Expected {
-        let dt = p.sample_period;
-        let commanded = self.observer.acceleration(self.amplifier.acted(p));
-        let steady = matches!(self.state, State::Learn | State::Detect);
-        let planned = match self.state {
-            State::Approach => self.motion.approach.acceleration,
-            _ if steady => 0.0,
-            _ => p.retract.deceleration,
-        };
-        // a push of the guard's force, what is planned, and a drive that does anything from the contrary to twice what
-        // it is told; anything while nothing is known of the velocity
-        let known = self.tracked(p) && !self.off();
-        let push = p.guard_force / p.stage.mass;
-        let unforeseen = push + planned + 2.0 * commanded.abs();
-        Expected {
-            motion: self.observer.motion(commanded, dt),
-            unforeseen: if known { unforeseen * self.observer.leverage(dt) } else { f64::INFINITY },
-            reference: self.motion.reference.position,
-            asked: self.motion.asked,
-            behind: if steady { 0.0 } else { self.motion.late(p) },
-            steady_spindle: self.state.approaching(),
-        }
     }
 
     /// Disturbance observer, notches, deviation, slope, detector; a lost position is bridged by coasting.
@@ -171,30 +147,6 @@ impl Controller {
         let ForceOutput { notched, deviation, slope, .. } = self.force;
         let Reading { position, spindle_speed, .. } = *reading;
         self.detector.update(p, &Sample { position, acted, spindle_speed, notched, deviation, slope });
-    }
-
-    /// Monitors of the drive, of a stage at rest and of the job; what a lost position would say is no news.
-    fn watch(&mut self, p: &Parameters, reading: &Reading) {
-        let watching = !self.off();
-        let monitors = &mut self.monitors;
-        if let Some(position) = reading.position {
-            let error = self.motion.reference.position - position;
-            monitors.astray.update(watching && error.abs() > faults::following_limit(p) + self.motion.late(p));
-            let disturbance = self.force.disturbance.abs();
-            monitors.overloaded.update(watching && disturbance > faults::disturbance_limit(p));
-            if watching && self.motion.at_rest() {
-                monitors.standing = monitors.rest.update(p, position);
-            } else {
-                monitors.rest.clear();
-                monitors.standing = false;
-            }
-            if self.state == State::Retract && self.motion.retreated(p) {
-                monitors.relief.update(p, self.force.notched);
-            }
-        }
-        if self.state.at_work() {
-            monitors.job.count();
-        }
     }
 
     /// State machine.
@@ -252,52 +204,6 @@ impl Controller {
                 enough
             }
             _ => false,
-        }
-    }
-
-    /// The gravest fault of this sample.
-    fn find_fault(&self, p: &Parameters, elapsed: bool, settled: bool, reading: &Reading) -> Option<Fault> {
-        let (state, monitors) = (self.state, &self.monitors);
-        let learning = state == State::Learn;
-        let retracted = state == State::Retract && settled;
-        let symptoms = Symptoms {
-            reading,
-            standing: monitors.standing,
-            steady_spindle: state.approaching(),
-            limited: self.amplifier.limited(),
-            reversals: self.amplifier.reversals(),
-            astray: monitors.astray.count(),
-            overloaded: monitors.overloaded.count(),
-            share: monitors.drive.share(),
-            judged: retracted || self.has_started(p),
-            travelled: state.approaching() && self.motion.beyond_travel(p),
-            learned: (learning && elapsed).then(|| self.detector.learned()),
-            learning: learning && self.ticks > ticks(learn_limit(p), p.sample_period),
-            force_left: (retracted && self.contact.is_some()).then(|| monitors.relief.mean() - self.guard.before()),
-            late: state.at_work() && late(p, &self.motion.approach, monitors.job.samples()),
-        };
-        faults::find(p, &symptoms)
-    }
-
-    /// Whether the stage has just been accelerated, and nothing holds it: a contact would look like a weak drive.
-    fn has_started(&self, p: &Parameters) -> bool {
-        let held = (self.force.notched - self.guard.before()).abs() > HELD * p.guard_force;
-        self.state == State::Approach && self.ticks == started(p) && !held
-    }
-
-    /// Contact by the armed detector or by the guard; a position that stands proves nothing.
-    fn find_contact(&mut self, p: &Parameters, reading: &Reading) -> Option<ContactSource> {
-        if !self.state.approaching() || self.waiting || !reading.alive {
-            return None;
-        }
-        // the observer still holds the force of inertia
-        let starting = self.state == State::Approach && self.ticks <= started(p);
-        let acceleration = if starting { self.motion.approach.acceleration } else { 0.0 };
-        let guarded = self.guard.exceeded(p, acceleration, self.force.notched);
-        if self.state == State::Detect && self.detector.test(p) {
-            Some(self.detector.source())
-        } else {
-            guarded.then_some(ContactSource::ForceGuard)
         }
     }
 
@@ -424,7 +330,7 @@ impl Controller {
                 velocity: direction * reference.velocity,
             },
             tracking_error: direction * error,
-            drive_share: self.monitors.drive.share().unwrap_or_default(),
+            drive_share: self.monitors.drive.share().unwrap_or(1.0),
         };
     }
 }

@@ -1,6 +1,6 @@
 //! Every fault is found here, the gravest first; how it ends; and the numbers that are told with it.
 
-use control_blocks::SafeEnd;
+use control_blocks::{SafeEnd, ticks};
 
 use crate::interface::{Fault, Parameters, ThresholdOutput, Vars};
 use crate::motion::travel::{job_limit, learn_limit};
@@ -39,7 +39,8 @@ impl Fault {
             | Self::Overload
             | Self::DriveSign
             | Self::WeakDrive
-            | Self::Oscillation => SafeEnd::DriveOff,
+            | Self::Oscillation
+            | Self::LongStep => SafeEnd::DriveOff,
         }
     }
 }
@@ -49,6 +50,8 @@ impl Fault {
 pub struct Symptoms<'a> {
     /// The inputs of this sample.
     pub reading: &'a Reading,
+    /// The communication step is longer than a sample.
+    pub long_step: bool,
     /// The reading has lived at rest and now stands.
     pub standing: bool,
     /// The spindle must be steady.
@@ -80,21 +83,22 @@ pub struct Symptoms<'a> {
 /// The gravest fault of this sample.
 pub fn find(p: &Parameters, symptoms: &Symptoms) -> Option<Fault> {
     let s = symptoms;
-    let lost = s.reading.lost > p.limits.lost_samples.unsigned_abs();
-    let lost = |loss| lost && s.reading.loss == loss;
+    let beyond = |samples: u32| samples > p.limits.lost_samples.unsigned_abs();
+    let lost = |loss| beyond(s.reading.lost) && s.reading.loss == loss;
     let weak = s.judged && s.share.is_some_and(|share| share < p.limits.drive_share);
     let learned = |learned: ThresholdOutput| !learned.plausible(p.limits.slope_sigma_max);
     let faults = [
+        (Fault::LongStep, s.long_step),
         (Fault::FrozenReading, s.standing || lost(Loss::Stands)),
         (Fault::ReadingJump, lost(Loss::Jumps)),
         (Fault::LostReading, lost(Loss::Told)),
         (Fault::Oscillation, s.reversals >= REVERSALS),
-        (Fault::Saturation, s.limited > p.limits.saturated_samples.unsigned_abs()),
+        (Fault::Saturation, s.limited > ticks(p.limits.saturated_time, p.sample_period)),
         (Fault::FollowingError, s.astray >= ROW),
         (Fault::Overload, s.overloaded >= ROW),
         (Fault::WeakDrive, weak),
-        (Fault::InvalidInput, s.reading.invalid),
-        (Fault::LostSpindle, s.steady_spindle && s.reading.spindle_lost > p.limits.lost_samples.unsigned_abs()),
+        (Fault::InvalidInput, beyond(s.reading.invalid)),
+        (Fault::LostSpindle, s.steady_spindle && beyond(s.reading.spindle_lost)),
         (Fault::TravelLimit, s.travelled),
         (Fault::LearnRejected, s.learned.is_some_and(learned)),
         (Fault::LearnTimeout, s.learning),
@@ -130,7 +134,7 @@ pub fn numbers(vars: &Vars) -> String {
     match output.fault {
         Fault::None => String::new(),
         Fault::TravelLimit => format!(": `{} m`", p.approach.travel_max),
-        Fault::LostReading => format!(": {row}"),
+        Fault::LostReading => format!(": `{} m` {row}", vars.input.position),
         Fault::FrozenReading => format!(
             ": `{} m`, more than `limits.frozen` = `{} m` unanswered {row}, or equal for `limits.rest_time` = `{} s`",
             vars.input.position, p.limits.frozen, p.limits.rest_time
@@ -144,7 +148,7 @@ pub fn numbers(vars: &Vars) -> String {
         ),
         Fault::FollowingError => format!(": {error}, limit of the distance `{} m`", following_limit(p)),
         Fault::Saturation => {
-            format!(": more than `limits.saturated_samples` = `{}`; {error}", p.limits.saturated_samples)
+            format!(": longer than `limits.saturated_time` = `{} s`; {error}", p.limits.saturated_time)
         }
         Fault::Overload => format!(": {error}, limit of the disturbance `{} N`", disturbance_limit(p)),
         Fault::DriveSign => format!(": {error}"),
@@ -164,15 +168,16 @@ pub fn numbers(vars: &Vars) -> String {
             )
         }
         Fault::NoProgress => format!(": `{} s`", job_limit(p, &p.approach)),
-        Fault::InvalidInput => format!(": `{} m`, `{} rad/s`", vars.input.position, vars.input.spindle_speed),
+        Fault::LongStep => format!(": limit `{} s`", p.sample_period),
+        Fault::InvalidInput => format!(": `{} rad/s` {row}", vars.input.spindle_speed),
     }
 }
 
-/// Largest distance (m) from the reference, besides what the stage is late: `limits.following`, or three times what the
+/// Largest distance (m) from the reference, besides what the stage is late: `limits.following_error`, or three times what the
 /// late velocity makes of the hardest acceleration.
 pub fn following_limit(p: &Parameters) -> f64 {
-    if p.limits.following > 0.0 {
-        return p.limits.following;
+    if p.limits.following_error > 0.0 {
+        return p.limits.following_error;
     }
     let braking = 2.0 * p.servo.damping * hardest(p) / (p.servo.bandwidth * p.observer.velocity_bandwidth);
     f64::max(FOLLOWING.0, FOLLOWING.1 * braking)
@@ -203,10 +208,11 @@ mod tests {
         begin: false,
         reset: false,
         found: false,
-        invalid: false,
+        invalid: 0,
         lost: 0,
         loss: Loss::Told,
         alive: true,
+        whole: 0,
         spindle_lost: 0,
     };
     const LOST: Reading = Reading { position: None, lost: 100, ..GOOD };
@@ -215,6 +221,7 @@ mod tests {
     fn symptoms(reading: &Reading) -> Symptoms<'_> {
         Symptoms {
             reading,
+            long_step: false,
             standing: false,
             steady_spindle: true,
             limited: 0,
@@ -234,7 +241,7 @@ mod tests {
     #[test]
     fn each_limit_is_the_last_value_without_a_fault() {
         let mut p = Parameters::START;
-        (p.limits.lost_samples, p.limits.saturated_samples, p.limits.slope_sigma_max) = (7, 9, 1.0);
+        (p.limits.lost_samples, p.limits.saturated_time, p.limits.slope_sigma_max) = (7, 9e-4, 1.0);
         (p.limits.drive_share, p.limits.force_left) = (0.4, 0.3);
         type Set = fn(&mut Reading, &mut Symptoms, f64);
         let found = |set: Set, value: f64| {
@@ -242,11 +249,12 @@ mod tests {
             set(&mut reading, &mut all, value);
             find(&p, &Symptoms { reading: &reading, ..all })
         };
-        let limits: [(Set, f64, f64, Fault); 12] = [
+        let limits: [(Set, f64, f64, Fault); 13] = [
             (|r, _, x| r.lost = x as u32, 7.0, 8.0, Fault::LostReading),
             (|r, _, x| (r.lost, r.loss) = (x as u32, Loss::Jumps), 7.0, 8.0, Fault::ReadingJump),
             (|r, _, x| (r.lost, r.loss) = (x as u32, Loss::Stands), 7.0, 8.0, Fault::FrozenReading),
             (|r, _, x| r.spindle_lost = x as u32, 7.0, 8.0, Fault::LostSpindle),
+            (|r, _, x| r.invalid = x as u32, 7.0, 8.0, Fault::InvalidInput),
             (|_, s, x| s.limited = x as u32, 9.0, 10.0, Fault::Saturation),
             (|_, s, x| s.reversals = x as u32, 5.0, 6.0, Fault::Oscillation),
             (|_, s, x| s.astray = x as u32, 2.0, 3.0, Fault::FollowingError),
@@ -302,11 +310,12 @@ mod tests {
             late: true,
             ..symptoms(&reading)
         };
+        assert_eq!(find(&p, &Symptoms { long_step: true, ..all }), Some(Fault::LongStep));
         assert_eq!(find(&p, &all), Some(Fault::FrozenReading));
         assert_eq!(find(&p, &Symptoms { reading: &GOOD, ..all }), Some(Fault::Oscillation));
-        let invalid = Reading { invalid: true, ..GOOD };
-        assert_eq!(find(&p, &symptoms(&invalid)), Some(Fault::InvalidInput));
-        assert_eq!(find(&p, &symptoms(&Reading { invalid: true, ..LOST })), Some(Fault::LostReading));
+        let nonsense = Reading { invalid: 4, spindle_lost: 4, ..GOOD };
+        assert_eq!(find(&p, &symptoms(&nonsense)), Some(Fault::InvalidInput));
+        assert_eq!(find(&p, &symptoms(&Reading { invalid: 4, ..LOST })), Some(Fault::LostReading));
         assert_eq!(
             find(&p, &Symptoms { reading: &GOOD, late: true, travelled: true, ..symptoms(&GOOD) }),
             Some(Fault::TravelLimit)
@@ -316,7 +325,7 @@ mod tests {
     #[test]
     fn the_drive_goes_off_where_the_position_or_the_drive_cannot_be_trusted() {
         let ends = |end: SafeEnd| Fault::ALL.iter().filter(move |fault| fault.safe_end() == end).count();
-        assert_eq!([SafeEnd::Retract, SafeEnd::Stop, SafeEnd::DriveOff].map(ends), [7, 1, 9]);
+        assert_eq!([SafeEnd::Retract, SafeEnd::Stop, SafeEnd::DriveOff].map(ends), [7, 1, 10]);
         assert_eq!(Fault::FrozenReading.safe_end(), SafeEnd::DriveOff);
         assert_eq!(Fault::TravelLimit.safe_end(), SafeEnd::Retract);
     }
@@ -339,7 +348,7 @@ mod tests {
         near(&p, 3.0 * 2.0 * 2.0 / (50.0 * 3142.0));
         p.retract.deceleration = 0.2;
         near(&p, 20e-6);
-        p.limits.following = 7e-6;
+        p.limits.following_error = 7e-6;
         near(&p, 7e-6);
     }
 

@@ -42,7 +42,7 @@ mod variables {
         None,
         /// No contact within `approach.travel_max`
         #[hint("start closer to the workpiece, or allow more travel")] TravelLimit,
-        /// `position_valid` was false for too many samples in a row
+        /// `position_valid` was false, or `position` NaN, infinite or beyond 1 km, for too many samples in a row
         #[hint("check the encoder and its link")] LostReading,
         /// `position` stands although the stage must have moved
         #[hint("check the encoder and its link; a position without any noise at rest needs `limits.rest_time` = 0")] FrozenReading,
@@ -52,7 +52,7 @@ mod variables {
         #[hint("check the signal of the spindle, or raise `limits.spindle_acceleration`")] LostSpindle,
         /// The stage is too far from its reference
         #[hint("check that the stage moves freely, `stage.mass`, `stage.force_constant` and `io_delay`")] FollowingError,
-        /// The current was at its limit for too many samples in a row
+        /// The current was at its limit for longer than `limits.saturated_time`
         #[hint("check that the stage moves freely, or lower `approach.acceleration` and `retract.deceleration`")] Saturation,
         /// The estimated disturbance is larger than the machine can have
         #[hint("check that nothing blocks the stage, and `stage.mass` and `stage.force_constant`")] Overload,
@@ -70,8 +70,10 @@ mod variables {
         #[hint("look for a force that changed, or raise `limits.force_left`")] ContactRejected,
         /// The job took longer than it may
         #[hint("check what holds it up, or raise `limits.job_time`")] NoProgress,
-        /// `position` or `spindle_speed` is NaN, infinite or out of any plausible range
-        #[hint("check what is connected to these inputs, and its unit")] InvalidInput,
+        /// `spindle_speed` was NaN, infinite or beyond 1e5 rad/s for too many samples in a row
+        #[hint("check what is connected to this input, and its unit")] InvalidInput,
+        /// The communication step is longer than a sample: several samples have the same inputs, and of their commands the last alone is seen
+        #[hint("set the communication step of the importer to `sample_period`")] LongStep,
     }
     /// What detected the contact
     pub enum ContactSource {
@@ -158,8 +160,8 @@ mod variables {
         pub reference: ReferenceOutput,
         /// Reference less position; 0 while the position is lost; what it was when the drive went off
         #[var(unit = METRE as "nm")] pub tracking_error: f64,
-        /// Share of the commanded force that accelerates the stage: 1 for the nominal one; 0 while too little is commanded to tell
-        #[var(unit = ONE)] pub drive_share: f64,
+        /// Share of the commanded force that accelerates the stage; 1 until enough was commanded to tell
+        #[var(unit = ONE, start = 1.0)] pub drive_share: f64,
     }
     /// Chain of force estimates; positive when the workpiece pushes back
     pub struct ForceOutput {
@@ -278,20 +280,20 @@ mod variables {
     }
     /// Limits beyond which there is a fault
     pub struct Limits {
-        /// Samples in a row without a valid position that are bridged
+        /// Bad samples in a row that are bridged: a position that is lost, stands or jumps, a spindle speed that cannot be
         #[var(range = 0..=100, start = 3, source = "our choice")] pub lost_samples: i32,
-        /// Samples in a row with the current at its limit that are tolerated
-        #[var(range = 0..=100_000, start = 50, source = "our choice")] pub saturated_samples: i32,
+        /// Time with the current at its limit that is tolerated
+        #[var(unit = SECOND as "ms", range = 0.0..=10.0, start = 5e-3, source = "our choice: ten times the 0.5 ms of the hardest acceleration")] pub saturated_time: f64,
         /// Largest plausible sigma of the learned slope
         #[var(unit = NEWTON_PER_SECOND, range = 1e-6..=1e6, start = 5.0, source = "our choice: five times the noise of a good stage")] pub slope_sigma_max: f64,
-        /// Largest distance of a reading from where the observer expects it; a reading beyond counts as lost
+        /// Largest distance of a reading from where the observer expects it; a reading beyond counts as lost, one beyond half of it in part
         #[var(unit = METRE as "nm", range = 1e-12..=1e-3, start = 1e-8, source = "our choice: ten steps of 1 nm; eight sigma of noise and rounding")] pub jump: f64,
         /// Motion that a reading may leave unanswered before it counts as lost
         #[var(unit = METRE as "nm", range = 1e-12..=1e-3, start = 5e-9, source = "derived: three and a third times the 1.5 nm within which a reading stands")] pub frozen: f64,
         /// Time at rest without any change of a reading that had changed before; 0: not watched, for an encoder without noise
         #[var(unit = SECOND, range = 0.0..=100.0, start = 0.03, source = "our choice: 300 equal samples, of which noise of half a step makes every second differ")] pub rest_time: f64,
         /// Largest distance of the stage from its reference, besides the v (1 + io_delay) T_s that it is late; 0: three times what the hardest acceleration makes, at least 20 um
-        #[var(unit = METRE as "um", range = 0.0..=1.0, start = 0.0, source = "derived: max(20 um, 3 * 2 zeta a / (omega_n g_v)), 7 um of it once at 2 m/s2")] pub following: f64,
+        #[var(unit = METRE as "um", range = 0.0..=1.0, start = 0.0, source = "derived: max(20 um, 3 * 2 zeta a / (omega_n g_v)), 7 um of it once at 2 m/s2")] pub following_error: f64,
         /// Largest disturbance that the machine can have; 0: half of the force of the drive, or `guard.force` and the force of the hardest acceleration
         #[var(unit = NEWTON, range = 0.0..=1e8, start = 0.0, source = "derived: max(K_tn I_max / 2, guard.force + M_n a)")] pub disturbance: f64,
         /// Least share of the commanded force that must accelerate the stage

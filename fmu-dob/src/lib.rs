@@ -22,7 +22,7 @@ impl Model for Controller {
     // `longest_step` as measured: docs/communication-step.md
     const INFO: Info = Info {
         name: "DisturbanceObserverContactDetection",
-        state_version: 4,
+        state_version: 5,
         stop_time: 2.0,
         longest_step: 1.0,
         ..package!()
@@ -39,6 +39,10 @@ impl Model for Controller {
 
     fn initialise(vars: &mut Vars, _: &mut Env) -> Result<Self, Error> {
         Ok(Self::new(&vars.in_force)?)
+    }
+
+    fn begin_long_step(&mut self) {
+        self.begin_long_step();
     }
 
     fn sample(&mut self, vars: &mut Vars, _: &mut Env) -> Result<(), Error> {

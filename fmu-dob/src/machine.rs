@@ -111,6 +111,14 @@ mod tests {
     }
 
     #[test]
+    fn a_job_lasts_from_the_approach_to_the_retract() {
+        let at_work: Vec<bool> = State::ALL.iter().map(|state| state.at_work()).collect();
+        assert_eq!(at_work, [false, true, true, true, true, true, false, false]);
+        let approaching: Vec<bool> = State::ALL.iter().map(|state| state.approaching()).collect();
+        assert_eq!(approaching, [false, true, true, true, false, false, false, false]);
+    }
+
+    #[test]
     fn an_edge_waits_for_rest_until_enable_falls() {
         for &state in State::ALL {
             let waits = matches!(state, State::Idle | State::Done);

@@ -13,16 +13,17 @@ const SPEED_MAX: f64 = 1e5;
 const STANDS: f64 = 1.5;
 /// A stage follows its reference within this many times `limits.frozen`.
 const WITH_IT: f64 = 4.0;
-/// Share of `limits.jump` that the reach grows by in each sample without a position. A bad sample that is just believed
-/// leaves a velocity by which the expected position goes astray: by a third of it in each sample.
-const DOUBT: f64 = 0.5;
+/// A reading counts up to this share of `limits.jump` from where it is expected, so that a bad sample that is just believed
+/// leaves the good ones after it within `limits.jump`: 0.5 of it, and what the velocity that it makes adds in a sample.
+const COUNTS: f64 = 0.5;
 /// Share of a spindle's speed within which readings of it may differ, and the least such difference, rad/s.
 const SPEED_SPREAD: (f64, f64) = (0.02, 1.0);
 
 /// Why there is no position.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Loss {
     /// The encoder says so, or the number is none.
+    #[default]
     Told,
     /// It stands although the stage must have moved.
     Stands,
@@ -62,14 +63,16 @@ pub struct Reading {
     pub reset: bool,
     /// The position is there for the first time, or again after too long.
     pub found: bool,
-    /// A number is none, or out of any plausible range.
-    pub invalid: bool,
+    /// Samples in a row with a spindle speed that is no number, or out of any plausible range.
+    pub invalid: u32,
     /// Samples in a row without a position.
     pub lost: u32,
     /// Why the last of them had none.
     pub loss: Loss,
     /// The position answers the motion of the reference.
     pub alive: bool,
+    /// Samples in a row whose position counted in full.
+    pub whole: u32,
     /// Samples in a row with a spindle speed that cannot be.
     pub spindle_lost: u32,
 }
@@ -79,6 +82,9 @@ pub struct Reading {
 pub struct Reader {
     known: bool,
     lost: Consecutive,
+    loss: Loss,
+    invalid: Consecutive,
+    whole: Consecutive,
     standing: Frozen,
     position: JumpGuard,
     spindle_speed: JumpGuard,
@@ -101,7 +107,7 @@ impl Reader {
         let speed_good = believable(input.spindle_speed, SPEED_MAX);
         let given = (input.position_valid && position_good).then_some(p.direction() * input.position);
         let lost_too_long = self.lost.count() > p.limits.lost_samples.unsigned_abs();
-        let (position, loss) = self.believe(p, given, expected, lost_too_long);
+        let position = self.believe(p, given, expected, lost_too_long);
         let found = position.is_some() && (!self.known || lost_too_long);
         self.known |= position.is_some();
         let spindle_speed = self.spindle(p, if speed_good { input.spindle_speed } else { f64::NAN }, expected);
@@ -114,10 +120,11 @@ impl Reader {
             begin,
             reset: self.reset_fault.rises(input.reset_fault),
             found,
-            invalid: !speed_good || (input.position_valid && !position_good),
+            invalid: self.invalid.update(!speed_good),
             lost: self.lost.update(position.is_none()),
-            loss,
+            loss: self.loss,
             alive: self.standing.unanswered() <= 0.5 * p.limits.frozen,
+            whole: self.whole.count(),
             spindle_lost: self.spindle_speed.doubted(),
         }
     }
@@ -127,33 +134,42 @@ impl Reader {
         self.standing.clear();
     }
 
-    /// The given position if the stage can be there; after too long without one any is taken.
-    fn believe(&mut self, p: &Parameters, given: Option<f64>, e: &Expected, anew: bool) -> (Option<f64>, Loss) {
+    /// The given position if the stage can be there, nearer to where it is expected if it counts only in part; after too
+    /// long without one any is taken.
+    fn believe(&mut self, p: &Parameters, given: Option<f64>, e: &Expected, anew: bool) -> Option<f64> {
         if anew {
             self.position.clear();
         }
+        let jumped = self.position.doubted() > 0 && self.loss == Loss::Jumps;
         let standing_before = self.standing;
         if let Some(position) = given {
             self.standing.update(position, e.asked, STANDS * p.stage.encoder_resolution);
         }
         let unanswered = self.standing.unanswered();
-        // a stage that was astray before may truly stand
+        // a stage that was astray before may truly stand, and what has jumped may come by where it was
         let with_it = |z: f64| (e.reference - z).abs() <= unanswered + e.behind + WITH_IT * p.limits.frozen;
-        let stands = unanswered > p.limits.frozen + e.behind && given.is_some_and(with_it);
-        let reach = Reach { motion: e.unforeseen + DOUBT * p.limits.jump, spread: (1.0 - DOUBT) * p.limits.jump };
+        let stands = unanswered > p.limits.frozen + e.behind && !jumped && given.is_some_and(with_it);
         self.position.shift(e.motion);
-        self.position.update(given.filter(|_| !stands).unwrap_or(f64::NAN), reach);
-        let position = given.filter(|_| self.position.doubted() == 0);
-        if position.is_none() && !stands {
+        let expected = self.position;
+        let reach = Reach { motion: e.unforeseen, spread: p.limits.jump };
+        let reading = self.position.update(given.filter(|_| !stands).unwrap_or(f64::NAN), reach);
+        if self.position.doubted() == 0 {
+            let most = e.unforeseen + COUNTS * p.limits.jump;
+            let excess = expected.believed().map_or(0.0, |z| (reading - z) - (reading - z).clamp(-most, most));
+            self.position.shift(-excess);
+            self.whole.update(excess == 0.0);
+            return Some(reading - excess);
+        }
+        if !stands {
             // where the stage cannot be, no reading can stand
             self.standing = standing_before;
         }
-        let loss = match given {
+        self.loss = match given {
             None => Loss::Told,
             Some(_) if stands => Loss::Stands,
             Some(_) => Loss::Jumps,
         };
-        (position, loss)
+        None
     }
 
     /// The last spindle speed that can be; at any other time than a job every speed can.
@@ -270,22 +286,38 @@ mod tests {
     }
 
     #[test]
-    fn nonsense_is_invalid_and_never_used() {
-        for nonsense in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300] {
-            let reading = read(&mut Reader::default(), &at(nonsense));
-            assert!(reading.invalid);
-            assert_eq!(reading.position, None);
-            let input = Input { spindle_speed: nonsense, ..Input::START };
-            let reading = read(&mut Reader::default(), &input);
-            assert!(reading.invalid);
-            assert_eq!(reading.spindle_speed, 0.0);
+    fn nonsense_is_lost_or_invalid_and_never_used() {
+        for nonsense in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1.1e3] {
+            let mut reader = Reader::default();
+            read(&mut reader, &at(0.1));
+            for k in 1..=3 {
+                let reading = read(&mut reader, &at(nonsense));
+                assert_eq!((reading.position, reading.lost, reading.loss, reading.invalid), (None, k, Loss::Told, 0));
+            }
+        }
+        for nonsense in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1.1e5] {
+            let mut reader = Reader::default();
+            read(&mut reader, &Input { spindle_speed: 3000.0, ..at(0.1) });
+            for k in 1..=3 {
+                let reading = read(&mut reader, &Input { spindle_speed: nonsense, ..at(0.1) });
+                assert_eq!((reading.spindle_speed, reading.invalid, reading.lost), (3000.0, k, 0));
+            }
+            assert_eq!(read(&mut reader, &Input { spindle_speed: 3000.0, ..at(0.1) }).invalid, 0);
         }
     }
 
     #[test]
-    fn nonsense_while_invalid_is_only_lost() {
-        let reading = read(&mut Reader::default(), &Input { position: f64::NAN, ..LOST });
-        assert_eq!((reading.invalid, reading.lost), (false, 1));
+    fn what_is_far_from_where_it_should_be_counts_only_in_part_and_is_no_proof_for_a_while() {
+        let mut reader = cruising();
+        let next = |reader: &mut Reader, k: u32, error: f64| {
+            let reading = reader.read(&Parameters::START, &at(1e-8 * f64::from(k) + error), &CRUISING);
+            (reading.position.map(|z| (1e12 * (z - 1e-8 * f64::from(k))).round()), reading.whole)
+        };
+        let whole = next(&mut reader, 100, 0.0).1;
+        assert_eq!(next(&mut reader, 101, 4.9e-9), (Some(4900.0), whole + 1));
+        // 5 nm of the 8 that are missing
+        assert_eq!(next(&mut reader, 102, -3.1e-9), (Some(-100.0), 0));
+        assert_eq!(next(&mut reader, 103, -3.1e-9), (Some(-3100.0), 1));
     }
 
     #[test]

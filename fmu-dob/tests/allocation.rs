@@ -62,14 +62,14 @@ fn every_fault_and_its_reset() {
     let (mut short, mut strict, mut weak) = (p.clone(), p.clone(), p.clone());
     short.approach.travel_max = 8e-5;
     strict.limits.slope_sigma_max = 0.1;
-    (weak.stage.current_max, weak.limits.saturated_samples) = (0.05, 5);
+    (weak.stage.current_max, weak.limits.saturated_time) = (0.05, 5e-4);
     let cases: [(Fault, &Parameters, Cause); 6] = [
         (Fault::TravelLimit, &short, |_| ()),
         (Fault::LostReading, &p, |input| input.position_valid = false),
         (Fault::Saturation, &weak, |_| ()),
         (Fault::LearnRejected, &strict, |_| ()),
         (Fault::FrozenReading, &p, |input| input.position = input.position.min(4e-5)),
-        (Fault::InvalidInput, &p, |input| input.position = f64::NAN),
+        (Fault::InvalidInput, &p, |input| input.spindle_speed = f64::NAN),
     ];
     for (fault, p, cause) in cases {
         let mut run = Loop::new(p, 53, NO_WORKPIECE);

@@ -4,7 +4,9 @@ The large samples run with `pytest -m full -rP tests/acceptance`, which prints w
 """
 
 import functools
+import itertools
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +15,7 @@ import pytest
 from numpy.lib.stride_tricks import sliding_window_view
 
 import cosim
+from cosim.scenario.model import Metric
 
 from .samples.runs import WORKERS
 
@@ -101,6 +104,36 @@ def test_force_estimate_is_the_force_on_the_stage() -> None:
     assert estimate == pytest.approx(disturbance, rel=0.045, abs=2e-3)
 
 
+# the simplest that could do it: a threshold of the force, or of the current
+
+
+def first_above(signal: np.ndarray[Any, Any], rows: np.ndarray[Any, Any]) -> float:
+    """Depth at the third sample in a row above the learned noise, at one false alarm in ten hours (Rice)."""
+    learned = signal[rows["controller.state"] == 3]
+    sigma = learned.std(ddof=1)
+    rate = np.diff(learned).std(ddof=1) / (2.0 * np.pi * 1e-4 * sigma)
+    above = (signal > learned.mean() + np.sqrt(2.0 * np.log(rate * 36e3)) * sigma) & (
+        rows["controller.state"] >= 4
+    )
+    third = np.flatnonzero(above[2:] & above[1:-1] & above[:-2])[0] + 2
+    return float(rows["plant.depth"][third])
+
+
+def test_a_touch_is_seen_before_a_threshold_of_force_or_current_sees_it() -> None:
+    # pressed on up to 1.5 N, so that each of them sees it
+    blind = ("controller.detector=Raw", "controller.threshold.mode=Fixed", "controller.threshold.alpha=50",
+             "controller.guard.force=1.5")  # fmt: skip
+    pressed = [trace("dob", seed, *blind) for seed in SOME]
+    force = np.median([first_above(rows["controller.force.disturbance"], rows) for rows in pressed])
+    current = np.median([first_above(rows["controller.current"], rows) for rows in pressed])
+    found = [trace("dob", seed) for seed in SOME]
+    default = np.median([rows["plant.depth"][np.argmax(rows["controller.contact"] > 0)] for rows in found])
+    told = [f"{1e9 * depth:.0f}" for depth in (default, force, current)]
+    print("depth at the detection in nm: default {}, force {}, current {}".format(*told))
+    assert default < 0.85 * force
+    assert default < 0.85 * current
+
+
 # contact position
 
 
@@ -172,6 +205,26 @@ def test_force_guard_in_200_contacts_while_learning() -> None:
     tell(results)
     assert values(results, "detected").all()
     assert values(results, "depth").max() <= 1.5e-6
+
+
+@pytest.mark.parametrize(
+    ("hours", "first"),
+    [(0.01, 61_001), pytest.param(10.0, 400_001, marks=pytest.mark.full)],
+    ids=["half a minute", "ten hours"],
+)
+def test_no_fault_in_nominal_operation(hours: float, first: int) -> None:
+    # touch after touch, each on a slide with its own noise, speeds by turns
+    seeds, time, early = itertools.count(first), 0.0, 0.0
+    while time < hours * 3600.0:
+        for name, _ in DEFAULT:
+            scenario = cosim.load(name)
+            lasting = replace(scenario, metric=(*scenario.metric, Metric("time", "last(time)", "s")))
+            batch = tuple(itertools.islice(seeds, 100 if hours > 1.0 else 10))
+            results = cosim.run_many(lasting, batch, WORKERS)
+            assert [r.seed for r in results if not r.metrics["done"].value] == [], name
+            time += values(results, "time").sum()
+            early += values(results, "early").sum()
+    print(f"{time / 3600.0:.2f} hours of {next(seeds) - first} touches, no fault, {early:.0f} stopped early")
 
 
 @pytest.mark.full

@@ -16,6 +16,8 @@ SHORT = (
     "plant.surface_distance=3e-5", "plant.surface_spread=5e-6",
 )  # fmt: skip
 """Armed after 0.27 s and 25 um, the surface 5 to 10 um later."""
+SLOWER = ("controller.learn.settle_time=0.23", "loop.duration=0.7", "plant.surface_distance=4e-5")
+"""The same for detectors with a Kalman filter, 10 um later."""
 
 DEEP = "max(maximum(plant.depth, 0.0)[controller.drive_enable])"
 """Travel beyond the first possible touch while the drive is on; a drift without it is not counted."""
@@ -37,8 +39,8 @@ OFF = "an encoder that lies: what is commanded in the 4 samples until it is told
 TOLD = "the reading is bridged or told: the servo follows within 10 nm, 5 sigma of its noise"
 GUARD = "force guard: 0.4 N on one flute, 2 um, and 1 um to stop"
 TOUCH = "a touch as in the nominal run, 0.42 um in 99 of 100"
-FALL = "drive lost: the weight left over, 0.5 N, takes 10.4 kg to `limits.following` = 20 um"
-WILD = "5 A, 97 N: 9.3 m/s2 for the time to `limits.following` = 20 um and the 4 samples after it"
+FALL = "drive lost: the weight left over, 0.5 N, takes 10.4 kg to `limits.following_error` = 20 um"
+WILD = "5 A, 97 N: 9.3 m/s2 for the time to `limits.following_error` = 20 um and the 4 samples after it"
 
 ROWS = (
     # the encoder
@@ -133,6 +135,40 @@ ROWS = (
         TOUCH,
         (wrong(POSITION, duration=1e-4, offset=-8e-9),),
     ),
+    Row(
+        "encoder 20 nm off from now on",
+        ("ReadingJump",),
+        CRUISING,
+        5e-8,
+        "20 nm, and " + OFF.split(": ")[1],
+        (wrong(POSITION, offset=2e-8),),
+    ),
+    Row(
+        "encoder 12 nm off from now on",
+        (DONE, "ReadingJump"),
+        DEEP,
+        4.4e-7,
+        "a touch, and the 12 nm",
+        (wrong(POSITION, offset=1.2e-8),),
+    ),
+    Row(
+        "encoder spike of 8 nm, CUSUM",
+        (DONE,),
+        DEEP,
+        4.2e-7,
+        TOUCH,
+        (wrong(POSITION, duration=1e-4, offset=8e-9),),
+        changes=("controller.detector=Cusum", *SLOWER),
+    ),
+    Row(
+        "encoder spike of 8 nm, GLR",
+        (DONE,),
+        DEEP,
+        4.2e-7,
+        TOUCH,
+        (wrong(POSITION, duration=1e-4, offset=8e-9),),
+        changes=("controller.detector=Glr", *SLOWER),
+    ),
     Row("encoder drifts by 2 um/s", (DONE,), DEEP, 4.2e-7, TOUCH, (wrong(POSITION, ramp=2e-6),)),
     Row(
         "encoder noise of 10 nm, twenty times",
@@ -168,17 +204,17 @@ ROWS = (
     ),
     Row(
         "encoder NaN for one sample",
-        ("InvalidInput",),
-        CRUISING,
-        1e-6,
-        TOLD,
+        (DONE,),
+        DEEP,
+        4.2e-7,
+        TOUCH,
         (wrong(POSITION, duration=1e-4, value=float("nan")),),
     ),
     Row(
         "encoder NaN from now on",
-        ("InvalidInput", "LostReading"),
+        ("LostReading",),
         CRUISING,
-        1e-6,
+        5e-8,
         OFF,
         (wrong(POSITION, value=float("nan")),),
     ),
@@ -193,6 +229,31 @@ ROWS = (
         1e-9,
         "found before the surface",
         (wrong("controller.spindle_speed", value=0.0),),
+    ),
+    Row(
+        "spindle signal NaN from now on",
+        ("InvalidInput",),
+        DEEP,
+        1e-9,
+        "found before the surface",
+        (wrong("controller.spindle_speed", value=float("nan")),),
+    ),
+    Row(
+        "spindle signal NaN for 2 samples",
+        (DONE,),
+        DEEP,
+        4.2e-7,
+        TOUCH,
+        (wrong("controller.spindle_speed", duration=2e-4, value=float("nan")),),
+    ),
+    Row(
+        "spindle signal with 0.3 % of noise, CUSUM",
+        (DONE,),
+        DEEP,
+        4.2e-7,
+        TOUCH,
+        (at(0.0, "controller.spindle_speed", noise=9.4),),
+        changes=("controller.detector=Cusum", *SLOWER),
     ),
     Row(
         "spindle signal with 0.3 % of noise",
@@ -219,6 +280,19 @@ ROWS = (
         1e-9,
         "found before the surface",
         (at(0.0, CURRENT, scale=0.3),),
+    ),
+    Row(
+        "drive at 0.3 of its strength, 10 um/s",
+        ("WeakDrive",),
+        DEEP,
+        4.2e-7,
+        "too slow a start to tell: a touch, and told behind the retract",
+        (at(0.0, CURRENT, scale=0.3),),
+        changes=(
+            "controller.approach.velocity=1e-5",
+            "plant.surface_distance=3e-6",
+            "plant.surface_spread=1e-6",
+        ),
     ),
     Row("drive at 0.3 from now on", (DONE, "WeakDrive"), CRUISING, 2e-5, FALL, (wrong(CURRENT, scale=0.3),)),
     Row(

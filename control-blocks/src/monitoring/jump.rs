@@ -50,6 +50,11 @@ impl JumpGuard {
         self.believed.unwrap_or_default()
     }
 
+    /// Where the machine is taken to be; none before the first good reading.
+    pub fn believed(&self) -> Option<f64> {
+        self.believed
+    }
+
     /// Readings in a row that were not believed.
     pub fn doubted(&self) -> u32 {
         self.doubted

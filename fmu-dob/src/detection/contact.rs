@@ -23,3 +23,14 @@ impl DetectedContact {
         self.position - self.bias
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_touch_was_the_bias_before() {
+        let contact = DetectedContact { source: ContactSource::Slope, position: 5e-6, bias: 3e-7, time: 1.0 };
+        assert!((contact.estimate() - 4.7e-6).abs() < 1e-18);
+    }
+}

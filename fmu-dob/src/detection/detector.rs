@@ -7,6 +7,7 @@ use crate::detection::cusum::CumulativeSum;
 use crate::detection::glr::OnsetBank;
 use crate::detection::kalman::{self, KalmanFilter};
 use crate::detection::threshold::Statistics;
+use crate::force::observer::forgetting;
 use crate::interface::{ContactSource, DetectorKind, Parameters, ThresholdOutput};
 
 /// Windows of the multi-slope detector, s.
@@ -64,7 +65,6 @@ impl Monitor {
 
     fn arm(&mut self, p: &Parameters, tests: usize) {
         self.threshold = self.statistics.threshold(p, tests);
-        self.row = Consecutive::NONE;
     }
 
     fn test(&mut self, p: &Parameters) -> bool {
@@ -162,6 +162,11 @@ impl Detector {
         samples(longest, p.sample_period)
     }
 
+    /// Samples until observer and detector have forgotten a bad one.
+    pub fn memory(p: &Parameters) -> u32 {
+        ticks(forgetting(p), p.sample_period) + Self::window(p) as u32
+    }
+
     /// Samples at constant speed that the detector needs before it may learn.
     pub fn settling(p: &Parameters) -> usize {
         let filters = samples(p.deviation_window, p.sample_period) + Self::window(p);
@@ -233,8 +238,19 @@ impl Detector {
         self.slope.arm(p, tests);
         match &mut self.method {
             Method::Raw(monitor) | Method::Deviation(monitor) => monitor.arm(p, tests),
-            Method::Slope => {}
             Method::MultiSlope(scales) => scales.iter_mut().for_each(|s| s.monitor.arm(p, tests)),
+            Method::Slope | Method::Cusum(_) | Method::Glr(_) => {}
+        }
+        self.clear();
+    }
+
+    /// Forgets what looked like a contact, not what was learned.
+    pub fn clear(&mut self) {
+        self.slope.row = Consecutive::NONE;
+        match &mut self.method {
+            Method::Raw(monitor) | Method::Deviation(monitor) => monitor.row = Consecutive::NONE,
+            Method::Slope => {}
+            Method::MultiSlope(scales) => scales.iter_mut().for_each(|s| s.monitor.row = Consecutive::NONE),
             Method::Cusum(inner) => inner.1 = CumulativeSum::default(),
             Method::Glr(inner) => inner.1.clear(),
         }
@@ -300,6 +316,74 @@ mod tests {
         let p = Parameters::PAPER;
         assert_eq!(ticks_to_detect(&p, 10.0), Some(3));
         assert_eq!(ticks_to_detect(&p, 1.0), None);
+    }
+
+    #[test]
+    fn four_windows_share_the_wished_interval() {
+        let mut detector = Detector::new(&Parameters::START);
+        for k in 0..1000 {
+            detector.update(
+                &Parameters::START,
+                &Sample { position: Some(0.0), slope: (f64::from(k) * 1.3).sin(), ..Sample::default() },
+            );
+            detector.learn();
+        }
+        detector.arm(&Parameters::START);
+        let ThresholdOutput { crossing_rate, alpha_used, .. } = detector.learned();
+        assert!((alpha_used - (2.0 * (crossing_rate * 36_000.0 * 4.0).ln()).sqrt()).abs() < 1e-12, "{alpha_used}");
+    }
+
+    #[test]
+    fn what_looked_like_a_contact_before_is_forgotten() {
+        for &detector in &[DetectorKind::Raw, DetectorKind::Deviation, DetectorKind::Slope, DetectorKind::MultiSlope] {
+            let p = Parameters { detector, ..Parameters::START };
+            let sample =
+                |x: f64| Sample { position: Some(0.0), notched: x, deviation: x, slope: x, ..Sample::default() };
+            let learn = |detector: &mut Detector| {
+                for k in 0..1300 {
+                    detector.update(&p, &sample((f64::from(k) * 1.3).sin()));
+                    if k >= 300 {
+                        detector.learn();
+                    }
+                }
+                detector.arm(&p);
+            };
+            let contact = |detector: &mut Detector| {
+                (1..100).find(|k| {
+                    detector.update(&p, &sample(1e3 * f64::from(*k)));
+                    detector.test(&p)
+                })
+            };
+            let mut fresh = Detector::new(&p);
+            learn(&mut fresh);
+            let mut old = fresh.clone();
+            let samples = contact(&mut fresh.clone());
+            assert!(samples.is_some_and(|k| k < 5), "{detector:?}: {samples:?}");
+            assert_eq!(contact(&mut old), samples);
+            // learned again, or doubted
+            old.reset(0.0);
+            assert_eq!(old.learned(), ThresholdOutput::START);
+            learn(&mut old);
+            assert_eq!(old.learned(), fresh.learned());
+            assert_eq!(contact(&mut old), samples);
+            old.clear();
+            let rows = (1..5).map(|_| old.test(&p)).collect::<Vec<_>>();
+            assert_eq!(rows, [false, false, true, true], "{detector:?}");
+        }
+    }
+
+    #[test]
+    fn windows_and_memories_are_those_of_the_times() {
+        let with = |detector| Parameters { detector, ..Parameters::START };
+        let multi = with(DetectorKind::MultiSlope);
+        // 20 ms of the longest window, 100 ms of the mean, 9.55 ms of the observer
+        assert_eq!([Detector::window(&multi), Detector::settling(&multi)], [200, 1200]);
+        assert_eq!(Detector::memory(&multi), 296);
+        let slope = with(DetectorKind::Slope);
+        assert_eq!([Detector::window(&slope), Detector::settling(&slope)], [50, 1050]);
+        assert_eq!(Detector::settling(&with(DetectorKind::Cusum)), 2000);
+        assert_eq!(Detector::settling(&with(DetectorKind::Glr)), 2300);
+        assert_eq!(samples(1e-4, 1e-4), 3);
     }
 
     #[test]

@@ -107,6 +107,13 @@ mod tests {
     }
 
     #[test]
+    fn the_template_begins_with_half_a_sample_of_the_ramp() {
+        // 1 N/s for half a sample: 50 uN on 10 kg for 0.1 ms
+        let first = ready_bank().template[0];
+        assert!((first / -2.5e-14 - 1.0).abs() < 1e-9, "{first}");
+    }
+
+    #[test]
     fn pull_instead_of_push_is_no_contact() {
         let mut bank = ready_bank();
         let pull: Vec<f64> = bank.template[..60].iter().map(|s| -20.0 * s).collect();

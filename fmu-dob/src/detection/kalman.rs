@@ -250,6 +250,16 @@ mod tests {
     }
 
     #[test]
+    fn the_current_is_behind_its_command() {
+        let mut filter = KalmanFilter::new(&Parameters::START);
+        // 1 kHz at 10 kHz: exp(-0.6283) = 0.5335 of a step is left, and on average (1 - 0.5335) / 0.6283 = 0.7425
+        for mean in [1.0 - 0.7425, 1.0 - 0.5335 * 0.7425] {
+            let value = filter.mean_current(1.0);
+            assert!((value - mean).abs() < 1e-4, "{value} {mean}");
+        }
+    }
+
+    #[test]
     fn a_new_speed_makes_a_new_gain() {
         let (mut filter, _) = innovations(|_| 0.0);
         let gain = filter.gain;

@@ -75,6 +75,14 @@ mod tests {
     }
 
     #[test]
+    fn what_never_changes_never_crosses() {
+        let mut statistics = Statistics::default();
+        (0..100).for_each(|_| statistics.push(3.0));
+        assert_eq!(statistics.crossing_rate(1e-4), 0.0);
+        assert_eq!(statistics.threshold(&Parameters::START, 4).value, 3.0);
+    }
+
+    #[test]
     fn automatic_alpha_follows_rice() {
         let p = Parameters::START.threshold;
         let one = alpha(&p, 600.0, 1);

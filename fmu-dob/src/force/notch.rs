@@ -114,6 +114,16 @@ mod tests {
     }
 
     #[test]
+    fn follows_a_speed_that_changes_by_half_a_percent() {
+        let mut notch = cascade();
+        (0..100).for_each(|_| _ = notch.update(0.0, SPEED));
+        let speed = 1.005 * SPEED;
+        let sine = (0..20_000).map(|k| notch.update((speed * f64::from(k) * 1e-4).sin(), speed));
+        let left = sine.skip(10_000).fold(0.0, |m, y| f64::max(m, y.abs()));
+        assert!(left < 1e-9, "{left}");
+    }
+
+    #[test]
     fn passes_a_constant_force_unchanged() {
         let mut notch = cascade();
         let y = (0..5000).map(|_| notch.update(3.0, SPEED)).last().unwrap();

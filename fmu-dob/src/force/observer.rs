@@ -171,6 +171,23 @@ mod tests {
     }
 
     #[test]
+    fn the_motion_to_come_is_that_of_velocity_and_acceleration() {
+        let p = Parameters::START;
+        let mut observer = DisturbanceObserver::new(&p);
+        let (acceleration, current, dt) = (0.5, 0.25, p.sample_period);
+        let position = |k: i32| 0.5 * acceleration * (f64::from(k) * dt).powi(2);
+        (0..3000).for_each(|k| observer.update(position(k), current));
+        // 5 N on 10 kg, no disturbance
+        let a = observer.acceleration(current);
+        assert!((a - acceleration).abs() < 1e-5, "{a}");
+        let motion = observer.motion(a, dt);
+        assert!((motion - (position(3000) - position(2999))).abs() < 2.5e-4 * motion, "{motion}");
+        // a force of 1 N takes 0.1 m/s2 of it
+        observer.force_filter += 1.0;
+        assert!((observer.acceleration(current) - (a - 0.1)).abs() < 1e-9);
+    }
+
+    #[test]
     fn reseat_keeps_the_force() {
         let p = Parameters::START;
         let mut observer = DisturbanceObserver::new(&p);
@@ -182,5 +199,8 @@ mod tests {
         observer.reseat(0.3, 1e-3);
         assert!((observer.force() - before).abs() < 1e-12);
         assert!((observer.velocity() - 1e-3).abs() < 1e-15);
+        // and so it goes on
+        observer.update(0.3 + 1e-3 * p.sample_period, 0.01);
+        assert!((observer.velocity() - 1e-3).abs() < 1e-12, "{}", observer.velocity());
     }
 }

@@ -141,6 +141,13 @@ mod tests {
     }
 
     #[test]
+    fn a_stage_is_late_by_the_delay_and_a_sample() {
+        let p = Parameters { io_delay: 3, ..Parameters::START };
+        let late = approaching(&p, 100).late(&p);
+        assert!((late - 4e-8).abs() < 1e-15, "{late} m");
+    }
+
+    #[test]
     fn without_a_position_it_only_stops() {
         let p = Parameters::START;
         let mut motion = approaching(&p, 1000);

@@ -101,6 +101,16 @@ mod tests {
     }
 
     #[test]
+    fn a_stage_that_is_behind_is_pushed() {
+        let mut p = Parameters::START;
+        (p.servo.bandwidth, p.servo.damping) = (100.0, 0.7);
+        let reference = Trajectory { position: 1e-6, velocity: 1e-4, acceleration: 0.05 };
+        // 1e4 * 0.4 um and 140 * 20 um/s
+        let a = acceleration(&p, &reference, 0.6e-6, 8e-5);
+        assert!((a - (0.05 + 4e-3 + 2.8e-3)).abs() < 1e-12, "{a}");
+    }
+
+    #[test]
     fn acted_current_is_late_by_the_delay() {
         for delay in 0..4 {
             let mut p = Parameters::START;

@@ -3,6 +3,7 @@
 use fmu_dob::interface::{ContactSource, DetectorKind, Parameters, State, ThresholdMode};
 
 use crate::run::Loop;
+use crate::slide::STEP;
 
 /// What one approach gave.
 struct Outcome {
@@ -24,6 +25,7 @@ fn approach(p: &Parameters, seed: u64) -> Outcome {
     let surface = p.approach.velocity * (armed + waiting);
     let mut run = Loop::new(p, seed, surface);
     assert!(run.run_to(State::Contact, 5.0), "seed {seed}: {:?}", run.output);
+    assert!((run.output.contact_time - (run.time() - STEP)).abs() < 1e-9, "{:?}", run.output);
     let early = run.slide.touch.is_none();
     let mut released = run.time();
     while run.output.state != State::Done {

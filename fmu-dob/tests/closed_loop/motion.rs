@@ -23,6 +23,23 @@ fn tracks_within_ten_nanometres_at_constant_speed() {
 }
 
 #[test]
+fn the_notches_take_the_spindle_out_of_the_force() {
+    let mut run = Loop::new(&Parameters::START, 37, 1.0);
+    assert!(run.run_to(State::Learn, 1.0));
+    let mut lines = [[0.0; 2]; 2];
+    for k in 0..5000 {
+        run.step();
+        let (sine, cosine) = (SPINDLE_SPEED * 1e-4 * f64::from(k)).sin_cos();
+        for (line, force) in lines.iter_mut().zip([run.output.force.disturbance, run.output.force.notched]) {
+            (line[0], line[1]) = (line[0] + sine * force / 2500.0, line[1] + cosine * force / 2500.0);
+        }
+    }
+    let [disturbance, notched] = lines.map(|[a, b]| f64::hypot(a, b));
+    // 20 mN behind the observer's 100 Hz
+    assert!(disturbance > 2e-3 && notched < 0.1 * disturbance, "{disturbance} N, {notched} N");
+}
+
+#[test]
 fn integral_action_replaces_the_compensation() {
     let mut p = Parameters::START;
     p.servo.disturbance_compensation = false;

@@ -43,6 +43,37 @@ fn automatic_alpha_alarms_at_most_twice() {
     assert!(alarms <= 2, "{alarms} per hour");
 }
 
+/// Touches at four speeds by turns, each on a slide with its own noise, for `hours`; how many, and how many were stopped early.
+fn touches(first_seed: u64, hours: f64) -> (usize, usize) {
+    let (mut time, mut count, mut early) = (0.0, 0, 0);
+    while time < hours * HOUR {
+        let mut p = Parameters::START;
+        p.approach.velocity = [10e-6, 30e-6, 100e-6, 300e-6][count % 4];
+        let waiting = 0.9 + 0.4 * ((count * 7919) % 1000) as f64 / 1000.0;
+        let mut run = Loop::new(&p, first_seed + count as u64, p.approach.velocity * waiting);
+        assert!(run.run_to(State::Done, 10.0), "{:?}", run.output);
+        early += usize::from(run.slide.touch.is_none());
+        time += run.time();
+        count += 1;
+    }
+    (count, early)
+}
+
+#[test]
+fn no_fault_in_a_quarter_of_an_hour() {
+    let (count, early) = touches(910_000, 0.25);
+    assert!(count > 400 && early == 0, "{early} of {count} stopped early");
+}
+
+/// `cargo test --release -p fmu-dob --test closed_loop no_fault_in_ten -- --ignored --nocapture`
+#[test]
+#[ignore = "ten hours of simulated time"]
+fn no_fault_in_ten_hours_of_touches() {
+    let (count, early) = touches(920_000, 10.0);
+    println!("{count} touches in ten hours, no fault, {early} stopped early");
+    assert!(early <= 20, "{early} of {count} stopped early");
+}
+
 /// `cargo test --release -p fmu-dob --test closed_loop hours -- --ignored --nocapture`
 #[test]
 #[ignore = "several hours of simulated time; prints the false alarms of the other detectors"]

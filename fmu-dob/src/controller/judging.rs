@@ -1,0 +1,119 @@
+//! What a sample says: where the stage must be, what is wrong, and whether it touches.
+
+use control_blocks::ticks;
+
+use crate::controller::Controller;
+use crate::detection::detector::Detector;
+use crate::faults::{self, Symptoms};
+use crate::force::observer::forgetting;
+use crate::interface::{ContactSource, Fault, Parameters, State};
+use crate::motion::travel::{late, learn_limit};
+use crate::reading::{Expected, Reading};
+
+/// Something holds the stage above this share of `guard.force`.
+const HELD: f64 = 0.25;
+
+/// Samples at constant speed until the observer has forgotten the acceleration to it.
+fn started(p: &Parameters) -> u32 {
+    ticks(forgetting(p), p.sample_period)
+}
+
+impl Controller {
+    /// What the observer and the reference say about the position to come.
+    pub(super) fn expect(&self, p: &Parameters) -> Expected {
+        let dt = p.sample_period;
+        let commanded = self.observer.acceleration(self.amplifier.acted(p));
+        let steady = matches!(self.state, State::Learn | State::Detect);
+        let planned = match self.state {
+            State::Approach => self.motion.approach.acceleration,
+            _ if steady => 0.0,
+            _ => p.retract.deceleration,
+        };
+        // a push of the guard's force, what is planned, and a drive that does anything from the contrary to twice what
+        // it is told; anything while nothing is known of the velocity
+        let known = self.tracked(p) && !self.off();
+        let push = p.guard_force / p.stage.mass;
+        let unforeseen = push + planned + 2.0 * commanded.abs();
+        Expected {
+            motion: self.observer.motion(commanded, dt),
+            unforeseen: if known { unforeseen * self.observer.leverage(dt) } else { f64::INFINITY },
+            reference: self.motion.reference.position,
+            asked: self.motion.asked,
+            behind: if steady { 0.0 } else { self.motion.late(p) },
+            steady_spindle: self.state.approaching(),
+        }
+    }
+
+    /// Monitors of the drive, of a stage at rest and of the job; what a lost position would say is no news.
+    pub(super) fn watch(&mut self, p: &Parameters, reading: &Reading) {
+        let watching = !self.off();
+        let monitors = &mut self.monitors;
+        if let Some(position) = reading.position {
+            let error = self.motion.reference.position - position;
+            monitors.astray.update(watching && error.abs() > faults::following_limit(p) + self.motion.late(p));
+            let disturbance = self.force.disturbance.abs();
+            monitors.overloaded.update(watching && disturbance > faults::disturbance_limit(p));
+            if watching && self.motion.at_rest() {
+                monitors.standing = monitors.rest.update(p, position);
+            } else {
+                monitors.rest.clear();
+                monitors.standing = false;
+            }
+            if self.state == State::Retract && self.motion.retreated(p) {
+                monitors.relief.update(p, self.force.notched);
+            }
+        }
+        if self.state.at_work() {
+            monitors.job.count();
+        }
+    }
+
+    /// The gravest fault of this sample.
+    pub(super) fn find_fault(&self, p: &Parameters, elapsed: bool, settled: bool, reading: &Reading) -> Option<Fault> {
+        let (state, monitors) = (self.state, &self.monitors);
+        let learning = state == State::Learn;
+        let retracted = state == State::Retract && settled;
+        let symptoms = Symptoms {
+            reading,
+            long_step: self.long_step,
+            standing: monitors.standing,
+            steady_spindle: state.approaching(),
+            limited: self.amplifier.limited(),
+            reversals: self.amplifier.reversals(),
+            astray: monitors.astray.count(),
+            overloaded: monitors.overloaded.count(),
+            share: monitors.drive.share(),
+            judged: retracted || self.has_started(p),
+            travelled: state.approaching() && self.motion.beyond_travel(p),
+            learned: (learning && elapsed).then(|| self.detector.learned()),
+            learning: learning && self.ticks > ticks(learn_limit(p), p.sample_period),
+            force_left: (retracted && self.contact.is_some()).then(|| monitors.relief.mean() - self.guard.before()),
+            late: state.at_work() && late(p, &self.motion.approach, monitors.job.samples()),
+        };
+        faults::find(p, &symptoms)
+    }
+
+    /// Whether the stage has just been accelerated, and nothing holds it: a contact would look like a weak drive.
+    fn has_started(&self, p: &Parameters) -> bool {
+        let held = (self.force.notched - self.guard.before()).abs() > HELD * p.guard_force;
+        self.state == State::Approach && self.ticks == started(p) && !held
+    }
+
+    /// Contact by the armed detector or by the guard; a position that stands proves nothing.
+    pub(super) fn find_contact(&mut self, p: &Parameters, reading: &Reading) -> Option<ContactSource> {
+        if !self.state.approaching() || self.waiting || !reading.alive {
+            return None;
+        }
+        // the observer still holds the force of inertia
+        let starting = self.state == State::Approach && self.ticks <= started(p);
+        let acceleration = if starting { self.motion.approach.acceleration } else { 0.0 };
+        let guarded = self.guard.exceeded(p, acceleration, self.force.notched);
+        // a contact pushes, it does not jump: what has counted only in part may not look like one
+        if reading.whole <= Detector::memory(p) {
+            self.detector.clear();
+        } else if self.state == State::Detect && self.detector.test(p) {
+            return Some(self.detector.source());
+        }
+        guarded.then_some(ContactSource::ForceGuard)
+    }
+}
