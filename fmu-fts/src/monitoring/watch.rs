@@ -181,7 +181,7 @@ mod tests {
         let found = |turns: u32, every: u32| {
             let (p, mut watch) = (Parameters::START, Watch::default());
             for k in 0..turns * every {
-                let torque = if k / every % 2 == 0 { p.servo.torque_max } else { -p.servo.torque_max };
+                let torque = if (k / every).is_multiple_of(2) { p.servo.torque_max } else { -p.servo.torque_max };
                 watch.turns = watch.reversals.update(torque, p.servo.torque_max, ticks(REVERSAL, p.sample_period));
             }
             watch.find(&p, 0.08)
