@@ -7,13 +7,15 @@ import math
 PREFIXES = {-12: "p", -9: "n", -6: "u", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 PREFIXED = {"m", "s", "N", "A", "V", "W", "J", "Pa", "Hz", "m/s", "N/s", "N.m", "m/s2"}
 """Units that take a prefix; others (rad, kg, 1, ...) are shown as they are."""
+SMALLEST = 1e-15
+"""What is smaller takes no prefix, nor does 0."""
 
 
 def text(value: float, unit: str = "", digits: int = 4) -> str:
     """Value and unit with a prefix: `text(4.5e-7, "m")` is `450 nm`."""
     if unit in ("", "1"):
         return number(value, digits)
-    if unit not in PREFIXED or value == 0.0 or not math.isfinite(value):
+    if unit not in PREFIXED or not SMALLEST <= abs(value) < math.inf:
         return f"{number(value, digits)} {unit}"
     exponent = 3 * math.floor(math.log10(abs(value)) / 3.0)
     # rounding may carry into the next prefix: 999.96 nm is 1 um
