@@ -70,9 +70,6 @@ pub fn numbers(Vars { input, output, in_force: p, .. }: &Vars) -> String {
             format!(": `spindle_speed`, more than `{limit}` samples")
         }
         Fault::ReadingJump | Fault::LostReading => format!(": `axis{axis}.position`, more than `{limit}` samples"),
-        Fault::FrozenReading if axis == 0 => {
-            format!(": `spindle_speed` is `{value:.1} rad/s` below idle and stands within `{limit} rad/s` without feed")
-        }
         Fault::FrozenReading
         | Fault::Oscillation
         | Fault::DriveSign

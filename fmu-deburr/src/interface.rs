@@ -73,8 +73,8 @@ mod variables {
         InvalidInput,
         /// A reading was for more than `limits.lost_samples` where neither axis nor tool can be
         #[hint("look at the cable and the counter of the encoder, or at the speed sensor of the tool")] ReadingJump,
-        /// An axis was told to move, or the feed of a loaded tool was stopped, and the reading stands
-        #[hint("does the encoder count, is the drive on and its brake open; does the speed sensor of the tool live?")] FrozenReading,
+        /// An axis was told to move and its reading stands
+        #[hint("does the encoder count, is the drive on and its brake open?")] FrozenReading,
         /// An axis does not follow, and its command swings from one side to the other
         #[hint("lower `servo.gain`, and see that `io_delay` is that of the importer")] Oscillation,
         /// An axis moves against its command
@@ -390,7 +390,7 @@ mod variables {
         #[var(unit = TURN_PER_SECOND, range = 1.0..=1e9, start = 2e4,
             source = "derived: 1e-3 kg.m2 stalled by 20 N.m, 25 times the breakdown torque")]
         pub spindle_slew: f64,
-        /// Change of the tool speed below which nothing was cut, and within which a reading stands; 0 allows both
+        /// Change of the tool speed along a whole path below which nothing was cut; 0 allows that
         #[var(unit = RADIAN_PER_SECOND as "rpm", range = 0.0..=1e5, start = 2.0,
             source = "derived: four counts of a 12-bit reading, a twentieth of the slip at rated load")]
         pub spindle_change: f64,

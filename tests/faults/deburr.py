@@ -28,7 +28,6 @@ BRIDGED = "at most 3 samples of 1 mm are bridged along the commands"
 BLIND = "at most 1 mm, half the lag of 3.8 mm at 50 mm/s, 4 samples of 0.5 mm, then closed brakes"
 NARROW = "at most 0.5 mm with patterns, 4 samples that grow by 1 mm at most, then closed brakes"
 EARLY = "at most 0.5 mm with patterns, 4 samples of 0.22 mm from rest, then closed brakes or the retract"
-ASKED = "the path is kept, and the feed stops"
 HELD = "what patterns leave, and the stop along the path"
 
 
@@ -154,14 +153,6 @@ ROWS = (
         at(3.4, TOOL, value=1883.73),
     ),
     Row(
-        "tool speed freezes under load, its last bit flickers",
-        ("FrozenReading",),
-        TIP,
-        4.4e-5,
-        ASKED,
-        (*at(4.0, TOOL, value=1840.0), *at(4.0, TOOL, noise=0.2)),
-    ),
-    Row(
         "tool speed 0 for one sample",
         (DONE,),
         TIP,
@@ -180,10 +171,10 @@ ROWS = (
     Row("noise of 300 rpm on the tool speed", (DONE,), TIP, 4.2e-5, HELD, at(0.0, TOOL, noise=31.4)),
     Row(
         "tool speed frozen in the burr",
-        ("FrozenReading",),
+        (DONE, "NoCut"),
         TIP,
         4.4e-5,
-        ASKED,
+        HELD,
         at(4.0, TOOL, frozen=True),
     ),
     Row("drive 1 with the wrong sign", ("DriveSign",), TIP, 4e-3, BLIND, at(0.0, DRIVE1, scale=-1.0)),

@@ -39,7 +39,7 @@ impl Controller {
             }
             State::Run => {
                 let target = self.target(p, reading);
-                self.follow(p, if hold || self.tool.asks() { 0.0 } else { target });
+                self.follow(p, if hold { 0.0 } else { target });
             }
             State::Off | State::Idle | State::Done | State::Fault => {}
         }

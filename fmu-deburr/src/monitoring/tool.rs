@@ -1,24 +1,13 @@
-//! The tool's speed while it cuts: too slow, standing under load, or the same along a way or the whole path.
+//! The tool's speed while it cuts: too slow, or the same along a way or the whole path.
 //!
 //! A speed counts only where it holds: of each block of one sample more than are bridged the slowest block is known by its
 //! fastest sample, and the fastest block by its slowest one. So neither a bad sample nor noise is a cut.
-//!
-//! Under load a speed moves with the burr; where it stands all the same, the burr is even or the reading is frozen. So the
-//! tool is asked: the feed stops, and the load with it. From a slip of four times the band a tool of time constant tau has
-//! left the band after 0.29 tau, and its reading a lag later; one that has not by then is frozen.
 
-use control_blocks::{Consecutive, Frozen, ticks};
+use control_blocks::Consecutive;
 use serde::{Deserialize, Serialize};
 
 use crate::interface::{Fault, Parameters};
 use crate::monitoring::finding::{Finding, Numbers};
-
-/// Slip under load, in bands within which a reading stands.
-const LOADED: f64 = 4.0;
-/// Time after which a reading that stands under load is asked, s.
-const STANDS: f64 = 0.2;
-/// Time in which the tool answers once the feed stands, s: more than the longest time constant of the paper, 0.25 s.
-const ANSWERS: f64 = 0.3;
 
 /// What is seen of the tool along one path.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -31,10 +20,6 @@ pub struct ToolMonitor {
     held: Option<(f64, f64)>,
     /// way since the tool was loaded, m; none before the first time, because a part may be begun again
     idle: Option<f64>,
-    reading: Frozen,
-    asked: bool,
-    /// samples without feed in which the tool did not answer
-    silent: Consecutive,
 }
 
 impl ToolMonitor {
@@ -51,15 +36,6 @@ impl ToolMonitor {
             return Finding::beyond(Fault::SpindleSlow, speed, least);
         }
         let band = p.limits.spindle_change;
-        self.reading.update(speed, 0.0, band);
-        let slip = self.held.map_or(0.0, |(_, fastest)| fastest - speed);
-        self.asked = band > 0.0 && slip > LOADED * band && self.reading.still() > ticks(STANDS, p.sample_period);
-        if self.silent.update(self.asked && way == 0.0) > ticks(ANSWERS, p.sample_period) {
-            return Finding {
-                fault: Fault::FrozenReading,
-                numbers: Numbers { value: slip, limit: band, ..Numbers::START },
-            };
-        }
         let most = p.limits.idle_way;
         if band > 0.0 && most > 0.0 && self.idle.is_some_and(|way| way > most) {
             return Finding {
@@ -68,11 +44,6 @@ impl ToolMonitor {
             };
         }
         Finding::NONE
-    }
-
-    /// Whether the feed has to stop, so that the tool shows that its reading lives.
-    pub fn asks(&self) -> bool {
-        self.asked
     }
 
     fn hold(&mut self, p: &Parameters, speed: f64, way: f64) {
@@ -149,49 +120,19 @@ mod tests {
         assert_eq!(tool.after_run(&p).fault, Fault::NoCut);
     }
 
-    /// The fault, and in which sample, of a tool that runs idle, then at a speed as a function of its samples; the feed of
-    /// 1 mm a sample stops within 20 samples where it is asked to.
-    fn cutting(p: &Parameters, speed: impl Fn(usize, f64) -> f64) -> (Fault, usize) {
-        let (mut tool, mut way) = (ToolMonitor::default(), 1e-3);
+    /// The fault, and in which sample, of a tool that runs idle, then at a speed as a function of its samples of 1 mm.
+    fn cutting(p: &Parameters, speed: impl Fn(usize) -> f64) -> (Fault, usize) {
+        let mut tool = ToolMonitor::default();
         (0..8).for_each(|_| assert!(!tool.update(p, 1884.0, 0.0).is_fault()));
-        for k in 0..400 {
-            let fault = tool.update(p, speed(k, way), way).fault;
-            if fault != Fault::None {
-                return (fault, k);
-            }
-            way = if tool.asks() { f64::max(way - 5e-5, 0.0) } else { 1e-3 };
-            way = if way < 1e-9 { 0.0 } else { way };
-        }
-        (Fault::None, 400)
-    }
-
-    #[test]
-    fn a_reading_that_stands_under_load_is_asked_and_one_that_does_not_answer_is_frozen() {
-        let mut p = Parameters::START;
-        let flickers = |k: usize| if k.is_multiple_of(2) { 0.51 } else { 0.0 };
-        // 0.2 s until it is asked, 0.2 s until the feed stands, 0.3 s without an answer
-        for flicker in [true, false] {
-            let (fault, after) = cutting(&p, |k, _| 1820.0 + if flicker { flickers(k) } else { 0.0 });
-            assert_eq!(fault, Fault::FrozenReading);
-            assert!((65..75).contains(&after), "{after}");
-        }
-        // an even burr: the speed follows the feed
-        assert_eq!(cutting(&p, |_, way| 1884.0 - 64e3 * way).0, Fault::None);
-        assert_eq!(cutting(&p, |_, way| 1884.0 - 9e3 * way).0, Fault::None);
-        // a twentieth of the slip at rated load is no load that would have to answer
-        p.limits.idle_way = 0.0;
-        assert_eq!(cutting(&p, |_, _| 1876.5).0, Fault::None);
-        p.limits.spindle_change = 0.0;
-        assert_eq!(cutting(&p, |_, _| 1820.0).0, Fault::None);
+        let faults = (0..400).map(|k| (tool.update(p, speed(k), 1e-3).fault, k));
+        faults.into_iter().find(|(fault, _)| *fault != Fault::None).unwrap_or((Fault::None, 400))
     }
 
     #[test]
     fn a_way_without_a_cut_is_told_where_it_is_longer_than_the_longest_gap() {
         let mut p = Parameters::START;
         // cuts for 50 mm
-        let gap = |length: usize| {
-            move |k: usize, _: f64| if k % (50 + length) < 50 { 1850.0 - (k % 7) as f64 } else { 1884.0 }
-        };
+        let gap = |length: usize| move |k: usize| if k % (50 + length) < 50 { 1850.0 - (k % 7) as f64 } else { 1884.0 };
         assert_eq!(cutting(&p, gap(90)).0, Fault::None);
         let (fault, after) = cutting(&p, gap(200));
         assert_eq!(fault, Fault::NoCut);

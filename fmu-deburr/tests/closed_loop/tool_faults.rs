@@ -83,37 +83,6 @@ fn bad_samples_of_the_tool_do_not_end_a_casting() {
 }
 
 #[test]
-fn a_tool_reading_that_freezes_in_the_burr_is_found_within_a_second() {
-    // the tool of an even burr, 0.64 mm/s for each 5 rpm, first order, 0.15 s
-    for frozen in [true, false] {
-        let mut run = running(Mode::Deburr);
-        let (mut tool, mut slowest) = (1884.0, f64::INFINITY);
-        let began = run.output.path.distance;
-        for k in 0..if frozen { 180 } else { 120 } {
-            tool += (1884.0 - 700.0 * run.output.path.speed - tool) * 0.01 / 0.15;
-            if !frozen || k < 60 {
-                run.input.spindle_speed = (tool / 0.51_f64).round() * 0.51;
-            }
-            run.step();
-            slowest = slowest.min(run.output.path.speed);
-            if run.output.fault != Fault::None {
-                assert!(k < 60 + 100, "{k}");
-                break;
-            }
-        }
-        if frozen {
-            stands_with(&run, Fault::FrozenReading);
-            assert_eq!((run.output.numbers.axis, run.output.path.speed), (0, 0.0));
-            assert!(run.output.path.distance - began < 0.13);
-        } else {
-            // asked once in a while, and it answers at once
-            assert_eq!(run.output.fault, Fault::None);
-            assert!((0.02..0.099).contains(&slowest), "{slowest}");
-        }
-    }
-}
-
-#[test]
 fn a_long_way_without_a_cut_is_told_before_the_end_of_the_path() {
     let mut run = running(Mode::Deburr);
     for k in 0..300 {
