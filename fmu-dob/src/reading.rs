@@ -71,7 +71,7 @@ pub struct Reading {
     pub loss: Loss,
     /// The position answers the motion of the reference.
     pub alive: bool,
-    /// Samples in a row whose position counted in full.
+    /// Believed positions in a row, lost samples between them left out, that counted in full.
     pub whole: u32,
     /// Samples in a row with a spindle speed that cannot be.
     pub spindle_lost: u32,

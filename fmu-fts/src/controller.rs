@@ -39,6 +39,7 @@ pub struct Controller {
     arm: Arm,
     compensator: LeadLag,
     reader: Reader,
+    long_step: bool,
     request: Request,
     reset_fault: Edge,
     forget: Edge,
@@ -86,6 +87,7 @@ impl Controller {
             arm,
             compensator,
             reader: Reader::default(),
+            long_step: false,
             request: Request::default(),
             reset_fault: Edge::default(),
             forget: Edge::default(),
@@ -107,6 +109,11 @@ impl Controller {
         })
     }
 
+    /// The next samples have the inputs of one communication step that is too long.
+    pub fn begin_long_step(&mut self) {
+        self.long_step = true;
+    }
+
     /// One sample; the parameters must be those of [`Controller::new`].
     pub fn tick(&mut self, input: &Input, p: &Parameters, output: &mut Output) {
         let reading = self.reader.read(p, input, self.torque);
@@ -121,6 +128,7 @@ impl Controller {
         self.calibrate(p, input, &reading, torque);
         self.report(p, torque, &wanted, &reading, output);
         output.afc_frozen = !layers.learning;
+        self.long_step = false;
         if self.on_path() {
             self.feed.update(p, self.spindle.angle, reading.slide_position);
             self.tracker.judge(output.error.tracking, &self.spindle, &phasors);
@@ -174,6 +182,7 @@ impl Controller {
         let wanted = matches!(mode, Mode::Approach | Mode::Track) && !matches!(self.state, State::Fault | State::Done);
         Situation {
             missing: self.reader.missing(),
+            long_step: self.long_step,
             found: if self.closed() { self.watch.find(p, self.arm.length) } else { None },
             feed_lost: self.on_path() && self.feed.lost(),
             overdue: overdue(p, path, self.identification.duration(), self.state, &self.job),

@@ -18,6 +18,8 @@ pub struct Situation<'a> {
     pub found: Option<Fault>,
     /// The slide does not go on with its feed.
     pub feed_lost: bool,
+    /// The samples of this communication step have the same inputs.
+    pub long_step: bool,
     /// The job has taken longer than it may.
     pub overdue: bool,
     /// The path that is asked for, if one is.
@@ -31,7 +33,17 @@ pub struct Situation<'a> {
 impl Fault {
     /// Whether a torque does to the arm what it should, as far as is known.
     pub fn drive_obeys(self) -> bool {
-        !matches!(self, Self::DriveSign | Self::WeakDrive | Self::Oscillation)
+        !matches!(
+            self,
+            Self::DriveSign
+                | Self::WeakDrive
+                | Self::Oscillation
+                // which a drive that does not obey may cause
+                | Self::FollowingError
+                | Self::Saturation
+                // of whose commands the last alone is seen
+                | Self::LongStep
+        )
     }
 
     /// How the job ends. The arm obeys wherever its encoder, its drive and its loop do, and leaves the part then; without
@@ -52,7 +64,8 @@ impl Fault {
             | Self::DriveSign
             | Self::WeakDrive
             | Self::Oscillation
-            | Self::Saturation => SafeEnd::DriveOff,
+            | Self::Saturation
+            | Self::LongStep => SafeEnd::DriveOff,
         }
     }
 }
@@ -65,7 +78,10 @@ pub fn find(p: &Parameters, now: &Situation) -> Option<Fault> {
         Loss::Frozen => Fault::FrozenReading,
         Loss::Jump => Fault::ReadingJump,
     });
-    arm.or(now.found)
+    now.long_step
+        .then_some(Fault::LongStep)
+        .or(arm)
+        .or(now.found)
         .or(missing.hold.then_some(Fault::InvalidInput))
         .or(now.path.and_then(|path| {
             let axis = |loss: Option<Loss>, own| {
@@ -108,6 +124,7 @@ pub fn numbers(vars: &Vars) -> String {
             output.spindle_speed,
             available_torque(p)
         ),
+        Fault::LongStep => format!(": limit `{} s`", p.sample_period),
         Fault::OutsideTable => format!(": `slide_position` = `{} m`", input.slide_position),
         Fault::LostReading | Fault::FrozenReading | Fault::ReadingJump => format!(
             ": `arm_angle` = `{} rad`, wanted `{} rad`, more than `{}` readings",
@@ -143,7 +160,7 @@ mod tests {
                 Fault::LostSpindle | Fault::LostSlide | Fault::NoProgress => SafeEnd::Retract,
                 Fault::LostReading | Fault::FrozenReading | Fault::ReadingJump => SafeEnd::DriveOff,
                 Fault::DriveSign | Fault::WeakDrive | Fault::Oscillation => SafeEnd::DriveOff,
-                Fault::FollowingError | Fault::Saturation => SafeEnd::DriveOff,
+                Fault::FollowingError | Fault::Saturation | Fault::LongStep => SafeEnd::DriveOff,
             };
             assert_eq!(fault.safe_end(), end, "{fault:?}");
         }

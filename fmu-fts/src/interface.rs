@@ -96,6 +96,8 @@ mod variables {
         #[hint("the loop is not stable: check `tip.*`, `io_delay`, `servo.inertia`, or wish for less `servo.bandwidth`")] Oscillation,
         /// The job comes to no end, or the cancellation to no small error
         #[hint("check the drive, or allow more `limits.job_time` or `limits.tracking_error`")] NoProgress,
+        /// The communication step is longer than a sample: several samples have the same inputs, and of their commands the last alone is seen
+        #[hint("set the communication step of the importer to `sample_period`")] LongStep,
     }
     /// How the calibration goes
     pub enum Status {

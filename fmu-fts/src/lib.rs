@@ -52,6 +52,10 @@ impl Model for Controller {
         Ok(controller)
     }
 
+    fn begin_long_step(&mut self) {
+        self.begin_long_step();
+    }
+
     fn sample(&mut self, vars: &mut Vars, _: &mut Env) -> Result<(), Error> {
         self.tick(&vars.input, &vars.in_force, &mut vars.output);
         Ok(())

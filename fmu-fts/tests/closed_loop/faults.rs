@@ -83,6 +83,21 @@ fn only_a_rising_edge_resets_a_fault() {
 }
 
 #[test]
+fn a_communication_step_that_is_too_long_is_told_in_its_first_sample() {
+    for before in [0.0, 0.5] {
+        let mut run = Loop::new(&Parameters::START, &Build::NOMINAL, 4);
+        run.run_to(before);
+        run.controller.begin_long_step();
+        run.step();
+        // of several commands the last alone would be seen: no pulse of the brake
+        assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::LongStep));
+        assert_eq!((run.output.torque, run.output.drive_enable), (0.0, false));
+        reset(&mut run);
+        assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::None));
+    }
+}
+
+#[test]
 fn a_fault_that_is_still_there_comes_again_with_the_next_job() {
     let fast = Build { speed: |_| 2400.0 * RPM, ..Build::NOMINAL };
     let mut run = Loop::new(&Parameters::START, &fast, 4);

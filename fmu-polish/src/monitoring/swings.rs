@@ -49,7 +49,7 @@ mod tests {
     use std::f64::consts::TAU;
 
     const P: Parameters = Parameters::START;
-    const LIMIT: f64 = 1.25;
+    const LIMIT: f64 = 1.0;
 
     /// Whether two seconds of an error are swings.
     fn swings(error: impl Fn(f64) -> f64) -> bool {
