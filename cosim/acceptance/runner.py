@@ -18,7 +18,7 @@ from cosim.fmu import stale
 from cosim.loop.engines import Engine
 from cosim.loop.result import Result
 from cosim.pool import local
-from cosim.pool.job import Outcome
+from cosim.pool.job import Job, Outcome
 from cosim.pool.limits import Limits, processors
 from cosim.scenario.load import load
 from cosim.show import display
@@ -29,7 +29,10 @@ Outcomes = Mapping[str, Outcome]
 """What became of each scenario, by name, in the order in which they were asked for."""
 KINDS = {
     ".json": ("result of a run", re.compile(rb'\{\s*"loop":')),
-    ".svg": ("SVG", re.compile(rb"\s*(<\?xml[^>]*>\s*)?(<!DOCTYPE svg|<svg)")),
+    ".svg": (
+        "plot of a run",
+        re.compile(rb"\s*<\?xml.*<dc:creator>\s*<cc:Agent>\s*<dc:title>cosim</dc:title>", re.DOTALL),
+    ),
 }
 """What is written for each scenario, and how such files begin."""
 
@@ -103,7 +106,7 @@ def run(scenarios: Sequence[str], options: RunOptions, change: Change | None = N
     return {name: outcome for name, outcome in found.items() if not isinstance(outcome, RecordedJob)}
 
 
-def outcomes(jobs: Mapping[str, RecordedJob], options: RunOptions) -> Iterator[tuple[str, Outcome]]:
+def outcomes(jobs: Mapping[str, Job], options: RunOptions) -> Iterator[tuple[str, Outcome]]:
     """Outcomes by name, as they come."""
     names = list(jobs)
     workers = min(options.workers or processors(), len(jobs))

@@ -12,9 +12,9 @@ import numpy as np
 
 from cosim import extras
 from cosim.errors import CosimError
-from cosim.replay import caption, enlarge
+from cosim.replay import caption, enlarge, pace
 from cosim.replay.motion import Motion, Recorded, motion
-from cosim.replay.pace import RATE, Pace, pace
+from cosim.replay.pace import RATE, Pace
 from cosim.writing import check_folder, whole
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ def check(file: Path, shot: Shot) -> None:
     Raises
     ------
     CosimError
-        Unknown ending, no such folder, a size that no film has, or a package that is not installed.
+        Unknown ending, no such folder, a size or length that no film has, or a package is not installed.
     """
     if file.suffix not in ENDINGS:
         endings = ", ".join(f"`{ending}`" for ending in ENDINGS)
@@ -69,7 +69,13 @@ def check(file: Path, shot: Shot) -> None:
     if not (16 <= width <= LARGEST and 16 <= height <= LARGEST) or width % 2 or height % 2:
         problem = f"`--size` is `{width}x{height}`"
         raise CosimError(problem, f"width and height are even numbers from 16 to {LARGEST}")
-    if file.suffix == ".mp4":
+    pace.check(shot.seconds)
+    check_packages(file.suffix)
+
+
+def check_packages(ending: str) -> None:
+    """Check that what makes films of an ending is installed; a `CosimError` says what is not."""
+    if ending == ".mp4":
         extras.needed("av", "an MP4 file needs PyAV, which is not installed", extras.hint("replay"))
     extras.needed("PIL", "films need Pillow, which is not installed", extras.hint("replay"))
 
@@ -93,7 +99,7 @@ def made(
 ) -> bytes:
     """Film of a run in the format of an ending."""
     moved = motion(recorded)
-    paced = pace(moved.times, shot.seconds, shot.begin, shot.end)
+    paced = pace.pace(moved.times, shot.seconds, shot.begin, shot.end)
     pictures = told(filmed(recorded, moved, paced, shot), len(paced.rows), tell)
     return (encoded if ending == ".mp4" else animated)(pictures, shot, ending)
 

@@ -9,7 +9,9 @@ import numpy as np
 
 from cosim.errors import CosimError
 from cosim.loop import plant as plants
+from cosim.loop.reference import reset_plant
 from cosim.loop.result import Result
+from cosim.loop.wires.wiring import child
 from cosim.scenario.model import Scenario
 from cosim.trace.columns import Array, Columns
 from cosim.trace.stored import StoredTrace
@@ -26,6 +28,8 @@ class Recorded:
     ----------
     scenario
         What was run; its plant is what is drawn.
+    seed
+        Seed of the run: what is drawn by chance at its start may have no coordinates.
     columns
         Columns of the trace, MuJoCo's coordinates among them.
     units, items
@@ -33,6 +37,7 @@ class Recorded:
     """
 
     scenario: Scenario
+    seed: int
     columns: Columns
     units: dict[str, str] = field(default_factory=dict)
     items: dict[str, dict[str, int]] = field(default_factory=dict)
@@ -40,12 +45,14 @@ class Recorded:
 
 def of_result(scenario: Scenario, result: Result) -> Recorded:
     """Run that was just made."""
-    return Recorded(scenario, result.columns, result.units, result.items)
+    return Recorded(scenario, result.seed, result.columns, result.units, result.items)
 
 
 def of_trace(scenario: Scenario, trace: StoredTrace) -> Recorded:
-    """Run that a file holds."""
-    return Recorded(scenario, trace.data, trace.units, trace.items)
+    """Run that a file holds; one that does not tell its seed has that of its scenario."""
+    seed = trace.about.get("seed")
+    seed = seed if type(seed) is int and seed >= 0 else scenario.loop.seed
+    return Recorded(scenario, seed, trace.data, trace.units, trace.items)
 
 
 @dataclass(frozen=True)
@@ -86,7 +93,7 @@ def motion(recorded: Recorded) -> Motion:
     names = tuple(f"plant.{one.name}" for one in plant.coordinates)
     check(recorded.columns, names, scenario)
     # what is placed at the start and has no coordinates
-    plant.reset(scenario.loop.seed, plant.timestep)
+    reset_plant(plant, scenario, child(recorded.seed, "plant"))
     return Motion(
         plant.model,
         plant.data,

@@ -12,6 +12,8 @@ from cosim.trace.columns import Array
 
 RATE = 25
 """Pictures in a second."""
+LONGEST = 3600.0
+"""Longest time in which a run is shown, s."""
 
 
 @dataclass(frozen=True)
@@ -39,6 +41,18 @@ class Pace:
         return f"slow motion: {1.0 / self.speed:.3g} x slower"
 
 
+def check(seconds: float) -> None:
+    """Check the time in which a run is shown.
+
+    Raises
+    ------
+    CosimError
+        It is no time, or more than `LONGEST`.
+    """
+    if not 0.0 < seconds <= LONGEST:
+        raise CosimError(f"`--seconds` is `{seconds:g}`, it must be above 0 and at most {LONGEST:g}")
+
+
 def pace(times: Array, seconds: float, begin: float | None = None, end: float | None = None) -> Pace:
     """Show the time from `begin` to `end` (s; the whole run) in so many seconds.
 
@@ -47,10 +61,9 @@ def pace(times: Array, seconds: float, begin: float | None = None, end: float | 
     CosimError
         There is nothing of the run in this time, or no time to show it in.
     """
+    check(seconds)
     first = float(times[0]) if begin is None else begin
     last = float(times[-1]) if end is None else end
-    if not seconds > 0.0:
-        raise CosimError(f"`--seconds` is `{seconds:g}`, it must be above 0")
     if not times[0] <= first < last <= times[-1]:
         problem = f"`--from` = `{first:g}` s to `--to` = `{last:g}` s is no part of the run"
         raise CosimError(problem, f"it goes from {times[0]:g} s to {times[-1]:g} s")

@@ -2,24 +2,29 @@
 
 from __future__ import annotations
 
+import base64
 import json
 import re
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
+
+from rich.progress import MofNCompleteColumn
 
 from cosim.acceptance import runner
 from cosim.acceptance.job import RecordedJob
 from cosim.errors import CosimError
 from cosim.report import page, sweeps
-from cosim.report.job import ToldJob
+from cosim.report.job import FilmJob, ToldJob
+from cosim.show.bar import bar
 from cosim.writing import check_text, whole
 
 TITLE = "What was measured in closed loop"
 """Title of a page that is given none."""
 ENDINGS = (".html", ".htm")
-BEGINNING = re.compile(rb"\s*<!doctype html>", re.IGNORECASE)
+BEGINNING = re.compile(rb'\s*<!doctype html>.*<meta name="generator" content="cosim report">', re.DOTALL)
 """How a page begins."""
 
 
@@ -38,7 +43,7 @@ class Contents:
     documents
         Files in Markdown.
     films
-        Whether one scenario of each loop is filmed, the first of it.
+        Whether one scenario of each loop is filmed, the first that could run.
     """
 
     title: str
@@ -54,12 +59,12 @@ def check(option: str, file: Path) -> None:
     Raises
     ------
     CosimError
-        A package is missing, there is no such folder, or a file there is no page.
+        A package is missing, there is no such folder, or a file there is no page of ours.
     """
     page.check()
     if file.suffix not in ENDINGS:
         raise CosimError(f"cannot write a page to `{file}`", "the name must end in `.html`")
-    check_text(option, file, "HTML page", BEGINNING)
+    check_text(option, file, "page of `cosim report`", BEGINNING)
 
 
 @dataclass(frozen=True)
@@ -100,17 +105,38 @@ def told(contents: Contents, options: runner.RunOptions) -> tuple[runner.Outcome
         jobs: dict[str, ToldJob] = {}
 
         def telling(name: str, job: RecordedJob) -> RecordedJob:
-            filmed = contents.films and not any(loop(name) == loop(other) for other in jobs)
             place = Path(scratch, f"{len(jobs)}.json")
-            jobs[name] = ToldJob(**{**vars(job), "keep_trace": True}, chapter=place, film=filmed)
+            jobs[name] = ToldJob(**{**vars(job), "keep_trace": True}, chapter=place)
             return jobs[name]
 
         found = runner.run(contents.scenarios, options, telling)
-        return found, [
-            json.loads(jobs[name].chapter.read_text(encoding="utf-8"))
+        chapters = {
+            name: json.loads(jobs[name].chapter.read_text(encoding="utf-8"))
             for name, outcome in found.items()
             if not isinstance(outcome, CosimError)
-        ]
+        }
+        if contents.films:
+            first = {loop(name): name for name in reversed(chapters)}.values()
+            for name, film in filmed({name: jobs[name] for name in first}, options):
+                chapters[name] |= film
+        return found, list(chapters.values())
+
+
+def filmed(jobs: Mapping[str, ToldJob], options: runner.RunOptions) -> Iterator[tuple[str, page.Chapter]]:
+    """Film runs; what comes of each is a part of its chapter, why there is no film as well."""
+    films = {
+        name: FilmJob(job.scenario, job.seed, job.engine, film=job.chapter.with_suffix(".mp4"))
+        for name, job in jobs.items()
+    }
+    with bar(options.quiet, MofNCompleteColumn()) as shown:
+        task: Any = None if shown is None else shown.add_task("films", total=len(films))
+        for name, outcome in runner.outcomes(films, options):
+            if shown is not None:
+                shown.advance(task)
+            if isinstance(outcome, CosimError):
+                yield name, {"no_film": str(outcome)}
+            else:
+                yield name, {"film": base64.b64encode(films[name].film.read_bytes()).decode()}
 
 
 def loop(name: str) -> str:

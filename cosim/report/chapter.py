@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import base64
 import dataclasses
 import shlex
 from typing import TYPE_CHECKING, Any
 
-from cosim import extras, paths
-from cosim.errors import CosimError
+from cosim import paths
 from cosim.loop.result import Result
 from cosim.report import panels
 from cosim.scenario.model import Scenario
@@ -20,8 +18,6 @@ from cosim.words.verdicts import counted, row
 if TYPE_CHECKING:
     from cosim.loop.session import Session
 
-FILM_SIZE = (480, 360)
-FILM_SECONDS = 8.0
 DIGITS = 3
 """Digits of what was measured, as in the table of `cosim test`."""
 
@@ -100,19 +96,3 @@ def settings(scenario: Scenario, session: Session) -> list[dict[str, str]]:
 def setting(name: str, value: Any, unit: str, description: str) -> dict[str, str]:
     """One value that was set."""
     return {"name": name, "value": shorten(value), "unit": unit, "description": description}
-
-
-def filmed(scenario: Scenario, result: Result) -> dict[str, Any]:
-    """Film of a run as part of a chapter, or why there is none.
-
-    `result` is that of a run that kept MuJoCo's coordinates.
-    """
-    from cosim.replay import film, motion
-
-    shot = film.Shot(FILM_SIZE, FILM_SECONDS)
-    try:
-        extras.needed("av", "films need PyAV, which is not installed", extras.hint("replay"))
-        content = film.made(motion.of_result(scenario, result), shot, ".mp4")
-    except CosimError as error:
-        return {"no_film": str(error)}
-    return {"film": base64.b64encode(content).decode()}

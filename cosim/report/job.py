@@ -1,4 +1,4 @@
-"""A run that leaves a chapter of the page behind."""
+"""Runs that leave parts of the page behind: a chapter, a film."""
 
 from __future__ import annotations
 
@@ -7,11 +7,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from cosim.acceptance.job import RecordedJob
-from cosim.errors import CosimError
 from cosim.loop.result import Result
-from cosim.pool.job import Bench
+from cosim.pool.job import Bench, Job
 from cosim.words import strict
 from cosim.writing import write
+
+FILM_SIZE = (480, 360)
+"""Width and height of a film on the page, pixels."""
+FILM_SECONDS = 8.0
 
 
 @dataclass(frozen=True)
@@ -22,12 +25,9 @@ class ToldJob(RecordedJob):
     ----------
     chapter
         Where the chapter is written until the page is made.
-    film
-        Whether it is filmed, in a run of its own: coordinates are no part of the trace that is judged.
     """
 
     chapter: Path = Path()
-    film: bool = False
 
     def leave(self, result: Result, bench: Bench) -> None:
         """Write the files of the run, and its chapter."""
@@ -35,18 +35,30 @@ class ToldJob(RecordedJob):
         from cosim.report import chapter
 
         told = chapter.chapter(self.scenario, result, bench.session(self.scenario, self.engine))
-        if self.film:
-            told |= self.filmed(bench)
         write(strict.line(told), self.chapter)
 
-    def filmed(self, bench: Bench) -> dict[str, object]:
-        """Film of the run, or why there is none."""
-        from cosim.report import chapter
+
+@dataclass(frozen=True)
+class FilmJob(Job):
+    """A run that is filmed, apart from the one that is judged: its trace holds coordinates, and it may fail.
+
+    Parameters
+    ----------
+    film
+        Where the film is written.
+    """
+
+    film: Path = Path()
+
+    def run(self, bench: Bench) -> Result:
+        """Run the scenario once more and film it; what a film needs is looked for before."""
+        from cosim.replay import film, motion, renderer
 
         loop = dataclasses.replace(self.scenario.loop, record_qpos=True)
         scenario = dataclasses.replace(self.scenario, loop=loop)
-        try:
-            again = bench.session(scenario, self.engine).run(self.seed)
-        except CosimError as error:
-            return {"no_film": str(error)}
-        return chapter.filmed(scenario, again)
+        session = bench.session(scenario, self.engine)
+        film.check_packages(self.film.suffix)
+        renderer.graphics((16, 16)).free()
+        result = session.run(self.seed)
+        film.save(motion.of_result(scenario, result), film.Shot(FILM_SIZE, FILM_SECONDS), self.film)
+        return dataclasses.replace(result, trace=None)

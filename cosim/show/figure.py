@@ -22,6 +22,8 @@ STYLE: Any = {
     "legend.frameon": False,
     "svg.hashsalt": "cosim",  # the same run gives the same bytes
 }
+SVG = {"Creator": "cosim", "Date": None}
+"""What an SVG tells of itself: by whom, and not when, so that the same run gives the same bytes."""
 
 
 def can_plot() -> bool:
@@ -64,6 +66,6 @@ def save(figure: Any, file: Path) -> None:
 
     try:
         with naming(file):
-            figure.savefig(file, dpi=110, metadata={"Date": None} if file.suffix == ".svg" else None)
+            figure.savefig(file, dpi=110, metadata=SVG if file.suffix == ".svg" else None)
     finally:
         pyplot.close(figure)

@@ -27,8 +27,10 @@ def view(
     see `cosim video`, which needs no screen. It needs the extra `replay`.
     """
     configure_logging(verbose, quiet)
+    from cosim.replay import pace
     from cosim.replay.film import Shot
 
+    pace.check(seconds)
     shot = Shot(seconds=seconds, begin=begin, end=end, enlarge=tuple(enlarge or ()))
     with place(checked_limits(None, None, in_process)) as do:
         outcome: CosimError | None = do(View(run, loop, tuple(set_ or ()), shot))

@@ -64,6 +64,25 @@ failing/plant  could not run
 """
 
 
+DRAWN = """\
+<?xml version="1.0" encoding="utf-8" standalone="no"?>
+<svg xmlns="http://www.w3.org/2000/svg" version="1.1">
+ <metadata>
+  <rdf:RDF xmlns:dc="http://purl.org/dc/elements/1.1/" xmlns:cc="http://creativecommons.org/ns#" \
+xmlns:rdf="http://www.w3.org/1999/02/22-rdf-syntax-ns#">
+   <cc:Work>
+    <dc:title>cosim</dc:title>
+    <dc:creator>
+     <cc:Agent>
+      <dc:title>Matplotlib v3.11.2, https://matplotlib.org/</dc:title>
+     </cc:Agent>
+    </dc:creator>
+   </cc:Work>
+  </rdf:RDF>
+ </metadata>
+</svg>
+"""
+"""Figure of the user."""
 EARLIER = '{\n  "loop": "of an earlier run"\n}\n'
 
 
@@ -115,6 +134,8 @@ def test_results_and_plots_are_those_of_this_run(tested: Acceptance) -> None:
     plots = {f"{name}.svg" for name in ran}
     assert written == {"acceptance.txt", *plots, *(f"{name}.json" for name in ran)}
     assert json.loads((out / "lag/short.json").read_text())["passed"] is False
+    # the next run may write over them
+    assert all(runner.places(out, name) for name in ran)
 
 
 def test_json_holds_one_entry_for_every_scenario(tested: Acceptance) -> None:
@@ -179,7 +200,8 @@ def test_two_files_of_one_name_are_refused() -> None:
     ("file", "content", "kind"),
     [
         ("lag.json", '{"colour": "of the user"}', "result of a run"),
-        ("lag/free.svg", "a note", "SVG"),
+        ("lag/free.svg", "a note", "plot of a run"),
+        ("lag.svg", DRAWN, "plot of a run"),
         ("acceptance.txt", "a note", "acceptance table"),
     ],
 )

@@ -94,3 +94,10 @@ class Breaks(Notes):
 
     def close(self) -> None:
         raise RuntimeError("the door is stuck")
+
+
+class EndInFilm(probe_plants.Lag):
+    """Ends the process where a film wants its coordinates."""
+
+    def record_qpos(self) -> None:
+        os._exit(3)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import base64
 import importlib
+import io
 import json
 import os
 from pathlib import Path
@@ -10,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from lxml import html
 
 import cosim
 from cosim.errors import CosimError
@@ -17,6 +20,7 @@ from cosim.replay import film, renderer
 from cosim.replay.film import Shot
 from cosim.replay.motion import Recorded, motion, of_result
 from cosim.replay.pace import RATE
+from cosim.report.job import FILM_SECONDS, FILM_SIZE
 
 from ..cli.commands import cosim as command
 
@@ -107,6 +111,25 @@ def test_the_command_films_a_trace_or_a_scenario(cart: Path, folder: Path) -> No
     assert films[0] == films[1]
 
 
+@pytest.mark.usefixtures("_drawing", "cart")
+def test_a_page_holds_the_film(folder: Path) -> None:
+    done = command("report", "cart.toml", "-o", "cart.html", "-q")
+    assert (done.returncode, done.stdout) == (0, "wrote cart.html\n"), done.stderr
+    page = html.fromstring((folder / "cart.html").read_text())
+    assert not page.find_class("note")
+    (shown,) = page.iter("video")
+    assert (int(shown.get("width")), int(shown.get("height"))) == FILM_SIZE
+    content = base64.b64decode(shown.get("src").removeprefix("data:video/mp4;base64,"))
+    with importlib.import_module("av").open(io.BytesIO(content)) as container:
+        pictures = [frame.to_ndarray(format="rgb24") for frame in container.decode(video=0)]
+    assert len(pictures) == round(RATE * FILM_SECONDS)
+    assert pictures[0].shape == (*FILM_SIZE[::-1], 3)
+    assert red(pictures[0]).size
+    assert np.abs(pictures[0].astype(int) - pictures[-1].astype(int)).max() > 60
+    # what stands still costs next to nothing, so a page of many loops can be sent
+    assert len(content) < 100_000
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -117,6 +140,8 @@ def test_the_command_films_a_trace_or_a_scenario(cart: Path, folder: Path) -> No
         (("cart.toml", "cart.toml"), "`cart.toml` is no trace"),
         (("gone.npz",), "cannot read `gone.npz`"),
         (("cart.toml", "--seconds", "-1"), "`--seconds` is `-1`"),
+        (("cart.toml", "--seconds", "nan"), "`--seconds` is `nan`"),
+        (("gone.npz", "--seconds", "inf"), "`--seconds` is `inf`, it must be above 0 and at most 3600"),
         (("cart.toml", "--enlarge", "x=2"), "no coordinate is named `x`"),
     ],
 )
@@ -150,6 +175,12 @@ def test_without_a_renderer_there_is_a_hint(monkeypatch: pytest.MonkeyPatch) -> 
     monkeypatch.setenv(renderer.CHOICE, "wrong")
     with pytest.raises(CosimError, match="`MUJOCO_GL` is `wrong`"):
         renderer.graphics((32, 32))
+
+
+def test_the_viewer_takes_no_endless_time(cart: Path) -> None:
+    done = command("view", str(cart), "-q", "--in-process", "--seconds", "1e12")
+    assert done.returncode == 2
+    assert "`--seconds` is `1e+12`, it must be above 0 and at most 3600" in done.stderr
 
 
 def test_the_viewer_needs_a_screen(cart: Path) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+import math
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +15,7 @@ from cosim.replay import caption, enlarge
 from cosim.replay.motion import Motion, Recorded, motion, of_result, of_trace
 from cosim.replay.pace import RATE, pace
 from cosim.words.quantity import number
+from plants.bare import Bare
 
 RECORD = ["loop.record_qpos=true"]
 
@@ -46,7 +49,10 @@ def test_a_picture_shows_the_row_that_held_at_its_time() -> None:
     assert found.speed == pytest.approx(0.5)
 
 
-@pytest.mark.parametrize(("seconds", "begin", "end"), [(0.0, None, None), (1.0, 0.6, 0.4), (1.0, 0.0, 2.0)])
+@pytest.mark.parametrize(
+    ("seconds", "begin", "end"),
+    [(0.0, None, None), (math.inf, None, None), (3601.0, None, None), (1.0, 0.6, 0.4), (1.0, 0.0, 2.0)],
+)
 def test_a_time_that_is_none_is_told(seconds: float, begin: float | None, end: float | None) -> None:
     with pytest.raises(CosimError, match=r"must be above 0|is no part of the run"):
         pace(np.linspace(0.0, 1.0, 11), seconds, begin, end)
@@ -60,6 +66,29 @@ def test_the_coordinates_come_from_the_trace(cart: Path, folder: Path) -> None:
     cosim.run(cosim.load(cart, RECORD)).save_trace("cart.npz")
     stored = motion(of_trace(cosim.load(cart), cosim.read_trace("cart.npz")))
     assert np.array_equal(stored.qpos, moved.qpos)
+
+
+def test_what_is_placed_by_chance_is_where_the_run_had_it(
+    cart: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    reset, walls = Bare.reset, list[float]()
+
+    def place(plant: Bare, seed: np.random.SeedSequence, duration: float) -> None:
+        reset(plant, seed, duration)
+        walls.append(plant.stream("wall").normal())
+        plant.model.geom_pos[0, 0] = walls[-1]
+
+    monkeypatch.setattr(Bare, "reset", place)
+    scenario = cosim.load(cart, RECORD)
+    result = cosim.run(scenario, seed=7)
+    result.save_trace("cart.npz")
+    stored = cosim.read_trace("cart.npz")
+    untold = dataclasses.replace(stored, about={})
+    runs = (of_result(scenario, result), of_trace(scenario, stored), of_trace(scenario, untold))
+    drawn = [motion(one).model.geom_pos[0, 0] for one in runs]
+    assert drawn[:2] == [walls[0]] * 2
+    cosim.run(scenario)
+    assert drawn[2] == walls[-1] != walls[0]
 
 
 def test_a_trace_without_coordinates_says_how_to_get_them(cart: Path) -> None:

@@ -10,6 +10,7 @@ import subprocess
 from pathlib import Path
 from typing import Any
 
+import pytest
 from tornado.websocket import websocket_connect
 
 PROGRAM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
@@ -20,20 +21,27 @@ OWN = ("file:", "data:", "blob:", "chrome")
 
 
 async def visit(page: Path, width: int, theme: str, question: str, folder: Path) -> tuple[Any, list[str]]:
-    """Open a page; returns what a JavaScript expression gives in the end, and what went wrong meanwhile."""
+    """Open a page; returns what a JavaScript expression gives in the end, and what went wrong meanwhile.
+
+    The test is skipped where Chromium ends before it listens.
+    """
     options = ["--headless=new", "--no-sandbox", "--disable-gpu", "--remote-debugging-port=0"]
     command = [str(PROGRAM), *options, f"--user-data-dir={folder}", "about:blank"]
     chromium = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     try:
-        return await asyncio.wait_for(asked(page, width, theme, question, folder), 90)
+        return await asyncio.wait_for(asked(chromium, page, width, theme, question, folder), 90)
     finally:
         chromium.kill()
         chromium.wait()
 
 
-async def asked(page: Path, width: int, theme: str, question: str, folder: Path) -> tuple[Any, list[str]]:
+async def asked(
+    chromium: subprocess.Popen[bytes], page: Path, width: int, theme: str, question: str, folder: Path
+) -> tuple[Any, list[str]]:
     place = folder / "DevToolsActivePort"
     while not (place.is_file() and place.read_text().count("\n")):
+        if chromium.poll() is not None:
+            pytest.skip(f"`{PROGRAM}` cannot start: it ended with exit code {chromium.returncode}")
         await asyncio.sleep(0.1)
     port, path = place.read_text().splitlines()[:2]
     socket = await websocket_connect(f"ws://127.0.0.1:{port}{path}")

@@ -16,6 +16,7 @@ import pytest
 from lxml import html
 
 import cosim
+from cosim.report import book
 from cosim.report.series import unpacked
 from cosim.words.verdicts import row
 
@@ -175,7 +176,7 @@ def test_a_study_and_a_document_stand_on_the_page(page: Any) -> None:
     ("words", "message"),
     [
         (("lag.toml", "-o", "page.pdf"), "the name must end in `.html`"),
-        (("lag.toml", "-o", "lag.html"), "would be written over a file that is no HTML page"),
+        (("lag.toml", "-o", "lag.html"), "would be written over a file that is no page of `cosim report`"),
         (("lag.toml", "--document", "gone.md"), "cannot read `gone.md`"),
     ],
 )
@@ -183,11 +184,17 @@ def test_what_cannot_be_written_is_told_before_a_run(
     words: tuple[str, ...], message: str, folder: Path
 ) -> None:
     (folder / "lag.toml").write_text(SCENARIO)
-    (folder / "lag.html").write_text("mine")
+    mine = "<!doctype html>\n<html><head><title>cosim report</title></head></html>"
+    (folder / "lag.html").write_text(mine)
     done = command("report", *words, "-q")
     assert done.returncode == 2
     assert message in done.stderr
-    assert (folder / "lag.html").read_text() == "mine"
+    assert (folder / "lag.html").read_text() == mine
+
+
+@pytest.mark.parametrize("option", ["--out", "--report"])
+def test_an_earlier_page_may_be_written_over(made: Path, option: str) -> None:
+    book.check(option, made / "page.html")
 
 
 def test_the_page_is_made_of_the_runs_of_a_test(made: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -2,22 +2,33 @@
 
 from __future__ import annotations
 
+import base64
+import json
 import re
-from collections.abc import Callable, Sequence
+import shutil
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
+from unittest.mock import Mock
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from lxml import html
 
 import cosim
 from cosim.acceptance import runner
 from cosim.acceptance.job import RecordedJob
 from cosim.errors import CosimError
+from cosim.pool.job import Outcome
 from cosim.report import book, drawing
+from cosim.report.job import FilmJob
 from cosim.report.panels import scaled
 from cosim.report.series import BUCKETS, STEPS, packed, thinned, unpacked
+
+from ..cli.commands import cosim as command
+from ..conftest import DATA, SCENARIO
 
 NAN = float("nan")
 
@@ -106,21 +117,58 @@ def test_the_items_that_come_are_named_at_the_axis_and_escaped() -> None:
 def test_one_scenario_of_each_loop_is_filmed(write: Callable[..., Path], monkeypatch: Any) -> None:
     write()
     scenario = cosim.load("lag.toml")
-    filmed: dict[str, bool] = {}
+    result = cosim.run(scenario)
 
-    def run(names: Sequence[str], options: runner.RunOptions, change: Any) -> dict[str, CosimError]:
+    def run(names: Sequence[str], options: runner.RunOptions, change: Any) -> runner.Outcomes:
         for name in names:
-            job = change(name, RecordedJob(scenario, 1))
+            job = change(name, RecordedJob(scenario, 7))
             assert job.keep_trace
-            filmed[name] = job.film
-        return {name: CosimError("not run") for name in names}
+            job.chapter.write_text(json.dumps({"name": name}))
+        return {name: CosimError("not run") if name == "dob" else result for name in names}
+
+    def outcomes(jobs: Mapping[str, FilmJob], options: runner.RunOptions) -> Iterator[tuple[str, Outcome]]:
+        for name, job in jobs.items():
+            assert (job.scenario, job.seed) == (scenario, 7)
+            job.film.write_bytes(b"film")
+            yield name, CosimError("too dark") if name == "fts/lens" else result
 
     monkeypatch.setattr(runner, "run", run)
+    monkeypatch.setattr(runner, "outcomes", outcomes)
     names = ["dob", "dob/nan", "fts/lens", "fts", "dob/10"]
-    book.told(book.Contents("", names), runner.RunOptions())
-    assert [name for name, film in filmed.items() if film] == ["dob", "fts/lens"]
-    book.told(book.Contents("", names, films=False), runner.RunOptions())
-    assert not any(filmed.values())
+    _, chapters = book.told(book.Contents("", names), runner.RunOptions())
+    assert chapters == [
+        {"name": "dob/nan", "film": base64.b64encode(b"film").decode()},
+        {"name": "fts/lens", "no_film": "too dark"},
+        {"name": "fts"},
+        {"name": "dob/10"},
+    ]
+    _, chapters = book.told(book.Contents("", names, films=False), runner.RunOptions())
+    assert chapters == [{"name": name} for name in names[1:]]
+
+
+def test_nothing_is_run_for_a_film_that_cannot_be_drawn(
+    write: Callable[..., Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def dark(size: tuple[int, int]) -> None:
+        raise CosimError("too dark")
+
+    write()
+    bench = Mock()
+    monkeypatch.setattr("cosim.replay.renderer.graphics", dark)
+    with pytest.raises(CosimError, match="too dark"):
+        FilmJob(cosim.load("lag.toml"), 1, film=Path("lag.mp4")).run(bench)
+    bench.session.assert_called_once()
+    bench.session.return_value.run.assert_not_called()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="worker processes of Linux")
+def test_a_film_that_ends_its_process_costs_no_run(write: Callable[..., Path], folder: Path) -> None:
+    write(text=SCENARIO.replace("probe_plants:Lag", "hostile_plants:EndInFilm"))
+    shutil.copy(DATA / "hostile_plants.py", folder)
+    done = command("report", "lag.toml", "-o", "lag.html", "-q")
+    assert (done.returncode, done.stdout) == (0, "wrote lag.html\n"), done.stderr
+    (note,) = html.fromstring((folder / "lag.html").read_text()).find_class("note")
+    assert "ended the process with exit code 3" in note.text_content()
 
 
 @pytest.mark.parametrize(
