@@ -103,7 +103,7 @@ fn between_events_what_is_no_real_input_may_be_written_again_and_not_changed() {
     let between = || {
         let instance = Instance::of_type(&fmu, MODEL_EXCHANGE);
         // law: Paper, so that a tunable parameter that counts as set would show in `force`
-        assert_eq!((instance.set_integer("law", 2), instance.set_real("position", 0.1)), (OK, OK));
+        assert_eq!((instance.set_integer("law", 2), instance.set_real("position", -3.0)), (OK, OK));
         assert_eq!((instance.setup(0.0, None), instance.enter(), instance.exit()), (OK, OK, OK));
         assert_eq!((instance.set_integer("count", 3), instance.new_discrete_states().0), (OK, OK));
         assert_eq!(instance.enter_continuous_time_mode(), OK);
@@ -111,6 +111,7 @@ fn between_events_what_is_no_real_input_may_be_written_again_and_not_changed() {
     };
     let instance = between();
     let before = instance.real("force");
+    assert_eq!(before, 6.0);
     assert_eq!((instance.set_booleans(&["enable"], &[1]), instance.set_integer("count", 3)), (OK, OK));
     assert_eq!((instance.set_integer("mode", 3), instance.set_real("gain", 2.0)), (OK, OK));
     assert_eq!((instance.set_integer("order", 2), instance.set_texts(&["label"], &[c"100 % <probe>"])), (OK, OK));
@@ -181,7 +182,7 @@ fn events_that_were_passed_begin_a_long_step_as_a_communication_step_does() {
     assert_eq!((events.new_discrete_states().0, events.enter_continuous_time_mode()), (OK, OK));
     assert_eq!(steps.step(0.0, 1e-6), OK);
     let (mut time, mut last) = (0.0, 1e-6);
-    for (gap, long_steps) in [(1.0, 0), (1.000001, 1), (0.5, 1), (1.5, 2)] {
+    for (gap, long_steps) in [(1.0, 0), (1.000001, 1), (1e-3, 1)] {
         time += gap;
         assert_eq!((events.set_time(time), events.enter_event_mode()), (OK, OK));
         assert!(events.new_discrete_states().0 <= WARNING);
