@@ -5,6 +5,8 @@ use std::ops::Range;
 
 use pulldown_cmark::{CodeBlockKind, CowStr, Event, HeadingLevel, Options, Parser, Tag, TagEnd, html};
 
+use crate::markup::escaped;
+
 /// Where the page of `fmi2-export` takes a guide, and the links to its sections.
 const PLACE: &str = "<!-- guide -->\n";
 const CONTENTS: &str = "<!-- contents of the guide -->\n";
@@ -12,9 +14,9 @@ const CONTENTS: &str = "<!-- contents of the guide -->\n";
 /// The heading of a section that the page has of its own.
 const TABLES: &str = "<!-- variables:";
 
-/// The page with the README in it; a page without a place for it stays as it is.
+/// The page with the README in it, whose states lead to those of the page; a page without a place for it stays as it is.
 pub fn insert(page: &str, readme: &str) -> String {
-    let sections = sections(&written(readme));
+    let sections = sections(&written(readme), page);
     let links = sections.iter().filter(|section| !section.title.is_empty());
     let links = links.map(|section| format!("<a href=\"#{}\">{}</a>\n", section.id, section.title)).collect::<String>();
     let bodies = sections.iter().map(|section| section.html.as_str()).collect::<String>();
@@ -35,7 +37,7 @@ fn written(readme: &str) -> String {
     format!("\n{body}").split("\n## ").filter(|part| is_kept(part)).collect::<Vec<_>>().join("\n## ")
 }
 
-fn sections(markdown: &str) -> Vec<Section> {
+fn sections(markdown: &str, page: &str) -> Vec<Section> {
     let events: Vec<_> = Parser::new_ext(markdown, Options::ENABLE_TABLES).collect();
     let begins = |event: &Event| matches!(event, Event::Start(Tag::Heading { level: HeadingLevel::H2, .. }));
     let mut starts: Vec<_> = (0..events.len()).filter(|i| begins(&events[*i])).collect();
@@ -43,10 +45,10 @@ fn sections(markdown: &str) -> Vec<Section> {
     starts.dedup();
     let ends = starts[1..].iter().copied().chain([events.len()]);
     let ranges: Vec<Range<usize>> = starts.iter().zip(ends).map(|(start, end)| *start..end).collect();
-    ranges.into_iter().map(|range| section(&events[range])).collect()
+    ranges.into_iter().map(|range| section(&events[range], page)).collect()
 }
 
-fn section(events: &[Event]) -> Section {
+fn section(events: &[Event], page: &str) -> Section {
     let heading = events.iter().take_while(|event| !matches!(event, Event::End(TagEnd::Heading(HeadingLevel::H2))));
     let is_headed = matches!(events.first(), Some(Event::Start(Tag::Heading { level: HeadingLevel::H2, .. })));
     let title: String = if is_headed { heading.map(text).collect() } else { String::new() };
@@ -59,22 +61,26 @@ fn section(events: &[Event]) -> Section {
     } else {
         0
     };
-    html::push_html(&mut html, adapted(&events[body..]).into_iter());
+    html::push_html(&mut html, adapted(&events[body..], page).into_iter());
     Section { id, title: escaped(&title), html }
 }
 
-/// Links that lead out of the FMU become plain text, tables may be scrolled, and a chart of states becomes a table.
-fn adapted<'a>(events: &[Event<'a>]) -> Vec<Event<'a>> {
+/// Links that lead out of the FMU become plain text, tables may be scrolled, and a chart of states becomes a table; another
+/// chart stays the code that it is.
+fn adapted<'a>(events: &[Event<'a>], page: &str) -> Vec<Event<'a>> {
     let mut adapted = Vec::new();
     let mut chart = None;
     let mut unlinked = Vec::new();
-    for event in events {
+    for (i, event) in events.iter().enumerate() {
         match event {
-            Event::Start(Tag::CodeBlock(CodeBlockKind::Fenced(kind))) if &**kind == "mermaid" => {
+            Event::Start(Tag::CodeBlock(CodeBlockKind::Fenced(kind)))
+                if &**kind == "mermaid"
+                    && events.get(i + 1).is_some_and(|line| text(line).trim_start().starts_with("stateDiagram")) =>
+            {
                 chart = Some(String::new())
             }
             Event::End(TagEnd::CodeBlock) if chart.is_some() => {
-                let table = transitions(&chart.take().unwrap_or_default());
+                let table = transitions(&chart.take().unwrap_or_default(), page);
                 adapted.push(Event::Html(CowStr::from(table)));
             }
             Event::Text(text) if chart.is_some() => chart.iter_mut().for_each(|chart| chart.push_str(text)),
@@ -98,7 +104,7 @@ fn adapted<'a>(events: &[Event<'a>]) -> Vec<Event<'a>> {
 }
 
 /// The transitions of a state diagram of Mermaid as a table, and its notes.
-fn transitions(chart: &str) -> String {
+fn transitions(chart: &str, page: &str) -> String {
     let mut html = "<table class=\"declared chart\">\n<tr><th>From</th><th>To</th><th>When</th></tr>\n".to_owned();
     let mut notes = String::new();
     for line in chart.lines().map(str::trim) {
@@ -106,7 +112,10 @@ fn transitions(chart: &str) -> String {
             let (to, when) = rest.split_once(':').unwrap_or((rest, ""));
             let state = |name: &str| match name.trim() {
                 "[*]" => "begin".to_owned(),
-                name => format!("<a href=\"#State-{0}\">{0}</a>", escaped(name)),
+                name if page.contains(&format!("id=\"State-{}\"", escaped(name))) => {
+                    format!("<a href=\"#State-{0}\">{0}</a>", escaped(name))
+                }
+                name => escaped(name),
             };
             _ = writeln!(
                 html,
@@ -128,10 +137,6 @@ fn text<'a>(event: &'a Event) -> &'a str {
         Event::Text(text) | Event::Code(text) => text,
         _ => "",
     }
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 
 #[cfg(test)]
@@ -162,9 +167,17 @@ mod tests {
 
     #[test]
     fn a_chart_of_states_is_a_table_of_transitions() {
-        let page = insert(PLACE, README);
+        let page = insert(&format!("{PLACE}<td id=\"State-Idle\"/>"), README);
         assert!(page.contains("<tr><td>begin</td><td><a href=\"#State-Idle\">Idle</a></td><td></td></tr>"), "{page}");
-        assert!(page.contains("Run</a></td><td>a &lt; b</td></tr>") && page.contains("<p>Run: slow.</p>"), "{page}");
+        // a state that the page does not hold leads nowhere
+        assert!(page.contains("<td>Run</td><td>a &lt; b</td></tr>") && page.contains("<p>Run: slow.</p>"), "{page}");
+    }
+
+    #[test]
+    fn a_chart_that_is_none_of_states_stays_code() {
+        let page = insert(PLACE, "```mermaid\nflowchart LR\n    a --> b\n```\n");
+        assert!(page.contains("<code class=\"language-mermaid\">flowchart LR\n    a --&gt; b\n</code>"), "{page}");
+        assert!(!page.contains("<table"), "{page}");
     }
 
     #[test]

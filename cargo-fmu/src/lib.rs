@@ -15,6 +15,7 @@ pub mod guide;
 pub mod inspect;
 pub mod licences;
 pub mod linker;
+mod markup;
 pub mod pack;
 pub mod picture;
 pub mod platform;

@@ -9,12 +9,15 @@ use anyhow::{Context, Result, ensure};
 use libloading::Library;
 use roxmltree::{Document, Node};
 
+use crate::markup::escaped;
+
 /// Folder of the standard inside an FMU.
 pub const FOLDER: &str = "extra/org.fmi-standard.fmi-ls-ref";
 
 const MANIFEST: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
 <fmiReferences xmlns:fmi-ls="http://fmi-standard.org/fmi-ls-manifest" fmi-ls:fmi-ls-name="org.fmi-standard.fmi-ls-ref" fmi-ls:fmi-ls-version="1.0.0-alpha.1" fmi-ls:fmi-ls-description="Layered Standard providing information on related files included in an FMU.">
-  <Related source="inputs.csv" role="input" type="text/csv" description="Inputs at the beginning of each communication step"/>
+  <Related source="short-run.exp" role="experiment/smoke-test" type="application/x-ma-ls-experiments" description="A short run with moving inputs"/>
+  <Related source="inputs.csv" role="other" type="text/csv" description="Inputs at the beginning of each communication step"/>
   <Related source="outputs.csv" role="result" type="text/csv" description="Outputs at the end of each communication step"/>
 </fmiReferences>
 "#;
@@ -23,10 +26,15 @@ const MANIFEST: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
 const STEPS: usize = 100;
 const EVENT: usize = 10;
 
+/// Real outputs agree when they differ by less than this part of the largest value of their column: they are written with 9
+/// significant digits, as the last ones may depend on the C library of the machine.
+const TOLERANCE: f64 = 1e-8;
+
 const CO_SIMULATION: c_int = 1;
 const WARNING: c_int = 1;
 
-/// Files of the run by their paths inside the FMU: all inputs move a little, with the parameters that the FMU starts with.
+/// Files of the run by their paths inside the FMU, with the parameters that the FMU starts with: Real inputs move a little,
+/// Booleans that start false become true, enumerations take their next item.
 ///
 /// # Errors
 /// When the library cannot be loaded, or when the model cannot run so.
@@ -37,14 +45,15 @@ pub fn files(library: &Path, description: &str, resources: &Path) -> Result<Vec<
     let stop = run.step * STEPS as f64;
     let experiments = format!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<Experiments name=\"{0}\">\n  <Experiment name=\"short run\" \
-         startTime=\"0.0\" stopTime=\"{stop:?}\" stepSize=\"{1:?}\" tolerance=\"1e-9\" description=\"Small movements of all \
-         inputs, with the start values of the parameters\">\n    <Stimuli source=\"inputs.csv\" type=\"text/csv\"/>\n    \
+         startTime=\"0.0\" stopTime=\"{stop:?}\" stepSize=\"{1:?}\" tolerance=\"{TOLERANCE:?}\" description=\"Real inputs move a \
+         little, Booleans that start false become true; parameters have their start values\">\n    <Stimuli source=\"inputs.csv\" type=\"text/csv\"/>\n    \
          <References source=\"outputs.csv\" type=\"text/csv\"/>\n  </Experiment>\n</Experiments>\n",
-        run.name, run.step
+        escaped(run.name),
+        run.step
     );
     let files = [
         ("fmi-ls-manifest.xml", MANIFEST.to_owned()),
-        ("fmi-ls-experiments.xml", experiments),
+        ("short-run.exp", experiments),
         ("inputs.csv", inputs),
         ("outputs.csv", outputs),
     ];
@@ -104,7 +113,8 @@ impl<'a> Run<'a> {
             let values: Vec<_> = self.inputs.iter().enumerate().map(|(i, port)| port.value(i, k)).collect();
             self.inputs.iter().zip(&values).try_for_each(|(port, value)| instance.set(port, *value))?;
             instance.step(time, self.step)?;
-            let results = self.outputs.iter().map(|port| instance.get(port)).collect::<Result<Vec<_>>>()?;
+            let results = self.outputs.iter().map(|port| instance.get(port).map(|value| port.written(value)));
+            let results = results.collect::<Result<Vec<_>>>()?;
             line(&mut inputs, time, &self.inputs, &values);
             line(&mut outputs, (k + 1) as f64 * self.step, &self.outputs, &results);
         }
@@ -145,7 +155,8 @@ impl Port<'_> {
     /// Value of the input number `i` in the step `k`.
     fn value(&self, i: usize, k: usize) -> f64 {
         // sums and products only: they are the same on every platform
-        let saw = (k * (i + 3) % 16) as f64 / 16.0 - 0.5;
+        // odd numbers move every input at every step
+        let saw = (k * (2 * i + 3) % 16) as f64 / 16.0 - 0.5;
         match self.kind {
             Kind::Real => self.start + 1e-6 * saw,
             _ if k < EVENT => self.start,
@@ -153,6 +164,11 @@ impl Port<'_> {
             Kind::Integer(None) => self.start,
             Kind::Integer(Some(items)) => (self.start + 1.0).min(items as f64),
         }
+    }
+
+    /// Value of an output as it is written.
+    fn written(&self, value: f64) -> f64 {
+        if self.kind == Kind::Real { rounded(value) } else { value }
     }
 }
 
@@ -168,6 +184,11 @@ fn line(text: &mut String, time: f64, ports: &[Port], values: &[f64]) {
         _ = if port.kind == Kind::Real { write!(text, ",{value:?}") } else { write!(text, ",{value}") };
     }
     text.push('\n');
+}
+
+/// A number with 9 significant digits.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.8e}").parse().unwrap_or(value)
 }
 
 type Get<T> = unsafe extern "C" fn(*mut c_void, *const c_uint, usize, *mut T) -> c_int;
@@ -280,7 +301,7 @@ mod tests {
         </ModelVariables></fmiModelDescription>";
 
     #[test]
-    fn all_inputs_move_and_strings_are_left_out() {
+    fn inputs_move_and_strings_are_left_out() {
         let document = Document::parse(DESCRIPTION).unwrap();
         let run = Run::read(&document).unwrap();
         assert_eq!((head(&run.inputs), head(&run.outputs)), ("time,x,on,mode\n".into(), "time,y\n".into()));
@@ -291,6 +312,29 @@ mod tests {
         let mut text = String::new();
         line(&mut text, 0.1, &run.inputs, &[1e-7, 1.0, 2.0]);
         assert_eq!(text, "0.1,1e-7,1,2\n");
+    }
+
+    #[test]
+    fn no_real_input_stands_still_whatever_its_index() {
+        let port = Port { name: "x", reference: 0, kind: Kind::Real, start: 0.0 };
+        for i in 0..64 {
+            assert!((0..STEPS).all(|k| port.value(i, k) != port.value(i, k + 1)), "{i}");
+        }
+    }
+
+    #[test]
+    fn outputs_have_nine_significant_digits() {
+        assert_eq!([0.1 + 0.2, 1.0 / 3.0, -2e-7 / 3.0].map(rounded), [0.3, 0.333333333, -6.66666667e-8]);
+        assert!([1.0 / 3.0, 1e300 / 7.0].iter().all(|value| (rounded(*value) / value - 1.0).abs() < TOLERANCE));
+    }
+
+    #[test]
+    fn every_role_is_one_of_the_standard_and_every_file_has_one() {
+        let document = Document::parse(MANIFEST).unwrap();
+        let related: Vec<_> = document.descendants().filter(|node| node.has_tag_name("Related")).collect();
+        let told = |name| related.iter().map(|node| node.attribute(name).unwrap()).collect::<Vec<_>>();
+        assert_eq!(told("source"), ["short-run.exp", "inputs.csv", "outputs.csv"]);
+        assert_eq!(told("role"), ["experiment/smoke-test", "other", "result"]);
     }
 
     #[test]

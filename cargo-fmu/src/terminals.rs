@@ -5,6 +5,8 @@ use std::fmt::Write as _;
 use anyhow::{Context, Result};
 use roxmltree::Document;
 
+use crate::markup::escaped;
+
 /// Path of the file inside an FMU.
 pub const FILE: &str = "terminalsAndIcons/terminalsAndIcons.xml";
 
@@ -55,11 +57,13 @@ pub fn write(ports: &Ports) -> String {
     if !terminals.is_empty() {
         xml += "  <Terminals>\n";
         for (terminal, members) in &terminals {
-            _ = writeln!(xml, "    <Terminal name=\"{terminal}\" matchingRule=\"bus\">");
+            _ = writeln!(xml, "    <Terminal name=\"{}\" matchingRule=\"bus\">", escaped(terminal));
             for (name, member) in members {
                 _ = writeln!(
                     xml,
-                    "      <TerminalMemberVariable variableName=\"{name}\" memberName=\"{member}\" variableKind=\"signal\"/>"
+                    "      <TerminalMemberVariable variableName=\"{}\" memberName=\"{}\" variableKind=\"signal\"/>",
+                    escaped(name),
+                    escaped(member)
                 );
             }
             xml += "    </Terminal>\n";
@@ -72,6 +76,16 @@ pub fn write(ports: &Ports) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn names_that_xml_would_misread_come_through() {
+        let ports = Ports { inputs: vec!["'a<b & \"c\"'".to_owned()], outputs: vec!["<g>.y".to_owned()] };
+        let text = write(&ports);
+        let document = Document::parse(&text).unwrap();
+        let of = |name| document.descendants().filter_map(|node| node.attribute(name)).collect::<Vec<_>>();
+        assert_eq!(of("variableName"), ["'a<b & \"c\"'", "<g>.y"]);
+        assert_eq!(of("name"), ["inputs", "<g>"]);
+    }
 
     #[test]
     fn each_group_is_a_terminal_with_its_members() {

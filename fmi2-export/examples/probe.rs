@@ -76,6 +76,9 @@ mod variables {
         /// Number of samples
         #[var(local)]
         pub ticks: i32,
+        /// Number of steps that were too long
+        #[var(local)]
+        pub long_steps: i32,
     }
 
     #[parameters]
@@ -125,6 +128,7 @@ mod variables {
 struct Probe {
     sum: f64,
     ticks: i32,
+    long_steps: i32,
 }
 
 impl Model for Probe {
@@ -145,7 +149,11 @@ impl Model for Probe {
         if low > high {
             return Err(format!("`limits.low` = {low} N must be at most `limits.high` = {high} N").into());
         }
-        Ok(Self { sum: 0.0, ticks: 0 })
+        Ok(Self { sum: 0.0, ticks: 0, long_steps: 0 })
+    }
+
+    fn begin_long_step(&mut self) {
+        self.long_steps += 1;
     }
 
     fn sample(&mut self, vars: &mut Vars, env: &mut Env) -> Result<(), Error> {
@@ -161,6 +169,7 @@ impl Model for Probe {
         self.ticks += 1;
         output.sum = self.sum;
         output.ticks = self.ticks;
+        output.long_steps = self.long_steps;
         output.counted += input.count;
         output.enabled = input.enable;
         output.active_mode = parameters.mode;

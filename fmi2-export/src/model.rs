@@ -132,7 +132,8 @@ pub trait Model: Clone + Serialize + DeserializeOwned + Send + Sync + 'static {
     /// The parameter's name, value and limit.
     fn initialise(vars: &mut Self::Vars, env: &mut Env) -> Result<Self, Error>;
 
-    /// Before the samples of each communication step that is longer than [`Info::longest_step`].
+    /// Before samples that run at once and are more than [`Info::longest_step`]: those of a communication step that is longer,
+    /// or of the time events that an importer of model exchange has passed.
     fn begin_long_step(&mut self) {}
 
     /// One sample: reads inputs and parameters, writes outputs.

@@ -15,8 +15,8 @@ const LETTER: usize = 8;
 pub fn write<V>(name: &str, table: &[Variable<V>]) -> String {
     let of = |role: Role| table.iter().filter(move |row| row.role() == role);
     let rows = of(Role::Input).count().max(of(Role::Output).count());
-    let letters = |role: Role| of(role).map(|row| row.name.len() + unit(row).len() + 1).max().unwrap_or_default();
-    let inside = (letters(Role::Input) + letters(Role::Output) + 6).max(name.len() + 8) * LETTER;
+    let widest = |role: Role| of(role).map(letters).max().unwrap_or_default();
+    let inside = (widest(Role::Input) + widest(Role::Output) + 6).max(name.len() + 8) * LETTER;
     let (right, width) = (ARROW + inside, 2 * ARROW + inside);
     let (block, height) = (HEAD + rows * ROW, HEAD + rows * ROW + 2);
     let mut svg = format!(
@@ -51,6 +51,11 @@ fn port<V>(svg: &mut String, row: &Variable<V>, y: usize, [from, head, tip]: [us
         escape(&name)
     )
     .expect("writing to a String");
+}
+
+/// Letters of a port: its name as it is drawn, a blank and the unit.
+fn letters<V>(row: &Variable<V>) -> usize {
+    Cells::of(row).name.chars().count() + 1 + unit(row).chars().count()
 }
 
 fn unit<V>(row: &Variable<V>) -> &'static str {

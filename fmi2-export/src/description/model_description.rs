@@ -206,7 +206,8 @@ fn structure<V>(xml: &mut Writer, table: &[Variable<V>]) {
     xml.open("ModelStructure", &[]);
     if indices(Role::Output).next().is_some() {
         xml.open("Outputs", &[]);
-        // outputs follow from the samples before the communication point: no direct feedthrough
+        // no direct feedthrough: at a communication point outputs follow from the samples before it, in event mode what a
+        // sample writes belongs to the next super-dense instant, and between events nothing is computed
         indices(Role::Output).for_each(|index| xml.empty("Unknown", &[("index", &index), ("dependencies", "")]));
         xml.close();
     }

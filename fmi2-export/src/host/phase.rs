@@ -1,4 +1,6 @@
 //! The state machines of an instance: which function may be called in which phase (FMI 2.0.5, sections 3.2.3 and 4.2.4).
+//! Beyond the standard, fmi2SetInteger, fmi2SetBoolean and fmi2SetString are taken in continuous-time mode, where some
+//! importers write the values again that are there.
 
 use serde::{Deserialize, Serialize};
 
@@ -125,9 +127,9 @@ functions! {
     GetBoolean                    BOTH M | S | V | C | T | E;
     GetString                     BOTH M | S | V | C | T | E;
     SetReal                       BOTH I | M | S | V | C;
-    SetInteger                    BOTH I | M | S | V;
-    SetBoolean                    BOTH I | M | S | V;
-    SetString                     BOTH I | M | S | V;
+    SetInteger                    BOTH I | M | S | V | C;
+    SetBoolean                    BOTH I | M | S | V | C;
+    SetString                     BOTH I | M | S | V | C;
     GetFMUstate                   BOTH ANY;
     SetFMUstate                   BOTH ANY;
     FreeFMUstate                  BOTH ANY;

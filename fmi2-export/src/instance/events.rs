@@ -46,6 +46,9 @@ impl<M: Exported> Instance<M> {
             ));
             self.told_long_step = true;
         }
+        if (ticks.end - ticks.start) as f64 > M::INFO.longest_step {
+            running.model.begin_long_step();
+        }
         self.run(experiment, ticks, |_, _, _| Ok(()))?;
         self.check_computed()?;
         Ok(next)

@@ -4,7 +4,7 @@ use crate::exported::Exported;
 use crate::host::phase::{Function, Phase};
 use crate::instance::access::{Refusal, Scalar, Value, forbidden, wrong_type};
 use crate::instance::{Instance, parameters_set};
-use crate::table::variable::{Role, Variable};
+use crate::table::variable::{Kind, Role, Variable};
 
 impl<M: Exported> Instance<M> {
     /// fmi2SetReal of inputs, when nothing is wrong with it; otherwise `false`, and nothing has changed.
@@ -69,9 +69,9 @@ impl<M: Exported> Instance<M> {
             let (row, element) = self.entry(reference)?;
             value.write(row, &mut self.now.vars, element);
             parameters |= row.role().is_parameter();
-            // a fixed parameter that is written again while running changes nothing
-            self.now.is_set[reference as usize] |=
-                row.role().is_parameter() && (!running || row.role() == Role::Tunable);
+            // what may only be written again changes nothing
+            let counts = !running || row.role() == Role::Tunable && self.now.phase != Phase::ContinuousTime;
+            self.now.is_set[reference as usize] |= row.role().is_parameter() && counts;
         }
         if parameters {
             parameters_set::<M>(&mut self.now);
@@ -83,13 +83,16 @@ impl<M: Exported> Instance<M> {
     }
 
     /// Whether a variable may be set in this phase, or why not.
-    fn may_set(&self, row: &Variable<M::Vars>, unchanged: impl FnOnce() -> bool) -> Result<(), &'static str> {
-        let running = self.now.phase.is_running();
+    fn may_set(&self, row: &Variable<M::Vars>, unchanged: impl Fn() -> bool) -> Result<(), &'static str> {
+        let (running, between_events) = (self.now.phase.is_running(), self.now.phase == Phase::ContinuousTime);
         match row.role() {
-            Role::Input => Ok(()),
-            Role::Tunable if self.now.phase != Phase::ContinuousTime => Ok(()),
-            Role::Tunable => Err("a parameter may be set in event mode, not in continuous-time mode"),
-            // some importers write fixed parameters again after initialization
+            Role::Input if !between_events || matches!(row.kind, Kind::Real { .. }) => Ok(()),
+            Role::Tunable if !between_events => Ok(()),
+            // some importers write all that is no Real input again between events
+            Role::Input | Role::Tunable if unchanged() => Ok(()),
+            Role::Input => Err("an input that is no Real changes in event mode, not in continuous-time mode"),
+            Role::Tunable => Err("a parameter changes in event mode, not in continuous-time mode"),
+            // and fixed parameters after initialization
             Role::Parameter if !running || unchanged() => Ok(()),
             Role::Parameter => Err("it is fixed after initialization"),
             Role::Calculated => Err("it is calculated from other parameters"),

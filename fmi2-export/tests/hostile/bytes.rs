@@ -136,7 +136,8 @@ fn forged_bytes_cannot_bring_in_derivatives_and_integers_that_no_call_could_set(
     // reference and order lie before it
     let bytes = instance.bytes();
     are_refused(&instance, &forge_beside(&bytes, number, -2, 0, 100), &["value reference 100"]);
-    are_refused(&instance, &forge_beside(&bytes, number, -2, 0, 12), &["`gain` is no Real input"]);
+    let gain = u8::try_from(fmu.reference("gain")).unwrap();
+    are_refused(&instance, &forge_beside(&bytes, number, -2, 0, gain), &["`gain` is no Real input"]);
     are_refused(&instance, &forge_beside(&bytes, number, -1, 2, 0), &["order 0"]);
 }
 

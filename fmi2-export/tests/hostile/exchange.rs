@@ -98,6 +98,35 @@ fn inputs_move_in_continuous_time_and_parameters_at_events_only() {
 }
 
 #[test]
+fn between_events_what_is_no_real_input_may_be_written_again_and_not_changed() {
+    let fmu = Fmu::probe();
+    let between = || {
+        let instance = Instance::of_type(&fmu, MODEL_EXCHANGE);
+        // law: Paper, so that a tunable parameter that counts as set would show in `force`
+        assert_eq!((instance.set_integer("law", 2), instance.set_real("position", -3.0)), (OK, OK));
+        assert_eq!((instance.setup(0.0, None), instance.enter(), instance.exit()), (OK, OK, OK));
+        assert_eq!((instance.set_integer("count", 3), instance.new_discrete_states().0), (OK, OK));
+        assert_eq!(instance.enter_continuous_time_mode(), OK);
+        instance
+    };
+    let instance = between();
+    let before = instance.real("force");
+    assert_eq!(before, 6.0);
+    assert_eq!((instance.set_booleans(&["enable"], &[1]), instance.set_integer("count", 3)), (OK, OK));
+    assert_eq!((instance.set_integer("mode", 3), instance.set_real("gain", 2.0)), (OK, OK));
+    assert_eq!((instance.set_integer("order", 2), instance.set_texts(&["label"], &[c"100 % <probe>"])), (OK, OK));
+    instance.event(1e-3);
+    assert_eq!((instance.real("force"), instance.integer("counted"), instance.messages().len()), (before, 6, 0));
+    let words = |name| [name, "in event mode, not in continuous-time mode"];
+    instance.refused(instance.set_booleans(&["enable"], &[0]), ERROR, &words("`enable` = false"));
+    assert_eq!((instance.boolean("enable"), instance.end_phase()), (1, Phase::Error));
+    let instance = between();
+    instance.refused(instance.set_integer("count", 4), ERROR, &words("`count` = 4"));
+    let instance = between();
+    instance.refused(instance.set_integer("mode", 1), ERROR, &words("`mode` = 1"));
+}
+
+#[test]
 fn a_model_that_fails_ends_the_event_with_its_reason() {
     let fmu = Fmu::probe();
     for (failure, words) in [(2, "provoked error"), (3, "provoked panic"), (4, "`force` = NaN")] {
@@ -137,6 +166,32 @@ fn an_event_that_was_passed_is_told_once_and_its_samples_run() {
     let (status, _) = instance.new_discrete_states();
     instance.refused(status, ERROR, &["1000000000 sample periods after the event at 0.008 s"]);
     assert_eq!(instance.integer("ticks"), 8);
+}
+
+#[test]
+fn events_that_were_passed_begin_a_long_step_as_a_communication_step_does() {
+    let fmu = Fmu::probe();
+    let started = |fmu_type| {
+        let instance = Instance::of_type(&fmu, fmu_type);
+        assert_eq!(instance.set_real("sample_period", 1e-6), OK);
+        assert_eq!((instance.setup(0.0, None), instance.enter(), instance.exit()), (OK, OK, OK));
+        instance
+    };
+    // the probe works up to a million of its sample periods
+    let (events, steps) = (started(MODEL_EXCHANGE), started(CO_SIMULATION));
+    assert_eq!((events.new_discrete_states().0, events.enter_continuous_time_mode()), (OK, OK));
+    assert_eq!(steps.step(0.0, 1e-6), OK);
+    let (mut time, mut last) = (0.0, 1e-6);
+    for (gap, long_steps) in [(1.0, 0), (1.000001, 1), (1e-3, 1)] {
+        time += gap;
+        assert_eq!((events.set_time(time), events.enter_event_mode()), (OK, OK));
+        assert!(events.new_discrete_states().0 <= WARNING);
+        assert_eq!((events.integer("long_steps"), events.enter_continuous_time_mode()), (long_steps, OK));
+        assert!(steps.step(last, gap) <= WARNING);
+        assert_eq!(steps.integer("long_steps"), long_steps);
+        last += gap;
+    }
+    assert_eq!(events.integer("ticks"), steps.integer("ticks"));
 }
 
 #[test]

@@ -41,7 +41,8 @@ macro_rules! rows {
 }
 
 /// The table has no error column entry for fmi2GetXxxStatus; here they also answer after an error, so that a master can
-/// ask how far the instance came.
+/// ask how far the instance came. Nor has it fmi2SetInteger, -Boolean and -String in continuous-time mode; here they
+/// may write again what is there.
 #[rustfmt::skip]
 #[allow(unused_unsafe, reason = "some rows call short forms, which are safe")]
 const TABLE: &[Row] = rows! {
@@ -56,9 +57,9 @@ const TABLE: &[Row] = rows! {
     fmi2GetBoolean                  BOTH "NSVCTE"   STAYS, |i, _| (i.fmu.get_boolean)(i.component, null(), 0, null_mut());
     fmi2GetString                   BOTH "NSVCTE"   STAYS, |i, _| (i.fmu.get_string)(i.component, null(), 0, null_mut());
     fmi2SetReal                     BOTH "INSVC"    STAYS, |i, _| (i.fmu.set_real)(i.component, null(), 0, null());
-    fmi2SetInteger                  BOTH "INSV"     STAYS, |i, _| (i.fmu.set_integer)(i.component, null(), 0, null());
-    fmi2SetBoolean                  BOTH "INSV"     STAYS, |i, _| (i.fmu.set_boolean)(i.component, null(), 0, null());
-    fmi2SetString                   BOTH "INSV"     STAYS, |i, _| (i.fmu.set_string)(i.component, null(), 0, null());
+    fmi2SetInteger                  BOTH "INSVC"    STAYS, |i, _| (i.fmu.set_integer)(i.component, null(), 0, null());
+    fmi2SetBoolean                  BOTH "INSVC"    STAYS, |i, _| (i.fmu.set_boolean)(i.component, null(), 0, null());
+    fmi2SetString                   BOTH "INSVC"    STAYS, |i, _| (i.fmu.set_string)(i.component, null(), 0, null());
     fmi2GetFMUstate                 BOTH "INSVCTE"  STAYS, |i, mut s| (i.fmu.get_fmu_state)(i.component, &mut s);
     fmi2SetFMUstate                 BOTH "INSVCTE"  STAYS, |i, s| i.put_state(s);
     fmi2FreeFMUstate                BOTH "INSVCTE"  STAYS, |i, _| (i.fmu.free_fmu_state)(i.component, &mut null_mut());
