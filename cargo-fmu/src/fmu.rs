@@ -10,18 +10,15 @@ use roxmltree::Document;
 
 use crate::binary;
 use crate::build::Built;
+use crate::contents::terminals::Ports;
+use crate::contents::{guide, licences, picture, reference, terminals};
 use crate::facts::Facts;
 use crate::functions::{self, FMI2_FUNCTIONS, OWN_PREFIX};
-use crate::guide;
 use crate::inspect::{self, Rules};
-use crate::licences;
 use crate::pack::{self, Content};
-use crate::picture;
 use crate::platform::Platform;
 use crate::process;
 use crate::project::Project;
-use crate::reference;
-use crate::terminals::{self, Ports};
 
 /// Path of the description inside an FMU.
 pub const DESCRIPTION: &str = "modelDescription.xml";

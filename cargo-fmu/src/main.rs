@@ -7,12 +7,13 @@ use std::process::ExitCode;
 
 use anyhow::{Context, Result};
 use cargo_fmu::build::{self, Built};
+use cargo_fmu::contents::licences;
 use cargo_fmu::fmu::{self, Packed};
 use cargo_fmu::inspect::Rules;
 use cargo_fmu::linker::{GLIBC, Linker};
 use cargo_fmu::platform::Platform;
 use cargo_fmu::project::Project;
-use cargo_fmu::{archive, choice, licences};
+use cargo_fmu::{archive, choice};
 use cargo_metadata::{CargoOpt, MetadataCommand, Package};
 use clap::{Args, Parser, Subcommand};
 

@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import Any
 
 from cosim.loop import plant
+from cosim.pool import trial
 from cosim.scenario.layers import is_tables
-from cosim.sweep import trial
 from cosim.words.versions import version
 
 PRESENTATION = ("title", "description", "plot")

@@ -59,6 +59,8 @@ class Demand:
     """m."""
     overshoot_of_95: float = math.inf
     """What 95 % of the centred rings must keep, m."""
+    measurement_error: float = 0.15e-6
+    """m; a turn at 45 rpm has fewer samples, sqrt(45 / 20) times the error."""
 
 
 DEMANDS = [
@@ -68,7 +70,7 @@ DEMANDS = [
     ),
     Demand(
         "paper's law at 45 rpm, e0 0.1 to 0.6 mm", Rings(speed=45.0), 4, 50, "centering/paper-45-rpm",
-        share=0.95, median=36.0, most=90.0, overshoot_of_95=43e-6,
+        share=0.95, median=36.0, most=90.0, overshoot_of_95=43e-6, measurement_error=0.225e-6,
     ),
     Demand("default law, e0 0.1 to 0.6 mm", LIKE_THE_PAPER, 12, 100, median=16.0, most_of_95=20.0),
     Demand("1 um, e0 0.1 to 0.6 mm", LIKE_THE_PAPER, 6, 100, tolerance=1e-6, most_of_95=25.0),
@@ -96,7 +98,7 @@ def judge(demand: Demand, found: Sample) -> None:
     assert times.max() <= demand.most
     assert found.worst("overshoot") <= demand.overshoot
     assert percentile(found.metric("overshoot")[found.centred], 95) <= demand.overshoot_of_95
-    assert found.worst("measurement_error") <= 0.15e-6
+    assert found.worst("measurement_error") <= demand.measurement_error
     assert found.worst("wait") <= 1.1
 
 

@@ -23,7 +23,7 @@ LONGEST_DELAY = 8
 WORKS = 2.0
 """A loop works as long as its number is at most so many times that of the nominal cell."""
 ROUNDING = 1e-9
-WARNING = "the communication step"
+WARNING = "the communication step `"
 """What is in the message of an FMU whose step is too long."""
 
 

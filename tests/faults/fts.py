@@ -2,8 +2,8 @@
 
 The excursion is how far the tool goes into the part beyond its path, of which the speed is v = 0.22 m/s at
 most. An arm whose drive obeys is braked before it is let go: v over five samples and half the pulse of
-J v / (l T_max), 0.14 mm, and 0.06 mm for what an inertia told 20 % wrong leaves; l = 80 mm. Where it does not,
-the arm coasts against the 2 N of the cut: J v^2 / (2 l^2 F) = 1.5 mm.
+J v / (l T_max), 0.14 mm, and 0.06 mm for what an inertia told 20 % wrong leaves; l = 80 mm. Where it does
+not, the arm coasts against the 2 N of the cut: J v^2 / (2 l^2 F) = 1.5 mm.
 """
 
 from __future__ import annotations

@@ -40,7 +40,7 @@ def test_the_scenario_runs(folder: Path) -> None:
     assert result.trace is not None
     # the input that the example replaces for a moment is what stops the controller
     assert result.trace["controller.enable"].any()
-    assert result.items["controller.fault"]["InvalidInput"] in result.trace["controller.fault"]
+    assert result.items["controller.fault"]["LostReading"] in result.trace["controller.fault"]
 
 
 def test_the_injection_begins_with_its_condition(folder: Path) -> None:

@@ -120,7 +120,7 @@ fn sums(folder: &Path) -> Result<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use cargo_fmu::licences;
+    use cargo_fmu::contents::licences;
     use cargo_metadata::MetadataCommand;
 
     #[test]

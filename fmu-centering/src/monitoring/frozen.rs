@@ -78,7 +78,7 @@ impl FrozenProbe {
         if change > 0.0 {
             self.bit = self.bit.min(change);
         }
-        self.standing.update(sample.tip(), turned, (FLICKER * self.bit).clamp(BIT_MAX, RESOLUTION));
+        self.standing.update(sample.tip(), turned, FLICKER * self.bit.clamp(BIT_MAX / FLICKER, RESOLUTION / FLICKER));
         // a ring at the pusher goes with the slide, and without contact there is nothing to read
         let pressed = |distance: f64| sample.probe >= p.probe.at_pusher - distance;
         // far from its place a probe comes back to it, by more than the coarsest resolution

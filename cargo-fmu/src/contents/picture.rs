@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result};
 
-use crate::terminals::Ports;
+use super::terminals::Ports;
 
 /// Width and height, pixels.
 const SIZE: usize = 256;

@@ -9,7 +9,7 @@ from cosim.errors import CosimError
 from cosim.loop import plant
 from cosim.loop.place import Stage
 from cosim.pool.job import Bench
-from cosim.pool.limits import Limits
+from cosim.pool.limits import Limits, isolates
 from cosim.pool.once import place
 
 
@@ -34,11 +34,15 @@ class Import:
 def import_plant(name: str, folder: Path) -> None:
     """See whether a plant's module can be imported: one that ends its process ends no command.
 
+    Where no process can be supervised nothing is tried.
+
     Raises
     ------
     CosimError
         It cannot, or it ended the process.
     """
+    if not isolates():
+        return
     with place(Limits()) as do:
         outcome = do(Import(name, folder))
     if isinstance(outcome, CosimError):

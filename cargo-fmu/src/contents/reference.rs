@@ -9,7 +9,7 @@ use anyhow::{Context, Result, ensure};
 use libloading::Library;
 use roxmltree::{Document, Node};
 
-use crate::markup::escaped;
+use super::markup::escaped;
 
 /// Folder of the standard inside an FMU.
 pub const FOLDER: &str = "extra/org.fmi-standard.fmi-ls-ref";

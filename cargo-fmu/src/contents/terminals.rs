@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use anyhow::{Context, Result};
 use roxmltree::Document;
 
-use crate::markup::escaped;
+use super::markup::escaped;
 
 /// Path of the file inside an FMU.
 pub const FILE: &str = "terminalsAndIcons/terminalsAndIcons.xml";

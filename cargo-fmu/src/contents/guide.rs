@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use pulldown_cmark::{CodeBlockKind, CowStr, Event, HeadingLevel, Options, Parser, Tag, TagEnd, html};
 
-use crate::markup::escaped;
+use super::markup::escaped;
 
 /// Where the page of `fmi2-export` takes a guide, and the links to its sections.
 const PLACE: &str = "<!-- guide -->\n";

@@ -1,0 +1,8 @@
+//! What an FMU holds beside its library and description: what people and tools are shown of it.
+
+pub mod guide;
+pub mod licences;
+mod markup;
+pub mod picture;
+pub mod reference;
+pub mod terminals;
