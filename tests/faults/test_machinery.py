@@ -90,7 +90,7 @@ def test_the_page_shows_every_row_and_is_compared_by_words_and_numbers(outcomes:
     made = page.page("dob", MATRIX, outcomes)
     lines = made.splitlines()
     assert sum(line.startswith("| ") for line in lines) == 1 + len(ROWS)
-    assert "| no number from the encoder | `LostReading` | 0 s | " in made
+    assert "| no number from the encoder | `LostReading` | 300 us | " in made
     assert "| encoder 1 pm off | the job is done and good |  | " in made
     assert "Silent are 1: " in made
     assert page.differences(made, made) == []
