@@ -44,7 +44,7 @@ fn real(fmu: &FMU2<CS>, reference: &[u32; 1]) -> f64 {
 fn fmi_rs_reads_the_description() {
     let folder = tempfile::tempdir().unwrap();
     let description = FMU2Builder::new(&packed(&folder)).unwrap().model_description;
-    assert_eq!((description.modelName.as_str(), description.modelVariables.len()), ("Probe", 24));
+    assert_eq!((description.modelName.as_str(), description.modelVariables.len()), ("Probe", 25));
     let count = |causality| description.modelVariables.iter().filter(|v| v.causality == causality).count();
     assert_eq!((count(Causality::Input), count(Causality::Output)), (4, 5));
 }
