@@ -73,7 +73,7 @@ mod tests {
     fn ripple_of_the_stick_slip_offsets_and_small_swings_are_none() {
         assert!(!swings(|t| 5.0 * (TAU * 50.0 * t).sin() + 2.0 * (TAU * 100.0 * t).cos()));
         assert!(!swings(|t| 2.0 + 1.2 * (TAU * 10.0 * t).sin()));
-        assert!(!swings(|t| 0.24 * (TAU * 10.0 * t).sin()));
+        assert!(!swings(|t| 0.19 * (TAU * 10.0 * t).sin()));
     }
 
     #[test]
