@@ -39,13 +39,22 @@ impl Built {
 /// When the package makes no C library, or when the build fails.
 pub fn library(project: &Project, package: &Package, platform: &'static Platform) -> Result<Built> {
     let name = &cdylib(package)?.name;
-    let mut command = release(project, platform)?;
-    command.args(["--package", &package.name, "--lib"]);
     let host = platform == Platform::host()?;
     let place = if host { String::new() } else { format!(" for {}", platform.folder) };
-    let artefacts = artefacts(&format!("build `{}`{place}", package.name), command)?;
-    let library = find(&artefacts, name, platform, Target::is_cdylib)?;
+    let artefacts = compiled(project, package, platform, &format!("build `{}`{place}", package.name))?;
+    let library = find(&artefacts, name, platform.extension)?;
     Ok(Built { platform, library, packages: artefacts.into_iter().map(|artefact| artefact.package_id).collect() })
+}
+
+/// Compiles the library of a package, for this machine's platform also as a static one: both in one go.
+///
+/// The types of the crate are named because Cargo optimises across crates (`lto`) only what has no Rust library beside it,
+/// as tests of a package need it.
+fn compiled(project: &Project, package: &Package, platform: &'static Platform, title: &str) -> Result<Vec<Artifact>> {
+    let types = if platform == Platform::host()? { "cdylib,staticlib" } else { "cdylib" };
+    let mut command = release(project, platform)?;
+    command.args(["--package", &package.name, "--lib", "--crate-type", types]);
+    artefacts(title, command)
 }
 
 /// Builds an example of a package as a C library, in the same way as the FMUs.
@@ -56,7 +65,17 @@ pub fn example(project: &Project, package: &str, name: &str, platform: &'static 
     let mut command = release(project, platform)?;
     command.args(["--package", package, "--example", name]);
     let artefacts = artefacts(&format!("build the example `{name}` of `{package}`"), command)?;
-    find(&artefacts, name, platform, Target::is_example)
+    find(&artefacts, name, platform.extension)
+}
+
+/// Builds a package of this machine's platform as a static library, with the functions of FMI in it.
+///
+/// # Errors
+/// As [`library`].
+pub fn static_library(project: &Project, package: &Package) -> Result<PathBuf> {
+    let name = &cdylib(package)?.name;
+    let title = format!("build `{}` as a static library", package.name);
+    find(&compiled(project, package, Platform::host()?, &title)?, name, "a")
 }
 
 /// The C library among the targets of a package.
@@ -72,11 +91,11 @@ fn release(project: &Project, platform: &Platform) -> Result<Command> {
     let linux = platform.format == Format::Elf;
     let mut command = if project.linker == Linker::Zig && linux {
         let (major, minor) = GLIBC;
-        let mut command = project.cargo("zigbuild");
-        command.arg(format!("--target={}.{major}.{minor}", platform.triple));
+        let mut command = project.command("cargo-zigbuild");
+        command.arg("rustc").arg(format!("--target={}.{major}.{minor}", platform.triple));
         command
     } else {
-        let mut command = project.cargo("build");
+        let mut command = project.cargo("rustc");
         if platform != Platform::host()? {
             command.arg(format!("--target={}", platform.triple));
         }
@@ -84,8 +103,14 @@ fn release(project: &Project, platform: &Platform) -> Result<Command> {
     };
     command.args(["--release", "--message-format=json-render-diagnostics"]).args(&project.arguments);
     command.args(profile::arguments(&project.path("Cargo.toml"))?);
+    command.env("CARGO_ENCODED_RUSTFLAGS", flags(project, platform)?);
+    Ok(command)
+}
+
+/// Compiler flags of a release, as Cargo reads them from the environment.
+fn flags(project: &Project, platform: &Platform) -> Result<String> {
     let mut flags = remap_flags(project);
-    if linux {
+    if platform.format == Format::Elf {
         // an FMU calls its own functions, even in a process that has loaded another one globally
         flags.push("-Clink-arg=-Wl,-Bsymbolic".into());
     }
@@ -93,8 +118,7 @@ fn release(project: &Project, platform: &Platform) -> Result<Command> {
         // the GNU linker would write the time of day
         flags.push("-Clink-arg=-Wl,--no-insert-timestamp".into());
     }
-    command.env("CARGO_ENCODED_RUSTFLAGS", flags.join("\u{1f}"));
-    Ok(command)
+    Ok(flags.join("\u{1f}"))
 }
 
 /// Compiler flags that keep the builder's folders out of the binary: in it, paths start at the workspace, at `crates`
@@ -145,9 +169,9 @@ fn artefacts(title: &str, mut command: Command) -> Result<Vec<Artifact>> {
     Ok(built)
 }
 
-fn find(built: &[Artifact], name: &str, platform: &Platform, kind: fn(&Target) -> bool) -> Result<PathBuf> {
-    let matching = built.iter().filter(|artefact| kind(&artefact.target) && artefact.target.name == name);
+fn find(built: &[Artifact], name: &str, extension: &str) -> Result<PathBuf> {
+    let matching = built.iter().filter(|artefact| artefact.target.name == name);
     let mut files = matching.flat_map(|artefact| &artefact.filenames);
-    let library = files.find(|file| file.extension() == Some(platform.extension));
+    let library = files.find(|file| file.extension() == Some(extension));
     library.map(|file| file.clone().into()).with_context(|| format!("the build left no C library `{name}`"))
 }

@@ -2,6 +2,7 @@
 //!
 //! [`build`] makes the C library, [`inspect`] says what keeps it from loading everywhere, [`binary`] asks it for the files it
 //! describes itself with, [`contents`] makes of them and of the README what people and tools are shown, and [`fmu`] packs it all.
+//! [`plain`] makes a library for programs that know nothing of FMI instead.
 
 pub mod archive;
 pub mod binary;
@@ -14,6 +15,7 @@ pub mod functions;
 pub mod inspect;
 pub mod linker;
 pub mod pack;
+pub mod plain;
 pub mod platform;
 pub mod process;
 mod profile;

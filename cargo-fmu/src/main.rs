@@ -13,7 +13,7 @@ use cargo_fmu::inspect::Rules;
 use cargo_fmu::linker::{GLIBC, Linker};
 use cargo_fmu::platform::Platform;
 use cargo_fmu::project::Project;
-use cargo_fmu::{archive, choice};
+use cargo_fmu::{archive, choice, plain};
 use cargo_metadata::{CargoOpt, MetadataCommand, Package};
 use clap::{Args, Parser, Subcommand};
 
@@ -47,6 +47,9 @@ struct Pack {
     /// The FMU to write [default: fmu/PACKAGE.fmu in the target directory]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+    /// Write a static library and its header for C and C++ instead, below c/PACKAGE in the target directory
+    #[arg(long, conflicts_with_all = ["output", "binary"])]
+    plain_c: bool,
     /// A library of the same model that was built elsewhere, such as `win64=FILE`; once for each platform
     #[arg(long, value_name = "PLATFORM=FILE", value_parser = elsewhere)]
     binary: Vec<(&'static Platform, PathBuf)>,
@@ -103,6 +106,12 @@ impl Pack {
     fn run(&self) -> Result<()> {
         let project = self.project()?;
         let package = choice::package(&project.metadata, self.package.as_deref())?;
+        if self.plain_c {
+            let compiled = build::static_library(&project, package)?;
+            let library = plain::write(&compiled, &self.target(&project).join("c").join(&*package.name))?;
+            println!("{}\n{}", library.archive.display(), library.header.display());
+            return Ok(());
+        }
         let built = build::library(&project, package, Platform::host()?)?;
         let more: Vec<_> =
             self.binary.iter().map(|(platform, file)| Built::elsewhere(platform, file.clone())).collect();

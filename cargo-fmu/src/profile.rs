@@ -10,7 +10,7 @@ use toml::{Table, Value};
 /// What makes a library small and free of names; a project that sets a key itself keeps its value.
 const DEFAULTS: [(&str, &str); 3] = [("codegen-units", "1"), ("lto", "\"fat\""), ("strip", "true")];
 
-/// Words for `cargo build` that fill what `[profile.release]` of the workspace's manifest leaves open.
+/// Words for `cargo rustc` that fill what `[profile.release]` of the workspace's manifest leaves open.
 ///
 /// # Errors
 /// When the manifest cannot be read, or asks for `panic = "abort"`.

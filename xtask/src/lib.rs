@@ -8,6 +8,7 @@ pub mod demo;
 pub mod fingerprint;
 pub mod fmu;
 pub mod new;
+pub mod plain_c;
 pub mod platforms;
 pub mod python;
 pub mod release_set;

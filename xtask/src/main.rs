@@ -1,4 +1,4 @@
-//! Command line of the project: `cargo xtask setup | new | fmu | demo | test | bench | wheel`.
+//! Command line of the project: `cargo xtask setup | new | fmu | c | demo | test | bench | wheel`.
 
 use std::process::ExitCode;
 
@@ -6,7 +6,7 @@ use anyhow::Result;
 use clap::{Parser, Subcommand};
 use xtask::bench::effort::Effort;
 use xtask::workspace::Workspace;
-use xtask::{bench, demo, fmu, new, release_set, setup, test, wheel};
+use xtask::{bench, demo, fmu, new, plain_c, release_set, setup, test, wheel};
 
 /// Builds, demonstrates, tests and measures the project. Steps that are up to date are skipped.
 #[derive(Parser)]
@@ -32,6 +32,14 @@ enum Command {
         /// Put libraries for Linux on x86-64 and ARM and for Windows into each, below `target/release-set/`
         #[arg(long)]
         release_set: bool,
+    },
+    /// Build the controllers as static libraries with headers, for programs without FMI, into `target/c/`
+    C {
+        /// Controllers to build, such as `dob` or `fmu-dob`; all of them when none is named
+        names: Vec<String>,
+        /// Also write them as blocks of a Modelica package, below `target/modelica/`
+        #[arg(long)]
+        modelica: bool,
     },
     /// Run every closed loop and print the acceptance table; results land in `target/demo/`
     Demo,
@@ -72,6 +80,7 @@ fn run(command: &Command) -> Result<bool> {
         Command::New { name } => new::run(&workspace.root, name).map(|()| true),
         Command::Fmu { names, release_set: true } => release_set::run(&workspace, names).map(|()| true),
         Command::Fmu { names, release_set: false } => fmu::run(&workspace, names).map(|()| true),
+        Command::C { names, modelica } => plain_c::run(&workspace, names, *modelica).map(|()| true),
         Command::Demo => demo::run(&workspace),
         Command::Test { platforms: true } => release_set::test(&workspace).map(|()| true),
         Command::Test { platforms: false } => test::run(&workspace),

@@ -6,10 +6,14 @@ use std::ops::Range;
 use pulldown_cmark::{CodeBlockKind, CowStr, Event, HeadingLevel, Options, Parser, Tag, TagEnd, html};
 
 use super::markup::escaped;
+use super::{sources, state_chart};
 
 /// Where the page of `fmi2-export` takes a guide, and the links to its sections.
 const PLACE: &str = "<!-- guide -->\n";
 const CONTENTS: &str = "<!-- contents of the guide -->\n";
+
+/// What a chart of states calls the beginning.
+const BEGIN: &str = "begin";
 
 /// The heading of a section that the page has of its own.
 const TABLES: &str = "<!-- variables:";
@@ -30,11 +34,12 @@ struct Section {
     html: String,
 }
 
-/// The README without its title and without the sections that hold the tables of the declaration.
+/// The README without its title, what it tells of source files, and the sections that hold the tables of the declaration.
 fn written(readme: &str) -> String {
     let body = if readme.starts_with("# ") { readme.split_once('\n').map_or("", |(_, body)| body) } else { readme };
     let is_kept = |part: &str| !part.contains(TABLES);
-    format!("\n{body}").split("\n## ").filter(|part| is_kept(part)).collect::<Vec<_>>().join("\n## ")
+    let kept = format!("\n{body}").split("\n## ").filter(|part| is_kept(part)).collect::<Vec<_>>().join("\n## ");
+    sources::left_out(&kept)
 }
 
 fn sections(markdown: &str, page: &str) -> Vec<Section> {
@@ -65,7 +70,8 @@ fn section(events: &[Event], page: &str) -> Section {
     Section { id, title: escaped(&title), html }
 }
 
-/// Links that lead out of the FMU become plain text, tables may be scrolled, and a chart of states becomes a table; another
+/// Links that lead out of the FMU become plain text, tables may be scrolled, and a chart of states becomes a picture and a
+/// table; another
 /// chart stays the code that it is.
 fn adapted<'a>(events: &[Event<'a>], page: &str) -> Vec<Event<'a>> {
     let mut adapted = Vec::new();
@@ -103,23 +109,27 @@ fn adapted<'a>(events: &[Event<'a>], page: &str) -> Vec<Event<'a>> {
     adapted
 }
 
-/// The transitions of a state diagram of Mermaid as a table, and its notes.
+/// The transitions of a state diagram of Mermaid as a picture and a table, and its notes.
 fn transitions(chart: &str, page: &str) -> String {
-    let mut html = "<table class=\"declared chart\">\n<tr><th>From</th><th>To</th><th>When</th></tr>\n".to_owned();
-    let mut notes = String::new();
+    let mut html =
+        "<table class=\"declared chart\">\n<tr><th>Number</th><th>From</th><th>To</th><th>When</th></tr>\n".to_owned();
+    let (mut notes, mut ways) = (String::new(), Vec::new());
     for line in chart.lines().map(str::trim) {
         if let Some((from, rest)) = line.split_once("-->") {
             let (to, when) = rest.split_once(':').unwrap_or((rest, ""));
             let state = |name: &str| match name.trim() {
-                "[*]" => "begin".to_owned(),
+                "[*]" => BEGIN.to_owned(),
                 name if page.contains(&format!("id=\"State-{}\"", escaped(name))) => {
                     format!("<a href=\"#State-{0}\">{0}</a>", escaped(name))
                 }
                 name => escaped(name),
             };
+            let name = |name: &str| if name.trim() == "[*]" { BEGIN.to_owned() } else { name.trim().to_owned() };
+            ways.push((name(from), name(to)));
             _ = writeln!(
                 html,
-                "<tr><td>{}</td><td>{}</td><td>{}</td></tr>",
+                "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>",
+                ways.len(),
                 state(from),
                 state(to),
                 escaped(when.trim())
@@ -129,7 +139,7 @@ fn transitions(chart: &str, page: &str) -> String {
             _ = writeln!(notes, "<p>{}: {}.</p>", escaped(of), escaped(note.trim()));
         }
     }
-    html + "</table>\n" + &notes
+    state_chart::write(&ways, BEGIN, page) + &html + "</table>\n" + &notes
 }
 
 fn text<'a>(event: &'a Event) -> &'a str {
@@ -166,9 +176,12 @@ mod tests {
     }
 
     #[test]
-    fn a_chart_of_states_is_a_table_of_transitions() {
+    fn a_chart_of_states_is_a_picture_and_a_table_of_transitions() {
         let page = insert(&format!("{PLACE}<td id=\"State-Idle\"/>"), README);
-        assert!(page.contains("<tr><td>begin</td><td><a href=\"#State-Idle\">Idle</a></td><td></td></tr>"), "{page}");
+        assert!(
+            page.contains("<tr><td>1</td><td>begin</td><td><a href=\"#State-Idle\">Idle</a></td><td></td></tr>"),
+            "{page}"
+        );
         // a state that the page does not hold leads nowhere
         assert!(page.contains("<td>Run</td><td>a &lt; b</td></tr>") && page.contains("<p>Run: slow.</p>"), "{page}");
     }

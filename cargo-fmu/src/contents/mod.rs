@@ -5,4 +5,6 @@ pub mod licences;
 mod markup;
 pub mod picture;
 pub mod reference;
+mod sources;
+mod state_chart;
 pub mod terminals;

@@ -127,10 +127,7 @@ pub unsafe extern "C" fn fmi2SetBoolean(
     value: *const fmi2Boolean,
 ) -> fmi2Status {
     let arrays = (slice(vr, nvr), slice(value, nvr));
-    with_arrays(c, Function::SetBoolean, arrays, |slave, vr, value| {
-        let value: Vec<bool> = value.iter().map(|x| *x != 0).collect();
-        slave.set_boolean(vr, &value)
-    })
+    with_arrays(c, Function::SetBoolean, arrays, |slave, vr, value| slave.set_boolean(vr, &|i| value[i] != 0))
 }
 
 #[unsafe(no_mangle)]

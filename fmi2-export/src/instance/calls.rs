@@ -111,19 +111,19 @@ impl<M: Exported> Slave for Instance<M> {
     }
 
     fn set_real(&mut self, references: &[u32], values: &[f64]) -> Status {
-        self.call(Function::SetReal, |this| this.set(references, values))
+        self.call(Function::SetReal, |this| this.set(references, |i| values[i]))
     }
 
     fn set_integer(&mut self, references: &[u32], values: &[i32]) -> Status {
-        self.call(Function::SetInteger, |this| this.set(references, values))
+        self.call(Function::SetInteger, |this| this.set(references, |i| values[i]))
     }
 
-    fn set_boolean(&mut self, references: &[u32], values: &[bool]) -> Status {
-        self.call(Function::SetBoolean, |this| this.set(references, values))
+    fn set_boolean(&mut self, references: &[u32], value_of: &dyn Fn(usize) -> bool) -> Status {
+        self.call(Function::SetBoolean, |this| this.set(references, value_of))
     }
 
     fn set_string(&mut self, references: &[u32], values: &[&str]) -> Status {
-        self.call(Function::SetString, |this| this.set(references, values))
+        self.call(Function::SetString, |this| this.set(references, |i| values[i]))
     }
 
     fn set_input_derivatives(&mut self, references: &[u32], orders: &[i32], values: &[f64]) -> Status {

@@ -31,7 +31,7 @@ pub trait Slave: Send {
     /// fmi2SetInteger
     fn set_integer(&mut self, references: &[u32], values: &[i32]) -> Status;
     /// fmi2SetBoolean
-    fn set_boolean(&mut self, references: &[u32], values: &[bool]) -> Status;
+    fn set_boolean(&mut self, references: &[u32], value_of: &dyn Fn(usize) -> bool) -> Status;
     /// fmi2SetString
     fn set_string(&mut self, references: &[u32], values: &[&str]) -> Status;
     /// fmi2SetRealInputDerivatives

@@ -54,9 +54,13 @@ impl<M: Exported> Instance<M> {
     }
 
     /// All or nothing: every value is checked before the first is written.
-    pub(super) fn set<T: Value<M::Vars>>(&mut self, references: &[u32], values: &[T]) -> Result<(), Refusal> {
-        for (&reference, value) in references.iter().zip(values) {
-            let (row, element) = self.entry(reference)?;
+    pub(super) fn set<T: Value<M::Vars>>(
+        &mut self,
+        references: &[u32],
+        value_of: impl Fn(usize) -> T,
+    ) -> Result<(), Refusal> {
+        for (i, &reference) in references.iter().enumerate() {
+            let (value, (row, element)) = (value_of(i), self.entry(reference)?);
             if !T::fits(row) {
                 return Err(wrong_type(row, T::KIND));
             }
@@ -65,8 +69,8 @@ impl<M: Exported> Instance<M> {
             value.verify(row, element)?;
         }
         let (mut parameters, running) = (false, self.now.phase.is_running());
-        for (&reference, value) in references.iter().zip(values) {
-            let (row, element) = self.entry(reference)?;
+        for (i, &reference) in references.iter().enumerate() {
+            let (value, (row, element)) = (value_of(i), self.entry(reference)?);
             value.write(row, &mut self.now.vars, element);
             parameters |= row.role().is_parameter();
             // what may only be written again changes nothing

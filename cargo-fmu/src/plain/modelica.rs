@@ -1,0 +1,241 @@
+//! A block of Modelica that runs the controller by its C library, and the C code between the two.
+
+use std::collections::HashMap;
+use std::fmt::Write as _;
+
+use anyhow::{Result, bail};
+
+use super::interface::{Choice, Interface, Part, Quantity, Type};
+use super::members::path;
+use super::template::{fill, literal};
+
+const TEMPLATE: &str = include_str!("modelica.h");
+
+const PARAMETERS: &[Part] = &[Part::Fixed, Part::Tunable];
+const INPUTS: &[Part] = &[Part::Input];
+const OUTPUTS: &[Part] = &[Part::Output];
+
+/// Width of the icon's half, and the room of a port, in the units of the diagram.
+const HALF: usize = 100;
+const ROOM: usize = 20;
+
+/// The C code, `<identifier>_modelica.h`.
+pub fn adapter(interface: &Interface) -> String {
+    let take = |parts, of: &str, from: [&str; 3]| {
+        let lines = interface.split(parts).into_iter().zip(from).flat_map(|(variables, from)| {
+            variables.into_iter().enumerate().map(move |(i, variable)| {
+                let cast = match &variable.kind {
+                    Type::Choice(name) => format!("(@id@_{name})"),
+                    _ => String::new(),
+                };
+                format!("    {of}.{} = {cast}{from}[{i}];\n", path(&variable.name))
+            })
+        });
+        lines.collect::<String>()
+    };
+    let give = interface.split(OUTPUTS).into_iter().zip(["reals", "integers"]).flat_map(|(variables, to)| {
+        let give = |(i, variable): (usize, &Quantity)| format!("    {to}[{i}] = out.{};\n", path(&variable.name));
+        variables.into_iter().enumerate().map(give).collect::<Vec<_>>()
+    });
+    let outputs = give.collect::<String>();
+    fill(
+        TEMPLATE,
+        interface,
+        &[
+            ("parameters", &take(PARAMETERS, "p", ["reals", "integers", "texts"])),
+            ("inputs", &take(INPUTS, "in", ["reals_in", "integers_in", "texts_in"])),
+            ("outputs", &outputs),
+        ],
+    )
+}
+
+/// The block, a class of `package`.
+///
+/// # Errors
+/// When two variables would have one name.
+pub fn block(interface: &Interface, package: &str) -> Result<String> {
+    let mut names = HashMap::new();
+    for variable in &interface.variables {
+        if let Some(other) = names.insert(name(variable), &variable.name) {
+            bail!("`{other}` and `{}` have one name in Modelica, `{}`", variable.name, name(variable));
+        }
+    }
+    let mut text = format!(
+        "within {package};\nblock {} {}\n",
+        interface.name,
+        literal(interface.description.trim_end_matches('.'))
+    );
+    interface.choices.iter().for_each(|choice| text += &enumeration(choice));
+    interface.of(PARAMETERS).for_each(|variable| text += &parameter(variable));
+    let height = ports(&mut text, interface, package);
+    text += &object(interface, package);
+    text += &equations(interface);
+    _ = write!(
+        text,
+        "  annotation (\n    Icon(coordinateSystem(extent = {{{{-{HALF}, -{height}}}, {{{HALF}, {height}}}}}), graphics = {{\n      \
+         Rectangle(extent = {{{{-{HALF}, {height}}}, {{{HALF}, -{height}}}}}, lineColor = {{0, 0, 127}}, fillColor = {{255, 255, 255}}, fillPattern = FillPattern.Solid),\n      \
+         Text(extent = {{{{-150, {}}}, {{150, {}}}}}, textColor = {{0, 0, 255}}, textString = \"%name\")}}),\n    \
+         Documentation(info = {}));\nend {};\n",
+        height + 50,
+        height + 10,
+        literal(&documentation(interface)),
+        interface.name
+    );
+    Ok(text)
+}
+
+fn enumeration(choice: &Choice) -> String {
+    let items = choice.items.iter().map(|(item, description)| format!("    {item} {}", literal(description)));
+    let items = items.collect::<Vec<_>>().join(",\n");
+    format!("  type {} = enumeration(\n{items}) {};\n", choice.name, literal(&choice.description))
+}
+
+fn parameter(variable: &Quantity) -> String {
+    let kind = match &variable.kind {
+        Type::Choice(name) => name.clone(),
+        Type::Text => "String".to_owned(),
+        kind => format!("{kind:?}"),
+    };
+    let start = match &variable.kind {
+        Type::Choice(name) => format!("{name}.{}", variable.item),
+        Type::Text => literal(&variable.start),
+        _ => variable.start.clone(),
+    };
+    let group = variable.name.rsplit_once('.').map_or("General", |(group, _)| group);
+    format!(
+        "  parameter {kind} {}{} = {start} {} annotation (Dialog(group = \"{group}\"));\n",
+        name(variable),
+        unit(variable),
+        literal(&variable.description)
+    )
+}
+
+/// The connectors; returns half of the block's height.
+fn ports(text: &mut String, interface: &Interface, package: &str) -> usize {
+    let sides = [(INPUTS, "Input", HALF as isize + ROOM as isize, -1), (OUTPUTS, "Output", HALF as isize + 10, 1)];
+    let rows = |parts| interface.of(parts).filter(|variable| variable.kind != Type::Text).count();
+    let height = (ROOM * rows(INPUTS).max(rows(OUTPUTS))).max(2 * HALF) / 2;
+    for (parts, direction, x, side) in sides {
+        let variables = interface.of(parts).filter(|variable| variable.kind != Type::Text);
+        for (variable, y) in variables.zip((0..).map(|row| height as isize - ROOM as isize / 2 - row * ROOM as isize)) {
+            let kind = match &variable.kind {
+                Type::Real => "Real",
+                Type::Boolean => "Boolean",
+                _ => "Integer",
+            };
+            let (near, far) = (x * side - 10, x * side + 10);
+            _ = writeln!(
+                text,
+                "  {package}.Interfaces.{kind}{direction} {}{} {} annotation (Placement(transformation(extent = {{{{{near}, {}}}, {{{far}, {}}}}})));",
+                name(variable),
+                unit(variable),
+                literal(&variable.description),
+                y - 10,
+                y + 10
+            );
+        }
+    }
+    height
+}
+
+/// The controller as an external object, and its sample as a function.
+fn object(interface: &Interface, package: &str) -> String {
+    let [reals, integers, texts] = interface.split(PARAMETERS).map(|variables| variables.len());
+    let [reals_in, integers_in, _] = interface.split(INPUTS).map(|variables| variables.len());
+    let [reals_out, integers_out, _] = interface.split(OUTPUTS).map(|variables| variables.len());
+    let identifier = &interface.identifier;
+    let annotation = format!(
+        "annotation (\n        Include = \"#include \\\"{identifier}_modelica.h\\\"\", Library = {{\"{identifier}\", \"m\"}},\n        \
+         IncludeDirectory = \"modelica://{package}/Resources/Include\",\n        \
+         LibraryDirectory = \"modelica://{package}/Resources/Library\")"
+    );
+    format!(
+        "  class Controller \"What the controller remembers\"\n    extends ExternalObject;\n    \
+         function constructor\n      input Real reals[{reals}];\n      input Integer integers[{integers}];\n      input String texts[{texts}];\n      \
+         output Controller controller;\n      external \"C\" controller = {identifier}_modelica_new(reals, integers, texts) {annotation};\n    end constructor;\n    \
+         function destructor\n      input Controller controller;\n      external \"C\" {identifier}_modelica_free(controller) {annotation};\n    end destructor;\n  end Controller;\n  \
+         impure function step \"One sample\"\n    input Controller controller;\n    input Real realsIn[{reals_in}];\n    input Integer integersIn[{integers_in}];\n    \
+         output Real reals[{reals_out}];\n    output Integer integers[{integers_out}];\n    \
+         external \"C\" {identifier}_modelica_step(controller, realsIn, integersIn, reals, integers) {annotation};\n  end step;\n"
+    )
+}
+
+fn equations(interface: &Interface) -> String {
+    // an array of nothing has no type of its own
+    let some = |list: String, nothing: &str| if list == "{}" { format!("fill({nothing}, 0)") } else { list };
+    let [reals, integers, texts] = interface.split(PARAMETERS).map(list);
+    let (reals, integers, texts) = (some(reals, "0.0"), some(integers, "0"), some(texts, "\"\""));
+    let [reals_in, integers_in, _] = interface.split(INPUTS).map(list);
+    let (reals_in, integers_in) = (some(reals_in, "0.0"), some(integers_in, "0"));
+    let [outputs, numbers, _] = interface.split(OUTPUTS);
+    let period = interface.variables.iter().find(|variable| variable.name == "sample_period").map(name);
+    let mut text = format!(
+        "protected\n  Controller controller_ = Controller(\n    {reals},\n    {integers},\n    {texts});\n  \
+         discrete Real reals_[{}];\n  discrete Integer integers_[{}];\nequation\n  when sample(0.0, {}) then\n    \
+         (reals_, integers_) = step(controller_,\n      {reals_in},\n      {integers_in});\n  end when;\n",
+        outputs.len(),
+        numbers.len(),
+        period.unwrap_or_else(|| interface.step.clone())
+    );
+    for (i, variable) in (1..).zip(&outputs) {
+        _ = writeln!(text, "  {} = reals_[{i}];", name(variable));
+    }
+    for (i, variable) in (1..).zip(&numbers) {
+        let truth = if variable.kind == Type::Boolean { " <> 0" } else { "" };
+        _ = writeln!(text, "  {} = integers_[{i}]{truth};", name(variable));
+    }
+    text
+}
+
+/// Values as an array, truths and items as Integers.
+fn list(variables: Vec<&Quantity>) -> String {
+    let kind = |variable: &&Quantity| match &variable.kind {
+        Type::Boolean => format!("if {} then 1 else 0", name(variable)),
+        Type::Choice(_) if variable.role != Part::Input => format!("Integer({})", name(variable)),
+        _ => name(variable),
+    };
+    let values = variables.iter().map(kind).collect::<Vec<_>>();
+    format!("{{{}}}", values.join(", "))
+}
+
+fn documentation(interface: &Interface) -> String {
+    let escape = |text: &str| text.replace('&', "&amp;").replace('<', "&lt;").replace('`', "");
+    let mut html = format!(
+        "<html><p>{}.</p><p>Commands act at the instant of their sample: set <code>io_delay</code> to 0.</p>",
+        escape(interface.description.trim_end_matches('.'))
+    );
+    for choice in &interface.choices {
+        _ = write!(html, "<h4>{}</h4><p>{}.</p><ol>", choice.name, escape(&choice.description));
+        for (item, description) in &choice.items {
+            _ = write!(html, "<li>{item}: {}</li>", escape(description));
+        }
+        html += "</ol>";
+    }
+    html + "</html>"
+}
+
+/// The name of a variable in the block: `axis1_gain_2` for `axis1.gain[2]`.
+fn name(variable: &Quantity) -> String {
+    variable.name.replace(['.', '['], "_").replace(']', "")
+}
+
+fn unit(variable: &Quantity) -> String {
+    let [unit, display] = [("unit", &variable.unit), ("displayUnit", &variable.display)]
+        .map(|(key, value)| (!value.is_empty()).then(|| format!("{key} = {}", literal(value))));
+    let told = [unit, display].into_iter().flatten().collect::<Vec<_>>().join(", ");
+    if told.is_empty() || variable.kind != Type::Real { String::new() } else { format!("({told})") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::interface::tests::{interface, real};
+    use super::*;
+
+    #[test]
+    fn two_variables_with_one_name_are_refused_with_both() {
+        let error = |names: &[&str]| block(&interface(names.iter().map(|name| real(name))), "P").err();
+        assert!(error(&["a.x", "a_y"]).is_none());
+        let told = error(&["a.x", "b", "a_x"]).unwrap().to_string();
+        assert_eq!(told, "`a.x` and `a_x` have one name in Modelica, `a_x`");
+    }
+}
