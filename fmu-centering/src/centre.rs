@@ -95,6 +95,12 @@ mod tests {
     }
 
     #[test]
+    fn the_distance_of_two_centres_is_that_of_points() {
+        let (a, b) = (Centre { x: 5e-4, y: 1e-4 }, Centre { x: 2e-4, y: 5e-4 });
+        assert!((a.distance(&b) - 5e-4).abs() < 1e-15);
+    }
+
+    #[test]
     fn towards_the_pusher_it_is_the_projection_at_every_angle() {
         let centre = Centre { x: 3e-4, y: 4e-4 };
         for k in 0..16 {

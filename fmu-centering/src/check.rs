@@ -11,13 +11,14 @@ use crate::limits::{TRIAL_MOVE_MIN, look_ahead};
 /// # Errors
 /// When a parameter does not fit the others.
 pub fn check(p: &Parameters) -> Result<(), ParameterError> {
-    const CHECKS: [Check<Parameters>; 12] = [
+    const CHECKS: [Check<Parameters>; 13] = [
         park,
         gap,
         trial,
         following,
         stroke,
         approach_velocity,
+        follow_velocity,
         stopping,
         follow_delay,
         follow_braking,
@@ -77,6 +78,11 @@ fn approach_velocity(p: &Parameters) -> Result<(), ParameterError> {
     velocity.at_most(p.slide.velocity_max, "the `slide.velocity_max`")
 }
 
+fn follow_velocity(p: &Parameters) -> Result<(), ParameterError> {
+    let velocity = Parameter::new("follow.velocity_max", p.follow.velocity_max, "m/s", "lower it");
+    velocity.at_most(p.slide.velocity_max, "the `slide.velocity_max`")
+}
+
 fn stopping(p: &Parameters) -> Result<(), ParameterError> {
     let (needed, there) = (look_ahead(p), p.probe.at_pusher - p.probe.contact);
     let hint = "approach slower, expect a smaller `ring.eccentricity_max`, or let the probe stand out more";
@@ -133,6 +139,12 @@ mod tests {
         (|p| p.probe.stroke = 0.01, "probe.stroke", "`0.01 m`", "`0.0205 m`"),
         (|p| p.park.dead_zone = 5e-3, "park.dead_zone", "`0.005 m`", "`0.0043 m`"),
         (|p| p.follow.gap = 0.02, "follow.gap", "`0.02 m`", "`0.0196 m`"),
+        (
+            |p| (p.probe.contact, p.follow.gap, p.probe.stroke) = (3e-4, 0.01945, 0.04),
+            "follow.gap",
+            "`0.01945 m`",
+            "twice `probe.contact`",
+        ),
         (|p| (p.law, p.park.dead_zone) = (Law::Default, 4.2e-3), "park.dead_zone", "`0.0042 m`", "`0.00409"),
         (
             |p| (p.law, p.probe.contact, p.follow.gap) = (Law::Paper, 1e-4, 0.01975),
@@ -157,5 +169,33 @@ mod tests {
     #[test]
     fn presets_fit_and_each_error_names_parameter_value_and_limit() {
         assert_refusals(check, &[Parameters::PAPER, Parameters::START], REFUSALS);
+    }
+
+    #[test]
+    fn each_limit_belongs_to_what_is_allowed() {
+        fn rounded(value: f64, up: bool) -> f64 {
+            value * if up { 1.0 + 1e-12 } else { 1.0 - 1e-12 }
+        }
+        let cases: [fn(&mut Parameters, bool); 9] = [
+            |p, over| p.probe.stroke = rounded(p.probe.at_pusher + p.follow.gap, !over),
+            |p, over| p.approach.velocity = rounded(p.slide.velocity_max, over).min(if over { 1.0 } else { 0.12 }),
+            |p, over| p.follow.velocity_max = rounded(p.slide.velocity_max, over),
+            |p, over| p.follow.gain = rounded(p.slide.acceleration_max / p.slide.velocity_max, over),
+            |p, over| p.follow.dead_zone = if over { p.follow.gap } else { rounded(p.follow.settle_band, false) },
+            |p, over| p.rates.model = if over { 1000.1 } else { 1000.0 },
+            |p, over| p.push.velocity_min = rounded(p.push.velocity_max, over),
+            |p, over| p.push.velocity_max = rounded(p.slide.velocity_max, over),
+            |p, over| {
+                let least = 3.0 * p.slide.acceleration_max / p.slide.bandwidth.powi(2);
+                p.limits.following_error = rounded(least, !over);
+            },
+        ];
+        for (k, change) in cases.into_iter().enumerate() {
+            for over in [false, true] {
+                let mut p = Parameters::PAPER;
+                change(&mut p, over);
+                assert_eq!(check(&p).is_err(), over, "{k}: {:?}", check(&p));
+            }
+        }
     }
 }

@@ -18,7 +18,7 @@ const PRESSED_TIME: f64 = 0.005;
 const FLYING_TIME: f64 = 0.03;
 /// A spindle that is slow for longer stands still, s.
 const STILL_TIME: f64 = 0.5;
-/// A probe that takes longer than the time of settling and this does not settle, s.
+/// A probe that takes longer than the way to its place, the time of settling and this does not settle, s.
 const UNSETTLED_TIME: f64 = 3.0;
 /// Turning (in revolutions) in which every collection and every wait ends.
 const TURNS_MAX: f64 = 1.1;
@@ -47,7 +47,7 @@ impl Fault {
             | Self::ReadingJump
             | Self::FrozenReading
             | Self::Spindle
-            | Self::Diverged
+            | Self::Divergence
             | Self::Unresolved
             | Self::NoProgress => SafeEnd::Retract,
         }
@@ -112,7 +112,7 @@ impl Supervisor {
         }
         let over = |count: Consecutive, time: f64| count.count() > p.ticks(time);
         let too_far = view.probe >= p.probe.stroke || over(self.pressed, PRESSED_TIME);
-        let unsettled = over(self.unsettled, UNSETTLED_TIME + p.settling().1);
+        let unsettled = over(self.unsettled, UNSETTLED_TIME + p.null() / p.follow.velocity_max + p.settling().1);
         let endless = self.turned > TURNS_MAX * TAU || self.cycle > CYCLE_TURNS_MAX * TAU;
         let reversing = self.turned > TURNS_MAX * TAU && self.forward.abs() < FORWARD * self.turned;
         let standing = over(self.still, STILL_TIME) || reversing;
@@ -172,7 +172,7 @@ pub fn judge(p: &Parameters, speed: f64, pushes: i32, first: f64, ring: &Estimat
         Some(Fault::Centrifugal)
     } else if eccentricity > first + p.push.critical_distance {
         // pushes that are much slower than the surface move the ring aside
-        Some(Fault::Diverged)
+        Some(Fault::Divergence)
     } else {
         (eccentricity > p.tolerance && pushes >= p.limits.pushes).then_some(Fault::PushBudget)
     }
@@ -193,7 +193,7 @@ pub fn numbers(vars: &Vars) -> String {
         (State::Fault, Fault::Centrifugal) => {
             format!(": `{:.3} rad/s`, B of the last model `{e:.2} um`", output.spindle_speed)
         }
-        (State::Fault, Fault::PushBudget | Fault::Diverged) => {
+        (State::Fault, Fault::PushBudget | Fault::Divergence) => {
             format!(": `{}` pushes, B = `{e:.2} um`", output.push.count)
         }
         (State::Fault, Fault::InvalidInput | Fault::ReadingJump) => {
@@ -226,162 +226,4 @@ pub fn numbers(vars: &Vars) -> String {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::centre::Centre;
-    use crate::limits::surface_velocity;
-
-    const P: Parameters = Parameters::PAPER;
-    const GOOD: Watched = Watched {
-        state: State::Collect,
-        probe: 0.0195,
-        turned: 2.0944e-3,
-        speed: 2.0944,
-        surface: 1e-3,
-        beyond_travel: false,
-        estimate: None,
-    };
-
-    /// The first fault within `ticks`, and its tick.
-    fn fault(view: Watched, ticks: u32) -> Option<(u32, Fault)> {
-        let mut supervisor = Supervisor::default();
-        (0..ticks).find_map(|k| Some((k, supervisor.check(&P, &view)?)))
-    }
-
-    fn ring(eccentricity: f64) -> Estimate {
-        Estimate { centre: Centre { x: eccentricity, y: 0.0 }, mean: 0.08, sigma: 0.0 }
-    }
-
-    #[test]
-    fn a_revolution_has_no_fault_and_more_than_that_has() {
-        assert_eq!(fault(GOOD, 3299), None);
-        assert_eq!(fault(GOOD, 3400), Some((3299, Fault::NoProgress)));
-        assert_eq!(fault(Watched { state: State::Centred, ..GOOD }, 100_000), None);
-    }
-
-    #[test]
-    fn one_that_reverses_is_told_from_one_that_turns() {
-        let mut supervisor = Supervisor::default();
-        let found = (0..3400).find_map(|k| {
-            let turned = if k % 1000 < 500 { GOOD.turned } else { -GOOD.turned };
-            supervisor.check(&P, &Watched { turned, ..GOOD })
-        });
-        assert_eq!(found, Some(Fault::Spindle));
-    }
-
-    #[test]
-    fn no_change_of_state_gives_back_the_turning_since_the_last_push() {
-        let mut supervisor = Supervisor::default();
-        let mut flip = |k: u32| {
-            let state = if k.is_multiple_of(2) { State::Collect } else { State::Wait };
-            supervisor.enter(state);
-            supervisor.check(&P, &Watched { state, ..GOOD })
-        };
-        // 3000 samples for a revolution
-        let found = (0..20_000).find_map(|k| Some((k, flip(k)?)));
-        assert_eq!(found, Some((13_199, Fault::NoProgress)));
-        supervisor.enter(State::Settle);
-        assert_eq!(supervisor.check(&P, &GOOD), None);
-    }
-
-    #[test]
-    fn only_a_slide_that_knows_its_place_goes_back() {
-        for &fault in Fault::ALL {
-            let own = [Fault::LostReading, Fault::FollowingError, Fault::DriveSign, Fault::WeakDrive];
-            let end = if own.contains(&fault) { SafeEnd::DriveOff } else { SafeEnd::Retract };
-            assert_eq!(fault.safe_end(), end, "{fault:?}");
-        }
-        let found = [None, Some(Fault::NoPart), Some(Fault::DriveSign), Some(Fault::LostReading)];
-        assert_eq!((graver(&found), graver(&[None])), (Some(Fault::DriveSign), None));
-    }
-
-    #[test]
-    fn a_standing_spindle_has_a_name_when_rotation_is_needed() {
-        let still = Watched { speed: 0.0, turned: 0.0, ..GOOD };
-        assert_eq!(fault(still, 1000), Some((500, Fault::Spindle)));
-        assert_eq!(fault(Watched { state: State::Centred, ..still }, 10_000), None);
-    }
-
-    #[test]
-    fn a_probe_without_contact_has_lost_the_part() {
-        for state in
-            [State::Follow, State::Collect, State::Model, State::Wait, State::Push, State::Settle, State::Centred]
-        {
-            assert_eq!(fault(Watched { state, probe: 0.0, ..GOOD }, 1000), Some((100, Fault::NoPart)));
-        }
-        assert_eq!(fault(Watched { state: State::Approach, probe: 0.0, ..GOOD }, 1000), None);
-    }
-
-    #[test]
-    fn the_pusher_may_touch_in_a_push_only() {
-        let pressed = Watched { probe: 0.0201, ..GOOD };
-        assert_eq!(fault(pressed, 100), Some((5, Fault::ProbeRange)));
-        assert_eq!(fault(Watched { state: State::Push, ..pressed }, 100), None);
-        let beyond = Watched { state: State::Push, probe: 0.0251, ..GOOD };
-        assert_eq!(fault(beyond, 100), Some((0, Fault::ProbeRange)));
-    }
-
-    #[test]
-    fn a_probe_that_does_not_settle_has_a_name() {
-        assert_eq!(fault(Watched { state: State::Follow, ..GOOD }, 4000), Some((3100, Fault::ProbeRange)));
-    }
-
-    #[test]
-    fn the_end_of_the_travel_is_no_part() {
-        let view = Watched { state: State::Approach, probe: 0.0, beyond_travel: true, ..GOOD };
-        assert_eq!(fault(view, 10), Some((0, Fault::NoPart)));
-    }
-
-    #[test]
-    fn nothing_is_wrong_while_idle() {
-        for state in [State::Idle, State::Fault] {
-            assert_eq!(fault(Watched { state, probe: 1.0, speed: 0.0, beyond_travel: true, ..GOOD }, 10_000), None);
-        }
-    }
-
-    #[test]
-    fn the_centrifugal_limit_is_that_of_the_paper() {
-        // 25 mm: 42.3 rpm
-        let (slow, fast) = (42.0 * TAU / 60.0, 42.5 * TAU / 60.0);
-        assert!(!too_fast(&P, slow, &ring(0.025)) && too_fast(&P, fast, &ring(0.025)));
-        let view = Watched { speed: -fast, estimate: Some(&ring(0.025)), state: State::Centred, ..GOOD };
-        assert_eq!(fault(view, 1), Some((0, Fault::Centrifugal)));
-    }
-
-    #[test]
-    fn a_fast_surface_is_centrifugal_before_there_is_a_model() {
-        // 45 rpm: 25 mm are too much for mu 0.05, 22 mm are not
-        let speed = 45.0 * TAU / 60.0;
-        let shown =
-            |e: f64| Watched { state: State::Follow, speed, surface: -surface_velocity(e, 0.05, speed), ..GOOD };
-        assert_eq!(fault(shown(0.025), 100), Some((30, Fault::Centrifugal)));
-        assert_eq!(fault(shown(0.022), 100), None);
-        assert_eq!(fault(Watched { speed: 0.0, ..shown(0.025) }, 100), None);
-    }
-
-    #[test]
-    fn a_new_model_is_judged() {
-        assert_eq!(judge(&P, 1.0, 0, 0.06, &ring(0.06)), Some(Fault::RingTooSmall));
-        assert_eq!(judge(&P, 40.0, 0, 0.001, &ring(0.001)), Some(Fault::Centrifugal));
-        assert_eq!(judge(&P, 2.0, 25, 1e-4, &ring(1e-5)), Some(Fault::PushBudget));
-        assert_eq!(judge(&P, 2.0, 25, 1e-4, &ring(2e-6)), None);
-        assert_eq!(judge(&P, 2.0, 24, 1e-4, &ring(1e-5)), None);
-        assert_eq!(judge(&P, 2.0, 1, 0.010, &ring(0.0126)), Some(Fault::Diverged));
-        assert_eq!(judge(&P, 2.0, 1, 0.010, &ring(0.0124)), None);
-    }
-
-    #[test]
-    fn a_line_that_moves_is_a_jump_of_a_reading() {
-        let seen = |mean: f64, sigma: f64, x: f64| Estimate { centre: Centre { x, y: 0.0 }, mean, sigma };
-        let sure = seen(0.08, 1e-6, 1e-5);
-        // 0.1 mm and 6 x (1 + 4) um
-        for way in [1.29e-4, -1.29e-4] {
-            assert!(!line_moved(&P, &sure, &seen(0.08 + way, 4e-6, 0.0)));
-            assert!(line_moved(&P, &sure, &seen(0.08 + 1.02 * way, 4e-6, 0.0)));
-        }
-        // 20 mm off, a radius that is told 25 % wrong moves the line by 0.5 mm
-        let far = seen(0.08, 0.0, 0.02);
-        assert!(!line_moved(&P, &far, &seen(0.08059, 0.0, 0.0)));
-        assert!(line_moved(&P, &far, &seen(0.08061, 0.0, 0.0)));
-    }
-}
+mod tests;

@@ -72,7 +72,7 @@ mod variables {
         /// The spindle stands still, keeps reversing, or is too fast for `rates.collect`
         #[hint("turn the spindle evenly in one direction")] Spindle,
         /// The pushes have moved the ring away from the axis by more than `push.critical_distance`
-        #[hint("is `spindle_angle` positive about the upward axis?")] Diverged,
+        #[hint("is `spindle_angle` positive about the upward axis?")] Divergence,
         /// A full revolution does not tell the eccentricity from the tolerance
         #[hint("raise `tolerance`, or mend the noise of the probe")] Unresolved,
         /// The measurements fit no ring for some revolutions, or the centring takes longer than `limits.job_time`
@@ -234,6 +234,8 @@ mod variables {
     pub struct Follow {
         /// Velocity per error Kp of following
         #[var(unit = PER_SECOND, range = 0.1..=1e3, start = 15.0, source = "derived: critically damped at 25 with one sample of delay")] pub gain: f64,
+        /// Largest velocity towards the place on the ring, beside that of the surface: a probe that reads too little lets the pusher hit the ring with it
+        #[var(unit = METRE_PER_SECOND as "mm/s", range = 1e-4..=10.0, start = 0.02, source = "derived: a ring hit at 20 mm/s slides 0.4 mm; 1 s for the way of the probe")] pub velocity_max: f64,
         /// Gap between pusher and ring while following
         #[var(unit = METRE as "um", range = 1e-5..=0.1, start = 5e-4, source = "our choice")] pub gap: f64,
         /// Error of following without reaction

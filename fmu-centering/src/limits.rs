@@ -57,7 +57,9 @@ pub fn job_time(p: &Parameters, speed: f64) -> f64 {
     }
     let revolution = TAU / speed.abs().max(p.limits.spindle_speed_min);
     let cycle = CYCLE_TIME + CYCLE_TURNS * revolution;
-    p.approach.travel_max / p.approach.velocity + f64::from(p.limits.pushes + 1) * cycle
+    p.approach.travel_max / p.approach.velocity
+        + p.null() / p.follow.velocity_max
+        + f64::from(p.limits.pushes + 1) * cycle
 }
 
 /// Way of the slide in the test of the probe, m: half of what leaves the probe on the ring, and 0.2 mm suffice.
@@ -106,9 +108,9 @@ mod tests {
     #[test]
     fn the_budget_of_a_centring_goes_with_the_speed_of_the_spindle() {
         let mut p = Parameters::START;
-        // 1.25 s, and 26 cycles of 5 s and 6.6 s
-        assert!((job_time(&p, TAU / 3.0) - 302.85).abs() < 1e-9);
-        assert!((job_time(&p, 0.0) - 1.25 - 26.0 * (5.0 + 2.2 * TAU / 0.1)).abs() < 1e-9);
+        // 1.25 s, 4.5 mm at 20 mm/s, and 26 cycles of 5 s and 6.6 s
+        assert!((job_time(&p, TAU / 3.0) - 303.075).abs() < 1e-9);
+        assert!((job_time(&p, 0.0) - 1.475 - 26.0 * (5.0 + 2.2 * TAU / 0.1)).abs() < 1e-9);
         p.limits.job_time = 7.0;
         assert_eq!(job_time(&p, 0.0), 7.0);
     }

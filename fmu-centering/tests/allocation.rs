@@ -90,7 +90,7 @@ fn machine(fault: Fault, mut p: Parameters) -> (Parameters, Ring) {
             ring = Ring::new(2, 1.5e-3, 0.0);
         }
         Fault::PushBudget => (p.limits.pushes, ring.compliance) = (1, 5e-3),
-        Fault::Diverged => {
+        Fault::Divergence => {
             p = Parameters::PAPER;
             ring = Ring::new(4, 0.02, 0.0);
         }

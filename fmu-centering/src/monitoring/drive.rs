@@ -137,4 +137,73 @@ mod tests {
         drive.update(&P, &setpoint, 0.0, 0.0);
         assert_eq!(drive.fault(&P), Some(Fault::FollowingError));
     }
+
+    /// Monitor of a slide that does `share` of its setpoint of 0.1 mm a sample, and then `then` of it.
+    fn moved(share: f64, samples: u32, then: f64, later: u32) -> DriveMonitor {
+        let mut drive = DriveMonitor::default();
+        let (mut told, mut slide) = (0.0, 0.0);
+        for k in 0..samples + later {
+            let before = told;
+            told += 1e-4;
+            drive.update(&P, &Trajectory { position: told, ..Trajectory::default() }, 0.0, slide);
+            // the slide answers the setpoint of the last sample
+            slide += (told - before) * if k < samples { share } else { then };
+        }
+        drive
+    }
+
+    #[test]
+    fn the_share_is_that_of_the_last_hundredths_of_a_second() {
+        assert!((moved(0.4, 300, 0.4, 0).share(&P) - 0.4).abs() < 1e-9);
+        // 20 samples at 1 kHz: (1 - 1/20)^20 of what was before
+        let kept = 0.95_f64.powi(20);
+        assert!((moved(1.0, 300, 0.0, 21).share(&P) - kept).abs() < 0.02, "{}", moved(1.0, 300, 0.0, 21).share(&P));
+        assert_eq!(DriveMonitor::default().share(&P), 1.0);
+        // less than a micrometre in that time tells nothing
+        let mut drive = DriveMonitor::default();
+        for k in 0..100 {
+            let setpoint = Trajectory { position: 4e-8 * f64::from(k), ..Trajectory::default() };
+            drive.update(&P, &setpoint, 0.0, 0.0);
+            assert_eq!(drive.share(&P), 1.0, "{k}");
+        }
+        let setpoint = Trajectory { position: 1e-5, ..Trajectory::default() };
+        (0..3).for_each(|_| drive.update(&P, &setpoint, 0.0, 0.0));
+        assert_eq!(drive.share(&P), 0.0);
+    }
+
+    #[test]
+    fn a_slide_stands_as_long_as_it_is_within_the_resolution() {
+        let mut drive = DriveMonitor::default();
+        let stood = |drive: &mut DriveMonitor, slide: f64| {
+            drive.update(&P, &Trajectory::default(), 0.0, slide);
+            drive.still()
+        };
+        let first = stood(&mut drive, 0.0);
+        assert_eq!([1.9e-5, 0.0, 1e-5].map(|slide| stood(&mut drive, slide)), [first + 1, first + 2, first + 3]);
+        assert_eq!(stood(&mut drive, 1e-3), 0);
+        assert_eq!(stood(&mut drive, 1e-3), 1);
+    }
+
+    #[test]
+    fn a_moving_setpoint_may_be_a_sample_ahead() {
+        let fault = |velocity: f64, error: f64| {
+            let mut drive = DriveMonitor::default();
+            let setpoint = |position: f64| Trajectory { position, velocity, acceleration: 0.0 };
+            drive.update(&P, &setpoint(0.0), 0.0, 0.0);
+            (0..3).for_each(|_| drive.update(&P, &setpoint(error), 0.0, 0.0));
+            drive.fault(&P).is_some()
+        };
+        // 1 mm and 0.5 m/s for 1 ms
+        for side in [1.0, -1.0] {
+            assert_eq!([1.49e-3, 1.51e-3].map(|error| fault(0.5 * side, error * side)), [false, true]);
+            assert_eq!([0.99e-3, 1.01e-3].map(|error| fault(0.0, error * side)), [false, true]);
+        }
+    }
+
+    #[test]
+    fn half_of_the_way_is_not_weak_and_a_fifth_backwards_is_not_the_sign() {
+        let fault = |share: f64| moved(share, 300, share, 0).fault(&P);
+        assert_eq!([0.51, 0.49].map(fault), [Some(Fault::FollowingError), Some(Fault::WeakDrive)]);
+        assert_eq!([-0.19, -0.21].map(fault), [Some(Fault::WeakDrive), Some(Fault::DriveSign)]);
+    }
 }

@@ -193,4 +193,51 @@ mod tests {
         // but not while the slide goes away
         assert!(broken_in(Phase::Retract, 1e-7, |angle| (-1e-3 * angle, P.probe.at_pusher)).is_some());
     }
+
+    #[test]
+    fn one_that_flickers_by_more_than_its_last_bit_moves() {
+        // the finest last bit that counts is 0.4 um, the coarsest 13 um, and one and a half of it the band
+        for (bit, flicker) in [(1e-9, 7e-7), (1e-3, 2.5e-5), (5e-6, 8e-6)] {
+            let mut frozen = FrozenProbe { bit, ..FrozenProbe::default() };
+            for k in 0..300 {
+                let probe = 5e-3 + if k % 2 == 0 { flicker } else { 0.0 };
+                frozen.update(&P, Phase::Follow, &Sample { probe, ..Sample::default() }, 0.01);
+                assert!(!frozen.stands(), "{bit}: {k}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_value_that_stands_for_twenty_samples_is_chance() {
+        let broken = |samples: u32| {
+            let mut frozen = FrozenProbe { bit: 1e-7, ..FrozenProbe::default() };
+            // 0.1 mm a sample
+            let at = |k: u32| Sample { slide: 1e-4 * f64::from(k), probe: 5e-3, ..Sample::default() };
+            (0..=samples).map(|k| frozen.update(&P, Phase::Follow, &at(k), 0.0)).last().unwrap()
+        };
+        assert_eq!([20, 22].map(broken), [false, true]);
+    }
+
+    #[test]
+    fn a_ring_at_the_pusher_may_push_the_slide_back_on_its_way_out() {
+        let moved = |probe: f64| broken_in(Phase::Retract, 5e-6, move |angle| (-1e-3 * angle, probe)).unwrap();
+        // 5 mm at the pusher, else 1 mm
+        assert!((moved(P.probe.at_pusher - 0.9e-4) - 5.0).abs() < 0.03);
+        assert!((moved(P.probe.at_pusher - 1.1e-4) - 1.0).abs() < 0.03);
+    }
+
+    #[test]
+    fn the_last_bit_is_the_smallest_change_that_was_read() {
+        let mut frozen = FrozenProbe::default();
+        let mut read = |k: u32, slide: f64, probe: f64| {
+            let sample = Sample { angle: 0.0, slide, probe };
+            (frozen.update(&P, Phase::Follow, &sample, 0.0), k)
+        };
+        // a live probe that shows steps of 0.1 and 0.5 um, and then stands while the slide moves by 0.2 mm
+        for k in 0..40 {
+            assert!(!read(k, 0.1, 5e-3 + [0.0, 5e-7, 4e-7, 0.0][k as usize % 4]).0);
+        }
+        let broken = (0..1000).map(|k| read(k, 0.1 + 5e-6 * f64::from(k), 5e-3)).find(|read| read.0);
+        assert!(matches!(broken, Some((_, 40..=42))), "{broken:?}");
+    }
 }

@@ -68,4 +68,22 @@ mod tests {
         assert_eq!(share([[0.1, 4e-3]; 3]), 0.0);
         assert_eq!(ProbeTrial::default().share(), None);
     }
+
+    #[test]
+    fn a_fifth_more_or_less_is_believed() {
+        assert!([0.81, 1.0, 1.19].into_iter().all(believable_share));
+        assert!(![0.79, 1.21, 0.0, -1.0].into_iter().any(believable_share));
+    }
+
+    #[test]
+    fn it_is_over_with_its_third_place_and_keeps_these() {
+        let mut trial = ProbeTrial::default();
+        for (k, probe) in [4e-3, 3.8e-3, 4e-3].into_iter().enumerate() {
+            assert!(!trial.over() && trial.share().is_none());
+            trial.note(if k == 1 { 0.0998 } else { 0.1 }, probe);
+        }
+        let share = trial.share();
+        trial.note(9.0, 9.0);
+        assert!(trial.over() && trial.share() == share && (share.unwrap() - 1.0).abs() < 1e-9);
+    }
 }

@@ -54,8 +54,10 @@ impl Follower {
         let error = p.null() - calm.probe;
         let beyond = error - error.clamp(-p.dead_zone(), p.dead_zone());
         if beyond != 0.0 || p.dead_zone() == 0.0 {
-            let limit = p.slide.velocity_max;
-            self.velocity = (p.follow.gain * beyond + self.surface).clamp(-limit, limit);
+            let (most, limit) = (p.follow.velocity_max, p.slide.velocity_max);
+            // what the probe says is believed slowly: the surface may be nearer
+            let correction = (p.follow.gain * beyond).clamp(-most, most);
+            self.velocity = (correction + self.surface).clamp(-limit, limit);
         }
     }
 
@@ -90,7 +92,8 @@ mod tests {
             setpoint.step(follower.velocity(), p.slide.acceleration_max, p.sample_period);
             slide.rotate_left(1);
             slide[delay] = setpoint.position;
-            if k > 1000 {
+            // a way of 20 mm takes a second
+            if k > 2000 {
                 largest = largest.max((probe - p.null()).abs());
             }
         }
@@ -131,6 +134,21 @@ mod tests {
     }
 
     #[test]
+    fn the_way_to_the_ring_is_slow_beside_the_surface() {
+        let p = Parameters::PAPER;
+        let mut follower = Follower::default();
+        // 10 mm before its place, on a surface that goes away by 30 mm/s
+        for k in 0..2 {
+            follower.update(&p, &Calm { tip: 0.1 + 3e-4 * f64::from(k), probe: p.null() - 0.01 });
+        }
+        assert!((follower.velocity() - 0.05).abs() < 1e-12, "{} m/s", follower.velocity());
+        for _ in 0..2 {
+            follower.update(&p, &Calm { tip: 0.1, probe: p.null() + 0.003 });
+        }
+        assert!((follower.velocity() + 0.02).abs() < 1e-12, "{} m/s", follower.velocity());
+    }
+
+    #[test]
     fn within_the_dead_zone_the_slide_stands_still() {
         let mut p = Parameters::PAPER;
         p.follow.dead_zone = 1e-4;
@@ -142,5 +160,32 @@ mod tests {
         }
         follower.update(&p, &Calm { tip: 0.1 - p.null() + 2e-4, probe: p.null() - 2e-4 });
         assert!(follower.velocity() > 0.0);
+    }
+
+    #[test]
+    fn place_dead_zone_and_settling_are_those_of_the_law() {
+        let (paper, start) = (Parameters::PAPER, Parameters::START);
+        assert_eq!((paper.null(), start.null()), (0.02 - 5e-4, 4.5e-3));
+        assert_eq!((paper.dead_zone(), start.dead_zone()), (paper.follow.dead_zone, start.park.dead_zone));
+        assert_eq!(paper.settling(), (paper.follow.settle_band, paper.follow.settle_time));
+        assert_eq!(start.settling(), (start.park.probe, 0.0));
+    }
+
+    #[test]
+    fn the_surface_is_what_the_tip_does_from_beat_to_beat_while_the_probe_touches() {
+        let p = Parameters::PAPER;
+        let mut follower = Follower::default();
+        let contact = p.probe.contact;
+        let told = [(0.1, contact), (0.1002, contact), (0.1001, contact), (0.1, 0.999 * contact), (0.0999, contact)]
+            .map(|(tip, probe)| {
+                follower.update(&p, &Calm { tip, probe });
+                follower.surface()
+            });
+        // 100 Hz
+        for (told, expected) in told.into_iter().zip([0.0, 0.02, -0.01, 0.0, 0.0]) {
+            assert!((told - expected).abs() < 1e-9, "{told} m/s");
+        }
+        follower.update(&p, &Calm { tip: 0.0997, probe: 0.0 });
+        assert_eq!((follower.surface(), follower.velocity()), (0.0, 0.0));
     }
 }

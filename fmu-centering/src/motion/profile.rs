@@ -90,6 +90,11 @@ mod tests {
             position += 0.5 * (before.velocity + now.velocity) * dt;
             assert!((now.velocity - before.velocity).abs() <= acceleration * dt * (1.0 + 1e-6) + 1e-12);
             assert!(now.velocity.abs() <= velocity.max(start.velocity.abs()) + 1e-12);
+            let change = (now.velocity - before.velocity) / dt;
+            // but where one part goes over into the next
+            if now.acceleration == before.acceleration {
+                assert!((change - now.acceleration).abs() < 1e-6 * acceleration, "{k}: {now:?}, {change} m/s2");
+            }
             assert!((now.position - position).abs() < acceleration * dt * dt, "{k}: {now:?} against {position}");
             before = now;
         }

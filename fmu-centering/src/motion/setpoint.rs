@@ -184,4 +184,39 @@ mod tests {
         motion.place(0.7, true);
         assert_eq!(motion.setpoint.position, 0.7);
     }
+
+    #[test]
+    fn the_end_of_the_travel_is_seen_a_sample_and_the_braking_before_it() {
+        let motion = approaching(200);
+        let way = motion.setpoint.position - 0.3 + 0.12 * 1e-3 + 0.12 * 0.12 / 5.12;
+        assert!(motion.beyond(&P, way - 1e-9) && !motion.beyond(&P, way + 1e-9));
+        // on the way back only the place counts
+        let mut back = approaching(200);
+        back.setpoint.velocity = -0.12;
+        let way = back.setpoint.position - 0.3;
+        assert!(back.beyond(&P, way - 1e-9) && !back.beyond(&P, way + 1e-9));
+    }
+
+    #[test]
+    fn a_move_has_arrived_at_its_end_and_dwells_from_then_on() {
+        let mut motion = Motion::default();
+        motion.place(0.1, false);
+        assert!(!motion.arrived(&P, 0.0) && !motion.moving() && motion.resting(&P));
+        motion.go(&P, 0.101, 0.05);
+        let ticks = (0.001 / 0.05 + 0.05 / 2.56) * 1e3;
+        let (mut arrived, mut dwelt) = (0, 0);
+        for k in 1..200 {
+            motion.step(&P, 0.0);
+            arrived += u32::from(!motion.arrived(&P, 0.0));
+            dwelt += u32::from(!motion.arrived(&P, 0.03));
+            assert_eq!(motion.resting(&P), f64::from(k) >= ticks, "{k}");
+        }
+        assert_eq!((arrived, dwelt), (ticks as u32, ticks as u32 + 30));
+        motion.release();
+        assert!(!motion.moving());
+        motion.yield_to(0.2);
+        motion.retreat(&P);
+        motion.step(&P, 0.0);
+        assert_eq!(motion.setpoint.position, 0.2);
+    }
 }

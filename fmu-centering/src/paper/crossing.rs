@@ -62,4 +62,17 @@ mod tests {
         assert!(!crossing.update(-3.2));
         assert!(!crossing.update(-3.3));
     }
+
+    #[test]
+    fn zero_is_reached_once_and_only_from_near() {
+        let crossed = |lefts: &[f64]| {
+            let mut crossing = Crossing::default();
+            lefts.iter().map(|&left| crossing.update(left)).collect::<Vec<_>>()
+        };
+        assert_eq!(crossed(&[0.1, 0.0, -0.1]), [false, true, false]);
+        assert_eq!(crossed(&[1.5, -1.5]), [false, true]);
+        assert_eq!(crossed(&[1.6, -0.1]), [false, false]);
+        assert_eq!(crossed(&[0.1, -1.6]), [false, false]);
+        assert_eq!(crossed(&[-0.1, 0.1, -0.1]), [false, false, true]);
+    }
 }

@@ -137,14 +137,17 @@ fn wait_for(p: &Parameters, input: &AimInput, approach: &PlannedApproach, stroke
     let ahead = stroke.duration() - approach.meeting.time;
     let left = turn - input.speed.abs() * ahead;
     let wait = ((left + LATE).rem_euclid(TAU) - LATE) / input.speed.abs();
-    let samples = ((wait + stroke.duration()) / p.sample_period).round();
+    // one that is late begins now: within a stroke the setpoint would jump
+    let samples = ((wait.max(0.0) + stroke.duration()) / p.sample_period).round();
     samples * p.sample_period - stroke.duration()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::predictive::press::Goal;
     use crate::predictive::ring_model::Assumptions;
+    use crate::sensing::Measurement;
     use control_blocks::wrap;
     use nalgebra::Vector2;
 
@@ -192,6 +195,21 @@ mod tests {
     }
 
     #[test]
+    fn a_late_launch_begins_now_and_ends_later() {
+        for speed in [2.094, -4.712] {
+            let mut found = launches(&P, Vector2::new(2e-4, -3e-4), speed, None);
+            let (angle, planned) = found.pop().unwrap();
+            assert!(!found.is_empty(), "only one launch");
+            assert!((planned.angle - angle - speed.signum() * planned.lead).abs() < 1e-9);
+            // no jump but the feed-forward of 2.56 m/s2 to 40 Hz
+            let goal = Goal { line: 0.0, contact: P.probe.at_pusher, deflection: 0.0 };
+            let mut press = planned.press;
+            let first = press.step(&P, &goal, &Measurement::default(), P.park.probe).position - P.park.probe;
+            assert!((0.0..6e-5).contains(&first), "{speed}: {first} m");
+        }
+    }
+
+    #[test]
     fn a_large_push_takes_longer_and_brakes_less_than_friction() {
         let (_, planned) = launches(&P, Vector2::new(4e-3, 0.0), 2.094, None).swap_remove(0);
         // sqrt(2 e / 0.2 m/s2) = 0.2 s, with 40 mm/s at contact
@@ -223,5 +241,26 @@ mod tests {
         assert!(wrap(planned.angle - direction).abs() < 3e-3, "{}", planned.angle);
         let way = P.probe.at_pusher - P.park.probe - e * planned.angle.cos();
         assert!((planned.distance - way).abs() < 1e-9, "{} of {way}", planned.distance);
+    }
+
+    #[test]
+    fn a_push_goes_deeper_by_what_was_learned_and_a_tap_by_the_contact() {
+        let e = 1e-4;
+        let (ring, mut learned) = (ring(Vector2::new(e, 0.0)), LearnedParameters::new(&P));
+        (learned.contact.mean, learned.recoil.mean) = (5e-6, 3e-6);
+        let setpoint = Trajectory { position: P.park.probe, ..Trajectory::default() };
+        let planned = |tap: Option<f64>| {
+            let at = |k: i32| {
+                let angle = 0.4 + 2.094 * HORIZON * f64::from(k);
+                let input =
+                    AimInput { ring: &ring, learned: &learned, angle, speed: 2.094, setpoint, horizon: HORIZON };
+                aim(&P, &input, tap)
+            };
+            (0..200).find_map(at).unwrap()
+        };
+        let way = P.probe.at_pusher - P.park.probe;
+        assert!((planned(None).distance - way - 8e-6).abs() < 1e-12);
+        let tap = planned(Some(0.06));
+        assert!((tap.distance - way - 5e-6 + e * tap.angle.cos()).abs() < 1e-9);
     }
 }

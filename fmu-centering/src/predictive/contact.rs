@@ -159,4 +159,33 @@ mod tests {
         let meeting = CONTACT.meeting(0.02, &finish);
         assert!(meeting.centre.iter().all(|x| x.is_finite()) && meeting.time.is_finite());
     }
+
+    #[test]
+    fn what_the_ring_does_across_is_in_balance_with_slip_and_friction() {
+        let finish = Finish::braked(5e-4, 0.08, 0.04);
+        for sign in [1.0, -1.0] {
+            let contact = Contact { speed: sign * CONTACT.speed, ..CONTACT };
+            for (y, time) in [(1e-5, 0.08), (-4e-3, 0.05), (6e-3, 0.03), (0.02, 0.001), (-0.03, 0.06)] {
+                let across = contact.velocity_across(y, time, &finish);
+                let (d, v) = finish.before(time);
+                let x = contact.along(y, d);
+                assert!((x + (0.05_f64.powi(2) - y * y).sqrt() - 0.05 - d).abs() < 1e-15);
+                // c_x' of the ring that touches, and the slip along the push that this needs
+                let along = -v + y / (0.05_f64.powi(2) - y * y).sqrt() * across;
+                let slip = -contact.speed * y - along;
+                let force = (-y / 0.05).asin() + sign * 0.12_f64.atan();
+                let expected = contact.speed * x - slip.max(0.0) * force.tan();
+                assert!((across - expected).abs() < 1e-12 + 1e-9 * expected.abs(), "{y} {time}: {across} {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn between_two_places_the_meeting_is_on_their_line() {
+        let at = |x: f64, y: f64, time: f64| FirstContact { centre: Vector2::new(x, y), time };
+        let (near, far) = (at(3e-3, 4e-3, 0.1), at(6e-3, 8e-3, 0.2));
+        let met = between(&near, &far, 7.5e-3);
+        assert!((met.centre - Vector2::new(4.5e-3, 6e-3)).norm() < 1e-15 && (met.time - 0.15).abs() < 1e-15);
+        assert!((met.direction() - (4.0_f64 / 3.0).atan()).abs() < 1e-12);
+    }
 }

@@ -256,3 +256,6 @@ fn assumptions(p: &Parameters) -> Assumptions {
         rejections_max: REJECTIONS_MAX,
     }
 }
+
+#[cfg(test)]
+mod tests;

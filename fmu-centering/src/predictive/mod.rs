@@ -6,6 +6,7 @@ mod gaussian;
 mod law;
 mod learned;
 mod press;
+mod ring_line;
 mod ring_model;
 mod stroke;
 mod tap;

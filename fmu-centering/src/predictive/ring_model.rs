@@ -1,24 +1,19 @@
 //! Recursive model of the ring: where its centre is, how far the line of measurement, and what form it has.
 //!
-//! State: b0, centre (c_x, c_y) in the table frame, cosine and sine of the form harmonics. One scalar measurement
-//! y = s - q at a time, through the exact geometry (eq. 4), so that a part of a revolution is enough once b0 and the
-//! form are known, and all angles count at once. The covariance says how much is known.
+//! One scalar measurement y = s - q at a time, through the exact geometry (`ring_line`), so that a part of a revolution is
+//! enough once b0 and the form are known, and all angles count at once. The covariance says how much is known.
 //!
 //! The geometry is linearised at the present estimate, which is poor at first. So the measurements since the ring was
 //! last moved are kept, and all of them are taken in again at the better estimate now and then (Gauss-Newton).
 
 use arrayvec::ArrayVec;
-use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
+use nalgebra::{Matrix2, SMatrix, Vector2};
 use serde::{Deserialize, Serialize};
 
-/// Highest form harmonic of the model; the lowest is 2, since 1 is the centre.
-pub const HARMONIC_MAX: usize = 6;
-/// b0, centre, two per harmonic.
-const STATES: usize = 3 + 2 * (HARMONIC_MAX - 1);
+use crate::predictive::ring_line::{STATES, Vector, form, line};
+
 /// Standard deviation of b0 before the first measurement, m: anywhere on the slide.
 const LINE_SIGMA: f64 = 0.1;
-/// Largest c_y of a believable estimate, in radii.
-const LEVER_MAX: f64 = 0.9;
 /// Change of b0 and form on the way of the ring, relative (derived: a lateral ratio of 0.1 turns it, lobes of 2 um).
 const TURN: f64 = 1e-4;
 /// Relative uncertainty of the radius.
@@ -32,7 +27,6 @@ const EXPLAINED: f64 = 0.9;
 /// Passes over the history at a time, at most.
 const PASSES: usize = 4;
 
-type Vector = SVector<f64, STATES>;
 type Matrix = SMatrix<f64, STATES, STATES>;
 
 /// What is assumed before and between the measurements.
@@ -246,7 +240,7 @@ impl RingModel {
 
     /// What y = s - q would be at `angle` (rad) with the centre of the ring on the axis of the spindle, m.
     pub fn centred_line(&self, angle: f64) -> f64 {
-        self.now.mean[0] - self.form(-angle)
+        self.now.mean[0] - form(&self.now.mean, -angle)
     }
 
     /// What y = s - q is expected to be at `angle` (rad), m.
@@ -254,32 +248,9 @@ impl RingModel {
         self.expect(angle, &self.now.mean).0
     }
 
-    /// Deviation of the ring from its radius in the direction `phi` (rad, ring frame), m.
-    fn form(&self, phi: f64) -> f64 {
-        let terms = harmonics(phi);
-        (3..STATES).map(|i| self.now.mean[i] * terms[i]).sum()
-    }
-
-    /// y = b0 + r - (c_x + sqrt(R^2 - c_y^2)), eq. 4 with the centre in the world frame, for a state near the point of
-    /// linearisation, and its gradient.
+    /// What y is at `angle` (rad) for a state near the point of linearisation, m, and its gradient.
     fn expect(&self, angle: f64, state: &Vector) -> (f64, Vector) {
-        let (sine, cosine) = angle.sin_cos();
-        let (x, y) = (self.linear[1], self.linear[2]);
-        let (across, along) = (sine * x + cosine * y, cosine * x - sine * y);
-        let radius = self.assumed.radius;
-        let lever = (across / radius).clamp(-LEVER_MAX, LEVER_MAX);
-        let root = radius * (1.0 - lever * lever).sqrt();
-        let tilt = radius * lever / root;
-        // the chord changes by more than the radius
-        let mut gradient = harmonics(-lever.asin() - angle) * (-radius / root);
-        gradient[0] = 1.0;
-        gradient[1] = -cosine + tilt * sine;
-        gradient[2] = sine + tilt * cosine;
-        let mut rest = state - self.linear;
-        // b0 and form enter linearly
-        rest[0] = state[0];
-        rest.rows_range_mut(3..).copy_from(&state.rows_range(3..));
-        (radius - along - root + gradient.dot(&rest), gradient)
+        line(self.assumed.radius, &self.linear, angle, state)
     }
 
     /// What is left of the measurement beyond its gradient: the curvature of the circle over the doubt about c_y, m.
@@ -290,159 +261,5 @@ impl RingModel {
     }
 }
 
-/// Cosine and sine of each harmonic of `phi` at their places in the state, the rest 0.
-fn harmonics(phi: f64) -> Vector {
-    let mut terms = Vector::zeros();
-    let (s1, c1) = phi.sin_cos();
-    let (mut s, mut c) = (s1, c1);
-    for i in (3..STATES).step_by(2) {
-        (s, c) = (s * c1 + c * s1, c * c1 - s * s1);
-        (terms[i], terms[i + 1]) = (c, s);
-    }
-    terms
-}
-
 #[cfg(test)]
-mod tests {
-    use std::f64::consts::TAU;
-
-    use super::*;
-
-    const ASSUMED: Assumptions =
-        Assumptions { radius: 0.05, noise: 1e-7, centre: 5e-3, form: 2e-6, gate: 6.0, rejections_max: 5 };
-
-    /// y = s - q of an ideal ring with two and three lobes, exact.
-    fn ring(centre: Vector2<f64>, angle: f64) -> f64 {
-        let (sine, cosine) = angle.sin_cos();
-        let (x, y) = (cosine * centre.x - sine * centre.y, sine * centre.x + cosine * centre.y);
-        let lobes = |phi: f64| 0.05 + 2e-6 * (2.0 * phi + 0.3).cos() + 1e-6 * (3.0 * phi - 1.0).cos();
-        let mut phi = 0.0;
-        for _ in 0..20 {
-            phi = -(y / lobes(phi - angle)).asin();
-        }
-        0.123 - x - (lobes(phi - angle).powi(2) - y * y).sqrt()
-    }
-
-    /// Model after `count` samples over `turn` revolutions.
-    fn seen(centre: Vector2<f64>, turn: f64, count: u32) -> RingModel {
-        let mut model = RingModel::new(ASSUMED);
-        for k in 0..count {
-            let angle = TAU * turn * f64::from(k) / f64::from(count);
-            model.observe(angle, ring(centre, angle));
-            model.refine();
-        }
-        model
-    }
-
-    #[test]
-    fn one_revolution_gives_centre_line_and_form() {
-        for centre in [Vector2::new(3e-4, -2e-4), Vector2::new(0.0, 3e-3), Vector2::new(-0.014, 0.014)] {
-            let model = seen(centre, 1.0, 200);
-            assert!((model.centre() - centre).norm() < 1e-7, "{}", model.centre() - centre);
-            assert!((model.now.mean[0] - 0.073).abs() < 1e-7);
-            let angle = 0.7;
-            let centred = ring(Vector2::zeros(), angle);
-            assert!((model.centred_line(angle) - centred).abs() < 5e-8);
-        }
-    }
-
-    #[test]
-    fn the_standard_deviation_is_honest_on_a_part_of_a_revolution() {
-        let centre = Vector2::new(2e-4, 3e-4);
-        for turn in [0.2, 0.3, 0.5, 0.8] {
-            let model = seen(centre, turn, 100);
-            let error = model.eccentricity() - centre.norm();
-            assert!(error.abs() < 3.0 * model.centre_sigma() + 1e-8, "{turn}: {error}");
-        }
-        let sigmas = [0.2, 0.4, 0.8].map(|turn| seen(centre, turn, 100).centre_sigma());
-        assert!(sigmas[0] > sigmas[1] && sigmas[1] > sigmas[2] && sigmas[2] < 2e-7, "{sigmas:?}");
-    }
-
-    #[test]
-    fn after_a_push_a_tenth_of_a_revolution_is_enough() {
-        let mut model = seen(Vector2::new(4e-4, 0.0), 1.0, 200);
-        model.displaced(Vector2::zeros(), 1e-4);
-        let centre = Vector2::new(-2e-5, 3e-5);
-        for k in 0..20 {
-            let angle = TAU * (1.0 + 0.1 * f64::from(k) / 20.0);
-            model.observe(angle, ring(centre, angle));
-        }
-        assert!((model.centre() - centre).norm() < 1e-6, "{}", model.centre() - centre);
-    }
-
-    #[test]
-    fn dirt_is_rejected_and_a_moved_ring_is_lost() {
-        let centre = Vector2::new(4e-4, 1e-4);
-        let mut model = seen(centre, 1.0, 200);
-        assert!(!model.observe(0.5, ring(centre, 0.5) + 2e-5) && !model.lost());
-        assert!((model.centre() - centre).norm() < 2e-8);
-        for k in 0..10 {
-            let angle = TAU * f64::from(k) / 200.0;
-            model.observe(angle, ring(Vector2::new(1e-4, 3e-4), angle));
-        }
-        assert!(model.lost());
-    }
-
-    #[test]
-    fn lobes_that_the_model_does_not_have_are_noise_and_no_other_ring() {
-        let centre = Vector2::new(2e-4, 1e-4);
-        let mut model = RingModel::new(Assumptions { noise: 2e-7, ..ASSUMED });
-        let lobed = |angle: f64| ring(centre, angle) + 1.5e-6 * (7.0 * angle).cos();
-        let mut anew = 0;
-        for k in 0..400 {
-            let angle = TAU * f64::from(k) / 200.0;
-            if !model.observe(angle, lobed(angle)) && model.lost() && !model.reconsider() {
-                anew += 1;
-            }
-            if k % 7 == 6 {
-                model.refine();
-            }
-        }
-        assert_eq!(anew, 0);
-        let error = (model.centre() - centre).norm();
-        assert!(error < 2e-7 && error < 3.0 * model.centre_sigma(), "{error} m, {} m", model.centre_sigma());
-        // one that was moved is not explained
-        for k in 0..10 {
-            let angle = TAU * f64::from(k) / 200.0;
-            model.observe(angle, ring(Vector2::new(1e-4, 3e-4), angle));
-        }
-        assert!(model.lost() && !model.reconsider());
-    }
-
-    #[test]
-    fn early_dirt_is_unmasked_later() {
-        let centre = Vector2::new(4e-4, 1e-4);
-        let mut model = RingModel::new(ASSUMED);
-        for k in 0..100 {
-            let angle = 0.5 * TAU * f64::from(k) / 100.0;
-            let dirt = if k % 25 < 2 { 2e-5 } else { 0.0 };
-            model.observe(angle, ring(centre, angle) + dirt);
-            if k % 7 == 6 {
-                model.refine();
-            }
-        }
-        assert!((model.centre() - centre).norm() < 3e-6, "{}", model.centre() - centre);
-    }
-
-    #[test]
-    fn the_covariance_stays_positive_for_an_hour() {
-        let centre = Vector2::new(1e-6, 1e-6);
-        let mut model = RingModel::new(ASSUMED);
-        for k in 0..240_000 {
-            let angle = 2.094_395 * f64::from(k) / 66.0;
-            model.observe(angle, ring(centre, angle));
-        }
-        assert!(model.now.root.iter().all(|x| x.is_finite()));
-        assert!((model.centre() - centre).norm() < 1e-9);
-    }
-
-    #[test]
-    fn a_displacement_forgets_the_centre_and_keeps_the_form() {
-        let mut model = seen(Vector2::new(4e-4, 1e-4), 1.0, 200);
-        let line = model.centred_line(0.3);
-        model.displaced(Vector2::zeros(), 1e-5);
-        assert_eq!(model.centre(), Vector2::zeros());
-        assert!((model.centre_sigma() - 1e-5).abs() < 1e-18);
-        assert_eq!(model.centred_line(0.3), line);
-    }
-}
+mod tests;

@@ -207,4 +207,60 @@ mod tests {
         assert!((slow.velocity - finish.velocity).abs() < 1e-12);
         assert!((0.016 - stroke.at(contact).position - 5e-4).abs() < 1e-12);
     }
+
+    #[test]
+    fn a_contact_slower_than_the_servo_settles_is_eased_into() {
+        let finish = Finish { velocity: 4e-4, deceleration: 0.01 };
+        let stroke = Stroke::plan(&rest(0.1), 0.116, 1e-3, &finish, &LIMITS);
+        assert!((stroke.at(0.0).position - 0.1).abs() < 1e-12);
+        assert_eq!((stroke.end(), stroke.at(-1.0).position), (0.116, stroke.at(0.0).position));
+        // the last millimetre: 8 um of braking, and before it 50 ms at 1 mm/s and 6 ms of easing
+        let slow = stroke.duration() - finish.time(1e-3);
+        let velocities = [1e-4, -1e-4, -0.0059, -0.0061, -0.0559, -0.0565].map(|late| stroke.at(slow + late).velocity);
+        let eased = 4e-4 + 0.1 * 1e-4;
+        let expected = [4e-4, eased, 4e-4 + 0.1 * 0.0059, 1e-3, 1e-3];
+        assert!(velocities.iter().zip(expected).all(|(v, expected)| (v - expected).abs() < 1e-9), "{velocities:?}");
+        assert!(velocities[5] > 1.5e-3);
+        assert!((0.116 - stroke.at(slow).position - 1e-3).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_long_stroke_cruises_and_a_short_one_has_the_peak_of_its_way() {
+        let finish = Finish { velocity: 0.02, deceleration: 0.4 };
+        let fastest = |end: f64| {
+            let stroke = Stroke::plan(&rest(0.0), end, 0.0, &finish, &LIMITS);
+            (0..20_000).map(|k| stroke.at(stroke.duration() * f64::from(k) / 2e4).velocity).fold(0.0, f64::max)
+        };
+        assert!((fastest(0.1) - 0.12).abs() < 1e-12);
+        // without braking (0.5 mm) and settling (1 mm): vp^2 = a way + v^2 / 2
+        let peak = (2.56 * (4e-3 - 1.5e-3) + 0.5 * 0.02_f64.powi(2)).sqrt();
+        assert!((fastest(4e-3) - peak).abs() < 1e-3 * peak, "{} {peak}", fastest(4e-3));
+    }
+
+    #[test]
+    fn a_finish_has_at_least_the_velocity_that_it_must() {
+        let finish = Finish { velocity: 0.02, deceleration: 0.4 };
+        assert_eq!(finish.at_least(0.02, 1e-3), finish);
+        assert_eq!(finish.at_least(0.04, 1e-3), Finish { velocity: 0.04, deceleration: 0.8 });
+        let braked = Finish::braked(1e-3, 0.1, 1.0);
+        assert!((braked.velocity - 0.02).abs() < 1e-15 && (braked.deceleration - 0.2).abs() < 1e-15);
+        assert_eq!(Finish::braked(1e-3, 0.1, 0.01).velocity, 0.01);
+    }
+
+    #[test]
+    fn a_short_stroke_takes_over_the_velocity_of_the_slide() {
+        let finish = Finish { velocity: 0.02, deceleration: 0.4 };
+        for velocity in [0.05, 0.01, -0.05] {
+            let begin = Trajectory { position: 0.1, velocity, acceleration: 0.0 };
+            let stroke = Stroke::plan(&begin, 0.1045, 0.0, &finish, &LIMITS);
+            assert!((stroke.at(0.0).position - 0.1).abs() < 1e-12 && stroke.at(0.0).velocity == velocity);
+            let fastest =
+                (0..20_000).map(|k| stroke.at(stroke.duration() * f64::from(k) / 2e4).velocity).fold(0.0, f64::max);
+            // braking takes 0.5 mm, settling 1 mm
+            let peak = (2.56 * 3e-3 + 0.5 * (velocity * velocity + 0.02_f64.powi(2))).sqrt();
+            assert!((fastest - peak).abs() < 1e-3 * peak, "{velocity}: {fastest} {peak}");
+            // before its begin at constant velocity
+            assert!((stroke.at(-0.1).position - 0.1 + 0.1 * velocity).abs() < 1e-12);
+        }
+    }
 }

@@ -71,4 +71,9 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn the_collapse_of_the_probe_is_slide_less_tip() {
+        assert_eq!(Measurement { angle: 9.0, slide: 0.5, tip: 0.25 }.probe(), 0.25);
+    }
 }

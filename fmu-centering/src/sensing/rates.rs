@@ -94,4 +94,14 @@ mod tests {
         let mut clock = Clock::default();
         assert!((0..1_000_000).all(|_| clock.advance(&p).control));
     }
+
+    #[test]
+    fn the_first_tick_is_at_time_zero() {
+        let p = Parameters::PAPER;
+        let mut clock = Clock::default();
+        for k in 0..5 {
+            clock.advance(&p);
+            assert_eq!(clock.time(&p), f64::from(k) * 1e-3);
+        }
+    }
 }

@@ -300,6 +300,15 @@ mod tests {
     }
 
     #[test]
+    fn a_slow_hand_is_no_jump() {
+        let mut reader = Reader::default();
+        for k in 0..10 {
+            let reading = reader.read(&P, &at(1e-3 * f64::from(k), 0.1 + 1e-6 * f64::from(k), 0.0), Freedom::Hand);
+            assert_eq!(reading.jumped, k == 0, "{k}");
+        }
+    }
+
+    #[test]
     fn enable_and_reset_are_edges_and_an_enable_from_the_beginning_is_none() {
         let mut reader = Reader::default();
         let high = Input { enable: true, reset_fault: true, ..Input::START };
@@ -313,5 +322,30 @@ mod tests {
     #[test]
     fn the_tip_is_slide_less_probe() {
         assert_eq!(Sample { angle: 0.0, slide: 0.5, probe: 0.25 }.tip(), 0.25);
+    }
+
+    #[test]
+    fn a_probe_that_goes_out_within_its_reach_is_believed_at_once() {
+        let reach = collapsing(&P, 0.0, Freedom::Pushed);
+        let most = reach.motion + reach.spread;
+        let free = 0.499 * P.probe.contact;
+        for (way, probe) in [(0.99 * most, free), (1.01 * most, free + 1.01 * most)] {
+            let readings = read(&[at(1.0, 0.1, free + way), at(1.0, 0.1, free)]);
+            assert_eq!(readings[1].sample.unwrap().probe, probe, "{way}");
+        }
+    }
+
+    #[test]
+    fn a_free_probe_that_was_believed_is_so_from_the_fourth_sample_on() {
+        let (good, out) = (at(1.0, 0.1, 0.0195), at(1.0, 0.1, 0.0));
+        let mut inputs = vec![good.clone()];
+        inputs.extend(std::iter::repeat_n(out, 3));
+        inputs.push(good);
+        let probes: Vec<f64> = read(&inputs).iter().map(|reading| reading.sample.unwrap().probe).collect();
+        assert_eq!(probes, [0.0195; 5]);
+        // half of the contact is contact: such a jump is one
+        let low = at(1.0, 0.1, 0.5 * P.probe.contact);
+        let readings = read(&[at(1.0, 0.1, 0.0195), low.clone(), low.clone(), low.clone(), low]);
+        assert_eq!(readings[4].fault, Some(Fault::ReadingJump));
     }
 }

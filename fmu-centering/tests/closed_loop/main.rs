@@ -6,6 +6,7 @@ mod faults;
 mod hostile;
 mod law;
 mod monitors;
+mod nominal;
 mod ring;
 mod run;
 mod state;

@@ -1,0 +1,280 @@
+use super::*;
+use crate::centre::Centre;
+use crate::limits::surface_velocity;
+
+const P: Parameters = Parameters::PAPER;
+const GOOD: Watched = Watched {
+    state: State::Collect,
+    probe: 0.0195,
+    turned: 2.0944e-3,
+    speed: 2.0944,
+    surface: 1e-3,
+    beyond_travel: false,
+    estimate: None,
+};
+
+/// The first fault within `ticks`, and its tick.
+fn fault(view: Watched, ticks: u32) -> Option<(u32, Fault)> {
+    let mut supervisor = Supervisor::default();
+    (0..ticks).find_map(|k| Some((k, supervisor.check(&P, &view)?)))
+}
+
+fn ring(eccentricity: f64) -> Estimate {
+    Estimate { centre: Centre { x: eccentricity, y: 0.0 }, mean: 0.08, sigma: 0.0 }
+}
+
+#[test]
+fn a_revolution_has_no_fault_and_more_than_that_has() {
+    assert_eq!(fault(GOOD, 3299), None);
+    assert_eq!(fault(GOOD, 3400), Some((3299, Fault::NoProgress)));
+    assert_eq!(fault(Watched { state: State::Centred, ..GOOD }, 100_000), None);
+}
+
+#[test]
+fn one_that_reverses_is_told_from_one_that_turns() {
+    let mut supervisor = Supervisor::default();
+    let found = (0..3400).find_map(|k| {
+        let turned = if k % 1000 < 500 { GOOD.turned } else { -GOOD.turned };
+        supervisor.check(&P, &Watched { turned, ..GOOD })
+    });
+    assert_eq!(found, Some(Fault::Spindle));
+}
+
+#[test]
+fn no_change_of_state_gives_back_the_turning_since_the_last_push() {
+    let mut supervisor = Supervisor::default();
+    let mut flip = |k: u32| {
+        let state = if k.is_multiple_of(2) { State::Collect } else { State::Wait };
+        supervisor.enter(state);
+        supervisor.check(&P, &Watched { state, ..GOOD })
+    };
+    // 3000 samples for a revolution
+    let found = (0..20_000).find_map(|k| Some((k, flip(k)?)));
+    assert_eq!(found, Some((13_199, Fault::NoProgress)));
+    supervisor.enter(State::Settle);
+    assert_eq!(supervisor.check(&P, &GOOD), None);
+}
+
+#[test]
+fn only_a_slide_that_knows_its_place_goes_back() {
+    for &fault in Fault::ALL {
+        let own = [Fault::LostReading, Fault::FollowingError, Fault::DriveSign, Fault::WeakDrive];
+        let end = if own.contains(&fault) { SafeEnd::DriveOff } else { SafeEnd::Retract };
+        assert_eq!(fault.safe_end(), end, "{fault:?}");
+    }
+    let found = [None, Some(Fault::NoPart), Some(Fault::DriveSign), Some(Fault::LostReading)];
+    assert_eq!((graver(&found), graver(&[None])), (Some(Fault::DriveSign), None));
+}
+
+#[test]
+fn a_standing_spindle_has_a_name_when_rotation_is_needed() {
+    let still = Watched { speed: 0.0, turned: 0.0, ..GOOD };
+    assert_eq!(fault(still, 1000), Some((500, Fault::Spindle)));
+    assert_eq!(fault(Watched { state: State::Centred, ..still }, 10_000), None);
+}
+
+#[test]
+fn a_probe_without_contact_has_lost_the_part() {
+    for state in [State::Follow, State::Collect, State::Model, State::Wait, State::Push, State::Settle, State::Centred]
+    {
+        assert_eq!(fault(Watched { state, probe: 0.0, ..GOOD }, 1000), Some((100, Fault::NoPart)));
+    }
+    assert_eq!(fault(Watched { state: State::Approach, probe: 0.0, ..GOOD }, 1000), None);
+}
+
+#[test]
+fn the_pusher_may_touch_in_a_push_only() {
+    let pressed = Watched { probe: 0.0201, ..GOOD };
+    assert_eq!(fault(pressed, 100), Some((5, Fault::ProbeRange)));
+    assert_eq!(fault(Watched { state: State::Push, ..pressed }, 100), None);
+    let beyond = Watched { state: State::Push, probe: 0.0251, ..GOOD };
+    assert_eq!(fault(beyond, 100), Some((0, Fault::ProbeRange)));
+}
+
+#[test]
+fn a_probe_that_does_not_settle_has_a_name() {
+    // 3 s, 19.5 mm at 20 mm/s and 0.1 s
+    assert_eq!(fault(Watched { state: State::Follow, ..GOOD }, 5000), Some((4075, Fault::ProbeRange)));
+}
+
+#[test]
+fn the_end_of_the_travel_is_no_part() {
+    let view = Watched { state: State::Approach, probe: 0.0, beyond_travel: true, ..GOOD };
+    assert_eq!(fault(view, 10), Some((0, Fault::NoPart)));
+}
+
+#[test]
+fn nothing_is_wrong_while_idle() {
+    for state in [State::Idle, State::Fault] {
+        assert_eq!(fault(Watched { state, probe: 1.0, speed: 0.0, beyond_travel: true, ..GOOD }, 10_000), None);
+    }
+}
+
+#[test]
+fn the_centrifugal_limit_is_that_of_the_paper() {
+    // 25 mm: 42.3 rpm
+    let (slow, fast) = (42.0 * TAU / 60.0, 42.5 * TAU / 60.0);
+    assert!(!too_fast(&P, slow, &ring(0.025)) && too_fast(&P, fast, &ring(0.025)));
+    let view = Watched { speed: -fast, estimate: Some(&ring(0.025)), state: State::Centred, ..GOOD };
+    assert_eq!(fault(view, 1), Some((0, Fault::Centrifugal)));
+}
+
+#[test]
+fn a_fast_surface_is_centrifugal_before_there_is_a_model() {
+    // 45 rpm: 25 mm are too much for mu 0.05, 22 mm are not
+    let speed = 45.0 * TAU / 60.0;
+    let shown = |e: f64| Watched { state: State::Follow, speed, surface: -surface_velocity(e, 0.05, speed), ..GOOD };
+    assert_eq!(fault(shown(0.025), 100), Some((30, Fault::Centrifugal)));
+    assert_eq!(fault(shown(0.022), 100), None);
+    assert_eq!(fault(Watched { speed: 0.0, ..shown(0.025) }, 100), None);
+}
+
+#[test]
+fn a_new_model_is_judged() {
+    assert_eq!(judge(&P, 1.0, 0, 0.06, &ring(0.06)), Some(Fault::RingTooSmall));
+    assert_eq!(judge(&P, 40.0, 0, 0.001, &ring(0.001)), Some(Fault::Centrifugal));
+    assert_eq!(judge(&P, 2.0, 25, 1e-4, &ring(1e-5)), Some(Fault::PushBudget));
+    assert_eq!(judge(&P, 2.0, 25, 1e-4, &ring(2e-6)), None);
+    assert_eq!(judge(&P, 2.0, 24, 1e-4, &ring(1e-5)), None);
+    assert_eq!(judge(&P, 2.0, 1, 0.010, &ring(0.0126)), Some(Fault::Divergence));
+    assert_eq!(judge(&P, 2.0, 1, 0.010, &ring(0.0124)), None);
+}
+
+#[test]
+fn a_fault_is_told_with_its_numbers_and_a_state_without() {
+    let mut vars = <Vars as fmi2_export::Interface>::START;
+    assert_eq!(numbers(&vars), "");
+    vars.output.eccentricity = 12e-6;
+    vars.output.state = State::Wait;
+    assert_eq!(numbers(&vars), "; eccentricity `12.00 um`");
+    vars.output.state = State::Fault;
+    let told = [
+        (Fault::Spindle, ": `0.000 rad/s`"),
+        (Fault::Divergence, ": `0` pushes, B = `12.00 um`"),
+        (Fault::WeakDrive, ": following error `0.000 mm` of `1 mm`, share of the setpoint `1.00`"),
+        (Fault::FrozenReading, ": probe at `0 m`"),
+    ];
+    for (fault, expected) in told {
+        vars.output.fault = fault;
+        assert_eq!(numbers(&vars), expected);
+    }
+    vars.output.monitor.probe_share = 0.7;
+    vars.output.fault = Fault::FrozenReading;
+    assert_eq!(numbers(&vars), ": probe at `0 m`, it answered `0.70` of its test");
+    for &fault in Fault::ALL {
+        vars.output.fault = fault;
+        assert_eq!(numbers(&vars).is_empty(), fault == Fault::None, "{fault:?}");
+    }
+}
+
+#[test]
+fn a_line_that_moves_is_a_jump_of_a_reading() {
+    let seen = |mean: f64, sigma: f64, x: f64| Estimate { centre: Centre { x, y: 0.0 }, mean, sigma };
+    let sure = seen(0.08, 1e-6, 1e-5);
+    // 0.1 mm and 6 x (1 + 4) um
+    for way in [1.29e-4, -1.29e-4] {
+        assert!(!line_moved(&P, &sure, &seen(0.08 + way, 4e-6, 0.0)));
+        assert!(line_moved(&P, &sure, &seen(0.08 + 1.02 * way, 4e-6, 0.0)));
+    }
+    // 20 mm off, a radius that is told 25 % wrong moves the line by 0.5 mm
+    let far = seen(0.08, 0.0, 0.02);
+    assert!(!line_moved(&P, &far, &seen(0.08059, 0.0, 0.0)));
+    assert!(line_moved(&P, &far, &seen(0.08061, 0.0, 0.0)));
+}
+
+#[test]
+fn a_limit_itself_is_good_but_for_the_end_of_the_stroke_of_the_probe() {
+    let never = |view: Watched| assert_eq!(fault(view, 700), None, "{view:?}");
+    never(Watched { probe: P.probe.at_pusher, ..GOOD });
+    never(Watched { probe: 0.5 * P.probe.contact, ..GOOD });
+    never(Watched { speed: P.limits.spindle_speed_min, turned: 0.0, ..GOOD });
+    let push = |probe: f64| Watched { state: State::Push, probe, ..GOOD };
+    never(push(P.probe.stroke - 1e-9));
+    assert_eq!(fault(push(P.probe.stroke), 1), Some((0, Fault::ProbeRange)));
+    let below = |share: f64| Watched { probe: share * P.probe.contact, ..GOOD };
+    assert_eq!(fault(below(0.499), 700), Some((100, Fault::NoPart)));
+    let slow = Watched { speed: -0.999 * P.limits.spindle_speed_min, turned: 0.0, ..GOOD };
+    assert_eq!(fault(slow, 700), Some((500, Fault::Spindle)));
+}
+
+#[test]
+fn nine_tenths_of_the_turning_forwards_are_no_reversal() {
+    // of 100 samples as many go back
+    let found = |back: u32| {
+        let mut supervisor = Supervisor::default();
+        (0..4000).find_map(|k| {
+            let turned = if k % 100 < back { -GOOD.turned } else { GOOD.turned };
+            supervisor.check(&P, &Watched { turned, ..GOOD })
+        })
+    };
+    assert_eq!([4, 6].map(found), [Some(Fault::NoProgress), Some(Fault::Spindle)]);
+}
+
+#[test]
+fn what_was_counted_is_forgotten_with_the_state_and_the_cycle_with_the_push() {
+    let mut supervisor = Supervisor::default();
+    (0..3000).for_each(|_| assert_eq!(supervisor.check(&P, &GOOD), None));
+    supervisor.enter(State::Wait);
+    assert_eq!((supervisor.turned, supervisor.forward), (0.0, 0.0));
+    assert!((supervisor.cycle - 3000.0 * GOOD.turned).abs() < 1e-6);
+    for state in [State::Approach, State::Settle] {
+        let mut supervisor = supervisor.clone();
+        supervisor.enter(state);
+        assert_eq!(supervisor.cycle, 0.0);
+    }
+}
+
+#[test]
+fn the_time_to_settle_is_that_of_the_law() {
+    let p = Parameters::START;
+    let mut supervisor = Supervisor::default();
+    let view = Watched { state: State::Follow, probe: 4e-3, ..GOOD };
+    // 3 s, 4.5 mm at 20 mm/s
+    let found = (0..5000).find_map(|k| Some((k, supervisor.check(&p, &view)?)));
+    assert_eq!(found, Some((3225, Fault::ProbeRange)));
+}
+
+#[test]
+fn each_judgement_begins_at_its_limit() {
+    let at =
+        |eccentricity: f64, speed: f64, pushes: i32, first: f64| judge(&P, speed, pushes, first, &ring(eccentricity));
+    assert_eq!(at(P.ring.radius, 0.1, 0, 0.1), Some(Fault::RingTooSmall));
+    let fast = speed_limit(P.limits.friction, 0.01);
+    assert_eq!(at(0.01, fast, 0, 0.01), Some(Fault::Centrifugal));
+    assert_eq!(at(0.01, 0.999 * fast, 0, 0.01), None);
+    assert_eq!(at(P.tolerance, 2.0, P.limits.pushes, 1e-4), None);
+    assert_eq!(at(P.push.critical_distance, 2.0, 1, 0.0), None);
+}
+
+#[test]
+fn each_fault_is_told_in_its_own_words() {
+    let mut vars = <Vars as fmi2_export::Interface>::START;
+    (vars.output.eccentricity, vars.output.eccentricity_sigma) = (12.3456e-6, 2.5e-6);
+    (vars.output.spindle_speed, vars.output.push.count) = (2.0944, 7);
+    (vars.input.spindle_angle, vars.input.slide_position, vars.input.probe_position) = (1.5, 0.25, 0.0125);
+    let monitor = &mut vars.output.monitor;
+    (monitor.following_error, monitor.drive_share, monitor.job_time) = (0.0015, 0.25, 12.34);
+    vars.parameters.limits.job_time = 10.0;
+    vars.output.state = State::Centred;
+    assert_eq!(numbers(&vars), "; eccentricity `12.35 um`");
+    vars.output.state = State::Fault;
+    let told = [
+        (Fault::NoPart, ": probe at `0.012500 m`, slide at `0.250000 m`"),
+        (Fault::RingTooSmall, ": r = `0.05 m`, B = `12.35 um`"),
+        (Fault::ProbeRange, ": probe at `0.012500 m`"),
+        (Fault::Centrifugal, ": `2.094 rad/s`, B of the last model `12.35 um`"),
+        (Fault::PushBudget, ": `7` pushes, B = `12.35 um`"),
+        (Fault::InvalidInput, ": spindle at `1.5 rad`, probe at `0.0125 m`"),
+        (Fault::ReadingJump, ": spindle at `1.5 rad`, probe at `0.0125 m`"),
+        (Fault::LostReading, ": slide at `0.25 m`, following error `1.500 mm`"),
+        (Fault::DriveSign, ": following error `1.500 mm` of `1 mm`, share of the setpoint `0.25`"),
+        (Fault::FollowingError, ": following error `1.500 mm` of `1 mm`, share of the setpoint `0.25`"),
+        (Fault::NoProgress, ": `12.3 s` of `10.0 s`, B = `12.35 um`"),
+        (Fault::Spindle, ": `2.094 rad/s`"),
+        (Fault::Unresolved, ": B = `12.346 um`, standard deviation `2.500 um`"),
+    ];
+    for (fault, expected) in told {
+        vars.output.fault = fault;
+        assert_eq!(numbers(&vars), expected, "{fault:?}");
+    }
+}
