@@ -374,6 +374,7 @@ impl Controller {
             swinging: self.identification.swinging(),
             learning,
             rms: self.tracker.last_turn().rms,
+            spindle_speed: self.spindle.speed,
         };
         if self.closed() {
             self.watch.update(p, self.arm.length, &sample);

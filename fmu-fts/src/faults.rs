@@ -56,7 +56,8 @@ impl Fault {
             | Self::InvalidInput
             | Self::LostSpindle
             | Self::LostSlide
-            | Self::NoProgress => SafeEnd::Retract,
+            | Self::NoProgress
+            | Self::Divergence => SafeEnd::Retract,
             Self::FollowingError
             | Self::LostReading
             | Self::FrozenReading
@@ -118,6 +119,11 @@ pub fn numbers(vars: &Vars) -> String {
             1e6 * p.limits.tracking_error,
             p.limits.job_time
         ),
+        Fault::Divergence => format!(
+            ": error over a turn `{:.1} um`, limit `limits.tracking_error` = `{:.1} um`",
+            1e6 * output.error.rms,
+            1e6 * p.limits.tracking_error
+        ),
         Fault::Infeasible => format!(
             ": needed `{:.3} N.m` at `{:.2} rad/s`, available `{:.3} N.m`",
             output.path_torque,
@@ -157,12 +163,26 @@ mod tests {
         for fault in Fault::ALL {
             let end = match fault {
                 Fault::None | Fault::Infeasible | Fault::OutsideTable | Fault::InvalidInput => SafeEnd::Retract,
-                Fault::LostSpindle | Fault::LostSlide | Fault::NoProgress => SafeEnd::Retract,
+                Fault::LostSpindle | Fault::LostSlide | Fault::NoProgress | Fault::Divergence => SafeEnd::Retract,
                 Fault::LostReading | Fault::FrozenReading | Fault::ReadingJump => SafeEnd::DriveOff,
                 Fault::DriveSign | Fault::WeakDrive | Fault::Oscillation => SafeEnd::DriveOff,
                 Fault::FollowingError | Fault::Saturation | Fault::LongStep => SafeEnd::DriveOff,
             };
             assert_eq!(fault.safe_end(), end, "{fault:?}");
+        }
+    }
+
+    #[test]
+    fn every_fault_is_told_with_numbers() {
+        for fault in Fault::ALL {
+            let mut vars = <Vars as fmi2_export::Interface>::START;
+            vars.output.fault = *fault;
+            assert_eq!(
+                numbers(&vars).matches('`').count() >= 2,
+                *fault != Fault::None,
+                "{fault:?}: {}",
+                numbers(&vars)
+            );
         }
     }
 }

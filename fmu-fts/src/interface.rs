@@ -98,6 +98,8 @@ mod variables {
         #[hint("check the drive, or allow more `limits.job_time` or `limits.tracking_error`")] NoProgress,
         /// The communication step is longer than a sample: several samples have the same inputs, and of their commands the last alone is seen
         #[hint("set the communication step of the importer to `sample_period`")] LongStep,
+        /// The error grows from turn to turn: the cut or the cancellation is not stable
+        #[hint("cut less deep or at another speed; check `servo.inertia`, `io_delay` and `response.file`, or allow more `afc.tau`")] Divergence,
     }
     /// How the calibration goes
     pub enum Status {
@@ -411,8 +413,8 @@ mod variables {
         #[var(unit = NEWTON_METRE, range = 0.0..=1e4, source = "derived: 2 N of thrust and 0.05 N.m of friction")] pub disturbance: f64,
         /// Least part of what a torque should do to the arm that it must do; 0 for no check
         #[var(unit = ONE, range = 0.0..=0.9, start = 0.4, source = "our choice: half the torque still tracks within 1 um")] pub drive_share: f64,
-        /// Time at the limit of the torque that is too long, as a mean over five times as long
-        #[var(unit = SECOND, range = 1e-3..=10.0, start = 0.02, source = "derived: a third of a turn at 600 rpm in its mean")] pub saturated_time: f64,
+        /// Part of the samples at the limit of the torque that is too much, as a mean over 0.1 s; 1 for no check
+        #[var(unit = ONE, range = 0.01..=1.0, start = 0.18, source = "derived: 20 ms from rest, a fifth of a turn at 600 rpm")] pub saturated_share: f64,
         /// Error over a turn that the cancellation must come below, within 8 `afc.tau`, root mean square
         #[var(unit = METRE as "um", range = 1e-7..=0.1, start = 20e-6, source = "derived: fifty times what it leaves, three times what x20 noise leaves")] pub tracking_error: f64,
         /// Way out of the part after a fault and after the cut

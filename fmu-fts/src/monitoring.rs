@@ -2,5 +2,6 @@
 
 pub mod drive;
 pub mod feed;
+pub mod growth;
 pub mod life;
 pub mod watch;

@@ -73,6 +73,22 @@ fn neither_a_whole_identification_nor_a_fit_allocates() {
 }
 
 #[test]
+fn an_error_that_grows_from_turn_to_turn_allocates_nothing() {
+    let mut p = Parameters::START;
+    // the arm of the bench does nothing for its torque
+    p.limits.disturbance = 1.0;
+    p.limits.following_error = 1e-2;
+    let mut bench = Bench::new(p);
+    bench.run(Mode::Track, 5000, |_, _| ());
+    // 1047 samples a turn, a quarter more in each
+    bench.run(Mode::Track, 15_000, |k, input| {
+        let wave = (2.0 * input.spindle_angle).sin();
+        input.arm_angle += 2e-4 * 1.25_f64.powf(f64::from(k.min(7000)) / 1047.0) * wave;
+    });
+    assert_eq!((bench.output.state, bench.output.fault), (State::Fault, Fault::Divergence));
+}
+
+#[test]
 fn no_fault_allocates() {
     type Spoil = fn(&mut Input);
     let wrong: [(Fault, Spoil); 5] = [

@@ -200,6 +200,15 @@ MATRIX = Matrix(
             changes=("controller.limits.tracking_error=1e-7", "loop.duration=4.0"),
             unit="m",
         ),
+        Row(
+            "eq. 3 as printed at 1200 rpm",
+            ("Divergence",),
+            EARLY,
+            90e-6,
+            CONTROLLED,
+            changes=("controller.law='Paper'", "plant.spindle_speed=125.66", "loop.duration=5.0"),
+            unit="m",
+        ),
         lost("thrust of 70 N in the cut", "ReadingJump", changes=("plant.cutting_force=70.0",)),
         lost(
             "thrust of 60 N, 5 N.m of it allowed",

@@ -153,6 +153,16 @@ mod tests {
     }
 
     #[test]
+    fn the_search_begins_at_the_arc_where_the_points_are_exact() {
+        for (low, high) in [(60.0, 120.0), (30.0, 60.0), (5.0, 20.0)] {
+            let begin = start(&arc(low, high, 50)).unwrap();
+            for (value, truth) in begin.iter().zip([0.0, DISTANCE, DEPTH, RADIUS]) {
+                assert!((value - truth).abs() < 1e-9, "{low}..{high}: {begin}");
+            }
+        }
+    }
+
+    #[test]
     fn an_exact_arc_comes_back() {
         for (low, high) in [(60.0, 120.0), (30.0, 60.0), (20.0, 40.0), (5.0, 20.0)] {
             let found = fit(&arc(low, high, 200), &ACCURACY).unwrap();

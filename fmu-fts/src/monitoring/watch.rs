@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::interface::{Fault, Parameters, State};
 use crate::monitoring::drive::DriveWatch;
+use crate::monitoring::growth::GrowthWatch;
 use crate::monitoring::life::LifeWatch;
 use crate::path::path_table::PathTable;
 
@@ -14,8 +15,8 @@ use crate::path::path_table::PathTable;
 const AGAINST: f64 = -0.2;
 /// Below this one of the last milliseconds, too; a drive that is just off is taken for up to -0.4.
 const TURNED: f64 = -0.6;
-/// Mean of the saturated samples, over five times `limits.saturated_time`, that is too much: 1 - exp(-1/5).
-const SATURATED: f64 = 0.18;
+/// Time over which the samples at the limit are averaged, s: a turn at 600 rpm.
+const SATURATION_MEAN: f64 = 0.1;
 /// Time within which the torque of an unstable loop turns, s: 100 Hz and more.
 const REVERSAL: f64 = 5e-3;
 /// So many times; accelerating and braking is one.
@@ -40,6 +41,8 @@ pub struct Sample {
     pub learning: bool,
     /// Error over the last turn, root mean square, m.
     pub rms: f64,
+    /// Speed of the spindle, rad/s.
+    pub spindle_speed: f64,
 }
 
 /// The monitors; by default before the first sample of a closed loop.
@@ -52,6 +55,7 @@ pub struct Watch {
     saturated: f64,
     /// samples that the cancellation has learned with too large an error
     poor: u32,
+    growth: GrowthWatch,
     following_error: f64,
 }
 
@@ -67,7 +71,8 @@ impl Watch {
         self.life.update(p, sample.wanted, sample.arm_angle, sample.torque);
         self.turns = self.reversals.update(sample.torque, limit, ticks(REVERSAL, dt));
         let full = f64::from(u8::from(sample.torque.abs() >= limit));
-        self.saturated += (full - self.saturated) * (dt / (5.0 * p.limits.saturated_time)).min(1.0);
+        self.saturated += (full - self.saturated) * (dt / SATURATION_MEAN);
+        self.growth.update(sample.rms, sample.spindle_speed);
         // a sample without learning neither counts nor forgives
         if sample.rms <= p.limits.tracking_error {
             self.poor = 0;
@@ -90,7 +95,8 @@ impl Watch {
             .or(share.and_then(|share| self.drive_fault(p, share)))
             .or((self.turns >= REVERSALS).then_some(Fault::Oscillation))
             .or(behind.then_some(Fault::FollowingError))
-            .or((self.saturated > SATURATED).then_some(Fault::Saturation))
+            .or((self.saturated > p.limits.saturated_share).then_some(Fault::Saturation))
+            .or(self.growth.grows(p).then_some(Fault::Divergence))
             .or(poor.then_some(Fault::NoProgress))
     }
 
@@ -135,6 +141,8 @@ pub fn overdue(p: &Parameters, path: &PathTable, identify: f64, state: State, jo
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::path::depth_table::DepthTable;
+    use crate::path::kinematics::Arm;
     use control_blocks::SafeEnd;
 
     /// What is found after 0.5 s at full torque, of an arm that moves `behind` (rad) what is wanted.
@@ -143,7 +151,8 @@ mod tests {
         for k in 0..5000 {
             let arm_angle = 1e-3 * f64::from(k);
             let (wanted, torque) = (arm_angle + behind, p.servo.torque_max);
-            let sample = Sample { wanted, arm_angle, torque, swinging: false, learning: false, rms: 0.0 };
+            let sample =
+                Sample { wanted, arm_angle, torque, swinging: false, learning: false, rms: 0.0, spindle_speed: 0.0 };
             watch.update(&p, length, &sample);
         }
         watch.find(&p, length)
@@ -160,7 +169,8 @@ mod tests {
         let (p, mut watch) = (Parameters::START, Watch::default());
         for k in 0..ticks(time, p.sample_period) {
             let (learning, rms) = (k % pause != 0, rms(f64::from(k) * p.sample_period));
-            let sample = Sample { wanted: 0.0, arm_angle: 0.0, torque: 0.0, swinging: false, learning, rms };
+            let sample =
+                Sample { wanted: 0.0, arm_angle: 0.0, torque: 0.0, swinging: false, learning, rms, spindle_speed: 0.0 };
             watch.update(&p, 0.08, &sample);
         }
         watch.find(&p, 0.08)
@@ -196,6 +206,52 @@ mod tests {
     fn nothing_goes_on_at_full_torque() {
         for behind in [0.02, 0.001] {
             assert_eq!(at_full_torque(behind).map(Fault::safe_end), Some(SafeEnd::DriveOff));
+        }
+    }
+
+    #[test]
+    fn a_job_may_last_as_long_as_is_told_or_twice_the_measurement() {
+        let mut p = Parameters::START;
+        let path = PathTable::new(Arm::new(&p), &DepthTable::of_surface(&p).unwrap(), 24);
+        let late = |p: &Parameters, state: State, time: f64| {
+            let mut job = Progress::default();
+            (0..(time / p.sample_period) as u32).for_each(|_| job.count());
+            overdue(p, &path, 1.0, state, &job)
+        };
+        // 1 s of measurement, 0.3 s of approach, two turns on a quintic of 2 rad/s
+        let most = 2.0 * (1.3 + quintic_duration(2.0 * TAU, 2.0));
+        assert!(!late(&p, State::Identify, most - 0.01) && late(&p, State::Identify, most + 0.01));
+        assert!(!late(&p, State::Hold, 100.0) && !late(&p, State::Track, 100.0));
+        p.limits.job_time = 0.5;
+        assert!(!late(&p, State::Track, 0.49) && late(&p, State::Track, 0.51));
+        assert!(!late(&p, State::Hold, 0.51));
+    }
+
+    #[test]
+    fn a_share_of_nothing_is_a_frozen_reading_where_the_reading_stands() {
+        let p = Parameters::START;
+        for (speed, share, fault) in [
+            (0.0, 0.05, Fault::FrozenReading),
+            (0.0, -0.05, Fault::FrozenReading),
+            (0.0, 0.15, Fault::WeakDrive),
+            (1e-3, 0.05, Fault::WeakDrive),
+            (0.0, -0.25, Fault::DriveSign),
+        ] {
+            let mut watch = Watch::default();
+            for k in 0..100 {
+                let arm_angle = speed * f64::from(k);
+                let sample = Sample {
+                    wanted: 0.0,
+                    arm_angle,
+                    torque: 0.0,
+                    swinging: false,
+                    learning: false,
+                    rms: 0.0,
+                    spindle_speed: 0.0,
+                };
+                watch.update(&p, 0.08, &sample);
+            }
+            assert_eq!(watch.drive_fault(&p, share), Some(fault), "{speed} {share}");
         }
     }
 }

@@ -87,6 +87,18 @@ mod tests {
     use super::*;
 
     #[test]
+    fn the_time_is_that_of_the_way_and_never_less_than_that_of_the_approach() {
+        let p = Parameters::START;
+        // the largest speed of a quintic is 15/8 of the mean
+        assert!((duration(&p, 0.5, 2.5) - 15.0 / 8.0).abs() < 1e-12, "{}", duration(&p, 0.5, 2.5));
+        assert_eq!(duration(&p, 2.5, 0.5), duration(&p, 0.5, 2.5));
+        assert_eq!(duration(&p, 0.5, 0.6), p.approach_time);
+        for (velocity, stops) in [(0.0, false), (0.1, true), (-0.1, true)] {
+            assert_eq!(HoldMotion::stopping(&p, Trajectory { velocity, ..Trajectory::resting(0.2) }).stops(&p), stops);
+        }
+    }
+
+    #[test]
     fn keeps_the_speed_and_arrives() {
         let p = Parameters::START;
         let mut hold = HoldMotion::at(0.0);

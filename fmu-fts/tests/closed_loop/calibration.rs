@@ -155,6 +155,38 @@ fn readings_on_one_flat_are_one_sample() {
 }
 
 #[test]
+fn a_flat_lies_at_the_mean_of_its_readings_and_a_rigid_arm_does_not_bend() {
+    let mut p = Parameters::START;
+    p.tip.frequency = 0.0;
+    let mut bench = Bench::new(p, Mode::CalibrateFlats);
+    for k in 0..11 {
+        let phi = (30.0 + 3.0 * f64::from(k)).to_radians();
+        bench.now.arm_angle = phi - ZERO;
+        bench.cut();
+        // the nominal length, which flats alone are fitted with
+        for off in [4e-5, -1e-5, -3e-5] {
+            bench.capture(0.02, 0.08 * phi.sin() + off);
+        }
+    }
+    assert_eq!(bench.solve(), Status::Solved);
+    let found = bench.calibration.report();
+    assert_eq!(found.samples, 11);
+    assert!((found.arm_zero - ZERO).abs() < 1e-8, "{:e}", found.arm_zero - ZERO);
+}
+
+#[test]
+fn another_calibration_in_between_begins_with_nothing() {
+    let mut bench = Bench::new(Parameters::START, Mode::CalibrateToroid);
+    bench.cut();
+    bench.toroid();
+    bench.input.mode = Mode::CalibrateFlats;
+    bench.step();
+    assert_eq!((bench.calibration.status(), bench.calibration.report().samples), (Status::None, 0));
+    bench.capture(0.02, 0.05);
+    assert_eq!(bench.calibration.status(), Status::NoCut);
+}
+
+#[test]
 fn a_capture_that_stays_reads_once_every_pitch() {
     let mut bench = Bench::new(Parameters::START, Mode::CalibrateToroid);
     bench.cut();

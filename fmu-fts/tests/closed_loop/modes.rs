@@ -155,7 +155,7 @@ fn a_saturated_loop_learns_nothing() {
     p.servo.torque_max = 0.46;
     p.limits.torque_share = 1.0;
     p.surface.outer_radius = 0.031;
-    (p.limits.following_error, p.limits.saturated_time) = (0.1, 10.0);
+    (p.limits.following_error, p.limits.saturated_share) = (0.1, 1.0);
     (p.limits.disturbance, p.limits.drive_share) = (0.2, 0.0);
     let mut run = Loop::new(&p, &Build { gain: 0.7, ..Build::NOMINAL }, 3);
     let (mut saturated, mut learned) = (0, 0);

@@ -1,6 +1,6 @@
 //! What each layer of the control leaves, at several speeds, surfaces and delays. Errors in um.
 
-use fmu_fts::interface::{Afc, Parameters, SurfaceKind, Tip};
+use fmu_fts::interface::{Afc, Fault, Limits, Parameters, State, SurfaceKind, Tip};
 use fmu_fts::lists::harmonics::Harmonics;
 
 use crate::machine::{Build, RPM};
@@ -177,17 +177,35 @@ fn cancellation_settles_within_ten_turns() {
 
 #[test]
 fn eq_3_as_printed_diverges_at_1200_rpm() {
-    let last = |p: &Parameters| {
-        let mut run = Loop::new(p, &at(|_| 1200.0 * RPM), 1);
+    // the growth itself, which is a fault beyond 20 um
+    let unlimited = |p: Parameters| Parameters { limits: Limits { tracking_error: 0.1, ..p.limits }, ..p };
+    let last = |p: Parameters| {
+        let mut run = Loop::new(&unlimited(p), &at(|_| 1200.0 * RPM), 1);
         run.run_to(1.5);
         let early = run.measure(0.2).rms;
         run.run_to(2.5);
         (early, run.measure(0.2).rms)
     };
-    let (early, late) = last(&Parameters::PAPER);
+    let (early, late) = last(Parameters::PAPER);
     assert!(late > 5.0 * early, "{early} {late}");
-    let (_, late) = last(&five());
+    let (_, late) = last(five());
     assert!(late < 1.0, "{late}");
+}
+
+#[test]
+fn a_cancellation_that_diverges_is_told_and_the_tool_leaves_the_part() {
+    let mut run = Loop::new(&Parameters::PAPER, &at(|_| 1200.0 * RPM), 1);
+    run.run_to(0.5);
+    let mut lowest = f64::INFINITY;
+    while run.output.fault == Fault::None && run.time() < 5.0 {
+        lowest = lowest.min(run.output.reference.depth);
+        run.step();
+    }
+    assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::Divergence));
+    run.run_to(run.time() + 0.5);
+    let out = lowest - run.machine.tip_depth();
+    // 1 mm of retract, less what the path became deeper by the feed
+    assert!(run.output.drive_enable && out > 0.8e-3, "{out}");
 }
 
 #[test]

@@ -1,0 +1,114 @@
+//! Whether the error grows from turn to turn: a cancellation or a cut that is not stable.
+//!
+//! What a stable loop is left with falls with its time constants, and noise is the same in every turn. A tool that goes
+//! into the part, or a step of another kind, is over within two turns. An error that rises in four to ten turns in a row,
+//! to twice what it was, and by its part in each, comes of itself: each turn cuts what the one before has left, and the harmonics learn it with the wrong
+//! phase. At another speed the path is another, too, and the turns begin anew. Below `limits.tracking_error` nothing is said.
+
+use serde::{Deserialize, Serialize};
+
+use crate::interface::Parameters;
+
+/// Turns in a row, at least, and at most: an error that doubles over more of them goes with the path.
+const TURNS: u32 = 4;
+const TURNS_MAX: u32 = 10;
+/// Growth over them.
+const GROWTH: f64 = 2.0;
+/// Least and largest growth in one turn: noise rises by less, a step of the path by more.
+const EACH: [f64; 2] = [1.05, 4.0];
+/// Largest change of the speed of the spindle over them.
+const STEADY: f64 = 0.01;
+
+/// The turns in which the error has risen; by default none.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub struct GrowthWatch {
+    /// error over the last turn, and where it began to rise, root mean square, m
+    last: f64,
+    begin: f64,
+    /// speed of the spindle there, rad/s
+    speed: f64,
+    turns: u32,
+}
+
+impl GrowthWatch {
+    /// Takes the error over the last full turn (m, root mean square, 0 before the first) and the speed of the spindle (rad/s).
+    pub fn update(&mut self, rms: f64, speed: f64) {
+        // the same until the next turn is full
+        if rms == self.last {
+            return;
+        }
+        let steady = (speed - self.speed).abs() <= STEADY * self.speed.abs();
+        let grown = rms > EACH[0] * self.last && rms < EACH[1] * self.last;
+        if grown && steady && self.turns < TURNS_MAX {
+            self.turns += 1;
+        } else {
+            (self.begin, self.speed, self.turns) = (rms, speed, 0);
+        }
+        self.last = rms;
+    }
+
+    /// Whether it grows.
+    pub fn grows(&self, p: &Parameters) -> bool {
+        self.turns >= TURNS && self.last >= GROWTH * self.begin && self.last > p.limits.tracking_error
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The first turn of 30, each of 100 samples, after which the error (um) is said to grow.
+    fn grows(error: impl Fn(i32) -> f64, speed: impl Fn(i32) -> f64) -> Option<i32> {
+        let (p, mut watch) = (Parameters::START, GrowthWatch::default());
+        (0..30).find(|turn| {
+            (0..100).for_each(|_| watch.update(1e-6 * error(*turn), speed(*turn)));
+            watch.grows(&p)
+        })
+    }
+
+    #[test]
+    fn an_error_that_doubles_over_four_turns_or_more_grows() {
+        assert_eq!(grows(|turn| 20.0 * 1.19_f64.powi(turn), |_| 62.8), Some(4));
+        assert_eq!(grows(|turn| 20.0 * 1.10_f64.powi(turn), |_| -62.8), Some(8));
+        // after it fell
+        assert_eq!(grows(|turn| 20.0 * 1.3_f64.powi((turn - 9).abs()), |_| 62.8), Some(13));
+    }
+
+    #[test]
+    fn small_errors_and_short_rises_say_nothing() {
+        assert_eq!(grows(|turn| (0.05 * 1.19_f64.powi(turn)).min(19.9), |_| 62.8), None);
+        assert_eq!(grows(|turn| 20.1 * 1.19_f64.powi(turn.min(3)), |_| 62.8), None);
+        assert_eq!(grows(|turn| 2.0 * 3.0_f64.powi(turn % 4), |_| 62.8), None);
+        // from nothing, and to less than twice
+        assert_eq!(grows(|turn| if turn == 0 { 0.0 } else { 30.0 + 0.9 * f64::from(turn) }, |_| 62.8), None);
+    }
+
+    #[test]
+    fn a_step_after_noise_that_rose_by_chance_does_not_grow() {
+        let error = |turn: i32| match turn {
+            0..5 => 0.40 + 0.01 * f64::from(turn),
+            5 => 20.0,
+            _ => 49.0 + 0.1 * f64::from(turn),
+        };
+        assert_eq!(grows(error, |_| 62.8), None);
+    }
+
+    #[test]
+    fn an_error_that_goes_with_the_radius_does_not_grow() {
+        let (p, mut watch) = (Parameters::START, GrowthWatch::default());
+        for turn in 0..300 {
+            watch.update(1e-4 * (1.0 + 0.01 * f64::from(turn)).powi(2), 62.8);
+            assert!(!watch.grows(&p), "turn {turn}");
+        }
+    }
+
+    #[test]
+    fn at_another_speed_the_turns_begin_anew() {
+        assert_eq!(grows(|turn| 20.0 * 1.19_f64.powi(turn), |turn| 62.8 * 1.02_f64.powi(turn)), None);
+        assert_eq!(grows(|turn| 20.0 * 1.19_f64.powi(turn), |turn| 62.8 * 1.002_f64.powi(turn)), Some(4));
+        assert_eq!(
+            grows(|turn| 20.0 * 1.19_f64.powi(turn), |turn| if turn < 5 { 62.8 - f64::from(turn) } else { 60.0 }),
+            Some(9)
+        );
+    }
+}
