@@ -275,7 +275,6 @@ impl Controller {
         let cruised = self.motion.reference.acceleration == 0.0 && !self.motion.at_rest();
         match reading.position {
             Some(position) if self.off() => self.motion.lie(position),
-            None if self.off() => {}
             position => self.motion.step(p, self.state, position.is_some(), self.waiting),
         }
         // the drive is judged by its last braking, far from the workpiece

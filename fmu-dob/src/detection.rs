@@ -5,5 +5,7 @@ pub mod cusum;
 pub mod detector;
 pub mod glr;
 pub mod guard;
+pub mod innovation;
 pub mod kalman;
+pub mod monitor;
 pub mod threshold;

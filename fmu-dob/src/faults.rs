@@ -30,7 +30,7 @@ impl Fault {
             | Self::LearnTimeout
             | Self::NoProgress => SafeEnd::Retract,
             // it has retracted already
-            Self::ContactRejected => SafeEnd::Stop,
+            Self::ContactRejected | Self::LateContact => SafeEnd::Stop,
             Self::LostReading
             | Self::FrozenReading
             | Self::ReadingJump
@@ -76,6 +76,8 @@ pub struct Symptoms<'a> {
     pub learning: bool,
     /// Change of the force from before the contact to behind the retract, N.
     pub force_left: Option<f64>,
+    /// Not the detector but the force guard has found the contact.
+    pub guarded: bool,
     /// The job takes too long.
     pub late: bool,
 }
@@ -103,6 +105,7 @@ pub fn find(p: &Parameters, symptoms: &Symptoms) -> Option<Fault> {
         (Fault::LearnRejected, s.learned.is_some_and(learned)),
         (Fault::LearnTimeout, s.learning),
         (Fault::ContactRejected, s.force_left.is_some_and(|force| force.abs() > p.limits.force_left)),
+        (Fault::LateContact, s.guarded),
         (Fault::NoProgress, s.late),
     ];
     let found = faults.into_iter().find_map(|(fault, found)| found.then_some(fault));
@@ -167,6 +170,10 @@ pub fn numbers(vars: &Vars) -> String {
                 output.force.notched, p.limits.force_left
             )
         }
+        Fault::LateContact => format!(
+            ": `guard.force` = `{} N` was reached before the detector `{:?}` was armed or told a contact",
+            p.guard_force, p.detector
+        ),
         Fault::NoProgress => format!(": `{} s`", job_limit(p, &p.approach)),
         Fault::LongStep => format!(": limit `{} s`", p.sample_period),
         Fault::InvalidInput => format!(": `{} rad/s` {row}", vars.input.spindle_speed),
@@ -234,6 +241,7 @@ mod tests {
             learned: Some(NOISE),
             learning: false,
             force_left: Some(0.0),
+            guarded: false,
             late: false,
         }
     }
@@ -249,7 +257,7 @@ mod tests {
             set(&mut reading, &mut all, value);
             find(&p, &Symptoms { reading: &reading, ..all })
         };
-        let limits: [(Set, f64, f64, Fault); 13] = [
+        let limits: [(Set, f64, f64, Fault); 14] = [
             (|r, _, x| r.lost = x as u32, 7.0, 8.0, Fault::LostReading),
             (|r, _, x| (r.lost, r.loss) = (x as u32, Loss::Jumps), 7.0, 8.0, Fault::ReadingJump),
             (|r, _, x| (r.lost, r.loss) = (x as u32, Loss::Stands), 7.0, 8.0, Fault::FrozenReading),
@@ -262,6 +270,7 @@ mod tests {
             (|_, s, x| s.share = Some(x), 0.4, 0.39, Fault::WeakDrive),
             (|_, s, x| s.share = Some(x), 0.4, -0.21, Fault::DriveSign),
             (|_, s, x| s.force_left = Some(x), -0.3, -0.31, Fault::ContactRejected),
+            (|_, s, x| s.guarded = x > 0.5, 0.0, 1.0, Fault::LateContact),
             (|_, s, x| s.learned = Some(ThresholdOutput { sigma: x, ..NOISE }), 1.0, 1.1, Fault::LearnRejected),
         ];
         for (set, last, first, fault) in limits {
@@ -278,8 +287,9 @@ mod tests {
         };
         assert_eq!(named(Some(1.0), false), Some(Fault::FollowingError));
         assert_eq!(named(None, false), Some(Fault::FollowingError));
+        assert_eq!(named(Some(0.5), false), Some(Fault::FollowingError));
         assert_eq!(named(Some(0.3), false), Some(Fault::WeakDrive));
-        assert_eq!(named(Some(-0.1), false), Some(Fault::WeakDrive));
+        assert_eq!(named(Some(-0.2), false), Some(Fault::WeakDrive));
         assert_eq!(named(Some(-0.9), false), Some(Fault::DriveSign));
         // a share alone is no fault until it is to be judged
         let share = |judged| find(&p, &Symptoms { share: Some(0.1), judged, ..symptoms(&GOOD) });
@@ -307,6 +317,7 @@ mod tests {
             learned: Some(ThresholdOutput::START),
             learning: true,
             force_left: Some(9.0),
+            guarded: true,
             late: true,
             ..symptoms(&reading)
         };
@@ -325,7 +336,7 @@ mod tests {
     #[test]
     fn the_drive_goes_off_where_the_position_or_the_drive_cannot_be_trusted() {
         let ends = |end: SafeEnd| Fault::ALL.iter().filter(move |fault| fault.safe_end() == end).count();
-        assert_eq!([SafeEnd::Retract, SafeEnd::Stop, SafeEnd::DriveOff].map(ends), [7, 1, 10]);
+        assert_eq!([SafeEnd::Retract, SafeEnd::Stop, SafeEnd::DriveOff].map(ends), [7, 2, 10]);
         assert_eq!(Fault::FrozenReading.safe_end(), SafeEnd::DriveOff);
         assert_eq!(Fault::TravelLimit.safe_end(), SafeEnd::Retract);
     }

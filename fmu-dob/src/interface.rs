@@ -74,6 +74,8 @@ mod variables {
         #[hint("check what is connected to this input, and its unit")] InvalidInput,
         /// The communication step is longer than a sample: several samples have the same inputs, and of their commands the last alone is seen
         #[hint("set the communication step of the importer to `sample_period`")] LongStep,
+        /// The force guard found the contact: the detector was not armed yet, or had missed it, and the tool was deeper than it lets it
+        #[hint("start farther from the workpiece, or choose a `detector` that sees this contact at this speed; look for vibration that hides it")] LateContact,
     }
     /// What detected the contact
     pub enum ContactSource {

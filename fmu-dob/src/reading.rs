@@ -337,4 +337,30 @@ mod tests {
         p.approach.direction = -1;
         assert_eq!(Reader::default().read(&p, &at(0.2), &RESTING).position, Some(-0.2));
     }
+
+    #[test]
+    fn a_stage_that_was_hardly_astray_may_not_stand() {
+        let mut reader = cruising();
+        // 20 nm behind its reference, within the 10 nm that are unanswered and four times the 5 nm
+        let near = Expected { motion: 0.0, reference: 1.01e-6, ..CRUISING };
+        let stuck = reader.read(&Parameters::START, &at(99e-8), &near);
+        assert_eq!((stuck.position, stuck.loss), (None, Loss::Stands));
+    }
+
+    #[test]
+    fn a_reading_stands_beyond_its_limit_unless_the_stage_is_farther_astray_than_that_explains() {
+        let mut p = Parameters::START;
+        let unit = 2f64.powi(-28);
+        p.limits.frozen = unit;
+        let stands = |samples: u32, astray: f64| {
+            let mut reader = Reader::default();
+            let expected = Expected { asked: unit, behind: 2.0 * unit, reference: astray * unit, ..RESTING };
+            let last = (0..=samples).map(|_| reader.read(&p, &at(0.0), &expected)).last().unwrap();
+            last.position.is_none() && last.loss == Loss::Stands
+        };
+        // one of `limits.frozen` and two that the stage may be behind
+        assert_eq!([stands(3, 0.0), stands(4, 0.0)], [false, true]);
+        // four unanswered, two behind, four times `limits.frozen`
+        assert_eq!([stands(4, 10.0), stands(4, 11.0)], [true, false]);
+    }
 }

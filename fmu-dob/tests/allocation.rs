@@ -63,16 +63,19 @@ fn every_fault_and_its_reset() {
     short.approach.travel_max = 8e-5;
     strict.limits.slope_sigma_max = 0.1;
     (weak.stage.current_max, weak.limits.saturated_time) = (0.05, 5e-4);
-    let cases: [(Fault, &Parameters, Cause); 6] = [
+    let cases: [(Fault, &Parameters, Cause); 7] = [
         (Fault::TravelLimit, &short, |_| ()),
         (Fault::LostReading, &p, |input| input.position_valid = false),
         (Fault::Saturation, &weak, |_| ()),
         (Fault::LearnRejected, &strict, |_| ()),
         (Fault::FrozenReading, &p, |input| input.position = input.position.min(4e-5)),
         (Fault::InvalidInput, &p, |input| input.spindle_speed = f64::NAN),
+        (Fault::LateContact, &p, |_| ()),
     ];
     for (fault, p, cause) in cases {
-        let mut run = Loop::new(p, 53, NO_WORKPIECE);
+        // 20 um are travelled before the detector is armed
+        let surface = if fault == Fault::LateContact { 2e-5 } else { NO_WORKPIECE };
+        let mut run = Loop::new(p, 53, surface);
         run.slide.push = if fault == Fault::Saturation { -2.0 } else { 0.0 };
         while run.output.state != State::Fault {
             assert!(run.time() < 4.0, "{fault:?}: {:?}", run.output);

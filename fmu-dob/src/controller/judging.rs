@@ -19,6 +19,11 @@ fn started(p: &Parameters) -> u32 {
 }
 
 impl Controller {
+    /// Whether all that the detector remembers are readings that counted in full.
+    pub(super) fn trusted(p: &Parameters, reading: &Reading) -> bool {
+        reading.whole > Detector::memory(p)
+    }
+
     /// What the observer and the reference say about the position to come.
     pub(super) fn expect(&self, p: &Parameters) -> Expected {
         let dt = p.sample_period;
@@ -88,6 +93,7 @@ impl Controller {
             learned: (learning && elapsed).then(|| self.detector.learned()),
             learning: learning && self.ticks > ticks(learn_limit(p), p.sample_period),
             force_left: (retracted && self.contact.is_some()).then(|| monitors.relief.mean() - self.guard.before()),
+            guarded: retracted && self.contact.is_some_and(|contact| contact.source == ContactSource::ForceGuard),
             late: state.at_work() && late(p, &self.motion.approach, monitors.job.samples()),
         };
         faults::find(p, &symptoms)
@@ -109,7 +115,7 @@ impl Controller {
         let acceleration = if starting { self.motion.approach.acceleration } else { 0.0 };
         let guarded = self.guard.exceeded(p, acceleration, self.force.notched);
         // a contact pushes, it does not jump: what has counted only in part may not look like one
-        if reading.whole <= Detector::memory(p) {
+        if !Self::trusted(p, reading) {
             self.detector.clear();
         } else if self.state == State::Detect && self.detector.test(p) {
             return Some(self.detector.source());

@@ -1,12 +1,13 @@
 //! The six detectors behind one type: each learns its noise before contact and then tests every sample.
 
-use control_blocks::{Consecutive, RunningLine, Welford, ticks};
+use control_blocks::{RunningLine, ticks};
 use serde::{Deserialize, Serialize};
 
 use crate::detection::cusum::CumulativeSum;
 use crate::detection::glr::OnsetBank;
-use crate::detection::kalman::{self, KalmanFilter};
-use crate::detection::threshold::Statistics;
+use crate::detection::innovation::Innovation;
+use crate::detection::kalman;
+use crate::detection::monitor::Monitor;
 use crate::force::observer::forgetting;
 use crate::interface::{ContactSource, DetectorKind, Parameters, ThresholdOutput};
 
@@ -14,9 +15,6 @@ use crate::interface::{ContactSource, DetectorKind, Parameters, ThresholdOutput}
 const WINDOWS: [f64; 4] = [2e-3, 5e-3, 10e-3, 20e-3];
 /// Samples of the shortest window.
 const LEAST: u32 = 3;
-
-/// An innovation counts as this many standard deviations at most: one bad sample alone is no contact.
-const INNOVATION_MAX: f64 = 4.0;
 
 /// Samples of a window of `time` s.
 pub fn samples(time: f64, sample_period: f64) -> usize {
@@ -40,43 +38,6 @@ pub struct Sample {
     pub slope: f64,
 }
 
-/// A signal, its statistics before contact, its threshold and how often in a row it was above.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-struct Monitor {
-    signal: f64,
-    statistics: Statistics,
-    threshold: ThresholdOutput,
-    row: Consecutive,
-}
-
-impl Monitor {
-    fn new() -> Self {
-        Self {
-            signal: 0.0,
-            statistics: Statistics::default(),
-            threshold: ThresholdOutput::START,
-            row: Consecutive::NONE,
-        }
-    }
-
-    fn learn(&mut self) {
-        self.statistics.push(self.signal);
-    }
-
-    fn arm(&mut self, p: &Parameters, tests: usize) {
-        self.threshold = self.statistics.threshold(p, tests);
-    }
-
-    fn test(&mut self, p: &Parameters) -> bool {
-        let above = self.signal > self.threshold.value;
-        self.row.update(above) >= p.threshold.row.unsigned_abs()
-    }
-
-    fn forget(&mut self) {
-        (self.statistics, self.threshold) = (Statistics::default(), ThresholdOutput::START);
-    }
-}
-
 /// Slope over one more window.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Scale {
@@ -87,35 +48,6 @@ struct Scale {
 impl Scale {
     fn new(window: usize) -> Self {
         Self { line: RunningLine::zeroed(window), monitor: Monitor::new() }
-    }
-}
-
-/// Kalman innovation, normalised by its learned standard deviation.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-struct Innovation {
-    filter: KalmanFilter,
-    noise: Welford,
-    value: f64,
-}
-
-impl Innovation {
-    fn new(p: &Parameters) -> Self {
-        Self { filter: KalmanFilter::new(p), noise: Welford::default(), value: 0.0 }
-    }
-
-    fn update(&mut self, sample: &Sample) {
-        self.value = self.filter.update(sample.position, sample.acted, sample.spindle_speed);
-    }
-
-    /// The innovation (m) without what only a bad sample could be.
-    fn limited(&self) -> f64 {
-        let most = INNOVATION_MAX * self.noise.sigma();
-        self.value.clamp(-most, most)
-    }
-
-    fn reset(&mut self, position: f64) {
-        self.filter.reset(position);
-        self.noise = Welford::default();
     }
 }
 
@@ -192,23 +124,23 @@ impl Detector {
     /// Takes one sample; the force signals of a sample without position are not used.
     pub fn update(&mut self, p: &Parameters, sample: &Sample) {
         match &mut self.method {
-            Method::Cusum(inner) => inner.0.update(sample),
+            Method::Cusum(inner) => inner.0.update(sample.position, sample.acted, sample.spindle_speed),
             Method::Glr(inner) => {
-                inner.0.update(sample);
-                inner.1.build(&inner.0.filter);
+                inner.0.update(sample.position, sample.acted, sample.spindle_speed);
+                inner.1.build(inner.0.filter());
             }
             _ if sample.position.is_none() => return,
-            Method::Raw(monitor) => monitor.signal = sample.notched,
-            Method::Deviation(monitor) => monitor.signal = sample.deviation,
+            Method::Raw(monitor) => monitor.take(sample.notched),
+            Method::Deviation(monitor) => monitor.take(sample.deviation),
             Method::Slope => {}
             Method::MultiSlope(scales) => {
                 for Scale { line, monitor } in scales {
                     line.update(sample.deviation);
-                    monitor.signal = line.slope(p.sample_period);
+                    monitor.take(line.slope(p.sample_period));
                 }
             }
         }
-        self.slope.signal = sample.slope;
+        self.slope.take(sample.slope);
     }
 
     /// Learns from the newest sample.
@@ -218,15 +150,15 @@ impl Detector {
             Method::Raw(monitor) | Method::Deviation(monitor) => monitor.learn(),
             Method::Slope => {}
             Method::MultiSlope(scales) => scales.iter_mut().for_each(|s| s.monitor.learn()),
-            Method::Cusum(inner) => inner.0.noise.push(inner.0.value),
-            Method::Glr(inner) => inner.0.noise.push(inner.0.value),
+            Method::Cusum(inner) => inner.0.learn(),
+            Method::Glr(inner) => inner.0.learn(),
         }
     }
 
     /// Whether all filters are in their steady state, so that learning may end.
     pub fn ready(&self) -> bool {
         match &self.method {
-            Method::Cusum(inner) => inner.0.filter.settled(),
+            Method::Cusum(inner) => inner.0.filter().settled(),
             Method::Glr(inner) => inner.1.ready(),
             _ => true,
         }
@@ -246,11 +178,11 @@ impl Detector {
 
     /// Forgets what looked like a contact, not what was learned.
     pub fn clear(&mut self) {
-        self.slope.row = Consecutive::NONE;
+        self.slope.clear();
         match &mut self.method {
-            Method::Raw(monitor) | Method::Deviation(monitor) => monitor.row = Consecutive::NONE,
+            Method::Raw(monitor) | Method::Deviation(monitor) => monitor.clear(),
             Method::Slope => {}
-            Method::MultiSlope(scales) => scales.iter_mut().for_each(|s| s.monitor.row = Consecutive::NONE),
+            Method::MultiSlope(scales) => scales.iter_mut().for_each(|s| s.monitor.clear()),
             Method::Cusum(inner) => inner.1 = CumulativeSum::default(),
             Method::Glr(inner) => inner.1.clear(),
         }
@@ -258,7 +190,7 @@ impl Detector {
 
     /// Learned statistics and threshold of the paper's slope; all zero before they are learned.
     pub fn learned(&self) -> ThresholdOutput {
-        self.slope.threshold
+        self.slope.threshold()
     }
 
     /// Tests the newest sample; true on contact.
@@ -270,11 +202,11 @@ impl Detector {
             // a contact makes the stage lag behind its prediction
             Method::Cusum(inner) => {
                 let (innovation, sum) = &mut **inner;
-                sum.test(&p.cusum, -innovation.limited() / innovation.noise.sigma())
+                sum.test(&p.cusum, -innovation.limited() / innovation.sigma())
             }
             Method::Glr(inner) => {
                 let (innovation, bank) = &mut **inner;
-                bank.update(innovation.limited(), innovation.noise.sigma()) > p.glr.threshold
+                bank.update(innovation.limited(), innovation.sigma()) > p.glr.threshold
             }
         }
     }
@@ -387,25 +319,44 @@ mod tests {
     }
 
     #[test]
-    fn row_starts_again_below_the_threshold() {
-        let p = Parameters::PAPER;
-        let mut monitor = Monitor::new();
-        monitor.threshold.value = 1.0;
-        let hits: Vec<bool> = [2.0, 2.0, 0.0, 2.0, 2.0, 2.0]
-            .iter()
-            .map(|x| {
-                monitor.signal = *x;
-                monitor.test(&p)
-            })
-            .collect();
-        assert_eq!(hits, [false, false, false, false, false, true]);
-    }
-
-    #[test]
     fn each_detector_names_itself() {
         for &detector in DetectorKind::ALL {
             let source = Detector::new(&Parameters { detector, ..Parameters::START }).source();
             assert_eq!(format!("{source:?}"), format!("{detector:?}"));
+        }
+    }
+
+    #[test]
+    fn an_innovation_tells_a_push_and_neither_noise_nor_one_bad_sample() {
+        for kind in [DetectorKind::Cusum, DetectorKind::Glr] {
+            let p = Parameters { detector: kind, ..Parameters::START };
+            let mut detector = Detector::new(&p);
+            detector.reset(0.0);
+            let noise = |k: u32| 1e-9 * (f64::from(k) * 12.9898).sin();
+            let sample = |z: f64| Sample { position: Some(z), ..Sample::default() };
+            let settling = Detector::settling(&p) as u32;
+            for k in 0..settling {
+                assert!(k + 1 == settling || !detector.ready(), "{kind:?} {k}");
+                detector.update(&p, &sample(noise(k)));
+            }
+            assert!(detector.ready(), "{kind:?}");
+            for k in settling..settling + 3000 {
+                detector.update(&p, &sample(noise(k)));
+                detector.learn();
+            }
+            detector.arm(&p);
+            let told = |push: &dyn Fn(u32) -> f64| {
+                let mut detector = detector.clone();
+                (0..300).find(|k| {
+                    detector.update(&p, &sample(noise(settling + 3000 + k) + push(*k)));
+                    detector.test(&p)
+                })
+            };
+            assert_eq!(told(&|_| 0.0), None, "{kind:?}");
+            assert_eq!(told(&|k| if k == 100 { -8e-9 } else { 0.0 }), None, "{kind:?}");
+            // 1 N on 10 kg, away from the work
+            let pushed = told(&|k| -0.05 * (f64::from(k) * p.sample_period).powi(2));
+            assert!(pushed.is_some_and(|k| (3..60).contains(&k)), "{kind:?} {pushed:?}");
         }
     }
 }

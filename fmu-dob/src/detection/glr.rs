@@ -128,4 +128,12 @@ mod tests {
         let quiet = (0..300).map(|_| bank.update(0.0, 1e-9)).last().unwrap();
         assert_eq!(quiet, 0.0);
     }
+
+    #[test]
+    fn a_cleared_bank_remembers_nothing() {
+        let (fresh, mut bank) = (ready_bank(), ready_bank());
+        (0..50).for_each(|_| _ = bank.update(-1e-6, 1e-9));
+        bank.clear();
+        assert_eq!(bank.update(-1e-9, 1e-9), fresh.clone().update(-1e-9, 1e-9));
+    }
 }

@@ -1,4 +1,4 @@
-//! Hard force guard: catches the contact that comes before the detector is armed.
+//! Hard force guard: catches the contact that comes before the detector is armed, or that it misses.
 
 use control_blocks::{Consecutive, Welford};
 use serde::{Deserialize, Serialize};

@@ -285,4 +285,29 @@ mod tests {
         let innovation = filter.update(Some(position(5003)), 0.0, 0.0);
         assert!(innovation.abs() < 1e-11, "{innovation} m");
     }
+
+    #[test]
+    fn the_thrust_is_foreseen() {
+        let mut p = Parameters::START;
+        p.stage.current_bandwidth = 1e6;
+        let mut filter = KalmanFilter::new(&p);
+        let (current, dt) = (0.05, p.sample_period);
+        let acceleration = p.stage.force_constant * current / p.stage.mass;
+        for k in 0..3000 {
+            let innovation = filter.update(Some(0.5 * acceleration * (f64::from(k) * dt).powi(2)), current, 0.0);
+            assert!(k < 2000 || innovation.abs() < 1e-12, "{k}: {innovation} m");
+        }
+        assert!(filter.state[2].abs() < 1e-3, "{} N", filter.state[2]);
+    }
+
+    #[test]
+    fn a_harmonic_close_to_nyquist_is_not_modelled() {
+        let p = Parameters::START;
+        let still = KalmanFilter::new(&p);
+        for (share, modelled) in [(0.89, true), (0.91, false), (1.2, false)] {
+            let mut filter = still.clone();
+            filter.update(Some(0.0), 0.0, share * PI / p.sample_period);
+            assert_eq!(filter.transition != still.transition, modelled, "{share}");
+        }
+    }
 }

@@ -95,6 +95,8 @@ mod tests {
     fn only_noise_is_plausible() {
         let learned = |mean, sigma| ThresholdOutput { mean, sigma, ..ThresholdOutput::START };
         assert!(learned(0.3, 1.0).plausible(5.0));
+        assert!(learned(0.9, 2.0).plausible(5.0));
+        assert!(learned(0.0, 5.0).plausible(5.0));
         assert!(!learned(0.0, 0.0).plausible(5.0));
         assert!(!learned(0.0, 5.1).plausible(5.0));
         assert!(!learned(-0.6, 1.0).plausible(5.0));

@@ -114,6 +114,17 @@ mod tests {
     }
 
     #[test]
+    fn is_as_wide_as_its_quality_says() {
+        let p = Parameters { notch_harmonics: 1, ..Parameters::START };
+        let mut notch = NotchCascade::new(&p);
+        let sine = (0..20_000).map(|k| notch.update((0.9 * SPEED * f64::from(k) * 1e-4).sin(), SPEED));
+        let gain = sine.skip(10_000).fold(0.0, |m, y| f64::max(m, y.abs()));
+        // |1 - x^2| / hypot(1 - x^2, x / Q) at x = 0.9 and Q = 2
+        let expected = 0.19 / f64::hypot(0.19, 0.45);
+        assert!((gain - expected).abs() < 0.02, "{gain} {expected}");
+    }
+
+    #[test]
     fn follows_a_speed_that_changes_by_half_a_percent() {
         let mut notch = cascade();
         (0..100).for_each(|_| _ = notch.update(0.0, SPEED));

@@ -3,6 +3,9 @@
 //! Nothing is asked of a stage at rest, so only the last bits tell that its encoder lives. Once they have been seen to
 //! change, at rest and after every motion has died out, `limits.rest_time` without any change is no chance: a rounded
 //! normal noise of half a step stays at one number with at most 0.68 a sample.
+//!
+//! Not the `StandingTool` of `fmu-deburr`: a stage at rest has one place and a given time, so that every change is a sign
+//! of life; there a speed that runs up or falls flickers not at all, and the time is learned from its turns.
 
 use control_blocks::{Frozen, ticks};
 use serde::{Deserialize, Serialize};
@@ -75,5 +78,23 @@ mod tests {
         let mut unwatched = p.clone();
         unwatched.limits.rest_time = 0.0;
         assert_eq!(told(&unwatched, 3000, |_| 0.0), None);
+    }
+
+    #[test]
+    fn what_hardly_ever_changed_may_stand() {
+        let p = Parameters::START;
+        let mut rest = Rest::default();
+        // a step of 1 nm every 5 ms: 2 % of the samples
+        assert!((0..3000u32).all(|k| !rest.update(&p, 1e-9 * f64::from(k / 50))));
+        assert!((0..5000).all(|_| !rest.update(&p, 1e-9)));
+    }
+
+    #[test]
+    fn a_motion_forgets_the_life_before() {
+        let p = Parameters::START;
+        let mut rest = Rest::default();
+        assert!((0..3000).all(|k| !rest.update(&p, if k * k % 7 < 3 { 1e-9 } else { 0.0 })));
+        rest.clear();
+        assert!((0..5000).all(|_| !rest.update(&p, 0.0)));
     }
 }

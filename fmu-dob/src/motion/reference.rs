@@ -184,4 +184,44 @@ mod tests {
         let left = motion.reference.position - motion.retreat_to;
         assert!((left - retract_distance(&p, &p.approach)).abs() < 1e-15);
     }
+
+    #[test]
+    fn an_approach_that_waits_stands() {
+        let p = Parameters::START;
+        let mut motion = approaching(&p, 0);
+        (0..100).for_each(|_| motion.step(&p, State::Approach, true, true));
+        assert_eq!((motion.reference.position, motion.asked, motion.at_rest()), (0.3, 0.0, true));
+    }
+
+    #[test]
+    fn a_stage_that_is_held_has_no_way_to_go() {
+        let p = Parameters::START;
+        let mut motion = approaching(&p, 1000);
+        motion.depart(&p);
+        motion.reseat(0.5, 1e-3);
+        motion.hold();
+        (0..100).for_each(|_| motion.step(&p, State::Fault, true, false));
+        assert!(motion.retreated(&p));
+        // 1 mm/s is braked within 0.25 um
+        let way = motion.reference.position - 0.5;
+        assert!((0.0..0.4e-6).contains(&way), "{way} m");
+    }
+
+    #[test]
+    fn a_retract_ends_within_a_sample_of_its_distance() {
+        for deceleration in [0.01, 2.0, 10.0] {
+            for k in 0..20 {
+                let mut p = Parameters::START;
+                (p.retract.deceleration, p.retract.distance) = (deceleration, 1e-4 * (1.0 + 0.0137 * f64::from(k)));
+                let mut motion = approaching(&p, 0);
+                motion.depart(&p);
+                while !motion.retreated(&p) {
+                    motion.step(&p, State::Retract, true, false);
+                }
+                let left = motion.reference.position - (0.3 - p.retract.distance);
+                let sample = p.retract.velocity * p.sample_period + deceleration * p.sample_period.powi(2);
+                assert!(left.abs() <= sample, "{deceleration} m/s2: {left} m of {sample} m");
+            }
+        }
+    }
 }

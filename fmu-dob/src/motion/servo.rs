@@ -138,6 +138,20 @@ mod tests {
     }
 
     #[test]
+    fn swings_from_limit_to_limit_are_counted_until_they_are_forgotten() {
+        let p = Parameters::START;
+        let mut amplifier = Amplifier::default();
+        assert_eq!(amplifier.reversals(), 0);
+        let swings = [9.0, -9.0, 0.0, 9.0, -9.0].map(|current| {
+            amplifier.send(&p, current);
+            amplifier.reversals()
+        });
+        assert_eq!(swings, [0, 1, 1, 2, 3]);
+        amplifier.forget();
+        assert_eq!((amplifier.reversals(), amplifier.limited()), (0, 0));
+    }
+
+    #[test]
     fn integrator_stands_still_at_the_limit() {
         let p = Parameters::START;
         let mut integrator = Integrator::default();

@@ -80,6 +80,40 @@ mod tests {
     }
 
     #[test]
+    fn every_delay_can_be_judged() {
+        for io_delay in 0..=DELAY_MAX as i32 {
+            let mut p = Parameters { io_delay, ..Parameters::START };
+            p.servo.bandwidth = 20.0;
+            p.observer.bandwidth = 60.0;
+            assert!(spectral_radius(&p) < 1.0, "{io_delay}: {}", spectral_radius(&p));
+        }
+    }
+
+    #[test]
+    fn a_slow_servo_decays_as_its_roots_say() {
+        let mut p = Parameters { sample_period: 2e-5, ..Parameters::START };
+        (p.servo.disturbance_compensation, p.servo.integral_gain) = (false, 0.0);
+        (p.servo.bandwidth, p.servo.damping) = (10.0, 1.0);
+        (p.observer.velocity_bandwidth, p.stage.current_bandwidth) = (50_000.0, 1e6);
+        // s^2 + 1.3 (2 omega s + omega^2) = 0
+        let slowest = 10.0 * (1.3 - (1.3f64 * 1.3 - 1.3).sqrt());
+        let decay = -spectral_radius(&p).ln() / p.sample_period;
+        assert!((decay / slowest - 1.0).abs() < 2e-2, "{decay} {slowest}");
+    }
+
+    #[test]
+    fn a_drive_of_the_margin_moves_the_stage_by_half_a_t_squared() {
+        let mut p = Parameters::START;
+        p.stage.current_bandwidth = 1e6;
+        let mut x = [0.0; OWN + 3];
+        // 0.1 A that acts next
+        x[OWN + 1] = 0.1;
+        sample(&p, &DisturbanceObserver::new(&p), &mut x);
+        let (a, t) = (1.3 * 20.0 * 0.1 / 10.0, 1e-4);
+        assert!((x[1] / (a * t) - 1.0).abs() < 1e-5 && (x[0] / (0.5 * a * t * t) - 1.0).abs() < 1e-5, "{x:?}");
+    }
+
+    #[test]
     fn the_radius_is_the_growth_of_the_loop_in_a_sample() {
         let mut p = Parameters::START;
         (p.servo.bandwidth, p.observer.bandwidth) = (785.0, 3000.0);
@@ -108,5 +142,15 @@ mod tests {
         (p.servo.disturbance_compensation, p.servo.integral_gain) = (false, 0.0);
         p.servo.bandwidth = 1e-9;
         assert!((spectral_radius(&p) - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn the_current_comes_behind_its_command() {
+        let p = Parameters::START;
+        let mut x = [0.0; OWN + 3];
+        x[OWN + 1] = 0.1;
+        sample(&p, &DisturbanceObserver::new(&p), &mut x);
+        let current = 0.1 * (1.0 - (-p.stage.current_bandwidth * p.sample_period).exp());
+        assert!((x[2] / current - 1.0).abs() < 1e-9, "{} {current}", x[2]);
     }
 }

@@ -1,6 +1,6 @@
 //! Detection depth and contact position over seeded approaches, for every detector.
 
-use fmu_dob::interface::{ContactSource, DetectorKind, Parameters, State, ThresholdMode};
+use fmu_dob::interface::{ContactSource, DetectorKind, Fault, Parameters, State, ThresholdMode};
 
 use crate::run::Loop;
 use crate::slide::STEP;
@@ -26,19 +26,23 @@ fn approach(p: &Parameters, seed: u64) -> Outcome {
     let mut run = Loop::new(p, seed, surface);
     assert!(run.run_to(State::Contact, 5.0), "seed {seed}: {:?}", run.output);
     assert!((run.output.contact_time - (run.time() - STEP)).abs() < 1e-9, "{:?}", run.output);
-    let early = run.slide.touch.is_none();
+    let (early, source) = (run.slide.touch.is_none(), run.output.contact_source);
     let mut released = run.time();
-    while run.output.state != State::Done {
+    // one that the guard found ends in `LateContact`
+    while !matches!(run.output.state, State::Done | State::Fault) {
         assert!(run.time() < 5.0, "seed {seed}: {:?}", run.output);
         run.step();
         if run.slide.contact_force > 0.0 {
             released = run.time();
         }
     }
+    let missed = source == ContactSource::ForceGuard;
+    let end = if missed { (State::Fault, Fault::LateContact) } else { (State::Done, Fault::None) };
+    assert_eq!((run.output.state, run.output.fault), end, "seed {seed}: {:?}", run.output);
     Outcome {
         depth: 1e6 * run.slide.depth,
         early,
-        source: run.output.contact_source,
+        source,
         late: 1e6 * (run.output.contact_position - surface),
         release: 1e3 * (released - run.output.contact_time),
     }

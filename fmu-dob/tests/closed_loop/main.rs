@@ -2,6 +2,7 @@
 
 mod detection;
 mod faults;
+mod guard;
 mod hostile;
 mod law;
 mod motion;

@@ -92,6 +92,16 @@ fn negative_direction_is_the_mirror_image() {
 }
 
 #[test]
+fn a_fast_retract_may_be_late_besides_its_following_error() {
+    let mut p = Parameters::START;
+    // 10 mm/s for two samples are 2 um
+    (p.retract.distance, p.retract.velocity, p.retract.deceleration) = (5e-3, 1e-2, 0.05);
+    (p.limits.following_error, p.limits.force_left) = (1e-6, 10.0);
+    let mut run = Loop::new(&p, 38, 90e-6);
+    assert!(run.run_to(State::Done, 4.0), "{:?}", run.output);
+}
+
+#[test]
 fn calibrated_bias_moves_the_estimate_only() {
     for direction in [1, -1] {
         let mut p = Parameters::START;

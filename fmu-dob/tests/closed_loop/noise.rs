@@ -2,15 +2,12 @@
 
 use fmu_dob::interface::{ContactSource, DetectorKind, Parameters, State};
 
-use crate::run::Loop;
+use crate::run::{Loop, NO_WORKPIECE};
 
 /// One hour, s.
 const HOUR: f64 = 3600.0;
 /// Armed time after each learning, s.
 const ARMED: f64 = 20.0;
-/// Out of reach, m.
-const NO_WORKPIECE: f64 = 1.0;
-
 /// False alarms in `hours` of armed time, with fresh learning (and fresh noise) every 20 s and after every alarm.
 fn false_alarms(parameters: &Parameters, first_seed: u64, hours: f64) -> usize {
     let (mut armed, mut alarms, mut seed) = (0.0, 0, first_seed);

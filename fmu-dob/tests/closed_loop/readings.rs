@@ -4,10 +4,7 @@ use std::f64::consts::TAU;
 
 use fmu_dob::interface::{ContactSource, DetectorKind, Fault, Input, Parameters, State};
 
-use crate::run::Loop;
-
-/// Out of reach, m.
-const NO_WORKPIECE: f64 = 1.0;
+use crate::run::{Loop, NO_WORKPIECE};
 
 fn running(p: &Parameters, seed: u64, state: State) -> Loop {
     let mut run = Loop::new(p, seed, NO_WORKPIECE);
@@ -146,6 +143,14 @@ fn a_position_that_jumps_for_good_is_told_or_no_contact() {
 }
 
 #[test]
+fn a_jump_while_settling_is_told() {
+    let mut run = running(&Parameters::START, 70, State::Approach);
+    (0..1000).for_each(|_| run.step());
+    until_told(&mut run, 100, |input| input.position += 50e-9);
+    assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::ReadingJump), "{:?}", run.output);
+}
+
+#[test]
 fn a_step_of_the_encoder_does_not_blind_the_guard() {
     let mut run = Loop::new(&Parameters::START, 75, 85e-6);
     assert!(run.run_to(State::Detect, 3.0));
@@ -156,7 +161,8 @@ fn a_step_of_the_encoder_does_not_blind_the_guard() {
         run.step_with(|input| input.position += if k % 100 == 0 { 9e-9 } else { 0.0 });
     }
     assert_eq!(run.output.contact_source, ContactSource::ForceGuard, "{:?}", run.output);
-    assert!(run.run_to(State::Done, 3.0) && run.slide.depth < 1.5e-6, "{} m", run.slide.depth);
+    assert!(run.run_to(State::Fault, 3.0) && run.slide.depth < 1.5e-6, "{} m", run.slide.depth);
+    assert_eq!(run.output.fault, Fault::LateContact);
 }
 
 #[test]
@@ -189,8 +195,9 @@ fn a_wobbling_spindle_lets_every_detector_arm_and_find_its_contact() {
 
 #[test]
 fn learning_that_does_not_end_is_told() {
-    let p = Parameters { detector: DetectorKind::Glr, ..Parameters::START };
-    let mut run = Loop::new(&p, 74, NO_WORKPIECE);
+    let mut p = Parameters { detector: DetectorKind::Glr, ..Parameters::START };
+    p.limits.learn_time = 0.6;
+    let (mut run, mut learned) = (Loop::new(&p, 74, NO_WORKPIECE), 0);
     // 10 % to and fro, slowly enough for a spindle: a new gain again and again
     for k in 0..40_000 {
         let wobble = 1.0 + 0.1 * (4e-4 * TAU * f64::from(k)).sin();
@@ -198,6 +205,9 @@ fn learning_that_does_not_end_is_told() {
         if run.output.state == State::Fault {
             break;
         }
+        learned += u32::from(run.output.state == State::Learn);
     }
+    // the limit itself is no fault
+    assert_eq!(learned, 6001);
     assert_eq!((run.output.fault, run.output.drive_enable), (Fault::LearnTimeout, true));
 }

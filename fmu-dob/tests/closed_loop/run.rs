@@ -5,6 +5,8 @@ use fmu_dob::interface::{Input, Output, Parameters, State};
 
 use crate::slide::{SPINDLE_SPEED, STEP, Slide};
 
+/// Surface out of reach, m.
+pub const NO_WORKPIECE: f64 = 1.0;
 /// Idle steps before the approach begins.
 const IDLE: u32 = 200;
 

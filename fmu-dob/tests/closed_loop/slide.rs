@@ -58,6 +58,8 @@ pub struct Slide {
     pub contact_force: f64,
     /// Share of the thrust that the drive gives.
     pub strength: f64,
+    /// Stiffness of the work at each flute, N/m.
+    pub stiffness: f64,
 }
 
 impl Slide {
@@ -81,6 +83,7 @@ impl Slide {
             touch: None,
             push: 0.0,
             contact_force: 0.0,
+            stiffness: STIFFNESS,
             strength: 1.0,
         }
     }
@@ -128,7 +131,7 @@ impl Slide {
     /// Force of the flute that is `short` m behind and at `phase` rad; the tilt lifts it once per turn.
     fn flute(&self, short: f64, phase: f64) -> f64 {
         let lift = short + TILT * (1.0 - (self.angle + phase).cos());
-        STIFFNESS * (self.position - self.surface - lift).max(0.0)
+        self.stiffness * (self.position - self.surface - lift).max(0.0)
     }
 
     fn normal(&mut self) -> f64 {
