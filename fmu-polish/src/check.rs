@@ -5,7 +5,7 @@ use control_blocks::{Parameter, ParameterError, check_all};
 use crate::force::impedance::{Coefficients, damping};
 use crate::force::margin::{self, LEAST};
 use crate::interface::{Force, Mode, Parameters};
-use crate::motion::stick_slip;
+use crate::motion::{sliding, stick_slip};
 
 /// Samples per time constant of the loop, at least.
 const SAMPLES_PER_LOOP: f64 = 10.0;
@@ -28,6 +28,7 @@ pub fn check(p: &Parameters) -> Result<(), ParameterError> {
             pulse_rate,
             pulse_counts,
             stick_slip_velocity,
+            stick_slip_sliding,
             stick_slip_sweep,
         ],
     )
@@ -118,6 +119,17 @@ fn stick_slip_velocity(p: &Parameters) -> Result<(), ParameterError> {
         .must_be(p.stick_slip.mode == Mode::Off || value < most, || format!("less than `velocity_max` = `{most} m/s`"))
 }
 
+/// There is room to raise K_v, below what the drives may do.
+fn stick_slip_sliding(p: &Parameters) -> Result<(), ParameterError> {
+    let (sliding, most) = (sliding::wanted(p), p.stick_slip.velocity_max);
+    let speed = Parameter::new("stick_slip.sliding", sliding, "m/s", "lower it, or 0 for a K_v that stays");
+    speed
+        .must_be(sliding == 0.0 || sliding < most, || format!("less than `stick_slip.velocity_max` = `{most} m/s`"))?;
+    let velocity = Parameter::new("stick_slip.velocity_max", most, "m/s", "lower it, or raise `velocity_max`");
+    let limit = p.velocity_max;
+    velocity.must_be(sliding == 0.0 || most < limit, || format!("less than `velocity_max` = `{limit} m/s`"))
+}
+
 /// Half of the sweep to and fro is a position error that is wanted.
 fn stick_slip_sweep(p: &Parameters) -> Result<(), ParameterError> {
     let velocity = stick_slip::velocity(&p.stick_slip, p.feed.velocity);
@@ -149,6 +161,8 @@ mod tests {
         (|p| (p.pulses_size, p.velocity_max) = (1e-10, 1e-3), "pulses.size", "`0.0000000001 m`", "`stroke`"),
         (|p| p.stick_slip.half_period = 100, "stick_slip.half_period", "`100 samples`", "`0.0005 m`"),
         (|p| p.stick_slip.ratio = 60.0, "stick_slip.half_period", "`10 samples`", "`0.0006 m`"),
+        (|p| p.stick_slip.sliding = 0.02, "stick_slip.sliding", "`0.02 m/s`", "`stick_slip.velocity_max` = `0.02 m/s`"),
+        (|p| p.velocity_max = 0.02, "stick_slip.velocity_max", "`0.02 m/s`", "`velocity_max` = `0.02 m/s`"),
         (|p| p.stick_slip.velocity = 0.06, "stick_slip.velocity", "`0.06 m/s`", "`0.05 m/s`"),
     ];
 

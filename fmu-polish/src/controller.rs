@@ -9,7 +9,7 @@ use crate::faults::{self, Evidence};
 use crate::force::contact::{ContactMonitor, Measurement};
 use crate::force::normal_motion::{NormalMeasurement, NormalMotion, PathState};
 use crate::force::sensor::ForceSensor;
-use crate::interface::{Fault, ForceOutput, Input, MisalignmentOutput, Output, Parameters, State};
+use crate::interface::{Fault, ForceOutput, Input, MisalignmentOutput, Output, Parameters, SlidingOutput, State};
 use crate::machine::{Events, graver, next};
 use crate::monitoring::axis::AxisMonitor;
 use crate::monitoring::force::{ForceMonitor, ForceSample};
@@ -17,6 +17,7 @@ use crate::monitoring::job::JobTime;
 use crate::monitoring::numbers::Numbers;
 use crate::motion::position::PositionFeedback;
 use crate::motion::pulses::Remainder;
+use crate::motion::sliding::Sliding;
 use crate::motion::stick_slip;
 use crate::motion::velocity::VelocityParts;
 use crate::path::centre_path::{CentrePath, Place};
@@ -53,6 +54,7 @@ pub struct Controller {
     feedback: PositionFeedback,
     /// samples of stick-slip
     k: u32,
+    sliding: Sliding,
     remainder: Remainder,
     /// way along the path in the last sample, m
     way: f64,
@@ -85,6 +87,7 @@ impl Controller {
             normal: NormalMotion::new(p),
             feedback: PositionFeedback::new(),
             k: 0,
+            sliding: Sliding::default(),
             remainder: Remainder::new(),
             way: 0.0,
             axes: AxisMonitor::new(p),
@@ -188,6 +191,7 @@ impl Controller {
                 sample,
                 stiffness_ratio,
                 stable,
+                slides: !self.sliding.too_little(),
                 overdue,
             },
         )
@@ -254,7 +258,7 @@ impl Controller {
             }
             State::Follow => {
                 self.normal.follow(p);
-                (self.feed, self.k) = (0.0, 0);
+                (self.feed, self.k, self.sliding) = (0.0, 0, Sliding::default());
             }
             State::Unload => self.normal.unload(),
             State::Retract | State::Done => (),
@@ -316,6 +320,7 @@ impl Controller {
         let error = self.want(p, reading, now);
         self.feed = next_feed(p, self.feed, reading.feed_override, now.frame.feed_max);
         self.k = self.k.wrapping_add(1).max(1);
+        self.sliding.update(p, &reading.position, now, touching(p, now));
         let contact =
             NormalMeasurement { error, force: now.force.normal, offset: -now.error.normal, touching: touching(p, now) };
         let feed = self.feed;
@@ -327,7 +332,8 @@ impl Controller {
             tangential: feed * now.frame.ratio,
             position: self.feedback.step(p, &now.offset, &now.frame.normal),
             // eq. 16
-            stick_slip: stick_slip::sign(&p.stick_slip, self.k) * stick_slip::velocity(&p.stick_slip, feed),
+            stick_slip: stick_slip::sign(&p.stick_slip, self.k)
+                * (stick_slip::velocity(&p.stick_slip, feed) + self.sliding.raised(p)),
             sideways: stick_slip::direction(p.stick_slip.mode, &now.frame),
         };
         self.way = feed * p.sample_period;
@@ -361,6 +367,11 @@ impl Controller {
             in_contact: self.state.pressing() && touching(p, now),
             done: self.state == State::Done && self.place.s >= self.path.length(),
             stiffness_estimate: self.normal.stiffness,
+            sliding: SlidingOutput {
+                speed: self.sliding.speed.unwrap_or(0.0),
+                friction: self.sliding.friction,
+                added: self.sliding.added,
+            },
             misalignment: MisalignmentOutput { shift: shift.into(), rx: turn.x, ry: turn.y, rz: turn.z },
             ripple_frozen: self.normal.ripple.frozen(),
             path_length: self.path.length(),

@@ -39,6 +39,8 @@ pub struct Evidence<'a> {
     pub stiffness_ratio: f64,
     /// The force loop has its phase margin.
     pub stable: bool,
+    /// The ball slides as fast as it should.
+    pub slides: bool,
     /// The job has used up its time.
     pub overdue: bool,
 }
@@ -124,6 +126,7 @@ fn control(p: &Parameters, seen: &Evidence) -> Option<Fault> {
         (Fault::SurfaceError, on_path && now.surface.abs() > p.limits.surface_error),
         (Fault::WrongStiffness, state == State::Follow && seen.stiffness_ratio > p.limits.stiffness_ratio),
         (Fault::UnstableLoop, state.pressing() && !seen.stable),
+        (Fault::NoSliding, state == State::Follow && !seen.slides),
     ])
     .or_else(|| seen.force.loop_fault(p))
     .or_else(|| seen.overdue.then_some(Fault::NoProgress))
@@ -145,7 +148,7 @@ impl Fault {
                 SafeEnd::Retract
             }
             PositionError | SurfaceError | FrozenForce | Saturation | NoisyForce | Oscillation => SafeEnd::Retract,
-            ForceError | WrongStiffness | UnstableLoop | UnloadTimeout | NoProgress => SafeEnd::Retract,
+            ForceError | WrongStiffness | UnstableLoop | UnloadTimeout | NoProgress | NoSliding => SafeEnd::Retract,
             Stroke | EmergencyStop | TareRejected | NotAtStart => SafeEnd::Stop,
             LostReading | ReadingJump | FrozenReading | FollowingError | DriveSign | WeakDrive => SafeEnd::DriveOff,
         }
@@ -211,6 +214,13 @@ pub fn numbers(vars: &Vars) -> String {
             p.impedance.gain, p.impedance.damping, p.force.integral_time
         ),
         Fault::UnloadTimeout => format!(" = `{} s`: `{:.2} N`", p.settle.time_max, force.measured),
+        Fault::NoSliding => format!(
+            " {place}: `{:.4} m/s` of `{:.4} m/s` at K_v = `{:.4} m/s`, with a friction of `{:.2} N`",
+            output.sliding.speed,
+            p.stick_slip.sliding,
+            p.stick_slip.velocity + output.sliding.added,
+            output.sliding.friction
+        ),
         Fault::NoProgress => {
             format!(" = `{:.1} s`: `{:.1} s` {place}", output.numbers.time_limit, output.numbers.time)
         }

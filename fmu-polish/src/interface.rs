@@ -89,6 +89,8 @@ mod variables {
         #[hint("look at the force sensor: its zero may have moved")] UnloadTimeout,
         /// The job took longer than `limits.job_time`
         #[hint("raise it, or `feed_override`")] NoProgress,
+        /// The ball slid at less than 0.8 of `stick_slip.sliding`, with K_v raised to `stick_slip.velocity_max`
+        #[hint("raise `stick_slip.velocity_max` or take a shorter `stick_slip.half_period`, a tip that is stiffer across its axis, or lower `stick_slip.sliding`")] NoSliding,
     }
     /// Which law polishes; Paper takes the paper's value where there is one and the parameter was not set
     pub enum Law {
@@ -173,6 +175,7 @@ mod variables {
         pub done: bool,
         /// Stiffness of tool and contact, estimated while the force builds up
         #[var(name = "stiffness.estimate", unit = NEWTON_PER_METRE as "N/mm")] pub stiffness_estimate: f64,
+        pub sliding: SlidingOutput,
         pub misalignment: MisalignmentOutput,
         /// A part of the ripple cancellation made it worse and has ended
         #[var(name = "ripple.frozen")] pub ripple_frozen: bool,
@@ -215,6 +218,15 @@ mod variables {
         #[var(unit = METRE as "um")] pub lateral: f64,
         /// Position error along o_d
         #[var(unit = METRE as "um")] pub normal: f64,
+    }
+    /// What the work of the axes against the lateral force says of the contact.
+    pub struct SlidingOutput {
+        /// Mean speed at which the ball slides, measured over 0.2 s
+        #[var(unit = METRE_PER_SECOND as "mm/s")] pub speed: f64,
+        /// Friction of the ball while it slides
+        #[var(unit = NEWTON)] pub friction: f64,
+        /// What is added to K_v so that the ball slides
+        #[var(unit = METRE_PER_SECOND as "mm/s")] pub added: f64,
     }
     /// Estimated misalignment of the mold.
     pub struct MisalignmentOutput {
@@ -346,6 +358,10 @@ mod variables {
         /// Samples of one sign, 1 for eq. 17
         #[var(range = 1..=1000, start = 10, paper = 1, source = "measured: 1 does nothing")] pub half_period: i32,
         #[var(source = "paper")] pub wave: Wave,
+        /// Least mean speed at which the ball is to slide, by more K_v; 0 for none; nothing with a `stick_slip.ratio`
+        #[var(unit = METRE_PER_SECOND as "mm/s", range = 0.0..=0.1, start = 5e-3, paper = 0.0, source = "our choice: 2.5 times the feed", tunable)] pub sliding: f64,
+        /// Largest K_v to which `stick_slip.sliding` raises it
+        #[var(unit = METRE_PER_SECOND as "mm/s", range = 0.0..=0.1, start = 20e-3, source = "our choice: half of where the ball hops")] pub velocity_max: f64,
         /// K_v over the feed, keeps the removal per length; 0 for `stick_slip.velocity`
         #[var(unit = ONE, range = 0.0..=100.0, source = "our choice", tunable)] pub ratio: f64,
     }
@@ -408,7 +424,7 @@ mod variables {
         #[var(unit = METRE as "mm", range = 1e-6..=0.05, start = 0.5e-3, source = "our choice")] pub position_error: f64,
         /// Largest distance of the surface from the path along the normal
         #[var(unit = METRE as "mm", range = 1e-6..=0.05, start = 0.5e-3, source = "our choice")] pub surface_error: f64,
-        /// Largest angle between the mean force and the normal
+        /// Largest angle between the mean force and the normal, friction to either side counted
         #[var(unit = RADIAN as "deg", range = 0.1..=3.0, start = 0.6, source = "derived: friction alone gives 22 deg at 0.4, the rest for normals")] pub force_angle: f64,
         /// Largest force that may be a zero of the sensor
         #[var(unit = NEWTON, range = 0.1..=100.0, start = 2.0, source = "our choice: the tip weighs 0.1 N")] pub tare_force: f64,

@@ -2,5 +2,6 @@
 
 pub mod position;
 pub mod pulses;
+pub mod sliding;
 pub mod stick_slip;
 pub mod velocity;

@@ -230,6 +230,21 @@ mod tests {
     }
 
     #[test]
+    fn at_rest_a_place_is_doubted_for_as_many_samples_as_may_be_lost() {
+        let mut reader = Reader::new();
+        let on = Input { enable: true, ..resting() };
+        reader.read(&P, &on, K);
+        let mut moved = on;
+        moved.position.x = 0.1;
+        let doubts = (0..20).take_while(|_| {
+            reader.rest(&P, &moved);
+            !reader.read(&P, &moved, K).fresh
+        });
+        // one more than that is what is a fault on the way
+        assert_eq!(doubts.count(), P.limits.lost_samples as usize + 1);
+    }
+
+    #[test]
     fn an_enable_that_was_never_off_starts_nothing() {
         let mut reader = Reader::new();
         let on = Input { enable: true, ..Input::START };

@@ -30,7 +30,7 @@ fn no_sample_of_a_job_allocates() {
 /// A fault, what is different from the start, and what the inputs say in a state.
 type Case = (Fault, fn(&mut Parameters, &mut Build), fn(State, &mut Input));
 
-const CASES: [Case; 27] = [
+const CASES: [Case; 28] = [
     (Fault::ForceLimit, |_, _| (), |state, input| set(state == State::Follow, &mut input.force.z, 30.0)),
     (Fault::SettleTimeout, |p, _| p.impedance.damping = 5e6, |_, _| ()),
     (Fault::LostContact, |_, _| (), |state, input| set(state == State::Follow, &mut input.force, Axes::ZERO)),
@@ -66,6 +66,7 @@ const CASES: [Case; 27] = [
         |state, input| set(state == State::Retract, &mut input.force.z, 1.0),
     ),
     (Fault::NoProgress, |p, _| p.limits.job_time = 2.0, |_, _| ()),
+    (Fault::NoSliding, |p, _| p.stick_slip.half_period = 1, |_, _| ()),
 ];
 
 fn set<T>(now: bool, place: &mut T, value: T) {

@@ -83,8 +83,8 @@ SENSOR = (
         "FrozenForce InvalidPath",
         midway("controller.force.z", value=4.5),
         midway("controller.force.z", noise=0.05),
-        most=35.0,
-        why="friction of 32 N leans the force by `limits.force_angle`",
+        most=24.0,
+        why="0.2 of 15.4 N are `limits.force_angle` of 4.5 N, and 0.1 s of memory",
         changes=("controller.feed.velocity=0.002", "loop.duration=4.0"),
     ),
     row(
@@ -135,7 +135,7 @@ SENSOR = (
     row("force is no number", "LostReading", midway("controller.force.x", value=float("nan"))),
     row(
         "force at the end of its range",
-        "Saturation ReadingJump ForceLimit",
+        "Saturation ReadingJump",
         midway("controller.force.x", value=100.0),
     ),
     row(
@@ -152,7 +152,7 @@ SENSOR = (
     ),
     row(
         "force 20 ms late",
-        f"Oscillation {DONE}",
+        DONE,
         midway("controller.force.z", late=20),
         most=6.5,
         why="5 N and the largest swing that is good",
@@ -244,7 +244,7 @@ ENCODERS = (
     row("a fifth of the places get lost", DONE, midway("controller.position.x", drop=0.2), changes=WHOLE),
     row(
         "encoder x 20 ms late",
-        f"FollowingError WeakDrive DriveSign {DONE}",
+        "FollowingError",
         midway("controller.position.x", late=20),
         truth=BESIDE,
         most=0.74e-3,
@@ -300,7 +300,7 @@ DRIVES = (
     ),
     row(
         "drive z runs down with 5 mm/s",
-        "DriveSign FollowingError ForceLimit",
+        "DriveSign",
         midway("plant.pulses_z", value=-5.0),
         most=32.0,
         why="`limits.following_error` at 178 N/mm, 5 N, and 8 kg with 5 mm/s: 6 N",
@@ -313,9 +313,10 @@ DRIVES = (
         most=2.05e-3,
         why="`limits.following_error`, 50 um of stick-slip, and 1.9 mm that 31 kg coast from 20 mm/s",
     ),
+    # on the path it is in time for the force; on the way out it stands for 20 ms, as a weak drive does
     row(
         "pulses of z 20 ms late",
-        f"Oscillation ForceError WeakDrive FollowingError FrozenReading {DONE}",
+        "WeakDrive",
         midway("plant.pulses_z", late=20),
         most=7.5,
         why="5 N and a swing of twice `limits.force_error`",
@@ -371,6 +372,16 @@ REST = (
         changes=("controller.limits.job_time=1.6",),
     ),
     row("override is no number", "InvalidInput", midway("controller.feed_override", value=float("nan"))),
+    row(
+        "a tip that bends more than the sweep is long",
+        "NoSliding",
+        changes=(
+            "plant.tip_lateral=0.08",
+            "plant.friction=0.4",
+            "controller.feed.velocity=0.002",
+            "loop.duration=4.1",
+        ),
+    ),
     row(
         "stopped on the way out",
         "ForceLimit EmergencyStop",

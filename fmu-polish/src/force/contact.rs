@@ -45,6 +45,8 @@ pub struct ContactMonitor {
     free: Consecutive,
     error: f64,
     force: Vector3<f64>,
+    /// mean size of the force across the normal, N: friction that changes its sign counts
+    lateral: f64,
 }
 
 impl ContactMonitor {
@@ -60,6 +62,8 @@ impl ContactMonitor {
         self.unloaded.update(state == State::Unload && none);
         self.free.update(state == State::Retract && now.force.controlled.abs() < p.approach.contact_force);
         self.force += (now.force.vector - self.force) * share(FORCE_TIME);
+        let lateral = now.force.vector - now.frame.normal * now.force.normal;
+        self.lateral += (lateral.norm() - self.lateral) * share(FORCE_TIME);
     }
 
     /// The tool touches.
@@ -87,9 +91,13 @@ impl ContactMonitor {
         self.lost.count() >= ticks(p.limits.lost_time, p.sample_period).max(1)
     }
 
-    /// The mean force does not point along the unit normal `normal`.
+    /// The force does not point along the unit normal `normal`, or it is not as large as the friction shows.
     pub fn misdirected(&self, p: &Parameters, normal: &Vector3<f64>) -> bool {
-        let size = self.force.norm();
-        size > DIRECTION_RATIO * p.approach.contact_force && self.force.dot(normal) < size * p.limits.force_angle.cos()
+        // without a force there is no direction
+        if self.lost.count() > 0 {
+            return false;
+        }
+        let angle = self.lateral.atan2(self.force.dot(normal));
+        self.force.norm() > DIRECTION_RATIO * p.approach.contact_force && angle > p.limits.force_angle
     }
 }

@@ -107,6 +107,21 @@ mod tests {
     }
 
     #[test]
+    fn what_is_old_is_forgotten_with_its_time() {
+        // a mold that sinks after 10 s of turns on the same winding; the memory is 20 s
+        let mut misalignment = MisalignmentEstimate::new();
+        let at = |k: u32| frame(5_000 + k % 628);
+        for k in 0..20_096 {
+            let depth = if k < 10_048 { 50e-6 } else { 0.0 };
+            misalignment.update(&P, &at(k), depth * at(k).normal.z);
+        }
+        let told: f64 = (0..628).map(|k| regressor(&at(k)).dot(&misalignment.estimate)).sum();
+        // what was before weighs e^-0.5 - e^-1 of 1 - e^-1, without forgetting half
+        let share = told / 628.0 / 50e-6;
+        assert!((share - 0.378).abs() < 0.03, "{share}");
+    }
+
+    #[test]
     fn without_excitation_nothing_grows_without_bound() {
         let mut misalignment = MisalignmentEstimate::new();
         let f = frame(0);

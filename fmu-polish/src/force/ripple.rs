@@ -171,6 +171,18 @@ mod tests {
     }
 
     #[test]
+    fn the_first_amplitude_is_that_of_the_ripple() {
+        let mut p = P;
+        p.ripple.gain = 1e-9;
+        let mut ripple = RippleCancellation::new(&p, &Coefficients::new(&p, damping(&p, 178e3)), 178e3);
+        for k in 1..=200 {
+            ripple.step(&p, k, 0.1 + 0.3 * phase(10, k).cos() + 0.2 * phase(10, 2 * k).sin());
+        }
+        let [one, two] = ripple.harmonics.map(|harmonic| harmonic.first.unwrap());
+        assert!((one - 0.3).abs() < 1e-9 && (two - 0.2).abs() < 1e-9, "{one} {two}");
+    }
+
+    #[test]
     fn too_high_a_frequency_is_left_alone() {
         let mut p = P;
         p.stick_slip.half_period = 1;

@@ -11,6 +11,8 @@ use crate::interface::{ForceMode, Parameters};
 pub struct MeasuredForce {
     /// Force on the tool, N.
     pub vector: Vector3<f64>,
+    /// The same before the low-pass, N.
+    pub unfiltered: Vector3<f64>,
     /// Its norm, N.
     pub norm: f64,
     /// Its part along the normal, N.
@@ -58,13 +60,14 @@ impl ForceSensor {
             0.0 => 0.0,
             bandwidth => (-bandwidth * p.sample_period).exp(),
         };
-        self.filtered = self.filtered * keep + (raw - self.zero) * (1.0 - keep);
+        let unfiltered = raw - self.zero;
+        self.filtered = self.filtered * keep + unfiltered * (1.0 - keep);
         let (vector, norm, along) = (self.filtered, self.filtered.norm(), self.filtered.dot(normal));
         let controlled = match p.force.mode {
             ForceMode::Norm => norm,
             ForceMode::Projected => along,
         };
-        MeasuredForce { vector, norm, normal: along, controlled }
+        MeasuredForce { vector, unfiltered, norm, normal: along, controlled }
     }
 }
 
@@ -92,6 +95,17 @@ mod tests {
         let along = ForceSensor::new().measure(&mode(ForceMode::Projected), &raw, &normal);
         assert_eq!(along.controlled, 4.0);
         assert_eq!((along.norm, norm.normal), (norm.controlled, 4.0));
+    }
+
+    #[test]
+    fn the_low_pass_has_its_bandwidth_and_leaves_the_unfiltered_force() {
+        let p = Parameters { force: crate::interface::Force { filter_bandwidth: 50.0, ..P.force }, ..P };
+        let mut sensor = ForceSensor::new();
+        for k in 1..100 {
+            let measured = sensor.measure(&p, &Vector3::z(), &Vector3::z());
+            let expected = 1.0 - (-50.0 * 1e-3 * f64::from(k)).exp();
+            assert!((measured.normal - expected).abs() < 1e-12 && measured.unfiltered == Vector3::z(), "{measured:?}");
+        }
     }
 
     #[test]

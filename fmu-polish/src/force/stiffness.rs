@@ -75,6 +75,19 @@ mod tests {
     }
 
     #[test]
+    fn forces_count_from_the_least_one_on_and_ten_of_them_suffice() {
+        let slopes = [(0.8, 10, 2e5), (0.8, 9, 1e5), (0.79, 10, 1e5)];
+        for (least, count, stiffness) in slopes {
+            let mut slope = Slope::default();
+            // one of them at the least force
+            for k in 0..count {
+                slope.update(1e-5 * f64::from(k), least + 2.0 * f64::from(k), 50.0);
+            }
+            assert!((slope.stiffness(1e5) / stiffness - 1.0).abs() < 1e-9, "{least} {count}");
+        }
+    }
+
+    #[test]
     fn nonsense_is_limited() {
         let mut slope = Slope::default();
         (0..100).for_each(|k| slope.update(1e-6 * f64::from(k), 4.0 - 0.01 * f64::from(k), 5.0));

@@ -25,6 +25,8 @@ const NOISE_TIME: f64 = 0.1;
 const DIFFERENCES: f64 = 6.0;
 /// A difference counts as no more than this, in deviations: one spike is no noise.
 const CLIP: f64 = 4.0;
+/// Memory of the answer to the depth, s: 5 um at `approach.velocity`.
+const ANSWER_TIME: f64 = 0.01;
 /// Memory of the force error, s.
 const ERROR_TIME: f64 = 0.2;
 /// Force error of the wanted force where `limits.force_error` is 0.
@@ -49,9 +51,11 @@ pub struct ForceMonitor {
     swings: Swings,
 }
 
-/// One raw axis of the force against the depth.
+/// One axis of the force against the depth: its short mean, as noise alone leaves the band in the end.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Answer {
+    /// N
+    mean: Option<f64>,
     /// N
     frozen: Frozen,
     /// way along the path since the anchor, m
@@ -124,7 +128,10 @@ impl ForceMonitor {
         let normal = sample.now.frame.normal;
         for ((answer, raw), share) in self.answers.iter_mut().zip(sample.raw.iter()).zip(normal.iter()) {
             answer.way += sample.way;
-            answer.frozen.update(*raw, sample.stiffness * moved * share, BAND * p.sensor_resolution);
+            let before = answer.mean.unwrap_or(*raw);
+            let mean = before + memory(p, ANSWER_TIME) * (raw - before);
+            answer.mean = Some(mean);
+            answer.frozen.update(mean, sample.stiffness * moved * share, BAND * p.sensor_resolution);
             if answer.frozen.still() == 0 {
                 answer.way = 0.0;
             }

@@ -182,6 +182,12 @@ mod tests {
     }
 
     #[test]
+    fn beside_the_normal_are_the_two_other_parts() {
+        let error = ErrorOutput { tangential: 3e-6, lateral: -4e-6, normal: 1.0 };
+        assert!((error.beside() - 5e-6).abs() < 1e-18);
+    }
+
+    #[test]
     fn the_feed_keeps_the_turn_rate_and_can_always_brake() {
         let mut p = P;
         (p.feed.turn_rate_max, p.feed.acceleration) = (2.0, 0.05);

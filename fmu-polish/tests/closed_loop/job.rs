@@ -17,6 +17,7 @@ fn printed() -> Parameters {
     p.impedance.adaptive = false;
     p.ripple.gain = 0.0;
     p.misalignment.enable = false;
+    p.stick_slip.sliding = 0.0;
     p
 }
 
@@ -245,7 +246,7 @@ fn tables() {
     ] {
         for velocity in velocities {
             let mut p = Parameters::START;
-            (p.stick_slip.half_period, p.stick_slip.velocity) = (half_period, velocity);
+            (p.stick_slip.half_period, p.stick_slip.velocity, p.stick_slip.sliding) = (half_period, velocity, 0.0);
             let job = Loop::new(&p, Build::NOMINAL, 300).job(30.0).unwrap();
             println!("{half_period} {velocity}: gain {:.2}, deviation {:.3} N", job.gain, job.deviation);
         }

@@ -8,4 +8,5 @@ mod job;
 mod monitors;
 mod robot;
 mod run;
+mod sliding;
 mod state;

@@ -3,6 +3,8 @@
 use fmu_polish::axes::Axes;
 use fmu_polish::interface::{Fault, Input, Parameters, State};
 use nalgebra::Vector3;
+use rand::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
 
 use crate::robot::Build;
 use crate::run::Loop;
@@ -81,6 +83,26 @@ fn a_last_bit_that_flickers_hides_no_frozen_force() {
 }
 
 #[test]
+fn noise_about_a_force_that_stands_hides_nothing() {
+    let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(516);
+    // what falls away as slowly as the path may is told by its friction: 0.2 of 16 N are 0.68 of what the sensor says
+    for (value, expected) in [(4.0, Fault::FrozenForce), (4.5, Fault::InvalidPath)] {
+        let failure = fails(&P, Build::NOMINAL, State::Follow, |input, _| {
+            let noise: f64 = StandardNormal.sample(&mut random);
+            input.force.z = value + 0.05 * noise;
+        });
+        assert_eq!(failure.fault, expected, "{value}: {failure:?}");
+        assert!(failure.most <= 24.0, "{value}: {failure:?}");
+    }
+}
+
+#[test]
+fn a_force_that_is_gone_is_a_lost_contact_and_not_a_lean() {
+    let failure = fails(&P, Build::NOMINAL, State::Follow, |input, _| input.force.z = 0.0);
+    assert!(failure.fault == Fault::LostContact && failure.most < 14.0, "{failure:?}");
+}
+
+#[test]
 fn an_encoder_that_stands_switches_the_drives_off() {
     for (state, axis) in [(State::Approach, 2), (State::Follow, 0), (State::Follow, 1)] {
         let mut held = None;
@@ -152,6 +174,33 @@ fn what_stays_bad_is_lost_or_has_jumped() {
 fn an_override_that_is_no_number_takes_the_tool_out() {
     let failure = fails(&P, Build::NOMINAL, State::Follow, |input, _| input.force_override = f64::INFINITY);
     assert_eq!((failure.fault, failure.drive_enable), (Fault::InvalidInput, true));
+}
+
+#[test]
+fn an_override_may_be_lost_for_as_many_samples_as_are_told() {
+    let mut run = Loop::new(&P, Build::NOMINAL, 514);
+    assert!(run.run_to(State::Follow, 5.0));
+    let lost = |input: &mut Input| input.feed_override = f64::NAN;
+    for _ in 0..P.limits.lost_samples {
+        run.step_with(lost);
+        assert_eq!(run.output.state, State::Follow);
+    }
+    run.step_with(lost);
+    assert_eq!(run.output.fault, Fault::InvalidInput);
+}
+
+#[test]
+fn settling_has_its_whole_time() {
+    let mut p = P;
+    p.impedance.damping = 5e6;
+    let mut run = Loop::new(&p, Build::NOMINAL, 515);
+    assert!(run.run_to(State::Settle, 5.0));
+    let begin = run.time();
+    assert!(run.run_to(State::Fault, 10.0));
+    assert_eq!(run.output.fault, Fault::SettleTimeout);
+    // the sample after the last one of them
+    let samples = ((run.time() - begin) / p.sample_period).round() as u32;
+    assert_eq!(samples, 2002);
 }
 
 #[test]

@@ -16,7 +16,6 @@ pub const STEP: f64 = 1e-3;
 const SUBSTEPS: usize = 10;
 const DT: f64 = STEP / SUBSTEPS as f64;
 const MASS: f64 = 20.0;
-const LATERAL_STIFFNESS: f64 = 209e3;
 const SENSOR_NOISE: f64 = 0.05;
 const SENSOR_STEP: f64 = 0.178;
 const SENSOR_BANDWIDTH: f64 = 1256.6;
@@ -30,6 +29,8 @@ const TOOL_RADIUS: f64 = 0.5e-3;
 pub struct Build {
     /// Stiffness of tip and contact along the normal, N/m.
     pub stiffness: f64,
+    /// Stiffness of the tip across it, N/m.
+    pub lateral: f64,
     /// Friction of tool on mold.
     pub friction: f64,
     /// Friction of a drive, N.
@@ -48,6 +49,7 @@ impl Build {
     /// As the controller believes.
     pub const NOMINAL: Self = Self {
         stiffness: 178e3,
+        lateral: 209e3,
         friction: 0.2,
         drive_friction: 2.0,
         drive_gain: 1.0,
@@ -167,12 +169,12 @@ impl Robot {
         let velocity = Vector3::from_fn(|i, _| self.axes[i].velocity);
         let bend = self.bend - velocity * DT;
         let bend = bend - normal * normal.dot(&bend);
-        let most = self.build.friction * self.normal_force / LATERAL_STIFFNESS;
+        let most = self.build.friction * self.normal_force / self.build.lateral;
         self.bend = if bend.norm() > most { bend * (most / bend.norm()) } else { bend };
         if depth > 0.0 {
             self.slid += (bend - self.bend).norm();
         }
-        normal * self.normal_force + self.bend * LATERAL_STIFFNESS
+        normal * self.normal_force + self.bend * self.build.lateral
     }
 
     fn normal(&mut self) -> f64 {

@@ -1,0 +1,254 @@
+//! Does the ball slide, or does the tip only bend? Told by the work that the axes do against the lateral force, and K_v
+//! is raised where it slides too little.
+//!
+//! What bends the tip comes back when it is bent the other way: over whole periods the integrals of F . dx and of |F| F . dx
+//! hold sliding alone, with the forces F across the normal and the ways dx of the axes. With the work W = -sum(F . dx) and
+//! Q = -sum(|F| F . dx) the friction is Q / W and the way slid W^2 / Q. No stiffness of the tip is needed. Where nothing
+//! slides W and Q are noise, so the friction is taken for no less than the root mean square of F. The way is held against
+//! the force through the lag of the sensor, else a bent tip would seem to do work.
+
+use control_blocks::ticks;
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+use crate::force::contact::Measurement;
+use crate::interface::{Mode, Parameters};
+
+/// Time over which it is measured, s: whole periods.
+const WINDOW_TIME: f64 = 0.2;
+/// Share of what is missing by which K_v rises in a window.
+const RISE: f64 = 0.5;
+/// Share of the wanted speed that is still sliding: the measured one is up to 18 % off.
+const ENOUGH: f64 = 0.8;
+/// Windows in a row of too little at the largest K_v.
+const WINDOWS: u32 = 5;
+/// Largest sweep to each side, over the position error that is a fault.
+const SWEEP: f64 = 0.9;
+/// A friction below this is not felt, in steps of the sensor.
+const FELT: f64 = 2.0;
+
+/// The measurement and what it adds to K_v; by default nothing is known.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Sliding {
+    /// last force across the normal (N) and last place of the axes (m)
+    before: Option<(Vector3<f64>, Vector3<f64>)>,
+    /// way that the sensor has not felt yet, m
+    unfelt: Vector3<f64>,
+    samples: u32,
+    /// W, J
+    work: f64,
+    /// Q, N J
+    weighted: f64,
+    /// sum of the squares of the force, N2
+    square: f64,
+    /// Mean speed at which the ball slides, m/s; none before the first window.
+    pub speed: Option<f64>,
+    /// Friction while it slides, N.
+    pub friction: f64,
+    /// What is added to K_v, m/s.
+    pub added: f64,
+    /// windows in a row that slid too little
+    slow: u32,
+}
+
+impl Sliding {
+    /// Takes one sample of the path, at the place `position` (m); without a contact nothing slides.
+    pub fn update(&mut self, p: &Parameters, position: &Vector3<f64>, now: &Measurement, touching: bool) {
+        let normal = &now.frame.normal;
+        let across = |v: &Vector3<f64>| v - normal * normal.dot(v);
+        let force = across(&now.force.unfiltered);
+        if let Some((last, from)) = self.before.replace((force, *position)) {
+            let felt = self.felt(p, &(position - from));
+            let mean = 0.5 * (last + force);
+            let work = if touching { -mean.dot(&felt) } else { 0.0 };
+            self.work += work;
+            self.weighted += mean.norm() * work;
+            self.square += mean.norm_squared();
+            self.samples += 1;
+        }
+        if self.samples >= window(p) {
+            self.judge(p);
+        }
+    }
+
+    /// The part of a way (m) that the sensor feels in this sample: first-order lag of a steady motion between two samples.
+    fn felt(&mut self, p: &Parameters, way: &Vector3<f64>) -> Vector3<f64> {
+        let lag = p.sensor_bandwidth * p.sample_period;
+        let keep = (-lag).exp();
+        let unfelt = self.unfelt * keep + way * ((1.0 - keep) / lag);
+        let felt = way + self.unfelt - unfelt;
+        self.unfelt = unfelt;
+        felt
+    }
+
+    fn judge(&mut self, p: &Parameters) {
+        let count = f64::from(self.samples);
+        let least = (self.square / count).sqrt().max(f64::MIN_POSITIVE);
+        self.friction = if self.work > 0.0 { (self.weighted / self.work).max(least) } else { least };
+        let speed = self.work / self.friction / (count * p.sample_period);
+        (self.samples, self.work, self.weighted, self.square) = Default::default();
+        self.speed = Some(speed);
+        if wanted(p) == 0.0 {
+            (self.added, self.slow) = (0.0, 0);
+        } else if self.friction <= FELT * p.sensor_resolution {
+            // too little friction to say anything
+            self.slow = 0;
+        } else {
+            let most = (highest(p) - p.stick_slip.velocity).max(0.0);
+            let raised = self.added >= most;
+            self.added = (self.added + RISE * (wanted(p) - speed)).clamp(0.0, most);
+            let slow = raised && speed < ENOUGH * wanted(p);
+            self.slow = if slow { self.slow.saturating_add(1) } else { 0 };
+        }
+    }
+
+    /// What is added (m/s) to the K_v of this sample, whose parameters may have been tuned since the last window.
+    pub fn raised(&self, p: &Parameters) -> f64 {
+        if wanted(p) > 0.0 { self.added.min((highest(p) - p.stick_slip.velocity).max(0.0)) } else { 0.0 }
+    }
+
+    /// It slides too little, and K_v cannot be raised.
+    pub fn too_little(&self) -> bool {
+        self.slow >= WINDOWS
+    }
+}
+
+/// The least speed (m/s) that is wanted; 0 where K_v is not to be changed.
+pub fn wanted(p: &Parameters) -> f64 {
+    let law = &p.stick_slip;
+    if law.mode == Mode::Off || law.ratio > 0.0 { 0.0 } else { law.sliding }
+}
+
+/// The largest K_v, m/s: that of the parameters, and no sweep that is a position error.
+fn highest(p: &Parameters) -> f64 {
+    let sweep = f64::from(p.stick_slip.half_period) * p.sample_period;
+    p.stick_slip.velocity_max.min(2.0 * SWEEP * p.limits.position_error / sweep)
+}
+
+/// Samples of a window: whole periods of the stick-slip motion.
+fn window(p: &Parameters) -> u32 {
+    let period = 2 * p.stick_slip.half_period.unsigned_abs().max(1);
+    ticks(WINDOW_TIME, p.sample_period).div_ceil(period) * period
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::force::sensor::MeasuredForce;
+    use crate::interface::{ErrorOutput, StickSlip};
+    use crate::path::centre_path::Frame;
+
+    const P: Parameters = Parameters::START;
+
+    fn measurement(force: Vector3<f64>) -> Measurement {
+        let (zero, normal) = (Vector3::zeros(), Vector3::z());
+        let frame = Frame { centre: zero, contact: zero, normal, tangent: Vector3::x(), ratio: 1.0, feed_max: 1.0 };
+        let force =
+            MeasuredForce { vector: force, unfiltered: force, norm: force.norm(), normal: force.z, controlled: 5.0 };
+        let error = ErrorOutput { tangential: 0.0, lateral: 0.0, normal: 0.0 };
+        Measurement { frame, force, force_error: 0.0, offset: zero, error, surface: 0.0 }
+    }
+
+    /// A tip of `stiffness` N/m that slides at `friction` N, moved to and fro by 50 um at `speed` m/s, behind the lag of the
+    /// sensor: the measurement after `time` s, and the mean speed at which it truly slid.
+    fn moved(p: &Parameters, stiffness: f64, friction: f64, speed: f64, time: f64) -> (Sliding, f64) {
+        const FINE: u32 = 100;
+        let (mut sliding, mut bend, mut felt, mut y, mut slid) = (Sliding::default(), 0.0f64, 0.0, 0.0, 0.0);
+        let dt = p.sample_period / f64::from(FINE);
+        let (period, count) = ((100e-6 / speed / p.sample_period) as u32, ticks(time, p.sample_period));
+        for k in 0..count {
+            sliding.update(p, &Vector3::new(0.0, y, 1e-4 * y), &measurement(Vector3::new(0.0, felt, 5.0)), true);
+            let way = if (k / period).is_multiple_of(2) { speed * dt } else { -speed * dt };
+            for _ in 0..FINE {
+                y += way;
+                let free = bend - way;
+                bend = free.clamp(-friction / stiffness, friction / stiffness);
+                slid += (free - bend).abs();
+                felt += (stiffness * bend - felt) * dt * p.sensor_bandwidth;
+            }
+        }
+        (sliding, slid / time)
+    }
+
+    #[test]
+    fn what_bends_the_tip_is_no_sliding_whatever_its_stiffness() {
+        let p = Parameters { stick_slip: StickSlip { sliding: 0.0, ..P.stick_slip }, ..P };
+        for (stiffness, friction) in [(1e6, 1.0), (200e3, 1.0), (60e3, 2.0), (30e3, 1.0), (30e3, 1.4)] {
+            let (sliding, truth) = moved(&p, stiffness, friction, 10e-3, 1.0);
+            let told = sliding.speed.unwrap();
+            // the lag rounds the force where it turns round at once
+            assert!((told - truth).abs() < 0.14 * truth, "{stiffness} {friction}: {told} {truth}");
+            assert!((sliding.friction / friction - 1.0).abs() < 0.15, "{stiffness} {friction}: {}", sliding.friction);
+        }
+        // 50 um to each side are 1.5 N
+        let (stuck, truth) = moved(&p, 30e3, 3.5, 10e-3, 1.0);
+        assert!(truth == 0.0 && stuck.speed.unwrap().abs() < 0.3e-3, "{stuck:?}");
+    }
+
+    #[test]
+    fn nothing_slides_in_the_air_or_at_rest() {
+        let mut sliding = Sliding::default();
+        for k in 0..400 {
+            sliding.update(&P, &Vector3::new(0.0, 1e-5 * f64::from(k), 0.0), &measurement(-Vector3::y()), false);
+        }
+        assert_eq!(sliding.speed, Some(0.0));
+        let mut sliding = Sliding::default();
+        (0..400).for_each(|_| sliding.update(&P, &Vector3::z(), &measurement(Vector3::zeros()), true));
+        assert_eq!(sliding.speed, Some(0.0));
+    }
+
+    #[test]
+    fn it_is_told_after_whole_periods_of_a_fifth_of_a_second() {
+        for (half, expected) in [(1, 200), (10, 200), (7, 210), (300, 600)] {
+            let mut p = P;
+            p.stick_slip.half_period = half;
+            assert_eq!(window(&p), expected);
+        }
+    }
+
+    #[test]
+    fn what_is_tuned_counts_at_once() {
+        let mut sliding = Sliding { added: 8e-3, slow: 3, ..Sliding::default() };
+        let tuned = |change: fn(&mut StickSlip)| {
+            let mut p = P;
+            change(&mut p.stick_slip);
+            p
+        };
+        assert_eq!(sliding.raised(&P), 8e-3);
+        assert!((sliding.raised(&tuned(|law| law.velocity = 15e-3)) - 5e-3).abs() < 1e-12);
+        assert_eq!(sliding.raised(&tuned(|law| law.velocity = 25e-3)), 0.0);
+        assert_eq!(sliding.raised(&tuned(|law| law.ratio = 1.0)), 0.0);
+        let off = tuned(|law| law.sliding = 0.0);
+        assert_eq!(sliding.raised(&off), 0.0);
+        sliding.judge(&off);
+        assert_eq!((sliding.added, sliding.slow), (0.0, 0));
+    }
+
+    #[test]
+    fn no_sweep_is_raised_to_a_position_error() {
+        let mut p = P;
+        assert_eq!(highest(&p), 20e-3);
+        // 0.45 mm to each side in 99 ms
+        p.stick_slip.half_period = 99;
+        assert!((highest(&p) - 0.9e-3 / 99e-3).abs() < 1e-12);
+    }
+
+    #[test]
+    fn too_little_raises_it_to_the_most_and_is_told_after_a_second_there() {
+        // 20 mm/s are the most, 10 mm/s are told
+        let slow = |time: f64| moved(&P, 30e3, 3.5, 10e-3, time).0;
+        let first = slow(0.201);
+        assert!((first.added - RISE * (P.stick_slip.sliding - first.speed.unwrap())).abs() < 1e-12, "{first:?}");
+        assert!(slow(1.1).added > 9e-3 && !slow(1.79).too_little());
+        let told = slow(2.1);
+        assert!(told.added == 10e-3 && told.too_little(), "{told:?}");
+        // what slides enough goes back to what is told
+        let mut good = moved(&P, 200e3, 1.0, 10e-3, 0.15).0;
+        good.added = 1e-3;
+        good.work += 1e-2;
+        good.weighted += 1e-2;
+        (good.samples, good.slow) = (window(&P), 9);
+        good.judge(&P);
+        assert!(good.added == 0.0 && !good.too_little(), "{good:?}");
+    }
+}

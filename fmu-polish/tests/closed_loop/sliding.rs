@@ -1,0 +1,106 @@
+//! Tips that bend before the ball slides: what is measured of it, and what K_v makes of it.
+
+use fmu_polish::interface::{Fault, Mode, Parameters, State};
+
+use crate::robot::Build;
+use crate::run::Loop;
+
+const P: Parameters = Parameters::START;
+
+/// On the path: the mean speed (m/s) at which the ball truly slides in the last second and as it is measured, and what
+/// is added to K_v (m/s).
+fn slides(p: &Parameters, build: Build) -> (f64, f64, f64) {
+    let mut run = Loop::new(p, build, 600);
+    assert!(run.run_to(State::Follow, 5.0));
+    (0..1000).for_each(|_| run.step());
+    let (before, mut told) = (run.robot.slid, 0.0);
+    for _ in 0..1000 {
+        run.step();
+        told += 1e-3 * run.output.sliding.speed;
+    }
+    assert_eq!(run.output.state, State::Follow, "{:?}", run.output.fault);
+    (run.robot.slid - before, told, run.output.sliding.added)
+}
+
+fn tip(lateral: f64, friction: f64) -> Build {
+    Build { lateral, friction, ..Build::NOMINAL }
+}
+
+#[test]
+fn the_speed_is_measured_on_any_tip_and_without_its_stiffness() {
+    let mut p = P;
+    p.stick_slip.sliding = 0.0;
+    for (lateral, friction) in [(209e3, 0.1), (209e3, 0.4), (100e3, 0.2), (60e3, 0.2), (60e3, 0.4), (30e3, 0.3)] {
+        let (truth, told, added) = slides(&p, tip(lateral, friction));
+        assert!((told / truth - 1.0).abs() < 0.15, "{lateral} {friction}: {told} {truth}");
+        assert_eq!(added, 0.0);
+    }
+}
+
+#[test]
+fn a_soft_tip_slides_by_more_velocity_and_a_good_one_as_it_is() {
+    assert_eq!(slides(&P, Build::NOMINAL).2, 0.0);
+    for (lateral, friction) in [(100e3, 0.4), (60e3, 0.4), (50e3, 0.3)] {
+        let (truth, _, added) = slides(&P, tip(lateral, friction));
+        assert!((4.5e-3..6e-3).contains(&truth) && added > 1e-3, "{lateral} {friction}: {truth} {added}");
+    }
+}
+
+#[test]
+fn friction_is_told_in_newton() {
+    let mut run = Loop::new(&P, tip(100e3, 0.3), 601);
+    assert!(run.run_to(State::Follow, 5.0));
+    assert_eq!((run.output.sliding.speed, run.output.sliding.friction), (0.0, 0.0));
+    (0..1000).for_each(|_| run.step());
+    assert!((run.output.sliding.friction - 1.5).abs() < 0.1, "{:?}", run.output.sliding);
+}
+
+#[test]
+fn a_ball_that_never_slides_is_named_with_its_numbers() {
+    let mut p = P;
+    // the paper's 500 Hz
+    p.stick_slip.half_period = 1;
+    let mut run = Loop::new(&p, Build::NOMINAL, 602);
+    assert!(run.run_to(State::Follow, 5.0));
+    let begin = run.time();
+    assert!(run.run_to(State::Fault, 20.0));
+    assert_eq!((run.output.fault, run.output.drive_enable), (Fault::NoSliding, true));
+    let (sliding, after) = (run.output.sliding, run.time() - begin);
+    assert!(sliding.added == p.stick_slip.velocity_max - p.stick_slip.velocity, "{sliding:?}");
+    // 1.2 s to raise it by 10 mm/s, one to see that it does not help
+    assert!((1.9..3.5).contains(&after) && sliding.speed < 3e-3, "{after} s: {sliding:?}");
+}
+
+#[test]
+fn without_a_wanted_speed_and_with_a_ratio_nothing_is_raised_nor_named() {
+    let changes: [fn(&mut Parameters); 3] =
+        [|p| p.stick_slip.sliding = 0.0, |p| p.stick_slip.ratio = 1.0, |p| p.stick_slip.mode = Mode::Off];
+    for change in changes {
+        let mut p = P;
+        change(&mut p);
+        let mut run = Loop::new(&p, tip(30e3, 0.4), 603);
+        assert!(run.run_to(State::Unload, 20.0), "{:?}", run.output.fault);
+        assert_eq!(run.output.sliding.added, 0.0);
+    }
+}
+
+#[test]
+fn a_friction_that_is_not_felt_says_nothing() {
+    let mut run = Loop::new(&P, tip(30e3, 0.04), 604);
+    assert!(run.run_to(State::Unload, 20.0), "{:?}", run.output.fault);
+    assert_eq!(run.output.sliding.added, 0.0);
+}
+
+#[test]
+fn a_new_job_begins_with_what_is_told() {
+    let mut run = Loop::new(&P, tip(60e3, 0.4), 605);
+    assert!(run.run_to(State::Done, 20.0));
+    assert!(run.output.sliding.added > 1e-3);
+    run.input.enable = false;
+    assert!(run.run_to(State::Idle, 20.0));
+    run.robot = Loop::new(&P, tip(60e3, 0.4), 605).robot;
+    (0..5).for_each(|_| run.step());
+    run.input.enable = true;
+    assert!(run.run_to(State::Follow, 30.0), "{:?}", run.output.fault);
+    assert_eq!(run.output.sliding.added, 0.0);
+}
