@@ -82,6 +82,26 @@ mod tests {
     ];
 
     #[test]
+    fn each_limit_belongs_to_what_is_allowed() {
+        let path = straight(0.1);
+        type Change = fn(&mut Parameters);
+        let cases: [(Change, Change); 5] = [
+            (|p| p.axis[2].maximum = p.axis[2].minimum + 1e-9, |p| p.axis[2].maximum = p.axis[2].minimum),
+            (|p| p.learn.bandwidth = 90.0 * std::f64::consts::PI, |p| p.learn.bandwidth = 90.1 * std::f64::consts::PI),
+            (|p| p.lookup.preview = -0.01, |p| p.lookup.preview = -0.0101),
+            (|p| p.lookup.preview = 0.07, |p| p.lookup.preview = 0.0701),
+            (|p| p.load.speed_min = 0.1, |p| p.load.speed_min = 0.1001),
+        ];
+        for (k, (within, beyond)) in cases.into_iter().enumerate() {
+            for (change, good) in [(within, true), (beyond, false)] {
+                let mut p = Parameters::START;
+                change(&mut p);
+                assert_eq!(check(&p, &path).is_ok(), good, "{k}");
+            }
+        }
+    }
+
+    #[test]
     fn presets_fit_and_each_error_names_parameter_value_and_limit() {
         assert_refusals(|p| check(p, &straight(0.1)), &[Parameters::START, Parameters::PAPER], REFUSALS);
     }

@@ -16,6 +16,7 @@ use crate::machine::{Events, Progress, next};
 use crate::monitoring::budget::budget;
 use crate::monitoring::delay::DelayMonitor;
 use crate::monitoring::finding::{Finding, Numbers};
+use crate::monitoring::standing::StandingTool;
 use crate::monitoring::tool::ToolMonitor;
 use crate::monitoring::watch::Watch;
 use crate::path::feasible;
@@ -43,6 +44,7 @@ pub struct Controller {
     watch: Watch,
     delay: DelayMonitor,
     tool: ToolMonitor,
+    standing: StandingTool,
     reset: Edge,
     /// the inputs of this sample hold for more than one
     long_step: bool,
@@ -109,6 +111,7 @@ impl Controller {
             watch: Watch::new(p),
             delay: DelayMonitor::default(),
             tool: ToolMonitor::default(),
+            standing: StandingTool::default(),
             reset: Edge::default(),
             long_step: false,
             disabled: false,
@@ -285,6 +288,7 @@ impl Controller {
     /// A new job.
     fn begin(&mut self, p: &Parameters, mode: Mode) {
         self.job = mode;
+        self.standing = StandingTool::default();
         self.elapsed.restart();
         self.budget = budget(p, &self.path, mode);
         self.export |= mode == Mode::Export;

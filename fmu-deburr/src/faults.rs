@@ -42,6 +42,7 @@ impl Fault {
             Self::None
             | Self::PatternMismatch
             | Self::WrongDelay
+            | Self::FrozenTool
             | Self::SpindleSlow
             | Self::NoCut
             | Self::NoProgress => SafeEnd::Retract,
@@ -70,6 +71,7 @@ pub fn numbers(Vars { input, output, in_force: p, .. }: &Vars) -> String {
             format!(": `spindle_speed`, more than `{limit}` samples")
         }
         Fault::ReadingJump | Fault::LostReading => format!(": `axis{axis}.position`, more than `{limit}` samples"),
+        Fault::FrozenTool => format!(": `spindle_speed` stands for `{value:.2} s`, limit `{limit:.2} s`"),
         Fault::FrozenReading
         | Fault::Oscillation
         | Fault::DriveSign
@@ -138,7 +140,7 @@ mod tests {
         for fault in Fault::ALL {
             let expected = match fault {
                 Fault::None | Fault::PatternMismatch | Fault::WrongDelay => SafeEnd::Retract,
-                Fault::SpindleSlow | Fault::NoCut | Fault::NoProgress => SafeEnd::Retract,
+                Fault::FrozenTool | Fault::SpindleSlow | Fault::NoCut | Fault::NoProgress => SafeEnd::Retract,
                 Fault::PatternTooLarge | Fault::BankEmpty => SafeEnd::Stop,
                 _ => SafeEnd::DriveOff,
             };
@@ -153,6 +155,9 @@ mod tests {
         vars.output.fault = Fault::WeakDrive;
         vars.output.numbers = Numbers { axis: 3, value: 0.0025, limit: 0.002, share: Some(0.3) };
         assert_eq!(numbers(&vars), ": axis 3 by `0.002500 m`, limit `0.002000 m`; it does `0.30` of what it is told");
+        vars.output.fault = Fault::FrozenTool;
+        vars.output.numbers = Numbers { value: 0.51, limit: 0.5, ..Numbers::START };
+        assert_eq!(numbers(&vars), ": `spindle_speed` stands for `0.51 s`, limit `0.50 s`");
         vars.output.fault = Fault::SpindleSlow;
         vars.output.numbers = Numbers { value: 900.0, limit: 1675.5, ..Numbers::START };
         assert_eq!(numbers(&vars), ": `spindle_speed` = `900.0 rad/s`, limit `1675.5 rad/s`");
@@ -161,5 +166,31 @@ mod tests {
             let silent = matches!(fault, Fault::None | Fault::BankEmpty);
             assert_eq!(numbers(&vars).is_empty(), silent, "{fault:?}");
         }
+    }
+
+    #[test]
+    fn each_fault_is_told_in_its_own_words() {
+        let mut vars = <Vars as fmi2_export::Interface>::START;
+        let plain = Numbers { value: 2.5, limit: 1.25, ..Numbers::START };
+        let axis = Numbers { axis: 1, ..plain };
+        let told = [
+            (Fault::ReadingJump, plain, ": `spindle_speed`, more than `1.25` samples"),
+            (Fault::LostReading, axis, ": `axis1.position`, more than `1.25` samples"),
+            (Fault::FrozenTool, plain, ": `spindle_speed` stands for `2.50 s`, limit `1.25 s`"),
+            (Fault::FrozenReading, axis, ": axis 1 by `2.500000 rad`, limit `1.250000 rad`"),
+            (Fault::WrongDelay, plain, ": they answer after `2.5` samples, `io_delay` = `1.25`"),
+            (Fault::PatternTooLarge, plain, ": limit `32767 pulses`"),
+            (Fault::LongStep, plain, ": limit `0.01 s`"),
+            (Fault::NoCut, plain, ": it changed by `2.50 rad/s`, at least `1.25 rad/s`"),
+            (Fault::NoCut, Numbers { share: Some(0.25), ..plain }, ": idle for `250.0 mm`, limit `1250.0 mm`"),
+            (Fault::NoProgress, plain, ": `2.5 s`, limit `1.2 s`"),
+        ];
+        for (fault, numbers_of, expected) in told {
+            (vars.output.fault, vars.output.numbers) = (fault, numbers_of);
+            assert_eq!(numbers(&vars), expected, "{fault:?}");
+        }
+        vars.output.fault = Fault::InvalidInput;
+        vars.input.spindle_speed = f64::INFINITY;
+        assert!(numbers(&vars).contains("`spindle_speed` = `inf rad/s`"));
     }
 }

@@ -101,6 +101,8 @@ mod variables {
         #[hint("look at the link to the encoder, or at the speed sensor of the tool")] LostReading,
         /// The communication step is longer than a sample: several samples have the same inputs, and of their commands the last alone is seen
         #[hint("set the communication step of the importer to `sample_period`")] LongStep,
+        /// The tool speed stands on the path and flickered before
+        #[hint("does the speed sensor of the tool live, and its link?")] FrozenTool,
     }
     /// Law in force; Paper leaves `bank.format` and the sign of `load.k2` alone
     pub enum Law {
@@ -394,8 +396,8 @@ mod variables {
         #[var(unit = RADIAN_PER_SECOND as "rpm", range = 0.0..=1e5, start = 2.0,
             source = "derived: four counts of a 12-bit reading, a twentieth of the slip at rated load")]
         pub spindle_change: f64,
-        /// Longest way on the path without a cut after the first one; 0 for any
-        #[var(unit = METRE as "mm", range = 0.0..=1e3, start = 0.1, source = "our choice: at 100 mm/s the tool is blind for 1 s")] pub idle_way: f64,
+        /// Longest way on the path without a cut after the first one, more than the longest gap of the burr; 0 for any
+        #[var(unit = METRE as "mm", range = 0.0..=1e3, source = "our choice: any, because only the job knows its gaps")] pub idle_way: f64,
         /// Samples in a row that are bridged when a reading cannot be believed
         #[var(range = 0..=100, start = 3, source = "our choice: at 100 mm/s the tool is blind for 3 mm")] pub lost_samples: i32,
         /// Longest time of a job, or of a lap of a cyclic path; time that is held or at an override of 0 does not count.

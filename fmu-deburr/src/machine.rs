@@ -247,4 +247,19 @@ mod tests {
         assert_eq!(next(State::Run, &Events { progress: Progress::Again, ..LEARN }), State::Approach);
         assert_eq!(next(State::Run, &Events { progress: Progress::Over, ..LEARN }), State::Done);
     }
+
+    #[test]
+    fn the_bank_is_exported_without_a_motion() {
+        let asked = Events { mode: Mode::Export, job: Mode::Idle, ..EVENTS };
+        for state in [State::Idle, State::Done] {
+            assert_eq!(next(state, &asked), State::Done);
+            assert_eq!(next(state, &Events { mode: Mode::Idle, job: Mode::Export, ..EVENTS }), State::Idle);
+        }
+    }
+
+    #[test]
+    fn another_mode_while_it_settles_ends_the_job() {
+        assert_eq!(next(State::Settle, &Events { mode: Mode::Learn, ..EVENTS }), State::Idle);
+        assert_eq!(next(State::Settle, &EVENTS), State::Settle);
+    }
 }

@@ -1,5 +1,5 @@
 //! What watches the machine: axes against the model of their loop, the delay of their answers,
-//! the tool's speed, the time of a job.
+//! the tool's speed and its reading, the time of a job.
 
 pub mod axis;
 pub mod budget;
@@ -7,5 +7,6 @@ pub mod delay;
 pub mod finding;
 pub mod numbers;
 pub mod rest;
+pub mod standing;
 pub mod tool;
 pub mod watch;

@@ -187,15 +187,40 @@ mod tests {
         }
     }
 
-    #[test]
-    fn laps_follow_each_other_without_a_rest() {
-        let mut p = Parameters::START;
-        (p.io_delay, p.lookup.preview) = (1, 0.02);
+    /// To and fro, again and again.
+    fn laps() -> TaughtPath {
         let there = straight(0.05);
         let points = [there.at(0.0), there.at(0.05), there.at(0.0)];
         let blocks =
             points.windows(2).map(|pair| crate::path::geometry::Block::line(&pair[0], &pair[1]).unwrap()).collect();
-        let path = TaughtPath::new(blocks, 0.1, true, 0.2).unwrap();
+        TaughtPath::new(blocks, 0.1, true, 0.2).unwrap()
+    }
+
+    #[test]
+    fn a_lap_is_compensated_as_the_one_before_at_any_preview() {
+        for preview in [0.0, 0.4, 1.0, 2.7] {
+            let mut p = Parameters::START;
+            (p.io_delay, p.lookup.preview) = (0, 0.01 * preview);
+            let path = laps();
+            let pattern = numbered(&p, &path);
+            let mut run = Run::new(&p, &path);
+            let rest = preview.ceil() as usize;
+            // the way that is looked up has begun
+            for k in 0..3 * pattern.len() {
+                run.step(&p, &path, path.speed);
+                let Some(index) = k.checked_sub(rest) else { continue };
+                let played = run.compensation(&p, &path, std::slice::from_ref(&pattern))[0];
+                let expected = (index % pattern.len()) as f64;
+                assert!((played - expected).abs() < 1e-6, "preview {preview}, sample {k}: {played}, {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn laps_follow_each_other_without_a_rest() {
+        let mut p = Parameters::START;
+        (p.io_delay, p.lookup.preview) = (1, 0.02);
+        let path = laps();
         let pattern = numbered(&p, &path);
         let mut run = Run::new(&p, &path);
         for k in 0..3 * pattern.len() + 3 {
@@ -223,5 +248,38 @@ mod tests {
         assert!(!run.stands());
         let goes_on = (0..1000).any(|_| !run.step(&p, &path, path.speed));
         assert!(goes_on);
+    }
+
+    #[test]
+    fn the_second_half_of_the_rest_is_rest_and_the_run_ends_with_it() {
+        let mut p = Parameters::START;
+        (p.learn.lead_out, p.learn.lead_in) = (60, 10);
+        let path = straight(0.12);
+        let mut run = Run::new(&p, &path);
+        let mut rests = Vec::new();
+        while run.step(&p, &path, path.speed) {
+            if run.point().distance >= path.length() {
+                rests.push(run.rests(&p));
+            } else {
+                assert!(!run.rests(&p));
+            }
+        }
+        assert_eq!((rests.len(), rests.iter().position(|rests| *rests)), (60, Some(30)));
+    }
+
+    #[test]
+    fn the_outputs_tell_the_place_of_the_reference_while_it_runs() {
+        let p = Parameters::START;
+        let path = straight(0.12);
+        let mut run = Run::new(&p, &path);
+        for _ in 0..60 {
+            run.step(&p, &path, path.speed);
+        }
+        let Point { distance, speed } = run.point();
+        let told = run.report(&path, true, false);
+        assert_eq!((told.distance, told.speed, told.block, told.block_distance), (distance, speed, 1, distance));
+        assert!(distance > 0.0 && speed > 0.0 && !told.done && told.length == path.length());
+        let waits = run.report(&path, false, true);
+        assert_eq!((waits.distance, waits.speed, waits.done), (0.0, 0.0, true));
     }
 }

@@ -104,6 +104,18 @@ fn towards(fault: Fault) -> Loop {
             run.step_until(|output| output.state == State::Done);
             run
         }
+        Fault::FrozenTool => {
+            let mut run = Loop::new(|p| p.lookup.enable = false);
+            run.input.mode = Mode::Deburr;
+            for speed in [1885.0, 1886.0, 1887.0, 1886.0].into_iter().cycle() {
+                run.input.spindle_speed = speed;
+                run.step();
+                if run.output.path.distance > 0.05 {
+                    break;
+                }
+            }
+            run
+        }
         _ => running(Mode::Deburr, nothing),
     };
     match fault {
@@ -119,6 +131,7 @@ fn towards(fault: Fault) -> Loop {
         Fault::Oscillation => run.input.mode = Mode::DryRun,
         Fault::FollowingError => run.share = 3.0,
         Fault::None | Fault::PatternTooLarge | Fault::NoCut | Fault::WrongDelay | Fault::NoProgress => {}
+        Fault::FrozenTool => {}
     }
     run
 }

@@ -232,4 +232,51 @@ pub(crate) mod tests {
             assert!(bank.take_over(&numbered(|_| value), 32_767.0).is_err());
         }
     }
+
+    #[test]
+    fn everything_that_the_way_depends_on_is_in_the_fingerprint() {
+        let of = |change: fn(&mut Parameters)| {
+            let mut p = Parameters::START;
+            change(&mut p);
+            identity(&p, &path()).path
+        };
+        let changes: [fn(&mut Parameters); 10] = [
+            |_| (),
+            |p| p.path.corner += 0.01,
+            |p| p.feed.acceleration += 0.01,
+            |p| p.feed.smoothing += 1,
+            |p| p.learn.lead_in += 1,
+            |p| p.learn.lead_out += 1,
+            |p| p.arm.height += 0.01,
+            |p| p.arm.reach += 0.01,
+            |p| p.arm.tool_offset += 0.01,
+            |p| p.servo_gain[5] += 1.0,
+        ];
+        let prints = changes.map(of);
+        assert!((0..10).all(|i| (0..i).all(|k| prints[i] != prints[k])));
+    }
+
+    #[test]
+    fn values_up_to_the_limit_are_taken_and_patterns_counted() {
+        let mut bank = PatternBank::plan(&Parameters::START, &path()).unwrap();
+        // the sixth axis has 5 pulses more
+        assert!(bank.take_over(&numbered(|_| 100.0), 105.0).is_ok());
+        let message = bank.take_over(&numbered(|_| -101.0), 100.0).unwrap_err();
+        assert!(message.contains("`-101` pulses, limit `limits.pulses_max` = `100`"), "{message}");
+        bank.limit(2);
+        assert_eq!((bank.patterns().len(), bank.planned().len()), (2, 5));
+        bank.learned(0);
+        assert_eq!(bank.patterns().len(), 2);
+        bank.learned(3);
+        assert_eq!(bank.patterns().len(), 4);
+        bank.limit(9);
+        assert_eq!(bank.patterns().len(), 5);
+        assert_eq!((bank.factor(1), bank.factor(4), bank.factor(7)), (0.8, 0.2, 0.2));
+        assert_eq!(bank.longest(), bank.pattern(4).len());
+        let mut other = numbered(|_| 1.0);
+        other.usable = 6;
+        assert!(bank.take_over(&other, 1e9).is_err());
+        (other.usable, bank.usable) = (3, 0);
+        assert!(bank.take_over(&other, 1e9).is_ok() && bank.patterns().len() == 3);
+    }
 }

@@ -171,4 +171,36 @@ mod tests {
             assert!(decode(&bytes[..k], &bank, &path()).is_none_or(|bank| bank.is_err()), "{k}");
         }
     }
+
+    #[test]
+    fn a_record_may_differ_by_a_unit_of_rounding_and_no_more() {
+        let bank = numbered(|k| k as f64);
+        let bytes = encode(&bank, &path()).unwrap();
+        // distance and feed of the last record but one, then the flags of its block and phase
+        let at = bytes.len() - 8 - 2 * RECORD;
+        let changed = |word: usize, by: i16| {
+            let mut bytes = bytes[..bytes.len() - 8].to_vec();
+            let place = at + 12 + 2 * word;
+            let value = u16::from_le_bytes([bytes[place], bytes[place + 1]]).wrapping_add_signed(by);
+            bytes[place..place + 2].copy_from_slice(&value.to_le_bytes());
+            sign(&mut bytes);
+            decode(&bytes, &bank, &path()).unwrap()
+        };
+        for word in [0, 2] {
+            assert!(changed(word, 1).is_ok() && changed(word, 2).is_err(), "{word}");
+        }
+        assert!(changed(0, -1).is_ok() && changed(0, -2).is_err());
+        let message = changed(1, 1).unwrap_err();
+        let (sample, pattern) = (bank.patterns()[4].len() - 1, 5);
+        assert_eq!(message, format!("sample {sample} of pattern {pattern} is at another place or speed than planned"));
+    }
+
+    #[test]
+    fn the_phase_is_before_on_and_after_the_path() {
+        let bank = numbered(|k| k as f64);
+        let pattern = &bank.patterns()[0];
+        let end = pattern.lead_in + pattern.run;
+        let phases = [0, pattern.lead_in - 1, pattern.lead_in, end - 1, end, pattern.len() - 1];
+        assert_eq!(phases.map(|k| phase(pattern, k)), [0, 0, 1, 1, 2, 2]);
+    }
 }

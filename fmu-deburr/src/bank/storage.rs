@@ -136,4 +136,17 @@ mod tests {
             assert_eq!((output.status, output.patterns), (BankStatus::Imported, 5));
         }
     }
+
+    #[test]
+    fn without_a_file_the_bank_is_empty_or_computed() {
+        let (p, path) = (Parameters::START, straight(0.1));
+        let mut empty = PatternBank::plan(&p, &path).unwrap();
+        assert_eq!(start(&p, None, &path, &mut empty).unwrap(), BankOutput::START);
+        let output = start(&p, None, &path, &mut numbered(|_| 0.0)).unwrap();
+        assert_eq!((output.status, output.patterns), (BankStatus::Computed, 5));
+        assert_eq!(output.message, "computed 5 patterns from the nominal drive");
+        let mut output = BankOutput::START;
+        assert!(export(&p, &path, &empty, &mut output) && output.status == BankOutput::START.status);
+        assert_eq!(output.message, "not written: `bank.export` is empty");
+    }
 }

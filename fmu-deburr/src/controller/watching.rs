@@ -51,6 +51,18 @@ impl Controller {
         true
     }
 
+    /// Looks at the tool while it cuts, and before at how its reading flickers.
+    fn watch_tool(&mut self, p: &Parameters, reading: &Reading) -> Finding {
+        let speed = reading.spindle_speed;
+        if !self.cuts() {
+            self.standing.idles(speed);
+            return Finding::NONE;
+        }
+        let reads = self.standing.cuts(p, speed);
+        let cuts = self.tool.update(p, speed, self.run.point().speed * p.sample_period);
+        if reads.is_fault() { reads } else { cuts }
+    }
+
     pub(super) fn find_fault(
         &mut self,
         p: &Parameters,
@@ -62,11 +74,7 @@ impl Controller {
         let long_step = std::mem::take(&mut self.long_step);
         let starts = input.enable && self.state.waits() && input.mode != self.job;
         let empty = self.compensates(p, input.mode) && self.bank.patterns().is_empty();
-        let tool = if self.cuts() {
-            self.tool.update(p, reading.spindle_speed, self.run.point().speed * p.sample_period)
-        } else {
-            Finding::NONE
-        };
+        let tool = self.watch_tool(p, reading);
         let works = self.job.moves() && !self.state.waits() && self.state.closed();
         faults::find(
             p,

@@ -287,6 +287,21 @@ mod tests {
     }
 
     #[test]
+    fn up_to_three_times_the_first_error_it_learns_on_and_so_it_does_after_a_first_run_without_error() {
+        let mut p = Parameters::PAPER;
+        p.io_delay = 0;
+        let (mut learner, mut pattern) = setup(&p);
+        let once = repeat(&mut learner, &p, &mut pattern, |_| 1.0);
+        let first = learner.errors.cost;
+        assert_eq!((once, repeat(&mut learner, &p, &mut pattern, |_| 2.99)), (Next::Repeat, Next::Repeat));
+        assert!((learner.errors.cost - 2.99 * first).abs() < 1e-9 * first);
+        let (mut learner, mut pattern) = setup(&p);
+        for size in [0.0, 10.0] {
+            assert_eq!(repeat(&mut learner, &p, &mut pattern, |_| size), Next::Repeat);
+        }
+    }
+
+    #[test]
     fn a_speed_that_is_abandoned_keeps_its_best_pattern() {
         let p = Parameters::PAPER;
         let (mut learner, mut pattern) = setup(&p);
@@ -313,5 +328,62 @@ mod tests {
         let Errors { rms, peak, cost } = learner.errors;
         assert!((rms[0] - 12.5_f64.sqrt() * 1e-6).abs() < 1e-8 && (peak[5] - 4e-6).abs() < 1e-15);
         assert!((cost - 75.0_f64.sqrt() * 1e-6).abs() < 1e-7);
+    }
+
+    #[test]
+    fn with_the_filter_the_renewed_pattern_is_smooth_and_with_the_model_it_is_the_solution() {
+        for law in [LearningLaw::LeadFilter, LearningLaw::NormOptimal] {
+            let mut p = Parameters::START;
+            (p.io_delay, p.learn.lead, p.learn.law) = (0, 0, law);
+            let (mut learner, mut pattern) = setup(&p);
+            let step = |k: usize| if k < 30 { 0.0 } else { 100.0 };
+            repeat(&mut learner, &p, &mut pattern, step);
+            let mut expected: Vec<f64> = (0..pattern.len()).map(step).collect();
+            let mut room = vec![vec![0.0; pattern.len() + 2 * PAD]; 3];
+            let [a, b, c] = room.as_mut_slice() else { panic!() };
+            let count = pattern.len();
+            match law {
+                LearningLaw::LeadFilter => {
+                    ZeroPhase::new(p.learn.bandwidth, p.sample_period).filter(&mut expected, a, false);
+                }
+                _ => {
+                    let mut work =
+                        Work { residual: &mut a[..count], direction: &mut b[..count], product: &mut c[..count] };
+                    solve(&Nominal::new(&p, 4), p.learn.weight, &mut expected, &mut work);
+                }
+            }
+            for (sample, value) in pattern.samples.iter().zip(&expected) {
+                assert!((sample.compensation[4] - value).abs() < 1e-9, "{law:?}");
+            }
+            // a second one adds to it
+            repeat(&mut learner, &p, &mut pattern, |_| 0.0);
+            if law == LearningLaw::NormOptimal {
+                assert!((pattern.samples[40].compensation[4] - expected[40]).abs() < 1e-9);
+            }
+        }
+    }
+
+    #[test]
+    fn the_outputs_count_speeds_from_one_and_stay_at_the_last() {
+        let p = Parameters::PAPER;
+        let (mut learner, mut pattern) = setup(&p);
+        assert_eq!(learner.report(&p, false, false).speed_index, 0);
+        for index in 1..=5 {
+            let told = learner.report(&p, true, false);
+            assert_eq!((told.speed_index, told.done), (index, false));
+            repeat(&mut learner, &p, &mut pattern, |_| 7.0);
+            assert_eq!(learner.report(&p, true, false).repetition, 1);
+            let next = learner.abandon(&p, &mut pattern);
+            assert_eq!(next, if index == 5 { Next::Done } else { Next::NextSpeed });
+        }
+        let told = learner.report(&p, true, true);
+        assert_eq!((told.speed_index, told.done, told.cost), (5, true, learner.errors.cost));
+    }
+
+    #[test]
+    fn the_sample_ahead_is_in_the_next_lap_or_the_last_one() {
+        for (k, cyclic, expected) in [(5, true, 8), (8, true, 1), (5, false, 8), (8, false, 9), (0, true, 3)] {
+            assert_eq!(ahead(k, 3, 10, cyclic), expected, "{k} {cyclic}");
+        }
     }
 }

@@ -112,4 +112,27 @@ mod tests {
             PatternLookup { point: Point { distance: 0.1, speed: 0.1 }, back: 0.0, length: LENGTH, nominal: None };
         assert_eq!(lookup.compensation(&[]), [0.0; AXES]);
     }
+
+    #[test]
+    fn the_nominal_speed_of_a_pattern_is_its_multiple_of_the_taught_one() {
+        // in the middle both are the same
+        for speed in [0.1, 0.08, 0.06, 0.04, 0.02, 0.01] {
+            assert!((at(0.15, speed, Some(0.1)) - 1e4 * speed).abs() < 1e-6, "{speed}");
+        }
+    }
+
+    #[test]
+    fn speeds_within_half_a_millimetre_a_second_are_one() {
+        let with = |upper: f64, lower: f64, speed: f64| between(([8.0; AXES], upper), ([2.0; AXES], lower), speed)[0];
+        assert_eq!(with(0.1, 0.0996, 0.0997), 8.0);
+        assert!((with(0.1, 0.0994, 0.0997) - 5.0).abs() < 1e-9);
+        // a pattern that stands is not enlarged
+        let lookup = |speed: f64| {
+            let point = Point { distance: LENGTH, speed };
+            let mut pattern = patterns().swap_remove(0);
+            pattern.samples.iter_mut().for_each(|sample| sample.compensation = [100.0; AXES]);
+            PatternLookup { point, back: 0.0, length: LENGTH, nominal: None }.compensation(&[pattern])[0]
+        };
+        assert_eq!((lookup(0.0), lookup(0.01)), (100.0, 100.0));
+    }
 }

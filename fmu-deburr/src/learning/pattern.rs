@@ -169,4 +169,59 @@ pub(crate) mod tests {
         let message = Pattern::plan(&Parameters::START, &straight(90.0), 1.0).unwrap_err();
         assert!(message.contains("60000"), "{message}");
     }
+
+    #[test]
+    fn a_pattern_may_have_all_its_samples_and_not_one_more() {
+        let (mut p, path) = (Parameters::START, straight(0.1));
+        let run = Pattern::plan(&p, &path, 1.0).unwrap().run;
+        p.learn.lead_in = (SAMPLES_MAX - run) as i32;
+        assert!(Pattern::plan(&p, &path, 1.0).is_ok());
+        p.learn.lead_in += 1;
+        assert!(Pattern::plan(&p, &path, 1.0).is_err());
+    }
+
+    #[test]
+    fn a_pattern_fits_one_with_the_same_samples_but_for_rounding() {
+        let (p, path) = (Parameters::START, straight(0.1));
+        let pattern = Pattern::plan(&p, &path, 1.0).unwrap();
+        let with = |change: fn(&mut Pattern)| {
+            let mut other = pattern.clone();
+            change(&mut other);
+            (pattern.fits(&other), other.fits(&pattern))
+        };
+        let fits: [fn(&mut Pattern); 3] = [
+            |other| other.samples[7].compensation = [9.0; AXES],
+            |other| other.samples[0].point.distance += 0.9e-9,
+            |other| other.samples[0].point.speed += 0.9e-9,
+        ];
+        assert!(fits.into_iter().all(|change| with(change) == (true, true)));
+        // a difference of the rounding itself is one
+        let others: [fn(&mut Pattern); 8] = [
+            |other| other.samples[0].point.distance += ROUNDING,
+            |other| other.samples[0].point.speed += ROUNDING,
+            |other| other.samples[20].point.distance += 1e-6,
+            |other| other.factor = 0.99,
+            |other| other.lead_in += 1,
+            |other| other.run -= 1,
+            |other| other.cyclic = true,
+            |other| other.samples.truncate(other.samples.len() - 1),
+        ];
+        assert!(others.into_iter().all(|change| with(change) == (false, false)));
+    }
+
+    #[test]
+    fn beyond_the_ends_it_is_the_last_sample_or_the_next_lap() {
+        let mut pattern = Pattern::plan(&Parameters::START, &straight(0.1), 1.0).unwrap();
+        let count = pattern.len();
+        for (k, sample) in pattern.samples.iter_mut().enumerate() {
+            sample.compensation = [k as f64; AXES];
+        }
+        let last = count as isize - 1;
+        let of = |pattern: &Pattern, index: isize| pattern.compensation(index)[1];
+        assert_eq!([-3, 0, last, last + 5].map(|index| of(&pattern, index)), [0.0, 0.0, last as f64, last as f64]);
+        assert!((pattern.between(4.25)[0] - 4.25).abs() < 1e-12);
+        pattern.cyclic = true;
+        assert_eq!([-3, last + 1, last + 5].map(|index| of(&pattern, index)), [last as f64 - 2.0, 0.0, 4.0]);
+        assert!(!pattern.is_empty());
+    }
 }

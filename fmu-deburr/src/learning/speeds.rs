@@ -65,4 +65,17 @@ mod tests {
             assert!(message.starts_with(&format!("parameter `learn.speeds` is `{text}`")), "{message}");
         }
     }
+
+    #[test]
+    fn nine_speeds_from_a_hundredth_to_one_that_descend_by_a_hundredth() {
+        for text in ["1 .9 .8 .7 .6 .5 .4 .3 .2", "1", "0.01", "0.02 0.01", "1.0 0.99"] {
+            assert!(Speeds::read(text).is_ok(), "{text}");
+        }
+        for text in ["1.001", "0.009", "0.5 0.491", "1 0.5 0.6"] {
+            assert!(Speeds::read(text).is_err(), "{text}");
+        }
+        assert_eq!(Speeds::new(&[]), None);
+        assert_eq!(Speeds::new(&[0.5; 10]), None);
+        assert_eq!(Speeds::new(&[0.5; 9]).unwrap().list(), [0.5; 9]);
+    }
 }

@@ -316,4 +316,82 @@ mod tests {
         let Some(Verdict::Wrong(finding)) = run(Expectation::Compensated) else { panic!("nothing was found") };
         assert_eq!((finding.fault, finding.numbers.limit), (Fault::PatternMismatch, 5e-4));
     }
+
+    /// Samples in a row with a motion until something is said, and what; counted from 1.
+    fn said(expected: Expectation, motion: Motion) -> Option<(usize, Verdict)> {
+        let p = Parameters::START;
+        let mut monitor = AxisMonitor::new(&p, 2);
+        monitor.restart(0.0, p.axis[2].pulse);
+        (1..20).map(|k| (k, monitor.look(&p, 2, &motion, expected))).find(|(_, verdict)| *verdict != Verdict::Good)
+    }
+
+    #[test]
+    fn what_is_wrong_for_the_samples_that_are_bridged_and_one_more_is_told() {
+        let [bare, learned, compensated] = [Expectation::Bare, Expectation::Learned, Expectation::Compensated];
+        let motion = |position: f64, error: f64| Motion { position, commanded: 0.0, error };
+        for (expected, motion) in [
+            (bare, motion(1.1e-3, 0.0)),
+            (bare, motion(-1.1e-3, 0.0)),
+            (bare, motion(0.0, 1.1e-3)),
+            (learned, motion(0.0, -1.1e-3)),
+            (compensated, motion(0.0, 5.1e-4)),
+            (compensated, motion(0.0, -5.1e-4)),
+        ] {
+            assert_eq!(said(expected, motion).map(|said| said.0), Some(4), "{expected:?} {motion:?}");
+        }
+        for (expected, motion) in [
+            (bare, motion(9.9e-4, 9.9e-4)),
+            (learned, motion(-9.9e-4, -9.9e-4)),
+            (compensated, motion(9.9e-4, 4.9e-4)),
+            // the limit itself is good
+            (compensated, motion(0.0, 5e-4)),
+            (bare, motion(0.0, 1e-3)),
+        ] {
+            assert_eq!(said(expected, motion), None, "{expected:?} {motion:?}");
+        }
+    }
+
+    #[test]
+    fn the_consequence_says_what_the_error_is_of() {
+        let fault =
+            |expected, position: f64, error: f64| match said(expected, Motion { position, commanded: 0.0, error })
+                .unwrap()
+                .1
+            {
+                Verdict::Wrong(finding) => (finding.fault, finding.numbers.value, finding.numbers.limit),
+                verdict => panic!("{verdict:?}"),
+            };
+        assert_eq!(fault(Expectation::Bare, 1.5e-3, 0.0), (Fault::FollowingError, 1.5e-3, 1e-3));
+        assert_eq!(fault(Expectation::Bare, 0.0, -1.5e-3), (Fault::FollowingError, 1.5e-3, 1e-3));
+        assert_eq!(fault(Expectation::Compensated, 4e-4, 6e-4), (Fault::PatternMismatch, 6e-4, 5e-4));
+        assert_eq!(fault(Expectation::Compensated, -6e-4, 6e-4), (Fault::FollowingError, 6e-4, 5e-4));
+        let grown = said(Expectation::Learned, Motion { position: 0.0, commanded: 0.0, error: 1.1e-3 });
+        assert_eq!(grown.unwrap().1, Verdict::Grown);
+    }
+
+    #[test]
+    fn the_lag_of_the_bare_servo_widens_the_limits_and_fades() {
+        let p = Parameters::START;
+        let (kp, pulse) = (p.servo_gain[2], p.axis[2].pulse);
+        let mut monitor = AxisMonitor::new(&p, 2);
+        monitor.restart(0.0, pulse);
+        // 0.1 m/s for a sample, back at once, and then rest: a lag of V/Kp
+        monitor.command(&p, 2, 200.0, 0.0, 0.0);
+        let lag = 0.1 / kp;
+        assert!((monitor.lag - lag).abs() < 1e-12 && (monitor.allowance() - 0.5 * lag).abs() < 1e-12);
+        monitor.command(&p, 2, 200.0, 0.0, 0.0);
+        let faded = |share: f64| lag * (-share * kp * p.sample_period).exp();
+        assert!((monitor.lag - faded(0.25)).abs() < 1e-12);
+        assert!((monitor.allowance() - 0.5 * faded(0.5)).abs() < 1e-12);
+        assert_eq!(monitor.residual(0.3, pulse), 0.3 - monitor.model.position() * pulse);
+    }
+
+    #[test]
+    fn a_compensation_moves_the_model_as_the_reference_does() {
+        let p = Parameters::START;
+        let mut monitor = AxisMonitor::new(&p, 2);
+        monitor.restart(0.0, p.axis[2].pulse);
+        (0..300).for_each(|_| monitor.command(&p, 2, 100.0, 40.0, 0.0));
+        assert!((monitor.model.position() - 140.0).abs() < 1e-6);
+    }
 }

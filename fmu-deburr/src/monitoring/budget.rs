@@ -52,7 +52,19 @@ mod tests {
         // 0.2 m at 4 mm/s, three legs of 13.3 s (6.4 rad at 0.9 rad/s), rests of 0.8 and 0.7 s
         let once = 3.0 * 1.875 * 6.4 / 0.9 + 0.8 + 0.7 + 50.0 + 0.008;
         assert!((budget(&p, &path, Mode::Deburr) as f64 - 200.0 * once).abs() < 200.0 * 0.01 * once);
-        assert!(budget(&p, &path, Mode::Learn) > 20 * 5 * 2 * 100 * 20);
+        // one stop more; five speeds, the bare run and 19 repetitions
+        p.feed.acceleration = 0.04;
+        let run = |speed: f64| 3.0 * 1.875 * 6.4 / 0.9 + 0.8 + 0.7 + 0.2 / speed + speed / 0.04;
+        assert!((derived(&p, &path, Mode::Deburr) - 2.0 * run(0.004)).abs() < 1e-9);
+        let speeds: f64 = [0.1, 0.08, 0.06, 0.04, 0.02].map(run).iter().sum();
+        let repetitions = f64::from(p.learn.repetitions + 1);
+        assert!((derived(&p, &path, Mode::Learn) - 2.0 * repetitions * speeds).abs() < 1e-6);
+        // without a slowest feed of the load control a hundredth of the taught one
+        p.load.speed_min = 0.0;
+        assert!((derived(&p, &path, Mode::Deburr) - 2.0 * run(0.001)).abs() < 1e-9);
+        // the time of a motion that is given is that of each leg
+        p.transfer.time = 50.0;
+        assert!((derived(&p, &path, Mode::Deburr) - 2.0 * (run(0.001) + 150.0 - 3.0 * 1.875 * 6.4 / 0.9)).abs() < 1e-9);
         p.limits.job_time = 12.0;
         assert_eq!(budget(&p, &path, Mode::Learn), 1200);
     }

@@ -131,6 +131,7 @@ mod tests {
     #[test]
     fn a_way_without_a_cut_is_told_where_it_is_longer_than_the_longest_gap() {
         let mut p = Parameters::START;
+        p.limits.idle_way = 0.1;
         // cuts for 50 mm
         let gap = |length: usize| move |k: usize| if k % (50 + length) < 50 { 1850.0 - (k % 7) as f64 } else { 1884.0 };
         assert_eq!(cutting(&p, gap(90)).0, Fault::None);
@@ -139,5 +140,35 @@ mod tests {
         assert!((147..=154).contains(&after), "{after}");
         p.limits.idle_way = 0.0;
         assert_eq!(cutting(&p, gap(200)).0, Fault::None);
+    }
+
+    #[test]
+    fn the_limits_themselves_are_good() {
+        let mut p = Parameters::START;
+        let mut tool = ToolMonitor::default();
+        for _ in 0..20 {
+            assert!(!tool.update(&p, p.limits.spindle_speed_min, 0.0).is_fault());
+        }
+        (p.limits.spindle_change, p.limits.idle_way) = (2.0, 1.0);
+        let mut tool = ToolMonitor::default();
+        (0..4).for_each(|_| assert!(!tool.update(&p, 1884.0, 0.5).is_fault()));
+        // as much slower as it must be
+        (0..4).for_each(|_| assert!(!tool.update(&p, 1882.0, 0.5).is_fault()));
+        assert!(!tool.after_run(&p).is_fault());
+        assert!(!tool.update(&p, 1884.0, 0.5).is_fault());
+        let found = [(); 4].map(|()| tool.update(&p, 1884.0, 0.5));
+        assert_eq!(found.map(|found| found.fault), [Fault::None, Fault::NoCut, Fault::NoCut, Fault::NoCut]);
+        assert_eq!((found[1].numbers.share, found[1].numbers.limit), (Some(1.5), 1.0));
+    }
+
+    #[test]
+    fn a_way_without_a_cut_is_none_where_no_change_is_asked_for() {
+        let mut p = Parameters::START;
+        (p.limits.spindle_change, p.limits.idle_way) = (0.0, 0.01);
+        let mut tool = ToolMonitor::default();
+        for k in 0..200 {
+            let speed = if k < 4 { 1884.0 } else { 1884.0 + f64::from(k % 4) };
+            assert_eq!(tool.update(&p, speed, 1e-3), Finding::NONE, "{k}");
+        }
     }
 }

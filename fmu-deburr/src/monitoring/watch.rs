@@ -76,3 +76,75 @@ impl Watch {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What the rest after a run tells of an axis `i` that stands `beside` its reference, after a motion by `counts`.
+    fn rested(i: usize, beside: f64, counts: f64) -> Finding {
+        let p = Parameters::START;
+        let mut watch = Watch::new(&p);
+        let mut positions = [0.0; AXES];
+        watch.restart(&p, &positions);
+        let mut reference = [0.0; AXES];
+        reference[i] = counts;
+        watch.command(&p, &reference, &[0.0; AXES], &[0.0; AXES]);
+        // what the run before has left is forgotten
+        watch.rests(&p, &[1.0; AXES]);
+        watch.begin_run();
+        positions[i] = beside;
+        (0..10).for_each(|_| watch.rests(&p, &positions));
+        watch.after_run(&p)
+    }
+
+    #[test]
+    fn an_axis_beside_its_reference_in_the_rest_is_told_with_its_number_and_limit() {
+        let p = Parameters::START;
+        for i in 0..AXES {
+            let limit = p.limits.axis[i].rest_error;
+            for side in [1.0, -1.0] {
+                assert_eq!(rested(i, 0.99 * side * limit, 0.0), Finding::NONE);
+                let found = rested(i, 1.01 * side * limit, 0.0);
+                assert_eq!((found.fault, found.numbers.axis), (Fault::FollowingError, i as i32 + 1));
+                assert!((found.numbers.value - 1.01 * limit).abs() < 1e-12 && found.numbers.limit == limit);
+            }
+        }
+        assert_eq!(Watch::new(&p).after_run(&p), Finding::NONE);
+    }
+
+    #[test]
+    fn the_lag_of_a_motion_is_allowed_beside() {
+        let p = Parameters::START;
+        // half of V/Kp of 5 counts in a sample; the model has not moved yet
+        let limit = p.limits.axis[2].rest_error + 0.5 * 5.0 * p.axis[2].pulse / (p.servo_gain[2] * p.sample_period);
+        assert_eq!(rested(2, 0.99 * limit, 5.0), Finding::NONE);
+        assert!((rested(2, 1.01 * limit, 5.0).numbers.limit - limit).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_first_axis_that_is_wrong_is_told_and_a_fault_before_a_pattern_that_grows() {
+        let p = Parameters::START;
+        let told = |expected, places: [f64; 2], errors: [f64; 2]| {
+            let mut watch = Watch::new(&p);
+            watch.restart(&p, &[0.0; AXES]);
+            let (mut positions, mut error) = ([0.0; AXES], [0.0; AXES]);
+            for k in 0..2 {
+                (positions[k + 1], error[k + 1]) = (places[k], errors[k] / p.axis[k + 1].pulse);
+            }
+            let verdicts = [(); 4].map(|()| watch.look(&p, &positions, &[0.0; AXES], &error, expected));
+            match verdicts[3] {
+                Verdict::Wrong(finding) => finding.numbers.axis,
+                Verdict::Good => 0,
+                Verdict::Grown => -1,
+            }
+        };
+        let far = 2e-3;
+        assert_eq!(told(Expectation::Bare, [far, far], [0.0; 2]), 2);
+        assert_eq!(told(Expectation::Bare, [0.0, far], [0.0; 2]), 3);
+        assert_eq!(told(Expectation::Learned, [0.0; 2], [far, 0.0]), -1);
+        assert_eq!(told(Expectation::Learned, [0.0, far], [far, 0.0]), 3);
+        assert_eq!(told(Expectation::Learned, [far, 0.0], [0.0, far]), 2);
+        assert_eq!(told(Expectation::Bare, [0.0; 2], [0.0; 2]), 0);
+    }
+}

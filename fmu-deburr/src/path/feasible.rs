@@ -157,4 +157,39 @@ mod tests {
         let message = self::message(&[([0.3, 0.0, -0.2], DOWN), ([-0.3, 0.0, -0.2], DOWN)]);
         assert!(message.contains("hint:"), "{message}");
     }
+
+    #[test]
+    fn an_axis_may_be_at_the_ends_of_its_travel_and_as_fast_as_it_is() {
+        let p = Parameters::START;
+        for i in 0..AXES {
+            for (end, out) in [(p.axis[i].minimum, -1e-9), (p.axis[i].maximum, 1e-9)] {
+                let mut joints = p.axis.map(|axis| 0.5 * (axis.minimum + axis.maximum));
+                joints[i] = end;
+                assert_eq!(travel(&p, &joints), Ok(()));
+                joints[i] += out;
+                assert!(travel(&p, &joints).unwrap_err().contains(NAMES[i].0));
+            }
+            let moved = |way: f64| {
+                let mut joints = [0.0; AXES];
+                joints[i] = way * p.axis[i].velocity_max;
+                speed(&p, &joints, &[0.0; AXES], 1.0)
+            };
+            assert_eq!((moved(1.0), moved(-1.0)), (Ok(()), Ok(())));
+            assert!(moved(1.001).unwrap_err().contains(NAMES[i].0) && moved(-1.001).is_err());
+        }
+    }
+
+    #[test]
+    fn the_yaw_of_an_upright_start_is_that_of_the_first_place_that_is_tilted() {
+        let places = [
+            ([0.7, 0.0, -0.2], DOWN),
+            ([0.7, 0.05, -0.2], DOWN),
+            ([0.7, 0.1, -0.2], [0.0, 0.05, -1.0]),
+            ([0.7, 0.2, -0.2], [0.05, 0.05, -1.0]),
+        ];
+        let joints = start(&Parameters::START, &path(&places)).unwrap();
+        // across the arm, which has turned by 50 mm on 700 mm
+        let expected = std::f64::consts::FRAC_PI_2 - (0.05_f64 / 0.7).atan();
+        assert!((joints[3] - expected).abs() < 0.01, "{joints:?}");
+    }
 }

@@ -204,6 +204,54 @@ mod tests {
     }
 
     #[test]
+    fn a_fillet_of_half_a_millimetre_is_an_arc() {
+        let (from, to) = (pose(0.7005, 0.0, 0.0), pose(0.7, 0.0005, 0.0));
+        let centre = Vector::new(0.7, 0.0, 0.0);
+        let via = centre + Vector::new(FRAC_1_SQRT_2, FRAC_1_SQRT_2, 0.0) * 5e-4;
+        for block in [Block::arc_via(&from, via, &to).unwrap(), Block::arc_about(&from, centre, &to).unwrap()] {
+            assert!((block.length - 2.5e-4 * PI).abs() < 1e-9, "{}", block.length);
+            assert!((block.at(0.5 * block.length).tip - via).norm() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn shapes_are_taken_and_refused_at_their_limits() {
+        let here = pose(1.0, 0.0, 0.0);
+        let line = |length: f64| Block::line(&here, &pose(1.0, length, 0.0));
+        assert!(line(1.0001e-4).is_ok() && line(0.9999e-4).is_err());
+        let arc = |angle: f64| Block::arc_about(&here, Vector::zeros(), &pose(angle.cos(), angle.sin(), 0.0));
+        assert!(arc(1.0001e-4).is_ok() && arc(0.9999e-4).is_err());
+        let other = |radius: f64| Block::arc_about(&here, Vector::zeros(), &pose(0.0, radius, 0.0));
+        assert!(other(1.0 + 0.9e-6).is_ok() && other(1.0 - 0.9e-6).is_ok());
+        assert!(other(1.0 + 1.1e-6).is_err() && other(1.0 - 1.1e-6).is_err());
+        // the sine of the angle between both ways
+        let via = |height: f64| Block::arc_via(&here, Vector::new(1.5, height, 0.0), &pose(2.0, 0.0, 0.0));
+        assert!(via(0.6e-6).is_ok() && via(0.4e-6).is_err());
+    }
+
+    #[test]
+    fn a_block_has_the_fingerprint_of_its_shape_and_its_tool() {
+        let print = |block: Block| {
+            let mut print = Fingerprint::default();
+            block.fingerprint(&mut print);
+            print.value()
+        };
+        let (from, to) = (pose(1.0, 0.0, 0.0), pose(0.0, 1.0, 0.0));
+        let tilted = Pose { axis: Vector::new(0.6, 0.0, -0.8), ..to };
+        let via = |x: f64| Block::arc_via(&from, Vector::new(x, x, 0.0), &to).unwrap();
+        let blocks = [
+            Block::line(&from, &to).unwrap(),
+            Block::line(&from, &tilted).unwrap(),
+            Block::arc_about(&from, Vector::zeros(), &to).unwrap(),
+            via(FRAC_1_SQRT_2),
+            via(0.8),
+        ];
+        let prints = blocks.map(print);
+        assert!((0..5).all(|i| (0..i).all(|k| prints[i] != prints[k])), "{prints:?}");
+        assert_eq!(print(via(0.8)), prints[4]);
+    }
+
+    #[test]
     fn the_tangent_is_the_derivative_and_the_tool_turns_evenly() {
         let tilted = Pose { axis: Vector::new(0.6, 0.0, -0.8), ..pose(0.0, 1.0, 0.5) };
         let block = Block::arc_via(&pose(1.0, 0.0, 0.0), Vector::new(0.8, 0.6, 0.3), &tilted).unwrap();

@@ -215,4 +215,23 @@ mod tests {
             assert!(message.contains("hint: write {"), "{message}");
         }
     }
+
+    #[test]
+    fn the_limits_themselves_are_taken() {
+        let with = |speed: &str, x: &str| {
+            let text = file(&format!(r#"{{"type": "line", "to": {{"tip_m": [{x}, 0, -0.2]}}}}"#));
+            read_text(&text.replace("0.1,", &format!("{speed},"))).is_ok()
+        };
+        for speed in ["0.001", "2", "2.0"] {
+            assert!(with(speed, "0.8"), "{speed}");
+        }
+        for x in ["100", "-100"] {
+            assert!(with("0.1", x), "{x}");
+        }
+        assert!(["0.000999", "2.001"].iter().all(|speed| !with(speed, "0.8")));
+        assert!(["100.001", "-100.001"].iter().all(|x| !with("0.1", x)));
+        let block = |x: usize| format!(r#"{{"type": "line", "to": {{"tip_m": [{}, 0, -0.2]}}}}"#, [0.8, 0.7][x % 2]);
+        let blocks = |count: usize| read_text(&file(&(0..count).map(block).collect::<Vec<_>>().join(","))).is_ok();
+        assert!(blocks(BLOCKS_MAX) && !blocks(BLOCKS_MAX + 1));
+    }
 }

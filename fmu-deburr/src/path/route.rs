@@ -131,6 +131,20 @@ mod tests {
     }
 
     #[test]
+    fn an_axis_within_a_thousandth_of_its_place_above_is_there() {
+        let p = Parameters::START;
+        let above = p.arm.drawn_back(&START, p.transfer.clearance);
+        for (way, legs) in [(1e-3, 1), (-1e-3, 1), (1.001e-3, 2), (-1.001e-3, 2)] {
+            let mut begin = above;
+            begin[5] += way;
+            assert_eq!(Route::around(&p, &begin, &START, false).count, legs, "{way}");
+            begin = above;
+            begin[0] += 1.01 * way;
+            assert_eq!(Route::around(&p, &begin, &START, false).count, 2);
+        }
+    }
+
+    #[test]
     fn a_held_route_stands_within_a_leg_and_between_two() {
         let p = Parameters::START;
         for begin in [60, 151, 200] {

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::fingerprint::Fingerprint;
-use crate::path::geometry::{Block, Pose, Vector};
+use crate::path::geometry::{Block, Pose};
 
 /// Ends of a path that are closer than this are one place, m.
 const CLOSED: f64 = 1e-6;
@@ -90,12 +90,6 @@ impl TaughtPath {
         self.blocks[place.block].at(place.distance)
     }
 
-    /// Unit tangent at the distance (m) from the start.
-    pub fn tangent(&self, distance: f64) -> Vector {
-        let place = self.place(distance.clamp(0.0, self.length()));
-        self.blocks[place.block].tangent(place.distance)
-    }
-
     /// Adds what was taught to a fingerprint.
     pub fn fingerprint(&self, print: &mut Fingerprint) {
         self.blocks.iter().for_each(|block| block.fingerprint(print));
@@ -119,6 +113,7 @@ fn turn(block: &Block, next: &Block) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::path::geometry::Vector;
 
     fn pose(x: f64, y: f64) -> Pose {
         Pose { tip: Vector::new(x, y, 0.0), axis: Vector::new(0.0, 0.0, -1.0) }

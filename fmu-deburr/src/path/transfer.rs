@@ -110,4 +110,29 @@ mod tests {
         (0..151).for_each(|_| assert_eq!(transfer.step(DT, false), FROM));
         assert!(transfer.over());
     }
+
+    #[test]
+    fn a_motion_comes_to_rest_and_up_again_in_three_tenths_of_a_second() {
+        let p = Parameters::START;
+        let mut transfer = TransferMotion::new(&p, &FROM, &TO);
+        for _ in 0..60 {
+            transfer.step(DT, false);
+        }
+        let stood = (1..100).find(|_| {
+            transfer.step(DT, true);
+            transfer.stands()
+        });
+        // the rate does not come to zero by its last bit
+        assert!(matches!(stood, Some(30 | 31)), "{stood:?}");
+        let time = transfer.time;
+        for _ in 0..30 {
+            transfer.step(DT, false);
+        }
+        // 1/30, 2/30, ..., 1
+        assert!((transfer.time - time - DT * 15.5).abs() < 1e-9);
+        for _ in 0..30 {
+            transfer.step(DT, false);
+        }
+        assert!((transfer.time - time - DT * 45.5).abs() < 1e-9);
+    }
 }

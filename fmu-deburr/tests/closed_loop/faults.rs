@@ -266,3 +266,30 @@ fn a_communication_step_that_is_too_long_is_told_in_its_first_sample() {
     (0..2).for_each(|_| run.step());
     assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::None));
 }
+
+#[test]
+fn a_fault_counts_in_a_stop_without_enable_and_not_while_off() {
+    let mut run = running(Mode::DryRun);
+    run.input.enable = false;
+    run.step();
+    assert_eq!(run.output.state, State::Stop);
+    run.input.speed_override = f64::NAN;
+    run.step();
+    stands_with(&run, Fault::InvalidInput);
+    let mut run = Loop::new(&Parameters::START, &Build::NOMINAL);
+    (run.input.enable, run.input.speed_override) = (false, f64::NAN);
+    (0..10).for_each(|_| run.step());
+    assert_eq!((run.output.state, run.output.fault), (State::Off, Fault::None));
+}
+
+#[test]
+fn of_two_faults_with_the_same_end_the_first_stays() {
+    let mut run = running(Mode::DryRun);
+    run.input.spindle_speed = f64::INFINITY;
+    run.step();
+    run.input.spindle_speed = f64::NAN;
+    for _ in 0..20 {
+        run.step();
+        stands_with(&run, Fault::InvalidInput);
+    }
+}

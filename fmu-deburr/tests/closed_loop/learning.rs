@@ -1,8 +1,8 @@
-//! Learning and playback on the test piece.
+//! Learning and playback on the test piece, and a bank of one machine on another.
 
-use fmu_deburr::interface::{Mode, Parameters, State};
-use fmu_deburr::path::TaughtPath;
-use fmu_deburr::path::{Block, Pose, Vector};
+use fmu_deburr::interface::{LearningLaw, Mode, Parameters, State};
+use fmu_deburr::learning::speeds::Speeds;
+use fmu_deburr::path::{Block, Joints, Pose, TaughtPath, Vector};
 
 use crate::robot::Build;
 use crate::setup::{Loop, parameters, swinging};
@@ -146,4 +146,46 @@ fn learning_goes_on_from_patterns_that_were_computed() {
     let error = worst(&mut run, |_| 1.0);
     // a tenth of what they leave before
     assert!(error < 0.1 * computed(0.8, |_| 1.0), "{error}");
+}
+
+/// Largest errors with the bank of the nominal machine, learned on for some repetitions, mm.
+fn adapted(nominal: &Loop, build: &Build, law: LearningLaw, repetitions: i32) -> Joints {
+    let mut p = nominal.parameters.clone();
+    (p.learn.law, p.learn.from_bank, p.learn.repetitions) = (law, true, repetitions);
+    // a foreign bank is to be seen
+    p.limits.axis.iter_mut().for_each(|axis| axis.pattern_error = 0.1);
+    let mut run = Loop::new(&p, build);
+    run.controller.path_and_bank().1.take_over(nominal.controller.bank(), 1e9).unwrap();
+    assert!(run.finish(Mode::Learn));
+    run.largest_errors(Mode::Playback, swinging(1.0))
+}
+
+#[test]
+fn three_repetitions_adapt_a_bank_to_another_machine() {
+    let mut nominal = Loop::new(&parameters(&Parameters::START, 1), &Build::NOMINAL);
+    assert!(nominal.finish(Mode::Learn));
+    for (gain, dynamics) in [(0.8, 0.8), (1.2, 0.8), (1.2, 1.2)] {
+        let build = Build { gain, dynamics, delay: 1 };
+        let foreign = adapted(&nominal, &build, LearningLaw::LeadFilter, 0);
+        assert!(foreign[0] > 0.8, "{foreign:.3?}");
+        let filter = adapted(&nominal, &build, LearningLaw::LeadFilter, 3);
+        assert!(filter[0] < 0.10 && filter[2] < 0.10, "{gain} {dynamics}: {filter:.3?}");
+        let optimal = adapted(&nominal, &build, LearningLaw::NormOptimal, 3);
+        assert!(optimal[0] < 0.03 && optimal[2] < 0.03, "{gain} {dynamics}: {optimal:.3?}");
+    }
+}
+
+#[test]
+fn a_repetition_plays_its_pattern_as_it_is_whatever_the_lookup_would_make_of_it() {
+    let cost = |recorded_speed: bool, preview: f64| {
+        let mut p = Parameters::START;
+        (p.learn.repetitions, p.learn.factors) = (2, Speeds::new(&[1.0]).unwrap());
+        (p.lookup.recorded_speed, p.lookup.preview) = (recorded_speed, preview);
+        let mut run = Loop::new(&p, &Build::NOMINAL);
+        assert!(run.finish(Mode::Learn));
+        run.output.learn.cost
+    };
+    let preview = Parameters::START.lookup.preview;
+    assert_eq!(cost(true, preview), cost(false, preview));
+    assert_eq!(cost(true, preview), cost(true, 0.0));
 }

@@ -1,6 +1,5 @@
 //! The controller in closed loop with a native robot: learning, playback, modes, faults, laws, state bytes.
 
-mod adaptation;
 mod errors;
 mod faults;
 mod interpolation;
@@ -8,6 +7,7 @@ mod laws;
 mod learn_faults;
 mod learning;
 mod modes;
+mod nominal;
 mod norm_optimal;
 mod restart;
 mod robot;

@@ -1,6 +1,6 @@
 //! Modes and switches: hold, stop, override, load control, laps.
 
-use fmu_deburr::interface::{BankStatus, Mode, Parameters, State};
+use fmu_deburr::interface::{BankStatus, Fault, Mode, Parameters, State};
 use fmu_deburr::learning::speeds::Speeds;
 
 use crate::robot::Build;
@@ -157,4 +157,51 @@ fn a_bank_that_learning_has_begun_to_change_is_not_told_as_that_of_a_file() {
     run.output.bank.status = BankStatus::Exported;
     run.step();
     assert_eq!(run.output.bank.status, BankStatus::Exported);
+}
+
+#[test]
+fn time_at_an_override_of_zero_does_not_count_but_when_it_learns() {
+    let job = |mode: Mode, share: f64, hold: bool| {
+        let mut p = Parameters::START;
+        p.limits.job_time = 1.0;
+        let mut run = Loop::new(&p, &Build::NOMINAL);
+        run.step();
+        (run.input.mode, run.input.speed_override, run.input.hold) = (mode, share, hold);
+        let ended = (0..300).position(|_| {
+            run.step();
+            run.output.fault == Fault::NoProgress
+        });
+        (ended.is_some(), ended.is_none_or(|samples| (100..=102).contains(&samples)))
+    };
+    // learning has its own speeds
+    for (mode, share, hold, ends) in [
+        (Mode::DryRun, 0.0, false, false),
+        (Mode::DryRun, 0.01, false, true),
+        (Mode::DryRun, 1.0, true, false),
+        (Mode::Learn, 0.0, false, true),
+        (Mode::Learn, 1.0, true, false),
+    ] {
+        assert_eq!(job(mode, share, hold), (ends, true), "{mode:?} {share} {hold}");
+    }
+}
+
+#[test]
+fn the_outputs_of_an_axis_are_the_servo_law_in_its_units() {
+    let mut p = Parameters::START;
+    p.bank.compute = true;
+    let mut run = Loop::new(&p, &Build::NOMINAL);
+    run.step();
+    run.input.mode = Mode::Playback;
+    run_until(&mut run, |run| run.output.path.distance > 0.05);
+    for _ in 0..50 {
+        run.step();
+        for (i, axis) in run.output.axis.iter().enumerate() {
+            let velocity = p.servo_gain[i] * (axis.error + axis.compensation);
+            assert!((axis.velocity - velocity).abs() < 1e-12, "axis {}: {axis:?}", i + 1);
+            // both are whole counts
+            let read = run.input.axis[i].position;
+            assert!((axis.reference - axis.error - read).abs() <= p.axis[i].pulse, "axis {}: {axis:?}", i + 1);
+        }
+        assert!(run.output.axis[0].compensation.abs() > 1e-4);
+    }
 }

@@ -19,7 +19,7 @@ fn cyclic(p: &Parameters, build: &Build, mode: Mode) -> Loop {
 #[test]
 fn every_lap_tests_the_delay_and_the_tool() {
     let mut p = Parameters::START;
-    (p.lookup.enable, p.limits.idle_way) = (false, 0.0);
+    p.lookup.enable = false;
     let cut = |k: usize| if k % 50 < 25 { 1800.0 } else { 1885.0 };
     // the tool cuts up to a lap
     let cases = [(1, 0, Fault::NoCut, 1), (1, 2, Fault::NoCut, 3), (2, usize::MAX, Fault::WrongDelay, 1)];
@@ -85,17 +85,47 @@ fn bad_samples_of_the_tool_do_not_end_a_casting() {
 #[test]
 fn a_long_way_without_a_cut_is_told_before_the_end_of_the_path() {
     let mut run = running(Mode::Deburr);
+    run.parameters.limits.idle_way = 0.1;
     for k in 0..300 {
         run.input.spindle_speed = if k < 20 { 1850.0 } else { 1885.0 };
         run.step();
     }
     stands_with(&run, Fault::NoCut);
     let way = run.output.numbers.share.unwrap();
-    assert!(
-        way > run.parameters.limits.idle_way && run.output.path.distance < 0.22,
-        "{way} {}",
-        run.output.path.distance
-    );
+    assert!(way > 0.1 && run.output.path.distance < 0.22, "{way} {}", run.output.path.distance);
+}
+
+#[test]
+fn a_tool_reading_that_freezes_under_load_is_told_in_half_a_second_and_the_tool_drawn_back() {
+    let mut p = Parameters::START;
+    p.lookup.enable = false;
+    for flicker in [0.5, 0.0] {
+        let mut run = Loop::new(&p, &Build::NOMINAL);
+        run.input.mode = Mode::Deburr;
+        let mut cut = 0;
+        for k in 0..1000 {
+            cut += u32::from(run.output.path.distance > 0.05);
+            run.input.spindle_speed = match cut {
+                0 => 1885.0 + flicker * [0.0, 1.0, 2.0, 1.0][k % 4],
+                _ => 1850.0,
+            };
+            run.step();
+            if run.output.fault != Fault::None {
+                break;
+            }
+        }
+        let (fault, samples) = (run.output.fault, cut);
+        // one that never flickered may stand
+        assert_eq!(fault == Fault::FrozenTool, flicker > 0.0, "{fault:?}");
+        if flicker > 0.0 {
+            assert!((50..=55).contains(&samples), "{samples}");
+            let height = run.robot.positions()[1];
+            (0..300).for_each(|_| run.step());
+            stands_with(&run, Fault::FrozenTool);
+            assert!(run.output.drive_enable);
+            assert!((run.robot.positions()[1] - height - p.transfer.clearance).abs() < 1e-4);
+        }
+    }
 }
 
 #[test]
@@ -118,4 +148,18 @@ fn the_second_casting_is_begun_with_the_taught_feed() {
         }
         assert!(first.unwrap() > 0.09, "casting {casting}: {first:?}");
     }
+}
+
+#[test]
+fn the_time_of_a_cyclic_job_counts_anew_in_every_lap() {
+    let mut p = Parameters::START;
+    p.lookup.enable = false;
+    // a lap takes 2 s
+    p.limits.job_time = 8.0;
+    let mut run = cyclic(&p, &Build::NOMINAL, Mode::DryRun);
+    for _ in 0..3000 {
+        run.step();
+        assert_eq!(run.output.fault, Fault::None);
+    }
+    assert!(run.output.path.laps > 8, "{:?}", run.output.path);
 }

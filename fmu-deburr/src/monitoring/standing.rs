@@ -1,0 +1,171 @@
+//! A tool reading that stands on the path although it flickered before.
+//!
+//! A live reading flickers by its noise and its last bit. How long it does not by chance shows itself while the tool idles on its
+//! way to the part; one that stands for ten times as long is dead, idle or under load. One that never flickers tells nothing, and
+//! one that flickers between two neighbours neither: in the middle of a step it may stand.
+//!
+//! Not the `Rest` of `fmu-dob`: a tool under load may turn at any speed, so that its turns count and how rare they were; there the
+//! time is given, and every change is a sign of life.
+
+use serde::{Deserialize, Serialize};
+
+use crate::interface::{Fault, Parameters};
+use crate::monitoring::finding::{Finding, Numbers};
+
+/// Shortest stand that is a fault, s (our choice: three time constants of the tool).
+const STAND_MIN: f64 = 0.5;
+/// Stand that is a fault, in the longest way of the reading without a turn (derived: n samples in a row have the chance p^n; if
+/// the longest comes once in fifty samples, this comes once in 50^10).
+const LONGER: u32 = 10;
+/// Way back that is a turn, in the smallest change that was read: two steps.
+const TURN: f64 = 1.5;
+/// Samples and turns that have to show it.
+const SEEN_MIN: u32 = 50;
+const TURNS_MIN: u32 = 3;
+
+/// The tool reading between two samples.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StandingTool {
+    before: Option<f64>,
+    /// smallest change that was read, rad/s
+    bit: f64,
+    /// farthest reading since the last turn (rad/s), and whether it went up
+    farthest: f64,
+    up: bool,
+    /// samples since it changed, and since it turned from up to down or back: a tool that starts does not flicker
+    still: u32,
+    steady: u32,
+    /// samples before the path, turns among them, and the longest way from one to the next
+    seen: u32,
+    turns: u32,
+    longest: u32,
+}
+
+impl Default for StandingTool {
+    /// Nothing read.
+    fn default() -> Self {
+        Self {
+            before: None,
+            bit: f64::MAX,
+            farthest: 0.0,
+            up: true,
+            still: 0,
+            steady: 0,
+            seen: 0,
+            turns: 0,
+            longest: 0,
+        }
+    }
+}
+
+impl StandingTool {
+    /// Takes the tool speed (rad/s) of a sample before the path, where the tool idles.
+    pub fn idles(&mut self, speed: f64) {
+        // one that stands at the end is no measure of how long it may
+        if let Some(steady) = self.take(speed) {
+            self.turns = self.turns.saturating_add(1);
+            self.longest = self.longest.max(steady);
+        }
+        self.seen = self.seen.saturating_add(1);
+    }
+
+    /// Takes the tool speed (rad/s) of a sample on the path; what is wrong with it.
+    pub fn cuts(&mut self, p: &Parameters, speed: f64) -> Finding {
+        self.take(speed);
+        let least = (STAND_MIN / p.sample_period).ceil() as u32;
+        let most = least.max(LONGER.saturating_mul(self.longest));
+        if self.seen < SEEN_MIN || self.turns < TURNS_MIN || self.still <= most {
+            return Finding::NONE;
+        }
+        let seconds = |samples: u32| f64::from(samples) * p.sample_period;
+        let numbers = Numbers { value: seconds(self.still), limit: seconds(most), ..Numbers::START };
+        Finding { fault: Fault::FrozenTool, numbers }
+    }
+
+    /// Takes a reading; at a turn the samples since the last one.
+    fn take(&mut self, speed: f64) -> Option<u32> {
+        let before = self.before.replace(speed);
+        let change = before.map_or(0.0, |before| (speed - before).abs());
+        (self.still, self.steady) = (self.still.saturating_add(1), self.steady.saturating_add(1));
+        if change > 0.0 {
+            (self.still, self.bit) = (0, self.bit.min(change));
+        }
+        if before.is_none() || (speed >= self.farthest) == self.up {
+            self.farthest = speed;
+            return None;
+        }
+        let turns = (speed - self.farthest).abs() > TURN * self.bit;
+        let steady = self.steady - 1;
+        if turns {
+            (self.farthest, self.up, self.steady) = (speed, !self.up, 0);
+        }
+        turns.then_some(steady)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const P: Parameters = Parameters::START;
+
+    /// Reading in sample `k` that goes up and down by two steps of `length` samples each.
+    fn flickering(k: u32, length: u32) -> f64 {
+        1884.0 + 0.5 * [0.0, 1.0, 2.0, 1.0][(k / length % 4) as usize]
+    }
+
+    /// Monitor after `samples` of it before the path.
+    fn idled(samples: u32, length: u32) -> StandingTool {
+        let mut tool = StandingTool::default();
+        (0..samples).for_each(|k| tool.idles(flickering(k, length)));
+        tool
+    }
+
+    /// Sample on the path in which a reading that stands from the first one on is a fault.
+    fn told(mut tool: StandingTool) -> Option<(u32, Finding)> {
+        (0..1000).map(|k| (k, tool.cuts(&P, 1850.0))).find(|(_, found)| found.is_fault())
+    }
+
+    #[test]
+    fn one_that_flickered_and_stands_is_told_after_half_a_second() {
+        let (after, found) = told(idled(50, 1)).unwrap();
+        // the first sample on the path is a change
+        assert_eq!((after, found.fault, found.numbers.axis), (51, Fault::FrozenTool, 0));
+        assert!((found.numbers.value - 0.51).abs() < 1e-9 && (found.numbers.limit - 0.5).abs() < 1e-9);
+    }
+
+    #[test]
+    fn one_that_stands_at_times_may_stand_for_ten_times_as_long() {
+        // the first turn after 36 samples
+        assert_eq!(told(idled(90, 9)).unwrap().0, 361);
+    }
+
+    #[test]
+    fn one_that_stands_on_its_way_to_the_path_is_told_there() {
+        let mut tool = idled(100, 1);
+        (0..200).for_each(|_| tool.idles(1850.0));
+        assert!(tool.cuts(&P, 1850.0).is_fault());
+    }
+
+    #[test]
+    fn one_that_never_flickers_or_was_seen_for_too_short_tells_nothing() {
+        assert_eq!(told(idled(300, 1000)), None);
+        assert_eq!(told(idled(49, 1)), None);
+        // two neighbours
+        let mut tool = StandingTool::default();
+        (0..100).for_each(|k| tool.idles(1884.0 + 0.5 * f64::from(k % 2)));
+        assert_eq!(told(tool), None);
+        // a tool that starts
+        let mut tool = StandingTool::default();
+        (0..100).for_each(|k| tool.idles(18.84 * f64::from(k)));
+        assert_eq!(told(tool), None);
+    }
+
+    #[test]
+    fn one_that_flickers_on_the_path_lives() {
+        let mut tool = idled(100, 1);
+        for k in 0..10_000 {
+            assert!(!tool.cuts(&P, 1850.0 + 0.5 * f64::from(k / 50 % 2)).is_fault(), "{k}");
+        }
+    }
+}
