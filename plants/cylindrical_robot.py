@@ -15,6 +15,7 @@ drive holds the place where it is.
 """
 
 import math
+from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
 import mujoco
@@ -22,8 +23,9 @@ import numpy as np
 
 import machining_native as _native
 from machining_native import Cell
-from plants.base.plant import Channel, Plant, vector
+from plants.base.plant import Array, Channel, Plant, vector
 from plants.cylindrical_robot_parameters import TURN, CylindricalRobotParameters
+from plants.looks import cylindrical_robot as looks
 from plants.tools import burr
 
 AXES = range(1, 7)
@@ -50,10 +52,7 @@ class CylindricalRobot(Plant):
 
     def name_channels(self, p: CylindricalRobotParameters) -> None:
         """Name them, with the noise, resolution and limits that the parameters say."""
-        start, corner, end = (
-            [float(getattr(p, f"edge_{point}_{c}")) for c in "xyz"] for point in ("start", "corner", "end")
-        )
-        self._edge = (start, corner, end, p.edge_radius)
+        self._edge = edge(p)
         self._length = _native.edge_length(*self._edge)
         self.readings = (
             *(self._encoder(n) for n in AXES),
@@ -152,6 +151,14 @@ class CylindricalRobot(Plant):
         tendon.stiffness[0], joint.stiffness[0] = joint.stiffness[0], 0.0
         tendon.wrap_joint(name, 1.0)
 
+    def dress(self, spec: Any, p: CylindricalRobotParameters, shown: Mapping[str, Array]) -> None:
+        """Lay the casting with its burr."""
+        looks.dress(spec, p, edge(p), _native.edge_length(*edge(p)))
+
+    def draw(self, shown: Mapping[str, Array], row: int, enlarged: Callable[[str, float], float]) -> None:
+        """Take away the burr that was cut."""
+        looks.draw(self, shown, row)
+
     def begin(self, steps: int) -> None:
         """Draw the burr, place the tip above the start of the edge, bind the elements."""
         p = self.parameters
@@ -228,7 +235,7 @@ class CylindricalRobot(Plant):
         for circuit in (self.circuit, self.sensing):
             circuit.bind("edge", _native.edge(*self._edge), place, seen)
         length = max(self._length - p.burr_begin - p.burr_end, 0.0)
-        height, thickness = burr.draw(p, length, self.stream("burr"))
+        self.burr = height, thickness = burr.draw(p, length, self.stream("burr"))
         mill = (p.teeth, p.tool_radius, p.cutting_pressure, p.edge_force, p.chip_most)
         reaction = (p.force_along, p.force_outward, p.tool_reach)
         bins = (p.burr_begin, p.burr_pitch)
@@ -271,6 +278,14 @@ class CylindricalRobot(Plant):
     def _control(self, actuator: str, scale: float = 1.0) -> Cell:
         address = int(self.model.actuator_ctrladr[self.model.actuator(actuator).id])
         return Cell(self.data.ctrl, address, scale=scale)
+
+
+def edge(p: CylindricalRobotParameters) -> tuple[list[float], list[float], list[float], float]:
+    """Start, corner and end of the edge, and the radius of its corner, m."""
+    start, corner, end = (
+        [float(getattr(p, f"edge_{point}_{c}")) for c in "xyz"] for point in ("start", "corner", "end")
+    )
+    return start, corner, end, p.edge_radius
 
 
 def unit(axis: int) -> str:

@@ -122,7 +122,7 @@ class CylindricalRobotParameters:
         "Noise of the measured speed, deviation",
         0.0,
         100.0,
-        "our choice: none, as in the paper",
+        "our choice: none, as in the paper; one that is not nominal has a step of the reading, 0.5 rad/s",
     )
     spindle_resolution: float = parameter(
         20_000.0 * RPM / 4096, "rad/s", "Step of the measured speed", 0.0, 100.0, "our choice: 12 bit"

@@ -9,11 +9,13 @@ at zero where the ball is at the start. Forces are those on the tool.
 """
 
 import math
+from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
 import machining_native as _native
 from machining_native import Cell
-from plants.base.plant import Channel, Plant, vector
+from plants.base.plant import Array, Channel, Plant, vector
+from plants.looks import orthogonal_robot as looks
 from plants.orthogonal_robot_parameters import (
     SOLIMP,
     TURN,
@@ -110,6 +112,14 @@ class OrthogonalRobot(Plant):
 
     def _start(self) -> tuple[float, float, float]:
         return self.parameters.start_x, self.parameters.start_y, self.parameters.start_z
+
+    def dress(self, spec: Any, p: OrthogonalRobotParameters, shown: Mapping[str, Array]) -> None:
+        """Lay the mold under the ball."""
+        looks.dress(spec, p, shown)
+
+    def draw(self, shown: Mapping[str, Array], row: int, enlarged: Callable[[str, float], float]) -> None:
+        """Show where the ball has rubbed."""
+        looks.draw(self, shown, row)
 
     def begin(self, steps: int) -> None:
         """Bind the elements; nothing is random here but what the harness adds to the readings."""

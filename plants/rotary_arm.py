@@ -10,11 +10,13 @@ spindle axis.
 """
 
 import math
+from collections.abc import Mapping
 from typing import Any, ClassVar
 
 import machining_native as _native
 from machining_native import Cell
-from plants.base.plant import Channel, Plant
+from plants.base.plant import Array, Channel, Plant
+from plants.looks import rotary_arm as looks
 from plants.rotary_arm_parameters import RotaryArmParameters
 
 TURN = 2.0 * math.pi
@@ -96,6 +98,10 @@ class RotaryArm(Plant):
         stiffness, damping = p.slide_mass * speed**2, 2.0 * p.slide_damping * p.slide_mass * speed
         slide.gainprm[0] = stiffness
         slide.biasprm[1:3] = -stiffness, -damping
+
+    def dress(self, spec: Any, p: RotaryArmParameters, shown: Mapping[str, Array]) -> None:
+        """Clamp the part that the tool turns."""
+        looks.dress(spec, p, shown)
 
     def begin(self, steps: int) -> None:
         """Draw angles and phases, start the spindle, bind the elements."""

@@ -7,13 +7,15 @@ Position is positive towards the workpiece.
 """
 
 import math
+from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
 import mujoco
 
 import machining_native as _native
 from machining_native import Cell
-from plants.base.plant import Channel, Plant
+from plants.base.plant import Array, Channel, Plant
+from plants.looks import slide as looks
 from plants.slide_parameters import SlideParameters, check_together
 
 TURN = 2.0 * math.pi
@@ -86,6 +88,10 @@ class Slide(Plant):
         joint.damping[0] = 2.0 * p.tool_damping * p.tool_mass * speed
         for name in ("flute1", "flute2"):
             spec.tendon(name).wrap_joint("tool", 1.0)
+
+    def draw(self, shown: Mapping[str, Array], row: int, enlarged: Callable[[str, float], float]) -> None:
+        """Lay the workpiece where the drawn tool meets it."""
+        looks.draw(self, shown, row, enlarged)
 
     def begin(self, steps: int) -> None:
         """Draw places and phases, lay the workpiece, bind the elements."""

@@ -9,6 +9,7 @@ positive towards the centre, probe position positive when it collapses, the spin
 """
 
 import math
+from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
 import mujoco
@@ -17,6 +18,7 @@ import numpy as np
 import machining_native as _native
 from machining_native import Cell, Circuit
 from plants.base.plant import Array, Channel, Plant, vector
+from plants.looks import spindle_ring as looks
 from plants.spindle_ring_parameters import LINE_LIMIT, TURN, SpindleRingParameters, check_together
 from plants.tools import contour
 
@@ -88,7 +90,6 @@ class SpindleRing(Plant):
     def shape(self, spec: Any, p: SpindleRingParameters) -> None:
         """Write masses and sizes into the MJCF; the bristle takes the place of the contacts."""
         spec.geom("plate").size[0] = p.table_radius
-        spec.geom("outline").size[0] = p.radius
         spec.body("ring").mass = p.mass
         inertia = 0.5 * p.mass * p.radius**2 * (1.0 + (1.0 - p.wall) ** 2)
         spec.body("ring").inertia = 0.5 * inertia, 0.5 * inertia, inertia
@@ -110,6 +111,14 @@ class SpindleRing(Plant):
         for foot in range(self.model.npair):
             mujoco.mj_contactForce(self.model, self.data, foot, force)
             self.model.pair_margin[foot] *= self._weight / len(FEET) / force[0]
+
+    def dress(self, spec: Any, p: SpindleRingParameters, shown: Mapping[str, Array]) -> None:
+        """Lay the ring on the table."""
+        looks.dress(spec, p)
+
+    def draw(self, shown: Mapping[str, Array], row: int, enlarged: Callable[[str, float], float]) -> None:
+        """Push the probe in."""
+        looks.draw(self, shown, row)
 
     def begin(self, steps: int) -> None:
         """Place the ring, draw outline, dirt and errors, bind the elements."""

@@ -42,6 +42,10 @@ class Bare(Plant):
         # what is none of them the file says itself, and the base refuses it
         spec.option.integrator = INTEGRATORS.get(named(p)["integrator"], spec.option.integrator)
 
+    def _undress(self, spec: Any) -> None:
+        # in a file of others a class `looks` may hold what has mass
+        pass
+
     def begin(self, steps: int) -> None:
         """Set the initial state and tie the channels to MuJoCo's arrays."""
         start(self.parameters, self.model, self.data)

@@ -24,6 +24,8 @@ from plants.base.parameters import check
 Array = NDArray[np.float64]
 STEPPED = ("sense", "command", "advance", "truth")
 """Methods that native code does instead of Python."""
+LOOKS = "looks"
+"""Class of the geoms, lights and cameras of an MJCF that are only looked at."""
 
 
 class PlantError(RuntimeError):
@@ -79,10 +81,16 @@ class Plant(ABC):
     plant step; those of `sensing` act when readings are taken, for readings and truths that have to be
     computed from the state of that instant.
 
+    A plant that is stepped has nothing that is only looked at: what the MJCF gives the class `looks` is taken
+    out of it, so that no step pays for it. `drawn` gives the same plant with all of it, and with what a
+    subclass adds in `dress` and moves in `draw`.
+
     Parameters
     ----------
     parameters : dataclass, optional
         An instance of the `Parameters` of the class, its defaults if left out.
+    shown : mapping of str to numpy.ndarray, optional
+        Truths of a run, one column each: the plant is there to be drawn.
 
     Raises
     ------
@@ -100,7 +108,7 @@ class Plant(ABC):
     commands: tuple[Channel, ...]
     truths: tuple[Channel, ...]
 
-    def __init__(self, parameters: Any = None) -> None:
+    def __init__(self, parameters: Any = None, shown: Mapping[str, Array] | None = None) -> None:
         self.parameters = self.Parameters() if parameters is None else parameters
         self.name = self._mjcf().stem
         check(self.parameters, self.name)
@@ -108,6 +116,10 @@ class Plant(ABC):
         if hasattr(self.parameters, "timestep"):
             spec.option.timestep = self.parameters.timestep
         self.shape(Mjcf(spec, self._mjcf().name), self.parameters)
+        if shown is None:
+            self._undress(spec)
+        else:
+            self.dress(Mjcf(spec, self._mjcf().name), self.parameters, shown)
         self.model = spec.compile()
         self._refuse_rk4()
         self.data = mujoco.MjData(self.model)
@@ -122,6 +134,11 @@ class Plant(ABC):
     @classmethod
     def _mjcf(cls) -> Path:
         return Path(str(sys.modules[cls.__module__].__file__)).with_suffix(".xml")
+
+    def _undress(self, spec: Any) -> None:
+        for element in (*spec.geoms, *spec.lights, *spec.cameras):
+            if element.classname.name == LOOKS:
+                spec.delete(element)
 
     def _refuse_rk4(self) -> None:
         # mj_step2 would silently integrate with Euler
@@ -145,6 +162,17 @@ class Plant(ABC):
         """Draw what is random, set the initial state, bind the elements and `connect` the channels.
 
         `steps` is the number of plant steps for which signals need a sample.
+        """
+
+    def dress(self, spec: Any, p: Any, shown: Mapping[str, Array]) -> None:  # noqa: B027
+        """Add what is only looked at and depends on the parameters `p` or on the truths of a run."""
+
+    def draw(  # noqa: B027
+        self, shown: Mapping[str, Array], row: int, enlarged: Callable[[str, float], float]
+    ) -> None:
+        """Move what is only looked at to a row of `shown`, after `qpos` is set.
+
+        `enlarged` takes the joint of a coordinate and a value of it, and gives the value that is drawn.
         """
 
     # what a subclass uses
@@ -178,6 +206,10 @@ class Plant(ABC):
         self.truth_cells = _in_order(self.truths, {**truths, **places})
 
     # what a harness calls
+
+    def drawn(self, shown: Mapping[str, Array]) -> "Plant":
+        """Return the plant as it is looked at, with the truths of the run that is shown."""
+        return type(self)(self.parameters, shown)
 
     def record_qpos(self) -> None:
         """Make every number of MuJoCo's `qpos` a truth, from the next reset on; a second call does nothing.

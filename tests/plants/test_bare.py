@@ -313,3 +313,14 @@ def test_the_fingerprint_is_that_of_all_that_is_included(write: Write) -> None:
     assert [channel.name for channel in build(file).readings][:1] == ["now"]
     write(name="sensors.xml", text='<mujoco><sensor><clock name="later"/></sensor></mujoco>')
     assert plants.bare.fingerprint(file) != before
+
+
+def test_a_class_of_the_file_is_left_to_it_whatever_its_name(write: Write) -> None:
+    named = (
+        "<worldbody>",
+        '<default><default class="looks"><geom group="2"/></default></default><worldbody>',
+    )
+    file = write(named, ('<geom type="capsule"', '<geom class="looks" type="capsule"'))
+    before, plant = build(write(name="plain.xml")).model, build(file)
+    assert (plant.model.ngeom, plant.model.ncam) == (before.ngeom, before.ncam)
+    assert np.array_equal(plant.model.body_mass, before.body_mass)
