@@ -14,6 +14,7 @@ import typer.exceptions
 from cosim import errors, interrupts
 from cosim.cli.check import check
 from cosim.cli.compare import compare
+from cosim.cli.exchange.ssp import ssp
 from cosim.cli.judge import judge
 from cosim.cli.listing import list_scenarios
 from cosim.cli.media.report import report as report_page
@@ -60,6 +61,7 @@ app.command()(compare)
 app.command()(sweep)
 app.command()(optimize)
 app.command()(schema)
+app.command()(ssp)
 
 
 def status_of(command: Any) -> int:

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from graphlib import CycleError, TopologicalSorter
 from typing import Any
 
 import numpy as np
 
 from cosim.errors import ExpressionError, concerning
-from cosim.metrics.expression import Columns, Expression, Items
+from cosim.metrics.expression import Columns, Expression, Items, Node
 from cosim.metrics.units import ONE, PLAIN, conversion
 from cosim.scenario.model import Criterion, Metric
 
@@ -61,13 +63,36 @@ class Verdict:
 def compile_metrics(
     metrics: tuple[Metric, ...], columns: Mapping[str, Items | None], units: Mapping[str, str] | None = None
 ) -> list[Expression]:
-    """Compile the expressions of metrics, so that a mistake is found before the run."""
-    compiled = []
-    for metric in metrics:
-        with concerning(f"metric.{metric.name}.value"):
-            where = f"`metric.{metric.name}.value`"
-            compiled.append(Expression(metric.value, columns, where, units=units))
-    return compiled
+    """Compile the expressions of metrics, so that a mistake is found before the run.
+
+    Raises
+    ------
+    ExpressionError
+        One of them is wrong, or metrics are made of each other in a circle.
+    """
+    named = {f"metric.{metric.name}": metric for metric in metrics}
+    made_of = {
+        name: [other for other in named if other != name and mentions(metric.value, other)]
+        for name, metric in named.items()
+    }
+    compiled: dict[str, Expression] = {}
+    nodes: dict[str, Node] = {}
+    try:
+        order = list(TopologicalSorter(made_of).static_order())
+    except CycleError as error:
+        circle = " <- ".join(f"`{name}`" for name in error.args[1])
+        raise ExpressionError(f"metrics are made of each other: {circle}") from None
+    for name in order:
+        metric = named[name]
+        with concerning(f"{name}.value"):
+            made = Expression(metric.value, columns, f"`{name}.value`", units=units, known=nodes)
+        compiled[name], nodes[name] = made, replace(made.root, unit=metric.unit or made.unit)
+    return [compiled[name] for name in named]
+
+
+def mentions(text: str, name: str) -> bool:
+    """Whether an expression names something, as a whole dotted name."""
+    return re.search(rf"(?<![\w.]){re.escape(name)}(?!\w)", text) is not None
 
 
 def measure(metric: Metric, expression: Expression, columns: Columns) -> Measured:

@@ -2,7 +2,8 @@
 
 Columns are dotted names (`plant.depth`, `controller.bias[1]`, or `column("any name")`), conditions pick rows
 (`plant.depth[controller.contact]`), and `and`, `or`, `not` (`&`, `|`, `~`) work row by row. Items of an
-enumeration are texts: `controller.state == "Detect"`. Numbers are 64-bit floats throughout; `5 * um` is 5e-6.
+enumeration are texts: `controller.state == "Detect"`. A metric knows the others: `metric.depth`. Numbers are
+64-bit floats throughout; `5 * um` is 5e-6.
 """
 
 from __future__ import annotations
@@ -57,6 +58,8 @@ class Expression:
         Whether it sees single rows only (`stop_when`).
     units
         Units of the columns that have one.
+    known
+        Other expressions that are already compiled, by name.
 
     Raises
     ------
@@ -71,8 +74,10 @@ class Expression:
         where: str,
         rowwise: bool = False,
         units: Mapping[str, str] | None = None,
+        known: Mapping[str, Node] | None = None,
     ) -> None:
         self.text, self.where, self.rowwise, self.units = text, where, rowwise, units or {}
+        self.known = known or {}
         self.names = {name: index for index, name in enumerate(columns)}
         self.items = columns
         if len(text) > LONGEST:
@@ -150,19 +155,22 @@ class Expression:
         return Node(lambda columns: number, unit=unit)
 
     def name(self, tree: ast.expr) -> Node:
-        """Column, constant or unit."""
+        """Column, metric, constant or unit."""
         name = dotted(tree)
         if name in CONSTANTS:
             return self.constant(CONSTANTS[name])
         if name in SCALES:
             unit, number = SCALES[name]
             return self.constant(number, unit)
-        if name not in self.names:
-            raise self.error(
-                f"names `{name or ast.unparse(tree)}`, which is no column of the trace",
-                closest(name, self.names),
-            )
-        return self.found(name)
+        if name in self.names:
+            return self.found(name)
+        if name in self.known:
+            return self.known[name]
+        missing = "other metric" if name.startswith("metric.") else "column of the trace"
+        raise self.error(
+            f"names `{name or ast.unparse(tree)}`, which is no {missing}",
+            closest(name, [*self.names, *self.known]),
+        )
 
     def found(self, name: str) -> Node:
         """Compile a column that is there."""

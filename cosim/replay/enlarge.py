@@ -6,14 +6,16 @@ import fnmatch
 import math
 from collections.abc import Mapping, Sequence
 
+import mujoco
 import numpy as np
 
 from cosim.errors import CosimError, closest
-from cosim.replay.motion import Motion
+from cosim.replay.motion import COORDINATE, Enlarged, Motion
 from cosim.trace.columns import Array
 from cosim.words.quantity import number
 
-PREFIX = "plant.qpos."
+ENLARGE = "enlarge"
+"""Text of an MJCF that names them."""
 SMALL = (1e-4, 1e-2)
 """Parts of the machine's size between which a motion is enlarged: below it is none, above it is seen."""
 SEEN = 0.05
@@ -29,7 +31,7 @@ def given(words: Sequence[str], motion: Motion) -> dict[str, float]:
         No factor, or no coordinate of that name.
     """
     factors: dict[str, float] = {}
-    known = [name.removeprefix(PREFIX) for name in motion.names]
+    known = [name.removeprefix(COORDINATE) for name in motion.names]
     for word in words:
         pattern, _, text = word.partition("=")
         try:
@@ -43,12 +45,16 @@ def given(words: Sequence[str], motion: Motion) -> dict[str, float]:
             raise CosimError(
                 f"`--enlarge {word}`: no coordinate is named `{pattern}`", closest(pattern, known)
             )
-        factors.update(dict.fromkeys((PREFIX + name for name in found), factor))
+        factors.update(dict.fromkeys((COORDINATE + name for name in found), factor))
     return factors
 
 
 def chosen(motion: Motion) -> dict[str, float]:
-    """Factors for what moves, but too little to be seen: one for all lengths and one for all angles."""
+    """Factors for what moves, but too little to be seen: one for all lengths and one for all angles.
+
+    An MJCF that knows better names the coordinates in a text `enlarge`, with patterns, `-` for none.
+    """
+    allowed = patterns(motion)
     sizes = {"m": float(motion.model.stat.extent), "rad": 1.0}
     factors: dict[str, float] = {}
     for unit, size in sizes.items():
@@ -56,11 +62,22 @@ def chosen(motion: Motion) -> dict[str, float]:
             name: float(np.ptp(motion.qpos[:, i])) / size
             for i, name in enumerate(motion.names)
             if motion.units[i] == unit
+            and any(fnmatch.fnmatch(name.removeprefix(COORDINATE), one) for one in allowed)
         }
         small = {name: part for name, part in parts.items() if SMALL[0] <= part < SMALL[1]}
         if small:
             factors.update(dict.fromkeys(small, round_down(SEEN / max(small.values()))))
     return factors
+
+
+def patterns(motion: Motion) -> list[str]:
+    """Patterns of the coordinates that may be enlarged, as the MJCF says; of all where it says nothing."""
+    model = motion.model
+    place = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_TEXT.value, ENLARGE)
+    if place < 0:
+        return ["*"]
+    begin, size = int(model.text_adr[place]), int(model.text_size[place])
+    return bytes(model.text_data[begin : begin + size]).decode().rstrip("\0").split()
 
 
 def round_down(value: float) -> float:
@@ -70,23 +87,43 @@ def round_down(value: float) -> float:
 
 
 def enlarged(motion: Motion, factors: Mapping[str, float]) -> Array:
-    """Coordinates with larger motions, about the place where the model stands or, far from it, their mean."""
+    """Coordinates with larger motions."""
+    about = centres(motion, factors)
     qpos = motion.qpos.copy()
+    for i, name in enumerate(motion.names):
+        if name in factors:
+            qpos[:, i] = about[name] + factors[name] * (motion.qpos[:, i] - about[name])
+    return qpos
+
+
+def one(motion: Motion, factors: Mapping[str, float]) -> Enlarged:
+    """Give a value of a coordinate as `enlarged` draws it."""
+    about = centres(motion, factors)
+
+    def drawn(name: str, value: float) -> float:
+        column = COORDINATE + name
+        return about[column] + factors[column] * (value - about[column]) if column in factors else value
+
+    return drawn
+
+
+def centres(motion: Motion, factors: Mapping[str, float]) -> dict[str, float]:
+    """Place about which a motion is enlarged: where the model stands or, far from it, the mean."""
+    found = {}
     for i, name in enumerate(motion.names):
         if name in factors:
             course = motion.qpos[:, i]
             span, home = float(np.ptp(course)), float(motion.model.qpos0[i])
             near = course.min() - span <= home <= course.max() + span
-            about = home if near else float(course.mean())
-            qpos[:, i] = about + factors[name] * (course - about)
-    return qpos
+            found[name] = home if near else float(course.mean())
+    return found
 
 
 def words(factors: Mapping[str, float]) -> list[str]:
     """Say what is drawn how much larger, a line for each factor."""
     by_factor: dict[float, list[str]] = {}
     for name, factor in factors.items():
-        by_factor.setdefault(factor, []).append(name.removeprefix(PREFIX))
+        by_factor.setdefault(factor, []).append(name.removeprefix(COORDINATE))
     return [
         f"drawn {number(factor)} x larger: {', '.join(names)}"
         for factor, names in by_factor.items()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -109,13 +110,14 @@ def filmed(recorded: Recorded, moved: Motion, paced: Pace, shot: Shot) -> Iterat
     from cosim.replay.renderer import Renderer
 
     factors = enlarge.given(shot.enlarge, moved) if shot.enlarge else enlarge.chosen(moved)
-    qpos = enlarge.enlarged(moved, factors)
+    qpos, drawn = enlarge.enlarged(moved, factors), enlarge.one(moved, factors)
     always = [paced.words, *enlarge.words(factors)]
     lines = caption.lines(recorded)
     poses = qpos[paced.rows[:: max(1, len(paced.rows) // POSES)]]
     with Renderer(moved.model, moved.data, shot.size, shot.camera, poses) as renderer:
         for row in paced.rows:
-            yield lettered(renderer.picture(qpos[row]), caption.written(lines, int(row)), always)
+            draw = partial(moved.draw, int(row), drawn)
+            yield lettered(renderer.picture(qpos[row], draw), caption.written(lines, int(row)), always)
 
 
 def lettered(picture: Picture, left: Sequence[str], below: Sequence[str]) -> Picture:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -16,8 +18,16 @@ from cosim.scenario.model import Scenario
 from cosim.trace.columns import Array, Columns
 from cosim.trace.stored import StoredTrace
 
+Enlarged = Callable[[str, float], float]
+"""Value of a coordinate as it is drawn, by its name without `plant.qpos.`."""
+COORDINATE = "plant.qpos."
+"""What the columns of coordinates begin with."""
 RECORD = "loop.record_qpos=true"
 """Override with which a run keeps its coordinates."""
+
+
+def unmoved(row: int, enlarged: Enlarged) -> None:
+    """Machine of which nothing is only looked at."""
 
 
 @dataclass(frozen=True)
@@ -69,6 +79,8 @@ class Motion:
         Times of the rows, s.
     qpos
         Coordinates, shape (rows, coordinates).
+    draw
+        Moves what is only looked at to a row, after its coordinates are set.
     """
 
     model: Any
@@ -77,6 +89,7 @@ class Motion:
     units: tuple[str, ...]
     times: Array
     qpos: Array
+    draw: Callable[[int, Enlarged], None] = unmoved
 
 
 def motion(recorded: Recorded) -> Motion:
@@ -90,28 +103,40 @@ def motion(recorded: Recorded) -> Motion:
     scenario = recorded.scenario
     plant: Any = plants.build(scenario.plant.name, scenario.plant.parameters, scenario.folder)
     plants.record_qpos(plant, scenario.plant.name)
-    names = tuple(f"plant.{one.name}" for one in plant.coordinates)
+    coordinates = plant.coordinates
+    names = tuple(f"plant.{one.name}" for one in coordinates)
+    shown = truths(recorded.columns)
     check(recorded.columns, names, scenario)
+    if hasattr(plant, "drawn"):
+        # what is drawn may need any truth of the plant
+        check(recorded.columns, tuple(f"plant.{one.name}" for one in plant.truths), scenario)
+        plant = plant.drawn(shown)
     # what is placed at the start and has no coordinates
     reset_plant(plant, scenario, child(recorded.seed, "plant"))
     return Motion(
         plant.model,
         plant.data,
         names,
-        tuple(one.unit for one in plant.coordinates),
+        tuple(one.unit for one in coordinates),
         recorded.columns["time"],
         np.column_stack([recorded.columns[name] for name in names]),
+        partial(plant.draw, shown) if hasattr(plant, "draw") else unmoved,
     )
 
 
+def truths(columns: Columns) -> dict[str, Array]:
+    """Columns of the plant by the names that it gives them."""
+    own = "plant."
+    return {name.removeprefix(own): columns[name] for name in columns if name.startswith(own)}
+
+
 def check(columns: Columns, names: tuple[str, ...], scenario: Scenario) -> None:
-    """Check that a trace holds the coordinates of a plant."""
+    """Check that a trace holds columns of a plant, its coordinates at least."""
     if not names:
         raise CosimError(f"nothing moves in the plant `{scenario.plant.name}`: it has no joint")
-    missing = [name for name in names if name not in columns]
-    if len(missing) == len(names):
+    if not any(name.startswith(COORDINATE) for name in columns):
         hint = f"`cosim run {scenario.name} --set {RECORD} --trace FILE` keeps them"
         raise CosimError("the trace holds no coordinates to show the run from", hint)
-    if missing:
-        problem = f"the trace has no column `{missing[0]}`, a coordinate of the plant `{scenario.plant.name}`"
+    if missing := [name for name in names if name not in columns]:
+        problem = f"the trace has no column `{missing[0]}`, which the plant `{scenario.plant.name}` has"
         raise CosimError(problem, "name the scenario that was run, with the same `--set`")

@@ -6,6 +6,7 @@ import importlib
 import math
 import os
 import sys
+from collections.abc import Callable
 from types import TracebackType
 from typing import Any
 
@@ -35,8 +36,14 @@ ABOVE, BELOW = np.array([226.0, 232.0, 238.0]), np.array([158.0, 170.0, 182.0])
 """Background from top to bottom."""
 AZIMUTH, ELEVATION = 125.0, -22.0
 """Where the free camera looks, degrees."""
-OVERVIEW = "overview"
-"""Camera of an MJCF that is taken where none is asked for."""
+OVERVIEW, CLOSEUP = "overview", "closeup"
+"""Cameras of an MJCF that are taken where none is asked for: the second with the first in a corner."""
+INSET = 0.36
+"""Part of the width and height that the overview takes of a close-up."""
+SELDOM = 5
+"""Pictures of a close-up for one of its overview, in which little moves."""
+FRAME = 2
+"""Pixels around it."""
 
 
 class Renderer:
@@ -49,7 +56,8 @@ class Renderer:
     size
         Width and height, pixels.
     camera
-        Name of a camera of the model; empty is `overview` if there is one, else one that sees all of it.
+        Name of a camera of the model; empty is its `closeup` with its `overview` in a corner, one of them
+        if it has no more, else one that sees all of it.
     poses
         Coordinates at which everything shall be in sight of that one, shape (poses, coordinates).
 
@@ -64,11 +72,15 @@ class Renderer:
         light(model)
         colour(model)
         model.vis.global_.offwidth, model.vis.global_.offheight = size
-        self.camera = named_camera(model, camera) or free_camera(model, data, size, poses)
+        first, self.inset = cameras(model, camera)
+        self.camera = first or free_camera(model, data, size, poses)
         self.rectangle = mujoco.MjrRect(0, 0, *size)
         self.scene = mujoco.MjvScene(model, maxgeom=10000)
         self.background = background(size[1], size[0])
+        self.drawn, self.overview = 0, self.background
         self.options = mujoco.MjvOption()
+        # places in the machine, and no part of it
+        self.options.sitegroup[:] = 0
         self.context = graphics(size)
         try:
             self.drawer: Any = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100.value)
@@ -87,23 +99,36 @@ class Renderer:
         self.drawer.free()
         self.context.free()
 
-    def picture(self, qpos: Array) -> Picture:
-        """Draw the model with these coordinates."""
-        place(self.model, self.data, qpos)
+    def picture(self, qpos: Array, draw: Callable[[], None] = lambda: None) -> Picture:
+        """Draw the model with these coordinates, after `draw` has moved what is only looked at."""
+        place(self.model, self.data, qpos, draw)
+        found = self._seen(self.camera, self.rectangle, self.background)
+        if self.inset is not None:
+            width, height = (round(INSET * side) for side in (self.rectangle.width, self.rectangle.height))
+            if self.drawn % SELDOM == 0:
+                rectangle = mujoco.MjrRect(0, 0, width, height)
+                self.overview = self._seen(self.inset, rectangle, background(height, width))
+            found[: height + FRAME, -width - FRAME :] = 255
+            found[:height, -width:] = self.overview
+        self.drawn += 1
+        return found
+
+    def _seen(self, camera: Any, rectangle: Any, behind: Picture) -> Picture:
         everything = mujoco.mjtCatBit.mjCAT_ALL.value
-        mujoco.mjv_updateScene(self.model, self.data, self.options, None, self.camera, everything, self.scene)
-        mujoco.mjr_render(self.rectangle, self.scene, self.drawer)
-        shape = (self.rectangle.height, self.rectangle.width)
+        mujoco.mjv_updateScene(self.model, self.data, self.options, None, camera, everything, self.scene)
+        mujoco.mjr_render(rectangle, self.scene, self.drawer)
+        shape = (rectangle.height, rectangle.width)
         colours, depth = np.empty((*shape, 3), np.uint8), np.empty(shape, np.float32)
-        mujoco.mjr_readPixels(colours, depth, self.rectangle, self.drawer)
+        mujoco.mjr_readPixels(colours, depth, rectangle, self.drawer)
         # graphics count lines from below, and nothing is as far as it gets
         colours, nothing = colours[::-1], depth[::-1] == 0.0
-        return np.where(nothing[..., None], self.background, colours)
+        return np.where(nothing[..., None], behind, colours)
 
 
-def place(model: Any, data: Any, qpos: Array) -> None:
-    """Move a model to coordinates, as far as drawing it needs."""
+def place(model: Any, data: Any, qpos: Array, draw: Callable[[], None] = lambda: None) -> None:
+    """Move a model to coordinates, as far as drawing it needs; `draw` moves what is only looked at."""
     data.qpos[:] = qpos
+    draw()
     mujoco.mj_kinematics(model, data)
     mujoco.mj_comPos(model, data)
     mujoco.mj_camlight(model, data)
@@ -156,18 +181,22 @@ def background(height: int, width: int) -> Picture:
     return np.broadcast_to(shade.astype(np.uint8), (height, width, 3))
 
 
-def named_camera(model: Any, name: str) -> Any:
-    """Camera of the model, None where none is asked for and there is no overview."""
+def cameras(model: Any, name: str) -> tuple[Any, Any]:
+    """Camera of the picture and of its inset; None for a camera that nobody asked for or the model lacks."""
     known = [model.camera(i).name for i in range(model.ncam)]
     if name and name not in known:
         raise CosimError(
             f"the model has no camera `{name}`", closest(name, known) or "the MJCF names its cameras"
         )
-    wanted = name or OVERVIEW
-    if wanted not in known:
-        return None
+    wanted = [name] if name else [one for one in (CLOSEUP, OVERVIEW) if one in known]
+    found = [fixed_camera(known.index(one)) for one in wanted]
+    return tuple((*found, None, None)[:2])
+
+
+def fixed_camera(number: int) -> Any:
+    """Camera of the model by its number."""
     camera = mujoco.MjvCamera()
-    camera.type, camera.fixedcamid = mujoco.mjtCamera.mjCAMERA_FIXED.value, known.index(wanted)
+    camera.type, camera.fixedcamid = mujoco.mjtCamera.mjCAMERA_FIXED.value, number
     return camera
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import time
 import warnings
+from functools import partial
 from typing import Any
 
 from cosim import extras
@@ -34,7 +35,7 @@ def show(recorded: Recorded, shot: Shot, again: bool = True) -> None:
     moved = motion(recorded)
     paced = pace(moved.times, shot.seconds, shot.begin, shot.end)
     factors = enlarge.given(shot.enlarge, moved) if shot.enlarge else enlarge.chosen(moved)
-    qpos = enlarge.enlarged(moved, factors)
+    qpos, drawn = enlarge.enlarged(moved, factors), enlarge.one(moved, factors)
     light(moved.model)
     colour(moved.model)
     viewer = opened(moved.model, moved.data)
@@ -45,7 +46,8 @@ def show(recorded: Recorded, shot: Shot, again: bool = True) -> None:
             if picture >= len(paced.rows) and not again:
                 return
             with viewer.lock():
-                place(moved.model, moved.data, qpos[paced.rows[picture % len(paced.rows)]])
+                row = int(paced.rows[picture % len(paced.rows)])
+                place(moved.model, moved.data, qpos[row], partial(moved.draw, row, drawn))
             viewer.sync()
             time.sleep(1.0 / RATE)
     finally:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from cosim import paths
 from cosim.loop.result import Result
-from cosim.report import panels
+from cosim.report import charts, panels, provenance
 from cosim.scenario.model import Scenario
 from cosim.scenario.tables import toml_key
 from cosim.show.display import injection_text, shorten
@@ -40,6 +40,7 @@ def chapter(scenario: Scenario, result: Result, session: Session) -> dict[str, A
         "injected": [f"{entry.to}: {injection_text(entry)}" for entry in scenario.inject],
         "verdict": counted(result.criteria),
         "passed": result.passed,
+        "charts": charts.views(scenario, result),
         "views": panels.views(scenario, result),
         "film": None,
         "no_film": "",
@@ -59,7 +60,10 @@ def claims(result: Result) -> list[dict[str, Any]]:
     for verdict in result.criteria:
         claim, paper, value, limit, _ = row(verdict, DIGITS)
         entry = {"claim": claim, "paper": paper, "measured": value, "limit": limit, "passed": verdict.passed}
-        found.append({**entry, "id": verdict.criterion.id})
+        origin = provenance.origin(verdict)
+        found.append(
+            {**entry, "id": verdict.criterion.id, "origin": origin, "source": provenance.SOURCES[origin]}
+        )
     return found
 
 

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from html import escape
+from typing import Any
 
 import numpy as np
 
@@ -16,6 +18,45 @@ LEFT, RIGHT, TOP, BOTTOM = 130, 16, 14, 46
 COLOURS = 8
 """Colours of the style sheet, each with its own dashes."""
 POINTS = 150
+LEAST = 0.02
+"""Part of the largest sum from which on a cell is drawn."""
+CHART = 560
+"""Height of a drawing that is not over the time."""
+
+
+@dataclass(frozen=True)
+class Frame:
+    """Axes of a drawing: what of `x` and `y` is in the picture, each from its least to its largest."""
+
+    x: tuple[float, float]
+    y: tuple[float, float]
+    height: int = HEIGHT
+
+    def across(self, x: Any) -> Any:
+        """Place in the picture from the left."""
+        low, high = self.x
+        return LEFT + (WIDTH - LEFT - RIGHT) * (x - low) / ((high - low) or 1.0)
+
+    def down(self, y: Any) -> Any:
+        """Place in the picture from above."""
+        low, high = self.y
+        return TOP + (self.height - TOP - BOTTOM) * (high - y) / (high - low)
+
+    def grid(self, named: Sequence[tuple[float, str]], log: bool, x_log: bool = False) -> Iterator[str]:
+        """Lines and numbers at round values; or the names of values."""
+        for value, name in named or [
+            (tick, label(10.0**tick if log else tick)) for tick in ticks(*self.y, 4)
+        ]:
+            at = self.down(value)
+            yield f'<path class="grid" d="M{LEFT} {at:.0f}H{WIDTH - RIGHT}"/>'
+            yield f'<text class="y" x="{LEFT - 8}" y="{at + 7:.0f}">{escape(name)}</text>'
+        for tick in ticks(*self.x, 6):
+            shown = label(10.0**tick if x_log else tick)
+            yield f'<text class="x" x="{self.across(tick):.0f}" y="{self.height - 16}">{shown}</text>'
+
+    def picture(self, parts: Sequence[str]) -> str:
+        """SVG of the parts."""
+        return f'<svg viewBox="0 0 {WIDTH} {self.height}" role="img">{"".join(parts)}</svg>'
 
 
 def panel(
@@ -24,6 +65,7 @@ def panel(
     log: bool,
     items: Mapping[str, int],
     events: Sequence[float],
+    limits: Sequence[float] = (),
 ) -> str:
     """Draw one panel.
 
@@ -39,40 +81,88 @@ def panel(
         Names of the values, where they are those of an enumeration.
     events
         Times that are marked, s.
+    limits
+        Values that are marked.
     """
     shown = [thinned(line, POINTS) for line in lines]
-    low, high = extent(shown)
-    inside_x, inside_y = WIDTH - LEFT - RIGHT, HEIGHT - TOP - BOTTOM
-    span = time[1] - time[0] or 1.0
-
-    def x(t: float) -> float:
-        return LEFT + inside_x * (t - time[0]) / span
-
-    def y(value: float) -> float:
-        return TOP + inside_y * (high - value) / (high - low)
-
-    parts = []
+    frame = Frame(time, extent([*shown, np.array(limits, dtype=float)]))
     present = {number for line in shown for number in np.unique(line[np.isfinite(line)])} if items else set()
     named = [(float(number), name) for name, number in items.items() if number in present]
-    round_ones = [(tick, label(10.0**tick if log else tick)) for tick in ticks(low, high, 4)]
-    for value, name in named or round_ones:
-        at = y(value)
-        parts.append(f'<path class="grid" d="M{LEFT} {at:.0f}H{WIDTH - RIGHT}"/>')
-        parts.append(f'<text class="y" x="{LEFT - 8}" y="{at + 7:.0f}">{escape(name)}</text>')
-    for tick in ticks(*time, 6):
-        parts.append(f'<text class="x" x="{x(tick):.0f}" y="{HEIGHT - 16}">{label(tick)}</text>')
-    parts += [f'<path class="event" d="M{x(t):.0f} {TOP}V{HEIGHT - BOTTOM}"/>' for t in events]
+    parts = list(frame.grid(named, log))
+    parts += [f'<path class="event" d="M{frame.across(t):.0f} {TOP}V{HEIGHT - BOTTOM}"/>' for t in events]
+    parts += [f'<path class="limit" d="M{LEFT} {frame.down(v):.0f}H{WIDTH - RIGHT}"/>' for v in limits]
     for i, line in enumerate(shown):
         times = np.linspace(LEFT, WIDTH - RIGHT, len(line))
-        parts.append(f'<path class="line c{i % COLOURS}" d="{course(times, [y(v) for v in line])}"/>')
-    return f'<svg viewBox="0 0 {WIDTH} {HEIGHT}" role="img">{"".join(parts)}</svg>'
+        parts.append(f'<path class="line c{i % COLOURS}" d="{course(times, frame.down(line))}"/>')
+    return frame.picture(parts)
+
+
+def chart(lines: Sequence[tuple[Array, Array]], x_log: bool, log: bool, equal: bool, points: bool) -> str:
+    """Draw values over others, both as the axes take them.
+
+    Parameters
+    ----------
+    x_log, log
+        Whether `x` and `y` are logarithms.
+    equal
+        Whether both axes have the same scale.
+    points
+        Whether every point is marked.
+    """
+    frame = framed(extent([x for x, _ in lines]), extent([y for _, y in lines]), equal)
+    parts = list(frame.grid([], log, x_log))
+    for i, (across, values) in enumerate(lines):
+        places, heights = frame.across(across), frame.down(values)
+        parts.append(f'<path class="line c{i % COLOURS}" d="{course(places, heights)}"/>')
+        if points:
+            known = np.isfinite(places) & np.isfinite(heights)
+            dots = "".join(f"M{a:.0f} {b:.0f}h0" for a, b in zip(places[known], heights[known], strict=True))
+            parts.append(f'<path class="dots c{i % COLOURS}" d="{dots}"/>')
+    return frame.picture(parts)
+
+
+def cells(x: Array, y: Array, parts: Array, equal: bool) -> str:
+    """Draw sums in cells, from nothing to the largest darker and darker.
+
+    Parameters
+    ----------
+    x, y
+        Middles of the columns and rows of the cells.
+    parts
+        Parts of the largest sum, shape (y, x).
+    equal
+        Whether both axes have the same scale.
+    """
+    half_x, half_y = (0.5 * float(each[1] - each[0]) if len(each) > 1 else 0.5 for each in (x, y))
+    ends = (float(x[0]) - half_x, float(x[-1]) + half_x), (float(y[0]) - half_y, float(y[-1]) + half_y)
+    frame = framed(*ends, equal)
+    wide = float(frame.across(2.0 * half_x) - frame.across(0.0))
+    high = float(frame.down(0.0) - frame.down(2.0 * half_y))
+    drawn = list(frame.grid([], False))
+    for row, column in zip(*np.nonzero(parts > LEAST), strict=True):
+        left, top = frame.across(x[column] - half_x), frame.down(y[row] + half_y)
+        shade = f'opacity="{parts[row, column]:.2f}"'
+        place = f'x="{left:.0f}" y="{top:.0f}" width="{wide + 1:.0f}" height="{high + 1:.0f}"'
+        drawn.append(f'<rect class="cell" {place} {shade}/>')
+    return frame.picture(drawn)
+
+
+def framed(x: tuple[float, float], y: tuple[float, float], equal: bool) -> Frame:
+    """Axes of a drawing that is not over the time."""
+    if not equal:
+        return Frame(x, y, CHART)
+    # a unit is as many pixels across as down
+    wide = (WIDTH - LEFT - RIGHT) / (CHART - TOP - BOTTOM)
+    half = 0.5 * max(x[1] - x[0], wide * (y[1] - y[0]))
+    across, up = 0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1])
+    return Frame((across - half, across + half), (up - half / wide, up + half / wide), CHART)
 
 
 def course(x: Array, y: Sequence[float]) -> str:
     """Path through points, interrupted where there is no number."""
     words, pen = [], "M"
     for across, down in zip(x, y, strict=True):
-        if not math.isfinite(down):
+        if not (math.isfinite(down) and math.isfinite(across)):
             pen = "M"
             continue
         words.append(f"{pen}{across:.0f} {down:.0f}")

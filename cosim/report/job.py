@@ -14,7 +14,7 @@ from cosim.writing import write
 
 FILM_SIZE = (480, 360)
 """Width and height of a film on the page, pixels."""
-FILM_SECONDS = 8.0
+FILM_SECONDS = 6.0
 
 
 @dataclass(frozen=True)

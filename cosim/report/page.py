@@ -12,6 +12,7 @@ from typing import Any
 
 from cosim import extras, paths
 from cosim.errors import CosimError
+from cosim.report.provenance import SOURCES
 from cosim.words import strict
 from cosim.words.versions import PROJECT, version
 
@@ -80,7 +81,8 @@ def text(
         style=(FOLDER / "page.css").read_text(encoding="utf-8"),
         script=(FOLDER / "page.js").read_text(encoding="utf-8"),
         library=library(),
-        data=compressed(strict.line([views(chapter) for chapter in chapters])),
+        sources=SOURCES,
+        data=compressed(strict.line([plain(chapter) for chapter in chapters])),
     )
 
 
@@ -92,12 +94,14 @@ def grouped(chapters: Sequence[Chapter]) -> dict[str, list[Chapter]]:
     return found
 
 
-def views(chapter: Chapter) -> list[dict[str, Any]]:
-    """Take the views of a chapter without their drawings, which stand in the page itself."""
-    return [
+def plain(chapter: Chapter) -> dict[str, Any]:
+    """Take the charts and views of a chapter without their drawings, which stand in the page itself."""
+    charts = [{k: v for k, v in chart.items() if k != "svg"} for chart in chapter["charts"]]
+    views = [
         {**view, "panels": [{k: v for k, v in panel.items() if k != "svg"} for panel in view["panels"]]}
         for view in chapter["views"]
     ]
+    return {"charts": charts, "views": views}
 
 
 @functools.cache

@@ -8,8 +8,10 @@ import numpy as np
 
 from cosim.loop.result import Result
 from cosim.report import drawing, series
+from cosim.report.series import scaled
 from cosim.scenario.model import Panel, Scenario
-from cosim.show import plot
+from cosim.show import marks, plot
+from cosim.show.marks import Marked
 from cosim.trace.columns import Array, Columns
 
 
@@ -17,12 +19,12 @@ def views(scenario: Scenario, result: Result) -> list[dict[str, Any]]:
     """Make the views of a run, each with its panels, as plain data."""
     trace = result.columns
     panels = scenario.plot.panels or plot.default_panels(trace, result)
-    marks = [(t, "fault injected") for t in result.injected if t is not None]
+    marked = marks.marked(scenario, result)
     rows = np.ones(len(trace["time"]), dtype=bool)
-    found = [view("the whole run", panels, trace, rows, result, marks)]
+    found = [view("the whole run", panels, trace, rows, result, marked)]
     for window in plot.zoomed(scenario, result, trace):
         if np.count_nonzero(window) > 1:
-            found.append(view(f"around {scenario.plot.zoom}", panels, trace, window, result, marks))
+            found.append(view(f"around {scenario.plot.zoom}", panels, trace, window, result, marked))
     return found
 
 
@@ -32,13 +34,13 @@ def view(
     trace: Columns,
     window: Any,
     result: Result,
-    marks: list[tuple[float, str]],
+    marked: Marked,
 ) -> dict[str, Any]:
     """One view: the panels in a part of the time."""
     times = trace["time"][window]
     span = float(times[0]), float(times[-1])
-    inside = [(t, name) for t, name in marks if span[0] <= t <= span[1]]
-    drawn = [one(panel, trace, window, span, inside, result) for panel in panels]
+    inside = plot.inside(times, marked)
+    drawn = [one(panel, trace, window, span, Marked(inside, marked.limits), result) for panel in panels]
     return {"title": title, "from": span[0], "to": span[1], "events": inside, "panels": drawn}
 
 
@@ -47,20 +49,22 @@ def one(
     trace: Columns,
     window: Any,
     span: tuple[float, float],
-    marks: list[tuple[float, str]],
+    marked: Marked,
     result: Result,
 ) -> dict[str, Any]:
     """One panel: its lines as numbers and as a drawing."""
-    shown = plot.unit_of(panel, result)
+    shown = plot.unit_of(panel, result, plot.largest(trace[name][window] for name in panel.columns))
     items = plot.items_of(panel, result)
     lines: list[Array] = [shown.factor * trace[name][window] + shown.offset for name in panel.columns]
     # without a positive value there is nothing to show on a logarithmic axis
     log = panel.log and any(bool(np.any(line > 0.0)) for line in lines)
+    limits = [each for each in marks.near(panel, marked, shown, lines) if not log or each[0] > 0.0]
     return {
         "title": panel.title,
         "unit": "" if shown.name == "1" else shown.name,
         "log": log,
         "items": items,
+        "limits": limits,
         "lines": [
             {
                 "name": name,
@@ -69,10 +73,12 @@ def one(
             }
             for name, line in zip(panel.columns, lines, strict=True)
         ],
-        "svg": drawing.panel([scaled(line, log) for line in lines], span, log, items, [t for t, _ in marks]),
+        "svg": drawing.panel(
+            [scaled(line, log) for line in lines],
+            span,
+            log,
+            items,
+            [t for t, _ in marked.events],
+            scaled(np.array([limit for limit, _ in limits]), log).tolist(),
+        ),
     }
-
-
-def scaled(values: Array, log: bool) -> Array:
-    """Values as the axis takes them: the logarithm of what is above 0 on a logarithmic one."""
-    return np.log10(np.where(values > 0.0, values, np.nan)) if log else values

@@ -38,6 +38,11 @@ def thinned(values: Array, buckets: int = BUCKETS) -> Array:
     return found.ravel()
 
 
+def scaled(values: Array, log: bool) -> Array:
+    """Values as the axis takes them: the logarithm of what is above 0 on a logarithmic one."""
+    return np.log10(np.where(values > 0.0, values, np.nan)) if log else values
+
+
 def packed(values: Array) -> dict[str, Any]:
     """Values as text: 16 bits each between the least and the largest.
 

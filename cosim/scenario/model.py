@@ -185,12 +185,22 @@ class Metric:
 
 @dataclass(frozen=True)
 class Criterion:
-    """A demand on a metric: at least `minimum`, at most `maximum` or exactly `equals`."""
+    """A demand on a metric: at least `minimum`, at most `maximum` or exactly `equals`.
+
+    Parameters
+    ----------
+    paper
+        What the paper says of it.
+    source
+        Where the limit comes from: the `paper`, a `prediction` of the models, or a `choice`; empty leaves it
+        to what `paper` says.
+    """
 
     id: str
     claim: str
     metric: str
     paper: str = ""
+    source: Literal["", "paper", "prediction", "choice"] = ""
     unit: str | None = None
     minimum: float | None = limited(NOT_NAN, None)
     maximum: float | None = limited(NOT_NAN, None)
@@ -209,6 +219,59 @@ class Panel:
 
 
 @dataclass(frozen=True)
+class Chart:
+    """A drawing of a run that is not over the time, for the page of `cosim report`.
+
+    Parameters
+    ----------
+    kind
+        `path` draws each `y` over `x`, row by row; `spectrum` the amplitudes of each `y` by the frequency or,
+        with an angle in rad as `x`, by the waves per turn; `peaks` the largest absolute `y` of each value of
+        `split`; `share` the share of rows in which `y` is at most that; `roc` for each threshold the share of
+        rows of the second part in which `y` is above it, over that of the first; `array` the last row of the
+        columns `y[1]`, `y[2]`, ... over those of `x`; `map` the sum of `weight` in each cell of the plane of
+        `x` and the one `y`, in parts of the largest.
+    x, y
+        Expressions over the columns; for an `array` the names of the columns without their numbers.
+    parts
+        Conditions: the rows of each make a line of their own; none takes all rows.
+    names
+        Names of the lines: of each `y` all parts.
+    weight
+        Expression that a `map` sums up.
+    split
+        Expression; its values in turn make the lines of a `path`, and the points of `peaks`.
+    split_name
+        What the lines of a `path` are called, before the value.
+    label, x_label
+        What the axes show, before the units.
+    equal
+        Whether both axes have the same scale.
+    log, x_log
+        Logarithmic axes.
+    """
+
+    kind: Literal["path", "spectrum", "peaks", "share", "roc", "array", "map"]
+    y: tuple[str, ...]
+    title: str = ""
+    x: str = ""
+    parts: tuple[str, ...] = ()
+    names: tuple[str, ...] = ()
+    weight: str = "1"
+    split: str = ""
+    split_name: str = ""
+    label: str = ""
+    unit: str = ""
+    scale: float = limited(FINITE, 1.0)
+    x_label: str = ""
+    x_unit: str = ""
+    x_scale: float = limited(FINITE, 1.0)
+    equal: bool = False
+    log: bool = False
+    x_log: bool = False
+
+
+@dataclass(frozen=True)
 class Plot:
     """The plot of a run, from top to bottom.
 
@@ -216,6 +279,8 @@ class Plot:
     ----------
     panels
         The panels; none draws all columns that move, by unit.
+    charts
+        Drawings that are not over the time.
     zoom
         Condition; a second column of axes shows the time around the first row where it holds.
     before, after
@@ -223,6 +288,7 @@ class Plot:
     """
 
     panels: tuple[Panel, ...] = ()
+    charts: tuple[Chart, ...] = ()
     zoom: str = ""
     before: float = limited(FINITE, 0.01)
     after: float = limited(FINITE, 0.01)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,10 +17,16 @@ from cosim.loop.result import Result
 from cosim.metrics.expression import Expression, Items
 from cosim.scenario.model import Panel, Scenario
 from cosim.show import figure as figures
-from cosim.trace.columns import Columns, InOrder
+from cosim.show import marks
+from cosim.show.marks import Marked
+from cosim.trace.columns import Array, Columns, InOrder
+from cosim.words.quantity import prefixed
 
 MOST_PANELS = 6
 MOST_COLUMNS = 8
+LIMIT: Any = {"color": "0.35", "linestyle": "--", "linewidth": 0.8}
+EVENT: Any = {"color": "0.35", "linestyle": ":", "linewidth": 0.8}
+NAME: Any = {"fontsize": 7, "rotation": 90, "verticalalignment": "top"}
 
 
 def check(scenario: Scenario, columns: Mapping[str, Items | None], path: Path) -> None:
@@ -54,6 +61,7 @@ def save(scenario: Scenario, result: Result, path: Path) -> None:
     trace = result.columns
     panels = scenario.plot.panels or default_panels(trace, result)
     windows = [np.ones(len(trace["time"]), dtype=bool), *zoomed(scenario, result, trace)]
+    marked = marks.marked(scenario, result)
     with figures.styled() as pyplot:
         size = (6.5 * len(windows) + 2.5, 1.2 + 1.7 * len(panels))
         figure, grid = pyplot.subplots(
@@ -61,11 +69,15 @@ def save(scenario: Scenario, result: Result, path: Path) -> None:
         )
         for row, panel in zip(grid, panels, strict=True):
             for axes, window in zip(row, windows, strict=True):
-                draw(axes, {name: trace[name][window] for name in ("time", *panel.columns)}, panel, result)
+                shown = {name: trace[name][window] for name in ("time", *panel.columns)}
+                draw(axes, shown, panel, result, marked)
             row[0].set_title(panel.title, fontsize=9, loc="left")
             row[-1].legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=8)
         for axes in grid[-1]:
             axes.set_xlabel("time (s)")
+        for axes, window in zip(grid[0], windows, strict=True):
+            for moment, told in inside(trace["time"][window], marked):
+                axes.text(moment, 1.0, f" {told}", **NAME, transform=axes.get_xaxis_transform())
         figure.suptitle(heading(result), fontsize=10)
         figures.save(figure, path)
 
@@ -78,34 +90,57 @@ def heading(result: Result) -> str:
     return f"{result.title}\n{result.scenario}, seed {result.seed}{verdict}"
 
 
-def draw(axes: Any, trace: Columns, panel: Panel, result: Result) -> None:
+def draw(axes: Any, trace: Columns, panel: Panel, result: Result, marked: Marked) -> None:
     """Draw one panel; values that only jump (modes, flags) are drawn as steps, enumerations with names."""
-    shown = unit_of(panel, result)
+    lines = []
+    shown = unit_of(panel, result, largest(trace[column] for column in panel.columns))
     positive = False
     for column in panel.columns:
         values = shown.factor * trace[column] + shown.offset
         positive |= bool(np.any(values > 0.0))
         stepped = bool(np.all(trace[column] == np.round(trace[column])))
         style = "steps-post" if stepped else "default"
+        lines.append(values)
         axes.plot(trace["time"], values, label=column, linewidth=1.1, drawstyle=style)
     axes.set_ylabel("" if shown.name == "1" else shown.name)
     axes.margins(x=0.0)
     # without a positive value there is nothing to show on a logarithmic axis
     if panel.log and positive:
         axes.set_yscale("log", nonpositive="mask")
+    for limit, told in marks.near(panel, marked, shown, lines):
+        if not panel.log or limit > 0.0:
+            axes.axhline(limit, label=told or None, **LIMIT)
+    for moment, _ in inside(trace["time"], marked):
+        axes.axvline(moment, **EVENT)
     if items := items_of(panel, result):
         present = np.unique([trace[column] for column in panel.columns])
         named = {name: number for name, number in items.items() if number in present}
         axes.set_yticks(list(named.values()), list(named))
 
 
-def unit_of(panel: Panel, result: Result) -> DisplayUnit:
-    """Tell how a panel shows its values: as it says itself, else in the first display unit of its columns."""
+def inside(times: Array, marked: Marked) -> list[tuple[float, str]]:
+    """Events from the first to the last of some times, and what they say."""
+    return [event for event in marked.events if times[0] <= event[0] <= times[-1]]
+
+
+def unit_of(panel: Panel, result: Result, most: float) -> DisplayUnit:
+    """Tell how a panel shows its values.
+
+    As it says itself, else in the first display unit of its columns, else with the prefix that `most`, the
+    largest absolute value, asks for.
+    """
     if panel.unit or panel.scale != 1.0:
         return DisplayUnit(panel.unit, panel.scale)
     units = [result.units.get(column, "") for column in panel.columns]
     displays = [result.displays[column] for column in panel.columns if column in result.displays]
-    return displays[0] if displays and len(set(units)) == 1 else DisplayUnit(units[0])
+    if len(set(units)) != 1:
+        return DisplayUnit(units[0])
+    return displays[0] if displays else DisplayUnit(*prefixed(units[0], most))
+
+
+def largest(columns: Iterable[NDArray[np.float64]]) -> float:
+    """Largest absolute value of some columns, 0 where none is finite."""
+    return max(float(np.max(np.abs(one), where=np.isfinite(one), initial=0.0)) for one in columns)
 
 
 def items_of(panel: Panel, result: Result) -> dict[str, int]:
@@ -115,7 +150,7 @@ def items_of(panel: Panel, result: Result) -> dict[str, int]:
 
 
 def default_panels(trace: Columns, result: Result) -> tuple[Panel, ...]:
-    """Panels of a scenario that names none: the columns that move, by enumeration or unit."""
+    """Panels of a scenario that names none: what moves, by enumeration or unit, and how many more."""
     names = list(trace)[1:]
     moving = [name for name in names if moves(trace[name])] or names[:1]
     groups: dict[tuple[tuple[str, ...], str], list[str]] = {}
@@ -123,8 +158,18 @@ def default_panels(trace: Columns, result: Result) -> tuple[Panel, ...]:
         group = tuple(result.items.get(name, ())), result.units.get(name, "")
         groups.setdefault(group, []).append(name)
     # what the loop is doing comes first
-    largest = sorted(groups.items(), key=lambda group: (not group[0][0], -len(group[1])))[:MOST_PANELS]
-    return tuple(Panel(columns=tuple(columns[:MOST_COLUMNS])) for _, columns in largest)
+    largest = sorted(groups.items(), key=lambda group: (not group[0][0], -len(group[1])))
+    panels = [
+        Panel(tuple(columns[:MOST_COLUMNS]), title=and_more("column", len(columns) - MOST_COLUMNS))
+        for _, columns in largest[:MOST_PANELS]
+    ]
+    beyond = and_more("unit", len(largest) - MOST_PANELS)
+    return *panels[:-1], replace(panels[-1], title=", ".join(filter(None, (panels[-1].title, beyond))))
+
+
+def and_more(what: str, count: int) -> str:
+    """Words for what is left out; nothing where that is nothing."""
+    return f"and {count} more {what}{'s' if count > 1 else ''}" if count > 0 else ""
 
 
 def moves(column: NDArray[np.float64]) -> bool:

@@ -28,6 +28,16 @@ def text(value: float, unit: str = "", digits: int = 4) -> str:
     return f"{number(value / 10.0**exponent, digits)} {PREFIXES[exponent]}{unit}"
 
 
+def prefixed(unit: str, largest: float) -> tuple[str, float]:
+    """Find the prefix for values up to `largest`; returns the unit with it, and the factor to it."""
+    if unit not in PREFIXED or not SMALLEST <= largest < math.inf:
+        return unit, 1.0
+    exponent = 3 * math.floor(math.log10(largest) / 3.0)
+    if exponent not in PREFIXES or (unit == "s" and exponent > 0):
+        return unit, 1.0
+    return PREFIXES[exponent] + unit, 10.0**-exponent
+
+
 def number(value: float, digits: int = 4) -> str:
     """Format a number with up to `digits` significant digits, but with all before the point."""
     if abs(value) < 1e9 and (float(value).is_integer() or 10.0**digits <= abs(value) < 1e6):

@@ -10,7 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cosim.errors import ExpressionError
+from cosim.metrics.criteria import compile_metrics
 from cosim.metrics.expression import Expression, Items
+from cosim.scenario.model import Metric
 
 ITEMS = {"Idle": 1, "Detect": 4}
 NAMES: dict[str, Items | None] = {
@@ -231,3 +233,24 @@ def test_a_row_takes_the_same_expressions_but_nothing_that_needs_the_trace() -> 
             Expression(text, NAMES, "`stop`", rowwise=True)
     with pytest.raises(ExpressionError, match="one row at a time"):
         Expression("plant.x[controller.on]", NAMES, "`stop`", rowwise=True)
+
+
+def test_a_metric_knows_the_others_with_their_units() -> None:
+    metrics = (
+        Metric("good", "metric.far <= 3 and metric.far > 2"),
+        Metric("twice", "2 * metric.far"),
+        Metric("far", "max(abs(plant.x))", "m"),
+    )
+    good, twice, far = (one(TABLE.T) for one in compile_metrics(metrics, NAMES))
+    assert (far, bool(good), twice) == (3.0, True, 6.0)
+    assert compile_metrics(metrics, NAMES)[1].unit == "m"
+    with pytest.raises(ExpressionError, match=r"names `metric\.far`, which is no other metric"):
+        compile_metrics(metrics[:2], NAMES)
+
+
+def test_metrics_that_are_made_of_each_other_are_refused() -> None:
+    metrics = (Metric("far", "metric.near + 1"), Metric("near", "metric.far - 1"))
+    with pytest.raises(ExpressionError, match=r"each other: `metric\.(far|near)` <- `metric\."):
+        compile_metrics(metrics, NAMES)
+    with pytest.raises(ExpressionError, match=r"names `metric\.far`, which is no other metric"):
+        compile_metrics((Metric("far", "metric.far + 1"),), NAMES)

@@ -26,7 +26,10 @@ def video(
     end: End = None,
     size_: Annotated[str, Option("--size", metavar="WIDTHxHEIGHT", help="Pixels.")] = "640x480",
     camera: Annotated[
-        str, Option(help="Camera of the MJCF; by default `overview`, or one that sees all.")
+        str,
+        Option(
+            help="Camera of the MJCF; by default `closeup` with `overview` in a corner, or one that sees all."
+        ),
     ] = "",
     enlarge: Enlarge = None,
     set_: Set = None,

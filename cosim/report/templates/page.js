@@ -50,26 +50,75 @@ function traces(view, panel) {
   });
 }
 
-function layout(view, panel) {
-  const ink = colour("--faint"), rule = colour("--rule");
-  const axis = { gridcolor: rule, linecolor: rule, zeroline: false, automargin: true };
-  const names = Object.keys(panel.items);
-  const wide = names.length ? { tickvals: Object.values(panel.items), ticktext: names } : { nticks: 5 };
+function frame() {
+  const ink = colour("--faint");
   return {
     height: 210, margin: { l: 62, r: 8, t: 6, b: 34 }, font: { color: ink, size: 11 },
     paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)", hovermode: "x unified",
     hoverlabel: { bgcolor: colour("--sheet"), font: { color: colour("--ink") } },
     showlegend: true, legend: { orientation: "h", x: 0, y: 1.02, yanchor: "bottom", font: { size: 11 } },
-    xaxis: { ...axis, range: [view.from, view.to], title: { text: "time (s)", standoff: 4 }, hoverformat: ".5g" },
-    yaxis: { ...axis, ...wide, type: panel.log ? "log" : "linear", exponentformat: "SI" },
-    shapes: view.events.map(([t]) => ({ type: "line", x0: t, x1: t, yref: "paper", y0: 0, y1: 1, line: { color: colour("--no"), width: 1.5, dash: "dash" } })),
-    annotations: view.events.map(([t, text]) => ({ x: t, yref: "paper", y: 1, text, showarrow: false, xanchor: "left", font: { size: 10, color: colour("--no") } })),
   };
 }
 
-async function draw(box) {
+function axis(more) {
+  const rule = colour("--rule");
+  return { gridcolor: rule, linecolor: rule, zeroline: false, automargin: true, exponentformat: "SI", ...more };
+}
+
+function layout(view, panel) {
+  const names = Object.keys(panel.items), red = colour("--no");
+  const wide = names.length ? { tickvals: Object.values(panel.items), ticktext: names } : { nticks: 5 };
+  const mark = { type: "line", line: { color: red, width: 1.5, dash: "dash" } };
+  const events = view.events.map(([t]) => ({ ...mark, x0: t, x1: t, yref: "paper", y0: 0, y1: 1 }));
+  const limits = panel.limits.map(([y]) => ({ ...mark, xref: "paper", x0: 0, x1: 1, y0: y, y1: y, line: { ...mark.line, dash: "dot" } }));
+  const words = { showarrow: false, font: { size: 10, color: red } };
+  return {
+    ...frame(),
+    xaxis: axis({ range: [view.from, view.to], title: { text: "time (s)", standoff: 4 }, hoverformat: ".5g" }),
+    yaxis: axis({ ...wide, type: panel.log ? "log" : "linear" }),
+    shapes: [...events, ...limits],
+    annotations: [
+      // one below the other: events may follow each other at once
+      ...view.events.map(([t, text], i) => ({ ...words, x: t, yref: "paper", y: 1 - 0.14 * (i % 4), yanchor: "top", text, xanchor: "left" })),
+      // on a logarithmic axis the place is the logarithm
+      ...panel.limits.map(([y, text]) => ({ ...words, xref: "paper", x: 1, xanchor: "right", y: panel.log ? Math.log10(y) : y, yanchor: "bottom", text })),
+    ],
+  };
+}
+
+async function drawChart(figure) {
   const chapters = await prepared();
-  const view = chapters[box.closest(".chapter").dataset.number][box.dataset.view];
+  const chart = chapters[figure.closest(".chapter").dataset.number].charts[figure.dataset.chart];
+  const place = one(".plot", figure);
+  if (!figure.dataset.drawn) place.replaceChildren();
+  figure.dataset.drawn = "yes";
+  figure.classList.add("drawn");
+  const values = (entry, log) => numbers(entry).map((value) => (log && value !== null ? 10 ** value : value));
+  const lines = chart.lines.map((line, i) => ({
+    x: values(line.x, chart.x_log), y: values(line.y, chart.log), name: line.name, mode: chart.points ? "lines+markers" : "lines",
+    line: { width: 1.5, color: colour("--c" + (i % 8)), dash: DASHES[i % 8] }, marker: { size: 5, symbol: i },
+    hovertemplate: "%{x:.5g}, %{y:.5g}",
+  }));
+  if (chart.cells) {
+    const flat = numbers(chart.cells), wide = chart.cells.x.length;
+    lines.push({
+      type: "heatmap", x: chart.cells.x, y: chart.cells.y, z: chart.cells.y.map((_, row) => flat.slice(row * wide, (row + 1) * wide)),
+      colorscale: [[0, colour("--paper")], [1, colour("--c0")]], colorbar: { thickness: 10, outlinewidth: 0 },
+      hovertemplate: "%{x:.4g}, %{y:.4g}: %{z:.2f}<extra></extra>",
+    });
+  }
+  await Plotly.react(place, lines, {
+    // margins that follow the numbers and equal scales change each other
+    ...frame(), height: 360, margin: { l: 74, r: 12, t: 6, b: 44 }, hovermode: "closest",
+    xaxis: axis({ automargin: false, title: { text: chart.x_label, standoff: 4 }, type: chart.x_log ? "log" : "linear" }),
+    yaxis: axis({ automargin: false, title: { text: chart.label, standoff: 4 }, type: chart.log ? "log" : "linear", ...(chart.equal ? { scaleanchor: "x" } : {}) }),
+  }, { responsive: true, displaylogo: false, displayModeBar: false });
+}
+
+async function draw(box) {
+  if (box.dataset.chart) return drawChart(box);
+  const chapters = await prepared();
+  const view = chapters[box.closest(".chapter").dataset.number].views[box.dataset.view];
   const plots = all("figure", box).map((figure) => [one(".plot", figure), view.panels[figure.dataset.panel]]);
   for (const [place, panel] of plots) {
     if (!place.dataset.drawn) place.replaceChildren();
@@ -100,11 +149,12 @@ const watch = new IntersectionObserver((entries) => {
     }
   }
 }, { rootMargin: "200px" });
-all(".view").forEach((box) => watch.observe(box));
+const DRAWN = ".view[data-view], figure[data-chart]";
+all(DRAWN).forEach((box) => watch.observe(box));
 
 // light or dark: as the system says, until somebody chooses
 const dark = matchMedia("(prefers-color-scheme: dark)");
-const again = () => all(".view[data-drawn]").forEach(draw);
+const again = () => all(DRAWN).filter((box) => box.dataset.drawn).forEach(draw);
 one("#theme").addEventListener("click", () => {
   const now = root.dataset.theme ?? (dark.matches ? "dark" : "light");
   root.dataset.theme = now === "dark" ? "light" : "dark";

@@ -35,14 +35,14 @@ LINES: dict[str, Case] = {
     "show a torn FMU": Case(
         given("show", "lag.toml", "--set", "controller.fmu=torn.fmu"), ("`torn.fmu`", "cut off")
     ),
-    "seed is a word": Case((*RUN, "--seed", "one"), ("--seed", "integer")),
+    "seed is a word": Case((*RUN, "--seed", "one"), ("--seed", "int range")),
     "seed negative": Case((*RUN, "--seed", "-1"), ("--seed",)),
     "delay 2": Case((*RUN, "--delay", "2"), ("`loop.compute_delay` is `2`",)),
     "duration nan": Case((*RUN, "--duration", "nan"), ("`loop.duration` is `nan`",)),
     "duration 0": Case((*RUN, "--duration", "0"), ("`loop.duration` is `0.0`",)),
     "duration endless": Case((*RUN, "--duration", "1e8"), ("`loop.duration`", "shorter runs")),
     "duration negative": Case((*RUN, "--duration", "-1"), ("`loop.duration` is `-1.0`",)),
-    "duration is a word": Case((*RUN, "--duration", "long"), ("--duration", "number")),
+    "duration is a word": Case((*RUN, "--duration", "long"), ("--duration", "float")),
     "unknown engine": Case((*RUN, "--engine", "nativ"), ("`nativ`", "did you mean `native`?")),
     "trace of another kind": Case((*RUN, "--trace", "a.xls"), ("`a.xls`", "`.npz`")),
     "trace without a kind": Case((*RUN, "--trace", "a"), ("`a`", "`.csv`")),

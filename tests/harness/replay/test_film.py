@@ -16,7 +16,7 @@ from lxml import html
 
 import cosim
 from cosim.errors import CosimError
-from cosim.replay import film, renderer
+from cosim.replay import enlarge, film, renderer
 from cosim.replay.film import Shot
 from cosim.replay.motion import Recorded, motion, of_result
 from cosim.replay.pace import RATE
@@ -153,6 +153,38 @@ def test_what_cannot_be_filmed_is_one_message(
     assert message in done.stderr
     assert "Traceback" not in done.stderr
     assert not list(folder.glob("*.mp4"))
+
+
+@pytest.mark.usefixtures("_drawing")
+def test_a_close_up_has_the_overview_in_its_corner(cart: Path) -> None:
+    model = cart.with_name("cart.xml")
+    text = model.read_text()
+    near = '<camera name="closeup" pos="0 -1 0" xyaxes="1 0 0 0 0 1"/>'
+    model.write_text(text.replace("<worldbody>", f"<worldbody>{near}").replace('"side"', '"overview"'))
+    moved, poses = motion(recorded(cart)), np.array([[0.0]])
+    pictures = {}
+    for name, size in (("", (160, 120)), ("closeup", (160, 120)), ("overview", (58, 43))):
+        with renderer.Renderer(moved.model, moved.data, size, name, poses) as drawer:
+            pictures[name] = [drawer.picture(np.array([at])) for at in (0.0, *5 * [0.2])]
+    small, frame = np.s_[:43, -58:], np.s_[:45, -60:]
+    for number, (both, near_by) in enumerate(zip(pictures[""], pictures["closeup"], strict=True)):
+        outside = np.ones(both.shape, dtype=bool)
+        outside[frame] = False
+        assert np.array_equal(both[outside], near_by[outside])
+        # the overview is drawn in every fifth picture
+        far = pictures["overview"][0 if number < renderer.SELDOM else number]
+        assert np.array_equal(both[small], far)
+    assert not np.array_equal(pictures["overview"][0], pictures["overview"][5])
+
+
+def test_an_mjcf_names_what_may_be_drawn_larger(cart: Path) -> None:
+    assert enlarge.chosen(motion(recorded(cart)))
+    model = cart.with_name("cart.xml")
+    text = model.read_text()
+    for said, found in (("-", False), ("sl*", True)):
+        custom = f'<custom><text name="enlarge" data="{said}"/></custom>'
+        model.write_text(text.replace("<worldbody>", f"{custom}<worldbody>"))
+        assert bool(enlarge.chosen(motion(recorded(cart)))) is found
 
 
 @pytest.mark.usefixtures("_drawing")

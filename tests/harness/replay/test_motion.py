@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import re
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -96,6 +99,35 @@ def test_a_trace_without_coordinates_says_how_to_get_them(cart: Path) -> None:
     with pytest.raises(CosimError, match="no coordinates") as caught:
         motion(of_result(scenario, cosim.run(scenario)))
     assert "--set loop.record_qpos=true --trace FILE" in caught.value.hint
+
+
+@pytest.mark.parametrize(
+    ("shown", "kept", "told"),
+    [
+        ("fts", "plant.", "no column `plant.qpos.spindle`"),
+        ("dob", "plant.qpos.", "no column `plant.position`"),
+        ("dob", "controller.", "no coordinates"),
+    ],
+)
+def test_a_trace_of_another_loop_or_without_truths_is_told(shown: str, kept: str, told: str) -> None:
+    result = cosim.run(cosim.load("dob", [*RECORD, "loop.duration=0.01"]))
+    columns = {name: column for name, column in result.columns.items() if name.startswith(("time", kept))}
+    with pytest.raises(CosimError, match=told):
+        motion(Recorded(cosim.load(shown), 1, columns))
+
+
+def test_the_block_that_draws_a_run_moves_the_machine(monkeypatch: pytest.MonkeyPatch) -> None:
+    text = (Path(cosim.__file__).parent / "README.md").read_text("utf-8")
+    (block,) = re.findall(r"\*\*To draw a run yourself.*?```python\n(.*?)```", text, re.DOTALL)
+    short = partial(cosim.load, "dob", [*RECORD, "loop.duration=0.01"])
+    assert f"set={RECORD}".replace("'", '"') in block
+    monkeypatch.setattr(cosim, "load", lambda *_, **__: short())
+    names: dict[str, Any] = {}
+    exec(block, names)
+    moved = names["moved"]
+    assert moved.model.ncam == 2
+    assert np.array_equal(moved.data.qpos, moved.qpos[-1])
+    assert moved.data.xpos.any()
 
 
 def test_a_motion_too_small_to_be_seen_is_drawn_larger_and_said(cart: Path) -> None:

@@ -45,6 +45,12 @@ minimum = 2.0
 to = "plant.u"
 from_time = 0.02
 value = 0.0
+[[plot.charts]]
+title = "Speed over the place"
+kind = "path"
+x = "plant.x"
+y = ["derivative(plant.x)"]
+names = ["speed"]
 [[plot.panels]]
 title = "Place"
 columns = ["plant.x"]
@@ -101,11 +107,13 @@ def cells(table: Any) -> list[list[str]]:
 
 
 def test_every_claim_stands_in_the_table_as_it_was_measured(page: Any, result: cosim.Result) -> None:
-    wanted = [["lag", *row(verdict, 3)] for verdict in result.criteria]
-    assert [line[-1] for line in wanted] == ["yes", "NO"]
+    told = [["lag", *row(verdict, 3)] for verdict in result.criteria]
+    assert [line[-1] for line in told] == ["yes", "NO"]
+    known = ("prediction", "our choice")
+    wanted = [[*line[:-1], source, line[-1]] for line, source in zip(told, known, strict=True)]
     assert cells(page.get_element_by_id("table")) == wanted
     sources = [line.get("data-source") for line in page.get_element_by_id("table").iter("tr")][1:]
-    assert sources == ["paper", "own"]
+    assert sources == ["prediction", "choice"]
     assert "1 of 2 criteria hold" in page.text_content()
 
 
@@ -144,13 +152,16 @@ def test_the_command_gives_the_numbers_again(page: Any, made: Path, result: cosi
 
 def test_the_plots_hold_the_trace(page: Any, result: cosim.Result) -> None:
     data = json.loads(gzip.decompress(base64.b64decode(page.get_element_by_id("data").text)))
-    ((view,),) = data
+    ((view,), (chart,)) = data[0]["views"], data[0]["charts"]
     (panel,) = view["panels"]
     (line,) = panel["lines"]
     assert result.trace is not None
     wanted = 1e3 * result.trace["plant.x"]
     assert unpacked(line) == pytest.approx(wanted, abs=np.ptp(wanted) / 1e5)
     assert (panel["unit"], line["name"]) == ("mm", "plant.x")
+    assert [each[1] for each in panel["limits"]] == ["end <= 700 mm", "far >= 2 m"]
+    speed = unpacked(chart["lines"][0]["y"])
+    assert (chart["title"], len(speed)) == ("Speed over the place", len(wanted))
     assert view["events"] == [[pytest.approx(0.02), "fault injected"]]
     assert page.get_element_by_id("chapter-0").xpath(".//figure//path[@class='line c0']")
     library = gzip.decompress(base64.b64decode(page.get_element_by_id("library").text))
@@ -216,14 +227,18 @@ def test_the_page_is_made_of_the_runs_of_a_test(made: Path, monkeypatch: pytest.
 QUESTION = """
 (async () => {
   const wait = () => new Promise((go) => setTimeout(go, 100));
-  document.querySelector(".view").scrollIntoView();
-  for (let n = 0; n < 300 && !document.querySelector(".view[data-drawn]"); n++) await wait();
-  const found = document.querySelector(".plot .scatterlayer path.js-line");
+  document.querySelector(".view[data-view]").scrollIntoView();
+  for (let n = 0; n < 300 && !document.querySelector(".view[data-view] path.js-line"); n++) await wait();
+  const chart = document.querySelector("figure[data-chart]");
+  chart.scrollIntoView();
+  for (let n = 0; n < 300 && !chart.querySelector("path.js-line"); n++) await wait();
+  const found = document.querySelector(".view[data-view] .plot .scatterlayer path.js-line");
   const words = document.forms[0].elements.words;
   words.value = "FAR";
   words.dispatchEvent(new Event("input", { bubbles: true }));
   return {
-    line: Boolean(found), colour: getComputedStyle(document.body).backgroundColor, title: document.title,
+    line: Boolean(found), chart: Boolean(chart.querySelector("path.js-line")),
+    colour: getComputedStyle(document.body).backgroundColor, title: document.title,
     shown: document.querySelector("#shown").textContent,
     inside: document.documentElement.scrollWidth <= innerWidth,
   };
@@ -240,6 +255,7 @@ def test_a_browser_draws_it_without_a_complaint(made: Path, width: int, theme: s
     paper = {"light": "rgb(255, 255, 255)", "dark": "rgb(20, 24, 29)"}[theme]
     assert answer == {
         "line": True,
+        "chart": True,
         "colour": paper,
         "title": "What was measured in closed loop",
         "shown": "1 of 2",

@@ -24,8 +24,7 @@ from cosim.errors import CosimError
 from cosim.pool.job import Outcome
 from cosim.report import book, drawing
 from cosim.report.job import FilmJob
-from cosim.report.panels import scaled
-from cosim.report.series import BUCKETS, STEPS, packed, thinned, unpacked
+from cosim.report.series import BUCKETS, STEPS, packed, scaled, thinned, unpacked
 
 from ..cli.commands import cosim as command
 from ..conftest import DATA, SCENARIO

@@ -1,4 +1,4 @@
-"""The examples of the harness's README are true."""
+"""The examples of the guides to scenarios and sweeps are true."""
 
 from __future__ import annotations
 
@@ -15,11 +15,12 @@ from cosim.scenario import model
 from cosim.scenario.injection import INJECTED
 from cosim.sweep import study
 
-README = (Path(cosim.__file__).parent / "README.md").read_text(encoding="utf-8")
+DOCS = Path(cosim.__file__).parents[1] / "docs"
+SCENARIO, SWEEPS = ((DOCS / name).read_text("utf-8") for name in ("scenario.md", "sweeps.md"))
 
 
-def blocks(language: str) -> list[str]:
-    return re.findall(rf"```{language}\n(.*?)```", README, re.DOTALL)
+def blocks(language: str, guide: str = SCENARIO) -> list[str]:
+    return re.findall(rf"```{language}\n(.*?)```", guide, re.DOTALL)
 
 
 def test_the_scenario_loads_and_shows_every_key(folder: Path) -> None:
@@ -49,7 +50,7 @@ def test_the_injection_begins_with_its_condition(folder: Path) -> None:
     (folder / "readme.toml").write_text(whole + fault)
     result = cosim.run(cosim.load("readme.toml"), engine="native")
     assert result.injected[0] is not None
-    assert all(f"| `{kind} = " in README for kind in INJECTED)
+    assert all(f"| `{kind} = " in SCENARIO for kind in INJECTED)
 
 
 def test_several_fmus_run(folder: Path) -> None:
@@ -66,7 +67,7 @@ def test_several_fmus_run(folder: Path) -> None:
 
 
 def test_the_study_loads_and_shows_the_keys(folder: Path) -> None:
-    (text,) = [block for block in blocks("toml") if "[design]" in block]
+    (text,) = [block for block in blocks("toml", SWEEPS) if "[design]" in block]
     (folder / "study.toml").write_text(text)
     found = study.load(folder / "study.toml")
     assert study.count(found) == 200
@@ -76,33 +77,9 @@ def test_the_study_loads_and_shows_the_keys(folder: Path) -> None:
         assert set(shown[table]) == known - {"file"}, table
     assert set(shown) == set(study.Study.__dataclass_fields__) - {"case", "file"}
     for name in ("points", "integer", "file"):
-        assert f"`{name}" in README
+        assert f"`{name}" in SWEEPS
 
 
 def test_all_functions_are_listed() -> None:
     for name in [*ROWWISE, *WHOLE, *TIMES]:
-        assert re.search(rf"\b{name}\b", README), name
-
-
-def test_the_plant_of_the_readme_runs(folder: Path) -> None:
-    (tank,) = (block for block in blocks("python") if "class Tank" in block)
-    (folder / "tank.py").write_text(tank)
-    text = """
-title = "Tank"
-loop = {step = 0.1, duration = 5.0}
-controller = {fmu = "probe", parameters = {gain = -0.05, bias = [0.05, 0.0]}}
-plant = {name = "tank:Tank"}
-wire = [{from = "plant.level", to = "controller.in"}, {from = "controller.out", to = "plant.inflow"}]
-[[metric]]
-name = "level"
-value = "last(plant.level)"
-[[criterion]]
-id = "level"
-claim = "fills to 1 m"
-metric = "level"
-minimum = 0.85
-maximum = 1.0
-"""
-    (folder / "tank.toml").write_text(text)
-    result = cosim.run(cosim.load("tank.toml"))
-    assert result.passed, result.metrics
+        assert re.search(rf"\b{name}\b", SCENARIO), name

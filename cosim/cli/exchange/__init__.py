@@ -1,0 +1,1 @@
+"""Commands that hand a loop over to other tools."""

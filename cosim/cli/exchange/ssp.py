@@ -1,0 +1,64 @@
+"""`cosim ssp`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from typer import Option
+
+from cosim.cli.options import InProcess, Loop, Quiet, Set, Timeout, Verbose, checked_limits
+from cosim.cli.tasks import place
+from cosim.errors import CosimError
+
+if TYPE_CHECKING:
+    from cosim.pool.job import Bench
+from cosim.show.console import configure_logging
+
+
+@dataclass(frozen=True)
+class Export:
+    """A scenario as an SSP package, see `cosim.ssp.package.write`."""
+
+    loop: str
+    changes: tuple[str, ...]
+    seed: int | None
+    file: Path
+
+    def run(self, bench: Bench) -> float:
+        """Write it; the communication step in s."""
+        from cosim.ssp.package import write
+
+        return write(self.loop, self.changes, self.seed, self.file).loop.step
+
+
+def ssp(
+    loop: Loop,
+    out: Annotated[
+        Path | None, Option("-o", "--out", metavar="FILE.ssp", help="The file, by default named as the loop.")
+    ] = None,
+    seed: Annotated[
+        int | None,
+        Option(min=0, max=2**31 - 1, help="Seed of all noise, by default that of the loop."),
+    ] = None,
+    set_: Set = None,
+    timeout: Timeout = None,
+    in_process: InProcess = False,
+    verbose: Verbose = False,
+    quiet: Quiet = False,
+) -> None:
+    """Write a loop as an SSP 1.0 package, for masters that connect FMUs by it.
+
+    Plant, noise and signals become an FMU of PythonFMU, which runs where this harness is
+    installed. Use the communication step of the loop. It needs the extra `ssp`.
+    """
+    configure_logging(verbose, quiet)
+    file = out or Path(f"{Path(loop).stem}.ssp")
+    if file.suffix != ".ssp":
+        raise CosimError(f"cannot write a package to `{file}`", "the name must end in `.ssp`")
+    with place(checked_limits(timeout, None, in_process)) as do:
+        step: float | CosimError = do(Export(loop, tuple(set_ or ()), seed, file))
+    if isinstance(step, CosimError):
+        raise step
+    print(f"wrote {file}: simulate it with a communication step of {step:g} s")

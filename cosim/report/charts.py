@@ -1,0 +1,272 @@
+"""Drawings of a run that are not over the time: paths, spectra, peaks, shares, arrays, maps and the like."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from cosim.loop.result import Result
+from cosim.metrics.charted import check, numbered
+from cosim.metrics.expression import Expression, Items
+from cosim.report import drawing, series
+from cosim.report.series import scaled
+from cosim.scenario.model import Chart, Scenario
+from cosim.trace.columns import Array, Columns, InOrder
+
+MOST_POINTS = 2 * series.BUCKETS
+FEW = 60
+"""Points that are marked each."""
+CELLS = 60
+"""Cells of a map along its longer side."""
+ORDERS = 40
+"""Waves per turn that a spectrum over an angle shows."""
+PER_TURN = 512
+"""Samples of a turn from which they are taken."""
+STILL = 1e-6
+"""Part of its size by which a value moves at most that stands still."""
+MOST_LINES = 12
+"""Lines of a path that is split; the last takes all values from there on."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """One line of a chart: its points, in the units of the axes."""
+
+    name: str
+    x: Array
+    y: Array
+
+
+@dataclass(frozen=True)
+class Cells:
+    """Sums in the cells of a plane: where their middles are, and parts of the largest sum, shape (y, x)."""
+
+    x: Array
+    y: Array
+    parts: Array
+
+
+Evaluate = Callable[[str], Array]
+
+
+def views(scenario: Scenario, result: Result) -> list[dict[str, Any]]:
+    """Make the charts of a run as plain data, those that have something to show."""
+    items = {name: result.items.get(name) for name in result.columns}
+    check(scenario, items)
+    found = []
+    for chart in scenario.plot.charts:
+        if chart.kind == "map":
+            cells = summed(chart, result.columns, items)
+            found += [mapped(chart, cells)] if cells is not None else []
+        elif drawn := lines(chart, result.columns, items):
+            found.append(view(chart, drawn))
+    return found
+
+
+def axes(chart: Chart) -> dict[str, Any]:
+    """Tell what a chart and its axes are called, and their kinds."""
+    return {
+        "title": chart.title,
+        "x_label": labelled(chart.x_label, chart.x_unit),
+        "label": labelled(chart.label, chart.unit),
+        "log": chart.log,
+        "x_log": chart.x_log,
+        "equal": chart.equal,
+        "points": False,
+        "lines": [],
+        "cells": None,
+    }
+
+
+def view(chart: Chart, drawn: list[Line]) -> dict[str, Any]:
+    """One chart: its lines as numbers and as a drawing."""
+    points = all(len(line.x) <= FEW for line in drawn)
+    shown = [(scaled(line.x, chart.x_log), scaled(line.y, chart.log)) for line in drawn]
+    return {
+        **axes(chart),
+        "points": points,
+        "lines": [
+            {"name": line.name, "x": series.packed(x), "y": series.packed(y)}
+            for line, (x, y) in zip(drawn, shown, strict=True)
+        ],
+        "svg": drawing.chart(shown, chart.x_log, chart.log, chart.equal, points),
+    }
+
+
+def mapped(chart: Chart, cells: Cells) -> dict[str, Any]:
+    """One map, as numbers and as a drawing."""
+    held = {"x": cells.x.tolist(), "y": cells.y.tolist(), **series.packed(cells.parts.ravel())}
+    return {**axes(chart), "cells": held, "svg": drawing.cells(cells.x, cells.y, cells.parts, chart.equal)}
+
+
+def summed(chart: Chart, trace: Columns, items: Mapping[str, Items | None]) -> Cells | None:
+    """Sum up the weight of the rows in each cell, in parts of the largest sum; None where there is none."""
+    table, where = InOrder(trace), f"`plot.charts` `{chart.title}`"
+    x, y, weight, *parts = (
+        np.broadcast_to(np.asarray(Expression(text, items, where)(table), dtype=float), len(trace["time"]))
+        for text in (chart.x, chart.y[0], chart.weight, *chart.parts)
+    )
+    rows = np.logical_and.reduce(
+        [np.isfinite(x), np.isfinite(y), np.isfinite(weight), *(part != 0.0 for part in parts)]
+    )
+    if not rows.any() or not np.ptp(x[rows]) or not np.ptp(y[rows]):
+        return None
+    ends = [(float(each[rows].min()), float(each[rows].max())) for each in (x, y)]
+    # square cells where both axes have the same scale
+    size = max(high - low for low, high in ends) / CELLS
+    counts = [max(1, round((high - low) / size)) if chart.equal else CELLS for low, high in ends]
+    found, across, up = np.histogram2d(x[rows], y[rows], bins=counts, range=ends, weights=weight[rows])
+    if not found.max() > 0.0:
+        return None
+    middle = [0.5 * (edges[1:] + edges[:-1]) for edges in (across, up)]
+    return Cells(chart.x_scale * middle[0], chart.scale * middle[1], found.T / found.max())
+
+
+def labelled(label: str, unit: str) -> str:
+    """Text of an axis."""
+    return f"{label} ({unit})" if unit and label else label or unit
+
+
+def lines(chart: Chart, trace: Columns, items: Mapping[str, Items | None]) -> list[Line]:
+    """Lines of a chart; one without a point or that stands still is left out."""
+    table = InOrder(trace)
+    rows = len(trace["time"])
+
+    def value(text: str) -> Array:
+        found = np.asarray(Expression(text, items, f"`plot.charts` `{chart.title}`")(table), dtype=float)
+        return np.broadcast_to(found, (rows,)) if found.ndim == 0 else found
+
+    if chart.kind == "array":
+        found = [array(name, chart, trace) for name in chart.y]
+    elif chart.kind == "roc":
+        quiet, sought = (value(part) != 0.0 for part in chart.parts)
+        named = zip(chart.y, chart.names or chart.y, strict=True)
+        found = [line for y, name in named for line in roc(name, value(y), quiet, sought)]
+    else:
+        kind = {"path": path, "spectrum": spectrum, "peaks": peaks, "share": share}[chart.kind]
+        masks = [value(part) != 0.0 for part in chart.parts] or [np.ones(rows, dtype=bool)]
+        pairs = [(name, mask) for name in chart.y for mask in masks]
+        names = chart.names or [
+            name if not chart.parts else f"{name}, {part}"
+            for name in chart.y
+            for part in chart.parts or ("",)
+        ]
+        found = [
+            line
+            for (text, mask), name in zip(pairs, names, strict=True)
+            for line in kind(chart, name, value(text), mask, value, trace)
+        ]
+    return [
+        Line(line.name, chart.x_scale * line.x, chart.scale * line.y)
+        for line in found
+        if not stands(line.x, line.y)
+    ]
+
+
+def stands(x: Array, y: Array) -> bool:
+    """Whether points are none, or one but for rounding."""
+    known = np.isfinite(x) & np.isfinite(y)
+    moved = (
+        [np.ptp(each[known]) > STILL * np.abs(each[known]).max() for each in (x, y)] if known.any() else []
+    )
+    return not any(moved) and np.count_nonzero(known) != 1
+
+
+def path(chart: Chart, name: str, y: Array, mask: Any, value: Evaluate, trace: Columns) -> list[Line]:
+    """One value over another in the order of the rows, a line for each value of the split."""
+    x = value(chart.x)
+    if not chart.split:
+        return [Line(name, *few(x[mask], y[mask]))]
+    split = value(chart.split)
+    turns = np.unique(split[mask & np.isfinite(split)])
+    last = turns[min(len(turns), MOST_LINES) - 1] if len(turns) else np.nan
+    several = len(chart.y) > 1 or len(chart.parts) > 1
+    found = []
+    for turn in turns[:MOST_LINES]:
+        rest = turn == last and len(turns) > MOST_LINES
+        rows = mask & (split >= turn if rest else split == turn)
+        told = f"{chart.split_name} {turn:g}{' and on' if rest else ''}".strip()
+        told = f"{name}, {told}" if several else told
+        found.append(Line(told, *few(x[rows], y[rows])))
+    return found
+
+
+def few(x: Array, y: Array) -> tuple[Array, Array]:
+    """As many points as can be seen: in equal steps the rows with the least and the largest value."""
+    if len(y) <= MOST_POINTS:
+        return x, y
+    edges = np.linspace(0, len(y), series.BUCKETS + 1).astype(int)
+    known = np.where(np.isfinite(y), y, 0.0)
+    rows = sorted(
+        {
+            row
+            for begin, end in itertools.pairwise(edges)
+            for row in (begin + int(np.argmin(known[begin:end])), begin + int(np.argmax(known[begin:end])))
+        }
+    )
+    return x[rows], y[rows]
+
+
+def spectrum(chart: Chart, name: str, y: Array, mask: Any, value: Evaluate, trace: Columns) -> list[Line]:
+    """Amplitudes by frequency in Hz, or by waves per turn over an angle, of whole turns without the mean."""
+    if not chart.x:
+        times = trace["time"][mask]
+        return [by_frequency(name, times, y[mask])] if len(times) > 3 else []
+    angle, y = np.abs(value(chart.x)[mask] - value(chart.x)[mask][:1]), y[mask]
+    turns = int(angle[-1] / (2.0 * np.pi)) if len(angle) else 0
+    if turns < 1 or np.any(np.diff(angle) < 0.0):
+        return []
+    # the last turns: what came before may not have settled
+    places = angle[-1] - 2.0 * np.pi * np.arange(turns * PER_TURN)[::-1] / PER_TURN
+    waves = np.abs(np.fft.rfft(np.interp(places, angle, y))) * 2.0 / len(places)
+    orders = np.arange(1, ORDERS + 1)
+    return [Line(name, orders.astype(float), waves[orders * turns])]
+
+
+def by_frequency(name: str, times: Array, y: Array) -> Line:
+    """Amplitudes of sines under a Hann window: a sine between two frequencies has up to 15 % less."""
+    window = np.hanning(len(y))
+    waves = np.abs(np.fft.rfft((y - y.mean()) * window)) * 2.0 / window.sum()
+    frequencies = np.fft.rfftfreq(len(y), float(times[1] - times[0])).astype(np.float64)
+    return Line(name, *few(frequencies[1:], waves[1:]))
+
+
+def peaks(chart: Chart, name: str, y: Array, mask: Any, value: Evaluate, trace: Columns) -> list[Line]:
+    """Largest absolute value for each value of the split."""
+    split = value(chart.split)
+    turns = np.unique(split[mask & np.isfinite(split)])
+    return [Line(name, turns, np.array([np.max(np.abs(y[mask & (split == turn)])) for turn in turns]))]
+
+
+def share(chart: Chart, name: str, y: Array, mask: Any, value: Evaluate, trace: Columns) -> list[Line]:
+    """Share of the rows in which a value is at most that."""
+    found = np.sort(y[mask & np.isfinite(y)])
+    if not len(found):
+        return []
+    at = np.unique(np.linspace(0, len(found) - 1, MOST_POINTS).astype(int))
+    return [Line(name, found[at], (at + 1) / len(found))]
+
+
+def roc(name: str, y: Array, quiet: Any, sought: Any) -> list[Line]:
+    """Share of the rows sought above a threshold, over that of the quiet ones, for all thresholds."""
+    air, contact = (np.sort(y[rows & np.isfinite(y)]) for rows in (quiet, sought))
+    if not len(air) or not len(contact):
+        return []
+    # from the largest down, and beyond both
+    thresholds = np.append(np.unique(np.concatenate([air, contact]))[::-1], -np.inf)
+    thresholds = thresholds[np.unique(np.linspace(0, len(thresholds) - 1, MOST_POINTS).astype(int))]
+    above = [1.0 - np.searchsorted(each, thresholds, side="right") / len(each) for each in (air, contact)]
+    return [Line(name, above[0], above[1])]
+
+
+def array(name: str, chart: Chart, trace: Columns) -> Line:
+    """Last row of an array over that of another; what was never set, 0 on the axis of x, is left out."""
+    x, y = (np.array([trace[one][-1] for one in numbered(each, trace)]) for each in (chart.x, name))
+    count = min(len(x), len(y))
+    set_ = x[:count] != 0.0
+    label = dict(zip(chart.y, chart.names, strict=False)).get(name, name)
+    return Line(label, x[:count][set_], y[:count][set_])

@@ -1,0 +1,107 @@
+"""A package file: structure, parameter sets and FMUs of a scenario."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import sys
+import tempfile
+import zipfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import fmpy
+
+from cosim import extras, paths
+from cosim.errors import CosimError, concerning
+from cosim.loop import fmus, lint
+from cosim.loop.session import Session, located
+from cosim.loop.wires.connect import PLANT
+from cosim.scenario.load import load
+from cosim.scenario.model import Scenario
+from cosim.ssp import structure
+from cosim.ssp.ports import ports_of
+from cosim.writing import whole
+
+STRUCTURE = "SystemStructure.ssd"
+SCRIPT = "surroundings_of_loop"
+"""Module of the FMU for what surrounds the others."""
+MOST = 2**31 - 1
+"""Greatest Integer of FMI, which the seed becomes."""
+
+
+def write(loop: str, changes: Sequence[str], seed: int | None, file: Path) -> Scenario:
+    """Write a scenario as an SSP package, and return it.
+
+    Parameters
+    ----------
+    loop, changes
+        The scenario and its overrides, as for `cosim.load`.
+    seed
+        Seed of all noise; None is the scenario's.
+
+    Raises
+    ------
+    CosimError
+        The scenario cannot run, something of it cannot be told in such a package, PythonFMU is missing, or
+        the file cannot be written.
+    """
+    scenario = load(loop, changes)
+    with located(scenario):
+        if not scenario.plant.name:
+            raise CosimError(
+                "a loop without a plant has nothing to be connected with", "give the scenario a plant"
+            )
+        files = fmus.open_files(scenario)
+        ports = ports_of(scenario, files)
+        number = scenario.loop.seed if seed is None else seed
+        if not 0 <= number <= MOST:
+            with concerning("loop.seed"):
+                raise CosimError(f"the seed {number} is no parameter of an SSP", f"it is 0 to {MOST} there")
+    # what a run would refuse is not left to the master
+    with Session(scenario) as session:
+        lint.check(session)
+    settings = {"loop": known(scenario), "set": list(changes), "seed": number}
+    with tempfile.TemporaryDirectory() as folder:
+        surroundings = build(settings, Path(folder))
+        described = fmpy.read_model_description(str(surroundings))
+        descriptions = {name: fmpy.read_model_description(str(one.path)) for name, one in files.items()}
+        members: dict[str, str | Path] = {
+            STRUCTURE: structure.system(scenario, ports, descriptions, described.modelVariables),
+            f"resources/{PLANT}.fmu": surroundings,
+            f"resources/{PLANT}.ssv": structure.values([("seed", "Integer", settings["seed"])]),
+        }
+        for choice in scenario.fmus:
+            members[f"resources/{choice.name}.fmu"] = files[choice.name].path
+            members[f"resources/{choice.name}.ssv"] = structure.parameter_set(choice, files[choice.name])
+        with whole(file) as part, zipfile.ZipFile(part, "w", zipfile.ZIP_DEFLATED) as archive:
+            for path, content in members.items():
+                if isinstance(content, Path):
+                    archive.write(content, path, zipfile.ZIP_STORED)
+                else:
+                    archive.writestr(path, content)
+    return scenario
+
+
+def known(scenario: Scenario) -> str:
+    """File of a scenario: of the project's own that in their folder, of others the whole path."""
+    file, own = paths.resolved(scenario.file), paths.resolved(paths.OWN_SCENARIOS)
+    return file.relative_to(own).as_posix() if file.is_relative_to(own) else str(scenario.file.absolute())
+
+
+def build(settings: dict[str, Any], folder: Path) -> Path:
+    """Build the FMU for what surrounds the others, by PythonFMU."""
+    problem = "an SSP package needs PythonFMU, which is not installed"
+    builder = extras.needed("pythonfmu.builder", problem, extras.hint("ssp"))
+    script, stated = folder / f"{SCRIPT}.py", folder / "loop.json"
+    script.write_text("from cosim.ssp.surroundings import Surroundings\n", encoding="utf-8")
+    stated.write_text(json.dumps(settings), encoding="utf-8")
+    try:
+        made: Path = builder.FmuBuilder.build_FMU(script, dest=folder, project_files=[stated])
+    finally:
+        # what the builder has left in this process
+        sys.modules.pop(SCRIPT, None)
+        sys.path[:] = [path for path in sys.path if Path(path) != folder]
+        shutil.rmtree(folder / "__pycache__", ignore_errors=True)
+    return made

@@ -1,0 +1,122 @@
+"""What a system of SSP sees of a loop: inputs that something drives, outputs that drive the plant."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from cosim.errors import ScenarioError, concerning
+from cosim.fmu.archive import FmuFile, Variable
+from cosim.fmu.values import lookup
+from cosim.loop.wires.connect import PLANT, side_of
+from cosim.scenario.model import Scenario, Wire
+
+SHAPED = "noise, quantum and limits of a wire between FMUs have no place in an SSP"
+
+
+@dataclass(frozen=True)
+class Port:
+    """A variable of an FMU of the loop, `owner.variable.name` as scenarios write it."""
+
+    owner: str
+    variable: Variable
+
+    @property
+    def name(self) -> str:
+        """Name as scenarios write it."""
+        return f"{self.owner}.{self.variable.name}"
+
+
+@dataclass(frozen=True)
+class Ports:
+    """Ends of the connections of a system.
+
+    Parameters
+    ----------
+    driven
+        Inputs of the FMUs that the surroundings drive, by readings and signals.
+    commanding
+        Outputs of the FMUs that the surroundings take.
+    direct
+        Wires between FMUs.
+    """
+
+    driven: tuple[Port, ...]
+    commanding: tuple[Port, ...]
+    direct: tuple[Wire, ...]
+
+
+def ports_of(scenario: Scenario, files: Mapping[str, FmuFile]) -> Ports:
+    """Return the ports of a scenario.
+
+    Raises
+    ------
+    ScenarioError
+        Something in the loop cannot be told in a system of SSP.
+    """
+    check(scenario)
+
+    def port(section: str, key: str, end: str) -> Port:
+        owner, _, name = end.partition(".")
+        with concerning(f"{section}.{key}"):
+            variable = lookup(files[owner].variables, name)
+            if variable.kind == "String" or variable.causality not in ("input", "output"):
+                problem = f"`{end}` is a {variable.kind} of causality `{variable.causality}`"
+                raise ScenarioError(f"{problem}: masters of SSP connect numeric inputs and outputs")
+        return Port(owner, variable)
+
+    targets = [("wire", wire.to) for wire in scenario.wire if side_of(wire.source) == PLANT]
+    targets += [("signal", signal.to) for signal in scenario.signal if side_of(signal.to) != PLANT]
+    driven = {to: port(section, f"{to}.to", to) for section, to in targets}
+    commands = [wire for wire in scenario.wire if side_of(wire.to) == PLANT]
+    commanding = {wire.source: port("wire", f"{wire.to}.from", wire.source) for wire in commands}
+    direct = [wire for wire in scenario.wire if PLANT not in (side_of(wire.source), side_of(wire.to))]
+    for wire in direct:
+        ends = [
+            port("wire", f"{wire.to}.{key}", end) for key, end in (("from", wire.source), ("to", wire.to))
+        ]
+        strange = [end for end in ends if end.variable.kind != "Real"]
+        if strange and (wire.scale, wire.offset) != (1.0, 0.0):
+            with concerning(f"wire.{wire.to}"):
+                problem = (
+                    f"`scale` and `offset` cannot change `{strange[0].name}`, a {strange[0].variable.kind}"
+                )
+                raise ScenarioError(f"{problem}: masters of SSP transform Reals")
+    return Ports(tuple(driven.values()), tuple(commanding.values()), tuple(direct))
+
+
+def check(scenario: Scenario) -> None:
+    """Check that a loop can be a system of SSP.
+
+    Raises
+    ------
+    ScenarioError
+        It cannot; names what stands against it.
+    """
+    if scenario.inject:
+        entry = scenario.inject[0].to
+        with concerning(f"inject.{entry}"):
+            raise ScenarioError(
+                f"the injection at `{entry}` has no place in an SSP", 'set `drop = ["inject"]`'
+            )
+    if scenario.loop.compute_delay != 1:
+        with concerning("loop.compute_delay"):
+            problem = "`loop.compute_delay` = 0: masters of SSP hand outputs on at the end of a step"
+            raise ScenarioError(
+                problem, "set `loop.compute_delay = 1`, and tell the controller by `io_delay = 1`"
+            )
+    for choice in scenario.fmus:
+        if choice.step not in (None, scenario.loop.step):
+            with concerning(f"{choice.name}.step"):
+                problem = f"the step {choice.step:g} s of `{choice.name}` is not that of the loop"
+                raise ScenarioError(problem, "a system of SSP has one communication step")
+    for wire in scenario.wire:
+        between = PLANT not in (side_of(wire.source), side_of(wire.to))
+        plain = (wire.noise or 0.0) == (wire.quantum or 0.0) == 0.0 and wire.minimum is wire.maximum is None
+        if between and not plain:
+            with concerning(f"wire.{wire.to}"):
+                raise ScenarioError(f"the wire to `{wire.to}` cannot be a connection: {SHAPED}")
+        if between and wire.delay != 1:
+            with concerning(f"wire.{wire.to}.delay"):
+                problem = f"the wire to `{wire.to}` with `delay` = {wire.delay} cannot be a connection"
+                raise ScenarioError(problem, "set `delay = 1`: masters hand outputs on at the end of a step")

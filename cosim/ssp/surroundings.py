@@ -1,0 +1,179 @@
+"""All of a closed loop but its FMUs, as an FMU of PythonFMU: plant, noise and limits of the wires, signals.
+
+It imports this package: the Python that a master finds must have it installed.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pythonfmu import Boolean, DefaultExperiment, Fmi2Causality, Fmi2Slave, Fmi2Variability, Integer, Real
+
+from cosim import paths
+from cosim.fmu.values import encode
+from cosim.loop import course, fmus, plant
+from cosim.loop.wires.connect import PLANT, side_of
+from cosim.loop.wires.links import CONVERT
+from cosim.loop.wires.wiring import Delay, Shape, child, noise, shaper
+from cosim.scenario.load import load
+from cosim.scenario.model import Scenario, Signal
+from cosim.ssp.ports import Port, ports_of
+
+SETTINGS = "loop.json"
+"""Resource that names the file of the scenario, its overrides and the seed."""
+KINDS = {"Real": Real, "Integer": Integer, "Enumeration": Integer, "Boolean": Boolean}
+STEP_TOLERANCE = 1e-6
+
+
+class Surroundings(Fmi2Slave):
+    """Plant, wires and signals of a scenario.
+
+    Outputs are what drives the inputs of the FMUs, under the names of these; inputs are the outputs of the
+    FMUs that command the plant. Readings and truths of the plant are outputs as well, `plant.<name>`.
+    """
+
+    author = "The Machining FMUs developers"
+    description = "Plant, noise and limits of the wires, and signals of a closed loop"
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__(**kwargs)
+        settings = json.loads(Path(self.resources, SETTINGS).read_text(encoding="utf-8"))
+        # a whole path stays as it is
+        self.scenario: Scenario = load(str(paths.OWN_SCENARIOS / settings["loop"]), settings["set"])
+        self.seed: int = settings["seed"]
+        loop = self.scenario.loop
+        self.default_experiment = DefaultExperiment(0.0, loop.duration, loop.step)
+        files = fmus.open_files(self.scenario)
+        ports = ports_of(self.scenario, files)
+        self.plant = plant.build(
+            self.scenario.plant.name, self.scenario.plant.parameters, self.scenario.folder
+        )
+        self.commands = plant.starts(self.plant.commands)
+        self.k = 0
+        self.given: dict[str, float] = {port.name: start(port) for port in ports.commanding}
+        self.driven: dict[str, float] = {port.name: start(port) for port in ports.driven}
+        self.seen: dict[str, float] = {
+            f"{PLANT}.{channel.name}": 0.0 for channel in (*self.plant.readings, *self.plant.truths)
+        }
+        self.kinds = {port.name: port.variable.kind for port in ports.driven}
+        self.courses: dict[str, Any] = {}
+        for signal in self.scenario.signal:
+            self.courses[signal.to] = self.course(signal, ports.driven)
+        self.links: list[tuple[str, str, Shape, Delay]] = []
+        self.register(ports.driven, ports.commanding)
+
+    def register(self, driven: tuple[Port, ...], commanding: tuple[Port, ...]) -> None:
+        """Make the variables of the FMU."""
+        for port in commanding:
+            self.put(port.name, port.variable.kind, self.given, Fmi2Causality.input)
+        for port in driven:
+            self.put(port.name, port.variable.kind, self.driven, Fmi2Causality.output)
+        for name in self.seen:
+            self.put(name, "Real", self.seen, Fmi2Causality.output)
+        seed = Integer(
+            "seed",
+            causality=Fmi2Causality.parameter,
+            variability=Fmi2Variability.fixed,
+            description="Seed of all noise",
+        )
+        self.register_variable(seed)
+
+    def put(self, name: str, kind: str, values: dict[str, float], causality: Any) -> None:
+        """Register a variable whose value is kept in a table."""
+        continuous = Fmi2Variability.continuous if kind == "Real" else Fmi2Variability.discrete
+        made = KINDS[kind](name, causality=causality, variability=continuous)
+        made.getter = lambda: values[name]
+        made.setter = lambda value: values.__setitem__(name, float(value))
+        self.register_variable(made, nested=False)
+
+    def course(self, signal: Signal, driven: tuple[Port, ...]) -> Any:
+        """Values of a signal, one for each step and one for the end."""
+        loop = self.scenario.loop
+        times: Any
+        values: Any
+        if signal.file:
+            found = course.read(course.find(signal.file, self.scenario.folder), signal.column)
+            times, values = found.times, found.values
+        else:
+            targets = {port.name: port.variable for port in driven}
+            convert = (
+                (lambda value: float(encode(targets[signal.to], value))) if signal.to in targets else float
+            )
+            times, values = signal.times, [convert(value) for value in signal.values]
+        return course.sample(times, values, loop.step, loop.steps + 1, signal.interpolation)
+
+    def exit_initialization_mode(self) -> None:
+        """Begin: the plant at rest, the first readings."""
+        loop, readings = self.scenario.loop, {channel.name: channel for channel in self.plant.readings}
+        commands = {channel.name: channel for channel in self.plant.commands}
+        self.links.clear()
+        for wire in self.scenario.wire:
+            from_plant, to_plant = side_of(wire.source) == PLANT, side_of(wire.to) == PLANT
+            if from_plant or to_plant:
+                end = wire.source if from_plant else wire.to
+                channel: Any = (readings if from_plant else commands)[end.partition(".")[2]]
+                samples = noise(wire, channel, self.seed, loop.steps + 1)
+                self.links.append(
+                    (wire.source, wire.to, shaper(wire, channel, from_plant, samples), Delay(wire.delay))
+                )
+        self.k = 0
+        self.plant.reset(child(self.seed, PLANT), loop.duration)
+        self.look()
+
+    def do_step(self, current_time: float, step_size: float) -> bool:
+        """Command the plant, move it, and see what it has become."""
+        loop = self.scenario.loop
+        if abs(step_size - loop.step) > STEP_TOLERANCE * loop.step:
+            raise ValueError(f"the communication step is {step_size} s, that of this loop is {loop.step} s")
+        names = [channel.name for channel in self.plant.commands]
+        # what is given was put out in the step before
+        sample = self.sample(max(self.k - 1, 0))
+        for source, to, shape, delay in self.links:
+            if side_of(to) == PLANT:
+                self.commands[names.index(to.partition(".")[2])] = delay(
+                    shape(self.given[source], sample), self.k
+                )
+        for to, values in self.courses.items():
+            if side_of(to) == PLANT:
+                self.commands[names.index(to.partition(".")[2])] = values.item(self.at(values))
+        self.plant.command(self.commands)
+        self.plant.advance(loop.substeps)
+        self.k += 1
+        self.look()
+        return True
+
+    def look(self) -> None:
+        """Take the readings and truths of the plant, and what the FMUs get of them."""
+        channels = (*self.plant.readings, *self.plant.truths)
+        values = np.concatenate([self.plant.sense(), self.plant.truth()])
+        self.seen.update(
+            (f"{PLANT}.{channel.name}", float(value)) for channel, value in zip(channels, values, strict=True)
+        )
+        for source, to, shape, delay in self.links:
+            if side_of(source) == PLANT:
+                self.drive(to, delay(shape(self.seen[source], self.sample(self.k)), self.k))
+        for to, course_ in self.courses.items():
+            if side_of(to) != PLANT:
+                self.drive(to, course_.item(self.at(course_)))
+
+    def sample(self, k: int) -> int:
+        """Place of a step in the noise, of which there is none left to draw behind the end of the loop."""
+        return min(k, self.scenario.loop.steps)
+
+    def at(self, values: Any) -> int:
+        """Place of the present step in a course, which holds its last value."""
+        return min(self.k, len(values) - 1)
+
+    def drive(self, to: str, value: float) -> None:
+        """Write an output as the type that its input has."""
+        kind = self.kinds[to]
+        self.driven[to] = CONVERT["Integer" if kind == "Enumeration" else kind](value)
+
+
+def start(port: Port) -> float:
+    """Start value of a variable as a number."""
+    text = port.variable.start
+    return float({"true": "1", "false": "0", "": "0"}.get(text, text))

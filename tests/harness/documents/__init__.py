@@ -1,0 +1,1 @@
+"""The documents: their commands, their numbers and names, the site that is made of them."""

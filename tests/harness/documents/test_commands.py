@@ -1,0 +1,160 @@
+"""Every command of the documents is understood, and does what it is said to do."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import pytest
+import typer
+
+import cosim
+from cosim.cli.app import app
+from cosim.loop import lint
+from cosim.words.verdicts import row
+from handbook.pages import ROOT
+
+from . import words
+
+PROGRAMS = Path(sys.executable).parent
+ELSEWHERE = {
+    r"--cluster|sweep my\.toml": "tests/harness/sweep runs a cluster",
+    r"sweep studies/": "hours: the acceptance tests run some cases of each study",
+    r"report -o|cosim test |report 'dob": "minutes: `cargo xtask demo` makes all of it",
+    r"cosim video|cosim view": "needs what draws: tests/harness/replay",
+    r"notes\.md": "tests/harness/report has a document on its page",
+    r"cosim run \w+/": "minutes: tests/acceptance runs every scenario",
+    r"cosim run trial": "tests/house makes the trial",
+    r"crane": "tests/harness/test_any.py goes through the guide step by step",
+    r"dob --update|compare dob$": "would write beside the scenario: tests/harness/compare",
+}
+"""Commands that are run elsewhere, and where."""
+SEARCH = """
+scenario = "my.toml"
+objective = {metric = "settling"}
+search = {trials = 2}
+[[vary]]
+key = "controller.kd"
+minimum = 10.0
+maximum = 14.0
+"""
+FAILS = {"controller.approach.velocity=3e-4": 1, "judge out.npz": 1, "study.toml": 1}
+"""Exit codes of commands whose criteria do not hold."""
+
+
+def here(line: str) -> bool:
+    return not any(re.search(pattern, line) for pattern in ELSEWHERE)
+
+
+@pytest.mark.parametrize("line", words.listed("cosim"))
+def test_a_command_is_understood(line: str) -> None:
+    group = typer.main.get_command(app)
+    context = group.make_context("cosim", shlex.split(line)[1:])
+    assert isinstance(group, typer.core.TyperGroup)
+    name, command, rest = group.resolve_command(context, [*context._protected_args, *context.args])
+    assert command is not None
+    told = command.make_context(name, rest, parent=context).params
+    assert told
+    if (ROOT / "scenarios" / f"{told.get('loop', '')}".partition("/")[0]).with_suffix(".toml").is_file():
+        # connecting FMU and plant tells every name and key that is none
+        with cosim.Session(cosim.load(told["loop"], told["set_"])) as session:
+            lint.check(session)
+
+
+@pytest.fixture(scope="module")
+def user(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder of a user who has an FMU, an MJCF, a scenario, a study and a search of his own."""
+    folder = tmp_path_factory.mktemp("user")
+    guide = words.text("docs/getting-started.md")
+    named = re.findall(r"`([\w-]+\.\w+)`[^`]*?:\n\n```\w+\n(.*?)```", guide, re.DOTALL)
+    files = dict(named)
+    (folder / "pd.py").write_text(files["pd.py"])
+    subprocess.run([PROGRAMS / "pythonfmu", "build", "-f", "pd.py"], cwd=folder, check=True)
+    shutil.copy(folder / "Pd.fmu", folder / "my.fmu")
+    for name in ("my.xml", "crane.xml"):
+        (folder / name).write_text(files["crane.xml"])
+    (folder / "my.toml").write_text(files["crane.toml"])
+    (folder / "crane.toml").write_text(files["crane.toml"])
+    study = files["crane-study.toml"]
+    assert "[10.0, 15.0, 20.0]" in study
+    (folder / "study.toml").write_text(study.replace("[10.0, 15.0, 20.0]", "[10.0]"))
+    (folder / "search.toml").write_text(SEARCH)
+    for name in ("before", "after"):
+        run(folder, f"cosim run my.toml --trace {name}.npz")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def done() -> set[str]:
+    """Lines that ran, which leave their files in the folder for the other pages."""
+    return set()
+
+
+def quick(line: str) -> str:
+    """Line that does the same sooner."""
+    if line.startswith("cosim run") and "--engine" not in line:
+        line += " --engine native --in-process"
+    return line.replace("1..20", "1..2")
+
+
+def run(folder: Path, line: str) -> None:
+    program, *arguments = shlex.split(line)
+    command = [str(PROGRAMS / program), *arguments]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    wanted = next((code for part, code in FAILS.items() if part in line), 0)
+    assert done.returncode == wanted, (line, done.stdout[-500:], done.stderr)
+
+
+def pages() -> list[Any]:
+    """Pages with commands; those of one controller each tell runs of the same kind."""
+    found = [page for page in words.PAGES if any(map(here, words.lines(page, "cosim")))]
+    full = pytest.mark.full
+    return [pytest.param(page, marks=full) if page.startswith("docs/set-up/") else page for page in found]
+
+
+@pytest.mark.parametrize("page", pages())
+def test_the_commands_of_a_page_run(
+    page: str, user: Path, done: set[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COSIM_CACHE", str(user / "cache"))
+    scenario = (user / "crane.toml").read_text()
+    for line in filter(here, words.lines(page, "cosim")):
+        if line in done:
+            continue
+        # `new` writes over nothing
+        (user / "my.toml").unlink() if "cosim new" in line else (user / "my.toml").write_text(scenario)
+        run(user, quick(line))
+        done.add(line)
+
+
+def test_what_runs_elsewhere_stands_on_a_page() -> None:
+    lines = words.listed("cosim")
+    assert [pattern for pattern in ELSEWHERE if not any(re.search(pattern, line) for line in lines)] == []
+
+
+def test_the_steps_of_the_project_are_there() -> None:
+    source = (ROOT / "xtask/src/main.rs").read_text("utf-8")
+    (steps,) = re.findall(r"enum Command \{\n(.*?)^\}", source, re.DOTALL | re.MULTILINE)
+    known = {name.lower() for name in re.findall(r"^    (\w+)", steps, re.MULTILINE)}
+    named = {line.split()[2] for line in words.listed("cargo") if line.startswith("cargo xtask ")}
+    assert named <= known
+    modules = [line.split()[2] for line in words.listed("python")]
+    assert [name for name in modules if find_spec(name) is None] == []
+    folders = [line.split()[-1] for line in words.listed("pytest")]
+    assert all((ROOT / folder).exists() for folder in folders)
+
+
+def test_the_table_of_the_readme_is_what_is_measured() -> None:
+    result = cosim.run(cosim.load("dob"), engine="native")
+    (block,) = re.findall(r"^scenario +claim.*?\n```", words.text("README.md"), re.DOTALL | re.MULTILINE)
+    shown = [
+        re.split(r"\s{2,}", line.strip().removeprefix("dob ").strip()) for line in block.splitlines()[1:-2]
+    ]
+    assert shown == [[cell for cell in row(verdict, 3) if cell] for verdict in result.criteria[: len(shown)]]
+    assert shown

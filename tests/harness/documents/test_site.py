@@ -1,0 +1,126 @@
+"""The site is built without a warning, leads nowhere that is not there, and needs no network."""
+
+from __future__ import annotations
+
+import asyncio
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from urllib.parse import unquote
+
+import pytest
+from lxml import html
+
+import cosim
+from cosim.cli.app import app
+from handbook.pages import ROOT, paths
+
+from ..report import browser
+from . import words
+
+QUESTION = """(async () => {
+  const outside = [...document.querySelectorAll("article *")].filter((part) =>
+    !part.closest(".md-typeset__scrollwrap, pre, .output") &&
+    part.getBoundingClientRect().right > innerWidth + 1);
+  return {
+    sideways: document.documentElement.scrollWidth > innerWidth,
+    outside: outside.map((part) => part.outerHTML.slice(0, 80)),
+    colour: getComputedStyle(document.body).backgroundColor,
+  };
+})()"""
+SEARCH = """(async () => {
+  const until = async (found) => {
+    for (let tries = 0; tries < 200 && !found(); tries++) await new Promise((done) => setTimeout(done, 100));
+    return found();
+  };
+  const button = await until(() => document.querySelector(".md-search__button"));
+  button.click();
+  const inside = () => document.activeElement?.shadowRoot;
+  const field = await until(() => inside()?.querySelector("input"));
+  field.value = "repetitive";
+  field.dispatchEvent(new Event("input", { bubbles: true }));
+  await until(() => inside()?.querySelector("a"));
+  return inside().querySelector("a").href;
+})()"""
+LIGHT = "rgb(255, 255, 255)"
+
+# one process builds the site, in the folder that the command writes
+pytestmark = pytest.mark.xdist_group("site")
+
+
+@pytest.fixture(scope="module")
+def site() -> Path:
+    """Folder of the site, built anew."""
+    shutil.rmtree(ROOT / "target/site", ignore_errors=True)
+    line = [sys.executable, "-m", "handbook"]
+    done = subprocess.run(line, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return ROOT / "target/site"
+
+
+def places(site: Path) -> dict[str, html.HtmlElement]:
+    return {str(file.relative_to(site)): html.parse(file).getroot() for file in site.rglob("*.html")}
+
+
+def test_every_link_leads_to_a_place_of_the_site(site: Path) -> None:
+    pages = places(site)
+    anchors = {
+        name: {part.get("id") for part in root.iter() if part.get("id")} for name, root in pages.items()
+    }
+    lost = []
+    for name, root in pages.items():
+        if name == "404.html":
+            continue
+        for link in root.xpath("//article//a/@href | //nav//a/@href | //article//img/@src"):
+            place, _, anchor = unquote(link).partition("#")
+            if ":" in place:
+                continue
+            target = (site / name).parent.joinpath(place).resolve() if place else site / name
+            there = str(target.relative_to(site))
+            if not target.is_file() or (anchor and there in anchors and anchor not in anchors[there]):
+                lost.append(f"{name}: {link}")
+    assert lost == []
+
+
+def test_nothing_comes_from_a_network(site: Path) -> None:
+    for name, root in places(site).items():
+        loaded = root.xpath(
+            "//script/@src | //link[@rel='stylesheet' or @rel='icon' or @rel='preload']/@href | //img/@src"
+        )
+        assert [link for link in loaded if link.startswith(("http", "//"))] == [], name
+
+
+def test_what_is_generated_holds_everything(site: Path) -> None:
+    pages = places(site)
+    assert len(pages) == len(list(paths(words.NAV))) + 1
+    commands = pages["reference/commands.html"].text_content()
+    named = {
+        command.name or command.callback.__name__ for command in app.registered_commands if command.callback
+    }
+    assert all(f"cosim {name.split('_')[0]}" in commands for name in named)
+    python = pages["reference/python.html"].text_content()
+    assert all(f"cosim.{name}" in python for name in cosim.__all__)
+    scenario = pages["reference/scenario.html"].text_content()
+    assert all(key in scenario for key in ("[[wire]]", "compute_delay", "stop_when", "[[criterion]]"))
+    assert "stateDiagram" not in pages["fmu-dob/index.html"].text_content()
+
+
+@pytest.mark.skipif(browser.PROGRAM is None, reason="no Chromium")
+@pytest.mark.parametrize(("width", "theme"), [(1400, "light"), (1400, "dark"), (400, "light"), (400, "dark")])
+@pytest.mark.parametrize("page", ["index.html", "fmu-dob/index.html", "examples/sweep.html"])
+def test_a_browser_shows_it_without_a_complaint(
+    site: Path, page: str, width: int, theme: str, tmp_path: Path
+) -> None:
+    answer, troubles = asyncio.run(browser.visit(site / page, width, theme, QUESTION, tmp_path))
+    assert troubles == []
+    assert (answer["sideways"], answer["outside"]) == (False, [])
+    assert (answer["colour"] == LIGHT) == (theme == "light")
+
+
+@pytest.mark.skipif(browser.PROGRAM is None, reason="no Chromium")
+@pytest.mark.full
+def test_the_search_finds_a_page_without_a_server(site: Path, tmp_path: Path) -> None:
+    answer, troubles = asyncio.run(browser.visit(site / "index.html", 1400, "light", SEARCH, tmp_path))
+    assert troubles == []
+    assert "fmu-deburr/index.html" in answer

@@ -1,0 +1,331 @@
+"""Charts that are not over the time, what is marked in plots, and where limits come from."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from html import unescape
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cosim.errors import CosimError
+from cosim.loop.result import Result
+from cosim.metrics import charted
+from cosim.metrics.criteria import Measured, Verdict
+from cosim.report import charts, drawing, panels
+from cosim.report.provenance import numbers, origin
+from cosim.report.series import unpacked
+from cosim.scenario.model import Chart, Controller, Criterion, Loop, Metric, Panel, Plot, Scenario
+from cosim.show import marks, plot
+from cosim.trace.columns import Array, Held
+from cosim.words.quantity import prefixed
+
+ROWS = 4000
+
+
+def traced(**columns: Array) -> Held:
+    """Trace with a time of 1 ms a row; `_` of a name is its dot."""
+    named = {"time": 1e-3 * np.arange(ROWS), **{k.replace("_", ".", 1): v for k, v in columns.items()}}
+    table = np.zeros(ROWS, dtype=[(name, np.float64) for name in named])
+    for name, values in named.items():
+        table[name] = values
+    return Held(table)
+
+
+def lines(chart: Chart, trace: Held) -> dict[str, tuple[Array, Array]]:
+    return {line.name: (line.x, line.y) for line in charts.lines(chart, trace, dict.fromkeys(trace))}
+
+
+TIME: Array = (1e-3 * np.arange(ROWS)).astype(np.float64)
+
+
+def test_a_path_has_a_line_for_each_value_of_its_split() -> None:
+    trace = traced(plant_x=TIME, plant_y=TIME**2, plant_n=np.floor(TIME))
+    chart = Chart("path", ("plant.y",), x="plant.x", split="plant.n", split_name="push", x_scale=1e3)
+    found = lines(chart, trace)
+    assert list(found) == ["push 0", "push 1", "push 2", "push 3"]
+    x, y = found["push 2"]
+    assert (x[0], x[-1]) == pytest.approx((2000.0, 2999.0))
+    assert y == pytest.approx((1e-3 * x) ** 2)
+
+
+def test_what_stands_still_is_left_out() -> None:
+    rounding = 1e-12 * np.sin(TIME)
+    trace = traced(plant_x=1.0 + rounding, plant_y=2.0 + rounding, plant_z=TIME)
+    assert lines(Chart("path", ("plant.y",), x="plant.x"), trace) == {}
+    assert list(lines(Chart("path", ("plant.y", "plant.z"), x="plant.x"), trace)) == ["plant.z"]
+
+
+def test_a_path_of_many_rows_keeps_its_peaks() -> None:
+    peaked = np.where(np.arange(ROWS) == 1234, 50.0, 0.0)
+    (x, y) = lines(Chart("path", ("plant.y",), x="plant.x"), traced(plant_x=TIME, plant_y=peaked))["plant.y"]
+    assert len(x) <= charts.MOST_POINTS
+    assert x[np.argmax(y)] == TIME[1234]
+    assert y.max() == 50.0
+
+
+def test_a_spectrum_over_an_angle_tells_waves_per_turn() -> None:
+    # the speed changes, the waves do not
+    angle = 2.0 * np.pi * (5.3 * TIME + 0.2 * TIME**2)
+    wave = 3.0 + 2.0 * np.cos(4.0 * angle + 0.3) + 0.5 * np.sin(12.0 * angle)
+    trace = traced(plant_a=angle, plant_e=wave)
+    x, y = lines(Chart("spectrum", ("plant.e",), x="plant.a"), trace)["plant.e"]
+    assert list(x) == list(range(1, charts.ORDERS + 1))
+    assert y[3] == pytest.approx(2.0, rel=1e-2)
+    # straight lines between the rows take a little of a wave of 12 rows
+    assert y[11] == pytest.approx(0.5, rel=3e-2)
+    assert np.delete(y, [3, 11]).max() < 0.01
+
+
+def test_a_spectrum_by_frequency_finds_the_amplitude_of_a_sine() -> None:
+    trace = traced(plant_e=7.0 + 0.25 * np.sin(2.0 * np.pi * 50.0 * TIME))
+    x, y = lines(Chart("spectrum", ("plant.e",), parts=("time >= 2",)), trace)["plant.e, time >= 2"]
+    assert x[np.argmax(y)] == pytest.approx(50.0, abs=0.5)
+    assert y.max() == pytest.approx(0.25, rel=0.01)
+
+
+def test_less_than_a_turn_has_no_spectrum() -> None:
+    trace = traced(plant_a=TIME, plant_e=TIME)
+    assert lines(Chart("spectrum", ("plant.e",), x="plant.a"), trace) == {}
+
+
+def test_peaks_and_shares() -> None:
+    trace = traced(plant_e=np.where(TIME < 1.0, -9.0, TIME), plant_n=np.floor(TIME))
+    x, y = lines(Chart("peaks", ("plant.e",), split="plant.n"), trace)["plant.e"]
+    assert list(x) == [0.0, 1.0, 2.0, 3.0]
+    assert list(y) == pytest.approx([9.0, 1.999, 2.999, 3.999])
+    x, y = lines(Chart("share", ("plant.e",)), trace)["plant.e"]
+    assert np.interp(2.5, x, y) == pytest.approx(0.625, abs=2e-3)
+    assert (np.diff(y) > 0.0).all()
+    assert y[-1] == 1.0
+
+
+def test_a_threshold_finds_and_takes_wrongly() -> None:
+    # in air 0 .. 0.5, in contact 0.25 .. 0.75: half of the contact is found before the first wrong one
+    first = TIME < 2.0
+    trace = traced(plant_y=np.where(first, 0.25 * TIME, 0.25 + 0.25 * (TIME - 2.0)))
+    chart = Chart("roc", ("plant.y",), parts=("time < 2", "time >= 2"), names=("slope",))
+    wrong, found = lines(chart, trace)["slope"]
+    assert (wrong[0], found[0], wrong[-1], found[-1]) == (0.0, 0.0, 1.0, 1.0)
+    assert np.all(np.diff(wrong) >= 0.0)
+    assert np.all(np.diff(found) >= 0.0)
+    assert np.interp(0.25, wrong, found) == pytest.approx(0.75, abs=2e-3)
+    assert found[wrong == 0.0].max() == pytest.approx(0.5, abs=2e-3)
+    # without a row of one of them there is nothing to part
+    assert lines(replace(chart, parts=("time < 2", "time > 9")), trace) == {}
+
+
+def test_an_array_is_its_last_row_in_the_order_of_its_numbers() -> None:
+    last = {f"controller.f[{i}]": np.full(ROWS, 10.0 * i if i < 11 else 0.0) for i in range(1, 13)}
+    table = traced(**{name.replace(".", "_"): values for name, values in last.items()})
+    gains = {f"controller.m[{i}]": np.full(ROWS, 1.0 / i) for i in range(1, 13)}
+    both = Held(np.asarray(traced(**{k.replace(".", "_"): v for k, v in (last | gains).items()}).table))
+    assert charted.numbered("controller.f", table)[-1] == "controller.f[12]"
+    x, y = lines(Chart("array", ("controller.m",), x="controller.f"), both)["controller.m"]
+    # the last two were never set
+    assert list(x) == [10.0 * i for i in range(1, 11)]
+    assert list(y) == pytest.approx([1.0 / i for i in range(1, 11)])
+
+
+def test_a_map_sums_up_in_cells() -> None:
+    # a square that is gone round twice, its right side at three times the weight
+    way = np.arange(ROWS) / ROWS * 8.0 % 4.0
+    x = np.interp(way, [0.0, 1.0, 2.0, 3.0, 4.0], [0.0, 1.0, 1.0, 0.0, 0.0])
+    y = np.interp(way, [0.0, 1.0, 2.0, 3.0, 4.0], [0.0, 0.0, 1.0, 1.0, 0.0])
+    weight = np.where((way > 1.0) & (way < 2.0), 3.0, 1.0)
+    trace = traced(plant_x=x, plant_y=y, plant_w=weight)
+    chart = Chart("map", ("plant.y",), x="plant.x", weight="plant.w", x_scale=1e3, equal=True)
+    cells = charts.summed(chart, trace, dict.fromkeys(trace))
+    assert cells is not None
+    assert cells.parts.shape == (charts.CELLS, charts.CELLS)
+    assert (cells.x[0], cells.x[-1]) == pytest.approx((1e3 / 120, 1e3 * 119 / 120))
+    inner = slice(5, -5)
+    assert cells.parts[inner, -1].mean() == pytest.approx(3.0 * cells.parts[inner, 0].mean(), rel=0.05)
+    assert not cells.parts[inner, inner].any()
+    found = charts.mapped(chart, cells)
+    assert unpacked(found["cells"]) == pytest.approx(cells.parts.ravel(), abs=1e-4)
+    assert found["svg"].count('class="cell"') == np.count_nonzero(cells.parts > drawing.LEAST)
+    nothing = replace(chart, parts=("plant.x > 2",))
+    assert charts.summed(nothing, trace, dict.fromkeys(trace)) is None
+
+
+def scenario(*drawn: Chart, **more: Any) -> Scenario:
+    plot = Plot(charts=drawn, **more)
+    return Scenario("t", Loop(1e-3, 4.0), Controller("x"), plot=plot, file=Path("t.toml"))
+
+
+@pytest.mark.parametrize(
+    ("chart", "message"),
+    [
+        (Chart("path", ("plant.x",)), "`plot.charts[0]` of the kind `path` has no `x`"),
+        (Chart("peaks", ("plant.x",)), "has no `split`"),
+        (Chart("roc", ("plant.x",), parts=("time < 1",)), "of the kind `roc` has 1 `parts` and needs 2"),
+        (Chart("roc", ("plant.x",), parts=("time < 1", "time > 1"), names=("a", "b")), "2 names for 1 lines"),
+        (Chart("path", ("plant.y",), x="plant.x"), "`plant.y`, which is no column"),
+        (Chart("array", ("plant.x",), x="plant.x"), "`plant.x[1]`, which is no column"),
+        (Chart("share", ("plant.x",), names=("a", "b")), "2 names for 1 lines"),
+    ],
+)
+def test_what_cannot_be_drawn_is_told(chart: Chart, message: str) -> None:
+    with pytest.raises(CosimError) as told:
+        charted.check(scenario(chart), {"time": None, "plant.x": None})
+    assert message in str(told.value)
+
+
+def result(trace: Held, value: str, **limits: Any) -> tuple[Scenario, Result]:
+    """Run with one criterion in mm on a metric in m."""
+    criterion = Criterion("depth", "c", "m", unit="mm", **limits)
+    of = replace(scenario(), metric=(Metric("m", value, "m"),), criterion=(criterion,))
+    units = dict.fromkeys(trace, "m")
+    found = Result(
+        "t", "t", 1, "native", {"m": Measured("m", 2e-3, "m")}, [Verdict(criterion, 2.0, "mm")], 4.0, 1.0,
+        trace.table, units=units, items={"controller.fault": {"None": 1, "Stuck": 3}}, injected=(0.5, None),
+    )  # fmt: skip
+    return of, found
+
+
+TRACE = traced(plant_x=1e-3 * TIME, controller_fault=np.where(TIME < 2.0, 1.0, 3.0))
+
+
+@pytest.mark.parametrize(
+    ("value", "wanted"),
+    [
+        ("max(plant.x)", [(4e-3, "depth <= 4 mm")]),
+        ("last(plant.x[time > 1])", [(4e-3, "depth <= 4 mm")]),
+        ("max(abs(plant.x)[time > 1])", [(4e-3, "depth <= 4 mm"), (-4e-3, "")]),
+        ("std(plant.x)", None),
+        ("max(plant.x) - min(plant.x)", None),
+        ("max(plant.x - 1)", None),
+    ],
+)
+def test_a_limit_on_a_single_value_of_a_column_is_one_on_the_column(value: str, wanted: Any) -> None:
+    found = marks.limits(*result(TRACE, value, maximum=4.0))
+    if wanted is None:
+        assert found == {}
+        return
+    assert [told for _, told in found["plant.x"]] == [told for _, told in wanted]
+    assert [limit for limit, _ in found["plant.x"]] == pytest.approx([limit for limit, _ in wanted])
+
+
+def test_limits_faults_and_injections_are_marked_in_the_panels() -> None:
+    of, found = result(TRACE, "max(plant.x)", maximum=4.0)
+    of = replace(of, plot=Plot(panels=(Panel(("plant.x",), "mm", 1e3),)))
+    (view,) = panels.views(of, found)
+    assert view["events"] == [(0.5, "fault injected"), (2.0, "Stuck")]
+    ((limit, told),) = view["panels"][0]["limits"]
+    assert (limit, told) == (pytest.approx(4.0), "depth <= 4 mm")
+    assert view["panels"][0]["svg"].count('class="limit"') == 1
+    # one far away would hide the line
+    far = replace(found, criteria=[Verdict(replace(of.criterion[0], maximum=400.0), 2.0, "mm")])
+    assert panels.views(of, far)[0]["panels"][0]["limits"] == []
+
+
+def test_a_figure_marks_limits_and_events_too(tmp_path: Path) -> None:
+    of, found = result(TRACE, "max(plant.x)", maximum=4.0)
+    of = replace(of, plot=Plot(panels=(Panel(("plant.x",), "mm", 1e3), Panel(("plant.x",), "mm", 1e3))))
+    file = tmp_path / "plot.svg"
+    plot.save(of, found, file)
+    # matplotlib draws letters and leaves the text as a comment; the events are named once, in the first panel
+    told = [unescape(text).strip() for text in re.findall(r"<!-- (.*?) -->", file.read_text())]
+    assert [told.count(text) for text in ("depth <= 4 mm", "fault injected", "Stuck")] == [2, 1, 1]
+
+
+def test_faults_beyond_the_last_mark_are_counted() -> None:
+    told = np.where(np.arange(ROWS) // 100 % 2 == 1, 3.0, 1.0)
+    _, found = result(traced(plant_x=TIME, controller_fault=told), "max(plant.x)", maximum=4.0)
+    events = marks.events(found)
+    told_as = ["Stuck", "Stuck", "Stuck", "fault injected", "Stuck", "Stuck, and 15 more"]
+    assert [text for _, text in events] == told_as
+    assert events[-1][0] == pytest.approx(0.9)
+
+
+def test_a_logarithmic_panel_has_no_limit_that_is_not_positive() -> None:
+    of, found = result(TRACE, "max(abs(plant.x))", maximum=4.0)
+    for log, count in ((False, 2), (True, 1)):
+        shown = replace(of, plot=Plot(panels=(Panel(("plant.x",), "mm", 1e3, log=log),)))
+        (panel,) = panels.views(shown, found)[0]["panels"]
+        assert len(panel["limits"]) == panel["svg"].count('class="limit"') == count
+        assert "nan" not in panel["svg"]
+
+
+def test_panels_of_what_moves_tell_what_they_leave_out() -> None:
+    trace = traced(**{f"plant_x{i}": (i + 1.0) * TIME for i in range(20)})
+    units = {f"plant.x{i}": "m" if i < 12 else f"u{i}" for i in range(20)}
+    made = plot.default_panels(trace, replace(result(trace, "max(plant.x0)")[1], units=units))
+    assert [len(panel.columns) for panel in made] == [8, 1, 1, 1, 1, 1]
+    assert [panel.title for panel in made] == ["and 4 more columns", "", "", "", "", "and 3 more units"]
+
+
+def test_lines_of_several_values_with_a_split_tell_both() -> None:
+    trace = traced(plant_x=TIME, plant_y=TIME, plant_z=-TIME, plant_n=np.floor(TIME / 2.0))
+    chart = Chart("path", ("plant.y", "plant.z"), x="plant.x", split="plant.n", split_name="push")
+    assert list(lines(chart, trace)) == [f"plant.{y}, push {n}" for y in "yz" for n in (0, 1)]
+
+
+def test_a_drawing_with_equal_scales_has_them() -> None:
+    turn = np.linspace(0.0, 2.0 * np.pi, 101)
+    svg = drawing.chart([(np.cos(turn), np.sin(turn))], False, False, True, False)
+    places = [tuple(map(int, word.split())) for word in svg.split('c0" d="M')[1].split('"')[0].split("L")]
+    across, down = np.ptp(np.array(places), axis=0)
+    assert across == pytest.approx(down, abs=2)
+
+
+def test_a_chart_holds_the_numbers_of_its_lines() -> None:
+    trace = traced(plant_x=TIME, plant_y=np.exp(-TIME))
+    chart = Chart("path", ("plant.y",), x="plant.x", log=True, label="force", unit="N", title="Force")
+    found = charts.view(chart, charts.lines(chart, trace, dict.fromkeys(trace)))
+    assert (found["label"], found["points"]) == ("force (N)", False)
+    x, y = (unpacked(found["lines"][0][axis]) for axis in "xy")
+    assert 10.0**y == pytest.approx(np.exp(-x), rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("paper", "limits", "source", "wanted"),
+    [
+        ("", {"maximum": 1.0}, "", "choice"),
+        ("0.5 mm", {"maximum": 0.5}, "", "paper"),
+        ("500 um or more", {"minimum": 0.5}, "", "paper"),
+        ("0.5 mm", {"maximum": 0.038}, "", "prediction"),
+        ("0.5 mm", {"minimum": 0.4, "maximum": 0.6}, "", "paper"),
+        ("submicron", {"maximum": 1.0}, "", "prediction"),
+        ("departs", {"equals": True}, "", "paper"),
+        ("0.5 mm", {"maximum": 0.5}, "choice", "choice"),
+    ],
+)
+def test_where_a_limit_comes_from(paper: str, limits: Any, source: Any, wanted: str) -> None:
+    criterion = Criterion("a", "c", "m", paper=paper, source=source, **limits)
+    assert origin(Verdict(criterion, 1.0, "mm")) == wanted
+
+
+@pytest.mark.parametrize(
+    ("words", "unit", "wanted"),
+    [
+        ("50 to 60 mm/s", "m/s", [0.05, 0.06]),
+        ("17,300 rpm", "rpm", [17300.0]),
+        ("-0.5 to +1.0 mm", "m", [-5e-4, 1e-3]),
+        ("less than about 2 %", "1", [0.02]),
+        ("35 s, < 1 min", "m", []),
+        ("1.2 um rms with 5 harmonics", "m", [1.2e-6]),
+    ],
+)
+def test_numbers_of_a_paper(words: str, unit: str, wanted: list[float]) -> None:
+    assert numbers(words, unit) == pytest.approx(wanted)
+
+
+@pytest.mark.parametrize(
+    ("unit", "most", "wanted"),
+    [
+        ("m", 4.2e-7, ("nm", 1e9)),
+        ("N", 1e3, ("kN", 1e-3)),
+        ("s", 5e3, ("s", 1.0)),
+        ("rad", 1e-6, ("rad", 1.0)),
+        ("m", 0.0, ("m", 1.0)),
+    ],
+)
+def test_an_axis_has_the_prefix_of_its_largest_value(unit: str, most: float, wanted: Any) -> None:
+    name, factor = prefixed(unit, most)
+    assert name == wanted[0]
+    assert factor == pytest.approx(wanted[1])
