@@ -51,6 +51,7 @@ def test_a_broken_description_does_not_follow_the_schema(fmu: Fmu) -> None:
         assert not schema.validate(etree.fromstring(text.replace(*change).encode()))
 
 
+@pytest.mark.client("FMPy", "validates the description")
 def test_fmpy_finds_no_problem(fmu: Fmu) -> None:
     assert validate_fmu(str(fmu.file)) == []
     command = [sys.executable, "-m", "fmpy", "validate", str(fmu.file)]

@@ -36,6 +36,7 @@ def step_size(fmu: Fmu) -> float:
     return float(fmu.description.defaultExperiment.stepSize)
 
 
+@pytest.mark.client("FMPy", "simulates it from the command line")
 def test_the_command_line_of_fmpy_runs_the_fmu_alone(fmu: Fmu, tmp_path: Path) -> None:
     command = [
         sys.executable,
@@ -68,6 +69,7 @@ def slow_sines(fmu: Fmu, names: list[str]) -> NDArray[np.void]:
     return signal
 
 
+@pytest.mark.client("FMPy", "simulates it with inputs")
 def test_simulate_fmu_takes_a_long_input(fmu: Fmu) -> None:
     inputs = [variable.name for variable in fmu.variables("input", "Real")]
     signal = slow_sines(fmu, inputs)
@@ -171,6 +173,7 @@ def read_all(fmu: Fmu, slave: Any) -> list[object]:
     return [get.get(v.type, slave.getInteger)([v.valueReference])[0] for v in fmu.variables()]
 
 
+@pytest.mark.client("FMPy", "writes and reads every start value")
 def test_every_start_value_can_be_written_and_read_back(fmu: Fmu) -> None:
     slave = slave_of(fmu)
     slave.instantiate()

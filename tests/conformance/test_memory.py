@@ -31,6 +31,7 @@ def run(valgrind: str, driver: Path, fmu: Fmu) -> subprocess.CompletedProcess[st
     return subprocess.run(command, capture_output=True, text=True, check=False)
 
 
+@pytest.mark.client("valgrind", "watches a life in a C program")
 def test_no_fault_and_no_leak(fmu: Fmu, valgrind: str, tmp_path: Path) -> None:
     result = run(valgrind, compile_driver(tmp_path, DRIVER.read_text()), fmu)
     assert (result.returncode, result.stdout, result.stderr) == (0, "done\n", "")

@@ -31,6 +31,7 @@ def test_the_description_offers_events_and_no_states(fmu: Fmu) -> None:
     assert counts == (0, 0)
 
 
+@pytest.mark.client("FMPy", "simulates it by events")
 @pytest.mark.parametrize("solver", ["CVode", "Euler"])
 def test_fmpy_simulates_it_as_it_steps_it(fmu: Fmu, solver: str) -> None:
     step = float(fmu.description.defaultExperiment.stepSize)
@@ -101,6 +102,7 @@ def replay(model: Any, inputs: dict[Any, NDArray[Any]], step: float, rows: int) 
         yield
 
 
+@pytest.mark.client("FMPy", "replays a closed loop by events")
 @pytest.mark.parametrize("loop", LOOPS)
 def test_the_inputs_of_a_closed_loop_give_its_samples(loop: str, tmp_path: Path) -> None:
     scenario = cosim.load(loop)

@@ -58,6 +58,7 @@ def test_between_two_samples_of_moving_inputs(fmu: Fmu, tmp_path: Path) -> None:
     assert replay("resume", fmu.folder, tmp_path) == lines[STEPS // 2 :]
 
 
+@pytest.mark.client("FMPy", "saves and restores a closed loop")
 @pytest.mark.parametrize(
     ("loop", "state"),
     [("dob", "Detect"), ("centering", "Push"), ("centering", "Wait"), ("deburr/learn", "Run")],

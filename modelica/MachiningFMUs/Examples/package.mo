@@ -1,0 +1,3 @@
+within MachiningFMUs;
+package Examples "Closed loops with the essentials of a machine"
+end Examples;

@@ -1,0 +1,250 @@
+"""A loop as an SSP package closes in masters of others, and finds the contact where the harness finds it."""
+
+from __future__ import annotations
+
+import importlib.util
+import io
+import json
+import os
+import shutil
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+from fmpy import read_model_description
+from fmpy.ssp.ssd import read_ssd, read_ssv
+
+import cosim
+from cosim.errors import CosimError
+from cosim.ssp.package import write
+from cosim.ssp.structure import named
+
+from ..conftest import need
+
+SHORT = [
+    "controller.learn.settle_time=0.12",
+    "controller.learn.time=0.12",
+    "plant.surface_distance=3e-5",
+    "plant.surface_spread=0.0",
+    "loop.duration=0.4",
+    'loop.stop_when=""',
+]
+"""A short approach."""
+STEPS = 3900
+WAY = 1e-4 * 1e-4
+"""Way of one communication step at 100 um/s, m."""
+EXECUTION = Path(__file__).with_name("execution.py")
+LOOPS = ["centering", "deburr", "dob", "fts", "polish"]
+
+
+@pytest.fixture(scope="module")
+def package(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    file = tmp_path_factory.mktemp("ssp") / "dob.ssp"
+    write("dob", SHORT, None, file)
+    return file
+
+
+@pytest.fixture(scope="module")
+def found() -> tuple[float, float]:
+    """Contact position and depth of the harness after as many steps."""
+    trace = cosim.run(cosim.load("dob", SHORT), engine="native").trace
+    assert trace is not None
+    return float(trace["controller.contact_position"][STEPS]), float(trace["plant.depth_max"][STEPS])
+
+
+@pytest.mark.client("FMPy", "holds the SSP against the schemas")
+@pytest.mark.parametrize("loop", LOOPS)
+def test_every_loop_is_a_package_by_the_schemas(loop: str, tmp_path: Path) -> None:
+    file = tmp_path / "loop.ssp"
+    scenario = write(loop, [], 5, file)
+    # both readers hold the files against the schemas of SSP 1.0
+    system = read_ssd(str(file)).system
+    parameters = read_ssv(str(file), "resources/controller.ssv").parameters
+    assert {parameter.name.partition("[")[0] for parameter in parameters} == set(
+        scenario.controller.parameters
+    )
+    assert [int(seed.value) for seed in read_ssv(str(file), "resources/plant.ssv").parameters] == [5]
+
+    with zipfile.ZipFile(file) as archive:
+        archive.extract("resources/controller.fmu", tmp_path)
+        structure = ElementTree.fromstring(archive.read("SystemStructure.ssd"))
+    description = read_model_description(str(tmp_path / "resources/controller.fmu"))
+    controller = next(element for element in system.elements if element.name == "controller")
+    units = {v.name: v.unit for v in description.modelVariables if v.type == "Real"}
+    texts = {v.name for v in description.modelVariables if v.type == "String"}
+    connectors = {connector.name for connector in controller.connectors}
+    assert connectors
+    assert not connectors & texts
+    told = {
+        connector.get("name"): [real.get("unit") for real in connector.iter(named("ssc:Real"))]
+        for component in structure.iter(named("ssd:Component"))
+        for connector in component.iter(named("ssd:Connector"))
+        if component.get("name") == "controller"
+    }
+    assert told == {name: [units[name]] if name in units else [] for name in connectors}
+    defined = {unit.get("name") for unit in structure.iter(named("ssc:Unit"))}
+    used = {unit for one in told.values() for unit in one if unit}
+    assert used
+    assert used <= defined
+    wired = {(c.endElement, c.endConnector) for c in system.connections}
+    driven = {wire.to for wire in scenario.wire} | {signal.to for signal in scenario.signal}
+    inputs = {("controller", to.removeprefix("controller.")) for to in driven if to.startswith("controller.")}
+    assert inputs <= wired
+
+
+@pytest.mark.client("pyssp-standard", "checks the SSP", fmu="dob")
+def test_pyssp_standard_finds_nothing_wrong(package: Path, tmp_path: Path) -> None:
+    need("pyssp_standard", "pyssp_standard" if importlib.util.find_spec("pyssp_standard") else None)
+    from pyssp_standard.ssp import SSP
+
+    # it writes the file anew when it closes it
+    with SSP(shutil.copy(package, tmp_path)) as ssp, ssp.system_structure as structure:
+        assert structure.check_connections(unconnected_inputs=False) == []
+        assert sorted(ssp.resources) == ["controller.fmu", "controller.ssv", "plant.fmu", "plant.ssv"]
+
+
+def run(master: str, module: str, package: Path) -> tuple[float, float]:
+    """Contact position and depth in a master; the parameter set must have reached the controller."""
+    need(module, module if importlib.util.find_spec(module) else None)
+    # Ecos finds the library that its wheel forgets beside the environment's
+    libraries = [str(Path(sys.prefix) / "lib"), os.environ.get("LD_LIBRARY_PATH", "")]
+    environment = os.environ | {"LD_LIBRARY_PATH": os.pathsep.join(libraries)}
+    command = [sys.executable, str(EXECUTION), master, str(package), str(STEPS)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
+    assert done.returncode == 0, done.stderr
+    position, depth, learn = json.loads(done.stdout.splitlines()[-1])
+    assert learn == pytest.approx(0.12)
+    return position, depth
+
+
+@pytest.mark.client("libcosim", "closes the loop of the SSP", fmu="dob")
+@pytest.mark.skipif(sys.platform != "linux", reason="libcosimpy has no wheel for this platform")
+def test_libcosim_closes_the_loop_bit_for_bit(package: Path, found: tuple[float, float]) -> None:
+    assert run("libcosim", "libcosimpy", package) == found
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="libcosimpy has no wheel for this platform")
+def test_the_noise_of_a_command_is_that_of_the_harness(tmp_path: Path) -> None:
+    noisy = [*SHORT, "wire.plant.current.noise=2e-3", "wire.plant.current.delay=2"]
+    trace = cosim.run(cosim.load("dob", noisy), engine="native").trace
+    assert trace is not None
+    write("dob", noisy, None, tmp_path / "dob.ssp")
+    position, depth = run("libcosim", "libcosimpy", tmp_path / "dob.ssp")
+    assert position == trace["controller.contact_position"][STEPS]
+    assert depth == trace["plant.depth_max"][STEPS]
+
+
+@pytest.mark.client("Ecos", "closes the loop of the SSP", fmu="dob")
+@pytest.mark.skipif(sys.platform != "linux", reason="ecospy has no wheel for this platform")
+def test_ecos_closes_the_loop(package: Path, found: tuple[float, float]) -> None:
+    position, depth = run("Ecos", "ecospy", package)
+    assert abs(position - found[0]) <= WAY
+    assert depth == pytest.approx(found[1], abs=0.1 * found[1])
+
+
+@pytest.mark.client("FMPy", "closes the loop of the SSP", fmu="dob")
+def test_fmpy_closes_the_loop(package: Path, found: tuple[float, float]) -> None:
+    # its first step has zeros for inputs, so the noise of the first readings is another
+    position, depth = run("FMPy", "fmpy", package)
+    assert abs(position - found[0]) <= WAY
+    assert depth == pytest.approx(found[1], abs=0.1 * found[1])
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        (["loop.compute_delay=0"], "`loop.compute_delay` = 0"),
+        (["loop.seed=2147483648"], "the seed 2147483648"),
+        (["wire.controller.position.from=plant.positon"], "no reading `positon`"),
+    ],
+)
+def test_what_a_package_cannot_tell_is_refused(changes: list[str], told: str, tmp_path: Path) -> None:
+    with pytest.raises(CosimError) as caught:
+        write("dob", changes, None, tmp_path / "dob.ssp")
+    assert told in caught.value.message
+    assert not list(tmp_path.iterdir())
+
+
+def table(section: str, **keys: object) -> str:
+    """Append a table to a scenario."""
+    return "".join([f"\n[[{section}]]\n", *(f"{key} = {json.dumps(value)}\n" for key, value in keys.items())])
+
+
+TWO = """
+title = "Two controllers"
+
+[loop]
+step = 1e-4
+substeps = 2
+duration = 0.1
+
+[plant]
+name = "slide"
+"""
+TWO += "".join(table("fmu", name=name, fmu=fmu) for name, fmu in [("a", "fmu-dob"), ("b", "fmu-dob")])
+TWO += table("wire", **{"from": "plant.position", "to": "a.position"})
+TWO += table("wire", **{"from": "b.current", "to": "plant.current"})
+
+
+def between(**keys: object) -> str:
+    """Wire between the two FMUs."""
+    return table("wire", **{"from": "a.reference.position", "to": "b.position", "delay": 1} | keys)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        (TWO + between(delay=0), "`delay` = 0"),
+        (TWO + between(delay=2), "`delay` = 2"),
+        (TWO.replace('"fmu-dob"', '"fmu-dob"\nstep = 2e-4', 1) + between(), "the step 0.0002 s of `a`"),
+        (TWO + between(noise=1e-9), "noise, quantum and limits"),
+        (TWO + between(**{"from": "a.contact", "to": "b.enable", "scale": 2.0}), "`a.contact`, a Boolean"),
+        (TWO + between(to="b.approach.velocity"), "of causality `parameter`"),
+        (
+            TWO.replace("fmu-dob", "fmu-deburr", 1).replace("a.position", "a.axis6.position")
+            + between(**{"from": "a.bank.message"}),
+            "`a.bank.message` is a String",
+        ),
+        (
+            TWO + between() + table("inject", to="a.position", offset=1e-6, from_time=0.01, duration=0.01),
+            "the injection at `a.position`",
+        ),
+        (TWO.partition("[plant]")[0] + '[controller]\nfmu = "fmu-dob"\n', "without a plant"),
+    ],
+)
+def test_what_no_connection_can_be_is_refused(text: str, told: str, tmp_path: Path) -> None:
+    (tmp_path / "two.toml").write_text(text)
+    with pytest.raises(CosimError) as caught:
+        write(str(tmp_path / "two.toml"), [], None, tmp_path / "two.ssp")
+    assert told in caught.value.message
+    assert [file.name for file in tmp_path.iterdir()] == ["two.toml"]
+
+
+def test_two_fmus_are_connected_as_the_harness_does_and_the_scenario_by_its_path(tmp_path: Path) -> None:
+    (tmp_path / "two.toml").write_text(TWO + between(scale=2.0))
+    write(str(tmp_path / "two.toml"), [], None, tmp_path / "two.ssp")
+    with zipfile.ZipFile(tmp_path / "two.ssp") as archive:
+        structure = ElementTree.fromstring(archive.read("SystemStructure.ssd"))
+        plant = io.BytesIO(archive.read("resources/plant.fmu"))
+    (wire,) = [
+        connection
+        for connection in structure.iter(named("ssd:Connection"))
+        if (connection.get("startElement"), connection.get("endElement")) == ("a", "b")
+    ]
+    assert wire.get("suppressUnitConversion") == "true"
+    (scaled,) = wire
+    assert (scaled.tag, scaled.get("factor")) == (named("ssc:LinearTransformation"), "2.0")
+    with zipfile.ZipFile(plant) as archive:
+        settings = json.loads(archive.read("resources/loop.json"))
+    assert Path(settings["loop"]) == tmp_path / "two.toml"
+
+
+def test_a_scenario_of_the_project_is_named_by_its_place_there(package: Path) -> None:
+    with (
+        zipfile.ZipFile(package) as archive,
+        zipfile.ZipFile(io.BytesIO(archive.read("resources/plant.fmu"))) as plant,
+    ):
+        assert json.loads(plant.read("resources/loop.json"))["loop"] == "dob.toml"
