@@ -1,0 +1,54 @@
+"""Notebooks: executed anew, and as pages."""
+
+from __future__ import annotations
+
+import base64
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import nbclient
+import nbformat
+
+
+def store(folder: Path) -> None:
+    """Execute all notebooks of a folder and keep what they give."""
+    for file in sorted(folder.glob("*.ipynb")):
+        nbformat.write(executed(file), file)
+
+
+def executed(file: Path) -> Any:
+    """Execute a notebook; what it holds then tells neither when nor on which Python."""
+    notebook = nbformat.read(file, as_version=4)
+    resources = {"metadata": {"path": file.parent}}
+    nbclient.NotebookClient(notebook, record_timing=False, resources=resources).execute()
+    notebook.metadata.language_info.pop("version", None)
+    for cell in notebook.cells:
+        cell.metadata.pop("execution", None)
+    return notebook
+
+
+def write(notebook: Path, place: Path) -> None:
+    """Write the cells of an executed notebook with their outputs as Markdown; pictures land beside it."""
+    cells = json.loads(notebook.read_text("utf-8"))["cells"]
+    place.write_text("\n\n".join(part for cell in cells for part in shown(cell, place)) + "\n", "utf-8")
+
+
+def shown(cell: dict[str, Any], place: Path) -> Iterator[str]:
+    """Parts of a page for one cell."""
+    source = "".join(cell["source"])
+    if cell["cell_type"] == "markdown":
+        yield source
+        return
+    yield f"```python\n{source}\n```"
+    for number, output in enumerate(cell["outputs"]):
+        data = output.get("data", {})
+        if "image/png" in data:
+            picture = place.with_name(f"{place.stem}-{cell['id']}-{number}.png")
+            picture.write_bytes(base64.b64decode(data["image/png"]))
+            yield f"![What the cell above draws]({picture.name})"
+        elif "text/html" in data:
+            yield f'<div class="output">{"".join(data["text/html"])}</div>'
+        else:
+            yield f"```text\n{''.join(data.get('text/plain') or output['text']).rstrip()}\n```"
