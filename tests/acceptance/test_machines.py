@@ -49,8 +49,8 @@ ALL = {
     "centering": Ends(197, 0),
     "deburr": Ends(178, 0),
     "dob": Ends(128, 37),
-    "fts": Ends(163, 29),
-    "polish": Ends(164, 31),
+    "fts": Ends(183, 2),
+    "polish": Ends(170, 22),
 }
 
 

@@ -20,7 +20,7 @@ PACKAGES = ("cosim", "plants", "tests", "xtask")
 
 ROOMS = (
     *("scenario", "fmu", "metrics", "words", "trace", "loop", "pool", "show", "replay", "sweep"),
-    *("acceptance", "report", "compare", "optimize", "new", "cli"),
+    *("acceptance", "report", "compare", "optimize", "new", "ssp", "cli"),
 )
 """Folders of cosim, as ARCHITECTURE.md tells them; each knows those before it only."""
 

@@ -1,4 +1,4 @@
-"""The fault matrix of polishing with seeds that its page does not have."""
+"""Fault matrices with seeds that their pages do not have."""
 
 from dataclasses import replace
 
@@ -10,8 +10,9 @@ from .outcome import running
 pytestmark = [pytest.mark.acceptance, pytest.mark.full]
 
 
+@pytest.mark.parametrize("name", ["centering", "deburr", "dob", "fts", "polish"])
 @pytest.mark.parametrize("seed", [71_302, 71_303])
-def test_every_row_holds_with_another_seed(seed: int) -> None:
-    with running(replace(load("polish"), seed=seed)) as runner:
+def test_every_row_holds_with_another_seed(name: str, seed: int) -> None:
+    with running(replace(load(name), seed=seed)) as runner:
         unmet = {outcome.row.name: outcome.problems for outcome in runner.outcomes() if outcome.problems}
     assert not unmet
