@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.random import Generator
 from numpy.typing import NDArray
 
@@ -40,6 +41,9 @@ def _uniform(count: int, smooth: float, random: Generator) -> Array:
     """Draw numbers that are uniform from 0 to 1 at every place and change over `smooth` places."""
     # white noise under a bell of this width is correlated as exp(-(d / smooth)^2)
     reach = max(round(REACH * smooth), 1)
-    bell = np.exp(-2.0 * (np.arange(-reach, reach + 1) / smooth) ** 2)
-    normal = np.convolve(random.standard_normal(count + 2 * reach), bell / np.linalg.norm(bell), "valid")
+    bell = [math.exp(-2.0 * (place / smooth) ** 2) for place in range(-reach, reach + 1)]
+    size = math.sqrt(math.fsum(share**2 for share in bell))
+    # summed without BLAS, whose last bit depends on the processor
+    noise = sliding_window_view(random.standard_normal(count + 2 * reach), len(bell))
+    normal = (noise * (np.array(bell) / size)).sum(axis=1)
     return np.array([0.5 * (1.0 + math.erf(value / math.sqrt(2.0))) for value in normal])

@@ -1,6 +1,9 @@
 """The cylindrical robot against closed forms."""
 
 import math
+import os
+import subprocess
+import sys
 from collections.abc import Callable
 from typing import Any
 
@@ -257,6 +260,20 @@ def test_a_tool_that_crosses_the_part_stops_the_plant() -> None:
 
 
 # the burr
+
+
+@pytest.mark.parametrize("processor", ["Nehalem", "Haswell"])
+def test_a_seed_gives_the_same_burr_on_every_processor(processor: str) -> None:
+    code = (
+        "import numpy as np; from plants.tools import burr; "
+        "from plants.cylindrical_robot_parameters import CylindricalRobotParameters as P; "
+        "print([part.tobytes().hex() for part in burr.draw(P(), 0.02, np.random.default_rng(5))])"
+    )
+    # numpy's algebra is that of OpenBLAS, in the version for this processor
+    environment = {**os.environ, "OPENBLAS_CORETYPE": processor}
+    done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, check=True)
+    here = burr.draw(CylindricalRobotParameters(), 0.02, np.random.default_rng(5))
+    assert done.stdout.decode().strip() == str([part.tobytes().hex() for part in here])
 
 
 def test_the_burr_is_uniform_between_its_limits_and_smooth() -> None:
