@@ -12,7 +12,7 @@ pub struct EnumType {
 }
 
 /// One item of an enumeration.
-#[derive(Debug, PartialEq, Eq)]
+#[derive(Debug, Eq)]
 pub struct Item {
     /// Item name.
     pub name: &'static str,
@@ -20,6 +20,14 @@ pub struct Item {
     pub description: &'static str,
     /// What to do about it; empty where there is nothing to do.
     pub hint: &'static str,
+}
+
+impl PartialEq for Item {
+    fn eq(&self, other: &Self) -> bool {
+        // of a type that tells its state in each sample it is mostly the same item, whose texts need no look
+        std::ptr::eq(self, other)
+            || (self.name, self.description, self.hint) == (other.name, other.description, other.hint)
+    }
 }
 
 /// A Rust enum with the numbers 1..n; implemented by [`interface`](macro@crate::interface).
