@@ -38,9 +38,6 @@ LOOPS = [
 EXACT = {"deburr", "dob", "dob/nan", "polish"}
 BOUND = 1e-8
 """Of the largest value of an output: `sin` and `cos` are those of each system, and round in their own way."""
-LARGE = pytest.mark.xfail(
-    reason="the linker for Windows keeps parts of Rust's standard library that nobody calls"
-)
 
 pytestmark = [
     pytest.mark.platforms,
@@ -190,9 +187,7 @@ def test_every_fmu_holds_all_platforms(name: str) -> None:
     assert folders == {LINUX64, AARCH64, WIN64}
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=LARGE if name in ("fmu-deburr", "fmu-fts") else ()) for name in FMUS]
-)
+@pytest.mark.parametrize("name", FMUS)
 def test_every_fmu_is_small(name: str) -> None:
     assert (SET / f"{name}.fmu").stat().st_size <= 1_500_000
 
