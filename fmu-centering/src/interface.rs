@@ -254,7 +254,7 @@ mod variables {
         /// Rate of modelling
         #[var(unit = HERTZ, range = 0.1..=1e4, start = 10.0, source = "paper")] pub model: f64,
     }
-    /// Scalar Kalman filter of the surface; standard deviations.
+    /// Scalar Kalman filter of the surface, standard deviations; counts with `law` = Paper.
     pub struct Kalman {
         /// Walk of the surface from sample to sample sqrt(Q)
         #[var(unit = METRE as "nm", range = 1e-9..=1e-3, start = 0.015e-6, source = "paper")] pub process_noise: f64,
@@ -274,7 +274,7 @@ mod variables {
         /// Time at the end of the stroke, before the retract
         #[var(unit = SECOND as "ms", range = 0.0..=1.0, start = 0.01, source = "our choice: the lag of a 40 Hz servo")] pub dwell: f64,
     }
-    /// Offset that is learned from push to push.
+    /// Offset that is learned from push to push; counts with `law` = Paper.
     pub struct Offset {
         #[var(start = OffsetMethod::Recursive, source = "paper")] pub method: OffsetMethod,
         /// Only pushes of a smaller eccentricity teach
@@ -289,7 +289,7 @@ mod variables {
         /// Change of that collapse without reaction of the slide
         #[var(unit = METRE as "mm", range = 0.0..=0.1, start = 3e-3, source = "our choice")] pub dead_zone: f64,
     }
-    /// Recursive model of the ring.
+    /// Recursive model of the ring; counts with the default law.
     pub struct Estimator {
         /// Standard deviation of one measurement
         #[var(unit = METRE as "nm", range = 1e-9..=1e-3, start = 2e-7, source = "our choice: probe and roughness twice")] pub noise: f64,
@@ -306,7 +306,7 @@ mod variables {
         /// Standard deviations by which a centred ring stays within `tolerance`
         #[var(unit = ONE, range = 0.0..=10.0, start = 3.0, source = "our choice")] pub margin: f64,
     }
-    /// Strokes of the pusher.
+    /// Strokes of the pusher; counts with the default law.
     pub struct StrokePlan {
         /// Shortest time from contact to rest
         #[var(unit = SECOND as "ms", range = 0.01..=1.0, start = 0.08, source = "our choice: three periods of the servo")] pub duration: f64,
@@ -322,7 +322,7 @@ mod variables {
         /// Rotation and friction during the push are planned
         #[var(start = true, source = "derived")] pub phase_plan: bool,
     }
-    /// What pushes teach.
+    /// What pushes teach; counts with the default law.
     pub struct Learn {
         /// The lateral ratio is learned
         #[var(start = true)] pub lateral: bool,
@@ -339,7 +339,7 @@ mod variables {
         /// The way of the ring after a push is learned
         #[var(start = true)] pub recoil: bool,
     }
-    /// Tapping of heavy rings.
+    /// Tapping of heavy rings; counts with the default law.
     pub struct Tap {
         /// Heavy rings are tapped
         #[var(start = true)] pub enabled: bool,

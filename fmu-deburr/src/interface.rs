@@ -318,7 +318,7 @@ mod variables {
         /// Samples of the moving average over the speed; 1 for none
         #[var(range = 1..=32, start = 1, source = "our choice")] pub smoothing: i32,
     }
-    /// Learning of the control patterns.
+    /// Learning of the control patterns, in `Learn`; what a pattern is (`speeds`, `lead_in`, `lead_out`) counts wherever one is used.
     pub struct Learn {
         #[var(start = LearningLaw::LeadFilter, paper = LearningLaw::Plain, source = "derived")] pub law: LearningLaw,
         /// Multiples of the taught speed at which patterns are learned, 0.01 to 1, descending, up to 9
@@ -342,7 +342,7 @@ mod variables {
         /// Samples of a pattern after the end of the path
         #[var(range = 8..=500, start = 60, source = "our choice: 8 time constants 1/Kp")] pub lead_out: i32,
     }
-    /// Use of the control patterns, eq. 2 to 4.
+    /// Use of the control patterns, eq. 2 to 4, in `Playback` and `Deburr`.
     pub struct Lookup {
         /// Compensate with the patterns in Playback and Deburr
         #[var(start = true, tunable)] pub enable: bool,
@@ -362,7 +362,7 @@ mod variables {
         pub export: String,
         pub format: Format,
     }
-    /// Cutting-load control, eq. 5.
+    /// Cutting-load control, eq. 5, in `Deburr`.
     pub struct Load {
         /// Regulate the feed by the cutting load in Deburr; false keeps the taught speed
         #[var(start = true, tunable)] pub enable: bool,

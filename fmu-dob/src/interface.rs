@@ -320,14 +320,14 @@ mod variables {
         /// Position noise with quantisation, standard deviation
         #[var(unit = METRE as "nm", range = 1e-12..=1e-3, start = 0.6e-9, source = "our choice: noise of such stages")] pub position_noise: f64,
     }
-    /// Cumulative sum of the normalised innovation
+    /// Cumulative sum of the normalised innovation; counts with `detector` = Cusum
     pub struct Cusum {
         /// Subtracted from the normalised innovation in each sample
         #[var(unit = ONE, range = 0.0..=5.0, start = 0.25, source = "our choice")] pub drift: f64,
         /// Alarm level of the cumulative sum
         #[var(unit = ONE, range = 1.0..=1e3, start = 16.0, source = "our choice: about one false alarm per hour")] pub threshold: f64,
     }
-    /// Generalised likelihood ratio over a bank of contact instants
+    /// Generalised likelihood ratio over a bank of contact instants; counts with `detector` = Glr
     pub struct Glr {
         /// Contact instants in the bank, one per sample
         #[var(range = 10..=1000, start = 300, source = "our choice")] pub onsets: i32,

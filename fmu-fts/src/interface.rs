@@ -372,7 +372,7 @@ mod variables {
         /// Move the hub so that the tool, not the hub, is on the path
         #[var(start = true, paper = false, source = "our choice")] pub compensation: bool,
     }
-    /// Adaptive feedforward cancellation (repetitive control), eq. 3.
+    /// Adaptive feedforward cancellation (repetitive control), eq. 3; learns in `Track` while the input `afc.enable` is true.
     pub struct Afc {
         /// Cancelled harmonics of the spindle: numbers and ranges like `2, 4, 6` or `1-24`, up to 64
         #[var(start = Harmonics::DEFAULT_TEXT, paper = Harmonics::PAPER_TEXT, source = "our choice")] pub harmonics: String,
@@ -422,7 +422,7 @@ mod variables {
         /// Longest time of a job; 0 for a feed of 1 um/s through the table, and twice the measurement of a response
         #[var(unit = SECOND, range = 0.0..=1e6, source = "derived: slower is no cut")] pub job_time: f64,
     }
-    /// Measurement of the frequency response in place.
+    /// Measurement of the frequency response in place, in `Identify`.
     pub struct Identify {
         /// Ascending frequencies at which the response is measured, Hz, at most 32
         #[var(start = Frequencies::DEFAULT_TEXT, source = "our choice: dense where the harmonics are")] pub frequencies: String,
@@ -443,7 +443,7 @@ mod variables {
         /// Time that the measurement takes
         #[var(unit = SECOND, calculated)] pub duration: f64,
     }
-    /// Depth probe on the slide.
+    /// Depth probe on the slide; counts in `Calibrate`.
     pub struct Probe {
         /// Radius R_p of the probe ball
         #[var(unit = METRE as "mm", range = 0.0..=0.02, start = 1.5e-3, source = "our choice")] pub radius: f64,
@@ -459,7 +459,7 @@ mod variables {
         /// Way of the probe between two samples of one capture
         #[var(unit = METRE as "um", range = 1e-6..=0.1, start = 1e-4, source = "our choice")] pub pitch: f64,
     }
-    /// Calibration.
+    /// Calibration of arm length, zero and centre offset; counts in `Calibrate`.
     pub struct Calibration {
         /// Standard deviation of the arm angle of a flat
         #[var(unit = RADIAN, range = 1e-9..=1e-2, start = 0.25e-6, source = "derived: encoder step")] pub arm_angle_sigma: f64,

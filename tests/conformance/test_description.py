@@ -10,6 +10,7 @@ import subprocess
 import sys
 import xml.etree.ElementTree as ElementTree
 import zipfile
+from itertools import pairwise
 from pathlib import Path
 
 import fmpy
@@ -179,6 +180,14 @@ def test_the_documentation_is_well_formed_and_lists_every_variable(fmu: Fmu) -> 
         assert not target.startswith("#") or target[1:] in ids, f"`{target}` leads nowhere"
     for category in elements(fmu, "LogCategories/Category"):
         assert category.attrib["name"] in cells
+    # a struct of the declaration says what its parameters are about
+    told = {
+        "".join(head.itertext()): "".join(text.itertext())
+        for part in page.iter()
+        for head, text in pairwise(part)
+        if (head.tag, text.tag) == ("h3", "p")
+    }
+    assert told.get("limits", "").endswith("."), told
 
 
 def test_paths_in_the_file_are_plain(fmu: Fmu) -> None:

@@ -27,7 +27,7 @@ use syn::{ItemMod, parse_macro_input};
 /// | `[Group; 6]` | a group used six times: `field1.name` to `field6.name`; its attributes may use the constant `INDEX` (from 0), its doc comments `{n}` (from 1) |
 /// | any struct with `#[var(fields = f64[x, y, z])]` | one variable for each of the named fields |
 ///
-/// The doc comment is the description; a field without one takes that of its struct or enumeration. `#[var(...)]` takes
+/// The doc comment is the description; a field without one takes that of its struct or enumeration, and that of a group stands above its parameters in the page. `#[var(...)]` takes
 ///
 /// | key | meaning |
 /// |---|---|

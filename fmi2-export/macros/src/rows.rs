@@ -21,6 +21,8 @@ pub struct Row<'a> {
     pub component: Option<&'a Ident>,
     /// Which of the uses of a repeated group this is, from 0.
     pub index: Option<usize>,
+    /// The field that is the group of this one.
+    pub group: Option<&'a Field>,
 }
 
 /// All rows: inputs, outputs, parameters, each in the order of the declaration.
@@ -28,7 +30,7 @@ pub fn collect(declaration: &Declaration) -> Vec<Row<'_>> {
     let mut rows = Vec::new();
     for root in [Root::Inputs, Root::Outputs, Root::Parameters] {
         if let Some(group) = declaration.root(root) {
-            Walk { declaration, root, rows: &mut rows }.group(group, "", None, None);
+            Walk { declaration, root, rows: &mut rows }.group(group, "", None, None, None);
         }
     }
     rows
@@ -42,7 +44,14 @@ struct Walk<'a, 'b> {
 }
 
 impl<'a> Walk<'a, '_> {
-    fn group(&mut self, group: &'a Group, prefix: &str, above: Option<&TokenStream>, index: Option<usize>) {
+    fn group(
+        &mut self,
+        group: &'a Group,
+        prefix: &str,
+        above: Option<&TokenStream>,
+        index: Option<usize>,
+        of: Option<&'a Field>,
+    ) {
         for field in &group.fields {
             let name = &field.name;
             let given = field.var.name.as_ref().map(LitStr::value);
@@ -51,21 +60,21 @@ impl<'a> Walk<'a, '_> {
             match &field.shape {
                 Shape::Hidden => (),
                 Shape::Group(ty) => {
-                    self.group(self.declaration.group(ty), &format!("{full}."), Some(&way), index);
+                    self.group(self.declaration.group(ty), &format!("{full}."), Some(&way), index, Some(field));
                 }
                 Shape::Repeated(ty, count) => (0..*count).for_each(|i| {
                     let group = self.declaration.group(ty);
-                    self.group(group, &format!("{full}{}.", i + 1), Some(&quote!(#way[#i])), Some(i));
+                    self.group(group, &format!("{full}{}.", i + 1), Some(&quote!(#way[#i])), Some(i), Some(field));
                 }),
-                Shape::Scalar(kind) => self.push(full, way, field, kind, index),
+                Shape::Scalar(kind) => self.push(full, way, field, kind, index, of),
                 Shape::Array(kind, length) => {
-                    self.push(full, way, field, kind, index);
+                    self.push(full, way, field, kind, index, of);
                     self.last().length = Some(length);
                 }
                 Shape::Fields(kind) => {
                     for component in &field.var.fields.as_ref().expect("the shape comes from them").names {
                         let full = format!("{full}.{}", plain(component));
-                        self.push(full, way.clone(), field, kind, index);
+                        self.push(full, way.clone(), field, kind, index, of);
                         self.last().component = Some(component);
                     }
                 }
@@ -73,9 +82,17 @@ impl<'a> Walk<'a, '_> {
         }
     }
 
-    fn push(&mut self, name: String, way: TokenStream, field: &'a Field, kind: &'a Kind, index: Option<usize>) {
+    fn push(
+        &mut self,
+        name: String,
+        way: TokenStream,
+        field: &'a Field,
+        kind: &'a Kind,
+        index: Option<usize>,
+        group: Option<&'a Field>,
+    ) {
         let root = self.root;
-        self.rows.push(Row { root, name, way, field, kind, length: None, component: None, index });
+        self.rows.push(Row { root, name, way, field, kind, length: None, component: None, index, group });
     }
 
     fn last(&mut self) -> &mut Row<'a> {
@@ -93,12 +110,21 @@ impl Row<'_> {
 
     /// The description: the doc comment, `{n}` as the number of a repeated group, and the component.
     pub fn description(&self) -> String {
-        let number = self.index.map_or(String::new(), |index| (index + 1).to_string());
-        let text = self.field.docs.replace("{n}", &number);
+        let text = self.numbered(self.field);
         match self.component {
             Some(component) => format!("{text}, {}", plain(component)),
             None => text,
         }
+    }
+
+    /// What the group of the row is about; empty without a group.
+    pub fn head(&self) -> String {
+        self.group.map_or(String::new(), |group| self.numbered(group))
+    }
+
+    fn numbered(&self, field: &Field) -> String {
+        let number = self.index.map_or(String::new(), |index| (index + 1).to_string());
+        field.docs.replace("{n}", &number)
     }
 }
 

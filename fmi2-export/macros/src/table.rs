@@ -64,7 +64,8 @@ fn status(rows: &[Row]) -> Option<TokenStream> {
 fn row(row: &Row) -> TokenStream {
     let new = new(row);
     let role = role(row);
-    let docs = row.description();
+    let (docs, head) = (row.description(), row.head());
+    let head = (!head.is_empty()).then(|| quote!(.head(#head)));
     let var = &row.field.var;
     let unit = var.unit.as_ref().map(|unit| {
         let display = unit.display.as_ref().map(|display| quote!(.display(#display)));
@@ -89,7 +90,7 @@ fn row(row: &Row) -> TokenStream {
             const INDEX: usize = #index;
         }
     });
-    quote!({ #index #new.#role() #unit #range #nominal #accepts_nan #text .describe(#docs) #source #paper })
+    quote!({ #index #new.#role() #unit #range #nominal #accepts_nan #text .describe(#docs) #head #source #paper })
 }
 
 /// The constructor with name, start value and accessors.

@@ -159,6 +159,10 @@ impl Page {
                 self.put(format_args!("<h3>{}</h3>\n", code(of)));
             }
             let rows: Vec<_> = rows.iter().filter(|row| group(row.name) == of).collect();
+            if let Some(row) = rows.iter().find(|row| !row.head.is_empty()) {
+                let head = self.inline(row.head);
+                self.put(format_args!("<p>{head}.</p>\n"));
+            }
             let head = ["Name", "Start", "Range", "Paper", "Meaning", "Source"];
             self.table("parameters", &head, &mut |page| rows.iter().for_each(|row| page.parameter(row)));
         }

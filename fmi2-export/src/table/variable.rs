@@ -12,6 +12,8 @@ pub struct Variable<V: 'static> {
     pub(crate) name: &'static str,
     pub(crate) role: Option<Role>,
     pub(crate) description: &'static str,
+    /// What the group of the variable is about; empty where it is in none.
+    pub(crate) head: &'static str,
     /// Where the start value comes from.
     pub(crate) source: &'static str,
     /// The value of the paper, where it differs from the start value.
@@ -83,7 +85,7 @@ impl<V> Kind<V> {
 #[allow(unsafe_code, clippy::missing_safety_doc, reason = "told above for all of them")]
 impl<V> Variable<V> {
     const fn new(name: &'static str, size: Option<usize>, kind: Kind<V>) -> Self {
-        Self { name, role: None, description: "", source: "", paper: None, paper_text: "", size, kind }
+        Self { name, role: None, description: "", head: "", source: "", paper: None, paper_text: "", size, kind }
     }
 
     pub const unsafe fn new_real(
@@ -163,6 +165,12 @@ impl<V> Variable<V> {
     /// One line that says what the variable is.
     pub const fn describe(mut self, text: &'static str) -> Self {
         self.description = text;
+        self
+    }
+
+    /// What the group of the variable is about.
+    pub const fn head(mut self, text: &'static str) -> Self {
+        self.head = text;
         self
     }
 
