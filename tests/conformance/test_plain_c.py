@@ -241,23 +241,83 @@ def test_a_state_of_the_library_is_one_of_the_fmu(tmp_path: Path) -> None:
     run = subprocess.run([str(compiled(source, tmp_path / "save", "dob"))], capture_output=True, check=True)
     state, current = run.stdout[:-8], np.frombuffer(run.stdout[-8:])[0]
 
-    file = ROOT / "target/fmu/fmu-dob.fmu"
-    description = fmpy.read_model_description(str(file))
-    slave = FMU2Slave(
-        instanceName="restored",
-        guid=description.guid,
-        unzipDirectory=fmpy.extract(str(file), str(tmp_path / "fmu")),
-        modelIdentifier=description.coSimulation.modelIdentifier,
-    )
-    slave.instantiate(callbacks=fmi2CallbackFunctions(logger=fmi2CallbackLoggerTYPE(lambda *_: None)))
+    slave, references = instance_of_dob(tmp_path)
     handle = slave.deSerializeFMUstate(state)
     slave.setFMUstate(handle)
     slave.freeFMUstate(handle)
-    references = {variable.name: variable for variable in description.modelVariables}
     put(slave, references["position"], 99e-9)
     slave.doStep(currentCommunicationPoint=100e-4, communicationStepSize=1e-4)
     assert slave.getReal([references["current"].valueReference])[0] == current
     slave.freeInstance()
+
+
+def instance_of_dob(folder: Path) -> tuple[FMU2Slave, dict[str, Any]]:
+    """Return an instance of the FMU of the library, and its variables by name."""
+    file = ROOT / "target/fmu/fmu-dob.fmu"
+    description = fmpy.read_model_description(str(file))
+    slave = FMU2Slave(
+        instanceName="other",
+        guid=description.guid,
+        unzipDirectory=fmpy.extract(str(file), str(folder / "fmu")),
+        modelIdentifier=description.coSimulation.modelIdentifier,
+    )
+    slave.instantiate(callbacks=fmi2CallbackFunctions(logger=fmi2CallbackLoggerTYPE(lambda *_: None)))
+    return slave, {variable.name: variable for variable in description.modelVariables}
+
+
+@pytest.mark.parametrize("start", [0.0, -0.37, 2.00003])
+def test_a_state_of_the_fmu_is_one_of_the_library(tmp_path: Path, start: float) -> None:
+    source = tmp_path / "restore.c"
+    source.write_text(
+        """
+        #include <stdio.h>
+        #include "fmu_dob.h"
+        int main(int count, char **words) {
+            static char bytes[1 << 20];
+            fmu_dob_parameters p;
+            fmu_dob_inputs in;
+            fmu_dob_outputs out;
+            (void)count;
+            fmu_dob_start_parameters(&p);
+            fmu_dob_start_inputs(&in);
+            fmu_dob *c = fmu_dob_new(&p, NULL, NULL, NULL);
+            FILE *file = fopen(words[1], "rb");
+            const size_t size = fread(bytes, 1, sizeof bytes, file);
+            fclose(file);
+            if (!fmu_dob_restore(c, bytes, size)) return 1;
+            for (int k = 0; k < 300; k++) {
+                // what is no state is refused, and changes nothing
+                if (k % 100 == 50 && fmu_dob_restore(c, bytes, size / 2)) return 2;
+                in.position = 1e-9 * k;
+                if (!fmu_dob_step(c, &in, &out)) return 3;
+                fwrite(&out.current, sizeof out.current, 1, stdout);
+            }
+            fmu_dob_free(c);
+            return 0;
+        }
+        """
+    )
+    program = compiled(source, tmp_path / "restore", "dob", words=("cc", "-std=c11"))
+    slave, references = instance_of_dob(tmp_path)
+    slave.setupExperiment(startTime=start)
+    slave.enterInitializationMode()
+    slave.exitInitializationMode()
+    # half a sample remains
+    slave.doStep(currentCommunicationPoint=start, communicationStepSize=2.5e-4)
+    handle = slave.getFMUstate()
+    (tmp_path / "state").write_bytes(slave.serializeFMUstate(handle))
+    slave.freeFMUstate(handle)
+    expected = []
+    for k in range(300):
+        put(slave, references["position"], 1e-9 * k)
+        slave.doStep(
+            currentCommunicationPoint=start + 2.5e-4 + 1e-4 * k,
+            communicationStepSize=1e-4,
+        )
+        expected.append(slave.getReal([references["current"].valueReference])[0])
+    slave.freeInstance()
+    run = subprocess.run([str(program), str(tmp_path / "state")], capture_output=True, check=False)
+    assert (run.returncode, np.frombuffer(run.stdout).tolist()) == (0, expected)
 
 
 def test_a_sample_allocates_nothing(tmp_path: Path) -> None:

@@ -6,7 +6,6 @@ use std::path::Path;
 use anyhow::{Context, Result, bail, ensure};
 use cargo_fmu::fmu;
 use cargo_fmu::inspect::Rules;
-use cargo_fmu::linker::Linker;
 use cargo_fmu::platform::Platform;
 use cargo_fmu::project::Project;
 pub use cargo_fmu::{binary, build};
@@ -22,9 +21,7 @@ use crate::workspace::Workspace;
 /// When a name is unknown, a build fails, or a binary breaks a rule of [`cargo_fmu::inspect`].
 pub fn run(workspace: &Workspace, names: &[String]) -> Result<()> {
     let packages = select(&workspace.root, &controllers(workspace), names)?;
-    if workspace.linker == Linker::Zig {
-        setup::environment(workspace)?;
-    }
+    setup::linker(workspace)?;
     pack_all(workspace, &packages)
 }
 

@@ -9,6 +9,7 @@ use cargo_fmu::build;
 use cargo_fmu::plain::{self, Library};
 
 use crate::fmu::{controllers, select};
+use crate::setup;
 use crate::workspace::Workspace;
 
 /// Name of the Modelica package; what of it is not made from declarations lies in `modelica/`.
@@ -22,6 +23,7 @@ const NEEDED: &str = "Resources/Library/libfmu_dob.a";
 /// # Errors
 /// When a name is unknown, a build fails, or the C compiler or `objcopy` is missing.
 pub fn run(workspace: &Workspace, names: &[String], modelica: bool) -> Result<()> {
+    setup::linker(workspace)?;
     let mut libraries: Vec<Library> = Vec::new();
     for package in select(&workspace.root, &controllers(workspace), names)? {
         let compiled = build::static_library(workspace, package)?;

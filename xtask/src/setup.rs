@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::process::Command;
 
 use anyhow::{Context, Result};
+use cargo_fmu::linker::Linker;
 
 use crate::fingerprint::{self, Stamp};
 use crate::process;
@@ -29,6 +30,14 @@ pub const NATIVE: &[&str] = &[
 pub fn run(workspace: &Workspace) -> Result<()> {
     environment(workspace)?;
     native(workspace)
+}
+
+/// Makes `.venv` where the linker lies in it.
+///
+/// # Errors
+/// As [`environment`].
+pub fn linker(workspace: &Workspace) -> Result<()> {
+    if workspace.linker == Linker::Zig { environment(workspace) } else { Ok(()) }
 }
 
 /// Makes `.venv` and installs the requirements with the hashes of `requirements.txt`.

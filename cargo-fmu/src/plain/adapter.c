@@ -42,7 +42,8 @@ struct @id@ {
     @id@_tell tell;
     void *user;
     double period;
-    /* samples done */
+    /* time at the beginning or of the restored state, and the samples done since then */
+    double begin;
     uint64_t samples;
     /* the FMI functions keep a pointer to it */
     callbacks functions;
@@ -105,12 +106,10 @@ static bool set_inputs(void *c, const @id@_inputs *in) {
 @set_inputs@    return true;
 }
 
-/* the time between samples, and how many of them are done */
+/* the time between samples, and that of the instance */
 static bool look_at_time(@id@ *self) {
-    double time;
-@period@    if (!DONE(fmi2GetRealStatus(self->instance, LAST_SUCCESSFUL_TIME, &time))) return false;
-    self->samples = (uint64_t)(time / self->period + 0.5);
-    return true;
+@period@    self->samples = 0;
+    return DONE(fmi2GetRealStatus(self->instance, LAST_SUCCESSFUL_TIME, &self->begin));
 }
 
 void @id@_start_parameters(@id@_parameters *p) {
@@ -146,7 +145,8 @@ void @id@_free(@id@ *self) {
 
 bool @id@_step(@id@ *self, const @id@_inputs *inputs, @id@_outputs *outputs) {
     if (!set_inputs(self->instance, inputs)) return false;
-    if (!DONE(fmi2DoStep(self->instance, (double)self->samples * self->period, self->period, 1))) return false;
+    const double time = self->begin + (double)self->samples * self->period;
+    if (!DONE(fmi2DoStep(self->instance, time, self->period, 1))) return false;
     self->samples++;
     return @id@_read(self, outputs);
 }
@@ -176,10 +176,14 @@ size_t @id@_save(@id@ *self, void *bytes, size_t capacity) {
 }
 
 bool @id@_restore(@id@ *self, const void *bytes, size_t size) {
-    void *state = NULL;
-    if (!DONE(fmi2DeSerializeFMUstate(self->instance, (const char *)bytes, size, &state))) return false;
-    const bool good = DONE(fmi2SetFMUstate(self->instance, state)) && look_at_time(self);
+    void *before = NULL, *state = NULL;
+    if (!DONE(fmi2GetFMUstate(self->instance, &before))) return false;
+    const bool good = DONE(fmi2DeSerializeFMUstate(self->instance, (const char *)bytes, size, &state)) &&
+                      DONE(fmi2SetFMUstate(self->instance, state)) && look_at_time(self);
+    /* what was refused is an error of the instance, which the state before has not */
+    if (!good) fmi2SetFMUstate(self->instance, before);
     fmi2FreeFMUstate(self->instance, &state);
+    fmi2FreeFMUstate(self->instance, &before);
     return good;
 }
 @texts@

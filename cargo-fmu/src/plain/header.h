@@ -1,7 +1,7 @@
 /* @name@: @description@
  *
  * Written by `cargo fmu --plain-c` from the declaration of the variables; GUID @guid@.
- * Link with `lib@id@.a` and the mathematical library (`-lm`). Units are SI.
+ * Link with `lib@id@.a` and the mathematical library (`-lm`), before glibc 2.34 also with `-lpthread -ldl`. Units are SI.
  *
  * Memory: an instance is made by @id@_new and freed by @id@_free. @id@_step allocates nothing, except in a sample that
  * tells of a new state or fault.
@@ -34,7 +34,7 @@ typedef struct {
 @parameters@} @id@_parameters;
 
 /** Receives messages: news of the controller (level 0), warnings (1), what was refused (2),
- * errors (3) and faults of the program itself (4). */
+ * errors (3) and faults of the program itself (4). It calls no function of the controller that tells. */
 typedef void (*@id@_tell)(void *user, int level, const char *text);
 
 /** Gives the start values of the parameters. */
@@ -69,8 +69,8 @@ bool @id@_tune(@id@ *self, const @id@_parameters *parameters);
  * FMU takes them, as this library takes those of the FMU. Allocates. */
 size_t @id@_save(@id@ *self, void *bytes, size_t capacity);
 
-/** Goes on from a saved state of a controller of this kind, whatever its parameters were. False when these are no such
- * bytes, with the reason told. Allocates. */
+/** Goes on from a saved state of a controller of this kind, whatever its parameters were; the stop time of an FMU comes
+ * along. False when these are no such bytes, with the reason told: the controller goes on as it was. Allocates. */
 bool @id@_restore(@id@ *self, const void *bytes, size_t size);
 
 @texts@#ifdef __cplusplus
