@@ -53,8 +53,6 @@ def write(loop: str, changes: Sequence[str], seed: int | None, file: Path) -> Sc
             raise CosimError(
                 "a loop without a plant has nothing to be connected with", "give the scenario a plant"
             )
-        files = fmus.open_files(scenario)
-        ports = ports_of(scenario, files)
         number = scenario.loop.seed if seed is None else seed
         if not 0 <= number <= MOST:
             with concerning("loop.seed"):
@@ -62,6 +60,9 @@ def write(loop: str, changes: Sequence[str], seed: int | None, file: Path) -> Sc
     # what a run would refuse is not left to the master
     with Session(scenario) as session:
         lint.check(session)
+    with located(scenario):
+        files = fmus.open_files(scenario)
+        ports = ports_of(scenario, files)
     settings = {"loop": known(scenario), "set": list(changes), "seed": number}
     with tempfile.TemporaryDirectory() as folder:
         surroundings = build(settings, Path(folder))

@@ -11,6 +11,8 @@ from cosim.fmu.values import lookup
 from cosim.loop.wires.connect import PLANT, side_of
 from cosim.scenario.model import Scenario, Wire
 
+KINDS = {"Enumeration": "Integer"}
+"""Types that are another in a connection."""
 SHAPED = "noise, quantum and limits of a wire between FMUs have no place in an SSP"
 
 
@@ -47,7 +49,7 @@ class Ports:
 
 
 def ports_of(scenario: Scenario, files: Mapping[str, FmuFile]) -> Ports:
-    """Return the ports of a scenario.
+    """Return the ports of a scenario that would run.
 
     Raises
     ------
@@ -60,9 +62,9 @@ def ports_of(scenario: Scenario, files: Mapping[str, FmuFile]) -> Ports:
         owner, _, name = end.partition(".")
         with concerning(f"{section}.{key}"):
             variable = lookup(files[owner].variables, name)
-            if variable.kind == "String" or variable.causality not in ("input", "output"):
-                problem = f"`{end}` is a {variable.kind} of causality `{variable.causality}`"
-                raise ScenarioError(f"{problem}: masters of SSP connect numeric inputs and outputs")
+            if variable.causality not in ("input", "output"):
+                problem = f"`{end}` is of causality `{variable.causality}`"
+                raise ScenarioError(f"{problem}: masters of SSP connect inputs and outputs")
         return Port(owner, variable)
 
     targets = [("wire", wire.to) for wire in scenario.wire if side_of(wire.source) == PLANT]
@@ -75,6 +77,11 @@ def ports_of(scenario: Scenario, files: Mapping[str, FmuFile]) -> Ports:
         ends = [
             port("wire", f"{wire.to}.{key}", end) for key, end in (("from", wire.source), ("to", wire.to))
         ]
+        start, end = (KINDS.get(end.variable.kind, end.variable.kind) for end in ends)
+        if start != end:
+            with concerning(f"wire.{wire.to}"):
+                problem = f"`{wire.source}` is a {start} and `{wire.to}` a {end}"
+                raise ScenarioError(f"{problem}: masters of SSP connect variables of one type")
         strange = [end for end in ends if end.variable.kind != "Real"]
         if strange and (wire.scale, wire.offset) != (1.0, 0.0):
             with concerning(f"wire.{wire.to}"):

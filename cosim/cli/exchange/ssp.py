@@ -54,7 +54,7 @@ def ssp(
     installed. Use the communication step of the loop. It needs the extra `ssp`.
     """
     configure_logging(verbose, quiet)
-    file = out or Path(f"{Path(loop).stem}.ssp")
+    file = out or Path(f"{loop.removesuffix('.toml').replace('/', '-')}.ssp")
     if file.suffix != ".ssp":
         raise CosimError(f"cannot write a package to `{file}`", "the name must end in `.ssp`")
     with place(checked_limits(timeout, None, in_process)) as do:

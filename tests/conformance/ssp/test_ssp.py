@@ -159,6 +159,9 @@ def test_fmpy_closes_the_loop(package: Path, found: tuple[float, float]) -> None
         (["loop.compute_delay=0"], "`loop.compute_delay` = 0"),
         (["loop.seed=2147483648"], "the seed 2147483648"),
         (["wire.controller.position.from=plant.positon"], "no reading `positon`"),
+        (["wire.controller.position.from=plnt.position"], "`plnt"),
+        (["wire.plant.current.from=contoller.current"], "`contoller"),
+        (["wire.plant.current.from=plant.position"], "`plant.position`"),
     ],
 )
 def test_what_a_package_cannot_tell_is_refused(changes: list[str], told: str, tmp_path: Path) -> None:
@@ -202,11 +205,12 @@ def between(**keys: object) -> str:
         (TWO.replace('"fmu-dob"', '"fmu-dob"\nstep = 2e-4', 1) + between(), "the step 0.0002 s of `a`"),
         (TWO + between(noise=1e-9), "noise, quantum and limits"),
         (TWO + between(**{"from": "a.contact", "to": "b.enable", "scale": 2.0}), "`a.contact`, a Boolean"),
+        (TWO + between(**{"from": "a.contact"}), "`a.contact` is a Boolean and `b.position` a Real"),
         (TWO + between(to="b.approach.velocity"), "of causality `parameter`"),
         (
             TWO.replace("fmu-dob", "fmu-deburr", 1).replace("a.position", "a.axis6.position")
             + between(**{"from": "a.bank.message"}),
-            "`a.bank.message` is a String",
+            "`a.bank.message` is no numeric output",
         ),
         (
             TWO + between() + table("inject", to="a.position", offset=1e-6, from_time=0.01, duration=0.01),
