@@ -120,7 +120,7 @@ pub fn numbers(vars: &Vars) -> String {
             p.limits.job_time
         ),
         Fault::Divergence => format!(
-            ": error over a turn `{:.1} um`, limit `limits.tracking_error` = `{:.1} um`",
+            ": doubled from turn to turn, to `{:.1} um`, beyond `limits.tracking_error` = `{:.1} um`",
             1e6 * output.error.rms,
             1e6 * p.limits.tracking_error
         ),

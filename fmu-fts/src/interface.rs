@@ -415,7 +415,7 @@ mod variables {
         #[var(unit = ONE, range = 0.0..=0.9, start = 0.4, source = "our choice: half the torque still tracks within 1 um")] pub drive_share: f64,
         /// Part of the samples at the limit of the torque that is too much, as a mean over 0.1 s; 1 for no check
         #[var(unit = ONE, range = 0.01..=1.0, start = 0.18, source = "derived: 20 ms from rest, a fifth of a turn at 600 rpm")] pub saturated_share: f64,
-        /// Error over a turn that the cancellation must come below, within 8 `afc.tau`, root mean square
+        /// Error over a turn that the cancellation must come below, within 8 `afc.tau`, root mean square; one beyond it may not double
         #[var(unit = METRE as "um", range = 1e-7..=0.1, start = 20e-6, source = "derived: fifty times what it leaves, three times what x20 noise leaves")] pub tracking_error: f64,
         /// Way out of the part after a fault and after the cut
         #[var(unit = METRE as "mm", range = 0.0..=0.05, start = 1e-3, source = "our choice")] pub retract: f64,

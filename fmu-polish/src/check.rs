@@ -119,15 +119,11 @@ fn stick_slip_velocity(p: &Parameters) -> Result<(), ParameterError> {
         .must_be(p.stick_slip.mode == Mode::Off || value < most, || format!("less than `velocity_max` = `{most} m/s`"))
 }
 
-/// There is room to raise K_v, below what the drives may do.
+/// There is room to raise K_v.
 fn stick_slip_sliding(p: &Parameters) -> Result<(), ParameterError> {
     let (sliding, most) = (sliding::wanted(p), p.stick_slip.velocity_max);
     let speed = Parameter::new("stick_slip.sliding", sliding, "m/s", "lower it, or 0 for a K_v that stays");
-    speed
-        .must_be(sliding == 0.0 || sliding < most, || format!("less than `stick_slip.velocity_max` = `{most} m/s`"))?;
-    let velocity = Parameter::new("stick_slip.velocity_max", most, "m/s", "lower it, or raise `velocity_max`");
-    let limit = p.velocity_max;
-    velocity.must_be(sliding == 0.0 || most < limit, || format!("less than `velocity_max` = `{limit} m/s`"))
+    speed.must_be(sliding == 0.0 || sliding < most, || format!("less than `stick_slip.velocity_max` = `{most} m/s`"))
 }
 
 /// Half of the sweep to and fro is a position error that is wanted.
@@ -162,7 +158,6 @@ mod tests {
         (|p| p.stick_slip.half_period = 100, "stick_slip.half_period", "`100 samples`", "`0.0005 m`"),
         (|p| p.stick_slip.ratio = 60.0, "stick_slip.half_period", "`10 samples`", "`0.0006 m`"),
         (|p| p.stick_slip.sliding = 0.02, "stick_slip.sliding", "`0.02 m/s`", "`stick_slip.velocity_max` = `0.02 m/s`"),
-        (|p| p.velocity_max = 0.02, "stick_slip.velocity_max", "`0.02 m/s`", "`velocity_max` = `0.02 m/s`"),
         (|p| p.stick_slip.velocity = 0.06, "stick_slip.velocity", "`0.06 m/s`", "`0.05 m/s`"),
     ];
 

@@ -177,7 +177,10 @@ pub fn numbers(vars: &Vars) -> String {
                 p.limits.lost_samples, x.x, x.y, x.z, f.x, f.y, f.z
             )
         }
-        Fault::InvalidPath => format!(" {place}, by more than `limits.force_angle` = `{} rad`", p.limits.force_angle),
+        Fault::InvalidPath => format!(
+            " {place}: mean angle beyond `limits.force_angle` = `{} rad`, with `{:.2} N` and a raw force of `{} {} {} N`",
+            p.limits.force_angle, force.measured, f.x, f.y, f.z
+        ),
         Fault::ApproachTimeout => {
             format!(
                 ": `{} m` down, `{:.6} m` below it, with `{:.2} N`",

@@ -43,8 +43,8 @@ mod variables {
         #[hint("look for a drop in the surface, or raise `impedance.bandwidth` (without `impedance.adaptive`: lower `impedance.damping`)")] LostContact,
         /// An override was NaN or infinite for `limits.lost_samples` samples
         #[hint("check the wires of `feed_override` and `force_override`")] InvalidInput,
-        /// The force does not point along the normals of the path
-        #[hint("check the normals of the CL data, and how the mold is set up")] InvalidPath,
+        /// The force does not point along the normals of the path: these are wrong, or the force is larger than it is shown
+        #[hint("check the normals of the CL data, how the mold is set up, and the force sensor")] InvalidPath,
         /// No contact within `approach.travel_max`, nor `limits.approach_depth` below the begin of the path
         #[hint("move the tool closer before `enable`, or check the place of the mold and the force sensor")] ApproachTimeout,
         /// The tool was more than `limits.position_error` off along the path or beside it
@@ -89,8 +89,8 @@ mod variables {
         #[hint("look at the force sensor: its zero may have moved")] UnloadTimeout,
         /// The job took longer than `limits.job_time`
         #[hint("raise it, or `feed_override`")] NoProgress,
-        /// The ball slid at less than 0.8 of `stick_slip.sliding`, with K_v raised to `stick_slip.velocity_max`
-        #[hint("raise `stick_slip.velocity_max` or take a shorter `stick_slip.half_period`, a tip that is stiffer across its axis, or lower `stick_slip.sliding`")] NoSliding,
+        /// The ball slid at less than 0.8 of `stick_slip.sliding`, with K_v raised as far as `stick_slip.velocity_max` and the sweep let it
+        #[hint("raise `stick_slip.half_period` or `stick_slip.velocity_max`, take a tip that is stiffer across its axis, or lower `stick_slip.sliding`")] NoSliding,
     }
     /// Which law polishes; Paper takes the paper's value where there is one and the parameter was not set
     pub enum Law {
@@ -221,7 +221,7 @@ mod variables {
     }
     /// What the work of the axes against the lateral force says of the contact.
     pub struct SlidingOutput {
-        /// Mean speed at which the ball slides, measured over 0.2 s
+        /// Mean speed at which the ball slides, measured over 0.2 s or more, in whole periods of the stick-slip motion
         #[var(unit = METRE_PER_SECOND as "mm/s")] pub speed: f64,
         /// Friction of the ball while it slides
         #[var(unit = NEWTON)] pub friction: f64,
@@ -353,7 +353,7 @@ mod variables {
     /// Stick-slip motion, eqs. 7 to 17.
     pub struct StickSlip {
         #[var(start = Mode::Cross, paper = Mode::Paper, source = "our choice")] pub mode: Mode,
-        /// Velocity K_v, eq. 16
+        /// Velocity K_v, eq. 16; 0 for no stick-slip motion
         #[var(unit = METRE_PER_SECOND as "mm/s", range = 0.0..=0.1, start = 10e-3, source = "measured", tunable)] pub velocity: f64,
         /// Samples of one sign, 1 for eq. 17
         #[var(range = 1..=1000, start = 10, paper = 1, source = "measured: 1 does nothing")] pub half_period: i32,
@@ -424,7 +424,7 @@ mod variables {
         #[var(unit = METRE as "mm", range = 1e-6..=0.05, start = 0.5e-3, source = "our choice")] pub position_error: f64,
         /// Largest distance of the surface from the path along the normal
         #[var(unit = METRE as "mm", range = 1e-6..=0.05, start = 0.5e-3, source = "our choice")] pub surface_error: f64,
-        /// Largest angle between the mean force and the normal, friction to either side counted
+        /// Largest angle between the mean force and the normal, friction to either side counted: 0.6 rad are a friction of 0.68
         #[var(unit = RADIAN as "deg", range = 0.1..=3.0, start = 0.6, source = "derived: friction alone gives 22 deg at 0.4, the rest for normals")] pub force_angle: f64,
         /// Largest force that may be a zero of the sensor
         #[var(unit = NEWTON, range = 0.1..=100.0, start = 2.0, source = "our choice: the tip weighs 0.1 N")] pub tare_force: f64,

@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import pytest
 
-from .matrix import load
+from .matrix import load, names
 from .outcome import running
 
 pytestmark = [pytest.mark.acceptance, pytest.mark.full]
 
 
-@pytest.mark.parametrize("name", ["centering", "deburr", "dob", "fts", "polish"])
+@pytest.mark.parametrize("name", names())
 @pytest.mark.parametrize("seed", [71_302, 71_303])
 def test_every_row_holds_with_another_seed(name: str, seed: int) -> None:
     with running(replace(load(name), seed=seed)) as runner:

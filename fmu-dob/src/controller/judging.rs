@@ -20,7 +20,7 @@ fn started(p: &Parameters) -> u32 {
 
 impl Controller {
     /// Whether all that the detector remembers are readings that counted in full.
-    pub(super) fn trusted(p: &Parameters, reading: &Reading) -> bool {
+    fn trusted(p: &Parameters, reading: &Reading) -> bool {
         reading.whole > Detector::memory(p)
     }
 

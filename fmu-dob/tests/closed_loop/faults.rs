@@ -418,9 +418,8 @@ fn a_stage_that_is_pulled_from_its_reference_is_told() {
     }
     // the thrust goes into the pull, far below the largest disturbance
     assert!(run.slide.push > -10.0, "{} N", run.slide.push);
-    assert!(matches!(run.output.fault, Fault::FollowingError | Fault::WeakDrive), "{:?}", run.output.fault);
-    let fault = run.output.fault;
-    switches_off(run, fault);
+    // a pull that grows with the thrust against it looks like a drive that does less and less
+    switches_off(run, Fault::WeakDrive);
 }
 
 #[test]

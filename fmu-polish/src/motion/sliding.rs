@@ -116,13 +116,14 @@ impl Sliding {
 /// The least speed (m/s) that is wanted; 0 where K_v is not to be changed.
 pub fn wanted(p: &Parameters) -> f64 {
     let law = &p.stick_slip;
-    if law.mode == Mode::Off || law.ratio > 0.0 { 0.0 } else { law.sliding }
+    if law.mode == Mode::Off || law.ratio > 0.0 || law.velocity == 0.0 { 0.0 } else { law.sliding }
 }
 
-/// The largest K_v, m/s: that of the parameters, and no sweep that is a position error.
+/// The largest K_v, m/s: that of the parameters, what the feed leaves of the drives, and no sweep that is a position error.
 fn highest(p: &Parameters) -> f64 {
     let sweep = f64::from(p.stick_slip.half_period) * p.sample_period;
-    p.stick_slip.velocity_max.min(2.0 * SWEEP * p.limits.position_error / sweep)
+    let left = p.velocity_max - p.feed.velocity;
+    p.stick_slip.velocity_max.min(left).min(2.0 * SWEEP * p.limits.position_error / sweep)
 }
 
 /// Samples of a window: whole periods of the stick-slip motion.

@@ -73,8 +73,12 @@ fn a_ball_that_never_slides_is_named_with_its_numbers() {
 
 #[test]
 fn without_a_wanted_speed_and_with_a_ratio_nothing_is_raised_nor_named() {
-    let changes: [fn(&mut Parameters); 3] =
-        [|p| p.stick_slip.sliding = 0.0, |p| p.stick_slip.ratio = 1.0, |p| p.stick_slip.mode = Mode::Off];
+    let changes: [fn(&mut Parameters); 4] = [
+        |p| p.stick_slip.sliding = 0.0,
+        |p| p.stick_slip.ratio = 1.0,
+        |p| p.stick_slip.mode = Mode::Off,
+        |p| p.stick_slip.velocity = 0.0,
+    ];
     for change in changes {
         let mut p = P;
         change(&mut p);
@@ -82,6 +86,19 @@ fn without_a_wanted_speed_and_with_a_ratio_nothing_is_raised_nor_named() {
         assert!(run.run_to(State::Unload, 20.0), "{:?}", run.output.fault);
         assert_eq!(run.output.sliding.added, 0.0);
     }
+}
+
+#[test]
+fn no_more_is_added_than_the_feed_leaves_of_slow_drives() {
+    let mut p = P;
+    p.velocity_max = 0.015;
+    let mut run = Loop::new(&p, tip(30e3, 0.4), 606);
+    let mut most: f64 = 0.0;
+    while !matches!(run.output.state, State::Fault | State::Unload) {
+        run.step();
+        most = most.max(run.output.sliding.added);
+    }
+    assert!((most - (p.velocity_max - p.feed.velocity - p.stick_slip.velocity)).abs() < 1e-12, "{most}");
 }
 
 #[test]
