@@ -51,6 +51,10 @@ int main(void) {
 }
 """
 
+EXAMPLES = {"Contact": "dob", "Mold": "polish", "Edge": "deburr", "Lens": "fts", "Ring": "centering"}
+"""And the controller of each."""
+RARE = ("deburr", "fts", "centering")
+
 pytestmark = pytest.mark.xdist_group("builds")
 
 
@@ -70,7 +74,8 @@ def block_of(name: str) -> Path:
 
 
 @pytest.mark.parametrize(
-    "file", ["package.mo", "Interfaces.mo", "Examples/package.mo", "Examples/Contact.mo"]
+    "file",
+    ["package.mo", "Interfaces.mo", "Examples/package.mo", *(f"Examples/{name}.mo" for name in EXAMPLES)],
 )
 def test_rumoca_reads_what_is_written_by_hand(file: str) -> None:
     need("rumoca", "rumoca" if importlib.util.find_spec("rumoca") else None)
@@ -94,14 +99,22 @@ def test_rumoca_reads_the_block(name: str) -> None:
         rumoca.format(text.replace("end when;", "", 1))
 
 
-def test_rumoca_resolves_the_example_up_to_its_external_object() -> None:
+@pytest.mark.parametrize(
+    ("example", "name"),
+    [
+        pytest.param(example, name, marks=pytest.mark.full if name in RARE else ())
+        for example, name in EXAMPLES.items()
+    ],
+)
+def test_rumoca_resolves_an_example_up_to_its_external_object(example: str, name: str) -> None:
     need("rumoca", "rumoca" if importlib.util.find_spec("rumoca") else None)
     import rumoca
 
-    session = rumoca.Session(roots=[str(package("dob"))])
+    file = package(name) / f"Examples/{example}.mo"
+    session = rumoca.Session(roots=[str(PACKAGE)])
     # all names, types and units are found; what it cannot compile is the external object itself
     with pytest.raises(rumoca.CompileError, match=r"failed in ToDae.*unsupported type `Controller`"):
-        session.load(PACKAGE / "Examples/Contact.mo", model="MachiningFMUs.Examples.Contact")
+        session.load(file, model=f"MachiningFMUs.Examples.{example}")
 
 
 def lists(text: str) -> list[list[str]]:

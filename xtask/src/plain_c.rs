@@ -14,8 +14,6 @@ use crate::workspace::Workspace;
 
 /// Name of the Modelica package; what of it is not made from declarations lies in `modelica/`.
 const PACKAGE: &str = "MachiningFMUs";
-/// What its examples need.
-const NEEDED: &str = "Resources/Library/libfmu_dob.a";
 
 /// Builds the named controllers (`dob` or `fmu-dob`), all of them when none is named, into `target/c/<package>/`; and with
 /// `modelica` a block for each of them into `target/modelica/`.
@@ -39,11 +37,23 @@ pub fn run(workspace: &Workspace, names: &[String], modelica: bool) -> Result<()
         }
         copy(&workspace.path("modelica").join(PACKAGE), &folder)?;
         plain::modelica_package(&libraries, &folder)?;
-        let (needed, examples) = (folder.join(NEEDED), folder.join("Examples"));
-        if !needed.exists() {
-            fs::remove_dir_all(&examples).with_context(|| format!("cannot remove `{}`", examples.display()))?;
-        }
+        remove_examples(&folder)?;
         println!("{}", folder.display());
+    }
+    Ok(())
+}
+
+/// Removes the examples of blocks that are not there.
+fn remove_examples(folder: &Path) -> Result<()> {
+    let examples = folder.join("Examples");
+    for entry in fs::read_dir(&examples).with_context(|| format!("cannot list `{}`", examples.display()))? {
+        let file = entry?.path();
+        let text = fs::read_to_string(&file).with_context(|| format!("cannot read `{}`", file.display()))?;
+        let block =
+            text.lines().find_map(|line| line.trim().strip_prefix(PACKAGE)?.strip_prefix('.')?.split(' ').next());
+        if block.is_some_and(|block| !folder.join(format!("{block}.mo")).exists()) {
+            fs::remove_file(&file).with_context(|| format!("cannot remove `{}`", file.display()))?;
+        }
     }
     Ok(())
 }

