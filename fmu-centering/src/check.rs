@@ -99,10 +99,10 @@ fn follow_delay(p: &Parameters) -> Result<(), ParameterError> {
 }
 
 fn follow_braking(p: &Parameters) -> Result<(), ParameterError> {
-    let most = p.slide.acceleration_max / p.slide.velocity_max;
-    let hint = "a larger gain cannot brake from the approach before the pusher touches";
+    let most = p.slide.acceleration_max / p.follow.velocity_max;
+    let hint = "a larger gain cannot brake from `follow.velocity_max` before the pusher touches; lower one of them";
     Parameter::new("follow.gain", p.follow.gain, "1/s", hint)
-        .at_most(most, "`slide.acceleration_max` over `slide.velocity_max`")
+        .at_most(most, "`slide.acceleration_max` over `follow.velocity_max`")
 }
 
 fn bands(p: &Parameters) -> Result<(), ParameterError> {
@@ -156,7 +156,7 @@ mod tests {
         (|p| p.approach.velocity = 0.2, "approach.velocity", "`0.2 m/s`", "`0.12 m/s`"),
         (|p| p.limits.friction = 0.5, "approach.velocity", "`0.12 m/s`", "`0.0198 m`"),
         (|p| p.follow.gain = 30.0, "follow.gain", "`30 1/s`", "`25 1/s`"),
-        (|p| p.follow.gain = 22.0, "follow.gain", "`22 1/s`", "acceleration_max"),
+        (|p| (p.follow.gain, p.follow.velocity_max) = (22.0, 0.12), "follow.gain", "`22 1/s`", "`21.33"),
         (|p| p.follow.dead_zone = 1e-3, "follow.dead_zone", "`0.001 m`", "`0.0005 m`"),
         (|p| p.follow.dead_zone = 3e-4, "follow.settle_band", "`0.0002 m`", "`0.0003 m`"),
         (|p| p.rates.control = 2000.0, "rates.control", "`2000 Hz`", "`1000 Hz`"),
@@ -172,6 +172,13 @@ mod tests {
     }
 
     #[test]
+    fn a_quicker_slide_may_follow_with_the_same_gain() {
+        let mut p = Parameters::START;
+        p.slide.velocity_max = 0.25;
+        check(&p).unwrap();
+    }
+
+    #[test]
     fn each_limit_belongs_to_what_is_allowed() {
         fn rounded(value: f64, up: bool) -> f64 {
             value * if up { 1.0 + 1e-12 } else { 1.0 - 1e-12 }
@@ -180,7 +187,10 @@ mod tests {
             |p, over| p.probe.stroke = rounded(p.probe.at_pusher + p.follow.gap, !over),
             |p, over| p.approach.velocity = rounded(p.slide.velocity_max, over).min(if over { 1.0 } else { 0.12 }),
             |p, over| p.follow.velocity_max = rounded(p.slide.velocity_max, over),
-            |p, over| p.follow.gain = rounded(p.slide.acceleration_max / p.slide.velocity_max, over),
+            |p, over| {
+                p.follow.velocity_max = p.slide.velocity_max;
+                p.follow.gain = rounded(p.slide.acceleration_max / p.follow.velocity_max, over);
+            },
             |p, over| p.follow.dead_zone = if over { p.follow.gap } else { rounded(p.follow.settle_band, false) },
             |p, over| p.rates.model = if over { 1000.1 } else { 1000.0 },
             |p, over| p.push.velocity_min = rounded(p.push.velocity_max, over),

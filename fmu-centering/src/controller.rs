@@ -338,6 +338,7 @@ impl Controller {
                 drive_share: self.drive.share(p),
                 probe_share: self.trial.share().unwrap_or(1.0),
                 job_time: self.progress.samples() as f64 * p.sample_period,
+                endless: self.supervisor.endless(),
             },
         }
     }

@@ -92,6 +92,8 @@ pub struct Supervisor {
     forward: f64,
     /// turning since the last push
     cycle: f64,
+    /// revolutions of one of them that are too many, and how many there may be
+    endless: Option<[f64; 2]>,
 }
 
 impl Supervisor {
@@ -104,6 +106,11 @@ impl Supervisor {
         }
     }
 
+    /// Revolutions without result where there were too many, and how many there may be.
+    pub fn endless(&self) -> Option<[f64; 2]> {
+        self.endless
+    }
+
     /// The gravest thing that is wrong in this tick.
     pub fn check(&mut self, p: &Parameters, view: &Watched) -> Option<Fault> {
         self.count(p, view);
@@ -113,7 +120,9 @@ impl Supervisor {
         let over = |count: Consecutive, time: f64| count.count() > p.ticks(time);
         let too_far = view.probe >= p.probe.stroke || over(self.pressed, PRESSED_TIME);
         let unsettled = over(self.unsettled, UNSETTLED_TIME + p.null() / p.follow.velocity_max + p.settling().1);
-        let endless = self.turned > TURNS_MAX * TAU || self.cycle > CYCLE_TURNS_MAX * TAU;
+        let turnings = [(self.turned, TURNS_MAX), (self.cycle, CYCLE_TURNS_MAX)];
+        let endless = turnings.into_iter().find(|(turned, most)| *turned > most * TAU);
+        self.endless = endless.map(|(turned, most)| [turned / TAU, most]);
         let reversing = self.turned > TURNS_MAX * TAU && self.forward.abs() < FORWARD * self.turned;
         let standing = over(self.still, STILL_TIME) || reversing;
         let flying = over(self.flying, FLYING_TIME) || view.estimate.is_some_and(|ring| too_fast(p, view.speed, ring));
@@ -122,7 +131,7 @@ impl Supervisor {
             .or((view.beyond_travel || over(self.lost, LOST_TIME)).then_some(Fault::NoPart))
             .or(flying.then_some(Fault::Centrifugal))
             .or(standing.then_some(Fault::Spindle))
-            .or(endless.then_some(Fault::NoProgress))
+            .or(endless.map(|_| Fault::NoProgress))
     }
 
     fn count(&mut self, p: &Parameters, view: &Watched) {
@@ -216,8 +225,14 @@ pub fn numbers(vars: &Vars) -> String {
             )
         }
         (State::Fault, Fault::NoProgress) => {
-            let limit = job_time(p, output.spindle_speed);
-            format!(": `{:.1} s` of `{limit:.1} s`, B = `{e:.2} um`", output.monitor.job_time)
+            let lasted = match output.monitor.endless {
+                Some([turns, most]) => format!("`{turns:.2}` of `{most}` revolutions without result"),
+                None => {
+                    let limit = job_time(p, output.spindle_speed);
+                    format!("`{:.1} s` of `{limit:.1} s`", output.monitor.job_time)
+                }
+            };
+            format!(": {lasted}, B = `{e:.2} um`")
         }
         (State::Fault, Fault::Spindle) => format!(": `{:.3} rad/s`", output.spindle_speed),
         (State::Fault, Fault::Unresolved) => format!(": B = `{e:.3} um`, standard deviation `{sigma:.3} um`"),

@@ -164,6 +164,8 @@ mod variables {
         #[var(unit = ONE, start = 1.0)] pub probe_share: f64,
         /// Since the start, until `centred`
         #[var(unit = SECOND)] pub job_time: f64,
+        /// Revolutions without result and how many there may be, where that is the fault.
+        #[var(hidden, start = None)] pub endless: Option<[f64; 2]>,
     }
     /// All parameters.
     #[parameters] pub struct Parameters {
@@ -362,13 +364,14 @@ mod variables {
         #[var(range = 1..=1000, start = 25, source = "our choice")] pub pushes: i32,
         /// A slower spindle stands still
         #[var(unit = RADIAN_PER_SECOND as "rpm", range = 1e-3..=10.0, start = 0.1, source = "our choice: 1 rpm")] pub spindle_speed_min: f64,
-        /// Samples in a row with a reading where the machine cannot be; fewer are bridged
+        /// Samples in a row that are bridged when a reading is where the machine cannot be
         #[var(range = 0..=100, start = 3, source = "our choice: a spike is shorter")] pub lost_samples: i32,
         /// Largest distance of the slide from its setpoint, beside what one sample of motion is worth
         #[var(unit = METRE as "mm", range = 1e-5..=0.1, start = 1e-3,
             source = "derived: a / w^2 = 0.04 mm in the fastest moves, 0.3 mm of deflection by 70 kg on 40 Hz, and three times that")]
         pub following_error: f64,
-        /// Longest centring; 0 for `approach.travel_max` / `approach.velocity` + (`limits.pushes` + 1) (5 s + 2.2 revolutions)
+        /// Longest centring; 0 for `approach.travel_max` / `approach.velocity` + (`limits.pushes` + 1) (5 s + 2.2 revolutions
+        /// + the way of the probe to its place / `follow.velocity_max`)
         #[var(unit = SECOND, range = 0.0..=1e5, start = 0.0, source = "derived: what every push may take until the next")] pub job_time: f64,
     }
 }

@@ -107,7 +107,7 @@ impl Controller {
             learning: false,
             learned: false,
             load,
-            reader: Reader::start(),
+            reader: Reader::default(),
             watch: Watch::new(p),
             delay: DelayMonitor::default(),
             tool: ToolMonitor::default(),

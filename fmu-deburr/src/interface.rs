@@ -69,7 +69,7 @@ mod variables {
     pub enum Fault {
         /// No fault
         None,
-        /// An input is infinite or out of its plausible range, `speed_override` is NaN, or a reading is before any good one
+        /// A reading was infinite or out of its plausible range, or `speed_override` no number, for more than `limits.lost_samples`, or before any good sample
         InvalidInput,
         /// A reading was for more than `limits.lost_samples` where neither axis nor tool can be
         #[hint("look at the cable and the counter of the encoder, or at the speed sensor of the tool")] ReadingJump,
@@ -400,7 +400,8 @@ mod variables {
         #[var(unit = METRE as "mm", range = 0.0..=1e3, source = "our choice: any, because only the job knows its gaps")] pub idle_way: f64,
         /// Samples in a row that are bridged when a reading cannot be believed
         #[var(range = 0..=100, start = 3, source = "our choice: at 100 mm/s the tool is blind for 3 mm")] pub lost_samples: i32,
-        /// Longest time of a job, or of a lap of a cyclic path; time that is held or at an override of 0 does not count.
+        /// Longest time of a job, or of a lap of a cyclic path; time that is held does not count, nor at an override
+        /// of 0 but for `Learn`, which has its own speeds.
         /// 0 for twice the time at the slowest feed, with motions to the start through the whole travel
         #[var(unit = SECOND, range = 0.0..=1e6, source = "derived")] pub job_time: f64,
     }

@@ -1,6 +1,8 @@
 //! Checks the inputs of a sample: what can be used, what stands in for the rest, and what is wrong.
+//!
+//! What is no number, or beyond any machine, is bridged like a jump; before there was a good sample nothing can stand in for it.
 
-use control_blocks::{JumpGuard, LastGood, Reach, believable};
+use control_blocks::{Consecutive, JumpGuard, Reach, believable};
 use serde::{Deserialize, Serialize};
 
 use crate::interface::{Fault, Input, Parameters};
@@ -17,7 +19,7 @@ const OTHER_WAY: f64 = 2.0;
 const FADING: f64 = 0.8;
 
 /// The usable inputs: those of this sample, or the last good ones.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Reading {
     /// Encoder readings, rad or m.
     pub positions: Joints,
@@ -38,14 +40,14 @@ pub struct Known<'a> {
     pub cuts: bool,
 }
 
-/// Remembers the last good inputs; zeros before the first sample.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+/// Remembers what was used last; by default nothing, before the first good sample.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Reader {
-    good: LastGood<Reading>,
+    used: Option<Reading>,
     axes: [AxisReader; AXES],
     spindle: JumpGuard,
-    /// there is a good reading to bridge with
-    begun: bool,
+    /// samples with an override that is no number
+    invalid: Consecutive,
 }
 
 /// One encoder: what the commands do not explain of it may not jump.
@@ -71,38 +73,28 @@ impl AxisReader {
 }
 
 impl Reader {
-    /// Before the first sample.
-    pub fn start() -> Self {
-        Self {
-            good: LastGood::new(Reading { positions: [0.0; AXES], spindle_speed: 0.0, share: 0.0 }),
-            axes: [AxisReader::default(); AXES],
-            spindle: JumpGuard::default(),
-            begun: false,
-        }
-    }
-
-    /// The last good positions, rad or m.
+    /// The positions that were used last, rad or m; zeros before.
     pub fn positions(&self) -> Joints {
-        self.good.get().positions
+        self.used.unwrap_or_default().positions
     }
 
     /// Reads one sample: what to use, and what is wrong with it.
     pub fn read(&mut self, p: &Parameters, input: &Input, known: &Known) -> (Reading, Finding) {
-        let positions = input.axis.map(|axis| axis.position);
-        let readable = |reading: f64, most: f64| believable(reading, most) || self.begun && reading.is_nan();
-        let valid = positions.iter().all(|position| readable(*position, POSITION_MAX))
-            && readable(input.spindle_speed, SPINDLE_MAX)
-            && input.speed_override.is_finite();
-        if !valid {
-            return (*self.good.get(), Finding::plain(Fault::InvalidInput));
+        let number = |value: f64, most: f64| if believable(value, most) { value } else { f64::NAN };
+        let positions = input.axis.map(|axis| number(axis.position, POSITION_MAX));
+        let speed = number(input.spindle_speed, SPINDLE_MAX);
+        let valid = input.speed_override.is_finite();
+        if self.used.is_none() && !(valid && speed.is_finite() && positions.iter().all(|position| position.is_finite()))
+        {
+            return (Reading::default(), Finding::plain(Fault::InvalidInput));
         }
+        self.invalid.update(!valid);
         let now = Reading {
             positions: std::array::from_fn(|i| self.read_axis(p, i, positions[i], known)),
-            spindle_speed: self.read_spindle(p, input.spindle_speed, known.cuts),
-            share: input.speed_override.clamp(0.0, 1.0),
+            spindle_speed: self.read_spindle(p, speed, known.cuts),
+            share: if valid { input.speed_override.clamp(0.0, 1.0) } else { self.used.unwrap_or_default().share },
         };
-        self.begun = true;
-        self.good.update(now, true);
+        self.used = Some(now);
         (now, self.doubted(p, input))
     }
 
@@ -117,15 +109,21 @@ impl Reader {
         self.spindle.update(speed, Reach { motion, spread: 0.0 })
     }
 
-    /// The reading that was doubted too long; axis 0 is the tool.
+    /// The input that was doubted too long; axis 0 is the tool.
     fn doubted(&self, p: &Parameters, input: &Input) -> Finding {
         let bridged = p.limits.lost_samples.unsigned_abs();
         let axis = self.axes.iter().position(|axis| axis.guard.doubted() > bridged);
-        if axis.is_none() && self.spindle.doubted() <= bridged {
-            return Finding::NONE;
-        }
-        let reading = axis.map_or(input.spindle_speed, |i| input.axis[i].position);
-        let fault = if reading.is_nan() { Fault::LostReading } else { Fault::ReadingJump };
+        let (reading, most) = match axis {
+            Some(i) => (input.axis[i].position, POSITION_MAX),
+            None if self.spindle.doubted() > bridged => (input.spindle_speed, SPINDLE_MAX),
+            None if self.invalid.count() > bridged => return Finding::plain(Fault::InvalidInput),
+            None => return Finding::NONE,
+        };
+        let fault = match reading {
+            _ if reading.is_nan() => Fault::LostReading,
+            _ if !believable(reading, most) => Fault::InvalidInput,
+            _ => Fault::ReadingJump,
+        };
         let axis = axis.map_or(0, |i| i as i32 + 1);
         Finding { fault, numbers: Numbers { axis, limit: f64::from(bridged), ..Numbers::START } }
     }
@@ -144,41 +142,50 @@ mod tests {
     }
 
     #[test]
-    fn nonsense_in_any_input_is_never_used_and_invalid_unless_it_is_a_missing_reading() {
+    fn nonsense_in_any_input_is_bridged_and_has_a_name_when_it_lasts() {
         let p = Parameters::START;
-        let good = Input { spindle_speed: 1800.0, speed_override: 0.7, ..Input::START };
+        let good = Input { speed_override: 0.7, ..at(0.5) };
         let changes: [fn(&mut Input) -> &mut f64; 4] = [
             |i| &mut i.axis[0].position,
             |i| &mut i.axis[5].position,
             |i| &mut i.spindle_speed,
             |i| &mut i.speed_override,
         ];
-        for bad in with_nonsense(&good, &changes) {
-            let mut reader = Reader::start();
-            let before = reader.read(&p, &good, &REST);
-            let missing = bad.spindle_speed.is_nan() || bad.axis.iter().any(|axis| axis.position.is_nan());
-            let fault = if missing { Fault::None } else { Fault::InvalidInput };
-            let (reading, found) = reader.read(&p, &bad, &REST);
-            assert_eq!((before.1, reading, found.fault), (Finding::NONE, before.0, fault));
+        let absurd = changes[..3].iter().map(|field| {
+            let mut bad = good.clone();
+            *field(&mut bad) = 1e5 + 1.0;
+            bad
+        });
+        for bad in with_nonsense(&good, &changes).into_iter().chain(absurd) {
+            // a tool that does not cut may reach any speed in a sample
+            for known in [REST, Known { cuts: false, ..REST }] {
+                // nothing to bridge with
+                let (nothing, found) = Reader::default().read(&p, &bad, &known);
+                assert_eq!((nothing, found.fault), (Reading::default(), Fault::InvalidInput));
+                let mut reader = Reader::default();
+                let (used, _) = reader.read(&p, &good, &known);
+                for _ in 0..3 {
+                    assert_eq!(reader.read(&p, &bad, &known), (used, Finding::NONE), "{bad:?}");
+                }
+                let missing = bad.spindle_speed.is_nan() || bad.axis.iter().any(|axis| axis.position.is_nan());
+                let fault = if missing { Fault::LostReading } else { Fault::InvalidInput };
+                let (reading, found) = reader.clone().read(&p, &bad, &known);
+                assert_eq!((reading, found.fault), (used, fault), "{bad:?}");
+                assert_eq!(reader.read(&p, &good, &known), (used, Finding::NONE));
+            }
         }
     }
 
     #[test]
-    fn a_reading_that_is_no_number_is_bridged_and_then_lost() {
+    fn a_reading_that_is_lost_is_told_with_its_axis() {
         let p = Parameters::START;
         for axis in [3, 0] {
-            let mut reader = Reader::start();
-            let (good, _) = reader.read(&p, &at(0.5), &REST);
+            let mut reader = Reader::default();
+            reader.read(&p, &at(0.5), &REST);
             let mut lost = at(0.5);
             *(if axis == 3 { &mut lost.axis[2].position } else { &mut lost.spindle_speed }) = f64::NAN;
-            // nothing to bridge with
-            assert_eq!(Reader::start().read(&p, &lost, &REST).1.fault, Fault::InvalidInput);
-            for _ in 0..3 {
-                assert_eq!(reader.read(&p, &lost, &REST), (good, Finding::NONE));
-            }
-            let (_, found) = reader.clone().read(&p, &lost, &REST);
-            assert_eq!((found.fault, found.numbers.axis), (Fault::LostReading, axis));
-            assert_eq!(reader.read(&p, &at(0.5), &REST), (good, Finding::NONE));
+            let found = [0; 4].map(|_| reader.read(&p, &lost, &REST).1);
+            assert_eq!((found[3].fault, found[3].numbers.axis), (Fault::LostReading, axis));
         }
     }
 
@@ -186,14 +193,14 @@ mod tests {
     fn the_override_is_limited() {
         for (value, share) in [(-1.0, 0.0), (0.3, 0.3), (7.0, 1.0)] {
             let input = Input { speed_override: value, ..Input::START };
-            assert_eq!(Reader::start().read(&Parameters::START, &input, &REST).0.share, share);
+            assert_eq!(Reader::default().read(&Parameters::START, &input, &REST).0.share, share);
         }
     }
 
     #[test]
     fn one_sample_where_no_axis_can_be_is_bridged_along_the_commands() {
         let p = Parameters::START;
-        let mut reader = Reader::start();
+        let mut reader = Reader::default();
         let moving = Known { motions: &[1e-3; AXES], ..REST };
         for k in 0..10 {
             let position = 0.5 + 1e-3 * f64::from(k);
@@ -212,7 +219,7 @@ mod tests {
     #[test]
     fn a_reading_that_stays_away_is_told_with_its_axis() {
         let p = Parameters::START;
-        let mut reader = Reader::start();
+        let mut reader = Reader::default();
         reader.read(&p, &at(0.5), &REST);
         let mut moved = at(0.5);
         moved.axis[2].position = 0.52;
@@ -225,7 +232,7 @@ mod tests {
     fn a_drive_that_stands_or_runs_away_is_no_jump() {
         let p = Parameters::START;
         for share in [0.0, -1.0, 2.0] {
-            let mut reader = Reader::start();
+            let mut reader = Reader::default();
             for k in 0..100 {
                 let position = 0.5 + share * 5e-3 * f64::from(k);
                 let (reading, found) = reader.read(&p, &at(position), &Known { motions: &[5e-3; AXES], ..REST });
@@ -237,7 +244,7 @@ mod tests {
     #[test]
     fn without_a_closed_loop_the_axes_are_moved_by_hand() {
         let p = Parameters::START;
-        let mut reader = Reader::start();
+        let mut reader = Reader::default();
         for k in 0..50 {
             let (_, found) = reader.read(&p, &at(9e-3 * f64::from(k)), &Known { closed: false, ..REST });
             assert_eq!(found, Finding::NONE);
@@ -247,7 +254,7 @@ mod tests {
     #[test]
     fn a_tool_that_starts_is_believed_and_one_bad_sample_while_it_cuts_is_not() {
         let p = Parameters::START;
-        let mut reader = Reader::start();
+        let mut reader = Reader::default();
         for speed in [0.0, 1800.0] {
             let input = Input { spindle_speed: speed, ..at(0.5) };
             assert_eq!(reader.read(&p, &input, &Known { cuts: false, ..REST }).0.spindle_speed, speed);

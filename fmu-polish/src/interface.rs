@@ -41,7 +41,7 @@ mod variables {
         #[hint("lower `impedance.damping`, or `position.gain` if it works along the normal")] SettleTimeout,
         /// The force was below `limits.lost_force` for `limits.lost_time`
         #[hint("look for a drop in the surface, or raise `impedance.bandwidth` (without `impedance.adaptive`: lower `impedance.damping`)")] LostContact,
-        /// An override was NaN or infinite for `limits.lost_samples` samples
+        /// An override was NaN or infinite for more than `limits.lost_samples` samples
         #[hint("check the wires of `feed_override` and `force_override`")] InvalidInput,
         /// The force does not point along the normals of the path: these are wrong, or the force is larger than it is shown
         #[hint("check the normals of the CL data, how the mold is set up, and the force sensor")] InvalidPath,
@@ -59,9 +59,9 @@ mod variables {
         #[hint("move there before `enable`")] NotAtStart,
         /// The surface was further from the path than `limits.surface_error`
         #[hint("check how the mold is set up")] SurfaceError,
-        /// A position or force was NaN, infinite or beyond any machine for `limits.lost_samples` samples
+        /// A position or force was NaN, infinite or beyond any machine for more than `limits.lost_samples` samples
         #[hint("check the wires of encoders and force sensor")] LostReading,
-        /// A position or force was where the machine cannot have come for `limits.lost_samples` samples
+        /// A position or force was where the machine cannot have come for more than `limits.lost_samples` samples
         #[hint("check shields and plugs of encoders and force sensor")] ReadingJump,
         /// An encoder stood while its axis was told to move by `limits.frozen_way`
         #[hint("check the plug of the encoder; if the axis itself stands, its drive")] FrozenReading,

@@ -89,8 +89,6 @@ class Plant(ABC):
     ----------
     parameters : dataclass, optional
         An instance of the `Parameters` of the class, its defaults if left out.
-    shown : mapping of str to numpy.ndarray, optional
-        Truths of a run, one column each: the plant is there to be drawn.
 
     Raises
     ------
@@ -108,7 +106,10 @@ class Plant(ABC):
     commands: tuple[Channel, ...]
     truths: tuple[Channel, ...]
 
-    def __init__(self, parameters: Any = None, shown: Mapping[str, Array] | None = None) -> None:
+    # truths of the run that is looked at; none for a plant that is stepped
+    _shown: Mapping[str, Array] | None = None
+
+    def __init__(self, parameters: Any = None) -> None:
         self.parameters = self.Parameters() if parameters is None else parameters
         self.name = self._mjcf().stem
         check(self.parameters, self.name)
@@ -116,10 +117,10 @@ class Plant(ABC):
         if hasattr(self.parameters, "timestep"):
             spec.option.timestep = self.parameters.timestep
         self.shape(Mjcf(spec, self._mjcf().name), self.parameters)
-        if shown is None:
+        if self._shown is None:
             self._undress(spec)
         else:
-            self.dress(Mjcf(spec, self._mjcf().name), self.parameters, shown)
+            self.dress(Mjcf(spec, self._mjcf().name), self.parameters, self._shown)
         self.model = spec.compile()
         self._refuse_rk4()
         self.data = mujoco.MjData(self.model)
@@ -208,8 +209,12 @@ class Plant(ABC):
     # what a harness calls
 
     def drawn(self, shown: Mapping[str, Array]) -> "Plant":
-        """Return the plant as it is looked at, with the truths of the run that is shown."""
-        return type(self)(self.parameters, shown)
+        """Return the plant as it is looked at; `shown` has the truths of a run by name, a column of each."""
+        plant = type(self).__new__(type(self))
+        # before its own `__init__`, which may take the parameters alone
+        plant._shown = shown
+        plant.__init__(self.parameters)  # type: ignore[misc]
+        return plant
 
     def record_qpos(self) -> None:
         """Make every number of MuJoCo's `qpos` a truth, from the next reset on; a second call does nothing.

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+import mujoco
 import numpy as np
 
 from plants.looks import solids
@@ -34,10 +35,11 @@ def dress(spec: Any, p: Any, edge: tuple[Any, ...], length: float) -> None:
     rim = places - p.tool_radius * sides
     inside = places.mean(axis=0) - 2.0 * DEEP * sides.mean(axis=0)
     # from the edge towards a place behind it: the casting is a plate of this outline
-    outline = np.concatenate([rim, [inside]])[:, :2]
-    middle = float(places[0, 2])
+    outline = np.concatenate([rim, [inside]])
     world = spec.worldbody
-    solids.add(world, spec, "casting", *solids.prism(outline, middle - THICK, middle + THICK), "cast")
+    solids.add(world, spec, "casting", *solids.prism(outline, -THICK, THICK), "cast")
+    if stations[-1] == stations[0]:
+        return
     pieces, normals = along(edge, 0.5 * (stations[1:] + stations[:-1]))
     for i, (place, normal) in enumerate(zip(pieces, normals, strict=True)):
         turned = [math.cos(0.5 * heading(normal)), 0.0, 0.0, math.sin(0.5 * heading(normal))]
@@ -85,6 +87,9 @@ def along(edge: tuple[Any, ...], stations: Array) -> tuple[Array, Array]:
 def draw(plant: Any, shown: Mapping[str, Array], row: int) -> None:
     """Leave of every piece of burr what stands at this row."""
     p, model = plant.parameters, plant.model
+    if mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_GEOM, "burr0") < 0:
+        # nothing of the edge has a burr
+        return
     heights, thicknesses = plant.burr
     there = np.concatenate([[False], np.diff(shown["burr_left"]) != 0.0]) | (shown["burr_left"] > 0.0)
     bins = np.linspace(0, len(heights), PIECES + 1).astype(int)

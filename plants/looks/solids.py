@@ -63,10 +63,13 @@ def disc(
 
 
 def prism(outline: Array, below: float, above: float) -> tuple[Array, Array]:
-    """Solid between two heights over an outline, counterclockwise and seen whole from its mean."""
+    """Solid from `below` to `above` an outline of points (x, y, z).
+
+    The outline is counterclockwise and seen whole from its mean.
+    """
     count = len(outline)
     hub = np.mean(outline, axis=0)
-    corners = [(*p, z) for z in (below, above) for p in (*outline, hub)]
+    corners = [(x, y, z + rise) for rise in (below, above) for x, y, z in (*outline, hub)]
     i = np.arange(count)
     j = (i + 1) % count
     top = count + 1

@@ -3,7 +3,6 @@
 import math
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 from numpy.random import Generator
 from numpy.typing import NDArray
 
@@ -43,7 +42,8 @@ def _uniform(count: int, smooth: float, random: Generator) -> Array:
     reach = max(round(REACH * smooth), 1)
     bell = [math.exp(-2.0 * (place / smooth) ** 2) for place in range(-reach, reach + 1)]
     size = math.sqrt(math.fsum(share**2 for share in bell))
-    # summed without BLAS, whose last bit depends on the processor
-    noise = sliding_window_view(random.standard_normal(count + 2 * reach), len(bell))
-    normal = (noise * (np.array(bell) / size)).sum(axis=1)
+    white, normal = random.standard_normal(count + 2 * reach), np.zeros(count)
+    # tap by tap: without BLAS, whose last bit depends on the processor, and in the memory of the noise
+    for tap, share in enumerate(bell):
+        normal += (share / size) * white[tap : tap + count]
     return np.array([0.5 * (1.0 + math.erf(value / math.sqrt(2.0))) for value in normal])

@@ -91,7 +91,7 @@ def test_castings_at_60_mm_per_s() -> None:
 # false faults
 
 NOISE = (("axis1.position", 1e-5), ("axis2.position", 5e-6), ("axis3.position", 1e-5), ("spindle_speed", 1.0))
-"""Standard deviations of one to two counts of each reading, in its unit."""
+"""Standard deviations of one to two counts of the readings that the path needs, in their units."""
 
 
 def castings_without_fault(seeds: Sequence[int]) -> float:

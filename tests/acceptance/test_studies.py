@@ -18,4 +18,5 @@ FOLDER = Path(__file__).resolve().parents[2] / "studies"
 def test_a_study_can_be_run(name: str) -> None:
     plan = Plan(study.load(FOLDER / f"{name}.toml"))
     assert len({run.hash for run in plan.runs}) == len(plan.runs)
-    assert isinstance(JobRunner().run(plan.job(plan.runs[-1])), cosim.Result)
+    with JobRunner() as runner:
+        assert isinstance(runner.run(plan.job(plan.runs[-1])), cosim.Result)

@@ -31,7 +31,7 @@ class Outcome:
     found
         Faults that the controller told, in their order.
     after
-        Time from the beginning of the injection, or of the run, to the first of them, s.
+        Time from the beginning of the injection, or of the run, to the first of them that came then, s.
     excursion
         True excursion, in `unit`.
     problems
@@ -108,20 +108,21 @@ def judged(row: Row, result: cosim.Result, scenario: Scenario) -> Outcome:
     trace, metrics = result.trace, result.metrics
     items = {number: name for name, number in result.items[FAULT].items()}
     faults = [items[number] for number in trace[FAULT]]
-    found = tuple(dict.fromkeys(name for name in faults if name != DONE))
+    told = {name: float(trace["time"][faults.index(name)]) for name in dict.fromkeys(faults) if name != DONE}
+    found = tuple(told)
     began = min((time for time in result.injected if time is not None), default=0.0)
-    after = float(trace["time"][faults.index(found[0])]) - began if found else np.nan
     excursion = metrics["excursion"]
     good, rest = (bool(metrics[name].value) for name in ("good", "rest"))
     driven = ENABLE not in result.units or bool(trace[ENABLE][-1])
     problems = (
         *unmet(row, found, good),
+        *early(row, told, began),
         *(f"`inject.{one.to}` never began" for one in late(result, scenario)),
         *(f"`{name}` is not finite" for name in broken(result, scenario)),
         *([] if rest or not driven else ["the machine moves at the end, and its drive is on"]),
         *([] if excursion.value <= row.limit else [beyond(row, excursion)]),
     )
-    return Outcome(row, found, after, excursion.value, excursion.unit, problems)
+    return Outcome(row, found, answered(told, began), excursion.value, excursion.unit, problems)
 
 
 def beyond(row: Row, excursion: Measured) -> str:
@@ -142,6 +143,18 @@ def unmet(row: Row, found: tuple[str, ...], good: bool) -> Iterator[str]:
     for name in found:
         if name not in row.faults:
             yield f"`{name}` was told, {right} is right"
+
+
+def answered(told: dict[str, float], began: float) -> float:
+    """Time (s) from `began` to the first fault told since; NaN without one."""
+    return next((time - began for time in told.values() if time >= began), np.nan)
+
+
+def early(row: Row, told: dict[str, float], began: float) -> Iterator[str]:
+    """Sentences about faults that were told before the one of the row began, at a time in s."""
+    for name, time in told.items():
+        if time < began and not row.sequence:
+            yield f"`{name}` was told {text(began - time, 's')} before anything was injected"
 
 
 def late(result: cosim.Result, scenario: Scenario) -> Iterator[Injection]:

@@ -9,10 +9,12 @@ from pathlib import Path
 
 from cosim.words.quantity import text
 
-from .matrix import Matrix
+from .matrix import Matrix, Row
 from .outcome import Outcome
 
 FOLDER = Path(__file__).resolve().parents[2] / "docs" / "faults"
+LASTS = ("loop.duration=", "loop.stop_when=")
+"""Changes that only say how long a run is looked at."""
 DIGITS = 3
 """Digits of the numbers on a page."""
 TOLERANCE = 0.02
@@ -27,30 +29,44 @@ def file(name: str) -> Path:
 
 def page(name: str, matrix: Matrix, outcomes: Sequence[Outcome]) -> str:
     """Page of a controller."""
+    common = [
+        change for change in changes(matrix.rows[0]) if all(change in changes(row) for row in matrix.rows)
+    ]
+    everywhere = f", all with {', '.join(common)}" if common else ""
     silent = sum(any(told.startswith("silent") for told in one.problems) for one in outcomes)
+    runs = f"run of the loop `{matrix.scenario}` (seed {matrix.seed}){everywhere}"
     lines = [
         f"# Faults of fmu-{name}",
         "",
-        f"{len(outcomes)} faults, one in each run of the loop `{matrix.scenario}` (seed {matrix.seed}).",
+        f"{len(outcomes)} faults, one in each {runs}.",
+        "In brackets is what a row changes beside that.",
         f"Silent are {silent}: neither a right fault is told nor is the job done and good. The excursion is",
         "what the machine truly does until its safe end, the limit what it must not exceed.",
         f"`python -m tests.faults {name}` writes this page; a test compares it with the runs.",
         "",
         "| injected | found as | after | excursion | limit | why that limit |",
         "|---|---|---|---|---|---|",
-        *(line(one) for one in outcomes),
+        *(line(one, common) for one in outcomes),
     ]
     return "\n".join(lines) + "\n"
 
 
-def line(one: Outcome) -> str:
-    """Line of one row in the table."""
+def changes(row: Row) -> list[str]:
+    """List what a row changes, but for how long it lasts."""
+    return [f"`{change}`" for change in row.changes if not change.startswith(LASTS)]
+
+
+def line(one: Outcome, common: Sequence[str]) -> str:
+    """Line of one row in the table; what all rows change is not told again."""
+    elsewhere = [f"in `{one.row.scenario}`"] if one.row.scenario else []
+    changed = [*elsewhere, *(change for change in changes(one.row) if change not in common)]
+    name = f"{one.row.name} ({', '.join(changed)})" if changed else one.row.name
     found = " then ".join(f"`{name}`" for name in one.found) or "the job is done and good"
     if one.problems:
         found = f"**{'; '.join(one.problems)}**"
     after = "" if math.isnan(one.after) else text(one.after, "s", DIGITS)
     numbers = (text(value, one.unit, DIGITS) for value in (one.excursion, one.row.limit))
-    return f"| {' | '.join([one.row.name, found, after, *numbers, one.row.why])} |"
+    return f"| {' | '.join([name, found, after, *numbers, one.row.why])} |"
 
 
 def differences(kept: str, now: str) -> list[str]:

@@ -407,6 +407,7 @@ REST = (
         "LostContact",
         Injection("controller.feed_override", when='controller.state == "Fault"', value=float("nan")),
         signals=(Signal("plant.mold_lift", (0.0, 1.5), (0.0, -3e-4)),),
+        sequence=True,
     ),
     row(
         "enable falls and rises on the path",

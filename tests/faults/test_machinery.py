@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from cosim.scenario.injection import Injection
 
 from . import page
 from .matrix import DONE, Matrix, Row
-from .outcome import Outcome, running, unmet
+from .outcome import Outcome, answered, early, running, unmet
 
 LEARNING = 'controller.state == "Learn"'
 ROWS = (
@@ -98,4 +99,23 @@ def test_the_page_shows_every_row_and_is_compared_by_words_and_numbers(outcomes:
     assert page.differences(made.replace("20 mm/s", "20.2 mm/s"), made) == []
     assert len(page.differences(made.replace("20 mm/s", "21 mm/s"), made)) == 1
     assert len(page.differences(made.replace("20 mm/s", "20 um/s"), made)) == 1
-    assert page.differences(made + "more\n", made) == ["the page has 13 lines, the runs give 12"]
+    assert page.differences(made + "more\n", made) == ["the page has 14 lines, the runs give 13"]
+
+
+def test_the_page_says_beside_a_row_what_it_changes(outcomes: list[Outcome]) -> None:
+    quick = ("plant.timestep=1e-5", "loop.duration=0.2")
+    rows = [replace(row, changes=quick) for row in ROWS]
+    rows[1] = replace(rows[1], changes=(*quick, "controller.io_delay=0"), scenario="dob/30")
+    changed = [replace(one, row=row) for one, row in zip(outcomes, rows, strict=True)]
+    made = page.page("dob", replace(MATRIX, rows=tuple(rows)), changed)
+    assert "(seed 71201), all with `plant.timestep=1e-5`.\n" in made
+    assert "| no number from the encoder | " in made
+    assert "| encoder 1 pm off (in `dob/30`, `controller.io_delay=0`) | " in made
+
+
+def test_a_fault_before_the_injection_is_none_that_answers_it() -> None:
+    told = {"TravelLimit": 0.5, "LostReading": 0.8}
+    times = [answered(told, began) for began in (0.5, 0.75, 0.9)]
+    assert times == pytest.approx([0.0, 0.05, np.nan], nan_ok=True)
+    assert list(early(ROWS[0], told, 0.75)) == ["`TravelLimit` was told 250 ms before anything was injected"]
+    assert list(early(replace(ROWS[0], sequence=True), told, 0.75)) == list(early(ROWS[0], told, 0.5)) == []

@@ -4,6 +4,7 @@ import math
 import os
 import subprocess
 import sys
+import tracemalloc
 from collections.abc import Callable
 from typing import Any
 
@@ -288,6 +289,19 @@ def test_the_burr_is_uniform_between_its_limits_and_smooth() -> None:
         near, far = share[:, :-48], share[:, 48:]
         assert np.corrcoef(near.ravel(), far.ravel())[0, 1] == pytest.approx(0.35, abs=0.06)
     assert abs(np.corrcoef(height.ravel(), thickness.ravel())[0, 1]) < 0.06
+
+
+def test_a_burr_of_fine_bins_needs_no_more_memory_than_its_noise() -> None:
+    p = CylindricalRobotParameters(burr_pitch=1e-4, burr_correlation=0.1)
+    tracemalloc.start()
+    try:
+        height, _ = burr.draw(p, 0.2, np.random.default_rng(1))
+        _, most = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert len(height) == 2000
+    # 8000 numbers of noise, and some lists of 6000; every tap with its own would be 96 MB
+    assert most < 2e6
 
 
 def test_gaps_are_as_many_and_as_long_as_they_should_be() -> None:

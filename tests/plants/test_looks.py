@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 
 import plants
+from plants import slide
 from plants.base.plant import LOOKS, Array
-from plants.looks import rotary_arm, solids
+from plants.looks import cylindrical_robot, rotary_arm, solids
+from plants.slide_parameters import SlideParameters
 
 STEPS, DURATION = 20, 0.2
 
@@ -106,6 +108,51 @@ def test_the_burr_is_gone_where_the_tool_went() -> None:
     assert np.array_equal(cut[~passed][20:], fresh[~passed][20:])
 
 
+def test_an_edge_without_a_burr_is_drawn_without_one() -> None:
+    robot: Any = plants.load("cylindrical_robot")
+    plain = robot(robot.Parameters(burr_begin=10.0))
+    truths = shown(plain)
+    plant = plain.drawn(truths)
+    plant.reset(1, 1.0)
+    model = posed(plant, truths, 0)
+    names = [model.geom(i).name for i in range(model.ngeom)]
+    assert "casting" in names
+    assert not any(name.startswith("burr") for name in names)
+
+
+@pytest.mark.parametrize("corner", [-0.2, -0.16])
+def test_the_casting_rises_and_falls_with_its_edge(corner: float) -> None:
+    robot: Any = plants.load("cylindrical_robot")
+    plain = robot(robot.Parameters(edge_corner_z=corner))
+    plant = plain.drawn(shown(plain))
+    model, data = plant.model, plant.data
+    mujoco.mj_kinematics(model, data)
+    casting, burr = model.geom("casting").id, [model.geom(f"burr{i}").id for i in range(160)]
+    mesh = model.mesh("casting")
+    vertices = model.mesh_vert[mesh.vertadr[0] : mesh.vertadr[0] + mesh.vertnum[0]]
+    heights = data.geom_xpos[casting, 2] + vertices @ data.geom_xmat[casting].reshape(3, 3)[2]
+    edge = data.geom_xpos[burr, 2]
+    assert heights.max() == pytest.approx(edge.max() + cylindrical_robot.THICK, abs=1e-3)
+
+
+class Counted(slide.Slide):
+    """Slide that is built in an own way, and looks at its model there."""
+
+    def __init__(self, parameters: SlideParameters) -> None:
+        super().__init__(parameters)
+        self.geoms = self.model.ngeom
+
+    @classmethod
+    def _mjcf(cls) -> Path:
+        return Path(slide.__file__).with_suffix(".xml")
+
+
+def test_a_plant_with_an_own_way_to_be_built_is_drawn() -> None:
+    plain = Counted(SlideParameters())
+    plant: Any = plain.drawn(shown(plain))
+    assert plant.geoms == plant.model.ngeom > plain.geoms
+
+
 def test_the_workpiece_lies_where_the_drawn_tool_meets_it() -> None:
     truths = {"surface": np.full(3, 2e-4)}
     plant = plants.load("slide")().drawn(truths)
@@ -170,7 +217,7 @@ def test_dots_mark_the_path_that_was_rubbed() -> None:
     [
         (solids.lathe(np.array([(1.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 1.0)])), 3.0 * np.pi),
         (solids.disc(lambda x, y: 1.0 + 0.0 * x, 2.0, 0.0), 4.0 * np.pi),
-        (solids.prism(np.array([(0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (0.0, 1.0)]), 1.0, 4.0), 6.0),
+        (solids.prism(np.array([(0, 0, 1), (2, 0, 0), (2, 1, 0), (0, 1, 1)], dtype=float), 1.0, 4.0), 6.0),
     ],
 )
 def test_a_solid_is_closed_and_its_faces_look_outward(solid: tuple[Array, Any], volume: float) -> None:

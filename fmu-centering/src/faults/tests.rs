@@ -51,6 +51,8 @@ fn no_change_of_state_gives_back_the_turning_since_the_last_push() {
     // 3000 samples for a revolution
     let found = (0..20_000).find_map(|k| Some((k, flip(k)?)));
     assert_eq!(found, Some((13_199, Fault::NoProgress)));
+    let [turns, most] = supervisor.endless().unwrap();
+    assert!((turns - 4.4).abs() < 1e-3 && most == 4.4, "{turns} of {most}");
     supervisor.enter(State::Settle);
     assert_eq!(supervisor.check(&P, &GOOD), None);
 }
@@ -277,4 +279,6 @@ fn each_fault_is_told_in_its_own_words() {
         vars.output.fault = fault;
         assert_eq!(numbers(&vars), expected, "{fault:?}");
     }
+    (vars.output.fault, vars.output.monitor.endless) = (Fault::NoProgress, Some([1.1003, 1.1]));
+    assert_eq!(numbers(&vars), ": `1.10` of `1.1` revolutions without result, B = `12.35 um`");
 }

@@ -35,7 +35,7 @@ pub struct StandingTool {
     /// samples since it changed, and since it turned from up to down or back: a tool that starts does not flicker
     still: u32,
     steady: u32,
-    /// samples before the path, turns among them, and the longest way from one to the next
+    /// samples before the path since the first turn, turns, and the longest way from one to the next
     seen: u32,
     turns: u32,
     longest: u32,
@@ -61,12 +61,13 @@ impl Default for StandingTool {
 impl StandingTool {
     /// Takes the tool speed (rad/s) of a sample before the path, where the tool idles.
     pub fn idles(&mut self, speed: f64) {
-        // one that stands at the end is no measure of how long it may
-        if let Some(steady) = self.take(speed) {
-            self.turns = self.turns.saturating_add(1);
-            self.longest = self.longest.max(steady);
+        let way = self.take(speed);
+        // a tool that starts, and one that stands at the end, are no measure of how long it may
+        if self.turns > 0 {
+            self.seen = self.seen.saturating_add(1);
+            self.longest = self.longest.max(way.unwrap_or_default());
         }
-        self.seen = self.seen.saturating_add(1);
+        self.turns = self.turns.saturating_add(u32::from(way.is_some()));
     }
 
     /// Takes the tool speed (rad/s) of a sample on the path; what is wrong with it.
@@ -114,10 +115,10 @@ mod tests {
         1884.0 + 0.5 * [0.0, 1.0, 2.0, 1.0][(k / length % 4) as usize]
     }
 
-    /// Monitor after `samples` of it before the path.
+    /// Monitor after `samples` of it before the path, from the first turn on.
     fn idled(samples: u32, length: u32) -> StandingTool {
         let mut tool = StandingTool::default();
-        (0..samples).for_each(|k| tool.idles(flickering(k, length)));
+        (0..4 * length + 1 + samples).for_each(|k| tool.idles(flickering(k, length)));
         tool
     }
 
@@ -136,8 +137,21 @@ mod tests {
 
     #[test]
     fn one_that_stands_at_times_may_stand_for_ten_times_as_long() {
-        // the first turn after 36 samples
-        assert_eq!(told(idled(90, 9)).unwrap().0, 361);
+        // 17 samples from a turn to the next
+        assert_eq!(told(idled(90, 9)).unwrap().0, 171);
+    }
+
+    #[test]
+    fn how_long_the_tool_took_to_start_is_no_measure() {
+        let mut tool = StandingTool::default();
+        (0..300).for_each(|k| tool.idles(7.0 * f64::from(k)));
+        (0..60).for_each(|k| tool.idles(flickering(k, 1)));
+        assert_eq!(told(tool).unwrap().0, 51);
+        // nor is it seen for longer by that
+        let mut tool = StandingTool::default();
+        (0..300).for_each(|k| tool.idles(7.0 * f64::from(k)));
+        (0..20).for_each(|k| tool.idles(flickering(k, 1)));
+        assert_eq!(told(tool), None);
     }
 
     #[test]

@@ -35,6 +35,13 @@ def test_every_scenario_of_the_project_fits(file: Path) -> None:
     assert problems(scenario_schema(), tomllib.loads(file.read_text())) == []
 
 
+@pytest.mark.parametrize("file", SCENARIOS, ids=lambda file: file.relative_to(ROOT).as_posix())
+def test_no_two_metrics_of_a_scenario_are_described_alike(file: Path) -> None:
+    metrics = tomllib.loads(file.read_text()).get("metric", [])
+    told = [metric["description"] for metric in metrics if metric.get("description")]
+    assert len(set(told)) == len(told)
+
+
 @pytest.mark.parametrize("file", STUDIES, ids=lambda file: file.name)
 def test_every_study_of_the_project_fits(file: Path) -> None:
     assert problems(study_schema(), tomllib.loads(file.read_text())) == []
