@@ -318,7 +318,7 @@ def test_a_trace_of_the_time_alone_has_no_panels(tmp_path: Path) -> None:
 
 
 def test_only_what_is_whole_in_the_trace_is_drawn_in_steps() -> None:
-    trace = traced(plant_x=1e-9 * np.floor(10.0 * TIME), plant_n=np.floor(TIME))
+    trace = traced(plant_x=np.where(TIME < 2.0, 0.0, 1e-9), plant_n=np.floor(TIME))
     of, found = result(trace, "max(plant.x)", maximum=4.0)
     of = replace(of, plot=Plot(panels=(Panel(("plant.x",)), Panel(("plant.n",), "m"))))
     shown = panels.views(of, found)[0]["panels"]
@@ -424,6 +424,7 @@ def test_where_a_limit_comes_from(paper: str, limits: Any, source: Any, wanted: 
         ("up to 3 cm, 500 m/s2", "m", [0.03]),
         ("10 repetitions, 0.5 mm", "m", [5e-4]),
         ("3 or 4 mm", "m", [4e-3]),
+        ("pass 12: 0.5 mm", "m", [5e-4]),
         ("5-6 um", "m", [5e-6, 6e-6]),
         ("20 .. 30 um", "m", [2e-5, 3e-5]),
         ("reached 2.5 um.", "m", [2.5e-6]),
