@@ -10,6 +10,7 @@ from typing import Any
 import cosim
 from cosim.optimize.problem import problem_schema
 from cosim.scenario.model import scenario_schema
+from cosim.scenario.tables import toml_text
 from cosim.sweep.study import study_schema
 
 Schema = dict[str, Any]
@@ -65,7 +66,7 @@ def table(schema: Schema) -> str:
 def kind(part: Schema) -> str:
     """Values that a key takes."""
     if "enum" in part:
-        return ", ".join(f"`{value}`" for value in part["enum"])
+        return ", ".join(f"`{value}`" for value in part["enum"] if value != "")
     if choices := part.get("anyOf") or part.get("oneOf"):
         return " or ".join(kind(choice) for choice in choices)
     types = part.get("type", "any value")
@@ -80,7 +81,10 @@ def default(part: Schema, required: bool) -> str:
     """Value of a key that is left out."""
     if required:
         return "required"
-    return f"`{part['default']}`" if "default" in part else ""
+    if "default" not in part:
+        return ""
+    text = toml_text(part["default"])
+    return f"`{text}`" if text != "''" else ""
 
 
 PAGES: dict[str, Callable[[], str]] = {

@@ -23,8 +23,15 @@ class RecordedJob(Job):
     json: Path | None = None
     plot: Path | None = None
 
+    @property
+    def draws(self) -> bool:
+        """Whether anything of the run is drawn."""
+        return self.plot is not None
+
     def run(self, bench: Bench) -> Result:
         """Run the scenario once and write its files; the result comes back without its trace."""
+        if self.draws:
+            self.session(bench).check_drawn()
         result = super().run(bench)
         self.leave(result, bench)
         return dataclasses.replace(result, trace=None)
@@ -34,7 +41,6 @@ class RecordedJob(Job):
         if self.plot is not None:
             from cosim.show import plot
 
-            plot.check(self.scenario, {name: result.items.get(name) for name in result.units}, self.plot)
             plot.save(self.scenario, result, self.plot)
         if self.json is not None:
             result.save_json(self.json)

@@ -86,9 +86,10 @@ class Single:
         session = bench.session(scenario, self.engine, self.verbose)
         stale.warn_of(scenario)
         if self.plot is not None:
-            from cosim.show import plot
+            from cosim.show import figure
 
-            plot.check(scenario, session.columns, self.plot)
+            figure.check(self.plot)
+            session.check_drawn()
         stream = self.trace if self.trace and endings.streams(self.trace) else None
         if self.trace is not None:
             course.check_apart(scenario, "--trace", self.trace)

@@ -53,6 +53,10 @@ def run_tests(
         Path | None,
         Option("--report", metavar="FILE.html", help="Write the page of `cosim report`, too."),
     ] = None,
+    study: Annotated[
+        list[Path] | None,
+        Option(metavar="FILE.toml", help="A study for this page; it is not judged. May be given again."),
+    ] = None,
     document: Annotated[
         list[Path] | None,
         Option(metavar="FILE.md", help="A text in Markdown for this page. May be given again."),
@@ -76,8 +80,9 @@ def run_tests(
         check_text("--junit", junit, "JUnit XML", xml.BEGINNING)
     files = {"--json": json, "--junit": junit, "--report": page}
     check_apart({option: Path(file) if file else None for option, file in files.items()})
-    if page is None and document:
-        raise CosimError("`--document` is for the page of `--report`", "name that, too")
+    for option, given in (("--study", study), ("--document", document)):
+        if page is None and given:
+            raise CosimError(f"`{option}` is for the page of `--report`", "name that, too")
     if out is not None and out.is_dir():
         check_text("--out", out / TABLE, "acceptance table", table.BEGINNING)
     limits = checked_limits(timeout, memory, in_process=False)
@@ -89,9 +94,8 @@ def run_tests(
         from cosim.report import book
 
         book.check("--report", page)
-        found = book.write(
-            book.Contents(book.TITLE, chosen, documents=document or ()), options, page
-        ).scenarios
+        contents = book.Contents(book.TITLE, chosen, tuple(study or ()), tuple(document or ()))
+        found = book.write(contents, options, page).scenarios
     shown = table.table(found)
     text = table.text(shown)
     if out is not None:

@@ -9,6 +9,7 @@ from cosim.compare.comparison import ComparedColumn, Comparison, same_units, wor
 from cosim.compare.tolerance import Tolerances
 from cosim.compare.tube import tube
 from cosim.errors import CosimError
+from cosim.trace.columns import stepped
 from cosim.trace.stored import StoredTrace
 
 SAME = 1e-3
@@ -90,12 +91,6 @@ def compare_times(
 def typical_step(times: NDArray[np.float64]) -> float:
     """Median of the times between two rows, s: a gap does not make a trace coarse."""
     return float(np.median(np.diff(times))) if len(times) > 1 else 0.0
-
-
-def stepped(values: NDArray[np.float64]) -> bool:
-    """Whether a column only jumps (modes, flags, counters), so that nothing lies between two of its rows."""
-    known = values[np.isfinite(values)]
-    return bool(np.all(known == np.round(known)))
 
 
 def listed(items: dict[str, int]) -> str:

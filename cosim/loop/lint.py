@@ -8,7 +8,6 @@ from cosim.loop.place import Stage
 from cosim.loop.plant import starts
 from cosim.loop.session import Session, located
 from cosim.loop.wires.connect import Connector
-from cosim.metrics import charted
 from cosim.metrics.units import SCALES
 from cosim.scenario.model import Wire
 
@@ -27,7 +26,7 @@ def check(session: Session) -> list[str]:
         session.place.at(Stage.NONE)
         commands = starts(session.plant.commands)
         Connector(scenario, session.fmus, session.plant, commands, scenario.loop.seed).links()
-        charted.check(scenario, session.columns)
+    session.check_drawn()
     return warnings(session)
 
 

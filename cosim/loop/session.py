@@ -22,7 +22,7 @@ from cosim.loop.place import Place, Stage
 from cosim.loop.reference import Parts, Progress, Recording
 from cosim.loop.result import Result
 from cosim.loop.wires.wiring import child
-from cosim.metrics import criteria
+from cosim.metrics import criteria, drawable
 from cosim.scenario.model import Scenario
 from cosim.trace import endings
 from cosim.trace.columns import structured
@@ -123,6 +123,17 @@ class Session(Closing):
         self.when = [
             condition.compiled(one.when, f"inject.{one.to}.when", found) for one in self.scenario.inject
         ]
+
+    def check_drawn(self) -> None:
+        """Check before a run that all that the scenario wants drawn can be drawn.
+
+        Raises
+        ------
+        CosimError
+            As for `drawable.check`.
+        """
+        with located(self.scenario):
+            drawable.check(self.scenario, self.columns)
 
     def run(
         self, seed: int | None = None, progress: Progress | None = None, stream: str | Path | None = None

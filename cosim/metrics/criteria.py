@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import functools
 import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from graphlib import CycleError, TopologicalSorter
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -15,6 +16,13 @@ from cosim.errors import ExpressionError, concerning
 from cosim.metrics.expression import Columns, Expression, Items, Node
 from cosim.metrics.units import ONE, PLAIN, conversion
 from cosim.scenario.model import Criterion, Metric
+
+
+class Trace(Columns, Protocol):
+    """Columns of a trace that know what was already measured on it."""
+
+    def kept(self, name: str, expression: Expression) -> Any:
+        """Value of a metric by its full name, which is computed once."""
 
 
 @dataclass(frozen=True)
@@ -55,9 +63,26 @@ class Verdict:
     @property
     def limits(self) -> list[tuple[str, float]]:
         """Relations and limits, for example `[("<=", 4.5e-07)]`."""
-        criterion = self.criterion
-        relations = ((">=", criterion.minimum), ("<=", criterion.maximum), ("=", criterion.equals))
-        return [(relation, float(limit)) for relation, limit in relations if limit is not None]
+        return relations(self.criterion)
+
+
+def relations(criterion: Criterion) -> list[tuple[str, float]]:
+    """Relations and limits of a criterion, in its unit."""
+    found = ((">=", criterion.minimum), ("<=", criterion.maximum), ("=", criterion.equals))
+    return [(relation, float(limit)) for relation, limit in found if limit is not None]
+
+
+def drawn(criterion: Criterion, unit: str) -> list[float]:
+    """Limits of a criterion in the unit of its metric, in the order of `relations`; none for a yes or no.
+
+    Raises
+    ------
+    ExpressionError
+        As for `factor`.
+    """
+    if isinstance(criterion.equals, bool):
+        return []
+    return [limit / factor(criterion, unit) for _, limit in relations(criterion)]
 
 
 def compile_metrics(
@@ -86,8 +111,14 @@ def compile_metrics(
         metric = named[name]
         with concerning(f"{name}.value"):
             made = Expression(metric.value, columns, f"`{name}.value`", units=units, known=nodes)
-        compiled[name], nodes[name] = made, replace(made.root, unit=metric.unit or made.unit)
+        kept = functools.partial(reference, name, made)
+        compiled[name], nodes[name] = made, replace(made.root, evaluate=kept, unit=metric.unit or made.unit)
     return [compiled[name] for name in named]
+
+
+def reference(name: str, expression: Expression, columns: Trace) -> Any:
+    """Value of a metric in another one."""
+    return columns.kept(name, expression)
 
 
 def mentions(text: str, name: str) -> bool:
@@ -95,7 +126,7 @@ def mentions(text: str, name: str) -> bool:
     return re.search(rf"(?<![\w.]){re.escape(name)}(?!\w)", text) is not None
 
 
-def measure(metric: Metric, expression: Expression, columns: Columns) -> Measured:
+def measure(metric: Metric, expression: Expression, columns: Trace) -> Measured:
     """Value of one metric.
 
     Raises
@@ -103,7 +134,7 @@ def measure(metric: Metric, expression: Expression, columns: Columns) -> Measure
     ExpressionError
         The expression gives a column instead of one number.
     """
-    value: Any = np.asarray(expression(columns), dtype=np.float64)
+    value: Any = np.asarray(reference(f"metric.{metric.name}", expression, columns), dtype=np.float64)
     if value.ndim:
         raise ExpressionError(
             f"`metric.{metric.name}.value` = `{metric.value}` gives {value.size} values, not one",

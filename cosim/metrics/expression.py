@@ -59,7 +59,7 @@ class Expression:
     units
         Units of the columns that have one.
     known
-        Other expressions that are already compiled, by name.
+        Other expressions that are already compiled, by name; None where there can be none.
 
     Raises
     ------
@@ -77,7 +77,7 @@ class Expression:
         known: Mapping[str, Node] | None = None,
     ) -> None:
         self.text, self.where, self.rowwise, self.units = text, where, rowwise, units or {}
-        self.known = known or {}
+        self.known = known
         self.names = {name: index for index, name in enumerate(columns)}
         self.items = columns
         if len(text) > LONGEST:
@@ -164,12 +164,17 @@ class Expression:
             return self.constant(number, unit)
         if name in self.names:
             return self.found(name)
-        if name in self.known:
-            return self.known[name]
+        known = self.known or {}
+        if name in known:
+            return known[name]
+        if name.startswith("metric.") and self.known is None:
+            raise self.error(
+                f"names `{name}`, but metrics are measured after the run, for other metrics only"
+            )
         missing = "other metric" if name.startswith("metric.") else "column of the trace"
         raise self.error(
             f"names `{name or ast.unparse(tree)}`, which is no {missing}",
-            closest(name, [*self.names, *self.known]),
+            closest(name, [*self.names, *known]),
         )
 
     def found(self, name: str) -> Node:

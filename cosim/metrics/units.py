@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Sequence
 
 SCALES = {
-    "m": ("m", 1.0), "mm": ("m", 1e-3), "um": ("m", 1e-6), "nm": ("m", 1e-9),
+    "m": ("m", 1.0), "cm": ("m", 1e-2), "mm": ("m", 1e-3), "um": ("m", 1e-6), "nm": ("m", 1e-9),
     "s": ("s", 1.0), "ms": ("s", 1e-3), "us": ("s", 1e-6), "minute": ("s", 60.0), "hour": ("s", 3600.0),
     "kg": ("kg", 1.0), "rad": ("rad", 1.0), "mrad": ("rad", 1e-3), "urad": ("rad", 1e-6),
     "deg": ("rad", math.pi / 180.0), "Hz": ("Hz", 1.0), "kHz": ("Hz", 1e3), "rpm": ("rad/s", math.pi / 30.0),

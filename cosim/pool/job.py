@@ -82,7 +82,7 @@ class Job:
 
     def run(self, bench: Bench) -> Result:
         """Run the scenario once."""
-        session = bench.session(self.scenario, self.engine, log.isEnabledFor(EVENTS))
+        session = self.session(bench)
         for fmu, wanted in zip(session.fmus, self.fmus, strict=False):
             folder = fmu.file.folder
             if folder.name != wanted[: len(folder.name)]:
@@ -90,6 +90,10 @@ class Job:
                 raise FmuError(problem, "it was built or copied anew")
         result = session.run(self.seed, bench.progress, self.stream)
         return result if self.keep_trace else dataclasses.replace(result, trace=None)
+
+    def session(self, bench: Bench) -> Session:
+        """Session of the scenario, which tells events where the log takes them."""
+        return bench.session(self.scenario, self.engine, log.isEnabledFor(EVENTS))
 
 
 def name(number: int, job: Job) -> str:

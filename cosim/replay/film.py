@@ -77,8 +77,13 @@ def check(file: Path, shot: Shot) -> None:
 def check_packages(ending: str) -> None:
     """Check that what makes films of an ending is installed; a `CosimError` says what is not."""
     if ending == ".mp4":
-        extras.needed("av", "an MP4 file needs PyAV, which is not installed", extras.hint("replay"))
+        library()
     extras.needed("PIL", "films need Pillow, which is not installed", extras.hint("replay"))
+
+
+def library() -> Any:
+    """Return PyAV; a `CosimError` says that it is not installed."""
+    return extras.needed("av", "an MP4 file needs PyAV, which is not installed", extras.hint("replay"))
 
 
 def save(recorded: Recorded, shot: Shot, file: Path, tell: Callable[[int, int], None] | None = None) -> None:
@@ -93,6 +98,15 @@ def save(recorded: Recorded, shot: Shot, file: Path, tell: Callable[[int, int], 
     content = made(recorded, shot, file.suffix, tell)
     with whole(file) as partial:
         partial.write_bytes(content)
+
+
+def still(film: Path) -> bytes:
+    """Picture in the middle of an MP4 film, as JPEG."""
+    with library().open(str(film)) as container:
+        pictures = list(container.decode(video=0))
+    content = io.BytesIO()
+    pictures[len(pictures) // 2].to_image().save(content, "JPEG", quality=85)
+    return content.getvalue()
 
 
 def made(
@@ -150,7 +164,7 @@ def told(
 
 def encoded(pictures: Iterator[Picture], shot: Shot, ending: str) -> bytes:
     """Make an MP4 file with H.264, which every browser shows."""
-    av: Any = extras.needed("av", "an MP4 file needs PyAV, which is not installed", extras.hint("replay"))
+    av = library()
     content = io.BytesIO()
     with av.open(content, "w", format=ending[1:]) as container:
         stream = container.add_stream("libx264", rate=RATE)

@@ -13,17 +13,21 @@ from typing import Any
 
 from rich.progress import MofNCompleteColumn
 
+from cosim import paths
 from cosim.acceptance import runner
 from cosim.acceptance.job import RecordedJob
 from cosim.errors import CosimError
 from cosim.report import page, sweeps
 from cosim.report.job import FilmJob, ToldJob
 from cosim.show.bar import bar
+from cosim.sweep import study
 from cosim.writing import check_text, whole
 
 TITLE = "What was measured in closed loop"
 """Title of a page that is given none."""
 ENDINGS = (".html", ".htm")
+MOST_FILM = 1_000_000
+"""Bytes of a film on a page."""
 BEGINNING = re.compile(rb'\s*<!doctype html>.*<meta name="generator" content="cosim report">', re.DOTALL)
 """How a page begins."""
 
@@ -84,8 +88,10 @@ def write(contents: Contents, options: runner.RunOptions, file: Path) -> Written
         As for `check`; a document or study cannot be read; no worker can be had.
     """
     documents = [page.document(document) for document in contents.documents]
+    for each in contents.studies:
+        study.load(paths.find_study(str(each)))
     found, chapters = told(contents, options)
-    swept = [sweeps.told(study, options.workers, options.engine, options.quiet) for study in contents.studies]
+    swept = [sweeps.told(each, options.workers, options.engine, options.quiet) for each in contents.studies]
     errors = [
         {"name": name, "message": outcome.message, "hint": outcome.hint}
         for name, outcome in found.items()
@@ -136,7 +142,17 @@ def filmed(jobs: Mapping[str, ToldJob], options: runner.RunOptions) -> Iterator[
             if isinstance(outcome, CosimError):
                 yield name, {"no_film": str(outcome)}
             else:
-                yield name, {"film": base64.b64encode(films[name].film.read_bytes()).decode()}
+                yield name, shown_film(films[name].film)
+
+
+def shown_film(film: Path) -> page.Chapter:
+    """Film and picture of a chapter; of a film that is too large for a page the picture alone."""
+    video, still = (base64.b64encode(file.read_bytes()).decode() for file in (film, film.with_suffix(".jpg")))
+    size = film.stat().st_size
+    if size > MOST_FILM:
+        reason = f"it has {size / 1e6:.2g} MB, the limit is {MOST_FILM / 1e6:g} MB"
+        return {"still": still, "no_film": f"{reason}\nhint: `cosim video` makes it as large as it is"}
+    return {"still": still, "film": video}
 
 
 def loop(name: str) -> str:

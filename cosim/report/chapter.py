@@ -7,6 +7,7 @@ import shlex
 from typing import TYPE_CHECKING, Any
 
 from cosim import paths
+from cosim.errors import ExpressionError
 from cosim.loop.result import Result
 from cosim.report import charts, panels, provenance
 from cosim.scenario.model import Scenario
@@ -23,7 +24,15 @@ DIGITS = 3
 
 
 def chapter(scenario: Scenario, result: Result, session: Session) -> dict[str, Any]:
-    """Tell one run."""
+    """Tell one run; a chart or a zoom that cannot be drawn costs itself and is told."""
+    drawn, undrawn = charts.views(scenario, result)
+    try:
+        views = panels.views(scenario, result)
+    except ExpressionError as error:
+        views = panels.views(
+            dataclasses.replace(scenario, plot=dataclasses.replace(scenario.plot, zoom="")), result
+        )
+        undrawn.append(str(error))
     return {
         "name": result.scenario,
         "loop": result.loop,
@@ -40,9 +49,11 @@ def chapter(scenario: Scenario, result: Result, session: Session) -> dict[str, A
         "injected": [f"{entry.to}: {injection_text(entry)}" for entry in scenario.inject],
         "verdict": counted(result.criteria),
         "passed": result.passed,
-        "charts": charts.views(scenario, result),
-        "views": panels.views(scenario, result),
+        "charts": drawn,
+        "views": views,
+        "undrawn": undrawn,
         "film": None,
+        "still": None,
         "no_film": "",
     }
 

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from cosim.errors import ExpressionError
 from cosim.loop.result import Result
-from cosim.metrics.charted import check, numbered
+from cosim.metrics.drawable import numbered
 from cosim.metrics.expression import Expression, Items
 from cosim.report import drawing, series
 from cosim.report.series import scaled
@@ -43,7 +44,7 @@ class Line:
 
 @dataclass(frozen=True)
 class Cells:
-    """Sums in the cells of a plane: where their middles are, and parts of the largest sum, shape (y, x)."""
+    """Sums in the cells of a plane: the edges of these, and parts of the largest sum, shape (y, x)."""
 
     x: Array
     y: Array
@@ -53,18 +54,37 @@ class Cells:
 Evaluate = Callable[[str], Array]
 
 
-def views(scenario: Scenario, result: Result) -> list[dict[str, Any]]:
-    """Make the charts of a run as plain data, those that have something to show."""
+def views(scenario: Scenario, result: Result) -> tuple[list[dict[str, Any]], list[str]]:
+    """Make the charts of a run that have something to show as plain data; and tell what cannot be drawn."""
     items = {name: result.items.get(name) for name in result.columns}
-    check(scenario, items)
-    found = []
+    found, undrawn = [], []
     for chart in scenario.plot.charts:
-        if chart.kind == "map":
-            cells = summed(chart, result.columns, items)
-            found += [mapped(chart, cells)] if cells is not None else []
-        elif drawn := lines(chart, result.columns, items):
-            found.append(view(chart, drawn))
-    return found
+        try:
+            if chart.kind == "map":
+                cells = summed(chart, result.columns, items)
+                found += [mapped(chart, cells)] if cells is not None else []
+            elif drawn := lines(chart, result.columns, items):
+                found.append(view(chart, drawn))
+        except ExpressionError as error:
+            undrawn.append(str(error))
+    return found, undrawn
+
+
+def evaluated(text: str, chart: Chart, table: InOrder, items: Mapping[str, Items | None]) -> Array:
+    """Value of an expression of a chart in each row, shape (rows,).
+
+    Raises
+    ------
+    ExpressionError
+        It cannot be computed, or gives neither one number nor one of each row.
+    """
+    expression = Expression(text, items, f"`plot.charts` `{chart.title}`")
+    found, rows = np.asarray(expression(table), dtype=float), len(table[0])
+    if found.ndim and len(found) != rows:
+        raise expression.error(
+            f"gives {len(found)} values for {rows} rows", "pick rows with `parts` and not with `[...]`"
+        )
+    return np.broadcast_to(found, (rows,))
 
 
 def axes(chart: Chart) -> dict[str, Any]:
@@ -105,10 +125,9 @@ def mapped(chart: Chart, cells: Cells) -> dict[str, Any]:
 
 def summed(chart: Chart, trace: Columns, items: Mapping[str, Items | None]) -> Cells | None:
     """Sum up the weight of the rows in each cell, in parts of the largest sum; None where there is none."""
-    table, where = InOrder(trace), f"`plot.charts` `{chart.title}`"
+    table = InOrder(trace)
     x, y, weight, *parts = (
-        np.broadcast_to(np.asarray(Expression(text, items, where)(table), dtype=float), len(trace["time"]))
-        for text in (chart.x, chart.y[0], chart.weight, *chart.parts)
+        evaluated(text, chart, table, items) for text in (chart.x, chart.y[0], chart.weight, *chart.parts)
     )
     rows = np.logical_and.reduce(
         [np.isfinite(x), np.isfinite(y), np.isfinite(weight), *(part != 0.0 for part in parts)]
@@ -122,8 +141,7 @@ def summed(chart: Chart, trace: Columns, items: Mapping[str, Items | None]) -> C
     found, across, up = np.histogram2d(x[rows], y[rows], bins=counts, range=ends, weights=weight[rows])
     if not found.max() > 0.0:
         return None
-    middle = [0.5 * (edges[1:] + edges[:-1]) for edges in (across, up)]
-    return Cells(chart.x_scale * middle[0], chart.scale * middle[1], found.T / found.max())
+    return Cells(chart.x_scale * across, chart.scale * up, found.T / found.max())
 
 
 def labelled(label: str, unit: str) -> str:
@@ -137,8 +155,7 @@ def lines(chart: Chart, trace: Columns, items: Mapping[str, Items | None]) -> li
     rows = len(trace["time"])
 
     def value(text: str) -> Array:
-        found = np.asarray(Expression(text, items, f"`plot.charts` `{chart.title}`")(table), dtype=float)
-        return np.broadcast_to(found, (rows,)) if found.ndim == 0 else found
+        return evaluated(text, chart, table, items)
 
     if chart.kind == "array":
         found = [array(name, chart, trace) for name in chart.y]
@@ -196,27 +213,26 @@ def path(chart: Chart, name: str, y: Array, mask: Any, value: Evaluate, trace: C
 
 
 def few(x: Array, y: Array) -> tuple[Array, Array]:
-    """As many points as can be seen: in equal steps the rows with the least and the largest value."""
+    """As many points as can be seen: in equal steps the rows with the least and the largest `x` and `y`."""
     if len(y) <= MOST_POINTS:
         return x, y
-    edges = np.linspace(0, len(y), series.BUCKETS + 1).astype(int)
-    known = np.where(np.isfinite(y), y, 0.0)
-    rows = sorted(
-        {
-            row
-            for begin, end in itertools.pairwise(edges)
-            for row in (begin + int(np.argmin(known[begin:end])), begin + int(np.argmax(known[begin:end])))
-        }
-    )
+    rows = np.unique(np.concatenate([series.extremes(each, MOST_POINTS // 4) for each in (x, y)]))
     return x[rows], y[rows]
 
 
 def spectrum(chart: Chart, name: str, y: Array, mask: Any, value: Evaluate, trace: Columns) -> list[Line]:
-    """Amplitudes by frequency in Hz, or by waves per turn over an angle, of whole turns without the mean."""
+    """Amplitudes by frequency in Hz, or by waves per turn over an angle, of whole turns without the mean.
+
+    Both are those of the longest stretch without a gap.
+    """
     if not chart.x:
-        times = trace["time"][mask]
-        return [by_frequency(name, times, y[mask])] if len(times) > 3 else []
-    angle, y = np.abs(value(chart.x)[mask] - value(chart.x)[mask][:1]), y[mask]
+        rows = unbroken(mask & np.isfinite(y))
+        times = trace["time"][rows]
+        return [by_frequency(name, times, y[rows])] if len(times) > 3 else []
+    angle = value(chart.x)
+    rows = unbroken(mask)
+    rows = rows[np.isfinite(angle[rows]) & np.isfinite(y[rows])]
+    angle, y = np.abs(angle[rows] - angle[rows][:1]), y[rows]
     turns = int(angle[-1] / (2.0 * np.pi)) if len(angle) else 0
     if turns < 1 or np.any(np.diff(angle) < 0.0):
         return []
@@ -225,6 +241,12 @@ def spectrum(chart: Chart, name: str, y: Array, mask: Any, value: Evaluate, trac
     waves = np.abs(np.fft.rfft(np.interp(places, angle, y))) * 2.0 / len(places)
     orders = np.arange(1, ORDERS + 1)
     return [Line(name, orders.astype(float), waves[orders * turns])]
+
+
+def unbroken(mask: Any) -> NDArray[np.int64]:
+    """Rows of the longest stretch without a gap of those that a mask has."""
+    rows = np.flatnonzero(mask)
+    return max(np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1), key=len)
 
 
 def by_frequency(name: str, times: Array, y: Array) -> Line:

@@ -127,24 +127,24 @@ def cells(x: Array, y: Array, parts: Array, equal: bool) -> str:
     Parameters
     ----------
     x, y
-        Middles of the columns and rows of the cells.
+        Edges of the columns and rows of the cells.
     parts
         Parts of the largest sum, shape (y, x).
     equal
         Whether both axes have the same scale.
     """
-    half_x, half_y = (0.5 * float(each[1] - each[0]) if len(each) > 1 else 0.5 for each in (x, y))
-    ends = (float(x[0]) - half_x, float(x[-1]) + half_x), (float(y[0]) - half_y, float(y[-1]) + half_y)
-    frame = framed(*ends, equal)
-    wide = float(frame.across(2.0 * half_x) - frame.across(0.0))
-    high = float(frame.down(0.0) - frame.down(2.0 * half_y))
-    drawn = list(frame.grid([], False))
+    frame = framed((float(x[0]), float(x[-1])), (float(y[0]), float(y[-1])), equal)
+    wide = float(frame.across(x[1]) - frame.across(x[0]))
+    high = float(frame.down(y[0]) - frame.down(y[1]))
+    shades: dict[str, list[str]] = {}
     for row, column in zip(*np.nonzero(parts > LEAST), strict=True):
-        left, top = frame.across(x[column] - half_x), frame.down(y[row] + half_y)
-        shade = f'opacity="{parts[row, column]:.2f}"'
-        place = f'x="{left:.0f}" y="{top:.0f}" width="{wide + 1:.0f}" height="{high + 1:.0f}"'
-        drawn.append(f'<rect class="cell" {place} {shade}/>')
-    return frame.picture(drawn)
+        left, top = frame.across(x[column]), frame.down(y[row + 1])
+        places = shades.setdefault(f"{parts[row, column]:.2f}", [])
+        places.append(f"M{left:.0f} {top:.0f}h{wide + 1:.0f}v{high + 1:.0f}h-{wide + 1:.0f}")
+    cells = (
+        f'<path class="cell" opacity="{shade}" d="{"".join(places)}"/>' for shade, places in shades.items()
+    )
+    return frame.picture([*frame.grid([], False), *cells])
 
 
 def framed(x: tuple[float, float], y: tuple[float, float], equal: bool) -> Frame:
@@ -159,15 +159,19 @@ def framed(x: tuple[float, float], y: tuple[float, float], equal: bool) -> Frame
 
 
 def course(x: Array, y: Sequence[float]) -> str:
-    """Path through points, interrupted where there is no number."""
-    words, pen = [], "M"
+    """Path through points, interrupted where there is no number; a line that goes on level has two points."""
+    pieces: list[list[tuple[int, int]]] = [[]]
     for across, down in zip(x, y, strict=True):
         if not (math.isfinite(down) and math.isfinite(across)):
-            pen = "M"
+            pieces.append([])
             continue
-        words.append(f"{pen}{across:.0f} {down:.0f}")
-        pen = "L"
-    return "".join(words)
+        point, piece = (round(float(across)), round(float(down))), pieces[-1]
+        if len(piece) > 1 and piece[-2][1] == piece[-1][1] == point[1]:
+            (before, _), (last, _) = piece[-2:]
+            if (last - before) * (point[0] - last) >= 0:
+                piece.pop()
+        piece.append(point)
+    return "".join("M" + "L".join(f"{across} {down}" for across, down in piece) for piece in pieces if piece)
 
 
 def extent(lines: Sequence[Array]) -> tuple[float, float]:

@@ -29,13 +29,17 @@ class ToldJob(RecordedJob):
 
     chapter: Path = Path()
 
+    @property
+    def draws(self) -> bool:
+        """Whether anything of the run is drawn."""
+        return True
+
     def leave(self, result: Result, bench: Bench) -> None:
-        """Write the files of the run, and its chapter."""
-        super().leave(result, bench)
+        """Write the chapter of the run, and its files."""
         from cosim.report import chapter
 
-        told = chapter.chapter(self.scenario, result, bench.session(self.scenario, self.engine))
-        write(strict.line(told), self.chapter)
+        write(strict.line(chapter.chapter(self.scenario, result, self.session(bench))), self.chapter)
+        super().leave(result, bench)
 
 
 @dataclass(frozen=True)
@@ -45,7 +49,7 @@ class FilmJob(Job):
     Parameters
     ----------
     film
-        Where the film is written.
+        Where the film is written, and a picture of it beside, as `.jpg`.
     """
 
     film: Path = Path()
@@ -61,4 +65,5 @@ class FilmJob(Job):
         renderer.graphics((16, 16)).free()
         result = session.run(self.seed)
         film.save(motion.of_result(scenario, result), film.Shot(FILM_SIZE, FILM_SECONDS), self.film)
+        self.film.with_suffix(".jpg").write_bytes(film.still(self.film))
         return dataclasses.replace(result, trace=None)

@@ -12,13 +12,15 @@ from cosim.report.series import scaled
 from cosim.scenario.model import Panel, Scenario
 from cosim.show import marks, plot
 from cosim.show.marks import Marked
-from cosim.trace.columns import Array, Columns
+from cosim.trace.columns import Array, Columns, stepped
 
 
 def views(scenario: Scenario, result: Result) -> list[dict[str, Any]]:
     """Make the views of a run, each with its panels, as plain data."""
     trace = result.columns
     panels = scenario.plot.panels or plot.default_panels(trace, result)
+    if not panels:
+        return []
     marked = marks.marked(scenario, result)
     rows = np.ones(len(trace["time"]), dtype=bool)
     found = [view("the whole run", panels, trace, rows, result, marked)]
@@ -68,7 +70,7 @@ def one(
         "lines": [
             {
                 "name": name,
-                "stepped": bool(np.all(line == np.round(line))),
+                "stepped": stepped(trace[name][window]),
                 **series.packed(scaled(series.thinned(line), log)),
             }
             for name, line in zip(panel.columns, lines, strict=True)

@@ -10,7 +10,13 @@ from cosim.metrics.units import conversion
 
 SOURCES = {"paper": "from the paper", "prediction": "prediction", "choice": "our choice"}
 """Where a limit comes from, as the page says it."""
-NUMBER = re.compile(r"(?<![\w.])([-+]?\d[\d,]*(?:\.\d+)?(?:e[-+]?\d+)?)\s*([A-Za-z%][\w/.%]*)?")
+NUMBER = re.compile(
+    r"(?<![\w.])([-+]?\d[\d,]*(?:\.\d+)?(?:e[-+]?\d+)?)\s*((?!to\b)[A-Za-z%](?:[\w/.%]*[\w%])?)?"
+)
+RANGE = re.compile(r"\s*(?:to|-|\.\.)\s*")
+"""What stands between two numbers of which the second tells the unit."""
+WORDS = {"min": "minute"}
+"""Units of papers that are functions in expressions."""
 
 
 def origin(verdict: Verdict) -> str:
@@ -33,15 +39,13 @@ def origin(verdict: Verdict) -> str:
 
 def numbers(words: str, unit: str) -> list[float]:
     """Find the numbers of a text that convert to a unit; in `50 to 60 mm/s` both are in mm/s."""
-    found, behind = [], ""
-    for digits, own in reversed(NUMBER.findall(words)):
-        factor = conversion(own, unit or "1") if own else None
-        if factor is None and behind:
-            factor = conversion(behind, unit or "1")
-        elif factor is not None:
-            behind = own
-        if factor is None and not own:
-            factor = 1.0 if unit in ("", "1") else None
+    found, behind, begin = [], "", len(words)
+    for number in reversed([*NUMBER.finditer(words)]):
+        digits, own = number[1], number[2] or ""
+        if not own and RANGE.fullmatch(words, number.end(), begin):
+            own = behind
+        factor = conversion(WORDS.get(own, own) or "1", unit or "1")
         if factor is not None:
             found.append(factor * float(digits.replace(",", "")))
+        behind, begin = own, number.start()
     return found[::-1]

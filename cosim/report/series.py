@@ -23,18 +23,23 @@ def thinned(values: Array, buckets: int = BUCKETS) -> Array:
 
     A column that is short enough stays as it is.
     """
+    return values[extremes(values, buckets)]
+
+
+def extremes(values: Array, buckets: int) -> NDArray[np.int64]:
+    """Rows of the least and the largest value of each part of a column; of one without a number its first.
+
+    Of a column that is short enough all rows.
+    """
     if len(values) <= 2 * buckets:
-        return values
+        return np.arange(len(values))
     edges = np.linspace(0, len(values), buckets + 1).astype(int)
-    found = np.empty((buckets, 2))
+    found = np.empty((buckets, 2), dtype=np.int64)
     for i, (begin, end) in enumerate(itertools.pairwise(edges)):
         part = values[begin:end]
         known = np.flatnonzero(np.isfinite(part))
-        if not known.size:
-            found[i] = math.nan
-            continue
-        low, high = known[np.argmin(part[known])], known[np.argmax(part[known])]
-        found[i] = part[min(low, high)], part[max(low, high)]
+        ends = (known[np.argmin(part[known])], known[np.argmax(part[known])]) if known.size else (0, 0)
+        found[i] = begin + min(ends), begin + max(ends)
     return found.ravel()
 
 

@@ -226,15 +226,16 @@ class Chart:
     ----------
     kind
         `path` draws each `y` over `x`, row by row; `spectrum` the amplitudes of each `y` by the frequency or,
-        with an angle in rad as `x`, by the waves per turn; `peaks` the largest absolute `y` of each value of
-        `split`; `share` the share of rows in which `y` is at most that; `roc` for each threshold the share of
-        rows of the second part in which `y` is above it, over that of the first; `array` the last row of the
-        columns `y[1]`, `y[2]`, ... over those of `x`; `map` the sum of `weight` in each cell of the plane of
-        `x` and the one `y`, in parts of the largest.
+        with an angle in rad as `x`, by the waves per turn, of the longest stretch of rows without a gap;
+        `peaks` the largest absolute `y` of each value of `split`; `share` the share of rows in which `y` is
+        at most that; `roc` for each threshold the share of rows of the second part in which `y` is above it,
+        over that of the first; `array` the last row of the columns `y[1]`, `y[2]`, ... over those of `x`;
+        `map` the sum of `weight` in each cell of the plane of `x` and the one `y`, in parts of the largest.
     x, y
         Expressions over the columns; for an `array` the names of the columns without their numbers.
     parts
-        Conditions: the rows of each make a line of their own; none takes all rows.
+        Conditions: the rows of each make a line of their own, a `map` takes those in which all hold; none
+        takes all rows.
     names
         Names of the lines: of each `y` all parts.
     weight
@@ -245,6 +246,12 @@ class Chart:
         What the lines of a `path` are called, before the value.
     label, x_label
         What the axes show, before the units.
+    title
+        What is above it.
+    unit, x_unit
+        Units that the axes show.
+    scale, x_scale
+        Factors from the values of `y` and `x` to these.
     equal
         Whether both axes have the same scale.
     log, x_log

@@ -10,13 +10,13 @@ import numpy as np
 
 from cosim.fmu.archive import DisplayUnit
 from cosim.loop.result import Result
+from cosim.metrics import criteria
 from cosim.scenario.model import Panel, Scenario
 from cosim.trace.columns import Array
 from cosim.words.quantity import text
 
 SHOWN_AS_THEY_ARE = ("max", "min", "first", "last", "at")
 """Functions whose value is one of the column."""
-MOST_EVENTS = 6
 FAR = 2.0
 """Spans of the lines of a panel beyond which a limit is not drawn."""
 
@@ -31,25 +31,22 @@ class Marked:
 
 def marked(scenario: Scenario, result: Result) -> Marked:
     """Collect what is marked in the plots of a run."""
-    return Marked(events(result), limits(scenario, result))
+    return Marked(events(scenario, result), limits(scenario, result))
 
 
-def events(result: Result) -> list[tuple[float, str]]:
-    """Tell what happened when: injected faults, and what an FMU told; the last one tells how many follow."""
-    found = [(t, "fault injected") for t in result.injected if t is not None]
+def events(scenario: Scenario, result: Result) -> list[tuple[float, str]]:
+    """Tell what happened when: injected faults with their targets, and what an FMU told."""
+    began = zip(scenario.inject, result.injected, strict=False)
+    found = [(t, f"fault injected: {entry.to}") for entry, t in began if t is not None]
     times = result.columns["time"]
     for name, items in result.items.items():
         if name.endswith(".fault") and name in result.columns:
             told = result.columns[name]
             names = {number: item for item, number in items.items()}
-            for row in np.flatnonzero(np.diff(told) != 0.0) + 1:
+            for row in np.flatnonzero(np.diff(told, prepend=np.nan) != 0.0):
                 if (item := names.get(int(told[row]), "")) not in ("", "None"):
                     found.append((float(times[row]), item))
-    found.sort()
-    if (more := len(found) - MOST_EVENTS) > 0:
-        t, last = found[MOST_EVENTS - 1]
-        found[MOST_EVENTS - 1 :] = [(t, f"{last}, and {more} more")]
-    return found
+    return sorted(found)
 
 
 def limits(scenario: Scenario, result: Result) -> dict[str, list[tuple[float, str]]]:
@@ -64,17 +61,14 @@ def limits(scenario: Scenario, result: Result) -> dict[str, list[tuple[float, st
         criterion = verdict.criterion
         column, both = limited(values.get(criterion.metric, ""), result.units)
         measured = result.metrics.get(criterion.metric)
-        if not column or measured is None or not (measured.value and verdict.value):
+        if not column or measured is None:
             continue
-        # the criterion may be in another unit
-        scale = measured.value / verdict.value
-        for relation, limit in verdict.limits:
-            if isinstance(criterion.equals, bool):
-                continue
+        drawn = criteria.drawn(criterion, measured.unit)
+        for place, (relation, limit) in zip(drawn, verdict.limits, strict=False):
             told = f"{criterion.id} {relation} {text(limit, verdict.unit, 3)}"
-            found.setdefault(column, []).append((scale * limit, told))
+            found.setdefault(column, []).append((place, told))
             if both:
-                found[column].append((-scale * limit, ""))
+                found[column].append((-place, ""))
     return found
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -11,43 +11,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.errors import ScenarioError, closest, concerning
 from cosim.fmu.archive import DisplayUnit
 from cosim.loop.result import Result
-from cosim.metrics.expression import Expression, Items
+from cosim.metrics import drawable
 from cosim.scenario.model import Panel, Scenario
 from cosim.show import figure as figures
 from cosim.show import marks
 from cosim.show.marks import Marked
-from cosim.trace.columns import Array, Columns, InOrder
+from cosim.trace.columns import Array, Columns, InOrder, stepped
 from cosim.words.quantity import prefixed
 
 MOST_PANELS = 6
 MOST_COLUMNS = 8
+MOST_EVENTS = 6
 LIMIT: Any = {"color": "0.35", "linestyle": "--", "linewidth": 0.8}
 EVENT: Any = {"color": "0.35", "linestyle": ":", "linewidth": 0.8}
 NAME: Any = {"fontsize": 7, "rotation": 90, "verticalalignment": "top"}
-
-
-def check(scenario: Scenario, columns: Mapping[str, Items | None], path: Path) -> None:
-    """Check before the run that the plot can be made.
-
-    Raises
-    ------
-    CosimError
-        Unknown ending or column, or matplotlib is not installed.
-    """
-    figures.check(path)
-    for index, panel in enumerate(scenario.plot.panels):
-        if not panel.columns:
-            where = f"{scenario.origin('plot.panels')}: `plot.panels[{index}].columns`"
-            raise ScenarioError(f"{where} is empty", "name the columns that the panel shows")
-        for column in panel.columns:
-            if column not in columns:
-                where = f"{scenario.origin('plot.panels')}: `plot.panels[{index}].columns`"
-                problem = f"{where} names `{column}`, which is no column of the trace"
-                raise ScenarioError(problem, closest(column, columns))
-    zoom_condition(scenario, columns)
 
 
 def save(scenario: Scenario, result: Result, path: Path) -> None:
@@ -62,17 +41,26 @@ def save(scenario: Scenario, result: Result, path: Path) -> None:
     panels = scenario.plot.panels or default_panels(trace, result)
     windows = [np.ones(len(trace["time"]), dtype=bool), *zoomed(scenario, result, trace)]
     marked = marks.marked(scenario, result)
+    rows = max(1, len(panels))
     with figures.styled() as pyplot:
-        size = (6.5 * len(windows) + 2.5, 1.2 + 1.7 * len(panels))
+        size = (6.5 * len(windows) + 2.5, 1.2 + 1.7 * rows)
         figure, grid = pyplot.subplots(
-            len(panels), len(windows), sharex="col", squeeze=False, layout="constrained", figsize=size
+            rows, len(windows), sharex="col", squeeze=False, layout="constrained", figsize=size
         )
-        for row, panel in zip(grid, panels, strict=True):
+        for row, panel in zip(grid, panels, strict=False):
             for axes, window in zip(row, windows, strict=True):
                 shown = {name: trace[name][window] for name in ("time", *panel.columns)}
                 draw(axes, shown, panel, result, marked)
             row[0].set_title(panel.title, fontsize=9, loc="left")
-            row[-1].legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=8)
+            # a limit may be far from the lines of one window and near those of another
+            named = {
+                told: line
+                for axes in row
+                for line, told in zip(*axes.get_legend_handles_labels(), strict=True)
+            }
+            row[-1].legend(
+                named.values(), named.keys(), loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=8
+            )
         for axes in grid[-1]:
             axes.set_xlabel("time (s)")
         for axes, window in zip(grid[0], windows, strict=True):
@@ -98,8 +86,7 @@ def draw(axes: Any, trace: Columns, panel: Panel, result: Result, marked: Marked
     for column in panel.columns:
         values = shown.factor * trace[column] + shown.offset
         positive |= bool(np.any(values > 0.0))
-        stepped = bool(np.all(trace[column] == np.round(trace[column])))
-        style = "steps-post" if stepped else "default"
+        style = "steps-post" if stepped(trace[column]) else "default"
         lines.append(values)
         axes.plot(trace["time"], values, label=column, linewidth=1.1, drawstyle=style)
     axes.set_ylabel("" if shown.name == "1" else shown.name)
@@ -119,8 +106,12 @@ def draw(axes: Any, trace: Columns, panel: Panel, result: Result, marked: Marked
 
 
 def inside(times: Array, marked: Marked) -> list[tuple[float, str]]:
-    """Events from the first to the last of some times, and what they say."""
-    return [event for event in marked.events if times[0] <= event[0] <= times[-1]]
+    """Events from the first to the last of some times, and what they say; the last tells how many follow."""
+    found = [event for event in marked.events if times[0] <= event[0] <= times[-1]]
+    if (more := len(found) - MOST_EVENTS) > 0:
+        t, last = found[MOST_EVENTS - 1]
+        found[MOST_EVENTS - 1 :] = [(t, f"{last}, and {more} more")]
+    return found
 
 
 def unit_of(panel: Panel, result: Result, most: float) -> DisplayUnit:
@@ -150,8 +141,13 @@ def items_of(panel: Panel, result: Result) -> dict[str, int]:
 
 
 def default_panels(trace: Columns, result: Result) -> tuple[Panel, ...]:
-    """Panels of a scenario that names none: what moves, by enumeration or unit, and how many more."""
+    """Panels of a scenario that names none: what moves, by enumeration or unit, and how many more.
+
+    A trace of the time alone has none.
+    """
     names = list(trace)[1:]
+    if not names:
+        return ()
     moving = [name for name in names if moves(trace[name])] or names[:1]
     groups: dict[tuple[tuple[str, ...], str], list[str]] = {}
     for name in moving:
@@ -177,17 +173,9 @@ def moves(column: NDArray[np.float64]) -> bool:
     return bool(np.any(column != column[0]))
 
 
-def zoom_condition(scenario: Scenario, columns: Mapping[str, Items | None]) -> Expression | None:
-    """Compiled time of the zoom, if the scenario wants one."""
-    if not scenario.plot.zoom:
-        return None
-    with concerning("plot.zoom"):
-        return Expression(f"first_time({scenario.plot.zoom})", columns, "`plot.zoom`")
-
-
 def zoomed(scenario: Scenario, result: Result, trace: Columns) -> list[NDArray[np.bool_]]:
     """Rows around the moment that the scenario zooms on; nothing if it did not come."""
-    condition = zoom_condition(scenario, {name: result.items.get(name) for name in trace})
+    condition = drawable.zoom(scenario, {name: result.items.get(name) for name in trace})
     if condition is None:
         return []
     moment = float(condition(InOrder(trace)))

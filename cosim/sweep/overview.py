@@ -10,11 +10,12 @@ import numpy as np
 from rich.console import Group, RenderableType
 from rich.text import Text
 
-from cosim.metrics.criteria import factor
+from cosim.metrics import criteria
 from cosim.scenario.model import Scenario
 from cosim.show import figure as figures
-from cosim.show.display import STYLES
+from cosim.show.display import STYLES, shorten
 from cosim.show.listing import plain_table
+from cosim.show.plot import and_more
 from cosim.sweep import influence
 from cosim.sweep.plan import Plan
 from cosim.sweep.store import DONE
@@ -23,9 +24,10 @@ from cosim.words.quantity import number, text
 from cosim.words.verdicts import NOTHING_DEMANDED
 
 MOST_TROUBLES = 8
-MOST_PANELS = 6
+MOST_METRICS = 6
+MOST_KEYS = 4
 FEWEST_FOR_TENDENCY = 2
-"""Different numbers that a key must take to be drawn."""
+"""Different values that a key must take to be drawn."""
 
 
 def tables(plan: Plan, found: Survey, worst: list[int]) -> RenderableType:
@@ -103,7 +105,9 @@ def no_result_table(found: Survey, first: str = "first") -> RenderableType:
 
 
 def save_plots(plan: Plan, found: Survey, file: Path) -> None:
-    """Draw success rates, distributions with their limits, and the metrics over the numbers that were varied.
+    """Draw success rates, distributions with their limits, and the metrics over what was varied.
+
+    The title tells how many metrics and keys are left out.
 
     Raises
     ------
@@ -111,8 +115,9 @@ def save_plots(plan: Plan, found: Survey, file: Path) -> None:
         The file cannot be written.
     """
     scenario = plan.scenario
-    names = drawn_metrics(scenario, found)
-    keys = drawn_keys(plan)
+    metrics, varied = drawn_metrics(scenario, found), drawn_keys(plan)
+    names, keys = metrics[:MOST_METRICS], dict([*varied.items()][:MOST_KEYS])
+    more = and_more("metric", len(metrics) - len(names)), and_more("key", len(varied) - len(keys))
     count = 1 + len(keys)
     with figures.styled({"axes.formatter.limits": (-3, 4)}) as pyplot:
         size = (3.6 * count + 1.0, 2.4 * max(1, len(names)) + 1.6)
@@ -123,14 +128,15 @@ def save_plots(plan: Plan, found: Survey, file: Path) -> None:
             axes.set_axis_off()
         draw_rates(grid[0][0], scenario, found)
         draw_metrics(grid[1:], plan, found, names, keys)
-        figure.suptitle(f"{plan.study.title or plan.study.name}\n{verdict(found).plain}", fontsize=10)
+        lines = plan.study.title or plan.study.name, verdict(found).plain, ", ".join(filter(None, more))
+        figure.suptitle("\n".join(filter(None, lines)), fontsize=10)
         figures.save(figure, file)
 
 
 def drawn_metrics(scenario: Scenario, found: Survey) -> list[str]:
-    """Metrics that criteria judge, or all; those with a distribution, and not too many."""
+    """Metrics that criteria judge, or all; those with a distribution."""
     judged = list(dict.fromkeys(entry.metric for entry in scenario.criterion)) or list(found.values)
-    return [name for name in judged if is_quantity(found.values.get(name, np.empty(0)))][:MOST_PANELS]
+    return [name for name in judged if is_quantity(found.values.get(name, np.empty(0)))]
 
 
 def is_quantity(values: Any) -> bool:
@@ -139,14 +145,19 @@ def is_quantity(values: Any) -> bool:
     return different.size > 1 and not np.all(np.isin(different, (0.0, 1.0)))
 
 
-def drawn_keys(plan: Plan) -> list[str]:
-    """Varied keys that are numbers."""
-    numbers: dict[str, set[float]] = {}
+def drawn_keys(plan: Plan) -> dict[str, list[str]]:
+    """Keys that take several values; with the texts of these, in their order, where they are no numbers."""
+    values: dict[str, list[Any]] = {}
     for case in plan.cases:
         for key, value in case.items():
-            if isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value):
-                numbers.setdefault(key, set()).add(value)
-    return [key for key, values in numbers.items() if len(values) >= FEWEST_FOR_TENDENCY][:4]
+            values.setdefault(key, []).append(value)
+    found = {}
+    for key, taken in values.items():
+        numeric = all(isinstance(value, int | float) and not isinstance(value, bool) for value in taken)
+        different = dict.fromkeys(filter(math.isfinite, taken) if numeric else map(shorten, taken))
+        if len(different) >= FEWEST_FOR_TENDENCY:
+            found[key] = [] if numeric else [*different]
+    return found
 
 
 def draw_rates(axes: Any, scenario: Scenario, found: Survey) -> None:
@@ -165,7 +176,7 @@ def draw_rates(axes: Any, scenario: Scenario, found: Survey) -> None:
     axes.set_xlabel("holds in (%), 95 % confidence")
 
 
-def draw_metrics(grid: Any, plan: Plan, found: Survey, names: list[str], keys: list[str]) -> None:
+def draw_metrics(grid: Any, plan: Plan, found: Survey, names: list[str], keys: dict[str, list[str]]) -> None:
     """Histogram of each metric with its limits, and the metric over each varied key; failed runs in red."""
     scenario, columns = plan.scenario, found.columns
     logarithmic = [vary.key for vary in plan.study.vary if vary.distribution == "log-uniform"]
@@ -176,31 +187,26 @@ def draw_metrics(grid: Any, plan: Plan, found: Survey, names: list[str], keys: l
         unit = found.units[name]
         axes[0].hist(finite(values), bins="auto", color="tab:blue", alpha=0.7)
         axes[0].set_xlabel(f"{name} ({unit})" if unit not in ("", "1") else name)
-        for limit in limits(scenario, name, unit):
+        held = (entry for entry in scenario.criterion if entry.metric == name)
+        for limit in (limit for entry in held for limit in criteria.drawn(entry, unit)):
             axes[0].axvline(limit, color="tab:red", linestyle="--", label=f"limit {number(limit)}")
-        for place, key in zip(axes[1:], keys, strict=True):
-            at = np.array([number_of(value) for value in columns[key]])[done]
+        for place, (key, texts) in zip(axes[1:], keys.items(), strict=True):
+            at = np.array([place_of(value, texts) for value in columns[key]])[done]
             place.plot(at[~failed], values[~failed], ".", markersize=3.0, color="tab:blue")
             place.plot(at[failed], values[failed], "x", markersize=4.0, color="tab:red")
             place.set_xlabel(key)
             place.set_ylabel(name)
+            if texts:
+                place.set_xticks(range(len(texts)), texts)
             if key in logarithmic:
                 place.set_xscale("log")
 
 
-def number_of(value: Any) -> float:
-    """Value of a key as a number; NaN where it is none."""
-    try:
-        return math.nan if value is None else float(value)
-    except (TypeError, ValueError):
+def place_of(value: Any, texts: list[str]) -> float:
+    """Value of a key at its axis: the number, or which of the texts it is; NaN where a run has none."""
+    if value is None:
         return math.nan
-
-
-def limits(scenario: Scenario, name: str, unit: str) -> list[float]:
-    """Limits of a metric, in its own unit."""
-    held = [(entry, factor(entry, unit)) for entry in scenario.criterion if entry.metric == name]
-    both = [(limit, scale) for entry, scale in held for limit in (entry.minimum, entry.maximum)]
-    return [limit / scale for limit, scale in both if limit is not None]
+    return float(texts.index(shorten(value)) if texts else value)
 
 
 def finite(values: Any) -> Any:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -33,18 +33,42 @@ class Held(Mapping[str, Array]):
 
 
 class InOrder:
-    """Columns by number as expressions ask for them, the time first; what was asked for stays in memory."""
+    """Columns by number as expressions ask for them, the time first; what was asked for stays in memory.
 
-    def __init__(self, columns: Columns) -> None:
+    Parameters
+    ----------
+    columns
+        The trace.
+    values
+        Values of metrics that were measured on it.
+    """
+
+    def __init__(self, columns: Columns, values: dict[str, Any] | None = None) -> None:
         self.columns = columns
         self.names = ["time", *(name for name in columns if name != "time")]
         self.known: dict[str, Array] = {}
+        self.values: dict[str, Any] = {} if values is None else values
 
     def __getitem__(self, index: int) -> Array:
         name = self.names[index]
         if name not in self.known:
             self.known[name] = self.columns[name]
         return self.known[name]
+
+    def kept(self, name: str, evaluate: Callable[[InOrder], Any]) -> Any:
+        """Value of a metric, which is computed once, of columns that are let go then."""
+        if name not in self.values:
+            self.values[name] = evaluate(InOrder(self.columns, self.values))
+        return self.values[name]
+
+
+def stepped(values: Array) -> bool:
+    """Whether a column only jumps (modes, flags, counters), so that nothing lies between two of its rows.
+
+    The values are in the unit of the trace: nanometres in m are no whole numbers, those of an axis in nm are.
+    """
+    known = values[np.isfinite(values)]
+    return bool(np.all(known == np.round(known)))
 
 
 def structured(table: Array, names: Sequence[str]) -> NDArray[Any]:

@@ -14,7 +14,9 @@ from cosim.trace.columns import Columns, InOrder
 def measured(
     metrics: Sequence[Metric], expressions: Sequence[Expression], columns: Columns
 ) -> dict[str, Measured]:
-    """Values of metrics by name; of columns in a file only those of one metric are in memory at a time.
+    """Values of metrics by name, each computed once.
+
+    Of columns in a file only those of one metric, and of those that ask for it, are in memory at a time.
 
     Parameters
     ----------
@@ -28,5 +30,6 @@ def measured(
     ExpressionError
         A metric gives a column instead of one number, or cannot be computed.
     """
+    table = InOrder(columns)
     pairs = zip(metrics, expressions, strict=True)
-    return {metric.name: criteria.measure(metric, found, InOrder(columns)) for metric, found in pairs}
+    return {metric.name: criteria.measure(metric, found, table) for metric, found in pairs}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,6 +14,8 @@ from cosim.errors import ExpressionError
 from cosim.metrics.criteria import compile_metrics
 from cosim.metrics.expression import Expression, Items
 from cosim.scenario.model import Metric
+from cosim.trace.columns import InOrder
+from cosim.trace.measure import measured
 
 ITEMS = {"Idle": 1, "Detect": 4}
 NAMES: dict[str, Items | None] = {
@@ -241,11 +244,36 @@ def test_a_metric_knows_the_others_with_their_units() -> None:
         Metric("twice", "2 * metric.far"),
         Metric("far", "max(abs(plant.x))", "m"),
     )
-    good, twice, far = (one(TABLE.T) for one in compile_metrics(metrics, NAMES))
+    table = InOrder(dict(zip(NAMES, TABLE.T, strict=True)))
+    good, twice, far = (one(table) for one in compile_metrics(metrics, NAMES))
     assert (far, bool(good), twice) == (3.0, True, 6.0)
     assert compile_metrics(metrics, NAMES)[1].unit == "m"
     with pytest.raises(ExpressionError, match=r"names `metric\.far`, which is no other metric"):
         compile_metrics(metrics[:2], NAMES)
+
+
+class Counted(dict[str, Any]):
+    """Columns that count how often they are read."""
+
+    reads = 0
+
+    def __getitem__(self, name: str) -> Any:
+        self.reads += 1
+        return super().__getitem__(name)
+
+
+def test_a_metric_that_others_name_is_computed_once() -> None:
+    chain = [Metric(f"m{i}", f"metric.m{i - 1} + metric.m{i - 1}") for i in range(1, 21)]
+    metrics = (*chain[::-1], Metric("m0", "max(plant.x)", "m"))
+    columns = Counted(zip(NAMES, TABLE.T, strict=True))
+    found = measured(metrics, compile_metrics(metrics, NAMES), columns)
+    assert (found["m20"].value, found["m20"].unit) == (2.0**20 * TABLE[:, 1].max(), "m")
+    assert columns.reads == 1
+
+
+def test_a_condition_on_a_row_knows_no_metric() -> None:
+    with pytest.raises(ExpressionError, match=r"`metric\.far`, but metrics are measured after the run"):
+        Expression("metric.far > 1", NAMES, "`loop.stop_when`", rowwise=True)
 
 
 def test_metrics_that_are_made_of_each_other_are_refused() -> None:

@@ -201,7 +201,7 @@ VARIANTS = [
 def test_a_plot_is_drawn_and_the_same_each_time(write: Write, folder: Path, added: str) -> None:
     scenario = cosim.load(write(added))
     with cosim.Session(scenario) as session:
-        plot.check(scenario, session.columns, folder / "plot.svg")
+        session.check_drawn()
         result = session.run()
     for name in ("one.svg", "two.svg", "one.png"):
         plot.save(scenario, result, folder / name)
@@ -311,7 +311,7 @@ def test_a_wrong_column_of_a_plot_is_found_before_the_run(
 ) -> None:
     scenario = cosim.load(write(PANELS.replace('"plant.x", "controller.in"', columns)))
     with cosim.Session(scenario) as session, pytest.raises(CosimError, match=problem):
-        plot.check(scenario, session.columns, folder / "plot.svg")
+        session.check_drawn()
 
 
 QUANTITIES = [

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
 from graphlib import CycleError, TopologicalSorter
@@ -15,7 +16,7 @@ from . import python, rust
 ROOT = Path(__file__).resolve().parents[2]
 MOST_FILES = 17
 """Source files in one folder: what rapier, a large crate that reads well, needs at most."""
-PACKAGES = ("cosim", "plants", "tests", "xtask")
+PACKAGES = ("cosim", "handbook", "plants", "tests", "xtask")
 """Folders with Python modules that import each other."""
 
 ROOMS = (
@@ -83,6 +84,20 @@ def test_a_folder_of_python_can_be_looked_over() -> None:
     assert not found, found
 
 
+@pytest.mark.parametrize("page", ["README.md", "ARCHITECTURE.md"])
+def test_a_page_of_the_house_names_every_folder(page: str) -> None:
+    text = (ROOT / page).read_text(encoding="utf-8")
+    folders = {shown(file).partition("/")[0] for file in SOURCES if file.parent != ROOT}
+    plain = re.sub(
+        r"fmu-(\*|<name>)/", " ".join(f"{name}/" for name in folders if name.startswith("fmu-")), text
+    )
+    of_tests = re.search(r"^(\| `)?tests/[^/]*", text, re.MULTILINE)
+    inside = {file.parent.name for file in SOURCES if file.parent.parent == ROOT / "tests"}
+    missing = {name for name in folders if f"{name}/" not in plain}
+    assert of_tests
+    assert missing | {name for name in inside if not re.search(rf"\b{name}\b", of_tests[0])} == set()
+
+
 @pytest.mark.parametrize("crate", CRATES)
 def test_no_rust_files_import_each_other(crate: str) -> None:
     for root in rust.roots(ROOT / crate):
@@ -128,7 +143,7 @@ def test_a_type_name_means_one_thing_in_a_crate(crate: str) -> None:
     assert not found, found
 
 
-@pytest.mark.parametrize("package", ["cosim", "plants"])
+@pytest.mark.parametrize("package", ["cosim", "handbook", "plants"])
 def test_a_class_name_means_one_thing_in_a_package(package: str) -> None:
     files = [file for file in SOURCES if file.is_relative_to(ROOT / package) and file.suffix == ".py"]
     found = twice(python.types(files))

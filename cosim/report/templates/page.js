@@ -86,13 +86,17 @@ function layout(view, panel) {
   };
 }
 
+// the still drawing stays for print
+function plotOf(figure) {
+  if (!one(".plot", figure)) figure.append(Object.assign(document.createElement("div"), { className: "plot" }));
+  figure.classList.add("drawn");
+  return one(".plot", figure);
+}
+
 async function drawChart(figure) {
   const chapters = await prepared();
   const chart = chapters[figure.closest(".chapter").dataset.number].charts[figure.dataset.chart];
-  const place = one(".plot", figure);
-  if (!figure.dataset.drawn) place.replaceChildren();
-  figure.dataset.drawn = "yes";
-  figure.classList.add("drawn");
+  const place = plotOf(figure);
   const values = (entry, log) => numbers(entry).map((value) => (log && value !== null ? 10 ** value : value));
   const lines = chart.lines.map((line, i) => ({
     x: values(line.x, chart.x_log), y: values(line.y, chart.log), name: line.name, mode: chart.points ? "lines+markers" : "lines",
@@ -100,9 +104,9 @@ async function drawChart(figure) {
     hovertemplate: "%{x:.5g}, %{y:.5g}",
   }));
   if (chart.cells) {
-    const flat = numbers(chart.cells), wide = chart.cells.x.length;
+    const flat = numbers(chart.cells), wide = chart.cells.x.length - 1;
     lines.push({
-      type: "heatmap", x: chart.cells.x, y: chart.cells.y, z: chart.cells.y.map((_, row) => flat.slice(row * wide, (row + 1) * wide)),
+      type: "heatmap", x: chart.cells.x, y: chart.cells.y, z: chart.cells.y.slice(1).map((_, row) => flat.slice(row * wide, (row + 1) * wide)),
       colorscale: [[0, colour("--paper")], [1, colour("--c0")]], colorbar: { thickness: 10, outlinewidth: 0 },
       hovertemplate: "%{x:.4g}, %{y:.4g}: %{z:.2f}<extra></extra>",
     });
@@ -119,14 +123,12 @@ async function draw(box) {
   if (box.dataset.chart) return drawChart(box);
   const chapters = await prepared();
   const view = chapters[box.closest(".chapter").dataset.number].views[box.dataset.view];
-  const plots = all("figure", box).map((figure) => [one(".plot", figure), view.panels[figure.dataset.panel]]);
+  const plots = all("figure", box).map((figure) => [plotOf(figure), view.panels[figure.dataset.panel]]);
   for (const [place, panel] of plots) {
-    if (!place.dataset.drawn) place.replaceChildren();
-    place.dataset.drawn = "yes";
     await Plotly.react(place, traces(view, panel), layout(view, panel), { responsive: true, displaylogo: false, displayModeBar: false });
   }
-  if (box.dataset.drawn) return;
-  box.dataset.drawn = "yes";
+  if (box.classList.contains("drawn")) return;
+  box.classList.add("drawn");
   // the panels of a view show the same time
   for (const [place] of plots) {
     place.on("plotly_relayout", (change) => {
@@ -154,7 +156,7 @@ all(DRAWN).forEach((box) => watch.observe(box));
 
 // light or dark: as the system says, until somebody chooses
 const dark = matchMedia("(prefers-color-scheme: dark)");
-const again = () => all(DRAWN).filter((box) => box.dataset.drawn).forEach(draw);
+const again = () => all(DRAWN).filter((box) => box.classList.contains("drawn")).forEach(draw);
 one("#theme").addEventListener("click", () => {
   const now = root.dataset.theme ?? (dark.matches ? "dark" : "light");
   root.dataset.theme = now === "dark" ? "light" : "dark";

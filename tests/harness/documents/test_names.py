@@ -12,7 +12,6 @@ from handbook.pages import ROOT
 from . import words
 
 NAME = re.compile(r"`([A-Za-z_]\w*(?:\.[\w\[\]]+|\[[\d.]+\])*(?:\.\*)?)`")
-OTHERS = {"drive_enable", "enable", "law", "io_delay", "sample_period"}
 
 
 def names(text: str) -> set[str]:

@@ -112,7 +112,7 @@ def test_what_is_generated_holds_everything(site: Path) -> None:
 def test_a_browser_shows_it_without_a_complaint(
     site: Path, page: str, width: int, theme: str, tmp_path: Path
 ) -> None:
-    answer, troubles = asyncio.run(browser.visit(site / page, width, theme, QUESTION, tmp_path))
+    answer, _, troubles = asyncio.run(browser.visit(site / page, width, theme, QUESTION, tmp_path))
     assert troubles == []
     assert (answer["sideways"], answer["outside"]) == (False, [])
     assert (answer["colour"] == LIGHT) == (theme == "light")
@@ -121,6 +121,6 @@ def test_a_browser_shows_it_without_a_complaint(
 @pytest.mark.skipif(browser.PROGRAM is None, reason="no Chromium")
 @pytest.mark.full
 def test_the_search_finds_a_page_without_a_server(site: Path, tmp_path: Path) -> None:
-    answer, troubles = asyncio.run(browser.visit(site / "index.html", 1400, "light", SEARCH, tmp_path))
+    answer, _, troubles = asyncio.run(browser.visit(site / "index.html", 1400, "light", SEARCH, tmp_path))
     assert troubles == []
     assert "fmu-deburr/index.html" in answer

@@ -128,6 +128,12 @@ def test_a_page_holds_the_film(folder: Path) -> None:
     assert np.abs(pictures[0].astype(int) - pictures[-1].astype(int)).max() > 60
     # what stands still costs next to nothing, so a page of many loops can be sent
     assert len(content) < 100_000
+    (still,) = page.iter("img")
+    content = base64.b64decode(still.get("src").removeprefix("data:image/jpeg;base64,"))
+    picture = np.asarray(importlib.import_module("PIL.Image").open(io.BytesIO(content)))
+    middle = pictures[len(pictures) // 2]
+    assert picture.shape == middle.shape
+    assert np.abs(picture.astype(int) - middle).mean() < 3.0
 
 
 @pytest.mark.parametrize(

@@ -20,24 +20,32 @@ LOADED = "location.protocol === 'file:' && document.readyState === 'complete'"
 OWN = ("file:", "data:", "blob:", "chrome")
 
 
-async def visit(page: Path, width: int, theme: str, question: str, folder: Path) -> tuple[Any, list[str]]:
-    """Open a page; returns what a JavaScript expression gives in the end, and what went wrong meanwhile.
+async def visit(
+    page: Path, width: int, theme: str, question: str, folder: Path, printed: str = "null"
+) -> tuple[Any, Any, list[str]]:
+    """Open a page; returns what two JavaScript expressions give in the end, and what went wrong meanwhile.
 
-    The test is skipped where Chromium ends before it listens.
+    The second one sees the page as it is printed. The test is skipped where Chromium ends before it listens.
     """
     options = ["--headless=new", "--no-sandbox", "--disable-gpu", "--remote-debugging-port=0"]
     command = [str(PROGRAM), *options, f"--user-data-dir={folder}", "about:blank"]
     chromium = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     try:
-        return await asyncio.wait_for(asked(chromium, page, width, theme, question, folder), 90)
+        asking = asked(chromium, page, width, theme, (question, printed), folder)
+        return await asyncio.wait_for(asking, 90)
     finally:
         chromium.kill()
         chromium.wait()
 
 
 async def asked(
-    chromium: subprocess.Popen[bytes], page: Path, width: int, theme: str, question: str, folder: Path
-) -> tuple[Any, list[str]]:
+    chromium: subprocess.Popen[bytes],
+    page: Path,
+    width: int,
+    theme: str,
+    questions: tuple[str, str],
+    folder: Path,
+) -> tuple[Any, Any, list[str]]:
     place = folder / "DevToolsActivePort"
     while not (place.is_file() and place.read_text().count("\n")):
         if chromium.poll() is not None:
@@ -68,9 +76,14 @@ async def asked(
         await call(f"{domain}.enable")
     size = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 600}
     await call("Emulation.setDeviceMetricsOverride", **size)
-    await call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": theme}])
+    scheme = {"name": "prefers-color-scheme", "value": theme}
+    await call("Emulation.setEmulatedMedia", features=[scheme])
     await call("Page.navigate", url=page.as_uri())
     while (await call("Runtime.evaluate", expression=LOADED))["result"].get("value") is not True:
         await asyncio.sleep(0.1)
-    answer = await call("Runtime.evaluate", expression=question, awaitPromise=True, returnByValue=True)
-    return answer["result"].get("value"), troubles
+    answers = []
+    for media, question in zip(("screen", "print"), questions, strict=True):
+        await call("Emulation.setEmulatedMedia", media=media, features=[scheme])
+        found = await call("Runtime.evaluate", expression=question, awaitPromise=True, returnByValue=True)
+        answers.append(found["result"].get("value"))
+    return *answers, troubles

@@ -13,11 +13,12 @@ import pytest
 
 from cosim.errors import CosimError
 from cosim.loop.result import Result
-from cosim.metrics import charted
-from cosim.metrics.criteria import Measured, Verdict
+from cosim.metrics import drawable
+from cosim.metrics.criteria import Measured, Verdict, drawn
 from cosim.report import charts, drawing, panels
 from cosim.report.provenance import numbers, origin
 from cosim.report.series import unpacked
+from cosim.scenario.injection import Injection
 from cosim.scenario.model import Chart, Controller, Criterion, Loop, Metric, Panel, Plot, Scenario
 from cosim.show import marks, plot
 from cosim.trace.columns import Array, Held
@@ -65,6 +66,47 @@ def test_a_path_of_many_rows_keeps_its_peaks() -> None:
     assert len(x) <= charts.MOST_POINTS
     assert x[np.argmax(y)] == TIME[1234]
     assert y.max() == 50.0
+
+
+def test_a_path_of_many_rows_keeps_extremes_beside_what_is_no_number() -> None:
+    away = np.where(np.arange(ROWS) == 1234, 50.0, 3.0)
+    least = np.where(np.arange(ROWS) == 2345, 1.0, np.where(np.arange(ROWS) % 2, np.nan, 7.0))
+    (x, y) = lines(Chart("path", ("plant.y",), x="plant.x"), traced(plant_x=away, plant_y=least))["plant.y"]
+    assert (x.max(), np.nanmin(y)) == (50.0, 1.0)
+    assert np.isfinite(y).mean() > 0.9
+
+
+def test_a_spectrum_takes_the_longest_stretch_without_a_gap() -> None:
+    wave = np.where(np.arange(ROWS) == 3404, np.nan, 0.25 * np.sin(2.0 * np.pi * 50.0 * TIME))
+    # rows 0, 2, 4 are not neighbours
+    trace = traced(plant_e=wave, plant_p=np.where((TIME < 0.005) & (np.arange(ROWS) % 2 == 1), 0.0, 1.0))
+    ((x, y),) = lines(Chart("spectrum", ("plant.e",), parts=("plant.p",)), trace).values()
+    assert x[np.argmax(y)] == pytest.approx(50.0, abs=0.5)
+    assert (y.max(), x.max()) == (pytest.approx(0.25, rel=0.01), pytest.approx(500.0, rel=0.01))
+
+
+def test_a_spectrum_leaves_out_rows_without_an_angle() -> None:
+    angle = np.where(np.arange(ROWS) == ROWS - 1, np.nan, 2.0 * np.pi * 5.3 * TIME)
+    wave = 2.0 * np.cos(4.0 * 2.0 * np.pi * 5.3 * TIME)
+    ((_, y),) = lines(
+        Chart("spectrum", ("plant.e",), x="plant.a"), traced(plant_a=angle, plant_e=wave)
+    ).values()
+    assert y[3] == pytest.approx(2.0, rel=1e-2)
+
+
+@pytest.mark.parametrize("kind", ["path", "map", "share", "spectrum", "peaks"])
+def test_a_chart_of_picked_rows_costs_no_other(kind: Any) -> None:
+    trace = traced(plant_x=TIME, plant_y=TIME**2)
+    more: Any = (
+        {"split": "plant.x"} if kind == "peaks" else {"x": "plant.x"} if kind in ("path", "map") else {}
+    )
+    picked = Chart(kind, ("plant.y[plant.x > 1]",), title="Depth", **more)
+    whole = Chart("path", ("plant.y",), x="plant.x", title="Way")
+    of, found = result(trace, "max(plant.x)", maximum=4.0)
+    shown, (told,) = charts.views(replace(of, plot=Plot(charts=(picked, whole))), found)
+    assert [chart["title"] for chart in shown] == ["Way"]
+    assert told.startswith("`plot.charts` `Depth` = `plant.y[plant.x > 1]` gives 2999 values for 4000 rows")
+    assert "hint: pick rows with `parts`" in told
 
 
 def test_a_spectrum_over_an_angle_tells_waves_per_turn() -> None:
@@ -123,7 +165,7 @@ def test_an_array_is_its_last_row_in_the_order_of_its_numbers() -> None:
     table = traced(**{name.replace(".", "_"): values for name, values in last.items()})
     gains = {f"controller.m[{i}]": np.full(ROWS, 1.0 / i) for i in range(1, 13)}
     both = Held(np.asarray(traced(**{k.replace(".", "_"): v for k, v in (last | gains).items()}).table))
-    assert charted.numbered("controller.f", table)[-1] == "controller.f[12]"
+    assert drawable.numbered("controller.f", table)[-1] == "controller.f[12]"
     x, y = lines(Chart("array", ("controller.m",), x="controller.f"), both)["controller.m"]
     # the last two were never set
     assert list(x) == [10.0 * i for i in range(1, 11)]
@@ -141,13 +183,13 @@ def test_a_map_sums_up_in_cells() -> None:
     cells = charts.summed(chart, trace, dict.fromkeys(trace))
     assert cells is not None
     assert cells.parts.shape == (charts.CELLS, charts.CELLS)
-    assert (cells.x[0], cells.x[-1]) == pytest.approx((1e3 / 120, 1e3 * 119 / 120))
+    assert (cells.x[0], cells.x[-1], len(cells.x)) == pytest.approx((0.0, 1e3, charts.CELLS + 1))
     inner = slice(5, -5)
     assert cells.parts[inner, -1].mean() == pytest.approx(3.0 * cells.parts[inner, 0].mean(), rel=0.05)
     assert not cells.parts[inner, inner].any()
     found = charts.mapped(chart, cells)
     assert unpacked(found["cells"]) == pytest.approx(cells.parts.ravel(), abs=1e-4)
-    assert found["svg"].count('class="cell"') == np.count_nonzero(cells.parts > drawing.LEAST)
+    assert len(re.findall(r"M\d+ \d+h\d+v", found["svg"])) == np.count_nonzero(cells.parts > drawing.LEAST)
     nothing = replace(chart, parts=("plant.x > 2",))
     assert charts.summed(nothing, trace, dict.fromkeys(trace)) is None
 
@@ -167,11 +209,17 @@ def scenario(*drawn: Chart, **more: Any) -> Scenario:
         (Chart("path", ("plant.y",), x="plant.x"), "`plant.y`, which is no column"),
         (Chart("array", ("plant.x",), x="plant.x"), "`plant.x[1]`, which is no column"),
         (Chart("share", ("plant.x",), names=("a", "b")), "2 names for 1 lines"),
+        (Chart("share", ("plant.x",), split="time"), "of the kind `share` takes no `split`"),
+        (Chart("map", ("plant.x",), x="time", names=("a",)), "of the kind `map` takes no `names`"),
+        (Chart("map", ("plant.x",), x="time", log=True), "of the kind `map` takes no `log`"),
+        (Chart("map", ("plant.x", "time"), x="time"), "of the kind `map` has 2 `y` and takes 1"),
+        (Chart("spectrum", ("plant.x",), weight="time"), "of the kind `spectrum` takes no `weight`"),
+        (Chart("array", ("plant.x",), x="plant.x", parts=("time",)), "of the kind `array` takes no `parts`"),
     ],
 )
 def test_what_cannot_be_drawn_is_told(chart: Chart, message: str) -> None:
     with pytest.raises(CosimError) as told:
-        charted.check(scenario(chart), {"time": None, "plant.x": None})
+        drawable.check(scenario(chart), {"time": None, "plant.x": None})
     assert message in str(told.value)
 
 
@@ -180,6 +228,7 @@ def result(trace: Held, value: str, **limits: Any) -> tuple[Scenario, Result]:
     criterion = Criterion("depth", "c", "m", unit="mm", **limits)
     of = replace(scenario(), metric=(Metric("m", value, "m"),), criterion=(criterion,))
     units = dict.fromkeys(trace, "m")
+    of = replace(of, inject=(Injection("plant.u", 0.5, value=0.0), Injection("plant.v", 9.0, value=0.0)))
     found = Result(
         "t", "t", 1, "native", {"m": Measured("m", 2e-3, "m")}, [Verdict(criterion, 2.0, "mm")], 4.0, 1.0,
         trace.table, units=units, items={"controller.fault": {"None": 1, "Stuck": 3}}, injected=(0.5, None),
@@ -188,6 +237,26 @@ def result(trace: Held, value: str, **limits: Any) -> tuple[Scenario, Result]:
 
 
 TRACE = traced(plant_x=1e-3 * TIME, controller_fault=np.where(TIME < 2.0, 1.0, 3.0))
+
+
+@pytest.mark.parametrize(
+    ("limits", "wanted"),
+    [
+        ({"minimum": 1.0, "maximum": 4.0}, [1e-3, 4e-3]),
+        ({"equals": 2.0}, [2e-3]),
+        ({"equals": True}, []),
+    ],
+)
+def test_limits_are_drawn_in_the_unit_of_the_metric(limits: Any, wanted: list[float]) -> None:
+    assert drawn(Criterion("a", "c", "m", unit="mm", **limits), "m") == pytest.approx(wanted)
+
+
+def test_a_limit_stands_beside_a_value_of_zero() -> None:
+    of, found = result(TRACE, "max(plant.x)", maximum=4.0)
+    never = replace(
+        found, metrics={"m": Measured("m", 0.0, "m")}, criteria=[Verdict(of.criterion[0], 0.0, "mm")]
+    )
+    assert marks.limits(of, never) == marks.limits(of, found)
 
 
 @pytest.mark.parametrize(
@@ -214,7 +283,7 @@ def test_limits_faults_and_injections_are_marked_in_the_panels() -> None:
     of, found = result(TRACE, "max(plant.x)", maximum=4.0)
     of = replace(of, plot=Plot(panels=(Panel(("plant.x",), "mm", 1e3),)))
     (view,) = panels.views(of, found)
-    assert view["events"] == [(0.5, "fault injected"), (2.0, "Stuck")]
+    assert view["events"] == [(0.5, "fault injected: plant.u"), (2.0, "Stuck")]
     ((limit, told),) = view["panels"][0]["limits"]
     assert (limit, told) == (pytest.approx(4.0), "depth <= 4 mm")
     assert view["panels"][0]["svg"].count('class="limit"') == 1
@@ -230,16 +299,48 @@ def test_a_figure_marks_limits_and_events_too(tmp_path: Path) -> None:
     plot.save(of, found, file)
     # matplotlib draws letters and leaves the text as a comment; the events are named once, in the first panel
     told = [unescape(text).strip() for text in re.findall(r"<!-- (.*?) -->", file.read_text())]
-    assert [told.count(text) for text in ("depth <= 4 mm", "fault injected", "Stuck")] == [2, 1, 1]
+    assert [told.count(text) for text in ("depth <= 4 mm", "fault injected: plant.u", "Stuck")] == [2, 1, 1]
+
+
+def test_a_limit_that_is_near_in_one_window_only_is_named(tmp_path: Path) -> None:
+    # it is far from the lines of the zoom
+    of, found = result(TRACE, "max(plant.x)", maximum=4.0)
+    of = replace(of, plot=Plot(panels=(Panel(("plant.x",), "mm", 1e3),), zoom="time > 0.1"))
+    plot.save(of, found, tmp_path / "plot.svg")
+    assert "<!-- depth &lt;= 4 mm -->" in (tmp_path / "plot.svg").read_text()
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_trace_of_the_time_alone_has_no_panels(tmp_path: Path) -> None:
+    of, found = result(traced(), "max(time)", maximum=4.0)
+    assert panels.views(of, found) == []
+    plot.save(of, found, tmp_path / "plot.svg")
+
+
+def test_only_what_is_whole_in_the_trace_is_drawn_in_steps() -> None:
+    trace = traced(plant_x=np.where(TIME < 2.0, 0.0, 1e-9), plant_n=np.floor(TIME))
+    of, found = result(trace, "max(plant.x)", maximum=4.0)
+    of = replace(of, plot=Plot(panels=(Panel(("plant.x",)), Panel(("plant.n",), "m"))))
+    shown = panels.views(of, found)[0]["panels"]
+    assert shown[0]["unit"] == "nm"
+    assert [panel["lines"][0]["stepped"] for panel in shown] == [False, True]
 
 
 def test_faults_beyond_the_last_mark_are_counted() -> None:
     told = np.where(np.arange(ROWS) // 100 % 2 == 1, 3.0, 1.0)
-    _, found = result(traced(plant_x=TIME, controller_fault=told), "max(plant.x)", maximum=4.0)
-    events = marks.events(found)
-    told_as = ["Stuck", "Stuck", "Stuck", "fault injected", "Stuck", "Stuck, and 15 more"]
+    of, found = result(traced(plant_x=TIME, controller_fault=told), "max(plant.x)", maximum=4.0)
+    marked = marks.marked(of, found)
+    events = plot.inside(TIME, marked)
+    told_as = ["Stuck", "Stuck", "Stuck", "fault injected: plant.u", "Stuck", "Stuck, and 15 more"]
     assert [text for _, text in events] == told_as
     assert events[-1][0] == pytest.approx(0.9)
+    # those of a window are its own
+    assert [t for t, _ in plot.inside(TIME[TIME > 3.4], marked)] == pytest.approx([3.5, 3.7, 3.9])
+
+
+def test_a_fault_in_the_first_row_is_marked() -> None:
+    of, found = result(traced(plant_x=TIME, controller_fault=np.full(ROWS, 3.0)), "max(plant.x)", maximum=4.0)
+    assert marks.events(of, found) == [(0.0, "Stuck"), (0.5, "fault injected: plant.u")]
 
 
 def test_a_logarithmic_panel_has_no_limit_that_is_not_positive() -> None:
@@ -263,6 +364,16 @@ def test_lines_of_several_values_with_a_split_tell_both() -> None:
     trace = traced(plant_x=TIME, plant_y=TIME, plant_z=-TIME, plant_n=np.floor(TIME / 2.0))
     chart = Chart("path", ("plant.y", "plant.z"), x="plant.x", split="plant.n", split_name="push")
     assert list(lines(chart, trace)) == [f"plant.{y}, push {n}" for y in "yz" for n in (0, 1)]
+
+
+def test_one_row_of_cells_is_as_high_as_it_is() -> None:
+    svg = drawing.cells(np.linspace(0.0, 0.1, 61), np.array([0.0, 0.001]), np.ones((1, 60)), True)
+    found = re.findall(r"M(\d+) (\d+)h(\d+)v(\d+)", svg)
+    assert len(found) == 60
+    wide = drawing.WIDTH - drawing.LEFT - drawing.RIGHT
+    assert int(found[0][0]) == drawing.LEFT
+    assert int(found[-1][0]) == pytest.approx(drawing.LEFT + wide * 59 / 60, abs=2)
+    assert int(found[0][3]) == pytest.approx(wide / 100, abs=2)
 
 
 def test_a_drawing_with_equal_scales_has_them() -> None:
@@ -292,6 +403,7 @@ def test_a_chart_holds_the_numbers_of_its_lines() -> None:
         ("0.5 mm", {"minimum": 0.4, "maximum": 0.6}, "", "paper"),
         ("submicron", {"maximum": 1.0}, "", "prediction"),
         ("departs", {"equals": True}, "", "paper"),
+        ("0.3 mm or < 0.05 cm", {"maximum": 0.5}, "", "paper"),
         ("0.5 mm", {"maximum": 0.5}, "choice", "choice"),
     ],
 )
@@ -308,6 +420,14 @@ def test_where_a_limit_comes_from(paper: str, limits: Any, source: Any, wanted: 
         ("-0.5 to +1.0 mm", "m", [-5e-4, 1e-3]),
         ("less than about 2 %", "1", [0.02]),
         ("35 s, < 1 min", "m", []),
+        ("35 s, < 1 min", "s", [35.0, 60.0]),
+        ("up to 3 cm, 500 m/s2", "m", [0.03]),
+        ("10 repetitions, 0.5 mm", "m", [5e-4]),
+        ("3 or 4 mm", "m", [4e-3]),
+        ("pass 12: 0.5 mm", "m", [5e-4]),
+        ("5-6 um", "m", [5e-6, 6e-6]),
+        ("20 .. 30 um", "m", [2e-5, 3e-5]),
+        ("reached 2.5 um.", "m", [2.5e-6]),
         ("1.2 um rms with 5 harmonics", "m", [1.2e-6]),
     ],
 )

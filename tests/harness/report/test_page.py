@@ -17,6 +17,7 @@ from lxml import html
 
 import cosim
 from cosim.report import book
+from cosim.report.page import library
 from cosim.report.series import unpacked
 from cosim.words.verdicts import row
 
@@ -141,6 +142,11 @@ def test_the_page_loads_nothing(page: Any) -> None:
     assert not re.search(r"url\(|@import", style.text)
 
 
+def test_a_page_is_small_beside_the_library(made: Path) -> None:
+    text = (made / "page.html").read_text()
+    assert len(text) - len(library()) < 400_000
+
+
 def test_the_command_gives_the_numbers_again(page: Any, made: Path, result: cosim.Result) -> None:
     (line,) = [code.text for code in page.iter("code") if code.text.startswith("cosim run ")]
     done = command(*line.split()[1:], "--json", "-", "-q", COSIM_CACHE=str(made / "cache"))
@@ -162,7 +168,7 @@ def test_the_plots_hold_the_trace(page: Any, result: cosim.Result) -> None:
     assert [each[1] for each in panel["limits"]] == ["end <= 700 mm", "far >= 2 m"]
     speed = unpacked(chart["lines"][0]["y"])
     assert (chart["title"], len(speed)) == ("Speed over the place", len(wanted))
-    assert view["events"] == [[pytest.approx(0.02), "fault injected"]]
+    assert view["events"] == [[pytest.approx(0.02), "fault injected: plant.u"]]
     assert page.get_element_by_id("chapter-0").xpath(".//figure//path[@class='line c0']")
     library = gzip.decompress(base64.b64decode(page.get_element_by_id("library").text))
     assert b"plotly.js" in library[:2000]
@@ -189,18 +195,49 @@ def test_a_study_and_a_document_stand_on_the_page(page: Any) -> None:
         (("lag.toml", "-o", "page.pdf"), "the name must end in `.html`"),
         (("lag.toml", "-o", "lag.html"), "would be written over a file that is no page of `cosim report`"),
         (("lag.toml", "--document", "gone.md"), "cannot read `gone.md`"),
+        (("lag.toml", "--study", "gone.toml"), "the study file `gone.toml` does not exist"),
+        (("lag.toml", "--study", "typo.toml"), "`desing` is not a known key"),
     ],
 )
 def test_what_cannot_be_written_is_told_before_a_run(
     words: tuple[str, ...], message: str, folder: Path
 ) -> None:
-    (folder / "lag.toml").write_text(SCENARIO)
+    # it would take longer than the test
+    (folder / "lag.toml").write_text(SCENARIO.replace("duration = 0.05", "duration = 1e4"))
+    (folder / "typo.toml").write_text(STUDY.replace("design", "desing"))
     mine = "<!doctype html>\n<html><head><title>cosim report</title></head></html>"
     (folder / "lag.html").write_text(mine)
     done = command("report", *words, "-q")
     assert done.returncode == 2
     assert message in done.stderr
     assert (folder / "lag.html").read_text() == mine
+
+
+def test_what_cannot_be_drawn_is_told_before_the_run(made: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(made)
+    (made / "typo.toml").write_text(LAG.replace('columns = ["plant.x"]', 'columns = ["plant.xx"]'))
+    for words in (("check",), ("report", "-o", "typo.html")):
+        done = command(words[0], "typo.toml", *words[1:], "-q", COSIM_CACHE=str(made / "cache"))
+        assert done.returncode == 2
+        assert "`typo.toml`: `plot.panels[0].columns` names `plant.xx`, which is no column" in done.stderr
+
+
+def test_a_failed_drawing_costs_no_verdict(made: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(made)
+    picked = LAG.replace('y = ["derivative(plant.x)"]', 'y = ["plant.x[time > 0.01]"]')
+    picked += '\n[plot]\nzoom = "plant.x[time > 0.01] > plant.x"\n'
+    (made / "picked.toml").write_text(picked)
+    words = ("test", "picked.toml", "--no-plots", "-q", "--out", "picked", "--report", "picked.html")
+    done = command(*words, COSIM_CACHE=str(made / "cache"))
+    assert done.returncode == 1, done.stderr
+    assert json.loads((made / "picked/picked.json").read_text())["passed"] is False
+    page = html.fromstring((made / "picked.html").read_text())
+    assert [note.text_content()[:46] for note in page.find_class("note")][1:] == [
+        "Not drawn: `plot.charts` `Speed over the place",
+        "Not drawn: `plot.zoom` = `first_time(plant.x[t",
+    ]
+    (view,) = page.find_class("views")
+    assert view.xpath(".//path[@class='line c0']")
 
 
 @pytest.mark.parametrize("option", ["--out", "--report"])
@@ -213,15 +250,18 @@ def test_the_page_is_made_of_the_runs_of_a_test(made: Path, monkeypatch: pytest.
     words = ("test", "lag.toml", "--no-plots", "-q")
     cache = {"COSIM_CACHE": str(made / "cache")}
     plain = command(*words, **cache)
-    told = command(*words, "--report", "tested.html", "--document", "faults.md", "--out", "out", **cache)
+    more = ("--report", "tested.html", "--document", "faults.md", "--study", "study.toml", "--out", "out")
+    told = command(*words, *more, **cache)
     assert (told.returncode, told.stdout) == (plain.returncode, plain.stdout) == (1, plain.stdout)
     assert (made / "out/acceptance.txt").read_text() == told.stdout
     page = html.fromstring((made / "tested.html").read_text())
     assert cells(page.get_element_by_id("table"))[0][:2] == ["lag", "it ends <b>near</b> zero"]
     assert page.find_class("document")
-    alone = command(*words, "--document", "faults.md")
-    assert (alone.returncode, alone.stdout) == (2, "")
-    assert "`--document` is for the page of `--report`" in alone.stderr
+    assert "2 of 2 runs: 2 failed" in page.get_element_by_id("sweep-1").text_content()
+    for option, file in (("--document", "faults.md"), ("--study", "study.toml")):
+        alone = command(*words, option, file)
+        assert (alone.returncode, alone.stdout) == (2, "")
+        assert f"`{option}` is for the page of `--report`" in alone.stderr
 
 
 QUESTION = """
@@ -246,12 +286,26 @@ QUESTION = """
 """
 
 
+PRINTED = """
+(() => {
+  document.querySelector("#theme").click();
+  if (document.documentElement.dataset.theme !== "dark") document.querySelector("#theme").click();
+  const shown = (what) => getComputedStyle(document.querySelector("figure[data-chart] " + what)).display;
+  return {
+    colour: getComputedStyle(document.body).backgroundColor, plot: shown(".plot"), still: shown(".still"),
+  };
+})()
+"""
+
+
 @pytest.mark.skipif(browser.PROGRAM is None, reason="no Chromium")
 @pytest.mark.parametrize(("width", "theme"), [(1400, "light"), (400, "dark")])
 def test_a_browser_draws_it_without_a_complaint(made: Path, width: int, theme: str, tmp_path: Path) -> None:
     page = made / "page.html"
-    answer, troubles = asyncio.run(browser.visit(page, width, theme, QUESTION, tmp_path))
+    answer, printed, troubles = asyncio.run(browser.visit(page, width, theme, QUESTION, tmp_path, PRINTED))
     assert troubles == []
+    # on paper as in print: light whatever the screen shows, and the still drawing of the page
+    assert printed == {"colour": "rgb(255, 255, 255)", "plot": "none", "still": "block"}
     paper = {"light": "rgb(255, 255, 255)", "dark": "rgb(20, 24, 29)"}[theme]
     assert answer == {
         "line": True,

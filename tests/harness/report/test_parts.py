@@ -89,6 +89,11 @@ def test_a_drawing_shows_values_from_low_to_high_within_its_frame() -> None:
     assert (event.get("d") or "").startswith(f"M{middle} ")
 
 
+def test_a_level_line_is_as_long_as_it_is_and_has_no_more_points() -> None:
+    x, y = np.array([0.0, 1.0, 2.0, 9.0, 4.0, 4.0, 5.0]), np.array([3.0, 3.0, 3.0, 3.0, 3.0, 3.0, 7.0])
+    assert drawing.course(x, list(y)) == "M0 3L9 3L4 3L5 7"
+
+
 def test_a_drawing_is_interrupted_where_there_is_no_number() -> None:
     line = np.array([1.0, 2.0, NAN, 4.0, 5.0])
     (path,) = parts(drawing.panel([line], (0.0, 1.0), False, {}, []), "line")
@@ -113,6 +118,17 @@ def test_the_items_that_come_are_named_at_the_axis_and_escaped() -> None:
     assert [mark.text for mark in parts(svg, "y")] == ["<Idle>", "Run"]
 
 
+def encoded(content: bytes) -> str:
+    return base64.b64encode(content).decode()
+
+
+def test_of_a_film_that_is_too_large_there_is_a_picture(tmp_path: Path) -> None:
+    (tmp_path / "a.mp4").write_bytes(bytes(book.MOST_FILM + 100_000))
+    (tmp_path / "a.jpg").write_bytes(b"still")
+    told = "it has 1.1 MB, the limit is 1 MB\nhint: `cosim video` makes it as large as it is"
+    assert book.shown_film(tmp_path / "a.mp4") == {"still": encoded(b"still"), "no_film": told}
+
+
 def test_one_scenario_of_each_loop_is_filmed(write: Callable[..., Path], monkeypatch: Any) -> None:
     write()
     scenario = cosim.load("lag.toml")
@@ -129,6 +145,7 @@ def test_one_scenario_of_each_loop_is_filmed(write: Callable[..., Path], monkeyp
         for name, job in jobs.items():
             assert (job.scenario, job.seed) == (scenario, 7)
             job.film.write_bytes(b"film")
+            job.film.with_suffix(".jpg").write_bytes(b"still")
             yield name, CosimError("too dark") if name == "fts/lens" else result
 
     monkeypatch.setattr(runner, "run", run)
@@ -136,7 +153,7 @@ def test_one_scenario_of_each_loop_is_filmed(write: Callable[..., Path], monkeyp
     names = ["dob", "dob/nan", "fts/lens", "fts", "dob/10"]
     _, chapters = book.told(book.Contents("", names), runner.RunOptions())
     assert chapters == [
-        {"name": "dob/nan", "film": base64.b64encode(b"film").decode()},
+        {"name": "dob/nan", "film": encoded(b"film"), "still": encoded(b"still")},
         {"name": "fts/lens", "no_film": "too dark"},
         {"name": "fts"},
         {"name": "dob/10"},

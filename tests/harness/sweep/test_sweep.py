@@ -5,10 +5,12 @@ from __future__ import annotations
 import csv
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
 from collections.abc import Callable
+from html import unescape
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +18,7 @@ import pyarrow.parquet
 import pytest
 
 import cosim
+from cosim.sweep import overview
 
 from . import studies
 
@@ -125,6 +128,26 @@ def test_the_summary_as_json_counts_and_plots_are_drawn(study: Path, folder: Pat
     assert (study / "summary.svg").read_text().startswith("<?xml")
     (file,) = (study / "traces").glob("*.svg")
     assert file.read_text().startswith("<?xml")
+
+
+def told(file: Path) -> list[str]:
+    """Texts of a figure: matplotlib draws letters and leaves the text as a comment."""
+    return [unescape(text).strip() for text in re.findall(r"<!-- (.*?) -->", file.read_text())]
+
+
+def test_a_plot_shows_texts_and_tells_what_it_leaves_out(
+    study: Path, write: Write, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    least = '[[metric]]\nname = "least"\nunit = "m"\nvalue = "last(plant.x)"\n[[criterion]]\nid = "least"\n'
+    write(f'{studies.MEASURED}{least}claim = "c"\nmetric = "least"\nequals = 1\n')
+    key = '{key = "controller.label", values = ["Slow", "Fast"]},\n    {key = "plant.pole"'
+    (folder / "grid.toml").write_text(studies.GRID.replace('{key = "plant.pole"', key))
+    monkeypatch.setattr(overview, "MOST_KEYS", 2)
+    monkeypatch.setattr(overview, "MOST_METRICS", 1)
+    cosim.sweep("grid.toml", plots=True)
+    texts = told(study / "summary.svg")
+    assert "and 1 more metric, and 1 more key" in texts
+    assert {"Slow", "Fast"} <= set(texts)
 
 
 def test_cases_may_share_the_noise_of_their_repeats(study: Path, folder: Path) -> None:
