@@ -102,7 +102,7 @@ fn sentences(text: &str) -> Vec<&str> {
         let next = rest.trim_start().chars().next();
         let goes_on = next.is_some_and(|next| next.is_ascii_digit() || next.is_lowercase());
         if (rest.is_empty() || rest.starts_with(char::is_whitespace)) && !goes_on {
-            let end = (at + 2).min(text.len());
+            let end = at + 1 + rest.chars().next().map_or(0, char::len_utf8);
             sentences.push(&text[start..end]);
             start = end;
         }
@@ -143,6 +143,11 @@ mod tests {
     fn a_sentence_goes_on_behind_an_abbreviation_and_a_scenario_is_no_source() {
         let text = "By eq. 3 of `src/law.rs` it holds, e.g. there. Set `two.toml` and `plant.xml`. See `Cargo.toml`.";
         assert_eq!(left_out(text).trim(), "Set `two.toml` and `plant.xml`.");
+    }
+
+    #[test]
+    fn any_white_space_ends_a_sentence() {
+        assert_eq!(left_out("See `src/a.rs`.\u{a0}Next."), "Next.");
     }
 
     #[test]
