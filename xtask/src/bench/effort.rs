@@ -14,15 +14,25 @@ pub struct Effort {
     pub steps: u32,
     /// Runs of the sweep.
     pub sweep: u32,
+    /// Runs of the study that is planned only.
+    pub planned: u32,
     /// Whether the laws as the papers print them are measured, too, and the results kept.
     pub full: bool,
 }
 
 impl Effort {
     /// Numbers that mean something, in minutes.
-    pub const FULL: Self =
-        Self { repeats: 300, calls: 20_000, runs: 9, recorded: 60_000, steps: 10_000, sweep: 1000, full: true };
+    pub const FULL: Self = Self {
+        repeats: 300,
+        calls: 20_000,
+        runs: 9,
+        recorded: 60_000,
+        steps: 10_000,
+        sweep: 1000,
+        planned: 100_000,
+        full: true,
+    };
     /// Everything runs, and numbers come out.
     pub const SHORT: Self =
-        Self { repeats: 3, calls: 1000, runs: 1, recorded: 200, steps: 200, sweep: 10, full: false };
+        Self { repeats: 3, calls: 1000, runs: 1, recorded: 200, steps: 200, sweep: 10, planned: 1000, full: false };
 }

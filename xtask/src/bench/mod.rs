@@ -2,10 +2,12 @@
 
 pub mod description;
 pub mod effort;
+pub mod isolation;
 pub mod library;
 pub mod life;
 pub mod loops;
 pub mod pass_through;
+pub mod planning;
 pub mod recording;
 pub mod report;
 pub mod slave;
@@ -40,6 +42,12 @@ const LIST_GOAL: f64 = 20.0;
 /// What a closed loop may cost against its plant alone, and against MuJoCo's bare steps.
 const NATIVE_GOAL: f64 = 1.08;
 const BARE_GOAL: f64 = 1.25;
+/// What a sweep on two workers may take against two cores that do nothing but the runs: 0.9 of their rate.
+const SWEEP_GOAL: f64 = 1.0 / 0.9;
+/// What a process of its own may add to a run, s.
+const ISOLATION_GOAL: f64 = 0.05;
+/// What the plan of 100,000 runs may take, s and MB.
+const PLANNING_GOALS: (f64, f64) = (10.0, 200.0);
 
 /// Measures everything, or only what belongs to some scenarios, and prints the table.
 ///
@@ -65,7 +73,9 @@ pub fn run(workspace: &Workspace, effort: &Effort, scenarios: &[String]) -> Resu
             }
         }
         rows.extend(sweep_rows(&sweep::measure(workspace, effort)?));
+        rows.extend(planning_rows(&planning::measure(workspace, effort)?));
         rows.extend(start_up_rows(&start_up::measure(workspace, effort)?));
+        rows.extend(isolation_rows(&isolation::measure(workspace, effort)?));
     }
     for scenario in scenarios {
         rows.extend(loop_rows(workspace, scenario, &checked, effort)?);
@@ -153,10 +163,18 @@ fn sweep_rows(costs: &sweep::SweepCosts) -> Vec<Row> {
     let once = Summary::once;
     vec![
         Row::new("sweep on 2 workers: runs", "1/s", once(costs.rate)),
-        Row::ratio("2 x rate of one core alone / rate of the sweep", once(1.0 / costs.throughput)).goal(1.25),
+        Row::ratio("2 x rate of one core alone / rate of the sweep", once(1.0 / costs.throughput)).goal(SWEEP_GOAL),
         Row::ratio("processor time of the sweep / of its runs alone", once(costs.processor)),
         Row::new("memory of all its processes", "MB", once(costs.memory)),
         Row::ratio("  / that of a fifth of the runs", once(costs.growth)).goal(1.1),
+    ]
+}
+
+fn planning_rows(costs: &planning::PlanningCosts) -> Vec<Row> {
+    let (time, memory) = PLANNING_GOALS;
+    vec![
+        Row::new("plan of a large study: time", "s", Summary::once(costs.time)).goal(time),
+        Row::new("  memory of its process", "MB", Summary::once(costs.memory)).goal(memory),
     ]
 }
 
@@ -166,5 +184,13 @@ fn start_up_rows(costs: &start_up::StartUpCosts) -> Vec<Row> {
         Row::new("processor time of `python -c pass`", "s", nothing),
         Row::ratio("`cosim --help` / `python -c pass`", help.over(nothing)).goal(HELP_GOAL),
         Row::ratio("`cosim list` / `python -c pass`", list.over(nothing)).goal(LIST_GOAL),
+    ]
+}
+
+fn isolation_rows(costs: &isolation::IsolationCosts) -> Vec<Row> {
+    let (isolated, in_process) = (costs.isolated.summary(), costs.in_process.summary());
+    vec![
+        Row::new("`cosim run --in-process` of next to no simulated time", "s", in_process),
+        Row::new("  the same in a process of its own", "s", isolated).goal(in_process.minimum + ISOLATION_GOAL),
     ]
 }

@@ -59,7 +59,7 @@ pub fn show(rows: &[Row]) -> String {
             row.unit.to_owned(),
             digits(row.measured.minimum),
             digits(row.measured.median),
-            row.goal.map(|goal| format!("<= {goal}")).unwrap_or_default(),
+            row.goal.map(|goal| format!("<= {}", digits(goal))).unwrap_or_default(),
         ]);
     }
     shown.to_string()
