@@ -194,7 +194,7 @@ impl Env<'_> {
 
     /// Tells a change of state; shown when the importer switches events on.
     pub fn event(&self, text: impl Display) {
-        self.host.logger.send(Category::Events, format_args!("t = {} s: {text}", self.time));
+        self.host.logger.send(Category::Events, format_args!("t = {} s: {text}", shown(self.time)));
     }
 
     /// Tells a new fault, else a new state, with meaning and hint as the enumerations describe them.
@@ -212,9 +212,26 @@ impl Env<'_> {
 
     /// Tells something that deserves a look; the call of the importer ends with fmi2Warning.
     pub fn warn(&self, text: impl Display) {
-        self.host.logger.send(Category::Warning, format_args!("t = {} s: {text}", self.time));
+        self.host.logger.send(Category::Warning, format_args!("t = {} s: {text}", shown(self.time)));
     }
+}
+
+/// A time (s) to the nanosecond: what is behind it comes from counting samples in binary fractions.
+fn shown(time: f64) -> f64 {
+    (time * 1e9).round() / 1e9
 }
 
 /// Why a model cannot go on: a text with names, values and limits, or any error that says so.
 pub type Error = Box<dyn std::error::Error + Send + Sync>;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_time_is_shown_without_the_rounding_of_its_samples() {
+        let times = [3.0 * 1e-4, 0.1 + 0.2, -1.1 * 3.0, 12_345.678_912_345];
+        assert_ne!(times[0].to_string(), "0.0003");
+        assert_eq!(times.map(|time| shown(time).to_string()), ["0.0003", "0.3", "-3.3", "12345.678912345"]);
+    }
+}
