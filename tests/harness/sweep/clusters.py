@@ -13,6 +13,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import pytest
+from distributed import Client
 
 from . import studies
 
@@ -70,9 +71,19 @@ class Cluster:
     def kill_worker(self) -> None:
         """Kill a worker that has no nanny while runs lie with it."""
         worker = self.processes[-1]
-        worker.send_signal(signal.SIGSTOP)
-        # what it had done is told, and new runs are on their way
-        time.sleep(1.0)
+        with Client(self.address) as client:  # type: ignore[no-untyped-call]
+            (address,) = (name for name, pid in client.run(os.getpid).items() if pid == worker.pid)
+            end = time.monotonic() + START_TIMEOUT
+            while True:
+                worker.send_signal(signal.SIGSTOP)
+                # what it had done is told, and new runs are on their way, or all with another worker
+                time.sleep(1.0)
+                if client.processing().get(address):
+                    break
+                worker.send_signal(signal.SIGCONT)
+                if time.monotonic() > end:
+                    pytest.fail(f"no run lay with the worker `{address}` for {START_TIMEOUT} s")
+                time.sleep(0.1)
         worker.kill()
 
     def restart(self, workers: int) -> None:
