@@ -18,7 +18,7 @@ pub struct NativeLoopCosts {
     pub served: Samples,
     /// The plant with its elements and the commands of that loop.
     pub plant: Samples,
-    /// MuJoCo's steps of the same model and nothing else.
+    /// MuJoCo's steps of the same model from the states of that loop, and nothing else.
     pub bare: Samples,
     /// Simulated time over wall time, set-up of the run included.
     pub real_time_factor: Samples,
