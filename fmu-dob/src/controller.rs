@@ -222,7 +222,8 @@ impl Controller {
                 if self.state.approaching() {
                     self.motion.depart(p);
                 }
-                if self.state.at_work() {
+                // a late contact is one all the same
+                if self.state.at_work() && events.fault != Some(Fault::LateContact) {
                     self.contact = None;
                 }
                 if let Some(fault) = events.fault {
