@@ -106,7 +106,7 @@ mod variables {
     }
     /// Law in force; Paper leaves `bank.format` and the sign of `load.k2` alone
     pub enum Law {
-        /// Error read ahead through a zero-phase low-pass, best repetition kept, feed known ahead of the reference
+        /// Drives identified in one run, what is left learned until it no longer falls, best repetition kept, feed known ahead of the reference
         Default,
         /// The paper's: plain repetitive control, last repetition kept, no preview
         Paper,
@@ -328,7 +328,7 @@ mod variables {
     }
     /// Learning of the control patterns, in `Learn`; what a pattern is (`speeds`, `lead_in`, `lead_out`) counts wherever one is used.
     pub struct Learn {
-        #[var(start = LearningLaw::LeadFilter, paper = LearningLaw::Plain, source = "derived")] pub law: LearningLaw,
+        #[var(start = LearningLaw::NormOptimal, paper = LearningLaw::Plain, source = "derived")] pub law: LearningLaw,
         /// Multiples of the taught speed at which patterns are learned, 0.01 to 1, descending, up to 9
         #[var(start = "1.0 0.8 0.6 0.4 0.2", source = "paper")] pub speeds: String,
         /// What `speeds` lists.
@@ -362,7 +362,8 @@ mod variables {
         #[var(start = true, tunable)] pub enable: bool,
         /// Eq. 4 with the speed recorded at the distance, not with the nominal one
         #[var(start = true, source = "derived")] pub recorded_speed: bool,
-        /// Time by which the feed is known before the reference follows it, beyond `io_delay`
+        /// Time by which the feed is known before the reference follows it, beyond `io_delay`; by as much more as the drives that
+        /// `Learn` has identified are later than the nominal ones
         #[var(unit = SECOND as "ms", range = -0.4..=0.4, start = 0.0037, paper = 0.0, source = "derived: the lag 2 zeta / wn of the velocity loop")]
         pub preview: f64,
     }

@@ -34,16 +34,17 @@ pub struct Run {
 }
 
 impl Parameters {
-    /// By how many samples the feed is known in advance: `lookup.preview` beyond `io_delay`.
-    fn preview(&self) -> f64 {
-        (self.lookup.preview / self.sample_period + f64::from(self.io_delay)).clamp(0.0, PREVIEW_MAX as f64)
+    /// By how many samples the feed is known in advance: `lookup.preview` beyond `io_delay`, and what the drives are later (s)
+    /// than the nominal ones.
+    fn preview(&self, later: f64) -> f64 {
+        ((self.lookup.preview + later) / self.sample_period + f64::from(self.io_delay)).clamp(0.0, PREVIEW_MAX as f64)
     }
 }
 
 impl Run {
-    /// Before the first sample.
-    pub fn new(p: &Parameters, path: &TaughtPath) -> Self {
-        let wanted = p.preview();
+    /// Before the first sample; the drives are `later` than the nominal ones, s.
+    pub fn new(p: &Parameters, path: &TaughtPath, later: f64) -> Self {
+        let wanted = p.preview(later);
         let preview = wanted.ceil() as usize;
         let rest = if path.cyclic { preview } else { p.learn.lead_in as usize };
         let ahead = [Point::default(); PREVIEW_MAX + 1];
@@ -174,7 +175,7 @@ mod tests {
             (p.io_delay, p.lookup.preview) = (0, 0.01 * preview);
             let path = straight(0.12);
             let pattern = numbered(&p, &path);
-            let mut run = Run::new(&p, &path);
+            let mut run = Run::new(&p, &path, 0.0);
             let mut count = 0;
             while run.step(&p, &path, path.speed) {
                 assert_eq!(run.index(&pattern), Some(count));
@@ -203,7 +204,7 @@ mod tests {
             (p.io_delay, p.lookup.preview) = (0, 0.01 * preview);
             let path = laps();
             let pattern = numbered(&p, &path);
-            let mut run = Run::new(&p, &path);
+            let mut run = Run::new(&p, &path, 0.0);
             let rest = preview.ceil() as usize;
             // the way that is looked up has begun
             for k in 0..3 * pattern.len() {
@@ -222,7 +223,7 @@ mod tests {
         (p.io_delay, p.lookup.preview) = (1, 0.02);
         let path = laps();
         let pattern = numbered(&p, &path);
-        let mut run = Run::new(&p, &path);
+        let mut run = Run::new(&p, &path, 0.0);
         for k in 0..3 * pattern.len() + 3 {
             assert!(run.step(&p, &path, path.speed));
             if k < 3 {
@@ -240,7 +241,7 @@ mod tests {
     fn a_held_run_stands_and_goes_on() {
         let p = Parameters::START;
         let path = straight(0.12);
-        let mut run = Run::new(&p, &path);
+        let mut run = Run::new(&p, &path, 0.0);
         for k in 0..200 {
             run.step(&p, &path, if (60..150).contains(&k) { 0.0 } else { path.speed });
             assert!(!(100..150).contains(&k) || run.stands());
@@ -255,7 +256,7 @@ mod tests {
         let mut p = Parameters::START;
         (p.learn.lead_out, p.learn.lead_in) = (60, 10);
         let path = straight(0.12);
-        let mut run = Run::new(&p, &path);
+        let mut run = Run::new(&p, &path, 0.0);
         let mut rests = Vec::new();
         while run.step(&p, &path, path.speed) {
             if run.point().distance >= path.length() {
@@ -271,7 +272,7 @@ mod tests {
     fn the_outputs_tell_the_place_of_the_reference_while_it_runs() {
         let p = Parameters::START;
         let path = straight(0.12);
-        let mut run = Run::new(&p, &path);
+        let mut run = Run::new(&p, &path, 0.0);
         for _ in 0..60 {
             run.step(&p, &path, path.speed);
         }

@@ -24,6 +24,8 @@ use crate::path::taught_path::TaughtPath;
 pub(crate) const TAPS: usize = 3;
 /// Standard deviation of the gain of a drive that was not identified.
 const SPREAD: f64 = 0.3;
+/// Standard deviation from which on the gain is that of the nominal drive.
+const KNOWN: f64 = 0.1;
 /// Gains that can be told from a drive; others end the run, `FollowingError`.
 const CREDIBLE: std::ops::RangeInclusive<f64> = 0.5..=2.0;
 
@@ -64,6 +66,7 @@ impl Feedforward {
         let mut drives = [Drive::default(); AXES];
         for (axis, drive) in drives.iter_mut().enumerate() {
             *drive = told(p, first, &weights[axis], &uncertain(p, axis), axis);
+            (drive.gain[0], drive.lag[0]) = (1.0, nominal_lag(p));
         }
         Self { first, weights, drives, rates: Rates::new(samples), modelled: vec![0.0; samples] }
     }
@@ -85,7 +88,7 @@ impl Feedforward {
     /// What the loop makes of rates of the reference are the rates of the position, so the error of the run tells what any
     /// weights w leave: e - sum w dy. Noise is in e and in dy; an instrument that knows of none, what the nominal loop makes of
     /// the reference, keeps it out of the weights. How far they may be from the nominal ones is told beforehand: an axis that
-    /// hardly moves keeps those, and says so by its standard deviation.
+    /// hardly moves keeps the nominal ones, and says so by its standard deviation.
     pub fn identify(
         &mut self,
         p: &Parameters,
@@ -99,10 +102,17 @@ impl Feedforward {
         for axis in 0..AXES {
             let (weights, covariance) = self.regress(p, axis, errors, &prior.weights[axis]);
             let drive = told(p, self.first, &weights, &covariance, axis);
-            let believed = CREDIBLE.contains(&drive.gain[0]) && drive.gain[1] <= SPREAD;
+            let believed = CREDIBLE.contains(&drive.gain[0]) && drive.gain[1] < KNOWN;
             (self.weights[axis], self.drives[axis]) =
                 if believed { (weights, drive) } else { (prior.weights[axis], prior.drives[axis]) };
         }
+    }
+
+    /// How much later than the nominal drives those are that were identified, s: the mean, each as far as it is known.
+    pub fn later(&self, p: &Parameters) -> f64 {
+        let known = self.drives.iter().map(|drive| (drive.lag[0] - nominal_lag(p), drive.lag[1].powi(-2)));
+        let (sum, weight) = known.fold((0.0, 0.0), |(sum, all), (late, weight)| (sum + weight * late, all + weight));
+        sum / weight
     }
 
     fn regress(
@@ -135,6 +145,11 @@ impl Feedforward {
         let variance = left.sum::<f64>() / count.saturating_sub(TAPS).max(1) as f64;
         (weights, regression.covariance(variance))
     }
+}
+
+/// Lag 2 zeta/wn of the nominal drive, s.
+fn nominal_lag(p: &Parameters) -> f64 {
+    2.0 * p.model_damping / p.model_natural_frequency
 }
 
 /// Lag of the bare servo in samples, 1/(Kp T), of a drive of gain 1.
@@ -263,6 +278,23 @@ mod tests {
                 assert!(left < 2.5, "{gain} {frequency} {damping} {factor}: {left}");
             }
         }
+    }
+
+    #[test]
+    fn drives_that_are_later_are_looked_up_later_and_nominal_ones_not_by_a_bit() {
+        for io_delay in [0, 1, 3] {
+            let mut p = Parameters::START;
+            p.io_delay = io_delay;
+            assert_eq!(Feedforward::new(&p, 0).later(&p), 0.0);
+        }
+        let (p, path) = (Parameters::START, straight(0.1));
+        let start = feasible::start(&p, &path).unwrap();
+        let bare = Pattern::plan(&p, &path, 1.0).unwrap();
+        let machine = machine(1.0, 200.0, 0.6);
+        let mut feedforward = Feedforward::new(&p, bare.len());
+        feedforward.identify(&p, &path, &start, &bare, &run(&p, &machine, &path, &bare, 1));
+        let later = 2.0 * 0.6 / 200.0 - 2.0 * 0.52 / 280.0;
+        assert!((feedforward.later(&p) - later).abs() < 0.05 * later, "{} {later}", feedforward.later(&p));
     }
 
     #[test]

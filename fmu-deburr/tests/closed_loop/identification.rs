@@ -57,7 +57,7 @@ fn an_axis_that_stands_keeps_the_nominal_drive_and_says_that_nothing_is_known() 
     assert!(run.finish(Mode::Learn));
     for axis in [1, 3, 4, 5] {
         let told = &run.output.axis[axis];
-        assert!((told.gain - 1.0).abs() < 1e-9 && (told.gain_deviation - 0.3).abs() < 1e-9, "{told:?}");
+        assert!(told.gain == 1.0 && (told.gain_deviation - 0.3).abs() < 1e-9, "{told:?}");
         assert!((told.lag - 2.0 * 0.52 / 280.0).abs() < 1e-9, "{told:?}");
     }
 }
@@ -74,11 +74,11 @@ fn a_speed_that_is_good_enough_is_not_repeated_and_one_that_no_longer_falls_ends
     // a run at each of five speeds, and that of the bare servo
     let enough = count(|_| ());
     assert!((45.0..60.0).contains(&enough), "{enough}");
-    // each speed once more, at least, to see that it does not fall
+    // each speed once more, at least, to see that it does not fall; 914 s are all repetitions
     let falls = count(|p| p.learn.tolerance = 0.0);
-    assert!((90.0..250.0).contains(&falls), "{falls}");
-    let all = count(|p| (p.learn.tolerance, p.learn.decrease, p.learn.repetitions) = (0.0, 0.0, 8));
-    assert!(all > 400.0, "{all}");
+    assert!((90.0..600.0).contains(&falls), "{falls}");
+    let all = count(|p| (p.learn.tolerance, p.learn.decrease) = (0.0, 0.0));
+    assert!(all > 900.0, "{all}");
 }
 
 #[test]
