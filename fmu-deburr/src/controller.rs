@@ -100,7 +100,8 @@ impl Controller {
             bank.fill(|pattern| feedforward.fill(p, &path, &start, pattern));
         }
         let learner = Learner::new(p, bank.longest());
-        let (load, run, kept) = (LoadControl::new(path.speed), Run::new(p, &path, 0.0), KeptPatterns::new(&bank));
+        let (load, run, kept) =
+            (LoadControl::new(path.speed), Run::new(p, &path, &[0.0; AXES]), KeptPatterns::new(&bank));
         Ok(Self {
             path,
             start,
@@ -280,7 +281,7 @@ impl Controller {
     }
 
     fn begin_run(&mut self, p: &Parameters) {
-        self.run = Run::new(p, &self.path, self.feedforward.later(p));
+        self.run = Run::new(p, &self.path, &self.feedforward.later(p));
         self.load = LoadControl::new(self.path.speed);
         self.learner.restart();
         self.watch.begin_run();

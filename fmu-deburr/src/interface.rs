@@ -362,8 +362,8 @@ mod variables {
         #[var(start = true, tunable)] pub enable: bool,
         /// Eq. 4 with the speed recorded at the distance, not with the nominal one
         #[var(start = true, source = "derived")] pub recorded_speed: bool,
-        /// Time by which the feed is known before the reference follows it, beyond `io_delay`; by as much more as the drives that
-        /// `Learn` has identified are later than the nominal ones
+        /// Time by which the feed is known before the reference follows it, beyond `io_delay`; by as much more as a drive that
+        /// `Learn` has identified is later than the nominal one
         #[var(unit = SECOND as "ms", range = -0.4..=0.4, start = 0.0037, paper = 0.0, source = "derived: the lag 2 zeta / wn of the velocity loop")]
         pub preview: f64,
     }
