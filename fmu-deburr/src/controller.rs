@@ -10,6 +10,7 @@ use crate::bank::kept::KeptPatterns;
 use crate::bank::pattern_bank::PatternBank;
 use crate::check::check;
 use crate::interface::{AxisOutput, BankStatus, Fault, Input, Mode, Output, Parameters, State};
+use crate::learning::feedforward::Feedforward;
 use crate::learning::learner::Learner;
 use crate::load::LoadControl;
 use crate::machine::{Events, Progress, next};
@@ -35,6 +36,7 @@ pub struct Controller {
     start: Joints,
     bank: PatternBank,
     kept: KeptPatterns,
+    feedforward: Feedforward,
     learner: Learner,
     /// something is being learned; all of it was learned
     learning: bool,
@@ -93,16 +95,19 @@ impl Controller {
         check(p, &path)?;
         let start = feasible::start(p, &path)?;
         let mut bank = PatternBank::plan(p, &path)?;
+        let mut feedforward = Feedforward::new(p, bank.longest());
         if p.bank.compute {
-            bank.compute(p, &path, &start);
+            bank.fill(|pattern| feedforward.fill(p, &path, &start, pattern));
         }
         let learner = Learner::new(p, bank.longest());
-        let (load, run, kept) = (LoadControl::new(path.speed), Run::new(p, &path), KeptPatterns::new(&bank));
+        let (load, run, kept) =
+            (LoadControl::new(path.speed), Run::new(p, &path, &[0.0; AXES]), KeptPatterns::new(&bank));
         Ok(Self {
             path,
             start,
             bank,
             kept,
+            feedforward,
             learner,
             learning: false,
             learned: false,
@@ -276,7 +281,7 @@ impl Controller {
     }
 
     fn begin_run(&mut self, p: &Parameters) {
-        self.run = Run::new(p, &self.path);
+        self.run = Run::new(p, &self.path, &self.feedforward.later(p));
         self.load = LoadControl::new(self.path.speed);
         self.learner.restart();
         self.watch.begin_run();
@@ -334,6 +339,10 @@ impl Controller {
             compensation: self.compensation[i] * p.axis[i].pulse,
             rms: self.learner.errors.rms[i],
             peak: self.learner.errors.peak[i],
+            gain: self.feedforward.drives[i].gain[0],
+            gain_deviation: self.feedforward.drives[i].gain[1],
+            lag: self.feedforward.drives[i].lag[0],
+            lag_deviation: self.feedforward.drives[i].lag[1],
         });
         *saturated = (0..AXES).any(|i| velocity[i].abs() >= p.axis[i].velocity_max);
         (*state, *fault, *numbers) = (self.state, self.fault, self.numbers);

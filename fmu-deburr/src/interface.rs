@@ -106,7 +106,7 @@ mod variables {
     }
     /// Law in force; Paper leaves `bank.format` and the sign of `load.k2` alone
     pub enum Law {
-        /// Error read ahead through a zero-phase low-pass, best repetition kept, feed known ahead of the reference
+        /// Drives identified in one run, what is left learned until it no longer falls, best repetition kept, feed known ahead of the reference
         Default,
         /// The paper's: plain repetitive control, last repetition kept, no preview
         Paper,
@@ -193,6 +193,14 @@ mod variables {
         #[var(unit = JOINT[INDEX] as SHOWN[INDEX])] pub rms: f64,
         /// Largest control error of axis {n} in the last finished repetition
         #[var(unit = JOINT[INDEX] as SHOWN[INDEX])] pub peak: f64,
+        /// Velocity over commanded velocity of drive {n}, as identified by `Learn`; before that, and where the axis hardly moves, of the nominal drive
+        #[var(unit = ONE, start = 1.0)] pub gain: f64,
+        /// Standard deviation of that; 0.3 where nothing is known
+        #[var(unit = ONE, start = 0.3)] pub gain_deviation: f64,
+        /// Lag of drive {n} beyond `io_delay`, 2 zeta / wn of eq. 1, as identified by `Learn` or of the nominal drive
+        #[var(unit = SECOND as "ms")] pub lag: f64,
+        /// Standard deviation of that
+        #[var(unit = SECOND as "ms")] pub lag_deviation: f64,
     }
     /// Where the reference is on the path.
     pub struct PathOutput {
@@ -320,13 +328,19 @@ mod variables {
     }
     /// Learning of the control patterns, in `Learn`; what a pattern is (`speeds`, `lead_in`, `lead_out`) counts wherever one is used.
     pub struct Learn {
-        #[var(start = LearningLaw::LeadFilter, paper = LearningLaw::Plain, source = "derived")] pub law: LearningLaw,
+        #[var(start = LearningLaw::NormOptimal, paper = LearningLaw::Plain, source = "derived")] pub law: LearningLaw,
         /// Multiples of the taught speed at which patterns are learned, 0.01 to 1, descending, up to 9
         #[var(start = "1.0 0.8 0.6 0.4 0.2", source = "paper")] pub speeds: String,
         /// What `speeds` lists.
         #[var(hidden, start = Speeds::PAPER)] pub factors: Speeds,
         /// Renewals of each pattern
         #[var(range = 0..=100, start = 19, source = "paper")] pub repetitions: i32,
+        /// Identify the drives in the first run of the bare servo and begin with the patterns that they need; with no `repetitions` that is all
+        #[var(start = true, paper = false, source = "our choice: a run in place of most repetitions")] pub identify: bool,
+        /// Largest error of any axis at the tip with which a speed is learned; 0 for none
+        #[var(unit = METRE as "mm", range = 0.0..=0.1, start = 3e-5, paper = 0.0, source = "our choice: a few counts")] pub tolerance: f64,
+        /// Share by which a repetition has to lower the smallest error, or the speed is learned as it can be; 0 for any
+        #[var(unit = ONE, range = 0.0..=0.9, start = 0.1, paper = 0.0, source = "our choice: below that the noise of the counts decides")] pub decrease: f64,
         /// Keep the pattern with the smallest error, not the last one
         #[var(start = true, paper = false, source = "paper, 5.1: \"abort the renewal\"")] pub stop_at_best: bool,
         /// Learn on from the patterns of the bank, not from zero
@@ -348,7 +362,8 @@ mod variables {
         #[var(start = true, tunable)] pub enable: bool,
         /// Eq. 4 with the speed recorded at the distance, not with the nominal one
         #[var(start = true, source = "derived")] pub recorded_speed: bool,
-        /// Time by which the feed is known before the reference follows it, beyond `io_delay`
+        /// Time by which the feed is known before the reference follows it, beyond `io_delay`; by as much more as a drive that
+        /// `Learn` has identified is later than the nominal one
         #[var(unit = SECOND as "ms", range = -0.4..=0.4, start = 0.0037, paper = 0.0, source = "derived: the lag 2 zeta / wn of the velocity loop")]
         pub preview: f64,
     }
@@ -410,7 +425,7 @@ mod variables {
         /// Difference of axis {n} from its reference, or from the model of its loop, that is a fault at rest; in motion
         /// twice and half the lag V/Kp of the bare servo more
         #[var(unit = JOINT[INDEX] as SHOWN[INDEX], range = 1e-6..=10.0, start = [1.5e-3, 1e-3, 1e-3, 5e-3, 5e-3, 5e-3][INDEX],
-            source = "our choice: 1 mm at the tip; the lag is for drives of 2/3 to 2 times their gain; held at its peak")]
+            source = "our choice: 1 mm at the tip; the lag is for drives of 0.7 to 2 times their gain; held at its peak")]
         pub error_max: f64,
         /// Control error of axis {n} with patterns in Playback and Deburr that is a fault
         #[var(unit = JOINT[INDEX] as SHOWN[INDEX], range = 1e-6..=10.0, start = [7.5e-4, 5e-4, 5e-4, 2.5e-3, 2.5e-3, 2.5e-3][INDEX],

@@ -1,10 +1,12 @@
 //! Iterative learning control: the control patterns, how repetitions renew them, and the lookup between their speeds.
 
-pub mod computed;
+pub mod feedforward;
 pub mod learner;
 pub mod lookup;
 pub(crate) mod nominal;
 pub(crate) mod norm_optimal;
 pub mod pattern;
+pub mod rates;
+pub(crate) mod regression;
 pub mod speeds;
 pub(crate) mod zero_phase;

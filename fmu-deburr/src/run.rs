@@ -6,7 +6,7 @@ use crate::interface::{Parameters, PathOutput};
 use crate::learning::lookup::PatternLookup;
 use crate::learning::pattern::Pattern;
 use crate::path::feed::{FeedPlanner, Point};
-use crate::path::kinematics::Joints;
+use crate::path::kinematics::{AXES, Joints};
 use crate::path::taught_path::TaughtPath;
 
 /// Most samples by which the feed is known in advance.
@@ -18,9 +18,9 @@ pub struct Run {
     feed: FeedPlanner,
     /// newest first
     ahead: [Point; PREVIEW_MAX + 1],
-    /// whole samples by which the feed is known in advance, and those that the lookup wants
+    /// whole samples by which the feed is known in advance, and those that the lookup of each axis wants
     preview: usize,
-    wanted: f64,
+    wanted: Joints,
     /// samples since the run began
     time: usize,
     /// rest before the start, samples
@@ -34,17 +34,18 @@ pub struct Run {
 }
 
 impl Parameters {
-    /// By how many samples the feed is known in advance: `lookup.preview` beyond `io_delay`.
-    fn preview(&self) -> f64 {
-        (self.lookup.preview / self.sample_period + f64::from(self.io_delay)).clamp(0.0, PREVIEW_MAX as f64)
+    /// By how many samples the feed is known in advance: `lookup.preview` beyond `io_delay`, and what a drive is later (s) than
+    /// the nominal one.
+    fn preview(&self, later: f64) -> f64 {
+        ((self.lookup.preview + later) / self.sample_period + f64::from(self.io_delay)).clamp(0.0, PREVIEW_MAX as f64)
     }
 }
 
 impl Run {
-    /// Before the first sample.
-    pub fn new(p: &Parameters, path: &TaughtPath) -> Self {
-        let wanted = p.preview();
-        let preview = wanted.ceil() as usize;
+    /// Before the first sample; each drive is `later` than the nominal one, s.
+    pub fn new(p: &Parameters, path: &TaughtPath, later: &Joints) -> Self {
+        let wanted = later.map(|later| p.preview(later));
+        let preview = wanted.into_iter().fold(0.0, f64::max).ceil() as usize;
         let rest = if path.cyclic { preview } else { p.learn.lead_in as usize };
         let ahead = [Point::default(); PREVIEW_MAX + 1];
         Self { feed: FeedPlanner::START, ahead, preview, wanted, time: 0, rest, beyond: 0, left: 0, laps: 0 }
@@ -121,23 +122,25 @@ impl Run {
     }
 
     /// The feed as far ahead as it is wanted, between two samples, and how far that is.
-    fn previewed(&self) -> (Point, f64) {
-        let [newest, before, ..] = self.ahead;
-        let late = self.preview as f64 - self.wanted;
-        // a new lap begins between both
-        if late == 0.0 || newest.distance < before.distance {
-            return (newest, self.preview as f64);
+    fn previewed(&self, wanted: f64) -> (Point, f64) {
+        let late = self.preview as f64 - wanted;
+        let whole = late.floor();
+        let (newest, share) = (self.ahead[whole as usize], late - whole);
+        if share == 0.0 {
+            return (newest, wanted);
         }
-        let mix = |a: f64, b: f64| a + late * (b - a);
+        let before = self.ahead[whole as usize + 1];
+        // a new lap begins between both
+        if newest.distance < before.distance {
+            return (newest, self.preview as f64 - whole);
+        }
+        let mix = |a: f64, b: f64| a + share * (b - a);
         let point = Point { distance: mix(newest.distance, before.distance), speed: mix(newest.speed, before.speed) };
-        (point, self.wanted)
+        (point, wanted)
     }
 
     /// Compensation in pulses from patterns at other speeds, the fastest first; not rounded.
     pub fn compensation(&self, p: &Parameters, path: &TaughtPath, patterns: &[Pattern]) -> Joints {
-        let nominal = (!p.lookup.recorded_speed).then_some(path.speed);
-        let (point, back) = self.previewed();
-        let lookup = PatternLookup { point, back, length: path.length(), nominal };
         match patterns.first() {
             // at rest the time counts, not the distance
             Some(fastest) if !path.cyclic && self.time + self.preview <= self.rest + 1 => {
@@ -147,8 +150,24 @@ impl Run {
                 let end = fastest.lead_in + fastest.run + self.beyond - 1;
                 fastest.compensation(end as isize - self.preview as isize)
             }
-            _ => lookup.compensation(patterns),
+            _ => self.look_up(p, path, patterns),
         }
+    }
+
+    /// Eq. 2 to 4 for each axis, where and when it wants them.
+    fn look_up(&self, p: &Parameters, path: &TaughtPath, patterns: &[Pattern]) -> Joints {
+        let nominal = (!p.lookup.recorded_speed).then_some(path.speed);
+        let look = |wanted: f64| {
+            let (point, back) = self.previewed(wanted);
+            PatternLookup { point, back, length: path.length(), nominal }.compensation(patterns)
+        };
+        let mut found = look(self.wanted[0]);
+        for axis in 1..AXES {
+            if self.wanted[axis] != self.wanted[0] {
+                found[axis] = look(self.wanted[axis])[axis];
+            }
+        }
+        found
     }
 }
 
@@ -156,7 +175,6 @@ impl Run {
 mod tests {
     use super::*;
     use crate::learning::pattern::tests::straight;
-    use crate::path::kinematics::AXES;
 
     /// Pattern whose compensation is the number of its sample.
     fn numbered(p: &Parameters, path: &TaughtPath) -> Pattern {
@@ -174,7 +192,7 @@ mod tests {
             (p.io_delay, p.lookup.preview) = (0, 0.01 * preview);
             let path = straight(0.12);
             let pattern = numbered(&p, &path);
-            let mut run = Run::new(&p, &path);
+            let mut run = Run::new(&p, &path, &[0.0; AXES]);
             let mut count = 0;
             while run.step(&p, &path, path.speed) {
                 assert_eq!(run.index(&pattern), Some(count));
@@ -185,6 +203,34 @@ mod tests {
             }
             assert_eq!(count, pattern.len());
         }
+    }
+
+    #[test]
+    fn each_axis_is_looked_up_as_early_as_its_drive_needs_it() {
+        let p = Parameters::START;
+        let path = straight(0.12);
+        let [early, late, axes] =
+            [[-0.004; AXES], [0.009; AXES], std::array::from_fn(|i| if i < 3 { -0.004 } else { 0.009 })].map(|later| {
+                let pattern = Pattern::plan(&p, &path, 1.0).unwrap();
+                let mut patterns = [pattern.clone(), Pattern::plan(&p, &path, 0.5).unwrap()];
+                for (value, pattern) in [7.0, 3.0].into_iter().zip(&mut patterns) {
+                    for (k, sample) in pattern.samples.iter_mut().enumerate() {
+                        sample.compensation = [value * (0.2 * k as f64).sin(); AXES];
+                    }
+                }
+                let mut run = Run::new(&p, &path, &later);
+                let mut played = Vec::new();
+                while run.step(&p, &path, 0.8 * path.speed) {
+                    played.push(run.compensation(&p, &path, &patterns));
+                }
+                played
+            });
+        // on the way, where the distance counts
+        for k in 40..120 {
+            assert_eq!(axes[k][..3], early[k][..3], "{k}");
+            assert_eq!(axes[k][3..], late[k][3..], "{k}");
+        }
+        assert!((40..120).any(|k| (early[k][0] - late[k][0]).abs() > 0.1));
     }
 
     /// To and fro, again and again.
@@ -203,7 +249,7 @@ mod tests {
             (p.io_delay, p.lookup.preview) = (0, 0.01 * preview);
             let path = laps();
             let pattern = numbered(&p, &path);
-            let mut run = Run::new(&p, &path);
+            let mut run = Run::new(&p, &path, &[0.0; AXES]);
             let rest = preview.ceil() as usize;
             // the way that is looked up has begun
             for k in 0..3 * pattern.len() {
@@ -222,7 +268,7 @@ mod tests {
         (p.io_delay, p.lookup.preview) = (1, 0.02);
         let path = laps();
         let pattern = numbered(&p, &path);
-        let mut run = Run::new(&p, &path);
+        let mut run = Run::new(&p, &path, &[0.0; AXES]);
         for k in 0..3 * pattern.len() + 3 {
             assert!(run.step(&p, &path, path.speed));
             if k < 3 {
@@ -240,7 +286,7 @@ mod tests {
     fn a_held_run_stands_and_goes_on() {
         let p = Parameters::START;
         let path = straight(0.12);
-        let mut run = Run::new(&p, &path);
+        let mut run = Run::new(&p, &path, &[0.0; AXES]);
         for k in 0..200 {
             run.step(&p, &path, if (60..150).contains(&k) { 0.0 } else { path.speed });
             assert!(!(100..150).contains(&k) || run.stands());
@@ -255,7 +301,7 @@ mod tests {
         let mut p = Parameters::START;
         (p.learn.lead_out, p.learn.lead_in) = (60, 10);
         let path = straight(0.12);
-        let mut run = Run::new(&p, &path);
+        let mut run = Run::new(&p, &path, &[0.0; AXES]);
         let mut rests = Vec::new();
         while run.step(&p, &path, path.speed) {
             if run.point().distance >= path.length() {
@@ -271,7 +317,7 @@ mod tests {
     fn the_outputs_tell_the_place_of_the_reference_while_it_runs() {
         let p = Parameters::START;
         let path = straight(0.12);
-        let mut run = Run::new(&p, &path);
+        let mut run = Run::new(&p, &path, &[0.0; AXES]);
         for _ in 0..60 {
             run.step(&p, &path, path.speed);
         }

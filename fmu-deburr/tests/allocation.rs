@@ -62,8 +62,9 @@ impl Loop {
 
 #[test]
 fn no_sample_of_a_job_allocates() {
-    let laws: [fn(&mut Parameters); 4] = [
+    let laws: [fn(&mut Parameters); 5] = [
         |p| p.law = Law::Paper,
+        |p| p.learn.identify = false,
         |p| p.learn.law = LearningLaw::LeadFilter,
         |p| p.learn.law = LearningLaw::NormOptimal,
         |p| p.learn.law = LearningLaw::Plain,
@@ -98,7 +99,8 @@ fn towards(fault: Fault) -> Loop {
         Fault::NoProgress => running(Mode::DryRun, |p| p.limits.job_time = 5.0),
         Fault::PatternMismatch => {
             let mut run = Loop::new(|p| {
-                (p.learn.repetitions, p.limits.axis) = (0, Parameters::START.limits.axis);
+                (p.learn.repetitions, p.learn.identify) = (0, false);
+                p.limits.axis = Parameters::START.limits.axis;
             });
             run.input.mode = Mode::Learn;
             run.step_until(|output| output.state == State::Done);

@@ -10,17 +10,30 @@ use crate::path::kinematics::{AXES, Joints};
 pub struct KeptPatterns {
     compensations: Vec<Vec<Joints>>,
     usable: usize,
+    /// they are not those of before any more
+    renewed: bool,
 }
 
 impl KeptPatterns {
     /// With room for the patterns of a bank.
     pub fn new(bank: &PatternBank) -> Self {
         let compensations = bank.planned().iter().map(|pattern| vec![[0.0; AXES]; pattern.len()]).collect();
-        Self { compensations, usable: 0 }
+        Self { compensations, usable: 0, renewed: false }
     }
 
     /// Learning begins, from zero or from what is there.
     pub fn begin(&mut self, bank: &mut PatternBank, from_bank: bool) {
+        self.renewed = false;
+        self.keep(bank, from_bank);
+    }
+
+    /// Learning goes on from other patterns, which take the place of those of before.
+    pub fn renew(&mut self, bank: &mut PatternBank) {
+        self.renewed = true;
+        self.keep(bank, true);
+    }
+
+    fn keep(&mut self, bank: &mut PatternBank, from_bank: bool) {
         self.usable = bank.patterns().len();
         for (index, kept) in self.compensations.iter_mut().enumerate() {
             for (sample, kept) in bank.pattern_mut(index).samples.iter_mut().zip(kept) {
@@ -41,7 +54,7 @@ impl KeptPatterns {
             samples.zip(kept).for_each(|(sample, kept)| sample.compensation = *kept);
         }
         bank.limit(learned.max(self.usable));
-        learned > 0
+        learned > 0 || self.renewed
     }
 }
 
@@ -68,5 +81,19 @@ mod tests {
             let values: Vec<f64> = bank.patterns().iter().map(|pattern| pattern.samples[7].compensation[0]).collect();
             assert_eq!(values, [55.0, 7.0, 7.0, 7.0, 7.0]);
         }
+    }
+
+    #[test]
+    fn patterns_that_were_renewed_are_those_that_stay() {
+        let mut bank = numbered(|k| k as f64);
+        let mut kept = KeptPatterns::new(&bank);
+        kept.begin(&mut bank, false);
+        bank.fill(|pattern| pattern.samples[7].compensation = [33.0; AXES]);
+        kept.renew(&mut bank);
+        assert!(bank.patterns().is_empty());
+        bank.pattern_mut(1).samples[7].compensation = [66.0; AXES];
+        assert!(kept.end(&mut bank));
+        assert_eq!(bank.patterns().len(), 5);
+        assert!(bank.patterns().iter().all(|pattern| pattern.samples[7].compensation == [33.0; AXES]));
     }
 }

@@ -5,7 +5,6 @@ use serde::{Deserialize, Serialize};
 
 use crate::fingerprint::Fingerprint;
 use crate::interface::Parameters;
-use crate::learning::computed::compute;
 use crate::learning::pattern::Pattern;
 use crate::path::kinematics::Joints;
 use crate::path::taught_path::TaughtPath;
@@ -79,10 +78,15 @@ impl PatternBank {
         Ok(Self { identity: identity(p, path), patterns, usable: 0 })
     }
 
-    /// Fills all patterns with what the nominal drive needs; `start` are the axes at the start of the path, rad or m.
-    pub fn compute(&mut self, p: &Parameters, path: &TaughtPath, start: &Joints) {
-        self.patterns.iter_mut().for_each(|pattern| compute(p, path, start, pattern));
+    /// Fills all patterns, and all can be used.
+    pub fn fill(&mut self, fill: impl FnMut(&mut Pattern)) {
+        self.patterns.iter_mut().for_each(fill);
         self.usable = self.patterns.len();
+    }
+
+    /// Largest compensation of all patterns, pulses.
+    pub fn largest(&self) -> f64 {
+        self.patterns.iter().map(Pattern::largest).fold(0.0, f64::max)
     }
 
     /// Patterns that can be used, from the fastest on.

@@ -97,7 +97,10 @@ impl Controller {
     /// Ends a repetition.
     fn renew(&mut self, p: &Parameters) {
         let speed = self.learner.speed;
-        let next = self.learner.finish(p, self.bank.pattern_mut(speed));
+        let next = match self.learner.identifies(p) {
+            true => self.identify(p),
+            false => self.learner.finish(p, self.bank.pattern_mut(speed)),
+        };
         if next == Next::TooLarge {
             self.ended = Finding::plain(Fault::PatternTooLarge);
         }
@@ -107,6 +110,23 @@ impl Controller {
             Next::Done => Progress::Over,
             Next::Repeat | Next::NextSpeed | Next::TooLarge => Progress::Again,
         };
+    }
+
+    /// Identifies the drives from the run of the bare servo, and fills all patterns with what they need.
+    fn identify(&mut self, p: &Parameters) -> Next {
+        let Self { feedforward, bank, path, start, learner, .. } = self;
+        let pattern = bank.pattern(0);
+        feedforward.identify(p, path, start, pattern, learner.record_of(pattern));
+        let next = learner.finish_bare(p, pattern);
+        bank.fill(|pattern| feedforward.fill(p, path, start, pattern));
+        if bank.largest() > p.limits.pulses_max {
+            bank.limit(0);
+            return Next::TooLarge;
+        }
+        if next == Next::Repeat {
+            self.kept.renew(&mut self.bank);
+        }
+        next
     }
 
     /// Takes the pattern of a speed over when it is learned.

@@ -34,6 +34,8 @@ pub struct Errors {
     pub peak: Joints,
     /// Root mean square of the sum over all axes at the tip, m.
     pub cost: f64,
+    /// Largest of any axis, at the tip, m.
+    pub tip: f64,
 }
 
 /// Learning between two samples.
@@ -108,17 +110,39 @@ impl Learner {
             self.sums.rms[i] += error * error;
             self.sums.peak[i] = self.sums.peak[i].max(error.abs());
             self.sums.cost += (error * levers[i]) * (error * levers[i]);
+            self.sums.tip = self.sums.tip.max((error * levers[i]).abs());
         }
+    }
+
+    /// Whether the present run is that of the bare servo which tells of the drives.
+    pub fn identifies(&self, p: &Parameters) -> bool {
+        p.learn.identify && !p.learn.from_bank && (self.speed, self.repetition) == (0, 0)
+    }
+
+    /// Control errors (pulses) of the repetition that has come to its end.
+    pub fn record_of(&self, pattern: &Pattern) -> &[Joints] {
+        &self.record[..pattern.len()]
+    }
+
+    /// Ends the run of the bare servo, after which the drives fill all patterns in place of a renewal.
+    pub fn finish_bare(&mut self, p: &Parameters, pattern: &Pattern) -> Next {
+        self.judge(pattern);
+        if p.learn.repetitions == 0 {
+            self.speed = p.learn.factors.list().len();
+            return Next::Done;
+        }
+        self.repetition = 1;
+        Next::Repeat
     }
 
     /// Ends a repetition: judges it and renews the pattern.
     pub fn finish(&mut self, p: &Parameters, pattern: &mut Pattern) -> Next {
-        self.judge(pattern);
+        let least = self.judge(pattern);
         let diverged = self.first_cost > 0.0 && self.errors.cost > DIVERGED * self.first_cost;
-        if self.repetition < p.learn.repetitions && !diverged {
+        if self.repetition < p.learn.repetitions && !diverged && !self.converged(p, least) {
             self.renew(p, pattern);
             self.repetition += 1;
-            if largest(pattern) <= p.limits.pulses_max {
+            if pattern.largest() <= p.limits.pulses_max {
                 return Next::Repeat;
             }
             self.restore(pattern);
@@ -155,18 +179,27 @@ impl Learner {
         }
     }
 
-    fn judge(&mut self, pattern: &Pattern) {
+    /// Whether the error is small enough, or no longer falls; `least` is the smallest one before.
+    fn converged(&self, p: &Parameters, least: f64) -> bool {
+        let falls = p.learn.decrease == 0.0 || self.errors.cost <= (1.0 - p.learn.decrease) * least;
+        self.errors.tip < p.learn.tolerance || !falls
+    }
+
+    /// Takes the errors of a repetition; the smallest one before.
+    fn judge(&mut self, pattern: &Pattern) -> f64 {
         let count = self.count.max(1) as f64;
-        let Errors { rms, peak, cost } = self.sums;
-        self.errors = Errors { rms: rms.map(|sum| (sum / count).sqrt()), peak, cost: (cost / count).sqrt() };
+        let Errors { rms, cost, .. } = self.sums;
+        self.errors = Errors { rms: rms.map(|sum| (sum / count).sqrt()), cost: (cost / count).sqrt(), ..self.sums };
         self.restart();
         if self.repetition == 0 {
             (self.first_cost, self.best_cost) = (self.errors.cost, f64::INFINITY);
         }
+        let least = self.best_cost;
         if self.errors.cost < self.best_cost {
             (self.best_cost, self.best_repetition) = (self.errors.cost, self.repetition);
             self.best.iter_mut().zip(&pattern.samples).for_each(|(best, sample)| *best = sample.compensation);
         }
+        least
     }
 
     fn restore(&self, pattern: &mut Pattern) {
@@ -211,11 +244,6 @@ impl Learner {
 /// Number of the sample `shift` later: in the next lap, or the last one.
 fn ahead(k: usize, shift: usize, count: usize, cyclic: bool) -> usize {
     if cyclic { (k + shift) % count } else { (k + shift).min(count - 1) }
-}
-
-fn largest(pattern: &Pattern) -> f64 {
-    let values = pattern.samples.iter().flat_map(|sample| sample.compensation);
-    values.fold(0.0, |most, value| most.max(value.abs()))
 }
 
 #[cfg(test)]
@@ -302,6 +330,22 @@ mod tests {
     }
 
     #[test]
+    fn a_speed_ends_with_an_error_within_the_tolerance_or_one_that_no_longer_falls() {
+        let ends = |tolerance: f64, decrease: f64, sizes: &[f64]| {
+            let mut p = Parameters::PAPER;
+            (p.learn.tolerance, p.learn.decrease) = (tolerance, decrease);
+            let (mut learner, mut pattern) = setup(&p);
+            sizes.iter().map(|size| repeat(&mut learner, &p, &mut pattern, |_| *size)).collect::<Vec<_>>()
+        };
+        let (again, over) = (Next::Repeat, Next::NextSpeed);
+        // counts of a micrometre
+        assert_eq!(ends(0.0, 0.0, &[9.0, 9.0, 10.0, 9.0]), [again; 4]);
+        assert_eq!(ends(8.001e-6, 0.0, &[9.0, 8.0]), [again, over]);
+        assert_eq!(ends(8.001e-6, 0.0, &[8.0]), [over]);
+        assert_eq!(ends(0.0, 0.1, &[100.0, 89.0, 80.0, 72.1]), [again, again, again, over]);
+    }
+
+    #[test]
     fn a_speed_that_is_abandoned_keeps_its_best_pattern() {
         let p = Parameters::PAPER;
         let (mut learner, mut pattern) = setup(&p);
@@ -317,7 +361,7 @@ mod tests {
         let p = Parameters::PAPER;
         let (mut learner, mut pattern) = setup(&p);
         assert_eq!(repeat(&mut learner, &p, &mut pattern, |_| 40_000.0), Next::TooLarge);
-        assert_eq!(largest(&pattern), 0.0);
+        assert_eq!(pattern.largest(), 0.0);
     }
 
     #[test]
@@ -325,7 +369,7 @@ mod tests {
         let p = Parameters::START;
         let (mut learner, mut pattern) = setup(&p);
         repeat(&mut learner, &p, &mut pattern, |k| if k % 2 == 0 { 3.0 } else { -4.0 });
-        let Errors { rms, peak, cost } = learner.errors;
+        let Errors { rms, peak, cost, .. } = learner.errors;
         assert!((rms[0] - 12.5_f64.sqrt() * 1e-6).abs() < 1e-8 && (peak[5] - 4e-6).abs() < 1e-15);
         assert!((cost - 75.0_f64.sqrt() * 1e-6).abs() < 1e-7);
     }

@@ -77,6 +77,12 @@ impl Pattern {
         self.samples.is_empty()
     }
 
+    /// Largest compensation, pulses.
+    pub fn largest(&self) -> f64 {
+        let values = self.samples.iter().flat_map(|sample| sample.compensation);
+        values.fold(0.0, |most, value| most.max(value.abs()))
+    }
+
     /// Whether another pattern has the same samples, but for the compensation.
     pub fn fits(&self, other: &Self) -> bool {
         let close = |(a, b): (&Sample, &Sample)| {

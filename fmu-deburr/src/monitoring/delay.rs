@@ -4,7 +4,8 @@
 //! compared with the changes of the measured motion a. What the best factor leaves is J_d = sum a^2 - (sum a m_d)^2 / sum m_d^2,
 //! so that the gain of the drive does not count. Noise of the reading is in every J_d, and a little more in those of long delays,
 //! because the servo answers to it: by a tenth at Kp T = 0.13. So a delay is believed only where it leaves less than 0.8 of what
-//! `io_delay` leaves.
+//! `io_delay` leaves. Between the samples J_d is a parabola. Its vertex is the delay with what the lag of the drive differs from
+//! the nominal one, which is no delay of a sample: it has to be farther from `io_delay` than 0.75.
 
 use control_blocks::SentCommands;
 use serde::{Deserialize, Serialize};
@@ -17,6 +18,8 @@ use crate::path::kinematics::{AXES, Joints};
 const DELAYS: usize = 7;
 /// Part of what is left with `io_delay` below which another delay is the right one.
 const CLEAR: f64 = 0.8;
+/// Samples by which it has to be another one.
+const ANOTHER: f64 = 0.75;
 
 /// Sums over one run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -62,6 +65,14 @@ impl DelayMonitor {
         self.answer - self.product[delay].powi(2) / self.square[delay].max(f64::MIN_POSITIVE)
     }
 
+    /// The delay, between two samples, that leaves the least; `best` is the whole one.
+    fn vertex(&self, best: usize) -> f64 {
+        let middle = best.clamp(1, DELAYS - 2);
+        let [before, here, after] = [middle - 1, middle, middle + 1].map(|delay| self.left(delay));
+        let bend = before - 2.0 * here + after;
+        if bend > 0.0 { middle as f64 + 0.5 * (before - after) / bend } else { best as f64 }
+    }
+
     /// What is wrong so far: another delay than `io_delay`.
     pub fn found(&self, p: &Parameters) -> Finding {
         let told = p.io_delay as usize;
@@ -69,7 +80,8 @@ impl DelayMonitor {
             return Finding::NONE;
         }
         let best = (0..DELAYS).fold(told, |best, d| if self.left(d) < self.left(best) { d } else { best });
-        match best != told && self.left(best) < CLEAR * self.left(told) {
+        let off = (self.vertex(best) - told as f64).abs();
+        match best != told && self.left(best) < CLEAR * self.left(told) && off > ANOTHER {
             true => Finding::beyond(Fault::WrongDelay, best as f64, told as f64),
             false => Finding::NONE,
         }
@@ -105,6 +117,44 @@ mod tests {
             for (gain, noise) in [(1.0, 0.0), (0.7, 0.0), (1.3, 2.0), (1.0, 20.0), (1.0, 200.0)] {
                 assert_eq!(found(delay, delay as usize, gain, noise), Finding::NONE, "{delay} {gain} {noise}");
             }
+        }
+    }
+
+    /// What is found of axes that answer after a number of samples that is none; also that of whole ones.
+    fn found_between(io_delay: i32, delay: f64) -> Finding {
+        let mut p = Parameters::START;
+        p.io_delay = io_delay;
+        let (mut monitor, mut sent) = (DelayMonitor::default(), [SentCommands::default(); AXES]);
+        let (mut place, mut command, whole) = (0.5, 0.0, delay.floor() as usize);
+        let share = delay - delay.floor() + 0.37;
+        for k in 0..400 {
+            let speed = (0.005 * f64::from(k % 80) - 0.05).clamp(0.0, 0.1) * if k % 160 < 80 { 1.0 } else { -1.0 };
+            // a drive that is slower than a sample spreads over three
+            let (late, later) = if share < 1.0 { (share, 0.0) } else { (2.0 - share, share - 1.0) };
+            let first = 1.0 - late - later;
+            let commands = [0, 1, 2].map(|d| sent[2].before(whole + d));
+            place += p.sample_period * (first * commands[0] + late * commands[1] + later * commands[2]);
+            let mut positions = [0.0; AXES];
+            positions[2] = (place / 5e-6).round() * 5e-6;
+            monitor.update(&p, &positions, &sent);
+            // as the servo follows a ramp
+            command += 0.13 * (speed - command);
+            sent[2].send(command);
+        }
+        monitor.found(&p)
+    }
+
+    #[test]
+    fn what_the_lag_of_a_drive_differs_is_no_delay() {
+        for off in [-0.62, -0.4, 0.0, 0.4, 0.62] {
+            assert_eq!(found_between(1, 1.0 + off), Finding::NONE, "{off}");
+        }
+        for (told, delay, named) in [(1, 2.0, 2.0), (1, 1.85, 2.0), (1, 2.3, 2.0), (1, 0.0, 0.0), (2, 0.9, 1.0)] {
+            assert_eq!(
+                found_between(told, delay),
+                Finding::beyond(Fault::WrongDelay, named, f64::from(told)),
+                "{delay}"
+            );
         }
     }
 

@@ -3,24 +3,27 @@
 use fmu_deburr::interface::{LearningLaw, Mode, Parameters};
 
 use crate::robot::Build;
-use crate::setup::{Loop, parameters, swinging};
+use crate::setup::{Loop, from_zero, parameters, swinging};
 
 #[test]
 #[ignore = "a measurement: the table of the README"]
 fn errors() {
-    for (name, base, stop) in [
-        ("paper", Parameters::PAPER, false),
-        ("paper, stop at best", Parameters::PAPER, true),
-        ("default", Parameters::START, true),
-        ("norm-optimal, 3 repetitions", Parameters::START, true),
-        ("computed", Parameters::START, true),
+    let change = |base: Parameters, change: fn(&mut Parameters)| {
+        let mut p = base;
+        change(&mut p);
+        p
+    };
+    for (name, base) in [
+        ("paper", Parameters::PAPER),
+        ("paper, stop at best", change(Parameters::PAPER, |p| p.learn.stop_at_best = true)),
+        ("filter, 19 repetitions", change(from_zero(Parameters::START), |p| p.learn.law = LearningLaw::LeadFilter)),
+        ("norm-optimal, 3 repetitions", change(from_zero(Parameters::START), |p| p.learn.repetitions = 3)),
+        ("default", Parameters::START),
+        ("identified, nothing learned", change(Parameters::START, |p| p.learn.repetitions = 0)),
+        ("computed", change(Parameters::START, |p| p.bank.compute = true)),
     ] {
         for delay in [0, 1] {
             let mut p = parameters(&base, delay);
-            (p.learn.stop_at_best, p.bank.compute) = (stop, name == "computed");
-            if name.starts_with("norm") {
-                (p.learn.law, p.learn.repetitions) = (LearningLaw::NormOptimal, 3);
-            }
             if name.starts_with("paper") {
                 p.lookup.preview = -0.01 * f64::from(delay);
             }

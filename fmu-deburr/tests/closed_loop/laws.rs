@@ -3,7 +3,7 @@
 use fmu_deburr::interface::{LearningLaw, Mode, Parameters, State};
 
 use crate::robot::Build;
-use crate::setup::{Loop, swinging};
+use crate::setup::{Loop, from_zero, swinging};
 
 /// For a robot that acts at once.
 fn short(mut p: Parameters) -> Parameters {
@@ -13,7 +13,7 @@ fn short(mut p: Parameters) -> Parameters {
 
 #[test]
 fn the_paper_law_is_its_keys_by_hand_bit_for_bit() {
-    let mut by_hand = short(Parameters::START);
+    let mut by_hand = short(from_zero(Parameters::START));
     (by_hand.learn.law, by_hand.learn.lead, by_hand.learn.stop_at_best) = (LearningLaw::Plain, 0, false);
     (by_hand.lookup.preview, by_hand.limits) = (0.0, Parameters::PAPER.limits);
     let build = Build { delay: 0, ..Build::NOMINAL };

@@ -2,6 +2,7 @@
 
 mod errors;
 mod faults;
+mod identification;
 mod interpolation;
 mod laws;
 mod learn_faults;

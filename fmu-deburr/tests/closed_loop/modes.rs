@@ -138,7 +138,8 @@ fn blocks_are_counted_with_the_distance_from_their_teaching_point() {
 #[test]
 fn a_bank_that_learning_has_begun_to_change_is_not_told_as_that_of_a_file() {
     let mut p = Parameters::START;
-    (p.learn.repetitions, p.learn.factors) = (0, Speeds::new(&[1.0, 0.5]).unwrap());
+    (p.learn.repetitions, p.learn.identify) = (0, false);
+    p.learn.factors = Speeds::new(&[1.0, 0.5]).unwrap();
     let mut run = Loop::new(&p, &Build::NOMINAL);
     run.output.bank.status = BankStatus::Imported;
     run.step();

@@ -4,11 +4,11 @@ use fmu_deburr::interface::{LearningLaw, Mode, Parameters, State};
 use fmu_deburr::learning::speeds::Speeds;
 
 use crate::robot::Build;
-use crate::setup::{Loop, parameters};
+use crate::setup::{Loop, from_zero, parameters};
 
 /// Error at the tip of the repetitions 0, 1, 2, ... at the taught speed, um.
 fn costs(weight: f64, build: &Build, repetitions: i32) -> Vec<f64> {
-    let mut p = parameters(&Parameters::START, build.delay as i32);
+    let mut p = parameters(&from_zero(Parameters::START), build.delay as i32);
     (p.learn.law, p.learn.weight, p.learn.repetitions) = (LearningLaw::NormOptimal, weight, repetitions);
     p.learn.factors = Speeds::new(&[1.0]).unwrap();
     let mut run = Loop::new(&p, build);

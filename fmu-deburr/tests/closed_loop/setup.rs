@@ -31,9 +31,15 @@ pub fn parameters(base: &Parameters, delay: i32) -> Parameters {
     p
 }
 
+/// Learning from zero, with all repetitions.
+pub fn from_zero(mut p: Parameters) -> Parameters {
+    (p.learn.identify, p.learn.tolerance, p.learn.decrease) = (false, 0.0, 0.0);
+    p
+}
+
 /// A loop that has learned, without a repetition.
 pub fn taught() -> Loop {
-    let mut p = Parameters::START;
+    let mut p = from_zero(Parameters::START);
     p.learn.repetitions = 0;
     let mut run = Loop::new(&p, &Build::NOMINAL);
     assert!(run.finish(Mode::Learn));

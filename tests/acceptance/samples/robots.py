@@ -58,6 +58,9 @@ def learning(bank: Path, *changes: str, speed: float = 0.1, repetitions: int = 1
         "signal.plant.workpiece.times=[0.0]",
         "signal.plant.workpiece.values=[0.0]",
         "controller.learn.law='LeadFilter'",
+        "controller.learn.identify=false",
+        "controller.learn.tolerance=0.0",
+        "controller.learn.decrease=0.0",
         f"controller.learn.repetitions={repetitions}",
         f"controller.bank.export='{bank}'",
     )
