@@ -428,6 +428,7 @@ impl Controller {
         output.spindle_speed = speed;
         output.saturated = self.closed() && self.recursion.saturated;
         output.path_torque = needed_torque(p, path, speed);
+        output.path_torque_share = self.tracker.torque_share();
         output.path_truncation = path.truncation;
         output.calibration = self.calibration.report();
         output.identify_progress = self.identification.progress();

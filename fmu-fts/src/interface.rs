@@ -200,6 +200,8 @@ mod variables {
         #[var(name = "afc.frozen", start = true)] pub afc_frozen: bool,
         /// Torque that the path needs somewhere at the present speed
         #[var(name = "path.torque", unit = NEWTON_METRE)] pub path_torque: f64,
+        /// Torque that the path takes over that which the response in use says, as learned; 1 before, and without `feedforward.adaptive`
+        #[var(name = "path.torque_share", unit = ONE, start = 1.0)] pub path_torque_share: f64,
         /// Largest depth that the harmonics of the table leave out
         #[var(name = "path.truncation", unit = METRE as "nm")] pub path_truncation: f64,
         pub calibration: CalibrationOutput,
@@ -275,6 +277,9 @@ mod variables {
         /// Harmonics that are pre-shifted; 0 for none, else at least those of the path
         #[var(name = "feedforward.harmonics", range = 0..=64, start = 24, source = "derived: what the arc of the arm makes of 12")]
         pub feedforward_harmonics: i32,
+        /// Learn in `Track` what torque the path takes, which every radius, feed and speed has in common; without it amplitudes are learned
+        #[var(name = "feedforward.adaptive", start = true, paper = false, source = "our choice: the paper measures the response once")]
+        pub feedforward_adaptive: bool,
         /// JSON table of the frequency response, in the folder resources or with its whole path; empty for the nominal loop
         #[var(name = "response.file")] pub response_file: String,
         pub afc: Afc,
