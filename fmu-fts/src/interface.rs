@@ -255,6 +255,12 @@ mod variables {
         #[var(unit = RADIAN as "deg")] pub phase_margin: f64,
         /// Largest magnitude of the sensitivity 1 - T that follows from the response in use
         #[var(unit = ONE)] pub sensitivity_peak: f64,
+        /// Natural frequency of the arm on the locked hub that is compensated: `tip.frequency`, or as the response tells it
+        #[var(unit = RADIAN_PER_SECOND as "Hz")] pub tip_frequency: f64,
+        /// Damping ratio of it: `tip.damping`, or as the response tells it
+        #[var(unit = ONE)] pub tip_damping: f64,
+        /// Standard deviation of that frequency; 0 while it is `tip.frequency`
+        #[var(unit = RADIAN_PER_SECOND as "Hz")] pub tip_sigma: f64,
         /// Frequency of a point of the response in use (nominal, from `response.file` or identified); 0 if there is none
         #[var(unit = RADIAN_PER_SECOND as "Hz")] pub frequency: [f64; COUNT_MAX],
         /// Magnitude of T, set-point to arm angle, at this frequency
@@ -430,7 +436,7 @@ mod variables {
     /// Measurement of the frequency response in place, in `Identify`.
     pub struct Identify {
         /// Ascending frequencies at which the response is measured, Hz, at most 32
-        #[var(start = Frequencies::DEFAULT_TEXT, source = "our choice: dense where the harmonics are")] pub frequencies: String,
+        #[var(start = Frequencies::DEFAULT_TEXT, source = "our choice: dense where the harmonics are; the last ones tell the flexure")] pub frequencies: String,
         /// `identify.frequencies` as they were read
         #[var(hidden, start = Frequencies::DEFAULT)] pub grid: Frequencies,
         /// Amplitude of the tool; friction falsifies amplitudes below that of the job

@@ -1,12 +1,14 @@
 //! Everything that follows the path: table, approach, feedforward and what it learns, cancellation, statistics.
 
+use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
 use crate::interface::ERROR_HARMONICS;
 use crate::interface::Parameters;
 use crate::path::path_table::{PathTable, Row};
-use crate::servo::compensation::hub_over_tool;
+use crate::servo::flexure::Flexure;
 use crate::servo::loop_response::LoopResponse;
+use crate::servo::response::FrequencyResponse;
 use crate::tracking::adaptive::{AdaptiveFeedforward, PathHarmonic};
 use crate::tracking::chooser::Chooser;
 use crate::tracking::feedforward::HarmonicFeedforward;
@@ -44,6 +46,7 @@ pub struct Wanted {
 pub struct Tracker {
     path: PathTable,
     response: LoopResponse,
+    flexure: Flexure,
     feedforward: HarmonicFeedforward,
     adaptive: AdaptiveFeedforward,
     resonators: Resonators,
@@ -66,6 +69,7 @@ impl Tracker {
         let highest = path.harmonics().max(feedforward).max(p.afc.cancelled.highest()).max(ERROR_HARMONICS);
         Self {
             response,
+            flexure: Flexure::told(p),
             feedforward: HarmonicFeedforward::new(feedforward),
             adaptive: AdaptiveFeedforward::new(if p.feedforward_adaptive { feedforward } else { 0 }),
             resonators: Resonators::new(p),
@@ -99,7 +103,8 @@ impl Tracker {
     fn tune(&mut self, p: &Parameters, speed: f64) {
         self.tuned = self.tuned % self.highest + 1;
         let (n, omega) = (self.tuned, self.tuned as f64 * speed);
-        let (response, hub_over_tool) = (self.response.at(omega), hub_over_tool(p, omega));
+        let response = self.response.at(omega);
+        let hub_over_tool = if p.tip.compensation { self.flexure.hub_over_tool(omega) } else { Complex::ONE };
         self.feedforward.tune(n, response, hub_over_tool);
         let gain = gain_in_use(p, response, omega, self.cancels(p, n));
         let Some(path) = self.row.angle_harmonics().get(n - 1).copied() else {
@@ -197,9 +202,20 @@ impl Tracker {
         &self.path
     }
 
+    /// Takes a measured response of the position loop, and of the flexure what it tells.
+    pub fn take(&mut self, p: &Parameters, measured: &FrequencyResponse) {
+        self.response.correct(measured);
+        self.flexure = Flexure::found(p, self.response.model(), measured).unwrap_or(self.flexure);
+    }
+
     /// The response of the position loop that is inverted.
-    pub fn response(&mut self) -> &mut LoopResponse {
-        &mut self.response
+    pub fn response(&self) -> &LoopResponse {
+        &self.response
+    }
+
+    /// The flexure that is compensated.
+    pub fn flexure(&self) -> Flexure {
+        self.flexure
     }
 
     /// Torque that the path takes over that which the response in use says.
