@@ -3,6 +3,7 @@
 use control_blocks::{Parameter, ParameterError, check_all};
 
 use crate::interface::{ERROR_HARMONICS, Parameters, SurfaceKind};
+use crate::tracking::adaptive::QUICKER;
 
 /// Checks all combinations; the first that fails is the error.
 pub fn check(p: &Parameters) -> Result<(), ParameterError> {
@@ -48,12 +49,10 @@ fn automatic(p: &Parameters) -> Result<(), ParameterError> {
 
 /// All harmonics together learn with 2 N / tau, which the position loop must bear: measured by the eigenvalues of both.
 fn time_constant(p: &Parameters) -> Result<(), ParameterError> {
-    let count = p.afc.cancelled.iter().count();
+    let quicker = if p.feedforward_adaptive && p.feedforward_harmonics > 0 { QUICKER } else { 0.0 };
+    let count = p.afc.cancelled.iter().count() as f64 + quicker;
     let tau = Parameter::new("afc.tau", p.afc.tau, "s", "cancel fewer harmonics, or wish for more `servo.bandwidth`");
-    tau.at_least(
-        5.0 * count as f64 / p.servo.bandwidth,
-        format_args!("5 / `servo.bandwidth` for each of `{count}` harmonics"),
-    )
+    tau.at_least(5.0 * count / p.servo.bandwidth, format_args!("5 / `servo.bandwidth` for each of `{count}` harmonics"))
 }
 
 fn frequencies(p: &Parameters) -> Result<(), ParameterError> {
@@ -72,7 +71,7 @@ mod tests {
         (|p| p.tip.frequency = 1000.0, "tip.frequency", "`1000 rad/s`", "at least `2167"),
         (|p| p.surface.outer_radius = 0.0, "surface.outer_radius", "`0 m`", "`0.0005 m`"),
         (|p| p.identify.grid = "10, 2500".parse().unwrap(), "identify.frequencies", "`2500 Hz`", "`2000 Hz`"),
-        (|p| p.afc.tau = 0.05, "afc.tau", "`0.05 s`", "for each of `24` harmonics"),
+        (|p| p.afc.tau = 0.05, "afc.tau", "`0.05 s`", "for each of `29` harmonics"),
         (|p| p.servo.roll_off = 2000.0, "servo.roll_off", "`2000 rad/s`", "`2890"),
         (|p| p.surface.kind = SurfaceKind::Wave, "path.harmonics", "`12`", "`surface.wave_harmonic` = `50`"),
         (

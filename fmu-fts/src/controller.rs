@@ -22,8 +22,8 @@ use crate::path::feasibility::needed_torque;
 use crate::path::kinematics::Arm;
 use crate::path::path_table::PathTable;
 use crate::reading::{Reader, Reading};
-use crate::servo::compensation::dry_friction;
 use crate::servo::design::design;
+use crate::servo::dry_friction::dry_friction;
 use crate::servo::lead_lag::{LeadLag, Recursion};
 use crate::servo::loop_model::LoopModel;
 use crate::servo::loop_response::LoopResponse;
@@ -78,11 +78,11 @@ impl Controller {
         };
         let path = PathTable::new(arm, depth, p.feedforward_harmonics as usize);
         let model = LoopModel::new(p, compensator);
-        let mut response = LoopResponse::nominal(model);
-        tables.response.iter().for_each(|measured| response.correct(measured));
+        let mut tracker = Tracker::new(p, path, LoopResponse::nominal(model));
+        tables.response.iter().for_each(|measured| tracker.take(p, measured));
         let grid: Vec<f64> = p.identify.grid.iter().collect();
-        let identification = Identification::new(p, |omega| expected(&response, omega));
-        let known = FrequencyResponse::from_model(&grid, |omega| response.at(omega));
+        let identification = Identification::new(p, |omega| expected(&tracker, omega));
+        let known = FrequencyResponse::from_model(&grid, |omega| tracker.response().at(omega));
         Ok(Self {
             arm,
             compensator,
@@ -99,7 +99,7 @@ impl Controller {
             job: Progress::default(),
             torque: 0.0,
             hold: HoldMotion::at(0.0),
-            tracker: Tracker::new(p, path, response),
+            tracker,
             joined: 0.0,
             motion: Trajectory::default(),
             recursion: Recursion::default(),
@@ -359,7 +359,7 @@ impl Controller {
         let saturated = self.recursion.saturated;
         let position = centre.position + self.identification.step(reading.arm_angle - centre.position, saturated);
         if identifies && self.identification.done() {
-            self.tracker.response().correct(self.identification.response());
+            self.tracker.take(p, self.identification.response());
             self.response = Some(*self.identification.response());
         }
         Trajectory { position, velocity: (position - self.motion.position) / p.sample_period, acceleration: 0.0 }
@@ -428,16 +428,21 @@ impl Controller {
         output.spindle_speed = speed;
         output.saturated = self.closed() && self.recursion.saturated;
         output.path_torque = needed_torque(p, path, speed);
+        output.path_torque_share = self.tracker.torque_share();
         output.path_truncation = path.truncation;
         output.calibration = self.calibration.report();
         output.identify_progress = self.identification.progress();
         if let Some(response) = self.response.take() {
-            output.response = ResponseOutput::of(&response, self.tracker.response());
+            output.response = ResponseOutput::of(&response, self.tracker.response(), &self.tracker.flexure());
         }
     }
 }
 
 /// What a swing at `omega` (rad/s) is expected to do.
-fn expected(response: &LoopResponse, omega: f64) -> Expected {
-    Expected { response: response.at(omega), stiffness: response.model().arm(omega).norm().recip() }
+fn expected(tracker: &Tracker, omega: f64) -> Expected {
+    Expected {
+        response: tracker.response().at(omega),
+        stiffness: tracker.response().model().arm(omega).norm().recip(),
+        hub_over_tool: tracker.flexure().hub_over_tool(omega).norm(),
+    }
 }

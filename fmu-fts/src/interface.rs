@@ -200,6 +200,8 @@ mod variables {
         #[var(name = "afc.frozen", start = true)] pub afc_frozen: bool,
         /// Torque that the path needs somewhere at the present speed
         #[var(name = "path.torque", unit = NEWTON_METRE)] pub path_torque: f64,
+        /// Torque that the path takes over that which the response in use says, as learned; 1 before, and without `feedforward.adaptive`
+        #[var(name = "path.torque_share", unit = ONE, start = 1.0)] pub path_torque_share: f64,
         /// Largest depth that the harmonics of the table leave out
         #[var(name = "path.truncation", unit = METRE as "nm")] pub path_truncation: f64,
         pub calibration: CalibrationOutput,
@@ -253,6 +255,12 @@ mod variables {
         #[var(unit = RADIAN as "deg")] pub phase_margin: f64,
         /// Largest magnitude of the sensitivity 1 - T that follows from the response in use
         #[var(unit = ONE)] pub sensitivity_peak: f64,
+        /// Natural frequency of the arm on the locked hub that is compensated: `tip.frequency`, or as the response tells it
+        #[var(unit = RADIAN_PER_SECOND as "Hz")] pub tip_frequency: f64,
+        /// Damping ratio of it: `tip.damping`, or as the response tells it
+        #[var(unit = ONE)] pub tip_damping: f64,
+        /// Standard deviation of that frequency; 0 while it is `tip.frequency`
+        #[var(unit = RADIAN_PER_SECOND as "Hz")] pub tip_sigma: f64,
         /// Frequency of a point of the response in use (nominal, from `response.file` or identified); 0 if there is none
         #[var(unit = RADIAN_PER_SECOND as "Hz")] pub frequency: [f64; COUNT_MAX],
         /// Magnitude of T, set-point to arm angle, at this frequency
@@ -275,6 +283,9 @@ mod variables {
         /// Harmonics that are pre-shifted; 0 for none, else at least those of the path
         #[var(name = "feedforward.harmonics", range = 0..=64, start = 24, source = "derived: what the arc of the arm makes of 12")]
         pub feedforward_harmonics: i32,
+        /// Learn in `Track` what torque the path takes, which every radius, feed and speed has in common; without it amplitudes are learned
+        #[var(name = "feedforward.adaptive", start = true, paper = false, source = "our choice: the paper measures the response once")]
+        pub feedforward_adaptive: bool,
         /// JSON table of the frequency response, in the folder resources or with its whole path; empty for the nominal loop
         #[var(name = "response.file")] pub response_file: String,
         pub afc: Afc,
@@ -425,7 +436,7 @@ mod variables {
     /// Measurement of the frequency response in place, in `Identify`.
     pub struct Identify {
         /// Ascending frequencies at which the response is measured, Hz, at most 32
-        #[var(start = Frequencies::DEFAULT_TEXT, source = "our choice: dense where the harmonics are")] pub frequencies: String,
+        #[var(start = Frequencies::DEFAULT_TEXT, source = "our choice: dense where the harmonics are; the last ones tell the flexure")] pub frequencies: String,
         /// `identify.frequencies` as they were read
         #[var(hidden, start = Frequencies::DEFAULT)] pub grid: Frequencies,
         /// Amplitude of the tool; friction falsifies amplitudes below that of the job

@@ -173,7 +173,7 @@ impl Identification {
 
 /// Time (s) that the experiment of these parameters takes.
 pub fn duration(p: &Parameters) -> f64 {
-    let any = Expected { response: Complex::ONE, stiffness: 1.0 };
+    let any = Expected { response: Complex::ONE, stiffness: 1.0, hub_over_tool: 1.0 };
     Identification::new(p, |_| any).duration()
 }
 
@@ -208,7 +208,11 @@ mod tests {
     /// An experiment that knows what to expect of the loop, with a rigid arm.
     fn experiment(p: &Parameters) -> Identification {
         let stiffness = |omega: f64| p.servo.inertia * omega * omega;
-        Identification::new(p, |omega| Expected { response: Loop::response(omega), stiffness: stiffness(omega) })
+        Identification::new(p, |omega| Expected {
+            response: Loop::response(omega),
+            stiffness: stiffness(omega),
+            hub_over_tool: 1.0,
+        })
     }
 
     fn run(p: &Parameters, disturb: impl Fn(u32, f64) -> f64) -> (Identification, Vec<f64>) {
@@ -242,7 +246,9 @@ mod tests {
     #[test]
     fn an_offset_a_harmonic_and_the_quantum_of_the_encoder_do_not_matter() {
         let quantum = TAU / f64::from(1 << 23);
-        let (identification, _) = run(&Parameters::START, |_, angle| {
+        let mut p = Parameters::START;
+        p.identify.grid = "10, 20, 40, 80, 120, 160, 230, 330, 450, 600, 800, 1000".parse().unwrap();
+        let (identification, _) = run(&p, |_, angle| {
             // friction makes odd harmonics
             let bent = angle - 3e-3 * angle.powi(3);
             ((bent + 0.4) / quantum).round() * quantum

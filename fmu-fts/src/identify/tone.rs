@@ -17,6 +17,8 @@ pub struct Expected {
     pub response: Complex<f64>,
     /// Amplitude of the torque over that of the arm, N.m/rad.
     pub stiffness: f64,
+    /// Amplitude of the arm at the hub over that at the tool.
+    pub hub_over_tool: f64,
 }
 
 /// One sine of the experiment.
@@ -57,7 +59,7 @@ fn amplitude(p: &Parameters, omega: f64, expected: &Expected) -> f64 {
     let (identify, length) = (&p.identify, p.tool.arm_length[p.tool.index()]);
     let tool = identify.amplitude.min(identify.acceleration_max / (omega * omega));
     let torque = identify.torque_share * p.servo.torque_max;
-    let arm = (tool / length).min(torque / expected.stiffness);
+    let arm = (expected.hub_over_tool * tool / length).min(torque / expected.stiffness);
     let error = ERROR_SHARE * p.limits.following_error / length;
     let (arm, behind) = (arm / expected.response.norm(), (1.0 - expected.response).norm());
     // without an error only the other limit counts
@@ -71,7 +73,8 @@ mod tests {
     /// A rigid arm under a loop with T = `response`.
     fn tone(p: &Parameters, hertz: f64, response: Complex<f64>) -> Tone {
         let omega = TAU * hertz;
-        Tone::new(p, omega, &Expected { response, stiffness: p.servo.inertia * omega * omega })
+        let stiffness = p.servo.inertia * omega * omega;
+        Tone::new(p, omega, &Expected { response, stiffness, hub_over_tool: 1.0 })
     }
 
     #[test]
@@ -107,5 +110,9 @@ mod tests {
         let mut gentle = p.clone();
         gentle.identify.acceleration_max = 1.0;
         assert!((tone(&gentle, 100.0, Complex::ONE).amplitude - 1.0 / 0.08 / (TAU * 100.0).powi(2)).abs() < 1e-12);
+        // a tool that swings four times as far as the hub
+        let omega = TAU * 1e3;
+        let bent = Expected { response: Complex::ONE, stiffness: p.servo.inertia * omega * omega, hub_over_tool: 0.25 };
+        assert!((Tone::new(&p, omega, &bent).amplitude - 0.25 * 500.0 / 0.08 / (omega * omega)).abs() < 1e-12);
     }
 }

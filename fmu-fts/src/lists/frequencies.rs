@@ -19,18 +19,19 @@ pub struct Frequencies {
 }
 
 impl Frequencies {
-    /// Dense up to the bandwidth, where the harmonics of the path and of the cancellation are, and up to 1 kHz.
+    /// Dense up to the bandwidth, where the harmonics of the path and of the cancellation are, and about the resonance of
+    /// the arm on the locked hub.
     pub const DEFAULT: Self = Self {
         hertz: [
-            10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0, 90.0, 100.0, 110.0, 120.0, 140.0, 160.0, 180.0, 200.0,
-            220.0, 230.0, 240.0, 260.0, 280.0, 300.0, 330.0, 360.0, 400.0, 450.0, 500.0, 550.0, 600.0, 700.0, 800.0,
-            1000.0,
+            10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 80.0, 100.0, 120.0, 140.0, 160.0, 180.0, 200.0, 230.0, 260.0, 280.0,
+            300.0, 330.0, 360.0, 400.0, 450.0, 500.0, 550.0, 600.0, 700.0, 800.0, 900.0, 1000.0, 1100.0, 1150.0,
+            1200.0, 1250.0,
         ],
         count: COUNT_MAX,
     };
     /// The same as text.
-    pub const DEFAULT_TEXT: &'static str = "10, 20, 30, 40, 50, 60, 70, 80, 90, 100, 110, 120, 140, 160, 180, 200, 220, \
-        230, 240, 260, 280, 300, 330, 360, 400, 450, 500, 550, 600, 700, 800, 1000";
+    pub const DEFAULT_TEXT: &'static str = "10, 20, 30, 40, 50, 60, 80, 100, 120, 140, 160, 180, 200, 230, 260, 280, 300, 330, 360, 400, \
+        450, 500, 550, 600, 700, 800, 900, 1000, 1100, 1150, 1200, 1250";
 
     /// The highest frequency, Hz.
     pub fn highest(&self) -> f64 {

@@ -8,6 +8,7 @@ use std::f64::consts::{FRAC_1_SQRT_2, PI};
 use nalgebra::Complex;
 
 use crate::interface::ResponseOutput;
+use crate::servo::flexure::Flexure;
 use crate::servo::loop_response::LoopResponse;
 use crate::servo::response::{FrequencyResponse, Point};
 
@@ -31,12 +32,20 @@ impl Margins {
 }
 
 impl ResponseOutput {
-    /// The points of a response, and what follows from the loop in use that they belong to.
-    pub fn of(response: &FrequencyResponse, in_use: &LoopResponse) -> Self {
+    /// The points of a response, what follows from the loop in use that they belong to, and the flexure that is compensated.
+    pub fn of(response: &FrequencyResponse, in_use: &LoopResponse, flexure: &Flexure) -> Self {
         let frequency = |place: Option<&Point>| place.map_or(0.0, |point| point.frequency);
         let (first, last) = (frequency(response.points().first()), frequency(response.points().last()));
         let Margins { bandwidth, phase_margin, sensitivity_peak } = margins(first, last, |omega| in_use.at(omega));
-        let mut output = Self { bandwidth, phase_margin, sensitivity_peak, ..Self::START };
+        let mut output = Self {
+            bandwidth,
+            phase_margin,
+            sensitivity_peak,
+            tip_frequency: flexure.frequency,
+            tip_damping: flexure.damping,
+            tip_sigma: flexure.sigma,
+            ..Self::START
+        };
         for (i, point) in response.points().iter().enumerate() {
             output.frequency[i] = point.frequency;
             output.magnitude[i] = point.magnitude;

@@ -9,8 +9,9 @@
 //!
 //! In the angle domain it needs no speed: xi_n += 2 T_s / (tau |T|) e exp(-j (n theta + arg T)), u = Re xi_n e^(j n theta).
 //!
-//! What a feedforward with a wrong response leaves grows and shrinks with the harmonic B_n of the path: xi_n is carried along,
-//! xi_n B_n(x) / B_n(x'), as the slide goes from x' to x. Learned alone it would be late by tau for ever.
+//! What a feedforward with a wrong response leaves grows and shrinks with the harmonic B_n of the path. Where it does not learn the
+//! response itself (`feedforward.adaptive`) xi_n is carried along, xi_n B_n(x) / B_n(x'), as the slide goes from x' to x. Learned
+//! alone it would be late by tau for ever.
 
 use control_blocks::{Canceller, adaptation_gain};
 use nalgebra::Complex;
@@ -21,8 +22,7 @@ use crate::interface::{Afc, Parameters};
 /// T is never taken for less: the gain stays finite.
 const RESPONSE_MIN: f64 = 0.05;
 /// What is left at each tuning of a harmonic that is not in use.
-const FADE: f64 = 0.9;
-
+pub const FADE: f64 = 0.9;
 /// Least harmonic of the path along which a state is carried, rad: 0.1 um at the tool.
 const PATH_MIN: f64 = 1e-6;
 /// Largest change of it from one tuning to the next: what is learned beside it, in step with the spindle, must not grow
@@ -46,12 +46,11 @@ impl Resonators {
         Self { states: vec![Canceller::default(); highest], gains: none.clone(), path: none }
     }
 
-    /// Takes the response `t` of the position loop at harmonic `n`, which is at `omega` (rad/s) and `wanted` or not.
-    pub fn tune(&mut self, p: &Parameters, n: usize, t: Complex<f64>, omega: f64, wanted: bool) {
-        if let (Some(state), Some(gain)) = (self.states.get_mut(n - 1), self.gains.get_mut(n - 1)) {
-            let in_use = wanted && omega.abs() <= p.afc.frequency_max;
-            *gain = if in_use { gain_of(&p.afc, p.sample_period, t) } else { Complex::default() };
-            if !in_use {
+    /// Takes the gain of harmonic `n`; without one it is not in use and fades.
+    pub fn tune(&mut self, n: usize, gain: Option<Complex<f64>>) {
+        if let (Some(state), Some(before)) = (self.states.get_mut(n - 1), self.gains.get_mut(n - 1)) {
+            *before = gain.unwrap_or_default();
+            if gain.is_none() {
                 state.fade(FADE);
             }
         }
@@ -86,6 +85,11 @@ impl Resonators {
     }
 }
 
+/// The gain of a harmonic at `omega` (rad/s) with the response `t` of the position loop, none if it is not `wanted` or too high.
+pub fn gain_in_use(p: &Parameters, t: Complex<f64>, omega: f64, wanted: bool) -> Option<Complex<f64>> {
+    (wanted && omega.abs() <= p.afc.frequency_max).then(|| gain_of(&p.afc, p.sample_period, t))
+}
+
 /// 2 T_s / (tau |T|) exp(-j arg T); without the advance, eq. 3 as printed, the phase is missing.
 pub fn gain_of(afc: &Afc, period: f64, t: Complex<f64>) -> Complex<f64> {
     if afc.phase_advance {
@@ -101,7 +105,7 @@ mod tests {
 
     fn tuned(p: &Parameters, n: usize, t: Complex<f64>) -> Resonators {
         let mut resonators = Resonators::new(p);
-        resonators.tune(p, n, t, 1000.0, true);
+        resonators.tune(n, gain_in_use(p, t, 1000.0, true));
         resonators
     }
 
@@ -132,7 +136,7 @@ mod tests {
         for speed in [600.0, -600.0] {
             let mut resonators = Resonators::new(&p);
             for n in 1..=24 {
-                resonators.tune(&p, n, Complex::new(0.9, -0.1), speed * n as f64, n % 2 == 0);
+                resonators.tune(n, gain_in_use(&p, Complex::new(0.9, -0.1), speed * n as f64, n % 2 == 0));
             }
             let learning: Vec<usize> = (1..=10).filter(|n| resonators.gains[n - 1].norm() > 0.0).collect();
             assert_eq!(learning, [2, 4, 6]);
@@ -146,7 +150,7 @@ mod tests {
         let phasors = Phasors::new(0.0, 24);
         (0..100).for_each(|_| resonators.learn(1e-4, phasors.from_one()));
         let before = resonators.output(phasors.from_one());
-        (0..100).for_each(|_| resonators.tune(&p, 3, Complex::new(1.0, 0.0), 1e6, true));
+        (0..100).for_each(|_| resonators.tune(3, gain_in_use(&p, Complex::ONE, 1e6, true)));
         assert!(before > 0.0 && resonators.output(phasors.from_one()) < 1e-4 * before);
         resonators.clear();
         assert_eq!(resonators.output(phasors.from_one()), 0.0);

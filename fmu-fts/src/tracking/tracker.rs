@@ -1,16 +1,19 @@
-//! Everything that follows the path: table, approach, feedforward, cancellation, statistics.
+//! Everything that follows the path: table, approach, feedforward and what it learns, cancellation, statistics.
 
+use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
 use crate::interface::ERROR_HARMONICS;
 use crate::interface::Parameters;
 use crate::path::path_table::{PathTable, Row};
-use crate::servo::compensation::hub_over_tool;
+use crate::servo::flexure::Flexure;
 use crate::servo::loop_response::LoopResponse;
+use crate::servo::response::FrequencyResponse;
+use crate::tracking::adaptive::{AdaptiveFeedforward, PathHarmonic};
 use crate::tracking::chooser::Chooser;
 use crate::tracking::feedforward::HarmonicFeedforward;
 use crate::tracking::phasors::Phasors;
-use crate::tracking::resonators::Resonators;
+use crate::tracking::resonators::{Resonators, gain_in_use};
 use crate::tracking::spindle::Spindle;
 use crate::tracking::statistics::{ErrorStatistics, Turn};
 use crate::tracking::transition::Transition;
@@ -43,7 +46,9 @@ pub struct Wanted {
 pub struct Tracker {
     path: PathTable,
     response: LoopResponse,
+    flexure: Flexure,
     feedforward: HarmonicFeedforward,
+    adaptive: AdaptiveFeedforward,
     resonators: Resonators,
     transition: Transition,
     statistics: ErrorStatistics,
@@ -64,7 +69,9 @@ impl Tracker {
         let highest = path.harmonics().max(feedforward).max(p.afc.cancelled.highest()).max(ERROR_HARMONICS);
         Self {
             response,
+            flexure: Flexure::told(p),
             feedforward: HarmonicFeedforward::new(feedforward),
+            adaptive: AdaptiveFeedforward::new(if p.feedforward_adaptive { feedforward } else { 0 }),
             resonators: Resonators::new(p),
             transition: Transition::default(),
             statistics: ErrorStatistics::default(),
@@ -95,12 +102,19 @@ impl Tracker {
     /// Tunes one harmonic to the present speed, the next one in the next sample.
     fn tune(&mut self, p: &Parameters, speed: f64) {
         self.tuned = self.tuned % self.highest + 1;
-        let omega = self.tuned as f64 * speed;
-        let t = self.response.at(omega);
-        self.feedforward.tune(self.tuned, t, hub_over_tool(p, omega));
-        self.resonators.tune(p, self.tuned, t, omega, self.cancels(p, self.tuned));
-        if let Some(path) = self.row.angle_harmonics().get(self.tuned - 1) {
-            self.resonators.carry(self.tuned, *path);
+        let (n, omega) = (self.tuned, self.tuned as f64 * speed);
+        let response = self.response.at(omega);
+        let hub_over_tool = if p.tip.compensation { self.flexure.hub_over_tool(omega) } else { Complex::ONE };
+        self.feedforward.tune(n, response, hub_over_tool);
+        let gain = gain_in_use(p, response, omega, self.cancels(p, n));
+        let Some(path) = self.row.angle_harmonics().get(n - 1).copied() else {
+            self.resonators.tune(n, gain);
+            return;
+        };
+        let share = self.adaptive.tune(p, n, &PathHarmonic { omega, path, response, hub_over_tool }, gain);
+        self.resonators.tune(n, gain.map(|gain| gain * (1.0 - share)));
+        if !p.feedforward_adaptive {
+            self.resonators.carry(n, path);
         }
     }
 
@@ -141,11 +155,14 @@ impl Tracker {
         let straight = motion.position;
         motion.position += blend.share * shift.target;
         if layers.learning {
-            self.resonators.learn(motion.position - arm_angle, phasors.from_one());
+            let error = motion.position - arm_angle;
+            self.resonators.learn(error, phasors.from_one());
+            self.adaptive.learn(error, phasors.from_one());
         }
         let mut added = if layers.feedforward { shift.set_point } else { shift.target };
         if layers.cancellation {
             added += self.resonators.output(phasors.from_one());
+            added += self.adaptive.output(self.row.angle_harmonics(), phasors.from_one());
         }
         let set_point = straight + blend.share * added;
         Wanted { motion, depth, set_point }
@@ -158,9 +175,10 @@ impl Tracker {
         }
     }
 
-    /// Forgets what the cancellation has learned.
+    /// Forgets what cancellation and feedforward have learned.
     pub fn forget(&mut self) {
         self.resonators.clear();
+        self.adaptive.clear();
         self.chooser = Chooser::default();
     }
 
@@ -184,9 +202,25 @@ impl Tracker {
         &self.path
     }
 
+    /// Takes a measured response of the position loop, and of the flexure what it tells.
+    pub fn take(&mut self, p: &Parameters, measured: &FrequencyResponse) {
+        self.response.correct(measured);
+        self.flexure = Flexure::found(p, self.response.model(), measured).unwrap_or(self.flexure);
+    }
+
     /// The response of the position loop that is inverted.
-    pub fn response(&mut self) -> &mut LoopResponse {
-        &mut self.response
+    pub fn response(&self) -> &LoopResponse {
+        &self.response
+    }
+
+    /// The flexure that is compensated.
+    pub fn flexure(&self) -> Flexure {
+        self.flexure
+    }
+
+    /// Torque that the path takes over that which the response in use says.
+    pub fn torque_share(&self) -> f64 {
+        self.adaptive.torque_share()
     }
 
     /// The error over the last full turn.

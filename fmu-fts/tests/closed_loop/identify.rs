@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use fmu_fts::interface::{Fault, Mode, Parameters, State};
+use fmu_fts::interface::{Fault, Mode, Parameters, State, SurfaceKind};
 use fmu_fts::servo::design::design;
 use fmu_fts::servo::loop_model::LoopModel;
 use nalgebra::Complex;
@@ -124,4 +124,35 @@ fn state_bytes_continue_in_the_swing() {
         assert_eq!(copy.output, run.output);
     }
     assert_eq!(run.output.identify_progress, 1.0);
+}
+
+#[test]
+fn the_tool_follows_though_its_flexure_is_told_wrong() {
+    // 500 Hz: told 10 % wrong, the tool is off by a twentieth of 50.7 um while the encoder is content
+    for (gain, flexure, damping) in [(0.8, 1080.0, 0.01), (1.2, 1320.0, 0.03)] {
+        let build = Build { gain, flexure, damping, cutting: [0.0; 3], ripple: 0.0, ..Build::NOMINAL };
+        let mut p = parameters("20, 80, 230, 360, 430, 500, 570, 640, 720, 800, 900, 1000, 1100, 1150, 1200, 1250");
+        p.surface.kind = SurfaceKind::Wave;
+        (p.surface.wave_harmonic, p.path.harmonics, p.feedforward_harmonics) = (50, 50, 50);
+        p.afc.cancelled = "1-24, 50".parse().unwrap();
+        let tip = |mut run: Loop| {
+            run.input.mode = Mode::Track;
+            run.run_to(run.time() + 1.0);
+            assert_eq!(run.output.state, State::Track);
+            run.measure(0.3)
+        };
+        let (told, found) = (tip(Loop::new(&p, &build, 9)), identified(&p, &build));
+        let response = &found.output.response;
+        println!(
+            "{:.2} Hz (sigma {:.2}), {:.4}",
+            response.tip_frequency / TAU,
+            response.tip_sigma / TAU,
+            response.tip_damping
+        );
+        assert!((response.tip_frequency / (TAU * flexure) - 1.0).abs() < 5e-3, "{}", response.tip_frequency / TAU);
+        assert!(response.tip_sigma > 0.0);
+        let left = tip(found);
+        println!("told {told:.3?}, found {left:.3?}");
+        assert!(told.tip > 1.0 && left.tip < 0.2 && left.rms < 0.1, "{told:?} {left:?}");
+    }
 }

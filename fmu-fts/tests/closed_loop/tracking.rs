@@ -274,18 +274,50 @@ fn with_more_bandwidth_less_of_the_noise_of_the_cut_is_left() {
     }
 }
 
-#[test]
-fn what_a_wrong_response_leaves_goes_along_with_the_feed() {
-    // 2400 rpm with a fifth less torque: feedforward alone leaves a tenth of the path, which shrinks as the slide goes in
-    let build = Build { gain: 0.8, flexure: 1080.0, speed: |_| 2400.0 * RPM, ..Build::NOMINAL };
+/// 2400 rpm with a fifth less torque: feedforward alone leaves a sixth of the path, which shrinks as the slide goes in.
+const WEAK: Build = Build { gain: 0.8, flexure: 1080.0, speed: |_| 2400.0 * RPM, ..Build::NOMINAL };
+
+/// Error from `begin` s on, for 0.3 s, with a speed of the slide (m/s) besides 10 um a turn.
+fn on_a_weak_drive(adaptive: bool, feed: f64, begin: f64) -> Measured {
     let mut p = Parameters::START;
     p.surface.outer_radius = 0.032;
+    p.feedforward_adaptive = adaptive;
+    let mut run = Loop::new(&p, &WEAK, 7);
+    run.feed(feed);
+    run.run_to(begin);
+    let left = run.measure(0.3);
+    println!("feed {} um a turn, adaptive {adaptive}: {left:?}", 10.0 + 1e6 * feed / 40.0);
+    left
+}
+
+#[test]
+fn what_a_wrong_response_leaves_is_learned_as_a_response() {
+    // amplitudes that are carried along come with tau = 0.3 s
+    assert!(on_a_weak_drive(false, 0.0, 1.2).rms > 5.0);
     for feed in [0.0, 0.4e-3, 2e-3] {
-        let mut run = Loop::new(&p, &build, 7);
-        run.feed(feed);
-        run.run_to(2.5);
-        let left = run.measure(0.5);
-        println!("feed {} um a turn: {left:?}", 10.0 + 1e6 * feed / 40.0);
-        assert!(left.rms < 0.7, "{feed} m/s: {left:?}");
+        assert!(on_a_weak_drive(true, feed, 1.2).rms < 0.6, "{feed} m/s");
     }
+}
+
+#[test]
+fn without_learning_the_response_amplitudes_go_along_with_the_feed() {
+    for feed in [0.0, 2e-3] {
+        assert!(on_a_weak_drive(false, feed, 2.5).rms < 0.7, "{feed} m/s");
+    }
+}
+
+#[test]
+fn what_is_learned_at_one_speed_is_right_at_another() {
+    let ramp = |t: f64| (2400.0 - 1200.0 * (t - 1.5).clamp(0.0, 1.0)) * RPM;
+    let during = |adaptive| {
+        let mut p = Parameters::START;
+        p.surface.outer_radius = 0.032;
+        p.feedforward_adaptive = adaptive;
+        let mut run = Loop::new(&p, &Build { speed: ramp, ..WEAK }, 7);
+        run.run_to(1.5);
+        run.measure(1.0).rms
+    };
+    let (adaptive, carried) = (during(true), during(false));
+    println!("ramp: {adaptive} {carried} um");
+    assert!(adaptive < 3.0 && adaptive < 0.1 * carried, "{adaptive} {carried}");
 }

@@ -1,0 +1,210 @@
+//! The flexure between the encoder on the hub and the tool: told, or found in a measured response.
+//!
+//! The encoder does not see the tool. But the hub answers the torque with
+//!
+//! ```text
+//! G = N / D,   N = 1 - x^2 + 2 j z x,   D = 1 - (1 - m) x^2 + 2 j z x,   x = omega / omega_t
+//! ```
+//!
+//! over the rigid arm (m: part of the inertia beyond the flexure), with a zero where the tool swings against a hub that stands: the
+//! natural frequency omega_t of the arm on the locked hub, which is what tool and hub differ by. Neither the controller nor the
+//! inertia, the gain of the drive or a delay moves that zero. With the measured T the arm is T / ((1 - T) K), and G that over the
+//! told rigid arm. The fit is of `k e^(-j omega d) N - G D`, without poles, in the factor k, the delay d, omega_t, z and m.
+
+use nalgebra::{Complex, SVector};
+use serde::{Deserialize, Serialize};
+
+use crate::calibration::least_squares::{Observation, estimate};
+use crate::interface::Parameters;
+use crate::servo::loop_model::LoopModel;
+use crate::servo::response::{FrequencyResponse, Point};
+
+/// Up to this share of the natural frequency the flexure is compensated; above, as there.
+const SHARE_MAX: f64 = 0.7;
+/// From this share of the told frequency on the flexure is looked for: below, dry friction counts for more.
+const LOOK_FROM: f64 = 0.3;
+/// The frequency found is believed with a standard deviation of this part, and this factor from the told one.
+const SIGMA_MAX: f64 = 0.01;
+const FACTOR_MAX: f64 = 1.5;
+/// Standard deviation of a point, over that of the rigid arm: friction on a swing with half of the torque.
+const POINT_SIGMA: f64 = 2e-3;
+
+/// Flexure of the arm on the locked hub.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Flexure {
+    /// Natural frequency omega_t, rad/s; 0 for a rigid arm.
+    pub frequency: f64,
+    /// Damping ratio z.
+    pub damping: f64,
+    /// Standard deviation of the frequency, rad/s; 0 where it is told.
+    pub sigma: f64,
+}
+
+impl Flexure {
+    /// As it is told.
+    pub fn told(p: &Parameters) -> Self {
+        Self { frequency: p.tip.frequency, damping: p.tip.damping, sigma: 0.0 }
+    }
+
+    /// Motion of the hub over motion of the tool at `omega` (rad/s).
+    pub fn hub_over_tool(&self, omega: f64) -> Complex<f64> {
+        if self.frequency == 0.0 {
+            return Complex::ONE;
+        }
+        let share = (omega / self.frequency).clamp(-SHARE_MAX, SHARE_MAX);
+        let spring = Complex::new(1.0, 2.0 * self.damping * share);
+        (spring - share * share) / spring
+    }
+
+    /// What a measured response of the position loop `model` tells of the flexure; none if it does not tell it well.
+    pub fn found(p: &Parameters, model: &LoopModel, measured: &FrequencyResponse) -> Option<Self> {
+        let told = Self::told(p);
+        let shape = Shape { told, inertia: p.tip.inertia, period: p.sample_period };
+        let first = measured.points().partition_point(|point| point.frequency < LOOK_FROM * told.frequency);
+        let points = &measured.points()[first..];
+        if told.frequency == 0.0 || p.tip.inertia == 0.0 {
+            return None;
+        }
+        let start = SVector::from([1.0, 0.0, 1.0, told.damping, p.tip.inertia]);
+        let found = estimate(start, 2 * points.len(), |i, value| {
+            let measured = shape.measured(model, &points[i / 2]);
+            let residual = |value: &Value| {
+                let residual = shape.residual(points[i / 2].frequency, measured, value) / POINT_SIGMA;
+                if i % 2 == 0 { residual.re } else { residual.im }
+            };
+            Observation { residual: residual(value), gradient: gradient(residual, value) }
+        })
+        .ok()?;
+        let ([_, _, factor, damping, _], sigma) = (found.value.data.0[0], found.sigma(2));
+        let plausible = factor * FACTOR_MAX > 1.0 && factor < FACTOR_MAX && sigma < SIGMA_MAX * factor;
+        plausible.then(|| Self {
+            frequency: factor * told.frequency,
+            damping: damping.clamp(0.0, 0.5),
+            sigma: sigma * told.frequency,
+        })
+    }
+}
+
+/// Factor k, delay d in samples, omega_t over the told one, z, m.
+type Value = SVector<f64, 5>;
+
+/// What the response of the hub to the torque is compared with.
+struct Shape {
+    told: Flexure,
+    /// part of the inertia beyond the flexure, as told
+    inertia: f64,
+    period: f64,
+}
+
+impl Shape {
+    /// N and D at `omega` (rad/s), with the frequency in told ones.
+    fn zero_and_pole(&self, omega: f64, [frequency, damping, inertia]: [f64; 3]) -> [Complex<f64>; 2] {
+        let x = omega / (frequency * self.told.frequency);
+        let spring = Complex::new(1.0, 2.0 * damping * x);
+        [spring - x * x, spring - (1.0 - inertia) * x * x]
+    }
+
+    /// G as it was measured: the told one by the measured L over that of the loop as it is told.
+    fn measured(&self, model: &LoopModel, point: &Point) -> Complex<f64> {
+        let [zero, pole] = self.zero_and_pole(point.frequency, [1.0, self.told.damping, self.inertia]);
+        let t = point.value();
+        t / (1.0 - t) / model.open(point.frequency) * zero / pole
+    }
+
+    fn residual(&self, omega: f64, measured: Complex<f64>, value: &Value) -> Complex<f64> {
+        let [factor, delay, frequency, damping, inertia] = value.data.0[0];
+        let [zero, pole] = self.zero_and_pole(omega, [frequency, damping, inertia]);
+        Complex::from_polar(factor, -omega * self.period * delay) * zero - measured * pole
+    }
+}
+
+/// By central differences; all parameters are of the order of 1.
+fn gradient(function: impl Fn(&Value) -> f64, value: &Value) -> Value {
+    const STEP: f64 = 1e-5;
+    Value::from_fn(|i, _| {
+        let moved = |step: f64| {
+            let mut value = *value;
+            value[i] += step;
+            function(&value)
+        };
+        (moved(STEP) - moved(-STEP)) / (2.0 * STEP)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::servo::design::design;
+    use std::f64::consts::TAU;
+
+    const GRID: [f64; 12] = [300.0, 360.0, 420.0, 500.0, 600.0, 800.0, 900.0, 1000.0, 1100.0, 1200.0, 1350.0, 1500.0];
+
+    /// The response of an arm that `change` tells, at these frequencies (Hz), seen by a controller that knows the nominal one.
+    fn found(grid: &[f64], change: impl FnOnce(&mut Parameters)) -> Option<Flexure> {
+        let compensator = design(&Parameters::START).unwrap();
+        let mut real = Parameters::START;
+        change(&mut real);
+        let (model, nominal) = (LoopModel::new(&real, compensator), LoopModel::new(&Parameters::START, compensator));
+        let grid: Vec<f64> = grid.iter().map(|hertz| TAU * hertz).collect();
+        Flexure::found(&Parameters::START, &nominal, &FrequencyResponse::from_model(&grid, |omega| model.closed(omega)))
+    }
+
+    #[test]
+    fn it_is_found_whatever_drive_inertia_and_delay_are() {
+        for (inertia, share, frequency, damping, delay, current) in [
+            (8e-4, 0.4375, 1200.0, 0.02, 1, 2000.0),
+            (1e-3, 0.4375, 1080.0, 0.01, 1, 2000.0),
+            (6.6e-4, 0.4375, 1320.0, 0.03, 1, 2000.0),
+            (8e-4, 0.35, 1100.0, 0.01, 2, 2000.0),
+            (8e-4, 0.5, 1300.0, 0.015, 0, 1500.0),
+        ] {
+            let flexure = found(&GRID, |p| {
+                (p.servo.inertia, p.tip.inertia, p.io_delay) = (inertia, share, delay);
+                (p.tip.frequency, p.tip.damping) = (TAU * frequency, damping);
+                p.servo.current_bandwidth = TAU * current;
+            })
+            .unwrap();
+            let error = flexure.frequency / (TAU * frequency) - 1.0;
+            println!(
+                "{:.2} Hz of {frequency}, {:.4} of {damping}, sigma {:.2} Hz",
+                flexure.frequency / TAU,
+                flexure.damping,
+                flexure.sigma / TAU
+            );
+            // 0.2 um of 36 um rms at 500 Hz are 1.3 %
+            assert!(error.abs() < 5e-3 && (flexure.damping - damping).abs() < 3e-3, "{flexure:?}");
+        }
+    }
+
+    #[test]
+    fn a_response_that_does_not_tell_it_finds_nothing() {
+        // far below the zero, too few points, an arm that is not told to bend, and one that is twice as stiff
+        assert_eq!(found(&[300.0, 350.0, 400.0], |_| ()), None);
+        assert_eq!(found(&[10.0, 100.0], |_| ()), None);
+        assert_eq!(found(&GRID, |p| p.tip.frequency = TAU * 2400.0), None);
+        let rigid =
+            Parameters { tip: crate::interface::Tip { frequency: 0.0, ..Parameters::START.tip }, ..Parameters::START };
+        let model = LoopModel::new(&rigid, design(&rigid).unwrap());
+        assert_eq!(
+            Flexure::found(&rigid, &model, &FrequencyResponse::from_model(&[4e3; 1], |w| model.closed(w))),
+            None
+        );
+    }
+
+    #[test]
+    fn the_hub_moves_less_by_the_square_of_the_frequency() {
+        let flexure = Flexure { frequency: 8e3, damping: 0.0, sigma: 0.0 };
+        assert_eq!(flexure.hub_over_tool(0.0), Complex::ONE);
+        let ratio = flexure.hub_over_tool(2e3);
+        assert!((ratio - (1.0 - 0.0625)).norm() < 1e-15);
+        assert_eq!(flexure.hub_over_tool(1e9), flexure.hub_over_tool(0.7 * 8e3));
+    }
+
+    #[test]
+    fn negative_frequencies_are_mirrored_and_a_rigid_arm_does_not_bend() {
+        let told = Flexure::told(&Parameters::START);
+        assert_eq!(told.hub_over_tool(-2000.0), told.hub_over_tool(2000.0).conj());
+        let rigid = Flexure { frequency: 0.0, ..told };
+        assert_eq!(rigid.hub_over_tool(3000.0), Complex::ONE);
+    }
+}
