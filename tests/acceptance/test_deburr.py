@@ -16,8 +16,8 @@ import pytest
 
 import cosim
 from cosim.scenario.injection import Injection
-from tests.measured.store import measured
 
+from .measured.store import measured
 from .samples.robots import DELAYS, PLAIN, Changes, Sample, joined, learn, machine, sample
 from .samples.runs import WORKERS, Columns, run, trace, value
 

@@ -1,6 +1,6 @@
 """Tool contact detection against the claims of Kakinuma and Nagakari (2017), in closed loop with the slide.
 
-The large samples run with `pytest -m full tests/acceptance`; what they measure is kept in `tests/measured`.
+The large samples run with `pytest -m full tests/acceptance`; what they measure is kept in `measured`.
 """
 
 import functools
@@ -17,7 +17,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 import cosim
 from cosim.scenario.model import Metric
 
-from tests.measured.store import measured
+from .measured.store import measured
 from .samples.runs import WORKERS
 
 pytestmark = pytest.mark.acceptance

@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 import cosim
-from tests.measured.store import measured
 
+from .measured.store import measured
 from .samples.runs import WORKERS, run, trace, value
 
 pytestmark = pytest.mark.acceptance

@@ -12,8 +12,8 @@ import pytest
 import cosim
 from plants.tools.molds import MOLDS
 from plants.tools.removal import Surface, evenness, roughness
-from tests.measured.store import measured
 
+from .measured.store import measured
 from .samples.polishing import Changes, Run, polish, sample, worst
 from .samples.runs import WORKERS
 

@@ -7,8 +7,8 @@ import pytest
 from plants.tools.cl_path import Spiral, cl_text
 from plants.tools.molds import MOLDS
 from plants.tools.removal import Surface, evenness, roughness
-from tests.measured.store import measured
 
+from .measured.store import measured
 from .samples.polishing import polish
 
 pytestmark = [pytest.mark.acceptance, pytest.mark.full]

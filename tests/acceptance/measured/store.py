@@ -1,4 +1,4 @@
-"""What tests measured for the tables of the documents: a file of JSON for each table, a value for each row."""
+"""What tests measured for the tables of the documents: a file for each table, a value for each row."""
 
 from __future__ import annotations
 
@@ -9,8 +9,9 @@ import subprocess
 from collections.abc import Mapping
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
-FOLDER = Path(__file__).parent / "numbers"
+ROOT = Path(__file__).resolve().parents[3]
+HERE = Path(__file__).parent
+FOLDER = HERE / "numbers"
 CODE = ("control-blocks", "cosim", "fmi2-export", "fmu-*/src", "plants", "scenarios")
 """What the numbers depend on."""
 NEAR = 0.1
@@ -42,7 +43,9 @@ def measured(table: str, row: str, **values: float) -> None:
     kept = {name: value for name, value in rows.get(row, {}).items() if name != "code"}
     assert kept.keys() == values.keys(), f"{table}, {row}: {[*kept]} are kept, not {[*values]}"
     other = [
-        f"{name} {kept[name]} is now {value:.6g}" for name, value in values.items() if not near(kept[name], value)
+        f"{name} {kept[name]} is now {value:.6g}"
+        for name, value in values.items()
+        if not near(kept[name], value)
     ]
     assert other == [], f"{table}, {row}: {', '.join(other)}\nhint: `BLESS=1` keeps what is measured"
 
@@ -51,14 +54,17 @@ def near(kept: float | str, value: float) -> bool:
     """Whether two numbers are the same, or counts that differ by one."""
     if isinstance(kept, str):
         return False
-    counts = kept == round(kept) and value == round(value)
+    counts = kept.is_integer() and float(value).is_integer()
     return math.isclose(kept, value, rel_tol=NEAR, abs_tol=1.0 if counts else 0.0)
 
 
 def code() -> str:
     """Commit and day of the last change of what the numbers depend on."""
-    told, changed = (
-        subprocess.run(["git", *line, "--", *CODE], cwd=ROOT, capture_output=True, text=True, check=True).stdout
-        for line in (["log", "-1", "--format=%h of %cs"], ["status", "--porcelain"])
-    )
-    return told.strip() + (" with changes" if changed else "")
+    told, changed = git("log", "-1", "--format=%h of %cs"), git("status", "--porcelain")
+    return told + (" with changes" if changed else "")
+
+
+def git(*words: str) -> str:
+    """Answer of git about what the numbers depend on."""
+    line = ["git", *words, "--", *CODE]
+    return subprocess.run(line, cwd=ROOT, capture_output=True, text=True, check=True).stdout.strip()

@@ -20,7 +20,7 @@ def test_a_page_tells_what_is_kept(page: Path) -> None:
     if "BLESS" in os.environ:
         page.write_text(wanted, "utf-8")
         return
-    assert found == wanted, "hint: `BLESS=1 pytest tests/measured/test_tables.py` renews the page"
+    assert found == wanted, "hint: `BLESS=1 pytest tests/acceptance/measured/test_tables.py` renews the page"
 
 
 def test_every_table_stands_on_a_page_and_every_file_is_of_a_table() -> None:
@@ -36,7 +36,7 @@ def test_what_was_measured_in_closed_loop_is_in_no_other_table() -> None:
 
 def test_tests_that_a_table_names_are_there() -> None:
     for table in TABLES.values():
-        files = re.findall(r"tests/\S+", table.tests)
+        files = re.findall(r"tests/\S+", table["tests"])
         assert files
         assert all((ROOT / file).exists() for file in files)
 
