@@ -54,7 +54,10 @@ def check_charts(plan: Plan) -> None:
         if chart.kind in OF_A_TRACE:
             problem = f"{origin}: `charts[{index}]` of the kind `{chart.kind}` needs the rows of one run"
             raise ScenarioError(problem, "it belongs in `[[plot.charts]]` of the scenario")
-    drawable.check_charts(charts, f"{origin}: charts", columns(plan.scenario, plan.cases))
+    try:
+        drawable.check_charts(charts, "charts", columns(plan.scenario, plan.cases))
+    except CosimError as error:
+        raise ScenarioError(f"{origin}: {error.message}", error.hint) from None
 
 
 def file_of(name: str) -> Path:

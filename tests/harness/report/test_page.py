@@ -67,6 +67,14 @@ kind = "list"
 "controller.gain" = -1.0
 [[case]]
 "controller.gain" = -2.0
+[[charts]]
+title = "End over the gain"
+kind = "path"
+x = "-controller.gain"
+y = ["metric.end"]
+names = ["end"]
+x_label = "gain"
+label = "end"
 """
 DOCUMENT = f"# Faults of it\n\n| found | how |\n|---|---|\n| one | {SCRIPT} |\n"
 
@@ -185,6 +193,7 @@ def test_a_study_and_a_document_stand_on_the_page(page: Any) -> None:
     criteria, metrics = (cells(table) for table in sweep.iter("table"))
     assert criteria[1] == ["far", "0 of 2"]
     assert metrics[0][0] == "end"
+    assert "End over the gain" in sweep.text_content()
     (document,) = page.find_class("document")
     assert [cells(table) for table in document.iter("table")] == [[["one", SCRIPT]]]
 
