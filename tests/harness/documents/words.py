@@ -39,7 +39,7 @@ def listed(program: str) -> list[str]:
 
 
 def mentioned(program: str) -> list[str]:
-    """Commands in the sentences and tables of all pages but that of changes, which names old ones; each once."""
+    """Commands in the sentences and tables of all pages, each once; not of changes, which name old ones."""
     pages = (page for page in PAGES if page != "CHANGELOG.md")
     found = (one for page in pages for one in re.findall(r"`([^`\n]+)`", text(page)))
     return list(dict.fromkeys(one for one in found if one.startswith(f"{program} ")))
