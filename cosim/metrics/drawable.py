@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
 from cosim.errors import ScenarioError, closest, concerning
 from cosim.metrics.expression import Expression, Items
 from cosim.scenario.model import Chart, Scenario
 
-NEEDED = {"path": ("x", "y"), "peaks": ("split", "y"), "array": ("x", "y"), "map": ("x", "y")}
+NEEDED = {
+    "path": ("x", "y"),
+    "peaks": ("split", "y"),
+    "array": ("x", "y"),
+    "map": ("x", "y"),
+    "bode": ("x", "y"),
+}
 """What a chart of a kind cannot do without; the others need `y`."""
 TAKEN = {
     "path": ("x", "parts", "names", "split", "split_name", "log", "x_log"),
@@ -19,6 +25,7 @@ TAKEN = {
     "roc": ("parts", "names", "log", "x_log"),
     "array": ("x", "names", "log", "x_log"),
     "map": ("x", "parts", "weight"),
+    "bode": ("x", "closed"),
 }
 """What a chart of a kind takes of the keys that not all of them take."""
 SOME = sorted({key for keys in TAKEN.values() for key in keys})
@@ -44,9 +51,20 @@ def check(scenario: Scenario, columns: Mapping[str, Items | None]) -> None:
                     raise ScenarioError(problem, closest(column, columns))
     zoom(scenario, columns)
     with concerning("plot.charts"):
-        for number, chart in enumerate(scenario.plot.charts):
-            check_keys(chart, f"plot.charts[{number}]")
-            check_names(chart, f"plot.charts[{number}]", columns)
+        check_charts(scenario.plot.charts, "plot.charts", columns)
+
+
+def check_charts(charts: Sequence[Chart], key: str, columns: Mapping[str, Items | None]) -> None:
+    """Check that charts of a key can be made of columns.
+
+    Raises
+    ------
+    CosimError
+        As for `check`.
+    """
+    for number, chart in enumerate(charts):
+        check_keys(chart, f"{key}[{number}]")
+        check_names(chart, f"{key}[{number}]", columns)
 
 
 def zoom(scenario: Scenario, columns: Mapping[str, Items | None]) -> Expression | None:
@@ -77,6 +95,8 @@ def check_keys(chart: Chart, where: str) -> None:
             raise ScenarioError(f"`{where}` {kind} takes no `{key}`", f"it is for {kinds}")
     if chart.kind == "map" and len(chart.y) != 1:
         raise ScenarioError(f"`{where}` {kind} has {len(chart.y)} `y` and takes 1", "make a map of each")
+    if chart.kind == "bode" and len(chart.y) != 2:
+        raise ScenarioError(f"`{where}` {kind} has {len(chart.y)} `y` and needs 2", "gain, and phase in rad")
     if chart.kind == "roc" and len(chart.parts) != 2:
         problem = f"`{where}` {kind} has {len(chart.parts)} `parts` and needs 2"
         raise ScenarioError(problem, "first the rows without what is sought, then those with it")
@@ -88,7 +108,7 @@ def check_keys(chart: Chart, where: str) -> None:
 
 def check_names(chart: Chart, where: str, columns: Mapping[str, Items | None]) -> None:
     """Check the columns that a chart is made of."""
-    if chart.kind == "array":
+    if chart.kind in ("array", "bode"):
         for name in (chart.x, *chart.y):
             if not numbered(name, columns):
                 problem = f"`{where}` names `{name}[1]`, which is no column"

@@ -167,11 +167,13 @@ class Expression:
         known = self.known or {}
         if name in known:
             return known[name]
-        if name.startswith("metric.") and self.known is None:
+        measured = any(column.startswith("metric.") for column in self.names)
+        if name.startswith("metric.") and self.known is None and not measured:
             raise self.error(
                 f"names `{name}`, but metrics are measured after the run, for other metrics only"
             )
         missing = "other metric" if name.startswith("metric.") else "column of the trace"
+        missing = "column of the results" if measured else missing
         raise self.error(
             f"names `{name or ast.unparse(tree)}`, which is no {missing}",
             closest(name, [*self.names, *known]),

@@ -13,14 +13,12 @@ from typing import Any
 
 from rich.progress import MofNCompleteColumn
 
-from cosim import paths
 from cosim.acceptance import runner
 from cosim.acceptance.job import RecordedJob
 from cosim.errors import CosimError
 from cosim.report import page, sweeps
 from cosim.report.job import FilmJob, ToldJob
 from cosim.show.bar import bar
-from cosim.sweep import study
 from cosim.writing import check_text, whole
 
 TITLE = "What was measured in closed loop"
@@ -89,7 +87,7 @@ def write(contents: Contents, options: runner.RunOptions, file: Path) -> Written
     """
     documents = [page.document(document) for document in contents.documents]
     for each in contents.studies:
-        study.load(paths.find_study(str(each)))
+        sweeps.check(each)
     found, chapters = told(contents, options)
     swept = [sweeps.told(each, options.workers, options.engine, options.quiet) for each in contents.studies]
     errors = [

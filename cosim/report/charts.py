@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,7 @@ from cosim.errors import ExpressionError
 from cosim.loop.result import Result
 from cosim.metrics.drawable import numbered
 from cosim.metrics.expression import Expression, Items
-from cosim.report import drawing, series
+from cosim.report import bode, drawing, series
 from cosim.report.series import scaled
 from cosim.scenario.model import Chart, Scenario
 from cosim.trace.columns import Array, Columns, InOrder
@@ -57,13 +57,22 @@ Evaluate = Callable[[str], Array]
 def views(scenario: Scenario, result: Result) -> tuple[list[dict[str, Any]], list[str]]:
     """Make the charts of a run that have something to show as plain data; and tell what cannot be drawn."""
     items = {name: result.items.get(name) for name in result.columns}
+    return of_columns(scenario.plot.charts, result.columns, items)
+
+
+def of_columns(
+    wanted: Sequence[Chart], columns: Columns, items: Mapping[str, Items | None]
+) -> tuple[list[dict[str, Any]], list[str]]:
+    """Make the charts of a table that have something to show as plain data; and tell what cannot be drawn."""
     found, undrawn = [], []
-    for chart in scenario.plot.charts:
+    for chart in wanted:
         try:
             if chart.kind == "map":
-                cells = summed(chart, result.columns, items)
+                cells = summed(chart, columns, items)
                 found += [mapped(chart, cells)] if cells is not None else []
-            elif drawn := lines(chart, result.columns, items):
+            elif chart.kind == "bode":
+                found += loop_of(chart, columns)
+            elif drawn := lines(chart, columns, items):
                 found.append(view(chart, drawn))
         except ExpressionError as error:
             undrawn.append(str(error))
@@ -97,24 +106,69 @@ def axes(chart: Chart) -> dict[str, Any]:
         "x_log": chart.x_log,
         "equal": chart.equal,
         "points": False,
+        "marks": [],
+        "levels": [],
         "lines": [],
         "cells": None,
     }
 
 
-def view(chart: Chart, drawn: list[Line]) -> dict[str, Any]:
-    """One chart: its lines as numbers and as a drawing."""
+def view(
+    chart: Chart,
+    drawn: list[Line],
+    marks: Sequence[tuple[float, str]] = (),
+    levels: Sequence[float] = (),
+) -> dict[str, Any]:
+    """One chart: its lines as numbers and as a drawing, with places of `x` and values that are marked."""
     points = all(len(line.x) <= FEW for line in drawn)
     shown = [(scaled(line.x, chart.x_log), scaled(line.y, chart.log)) for line in drawn]
     return {
         **axes(chart),
         "points": points,
+        "marks": list(marks),
+        "levels": list(levels),
         "lines": [
             {"name": line.name, "x": series.packed(x), "y": series.packed(y)}
             for line, (x, y) in zip(drawn, shown, strict=True)
         ],
-        "svg": drawing.chart(shown, chart.x_log, chart.log, chart.equal, points),
+        "svg": drawing.chart(
+            shown,
+            drawing.Kind(chart.x_log, chart.log, chart.equal, points),
+            [(float(scaled(np.array([x]), chart.x_log)[0]), text) for x, text in marks],
+            scaled(np.array(levels), chart.log).tolist(),
+        ),
     }
+
+
+def loop_of(chart: Chart, trace: Columns) -> list[dict[str, Any]]:
+    """Gain and phase of an open loop, each a chart, with the margins; none without two points."""
+    frequency, gain, phase = (
+        np.array([trace[one][-1] for one in numbered(name, trace)]) for name in (chart.x, *chart.y)
+    )
+    count = min(map(len, (frequency, gain, phase)))
+    found = bode.response(frequency[:count], gain[:count], phase[:count], chart.closed)
+    if found is None:
+        return []
+    margins = (found.phase_margin(), True), (found.gain_margin(), False)
+    marks = [
+        (chart.x_scale * margin.frequency, bode.told(margin, chart.x_scale, chart.x_unit, is_phase))
+        for margin, is_phase in margins
+        if margin is not None
+    ]
+    places = chart.x_scale * found.frequency
+    drawn = (
+        ("gain", "", True, found.gain, 1.0),
+        ("phase", "deg", False, np.degrees(found.phase), -180.0),
+    )
+    return [
+        view(
+            replace(chart, title=f"{chart.title}: {name}", label=name, unit=unit, x_log=True, log=log),
+            [Line(name, places, values)],
+            marks,
+            [level],
+        )
+        for name, unit, log, values, level in drawn
+    ]
 
 
 def mapped(chart: Chart, cells: Cells) -> dict[str, Any]:

@@ -97,8 +97,9 @@ def panel(
     return frame.picture(parts)
 
 
-def chart(lines: Sequence[tuple[Array, Array]], x_log: bool, log: bool, equal: bool, points: bool) -> str:
-    """Draw values over others, both as the axes take them.
+@dataclass(frozen=True)
+class Kind:
+    """How values over others are drawn.
 
     Parameters
     ----------
@@ -109,12 +110,42 @@ def chart(lines: Sequence[tuple[Array, Array]], x_log: bool, log: bool, equal: b
     points
         Whether every point is marked.
     """
-    frame = framed(extent([x for x, _ in lines]), extent([y for _, y in lines]), equal)
-    parts = list(frame.grid([], log, x_log))
+
+    x_log: bool = False
+    log: bool = False
+    equal: bool = False
+    points: bool = False
+
+
+def chart(
+    lines: Sequence[tuple[Array, Array]],
+    kind: Kind,
+    marks: Sequence[tuple[float, str]] = (),
+    levels: Sequence[float] = (),
+) -> str:
+    """Draw values over others, both as the axes take them.
+
+    Parameters
+    ----------
+    marks
+        Places of `x` that are marked, with words.
+    levels
+        Values that are marked.
+    """
+    ends = extent([*(y for _, y in lines), np.array(levels, dtype=float)])
+    frame = framed(extent([x for x, _ in lines]), ends, kind.equal)
+    parts = list(frame.grid([], kind.log, kind.x_log))
+    parts += [
+        f'<path class="limit" d="M{LEFT} {frame.down(level):.0f}H{WIDTH - RIGHT}"/>' for level in levels
+    ]
+    for i, (place, words) in enumerate(marks):
+        at = f"{frame.across(place):.0f}"
+        parts.append(f'<path class="event" d="M{at} {TOP}V{CHART - BOTTOM}"/>')
+        parts.append(f'<text class="mark" x="{WIDTH - RIGHT}" y="{TOP + 24 + 26 * i}">{escape(words)}</text>')
     for i, (across, values) in enumerate(lines):
         places, heights = frame.across(across), frame.down(values)
         parts.append(f'<path class="line c{i % COLOURS}" d="{course(places, heights)}"/>')
-        if points:
+        if kind.points:
             known = np.isfinite(places) & np.isfinite(heights)
             dots = "".join(f"M{a:.0f} {b:.0f}h0" for a, b in zip(places[known], heights[known], strict=True))
             parts.append(f'<path class="dots c{i % COLOURS}" d="{dots}"/>')

@@ -75,14 +75,14 @@ def text(
         claims=len(claims),
         held=sum(claim["passed"] for claim in claims),
         errors=errors,
-        sweeps=sweeps,
+        sweeps=[{**sweep, "number": number} for number, sweep in enumerate(sweeps, start=len(chapters))],
         documents=documents,
         versions={name: version(of) for name, of in DISTRIBUTIONS.items() if version(of)},
         style=(FOLDER / "page.css").read_text(encoding="utf-8"),
         script=(FOLDER / "page.js").read_text(encoding="utf-8"),
         library=library(),
         sources=SOURCES,
-        data=compressed(strict.line([plain(chapter) for chapter in chapters])),
+        data=compressed(strict.line([plain(one) for one in (*chapters, *sweeps)])),
     )
 
 
@@ -95,11 +95,11 @@ def grouped(chapters: Sequence[Chapter]) -> dict[str, list[Chapter]]:
 
 
 def plain(chapter: Chapter) -> dict[str, Any]:
-    """Take the charts and views of a chapter without their drawings, which stand in the page itself."""
+    """Take charts and views of a chapter or sweep without their drawings, which the page itself holds."""
     charts = [{k: v for k, v in chart.items() if k != "svg"} for chart in chapter["charts"]]
     views = [
         {**view, "panels": [{k: v for k, v in panel.items() if k != "svg"} for panel in view["panels"]]}
-        for view in chapter["views"]
+        for view in chapter.get("views", ())
     ]
     return {"charts": charts, "views": views}
 

@@ -7,26 +7,52 @@ import shlex
 from pathlib import Path
 from typing import Any
 
+from cosim import paths
+from cosim.report import charts
 from cosim.show.figure import can_plot
-from cosim.sweep import overview
-from cosim.sweep.results import sweep
-from cosim.sweep.survey import QUANTILES, Survey, quantiles
+from cosim.sweep import overview, study
+from cosim.sweep.check import check_charts
+from cosim.sweep.command import Options, run_study
+from cosim.sweep.plan import Plan
+from cosim.sweep.store import Store, folder_of
+from cosim.sweep.survey import QUANTILES, Survey, columns, quantiles, results
 from cosim.words.quantity import text
 
 
-def told(study: Path, workers: int | None, engine: str, quiet: bool) -> dict[str, Any]:
+def check(file: Path) -> None:
+    """Check before long runs that a study can be run and drawn.
+
+    Raises
+    ------
+    CosimError
+        The study, a case or a chart of it is wrong.
+    """
+    check_charts(Plan(study.load(paths.find_study(str(file)))))
+
+
+def told(file: Path, workers: int | None, engine: str, quiet: bool) -> dict[str, Any]:
     """Do what is left of a study, as `cosim sweep` does, and tell all of it."""
-    done = sweep(study, workers=workers, engine=engine, plots=can_plot(), quiet=quiet)
-    drawing = done.folder / "summary.svg"
-    return {
-        "name": study.stem,
-        "title": done.study,
-        "command": f"cosim sweep {shlex.quote(str(study))}",
-        "verdict": overview.verdict(done.survey).plain,
-        "passed": done.passed,
-        "tables": tables(done.survey),
-        "drawing": base64.b64encode(drawing.read_bytes()).decode() if drawing.is_file() else "",
-    }
+    folder = folder_of(None, Path(f"{file.stem}.sweep"))
+    options = Options(file, folder, workers, engine=engine, plots=can_plot(), quiet=quiet)
+
+    def tell(plan: Plan, store: Store, found: Survey) -> dict[str, Any]:
+        known = columns(plan.scenario, plan.cases)
+        drawn, undrawn = charts.of_columns(plan.study.charts, results(found, known), known)
+        drawing = store.folder / "summary.svg"
+        return {
+            "name": file.stem,
+            "title": plan.study.title or plan.study.name,
+            "story": [part for part in plan.study.description.split("\n\n") if part.strip()],
+            "command": f"cosim sweep {shlex.quote(str(file))}",
+            "verdict": overview.verdict(found).plain,
+            "passed": found.passed,
+            "tables": tables(found),
+            "charts": drawn,
+            "undrawn": undrawn,
+            "drawing": base64.b64encode(drawing.read_bytes()).decode() if drawing.is_file() else "",
+        }
+
+    return run_study(options, tell)
 
 
 def tables(found: Survey) -> list[dict[str, Any]]:

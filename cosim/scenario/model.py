@@ -230,9 +230,11 @@ class Chart:
         `peaks` the largest absolute `y` of each value of `split`; `share` the share of rows in which `y` is
         at most that; `roc` for each threshold the share of rows of the second part in which `y` is above it,
         over that of the first; `array` the last row of the columns `y[1]`, `y[2]`, ... over those of `x`;
-        `map` the sum of `weight` in each cell of the plane of `x` and the one `y`, in parts of the largest.
+        `map` the sum of `weight` in each cell of the plane of `x` and the one `y`, in parts of the largest;
+        `bode` the open loop of a measured frequency response with crossover and margins: the last row of the
+        columns `y[1]`, `y[2]`, ... of two `y`, gain and phase in rad, over those of `x`.
     x, y
-        Expressions over the columns; for an `array` the names of the columns without their numbers.
+        Expressions over the columns; for `array` and `bode` the names of the columns without their numbers.
     parts
         Conditions: the rows of each make a line of their own, a `map` takes those in which all hold; none
         takes all rows.
@@ -240,6 +242,8 @@ class Chart:
         Names of the lines: of each `y` all parts.
     weight
         Expression that a `map` sums up.
+    closed
+        Whether the response of a `bode` is that of the closed loop T, whose open loop is T / (1 - T).
     split
         Expression; its values in turn make the lines of a `path`, and the points of `peaks`.
     split_name
@@ -258,13 +262,14 @@ class Chart:
         Logarithmic axes.
     """
 
-    kind: Literal["path", "spectrum", "peaks", "share", "roc", "array", "map"]
+    kind: Literal["path", "spectrum", "peaks", "share", "roc", "array", "map", "bode"]
     y: tuple[str, ...]
     title: str = ""
     x: str = ""
     parts: tuple[str, ...] = ()
     names: tuple[str, ...] = ()
     weight: str = "1"
+    closed: bool = False
     split: str = ""
     split_name: str = ""
     label: str = ""

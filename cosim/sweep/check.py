@@ -5,10 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 from cosim import paths
-from cosim.errors import CosimError
+from cosim.errors import CosimError, ScenarioError
 from cosim.loop import lint
 from cosim.loop.place import Place
 from cosim.loop.session import Session
+from cosim.metrics import drawable
 from cosim.scenario.checked import Checked
 from cosim.scenario.kinds import kind_of
 from cosim.scenario.load import load
@@ -16,6 +17,10 @@ from cosim.scenario.model import Scenario
 from cosim.scenario.toml import parse_file
 from cosim.sweep import study
 from cosim.sweep.plan import Plan
+from cosim.sweep.survey import columns
+
+OF_A_TRACE = ("array", "bode", "spectrum")
+"""Kinds of charts that are made of the rows of one run."""
 
 
 def check(name: str, place: Place | None = None) -> Checked:
@@ -34,6 +39,25 @@ def check(name: str, place: Place | None = None) -> Checked:
     except CosimError as error:
         found.error, found.runs = error, 0
     return found
+
+
+def check_charts(plan: Plan) -> None:
+    """Check that the charts of a study can be made of its results.
+
+    Raises
+    ------
+    CosimError
+        As for `drawable.check`; or a chart needs the rows of one run.
+    """
+    origin, charts = f"`{paths.shown(plan.study.file)}`", plan.study.charts
+    for index, chart in enumerate(charts):
+        if chart.kind in OF_A_TRACE:
+            problem = f"{origin}: `charts[{index}]` of the kind `{chart.kind}` needs the rows of one run"
+            raise ScenarioError(problem, "it belongs in `[[plot.charts]]` of the scenario")
+    try:
+        drawable.check_charts(charts, "charts", columns(plan.scenario, plan.cases))
+    except CosimError as error:
+        raise ScenarioError(f"{origin}: {error.message}", error.hint) from None
 
 
 def file_of(name: str) -> Path:
@@ -55,5 +79,6 @@ def check_scenario(scenario: Scenario, place: Place | None) -> list[str]:
 def check_study(file: Path, found: Checked, place: Place | None) -> list[str]:
     """Check every case of a study, and the wires of the scenario that it varies; returns warnings."""
     plan = Plan(study.load(file))
+    check_charts(plan)
     found.runs = len(plan.runs)
     return check_scenario(plan.job(plan.runs[0]).scenario, place)

@@ -22,6 +22,7 @@ from cosim.show.bar import bar
 from cosim.show.figure import can_plot
 from cosim.show.lines import ProgressLines
 from cosim.sweep import influence, overview, study
+from cosim.sweep.check import check_charts
 from cosim.sweep.export import save_csv, save_parquet
 from cosim.sweep.plan import Plan
 from cosim.sweep.runner import Observer, Pool, pending, save_traces, sweep, worst
@@ -72,6 +73,7 @@ def run_study(options: Options, take: Callable[[Plan, Store, Survey], T]) -> T:
     """
     with planning(options) as told:
         plan = Plan(study.load(paths.find_study(str(options.file))), engines.checked(options.engine), told)
+    check_charts(plan)
     with Store(options.folder) as store:
         try:
             with progress(plan, store, options) as observe:

@@ -12,6 +12,7 @@ from typing import Any, Literal
 from cosim import paths
 from cosim.errors import ScenarioError
 from cosim.scenario.kinds import check_kind
+from cosim.scenario.model import Chart
 from cosim.scenario.ranges import COUNT, NOT_NEGATIVE_COUNT, limited
 from cosim.scenario.schema import schema_of
 from cosim.scenario.tables import Fail, parse
@@ -73,11 +74,25 @@ class Traces:
 
 @dataclass(frozen=True, kw_only=True)
 class Study(Varied):
-    """A study; load it with `load`."""
+    """A study; load it with `load`.
+
+    Parameters
+    ----------
+    design
+        How the cases are made.
+    case
+        Cases of a `list`.
+    traces
+        Which traces are kept.
+    charts
+        Drawings for the page of `cosim report`, over the runs that gave a result: their columns are the keys
+        that the cases set and the metrics, `metric.NAME`.
+    """
 
     design: Design
     case: tuple[dict[str, Any], ...] = ()
     traces: Traces = Traces()
+    charts: tuple[Chart, ...] = ()
 
 
 def load(file: Path) -> Study:

@@ -5,19 +5,26 @@ from __future__ import annotations
 import math
 import sys
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cosim.metrics.expression import Items
+from cosim.scenario.model import Scenario
+from cosim.show.display import shorten
+from cosim.sweep.designs import Case
 from cosim.sweep.plan import Plan
 from cosim.sweep.sensitivity import Influence, influences
 from cosim.sweep.store import DONE, Row, Store
+from cosim.trace.columns import Columns
 from cosim.words import strict
 from cosim.words.strict import plain
 
+TIME = "time"
+"""First column of any table that expressions see; of a sweep how long each run lasted, s."""
 QUANTILES = {"minimum": 0.0, "median": 0.5, "95 %": 0.95, "99 %": 0.99, "maximum": 1.0}
 NORMAL_95 = 1.959964
 """Half width of 95 % of a normal distribution, in standard deviations."""
@@ -163,3 +170,37 @@ def confidence(successes: int, count: int) -> tuple[float, float]:
     middle = (rate + square / 2.0) / (1.0 + square)
     half = math.sqrt(square * (rate * (1.0 - rate) + square / 4.0)) / (1.0 + square)
     return max(0.0, middle - half), min(1.0, middle + half)
+
+
+def columns(scenario: Scenario, cases: Iterable[Case]) -> dict[str, Items | None]:
+    """Columns that the charts of a study see, with the items of those that hold texts."""
+    taken: dict[str, list[Any]] = {}
+    for case in cases:
+        for key, value in case.items():
+            taken.setdefault(key, []).append(value)
+    keys = {key: items(values) for key, values in taken.items()}
+    return {TIME: None, **keys, **{f"metric.{metric.name}": None for metric in scenario.metric}}
+
+
+def items(values: list[Any]) -> Items | None:
+    """Numbers of texts in their order; None where there are only numbers."""
+    if all(isinstance(value, int | float) for value in values):
+        return None
+    return {name: number for number, name in enumerate(dict.fromkeys(map(shorten, values)))}
+
+
+def results(found: Survey, known: Mapping[str, Items | None]) -> Columns:
+    """Columns of the runs that gave a result, each of shape (runs,); NaN where a run has no value."""
+    done = np.isin(found.columns["status"], DONE)
+    named = {name: found.columns["simulated_s" if name == TIME else name] for name in known}
+    return {
+        name: np.array([number(value, known[name]) for value in values], dtype=np.float64)[done]
+        for name, values in named.items()
+    }
+
+
+def number(value: Any, known: Items | None) -> float:
+    """Value of a column as a number; of a text that of its item."""
+    if value is None:
+        return math.nan
+    return float(value) if known is None else float(known[shorten(value)])

@@ -1,7 +1,8 @@
 """Ring centring against the claims of Mears, Kolartis, Thompson and Kurfess (2007), in closed loop.
 
 The paper gives no initial eccentricity; ours stands in the name of every sample. The large samples run with
-`pytest -m full -rP tests/acceptance`, which prints what they measured.
+`pytest -m full -rP tests/acceptance`, which prints what they measured; tables of pages are kept in
+`tests/acceptance/measured`.
 """
 
 import functools
@@ -13,6 +14,7 @@ import pytest
 
 import cosim
 
+from .measured.store import measured
 from .samples.rings import Rings, Sample, percentile, sample
 from .samples.runs import WORKERS
 
@@ -110,7 +112,15 @@ def test_rings_are_centred(demand: Demand) -> None:
 @pytest.mark.full
 @EACH
 def test_many_rings_are_centred(demand: Demand) -> None:
-    judge(demand, rings_of(demand, MANY, demand.many))
+    found = rings_of(demand, MANY, demand.many)
+    judge(demand, found)
+    pushes = found.metric("pushes")[found.called]
+    measured(
+        "centering", demand.name, rings=demand.many, centred=found.centred.sum(),
+        median=found.time(50), high=found.time(95), most=found.time(100),
+        pushes=percentile(pushes, 50), pushes_high=percentile(pushes, 95),
+        eccentricity=1e6 * found.worst("eccentricity"),
+    )  # fmt: skip
 
 
 def test_a_soft_slide_never_calls_a_ring_of_70_kg_centred_that_is_not() -> None:
@@ -172,6 +182,14 @@ def test_the_default_law_is_better_than_the_simplest_ones(first: int, count: int
     assert best.centred.all()
     for one in found.values():
         assert one.centred.mean() < 1.0 or best.time(50) < 0.5 * one.time(50)
+    if first != MANY:
+        return
+    for name, one in {**found, "the default law": best}.items():
+        left, left_high = (1e6 * percentile(one.metric("eccentricity"), share) for share in (50, 95))
+        measured(
+            "centering-baselines", name, rings=count, centred=one.centred.sum(), median=one.time(50),
+            pushes_high=percentile(one.metric("pushes"), 95), left=left, left_high=left_high,
+        )  # fmt: skip
 
 
 # what each idea of the default law is worth

@@ -17,6 +17,7 @@ import pytest
 import cosim
 from cosim.scenario.injection import Injection
 
+from .measured.store import measured
 from .samples.robots import DELAYS, PLAIN, Changes, Sample, joined, learn, machine, sample
 from .samples.runs import WORKERS, Columns, run, trace, value
 
@@ -293,6 +294,8 @@ def test_default_mode_with_and_without_delay(delay: int, tmp_path: Path) -> None
         swing = run("deburr/speed-range", *delayed, *sine(frequency))
         told(f"delay {delay}, 6:1 at {frequency} Hz", swing)
         assert max(errors(swing)) <= most
+        if (delay, frequency) == (0, 2.0):
+            measured("deburr", "6:1 twice a second", error=1e3 * max(errors(swing)))
 
 
 @pytest.mark.full
@@ -340,10 +343,15 @@ def test_fifty_castings_on_ten_robots(tmp_path: Path) -> None:
     assert max(found.metric("error_1").max(), found.metric("error_3").max()) <= 0.10e-3
     assert found.metric("finish_low").min() >= -0.10e-3
     assert found.metric("finish_high").max() <= 0.10e-3
+    ends = {"finish_low": found.metric("finish_low").min(), "finish_high": found.metric("finish_high").max()}
+    most = {name: found.metric(name).max() for name in ("error_1", "error_3")}
+    counts = {"robots": len(MACHINES), "castings": len(found.seeds)}
+    measured("deburr", "robots", **counts, **{name: 1e3 * one for name, one in (most | ends).items()})
 
 
 @pytest.mark.full
 def test_a_bank_of_the_nominal_robot_fails_on_others_and_adapts_in_three_repetitions(tmp_path: Path) -> None:
+    left = []
     for case in MACHINES[:4]:
         robot, bank = machine(case), tmp_path / f"{case}.bin"
         foreign = run("deburr/constant", *robot)
@@ -355,6 +363,10 @@ def test_a_bank_of_the_nominal_robot_fails_on_others_and_adapts_in_three_repetit
         told(f"robot {case}, nominal bank", foreign)
         told(f"robot {case}, adapted", adapted)
         assert max(errors(adapted)) < max(errors(foreign))
+        left.append([1e3 * max(errors(one)) for one in (foreign, adapted)])
+    before, after = zip(*left, strict=True)
+    ends = {"before_least": min(before), "before_most": max(before), "least": min(after), "most": max(after)}
+    measured("deburr", "adapted", robots=len(left), **ends)
 
 
 @pytest.mark.full

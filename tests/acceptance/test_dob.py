@@ -1,6 +1,6 @@
 """Tool contact detection against the claims of Kakinuma and Nagakari (2017), in closed loop with the slide.
 
-The large samples run with `pytest -m full -rP tests/acceptance`, which prints what they measured.
+The large samples run with `pytest -m full tests/acceptance`; what they measure is kept in `measured`.
 """
 
 import functools
@@ -17,6 +17,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 import cosim
 from cosim.scenario.model import Metric
 
+from .measured.store import measured
 from .samples.runs import WORKERS
 
 pytestmark = pytest.mark.acceptance
@@ -146,18 +147,19 @@ def test_one_calibration_touch_makes_the_contact_position_good_to_40_nanometres(
 # large samples
 
 
-def tell(results: list[cosim.Result]) -> None:
-    """Print what a large sample measured; `pytest -rP` shows it."""
-    depth = values(results, "depth")
-    median, high, most = (f"{1e6 * np.percentile(depth, q):.3f}" for q in (50, 99, 100))
-    missed, early = (
-        int(count) for count in (np.sum(values(results, "detected") == 0), values(results, "early").sum())
-    )
-    print(f"{len(results)} runs: depth {median} um, 99 % {high}, most {most}; {missed} missed, {early} early")
+def keep(name: str, results: list[cosim.Result]) -> None:
+    """Keep what a large sample measured; depths are those of what touched, in um."""
+    early = values(results, "early")
+    depth = 1e6 * values(results, "depth")[early == 0]
+    median, high, most = (float(np.percentile(depth, share)) for share in (50, 99, 100))
+    missed = float(np.sum(values(results, "detected") == 0))
+    measured(
+        "dob-depth", name, runs=len(results), missed=missed, early=early.sum(), median=median, high=high,
+        most=most,
+    )  # fmt: skip
 
 
 def default_mode(results: list[cosim.Result], depth: float) -> None:
-    tell(results)
     assert [r.seed for r in results if not r.metrics["detected"].value] == [], "missed"
     assert [r.seed for r in results if r.metrics["early"].value] == [], "stopped early"
     assert np.percentile(values(results, "depth"), 99) <= depth
@@ -166,7 +168,6 @@ def default_mode(results: list[cosim.Result], depth: float) -> None:
 
 
 def paper_mode(results: list[cosim.Result], depth: float) -> None:
-    tell(results)
     assert [r.seed for r in results if not r.metrics["detected"].value] == [], "missed"
     early = values(results, "early")
     assert early.mean() <= 0.05
@@ -191,20 +192,22 @@ def test_default_mode(name: str, depth: float) -> None:
 @pytest.mark.parametrize(("name", "depth"), DEFAULT)
 def test_default_mode_in_200_approaches(name: str, depth: float) -> None:
     default_mode(runs(name, MANY), depth)
+    keep(name, runs(name, MANY))
 
 
 @pytest.mark.full
 @pytest.mark.parametrize(("name", "depth"), PAPER)
 def test_paper_mode_in_200_approaches(name: str, depth: float) -> None:
     paper_mode(runs(name, MANY), depth)
+    keep(name, runs(name, MANY))
 
 
 @pytest.mark.full
 def test_force_guard_in_200_contacts_while_learning() -> None:
     results = runs("dob/contact-while-learning", MANY)
-    tell(results)
     assert values(results, "detected").all()
     assert values(results, "depth").max() <= 1.5e-6
+    keep("dob/contact-while-learning", results)
 
 
 @pytest.mark.parametrize(
@@ -247,5 +250,5 @@ def test_false_alarms_in_one_hour_of_noise(mode: Sequence[str], least: float, mo
         batch = runs("dob/noise-only", tuple(next(seeds) for _ in range(60)), *changes)
         armed += values(batch, "armed").sum()
         alarms += values(batch, "detected").sum()
-    print(f"{alarms:.0f} alarms in {armed:.0f} s")
     assert least <= alarms * 3600.0 / armed <= most
+    measured("dob-false-alarms", mode[0] if mode else "default", alarms=alarms, seconds=armed)

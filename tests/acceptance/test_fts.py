@@ -14,6 +14,7 @@ import pytest
 
 import cosim
 
+from .measured.store import measured
 from .samples.runs import WORKERS, run, trace, value
 
 pytestmark = pytest.mark.acceptance
@@ -133,6 +134,7 @@ def test_default_mode_in_20_cuts(name: str, most: float) -> None:
     assert rms.max() <= most
     assert tip.max() <= 1.2 * most
     assert all(value(result, "good") for result in results)
+    measured("fts", name, cuts=len(results), rms=1e6 * rms.max(), tip=1e6 * tip.max())
 
 
 # feedforward with the response that was measured in place
@@ -152,6 +154,7 @@ def test_feedforward_with_the_identified_response() -> None:
     assert rows["controller.identify.progress"][rows["time"] < 2.5][-1] == 1.0
     print(f"{100 * value(result, 'twice') / 1748e-6:.2f} %")
     assert value(result, "twice") <= 0.005 * 1748e-6
+    measured("fts", "identified response", twice=100.0 * value(result, "twice") / 1748e-6)
 
 
 # what the limits say
@@ -189,6 +192,7 @@ def test_without_cutting_noise_a_tenth_of_a_micrometre_is_left() -> None:
     print(f"rms {1e6 * value(result, 'rms'):.3f}, tip {1e6 * value(result, 'tip'):.3f} um")
     assert value(result, "rms") <= 0.1e-6
     assert value(result, "tip") <= 0.1e-6
+    measured("fts", "no noise", rms=1e6 * value(result, "rms"), tip=1e6 * value(result, "tip"))
 
 
 @pytest.mark.full

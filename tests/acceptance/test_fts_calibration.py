@@ -14,6 +14,7 @@ import pytest
 
 import cosim
 
+from .measured.store import measured
 from .samples.runs import run, trace, value
 
 pytestmark = pytest.mark.acceptance
@@ -224,12 +225,14 @@ def calibrate(seed: int, flats: str = "fts/calibrate-flats") -> Calibrated:
     )
 
 
-def calibrations(seeds: tuple[int, ...]) -> None:
+def calibrations(seeds: tuple[int, ...]) -> dict[str, dict[str, float]]:
+    """Calibrate a machine for each seed; how wrong each length and angle is, in um and mrad."""
     all_of = [calibrate(seed) for seed in seeds]
     errors = np.array([(one.length, one.offset, one.zero) for one in all_of])
     sigmas = np.array([(one.length_sigma, one.offset_sigma, one.zero_sigma) for one in all_of])
     largest, rms = np.abs(errors).max(axis=0), np.sqrt(np.mean(errors**2, axis=0))
     doubt = np.sqrt(np.mean((errors / sigmas) ** 2, axis=0))
+    found = {}
     for i, (name, unit, scale) in enumerate(
         (("arm length", "um", 1e6), ("cross-slide offset", "um", 1e6), ("arm zero", "mrad", 1e3))
     ):
@@ -237,6 +240,8 @@ def calibrations(seeds: tuple[int, ...]) -> None:
             f"{len(seeds)} machines: {name} rms {scale * rms[i]:.4f}, most {scale * largest[i]:.4f} {unit}, "
             f"told {scale * np.median(sigmas[:, i]):.4f}, rms over told {doubt[i]:.2f}"
         )
+        errors_of = {"rms": rms[i], "most": largest[i], "told": np.median(sigmas[:, i])}
+        found[name] = {"machines": len(seeds), **{key: scale * float(one) for key, one in errors_of.items()}}
     assert largest[0] <= 1.5e-6
     assert largest[1] <= 1.5e-6
     assert largest[2] <= 0.02e-3
@@ -246,6 +251,7 @@ def calibrations(seeds: tuple[int, ...]) -> None:
     if len(seeds) >= 20:
         assert np.all(doubt < 1.4)
         assert np.all(sigmas < [0.6e-6, 0.6e-6, 0.01e-3])
+    return found
 
 
 def test_calibration_of_a_drawn_machine() -> None:
@@ -254,7 +260,8 @@ def test_calibration_of_a_drawn_machine() -> None:
 
 @pytest.mark.full
 def test_calibration_of_20_machines() -> None:
-    calibrations(MANY)
+    for name, values in calibrations(MANY).items():
+        measured("fts-calibration", name, **values)
 
 
 @pytest.mark.full

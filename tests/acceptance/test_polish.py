@@ -13,6 +13,7 @@ import cosim
 from plants.tools.molds import MOLDS
 from plants.tools.removal import Surface, evenness, roughness
 
+from .measured.store import measured
 from .samples.polishing import Changes, Run, polish, sample, worst
 from .samples.runs import WORKERS
 
@@ -163,6 +164,9 @@ def test_the_whole_cavity_on_a_mold_set_up_askew() -> None:
     assert done.force.std() <= 0.10
     np.testing.assert_allclose(estimate, [50.0, 50.0, 70.0], atol=10.0)
     np.testing.assert_allclose(turn, [2.0, 0.0, 0.0], atol=0.1)
+    place = dict(zip("xyz", estimate, strict=True))
+    force = {"force_mean": done.force.mean(), "force_deviation": done.force.std()}
+    measured("polish", "askew", **force, **place, turn=turn[0])
 
 
 def faultless(seeds: range) -> float:
@@ -241,8 +245,8 @@ def polished(done: Run, mold: str = "led", passes: float = 1.0, cusps: str = "ra
     return surface
 
 
-def cusps_left(plain: Run, moved: Run, inner: float, outer: float) -> None:
-    """Hold what stick-slip motion is worth: in the same time, and for the same removed volume."""
+def cusps_left(plain: Run, moved: Run, inner: float, outer: float) -> dict[str, float]:
+    """Hold what stick-slip motion is worth: in the same time, and for the same removed volume; tell it."""
     without, within = polished(plain), polished(moved)
     passes = within.volume / without.volume
     repeated = polished(plain, passes=passes)
@@ -256,6 +260,10 @@ def cusps_left(plain: Run, moved: Run, inner: float, outer: float) -> None:
     assert rough[1].mean <= 0.30 * before
     assert rough[1].worst < rough[2].worst
     assert variation <= 0.03
+    names = ("without", "within", "repeated")
+    mean = {name: one.mean / before for name, one in zip(names, rough, strict=True)}
+    worst_of = {f"{name}_95": one.worst / before for name, one in zip(names, rough, strict=True)}
+    return {"before": 1e6 * before, **mean, **worst_of}
 
 
 def test_stick_slip_takes_the_cusps_away() -> None:
@@ -264,7 +272,8 @@ def test_stick_slip_takes_the_cusps_away() -> None:
 
 @pytest.mark.full
 def test_stick_slip_takes_the_cusps_of_the_whole_cavity_away() -> None:
-    cusps_left(run("polish/no-stick-slip", *CAVITY), run("polish", *CAVITY), 0.2e-3, 1.6e-3)
+    cavity = run("polish/no-stick-slip", *CAVITY), run("polish", *CAVITY)
+    measured("polish", "cusps", **cusps_left(*cavity, 0.2e-3, 1.6e-3))
 
 
 @pytest.mark.full

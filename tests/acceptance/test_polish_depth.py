@@ -8,6 +8,7 @@ from plants.tools.cl_path import Spiral, cl_text
 from plants.tools.molds import MOLDS
 from plants.tools.removal import Surface, evenness, roughness
 
+from .measured.store import measured
 from .samples.polishing import polish
 
 pytestmark = [pytest.mark.acceptance, pytest.mark.full]
@@ -40,3 +41,4 @@ def test_depth_is_even_on_every_mold(mold: str, tmp_path: Path) -> None:
     assert variation <= 0.015
     # of 2.08 um
     assert left.mean <= 0.2 * 2.08e-6
+    measured("polish-depth", mold, variation=100.0 * variation, left=1e6 * left.mean)

@@ -95,7 +95,7 @@ function plotOf(figure) {
 
 async function drawChart(figure) {
   const chapters = await prepared();
-  const chart = chapters[figure.closest(".chapter").dataset.number].charts[figure.dataset.chart];
+  const chart = chapters[figure.closest("[data-number]").dataset.number].charts[figure.dataset.chart];
   const place = plotOf(figure);
   const values = (entry, log) => numbers(entry).map((value) => (log && value !== null ? 10 ** value : value));
   const lines = chart.lines.map((line, i) => ({
@@ -111,7 +111,15 @@ async function drawChart(figure) {
       hovertemplate: "%{x:.4g}, %{y:.4g}: %{z:.2f}<extra></extra>",
     });
   }
+  const red = colour("--no"), mark = { type: "line", line: { color: red, width: 1.5, dash: "dash" } };
   await Plotly.react(place, lines, {
+    shapes: [
+      ...chart.marks.map(([x]) => ({ ...mark, x0: x, x1: x, yref: "paper", y0: 0, y1: 1 })),
+      ...chart.levels.map((y) => ({ ...mark, xref: "paper", x0: 0, x1: 1, y0: y, y1: y, line: { ...mark.line, dash: "dot" } })),
+    ],
+    annotations: chart.marks.map(([, text], i) => ({
+      showarrow: false, font: { size: 11, color: red }, xref: "paper", x: 1, xanchor: "right", yref: "paper", y: 1 - 0.07 * i, yanchor: "top", text, bgcolor: colour("--paper"),
+    })),
     // margins that follow the numbers and equal scales change each other
     ...frame(), height: 360, margin: { l: 74, r: 12, t: 6, b: 44 }, hovermode: "closest",
     xaxis: axis({ automargin: false, title: { text: chart.x_label, standoff: 4 }, type: chart.x_log ? "log" : "linear" }),
@@ -122,7 +130,7 @@ async function drawChart(figure) {
 async function draw(box) {
   if (box.dataset.chart) return drawChart(box);
   const chapters = await prepared();
-  const view = chapters[box.closest(".chapter").dataset.number].views[box.dataset.view];
+  const view = chapters[box.closest("[data-number]").dataset.number].views[box.dataset.view];
   const plots = all("figure", box).map((figure) => [plotOf(figure), view.panels[figure.dataset.panel]]);
   for (const [place, panel] of plots) {
     await Plotly.react(place, traces(view, panel), layout(view, panel), { responsive: true, displaylogo: false, displayModeBar: false });

@@ -35,6 +35,23 @@ ELSEWHERE = {
     r"dob --update|compare dob$": "would write beside the scenario: tests/harness/compare",
 }
 """Commands that are run elsewhere, and where."""
+OTHERS = {
+    r"^source \.venv/bin/activate$|^mkdir crane && cd crane$": "tests/harness/test_any.py",
+    r"^pip install pythonfmu$|^pythonfmu build -f pd\.py$": "tests/harness/test_any.py",
+    r"^pip install .*machining_fmus-.*\[sweep,report\]": "tests/harness/test_wheel.py",
+    r"^cargo (new|add|install) |^cargo fmu$|^cargo fmu (-o|--package) ": "tests/conformance/test_example.py",
+    r"^cargo fmu inspect ": "tests/conformance/test_example.py",
+    r"^cargo fmu --binary ": "tests/conformance/test_platforms.py",
+    r"^cargo fmu --plain-c$": "tests/conformance/test_plain_c.py",
+    r"^fmpy validate ": "tests/conformance/test_description.py",
+    r"^fmpy simulate ": "tests/harness/documents/test_commands.py",
+    r"^BLESS=1 cargo test -p fmu-trial$": "tests/house/test_new.py",
+    r"^cargo test -p control-blocks$": "xtask/src/test.rs",
+    r"^cargo test .*--test closed_loop -- errors --ignored": "fmu-deburr/tests/closed_loop/main.rs",
+    r"^python -m plants\.tools\.cl_path ": "tests/plants/test_cl_path.py",
+    r"^python -m tests\.communication_step": "tests/communication_step/test_communication_step.py",
+}
+"""Commands of other programs, and what runs them or the like."""
 SEARCH = """
 scenario = "my.toml"
 objective = {metric = "settling"}
@@ -144,10 +161,47 @@ def test_the_steps_of_the_project_are_there() -> None:
     known = {name.lower() for name in re.findall(r"^    (\w+)", steps, re.MULTILINE)}
     named = {line.split()[2] for line in words.listed("cargo") if line.startswith("cargo xtask ")}
     assert named <= known
-    modules = [line.split()[2] for line in words.listed("python")]
+    told = [one.split()[2] for one in words.mentioned("cargo") if one.startswith("cargo xtask ")]
+    assert [name for name in told if name.isalpha() and name.islower() and name not in known] == []
+    modules = [line.split()[2] for line in (*words.listed("python"), *words.mentioned("python -m"))]
     assert [name for name in modules if find_spec(name) is None] == []
     folders = [line.split()[-1] for line in words.listed("pytest")]
     assert all((ROOT / folder).exists() for folder in folders)
+
+
+def test_no_line_of_a_fence_is_left_over() -> None:
+    """Lines of `cosim`, `cargo xtask` and pytest have tests above, all others have one by name."""
+    here = re.compile(r"cosim |cargo xtask |pytest ")
+    lines = dict.fromkeys(line for page in words.PAGES for line in words.shell(page) if not here.match(line))
+    assert [line for line in lines if not any(re.search(pattern, line) for pattern in OTHERS)] == []
+    assert [pattern for pattern in OTHERS if not any(re.search(pattern, line) for line in lines)] == []
+    assert [place for place in OTHERS.values() if not (ROOT / place).is_file()] == []
+
+
+def test_options_of_cargo_fmu_are_there() -> None:
+    source = (ROOT / "cargo-fmu/src/main.rs").read_text("utf-8")
+    fields = re.findall(r"#\[arg\([^\n]*long[^\n]*\)\]\n\s*(?:pub )?(\w+):", source)
+    known = {f"--{name.replace('_', '-')}" for name in fields}
+    lines = [*words.listed("cargo"), *words.mentioned("cargo")]
+    options = {one for line in lines if line.startswith("cargo fmu") for one in re.findall(r"--[\w-]+", line)}
+    assert options
+    assert options <= known
+
+
+def test_commands_of_sentences_are_understood() -> None:
+    group = typer.main.get_command(app)
+    assert isinstance(group, typer.core.TyperGroup)
+    names = {one.split()[1] for one in words.mentioned("cosim")}
+    assert [name for name in names if re.fullmatch(r"[a-z]+", name) and name not in group.commands] == []
+
+
+@pytest.mark.full
+def test_fmpy_simulates_an_fmu_by_model_exchange(tmp_path: Path) -> None:
+    (line,) = [line for line in words.listed("fmpy") if "simulate" in line]
+    command = [str(PROGRAMS / "fmpy"), *shlex.split(line)[1:], "--output-file", str(tmp_path / "out.csv")]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert (tmp_path / "out.csv").read_text().count("\n") > 1
 
 
 def test_the_table_of_the_readme_is_what_is_measured() -> None:

@@ -106,16 +106,44 @@ def test_what_is_generated_holds_everything(site: Path) -> None:
     assert "stateDiagram" not in pages["fmu-dob/index.html"].text_content()
 
 
+SCREENS = pytest.mark.parametrize(
+    ("width", "theme"), [(1400, "light"), (1400, "dark"), (400, "light"), (400, "dark")]
+)
+
+
+def complaints(page: Path, width: int, theme: str, folder: Path) -> list[str]:
+    """Tell what is wrong with a page on a screen."""
+    answer, _, found = asyncio.run(browser.visit(page, width, theme, QUESTION, folder))
+    if answer["sideways"] or answer["outside"]:
+        found.append(f"wider than the screen: {answer['outside']}")
+    if (answer["colour"] == LIGHT) != (theme == "light"):
+        found.append(f"the page is {answer['colour']}")
+    return found
+
+
 @pytest.mark.skipif(browser.PROGRAM is None, reason="no Chromium")
-@pytest.mark.parametrize(("width", "theme"), [(1400, "light"), (1400, "dark"), (400, "light"), (400, "dark")])
+@SCREENS
 @pytest.mark.parametrize("page", ["index.html", "fmu-dob/index.html", "examples/sweep.html"])
 def test_a_browser_shows_it_without_a_complaint(
     site: Path, page: str, width: int, theme: str, tmp_path: Path
 ) -> None:
-    answer, _, troubles = asyncio.run(browser.visit(site / page, width, theme, QUESTION, tmp_path))
-    assert troubles == []
-    assert (answer["sideways"], answer["outside"]) == (False, [])
-    assert (answer["colour"] == LIGHT) == (theme == "light")
+    assert complaints(site / page, width, theme, tmp_path) == []
+
+
+@pytest.mark.skipif(browser.PROGRAM is None, reason="no Chromium")
+@pytest.mark.full
+@SCREENS
+def test_a_browser_shows_every_page_without_a_complaint(
+    site: Path, width: int, theme: str, tmp_path: Path
+) -> None:
+    # a server shows the page for what is not there, by addresses from its root
+    pages = [name for name in places(site) if name != "404.html"]
+    found = {
+        name: complaints(site / name, width, theme, tmp_path / str(number))
+        for number, name in enumerate(pages)
+    }
+    assert len(pages) > 40
+    assert {name: told for name, told in found.items() if told} == {}
 
 
 @pytest.mark.skipif(browser.PROGRAM is None, reason="no Chromium")

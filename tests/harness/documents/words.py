@@ -16,15 +16,30 @@ def text(page: str) -> str:
     return (ROOT / page).read_text("utf-8")
 
 
-def lines(page: str, program: str) -> list[str]:
-    """Command lines of a page that begin with a program, without what is said of them."""
-    fences = re.findall(r"^```(\w*)\n(.*?)^```$", text(page), re.MULTILINE | re.DOTALL)
-    shell = [line for language, fence in fences if not language for line in fence.splitlines()]
-    found = [line for line in shell if line.split()[:1] == [program]]
+SHELL = ("", "sh")
+"""Languages of the fences that hold commands; what is only to be read is `text`."""
+
+
+def shell(page: str) -> list[str]:
+    """Command lines of a page, without what is said of them."""
+    fences = re.findall(r"^```([^\n]*)\n(.*?)^```$", text(page), re.MULTILINE | re.DOTALL)
+    found = [line for language, fence in fences if language in SHELL for line in fence.splitlines()]
     # two blanks part a command from what it does
-    return [re.split(r"\s{2,}|\s# | \| ", line)[0].strip() for line in found]
+    return [re.split(r"\s{2,}|\s# | \| ", line.strip())[0].strip() for line in found if line.strip()]
+
+
+def lines(page: str, program: str) -> list[str]:
+    """Command lines of a page that begin with a program."""
+    return [line for line in shell(page) if line.split()[0] == program]
 
 
 def listed(program: str) -> list[str]:
     """Command lines of all pages, each once."""
     return list(dict.fromkeys(line for page in PAGES for line in lines(page, program)))
+
+
+def mentioned(program: str) -> list[str]:
+    """Commands in the sentences and tables of all pages, each once; not of changes, which name old ones."""
+    pages = (page for page in PAGES if page != "CHANGELOG.md")
+    found = (one for page in pages for one in re.findall(r"`([^`\n]+)`", text(page)))
+    return list(dict.fromkeys(one for one in found if one.startswith(f"{program} ")))

@@ -378,7 +378,7 @@ def test_one_row_of_cells_is_as_high_as_it_is() -> None:
 
 def test_a_drawing_with_equal_scales_has_them() -> None:
     turn = np.linspace(0.0, 2.0 * np.pi, 101)
-    svg = drawing.chart([(np.cos(turn), np.sin(turn))], False, False, True, False)
+    svg = drawing.chart([(np.cos(turn), np.sin(turn))], drawing.Kind(equal=True))
     places = [tuple(map(int, word.split())) for word in svg.split('c0" d="M')[1].split('"')[0].split("L")]
     across, down = np.ptp(np.array(places), axis=0)
     assert across == pytest.approx(down, abs=2)

@@ -67,6 +67,14 @@ kind = "list"
 "controller.gain" = -1.0
 [[case]]
 "controller.gain" = -2.0
+[[charts]]
+title = "End over the gain"
+kind = "path"
+x = "-controller.gain"
+y = ["metric.end"]
+names = ["end"]
+x_label = "gain"
+label = "end"
 """
 DOCUMENT = f"# Faults of it\n\n| found | how |\n|---|---|\n| one | {SCRIPT} |\n"
 
@@ -179,12 +187,21 @@ def test_a_plant_without_coordinates_has_no_film_and_says_why(page: Any) -> None
     assert "the plant `probe_plants:Lag` has no `qpos`" in note.text_content()
 
 
+def test_what_does_not_hold_is_told_first(page: Any) -> None:
+    (missed,) = page.find_class("missed")
+    told = missed.text_content()
+    assert told.startswith("lag: it ends far away, ")
+    assert told.endswith("(limit >= 2 m)")
+    assert missed.find("a").get("href") == "#chapter-0"
+
+
 def test_a_study_and_a_document_stand_on_the_page(page: Any) -> None:
     sweep = page.get_element_by_id("sweep-1")
     assert "2 of 2 runs: 2 failed" in sweep.text_content()
     criteria, metrics = (cells(table) for table in sweep.iter("table"))
     assert criteria[1] == ["far", "0 of 2"]
     assert metrics[0][0] == "end"
+    assert "End over the gain" in sweep.text_content()
     (document,) = page.find_class("document")
     assert [cells(table) for table in document.iter("table")] == [[["one", SCRIPT]]]
 

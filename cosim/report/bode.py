@@ -1,0 +1,104 @@
+"""Frequency responses: an open loop with its crossover and margins, of which a closed loop tells as well."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from cosim.trace.columns import Array
+
+DENSE = 200
+"""Places between two points at which crossings are looked for."""
+
+
+@dataclass(frozen=True)
+class Margin:
+    """What is left at a crossing: the factor of the gain, or the angle in rad; and its frequency."""
+
+    frequency: float
+    value: float
+
+
+@dataclass(frozen=True)
+class Response:
+    """Gain and phase in rad of an open loop over frequencies, in the unit that these were given in.
+
+    Parameters
+    ----------
+    frequency
+        Ascending, above 0.
+    gain
+        Above 0.
+    phase
+        Without jumps.
+    """
+
+    frequency: Array
+    gain: Array
+    phase: Array
+
+    def dense(self) -> tuple[Array, Array, Array]:
+        """Points and places between them: straight lines over the logarithm of the frequency."""
+        given = np.log(self.frequency)
+        places = np.linspace(given[0], given[-1], DENSE * len(given), dtype=np.float64)
+        gain = np.exp(np.interp(places, given, np.log(self.gain)))
+        return np.exp(places), gain, np.interp(places, given, self.phase)
+
+    def phase_margin(self) -> Margin | None:
+        """Least angle from where the gain is 1 to -180 degrees; None where it never is."""
+        frequency, gain, phase = self.dense()
+        found = [
+            Margin(float(frequency[i]), math.remainder(float(phase[i]) - math.pi, 2.0 * math.pi))
+            for i in crossings(np.log(gain))
+        ]
+        return min(found, key=lambda one: abs(one.value), default=None)
+
+    def gain_margin(self) -> Margin | None:
+        """Least factor above 1 by which the gain may grow until it is 1 at -180 degrees; None without one."""
+        frequency, gain, phase = self.dense()
+        # the distance from -180 degrees jumps where it is half a turn
+        away = np.remainder(phase, 2.0 * np.pi) - np.pi
+        found = [
+            Margin(float(frequency[i]), float(1.0 / gain[i]))
+            for i in crossings(away)
+            if abs(away[i]) < 0.5 * np.pi and gain[i] < 1.0
+        ]
+        return min(found, key=lambda one: one.value, default=None)
+
+
+def crossings(values: Array) -> list[int]:
+    """Places behind which the sign changes."""
+    return [int(i) for i in np.flatnonzero(np.diff(np.sign(values)))]
+
+
+def response(frequency: Array, gain: Array, phase: Array, closed: bool) -> Response | None:
+    """Open loop of measured points; None without two of them.
+
+    Parameters
+    ----------
+    closed
+        Whether gain and phase are those of the closed loop T: with the error wanted minus measured,
+        T = L / (1 + L), so the open loop is L = T / (1 - T), with every delay in it.
+    """
+    measured = gain * np.exp(1j * phase)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        loop = measured / (1.0 - measured) if closed else measured
+    known = np.isfinite(loop) & (np.abs(loop) > 0.0) & (frequency > 0.0)
+    order = np.argsort(frequency[known])
+    if len(order) < 2:
+        return None
+    loop = loop[known][order]
+    turns = np.unwrap(np.angle(loop))
+    # as it is drawn: from -360 degrees to 0 at the first frequency
+    turns -= 2.0 * np.pi * math.ceil(turns[0] / (2.0 * np.pi))
+    return Response(frequency[known][order], np.abs(loop).astype(np.float64), turns.astype(np.float64))
+
+
+def told(margin: Margin, x_scale: float, x_unit: str, is_phase: bool) -> str:
+    """Text of a margin with its frequency, in the unit of the axis."""
+    place = f"at {x_scale * margin.frequency:.4g} {x_unit}".strip()
+    if is_phase:
+        return f"phase margin {math.degrees(margin.value):.1f} degrees {place}"
+    return f"gain margin {margin.value:.2f} ({20.0 * math.log10(margin.value):.1f} dB) {place}"

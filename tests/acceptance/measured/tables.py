@@ -1,0 +1,35 @@
+"""The tables of the documents: rows of what is kept, with the words of `tables.toml`.
+
+A table stands on a page between two marks, which name it.
+"""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from typing import Any
+
+from .store import HERE, ROOT, load
+
+MARKED = re.compile(r"(<!-- measured: ([\w-]+) -->\n).*?(<!-- end -->\n)", re.DOTALL)
+"""A table on a page, and its marks."""
+PAGES = [ROOT / "docs/results.md", *sorted(ROOT.glob("fmu-*/README.md"))]
+TABLES: dict[str, dict[str, Any]] = tomllib.loads((HERE / "tables.toml").read_text("utf-8"))
+
+
+def text(name: str) -> str:
+    """Lines of a table, with what measured it."""
+    table, kept = TABLES[name], load(name)
+    lines = [f"| {table['head']} |", "|---" * (table["head"].count("|") + 1) + "|"]
+    for row, words in table["rows"]:
+        cells = words if "{" in words else f"{words} | {table['cells']}"
+        # what did not happen within any time
+        lines.append(f"| {cells.format(**kept[row]).replace('inf s', 'never')} |")
+    codes = sorted({str(kept[row]["code"]) for row, _ in table["rows"]})
+    told = f"`pytest {table['tests']}` measures it, here the code of {', '.join(codes)}."
+    return "\n".join([*lines, "", told, ""])
+
+
+def renewed(page: str) -> str:
+    """Page with the tables that its marks name."""
+    return MARKED.sub(lambda found: f"{found[1]}\n{text(found[2])}\n{found[3]}", page)

@@ -1,0 +1,41 @@
+"""Numbers of the documents that one run of a scenario with its own seed gives."""
+
+import pytest
+
+import cosim
+
+from .store import measured
+
+PATH_TWICE = 1748e-6
+"""Amplitude of the 0x4 lens twice a turn, m."""
+PERCENT = {"twice": 100.0 / PATH_TWICE}
+MICROMETRES = {"rms": 1e6, "tip": 1e6}
+MILLIMETRES = {"error_1": 1e3, "error_3": 1e3}
+ROWS = {
+    "fts": {
+        "fts/feedback": {"rms": 1e6},
+        "fts/feedforward": PERCENT,
+        "fts/paper": {"rms": 1e6, "twelfth": 1.0},
+        "fts/500hz": MICROMETRES,
+    },
+    "deburr": {
+        "deburr/bare": MILLIMETRES,
+        "deburr/paper": MILLIMETRES,
+        "deburr/six-axis": {"tip": 1e3},
+        "deburr/round-trip": {"ratio_11": 1.0, "best": 1.0},
+    },
+    "polish": {
+        "polish": {"force_mean": 1.0, "force_deviation": 1.0, "gain": 1.0},
+        "polish/impedance": {"force_mean": 1.0, "force_deviation": 1.0},
+        "polish/no-stick-slip": {"force_mean": 1.0, "force_deviation": 1.0, "gain": 1.0},
+        "polish/500-hz": {"gain": 1.0},
+    },
+}
+"""Metrics of a row, named as its scenario, with the factor to the unit of the table."""
+
+
+@pytest.mark.acceptance
+@pytest.mark.parametrize(("table", "row"), [(table, row) for table, rows in ROWS.items() for row in rows])
+def test_a_row_is_what_its_scenario_gives(table: str, row: str) -> None:
+    found = cosim.run(cosim.load(row), engine="native").metrics
+    measured(table, row, **{name: factor * found[name].value for name, factor in ROWS[table][row].items()})

@@ -1,0 +1,54 @@
+"""The tables on the pages are those of what is kept, and no other table tells what was measured."""
+
+import os
+import re
+from pathlib import Path
+
+import pytest
+
+from .store import FOLDER, ROOT, near
+from .tables import MARKED, PAGES, TABLES, renewed, text
+
+OF_THE_BENCH = ("| quantity | measured | goal |", "| loop | engine | plant alone |")
+"""Tables of times, which `cargo xtask bench` prints for the machine that it runs on."""
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_a_page_tells_what_is_kept(page: Path) -> None:
+    found = page.read_text("utf-8")
+    wanted = renewed(found)
+    if "BLESS" in os.environ:
+        page.write_text(wanted, "utf-8")
+        return
+    assert found == wanted, "hint: `BLESS=1 pytest tests/acceptance/measured/test_tables.py` renews the page"
+
+
+def test_every_table_stands_on_a_page_and_every_file_is_of_a_table() -> None:
+    named = {name for page in PAGES for _, name, _ in MARKED.findall(page.read_text("utf-8"))}
+    assert named == set(TABLES) == {file.stem for file in FOLDER.glob("*.json")}
+
+
+def test_what_was_measured_in_closed_loop_is_in_no_other_table() -> None:
+    rest = MARKED.sub("", PAGES[0].read_text("utf-8"))
+    heads = re.findall(r"(?<!\|\n)^\|.*\|$(?=\n\|-)", rest, re.MULTILINE)
+    assert [head for head in heads if not head.startswith(OF_THE_BENCH)] == []
+
+
+def test_tests_that_a_table_names_are_there() -> None:
+    for table in TABLES.values():
+        files = re.findall(r"tests/\S+", table["tests"])
+        assert files
+        assert all((ROOT / file).exists() for file in files)
+
+
+def test_a_number_is_near_within_a_tenth_and_a_count_within_one() -> None:
+    assert near(0.2, 0.219)
+    assert not near(0.2, 0.223)
+    assert near(3.0, 4.0)
+    assert not near(3.0, 5.0)
+    assert near(float("inf"), float("inf"))
+    assert not near(float("inf"), 50.0)
+
+
+def test_a_table_without_an_end_is_never() -> None:
+    assert re.search(r"one push by geometry \| 0 of \d+ \| never \|", text("centering-baselines"))

@@ -1,0 +1,95 @@
+"""Charts of a study: what they are made of, and which are refused before a run."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import cosim
+from cosim.errors import CosimError
+from cosim.report import charts
+from cosim.scenario.model import Chart
+from cosim.sweep import study
+from cosim.sweep.check import check_charts
+from cosim.sweep.plan import Plan
+from cosim.sweep.survey import Survey, columns, results
+
+CASES = [
+    {"controller.detector": "Glr", "plant.mass": 9.0, "plant.workpiece": False},
+    {"controller.detector": "Slope", "plant.mass": 10.0},
+    {"controller.detector": "Glr", "plant.mass": 11.0, "plant.workpiece": True},
+]
+
+
+def surveyed(*depths: float | None) -> Survey:
+    """Survey of a run of each case; without a depth it gave no result."""
+    found = Survey(len(depths))
+    names = dict.fromkeys(name for case in CASES for name in case)
+    found.columns = {name: [case.get(name) for case in CASES] for name in names}
+    found.columns["status"] = ["crashed" if depth is None else "passed" for depth in depths]
+    found.columns["simulated_s"] = [None if depth is None else 2.0 for depth in depths]
+    for metric in cosim.load("dob").metric:
+        found.columns[f"metric.{metric.name}"] = list(depths)
+    return found
+
+
+def test_texts_have_items_and_runs_without_a_result_no_row() -> None:
+    known = columns(cosim.load("dob"), CASES)
+    assert known["controller.detector"] == {"Glr": 0, "Slope": 1}
+    assert known["plant.mass"] is None
+    table = results(surveyed(1e-7, None, 3e-7), known)
+    assert list(table) == list(known)
+    assert table["time"].tolist() == [2.0, 2.0]
+    assert table["controller.detector"].tolist() == [0.0, 0.0]
+    assert table["plant.workpiece"].tolist() == [0.0, 1.0]
+    assert table["metric.depth"].tolist() == [1e-7, 3e-7]
+    assert math.isnan(results(surveyed(1e-7, 2e-7, 3e-7), known)["plant.workpiece"][1])
+
+
+def test_a_share_of_the_runs_of_a_text_is_drawn() -> None:
+    known = columns(cosim.load("dob"), CASES)
+    parts = ('controller.detector == "Glr"',)
+    wanted = Chart("share", ("metric.depth",), parts=parts, names=("likelihood",), scale=1.0, x_scale=1e9)
+    table = results(surveyed(3e-7, 2e-7, 1e-7), known)
+    (line,) = charts.lines(wanted, table, known)
+    assert line.name == "likelihood"
+    np.testing.assert_allclose(line.x, [100.0, 300.0])
+    np.testing.assert_allclose(line.y, [0.5, 1.0])
+
+
+STUDY = """
+scenario = "dob"
+[design]
+kind = "grid"
+[[vary]]
+key = "plant.mass"
+values = [9.0, 11.0]
+[[charts]]
+kind = "{kind}"
+x = "{x}"
+y = ["metric.depth"]
+"""
+
+
+@pytest.mark.parametrize(
+    ("kind", "x", "words"),
+    [
+        ("path", "plant.mas", ("`charts[0]` = `plant.mas`", "plant.mass")),
+        ("path", "plant.position", ("`charts[0]`", "`plant.position`")),
+        ("path", "metric.deep", ("`charts[0]`", "metric.depth")),
+        ("spectrum", "plant.mass", ("`charts[0]`", "needs the rows of one run", "[[plot.charts]]")),
+        ("peaks", "plant.mass", ("`charts[0]`", "has no `split`")),
+    ],
+)
+def test_a_chart_that_cannot_be_made_is_refused(
+    kind: str, x: str, words: tuple[str, ...], tmp_path: Path
+) -> None:
+    file = tmp_path / "study.toml"
+    file.write_text(STUDY.format(kind=kind, x=x))
+    with pytest.raises(CosimError) as caught:
+        check_charts(Plan(study.load(file)))
+    told = f"{caught.value.message} {caught.value.hint}"
+    assert all(word in told for word in words), told
