@@ -222,8 +222,7 @@ impl Controller {
                 if self.state.approaching() {
                     self.motion.depart(p);
                 }
-                // a late contact is one all the same
-                if self.state.at_work() && events.fault != Some(Fault::LateContact) {
+                if self.state.at_work() {
                     self.contact = None;
                 }
                 if let Some(fault) = events.fault {
