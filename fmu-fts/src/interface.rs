@@ -407,7 +407,7 @@ mod variables {
         #[var(unit = METRE as "um", range = 1e-6..=0.1, start = 1e-3, source = "our choice")] pub following_error: f64,
         /// Part of `servo.torque_max` that a path may need
         #[var(unit = ONE, range = 0.1..=1.0, start = 0.9, source = "our choice: the rest is for control")] pub torque_share: f64,
-        /// Readings in a row that may be lost, while the motion of the axis stands in for them; no more than one of three for long
+        /// Samples in a row for which an input that cannot be believed is bridged; no more than one of three for long; one more is a fault
         #[var(range = 1..=100, start = 3, source = "derived: the fourth is the fault; 30 um at 500 m/s2 meanwhile")] pub lost_samples: i32,
         /// Largest difference of two readings of the arm at rest
         #[var(unit = RADIAN, range = 1e-9..=0.1, start = 2e-5, source = "derived: 1.6 um at the tool, 26 steps of the encoder")] pub arm_spread: f64,
