@@ -12,7 +12,7 @@ use crate::interface::{Fault, Input, MonitorReport, Output, Parameters, PushRepo
 use crate::law::{ActiveLaw, Launch, Observation, Verdict};
 use crate::limits::trial_move;
 use crate::machine::{Events, next};
-use crate::monitoring::{DriveMonitor, FrozenProbe, ProbeTrial};
+use crate::monitoring::{DriveMonitor, FrozenProbe, Numbers, ProbeTrial};
 use crate::motion::{Follower, Motion};
 use crate::sensing::{Calm, Clock, Due, Reader, Reading, Sample, Spindle};
 
@@ -47,6 +47,8 @@ pub struct Controller {
     first: Option<f64>,
     /// the surest model so far
     surest: Option<Estimate>,
+    /// way of the line of a centred ring and its limit (m), where that is too far
+    line: Option<[f64; 2]>,
     /// where the ring was before the last push, until the model after it
     before: Option<Centre>,
     report: PushReport,
@@ -82,6 +84,7 @@ impl Controller {
             estimate: None,
             first: None,
             surest: None,
+            line: None,
             before: None,
             report: PushReport::START,
             started: 0.0,
@@ -201,8 +204,9 @@ impl Controller {
             self.surest = Some(*ring);
         }
         let first = *self.first.get_or_insert(ring.centre.eccentricity());
-        if line_moved(p, &surest, ring) {
-            return Some(if self.frozen.stands() { Fault::FrozenReading } else { Fault::ReadingJump });
+        self.line = line_moved(p, &surest, ring);
+        if self.line.is_some() {
+            return Some(if self.frozen.stands() { Fault::FrozenProbe } else { Fault::ProbeJump });
         }
         judge(p, self.spindle.speed(), self.report.count, first, ring)
     }
@@ -262,6 +266,7 @@ impl Controller {
         self.progress.restart();
         (self.frozen, self.drive, self.trial) = Default::default();
         (self.fault, self.estimate, self.first, self.surest, self.before) = (Fault::None, None, None, None, None);
+        self.line = None;
         (self.report, self.started, self.centred) = (PushReport::START, self.clock.time(p), None);
     }
 
@@ -338,7 +343,13 @@ impl Controller {
                 drive_share: self.drive.share(p),
                 probe_share: self.trial.share().unwrap_or(1.0),
                 job_time: self.progress.samples() as f64 * p.sample_period,
+            },
+            numbers: Numbers {
+                following_limit: self.drive.allowed(),
+                forward: self.supervisor.forward(),
                 endless: self.supervisor.endless(),
+                line: self.line,
+                first: self.first.unwrap_or_default(),
             },
         }
     }

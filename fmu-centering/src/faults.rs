@@ -1,4 +1,5 @@
-//! Every fault is found here and gets its name; and the numbers that are told with it.
+//! Faults of the ring, the probe and the job are found here, of readings and drive in `sensing` and `monitoring`; how each
+//! of them ends, and the numbers that are told with it.
 
 use std::f64::consts::TAU;
 
@@ -8,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::centre::Estimate;
 use crate::interface::{Fault, Input, Parameters, State, Vars};
 use crate::limits::{GRAVITY, held_surface_velocity, job_time, speed_limit};
-use crate::monitoring::believable_share;
+use crate::monitoring::{Numbers, SHARE_ERROR, believable_share};
 
 /// A probe that has no contact for longer has lost the ring, s.
 const LOST_TIME: f64 = 0.1;
@@ -36,16 +37,24 @@ impl Fault {
     /// How a centring ends that this fault has stopped: by going back, where the place of the slide is known.
     pub fn safe_end(self) -> SafeEnd {
         match self {
-            Self::LostReading | Self::FollowingError | Self::DriveSign | Self::WeakDrive => SafeEnd::DriveOff,
+            Self::LostReading
+            | Self::ReadingJump
+            | Self::FrozenReading
+            | Self::FollowingError
+            | Self::DriveSign
+            | Self::WeakDrive => SafeEnd::DriveOff,
             Self::None
             | Self::NoPart
             | Self::RingTooSmall
             | Self::ProbeRange
             | Self::Centrifugal
             | Self::PushBudget
-            | Self::InvalidInput
-            | Self::ReadingJump
-            | Self::FrozenReading
+            | Self::LostProbe
+            | Self::ProbeJump
+            | Self::FrozenProbe
+            | Self::LostSpindle
+            | Self::SpindleJump
+            | Self::FrozenSpindle
             | Self::Spindle
             | Self::Divergence
             | Self::Unresolved
@@ -111,6 +120,11 @@ impl Supervisor {
         self.endless
     }
 
+    /// Share of its turning that the spindle has gone forward in the present state; 1 before it turned.
+    pub fn forward(&self) -> f64 {
+        if self.turned > 0.0 { self.forward.abs() / self.turned } else { 1.0 }
+    }
+
     /// The gravest thing that is wrong in this tick.
     pub fn check(&mut self, p: &Parameters, view: &Watched) -> Option<Fault> {
         self.count(p, view);
@@ -124,13 +138,13 @@ impl Supervisor {
         let endless = turnings.into_iter().find(|(turned, most)| *turned > most * TAU);
         self.endless = endless.map(|(turned, most)| [turned / TAU, most]);
         let reversing = self.turned > TURNS_MAX * TAU && self.forward.abs() < FORWARD * self.turned;
-        let standing = over(self.still, STILL_TIME) || reversing;
         let flying = over(self.flying, FLYING_TIME) || view.estimate.is_some_and(|ring| too_fast(p, view.speed, ring));
         (too_far || unsettled)
             .then_some(Fault::ProbeRange)
             .or((view.beyond_travel || over(self.lost, LOST_TIME)).then_some(Fault::NoPart))
             .or(flying.then_some(Fault::Centrifugal))
-            .or(standing.then_some(Fault::Spindle))
+            .or(over(self.still, STILL_TIME).then_some(Fault::FrozenSpindle))
+            .or(reversing.then_some(Fault::Spindle))
             .or(endless.map(|_| Fault::NoProgress))
     }
 
@@ -163,12 +177,14 @@ fn shows_too_fast(p: &Parameters, view: &Watched) -> bool {
         && fastest > held_surface_velocity(p.limits.friction, p.ring.radius, view.speed)
 }
 
-/// Whether a new model sees the line of a centred ring elsewhere than the surest one so far: no ring and no spindle moves
-/// that, so a reading has.
-pub fn line_moved(p: &Parameters, surest: &Estimate, ring: &Estimate) -> bool {
+/// By how much a new model sees the line of a centred ring elsewhere than the surest one so far, and the limit (m), where
+/// that is too far: no ring and no spindle moves that, so a reading has.
+pub fn line_moved(p: &Parameters, surest: &Estimate, ring: &Estimate) -> Option<[f64; 2]> {
     let most = surest.centre.eccentricity().max(ring.centre.eccentricity());
     let bend = LINE_BEND * most.powi(2) / (4.0 * p.ring.radius);
-    (ring.mean - surest.mean).abs() > LINE_MOVED + LINE_SIGMAS * (surest.sigma + ring.sigma) + bend
+    let way = (ring.mean - surest.mean).abs();
+    let limit = LINE_MOVED + LINE_SIGMAS * (surest.sigma + ring.sigma) + bend;
+    (way > limit).then_some([way, limit])
 }
 
 /// What is wrong with a new model after `pushes` pushes; the first model had the eccentricity `first` m.
@@ -189,54 +205,105 @@ pub fn judge(p: &Parameters, speed: f64, pushes: i32, first: f64, ring: &Estimat
 
 /// The numbers behind a state or a fault, for the log.
 pub fn numbers(vars: &Vars) -> String {
-    let Vars { input, output, parameters: p, .. } = vars;
-    let Input { spindle_angle, slide_position, probe_position, .. } = input;
-    let (e, sigma) = (1e6 * output.eccentricity, 1e6 * output.eccentricity_sigma);
-    match (output.state, output.fault) {
+    let e = 1e6 * vars.output.eccentricity;
+    match (vars.output.state, vars.output.fault) {
         (State::Wait | State::Centred, _) => format!("; eccentricity `{e:.2} um`"),
-        (State::Fault, Fault::NoPart) => {
-            format!(": probe at `{probe_position:.6} m`, slide at `{slide_position:.6} m`")
+        (State::Fault, fault) => of_fault(vars, fault, e),
+        _ => String::new(),
+    }
+}
+
+/// The same for a fault, with the eccentricity B = `e` um of the last model.
+fn of_fault(vars: &Vars, fault: Fault, e: f64) -> String {
+    let Vars { input, output, in_force: p, .. } = vars;
+    let Input { spindle_angle, slide_position, probe_position, .. } = input;
+    let Numbers { following_limit, forward, endless, line, first } = output.numbers;
+    let (pushes, speed) = (output.push.count, output.spindle_speed);
+    let row = format!("for more than `limits.lost_samples` = `{}` samples", p.limits.lost_samples);
+    let error = format!(
+        "following error `{:.3} mm` of `{:.3} mm`, share of the setpoint `{:.2}`",
+        1e3 * output.monitor.following_error,
+        1e3 * following_limit,
+        output.monitor.drive_share
+    );
+    match fault {
+        Fault::None => String::new(),
+        Fault::NoPart => format!(
+            ": probe at `{probe_position:.6} m`, on a ring from `probe.contact` = `{} m` on; slide at \
+             `{slide_position:.6} m`, `approach.travel_max` = `{} m`",
+            p.probe.contact, p.approach.travel_max
+        ),
+        Fault::RingTooSmall => format!(": r = `{} m`, B = `{e:.2} um`", p.ring.radius),
+        Fault::ProbeRange => format!(
+            ": probe at `{probe_position:.6} m`, its place is `{:.6} m`, `probe.at_pusher` = `{} m`, `probe.stroke` = `{} m`",
+            p.null(),
+            p.probe.at_pusher,
+            p.probe.stroke
+        ),
+        Fault::Centrifugal if e > 0.0 => {
+            let most = speed_limit(p.limits.friction, output.eccentricity);
+            format!(": `{speed:.3} rad/s`, at most `{most:.3} rad/s` for the B of the last model, `{e:.2} um`")
         }
-        (State::Fault, Fault::RingTooSmall) => format!(": r = `{} m`, B = `{e:.2} um`", p.ring.radius),
-        (State::Fault, Fault::ProbeRange) => format!(": probe at `{probe_position:.6} m`"),
-        (State::Fault, Fault::Centrifugal) => {
-            format!(": `{:.3} rad/s`, B of the last model `{e:.2} um`", output.spindle_speed)
-        }
-        (State::Fault, Fault::PushBudget | Fault::Divergence) => {
-            format!(": `{}` pushes, B = `{e:.2} um`", output.push.count)
-        }
-        (State::Fault, Fault::InvalidInput | Fault::ReadingJump) => {
-            format!(": spindle at `{spindle_angle} rad`, probe at `{probe_position} m`")
-        }
-        (State::Fault, Fault::FrozenReading) => {
+        Fault::Centrifugal => format!(": `{speed:.3} rad/s`, before the first model"),
+        Fault::PushBudget => format!(
+            ": `{pushes}` pushes, `limits.pushes` = `{}`, B = `{e:.2} um`, `tolerance` = `{:.2} um`",
+            p.limits.pushes,
+            1e6 * p.tolerance
+        ),
+        Fault::Divergence => format!(
+            ": `{pushes}` pushes, B from `{:.2} um` to `{e:.2} um`, `push.critical_distance` = `{:.2} um` more at most",
+            1e6 * first,
+            1e6 * p.push.critical_distance
+        ),
+        Fault::LostProbe => format!(": probe at `{probe_position} m` {row}"),
+        Fault::ProbeJump => match line {
+            Some([way, limit]) => {
+                format!(
+                    ": the centred surface is `{:.3} mm` from where it was, limit `{:.3} mm`",
+                    1e3 * way,
+                    1e3 * limit
+                )
+            }
+            None => format!(": probe at `{probe_position} m` {row}"),
+        },
+        Fault::FrozenProbe => {
             let share = output.monitor.probe_share;
-            let tested =
-                if believable_share(share) { String::new() } else { format!(", it answered `{share:.2}` of its test") };
+            let tested = if believable_share(share) {
+                String::new()
+            } else {
+                format!(", it answered `{share:.2}` of its test, within `{SHARE_ERROR}` of 1 is right")
+            };
             format!(": probe at `{probe_position} m`{tested}")
         }
-        (State::Fault, Fault::LostReading) => {
-            format!(": slide at `{slide_position} m`, following error `{:.3} mm`", 1e3 * output.monitor.following_error)
-        }
-        (State::Fault, Fault::FollowingError | Fault::DriveSign | Fault::WeakDrive) => {
-            let (error, limit) = (1e3 * output.monitor.following_error, 1e3 * p.limits.following_error);
+        Fault::LostSpindle | Fault::SpindleJump => format!(": spindle at `{spindle_angle} rad` {row}"),
+        Fault::FrozenSpindle => {
             format!(
-                ": following error `{error:.3} mm` of `{limit} mm`, share of the setpoint `{:.2}`",
-                output.monitor.drive_share
+                ": `{speed:.3} rad/s`, at least `limits.spindle_speed_min` = `{} rad/s`",
+                p.limits.spindle_speed_min
             )
         }
-        (State::Fault, Fault::NoProgress) => {
-            let lasted = match output.monitor.endless {
+        Fault::Spindle => format!(
+            ": `{speed:.3} rad/s`, `{forward:.2}` of its turning forwards, at least `{FORWARD}`; `rates.collect` = `{} Hz`",
+            p.rates.collect
+        ),
+        Fault::LostReading | Fault::ReadingJump => format!(": slide at `{slide_position} m` {row}"),
+        Fault::FrozenReading => format!(": slide at `{slide_position} m`, {error}"),
+        Fault::FollowingError | Fault::DriveSign | Fault::WeakDrive => format!(": {error}"),
+        Fault::NoProgress => {
+            let lasted = match endless {
                 Some([turns, most]) => format!("`{turns:.2}` of `{most}` revolutions without result"),
                 None => {
-                    let limit = job_time(p, output.spindle_speed);
+                    let limit = job_time(p, speed);
                     format!("`{:.1} s` of `{limit:.1} s`", output.monitor.job_time)
                 }
             };
             format!(": {lasted}, B = `{e:.2} um`")
         }
-        (State::Fault, Fault::Spindle) => format!(": `{:.3} rad/s`", output.spindle_speed),
-        (State::Fault, Fault::Unresolved) => format!(": B = `{e:.3} um`, standard deviation `{sigma:.3} um`"),
-        _ => String::new(),
+        Fault::Unresolved => format!(
+            ": B = `{e:.3} um`, standard deviation `{:.3} um`, `tolerance` = `{:.3} um`",
+            1e6 * output.eccentricity_sigma,
+            1e6 * p.tolerance
+        ),
     }
 }
 

@@ -11,6 +11,7 @@ mod variables {
     use std::f64::consts::TAU;
 
     use control_blocks::DELAY_MAX;
+    use crate::monitoring::Numbers;
     use fmi2_export::{Unit, units::*};
 
     /// Unit of a velocity per length.
@@ -55,21 +56,21 @@ mod variables {
         #[hint("turn the spindle more slowly")] Centrifugal,
         /// Not centred within `limits.pushes` pushes
         #[hint("raise `tolerance` or `limits.pushes`; does the ring slide at all?")] PushBudget,
-        /// Spindle or probe encoder is NaN, infinite or out of any plausible range
-        #[hint("check these two encoders and their links")] InvalidInput,
-        /// Spindle or probe encoder is for more than `limits.lost_samples` samples where the machine cannot have gone, or the ring's centred surface is elsewhere than before
-        #[hint("check the counters and cables of spindle, probe and slide")] ReadingJump,
+        /// The probe is NaN, infinite or absurd for more than `limits.lost_samples` samples
+        #[hint("check the probe and its link")] LostProbe,
+        /// The probe is for more than `limits.lost_samples` samples where neither slide nor ring can have brought it, or the ring's centred surface is elsewhere than before
+        #[hint("check counter and cable of the probe, and of the slide; was the ring touched?")] ProbeJump,
         /// The probe keeps its value although slide or ring moves, or does not answer the slide by what that moves
-        #[hint("is the probe jammed, its link dead, or its scale wrong? was the ring touched?")] FrozenReading,
-        /// The slide encoder is invalid, jumps, or keeps its value although the slide should move
-        #[hint("check the slide encoder; or the slide is blocked, or its drive is dead")] LostReading,
+        #[hint("is the probe jammed, its link dead, or its scale wrong? was the ring touched?")] FrozenProbe,
+        /// The slide encoder is NaN, infinite or absurd for more than `limits.lost_samples` samples
+        #[hint("check the slide encoder and its link")] LostReading,
         /// The slide is further from its setpoint than `limits.following_error`
         #[hint("check drive and servo of the slide, and `io_delay`; or is it blocked?")] FollowingError,
         /// The slide moves against its setpoint
         #[hint("swap the sign of drive or encoder of the slide")] DriveSign,
         /// The slide does less than half of what its setpoint says
         #[hint("check scale, current limit and power of the drive of the slide")] WeakDrive,
-        /// The spindle stands still, keeps reversing, or is too fast for `rates.collect`
+        /// The spindle keeps reversing, or is too fast for `rates.collect`
         #[hint("turn the spindle evenly in one direction")] Spindle,
         /// The pushes have moved the ring away from the axis by more than `push.critical_distance`
         #[hint("is `spindle_angle` positive about the upward axis?")] Divergence,
@@ -77,6 +78,16 @@ mod variables {
         #[hint("raise `tolerance`, or mend the noise of the probe")] Unresolved,
         /// The measurements fit no ring for some revolutions, or the centring takes longer than `limits.job_time`
         #[hint("is the ring rough, dirty or loose? raise `estimator.noise`, or `limits.job_time` for a slow spindle")] NoProgress,
+        /// The slide encoder is for more than `limits.lost_samples` samples where the slide cannot have gone
+        #[hint("check counter and cable of the slide encoder")] ReadingJump,
+        /// The slide encoder keeps its value although the slide should move
+        #[hint("check the slide encoder; or the slide is blocked, or its drive is dead")] FrozenReading,
+        /// The spindle encoder is NaN, infinite or absurd for more than `limits.lost_samples` samples
+        #[hint("check the spindle encoder and its link")] LostSpindle,
+        /// The spindle encoder is for more than `limits.lost_samples` samples where the spindle cannot have gone
+        #[hint("check counter and cable of the spindle encoder")] SpindleJump,
+        /// The spindle encoder stands, or turns slower than `limits.spindle_speed_min`, where the ring must turn
+        #[hint("turn the spindle; check its encoder")] FrozenSpindle,
     }
     /// Which law centres the ring.
     pub enum Law {
@@ -129,6 +140,8 @@ mod variables {
         #[var(unit = METRE as "um")] pub pusher_gap: f64,
         pub push: PushReport,
         pub monitor: MonitorReport,
+        /// Numbers that are told with a fault.
+        #[var(hidden, start = Numbers::START)] pub numbers: Numbers,
     }
     /// Command to the servo of the slide.
     pub struct Setpoint {
@@ -164,8 +177,6 @@ mod variables {
         #[var(unit = ONE, start = 1.0)] pub probe_share: f64,
         /// Since the start, until `centred`
         #[var(unit = SECOND)] pub job_time: f64,
-        /// Revolutions without result and how many there may be, where that is the fault.
-        #[var(hidden, start = None)] pub endless: Option<[f64; 2]>,
     }
     /// All parameters.
     #[parameters] pub struct Parameters {
@@ -364,8 +375,8 @@ mod variables {
         #[var(range = 1..=1000, start = 25, source = "our choice")] pub pushes: i32,
         /// A slower spindle stands still
         #[var(unit = RADIAN_PER_SECOND as "rpm", range = 1e-3..=10.0, start = 0.1, source = "our choice: 1 rpm")] pub spindle_speed_min: f64,
-        /// Samples in a row that are bridged when a reading is where the machine cannot be
-        #[var(range = 0..=100, start = 3, source = "our choice: a spike is shorter")] pub lost_samples: i32,
+        /// Samples in a row for which an input that cannot be believed is bridged; one more is a fault
+        #[var(range = 1..=100, start = 3, source = "our choice: a spike is shorter")] pub lost_samples: i32,
         /// Largest distance of the slide from its setpoint, beside what one sample of motion is worth
         #[var(unit = METRE as "mm", range = 1e-5..=0.1, start = 1e-3,
             source = "derived: a / w^2 = 0.04 mm in the fastest moves, 0.3 mm of deflection by 70 kg on 40 Hz, and three times that")]

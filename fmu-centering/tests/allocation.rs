@@ -105,7 +105,7 @@ fn machine(fault: Fault, mut p: Parameters) -> (Parameters, Ring) {
 fn disturb(fault: Fault, run: &mut Loop) {
     match fault {
         Fault::NoPart => run.ring.present = false,
-        Fault::Spindle => run.ring.speed = 0.0,
+        Fault::FrozenSpindle => run.ring.speed = 0.0,
         Fault::Centrifugal => run.ring.speed = SPEED * 130.0 / 20.0,
         _ => {}
     }
@@ -118,10 +118,16 @@ fn disturb(fault: Fault, run: &mut Loop) {
         let (fast, moved) = (1e-4 * f64::from(k), run.output.slide.position_setpoint - place);
         step(run, |input| match fault {
             Fault::ProbeRange => input.probe_position = probe + fast,
-            Fault::InvalidInput => input.probe_position = f64::NAN,
-            Fault::ReadingJump => input.probe_position += 5e-3,
-            Fault::FrozenReading => input.probe_position = probe,
+            Fault::LostProbe => input.probe_position = f64::NAN,
+            Fault::ProbeJump => input.probe_position += 5e-3,
+            Fault::FrozenProbe => input.probe_position = probe,
+            Fault::LostSpindle => input.spindle_angle = f64::NAN,
+            Fault::SpindleJump => input.spindle_angle += 1.0,
+            // there and back
+            Fault::Spindle => input.spindle_angle = 0.5 * (1e-2 * f64::from(k)).sin(),
             Fault::LostReading => input.slide_position = f64::NAN,
+            Fault::ReadingJump => input.slide_position += 0.01,
+            Fault::FrozenReading => input.slide_position = place,
             Fault::FollowingError => input.slide_position = place + 0.9 * moved,
             Fault::DriveSign => input.slide_position = place - moved,
             Fault::WeakDrive => input.slide_position = place + 0.3 * moved,
@@ -139,7 +145,7 @@ fn every_fault_and_what_comes_after_its_reset() {
         let (p, ring) = machine(fault, p.clone());
         let mut run = Loop::new(&p, ring);
         // the drive shows in the approach
-        if ![Fault::FollowingError, Fault::DriveSign, Fault::WeakDrive].contains(&fault) {
+        if ![Fault::FrozenReading, Fault::FollowingError, Fault::DriveSign, Fault::WeakDrive].contains(&fault) {
             visit(&mut run, State::Collect);
         }
         disturb(fault, &mut run);

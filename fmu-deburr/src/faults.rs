@@ -2,7 +2,7 @@
 
 use control_blocks::SafeEnd;
 
-use crate::interface::{Fault, Input, Output, Parameters, Vars};
+use crate::interface::{Fault, Output, Parameters, Vars};
 use crate::monitoring::finding::{Finding, Numbers};
 
 /// What may be a fault; each is none, or its finding.
@@ -42,14 +42,16 @@ impl Fault {
             Self::None
             | Self::PatternMismatch
             | Self::WrongDelay
-            | Self::FrozenTool
+            | Self::InvalidInput
+            | Self::LostSpindle
+            | Self::SpindleJump
+            | Self::FrozenSpindle
             | Self::SpindleSlow
             | Self::NoCut
             | Self::NoProgress => SafeEnd::Retract,
             Self::PatternTooLarge | Self::BankEmpty => SafeEnd::Stop,
             // a command would be one for another place or another drive
-            Self::InvalidInput
-            | Self::LostReading
+            Self::LostReading
             | Self::ReadingJump
             | Self::FrozenReading
             | Self::Oscillation
@@ -64,14 +66,16 @@ impl Fault {
 /// The numbers behind a fault, for the log.
 pub fn numbers(Vars { input, output, in_force: p, .. }: &Vars) -> String {
     let Numbers { axis, value, limit, share } = output.numbers;
+    let row = format!("for more than `limits.lost_samples` = `{}` samples", p.limits.lost_samples);
     match output.fault {
         Fault::None | Fault::BankEmpty => String::new(),
-        Fault::InvalidInput => invalid(input),
-        Fault::ReadingJump | Fault::LostReading if axis == 0 => {
-            format!(": `spindle_speed`, more than `{limit}` samples")
+        Fault::InvalidInput => format!(": `speed_override` = `{}` {row}", input.speed_override),
+        Fault::ReadingJump | Fault::LostReading => {
+            let position = axis.checked_sub(1).and_then(|i| input.axis.get(i as usize)).map_or(0.0, |i| i.position);
+            format!(": `axis{axis}.position` = `{position} {}` {row}", unit(axis))
         }
-        Fault::ReadingJump | Fault::LostReading => format!(": `axis{axis}.position`, more than `{limit}` samples"),
-        Fault::FrozenTool => format!(": `spindle_speed` stands for `{value:.2} s`, limit `{limit:.2} s`"),
+        Fault::SpindleJump | Fault::LostSpindle => format!(": `spindle_speed` = `{} rad/s` {row}", input.spindle_speed),
+        Fault::FrozenSpindle => format!(": `spindle_speed` stands for `{value:.2} s`, limit `{limit:.2} s`"),
         Fault::FrozenReading
         | Fault::Oscillation
         | Fault::DriveSign
@@ -90,14 +94,13 @@ pub fn numbers(Vars { input, output, in_force: p, .. }: &Vars) -> String {
     }
 }
 
-fn invalid(input: &Input) -> String {
-    let (positions, n, share) = (input.axis.map(|axis| axis.position), input.spindle_speed, input.speed_override);
-    format!(": positions `{positions:?}`, `spindle_speed` = `{n} rad/s`, `speed_override` = `{share}`")
+fn unit(axis: i32) -> &'static str {
+    if matches!(axis, 2 | 3) { "m" } else { "rad" }
 }
 
 fn of_axis(output: &Output) -> String {
     let Numbers { axis, value, limit, share } = output.numbers;
-    let unit = if matches!(axis, 2 | 3) { "m" } else { "rad" };
+    let unit = unit(axis);
     let answer = share.map_or(String::new(), |share| format!("; it does `{share:.2}` of what it is told"));
     format!(": axis {axis} by `{value:.6} {unit}`, limit `{limit:.6} {unit}`{answer}")
 }
@@ -140,7 +143,10 @@ mod tests {
         for fault in Fault::ALL {
             let expected = match fault {
                 Fault::None | Fault::PatternMismatch | Fault::WrongDelay => SafeEnd::Retract,
-                Fault::FrozenTool | Fault::SpindleSlow | Fault::NoCut | Fault::NoProgress => SafeEnd::Retract,
+                Fault::InvalidInput | Fault::LostSpindle | Fault::SpindleJump | Fault::FrozenSpindle => {
+                    SafeEnd::Retract
+                }
+                Fault::SpindleSlow | Fault::NoCut | Fault::NoProgress => SafeEnd::Retract,
                 Fault::PatternTooLarge | Fault::BankEmpty => SafeEnd::Stop,
                 _ => SafeEnd::DriveOff,
             };
@@ -155,7 +161,7 @@ mod tests {
         vars.output.fault = Fault::WeakDrive;
         vars.output.numbers = Numbers { axis: 3, value: 0.0025, limit: 0.002, share: Some(0.3) };
         assert_eq!(numbers(&vars), ": axis 3 by `0.002500 m`, limit `0.002000 m`; it does `0.30` of what it is told");
-        vars.output.fault = Fault::FrozenTool;
+        vars.output.fault = Fault::FrozenSpindle;
         vars.output.numbers = Numbers { value: 0.51, limit: 0.5, ..Numbers::START };
         assert_eq!(numbers(&vars), ": `spindle_speed` stands for `0.51 s`, limit `0.50 s`");
         vars.output.fault = Fault::SpindleSlow;
@@ -174,9 +180,17 @@ mod tests {
         let plain = Numbers { value: 2.5, limit: 1.25, ..Numbers::START };
         let axis = Numbers { axis: 1, ..plain };
         let told = [
-            (Fault::ReadingJump, plain, ": `spindle_speed`, more than `1.25` samples"),
-            (Fault::LostReading, axis, ": `axis1.position`, more than `1.25` samples"),
-            (Fault::FrozenTool, plain, ": `spindle_speed` stands for `2.50 s`, limit `1.25 s`"),
+            (
+                Fault::SpindleJump,
+                plain,
+                ": `spindle_speed` = `1885 rad/s` for more than `limits.lost_samples` = `3` samples",
+            ),
+            (
+                Fault::LostReading,
+                axis,
+                ": `axis1.position` = `0 rad` for more than `limits.lost_samples` = `3` samples",
+            ),
+            (Fault::FrozenSpindle, plain, ": `spindle_speed` stands for `2.50 s`, limit `1.25 s`"),
             (Fault::FrozenReading, axis, ": axis 1 by `2.500000 rad`, limit `1.250000 rad`"),
             (Fault::WrongDelay, plain, ": they answer after `2.5` samples, `io_delay` = `1.25`"),
             (Fault::PatternTooLarge, plain, ": limit `32767 pulses`"),
@@ -189,8 +203,11 @@ mod tests {
             (vars.output.fault, vars.output.numbers) = (fault, numbers_of);
             assert_eq!(numbers(&vars), expected, "{fault:?}");
         }
-        vars.output.fault = Fault::InvalidInput;
+        vars.output.fault = Fault::LostSpindle;
         vars.input.spindle_speed = f64::INFINITY;
         assert!(numbers(&vars).contains("`spindle_speed` = `inf rad/s`"));
+        vars.output.fault = Fault::InvalidInput;
+        vars.input.speed_override = f64::NAN;
+        assert!(numbers(&vars).contains("`speed_override` = `NaN`"));
     }
 }

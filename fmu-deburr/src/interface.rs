@@ -69,10 +69,10 @@ mod variables {
     pub enum Fault {
         /// No fault
         None,
-        /// A reading was infinite or out of its plausible range, or `speed_override` no number, for more than `limits.lost_samples`, or before any good sample
-        InvalidInput,
-        /// A reading was for more than `limits.lost_samples` where neither axis nor tool can be
-        #[hint("look at the cable and the counter of the encoder, or at the speed sensor of the tool")] ReadingJump,
+        /// `speed_override` was NaN or infinite for more than `limits.lost_samples` samples
+        #[hint("check what is wired to `speed_override`")] InvalidInput,
+        /// The reading of an axis was for more than `limits.lost_samples` samples where the axis cannot be
+        #[hint("look at the cable and the counter of the encoder")] ReadingJump,
         /// An axis was told to move and its reading stands
         #[hint("does the encoder count, is the drive on and its brake open?")] FrozenReading,
         /// An axis does not follow, and its command swings from one side to the other
@@ -97,12 +97,16 @@ mod variables {
         #[hint("is there a part, and does the speed sensor of the tool live? `limits.spindle_change` = 0 allows it, `limits.idle_way` a gap")] NoCut,
         /// The job took longer than `limits.job_time`
         #[hint("look at what does not come to its end: an axis that never stands, or a feed that is too slow")] NoProgress,
-        /// A reading was NaN for more than `limits.lost_samples`
-        #[hint("look at the link to the encoder, or at the speed sensor of the tool")] LostReading,
+        /// The reading of an axis was NaN, infinite or absurd for more than `limits.lost_samples` samples, or before any good one
+        #[hint("look at the link to the encoder")] LostReading,
         /// The communication step is longer than a sample: several samples have the same inputs, and of their commands the last alone is seen
         #[hint("set the communication step of the importer to `sample_period`")] LongStep,
         /// The tool speed stands on the path and flickered before
-        #[hint("does the speed sensor of the tool live, and its link?")] FrozenTool,
+        #[hint("does the speed sensor of the tool live, and its link?")] FrozenSpindle,
+        /// The tool speed was NaN, infinite or absurd for more than `limits.lost_samples` samples, or before any good one
+        #[hint("look at the speed sensor of the tool and its link")] LostSpindle,
+        /// The tool speed changed faster than `limits.spindle_slew` while deburring, for more than `limits.lost_samples` samples
+        #[hint("has the tool stalled? look at its speed sensor, or raise `limits.spindle_slew`")] SpindleJump,
     }
     /// Law in force; Paper leaves `bank.format` and the sign of `load.k2` alone
     pub enum Law {
@@ -413,8 +417,8 @@ mod variables {
         pub spindle_change: f64,
         /// Longest way on the path without a cut after the first one, more than the longest gap of the burr; 0 for any
         #[var(unit = METRE as "mm", range = 0.0..=1e3, source = "our choice: any, because only the job knows its gaps")] pub idle_way: f64,
-        /// Samples in a row that are bridged when a reading cannot be believed
-        #[var(range = 0..=100, start = 3, source = "our choice: at 100 mm/s the tool is blind for 3 mm")] pub lost_samples: i32,
+        /// Samples in a row for which an input that cannot be believed is bridged; one more is a fault
+        #[var(range = 1..=100, start = 3, source = "our choice: at 100 mm/s the tool is blind for 3 mm")] pub lost_samples: i32,
         /// Longest time of a job, or of a lap of a cyclic path; time that is held does not count, nor at an override
         /// of 0 but for `Learn`, which has its own speeds.
         /// 0 for twice the time at the slowest feed, with motions to the start through the whole travel

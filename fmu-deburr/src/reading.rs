@@ -1,6 +1,7 @@
 //! Checks the inputs of a sample: what can be used, what stands in for the rest, and what is wrong.
 //!
-//! What is no number, or beyond any machine, is bridged like a jump; before there was a good sample nothing can stand in for it.
+//! What is no number, or beyond any machine, is bridged like a jump; before there was a good one nothing can stand in for a
+//! reading, and for the override rest does.
 
 use control_blocks::{Consecutive, JumpGuard, Reach, believable};
 use serde::{Deserialize, Serialize};
@@ -84,18 +85,17 @@ impl Reader {
         let positions = input.axis.map(|axis| number(axis.position, POSITION_MAX));
         let speed = number(input.spindle_speed, SPINDLE_MAX);
         let valid = input.speed_override.is_finite();
-        if self.used.is_none() && !(valid && speed.is_finite() && positions.iter().all(|position| position.is_finite()))
-        {
-            return (Reading::default(), Finding::plain(Fault::InvalidInput));
-        }
+        let placed = self.used.is_some() || positions.iter().all(|position| position.is_finite());
         self.invalid.update(!valid);
         let now = Reading {
             positions: std::array::from_fn(|i| self.read_axis(p, i, positions[i], known)),
             spindle_speed: self.read_spindle(p, speed, known.cuts),
             share: if valid { input.speed_override.clamp(0.0, 1.0) } else { self.used.unwrap_or_default().share },
         };
-        self.used = Some(now);
-        (now, self.doubted(p, input))
+        if placed {
+            self.used = Some(now);
+        }
+        (self.used.unwrap_or_default(), self.doubted(p, input))
     }
 
     fn read_axis(&mut self, p: &Parameters, i: usize, position: f64, known: &Known) -> f64 {
@@ -109,23 +109,22 @@ impl Reader {
         self.spindle.update(speed, Reach { motion, spread: 0.0 })
     }
 
-    /// The input that was doubted too long; axis 0 is the tool.
+    /// The input that was doubted too long.
     fn doubted(&self, p: &Parameters, input: &Input) -> Finding {
         let bridged = p.limits.lost_samples.unsigned_abs();
-        let axis = self.axes.iter().position(|axis| axis.guard.doubted() > bridged);
-        let (reading, most) = match axis {
-            Some(i) => (input.axis[i].position, POSITION_MAX),
-            None if self.spindle.doubted() > bridged => (input.spindle_speed, SPINDLE_MAX),
-            None if self.invalid.count() > bridged => return Finding::plain(Fault::InvalidInput),
-            None => return Finding::NONE,
+        let lost = |guard: &JumpGuard| guard.doubted() > if guard.believed().is_some() { bridged } else { 0 };
+        let (fault, axis) = if let Some(i) = self.axes.iter().position(|axis| lost(&axis.guard)) {
+            let number = believable(input.axis[i].position, POSITION_MAX);
+            (if number { Fault::ReadingJump } else { Fault::LostReading }, i as i32 + 1)
+        } else if lost(&self.spindle) {
+            let number = believable(input.spindle_speed, SPINDLE_MAX);
+            (if number { Fault::SpindleJump } else { Fault::LostSpindle }, 0)
+        } else if self.invalid.count() > bridged {
+            (Fault::InvalidInput, 0)
+        } else {
+            return Finding::NONE;
         };
-        let fault = match reading {
-            _ if reading.is_nan() => Fault::LostReading,
-            _ if !believable(reading, most) => Fault::InvalidInput,
-            _ => Fault::ReadingJump,
-        };
-        let axis = axis.map_or(0, |i| i as i32 + 1);
-        Finding { fault, numbers: Numbers { axis, limit: f64::from(bridged), ..Numbers::START } }
+        Finding { fault, numbers: Numbers { axis, ..Numbers::START } }
     }
 }
 
@@ -159,16 +158,27 @@ mod tests {
         for bad in with_nonsense(&good, &changes).into_iter().chain(absurd) {
             // a tool that does not cut may reach any speed in a sample
             for known in [REST, Known { cuts: false, ..REST }] {
-                // nothing to bridge with
+                let placed = bad.axis.iter().all(|axis| believable(axis.position, POSITION_MAX));
+                let fault = if !placed {
+                    Fault::LostReading
+                } else if believable(bad.spindle_speed, SPINDLE_MAX) {
+                    Fault::InvalidInput
+                } else {
+                    Fault::LostSpindle
+                };
+                // nothing to bridge a reading with
                 let (nothing, found) = Reader::default().read(&p, &bad, &known);
-                assert_eq!((nothing, found.fault), (Reading::default(), Fault::InvalidInput));
+                let told = if fault == Fault::InvalidInput { Fault::None } else { fault };
+                assert_eq!((nothing.positions, found.fault), (if placed { [0.5; AXES] } else { [0.0; AXES] }, told));
+                assert_eq!(
+                    (nothing.share > 0.0, nothing.spindle_speed > 0.0),
+                    (placed && told != Fault::None, placed && told == Fault::None)
+                );
                 let mut reader = Reader::default();
                 let (used, _) = reader.read(&p, &good, &known);
                 for _ in 0..3 {
                     assert_eq!(reader.read(&p, &bad, &known), (used, Finding::NONE), "{bad:?}");
                 }
-                let missing = bad.spindle_speed.is_nan() || bad.axis.iter().any(|axis| axis.position.is_nan());
-                let fault = if missing { Fault::LostReading } else { Fault::InvalidInput };
                 let (reading, found) = reader.clone().read(&p, &bad, &known);
                 assert_eq!((reading, found.fault), (used, fault), "{bad:?}");
                 assert_eq!(reader.read(&p, &good, &known), (used, Finding::NONE));
@@ -185,7 +195,8 @@ mod tests {
             let mut lost = at(0.5);
             *(if axis == 3 { &mut lost.axis[2].position } else { &mut lost.spindle_speed }) = f64::NAN;
             let found = [0; 4].map(|_| reader.read(&p, &lost, &REST).1);
-            assert_eq!((found[3].fault, found[3].numbers.axis), (Fault::LostReading, axis));
+            let fault = if axis == 3 { Fault::LostReading } else { Fault::LostSpindle };
+            assert_eq!((found[3].fault, found[3].numbers.axis), (fault, axis));
         }
     }
 
@@ -265,6 +276,6 @@ mod tests {
             assert_eq!((reading.spindle_speed, found), (1800.0, Finding::NONE));
         }
         let (_, found) = reader.read(&p, &lost, &REST);
-        assert_eq!((found.fault, found.numbers.axis), (Fault::ReadingJump, 0));
+        assert_eq!((found.fault, found.numbers.axis), (Fault::SpindleJump, 0));
     }
 }

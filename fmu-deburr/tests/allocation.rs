@@ -106,7 +106,7 @@ fn towards(fault: Fault) -> Loop {
             run.step_until(|output| output.state == State::Done);
             run
         }
-        Fault::FrozenTool => {
+        Fault::FrozenSpindle => {
             let mut run = Loop::new(|p| p.lookup.enable = false);
             run.input.mode = Mode::Deburr;
             for speed in [1885.0, 1886.0, 1887.0, 1886.0].into_iter().cycle() {
@@ -121,8 +121,10 @@ fn towards(fault: Fault) -> Loop {
         _ => running(Mode::Deburr, nothing),
     };
     match fault {
-        Fault::InvalidInput => run.input.spindle_speed = f64::INFINITY,
-        Fault::LostReading => run.input.spindle_speed = f64::NAN,
+        Fault::InvalidInput => run.input.speed_override = f64::NAN,
+        Fault::LostSpindle => run.input.spindle_speed = f64::NAN,
+        Fault::SpindleJump => run.input.spindle_speed = 0.0,
+        Fault::LostReading => run.share = f64::NAN,
         Fault::ReadingJump => run.input.axis[0].position += 0.5,
         Fault::SpindleSlow => run.input.spindle_speed = 1600.0,
         Fault::BankEmpty | Fault::PatternMismatch => run.input.mode = Mode::Playback,
@@ -133,7 +135,7 @@ fn towards(fault: Fault) -> Loop {
         Fault::Oscillation => run.input.mode = Mode::DryRun,
         Fault::FollowingError => run.share = 3.0,
         Fault::None | Fault::PatternTooLarge | Fault::NoCut | Fault::WrongDelay | Fault::NoProgress => {}
-        Fault::FrozenTool => {}
+        Fault::FrozenSpindle => {}
     }
     run
 }
@@ -146,7 +148,10 @@ fn no_fault_allocates() {
             run.step();
         }
         assert_eq!((run.output.state, run.output.fault), (State::Fault, *fault));
-        (run.input.spindle_speed, run.share) = (1885.0, 1.0);
+        (run.input.spindle_speed, run.input.speed_override, run.share) = (1885.0, 1.0, 1.0);
+        if *fault == Fault::LostReading {
+            run.input.axis = run.output.axis.map(|axis| AxisInput { position: axis.reference });
+        }
         run.step();
         run.input.reset_fault = true;
         run.step_until(|output| output.state == State::Idle);

@@ -9,12 +9,14 @@ use crate::check::check;
 use crate::detection::contact::DetectedContact;
 use crate::detection::detector::{Detector, Sample, samples};
 use crate::detection::guard::ForceGuard;
+use crate::faults::following_limit;
 use crate::force::deviation::MovingDeviation;
 use crate::force::notch::NotchCascade;
 use crate::force::observer::DisturbanceObserver;
 use crate::interface::{ContactSource, Fault, ForceOutput, Input, Output, Parameters, ReferenceOutput, State};
 use crate::machine::{Events, next};
 use crate::monitoring::monitors::Monitors;
+use crate::monitoring::numbers::{LateContact, Numbers};
 use crate::monitoring::rest_force::RestForce;
 use crate::motion::reference::Motion;
 use crate::motion::servo::{self, Amplifier, Integrator};
@@ -55,6 +57,7 @@ pub struct Controller {
     motion: Motion,
     /// tracking error as the drive went off, m
     strayed: f64,
+    numbers: Numbers,
     integrator: Integrator,
     amplifier: Amplifier,
 }
@@ -88,6 +91,7 @@ impl Controller {
             contact: None,
             motion: Motion::new(p),
             strayed: 0.0,
+            numbers: Numbers::START,
             integrator: Integrator::default(),
             amplifier: Amplifier::default(),
         })
@@ -172,7 +176,7 @@ impl Controller {
         } else if let (State::Fault, Some(graver)) = (state, events.fault)
             && graver.safe_end() > self.fault.safe_end()
         {
-            self.stop(graver, reading);
+            self.stop(p, graver, reading);
         }
     }
 
@@ -217,6 +221,12 @@ impl Controller {
                 let time = self.samples as f64 * p.sample_period;
                 self.contact =
                     events.contact.map(|source| DetectedContact { source, position, bias: p.contact_bias, time });
+                self.numbers.late =
+                    events.contact.filter(|source| *source == ContactSource::ForceGuard).map(|_| LateContact {
+                        position: p.direction() * position,
+                        force: self.force.notched - self.guard.before(),
+                        unseen: self.unseen(p, reading),
+                    });
             }
             (State::Fault, _) => {
                 if self.state.approaching() {
@@ -226,7 +236,7 @@ impl Controller {
                     self.contact = None;
                 }
                 if let Some(fault) = events.fault {
-                    self.stop(fault, reading);
+                    self.stop(p, fault, reading);
                 }
             }
             (State::Retract, _) if self.state.approaching() => {
@@ -244,13 +254,15 @@ impl Controller {
         self.deviation.clear();
         self.detector.reset(position);
         self.guard = ForceGuard::default();
-        (self.aborted, self.contact, self.waiting) = (false, None, true);
+        (self.aborted, self.contact, self.waiting, self.numbers) = (false, None, true, Numbers::START);
         (self.monitors.relief, self.monitors.job) = (RestForce::default(), Progress::default());
     }
 
     /// Names the fault and ends what must not go on.
-    fn stop(&mut self, fault: Fault, reading: &Reading) {
+    fn stop(&mut self, p: &Parameters, fault: Fault, reading: &Reading) {
         self.fault = fault;
+        self.numbers.force_left = self.force_left();
+        self.numbers.following_limit = following_limit(p) + self.motion.late(p);
         if fault.safe_end() == SafeEnd::DriveOff {
             self.strayed = reading.position.map_or(0.0, |z| self.motion.reference.position - z);
             self.integrator = Integrator::default();
@@ -330,6 +342,7 @@ impl Controller {
             },
             tracking_error: direction * error,
             drive_share: self.monitors.drive.share().unwrap_or(1.0),
+            numbers: self.numbers,
         };
     }
 }

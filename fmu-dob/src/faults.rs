@@ -3,6 +3,7 @@
 use control_blocks::{SafeEnd, ticks};
 
 use crate::interface::{Fault, Parameters, ThresholdOutput, Vars};
+use crate::monitoring::numbers::{LateContact, Unseen};
 use crate::motion::travel::{job_limit, learn_limit};
 use crate::reading::{Loss, Reading};
 
@@ -24,8 +25,8 @@ impl Fault {
         match self {
             Self::None
             | Self::TravelLimit
-            | Self::InvalidInput
             | Self::LostSpindle
+            | Self::SpindleJump
             | Self::LearnRejected
             | Self::LearnTimeout
             | Self::NoProgress => SafeEnd::Retract,
@@ -99,8 +100,8 @@ pub fn find(p: &Parameters, symptoms: &Symptoms) -> Option<Fault> {
         (Fault::FollowingError, s.astray >= ROW),
         (Fault::Overload, s.overloaded >= ROW),
         (Fault::WeakDrive, weak),
-        (Fault::InvalidInput, beyond(s.reading.invalid)),
-        (Fault::LostSpindle, s.steady_spindle && beyond(s.reading.spindle_lost)),
+        (Fault::LostSpindle, beyond(s.reading.invalid)),
+        (Fault::SpindleJump, s.steady_spindle && beyond(s.reading.spindle_lost)),
         (Fault::TravelLimit, s.travelled),
         (Fault::LearnRejected, s.learned.is_some_and(learned)),
         (Fault::LearnTimeout, s.learning),
@@ -145,11 +146,11 @@ pub fn numbers(vars: &Vars) -> String {
         Fault::ReadingJump => {
             format!(": `{} m` is beyond `limits.jump` = `{} m` {row}", vars.input.position, p.limits.jump)
         }
-        Fault::LostSpindle => format!(
+        Fault::SpindleJump => format!(
             ": `{} rad/s`, faster than `limits.spindle_acceleration` = `{} rad/s2` {row}",
             vars.input.spindle_speed, p.limits.spindle_acceleration
         ),
-        Fault::FollowingError => format!(": {error}, limit of the distance `{} m`", following_limit(p)),
+        Fault::FollowingError => format!(": {error}, limit of the distance `{} m`", output.numbers.following_limit),
         Fault::Saturation => {
             format!(": longer than `limits.saturated_time` = `{} s`; {error}", p.limits.saturated_time)
         }
@@ -166,18 +167,26 @@ pub fn numbers(vars: &Vars) -> String {
         Fault::LearnTimeout => format!(": `{} s`", learn_limit(p)),
         Fault::ContactRejected => {
             format!(
-                ": notched force `{} N`, limit `limits.force_left` = `{} N`",
-                output.force.notched, p.limits.force_left
+                ": `{} N` are left, limit `limits.force_left` = `{} N`",
+                output.numbers.force_left, p.limits.force_left
             )
         }
-        Fault::LateContact => format!(
-            ": `guard.force` = `{} N` was reached before the detector `{:?}` was armed or told a contact",
-            p.guard_force, p.detector
-        ),
+        Fault::LateContact => late_contact(p, output.numbers.late),
         Fault::NoProgress => format!(": `{} s`", job_limit(p, &p.approach)),
         Fault::LongStep => format!(": limit `{} s`", p.sample_period),
-        Fault::InvalidInput => format!(": `{} rad/s` {row}", vars.input.spindle_speed),
+        Fault::LostSpindle => format!(": `{} rad/s` {row}", vars.input.spindle_speed),
     }
+}
+
+fn late_contact(p: &Parameters, contact: Option<LateContact>) -> String {
+    let Some(LateContact { position, force, unseen }) = contact else { return String::new() };
+    let (limit, detector) = (p.guard_force, p.detector);
+    let why = match unseen {
+        Unseen::Unarmed => format!("before the detector `{detector:?}` was armed"),
+        Unseen::Doubted => format!("after readings that the detector `{detector:?}` could not count in full"),
+        Unseen::Missed => format!("which the armed detector `{detector:?}` had missed"),
+    };
+    format!(": at `{position:.7} m`, `{force:.3} N` of `guard.force` = `{limit} N`, {why}")
 }
 
 /// Largest distance (m) from the reference, besides what the stage is late: `limits.following_error`, or three times what the
@@ -261,8 +270,8 @@ mod tests {
             (|r, _, x| r.lost = x as u32, 7.0, 8.0, Fault::LostReading),
             (|r, _, x| (r.lost, r.loss) = (x as u32, Loss::Jumps), 7.0, 8.0, Fault::ReadingJump),
             (|r, _, x| (r.lost, r.loss) = (x as u32, Loss::Stands), 7.0, 8.0, Fault::FrozenReading),
-            (|r, _, x| r.spindle_lost = x as u32, 7.0, 8.0, Fault::LostSpindle),
-            (|r, _, x| r.invalid = x as u32, 7.0, 8.0, Fault::InvalidInput),
+            (|r, _, x| r.spindle_lost = x as u32, 7.0, 8.0, Fault::SpindleJump),
+            (|r, _, x| r.invalid = x as u32, 7.0, 8.0, Fault::LostSpindle),
             (|_, s, x| s.limited = x as u32, 9.0, 10.0, Fault::Saturation),
             (|_, s, x| s.reversals = x as u32, 5.0, 6.0, Fault::Oscillation),
             (|_, s, x| s.astray = x as u32, 2.0, 3.0, Fault::FollowingError),
@@ -325,7 +334,7 @@ mod tests {
         assert_eq!(find(&p, &all), Some(Fault::FrozenReading));
         assert_eq!(find(&p, &Symptoms { reading: &GOOD, ..all }), Some(Fault::Oscillation));
         let nonsense = Reading { invalid: 4, spindle_lost: 4, ..GOOD };
-        assert_eq!(find(&p, &symptoms(&nonsense)), Some(Fault::InvalidInput));
+        assert_eq!(find(&p, &symptoms(&nonsense)), Some(Fault::LostSpindle));
         assert_eq!(find(&p, &symptoms(&Reading { invalid: 4, ..LOST })), Some(Fault::LostReading));
         assert_eq!(
             find(&p, &Symptoms { reading: &GOOD, late: true, travelled: true, ..symptoms(&GOOD) }),
@@ -346,8 +355,27 @@ mod tests {
         for &fault in Fault::ALL {
             let mut vars = <Vars as fmi2_export::Interface>::START;
             vars.output.fault = fault;
+            vars.output.numbers.late = Some(LateContact { position: 0.0, force: 0.0, unseen: Unseen::Missed });
             assert_eq!(numbers(&vars).is_empty(), fault == Fault::None, "{fault:?}");
         }
+    }
+
+    #[test]
+    fn a_late_contact_tells_place_force_and_why_the_detector_was_silent() {
+        let mut vars = <Vars as fmi2_export::Interface>::START;
+        vars.output.fault = Fault::LateContact;
+        for (unseen, why) in [
+            (Unseen::Unarmed, "before the detector `SlopePaper` was armed"),
+            (Unseen::Doubted, "after readings that the detector `SlopePaper` could not count in full"),
+            (Unseen::Missed, "which the armed detector `SlopePaper` had missed"),
+        ] {
+            vars.output.numbers.late = Some(LateContact { position: 5.12e-5, force: 0.4321, unseen });
+            let expected = format!(": at `0.0000512 m`, `0.432 N` of `guard.force` = `0.4 N`, {why}");
+            let detector = format!("{:?}", vars.in_force.detector);
+            assert_eq!(numbers(&vars), expected.replace("SlopePaper", &detector));
+        }
+        (vars.output.fault, vars.output.numbers.force_left) = (Fault::ContactRejected, 0.31);
+        assert!(numbers(&vars).starts_with(": `0.31 N` are left"), "{}", numbers(&vars));
     }
 
     #[test]

@@ -8,6 +8,7 @@ pub use variables::*;
 #[fmi2_export::interface]
 mod variables {
     use control_blocks::DELAY_MAX;
+    use crate::monitoring::numbers::Numbers;
     use fmi2_export::{Unit, units::*};
 
     /// Most spindle harmonics that filters can hold.
@@ -49,7 +50,7 @@ mod variables {
         /// `position` is where the stage cannot be, for too many samples in a row
         #[hint("check the encoder, its link and its noise against `limits.jump`")] ReadingJump,
         /// `spindle_speed` changes faster than a spindle can, for too many samples in a row
-        #[hint("check the signal of the spindle, or raise `limits.spindle_acceleration`")] LostSpindle,
+        #[hint("check the signal of the spindle, or raise `limits.spindle_acceleration`")] SpindleJump,
         /// The stage is too far from its reference
         #[hint("check that the stage moves freely, `stage.mass`, `stage.force_constant` and `io_delay`")] FollowingError,
         /// The current was at its limit for longer than `limits.saturated_time`
@@ -71,11 +72,11 @@ mod variables {
         /// The job took longer than it may
         #[hint("check what holds it up, or raise `limits.job_time`")] NoProgress,
         /// `spindle_speed` was NaN, infinite or beyond 1e5 rad/s for too many samples in a row
-        #[hint("check what is connected to this input, and its unit")] InvalidInput,
+        #[hint("check what is connected to this input, and its unit")] LostSpindle,
         /// The communication step is longer than a sample: several samples have the same inputs, and of their commands the last alone is seen
         #[hint("set the communication step of the importer to `sample_period`")] LongStep,
         /// The force guard found the contact: the detector was not armed yet, or had missed it, and the tool was deeper than it lets it
-        #[hint("start farther from the workpiece, or choose a `detector` that sees this contact at this speed; look for vibration that hides it")] LateContact,
+        #[hint("start farther from the workpiece, or choose a `detector` that sees this contact at this speed; look for vibration that hides it, and for readings that jump")] LateContact,
     }
     /// What detected the contact
     pub enum ContactSource {
@@ -164,6 +165,8 @@ mod variables {
         #[var(unit = METRE as "nm")] pub tracking_error: f64,
         /// Share of the commanded force that accelerates the stage; 1 until enough was commanded to tell
         #[var(unit = ONE, start = 1.0)] pub drive_share: f64,
+        /// Numbers that are told with a fault.
+        #[var(hidden, start = Numbers::START)] pub numbers: Numbers,
     }
     /// Chain of force estimates; positive when the workpiece pushes back
     pub struct ForceOutput {
@@ -282,8 +285,8 @@ mod variables {
     }
     /// Limits beyond which there is a fault
     pub struct Limits {
-        /// Bad samples in a row that are bridged: a position that is lost, stands or jumps, a spindle speed that cannot be
-        #[var(range = 0..=100, start = 3, source = "our choice")] pub lost_samples: i32,
+        /// Samples in a row for which an input that cannot be believed is bridged; one more is a fault
+        #[var(range = 1..=100, start = 3, source = "our choice")] pub lost_samples: i32,
         /// Time with the current at its limit that is tolerated
         #[var(unit = SECOND as "ms", range = 0.0..=10.0, start = 5e-3, source = "our choice: ten times the 0.5 ms of the hardest acceleration")] pub saturated_time: f64,
         /// Largest plausible sigma of the learned slope

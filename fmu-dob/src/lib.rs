@@ -10,7 +10,7 @@ mod faults;
 mod force;
 pub mod interface;
 mod machine;
-mod monitoring;
+pub mod monitoring;
 mod motion;
 mod reading;
 

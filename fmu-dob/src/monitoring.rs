@@ -2,5 +2,6 @@
 
 pub mod drive;
 pub mod monitors;
+pub mod numbers;
 pub mod rest;
 pub mod rest_force;

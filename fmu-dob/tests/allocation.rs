@@ -69,7 +69,7 @@ fn every_fault_and_its_reset() {
         (Fault::Saturation, &weak, |_| ()),
         (Fault::LearnRejected, &strict, |_| ()),
         (Fault::FrozenReading, &p, |input| input.position = input.position.min(4e-5)),
-        (Fault::InvalidInput, &p, |input| input.spindle_speed = f64::NAN),
+        (Fault::LostSpindle, &p, |input| input.spindle_speed = f64::NAN),
         (Fault::LateContact, &p, |_| ()),
     ];
     for (fault, p, cause) in cases {

@@ -13,7 +13,8 @@ use crate::interface::{ErrorOutput, Fault, Input, Mode, Output, Parameters};
 use crate::interface::{ReferenceOutput, ResponseOutput, State};
 use crate::machine::{Events, Request, next};
 use crate::monitoring::feed::FeedWatch;
-use crate::monitoring::watch::{Sample, Watch, overdue};
+use crate::monitoring::numbers::Numbers;
+use crate::monitoring::watch::{Sample, Watch, late};
 use crate::motion::ending::Ending;
 use crate::motion::hold::{HoldMotion, duration};
 use crate::motion::sweep::sweep;
@@ -49,6 +50,8 @@ pub struct Controller {
     watch: Watch,
     feed: FeedWatch,
     job: Progress,
+    /// time and limit (s) of a job that takes too long
+    late: Option<[f64; 2]>,
     /// the last command, N.m
     torque: f64,
     hold: HoldMotion,
@@ -97,6 +100,7 @@ impl Controller {
             watch: Watch::default(),
             feed: FeedWatch::default(),
             job: Progress::default(),
+            late: None,
             torque: 0.0,
             hold: HoldMotion::at(0.0),
             tracker,
@@ -146,6 +150,10 @@ impl Controller {
         if self.request.renewed() {
             self.job.restart();
         }
+        // of a fault the last is told
+        if self.state != State::Fault {
+            self.late = late(p, self.tracker.path(), self.identification.duration(), self.state, &self.job);
+        }
         let events = Events {
             fault: faults::find(p, &self.situation(p, mode, reading)),
             reset: self.reset_fault.rises(input.reset_fault),
@@ -184,8 +192,8 @@ impl Controller {
             missing: self.reader.missing(),
             long_step: self.long_step,
             found: if self.closed() { self.watch.find(p, self.arm.length) } else { None },
-            feed_lost: self.on_path() && self.feed.lost(),
-            overdue: overdue(p, path, self.identification.duration(), self.state, &self.job),
+            feed_lost: self.on_path() && self.feed.lost().is_some(),
+            overdue: self.state != State::Fault && self.late.is_some(),
             path: wanted.then_some(path),
             outside: if self.on_path() {
                 self.left(reading) && !path.cut_over(self.joined, reading.slide_position)
@@ -430,6 +438,7 @@ impl Controller {
         output.path_torque = needed_torque(p, path, speed);
         output.path_torque_share = self.tracker.torque_share();
         output.path_truncation = path.truncation;
+        output.numbers = Numbers { late: self.late, fed: self.feed.lost(), table: path.ends(), ..self.watch.numbers() };
         output.calibration = self.calibration.report();
         output.identify_progress = self.identification.progress();
         if let Some(response) = self.response.take() {

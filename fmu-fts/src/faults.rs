@@ -2,7 +2,11 @@
 
 use control_blocks::SafeEnd;
 
+use crate::interface::Fault::{FrozenReading, FrozenSlide, FrozenSpindle, LostReading, LostSlide, LostSpindle};
+use crate::interface::Fault::{ReadingJump, SlideJump, SpindleJump};
 use crate::interface::{Fault, Parameters, Vars};
+use crate::monitoring::numbers::Numbers;
+use crate::monitoring::watch::{REVERSALS, SETTLED};
 use crate::path::feasibility::{available_torque, needed_torque};
 use crate::path::path_table::PathTable;
 use crate::reading::{Loss, Missing};
@@ -55,7 +59,11 @@ impl Fault {
             | Self::OutsideTable
             | Self::InvalidInput
             | Self::LostSpindle
+            | Self::SpindleJump
+            | Self::FrozenSpindle
             | Self::LostSlide
+            | Self::SlideJump
+            | Self::FrozenSlide
             | Self::NoProgress
             | Self::Divergence => SafeEnd::Retract,
             Self::FollowingError
@@ -74,24 +82,23 @@ impl Fault {
 /// The gravest fault of this sample, its cause before its consequences.
 pub fn find(p: &Parameters, now: &Situation) -> Option<Fault> {
     let Situation { missing, spindle_speed, .. } = *now;
-    let arm = missing.arm.map(|loss| match loss {
-        Loss::Invalid => Fault::LostReading,
-        Loss::Frozen => Fault::FrozenReading,
-        Loss::Jump => Fault::ReadingJump,
-    });
+    let of = |loss: Option<Loss>, [invalid, frozen, jump]: [Fault; 3]| {
+        loss.map(|loss| match loss {
+            Loss::Invalid => invalid,
+            Loss::Frozen => frozen,
+            Loss::Jump => jump,
+        })
+    };
     now.long_step
         .then_some(Fault::LongStep)
-        .or(arm)
+        .or(of(missing.arm, [LostReading, FrozenReading, ReadingJump]))
         .or(now.found)
         .or(missing.hold.then_some(Fault::InvalidInput))
         .or(now.path.and_then(|path| {
-            let axis = |loss: Option<Loss>, own| {
-                loss.map(|loss| if loss == Loss::Invalid { Fault::InvalidInput } else { own })
-            };
             let infeasible = needed_torque(p, path, spindle_speed) > available_torque(p);
-            axis(missing.spindle, Fault::LostSpindle)
-                .or(axis(missing.slide, Fault::LostSlide))
-                .or(now.feed_lost.then_some(Fault::LostSlide))
+            of(missing.spindle, [LostSpindle, FrozenSpindle, SpindleJump])
+                .or(of(missing.slide, [LostSlide, FrozenSlide, SlideJump]))
+                .or(now.feed_lost.then_some(FrozenSlide))
                 .or(now.outside.then_some(Fault::OutsideTable))
                 .or(infeasible.then_some(Fault::Infeasible))
         }))
@@ -101,8 +108,17 @@ pub fn find(p: &Parameters, now: &Situation) -> Option<Fault> {
 /// The numbers behind a fault.
 pub fn numbers(vars: &Vars) -> String {
     let Vars { input, output, in_force: p, .. } = vars;
-    let share =
-        format!("`{:.2}` of what the torque should do, at least `{}`", output.drive_share, p.limits.drive_share);
+    let Numbers { saturated, turns, begin, late, fed, table: [first, last] } = output.numbers;
+    let share = format!(
+        "`{:.2}` of what the torque should do, at least `limits.drive_share` = `{}`",
+        output.drive_share, p.limits.drive_share
+    );
+    let lost = format!("more than `limits.lost_samples` = `{}` readings", p.limits.lost_samples);
+    let error = format!(
+        "error over a turn `{:.1} um`, `limits.tracking_error` = `{:.1} um`",
+        1e6 * output.error.rms,
+        1e6 * p.limits.tracking_error
+    );
     match output.fault {
         Fault::None => String::new(),
         Fault::FollowingError => format!(
@@ -110,20 +126,19 @@ pub fn numbers(vars: &Vars) -> String {
             1e3 * output.error.tracking,
             1e3 * p.limits.following_error
         ),
-        Fault::DriveSign | Fault::WeakDrive | Fault::Saturation | Fault::Oscillation => {
-            format!(": the arm does {share}; torque limit `{} N.m`", p.servo.torque_max)
+        Fault::DriveSign | Fault::WeakDrive => format!(": the arm does {share}"),
+        Fault::Saturation => format!(
+            ": `{saturated:.2}` of the samples at `servo.torque_max` = `{} N.m`, at most `limits.saturated_share` = `{}`",
+            p.servo.torque_max, p.limits.saturated_share
+        ),
+        Fault::Oscillation => {
+            format!(": `{REVERSALS}` times from limit to limit of `servo.torque_max` = `{} N.m`", p.servo.torque_max)
         }
-        Fault::NoProgress => format!(
-            ": error over a turn `{:.1} um`, limit `{:.1} um`; `limits.job_time` = `{} s`",
-            1e6 * output.error.rms,
-            1e6 * p.limits.tracking_error,
-            p.limits.job_time
-        ),
-        Fault::Divergence => format!(
-            ": doubled from turn to turn, to `{:.1} um`, beyond `limits.tracking_error` = `{:.1} um`",
-            1e6 * output.error.rms,
-            1e6 * p.limits.tracking_error
-        ),
+        Fault::NoProgress => match late {
+            Some([time, limit]) => format!(": `{time:.1} s`, limit `{limit:.1} s`"),
+            None => format!(": {error}, for `{} s` of learning", SETTLED * p.afc.tau),
+        },
+        Fault::Divergence => format!(": from `{:.1} um` in `{turns}` turns; {error}", 1e6 * begin),
         Fault::Infeasible => format!(
             ": needed `{:.3} N.m` at `{:.2} rad/s`, available `{:.3} N.m`",
             output.path_torque,
@@ -131,15 +146,23 @@ pub fn numbers(vars: &Vars) -> String {
             available_torque(p)
         ),
         Fault::LongStep => format!(": limit `{} s`", p.sample_period),
-        Fault::OutsideTable => format!(": `slide_position` = `{} m`", input.slide_position),
-        Fault::LostReading | Fault::FrozenReading | Fault::ReadingJump => format!(
-            ": `arm_angle` = `{} rad`, wanted `{} rad`, more than `{}` readings",
-            input.arm_angle, output.reference.angle, p.limits.lost_samples
-        ),
-        Fault::InvalidInput | Fault::LostSpindle | Fault::LostSlide => format!(
-            ": `spindle_angle` = `{} rad`, `slide_position` = `{} m`, `hold_angle` = `{} rad`",
-            input.spindle_angle, input.slide_position, input.hold_angle
-        ),
+        Fault::OutsideTable => {
+            format!(": `slide_position` = `{} m`, the table is from `{first} m` to `{last} m`", input.slide_position)
+        }
+        LostReading | FrozenReading | ReadingJump => {
+            format!(": `arm_angle` = `{} rad`, wanted `{} rad`, {lost}", input.arm_angle, output.reference.angle)
+        }
+        LostSpindle | FrozenSpindle | SpindleJump => {
+            format!(": `spindle_angle` = `{} rad`, {lost}", input.spindle_angle)
+        }
+        LostSlide | FrozenSlide | SlideJump => match fed.filter(|_| output.fault == FrozenSlide) {
+            Some(way) => format!(
+                ": `slide_position` went `{way:.2e} m` in a turn, `limits.feed` = `{} m` within half of it",
+                p.limits.feed
+            ),
+            None => format!(": `slide_position` = `{} m`, {lost}", input.slide_position),
+        },
+        Fault::InvalidInput => format!(": `hold_angle` = `{} rad`, {lost}", input.hold_angle),
     }
 }
 
@@ -163,13 +186,41 @@ mod tests {
         for fault in Fault::ALL {
             let end = match fault {
                 Fault::None | Fault::Infeasible | Fault::OutsideTable | Fault::InvalidInput => SafeEnd::Retract,
-                Fault::LostSpindle | Fault::LostSlide | Fault::NoProgress | Fault::Divergence => SafeEnd::Retract,
+                Fault::LostSpindle | Fault::SpindleJump | Fault::FrozenSpindle => SafeEnd::Retract,
+                Fault::LostSlide | Fault::SlideJump | Fault::FrozenSlide => SafeEnd::Retract,
+                Fault::NoProgress | Fault::Divergence => SafeEnd::Retract,
                 Fault::LostReading | Fault::FrozenReading | Fault::ReadingJump => SafeEnd::DriveOff,
                 Fault::DriveSign | Fault::WeakDrive | Fault::Oscillation => SafeEnd::DriveOff,
                 Fault::FollowingError | Fault::Saturation | Fault::LongStep => SafeEnd::DriveOff,
             };
             assert_eq!(fault.safe_end(), end, "{fault:?}");
         }
+    }
+
+    #[test]
+    fn a_fault_tells_what_was_judged_and_its_limit() {
+        let mut vars = <Vars as fmi2_export::Interface>::START;
+        vars.input.spindle_angle = 7.0;
+        vars.output.error.rms = 50e-6;
+        vars.output.numbers =
+            Numbers { saturated: 0.31, turns: 5, begin: 24e-6, late: None, fed: Some(1e-6), table: [0.04, 0.09] };
+        let tracking = "error over a turn `50.0 um`, `limits.tracking_error` = `20.0 um`";
+        let mut told = |fault, expected: &str| {
+            vars.output.fault = fault;
+            assert_eq!(numbers(&vars), expected, "{fault:?}");
+        };
+        told(
+            Fault::Saturation,
+            ": `0.31` of the samples at `servo.torque_max` = `7 N.m`, at most `limits.saturated_share` = `0.18`",
+        );
+        told(Fault::Divergence, &format!(": from `24.0 um` in `5` turns; {tracking}"));
+        told(Fault::NoProgress, &format!(": {tracking}, for `2.4 s` of learning"));
+        told(SpindleJump, ": `spindle_angle` = `7 rad`, more than `limits.lost_samples` = `3` readings");
+        told(FrozenSlide, ": `slide_position` went `1.00e-6 m` in a turn, `limits.feed` = `0 m` within half of it");
+        told(Fault::OutsideTable, ": `slide_position` = `0 m`, the table is from `0.04 m` to `0.09 m`");
+        vars.output.numbers.late = Some([61.0, 60.0]);
+        vars.output.fault = Fault::NoProgress;
+        assert_eq!(numbers(&vars), ": `61.0 s`, limit `60.0 s`");
     }
 
     #[test]

@@ -15,6 +15,7 @@ mod variables {
 
     use crate::lists::frequencies::{COUNT_MAX, Frequencies};
     use crate::lists::harmonics::Harmonics;
+    use crate::monitoring::numbers::Numbers;
 
     /// Harmonics of the tracking error that are reported.
     pub const ERROR_HARMONICS: usize = 24;
@@ -74,18 +75,18 @@ mod variables {
         #[hint("turn slower, or end the cut at a smaller `surface.outer_radius`")] Infeasible,
         /// The slide is where the path has no table
         #[hint("move the slide between `surface.outer_radius` and `surface.inner_radius`, or to the rows of `path.file`")] OutsideTable,
-        /// `hold_angle`, the spindle angle or the slide position is NaN, infinite or absurd
-        #[hint("check the encoders and what is wired to the inputs")] InvalidInput,
+        /// `hold_angle` is NaN, infinite or absurd
+        #[hint("check what is wired to `hold_angle`")] InvalidInput,
         /// The arm encoder gives NaN, infinite or absurd readings
         #[hint("check the arm encoder and its link")] LostReading,
         /// The arm encoder stands though the arm must move
         #[hint("check the arm encoder; communicate in steps of `sample_period`; with an arm that sticks, allow more `limits.disturbance`")] FrozenReading,
         /// The arm encoder reads where the arm cannot be
         #[hint("check the arm encoder and its link, what has hit the arm, and `servo.inertia` and `tip.*`; with a coarse or noisy encoder allow more `limits.arm_spread`")] ReadingJump,
-        /// The spindle encoder stands or jumps while the path needs it
-        #[hint("check the spindle encoder; communicate in steps of `sample_period`; with a coarse or quick spindle, allow more `limits.spindle_spread` or `limits.spindle_acceleration`")] LostSpindle,
-        /// The slide reading jumps while the path needs it, or does not go on with `limits.feed`
-        #[hint("check the slide encoder, or allow more `limits.slide_speed`; set `limits.feed` to 0 if the slide may stand")] LostSlide,
+        /// The spindle encoder gives NaN, infinite or absurd readings while the path needs it
+        #[hint("check the spindle encoder and its link")] LostSpindle,
+        /// The slide encoder gives NaN, infinite or absurd readings while the path needs it
+        #[hint("check the slide encoder and its link")] LostSlide,
         /// The torque was at its limit for too long
         #[hint("turn slower, or look for what is in the way of the arm")] Saturation,
         /// The arm accelerates against the torque
@@ -100,6 +101,14 @@ mod variables {
         #[hint("set the communication step of the importer to `sample_period`")] LongStep,
         /// The error grows from turn to turn: the cut or the cancellation is not stable
         #[hint("cut less deep or at another speed; check `servo.inertia`, `io_delay` and `response.file`, or allow more `afc.tau`")] Divergence,
+        /// The spindle encoder reads where the spindle cannot be while the path needs it
+        #[hint("check the spindle encoder; communicate in steps of `sample_period`; with a coarse or quick spindle, allow more `limits.spindle_spread` or `limits.spindle_acceleration`")] SpindleJump,
+        /// The spindle encoder stands though the spindle must turn, while the path needs it
+        #[hint("check the spindle encoder, or allow more `limits.spindle_acceleration` to a spindle that is stopped; communicate in steps of `sample_period`")] FrozenSpindle,
+        /// The slide encoder reads where the slide cannot be while the path needs it
+        #[hint("check the slide encoder, or allow more `limits.slide_speed`")] SlideJump,
+        /// The slide encoder stands, or does not go on with `limits.feed`, while the path needs it
+        #[hint("check the slide encoder; set `limits.feed` to 0 if the slide may stand")] FrozenSlide,
     }
     /// How the calibration goes
     pub enum Status {
@@ -208,6 +217,8 @@ mod variables {
         pub response: ResponseOutput,
         /// Part of the measurement of the response that is over, 0 to 1
         #[var(name = "identify.progress", unit = ONE)] pub identify_progress: f64,
+        /// Numbers of the monitors, which are told with a fault.
+        #[var(hidden, start = Numbers::START)] pub numbers: Numbers,
     }
     /// Where the tool should be, before feedforward and cancellation.
     pub struct ReferenceOutput {
@@ -407,7 +418,7 @@ mod variables {
         #[var(unit = METRE as "um", range = 1e-6..=0.1, start = 1e-3, source = "our choice")] pub following_error: f64,
         /// Part of `servo.torque_max` that a path may need
         #[var(unit = ONE, range = 0.1..=1.0, start = 0.9, source = "our choice: the rest is for control")] pub torque_share: f64,
-        /// Readings in a row that may be lost, while the motion of the axis stands in for them; no more than one of three for long
+        /// Samples in a row for which an input that cannot be believed is bridged; no more than one of three for long; one more is a fault
         #[var(range = 1..=100, start = 3, source = "derived: the fourth is the fault; 30 um at 500 m/s2 meanwhile")] pub lost_samples: i32,
         /// Largest difference of two readings of the arm at rest
         #[var(unit = RADIAN, range = 1e-9..=0.1, start = 2e-5, source = "derived: 1.6 um at the tool, 26 steps of the encoder")] pub arm_spread: f64,

@@ -4,4 +4,5 @@ pub mod drive;
 pub mod feed;
 pub mod growth;
 pub mod life;
+pub mod numbers;
 pub mod watch;

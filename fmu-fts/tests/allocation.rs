@@ -93,8 +93,8 @@ fn no_fault_allocates() {
     type Spoil = fn(&mut Input);
     let wrong: [(Fault, Spoil); 5] = [
         (Fault::ReadingJump, |input| input.arm_angle += 0.1),
-        (Fault::LostSpindle, |input| input.spindle_angle *= 10.0),
-        (Fault::LostSlide, |input| input.slide_position = 1.0),
+        (Fault::SpindleJump, |input| input.spindle_angle *= 10.0),
+        (Fault::SlideJump, |input| input.slide_position = 1.0),
         (Fault::LostReading, |input| input.arm_angle = f64::NAN),
         (Fault::InvalidInput, |input| input.hold_angle = f64::NAN),
     ];

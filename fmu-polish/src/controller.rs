@@ -375,13 +375,23 @@ impl Controller {
             misalignment: MisalignmentOutput { shift: shift.into(), rx: turn.x, ry: turn.y, rz: turn.z },
             ripple_frozen: self.normal.ripple.frozen(),
             path_length: self.path.length(),
-            numbers: self.numbers(p),
+            numbers: self.numbers(p, now),
         }
     }
 
-    fn numbers(&self, p: &Parameters) -> Numbers {
+    fn numbers(&self, p: &Parameters, now: &Measurement) -> Numbers {
         let (time, time_limit) = self.time.seconds(p);
-        Numbers { share: self.axes.share(p), time, time_limit }
+        Numbers {
+            share: self.axes.share(p),
+            time,
+            time_limit,
+            norm: now.force.norm,
+            zero: self.sensor.zero().norm(),
+            angle: self.contact.angle(&now.frame.normal),
+            surface: now.surface,
+            noise: self.force.noise(),
+            force_error: self.force.error(p),
+        }
     }
 }
 

@@ -7,7 +7,8 @@ use crate::force::contact::{ContactMonitor, Measurement};
 use crate::interface::{Fault, Parameters, State, Vars};
 use crate::monitoring::axis::AxisMonitor;
 use crate::monitoring::force::{ForceMonitor, ForceSample};
-use crate::reading::Reading;
+use crate::monitoring::numbers::Numbers;
+use crate::reading::{Doubt, Reading};
 
 /// From what a fault is found.
 pub struct Evidence<'a> {
@@ -75,10 +76,13 @@ fn readings(p: &Parameters, seen: &Evidence) -> Option<Fault> {
     let beyond = reading.position.abs() - 0.5 * p.stroke.vector();
     first([
         (Fault::EmergencyStop, reading.stopped),
-        (Fault::LostReading, seen.moves() && reading.lost > most),
-        (Fault::ReadingJump, seen.moves() && reading.doubted > most),
-        (Fault::InvalidInput, seen.working() && reading.invalid > most),
+        (Fault::LostReading, seen.moves() && reading.position_doubt.lost > most),
+        (Fault::ReadingJump, seen.moves() && reading.position_doubt.doubted > most),
         (Fault::Stroke, seen.moves() && beyond.max() > 0.0),
+        // on the way out no force is needed
+        (Fault::LostForce, seen.working() && reading.force_doubt.lost > most),
+        (Fault::ForceJump, seen.working() && reading.force_doubt.doubted > most),
+        (Fault::InvalidInput, seen.working() && reading.invalid > most),
     ])
 }
 
@@ -91,7 +95,7 @@ fn start(p: &Parameters, seen: &Evidence) -> Option<Fault> {
 
 fn axes(p: &Parameters, seen: &Evidence) -> Option<Fault> {
     // the model moves on while the last good reading stands in for a bad one
-    if seen.moves() && seen.reading.fresh { seen.axes.fault(p) } else { None }
+    if seen.moves() && seen.reading.position_doubt == Doubt::default() { seen.axes.fault(p) } else { None }
 }
 
 fn job(p: &Parameters, seen: &Evidence) -> Option<Fault> {
@@ -147,7 +151,8 @@ impl Fault {
             None | ForceLimit | SettleTimeout | LostContact | InvalidInput | InvalidPath | ApproachTimeout => {
                 SafeEnd::Retract
             }
-            PositionError | SurfaceError | FrozenForce | Saturation | NoisyForce | Oscillation => SafeEnd::Retract,
+            LostForce | ForceJump | FrozenForce | PositionError | SurfaceError | Saturation | NoisyForce
+            | Oscillation => SafeEnd::Retract,
             ForceError | WrongStiffness | UnstableLoop | UnloadTimeout | NoProgress | NoSliding => SafeEnd::Retract,
             Stroke | EmergencyStop | TareRejected | NotAtStart => SafeEnd::Stop,
             LostReading | ReadingJump | FrozenReading | FollowingError | DriveSign | WeakDrive => SafeEnd::DriveOff,
@@ -159,52 +164,61 @@ impl Fault {
 pub fn numbers(vars: &Vars) -> String {
     let (output, p) = (&vars.output, &vars.in_force);
     let (x, f, force, error) = (vars.input.position, vars.input.force, output.force, output.error);
+    let n: Numbers = output.numbers;
     let place = format!("at `{:.3}` of the path", output.progress);
+    let (position, raw) = (format!("`{} {} {} m`", x.x, x.y, x.z), format!("`{} {} {} N`", f.x, f.y, f.z));
+    let row = p.limits.lost_samples;
     match output.fault {
         Fault::None | Fault::EmergencyStop => String::new(),
-        Fault::ForceLimit => format!(" = `{} N` {place}", p.limits.force),
-        Fault::SettleTimeout => format!(" = `{} s`: `{:.2} N`", p.settle.time_max, force.measured),
-        Fault::LostContact => format!(" {place}: `{:.2} N`", force.measured),
+        Fault::ForceLimit => format!(" = `{} N` {place}: `{:.2} N`", p.limits.force, n.norm),
+        Fault::SettleTimeout => {
+            format!(" = `{} s`: `{:.2} N` of `{} N`", p.settle.time_max, force.measured, p.force.target)
+        }
+        Fault::LostContact => format!(" {place}: `{:.2} N` of `{} N`", force.measured, p.limits.lost_force),
         Fault::InvalidInput => {
-            format!(
-                ": `feed_override` = `{}`, `force_override` = `{}`",
-                vars.input.feed_override, vars.input.force_override
-            )
+            let (feed, force) = (vars.input.feed_override, vars.input.force_override);
+            format!(" = `{row}`: `feed_override` = `{feed}`, `force_override` = `{force}`")
         }
-        Fault::LostReading | Fault::ReadingJump => {
-            format!(
-                " = `{}`: position `{} {} {} m`, force `{} {} {} N`",
-                p.limits.lost_samples, x.x, x.y, x.z, f.x, f.y, f.z
-            )
-        }
+        Fault::LostReading | Fault::ReadingJump => format!(" = `{row}`: position {position}"),
+        Fault::LostForce | Fault::ForceJump => format!(" = `{row}` {place}: raw force {raw}"),
         Fault::InvalidPath => format!(
-            " {place}: mean angle beyond `limits.force_angle` = `{} rad`, with `{:.2} N` and a raw force of `{} {} {} N`",
-            p.limits.force_angle, force.measured, f.x, f.y, f.z
+            " {place}: mean angle `{:.3} rad`, `limits.force_angle` = `{} rad`, with `{:.2} N` and a raw force of {raw}",
+            n.angle, p.limits.force_angle, force.measured
         ),
-        Fault::ApproachTimeout => {
+        Fault::ApproachTimeout => format!(
+            ": `{} m` down, or more than `{} m` below it, is `{:.6} m` below it, with `{:.2} N`",
+            p.approach.travel_max, p.limits.approach_depth, error.normal, force.measured
+        ),
+        Fault::PositionError => format!(
+            " = `{} m`: `{:.6} m` along, `{:.6} m` beside",
+            p.limits.position_error, error.tangential, error.lateral
+        ),
+        Fault::Stroke => format!(": position {position}, `stroke` = `{} {} {} m`", p.stroke.x, p.stroke.y, p.stroke.z),
+        Fault::TareRejected => format!(" = `{} N`: `{:.2} N`", p.limits.tare_force, n.zero),
+        Fault::NotAtStart => format!(
+            ": `{:.6} m` above it, `{:.6} m` beside, `limits.start_offset` = `{} m`",
+            -error.normal,
+            error.beside(),
+            p.limits.start_offset
+        ),
+        Fault::SurfaceError => format!(" = `{} m` {place}: `{:.6} m`", p.limits.surface_error, n.surface),
+        Fault::FrozenReading | Fault::FollowingError | Fault::DriveSign | Fault::WeakDrive => {
+            let (e, limit) = (output.following, p.limits.following_error);
+            let share = n.share.map_or(String::new(), |share| format!("; it does `{share:.2}` of what it is told"));
             format!(
-                ": `{} m` down, `{:.6} m` below it, with `{:.2} N`",
-                p.approach.travel_max, error.normal, force.measured
+                " {place}: `{:.6} {:.6} {:.6} m` from where the pulses bring it, limit `{limit} m`{share}",
+                e.x, e.y, e.z
             )
         }
-        Fault::PositionError => format!(": `{:.6} m` along, `{:.6} m` beside", error.tangential, error.lateral),
-        Fault::Stroke => format!(": position `{} {} {} m`", x.x, x.y, x.z),
-        Fault::TareRejected => format!(" = `{} N`: raw force `{} {} {} N`", p.limits.tare_force, f.x, f.y, f.z),
-        Fault::NotAtStart => format!(": `{:.6} m` above it, `{:.6} m` beside", -error.normal, error.beside()),
-        Fault::SurfaceError => format!(" = `{} m` {place}", p.limits.surface_error),
-        Fault::FrozenReading | Fault::FollowingError | Fault::DriveSign | Fault::WeakDrive => {
-            let e = output.following;
-            let share = output
-                .numbers
-                .share
-                .map_or(String::new(), |share| format!("; it does `{share:.2}` of what it is told"));
-            format!(" {place}: `{:.6} {:.6} {:.6} m` from where the pulses bring it{share}", e.x, e.y, e.z)
+        Fault::FrozenForce => {
+            format!(" {place}: raw force {raw}, `limits.still_time` = `{} s`", p.limits.still_time)
         }
-        Fault::FrozenForce => format!(" {place}: raw force `{} {} {} N`", f.x, f.y, f.z),
-        Fault::Saturation => format!(" = `{} N`: raw force `{} {} {} N`", p.sensor_range, f.x, f.y, f.z),
-        Fault::NoisyForce => format!(" = `{} N` {place}", p.limits.force_noise),
+        Fault::Saturation => format!(" = `{} N`: raw force {raw}", p.sensor_range),
+        Fault::NoisyForce => format!(" = `{} N` {place}: `{:.3} N`", p.limits.force_noise, n.noise),
         Fault::Oscillation | Fault::ForceError => {
-            format!(" {place}: `{:.2} N` of `{} N`", force.measured, p.force.target)
+            let [mean, limit] = n.force_error;
+            let (measured, target) = (force.measured, p.force.target);
+            format!(" {place}: `{mean:.2} N`, limit `{limit:.2} N`, with `{measured:.2} N` of `{target} N`")
         }
         Fault::WrongStiffness => {
             format!(
@@ -224,25 +238,40 @@ pub fn numbers(vars: &Vars) -> String {
             p.stick_slip.velocity + output.sliding.added,
             output.sliding.friction
         ),
-        Fault::NoProgress => {
-            format!(" = `{:.1} s`: `{:.1} s` {place}", output.numbers.time_limit, output.numbers.time)
-        }
+        Fault::NoProgress => format!(" = `{:.1} s`: `{:.1} s` {place}", n.time_limit, n.time),
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::monitoring::numbers::Numbers;
 
     #[test]
-    fn a_drive_tells_its_share_and_a_job_its_time() {
+    fn a_fault_tells_what_was_judged_and_its_limit() {
         let mut vars = <Vars as fmi2_export::Interface>::START;
-        vars.output.numbers = Numbers { share: Some(0.3), time: 28.4, time_limit: 28.3 };
+        vars.output.numbers = Numbers {
+            share: Some(0.3),
+            time: 28.4,
+            time_limit: 28.3,
+            norm: 24.68,
+            zero: 2.345,
+            angle: 0.7125,
+            surface: 6.2e-4,
+            noise: 0.4567,
+            force_error: [1.234, 1.0],
+        };
         for (fault, told) in [
             (Fault::WeakDrive, "; it does `0.30` of what it is told"),
             (Fault::DriveSign, "; it does `0.30` of what it is told"),
             (Fault::NoProgress, " = `28.3 s`: `28.4 s` at `0.000` of the path"),
+            (Fault::ForceLimit, " = `20 N` at `0.000` of the path: `24.68 N`"),
+            (Fault::TareRejected, " = `2 N`: `2.35 N`"),
+            (Fault::InvalidPath, "mean angle `0.713 rad`, `limits.force_angle` = `0.6 rad`"),
+            (Fault::SurfaceError, " = `0.0005 m` at `0.000` of the path: `0.000620 m`"),
+            (Fault::NoisyForce, " = `0.35 N` at `0.000` of the path: `0.457 N`"),
+            (Fault::ForceError, "`1.23 N`, limit `1.00 N`"),
+            (Fault::LostForce, " = `5` at `0.000` of the path: raw force `0 0 0 N`"),
+            (Fault::ReadingJump, " = `5`: position `0 0 0 m`"),
         ] {
             vars.output.fault = fault;
             assert!(numbers(&vars).contains(told), "{}", numbers(&vars));

@@ -41,7 +41,7 @@ mod variables {
         #[hint("lower `impedance.damping`, or `position.gain` if it works along the normal")] SettleTimeout,
         /// The force was below `limits.lost_force` for `limits.lost_time`
         #[hint("look for a drop in the surface, or raise `impedance.bandwidth` (without `impedance.adaptive`: lower `impedance.damping`)")] LostContact,
-        /// An override was NaN or infinite for more than `limits.lost_samples` samples
+        /// An override was NaN or infinite for more samples than `limits.lost_samples`
         #[hint("check the wires of `feed_override` and `force_override`")] InvalidInput,
         /// The force does not point along the normals of the path: these are wrong, or the force is larger than it is shown
         #[hint("check the normals of the CL data, how the mold is set up, and the force sensor")] InvalidPath,
@@ -59,10 +59,10 @@ mod variables {
         #[hint("move there before `enable`")] NotAtStart,
         /// The surface was further from the path than `limits.surface_error`
         #[hint("check how the mold is set up")] SurfaceError,
-        /// A position or force was NaN, infinite or beyond any machine for more than `limits.lost_samples` samples
-        #[hint("check the wires of encoders and force sensor")] LostReading,
-        /// A position or force was where the machine cannot have come for more than `limits.lost_samples` samples
-        #[hint("check shields and plugs of encoders and force sensor")] ReadingJump,
+        /// A position was NaN, infinite or beyond any machine for more samples than `limits.lost_samples`
+        #[hint("check the wires of the encoders")] LostReading,
+        /// A position was where the machine cannot have come for more samples than `limits.lost_samples`
+        #[hint("check shields and plugs of the encoders")] ReadingJump,
         /// An encoder stood while its axis was told to move by `limits.frozen_way`
         #[hint("check the plug of the encoder; if the axis itself stands, its drive")] FrozenReading,
         /// The force stood for `limits.still_time`, or did not answer the way into the mold
@@ -91,6 +91,10 @@ mod variables {
         #[hint("raise it, or `feed_override`")] NoProgress,
         /// The ball slid at less than 0.8 of `stick_slip.sliding`, with K_v raised as far as `stick_slip.velocity_max` and the sweep let it
         #[hint("raise `stick_slip.half_period` or `stick_slip.velocity_max`, take a tip that is stiffer across its axis, or lower `stick_slip.sliding`")] NoSliding,
+        /// The force was NaN, infinite or beyond any sensor for more samples than `limits.lost_samples`
+        #[hint("check the wires of the force sensor")] LostForce,
+        /// The force was farther from the last than the fastest motion can bring it for more samples than `limits.lost_samples`
+        #[hint("check shield and plug of the force sensor, and what the tool has hit")] ForceJump,
     }
     /// Which law polishes; Paper takes the paper's value where there is one and the parameter was not set
     pub enum Law {
@@ -358,8 +362,8 @@ mod variables {
         /// Samples of one sign, 1 for eq. 17
         #[var(range = 1..=1000, start = 10, paper = 1, source = "measured: 1 does nothing")] pub half_period: i32,
         #[var(source = "paper")] pub wave: Wave,
-        /// Least mean speed at which the ball is to slide, by more K_v; 0 for none; nothing with a `stick_slip.ratio`
-        #[var(unit = METRE_PER_SECOND as "mm/s", range = 0.0..=0.1, start = 5e-3, paper = 0.0, source = "our choice: 2.5 times the feed", tunable)] pub sliding: f64,
+        /// Least mean speed at which the ball is to slide, the feed included, by more K_v; 0 for none; nothing with a `stick_slip.ratio`
+        #[var(unit = METRE_PER_SECOND as "mm/s", range = 0.0..=0.1, start = 5e-3, paper = 0.0, source = "our choice: 2.5 times a feed of 2 mm/s", tunable)] pub sliding: f64,
         /// Largest K_v to which `stick_slip.sliding` raises it
         #[var(unit = METRE_PER_SECOND as "mm/s", range = 0.0..=0.1, start = 20e-3, source = "our choice: half of where the ball hops")] pub velocity_max: f64,
         /// K_v over the feed, keeps the removal per length; 0 for `stick_slip.velocity`
@@ -432,7 +436,7 @@ mod variables {
         #[var(unit = METRE as "mm", range = 1e-6..=0.05, start = 0.1e-3, source = "our choice: one winding")] pub start_offset: f64,
         /// Largest depth below the begin of the path without a contact
         #[var(unit = METRE as "mm", range = 1e-6..=0.05, start = 0.13e-3, source = "derived: a dead sensor lets the tool press so far, 23 N at 178 N/mm")] pub approach_depth: f64,
-        /// Samples in a row that may be lost or unbelievable; the last good one stands in for them
+        /// Samples in a row for which an input that cannot be believed is bridged; one more is a fault
         #[var(range = 1..=100, start = 5, source = "derived: 5 ms at `approach.velocity` are 0.4 N")] pub lost_samples: i32,
         /// Way that an encoder or the force may leave unanswered, beyond one and a half steps of it
         #[var(unit = METRE as "um", range = 1e-6..=1e-2, start = 20e-6, source = "derived: a fifth of the stick-slip motion; 3.6 N at 178 N/mm")] pub frozen_way: f64,

@@ -37,12 +37,21 @@ pub struct Reading {
     pub reset: bool,
     /// Every reading is of this sample.
     pub fresh: bool,
-    /// Samples in a row without a position or a force.
-    pub lost: u32,
-    /// Samples in a row with a position or a force that is out of reach.
-    pub doubted: u32,
+    /// What is wrong with the position.
+    pub position_doubt: Doubt,
+    /// What is wrong with the force.
+    pub force_doubt: Doubt,
     /// Samples in a row with an override that is no number.
     pub invalid: u32,
+}
+
+/// What is wrong with the three readings of a vector; by default nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Doubt {
+    /// Samples in a row without one of them.
+    pub lost: u32,
+    /// Samples in a row without one of them, or with one that is out of reach.
+    pub doubted: u32,
 }
 
 /// Remembers the last good inputs; at the origin without force before the first sample.
@@ -51,7 +60,7 @@ pub struct Reader {
     overrides: (f64, f64),
     position: [JumpGuard; 3],
     force: [JumpGuard; 3],
-    lost: Consecutive,
+    lost: [Consecutive; 2],
     invalid: Consecutive,
     /// `enable` of the last sample; set before the first, so that nothing moves by itself
     enabled: bool,
@@ -65,7 +74,7 @@ impl Reader {
             overrides: (1.0, 1.0),
             position: Default::default(),
             force: Default::default(),
-            lost: Consecutive::NONE,
+            lost: [Consecutive::NONE; 2],
             invalid: Consecutive::NONE,
             enabled: true,
             reset: Edge::default(),
@@ -75,7 +84,8 @@ impl Reader {
     /// Believes the sample to come wherever it is, as outside a job anything may move the machine; but with `enable`,
     /// when a job may begin with it, only after too many doubts.
     pub fn rest(&mut self, p: &Parameters, input: &Input) {
-        if !input.enable || self.doubted() > p.limits.lost_samples.unsigned_abs() {
+        let doubted = doubted(&self.position).max(doubted(&self.force));
+        if !input.enable || doubted > p.limits.lost_samples.unsigned_abs() {
             (self.position, self.force) = Default::default();
         }
     }
@@ -87,7 +97,7 @@ impl Reader {
         let position = Reach { motion: way, spread: SPREAD * p.encoder_resolution };
         let (x, f) = (input.position.vector(), input.force.vector());
         let missing = [x.map(|x| !believable(x, POSITION_MAX)), f.map(|f| !believable(f, FORCE_MAX))];
-        let lost = self.lost.update(missing.iter().any(|axes| axes.iter().any(|missing| *missing)));
+        let lost = [0, 1].map(|i| self.lost[i].update(missing[i].iter().any(|missing| *missing)));
         let reading = Reading {
             position: believe(&mut self.position, &x, missing[0], position),
             force: believe(&mut self.force, &f, missing[1], force),
@@ -96,23 +106,18 @@ impl Reader {
             start: input.enable && !self.enabled,
             reset: self.reset.rises(input.reset_fault),
             fresh: false,
-            lost,
-            doubted: self.doubted(),
+            position_doubt: Doubt { lost: lost[0], doubted: doubted(&self.position) },
+            force_doubt: Doubt { lost: lost[1], doubted: doubted(&self.force) },
             invalid: self.read_overrides(input),
             feed_override: self.overrides.0,
             force_override: self.overrides.1,
         };
-        let fresh = reading.lost == 0 && reading.doubted == 0;
+        let fresh = [reading.position_doubt, reading.force_doubt] == [Doubt::default(); 2];
         // an edge counts with the first good sample
         if fresh {
             self.enabled = input.enable;
         }
         Reading { fresh, start: fresh && reading.start, ..reading }
-    }
-
-    /// Samples in a row in which a reading was not believed.
-    fn doubted(&self) -> u32 {
-        self.position.iter().chain(&self.force).map(JumpGuard::doubted).max().unwrap_or_default()
     }
 
     /// Takes the overrides; samples in a row that were none.
@@ -124,6 +129,11 @@ impl Reader {
         }
         self.invalid.update(!valid)
     }
+}
+
+/// Samples in a row in which one of the readings was not believed.
+fn doubted(guards: &[JumpGuard; 3]) -> u32 {
+    guards.iter().map(JumpGuard::doubted).max().unwrap_or_default()
 }
 
 /// The readings to use, each the last believed one where it is missing or out of reach.
@@ -168,7 +178,7 @@ mod tests {
                 let now = reader.read(&P, &bad, K);
                 assert_eq!((now.position, now.force), (before.position, before.force));
                 assert_eq!((now.feed_override, now.force_override), (0.5, 1.0));
-                assert_eq!(now.lost.max(now.invalid), k);
+                assert_eq!(now.position_doubt.lost + now.force_doubt.lost + now.invalid, k);
             }
             assert!(reader.read(&P, &resting(), K).fresh);
         }
@@ -183,7 +193,9 @@ mod tests {
             spike.position.y += position;
             spike.force.z += force;
             let now = reader.read(&P, &spike, K);
-            assert_eq!((now.position, now.force, now.doubted), (before.position, before.force, 1));
+            assert_eq!((now.position, now.force), (before.position, before.force));
+            let moved = u32::from(position != 0.0);
+            assert_eq!([now.position_doubt, now.force_doubt].map(|doubt| doubt.doubted), [moved, 1 - moved]);
             assert!(!now.fresh && reader.read(&P, &resting(), K).fresh);
         }
     }

@@ -30,7 +30,7 @@ fn no_sample_of_a_job_allocates() {
 /// A fault, what is different from the start, and what the inputs say in a state.
 type Case = (Fault, fn(&mut Parameters, &mut Build), fn(State, &mut Input));
 
-const CASES: [Case; 28] = [
+const CASES: [Case; 30] = [
     (Fault::ForceLimit, |_, _| (), |state, input| set(state == State::Follow, &mut input.force.z, 30.0)),
     (Fault::SettleTimeout, |p, _| p.impedance.damping = 5e6, |_, _| ()),
     (Fault::LostContact, |_, _| (), |state, input| set(state == State::Follow, &mut input.force, Axes::ZERO)),
@@ -43,7 +43,9 @@ const CASES: [Case; 28] = [
     (Fault::TareRejected, |_, build| build.height = -20e-6, |_, _| ()),
     (Fault::NotAtStart, |_, _| (), |_, input| input.position.x += 1e-3),
     (Fault::SurfaceError, |_, _| (), |_, _| ()),
-    (Fault::LostReading, |_, _| (), |state, input| set(state == State::Follow, &mut input.force.x, f64::NAN)),
+    (Fault::LostReading, |_, _| (), |state, input| set(state == State::Follow, &mut input.position.x, f64::NAN)),
+    (Fault::LostForce, |_, _| (), |state, input| set(state == State::Follow, &mut input.force.x, f64::NAN)),
+    (Fault::ForceJump, |_, _| (), |state, input| set(state == State::Follow, &mut input.force.x, 90.0)),
     (Fault::ReadingJump, |_, _| (), |state, input| set(state == State::Follow, &mut input.position.x, 9e-3)),
     (Fault::FrozenReading, |_, _| (), |state, input| set(state == State::Approach, &mut input.position.z, 0.7e-3)),
     (Fault::FrozenForce, |_, _| (), |state, input| set(state == State::Follow, &mut input.force.z, 5.0)),

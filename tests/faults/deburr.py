@@ -138,8 +138,8 @@ ROWS = (
         "override is no number",
         ("InvalidInput",),
         TIP,
-        1.1e-4,
-        "3 samples at the override before, then closed brakes",
+        4.4e-5,
+        HELD,
         at(4.0, "controller.speed_override", value=float("nan")),
     ),
     Row(
@@ -169,7 +169,7 @@ ROWS = (
     ),
     Row(
         "noisy tool speed freezes at idle in the middle of the path",
-        ("FrozenTool",),
+        ("FrozenSpindle",),
         TIP,
         4.2e-5,
         "0.7 s at the taught speed on the random burr, then the stop along the path",
@@ -178,7 +178,7 @@ ROWS = (
     ),
     Row(
         "noisy tool speed frozen in the burr",
-        ("FrozenTool",),
+        ("FrozenSpindle",),
         TIP,
         4.4e-5,
         HELD,
@@ -195,12 +195,13 @@ ROWS = (
     ),
     Row(
         "tool speed 0",
-        ("ReadingJump",),
+        ("SpindleJump",),
         TIP,
-        1.1e-4,
-        "4 samples, then closed brakes",
+        4.4e-5,
+        HELD,
         at(4.0, TOOL, value=0.0),
     ),
+    Row("tool speed is no number", ("LostSpindle",), TIP, 4.4e-5, HELD, at(4.0, TOOL, value=float("nan"))),
     Row("noise of 300 rpm on the tool speed", (DONE,), TIP, 4.2e-5, HELD, at(0.0, TOOL, noise=31.4)),
     Row(
         "tool speed frozen in the burr",

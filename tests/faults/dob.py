@@ -224,7 +224,7 @@ ROWS = (
     # the spindle
     Row(
         "spindle signal lost",
-        ("LostSpindle",),
+        ("SpindleJump",),
         DEEP,
         1e-9,
         "found before the surface",
@@ -232,7 +232,7 @@ ROWS = (
     ),
     Row(
         "spindle signal NaN from now on",
-        ("InvalidInput",),
+        ("LostSpindle",),
         DEEP,
         1e-9,
         "found before the surface",

@@ -132,10 +132,10 @@ SENSOR = (
     ),
     row("20 times the noise", "NoisyForce", midway("controller.force.z", noise=1.0)),
     row("half of the forces get lost", DONE, midway("controller.force.z", drop=0.5), changes=WHOLE),
-    row("force is no number", "LostReading", midway("controller.force.x", value=float("nan"))),
+    row("force is no number", "LostForce", midway("controller.force.x", value=float("nan"))),
     row(
         "force at the end of its range",
-        "Saturation ReadingJump",
+        "Saturation ForceJump",
         midway("controller.force.x", value=100.0),
     ),
     row(

@@ -52,7 +52,7 @@ impl Controller {
         let late = centring && self.progress.samples() > u64::from(p.ticks(job_time(p, view.speed)));
         let found = [
             reading.fault,
-            (frozen || astray).then_some(Fault::FrozenReading),
+            (frozen || astray).then_some(Fault::FrozenProbe),
             self.drive.fault(p),
             self.supervisor.check(p, &view),
             late.then_some(Fault::NoProgress),
@@ -93,7 +93,7 @@ impl Controller {
         match self.trial.share() {
             None => self.try_probe(p, trial_move(p)),
             Some(share) if believable_share(share) => events.confirmed = true,
-            Some(_) => events.fault = Some(Fault::FrozenReading),
+            Some(_) => events.fault = Some(Fault::FrozenProbe),
         }
     }
 

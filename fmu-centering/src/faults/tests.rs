@@ -60,8 +60,9 @@ fn no_change_of_state_gives_back_the_turning_since_the_last_push() {
 #[test]
 fn only_a_slide_that_knows_its_place_goes_back() {
     for &fault in Fault::ALL {
-        let own = [Fault::LostReading, Fault::FollowingError, Fault::DriveSign, Fault::WeakDrive];
-        let end = if own.contains(&fault) { SafeEnd::DriveOff } else { SafeEnd::Retract };
+        let readings = [Fault::LostReading, Fault::ReadingJump, Fault::FrozenReading];
+        let own = [Fault::FollowingError, Fault::DriveSign, Fault::WeakDrive];
+        let end = if own.contains(&fault) || readings.contains(&fault) { SafeEnd::DriveOff } else { SafeEnd::Retract };
         assert_eq!(fault.safe_end(), end, "{fault:?}");
     }
     let found = [None, Some(Fault::NoPart), Some(Fault::DriveSign), Some(Fault::LostReading)];
@@ -71,7 +72,7 @@ fn only_a_slide_that_knows_its_place_goes_back() {
 #[test]
 fn a_standing_spindle_has_a_name_when_rotation_is_needed() {
     let still = Watched { speed: 0.0, turned: 0.0, ..GOOD };
-    assert_eq!(fault(still, 1000), Some((500, Fault::Spindle)));
+    assert_eq!(fault(still, 1000), Some((500, Fault::FrozenSpindle)));
     assert_eq!(fault(Watched { state: State::Centred, ..still }, 10_000), None);
 }
 
@@ -151,18 +152,17 @@ fn a_fault_is_told_with_its_numbers_and_a_state_without() {
     assert_eq!(numbers(&vars), "; eccentricity `12.00 um`");
     vars.output.state = State::Fault;
     let told = [
-        (Fault::Spindle, ": `0.000 rad/s`"),
-        (Fault::Divergence, ": `0` pushes, B = `12.00 um`"),
-        (Fault::WeakDrive, ": following error `0.000 mm` of `1 mm`, share of the setpoint `1.00`"),
-        (Fault::FrozenReading, ": probe at `0 m`"),
+        (Fault::FrozenSpindle, ": `0.000 rad/s`, at least `limits.spindle_speed_min` = `0.1 rad/s`"),
+        (Fault::FrozenProbe, ": probe at `0 m`"),
     ];
     for (fault, expected) in told {
         vars.output.fault = fault;
         assert_eq!(numbers(&vars), expected);
     }
     vars.output.monitor.probe_share = 0.7;
-    vars.output.fault = Fault::FrozenReading;
-    assert_eq!(numbers(&vars), ": probe at `0 m`, it answered `0.70` of its test");
+    vars.output.fault = Fault::FrozenProbe;
+    let tested = ": probe at `0 m`, it answered `0.70` of its test, within `0.2` of 1 is right";
+    assert_eq!(numbers(&vars), tested);
     for &fault in Fault::ALL {
         vars.output.fault = fault;
         assert_eq!(numbers(&vars).is_empty(), fault == Fault::None, "{fault:?}");
@@ -175,13 +175,14 @@ fn a_line_that_moves_is_a_jump_of_a_reading() {
     let sure = seen(0.08, 1e-6, 1e-5);
     // 0.1 mm and 6 x (1 + 4) um
     for way in [1.29e-4, -1.29e-4] {
-        assert!(!line_moved(&P, &sure, &seen(0.08 + way, 4e-6, 0.0)));
-        assert!(line_moved(&P, &sure, &seen(0.08 + 1.02 * way, 4e-6, 0.0)));
+        assert_eq!(line_moved(&P, &sure, &seen(0.08 + way, 4e-6, 0.0)), None);
+        let [moved, limit] = line_moved(&P, &sure, &seen(0.08 + 1.02 * way, 4e-6, 0.0)).unwrap();
+        assert!((moved - 1.02 * way.abs()).abs() < 1e-9 && (limit - 1.3e-4).abs() < 1e-6, "{moved} {limit}");
     }
     // 20 mm off, a radius that is told 25 % wrong moves the line by 0.5 mm
     let far = seen(0.08, 0.0, 0.02);
-    assert!(!line_moved(&P, &far, &seen(0.08059, 0.0, 0.0)));
-    assert!(line_moved(&P, &far, &seen(0.08061, 0.0, 0.0)));
+    assert_eq!(line_moved(&P, &far, &seen(0.08059, 0.0, 0.0)), None);
+    assert!(line_moved(&P, &far, &seen(0.08061, 0.0, 0.0)).is_some());
 }
 
 #[test]
@@ -196,7 +197,7 @@ fn a_limit_itself_is_good_but_for_the_end_of_the_stroke_of_the_probe() {
     let below = |share: f64| Watched { probe: share * P.probe.contact, ..GOOD };
     assert_eq!(fault(below(0.499), 700), Some((100, Fault::NoPart)));
     let slow = Watched { speed: -0.999 * P.limits.spindle_speed_min, turned: 0.0, ..GOOD };
-    assert_eq!(fault(slow, 700), Some((500, Fault::Spindle)));
+    assert_eq!(fault(slow, 700), Some((500, Fault::FrozenSpindle)));
 }
 
 #[test]
@@ -256,29 +257,49 @@ fn each_fault_is_told_in_its_own_words() {
     (vars.input.spindle_angle, vars.input.slide_position, vars.input.probe_position) = (1.5, 0.25, 0.0125);
     let monitor = &mut vars.output.monitor;
     (monitor.following_error, monitor.drive_share, monitor.job_time) = (0.0015, 0.25, 12.34);
-    vars.parameters.limits.job_time = 10.0;
+    vars.output.numbers = Numbers { following_limit: 0.0012, forward: 0.5, endless: None, line: None, first: 10.0e-6 };
+    vars.in_force.limits.job_time = 10.0;
     vars.output.state = State::Centred;
     assert_eq!(numbers(&vars), "; eccentricity `12.35 um`");
     vars.output.state = State::Fault;
+    let drive = "following error `1.500 mm` of `1.200 mm`, share of the setpoint `0.25`";
+    let row = "for more than `limits.lost_samples` = `3` samples";
     let told = [
-        (Fault::NoPart, ": probe at `0.012500 m`, slide at `0.250000 m`"),
+        (
+            Fault::NoPart,
+            ": probe at `0.012500 m`, on a ring from `probe.contact` = `0.0002 m` on; slide at `0.250000 m`, \
+             `approach.travel_max` = `0.15 m`",
+        ),
         (Fault::RingTooSmall, ": r = `0.05 m`, B = `12.35 um`"),
-        (Fault::ProbeRange, ": probe at `0.012500 m`"),
-        (Fault::Centrifugal, ": `2.094 rad/s`, B of the last model `12.35 um`"),
-        (Fault::PushBudget, ": `7` pushes, B = `12.35 um`"),
-        (Fault::InvalidInput, ": spindle at `1.5 rad`, probe at `0.0125 m`"),
-        (Fault::ReadingJump, ": spindle at `1.5 rad`, probe at `0.0125 m`"),
-        (Fault::LostReading, ": slide at `0.25 m`, following error `1.500 mm`"),
-        (Fault::DriveSign, ": following error `1.500 mm` of `1 mm`, share of the setpoint `0.25`"),
-        (Fault::FollowingError, ": following error `1.500 mm` of `1 mm`, share of the setpoint `0.25`"),
+        (
+            Fault::ProbeRange,
+            ": probe at `0.012500 m`, its place is `0.004500 m`, `probe.at_pusher` = `0.02 m`, `probe.stroke` = `0.025 m`",
+        ),
+        (Fault::Centrifugal, ": `2.094 rad/s`, at most `199.295 rad/s` for the B of the last model, `12.35 um`"),
+        (Fault::PushBudget, ": `7` pushes, `limits.pushes` = `24`, B = `12.35 um`, `tolerance` = `2.50 um`"),
+        (
+            Fault::Divergence,
+            ": `7` pushes, B from `10.00 um` to `12.35 um`, `push.critical_distance` = `2500.00 um` more at most",
+        ),
+        (Fault::LostProbe, &format!(": probe at `0.0125 m` {row}")),
+        (Fault::ProbeJump, &format!(": probe at `0.0125 m` {row}")),
+        (Fault::LostSpindle, &format!(": spindle at `1.5 rad` {row}")),
+        (Fault::SpindleJump, &format!(": spindle at `1.5 rad` {row}")),
+        (Fault::LostReading, &format!(": slide at `0.25 m` {row}")),
+        (Fault::ReadingJump, &format!(": slide at `0.25 m` {row}")),
+        (Fault::FrozenReading, &format!(": slide at `0.25 m`, {drive}")),
+        (Fault::DriveSign, &format!(": {drive}")),
+        (Fault::FollowingError, &format!(": {drive}")),
         (Fault::NoProgress, ": `12.3 s` of `10.0 s`, B = `12.35 um`"),
-        (Fault::Spindle, ": `2.094 rad/s`"),
-        (Fault::Unresolved, ": B = `12.346 um`, standard deviation `2.500 um`"),
+        (Fault::Spindle, ": `2.094 rad/s`, `0.50` of its turning forwards, at least `0.9`; `rates.collect` = `66 Hz`"),
+        (Fault::Unresolved, ": B = `12.346 um`, standard deviation `2.500 um`, `tolerance` = `2.500 um`"),
     ];
     for (fault, expected) in told {
         vars.output.fault = fault;
         assert_eq!(numbers(&vars), expected, "{fault:?}");
     }
-    (vars.output.fault, vars.output.monitor.endless) = (Fault::NoProgress, Some([1.1003, 1.1]));
+    (vars.output.fault, vars.output.numbers.line) = (Fault::ProbeJump, Some([2e-4, 1.3e-4]));
+    assert_eq!(numbers(&vars), ": the centred surface is `0.200 mm` from where it was, limit `0.130 mm`");
+    (vars.output.fault, vars.output.numbers.endless) = (Fault::NoProgress, Some([1.1003, 1.1]));
     assert_eq!(numbers(&vars), ": `1.10` of `1.1` revolutions without result, B = `12.35 um`");
 }

@@ -58,6 +58,11 @@ impl DriveMonitor {
         self.error
     }
 
+    /// How large that may be, m.
+    pub fn allowed(&self) -> f64 {
+        self.allowed
+    }
+
     /// Share of its setpoint that the slide has moved lately; 1 if that was not enough to tell.
     pub fn share(&self, p: &Parameters) -> f64 {
         // the smallest sum of squares for this way: evenly in all samples
@@ -77,7 +82,7 @@ impl DriveMonitor {
         }
         let share = self.share(p);
         Some(if self.frozen.unanswered() > UNANSWERED * self.error.abs() {
-            Fault::LostReading
+            Fault::FrozenReading
         } else if share < BACKWARDS {
             Fault::DriveSign
         } else if share < WEAK {
@@ -119,7 +124,7 @@ mod tests {
             (Fault::DriveSign, |told| -told),
             (Fault::WeakDrive, |told| 0.3 * told),
             (Fault::FollowingError, |told| 0.9 * told),
-            (Fault::LostReading, |told| 1e-5 * (1e4 * told).sin()),
+            (Fault::FrozenReading, |told| 1e-5 * (1e4 * told).sin()),
         ];
         for (fault, slide) in causes {
             let (name, error) = found(slide).unwrap();

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 const PLACES: usize = 3;
 /// The probe must answer the whole move but this, and no more than it beside: errors of its scale, and what the surface
 /// of an eccentric ring moves unevenly (our choice).
-const SHARE_ERROR: f64 = 0.2;
+pub const SHARE_ERROR: f64 = 0.2;
 
 /// The places so far.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]

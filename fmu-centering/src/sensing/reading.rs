@@ -150,10 +150,14 @@ impl Reader {
 
     fn fault(&self, p: &Parameters, raw: &Sample) -> Option<Fault> {
         let lost = |guard: &JumpGuard| guard.doubted() > p.limits.lost_samples.unsigned_abs();
-        let jumping = lost(&self.angle) || (lost(&self.probe) && self.sprung.count() == 0);
-        let nonsense = raw.angle.is_nan() || raw.probe.is_nan();
-        let cause = if nonsense { Fault::InvalidInput } else { Fault::ReadingJump };
-        lost(&self.slide).then_some(Fault::LostReading).or(jumping.then_some(cause))
+        let probe = lost(&self.probe) && self.sprung.count() == 0;
+        let found = [
+            (lost(&self.slide), raw.slide, Fault::LostReading, Fault::ReadingJump),
+            (lost(&self.angle), raw.angle, Fault::LostSpindle, Fault::SpindleJump),
+            (probe, raw.probe, Fault::LostProbe, Fault::ProbeJump),
+        ];
+        let (_, value, none, jump) = found.into_iter().find(|(lost, ..)| *lost)?;
+        Some(if value.is_nan() { none } else { jump })
     }
 }
 
@@ -208,8 +212,8 @@ mod tests {
         let good = at(1.0, 0.1, 0.01);
         for nonsense in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300] {
             let spoilt = [
-                (at(nonsense, 0.1, 0.01), Fault::InvalidInput),
-                (at(1.0, 0.1, nonsense), Fault::InvalidInput),
+                (at(nonsense, 0.1, 0.01), Fault::LostSpindle),
+                (at(1.0, 0.1, nonsense), Fault::LostProbe),
                 (at(1.0, nonsense, 0.01), Fault::LostReading),
             ];
             for (bad, fault) in spoilt {
@@ -233,7 +237,7 @@ mod tests {
         let inputs: Vec<Input> = (0..100).map(|k| at(1.0, slid(k), if k > 0 { f64::NAN } else { 0.01 })).collect();
         for (k, reading) in (0..).zip(read(&inputs)) {
             assert_eq!((reading.slide, reading.sample.unwrap().slide), (Some(slid(k)), slid(k)));
-            assert_eq!(reading.fault, (k > 3).then_some(Fault::InvalidInput));
+            assert_eq!(reading.fault, (k > 3).then_some(Fault::LostProbe));
         }
     }
 
@@ -267,8 +271,8 @@ mod tests {
     fn up_to_the_limit_jumps_are_bridged_and_then_they_have_a_name() {
         let good = at(1.0, 0.1, 0.01);
         let here = Sample { angle: 1.0, slide: 0.1, probe: 0.01 };
-        let spoilt = [(at(3.0, 0.1, 0.01), Fault::ReadingJump), (at(1.0, 0.1, 0.02), Fault::ReadingJump)];
-        for (bad, fault) in spoilt.into_iter().chain([(at(1.0, 0.12, 0.01), Fault::LostReading)]) {
+        let spoilt = [(at(3.0, 0.1, 0.01), Fault::SpindleJump), (at(1.0, 0.1, 0.02), Fault::ProbeJump)];
+        for (bad, fault) in spoilt.into_iter().chain([(at(1.0, 0.12, 0.01), Fault::ReadingJump)]) {
             let readings = read(&[good.clone(), bad.clone(), bad.clone(), bad.clone(), bad, good.clone()]);
             for (k, reading) in readings.iter().enumerate() {
                 assert_eq!(reading.sample, Some(here), "{k}");
@@ -346,6 +350,6 @@ mod tests {
         // half of the contact is contact: such a jump is one
         let low = at(1.0, 0.1, 0.5 * P.probe.contact);
         let readings = read(&[at(1.0, 0.1, 0.0195), low.clone(), low.clone(), low.clone(), low]);
-        assert_eq!(readings[4].fault, Some(Fault::ReadingJump));
+        assert_eq!(readings[4].fault, Some(Fault::ProbeJump));
     }
 }

@@ -51,7 +51,7 @@ fn faulted() -> Loop {
     let mut run = running(&P, State::Wait);
     run.spoil(|input| input.probe_position = f64::NAN);
     (0..3000).for_each(|_| run.step());
-    assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::InvalidInput));
+    assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::LostProbe));
     run
 }
 

@@ -110,7 +110,7 @@ fn a_frozen_probe_has_a_name_and_is_never_a_centred_ring() {
             run.step_with(|input| input.probe_position = p.probe.at_pusher - frozen);
             assert!(!run.output.centred && run.time() < begin + 4.0, "{pushes}: {:?}", run.output);
         }
-        assert_eq!(run.output.fault, Fault::FrozenReading);
+        assert_eq!(run.output.fault, Fault::FrozenProbe);
     }
 }
 
@@ -183,7 +183,7 @@ fn a_spindle_that_stops_moves_nothing_by_either_law() {
                 run.step();
                 assert!(finite(&run.output) && run.output.state != State::Push, "{:?}", run.output);
             }
-            assert_eq!((run.output.fault, run.ring.centre), (Fault::Spindle, centre));
+            assert_eq!((run.output.fault, run.ring.centre), (Fault::FrozenSpindle, centre));
         }
     }
 }
@@ -193,7 +193,7 @@ fn a_spindle_that_stops_or_reverses_for_ever_has_a_name() {
     for state in [State::Collect, State::Wait] {
         let mut run = running(&P, state);
         run.ring.speed = 0.0;
-        retreats(run, Fault::Spindle, 1.6);
+        retreats(run, Fault::FrozenSpindle, 1.6);
         let mut run = running(&P, state);
         let begin = run.time();
         while run.output.state != State::Fault {
@@ -206,7 +206,7 @@ fn a_spindle_that_stops_or_reverses_for_ever_has_a_name() {
     // it never turned
     let mut ring = Ring::new(5, 2e-4, 0.5);
     ring.speed = 0.0;
-    retreats(Loop::new(&P, ring), Fault::Spindle, 5.0);
+    retreats(Loop::new(&P, ring), Fault::FrozenSpindle, 5.0);
 }
 
 #[test]

@@ -10,16 +10,16 @@ use crate::run::{finite, running};
 const P: Parameters = Parameters::PAPER;
 
 #[test]
-fn nonsense_from_any_encoder_is_an_invalid_input() {
+fn nonsense_from_probe_or_spindle_ends_behind_the_way_back() {
     for state in [State::Approach, State::Collect, State::Wait, State::Push, State::Centred] {
         let good = running(&P, state);
         for nonsense in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300] {
             let mut run = good.clone();
             run.spoil(|input| input.probe_position = nonsense);
-            retreats(run, Fault::InvalidInput, 0.0);
+            retreats(run, Fault::LostProbe, 0.0);
             let mut run = good.clone();
             run.spoil(|input| input.spindle_angle = nonsense);
-            retreats(run, Fault::InvalidInput, 0.0);
+            retreats(run, Fault::LostSpindle, 0.0);
         }
     }
 }
@@ -41,9 +41,9 @@ fn a_slide_that_does_not_know_where_it_is_loses_its_drive() {
 fn one_jump_of_an_encoder_is_bridged_and_a_lasting_one_has_a_name_but_not_while_idle() {
     type Jump = (fn(&mut Input), Fault);
     let jumps: [Jump; 3] = [
-        (|input| input.spindle_angle += 2.0, Fault::ReadingJump),
-        (|input| input.probe_position -= 0.01, Fault::ReadingJump),
-        (|input| input.slide_position += 0.01, Fault::LostReading),
+        (|input| input.spindle_angle += 2.0, Fault::SpindleJump),
+        (|input| input.probe_position -= 0.01, Fault::ProbeJump),
+        (|input| input.slide_position += 0.01, Fault::ReadingJump),
     ];
     for state in [State::Collect, State::Wait, State::Push, State::Centred] {
         let good = running(&P, state);

@@ -40,7 +40,7 @@ fn a_jammed_probe_is_never_a_centred_ring_however_coarse_it_is() {
         let run = running(&P, state);
         let jammed = AT_PUSHER - run.output.pusher_gap;
         for bit in [0.0, 5e-8, 1e-6, 5e-6] {
-            faulted(run.clone(), Fault::FrozenReading, |k, input| {
+            faulted(run.clone(), Fault::FrozenProbe, |k, input| {
                 input.probe_position = jammed + if k % 2 == 0 { bit } else { 0.0 };
             });
         }
@@ -52,7 +52,7 @@ fn a_probe_with_another_scale_pushes_nothing() {
     for scale in [0.7, 1.4] {
         let mut run = Loop::new(&P, Ring::new(1, 5e-4, 0.5));
         (0..5).for_each(|_| run.step());
-        faulted(run, Fault::FrozenReading, |_, input| input.probe_position *= scale);
+        faulted(run, Fault::FrozenProbe, |_, input| input.probe_position *= scale);
     }
 }
 
@@ -60,7 +60,7 @@ fn a_probe_with_another_scale_pushes_nothing() {
 fn an_encoder_of_the_slide_that_stands_ends_a_stroke_before_the_ring() {
     let run = running(&P, State::Push);
     let stands = run.output.slide.position_setpoint;
-    let run = faulted(run, Fault::LostReading, |_, input| input.slide_position = stands);
+    let run = faulted(run, Fault::FrozenReading, |_, input| input.slide_position = stands);
     assert!(!run.output.drive_enable && run.ring.gap() > 5e-3, "{} m", run.ring.gap());
 }
 
@@ -79,7 +79,7 @@ fn a_second_fault_on_the_way_back_switches_the_drive_off_and_a_lighter_one_does_
     let mut run = running(&P, State::Wait);
     run.spoil(|input| input.probe_position = f64::NAN);
     (0..50).for_each(|_| run.step());
-    assert!(run.output.fault == Fault::InvalidInput && run.output.drive_enable);
+    assert!(run.output.fault == Fault::LostProbe && run.output.drive_enable);
     run.spoil(|input| input.slide_position = f64::NAN);
     let lost = |run: &Loop| run.output.fault == Fault::LostReading && !run.output.drive_enable;
     assert!(lost(&run), "{:?}", run.output);
@@ -97,7 +97,7 @@ fn on_the_way_back_from_a_probe_that_tells_nothing_the_drive_is_watched() {
     let spoilt = || {
         let mut run = running(&P, State::Wait);
         run.spoil(|input| input.probe_position = f64::NAN);
-        assert_eq!(run.output.fault, Fault::InvalidInput);
+        assert_eq!(run.output.fault, Fault::LostProbe);
         run
     };
     // a good slide goes back, with the probe dead all the way and when it comes to life
@@ -105,7 +105,7 @@ fn on_the_way_back_from_a_probe_that_tells_nothing_the_drive_is_watched() {
         let mut run = spoilt();
         (0..dead).for_each(|_| run.step_with(|input| input.probe_position = f64::NAN));
         (0..2000).for_each(|_| run.step());
-        assert_eq!(run.output.fault, Fault::InvalidInput, "{:?}", run.output);
+        assert_eq!(run.output.fault, Fault::LostProbe, "{:?}", run.output);
         assert!(run.output.slide.position_setpoint.abs() < 1e-6);
     }
     // one that stands does not
@@ -113,7 +113,7 @@ fn on_the_way_back_from_a_probe_that_tells_nothing_the_drive_is_watched() {
     let stands = run.ring.slide();
     let slide_stands = |input: &mut Input| (input.probe_position, input.slide_position) = (f64::NAN, stands);
     (0..100).for_each(|_| run.step_with(slide_stands));
-    assert!(run.output.fault == Fault::LostReading && !run.output.drive_enable, "{:?}", run.output);
+    assert!(run.output.fault == Fault::FrozenReading && !run.output.drive_enable, "{:?}", run.output);
 }
 
 #[test]
@@ -126,7 +126,7 @@ fn a_probe_that_is_off_for_good_after_a_model_has_a_name_before_the_next_push() 
         let mut run = running(&p, State::Settle);
         assert!(run.run_to(State::Collect, run.time() + 1.0));
         for &offset in offsets {
-            faulted(run.clone(), Fault::ReadingJump, |_, input| input.probe_position += offset);
+            faulted(run.clone(), Fault::ProbeJump, |_, input| input.probe_position += offset);
         }
     }
 }
@@ -171,7 +171,7 @@ fn a_coarse_probe_that_is_frozen_as_it_touches_does_not_let_the_pusher_meet_the_
         while AT_PUSHER - run.ring.gap() < frozen {
             run.step_with(|input| input.probe_position = (input.probe_position / 5e-6).round() * 5e-6);
         }
-        let run = faulted(run, Fault::FrozenReading, |_, input| input.probe_position = frozen);
+        let run = faulted(run, Fault::FrozenProbe, |_, input| input.probe_position = frozen);
         assert!(run.ring.gap() > 5e-3, "{} m", run.ring.gap());
     }
 }

@@ -3,9 +3,7 @@
 //! A live reading flickers by its noise and its last bit. How long it does not by chance shows itself while the tool idles on its
 //! way to the part; one that stands for ten times as long is dead, idle or under load. One that never flickers tells nothing, and
 //! one that flickers between two neighbours neither: in the middle of a step it may stand.
-//!
-//! Not the `Rest` of `fmu-dob`: a tool under load may turn at any speed, so that its turns count and how rare they were; there the
-//! time is given, and every change is a sign of life.
+//! A tool under load may turn at any speed, so that its turns count and how rare they were, and not every change.
 
 use serde::{Deserialize, Serialize};
 
@@ -80,7 +78,7 @@ impl StandingTool {
         }
         let seconds = |samples: u32| f64::from(samples) * p.sample_period;
         let numbers = Numbers { value: seconds(self.still), limit: seconds(most), ..Numbers::START };
-        Finding { fault: Fault::FrozenTool, numbers }
+        Finding { fault: Fault::FrozenSpindle, numbers }
     }
 
     /// Takes a reading; at a turn the samples since the last one.
@@ -131,7 +129,7 @@ mod tests {
     fn one_that_flickered_and_stands_is_told_after_half_a_second() {
         let (after, found) = told(idled(50, 1)).unwrap();
         // the first sample on the path is a change
-        assert_eq!((after, found.fault, found.numbers.axis), (51, Fault::FrozenTool, 0));
+        assert_eq!((after, found.fault, found.numbers.axis), (51, Fault::FrozenSpindle, 0));
         assert!((found.numbers.value - 0.51).abs() < 1e-9 && (found.numbers.limit - 0.5).abs() < 1e-9);
     }
 

@@ -1,6 +1,6 @@
 //! Faults of the axes and of the job: the right one, at once, with zero commands.
 
-use fmu_deburr::interface::{Fault, Mode, Parameters, State};
+use fmu_deburr::interface::{Fault, Input, Mode, Parameters, State};
 
 use crate::robot::Build;
 use crate::setup::{Loop, running, stands_with};
@@ -17,11 +17,11 @@ fn everything_is_finite(run: &Loop) {
 fn nonsense_in_any_input_is_bridged_for_three_samples() {
     let inputs = [
         (0, f64::NAN, Fault::LostReading),
-        (0, f64::INFINITY, Fault::InvalidInput),
-        (0, -1e300, Fault::InvalidInput),
-        (1, f64::NAN, Fault::LostReading),
-        (1, f64::NEG_INFINITY, Fault::InvalidInput),
-        (1, 1e300, Fault::InvalidInput),
+        (0, f64::INFINITY, Fault::LostReading),
+        (0, -1e300, Fault::LostReading),
+        (1, f64::NAN, Fault::LostSpindle),
+        (1, f64::NEG_INFINITY, Fault::LostSpindle),
+        (1, 1e300, Fault::LostSpindle),
         (2, f64::NAN, Fault::InvalidInput),
         (2, f64::INFINITY, Fault::InvalidInput),
     ];
@@ -41,9 +41,10 @@ fn nonsense_in_any_input_is_bridged_for_three_samples() {
                 run.robot.advance(&run.output.axis.map(|axis| axis.velocity));
                 everything_is_finite(&run);
             }
-            let good = expected == Fault::None;
-            assert_eq!((run.output.fault, run.output.drive_enable), (expected, good), "{which} {nonsense}");
-            if !good {
+            // only an axis of which the place is not known is let go
+            let driven = expected != Fault::LostReading;
+            assert_eq!((run.output.fault, run.output.drive_enable), (expected, driven), "{which} {nonsense}");
+            if !driven {
                 stands_with(&run, fault);
             }
         }
@@ -272,9 +273,9 @@ fn a_fault_counts_in_a_stop_without_enable_and_not_while_off() {
     run.input.enable = false;
     run.step();
     assert_eq!(run.output.state, State::Stop);
-    run.input.speed_override = f64::NAN;
-    (0..4).for_each(|_| run.step());
-    stands_with(&run, Fault::InvalidInput);
+    run.controller.begin_long_step();
+    run.step();
+    stands_with(&run, Fault::LongStep);
     let mut run = Loop::new(&Parameters::START, &Build::NOMINAL);
     (run.input.enable, run.input.speed_override) = (false, f64::NAN);
     (0..10).for_each(|_| run.step());
@@ -286,9 +287,35 @@ fn of_two_faults_with_the_same_end_the_first_stays() {
     let mut run = running(Mode::DryRun);
     run.input.spindle_speed = f64::INFINITY;
     (0..4).for_each(|_| run.step());
-    run.input.spindle_speed = f64::NAN;
+    run.input.speed_override = f64::NAN;
     for _ in 0..20 {
         run.step();
-        stands_with(&run, Fault::InvalidInput);
+        assert_eq!(run.output.fault, Fault::LostSpindle);
+    }
+}
+
+#[test]
+fn a_tool_reading_or_an_override_that_is_lost_ends_behind_the_retract() {
+    let lost: [(Fault, fn(&mut Input)); 3] = [
+        (Fault::LostSpindle, |input| input.spindle_speed = f64::NAN),
+        (Fault::SpindleJump, |input| input.spindle_speed = 0.0),
+        (Fault::InvalidInput, |input| input.speed_override = f64::NAN),
+    ];
+    for (fault, lose) in lost {
+        let mut p = Parameters::START;
+        p.lookup.enable = false;
+        let mut run = Loop::new(&p, &Build::NOMINAL);
+        run.input.mode = Mode::Deburr;
+        while run.output.path.distance < 0.05 {
+            run.step();
+        }
+        lose(&mut run.input);
+        (0..4).for_each(|_| run.step());
+        let height = run.robot.positions()[1];
+        assert_eq!((run.output.fault, run.output.state), (fault, State::Stop));
+        (0..300).for_each(|_| run.step());
+        stands_with(&run, fault);
+        assert!(run.output.drive_enable);
+        assert!((run.robot.positions()[1] - height - p.transfer.clearance).abs() < 1e-4, "{fault:?}");
     }
 }

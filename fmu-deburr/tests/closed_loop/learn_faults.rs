@@ -84,10 +84,10 @@ fn a_fault_in_the_middle_of_learning_keeps_what_is_learned_and_the_rest_of_befor
 #[test]
 fn learning_that_is_begun_again_after_a_fault_begins_with_the_first_speed() {
     let (mut run, _) = learning_anew();
-    run.input.speed_override = f64::NAN;
-    (0..4).for_each(|_| run.step());
-    stands_with(&run, Fault::InvalidInput);
-    (run.input.speed_override, run.input.mode) = (1.0, Mode::Idle);
+    run.controller.begin_long_step();
+    run.step();
+    stands_with(&run, Fault::LongStep);
+    run.input.mode = Mode::Idle;
     (0..100).for_each(|_| run.step());
     run.input.reset_fault = true;
     (0..2).for_each(|_| run.step());

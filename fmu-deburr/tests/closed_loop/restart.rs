@@ -8,10 +8,10 @@ use crate::setup::{Loop, running, stands_with};
 /// A robot whose fault was reset with a mode set, at rest.
 fn recovered() -> Loop {
     let mut run = running(Mode::DryRun);
-    run.input.spindle_speed = f64::INFINITY;
+    run.controller.begin_long_step();
     (0..100).for_each(|_| run.step());
     // what is asked for now is no job
-    (run.input.mode, run.input.spindle_speed) = (Mode::Learn, 1885.0);
+    run.input.mode = Mode::Learn;
     run.step();
     run.input.reset_fault = true;
     (0..300).for_each(|_| run.step());
@@ -76,12 +76,14 @@ fn a_mode_that_has_stayed_begins_again_with_enable() {
 #[test]
 fn a_reset_needs_a_rising_edge_without_its_cause_and_axes_at_rest() {
     let mut run = running(Mode::DryRun);
-    (run.input.reset_fault, run.input.spindle_speed) = (true, f64::INFINITY);
-    (0..5).for_each(|_| run.step());
+    run.input.reset_fault = true;
+    for _ in 0..5 {
+        run.controller.begin_long_step();
+        run.step();
+    }
     // the edge came before or with the cause
-    run.input.spindle_speed = 1885.0;
     (0..100).for_each(|_| run.step());
-    stands_with(&run, Fault::InvalidInput);
+    stands_with(&run, Fault::LongStep);
     run.input.reset_fault = false;
     run.step();
     // pushed by hand at 20 mm/s
@@ -91,11 +93,11 @@ fn a_reset_needs_a_rising_edge_without_its_cause_and_axes_at_rest() {
         positions[2] += 2e-4;
         run.set_positions(&positions);
         run.controller.tick(&run.input, &run.parameters, &mut run.output);
-        stands_with(&run, Fault::InvalidInput);
+        stands_with(&run, Fault::LongStep);
     }
     // that edge was too early
     (0..100).for_each(|_| run.controller.tick(&run.input, &run.parameters, &mut run.output));
-    stands_with(&run, Fault::InvalidInput);
+    stands_with(&run, Fault::LongStep);
     for reset in [false, true] {
         run.input.reset_fault = reset;
         run.controller.tick(&run.input, &run.parameters, &mut run.output);

@@ -116,12 +116,12 @@ fn a_tool_reading_that_freezes_under_load_is_told_in_half_a_second_and_the_tool_
         }
         let (fault, samples) = (run.output.fault, cut);
         // one that never flickered may stand
-        assert_eq!(fault == Fault::FrozenTool, flicker > 0.0, "{fault:?}");
+        assert_eq!(fault == Fault::FrozenSpindle, flicker > 0.0, "{fault:?}");
         if flicker > 0.0 {
             assert!((50..=55).contains(&samples), "{samples}");
             let height = run.robot.positions()[1];
             (0..300).for_each(|_| run.step());
-            stands_with(&run, Fault::FrozenTool);
+            stands_with(&run, Fault::FrozenSpindle);
             assert!(run.output.drive_enable);
             assert!((run.robot.positions()[1] - height - p.transfer.clearance).abs() < 1e-4);
         }

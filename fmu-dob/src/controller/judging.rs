@@ -7,6 +7,7 @@ use crate::detection::detector::Detector;
 use crate::faults::{self, Symptoms};
 use crate::force::observer::forgetting;
 use crate::interface::{ContactSource, Fault, Parameters, State};
+use crate::monitoring::numbers::Unseen;
 use crate::motion::travel::{late, learn_limit};
 use crate::reading::{Expected, Reading};
 
@@ -92,11 +93,27 @@ impl Controller {
             travelled: state.approaching() && self.motion.beyond_travel(p),
             learned: (learning && elapsed).then(|| self.detector.learned()),
             learning: learning && self.ticks > ticks(learn_limit(p), p.sample_period),
-            force_left: (retracted && self.contact.is_some()).then(|| monitors.relief.mean() - self.guard.before()),
+            force_left: (retracted && self.contact.is_some()).then(|| self.force_left()),
             guarded: retracted && self.contact.is_some_and(|contact| contact.source == ContactSource::ForceGuard),
             late: state.at_work() && late(p, &self.motion.approach, monitors.job.samples()),
         };
         faults::find(p, &symptoms)
+    }
+
+    /// Change of the force from before the contact to behind the retract, N.
+    pub(super) fn force_left(&self) -> f64 {
+        self.monitors.relief.mean() - self.guard.before()
+    }
+
+    /// Why the detector has not found the contact of this sample.
+    pub(super) fn unseen(&self, p: &Parameters, reading: &Reading) -> Unseen {
+        if self.state != State::Detect {
+            Unseen::Unarmed
+        } else if Self::trusted(p, reading) {
+            Unseen::Missed
+        } else {
+            Unseen::Doubted
+        }
     }
 
     /// Whether the stage has just been accelerated, and nothing holds it: a contact would look like a weak drive.

@@ -2,10 +2,8 @@
 //!
 //! Nothing is asked of a stage at rest, so only the last bits tell that its encoder lives. Once they have been seen to
 //! change, at rest and after every motion has died out, `limits.rest_time` without any change is no chance: a rounded
-//! normal noise of half a step stays at one number with at most 0.68 a sample.
-//!
-//! Not the `StandingTool` of `fmu-deburr`: a stage at rest has one place and a given time, so that every change is a sign
-//! of life; there a speed that runs up or falls flickers not at all, and the time is learned from its turns.
+//! normal noise of half a step stays at one number with at most 0.68 a sample. A stage at rest has one place, so that every
+//! change is a sign of life.
 
 use control_blocks::{Frozen, ticks};
 use serde::{Deserialize, Serialize};

@@ -127,7 +127,7 @@ fn nonsense_is_bridged_for_three_samples_and_then_told() {
         switches_off(run, Fault::LostReading);
         let mut run = running(&Parameters::START, 7, State::Learn);
         (0..4).for_each(|_| run.step_with(|input| input.spindle_speed = nonsense));
-        retreats(run, Fault::InvalidInput);
+        retreats(run, Fault::LostSpindle);
     }
 }
 
@@ -178,7 +178,7 @@ fn a_fault_at_rest_moves_nothing() {
     lose_spindle(&mut run);
     for _ in 0..2000 {
         run.step_with(|input| input.enable = false);
-        assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::InvalidInput));
+        assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::LostSpindle));
         assert_eq!(run.output.reference.position, held);
     }
 }
@@ -264,7 +264,7 @@ fn a_reset_needs_a_rising_edge_at_rest_and_moves_nothing() {
     lose_spindle(&mut run);
     // the edge comes before the retreat is over: it does not count, and is no edge later
     (0..2000).for_each(|_| run.step_with(|input| input.reset_fault = true));
-    assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::InvalidInput));
+    assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::LostSpindle));
     // a new approach needs the reset first
     run.step_with(|input| input.enable = false);
     run.step();
@@ -397,7 +397,7 @@ fn the_tracking_error_stays_what_it_was_when_the_drive_went_off() {
 fn a_graver_fault_takes_over_and_no_other() {
     let mut run = running(&Parameters::START, 33, State::Detect);
     lose_spindle(&mut run);
-    assert_eq!((run.output.fault, run.output.drive_enable), (Fault::InvalidInput, true));
+    assert_eq!((run.output.fault, run.output.drive_enable), (Fault::LostSpindle, true));
     (0..4).for_each(|_| lose_position(&mut run));
     assert_eq!((run.output.fault, run.output.drive_enable), (Fault::LostReading, false));
     // one as grave, and one that is not

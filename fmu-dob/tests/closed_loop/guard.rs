@@ -1,6 +1,7 @@
 //! The force guard beside the detector, and what it is not to take for a contact.
 
 use fmu_dob::interface::{ContactSource, Fault, Parameters, State};
+use fmu_dob::monitoring::numbers::Unseen;
 
 use crate::faults::{RETRACT, running};
 use crate::run::{Loop, NO_WORKPIECE};
@@ -30,6 +31,10 @@ fn work_so_soft_that_it_is_felt_late_is_never_done() {
     let mut run = Loop::new(&p, 24, p.approach.velocity * p.learn.settle_time);
     run.slide.stiffness = stiffness;
     caught_and_told(&mut run);
+    let told = run.output.numbers.late.unwrap();
+    assert_eq!(told.unseen, Unseen::Unarmed);
+    // the force of the guard
+    assert!((p.guard_force..1.2 * p.guard_force).contains(&told.force), "{told:?}");
     // 40 um on two flutes
     let felt = p.guard_force / (2.0 * stiffness);
     assert!((0.8 * felt..1.2 * felt).contains(&run.slide.depth), "{} m", run.slide.depth);
@@ -63,6 +68,8 @@ fn a_contact_that_the_armed_detector_has_missed_is_told_behind_the_retract() {
     run.slide.push = 0.0;
     assert!(run.run_to(State::Fault, run.time() + 1.0), "{:?}", run.output);
     assert_eq!((run.output.fault, run.output.drive_enable, run.output.contact), (Fault::LateContact, true, false));
+    assert_eq!(run.output.numbers.late.unwrap().unseen, Unseen::Missed);
+    assert!((run.output.numbers.late.unwrap().position - from).abs() < 1e-6, "{:?} {from}", run.output.numbers);
     let way = from - run.output.reference.position;
     assert!((way - RETRACT).abs() < 0.2e-6, "retreat of {way} m");
 }

@@ -8,6 +8,7 @@ use crate::run::{Loop, NO_WORKPIECE};
 const HOUR: f64 = 3600.0;
 /// Armed time after each learning, s.
 const ARMED: f64 = 20.0;
+
 /// False alarms in `hours` of armed time, with fresh learning (and fresh noise) every 20 s and after every alarm.
 fn false_alarms(parameters: &Parameters, first_seed: u64, hours: f64) -> usize {
     let (mut armed, mut alarms, mut seed) = (0.0, 0, first_seed);

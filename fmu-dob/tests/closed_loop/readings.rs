@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use fmu_dob::interface::{ContactSource, DetectorKind, Fault, Input, Parameters, State};
+use fmu_dob::monitoring::numbers::Unseen;
 
 use crate::run::{Loop, NO_WORKPIECE};
 
@@ -163,13 +164,14 @@ fn a_step_of_the_encoder_does_not_blind_the_guard() {
     assert_eq!(run.output.contact_source, ContactSource::ForceGuard, "{:?}", run.output);
     assert!(run.run_to(State::Fault, 3.0) && run.slide.depth < 1.5e-6, "{} m", run.slide.depth);
     assert_eq!(run.output.fault, Fault::LateContact);
+    assert_eq!(run.output.numbers.late.unwrap().unseen, Unseen::Doubted);
 }
 
 #[test]
 fn the_spindle_signal_does_not_vanish_in_a_sample() {
     let mut run = running(&Parameters::START, 72, State::Detect);
     until_told(&mut run, 100, |input| input.spindle_speed = 0.0);
-    assert_eq!((run.output.fault, run.output.contact), (Fault::LostSpindle, false));
+    assert_eq!((run.output.fault, run.output.contact), (Fault::SpindleJump, false));
     assert!(run.output.drive_enable);
 }
 

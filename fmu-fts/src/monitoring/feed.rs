@@ -16,7 +16,8 @@ pub struct FeedWatch {
     /// where it began: spindle angle (rad) and slide position (m)
     begin: Option<(f64, f64)>,
     fed: bool,
-    lost: bool,
+    /// way of a turn that was not right, m
+    lost: Option<f64>,
 }
 
 impl FeedWatch {
@@ -24,16 +25,18 @@ impl FeedWatch {
     pub fn update(&mut self, p: &Parameters, spindle_angle: f64, slide_position: f64) {
         let (angle, position) = *self.begin.get_or_insert((spindle_angle, slide_position));
         if p.limits.feed > 0.0 && (spindle_angle - angle).abs() >= TAU {
-            let off = ((slide_position - position).abs() - p.limits.feed).abs();
-            let right = off <= 0.5 * p.limits.feed;
-            self.lost |= self.fed && !right;
+            let way = (slide_position - position).abs();
+            let right = (way - p.limits.feed).abs() <= 0.5 * p.limits.feed;
+            if self.fed && !right {
+                self.lost.get_or_insert(way);
+            }
             self.fed |= right;
             self.begin = Some((spindle_angle, slide_position));
         }
     }
 
-    /// Whether the slide went with its feed and does no more.
-    pub fn lost(&self) -> bool {
+    /// Way (m) of the first turn in which the slide, which went with its feed, did no more.
+    pub fn lost(&self) -> Option<f64> {
         self.lost
     }
 }
@@ -49,7 +52,7 @@ mod tests {
         (0..3000).find_map(|k| {
             let turns = 0.0105 * f64::from(k);
             watch.update(&p, -TAU * turns, (position(turns) * 1e7).round() * 1e-7);
-            watch.lost().then_some(turns as u32)
+            watch.lost().map(|_| turns as u32)
         })
     }
 

@@ -2,16 +2,15 @@
 //!
 //! What a stable loop is left with falls with its time constants, and noise is the same in every turn. A tool that goes
 //! into the part, or a step of another kind, is over within two turns. An error that rises in four to ten turns in a row,
-//! to twice what it was, and by its part in each, comes of itself: each turn cuts what the one before has left, and the harmonics learn it with the wrong
-//! phase. At another speed the path is another, too, and the turns begin anew. Below `limits.tracking_error` nothing is said.
+//! to twice what it was, by 1.05 to 4 in each, comes of itself: each turn cuts what the one before has left, and the
+//! harmonics learn it with the wrong phase. At another speed the path is another, too, and the turns begin anew. Below `limits.tracking_error` nothing is said.
 
 use serde::{Deserialize, Serialize};
 
 use crate::interface::Parameters;
 
-/// Turns in a row, at least, and at most: an error that doubles over more of them goes with the path.
-const TURNS: u32 = 4;
-const TURNS_MAX: u32 = 10;
+/// Least and largest number of turns in a row: an error that doubles over more of them goes with the path.
+const TURNS: [u32; 2] = [4, 10];
 /// Growth over them.
 const GROWTH: f64 = 2.0;
 /// Least and largest growth in one turn: noise rises by less, a step of the path by more.
@@ -39,7 +38,7 @@ impl GrowthWatch {
         }
         let steady = (speed - self.speed).abs() <= STEADY * self.speed.abs();
         let grown = rms > EACH[0] * self.last && rms < EACH[1] * self.last;
-        if grown && steady && self.turns < TURNS_MAX {
+        if grown && steady && self.turns < TURNS[1] {
             self.turns += 1;
         } else {
             (self.begin, self.speed, self.turns) = (rms, speed, 0);
@@ -47,9 +46,14 @@ impl GrowthWatch {
         self.last = rms;
     }
 
+    /// Turns in a row in which it has risen, and the error where it began to (m, root mean square).
+    pub fn rise(&self) -> (u32, f64) {
+        (self.turns, self.begin)
+    }
+
     /// Whether it grows.
     pub fn grows(&self, p: &Parameters) -> bool {
-        self.turns >= TURNS && self.last >= GROWTH * self.begin && self.last > p.limits.tracking_error
+        self.turns >= TURNS[0] && self.last >= GROWTH * self.begin && self.last > p.limits.tracking_error
     }
 }
 

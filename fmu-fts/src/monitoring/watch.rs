@@ -9,6 +9,7 @@ use crate::interface::{Fault, Parameters, State};
 use crate::monitoring::drive::DriveWatch;
 use crate::monitoring::growth::GrowthWatch;
 use crate::monitoring::life::LifeWatch;
+use crate::monitoring::numbers::Numbers;
 use crate::path::path_table::PathTable;
 
 /// Below this share the arm accelerates against the torque.
@@ -20,9 +21,9 @@ const SATURATION_MEAN: f64 = 0.1;
 /// Time within which the torque of an unstable loop turns, s: 100 Hz and more.
 const REVERSAL: f64 = 5e-3;
 /// So many times; accelerating and braking is one.
-const REVERSALS: u32 = 8;
+pub const REVERSALS: u32 = 8;
 /// Time constants of the cancellation within which its error becomes small: also after the tool has gone into the part.
-const SETTLED: f64 = 8.0;
+pub const SETTLED: f64 = 8.0;
 /// The slowest feed of a cut, m/s.
 const SLOWEST: f64 = 1e-6;
 
@@ -105,6 +106,12 @@ impl Watch {
         self.following_error
     }
 
+    /// Numbers of what it finds.
+    pub fn numbers(&self) -> Numbers {
+        let (turns, begin) = self.growth.rise();
+        Numbers { saturated: self.saturated, turns, begin, ..Numbers::START }
+    }
+
     /// Acceleration of the arm over that of the torque, where the torque is enough to tell.
     pub fn share(&self, p: &Parameters) -> Option<f64> {
         self.drive.share(p)
@@ -126,16 +133,18 @@ impl Watch {
     }
 }
 
-/// Whether a job has taken longer than it may: a cut, or an identification of `identify` s. Holding has no end.
-pub fn overdue(p: &Parameters, path: &PathTable, identify: f64, state: State, job: &Progress) -> bool {
+/// Time of a job that has taken longer than it may, and its limit, s: a cut, or an identification of `identify` s. Holding
+/// has no end.
+pub fn late(p: &Parameters, path: &PathTable, identify: f64, state: State, job: &Progress) -> Option<[f64; 2]> {
     let usual = match state {
         State::Approach | State::Ready | State::Track => path.extent() / SLOWEST,
         // before it, at most two turns to `hold_angle` and the way off the path
         State::Identify => 2.0 * (identify + p.approach_time + quintic_duration(2.0 * TAU, p.hold_speed)),
-        _ => return false,
+        _ => return None,
     };
-    let time = if p.limits.job_time > 0.0 { p.limits.job_time } else { usual };
-    job.samples() as f64 * p.sample_period > time
+    let limit = if p.limits.job_time > 0.0 { p.limits.job_time } else { usual };
+    let time = job.samples() as f64 * p.sample_period;
+    (time > limit).then_some([time, limit])
 }
 
 #[cfg(test)]
@@ -145,15 +154,23 @@ mod tests {
     use crate::path::kinematics::Arm;
     use control_blocks::SafeEnd;
 
+    const REST: Sample = Sample {
+        wanted: 0.0,
+        arm_angle: 0.0,
+        torque: 0.0,
+        swinging: false,
+        learning: false,
+        rms: 0.0,
+        spindle_speed: 0.0,
+    };
+
     /// What is found after 0.5 s at full torque, of an arm that moves `behind` (rad) what is wanted.
     fn at_full_torque(behind: f64) -> Option<Fault> {
         let (p, length, mut watch) = (Parameters::START, 0.08, Watch::default());
         for k in 0..5000 {
             let arm_angle = 1e-3 * f64::from(k);
             let (wanted, torque) = (arm_angle + behind, p.servo.torque_max);
-            let sample =
-                Sample { wanted, arm_angle, torque, swinging: false, learning: false, rms: 0.0, spindle_speed: 0.0 };
-            watch.update(&p, length, &sample);
+            watch.update(&p, length, &Sample { wanted, arm_angle, torque, ..REST });
         }
         watch.find(&p, length)
     }
@@ -169,9 +186,7 @@ mod tests {
         let (p, mut watch) = (Parameters::START, Watch::default());
         for k in 0..ticks(time, p.sample_period) {
             let (learning, rms) = (k % pause != 0, rms(f64::from(k) * p.sample_period));
-            let sample =
-                Sample { wanted: 0.0, arm_angle: 0.0, torque: 0.0, swinging: false, learning, rms, spindle_speed: 0.0 };
-            watch.update(&p, 0.08, &sample);
+            watch.update(&p, 0.08, &Sample { learning, rms, ..REST });
         }
         watch.find(&p, 0.08)
     }
@@ -213,18 +228,19 @@ mod tests {
     fn a_job_may_last_as_long_as_is_told_or_twice_the_measurement() {
         let mut p = Parameters::START;
         let path = PathTable::new(Arm::new(&p), &DepthTable::of_surface(&p).unwrap(), 24);
-        let late = |p: &Parameters, state: State, time: f64| {
+        let limit = |p: &Parameters, state: State, time: f64| {
             let mut job = Progress::default();
             (0..(time / p.sample_period) as u32).for_each(|_| job.count());
-            overdue(p, &path, 1.0, state, &job)
+            late(p, &path, 1.0, state, &job).map(|[_, limit]| limit)
         };
         // 1 s of measurement, 0.3 s of approach, two turns on a quintic of 2 rad/s
         let most = 2.0 * (1.3 + quintic_duration(2.0 * TAU, 2.0));
-        assert!(!late(&p, State::Identify, most - 0.01) && late(&p, State::Identify, most + 0.01));
-        assert!(!late(&p, State::Hold, 100.0) && !late(&p, State::Track, 100.0));
+        assert_eq!(limit(&p, State::Identify, most - 0.01), None);
+        assert_eq!(limit(&p, State::Identify, most + 0.01), Some(most));
+        assert_eq!((limit(&p, State::Hold, 100.0), limit(&p, State::Track, 100.0)), (None, None));
         p.limits.job_time = 0.5;
-        assert!(!late(&p, State::Track, 0.49) && late(&p, State::Track, 0.51));
-        assert!(!late(&p, State::Hold, 0.51));
+        assert_eq!((limit(&p, State::Track, 0.49), limit(&p, State::Track, 0.51)), (None, Some(0.5)));
+        assert_eq!(limit(&p, State::Hold, 0.51), None);
     }
 
     #[test]
@@ -240,16 +256,7 @@ mod tests {
             let mut watch = Watch::default();
             for k in 0..100 {
                 let arm_angle = speed * f64::from(k);
-                let sample = Sample {
-                    wanted: 0.0,
-                    arm_angle,
-                    torque: 0.0,
-                    swinging: false,
-                    learning: false,
-                    rms: 0.0,
-                    spindle_speed: 0.0,
-                };
-                watch.update(&p, 0.08, &sample);
+                watch.update(&p, 0.08, &Sample { arm_angle, ..REST });
             }
             assert_eq!(watch.drive_fault(&p, share), Some(fault), "{speed} {share}");
         }

@@ -99,6 +99,11 @@ impl PathTable {
         !self.covers(slide_position) && (end - joined).abs() >= self.step
     }
 
+    /// Slide positions between which it is, m.
+    pub fn ends(&self) -> [f64; 2] {
+        [self.first, self.first + (self.rows - 1) as f64 * self.step]
+    }
+
     /// Way of the slide through the table, m.
     pub fn extent(&self) -> f64 {
         (self.rows - 1) as f64 * self.step.abs()

@@ -75,7 +75,7 @@ fn only_a_rising_edge_resets_a_fault() {
         run.input.mode = if k < 50 { Mode::Idle } else { Mode::Hold };
         run.input.enable = k % 20 < 10;
         run.step();
-        assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::InvalidInput));
+        assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::LostSlide));
     }
     run.run_to(0.5);
     reset(&mut run);
@@ -178,8 +178,8 @@ fn nonsense_is_bridged_and_then_a_fault_in_every_state() {
     // and whether a held arm needs it
     let changes: [(Place, Fault, bool); 4] = [
         (|i| &mut i.arm_angle, Fault::LostReading, true),
-        (|i| &mut i.spindle_angle, Fault::InvalidInput, false),
-        (|i| &mut i.slide_position, Fault::InvalidInput, false),
+        (|i| &mut i.spindle_angle, Fault::LostSpindle, false),
+        (|i| &mut i.slide_position, Fault::LostSlide, false),
         (|i| &mut i.hold_angle, Fault::InvalidInput, true),
     ];
     for mode in &Mode::ALL[1..] {
@@ -197,7 +197,7 @@ fn nonsense_is_bridged_and_then_a_fault_in_every_state() {
                 assert_eq!(run.output.fault, if faulty { fault } else { Fault::None }, "{mode:?}");
                 if faulty {
                     run.step();
-                    recovers(run, fault, fault == Fault::InvalidInput);
+                    recovers(run, fault, fault != Fault::LostReading);
                 }
             }
         }

@@ -159,7 +159,7 @@ fn a_lost_spindle_ends_out_of_the_part_under_control() {
             }
         }
         assert!(high < most + 0.05 * (most - least), "{high} {most}");
-        assert_eq!((run.output.fault, run.output.drive_enable), (Fault::LostSpindle, true));
+        assert_eq!((run.output.fault, run.output.drive_enable), (Fault::FrozenSpindle, true));
         // a second fault in the end is not ignored, and asks for more
         for _ in 0..5 {
             run.step_with(|input| input.arm_angle = f64::NAN);

@@ -97,7 +97,11 @@ impl ContactMonitor {
         if self.lost.count() > 0 {
             return false;
         }
-        let angle = self.lateral.atan2(self.force.dot(normal));
-        self.force.norm() > DIRECTION_RATIO * p.approach.contact_force && angle > p.limits.force_angle
+        self.force.norm() > DIRECTION_RATIO * p.approach.contact_force && self.angle(normal) > p.limits.force_angle
+    }
+
+    /// Angle (rad) between the mean force and the unit normal `normal`, friction to either side counted.
+    pub fn angle(&self, normal: &Vector3<f64>) -> f64 {
+        self.lateral.atan2(self.force.dot(normal))
     }
 }

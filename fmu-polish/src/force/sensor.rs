@@ -54,6 +54,11 @@ impl ForceSensor {
         })
     }
 
+    /// The zero that was taken last, N.
+    pub fn zero(&self) -> &Vector3<f64> {
+        &self.zero
+    }
+
     /// The force (N) behind one raw force, where the unit normal is `normal`.
     pub fn measure(&mut self, p: &Parameters, raw: &Vector3<f64>, normal: &Vector3<f64>) -> MeasuredForce {
         let keep = match p.force.filter_bandwidth {

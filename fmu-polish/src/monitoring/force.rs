@@ -1,8 +1,8 @@
 //! The force reading held against the motion and against itself: does it live, is it noise, does the loop hold it?
 //!
 //! At rest and on the approach nothing moves the force but its noise, so a reading that stands to the bit for
-//! `limits.still_time` is not alive. In contact it must answer the way into the mold: the reading is anchored
-//! ([`Frozen`]), and a depth that has changed by more than the surface can have changed since, a way w along the path
+//! `limits.still_time` is not alive. In contact it must answer the way into the mold: a short mean of the
+//! reading is anchored ([`Frozen`]), and a depth that has changed by more than the surface can have changed since, a way w along the path
 //! times `limits.surface_slope`, without that the force has left a band of one and a half steps, was not felt.
 //!
 //! The noise is told by the second difference, which slow signals do not reach: white noise of the deviation s has
@@ -39,7 +39,7 @@ const ERROR_CLIP: f64 = 2.0;
 pub struct ForceMonitor {
     /// each raw axis, to the bit
     still: [Frozen; 3],
-    /// each raw axis against the depth
+    /// the short mean of each raw axis against the depth
     answers: [Answer; 3],
     depth: Option<f64>,
     /// the last two forces along the normal, N
@@ -144,7 +144,7 @@ impl ForceMonitor {
         let faults = [
             (Fault::Saturation, sample.raw.amax() >= end),
             (Fault::FrozenForce, self.stands(p, &sample.now.frame.normal) || self.unanswered(p, sample)),
-            (Fault::NoisyForce, self.noise.sqrt() > p.limits.force_noise),
+            (Fault::NoisyForce, self.noise() > p.limits.force_noise),
         ];
         faults.into_iter().find_map(|(fault, holds)| holds.then_some(fault))
     }
@@ -152,7 +152,18 @@ impl ForceMonitor {
     /// What is wrong with the loop.
     pub fn loop_fault(&self, p: &Parameters) -> Option<Fault> {
         let cause = if self.swings.many() { Fault::Oscillation } else { Fault::ForceError };
-        (self.error.sqrt() > error_limit(p)).then_some(cause)
+        let [error, limit] = self.error(p);
+        (error > limit).then_some(cause)
+    }
+
+    /// Standard deviation of the noise, N.
+    pub fn noise(&self) -> f64 {
+        self.noise.sqrt()
+    }
+
+    /// Force error, root mean square, and its limit, N.
+    pub fn error(&self, p: &Parameters) -> [f64; 2] {
+        [self.error.sqrt(), error_limit(p)]
     }
 
     fn stands(&self, p: &Parameters, normal: &Vector3<f64>) -> bool {

@@ -11,9 +11,31 @@ pub struct Numbers {
     pub time: f64,
     /// Longest time of the job, s.
     pub time_limit: f64,
+    /// Norm of the force, N.
+    pub norm: f64,
+    /// The same of the zero of the sensor, N.
+    pub zero: f64,
+    /// Angle between the mean force and the normal, rad.
+    pub angle: f64,
+    /// Distance of the surface from the path along the normal, m.
+    pub surface: f64,
+    /// Standard deviation of the noise of the force, N.
+    pub noise: f64,
+    /// Force error, root mean square over 0.2 s, and its limit, N.
+    pub force_error: [f64; 2],
 }
 
 impl Numbers {
     /// Before the first job.
-    pub const START: Self = Self { share: None, time: 0.0, time_limit: 0.0 };
+    pub const START: Self = Self {
+        share: None,
+        time: 0.0,
+        time_limit: 0.0,
+        norm: 0.0,
+        zero: 0.0,
+        angle: 0.0,
+        surface: 0.0,
+        noise: 0.0,
+        force_error: [0.0; 2],
+    };
 }

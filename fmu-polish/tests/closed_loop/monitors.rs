@@ -155,16 +155,18 @@ fn one_bad_sample_moves_nothing_and_ends_nothing() {
 
 #[test]
 fn what_stays_bad_is_lost_or_has_jumped() {
-    let cases: [(Fault, Spoil); 4] = [
-        (Fault::LostReading, |input| input.force.y = f64::NAN),
-        (Fault::LostReading, |input| input.position.z = f64::NAN),
-        (Fault::ReadingJump, |input| input.position.y += 20e-3),
-        (Fault::FollowingError, |input| input.position.y += 0.15e-3),
+    // with the places known the tool goes out without a force
+    let cases: [(Fault, bool, Spoil); 5] = [
+        (Fault::LostForce, true, |input| input.force.y = f64::NAN),
+        (Fault::ForceJump, true, |input| input.force.y = 90.0),
+        (Fault::LostReading, false, |input| input.position.z = f64::NAN),
+        (Fault::ReadingJump, false, |input| input.position.y += 20e-3),
+        (Fault::FollowingError, false, |input| input.position.y += 0.15e-3),
     ];
-    for (expected, change) in cases {
+    for (expected, driven, change) in cases {
         for state in [State::Approach, State::Settle, State::Follow] {
             let failure = fails(&P, Build::NOMINAL, state, |input, _| change(input));
-            assert_eq!((failure.fault, failure.drive_enable), (expected, false), "{state:?}: {failure:?}");
+            assert_eq!((failure.fault, failure.drive_enable), (expected, driven), "{state:?}: {failure:?}");
             assert!(failure.after < 0.01 && failure.most < 6.0, "{state:?}: {failure:?}");
         }
     }

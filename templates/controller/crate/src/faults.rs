@@ -6,7 +6,7 @@ use crate::reading::Reading;
 /// What is wrong in this sample, with a following error in m.
 pub fn find(p: &Parameters, reading: &Reading, following_error: f64) -> Option<Fault> {
     if !reading.valid {
-        return Some(Fault::InvalidInput);
+        return Some(Fault::LostReading);
     }
     (following_error.abs() > p.limits.following_error).then_some(Fault::FollowingError)
 }
@@ -18,7 +18,7 @@ pub fn numbers(vars: &Vars) -> String {
         (State::Fault, Fault::FollowingError) => {
             format!(": `{:.6} m`, limit `{} m`", output.following_error, p.limits.following_error)
         }
-        (State::Fault, Fault::InvalidInput) => format!(": `{} m`", input.position),
+        (State::Fault, Fault::LostReading) => format!(": `{} m`", input.position),
         (State::Run, _) => format!(": from `{:.6} m` to `{} m`", input.position, p.motion.target),
         _ => String::new(),
     }
@@ -42,6 +42,6 @@ mod tests {
 
     #[test]
     fn without_a_position_nothing_else_counts() {
-        assert_eq!(find(&P, &Reading { valid: false, ..GOOD }, 1.0), Some(Fault::InvalidInput));
+        assert_eq!(find(&P, &Reading { valid: false, ..GOOD }, 1.0), Some(Fault::LostReading));
     }
 }

@@ -32,7 +32,7 @@ mod variables {
         FollowingError,
         /// The position is NaN, infinite or out of any plausible range
         #[hint("check what is connected to `position`, and its unit")]
-        InvalidInput,
+        LostReading,
     }
 
     /// Which law holds the slide.

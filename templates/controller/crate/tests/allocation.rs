@@ -30,7 +30,7 @@ fn a_job_of_both_laws() {
 fn every_fault_and_its_reset() {
     let causes: [(Fault, Cause); 2] = [
         (Fault::FollowingError, |run| run.slide.load = -100.0),
-        (Fault::InvalidInput, |run| run.step_with(|input| input.position = f64::NAN)),
+        (Fault::LostReading, |run| run.step_with(|input| input.position = f64::NAN)),
     ];
     for (fault, cause) in causes {
         let mut run = Loop::new(&Parameters::START);

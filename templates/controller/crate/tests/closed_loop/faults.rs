@@ -10,7 +10,7 @@ fn in_fault(fault: Fault) -> Loop {
     match fault {
         Fault::None => unreachable!("no fault has no cause"),
         Fault::FollowingError => run.slide.load = -100.0,
-        Fault::InvalidInput => run.step_with(|input| input.position = f64::NAN),
+        Fault::LostReading => run.step_with(|input| input.position = f64::NAN),
     }
     assert!(run.run_to(State::Fault, 1.0), "{:?}", run.output);
     assert_eq!((run.output.fault, run.output.force), (fault, 0.0));

@@ -2,8 +2,10 @@
 
 mod drive;
 mod frozen;
+mod numbers;
 mod trial;
 
 pub use drive::DriveMonitor;
 pub use frozen::{FrozenProbe, PRESSED_IN_PUSH, Phase};
-pub use trial::{ProbeTrial, believable_share};
+pub use numbers::Numbers;
+pub use trial::{ProbeTrial, SHARE_ERROR, believable_share};

@@ -1,0 +1,41 @@
+//! Numbers that are told with a fault.
+
+use serde::{Deserialize, Serialize};
+
+/// What the monitors know of a sample, for the log.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Numbers {
+    /// The contact that the force guard has found.
+    pub late: Option<LateContact>,
+    /// Change of the force from before the contact to behind the retract, N.
+    pub force_left: f64,
+    /// Largest distance from the reference when the drive went off, m.
+    pub following_limit: f64,
+}
+
+impl Numbers {
+    /// Before the first approach.
+    pub const START: Self = Self { late: None, force_left: 0.0, following_limit: 0.0 };
+}
+
+/// A contact that the force guard has found, and the detector has not.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LateContact {
+    /// Encoder position at which the approach was stopped, m.
+    pub position: f64,
+    /// Force there above that before, N.
+    pub force: f64,
+    /// Why the detector had not.
+    pub unseen: Unseen,
+}
+
+/// Why the detector has not found a contact.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Unseen {
+    /// It was not armed.
+    Unarmed,
+    /// A reading that it remembers did not count in full.
+    Doubted,
+    /// It was armed, and missed it.
+    Missed,
+}
