@@ -282,8 +282,9 @@ mod tests {
 
         fn fault(&self) -> Option<Fault> {
             let (contact, force, axes) = (ContactMonitor::default(), ForceMonitor::default(), AxisMonitor::new(&P));
-            let Self { state, taring, halted, ticks, travelled, zero, stiffness_ratio, stable, slides, overdue, .. } =
-                *self;
+            let Self {
+                state, taring, halted, ticks, travelled, zero, stiffness_ratio, stable, slides, overdue, ..
+            } = *self;
             let (raw, stiffness) = (&self.reading.force, P.stiffness_nominal);
             let sample = &ForceSample { state, raw, now: &self.now, stiffness, way: 0.0 };
             let (reading, now, contact, axes, force) = (&self.reading, &self.now, &contact, &axes, &force);

@@ -216,7 +216,10 @@ mod tests {
             axis.fault(&P)
         };
         let (way, far) = (BAND * P.encoder_resolution + P.limits.frozen_way, 1.001 * P.limits.following_error);
-        assert_eq!((standing(1.001 * way, 15, 0.0), standing(1.001 * way, 16, 0.0)), (None, Some(Fault::FrozenReading)));
+        assert_eq!(
+            (standing(1.001 * way, 15, 0.0), standing(1.001 * way, 16, 0.0)),
+            (None, Some(Fault::FrozenReading))
+        );
         assert_eq!((standing(way, 16, 0.0), standing(way, 16, far)), (None, Some(Fault::FollowingError)));
         assert_eq!(standing(1.001 * way, 1, far), Some(Fault::FrozenReading));
     }

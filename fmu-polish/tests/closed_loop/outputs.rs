@@ -45,7 +45,11 @@ fn the_outputs_of_a_job_hold_together() {
     }
     let points = points(file(&spiral(POINTS)).as_bytes(), &P).unwrap();
     let length: f64 = points.windows(2).map(|pair| (pair[1].contact - pair[0].contact).norm()).sum();
-    assert!(run.output.progress == 1.0 && (run.output.path_length - length).abs() < 1e-12, "{}", run.output.path_length);
+    assert!(
+        run.output.progress == 1.0 && (run.output.path_length - length).abs() < 1e-12,
+        "{}",
+        run.output.path_length
+    );
     // the ball centre is nearer to the middle of the hollow
     let nearer = (HOLLOW - P.tool_radius) / HOLLOW;
     assert!((way / (nearer * length) - 1.0).abs() < 1e-3, "{way} {length}");
