@@ -283,6 +283,18 @@ mod tests {
     }
 
     #[test]
+    fn the_reference_moves_as_the_feed_some_samples_later() {
+        let mut p = Parameters::START;
+        (p.io_delay, p.lookup.preview) = (0, 0.05);
+        let path = straight(0.12);
+        let mut run = Run::new(&p, &path);
+        let speeds: Vec<(f64, f64)> =
+            std::iter::from_fn(|| run.step(&p, &path, path.speed).then(|| (run.speed(), run.point().speed))).collect();
+        assert!(speeds.windows(6).all(|six| six[0].0 == six[5].1));
+        assert!(speeds.iter().any(|(feed, _)| *feed == path.speed));
+    }
+
+    #[test]
     fn a_held_run_stands_and_goes_on() {
         let p = Parameters::START;
         let path = straight(0.12);

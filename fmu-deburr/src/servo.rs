@@ -52,6 +52,20 @@ mod tests {
     }
 
     #[test]
+    fn each_axis_rests_up_to_a_thousandth_of_its_speed_and_a_pulse() {
+        let mut p = Parameters::START;
+        p.axis.iter_mut().enumerate().for_each(|(i, axis)| axis.velocity_max *= 1.0 + i as f64);
+        for (i, axis) in p.axis.iter().enumerate() {
+            let most = 1e-3 * axis.velocity_max * p.sample_period + axis.pulse;
+            for sign in [1.0, -1.0] {
+                let moved = |way: f64| std::array::from_fn(|k| if k == i { 0.3 + sign * way } else { 0.3 });
+                assert!(at_rest(&p, &moved(0.99 * most), &[0.3; AXES]), "{i}");
+                assert!(!at_rest(&p, &moved(1.01 * most), &[0.3; AXES]), "{i}");
+            }
+        }
+    }
+
+    #[test]
     fn a_pulse_of_noise_is_rest_and_a_slow_motion_is_not() {
         let p = Parameters::START;
         let mut now = [0.3; AXES];

@@ -245,6 +245,146 @@ pub fn numbers(vars: &Vars) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::force::sensor::MeasuredForce;
+    use crate::interface::{ErrorOutput, Input};
+    use crate::monitoring::numbers::Numbers;
+    use crate::path::centre_path::Frame;
+    use crate::reading::Reader;
+
+    const P: Parameters = Parameters::START;
+    use State::{Approach, Follow, Retract, Settle, Unload};
+
+    /// What a sample says; at first nothing is wrong.
+    struct Sample {
+        state: State,
+        taring: bool,
+        halted: bool,
+        ticks: u32,
+        travelled: f64,
+        reading: Reading,
+        now: Measurement,
+        zero: Option<Vector3<f64>>,
+        stiffness_ratio: f64,
+        stable: bool,
+        slides: bool,
+        overdue: bool,
+    }
+
+    impl Sample {
+        fn good(state: State) -> Self {
+            let (none, normal) = (Vector3::zeros(), Vector3::z());
+            let frame = Frame { centre: none, contact: none, normal, tangent: Vector3::x(), ratio: 1.0, feed_max: 1.0 };
+            let force = MeasuredForce { vector: none, unfiltered: none, norm: 0.0, normal: 0.0, controlled: 0.0 };
+            let error = ErrorOutput { tangential: 0.0, lateral: 0.0, normal: 0.0 };
+            Self {
+                state,
+                taring: false,
+                halted: false,
+                ticks: 0,
+                travelled: 0.0,
+                reading: Reader::new().read(&P, &Input::START, P.stiffness_nominal),
+                now: Measurement { frame, force, force_error: 0.0, offset: none, error, surface: 0.0 },
+                zero: None,
+                stiffness_ratio: 1.0,
+                stable: true,
+                slides: true,
+                overdue: false,
+            }
+        }
+
+        fn fault(&self) -> Option<Fault> {
+            let (contact, force, axes) = (ContactMonitor::default(), ForceMonitor::default(), AxisMonitor::new(&P));
+            let Self {
+                state, taring, halted, ticks, travelled, zero, stiffness_ratio, stable, slides, overdue, ..
+            } = *self;
+            let (raw, stiffness) = (&self.reading.force, P.stiffness_nominal);
+            let sample = &ForceSample { state, raw, now: &self.now, stiffness, way: 0.0 };
+            let (reading, now, contact, axes, force) = (&self.reading, &self.now, &contact, &axes, &force);
+            let told = Evidence {
+                state,
+                taring,
+                ticks,
+                travelled,
+                halted,
+                reading,
+                now,
+                zero,
+                contact,
+                axes,
+                force,
+                sample,
+                stiffness_ratio,
+                stable,
+                slides,
+                overdue,
+            };
+            find(&P, &told)
+        }
+    }
+
+    /// A fault, the states in which it counts, and what takes its value to so many times its limit.
+    type Limit = (Fault, &'static [State], fn(&mut Sample, f64));
+
+    const WORKING: &[State] = &[Approach, Settle, Follow, Unload, Retract];
+    const MOVING: &[State] = &[Approach, Settle, Follow, Unload, Retract, State::Fault];
+
+    fn samples(times: f64, limit: f64) -> u32 {
+        (times * limit).ceil() as u32
+    }
+
+    #[test]
+    fn at_its_limit_nothing_is_a_fault_and_beyond_it_is_one_where_it_counts() {
+        let limits: &[Limit] = &[
+            (Fault::EmergencyStop, State::ALL, |s, x| s.reading.stopped = x > 1.0),
+            (Fault::LostReading, MOVING, |s, x| s.reading.lost = samples(x, 5.0)),
+            (Fault::ReadingJump, MOVING, |s, x| s.reading.doubted = samples(x, 5.0)),
+            (Fault::InvalidInput, WORKING, |s, x| s.reading.invalid = samples(x, 5.0)),
+            (Fault::Stroke, MOVING, |s, x| s.reading.position.y = -x * 0.5 * P.stroke.y),
+            (Fault::TareRejected, State::ALL, |s, x| s.zero = Some(x * P.limits.tare_force * Vector3::z())),
+            (Fault::NotAtStart, State::ALL, |s, x| {
+                (s.zero, s.now.offset) = (Some(Vector3::zeros()), x * P.limits.start_offset * Vector3::y());
+            }),
+            (Fault::NotAtStart, State::ALL, |s, x| {
+                s.zero = Some(Vector3::zeros());
+                s.now.error.normal = x * P.limits.start_offset;
+                s.now.offset = s.now.error.normal * s.now.frame.normal;
+            }),
+            (Fault::ForceLimit, &[Approach, Settle, Follow, Unload], |s, x| s.now.force.norm = x * P.limits.force),
+            (Fault::ApproachTimeout, &[Approach], |s, x| s.travelled = x * P.approach.travel_max),
+            (Fault::ApproachTimeout, &[Approach], |s, x| s.now.error.normal = x * P.limits.approach_depth),
+            (Fault::SettleTimeout, &[Settle], |s, x| s.ticks = if s.state == Settle { samples(x, 2e3) } else { 0 }),
+            (Fault::UnloadTimeout, &[Unload], |s, x| s.ticks = if s.state == Unload { samples(x, 2e3) } else { 0 }),
+            // 0.1 s of the way out besides
+            (Fault::UnloadTimeout, &[Retract], |s, x| s.ticks = if s.state == Retract { samples(x, 2.1e3) } else { 0 }),
+            (Fault::PositionError, &[Follow], |s, x| s.now.error.tangential = -x * P.limits.position_error),
+            (Fault::PositionError, &[Follow], |s, x| s.now.error.lateral = x * P.limits.position_error),
+            (Fault::SurfaceError, &[Settle, Follow], |s, x| s.now.surface = -x * P.limits.surface_error),
+            (Fault::WrongStiffness, &[Follow], |s, x| s.stiffness_ratio = x * P.limits.stiffness_ratio),
+            (Fault::UnstableLoop, &[Settle, Follow, Unload], |s, x| s.stable = x <= 1.0),
+            (Fault::NoSliding, &[Follow], |s, x| s.slides = x <= 1.0),
+            (Fault::NoProgress, WORKING, |s, x| s.overdue = x > 1.0),
+        ];
+        for (i, (fault, counts, take_to)) in limits.iter().enumerate() {
+            for state in State::ALL.iter().copied() {
+                for (times, taring) in [(1.0, false), (1.0, true), (1.001, false), (1.001, true)] {
+                    let mut sample = Sample { taring, ..Sample::good(state) };
+                    take_to(&mut sample, times);
+                    // the tare is part of the job
+                    let counts = counts.contains(&state) || (taring && counts.starts_with(WORKING));
+                    let expected = (times > 1.0 && counts).then_some(*fault);
+                    assert_eq!(sample.fault(), expected, "row {i} in {state:?}, taring: {taring}, {times}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_tool_that_stands_after_a_fault_loses_nothing_more() {
+        let mut sample = Sample { halted: true, ..Sample::good(State::Fault) };
+        (sample.reading.lost, sample.reading.doubted, sample.reading.position.x) = (9, 9, 10.0);
+        assert_eq!(sample.fault(), None);
+        assert_eq!(Sample { halted: false, ..sample }.fault(), Some(Fault::LostReading));
+    }
 
     #[test]
     fn a_fault_tells_what_was_judged_and_its_limit() {
@@ -260,6 +400,7 @@ mod tests {
             noise: 0.4567,
             force_error: [1.234, 1.0],
         };
+        vars.output.error = ErrorOutput { tangential: 3e-3, lateral: -4e-3, normal: 2e-3 };
         for (fault, told) in [
             (Fault::WeakDrive, "; it does `0.30` of what it is told"),
             (Fault::DriveSign, "; it does `0.30` of what it is told"),
@@ -272,6 +413,7 @@ mod tests {
             (Fault::ForceError, "`1.23 N`, limit `1.00 N`"),
             (Fault::LostForce, " = `5` at `0.000` of the path: raw force `0 0 0 N`"),
             (Fault::ReadingJump, " = `5`: position `0 0 0 m`"),
+            (Fault::NotAtStart, ": `-0.002000 m` above it, `0.005000 m` beside"),
         ] {
             vars.output.fault = fault;
             assert!(numbers(&vars).contains(told), "{}", numbers(&vars));

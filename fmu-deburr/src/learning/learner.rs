@@ -304,6 +304,15 @@ mod tests {
     }
 
     #[test]
+    fn of_equal_repetitions_the_first_is_the_best() {
+        let mut p = Parameters::PAPER;
+        p.io_delay = 0;
+        let (mut learner, mut pattern) = setup(&p);
+        (0..3).for_each(|_| assert_eq!(repeat(&mut learner, &p, &mut pattern, |_| 5.0), Next::Repeat));
+        assert_eq!(learner.best_repetition, 0);
+    }
+
+    #[test]
     fn three_times_the_first_error_ends_the_speed_with_the_best_pattern() {
         let mut p = Parameters::PAPER;
         p.io_delay = 0;

@@ -1,6 +1,7 @@
 //! Faults while something is learned: what was learned before stays.
 
-use fmu_deburr::interface::{Fault, Mode, Parameters, State};
+use fmu_deburr::interface::{Fault, LearningLaw, Mode, Parameters, State};
+use fmu_deburr::learning::speeds::Speeds;
 
 use crate::robot::Build;
 use crate::setup::{Loop, stands_with, taught};
@@ -97,4 +98,29 @@ fn learning_that_is_begun_again_after_a_fault_begins_with_the_first_speed() {
     assert_eq!((run.output.learn.speed_index, run.output.learn.repetition), (1, 0));
     assert!(run.finish(Mode::Learn));
     assert_eq!(run.output.bank.patterns, 5);
+}
+
+#[test]
+fn a_pattern_that_grows_ends_its_speed_in_the_middle_of_the_path_and_is_no_fault() {
+    let mut p = Parameters::START;
+    // read so far ahead, an error at high frequencies is enlarged by each repetition
+    (p.learn.law, p.learn.lead, p.learn.repetitions) = (LearningLaw::LeadFilter, 8, 60);
+    p.learn.factors = Speeds::new(&[1.0, 0.4]).unwrap();
+    let mut run = Loop::new(&p, &Build::NOMINAL);
+    run.step();
+    run.input.mode = Mode::Learn;
+    let mut before = run.output.clone();
+    let (mut reached, mut least) = (Vec::new(), Vec::new());
+    while !matches!(run.output.state, State::Done | State::Fault) {
+        run.step();
+        // a repetition that is not finished ends with a stop
+        if (before.state, run.output.state) == (State::Run, State::Stop) {
+            reached.push(before.learn.repetition);
+            least.push(before.learn.best);
+        }
+        before = run.output.clone();
+    }
+    assert_eq!((run.output.state, run.output.fault, run.output.bank.patterns), (State::Done, Fault::None, 2));
+    assert!(reached.len() == 2 && reached.iter().all(|repetition| *repetition < 60), "{reached:?}");
+    assert!(least.iter().zip(&reached).all(|(best, last)| best < last), "{least:?} {reached:?}");
 }

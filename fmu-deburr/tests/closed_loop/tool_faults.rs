@@ -86,13 +86,18 @@ fn bad_samples_of_the_tool_do_not_end_a_casting() {
 fn a_long_way_without_a_cut_is_told_before_the_end_of_the_path() {
     let mut run = running(Mode::Deburr);
     run.parameters.limits.idle_way = 0.1;
+    let (mut cut, mut told) = (0.0, None);
     for k in 0..300 {
         run.input.spindle_speed = if k < 20 { 1850.0 } else { 1885.0 };
         run.step();
+        let distance = run.output.path.distance;
+        cut = if k < 20 { distance } else { cut };
+        told = told.or((run.output.fault != Fault::None).then_some(distance));
     }
     stands_with(&run, Fault::NoCut);
-    let way = run.output.numbers.share.unwrap();
-    assert!(way > 0.1 && run.output.path.distance < 0.22, "{way} {}", run.output.path.distance);
+    // a few samples of 1 mm until the tool is believed to be idle
+    let (way, idle) = (run.output.numbers.share.unwrap(), told.unwrap() - cut);
+    assert!((0.1..0.102).contains(&way) && (0.1..0.107).contains(&idle), "{way} {idle}");
 }
 
 #[test]

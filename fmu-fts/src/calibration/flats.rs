@@ -123,6 +123,15 @@ mod tests {
     }
 
     #[test]
+    fn the_residual_is_the_root_mean_square_of_what_the_fit_leaves() {
+        // to and fro by 1 um, which three parameters hardly follow over 30 flats
+        let mut rough = flats(30.0, 60.0, 30);
+        rough.iter_mut().enumerate().for_each(|(i, flat)| flat.depth += if i % 2 == 0 { 1e-6 } else { -1e-6 });
+        let (_, residual) = fit(&rough, &KNOWN, &ACCURACY).unwrap();
+        assert!((0.95e-6..1e-6).contains(&residual), "{residual:e}");
+    }
+
+    #[test]
     fn a_start_half_a_radian_away_is_good_enough() {
         for away in [-0.5, -0.2, 0.2, 0.5] {
             let known = ArmEstimate { zero: ZERO + away, ..KNOWN };

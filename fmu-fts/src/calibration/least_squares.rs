@@ -147,6 +147,23 @@ mod tests {
     }
 
     #[test]
+    fn a_start_beside_the_answer_needs_few_steps_and_one_at_the_answer_one() {
+        let y = |t: f64| 3.0 * (-0.7 * t).exp();
+        let sums = |start: [f64; 2]| {
+            let count = std::cell::Cell::new(0);
+            let observe = |i: usize, value: &SVector<f64, 2>| {
+                count.set(count.get() + 1);
+                decay(i as f64 * 0.1, y(i as f64 * 0.1), 0.01, value)
+            };
+            estimate(SVector::from(start), 50, observe).unwrap();
+            count.get() / 50
+        };
+        // the sums at the start, and those of each step
+        assert_eq!(sums([3.0, 0.7]), 2);
+        assert!(sums([3.1, 0.72]) <= 6 && sums([1.0, 0.1]) <= 10, "{} {}", sums([3.1, 0.72]), sums([1.0, 0.1]));
+    }
+
+    #[test]
     fn a_line_has_the_textbook_covariance() {
         let x = [0.0, 1.0, 2.0, 3.0];
         let found = line(&x, &[1.0, 3.0, 5.0, 7.0], 0.2).unwrap();

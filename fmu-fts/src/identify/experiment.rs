@@ -322,6 +322,39 @@ mod tests {
     }
 
     #[test]
+    fn what_is_broken_off_fades_within_the_glide_time_and_measures_nothing_more() {
+        let p = Parameters::START;
+        for after in [1, 100, 700, 3400, 3600, 9000] {
+            let (mut identification, mut plant) = (experiment(&p), Loop::default());
+            assert!(!identification.swinging() && !identification.broken_off());
+            let mut swing = |identification: &mut Identification| {
+                let set_point = identification.step(plant.angle(), false);
+                plant.step(set_point);
+                set_point
+            };
+            (0..after).for_each(|_| assert!(swing(&mut identification).is_finite()));
+            let (measured, most) = (identification.response().points().len(), identification.excitation().0);
+            identification.stop();
+            identification.stop();
+            let glide = ticks(p.identify.glide_time, p.sample_period);
+            for k in 0..glide {
+                assert!(
+                    identification.swinging() && !identification.broken_off() && !identification.done(),
+                    "{after} {k}"
+                );
+                // level at its begin, a half in the middle, level at its end
+                let share = f64::from(k + 1) / f64::from(glide);
+                let left = most * (1.0 - share * share * (3.0 - 2.0 * share));
+                assert!(
+                    (identification.excitation().0 - left).abs() < 1e-12 && swing(&mut identification).abs() <= left
+                );
+            }
+            assert!(identification.broken_off() && !identification.swinging() && !identification.done());
+            assert_eq!((swing(&mut identification), identification.response().points().len()), (0.0, measured));
+        }
+    }
+
+    #[test]
     fn a_restart_measures_the_same_again() {
         let (mut identification, _) = run(&Parameters::START, |_, angle| angle);
         let first = *identification.response();

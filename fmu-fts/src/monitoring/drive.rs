@@ -106,6 +106,27 @@ mod tests {
     }
 
     #[test]
+    fn the_band_passes_what_is_neither_slow_nor_fast() {
+        // s T / (1 + s T) / (1 + s / w)^2, sampled finely
+        let dt = 1e-6;
+        for hertz in [1.0, 8.0, 40.0, 200.0, 2000.0] {
+            let (mut band, omega, mut sum) = (Band::default(), TAU * hertz, nalgebra::Complex::new(0.0, 0.0));
+            let (settle, period) = (0.2 / dt, (1.0 / (hertz * dt)) as u32);
+            let begin = (settle as u32).div_ceil(period) * period;
+            for k in 0..begin + period {
+                let phase = omega * dt * f64::from(k);
+                let passed = band.update(phase.cos(), dt);
+                if k >= begin {
+                    sum += nalgebra::Complex::new(phase.cos(), -phase.sin()) * passed * 2.0 / f64::from(period);
+                }
+            }
+            let s = nalgebra::Complex::new(0.0, omega);
+            let expected = s * SLOW / (s * SLOW + 1.0) / (s / FAST + 1.0).powi(2);
+            assert!((sum - expected).norm() < 5e-3, "{hertz} Hz: {sum} {expected}");
+        }
+    }
+
+    #[test]
     fn the_share_is_that_of_the_drive() {
         for gain in [1.0, 0.3, 0.0, -1.0] {
             for (hertz, torque) in [(20.0, 2.0), (80.0, 2.0), (500.0, 5.0)] {

@@ -88,6 +88,15 @@ mod tests {
     }
 
     #[test]
+    fn a_step_among_rising_turns_begins_anew() {
+        assert_eq!(grows(|turn| 20.0 * 1.3_f64.powi(turn) * if turn < 3 { 1.0 } else { 3.2 }, |_| 62.8), Some(7));
+        // less than four times is part of the growth
+        assert_eq!(grows(|turn| 20.0 * 1.3_f64.powi(turn) * if turn < 3 { 1.0 } else { 3.0 }, |_| 62.8), Some(4));
+        // and it is told beyond the largest error alone
+        assert_eq!(grows(|turn| 20.0 / 16.0 * 2.0_f64.powi(turn), |_| 62.8), Some(5));
+    }
+
+    #[test]
     fn a_step_after_noise_that_rose_by_chance_does_not_grow() {
         let error = |turn: i32| match turn {
             0..5 => 0.40 + 0.01 * f64::from(turn),

@@ -95,6 +95,24 @@ mod tests {
     }
 
     #[test]
+    fn at_rest_a_torque_tells_after_the_time_in_which_it_would_move_the_arm() {
+        let (p, mut watch) = (Parameters::START, LifeWatch::default());
+        for (torque, sign) in [(2.0, 1.0), (5.0, -1.0)] {
+            watch = LifeWatch { by_path: watch.by_path, ..LifeWatch::default() };
+            (0..100).for_each(|_| watch.update(&p, 0.3, 0.3, 0.0));
+            let told = (0..1000).take_while(|_| {
+                watch.update(&p, 0.3, 0.3, sign * torque);
+                watch.unanswered(&p, LENGTH) <= 1.0
+            });
+            let told = told.count() as f64 * p.sample_period;
+            // (|u| - 2 d) t^2 / 2 J, late by the low-pass
+            let angle = UNANSWERED / LENGTH + p.limits.arm_spread;
+            let expected = (2.0 * angle * p.servo.inertia / (torque - 2.0 * disturbance(&p))).sqrt();
+            assert!(told > expected && told < expected + 1.5 / CORNER, "{torque}: {told} {expected}");
+        }
+    }
+
+    #[test]
     fn at_rest_only_a_torque_beyond_the_disturbances_tells() {
         assert_eq!(most(|_| 0.3, |_| 0.3, |t| 0.2 * (100.0 * t).sin()), 0.0);
         assert_eq!(most(|_| 0.3, |_| 0.3, |t| 5.0 * (1.2e4 * t).sin()), 0.0);

@@ -243,6 +243,42 @@ mod tests {
         assert_eq!(limit(&p, State::Hold, 0.51), None);
     }
 
+    /// What is found of a rigid arm whose drive does `gain` (of the time) of a torque of 3 N.m at 80 Hz, at the time `until` s.
+    fn driven(gain: impl Fn(f64) -> f64, until: f64) -> Option<Fault> {
+        let (p, dt, mut watch) = (Parameters::START, Parameters::START.sample_period, Watch::default());
+        let (mut angle, mut velocity, mut before) = (0.0, 0.0, 0.0);
+        for k in 0..ticks(until, dt) {
+            let time = dt * f64::from(k);
+            let torque = 3.0 * (TAU * 80.0 * time).cos();
+            let sample = Sample {
+                wanted: angle,
+                arm_angle: angle,
+                torque,
+                swinging: false,
+                learning: false,
+                rms: 0.0,
+                spindle_speed: 0.0,
+            };
+            watch.update(&p, 0.08, &sample);
+            let acceleration = gain(time) * before / p.servo.inertia;
+            angle += dt * (velocity + 0.5 * dt * acceleration);
+            velocity += dt * acceleration;
+            before = torque;
+        }
+        watch.find(&p, 0.08)
+    }
+
+    #[test]
+    fn a_weak_drive_is_weak_and_one_that_has_just_turned_has_the_wrong_sign() {
+        assert_eq!(driven(|_| 1.0, 0.1), None);
+        assert_eq!(driven(|_| 0.3, 0.1), Some(Fault::WeakDrive));
+        assert_eq!(driven(|_| -1.0, 0.1), Some(Fault::DriveSign));
+        // half of what is remembered is from before
+        let turned = |after: f64| driven(|time| if time < 0.1 { 1.0 } else { -1.0 }, 0.1 + after);
+        let first = (1..100).find_map(|k| turned(1e-4 * f64::from(k)));
+        assert_eq!(first, Some(Fault::DriveSign));
+    }
+
     #[test]
     fn a_share_of_nothing_is_a_frozen_reading_where_the_reading_stands() {
         let p = Parameters::START;

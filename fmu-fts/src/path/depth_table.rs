@@ -128,6 +128,16 @@ mod tests {
     }
 
     #[test]
+    fn the_rows_are_no_further_apart_than_the_grid_and_at_most_2000() {
+        let mut p = Parameters::START;
+        p.path.grid = 1e-3;
+        for (length, expected) in [(1e-4, 3), (2e-3, 3), (2.1e-3, 4), (3e-3, 4), (1.999, 2000)] {
+            assert_eq!(rows(&p, length).unwrap(), expected, "{length}");
+        }
+        assert!(rows(&p, 2.0).is_err());
+    }
+
+    #[test]
     fn too_fine_a_grid_is_refused() {
         let mut p = Parameters::START;
         p.surface.kind = crate::interface::SurfaceKind::Wave;

@@ -281,6 +281,46 @@ mod tests {
     }
 
     #[test]
+    fn the_table_reaches_a_tenth_of_a_row_beyond_both_ends() {
+        let path = path(&Parameters::START);
+        let last = path.first + path.extent() * path.step.signum();
+        assert!((path.extent() - 0.05).abs() < 1e-12);
+        for (end, out) in [(path.first, -path.step), (last, path.step)] {
+            assert!(path.covers(end) && path.covers(end + 0.09 * out) && !path.covers(end + 0.11 * out), "{end}");
+            // and what is asked for further out is the path there
+            let (mut near, mut far) = (path.row(), path.row());
+            path.interpolate(end + MARGIN * out, &mut near);
+            path.interpolate(end + 5.0 * out, &mut far);
+            assert!(near.values.iter().zip(&far.values).all(|(a, b)| (a - b).norm() < 1e-15));
+        }
+    }
+
+    #[test]
+    fn between_two_rows_it_is_hermite_s_cubic() {
+        assert_eq!((hermite(0.0), hermite(1.0)), ([0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]));
+        assert_eq!(hermite(0.5), [-1.0 / 16.0, 9.0 / 16.0, 9.0 / 16.0, -1.0 / 16.0]);
+        for t in [0.1, 0.3, 0.9] {
+            let weights = hermite(t);
+            let moment =
+                |f: fn(f64) -> f64| weights.iter().zip([-1.0, 0.0, 1.0, 2.0]).map(|(w, x)| w * f(x)).sum::<f64>();
+            // exact for parabolas
+            assert!((moment(|_| 1.0) - 1.0).abs() < 1e-15 && (moment(|x| x) - t).abs() < 1e-15);
+            assert!((moment(|x| x * x) - t * t).abs() < 1e-15, "{t}");
+        }
+    }
+
+    #[test]
+    fn the_angles_have_no_fewer_harmonics_than_the_depth_and_none_where_none_are_wanted() {
+        let mut p = Parameters::START;
+        p.path.harmonics = 20;
+        let table = DepthTable::of_surface(&p).unwrap();
+        for (wanted, given) in [(0, 0), (4, 20), (20, 20), (32, 32)] {
+            let path = PathTable::new(Arm::new(&p), &table, wanted);
+            assert_eq!((path.harmonics(), path.row().angle_harmonics().len()), (20, given));
+        }
+    }
+
+    #[test]
     fn the_derivatives_are_those_of_the_depth() {
         let path = path(&Parameters::START);
         let mut row = path.row();
@@ -309,5 +349,7 @@ mod tests {
         assert!((b[5].re - (a.powi(3) / 24.0 + 3.0 / 128.0 * a.powi(5))).abs() < 2e-6);
         assert_eq!(b.len(), 24);
         assert!((path.acceleration - 4.0 * a).abs() < 0.02, "{}", path.acceleration);
+        // largest where the wave passes its middle
+        assert!((path.velocity - 2.0 * a).abs() < 1e-6, "{}", path.velocity);
     }
 }

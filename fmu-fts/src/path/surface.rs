@@ -271,6 +271,23 @@ mod tests {
     }
 
     #[test]
+    fn the_nose_starts_in_the_middle_of_the_sag_or_where_it_is_told() {
+        // a cylinder of 0.1325 m out to 30 mm: its sag falls to 0 across
+        let surface = |cross_curvature: f64| crate::interface::Surface {
+            base_curvature: 0.0,
+            cross_curvature,
+            outer_radius: 0.03,
+            ..Parameters::START.surface
+        };
+        let sag = 0.1325 - (0.1325f64 * 0.1325 - 0.0009).sqrt();
+        for sign in [1.0, -1.0] {
+            assert!((centre_depth(&surface(sign / 0.1325)) - 0.5 * sign * sag).abs() < 1e-12);
+        }
+        let told = crate::interface::Surface { depth_auto: false, depth: 0.007, ..surface(5.0) };
+        assert_eq!(centre_depth(&told), 0.007);
+    }
+
+    #[test]
     fn the_wave_is_a_wave() {
         let mut p = Parameters::START;
         p.surface.kind = SurfaceKind::Wave;

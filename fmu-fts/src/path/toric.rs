@@ -72,6 +72,15 @@ mod tests {
     }
 
     #[test]
+    fn the_rim_lies_within_the_smaller_radius() {
+        for (base, cross, radius) in [(2.0, 6.0, 1.0 / 6.0), (-8.0, 5.0, 0.125), (3.0, -4.0, 0.25)] {
+            assert!((rim(&surface((base, cross))) - 0.995 * radius).abs() < 1e-12, "{base} {cross}");
+        }
+        // a plane has none within any machine
+        assert!(rim(&surface((0.0, 0.0))) > 1e6);
+    }
+
+    #[test]
     fn the_sections_along_the_axes_are_arcs() {
         let surface = Surface { base_curvature: 2.0, cross_curvature: 6.0, ..Surface::START };
         let arc = |c: f64, r: f64| 1.0 / c - (1.0 / (c * c) - r * r).sqrt();

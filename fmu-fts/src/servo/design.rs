@@ -140,6 +140,54 @@ mod tests {
     }
 
     #[test]
+    fn the_grid_holds_the_resonance_and_both_its_sides_however_narrow_it_is() {
+        for damping in [0.02, 1e-3, 1e-5] {
+            let mut p = Parameters::START;
+            p.tip.damping = damping;
+            let model = LoopModel::new(&p, LeadLag::new(&p, 500.0));
+            let points: Vec<f64> = grid(&p, &model).iter().map(|point| point.omega).collect();
+            assert!(points.is_sorted() && points[0] <= TAU && *points.last().unwrap() == model.nyquist());
+            assert!(points.windows(2).all(|pair| pair[1] / pair[0] < 2f64.powf(1.0001 / 96.0)));
+            // two inertias: the free arm swings faster than that on the locked hub, and is damped more
+            let peak = p.tip.frequency / (1.0 - p.tip.inertia).sqrt();
+            let width = damping / (1.0 - p.tip.inertia).sqrt();
+            for beside in [0.0, 0.8, 2.5, 8.0, 30.0] {
+                for omega in [1.0 - beside * width, 1.0 + beside * width].map(|share| peak * share) {
+                    let nearest = points.iter().map(|point| (point / omega - 1.0).abs()).fold(1.0, f64::min);
+                    assert!(omega > model.nyquist() || nearest < 1e-9, "{damping} {beside}: {nearest}");
+                }
+            }
+            // so that the highest of its points is the peak
+            let height = |omega: f64| model.arm(omega).norm();
+            let about = (-400..=400).map(|k| height(peak * (1.0 + 0.01 * width * f64::from(k)))).fold(0.0, f64::max);
+            let seen =
+                points.iter().filter(|omega| **omega > 0.8 * peak).map(|omega| height(*omega)).fold(0.0, f64::max);
+            assert!(seen > 0.95 * about, "{damping}: {seen} {about}");
+        }
+    }
+
+    #[test]
+    fn a_loop_that_never_has_the_gain_1_still_has_a_gain_margin() {
+        let p = Parameters::START;
+        let at = |crossover: f64| {
+            let model = LoopModel::new(&p, LeadLag::new(&p, crossover));
+            margins(&model, &grid(&p, &model))
+        };
+        let slow = at(1.0);
+        assert!(slow.phase == std::f64::consts::PI && slow.gain.is_finite() && slow.gain > 2.0, "{slow:?}");
+    }
+
+    #[test]
+    fn the_phase_that_is_left_is_taken_where_the_gain_is_1() {
+        // a loop of constant slope: the magnitude falls from 2 to 1/2, the phase from -120 to -140 degrees
+        let (here, there) =
+            (Complex::from_polar(2.0, -120f64.to_radians()), Complex::from_polar(0.5, -140f64.to_radians()));
+        assert!((lag_left(here, there).to_degrees() - 50.0).abs() < 1e-9);
+        let there = Complex::from_polar(0.25, -150f64.to_radians());
+        assert!((lag_left(here, there).to_degrees() - 50.0).abs() < 1e-9);
+    }
+
+    #[test]
     fn every_wished_bandwidth_is_met_or_refused() {
         for frequency in [20.0, 60.0, 150.0, 230.0, 300.0] {
             let mut p = Parameters::START;

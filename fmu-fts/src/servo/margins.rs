@@ -128,6 +128,25 @@ mod tests {
     }
 
     #[test]
+    fn of_several_crossings_the_lowest_bandwidth_and_the_smallest_margin_count() {
+        // Re T passes 1/2 at 100, 200 and 300 rad/s with the phases -30, -60 and -45 degrees; abs(T) leaves -3 dB twice
+        let (frequencies, phases) =
+            ([50.0, 100.0, 150.0, 200.0, 250.0, 300.0, 350.0], [0.0, 30.0, 30.0, 60.0, 60.0, 45.0, 80.0]);
+        let t = |w: f64| {
+            let k = frequencies.iter().rposition(|at| *at <= w).unwrap_or(0).min(5);
+            let share = (w - frequencies[k]) / 50.0;
+            let phase = (phases[k] + share * (phases[k + 1] - phases[k])) as f64;
+            let real = [1.0, 0.5, 0.3, 0.5, 0.8, 0.5, 0.1];
+            let re: f64 = real[k] + share * (real[k + 1] - real[k]);
+            Complex::new(re, -re * phase.to_radians().tan())
+        };
+        let found = margins(50.0, 350.0, t);
+        assert!((found.phase_margin - 60f64.to_radians()).abs() < 1e-2, "{found:?}");
+        let bandwidth = (50..100).map(f64::from).find(|w| t(*w).norm() < FRAC_1_SQRT_2).unwrap();
+        assert!((found.bandwidth - bandwidth).abs() < 1.5, "{found:?} {bandwidth}");
+    }
+
+    #[test]
     fn what_the_range_does_not_reach_is_zero() {
         let flat = |_| Complex::new(1.0, -0.1);
         assert_eq!(margins(0.0, 100.0, flat), Margins::NONE);

@@ -169,6 +169,12 @@ fn an_arm_that_does_not_follow_is_a_fault() {
         run.step();
     }
     assert!(run.output.error.tracking.abs() < 150e-6);
+    // the error that was too large is told until the fault is reset
+    for _ in 0..200 {
+        run.step();
+        assert!(run.output.drive_enable || run.output.error.tracking.abs() > 120e-6, "{}", run.output.error.tracking);
+    }
+    assert!(!run.output.drive_enable);
     recovers(run, Fault::FollowingError, false);
 }
 

@@ -156,3 +156,21 @@ fn the_tool_follows_though_its_flexure_is_told_wrong() {
         assert!(told.tip > 1.0 && left.tip < 0.2 && left.rms < 0.1, "{told:?} {left:?}");
     }
 }
+
+#[test]
+fn what_is_measured_and_held_has_no_end_and_is_measured_anew_with_the_next_job() {
+    let mut p = parameters("40, 80");
+    let mut run = identified(&p, &LINEAR);
+    // so long as the measurement takes
+    p.limits.job_time = run.time() + 0.05;
+    run = identified(&p, &LINEAR);
+    run.run_to(run.time() + 2.0 * p.limits.job_time);
+    assert_eq!((run.output.state, run.output.fault, run.output.identify_progress), (State::Identify, Fault::None, 1.0));
+    run.input.mode = Mode::Hold;
+    run.run_to(run.time() + 0.3);
+    run.input.mode = Mode::Identify;
+    run.run_to(run.time() + 0.3);
+    assert!(run.output.identify_progress < 1.0 && run.output.fault == Fault::None, "{}", run.output.identify_progress);
+    run.run_to(run.time() + p.limits.job_time - 0.3);
+    assert_eq!((run.output.identify_progress, run.output.fault), (1.0, Fault::None));
+}

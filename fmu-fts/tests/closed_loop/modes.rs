@@ -61,6 +61,39 @@ fn hold_goes_to_the_angle_and_stays() {
 }
 
 #[test]
+fn a_part_is_cut_at_constant_speed_and_the_tool_moves_freely_otherwise() {
+    let p = Parameters::START;
+    for cut in [true, false] {
+        let mut run = Loop::new(&p, &Build::NOMINAL, 3);
+        (run.input.mode, run.input.hold_angle) = (Mode::CalibrateToroid, 0.3);
+        run.run_to(0.9);
+        (run.input.calibration.cut, run.input.hold_angle) = (cut, 0.2);
+        let (begin, mut fastest, mut before) = (run.time(), 0.0f64, run.output.reference.angle);
+        while run.output.reference.angle != 0.2 {
+            assert!(run.time() < 10.0 && run.output.fault == Fault::None, "{cut} {} {:?}", run.time(), run.output);
+            run.step();
+            fastest = fastest.max((run.output.reference.angle - before).abs() / STEP);
+            before = run.output.reference.angle;
+        }
+        let (speed, time) = (p.calibration.sweep_speed, run.time() - begin);
+        if cut {
+            assert!((fastest / speed - 1.0).abs() < 1e-6, "{fastest}");
+            assert!((0.1 / speed..0.1 / speed + 0.05).contains(&time), "{time}");
+        } else {
+            assert!(fastest > 1.5 * speed && time < 0.1 / speed, "{fastest} {time}");
+        }
+    }
+}
+
+#[test]
+fn what_the_harmonics_of_the_path_leave_out_is_told() {
+    let mut run = Loop::new(&Parameters::START, &Build::NOMINAL, 3);
+    run.step();
+    assert!(run.output.path_truncation > 0.0 && run.output.path_truncation < 10e-9, "{}", run.output.path_truncation);
+    assert_eq!(run.controller.truncation(), run.output.path_truncation);
+}
+
+#[test]
 fn the_way_from_rest_to_tracking_has_no_jump() {
     let mut run = Loop::new(&Parameters::START, &Build::NOMINAL, 3);
     let mut before: Option<Output> = None;

@@ -184,6 +184,46 @@ mod tests {
         None
     }
 
+    /// An axis that is `error` m off and did `share` of what it was told in `compared` samples.
+    fn axis(error: f64, share: f64, compared: u32) -> Axis {
+        let mut response = Response::default();
+        response.update(1.0, share, f64::INFINITY);
+        Axis { error, response, compared, ..Axis::default() }
+    }
+
+    #[test]
+    fn a_share_names_the_fault_from_three_samples_on_and_beyond_the_limit_alone() {
+        let limit = P.limits.following_error;
+        for (share, compared, expected) in [
+            (-0.21, 3, Fault::DriveSign),
+            (-0.2, 3, Fault::WeakDrive),
+            (0.49, 3, Fault::WeakDrive),
+            (0.5, 3, Fault::FollowingError),
+            (-1.0, 2, Fault::FollowingError),
+        ] {
+            for sign in [1.0, -1.0] {
+                assert_eq!(axis(sign * 1.001 * limit, share, compared).fault(&P), Some(expected), "{share} {compared}");
+                assert_eq!(axis(sign * limit, share, compared).fault(&P), None);
+            }
+        }
+    }
+
+    #[test]
+    fn a_reading_may_stand_for_the_time_in_which_an_axis_turns_round() {
+        let standing = |way: f64, samples: u32, error: f64| {
+            let mut axis = axis(error, 1.0, 3);
+            (0..=samples).for_each(|k| axis.frozen.update(0.0, if k == 1 { way } else { 0.0 }, 1.0));
+            axis.fault(&P)
+        };
+        let (way, far) = (BAND * P.encoder_resolution + P.limits.frozen_way, 1.001 * P.limits.following_error);
+        assert_eq!(
+            (standing(1.001 * way, 15, 0.0), standing(1.001 * way, 16, 0.0)),
+            (None, Some(Fault::FrozenReading))
+        );
+        assert_eq!((standing(way, 16, 0.0), standing(way, 16, far)), (None, Some(Fault::FollowingError)));
+        assert_eq!(standing(1.001 * way, 1, far), Some(Fault::FrozenReading));
+    }
+
     #[test]
     fn the_model_is_exact_between_samples_of_any_length() {
         let coarse = Parameters { sample_period: 5e-3, ..P };

@@ -51,3 +51,49 @@ pub fn budget(p: &Parameters, path: &CentrePath) -> f64 {
     // settling, unloading, and until the force stays away on the way out
     p.tare_time + down + 3.0 * p.settle.time_max + out + PATHS * path.time(p)
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector3;
+
+    use super::*;
+    use crate::path::cl_data::Point;
+
+    /// 3 s of tare, 4 s down, 5 s to settle, 7 s out.
+    fn job() -> (Parameters, CentrePath) {
+        let mut p = Parameters { tare_time: 3.0, ..Parameters::START };
+        (p.approach.travel_max, p.approach.velocity) = (2e-3, 0.5e-3);
+        p.settle.time_max = 5.0;
+        (p.retract.distance, p.retract.velocity) = (0.7e-3, 0.1e-3);
+        let at = |x: f64| Point { contact: Vector3::new(x, 0.0, 0.0), normal: Vector3::z(), feed: 2e-3, line: 0 };
+        let path = CentrePath::new(&p, &[at(0.0), at(10e-3), at(20e-3)]);
+        (p, path)
+    }
+
+    #[test]
+    fn a_job_has_the_time_of_all_its_parts_or_what_is_told() {
+        let (mut p, path) = job();
+        let parts = 3.0 + 4.0 + 3.0 * 5.0 + 7.0;
+        assert!((budget(&p, &path) - parts - 4.0 * path.time(&p)).abs() < 1e-9, "{}", budget(&p, &path));
+        p.limits.job_time = 17.0;
+        assert_eq!(budget(&p, &path), 17.0);
+    }
+
+    #[test]
+    fn only_a_job_takes_time_and_it_may_take_all_of_it() {
+        let (mut p, path) = job();
+        p.limits.job_time = 7.0 * p.sample_period;
+        let mut time = JobTime::default();
+        time.restart(&p, &path);
+        let all = State::ALL.iter().copied();
+        for (k, state) in all.clone().filter(|state| state.moving()).chain([State::Unload, State::Settle]).enumerate() {
+            assert_eq!(time.seconds(&p), (k as f64 * p.sample_period, 7.0 * p.sample_period));
+            time.update(state, false);
+            assert!(!time.over());
+        }
+        all.filter(|state| !state.moving()).for_each(|state| time.update(state, false));
+        assert!(!time.over());
+        time.update(State::Idle, true);
+        assert!(time.over());
+    }
+}

@@ -170,6 +170,7 @@ fn limit_by_braking(knots: &mut [Knot], acceleration: f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::interface::FeedSource;
 
     const P: Parameters = Parameters::START;
     const RADIUS: f64 = 1e-3;
@@ -199,6 +200,19 @@ mod tests {
         for left in [0.0, 1e-4, 1e-3, 3e-3] {
             let here = path.frame(path.advance(Place::default(), path.length() - left));
             assert!((here.feed_max - (2.0 * 0.05 * left).sqrt()).abs() < 1e-6, "{left}: {}", here.feed_max);
+        }
+    }
+
+    #[test]
+    fn speeding_up_and_braking_are_planned_exactly_on_a_straight_path() {
+        // 5 mm at 2 mm/s with 2 mm/s2, of which braking takes the last 1 mm: 2 s, 1 s, and 1 s more for the begin
+        let at = |x: f64| Point { contact: Vector3::new(x, 0.0, 0.0), normal: Vector3::z(), feed: 2e-3, line: 0 };
+        let points: Vec<Point> = (0..=50).map(|k| at(1e-4 * f64::from(k))).collect();
+        for source in [FeedSource::Parameter, FeedSource::File] {
+            let mut p = P;
+            (p.feed.source, p.feed.velocity, p.feed.acceleration) = (source, 2e-3, 2e-3);
+            let path = CentrePath::new(&p, &points);
+            assert!((path.time(&p) - 4.0).abs() < 1e-6, "{source:?}: {}", path.time(&p));
         }
     }
 

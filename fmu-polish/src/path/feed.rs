@@ -45,6 +45,22 @@ mod tests {
     }
 
     #[test]
+    fn it_falls_twice_as_fast_as_it_rises() {
+        assert!((after(1, 2e-3, 0.0, 1.0) - 1.9e-3).abs() < 1e-12);
+        assert!((after(15, 2e-3, 1.0, 0.5e-3) - 0.5e-3).abs() < 1e-12);
+        assert!((after(1, 0.5e-3, 1.0, 1.0) - 0.55e-3).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_feed_of_the_file_is_only_slowed_down() {
+        let mut p = P;
+        p.feed.source = FeedSource::File;
+        let next = |share: f64| next_feed(&p, 1e-3, share, 1e-3);
+        assert_eq!((next(1.0), next(2.0)), (1e-3, 1e-3));
+        assert!((next(0.95) - 0.95e-3).abs() < 1e-12);
+    }
+
+    #[test]
     fn the_override_stops_it_and_it_always_arrives() {
         assert_eq!(after(100, 1e-3, 0.0, 1.0), 0.0);
         assert_eq!(after(100, 0.0, 1.0, 0.0), CREEP);

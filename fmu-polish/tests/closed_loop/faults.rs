@@ -213,6 +213,17 @@ fn a_machine_that_was_moved_by_hand_begins_where_it_is() {
 }
 
 #[test]
+fn a_machine_that_was_moved_after_a_job_begins_where_it_is_with_one_sample_without_enable() {
+    let mut run = Loop::new(&P, Build::NOMINAL, 71);
+    assert!(run.run_to(State::Done, 20.0));
+    for k in 0..130 {
+        run.step_with(|input| (input.position.x, input.enable) = (input.position.x + 0.1, k != 20));
+    }
+    // the zero of the sensor is taken there
+    assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::NotAtStart));
+}
+
+#[test]
 fn an_enable_that_rose_in_a_fault_starts_nothing_after_it() {
     let mut run = running(&P, Build::NOMINAL, 70, State::Approach);
     run.step_with(|input| (input.estop, input.enable) = (true, false));

@@ -6,6 +6,7 @@ mod faults;
 mod hostile;
 mod job;
 mod monitors;
+mod outputs;
 mod robot;
 mod run;
 mod sliding;
