@@ -6,7 +6,7 @@ use crate::interface::{Parameters, PathOutput};
 use crate::learning::lookup::PatternLookup;
 use crate::learning::pattern::Pattern;
 use crate::path::feed::{FeedPlanner, Point};
-use crate::path::kinematics::{AXES, Joints};
+use crate::path::kinematics::Joints;
 use crate::path::taught_path::TaughtPath;
 
 /// Most samples by which the feed is known in advance.
@@ -162,9 +162,9 @@ impl Run {
             PatternLookup { point, back, length: path.length(), nominal }.compensation(patterns)
         };
         let mut found = look(self.wanted[0]);
-        for axis in 1..AXES {
-            if self.wanted[axis] != self.wanted[0] {
-                found[axis] = look(self.wanted[axis])[axis];
+        for (axis, wanted) in self.wanted.into_iter().enumerate().skip(1) {
+            if wanted != self.wanted[0] {
+                found[axis] = look(wanted)[axis];
             }
         }
         found
@@ -175,6 +175,7 @@ impl Run {
 mod tests {
     use super::*;
     use crate::learning::pattern::tests::straight;
+    use crate::path::kinematics::AXES;
 
     /// Pattern whose compensation is the number of its sample.
     fn numbered(p: &Parameters, path: &TaughtPath) -> Pattern {

@@ -117,6 +117,34 @@ def test_no_fault_is_told_in_ten_hours_with_noise() -> None:
     assert hours >= 10.0
 
 
+# new robots
+
+
+@pytest.mark.parametrize("repetitions", [0, 19])
+def test_new_robots_are_within_their_limits_after_seconds(repetitions: int) -> None:
+    # seconds of machine time: identified alone, and with a run at each speed
+    most = 10.0 if repetitions == 0 else 60.0
+    for case in MACHINES[:4]:
+        result = run(
+            "deburr/new-robot", *machine(case, 0.3), f"controller.learn.repetitions={repetitions}"
+        )  # fmt: skip
+        e1, e3 = errors(result)
+        told = f"robot {case}: e1 {1e3 * e1:.3f}, e3 {1e3 * e3:.3f} mm, {value(result, 'learned'):.1f} s"
+        print(told)
+        assert value(result, "good") == 1.0, told
+        assert max(e1, e3) <= 3e-5, told
+        assert value(result, "learned") <= most, told
+
+
+def test_without_identification_a_new_robot_of_another_gain_is_not() -> None:
+    # the patterns of the nominal drive are told to be wrong
+    computed = ("controller.bank.compute=true", "plant.drive_gain=0.8")
+    played = ("signal.controller.mode.times=[0.0]", "signal.controller.mode.values=['Playback']")
+    rows = run("deburr/new-robot", *computed, *played)
+    assert value(rows, "good") == 0.0
+    assert trace(rows)["controller.fault"][-1] == rows.items["controller.fault"]["PatternMismatch"]
+
+
 # patterns
 
 

@@ -208,7 +208,8 @@ mod tests {
             let mut signal: Vec<f64> =
                 (0..laps * count).map(|k| ways[k] + pattern.samples[k % count].compensation[axis]).collect();
             Nominal::new(machine, axis).apply(&mut signal, false);
-            (0..laps * count).for_each(|k| errors[k][axis] = ways[k] - signal[k]);
+            let left = ways.iter().zip(&signal).map(|(way, position)| way - position);
+            errors.iter_mut().zip(left).for_each(|(error, left)| error[axis] = left);
         }
         errors.split_off((laps - 1) * count)
     }

@@ -33,12 +33,12 @@ PLAIN: dict[int, Changes] = {
 """The paper's own law; with a delay it stops at the best repetition, which the law as printed does not."""
 
 
-def machine(case: int) -> Changes:
-    """Draw a robot, its tool and the hardness of its castings."""
+def machine(case: int, spread: float = 0.2) -> Changes:
+    """Draw a robot, its drives within a spread, its tool and the hardness of its castings."""
     random = np.random.default_rng(case)
     values = {
-        "drive_gain": random.uniform(0.8, 1.2),
-        "drive_frequency": 280.0 * random.uniform(0.8, 1.2),
+        "drive_gain": random.uniform(1.0 - spread, 1.0 + spread),
+        "drive_frequency": 280.0 * random.uniform(1.0 - spread, 1.0 + spread),
         "payload": random.uniform(3.0, 8.0),
         "spindle_time": random.uniform(0.1, 0.25),
         "cutting_pressure": 9e8 * random.uniform(0.8, 1.8),
