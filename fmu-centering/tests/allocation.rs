@@ -115,6 +115,10 @@ fn disturb(fault: Fault, run: &mut Loop) {
             return;
         }
         // as fast as the slide may be, and what a slide does that goes the wrong way or not all of it
+        if fault == Fault::Spindle {
+            // there and back by a radian
+            run.ring.speed = 4.0 * SPEED * (8e-3 * f64::from(k)).cos();
+        }
         let (fast, moved) = (1e-4 * f64::from(k), run.output.slide.position_setpoint - place);
         step(run, |input| match fault {
             Fault::ProbeRange => input.probe_position = probe + fast,
@@ -123,8 +127,6 @@ fn disturb(fault: Fault, run: &mut Loop) {
             Fault::FrozenProbe => input.probe_position = probe,
             Fault::LostSpindle => input.spindle_angle = f64::NAN,
             Fault::SpindleJump => input.spindle_angle += 1.0,
-            // there and back
-            Fault::Spindle => input.spindle_angle = 0.5 * (1e-2 * f64::from(k)).sin(),
             Fault::LostReading => input.slide_position = f64::NAN,
             Fault::ReadingJump => input.slide_position += 0.01,
             Fault::FrozenReading => input.slide_position = place,

@@ -405,7 +405,7 @@ mod tests {
             (Fault::WeakDrive, "; it does `0.30` of what it is told"),
             (Fault::DriveSign, "; it does `0.30` of what it is told"),
             (Fault::NoProgress, " = `28.3 s`: `28.4 s` at `0.000` of the path"),
-            (Fault::ForceLimit, " = `20 N` at `0.000` of the path: `24.68 N`"),
+            (Fault::ForceLimit, " = `25 N` at `0.000` of the path: `24.68 N`"),
             (Fault::TareRejected, " = `2 N`: `2.35 N`"),
             (Fault::InvalidPath, "mean angle `0.713 rad`, `limits.force_angle` = `0.6 rad`"),
             (Fault::SurfaceError, " = `0.0005 m` at `0.000` of the path: `0.000620 m`"),

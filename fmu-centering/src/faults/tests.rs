@@ -276,7 +276,7 @@ fn each_fault_is_told_in_its_own_words() {
             ": probe at `0.012500 m`, its place is `0.004500 m`, `probe.at_pusher` = `0.02 m`, `probe.stroke` = `0.025 m`",
         ),
         (Fault::Centrifugal, ": `2.094 rad/s`, at most `199.295 rad/s` for the B of the last model, `12.35 um`"),
-        (Fault::PushBudget, ": `7` pushes, `limits.pushes` = `24`, B = `12.35 um`, `tolerance` = `2.50 um`"),
+        (Fault::PushBudget, ": `7` pushes, `limits.pushes` = `25`, B = `12.35 um`, `tolerance` = `2.50 um`"),
         (
             Fault::Divergence,
             ": `7` pushes, B from `10.00 um` to `12.35 um`, `push.critical_distance` = `2500.00 um` more at most",
