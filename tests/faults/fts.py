@@ -210,6 +210,20 @@ MATRIX = Matrix(
             changes=("controller.law='Paper'", "plant.spindle_speed=125.66", "loop.duration=5.0"),
             unit="m",
         ),
+        Row(
+            "feedforward that learns with the wrong phase, 2400 rpm",
+            ("Divergence",),
+            EARLY,
+            90e-6,
+            CONTROLLED,
+            changes=(
+                "controller.afc.phase_advance=false",
+                "controller.surface.outer_radius=0.032",
+                "plant.spindle_speed=251.33",
+                "loop.duration=3.0",
+            ),
+            unit="m",
+        ),
         lost("thrust of 70 N in the cut", "ReadingJump", changes=("plant.cutting_force=70.0",)),
         lost(
             "thrust of 60 N, 5 N.m of it allowed",

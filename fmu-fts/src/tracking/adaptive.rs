@@ -19,8 +19,9 @@
 //! On a path that stands, d(xi + eps P) = c: stability is that of the resonators. On one that changes, eps P follows at once
 //! where a learned amplitude would be late by tau, for ever.
 //!
-//! Most of the path is in few harmonics. They learn quicker: w (1 + q |P_n|^2 / sum |P|^2), which all together is no more than q
-//! harmonics more, whatever the path.
+//! Most of the path is in few harmonics. At first, when all of it is unknown, they learn quicker: w (1 + q |P_n|^2 / sum |P|^2),
+//! which all together is no more than q harmonics more, whatever the path; q falls with tau while it is learned, as the
+//! gain of least squares does. What is left of an error after the time t is exp(-t / tau - q (1 - exp(-t / tau))).
 
 use control_blocks::Canceller;
 use nalgebra::Complex;
@@ -33,7 +34,7 @@ use crate::tracking::resonators::FADE;
 const SHARE: f64 = 0.25;
 /// r: torque of ripple, friction and cut at one harmonic, as a share of the largest torque.
 const RIPPLE: f64 = 1.5e-3;
-/// q: harmonics of `afc.tau` that the quicker learning of the strongest ones is worth.
+/// q at first: harmonics of `afc.tau` that the quicker learning of the strongest ones is worth.
 pub const QUICKER: f64 = 5.0;
 
 /// A harmonic of the path at the present speed and slide position.
@@ -59,17 +60,22 @@ pub struct AdaptiveFeedforward {
     factors: Vec<Complex<f64>>,
     /// |P|^2 of those that learn, rad2
     strengths: Vec<f64>,
+    /// q, and what is left of it after a sample
+    quicker: f64,
+    keep: f64,
 }
 
 impl AdaptiveFeedforward {
     /// Nothing learned of `count` harmonics.
-    pub fn new(count: usize) -> Self {
+    pub fn new(p: &Parameters, count: usize) -> Self {
         let none = vec![Complex::default(); count];
         Self {
             learned: vec![Canceller::default(); count],
             gains: none.clone(),
             factors: none,
             strengths: vec![0.0; count],
+            quicker: QUICKER,
+            keep: (-p.sample_period / p.afc.tau).exp(),
         }
     }
 
@@ -98,11 +104,12 @@ impl AdaptiveFeedforward {
     /// How much quicker harmonic `n` learns.
     fn quicker(&self, n: usize) -> f64 {
         let sum: f64 = self.strengths.iter().sum();
-        if sum > 0.0 { 1.0 + QUICKER * self.strengths[n - 1] / sum } else { 1.0 }
+        if sum > 0.0 { 1.0 + self.quicker * self.strengths[n - 1] / sum } else { 1.0 }
     }
 
     /// Learns from the error (rad) with e^(j n theta), n = 1 first.
     pub fn learn(&mut self, error: f64, phasors: &[Complex<f64>]) {
+        self.quicker *= self.keep;
         for ((learned, gain), phasor) in self.learned.iter_mut().zip(&self.gains).zip(phasors) {
             learned.learn(*gain, *phasor, error);
         }
@@ -123,6 +130,7 @@ impl AdaptiveFeedforward {
     /// Forgets what was learned.
     pub fn clear(&mut self) {
         self.learned.fill(Canceller::default());
+        self.quicker = QUICKER;
     }
 }
 
@@ -157,7 +165,7 @@ mod tests {
     impl Steady {
         fn new(k: f64) -> Self {
             let p = Parameters::START;
-            Self { adaptive: AdaptiveFeedforward::new(4), resonators: Resonators::new(&p), p, k, angle: 0.0 }
+            Self { adaptive: AdaptiveFeedforward::new(&p, 4), resonators: Resonators::new(&p), p, k, angle: 0.0 }
         }
 
         /// Follows for `time` (s) the path that `path` gives over the time, at `omega` of harmonic 2; the largest error (rad)
@@ -204,13 +212,20 @@ mod tests {
     }
 
     #[test]
-    fn it_is_learned_with_tau_over_one_and_quicker() {
-        // a small difference, so that the loop is as told
+    fn it_is_learned_quickly_at_first_and_with_tau_later() {
+        for part in [1.0 / 6.0, 0.5, 1.0] {
+            // a small difference, so that the loop is as told
+            let mut steady = Steady::new(1.001);
+            steady.follow(part * steady.p.afc.tau, 500.0, |_| Complex::new(0.02, 0.01));
+            let learned = (1.0 - steady.adaptive.torque_share()) / (1.0 - 1.0 / 1.001);
+            let left = (-part - QUICKER * (1.0 - (-part).exp())).exp();
+            assert!((learned - (1.0 - left)).abs() < 0.02, "{part}: {learned}");
+        }
+        // what is forgotten is learned quickly again
         let mut steady = Steady::new(1.001);
-        let path = |_| Complex::new(0.02, 0.01);
-        steady.follow(steady.p.afc.tau / (1.0 + QUICKER), 500.0, path);
-        let learned = (1.0 - steady.adaptive.torque_share()) / (1.0 - 1.0 / 1.001);
-        assert!((learned - (1.0 - (-1.0f64).exp())).abs() < 0.02, "{learned}");
+        steady.follow(2.0, 500.0, |_| Complex::new(0.02, 0.01));
+        steady.adaptive.clear();
+        assert_eq!(steady.adaptive.quicker, QUICKER);
     }
 
     #[test]
@@ -230,7 +245,7 @@ mod tests {
     /// w, and the change of the set-point that an error along the phasor makes over that of a resonator alone.
     fn tuned(p: &Parameters, path: f64) -> (f64, f64) {
         let (omega, path, t) = (500.0, Complex::new(path, 0.0), Complex::new(0.8, -0.5));
-        let mut adaptive = AdaptiveFeedforward::new(2);
+        let mut adaptive = AdaptiveFeedforward::new(p, 2);
         let gain = gain_in_use(p, t, omega, true);
         let harmonic = PathHarmonic { omega, path, response: t, hub_over_tool: Complex::ONE };
         let share = adaptive.tune(p, 2, &harmonic, gain);
@@ -256,7 +271,7 @@ mod tests {
     #[test]
     fn all_together_are_no_more_than_so_many_harmonics_quicker() {
         let p = Parameters::START;
-        let mut adaptive = AdaptiveFeedforward::new(8);
+        let mut adaptive = AdaptiveFeedforward::new(&p, 8);
         let (t, gain) = (Complex::new(0.8, -0.5), Some(Complex::ONE));
         for _ in 0..2 {
             for n in 1..=8 {

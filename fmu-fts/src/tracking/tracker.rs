@@ -71,7 +71,7 @@ impl Tracker {
             response,
             flexure: Flexure::told(p),
             feedforward: HarmonicFeedforward::new(feedforward),
-            adaptive: AdaptiveFeedforward::new(if p.feedforward_adaptive { feedforward } else { 0 }),
+            adaptive: AdaptiveFeedforward::new(p, if p.feedforward_adaptive { feedforward } else { 0 }),
             resonators: Resonators::new(p),
             transition: Transition::default(),
             statistics: ErrorStatistics::default(),

@@ -1,0 +1,69 @@
+"""Fast tool servo on drives, flexures and feeds that it is not told: learned in the cut, or identified.
+
+The default run takes a few machines of a seed of its own, `pytest -m full -rP` the whole studies.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import cosim
+from cosim.pool.worker import JobRunner
+from cosim.sweep import study
+from cosim.sweep.plan import Plan
+
+from .samples.runs import run, value
+
+pytestmark = pytest.mark.acceptance
+
+FOLDER = Path(__file__).resolve().parents[2] / "studies"
+SOME, SEED = 3, 92_001
+"""Machines of the default run, and their seed; no study has it."""
+UNKNOWN: dict[str, dict[str, float]] = {
+    "fts-feed": {"rms": 0.6e-6, "early": 0.6e-6},
+    "fts-flexure": {"rms": 0.2e-6, "tip": 0.2e-6},
+}
+"""Largest error of each study, m."""
+
+
+def hold(name: str, samples: int | None = None) -> None:
+    """Run a study, or so many machines that are drawn anew, and hold its errors against their limits."""
+    wanted = study.load(FOLDER / f"{name}.toml")
+    if samples is not None:
+        wanted = replace(wanted, seed=SEED, design=replace(wanted.design, samples=samples))
+    plan = Plan(wanted)
+    with JobRunner() as runner:
+        results = [runner.run(plan.job(one)) for one in plan.runs]
+    done = [result for result in results if isinstance(result, cosim.Result)]
+    assert len(done) == len(results)
+    for metric, most in UNKNOWN[name].items():
+        errors = np.array([value(result, metric) for result in done])
+        print(f"{name}: {metric} {1e6 * np.median(errors):.3f}, most {1e6 * errors.max():.3f} um")
+        assert errors.max() <= most
+    assert all(value(result, "good") for result in done)
+
+
+@pytest.mark.parametrize("name", UNKNOWN)
+def test_a_few_machines(name: str) -> None:
+    hold(name, SOME)
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("name", UNKNOWN)
+def test_the_whole_study(name: str) -> None:
+    hold(name)
+
+
+def test_without_learning_the_response_the_drive_is_learned_ten_times_as_late() -> None:
+    amplitudes = run("fts/weak-drive", "controller.feedforward.adaptive=false", "loop.duration=2.0")
+    assert value(amplitudes, "early") > 1.5e-6
+
+
+def test_without_identification_the_tool_errs_where_the_encoder_does_not() -> None:
+    told = run("fts/500hz-flexure", "signal.controller.mode.values=['Track', 'Track']", "loop.duration=1.5")
+    assert value(told, "rms") < 0.2e-6
+    assert value(told, "tip") == pytest.approx(1.85e-6, rel=0.05)
