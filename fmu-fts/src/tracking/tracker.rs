@@ -237,25 +237,34 @@ mod tests {
     use crate::servo::design::design;
     use crate::servo::loop_model::LoopModel;
 
-    /// A tracker of the built-in path with `harmonics`, and its spindle at `angle` (rad) and 100 rad/s.
-    fn at(harmonics: i32, angle: f64) -> (Tracker, Phasors) {
+    /// A tracker of a lens with `harmonics`.
+    fn tracker(harmonics: i32) -> (Parameters, Tracker) {
         let mut p = Parameters::START;
-        (p.path.harmonics, p.surface.base_curvature, p.surface.tilt_x) = (harmonics, 3.0, 0.05);
+        (p.path.harmonics, p.path.grid) = (harmonics, 2e-3);
+        (p.surface.base_curvature, p.surface.tilt_x) = (3.0, 0.05);
         let path = PathTable::new(Arm::new(&p), &DepthTable::of_surface(&p).unwrap(), 0);
         let response = LoopResponse::nominal(LoopModel::new(&p, design(&p).unwrap()));
-        let (mut tracker, mut spindle) = (Tracker::new(&p, path, response), Spindle::default());
-        spindle.update(&p, angle - 100.0 * p.sample_period);
-        spindle.update(&p, angle);
-        let phasors = tracker.locate(&p, 0.025, &spindle);
-        (tracker, phasors)
+        let tracker = Tracker::new(&p, path, response);
+        (p, tracker)
+    }
+
+    /// Locates 25 mm from the axis, with the spindle at `angle` (rad) and 100 rad/s.
+    fn locate(p: &Parameters, tracker: &mut Tracker, angle: f64) -> Phasors {
+        let mut spindle = Spindle::default();
+        spindle.update(p, angle - 100.0 * p.sample_period);
+        spindle.update(p, angle);
+        tracker.locate(p, 0.025, &spindle)
     }
 
     #[test]
     fn velocity_and_acceleration_are_the_derivatives_of_the_angle() {
-        let step = 1e-4;
+        let (step, (p, mut tracker)) = (1e-4, tracker(24));
         for k in 0..12 {
             let angle = 0.55 * f64::from(k);
-            let [before, here, after] = [angle - step, angle, angle + step].map(|angle| at(24, angle).0.motion);
+            let [before, here, after] = [angle - step, angle, angle + step].map(|angle| {
+                locate(&p, &mut tracker, angle);
+                tracker.motion
+            });
             let time = 2.0 * step / 100.0;
             let velocity = (after.position - before.position) / time;
             let acceleration = (after.velocity - before.velocity) / time;
@@ -266,8 +275,9 @@ mod tests {
 
     #[test]
     fn all_harmonics_of_the_path_are_followed() {
-        let (many, few) = (at(40, 0.7), at(40, 0.7).0);
-        assert!(many.1.from_one().len() >= 40);
-        assert_eq!(few.row.depth(many.1.from_zero()), few.row.depth(Phasors::new(0.7, 60).from_zero()));
+        let (p, mut tracker) = tracker(40);
+        let phasors = locate(&p, &mut tracker, 0.7);
+        assert!(phasors.from_one().len() >= 40);
+        assert_eq!(tracker.row.depth(phasors.from_zero()), tracker.row.depth(Phasors::new(0.7, 60).from_zero()));
     }
 }
