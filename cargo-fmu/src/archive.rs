@@ -6,12 +6,12 @@ use std::io::{BufReader, Read};
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use roxmltree::Document;
 use zip::ZipArchive;
 
 use crate::facts::Facts;
-use crate::fmu::{self, DESCRIPTION};
+use crate::fmu::DESCRIPTION;
 use crate::inspect::{self, Rules};
+use crate::interface::{Interface, Part};
 use crate::platform::Platform;
 
 /// What an FMU says of itself and what its libraries need.
@@ -32,8 +32,8 @@ pub fn inspect(file: &Path) -> Result<Report> {
     let mut archive = ZipArchive::new(BufReader::new(opened)).with_context(|| format!("`{shown}` is no zip file"))?;
     let description = read(&mut archive, DESCRIPTION).with_context(|| format!("`{shown}` is no FMU"))?;
     let description = String::from_utf8(description).with_context(|| format!("`{DESCRIPTION}` is no UTF-8"))?;
-    let guid = fmu::guid(&description)?;
-    let mut report = Report { text: head(&description)?, faults: 0 };
+    let interface = Interface::read(&description)?;
+    let mut report = Report { text: head(&interface), faults: 0 };
 
     let mut names = archive.file_names().filter_map(Result::ok).map(String::from).collect::<Vec<_>>();
     names.retain(|name| is_library(name));
@@ -46,7 +46,7 @@ pub fn inspect(file: &Path) -> Result<Report> {
                 let _ = writeln!(report.text, "    {facts}");
                 report.tell(&inspect::faults(&library, &facts, &Rules::for_anyone()));
                 if let Some(platform) = name.split('/').nth(1).and_then(Platform::find) {
-                    report.tell(&inspect::misplaced(&facts, platform, &guid));
+                    report.tell(&inspect::misplaced(&facts, platform, &interface.guid));
                 }
             }
             Err(error) => report.tell(&[format!("{error:#}")]),
@@ -65,19 +65,15 @@ impl Report {
 }
 
 /// Name, kind and variables by the description.
-fn head(description: &str) -> Result<String> {
-    let document = Document::parse(description).with_context(|| format!("`{DESCRIPTION}` is not well-formed"))?;
-    let root = document.root_element();
-    let fact = |name: &str| root.attribute(name).unwrap_or("?").to_owned();
-    let mut text = format!("{}, FMI {}, GUID {}\n", fact("modelName"), fact("fmiVersion"), fact("guid"));
-    let _ = writeln!(text, "by {}", fact("generationTool"));
-    let variables: Vec<_> = document.descendants().filter(|node| node.has_tag_name("ScalarVariable")).collect();
-    let counts = ["input", "output", "parameter"].map(|causality| {
-        let count = variables.iter().filter(|node| node.attribute("causality") == Some(causality)).count();
-        format!("{count} {causality}")
-    });
-    let _ = writeln!(text, "{} variables: {}", variables.len(), counts.join(", "));
-    Ok(text)
+fn head(interface: &Interface) -> String {
+    let told = |fact: &str| if fact.is_empty() { "?".to_owned() } else { fact.to_owned() };
+    let Interface { name, version, guid, tool, .. } = interface;
+    let mut text = format!("{}, FMI {}, GUID {guid}\nby {}\n", told(name), told(version), told(tool));
+    let counts =
+        [("input", &[Part::Input][..]), ("output", &[Part::Output]), ("parameter", &[Part::Fixed, Part::Tunable])];
+    let counts = counts.map(|(name, parts)| format!("{} {name}", interface.of(parts).count()));
+    let _ = writeln!(text, "{} variables: {}", interface.variables.len(), counts.join(", "));
+    text
 }
 
 fn is_library(path: &str) -> bool {

@@ -6,7 +6,6 @@ use std::time::SystemTime;
 
 use anyhow::{Context, Result, bail, ensure};
 use cargo_metadata::Package;
-use roxmltree::Document;
 
 use crate::binary;
 use crate::build::Built;
@@ -15,6 +14,7 @@ use crate::contents::{guide, licences, picture, reference, terminals};
 use crate::facts::Facts;
 use crate::functions::{self, FMI2_FUNCTIONS, OWN_PREFIX};
 use crate::inspect::{self, Rules};
+use crate::interface::Interface;
 use crate::pack::{self, Content};
 use crate::platform::Platform;
 use crate::process;
@@ -51,16 +51,15 @@ pub fn pack(project: &Project, package: &Package, built: &Built, more: &[Built],
         let text = if path == PAGE { guide::insert(&text, &readme) } else { text };
         content.add(path, text.into_bytes())?;
     }
-    let description = content.text(DESCRIPTION).unwrap_or_default();
-    let (identifier, guid) = (model_identifier(description)?, guid(description)?);
-    let ports = Ports::read(description)?;
+    let interface = Interface::of_library(content.text(DESCRIPTION).unwrap_or_default())?;
+    let (identifier, ports) = (&interface.identifier, Ports::of(&interface));
     let picture = picture::write(&ports)?;
     content.add(terminals::ICON, picture.clone())?;
     content.add("model.png", picture)?;
     content.add(terminals::FILE, terminals::write(&ports).into_bytes())?;
     let mut packed = Packed { bytes: Vec::new(), facts: Vec::new(), faults: Vec::new() };
     for (built, (library, facts)) in all.iter().zip(libraries) {
-        belongs(built, &facts, &guid)?;
+        belongs(built, &facts, &interface.guid)?;
         let platform = built.platform;
         let faults = inspect::faults(&library, &facts, rules);
         packed.faults.extend(faults.iter().map(|fault| format!("{}: {fault}", platform.folder)));
@@ -68,8 +67,7 @@ pub fn pack(project: &Project, package: &Package, built: &Built, more: &[Built],
         content.add(format!("binaries/{}/{identifier}.{}", platform.folder, platform.extension), library)?;
     }
     let resources = package.manifest_path.with_file_name("resources").into_std_path_buf();
-    let description = content.text(DESCRIPTION).unwrap_or_default();
-    match reference::files(&built.library, description, &resources) {
+    match reference::files(&built.library, &interface, &resources) {
         Ok(files) => {
             for (path, text) in files {
                 content.add(path, text.into_bytes())?;
@@ -135,21 +133,6 @@ pub fn write(file: &Path, bytes: &[u8]) -> Result<()> {
     fs::write(&part, bytes).and_then(|()| fs::rename(&part, file)).with_context(|| format!("cannot write `{shown}`"))
 }
 
-/// Name of the binary, as importers take it from the description.
-fn model_identifier(description: &str) -> Result<String> {
-    let document = Document::parse(description).with_context(|| format!("`{DESCRIPTION}` is not well-formed"))?;
-    let kind = document.root_element().children().find(|node| node.has_tag_name("CoSimulation"));
-    let identifier = kind.and_then(|node| node.attribute("modelIdentifier"));
-    identifier.map(str::to_owned).with_context(|| format!("`{DESCRIPTION}` names no modelIdentifier"))
-}
-
-/// What the description and every library of it have in common.
-pub fn guid(description: &str) -> Result<String> {
-    let document = Document::parse(description).with_context(|| format!("`{DESCRIPTION}` is not well-formed"))?;
-    let guid = document.root_element().attribute("guid");
-    guid.map(str::to_owned).with_context(|| format!("`{DESCRIPTION}` has no GUID"))
-}
-
 /// What a crate lacks that does not know the exporter.
 const DEPENDENCY: &str = "hint: `fmi2-export = { path = \"...\" }` or `fmi2-export = { git = \"...\" }` belongs in \
                           `[dependencies]`: it is in no registry\n";
@@ -174,14 +157,6 @@ fn exports_a_model(package: &Package, facts: &Facts) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_binary_is_named_as_the_description_says() {
-        let xml = "<fmiModelDescription><CoSimulation modelIdentifier=\"spring\"/></fmiModelDescription>";
-        assert_eq!(model_identifier(xml).unwrap(), "spring");
-        let error = model_identifier("<fmiModelDescription/>").unwrap_err().to_string();
-        assert_eq!(error, "`modelDescription.xml` names no modelIdentifier");
-    }
 
     #[test]
     fn a_file_with_the_same_bytes_is_kept_and_is_as_new_as_one_that_was_written() {

@@ -15,7 +15,9 @@ import fmpy
 
 from cosim import extras, paths
 from cosim.errors import CosimError, concerning
-from cosim.loop import fmus, lint
+from cosim.loop import course, fmus, lint
+from cosim.loop.place import Place
+from cosim.loop.plant import MJCF
 from cosim.loop.session import Session, located
 from cosim.loop.wires.connect import PLANT
 from cosim.scenario.load import load
@@ -31,7 +33,9 @@ MOST = 2**31 - 1
 """Greatest Integer of FMI, which the seed becomes."""
 
 
-def write(loop: str, changes: Sequence[str], seed: int | None, file: Path) -> Scenario:
+def write(
+    loop: str, changes: Sequence[str], seed: int | None, file: Path, place: Place | None = None
+) -> Scenario:
     """Write a scenario as an SSP package, and return it.
 
     Parameters
@@ -40,6 +44,8 @@ def write(loop: str, changes: Sequence[str], seed: int | None, file: Path) -> Sc
         The scenario and its overrides, as for `cosim.load`.
     seed
         Seed of all noise; None is the scenario's.
+    place
+        Told whose code runs; None is of no interest.
 
     Raises
     ------
@@ -58,12 +64,18 @@ def write(loop: str, changes: Sequence[str], seed: int | None, file: Path) -> Sc
             with concerning("loop.seed"):
                 raise CosimError(f"the seed {number} is no parameter of an SSP", f"it is 0 to {MOST} there")
     # what a run would refuse is not left to the master
-    with Session(scenario) as session:
+    with Session(scenario, place=place) as session:
         lint.check(session)
     with located(scenario):
         files = fmus.open_files(scenario)
         ports = ports_of(scenario, files)
-    settings = {"loop": known(scenario), "set": list(changes), "seed": number}
+        settings = {
+            "loop": known(scenario),
+            "set": [*changes, *whole_paths(scenario)],
+            "seed": number,
+            "driven": [port.told() for port in ports.driven],
+            "commanding": [port.told() for port in ports.commanding],
+        }
     with tempfile.TemporaryDirectory() as folder:
         surroundings = build(settings, Path(folder))
         described = fmpy.read_model_description(str(surroundings))
@@ -75,7 +87,9 @@ def write(loop: str, changes: Sequence[str], seed: int | None, file: Path) -> Sc
         }
         for choice in scenario.fmus:
             members[f"resources/{choice.name}.fmu"] = files[choice.name].path
-            members[f"resources/{choice.name}.ssv"] = structure.parameter_set(choice, files[choice.name])
+            members[f"resources/{choice.name}.ssv"] = structure.parameter_set(
+                choice, files[choice.name], ports
+            )
         with whole(file) as part, zipfile.ZipFile(part, "w", zipfile.ZIP_DEFLATED) as archive:
             for path, content in members.items():
                 if isinstance(content, Path):
@@ -89,6 +103,20 @@ def known(scenario: Scenario) -> str:
     """File of a scenario: of the project's own that in their folder, of others the whole path."""
     file, own = paths.resolved(scenario.file), paths.resolved(paths.OWN_SCENARIOS)
     return file.relative_to(own).as_posix() if file.is_relative_to(own) else str(scenario.file.absolute())
+
+
+def whole_paths(scenario: Scenario) -> list[str]:
+    """Return overrides by which files that lie in the working directory are found from any other."""
+    names = {f"signal.{signal.to}.file": signal.file for signal in scenario.signal if signal.file}
+    files = {f"signal.{to}.file": file for to, file in course.files(scenario).items()}
+    if scenario.plant.name.endswith(MJCF):
+        names["plant.name"] = scenario.plant.name
+        files["plant.name"] = paths.find_mjcf(scenario.plant.name, scenario.folder)
+    return [
+        f"{key}={json.dumps(str(files[key].absolute()), ensure_ascii=False)}"
+        for key, name in names.items()
+        if files[key] != scenario.folder / paths.expanded(name)
+    ]
 
 
 def build(settings: dict[str, Any], folder: Path) -> Path:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, replace
+from typing import Any
 
 from cosim.errors import ScenarioError, concerning
 from cosim.fmu.archive import FmuFile, Variable
 from cosim.fmu.values import lookup
 from cosim.loop.wires.connect import PLANT, side_of
-from cosim.scenario.model import Scenario, Wire
+from cosim.scenario.model import Scenario, Signal, Wire
 
 KINDS = {"Enumeration": "Integer"}
 """Types that are another in a connection."""
@@ -28,6 +29,17 @@ class Port:
         """Name as scenarios write it."""
         return f"{self.owner}.{self.variable.name}"
 
+    def told(self) -> dict[str, Any]:
+        """Return the port as a table of JSON."""
+        return {"owner": self.owner, "variable": asdict(replace(self.variable, display=None))}
+
+    @classmethod
+    def of(cls, table: Mapping[str, Any]) -> Port:
+        """Return the port of such a table."""
+        variable = table["variable"]
+        items = tuple((name, number) for name, number in variable["items"])
+        return cls(table["owner"], Variable(**{**variable, "items": items}))
+
 
 @dataclass(frozen=True)
 class Ports:
@@ -41,11 +53,24 @@ class Ports:
         Outputs of the FMUs that the surroundings take.
     direct
         Wires between FMUs.
+    held
+        Enumerations that a signal holds at one value, by `owner.variable`: a start value each, as hardly a
+        master connects them.
     """
 
     driven: tuple[Port, ...]
     commanding: tuple[Port, ...]
     direct: tuple[Wire, ...]
+    held: Mapping[str, Any]
+
+    def starts(self, owner: str) -> dict[str, Any]:
+        """Start values of the inputs of an FMU that are held, by their names."""
+        return {
+            name: value
+            for end, value in self.held.items()
+            for to, _, name in [end.partition(".")]
+            if to == owner
+        }
 
 
 def ports_of(scenario: Scenario, files: Mapping[str, FmuFile]) -> Ports:
@@ -70,6 +95,12 @@ def ports_of(scenario: Scenario, files: Mapping[str, FmuFile]) -> Ports:
     targets = [("wire", wire.to) for wire in scenario.wire if side_of(wire.source) == PLANT]
     targets += [("signal", signal.to) for signal in scenario.signal if side_of(signal.to) != PLANT]
     driven = {to: port(section, f"{to}.to", to) for section, to in targets}
+    constant = {signal.to: signal.values[0] for signal in scenario.signal if is_constant(signal)}
+    held = {
+        to: value
+        for to, value in constant.items()
+        if to in driven and driven[to].variable.kind == "Enumeration"
+    }
     commands = [wire for wire in scenario.wire if side_of(wire.to) == PLANT]
     commanding = {wire.source: port("wire", f"{wire.to}.from", wire.source) for wire in commands}
     direct = [wire for wire in scenario.wire if PLANT not in (side_of(wire.source), side_of(wire.to))]
@@ -89,7 +120,13 @@ def ports_of(scenario: Scenario, files: Mapping[str, FmuFile]) -> Ports:
                     f"`scale` and `offset` cannot change `{strange[0].name}`, a {strange[0].variable.kind}"
                 )
                 raise ScenarioError(f"{problem}: masters of SSP transform Reals")
-    return Ports(tuple(driven.values()), tuple(commanding.values()), tuple(direct))
+    connected = tuple(port for to, port in driven.items() if to not in held)
+    return Ports(connected, tuple(commanding.values()), tuple(direct), held)
+
+
+def is_constant(signal: Signal) -> bool:
+    """Whether a signal has one value from the beginning to the end."""
+    return len(signal.values) == 1
 
 
 def check(scenario: Scenario) -> None:

@@ -65,7 +65,7 @@ def connects(owner: str, variable: Any, ports: Ports) -> bool:
     """Whether a variable of an FMU gets a connector.
 
     Texts get none: masters cannot connect them, and OMSimulator refuses the file. Enumerations get one where
-    they are connected: libcosim ends the process at one.
+    they are connected: libcosim ends the process at one, Ecos knows none.
     """
     if variable.causality not in ("input", "output") or variable.type == "String":
         return False
@@ -155,11 +155,10 @@ def experiment(root: Element, scenario: Scenario) -> None:
     sub(osp, "osp:FixedStepAlgorithm", baseStepSize=loop.step)
 
 
-def parameter_set(choice: FmuChoice, file: FmuFile) -> str:
-    """Return the parameter set of an FMU: what the scenario sets."""
-    pairs = [
-        (variable.name, variable.kind, value) for variable, value in expand(file.variables, choice.parameters)
-    ]
+def parameter_set(choice: FmuChoice, file: FmuFile, ports: Ports) -> str:
+    """Return the parameter set of an FMU: what the scenario sets, and the inputs that it holds."""
+    set_values = choice.parameters | ports.starts(choice.name)
+    pairs = [(variable.name, variable.kind, value) for variable, value in expand(file.variables, set_values)]
     named_items = [
         (name, kind, next(item for item, number in file.variables[name].items if number == value))
         if kind == "Enumeration"

@@ -14,16 +14,16 @@ from pythonfmu import Boolean, DefaultExperiment, Fmi2Causality, Fmi2Slave, Fmi2
 
 from cosim import paths
 from cosim.fmu.values import encode
-from cosim.loop import course, fmus, plant
+from cosim.loop import course, plant
 from cosim.loop.wires.connect import PLANT, side_of
 from cosim.loop.wires.links import CONVERT
 from cosim.loop.wires.wiring import Delay, Shape, child, noise, shaper
 from cosim.scenario.load import load
 from cosim.scenario.model import Scenario, Signal
-from cosim.ssp.ports import Port, ports_of
+from cosim.ssp.ports import Port
 
 SETTINGS = "loop.json"
-"""Resource that names the file of the scenario, its overrides and the seed."""
+"""Resource that names the file of the scenario, its overrides, the seed, and the ports of the FMUs."""
 KINDS = {"Real": Real, "Integer": Integer, "Enumeration": Integer, "Boolean": Boolean}
 STEP_TOLERANCE = 1e-6
 
@@ -46,24 +46,26 @@ class Surroundings(Fmi2Slave):
         self.seed: int = settings["seed"]
         loop = self.scenario.loop
         self.default_experiment = DefaultExperiment(0.0, loop.duration, loop.step)
-        files = fmus.open_files(self.scenario)
-        ports = ports_of(self.scenario, files)
+        # the FMUs need not be where this one runs
+        driven, commanding = (tuple(map(Port.of, settings[end])) for end in ("driven", "commanding"))
         self.plant = plant.build(
             self.scenario.plant.name, self.scenario.plant.parameters, self.scenario.folder
         )
         self.commands = plant.starts(self.plant.commands)
         self.k = 0
-        self.given: dict[str, float] = {port.name: start(port) for port in ports.commanding}
-        self.driven: dict[str, float] = {port.name: start(port) for port in ports.driven}
+        self.given: dict[str, float] = {port.name: start(port) for port in commanding}
+        self.driven: dict[str, float] = {port.name: start(port) for port in driven}
         self.seen: dict[str, float] = {
             f"{PLANT}.{channel.name}": 0.0 for channel in (*self.plant.readings, *self.plant.truths)
         }
-        self.kinds = {port.name: port.variable.kind for port in ports.driven}
+        self.kinds = {port.name: port.variable.kind for port in driven}
         self.courses: dict[str, Any] = {}
         for signal in self.scenario.signal:
-            self.courses[signal.to] = self.course(signal, ports.driven)
+            # what is left is the start value of an input
+            if side_of(signal.to) == PLANT or signal.to in self.driven:
+                self.courses[signal.to] = self.course(signal, driven)
         self.links: list[tuple[str, str, Shape, Delay]] = []
-        self.register(ports.driven, ports.commanding)
+        self.register(driven, commanding)
 
     def register(self, driven: tuple[Port, ...], commanding: tuple[Port, ...]) -> None:
         """Make the variables of the FMU."""

@@ -7,9 +7,9 @@ use std::ptr::null;
 
 use anyhow::{Context, Result, ensure};
 use libloading::Library;
-use roxmltree::{Document, Node};
 
 use super::markup::escaped;
+use crate::interface::{Interface, Part, Quantity, Type};
 
 /// Folder of the standard inside an FMU.
 pub const FOLDER: &str = "extra/org.fmi-standard.fmi-ls-ref";
@@ -38,9 +38,8 @@ const WARNING: c_int = 1;
 ///
 /// # Errors
 /// When the library cannot be loaded, or when the model cannot run so.
-pub fn files(library: &Path, description: &str, resources: &Path) -> Result<Vec<(String, String)>> {
-    let document = Document::parse(description)?;
-    let run = Run::read(&document)?;
+pub fn files(library: &Path, interface: &Interface, resources: &Path) -> Result<Vec<(String, String)>> {
+    let run = Run::of(interface)?;
     let (inputs, outputs) = run.record(library, resources)?;
     let stop = run.step * STEPS as f64;
     let experiments = format!(
@@ -86,21 +85,14 @@ enum Kind {
 }
 
 impl<'a> Run<'a> {
-    fn read(document: &'a Document) -> Result<Self> {
-        let root = document.root_element();
-        let told = |name| root.attribute(name).with_context(|| format!("the model description tells no `{name}`"));
-        let experiment = document.descendants().find(|node| node.has_tag_name("DefaultExperiment"));
-        let step = experiment.and_then(|node| node.attribute("stepSize")).context("no `stepSize`")?.parse()?;
-        let ports = |causality: &str| {
-            let variables = document.descendants().filter(|node| node.has_tag_name("ScalarVariable"));
-            variables.filter(|node| node.attribute("causality") == Some(causality)).filter_map(port).collect()
-        };
+    fn of(interface: &'a Interface) -> Result<Self> {
+        let ports = |parts| interface.of(parts).filter_map(|variable| port(interface, variable)).collect();
         Ok(Self {
-            name: told("modelName")?,
-            guid: told("guid")?,
-            step,
-            inputs: ports("input"),
-            outputs: ports("output"),
+            name: &interface.name,
+            guid: &interface.guid,
+            step: interface.step.parse().with_context(|| format!("the step `{}` is no number", interface.step))?,
+            inputs: ports(&[Part::Input]),
+            outputs: ports(&[Part::Output]),
         })
     }
 
@@ -122,33 +114,23 @@ impl<'a> Run<'a> {
     }
 }
 
-fn port<'a>(node: Node<'a, '_>) -> Option<Port<'a>> {
-    let element = node.children().find(Node::is_element)?;
-    let kind = match element.tag_name().name() {
-        "Real" => Kind::Real,
-        "Boolean" => Kind::Boolean,
-        "Integer" => Kind::Integer(None),
-        "Enumeration" => {
-            let ty = element.attribute("declaredType");
-            let types = node
-                .document()
-                .descendants()
-                .find(|node| node.has_tag_name("SimpleType") && node.attribute("name") == ty);
-            Kind::Integer(types.map(|ty| ty.descendants().filter(|node| node.has_tag_name("Item")).count()))
+fn port<'a>(interface: &Interface, variable: &'a Quantity) -> Option<Port<'a>> {
+    let kind = match &variable.kind {
+        Type::Real => Kind::Real,
+        Type::Boolean => Kind::Boolean,
+        Type::Integer => Kind::Integer(None),
+        Type::Choice(name) => {
+            let choice = interface.choices.iter().find(|choice| choice.name == *name);
+            Kind::Integer(choice.map(|choice| choice.items.len()))
         }
-        _ => return None,
+        Type::Text => return None,
     };
-    let start = match element.attribute("start").unwrap_or("0") {
+    let start = match variable.start.as_str() {
         "true" => 1.0,
-        "false" => 0.0,
+        "false" | "" => 0.0,
         number => number.parse().ok()?,
     };
-    Some(Port {
-        name: node.attribute("name")?,
-        reference: node.attribute("valueReference")?.parse().ok()?,
-        kind,
-        start,
-    })
+    Some(Port { name: &variable.name, reference: variable.reference, kind, start })
 }
 
 impl Port<'_> {
@@ -287,6 +269,8 @@ impl Drop for Instance {
 
 #[cfg(test)]
 mod tests {
+    use roxmltree::Document;
+
     use super::*;
 
     const DESCRIPTION: &str = "<fmiModelDescription modelName=\"m\" guid=\"g\"><TypeDefinitions>\
@@ -302,8 +286,8 @@ mod tests {
 
     #[test]
     fn inputs_move_and_strings_are_left_out() {
-        let document = Document::parse(DESCRIPTION).unwrap();
-        let run = Run::read(&document).unwrap();
+        let interface = Interface::read(DESCRIPTION).unwrap();
+        let run = Run::of(&interface).unwrap();
         assert_eq!((head(&run.inputs), head(&run.outputs)), ("time,x,on,mode\n".into(), "time,y\n".into()));
         let at = |k| run.inputs.iter().enumerate().map(|(i, port)| port.value(i, k)).collect::<Vec<_>>();
         assert_eq!(at(0), [2.0 - 0.5e-6, 0.0, 1.0]);
@@ -339,7 +323,8 @@ mod tests {
 
     #[test]
     fn what_is_no_library_is_told() {
-        let error = files(Path::new("/no/such/library"), DESCRIPTION, Path::new("")).unwrap_err().to_string();
+        let interface = Interface::read(DESCRIPTION).unwrap();
+        let error = files(Path::new("/no/such/library"), &interface, Path::new("")).unwrap_err().to_string();
         assert_eq!(error, "cannot load `/no/such/library`");
     }
 }

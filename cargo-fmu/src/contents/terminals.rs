@@ -2,10 +2,8 @@
 
 use std::fmt::Write as _;
 
-use anyhow::{Context, Result};
-use roxmltree::Document;
-
 use super::markup::escaped;
+use crate::interface::{Interface, Part};
 
 /// Path of the file inside an FMU.
 pub const FILE: &str = "terminalsAndIcons/terminalsAndIcons.xml";
@@ -22,18 +20,10 @@ pub struct Ports {
 }
 
 impl Ports {
-    /// Those of a model description.
-    ///
-    /// # Errors
-    /// When it is not well-formed.
-    pub fn read(description: &str) -> Result<Self> {
-        let document = Document::parse(description).context("the model description is not well-formed")?;
-        let of = |causality: &str| {
-            let variables = document.descendants().filter(|node| node.has_tag_name("ScalarVariable"));
-            let wanted = variables.filter(|node| node.attribute("causality") == Some(causality));
-            wanted.filter_map(|node| node.attribute("name").map(str::to_owned)).collect()
-        };
-        Ok(Self { inputs: of("input"), outputs: of("output") })
+    /// Those of a model.
+    pub fn of(interface: &Interface) -> Self {
+        let names = |parts| interface.of(parts).map(|variable| variable.name.clone()).collect();
+        Self { inputs: names(&[Part::Input]), outputs: names(&[Part::Output]) }
     }
 }
 
@@ -75,7 +65,11 @@ pub fn write(ports: &Ports) -> String {
 
 #[cfg(test)]
 mod tests {
+    use roxmltree::Document;
+
     use super::*;
+    use crate::interface::Quantity;
+    use crate::interface::tests::{interface, real};
 
     #[test]
     fn names_that_xml_would_misread_come_through() {
@@ -89,11 +83,10 @@ mod tests {
 
     #[test]
     fn each_group_is_a_terminal_with_its_members() {
-        let description = "<fmiModelDescription><ModelVariables>\
-            <ScalarVariable name=\"x\" causality=\"input\"/><ScalarVariable name=\"force.slope\" causality=\"output\"/>\
-            <ScalarVariable name=\"k\" causality=\"parameter\"/><ScalarVariable name=\"force.raw[1]\" causality=\"output\"/>\
-            <ScalarVariable name=\"u\" causality=\"output\"/></ModelVariables></fmiModelDescription>";
-        let ports = Ports::read(description).unwrap();
+        let of = |role, name: &str| Quantity { role, ..real(name) };
+        let outputs = ["force.slope", "force.raw[1]", "u"].map(|name| of(Part::Output, name));
+        let variables = [real("x"), of(Part::Fixed, "k"), of(Part::Local, "l")].into_iter().chain(outputs);
+        let ports = Ports::of(&interface(variables));
         assert_eq!((ports.inputs.len(), ports.outputs.len()), (1, 3));
         let text = write(&ports);
         let document = Document::parse(&text).unwrap();

@@ -4,9 +4,9 @@ use std::fmt::Write as _;
 
 use anyhow::{Result, bail};
 
-use super::interface::{Choice, Interface, Part, Type};
 use super::members::{declare, path};
 use super::template::{comment, fill};
+use crate::interface::{COMPUTED, Choice, Interface, Part, Type};
 
 const TEMPLATE: &str = include_str!("header.h");
 
@@ -35,7 +35,7 @@ const TAKEN: [&str; 14] = [
 pub fn write(interface: &Interface) -> Result<String> {
     let identifier = &interface.identifier;
     // a text is asked for by itself: to hand it out allocates
-    let outputs = interface.of(&[Part::Output]).filter(|variable| variable.kind != Type::Text);
+    let outputs = interface.of(COMPUTED).filter(|variable| variable.kind != Type::Text);
     let tunable: Vec<_> = interface.of(&[Part::Tunable]).map(|variable| path(&variable.name)).collect();
     let tunable = if tunable.is_empty() { " none".to_owned() } else { listed(&tunable) };
     Ok(fill(
@@ -67,7 +67,7 @@ fn texts(interface: &Interface) -> Result<String> {
     let mut declared = String::new();
     let mut taken: Vec<_> = TAKEN.iter().map(|name| (*name).to_owned()).collect();
     taken.extend(interface.choices.iter().map(|choice| choice.name.clone()));
-    for variable in interface.of(&[Part::Output]).filter(|variable| variable.kind == Type::Text) {
+    for variable in interface.of(COMPUTED).filter(|variable| variable.kind == Type::Text) {
         let description = comment(&variable.description);
         let name = function(&variable.name);
         if name.contains('[') {
@@ -98,9 +98,9 @@ fn listed(names: &[String]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::interface::Quantity;
-    use super::super::interface::tests::{interface, real};
     use super::*;
+    use crate::interface::Quantity;
+    use crate::interface::tests::{interface, real};
 
     #[test]
     fn a_text_that_cannot_be_a_function_is_refused_by_name() {

@@ -6,10 +6,10 @@ use std::process::{self, Command};
 
 use anyhow::{Context, Result, ensure};
 
-use super::interface::Interface;
 use super::{header, modelica, source};
 use crate::binary;
 use crate::fmu::DESCRIPTION;
+use crate::interface::Interface;
 use crate::process::text;
 
 /// A controller in plain C.
@@ -48,7 +48,7 @@ pub fn write(compiled: &Path, folder: &Path) -> Result<Library> {
 
 /// Makes both files in a folder of their own.
 fn make(compiled: &Path, work: &Path) -> Result<Library> {
-    let interface = Interface::read(&description(compiled, work)?)?;
+    let interface = Interface::of_library(&description(compiled, work)?)?;
     let identifier = interface.identifier.clone();
     let (header, code) = (work.join(format!("{identifier}.h")), work.join(format!("{identifier}.c")));
     put(&header, &header::write(&interface)?)?;

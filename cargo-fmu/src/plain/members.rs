@@ -4,8 +4,8 @@ use std::fmt::Write as _;
 
 use anyhow::{Result, bail};
 
-use super::interface::{Quantity, Type};
 use super::template::comment;
+use crate::interface::{Quantity, Type};
 
 /// Words of C and C++ that a variable may be named with, and a member not; it gets a `_` at its end.
 const TAKEN: &str = "alignas alignof and asm auto bool break case catch char class concept const consteval constexpr \
@@ -111,8 +111,8 @@ fn word(part: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::interface::tests::real;
     use super::*;
+    use crate::interface::tests::real;
 
     fn declared(names: &[&str]) -> Result<String> {
         let variables: Vec<_> = names.iter().map(|name| real(name)).collect();

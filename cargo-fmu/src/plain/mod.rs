@@ -5,7 +5,6 @@
 //! library. What the library computes is what the FMU computes. Blocks of Modelica call the same library.
 
 mod header;
-mod interface;
 mod library;
 mod members;
 mod modelica;

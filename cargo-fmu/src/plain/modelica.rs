@@ -5,15 +5,14 @@ use std::fmt::Write as _;
 
 use anyhow::{Result, bail};
 
-use super::interface::{Choice, Interface, Part, Quantity, Type};
 use super::members::path;
 use super::template::{fill, literal};
+use crate::interface::{COMPUTED, Choice, Interface, Part, Quantity, Type};
 
 const TEMPLATE: &str = include_str!("modelica.h");
 
 const PARAMETERS: &[Part] = &[Part::Fixed, Part::Tunable];
 const INPUTS: &[Part] = &[Part::Input];
-const OUTPUTS: &[Part] = &[Part::Output];
 
 /// Width of the icon's half, and the room of a port, in the units of the diagram.
 const HALF: usize = 100;
@@ -33,7 +32,7 @@ pub fn adapter(interface: &Interface) -> String {
         });
         lines.collect::<String>()
     };
-    let give = interface.split(OUTPUTS).into_iter().zip(["reals", "integers"]).flat_map(|(variables, to)| {
+    let give = interface.split(COMPUTED).into_iter().zip(["reals", "integers"]).flat_map(|(variables, to)| {
         let give = |(i, variable): (usize, &Quantity)| format!("    {to}[{i}] = out.{};\n", path(&variable.name));
         variables.into_iter().enumerate().map(give).collect::<Vec<_>>()
     });
@@ -112,9 +111,9 @@ fn parameter(variable: &Quantity) -> String {
 
 /// The connectors; returns half of the block's height.
 fn ports(text: &mut String, interface: &Interface, package: &str) -> usize {
-    let sides = [(INPUTS, "Input", HALF as isize + ROOM as isize, -1), (OUTPUTS, "Output", HALF as isize + 10, 1)];
+    let sides = [(INPUTS, "Input", HALF as isize + ROOM as isize, -1), (COMPUTED, "Output", HALF as isize + 10, 1)];
     let rows = |parts| interface.of(parts).filter(|variable| variable.kind != Type::Text).count();
-    let height = (ROOM * rows(INPUTS).max(rows(OUTPUTS))).max(2 * HALF) / 2;
+    let height = (ROOM * rows(INPUTS).max(rows(COMPUTED))).max(2 * HALF) / 2;
     for (parts, direction, x, side) in sides {
         let variables = interface.of(parts).filter(|variable| variable.kind != Type::Text);
         for (variable, y) in variables.zip((0..).map(|row| height as isize - ROOM as isize / 2 - row * ROOM as isize)) {
@@ -142,7 +141,7 @@ fn ports(text: &mut String, interface: &Interface, package: &str) -> usize {
 fn object(interface: &Interface, package: &str) -> String {
     let [reals, integers, texts] = interface.split(PARAMETERS).map(|variables| variables.len());
     let [reals_in, integers_in, _] = interface.split(INPUTS).map(|variables| variables.len());
-    let [reals_out, integers_out, _] = interface.split(OUTPUTS).map(|variables| variables.len());
+    let [reals_out, integers_out, _] = interface.split(COMPUTED).map(|variables| variables.len());
     let identifier = &interface.identifier;
     let annotation = format!(
         "annotation (\n        Include = \"#include \\\"{identifier}_modelica.h\\\"\", Library = {{\"{identifier}\", \"m\"}},\n        \
@@ -167,7 +166,7 @@ fn equations(interface: &Interface) -> String {
     let (reals, integers, texts) = (some(reals, "0.0"), some(integers, "0"), some(texts, "\"\""));
     let [reals_in, integers_in, _] = interface.split(INPUTS).map(list);
     let (reals_in, integers_in) = (some(reals_in, "0.0"), some(integers_in, "0"));
-    let [outputs, numbers, _] = interface.split(OUTPUTS);
+    let [outputs, numbers, _] = interface.split(COMPUTED);
     let period = interface.variables.iter().find(|variable| variable.name == "sample_period").map(name);
     let mut text = format!(
         "protected\n  Controller controller_ = Controller(\n    {reals},\n    {integers},\n    {texts});\n  \
@@ -228,8 +227,8 @@ fn unit(variable: &Quantity) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::interface::tests::{interface, real};
     use super::*;
+    use crate::interface::tests::{interface, real};
 
     #[test]
     fn two_variables_with_one_name_are_refused_with_both() {

@@ -3,9 +3,9 @@
 use std::fmt::Write as _;
 
 use super::header::function;
-use super::interface::{Interface, Part, Quantity, Type};
 use super::members::path;
 use super::template::{fill, literal};
+use crate::interface::{COMPUTED, Interface, Part, Quantity, Type};
 
 const TEMPLATE: &str = include_str!("adapter.c");
 
@@ -85,7 +85,7 @@ fn set_inputs(interface: &Interface) -> String {
 fn read(interface: &Interface) -> String {
     let (mut get, mut take) = (String::new(), String::new());
     for (fmi, c, is_of) in TYPES {
-        let outputs: Vec<_> = interface.of(&[Part::Output]).filter(|output| is_of(&output.kind)).collect();
+        let outputs: Vec<_> = interface.of(COMPUTED).filter(|output| is_of(&output.kind)).collect();
         if outputs.is_empty() {
             continue;
         }
@@ -120,7 +120,7 @@ fn start<'a>(of: &str, variables: impl Iterator<Item = &'a Quantity>) -> String 
 }
 
 fn texts(interface: &Interface) -> String {
-    let texts = interface.of(&[Part::Output]).filter(|variable| variable.kind == Type::Text);
+    let texts = interface.of(COMPUTED).filter(|variable| variable.kind == Type::Text);
     let functions = texts.map(|Quantity { name, reference, .. }| {
         format!(
             "\nconst char *@id@_{}(@id@ *self) {{\n    const unsigned reference = {reference};\n    const char *text = \"\";\n    \

@@ -1,6 +1,6 @@
 //! C code with places to fill, written `@place@`.
 
-use super::interface::Interface;
+use crate::interface::Interface;
 
 /// A template with the places of every file filled, and these.
 pub fn fill(template: &str, interface: &Interface, places: &[(&str, &str)]) -> String {

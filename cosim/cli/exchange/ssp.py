@@ -11,10 +11,10 @@ from typer import Option
 from cosim.cli.options import InProcess, Loop, Quiet, Set, Timeout, Verbose, checked_limits
 from cosim.cli.tasks import place
 from cosim.errors import CosimError
+from cosim.show.console import configure_logging
 
 if TYPE_CHECKING:
     from cosim.pool.job import Bench
-from cosim.show.console import configure_logging
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class Export:
         """Write it; the communication step in s."""
         from cosim.ssp.package import write
 
-        return write(self.loop, self.changes, self.seed, self.file).loop.step
+        return write(self.loop, self.changes, self.seed, self.file, bench.place).loop.step
 
 
 def ssp(

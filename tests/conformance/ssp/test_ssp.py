@@ -22,7 +22,7 @@ from cosim.errors import CosimError
 from cosim.ssp.package import write
 from cosim.ssp.structure import named
 
-from ..conftest import need
+from ..conftest import ROOT, need
 
 SHORT = [
     "controller.learn.settle_time=0.12",
@@ -63,9 +63,16 @@ def test_every_loop_is_a_package_by_the_schemas(loop: str, tmp_path: Path) -> No
     # both readers hold the files against the schemas of SSP 1.0
     system = read_ssd(str(file)).system
     parameters = read_ssv(str(file), "resources/controller.ssv").parameters
-    assert {parameter.name.partition("[")[0] for parameter in parameters} == set(
-        scenario.controller.parameters
-    )
+    held = {
+        signal.to.removeprefix("controller."): signal.values[0]
+        for signal in scenario.signal
+        if signal.to == "controller.mode" and len(signal.values) == 1
+    }
+    assert {parameter.name.partition("[")[0] for parameter in parameters} == {
+        *scenario.controller.parameters,
+        *held,
+    }
+    assert {(parameter.name, parameter.value) for parameter in parameters} >= set(held.items())
     assert [int(seed.value) for seed in read_ssv(str(file), "resources/plant.ssv").parameters] == [5]
 
     with zipfile.ZipFile(file) as archive:
@@ -92,7 +99,8 @@ def test_every_loop_is_a_package_by_the_schemas(loop: str, tmp_path: Path) -> No
     wired = {(c.endElement, c.endConnector) for c in system.connections}
     driven = {wire.to for wire in scenario.wire} | {signal.to for signal in scenario.signal}
     inputs = {("controller", to.removeprefix("controller.")) for to in driven if to.startswith("controller.")}
-    assert inputs <= wired
+    # an enumeration that stays is a start value
+    assert inputs - wired == {("controller", name) for name in held}
 
 
 @pytest.mark.client("pyssp-standard", "checks the SSP", fmu="dob")
@@ -106,16 +114,23 @@ def test_pyssp_standard_finds_nothing_wrong(package: Path, tmp_path: Path) -> No
         assert sorted(ssp.resources) == ["controller.fmu", "controller.ssv", "plant.fmu", "plant.ssv"]
 
 
-def run(master: str, module: str, package: Path) -> tuple[float, float]:
-    """Contact position and depth in a master; the parameter set must have reached the controller."""
+def run(master: str, module: str, package: Path, steps: int, outputs: list[str]) -> list[float]:
+    """Values of outputs in a master after as many steps."""
     need(module, module if importlib.util.find_spec(module) else None)
     # Ecos finds the library that its wheel forgets beside the environment's
     libraries = [str(Path(sys.prefix) / "lib"), os.environ.get("LD_LIBRARY_PATH", "")]
     environment = os.environ | {"LD_LIBRARY_PATH": os.pathsep.join(libraries)}
-    command = [sys.executable, str(EXECUTION), master, str(package), str(STEPS)]
+    command = [sys.executable, str(EXECUTION), master, str(package), "1e-4", str(steps), *outputs]
     done = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
     assert done.returncode == 0, done.stderr
-    position, depth, learn = json.loads(done.stdout.splitlines()[-1])
+    values: list[float] = json.loads(done.stdout.splitlines()[-1])
+    return values
+
+
+def contact(master: str, module: str, package: Path) -> tuple[float, float]:
+    """Contact position and depth in a master; the parameter set must have reached the controller."""
+    outputs = ["controller::contact_position", "plant::plant.depth_max", "controller::learn.time"]
+    position, depth, learn = run(master, module, package, STEPS, outputs)
     assert learn == pytest.approx(0.12)
     return position, depth
 
@@ -123,7 +138,7 @@ def run(master: str, module: str, package: Path) -> tuple[float, float]:
 @pytest.mark.client("libcosim", "closes the loop of the SSP", fmu="dob")
 @pytest.mark.skipif(sys.platform != "linux", reason="libcosimpy has no wheel for this platform")
 def test_libcosim_closes_the_loop_bit_for_bit(package: Path, found: tuple[float, float]) -> None:
-    assert run("libcosim", "libcosimpy", package) == found
+    assert contact("libcosim", "libcosimpy", package) == found
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="libcosimpy has no wheel for this platform")
@@ -132,7 +147,7 @@ def test_the_noise_of_a_command_is_that_of_the_harness(tmp_path: Path) -> None:
     trace = cosim.run(cosim.load("dob", noisy), engine="native").trace
     assert trace is not None
     write("dob", noisy, None, tmp_path / "dob.ssp")
-    position, depth = run("libcosim", "libcosimpy", tmp_path / "dob.ssp")
+    position, depth = contact("libcosim", "libcosimpy", tmp_path / "dob.ssp")
     assert position == trace["controller.contact_position"][STEPS]
     assert depth == trace["plant.depth_max"][STEPS]
 
@@ -140,7 +155,7 @@ def test_the_noise_of_a_command_is_that_of_the_harness(tmp_path: Path) -> None:
 @pytest.mark.client("Ecos", "closes the loop of the SSP", fmu="dob")
 @pytest.mark.skipif(sys.platform != "linux", reason="ecospy has no wheel for this platform")
 def test_ecos_closes_the_loop(package: Path, found: tuple[float, float]) -> None:
-    position, depth = run("Ecos", "ecospy", package)
+    position, depth = contact("Ecos", "ecospy", package)
     assert abs(position - found[0]) <= WAY
     assert depth == pytest.approx(found[1], abs=0.1 * found[1])
 
@@ -148,9 +163,32 @@ def test_ecos_closes_the_loop(package: Path, found: tuple[float, float]) -> None
 @pytest.mark.client("FMPy", "closes the loop of the SSP", fmu="dob")
 def test_fmpy_closes_the_loop(package: Path, found: tuple[float, float]) -> None:
     # its first step has zeros for inputs, so the noise of the first readings is another
-    position, depth = run("FMPy", "fmpy", package)
+    position, depth = contact("FMPy", "fmpy", package)
     assert abs(position - found[0]) <= WAY
     assert depth == pytest.approx(found[1], abs=0.1 * found[1])
+
+
+@pytest.mark.client("FMPy", "closes the loop of the SSP", fmu="fts")
+def test_fmpy_closes_a_loop_with_a_mode_and_a_delay(tmp_path: Path) -> None:
+    # its first step has zeros for inputs, the spindle seems to jump: its speed settles before the tool moves
+    late = [
+        "signal.controller.enable.times=[0.0, 0.25]",
+        "signal.controller.enable.values=[false, true]",
+        "wire.controller.spindle_angle.delay=2",
+        "loop.duration=0.46",
+    ]
+    steps = 4500
+    trace = cosim.run(cosim.load("fts", late), engine="native").trace
+    assert trace is not None
+    write("fts", late, None, tmp_path / "fts.ssp")
+    outputs = ["plant::plant.tip_depth", "controller::error.tracking", "controller::reference.depth"]
+    depth, error, reference = run("FMPy", "fmpy", tmp_path / "fts.ssp", steps, outputs)
+    # the tool moves: the delay alone is two steps of the path
+    way = abs(trace["plant.tip_depth"][steps + 1] - trace["plant.tip_depth"][steps])
+    assert way > 5e-6
+    assert depth == pytest.approx(trace["plant.tip_depth"][steps], abs=1e-3 * way)
+    assert reference == pytest.approx(trace["controller.reference.depth"][steps - 1], abs=1e-3 * way)
+    assert error == pytest.approx(trace["controller.error.tracking"][steps - 1], abs=1e-3 * way)
 
 
 @pytest.mark.parametrize(
@@ -244,6 +282,62 @@ def test_two_fmus_are_connected_as_the_harness_does_and_the_scenario_by_its_path
     with zipfile.ZipFile(plant) as archive:
         settings = json.loads(archive.read("resources/loop.json"))
     assert Path(settings["loop"]) == tmp_path / "two.toml"
+
+
+PLANT_ALONE = """
+import os, sys
+import fmpy
+steps = {"stop_time": 3e-4, "step_size": 1e-4, "output_interval": 1e-4}
+rows = fmpy.simulate_fmu(sys.argv[1], output=["controller.enable"], **steps)
+print([bool(row) for row in rows["controller.enable"]], flush=True)
+os._exit(0)
+"""
+
+
+def test_a_plant_needs_neither_the_fmu_nor_the_folder_of_who_wrote_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    here, there = tmp_path / "here", tmp_path / "there"
+    (here / "build").mkdir(parents=True)
+    there.mkdir()
+    shutil.copy(ROOT / "target/fmu/fmu-dob.fmu", here / "build/own.fmu")
+    (here / "enable.csv").write_text("time,enable\n0,0\n2e-4,1\n")
+    monkeypatch.chdir(here)
+    changes = [f"signal.controller.enable.{key}=[]" for key in ("times", "values")]
+    changes += ["controller.fmu=build/own.fmu", "signal.controller.enable.file=enable.csv"]
+    write("dob", changes, None, there / "dob.ssp")
+    shutil.rmtree(here / "build")
+    with zipfile.ZipFile(there / "dob.ssp") as archive:
+        archive.extract("resources/plant.fmu", there)
+    command = [sys.executable, "-c", PLANT_ALONE, str(there / "resources/plant.fmu")]
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(ROOT), *sys.path])}
+    done = subprocess.run(command, cwd=there, capture_output=True, text=True, check=False, env=environment)
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout.splitlines()[-1].lower()) == [False, False, True, True]
+
+
+@pytest.mark.parametrize("loop", LOOPS)
+def test_the_files_of_a_package_are_valid_by_the_schemas_of_ssp_2(loop: str, tmp_path: Path) -> None:
+    need("pyssp_standard", "pyssp_standard" if importlib.util.find_spec("pyssp_standard") else None)
+    import pyssp_standard
+    from lxml import etree
+
+    write(loop, [], None, tmp_path / "loop.ssp")
+    schemas = Path(pyssp_standard.__file__).parent / "resources/ssp2"
+    kinds = {".ssd": "SystemStructureDescription.xsd", ".ssv": "SystemStructureParameterValues.xsd"}
+    with zipfile.ZipFile(tmp_path / "loop.ssp") as archive:
+        files = [name for name in archive.namelist() if Path(name).suffix in kinds]
+        assert sorted(Path(name).name for name in files) == [
+            "SystemStructure.ssd",
+            "controller.ssv",
+            "plant.ssv",
+        ]
+        for name in files:
+            schema = etree.XMLSchema(file=str(schemas / kinds[Path(name).suffix]))
+            document = etree.fromstring(archive.read(name))
+            assert schema.validate(document), schema.error_log
+            document.set("version", "2.1")
+            assert not schema.validate(document)
 
 
 def test_a_scenario_of_the_project_is_named_by_its_place_there(package: Path) -> None:

@@ -1,15 +1,22 @@
 //! Variables of a model, as its description tells them.
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use roxmltree::{Document, Node};
 
-/// What a model description tells of its model.
+use crate::fmu::DESCRIPTION;
+
+/// What a model description tells of its model; what it does not tell is empty.
 pub struct Interface {
-    /// Model identifier.
+    /// Version of FMI.
+    pub version: String,
+    /// Program that wrote it.
+    pub tool: String,
+    /// Model identifier for co-simulation: the name of the binary.
     pub identifier: String,
     /// Name for people.
     pub name: String,
     pub description: String,
+    /// What the description and every library of it have in common.
     pub guid: String,
     /// Communication step that the model suggests, s.
     pub step: String,
@@ -45,11 +52,15 @@ pub struct Quantity {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
     Input,
-    /// Whatever the model computes.
     Output,
     Fixed,
     Tunable,
+    /// What the model computes beside its outputs.
+    Local,
 }
+
+/// All that a model computes.
+pub const COMPUTED: &[Part] = &[Part::Output, Part::Local];
 
 /// Type of a variable.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -63,27 +74,42 @@ pub enum Type {
 }
 
 impl Interface {
-    /// Reads a model description.
+    /// Reads a model description, whoever wrote it.
     ///
     /// # Errors
-    /// When it is not well-formed, or lacks what FMI asks for.
+    /// When it is not well-formed, has no GUID, or a variable lacks what FMI asks for.
     pub fn read(description: &str) -> Result<Self> {
-        let document = Document::parse(description).context("the model description is not well-formed")?;
+        let document = Document::parse(description).with_context(|| format!("`{DESCRIPTION}` is not well-formed"))?;
         let all = |tag: &'static str| document.descendants().filter(move |node| node.has_tag_name(tag));
-        let first = |tag: &'static str| all(tag).next().with_context(|| format!("there is no `{tag}`"));
+        let first = |tag, attribute| all(tag).next().map_or_else(String::new, |node| text(node, attribute));
         let root = document.root_element();
         let choices = all("SimpleType").filter_map(|ty| Some((ty, child(ty, "Enumeration")?)));
         let choices: Vec<_> = choices.map(|(ty, items)| Choice::read(ty, items)).collect();
         let variables = all("ScalarVariable").map(|node| Quantity::read(node, &choices)).collect::<Result<_>>()?;
+        let guid = root.attribute("guid").with_context(|| format!("`{DESCRIPTION}` has no GUID"))?;
         Ok(Self {
-            identifier: text(first("CoSimulation")?, "modelIdentifier"),
+            version: text(root, "fmiVersion"),
+            tool: text(root, "generationTool"),
+            identifier: first("CoSimulation", "modelIdentifier"),
             name: text(root, "modelName"),
             description: text(root, "description"),
-            guid: text(root, "guid"),
-            step: text(first("DefaultExperiment")?, "stepSize"),
+            guid: guid.to_owned(),
+            step: first("DefaultExperiment", "stepSize"),
             choices,
             variables,
         })
+    }
+
+    /// Reads the model description of a library that is made for co-simulation.
+    ///
+    /// # Errors
+    /// As [`Interface::read`], and when it tells no identifier or no communication step.
+    pub fn of_library(description: &str) -> Result<Self> {
+        let interface = Self::read(description)?;
+        for (value, name) in [(&interface.identifier, "modelIdentifier"), (&interface.step, "stepSize")] {
+            ensure!(!value.is_empty(), "`{DESCRIPTION}` names no {name}");
+        }
+        Ok(interface)
     }
 
     /// The variables of a part, in their order.
@@ -123,11 +149,13 @@ impl Quantity {
             (Some("input"), _) => Part::Input,
             (Some("parameter"), Some("tunable")) => Part::Tunable,
             (Some("parameter"), _) => Part::Fixed,
-            _ => Part::Output,
+            (Some("output"), _) => Part::Output,
+            _ => Part::Local,
         };
         let start = text(told, "start");
         let choice = choices.iter().find(|choice| kind == Type::Choice(choice.name.clone()));
-        let item = choice.zip(start.parse::<usize>().ok()).and_then(|(choice, number)| choice.items.get(number - 1));
+        let place = start.parse::<usize>().ok().and_then(|number| number.checked_sub(1));
+        let item = choice.zip(place).and_then(|(choice, place)| choice.items.get(place));
         let reference = text(node, "valueReference").parse();
         Ok(Self {
             reference: reference.with_context(|| format!("`{name}` has no value reference"))?,
@@ -165,7 +193,31 @@ pub mod tests {
 
     /// A model of these variables.
     pub fn interface(variables: impl Iterator<Item = Quantity>) -> Interface {
-        let [identifier, name, description, guid, step] = ["m", "M", "A model", "{0}", "0.001"].map(str::to_owned);
-        Interface { identifier, name, description, guid, step, choices: Vec::new(), variables: variables.collect() }
+        let [version, tool, identifier, name, description, guid, step] =
+            ["2.0", "", "m", "M", "A model", "{0}", "0.001"].map(str::to_owned);
+        let (choices, variables) = (Vec::new(), variables.collect());
+        Interface { version, tool, identifier, name, description, guid, step, choices, variables }
+    }
+
+    #[test]
+    fn a_library_names_its_binary_and_its_step() {
+        let xml = |more: &str| format!("<fmiModelDescription guid=\"g\">{more}</fmiModelDescription>");
+        let binary = "<CoSimulation modelIdentifier=\"spring\"/>";
+        let whole = xml(&format!("{binary}<DefaultExperiment stepSize=\"1e-3\"/>"));
+        let read = Interface::of_library(&whole).unwrap();
+        assert_eq!((read.identifier.as_str(), read.step.as_str(), read.guid.as_str()), ("spring", "1e-3", "g"));
+        let error = |xml: &str| Interface::of_library(xml).err().unwrap().to_string();
+        assert_eq!(error(&xml("")), "`modelDescription.xml` names no modelIdentifier");
+        assert_eq!(error(&xml(binary)), "`modelDescription.xml` names no stepSize");
+        assert_eq!(error("<fmiModelDescription/>"), "`modelDescription.xml` has no GUID");
+    }
+
+    #[test]
+    fn a_description_of_others_may_count_its_items_from_zero() {
+        let xml = "<fmiModelDescription guid=\"g\"><SimpleType name=\"Mode\"><Enumeration><Item name=\"Off\" value=\"0\"/>\
+            </Enumeration></SimpleType><ScalarVariable name=\"x\" valueReference=\"1\" causality=\"local\">\
+            <Enumeration declaredType=\"Mode\" start=\"0\"/></ScalarVariable></fmiModelDescription>";
+        let read = Interface::read(xml).unwrap();
+        assert_eq!((read.variables[0].item.as_str(), read.variables[0].role), ("", Part::Local));
     }
 }
