@@ -1,9 +1,9 @@
 //! A periodic sum of sines that excites a machine at several frequencies at once.
 //!
-//! x(t) = a sum_i (1 / h_i) sin(h_i w t + phi_i) with the harmonics h_i of one base frequency w. All tones have the same
-//! velocity amplitude a w, so that a mass takes a force that grows with the frequency and a way that falls with it: slow tones
-//! tell springs and friction, quick ones mass and delay. The harmonics 1, 2, 3, 5, 7, 11, 17, 25 are spread like a logarithm.
-//! Phases of pi i^2 / n (Schroeder, 1970) keep the tones from peaking together; |x| <= a sum_i 1 / h_i in any case.
+//! x(t) = a sum_i h_i^(-1/2) sin(h_i w t + phi_i) with the harmonics h_i of one base frequency w. The way falls with the root of
+//! the frequency, and the force on a mass grows with its power of 3/2: slow tones tell springs and friction, quick ones mass
+//! and delay. The harmonics 1, 2, 3, 5, 7, 11, 17, 25 are spread like a logarithm. Phases of pi i^2 / n (Schroeder, 1970) keep
+//! the tones from peaking together; |x| <= a sum_i h_i^(-1/2) in any case.
 
 use std::f64::consts::{PI, TAU};
 
@@ -41,7 +41,7 @@ impl Multisine {
             // whole numbers first: every period has the same bits
             let turn = f64::from(HARMONICS[i] * k % self.period.max(1)) / f64::from(self.period.max(1));
             let (sine, cosine) = (TAU * turn + PI * (i * i) as f64 / TONES as f64).sin_cos();
-            let amplitude = self.amplitude / f64::from(HARMONICS[i]);
+            let amplitude = self.amplitude / f64::from(HARMONICS[i]).sqrt();
             sum.position += amplitude * sine;
             sum.velocity += amplitude * omega * cosine;
             sum.acceleration -= amplitude * omega * omega * sine;
@@ -51,26 +51,27 @@ impl Multisine {
 
     /// What the position cannot exceed, unit of the reference.
     pub fn reach(&self) -> f64 {
-        self.amplitude * Self::sum(|_, harmonic| harmonic.recip())
+        self.amplitude * sum(|harmonic| harmonic.sqrt().recip())
     }
 
     /// What the velocity cannot exceed, unit of the reference in 1 s.
     pub fn velocity_max(&self) -> f64 {
-        self.amplitude * self.base() * TONES as f64
+        self.amplitude * sum(f64::sqrt) * self.base()
     }
 
     /// What the acceleration cannot exceed, unit of the reference in 1 s2.
     pub fn acceleration_max(&self) -> f64 {
-        self.amplitude * Self::sum(|_, harmonic| harmonic) * self.base() * self.base()
+        self.amplitude * sum(|harmonic| harmonic.powf(1.5)) * self.base() * self.base()
     }
 
     fn base(&self) -> f64 {
         TAU / (f64::from(self.period.max(1)) * self.sample_period)
     }
+}
 
-    fn sum(of: impl Fn(usize, f64) -> f64) -> f64 {
-        HARMONICS.iter().enumerate().map(|(i, harmonic)| of(i, f64::from(*harmonic))).sum()
-    }
+/// Sum over the harmonics.
+fn sum(of: impl Fn(f64) -> f64) -> f64 {
+    HARMONICS.iter().map(|harmonic| of(f64::from(*harmonic))).sum()
 }
 
 #[cfg(test)]

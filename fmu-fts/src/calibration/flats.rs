@@ -8,7 +8,6 @@ use control_blocks::{NoEstimate, Observation, least_squares};
 use nalgebra::SVector;
 use serde::{Deserialize, Serialize};
 
-
 /// One flat.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Flat {

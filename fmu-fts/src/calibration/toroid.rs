@@ -9,7 +9,6 @@ use control_blocks::{NoEstimate, Observation, least_squares};
 use nalgebra::{Matrix3, SVector, Vector3};
 use serde::{Deserialize, Serialize};
 
-
 /// One reading of the probe on the toroid.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ProbePoint {
