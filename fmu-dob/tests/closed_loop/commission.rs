@@ -24,7 +24,7 @@ fn begin(run: &mut Loop, time: f64) {
     (0..200).for_each(|_| run.step_with(rest));
     while run.output.state != State::Commission {
         run.step_with(ask);
-        assert!(run.time() < 1.0, "{:?}", run.output);
+        assert!(run.time() < 2.0, "{:?}", run.output);
     }
     let until = run.time() + time;
     while run.time() < until {
@@ -166,6 +166,38 @@ fn every_servo_and_detector_and_both_directions_are_commissioned() {
         assert!((run.output.measured.force_constant / thrust(&run) - 1.0).abs() < 0.015);
         let limit = run.time() + 1.5;
         assert!(run.run_to(State::Detect, limit), "{:?}", run.output);
+    }
+}
+
+#[test]
+fn a_weight_is_held_by_the_same_current_when_another_thrust_constant_comes_into_force() {
+    for compensation in [true, false] {
+        let mut p = Parameters::START;
+        (p.commission.apply, p.servo.disturbance_compensation) = (true, compensation);
+        let mut run = Loop::new(&p, 93, NO_WORKPIECE);
+        (run.slide.mass, run.slide.strength) = (13.0, 0.8);
+        // the weight comes slowly, and the servo takes it
+        for k in 0..10_000 {
+            run.slide.push = 5e-4 * f64::from(k);
+            run.step_with(rest);
+        }
+        begin(&mut run, 0.0);
+        let in_force = |run: &Loop| {
+            let mut in_force = Parameters::START;
+            run.controller.bring_into_force(&mut in_force);
+            in_force.stage.force_constant
+        };
+        while in_force(&run) == 20.0 {
+            run.step_with(ask);
+            assert_eq!(run.output.state, State::Commission, "{:?}", run.output);
+        }
+        let mut most = 0.0f64;
+        for _ in 0..500 {
+            run.step_with(ask);
+            most = most.max((run.slide.place() - run.output.reference.position).abs());
+        }
+        // two fifths of 5 N would be 5.7 um
+        assert!(most < 0.5e-6, "{compensation}: {most}");
     }
 }
 
