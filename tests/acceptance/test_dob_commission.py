@@ -96,11 +96,14 @@ def tell(found: Sequence[Machine]) -> None:
 
 
 def hold(found: Sequence[Machine], least: float) -> None:
-    """Hold the machines that use what was measured against the demand; none may end badly without a fault."""
+    """Hold the machines that use what was measured against the demand; none may miss the touch silently."""
     tell(found)
     applied = [one for one in found if one.applied]
     assert sum(one["good"] for one in applied) >= least * len(applied)
-    assert not any(one["silent"] for one in applied)
+    for one in applied:
+        # one may be a little deeper than the figure: it has up to twice the noise
+        touched = one["detected"] and not one["early"] and one["depth"] < 5e-7
+        assert touched or one["named"]
     for one in found:
         assert one["commissioned"] < 120.0
         assert one["back"] < 9.5e-5
