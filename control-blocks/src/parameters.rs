@@ -1,7 +1,8 @@
-//! Reading and checking parameters at initialisation.
+//! Reading, checking and writing parameters.
 
 pub mod check;
 pub mod error;
 pub mod file;
 pub mod numbers;
 pub mod parameter;
+pub mod result_file;

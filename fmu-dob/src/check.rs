@@ -2,6 +2,7 @@
 
 use control_blocks::{Parameter, ParameterError, check_all, ticks};
 
+use crate::commission::plan;
 use crate::detection::detector::Detector;
 use crate::force::observer::forgetting;
 use crate::interface::Parameters;
@@ -27,6 +28,9 @@ pub fn check(p: &Parameters) -> Result<(), ParameterError> {
             readings,
             starting,
             learn_limit,
+            commission_travel,
+            commission_force,
+            commission_time,
         ],
     )
 }
@@ -114,6 +118,31 @@ fn stability(p: &Parameters) -> Result<(), ParameterError> {
     })
 }
 
+fn commission_travel(p: &Parameters) -> Result<(), ParameterError> {
+    let hint = "allow more travel, or learn the noise for less time";
+    let (value, least) = (p.commission.travel, plan::stroke(p));
+    Parameter::new("commission.travel", value, "m", hint).must_be(value == 0.0 || value >= least, || {
+        format!("`0`, or at least `{least} m`, the way in which the noise of the approach is learned")
+    })
+}
+
+fn commission_force(p: &Parameters) -> Result<(), ParameterError> {
+    let (most, least) = (p.stage.force_constant * p.stage.current_max, p.guard_force);
+    let hint = "with more the current is at its limit, with less what disturbs the stage moves it";
+    let force = Parameter::new("commission.force", plan::force(p), "N", hint);
+    force.must_be((least..most).contains(&plan::force(p)), || {
+        format!("`0`, or from `{least} N`, `guard.force`, to below `{most} N`, the largest force of the drive")
+    })
+}
+
+fn commission_time(p: &Parameters) -> Result<(), ParameterError> {
+    let hint = "or every commission ends in `NoProgress`";
+    let (value, least) = (p.commission.time, plan::least_time(p));
+    Parameter::new("commission.time", value, "s", hint).must_be(value == 0.0 || value >= least, || {
+        format!("`0`, or at least `{least} s`, the time that its motions take")
+    })
+}
+
 fn guard(p: &Parameters) -> Result<(), ParameterError> {
     let most = p.stage.force_constant * p.stage.current_max;
     let force = Parameter::new("guard.force", p.guard_force, "N", "the guard must trip before the current saturates");
@@ -145,6 +174,10 @@ mod tests {
         ),
         (|p| p.observer.bandwidth = 40.0, "learn.settle_time", "`0.25 s`", "`0.3 s`"),
         (|p| p.limits.learn_time = 0.4, "limits.learn_time", "`0.4 s`", "`0.5 s`"),
+        (|p| p.commission.travel = 7e-5, "commission.travel", "`0.00007 m`", "`0.0000752"),
+        (|p| p.commission.force = 100.0, "commission.force", "`100 N`", "`100 N`"),
+        (|p| p.commission.force = 0.3, "commission.force", "`0.3 N`", "`guard.force`"),
+        (|p| p.commission.time = 5.0, "commission.time", "`5 s`", "`10.8"),
         (|p| p.guard_force = 100.0, "guard.force", "`100 N`", "`100 N`"),
     ];
 

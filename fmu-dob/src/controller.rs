@@ -2,10 +2,12 @@
 
 mod judging;
 
-use control_blocks::{ParameterError, Progress, RunningLine, SafeEnd, ticks};
+use control_blocks::{ParameterError, Progress, ResultFile, RunningLine, SafeEnd, ticks};
 use serde::{Deserialize, Serialize};
 
 use crate::check::check;
+use crate::commission::commissioner::Commissioner;
+use crate::commission::plan;
 use crate::detection::contact::DetectedContact;
 use crate::detection::detector::{Detector, Sample, samples};
 use crate::detection::guard::ForceGuard;
@@ -15,6 +17,7 @@ use crate::force::notch::NotchCascade;
 use crate::force::observer::DisturbanceObserver;
 use crate::interface::{ContactSource, Fault, ForceOutput, Input, Output, Parameters, ReferenceOutput, State};
 use crate::machine::{Events, next};
+use crate::monitoring::drive::DriveResponse;
 use crate::monitoring::monitors::Monitors;
 use crate::monitoring::numbers::{LateContact, Numbers};
 use crate::monitoring::rest_force::RestForce;
@@ -44,12 +47,15 @@ pub struct Controller {
     detector: Detector,
     guard: ForceGuard,
     monitors: Monitors,
+    commissioner: Commissioner,
     state: State,
     /// samples of the present state at constant speed
     ticks: u32,
     fault: Fault,
     /// an edge of `enable` waits for a stage at rest
     asked: bool,
+    /// an edge of `commission` does
+    commission_asked: bool,
     aborted: bool,
     /// the approach has not begun to move: the force at rest is taken first
     waiting: bool,
@@ -82,10 +88,12 @@ impl Controller {
             detector: Detector::new(p),
             guard: ForceGuard::default(),
             monitors: Monitors::new(p),
+            commissioner: Commissioner::new(p),
             state: State::Idle,
             ticks: 0,
             fault: Fault::None,
             asked: false,
+            commission_asked: false,
             aborted: false,
             waiting: false,
             contact: None,
@@ -102,9 +110,26 @@ impl Controller {
         self.long_step = true;
     }
 
-    /// One sample. The parameters must be those of [`Controller::new`], but for the tunable ones, which count at the
-    /// moment when an approach begins and of a contact.
+    /// Puts what a commission has measured into the parameters, where `commission.apply` says so; before each sample.
+    pub fn bring_into_force(&self, p: &mut Parameters) {
+        self.commissioner.put(p);
+    }
+
+    /// Writes what the last good commission derives into the file `commission.export`.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn export(&self, p: &Parameters) -> Result<(), ParameterError> {
+        let hint = "name a file in a folder that there is and that the importer may write to";
+        ResultFile { name: "commission.export", file: &p.commission.export, hint }.write(&self.commissioner.derived())
+    }
+
+    /// One sample. The parameters must be those of [`Controller::new`] with [`Controller::bring_into_force`], but for the tunable
+    /// ones, which count at the moment when an approach begins and of a contact.
     pub fn tick(&mut self, input: &Input, p: &Parameters, output: &mut Output) {
+        if self.commissioner.take_renewed() {
+            self.renew(p);
+        }
         let expected = self.expect(p);
         let reading = self.reader.read(p, input, &expected);
         self.estimate(p, &reading);
@@ -112,9 +137,22 @@ impl Controller {
         self.decide(p, &reading);
         self.follow(p, &reading);
         let current = self.act(p, &reading);
+        if self.state == State::Commission {
+            self.commissioner.observe(p, reading.position, current, &self.force, &self.motion.reference);
+        }
         self.report(p, &reading, current, output);
         self.samples += 1;
         self.long_step = false;
+    }
+
+    /// Other values are in force: the same motion and current, told by them.
+    fn renew(&mut self, p: &Parameters) {
+        let ratio = p.stage.force_constant / self.observer.force_constant();
+        self.observer = self.observer.renewed(p);
+        self.integrator.scale(ratio);
+        self.commissioner.rescale(ratio);
+        self.monitors.drive = DriveResponse::new(p);
+        self.detector.renew(p);
     }
 
     /// Whether the drive is off, by a fault.
@@ -158,8 +196,12 @@ impl Controller {
         let elapsed = self.count(p, reading);
         let settled = self.motion.retreated(p) && self.monitors.relief.known(p);
         self.asked = self.state.asked(self.asked, reading.begin, reading.enabled);
+        self.commission_asked = self.state.asked(self.commission_asked, reading.begin_commission, reading.commission);
         let events = Events {
             begin: self.asked,
+            commission: self.commission_asked,
+            break_off: !reading.commission || reading.begin,
+            commissioned: self.commissioner.finished,
             enabled: reading.enabled,
             reset: reading.reset,
             restful: reading.position.is_some() && self.tracked(p) && self.motion.at_rest(),
@@ -213,7 +255,15 @@ impl Controller {
 
     /// What happens once, when `state` begins.
     fn enter(&mut self, p: &Parameters, state: State, events: &Events, reading: &Reading) {
+        if self.state == State::Commission && !self.commissioner.finished {
+            self.commissioner.break_off();
+        }
         match (state, reading.position) {
+            (State::Commission, _) => {
+                self.commissioner.begin(p, self.motion.reference.position, self.observer.force());
+                self.monitors.job = Progress::default();
+                self.monitors.drive.begin();
+            }
             (State::Approach, Some(position)) => self.restart(p, position),
             (State::Learn, _) => self.guard.learn(),
             (State::Contact, Some(position)) => {
@@ -243,7 +293,7 @@ impl Controller {
                 self.motion.depart(p);
                 self.aborted = true;
             }
-            (State::Idle, _) => self.recover(reading),
+            (State::Idle, _) if self.state == State::Fault => self.recover(reading),
             _ => {}
         }
     }
@@ -287,6 +337,10 @@ impl Controller {
         let cruised = self.motion.reference.acceleration == 0.0 && !self.motion.at_rest();
         match reading.position {
             Some(position) if self.off() => self.motion.lie(position),
+            _ if self.state == State::Commission => {
+                let next = self.commissioner.experiment.reference(&self.motion.reference, p.sample_period);
+                self.motion.follow(next);
+            }
             position => self.motion.step(p, self.state, position.is_some(), self.waiting),
         }
         // the drive is judged by its last braking, far from the workpiece
@@ -302,12 +356,18 @@ impl Controller {
             return self.amplifier.send(p, 0.0);
         }
         let reference = self.motion.reference;
+        let exciting = self.state == State::Commission && self.commissioner.experiment.exciting();
+        let servo = if exciting { &self.commissioner.experiment.plan.servo } else { &p.servo };
         let mut acceleration = reference.acceleration;
         if let Some(position) = reading.position {
-            acceleration = servo::acceleration(p, &reference, position, self.observer.velocity());
+            acceleration = servo::acceleration(servo, &reference, position, self.observer.velocity());
         }
         let mut force = p.stage.mass * acceleration;
-        if p.servo.disturbance_compensation {
+        if exciting {
+            // no model but the force that holds the stage
+            let most = plan::force(p);
+            force = self.commissioner.held() + force.clamp(-most, most);
+        } else if p.servo.disturbance_compensation {
             force += self.observer.force();
         } else {
             let error = reading.position.map_or(0.0, |z| reference.position - z);
@@ -341,6 +401,7 @@ impl Controller {
                 velocity: direction * reference.velocity,
             },
             tracking_error: direction * error,
+            measured: self.commissioner.measured.clone(),
             drive_share: self.monitors.drive.share().unwrap_or(1.0),
             numbers: self.numbers,
         };

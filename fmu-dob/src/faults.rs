@@ -2,6 +2,7 @@
 
 use control_blocks::{SafeEnd, ticks};
 
+use crate::commission::plan;
 use crate::interface::{Fault, Parameters, ThresholdOutput, Vars};
 use crate::monitoring::numbers::{LateContact, Unseen};
 use crate::motion::travel::{job_limit, learn_limit};
@@ -30,8 +31,8 @@ impl Fault {
             | Self::LearnRejected
             | Self::LearnTimeout
             | Self::NoProgress => SafeEnd::Retract,
-            // it has retracted already
-            Self::ContactRejected | Self::LateContact => SafeEnd::Stop,
+            // it has retracted already, or never came near
+            Self::ContactRejected | Self::LateContact | Self::CommissionRejected => SafeEnd::Stop,
             Self::LostReading
             | Self::FrozenReading
             | Self::ReadingJump
@@ -79,7 +80,9 @@ pub struct Symptoms<'a> {
     pub force_left: Option<f64>,
     /// Not the detector but the force guard has found the contact.
     pub guarded: bool,
-    /// The job takes too long.
+    /// What the commission has measured cannot be used.
+    pub rejected: bool,
+    /// The job or the commission takes too long.
     pub late: bool,
 }
 
@@ -107,6 +110,7 @@ pub fn find(p: &Parameters, symptoms: &Symptoms) -> Option<Fault> {
         (Fault::LearnTimeout, s.learning),
         (Fault::ContactRejected, s.force_left.is_some_and(|force| force.abs() > p.limits.force_left)),
         (Fault::LateContact, s.guarded),
+        (Fault::CommissionRejected, s.rejected),
         (Fault::NoProgress, s.late),
     ];
     let found = faults.into_iter().find_map(|(fault, found)| found.then_some(fault));
@@ -172,7 +176,24 @@ pub fn numbers(vars: &Vars) -> String {
             )
         }
         Fault::LateContact => late_contact(p, output.numbers.late),
-        Fault::NoProgress => format!(": `{} s`", job_limit(p, &p.approach)),
+        Fault::NoProgress => {
+            format!(": limit of the job `{} s`, of the commission `{} s`", job_limit(p, &p.approach), plan::time(p))
+        }
+        Fault::CommissionRejected => {
+            let m = &output.measured;
+            format!(
+                ": thrust constant `{} N/A`, deviation `{} N/A`, limits half and twice `stage.force_constant` = `{} N/A` and \
+                 `commission.deviation_max` = `{}` of it; delay `{}` samples, deviation `{}`, limits the delays at which \
+                 the loop is stable and `commission.delay_deviation_max` = `{}`",
+                m.force_constant,
+                m.force_constant_deviation,
+                p.stage.force_constant,
+                p.commission.deviation_max,
+                m.io_delay,
+                m.io_delay_deviation,
+                p.commission.delay_deviation_max
+            )
+        }
         Fault::LongStep => format!(": limit `{} s`", p.sample_period),
         Fault::LostSpindle => format!(": `{} rad/s` {row}", vars.input.spindle_speed),
     }
@@ -222,6 +243,8 @@ mod tests {
         spindle_speed: 0.0,
         enabled: true,
         begin: false,
+        commission: false,
+        begin_commission: false,
         reset: false,
         found: false,
         invalid: 0,
@@ -251,6 +274,7 @@ mod tests {
             learning: false,
             force_left: Some(0.0),
             guarded: false,
+            rejected: false,
             late: false,
         }
     }
@@ -266,7 +290,7 @@ mod tests {
             set(&mut reading, &mut all, value);
             find(&p, &Symptoms { reading: &reading, ..all })
         };
-        let limits: [(Set, f64, f64, Fault); 14] = [
+        let limits: [(Set, f64, f64, Fault); 15] = [
             (|r, _, x| r.lost = x as u32, 7.0, 8.0, Fault::LostReading),
             (|r, _, x| (r.lost, r.loss) = (x as u32, Loss::Jumps), 7.0, 8.0, Fault::ReadingJump),
             (|r, _, x| (r.lost, r.loss) = (x as u32, Loss::Stands), 7.0, 8.0, Fault::FrozenReading),
@@ -280,6 +304,7 @@ mod tests {
             (|_, s, x| s.share = Some(x), 0.4, -0.21, Fault::DriveSign),
             (|_, s, x| s.force_left = Some(x), -0.3, -0.31, Fault::ContactRejected),
             (|_, s, x| s.guarded = x > 0.5, 0.0, 1.0, Fault::LateContact),
+            (|_, s, x| s.rejected = x > 0.5, 0.0, 1.0, Fault::CommissionRejected),
             (|_, s, x| s.learned = Some(ThresholdOutput { sigma: x, ..NOISE }), 1.0, 1.1, Fault::LearnRejected),
         ];
         for (set, last, first, fault) in limits {
@@ -345,7 +370,7 @@ mod tests {
     #[test]
     fn the_drive_goes_off_where_the_position_or_the_drive_cannot_be_trusted() {
         let ends = |end: SafeEnd| Fault::ALL.iter().filter(move |fault| fault.safe_end() == end).count();
-        assert_eq!([SafeEnd::Retract, SafeEnd::Stop, SafeEnd::DriveOff].map(ends), [7, 2, 10]);
+        assert_eq!([SafeEnd::Retract, SafeEnd::Stop, SafeEnd::DriveOff].map(ends), [7, 3, 10]);
         assert_eq!(Fault::FrozenReading.safe_end(), SafeEnd::DriveOff);
         assert_eq!(Fault::TravelLimit.safe_end(), SafeEnd::Retract);
     }

@@ -17,6 +17,8 @@ mod variables {
     const PER_SECOND_CUBED: Unit = Unit::si("1/s3", [0, 0, -3, 0, 0], &[]);
     /// Unit of the acceleration of the spindle.
     const RADIAN_PER_SECOND_SQUARED: Unit = Unit::si("rad/s2", [0, 0, -2, 0, 1], &[]);
+    /// Unit of the viscous friction.
+    const NEWTON_SECOND_PER_METRE: Unit = Unit::si("N.s/m", [1, 0, -1, 0, 0], &[]);
 
     /// What the controller is doing
     pub enum State {
@@ -36,6 +38,8 @@ mod variables {
         Done,
         /// Moves back and holds, or switches the drive off, whichever the fault asks for; a rising edge of `reset_fault` ends it
         Fault,
+        /// Measures its machine with small motions away from the workpiece, and comes back
+        Commission,
     }
     /// Why the controller is in the fault state
     pub enum Fault {
@@ -77,6 +81,8 @@ mod variables {
         #[hint("set the communication step of the importer to `sample_period`")] LongStep,
         /// The force guard found the contact: the detector was not armed yet, or had missed it, and the tool was deeper than it lets it
         #[hint("start farther from the workpiece, or choose a `detector` that sees this contact at this speed; look for vibration that hides it, and for readings that jump")] LateContact,
+        /// What the commission has measured is not sure enough, or not what this controller can hold
+        #[hint("allow more `commission.travel` or `commission.force`, look for vibration and friction, and check `stage.mass`, `stage.force_constant`, `stage.current_bandwidth` and `io_delay`")] CommissionRejected,
     }
     /// What detected the contact
     pub enum ContactSource {
@@ -136,6 +142,8 @@ mod variables {
         #[var(unit = RADIAN_PER_SECOND as "rpm", accepts_nan)] pub spindle_speed: f64,
         /// Rising edge after the first sample begins an approach from `Idle` or `Done`, once the stage is found and at rest; false ends one: decelerate, retract, `Done`
         pub enable: bool,
+        /// Rising edge after the first sample measures the machine from `Idle` or `Done`, once the stage is found and at rest; false, or a rising edge of `enable`, breaks off: decelerate, `Idle`
+        pub commission: bool,
         /// Rising edge ends a fault once the stage is at rest behind its retreat, or the drive is off and `position` is good
         pub reset_fault: bool,
     }
@@ -167,6 +175,48 @@ mod variables {
         #[var(unit = ONE, start = 1.0)] pub drive_share: f64,
         /// Numbers that are told with a fault.
         #[var(hidden, start = Numbers::START)] pub numbers: Numbers,
+        pub measured: Measured,
+    }
+    /// What the commission has measured, each with its standard deviation; 0 before
+    pub struct Measured {
+        /// The last commission came to its end, and its results are good; false from the next one on
+        pub valid: bool,
+        /// Thrust constant that goes with `stage.mass`: their ratio is what can be known
+        #[var(unit = NEWTON_PER_AMPERE)] pub force_constant: f64,
+        /// Its standard deviation
+        #[var(unit = NEWTON_PER_AMPERE)] pub force_constant_deviation: f64,
+        /// Samples between a command and its action, not rounded, without the current loop of `stage.current_bandwidth`
+        #[var(unit = ONE)] pub io_delay: f64,
+        /// Its standard deviation
+        #[var(unit = ONE)] pub io_delay_deviation: f64,
+        /// Viscous friction of a stage of `stage.mass`
+        #[var(unit = NEWTON_SECOND_PER_METRE)] pub damping: f64,
+        /// Its standard deviation
+        #[var(unit = NEWTON_SECOND_PER_METRE)] pub damping_deviation: f64,
+        /// Change of the force with the position around the commission: cogging, springs of cables and hoses
+        #[var(unit = NEWTON_PER_METRE)] pub stiffness: f64,
+        /// Its standard deviation
+        #[var(unit = NEWTON_PER_METRE)] pub stiffness_deviation: f64,
+        /// Noise of the position in motion, with quantisation
+        #[var(unit = METRE as "nm")] pub position_noise: f64,
+        /// Its standard deviation
+        #[var(unit = METRE as "nm")] pub position_noise_deviation: f64,
+        /// White part of the notched force in one sample
+        #[var(unit = NEWTON as "mN")] pub force_noise: f64,
+        /// Its standard deviation
+        #[var(unit = NEWTON as "mN")] pub force_noise_deviation: f64,
+        /// Random walk of the notched force in one sample
+        #[var(unit = NEWTON as "mN")] pub disturbance_walk: f64,
+        /// Its standard deviation
+        #[var(unit = NEWTON as "mN")] pub disturbance_walk_deviation: f64,
+        /// Standard deviation of the notched force over all strokes
+        #[var(unit = NEWTON as "mN")] pub force_sigma: f64,
+        /// Its standard deviation
+        #[var(unit = NEWTON as "mN")] pub force_sigma_deviation: f64,
+        /// Standard deviation of the slope at the approach speed
+        #[var(unit = NEWTON_PER_SECOND)] pub slope_sigma: f64,
+        /// Its standard deviation
+        #[var(unit = NEWTON_PER_SECOND)] pub slope_sigma_deviation: f64,
     }
     /// Chain of force estimates; positive when the workpiece pushes back
     pub struct ForceOutput {
@@ -226,6 +276,7 @@ mod variables {
         pub glr: Glr,
         pub approach: Approach,
         pub retract: Retract,
+        pub commission: Commission,
         /// Force change that stops the approach whatever the detector says; must exceed the cogging
         #[var(name = "guard.force", unit = NEWTON, range = 1e-3..=1e4, start = 0.4, source = "our choice: 1.3 um at 100 um/s")] pub guard_force: f64,
         /// Travel between first touch and detection; late but repeatable
@@ -358,5 +409,22 @@ mod variables {
         #[var(unit = METRE_PER_SECOND_SQUARED, range = 0.01..=50.0, start = 2.0, source = "our choice: 1 A of this stage")] pub deceleration: f64,
         /// Distance of the retract, at least the way until the detector is armed; 0: 1.2 times that way
         #[var(unit = METRE as "um", range = 0.0..=0.1, start = 0.0, source = "derived: 1.2 (v^2 / (2 a) + v (settle_time + learn.time)), so that the next approach is armed before it touches")] pub distance: f64,
+    }
+    /// Bounds of the state `Commission`, and what becomes of its results
+    pub struct Commission {
+        /// Farthest way back from where it begins; 0: what learning the noise at the approach speed takes, and a fifth more
+        #[var(unit = METRE as "um", range = 0.0..=0.1, start = 0.0, source = "derived: 1.2 (v^2 / a + v (settle_time + learn.time))")] pub travel: f64,
+        /// Largest force beside the one that holds the stage, at least `guard.force`; 0: that of the hardest braking, or half of the drive's
+        #[var(unit = NEWTON, range = 0.0..=1e6, start = 0.0, source = "derived: min(M_n a_stop, K_tn I_max / 2), at least guard.force")] pub force: f64,
+        /// Longest time; 0: what its motions take, a quarter more and 1 s
+        #[var(unit = SECOND, range = 0.0..=1e6, start = 0.0, source = "derived: 1.25 times the motions + 1 s")] pub time: f64,
+        /// Largest relative standard deviation of the thrust constant; above it is `CommissionRejected`
+        #[var(unit = ONE, range = 1e-6..=0.5, start = 0.02, source = "our choice: a hundredth of what the detector bears")] pub deviation_max: f64,
+        /// Largest standard deviation of the delay, samples; above it is `CommissionRejected`
+        #[var(unit = ONE, range = 1e-3..=2.0, start = 0.25, source = "our choice: two of them to the next half sample")] pub delay_deviation_max: f64,
+        /// Use what was measured in place of what was told
+        #[var(source = "our choice: first look, then trust")] pub apply: bool,
+        /// File that a good commission writes: JSON, the parameters that it derives; empty: none
+        pub export: String,
     }
 }

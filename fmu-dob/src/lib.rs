@@ -4,6 +4,7 @@
 #![forbid(unsafe_code)]
 
 mod check;
+mod commission;
 pub mod controller;
 mod detection;
 mod faults;
@@ -22,7 +23,7 @@ impl Model for Controller {
     // `longest_step` as measured: docs/communication-step.md
     const INFO: Info = Info {
         name: "DisturbanceObserverContactDetection",
-        state_version: 6,
+        state_version: 7,
         stop_time: 2.0,
         longest_step: 1.0,
         ..package!()
@@ -45,8 +46,14 @@ impl Model for Controller {
         self.begin_long_step();
     }
 
-    fn sample(&mut self, vars: &mut Vars, _: &mut Env) -> Result<(), Error> {
+    fn sample(&mut self, vars: &mut Vars, env: &mut Env) -> Result<(), Error> {
+        let before = vars.output.measured.valid;
+        self.bring_into_force(&mut vars.in_force);
         self.tick(&vars.input, &vars.in_force, &mut vars.output);
+        if vars.output.measured.valid && !before && !vars.in_force.commission.export.is_empty() {
+            // a machine does not stop because a file cannot be written
+            self.export(&vars.in_force).unwrap_or_else(|error| env.warn(error));
+        }
         Ok(())
     }
 }

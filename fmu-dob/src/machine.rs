@@ -13,7 +13,7 @@ impl State {
         self.approaching() || matches!(self, Self::Contact | Self::Retract)
     }
 
-    /// Whether an approach is asked for: by a rising edge of `enable` here, or by one `before` that still waits for a
+    /// Whether an approach, or likewise a commission, is asked for: by a rising edge of `enable` here, or by one `before` that still waits for a
     /// stage at rest.
     pub fn asked(self, before: bool, edge: bool, enabled: bool) -> bool {
         matches!(self, Self::Idle | Self::Done) && enabled && (before || edge)
@@ -25,6 +25,12 @@ impl State {
 pub struct Events {
     /// An approach is asked for, see [`State::asked`].
     pub begin: bool,
+    /// A commission is asked for, see [`State::asked`].
+    pub commission: bool,
+    /// The commission is to be broken off.
+    pub break_off: bool,
+    /// The commission has come to its end.
+    pub commissioned: bool,
     /// `enable` is set.
     pub enabled: bool,
     /// Rising edge of `reset_fault`.
@@ -45,13 +51,15 @@ pub struct Events {
 
 /// The state after `state` and `events`; a fault comes first, then contact, then `enable`.
 pub fn next(state: State, events: &Events) -> State {
-    use State::{Approach, Contact, Detect, Done, Fault, Idle, Learn, Retract};
+    use State::{Approach, Commission, Contact, Detect, Done, Fault, Idle, Learn, Retract};
     let touched = events.contact.is_some();
     match state {
         Fault if events.reset && events.restful && events.retreated && events.fault.is_none() => Idle,
         Fault => Fault,
         _ if events.fault.is_some() => Fault,
         Idle | Done if events.begin && events.restful => Approach,
+        Idle | Done if events.commission && events.restful => Commission,
+        Commission if events.break_off || events.commissioned => Idle,
         Approach | Learn | Detect if touched => Contact,
         Approach | Learn | Detect if !events.enabled => Retract,
         Approach if events.elapsed => Learn,
@@ -69,6 +77,9 @@ mod tests {
     /// Enabled, and nothing else.
     const QUIET: Events = Events {
         begin: false,
+        commission: false,
+        break_off: false,
+        commissioned: false,
         enabled: true,
         reset: false,
         restful: false,
@@ -111,11 +122,26 @@ mod tests {
     }
 
     #[test]
+    fn a_commission_begins_at_rest_and_ends_in_idle() {
+        let commission = Events { commission: true, restful: true, ..QUIET };
+        for &state in State::ALL {
+            let begins = matches!(state, State::Idle | State::Done);
+            assert_eq!(next(state, &commission), if begins { State::Commission } else { state });
+            assert_eq!(next(state, &Events { restful: false, ..commission }), state);
+        }
+        // who asks for both gets the approach
+        assert_eq!(next(State::Idle, &Events { begin: true, ..commission }), State::Approach);
+        for events in [Events { break_off: true, ..QUIET }, Events { commissioned: true, ..QUIET }] {
+            assert_eq!(next(State::Commission, &events), State::Idle);
+        }
+    }
+
+    #[test]
     fn a_job_lasts_from_the_approach_to_the_retract() {
         let at_work: Vec<bool> = State::ALL.iter().map(|state| state.at_work()).collect();
-        assert_eq!(at_work, [false, true, true, true, true, true, false, false]);
+        assert_eq!(at_work, [false, true, true, true, true, true, false, false, false]);
         let approaching: Vec<bool> = State::ALL.iter().map(|state| state.approaching()).collect();
-        assert_eq!(approaching, [false, true, true, true, false, false, false, false]);
+        assert_eq!(approaching, [false, true, true, true, false, false, false, false, false]);
     }
 
     #[test]
@@ -131,6 +157,9 @@ mod tests {
     fn a_fault_wins_everywhere() {
         let events = Events {
             begin: true,
+            commission: true,
+            break_off: true,
+            commissioned: true,
             enabled: false,
             reset: true,
             restful: true,

@@ -44,6 +44,8 @@ pub struct Expected {
     pub asked: f64,
     /// By how much the stage may be behind the reference, m.
     pub behind: f64,
+    /// How far besides it may be from it, m.
+    pub astray: f64,
     /// The spindle must be steady.
     pub steady_spindle: bool,
 }
@@ -59,6 +61,10 @@ pub struct Reading {
     pub enabled: bool,
     /// Rising edge of `enable`.
     pub begin: bool,
+    /// `commission` is set.
+    pub commission: bool,
+    /// Rising edge of `commission`.
+    pub begin_commission: bool,
     /// Rising edge of `reset_fault`.
     pub reset: bool,
     /// The position is there for the first time, or again after too long.
@@ -90,6 +96,7 @@ pub struct Reader {
     spindle_speed: JumpGuard,
     started: bool,
     enable: Edge,
+    commission: Edge,
     reset_fault: Edge,
 }
 
@@ -112,12 +119,15 @@ impl Reader {
         self.known |= position.is_some();
         let spindle_speed = self.spindle(p, if speed_good { input.spindle_speed } else { f64::NAN }, expected);
         let begin = self.enable.rises(input.enable) && self.started;
+        let begin_commission = self.commission.rises(input.commission) && self.started;
         self.started = true;
         Reading {
             position,
             spindle_speed,
             enabled: input.enable,
             begin,
+            commission: input.commission,
+            begin_commission,
             reset: self.reset_fault.rises(input.reset_fault),
             found,
             invalid: self.invalid.update(!speed_good),
@@ -147,7 +157,7 @@ impl Reader {
         }
         let unanswered = self.standing.unanswered();
         // a stage that was astray before may truly stand, and what has jumped may come by where it was
-        let with_it = |z: f64| (e.reference - z).abs() <= unanswered + e.behind + WITH_IT * p.limits.frozen;
+        let with_it = |z: f64| (e.reference - z).abs() <= unanswered + e.behind + e.astray + WITH_IT * p.limits.frozen;
         let stands = unanswered > p.limits.frozen + e.behind && !jumped && given.is_some_and(with_it);
         self.position.shift(e.motion);
         let expected = self.position;
@@ -188,8 +198,15 @@ mod tests {
     use super::*;
 
     const LOST: Input = Input { position_valid: false, ..Input::START };
-    const RESTING: Expected =
-        Expected { motion: 0.0, unforeseen: 0.0, reference: 0.0, asked: 0.0, behind: 0.0, steady_spindle: true };
+    const RESTING: Expected = Expected {
+        motion: 0.0,
+        unforeseen: 0.0,
+        reference: 0.0,
+        asked: 0.0,
+        behind: 0.0,
+        astray: 0.0,
+        steady_spindle: true,
+    };
     /// 10 nm in a sample
     const CRUISING: Expected = Expected { motion: 1e-8, reference: 1e-6, asked: 1e-8, ..RESTING };
 

@@ -57,6 +57,24 @@ fn a_disabled_job_with_integral_action() {
 }
 
 #[test]
+fn a_commission_that_is_applied() {
+    for detector in [DetectorKind::MultiSlope, DetectorKind::Glr] {
+        let mut p = Parameters { detector, ..Parameters::START };
+        p.commission.apply = true;
+        let mut run = Loop::new(&p, 54, NO_WORKPIECE);
+        assert_no_alloc(|| {
+            (0..200).for_each(|_| run.step_with(|input| input.enable = false));
+            while !run.output.measured.valid && run.output.fault == Fault::None {
+                run.step_with(|input| (input.enable, input.commission) = (false, true));
+            }
+        });
+        assert!(run.output.measured.valid, "{:?}", run.output);
+        run.step_with(|input| (input.enable, input.commission) = (false, true));
+        assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::None));
+    }
+}
+
+#[test]
 fn every_fault_and_its_reset() {
     let p = Parameters::START;
     let (mut short, mut strict, mut weak) = (p.clone(), p.clone(), p.clone());

@@ -3,6 +3,5 @@
 pub mod calibrator;
 pub mod cut;
 pub mod flats;
-pub mod least_squares;
 pub mod store;
 pub mod toroid;

@@ -2,6 +2,7 @@
 
 use control_blocks::ticks;
 
+use crate::commission::plan::{self, Plan};
 use crate::controller::Controller;
 use crate::detection::detector::Detector;
 use crate::faults::{self, Symptoms};
@@ -45,20 +46,42 @@ impl Controller {
             unforeseen: if known { unforeseen * self.observer.leverage(dt) } else { f64::INFINITY },
             reference: self.motion.reference.position,
             asked: self.motion.asked,
-            behind: if steady { 0.0 } else { self.motion.late(p) },
-            steady_spindle: self.state.approaching(),
+            behind: if steady { 0.0 } else { self.motion.late(p) + self.mistaken(Plan::unanswered) },
+            astray: self.mistaken(Plan::astray),
+            steady_spindle: self.steady_spindle(),
         }
+    }
+
+    /// What the plan of the excitation allows a stage that is not what was told; 0 at any other time.
+    fn mistaken(&self, allowed: impl Fn(&Plan) -> f64) -> f64 {
+        let experiment = &self.commissioner.experiment;
+        if self.state == State::Commission && experiment.exciting() { allowed(&experiment.plan) } else { 0.0 }
+    }
+
+    /// Whether the spindle must be steady now.
+    fn steady_spindle(&self) -> bool {
+        self.state.approaching() || self.state == State::Commission
+    }
+
+    /// Whether the disturbance is beyond what the machine can have, and in a commission beyond its force and the guard's beside the
+    /// one that holds the stage.
+    fn overloaded(&self, p: &Parameters) -> bool {
+        let disturbance = self.force.disturbance;
+        let excess = (disturbance - self.commissioner.held()).abs();
+        disturbance.abs() > faults::disturbance_limit(p)
+            || self.state == State::Commission && excess > plan::force(p) + p.guard_force
     }
 
     /// Monitors of the drive, of a stage at rest and of the job; what a lost position would say is no news.
     pub(super) fn watch(&mut self, p: &Parameters, reading: &Reading) {
         let watching = !self.off();
+        let following = faults::following_limit(p) + self.motion.late(p) + self.mistaken(Plan::astray);
+        let overloaded = self.overloaded(p);
         let monitors = &mut self.monitors;
         if let Some(position) = reading.position {
             let error = self.motion.reference.position - position;
-            monitors.astray.update(watching && error.abs() > faults::following_limit(p) + self.motion.late(p));
-            let disturbance = self.force.disturbance.abs();
-            monitors.overloaded.update(watching && disturbance > faults::disturbance_limit(p));
+            monitors.astray.update(watching && error.abs() > following);
+            monitors.overloaded.update(watching && overloaded);
             if watching && self.motion.at_rest() {
                 monitors.standing = monitors.rest.update(p, position);
             } else {
@@ -69,7 +92,7 @@ impl Controller {
                 monitors.relief.update(p, self.force.notched);
             }
         }
-        if self.state.at_work() {
+        if self.state.at_work() || self.state == State::Commission {
             monitors.job.count();
         }
     }
@@ -83,7 +106,7 @@ impl Controller {
             reading,
             long_step: self.long_step,
             standing: monitors.standing,
-            steady_spindle: state.approaching(),
+            steady_spindle: self.steady_spindle(),
             limited: self.amplifier.limited(),
             reversals: self.amplifier.reversals(),
             astray: monitors.astray.count(),
@@ -95,7 +118,11 @@ impl Controller {
             learning: learning && self.ticks > ticks(learn_limit(p), p.sample_period),
             force_left: (retracted && self.contact.is_some()).then(|| self.force_left()),
             guarded: retracted && self.contact.is_some_and(|contact| contact.source == ContactSource::ForceGuard),
-            late: state.at_work() && late(p, &self.motion.approach, monitors.job.samples()),
+            rejected: state == State::Commission && self.commissioner.rejected,
+            late: match state {
+                State::Commission => monitors.job.samples() as f64 * p.sample_period > plan::time(p),
+                _ => state.at_work() && late(p, &self.motion.approach, monitors.job.samples()),
+            },
         };
         faults::find(p, &symptoms)
     }

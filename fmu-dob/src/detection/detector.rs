@@ -121,6 +121,15 @@ impl Detector {
         }
     }
 
+    /// Takes other values of the noise, of the stage and of the delay.
+    pub fn renew(&mut self, p: &Parameters) {
+        match &mut self.method {
+            Method::Cusum(inner) => inner.0 = Innovation::new(p),
+            Method::Glr(inner) => inner.0 = Innovation::new(p),
+            Method::Raw(_) | Method::Deviation(_) | Method::Slope | Method::MultiSlope(_) => {}
+        }
+    }
+
     /// Takes one sample; the force signals of a sample without position are not used.
     pub fn update(&mut self, p: &Parameters, sample: &Sample) {
         match &mut self.method {

@@ -49,6 +49,19 @@ impl DisturbanceObserver {
         }
     }
 
+    /// The observer of another nominal stage: at the same place, with what the present current now means as a force.
+    pub fn renewed(&self, p: &Parameters) -> Self {
+        let new = Self::new(p);
+        let force = self.force() * new.force_constant / self.force_constant;
+        let force_filter = force + new.momentum_gain * self.velocity;
+        Self { position_filter: self.position_filter, force_filter, velocity: self.velocity, ..new }
+    }
+
+    /// Nominal thrust constant, N/A.
+    pub fn force_constant(&self) -> f64 {
+        self.force_constant
+    }
+
     /// The same with what it remembers: filtered position (m) and filtered force (N).
     pub fn with_memory(&self, [position_filter, force_filter]: [f64; 2]) -> Self {
         Self { position_filter, force_filter, ..self.clone() }

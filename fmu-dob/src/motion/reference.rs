@@ -68,6 +68,12 @@ impl Motion {
         self.asked = self.reference.position - before;
     }
 
+    /// Takes the reference of this sample from elsewhere.
+    pub fn follow(&mut self, reference: Trajectory) {
+        self.asked = reference.position - self.reference.position;
+        self.reference = reference;
+    }
+
     /// How far (m) the stage may be behind the reference, because the current acts late: v (1 + io_delay) T_s.
     pub fn late(&self, p: &Parameters) -> f64 {
         self.reference.velocity.abs() * (1.0 + f64::from(p.io_delay)) * p.sample_period

@@ -3,14 +3,14 @@
 use control_blocks::{Consecutive, Reversals, SentCommands, Trajectory, ticks};
 use serde::{Deserialize, Serialize};
 
-use crate::interface::Parameters;
+use crate::interface::{Parameters, Servo};
 
 /// Commanded acceleration (m/s2): reference acceleration and PD control of position and velocity.
-pub fn acceleration(p: &Parameters, reference: &Trajectory, position: f64, velocity: f64) -> f64 {
-    let omega = p.servo.bandwidth;
+pub fn acceleration(servo: &Servo, reference: &Trajectory, position: f64, velocity: f64) -> f64 {
+    let omega = servo.bandwidth;
     reference.acceleration
         + omega * omega * (reference.position - position)
-        + 2.0 * p.servo.damping * omega * (reference.velocity - velocity)
+        + 2.0 * servo.damping * omega * (reference.velocity - velocity)
 }
 
 /// Two changes of the current from limit to limit belong together within this time, s: an unstable loop swings faster.
@@ -40,6 +40,11 @@ impl Integrator {
             self.acceleration += p.servo.integral_gain * error * p.sample_period;
         }
         self.acceleration
+    }
+
+    /// The same force from a drive with another thrust constant: `ratio` is the new one over the one before.
+    pub fn scale(&mut self, ratio: f64) {
+        self.acceleration *= ratio;
     }
 }
 
@@ -106,7 +111,7 @@ mod tests {
         (p.servo.bandwidth, p.servo.damping) = (100.0, 0.7);
         let reference = Trajectory { position: 1e-6, velocity: 1e-4, acceleration: 0.05 };
         // 1e4 * 0.4 um and 140 * 20 um/s
-        let a = acceleration(&p, &reference, 0.6e-6, 8e-5);
+        let a = acceleration(&p.servo, &reference, 0.6e-6, 8e-5);
         assert!((a - (0.05 + 4e-3 + 2.8e-3)).abs() < 1e-12, "{a}");
     }
 

@@ -20,27 +20,39 @@ const DELAY_MARGIN: usize = 1;
 const OWN: usize = 6;
 /// Steps of the stage in a sample.
 const SUBSTEPS: u32 = 8;
+
 /// Largest absolute value of the eigenvalues of a sample, with the margins.
 pub fn spectral_radius(p: &Parameters) -> f64 {
-    let order = OWN + p.io_delay as usize + DELAY_MARGIN + 1;
+    radius(p, GAIN_MARGIN, p.io_delay as usize + DELAY_MARGIN)
+}
+
+/// Longest delay (samples) up to `most` that the loop can be told and keep the margins, for it keeps them as it is told.
+pub fn longest_delay(p: &Parameters, most: usize) -> i32 {
+    let stable = |io_delay: &i32| spectral_radius(&Parameters { io_delay: *io_delay, ..p.clone() }) < 1.0;
+    (p.io_delay + 1..=most.min(DELAY_MAX) as i32).take_while(stable).last().unwrap_or(p.io_delay)
+}
+
+/// The same of a drive `gain` times as strong as told that acts `delay` samples late, not less than told.
+pub fn radius(p: &Parameters, gain: f64, delay: usize) -> f64 {
+    let order = OWN + delay + 1;
     let observer = DisturbanceObserver::new(p);
     let mut matrix = DMatrix::zeros(order, order);
     for i in 0..order {
         let mut x = [0.0; OWN + DELAY_MAX + DELAY_MARGIN + 1];
         x[i] = 1.0;
-        sample(p, &observer, &mut x[..order]);
+        sample(p, &observer, gain, &mut x[..order]);
         (0..order).for_each(|row| matrix[(row, i)] = x[row]);
     }
     matrix.complex_eigenvalues().iter().map(|z| z.norm()).fold(0.0, f64::max)
 }
 
 /// One sample of the loop: read, act, move.
-fn sample(p: &Parameters, observer: &DisturbanceObserver, x: &mut [f64]) {
+fn sample(p: &Parameters, observer: &DisturbanceObserver, gain: f64, x: &mut [f64]) {
     let mut observer = observer.with_memory([x[3], x[4]]);
     let told = x[OWN + p.io_delay as usize];
     observer.update(x[0], told);
     [x[3], x[4]] = observer.memory();
-    let mut force = p.stage.mass * servo::acceleration(p, &Trajectory::default(), x[0], observer.velocity());
+    let mut force = p.stage.mass * servo::acceleration(&p.servo, &Trajectory::default(), x[0], observer.velocity());
     if p.servo.disturbance_compensation {
         force += observer.force();
     }
@@ -58,7 +70,7 @@ fn sample(p: &Parameters, observer: &DisturbanceObserver, x: &mut [f64]) {
     let lag = (-p.stage.current_bandwidth * dt).exp();
     for _ in 0..SUBSTEPS {
         x[2] = acting + (x[2] - acting) * lag;
-        let acceleration = GAIN_MARGIN * p.stage.force_constant * x[2] / p.stage.mass;
+        let acceleration = gain * p.stage.force_constant * x[2] / p.stage.mass;
         x[0] += x[1] * dt + 0.5 * acceleration * dt * dt;
         x[1] += acceleration * dt;
     }
@@ -108,7 +120,7 @@ mod tests {
         let mut x = [0.0; OWN + 3];
         // 0.1 A that acts next
         x[OWN + 1] = 0.1;
-        sample(&p, &DisturbanceObserver::new(&p), &mut x);
+        sample(&p, &DisturbanceObserver::new(&p), GAIN_MARGIN, &mut x);
         let (a, t) = (1.3 * 20.0 * 0.1 / 10.0, 1e-4);
         assert!((x[1] / (a * t) - 1.0).abs() < 1e-5 && (x[0] / (0.5 * a * t * t) - 1.0).abs() < 1e-5, "{x:?}");
     }
@@ -122,7 +134,7 @@ mod tests {
         let mut largest = || {
             (0..400)
                 .map(|_| {
-                    sample(&p, &observer, &mut x);
+                    sample(&p, &observer, GAIN_MARGIN, &mut x);
                     x[0].abs()
                 })
                 .fold(0.0, f64::max)
@@ -149,7 +161,7 @@ mod tests {
         let p = Parameters::START;
         let mut x = [0.0; OWN + 3];
         x[OWN + 1] = 0.1;
-        sample(&p, &DisturbanceObserver::new(&p), &mut x);
+        sample(&p, &DisturbanceObserver::new(&p), GAIN_MARGIN, &mut x);
         let current = 0.1 * (1.0 - (-p.stage.current_bandwidth * p.sample_period).exp());
         assert!((x[2] / current - 1.0).abs() < 1e-9, "{} {current}", x[2]);
     }

@@ -24,6 +24,24 @@ pub fn finite(o: &Output) -> bool {
         o.reference.velocity,
         o.tracking_error,
         o.drive_share,
+        o.measured.force_constant,
+        o.measured.force_constant_deviation,
+        o.measured.io_delay,
+        o.measured.io_delay_deviation,
+        o.measured.damping,
+        o.measured.damping_deviation,
+        o.measured.stiffness,
+        o.measured.stiffness_deviation,
+        o.measured.position_noise,
+        o.measured.position_noise_deviation,
+        o.measured.force_noise,
+        o.measured.force_noise_deviation,
+        o.measured.disturbance_walk,
+        o.measured.disturbance_walk_deviation,
+        o.measured.force_sigma,
+        o.measured.force_sigma_deviation,
+        o.measured.slope_sigma,
+        o.measured.slope_sigma_deviation,
     ];
     reals.iter().all(|x| x.is_finite())
 }
@@ -45,6 +63,7 @@ fn the_outputs_stay_finite_and_limited() {
             spindle_speed,
             position_valid: calm || random.random_bool(0.7),
             enable: !calm || random.random_bool(0.999),
+            commission: calm || random.random_bool(0.99),
             reset_fault: random.random_bool(0.01),
         };
         controller.tick(&input, &p, &mut output);

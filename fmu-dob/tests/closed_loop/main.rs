@@ -1,5 +1,6 @@
 //! The controller in closed loop with a slide: tracking, detection, noise, faults, the paper's law, state bytes.
 
+mod commission;
 mod detection;
 mod faults;
 mod guard;

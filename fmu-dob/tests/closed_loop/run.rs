@@ -54,6 +54,7 @@ impl Loop {
             ..Input::START
         };
         change(&mut input);
+        self.controller.bring_into_force(&mut self.parameters);
         self.controller.tick(&input, &self.parameters, &mut self.output);
         self.slide.advance(self.output.current);
         self.steps += 1;

@@ -5,6 +5,7 @@
 
 use std::f64::consts::{PI, TAU};
 
+use control_blocks::SentCommands;
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal, Uniform};
 use rand_pcg::Pcg64Mcg;
@@ -43,7 +44,7 @@ pub struct Slide {
     position: f64,
     velocity: f64,
     current: f64,
-    pending: f64,
+    sent: SentCommands,
     angle: f64,
     residual: f64,
     balancer: f64,
@@ -60,6 +61,12 @@ pub struct Slide {
     pub strength: f64,
     /// Stiffness of the work at each flute, N/m.
     pub stiffness: f64,
+    /// Moving mass, kg.
+    pub mass: f64,
+    /// Samples between a command and its action.
+    pub delay: usize,
+    /// Noise of encoder, amplifier, air and balancer, over the usual one.
+    pub noise: f64,
 }
 
 impl Slide {
@@ -74,7 +81,7 @@ impl Slide {
             position: 0.0,
             velocity: 0.0,
             current: 0.0,
-            pending: 0.0,
+            sent: SentCommands::default(),
             angle,
             residual,
             balancer: 0.0,
@@ -85,12 +92,15 @@ impl Slide {
             contact_force: 0.0,
             stiffness: STIFFNESS,
             strength: 1.0,
+            mass: MASS,
+            delay: 1,
+            noise: 1.0,
         }
     }
 
     /// What the encoder says, m.
     pub fn encoder(&mut self) -> f64 {
-        let noisy = self.position + ENCODER_NOISE * self.normal();
+        let noisy = self.position + self.noise * ENCODER_NOISE * self.normal();
         (noisy / ENCODER_STEP).round() * ENCODER_STEP
     }
 
@@ -99,12 +109,12 @@ impl Slide {
         self.position
     }
 
-    /// One communication step; the command (A) acts from the next step on.
+    /// One communication step; the command (A) acts `delay` steps later.
     pub fn advance(&mut self, command: f64) {
-        let sent = std::mem::replace(&mut self.pending, command);
-        let sent = sent + AMPLIFIER_NOISE * self.normal();
-        self.balancer = coloured(self.balancer, BALANCER_SIGMA, 1.0 / BALANCER_TIME, self.normal());
-        self.air = coloured(self.air, AIR_SIGMA, AIR_BANDWIDTH, self.normal());
+        self.sent.send(command);
+        let sent = self.sent.before(self.delay) + self.noise * AMPLIFIER_NOISE * self.normal();
+        self.balancer = coloured(self.balancer, self.noise * BALANCER_SIGMA, 1.0 / BALANCER_TIME, self.normal());
+        self.air = coloured(self.air, self.noise * AIR_SIGMA, AIR_BANDWIDTH, self.normal());
         for _ in 0..SUBSTEPS {
             self.substep(sent);
         }
@@ -119,7 +129,7 @@ impl Slide {
         let disturbance = self.residual + self.balancer + self.air + cogging + spindle + self.push;
         self.contact_force = self.flute(0.0, 0.0) + self.flute(SECOND_FLUTE, PI);
         let force = motor - DAMPING * self.velocity - disturbance - self.contact_force;
-        self.velocity += DT * force / MASS;
+        self.velocity += DT * force / self.mass;
         self.position += DT * self.velocity;
         self.angle = (self.angle + SPINDLE_SPEED * DT) % TAU;
         self.depth = self.depth.max(self.position - self.surface);

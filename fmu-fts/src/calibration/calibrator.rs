@@ -4,12 +4,11 @@
 //! first at its rising edge and more while it stays set and the probe moves on; `calibration.solve` fits them. All readings
 //! on one flat are averaged: cut and read the same stretch of it, and the arm may wander meanwhile.
 
-use control_blocks::Edge;
+use control_blocks::{Edge, NoEstimate};
 use serde::{Deserialize, Serialize};
 
 use crate::calibration::cut::{Cut, Moment};
 use crate::calibration::flats::{self, ArmEstimate, Flat, FlatAccuracy};
-use crate::calibration::least_squares::Failure;
 use crate::calibration::store::Store;
 use crate::calibration::toroid::{self, ProbeAccuracy, ProbePoint};
 use crate::interface::{CalibrationOutput, Input, Mode, Parameters, Status};
@@ -178,25 +177,25 @@ impl Calibrator {
         }
     }
 
-    fn fit(&mut self, p: &Parameters) -> Result<(), Failure> {
+    fn fit(&mut self, p: &Parameters) -> Result<(), NoEstimate> {
         match self.mode {
             Mode::CalibrateFlats => self.fit_flats(p),
             _ => self.fit_toroid(p),
         }
     }
 
-    fn fit_flats(&mut self, p: &Parameters) -> Result<(), Failure> {
+    fn fit_flats(&mut self, p: &Parameters) -> Result<(), NoEstimate> {
         let accuracy = FlatAccuracy { depth: p.probe.depth_sigma, arm_angle: p.calibration.arm_angle_sigma };
         let (arm, residual) = flats::fit(self.flats.samples(), &self.record.arm, &accuracy)?;
         (self.record.arm, self.residual) = (arm, residual);
         Ok(())
     }
 
-    fn fit_toroid(&mut self, p: &Parameters) -> Result<(), Failure> {
+    fn fit_toroid(&mut self, p: &Parameters) -> Result<(), NoEstimate> {
         let accuracy =
             ProbeAccuracy { depth: p.probe.depth_sigma, lateral: p.probe.lateral_sigma, cusp: p.probe.cusp_sigma };
         let arc = toroid::fit(self.points.samples(), &accuracy)?;
-        let cut = self.cut.mean().ok_or(Failure::TooFew)?;
+        let cut = self.cut.mean().ok_or(NoEstimate::TooFew)?;
         let (tool, i) = (&p.tool, p.tool.index());
         let arm = &mut self.record.arm;
         arm.length = arc.radius - tool.nose_radius[i] + p.probe.radius;
@@ -209,12 +208,12 @@ impl Calibrator {
     }
 }
 
-impl From<Failure> for Status {
-    fn from(failure: Failure) -> Self {
+impl From<NoEstimate> for Status {
+    fn from(failure: NoEstimate) -> Self {
         match failure {
-            Failure::TooFew => Self::TooFewSamples,
-            Failure::NotObservable => Self::NotObservable,
-            Failure::NotConverged => Self::NotConverged,
+            NoEstimate::TooFew => Self::TooFewSamples,
+            NoEstimate::NotObservable => Self::NotObservable,
+            NoEstimate::NotConverged => Self::NotConverged,
         }
     }
 }

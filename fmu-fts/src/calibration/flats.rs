@@ -4,10 +4,9 @@
 //! arm length of the toroid enters with its standard deviation: taken as exact it would spoil b_0 by
 //! (dR_a / R_a) cot(b_0 + b), which is without limit where the arm stands square to the spindle.
 
+use control_blocks::{NoEstimate, Observation, least_squares};
 use nalgebra::SVector;
 use serde::{Deserialize, Serialize};
-
-use crate::calibration::least_squares::{Failure, Observation, estimate};
 
 /// One flat.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -48,12 +47,12 @@ type ArmUnknowns = SVector<f64, 3>;
 ///
 /// # Errors
 /// Says why there is no estimate.
-pub fn fit(flats: &[Flat], known: &ArmEstimate, accuracy: &FlatAccuracy) -> Result<(ArmEstimate, f64), Failure> {
+pub fn fit(flats: &[Flat], known: &ArmEstimate, accuracy: &FlatAccuracy) -> Result<(ArmEstimate, f64), NoEstimate> {
     if flats.is_empty() {
-        return Err(Failure::TooFew);
+        return Err(NoEstimate::TooFew);
     }
     let start = start(flats, known);
-    let found = estimate(start, flats.len() + 1, |i, value| match flats.get(i) {
+    let found = least_squares(start, flats.len() + 1, |i, value| match flats.get(i) {
         Some(flat) => observe(flat, accuracy, value),
         // the arm length of the toroid
         None => Observation {
@@ -213,8 +212,8 @@ mod tests {
 
     #[test]
     fn too_few_or_equal_flats_are_refused() {
-        assert_eq!(fit(&flats(30.0, 60.0, 2), &KNOWN, &ACCURACY), Err(Failure::TooFew));
-        assert_eq!(fit(&[Flat { arm_angle: 0.7, depth: 0.07 }; 9], &KNOWN, &ACCURACY), Err(Failure::NotObservable));
+        assert_eq!(fit(&flats(30.0, 60.0, 2), &KNOWN, &ACCURACY), Err(NoEstimate::TooFew));
+        assert_eq!(fit(&[Flat { arm_angle: 0.7, depth: 0.07 }; 9], &KNOWN, &ACCURACY), Err(NoEstimate::NotObservable));
         let mut random = Pcg64Mcg::seed_from_u64(1);
         let nonsense: Vec<_> = (0..20).map(|_| Flat { arm_angle: random.random(), depth: f64::NAN }).collect();
         assert!(fit(&nonsense, &KNOWN, &ACCURACY).is_err());

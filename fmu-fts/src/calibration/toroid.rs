@@ -5,10 +5,9 @@
 //! where l counts from the cusp on the spindle axis, and x_0 = R_c + x_F. The arc is fitted with orthogonal distances:
 //! depth residuals would be wrong on its flanks.
 
+use control_blocks::{NoEstimate, Observation, least_squares};
 use nalgebra::{Matrix3, SVector, Vector3};
 use serde::{Deserialize, Serialize};
-
-use crate::calibration::least_squares::{Failure, Observation, estimate};
 
 /// One reading of the probe on the toroid.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -52,9 +51,9 @@ type ArcUnknowns = SVector<f64, 4>;
 ///
 /// # Errors
 /// Says why there is no arc.
-pub fn fit(points: &[ProbePoint], accuracy: &ProbeAccuracy) -> Result<Arc, Failure> {
+pub fn fit(points: &[ProbePoint], accuracy: &ProbeAccuracy) -> Result<Arc, NoEstimate> {
     let start = start(points)?;
-    let found = estimate(start, points.len() + 1, |i, value| match points.get(i) {
+    let found = least_squares(start, points.len() + 1, |i, value| match points.get(i) {
         Some(point) => observe(point, accuracy, value),
         // what is known of the cusp beforehand
         None => Observation {
@@ -97,7 +96,7 @@ fn observe(point: &ProbePoint, accuracy: &ProbeAccuracy, value: &ArcUnknowns) ->
 }
 
 /// Circle of Kasa: abs(l)^2 + p^2 + d abs(l) + e p + f = 0 is linear in d, e and f.
-fn start(points: &[ProbePoint]) -> Result<ArcUnknowns, Failure> {
+fn start(points: &[ProbePoint]) -> Result<ArcUnknowns, NoEstimate> {
     let n = points.len() as f64;
     let (mut lateral, mut depth) = (0.0, 0.0);
     for point in points {
@@ -111,11 +110,11 @@ fn start(points: &[ProbePoint]) -> Result<ArcUnknowns, Failure> {
         matrix += row * row.transpose();
         right -= row * (row.x * row.x + row.y * row.y);
     }
-    let solution = matrix.lu().solve(&right).ok_or(Failure::NotObservable)?;
+    let solution = matrix.lu().solve(&right).ok_or(NoEstimate::NotObservable)?;
     let (across, deep) = (-0.5 * solution.x, -0.5 * solution.y);
     let square = across * across + deep * deep - solution.z;
     let start = SVector::from([0.0, lateral + across, depth + deep, square.sqrt()]);
-    if start.iter().all(|s| s.is_finite()) { Ok(start) } else { Err(Failure::NotObservable) }
+    if start.iter().all(|s| s.is_finite()) { Ok(start) } else { Err(NoEstimate::NotObservable) }
 }
 
 #[cfg(test)]
@@ -229,9 +228,9 @@ mod tests {
 
     #[test]
     fn what_is_no_arc_is_refused() {
-        assert_eq!(fit(&[], &ACCURACY), Err(Failure::NotObservable));
-        assert_eq!(fit(&arc(30.0, 60.0, 3), &ACCURACY), Err(Failure::TooFew));
+        assert_eq!(fit(&[], &ACCURACY), Err(NoEstimate::NotObservable));
+        assert_eq!(fit(&arc(30.0, 60.0, 3), &ACCURACY), Err(NoEstimate::TooFew));
         let flat: Vec<_> = (0..50).map(|i| ProbePoint { lateral: 0.02 + 1e-4 * f64::from(i), depth: 1e-3 }).collect();
-        assert_eq!(fit(&flat, &ACCURACY), Err(Failure::NotObservable));
+        assert_eq!(fit(&flat, &ACCURACY), Err(NoEstimate::NotObservable));
     }
 }

@@ -28,7 +28,7 @@ pub struct Estimate<const N: usize> {
 
 /// Why there is no estimate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Failure {
+pub enum NoEstimate {
     /// Fewer observations than parameters and one.
     TooFew,
     /// The observations do not tell the parameters apart.
@@ -49,18 +49,18 @@ struct Normal<const N: usize> {
 ///
 /// # Errors
 /// Says why there is no estimate.
-pub fn estimate<const N: usize>(
+pub fn least_squares<const N: usize>(
     start: SVector<f64, N>,
     count: usize,
     observe: impl Fn(usize, &SVector<f64, N>) -> Observation<N>,
-) -> Result<Estimate<N>, Failure> {
+) -> Result<Estimate<N>, NoEstimate> {
     if count <= N {
-        return Err(Failure::TooFew);
+        return Err(NoEstimate::TooFew);
     }
     let normal = |value: &SVector<f64, N>| Normal::sum((0..count).map(|i| observe(i, value)));
     let (mut value, mut now, mut damping) = (start, normal(&start), 1e-3);
     for _ in 0..STEPS_MAX {
-        let step = now.step(damping).ok_or(Failure::NotObservable)?;
+        let step = now.step(damping).ok_or(NoEstimate::NotObservable)?;
         let next = normal(&(value - step));
         // a step against rounding alone is an end, too
         let length = (step.dot(&(now.information * step))).sqrt();
@@ -73,7 +73,7 @@ pub fn estimate<const N: usize>(
             return now.conclude(value, count);
         }
     }
-    Err(Failure::NotConverged)
+    Err(NoEstimate::NotConverged)
 }
 
 impl<const N: usize> Normal<N> {
@@ -97,15 +97,15 @@ impl<const N: usize> Normal<N> {
         step.iter().all(|s| s.is_finite()).then_some(step)
     }
 
-    fn conclude(&self, value: SVector<f64, N>, count: usize) -> Result<Estimate<N>, Failure> {
+    fn conclude(&self, value: SVector<f64, N>, count: usize) -> Result<Estimate<N>, NoEstimate> {
         // parameters in units in which each alone has the information 1
         let unit = self.information.diagonal().map(f64::sqrt);
         let scaled = self.information.component_div(&(unit * unit.transpose()));
-        let factor = scaled.cholesky().ok_or(Failure::NotObservable)?;
+        let factor = scaled.cholesky().ok_or(NoEstimate::NotObservable)?;
         let inverse = factor.inverse();
         let observable = inverse.diagonal().iter().all(|i| *i < INFORMATION_MIN.recip());
         if !observable || !self.cost.is_finite() {
-            return Err(Failure::NotObservable);
+            return Err(NoEstimate::NotObservable);
         }
         // residuals larger than the standard deviations say that those were too small
         let excess = f64::max(1.0, self.cost / (count - N) as f64);
@@ -131,8 +131,8 @@ mod tests {
         Observation { residual: (value[0] * shape - y) / sigma, gradient }
     }
 
-    fn line(x: &[f64], y: &[f64], sigma: f64) -> Result<Estimate<2>, Failure> {
-        estimate(SVector::from([0.0, 0.0]), x.len(), |i, value| Observation {
+    fn line(x: &[f64], y: &[f64], sigma: f64) -> Result<Estimate<2>, NoEstimate> {
+        least_squares(SVector::from([0.0, 0.0]), x.len(), |i, value| Observation {
             residual: (value[0] + value[1] * x[i] - y[i]) / sigma,
             gradient: SVector::from([1.0, x[i]]) / sigma,
         })
@@ -142,7 +142,7 @@ mod tests {
     fn finds_the_parameters_of_a_decay_without_noise() {
         let y = |t: f64| 3.0 * (-0.7 * t).exp();
         let observe = |i: usize, value: &SVector<f64, 2>| decay(i as f64 * 0.1, y(i as f64 * 0.1), 0.01, value);
-        let found = estimate(SVector::from([1.0, 0.1]), 50, observe).unwrap();
+        let found = least_squares(SVector::from([1.0, 0.1]), 50, observe).unwrap();
         assert!((found.value - SVector::from([3.0, 0.7])).norm() < 1e-7, "{}", found.value);
     }
 
@@ -184,8 +184,8 @@ mod tests {
 
     #[test]
     fn what_cannot_be_told_is_refused() {
-        assert_eq!(line(&[0.0, 1.0], &[0.0, 1.0], 0.1), Err(Failure::TooFew));
-        assert_eq!(line(&[2.0; 5], &[1.0; 5], 0.1), Err(Failure::NotObservable));
-        assert_eq!(line(&[f64::NAN; 5], &[1.0; 5], 0.1), Err(Failure::NotObservable));
+        assert_eq!(line(&[0.0, 1.0], &[0.0, 1.0], 0.1), Err(NoEstimate::TooFew));
+        assert_eq!(line(&[2.0; 5], &[1.0; 5], 0.1), Err(NoEstimate::NotObservable));
+        assert_eq!(line(&[f64::NAN; 5], &[1.0; 5], 0.1), Err(NoEstimate::NotObservable));
     }
 }

@@ -1,0 +1,99 @@
+//! Allan variance: how much of a noise is white, and how much wanders.
+//!
+//! With the means m_j of blocks of n samples that follow each other the Allan variance is the mean of (m_(j+1) - m_j)^2 / 2. Of
+//! white noise with the deviation r it is r^2 / n; of a random walk with steps of the deviation q it is q^2 (2 n^2 + 1) / (6 n),
+//! since the difference of two blocks weighs the steps with a triangle. A short and a long block tell both.
+
+use serde::{Deserialize, Serialize};
+
+/// Allan variance at one block length; by default of nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct AllanVariance {
+    samples: u32,
+    sum: f64,
+    before: Option<f64>,
+    squares: f64,
+    pairs: f64,
+}
+
+impl AllanVariance {
+    /// Takes one sample; `length` is that of the blocks, samples.
+    pub fn push(&mut self, length: u32, x: f64) {
+        self.samples += 1;
+        self.sum += x;
+        if self.samples >= length.max(1) {
+            let mean = self.sum / f64::from(self.samples);
+            if let Some(before) = self.before.replace(mean) {
+                self.squares += 0.5 * (mean - before).powi(2);
+                self.pairs += 1.0;
+            }
+            (self.samples, self.sum) = (0, 0.0);
+        }
+    }
+
+    /// The variance, 0 without two blocks.
+    pub fn variance(&self) -> f64 {
+        self.squares / self.pairs.max(1.0)
+    }
+}
+
+/// Variances (walk q^2 of a step, white r^2 of a sample) that make the Allan variances `short` and `long` at blocks of the
+/// lengths `short.0` < `long.0`; never negative.
+pub fn walk_and_white(short: (u32, f64), long: (u32, f64)) -> (f64, f64) {
+    let walk = |n: u32| (2.0 * f64::from(n).powi(2) + 1.0) / (6.0 * f64::from(n));
+    let (n, m) = (f64::from(short.0), f64::from(long.0));
+    // n A(n) = r^2 + q^2 n walk(n)
+    let slope = m * walk(long.0) - n * walk(short.0);
+    let step = ((m * long.1 - n * short.1) / slope).max(0.0);
+    (step, (n * short.1 - step * n * walk(short.0)).max(0.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Uniform noise of the variance 1/3 from a linear congruence.
+    fn noise(seed: &mut u64) -> f64 {
+        *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (*seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+
+    fn variances(walk: f64, white: f64) -> (f64, f64) {
+        let (mut seed, mut place) = (7, 0.0);
+        let (mut short, mut long) = (AllanVariance::default(), AllanVariance::default());
+        for _ in 0..2_000_000 {
+            place += walk * noise(&mut seed);
+            let x = place + white * noise(&mut seed);
+            short.push(100, x);
+            long.push(1000, x);
+        }
+        walk_and_white((100, short.variance()), (1000, long.variance()))
+    }
+
+    #[test]
+    fn white_noise_and_a_random_walk_are_told_apart() {
+        for (walk, white) in [(0.0, 2.0), (0.01, 2.0), (0.1, 1.0), (0.3, 0.0)] {
+            let found = variances(walk, white);
+            let near = |x: f64, expected: f64, spread: f64| (3.0 * x - expected * expected).abs() < spread;
+            assert!(near(found.0, walk, 0.1 * walk * walk + 1e-5), "{walk}, {white}: {found:?}");
+            assert!(near(found.1, white, 0.1 * white * white + 30.0 * walk * walk), "{walk}, {white}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn two_blocks_are_needed() {
+        let mut allan = AllanVariance::default();
+        (0..7).for_each(|k| allan.push(4, f64::from(k)));
+        assert_eq!(allan.variance(), 0.0);
+        allan.push(4, 7.0);
+        // means 1.5 and 5.5
+        assert_eq!(allan.variance(), 8.0);
+    }
+
+    #[test]
+    fn nothing_is_negative() {
+        assert_eq!(walk_and_white((10, 1.0), (100, 0.0)), (0.0, 10.0));
+        let (walk, white) = walk_and_white((10, 0.0), (100, 1.0));
+        assert!(walk > 0.0 && white == 0.0);
+    }
+}

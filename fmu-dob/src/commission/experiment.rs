@@ -1,0 +1,172 @@
+//! The motion of a commission: back to a centre, excite there, return, and four strokes at the approach speed.
+//!
+//! It never goes beyond where it began, towards the workpiece.
+
+use control_blocks::{PeriodicSpectra, Quintic, Trajectory, minimum_jerk, minimum_jerk_rates};
+use serde::{Deserialize, Serialize};
+
+use crate::commission::noise::Noise;
+use crate::commission::plan::{Plan, STROKES};
+use crate::interface::{ForceOutput, Parameters};
+
+/// Part of the experiment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+enum Phase {
+    Back,
+    Excite,
+    Return,
+    Strokes,
+}
+
+/// What has just been reached.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Milestone {
+    /// Nothing new.
+    None,
+    /// The excitation is over: the response can be told.
+    Excited,
+    /// The strokes are over, and the stage is back.
+    Finished,
+}
+
+/// One experiment, sample by sample.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Experiment {
+    /// Its motions.
+    pub plan: Plan,
+    /// Answer to the excitation: current and position.
+    pub spectra: PeriodicSpectra,
+    /// Noise of the strokes.
+    pub noise: Noise,
+    phase: Phase,
+    /// samples of this phase, of a stroke those at constant speed
+    tick: u32,
+    strokes: u32,
+    start: f64,
+    way: Quintic,
+    /// last position, from the start
+    place: f64,
+}
+
+impl Experiment {
+    /// An experiment that begins at rest at `start` m.
+    pub fn new(p: &Parameters, start: f64) -> Self {
+        let plan = Plan::new(p);
+        let way = Quintic::new(Trajectory::resting(start), start - plan.back, plan.way_time);
+        Self {
+            plan,
+            spectra: PeriodicSpectra::default(),
+            noise: Noise::new(p),
+            phase: Phase::Back,
+            tick: 0,
+            strokes: 0,
+            start,
+            way,
+            place: 0.0,
+        }
+    }
+
+    /// Whether the stage is held by the servo of the plan, without any model.
+    pub fn exciting(&self) -> bool {
+        matches!(self.phase, Phase::Back | Phase::Excite)
+    }
+
+    /// The reference of this sample after that of the one before.
+    pub fn reference(&mut self, now: &Trajectory, dt: f64) -> Trajectory {
+        let time = f64::from(self.tick + 1) * dt;
+        match self.phase {
+            Phase::Back | Phase::Return => self.way.at(time),
+            Phase::Excite => self.excitation(time, dt),
+            Phase::Strokes => {
+                let mut next = *now;
+                next.step(self.stroke_speed(), self.plan.approach.acceleration, dt);
+                next
+            }
+        }
+    }
+
+    /// Takes what this sample has read (m) and sent (A), and goes on.
+    pub fn observe(
+        &mut self,
+        p: &Parameters,
+        position: Option<f64>,
+        current: f64,
+        force: &ForceOutput,
+        reference: &Trajectory,
+    ) -> Milestone {
+        // a lost position is bridged by that of the reference
+        self.place = position.unwrap_or(reference.position) - self.start;
+        match self.phase {
+            Phase::Back => self.arrive(Phase::Excite, p),
+            Phase::Excite => return self.excite(p, current),
+            Phase::Return => self.arrive(Phase::Strokes, p),
+            Phase::Strokes => return self.learn(position, force, reference),
+        }
+        Milestone::None
+    }
+
+    /// Sines that grow and fade: with the share e of m, x = e m, v = e' m + e m', a = e'' m + 2 e' m' + e m''.
+    fn excitation(&self, time: f64, dt: f64) -> Trajectory {
+        let Plan { ramp, settle, measured, .. } = self.plan;
+        let ramp_time = f64::from(ramp) * dt;
+        let fades = f64::from(ramp + settle + measured) * dt;
+        let (share, rate) = if time < ramp_time {
+            (time / ramp_time, ramp_time.recip())
+        } else {
+            (1.0 - ((time - fades) / ramp_time).clamp(0.0, 1.0), -ramp_time.recip())
+        };
+        let (e, [e1, e2]) = (minimum_jerk(share), minimum_jerk_rates(share, rate));
+        let m = self.plan.sines.at(u64::from(self.tick));
+        Trajectory {
+            position: self.start - self.plan.back + e * m.position,
+            velocity: e1 * m.position + e * m.velocity,
+            acceleration: e2 * m.position + 2.0 * e1 * m.velocity + e * m.acceleration,
+        }
+    }
+
+    fn arrive(&mut self, next: Phase, p: &Parameters) {
+        self.tick += 1;
+        if self.way.over(f64::from(self.tick) * p.sample_period) {
+            (self.phase, self.tick) = (next, 0);
+        }
+    }
+
+    fn excite(&mut self, p: &Parameters, current: f64) -> Milestone {
+        let Plan { ramp, settle, measured, .. } = self.plan;
+        if (ramp + settle..ramp + settle + measured).contains(&self.tick) {
+            self.spectra.update(self.plan.sines.period, current, self.place);
+        }
+        self.tick += 1;
+        if self.tick < self.plan.excitation() {
+            return Milestone::None;
+        }
+        let centre = Trajectory::resting(self.start - self.plan.back);
+        self.way = Quintic::new(centre, self.start, self.plan.way_time);
+        self.noise = Noise::new(p);
+        (self.phase, self.tick) = (Phase::Return, 0);
+        Milestone::Excited
+    }
+
+    /// Speed of this stroke (m/s), 0 when it has had enough.
+    fn stroke_speed(&self) -> f64 {
+        let [settle, gather] = self.plan.stroke;
+        let towards = if self.strokes % 2 == 0 { -1.0 } else { 1.0 };
+        if self.tick < settle + gather { towards * self.plan.approach.velocity } else { 0.0 }
+    }
+
+    fn learn(&mut self, position: Option<f64>, force: &ForceOutput, reference: &Trajectory) -> Milestone {
+        let [settle, gather] = self.plan.stroke;
+        if self.tick < settle + gather {
+            if reference.velocity == self.stroke_speed() {
+                if self.tick >= settle {
+                    self.noise.take(position.map(|_| self.place), force);
+                }
+                self.tick += 1;
+            }
+        } else if reference.velocity == 0.0 {
+            self.noise.close();
+            (self.strokes, self.tick) = (self.strokes + 1, 0);
+        }
+        if self.strokes < STROKES { Milestone::None } else { Milestone::Finished }
+    }
+}

@@ -1,0 +1,148 @@
+//! Noise of position and force at the approach speed, stroke by stroke.
+//!
+//! The fourth difference of the position has 1 + 16 + 36 + 16 + 1 = 70 times the variance of white noise, and nothing of a motion
+//! that is slower than some hundred samples. The scatter between the strokes tells how sure each number is.
+
+use control_blocks::{AllanVariance, Welford, ticks, walk_and_white};
+use serde::{Deserialize, Serialize};
+
+use crate::commission::plan::STROKES;
+use crate::interface::{ForceOutput, Parameters};
+
+/// Lengths of the blocks of the Allan variances, s: longer than the observer's memory, shorter than a stroke.
+const BLOCKS: [f64; 2] = [0.01, 0.05];
+/// Variance of the fourth difference over that of white noise.
+const FOURTH: f64 = 70.0;
+/// What is told of each stroke: noise of position and force, walk of the force, sigma of the slope.
+const NUMBERS: usize = 4;
+
+/// A number and its standard deviation.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Measure {
+    /// The number.
+    pub value: f64,
+    /// Its standard deviation.
+    pub deviation: f64,
+}
+
+/// Noise of the strokes so far.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Noise {
+    blocks: [u32; 2],
+    /// the newest positions of this stroke, the newest first
+    positions: [Option<f64>; 4],
+    fourth: Welford,
+    slope: Welford,
+    allan: [AllanVariance; 2],
+    force: Welford,
+    strokes: [Welford; NUMBERS],
+}
+
+impl Noise {
+    /// Nothing so far.
+    pub fn new(p: &Parameters) -> Self {
+        Self {
+            blocks: BLOCKS.map(|time| ticks(time, p.sample_period).max(1)),
+            positions: [None; 4],
+            fourth: Welford::default(),
+            slope: Welford::default(),
+            allan: Default::default(),
+            force: Welford::default(),
+            strokes: Default::default(),
+        }
+    }
+
+    /// Takes a position (m), if there is one, and the forces of a sample at constant speed.
+    pub fn take(&mut self, position: Option<f64>, force: &ForceOutput) {
+        if let (Some(z), [Some(a), Some(b), Some(c), Some(d)]) = (position, self.positions) {
+            self.fourth.push(z - 4.0 * a + 6.0 * b - 4.0 * c + d);
+        }
+        self.positions.rotate_right(1);
+        self.positions[0] = position;
+        self.slope.push(force.slope);
+        self.force.push(force.notched);
+        for (allan, length) in self.allan.iter_mut().zip(self.blocks) {
+            allan.push(length, force.notched);
+        }
+    }
+
+    /// Ends a stroke.
+    pub fn close(&mut self) {
+        let [short, long] = [0, 1].map(|i| (self.blocks[i], self.allan[i].variance()));
+        let (walk, white) = walk_and_white(short, long);
+        let numbers = [self.fourth.sigma() / FOURTH.sqrt(), white.sqrt(), walk.sqrt(), self.slope.sigma()];
+        self.strokes.iter_mut().zip(numbers).for_each(|(stroke, number)| stroke.push(number));
+        self.positions = [None; 4];
+        (self.fourth, self.slope, self.allan) = Default::default();
+    }
+
+    /// Noise of the position, m.
+    pub fn position(&self) -> Measure {
+        self.measure(0)
+    }
+
+    /// White force in one sample, N.
+    pub fn white_force(&self) -> Measure {
+        self.measure(1)
+    }
+
+    /// Random walk of the force in one sample, N.
+    pub fn walk(&self) -> Measure {
+        self.measure(2)
+    }
+
+    /// Standard deviation of the slope, N/s.
+    pub fn slope(&self) -> Measure {
+        self.measure(3)
+    }
+
+    /// Standard deviation of the force over all strokes (N): what is slow has one value for each of them.
+    pub fn force(&self) -> Measure {
+        let sigma = self.force.sigma();
+        Measure { value: sigma, deviation: sigma / f64::from(2 * STROKES).sqrt() }
+    }
+
+    fn measure(&self, number: usize) -> Measure {
+        let stroke = &self.strokes[number];
+        Measure { value: stroke.mean(), deviation: stroke.sigma() / f64::from(STROKES).sqrt() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    #[test]
+    fn white_noise_on_a_motion_and_a_force_that_wanders_are_told() {
+        let p = Parameters::START;
+        let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(5);
+        let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
+        let (mut noise, mut wander) = (Noise::new(&p), 0.0);
+        for _ in 0..STROKES {
+            for k in 0..20_000 {
+                let t = f64::from(k) * p.sample_period;
+                wander += 2e-4 * normal();
+                let force = ForceOutput {
+                    notched: wander + 0.02 * normal(),
+                    slope: 3.0 + 0.5 * normal(),
+                    ..ForceOutput::START
+                };
+                let place = 1e-4 * t + 1e-6 * (300.0 * t).sin() + 2e-9 * normal();
+                noise.take((k % 50 != 0).then_some(place), &force);
+            }
+            noise.close();
+        }
+        for (measure, expected, spread) in [
+            (noise.position(), 2e-9, 0.02),
+            (noise.white_force(), 0.02, 0.15),
+            (noise.walk(), 2e-4, 0.15),
+            (noise.slope(), 0.5, 0.02),
+        ] {
+            assert!((measure.value / expected - 1.0).abs() < spread, "{measure:?} {expected}");
+            assert!(measure.deviation < spread * expected && measure.deviation > 0.0, "{measure:?}");
+        }
+        assert!(noise.force().value > 0.02 && noise.force().deviation > 0.2 * noise.force().value);
+    }
+}

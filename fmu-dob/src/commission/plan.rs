@@ -1,0 +1,249 @@
+//! How far, how hard and how long the commission moves, from its bounds.
+//!
+//! While it excites, the stage is held by a proportional-derivative servo alone: nothing that relies on a model. With a drive
+//! g times as strong as told its open loop is g (2 w s + w^2) / s^2 exp(-s tau) at the bandwidth w and the damping 1, where tau
+//! are delay, half a sample, current loop and velocity estimate. Its gain is 1 at w sqrt(2 g^2 + sqrt(4 g^4 + g^2)), 4.03 w for
+//! g = 2, with the phase margin atan(8.06) - 4.03 w tau: 83 degrees less the 0.35 rad that w = 0.35 / (4.03 tau) leaves to
+//! the delays, so 63 degrees. A weaker drive crosses earlier, with less of both; at g = 1/2 the damping is still 0.7.
+//!
+//! Between reference and position the servo has the gain T = g (s^2 + 2 w s + w^2) / (s^2 + 2 g w s + g w^2), at most 2 for g from
+//! 1/2 to 2, and between the force of the reference on the told stage and that of the drive T / g, which is at most 2.2 at
+//! its slow tones and 1 at the quick ones that make most of it. So a reference that keeps half of travel and force keeps them
+//! whole for every such g.
+
+use control_blocks::{DELAY_MAX, Multisine, quintic_duration, ticks};
+use serde::{Deserialize, Serialize};
+
+use crate::detection::detector::Detector;
+use crate::interface::{Approach, Parameters, Servo};
+
+/// Ratio of thrust to mass, over that of what was told, that the commission can bear; or its reciprocal.
+pub const RATIO_MAX: f64 = 2.0;
+/// Samples of delay more than told that it can bear.
+pub const DELAY_SPREAD: usize = 2;
+/// Phase (rad) that the delays may take at the crossing of the gain, and that crossing over the bandwidth.
+const PHASE: f64 = 0.35;
+const CROSSING: f64 = 4.03;
+/// Period of the excitation (s), and how many are measured.
+const PERIOD: f64 = 0.5;
+const PERIODS: u32 = 12;
+/// Times (s) in which the excitation grows and fades, settles, and rests.
+const RAMP: f64 = 0.5;
+const SETTLE: f64 = 0.5;
+const REST: f64 = 0.2;
+/// Strokes at the approach speed, back and forth.
+pub const STROKES: u32 = 4;
+/// The travel is longer than a stroke by this share.
+const TRAVEL_SPARE: f64 = 1.2;
+/// A commission may take longer than its motions by this share and this time, s.
+const TIME_SPARE: (f64, f64) = (1.25, 1.0);
+/// Share of the drive's force that the excitation may take if nothing else is told.
+const DRIVE_SHARE: f64 = 0.5;
+/// Peak acceleration of a quintic over distance / time^2.
+const QUINTIC_ACCELERATION: f64 = 5.7735;
+/// A stage of another mass than told stands at its turns while the reference still moves, at most for this time, s.
+const TURN: f64 = 1e-3;
+
+/// The motions of a commission.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Plan {
+    /// Excitation around its centre.
+    pub sines: Multisine,
+    /// Way from the start back to the centre, m.
+    pub back: f64,
+    /// Time of that way, s.
+    pub way_time: f64,
+    /// Samples in which the excitation grows or fades, settles, is measured, and rests.
+    pub ramp: u32,
+    /// Samples until what is left of the growing has died out.
+    pub settle: u32,
+    /// Samples that are measured, whole periods.
+    pub measured: u32,
+    /// Samples until the observer has forgotten the excitation.
+    pub rest: u32,
+    /// Strokes: speed and acceleration of the approach.
+    pub approach: Approach,
+    /// Samples of a stroke at constant speed until the filters have settled, and then those that are learned from.
+    pub stroke: [u32; 2],
+    /// Servo while it excites.
+    pub servo: Servo,
+}
+
+impl Plan {
+    /// The plan for these bounds.
+    pub fn new(p: &Parameters) -> Self {
+        let dt = p.sample_period;
+        let unit = Multisine { amplitude: 1.0, period: ticks(PERIOD, dt).max(1), sample_period: dt };
+        let back = 0.5 * travel(p);
+        let by_travel = back / (RATIO_MAX * unit.reach());
+        let by_force = force(p) / (RATIO_MAX * p.stage.mass * unit.acceleration_max());
+        let brake = (QUINTIC_ACCELERATION * back / p.retract.deceleration).sqrt();
+        Self {
+            sines: Multisine { amplitude: by_travel.min(by_force), ..unit },
+            back,
+            way_time: quintic_duration(back, p.retract.velocity).max(brake).max(dt),
+            ramp: ticks(RAMP, dt).max(1),
+            settle: ticks(SETTLE, dt),
+            measured: PERIODS * unit.period,
+            rest: ticks(REST, dt),
+            approach: p.approach,
+            stroke: [stroke_settling(p), ticks(p.learn.time, dt)],
+            servo: Servo { bandwidth: bandwidth(p), damping: 1.0, ..p.servo },
+        }
+    }
+
+    /// Samples of the excitation, from rest to rest.
+    pub fn excitation(&self) -> u32 {
+        2 * self.ramp + self.settle + self.measured + self.rest
+    }
+
+    /// How far (m) the stage may be from the reference of the excitation, for it may move up to twice as far.
+    pub fn astray(&self) -> f64 {
+        RATIO_MAX * self.sines.reach()
+    }
+
+    /// Motion (m) of the excitation that a living stage may leave unanswered at its turns.
+    pub fn unanswered(&self) -> f64 {
+        self.sines.velocity_max() * TURN
+    }
+
+    /// Time of all motions, s.
+    fn duration(&self) -> f64 {
+        let dt = self.sines.sample_period;
+        let stroke =
+            2.0 * self.approach.velocity / self.approach.acceleration + f64::from(self.stroke[0] + self.stroke[1]) * dt;
+        2.0 * self.way_time + f64::from(self.excitation()) * dt + f64::from(STROKES) * stroke
+    }
+}
+
+/// Bandwidth (rad/s) of the servo while it excites.
+fn bandwidth(p: &Parameters) -> f64 {
+    let samples = (p.io_delay as usize + DELAY_SPREAD).min(DELAY_MAX) as f64 + 0.5;
+    let late = samples * p.sample_period + p.stage.current_bandwidth.recip() + p.observer.velocity_bandwidth.recip();
+    p.servo.bandwidth.min(PHASE / (CROSSING * late))
+}
+
+/// Samples of a stroke at constant speed until the filters have settled.
+fn stroke_settling(p: &Parameters) -> u32 {
+    ticks(p.learn.settle_time, p.sample_period).max(Detector::settling(p) as u32)
+}
+
+/// Way (m) of a stroke.
+pub fn stroke(p: &Parameters) -> f64 {
+    let Approach { velocity, acceleration, .. } = p.approach;
+    let cruise = f64::from(stroke_settling(p) + ticks(p.learn.time, p.sample_period)) * p.sample_period;
+    velocity * velocity / acceleration + velocity * cruise
+}
+
+/// Farthest way back (m): `commission.travel`, or a stroke and some more.
+pub fn travel(p: &Parameters) -> f64 {
+    if p.commission.travel > 0.0 { p.commission.travel } else { TRAVEL_SPARE * stroke(p) }
+}
+
+/// Largest force (N) beside that which holds the stage: `commission.force`, or that of the hardest braking, at most half of
+/// the drive's and at least the guard's.
+pub fn force(p: &Parameters) -> f64 {
+    if p.commission.force > 0.0 {
+        return p.commission.force;
+    }
+    let drive = p.stage.force_constant * p.stage.current_max;
+    (p.stage.mass * p.retract.deceleration).min(DRIVE_SHARE * drive).max(p.guard_force)
+}
+
+/// Longest commission (s): `commission.time`, or what its motions take and some more.
+pub fn time(p: &Parameters) -> f64 {
+    if p.commission.time > 0.0 { p.commission.time } else { TIME_SPARE.0 * least_time(p) + TIME_SPARE.1 }
+}
+
+/// Time (s) that the motions of a commission take.
+pub fn least_time(p: &Parameters) -> f64 {
+    Plan::new(p).duration()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::motion::stability::radius;
+    use control_blocks::HARMONICS;
+    use nalgebra::Complex;
+
+    const RATIOS: [f64; 4] = [0.5, 0.7, 1.0, 2.0];
+
+    /// T at the frequency `omega` over the bandwidth, for a drive `g` times as strong as told.
+    fn closed(g: f64, omega: f64) -> f64 {
+        let s = Complex::new(0.0, omega);
+        let servo = s * 2.0 + 1.0;
+        (g * (s * s + servo) / (s * s + servo * g)).norm()
+    }
+
+    #[test]
+    fn the_servo_of_the_excitation_is_stable_on_every_machine_that_it_is_for() {
+        for io_delay in 0..=4 {
+            let mut p = Parameters { io_delay, ..Parameters::START };
+            p.servo = Plan::new(&p).servo;
+            (p.servo.disturbance_compensation, p.servo.integral_gain) = (false, 0.0);
+            for ratio in RATIOS {
+                for more in 0..=DELAY_SPREAD {
+                    let radius = radius(&p, ratio, io_delay as usize + more);
+                    assert!(radius < 0.997, "{io_delay} + {more}, {ratio}: {radius}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_gain_of_the_strongest_drive_crosses_where_it_says() {
+        let gain = |x: f64| (Complex::new(1.0, 2.0 * x) * RATIO_MAX / (x * x)).norm();
+        assert!((gain(CROSSING) - 1.0).abs() < 2e-3, "{}", gain(CROSSING));
+        // 3.5 samples, 1 kHz and 500 Hz
+        let p = Parameters::START;
+        let late = 3.5e-4 + 1.0 / 6283.0 + 1.0 / 3142.0;
+        assert!((bandwidth(&p) * CROSSING * late / PHASE - 1.0).abs() < 1e-12);
+        let mut slow = p;
+        slow.servo.bandwidth = 20.0;
+        assert_eq!(bandwidth(&slow), 20.0);
+    }
+
+    #[test]
+    fn travel_and_force_are_kept_by_a_stage_that_is_not_what_was_told() {
+        for force in [0.0, 1.0] {
+            let mut p = Parameters::START;
+            p.commission.force = force;
+            let plan = Plan::new(&p);
+            let sum = |of: &dyn Fn(f64, f64) -> f64| -> f64 {
+                plan.sines
+                    .frequencies()
+                    .into_iter()
+                    .zip(HARMONICS)
+                    .map(|(omega, h)| of(omega, f64::from(h).sqrt()))
+                    .sum()
+            };
+            for g in RATIOS {
+                let gain = |omega: f64| closed(g, omega / plan.servo.bandwidth);
+                let way = plan.sines.amplitude * sum(&|omega, root| gain(omega) / root);
+                assert!(way <= plan.back, "{g}: {way}");
+                let push =
+                    p.stage.mass * plan.sines.amplitude * sum(&|omega, root| gain(omega) / g * omega * omega / root);
+                assert!(push <= super::force(&p), "{g}: {push}");
+                assert!(way - plan.sines.reach() <= plan.astray());
+            }
+        }
+    }
+
+    #[test]
+    fn bounds_of_the_defaults_and_bounds_that_are_told() {
+        let mut p = Parameters::START;
+        let near = |value: f64, expected: f64| assert!((value / expected - 1.0).abs() < 1e-9, "{value} {expected}");
+        // 100 um/s for 0.75 s, and 0.1 um at each end
+        near(stroke(&p), 75.2e-6);
+        near(travel(&p), 90.24e-6);
+        near(force(&p), 20.0);
+        // 15/8 of 45.12 um at 1 mm/s twice; 0.5, 0.5, 6, 0.5 and 0.2 s; four strokes of 0.754 s
+        near(least_time(&p), 2.0 * 0.0846 + 7.7 + 4.0 * 0.754);
+        near(time(&p), 1.25 * least_time(&p) + 1.0);
+        (p.commission.travel, p.commission.force, p.commission.time) = (2e-4, 3.0, 33.0);
+        near(travel(&p), 2e-4);
+        near(force(&p), 3.0);
+        near(time(&p), 33.0);
+    }
+}

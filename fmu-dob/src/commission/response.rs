@@ -1,0 +1,151 @@
+//! Thrust, delay, friction and stiffness from the answer to the excitation.
+//!
+//! With the current U and the position Y of a tone at the frequency w the stage obeys
+//!
+//! ```text
+//! (-w^2 + j w b + c) Y = g L U,   L = exp(-j w T_s (d + 1/2)) sinc(w T_s / 2) / (1 + j w / w_i),
+//! ```
+//!
+//! g = K_t / M, b = B / M, c = C / M, the delay d in samples, a held command and the current loop. Mass and thrust alone leave
+//! no trace, only their ratio does; so `stage.mass` is believed, and all forces are those of a stage of that mass. Each tone has
+//! its variance, that of the left side less the right; the four unknowns are those of least weighted squares.
+
+use control_blocks::{
+    Estimate, HARMONICS, NoEstimate, Observation, PeriodicSpectra, SpectralLine, TONES, least_squares,
+};
+use nalgebra::{Complex, SVector};
+
+use crate::commission::plan::Plan;
+use crate::interface::Parameters;
+
+/// Unknowns g, d, b, c.
+pub type Unknowns = SVector<f64, 4>;
+
+/// No tone counts as known better than to this share: what the model leaves out.
+const LEAST_DEVIATION: f64 = 1e-4;
+
+/// The stage at one frequency.
+struct Tone {
+    omega: f64,
+    /// L at the delay 0
+    held: Complex<f64>,
+    /// phase of one sample, rad
+    sample: f64,
+    line: SpectralLine,
+}
+
+impl Tone {
+    fn new(p: &Parameters, omega: f64, line: SpectralLine) -> Self {
+        let sample = omega * p.sample_period;
+        let hold = Complex::from_polar((0.5 * sample).sin() / (0.5 * sample), -0.5 * sample);
+        Self { omega, held: hold / Complex::new(1.0, omega / p.stage.current_bandwidth), sample, line }
+    }
+
+    /// Factors of Y and U.
+    fn sides(&self, x: &Unknowns) -> [Complex<f64>; 2] {
+        let inertia = Complex::new(x[3] - self.omega * self.omega, self.omega * x[2]);
+        [inertia, self.held * Complex::cis(-self.sample * x[1]) * x[0]]
+    }
+
+    /// Standard deviation of each part of the left side less the right.
+    fn deviation(&self, x: &Unknowns) -> f64 {
+        let ([a, b], line) = (self.sides(x), &self.line);
+        let noise = a.norm_sqr() * line.output_variance + b.norm_sqr() * line.input_variance
+            - 2.0 * (a * b.conj() * line.covariance).re;
+        let least = LEAST_DEVIATION * (b * line.input).norm();
+        (0.5 * noise.max(0.0) + least * least).sqrt().max(f64::MIN_POSITIVE)
+    }
+
+    /// Left side less the right, and its derivatives.
+    fn difference(&self, x: &Unknowns) -> (Complex<f64>, [Complex<f64>; 4]) {
+        let ([a, b], line) = (self.sides(x), &self.line);
+        let push = b * line.input;
+        let unit = self.held * Complex::cis(-self.sample * x[1]) * line.input;
+        let by_delay = push * Complex::new(0.0, self.sample);
+        (a * line.output - push, [-unit, by_delay, Complex::new(0.0, self.omega) * line.output, line.output])
+    }
+}
+
+/// The unknowns that explain the excitation best, with their covariance.
+///
+/// # Errors
+/// When it does not tell them apart.
+pub fn response(p: &Parameters, plan: &Plan, spectra: &PeriodicSpectra) -> Result<Estimate<4>, NoEstimate> {
+    let frequencies = plan.sines.frequencies();
+    let tones: [Tone; TONES] = std::array::from_fn(|i| Tone::new(p, frequencies[i], spectra.line(i)));
+    let told = Unknowns::from([p.stage.force_constant / p.stage.mass, f64::from(p.io_delay), 0.0, 0.0]);
+    // the variances are those at what was told, then at what was found
+    let first = fit(&tones, told, &told)?;
+    fit(&tones, first.value, &first.value)
+}
+
+fn fit(tones: &[Tone; TONES], start: Unknowns, at: &Unknowns) -> Result<Estimate<4>, NoEstimate> {
+    let deviations: [f64; TONES] = std::array::from_fn(|i| tones[i].deviation(at));
+    least_squares(start, 2 * HARMONICS.len(), |i, x| {
+        let (tone, imaginary) = (&tones[i / 2], i % 2 == 1);
+        let (difference, gradient) = tone.difference(x);
+        let part = |z: Complex<f64>| if imaginary { z.im } else { z.re } / deviations[i / 2];
+        Observation { residual: part(difference), gradient: SVector::from(gradient.map(part)) }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    /// What is found of a stage with these unknowns, from its answer to the excitation with `noise` (m) on the position.
+    fn found(p: &Parameters, x: Unknowns, noise: f64, seed: u64) -> Result<Estimate<4>, NoEstimate> {
+        let plan = Plan::new(p);
+        let tones = plan.sines.frequencies().map(|omega| Tone::new(p, omega, SpectralLine::default()));
+        let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(seed);
+        let mut spectra = PeriodicSpectra::default();
+        let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
+        for k in 0..plan.measured {
+            let (mut current, mut position) = (0.0, 1e-6 + noise * normal());
+            for tone in &tones {
+                let [left, right] = tone.sides(&x);
+                // each tone moves by 0.2 um
+                let amplitude = 2e-7 * (left / right).norm();
+                let phasor =
+                    Complex::from_polar(amplitude, tone.omega * p.sample_period * f64::from(k % plan.sines.period));
+                current += phasor.re;
+                position += (phasor * right / left).re;
+            }
+            spectra.update(plan.sines.period, current, position);
+        }
+        response(p, &plan, &spectra)
+    }
+
+    #[test]
+    fn every_unknown_is_found_far_from_what_was_told() {
+        let p = Parameters::START;
+        for truth in [[1.1, 0.0, 1.0, 4.0], [2.0, 1.0, 0.0, 0.0], [3.6, 2.6, 5.0, -30.0]] {
+            let value = found(&p, Unknowns::from(truth), 0.0, 1).unwrap().value;
+            let spread = [1e-6, 1e-4, 1e-3, 1e-2];
+            (0..4).for_each(|i| assert!((value[i] - truth[i]).abs() < spread[i], "{truth:?}: {value}"));
+        }
+    }
+
+    #[test]
+    fn the_deviation_is_the_scatter_of_the_estimates() {
+        let (p, truth) = (Parameters::START, Unknowns::from([1.8, 1.3, 1.0, 5.0]));
+        // a percent, so that the least deviation of a tone does not count
+        let all: Vec<Estimate<4>> = (0..60).map(|seed| found(&p, truth, 3e-7, seed).unwrap()).collect();
+        for i in 0..4 {
+            let told = all.iter().map(|one| one.sigma(i)).sum::<f64>() / all.len() as f64;
+            let scatter = all.iter().map(|one| (one.value[i] - truth[i]).powi(2)).sum::<f64>() / all.len() as f64;
+            let ratio = scatter.sqrt() / told;
+            assert!((0.6..1.4).contains(&ratio), "{i}: {ratio}");
+        }
+    }
+
+    #[test]
+    fn a_stage_that_does_not_answer_tells_nothing() {
+        let (p, plan) = (Parameters::START, Plan::new(&Parameters::START));
+        let mut spectra = PeriodicSpectra::default();
+        (0..plan.measured).for_each(|_| spectra.update(plan.sines.period, 0.0, 1.0));
+        assert!(response(&p, &plan, &spectra).is_err());
+    }
+}

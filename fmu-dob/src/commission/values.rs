@@ -1,0 +1,188 @@
+//! The parameters that a commission derives, and how.
+
+use crate::commission::plan::RATIO_MAX;
+use crate::interface::{Measured, Parameters};
+use serde::{Deserialize, Serialize};
+
+/// `guard.force` over the standard deviation of the force, as the defaults have it, and over the cogging of the longest approach.
+const GUARD: (f64, f64) = (20.0, 2.0);
+/// `limits.force_left` over `guard.force`, as the defaults have it.
+const FORCE_LEFT: f64 = 0.5;
+/// `limits.slope_sigma_max` over the noise of the slope, as the default has it.
+const SLOPE_SIGMA: f64 = 5.0;
+/// A number counts when it is this many of its standard deviations.
+const SIGNIFICANT: f64 = 3.0;
+/// Share of the force of the drive that the guard may take.
+const GUARD_SHARE: f64 = 0.5;
+
+/// All parameters that a commission derives.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Values {
+    force_constant: f64,
+    io_delay: i32,
+    guard_force: f64,
+    force_left: f64,
+    slope_sigma_max: f64,
+    disturbance_walk: f64,
+    force_noise: f64,
+    position_noise: f64,
+}
+
+impl Values {
+    /// Those of the parameters.
+    pub fn of(p: &Parameters) -> Self {
+        Self {
+            force_constant: p.stage.force_constant,
+            io_delay: p.io_delay,
+            guard_force: p.guard_force,
+            force_left: p.limits.force_left,
+            slope_sigma_max: p.limits.slope_sigma_max,
+            disturbance_walk: p.kalman.disturbance_walk,
+            force_noise: p.kalman.force_noise,
+            position_noise: p.kalman.position_noise,
+        }
+    }
+
+    /// Puts them into the parameters.
+    pub fn put(&self, p: &mut Parameters) {
+        p.stage.force_constant = self.force_constant;
+        p.io_delay = self.io_delay;
+        p.guard_force = self.guard_force;
+        p.limits.force_left = self.force_left;
+        p.limits.slope_sigma_max = self.slope_sigma_max;
+        p.kalman.disturbance_walk = self.disturbance_walk;
+        p.kalman.force_noise = self.force_noise;
+        p.kalman.position_noise = self.position_noise;
+    }
+
+    /// Their names and values.
+    pub fn entries(&self) -> [(&'static str, f64); 8] {
+        [
+            ("stage.force_constant", self.force_constant),
+            ("io_delay", f64::from(self.io_delay)),
+            ("guard.force", self.guard_force),
+            ("limits.force_left", self.force_left),
+            ("limits.slope_sigma_max", self.slope_sigma_max),
+            ("kalman.disturbance_walk", self.disturbance_walk),
+            ("kalman.force_noise", self.force_noise),
+            ("kalman.position_noise", self.position_noise),
+        ]
+    }
+
+    /// Those with the response that was measured.
+    pub fn with_response(self, measured: &Measured) -> Self {
+        Self { force_constant: measured.force_constant, io_delay: measured.io_delay.round() as i32, ..self }
+    }
+
+    /// Those with the noise that was measured; what is not significant stays as it is.
+    pub fn with_noise(self, p: &Parameters, m: &Measured) -> Self {
+        let known = |value: f64, deviation: f64, old: f64| {
+            if value > SIGNIFICANT * deviation && value > 0.0 { value } else { old }
+        };
+        let stiffness = known(m.stiffness.abs(), m.stiffness_deviation, 0.0);
+        let guard = f64::max(GUARD.0 * m.force_sigma, GUARD.1 * stiffness * p.approach.travel_max);
+        let most = GUARD_SHARE * self.force_constant * p.stage.current_max;
+        // so short a way tells little of the cogging farther on: what was told is not undercut
+        let guard_force = guard.min(most).max(self.guard_force);
+        Self {
+            guard_force,
+            force_left: self.force_left.max(FORCE_LEFT * guard_force),
+            slope_sigma_max: SLOPE_SIGMA * m.slope_sigma,
+            disturbance_walk: known(m.disturbance_walk, m.disturbance_walk_deviation, self.disturbance_walk),
+            force_noise: known(m.force_noise, m.force_noise_deviation, self.force_noise),
+            position_noise: known(m.position_noise, m.position_noise_deviation, self.position_noise),
+            ..self
+        }
+    }
+}
+
+/// Whether a response is sure enough, and one that this controller can hold: `told` is what it took for the thrust constant,
+/// `longest` the longest delay at which its loop is stable.
+pub fn acceptable(p: &Parameters, told: f64, longest: i32, m: &Measured) -> bool {
+    let ratio = m.force_constant / told;
+    m.force_constant_deviation <= p.commission.deviation_max * m.force_constant.abs()
+        && m.io_delay_deviation <= p.commission.delay_deviation_max
+        && (RATIO_MAX.recip()..=RATIO_MAX).contains(&ratio)
+        && (-0.5..f64::from(longest) + 0.5).contains(&m.io_delay)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A good measurement of a machine a fifth stronger than told.
+    const GOOD: Measured = Measured {
+        valid: true,
+        force_constant: 24.0,
+        force_constant_deviation: 0.01,
+        io_delay: 1.7,
+        io_delay_deviation: 0.03,
+        stiffness: 50.0,
+        stiffness_deviation: 30.0,
+        position_noise: 9e-10,
+        position_noise_deviation: 1e-11,
+        force_noise: 2e-3,
+        force_noise_deviation: 1e-3,
+        disturbance_walk: 4e-4,
+        disturbance_walk_deviation: 5e-5,
+        force_sigma: 0.05,
+        slope_sigma: 0.8,
+        ..Measured::START
+    };
+
+    #[test]
+    fn what_is_put_is_what_was_taken() {
+        let mut p = Parameters::START;
+        Values::of(&p).put(&mut p);
+        assert_eq!(p, Parameters::START);
+        let values = Values::of(&p).with_response(&GOOD).with_noise(&p, &GOOD);
+        values.put(&mut p);
+        assert_eq!(Values::of(&p), values);
+        assert_eq!((p.stage.force_constant, p.io_delay, p.stage.mass), (24.0, 2, 10.0));
+        // 20 and 5 sigma, half of the guard
+        assert_eq!((p.guard_force, p.limits.force_left, p.limits.slope_sigma_max), (1.0, 0.5, 4.0));
+        // the white force is not significant
+        assert_eq!((p.kalman.force_noise, p.kalman.disturbance_walk, p.kalman.position_noise), (5e-3, 4e-4, 9e-10));
+        let names = values.entries().map(|(name, _)| name);
+        assert!(names.contains(&"guard.force") && names.contains(&"limits.force_left"));
+    }
+
+    #[test]
+    fn the_guard_covers_the_cogging_that_is_known_and_never_undercuts_what_was_told() {
+        let p = Parameters::START;
+        let guard = |m: &Measured| {
+            let mut found = p.clone();
+            Values::of(&p).with_noise(&p, m).put(&mut found);
+            (found.guard_force, found.limits.force_left)
+        };
+        assert_eq!(guard(&Measured { force_sigma: 0.001, ..GOOD }), (0.4, 0.2));
+        // 200 N/m for 5 mm, and as much again
+        let stiff = Measured { stiffness: -200.0, stiffness_deviation: 10.0, force_sigma: 0.001, ..GOOD };
+        assert_eq!(guard(&stiff), (2.0, 1.0));
+        // half of the drive is the most
+        assert_eq!(guard(&Measured { force_sigma: 10.0, ..GOOD }), (50.0, 25.0));
+    }
+
+    #[test]
+    fn each_limit_of_a_response_is_the_last_value_that_is_accepted() {
+        let p = Parameters::START;
+        let accepted = |m: Measured| acceptable(&p, 20.0, 4, &m);
+        let with = |set: fn(&mut Measured, f64), x: f64| {
+            let mut m = GOOD;
+            set(&mut m, x);
+            accepted(m)
+        };
+        let limits: [(fn(&mut Measured, f64), f64, f64); 6] = [
+            (|m, x| m.force_constant_deviation = x, 0.48, 0.481),
+            (|m, x| m.io_delay_deviation = x, 0.25, 0.251),
+            (|m, x| m.force_constant = x, 40.0, 40.1),
+            (|m, x| m.force_constant = x, 10.0, 9.9),
+            (|m, x| m.io_delay = x, 4.49, 4.5),
+            (|m, x| m.io_delay = x, -0.5, -0.51),
+        ];
+        for (set, last, first) in limits {
+            assert_eq!((with(set, last), with(set, first)), (true, false));
+        }
+        assert!(!accepted(Measured::START));
+    }
+}

@@ -1,0 +1,293 @@
+//! The state `Commission`: what it finds on machines that nobody has measured, and what it keeps to.
+
+use fmu_dob::interface::{DetectorKind, Fault, Input, Parameters, State};
+use rand::{RngExt, SeedableRng};
+
+use crate::run::{Loop, NO_WORKPIECE};
+use crate::slide::SPINDLE_SPEED;
+
+/// Longest commission, s.
+const LIMIT: f64 = 30.0;
+
+/// Asks for a commission and for nothing else.
+fn ask(input: &mut Input) {
+    (input.enable, input.commission) = (false, true);
+}
+
+/// Asks for nothing.
+fn rest(input: &mut Input) {
+    input.enable = false;
+}
+
+/// Steps into the commission, and `time` s on.
+fn begin(run: &mut Loop, time: f64) {
+    (0..200).for_each(|_| run.step_with(rest));
+    while run.output.state != State::Commission {
+        run.step_with(ask);
+        assert!(run.time() < 2.0, "{:?}", run.output);
+    }
+    let until = run.time() + time;
+    while run.time() < until {
+        run.step_with(ask);
+    }
+}
+
+/// Runs until the commission is over; how far the stage went, to and fro.
+fn commission(run: &mut Loop) -> [f64; 2] {
+    begin(run, 0.0);
+    let start = run.slide.place();
+    let mut reach = [0.0f64; 2];
+    while run.output.state == State::Commission {
+        run.step_with(ask);
+        let place = run.slide.place() - start;
+        reach = [reach[0].min(place), reach[1].max(place)];
+        assert!(run.time() < LIMIT, "{:?}", run.output);
+    }
+    reach
+}
+
+/// A machine that is not what the controller was told: mass and thrust within 30 %, any delay from 0 to 2, other noise.
+fn unknown(p: &Parameters, seed: u64) -> Loop {
+    let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(seed);
+    let mut run = Loop::new(p, seed, NO_WORKPIECE);
+    run.slide.mass = random.random_range(7.0..13.0);
+    run.slide.strength = random.random_range(0.7..1.3) * 20.0 / 19.4;
+    run.slide.delay = random.random_range(0..3);
+    run.slide.noise = random.random_range(0.5..2.0);
+    run
+}
+
+/// Thrust constant that goes with the told mass.
+fn thrust(run: &Loop) -> f64 {
+    19.4 * run.slide.strength * 10.0 / run.slide.mass
+}
+
+#[test]
+fn unknown_machines_are_measured_within_their_deviations() {
+    let p = Parameters::START;
+    let (mut thrusts, mut delays, mut frictions) = (Vec::new(), Vec::new(), Vec::new());
+    for seed in 70..82 {
+        let mut run = unknown(&p, seed);
+        let [back, ahead] = commission(&mut run);
+        let m = &run.output.measured;
+        assert_eq!((run.output.state, run.output.fault, m.valid), (State::Idle, Fault::None, true), "{seed}: {m:?}");
+        // 90 um back, and never ahead but for the noise of the servo
+        assert!(back > -91e-6 && ahead < 0.3e-6, "{seed}: {back} {ahead}");
+        thrusts.push((m.force_constant / thrust(&run) - 1.0) * m.force_constant / m.force_constant_deviation);
+        // the slide's steps of 50 us move it as if commands acted half a sample earlier
+        delays.push((m.io_delay - run.slide.delay as f64 + 0.5) / m.io_delay_deviation);
+        frictions.push((m.damping - 10.0 * 10.0 / run.slide.mass) / m.damping_deviation);
+        let noise = f64::hypot(0.5e-9 * run.slide.noise, 1e-9 / 12f64.sqrt());
+        assert!((m.position_noise / noise - 1.0).abs() < 0.05, "{seed}: {m:?}");
+        assert!(m.force_constant_deviation < 2e-3 * m.force_constant, "{seed}: {m:?}");
+        assert!(m.io_delay_deviation < 0.06, "{seed}: {m:?}");
+    }
+    println!("errors in deviations: thrust {thrusts:.1?}, delay {delays:.1?}, friction {frictions:.1?}");
+    // the ripple of the thrust, 1 %, is no noise
+    assert!(delays.iter().chain(&frictions).all(|error| error.abs() < 4.0));
+}
+
+#[test]
+fn what_was_measured_is_used_on_request_and_the_next_touch_is_as_ever() {
+    for apply in [false, true] {
+        let mut p = Parameters::START;
+        p.commission.apply = apply;
+        let mut run = Loop::new(&p, 83, 90e-6);
+        run.slide.mass = 12.5;
+        commission(&mut run);
+        let mut in_force = p.clone();
+        run.controller.bring_into_force(&mut in_force);
+        let expected = if apply { thrust(&run) } else { 20.0 };
+        assert!((in_force.stage.force_constant / expected - 1.0).abs() < 0.015, "{in_force:?}");
+        assert_eq!(in_force.guard_force, 0.4);
+        assert_eq!(in_force.limits.slope_sigma_max == 5.0, !apply);
+        // at rest, and `enable` rises
+        let until = run.time() + 0.1;
+        while run.time() < until {
+            run.step_with(rest);
+        }
+        let limit = run.time() + 3.0;
+        assert!(run.run_to(State::Done, limit), "{apply}: {:?}", run.output);
+        assert!(run.slide.depth > 0.0 && run.slide.depth < 0.45e-6, "{apply}: {} m", run.slide.depth);
+        // the share of the commanded force that accelerates the stage is now all of it
+        let share = run.output.drive_share;
+        assert_eq!((share - 1.0).abs() < 0.06, apply, "{apply}: {share}");
+    }
+}
+
+#[test]
+fn it_is_broken_off_by_commission_and_by_enable_into_rest_and_what_was_told() {
+    let mut p = Parameters::START;
+    p.commission.apply = true;
+    // on the way back, in the excitation, and in a stroke with the new thrust constant in force
+    for time in [0.04, 1.0, 3.0, 9.0] {
+        for enable in [false, true] {
+            let mut run = Loop::new(&p, 84, NO_WORKPIECE);
+            run.slide.mass = 12.0;
+            begin(&mut run, time);
+            assert_eq!(run.output.state, State::Commission);
+            run.step_with(|input| (input.enable, input.commission) = (enable, enable));
+            assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::None));
+            for _ in 0..3000 {
+                // nothing begins again without a new edge
+                run.step_with(|input| (input.enable, input.commission) = (enable, enable));
+                assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::None), "{time} {enable}");
+            }
+            assert!(run.output.reference.velocity == 0.0 && run.output.tracking_error.abs() < 2e-8, "{:?}", run.output);
+            assert!(!run.output.measured.valid);
+            let mut in_force = p.clone();
+            run.controller.bring_into_force(&mut in_force);
+            assert_eq!(in_force, p);
+        }
+    }
+}
+
+#[test]
+fn it_never_begins_by_itself() {
+    let mut run = Loop::new(&Parameters::START, 85, NO_WORKPIECE);
+    for _ in 0..1000 {
+        // true from the first sample on is no edge
+        run.step_with(ask);
+        assert_eq!(run.output.state, State::Idle);
+    }
+}
+
+#[test]
+fn every_servo_and_detector_and_both_directions_are_commissioned() {
+    let mut integral = Parameters::START;
+    integral.servo.disturbance_compensation = false;
+    let cusum = Parameters { detector: DetectorKind::Cusum, ..Parameters::START };
+    for mut p in [integral, cusum] {
+        p.commission.apply = true;
+        let mut run = Loop::new(&p, 86, NO_WORKPIECE);
+        run.slide.mass = 8.0;
+        commission(&mut run);
+        assert_eq!((run.output.state, run.output.measured.valid), (State::Idle, true), "{:?}", run.output);
+        assert!((run.output.measured.force_constant / thrust(&run) - 1.0).abs() < 0.015);
+        let limit = run.time() + 1.5;
+        assert!(run.run_to(State::Detect, limit), "{:?}", run.output);
+    }
+}
+
+#[test]
+fn a_weight_is_held_by_the_same_current_when_another_thrust_constant_comes_into_force() {
+    for compensation in [true, false] {
+        let mut p = Parameters::START;
+        (p.commission.apply, p.servo.disturbance_compensation) = (true, compensation);
+        let mut run = Loop::new(&p, 93, NO_WORKPIECE);
+        (run.slide.mass, run.slide.strength) = (13.0, 0.8);
+        // the weight comes slowly, and the servo takes it
+        for k in 0..10_000 {
+            run.slide.push = 5e-4 * f64::from(k);
+            run.step_with(rest);
+        }
+        begin(&mut run, 0.0);
+        let in_force = |run: &Loop| {
+            let mut in_force = Parameters::START;
+            run.controller.bring_into_force(&mut in_force);
+            in_force.stage.force_constant
+        };
+        while in_force(&run) == 20.0 {
+            run.step_with(ask);
+            assert_eq!(run.output.state, State::Commission, "{:?}", run.output);
+        }
+        let mut most = 0.0f64;
+        for _ in 0..500 {
+            run.step_with(ask);
+            most = most.max((run.slide.place() - run.output.reference.position).abs());
+        }
+        // two fifths of 5 N would be 5.7 um
+        assert!(most < 0.5e-6, "{compensation}: {most}");
+    }
+}
+
+#[test]
+fn an_excitation_that_is_too_weak_is_rejected_with_its_numbers() {
+    let mut p = Parameters::START;
+    (p.commission.force, p.commission.delay_deviation_max) = (0.4, 0.01);
+    let mut run = Loop::new(&p, 87, NO_WORKPIECE);
+    commission(&mut run);
+    assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::CommissionRejected));
+    let m = &run.output.measured;
+    assert!(!m.valid && m.io_delay_deviation > p.commission.delay_deviation_max, "{m:?}");
+    (0..2000).for_each(|_| run.step_with(rest));
+    assert!(run.output.drive_enable && run.output.reference.velocity == 0.0);
+    run.step_with(|input| (input.enable, input.reset_fault) = (false, true));
+    assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::None));
+}
+
+#[test]
+fn a_machine_beyond_half_or_twice_what_was_told_is_rejected() {
+    let mut run = Loop::new(&Parameters::START, 88, NO_WORKPIECE);
+    run.slide.mass = 4.2;
+    commission(&mut run);
+    assert_eq!(run.output.fault, Fault::CommissionRejected, "{:?}", run.output);
+    assert!((run.output.measured.force_constant / thrust(&run) - 1.0).abs() < 0.015);
+}
+
+#[test]
+fn a_drive_that_is_lost_or_turns_round_is_found_at_once() {
+    for time in [0.5, 3.0, 9.0] {
+        for (strength, faults) in
+            [(0.0, &[Fault::WeakDrive, Fault::FollowingError, Fault::Overload][..]), (-1.0, &[Fault::DriveSign])]
+        {
+            let mut run = Loop::new(&Parameters::START, 89, NO_WORKPIECE);
+            begin(&mut run, time);
+            let (until, place) = (run.time() + 1.0, run.slide.place());
+            run.slide.strength = strength;
+            while run.output.state == State::Commission && run.time() < until {
+                run.step_with(ask);
+            }
+            assert!(faults.contains(&run.output.fault), "{time} {strength}: {:?}", run.output);
+            assert!(!run.output.drive_enable && run.output.current == 0.0);
+            // 90 um of the plan and 20 um of following error
+            assert!((run.slide.place() - place).abs() < 1.5e-4, "{time} {strength}");
+        }
+    }
+}
+
+#[test]
+fn state_bytes_continue_a_commission_bit_for_bit() {
+    let mut p = Parameters::START;
+    p.commission.apply = true;
+    for time in [0.05, 4.0, 8.5] {
+        let mut run = Loop::new(&p, 90, NO_WORKPIECE);
+        begin(&mut run, time);
+        let mut copy = run.reloaded();
+        while run.output.state == State::Commission {
+            run.step_with(ask);
+            copy.step_with(ask);
+            assert_eq!(copy.output, run.output);
+        }
+        assert!(run.output.measured.valid);
+    }
+}
+
+#[test]
+fn a_lost_sample_now_and_then_does_not_matter() {
+    let mut run = Loop::new(&Parameters::START, 91, NO_WORKPIECE);
+    begin(&mut run, 0.0);
+    let mut k = 0;
+    while run.output.state == State::Commission {
+        k += 1;
+        run.step_with(|input| {
+            ask(input);
+            input.position_valid = k % 100 > 1;
+        });
+    }
+    assert!(run.output.measured.valid, "{:?}", run.output);
+    assert!((run.output.measured.force_constant / thrust(&run) - 1.0).abs() < 0.015);
+}
+
+#[test]
+fn a_spindle_that_is_lost_ends_it() {
+    let mut run = Loop::new(&Parameters::START, 92, NO_WORKPIECE);
+    begin(&mut run, 2.0);
+    for _ in 0..10 {
+        run.step_with(|input| {
+            ask(input);
+            input.spindle_speed = 0.1 * SPINDLE_SPEED;
+        });
+    }
+    assert_eq!(run.output.fault, Fault::LostSpindle);
+}
