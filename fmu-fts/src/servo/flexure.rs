@@ -11,10 +11,10 @@
 //! inertia, the gain of the drive or a delay moves that zero. With the measured T the arm is T / ((1 - T) K), and G that over the
 //! told rigid arm. The fit is of `k e^(-j omega d) N - G D`, without poles, in the factor k, the delay d, omega_t, z and m.
 
+use control_blocks::{Observation, least_squares};
 use nalgebra::{Complex, SVector};
 use serde::{Deserialize, Serialize};
 
-use crate::calibration::least_squares::{Observation, estimate};
 use crate::interface::Parameters;
 use crate::servo::loop_model::LoopModel;
 use crate::servo::response::{FrequencyResponse, Point};
@@ -66,7 +66,7 @@ impl Flexure {
             return None;
         }
         let start = SVector::from([1.0, 0.0, 1.0, told.damping, p.tip.inertia]);
-        let found = estimate(start, 2 * points.len(), |i, value| {
+        let found = least_squares(start, 2 * points.len(), |i, value| {
             let measured = shape.measured(model, &points[i / 2]);
             let residual = |value: &Value| {
                 let residual = shape.residual(points[i / 2].frequency, measured, value) / POINT_SIGMA;
