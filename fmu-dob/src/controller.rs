@@ -389,7 +389,7 @@ impl Controller {
                 velocity: direction * reference.velocity,
             },
             tracking_error: direction * error,
-            measured: self.commissioner.measured.clone(),
+            measured: self.commissioner.measured,
             drive_share: self.monitors.drive.share().unwrap_or(1.0),
         };
     }

@@ -141,7 +141,7 @@ impl Commissioner {
             force_sigma_deviation: force.deviation,
             slope_sigma: slope.value,
             slope_sigma_deviation: slope.deviation,
-            ..self.measured.clone()
+            ..self.measured
         };
         self.derived = self.told.with_response(&self.measured).with_noise(p, &self.measured);
         if p.commission.apply {

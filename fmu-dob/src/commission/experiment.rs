@@ -150,7 +150,7 @@ impl Experiment {
     /// Speed of this stroke (m/s), 0 when it has had enough.
     fn stroke_speed(&self) -> f64 {
         let [settle, gather] = self.plan.stroke;
-        let towards = if self.strokes % 2 == 0 { -1.0 } else { 1.0 };
+        let towards = if self.strokes.is_multiple_of(2) { -1.0 } else { 1.0 };
         if self.tick < settle + gather { towards * self.plan.approach.velocity } else { 0.0 }
     }
 
