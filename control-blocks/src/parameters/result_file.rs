@@ -70,13 +70,9 @@ mod tests {
         let place = tempfile::tempdir().unwrap();
         let (good, bad) = (place.path().join("found.json"), place.path().join("no/such/found.json"));
         let file = |path: &std::path::Path| {
-            ResultFile {
-                name: "commission.export",
-                file: &path.to_str().unwrap().to_owned(),
-                hint: "name a folder that there is",
-            }
-            .write(&[("a", 1.5)])
-            .map_err(|error| error.to_string())
+            ResultFile { name: "commission.export", file: path.to_str().unwrap(), hint: "name a folder that there is" }
+                .write(&[("a", 1.5)])
+                .map_err(|error| error.to_string())
         };
         assert_eq!(file(&good), Ok(()));
         assert_eq!(fs::read_to_string(&good).unwrap(), "{\n  \"a\": 1.5e0\n}\n");

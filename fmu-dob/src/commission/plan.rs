@@ -53,7 +53,7 @@ pub struct Plan {
     pub back: f64,
     /// Time of that way, s.
     pub way_time: f64,
-    /// Samples in which the excitation grows or fades, settles, is measured, and rests.
+    /// Samples in which the excitation grows, and in which it fades.
     pub ramp: u32,
     /// Samples until what is left of the growing has died out.
     pub settle: u32,

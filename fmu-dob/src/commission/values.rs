@@ -167,12 +167,13 @@ mod tests {
     fn each_limit_of_a_response_is_the_last_value_that_is_accepted() {
         let p = Parameters::START;
         let accepted = |m: Measured| acceptable(&p, 20.0, 4, &m);
-        let with = |set: fn(&mut Measured, f64), x: f64| {
+        type Set = fn(&mut Measured, f64);
+        let with = |set: Set, x: f64| {
             let mut m = GOOD;
             set(&mut m, x);
             accepted(m)
         };
-        let limits: [(fn(&mut Measured, f64), f64, f64); 6] = [
+        let limits: [(Set, f64, f64); 6] = [
             (|m, x| m.force_constant_deviation = x, 0.48, 0.481),
             (|m, x| m.io_delay_deviation = x, 0.25, 0.251),
             (|m, x| m.force_constant = x, 40.0, 40.1),
