@@ -204,7 +204,7 @@ mod tests {
     fn the_gain_of_the_drive_is_learned() {
         for k in [0.7, 0.8, 1.0, 1.25] {
             let mut steady = Steady::new(k);
-            let left = steady.follow(1.0, 500.0, |_| Complex::new(0.01, -0.02));
+            let left = steady.follow(4.0, 500.0, |_| Complex::new(0.01, -0.02));
             assert!(left < 1e-7, "{left}");
             // (1 + eps) / L = 1 / (k L); what the resonators have taken is 1 - w of it
             assert!((steady.adaptive.torque_share() * k - 1.0).abs() < 2e-3, "{k}: {}", steady.adaptive.torque_share());
@@ -231,7 +231,7 @@ mod tests {
     #[test]
     fn what_is_learned_is_right_at_every_amplitude_and_speed() {
         let mut steady = Steady::new(0.8);
-        steady.follow(1.0, 500.0, |_| Complex::new(0.02, 0.0));
+        steady.follow(4.0, 500.0, |_| Complex::new(0.02, 0.0));
         // half of it within a second: learned alone, an amplitude lags by tau times its slope
         let alone = 0.5 * 0.02 * 0.3 * (1.0 - closed(500.0, 0.8) / closed(500.0, 1.0)).norm();
         let left = steady.follow(1.0, 500.0, |t| Complex::new(0.02 - 0.01 * t, 0.0));
