@@ -47,6 +47,19 @@ mod tests {
     }
 
     #[test]
+    fn hub_and_tool_are_a_spring_and_a_damper() {
+        let mut p = Parameters::START;
+        p.tip.damping = 0.1;
+        for share in [0.1, 0.3, 0.69, -0.5] {
+            // the tool is pulled by spring and damper alone: s^2 y = (w^2 + 2 d w s) (x - y)
+            let (s, w) = (Complex::new(0.0, share * p.tip.frequency), p.tip.frequency);
+            let (hub, tool) = (hub_over_tool(&p, share * w), Complex::new(1.0, 0.0));
+            let pull = (s * 2.0 * p.tip.damping * w + w * w) * (hub - tool);
+            assert!((pull / (s * s * tool) - 1.0).norm() < 1e-9, "{share}: {hub}");
+        }
+    }
+
+    #[test]
     fn negative_frequencies_are_mirrored() {
         let p = Parameters::START;
         assert_eq!(hub_over_tool(&p, -2000.0), hub_over_tool(&p, 2000.0).conj());
@@ -73,6 +86,16 @@ mod tests {
         assert_eq!(torque(0.0, 0.0), 0.0);
         assert_eq!((torque(1.0, 0.0), torque(-1.0, 0.0)), (0.01, -0.01));
         assert!((torque(0.01, 0.0) - 0.005).abs() < 1e-15);
+    }
+
+    #[test]
+    fn it_is_ahead_by_the_delay_half_a_sample_and_the_current_loop() {
+        let p = Parameters::START;
+        let late = 1.5e-4 + 1.0 / p.servo.current_bandwidth;
+        for acceleration in [10.0, -20.0] {
+            let expected = 0.01 * late * acceleration / 0.02;
+            assert!((torque(0.0, acceleration) - expected).abs() < 1e-12, "{}", torque(0.0, acceleration));
+        }
     }
 
     #[test]
