@@ -288,7 +288,7 @@ mod tests {
         let mut p = Parameters::START;
         (p.io_delay, p.lookup.preview) = (0, 0.05);
         let path = straight(0.12);
-        let mut run = Run::new(&p, &path);
+        let mut run = Run::new(&p, &path, &[0.0; AXES]);
         let speeds: Vec<(f64, f64)> =
             std::iter::from_fn(|| run.step(&p, &path, path.speed).then(|| (run.speed(), run.point().speed))).collect();
         assert!(speeds.windows(6).all(|six| six[0].0 == six[5].1));

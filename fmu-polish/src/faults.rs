@@ -336,8 +336,10 @@ mod tests {
     fn at_its_limit_nothing_is_a_fault_and_beyond_it_is_one_where_it_counts() {
         let limits: &[Limit] = &[
             (Fault::EmergencyStop, State::ALL, |s, x| s.reading.stopped = x > 1.0),
-            (Fault::LostReading, MOVING, |s, x| s.reading.lost = samples(x, 5.0)),
-            (Fault::ReadingJump, MOVING, |s, x| s.reading.doubted = samples(x, 5.0)),
+            (Fault::LostReading, MOVING, |s, x| s.reading.position_doubt.lost = samples(x, 5.0)),
+            (Fault::ReadingJump, MOVING, |s, x| s.reading.position_doubt.doubted = samples(x, 5.0)),
+            (Fault::LostForce, WORKING, |s, x| s.reading.force_doubt.lost = samples(x, 5.0)),
+            (Fault::ForceJump, WORKING, |s, x| s.reading.force_doubt.doubted = samples(x, 5.0)),
             (Fault::InvalidInput, WORKING, |s, x| s.reading.invalid = samples(x, 5.0)),
             (Fault::Stroke, MOVING, |s, x| s.reading.position.y = -x * 0.5 * P.stroke.y),
             (Fault::TareRejected, State::ALL, |s, x| s.zero = Some(x * P.limits.tare_force * Vector3::z())),
@@ -381,7 +383,8 @@ mod tests {
     #[test]
     fn a_tool_that_stands_after_a_fault_loses_nothing_more() {
         let mut sample = Sample { halted: true, ..Sample::good(State::Fault) };
-        (sample.reading.lost, sample.reading.doubted, sample.reading.position.x) = (9, 9, 10.0);
+        sample.reading.position_doubt = Doubt { lost: 9, doubted: 9 };
+        sample.reading.position.x = 10.0;
         assert_eq!(sample.fault(), None);
         assert_eq!(Sample { halted: false, ..sample }.fault(), Some(Fault::LostReading));
     }

@@ -155,7 +155,7 @@ mod tests {
                 count.set(count.get() + 1);
                 decay(i as f64 * 0.1, y(i as f64 * 0.1), 0.01, value)
             };
-            estimate(SVector::from(start), 50, observe).unwrap();
+            least_squares(SVector::from(start), 50, observe).unwrap();
             count.get() / 50
         };
         // the sums at the start, and those of each step

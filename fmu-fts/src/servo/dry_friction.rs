@@ -34,6 +34,16 @@ mod tests {
     }
 
     #[test]
+    fn it_is_ahead_by_the_delay_half_a_sample_and_the_current_loop() {
+        let p = Parameters::START;
+        let late = 1.5e-4 + 1.0 / p.servo.current_bandwidth;
+        for acceleration in [10.0, -20.0] {
+            let expected = 0.01 * late * acceleration / 0.02;
+            assert!((torque(0.0, acceleration) - expected).abs() < 1e-12, "{}", torque(0.0, acceleration));
+        }
+    }
+
+    #[test]
     fn it_turns_before_the_motion_does() {
         // 230 us before the turn of a motion with 300 rad/s2
         assert!(torque(0.06, -300.0) < 0.0);

@@ -201,6 +201,19 @@ mod tests {
     }
 
     #[test]
+    fn hub_and_tool_are_a_spring_and_a_damper() {
+        let mut p = Parameters::START;
+        p.tip.damping = 0.1;
+        for share in [0.1, 0.3, 0.69, -0.5] {
+            // the tool is pulled by spring and damper alone: s^2 y = (w^2 + 2 d w s) (x - y)
+            let (s, w) = (Complex::new(0.0, share * p.tip.frequency), p.tip.frequency);
+            let (hub, tool) = (Flexure::told(&p).hub_over_tool(share * w), Complex::new(1.0, 0.0));
+            let pull = (s * 2.0 * p.tip.damping * w + w * w) * (hub - tool);
+            assert!((pull / (s * s * tool) - 1.0).norm() < 1e-9, "{share}: {hub}");
+        }
+    }
+
+    #[test]
     fn negative_frequencies_are_mirrored_and_a_rigid_arm_does_not_bend() {
         let told = Flexure::told(&Parameters::START);
         assert_eq!(told.hub_over_tool(-2000.0), told.hub_over_tool(2000.0).conj());

@@ -135,7 +135,7 @@ mod tests {
         let t = |w: f64| {
             let k = frequencies.iter().rposition(|at| *at <= w).unwrap_or(0).min(5);
             let share = (w - frequencies[k]) / 50.0;
-            let phase = (phases[k] + share * (phases[k + 1] - phases[k])) as f64;
+            let phase: f64 = phases[k] + share * (phases[k + 1] - phases[k]);
             let real = [1.0, 0.5, 0.3, 0.5, 0.8, 0.5, 0.1];
             let re: f64 = real[k] + share * (real[k + 1] - real[k]);
             Complex::new(re, -re * phase.to_radians().tan())
