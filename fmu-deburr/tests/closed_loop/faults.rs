@@ -296,7 +296,8 @@ fn of_two_faults_with_the_same_end_the_first_stays() {
 
 #[test]
 fn a_tool_reading_or_an_override_that_is_lost_ends_behind_the_retract() {
-    let lost: [(Fault, fn(&mut Input)); 3] = [
+    type Lose = fn(&mut Input);
+    let lost: [(Fault, Lose); 3] = [
         (Fault::LostSpindle, |input| input.spindle_speed = f64::NAN),
         (Fault::SpindleJump, |input| input.spindle_speed = 0.0),
         (Fault::InvalidInput, |input| input.speed_override = f64::NAN),
