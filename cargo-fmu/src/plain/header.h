@@ -66,8 +66,8 @@ double @id@_period(const @id@ *self);
 bool @id@_tune(@id@ *self, const @id@_parameters *parameters);
 
 /** Number of bytes of the state at present, which are written if `capacity` is enough for them, and else nothing is; 0 if there
- * is no state to save. It is a multiple of 256 that grows with what the controller has to remember: ask with NULL and 0, or be
- * ready for a larger one. The FMU takes the bytes, as this library takes those of the FMU. Allocates. */
+ * is no state to save. It changes with what the controller has to remember: ask with NULL and 0 just
+ * before, or leave room. The FMU takes the bytes, as this library takes those of the FMU. Allocates. */
 size_t @id@_save(@id@ *self, void *bytes, size_t capacity);
 
 /** Goes on from a saved state of a controller of this kind, whatever its parameters were; the stop time of an FMU comes
