@@ -73,9 +73,21 @@ pub fn example(project: &Project, package: &str, name: &str, platform: &'static 
 /// # Errors
 /// As [`library`].
 pub fn static_library(project: &Project, package: &Package) -> Result<PathBuf> {
-    let name = &cdylib(package)?.name;
+    let (host, name) = (Platform::host()?, &cdylib(package)?.name);
+    binds_names(host)?;
     let title = format!("build `{}` as a static library", package.name);
-    find(&compiled(project, package, Platform::host()?, &title)?, name, "a")
+    find(&compiled(project, package, host, &title)?, name, "a")
+}
+
+/// Names of a static library can be hidden on platforms with ELF files, by the GNU linker.
+fn binds_names(platform: &Platform) -> Result<()> {
+    let Platform { folder, format, .. } = platform;
+    ensure!(
+        *format == Format::Elf,
+        "a static library for C can be made of ELF files, and `{folder}` has {format:?} files\n\
+         hint: build it on Linux, or use the FMU"
+    );
+    Ok(())
 }
 
 /// The C library among the targets of a package.
@@ -174,4 +186,21 @@ fn find(built: &[Artifact], name: &str, extension: &str) -> Result<PathBuf> {
     let mut files = matching.flat_map(|artefact| &artefact.filenames);
     let library = files.find(|file| file.extension() == Some(extension));
     library.map(|file| file.clone().into()).with_context(|| format!("the build left no C library `{name}`"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::platform::{AARCH64_LINUX, LINUX64, WIN64};
+
+    #[test]
+    fn a_platform_whose_names_cannot_be_hidden_is_refused_by_name() {
+        assert!([LINUX64, AARCH64_LINUX].iter().all(|platform| binds_names(platform).is_ok()));
+        for (platform, told) in
+            [(WIN64, "`win64` has Pe files"), (Platform::named("darwin64").unwrap(), "has MachO files")]
+        {
+            let error = binds_names(platform).unwrap_err().to_string();
+            assert!(error.contains(told) && error.contains("hint: build it on Linux"), "{error}");
+        }
+    }
 }

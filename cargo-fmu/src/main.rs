@@ -108,7 +108,7 @@ impl Pack {
         let package = choice::package(&project.metadata, self.package.as_deref())?;
         if self.plain_c {
             let compiled = build::static_library(&project, package)?;
-            let library = plain::write(&compiled, &self.target(&project).join("c").join(&*package.name))?;
+            let library = plain::write(&compiled, &self.target(&project).join("c").join(&*package.name), &[])?;
             println!("{}\n{}", library.archive.display(), library.header.display());
             return Ok(());
         }

@@ -22,6 +22,24 @@ EXAMPLE = ROOT / "examples/spring"
 FOLDER = ROOT / "target/examples"
 PUBLISHED = ("cargo-fmu", "fmi2-export", "fmi2-export-macros")
 INTERVAL = 1e-2
+SPRING = """
+#include <stdio.h>
+#include "spring.h"
+int main(void) {
+    spring_parameters p;
+    spring_inputs in;
+    spring_outputs out;
+    spring_start_parameters(&p);
+    spring_start_inputs(&in);
+    p.stiffness = 200.0;
+    in.position = 1e-3;
+    spring *one = spring_new(&p, NULL, NULL, NULL);
+    if (one == NULL || !spring_step(one, &in, &out)) return 1;
+    printf("%.17g\\n", out.force);
+    spring_free(one);
+    return 0;
+}
+"""
 
 
 def test_the_readme_shows_the_example() -> None:
@@ -116,3 +134,14 @@ def test_a_crate_elsewhere_is_packed_validated_and_simulated() -> None:
     assert seen.returncode == 0, seen.stdout + seen.stderr
     assert "3 variables: 1 input, 1 output, 1 parameter" in seen.stdout
     assert not any(str(place) in seen.stdout for place in (ROOT, Path.home()))
+
+    # and a library for C of it
+    plain = cargo_fmu(program, folder, "--plain-c", "--target-dir", str(FOLDER / "build"))
+    assert plain.returncode == 0, plain.stderr
+    archive, header = map(Path, plain.stdout.splitlines())
+    source = folder / "spring.c"
+    source.write_text(SPRING)
+    command = ["cc", "-Wall", "-Wextra", "-Werror", f"-I{header.parent}", str(source), str(archive), "-lm"]
+    subprocess.run([*command, "-o", str(folder / "plain")], check=True)
+    pressed = subprocess.run([str(folder / "plain")], capture_output=True, text=True, check=True)
+    assert float(pressed.stdout) == pytest.approx(-200.0 * 1e-3)

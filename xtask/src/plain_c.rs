@@ -12,6 +12,9 @@ use crate::fmu::{controllers, select};
 use crate::setup;
 use crate::workspace::Workspace;
 
+/// What a parameter of a controller begins with in Modelica: a command acts at the instant of its sample there.
+const STARTS: [(&str, &str); 1] = [("io_delay", "0")];
+
 /// Name of the Modelica package; what of it is not made from declarations lies in `modelica/`.
 const PACKAGE: &str = "MachiningFMUs";
 
@@ -25,7 +28,7 @@ pub fn run(workspace: &Workspace, names: &[String], modelica: bool) -> Result<()
     let mut libraries: Vec<Library> = Vec::new();
     for package in select(&workspace.root, &controllers(workspace), names)? {
         let compiled = build::static_library(workspace, package)?;
-        let library = plain::write(&compiled, &workspace.path("target/c").join(&*package.name))?;
+        let library = plain::write(&compiled, &workspace.path("target/c").join(&*package.name), &["-Werror"])?;
         println!("{}", library.archive.display());
         libraries.push(library);
     }
@@ -36,7 +39,7 @@ pub fn run(workspace: &Workspace, names: &[String], modelica: bool) -> Result<()
             fs::remove_dir_all(&folder).with_context(|| format!("cannot remove `{}`", folder.display()))?;
         }
         copy(&workspace.path("modelica").join(PACKAGE), &folder)?;
-        plain::modelica_package(&libraries, &folder)?;
+        plain::modelica_package(&libraries, &folder, &STARTS)?;
         remove_examples(&folder)?;
         println!("{}", folder.display());
     }

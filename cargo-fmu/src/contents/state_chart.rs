@@ -5,11 +5,15 @@ use std::fmt::Write as _;
 
 use super::markup::escaped;
 
-/// Height of a state, distance of two, width of a letter and of a lane for ways.
+/// Height of a state, distance of two, width of a letter and of one of the small ones, and of a lane for ways at least.
 const HEIGHT: usize = 28;
 const ROW: usize = 56;
 const LETTER: usize = 9;
+const SMALL: usize = 7;
 const LANE: usize = 34;
+
+/// Distance of the numbers of a way from its line, and from what comes next.
+const GAP: usize = 4;
 
 /// A way from state to state, by their places, with the numbers of its transitions.
 struct Way {
@@ -53,9 +57,10 @@ pub fn write(transitions: &[(String, String)], begin: &str, page: &str) -> Strin
         }
     }
     let (right, left) = (lay(&mut ways, true), lay(&mut ways, false));
+    let (right_lane, left_lane) = (lane_width(&ways, true), lane_width(&ways, false));
     let widest = states.iter().map(|state| state.chars().count()).max().unwrap_or_default();
-    let (x, inside) = ((left + 1) * LANE, (widest + 3) * LETTER);
-    let (width, height) = (x + inside + (right + 1) * LANE, states.len() * ROW + 30);
+    let (x, inside) = ((left + 1) * left_lane, (widest + 3) * LETTER);
+    let (width, height) = (x + inside + (right + 1) * right_lane, states.len() * ROW + 30);
     let mut svg = format!(
         "<div class=\"scroll\">\n<svg class=\"block\" width=\"{width}\" viewBox=\"0 0 {width} {height}\" role=\"img\" aria-label=\"States\">\n"
     );
@@ -68,7 +73,7 @@ pub fn write(transitions: &[(String, String)], begin: &str, page: &str) -> Strin
         }
     }
     for way in &ways {
-        svg += &drawn(way, x, inside);
+        svg += &drawn(way, x, inside, if way.is_forward() { right_lane } else { left_lane });
     }
     for (i, state) in states.iter().enumerate() {
         let (y, middle, state) = (top(i), x + inside / 2, escaped(state));
@@ -100,11 +105,18 @@ fn lay(ways: &mut [Way], forward: bool) -> usize {
     lanes.len()
 }
 
+/// Width of the lanes of a side: of its longest label, as the next line or the end of the picture follows.
+fn lane_width(ways: &[Way], forward: bool) -> usize {
+    let labels = ways.iter().filter(|way| way.is_forward() == forward && !way.is_step());
+    let longest = labels.map(|way| way.numbers.len()).max().unwrap_or_default();
+    LANE.max(longest * SMALL + 2 * GAP)
+}
+
 fn top(state: usize) -> usize {
     30 + state * ROW
 }
 
-fn drawn(way: &Way, x: usize, inside: usize) -> String {
+fn drawn(way: &Way, x: usize, inside: usize, lane: usize) -> String {
     let numbers = &way.numbers;
     if way.is_step() {
         let (middle, from, to) = (x + inside / 2, top(way.from) + HEIGHT, top(way.to));
@@ -115,9 +127,12 @@ fn drawn(way: &Way, x: usize, inside: usize) -> String {
     // ways leave and come in at places of their own
     let (leave, come) = if way.is_forward() { (20, 8) } else { (8, 20) };
     let (from, to) = (top(way.from) + leave, top(way.to) + come);
-    let reach = (way.lane + 1) * LANE - 8;
-    let (edge, bend, label) =
-        if way.is_forward() { (x + inside, x + inside + reach, 4) } else { (x, x - reach, -4_isize) };
+    let reach = (way.lane + 1) * lane - 8;
+    let (edge, bend, label) = if way.is_forward() {
+        (x + inside, x + inside + reach, GAP.cast_signed())
+    } else {
+        (x, x - reach, -GAP.cast_signed())
+    };
     let tip = if way.is_forward() { edge + 8 } else { edge - 8 };
     let anchor = if way.is_forward() { "" } else { " text-anchor=\"end\"" };
     let inward = if way.is_forward() { -1 } else { 1 };
@@ -158,6 +173,35 @@ mod tests {
         // only `Run` has a place in the page
         assert_eq!((svg.matches("<a href").count(), svg.matches("<a href=\"#State-Run\"><text").count()), (1, 1));
         assert_eq!((svg.matches("<circle").count(), svg.matches("<rect").count()), (1, 3));
+    }
+
+    #[test]
+    fn a_label_ends_before_the_next_line_and_inside_the_picture() {
+        let svg = chart(&[
+            ("begin", "A"),
+            ("A", "B"),
+            ("B", "C"),
+            ("C", "D"),
+            // three ways from C back to A, and two from D, in the lane behind
+            ("C", "A"),
+            ("C", "A"),
+            ("C", "A"),
+            ("D", "A"),
+            ("D", "A"),
+        ]);
+        let number = |text: &str| text.parse::<usize>().unwrap();
+        let labels = svg.lines().filter(|line| line.contains("text-anchor=\"end\""));
+        // numbers are written in 11 px, 6.6 px a letter
+        let mut spans: Vec<_> = labels
+            .map(|line| {
+                let right = number(line.split("x=\"").nth(1).unwrap().split('"').next().unwrap());
+                let label = line.split('>').nth(1).unwrap().split('<').next().unwrap();
+                (right as f64 - 6.6 * label.len() as f64, right)
+            })
+            .collect();
+        spans.sort_by_key(|(_, right)| *right);
+        let [(outer, outer_line), (inner, _)] = spans[..] else { panic!("{svg}") };
+        assert!(outer >= 0.0 && inner > (outer_line + GAP) as f64, "{svg}");
     }
 
     #[test]

@@ -41,6 +41,8 @@ struct @id@ {
     void *instance;
     @id@_tell tell;
     void *user;
+    /* whether `tell` runs, in which nothing can be freed */
+    bool telling;
     double period;
     /* time at the beginning or of the restored state, and the samples done since then */
     double begin;
@@ -51,7 +53,7 @@ struct @id@ {
 
 /* the library has doubled what FMI would read as the beginning of an argument or of a reference */
 static void forward(void *environment, const char *name, int status, const char *category, const char *message, ...) {
-    const @id@ *self = (const @id@ *)environment;
+    @id@ *self = (@id@ *)environment;
     char text[4096];
     size_t length = 0;
     (void)name, (void)category;
@@ -60,7 +62,9 @@ static void forward(void *environment, const char *name, int status, const char 
         if ((*message == '%' || *message == '#') && message[1] == *message) message++;
     }
     text[length] = 0;
+    self->telling = true;
     self->tell(self->user, status, text);
+    self->telling = false;
 }
 
 #define DONE(call) ((call) <= WARNING)
@@ -138,7 +142,7 @@ void @id@_start_inputs(@id@_inputs *in) {
 }
 
 void @id@_free(@id@ *self) {
-    if (self == NULL) return;
+    if (self == NULL || self->telling) return;
     fmi2FreeInstance(self->instance);
     free(self);
 }

@@ -4,7 +4,7 @@
  * Link with `lib@id@.a` and the mathematical library (`-lm`), before glibc 2.34 also with `-lpthread -ldl`. Units are SI.
  *
  * Memory: an instance is made by @id@_new and freed by @id@_free. @id@_step allocates nothing, except in a sample that
- * tells of a new state or fault.
+ * tells something, and for inputs that are texts.
  * Failures: where something was refused (level 2) the next sample may be tried. After an error (level 3) only
  * @id@_restore, @id@_save, @id@_free and what reads (@id@_read, @id@_period, texts) work; after a fault of the program itself (level 4) only @id@_free.
  * Threads: an instance is used by one at a time, others at once. */
@@ -48,7 +48,7 @@ void @id@_start_inputs(@id@_inputs *inputs);
  * `resources`. That, `tell` and `user` may be NULL. */
 @id@ *@id@_new(const @id@_parameters *parameters, const char *resources, @id@_tell tell, void *user);
 
-/** Frees a controller; NULL is none. */
+/** Frees a controller; NULL is none. Called by `tell` it does nothing. */
 void @id@_free(@id@ *self);
 
 /** One sample, which is @id@_period after the last one. False when an input is refused or nothing good can be computed,
@@ -65,8 +65,9 @@ double @id@_period(const @id@ *self);
  * False when one is refused, with the reason told; the others are not looked at. */
 bool @id@_tune(@id@ *self, const @id@_parameters *parameters);
 
-/** Number of bytes of the state, which are written if `capacity` is enough for them; 0 if there is no state to save. The
- * FMU takes them, as this library takes those of the FMU. Allocates. */
+/** Number of bytes of the state at present, which are written if `capacity` is enough for them, and else nothing is; 0 if there
+ * is no state to save. It changes with what the controller has to remember: ask with NULL and 0 just
+ * before, or leave room. The FMU takes the bytes, as this library takes those of the FMU. Allocates. */
 size_t @id@_save(@id@ *self, void *bytes, size_t capacity);
 
 /** Goes on from a saved state of a controller of this kind, whatever its parameters were; the stop time of an FMU comes

@@ -26,13 +26,15 @@ pub struct Library {
 /// Of all symbols only those of the header are left, which begin with the identifier: two such libraries, each with its own
 /// copy of Rust's standard library, can be linked into one program.
 ///
+/// `flags` are more words for the C compiler, which is `cc`, or what `CC` names.
+///
 /// # Errors
 /// When a program of the C compiler is missing or fails: `cc` and `objcopy`, which know ELF files.
-pub fn write(compiled: &Path, folder: &Path) -> Result<Library> {
+pub fn write(compiled: &Path, folder: &Path, flags: &[&str]) -> Result<Library> {
     // others may write into the folder at the same time
     let work = folder.join(format!("made-{}", process::id()));
     fs::create_dir_all(&work).with_context(|| format!("cannot make `{}`", work.display()))?;
-    let made = make(compiled, &work).and_then(|made| {
+    let made = make(compiled, &work, flags).and_then(|made| {
         let place = |file: &Path| -> Result<PathBuf> {
             let target = folder.join(file.file_name().unwrap_or_default());
             fs::rename(file, &target).with_context(|| format!("cannot write `{}`", target.display()))?;
@@ -47,7 +49,7 @@ pub fn write(compiled: &Path, folder: &Path) -> Result<Library> {
 }
 
 /// Makes both files in a folder of their own.
-fn make(compiled: &Path, work: &Path) -> Result<Library> {
+fn make(compiled: &Path, work: &Path, flags: &[&str]) -> Result<Library> {
     let interface = Interface::of_library(&description(compiled, work)?)?;
     let identifier = interface.identifier.clone();
     let (header, code) = (work.join(format!("{identifier}.h")), work.join(format!("{identifier}.c")));
@@ -56,7 +58,7 @@ fn make(compiled: &Path, work: &Path) -> Result<Library> {
 
     let (adapter, joined) = (work.join("adapter.o"), work.join(format!("{identifier}.o")));
     let mut cc = compiler();
-    cc.args(["-std=c99", "-O2", "-fPIC", "-Wall", "-Wextra", "-Werror", "-c"]);
+    cc.args(["-std=c99", "-O2", "-fPIC", "-Wall", "-Wextra", "-c"]).args(flags);
     text(cc.arg("-I").arg(work).arg(&code).arg("-o").arg(&adapter))?;
     let names = functions(&fs::read_to_string(&header)?, &identifier);
     ensure!(!names.is_empty(), "the header of `{identifier}` declares no function");
@@ -77,18 +79,19 @@ fn make(compiled: &Path, work: &Path) -> Result<Library> {
     Ok(Library { archive, header, interface })
 }
 
-/// Writes a block for each library, with all that it needs, into the folder of a Modelica package.
+/// Writes a block for each library, with all that it needs, into the folder of a Modelica package; parameters named in
+/// `starts` begin with these values there.
 ///
 /// # Errors
-/// When two variables would have one name in a block, or a file cannot be read or written.
-pub fn modelica_package(libraries: &[Library], folder: &Path) -> Result<()> {
+/// When a block cannot hold a variable or an enumeration, or a file cannot be read or written.
+pub fn modelica_package(libraries: &[Library], folder: &Path, starts: &[(&str, &str)]) -> Result<()> {
     let package = folder.file_name().unwrap_or_default().to_string_lossy();
     let (include, binaries) = (folder.join("Resources/Include"), folder.join("Resources/Library"));
     for folder in [&include, &binaries] {
         fs::create_dir_all(folder).with_context(|| format!("cannot make `{}`", folder.display()))?;
     }
     for Library { archive, header, interface } in libraries {
-        put(&folder.join(format!("{}.mo", interface.name)), &modelica::block(interface, &package)?)?;
+        put(&folder.join(format!("{}.mo", interface.name)), &modelica::block(interface, &package, starts)?)?;
         put(&include.join(format!("{}_modelica.h", interface.identifier)), &modelica::adapter(interface))?;
         for (file, place) in [(header, &include), (archive, &binaries)] {
             let copy = place.join(file.file_name().unwrap_or_default());
@@ -109,8 +112,18 @@ fn description(compiled: &Path, work: &Path) -> Result<String> {
     found.with_context(|| format!("`{}` holds no `{DESCRIPTION}`", compiled.display()))
 }
 
+/// The C compiler.
 fn compiler() -> Command {
-    Command::new(std::env::var_os("CC").unwrap_or_else(|| "cc".into()))
+    command(&std::env::var("CC").unwrap_or_default())
+}
+
+/// A program with the words that stand behind its name, as `CC` may hold them.
+fn command(words: &str) -> Command {
+    let whole = Path::new(words.trim());
+    let mut words = if whole.is_file() { vec![words.trim()] } else { words.split_whitespace().collect() }.into_iter();
+    let mut command = Command::new(words.next().unwrap_or("cc"));
+    command.args(words);
+    command
 }
 
 /// The functions that a header declares: a name with the identifier as its beginning and an open parenthesis behind it.
@@ -130,6 +143,21 @@ fn put(file: &Path, text: &str) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_compiler_may_have_words_of_its_own() {
+        let words = |text: &str| {
+            let command = command(text);
+            let rest = command.get_args().map(|word| word.to_owned());
+            std::iter::once(command.get_program().to_owned()).chain(rest).collect::<Vec<_>>()
+        };
+        assert_eq!(words(" "), ["cc"]);
+        assert_eq!(words("ccache gcc"), ["ccache", "gcc"]);
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("my cc");
+        fs::write(&file, "").unwrap();
+        assert_eq!(words(file.to_str().unwrap()), [file.as_os_str()]);
+    }
 
     #[test]
     fn the_functions_of_a_header_are_its_declarations() {

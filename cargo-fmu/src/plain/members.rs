@@ -8,11 +8,13 @@ use super::template::comment;
 use crate::interface::{Quantity, Type};
 
 /// Words of C and C++ that a variable may be named with, and a member not; it gets a `_` at its end.
-const TAKEN: &str = "alignas alignof and asm auto bool break case catch char class concept const consteval constexpr \
-    constinit continue decltype default delete do double else enum explicit export extern false final float for friend goto \
-    if import inline int long module mutable namespace new noexcept not nullptr operator or override private protected \
-    public register requires restrict return short signed sizeof static struct switch template this throw true try typedef \
-    typeid typename union unsigned using virtual void volatile while xor";
+const TAKEN: &str = "alignas alignof and and_eq asm auto bitand bitor bool break case catch char char16_t char32_t char8_t \
+    class co_await co_return co_yield compl concept const const_cast consteval constexpr constinit continue decltype default \
+    delete do double dynamic_cast else enum explicit export extern false final float for friend goto if import inline int \
+    long module mutable namespace new noexcept not not_eq nullptr operator or or_eq override private protected public \
+    register reinterpret_cast requires restrict return short signed sizeof static static_assert static_cast struct switch \
+    template this thread_local throw true try typedef typeid typename union unsigned using virtual void volatile wchar_t \
+    while xor xor_eq";
 
 /// A member of a struct.
 enum Member<'a> {
@@ -132,6 +134,7 @@ mod tests {
         assert_eq!(path("bank.export"), "bank.export_");
         assert_eq!(path("axis1.gain[3]"), "axis1.gain[2]");
         assert!(declared(&["export"]).unwrap().contains("double export_;"));
+        assert_eq!(path("axis.compl"), "axis.compl_");
     }
 
     #[test]

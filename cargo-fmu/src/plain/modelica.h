@@ -11,11 +11,11 @@ static void @id@_modelica_tell(void *user, int level, const char *text) {
     else ModelicaFormatWarning("%s\n", text);
 }
 
-static void *@id@_modelica_new(const double *reals, const int *integers, const char **texts) {
+static void *@id@_modelica_new(const double *reals, const int *integers, const char **texts, const char *resources) {
     @id@_parameters p;
     (void)reals, (void)integers, (void)texts;
     @id@_start_parameters(&p);
-@parameters@    @id@ *self = @id@_new(&p, NULL, @id@_modelica_tell, NULL);
+@parameters@    @id@ *self = @id@_new(&p, *resources ? resources : NULL, @id@_modelica_tell, NULL);
     if (self == NULL) ModelicaError("@id@: the parameters were refused, the reason was told before\n");
     return self;
 }

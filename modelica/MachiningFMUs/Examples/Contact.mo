@@ -8,7 +8,7 @@ model Contact "A tool is driven against a workpiece, stopped by its contact and 
   Real position(unit = "m", start = 0.0, fixed = true) "Position of the slide";
   Real velocity(unit = "m/s", start = 0.0, fixed = true) "Velocity of the slide";
   Real force(unit = "N") "Force of the contact";
-  MachiningFMUs.DisturbanceObserverContactDetection controller(io_delay = 0);
+  MachiningFMUs.DisturbanceObserverContactDetection controller;
 protected
   discrete Integer seed(start = 1, fixed = true) "Of the noise, by a congruence";
 equation

@@ -10,7 +10,7 @@ model Edge "A robot takes the burr off an edge, as fast as its tool can cut"
   Real acceleration[6](each start = 0.0, each fixed = true);
   Real spindle(unit = "rad/s", displayUnit = "rev/min", start = idle, fixed = true) "Speed of the tool";
   Real burr(unit = "m2") "Cross-section of the burr at the tool";
-  MachiningFMUs.VariableSpeedDeburring controller(io_delay = 0, bank_compute = true);
+  MachiningFMUs.VariableSpeedDeburring controller(bank_compute = true);
 protected
   Real command[6] "Velocities that the controller asks for";
 equation

@@ -11,7 +11,7 @@ model Lens "A diamond tool on an arm follows a toric lens, twice to and fro in e
   Real tip(unit = "rad", displayUnit = "deg", start = 0.0, fixed = true) "Angle of the tool";
   Real tipVelocity(unit = "rad/s", start = 0.0, fixed = true);
   Real bending(unit = "N.m") "Torque of the flexure";
-  MachiningFMUs.RotaryFastToolServo controller(io_delay = 0);
+  MachiningFMUs.RotaryFastToolServo controller;
 equation
   bending = arm*(flexure^2*(angle - tip) + 0.04*flexure*(velocity - tipVelocity));
   der(angle) = velocity;

@@ -12,7 +12,7 @@ model Mold "A ball polishes a mold with 5 N"
   Real acceleration[3](each unit = "m/s2", each start = 0.0, each fixed = true);
   Real depth(unit = "m", displayUnit = "um") "Of the ball in the mold, which bends the tip";
   Real force[3](each unit = "N") "On the ball";
-  MachiningFMUs.StickSlipPolishing controller(io_delay = 0);
+  MachiningFMUs.StickSlipPolishing controller;
 protected
   Real normal[3] "Of the mold, as the path tells it";
   Real desired[3](each unit = "m") "Centre of the ball on the path";

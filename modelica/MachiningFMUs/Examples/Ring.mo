@@ -22,7 +22,7 @@ model Ring "A ring on a turning table is pushed to its centre"
   Real force(unit = "N") "Of probe and pusher on the ring";
   Real slip(unit = "m/s") "Of the ring on the table";
   Real error(unit = "m", displayUnit = "um") "Distance of the ring from the axis";
-  MachiningFMUs.RingCentering controller(io_delay = 0);
+  MachiningFMUs.RingCentering controller;
 protected
   Real across(unit = "m") "From the centre of the ring to where it is touched, along the slide";
 equation

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from .conftest import ROOT, need
-from .test_plain_c import CONTROLLERS, compiled
+from ..conftest import ROOT, need
+from .libraries import CONTROLLERS, RARE, compiled
 
 PACKAGE = ROOT / "target/modelica/MachiningFMUs"
 UTILITIES = """
@@ -32,8 +32,9 @@ int main(void) {
     fmu_dob_outputs out;
     fmu_dob_start_parameters(&p);
     fmu_dob_start_inputs(&in);
+    p.io_delay = 0;
     fmu_dob *plain = fmu_dob_new(&p, NULL, NULL, NULL);
-    void *block = fmu_dob_modelica_new(reals, integers, NULL);
+    void *block = fmu_dob_modelica_new(reals, integers, NULL, "");
     for (int k = 0; k < 5000; k++) {
         double seen[256];
         int told[256];
@@ -53,7 +54,6 @@ int main(void) {
 
 EXAMPLES = {"Contact": "dob", "Mold": "polish", "Edge": "deburr", "Lens": "fts", "Ring": "centering"}
 """And the controller of each."""
-RARE = ("deburr", "fts", "centering")
 
 pytestmark = pytest.mark.xdist_group("builds")
 
@@ -145,6 +145,11 @@ def test_a_block_and_the_code_behind_it_have_one_order(name: str) -> None:
     arrays = ("reals", "integers", "texts", "reals_in", "integers_in")
     assert lists(text) == [taken.get(array, []) for array in arrays]
     given = re.findall(r"(reals|integers)\[(\d+)\] = out\.([^;]+);", code)
+    # each place of both arrays once, and as many as the block takes
+    for array in ("reals", "integers"):
+        (size,) = re.findall(rf"discrete \w+ {array}_\[(\d+)\];", text)
+        assert [int(index) for to, index, _ in given if to == array] == list(range(int(size)))
+    assert given
     for array, index, member in given:
         assert re.search(rf"^  {flat(member)} = {array}_\[{int(index) + 1}\]", text, re.MULTILINE), member
 
