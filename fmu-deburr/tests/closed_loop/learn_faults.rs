@@ -105,6 +105,7 @@ fn a_pattern_that_grows_ends_its_speed_in_the_middle_of_the_path_and_is_no_fault
     let mut p = Parameters::START;
     // read so far ahead, an error at high frequencies is enlarged by each repetition
     (p.learn.law, p.learn.lead, p.learn.repetitions) = (LearningLaw::LeadFilter, 8, 60);
+    (p.learn.identify, p.learn.tolerance, p.learn.decrease) = (false, 0.0, 0.0);
     p.learn.factors = Speeds::new(&[1.0, 0.4]).unwrap();
     let mut run = Loop::new(&p, &Build::NOMINAL);
     run.step();

@@ -280,14 +280,16 @@ fn a_lost_sample_now_and_then_does_not_matter() {
 }
 
 #[test]
-fn a_spindle_that_is_lost_ends_it() {
-    let mut run = Loop::new(&Parameters::START, 92, NO_WORKPIECE);
-    begin(&mut run, 2.0);
-    for _ in 0..10 {
-        run.step_with(|input| {
-            ask(input);
-            input.spindle_speed = 0.1 * SPINDLE_SPEED;
-        });
+fn a_spindle_that_is_lost_or_falls_at_once_ends_it() {
+    for (reading, fault) in [(f64::NAN, Fault::LostSpindle), (0.1 * SPINDLE_SPEED, Fault::SpindleJump)] {
+        let mut run = Loop::new(&Parameters::START, 92, NO_WORKPIECE);
+        begin(&mut run, 2.0);
+        for _ in 0..10 {
+            run.step_with(|input| {
+                ask(input);
+                input.spindle_speed = reading;
+            });
+        }
+        assert_eq!(run.output.fault, fault);
     }
-    assert_eq!(run.output.fault, Fault::LostSpindle);
 }
