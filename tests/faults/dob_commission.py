@@ -105,7 +105,7 @@ ROWS = (
     ),
     commission(
         "commission: spindle signal lost while it excites",
-        ("LostSpindle",),
+        ("SpindleJump",),
         2e-6,
         LIES,
         3.0,

@@ -149,10 +149,9 @@ MATRIX = Matrix(
             truth=AFTER,
         ),
         lost("drive gives 0.3 of the torque", "WeakDrive", *at_once(TORQUE, scale=0.3)),
-        # where the arm without torque turns it stands for a moment, as an encoder does that has frozen
-        lost("no torque", ("WeakDrive", "FrozenReading"), *at_once(TORQUE, value=0.0)),
+        lost("no torque", "WeakDrive", *at_once(TORQUE, value=0.0)),
         lost("torque stuck", ("WeakDrive", "DriveSign"), *at_once(TORQUE, frozen=True)),
-        lost("amplifier trips", ("WeakDrive", "FrozenReading"), *at_once("plant.enable", value=0.0)),
+        lost("amplifier trips", "WeakDrive", *at_once("plant.enable", value=0.0)),
         lost(
             "flexure without damping, at 840 Hz",
             ("Oscillation", "ReadingJump"),

@@ -46,6 +46,7 @@ pub struct DriveWatch {
     done: Band,
     response: Response,
     latest: Response,
+    moving: Response,
 }
 
 impl DriveWatch {
@@ -62,6 +63,9 @@ impl DriveWatch {
             let done = self.done.update((arm_angle - 2.0 * before + earlier) / (dt * dt), dt);
             self.response.update(told, done, MEMORY / dt);
             self.latest.update(told, done, SHORT / dt);
+            if arm_angle != before {
+                self.moving = self.latest;
+            }
         }
     }
 
@@ -69,6 +73,12 @@ impl DriveWatch {
     pub fn latest(&self, p: &Parameters) -> Option<f64> {
         let least = disturbance(p) / p.servo.inertia;
         self.latest.share(SHORT / p.sample_period * least * least)
+    }
+
+    /// The same when the reading last changed: an arm that its drive has left comes to rest, an encoder freezes in motion.
+    pub fn moving(&self, p: &Parameters) -> Option<f64> {
+        let least = disturbance(p) / p.servo.inertia;
+        self.moving.share(SHORT / p.sample_period * least * least)
     }
 
     /// Acceleration of the arm over that of the torque; none while the torque u is so small that disturbances d could take the

@@ -91,8 +91,9 @@ impl Watch {
         let frozen = stands && self.life.unanswered(p, length) > 1.0;
         let behind = self.following_error.abs() > p.limits.following_error;
         let poor = f64::from(self.poor) * p.sample_period > SETTLED * p.afc.tau;
+        let left = self.drive.moving(p).is_some_and(|moving| moving.abs() < p.limits.drive_share);
         frozen
-            .then_some(Fault::FrozenReading)
+            .then_some(if left { Fault::WeakDrive } else { Fault::FrozenReading })
             .or(share.and_then(|share| self.drive_fault(p, share)))
             .or((self.turns >= REVERSALS).then_some(Fault::Oscillation))
             .or(behind.then_some(Fault::FollowingError))
@@ -277,6 +278,39 @@ mod tests {
         let turned = |after: f64| driven(|time| if time < 0.1 { 1.0 } else { -1.0 }, 0.1 + after);
         let first = (1..100).find_map(|k| turned(1e-4 * f64::from(k)));
         assert_eq!(first, Some(Fault::DriveSign));
+    }
+
+    /// What is found when an arm first stands, with a torque of 3 N.m at 80 Hz whose motion `seen` (rad) makes a reading from time (s)
+    /// and true angle, and whose drive is `lost` 0.1 s after the begin; friction brakes with 300 rad/s2.
+    fn standing(lost: bool, seen: impl Fn(f64, f64) -> f64) -> Option<Fault> {
+        let (p, dt, mut watch) = (Parameters::START, Parameters::START.sample_period, Watch::default());
+        let (mut angle, mut velocity, mut before) = (0.0, 0.0f64, 0.0);
+        (0..2000).find_map(|k| {
+            let time = dt * f64::from(k);
+            let torque = 3.0 * (TAU * 80.0 * time).cos();
+            let wanted = (3.0 - torque) / (p.servo.inertia * (TAU * 80.0).powi(2));
+            watch.update(&p, 0.08, &Sample { wanted, arm_angle: seen(time, angle), torque, ..REST });
+            let free = velocity + dt * before / p.servo.inertia;
+            let coasting = velocity.signum() * (velocity.abs() - 300.0 * dt).max(0.0);
+            velocity = if lost && time > 0.1 { coasting } else { free };
+            angle += dt * velocity;
+            before = torque;
+            watch.find(&p, 0.08)
+        })
+    }
+
+    #[test]
+    fn an_arm_that_its_drive_has_left_comes_to_rest_and_an_encoder_freezes_in_motion() {
+        assert_eq!(standing(false, |_, angle| angle), None);
+        assert_eq!(standing(true, |_, angle| angle), Some(Fault::WeakDrive));
+        let held = std::cell::Cell::new(0.0);
+        let frozen = |time: f64, angle: f64| {
+            if time < 0.1 {
+                held.set(angle);
+            }
+            held.get()
+        };
+        assert_eq!(standing(false, frozen), Some(Fault::FrozenReading));
     }
 
     #[test]
