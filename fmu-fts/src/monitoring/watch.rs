@@ -281,9 +281,10 @@ mod tests {
     }
 
     /// What is found when an arm first stands, with a torque of 3 N.m at 80 Hz whose motion `seen` (rad) makes a reading from time (s)
-    /// and true angle, and whose drive is `lost` 0.1 s after the begin; friction brakes with 300 rad/s2.
+    /// and true angle, and whose drive is `lost` in the middle of a swing; friction brakes with 900 rad/s2.
     fn standing(lost: bool, seen: impl Fn(f64, f64) -> f64) -> Option<Fault> {
-        let (p, dt, mut watch) = (Parameters::START, Parameters::START.sample_period, Watch::default());
+        let (mut p, dt, mut watch) = (Parameters::START, Parameters::START.sample_period, Watch::default());
+        p.limits.following_error = 1.0;
         let (mut angle, mut velocity, mut before) = (0.0, 0.0f64, 0.0);
         (0..2000).find_map(|k| {
             let time = dt * f64::from(k);
@@ -291,8 +292,8 @@ mod tests {
             let wanted = (3.0 - torque) / (p.servo.inertia * (TAU * 80.0).powi(2));
             watch.update(&p, 0.08, &Sample { wanted, arm_angle: seen(time, angle), torque, ..REST });
             let free = velocity + dt * before / p.servo.inertia;
-            let coasting = velocity.signum() * (velocity.abs() - 300.0 * dt).max(0.0);
-            velocity = if lost && time > 0.1 { coasting } else { free };
+            let coasting = velocity.signum() * (velocity.abs() - 900.0 * dt).max(0.0);
+            velocity = if lost && time > 0.103 { coasting } else { free };
             angle += dt * velocity;
             before = torque;
             watch.find(&p, 0.08)
@@ -305,7 +306,7 @@ mod tests {
         assert_eq!(standing(true, |_, angle| angle), Some(Fault::WeakDrive));
         let held = std::cell::Cell::new(0.0);
         let frozen = |time: f64, angle: f64| {
-            if time < 0.1 {
+            if time < 0.103 {
                 held.set(angle);
             }
             held.get()
