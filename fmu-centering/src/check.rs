@@ -62,7 +62,7 @@ fn trial(p: &Parameters) -> Result<(), ParameterError> {
     }
 }
 
-/// A servo lags by a / w^2 while it accelerates, by twice that in the other direction when it turns; with a reserve.
+/// A servo that is told must keep to the limit of following.
 fn following(p: &Parameters) -> Result<(), ParameterError> {
     if p.slide.bandwidth == 0.0 {
         return Ok(());

@@ -8,13 +8,13 @@ use serde::{Deserialize, Serialize};
 use crate::centre::{Centre, Estimate};
 use crate::check::check;
 use crate::faults::{Supervisor, judge, line_moved};
-use crate::interface::{Fault, Input, MonitorReport, Output, Parameters, PushReport, Setpoint, State};
+use crate::interface::{Fault, Input, Measured, MonitorReport, Output, Parameters, PushReport, Setpoint, State};
 use crate::law::{ActiveLaw, Launch, Observation, Verdict};
 use crate::limits::trial_move;
 use crate::machine::{Events, next};
 use crate::monitoring::{DriveMonitor, FrozenProbe, Numbers, ProbeTrial};
 use crate::motion::{Follower, Motion};
-use crate::sensing::{Calm, Clock, Due, Reader, Reading, Sample, Spindle};
+use crate::sensing::{Calm, Clock, Due, Reader, Reading, Sample, Servo, ServoEstimator, Spindle};
 
 /// Time in which a slide without drive that has not moved stands, s.
 const STILL_TIME: f64 = 0.1;
@@ -28,6 +28,9 @@ pub struct Controller {
     follower: Follower,
     frozen: FrozenProbe,
     drive: DriveMonitor,
+    /// of the approach, and what it has told when that was over
+    servo_estimator: ServoEstimator,
+    servo: Option<Servo>,
     trial: ProbeTrial,
     progress: Progress,
     law: ActiveLaw,
@@ -70,6 +73,8 @@ impl Controller {
             follower: Follower::default(),
             frozen: FrozenProbe::default(),
             drive: DriveMonitor::default(),
+            servo_estimator: ServoEstimator::default(),
+            servo: None,
             trial: ProbeTrial::default(),
             progress: Progress::default(),
             law: ActiveLaw::new(p),
@@ -111,6 +116,9 @@ impl Controller {
         (self.sample, self.calm) = (sample, reading.calm);
         if self.watched(p) {
             self.drive.update(p, &self.motion.setpoint, self.ahead, sample.slide);
+            if matches!(self.state, State::Approach | State::Follow) {
+                self.servo_estimator.update(p, &self.motion.setpoint, sample.slide);
+            }
         } else {
             self.drive = DriveMonitor::default();
         }
@@ -123,7 +131,7 @@ impl Controller {
         }
         // a bridged sample is no measurement
         if reading.fresh {
-            let now = self.observation(due);
+            let now = self.observation(p, due);
             self.law.observe(p, &now);
         }
         turned
@@ -143,10 +151,11 @@ impl Controller {
             stroke_over: self.state == State::Push && self.law.stroke_over(p, &self.motion),
             ..Events::default()
         };
-        let now = self.observation(due);
+        let now = self.observation(p, due);
         if events.fault.is_none() {
             self.conclude(p, &now, &mut events);
             self.confirm(p, &mut events);
+            self.judge_servo(p, &mut events);
         }
         self.escalate(p, events.fault);
         let ready = self.state == State::Wait && matches!(events.verdict, None | Some(Verdict::Push));
@@ -212,7 +221,7 @@ impl Controller {
     }
 
     /// What the law sees.
-    fn observation(&self, due: Due) -> Observation {
+    fn observation(&self, p: &Parameters, due: Due) -> Observation {
         Observation {
             state: self.state,
             due,
@@ -220,6 +229,7 @@ impl Controller {
             speed: self.spindle.speed(),
             sample: self.sample,
             setpoint: self.motion.setpoint,
+            bandwidth: self.bandwidth(p),
         }
     }
 
@@ -265,6 +275,7 @@ impl Controller {
         self.law.restart(p);
         self.progress.restart();
         (self.frozen, self.drive, self.trial) = Default::default();
+        (self.servo_estimator, self.servo) = Default::default();
         (self.fault, self.estimate, self.first, self.surest, self.before) = (Fault::None, None, None, None, None);
         self.line = None;
         (self.report, self.started, self.centred) = (PushReport::START, self.clock.time(p), None);
@@ -297,7 +308,7 @@ impl Controller {
         if !self.driven() {
             return self.motion.yield_to(self.sample.slide);
         }
-        let now = self.observation(due);
+        let now = self.observation(p, due);
         let press = if self.state == State::Push { self.law.press(p, &now) } else { None };
         match press {
             Some(setpoint) => self.motion.setpoint = setpoint,
@@ -343,6 +354,11 @@ impl Controller {
                 drive_share: self.drive.share(p),
                 probe_share: self.trial.share().unwrap_or(1.0),
                 job_time: self.progress.samples() as f64 * p.sample_period,
+            },
+            measured: Measured {
+                valid: self.servo.is_some_and(|servo| servo.sure()),
+                slide_bandwidth: self.servo.map_or(0.0, |servo| servo.bandwidth),
+                slide_bandwidth_deviation: self.servo.map_or(0.0, |servo| servo.deviation),
             },
             numbers: Numbers {
                 following_limit: self.drive.allowed(),

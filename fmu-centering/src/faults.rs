@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::centre::Estimate;
 use crate::interface::{Fault, Input, Parameters, State, Vars};
-use crate::limits::{GRAVITY, held_surface_velocity, job_time, speed_limit};
+use crate::limits::{GRAVITY, held_surface_velocity, job_time, slowest_servo, speed_limit};
 use crate::monitoring::{Numbers, SHARE_ERROR, believable_share};
 
 /// A probe that has no contact for longer has lost the ring, s.
@@ -58,6 +58,7 @@ impl Fault {
             | Self::Spindle
             | Self::Divergence
             | Self::Unresolved
+            | Self::SlowServo
             | Self::NoProgress => SafeEnd::Retract,
         }
     }
@@ -289,6 +290,12 @@ fn of_fault(vars: &Vars, fault: Fault, e: f64) -> String {
         Fault::LostReading | Fault::ReadingJump => format!(": slide at `{slide_position} m` {row}"),
         Fault::FrozenReading => format!(": slide at `{slide_position} m`, {error}"),
         Fault::FollowingError | Fault::DriveSign | Fault::WeakDrive => format!(": {error}"),
+        Fault::SlowServo => format!(
+            ": `{:.1} Hz`, standard deviation `{:.1} Hz`, at least `{:.1} Hz`",
+            output.measured.slide_bandwidth / TAU,
+            output.measured.slide_bandwidth_deviation / TAU,
+            slowest_servo(p) / TAU
+        ),
         Fault::NoProgress => {
             let lasted = match endless {
                 Some([turns, most]) => format!("`{turns:.2}` of `{most}` revolutions without result"),

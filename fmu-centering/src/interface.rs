@@ -88,6 +88,8 @@ mod variables {
         #[hint("check counter and cable of the spindle encoder")] SpindleJump,
         /// The spindle encoder stands, or turns slower than `limits.spindle_speed_min`, where the ring must turn
         #[hint("turn the spindle; check its encoder")] FrozenSpindle,
+        /// The servo of the slide is measured to be slower than any with which the slide keeps to `limits.following_error`
+        #[hint("raise the gains of the servo, or lower `slide.acceleration_max`")] SlowServo,
     }
     /// Which law centres the ring.
     pub enum Law {
@@ -140,6 +142,7 @@ mod variables {
         #[var(unit = METRE as "um")] pub pusher_gap: f64,
         pub push: PushReport,
         pub monitor: MonitorReport,
+        pub measured: Measured,
         /// Numbers that are told with a fault.
         #[var(hidden, start = Numbers::START)] pub numbers: Numbers,
     }
@@ -177,6 +180,15 @@ mod variables {
         #[var(unit = ONE, start = 1.0)] pub probe_share: f64,
         /// Since the start, until `centred`
         #[var(unit = SECOND)] pub job_time: f64,
+    }
+    /// What the way to the ring has told of the machine, with its standard deviation; 0 before.
+    pub struct Measured {
+        /// The measurement is sure: its deviation is at most 5 %
+        pub valid: bool,
+        /// Bandwidth of the servo of the slide, from setpoint and encoder
+        #[var(unit = RADIAN_PER_SECOND as "Hz")] pub slide_bandwidth: f64,
+        /// Its standard deviation
+        #[var(unit = RADIAN_PER_SECOND as "Hz")] pub slide_bandwidth_deviation: f64,
     }
     /// All parameters.
     #[parameters] pub struct Parameters {
@@ -337,6 +349,8 @@ mod variables {
     }
     /// What pushes teach; counts with the default law.
     pub struct Learn {
+        /// The bandwidth of the servo is measured on the way to the ring, and used where that is sure and `slide.bandwidth` is not 0
+        #[var(start = true)] pub servo: bool,
         /// The lateral ratio is learned
         #[var(start = true)] pub lateral: bool,
         /// Lateral ratio before the first push: slip across the push over slip along it

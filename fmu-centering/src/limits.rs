@@ -62,6 +62,12 @@ pub fn job_time(p: &Parameters, speed: f64) -> f64 {
     p.approach.travel_max / p.approach.velocity + f64::from(p.limits.pushes + 1) * cycle
 }
 
+/// Bandwidth (rad/s) of the slowest servo that keeps to the limit of following: it lags by a / w^2 while it accelerates, by
+/// twice that in the other direction when it turns; with a reserve.
+pub fn slowest_servo(p: &Parameters) -> f64 {
+    (3.0 * p.slide.acceleration_max / p.limits.following_error).sqrt()
+}
+
 /// Way of the slide in the test of the probe, m: half of what leaves the probe on the ring, and 0.2 mm suffice.
 pub fn trial_move(p: &Parameters) -> f64 {
     TRIAL_MOVE.min(0.5 * (p.null() - p.dead_zone() - p.probe.contact))

@@ -4,10 +4,12 @@ mod calm;
 mod despike;
 mod rates;
 mod reading;
+mod servo;
 mod spindle;
 
 pub use calm::Calm;
 pub use despike::{Despiker, LAG, Measurement};
 pub use rates::{Clock, Due};
 pub use reading::{Freedom, RESOLUTION, Reader, Reading, Sample};
+pub use servo::{Servo, ServoEstimator};
 pub use spindle::Spindle;

@@ -5,7 +5,7 @@ use control_blocks::SafeEnd;
 use crate::controller::Controller;
 use crate::faults::{Watched, graver};
 use crate::interface::{Fault, Parameters, State};
-use crate::limits::{job_time, trial_move};
+use crate::limits::{job_time, slowest_servo, trial_move};
 use crate::machine::Events;
 use crate::monitoring::{Phase, believable_share};
 use crate::sensing::{Freedom, Reading};
@@ -82,6 +82,23 @@ impl Controller {
     /// Whether the drive of the slide may be on.
     pub(super) fn driven(&self) -> bool {
         self.state != State::Fault || self.fault.safe_end() != SafeEnd::DriveOff
+    }
+
+    /// Takes what the way to the ring has told of the servo, and judges whether the law can work with it.
+    pub(super) fn judge_servo(&mut self, p: &Parameters, events: &mut Events) {
+        if self.state != State::Follow || !events.settled {
+            return;
+        }
+        self.servo = self.servo_estimator.servo(p);
+        if p.learns_servo() && self.servo.is_some_and(|servo| servo.sure() && servo.bandwidth < slowest_servo(p)) {
+            events.fault = Some(Fault::SlowServo);
+        }
+    }
+
+    /// Bandwidth of the servo with which strokes are planned, rad/s: as found where that is sure, else as told.
+    pub(super) fn bandwidth(&self, p: &Parameters) -> f64 {
+        let found = self.servo.filter(|servo| servo.sure() && p.learns_servo());
+        found.map_or(p.slide.bandwidth, |servo| servo.bandwidth)
     }
 
     /// Moves the slide out and in, and judges what the probe has answered.

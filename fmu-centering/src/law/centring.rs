@@ -22,6 +22,8 @@ pub struct Observation {
     pub sample: Sample,
     /// Setpoint of the slide.
     pub setpoint: Trajectory,
+    /// Bandwidth of the servo of the slide, as told or found, rad/s.
+    pub bandwidth: f64,
 }
 
 /// A push that begins.

@@ -125,7 +125,15 @@ mod tests {
     /// Sample of a ring `e` m off, nearest at 1 rad, with the slide at rest.
     fn now(state: State, due: Due, e: f64, angle: f64) -> Observation {
         let sample = Sample { angle, slide: 0.1, probe: P.null() + e * (angle - 1.0).cos() };
-        Observation { state, due, angle, speed: SPEED, sample, setpoint: Trajectory::default() }
+        Observation {
+            state,
+            due,
+            angle,
+            speed: SPEED,
+            sample,
+            setpoint: Trajectory::default(),
+            bandwidth: P.slide.bandwidth,
+        }
     }
 
     /// Law that has collected that ring, in 200 samples a revolution.

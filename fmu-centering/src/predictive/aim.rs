@@ -37,6 +37,8 @@ pub struct AimInput<'a> {
     pub speed: f64,
     /// Setpoint of the slide now.
     pub setpoint: Trajectory,
+    /// Bandwidth of the servo, rad/s.
+    pub bandwidth: f64,
     /// Time until the next plan, s.
     pub horizon: f64,
 }
@@ -76,7 +78,7 @@ pub fn aim(p: &Parameters, input: &AimInput, tap: Option<f64>) -> Option<Planned
     if wait >= input.horizon {
         return None;
     }
-    let press = Press::new(stroke.clone(), approach.ending, approach.meeting.time, wait);
+    let press = Press::new(stroke.clone(), approach.ending, approach.meeting.time, wait, input.bandwidth);
     Some(PlannedStroke {
         distance: stroke.end() - input.setpoint.position,
         velocity: approach.finish.velocity,
@@ -168,7 +170,15 @@ mod tests {
         let beats = (TAU / (speed.abs() * HORIZON)) as i32;
         let at = |k: i32| 0.4 + speed * HORIZON * f64::from(k);
         let plan = |angle: f64| {
-            let input = AimInput { ring: &ring, learned: &learned, angle, speed, setpoint, horizon: HORIZON };
+            let input = AimInput {
+                ring: &ring,
+                learned: &learned,
+                angle,
+                speed,
+                setpoint,
+                bandwidth: P.slide.bandwidth,
+                horizon: HORIZON,
+            };
             aim(p, &input, tap).map(|planned| (angle, planned))
         };
         (0..beats).filter_map(|k| plan(at(k))).collect()
@@ -252,8 +262,15 @@ mod tests {
         let planned = |tap: Option<f64>| {
             let at = |k: i32| {
                 let angle = 0.4 + 2.094 * HORIZON * f64::from(k);
-                let input =
-                    AimInput { ring: &ring, learned: &learned, angle, speed: 2.094, setpoint, horizon: HORIZON };
+                let input = AimInput {
+                    ring: &ring,
+                    learned: &learned,
+                    angle,
+                    speed: 2.094,
+                    setpoint,
+                    bandwidth: P.slide.bandwidth,
+                    horizon: HORIZON,
+                };
                 aim(&P, &input, tap)
             };
             (0..200).find_map(at).unwrap()

@@ -123,13 +123,14 @@ impl CentringLaw for PredictiveLaw {
             return None;
         }
         let mut learned = self.relearned(p);
-        let tap = self.tap_speed(p, &mut learned);
+        let tap = self.tap_speed(p, now.bandwidth, &mut learned);
         let input = AimInput {
             ring: &self.ring,
             learned: &learned,
             angle: now.angle,
             speed: now.speed,
             setpoint: now.setpoint,
+            bandwidth: now.bandwidth,
             horizon: 1.0 / p.rates.collect,
         };
         let planned = aim(p, &input, tap)?;
@@ -238,10 +239,10 @@ impl PredictiveLaw {
     }
 
     /// Speed (m/s) of a tap, if the ring is too heavy to be pushed so little.
-    fn tap_speed(&self, p: &Parameters, learned: &mut LearnedParameters) -> Option<f64> {
+    fn tap_speed(&self, p: &Parameters, bandwidth: f64, learned: &mut LearnedParameters) -> Option<f64> {
         let (eccentricity, deflection) = (self.ring.eccentricity(), learned.deflection.mean);
         let heavy = deflection > p.tap.deflection_min && eccentricity < p.tap.reach * deflection;
-        (p.tap.enabled && heavy).then(|| learned.prepare_tap(p).speed(eccentricity).min(p.tap.speed_max))
+        (p.tap.enabled && heavy).then(|| learned.prepare_tap(p, bandwidth).speed(eccentricity).min(p.tap.speed_max))
     }
 }
 

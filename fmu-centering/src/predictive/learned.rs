@@ -111,11 +111,10 @@ impl LearnedParameters {
         learned
     }
 
-    /// First guess of the law of taps.
-    pub fn prepare_tap(&mut self, p: &Parameters) -> TapLaw {
+    /// First guess of the law of taps, for a servo of the `bandwidth` rad/s.
+    pub fn prepare_tap(&mut self, p: &Parameters, bandwidth: f64) -> TapLaw {
         let guess = || {
-            let frequency = p.slide.bandwidth;
-            let servo = p.tap.slide_mass * frequency.powi(2);
+            let servo = p.tap.slide_mass * bandwidth.powi(2);
             let hammer = Hammer { mass: p.tap.slide_mass, servo, tip: p.tap.tip_stiffness };
             TapLaw::guess(&hammer, self.deflection.mean)
         };
@@ -207,7 +206,7 @@ mod tests {
     fn a_tap_teaches_the_law_of_taps_and_no_recoil() {
         let mut learned = LearnedParameters::new(&P);
         learned.deflection.mean = 2e-4;
-        let law = learned.prepare_tap(&P);
+        let law = learned.prepare_tap(&P, P.slide.bandwidth);
         let servo = P.tap.slide_mass * P.slide.bandwidth.powi(2);
         let hammer = Hammer { mass: P.tap.slide_mass, servo, tip: P.tap.tip_stiffness };
         assert_eq!(law, TapLaw::guess(&hammer, 2e-4));

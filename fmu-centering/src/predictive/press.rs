@@ -49,6 +49,8 @@ pub struct Press {
     ending: Ending,
     /// contact before the end, s
     contact: f64,
+    /// of the servo, rad/s
+    bandwidth: f64,
     /// time of this sample from the begin of the stroke, s
     time: f64,
     correction: f64,
@@ -65,13 +67,15 @@ pub struct Press {
 }
 
 impl Press {
-    /// A stroke that begins in `wait` s and touches the ring `contact` s before its end.
-    pub fn new(stroke: Stroke, ending: Ending, contact: f64, wait: f64) -> Self {
+    /// A stroke that begins in `wait` s and touches the ring `contact` s before its end, of a slide whose servo has the
+    /// `bandwidth` rad/s.
+    pub fn new(stroke: Stroke, ending: Ending, contact: f64, wait: f64, bandwidth: f64) -> Self {
         let start = stroke.at(-wait).position;
         Self {
             stroke,
             ending,
             contact,
+            bandwidth,
             time: -wait,
             correction: 0.0,
             ahead: 0.0,
@@ -94,7 +98,7 @@ impl Press {
             self.feed_back(p, goal, seen);
             self.measure(dt, slide, delay, seen);
         }
-        let setpoint = self.setpoint(p, goal, self.time + delay as f64 * dt);
+        let setpoint = self.setpoint(goal, self.time + delay as f64 * dt);
         self.time += dt;
         setpoint
     }
@@ -143,7 +147,7 @@ impl Press {
         self.most = [self.most[0].max(self.deflection), self.most[1].max(seen.probe())];
     }
 
-    fn setpoint(&mut self, p: &Parameters, goal: &Goal, time: f64) -> Trajectory {
+    fn setpoint(&mut self, goal: &Goal, time: f64) -> Trajectory {
         let reference = self.stroke.at(time);
         let since = time - (self.stroke.duration() - self.contact);
         let preload = match self.ending {
@@ -153,14 +157,13 @@ impl Press {
         self.ahead = preload + self.correction;
         let position = reference.position + preload + self.correction;
         self.sent.send(position);
-        Trajectory { position: position + feed_forward(p, reference.acceleration), ..reference }
+        Trajectory { position: position + feed_forward(self.bandwidth, reference.acceleration), ..reference }
     }
 }
 
 /// What a position-velocity servo must be told in advance to accelerate, m.
-fn feed_forward(p: &Parameters, acceleration: f64) -> f64 {
-    let frequency = p.slide.bandwidth;
-    if frequency > 0.0 { acceleration / frequency.powi(2) } else { 0.0 }
+fn feed_forward(bandwidth: f64, acceleration: f64) -> f64 {
+    if bandwidth > 0.0 { acceleration / bandwidth.powi(2) } else { 0.0 }
 }
 
 #[cfg(test)]
@@ -185,14 +188,14 @@ mod tests {
     fn added(goal: &Goal, samples: u32, error: f64, probe: f64) -> (Press, Vec<f64>) {
         let stroke = stroke();
         let wait = -(stroke.duration() - CONTACT) - 1e-6;
-        let mut press = Press::new(stroke.clone(), Ending::Rest, CONTACT, wait);
+        let mut press = Press::new(stroke.clone(), Ending::Rest, CONTACT, wait, P.slide.bandwidth);
         let added = (0..samples).map(|_| {
             let time = press.time;
             let left = END - stroke.at(time - LAG * P.sample_period).position;
             let tip = goal.line - left - error;
             let told = press.step(&P, goal, &Measurement { angle: 0.0, slide: tip + probe, tip }, tip + probe);
             let plan = stroke.at(time + P.sample_period);
-            told.position - plan.position - feed_forward(&P, plan.acceleration)
+            told.position - plan.position - feed_forward(P.slide.bandwidth, plan.acceleration)
         });
         let added = added.collect();
         (press, added)
@@ -201,7 +204,7 @@ mod tests {
     #[test]
     fn a_blow_is_the_stroke_told_in_advance() {
         let stroke = stroke();
-        let mut press = Press::new(stroke.clone(), Ending::Blow, 0.0, 0.003);
+        let mut press = Press::new(stroke.clone(), Ending::Blow, 0.0, 0.003, P.slide.bandwidth);
         for k in 0..300 {
             let told = press.step(&P, &GOAL, &Measurement::default(), 0.1);
             // a wait of 3 samples, and a delay of one

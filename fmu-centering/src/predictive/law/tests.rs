@@ -19,6 +19,7 @@ fn now(state: State, e: f64, angle: f64) -> Observation {
         speed: SPEED,
         sample: Sample { angle, slide: 0.1, probe: 4.5e-3 + surface },
         setpoint: Trajectory::default(),
+        bandwidth: P.slide.bandwidth,
     }
 }
 
@@ -68,7 +69,7 @@ fn the_ring_is_measured_on_its_own_only() {
     }
     // and when it lies still after a push
     let mut law = seen(1e-4, 1.01);
-    law.press = Some(Press::new(Stroke::default(), Ending::Blow, 0.0, 0.0));
+    law.press = Some(Press::new(Stroke::default(), Ending::Blow, 0.0, 0.0, P.slide.bandwidth));
     law.last_push =
         Some(LastPush { eccentricity: 1e-4, angle: 0.0, sense: 1.0, lateral: 0.0, kind: PushKind::Tap(0.1) });
     law.enter(&P, State::Settle, &now(State::Settle, 1e-4, 0.0));
@@ -106,7 +107,7 @@ fn a_ring_that_deflects_the_servo_is_tapped_over_short_ways() {
 /// Law in a stroke towards a ring `e` m off that has seen its surface `beside` m from the line of the model.
 fn pressing(e: f64, beside: f64, probe: f64) -> PredictiveLaw {
     let mut law = seen(e, 1.01);
-    law.press = Some(Press::new(Stroke::default(), Ending::Blow, 0.0, 0.0));
+    law.press = Some(Press::new(Stroke::default(), Ending::Blow, 0.0, 0.0, P.slide.bandwidth));
     let tip = law.ring.line(1.0) + beside;
     law.seen = Some(Measurement { angle: 1.0, slide: tip + probe, tip });
     law
@@ -152,7 +153,7 @@ fn a_stroke_ends_at_the_line_of_the_centred_ring_with_what_was_learned() {
     let mut law = pressing(1e-4, 0.0, 0.02);
     (law.learned.recoil.mean, law.learned.contact.mean, law.learned.deflection.mean) = (3e-6, 5e-6, 1.1e-5);
     assert!((law.offset() - 1.9e-5).abs() < 1e-18);
-    let rest = || Press::new(Stroke::default(), Ending::Rest, 0.08, 0.0);
+    let rest = || Press::new(Stroke::default(), Ending::Rest, 0.08, 0.0, P.slide.bandwidth);
     for deflection in [true, false] {
         let mut p = P;
         p.learn.deflection = deflection;
@@ -242,7 +243,7 @@ fn a_launch_is_remembered_with_what_it_was_planned_for() {
 fn a_push_that_was_felt_teaches_and_one_that_was_not_seen_does_not() {
     let pushed = |way: f64| {
         let mut law = seen(1e-4, 1.01);
-        law.press = Some(Press::new(Stroke::default(), Ending::Rest, 0.08, 0.0));
+        law.press = Some(Press::new(Stroke::default(), Ending::Rest, 0.08, 0.0, P.slide.bandwidth));
         law.last_push =
             Some(LastPush { eccentricity: 1e-4, angle: 0.0, sense: 1.0, lateral: 0.0, kind: PushKind::Push(0.0) });
         let line = law.ring.line(1.0);
