@@ -9,8 +9,8 @@ use anyhow::{Context, Result};
 use zip::ZipArchive;
 
 use crate::facts::Facts;
-use crate::fmu::DESCRIPTION;
 use crate::inspect::{self, Rules};
+use crate::interface::DESCRIPTION;
 use crate::interface::{Interface, Part};
 use crate::platform::Platform;
 

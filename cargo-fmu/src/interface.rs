@@ -3,7 +3,8 @@
 use anyhow::{Context, Result, ensure};
 use roxmltree::{Document, Node};
 
-use crate::fmu::DESCRIPTION;
+/// Path of the description inside an FMU.
+pub const DESCRIPTION: &str = "modelDescription.xml";
 
 /// What a model description tells of its model; what it does not tell is empty.
 pub struct Interface {

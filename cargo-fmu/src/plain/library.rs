@@ -8,7 +8,7 @@ use anyhow::{Context, Result, ensure};
 
 use super::{header, modelica, source};
 use crate::binary;
-use crate::fmu::DESCRIPTION;
+use crate::interface::DESCRIPTION;
 use crate::interface::Interface;
 use crate::process::text;
 
