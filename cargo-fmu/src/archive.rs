@@ -10,8 +10,8 @@ use zip::ZipArchive;
 
 use crate::facts::Facts;
 use crate::inspect::{self, Rules};
-use crate::interface::DESCRIPTION;
 use crate::interface::{Interface, Part};
+use crate::pack::DESCRIPTION;
 use crate::platform::Platform;
 
 /// What an FMU says of itself and what its libraries need.

@@ -3,8 +3,7 @@
 use anyhow::{Context, Result, ensure};
 use roxmltree::{Document, Node};
 
-/// Path of the description inside an FMU.
-pub const DESCRIPTION: &str = "modelDescription.xml";
+use crate::pack::DESCRIPTION;
 
 /// What a model description tells of its model; what it does not tell is empty.
 pub struct Interface {

@@ -13,7 +13,7 @@ pub mod facts;
 pub mod fmu;
 pub mod functions;
 pub mod inspect;
-pub mod interface;
+mod interface;
 pub mod linker;
 pub mod pack;
 pub mod plain;
