@@ -9,9 +9,9 @@ use anyhow::{Context, Result};
 use zip::ZipArchive;
 
 use crate::facts::Facts;
-use crate::fmu::DESCRIPTION;
 use crate::inspect::{self, Rules};
 use crate::interface::{Interface, Part};
+use crate::pack::DESCRIPTION;
 use crate::platform::Platform;
 
 /// What an FMU says of itself and what its libraries need.

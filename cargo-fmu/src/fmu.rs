@@ -15,13 +15,10 @@ use crate::facts::Facts;
 use crate::functions::{self, FMI2_FUNCTIONS, OWN_PREFIX};
 use crate::inspect::{self, Rules};
 use crate::interface::Interface;
-use crate::pack::{self, Content};
+use crate::pack::{self, Content, DESCRIPTION};
 use crate::platform::Platform;
 use crate::process;
 use crate::project::Project;
-
-/// Path of the description inside an FMU.
-pub const DESCRIPTION: &str = "modelDescription.xml";
 
 /// Path of the page for people.
 const PAGE: &str = "documentation/index.html";

@@ -3,7 +3,7 @@
 use anyhow::{Context, Result, ensure};
 use roxmltree::{Document, Node};
 
-use crate::fmu::DESCRIPTION;
+use crate::pack::DESCRIPTION;
 
 /// What a model description tells of its model; what it does not tell is empty.
 pub struct Interface {

@@ -9,6 +9,9 @@ use anyhow::{Context, Result, ensure};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
+/// Path of the description inside an FMU.
+pub const DESCRIPTION: &str = "modelDescription.xml";
+
 /// Files of an FMU by their path inside it, sorted.
 #[derive(Default)]
 pub struct Content(BTreeMap<String, Vec<u8>>);

@@ -82,7 +82,10 @@ pub fn numbers(Vars { input, output, in_force: p, .. }: &Vars) -> String {
         | Fault::WeakDrive
         | Fault::FollowingError
         | Fault::PatternMismatch => of_axis(output),
-        Fault::WrongDelay => format!(": they answer after `{value}` samples, `io_delay` = `{limit}`"),
+        Fault::WrongDelay => {
+            let who = if axis == 0 { "they answer".to_owned() } else { format!("axis {axis} answers") };
+            format!(": {who} after `{value}` samples, `io_delay` = `{limit}`")
+        }
         Fault::PatternTooLarge => format!(": limit `{} pulses`", p.limits.pulses_max),
         Fault::SpindleSlow => format!(": `spindle_speed` = `{value:.1} rad/s`, limit `{limit:.1} rad/s`"),
         Fault::LongStep => format!(": limit `{} s`", p.sample_period),
@@ -193,6 +196,7 @@ mod tests {
             (Fault::FrozenSpindle, plain, ": `spindle_speed` stands for `2.50 s`, limit `1.25 s`"),
             (Fault::FrozenReading, axis, ": axis 1 by `2.500000 rad`, limit `1.250000 rad`"),
             (Fault::WrongDelay, plain, ": they answer after `2.5` samples, `io_delay` = `1.25`"),
+            (Fault::WrongDelay, axis, ": axis 1 answers after `2.5` samples, `io_delay` = `1.25`"),
             (Fault::PatternTooLarge, plain, ": limit `32767 pulses`"),
             (Fault::LongStep, plain, ": limit `0.01 s`"),
             (Fault::NoCut, plain, ": it changed by `2.50 rad/s`, at least `1.25 rad/s`"),

@@ -85,8 +85,8 @@ mod variables {
         #[hint("did the tool collide, and are `io_delay` and `axisN.pulse` right?")] FollowingError,
         /// With patterns an axis was farther from its reference than `limits.axisN.pattern_error`
         #[hint("patterns belong to a machine: learn on with `learn.from_bank`, or learn anew")] PatternMismatch,
-        /// The axes answer after another number of samples, 0 to 6, than `io_delay`
-        #[hint("set `io_delay` to it and learn anew")] WrongDelay,
+        /// The axes, or one of them, answer after another number of samples, 0 to 6, than `io_delay`
+        #[hint("set `io_delay` to it and learn anew; one axis alone: are its readings late?")] WrongDelay,
         /// A pattern became larger than `limits.pulses_max`
         #[hint("a larger pulse, or a law that converges")] PatternTooLarge,
         /// There is no pattern to compensate with

@@ -138,10 +138,10 @@ def test_a_crate_elsewhere_is_packed_validated_and_simulated() -> None:
     # and a library for C of it
     plain = cargo_fmu(program, folder, "--plain-c", "--target-dir", str(FOLDER / "build"))
     assert plain.returncode == 0, plain.stderr
-    archive, header = map(Path, plain.stdout.splitlines())
+    library, header = map(Path, plain.stdout.splitlines())
     source = folder / "spring.c"
     source.write_text(SPRING)
-    command = ["cc", "-Wall", "-Wextra", "-Werror", f"-I{header.parent}", str(source), str(archive), "-lm"]
+    command = ["cc", "-Wall", "-Wextra", "-Werror", f"-I{header.parent}", str(source), str(library), "-lm"]
     subprocess.run([*command, "-o", str(folder / "plain")], check=True)
     pressed = subprocess.run([str(folder / "plain")], capture_output=True, text=True, check=True)
     assert float(pressed.stdout) == pytest.approx(-200.0 * 1e-3)

@@ -111,6 +111,14 @@ ROWS = (
         at(3.0, AXIS3, late=5),
     ),
     Row(
+        "encoder 1 late by 1 sample",
+        ("WrongDelay",),
+        TIP,
+        7.1e-4,
+        "at most 0.5 mm of axes 1 and 3 with patterns, until the end of the run tells it",
+        at(0.0, AXIS1, late=1),
+    ),
+    Row(
         "encoder 3 is no number",
         ("LostReading",),
         TIP,

@@ -4,8 +4,8 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Result, ensure};
-use cargo_fmu::fmu::DESCRIPTION;
 use cargo_fmu::linker::Linker;
+use cargo_fmu::pack::DESCRIPTION;
 use cargo_fmu::platform::{AARCH64_LINUX, LINUX64, Platform, WIN64};
 use cargo_fmu::{binary, build};
 

@@ -8,8 +8,8 @@ use anyhow::{Context, Result, ensure};
 
 use super::{header, modelica, source};
 use crate::binary;
-use crate::fmu::DESCRIPTION;
 use crate::interface::Interface;
+use crate::pack::DESCRIPTION;
 use crate::process::text;
 
 /// A controller in plain C.

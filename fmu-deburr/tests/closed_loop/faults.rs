@@ -1,5 +1,8 @@
 //! Faults of the axes and of the job: the right one, at once, with zero commands.
 
+mod learning;
+mod tool;
+
 use fmu_deburr::interface::{Fault, Input, Mode, Parameters, State};
 
 use crate::robot::Build;

@@ -42,7 +42,7 @@ OTHERS = {
     r"^cargo (new|add|install) |^cargo fmu$|^cargo fmu (-o|--package) ": "tests/conformance/test_example.py",
     r"^cargo fmu inspect ": "tests/conformance/test_example.py",
     r"^cargo fmu --binary ": "tests/conformance/test_platforms.py",
-    r"^cargo fmu --plain-c$": "tests/conformance/test_plain_c.py",
+    r"^cargo fmu --plain-c$": "tests/conformance/plain/test_plain_c.py",
     r"^fmpy validate ": "tests/conformance/test_description.py",
     r"^fmpy simulate ": "tests/harness/documents/test_commands.py",
     r"^BLESS=1 cargo test -p fmu-trial$": "tests/house/test_new.py",
