@@ -131,6 +131,10 @@ def test_a_touch_is_seen_before_a_threshold_of_force_or_current_sees_it() -> Non
     default = np.median([rows["plant.depth"][np.argmax(rows["controller.contact"] > 0)] for rows in found])
     told = [f"{1e9 * depth:.0f}" for depth in (default, force, current)]
     print("depth at the detection in nm: default {}, force {}, current {}".format(*told))
+    depths = {"default": default, "force": force, "current": current}
+    measured(
+        "dob-simplest", "100 um/s", touches=len(SOME), **{name: 1e9 * one for name, one in depths.items()}
+    )
     assert default < 0.85 * force
     assert default < 0.85 * current
 

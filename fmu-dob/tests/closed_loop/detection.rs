@@ -157,15 +157,16 @@ fn table_of_depths() {
     use DetectorKind::{Cusum, Deviation, Glr, MultiSlope, Raw, Slope};
     use ThresholdMode::{Automatic, Fixed};
     let detectors = [
-        ("raw 20", Raw, Fixed, 20.0),
-        ("deviation 4", Deviation, Fixed, 4.0),
-        ("slope 4", Slope, Fixed, 4.0),
-        ("slope auto", Slope, Automatic, 4.0),
-        ("multi auto", MultiSlope, Automatic, 4.0),
-        ("CUSUM", Cusum, Automatic, 4.0),
-        ("GLR", Glr, Automatic, 4.0),
+        ("raw", Raw, Fixed, 20.0),
+        ("deviation", Deviation, Fixed, 4.0),
+        ("printed", Slope, Fixed, 4.0),
+        ("slope", Slope, Automatic, 4.0),
+        ("multi", MultiSlope, Automatic, 4.0),
+        ("cusum", Cusum, Automatic, 4.0),
+        ("glr", Glr, Automatic, 4.0),
     ];
     for speed in [10.0, 30.0, 100.0, 300.0, 1000.0] {
+        let mut told = format!("measured: dob-detectors | {speed} | approaches=200");
         for (name, detector, mode, alpha) in detectors {
             let mut p = with(detector, mode, speed);
             p.threshold.alpha = alpha;
@@ -173,8 +174,9 @@ fn table_of_depths() {
             let early = outcomes.iter().filter(|o| o.early).count();
             let guard = outcomes.iter().filter(|o| o.source == ContactSource::ForceGuard).count();
             let (median, p99) = (depth(&outcomes, 0.5), depth(&outcomes, 0.99));
-            println!("{speed:5} um/s {name:12} {median:.3} {p99:.3} um, {early} early, {guard} by the guard");
+            told += &format!(" {name}={median} {name}_high={p99} {name}_early={early} {name}_guard={guard}");
         }
+        println!("{told}");
     }
     default_mode(91_000, 200);
     paper_mode(92_000, 200);
