@@ -62,7 +62,9 @@ def test_patterns_that_are_computed_need_the_gain_and_identified_ones_do_not(tmp
     left: dict[str, dict[str, float]] = {"computed": {}, "identified": {}}
     for name, robot in ROBOTS.items():
         bank = tmp_path / f"{name}.bin"
-        told = run("deburr/new-robot", *robot, "controller.learn.repetitions=0", f"controller.bank.export='{bank}'")
+        told = run(
+            "deburr/new-robot", *robot, "controller.learn.repetitions=0", f"controller.bank.export='{bank}'"
+        )
         assert value(told, "good") == 1.0
         patterns = {
             "computed": ("controller.bank.import=''", "controller.bank.compute=true"),

@@ -39,7 +39,9 @@ def rows(bench: list[dict[str, float | str]]) -> dict[str, dict[str, Values]]:
     }
     loops: dict[str, dict[str, float]] = {}
     for loop in LOOPS:
-        cost[f"{loop}: a sample"] = {"time": next(found[one] for one in told if one.startswith(f"{loop}{SAMPLE}"))}
+        cost[f"{loop}: a sample"] = {
+            "time": next(found[one] for one in told if one.startswith(f"{loop}{SAMPLE}"))
+        }
         loops[loop] = {name: found[f"{loop}: {quantity}"] for name, quantity in STEP.items()}
         below = told.index(f"{loop}: {STEP['over_plant']}")
         loops[loop] |= {

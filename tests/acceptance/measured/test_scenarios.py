@@ -29,8 +29,12 @@ ROWS = {
         "deburr/round-trip": {"ratio_11": 1.0, "best": 1.0},
     },
     "polish-surfaces": {
-        **{name: FORCE for name in ("polish", "polish/sphere", "polish/saddle", "polish/freeform", "polish/steep")},
-        **{name: FORCE for name in ("polish/20-mm-s", "polish/impedance", "polish/no-stick-slip", "polish/500-hz")},
+        **dict.fromkeys(
+            ("polish", "polish/sphere", "polish/saddle", "polish/freeform", "polish/steep"), FORCE
+        ),
+        **dict.fromkeys(
+            ("polish/20-mm-s", "polish/impedance", "polish/no-stick-slip", "polish/500-hz"), FORCE
+        ),
         "polish/paper": FORCE,
     },
     "polish": {

@@ -14,7 +14,6 @@ def named(page: Path) -> str:
     return str(page.relative_to(ROOT))
 
 
-
 @pytest.mark.parametrize("page", PAGES, ids=named)
 def test_a_page_tells_what_is_kept(page: Path) -> None:
     found = page.read_text("utf-8")
