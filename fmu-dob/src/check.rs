@@ -5,7 +5,7 @@ use control_blocks::{Parameter, ParameterError, check_all, ticks};
 use crate::commission::plan;
 use crate::detection::detector::Detector;
 use crate::force::observer::forgetting;
-use crate::interface::Parameters;
+use crate::interface::{DetectorKind, Parameters};
 use crate::motion::stability::spectral_radius;
 use crate::motion::travel::arming_travel;
 
@@ -28,6 +28,7 @@ pub fn check(p: &Parameters) -> Result<(), ParameterError> {
             readings,
             starting,
             learn_limit,
+            second_touch,
             commission_travel,
             commission_force,
             commission_time,
@@ -69,6 +70,17 @@ fn learn_limit(p: &Parameters) -> Result<(), ParameterError> {
     let (limit, least) = (p.limits.learn_time, p.learn.time);
     Parameter::new("limits.learn_time", limit, "s", hint)
         .must_be(limit == 0.0 || limit >= least, || format!("`0`, or at least `learn.time`, `{least} s`"))
+}
+
+fn second_touch(p: &Parameters) -> Result<(), ParameterError> {
+    let hint = "use `detector` = `Glr`, the one that tells how likely a contact is";
+    Parameter::new("touch.confirm", p.touch.confirm, "", hint)
+        .must_be(!p.touch.confirm || p.detector == DetectorKind::Glr, || {
+            "`false` with any other detector than `Glr`".into()
+        })?;
+    let hint = "raise it, or lower `touch.suspicion`";
+    Parameter::new("touch.evidence", p.touch.evidence, "", hint)
+        .at_least(2.0 * p.touch.suspicion, "twice `touch.suspicion`")
 }
 
 fn learn_time(p: &Parameters) -> Result<(), ParameterError> {

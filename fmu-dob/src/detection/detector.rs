@@ -117,7 +117,10 @@ impl Detector {
             Method::Slope => {}
             Method::MultiSlope(scales) => scales.iter_mut().for_each(|s| s.monitor.forget()),
             Method::Cusum(inner) => inner.0.reset(position),
-            Method::Glr(inner) => inner.0.reset(position),
+            Method::Glr(inner) => {
+                inner.0.reset(position);
+                inner.1.reset();
+            }
         }
     }
 
@@ -160,7 +163,11 @@ impl Detector {
             Method::Slope => {}
             Method::MultiSlope(scales) => scales.iter_mut().for_each(|s| s.monitor.learn()),
             Method::Cusum(inner) => inner.0.learn(),
-            Method::Glr(inner) => inner.0.learn(),
+            Method::Glr(inner) => {
+                let (innovation, bank) = &mut **inner;
+                innovation.learn();
+                bank.learn(innovation.limited());
+            }
         }
     }
 
@@ -180,7 +187,8 @@ impl Detector {
         match &mut self.method {
             Method::Raw(monitor) | Method::Deviation(monitor) => monitor.arm(p, tests),
             Method::MultiSlope(scales) => scales.iter_mut().for_each(|s| s.monitor.arm(p, tests)),
-            Method::Slope | Method::Cusum(_) | Method::Glr(_) => {}
+            Method::Glr(inner) => inner.1.arm(inner.0.sigma()),
+            Method::Slope | Method::Cusum(_) => {}
         }
         self.clear();
     }
@@ -215,9 +223,14 @@ impl Detector {
             }
             Method::Glr(inner) => {
                 let (innovation, bank) = &mut **inner;
-                bank.update(innovation.limited(), innovation.sigma()) > p.glr.threshold
+                bank.update(innovation.limited()) > p.glr.threshold
             }
         }
+    }
+
+    /// Log-likelihood ratio of a contact in the newest sample that was tested, for the detector that has one.
+    pub fn ratio(&self) -> Option<f64> {
+        if let Method::Glr(inner) = &self.method { Some(inner.1.ratio()) } else { None }
     }
 
     /// The name of the detector as source of a contact.

@@ -94,3 +94,33 @@ fn hours_of_noise_with_every_detector() {
     println!("measured: dob-alarms | paper | hours=1 alarms={}", false_alarms(&Parameters::PAPER, 500_000, 1.0));
     assert!(alarms <= 20, "{alarms} in 10 hours");
 }
+
+/// The detector with the second touch.
+fn twice() -> Parameters {
+    let mut p = Parameters { detector: DetectorKind::Glr, ..Parameters::START };
+    p.touch.confirm = true;
+    p
+}
+
+#[test]
+fn what_only_looks_like_a_contact_is_touched_again_and_dismissed() {
+    let mut run = Loop::new(&twice(), 701_000, NO_WORKPIECE);
+    let (mut suspicions, mut before) = (0, State::Idle);
+    while run.time() < 30.0 {
+        run.step();
+        assert!(!matches!(run.output.state, State::Contact | State::Fault), "{:?}", run.output);
+        suspicions += u32::from(run.output.state == State::Confirm && before != State::Confirm);
+        if before == State::Confirm && run.output.state == State::Detect {
+            // beyond the place, on the way again
+            assert_eq!(run.output.reference.velocity, Parameters::START.approach.velocity);
+        }
+        before = run.output.state;
+    }
+    assert!((3..60).contains(&suspicions), "{suspicions}");
+}
+
+#[test]
+fn two_touches_alarm_at_most_once_in_an_hour() {
+    let alarms = false_alarms(&twice(), 702_000, 1.0);
+    assert!(alarms <= 1, "{alarms} per hour");
+}
