@@ -62,8 +62,8 @@ def test_between_two_samples_of_moving_inputs(fmu: Fmu, tmp_path: Path) -> None:
 def told_size(fmu: str) -> int:
     """Bytes of a state of the default loops at most, as the guide tells them."""
     text = (ROOT / "docs/import.md").read_text(encoding="utf-8")
-    (size,) = re.findall(rf"^\| `{fmu}` \| [\d ]+ \| ([\d ]+) \|$", text, re.MULTILINE)
-    return int(size.replace(" ", ""))
+    (size,) = re.findall(rf"^\| `{fmu}` \| [\d,]+ \| ([\d,]+) \|$", text, re.MULTILINE)
+    return int(size.replace(",", ""))
 
 
 @pytest.mark.client("FMPy", "saves and restores a closed loop")
