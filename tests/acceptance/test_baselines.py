@@ -1,4 +1,7 @@
-"""The laws against the simplest ones that could do it: part by part for polishing, computed patterns for deburring."""
+"""The laws against the simplest ones that could do it.
+
+Part by part for polishing, computed patterns for deburring.
+"""
 
 import math
 from pathlib import Path
@@ -21,7 +24,7 @@ STILL = ("controller.stick_slip.mode='Off'",)
 
 
 def laws() -> dict[str, tuple[str, ...]]:
-    """Changes of the default law that make the plain one of it, and all between them."""
+    """Name the changes of the default law that make the plain one of it, and all between them."""
     found: dict[str, tuple[str, ...]] = {}
     for count, name in enumerate(("plain", *PARTS)):
         off = [change for part in list(PARTS.values())[count:] for change in part]
@@ -30,7 +33,7 @@ def laws() -> dict[str, tuple[str, ...]]:
 
 
 def deviation(name: str, *changes: str) -> float:
-    """Standard deviation of the force on the whole path, N; infinite if the job ended in a fault."""
+    """Return the standard deviation of the force on the whole path, N; infinite after a fault."""
     done = run(name, *changes)
     return value(done, "force_deviation") if value(done, "done") else math.inf
 

@@ -104,7 +104,8 @@ def keep(found: Sequence[Machine]) -> None:
         ends = {name: sum(one[name] > 0.0 for one in those) for name in ("good", "named")}
         share = [one["share"] for one in those]
         store.measured(
-            "dob-commission", row, machines=len(those), **ends, depth=float(np.median(depth)), most=depth.max(),
+            "dob-commission", row, machines=len(those), **ends,
+            depth=float(np.median(depth)), most=depth.max(),
             share_least=min(share), share_most=max(share),
         )  # fmt: skip
     thrust = 100.0 * np.array([one["force_constant"] / one.thrust - 1.0 for one in found])

@@ -1,4 +1,7 @@
-"""Keep what `cargo xtask bench` measured for the tables of cost: `python -m tests.acceptance.measured.cost`, once it is done."""
+"""Keep what `cargo xtask bench` measured for the tables of cost.
+
+`python -m tests.acceptance.measured.cost`, once the bench is done.
+"""
 
 from __future__ import annotations
 
@@ -31,7 +34,10 @@ LOOPS = ("dob", "fts", "centering", "polish", "deburr")
 
 
 def rows(bench: list[dict[str, float | str]]) -> dict[str, dict[str, Values]]:
-    """Rows of both tables from those of the bench, least of the runs; what compares two is told below its loop."""
+    """Make rows of both tables from those of the bench, least of the runs.
+
+    What compares two quantities is told below its loop.
+    """
     told, least = [str(row["quantity"]) for row in bench], [float(row["minimum"]) for row in bench]
     found = dict(zip(told, least, strict=True))
     cost: dict[str, dict[str, float]] = {

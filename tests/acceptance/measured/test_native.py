@@ -1,6 +1,6 @@
-"""Numbers of the documents that the tests of the controllers measure in Rust, on the small plants of `tests/closed_loop`.
+"""Numbers of the documents that the tests of the controllers measure in Rust.
 
-They print lines `measured: TABLE | ROW | NAME=VALUE NAME=VALUE`.
+On the small plants of `tests/closed_loop`; they print lines `measured: TABLE | ROW | NAME=VALUE NAME=VALUE`.
 """
 
 import re

@@ -15,7 +15,8 @@ NO_PROSE = re.compile(
 """Code, marks, addresses, what of a paper is meant, and names of lenses."""
 NUMBER = re.compile(r"(?<![\w.])\d+(?:\.\d+)?(?:e\d+)?(?!\d)")
 SET = {
-    # the paper's times; what a count of jobs is worth; machines, probe and lens that were chosen; limits of tests
+    # the paper's times; what a count of jobs is worth; machines, probe and lens that were chosen;
+    # limits of tests
     "docs/results.md": "35 42  93 95 96  0.05 0.30 60 264 16 49 230 132.5 0.178 1.1 0.8",
     # what a count of rings is worth, the rings, limits of tests
     "fmu-centering/README.md": "50 93 95 96  0.30 45 0.75 0.7  0.225",
@@ -51,5 +52,6 @@ def test_all_pages_of_measurements_are_looked_at() -> None:
 
 def test_a_number_that_no_table_has_is_found() -> None:
     page = "fmu-polish/README.md"
-    text = "## Measured\n\n| a |\n|---|\n| 5.01 N |\n\nThe mean is 5.01 N, `4.7`, the rest 0.37 N; eq. 4 below 2e3.\n\n## Else\n\n9 N\n"
+    text = "## Measured\n\n| a |\n|---|\n| 5.01 N |\n\n"
+    text += "The mean is 5.01 N, `4.7`, the rest 0.37 N; eq. 4 below 2e3.\n\n## Else\n\n9 N\n"
     assert untold(page, text) == ["0.37"]
