@@ -86,9 +86,10 @@ fn second_touch(p: &Parameters) -> Result<(), ParameterError> {
 fn learn_time(p: &Parameters) -> Result<(), ParameterError> {
     let samples = LEARN_WINDOWS * Detector::window(p);
     let least = samples as f64 * p.sample_period;
-    let time = Parameter::new("learn.time", p.learn.time, "s", "learn longer, or shorten `slope.window`");
+    let time =
+        Parameter::new("learn.time", p.learn.time, "s", "learn longer, or shorten `slope.window` or `glr.onsets`");
     time.must_be(ticks(p.learn.time, p.sample_period) as usize >= samples, || {
-        format!("at least `{least} s`, `{LEARN_WINDOWS}` times the longest slope window")
+        format!("at least `{least} s`, `{LEARN_WINDOWS}` times the longest window")
     })
 }
 
@@ -170,8 +171,8 @@ mod tests {
     const REFUSALS: &[Refusal<Parameters>] = &[
         (|p| p.approach.direction = 0, "approach.direction", "`0`", "`-1`"),
         (|p| p.servo.bandwidth = 1000.0, "observer.velocity_bandwidth", "`3142 rad/s`", "`4000 rad/s`"),
-        (|p| p.deviation_window = 0.5, "learn.settle_time", "`0.25 s`", "`0.52 s`"),
-        (|p| p.learn.time = 0.05, "learn.time", "`0.05 s`", "`0.1 s`"),
+        (|p| p.deviation_window = 0.5, "learn.settle_time", "`0.25 s`", "`0.53 s`"),
+        (|p| p.learn.time = 0.05, "learn.time", "`0.05 s`", "`0.15 s`"),
         (|p| p.approach.travel_max = 5e-5, "approach.travel_max", "`0.00005 m`", "armed"),
         (|p| p.retract.distance = 2e-5, "retract.distance", "`0.00002 m`", "`0.000075"),
         (|p| p.limits.jump = 3e-9, "limits.jump", "`0.000000003 m`", "`stage.encoder_resolution`"),

@@ -180,7 +180,7 @@ impl Controller {
             }
             self.observer.update(position, acted);
             let disturbance = self.observer.force();
-            self.monitors.drive.update(p.stage.force_constant * acted, disturbance);
+            self.monitors.drive.update(p.stage.force_constant * acted, disturbance, reading.whole > 0);
             let notched = self.notch.update(disturbance, reading.spindle_speed);
             let deviation = self.deviation.update(notched);
             self.slope.update(deviation);

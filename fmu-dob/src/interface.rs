@@ -107,7 +107,7 @@ mod variables {
     }
     /// Which law is in force; `Paper` gives what was not set the value of the paper
     pub enum Law {
-        /// Slopes over four windows with automatic thresholds
+        /// Likelihood of a contact at each of `glr.onsets` instants, by a Kalman filter
         Default,
         /// The law as printed: slope over one window, threshold mu + 4 sigma
         Paper,
@@ -269,7 +269,7 @@ mod variables {
         #[var(name = "deviation.window", unit = SECOND as "ms", range = 1e-3..=10.0, start = 0.1, source = "our choice: depth is flat from 20 to 500 ms")] pub deviation_window: f64,
         /// Time of the least-squares slope, N samples in eq. 3
         #[var(name = "slope.window", unit = SECOND as "ms", range = 1e-4..=1.0, start = 5e-3, source = "our choice")] pub slope_window: f64,
-        #[var(start = DetectorKind::MultiSlope, paper = DetectorKind::Slope, source = "our choice: sees slow contacts, too")] pub detector: DetectorKind,
+        #[var(start = DetectorKind::Glr, paper = DetectorKind::Slope, source = "measured: the least depth, on drawn machines too")] pub detector: DetectorKind,
         pub threshold: Threshold,
         pub learn: Learn,
         pub limits: Limits,
@@ -382,7 +382,7 @@ mod variables {
         /// Subtracted from the normalised innovation in each sample
         #[var(unit = ONE, range = 0.0..=5.0, start = 0.25, source = "our choice")] pub drift: f64,
         /// Alarm level of the cumulative sum
-        #[var(unit = ONE, range = 1.0..=1e3, start = 16.0, source = "our choice: about one false alarm per hour")] pub threshold: f64,
+        #[var(unit = ONE, range = 1.0..=1e3, start = 22.0, source = "our choice: about one false alarm per hour")] pub threshold: f64,
     }
     /// Generalised likelihood ratio over a bank of contact instants; counts with `detector` = Glr
     pub struct Glr {

@@ -85,10 +85,11 @@ impl Detector {
         Self { slope: Monitor::new(), method }
     }
 
-    /// Longest slope window, samples.
+    /// Longest window of a slope or a correlation, samples.
     pub fn window(p: &Parameters) -> usize {
         let longest = match p.detector {
             DetectorKind::MultiSlope => p.slope_window.max(WINDOWS[3]),
+            DetectorKind::Glr => p.slope_window.max(f64::from(p.glr.onsets) * p.sample_period),
             _ => p.slope_window,
         };
         samples(longest, p.sample_period)
@@ -274,15 +275,14 @@ mod tests {
 
     #[test]
     fn four_windows_share_the_wished_interval() {
-        let mut detector = Detector::new(&Parameters::START);
+        let p = Parameters { detector: DetectorKind::MultiSlope, ..Parameters::START };
+        let mut detector = Detector::new(&p);
         for k in 0..1000 {
-            detector.update(
-                &Parameters::START,
-                &Sample { position: Some(0.0), slope: (f64::from(k) * 1.3).sin(), ..Sample::default() },
-            );
+            detector
+                .update(&p, &Sample { position: Some(0.0), slope: (f64::from(k) * 1.3).sin(), ..Sample::default() });
             detector.learn();
         }
-        detector.arm(&Parameters::START);
+        detector.arm(&p);
         let ThresholdOutput { crossing_rate, alpha_used, .. } = detector.learned();
         assert!((alpha_used - (2.0 * (crossing_rate * 36_000.0 * 4.0).ln()).sqrt()).abs() < 1e-12, "{alpha_used}");
     }
@@ -336,7 +336,8 @@ mod tests {
         let slope = with(DetectorKind::Slope);
         assert_eq!([Detector::window(&slope), Detector::settling(&slope)], [50, 1050]);
         assert_eq!(Detector::settling(&with(DetectorKind::Cusum)), 2000);
-        assert_eq!(Detector::settling(&with(DetectorKind::Glr)), 2300);
+        let glr = with(DetectorKind::Glr);
+        assert_eq!([Detector::window(&glr), Detector::settling(&glr)], [300, 2300]);
         assert_eq!(samples(1e-4, 1e-4), 3);
     }
 

@@ -72,12 +72,12 @@ fn depth(outcomes: &[Outcome], q: f64) -> f64 {
 /// Speeds in um/s with the largest allowed depth p99 in um, none early and none missed.
 fn default_mode(first_seed: u64, count: u64) {
     for (speed, limit) in [(10.0, 0.30), (30.0, 0.26), (100.0, 0.42), (300.0, 0.82)] {
-        let p = with(DetectorKind::MultiSlope, ThresholdMode::Automatic, speed);
+        let p = with(DetectorKind::Glr, ThresholdMode::Automatic, speed);
         let outcomes = approaches(&p, first_seed, count);
         let p99 = depth(&outcomes, 0.99);
         println!("{speed} um/s: median {:.3} p99 {p99:.3} um", depth(&outcomes, 0.5));
         assert!(outcomes.iter().all(|o| !o.early), "early stop at {speed} um/s");
-        assert!(outcomes.iter().all(|o| o.source == ContactSource::MultiSlope));
+        assert!(outcomes.iter().all(|o| o.source == ContactSource::Glr));
         assert!(p99 <= limit, "{speed} um/s: depth p99 {p99} um, limit {limit} um");
     }
 }
@@ -133,7 +133,7 @@ fn slope_beats_deviation_and_raw_force() {
 
 #[test]
 fn one_calibration_touch_gives_the_contact_position() {
-    let p = with(DetectorKind::MultiSlope, ThresholdMode::Automatic, 100.0);
+    let p = with(DetectorKind::Glr, ThresholdMode::Automatic, 100.0);
     let late: Vec<f64> = approaches(&p, 84_000, 41).into_iter().map(|o| o.late).collect();
     // every touch once as the calibration of all others
     let errors = late.iter().flat_map(|calibration| late.iter().map(move |late| (late - calibration).abs()));
@@ -144,7 +144,7 @@ fn one_calibration_touch_gives_the_contact_position() {
 
 #[test]
 fn contact_is_lost_within_three_milliseconds() {
-    let p = with(DetectorKind::MultiSlope, ThresholdMode::Automatic, 100.0);
+    let p = with(DetectorKind::Glr, ThresholdMode::Automatic, 100.0);
     let slowest = approaches(&p, 85_000, 20).iter().map(|o| o.release).fold(0.0, f64::max);
     println!("contact lost after at most {slowest:.1} ms");
     assert!(slowest < 3.0, "{slowest} ms");
