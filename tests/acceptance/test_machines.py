@@ -49,7 +49,7 @@ FEW = {
 ALL = {
     "centering": Ends(198, 0),
     "deburr": Ends(178, 0),
-    "dob": Ends(128, 31),
+    "dob": Ends(140, 33),
     "fts": Ends(183, 2),
     "polish": Ends(178, 21),
 }

@@ -12,11 +12,14 @@ POSITION = "controller.position"
 CURRENT = "plant.current"
 DETECT = 'controller.state == "Detect"'
 LEARN = 'controller.state == "Learn"'
+CONFIRM = 'controller.state == "Confirm"'
 SHORT = (
     "controller.learn.settle_time=0.23", "controller.learn.time=0.15", "loop.duration=0.75",
     "plant.surface_distance=4.3e-5", "plant.surface_spread=5e-6",
 )  # fmt: skip
 """Armed after 0.4 s and 38 um, the surface 5 to 10 um later."""
+TWICE = ("controller.touch.confirm=true", "controller.touch.suspicion=2.0", "loop.duration=1.5")
+"""So much is suspected that a second touch begins in the air."""
 
 DEEP = "max(maximum(plant.depth, 0.0)[controller.drive_enable])"
 """Travel beyond the first possible touch while the drive is on; a drift without it is not counted."""
@@ -167,6 +170,33 @@ ROWS = (
         TOUCH,
         (wrong(POSITION, duration=1e-4, offset=8e-9),),
         changes=("controller.detector=MultiSlope",),
+    ),
+    Row(
+        "encoder spike of 8 nm on the way to a second touch",
+        (DONE,),
+        DEEP,
+        4.2e-7,
+        TOUCH,
+        (wrong(POSITION, CONFIRM, duration=1e-4, offset=8e-9),),
+        changes=TWICE,
+    ),
+    Row(
+        "encoder frozen on the way to a second touch",
+        ("FrozenReading",),
+        CRUISING,
+        1e-7,
+        "an encoder that lies: 10 nm in each of the 6 samples until it is told, and as much again by a servo that turns it",
+        (wrong(POSITION, CONFIRM, frozen=True),),
+        changes=TWICE,
+    ),
+    Row(
+        "drive off on the way to a second touch",
+        ("WeakDrive", "FollowingError"),
+        CRUISING,
+        2e-5,
+        FALL,
+        (wrong(CURRENT, CONFIRM, scale=0.0),),
+        changes=TWICE,
     ),
     Row("encoder drifts by 2 um/s", (DONE,), DEEP, 4.2e-7, TOUCH, (wrong(POSITION, ramp=2e-6),)),
     Row(
