@@ -185,7 +185,7 @@ ROWS = (
         ("FrozenReading",),
         CRUISING,
         1e-7,
-        "an encoder that lies: 10 nm in each of the 6 samples until it is told, and as much again by a servo that turns it",
+        "an encoder that lies: 10 nm in each of the 6 samples until it is told, and the turn",
         (wrong(POSITION, CONFIRM, frozen=True),),
         changes=TWICE,
     ),
