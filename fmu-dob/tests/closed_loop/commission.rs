@@ -105,7 +105,7 @@ fn what_was_measured_is_used_on_request_and_the_next_touch_is_as_ever() {
         p.commission.export = folder.path().join("found.json").to_str().unwrap().into();
         run.controller.export(&p).unwrap();
         let told = std::fs::read_to_string(&p.commission.export).unwrap();
-        let found = format!("\"stage.force_constant\": {},", run.output.measured.force_constant);
+        let found = format!("\"stage.force_constant\": {:e},", run.output.measured.force_constant);
         assert!(told.contains(&found), "{told} {found}");
         // at rest, and `enable` rises
         let until = run.time() + 0.1;
