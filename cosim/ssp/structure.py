@@ -78,6 +78,8 @@ def connects(owner: str, variable: Any, ports: Ports) -> bool:
 def component(parent: Element, name: str, variables: Iterable[Any]) -> None:
     """Append a component with a connector for each input and output, and its parameter set."""
     made = sub(parent, "ssd:Component", name=name, type=FMU_TYPE, source=f"resources/{name}.fmu")
+    # by events a command would act a step sooner than `io_delay` says
+    made.set("implementation", "CoSimulation")
     connectors = sub(made, "ssd:Connectors")
     for variable in variables:
         if variable.causality not in ("input", "output"):

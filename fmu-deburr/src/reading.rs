@@ -260,6 +260,9 @@ mod tests {
             let (_, found) = reader.read(&p, &at(9e-3 * f64::from(k)), &Known { closed: false, ..REST });
             assert_eq!(found, Finding::NONE);
         }
+        // no hand moves an axis by 0.1 m in a sample
+        let (reading, _) = reader.read(&p, &at(0.541), &Known { closed: false, ..REST });
+        assert_eq!(reading.positions, [9e-3 * 49.0; AXES]);
     }
 
     #[test]

@@ -5,7 +5,7 @@ use control_blocks::{Parameter, ParameterError, check_all, ticks};
 use crate::commission::plan;
 use crate::detection::detector::Detector;
 use crate::force::observer::forgetting;
-use crate::interface::Parameters;
+use crate::interface::{DetectorKind, Parameters};
 use crate::motion::stability::spectral_radius;
 use crate::motion::travel::arming_travel;
 
@@ -28,6 +28,7 @@ pub fn check(p: &Parameters) -> Result<(), ParameterError> {
             readings,
             starting,
             learn_limit,
+            second_touch,
             commission_travel,
             commission_force,
             commission_time,
@@ -71,12 +72,24 @@ fn learn_limit(p: &Parameters) -> Result<(), ParameterError> {
         .must_be(limit == 0.0 || limit >= least, || format!("`0`, or at least `learn.time`, `{least} s`"))
 }
 
+fn second_touch(p: &Parameters) -> Result<(), ParameterError> {
+    let hint = "use `detector` = `Glr`, the one that tells how likely a contact is";
+    Parameter::new("touch.confirm", p.touch.confirm, "", hint)
+        .must_be(!p.touch.confirm || p.detector == DetectorKind::Glr, || {
+            "`false` with any other detector than `Glr`".into()
+        })?;
+    let hint = "raise it, or lower `touch.suspicion`";
+    Parameter::new("touch.evidence", p.touch.evidence, "", hint)
+        .at_least(2.0 * p.touch.suspicion, "twice `touch.suspicion`")
+}
+
 fn learn_time(p: &Parameters) -> Result<(), ParameterError> {
     let samples = LEARN_WINDOWS * Detector::window(p);
     let least = samples as f64 * p.sample_period;
-    let time = Parameter::new("learn.time", p.learn.time, "s", "learn longer, or shorten `slope.window`");
+    let time =
+        Parameter::new("learn.time", p.learn.time, "s", "learn longer, or shorten `slope.window` or `glr.onsets`");
     time.must_be(ticks(p.learn.time, p.sample_period) as usize >= samples, || {
-        format!("at least `{least} s`, `{LEARN_WINDOWS}` times the longest slope window")
+        format!("at least `{least} s`, `{LEARN_WINDOWS}` times the longest window")
     })
 }
 
@@ -158,8 +171,8 @@ mod tests {
     const REFUSALS: &[Refusal<Parameters>] = &[
         (|p| p.approach.direction = 0, "approach.direction", "`0`", "`-1`"),
         (|p| p.servo.bandwidth = 1000.0, "observer.velocity_bandwidth", "`3142 rad/s`", "`4000 rad/s`"),
-        (|p| p.deviation_window = 0.5, "learn.settle_time", "`0.25 s`", "`0.52 s`"),
-        (|p| p.learn.time = 0.05, "learn.time", "`0.05 s`", "`0.1 s`"),
+        (|p| p.deviation_window = 0.5, "learn.settle_time", "`0.25 s`", "`0.53 s`"),
+        (|p| p.learn.time = 0.05, "learn.time", "`0.05 s`", "`0.15 s`"),
         (|p| p.approach.travel_max = 5e-5, "approach.travel_max", "`0.00005 m`", "armed"),
         (|p| p.retract.distance = 2e-5, "retract.distance", "`0.00002 m`", "`0.000075"),
         (|p| p.limits.jump = 3e-9, "limits.jump", "`0.000000003 m`", "`stage.encoder_resolution`"),

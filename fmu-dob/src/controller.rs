@@ -11,6 +11,7 @@ use crate::commission::plan;
 use crate::detection::contact::DetectedContact;
 use crate::detection::detector::{Detector, Sample, samples};
 use crate::detection::guard::ForceGuard;
+use crate::detection::touch::TwoStageTouch;
 use crate::faults::following_limit;
 use crate::force::deviation::MovingDeviation;
 use crate::force::notch::NotchCascade;
@@ -46,6 +47,7 @@ pub struct Controller {
     force: ForceOutput,
     detector: Detector,
     guard: ForceGuard,
+    touch: TwoStageTouch,
     monitors: Monitors,
     commissioner: Commissioner,
     state: State,
@@ -87,6 +89,7 @@ impl Controller {
             force: ForceOutput::START,
             detector: Detector::new(p),
             guard: ForceGuard::default(),
+            touch: TwoStageTouch::default(),
             monitors: Monitors::new(p),
             commissioner: Commissioner::new(p),
             state: State::Idle,
@@ -177,7 +180,7 @@ impl Controller {
             }
             self.observer.update(position, acted);
             let disturbance = self.observer.force();
-            self.monitors.drive.update(p.stage.force_constant * acted, disturbance);
+            self.monitors.drive.update(p.stage.force_constant * acted, disturbance, reading.whole > 0);
             let notched = self.notch.update(disturbance, reading.spindle_speed);
             let deviation = self.deviation.update(notched);
             self.slope.update(deviation);
@@ -197,6 +200,8 @@ impl Controller {
         let settled = self.motion.retreated(p) && self.monitors.relief.known(p);
         self.asked = self.state.asked(self.asked, reading.begin, reading.enabled);
         self.commission_asked = self.state.asked(self.commission_asked, reading.begin_commission, reading.commission);
+        let contact = reading.position.and_then(|_| self.find_contact(p, reading));
+        let (suspected, dismissed) = self.doubt(p, reading);
         let events = Events {
             begin: self.asked,
             commission: self.commission_asked,
@@ -206,7 +211,9 @@ impl Controller {
             reset: reading.reset,
             restful: reading.position.is_some() && self.tracked(p) && self.motion.at_rest(),
             fault: self.find_fault(p, elapsed, settled, reading),
-            contact: reading.position.and_then(|_| self.find_contact(p, reading)),
+            contact,
+            suspected,
+            dismissed,
             elapsed,
             turned: self.motion.reference.velocity <= 0.0,
             retreated: if self.state == State::Retract { settled } else { self.motion.retreated(p) },
@@ -249,6 +256,12 @@ impl Controller {
                 }
                 enough
             }
+            State::Confirm => {
+                if self.ticks == ticks(p.touch.settle_time, p.sample_period) {
+                    self.detector.clear();
+                }
+                false
+            }
             _ => false,
         }
     }
@@ -266,6 +279,11 @@ impl Controller {
             }
             (State::Approach, Some(position)) => self.restart(p, position),
             (State::Learn, _) => self.guard.learn(),
+            (State::Detect, _) => self.touch = TwoStageTouch::default(),
+            (State::Confirm, _) => {
+                let reference = self.motion.reference.position;
+                self.motion.go_back(self.touch.way_back(p, &self.motion.approach, reference));
+            }
             (State::Contact, Some(position)) => {
                 self.motion.depart(p);
                 let time = self.samples as f64 * p.sample_period;

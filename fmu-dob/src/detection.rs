@@ -9,3 +9,4 @@ pub mod innovation;
 pub mod kalman;
 pub mod monitor;
 pub mod threshold;
+pub mod touch;

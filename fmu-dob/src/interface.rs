@@ -40,6 +40,8 @@ mod variables {
         Fault,
         /// Measures its machine with small motions away from the workpiece, and comes back
         Commission,
+        /// Goes back a little and touches again where it suspects a contact
+        Confirm,
     }
     /// Why the controller is in the fault state
     pub enum Fault {
@@ -105,7 +107,7 @@ mod variables {
     }
     /// Which law is in force; `Paper` gives what was not set the value of the paper
     pub enum Law {
-        /// Slopes over four windows with automatic thresholds
+        /// Likelihood of a contact at each of `glr.onsets` instants, by a Kalman filter
         Default,
         /// The law as printed: slope over one window, threshold mu + 4 sigma
         Paper,
@@ -267,13 +269,14 @@ mod variables {
         #[var(name = "deviation.window", unit = SECOND as "ms", range = 1e-3..=10.0, start = 0.1, source = "our choice: depth is flat from 20 to 500 ms")] pub deviation_window: f64,
         /// Time of the least-squares slope, N samples in eq. 3
         #[var(name = "slope.window", unit = SECOND as "ms", range = 1e-4..=1.0, start = 5e-3, source = "our choice")] pub slope_window: f64,
-        #[var(start = DetectorKind::MultiSlope, paper = DetectorKind::Slope, source = "our choice: sees slow contacts, too")] pub detector: DetectorKind,
+        #[var(start = DetectorKind::Glr, paper = DetectorKind::Slope, source = "measured: the least depth, on drawn machines too")] pub detector: DetectorKind,
         pub threshold: Threshold,
         pub learn: Learn,
         pub limits: Limits,
         pub kalman: Kalman,
         pub cusum: Cusum,
         pub glr: Glr,
+        pub touch: Touch,
         pub approach: Approach,
         pub retract: Retract,
         pub commission: Commission,
@@ -366,7 +369,7 @@ mod variables {
     /// Kalman filter behind the detectors `Cusum` and `Glr`; all values are standard deviations
     pub struct Kalman {
         /// Random walk of the disturbance in one sample, standard deviation
-        #[var(unit = NEWTON as "mN", range = 1e-9..=1e3, start = 7e-4, source = "our choice: noise of such stages")] pub disturbance_walk: f64,
+        #[var(unit = NEWTON as "mN", range = 1e-9..=1e3, start = 5e-4, source = "our choice: the innovation of such stages is white")] pub disturbance_walk: f64,
         /// Random walk of each spindle harmonic in one sample, standard deviation
         #[var(unit = NEWTON as "mN", range = 1e-9..=1e3, start = 1e-4, source = "our choice: noise of such stages")] pub harmonic_walk: f64,
         /// White force in one sample, standard deviation
@@ -379,14 +382,29 @@ mod variables {
         /// Subtracted from the normalised innovation in each sample
         #[var(unit = ONE, range = 0.0..=5.0, start = 0.25, source = "our choice")] pub drift: f64,
         /// Alarm level of the cumulative sum
-        #[var(unit = ONE, range = 1.0..=1e3, start = 16.0, source = "our choice: about one false alarm per hour")] pub threshold: f64,
+        #[var(unit = ONE, range = 1.0..=1e3, start = 22.0, source = "our choice: about one false alarm per hour")] pub threshold: f64,
     }
     /// Generalised likelihood ratio over a bank of contact instants; counts with `detector` = Glr
     pub struct Glr {
         /// Contact instants in the bank, one per sample
         #[var(range = 10..=1000, start = 300, source = "our choice")] pub onsets: i32,
         /// Alarm level of the log-likelihood ratio
-        #[var(unit = ONE, range = 1.0..=1e3, start = 15.0, source = "our choice: at most one false alarm per hour")] pub threshold: f64,
+        #[var(unit = ONE, range = 1.0..=1e3, start = 15.0, source = "measured: no false alarm in hours")] pub threshold: f64,
+    }
+    /// Two-stage touch: what looks like a contact but is not sure of it is touched again; needs `detector` = Glr
+    pub struct Touch {
+        /// A suspected contact is touched again
+        pub confirm: bool,
+        /// Log-likelihood ratio of each touch from which on a contact is suspected
+        #[var(unit = ONE, range = 1.0..=1e3, start = 7.0, source = "our choice: a suspicion in some seconds")] pub suspicion: f64,
+        /// Log-likelihood ratio of both touches together that is a contact
+        #[var(unit = ONE, range = 1.0..=1e3, start = 24.0, source = "our choice: a false alarm in hours")] pub evidence: f64,
+        /// Time for which the first touch goes on to become sure
+        #[var(unit = SECOND as "ms", range = 0.0..=1.0, start = 0.01, source = "our choice: memory of the filter")] pub dwell: f64,
+        /// Time at constant speed before the second touch counts
+        #[var(unit = SECOND as "ms", range = 0.0..=10.0, start = 0.05, source = "our choice: five times that memory")] pub settle_time: f64,
+        /// Distance of both touches of one contact, beside the ways of their times
+        #[var(unit = METRE as "nm", range = 0.0..=1e-3, start = 5e-7, source = "our choice: run-out and mark")] pub scatter: f64,
     }
     /// Approach motion
     pub struct Approach {

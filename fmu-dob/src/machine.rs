@@ -5,7 +5,7 @@ use crate::interface::{ContactSource, Fault, State};
 impl State {
     /// Whether the stage moves towards the workpiece.
     pub fn approaching(self) -> bool {
-        matches!(self, Self::Approach | Self::Learn | Self::Detect)
+        matches!(self, Self::Approach | Self::Learn | Self::Detect | Self::Confirm)
     }
 
     /// Whether a job is going on.
@@ -41,6 +41,10 @@ pub struct Events {
     pub fault: Option<Fault>,
     /// Contact, from its source.
     pub contact: Option<ContactSource>,
+    /// Something looks like a contact and is to be touched again.
+    pub suspected: bool,
+    /// The second touch is over, without a contact.
+    pub dismissed: bool,
     /// The time of the present state at constant speed is over.
     pub elapsed: bool,
     /// The reference no longer moves towards the workpiece.
@@ -51,7 +55,7 @@ pub struct Events {
 
 /// The state after `state` and `events`; a fault comes first, then contact, then `enable`.
 pub fn next(state: State, events: &Events) -> State {
-    use State::{Approach, Commission, Contact, Detect, Done, Fault, Idle, Learn, Retract};
+    use State::{Approach, Commission, Confirm, Contact, Detect, Done, Fault, Idle, Learn, Retract};
     let touched = events.contact.is_some();
     match state {
         Fault if events.reset && events.restful && events.retreated && events.fault.is_none() => Idle,
@@ -60,10 +64,12 @@ pub fn next(state: State, events: &Events) -> State {
         Idle | Done if events.begin && events.restful => Approach,
         Idle | Done if events.commission && events.restful => Commission,
         Commission if events.break_off || events.commissioned => Idle,
-        Approach | Learn | Detect if touched => Contact,
-        Approach | Learn | Detect if !events.enabled => Retract,
+        Approach | Learn | Detect | Confirm if touched => Contact,
+        Approach | Learn | Detect | Confirm if !events.enabled => Retract,
         Approach if events.elapsed => Learn,
         Learn if events.elapsed => Detect,
+        Detect if events.suspected => Confirm,
+        Confirm if events.dismissed => Detect,
         Contact if events.turned => Retract,
         Retract if events.retreated => Done,
         unchanged => unchanged,
@@ -85,6 +91,8 @@ mod tests {
         restful: false,
         fault: None,
         contact: None,
+        suspected: false,
+        dismissed: false,
         elapsed: false,
         turned: false,
         retreated: false,
@@ -137,11 +145,23 @@ mod tests {
     }
 
     #[test]
+    fn what_is_suspected_is_touched_again_and_confirmed_or_dismissed() {
+        let suspected = Events { suspected: true, ..QUIET };
+        let dismissed = Events { dismissed: true, ..QUIET };
+        for &state in State::ALL {
+            assert_eq!(next(state, &suspected), if state == State::Detect { State::Confirm } else { state });
+            assert_eq!(next(state, &dismissed), if state == State::Confirm { State::Detect } else { state });
+        }
+        let contact = Events { contact: Some(ContactSource::Glr), ..suspected };
+        assert_eq!([State::Detect, State::Confirm].map(|state| next(state, &contact)), [State::Contact; 2]);
+    }
+
+    #[test]
     fn a_job_lasts_from_the_approach_to_the_retract() {
         let at_work: Vec<bool> = State::ALL.iter().map(|state| state.at_work()).collect();
-        assert_eq!(at_work, [false, true, true, true, true, true, false, false, false]);
+        assert_eq!(at_work, [false, true, true, true, true, true, false, false, false, true]);
         let approaching: Vec<bool> = State::ALL.iter().map(|state| state.approaching()).collect();
-        assert_eq!(approaching, [false, true, true, true, false, false, false, false, false]);
+        assert_eq!(approaching, [false, true, true, true, false, false, false, false, false, true]);
     }
 
     #[test]
@@ -165,6 +185,8 @@ mod tests {
             restful: true,
             fault: Some(Fault::LostReading),
             contact: Some(ContactSource::Slope),
+            suspected: true,
+            dismissed: true,
             elapsed: true,
             turned: true,
             retreated: true,

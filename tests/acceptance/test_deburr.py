@@ -15,7 +15,10 @@ import numpy as np
 import pytest
 
 import cosim
+from cosim.pool.worker import JobRunner
 from cosim.scenario.injection import Injection
+from cosim.sweep import study
+from cosim.sweep.plan import Plan
 
 from .measured.store import measured
 from .samples.robots import DELAYS, PLAIN, Changes, Sample, joined, learn, machine, sample
@@ -134,6 +137,27 @@ def test_new_robots_are_within_their_limits_after_seconds(repetitions: int) -> N
         assert value(result, "good") == 1.0, told
         assert max(e1, e3) <= 3e-5, told
         assert value(result, "learned") <= most, told
+
+
+@pytest.mark.full
+def test_new_robots_of_the_study_are_within_their_limits_after_seconds() -> None:
+    plan = Plan(study.load(ROOT / "studies/deburr-new-robot.toml"))
+    with JobRunner() as runner:
+        done = [(one.changes, runner.run(plan.job(one))) for one in plan.runs]
+    for row, repetitions, seconds in (("default", 19, 90.0), ("identified", 0, 10.0)):
+        those = [result for changes, result in done if changes["controller.learn.repetitions"] == repetitions]
+        found = [result for result in those if isinstance(result, cosim.Result)]
+        assert len(found) == len(those) == len(done) // 2
+        assert all(value(result, "good") for result in found)
+        worst = 1e3 * np.array([max(errors(result)) for result in found])
+        times = np.array([value(result, "learned") for result in found])
+        assert worst.max() <= 0.05
+        assert times.max() <= seconds
+        measured(
+            "deburr-new-robots", row, robots=len(found), time=float(np.median(times)), time_most=times.max(),
+            median=float(np.median(worst)), high=float(np.percentile(worst, 95)), most=worst.max(),
+            within=int(sum(worst <= 0.03)), tip=1e3 * max(value(result, "tip") for result in found),
+        )  # fmt: skip
 
 
 def test_without_identification_a_new_robot_of_another_gain_is_not() -> None:

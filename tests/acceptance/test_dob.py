@@ -131,6 +131,10 @@ def test_a_touch_is_seen_before_a_threshold_of_force_or_current_sees_it() -> Non
     default = np.median([rows["plant.depth"][np.argmax(rows["controller.contact"] > 0)] for rows in found])
     told = [f"{1e9 * depth:.0f}" for depth in (default, force, current)]
     print("depth at the detection in nm: default {}, force {}, current {}".format(*told))
+    depths = {"default": default, "force": force, "current": current}
+    measured(
+        "dob-simplest", "100 um/s", touches=len(SOME), **{name: 1e9 * one for name, one in depths.items()}
+    )
     assert default < 0.85 * force
     assert default < 0.85 * current
 
@@ -200,6 +204,26 @@ def test_default_mode_in_200_approaches(name: str, depth: float) -> None:
 def test_paper_mode_in_200_approaches(name: str, depth: float) -> None:
     paper_mode(runs(name, MANY), depth)
     keep(name, runs(name, MANY))
+
+
+@pytest.mark.parametrize(
+    ("count", "least"),
+    [pytest.param(12, 11, id="12"), pytest.param(200, 198, id="200", marks=pytest.mark.full)],
+)
+def test_work_that_yields_is_found_by_two_touches(count: int, least: int) -> None:
+    # 10 mN on a flute, which soft work holds however deep it is cut
+    yields, seeds = "plant.yield_depth=5e-8", range(81_001, 81_001 + count)
+    for row, twice in (("once", "false"), ("twice", "true")):
+        ends = runs("dob", tuple(seeds), yields, f"controller.touch.confirm={twice}", "loop.duration=3")
+        detected, early = values(ends, "detected"), values(ends, "early")
+        found = detected * (1.0 - early)
+        assert early.sum() == 0.0
+        if row == "twice":
+            assert found.sum() >= least
+        if count == 200:
+            depth = values(ends, "depth")[found > 0.0] * 1e6
+            high = float(np.quantile(depth, 0.95))
+            measured("dob-yield", row, touches=count, found=found.sum(), median=np.median(depth), high=high)
 
 
 @pytest.mark.full

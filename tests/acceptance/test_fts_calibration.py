@@ -98,6 +98,9 @@ def test_the_response_holds_with_other_delays(delay: int) -> None:
         f"Ms {value(result, 'sensitivity'):.2f}, feedforward {100 * value(result, 'share'):.2f} %"
     )
     assert value(result, "bandwidth") == pytest.approx(230.0, abs=7.0)
+    loop = {name: value(result, name) for name in ("bandwidth", "phase_margin", "sensitivity")}
+    row = {0: "no delay", 2: "two samples"}[delay]
+    measured("fts-loop", row, **loop, share=100.0 * value(result, "share"))
     assert value(result, "share") <= 0.005
     assert value(result, "good")
 

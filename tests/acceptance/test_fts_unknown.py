@@ -16,6 +16,7 @@ from cosim.pool.worker import JobRunner
 from cosim.sweep import study
 from cosim.sweep.plan import Plan
 
+from .measured.store import measured
 from .samples.runs import run, value
 
 pytestmark = pytest.mark.acceptance
@@ -30,8 +31,8 @@ UNKNOWN: dict[str, dict[str, float]] = {
 """Largest error of each study, m."""
 
 
-def hold(name: str, samples: int | None = None) -> None:
-    """Run a study, or so many machines that are drawn anew, and hold its errors against their limits."""
+def hold(name: str, samples: int | None = None) -> dict[str, float]:
+    """Run a study, or so many machines that are drawn anew, and hold its errors (um) against their limits."""
     wanted = study.load(FOLDER / f"{name}.toml")
     if samples is not None:
         wanted = replace(wanted, seed=SEED, design=replace(wanted.design, samples=samples))
@@ -40,11 +41,14 @@ def hold(name: str, samples: int | None = None) -> None:
         results = [runner.run(plan.job(one)) for one in plan.runs]
     done = [result for result in results if isinstance(result, cosim.Result)]
     assert len(done) == len(results)
+    found: dict[str, float] = {"machines": len(done)}
     for metric, most in UNKNOWN[name].items():
         errors = np.array([value(result, metric) for result in done])
         print(f"{name}: {metric} {1e6 * np.median(errors):.3f}, most {1e6 * errors.max():.3f} um")
         assert errors.max() <= most
+        found |= {metric: 1e6 * float(np.median(errors)), f"{metric}_most": 1e6 * float(errors.max())}
     assert all(value(result, "good") for result in done)
+    return found
 
 
 @pytest.mark.parametrize("name", UNKNOWN)
@@ -55,7 +59,7 @@ def test_a_few_machines(name: str) -> None:
 @pytest.mark.full
 @pytest.mark.parametrize("name", UNKNOWN)
 def test_the_whole_study(name: str) -> None:
-    hold(name)
+    measured("fts-unknown", name, **hold(name))
 
 
 def test_without_learning_the_response_the_drive_is_learned_ten_times_as_late() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -58,6 +59,13 @@ def test_between_two_samples_of_moving_inputs(fmu: Fmu, tmp_path: Path) -> None:
     assert replay("resume", fmu.folder, tmp_path) == lines[STEPS // 2 :]
 
 
+def told_size(fmu: str) -> int:
+    """Bytes of a state of the default loops at most, as the guide tells them."""
+    text = (ROOT / "docs/import.md").read_text(encoding="utf-8")
+    (size,) = re.findall(rf"^\| `{fmu}` \| [\d,]+ \| ([\d,]+) \|$", text, re.MULTILINE)
+    return int(size.replace(",", ""))
+
+
 @pytest.mark.client("FMPy", "saves and restores a closed loop")
 @pytest.mark.parametrize(
     ("loop", "state"),
@@ -83,6 +91,8 @@ def test_in_the_middle_of_a_state_of_a_closed_loop(loop: str, state: str, tmp_pa
 
     lines = replay("run", folder, tmp_path)
     assert replay("resume", folder, tmp_path) == lines[split:]
+    if "/" not in loop:
+        assert (tmp_path / "state").stat().st_size <= told_size(scenario.controller.fmu)
     # and the bare FMU did what it did in the loop
     reals = [v.name for v in description.modelVariables if v.type == "Real"]
     for i, name in enumerate(reals):

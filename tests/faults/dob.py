@@ -12,13 +12,14 @@ POSITION = "controller.position"
 CURRENT = "plant.current"
 DETECT = 'controller.state == "Detect"'
 LEARN = 'controller.state == "Learn"'
+CONFIRM = 'controller.state == "Confirm"'
 SHORT = (
-    "controller.learn.settle_time=0.13", "controller.learn.time=0.12", "loop.duration=0.6",
-    "plant.surface_distance=3e-5", "plant.surface_spread=5e-6",
+    "controller.learn.settle_time=0.23", "controller.learn.time=0.15", "loop.duration=0.75",
+    "plant.surface_distance=4.3e-5", "plant.surface_spread=5e-6",
 )  # fmt: skip
-"""Armed after 0.27 s and 25 um, the surface 5 to 10 um later."""
-SLOWER = ("controller.learn.settle_time=0.23", "loop.duration=0.7", "plant.surface_distance=4e-5")
-"""The same for detectors with a Kalman filter, 10 um later."""
+"""Armed after 0.4 s and 38 um, the surface 5 to 10 um later."""
+TWICE = ("controller.touch.confirm=true", "controller.touch.suspicion=2.0", "loop.duration=1.5")
+"""So much is suspected that a second touch begins in the air."""
 
 DEEP = "max(maximum(plant.depth, 0.0)[controller.drive_enable])"
 """Travel beyond the first possible touch while the drive is on; a drift without it is not counted."""
@@ -159,16 +160,43 @@ ROWS = (
         4.2e-7,
         TOUCH,
         (wrong(POSITION, duration=1e-4, offset=8e-9),),
-        changes=("controller.detector=Cusum", *SLOWER),
+        changes=("controller.detector=Cusum",),
     ),
     Row(
-        "encoder spike of 8 nm, GLR",
+        "encoder spike of 8 nm, slopes",
         (DONE,),
         DEEP,
         4.2e-7,
         TOUCH,
         (wrong(POSITION, duration=1e-4, offset=8e-9),),
-        changes=("controller.detector=Glr", *SLOWER),
+        changes=("controller.detector=MultiSlope",),
+    ),
+    Row(
+        "encoder spike of 8 nm on the way to a second touch",
+        (DONE,),
+        DEEP,
+        4.2e-7,
+        TOUCH,
+        (wrong(POSITION, CONFIRM, duration=1e-4, offset=8e-9),),
+        changes=TWICE,
+    ),
+    Row(
+        "encoder frozen on the way to a second touch",
+        ("FrozenReading",),
+        CRUISING,
+        1e-7,
+        "an encoder that lies: 10 nm in each of the 6 samples until it is told, and the turn",
+        (wrong(POSITION, CONFIRM, frozen=True),),
+        changes=TWICE,
+    ),
+    Row(
+        "drive off on the way to a second touch",
+        ("WeakDrive", "FollowingError"),
+        CRUISING,
+        2e-5,
+        FALL,
+        (wrong(CURRENT, CONFIRM, scale=0.0),),
+        changes=TWICE,
     ),
     Row("encoder drifts by 2 um/s", (DONE,), DEEP, 4.2e-7, TOUCH, (wrong(POSITION, ramp=2e-6),)),
     Row(
@@ -254,7 +282,7 @@ ROWS = (
         4.2e-7,
         TOUCH,
         (at(0.0, "controller.spindle_speed", noise=9.4),),
-        changes=("controller.detector=Cusum", *SLOWER),
+        changes=("controller.detector=Cusum",),
     ),
     Row(
         "spindle signal with 0.3 % of noise",
@@ -389,7 +417,7 @@ ROWS = (
         1e-9,
         "the travel ends before the surface",
         (Injection("controller.position_valid", when='controller.state == "Fault"', after=0.005, value=0.0),),
-        changes=("controller.approach.travel_max=2.8e-5",),
+        changes=("controller.approach.travel_max=4.1e-5",),
         sequence=True,
     ),
 )

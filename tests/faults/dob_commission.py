@@ -108,7 +108,7 @@ ROWS = (
         ("SpindleJump",),
         2e-6,
         LIES,
-        3.0,
+        2.9,
         "controller.spindle_speed",
         value=0.0,
     ),

@@ -4,6 +4,7 @@
 //! [`python`] are what they share. FMUs are packed by the library of `cargo-fmu`.
 
 pub mod bench;
+pub mod clients;
 pub mod demo;
 pub mod fingerprint;
 pub mod fmu;

@@ -6,7 +6,7 @@ use anyhow::Result;
 use clap::{Parser, Subcommand};
 use xtask::bench::effort::Effort;
 use xtask::workspace::Workspace;
-use xtask::{bench, demo, fmu, new, plain_c, release_set, setup, test, wheel};
+use xtask::{bench, clients, demo, fmu, new, plain_c, release_set, setup, test, wheel};
 
 /// Builds, demonstrates, tests and measures the project. Steps that are up to date are skipped.
 #[derive(Parser)]
@@ -48,6 +48,9 @@ enum Command {
         /// Instead prove the release set on the platforms that it is for, under Wine and QEMU
         #[arg(long)]
         platforms: bool,
+        /// Instead run the FMUs in importers of others that take minutes to build
+        #[arg(long, conflicts_with = "platforms")]
+        clients: bool,
     },
     /// Measure the FMUs and both engines; results land in `target/bench/`
     Bench {
@@ -82,8 +85,9 @@ fn run(command: &Command) -> Result<bool> {
         Command::Fmu { names, release_set: false } => fmu::run(&workspace, names).map(|()| true),
         Command::C { names, modelica } => plain_c::run(&workspace, names, *modelica).map(|()| true),
         Command::Demo => demo::run(&workspace),
-        Command::Test { platforms: true } => release_set::test(&workspace).map(|()| true),
-        Command::Test { platforms: false } => test::run(&workspace),
+        Command::Test { platforms: true, .. } => release_set::test(&workspace).map(|()| true),
+        Command::Test { clients: true, .. } => clients::test(&workspace).map(|()| true),
+        Command::Test { .. } => test::run(&workspace),
         Command::Bench { short, scenarios } => {
             let effort = if *short { Effort::SHORT } else { Effort::FULL };
             bench::run(&workspace, &effort, scenarios).map(|()| true)

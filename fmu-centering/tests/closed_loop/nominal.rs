@@ -41,5 +41,5 @@ fn a_few_rings_have_no_fault() {
 #[test]
 #[ignore = "a measurement: the hours of the README"]
 fn ten_hours_have_no_fault() {
-    println!("{} rings in 10 h, no fault", rings_without_a_fault(10.0));
+    println!("measured: hours | fmu-centering | hours=10 jobs={}", rings_without_a_fault(10.0));
 }

@@ -15,12 +15,12 @@ fn errors() {
     };
     for (name, base) in [
         ("paper", Parameters::PAPER),
-        ("paper, stop at best", change(Parameters::PAPER, |p| p.learn.stop_at_best = true)),
+        ("paper, best repetition", change(Parameters::PAPER, |p| p.learn.stop_at_best = true)),
         ("filter, 19 repetitions", change(from_zero(Parameters::START), |p| p.learn.law = LearningLaw::LeadFilter)),
         ("norm-optimal, 3 repetitions", change(from_zero(Parameters::START), |p| p.learn.repetitions = 3)),
         ("default", Parameters::START),
         ("identified, nothing learned", change(Parameters::START, |p| p.learn.repetitions = 0)),
-        ("computed", change(Parameters::START, |p| p.bank.compute = true)),
+        ("computed, nothing learned", change(Parameters::START, |p| p.bank.compute = true)),
     ] {
         for delay in [0, 1] {
             let mut p = parameters(&base, delay);
@@ -29,13 +29,19 @@ fn errors() {
             }
             let mut run = Loop::new(&p, &Build { delay: delay as usize, ..Build::NOMINAL });
             assert!(p.bank.compute || run.finish(Mode::Learn));
-            let mut worst = |speed: &dyn Fn(f64) -> f64| {
+            let mut told = format!("measured: deburr-speeds | {name}, delay {delay} |");
+            let mut worst = |at: &str, speed: &dyn Fn(f64) -> f64| {
                 let errors = run.largest_errors(Mode::Playback, speed);
-                format!("{:.3}/{:.3}", errors[0], errors[2])
+                told += &format!(" {at}_1={} {at}_3={}", errors[0], errors[2]);
             };
-            let steady = [1.0, 0.9, 0.7, 0.5, 0.3, 0.167].map(|factor| worst(&move |_| factor));
-            let swings = [0.5, 1.0, 2.0].map(|hertz| worst(&swinging(hertz)));
-            println!("{name}, delay {delay}: {steady:?} {swings:?}");
+            for percent in [100, 90, 70, 50, 30, 17] {
+                let factor = if percent == 17 { 0.167 } else { f64::from(percent) / 100.0 };
+                worst(&format!("at_{percent}"), &move |_| factor);
+            }
+            for (at, hertz) in [("half_hertz", 0.5), ("one_hertz", 1.0), ("two_hertz", 2.0)] {
+                worst(at, &swinging(hertz));
+            }
+            println!("{told}");
         }
     }
 }

@@ -84,5 +84,5 @@ fn a_few_castings_have_no_fault() {
 #[test]
 #[ignore = "a measurement: the hours of the README"]
 fn ten_hours_have_no_fault() {
-    println!("{} castings in 10 h, no fault", castings_without_a_fault(10.0));
+    println!("measured: hours | fmu-deburr | hours=10 jobs={}", castings_without_a_fault(10.0));
 }

@@ -50,3 +50,19 @@ fn more_weight_is_slower() {
     let [light, middle, heavy] = [0.01, 0.1, 1.0].map(after_two);
     assert!(light < 0.5 * middle && middle < 0.2 * heavy, "{light} {middle} {heavy}");
 }
+
+/// `cargo test --release -p fmu-deburr --test closed_loop -- every_weight --ignored --nocapture`
+#[test]
+#[ignore = "a measurement: a table of the README"]
+fn every_weight() {
+    for weight in [0.001, 0.01, 0.1, 1.0] {
+        let mut told = format!("measured: deburr-weights | {weight} |");
+        for (machine, factor) in [("nominal", 1.0), ("slow", 0.8), ("fast", 1.2)] {
+            let build = Build { gain: factor, dynamics: factor, delay: 1 };
+            for (renewal, cost) in costs(weight, &build, 4).iter().enumerate() {
+                told += &format!(" {machine}_{renewal}={cost}");
+            }
+        }
+        println!("{told}");
+    }
+}

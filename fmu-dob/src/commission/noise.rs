@@ -143,6 +143,7 @@ mod tests {
             assert!((measure.value / expected - 1.0).abs() < spread, "{measure:?} {expected}");
             assert!(measure.deviation < spread * expected && measure.deviation > 0.0, "{measure:?}");
         }
-        assert!(noise.force().value > 0.02 && noise.force().deviation > 0.2 * noise.force().value);
+        let force = noise.force();
+        assert!(force.value > 0.02 && force.deviation == force.value / f64::from(2 * STROKES).sqrt(), "{force:?}");
     }
 }

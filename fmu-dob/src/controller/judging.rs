@@ -134,7 +134,7 @@ impl Controller {
 
     /// Why the detector has not found the contact of this sample.
     pub(super) fn unseen(&self, p: &Parameters, reading: &Reading) -> Unseen {
-        if self.state != State::Detect {
+        if !self.armed(p) {
             Unseen::Unarmed
         } else if Self::trusted(p, reading) {
             Unseen::Missed
@@ -155,15 +155,46 @@ impl Controller {
             return None;
         }
         // the observer still holds the force of inertia
-        let starting = self.state == State::Approach && self.ticks <= started(p);
-        let acceleration = if starting { self.motion.approach.acceleration } else { 0.0 };
+        let acceleration = match self.state {
+            State::Approach if self.ticks <= started(p) => self.motion.approach.acceleration,
+            State::Confirm if self.ticks <= started(p) => p.retract.deceleration,
+            _ => 0.0,
+        };
         let guarded = self.guard.exceeded(p, acceleration, self.force.notched);
         // a contact pushes, it does not jump: what has counted only in part may not look like one
         if !Self::trusted(p, reading) {
             self.detector.clear();
-        } else if self.state == State::Detect && self.detector.test(p) {
+        } else if self.armed(p) && (self.detector.test(p) || self.touched_twice(p, reading)) {
             return Some(self.detector.source());
         }
         guarded.then_some(ContactSource::ForceGuard)
+    }
+
+    /// Whether the detector decides.
+    fn armed(&self, p: &Parameters) -> bool {
+        match self.state {
+            State::Confirm => self.ticks > ticks(p.touch.settle_time, p.sample_period),
+            state => state == State::Detect,
+        }
+    }
+
+    /// Whether the second touch has confirmed the first.
+    fn touched_twice(&mut self, p: &Parameters, reading: &Reading) -> bool {
+        let velocity = self.motion.approach.velocity;
+        match (self.state, reading.position, self.detector.ratio()) {
+            (State::Confirm, Some(position), Some(ratio)) => self.touch.confirm(p, velocity, position, ratio),
+            _ => false,
+        }
+    }
+
+    /// Whether a first touch is to be touched again, and whether a second one has shown nothing.
+    pub(super) fn doubt(&mut self, p: &Parameters, reading: &Reading) -> (bool, bool) {
+        let (Some(position), Some(ratio)) = (reading.position, self.detector.ratio()) else { return (false, false) };
+        let velocity = self.motion.approach.velocity;
+        match self.state {
+            State::Detect => (self.touch.suspect(p, position, ratio), false),
+            State::Confirm => (false, self.armed(p) && self.touch.passed(p, velocity, position)),
+            _ => (false, false),
+        }
     }
 }

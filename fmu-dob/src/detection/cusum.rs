@@ -28,8 +28,8 @@ mod tests {
         let mut cusum = CumulativeSum::default();
         // nothing is saved up on the quiet side
         assert!((0..1000).all(|_| !cusum.test(&p, -1.0)));
-        // 16 / (1.25 - 0.25) = 16 samples reach the level, the next one is above
+        // 22 / (1.25 - 0.25) = 22 samples reach the level, the next one is above
         let ticks = (1..100).find(|_| cusum.test(&p, 1.25)).unwrap();
-        assert_eq!(ticks, 17);
+        assert_eq!(ticks, 23);
     }
 }

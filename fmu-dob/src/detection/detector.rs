@@ -85,10 +85,11 @@ impl Detector {
         Self { slope: Monitor::new(), method }
     }
 
-    /// Longest slope window, samples.
+    /// Longest window of a slope or a correlation, samples.
     pub fn window(p: &Parameters) -> usize {
         let longest = match p.detector {
             DetectorKind::MultiSlope => p.slope_window.max(WINDOWS[3]),
+            DetectorKind::Glr => p.slope_window.max(f64::from(p.glr.onsets) * p.sample_period),
             _ => p.slope_window,
         };
         samples(longest, p.sample_period)
@@ -117,7 +118,10 @@ impl Detector {
             Method::Slope => {}
             Method::MultiSlope(scales) => scales.iter_mut().for_each(|s| s.monitor.forget()),
             Method::Cusum(inner) => inner.0.reset(position),
-            Method::Glr(inner) => inner.0.reset(position),
+            Method::Glr(inner) => {
+                inner.0.reset(position);
+                inner.1.reset();
+            }
         }
     }
 
@@ -160,7 +164,11 @@ impl Detector {
             Method::Slope => {}
             Method::MultiSlope(scales) => scales.iter_mut().for_each(|s| s.monitor.learn()),
             Method::Cusum(inner) => inner.0.learn(),
-            Method::Glr(inner) => inner.0.learn(),
+            Method::Glr(inner) => {
+                let (innovation, bank) = &mut **inner;
+                innovation.learn();
+                bank.learn(innovation.limited());
+            }
         }
     }
 
@@ -180,7 +188,8 @@ impl Detector {
         match &mut self.method {
             Method::Raw(monitor) | Method::Deviation(monitor) => monitor.arm(p, tests),
             Method::MultiSlope(scales) => scales.iter_mut().for_each(|s| s.monitor.arm(p, tests)),
-            Method::Slope | Method::Cusum(_) | Method::Glr(_) => {}
+            Method::Glr(inner) => inner.1.arm(inner.0.sigma()),
+            Method::Slope | Method::Cusum(_) => {}
         }
         self.clear();
     }
@@ -215,9 +224,14 @@ impl Detector {
             }
             Method::Glr(inner) => {
                 let (innovation, bank) = &mut **inner;
-                bank.update(innovation.limited(), innovation.sigma()) > p.glr.threshold
+                bank.update(innovation.limited()) > p.glr.threshold
             }
         }
+    }
+
+    /// Log-likelihood ratio of a contact in the newest sample that was tested, for the detector that has one.
+    pub fn ratio(&self) -> Option<f64> {
+        if let Method::Glr(inner) = &self.method { Some(inner.1.ratio()) } else { None }
     }
 
     /// The name of the detector as source of a contact.
@@ -261,15 +275,14 @@ mod tests {
 
     #[test]
     fn four_windows_share_the_wished_interval() {
-        let mut detector = Detector::new(&Parameters::START);
+        let p = Parameters { detector: DetectorKind::MultiSlope, ..Parameters::START };
+        let mut detector = Detector::new(&p);
         for k in 0..1000 {
-            detector.update(
-                &Parameters::START,
-                &Sample { position: Some(0.0), slope: (f64::from(k) * 1.3).sin(), ..Sample::default() },
-            );
+            detector
+                .update(&p, &Sample { position: Some(0.0), slope: (f64::from(k) * 1.3).sin(), ..Sample::default() });
             detector.learn();
         }
-        detector.arm(&Parameters::START);
+        detector.arm(&p);
         let ThresholdOutput { crossing_rate, alpha_used, .. } = detector.learned();
         assert!((alpha_used - (2.0 * (crossing_rate * 36_000.0 * 4.0).ln()).sqrt()).abs() < 1e-12, "{alpha_used}");
     }
@@ -323,7 +336,8 @@ mod tests {
         let slope = with(DetectorKind::Slope);
         assert_eq!([Detector::window(&slope), Detector::settling(&slope)], [50, 1050]);
         assert_eq!(Detector::settling(&with(DetectorKind::Cusum)), 2000);
-        assert_eq!(Detector::settling(&with(DetectorKind::Glr)), 2300);
+        let glr = with(DetectorKind::Glr);
+        assert_eq!([Detector::window(&glr), Detector::settling(&glr)], [300, 2300]);
         assert_eq!(samples(1e-4, 1e-4), 3);
     }
 

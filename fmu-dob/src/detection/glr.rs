@@ -1,4 +1,8 @@
 //! Generalised likelihood ratio: how well a contact that began n samples ago explains the innovations since.
+//!
+//! T_n is the correlation of the innovations with what a ramp of force would have made of them since then. In white noise its
+//! variance is E_n sigma^2, with the energy E_n of that response. No machine is so good: interpolation of the encoder, floor and wobble are
+//! slow. So the variance of each T_n is learned as well, and the larger of both counts: L = T_n^2 / (2 var T_n).
 
 use serde::{Deserialize, Serialize};
 
@@ -12,41 +16,48 @@ pub struct OnsetBank {
     /// innovation response s_n of the filter to a force ramp of 1 N/s, m
     template: Vec<f64>,
     /// energy E_n, the sum of s_i^2 up to the newest sample of the template
-    energy: f64,
-    /// 1 / (2 E_n), by age
-    weight: Vec<f64>,
+    energy: Vec<f64>,
     /// correlation T_n of the innovations with the template, by age
     correlation: Vec<f64>,
+    /// sum of T_n^2 while the noise is learned, by age
+    squares: Vec<f64>,
+    /// 1 / (2 var T_n), by age
+    weight: Vec<f64>,
     built: usize,
     error: PredictionError,
+    /// innovations since the correlation was cleared, while learning
+    seen: usize,
+    ratio: f64,
 }
 
 impl OnsetBank {
     /// Empty bank.
     pub fn new(p: &Parameters) -> Self {
-        let onsets = p.glr.onsets as usize;
+        let empty = || vec![0.0; p.glr.onsets as usize];
         Self {
             sample_period: p.sample_period,
-            template: vec![0.0; onsets],
-            energy: 0.0,
-            weight: vec![0.0; onsets],
-            correlation: vec![0.0; onsets],
+            template: empty(),
+            energy: empty(),
+            correlation: empty(),
+            squares: empty(),
+            weight: empty(),
             built: 0,
             error: PredictionError::zeros(),
+            seen: 0,
+            ratio: 0.0,
         }
     }
 
     /// Builds one sample of the template per call, once the gain of the filter is constant.
     pub fn build(&mut self, filter: &KalmanFilter) {
         if !filter.settled() {
-            (self.built, self.energy, self.error) = (0, 0.0, PredictionError::zeros());
+            (self.built, self.error) = (0, PredictionError::zeros());
         } else if !self.ready() {
             let n = self.built;
             let force = (n as f64 + 0.5) * self.sample_period;
             let (response, error) = filter.error_step(&self.error, force);
-            self.energy += response * response;
-            self.template[n] = response;
-            self.weight[n] = 0.5 / self.energy;
+            let before = if n > 0 { self.energy[n - 1] } else { 0.0 };
+            (self.template[n], self.energy[n]) = (response, before + response * response);
             (self.built, self.error) = (n + 1, error);
         }
     }
@@ -56,34 +67,68 @@ impl OnsetBank {
         self.built == self.template.len()
     }
 
+    /// Forgets all innovations and what was learned.
+    pub fn reset(&mut self) {
+        self.clear();
+        self.squares.fill(0.0);
+        self.seen = 0;
+    }
+
     /// Forgets all innovations.
     pub fn clear(&mut self) {
         self.correlation.fill(0.0);
+        self.ratio = 0.0;
     }
 
-    /// Largest log-likelihood ratio T_n^2 / (2 E_n sigma^2) of contact sign, after one more innovation (m).
-    pub fn update(&mut self, innovation: f64, sigma: f64) -> f64 {
-        // every onset is one sample older: T_n = T_(n-1) + s_n nu
+    /// Learns how much the correlations with one more innovation (m) of mere noise scatter.
+    pub fn learn(&mut self, innovation: f64) {
+        self.correlate(innovation);
+        self.seen += 1;
+        // a correlation is whole once as many innovations are in it as its age
+        if self.seen >= self.correlation.len() {
+            self.squares.iter_mut().zip(&self.correlation).for_each(|(sum, t)| *sum += t * t);
+        }
+    }
+
+    /// Weighs the ages by what was learned, with the standard deviation `sigma` (m) of the innovation.
+    pub fn arm(&mut self, sigma: f64) {
+        let count = (self.seen + 1).saturating_sub(self.correlation.len()).max(1) as f64;
+        for ((weight, energy), squares) in self.weight.iter_mut().zip(&self.energy).zip(&self.squares) {
+            *weight = 0.5 / f64::max(energy * sigma * sigma, squares / count);
+        }
+    }
+
+    /// Largest log-likelihood ratio of contact sign after one more innovation (m).
+    pub fn update(&mut self, innovation: f64) -> f64 {
+        self.correlate(innovation);
+        let ratios = self.correlation.iter().zip(&self.weight).map(|(t, weight)| t * t.abs() * weight);
+        self.ratio = ratios.fold(0.0, f64::max);
+        self.ratio
+    }
+
+    /// What the newest innovation has given; 0 after [`Self::clear`].
+    pub fn ratio(&self) -> f64 {
+        self.ratio
+    }
+
+    /// Every onset is one sample older: T_n = T_(n-1) + s_n nu.
+    fn correlate(&mut self, innovation: f64) {
         let last = self.correlation.len() - 1;
         self.correlation.copy_within(..last, 1);
         self.correlation[0] = 0.0;
-        let mut largest = 0.0;
-        for ((t, s), weight) in self.correlation.iter_mut().zip(&self.template).zip(&self.weight) {
-            *t += s * innovation;
-            let ratio = *t * t.abs() * weight;
-            if ratio > largest {
-                largest = ratio;
-            }
-        }
-        largest / (sigma * sigma)
+        self.correlation.iter_mut().zip(&self.template).for_each(|(t, s)| *t += s * innovation);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, StandardNormal};
 
-    fn ready_bank() -> OnsetBank {
+    const SIGMA: f64 = 1e-9;
+
+    fn empty_bank() -> OnsetBank {
         let p = Parameters::START;
         let mut filter = KalmanFilter::new(&p);
         let mut bank = OnsetBank::new(&p);
@@ -95,15 +140,23 @@ mod tests {
         bank
     }
 
+    /// A bank that has learned from nothing but white noise of `SIGMA`.
+    fn ready_bank() -> OnsetBank {
+        let mut bank = empty_bank();
+        bank.arm(SIGMA);
+        bank
+    }
+
     #[test]
     fn matched_ramp_collects_all_its_energy() {
         let mut bank = ready_bank();
-        let (sigma, slope) = (1e-9f64, 20.0);
+        let slope = 20.0;
         let ages = 120;
-        let expected = (slope / sigma).powi(2) * bank.template[..ages].iter().map(|s| s * s).sum::<f64>() / 2.0;
+        let expected = (slope / SIGMA).powi(2) * bank.template[..ages].iter().map(|s| s * s).sum::<f64>() / 2.0;
         let response: Vec<f64> = bank.template[..ages].iter().map(|s| slope * s).collect();
-        let ratio = response.iter().map(|nu| bank.update(*nu, sigma)).last();
+        let ratio = response.iter().map(|nu| bank.update(*nu)).last();
         assert!((ratio.unwrap() / expected - 1.0).abs() < 1e-9);
+        assert_eq!(ratio, Some(bank.ratio()));
     }
 
     #[test]
@@ -117,23 +170,61 @@ mod tests {
     fn pull_instead_of_push_is_no_contact() {
         let mut bank = ready_bank();
         let pull: Vec<f64> = bank.template[..60].iter().map(|s| -20.0 * s).collect();
-        let ratio = pull.iter().map(|nu| bank.update(*nu, 1e-9)).last();
+        let ratio = pull.iter().map(|nu| bank.update(*nu)).last();
         assert!(ratio.unwrap() < 1.0, "{ratio:?}");
     }
 
     #[test]
     fn old_onsets_leave_the_bank() {
         let mut bank = ready_bank();
-        bank.update(-1e-6, 1e-9);
-        let quiet = (0..300).map(|_| bank.update(0.0, 1e-9)).last().unwrap();
+        bank.update(-1e-6);
+        let quiet = (0..300).map(|_| bank.update(0.0)).last().unwrap();
         assert_eq!(quiet, 0.0);
     }
 
     #[test]
     fn a_cleared_bank_remembers_nothing() {
         let (fresh, mut bank) = (ready_bank(), ready_bank());
-        (0..50).for_each(|_| _ = bank.update(-1e-6, 1e-9));
+        (0..50).for_each(|_| _ = bank.update(-1e-6));
         bank.clear();
-        assert_eq!(bank.update(-1e-9, 1e-9), fresh.clone().update(-1e-9, 1e-9));
+        assert_eq!(bank.ratio(), 0.0);
+        assert_eq!(bank.update(-1e-9), fresh.clone().update(-1e-9));
+    }
+
+    #[test]
+    fn white_noise_counts_by_the_energy_of_the_template() {
+        let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(11);
+        let mut bank = empty_bank();
+        (0..200_000).for_each(|_| bank.learn(SIGMA * Distribution::<f64>::sample(&StandardNormal, &mut random)));
+        bank.arm(SIGMA);
+        for ((weight, energy), age) in bank.weight.iter().zip(&bank.energy).zip(0..) {
+            let ratio = 0.5 / (energy * SIGMA * SIGMA) / weight;
+            // never less than what white noise is, and hardly more
+            assert!((1.0..1.15).contains(&ratio), "age {age}: {ratio}");
+        }
+    }
+
+    #[test]
+    fn what_swings_slowly_while_the_noise_is_learned_is_no_contact_afterwards() {
+        let swing = |k: i32| 0.3 * SIGMA * (0.02 * f64::from(k)).sin();
+        let largest = |mut bank: OnsetBank| (0..5000).map(|k| bank.update(swing(k))).fold(0.0, f64::max);
+        let mut learned = empty_bank();
+        (0..5000).for_each(|k| learned.learn(swing(k)));
+        learned.arm(SIGMA);
+        learned.clear();
+        let (naive, learned) = (largest(ready_bank()), largest(learned));
+        // a sine is at most sqrt(2) of its own rms
+        assert!(learned < 1.05 && naive > 3.0, "{learned} {naive}");
+    }
+
+    #[test]
+    fn a_reset_forgets_what_was_learned() {
+        let mut bank = empty_bank();
+        (0..5000).for_each(|_| bank.learn(1e-8));
+        bank.reset();
+        bank.arm(SIGMA);
+        let fresh = ready_bank();
+        assert_eq!(bank.weight, fresh.weight);
+        assert_eq!((bank.correlation, bank.seen), (fresh.correlation, 0));
     }
 }

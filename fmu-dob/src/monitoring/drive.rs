@@ -30,6 +30,8 @@ pub struct DriveResponse {
     answers: [f64; 2],
     steady: [f64; 2],
     response: Response,
+    /// a reading since the begin did not count in full
+    doubted: bool,
 }
 
 impl DriveResponse {
@@ -47,11 +49,14 @@ impl DriveResponse {
             answers: [0.0; 2],
             steady: [0.0; 2],
             response: Response::default(),
+            doubted: false,
         }
     }
 
-    /// Takes the thrust of the current that acted (N) and the disturbance that the observer made of it (N).
-    pub fn update(&mut self, thrust: f64, disturbance: f64) {
+    /// Takes the thrust of the current that acted (N) and the disturbance that the observer made of it (N) with a reading that
+    /// counted in full, or else one that is none of the drive's doing.
+    pub fn update(&mut self, thrust: f64, disturbance: f64, whole: bool) {
+        self.doubted |= !whole;
         self.thrust += self.force_share * (thrust - self.thrust);
         self.late_thrust += self.velocity_share * (self.thrust - self.late_thrust);
         self.answers = [self.late_thrust, self.thrust - disturbance];
@@ -64,12 +69,13 @@ impl DriveResponse {
 
     /// A motion begins: what is now is the steady part, and what was is forgotten.
     pub fn begin(&mut self) {
-        (self.steady, self.response) = (self.answers, Response::default());
+        (self.steady, self.response, self.doubted) = (self.answers, Response::default(), false);
     }
 
-    /// Share of the thrust that accelerates the stage; none while too little was commanded.
+    /// Share of the thrust that accelerates the stage; none while too little was commanded. Readings in doubt tell no weak
+    /// drive, for they show too little motion themselves, but one that goes the wrong way.
     pub fn share(&self) -> Option<f64> {
-        self.response.share(self.least)
+        self.response.share(self.least).filter(|share| !self.doubted || *share < 0.0)
     }
 }
 
@@ -94,7 +100,7 @@ mod tests {
             z += v * dt + 0.5 * acceleration * dt * dt;
             v += acceleration * dt;
             observer.update(z, current);
-            drive.update(constant * current, observer.force());
+            drive.update(constant * current, observer.force(), true);
         }
         drive.share()
     }
@@ -110,5 +116,23 @@ mod tests {
     #[test]
     fn a_whisper_tells_nothing() {
         assert_eq!(share(1.0, 0.1), None);
+    }
+
+    #[test]
+    fn a_reading_in_doubt_tells_no_weak_drive_but_one_that_goes_the_wrong_way() {
+        let p = Parameters::START;
+        let mut drive = DriveResponse::new(&p);
+        let mut push = |answer: f64, doubted: Option<u32>| {
+            drive.begin();
+            (0..400u32).for_each(|k| {
+                let thrust = if k < 200 { 20.0 } else { -20.0 };
+                drive.update(thrust, (1.0 - answer) * thrust, doubted != Some(k));
+            });
+            drive.share()
+        };
+        assert!(push(0.3, None).is_some());
+        assert_eq!(push(0.3, Some(57)), None);
+        assert!(push(-1.0, Some(57)).is_some_and(|share| share < -0.2));
+        assert!(push(0.3, None).is_some());
     }
 }

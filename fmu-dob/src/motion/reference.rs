@@ -34,7 +34,12 @@ impl Motion {
 
     /// Marks where the retreat begins.
     pub fn depart(&mut self, p: &Parameters) {
-        self.retreat_to = self.reference.position - retract_distance(p, &self.approach);
+        self.go_back(retract_distance(p, &self.approach));
+    }
+
+    /// Has `way` m to go back from here.
+    pub fn go_back(&mut self, way: f64) {
+        self.retreat_to = self.reference.position - way;
     }
 
     /// Goes on from another position (m) and velocity (m/s), with the same way still to retreat.
@@ -59,10 +64,16 @@ impl Motion {
         let (velocity, acceleration) = match state {
             State::Approach if wait => (0.0, self.approach.acceleration),
             State::Approach | State::Learn | State::Detect => (self.approach.velocity, self.approach.acceleration),
+            State::Confirm if self.way_left(p) => (-self.approach.velocity, p.retract.deceleration),
+            State::Confirm => (self.approach.velocity, self.approach.acceleration),
             State::Contact => (-p.retract.velocity, p.retract.deceleration),
             State::Retract | State::Fault if valid && self.way_left(p) => (-p.retract.velocity, p.retract.deceleration),
             _ => (0.0, p.retract.deceleration),
         };
+        if state == State::Confirm && velocity > 0.0 {
+            // forth from here on
+            self.hold();
+        }
         let before = self.reference.position;
         self.reference.step(velocity, acceleration, p.sample_period);
         self.asked = self.reference.position - before;
@@ -211,6 +222,26 @@ mod tests {
         // 1 mm/s is braked within 0.25 um
         let way = motion.reference.position - 0.5;
         assert!((0.0..0.4e-6).contains(&way), "{way} m");
+    }
+
+    #[test]
+    fn a_second_touch_goes_back_once_and_then_forth_at_the_approach_speed() {
+        let p = Parameters::START;
+        let mut motion = approaching(&p, 1000);
+        let from = motion.reference.position;
+        motion.go_back(5e-6);
+        let places: Vec<f64> = (0..2000)
+            .map(|_| {
+                motion.step(&p, State::Confirm, true, false);
+                motion.reference.position - from
+            })
+            .collect();
+        let back = places.iter().copied().fold(0.0, f64::min);
+        assert!((back + 5e-6).abs() < 0.1e-6, "{back}");
+        let turn = places.iter().position(|z| *z == back).unwrap();
+        assert!(places[turn..].is_sorted() && motion.cruising());
+        // 50 ms there at 100 um/s, a turn of 2 ms
+        assert!((490..540).contains(&turn), "{turn}");
     }
 
     #[test]

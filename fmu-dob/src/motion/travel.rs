@@ -56,9 +56,10 @@ mod tests {
         // 100 um/s for 0.75 s, and 0.1 um to get there
         near(arming_travel(&p, &p.approach), 75.1e-6);
         near(retract_distance(&p, &p.approach), 90.12e-6);
-        near(learn_limit(&p), 1.12);
+        // twice 0.5 s, 0.2 s for the gain of the filter, 0.03 s for its template
+        near(learn_limit(&p), 1.23);
         // 50 s there, 5.09 s back
-        near(job_limit(&p, &p.approach), 1.25 * (50.0 + 0.002 + 0.25 + 1.12 + 5.09012) + 1.0);
+        near(job_limit(&p, &p.approach), 1.25 * (50.0 + 0.002 + 0.25 + 1.23 + 5.09012) + 1.0);
         (p.retract.distance, p.limits.learn_time, p.limits.job_time) = (1e-3, 3.0, 7.0);
         near(retract_distance(&p, &p.approach), 1e-3);
         near(learn_limit(&p), 3.0);

@@ -101,6 +101,12 @@ fn what_was_measured_is_used_on_request_and_the_next_touch_is_as_ever() {
         assert!((in_force.stage.force_constant / expected - 1.0).abs() < 0.015, "{in_force:?}");
         assert_eq!(in_force.guard_force, 0.4);
         assert_eq!(in_force.limits.slope_sigma_max == 5.0, !apply);
+        let folder = tempfile::tempdir().unwrap();
+        p.commission.export = folder.path().join("found.json").to_str().unwrap().into();
+        run.controller.export(&p).unwrap();
+        let told = std::fs::read_to_string(&p.commission.export).unwrap();
+        let found = format!("\"stage.force_constant\": {:e},", run.output.measured.force_constant);
+        assert!(told.contains(&found), "{told} {found}");
         // at rest, and `enable` rises
         let until = run.time() + 0.1;
         while run.time() < until {

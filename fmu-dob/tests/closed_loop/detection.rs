@@ -72,12 +72,12 @@ fn depth(outcomes: &[Outcome], q: f64) -> f64 {
 /// Speeds in um/s with the largest allowed depth p99 in um, none early and none missed.
 fn default_mode(first_seed: u64, count: u64) {
     for (speed, limit) in [(10.0, 0.30), (30.0, 0.26), (100.0, 0.42), (300.0, 0.82)] {
-        let p = with(DetectorKind::MultiSlope, ThresholdMode::Automatic, speed);
+        let p = with(DetectorKind::Glr, ThresholdMode::Automatic, speed);
         let outcomes = approaches(&p, first_seed, count);
         let p99 = depth(&outcomes, 0.99);
         println!("{speed} um/s: median {:.3} p99 {p99:.3} um", depth(&outcomes, 0.5));
         assert!(outcomes.iter().all(|o| !o.early), "early stop at {speed} um/s");
-        assert!(outcomes.iter().all(|o| o.source == ContactSource::MultiSlope));
+        assert!(outcomes.iter().all(|o| o.source == ContactSource::Glr));
         assert!(p99 <= limit, "{speed} um/s: depth p99 {p99} um, limit {limit} um");
     }
 }
@@ -133,7 +133,7 @@ fn slope_beats_deviation_and_raw_force() {
 
 #[test]
 fn one_calibration_touch_gives_the_contact_position() {
-    let p = with(DetectorKind::MultiSlope, ThresholdMode::Automatic, 100.0);
+    let p = with(DetectorKind::Glr, ThresholdMode::Automatic, 100.0);
     let late: Vec<f64> = approaches(&p, 84_000, 41).into_iter().map(|o| o.late).collect();
     // every touch once as the calibration of all others
     let errors = late.iter().flat_map(|calibration| late.iter().map(move |late| (late - calibration).abs()));
@@ -144,7 +144,7 @@ fn one_calibration_touch_gives_the_contact_position() {
 
 #[test]
 fn contact_is_lost_within_three_milliseconds() {
-    let p = with(DetectorKind::MultiSlope, ThresholdMode::Automatic, 100.0);
+    let p = with(DetectorKind::Glr, ThresholdMode::Automatic, 100.0);
     let slowest = approaches(&p, 85_000, 20).iter().map(|o| o.release).fold(0.0, f64::max);
     println!("contact lost after at most {slowest:.1} ms");
     assert!(slowest < 3.0, "{slowest} ms");
@@ -157,15 +157,16 @@ fn table_of_depths() {
     use DetectorKind::{Cusum, Deviation, Glr, MultiSlope, Raw, Slope};
     use ThresholdMode::{Automatic, Fixed};
     let detectors = [
-        ("raw 20", Raw, Fixed, 20.0),
-        ("deviation 4", Deviation, Fixed, 4.0),
-        ("slope 4", Slope, Fixed, 4.0),
-        ("slope auto", Slope, Automatic, 4.0),
-        ("multi auto", MultiSlope, Automatic, 4.0),
-        ("CUSUM", Cusum, Automatic, 4.0),
-        ("GLR", Glr, Automatic, 4.0),
+        ("raw", Raw, Fixed, 20.0),
+        ("deviation", Deviation, Fixed, 4.0),
+        ("printed", Slope, Fixed, 4.0),
+        ("slope", Slope, Automatic, 4.0),
+        ("multi", MultiSlope, Automatic, 4.0),
+        ("cusum", Cusum, Automatic, 4.0),
+        ("glr", Glr, Automatic, 4.0),
     ];
     for speed in [10.0, 30.0, 100.0, 300.0, 1000.0] {
+        let mut told = format!("measured: dob-detectors | {speed} | approaches=200");
         for (name, detector, mode, alpha) in detectors {
             let mut p = with(detector, mode, speed);
             p.threshold.alpha = alpha;
@@ -173,8 +174,9 @@ fn table_of_depths() {
             let early = outcomes.iter().filter(|o| o.early).count();
             let guard = outcomes.iter().filter(|o| o.source == ContactSource::ForceGuard).count();
             let (median, p99) = (depth(&outcomes, 0.5), depth(&outcomes, 0.99));
-            println!("{speed:5} um/s {name:12} {median:.3} {p99:.3} um, {early} early, {guard} by the guard");
+            told += &format!(" {name}={median} {name}_high={p99} {name}_early={early} {name}_guard={guard}");
         }
+        println!("{told}");
     }
     default_mode(91_000, 200);
     paper_mode(92_000, 200);

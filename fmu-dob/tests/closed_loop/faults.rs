@@ -306,7 +306,7 @@ fn the_next_approach_is_armed_before_it_touches_again() {
     let mut run = Loop::new(&p, 25, 90e-6);
     for _ in 0..2 {
         assert!(run.run_to(State::Done, 3.0), "{:?}", run.output);
-        assert_eq!(run.output.contact_source, ContactSource::MultiSlope);
+        assert_eq!(run.output.contact_source, ContactSource::Glr);
         run.step_with(|input| input.enable = false);
         run.step();
     }

@@ -85,7 +85,7 @@ fn against_the_baseline(speeds: &[fn(f64) -> f64], gains: &[f64], flexures: &[f6
             run.run_to(3.0);
             let default = run.measure(0.5);
             println!(
-                "{:.0} rpm, gain {gain}, {flexure} Hz: baseline {:.2} (tip {:.2}), default {:.3} (tip {:.3}) um",
+                "measured: fts-baseline | {:.0} rpm, gain {gain}, {flexure} Hz | baseline={} baseline_tip={} default={} default_tip={}",
                 speed(0.0) / RPM,
                 baseline.rms,
                 baseline.tip,
@@ -146,4 +146,5 @@ fn a_cut_of_two_minutes_has_no_fault() {
 fn two_hours_of_work_have_no_fault() {
     // 66 x 110 s
     (7100..7166).for_each(worked);
+    println!("measured: hours | fmu-fts | hours=2 jobs=66");
 }

@@ -321,3 +321,63 @@ fn what_is_learned_at_one_speed_is_right_at_another() {
     println!("ramp: {adaptive} {carried} um");
     assert!(adaptive < 8.0 && adaptive < 0.2 * carried, "{adaptive} {carried}");
 }
+
+/// `cargo test --release -p fmu-fts --test closed_loop -- each_layer_of_the_table --ignored --nocapture`
+#[test]
+#[ignore = "takes a minute; measures a table of the README"]
+fn each_layer_of_the_table() {
+    use Layers::{All, Feedback, Feedforward};
+    let changed = |change: fn(&mut Parameters)| {
+        let mut p = Parameters::START;
+        change(&mut p);
+        p
+    };
+    let inner = changed(|p| p.surface.outer_radius = 0.032);
+    let late = |delay| Build { delay, ..Build::NOMINAL };
+    let quiet = Build { cutting: [2.0, 0.1, 0.0], ..Build::NOMINAL };
+    let air = Build { cutting: [0.0; 3], ripple: 0.0, ..Build::NOMINAL };
+    let hum = Build { ripple: 0.0, hum: 6e-3, ..at(|_| 580.0 * RPM) };
+    let (twice, wide) = (
+        wave(Parameters::START, 2, 0.015),
+        changed(|p| (p.servo.bandwidth, p.servo.lead) = (std::f64::consts::TAU * 300.0, 5.0)),
+    );
+    let ramp = at(|t| (600.0 + 300.0 * (t - 2.5).clamp(0.0, 1.0)) * RPM);
+    let twelve = with((1..=12).fold(Harmonics::NONE, Harmonics::with), 0.2);
+    let automatic = changed(|p| p.afc.automatic = true);
+    let steep = changed(|p| p.surface.cross_curvature = 8.0 / 0.53);
+    let prism = changed(|p| {
+        p.surface.base_curvature = -3.0;
+        (p.surface.tilt_x, p.surface.tilt_y) = (0.02, 0.01);
+    });
+    for (row, p, build, layers, settle) in [
+        ("feedback", five(), Build::NOMINAL, Feedback, 1.0),
+        ("feedforward", five(), Build::NOMINAL, Feedforward, 1.0),
+        ("five", five(), Build::NOMINAL, All, 2.0),
+        ("printed", Parameters::PAPER, Build::NOMINAL, All, 2.0),
+        ("twelfth", with(Harmonics::PAPER.with(12), 0.2), Build::NOMINAL, All, 2.0),
+        ("600 rpm", Parameters::START, Build::NOMINAL, All, 2.5),
+        ("1200 rpm", Parameters::START, at(|_| 1200.0 * RPM), All, 2.5),
+        ("2400 rpm", inner, at(|_| 2400.0 * RPM), All, 2.5),
+        ("no delay", Parameters::START, late(0), All, 2.5),
+        ("two samples", Parameters::START, late(2), All, 2.5),
+        ("no noise", Parameters::START, quiet, All, 2.5),
+        ("300 Hz", wide, Build::NOMINAL, All, 2.5),
+        ("hum", Parameters::START, hum.clone(), All, 4.0),
+        ("hum, automatic", automatic, hum, All, 4.0),
+        ("0x8", steep, Build::NOMINAL, All, 2.5),
+        ("prism", prism, Build::NOMINAL, All, 2.5),
+        ("3 cm", twice.clone(), Build::NOMINAL, All, 2.5),
+        ("3 cm, 870 rpm", twice, at(|_| 870.0 * RPM), All, 2.5),
+        ("500 Hz", wave(Parameters::START, 50, 50.7e-6), air, Feedforward, 1.0),
+    ] {
+        tell(row, &tracked(&p, &build, layers, settle).0);
+    }
+    let mut run = Loop::new(&twelve, &ramp, 1);
+    run.run_to(2.5);
+    tell("ramp", &run.measure(1.0));
+}
+
+/// A row of the table, as `tests/acceptance/measured` reads it.
+fn tell(row: &str, found: &Measured) {
+    println!("measured: fts-layers | {row} | rms={} peak={} tip={}", found.rms, found.peak, found.tip);
+}

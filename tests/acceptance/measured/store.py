@@ -6,13 +6,14 @@ import json
 import math
 import os
 import subprocess
+import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[3]
 HERE = Path(__file__).parent
 FOLDER = HERE / "numbers"
-CODE = ("control-blocks", "cosim", "fmi2-export", "fmu-*/src", "plants", "scenarios")
+CODE = ("control-blocks", "cosim", "fmi2-export", "fmu-*/src", "plants", "scenarios", ":(exclude)*.md")
 """What the numbers depend on."""
 NEAR = 0.1
 """Relative difference of two numbers that are the same: other processors and libraries round otherwise."""
@@ -59,9 +60,10 @@ def near(kept: float | str, value: float) -> bool:
 
 
 def code() -> str:
-    """Commit and day of the last change of what the numbers depend on."""
-    told, changed = git("log", "-1", "--format=%h of %cs"), git("status", "--porcelain")
-    return told + (" with changes" if changed else "")
+    """Version of the project and day of the last change of what the numbers depend on."""
+    version = tomllib.loads((ROOT / "Cargo.toml").read_text("utf-8"))["workspace"]["package"]["version"]
+    told, changed = git("log", "-1", "--format=%cs"), git("status", "--porcelain")
+    return f"{version} of {told}" + (" with changes" if changed else "")
 
 
 def git(*words: str) -> str:

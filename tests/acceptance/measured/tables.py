@@ -13,7 +13,9 @@ from .store import HERE, ROOT, load
 
 MARKED = re.compile(r"(<!-- measured: ([\w-]+) -->\n).*?(<!-- end -->\n)", re.DOTALL)
 """A table on a page, and its marks."""
-PAGES = [ROOT / "docs/results.md", *sorted(ROOT.glob("fmu-*/README.md"))]
+SECTION = re.compile(r"^## Measured$.*?(?=^## |\Z)", re.DOTALL | re.MULTILINE)
+"""What the README of a controller tells of measurements; `docs/results.md` tells nothing else."""
+PAGES = [ROOT / "docs/results.md", ROOT / "plants/README.md", *sorted(ROOT.glob("fmu-*/README.md"))]
 TABLES: dict[str, dict[str, Any]] = tomllib.loads((HERE / "tables.toml").read_text("utf-8"))
 
 
@@ -24,10 +26,17 @@ def text(name: str) -> str:
     for row, words in table["rows"]:
         cells = words if "{" in words else f"{words} | {table['cells']}"
         # what did not happen within any time
-        lines.append(f"| {cells.format(**kept[row]).replace('inf s', 'never')} |")
+        lines.append(f"| {cells.format(**kept[row]).replace('inf s', 'never').replace('inf N', 'a fault')} |")
     codes = sorted({str(kept[row]["code"]) for row, _ in table["rows"]})
-    told = f"`pytest {table['tests']}` measures it, here the code of {', '.join(codes)}."
+    command = table.get("command") or f"pytest {table['tests']}"
+    told = f"`{command}` measures it, here with version {', '.join(codes)}."
     return "\n".join([*lines, "", told, ""])
+
+
+def told_of_measurements(page: str) -> str:
+    """Section of a page that tells what was measured, or all of it."""
+    found = SECTION.search(page)
+    return found[0] if found else page
 
 
 def renewed(page: str) -> str:

@@ -10,6 +10,7 @@ PATH_TWICE = 1748e-6
 """Amplitude of the 0x4 lens twice a turn, m."""
 PERCENT = {"twice": 100.0 / PATH_TWICE}
 MICROMETRES = {"rms": 1e6, "tip": 1e6}
+FORCE = dict.fromkeys(("force_mean", "force_deviation", "force_least", "overshoot", "gain"), 1.0)
 MILLIMETRES = {"error_1": 1e3, "error_3": 1e3}
 ROWS = {
     "fts": {
@@ -18,11 +19,23 @@ ROWS = {
         "fts/paper": {"rms": 1e6, "twelfth": 1.0},
         "fts/500hz": MICROMETRES,
     },
+    "fts-loop": {
+        "fts/identify": {"bandwidth": 1.0, "phase_margin": 1.0, "sensitivity": 1.0, "share": 100.0},
+    },
     "deburr": {
         "deburr/bare": MILLIMETRES,
         "deburr/paper": MILLIMETRES,
         "deburr/six-axis": {"tip": 1e3},
         "deburr/round-trip": {"ratio_11": 1.0, "best": 1.0},
+    },
+    "polish-surfaces": {
+        **dict.fromkeys(
+            ("polish", "polish/sphere", "polish/saddle", "polish/freeform", "polish/steep"), FORCE
+        ),
+        **dict.fromkeys(
+            ("polish/20-mm-s", "polish/impedance", "polish/no-stick-slip", "polish/500-hz"), FORCE
+        ),
+        "polish/paper": FORCE,
     },
     "polish": {
         "polish": {"force_mean": 1.0, "force_deviation": 1.0, "gain": 1.0},

@@ -68,9 +68,10 @@ def test_what_is_freed_while_it_tells_lives_on(tmp_path: Path) -> None:
             fmu_dob_start_parameters(&p);
             fmu_dob_start_inputs(&in);
             c = fmu_dob_new(&p, NULL, tell, NULL);
-            in.enable = true;
-            for (int k = 0; k < 100; k++)
+            for (int k = 0; k < 200; k++) {
+                in.enable = k > 100;
                 if (!fmu_dob_step(c, &in, &out)) return 1;
+            }
             fmu_dob_free(c);
             return told == 0;
         }

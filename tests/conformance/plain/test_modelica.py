@@ -27,6 +27,7 @@ PROGRAM = """
 int main(void) {
     const double reals[] = {%s};
     const int integers[] = {%s};
+    const char *texts[] = {%s};
     fmu_dob_parameters p;
     fmu_dob_inputs in;
     fmu_dob_outputs out;
@@ -34,15 +35,15 @@ int main(void) {
     fmu_dob_start_inputs(&in);
     p.io_delay = 0;
     fmu_dob *plain = fmu_dob_new(&p, NULL, NULL, NULL);
-    void *block = fmu_dob_modelica_new(reals, integers, NULL, "");
+    void *block = fmu_dob_modelica_new(reals, integers, texts, "");
     for (int k = 0; k < 5000; k++) {
         double seen[256];
         int told[256];
         in.position = 1e-9 * (k %% 5);
         in.enable = k > 100;
-        /* Reals are position and spindle_speed, Integers position_valid, enable and reset_fault */
+        /* in the order of the block */
         const double reals_in[] = {in.position, in.spindle_speed};
-        const int integers_in[] = {in.position_valid, in.enable, in.reset_fault};
+        const int integers_in[] = {in.position_valid, in.enable, in.commission, in.reset_fault};
         fmu_dob_modelica_step(block, reals_in, integers_in, seen, told);
         if (!fmu_dob_step(plain, &in, &out) || out.current != seen[0] || (int)out.state != told[0]) return 1;
     }
@@ -171,12 +172,18 @@ def test_the_code_behind_a_block_does_the_samples_of_the_library(tmp_path: Path)
             else {"true": "1", "false": "0"}.get(start, start)
         )
 
-    assert not texts
     (tmp_path / "ModelicaUtilities.h").write_text(UTILITIES)
     source = tmp_path / "block.c"
     source.write_text(
         PROGRAM
-        % (", ".join([starts[name] for name in reals]), ", ".join(number(starts[name]) for name in integers))
+        % tuple(
+            ", ".join(values)
+            for values in (
+                [starts[name] for name in reals],
+                [number(starts[name]) for name in integers],
+                [starts[name] for name in texts],
+            )
+        )
     )
     program = compiled(source, tmp_path / "block", "dob", include=(tmp_path, PACKAGE / "Resources/Include"))
     run = subprocess.run([str(program)], capture_output=True, text=True, check=False)

@@ -80,6 +80,10 @@ def test_every_loop_is_a_package_by_the_schemas(loop: str, tmp_path: Path) -> No
         structure = ElementTree.fromstring(archive.read("SystemStructure.ssd"))
     description = read_model_description(str(tmp_path / "resources/controller.fmu"))
     controller = next(element for element in system.elements if element.name == "controller")
+    # the FMUs know model exchange too, with which the loop would have another delay
+    made = list(structure.iter(named("ssd:Component")))
+    assert len(made) == 2
+    assert {component.get("implementation") for component in made} == {"CoSimulation"}
     units = {v.name: v.unit for v in description.modelVariables if v.type == "Real"}
     texts = {v.name for v in description.modelVariables if v.type == "String"}
     connectors = {connector.name for connector in controller.connectors}
