@@ -349,8 +349,8 @@ mod variables {
     }
     /// What pushes teach; counts with the default law.
     pub struct Learn {
-        /// The bandwidth of the servo is measured on the way to the ring, and used where that is sure and `slide.bandwidth` is not 0
-        #[var(start = true)] pub servo: bool,
+        /// The bandwidth of the servo that is measured on the way to the ring is used where it is sure and `slide.bandwidth` is not 0
+        #[var(source = "our choice: first look, then trust")] pub servo: bool,
         /// The lateral ratio is learned
         #[var(start = true)] pub lateral: bool,
         /// Lateral ratio before the first push: slip across the push over slip along it

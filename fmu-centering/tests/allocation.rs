@@ -96,6 +96,10 @@ fn machine(fault: Fault, mut p: Parameters) -> (Parameters, Ring) {
         }
         Fault::Unresolved => p = Parameters { tolerance: 1e-9, ..Parameters::START },
         Fault::NoProgress => p.limits.job_time = 2.0,
+        Fault::SlowServo => {
+            p = Parameters::START;
+            p.learn.servo = true;
+        }
         _ => {}
     }
     (p, ring)
@@ -109,6 +113,7 @@ fn disturb(fault: Fault, run: &mut Loop) {
         Fault::Centrifugal => run.ring.speed = SPEED * 130.0 / 20.0,
         _ => {}
     }
+    let (mut slow, mut speed) = (run.output.slide.position_setpoint, 0.0);
     let (place, probe) = (run.output.slide.position_setpoint, AT_PUSHER - run.output.pusher_gap);
     for k in 0..4000 {
         if run.output.state == State::Fault {
@@ -120,7 +125,13 @@ fn disturb(fault: Fault, run: &mut Loop) {
             run.ring.speed = 4.0 * SPEED * (8e-3 * f64::from(k)).cos();
         }
         let (fast, moved) = (1e-4 * f64::from(k), run.output.slide.position_setpoint - place);
+        // a servo of 8 Hz
+        let (target, servo) = (run.output.slide, 50.0);
+        speed += 1e-3
+            * (servo * servo * (target.position_setpoint - slow) + 1.4 * servo * (target.velocity_setpoint - speed));
+        slow += 1e-3 * speed;
         step(run, |input| match fault {
+            Fault::SlowServo => input.slide_position = slow,
             Fault::ProbeRange => input.probe_position = probe + fast,
             Fault::LostProbe => input.probe_position = f64::NAN,
             Fault::ProbeJump => input.probe_position += 5e-3,
@@ -147,7 +158,9 @@ fn every_fault_and_what_comes_after_its_reset() {
         let (p, ring) = machine(fault, p.clone());
         let mut run = Loop::new(&p, ring);
         // the drive shows in the approach
-        if ![Fault::FrozenReading, Fault::FollowingError, Fault::DriveSign, Fault::WeakDrive].contains(&fault) {
+        if ![Fault::FrozenReading, Fault::FollowingError, Fault::DriveSign, Fault::WeakDrive, Fault::SlowServo]
+            .contains(&fault)
+        {
             visit(&mut run, State::Collect);
         }
         disturb(fault, &mut run);

@@ -258,3 +258,13 @@ def test_a_centred_ring_stays_centred() -> None:
     result = cosim.run(cosim.load("centering", set=[longer]), SOME, engine="native")
     assert result.metrics["centred"].value
     assert result.metrics["eccentricity"].value <= 2.8e-6
+
+
+@pytest.mark.parametrize("hertz", [24.0, 28.0, 55.0])
+def test_a_servo_that_is_not_as_told_is_measured_and_used(hertz: float) -> None:
+    changes = ["controller.learn.servo=true", f"plant.servo_bandwidth={hertz}"]
+    found = cosim.run(cosim.load("centering/machine", set=changes), seed=SOME, engine="native")
+    assert found.metrics["good"].value == 1.0
+    told, deviation = (found.metrics[name].value for name in ("bandwidth", "bandwidth_deviation"))
+    assert told / (2.0 * math.pi) == pytest.approx(hertz, rel=0.12)
+    assert 0.0 < deviation < 0.05 * told

@@ -131,3 +131,81 @@ impl ServoEstimator {
         (servo.bandwidth.is_finite() && servo.deviation.is_finite()).then_some(servo)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use super::*;
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    const P: Parameters = Parameters::START;
+
+    /// A slide whose servo has the natural frequency `hertz`, damping 0.7 and an integral action of `integral` s, on the way to a ring: to
+    /// 5 mm/s at `slide.acceleration_max`, there, and to rest. What is found of it, read with 0.1 um of noise and a sample late.
+    fn found(hertz: f64, integral: f64, seed: u64) -> Option<Servo> {
+        const FINE: u32 = 50;
+        let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(seed);
+        let (w, dt) = (TAU * hertz, P.sample_period);
+        let (mut x, mut v, mut sum) = (0.05, 0.0, 0.0);
+        let mut setpoint = Trajectory { position: 0.05, ..Trajectory::default() };
+        let mut waiting = std::collections::VecDeque::from(vec![setpoint; P.io_delay.unsigned_abs() as usize]);
+        let mut estimator = ServoEstimator::default();
+        for k in 0..1500 {
+            let noise: f64 = StandardNormal.sample(&mut random);
+            estimator.update(&P, &setpoint, x + 1e-7 * noise);
+            setpoint.step(if k < 1000 { 5e-3 } else { 0.0 }, P.slide.acceleration_max, dt);
+            waiting.push_back(setpoint);
+            let acts = waiting.pop_front().unwrap();
+            for i in 0..FINE {
+                let fine = dt / f64::from(FINE);
+                let place = acts.position + acts.velocity * fine * f64::from(i);
+                let error = place - x;
+                sum += error * fine / integral;
+                let force = w * w * (error + sum) + 1.4 * w * (acts.velocity - v);
+                v += force * fine;
+                x += v * fine;
+            }
+        }
+        estimator.servo(&P)
+    }
+
+    #[test]
+    fn the_bandwidth_is_found_far_from_what_was_told_with_its_deviation() {
+        for hertz in [24.0, 30.0, 40.0, 60.0] {
+            let servos: Vec<Servo> = (0..8).map(|seed| found(hertz, 1e9, seed).unwrap()).collect();
+            for servo in servos {
+                let error = servo.bandwidth / (TAU * hertz) - 1.0;
+                assert!(error.abs() < 0.05 && servo.sure(), "{hertz} Hz: {error} {servo:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn an_integral_action_that_it_does_not_know_widens_the_deviation() {
+        let [plain, strong] = [1e9, 0.05].map(|integral| found(30.0, integral, 3).unwrap());
+        assert!(strong.deviation > 2.0 * plain.deviation, "{plain:?} {strong:?}");
+        assert!((strong.bandwidth / (TAU * 30.0) - 1.0).abs() < 0.1, "{strong:?}");
+    }
+
+    #[test]
+    fn a_slide_that_does_not_move_tells_nothing() {
+        let mut estimator = ServoEstimator::default();
+        let rest = Trajectory { position: 0.1, ..Trajectory::default() };
+        (0..1000).for_each(|_| estimator.update(&P, &rest, 0.1));
+        assert_eq!(estimator.servo(&P), None);
+    }
+
+    #[test]
+    fn only_the_default_law_with_a_told_servo_learns_it() {
+        let with = |change: fn(&mut Parameters)| {
+            let mut p = P;
+            p.learn.servo = true;
+            change(&mut p);
+            p.learns_servo()
+        };
+        assert!(with(|_| ()) && !with(|p| p.learn.servo = false));
+        assert!(!with(|p| p.slide.bandwidth = 0.0) && !with(|p| p.law = Law::Paper));
+    }
+}

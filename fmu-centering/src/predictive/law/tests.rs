@@ -97,7 +97,7 @@ fn a_ring_that_deflects_the_servo_is_tapped_over_short_ways() {
         let law = seen(e, 1.01);
         let mut learned = law.learned.clone();
         learned.deflection = GaussianEstimate::new(deflection, 1e-7);
-        law.tap_speed(&P, &mut learned)
+        law.tap_speed(&P, P.slide.bandwidth, &mut learned)
     };
     let speed = tapped(1e-5, 1.4e-5).unwrap();
     assert!(speed > 0.0 && speed <= P.tap.speed_max, "{speed} m/s");
@@ -295,14 +295,14 @@ fn a_tap_is_as_fast_as_its_law_says_up_to_the_limit() {
     let law = seen(1e-5, 1.01);
     let mut learned = law.learned.clone();
     learned.deflection = GaussianEstimate::new(1e-5, 1e-7);
-    let speed = law.tap_speed(&P, &mut learned).unwrap();
-    let guess = learned.prepare_tap(&P).speed(law.ring.eccentricity());
+    let speed = law.tap_speed(&P, P.slide.bandwidth, &mut learned).unwrap();
+    let guess = learned.prepare_tap(&P, P.slide.bandwidth).speed(law.ring.eccentricity());
     assert_eq!(speed, guess.min(P.tap.speed_max));
     let mut p = P;
     p.tap.speed_max = 0.5 * speed;
-    assert_eq!(law.tap_speed(&p, &mut learned), Some(0.5 * speed));
+    assert_eq!(law.tap_speed(&p, p.slide.bandwidth, &mut learned), Some(0.5 * speed));
     p.tap.enabled = false;
-    assert_eq!(law.tap_speed(&p, &mut learned), None);
+    assert_eq!(law.tap_speed(&p, p.slide.bandwidth, &mut learned), None);
 }
 
 #[test]
@@ -333,7 +333,7 @@ fn the_deflection_from_which_a_ring_is_heavy_is_more_than_its_limit() {
     let tapped = |deflection: f64| {
         let mut learned = law.learned.clone();
         learned.deflection = GaussianEstimate::new(deflection, 1e-7);
-        law.tap_speed(&P, &mut learned).is_some()
+        law.tap_speed(&P, P.slide.bandwidth, &mut learned).is_some()
     };
     assert!(!tapped(P.tap.deflection_min) && tapped(1.001 * P.tap.deflection_min));
 }
