@@ -10,6 +10,9 @@ const RETRACT_SPARE: f64 = 1.2;
 /// A job may take longer than its ways and times need by this share and this time, s.
 const JOB_SPARE: (f64, f64) = (1.25, 1.0);
 
+/// A first touch in the air is not seldom, and its second one takes a fifth of a second: the way there takes this much longer.
+const TOUCHED_AGAIN: f64 = 2.0;
+
 /// Way (m) until the detector is armed, v^2 / (2 a) + v (t_settle + t_learn).
 pub fn arming_travel(p: &Parameters, approach: &Approach) -> f64 {
     let v = approach.velocity;
@@ -35,7 +38,8 @@ pub fn job_limit(p: &Parameters, approach: &Approach) -> f64 {
         return p.limits.job_time;
     }
     let Approach { velocity, acceleration, travel_max, .. } = *approach;
-    let there = travel_max / velocity + velocity / acceleration + p.learn.settle_time + learn_limit(p);
+    let again = if p.touch.confirm { TOUCHED_AGAIN } else { 1.0 };
+    let there = again * travel_max / velocity + velocity / acceleration + p.learn.settle_time + learn_limit(p);
     let back = (travel_max + retract_distance(p, approach)) / p.retract.velocity;
     JOB_SPARE.0 * (there + back) + JOB_SPARE.1
 }
@@ -60,6 +64,8 @@ mod tests {
         near(learn_limit(&p), 1.23);
         // 50 s there, 5.09 s back
         near(job_limit(&p, &p.approach), 1.25 * (50.0 + 0.002 + 0.25 + 1.23 + 5.09012) + 1.0);
+        p.touch.confirm = true;
+        near(job_limit(&p, &p.approach), 1.25 * (100.0 + 0.002 + 0.25 + 1.23 + 5.09012) + 1.0);
         (p.retract.distance, p.limits.learn_time, p.limits.job_time) = (1e-3, 3.0, 7.0);
         near(retract_distance(&p, &p.approach), 1e-3);
         near(learn_limit(&p), 3.0);

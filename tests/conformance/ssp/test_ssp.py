@@ -25,15 +25,15 @@ from cosim.ssp.structure import named
 from ..conftest import ROOT, need
 
 SHORT = [
-    "controller.learn.settle_time=0.12",
-    "controller.learn.time=0.12",
-    "plant.surface_distance=3e-5",
+    "controller.learn.settle_time=0.23",
+    "controller.learn.time=0.15",
+    "plant.surface_distance=4.2e-5",
     "plant.surface_spread=0.0",
-    "loop.duration=0.4",
+    "loop.duration=0.55",
     'loop.stop_when=""',
 ]
 """A short approach."""
-STEPS = 3900
+STEPS = 5400
 WAY = 1e-4 * 1e-4
 """Way of one communication step at 100 um/s, m."""
 EXECUTION = Path(__file__).with_name("execution.py")
@@ -135,7 +135,7 @@ def contact(master: str, module: str, package: Path) -> tuple[float, float]:
     """Contact position and depth in a master; the parameter set must have reached the controller."""
     outputs = ["controller::contact_position", "plant::plant.depth_max", "controller::learn.time"]
     position, depth, learn = run(master, module, package, STEPS, outputs)
-    assert learn == pytest.approx(0.12)
+    assert learn == pytest.approx(0.15)
     return position, depth
 
 

@@ -47,7 +47,6 @@ OTHERS = {
     r"^fmpy simulate ": "tests/harness/documents/test_commands.py",
     r"^BLESS=1 cargo test -p fmu-trial$": "tests/house/test_new.py",
     r"^cargo test -p control-blocks$": "xtask/src/test.rs",
-    r"^cargo test .*--test closed_loop -- errors --ignored": "fmu-deburr/tests/closed_loop/main.rs",
     r"^python -m plants\.tools\.cl_path ": "tests/plants/test_cl_path.py",
     r"^python -m tests\.communication_step": "tests/communication_step/test_communication_step.py",
 }
