@@ -44,8 +44,9 @@ pub fn pack(project: &Project, package: &Package, built: &Built, more: &[Built],
     let libraries = all.iter().map(|built| read(package, built)).collect::<Result<Vec<_>>>()?;
     let mut content = Content::default();
     let readme = readme(package)?;
+    let folders = [package.manifest_path.with_file_name("").into_std_path_buf(), project.root.clone()];
     for (path, text) in binary::files(&built.library)? {
-        let text = if path == PAGE { guide::insert(&text, &readme) } else { text };
+        let text = if path == PAGE { guide::insert(&text, &readme, &folders) } else { text };
         content.add(path, text.into_bytes())?;
     }
     let interface = Interface::of_library(content.text(DESCRIPTION).unwrap_or_default())?;

@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 use std::ops::Range;
+use std::path::PathBuf;
 
 use pulldown_cmark::{CodeBlockKind, CowStr, Event, HeadingLevel, Options, Parser, Tag, TagEnd, html};
 
@@ -18,9 +19,10 @@ const BEGIN: &str = "begin";
 /// The heading of a section that the page has of its own.
 const TABLES: &str = "<!-- variables:";
 
-/// The page with the README in it, whose states lead to those of the page; a page without a place for it stays as it is.
-pub fn insert(page: &str, readme: &str) -> String {
-    let sections = sections(&written(readme), page);
+/// The page with the README in it, whose states lead to those of the page, without what it tells of files in `folders`; a
+/// page without a place for it stays as it is.
+pub fn insert(page: &str, readme: &str, folders: &[PathBuf]) -> String {
+    let sections = sections(&written(readme, folders), page);
     let links = sections.iter().filter(|section| !section.title.is_empty());
     let links = links.map(|section| format!("<a href=\"#{}\">{}</a>\n", section.id, section.title)).collect::<String>();
     let bodies = sections.iter().map(|section| section.html.as_str()).collect::<String>();
@@ -35,11 +37,11 @@ struct Section {
 }
 
 /// The README without its title, what it tells of source files, and the sections that hold the tables of the declaration.
-fn written(readme: &str) -> String {
+fn written(readme: &str, folders: &[PathBuf]) -> String {
     let body = if readme.starts_with("# ") { readme.split_once('\n').map_or("", |(_, body)| body) } else { readme };
     let is_kept = |part: &str| !part.contains(TABLES);
     let kept = format!("\n{body}").split("\n## ").filter(|part| is_kept(part)).collect::<Vec<_>>().join("\n## ");
-    sources::left_out(&kept)
+    sources::left_out(&kept, folders)
 }
 
 fn sections(markdown: &str, page: &str) -> Vec<Section> {
@@ -71,8 +73,7 @@ fn section(events: &[Event], page: &str) -> Section {
 }
 
 /// Links that lead out of the FMU become plain text, tables may be scrolled, and a chart of states becomes a picture and a
-/// table; another
-/// chart stays the code that it is.
+/// table; another chart stays the code that it is.
 fn adapted<'a>(events: &[Event<'a>], page: &str) -> Vec<Event<'a>> {
     let mut adapted = Vec::new();
     let mut chart = None;
@@ -160,7 +161,7 @@ mod tests {
 
     #[test]
     fn the_readme_stands_in_its_place_without_title_and_tables() {
-        let page = insert("<nav><!-- contents of the guide -->\n</nav>\n<!-- guide -->\nend", README);
+        let page = insert("<nav><!-- contents of the guide -->\n</nav>\n<!-- guide -->\nend", README, &[]);
         assert!(page.starts_with(
             "<nav><a href=\"#guide-how-it-works\">How it works</a>\n<a href=\"#guide-limits\">Limits</a>\n</nav>\n<p>A <em>"
         ));
@@ -171,13 +172,13 @@ mod tests {
 
     #[test]
     fn only_links_to_the_net_stay_links() {
-        let page = insert(PLACE, README);
+        let page = insert(PLACE, README, &[]);
         assert!(page.contains("</em>, measured, see <a href=\"https://fmi-standard.org\">FMI</a>"), "{page}");
     }
 
     #[test]
     fn a_chart_of_states_is_a_picture_and_a_table_of_transitions() {
-        let page = insert(&format!("{PLACE}<td id=\"State-Idle\"/>"), README);
+        let page = insert(&format!("{PLACE}<td id=\"State-Idle\"/>"), README, &[]);
         assert!(
             page.contains("<tr><td>1</td><td>begin</td><td><a href=\"#State-Idle\">Idle</a></td><td></td></tr>"),
             "{page}"
@@ -188,13 +189,13 @@ mod tests {
 
     #[test]
     fn a_chart_that_is_none_of_states_stays_code() {
-        let page = insert(PLACE, "```mermaid\nflowchart LR\n    a --> b\n```\n");
+        let page = insert(PLACE, "```mermaid\nflowchart LR\n    a --> b\n```\n", &[]);
         assert!(page.contains("<code class=\"language-mermaid\">flowchart LR\n    a --&gt; b\n</code>"), "{page}");
         assert!(!page.contains("<table"), "{page}");
     }
 
     #[test]
     fn a_page_without_a_place_stays() {
-        assert_eq!(insert("<p/>", README), "<p/>");
+        assert_eq!(insert("<p/>", README, &[]), "<p/>");
     }
 }
