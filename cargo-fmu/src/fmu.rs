@@ -15,7 +15,7 @@ use crate::facts::Facts;
 use crate::functions::{self, FMI2_FUNCTIONS, OWN_PREFIX};
 use crate::inspect::{self, Rules};
 use crate::interface::Interface;
-use crate::pack::{self, Content, DESCRIPTION};
+use crate::pack::{self, Content, DESCRIPTION, Effort};
 use crate::platform::Platform;
 use crate::process;
 use crate::project::Project;
@@ -78,7 +78,9 @@ pub fn pack(project: &Project, package: &Package, built: &Built, more: &[Built],
     for (path, text) in licences::files(project, package, &packages)? {
         content.add(path, text.into_bytes())?;
     }
-    packed.bytes = pack::to_bytes(&content)?;
+    // what goes to many is packed once
+    let effort = if more.is_empty() { Effort::Quick } else { Effort::Thorough };
+    packed.bytes = pack::to_bytes(&content, effort)?;
     Ok(packed)
 }
 

@@ -67,15 +67,34 @@ impl Content {
     }
 }
 
+/// How much time may be spent on a small file.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Effort {
+    /// A moment.
+    Quick,
+    /// Some seconds for a megabyte; a thirtieth smaller.
+    Thorough,
+}
+
+impl Effort {
+    /// Level of deflate; above 9 each is a turn of Zopfli.
+    fn level(self) -> i64 {
+        match self {
+            Self::Quick => 9,
+            Self::Thorough => 14,
+        }
+    }
+}
+
 /// The FMU as bytes: deflate, sorted, with one fixed time stamp, so that equal content gives equal bytes.
 ///
 /// # Errors
 /// When `modelDescription.xml` is missing.
-pub fn to_bytes(content: &Content) -> Result<Vec<u8>> {
+pub fn to_bytes(content: &Content, effort: Effort) -> Result<Vec<u8>> {
     ensure!(content.0.contains_key("modelDescription.xml"), "an FMU needs a `modelDescription.xml`");
     let options = SimpleFileOptions::default()
         .compression_method(CompressionMethod::Deflated)
-        .compression_level(Some(9))
+        .compression_level(Some(effort.level()))
         .last_modified_time(DateTime::default())
         .unix_permissions(0o644);
     let mut writer = ZipWriter::new(Cursor::new(Vec::new()));
@@ -101,24 +120,39 @@ mod tests {
 
     #[test]
     fn the_same_content_gives_the_same_bytes() {
-        let one = to_bytes(&content(&["modelDescription.xml", "resources/a.csv", "binaries/linux64/m.so"])).unwrap();
-        let two = to_bytes(&content(&["binaries/linux64/m.so", "modelDescription.xml", "resources/a.csv"])).unwrap();
+        let one =
+            to_bytes(&content(&["modelDescription.xml", "resources/a.csv", "binaries/linux64/m.so"]), Effort::Quick)
+                .unwrap();
+        let two =
+            to_bytes(&content(&["binaries/linux64/m.so", "modelDescription.xml", "resources/a.csv"]), Effort::Quick)
+                .unwrap();
         assert_eq!(one, two);
     }
 
     #[test]
     fn every_entry_needs_zip_2_0_at_most_and_comes_back_whole() {
-        let bytes = to_bytes(&content(&["modelDescription.xml", "documentation/index.html"])).unwrap();
-        let local_headers = bytes.windows(4).enumerate().filter(|(_, window)| *window == b"PK\x03\x04");
-        let versions: Vec<_> =
-            local_headers.map(|(at, _)| u16::from_le_bytes([bytes[at + 4], bytes[at + 5]])).collect();
-        assert_eq!(versions.len(), 2);
-        assert!(versions.iter().all(|version| *version <= 20), "{versions:?}");
+        for effort in [Effort::Quick, Effort::Thorough] {
+            let bytes = to_bytes(&content(&["modelDescription.xml", "documentation/index.html"]), effort).unwrap();
+            let local_headers = bytes.windows(4).enumerate().filter(|(_, window)| *window == b"PK\x03\x04");
+            let versions: Vec<_> =
+                local_headers.map(|(at, _)| u16::from_le_bytes([bytes[at + 4], bytes[at + 5]])).collect();
+            assert_eq!(versions.len(), 2);
+            assert!(versions.iter().all(|version| *version <= 20), "{versions:?}");
 
-        let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).unwrap();
-        let mut text = String::new();
-        archive.by_name("documentation/index.html").unwrap().read_to_string(&mut text).unwrap();
-        assert_eq!(text, "documentation/index.html".repeat(100));
+            let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).unwrap();
+            let mut text = String::new();
+            archive.by_name("documentation/index.html").unwrap().read_to_string(&mut text).unwrap();
+            assert_eq!(text, "documentation/index.html".repeat(100));
+        }
+    }
+
+    #[test]
+    fn effort_makes_an_fmu_smaller() {
+        let mut content = content(&["modelDescription.xml"]);
+        let text = (0..10_000).map(|i: u32| i.pow(2).to_string()).collect::<String>();
+        content.add("resources/squares.txt", text.into_bytes()).unwrap();
+        let size = |effort| to_bytes(&content, effort).unwrap().len() as f64;
+        assert!(size(Effort::Thorough) < 0.98 * size(Effort::Quick));
     }
 
     #[test]
@@ -158,6 +192,6 @@ mod tests {
 
     #[test]
     fn without_a_model_description_nothing_is_packed() {
-        assert!(to_bytes(&content(&["resources/a.csv"])).is_err());
+        assert!(to_bytes(&content(&["resources/a.csv"]), Effort::Quick).is_err());
     }
 }
