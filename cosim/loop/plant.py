@@ -4,11 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import importlib
-import importlib.util
 import logging
 import math
-import sys
-import threading
 from collections.abc import Hashable, Sequence
 from pathlib import Path
 from typing import Any, ClassVar, NoReturn, Protocol, cast
@@ -18,14 +15,13 @@ from numpy.typing import NDArray
 
 from cosim import paths
 from cosim.errors import CosimError, PlantError, closest, concerning
+from cosim.loop import own_code
 from cosim.scenario.tables import parse, parse_value, readers, show
 
 MJCF = ".xml"
 """Ending of the names of plants that are MJCF files."""
 METHODS = ("reset", "sense", "command", "advance", "truth")
 log = logging.getLogger("cosim")
-_importing = threading.Lock()
-"""Held while a module is imported that other threads must not see half done."""
 SHAPE = "`cosim.loop.plant.Plant` is the shape of a plant, `Channel` that of its channels"
 
 
@@ -115,16 +111,11 @@ def plant_class(name: str, folder: Path) -> Any:
     module_name, colon, class_name = name.partition(":")
     if not colon:
         return packaged(name)
-    for place in (str(folder), str(Path.cwd())):
-        if place not in sys.path:
-            sys.path.append(place)
     try:
-        with _importing:
-            module = own_module(module_name, folder)
+        module = own_code.module(module_name, folder)
     except Exception as error:
         raise PlantError(
-            f"cannot import the plant `{name}`: {type(error).__name__}: {error}",
-            f"the module must lie in `{folder}`, in the working directory or be installed",
+            f"cannot import the plant `{name}`: {type(error).__name__}: {error}", own_code.where(folder)
         ) from error
     if not hasattr(module, class_name):
         public = [key for key, value in vars(module).items() if isinstance(value, type)]
@@ -138,34 +129,6 @@ def exited(name: str, error: SystemExit) -> PlantError:
     """Error of a plant that would end the process."""
     problem = f"the plant `{name}` ended the process: `sys.exit({error.code!r})`"
     return PlantError(problem, "a plant raises an exception for what it cannot do")
-
-
-def own_module(name: str, folder: Path) -> Any:
-    """Import the module of a plant; one beside the scenario comes before any other of that name."""
-    file = beside(name, folder)
-    if not file.is_file() or is_imported(name, folder):
-        return importlib.import_module(name)
-    spec = importlib.util.spec_from_file_location(name, file)
-    assert spec is not None
-    assert spec.loader is not None
-    sys.modules[name] = fresh = importlib.util.module_from_spec(spec)
-    try:
-        spec.loader.exec_module(fresh)
-    except BaseException:
-        del sys.modules[name]
-        raise
-    return fresh
-
-
-def is_imported(name: str, folder: Path) -> bool:
-    """Whether the module of a plant was imported before, so that nothing of it runs again."""
-    module, file = sys.modules.get(name), beside(name, folder)
-    return module is not None and (not file.is_file() or getattr(module, "__file__", None) == str(file))
-
-
-def beside(name: str, folder: Path) -> Path:
-    """File that a module has if it lies beside the scenario."""
-    return folder.joinpath(*name.split(".")).with_suffix(".py").resolve()
 
 
 def bare(file: Path) -> Any:

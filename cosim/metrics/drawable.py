@@ -15,6 +15,7 @@ NEEDED = {
     "array": ("x", "y"),
     "map": ("x", "y"),
     "bode": ("x", "y"),
+    "field": ("function", "y"),
 }
 """What a chart of a kind cannot do without; the others need `y`."""
 TAKEN = {
@@ -26,6 +27,7 @@ TAKEN = {
     "array": ("x", "names", "log", "x_log"),
     "map": ("x", "parts", "weight"),
     "bode": ("x", "closed"),
+    "field": ("parts", "function"),
 }
 """What a chart of a kind takes of the keys that not all of them take."""
 SOME = sorted({key for keys in TAKEN.values() for key in keys})
@@ -97,6 +99,8 @@ def check_keys(chart: Chart, where: str) -> None:
         raise ScenarioError(f"`{where}` {kind} has {len(chart.y)} `y` and takes 1", "make a map of each")
     if chart.kind == "bode" and len(chart.y) != 2:
         raise ScenarioError(f"`{where}` {kind} has {len(chart.y)} `y` and needs 2", "gain, and phase in rad")
+    if chart.kind == "field" and not all(chart.function.partition(":")):
+        raise ScenarioError(f"`{where}.function` is `{chart.function}`", "a function is named `module:name`")
     if chart.kind == "roc" and len(chart.parts) != 2:
         problem = f"`{where}` {kind} has {len(chart.parts)} `parts` and needs 2"
         raise ScenarioError(problem, "first the rows without what is sought, then those with it")

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.errors import ExpressionError
+from cosim.errors import CosimError
 from cosim.loop.result import Result
 from cosim.metrics.drawable import numbered
 from cosim.metrics.expression import Expression, Items
-from cosim.report import bode, drawing, series
+from cosim.report import bode, drawing, fields, series
+from cosim.report.drawing import Cells
 from cosim.report.series import scaled
 from cosim.scenario.model import Chart, Scenario
 from cosim.trace.columns import Array, Columns, InOrder
@@ -42,39 +44,38 @@ class Line:
     y: Array
 
 
-@dataclass(frozen=True)
-class Cells:
-    """Sums in the cells of a plane: the edges of these, and parts of the largest sum, shape (y, x)."""
-
-    x: Array
-    y: Array
-    parts: Array
-
-
 Evaluate = Callable[[str], Array]
 
 
 def views(scenario: Scenario, result: Result) -> tuple[list[dict[str, Any]], list[str]]:
     """Make the charts of a run that have something to show as plain data; and tell what cannot be drawn."""
     items = {name: result.items.get(name) for name in result.columns}
-    return of_columns(scenario.plot.charts, result.columns, items)
+    return of_columns(scenario.plot.charts, result.columns, items, scenario.file.parent)
 
 
 def of_columns(
-    wanted: Sequence[Chart], columns: Columns, items: Mapping[str, Items | None]
+    wanted: Sequence[Chart], columns: Columns, items: Mapping[str, Items | None], folder: Path
 ) -> tuple[list[dict[str, Any]], list[str]]:
-    """Make the charts of a table that have something to show as plain data; and tell what cannot be drawn."""
+    """Make the charts of a table that have something to show as plain data; and tell what cannot be drawn.
+
+    `folder` is that of the file which wants them.
+    """
     found, undrawn = [], []
     for chart in wanted:
         try:
             if chart.kind == "map":
                 cells = summed(chart, columns, items)
                 found += [mapped(chart, cells)] if cells is not None else []
+            elif chart.kind == "field":
+                made = fields.maps(chart, picked(chart, columns, items), folder)
+                found += [
+                    mapped(replace(chart, title=f"{chart.title}: {name}"), cells) for name, cells in made
+                ]
             elif chart.kind == "bode":
                 found += loop_of(chart, columns)
             elif drawn := lines(chart, columns, items):
                 found.append(view(chart, drawn))
-        except ExpressionError as error:
+        except CosimError as error:
             undrawn.append(str(error))
     return found, undrawn
 
@@ -174,7 +175,15 @@ def loop_of(chart: Chart, trace: Columns) -> list[dict[str, Any]]:
 def mapped(chart: Chart, cells: Cells) -> dict[str, Any]:
     """One map, as numbers and as a drawing."""
     held = {"x": cells.x.tolist(), "y": cells.y.tolist(), **series.packed(cells.parts.ravel())}
-    return {**axes(chart), "cells": held, "svg": drawing.cells(cells.x, cells.y, cells.parts, chart.equal)}
+    return {**axes(chart), "cells": held, "svg": drawing.cells(cells, chart.equal)}
+
+
+def picked(chart: Chart, trace: Columns, items: Mapping[str, Items | None]) -> list[Array]:
+    """Values of each `y` in the rows in which all parts hold."""
+    table = InOrder(trace)
+    parts = [evaluated(text, chart, table, items) != 0.0 for text in chart.parts]
+    rows = np.logical_and.reduce([np.ones(len(trace["time"]), dtype=bool), *parts])
+    return [evaluated(text, chart, table, items)[rows] for text in chart.y]
 
 
 def summed(chart: Chart, trace: Columns, items: Mapping[str, Items | None]) -> Cells | None:

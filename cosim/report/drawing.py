@@ -152,18 +152,29 @@ def chart(
     return frame.picture(parts)
 
 
-def cells(x: Array, y: Array, parts: Array, equal: bool) -> str:
-    """Draw sums in cells, from nothing to the largest darker and darker.
+@dataclass(frozen=True)
+class Cells:
+    """Values in the cells of a plane.
 
     Parameters
     ----------
     x, y
-        Edges of the columns and rows of the cells.
+        Edges of the columns and rows.
     parts
-        Parts of the largest sum, shape (y, x).
-    equal
-        Whether both axes have the same scale.
+        Parts of the largest value, shape (y, x).
     """
+
+    x: Array
+    y: Array
+    parts: Array
+
+
+def cells(found: Cells, equal: bool) -> str:
+    """Draw cells, from nothing to the largest value darker and darker.
+
+    `equal` tells whether both axes have the same scale.
+    """
+    x, y, parts = found.x, found.y, found.parts
     frame = framed((float(x[0]), float(x[-1])), (float(y[0]), float(y[-1])), equal)
     wide = float(frame.across(x[1]) - frame.across(x[0]))
     high = float(frame.down(y[0]) - frame.down(y[1]))
@@ -172,10 +183,10 @@ def cells(x: Array, y: Array, parts: Array, equal: bool) -> str:
         left, top = frame.across(x[column]), frame.down(y[row + 1])
         places = shades.setdefault(f"{parts[row, column]:.2f}", [])
         places.append(f"M{left:.0f} {top:.0f}h{wide + 1:.0f}v{high + 1:.0f}h-{wide + 1:.0f}")
-    cells = (
+    painted = (
         f'<path class="cell" opacity="{shade}" d="{"".join(places)}"/>' for shade, places in shades.items()
     )
-    return frame.picture([*frame.grid([], False), *cells])
+    return frame.picture([*frame.grid([], False), *painted])
 
 
 def framed(x: tuple[float, float], y: tuple[float, float], equal: bool) -> Frame:

@@ -37,7 +37,7 @@ def told(file: Path, workers: int | None, engine: str, quiet: bool) -> dict[str,
 
     def tell(plan: Plan, store: Store, found: Survey) -> dict[str, Any]:
         known = columns(plan.scenario, plan.cases)
-        drawn, undrawn = charts.of_columns(plan.study.charts, results(found, known), known)
+        drawn, undrawn = charts.of_columns(plan.study.charts, results(found, known), known, file.parent)
         drawing = store.folder / "summary.svg"
         return {
             "name": file.stem,

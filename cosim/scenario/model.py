@@ -232,16 +232,20 @@ class Chart:
         over that of the first; `array` the last row of the columns `y[1]`, `y[2]`, ... over those of `x`;
         `map` the sum of `weight` in each cell of the plane of `x` and the one `y`, in parts of the largest;
         `bode` the open loop of a measured frequency response with crossover and margins: the last row of the
-        columns `y[1]`, `y[2]`, ... of two `y`, gain and phase in rad, over those of `x`.
+        columns `y[1]`, `y[2]`, ... of two `y`, gain and phase in rad, over those of `x`;
+        `field` the maps that a function of one's own makes of all `y`, in parts of the largest value.
     x, y
         Expressions over the columns; for `array` and `bode` the names of the columns without their numbers.
     parts
-        Conditions: the rows of each make a line of their own, a `map` takes those in which all hold; none
-        takes all rows.
+        Conditions: the rows of each make a line of their own, a `map` and a `field` take those in which all
+        hold; none takes all rows.
     names
         Names of the lines: of each `y` all parts.
     weight
         Expression that a `map` sums up.
+    function
+        Function of a `field` as `module:name`: it takes the values of each `y` as an array, and gives for the
+        name of each map the edges of its cells along x and along y and their values, shape (y, x).
     closed
         Whether the response of a `bode` is that of the closed loop T, whose open loop is T / (1 - T).
     split
@@ -262,13 +266,14 @@ class Chart:
         Logarithmic axes.
     """
 
-    kind: Literal["path", "spectrum", "peaks", "share", "roc", "array", "map", "bode"]
+    kind: Literal["path", "spectrum", "peaks", "share", "roc", "array", "map", "bode", "field"]
     y: tuple[str, ...]
     title: str = ""
     x: str = ""
     parts: tuple[str, ...] = ()
     names: tuple[str, ...] = ()
     weight: str = "1"
+    function: str = ""
     closed: bool = False
     split: str = ""
     split_name: str = ""

@@ -19,7 +19,7 @@ from cosim.sweep import study
 from cosim.sweep.plan import Plan
 from cosim.sweep.survey import columns
 
-OF_A_TRACE = ("array", "bode", "spectrum")
+OF_A_TRACE = ("array", "bode", "field", "spectrum")
 """Kinds of charts that are made of the rows of one run."""
 
 

@@ -13,7 +13,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from cosim.loop import plant
+from cosim.loop import own_code, plant
 from cosim.pool import trial
 from cosim.scenario.layers import is_tables
 from cosim.words.versions import version
@@ -80,7 +80,7 @@ def digest_of(path: Path, *_: int) -> str:
 def plant_of(name: str, folder: Path) -> tuple[Any, str]:
     """Class of a plant and the SHA-256 of what it is made of; every plan asks anew."""
     module, colon, _ = name.partition(":")
-    if colon and not plant.is_imported(module, folder):
+    if colon and not own_code.is_imported(module, folder):
         trial.import_plant(name, folder)
     kind = plant.plant_class(name, folder)
     plant.check_class(kind)

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import machining_native as _native
-from plants.tools.molds import Mold
+from plants.tools.molds import MOLDS, Mold
 
 Array = NDArray[np.float64]
 
@@ -177,6 +177,34 @@ class Surface:
             points = self._nominal, self._area, height
             height = _native.wear(grid, points, strokes, self.process.abrasion)
         self.height = np.reshape(height, self.before.shape)
+
+
+def heights(
+    x: ArrayLike, y: ArrayLike, slid: ArrayLike, rubbed: ArrayLike
+) -> dict[str, tuple[Array, Array, Array]]:
+    """Heights of the middle of the LED mold before and after a logged path, as maps of 20 um.
+
+    Parameters are those of `Surface.polish`.
+
+    Returns
+    -------
+    dict
+        For `before` and `after` the edges of the cells along x and y, m, and the heights above the deepest
+        point that is left, m, shape (y, x).
+    """
+    surface = Surface(MOLDS["led"], radius=1e-3)
+    surface.polish(x, y, slid, rubbed)
+    # without the rim, where half of a contact has nothing below it; cells of two points each way
+    shown = slice(30, -31)
+    edges = np.append(surface.x[shown][::2], surface.x[-31]) - 0.5 * surface.pitch
+    count = len(edges) - 1
+    cells = (count, 2, count, 2)
+    maps = {
+        name: height[shown, shown].reshape(cells).mean(axis=(1, 3)).T
+        for name, height in (("before", surface.before), ("after", surface.height))
+    }
+    deepest = min(height.min() for height in maps.values())
+    return {name: (edges, edges, height - deepest) for name, height in maps.items()}
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from plants.tools.molds import MOLDS, Mold
-from plants.tools.removal import Process, Surface, evenness, roughness
+from plants.tools.removal import Process, Surface, evenness, heights, roughness
 
 Matrix = np.ndarray[Any, Any]
 
@@ -150,3 +150,19 @@ def test_a_path_beyond_the_map_is_no_error() -> None:
 def test_tiles_must_fit_between_the_radii() -> None:
     with pytest.raises(ValueError, match=r"no tile of `0.0002` m between `0.001` m and `0.0011` m"):
         evenness(Surface(PLANE), 1.0e-3, 1.1e-3)
+
+
+def test_the_maps_of_a_path_show_where_it_went() -> None:
+    # along x at a quarter of the map above its middle
+    x = np.linspace(-0.4e-3, 0.4e-3, 200)
+    way = x - x[0]
+    maps = heights(x, np.full(200, 0.3e-3), way, 5.0 * way)
+    (across, up, before), (_, _, after) = maps["before"], maps["after"]
+    assert before.shape == after.shape == (len(up) - 1, len(across) - 1)
+    assert (across[0], across[-1]) == pytest.approx((-0.705e-3, 0.695e-3))
+    gone = before - after
+    assert gone.min() >= 0.0
+    row, column = np.unravel_index(np.argmax(gone), gone.shape)
+    assert 0.5 * (up[row] + up[row + 1]) == pytest.approx(0.3e-3, abs=0.05e-3)
+    assert abs(across[column]) < 0.4e-3
+    assert not gone[up[:-1] < 0.1e-3].any()

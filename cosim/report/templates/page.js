@@ -106,7 +106,7 @@ async function drawChart(figure) {
   if (chart.cells) {
     const flat = numbers(chart.cells), wide = chart.cells.x.length - 1;
     lines.push({
-      type: "heatmap", x: chart.cells.x, y: chart.cells.y, z: chart.cells.y.slice(1).map((_, row) => flat.slice(row * wide, (row + 1) * wide)),
+      type: "heatmap", zmin: 0, zmax: 1, x: chart.cells.x, y: chart.cells.y, z: chart.cells.y.slice(1).map((_, row) => flat.slice(row * wide, (row + 1) * wide)),
       colorscale: [[0, colour("--paper")], [1, colour("--c0")]], colorbar: { thickness: 10, outlinewidth: 0 },
       hovertemplate: "%{x:.4g}, %{y:.4g}: %{z:.2f}<extra></extra>",
     });

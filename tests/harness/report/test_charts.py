@@ -367,7 +367,9 @@ def test_lines_of_several_values_with_a_split_tell_both() -> None:
 
 
 def test_one_row_of_cells_is_as_high_as_it_is() -> None:
-    svg = drawing.cells(np.linspace(0.0, 0.1, 61), np.array([0.0, 0.001]), np.ones((1, 60)), True)
+    svg = drawing.cells(
+        drawing.Cells(np.linspace(0.0, 0.1, 61), np.array([0.0, 0.001]), np.ones((1, 60))), True
+    )
     found = re.findall(r"M(\d+) (\d+)h(\d+)v(\d+)", svg)
     assert len(found) == 60
     wide = drawing.WIDTH - drawing.LEFT - drawing.RIGHT

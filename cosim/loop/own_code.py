@@ -1,0 +1,56 @@
+"""Code of a user that a scenario names as `module:name`: it lies beside the scenario or is installed."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import sys
+import threading
+from pathlib import Path
+from typing import Any
+
+_importing = threading.Lock()
+"""Held while a module is imported that other threads must not see half done."""
+
+
+def module(name: str, folder: Path) -> Any:
+    """Import a module for a scenario in `folder`; one beside it comes before any other of that name.
+
+    Raises
+    ------
+    Exception
+        Whatever the module raises; `where` is a hint.
+    """
+    for place in (str(folder), str(Path.cwd())):
+        if place not in sys.path:
+            sys.path.append(place)
+    with _importing:
+        file = beside(name, folder)
+        if not file.is_file() or is_imported(name, folder):
+            return importlib.import_module(name)
+        spec = importlib.util.spec_from_file_location(name, file)
+        assert spec is not None
+        assert spec.loader is not None
+        sys.modules[name] = fresh = importlib.util.module_from_spec(spec)
+        try:
+            spec.loader.exec_module(fresh)
+        except BaseException:
+            del sys.modules[name]
+            raise
+        return fresh
+
+
+def where(folder: Path) -> str:
+    """Tell where a module must lie."""
+    return f"the module must lie in `{folder}`, in the working directory or be installed"
+
+
+def is_imported(name: str, folder: Path) -> bool:
+    """Whether a module was imported before, so that nothing of it runs again."""
+    known, file = sys.modules.get(name), beside(name, folder)
+    return known is not None and (not file.is_file() or getattr(known, "__file__", None) == str(file))
+
+
+def beside(name: str, folder: Path) -> Path:
+    """File that a module has if it lies beside the scenario."""
+    return folder.joinpath(*name.split(".")).with_suffix(".py").resolve()

@@ -1,0 +1,81 @@
+"""Charts of the kind `field`: maps that a function of a user makes of what a run recorded."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cosim.errors import ScenarioError, closest
+from cosim.loop import own_code
+from cosim.report.drawing import Cells
+from cosim.scenario.model import Chart
+from cosim.trace.columns import Array
+
+
+def maps(chart: Chart, values: Sequence[Array], folder: Path) -> list[tuple[str, Cells]]:
+    """Make the maps of a chart, by name, in parts of the largest value; none where it is not above 0.
+
+    Parameters
+    ----------
+    chart
+        Names the function and the scales of the axes.
+    values
+        What the function takes.
+    folder
+        Folder of the scenario.
+
+    Raises
+    ------
+    ScenarioError
+        There is no such function, it raises, or what it gives are no maps.
+    """
+    where = f"`plot.charts` `{chart.title}`: the function `{chart.function}`"
+    function = found(chart.function, where, folder)
+    try:
+        made = {
+            str(name): tuple(np.asarray(part, dtype=float) for part in one)
+            for name, one in function(*values).items()
+        }
+    except Exception as error:  # whatever it does wrong
+        raise ScenarioError(f"{where} failed: {type(error).__name__}: {error}", "`-v` shows where") from error
+    for name, one in made.items():
+        shapes = [part.shape for part in one]
+        if (
+            len(one) != 3
+            or [len(shape) for shape in shapes] != [1, 1, 2]
+            or shapes[2] != (len(one[1]) - 1, len(one[0]) - 1)
+        ):
+            problem = f"{where} gives `{name}` of the shapes {shapes}"
+            raise ScenarioError(problem, "edges along x (n + 1), edges along y (m + 1), and values (m, n)")
+    known = [part[np.isfinite(part)] for _, _, part in made.values()]
+    most = max((float(part.max()) for part in known if part.size), default=0.0)
+    if not most > 0.0:
+        return []
+    return [
+        (
+            name,
+            Cells(
+                chart.x_scale * x,
+                chart.scale * y,
+                np.nan_to_num(part, nan=0.0, posinf=0.0, neginf=0.0) / most,
+            ),
+        )
+        for name, (x, y, part) in made.items()
+    ]
+
+
+def found(name: str, where: str, folder: Path) -> Any:
+    """Import the function of that name."""
+    module_name, _, function = name.partition(":")
+    try:
+        module = own_code.module(module_name, folder)
+    except Exception as error:  # whatever its module does wrong
+        problem = f"{where} cannot be imported: {type(error).__name__}: {error}"
+        raise ScenarioError(problem, own_code.where(folder)) from error
+    if not callable(getattr(module, function, None)):
+        public = [key for key, value in vars(module).items() if callable(value)]
+        raise ScenarioError(f"{where} is not there", closest(function, public))
+    return getattr(module, function)
