@@ -41,6 +41,7 @@ class SpindleRing(Plant):
 
     Parameters: ClassVar[type] = SpindleRingParameters
     wires: ClassVar[tuple[str, ...]] = (
+        "speed_setpoint", "turning", "swing",
         "position_setpoint", "velocity_setpoint", "enable", "servo", "driven", "braked",
         "async_x", "async_y", "sync_x", "sync_y", "error_x", "error_y",
         "cx", "cy", "vcx", "vcy", "orientation", "turn_rate", "eccentricity", "slip_speed",
@@ -67,6 +68,9 @@ class SpindleRing(Plant):
             ),
             Channel("slide_velocity_setpoint", "m/s", "How fast it should go", minimum=-speed, maximum=speed),
             Channel("enable", "1", "1: the servo drives the slide; 0: shorted windings brake it", start=1.0),
+            Channel(
+                "spindle_speed_setpoint", "rad/s", "How fast the spindle should turn", start=p.spindle_speed
+            ),
         )
         self.truths = (
             *vector("ring", "m", "Centre of the ring on the table", "xy"),
@@ -132,8 +136,7 @@ class SpindleRing(Plant):
         if p.spike_height > 0.0:
             self._spikes(steps)
         self._servo()
-        if p.spindle_ripple > 0.0:
-            self._spindle_ripple()
+        self._spindle()
         if p.part_present:
             self._friction()
             self._push()
@@ -273,13 +276,18 @@ class SpindleRing(Plant):
         both = [wire("driven"), wire("braked")]
         self.circuit.bind("motor", _native.summing_junction(2), both, [Cell(self.data.ctrl, 1)])
 
-    def _spindle_ripple(self) -> None:
-        p = self.parameters
-        swing = p.spindle_ripple * p.spindle_speed
-        ripple = _native.harmonics([(swing, self.stream("spindle_ripple").uniform(0.0, TURN))])
+    def _spindle(self) -> None:
+        p, wire, bind = self.parameters, self.wire, self.circuit.bind
+        control, drive = Cell(self.data.ctrl, 0), _native.slew(p.spindle_speed, p.spindle_acceleration)
+        if p.spindle_ripple == 0.0:
+            bind("spindle_drive", drive, [wire("speed_setpoint")], [control])
+            return
+        bind("spindle_drive", drive, [wire("speed_setpoint")], [wire("turning")])
+        ripple = _native.harmonics([(p.spindle_ripple, self.stream("spindle_ripple").uniform(0.0, TURN))])
         angle = Cell(self.data.qpos, self._at["spindle"], scale=p.spindle_ripple_order)
-        setpoint = Cell(self.data.ctrl, 0, offset=p.spindle_speed)
-        self.circuit.bind("spindle_ripple", ripple, [angle], [setpoint])
+        bind("spindle_swing", ripple, [angle], [wire("swing")])
+        # in parts of the speed, whatever that is
+        bind("spindle_ripple", _native.product(), [wire("turning"), wire("swing", offset=1.0)], [control])
 
     def _friction(self) -> None:
         p, bind = self.parameters, self.circuit.bind
@@ -334,6 +342,7 @@ class SpindleRing(Plant):
             "slide_position_setpoint": wire("position_setpoint"),
             "slide_velocity_setpoint": wire("velocity_setpoint"),
             "enable": wire("enable"),
+            "spindle_speed_setpoint": wire("speed_setpoint"),
         }
         seen = ("eccentricity", "slip_speed", "surface", "probe_force", "pusher_force", "pusher_gap")
         truths = {

@@ -16,7 +16,10 @@ class SpindleRingParameters:
 
     timestep: float = parameter(1e-4, "s", "Plant step", 1e-6, 2e-4)
     spindle_speed: float = parameter(
-        TURN / 3.0, "rad/s", "Spindle speed, positive about +z", -20.0, 20.0, "paper: 20 rpm"
+        TURN / 3.0, "rad/s", "Spindle speed at first, positive about +z", -20.0, 20.0, "paper: 20 rpm"
+    )
+    spindle_acceleration: float = parameter(
+        30.0, "rad/s2", "Ramp of the drive of the spindle", 1e-2, 1e4, "our choice: 90 rpm in 0.3 s"
     )
     spindle_ripple: float = parameter(
         0.0, "1", "Swing of the spindle speed over its mean, amplitude", 0.0, 0.1, "our choice: none"

@@ -4,14 +4,14 @@ use control_blocks::{Check, Parameter, ParameterError, check_all};
 
 use crate::interface::Law;
 use crate::interface::Parameters;
-use crate::limits::{TRIAL_MOVE_MIN, look_ahead};
+use crate::limits::{GRAVITY, TRIAL_MOVE_MIN, look_ahead, spindle_acceleration};
 
 /// Checks all combinations; the first that fails is the error.
 ///
 /// # Errors
 /// When a parameter does not fit the others.
 pub fn check(p: &Parameters) -> Result<(), ParameterError> {
-    const CHECKS: [Check<Parameters>; 13] = [
+    const CHECKS: [Check<Parameters>; 14] = [
         park,
         gap,
         trial,
@@ -25,6 +25,7 @@ pub fn check(p: &Parameters) -> Result<(), ParameterError> {
         bands,
         rates,
         push_velocities,
+        spindle_speed,
     ];
     check_all(p, &CHECKS)
 }
@@ -130,6 +131,25 @@ fn push_velocities(p: &Parameters) -> Result<(), ParameterError> {
     most.at_most(p.slide.velocity_max, "the `slide.velocity_max`")
 }
 
+/// Friction must hold the ring on a table that turns as told, against centrifugal force and acceleration.
+fn spindle_speed(p: &Parameters) -> Result<(), ParameterError> {
+    if p.spindle_speed == 0.0 {
+        return Ok(());
+    }
+    let hint = "or it is taken for a spindle that stands";
+    let speed = |hint| Parameter::new("spindle.speed", p.spindle_speed.abs(), "rad/s", hint);
+    speed(hint).more_than(p.limits.spindle_speed_min, "`limits.spindle_speed_min`")?;
+    // eq. 2, and the rim of a ring that turns with the table; both are at right angles
+    let (held, eccentricity) = (p.limits.friction * GRAVITY, p.ring.eccentricity_max.min(p.ring.radius));
+    let rim = spindle_acceleration(p) * p.ring.radius;
+    let hint = "or the ring slips on the table; lower it, or `ring.radius`, or raise `limits.friction` to what is sure";
+    Parameter::new("spindle.acceleration", spindle_acceleration(p), "rad/s2", hint)
+        .less_than(held / p.ring.radius, "what `limits.friction` holds at `ring.radius`")?;
+    let most = ((held * held - rim * rim).sqrt() / eccentricity).sqrt();
+    let hint = "or the ring flies off; lower it, `spindle.acceleration` or `ring.eccentricity_max`";
+    speed(hint).at_most(most, "what `limits.friction` holds at `ring.eccentricity_max` (eq. 2)")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -137,6 +157,10 @@ mod tests {
 
     const REFUSALS: &[Refusal<Parameters>] = &[
         (|p| p.probe.stroke = 0.01, "probe.stroke", "`0.01 m`", "`0.0205 m`"),
+        (|p| p.spindle_speed = -0.05, "spindle.speed", "`0.05 rad/s`", "`limits.spindle_speed_min`"),
+        (|p| (p.spindle_speed, p.spindle_acceleration) = (1.0, 10.0), "spindle.acceleration", "`10 rad/s2`", "`9.80"),
+        // 0.8 of 0.49 m/s2 at 25 mm
+        (|p| p.spindle_speed = 4.0, "spindle.speed", "`4 rad/s`", "`3.961"),
         (|p| p.park.dead_zone = 5e-3, "park.dead_zone", "`0.005 m`", "`0.0043 m`"),
         (|p| p.follow.gap = 0.02, "follow.gap", "`0.02 m`", "`0.0196 m`"),
         (

@@ -13,7 +13,7 @@ use crate::law::{ActiveLaw, Launch, Observation, Verdict};
 use crate::limits::trial_move;
 use crate::machine::{Events, next};
 use crate::monitoring::{DriveMonitor, FrozenProbe, Numbers, ProbeTrial};
-use crate::motion::{Follower, Motion};
+use crate::motion::{Follower, Motion, Table};
 use crate::sensing::{Calm, Clock, Due, Reader, Reading, Sample, Servo, ServoEstimator, Spindle};
 
 /// Time in which a slide without drive that has not moved stands, s.
@@ -36,6 +36,7 @@ pub struct Controller {
     law: ActiveLaw,
     supervisor: Supervisor,
     motion: Motion,
+    table: Table,
     state: State,
     fault: Fault,
     /// the last good sample, and without single spikes
@@ -80,6 +81,7 @@ impl Controller {
             law: ActiveLaw::new(p),
             supervisor: Supervisor::default(),
             motion: Motion::default(),
+            table: Table::default(),
             state: State::Idle,
             fault: Fault::None,
             sample: Sample::default(),
@@ -159,6 +161,7 @@ impl Controller {
         }
         self.escalate(p, events.fault);
         let ready = self.state == State::Wait && matches!(events.verdict, None | Some(Verdict::Push));
+        let ready = ready && self.table.steady(p);
         let launch = if ready { self.law.launch(p, &now) } else { None };
         events.launched = launch.is_some();
         let state = next(self.state, &events);
@@ -305,6 +308,7 @@ impl Controller {
 
     /// Moves the setpoint for one sample.
     fn move_on(&mut self, p: &Parameters, due: Due) {
+        self.table.update(p, self.state.active(), self.spindle.speed());
         if !self.driven() {
             return self.motion.yield_to(self.sample.slide);
         }
@@ -338,6 +342,7 @@ impl Controller {
                 position_setpoint: self.motion.setpoint.position,
                 velocity_setpoint: self.motion.setpoint.velocity,
             },
+            spindle_speed_setpoint: self.table.setpoint(),
             state: self.state,
             fault: self.fault,
             drive_enable: self.driven(),

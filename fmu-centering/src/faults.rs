@@ -10,6 +10,7 @@ use crate::centre::Estimate;
 use crate::interface::{Fault, Input, Parameters, State, Vars};
 use crate::limits::{GRAVITY, held_surface_velocity, job_time, slowest_servo, speed_limit};
 use crate::monitoring::{Numbers, SHARE_ERROR, believable_share};
+use crate::motion::TOLERANCE;
 
 /// A probe that has no contact for longer has lost the ring, s.
 const LOST_TIME: f64 = 0.1;
@@ -59,6 +60,7 @@ impl Fault {
             | Self::Divergence
             | Self::Unresolved
             | Self::SlowServo
+            | Self::SpindleSpeed
             | Self::NoProgress => SafeEnd::Retract,
         }
     }
@@ -287,6 +289,9 @@ fn of_fault(vars: &Vars, fault: Fault, e: f64) -> String {
             ": `{speed:.3} rad/s`, `{forward:.2}` of its turning forwards, at least `{FORWARD}`; `rates.collect` = `{} Hz`",
             p.rates.collect
         ),
+        Fault::SpindleSpeed => {
+            format!(": `{speed:.3} rad/s`, `spindle.speed` = `{} rad/s`, within `{TOLERANCE}` of it", p.spindle_speed)
+        }
         Fault::LostReading | Fault::ReadingJump => format!(": slide at `{slide_position} m` {row}"),
         Fault::FrozenReading => format!(": slide at `{slide_position} m`, {error}"),
         Fault::FollowingError | Fault::DriveSign | Fault::WeakDrive => format!(": {error}"),

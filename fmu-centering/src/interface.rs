@@ -90,6 +90,8 @@ mod variables {
         #[hint("turn the spindle; check its encoder")] FrozenSpindle,
         /// The servo of the slide is measured to be slower than any with which the slide keeps to `limits.following_error`
         #[hint("raise the gains of the servo, or lower `slide.acceleration_max`")] SlowServo,
+        /// The spindle does not turn with `spindle.speed`, within 5 %, a second after it was told to
+        #[hint("is `spindle.speed_setpoint` wired to the drive, and its sign right? 0 leaves the spindle to others")] SpindleSpeed,
     }
     /// Which law centres the ring.
     pub enum Law {
@@ -121,6 +123,8 @@ mod variables {
     /// Outputs; always finite.
     #[outputs] pub struct Output {
         pub slide: Setpoint,
+        /// Speed command to the drive of the spindle: to `spindle.speed` while a ring is centred or is centred and held, 0 otherwise
+        #[var(name = "spindle.speed_setpoint", unit = RADIAN_PER_SECOND as "rpm")] pub spindle_speed_setpoint: f64,
         pub state: State,
         /// Why it is in the state Fault, the gravest reason so far; kept until `reset_fault`
         pub fault: Fault,
@@ -207,6 +211,11 @@ mod variables {
         #[var(name = "spindle.quantum", unit = RADIAN as "deg", range = 0.0..=0.1, start = TAU / 4000.0, source = "paper")] pub spindle_quantum: f64,
         /// Length of the regression for angle and speed
         #[var(name = "spindle.window", unit = SECOND, range = 0.1..=5.0, start = 0.5, source = "derived: jitter 0.02 %")] pub spindle_window: f64,
+        /// Speed of the spindle that `spindle.speed_setpoint` commands; 0 where somebody else turns it
+        #[var(name = "spindle.speed", unit = RADIAN_PER_SECOND as "rpm", range = -20.0..=20.0, source = "our choice: as the paper, whose spindle turns by itself")] pub spindle_speed: f64,
+        /// Slope of that command; 0 for 0.6 mu g / r, of `limits.friction` and `ring.radius`
+        #[var(name = "spindle.acceleration", unit = RADIAN_PER_SECOND_SQUARED, range = 0.0..=1e3, source = "derived: leaves 0.8 of the friction to eq. 2, which is at right angles")]
+        pub spindle_acceleration: f64,
         pub approach: Approach,
         pub follow: Follow,
         pub rates: Rates,

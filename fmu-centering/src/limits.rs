@@ -13,6 +13,8 @@ pub const GRAVITY: f64 = 9.807;
 /// and waiting with a tenth to spare.
 const CYCLE_TIME: f64 = 5.0;
 const CYCLE_TURNS: f64 = 2.2;
+/// Share of the friction that takes the rim of a ring along with a table that comes to its speed (our choice).
+const RIM_SHARE: f64 = 0.6;
 /// Move of the slide that shows whether the probe lives, m (our choice: a thousand times its noise); and the least, with
 /// which a last bit of 20 um does not decide.
 const TRIAL_MOVE: f64 = 2e-4;
@@ -40,6 +42,14 @@ pub fn held_surface_velocity(mu: f64, r: f64, w: f64) -> f64 {
     // eq. 2 for the eccentricity
     let e = mu * GRAVITY / (w * w);
     surface_velocity(e.min(r), r, w)
+}
+
+/// Slope (rad/s2) of the speed of a table that is told to turn: friction takes the rim of the ring along.
+pub fn spindle_acceleration(p: &Parameters) -> f64 {
+    if p.spindle_acceleration > 0.0 {
+        return p.spindle_acceleration;
+    }
+    RIM_SHARE * p.limits.friction * GRAVITY / p.ring.radius
 }
 
 /// Stroke (m) of the probe before the pusher that the fastest permissible approach needs.
@@ -128,6 +138,15 @@ mod tests {
         // 4.5 - 4.05 - 0.2 mm
         p.park.dead_zone = 4.05e-3;
         assert!((trial_move(&p) - 1.25e-4).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_table_comes_to_its_speed_by_a_part_of_the_friction() {
+        let mut p = Parameters::START;
+        // 0.6 of 0.49 m/s2 at 50 mm
+        assert!((spindle_acceleration(&p) - 5.8842).abs() < 1e-4);
+        p.spindle_acceleration = 3.0;
+        assert_eq!(spindle_acceleration(&p), 3.0);
     }
 
     #[test]

@@ -96,6 +96,8 @@ fn machine(fault: Fault, mut p: Parameters) -> (Parameters, Ring) {
         }
         Fault::Unresolved => p = Parameters { tolerance: 1e-9, ..Parameters::START },
         Fault::NoProgress => p.limits.job_time = 2.0,
+        // the table of the test turns by itself
+        Fault::SpindleSpeed => p.spindle_speed = 1.5 * SPEED,
         Fault::SlowServo => {
             p = Parameters::START;
             p.learn.servo = true;

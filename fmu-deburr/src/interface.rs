@@ -12,7 +12,8 @@ mod variables {
     use std::f64::consts::TAU;
 
     use control_blocks::DELAY_MAX;
-    use fmi2_export::units::{METRE, METRE_PER_SECOND, METRE_PER_SECOND_SQUARED, ONE, RADIAN, RADIAN_PER_SECOND, SECOND};
+    use fmi2_export::units::{METRE, METRE_PER_SECOND, METRE_PER_SECOND_SQUARED, ONE};
+    use fmi2_export::units::{RADIAN, RADIAN_PER_SECOND, RADIAN_PER_SECOND_SQUARED, SECOND};
     use fmi2_export::Unit;
 
     use crate::learning::speeds::Speeds;
@@ -22,7 +23,6 @@ mod variables {
     /// Units of the six axes.
     const JOINT: [Unit; 6] = [RADIAN, METRE, METRE, RADIAN, RADIAN, RADIAN];
     const SHOWN: [&str; 6] = ["deg", "mm", "mm", "deg", "deg", "deg"];
-    const TURN_PER_SECOND: Unit = Unit::si("rad/s2", [0, 0, -2, 0, 1], &[]);
     const TURN: Unit = RADIAN_PER_SECOND;
     const RATE: [Unit; 6] = [TURN, METRE_PER_SECOND, METRE_PER_SECOND, TURN, TURN, TURN];
     const PULSE: [f64; 6] = [TAU / 640e3, 2.5e-6, 5e-6, TAU / 400e3, TAU / 400e3, TAU / 400e3];
@@ -408,7 +408,7 @@ mod variables {
             source = "derived: an induction motor of 2.5 times its rated torque breaks down at 15,600 rpm")]
         pub spindle_speed_min: f64,
         /// Fastest change of the tool speed while it cuts; what changes faster is a lost sample
-        #[var(unit = TURN_PER_SECOND, range = 1.0..=1e9, start = 2e4,
+        #[var(unit = RADIAN_PER_SECOND_SQUARED, range = 1.0..=1e9, start = 2e4,
             source = "derived: 1e-3 kg.m2 stalled by 20 N.m, 25 times the breakdown torque")]
         pub spindle_slew: f64,
         /// Change of the tool speed along a whole path below which nothing was cut; 0 allows that

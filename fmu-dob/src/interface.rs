@@ -15,8 +15,6 @@ mod variables {
     pub const HARMONICS_MAX: usize = 4;
     /// Unit of the integral gain.
     const PER_SECOND_CUBED: Unit = Unit::si("1/s3", [0, 0, -3, 0, 0], &[]);
-    /// Unit of the acceleration of the spindle.
-    const RADIAN_PER_SECOND_SQUARED: Unit = Unit::si("rad/s2", [0, 0, -2, 0, 1], &[]);
     /// Unit of the viscous friction.
     const NEWTON_SECOND_PER_METRE: Unit = Unit::si("N.s/m", [1, 0, -1, 0, 0], &[]);
 

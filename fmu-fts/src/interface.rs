@@ -11,7 +11,7 @@ mod variables {
     use control_blocks::DELAY_MAX;
     use fmi2_export::Unit;
     use fmi2_export::units::{METRE, METRE_PER_SECOND, METRE_PER_SECOND_SQUARED, NEWTON_METRE, ONE, RADIAN};
-    use fmi2_export::units::{RADIAN_PER_SECOND, SECOND};
+    use fmi2_export::units::{RADIAN_PER_SECOND, RADIAN_PER_SECOND_SQUARED, SECOND};
 
     use crate::lists::frequencies::{COUNT_MAX, Frequencies};
     use crate::lists::harmonics::Harmonics;
@@ -21,7 +21,6 @@ mod variables {
     pub const ERROR_HARMONICS: usize = 24;
     const PER_METRE: Unit = Unit::si("1/m", [0, -1, 0, 0, 0], &[]);
     const KILOGRAM_METRE_SQUARED: Unit = Unit::si("kg.m2", [1, 2, 0, 0, 0], &[]);
-    const RADIAN_PER_SECOND_SQUARED: Unit = Unit::si("rad/s2", [0, 0, -2, 0, 1], &[]);
     const NEWTON_METRE_SECOND: Unit = Unit::si("N.m.s/rad", [1, 2, -1, 0, -1], &[]);
 
     /// What is asked for

@@ -63,6 +63,8 @@ class Demand:
     """What 95 % of the centred rings must keep, m."""
     measurement_error: float = 0.15e-6
     """m; a turn at 45 rpm has fewer samples, sqrt(45 / 20) times the error."""
+    wait: float = 1.1
+    """Revolutions at the mean speed of the run."""
 
 
 DEMANDS = [
@@ -75,6 +77,10 @@ DEMANDS = [
         share=0.95, median=36.0, most=49.0, overshoot_of_95=43e-6, measurement_error=0.225e-6,
     ),
     Demand("default law, e0 0.1 to 0.6 mm", LIKE_THE_PAPER, 6, 100, median=11.0, most_of_95=13.0),
+    Demand(
+        "100 rpm from rest, e0 0.1 to 0.6 mm", Rings(speed=0.0), 6, 100, "centering/spindle",
+        median=3.5, most_of_95=4.5, measurement_error=0.335e-6, wait=2.5,  # the way to the speed counts
+    ),
     Demand("1 um, e0 0.1 to 0.6 mm", LIKE_THE_PAPER, 6, 100, tolerance=1e-6, most_of_95=16.0),
     Demand("45 rpm and 0.5 um, e0 0.1 to 0.6 mm", Rings(speed=45.0), 6, 100, tolerance=5e-7, most_of_95=14.0),
     Demand("0.7 to 20 kg, e0 0.1 to 3 mm", OF_ALL_MASSES, 8, 100, share=0.98, most_of_95=21.0),
@@ -101,7 +107,7 @@ def judge(demand: Demand, found: Sample) -> None:
     assert found.worst("overshoot") <= demand.overshoot
     assert percentile(found.metric("overshoot")[found.centred], 95) <= demand.overshoot_of_95
     assert found.worst("measurement_error") <= demand.measurement_error
-    assert found.worst("wait") <= 1.1
+    assert found.worst("wait") <= demand.wait
 
 
 @EACH

@@ -22,6 +22,7 @@ PROBE, SLIDE, SPINDLE = (
 POSITION, VELOCITY = "plant.slide_position_setpoint", "plant.slide_velocity_setpoint"
 IN_COLLECT, IN_PUSH = "controller.state == 'Collect'", "controller.state == 'Push'"
 AFTER_A_PUSH = f"controller.push.count > 0 and {IN_COLLECT}"
+SPEED, AT_REST = "plant.spindle_speed_setpoint", ("plant.spindle_speed=0.0",)
 TOUCHED = "controller.probe_position > 1.1e-3"
 PAPER = ('controller.law="Paper"',)
 KEPT = 5e-6, "what the probe presses: no fault drives the ring outwards"
@@ -34,6 +35,11 @@ def row(name: str, faults: str, *inject: Injection, within: tuple[float, str] = 
     limit, why = within
     changes = (*FAST, *more.pop("changes", ()))  # type: ignore[misc]
     return Row(name, tuple(faults.split()), OUTWARDS, limit, why, inject, changes=changes, **more)  # type: ignore[arg-type]
+
+
+def turned(name: str, faults: str, *inject: Injection, **more: object) -> Row:
+    """Row of a machine whose table the controller turns, from rest."""
+    return row(name, faults, *inject, scenario="centering/spindle", **{"changes": AT_REST, **more})  # type: ignore[arg-type]
 
 
 def collecting(to: str, **kind: object) -> Injection:
@@ -126,6 +132,17 @@ MATRIX = Matrix(
         row("a fifth of the spindle's samples is lost", DONE, collecting(SPINDLE, drop=0.2)),
         row("spindle 5 steps late", DONE, collecting(SPINDLE, late=5)),
         row("spindle at rest", "FrozenSpindle", changes=("plant.spindle_speed=0.0",)),
+        turned("commanded table follows", DONE),
+        turned("commanded table stands", "FrozenSpindle", Injection(SPEED, from_time=0.0, value=0.0)),
+        turned("commanded table at half its speed", "SpindleSpeed",
+            Injection(SPEED, from_time=0.0, scale=0.5)),
+        turned("sign of the spindle's drive swapped", "SpindleSpeed",
+            Injection(SPEED, from_time=0.0, scale=-1.0)),
+        turned("commanded table comes to its speed in 5 s", "SpindleSpeed",
+            changes=(*AT_REST, "plant.spindle_acceleration=2.0")),
+        turned("commanded table slows down by a third", "SpindleSpeed",
+            Injection(SPEED, when=AFTER_A_PUSH, after=0.1, scale=0.67)),
+        turned("commanded table swings by 2 %", DONE, changes=(*AT_REST, "plant.spindle_ripple=0.02")),
         row("sign of the drive swapped", "DriveSign", *both(scale=-1.0)),
         row("drive does a third", "WeakDrive", *both(scale=0.3)),
         row("drive does nine tenths", "FollowingError", *both(scale=0.9)),

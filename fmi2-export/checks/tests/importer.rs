@@ -25,7 +25,7 @@ fn packed(folder: &tempfile::TempDir) -> PathBuf {
     let inside = format!("binaries/{}/probe.{}", platform.folder, platform.extension);
     content.add(inside, std::fs::read(&library).unwrap()).unwrap();
     let file = folder.path().join("probe \u{e9}.fmu");
-    std::fs::write(&file, pack::to_bytes(&content).unwrap()).unwrap();
+    std::fs::write(&file, pack::to_bytes(&content, pack::Effort::Quick).unwrap()).unwrap();
     file
 }
 

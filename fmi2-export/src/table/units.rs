@@ -57,6 +57,8 @@ pub const HERTZ: Unit = Unit::si("Hz", [0, 0, -1, 0, 0], &[shown("kHz", 1e-3)]);
 /// Angular velocity and control bandwidth.
 pub const RADIAN_PER_SECOND: Unit =
     Unit::si("rad/s", [0, 0, -1, 0, 1], &[shown("Hz", PER_TURN), shown("rpm", 60.0 * PER_TURN)]);
+/// Angular acceleration.
+pub const RADIAN_PER_SECOND_SQUARED: Unit = Unit::si("rad/s2", [0, 0, -2, 0, 1], &[]);
 /// Velocity.
 pub const METRE_PER_SECOND: Unit =
     Unit::si("m/s", [0, 1, -1, 0, 0], &[shown("mm/s", 1e3), shown("um/s", 1e6), shown("mm/min", 6e4)]);

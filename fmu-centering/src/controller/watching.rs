@@ -39,7 +39,8 @@ impl Controller {
         let view = Watched {
             state: self.state,
             probe: self.calm.probe,
-            turned,
+            // on the way to its speed nothing can come to an end
+            turned: if self.table.steady(p) { turned } else { 0.0 },
             speed: self.spindle.speed(),
             surface: self.follower.surface(),
             beyond_travel: self.motion.beyond(p, travel),
@@ -55,6 +56,7 @@ impl Controller {
             (frozen || astray).then_some(Fault::FrozenProbe),
             self.drive.fault(p),
             self.supervisor.check(p, &view),
+            (self.state.active() && self.table.disobeys(p)).then_some(Fault::SpindleSpeed),
             late.then_some(Fault::NoProgress),
         ];
         graver(&found)

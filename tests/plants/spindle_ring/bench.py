@@ -52,7 +52,7 @@ def run(plant: SpindleRing, path: Path, duration: float, period: float = 1e-3) -
             plant.advance(substeps)
         readings = plant.sense()
         rows.append(np.append(plant.truth(), readings[2]))
-        plant.command(np.array([*path(k * period), 1.0]))
+        plant.command(np.array([*path(k * period), 1.0, plant.parameters.spindle_speed]))
     names = [channel.name for channel in plant.truths] + ["probe_position"]
     return dict(zip(names, np.array(rows).T, strict=True))
 

@@ -46,7 +46,7 @@ def test_ring_does_not_creep_under_the_probe(bristle: bool) -> None:
         plant.sense()
         rows.append(plant.truth()[:2])
         now = follow()
-        plant.command(np.array([now, (now - before) / 1e-3, 1.0]))
+        plant.command(np.array([now, (now - before) / 1e-3, 1.0, plant.parameters.spindle_speed]))
         before = now
         plant.advance(10)
     assert truth(plant)["probe_force"] > 0.35
@@ -146,7 +146,7 @@ def test_a_hit_without_loss_keeps_momentum_and_energy() -> None:
     joints = [plant.model.joint(name).dofadr[0] for name in ("slide", "ring_x")]
     plant.data.qvel[joints] = 0.05, 0.0
     plant.sense()
-    plant.command(np.array([plant.data.qpos[joints[0]], 0.05, 1.0]))
+    plant.command(np.array([plant.data.qpos[joints[0]], 0.05, 1.0, plant.parameters.spindle_speed]))
     plant.advance(20)
     slide, thrown = plant.data.qvel[joints]
     assert (slide, thrown) == pytest.approx((0.05 * 7.0 / 9.0, -0.05 * 16.0 / 9.0), rel=0.01)

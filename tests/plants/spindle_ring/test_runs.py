@@ -28,7 +28,7 @@ def test_without_enable_the_windings_brake_the_slide() -> None:
     for k in range(500):
         plant.sense()
         on = k < 200
-        plant.command(np.array([speed * k * 1e-3, speed, float(on)]))
+        plant.command(np.array([speed * k * 1e-3, speed, float(on), plant.parameters.spindle_speed]))
         plant.advance(round(1e-3 / plant.timestep))
         rows.append(plant.data.qvel[plant.model.joint("slide").dofadr[0]])
     assert rows[199] == pytest.approx(speed, rel=0.01)
@@ -92,3 +92,15 @@ def test_a_state_that_is_not_finite_is_an_error() -> None:
     place(plant, ring_x=math.nan)
     with pytest.raises(PlantError, match="element `ring`: input `x` is `NaN`"):
         plant.advance(1)
+
+
+def test_the_table_takes_its_speed_from_the_command_with_a_ramp() -> None:
+    plant = ring(spindle_speed=0.0, spindle_acceleration=20.0)
+    found = []
+    for _ in range(3):
+        plant.sense()
+        plant.command(np.array([0.0, 0.0, 1.0, 10.0]))
+        plant.advance(2000)
+        found.append(float(plant.data.qvel[plant.model.joint("spindle").dofadr[0]]))
+    # 20 rad/s2 for 0.2 s and 0.4 s, less the lag of the drive; then there
+    assert found == pytest.approx([4.0, 8.0, 10.0], abs=0.1)
