@@ -181,8 +181,8 @@ impl Controller {
         let (band, time) = p.settling();
         let inside = self.calm.probe >= p.probe.contact && (self.calm.probe - p.null()).abs() <= band;
         let following = matches!(self.state, State::Follow | State::Settle) && !self.motion.moving();
-        let settled = self.settled.update(inside && following);
-        inside && following && settled >= p.ticks(time)
+        let settles = inside && following;
+        self.settled.update(settles) >= p.ticks(time) && settles
     }
 
     /// Makes the model, and judges the ring.

@@ -224,6 +224,17 @@ mod tests {
     }
 
     #[test]
+    fn too_few_harmonics_are_told_beyond_their_limit() {
+        let mut vars = <Vars as fmi2_export::Interface>::START;
+        vars.output.path_truncation = TRUNCATION_MAX;
+        assert_eq!(truncation(&vars), None);
+        vars.output.path_truncation = 1.001 * TRUNCATION_MAX;
+        vars.in_force.path.harmonics = 12;
+        let told = truncation(&vars).unwrap();
+        assert!(told.starts_with("`path.harmonics` = `12` leave out up to `"), "{told}");
+    }
+
+    #[test]
     fn every_fault_is_told_with_numbers() {
         for fault in Fault::ALL {
             let mut vars = <Vars as fmi2_export::Interface>::START;

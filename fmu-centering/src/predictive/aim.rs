@@ -205,6 +205,13 @@ mod tests {
     }
 
     #[test]
+    fn the_shortest_push_is_through_its_standoff_in_the_time_of_a_creep() {
+        let standoff = STANDOFF * LearnedParameters::new(&P).contact.sigma + STANDOFF_MIN;
+        let found = launches(&P, Vector2::new(2e-6, 0.0), 2.094, None);
+        assert!((found[0].1.velocity - standoff / CREEP_TIME).abs() < 1e-12, "{} m/s", found[0].1.velocity);
+    }
+
+    #[test]
     fn a_late_launch_begins_now_and_ends_later() {
         for speed in [2.094, -4.712] {
             let mut found = launches(&P, Vector2::new(2e-4, -3e-4), speed, None);

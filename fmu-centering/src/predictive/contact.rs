@@ -134,7 +134,7 @@ mod tests {
             for k in 0..steps {
                 y += dt * contact.velocity_across(y, meeting.time - (f64::from(k) + 0.5) * dt, &finish);
             }
-            assert!(y.abs() < 2e-3 * eccentricity, "{eccentricity}: {y}");
+            assert!(y.abs() < 1e-4 * eccentricity, "{eccentricity}: {y}");
         }
     }
 

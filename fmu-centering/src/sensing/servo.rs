@@ -119,13 +119,14 @@ impl ServoEstimator {
         let scaled = self.information.component_mul(&(unit * unit.transpose()));
         let inverse = scaled.cholesky()?.inverse().component_mul(&(unit * unit.transpose()));
         let value = inverse * self.product;
-        let alike = 2.0 * FILTER_TIME / p.sample_period;
-        let independent = f64::from(self.samples) / alike.max(1.0) - 3.0;
+        let alike = (2.0 * FILTER_TIME / p.sample_period).max(1.0);
+        let independent = f64::from(self.samples) / alike - 3.0;
         if independent < 1.0 || value.x <= 0.0 {
             return None;
         }
-        let residual = (self.square - value.dot(&self.product)).max(0.0) / (independent * alike.max(1.0));
-        let deviation = (inverse[(0, 0)] * residual * alike.max(1.0)).sqrt();
+        // of as many residuals as are independent
+        let variance = (self.square - value.dot(&self.product)).max(0.0) / independent;
+        let deviation = (inverse[(0, 0)] * variance).sqrt();
         let bandwidth = value.x.sqrt();
         let servo = Servo { bandwidth, deviation: deviation / (2.0 * bandwidth) };
         (servo.bandwidth.is_finite() && servo.deviation.is_finite()).then_some(servo)
@@ -180,6 +181,15 @@ mod tests {
                 assert!(error.abs() < 0.05 && servo.sure(), "{hertz} Hz: {error} {servo:?}");
             }
         }
+    }
+
+    #[test]
+    fn the_deviation_covers_the_spread_of_the_noise() {
+        let servos: Vec<Servo> = (0..24).map(|seed| found(40.0, 1e9, seed).unwrap()).collect();
+        let mean = servos.iter().map(|servo| servo.bandwidth).sum::<f64>() / 24.0;
+        let spread = (servos.iter().map(|servo| (servo.bandwidth - mean).powi(2)).sum::<f64>() / 23.0).sqrt();
+        let told = servos.iter().map(|servo| servo.deviation).sum::<f64>() / 24.0;
+        assert!((1.0..4.0).contains(&(told / spread)), "{told} {spread}");
     }
 
     #[test]

@@ -285,6 +285,7 @@ mod tests {
         let path = path(&Parameters::START);
         let last = path.first + path.extent() * path.step.signum();
         assert!((path.extent() - 0.05).abs() < 1e-12);
+        assert!((path.ends()[0] - path.first).abs() < 1e-15 && (path.ends()[1] - last).abs() < 1e-12);
         for (end, out) in [(path.first, -path.step), (last, path.step)] {
             assert!(path.covers(end) && path.covers(end + 0.09 * out) && !path.covers(end + 0.11 * out), "{end}");
             // and what is asked for further out is the path there

@@ -177,6 +177,18 @@ mod tests {
     }
 
     #[test]
+    fn far_below_the_zero_nothing_is_taken() {
+        let p = Parameters::START;
+        let model = LoopModel::new(&p, design(&p).unwrap());
+        let grid: Vec<f64> = [50.0, 100.0, 200.0, 300.0].iter().chain(&GRID).map(|hertz| TAU * hertz).collect();
+        let told = |low: f64| {
+            let seen = |omega: f64| model.closed(omega) * if omega < LOOK_FROM * p.tip.frequency { low } else { 1.0 };
+            Flexure::found(&p, &model, &FrequencyResponse::from_model(&grid, seen)).unwrap()
+        };
+        assert_eq!(told(0.5), told(1.0));
+    }
+
+    #[test]
     fn a_response_that_does_not_tell_it_finds_nothing() {
         // far below the zero, too few points, an arm that is not told to bend, and one that is twice as stiff
         assert_eq!(found(&[300.0, 350.0, 400.0], |_| ()), None);
