@@ -58,7 +58,7 @@ class OrthogonalRobotParameters:
         "derived: the paper's 178 N/mm with the contact in series",
     )  # fmt: skip
     tip_lateral: float = parameter(
-        1.0, "1", "Stiffness of the tip across its axis over that along it", 0.05, 2.0
+        1.0, "1", "Stiffness of the tip across its axis over that along it", 0.02, 2.0
     )
     tip_damping: float = parameter(0.1, "1", "Damping ratio of the free tip", 0.0, 2.0)
     contact_stiffness: float = parameter(
