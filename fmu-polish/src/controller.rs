@@ -320,9 +320,9 @@ impl Controller {
         let error = self.want(p, reading, now);
         self.feed = next_feed(p, self.feed, reading.feed_override, now.frame.feed_max);
         self.k = self.k.wrapping_add(1).max(1);
-        self.sliding.update(p, &reading.position, now, touching(p, now));
-        let contact =
-            NormalMeasurement { error, force: now.force.normal, offset: -now.error.normal, touching: touching(p, now) };
+        let (force, position, touching) = (now.force.normal, reading.position, touching(p, now));
+        self.sliding.update(p, &position, now, touching);
+        let contact = NormalMeasurement { error, force, position, touching };
         let feed = self.feed;
         let at = PathState { path: &self.path, place: self.place, frame: &now.frame, feed };
         let normal = self.normal.step(p, &contact, self.k, &at);
@@ -337,7 +337,7 @@ impl Controller {
             sideways: stick_slip::direction(p.stick_slip.mode, &now.frame),
         };
         self.way = feed * p.sample_period;
-        self.place = self.path.advance(self.place, self.place.s + self.way);
+        self.place = self.path.seek(self.place, self.place.s + self.way);
         parts
     }
 
@@ -373,7 +373,7 @@ impl Controller {
                 added: self.sliding.added,
             },
             misalignment: MisalignmentOutput { shift: shift.into(), rx: turn.x, ry: turn.y, rz: turn.z },
-            ripple_frozen: self.normal.ripple.frozen(),
+            ripple_frozen: self.normal.ripple.frozen() || self.normal.turns.frozen(),
             path_length: self.path.length(),
             numbers: self.numbers(p, now),
         }

@@ -1,6 +1,7 @@
 //! The force: measured, watched, and controlled by everything that moves the tool along the normal.
 
 pub mod contact;
+pub mod harmonic;
 pub mod impedance;
 pub mod margin;
 pub mod misalignment;
@@ -9,3 +10,4 @@ pub mod response;
 pub mod ripple;
 pub mod sensor;
 pub mod stiffness;
+pub mod turns;

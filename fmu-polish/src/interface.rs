@@ -277,6 +277,7 @@ mod variables {
         pub position: Position,
         pub stick_slip: StickSlip,
         pub ripple: Ripple,
+        pub turns: Turns,
         pub misalignment: Misalignment,
         /// Time over which the zero of the sensor is averaged
         #[var(name = "tare.time", unit = SECOND, range = 1e-3..=10.0, start = 0.1, source = "our choice")] pub tare_time: f64,
@@ -363,7 +364,7 @@ mod variables {
         #[var(range = 1..=1000, start = 10, paper = 1, source = "measured: 1 does nothing")] pub half_period: i32,
         #[var(source = "paper")] pub wave: Wave,
         /// Least mean speed at which the ball is to slide, the feed included, by more K_v; 0 for none; nothing with a `stick_slip.ratio`
-        #[var(unit = METRE_PER_SECOND as "mm/s", range = 0.0..=0.1, start = 5e-3, paper = 0.0, source = "our choice: 2.5 times a feed of 2 mm/s", tunable)] pub sliding: f64,
+        #[var(unit = METRE_PER_SECOND as "mm/s", range = 0.0..=0.1, start = 6e-3, paper = 0.0, source = "our choice: three times a feed of 2 mm/s", tunable)] pub sliding: f64,
         /// Largest K_v to which `stick_slip.sliding` raises it
         #[var(unit = METRE_PER_SECOND as "mm/s", range = 0.0..=0.1, start = 20e-3, source = "our choice: half of where the ball hops")] pub velocity_max: f64,
         /// K_v over the feed, keeps the removal per length; 0 for `stick_slip.velocity`
@@ -376,16 +377,17 @@ mod variables {
         /// Growth of a ripple that ends its cancellation
         #[var(unit = NEWTON, range = 0.01..=10.0, start = 0.3, source = "our choice")] pub growth_max: f64,
     }
+    /// Learning of what repeats from turn to turn of the path.
+    pub struct Turns {
+        /// Share of the force error at the first four harmonics of a turn that is taken back per radian; 0 for none
+        #[var(unit = ONE, range = 0.0..=0.5, start = 0.18, paper = 0.0, source = "measured: 0.3 swings, since the harmonics are so near")] pub gain: f64,
+    }
     /// Estimate of a rigid misalignment of the mold and its feedforward.
     pub struct Misalignment {
         /// Estimate shift and rotation of the mold and feed them forward
         #[var(start = true, paper = false, source = "our choice")] pub enable: bool,
         /// Forgetting factor of the least squares
         #[var(unit = ONE, range = 0.99..=1.0, start = 0.99995, source = "measured: 20 s, shorter memories are noisy")] pub forgetting: f64,
-        /// Time by which the feedforward is ahead
-        #[var(unit = SECOND as "ms", range = 0.0..=0.1, start = 6e-3, source = "our choice: delay of drive and loop")] pub lead_time: f64,
-        /// Path before the feedforward begins
-        #[var(unit = METRE as "mm", range = 0.0..=1.0, start = 1e-3, source = "our choice")] pub distance_min: f64,
     }
     /// Approach motion along the normal of the first point.
     pub struct Approach {

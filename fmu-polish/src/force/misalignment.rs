@@ -8,12 +8,13 @@ use crate::path::centre_path::Frame;
 
 /// Length that makes rotations as large as shifts, m.
 const LEVER: f64 = 1e-3;
-/// Variance of a measured distance, m2: 1 um.
-const NOISE: f64 = 1e-12;
-/// Variance of each parameter at the begin, m2: 1 mm.
-const START: f64 = 1e-6;
+/// Variance of a measured distance, m2: 3 um, since the axes turn round and the force of a sample is not that of the next.
+const NOISE: f64 = 1e-11;
+/// Variance of each parameter at the begin, m2: 0.1 mm, and 0.1 rad. What a mold can be at most, it is not likely to be:
+/// a wider one makes the first turns of a spiral nonsense, where shift and rotation look alike.
+const START: f64 = 1e-8;
 /// Largest sum of the variances, m2; forgetting stops there.
-const TRACE_MAX: f64 = 6e-6;
+const TRACE_MAX: f64 = 6.0 * START;
 /// Largest velocity of the feedforward, m/s.
 const VELOCITY_MAX: f64 = 5e-3;
 

@@ -8,6 +8,7 @@ use super::margin::{LEAST, phase_margin};
 use super::misalignment::MisalignmentEstimate;
 use super::ripple::RippleCancellation;
 use super::stiffness::Slope;
+use super::turns::TurnLearning;
 use crate::interface::Parameters;
 use crate::path::centre_path::{CentrePath, Frame, Place};
 
@@ -26,6 +27,8 @@ pub struct NormalMotion {
     judged: Option<(Tuned, bool)>,
     /// Cancellation of the ripple.
     pub ripple: RippleCancellation,
+    /// What is learned from turn to turn.
+    pub turns: TurnLearning,
     /// Estimate of the misalignment.
     pub misalignment: MisalignmentEstimate,
 }
@@ -40,8 +43,8 @@ pub struct NormalMeasurement {
     pub error: f64,
     /// Force along the normal, N.
     pub force: f64,
-    /// Ball centre by the encoders less the desired one, along the normal, m.
-    pub offset: f64,
+    /// Ball centre by the encoders, m.
+    pub position: Vector3<f64>,
     /// There is a force at all.
     pub touching: bool,
 }
@@ -58,6 +61,7 @@ impl NormalMotion {
             following: false,
             judged: None,
             ripple: RippleCancellation::new(p, &Coefficients::new(p, p.impedance.damping), stiffness),
+            turns: TurnLearning::default(),
             misalignment: MisalignmentEstimate::new(),
         }
     }
@@ -95,25 +99,31 @@ impl NormalMotion {
     pub fn step(&mut self, p: &Parameters, contact: &NormalMeasurement, k: u32, at: &PathState) -> f64 {
         let law = self.law(p);
         let mut velocity = self.force_law.step(&law, contact.error);
-        // nothing is integrated in the air
-        velocity += self.force_law.integrate(&law, if contact.touching { contact.error } else { 0.0 });
+        // nothing is integrated or learned in the air
+        let felt = if contact.touching { contact.error } else { 0.0 };
+        velocity += self.force_law.integrate(&law, felt);
         velocity += self.ripple.step(p, k, contact.error);
+        velocity += self.turns.step(p, &law, self.stiffness, &at.frame.tangent, felt);
         if p.misalignment.enable {
-            self.misalignment.update(p, at.frame, contact.offset + contact.force / self.stiffness);
+            self.observe_surface(p, contact, at);
             velocity += self.feedforward(p, at);
         }
         velocity
     }
 
-    /// Velocity (m/s) of a misaligned surface a little ahead.
+    /// Takes where the surface is met: not at the place on the path, but where the encoders see the tool, behind it.
+    fn observe_surface(&mut self, p: &Parameters, contact: &NormalMeasurement, at: &PathState) {
+        let behind = (at.frame.centre - contact.position).dot(&at.frame.tangent) / at.frame.ratio;
+        let met = at.path.frame(at.path.seek(at.place, at.place.s - behind));
+        let offset = (contact.position - met.centre).dot(&met.normal);
+        self.misalignment.update(p, &met, offset + contact.force / self.stiffness);
+    }
+
+    /// Velocity (m/s) of a misaligned surface at the place on the path: it goes through the drives as the path does, so
+    /// that the tool, as late along the normal as along the path, is right where it is.
     fn feedforward(&self, p: &Parameters, at: &PathState) -> f64 {
-        if at.place.s < p.misalignment.distance_min {
-            return 0.0;
-        }
-        let begin = at.place.s + at.feed * p.misalignment.lead_time;
-        let place = at.path.advance(at.place, begin);
-        let next = at.path.advance(place, begin + at.feed * p.sample_period);
-        self.misalignment.velocity(p, &at.path.frame(place), &at.path.frame(next))
+        let next = at.path.seek(at.place, at.place.s + at.feed * p.sample_period);
+        self.misalignment.velocity(p, at.frame, &at.path.frame(next))
     }
 
     /// Whether the loop has its phase margin with the parameters of now; judged again when they have changed.

@@ -1,9 +1,9 @@
 //! Cancels the force ripple at the frequency of the stick-slip and twice that; its phases come from the drive model.
 
-use control_blocks::{Canceller, Consecutive};
 use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
+use super::harmonic::{FREQUENCY_SHARE, Harmonic};
 use super::impedance::Coefficients;
 use super::response::closed;
 use crate::interface::Parameters;
@@ -15,54 +15,18 @@ pub const FROZEN: &str = "a part of the ripple cancellation made it worse and ha
 
 /// Harmonics of the stick-slip frequency.
 const HARMONICS: usize = 2;
-/// Highest frequency that is cancelled, part of the sample rate.
-const FREQUENCY_SHARE: f64 = 0.2;
-/// Largest velocity of each harmonic, m/s.
-const VELOCITY_MAX: f64 = 2e-3;
-/// Part of that velocity that counts as the limit.
-const LIMITED: f64 = 0.99;
+/// Largest velocity of each harmonic, m/s: a tip that bends instead of sliding on a slope of 14 degrees makes a ripple of a
+/// quarter of K_v, and 20 mm/s are the most of it.
+const VELOCITY_MAX: f64 = 5e-3;
 /// Periods over which the amplitude of a ripple is taken.
 const WINDOW_PERIODS: u32 = 10;
-/// Growth of a ripple from its first amplitude that ends the cancellation.
-const GROWTH: f64 = 1.5;
-/// Windows in a row that have grown too far.
-const BAD_WINDOWS: u32 = 2;
-
-/// One harmonic.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-struct Harmonic {
-    /// velocity to force error at its frequency, N s/m; none if it is too high
-    response: Option<Complex<f64>>,
-    /// its velocity, m/s
-    canceller: Canceller,
-    /// sum over the window of the force error times the conjugate carrier, N
-    sum: Complex<f64>,
-    /// first amplitude, N
-    first: Option<f64>,
-    /// windows in a row that have grown
-    bad: Consecutive,
-}
-
-impl Harmonic {
-    /// Judges a window of `samples`; true when the harmonic ends because it makes the ripple worse.
-    fn judge(&mut self, p: &Parameters, samples: u32) -> bool {
-        let amplitude = 2.0 * self.sum.norm() / f64::from(samples);
-        self.sum = Complex::ZERO;
-        let first = *self.first.get_or_insert(amplitude);
-        // at its limit it cannot grow any more
-        let limited = self.canceller.amplitude() > LIMITED * VELOCITY_MAX;
-        let grown = amplitude > GROWTH * first + if limited { 0.0 } else { p.ripple.growth_max };
-        if self.bad.update(grown) < BAD_WINDOWS {
-            return false;
-        }
-        *self = Self::default();
-        true
-    }
-}
 
 /// The cancellation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RippleCancellation {
+    /// velocity to force error at each frequency, N s/m; none if it is too high
+    responses: [Option<Complex<f64>>; HARMONICS],
+    /// velocities, m/s
     harmonics: [Harmonic; HARMONICS],
     half: u32,
     samples: u32,
@@ -74,12 +38,11 @@ impl RippleCancellation {
     pub fn new(p: &Parameters, law: &Coefficients, stiffness: f64) -> Self {
         let half = p.stick_slip.half_period.unsigned_abs().max(1);
         let rate = std::f64::consts::TAU / p.sample_period;
-        let mut harmonics = [Harmonic::default(); HARMONICS];
-        for (m, harmonic) in (1..).zip(&mut harmonics) {
-            let omega = rate * f64::from(m) / f64::from(2 * half);
-            harmonic.response = (omega <= FREQUENCY_SHARE * rate).then(|| closed(p, law, stiffness, omega));
-        }
-        Self { harmonics, half, samples: 0, frozen: false }
+        let responses = std::array::from_fn(|i| {
+            let omega = rate * (i as f64 + 1.0) / f64::from(2 * half);
+            (omega <= FREQUENCY_SHARE * rate).then(|| closed(p, law, stiffness, omega))
+        });
+        Self { responses, harmonics: Default::default(), half, samples: 0, frozen: false }
     }
 
     /// Whether a ripple has grown and is not cancelled any more.
@@ -93,14 +56,11 @@ impl RippleCancellation {
             return 0.0;
         }
         let mut velocity = 0.0;
-        for (m, harmonic) in (1..).zip(&mut self.harmonics) {
-            let Some(response) = harmonic.response else { continue };
+        for ((m, harmonic), response) in (1..).zip(&mut self.harmonics).zip(self.responses) {
+            let Some(response) = response else { continue };
             let carrier = Complex::cis(phase(self.half, m * (k % (2 * self.half))));
-            harmonic.sum += carrier.conj() * error;
-            // the velocity that would have made this error is taken back
-            harmonic.canceller.take_back(2.0 * p.ripple.gain * p.sample_period, response, carrier, error);
-            harmonic.canceller.limit(VELOCITY_MAX);
-            velocity += harmonic.canceller.output(carrier);
+            harmonic.learn(2.0 * p.ripple.gain * p.sample_period, response, carrier, error, VELOCITY_MAX);
+            velocity += harmonic.output(carrier);
         }
         self.judge(p);
         velocity
@@ -115,7 +75,7 @@ impl RippleCancellation {
         }
         self.samples = 0;
         for harmonic in &mut self.harmonics {
-            self.frozen |= harmonic.response.is_some() && harmonic.judge(p, window);
+            self.frozen |= harmonic.judge(p, window, VELOCITY_MAX);
         }
     }
 }
@@ -132,7 +92,7 @@ mod tests {
     /// What a harmonic leaves of a ripple of the amplitude `size` N through the true response, at the angle `angle`.
     fn part(harmonic: &Harmonic, response: Complex<f64>, size: f64, angle: f64) -> f64 {
         let carrier = Complex::cis(angle);
-        harmonic.canceller.output(response * carrier) + size * carrier.re
+        harmonic.output(response * carrier) + size * carrier.re
     }
 
     /// Largest error in the samples `counted`, the last ones of a run with ripples of `size` N when the true phase is
@@ -140,7 +100,7 @@ mod tests {
     fn worst_error(phase_error: f64, size: f64, counted: Range<u32>) -> (f64, bool) {
         let law = Coefficients::new(&P, damping(&P, 178e3));
         let mut ripple = RippleCancellation::new(&P, &law, 178e3);
-        let truth = ripple.harmonics.map(|h| h.response.unwrap() * Complex::cis(phase_error));
+        let truth = ripple.responses.map(|response| response.unwrap() * Complex::cis(phase_error));
         let mut worst: f64 = 0.0;
         for k in 1..counted.end {
             // the plant in the steady state of the learned amplitudes
@@ -178,7 +138,7 @@ mod tests {
         for k in 1..=200 {
             ripple.step(&p, k, 0.1 + 0.3 * phase(10, k).cos() + 0.2 * phase(10, 2 * k).sin());
         }
-        let [one, two] = ripple.harmonics.map(|harmonic| harmonic.first.unwrap());
+        let [one, two] = ripple.harmonics.map(|harmonic| harmonic.first().unwrap());
         assert!((one - 0.3).abs() < 1e-9 && (two - 0.2).abs() < 1e-9, "{one} {two}");
     }
 

@@ -108,10 +108,13 @@ impl CentrePath {
         cruise + p.feed.velocity / p.feed.acceleration
     }
 
-    /// The place at the arc length `s` (m) beyond `place`, at most the end.
-    pub fn advance(&self, place: Place, s: f64) -> Place {
+    /// The place at the arc length `s` (m), looked for from `place` on, at most the end.
+    pub fn seek(&self, place: Place, s: f64) -> Place {
         let s = s.clamp(0.0, self.length());
         let mut knot = place.knot.min(self.knots.len() - 2);
+        while knot > 0 && self.knots[knot].s > s {
+            knot -= 1;
+        }
         while knot + 2 < self.knots.len() && self.knots[knot + 1].s < s {
             knot += 1;
         }
@@ -193,12 +196,12 @@ mod tests {
         let mut p = P;
         (p.feed.turn_rate_max, p.feed.acceleration) = (2.0, 0.05);
         let path = CentrePath::new(&p, &circle());
-        let middle = path.frame(path.advance(Place::default(), 0.5 * path.length()));
+        let middle = path.frame(path.seek(Place::default(), 0.5 * path.length()));
         assert!((middle.feed_max / (2.0 * RADIUS) - 1.0).abs() < 1e-3, "{}", middle.feed_max);
         p.feed.turn_rate_max = 1e3;
         let path = CentrePath::new(&p, &circle());
         for left in [0.0, 1e-4, 1e-3, 3e-3] {
-            let here = path.frame(path.advance(Place::default(), path.length() - left));
+            let here = path.frame(path.seek(Place::default(), path.length() - left));
             assert!((here.feed_max - (2.0 * 0.05 * left).sqrt()).abs() < 1e-6, "{left}: {}", here.feed_max);
         }
     }

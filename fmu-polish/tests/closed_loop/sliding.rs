@@ -42,7 +42,7 @@ fn a_soft_tip_slides_by_more_velocity_and_a_good_one_as_it_is() {
     assert_eq!(slides(&P, Build::NOMINAL).2, 0.0);
     for (lateral, friction) in [(100e3, 0.4), (60e3, 0.4), (50e3, 0.3)] {
         let (truth, _, added) = slides(&P, tip(lateral, friction));
-        assert!((4.5e-3..6e-3).contains(&truth) && added > 1e-3, "{lateral} {friction}: {truth} {added}");
+        assert!((5.5e-3..7e-3).contains(&truth) && added > 1e-3, "{lateral} {friction}: {truth} {added}");
     }
 }
 
@@ -67,8 +67,8 @@ fn a_ball_that_never_slides_is_named_with_its_numbers() {
     assert_eq!((run.output.fault, run.output.drive_enable), (Fault::NoSliding, true));
     let (sliding, after) = (run.output.sliding, run.time() - begin);
     assert!(sliding.added == p.stick_slip.velocity_max - p.stick_slip.velocity, "{sliding:?}");
-    // 1.2 s to raise it by 10 mm/s, one to see that it does not help
-    assert!((1.9..3.5).contains(&after) && sliding.speed < 3e-3, "{after} s: {sliding:?}");
+    // 0.6 s to raise it by 10 mm/s, one to see that it does not help
+    assert!((1.5..3.0).contains(&after) && sliding.speed < 3e-3, "{after} s: {sliding:?}");
 }
 
 #[test]

@@ -1,0 +1,159 @@
+//! Learns what repeats from turn to turn of the path: the friction of the axes where they turn round, and what the estimate
+//! of the misalignment leaves.
+//!
+//! On a spiral both go with the angle theta of the tangent, seen along z, whatever the feed. What is learned is a way along the
+//! normal, h(theta) = Re sum c_m e^(j m theta), and moved is its velocity w dh/dtheta, w = dtheta/dt: nothing where the path
+//! is straight. From the way to the force error the response is H = j m w T(j m w), T that of a velocity; per radian the share
+//! `turns.gain` of what is left is taken back, so that a turn leaves exp(-2 pi gain), at every feed. Where the loop
+//! itself takes out more than 1 - LEAST of a way, it is left more.
+
+use control_blocks::Unwrapper;
+use nalgebra::{Complex, Vector3};
+use serde::{Deserialize, Serialize};
+
+use super::harmonic::{FREQUENCY_SHARE, Harmonic};
+use super::impedance::Coefficients;
+use super::response::closed;
+use crate::interface::Parameters;
+
+/// Harmonics of a turn: four reversals of two axes, and one of the third.
+const HARMONICS: usize = 4;
+/// Largest way of each, m: friction of 5 N in drives of 0.35 N/um.
+const WAY_MAX: f64 = 15e-6;
+/// Least response, over the stiffness.
+const LEAST: f64 = 0.1;
+
+/// What was learned over the turns; by default nothing.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct TurnLearning {
+    harmonics: [Harmonic; HARMONICS],
+    angle: Unwrapper,
+    /// turned in this window, rad
+    turned: f64,
+    samples: u32,
+    frozen: bool,
+}
+
+impl TurnLearning {
+    /// Whether a harmonic has grown and is not learned any more.
+    pub fn frozen(&self) -> bool {
+        self.frozen
+    }
+
+    /// Velocity (m/s) along the normal where the path has the direction `tangent`, from the force error `error` (N), for the
+    /// force law `law` on a contact of `stiffness` N/m.
+    pub fn step(
+        &mut self,
+        p: &Parameters,
+        law: &Coefficients,
+        stiffness: f64,
+        tangent: &Vector3<f64>,
+        error: f64,
+    ) -> f64 {
+        let turn = self.angle.step(tangent.y.atan2(tangent.x)).unwrap_or(0.0);
+        let (theta, rate) = (self.angle.reading().unwrap_or(0.0), turn / p.sample_period);
+        let highest = FREQUENCY_SHARE * std::f64::consts::TAU / p.sample_period;
+        if p.turns.gain == 0.0 || turn == 0.0 {
+            return 0.0;
+        }
+        let mut velocity = 0.0;
+        for (m, harmonic) in (1..).map(f64::from).zip(&mut self.harmonics) {
+            let omega = m * rate;
+            if omega.abs() > highest {
+                continue;
+            }
+            let (carrier, derivative) = (Complex::cis(m * theta), Complex::new(0.0, omega));
+            let response = derivative * closed(p, law, stiffness, omega);
+            let response = response * (LEAST * stiffness / response.norm()).max(1.0);
+            harmonic.learn(2.0 * p.turns.gain * turn.abs(), response, carrier, error, WAY_MAX);
+            velocity += harmonic.output(derivative * carrier);
+        }
+        self.judge(p, turn);
+        velocity
+    }
+
+    /// Ends what makes the error worse, after each turn.
+    fn judge(&mut self, p: &Parameters, turn: f64) {
+        self.samples += 1;
+        self.turned += turn.abs();
+        if self.turned < std::f64::consts::TAU {
+            return;
+        }
+        for harmonic in &mut self.harmonics {
+            self.frozen |= harmonic.judge(p, self.samples, WAY_MAX);
+        }
+        (self.turned, self.samples) = (0.0, 0);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::impedance::damping;
+    use super::*;
+
+    const P: Parameters = Parameters::START;
+    const K: f64 = 178e3;
+
+    /// Force errors of `turns` turns at `rate` rad/s, in the steady state of the loop, where the ways of a disturbance along
+    /// the normal are `size` m in each harmonic and the true phase is `late` rad off: root mean square of each turn, and
+    /// whether the learning has ended itself.
+    fn errors(p: &Parameters, rate: f64, size: f64, late: f64, turns: u32) -> (Vec<f64>, bool) {
+        let law = Coefficients::new(p, damping(p, K));
+        let mut learning = TurnLearning::default();
+        let truth: [Complex<f64>; HARMONICS] = std::array::from_fn(|i| {
+            let omega = rate * (i as f64 + 1.0);
+            Complex::new(0.0, omega) * closed(p, &law, K, omega) * Complex::cis(-late)
+        });
+        let period = (std::f64::consts::TAU / rate.abs() / p.sample_period).round();
+        let mut found = Vec::new();
+        for _ in 0..turns {
+            let mut square = 0.0;
+            for k in 0..period as u32 {
+                let theta = std::f64::consts::TAU * f64::from(k) / period * rate.signum();
+                let error: f64 = (1..)
+                    .map(f64::from)
+                    .zip(&learning.harmonics)
+                    .zip(truth)
+                    .map(|((m, h), t)| h.output(t * Complex::cis(m * theta)) + size * (t * Complex::cis(m * theta)).re)
+                    .sum();
+                square += error * error / period;
+                learning.step(p, &law, K, &Vector3::new(theta.cos(), theta.sin(), 0.0), error);
+            }
+            found.push(square.sqrt());
+        }
+        (found, learning.frozen())
+    }
+
+    #[test]
+    fn a_turn_leaves_its_share_at_every_feed_and_both_ways_round() {
+        let share = (-std::f64::consts::TAU * P.turns.gain).exp();
+        for rate in [25.0, -25.0, 8.0] {
+            let (found, frozen) = errors(&P, rate, 3e-6, 0.0, 8);
+            assert!((found[4] / found[3] - share).abs() < 0.12 && !frozen, "{rate}: {found:?}");
+            assert!(found[7] < 0.02 * found[0], "{rate}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn a_phase_that_is_a_sixth_of_a_turn_off_only_makes_it_slower() {
+        for late in [0.9, -0.9] {
+            let (found, frozen) = errors(&P, 25.0, 3e-6, late, 12);
+            assert!(found[11] < 0.1 * found[0] && !frozen, "{late}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn a_phase_with_the_wrong_sign_ends_it() {
+        let (found, frozen) = errors(&P, 25.0, 3e-6, 2.8, 12);
+        assert!(frozen && found.iter().all(|&error| error < 6.0), "{found:?}");
+    }
+
+    #[test]
+    fn nothing_is_moved_on_a_straight_path_and_beyond_what_the_loop_can_do() {
+        let law = Coefficients::new(&P, damping(&P, K));
+        let mut learning = TurnLearning::default();
+        assert!((0..1000).all(|_| learning.step(&P, &law, K, &Vector3::x(), 1.0) == 0.0));
+        // a corner within a sample
+        assert_eq!(learning.step(&P, &law, K, &-Vector3::x(), 1.0), 0.0);
+    }
+}
