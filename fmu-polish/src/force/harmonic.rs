@@ -30,16 +30,19 @@ pub struct Harmonic {
 }
 
 impl Harmonic {
+    /// Takes the force error (N) of a sample for the judgement.
+    pub fn observe(&mut self, carrier: Complex<f64>, error: f64) {
+        self.sum += carrier.conj() * error;
+    }
+
     /// Learns from the force error `error` (N) of a sample, `size` of it, by the response of the error to the output; the
     /// amplitude stays below `most` (unit of the output).
     pub fn learn(&mut self, size: f64, response: Complex<f64>, carrier: Complex<f64>, error: f64, most: f64) {
-        if self.ended {
-            return;
+        if !self.ended {
+            // the output that would have made this error is taken back
+            self.canceller.take_back(size, response, carrier, error);
+            self.canceller.limit(most);
         }
-        self.sum += carrier.conj() * error;
-        // the output that would have made this error is taken back
-        self.canceller.take_back(size, response, carrier, error);
-        self.canceller.limit(most);
     }
 
     /// Output at the phasor `carrier`.
@@ -51,6 +54,9 @@ impl Harmonic {
     pub fn judge(&mut self, p: &Parameters, samples: u32, most: f64) -> bool {
         let amplitude = 2.0 * self.sum.norm() / f64::from(samples);
         self.sum = Complex::ZERO;
+        if self.ended {
+            return false;
+        }
         let first = *self.first.get_or_insert(amplitude);
         // at its limit it cannot grow any more
         let limited = self.canceller.amplitude() > LIMITED * most;

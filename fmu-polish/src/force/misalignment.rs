@@ -8,15 +8,13 @@ use crate::path::centre_path::Frame;
 
 /// Length that makes rotations as large as shifts, m.
 const LEVER: f64 = 1e-3;
-/// Variance of a measured distance, m2: 3 um, since the axes turn round and the force of a sample is not that of the next.
-const NOISE: f64 = 1e-11;
+/// Variance of a measured distance, m2: 4 um, since the axes turn round and the force of a sample is not that of the next.
+const NOISE: f64 = 1.6e-11;
 /// Variance of each parameter at the begin, m2: 0.1 mm, and 0.1 rad. What a mold can be at most, it is not likely to be:
 /// a wider one makes the first turns of a spiral nonsense, where shift and rotation look alike.
 const START: f64 = 1e-8;
 /// Largest sum of the variances, m2; forgetting stops there.
 const TRACE_MAX: f64 = 6.0 * START;
-/// Largest velocity of the feedforward, m/s.
-const VELOCITY_MAX: f64 = 5e-3;
 
 /// The estimate: shift (m) and rotation (rad times the lever).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -46,10 +44,12 @@ impl MisalignmentEstimate {
         self.covariance = (covariance + covariance.transpose()) * 0.5;
     }
 
-    /// Velocity (m/s) of the surface along the normal from `here` to `next`, one sample later.
-    pub fn velocity(&self, p: &Parameters, here: &Frame, next: &Frame) -> f64 {
+    /// Velocity (m/s) of the surface along the normal from `here` to `next`, one sample later at the feed `feed` (m/s): no
+    /// steeper than a mold can be, or a force that stands would be taken for one that falls away ever faster.
+    pub fn velocity(&self, p: &Parameters, here: &Frame, next: &Frame, feed: f64) -> f64 {
         let change = self.estimate.dot(&(regressor(next) - regressor(here)));
-        (change / p.sample_period).clamp(-VELOCITY_MAX, VELOCITY_MAX)
+        let most = p.limits.surface_slope * feed;
+        (change / p.sample_period).clamp(-most, most)
     }
 
     /// Shift of the mold, m.
@@ -104,7 +104,7 @@ mod tests {
         let (here, next) = (frame(9000), frame(9001));
         let truth = |f: &Frame| f.normal.dot(&(d + w.cross(&f.contact)));
         let expected = (truth(&next) - truth(&here)) / P.sample_period;
-        assert!((misalignment.velocity(&P, &here, &next) - expected).abs() < 1e-5);
+        assert!((misalignment.velocity(&P, &here, &next, 1.0) - expected).abs() < 1e-5);
     }
 
     #[test]

@@ -123,7 +123,7 @@ impl NormalMotion {
     /// that the tool, as late along the normal as along the path, is right where it is.
     fn feedforward(&self, p: &Parameters, at: &PathState) -> f64 {
         let next = at.path.seek(at.place, at.place.s + at.feed * p.sample_period);
-        self.misalignment.velocity(p, at.frame, &at.path.frame(next))
+        self.misalignment.velocity(p, at.frame, &at.path.frame(next), at.feed)
     }
 
     /// Whether the loop has its phase margin with the parameters of now; judged again when they have changed.

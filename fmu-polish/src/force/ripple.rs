@@ -59,6 +59,7 @@ impl RippleCancellation {
         for ((m, harmonic), response) in (1..).zip(&mut self.harmonics).zip(self.responses) {
             let Some(response) = response else { continue };
             let carrier = Complex::cis(phase(self.half, m * (k % (2 * self.half))));
+            harmonic.observe(carrier, error);
             harmonic.learn(2.0 * p.ripple.gain * p.sample_period, response, carrier, error, VELOCITY_MAX);
             velocity += harmonic.output(carrier);
         }

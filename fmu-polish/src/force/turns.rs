@@ -18,8 +18,12 @@ use crate::interface::Parameters;
 
 /// Harmonics of a turn: four reversals of two axes, and one of the third.
 const HARMONICS: usize = 4;
+/// Change of the rate after which the responses are computed anew, over the rate.
+const RATE_CHANGE: f64 = 0.02;
 /// Largest way of each, m: friction of 5 N in drives of 0.35 N/um.
 const WAY_MAX: f64 = 15e-6;
+/// Largest force error that is learned from, over the wanted force.
+const ERROR_SHARE: f64 = 0.05;
 /// Least response, over the stiffness.
 const LEAST: f64 = 0.1;
 
@@ -27,6 +31,9 @@ const LEAST: f64 = 0.1;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TurnLearning {
     harmonics: [Harmonic; HARMONICS],
+    /// way to force error at a rate (rad/s), N/m
+    responses: [Complex<f64>; HARMONICS],
+    rate: f64,
     angle: Unwrapper,
     /// turned in this window, rad
     turned: f64,
@@ -53,20 +60,22 @@ impl TurnLearning {
         let turn = self.angle.step(tangent.y.atan2(tangent.x)).unwrap_or(0.0);
         let (theta, rate) = (self.angle.reading().unwrap_or(0.0), turn / p.sample_period);
         let highest = FREQUENCY_SHARE * std::f64::consts::TAU / p.sample_period;
-        if p.turns.gain == 0.0 || turn == 0.0 {
+        if p.turns.gain == 0.0 || turn == 0.0 || HARMONICS as f64 * rate.abs() > highest {
             return 0.0;
         }
+        if (rate - self.rate).abs() > RATE_CHANGE * rate.abs() {
+            self.rate = rate;
+            self.responses = std::array::from_fn(|i| response(p, law, stiffness, (i + 1) as f64 * rate));
+        }
+        // what swings is more than what turns
+        let most = ERROR_SHARE * p.force.target;
+        let bounded = error.clamp(-most, most);
         let mut velocity = 0.0;
-        for (m, harmonic) in (1..).map(f64::from).zip(&mut self.harmonics) {
-            let omega = m * rate;
-            if omega.abs() > highest {
-                continue;
-            }
-            let (carrier, derivative) = (Complex::cis(m * theta), Complex::new(0.0, omega));
-            let response = derivative * closed(p, law, stiffness, omega);
-            let response = response * (LEAST * stiffness / response.norm()).max(1.0);
-            harmonic.learn(2.0 * p.turns.gain * turn.abs(), response, carrier, error, WAY_MAX);
-            velocity += harmonic.output(derivative * carrier);
+        for ((m, harmonic), response) in (1..).map(f64::from).zip(&mut self.harmonics).zip(self.responses) {
+            let carrier = Complex::cis(m * theta);
+            harmonic.observe(carrier, error);
+            harmonic.learn(2.0 * p.turns.gain * turn.abs(), response, carrier, bounded, WAY_MAX);
+            velocity += harmonic.output(Complex::new(0.0, m * rate) * carrier);
         }
         self.judge(p, turn);
         velocity
@@ -84,6 +93,12 @@ impl TurnLearning {
         }
         (self.turned, self.samples) = (0.0, 0);
     }
+}
+
+/// Force error over way (N/m) along the normal at `omega` rad/s; no less than what would learn noise.
+fn response(p: &Parameters, law: &Coefficients, stiffness: f64, omega: f64) -> Complex<f64> {
+    let response = Complex::new(0.0, omega) * closed(p, law, stiffness, omega);
+    response * (LEAST * stiffness / response.norm()).max(1.0)
 }
 
 #[cfg(test)]
@@ -128,7 +143,7 @@ mod tests {
     fn a_turn_leaves_its_share_at_every_feed_and_both_ways_round() {
         let share = (-std::f64::consts::TAU * P.turns.gain).exp();
         for rate in [25.0, -25.0, 8.0] {
-            let (found, frozen) = errors(&P, rate, 3e-6, 0.0, 8);
+            let (found, frozen) = errors(&P, rate, 0.4e-6, 0.0, 8);
             assert!((found[4] / found[3] - share).abs() < 0.12 && !frozen, "{rate}: {found:?}");
             assert!(found[7] < 0.02 * found[0], "{rate}: {found:?}");
         }
@@ -137,7 +152,7 @@ mod tests {
     #[test]
     fn a_phase_that_is_a_sixth_of_a_turn_off_only_makes_it_slower() {
         for late in [0.9, -0.9] {
-            let (found, frozen) = errors(&P, 25.0, 3e-6, late, 12);
+            let (found, frozen) = errors(&P, 25.0, 0.4e-6, late, 12);
             assert!(found[11] < 0.1 * found[0] && !frozen, "{late}: {found:?}");
         }
     }
