@@ -191,7 +191,7 @@ impl Controller {
                 sample,
                 stiffness_ratio,
                 stable,
-                slides: !self.sliding.too_little(),
+                slides: !self.sliding.too_little,
                 overdue,
             },
         )

@@ -89,7 +89,7 @@ mod variables {
         #[hint("look at the force sensor: its zero may have moved")] UnloadTimeout,
         /// The job took longer than `limits.job_time`
         #[hint("raise it, or `feed_override`")] NoProgress,
-        /// The ball slid at less than 0.8 of `stick_slip.sliding`, with K_v raised as far as `stick_slip.velocity_max` and the sweep let it
+        /// The ball slid at less than 0.9 of `stick_slip.sliding`, with K_v raised as far as `stick_slip.velocity_max` and the sweep let it
         #[hint("raise `stick_slip.half_period` or `stick_slip.velocity_max`, take a tip that is stiffer across its axis, or lower `stick_slip.sliding`")] NoSliding,
         /// The force was NaN, infinite or beyond any sensor for more samples than `limits.lost_samples`
         #[hint("check the wires of the force sensor")] LostForce,
@@ -181,7 +181,7 @@ mod variables {
         #[var(name = "stiffness.estimate", unit = NEWTON_PER_METRE as "N/mm")] pub stiffness_estimate: f64,
         pub sliding: SlidingOutput,
         pub misalignment: MisalignmentOutput,
-        /// A part of the ripple cancellation made it worse and has ended
+        /// A part of the ripple cancellation, or of the learning from turn to turn, made it worse and has ended
         #[var(name = "ripple.frozen")] pub ripple_frozen: bool,
         /// Length of the path along the contact points
         #[var(name = "path.length", unit = METRE as "mm")] pub path_length: f64,

@@ -313,14 +313,15 @@ DRIVES = (
         most=2.05e-3,
         why="`limits.following_error`, 50 um of stick-slip, and 1.9 mm that 31 kg coast from 20 mm/s",
     ),
-    # on the path it is in time for the force; on the way out it stands for 20 ms, as a weak drive does
+    # on the way out the axis stands for 20 ms, as a weak drive does
     row(
         "pulses of z 20 ms late",
-        "WeakDrive",
+        "Oscillation WeakDrive",
         midway("plant.pulses_z", late=20),
         most=7.5,
         why="5 N and a swing of twice `limits.force_error`",
         changes=WHOLE,
+        sequence=True,
     ),
 )
 
