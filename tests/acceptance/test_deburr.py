@@ -15,14 +15,12 @@ import numpy as np
 import pytest
 
 import cosim
-from cosim.pool.worker import JobRunner
 from cosim.scenario.injection import Injection
-from cosim.sweep import study
-from cosim.sweep.plan import Plan
 
 from .measured.store import measured
 from .samples.robots import DELAYS, PLAIN, Changes, Sample, joined, learn, machine, sample
 from .samples.runs import WORKERS, Columns, run, trace, value
+from .samples.studies import machines
 
 pytestmark = pytest.mark.acceptance
 
@@ -141,13 +139,10 @@ def test_new_robots_are_within_their_limits_after_seconds(repetitions: int) -> N
 
 @pytest.mark.full
 def test_new_robots_of_the_study_are_within_their_limits_after_seconds() -> None:
-    plan = Plan(study.load(ROOT / "studies/deburr-new-robot.toml"))
-    with JobRunner() as runner:
-        done = [(one.changes, runner.run(plan.job(one))) for one in plan.runs]
+    done = machines("deburr-new-robot")
     for row, repetitions, seconds in (("default", 19, 90.0), ("identified", 0, 10.0)):
-        those = [result for changes, result in done if changes["controller.learn.repetitions"] == repetitions]
-        found = [result for result in those if isinstance(result, cosim.Result)]
-        assert len(found) == len(those) == len(done) // 2
+        found = [one.result for one in done if one.changes["controller.learn.repetitions"] == repetitions]
+        assert len(found) == len(done) // 2
         assert all(value(result, "good") for result in found)
         worst = 1e3 * np.array([max(errors(result)) for result in found])
         times = np.array([value(result, "learned") for result in found])

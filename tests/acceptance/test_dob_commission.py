@@ -8,38 +8,24 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-import cosim
-from cosim.pool.worker import JobRunner
-from cosim.sweep import study
-from cosim.sweep.designs import Case
-from cosim.sweep.plan import Plan
-
 from .measured import store
+from .samples import studies
 from .samples.runs import run, trace, value
 
 pytestmark = pytest.mark.acceptance
 
-FILE = Path(__file__).resolve().parents[2] / "studies" / "dob-commission.toml"
-SOME, SEED = 8, 91_017
+FEW = (8, 91_017)
 """Machines of the default run, and their seed; no study has it."""
 NOMINAL_MASS = 10.0
 
 
-@dataclass(frozen=True)
-class Machine:
+class Machine(studies.Machine):
     """A machine of the study and how it ended."""
-
-    changes: Case
-    result: cosim.Result
-
-    def __getitem__(self, metric: str) -> float:
-        return value(self.result, metric)
 
     @property
     def applied(self) -> bool:
@@ -58,19 +44,9 @@ class Machine:
         return int(self.changes["loop.compute_delay"]) + int(late)
 
 
-def machines(samples: int | None = None) -> list[Machine]:
-    """Machines of the study, or so many that are drawn anew."""
-    wanted = study.load(FILE)
-    if samples is not None:
-        wanted = replace(wanted, seed=SEED, design=replace(wanted.design, samples=samples))
-    plan = Plan(wanted)
-    found = []
-    with JobRunner() as runner:
-        for one in plan.runs:
-            result = runner.run(plan.job(one))
-            assert isinstance(result, cosim.Result), result
-            found.append(Machine(one.changes, result))
-    return found
+def machines(few: tuple[int, int] | None = None) -> list[Machine]:
+    """Machines of the study, or so many that are drawn anew with a seed."""
+    return [Machine(one.changes, one.result) for one in studies.machines("dob-commission", few)]
 
 
 def tell(found: Sequence[Machine]) -> None:
@@ -136,7 +112,7 @@ def hold(found: Sequence[Machine], least: float) -> None:
 
 
 def test_a_few_machines() -> None:
-    hold(machines(SOME), 1.0)
+    hold(machines(FEW), 1.0)
 
 
 @pytest.mark.full

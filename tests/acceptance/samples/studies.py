@@ -1,0 +1,43 @@
+"""Runs of the project's studies, and what is drawn anew for the default run of the tests."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import cosim
+from cosim.pool.worker import JobRunner
+from cosim.sweep import study
+from cosim.sweep.designs import Case
+from cosim.sweep.plan import Plan
+
+from .runs import value
+
+FOLDER = Path(__file__).resolve().parents[3] / "studies"
+
+
+@dataclass(frozen=True)
+class Machine:
+    """A machine of a study and how it ended."""
+
+    changes: Case
+    result: cosim.Result
+
+    def __getitem__(self, metric: str) -> float:
+        return value(self.result, metric)
+
+
+def machines(name: str, few: tuple[int, int] | None = None) -> list[Machine]:
+    """All machines of a study, or so many that are drawn anew with a seed: (samples, seed)."""
+    wanted = study.load(FOLDER / f"{name}.toml")
+    if few is not None:
+        samples, seed = few
+        wanted = replace(wanted, seed=seed, design=replace(wanted.design, samples=samples))
+    plan = Plan(wanted)
+    found = []
+    with JobRunner() as runner:
+        for one in plan.runs:
+            result = runner.run(plan.job(one))
+            assert isinstance(result, cosim.Result), result
+            found.append(Machine(one.changes, result))
+    return found

@@ -1,0 +1,69 @@
+"""Polishing by robots that are not nominal: ten times the feed on molds that are askew, and tips that are soft across.
+
+The default run takes a few machines of a seed of its own, `pytest -m full -rP` the whole studies.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+
+from .measured.store import measured
+from .samples.studies import Machine, machines
+
+pytestmark = pytest.mark.acceptance
+
+FEW = (4, 93_001)
+"""Machines of the default run, and their seed; no study has it."""
+
+
+def fast(found: Sequence[Machine]) -> dict[str, float]:
+    """Hold that the contact is kept and the force even; what was found."""
+    deviation = np.array([one["force_deviation"] for one in found])
+    least = min(one["force_least"] for one in found)
+    assert all(one["done"] for one in found)
+    assert least >= 4.35
+    assert deviation.max() <= 0.14
+    return {
+        "machines": len(found), "median": float(np.median(deviation)), "high": float(np.percentile(deviation, 95)),
+        "most": deviation.max(), "within": int(sum(deviation <= 0.12)), "least": least,
+    }  # fmt: skip
+
+
+def lateral(found: Sequence[Machine]) -> dict[str, float]:
+    """Hold that nothing slides too little without a word; what was found."""
+    ended = [one for one in found if one["named"]]
+    warned = [one for one in ended if one["warned"]]
+    rest = [one["gain"] for one in found if not one["named"]]
+    assert min(rest) >= 2.5
+    return {
+        "machines": len(found), "slid": len(rest), "gain": float(np.median(rest)), "gain_least": min(rest),
+        "warned": len(warned), "rightly": sum(one["right"] > 0.0 for one in warned), "other": len(ended) - len(warned),
+    }  # fmt: skip
+
+
+def test_a_few_robots_at_ten_times_the_feed() -> None:
+    assert fast(machines("polish-fast", FEW))["within"] == FEW[0]
+
+
+def test_a_few_tips_that_are_soft_across() -> None:
+    found = lateral(machines("polish-lateral", FEW))
+    assert found["rightly"] == found["warned"]
+    assert found["other"] == 0
+
+
+@pytest.mark.full
+def test_a_hundred_robots_at_ten_times_the_feed() -> None:
+    found = fast(machines("polish-fast"))
+    assert found["within"] >= 97
+    measured("polish-machines", "fast", **found)
+
+
+@pytest.mark.full
+def test_a_hundred_tips_that_are_soft_across() -> None:
+    found = lateral(machines("polish-lateral"))
+    assert found["warned"] - found["rightly"] <= 3
+    assert found["other"] <= 3
+    measured("polish-lateral", "lateral", **found)
