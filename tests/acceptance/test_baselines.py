@@ -18,6 +18,7 @@ PARTS = {
     "damping": ("impedance.adaptive=false",),
     "misalignment": ("misalignment.enable=false",),
     "ripple": ("ripple.gain=0", "stick_slip.sliding=0"),
+    "turns": ("turns.gain=0",),
 }
 """What the default law of polishing has more than the plain force loop, and what switches it off."""
 STILL = ("controller.stick_slip.mode='Off'",)
@@ -29,7 +30,7 @@ def laws() -> dict[str, tuple[str, ...]]:
     for count, name in enumerate(("plain", *PARTS)):
         off = [change for part in list(PARTS.values())[count:] for change in part]
         found[name] = tuple(f"controller.{change}" for change in off)
-    return {"plain, still": (*found["plain"], *STILL), **found, "ripple, still": STILL}
+    return {"plain, still": (*found["plain"], *STILL), **found, "turns, still": STILL}
 
 
 def deviation(name: str, *changes: str) -> float:
@@ -46,7 +47,7 @@ def test_what_each_part_of_the_law_of_polishing_is_worth() -> None:
             "polish-parts", name, told=deviation("polish", *changes), askew=askew[name],
             fast=deviation("polish/20-mm-s", *changes), gain=value(run("polish", *changes), "gain"),
         )  # fmt: skip
-    assert askew["ripple"] < 0.5 * askew["plain"]
+    assert askew["turns"] < 0.5 * askew["plain"]
 
 
 ROBOTS = {
