@@ -1,4 +1,4 @@
-"""Polishing by robots that are not nominal: ten times the feed on molds that are askew, and tips that are soft across.
+"""Polishing by robots that are not nominal: ten times the feed on molds that are askew, tips soft across.
 
 The default run takes a few machines of a seed of its own, `pytest -m full -rP` the whole studies.
 """
@@ -27,8 +27,8 @@ def fast(found: Sequence[Machine]) -> dict[str, float]:
     assert least >= 4.35
     assert deviation.max() <= 0.14
     return {
-        "machines": len(found), "median": float(np.median(deviation)), "high": float(np.percentile(deviation, 95)),
-        "most": deviation.max(), "within": int(sum(deviation <= 0.12)), "least": least,
+        "machines": len(found), "median": float(np.median(deviation)), "most": deviation.max(), "least": least,
+        "high": float(np.percentile(deviation, 95)), "within": int(sum(deviation <= 0.12)),
     }  # fmt: skip
 
 
@@ -40,7 +40,8 @@ def lateral(found: Sequence[Machine]) -> dict[str, float]:
     assert min(rest) >= 2.5
     return {
         "machines": len(found), "slid": len(rest), "gain": float(np.median(rest)), "gain_least": min(rest),
-        "warned": len(warned), "rightly": sum(one["right"] > 0.0 for one in warned), "other": len(ended) - len(warned),
+        "warned": len(warned), "rightly": sum(one["right"] > 0.0 for one in warned),
+        "other": len(ended) - len(warned),
     }  # fmt: skip
 
 
