@@ -1,4 +1,4 @@
-"""Polishing by robots that are not nominal: ten times the feed on molds that are askew, tips soft across.
+"""Polishing by robots that are not nominal: ten times the feed on molds askew, tips that are soft across.
 
 The default run takes a few machines of a seed of its own, `pytest -m full -rP` the whole studies.
 """
@@ -27,8 +27,8 @@ def fast(found: Sequence[Machine]) -> dict[str, float]:
     assert least >= 4.35
     assert deviation.max() <= 0.14
     return {
-        "machines": len(found), "median": float(np.median(deviation)), "most": deviation.max(), "least": least,
-        "high": float(np.percentile(deviation, 95)), "within": int(sum(deviation <= 0.12)),
+        "machines": len(found), "median": float(np.median(deviation)), "most": deviation.max(),
+        "high": float(np.percentile(deviation, 95)), "within": int(sum(deviation <= 0.12)), "least": least,
     }  # fmt: skip
 
 
