@@ -74,3 +74,50 @@ impl Harmonic {
         self.first
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const P: Parameters = Parameters::START;
+    /// Samples of a window, and the largest output.
+    const WINDOW: u32 = 100;
+    const MOST: f64 = 1e-3;
+
+    /// Which of windows with ripples of `sizes` N ends the harmonic, which has learned an output of `learned`.
+    fn ends(sizes: &[f64], learned: f64) -> Vec<bool> {
+        let mut harmonic = Harmonic::default();
+        harmonic.learn(1.0, Complex::ONE, Complex::ONE, -learned, MOST);
+        let mut window = |&size: &f64| {
+            for k in 0..WINDOW {
+                let carrier = Complex::cis(std::f64::consts::TAU * f64::from(k) / 20.0);
+                harmonic.observe(carrier, size * carrier.re);
+            }
+            harmonic.judge(&P, WINDOW, MOST)
+        };
+        sizes.iter().map(&mut window).collect()
+    }
+
+    #[test]
+    fn two_windows_in_a_row_that_have_grown_end_it_once() {
+        let most = GROWTH * 0.2 + P.ripple.growth_max;
+        let (below, above) = (0.99 * most, 1.01 * most);
+        assert_eq!(ends(&[0.2, below, below, below], 0.0), [false; 4]);
+        assert_eq!(ends(&[0.2, above, below, above, below], 0.0), [false; 5]);
+        assert_eq!(ends(&[0.2, above, above, above, above], 0.0), [false, false, true, false, false]);
+    }
+
+    #[test]
+    fn at_its_limit_it_may_grow_by_its_factor_alone() {
+        let grown = [0.2, 1.01 * GROWTH * 0.2, 1.01 * GROWTH * 0.2];
+        assert_eq!(ends(&grown, 2.0 * MOST), [false, false, true]);
+        assert_eq!(ends(&grown, 0.9 * MOST), [false; 3]);
+    }
+
+    #[test]
+    fn it_learns_and_gives_nothing_after_its_end() {
+        let mut harmonic = Harmonic { ended: true, ..Harmonic::default() };
+        harmonic.learn(1.0, Complex::ONE, Complex::ONE, 1.0, MOST);
+        assert_eq!(harmonic.output(Complex::ONE), 0.0);
+    }
+}

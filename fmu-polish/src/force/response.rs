@@ -71,4 +71,21 @@ mod tests {
         let closed = closed(&P, &law, k, omega);
         assert!((closed - expected).norm() < 0.01 * expected.norm(), "{closed} {expected}");
     }
+
+    #[test]
+    fn a_command_that_is_held_and_late_and_a_filtered_force_are_that_much_later() {
+        let (mut p, omega) = (P, 300.0);
+        (p.io_delay, p.force.filter_bandwidth) = (3, 500.0);
+        let (s, dt) = (Complex::new(0.0, omega), p.sample_period);
+        let half = 0.5 * omega * dt;
+        let held = half.sin() / half * (-s * (0.5 + 3.0) * dt).exp() / s;
+        // the filter of its samples, f += (1 - e^(-w dt)) (x - f)
+        let share = 1.0 - (-500.0 * dt).exp();
+        let filter = share / (1.0 - (1.0 - share) * (-s * dt).exp());
+        let expected = held * axis(&p, omega) / (1.0 + s / p.sensor_bandwidth) * filter;
+        let open = open(&p, 1.0, omega);
+        assert!((open - expected).norm() < 1e-12 * expected.norm(), "{open} {expected}");
+        // slow enough it is a first-order lag of the same bandwidth
+        assert!((filter - 1.0 / (1.0 + s / 500.0)).norm() < 0.2);
+    }
 }
