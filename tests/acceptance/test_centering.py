@@ -17,6 +17,7 @@ import cosim
 from .measured.store import measured
 from .samples.rings import Rings, Sample, percentile, sample
 from .samples.runs import WORKERS
+from .samples.studies import machines
 
 pytestmark = pytest.mark.acceptance
 
@@ -274,3 +275,16 @@ def test_a_servo_that_is_not_as_told_is_measured_and_used(hertz: float) -> None:
     told, deviation = (found.metrics[name].value for name in ("bandwidth", "bandwidth_deviation"))
     assert told / (2.0 * math.pi) == pytest.approx(hertz, rel=0.12)
     assert 0.0 < deviation < 0.05 * told
+
+
+@pytest.mark.full
+@pytest.mark.parametrize(("study", "least"), [("centering-spindle", 0.98), ("centering-servo", 0.98)])
+def test_machines_that_are_not_nominal(study: str, least: float) -> None:
+    found = machines(study)
+    good = [one for one in found if one["good"]]
+    time = np.array([one["time_to_centre"] for one in good])
+    assert len(good) >= least * len(found)
+    measured(
+        "centering-machines", study, machines=len(found), good=len(good), median=float(np.median(time)),
+        high=float(np.percentile(time, 95)), named=sum(one["named"] for one in found),
+    )  # fmt: skip

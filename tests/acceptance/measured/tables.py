@@ -1,6 +1,6 @@
 """The tables of the documents: rows of what is kept, with the words of `tables.toml`.
 
-A table stands on a page between two marks, which name it.
+A table stands on a page between two marks, which name it. A row `TABLE#ROW` is one of another table.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ import re
 import tomllib
 from typing import Any
 
-from .store import HERE, ROOT, load
+from .store import HERE, ROOT, Values, load
 
 MARKED = re.compile(r"(<!-- measured: ([\w-]+) -->\n).*?(<!-- end -->\n)", re.DOTALL)
 """A table on a page, and its marks."""
@@ -21,7 +21,8 @@ TABLES: dict[str, dict[str, Any]] = tomllib.loads((HERE / "tables.toml").read_te
 
 def text(name: str) -> str:
     """Lines of a table, with what measured it."""
-    table, kept = TABLES[name], load(name)
+    table = TABLES[name]
+    kept = {row: own(name, row) for row, _ in table["rows"]}
     lines = [f"| {table['head']} |", "|---" * (table["head"].count("|") + 1) + "|"]
     for row, words in table["rows"]:
         cells = words if "{" in words else f"{words} | {table['cells']}"
@@ -31,6 +32,12 @@ def text(name: str) -> str:
     command = table.get("command") or f"pytest {table['tests']}"
     told = f"`{command}` measures it, here with version {', '.join(codes)}."
     return "\n".join([*lines, "", told, ""])
+
+
+def own(name: str, row: str) -> Values:
+    """Take what is kept for a row of a table, or of the one that the row names."""
+    other, _, key = row.rpartition("#")
+    return load(other or name)[key]
 
 
 def told_of_measurements(page: str) -> str:
