@@ -130,6 +130,9 @@ fn surface_error_when_the_mold_sinks_slowly() {
         }
     }
     assert_eq!(run.output.fault, Fault::SurfaceError);
+    // told is the surface, not the ball, which presses into it
+    let sunk = -run.robot.build.shift.z;
+    assert!((sunk / p.limits.surface_error - 1.0).abs() < 0.1, "{sunk}");
 }
 
 #[test]
