@@ -63,6 +63,18 @@ mod tests {
     }
 
     #[test]
+    fn the_integral_is_that_of_the_error_over_time() {
+        let p = with(|q| {
+            (q.gain, q.integral, q.integral_max) = (Axes::ZERO, Axes { x: 2.0, y: 3.0, z: 0.0 }, 1.0);
+            (q.projected, q.select) = (false, Axes::all(true));
+        });
+        let mut feedback = PositionFeedback::new();
+        let steps = (0..500).map(|_| feedback.step(&p, &Vector3::new(1e-5, -2e-5, 7e-5), &Vector3::z()));
+        let (last, time) = (steps.last().unwrap(), 500.0 * p.sample_period);
+        assert!((last - Vector3::new(2e-5, -6e-5, 0.0) * time).norm() < 1e-16, "{last}");
+    }
+
+    #[test]
     fn the_integral_has_a_limit() {
         let p = with(|q| {
             q.gain = Axes::ZERO;
