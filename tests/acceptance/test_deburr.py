@@ -90,6 +90,49 @@ def test_castings_at_60_mm_per_s() -> None:
     assert found.metric("feed").min() >= 0.05
 
 
+# couplings that give way behind the encoders
+
+
+BENT = 0.92e-6
+"""What couplings of 20 Hz give way on the first line of the path, m/N."""
+
+
+def tip(seed: int, hertz: float, share: float) -> Columns:
+    """Rows on the way, with couplings of so many hertz and at a share of the taught speed."""
+    speed = f"signal.controller.speed_override.values=[{share}]"
+    soft = f"plant.coupling_frequency={hertz}"
+    rows = trace(run("deburr", soft, speed, "loop.duration=30", seed=seed))
+    return rows[rows["controller.path.speed"] > 0.005]
+
+
+def test_the_tip_gives_way_to_the_cut_by_the_force_over_the_stiffness() -> None:
+    bent = []
+    for hertz in (20.0, 40.0):
+        rows = tip(BURRS[0], hertz, 1.0)
+        steady = (
+            (rows["plant.distance"] > 0.06)
+            & (rows["plant.distance"] < 0.11)
+            & (rows["plant.cutting_force"] > 10.0)
+        )
+        bent.append(np.median(rows["plant.deviation"][steady] / rows["plant.cutting_force"][steady]))
+    assert bent[0] == pytest.approx(BENT, rel=0.15)
+    # the stiffness goes with the square of the frequency
+    assert bent[0] / bent[1] == pytest.approx(4.0, rel=0.15)
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("share", [1.0, 0.6, 0.2])
+def test_a_soft_coupling_at_slower_feeds(share: float) -> None:
+    ways = [tip(seed, 20.0, share) for seed in BURRS[:10]]
+    most = max(float(np.abs(rows["plant.deviation"]).max()) for rows in ways)
+    rms = max(float(np.sqrt(np.mean(rows["plant.deviation"] ** 2))) for rows in ways)
+    force = max(float(rows["plant.cutting_force"].max()) for rows in ways)
+    print(f"{share}: {1e3 * most:.3f} mm, {1e3 * rms:.3f} mm rms, {force:.0f} N")
+    # a mode of little damping swings by twice what a force bends it that comes or goes at once
+    assert most <= 2.0 * BENT * force
+    measured("deburr-soft", f"{share}", castings=len(ways), most=1e3 * most, rms=1e3 * rms, force=force)
+
+
 # false faults
 
 NOISE = (("axis1.position", 1e-5), ("axis2.position", 5e-6), ("axis3.position", 1e-5), ("spindle_speed", 1.0))
