@@ -164,13 +164,16 @@ mod tests {
         let kept = 0.95_f64.powi(20);
         assert!((moved(1.0, 300, 0.0, 21).share(&P) - kept).abs() < 0.02, "{}", moved(1.0, 300, 0.0, 21).share(&P));
         assert_eq!(DriveMonitor::default().share(&P), 1.0);
-        // less than a micrometre in that time tells nothing
-        let mut drive = DriveMonitor::default();
-        for k in 0..100 {
-            let setpoint = Trajectory { position: 4e-8 * f64::from(k), ..Trajectory::default() };
-            drive.update(&P, &setpoint, 0.0, 0.0);
-            assert_eq!(drive.share(&P), 1.0, "{k}");
-        }
+        // less than a micrometre in that time tells nothing, a little more does
+        let slow = |way: f64| {
+            let mut drive = DriveMonitor::default();
+            for k in 0..100 {
+                drive.update(&P, &Trajectory { position: way * f64::from(k), ..Trajectory::default() }, 0.0, 0.0);
+            }
+            drive
+        };
+        assert_eq!([4e-8, 6e-8].map(|way| slow(way).share(&P)), [1.0, 0.0]);
+        let mut drive = slow(4e-8);
         let setpoint = Trajectory { position: 1e-5, ..Trajectory::default() };
         (0..3).for_each(|_| drive.update(&P, &setpoint, 0.0, 0.0));
         assert_eq!(drive.share(&P), 0.0);
