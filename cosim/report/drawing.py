@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,8 @@ COLOURS = 8
 POINTS = 150
 LEAST = 0.02
 """Part of the largest sum from which on a cell is drawn."""
+SHADES = 20
+"""Shades of cells from nothing to the largest sum; the plot that can be zoomed has all."""
 CHART = 560
 """Height of a drawing that is not over the time."""
 
@@ -176,15 +179,21 @@ def cells(found: Cells, equal: bool) -> str:
     """
     x, y, parts = found.x, found.y, found.parts
     frame = framed((float(x[0]), float(x[-1])), (float(y[0]), float(y[-1])), equal)
-    wide = float(frame.across(x[1]) - frame.across(x[0]))
     high = float(frame.down(y[0]) - frame.down(y[1]))
-    shades: dict[str, list[str]] = {}
-    for row, column in zip(*np.nonzero(parts > LEAST), strict=True):
-        left, top = frame.across(x[column]), frame.down(y[row + 1])
-        places = shades.setdefault(f"{parts[row, column]:.2f}", [])
-        places.append(f"M{left:.0f} {top:.0f}h{wide + 1:.0f}v{high + 1:.0f}h-{wide + 1:.0f}")
+    shades: dict[float, list[str]] = {}
+    # cells beside each other with the same shade are one
+    steps = np.where(parts > LEAST, np.ceil(parts * SHADES), 0.0)
+    for row, line in enumerate(steps):
+        top = frame.down(y[row + 1])
+        ends = [0, *(np.flatnonzero(np.diff(line)) + 1), len(line)]
+        for first, last in pairwise(ends):
+            if line[first] > 0.0:
+                left, right = frame.across(x[first]), frame.across(x[last])
+                way = f"{right - left + 1:.0f}"
+                places = shades.setdefault(line[first] / SHADES, [])
+                places.append(f"M{left:.0f} {top:.0f}h{way}v{high + 1:.0f}h-{way}")
     painted = (
-        f'<path class="cell" opacity="{shade}" d="{"".join(places)}"/>' for shade, places in shades.items()
+        f'<path class="cell" opacity="{shade:g}" d="{"".join(places)}"/>' for shade, places in shades.items()
     )
     return frame.picture([*frame.grid([], False), *painted])
 

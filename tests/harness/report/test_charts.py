@@ -189,7 +189,11 @@ def test_a_map_sums_up_in_cells() -> None:
     assert not cells.parts[inner, inner].any()
     found = charts.mapped(chart, cells)
     assert unpacked(found["cells"]) == pytest.approx(cells.parts.ravel(), abs=1e-4)
-    assert len(re.findall(r"M\d+ \d+h\d+v", found["svg"])) == np.count_nonzero(cells.parts > drawing.LEAST)
+    # cells with the same shade beside each other are one, and as wide as all of them
+    ways = [int(way) - 1 for way in re.findall(r"M\d+ \d+h(\d+)v", found["svg"])]
+    drawn = np.count_nonzero(cells.parts > drawing.LEAST)
+    assert len(ways) < drawn
+    assert sum(ways) == pytest.approx(min(ways) * drawn, rel=0.1)
     nothing = replace(chart, parts=("plant.x > 2",))
     assert charts.summed(nothing, trace, dict.fromkeys(trace)) is None
 
@@ -368,13 +372,16 @@ def test_lines_of_several_values_with_a_split_tell_both() -> None:
 
 def test_one_row_of_cells_is_as_high_as_it_is() -> None:
     svg = drawing.cells(
-        drawing.Cells(np.linspace(0.0, 0.1, 61), np.array([0.0, 0.001]), np.ones((1, 60))), True
+        drawing.Cells(np.linspace(0.0, 0.1, 61), np.array([0.0, 0.001]), np.linspace(0.03, 1.0, 60)[None, :]),
+        True,
     )
     found = re.findall(r"M(\d+) (\d+)h(\d+)v(\d+)", svg)
-    assert len(found) == 60
     wide = drawing.WIDTH - drawing.LEFT - drawing.RIGHT
-    assert int(found[0][0]) == drawing.LEFT
-    assert int(found[-1][0]) == pytest.approx(drawing.LEFT + wide * 59 / 60, abs=2)
+    # from shade to shade without a gap
+    assert len(found) == drawing.SHADES
+    ends = [int(left) + int(way) - 1 for left, _, way, _ in found]
+    assert [int(left) for left, *_ in found[1:]] == pytest.approx(ends[:-1], abs=1)
+    assert (int(found[0][0]), ends[-1]) == (drawing.LEFT, drawing.LEFT + wide)
     assert int(found[0][3]) == pytest.approx(wide / 100, abs=2)
 
 
