@@ -8,7 +8,7 @@ mod motion;
 mod parameters;
 mod sampling;
 
-pub use estimation::allan::{AllanVariance, walk_and_white};
+pub use estimation::allan::{AllanVariance, of_walk_and_white, walk_and_white};
 pub use estimation::angle::{Unwrapper, wrap, wrap_half_open};
 pub use estimation::canceller::{Canceller, adaptation_gain};
 pub use estimation::least_squares::{Estimate, NoEstimate, Observation, least_squares};

@@ -2,8 +2,8 @@
 
 use control_blocks::{SafeEnd, ticks};
 
-use crate::commission::plan;
-use crate::interface::{Fault, Parameters, ThresholdOutput, Vars};
+use crate::commission::{plan, values};
+use crate::interface::{Fault, Measured, Parameters, ThresholdOutput, Vars};
 use crate::monitoring::numbers::{LateContact, Unseen};
 use crate::motion::travel::{job_limit, learn_limit};
 use crate::reading::{Loss, Reading};
@@ -179,21 +179,7 @@ pub fn numbers(vars: &Vars) -> String {
         Fault::NoProgress => {
             format!(": limit of the job `{} s`, of the commission `{} s`", job_limit(p, &p.approach), plan::time(p))
         }
-        Fault::CommissionRejected => {
-            let m = &output.measured;
-            format!(
-                ": thrust constant `{} N/A`, deviation `{} N/A`, limits half and twice `stage.force_constant` = `{} N/A` and \
-                 `commission.deviation_max` = `{}` of it; delay `{}` samples, deviation `{}`, limits the delays at which \
-                 the loop is stable and `commission.delay_deviation_max` = `{}`",
-                m.force_constant,
-                m.force_constant_deviation,
-                p.stage.force_constant,
-                p.commission.deviation_max,
-                m.io_delay,
-                m.io_delay_deviation,
-                p.commission.delay_deviation_max
-            )
-        }
+        Fault::CommissionRejected => rejected(p, &output.measured),
         Fault::LongStep => format!(": limit `{} s`", p.sample_period),
         Fault::LostSpindle => format!(": `{} rad/s` {row}", vars.input.spindle_speed),
     }
@@ -232,6 +218,32 @@ pub fn disturbance_limit(p: &Parameters) -> f64 {
         return p.limits.disturbance;
     }
     f64::max(0.5 * p.stage.force_constant * p.stage.current_max, p.guard_force + p.stage.mass * hardest(p))
+}
+
+/// Why a commission was rejected: its response, or the noise that was measured after it.
+fn rejected(p: &Parameters, m: &Measured) -> String {
+    if m.slope_sigma > 0.0 {
+        return format!(
+            ": noise of the slope `{} N/s`, limit `limits.slope_sigma_max` = `{} N/s`; force that noise and cogging ask of the guard \
+             `{} N`, limit twice `guard.force` = `{} N`",
+            m.slope_sigma,
+            p.limits.slope_sigma_max,
+            values::guard(p, m),
+            p.guard_force
+        );
+    }
+    format!(
+        ": thrust constant `{} N/A`, deviation `{} N/A`, limits half and twice `stage.force_constant` = `{} N/A` and \
+         `commission.deviation_max` = `{}` of it; delay `{}` samples, deviation `{}`, limits the delays at which \
+         the loop is stable and `commission.delay_deviation_max` = `{}`",
+        m.force_constant,
+        m.force_constant_deviation,
+        p.stage.force_constant,
+        p.commission.deviation_max,
+        m.io_delay,
+        m.io_delay_deviation,
+        p.commission.delay_deviation_max
+    )
 }
 
 #[cfg(test)]

@@ -82,7 +82,7 @@ mod variables {
         /// The force guard found the contact: the detector was not armed yet, or had missed it, and the tool was deeper than it lets it
         #[hint("start farther from the workpiece, or choose a `detector` that sees this contact at this speed; look for vibration that hides it, and for readings that jump")] LateContact,
         /// What the commission has measured is not sure enough, or not what this controller can hold
-        #[hint("allow more `commission.travel` or `commission.force`, look for vibration and friction, and check `stage.mass`, `stage.force_constant`, `stage.current_bandwidth` and `io_delay`")] CommissionRejected,
+        #[hint("allow more `commission.travel` or `commission.force`, look for vibration and friction, tell a larger `guard.force` if the work bears it, and check `stage.mass`, `stage.force_constant`, `stage.current_bandwidth` and `io_delay`")] CommissionRejected,
     }
     /// What detected the contact
     pub enum ContactSource {
@@ -183,11 +183,11 @@ mod variables {
         pub valid: bool,
         /// Thrust constant that goes with `stage.mass`: their ratio is what can be known
         #[var(unit = NEWTON_PER_AMPERE)] pub force_constant: f64,
-        /// Its standard deviation
+        /// Its standard deviation by noise; a ripple of the thrust comes beside
         #[var(unit = NEWTON_PER_AMPERE)] pub force_constant_deviation: f64,
         /// Samples between a command and its action, not rounded, without the current loop of `stage.current_bandwidth`
         #[var(unit = ONE)] pub io_delay: f64,
-        /// Its standard deviation
+        /// Its standard deviation by noise; the lag of a current loop or sensor that was not told comes beside
         #[var(unit = ONE)] pub io_delay_deviation: f64,
         /// Viscous friction of a stage of `stage.mass`
         #[var(unit = NEWTON_SECOND_PER_METRE)] pub damping: f64,

@@ -40,12 +40,21 @@ impl AllanVariance {
 /// Variances (walk q^2 of a step, white r^2 of a sample) that make the Allan variances `short` and `long` at blocks of the
 /// lengths `short.0` < `long.0`; never negative.
 pub fn walk_and_white(short: (u32, f64), long: (u32, f64)) -> (f64, f64) {
-    let walk = |n: u32| (2.0 * f64::from(n).powi(2) + 1.0) / (6.0 * f64::from(n));
     let (n, m) = (f64::from(short.0), f64::from(long.0));
     // n A(n) = r^2 + q^2 n walk(n)
-    let slope = m * walk(long.0) - n * walk(short.0);
+    let slope = m * of_walk(long.0) - n * of_walk(short.0);
     let step = ((m * long.1 - n * short.1) / slope).max(0.0);
-    (step, (n * short.1 - step * n * walk(short.0)).max(0.0))
+    (step, (n * short.1 - step * n * of_walk(short.0)).max(0.0))
+}
+
+/// Allan variance that both together have at blocks of `length` samples, from their variances as [`walk_and_white`] tells them.
+pub fn of_walk_and_white((walk, white): (f64, f64), length: u32) -> f64 {
+    walk * of_walk(length) + white / f64::from(length)
+}
+
+/// Allan variance of a random walk with steps of variance 1, at blocks of `length` samples.
+fn of_walk(length: u32) -> f64 {
+    (2.0 * f64::from(length).powi(2) + 1.0) / (6.0 * f64::from(length))
 }
 
 #[cfg(test)]
@@ -77,6 +86,15 @@ mod tests {
             let near = |x: f64, expected: f64, spread: f64| (3.0 * x - expected * expected).abs() < spread;
             assert!(near(found.0, walk, 0.1 * walk * walk + 1e-5), "{walk}, {white}: {found:?}");
             assert!(near(found.1, white, 0.1 * white * white + 30.0 * walk * walk), "{walk}, {white}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn what_was_told_apart_makes_the_variances_again() {
+        for variances in [(3e-4, 2.0), (0.0, 1.0), (0.5, 0.0)] {
+            let [short, long] = [10, 70].map(|n| (n, of_walk_and_white(variances, n)));
+            let found = walk_and_white(short, long);
+            assert!((found.0 - variances.0).abs() < 1e-12 && (found.1 - variances.1).abs() < 1e-12, "{found:?}");
         }
     }
 

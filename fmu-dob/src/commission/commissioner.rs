@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::commission::experiment::{Experiment, Milestone};
 use crate::commission::plan::DELAY_SPREAD;
 use crate::commission::response::response;
-use crate::commission::values::{Values, acceptable};
+use crate::commission::values::{Values, acceptable, quiet};
 use crate::interface::{ForceOutput, Measured, Parameters};
 use crate::motion::stability::longest_delay;
 
@@ -103,7 +103,7 @@ impl Commissioner {
         }
     }
 
-    /// Thrust, delay, friction and stiffness; the noise is then that of the law with them, if they are to be used.
+    /// Thrust, delay, friction and stiffness; they are in force for the strokes, so that the noise is that of the law with them.
     fn identify(&mut self, p: &Parameters) {
         if let Ok(found) = response(p, &self.experiment.plan, &self.experiment.spectra) {
             let (value, mass) = (found.value, p.stage.mass);
@@ -120,7 +120,7 @@ impl Commissioner {
             };
         }
         self.rejected = !acceptable(p, p.stage.force_constant, self.longest_delay, &self.measured);
-        if !self.rejected && p.commission.apply {
+        if !self.rejected {
             self.bring_into_force(self.told.with_response(&self.measured));
         }
     }
@@ -130,7 +130,6 @@ impl Commissioner {
         let [position, white, walk, force, slope] =
             [noise.position(), noise.white_force(), noise.walk(), noise.force(), noise.slope()];
         self.measured = Measured {
-            valid: true,
             position_noise: position.value,
             position_noise_deviation: position.deviation,
             force_noise: white.value,
@@ -143,11 +142,13 @@ impl Commissioner {
             slope_sigma_deviation: slope.deviation,
             ..self.measured
         };
-        self.derived = self.told.with_response(&self.measured).with_noise(p, &self.measured);
-        if p.commission.apply {
-            self.bring_into_force(self.derived);
+        self.rejected = !quiet(p, &self.measured);
+        if self.rejected {
+            return;
         }
-        self.finished = true;
+        (self.measured.valid, self.finished) = (true, true);
+        self.derived = self.told.with_response(&self.measured).with_noise(p, &self.measured);
+        self.bring_into_force(if p.commission.apply { self.derived } else { self.told });
     }
 
     fn bring_into_force(&mut self, values: Values) {

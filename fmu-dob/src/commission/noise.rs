@@ -3,16 +3,18 @@
 //! The fourth difference of the position has 1 + 16 + 36 + 16 + 1 = 70 times the variance of white noise, and nothing of a motion
 //! that is slower than some hundred samples. The scatter between the strokes tells how sure each number is.
 
-use control_blocks::{AllanVariance, Welford, ticks, walk_and_white};
+use control_blocks::{AllanVariance, Welford, of_walk_and_white, ticks, walk_and_white};
 use serde::{Deserialize, Serialize};
 
 use crate::commission::plan::STROKES;
 use crate::interface::{ForceOutput, Parameters};
 
 /// Lengths of the blocks of the Allan variances, s: longer than the observer's memory, shorter than a stroke.
-const BLOCKS: [f64; 2] = [0.01, 0.05];
+const BLOCKS: [f64; 3] = [0.01, 0.025, 0.05];
 /// Variance of the fourth difference over that of white noise.
 const FOURTH: f64 = 70.0;
+/// Most that a block in the middle may tell of what is not explained, as the logarithm of a variance.
+const UNEXPLAINED_MAX: f64 = 10.0;
 /// What is told of each stroke: noise of position and force, walk of the force, sigma of the slope.
 const NUMBERS: usize = 4;
 
@@ -28,12 +30,14 @@ pub struct Measure {
 /// Noise of the strokes so far.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Noise {
-    blocks: [u32; 2],
+    blocks: [u32; 3],
     /// the newest positions of this stroke, the newest first
     positions: [Option<f64>; 4],
     fourth: Welford,
     slope: Welford,
-    allan: [AllanVariance; 2],
+    allan: [AllanVariance; 3],
+    /// Allan variances of the strokes
+    variances: [Welford; 3],
     force: Welford,
     strokes: [Welford; NUMBERS],
 }
@@ -47,6 +51,7 @@ impl Noise {
             fourth: Welford::default(),
             slope: Welford::default(),
             allan: Default::default(),
+            variances: Default::default(),
             force: Welford::default(),
             strokes: Default::default(),
         }
@@ -68,8 +73,9 @@ impl Noise {
 
     /// Ends a stroke.
     pub fn close(&mut self) {
-        let [short, long] = [0, 1].map(|i| (self.blocks[i], self.allan[i].variance()));
-        let (walk, white) = walk_and_white(short, long);
+        let variances = self.allan.each_ref().map(AllanVariance::variance);
+        self.variances.iter_mut().zip(variances).for_each(|(mean, variance)| mean.push(variance));
+        let (walk, white) = self.walk_and_white(variances);
         let numbers = [self.fourth.sigma() / FOURTH.sqrt(), white.sqrt(), walk.sqrt(), self.slope.sigma()];
         self.strokes.iter_mut().zip(numbers).for_each(|(stroke, number)| stroke.push(number));
         self.positions = [None; 4];
@@ -83,12 +89,12 @@ impl Noise {
 
     /// White force in one sample, N.
     pub fn white_force(&self) -> Measure {
-        self.measure(1)
+        self.explained(1)
     }
 
     /// Random walk of the force in one sample, N.
     pub fn walk(&self) -> Measure {
-        self.measure(2)
+        self.explained(2)
     }
 
     /// Standard deviation of the slope, N/s.
@@ -100,6 +106,19 @@ impl Noise {
     pub fn force(&self) -> Measure {
         let sigma = self.force.sigma();
         Measure { value: sigma, deviation: sigma / f64::from(2 * STROKES).sqrt() }
+    }
+
+    fn walk_and_white(&self, [short, _, long]: [f64; 3]) -> (f64, f64) {
+        walk_and_white((self.blocks[0], short), (self.blocks[2], long))
+    }
+
+    /// A number of the force, less sure by what walk and white do not explain of the block in the middle, as a share of a sigma.
+    fn explained(&self, number: usize) -> Measure {
+        let variances = self.variances.each_ref().map(Welford::mean);
+        let between = of_walk_and_white(self.walk_and_white(variances), self.blocks[1]);
+        let unexplained = 0.5 * (variances[1] / between).ln().abs().min(UNEXPLAINED_MAX);
+        let Measure { value, deviation } = self.measure(number);
+        Measure { value, deviation: f64::hypot(deviation, unexplained * value) }
     }
 
     fn measure(&self, number: usize) -> Measure {
@@ -145,5 +164,26 @@ mod tests {
         }
         let force = noise.force();
         assert!(force.value > 0.02 && force.deviation == force.value / f64::from(2 * STROKES).sqrt(), "{force:?}");
+    }
+
+    #[test]
+    fn a_force_that_swings_is_neither_white_nor_a_walk() {
+        let p = Parameters::START;
+        let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(6);
+        let mut noise = Noise::new(&p);
+        for stroke in 0..STROKES {
+            for k in 0..5000 {
+                let t = f64::from(k) * p.sample_period + 0.013 * f64::from(stroke);
+                let normal: f64 = StandardNormal.sample(&mut random);
+                let notched = 0.02 * (2.0 * std::f64::consts::PI * 18.0 * t).sin() + 0.005 * normal;
+                noise.take(Some(0.0), &ForceOutput { notched, ..ForceOutput::START });
+            }
+            noise.close();
+        }
+        // all that is told is less than three of its deviations
+        for measure in [noise.white_force(), noise.walk()] {
+            assert!(measure.value <= 3.0 * measure.deviation, "{measure:?}");
+        }
+        assert!(noise.white_force().value > 0.05, "{:?}", noise.white_force());
     }
 }

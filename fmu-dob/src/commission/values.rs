@@ -12,8 +12,8 @@ const FORCE_LEFT: f64 = 0.5;
 const SLOPE_SIGMA: f64 = 5.0;
 /// A number counts when it is this many of its standard deviations.
 const SIGNIFICANT: f64 = 3.0;
-/// Share of the force of the drive that the guard may take.
-const GUARD_SHARE: f64 = 0.5;
+/// The guard may grow to this many times what was told.
+const GUARD_GROWTH: f64 = 2.0;
 
 /// All parameters that a commission derives.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -74,26 +74,36 @@ impl Values {
         Self { force_constant: measured.force_constant, io_delay: measured.io_delay.round() as i32, ..self }
     }
 
-    /// Those with the noise that was measured; what is not significant stays as it is.
+    /// Those with the noise that was measured; what is not significant stays as it is. The limit of the noise only gets tighter.
     pub fn with_noise(self, p: &Parameters, m: &Measured) -> Self {
-        let known = |value: f64, deviation: f64, old: f64| {
-            if value > SIGNIFICANT * deviation && value > 0.0 { value } else { old }
-        };
-        let stiffness = known(m.stiffness.abs(), m.stiffness_deviation, 0.0);
-        let guard = f64::max(GUARD.0 * m.force_sigma, GUARD.1 * stiffness * p.approach.travel_max);
-        let most = GUARD_SHARE * self.force_constant * p.stage.current_max;
         // so short a way tells little of the cogging farther on: what was told is not undercut
-        let guard_force = guard.min(most).max(self.guard_force);
+        let guard_force = guard(p, m).max(self.guard_force);
         Self {
             guard_force,
             force_left: self.force_left.max(FORCE_LEFT * guard_force),
-            slope_sigma_max: SLOPE_SIGMA * m.slope_sigma,
+            slope_sigma_max: self.slope_sigma_max.min(SLOPE_SIGMA * m.slope_sigma),
             disturbance_walk: known(m.disturbance_walk, m.disturbance_walk_deviation, self.disturbance_walk),
             force_noise: known(m.force_noise, m.force_noise_deviation, self.force_noise),
             position_noise: known(m.position_noise, m.position_noise_deviation, self.position_noise),
             ..self
         }
     }
+}
+
+/// The number, if it is significant.
+fn known(value: f64, deviation: f64, old: f64) -> f64 {
+    if value > SIGNIFICANT * deviation && value > 0.0 { value } else { old }
+}
+
+/// Force (N) of the guard that this noise and this cogging never reach.
+pub fn guard(p: &Parameters, m: &Measured) -> f64 {
+    let stiffness = known(m.stiffness.abs(), m.stiffness_deviation, 0.0);
+    f64::max(GUARD.0 * m.force_sigma, GUARD.1 * stiffness * p.approach.travel_max)
+}
+
+/// Whether the noise is one in which a touch is felt: a limit that is there to refuse noise does not grow with it.
+pub fn quiet(p: &Parameters, m: &Measured) -> bool {
+    m.slope_sigma <= p.limits.slope_sigma_max && guard(p, m) <= GUARD_GROWTH * p.guard_force
 }
 
 /// Whether a response is sure enough, and one that this controller can hold: `told` is what it took for the thrust constant,
@@ -125,7 +135,7 @@ mod tests {
         force_noise_deviation: 1e-3,
         disturbance_walk: 4e-4,
         disturbance_walk_deviation: 5e-5,
-        force_sigma: 0.05,
+        force_sigma: 0.03,
         slope_sigma: 0.8,
         ..Measured::START
     };
@@ -140,7 +150,7 @@ mod tests {
         assert_eq!(Values::of(&p), values);
         assert_eq!((p.stage.force_constant, p.io_delay, p.stage.mass), (24.0, 2, 10.0));
         // 20 and 5 sigma, half of the guard
-        assert_eq!((p.guard_force, p.limits.force_left, p.limits.slope_sigma_max), (1.0, 0.5, 4.0));
+        assert_eq!((p.guard_force, p.limits.force_left, p.limits.slope_sigma_max), (0.6, 0.3, 4.0));
         // the white force is not significant
         assert_eq!((p.kalman.force_noise, p.kalman.disturbance_walk, p.kalman.position_noise), (5e-3, 4e-4, 9e-10));
         let names = values.entries().map(|(name, _)| name);
@@ -159,8 +169,20 @@ mod tests {
         // 200 N/m for 5 mm, and as much again
         let stiff = Measured { stiffness: -200.0, stiffness_deviation: 10.0, force_sigma: 0.001, ..GOOD };
         assert_eq!(guard(&stiff), (2.0, 1.0));
-        // half of the drive is the most
-        assert_eq!(guard(&Measured { force_sigma: 10.0, ..GOOD }), (50.0, 25.0));
+    }
+
+    #[test]
+    fn a_limit_of_the_noise_never_grows_and_noise_beyond_it_is_refused() {
+        let p = Parameters::START;
+        let mut found = p.clone();
+        Values::of(&p).with_noise(&p, &Measured { slope_sigma: 2.0, ..GOOD }).put(&mut found);
+        assert_eq!(found.limits.slope_sigma_max, 5.0);
+        let with = |slope_sigma, force_sigma| quiet(&p, &Measured { slope_sigma, force_sigma, ..GOOD });
+        // 5 N/s, and a guard of twice 0.4 N
+        assert_eq!([with(5.0, 0.04), with(5.1, 0.04), with(5.0, 0.0401)], [true, false, false]);
+        let stiff = |stiffness| quiet(&p, &Measured { stiffness, stiffness_deviation: 1.0, ..GOOD });
+        // 80 N/m for 5 mm, and as much again
+        assert_eq!([stiff(-79.0), stiff(-81.0)], [true, false]);
     }
 
     #[test]

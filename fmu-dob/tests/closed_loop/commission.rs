@@ -223,6 +223,39 @@ fn an_excitation_that_is_too_weak_is_rejected_with_its_numbers() {
 }
 
 #[test]
+fn noise_in_which_no_touch_is_felt_is_rejected_and_no_limit_grows_with_it() {
+    for apply in [false, true] {
+        let mut p = Parameters::START;
+        p.commission.apply = apply;
+        let mut run = Loop::new(&p, 94, NO_WORKPIECE);
+        run.slide.noise = 12.0;
+        commission(&mut run);
+        assert_eq!(run.output.fault, Fault::CommissionRejected, "{:?}", run.output);
+        assert!(!run.output.measured.valid && run.output.measured.slope_sigma > 0.0, "{:?}", run.output.measured);
+        run.step_with(rest);
+        let mut in_force = p.clone();
+        run.controller.bring_into_force(&mut in_force);
+        assert_eq!(in_force, p);
+    }
+}
+
+#[test]
+fn the_file_is_the_same_whether_what_was_measured_is_used_or_not() {
+    let files = [false, true].map(|apply| {
+        let folder = tempfile::tempdir().unwrap();
+        let mut p = Parameters::START;
+        p.commission.apply = apply;
+        p.commission.export = folder.path().join("found.json").to_str().unwrap().into();
+        let mut run = Loop::new(&p, 95, NO_WORKPIECE);
+        run.slide.mass = 12.5;
+        commission(&mut run);
+        run.controller.export(&p).unwrap();
+        std::fs::read_to_string(&p.commission.export).unwrap()
+    });
+    assert_eq!(files[0], files[1]);
+}
+
+#[test]
 fn a_machine_beyond_half_or_twice_what_was_told_is_rejected() {
     let mut run = Loop::new(&Parameters::START, 88, NO_WORKPIECE);
     run.slide.mass = 4.2;
