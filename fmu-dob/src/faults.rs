@@ -225,7 +225,7 @@ fn rejected(p: &Parameters, m: &Measured) -> String {
     if m.slope_sigma > 0.0 {
         return format!(
             ": noise of the slope `{} N/s`, limit `limits.slope_sigma_max` = `{} N/s`; force that noise and cogging ask of the guard \
-             `{} N`, limit twice `guard.force` = `{} N`",
+             `{} N`, limit three times `guard.force` = `{} N`",
             m.slope_sigma,
             p.limits.slope_sigma_max,
             values::guard(p, m),

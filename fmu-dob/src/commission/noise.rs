@@ -112,11 +112,11 @@ impl Noise {
         walk_and_white((self.blocks[0], short), (self.blocks[2], long))
     }
 
-    /// A number of the force, less sure by what walk and white do not explain of the block in the middle, as a share of a sigma.
+    /// A number of the force, less sure by the share of the variance of the block in the middle that walk and white do not explain.
     fn explained(&self, number: usize) -> Measure {
         let variances = self.variances.each_ref().map(Welford::mean);
         let between = of_walk_and_white(self.walk_and_white(variances), self.blocks[1]);
-        let unexplained = 0.5 * (variances[1] / between).ln().abs().min(UNEXPLAINED_MAX);
+        let unexplained = (variances[1] / between).ln().abs().min(UNEXPLAINED_MAX);
         let Measure { value, deviation } = self.measure(number);
         Measure { value, deviation: f64::hypot(deviation, unexplained * value) }
     }

@@ -13,7 +13,7 @@ const SLOPE_SIGMA: f64 = 5.0;
 /// A number counts when it is this many of its standard deviations.
 const SIGNIFICANT: f64 = 3.0;
 /// The guard may grow to this many times what was told.
-const GUARD_GROWTH: f64 = 2.0;
+const GUARD_GROWTH: f64 = 3.0;
 
 /// All parameters that a commission derives.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -178,11 +178,11 @@ mod tests {
         Values::of(&p).with_noise(&p, &Measured { slope_sigma: 2.0, ..GOOD }).put(&mut found);
         assert_eq!(found.limits.slope_sigma_max, 5.0);
         let with = |slope_sigma, force_sigma| quiet(&p, &Measured { slope_sigma, force_sigma, ..GOOD });
-        // 5 N/s, and a guard of twice 0.4 N
-        assert_eq!([with(5.0, 0.04), with(5.1, 0.04), with(5.0, 0.0401)], [true, false, false]);
+        // 5 N/s, and a guard of three times 0.4 N
+        assert_eq!([with(5.0, 0.06), with(5.1, 0.06), with(5.0, 0.0601)], [true, false, false]);
         let stiff = |stiffness| quiet(&p, &Measured { stiffness, stiffness_deviation: 1.0, ..GOOD });
-        // 80 N/m for 5 mm, and as much again
-        assert_eq!([stiff(-79.0), stiff(-81.0)], [true, false]);
+        // 120 N/m for 5 mm, and as much again
+        assert_eq!([stiff(-119.0), stiff(-121.0)], [true, false]);
     }
 
     #[test]
