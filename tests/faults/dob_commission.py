@@ -121,4 +121,18 @@ ROWS = (
         signals=(COMMISSION, AT_REST),
         changes=("loop.duration=11", 'loop.stop_when=controller.state == "Fault"', "plant.damping=1e4"),
     ),
+    Row(
+        "commission: the floor shakes with 0.1 N, and what is measured is to be used",
+        ("CommissionRejected",),
+        ASTRAY,
+        2e-6,
+        "no limit grows with it: 0.1 N at 18 Hz swing 10 kg by 0.8 um, and it is excited besides",
+        signals=(COMMISSION, AT_REST),
+        changes=(
+            "loop.duration=11",
+            'loop.stop_when=controller.state == "Fault"',
+            "controller.commission.apply=true",
+            "plant.floor_force=0.1",
+        ),
+    ),
 )
