@@ -76,6 +76,9 @@ impl Values {
 
     /// Those with the noise that was measured; what is not significant stays as it is. The limit of the noise only gets tighter.
     pub fn with_noise(self, p: &Parameters, m: &Measured) -> Self {
+        let known = |value: f64, deviation: f64, old: f64| {
+            if value > SIGNIFICANT * deviation && value > 0.0 { value } else { old }
+        };
         // so short a way tells little of the cogging farther on: what was told is not undercut
         let guard_force = guard(p, m).max(self.guard_force);
         Self {
@@ -90,14 +93,9 @@ impl Values {
     }
 }
 
-/// The number, if it is significant.
-fn known(value: f64, deviation: f64, old: f64) -> f64 {
-    if value > SIGNIFICANT * deviation && value > 0.0 { value } else { old }
-}
-
-/// Force (N) of the guard that this noise and this cogging never reach.
+/// Force (N) of the guard that this noise, and what is sure of this cogging, never reach.
 pub fn guard(p: &Parameters, m: &Measured) -> f64 {
-    let stiffness = known(m.stiffness.abs(), m.stiffness_deviation, 0.0);
+    let stiffness = (m.stiffness.abs() - SIGNIFICANT * m.stiffness_deviation).max(0.0);
     f64::max(GUARD.0 * m.force_sigma, GUARD.1 * stiffness * p.approach.travel_max)
 }
 
@@ -166,9 +164,10 @@ mod tests {
             (found.guard_force, found.limits.force_left)
         };
         assert_eq!(guard(&Measured { force_sigma: 0.001, ..GOOD }), (0.4, 0.2));
-        // 200 N/m for 5 mm, and as much again
-        let stiff = Measured { stiffness: -200.0, stiffness_deviation: 10.0, force_sigma: 0.001, ..GOOD };
-        assert_eq!(guard(&stiff), (2.0, 1.0));
+        // 200 N/m less three deviations of 20 for 5 mm, and as much again
+        let stiff = Measured { stiffness: -200.0, stiffness_deviation: 20.0, force_sigma: 0.001, ..GOOD };
+        let (force, left) = guard(&stiff);
+        assert!((force - 1.4).abs() < 1e-12 && (left - 0.7).abs() < 1e-12, "{force} {left}");
     }
 
     #[test]
@@ -180,9 +179,9 @@ mod tests {
         let with = |slope_sigma, force_sigma| quiet(&p, &Measured { slope_sigma, force_sigma, ..GOOD });
         // 5 N/s, and a guard of three times 0.4 N
         assert_eq!([with(5.0, 0.06), with(5.1, 0.06), with(5.0, 0.0601)], [true, false, false]);
-        let stiff = |stiffness| quiet(&p, &Measured { stiffness, stiffness_deviation: 1.0, ..GOOD });
-        // 120 N/m for 5 mm, and as much again
-        assert_eq!([stiff(-119.0), stiff(-121.0)], [true, false]);
+        let stiff = |stiffness| quiet(&p, &Measured { stiffness, stiffness_deviation: 10.0, ..GOOD });
+        // 150 N/m less three deviations of 10 for 5 mm, and as much again
+        assert_eq!([stiff(-149.0), stiff(-151.0)], [true, false]);
     }
 
     #[test]
