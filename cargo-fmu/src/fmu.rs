@@ -10,7 +10,7 @@ use cargo_metadata::Package;
 use crate::binary;
 use crate::build::Built;
 use crate::contents::terminals::Ports;
-use crate::contents::{guide, licences, picture, reference, terminals};
+use crate::contents::{chapters, guide, licences, picture, reference, terminals};
 use crate::facts::Facts;
 use crate::functions::{self, FMI2_FUNCTIONS, OWN_PREFIX};
 use crate::inspect::{self, Rules};
@@ -43,10 +43,9 @@ pub fn pack(project: &Project, package: &Package, built: &Built, more: &[Built],
     let all: Vec<_> = std::iter::once(built).chain(more).collect();
     let libraries = all.iter().map(|built| read(package, built)).collect::<Result<Vec<_>>>()?;
     let mut content = Content::default();
-    let readme = readme(package)?;
-    let folders = [package.manifest_path.with_file_name("").into_std_path_buf(), project.root.clone()];
+    let (chapters, outside) = (chapters::read(package)?, chapters::outside(project, package));
     for (path, text) in binary::files(&built.library)? {
-        let text = if path == PAGE { guide::insert(&text, &readme, &folders) } else { text };
+        let text = if path == PAGE { guide::insert(&text, &chapters, &outside) } else { text };
         content.add(path, text.into_bytes())?;
     }
     let interface = Interface::of_library(content.text(DESCRIPTION).unwrap_or_default())?;
@@ -82,13 +81,6 @@ pub fn pack(project: &Project, package: &Package, built: &Built, more: &[Built],
     let effort = if more.is_empty() { Effort::Quick } else { Effort::Thorough };
     packed.bytes = pack::to_bytes(&content, effort)?;
     Ok(packed)
-}
-
-/// The README of a package, which may have none.
-fn readme(package: &Package) -> Result<String> {
-    let file = package.readme.as_ref().map(|file| package.manifest_path.with_file_name(file));
-    let Some(file) = file.filter(|file| file.is_file()) else { return Ok(String::new()) };
-    fs::read_to_string(&file).with_context(|| format!("cannot read `{file}`"))
 }
 
 /// Reads a library, which must be one of FMI.

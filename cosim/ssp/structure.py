@@ -64,19 +64,20 @@ def system(
 def connects(owner: str, variable: Any, ports: Ports) -> bool:
     """Whether a variable of an FMU gets a connector.
 
-    Texts get none: masters cannot connect them, and OMSimulator refuses the file. Enumerations get one where
-    they are connected: libcosim ends the process at one, Ecos knows none.
+    Texts get none: masters cannot connect them, and OMSimulator refuses the file. Inputs and enumerations get
+    one where they are connected: to an input that nothing drives FMPy gives the value of another, libcosim
+    ends the process at an enumeration, and Ecos knows none.
     """
     if variable.causality not in ("input", "output") or variable.type == "String":
         return False
-    name = f"{owner}.{variable.name}"
     ends = {port.name for port in (*ports.driven, *ports.commanding)}
     ends |= {end for wire in ports.direct for end in (wire.source, wire.to)}
-    return variable.type != "Enumeration" or name in ends
+    is_connected = f"{owner}.{variable.name}" in ends
+    return is_connected or (variable.causality == "output" and variable.type != "Enumeration")
 
 
 def component(parent: Element, name: str, variables: Iterable[Any]) -> None:
-    """Append a component with a connector for each input and output, and its parameter set."""
+    """Append a component with a connector for each of these inputs and outputs, and its parameter set."""
     made = sub(parent, "ssd:Component", name=name, type=FMU_TYPE, source=f"resources/{name}.fmu")
     # by events a command would act a step sooner than `io_delay` says
     made.set("implementation", "CoSimulation")

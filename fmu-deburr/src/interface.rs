@@ -99,8 +99,8 @@ mod variables {
         #[hint("look at what does not come to its end: an axis that never stands, or a feed that is too slow")] NoProgress,
         /// The reading of an axis was NaN, infinite or absurd for more than `limits.lost_samples` samples, or before any good one
         #[hint("look at the link to the encoder")] LostReading,
-        /// The communication step is longer than a sample: several samples have the same inputs, and of their commands the last alone is seen
-        #[hint("set the communication step of the importer to `sample_period`")] LongStep,
+        /// A step of the importer is longer than a sample: several samples have the same inputs, and of their commands the last alone is seen
+        #[hint("co-simulation: set the communication step to `sample_period`; model exchange: the importer has to stop at every time event")] LongStep,
         /// The tool speed stands on the path and flickered before
         #[hint("does the speed sensor of the tool live, and its link?")] FrozenSpindle,
         /// The tool speed was NaN, infinite or absurd for more than `limits.lost_samples` samples, or before any good one

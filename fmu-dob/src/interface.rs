@@ -77,8 +77,8 @@ mod variables {
         #[hint("check what holds it up, or raise `limits.job_time`")] NoProgress,
         /// `spindle_speed` was NaN, infinite or beyond 1e5 rad/s for too many samples in a row
         #[hint("check what is connected to this input, and its unit")] LostSpindle,
-        /// The communication step is longer than a sample: several samples have the same inputs, and of their commands the last alone is seen
-        #[hint("set the communication step of the importer to `sample_period`")] LongStep,
+        /// A step of the importer is longer than a sample: several samples have the same inputs, and of their commands the last alone is seen
+        #[hint("co-simulation: set the communication step to `sample_period`; model exchange: the importer has to stop at every time event")] LongStep,
         /// The force guard found the contact: the detector was not armed yet, or had missed it, and the tool was deeper than it lets it
         #[hint("start farther from the workpiece, or choose a `detector` that sees this contact at this speed; look for vibration that hides it, and for readings that jump")] LateContact,
         /// What the commission has measured is not sure enough, or not what this controller can hold

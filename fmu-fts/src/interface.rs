@@ -96,8 +96,8 @@ mod variables {
         #[hint("the loop is not stable: check `tip.*`, `io_delay`, `servo.inertia`, or wish for less `servo.bandwidth`")] Oscillation,
         /// The job comes to no end, or the cancellation to no small error
         #[hint("check the drive, or allow more `limits.job_time` or `limits.tracking_error`")] NoProgress,
-        /// The communication step is longer than a sample: several samples have the same inputs, and of their commands the last alone is seen
-        #[hint("set the communication step of the importer to `sample_period`")] LongStep,
+        /// A step of the importer is longer than a sample: several samples have the same inputs, and of their commands the last alone is seen
+        #[hint("co-simulation: set the communication step to `sample_period`; model exchange: the importer has to stop at every time event")] LongStep,
         /// The error grows from turn to turn: the cut or the cancellation is not stable
         #[hint("cut less deep or at another speed; check `servo.inertia`, `io_delay` and `response.file`, or allow more `afc.tau`")] Divergence,
         /// The spindle encoder reads where the spindle cannot be while the path needs it

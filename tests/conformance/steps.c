@@ -1,5 +1,6 @@
-/* Replays recorded inputs on an FMU binary of any platform: `steps LIBRARY GUID RESOURCES RECORDING OUTPUTS`. With `fails`
- * in the place of the last, the first step must fail, and after a reset the next one.
+/* Replays recorded inputs on an FMU binary of any platform: `steps LIBRARY GUID RESOURCES RECORDING OUTPUTS [events]`, by
+ * steps of co-simulation or by the events of model exchange. With `fails` in the place of the outputs, the first step must
+ * fail, and after a reset the next one.
  * A recording is a row of 8-byte words, little-endian: the numbers of parameters, inputs, outputs and rows, the row
  * before which the state is saved, the step; every parameter as kind, reference, value; every input and every output as
  * kind and reference; then the values of the inputs, row by row. A text is its length and its bytes, filled up to words.
@@ -116,6 +117,32 @@ static int fails(fmi2Component c, const uint64_t *start, uint64_t parameters, fm
     return 0;
 }
 
+/* inputs of a row, and the samples from its time on by a step */
+static void step(fmi2Component c, fmi2Real time, fmi2Real h, uint64_t inputs, const Variable *input, const uint64_t *row) {
+    for (uint64_t j = 0; j < inputs; j++) set(c, input[j], row[j]);
+    check(do_step(c, time, h, fmi2True) <= fmi2Warning, "fmi2DoStep");
+}
+
+/* the same by events, that of the inputs and those of the samples */
+static void react(fmi2Component c, fmi2Real time, fmi2Real h, uint64_t inputs, const Variable *input, const uint64_t *row) {
+    fmi2EventInfo due = {.nextEventTimeDefined = fmi2False};
+    const fmi2Real end = (time + h) * (1.0 - 1e-9) - 1e-6 * h;
+    /* behind the initialization it is event mode already */
+    if (time > 0.0) {
+        OK(set_time(c, time));
+        OK(enter_event_mode(c));
+    }
+    for (uint64_t j = 0; j < inputs; j++) set(c, input[j], row[j]);
+    for (;;) {
+        check(new_discrete_states(c, &due) <= fmi2Warning, "fmi2NewDiscreteStates");
+        OK(enter_continuous_time_mode(c));
+        check(due.nextEventTimeDefined, "no next event");
+        if (due.nextEventTime >= end) return;
+        OK(set_time(c, due.nextEventTime));
+        OK(enter_event_mode(c));
+    }
+}
+
 static const uint64_t *read_file(const char *name) {
     FILE *file = fopen(name, "rb");
     check(file != NULL, name);
@@ -130,7 +157,8 @@ static const uint64_t *read_file(const char *name) {
 }
 
 int main(int argc, char **argv) {
-    check(argc == 6, "usage: steps LIBRARY GUID RESOURCES RECORDING OUTPUTS");
+    const int by_events = argc == 7 && strcmp(argv[6], "events") == 0;
+    check(argc == 6 || by_events, "usage: steps LIBRARY GUID RESOURCES RECORDING OUTPUTS [events]");
     void *library = OPEN(argv[1]);
     check(library != NULL, "the library cannot be loaded");
     find(library);
@@ -141,7 +169,7 @@ int main(int argc, char **argv) {
     const char *const name[2] = {"one", "two"};
     fmi2Component c[2];
     for (int i = 0; i < 2; i++) {
-        c[i] = instantiate(name[i], fmi2CoSimulation, argv[2], argv[3], &callbacks, fmi2False, i == 0);
+        c[i] = instantiate(name[i], by_events ? fmi2ModelExchange : fmi2CoSimulation, argv[2], argv[3], &callbacks, fmi2False, i == 0);
         next = head + 6;
         initialize(c[i], parameters);
     }
@@ -153,8 +181,7 @@ int main(int argc, char **argv) {
     for (uint64_t k = 0; k < rows; k++, row += inputs) {
         if (k == split) hand_over(c[0], c[1]);
         for (int i = 0; i < (k < split ? 1 : 2); i++) {
-            for (uint64_t j = 0; j < inputs; j++) set(c[i], input[j], row[j]);
-            check(do_step(c[i], (fmi2Real)k * h, h, fmi2True) <= fmi2Warning, "fmi2DoStep");
+            (by_events ? react : step)(c[i], (fmi2Real)k * h, h, inputs, input, row);
         }
         for (uint64_t j = 0; j < outputs; j++) {
             const uint64_t word = get(c[0], output[j]);

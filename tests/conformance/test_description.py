@@ -190,6 +190,38 @@ def test_the_documentation_is_well_formed_and_lists_every_variable(fmu: Fmu) -> 
     assert told.get("limits", "").endswith("."), told
 
 
+def test_the_page_names_nothing_that_is_not_in_the_fmu(fmu: Fmu) -> None:
+    text = "\n".join(ElementTree.fromstring(read(fmu, "documentation/index.html")).itertext())
+    assert "`" not in text
+    assert not re.findall(r"[\w*/-]+\.(?:py|rs|md)\b|\b(?:cargo|pytest|cosim|python -m) .*", text)
+    names = [name.rstrip(".") for name in re.findall(r"[\w.*-]+(?:/[\w.*-]+)+", text)]
+    folders = (ROOT, ROOT / fmu.file.stem)
+    packed = [name for name in names if (fmu.folder / name).exists()]
+    assert not [name for name in names if name not in packed and any([*f.glob(name)] for f in folders)]
+
+
+def test_the_page_tells_how_to_wire_and_to_set_up(fmu: Fmu) -> None:
+    if fmu.file.stem == PROBE:
+        pytest.skip("the probe has no guide")
+    page = ElementTree.fromstring(read(fmu, "documentation/index.html"))
+    titles = ["".join(title.itertext()) for title in page.iter("h2")]
+    assert {"Before anything moves", "On the machine"} <= set(titles)
+    (wires,) = [
+        [[*row] for row in table.iter("tr")]
+        for table in page.iter("table")
+        if [cell.text for cell in table.iter("th")] == ["port", "on the machine", "unit", "delay"]
+    ]
+    units: dict[str, str] = {}
+    for name, _, unit, _ in (row for row in wires if row[0].tag == "td"):
+        ports = ["".join(port.itertext()) for port in name.iter("code")]
+        told = (unit.text or "").split(", ")
+        # ports may share a unit
+        units.update(zip(ports, told if len(told) > 1 else told * len(ports), strict=True))
+    known = {v.name: v.unit or "-" for v in [*fmu.variables("input"), *fmu.variables("output")]}
+    assert units == {name: known.get(name) for name in units}
+    assert {*(v.name for v in fmu.variables("input")), "drive_enable"} <= set(units)
+
+
 def test_paths_in_the_file_are_plain(fmu: Fmu) -> None:
     with zipfile.ZipFile(fmu.file) as archive:
         assert archive.testzip() is None

@@ -29,13 +29,19 @@ LOOPS = [
     "centering",
     "deburr",
     "deburr/learn",
+    "deburr/twice",
     "dob",
+    "dob/commission",
     "dob/nan",
+    "dob/paper",
     "fts",
+    "fts/calibrate-toroid",
     "fts/identify",
+    "fts/leaving",
     "polish",
 ]
-EXACT = {"deburr", "dob", "dob/nan", "polish"}
+BY_EVENTS = ["centering", "deburr", "dob", "fts", "polish"]
+EXACT = {"deburr", "deburr/twice", "dob", "dob/commission", "dob/nan", "dob/paper", "polish"}
 BOUND = 1e-8
 """Of the largest value of an output: `sin` and `cos` are those of each system, and round in their own way."""
 
@@ -66,12 +72,12 @@ class Case:
     outputs: list[ScalarVariable]
     trace: NDArray[Any]
 
-    def replay(self, on: Machine, program: Path, out: Path) -> Replay:
-        """Run the recording on a platform."""
+    def replay(self, on: Machine, program: Path, out: Path, *mode: str) -> Replay:
+        """Run the recording on a platform, by steps or by `events`."""
         name = self.description.coSimulation.modelIdentifier
         library = self.folder / "binaries" / on.name / f"{name}.{on.extension}"
         files = [on.path(library), self.description.guid, on.uri(self.folder / "resources")]
-        result = on.run(program, *files, on.path(self.recording), on.path(out))
+        result = on.run(program, *files, on.path(self.recording), on.path(out), *mode)
         assert (result.returncode, result.stderr) == (0, "")
         words = np.fromfile(out, dtype="<u8").reshape(-1, len(self.outputs))
         return Replay(words, result.stdout)
@@ -160,6 +166,16 @@ def test_outputs_and_log_are_those_of_linux64(name: str, loop: str, folder: Path
         assert deviation(home.outputs[:, k], away.outputs[:, k]) <= bound, v.name
     assert home.log == away.log
     assert home.log
+
+
+@pytest.mark.parametrize("loop", BY_EVENTS)
+@pytest.mark.parametrize("name", [LINUX64, AARCH64, WIN64])
+def test_events_give_the_samples_of_steps(name: str, loop: str, folder: Path) -> None:
+    told, (on, replays) = case(loop, folder), program(name, folder)
+    steps = told.replay(on, replays, folder / "steps")
+    events = told.replay(on, replays, folder / "events", "events")
+    assert np.array_equal(events.outputs, steps.outputs)
+    assert events.log == steps.log
 
 
 @pytest.mark.parametrize("name", [LINUX64, AARCH64, WIN64])

@@ -1,13 +1,14 @@
-//! The README of a package as the guide in the documentation page of its FMU.
+//! The README of a package and what follows it as the guide in the documentation page of its FMU.
 
 use std::fmt::Write as _;
 use std::ops::Range;
-use std::path::PathBuf;
 
 use pulldown_cmark::{CodeBlockKind, CowStr, Event, HeadingLevel, Options, Parser, Tag, TagEnd, html};
 
+use super::chapters::slug;
 use super::markup::escaped;
-use super::{sources, state_chart};
+use super::sources::Outside;
+use super::state_chart;
 
 /// Where the page of `fmi2-export` takes a guide, and the links to its sections.
 const PLACE: &str = "<!-- guide -->\n";
@@ -19,10 +20,13 @@ const BEGIN: &str = "begin";
 /// The heading of a section that the page has of its own.
 const TABLES: &str = "<!-- variables:";
 
-/// The page with the README in it, whose states lead to those of the page, without what it tells of files in `folders`; a
-/// page without a place for it stays as it is.
-pub fn insert(page: &str, readme: &str, folders: &[PathBuf]) -> String {
-    let sections = sections(&written(readme, folders), page);
+/// What the names of its sections begin with in the page.
+const ID: &str = "guide-";
+
+/// The page with the guide in it, whose states lead to those of the page, without what it tells of things `outside`; a page
+/// without a place for it stays as it is.
+pub fn insert(page: &str, markdown: &str, outside: &Outside) -> String {
+    let sections = sections(&written(markdown, outside), page);
     let links = sections.iter().filter(|section| !section.title.is_empty());
     let links = links.map(|section| format!("<a href=\"#{}\">{}</a>\n", section.id, section.title)).collect::<String>();
     let bodies = sections.iter().map(|section| section.html.as_str()).collect::<String>();
@@ -36,12 +40,30 @@ struct Section {
     html: String,
 }
 
-/// The README without its title, what it tells of source files, and the sections that hold the tables of the declaration.
-fn written(readme: &str, folders: &[PathBuf]) -> String {
-    let body = if readme.starts_with("# ") { readme.split_once('\n').map_or("", |(_, body)| body) } else { readme };
-    let is_kept = |part: &str| !part.contains(TABLES);
-    let kept = format!("\n{body}").split("\n## ").filter(|part| is_kept(part)).collect::<Vec<_>>().join("\n## ");
-    sources::left_out(&kept, folders)
+/// The Markdown without what it tells of things outside, and the sections that hold the tables of the declaration; links to
+/// sections of it lead to them.
+fn written(markdown: &str, outside: &Outside) -> String {
+    let is_kept = |part: &&str| !part.contains(TABLES);
+    let text = format!("\n{markdown}");
+    let parts: Vec<_> = text.split("\n## ").filter(is_kept).collect();
+    let slugs: Vec<_> = parts.iter().skip(1).filter_map(|part| part.lines().next()).map(slug).collect();
+    outside.left_out(&led_inside(&parts.join("\n## "), &slugs))
+}
+
+/// Links to sections of these names, in whichever file they stood, as links inside the page.
+fn led_inside(markdown: &str, slugs: &[String]) -> String {
+    let mut parts = markdown.split("](");
+    let mut led = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let target = part.split(')').next().unwrap_or_default();
+        let section = target.split_once('#').filter(|(file, _)| !file.contains("://")).map(|(_, section)| section);
+        led += match section.filter(|section| slugs.iter().any(|slug| slug == section)) {
+            Some(section) => format!("](#{ID}{section}{}", &part[target.len()..]),
+            None => format!("]({part}"),
+        }
+        .as_str();
+    }
+    led
 }
 
 fn sections(markdown: &str, page: &str) -> Vec<Section> {
@@ -59,8 +81,7 @@ fn section(events: &[Event], page: &str) -> Section {
     let heading = events.iter().take_while(|event| !matches!(event, Event::End(TagEnd::Heading(HeadingLevel::H2))));
     let is_headed = matches!(events.first(), Some(Event::Start(Tag::Heading { level: HeadingLevel::H2, .. })));
     let title: String = if is_headed { heading.map(text).collect() } else { String::new() };
-    let words = title.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty());
-    let id = format!("guide-{}", words.collect::<Vec<_>>().join("-").to_lowercase());
+    let id = format!("{ID}{}", slug(&title));
     let mut html = String::new();
     let body = if is_headed {
         _ = writeln!(html, "<h2 id=\"{id}\">{}</h2>", escaped(&title));
@@ -92,8 +113,9 @@ fn adapted<'a>(events: &[Event<'a>], page: &str) -> Vec<Event<'a>> {
             }
             Event::Text(text) if chart.is_some() => chart.iter_mut().for_each(|chart| chart.push_str(text)),
             Event::Start(Tag::Link { dest_url, .. }) => {
-                unlinked.push(!dest_url.contains("://"));
-                if dest_url.contains("://") {
+                let stays = dest_url.contains("://") || dest_url.starts_with(&format!("#{ID}"));
+                unlinked.push(!stays);
+                if stays {
                     adapted.push(event.clone());
                 }
             }
@@ -154,14 +176,15 @@ fn text<'a>(event: &'a Event) -> &'a str {
 mod tests {
     use super::*;
 
-    const README: &str = "# spring\n\nA *spring*, [measured](../docs/x.md), see [FMI](https://fmi-standard.org).\n\n\
+    const README: &str = "A *spring*, [measured](../docs/x.md), see [FMI](https://fmi-standard.org).\n\n\
         ## How `it` works\n\n```mermaid\nstateDiagram-v2\n    [*] --> Idle\n    Idle --> Run: a < b\n    \
         note right of Run: slow\n```\n\n| a | b |\n|---|---|\n| 1 | `x` |\n\n\
         ## Variables\n\n<!-- variables: made -->\n| n |\n|---|\n| y |\n<!-- end -->\n\n## Limits\n\nNone.\n";
 
     #[test]
     fn the_readme_stands_in_its_place_without_title_and_tables() {
-        let page = insert("<nav><!-- contents of the guide -->\n</nav>\n<!-- guide -->\nend", README, &[]);
+        let page =
+            insert("<nav><!-- contents of the guide -->\n</nav>\n<!-- guide -->\nend", README, &Outside::default());
         assert!(page.starts_with(
             "<nav><a href=\"#guide-how-it-works\">How it works</a>\n<a href=\"#guide-limits\">Limits</a>\n</nav>\n<p>A <em>"
         ));
@@ -172,13 +195,20 @@ mod tests {
 
     #[test]
     fn only_links_to_the_net_stay_links() {
-        let page = insert(PLACE, README, &[]);
+        let page = insert(PLACE, README, &Outside::default());
         assert!(page.contains("</em>, measured, see <a href=\"https://fmi-standard.org\">FMI</a>"), "{page}");
     }
 
     #[test]
+    fn a_link_to_a_section_that_is_there_leads_to_it() {
+        let text = "See [x](../a.md#how-it-works), [y](#other).\n\n## How it works\n\nSo.\n";
+        let page = insert(PLACE, text, &Outside::default());
+        assert!(page.starts_with("<p>See <a href=\"#guide-how-it-works\">x</a>, y.</p>"), "{page}");
+    }
+
+    #[test]
     fn a_chart_of_states_is_a_picture_and_a_table_of_transitions() {
-        let page = insert(&format!("{PLACE}<td id=\"State-Idle\"/>"), README, &[]);
+        let page = insert(&format!("{PLACE}<td id=\"State-Idle\"/>"), README, &Outside::default());
         assert!(
             page.contains("<tr><td>1</td><td>begin</td><td><a href=\"#State-Idle\">Idle</a></td><td></td></tr>"),
             "{page}"
@@ -189,13 +219,13 @@ mod tests {
 
     #[test]
     fn a_chart_that_is_none_of_states_stays_code() {
-        let page = insert(PLACE, "```mermaid\nflowchart LR\n    a --> b\n```\n", &[]);
+        let page = insert(PLACE, "```mermaid\nflowchart LR\n    a --> b\n```\n", &Outside::default());
         assert!(page.contains("<code class=\"language-mermaid\">flowchart LR\n    a --&gt; b\n</code>"), "{page}");
         assert!(!page.contains("<table"), "{page}");
     }
 
     #[test]
     fn a_page_without_a_place_stays() {
-        assert_eq!(insert("<p/>", README, &[]), "<p/>");
+        assert_eq!(insert("<p/>", README, &Outside::default()), "<p/>");
     }
 }

@@ -10,6 +10,12 @@ use super::terminals::Ports;
 const SIZE: usize = 256;
 /// Points per pixel and direction that the edges are smoothed with.
 const FINE: usize = 4;
+/// Ports of a side that are shown at most.
+const MOST: usize = 12;
+/// The digits and a plus sign, three bits a row from the top, and the size of a bit in pixels.
+const GLYPHS: [u16; 10] = [0x7b6f, 0x2c97, 0x73e7, 0x73cf, 0x5bc9, 0x79cf, 0x79ef, 0x72a4, 0x7bef, 0x7bcf];
+const PLUS: u16 = 0x05d0;
+const BIT: f64 = 2.2;
 /// The ends of the block, and half its height at most, in pixels from the middle.
 const BLOCK: f64 = 88.0;
 /// Red, green and blue of the block, its frame, and the signal.
@@ -71,13 +77,31 @@ fn colour(x: f64, y: f64, inputs: usize, outputs: usize) -> Option<[u8; 3]> {
     }
 }
 
-/// Triangles that point to the right, 22 pixels long at most, in a column.
+/// Triangles that point to the right, 22 pixels long at most, in a column; of many ports the first [`MOST`] less one, and
+/// the number of the others.
 fn is_port(x: f64, y: f64, count: usize) -> bool {
+    if count > MOST {
+        let last = (BLOCK - 12.0) - (2.0 * BLOCK - 24.0) / MOST as f64;
+        let others = count + 1 - MOST;
+        return if y < last { is_port(x, y, MOST) } else { is_number(x, y - last, others) };
+    }
     let pitch = (2.0 * BLOCK - 24.0) / count.max(1) as f64;
     let (half, from_top) = ((0.38 * pitch).min(9.0), y + BLOCK - 12.0);
     let off = (from_top.rem_euclid(pitch) - 0.5 * pitch).abs();
     let is_inside = count > 0 && (0.0..2.0 * BLOCK - 24.0).contains(&from_top);
     is_inside && (0.0..22.0).contains(&x) && off <= half * (1.0 - x / 22.0)
+}
+
+/// `+` and a number, from the left and the top.
+fn is_number(x: f64, y: f64, number: usize) -> bool {
+    let (column, row) = ((x / BIT).floor(), (y / BIT).floor() - 1.0);
+    if column < 0.0 || !(0.0..5.0).contains(&row) {
+        return false;
+    }
+    let (column, row) = (column as usize, row as usize);
+    let digit = |c: char| c.to_digit(10).map_or(PLUS, |digit| GLYPHS[digit as usize]);
+    let glyph = format!("+{number}").chars().nth(column / 4).map_or(0, digit);
+    column % 4 < 3 && glyph >> (14 - 3 * row - column % 4) & 1 == 1
 }
 
 /// A step response as a sampled controller sees it: held between samples.
@@ -117,11 +141,27 @@ mod tests {
 
     #[test]
     fn a_side_has_as_many_triangles_as_ports() {
-        for count in [0, 1, 3, 20] {
-            let column: Vec<_> = (0..SIZE * 8).map(|k| is_port(1.0, k as f64 / 8.0 - 128.0, count)).collect();
-            let begun = column.windows(2).filter(|pair| !pair[0] && pair[1]).count();
-            assert_eq!(begun, count);
+        for count in [0, 1, 3, MOST] {
+            assert_eq!(shapes(1.0, count), count);
         }
+    }
+
+    #[test]
+    fn of_many_ports_some_are_shown_and_the_number_of_the_others() {
+        assert_eq!(shapes(1.0, 88), MOST - 1 + 1);
+        let last = BLOCK - 12.0 - (2.0 * BLOCK - 24.0) / MOST as f64;
+        let line = |row: usize| {
+            let at = |k: usize| is_port((k as f64 + 0.5) * BIT, last + (row as f64 + 1.5) * BIT, 88);
+            (0..11).map(|k| if at(k) { '#' } else { '.' }).collect::<String>()
+        };
+        let wanted = ["....###.###", ".#....#...#", "###..#...#.", ".#..#...#..", "....#...#.."];
+        assert_eq!((0..5).map(line).collect::<Vec<_>>(), wanted);
+    }
+
+    /// How many shapes a line down through the ports meets.
+    fn shapes(x: f64, count: usize) -> usize {
+        let column: Vec<_> = (0..SIZE * 8).map(|k| is_port(x, k as f64 / 8.0 - 128.0, count)).collect();
+        column.windows(2).filter(|pair| !pair[0] && pair[1]).count()
     }
 
     #[test]

@@ -10,7 +10,7 @@ use common::example;
 use fmi_rs::fmi2::builder::FMU2Builder;
 use fmi_rs::fmi2::types::{fmi2Status, fmi2StatusKind};
 use fmi_rs::fmi2::{CS, FMU2, ME};
-use fmi_rs::model_description::fmi2::{Causality, ModelDescription};
+use fmi_rs::model_description::fmi2::{Causality, ModelDescription, ScalarVariable, VariableType};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -130,5 +130,52 @@ fn fmi_rs_comes_to_the_time_events() {
         assert_eq!(next, f64::from(k) * 1e-3);
         assert_eq!(fmu.enterContinuousTimeMode(), fmi2Status::Ok);
         assert_eq!((fmu.setTime(next), fmu.enterEventMode()), (fmi2Status::Ok, fmi2Status::Ok));
+    }
+}
+
+/// Real outputs of an FMU with the start values, sample by sample: by steps, and by events.
+fn samples(file: &PathBuf, count: u32) -> [Vec<Vec<f64>>; 2] {
+    let builder = FMU2Builder::new(file).unwrap();
+    let description = &builder.model_description;
+    let step = description.defaultExperiment.as_ref().and_then(|told| told.stepSize.clone()).unwrap();
+    let step: f64 = step.parse().unwrap();
+    let is_told =
+        |v: &&ScalarVariable| v.causality == Causality::Output && matches!(v.variableType, VariableType::Real { .. });
+    let outputs: Vec<_> = description.modelVariables.iter().filter(is_told).map(|v| v.valueReference).collect();
+    let mut values = vec![f64::NAN; outputs.len()];
+
+    let fmu: Arc<FMU2<CS>> = builder.instantiate_cs("steps").unwrap();
+    assert_eq!(fmu.setupExperiment(None, 0.0, None), fmi2Status::Ok);
+    assert_eq!((fmu.enterInitializationMode(), fmu.exitInitializationMode()), (fmi2Status::Ok, fmi2Status::Ok));
+    let steps = (0..count).map(|k| {
+        assert_ne!(fmu.doStep(f64::from(k) * step, step, 1), fmi2Status::Error);
+        assert_eq!(fmu.getReal(&outputs, &mut values), fmi2Status::Ok);
+        values.clone()
+    });
+    let steps = steps.collect();
+
+    let fmu: Arc<FMU2<ME>> = FMU2Builder::new(file).unwrap().instantiate_me("events").unwrap();
+    assert_eq!(fmu.setupExperiment(None, 0.0, None), fmi2Status::Ok);
+    assert_eq!((fmu.enterInitializationMode(), fmu.exitInitializationMode()), (fmi2Status::Ok, fmi2Status::Ok));
+    let events = (0..count).map(|_| {
+        let ([mut needed, mut end, mut nominals, mut changed], mut next) = ([true; 4], None);
+        let status = fmu.newDiscreteStates(&mut needed, &mut end, &mut nominals, &mut changed, &mut next);
+        assert_ne!(status, fmi2Status::Error);
+        assert_eq!(fmu.getReal(&outputs, &mut values), fmi2Status::Ok);
+        assert_eq!(fmu.enterContinuousTimeMode(), fmi2Status::Ok);
+        assert_eq!((fmu.setTime(next.unwrap()), fmu.enterEventMode()), (fmi2Status::Ok, fmi2Status::Ok));
+        values.clone()
+    });
+    [steps, events.collect()]
+}
+
+#[test]
+fn fmi_rs_runs_the_fmus_that_lie_packed_in_the_workspace() {
+    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../target/fmu");
+    let files = std::fs::read_dir(&folder).into_iter().flatten().map(|entry| entry.unwrap().path());
+    for file in files.filter(|file| file.extension().is_some_and(|extension| extension == "fmu")) {
+        let [steps, events] = samples(&file, 200);
+        assert!(steps.iter().all(|row| !row.is_empty() && row.iter().all(|value| value.is_finite())), "{file:?}");
+        assert_eq!(steps, events, "{file:?}");
     }
 }

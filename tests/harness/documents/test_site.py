@@ -19,16 +19,6 @@ from handbook.pages import ROOT, paths
 from ..report import browser
 from . import words
 
-QUESTION = """(async () => {
-  const outside = [...document.querySelectorAll("article *")].filter((part) =>
-    !part.closest(".md-typeset__scrollwrap, pre, .output") &&
-    part.getBoundingClientRect().right > innerWidth + 1);
-  return {
-    sideways: document.documentElement.scrollWidth > innerWidth,
-    outside: outside.map((part) => part.outerHTML.slice(0, 80)),
-    colour: getComputedStyle(document.body).backgroundColor,
-  };
-})()"""
 SEARCH = """(async () => {
   const until = async (found) => {
     for (let tries = 0; tries < 200 && !found(); tries++) await new Promise((done) => setTimeout(done, 100));
@@ -43,7 +33,6 @@ SEARCH = """(async () => {
   await until(() => inside()?.querySelector("a"));
   return inside().querySelector("a").href;
 })()"""
-LIGHT = "rgb(255, 255, 255)"
 
 # one process builds the site, in the folder that the command writes
 pytestmark = pytest.mark.xdist_group("site")
@@ -106,40 +95,25 @@ def test_what_is_generated_holds_everything(site: Path) -> None:
     assert "stateDiagram" not in pages["fmu-dob/index.html"].text_content()
 
 
-SCREENS = pytest.mark.parametrize(
-    ("width", "theme"), [(1400, "light"), (1400, "dark"), (400, "light"), (400, "dark")]
-)
-
-
-def complaints(page: Path, width: int, theme: str, folder: Path) -> list[str]:
-    """Tell what is wrong with a page on a screen."""
-    answer, _, found = asyncio.run(browser.visit(page, width, theme, QUESTION, folder))
-    if answer["sideways"] or answer["outside"]:
-        found.append(f"wider than the screen: {answer['outside']}")
-    if (answer["colour"] == LIGHT) != (theme == "light"):
-        found.append(f"the page is {answer['colour']}")
-    return found
-
-
 @pytest.mark.skipif(browser.PROGRAM is None, reason="no Chromium")
-@SCREENS
+@browser.SCREENS
 @pytest.mark.parametrize("page", ["index.html", "fmu-dob/index.html", "examples/sweep.html"])
 def test_a_browser_shows_it_without_a_complaint(
     site: Path, page: str, width: int, theme: str, tmp_path: Path
 ) -> None:
-    assert complaints(site / page, width, theme, tmp_path) == []
+    assert browser.complaints(site / page, width, theme, tmp_path) == []
 
 
 @pytest.mark.skipif(browser.PROGRAM is None, reason="no Chromium")
 @pytest.mark.full
-@SCREENS
+@browser.SCREENS
 def test_a_browser_shows_every_page_without_a_complaint(
     site: Path, width: int, theme: str, tmp_path: Path
 ) -> None:
     # a server shows the page for what is not there, by addresses from its root
     pages = [name for name in places(site) if name != "404.html"]
     found = {
-        name: complaints(site / name, width, theme, tmp_path / str(number))
+        name: browser.complaints(site / name, width, theme, tmp_path / str(number))
         for number, name in enumerate(pages)
     }
     assert len(pages) > 40

@@ -18,6 +18,30 @@ DOMAINS = ("Runtime", "Log", "Page", "Network")
 TROUBLES = ("Runtime.exceptionThrown", "Runtime.consoleAPICalled", "Log.entryAdded")
 LOADED = "location.protocol === 'file:' && document.readyState === 'complete'"
 OWN = ("file:", "data:", "blob:", "chrome")
+QUESTION = """(async () => {
+  const outside = [...document.querySelectorAll("article *, main *")].filter((part) =>
+    !part.closest(".md-typeset__scrollwrap, pre, .output, .scroll") &&
+    part.getBoundingClientRect().right > innerWidth + 1);
+  return {
+    sideways: document.documentElement.scrollWidth > innerWidth,
+    outside: outside.map((part) => part.outerHTML.slice(0, 80)),
+    colour: getComputedStyle(document.body).backgroundColor,
+  };
+})()"""
+LIGHT = "rgb(255, 255, 255)"
+SCREENS = pytest.mark.parametrize(
+    ("width", "theme"), [(1400, "light"), (1400, "dark"), (400, "light"), (400, "dark")]
+)
+
+
+def complaints(page: Path, width: int, theme: str, folder: Path) -> list[str]:
+    """Tell what is wrong with a page on a screen: its texts stand in an `article` or in `main`."""
+    answer, _, found = asyncio.run(visit(page, width, theme, QUESTION, folder))
+    if answer["sideways"] or answer["outside"]:
+        found.append(f"wider than the screen: {answer['outside']}")
+    if (answer["colour"] == LIGHT) != (theme == "light"):
+        found.append(f"the page is {answer['colour']}")
+    return found
 
 
 async def visit(
