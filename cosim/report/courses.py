@@ -128,11 +128,16 @@ def peaks(chart: Chart, name: str, y: Array, mask: Any, value: Evaluate, trace: 
 
 def share(chart: Chart, name: str, y: Array, mask: Any, value: Evaluate, trace: Columns) -> list[Line]:
     """Share of the rows in which a value is at most that."""
-    found = np.sort(y[mask & np.isfinite(y)])
+    return [Line(name, *points) for points in cumulative(y[mask])]
+
+
+def cumulative(values: Array) -> list[tuple[Array, Array]]:
+    """Values in their order, and the share of all that is at most each; none without a number."""
+    found = np.sort(values[np.isfinite(values)])
     if not len(found):
         return []
     at = np.unique(np.linspace(0, len(found) - 1, MOST_POINTS).astype(int))
-    return [Line(name, found[at], (at + 1) / len(found))]
+    return [(found[at], (at + 1) / len(found))]
 
 
 def roc(name: str, y: Array, quiet: Any, sought: Any) -> list[Line]:

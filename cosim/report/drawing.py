@@ -216,7 +216,7 @@ def framed(x: tuple[float, float], y: tuple[float, float], equal: bool) -> Frame
     return Frame((across - half, across + half), (up - half / wide, up + half / wide), CHART)
 
 
-def course(x: Array, y: Sequence[float]) -> str:
+def course(x: Array, y: Array) -> str:
     """Path through points, interrupted where there is no number; a line that goes on level has two points."""
     pieces: list[list[tuple[int, int]]] = [[]]
     for across, down in zip(x, y, strict=True):

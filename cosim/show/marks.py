@@ -14,7 +14,7 @@ from cosim.loop.result import Result
 from cosim.metrics import criteria
 from cosim.metrics.expression import Expression
 from cosim.metrics.units import conversion
-from cosim.scenario.model import Panel, Scenario
+from cosim.scenario.model import Criterion, Panel, Scenario
 from cosim.trace.columns import Array
 from cosim.words.quantity import text
 
@@ -73,12 +73,17 @@ def limits(scenario: Scenario, result: Result) -> dict[str, list[tuple[float, st
             factors[column] = factor
         drawn = criteria.drawn(criterion, measured.unit)
         for place, (relation, limit) in zip(drawn, verdict.limits, strict=False):
-            told = f"{criterion.id} {relation} {text(limit, verdict.unit, 3)}"
+            words = told(criterion, relation, limit, verdict.unit)
             for name, factor in factors.items():
-                found.setdefault(name, []).append((place / factor, told))
+                found.setdefault(name, []).append((place / factor, words))
                 if both:
                     found[name].append((-place / factor, ""))
     return found
+
+
+def told(criterion: Criterion, relation: str, limit: float, unit: str) -> str:
+    """Say what a limit demands."""
+    return f"{criterion.id} {relation} {text(limit, unit, 3)}"
 
 
 def limited(value: str, columns: Mapping[str, str]) -> tuple[str, float, bool]:

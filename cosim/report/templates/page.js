@@ -201,7 +201,7 @@ function filter() {
   const words = filters.words.value.toLowerCase().split(/\s+/).filter(Boolean);
   const rows = all("#table tbody tr");
   for (const row of rows) {
-    const chosen = ["loop", "passed", "source"].every((key) => !filters[key].value || row.dataset[key] === filters[key].value);
+    const chosen = ["which", "loop", "passed", "source"].every((key) => !filters[key]?.value || row.dataset[key] === filters[key].value);
     const text = row.textContent.toLowerCase();
     row.hidden = !(chosen && words.every((word) => text.includes(word)));
   }
@@ -213,13 +213,16 @@ if (filters) {
   filter();
 }
 
+// a picture stands once in the page: in its chapter, where it is what the film begins with
+all("img[data-still]").forEach((image) => { image.src = one("#" + image.dataset.still + " .filmed img, #" + image.dataset.still + " .story img").src; });
+all(".filmed").forEach((box) => { one("video", box).poster = one("img", box).src; });
+
 // a link opens what it leads to
 function opened() {
   const target = location.hash && document.getElementById(location.hash.slice(1));
-  if (target && target.tagName === "DETAILS") {
-    target.open = true;
-    target.scrollIntoView();
-  }
+  if (!target) return;
+  for (let part = target; part; part = part.parentElement) if (part.tagName === "DETAILS") part.open = true;
+  target.scrollIntoView();
 }
 addEventListener("hashchange", opened);
 opened();

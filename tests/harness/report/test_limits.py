@@ -106,7 +106,7 @@ def test_a_criterion_names_columns_that_show_its_limit(value: str, signs: list[f
     limits = marks.limits(of, found)
     assert list(limits) == ["controller.y"]
     assert [limit for limit, _ in limits["controller.y"]] == pytest.approx([4e3 * sign for sign in signs])
-    with pytest.raises(CosimError, match="`controller.y`, which is no column of the trace"):
+    with pytest.raises(CosimError, match=r"`controller\.y`, which is no column"):
         drawable.check(of, {"time": None, "plant.x": None})
 
 
@@ -122,11 +122,11 @@ def test_a_criterion_names_columns_that_show_its_limit(value: str, signs: list[f
     ],
 )
 def test_a_chart_of_a_column_shows_its_limit(
-    kind: Any, more: dict[str, str], places: list[float], levels: list[float]
+    kind: Any, more: dict[str, Any], places: list[float], levels: list[float]
 ) -> None:
     trace = traced(plant_x=1e-3 * TIME, plant_n=np.floor(TIME))
     of, found = result(trace, "max(plant.x)", maximum=4.0)
-    along = {"x_scale": 1e3} if kind == "share" else {"scale": 1e3}
+    along: dict[str, Any] = {"x_scale": 1e3} if kind == "share" else {"scale": 1e3}
     chart = Chart(kind, ("plant.x",), **more, **along)
     ((told,), undrawn) = charts.views(replace(of, plot=Plot(charts=(chart,))), found)
     assert undrawn == []
