@@ -16,7 +16,7 @@ from cosim.trace.columns import Array, Columns
 from cosim.words.quantity import round_down
 
 MOST_POINTS = 2 * series.BUCKETS
-SEEN = 0.05
+SEEN = 0.1
 """Part of the size of a path that its largest error has where it is drawn larger."""
 ORDERS = 40
 """Waves per turn that a spectrum over an angle shows."""

@@ -18,7 +18,7 @@ WIDTH, HEIGHT = 1200, 300
 LEFT, RIGHT, TOP, BOTTOM = 130, 16, 14, 46
 COLOURS = 8
 """Colours of the style sheet, each with its own dashes."""
-POINTS = 150
+POINTS = 100
 LEAST = 0.02
 """Part of the largest sum from which on a cell is drawn."""
 SHADES = 20

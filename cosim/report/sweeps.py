@@ -56,6 +56,7 @@ def told(file: Path, workers: int | None, engine: str, quiet: bool) -> dict[str,
             "story": [part for part in plan.study.description.split("\n\n") if part.strip()],
             "command": f"cosim sweep {shlex.quote(paths.shown(file))}",
             "verdict": overview.verdict(found).plain,
+            "short": short(found),
             "passed": found.passed,
             "tables": [*tables(plan, found), *worst_runs(plan, found, runs)],
             "repeat": [plan.command(plan.runs[run]) for run in runs],
@@ -65,6 +66,13 @@ def told(file: Path, workers: int | None, engine: str, quiet: bool) -> dict[str,
         }
 
     return run_study(options, tell)
+
+
+def short(found: Survey) -> str:
+    """How many runs pass, or were done where nothing is demanded."""
+    if found.passed is None:
+        return f"{found.rows} runs"
+    return f"{found.statuses['passed']} of {found.wanted} runs pass"
 
 
 def tables(plan: Plan, found: Survey) -> Iterator[Table]:
@@ -107,9 +115,9 @@ def distributions(plan: Plan, found: Survey) -> Iterator[dict[str, Any]]:
         values = np.array(found.columns[f"metric.{name}"], dtype=np.float64)[done]
         known = np.isfinite(values)
         unit, scale = prefixed(found.units[name], float(np.max(np.abs(values[known]))))
-        parts = {"that hold all criteria": ~failed, "that do not": failed}
+        parts = {"all criteria hold": ~failed, "some do not": failed}
         lines = [
-            Line(f"{np.count_nonzero(part)} runs {words}", scale * x, share)
+            Line(f"{words} ({np.count_nonzero(part)})", scale * x, share)
             for words, part in parts.items()
             for x, share in courses.cumulative(values[part])
         ]

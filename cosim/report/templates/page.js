@@ -126,10 +126,13 @@ async function drawChart(figure) {
     ],
     // margins that follow the numbers and equal scales change each other
     ...frame(), height: 360, margin: { l: 74, r: 12, t: 6, b: 44 }, hovermode: "closest",
-    xaxis: axis({ automargin: false, title: { text: chart.x_label, standoff: 4 }, type: chart.x_log ? "log" : "linear", ...(chart.whole ? { tickformat: "d", nticks: 8 } : {}) }),
+    xaxis: axis({ automargin: false, title: { text: chart.x_label, standoff: 4 }, type: chart.x_log ? "log" : "linear", ...(chart.whole ? { dtick: between(lines.flatMap((line) => line.x)) } : {}) }),
     yaxis: axis({ automargin: false, title: { text: chart.label, standoff: 4 }, type: chart.log ? "log" : "linear", ...(chart.equal ? { scaleanchor: "x" } : {}) }),
   }, { responsive: true, displaylogo: false, displayModeBar: false });
 }
+
+// whole numbers from one tick to the next
+const between = (x) => Math.max(1, Math.ceil((Math.max(...x) - Math.min(...x)) / 10));
 
 // values over an angle, with limits as circles
 async function drawPolar(place, chart, values) {
@@ -143,7 +146,7 @@ async function drawPolar(place, chart, values) {
   }));
   const spokes = { gridcolor: rule, linecolor: rule };
   await Plotly.react(place, [...lines, ...limits], {
-    ...frame(), height: 420, margin: { l: 34, r: 34, t: 30, b: 30 }, hovermode: "closest",
+    ...frame(), height: 420, margin: { l: 34, r: 34, t: 60, b: 30 }, hovermode: "closest", legend: { ...frame().legend, y: 1.12 },
     polar: {
       bgcolor: "rgba(0,0,0,0)", angularaxis: { ...spokes, thetaunit: "degrees" },
       radialaxis: { ...spokes, type: chart.log ? "log" : "linear", exponentformat: "power", angle: 90, tickangle: 90, title: { text: chart.label } },
