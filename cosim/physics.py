@@ -1,4 +1,4 @@
-"""MuJoCo where its choice of what draws cannot be had: it makes that when it is imported, and fails as a whole."""
+"""MuJoCo where its choice of what draws cannot be had: it is made on import, which fails as a whole then."""
 
 from __future__ import annotations
 

@@ -138,15 +138,13 @@ def test_a_page_holds_the_film(folder: Path) -> None:
 
 
 @pytest.mark.usefixtures("cart")
-@pytest.mark.parametrize("choice", ["bogus", "osmesa"])
-def test_what_cannot_draw_costs_the_picture_alone(choice: str, folder: Path) -> None:
-    # the library of MuJoCo's OSMesa is not there, whatever the system has
-    lacking = {"MUJOCO_GL": choice, "PYOPENGL_PLATFORM": "none"}
+def test_what_cannot_draw_costs_the_picture_alone(folder: Path) -> None:
+    # MuJoCo cannot even be imported with it
+    lacking = {"MUJOCO_GL": "bogus"}
     done = command("report", "cart.toml", "-o", "cart.html", "-q", **lacking)
     assert (done.returncode, done.stdout) == (0, "wrote cart.html\n"), done.stderr
     (note,) = html.fromstring((folder / "cart.html").read_text()).find_class("note")
-    assert note.text_content().startswith("No film: no picture can be drawn here: ")
-    assert choice in note.text_content()
+    assert note.text_content().startswith("No film: no picture can be drawn here: MUJOCO_GL is bogus")
     done = command("video", "cart.toml", "-o", "cart.mp4", "-q", **lacking)
     assert done.returncode == 2
     assert "no picture can be drawn here: `" in done.stderr
