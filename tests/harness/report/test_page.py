@@ -184,7 +184,7 @@ def test_the_plots_hold_the_trace(page: Any, result: cosim.Result) -> None:
 
 def test_a_plant_without_coordinates_has_no_film_and_says_why(page: Any) -> None:
     (note,) = page.find_class("note")
-    assert "the plant `probe_plants:Lag` has no `qpos`" in note.text_content()
+    assert "the plant probe_plants:Lag has no qpos" in note.text_content()
 
 
 def test_what_does_not_hold_is_told_first(page: Any) -> None:

@@ -57,6 +57,40 @@ def test_a_loop_is_told_by_a_number_that_a_paper_knows(claims: list[dict[str, An
     assert (part.headline or {}).get("claim") == wanted
 
 
+def written(name: str, *claims: dict[str, Any]) -> dict[str, Any]:
+    """Chapter of a run without plots."""
+    texts = dict.fromkeys(("title", "command", "simulated", "plant", "verdict", "no_film"), "x")
+    empty = {
+        key: [] for key in ("story", "fmus", "metrics", "settings", "injected", "charts", "views", "undrawn")
+    }
+    told = {"measured": "2 um", "limit": "<= 3 um", "source": "our choice", "origin": "choice"}
+    more = {**texts, **empty, "passed": True, "film": "", "still": "eA=="}
+    return {**chapter(name, *({**told, **claim} for claim in claims)), **more}
+
+
+def test_a_page_begins_with_cards_and_the_nominal_scenarios() -> None:
+    chapters = [written("lag", claim("a `b`")), written("lag/slow", claim("c")), written("cart", claim("d"))]
+    content = html.fromstring(page.text("Title", chapters))
+    cards = content.find_class("loop")
+    assert [card.get("href") for card in cards] == ["#loop-lag", "#loop-cart"]
+    assert "2 um a b (<= 3 um)" in " ".join(cards[0].text_content().split())
+    assert "2 of 2 criteria hold in 2 scenarios" in " ".join(cards[0].text_content().split())
+    # the picture stands once in the page, in the chapter
+    assert [image.get("data-still") for card in cards for image in card.iter("img")] == [
+        "chapter-0",
+        "chapter-2",
+    ]
+    rows = content.get_element_by_id("table").xpath("tbody/tr")
+    assert [(row.get("data-which"), "hidden" in row.attrib) for row in rows] == [
+        ("nominal", False), ("", True), ("nominal", False),
+    ]  # fmt: skip
+    assert content.xpath("//select[@name='which']/option")[0].get("value") == "nominal"
+    # variants are a click away
+    assert [part.get("id") for part in content.xpath("//details[@class='variants']/details")] == ["chapter-1"]
+    alone = html.fromstring(page.text("Title", [written("lag", claim("a"))]))
+    assert alone.xpath("//select[@name='which']") == []
+
+
 def test_words_have_code_and_emphasis_and_neither_links_nor_html() -> None:
     told = page.words("`gain` is *large* [here](http://a.b) <b>x</b> and mu_static_max")
     assert told == (
