@@ -276,10 +276,10 @@ def test_a_path_with_an_error_is_drawn_beside_where_it_should_be() -> None:
     wanted, drawn = lines(chart, trace).items()
     assert wanted[0] == "as it should be"
     assert wanted[1][1] == pytest.approx(wanted[1][0], abs=1e-9)
-    assert drawn[0] == "tip, its error 100000 x larger"
+    assert drawn[0] == "tip, its error 200000 x larger"
     first, last = (np.array(drawn[1])[:, place] for place in (0, -1))
     assert first[1] - first[0] == pytest.approx(0.0, abs=1e-6)
-    assert last[1] - last[0] == pytest.approx(0.2 * 2**0.5, rel=1e-3)
+    assert last[1] - last[0] == pytest.approx(0.4 * 2**0.5, rel=1e-3)
 
 
 def test_whole_numbers_are_told_at_whole_numbers() -> None:
