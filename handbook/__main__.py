@@ -1,6 +1,7 @@
 """`python -m handbook`: the site in `target/site/`, which opens without a server or a network.
 
-`python -m handbook notebooks` instead executes the notebooks of `examples/` and keeps what they give.
+`python -m handbook notebooks` instead executes the notebooks of `examples/` and keeps what they give,
+`python -m handbook stills` draws the pictures of the machines anew.
 """
 
 from __future__ import annotations
@@ -8,7 +9,7 @@ from __future__ import annotations
 import subprocess
 import sys
 
-from handbook import notebooks
+from handbook import notebooks, stills
 from handbook.pages import ROOT, gather
 
 
@@ -16,6 +17,9 @@ def main() -> int:
     """Gather the pages and build the site; anything that Zensical warns of is an error."""
     if sys.argv[1:] == ["notebooks"]:
         notebooks.store(ROOT / "examples")
+        return 0
+    if sys.argv[1:] == ["stills"]:
+        stills.store(ROOT / "docs/pictures")
         return 0
     gather(ROOT / "target/pages")
     line = [sys.executable, "-m", "zensical", "build", "--strict", "--clean"]

@@ -13,7 +13,7 @@ from typing import Any, ClassVar, NoReturn, Protocol, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim import paths
+from cosim import paths, physics
 from cosim.errors import CosimError, PlantError, closest, concerning
 from cosim.loop import own_code
 from cosim.scenario.tables import parse, parse_value, readers, show
@@ -104,6 +104,7 @@ def plant_class(name: str, folder: Path) -> Any:
     PlantError
         No such plant, file, module or class, or an MJCF file that MuJoCo cannot load.
     """
+    physics.ready()
     if not name:
         return bare(Path(importlib.import_module("plants").__path__[0], "bare", f"empty{MJCF}"))
     if name.endswith(MJCF):

@@ -11,6 +11,7 @@ from cosim.scenario.model import Chart, Scenario
 
 NEEDED = {
     "path": ("x", "y"),
+    "polar": ("x", "y"),
     "peaks": ("split", "y"),
     "array": ("x", "y"),
     "map": ("x", "y"),
@@ -19,7 +20,8 @@ NEEDED = {
 }
 """What a chart of a kind cannot do without; the others need `y`."""
 TAKEN = {
-    "path": ("x", "parts", "names", "split", "split_name", "log", "x_log"),
+    "path": ("x", "parts", "names", "error", "split", "split_name", "log", "x_log"),
+    "polar": ("x", "parts", "names", "split", "split_name", "log"),
     "spectrum": ("x", "parts", "names", "log", "x_log"),
     "peaks": ("parts", "names", "split", "log", "x_log"),
     "share": ("parts", "names", "log", "x_log"),
@@ -34,7 +36,7 @@ SOME = sorted({key for keys in TAKEN.values() for key in keys})
 
 
 def check(scenario: Scenario, columns: Mapping[str, Items | None]) -> None:
-    """Check that panels, zoom and charts of a scenario can be made of the columns of its trace.
+    """Check that panels, limits, zoom and charts of a scenario can be made of the columns of its trace.
 
     Raises
     ------
@@ -47,13 +49,21 @@ def check(scenario: Scenario, columns: Mapping[str, Items | None]) -> None:
             where = f"`plot.panels[{number}].columns`"
             if not panel.columns:
                 raise ScenarioError(f"{where} is empty", "name the columns that the panel shows")
-            for column in panel.columns:
-                if column not in columns:
-                    problem = f"{where} names `{column}`, which is no column of the trace"
-                    raise ScenarioError(problem, closest(column, columns))
+            check_columns(panel.columns, where, columns)
+    for criterion in scenario.criterion:
+        with concerning(f"criterion.{criterion.id}.columns"):
+            check_columns(criterion.columns, f"`criterion.{criterion.id}.columns`", columns)
     zoom(scenario, columns)
     with concerning("plot.charts"):
         check_charts(scenario.plot.charts, "plot.charts", columns)
+
+
+def check_columns(named: Iterable[str], where: str, columns: Mapping[str, Items | None]) -> None:
+    """Check that columns are those of the trace."""
+    for column in named:
+        if column not in columns:
+            problem = f"{where} names `{column}`, which is no column of the trace"
+            raise ScenarioError(problem, closest(column, columns))
 
 
 def check_charts(charts: Sequence[Chart], key: str, columns: Mapping[str, Items | None]) -> None:
@@ -95,6 +105,9 @@ def check_keys(chart: Chart, where: str) -> None:
         if key not in TAKEN[chart.kind] and getattr(chart, key) != getattr(plain, key):
             kinds = ", ".join(f"`{name}`" for name, keys in TAKEN.items() if key in keys)
             raise ScenarioError(f"`{where}` {kind} takes no `{key}`", f"it is for {kinds}")
+    if chart.error and (chart.split or not chart.equal):
+        problem = f"`{where}` has an `error` and {'a `split`' if chart.split else 'no `equal`'}"
+        raise ScenarioError(problem, "an error is drawn across a whole way, both axes with the same scale")
     if chart.kind == "map" and len(chart.y) != 1:
         raise ScenarioError(f"`{where}` {kind} has {len(chart.y)} `y` and takes 1", "make a map of each")
     if chart.kind == "bode" and len(chart.y) != 2:
@@ -118,7 +131,7 @@ def check_names(chart: Chart, where: str, columns: Mapping[str, Items | None]) -
                 problem = f"`{where}` names `{name}[1]`, which is no column"
                 raise ScenarioError(problem, closest(name, columns))
         return
-    for text in filter(None, (chart.x, *chart.y, *chart.parts, chart.split, chart.weight)):
+    for text in filter(None, (chart.x, *chart.y, *chart.parts, chart.error, chart.split, chart.weight)):
         Expression(text, columns, f"`{where}`")
 
 

@@ -1,1 +1,5 @@
 """Runs shown again from their traces: pictures, films and MuJoCo's viewer."""
+
+from cosim import physics
+
+physics.ready()

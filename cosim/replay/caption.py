@@ -7,9 +7,11 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from cosim.replay.motion import Recorded
-from cosim.words.quantity import number, text
+from cosim.words.quantity import PREFIXED, number, text
 
 MOST_STATES, MOST_NUMBERS = 2, 4
+STEP = 1e-3
+"""Part of the largest value of a column in which it is told."""
 Line = Callable[[int], str]
 """Text for a row of the trace."""
 
@@ -56,13 +58,22 @@ def moving_truths(recorded: Recorded) -> list[str]:
 
 
 def quantity(recorded: Recorded, name: str, unit: str = "", scale: float = 1.0) -> Line:
-    """Value of a column in a row, as a panel shows it or with a prefix."""
-    column = recorded.columns[name]
+    """Value of a column in a row with the prefix that it asks for, without one as a panel shows it.
+
+    Less than a thousandth of the largest value is not told: it would flicker.
+    """
     label = name.partition(".")[2]
     own = recorded.units.get(name, "")
-    if unit or scale != 1.0:
-        return lambda row: f"{label}: {number(scale * float(column[row]), 3)} {unit}".rstrip()
-    return lambda row: f"{label}: {text(float(column[row]), own, 3)}"
+    column = recorded.columns[name]
+    least = STEP * float(np.max(np.abs(column), where=np.isfinite(column), initial=0.0)) or 1.0
+
+    def told(row: int) -> str:
+        value = 0.0 if abs(column[row]) < least else float(column[row])
+        if own not in PREFIXED and (unit or scale != 1.0):
+            return f"{label}: {number(scale * value, 3)} {unit}".rstrip()
+        return f"{label}: {text(value, own, 3)}"
+
+    return told
 
 
 def written(shown: Sequence[Line], row: int) -> list[str]:

@@ -12,7 +12,7 @@ import numpy as np
 from cosim.errors import CosimError, closest
 from cosim.replay.motion import COORDINATE, Enlarged, Motion
 from cosim.trace.columns import Array
-from cosim.words.quantity import number
+from cosim.words.quantity import number, round_down
 
 ENLARGE = "enlarge"
 """Text of an MJCF that names them."""
@@ -78,12 +78,6 @@ def patterns(motion: Motion) -> list[str]:
         return ["*"]
     begin, size = int(model.text_adr[place]), int(model.text_size[place])
     return bytes(model.text_data[begin : begin + size]).decode().rstrip("\0").split()
-
-
-def round_down(value: float) -> float:
-    """Largest of 1, 2, 5, 10, 20, ... that is not above."""
-    power = 10.0 ** math.floor(math.log10(value))
-    return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= value * (1.0 + 1e-9))
 
 
 def enlarged(motion: Motion, factors: Mapping[str, float]) -> Array:

@@ -135,20 +135,24 @@ def filmed(recorded: Recorded, moved: Motion, paced: Pace, shot: Shot) -> Iterat
 
 
 def lettered(picture: Picture, left: Sequence[str], below: Sequence[str]) -> Picture:
-    """Write into a picture: what changes above, what holds for all of it below."""
+    """Write into a picture: what changes, and below it what holds for all of the film.
+
+    Both stand above, where no controls of a player hide them.
+    """
     from PIL import Image, ImageDraw, ImageFont
 
     image = Image.fromarray(picture)
     draw = ImageDraw.Draw(image, "RGBA")
     size = max(10, picture.shape[0] // 30)
     font = ImageFont.load_default(size)
-    for texts, top in ((left, True), (below, False)):
+    y = 0
+    for texts in filter(None, (left, below)):
         box = draw.multiline_textbbox((0, 0), "\n".join(texts), font=font, spacing=size // 4)
         width, height = box[2] + size, box[3] + size
-        y = 0 if top else picture.shape[0] - height
         draw.rectangle((0, y, width, y + height), fill=(16, 22, 28, 170))
         place = (size // 2, y + size // 2 - size // 8)
         draw.multiline_text(place, "\n".join(texts), font=font, spacing=size // 4, fill="white")
+        y += height + size // 4
     return np.asarray(image)
 
 

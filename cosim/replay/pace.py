@@ -12,6 +12,8 @@ from cosim.trace.columns import Array
 
 RATE = 25
 """Pictures in a second."""
+NEAR = 0.1
+"""Part by which the pace may differ from that of the run and is nearly the same."""
 LONGEST = 3600.0
 """Longest time in which a run is shown, s."""
 
@@ -34,8 +36,8 @@ class Pace:
     @property
     def words(self) -> str:
         """How the time of the show is to that of the run."""
-        if abs(self.speed - 1.0) < 1e-3:
-            return "real time"
+        if abs(self.speed - 1.0) < NEAR:
+            return "real time" if abs(self.speed - 1.0) < 1e-3 else f"nearly real time: {self.speed:.2f} x"
         if self.speed > 1.0:
             return f"time-lapse: {self.speed:.3g} x faster"
         return f"slow motion: {1.0 / self.speed:.3g} x slower"

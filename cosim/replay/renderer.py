@@ -16,17 +16,16 @@ from numpy.typing import NDArray
 
 from cosim import extras
 from cosim.errors import CosimError, closest
+from cosim.physics import CHOICE
 from cosim.trace.columns import Array
 
 Picture = NDArray[np.uint8]
 """Red, green and blue, shape (height, width, 3)."""
 
-CHOICE = "MUJOCO_GL"
-"""Variable of the environment with which MuJoCo lets choose what draws."""
 BACKENDS = {"linux": "egl", "darwin": "cgl", "win32": "glfw"}
 HINT = (
     "on Debian or Ubuntu `apt-get install libegl1 libgl1-mesa-dri` draws without a screen; "
-    f"`{CHOICE}` chooses `egl`, `osmesa` or `glfw`"
+    f"`{CHOICE}` chooses `egl` or, with a screen, `glfw`"
 )
 DEFAULT_COLOUR = (0.5, 0.5, 0.5, 1.0)
 """What MuJoCo gives a geom that the MJCF gives none."""

@@ -70,10 +70,19 @@ def claims(result: Result) -> list[dict[str, Any]]:
     found = []
     for verdict in result.criteria:
         claim, paper, value, limit, _ = row(verdict, DIGITS)
-        entry = {"claim": claim, "paper": paper, "measured": value, "limit": limit, "passed": verdict.passed}
         origin = provenance.origin(verdict)
         found.append(
-            {**entry, "id": verdict.criterion.id, "origin": origin, "source": provenance.SOURCES[origin]}
+            {
+                "id": verdict.criterion.id,
+                "claim": claim,
+                "paper": paper,
+                "measured": value,
+                "limit": limit,
+                "passed": verdict.passed,
+                "number": not verdict.logical,
+                "origin": origin,
+                "source": provenance.SOURCES[origin],
+            }
         )
     return found
 

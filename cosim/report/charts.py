@@ -2,63 +2,62 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cosim.errors import CosimError
 from cosim.loop.result import Result
 from cosim.metrics.drawable import numbered
 from cosim.metrics.expression import Expression, Items
-from cosim.report import bode, drawing, fields, series
+from cosim.report import bode, courses, drawing, fields, polar, series
+from cosim.report.courses import Line
 from cosim.report.drawing import Cells
 from cosim.report.series import scaled
 from cosim.scenario.model import Chart, Scenario
+from cosim.show import marks
 from cosim.trace.columns import Array, Columns, InOrder
 
-MOST_POINTS = 2 * series.BUCKETS
+Limits = Mapping[str, Sequence[tuple[float, str]]]
+"""Limits on values, each with what it says, by what is drawn."""
 FEW = 60
 """Points that are marked each."""
 CELLS = 60
 """Cells of a map along its longer side."""
-ORDERS = 40
-"""Waves per turn that a spectrum over an angle shows."""
-PER_TURN = 512
-"""Samples of a turn from which they are taken."""
 STILL = 1e-6
 """Part of its size by which a value moves at most that stands still."""
-MOST_LINES = 12
-"""Lines of a path that is split; the last takes all values from there on."""
-
-
-@dataclass(frozen=True)
-class Line:
-    """One line of a chart: its points, in the units of the axes."""
-
-    name: str
-    x: Array
-    y: Array
-
-
-Evaluate = Callable[[str], Array]
+KINDS = {
+    "path": courses.path,
+    "polar": courses.path,
+    "spectrum": courses.spectrum,
+    "peaks": courses.peaks,
+    "share": courses.share,
+}
+"""What makes the lines of a kind."""
+LIMITED = ("path", "polar", "peaks", "share")
+"""Kinds that show values of `y` as they are, and so their limits."""
 
 
 def views(scenario: Scenario, result: Result) -> tuple[list[dict[str, Any]], list[str]]:
     """Make the charts of a run that have something to show as plain data; and tell what cannot be drawn."""
     items = {name: result.items.get(name) for name in result.columns}
-    return of_columns(scenario.plot.charts, result.columns, items, scenario.file.parent)
+    limits = marks.limits(scenario, result)
+    return of_columns(scenario.plot.charts, result.columns, items, scenario.file.parent, limits)
 
 
 def of_columns(
-    wanted: Sequence[Chart], columns: Columns, items: Mapping[str, Items | None], folder: Path
+    wanted: Sequence[Chart],
+    columns: Columns,
+    items: Mapping[str, Items | None],
+    folder: Path,
+    limits: Limits,
 ) -> tuple[list[dict[str, Any]], list[str]]:
     """Make the charts of a table that have something to show as plain data; and tell what cannot be drawn.
 
-    `folder` is that of the file which wants them.
+    `folder` is that of the file which wants them, `limits` are those on columns.
     """
     found, undrawn = [], []
     for chart in wanted:
@@ -74,7 +73,7 @@ def of_columns(
             elif chart.kind == "bode":
                 found += loop_of(chart, columns)
             elif drawn := lines(chart, columns, items):
-                found.append(view(chart, drawn))
+                found.append(view(chart, drawn, *limited(chart, drawn, limits)))
         except CosimError as error:
             undrawn.append(str(error))
     return found, undrawn
@@ -101,12 +100,14 @@ def axes(chart: Chart) -> dict[str, Any]:
     """Tell what a chart and its axes are called, and their kinds."""
     return {
         "title": chart.title,
-        "x_label": labelled(chart.x_label, chart.x_unit),
+        "polar": chart.kind == "polar",
+        "x_label": labelled(*across(chart)),
         "label": labelled(chart.label, chart.unit),
         "log": chart.log,
         "x_log": chart.x_log,
         "equal": chart.equal,
         "points": False,
+        "whole": False,
         "marks": [],
         "levels": [],
         "lines": [],
@@ -117,28 +118,47 @@ def axes(chart: Chart) -> dict[str, Any]:
 def view(
     chart: Chart,
     drawn: list[Line],
-    marks: Sequence[tuple[float, str]] = (),
-    levels: Sequence[float] = (),
+    places: Sequence[tuple[float, str]] = (),
+    levels: Sequence[tuple[float, str]] = (),
 ) -> dict[str, Any]:
     """One chart: its lines as numbers and as a drawing, with places of `x` and values that are marked."""
     points = all(len(line.x) <= FEW for line in drawn)
+    whole = all(np.all(line.x == np.round(line.x)) for line in drawn)
     shown = [(scaled(line.x, chart.x_log), scaled(line.y, chart.log)) for line in drawn]
+    picture = polar.chart if chart.kind == "polar" else drawing.chart
     return {
         **axes(chart),
         "points": points,
-        "marks": list(marks),
+        "whole": whole,
+        "marks": list(places),
         "levels": list(levels),
         "lines": [
             {"name": line.name, "x": series.packed(x), "y": series.packed(y)}
             for line, (x, y) in zip(drawn, shown, strict=True)
         ],
-        "svg": drawing.chart(
+        "svg": picture(
             shown,
-            drawing.Kind(chart.x_log, chart.log, chart.equal, points),
-            [(float(scaled(np.array([x]), chart.x_log)[0]), text) for x, text in marks],
-            scaled(np.array(levels), chart.log).tolist(),
+            drawing.Kind(chart.x_log, chart.log, chart.equal, points, whole),
+            [(float(scaled(np.array([x]), chart.x_log)[0]), text) for x, text in places],
+            [(float(scaled(np.array([y]), chart.log)[0]), text) for y, text in levels],
         ),
     }
+
+
+def limited(
+    chart: Chart, drawn: Sequence[Line], limits: Limits
+) -> tuple[list[tuple[float, str]], list[tuple[float, str]]]:
+    """Limits on what a chart draws, as places of `x` and as values; those that do not make it flat."""
+    found = dict.fromkeys(
+        (chart.scale * limit, told)
+        for name in chart.y
+        for limit, told in limits.get(name, ())
+        if chart.kind in LIMITED and not (chart.log and limit <= 0.0)
+    )
+    if chart.kind == "share":
+        own = {(chart.x_scale / chart.scale * limit, told): None for limit, told in found}
+        return marks.seen([*own], [line.x for line in drawn]), []
+    return [], marks.seen([*found], [line.y for line in drawn])
 
 
 def loop_of(chart: Chart, trace: Columns) -> list[dict[str, Any]]:
@@ -151,7 +171,7 @@ def loop_of(chart: Chart, trace: Columns) -> list[dict[str, Any]]:
     if found is None:
         return []
     margins = (found.phase_margin(), True), (found.gain_margin(), False)
-    marks = [
+    marked = [
         (chart.x_scale * margin.frequency, bode.told(margin, chart.x_scale, chart.x_unit, is_phase))
         for margin, is_phase in margins
         if margin is not None
@@ -165,8 +185,8 @@ def loop_of(chart: Chart, trace: Columns) -> list[dict[str, Any]]:
         view(
             replace(chart, title=f"{chart.title}: {name}", label=name, unit=unit, x_log=True, log=log),
             [Line(name, places, values)],
-            marks,
-            [level],
+            marked,
+            [(level, "")],
         )
         for name, unit, log, values, level in drawn
     ]
@@ -207,6 +227,13 @@ def summed(chart: Chart, trace: Columns, items: Mapping[str, Items | None]) -> C
     return Cells(chart.x_scale * across, chart.scale * up, found.T / found.max())
 
 
+def across(chart: Chart) -> tuple[str, str]:
+    """Tell what the axis of `x` shows, and its unit; of a spectrum it is known."""
+    if chart.x_label or chart.kind != "spectrum":
+        return chart.x_label, chart.x_unit
+    return ("waves per turn", "") if chart.x else ("frequency", chart.x_unit or "Hz")
+
+
 def labelled(label: str, unit: str) -> str:
     """Text of an axis."""
     return f"{label} ({unit})" if unit and label else label or unit
@@ -221,13 +248,12 @@ def lines(chart: Chart, trace: Columns, items: Mapping[str, Items | None]) -> li
         return evaluated(text, chart, table, items)
 
     if chart.kind == "array":
-        found = [array(name, chart, trace) for name in chart.y]
+        found = [courses.array(name, chart, trace) for name in chart.y]
     elif chart.kind == "roc":
         quiet, sought = (value(part) != 0.0 for part in chart.parts)
         named = zip(chart.y, chart.names or chart.y, strict=True)
-        found = [line for y, name in named for line in roc(name, value(y), quiet, sought)]
+        found = [line for y, name in named for line in courses.roc(name, value(y), quiet, sought)]
     else:
-        kind = {"path": path, "spectrum": spectrum, "peaks": peaks, "share": share}[chart.kind]
         masks = [value(part) != 0.0 for part in chart.parts] or [np.ones(rows, dtype=bool)]
         pairs = [(name, mask) for name in chart.y for mask in masks]
         names = chart.names or [
@@ -238,7 +264,7 @@ def lines(chart: Chart, trace: Columns, items: Mapping[str, Items | None]) -> li
         found = [
             line
             for (text, mask), name in zip(pairs, names, strict=True)
-            for line in kind(chart, name, value(text), mask, value, trace)
+            for line in KINDS[chart.kind](chart, name, value(text), mask, value, trace)
         ]
     return [
         Line(line.name, chart.x_scale * line.x, chart.scale * line.y)
@@ -254,104 +280,3 @@ def stands(x: Array, y: Array) -> bool:
         [np.ptp(each[known]) > STILL * np.abs(each[known]).max() for each in (x, y)] if known.any() else []
     )
     return not any(moved) and np.count_nonzero(known) != 1
-
-
-def path(chart: Chart, name: str, y: Array, mask: Any, value: Evaluate, trace: Columns) -> list[Line]:
-    """One value over another in the order of the rows, a line for each value of the split."""
-    x = value(chart.x)
-    if not chart.split:
-        return [Line(name, *few(x[mask], y[mask]))]
-    split = value(chart.split)
-    turns = np.unique(split[mask & np.isfinite(split)])
-    last = turns[min(len(turns), MOST_LINES) - 1] if len(turns) else np.nan
-    several = len(chart.y) > 1 or len(chart.parts) > 1
-    found = []
-    for turn in turns[:MOST_LINES]:
-        rest = turn == last and len(turns) > MOST_LINES
-        rows = mask & (split >= turn if rest else split == turn)
-        told = f"{chart.split_name} {turn:g}{' and on' if rest else ''}".strip()
-        told = f"{name}, {told}" if several else told
-        found.append(Line(told, *few(x[rows], y[rows])))
-    return found
-
-
-def few(x: Array, y: Array) -> tuple[Array, Array]:
-    """As many points as can be seen: in equal steps the rows with the least and the largest `x` and `y`."""
-    if len(y) <= MOST_POINTS:
-        return x, y
-    rows = np.unique(np.concatenate([series.extremes(each, MOST_POINTS // 4) for each in (x, y)]))
-    return x[rows], y[rows]
-
-
-def spectrum(chart: Chart, name: str, y: Array, mask: Any, value: Evaluate, trace: Columns) -> list[Line]:
-    """Amplitudes by frequency in Hz, or by waves per turn over an angle, of whole turns without the mean.
-
-    Both are those of the longest stretch without a gap.
-    """
-    if not chart.x:
-        rows = unbroken(mask & np.isfinite(y))
-        times = trace["time"][rows]
-        return [by_frequency(name, times, y[rows])] if len(times) > 3 else []
-    angle = value(chart.x)
-    rows = unbroken(mask)
-    rows = rows[np.isfinite(angle[rows]) & np.isfinite(y[rows])]
-    angle, y = np.abs(angle[rows] - angle[rows][:1]), y[rows]
-    turns = int(angle[-1] / (2.0 * np.pi)) if len(angle) else 0
-    if turns < 1 or np.any(np.diff(angle) < 0.0):
-        return []
-    # the last turns: what came before may not have settled
-    places = angle[-1] - 2.0 * np.pi * np.arange(turns * PER_TURN)[::-1] / PER_TURN
-    waves = np.abs(np.fft.rfft(np.interp(places, angle, y))) * 2.0 / len(places)
-    orders = np.arange(1, ORDERS + 1)
-    return [Line(name, orders.astype(float), waves[orders * turns])]
-
-
-def unbroken(mask: Any) -> NDArray[np.int64]:
-    """Rows of the longest stretch without a gap of those that a mask has."""
-    rows = np.flatnonzero(mask)
-    return max(np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1), key=len)
-
-
-def by_frequency(name: str, times: Array, y: Array) -> Line:
-    """Amplitudes of sines under a Hann window: a sine between two frequencies has up to 15 % less."""
-    window = np.hanning(len(y))
-    waves = np.abs(np.fft.rfft((y - y.mean()) * window)) * 2.0 / window.sum()
-    frequencies = np.fft.rfftfreq(len(y), float(times[1] - times[0])).astype(np.float64)
-    return Line(name, *few(frequencies[1:], waves[1:]))
-
-
-def peaks(chart: Chart, name: str, y: Array, mask: Any, value: Evaluate, trace: Columns) -> list[Line]:
-    """Largest absolute value for each value of the split."""
-    split = value(chart.split)
-    turns = np.unique(split[mask & np.isfinite(split)])
-    return [Line(name, turns, np.array([np.max(np.abs(y[mask & (split == turn)])) for turn in turns]))]
-
-
-def share(chart: Chart, name: str, y: Array, mask: Any, value: Evaluate, trace: Columns) -> list[Line]:
-    """Share of the rows in which a value is at most that."""
-    found = np.sort(y[mask & np.isfinite(y)])
-    if not len(found):
-        return []
-    at = np.unique(np.linspace(0, len(found) - 1, MOST_POINTS).astype(int))
-    return [Line(name, found[at], (at + 1) / len(found))]
-
-
-def roc(name: str, y: Array, quiet: Any, sought: Any) -> list[Line]:
-    """Share of the rows sought above a threshold, over that of the quiet ones, for all thresholds."""
-    air, contact = (np.sort(y[rows & np.isfinite(y)]) for rows in (quiet, sought))
-    if not len(air) or not len(contact):
-        return []
-    # from the largest down, and beyond both
-    thresholds = np.append(np.unique(np.concatenate([air, contact]))[::-1], -np.inf)
-    thresholds = thresholds[np.unique(np.linspace(0, len(thresholds) - 1, MOST_POINTS).astype(int))]
-    above = [1.0 - np.searchsorted(each, thresholds, side="right") / len(each) for each in (air, contact)]
-    return [Line(name, above[0], above[1])]
-
-
-def array(name: str, chart: Chart, trace: Columns) -> Line:
-    """Last row of an array over that of another; what was never set, 0 on the axis of x, is left out."""
-    x, y = (np.array([trace[one][-1] for one in numbered(each, trace)]) for each in (chart.x, name))
-    count = min(len(x), len(y))
-    set_ = x[:count] != 0.0
-    label = dict(zip(chart.y, chart.names, strict=False)).get(name, name)
-    return Line(label, x[:count][set_], y[:count][set_])

@@ -18,7 +18,7 @@ WIDTH, HEIGHT = 1200, 300
 LEFT, RIGHT, TOP, BOTTOM = 130, 16, 14, 46
 COLOURS = 8
 """Colours of the style sheet, each with its own dashes."""
-POINTS = 150
+POINTS = 100
 LEAST = 0.02
 """Part of the largest sum from which on a cell is drawn."""
 SHADES = 20
@@ -45,15 +45,17 @@ class Frame:
         low, high = self.y
         return TOP + (self.height - TOP - BOTTOM) * (high - y) / (high - low)
 
-    def grid(self, named: Sequence[tuple[float, str]], log: bool, x_log: bool = False) -> Iterator[str]:
-        """Lines and numbers at round values; or the names of values."""
+    def grid(
+        self, named: Sequence[tuple[float, str]], log: bool, x_log: bool = False, whole: bool = False
+    ) -> Iterator[str]:
+        """Lines and numbers at round values, of whole numbers at such; or the names of values."""
         for value, name in named or [
             (tick, label(10.0**tick if log else tick)) for tick in ticks(*self.y, 4)
         ]:
             at = self.down(value)
             yield f'<path class="grid" d="M{LEFT} {at:.0f}H{WIDTH - RIGHT}"/>'
             yield f'<text class="y" x="{LEFT - 8}" y="{at + 7:.0f}">{escape(name)}</text>'
-        for tick in ticks(*self.x, 6):
+        for tick in ticks(*self.x, 6, 1.0 if whole else 0.0):
             shown = label(10.0**tick if x_log else tick)
             yield f'<text class="x" x="{self.across(tick):.0f}" y="{self.height - 16}">{shown}</text>'
 
@@ -112,19 +114,22 @@ class Kind:
         Whether both axes have the same scale.
     points
         Whether every point is marked.
+    whole
+        Whether `x` are whole numbers.
     """
 
     x_log: bool = False
     log: bool = False
     equal: bool = False
     points: bool = False
+    whole: bool = False
 
 
 def chart(
     lines: Sequence[tuple[Array, Array]],
     kind: Kind,
     marks: Sequence[tuple[float, str]] = (),
-    levels: Sequence[float] = (),
+    levels: Sequence[tuple[float, str]] = (),
 ) -> str:
     """Draw values over others, both as the axes take them.
 
@@ -133,14 +138,16 @@ def chart(
     marks
         Places of `x` that are marked, with words.
     levels
-        Values that are marked.
+        Values that are marked, with words.
     """
-    ends = extent([*(y for _, y in lines), np.array(levels, dtype=float)])
-    frame = framed(extent([x for x, _ in lines]), ends, kind.equal)
-    parts = list(frame.grid([], kind.log, kind.x_log))
-    parts += [
-        f'<path class="limit" d="M{LEFT} {frame.down(level):.0f}H{WIDTH - RIGHT}"/>' for level in levels
-    ]
+    ends = extent([*(y for _, y in lines), np.array([level for level, _ in levels], dtype=float)])
+    sides = extent([*(x for x, _ in lines), np.array([place for place, _ in marks], dtype=float)])
+    frame = framed(sides, ends, kind.equal)
+    parts = list(frame.grid([], kind.log, kind.x_log, kind.whole))
+    for level, words in levels:
+        at = frame.down(level)
+        parts.append(f'<path class="limit" d="M{LEFT} {at:.0f}H{WIDTH - RIGHT}"/>')
+        parts.append(f'<text class="mark" x="{WIDTH - RIGHT}" y="{at - 6:.0f}">{escape(words)}</text>')
     for i, (place, words) in enumerate(marks):
         at = f"{frame.across(place):.0f}"
         parts.append(f'<path class="event" d="M{at} {TOP}V{CHART - BOTTOM}"/>')
@@ -209,7 +216,7 @@ def framed(x: tuple[float, float], y: tuple[float, float], equal: bool) -> Frame
     return Frame((across - half, across + half), (up - half / wide, up + half / wide), CHART)
 
 
-def course(x: Array, y: Sequence[float]) -> str:
+def course(x: Array, y: Array) -> str:
     """Path through points, interrupted where there is no number; a line that goes on level has two points."""
     pieces: list[list[tuple[int, int]]] = [[]]
     for across, down in zip(x, y, strict=True):
@@ -235,13 +242,13 @@ def extent(lines: Sequence[Array]) -> tuple[float, float]:
     return low - room, high + room
 
 
-def ticks(low: float, high: float, count: int) -> list[float]:
-    """Round numbers between two limits, about so many."""
+def ticks(low: float, high: float, count: int, least: float = 0.0) -> list[float]:
+    """Round numbers between two limits, about so many, at least so far apart."""
     raw = (high - low) / count
     if not (raw > 0.0 and math.isfinite(raw)):
         return [low]
     power = 10.0 ** math.floor(math.log10(raw))
-    step = next(m * power for m in (1.0, 2.0, 5.0, 10.0) if m * power >= raw * (1.0 - 1e-9))
+    step = max(least, next(m * power for m in (1.0, 2.0, 5.0, 10.0) if m * power >= raw * (1.0 - 1e-9)))
     first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
     return [n * step for n in range(first, last + 1)]
 

@@ -12,7 +12,7 @@ from cosim.pool.job import Bench, Job
 from cosim.words import strict
 from cosim.writing import write
 
-FILM_SIZE = (480, 360)
+FILM_SIZE = (800, 600)
 """Width and height of a film on the page, pixels."""
 FILM_SECONDS = 6.0
 

@@ -6,18 +6,19 @@ import base64
 import functools
 import gzip
 import html
+import itertools
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from cosim import extras, paths
 from cosim.errors import CosimError
+from cosim.report import sections
 from cosim.report.provenance import SOURCES
+from cosim.report.sections import Chapter
 from cosim.words import strict
 from cosim.words.versions import PROJECT, version
 
-Chapter = dict[str, Any]
-"""What is told of one scenario, see `chapter.chapter`."""
 FOLDER = Path(__file__).parent / "templates"
 DISTRIBUTIONS = {"cosim": PROJECT, "FMPy": "fmpy", "MuJoCo": "mujoco-core", "numpy": "numpy"}
 """What computes the numbers, with its distribution."""
@@ -56,7 +57,7 @@ def text(
     sweeps
         What is told of each sweep, see `sweeps.told`.
     documents
-        Name and HTML of each document, see `document`.
+        Name, HTML and loop of each document, see `document`.
     """
     check()
     import jinja2
@@ -68,15 +69,17 @@ def text(
         lstrip_blocks=True,
         undefined=jinja2.StrictUndefined,
     )
+    environment.filters["words"] = words
     claims = [claim for chapter in chapters for claim in chapter["claims"]]
+    parts = sections.made(chapters, sweeps, documents)
     return environment.get_template("page.html").render(
         title=title,
-        loops=grouped(chapters),
+        loops=parts,
         claims=len(claims),
         held=sum(claim["passed"] for claim in claims),
         errors=errors,
-        sweeps=[{**sweep, "number": number} for number, sweep in enumerate(sweeps, start=len(chapters))],
-        documents=documents,
+        sweeps=[sweep for part in parts for sweep in part.sweeps],
+        documents=[one for one in documents if all(one not in part.documents for part in parts)],
         versions={name: version(of) for name, of in DISTRIBUTIONS.items() if version(of)},
         style=(FOLDER / "page.css").read_text(encoding="utf-8"),
         script=(FOLDER / "page.js").read_text(encoding="utf-8"),
@@ -86,17 +89,10 @@ def text(
     )
 
 
-def grouped(chapters: Sequence[Chapter]) -> dict[str, list[Chapter]]:
-    """Chapters by their loop, numbered as their views are."""
-    found: dict[str, list[Chapter]] = {}
-    for number, chapter in enumerate(chapters):
-        found.setdefault(chapter["loop"], []).append({**chapter, "number": number})
-    return found
-
-
 def plain(chapter: Chapter) -> dict[str, Any]:
     """Take charts and views of a chapter or sweep without their drawings, which the page itself holds."""
-    charts = [{k: v for k, v in chart.items() if k != "svg"} for chart in chapter["charts"]]
+    drawn = (*chapter["charts"], *chapter.get("distributions", ()))
+    charts = [{k: v for k, v in chart.items() if k != "svg"} for chart in drawn]
     views = [
         {**view, "panels": [{k: v for k, v in panel.items() if k != "svg"} for panel in view["panels"]]}
         for view in chapter.get("views", ())
@@ -120,6 +116,8 @@ def compressed(content: str) -> str:
 def document(file: Path) -> dict[str, str]:
     """Document in Markdown as a part of the page; HTML in it is shown and not taken.
 
+    Its tables tell in each cell what its column is called, for screens too narrow for a table.
+
     Raises
     ------
     CosimError
@@ -135,7 +133,34 @@ def document(file: Path) -> dict[str, str]:
         raise CosimError(f"cannot read `{paths.shown(file)}`: {reason}") from None
     heading = next((line.lstrip("# ") for line in content.splitlines() if line.startswith("# ")), file.stem)
     renderer = MarkdownIt("commonmark", {"html": False}).enable("table")
-    body = renderer.render(content)
+    tokens = renderer.parse(content)
+    label(tokens)
+    body = renderer.renderer.render(tokens, renderer.options, {})
     # the page has the heading already
     shown = body.replace(f"<h1>{html.escape(heading)}</h1>", "", 1)
-    return {"name": heading, "html": shown}
+    return {"name": heading, "loop": file.stem, "html": shown}
+
+
+def label(tokens: Sequence[Any]) -> None:
+    """Give each cell of a table what stands at the head of its column."""
+    heads: list[str] = []
+    for token, following in itertools.pairwise(tokens):
+        if token.type == "table_open":
+            heads = []
+            token.attrSet("class", "cards")
+        elif token.type == "th_open":
+            heads.append(following.content)
+        elif token.type == "tr_open":
+            column = 0
+        elif token.type == "td_open":
+            token.attrSet("data-label", heads[column])
+            column += 1
+
+
+def words(content: str) -> Any:
+    """Line of Markdown as HTML: code and emphasis, while links and HTML are shown as they are."""
+    from markdown_it import MarkdownIt
+    from markupsafe import Markup
+
+    plain = ("link", "image", "autolink", "html_inline")
+    return Markup(MarkdownIt("commonmark").disable([*plain]).renderInline(content))

@@ -2,21 +2,31 @@
 
 from __future__ import annotations
 
-import base64
 import shlex
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from cosim import paths
-from cosim.report import charts
+from cosim.metrics import criteria
+from cosim.report import charts, courses
+from cosim.report.courses import Line
+from cosim.scenario.model import Chart
+from cosim.show import marks
 from cosim.show.figure import can_plot
-from cosim.sweep import overview, study
+from cosim.sweep import influence, overview, study
 from cosim.sweep.check import check_charts
 from cosim.sweep.command import Options, run_study
 from cosim.sweep.plan import Plan
-from cosim.sweep.store import Store, folder_of
-from cosim.sweep.survey import QUANTILES, Survey, columns, quantiles, results
-from cosim.words.quantity import text
+from cosim.sweep.runner import worst
+from cosim.sweep.store import DONE, Store, folder_of
+from cosim.sweep.survey import QUANTILES, Survey, columns, quantiles, quantities, results
+from cosim.words.quantity import prefixed, text
+
+Table = dict[str, Any]
+"""Names of the columns, and rows of texts."""
 
 
 def check(file: Path) -> None:
@@ -37,38 +47,94 @@ def told(file: Path, workers: int | None, engine: str, quiet: bool) -> dict[str,
 
     def tell(plan: Plan, store: Store, found: Survey) -> dict[str, Any]:
         known = columns(plan.scenario, plan.cases)
-        drawn, undrawn = charts.of_columns(plan.study.charts, results(found, known), known, file.parent)
-        drawing = store.folder / "summary.svg"
+        drawn, undrawn = charts.of_columns(plan.study.charts, results(found, known), known, file.parent, {})
+        runs = worst(plan, found)
         return {
             "name": file.stem,
+            "scenario": plan.scenario.name,
             "title": plan.study.title or plan.study.name,
             "story": [part for part in plan.study.description.split("\n\n") if part.strip()],
-            "command": f"cosim sweep {shlex.quote(str(file))}",
+            "command": f"cosim sweep {shlex.quote(paths.shown(file))}",
             "verdict": overview.verdict(found).plain,
+            "short": short(found),
             "passed": found.passed,
-            "tables": tables(found),
+            "tables": [*tables(plan, found), *worst_runs(plan, found, runs)],
+            "repeat": [plan.command(plan.runs[run]) for run in runs],
             "charts": drawn,
+            "distributions": [*distributions(plan, found)],
             "undrawn": undrawn,
-            "drawing": base64.b64encode(drawing.read_bytes()).decode() if drawing.is_file() else "",
         }
 
     return run_study(options, tell)
 
 
-def tables(found: Survey) -> list[dict[str, Any]]:
-    """Criteria, distributions of the metrics, and what gave no result; only those that hold something."""
-    held = [(name, f"{count} of {found.results}") for name, count in found.held.items()]
+def short(found: Survey) -> str:
+    """How many runs pass, or were done where nothing is demanded."""
+    if found.passed is None:
+        return f"{found.rows} runs"
+    return f"{found.statuses['passed']} of {found.wanted} runs pass"
+
+
+def tables(plan: Plan, found: Survey) -> Iterator[Table]:
+    """Criteria, distributions and sensitivity of the metrics, and what gave no result; only what there is."""
+    claims = {entry.id: entry.claim for entry in plan.scenario.criterion}
+    held = [(name, f"{count} of {found.results}", claims.get(name, "")) for name, count in found.held.items()]
     spread = [
         (name, *(text(value, found.units[name]) for value in quantiles(values).values()))
-        for name, values in found.values.items()
+        for name, values in quantities(found).items()
     ]
+    moved = [[cell.plain for cell in row] for row in influence.rows(found.influences)]
     lost = [
         (status, str(count), str(first), reason)
         for (status, reason), (count, first) in found.troubles.items()
     ]
     every = (
-        (("criterion", "holds in"), held),
+        (("criterion", "holds in", "claim"), held),
         (("metric", *QUANTILES), spread),
+        (("sensitivity of", *influence.ranked_keys(found.influences)[: influence.MOST_KEYS]), moved),
         (("without result", "runs", "first run", "reason"), lost),
     )
-    return [{"names": names, "rows": rows} for names, rows in every if rows]
+    yield from ({"names": names, "rows": rows} for names, rows in every if rows)
+
+
+def worst_runs(plan: Plan, found: Survey, runs: list[int]) -> Iterator[Table]:
+    """Worst runs by the metric that the study names."""
+    name = plan.study.traces.metric
+    if runs:
+        values = dict(zip(found.columns["run"], found.columns[f"metric.{name}"], strict=True))
+        rows = [(str(run), text(values[run], found.units.get(name, ""))) for run in runs]
+        yield {"names": ("worst run", name), "rows": rows}
+
+
+def distributions(plan: Plan, found: Survey) -> Iterator[dict[str, Any]]:
+    """Share of the runs up to each value of the metrics that are judged, of those that failed apart."""
+    done = np.isin(found.columns["status"], DONE)
+    failed = (np.array(found.columns["status"]) == "failed")[done]
+    described = {metric.name: metric.description for metric in plan.scenario.metric}
+    for name in overview.drawn_metrics(plan.scenario, found):
+        values = np.array(found.columns[f"metric.{name}"], dtype=np.float64)[done]
+        known = np.isfinite(values)
+        unit, scale = prefixed(found.units[name], float(np.max(np.abs(values[known]))))
+        parts = {"all criteria hold": ~failed, "some do not": failed}
+        lines = [
+            Line(f"{words} ({np.count_nonzero(part)})", scale * x, share)
+            for words, part in parts.items()
+            for x, share in courses.cumulative(values[part])
+        ]
+        limits = [
+            (scale * place, marks.told(entry, relation, limit, entry.unit or found.units[name]))
+            for entry in plan.scenario.criterion
+            if entry.metric == name
+            for place, (relation, limit) in zip(
+                criteria.drawn(entry, found.units[name]), criteria.relations(entry), strict=False
+            )
+        ]
+        chart = Chart(
+            "share",
+            (name,),
+            title=described[name] or name,
+            x_label=name,
+            x_unit="" if unit == "1" else unit,
+            label="share of the runs up to there",
+        )
+        yield charts.view(chart, lines, marks.seen(limits, [line.x for line in lines]))

@@ -194,6 +194,9 @@ class Criterion:
     source
         Where the limit comes from: the `paper`, a `prediction` of the models, or a `choice`; empty leaves it
         to what `paper` says.
+    columns
+        Columns on which plots draw the limit; one on a single value of a column, such as its largest, needs
+        none.
     """
 
     id: str
@@ -205,6 +208,7 @@ class Criterion:
     minimum: float | None = limited(NOT_NAN, None)
     maximum: float | None = limited(NOT_NAN, None)
     equals: float | bool | None = limited(NOT_NAN, None)
+    columns: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -225,7 +229,8 @@ class Chart:
     Parameters
     ----------
     kind
-        `path` draws each `y` over `x`, row by row; `spectrum` the amplitudes of each `y` by the frequency or,
+        `path` draws each `y` over `x`, row by row; `polar` does with `y` as the distance from the middle and
+        `x` as the angle in rad; `spectrum` the amplitudes of each `y` by the frequency or,
         with an angle in rad as `x`, by the waves per turn, of the longest stretch of rows without a gap;
         `peaks` the largest absolute `y` of each value of `split`; `share` the share of rows in which `y` is
         at most that; `roc` for each threshold the share of rows of the second part in which `y` is above it,
@@ -248,10 +253,13 @@ class Chart:
         name of each map the edges of its cells along x and along y and their values, shape (y, x).
     closed
         Whether the response of a `bode` is that of the closed loop T, whose open loop is T / (1 - T).
+    error
+        Expression, how far a `path` is to the left of where it should be, in the unit of `x` and `y`: the way
+        that it should be is drawn, and beside it the error as many times larger as is needed to see it.
     split
-        Expression; its values in turn make the lines of a `path`, and the points of `peaks`.
+        Expression; its values in turn make the lines of a `path` or `polar`, and the points of `peaks`.
     split_name
-        What the lines of a `path` are called, before the value.
+        What these lines are called, before the value.
     label, x_label
         What the axes show, before the units.
     title
@@ -266,7 +274,7 @@ class Chart:
         Logarithmic axes.
     """
 
-    kind: Literal["path", "spectrum", "peaks", "share", "roc", "array", "map", "bode", "field"]
+    kind: Literal["path", "polar", "spectrum", "peaks", "share", "roc", "array", "map", "bode", "field"]
     y: tuple[str, ...]
     title: str = ""
     x: str = ""
@@ -275,6 +283,7 @@ class Chart:
     weight: str = "1"
     function: str = ""
     closed: bool = False
+    error: str = ""
     split: str = ""
     split_name: str = ""
     label: str = ""

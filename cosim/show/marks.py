@@ -8,10 +8,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cosim.errors import ExpressionError
 from cosim.fmu.archive import DisplayUnit
 from cosim.loop.result import Result
 from cosim.metrics import criteria
-from cosim.scenario.model import Panel, Scenario
+from cosim.metrics.expression import Expression
+from cosim.metrics.units import conversion
+from cosim.scenario.model import Criterion, Panel, Scenario
 from cosim.trace.columns import Array
 from cosim.words.quantity import text
 
@@ -52,34 +55,48 @@ def events(scenario: Scenario, result: Result) -> list[tuple[float, str]]:
 def limits(scenario: Scenario, result: Result) -> dict[str, list[tuple[float, str]]]:
     """Limits on a column in its own unit, each with what it says, by the name of the column.
 
-    A criterion limits a column if its metric is a single value of it, such as its largest in some rows, or of
-    its absolute value; then it is a limit on both sides.
+    A criterion limits a column if it names it, or if its metric is a single value of it, such as its largest
+    in some rows, or of its absolute value, times a number; of the absolute value it limits both sides.
     """
     values = {metric.name: metric.value for metric in scenario.metric}
     found: dict[str, list[tuple[float, str]]] = {}
     for verdict in result.criteria:
         criterion = verdict.criterion
-        column, both = limited(values.get(criterion.metric, ""), result.units)
         measured = result.metrics.get(criterion.metric)
-        if not column or measured is None:
+        if measured is None:
             continue
+        factors = {
+            name: conversion(result.units.get(name, ""), measured.unit) or 1.0 for name in criterion.columns
+        }
+        column, factor, both = limited(values.get(criterion.metric, ""), result.units)
+        if column:
+            factors[column] = factor
         drawn = criteria.drawn(criterion, measured.unit)
         for place, (relation, limit) in zip(drawn, verdict.limits, strict=False):
-            told = f"{criterion.id} {relation} {text(limit, verdict.unit, 3)}"
-            found.setdefault(column, []).append((place, told))
-            if both:
-                found[column].append((-place, ""))
+            words = told(criterion, relation, limit, verdict.unit)
+            for name, factor in factors.items():
+                found.setdefault(name, []).append((place / factor, words))
+                if both:
+                    found[name].append((-place / factor, ""))
     return found
 
 
-def limited(value: str, columns: Mapping[str, str]) -> tuple[str, bool]:
-    """Column of which a metric is a single value, and whether of its absolute value; no column for others."""
+def told(criterion: Criterion, relation: str, limit: float, unit: str) -> str:
+    """Say what a limit demands."""
+    return f"{criterion.id} {relation} {text(limit, unit, 3)}"
+
+
+def limited(value: str, columns: Mapping[str, str]) -> tuple[str, float, bool]:
+    """Column of which a metric is a single value, times which number, and whether of its absolute value.
+
+    There is no column for a single value of something else, nor for any other metric.
+    """
     try:
-        tree = ast.parse(value.strip(), mode="eval").body
+        tree, factor = without_factor(ast.parse(value.strip(), mode="eval").body)
     except SyntaxError:
-        return "", False
+        return "", 1.0, False
     if not isinstance(tree, ast.Call) or getattr(tree.func, "id", "") not in SHOWN_AS_THEY_ARE:
-        return "", False
+        return "", factor, False
     both = False
     inner = tree.args[0] if tree.args else tree
     while ast.unparse(inner) not in columns:
@@ -88,17 +105,46 @@ def limited(value: str, columns: Mapping[str, str]) -> tuple[str, bool]:
         elif isinstance(inner, ast.Call) and getattr(inner.func, "id", "") == "abs" and inner.args:
             inner, both = inner.args[0], True
         else:
-            return "", False
-    return ast.unparse(inner), both
+            return "", factor, both
+    return ast.unparse(inner), factor, both
+
+
+def without_factor(tree: ast.expr) -> tuple[ast.expr, float]:
+    """Take an expression apart into what varies and the number that it is multiplied by."""
+    factor = 1.0
+    while isinstance(tree, ast.BinOp) and isinstance(tree.op, ast.Mult | ast.Div):
+        left, right = number(tree.left), number(tree.right)
+        if right:
+            factor = factor * right if isinstance(tree.op, ast.Mult) else factor / right
+            tree = tree.left
+        elif left and isinstance(tree.op, ast.Mult):
+            factor *= left
+            tree = tree.right
+        else:
+            break
+    return tree, factor
+
+
+def number(tree: ast.expr) -> float:
+    """Value of an expression that names no column, such as `180 / pi`; 0 for others."""
+    try:
+        return float(Expression(ast.unparse(tree), {}, "")(()))
+    except ExpressionError:
+        return 0.0
 
 
 def near(panel: Panel, marked: Marked, shown: DisplayUnit, lines: Sequence[Array]) -> list[tuple[float, str]]:
     """Limits on the columns of a panel, as it shows them; one that would make its lines flat is left out."""
-    found = [
-        (shown.factor * limit + shown.offset, told)
+    found = {
+        (shown.factor * limit + shown.offset, told): None
         for name in panel.columns
         for limit, told in marked.limits.get(name, ())
-    ]
+    }
+    return seen([*found], lines)
+
+
+def seen(found: Sequence[tuple[float, str]], lines: Sequence[Array]) -> list[tuple[float, str]]:
+    """Limits that would not make lines flat."""
     finite = np.concatenate([line[np.isfinite(line)] for line in lines])
     if not finite.size:
         return []

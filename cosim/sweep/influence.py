@@ -21,15 +21,20 @@ MOST_TORNADOS = 9
 
 def table(found: list[Influence]) -> RenderableType:
     """Rank correlation of each metric with the strongest keys; bold where its interval is clear of zero."""
-    keys, metrics = ranked_keys(found), names(found)
-    by_both = {(entry.metric, entry.key): entry for entry in found}
+    keys = ranked_keys(found)
     shown = plain_table("sensitivity of", *keys[:MOST_KEYS])
-    for metric in metrics:
-        entries = [by_both[metric, key] for key in keys[:MOST_KEYS]]
-        shown.add_row(Text(metric), *(cell(entry) for entry in entries))
+    for row in rows(found):
+        shown.add_row(*row)
     if len(keys) > MOST_KEYS:
         shown.caption = f"and {len(keys) - MOST_KEYS} keys that matter less, see `sensitivity.svg`"
     return shown
+
+
+def rows(found: list[Influence]) -> list[list[Text]]:
+    """Each metric with its cells for the strongest keys."""
+    keys = ranked_keys(found)[:MOST_KEYS]
+    by_both = {(entry.metric, entry.key): entry for entry in found}
+    return [[Text(metric), *(cell(by_both[metric, key]) for key in keys)] for metric in names(found)]
 
 
 def cell(entry: Influence) -> Text:

@@ -19,7 +19,7 @@ from cosim.show.plot import and_more
 from cosim.sweep import influence
 from cosim.sweep.plan import Plan
 from cosim.sweep.store import DONE
-from cosim.sweep.survey import QUANTILES, Survey, confidence, quantiles
+from cosim.sweep.survey import QUANTILES, Survey, confidence, quantiles, quantities
 from cosim.words.quantity import number, text
 from cosim.words.verdicts import NOTHING_DEMANDED
 
@@ -36,7 +36,7 @@ def tables(plan: Plan, found: Survey, worst: list[int]) -> RenderableType:
     parts: list[RenderableType] = [Text(plan.study.title or plan.study.name, style="bold"), ""]
     if scenario.criterion and found.results:
         parts += [criteria_table(scenario, found), ""]
-    if found.values:
+    if quantities(found):
         parts += [metric_table(found), ""]
     if found.influences:
         parts += [influence.table(found.influences), ""]
@@ -73,9 +73,9 @@ def criteria_table(scenario: Scenario, found: Survey) -> RenderableType:
 
 
 def metric_table(found: Survey) -> RenderableType:
-    """Distribution of each metric."""
+    """Distribution of each metric that is more than a yes or no."""
     table = plain_table("metric", *QUANTILES, "not finite")
-    for name, values in found.values.items():
+    for name, values in quantities(found).items():
         missing = int(np.sum(~np.isfinite(values)))
         shown = [text(value, found.units[name]) for value in quantiles(values).values()]
         table.add_row(Text(name), *shown, str(missing) if missing else "")
@@ -185,7 +185,9 @@ def draw_metrics(grid: Any, plan: Plan, found: Survey, names: list[str], keys: d
     for axes, name in zip(grid, names, strict=True):
         values = np.array(columns[f"metric.{name}"], dtype=np.float64)[done]
         unit = found.units[name]
-        axes[0].hist(finite(values), bins="auto", color="tab:blue", alpha=0.7)
+        parts = [finite(values[~failed]), finite(values[failed])]
+        bins = np.histogram_bin_edges(np.concatenate(parts), "auto")
+        axes[0].hist(parts, bins=bins, stacked=True, color=["tab:blue", "tab:red"], alpha=0.7)
         axes[0].set_xlabel(f"{name} ({unit})" if unit not in ("", "1") else name)
         held = (entry for entry in scenario.criterion if entry.metric == name)
         for limit in (limit for entry in held for limit in criteria.drawn(entry, unit)):

@@ -10,7 +10,7 @@ from cosim.sweep import overview
 from cosim.sweep.command import Options, run_study
 from cosim.sweep.plan import Plan
 from cosim.sweep.store import Row, Store, folder_of
-from cosim.sweep.survey import QUANTILES, Survey, quantiles, rows
+from cosim.sweep.survey import QUANTILES, Survey, quantiles, quantities, rows
 from cosim.words import html
 from cosim.words.frame import dataframe
 from cosim.words.quantity import text
@@ -56,7 +56,7 @@ class SweepResult:
         held = [(name, f"{count} of {found.results}") for name, count in found.held.items()]
         spread = [
             (name, *(text(value, found.units[name]) for value in quantiles(values).values()))
-            for name, values in found.values.items()
+            for name, values in quantities(found).items()
         ]
         tables = [html.table(("criterion", "holds in"), held), html.table(("metric", *QUANTILES), spread)]
         return "\n".join([html.heading(self.study, overview.verdict(found).plain), *tables])

@@ -22,7 +22,7 @@ from cosim.pool.runs import ordered
 from cosim.scenario.model import Scenario
 from cosim.sweep import overview
 from cosim.sweep.store import VERDICTS
-from cosim.sweep.survey import Survey
+from cosim.sweep.survey import Survey, quantities
 
 MOST_SEEDS = 100_000
 """More seeds than these want a study, which keeps what is done."""
@@ -114,7 +114,7 @@ def tables(scenario: Scenario, found: Survey) -> RenderableType:
     parts: list[RenderableType] = [Text(f"{scenario.name}: {scenario.title}", style="bold"), ""]
     if scenario.criterion and found.results:
         parts += [overview.criteria_table(scenario, found), ""]
-    if found.values:
+    if quantities(found):
         parts += [overview.metric_table(found), ""]
     if found.troubles:
         parts += [overview.no_result_table(found, "first seed"), ""]

@@ -162,6 +162,15 @@ def quantiles(values: NDArray[np.float64]) -> dict[str, float]:
     return {name: float(np.quantile(finite, share)) for name, share in QUANTILES.items()}
 
 
+def quantities(found: Survey) -> dict[str, NDArray[np.float64]]:
+    """Values of the metrics that are more than a yes or no."""
+    return {
+        name: values
+        for name, values in found.values.items()
+        if found.units[name] not in ("", "1") or not np.all(np.isin(values[np.isfinite(values)], (0.0, 1.0)))
+    }
+
+
 def confidence(successes: int, count: int) -> tuple[float, float]:
     """Interval that holds the true rate with 95 % confidence (Wilson)."""
     if not count:

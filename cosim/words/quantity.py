@@ -43,3 +43,9 @@ def number(value: float, digits: int = 4) -> str:
     if abs(value) < 1e9 and (float(value).is_integer() or 10.0**digits <= abs(value) < 1e6):
         return f"{value:.0f}"
     return f"{value:.{digits}g}"
+
+
+def round_down(value: float) -> float:
+    """Largest of 1, 2, 5, 10, 20, ... that is not above."""
+    power = 10.0 ** math.floor(math.log10(value))
+    return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= value * (1.0 + 1e-9))

@@ -98,6 +98,7 @@ async function drawChart(figure) {
   const chart = chapters[figure.closest("[data-number]").dataset.number].charts[figure.dataset.chart];
   const place = plotOf(figure);
   const values = (entry, log) => numbers(entry).map((value) => (log && value !== null ? 10 ** value : value));
+  if (chart.polar) return drawPolar(place, chart, values);
   const lines = chart.lines.map((line, i) => ({
     x: values(line.x, chart.x_log), y: values(line.y, chart.log), name: line.name, mode: chart.points ? "lines+markers" : "lines",
     line: { width: 1.5, color: colour("--c" + (i % 8)), dash: DASHES[i % 8] }, marker: { size: 5, symbol: i },
@@ -112,18 +113,44 @@ async function drawChart(figure) {
     });
   }
   const red = colour("--no"), mark = { type: "line", line: { color: red, width: 1.5, dash: "dash" } };
+  const words = { showarrow: false, font: { size: 11, color: red }, xref: "paper", x: 1, xanchor: "right" };
   await Plotly.react(place, lines, {
     shapes: [
       ...chart.marks.map(([x]) => ({ ...mark, x0: x, x1: x, yref: "paper", y0: 0, y1: 1 })),
-      ...chart.levels.map((y) => ({ ...mark, xref: "paper", x0: 0, x1: 1, y0: y, y1: y, line: { ...mark.line, dash: "dot" } })),
+      ...chart.levels.map(([y]) => ({ ...mark, xref: "paper", x0: 0, x1: 1, y0: y, y1: y, line: { ...mark.line, dash: "dot" } })),
     ],
-    annotations: chart.marks.map(([, text], i) => ({
-      showarrow: false, font: { size: 11, color: red }, xref: "paper", x: 1, xanchor: "right", yref: "paper", y: 1 - 0.07 * i, yanchor: "top", text, bgcolor: colour("--paper"),
-    })),
+    annotations: [
+      ...chart.marks.map(([, text], i) => ({ ...words, yref: "paper", y: 1 - 0.07 * i, yanchor: "top", text, bgcolor: colour("--paper") })),
+      // on a logarithmic axis the place is the logarithm
+      ...chart.levels.map(([y, text]) => ({ ...words, y: chart.log ? Math.log10(y) : y, yanchor: "bottom", text })),
+    ],
     // margins that follow the numbers and equal scales change each other
     ...frame(), height: 360, margin: { l: 74, r: 12, t: 6, b: 44 }, hovermode: "closest",
-    xaxis: axis({ automargin: false, title: { text: chart.x_label, standoff: 4 }, type: chart.x_log ? "log" : "linear" }),
+    xaxis: axis({ automargin: false, title: { text: chart.x_label, standoff: 4 }, type: chart.x_log ? "log" : "linear", ...(chart.whole ? { dtick: between(lines.flatMap((line) => line.x)) } : {}) }),
     yaxis: axis({ automargin: false, title: { text: chart.label, standoff: 4 }, type: chart.log ? "log" : "linear", ...(chart.equal ? { scaleanchor: "x" } : {}) }),
+  }, { responsive: true, displaylogo: false, displayModeBar: false });
+}
+
+// whole numbers from one tick to the next
+const between = (x) => Math.max(1, Math.ceil((Math.max(...x) - Math.min(...x)) / 10));
+
+// values over an angle, with limits as circles
+async function drawPolar(place, chart, values) {
+  const turn = Array.from({ length: 91 }, (_, i) => 4 * i), red = colour("--no"), rule = colour("--rule");
+  const lines = chart.lines.map((line, i) => ({
+    type: "scatterpolar", r: values(line.y, chart.log), theta: numbers(line.x), thetaunit: "radians", name: line.name, mode: "lines",
+    line: { width: 1.5, color: colour("--c" + (i % 8)), dash: DASHES[i % 8] }, hovertemplate: "%{r:.4g}",
+  }));
+  const limits = chart.levels.map(([y, text]) => ({
+    type: "scatterpolar", r: turn.map(() => y), theta: turn, name: text, mode: "lines", line: { width: 2, color: red, dash: "dot" }, hoverinfo: "skip",
+  }));
+  const spokes = { gridcolor: rule, linecolor: rule };
+  await Plotly.react(place, [...lines, ...limits], {
+    ...frame(), height: 420, margin: { l: 34, r: 34, t: 60, b: 30 }, hovermode: "closest", legend: { ...frame().legend, y: 1.12 },
+    polar: {
+      bgcolor: "rgba(0,0,0,0)", angularaxis: { ...spokes, thetaunit: "degrees" },
+      radialaxis: { ...spokes, type: chart.log ? "log" : "linear", exponentformat: "power", angle: 90, tickangle: 90, title: { text: chart.label } },
+    },
   }, { responsive: true, displaylogo: false, displayModeBar: false });
 }
 
@@ -177,7 +204,7 @@ function filter() {
   const words = filters.words.value.toLowerCase().split(/\s+/).filter(Boolean);
   const rows = all("#table tbody tr");
   for (const row of rows) {
-    const chosen = ["loop", "passed", "source"].every((key) => !filters[key].value || row.dataset[key] === filters[key].value);
+    const chosen = ["which", "loop", "passed", "source"].every((key) => !filters[key]?.value || row.dataset[key] === filters[key].value);
     const text = row.textContent.toLowerCase();
     row.hidden = !(chosen && words.every((word) => text.includes(word)));
   }
@@ -189,13 +216,16 @@ if (filters) {
   filter();
 }
 
+// a picture stands once in the page: in its chapter, where it is what the film begins with
+all("img[data-still]").forEach((image) => { image.src = one("#" + image.dataset.still + " .filmed img, #" + image.dataset.still + " .story img").src; });
+all(".filmed").forEach((box) => { one("video", box).poster = one("img", box).src; });
+
 // a link opens what it leads to
 function opened() {
   const target = location.hash && document.getElementById(location.hash.slice(1));
-  if (target && target.tagName === "DETAILS") {
-    target.open = true;
-    target.scrollIntoView();
-  }
+  if (!target) return;
+  for (let part = target; part; part = part.parentElement) if (part.tagName === "DETAILS") part.open = true;
+  target.scrollIntoView();
 }
 addEventListener("hashchange", opened);
 opened();

@@ -63,15 +63,16 @@ def test_the_free_camera_sees_all_of_it_before_a_background(cart: Path) -> None:
                 assert np.array_equal(picture[edge], sky[edge])
 
 
-def test_what_is_written_stands_above_and_below() -> None:
+def test_what_is_written_stands_above_where_no_player_hides_it() -> None:
     picture = np.full((120, 160, 3), 200, np.uint8)
     written = film.lettered(picture, ["t = 1 s", "state: Run"], ["real time"])
     changed = np.flatnonzero((written != picture).any(axis=(1, 2)))
-    above, below = changed[changed < 60], changed[changed >= 60]
-    # two lines above, one below, to the edges
-    assert above[0] == 0
-    assert below[-1] == 119
-    assert len(above) > 1.3 * len(below)
+    (gap,) = np.flatnonzero(np.diff(changed) > 1)
+    # two lines, below them one
+    first, second = changed[: gap + 1], changed[gap + 1 :]
+    assert first[0] == 0
+    assert second[-1] < 0.75 * len(picture)
+    assert len(first) > 1.3 * len(second)
     assert written.max() > 240
 
 
@@ -134,6 +135,20 @@ def test_a_page_holds_the_film(folder: Path) -> None:
     middle = pictures[len(pictures) // 2]
     assert picture.shape == middle.shape
     assert np.abs(picture.astype(int) - middle).mean() < 3.0
+
+
+@pytest.mark.usefixtures("cart")
+def test_what_cannot_draw_costs_the_picture_alone(folder: Path) -> None:
+    # MuJoCo cannot even be imported with it
+    lacking = {"MUJOCO_GL": "bogus"}
+    done = command("report", "cart.toml", "-o", "cart.html", "-q", **lacking)
+    assert (done.returncode, done.stdout) == (0, "wrote cart.html\n"), done.stderr
+    (note,) = html.fromstring((folder / "cart.html").read_text()).find_class("note")
+    assert note.text_content().startswith("No film: no picture can be drawn here: MUJOCO_GL is bogus")
+    done = command("video", "cart.toml", "-o", "cart.mp4", "-q", **lacking)
+    assert done.returncode == 2
+    assert "no picture can be drawn here: `" in done.stderr
+    assert "hint: on Debian or Ubuntu" in done.stderr
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ import math
 import re
 from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -34,6 +35,8 @@ def run(file: Path, *changes: str) -> Recorded:
         (8.0, 8.0, "real time"),
         (60.0, 8.0, "time-lapse: 7.5 x faster"),
         (2.0, 8.0, "slow motion: 4 x slower"),
+        (7.84, 8.0, "nearly real time: 0.98 x"),
+        (8.4, 8.0, "nearly real time: 1.05 x"),
     ],
 )
 def test_a_film_tells_how_fast_it_is(last: float, seconds: float, words: str) -> None:
@@ -168,11 +171,23 @@ def test_a_picture_tells_time_state_and_key_numbers(cart: Path) -> None:
     recorded = run(cart)
     lines = caption.lines(recorded)
     row = 150
-    value = 1e6 * recorded.columns["plant.slide.position"][row]
+    value = 1e3 * recorded.columns["plant.slide.position"][row]
     assert caption.written(lines, row) == [
         "t = 0.1500 s",
         "mode: Fast",
         "mode_out: Fast",
-        f"slide.position: {number(value, 3)} um",
+        f"slide.position: {number(value, 3)} mm",
     ]
     assert caption.written(lines, 50)[1] == "mode: Slow"
+
+
+def test_a_picture_tells_numbers_as_people_write_them() -> None:
+    column = np.array([9.64e-15, 0.01548, -2.5e-6])
+    speed = np.array([0.0, 1847.3, 1840.0])
+    of: Any = SimpleNamespace(
+        columns={"plant.gap": column, "plant.speed": speed}, units={"plant.gap": "m", "plant.speed": "rad/s"}
+    )
+    gap = caption.quantity(of, "plant.gap", "um", 1e6)
+    assert [gap(row) for row in range(3)] == ["gap: 0 m", "gap: 15.5 mm", "gap: 0 m"]
+    turns = caption.quantity(of, "plant.speed", "rpm", 30.0 / np.pi)
+    assert turns(1) == "speed: 17643 rpm"

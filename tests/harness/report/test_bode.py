@@ -78,7 +78,7 @@ def test_a_chart_of_the_kind_bode_is_two_charts_with_marks() -> None:
     loop = open_loop(OMEGA)
     gain, phase = charts.loop_of(CHART, row(loop / (1.0 + loop)))
     assert [one["title"] for one in (gain, phase)] == ["Loop: gain", "Loop: phase"]
-    assert [one["levels"] for one in (gain, phase)] == [[1.0], [-180.0]]
+    assert [one["levels"] for one in (gain, phase)] == [[(1.0, "")], [(-180.0, "")]]
     assert (gain["log"], phase["log"], gain["x_log"], gain["x_label"]) == (True, False, True, "Hz")
     for one in (gain, phase):
         (crossover, first), (reversal, second) = one["marks"]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
-from html import unescape
 from pathlib import Path
 from typing import Any
 
@@ -12,35 +11,17 @@ import numpy as np
 import pytest
 
 from cosim.errors import CosimError
-from cosim.loop.result import Result
 from cosim.metrics import drawable
-from cosim.metrics.criteria import Measured, Verdict, drawn
-from cosim.report import charts, drawing, panels
+from cosim.metrics.criteria import Verdict
+from cosim.report import charts, courses, drawing, panels, polar
 from cosim.report.provenance import numbers, origin
 from cosim.report.series import unpacked
-from cosim.scenario.injection import Injection
-from cosim.scenario.model import Chart, Controller, Criterion, Loop, Metric, Panel, Plot, Scenario
-from cosim.show import marks, plot
-from cosim.trace.columns import Array, Held
+from cosim.scenario.model import Chart, Criterion, Panel, Plot
+from cosim.show import plot
+from cosim.trace.columns import Held
 from cosim.words.quantity import prefixed
 
-ROWS = 4000
-
-
-def traced(**columns: Array) -> Held:
-    """Trace with a time of 1 ms a row; `_` of a name is its dot."""
-    named = {"time": 1e-3 * np.arange(ROWS), **{k.replace("_", ".", 1): v for k, v in columns.items()}}
-    table = np.zeros(ROWS, dtype=[(name, np.float64) for name in named])
-    for name, values in named.items():
-        table[name] = values
-    return Held(table)
-
-
-def lines(chart: Chart, trace: Held) -> dict[str, tuple[Array, Array]]:
-    return {line.name: (line.x, line.y) for line in charts.lines(chart, trace, dict.fromkeys(trace))}
-
-
-TIME: Array = (1e-3 * np.arange(ROWS)).astype(np.float64)
+from .traces import ROWS, TIME, lines, result, scenario, traced
 
 
 def test_a_path_has_a_line_for_each_value_of_its_split() -> None:
@@ -63,7 +44,7 @@ def test_what_stands_still_is_left_out() -> None:
 def test_a_path_of_many_rows_keeps_its_peaks() -> None:
     peaked = np.where(np.arange(ROWS) == 1234, 50.0, 0.0)
     (x, y) = lines(Chart("path", ("plant.y",), x="plant.x"), traced(plant_x=TIME, plant_y=peaked))["plant.y"]
-    assert len(x) <= charts.MOST_POINTS
+    assert len(x) <= courses.MOST_POINTS
     assert x[np.argmax(y)] == TIME[1234]
     assert y.max() == 50.0
 
@@ -115,7 +96,7 @@ def test_a_spectrum_over_an_angle_tells_waves_per_turn() -> None:
     wave = 3.0 + 2.0 * np.cos(4.0 * angle + 0.3) + 0.5 * np.sin(12.0 * angle)
     trace = traced(plant_a=angle, plant_e=wave)
     x, y = lines(Chart("spectrum", ("plant.e",), x="plant.a"), trace)["plant.e"]
-    assert list(x) == list(range(1, charts.ORDERS + 1))
+    assert list(x) == list(range(1, courses.ORDERS + 1))
     assert y[3] == pytest.approx(2.0, rel=1e-2)
     # straight lines between the rows take a little of a wave of 12 rows
     assert y[11] == pytest.approx(0.5, rel=3e-2)
@@ -198,11 +179,6 @@ def test_a_map_sums_up_in_cells() -> None:
     assert charts.summed(nothing, trace, dict.fromkeys(trace)) is None
 
 
-def scenario(*drawn: Chart, **more: Any) -> Scenario:
-    plot = Plot(charts=drawn, **more)
-    return Scenario("t", Loop(1e-3, 4.0), Controller("x"), plot=plot, file=Path("t.toml"))
-
-
 @pytest.mark.parametrize(
     ("chart", "message"),
     [
@@ -218,6 +194,9 @@ def scenario(*drawn: Chart, **more: Any) -> Scenario:
         (Chart("map", ("plant.x",), x="time", log=True), "of the kind `map` takes no `log`"),
         (Chart("map", ("plant.x", "time"), x="time"), "of the kind `map` has 2 `y` and takes 1"),
         (Chart("spectrum", ("plant.x",), weight="time"), "of the kind `spectrum` takes no `weight`"),
+        (Chart("polar", ("plant.x",)), "of the kind `polar` has no `x`"),
+        (Chart("path", ("plant.x",), x="time", error="time"), "has an `error` and no `equal`"),
+        (Chart("path", ("plant.x",), x="time", error="plant.z", equal=True), "`plant.z`, which is no column"),
         (Chart("array", ("plant.x",), x="plant.x", parts=("time",)), "of the kind `array` takes no `parts`"),
     ],
 )
@@ -225,93 +204,6 @@ def test_what_cannot_be_drawn_is_told(chart: Chart, message: str) -> None:
     with pytest.raises(CosimError) as told:
         drawable.check(scenario(chart), {"time": None, "plant.x": None})
     assert message in str(told.value)
-
-
-def result(trace: Held, value: str, **limits: Any) -> tuple[Scenario, Result]:
-    """Run with one criterion in mm on a metric in m."""
-    criterion = Criterion("depth", "c", "m", unit="mm", **limits)
-    of = replace(scenario(), metric=(Metric("m", value, "m"),), criterion=(criterion,))
-    units = dict.fromkeys(trace, "m")
-    of = replace(of, inject=(Injection("plant.u", 0.5, value=0.0), Injection("plant.v", 9.0, value=0.0)))
-    found = Result(
-        "t", "t", 1, "native", {"m": Measured("m", 2e-3, "m")}, [Verdict(criterion, 2.0, "mm")], 4.0, 1.0,
-        trace.table, units=units, items={"controller.fault": {"None": 1, "Stuck": 3}}, injected=(0.5, None),
-    )  # fmt: skip
-    return of, found
-
-
-TRACE = traced(plant_x=1e-3 * TIME, controller_fault=np.where(TIME < 2.0, 1.0, 3.0))
-
-
-@pytest.mark.parametrize(
-    ("limits", "wanted"),
-    [
-        ({"minimum": 1.0, "maximum": 4.0}, [1e-3, 4e-3]),
-        ({"equals": 2.0}, [2e-3]),
-        ({"equals": True}, []),
-    ],
-)
-def test_limits_are_drawn_in_the_unit_of_the_metric(limits: Any, wanted: list[float]) -> None:
-    assert drawn(Criterion("a", "c", "m", unit="mm", **limits), "m") == pytest.approx(wanted)
-
-
-def test_a_limit_stands_beside_a_value_of_zero() -> None:
-    of, found = result(TRACE, "max(plant.x)", maximum=4.0)
-    never = replace(
-        found, metrics={"m": Measured("m", 0.0, "m")}, criteria=[Verdict(of.criterion[0], 0.0, "mm")]
-    )
-    assert marks.limits(of, never) == marks.limits(of, found)
-
-
-@pytest.mark.parametrize(
-    ("value", "wanted"),
-    [
-        ("max(plant.x)", [(4e-3, "depth <= 4 mm")]),
-        ("last(plant.x[time > 1])", [(4e-3, "depth <= 4 mm")]),
-        ("max(abs(plant.x)[time > 1])", [(4e-3, "depth <= 4 mm"), (-4e-3, "")]),
-        ("std(plant.x)", None),
-        ("max(plant.x) - min(plant.x)", None),
-        ("max(plant.x - 1)", None),
-    ],
-)
-def test_a_limit_on_a_single_value_of_a_column_is_one_on_the_column(value: str, wanted: Any) -> None:
-    found = marks.limits(*result(TRACE, value, maximum=4.0))
-    if wanted is None:
-        assert found == {}
-        return
-    assert [told for _, told in found["plant.x"]] == [told for _, told in wanted]
-    assert [limit for limit, _ in found["plant.x"]] == pytest.approx([limit for limit, _ in wanted])
-
-
-def test_limits_faults_and_injections_are_marked_in_the_panels() -> None:
-    of, found = result(TRACE, "max(plant.x)", maximum=4.0)
-    of = replace(of, plot=Plot(panels=(Panel(("plant.x",), "mm", 1e3),)))
-    (view,) = panels.views(of, found)
-    assert view["events"] == [(0.5, "fault injected: plant.u"), (2.0, "Stuck")]
-    ((limit, told),) = view["panels"][0]["limits"]
-    assert (limit, told) == (pytest.approx(4.0), "depth <= 4 mm")
-    assert view["panels"][0]["svg"].count('class="limit"') == 1
-    # one far away would hide the line
-    far = replace(found, criteria=[Verdict(replace(of.criterion[0], maximum=400.0), 2.0, "mm")])
-    assert panels.views(of, far)[0]["panels"][0]["limits"] == []
-
-
-def test_a_figure_marks_limits_and_events_too(tmp_path: Path) -> None:
-    of, found = result(TRACE, "max(plant.x)", maximum=4.0)
-    of = replace(of, plot=Plot(panels=(Panel(("plant.x",), "mm", 1e3), Panel(("plant.x",), "mm", 1e3))))
-    file = tmp_path / "plot.svg"
-    plot.save(of, found, file)
-    # matplotlib draws letters and leaves the text as a comment; the events are named once, in the first panel
-    told = [unescape(text).strip() for text in re.findall(r"<!-- (.*?) -->", file.read_text())]
-    assert [told.count(text) for text in ("depth <= 4 mm", "fault injected: plant.u", "Stuck")] == [2, 1, 1]
-
-
-def test_a_limit_that_is_near_in_one_window_only_is_named(tmp_path: Path) -> None:
-    # it is far from the lines of the zoom
-    of, found = result(TRACE, "max(plant.x)", maximum=4.0)
-    of = replace(of, plot=Plot(panels=(Panel(("plant.x",), "mm", 1e3),), zoom="time > 0.1"))
-    plot.save(of, found, tmp_path / "plot.svg")
-    assert "<!-- depth &lt;= 4 mm -->" in (tmp_path / "plot.svg").read_text()
 
 
 @pytest.mark.filterwarnings("error")
@@ -328,32 +220,6 @@ def test_only_what_is_whole_in_the_trace_is_drawn_in_steps() -> None:
     shown = panels.views(of, found)[0]["panels"]
     assert shown[0]["unit"] == "nm"
     assert [panel["lines"][0]["stepped"] for panel in shown] == [False, True]
-
-
-def test_faults_beyond_the_last_mark_are_counted() -> None:
-    told = np.where(np.arange(ROWS) // 100 % 2 == 1, 3.0, 1.0)
-    of, found = result(traced(plant_x=TIME, controller_fault=told), "max(plant.x)", maximum=4.0)
-    marked = marks.marked(of, found)
-    events = plot.inside(TIME, marked)
-    told_as = ["Stuck", "Stuck", "Stuck", "fault injected: plant.u", "Stuck", "Stuck, and 15 more"]
-    assert [text for _, text in events] == told_as
-    assert events[-1][0] == pytest.approx(0.9)
-    # those of a window are its own
-    assert [t for t, _ in plot.inside(TIME[TIME > 3.4], marked)] == pytest.approx([3.5, 3.7, 3.9])
-
-
-def test_a_fault_in_the_first_row_is_marked() -> None:
-    of, found = result(traced(plant_x=TIME, controller_fault=np.full(ROWS, 3.0)), "max(plant.x)", maximum=4.0)
-    assert marks.events(of, found) == [(0.0, "Stuck"), (0.5, "fault injected: plant.u")]
-
-
-def test_a_logarithmic_panel_has_no_limit_that_is_not_positive() -> None:
-    of, found = result(TRACE, "max(abs(plant.x))", maximum=4.0)
-    for log, count in ((False, 2), (True, 1)):
-        shown = replace(of, plot=Plot(panels=(Panel(("plant.x",), "mm", 1e3, log=log),)))
-        (panel,) = panels.views(shown, found)[0]["panels"]
-        assert len(panel["limits"]) == panel["svg"].count('class="limit"') == count
-        assert "nan" not in panel["svg"]
 
 
 def test_panels_of_what_moves_tell_what_they_leave_out() -> None:
@@ -383,6 +249,59 @@ def test_one_row_of_cells_is_as_high_as_it_is() -> None:
     assert [int(left) for left, *_ in found[1:]] == pytest.approx(ends[:-1], abs=1)
     assert (int(found[0][0]), ends[-1]) == (drawing.LEFT, drawing.LEFT + wide)
     assert int(found[0][3]) == pytest.approx(wide / 100, abs=2)
+
+
+def test_a_polar_chart_goes_around_its_middle() -> None:
+    turn = np.pi * TIME / 2.0
+    trace = traced(plant_a=turn, plant_r=np.full(ROWS, 1e-3), plant_n=np.where(TIME < 2.0, 1.0, 2.0))
+    chart = Chart("polar", ("plant.r",), x="plant.a", split="plant.n", split_name="push", scale=1e3, log=True)
+    found = charts.view(chart, charts.lines(chart, trace, dict.fromkeys(trace)), levels=[(2.0, "r <= 2 mm")])
+    assert found["polar"] is True
+    assert [line["name"] for line in found["lines"]] == ["push 1", "push 2"]
+    # the first line is the upper half of a circle, the second the lower one
+    halves = re.findall(r'class="line c\d" d="M([^"]*)"', found["svg"])
+    upper, lower = ([tuple(map(int, word.split())) for word in half.split("L")] for half in halves)
+    away = np.hypot(*(np.array(upper + lower) - (polar.X, polar.Y)).T)
+    assert np.ptp(away) < 2.0
+    assert max(down for _, down in upper) <= polar.Y + 1 <= min(down for _, down in lower) + 2
+    (circle,) = re.findall(r'class="limit" cx="\d+" cy="\d+" r="(\d+)"', found["svg"])
+    assert away.max() < int(circle) < polar.RADIUS
+
+
+def test_a_path_with_an_error_is_drawn_beside_where_it_should_be() -> None:
+    # a straight way to the upper right, 2 um to its left in the second half
+    error = np.where(TIME < 2.0, 0.0, 2e-6)
+    trace = traced(plant_x=TIME - error / 2**0.5, plant_y=TIME + error / 2**0.5, plant_e=error)
+    chart = Chart("path", ("plant.y",), x="plant.x", error="plant.e", names=("tip",), equal=True)
+    wanted, drawn = lines(chart, trace).items()
+    assert wanted[0] == "as it should be"
+    assert wanted[1][1] == pytest.approx(wanted[1][0], abs=1e-9)
+    assert drawn[0] == "tip, its error 200000 x larger"
+    first, last = (np.array(drawn[1])[:, place] for place in (0, -1))
+    assert first[1] - first[0] == pytest.approx(0.0, abs=1e-6)
+    assert last[1] - last[0] == pytest.approx(0.4 * 2**0.5, rel=1e-3)
+
+
+def test_whole_numbers_are_told_at_whole_numbers() -> None:
+    trace = traced(plant_f=TIME, plant_n=np.floor(TIME))
+    chart = Chart("peaks", ("plant.f",), split="plant.n")
+    found = charts.view(chart, charts.lines(chart, trace, dict.fromkeys(trace)))
+    assert found["whole"] is True
+    assert re.findall(r'class="x"[^>]*>([^<]*)<', found["svg"]) == ["0", "1", "2", "3"]
+    other = Chart("path", ("plant.f",), x="time")
+    assert charts.view(other, charts.lines(other, trace, dict.fromkeys(trace)))["whole"] is False
+
+
+@pytest.mark.parametrize(
+    ("more", "wanted"),
+    [
+        ({}, "frequency (Hz)"),
+        ({"x": "plant.a"}, "waves per turn"),
+        ({"x_label": "f", "x_unit": "1/s"}, "f (1/s)"),
+    ],
+)
+def test_a_spectrum_knows_what_its_axis_shows(more: dict[str, str], wanted: str) -> None:
+    assert charts.axes(Chart("spectrum", ("plant.f",), **more))["x_label"] == wanted  # type: ignore[arg-type]
 
 
 def test_a_drawing_with_equal_scales_has_them() -> None:

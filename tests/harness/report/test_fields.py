@@ -47,7 +47,7 @@ def trace() -> Held:
 
 
 def views(chart: Chart, folder: Path) -> tuple[list[dict[str, object]], list[str]]:
-    return charts.of_columns([chart], trace(), dict.fromkeys(trace()), folder)
+    return charts.of_columns([chart], trace(), dict.fromkeys(trace()), folder, {})
 
 
 @pytest.fixture

@@ -184,7 +184,7 @@ def test_the_plots_hold_the_trace(page: Any, result: cosim.Result) -> None:
 
 def test_a_plant_without_coordinates_has_no_film_and_says_why(page: Any) -> None:
     (note,) = page.find_class("note")
-    assert "the plant `probe_plants:Lag` has no `qpos`" in note.text_content()
+    assert "the plant probe_plants:Lag has no qpos" in note.text_content()
 
 
 def test_what_does_not_hold_is_told_first(page: Any) -> None:
@@ -199,9 +199,13 @@ def test_a_study_and_a_document_stand_on_the_page(page: Any) -> None:
     sweep = page.get_element_by_id("sweep-1")
     assert "2 of 2 runs: 2 failed" in sweep.text_content()
     criteria, metrics = (cells(table) for table in sweep.iter("table"))
-    assert criteria[1] == ["far", "0 of 2"]
+    assert criteria[1] == ["far", "0 of 2", "it ends far away"]
     assert metrics[0][0] == "end"
     assert "End over the gain" in sweep.text_content()
+    # the study stands with its loop, and what it comes to at the top
+    assert sweep.getparent().get("id") == "loop-lag"
+    (swept,) = page.find_class("swept")
+    assert "study 0 of 2 runs pass" in swept.text_content()
     (document,) = page.find_class("document")
     assert [cells(table) for table in document.iter("table")] == [[["one", SCRIPT]]]
 
@@ -250,8 +254,8 @@ def test_a_failed_drawing_costs_no_verdict(made: Path, monkeypatch: pytest.Monke
     assert json.loads((made / "picked/picked.json").read_text())["passed"] is False
     page = html.fromstring((made / "picked.html").read_text())
     assert [note.text_content()[:46] for note in page.find_class("note")][1:] == [
-        "Not drawn: `plot.charts` `Speed over the place",
-        "Not drawn: `plot.zoom` = `first_time(plant.x[t",
+        "Not drawn: plot.charts Speed over the place = ",
+        "Not drawn: plot.zoom = first_time(plant.x[time",
     ]
     (view,) = page.find_class("views")
     assert view.xpath(".//path[@class='line c0']")

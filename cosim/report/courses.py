@@ -1,0 +1,161 @@
+"""Lines of charts: paths, spectra, peaks, shares, thresholds and arrays, each of what a chart evaluates."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cosim.metrics.drawable import numbered
+from cosim.report import series
+from cosim.scenario.model import Chart
+from cosim.trace.columns import Array, Columns
+from cosim.words.quantity import round_down
+
+MOST_POINTS = 2 * series.BUCKETS
+SEEN = 0.1
+"""Part of the size of a path that its largest error has where it is drawn larger."""
+ORDERS = 40
+"""Waves per turn that a spectrum over an angle shows."""
+PER_TURN = 512
+"""Samples of a turn from which they are taken."""
+MOST_LINES = 12
+"""Lines of a path that is split; the last takes all values from there on."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """One line of a chart: its points, in the units of the axes."""
+
+    name: str
+    x: Array
+    y: Array
+
+
+Evaluate = Callable[[str], Array]
+
+
+def path(chart: Chart, name: str, y: Array, mask: Any, value: Evaluate, trace: Columns) -> list[Line]:
+    """One value over another in the order of the rows, a line for each value of the split."""
+    x = value(chart.x)
+    if chart.error:
+        return beside(name, x[mask], y[mask], value(chart.error)[mask])
+    if not chart.split:
+        return [Line(name, *few(x[mask], y[mask]))]
+    split = value(chart.split)
+    turns = np.unique(split[mask & np.isfinite(split)])
+    last = turns[min(len(turns), MOST_LINES) - 1] if len(turns) else np.nan
+    several = len(chart.y) > 1 or len(chart.parts) > 1
+    found = []
+    for turn in turns[:MOST_LINES]:
+        rest = turn == last and len(turns) > MOST_LINES
+        rows = mask & (split >= turn if rest else split == turn)
+        told = f"{chart.split_name} {turn:g}{' and on' if rest else ''}".strip()
+        told = f"{name}, {told}" if several else told
+        found.append(Line(told, *few(x[rows], y[rows])))
+    return found
+
+
+def beside(name: str, x: Array, y: Array, error: Array) -> list[Line]:
+    """Way that a path should be, and its error across it, so many times larger that it is seen."""
+    along = np.gradient(x) + 1j * np.gradient(y) if len(x) > 1 else np.zeros(len(x))
+    moved = np.abs(along) > 0.0
+    left = 1j * along[moved] / np.abs(along[moved])
+    wanted, error = (x + 1j * y)[moved] - error[moved] * left, error[moved]
+    size, most = np.ptp(wanted.real) + np.ptp(wanted.imag), np.max(np.abs(error), initial=0.0)
+    factor = round_down(SEEN * size / most) if most > 0.0 else 1.0
+    drawn = wanted + factor * error * left
+    return [
+        Line("as it should be", *few(wanted.real, wanted.imag)),
+        Line(f"{name}, its error {factor:g} x larger", *few(drawn.real, drawn.imag)),
+    ]
+
+
+def few(x: Array, y: Array) -> tuple[Array, Array]:
+    """As many points as can be seen: in equal steps the rows with the least and the largest `x` and `y`."""
+    if len(y) <= MOST_POINTS:
+        return x, y
+    rows = np.unique(np.concatenate([series.extremes(each, MOST_POINTS // 4) for each in (x, y)]))
+    return x[rows], y[rows]
+
+
+def spectrum(chart: Chart, name: str, y: Array, mask: Any, value: Evaluate, trace: Columns) -> list[Line]:
+    """Amplitudes by frequency in Hz, or by waves per turn over an angle, of whole turns without the mean.
+
+    Both are those of the longest stretch without a gap.
+    """
+    if not chart.x:
+        rows = unbroken(mask & np.isfinite(y))
+        times = trace["time"][rows]
+        return [by_frequency(name, times, y[rows])] if len(times) > 3 else []
+    angle = value(chart.x)
+    rows = unbroken(mask)
+    rows = rows[np.isfinite(angle[rows]) & np.isfinite(y[rows])]
+    angle, y = np.abs(angle[rows] - angle[rows][:1]), y[rows]
+    turns = int(angle[-1] / (2.0 * np.pi)) if len(angle) else 0
+    if turns < 1 or np.any(np.diff(angle) < 0.0):
+        return []
+    # the last turns: what came before may not have settled
+    places = angle[-1] - 2.0 * np.pi * np.arange(turns * PER_TURN)[::-1] / PER_TURN
+    waves = np.abs(np.fft.rfft(np.interp(places, angle, y))) * 2.0 / len(places)
+    orders = np.arange(1, ORDERS + 1)
+    return [Line(name, orders.astype(float), waves[orders * turns])]
+
+
+def unbroken(mask: Any) -> NDArray[np.int64]:
+    """Rows of the longest stretch without a gap of those that a mask has."""
+    rows = np.flatnonzero(mask)
+    return max(np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1), key=len)
+
+
+def by_frequency(name: str, times: Array, y: Array) -> Line:
+    """Amplitudes of sines under a Hann window: a sine between two frequencies has up to 15 % less."""
+    window = np.hanning(len(y))
+    waves = np.abs(np.fft.rfft((y - y.mean()) * window)) * 2.0 / window.sum()
+    frequencies = np.fft.rfftfreq(len(y), float(times[1] - times[0])).astype(np.float64)
+    return Line(name, *few(frequencies[1:], waves[1:]))
+
+
+def peaks(chart: Chart, name: str, y: Array, mask: Any, value: Evaluate, trace: Columns) -> list[Line]:
+    """Largest absolute value for each value of the split."""
+    split = value(chart.split)
+    turns = np.unique(split[mask & np.isfinite(split)])
+    return [Line(name, turns, np.array([np.max(np.abs(y[mask & (split == turn)])) for turn in turns]))]
+
+
+def share(chart: Chart, name: str, y: Array, mask: Any, value: Evaluate, trace: Columns) -> list[Line]:
+    """Share of the rows in which a value is at most that."""
+    return [Line(name, *points) for points in cumulative(y[mask])]
+
+
+def cumulative(values: Array) -> list[tuple[Array, Array]]:
+    """Values in their order, and the share of all that is at most each; none without a number."""
+    found = np.sort(values[np.isfinite(values)])
+    if not len(found):
+        return []
+    at = np.unique(np.linspace(0, len(found) - 1, MOST_POINTS).astype(int))
+    return [(found[at], (at + 1) / len(found))]
+
+
+def roc(name: str, y: Array, quiet: Any, sought: Any) -> list[Line]:
+    """Share of the rows sought above a threshold, over that of the quiet ones, for all thresholds."""
+    air, contact = (np.sort(y[rows & np.isfinite(y)]) for rows in (quiet, sought))
+    if not len(air) or not len(contact):
+        return []
+    # from the largest down, and beyond both
+    thresholds = np.append(np.unique(np.concatenate([air, contact]))[::-1], -np.inf)
+    thresholds = thresholds[np.unique(np.linspace(0, len(thresholds) - 1, MOST_POINTS).astype(int))]
+    above = [1.0 - np.searchsorted(each, thresholds, side="right") / len(each) for each in (air, contact)]
+    return [Line(name, above[0], above[1])]
+
+
+def array(name: str, chart: Chart, trace: Columns) -> Line:
+    """Last row of an array over that of another; what was never set, 0 on the axis of x, is left out."""
+    x, y = (np.array([trace[one][-1] for one in numbered(each, trace)]) for each in (chart.x, name))
+    count = min(len(x), len(y))
+    set_ = x[:count] != 0.0
+    label = dict(zip(chart.y, chart.names, strict=False)).get(name, name)
+    return Line(label, x[:count][set_], y[:count][set_])

@@ -1,0 +1,68 @@
+"""What a page tells of one closed loop: its scenarios, its studies and its documents."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+Chapter = dict[str, Any]
+"""What is told of one scenario, see `chapter.chapter`."""
+
+
+@dataclass
+class Section:
+    """One closed loop.
+
+    Parameters
+    ----------
+    name
+        Of the loop.
+    chapters
+        What is told of its scenarios, the nominal one first; see `chapter.chapter`.
+    sweeps
+        What is told of its studies, see `sweeps.told`.
+    documents
+        Documents about it, see `page.document`.
+    """
+
+    name: str
+    chapters: list[Chapter] = field(default_factory=list)
+    sweeps: list[dict[str, Any]] = field(default_factory=list)
+    documents: list[dict[str, str]] = field(default_factory=list)
+
+    @property
+    def claims(self) -> list[dict[str, Any]]:
+        """Claims of all its scenarios."""
+        return [claim for chapter in self.chapters for claim in chapter["claims"]]
+
+    @property
+    def held(self) -> int:
+        """Number of claims that hold."""
+        return sum(claim["passed"] for claim in self.claims)
+
+    @property
+    def headline(self) -> dict[str, Any] | None:
+        """Number that stands for it: of its first claim with one, if there is such a claim one of a paper."""
+        numbers = [claim for chapter in self.chapters[:1] for claim in chapter["claims"] if claim["number"]]
+        return next((claim for claim in numbers if claim["paper"]), next(iter(numbers), None))
+
+
+def made(
+    chapters: Sequence[Chapter], sweeps: Sequence[dict[str, Any]], documents: Sequence[dict[str, str]]
+) -> list[Section]:
+    """Sections of a page; chapters and sweeps are numbered in the order in which they came."""
+    found: dict[str, Section] = {}
+
+    def of(loop: str) -> Section:
+        return found.setdefault(loop, Section(loop))
+
+    for number, chapter in enumerate(chapters):
+        of(chapter["loop"]).chapters.append({**chapter, "number": number})
+    for place, sweep in enumerate(sweeps):
+        loop = sweep["scenario"].partition("/")[0]
+        of(loop).sweeps.append({**sweep, "number": len(chapters) + place, "place": place + 1})
+    for document in documents:
+        if document["loop"] in found:
+            found[document["loop"]].documents.append(document)
+    return list(found.values())
