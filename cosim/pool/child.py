@@ -35,6 +35,8 @@ class Child:
         Tasks that it was given.
     busy
         Whether it has not answered the last of them.
+    spoilt
+        Whether a run changed it so that the next would not be as in a fresh one.
     said
         The last line that it logged.
     killed
@@ -48,6 +50,7 @@ class Child:
     ready: bool = False
     tasks: int = 0
     busy: bool = False
+    spoilt: bool = False
     said: str = ""
     killed: bool = False
 
