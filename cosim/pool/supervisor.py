@@ -239,6 +239,7 @@ class Worker(Closing):
         end = time.monotonic() + GRACE
         late = True
         try:
+            child.note_offspring()
             child.channel.send(None)
             while (left := end - time.monotonic()) > 0.0 and child.channel.waits(left):
                 self.message(child)

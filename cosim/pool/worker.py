@@ -31,7 +31,7 @@ READY, LOG, DONE = "ready", "log", "done"
 and whether the process is fit for another."""
 IDLE = 600.0
 """A worker process that got no task for so long ends, s; the next task starts another one."""
-PR_SET_PDEATHSIG = 1
+PR_SET_PDEATHSIG, PR_SET_CHILD_SUBREAPER = 1, 36
 
 log = logging.getLogger("cosim")
 
@@ -181,8 +181,12 @@ def listen(channel: MessageChannel, tasks: queue.SimpleQueue[Parcel]) -> None:
 
 
 def die_with(parent: int) -> None:
-    """End with the parent process, however that ends and even while code of C keeps the GIL."""
+    """End with the parent process, however that ends and even while code of C keeps the GIL.
+
+    What a run starts stays below this process, where it is found and ended with it.
+    """
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+        ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1)
         if os.getppid() != parent:
             os._exit(0)

@@ -84,6 +84,11 @@ LINES: dict[str, Case] = {
     "new the other way round": Case(
         given("new", "model.xml", "probe.fmu"), ("`model.xml` is no FMU", "the FMU comes first")
     ),
+    "new of a scenario": Case(given("new", "lag.toml"), ("`lag.toml` is no FMU", "ends in `.fmu`")),
+    "seed beyond all": Case((*RUN, "--seed", "9" * 23), ("'--seed'", "is not in the range")),
+    "report a device": Case(
+        given("report", "lag.toml", "--document", "/dev/zero"), ("cannot read `/dev/zero`", "no regular file")
+    ),
     "run a study": Case(given("run", "study.toml"), ("`study.toml` is a study", "`cosim sweep study.toml`")),
     "run an optimization": Case(
         given("run", "best.toml"), ("`best.toml` is an optimization", "`cosim optimize best.toml`")

@@ -65,6 +65,14 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     if (is("instantiate_null")) return NULL;
     if (is("exit_in_instantiate")) exit(0);
     if (is("fork")) fork();
+    if (is("runaway") && fork() == 0) {
+        if (fork() != 0) _exit(0);
+        setsid();
+        FILE *file = fopen("runaway", "w");
+        fprintf(file, "%d", (int)getpid());
+        fclose(file);
+        for (;;) sleep(1);
+    }
     change_process();
     return probe_instantiate(name, type, guid, resources, functions, visible, logging);
 }
