@@ -11,8 +11,12 @@ from typing import Any
 MOST_SIGNALS = 64
 ARITHMETIC_ROOM, ACTION_ROOM = 64, 256
 """Bytes that hold an `fenv_t` and a `struct sigaction` of any system."""
+DRAWING = b"PYOPENGL_PLATFORM="
+"""Environment variable that MuJoCo sets where it draws, and nobody else reads."""
 HANDLER = ctypes.sizeof(ctypes.c_void_p)
 """Bytes of the latter that are the handler; it comes first."""
+_c: Any = ctypes.CDLL(None) if os.name == "posix" else None
+SYSTEM = (sys.platform, os.uname().machine if hasattr(_c, "fegetenv") else "")
 CONTROL = {
     # control word of the x87 at 0, MXCSR without its flags at 28 and 4
     ("linux", "x86_64"): 0x0F3F | 0xFFC0 << 8 * 28,
@@ -20,10 +24,8 @@ CONTROL = {
     # FPCR
     ("linux", "aarch64"): 0xFFFF_FFFF,
     ("darwin", "arm64"): 0xFFFF_FFFF << 8 * 8,
-}.get((sys.platform, os.uname().machine) if os.name == "posix" else ("", ""), 0)
+}.get(SYSTEM, 0)
 """Bits of an `fenv_t` that say how is calculated: rounding, denormals, precision, traps; 0 is not known."""
-
-_c: Any = ctypes.CDLL(None) if os.name == "posix" else None
 
 
 class Arithmetic:
@@ -77,11 +79,15 @@ def folder() -> str:
 
 def environment() -> list[bytes]:
     """Environment variables as code of C sees them, which may not tell Python of its changes."""
-    place = ctypes.POINTER(ctypes.c_char_p).in_dll(_c, "environ")
     found: list[bytes] = []
-    while place and (text := place[len(found)]) is not None:
-        found.append(text)
-    return found
+    try:
+        place = ctypes.POINTER(ctypes.c_char_p).in_dll(_c, "environ")
+    except ValueError:  # a system that hides it
+        found = [name + b"=" + value for name, value in os.environb.items()]
+    else:
+        while place and (text := place[len(found)]) is not None:
+            found.append(text)
+    return [text for text in found if not text.startswith(DRAWING)]
 
 
 def signals() -> list[object]:

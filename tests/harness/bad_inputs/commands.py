@@ -103,7 +103,7 @@ LINES: dict[str, Case] = {
         for file, option in FULL.items()
     },
     "sweep of nothing": Case(given("sweep", "no.toml"), ("the study file `no.toml` does not exist",)),
-    "sweep of a folder": Case(given("sweep", "cache"), ("the study file `cache` does not exist",)),
+    "sweep of a folder": Case(given("sweep", "cache"), ("the study file `cache` is no regular file",)),
     "sweep of a long name": Case(given("sweep", f"{LONG}.toml"), ("the study file `aaaa",)),
     "sweep of a scenario": Case(
         given("sweep", "lag.toml"), ("`lag.toml` is a scenario", "`cosim run lag.toml`")
@@ -130,8 +130,8 @@ LINES: dict[str, Case] = {
     "sweep on an empty cluster": Case(
         given("sweep", "study.toml", "--cluster", ""), ("`--cluster` is empty",)
     ),
-    "optimize a pipe": Case(given("optimize", "pipe/results.jsonl"), ("does not exist",)),
-    "new of a folder": Case(given("new", "./"), ("the FMU file `./` does not exist",)),
+    "optimize a pipe": Case(given("optimize", "pipe/results.jsonl"), ("is no regular file",)),
+    "new of a folder": Case(given("new", "./"), ("the FMU file `./` is no regular file",)),
     "no workers": Case(given("sweep", "study.toml", "--workers", "0"), ("--workers",)),
     "sweep with an unknown engine": Case(given("sweep", "study.toml", "--engine", "x"), ("`x`",)),
 }
