@@ -59,19 +59,23 @@ def described(variable: Variable) -> dict[str, Any]:
     if variable.kind == "Enumeration":
         names = {str(number): name for name, number in variable.items}
         values = [value for item in variable.items for value in item]
-        start = {"default": names[variable.start]} if variable.start in names else {}
-        return {"enum": values, **told, **start}
+        return {"enum": values, **told, **default(names.get(variable.start))}
     if variable.kind == "Boolean":
-        start = {"default": variable.start in ("true", "1")} if variable.start else {}
-        return {"enum": [True, False, 0, 1], **told, **start}
+        start = variable.start in ("true", "1") if variable.start else None
+        return {"enum": [True, False, 0, 1], **told, **default(start)}
     if variable.kind == "String":
-        return {"type": "string", **told, **({"default": variable.start} if variable.start else {})}
+        return {"type": "string", **told, **default(variable.start or None)}
     numbers = {"minimum": variable.minimum, "maximum": variable.maximum, "default": variable.start}
     found: dict[str, Any] = {"type": TYPES[variable.kind], **told}
     for name, text in numbers.items():
         with contextlib.suppress(ValueError):
             found[name] = int(text) if variable.kind == "Integer" else finite(text)
     return found
+
+
+def default(value: str | bool | None) -> dict[str, Any]:
+    """Describe a start value, where there is one."""
+    return {} if value is None else {"default": value}
 
 
 def finite(text: str) -> float:
