@@ -53,10 +53,14 @@ class PlantError(CosimError):
     """A plant cannot be found or built, or failed in a step."""
 
 
-def unforeseen(error: BaseException) -> CosimError:
+class UnforeseenError(CosimError):
+    """What should not happen."""
+
+
+def unforeseen(error: BaseException) -> UnforeseenError:
     """Error of what should not happen."""
     words = " ".join(str(error).split())[:LONGEST] or "without a word"
-    failure = CosimError(
+    failure = UnforeseenError(
         f"this should not happen: {type(error).__name__}: {words}", "`-v` shows where; please report it"
     )
     failure.__cause__ = error

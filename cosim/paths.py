@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import platformdirs
@@ -52,12 +52,11 @@ def find_scenario(name: str, near: Path | None = None) -> Path:
     """
     bases = [near] if near else []
     if name.endswith(".toml"):
-        for base in [*bases, working_folder()]:
-            if is_file(file := base / expanded(name)):
-                return file
-        raise ScenarioError(
-            f"the scenario file `{brief(name)}` does not exist", "`cosim list` shows the known names"
-        )
+        places = [*bases, working_folder()]
+        if file := existing(name, places):
+            return file
+        problem = f"the scenario file `{brief(name)}` {missing(name, places)}"
+        raise ScenarioError(problem, "`cosim list` shows the known names")
     for folder in [*bases, *scenario_folders()]:
         if is_file(file := folder / f"{name}.toml"):
             return file
@@ -87,11 +86,11 @@ def find_study(name: str) -> Path:
     ScenarioError
         No such file.
     """
-    for base in (working_folder(), OWN_STUDIES.parent):
-        if is_file(file := base / expanded(name)):
-            return file
+    places = [working_folder(), OWN_STUDIES.parent]
+    if file := existing(name, places):
+        return file
     own = [f"{OWN_STUDIES.name}/{file.name}" for file in sorted(OWN_STUDIES.glob("*.toml"))]
-    raise ScenarioError(f"the study file `{brief(name)}` does not exist", closest(name, own))
+    raise ScenarioError(f"the study file `{brief(name)}` {missing(name, places)}", closest(name, own))
 
 
 def scenario_name(file: Path) -> str:
@@ -110,15 +109,17 @@ def find_fmu(name: str, near: Path) -> Path:
     FmuError
         No such file; the hint says how to build it or where it was looked for.
     """
+    places = [near, working_folder()]
     if name.endswith(".fmu") or "/" in name or os.sep in name:
-        for base in (near, working_folder()):
-            if is_file(file := base / expanded(name)):
-                return file
-        raise FmuError(f"the FMU file `{brief(name)}` does not exist", looked_in(near))
+        if file := existing(name, places):
+            return file
+        raise FmuError(f"the FMU file `{brief(name)}` {missing(name, places)}", looked_in(near))
     folders = [near, *fmu_folders()]
     for folder in folders:
         if is_file(file := folder / f"{name}.fmu"):
             return file
+    if existing(name, places):
+        raise FmuError(f"`{brief(name)}` is no FMU", "the name of an FMU file ends in `.fmu`")
     searched = ", ".join(f"`{shown(folder)}`" for folder in unique(folders))
     build = f"build it with `cargo xtask fmu {brief(name.removeprefix('fmu-'))}`"
     raise FmuError(
@@ -134,12 +135,23 @@ def find_mjcf(name: str, near: Path) -> Path:
     PlantError
         No such file.
     """
-    for base in (near, working_folder()):
-        if is_file(file := base / expanded(name)):
-            return file.resolve()
+    places = [near, working_folder()]
+    if file := existing(name, places):
+        return file.resolve()
     beside = [file.name for file in sorted(near.glob("*.xml"))]
     hint = closest(name, beside) or looked_in(near)
-    raise PlantError(f"the MJCF file `{brief(name)}` does not exist", hint)
+    raise PlantError(f"the MJCF file `{brief(name)}` {missing(name, places)}", hint)
+
+
+def existing(name: str, places: Iterable[Path]) -> Path | None:
+    """First file of a name, or of a path, in some folders."""
+    return next((file for place in places if is_file(file := place / expanded(name))), None)
+
+
+def missing(name: str, places: Iterable[Path]) -> str:
+    """Say why there is no such file: folders and devices are none."""
+    there = any(is_there(place / expanded(name)) for place in places)
+    return "is no regular file" if there else "does not exist"
 
 
 def looked_in(near: Path) -> str:

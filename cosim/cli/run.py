@@ -8,7 +8,18 @@ from typing import Annotated
 import typer
 from typer import Option
 
-from cosim.cli.options import FAILED, InProcess, Json, Loop, Quiet, Set, Timeout, Verbose, checked_limits
+from cosim.cli.options import (
+    FAILED,
+    MOST_SEED,
+    InProcess,
+    Json,
+    Loop,
+    Quiet,
+    Set,
+    Timeout,
+    Verbose,
+    checked_limits,
+)
 from cosim.cli.seeds import check_options, run_seeds
 from cosim.cli.tasks import Report, Single, place
 from cosim.errors import CosimError
@@ -27,7 +38,9 @@ TRACE = (
 def run(
     loop: Loop,
     set_: Set = None,
-    seed: Annotated[int | None, Option(min=0, help="Seed of all noise, instead of the scenario's.")] = None,
+    seed: Annotated[
+        int | None, Option(min=0, max=MOST_SEED, help="Seed of all noise, instead of the scenario's.")
+    ] = None,
     seeds: Annotated[
         str | None,
         Option(metavar="FIRST..LAST|N,N", help="Run once with each seed and print distributions."),

@@ -125,6 +125,32 @@ class Show:
 
 
 @dataclass(frozen=True)
+class Schema:
+    """JSON schema of scenarios with the FMUs and the plant of one."""
+
+    loop: str
+
+    def run(self, bench: Bench) -> dict[str, Any]:
+        """Describe what may be set of them; the FMUs are only read."""
+        from cosim.fmu.described import filled_schema, settable_variables
+        from cosim.loop import fmus, plant
+        from cosim.loop.place import Stage
+        from cosim.loop.session import located
+        from cosim.scenario.load import load
+
+        scenario = load(self.loop)
+        bench.place.begin("", scenario.plant.name, 0, 0.0)
+        with located(scenario):
+            files = fmus.open_files(scenario)
+            bench.place.at(Stage.BUILD_PLANT)
+            kind = plant.plant_class(scenario.plant.name, scenario.folder)
+            plant.check_class(kind)
+            bench.place.at(Stage.NONE)
+        found = {name: settable_variables(file.variables.values()) for name, file in files.items()}
+        return filled_schema(scenario, found, kind.Parameters)
+
+
+@dataclass(frozen=True)
 class Check:
     """One file of any kind."""
 

@@ -22,6 +22,7 @@ from cosim.fmu.library import check_headers, check_library
 from cosim.fmu.messages import Messages
 from cosim.fmu.values import expand
 from cosim.scenario.model import ALONE, FmuChoice
+from cosim.warned import warn_once
 
 BASE = {
     "Real": "Real",
@@ -99,11 +100,16 @@ class Instance(Closing):
         self.outputs = banks(outputs)
         self.called = file.name if owner.alone else owner.name
         self.messages = Messages(self.called)
-        self.slave = load_library(file, self.name)
-        self.used = self.running = self.dead = self.closed = False
+        self.closed = False
+        self._instantiate()
+
+    def _instantiate(self) -> None:
+        self.slave = load_library(self.file, self.name)
+        self.used, self.running, self.dead = False, False, True
         with self.errors(f"instantiate the FMU `{self.called}`"):
-            self.slave.instantiate(callbacks=self.messages.callbacks, loggingOn=log_events)
-        check_headers(self.slave, file.path.name)
+            self.slave.instantiate(callbacks=self.messages.callbacks, loggingOn=self.log_events)
+        self.dead = False
+        check_headers(self.slave, self.file.path.name)
         self._setters = [self._mover("Set", bank) for bank in self.inputs]
         self._getters = [self._mover("Get", bank) for bank in self.outputs]
 
@@ -116,6 +122,8 @@ class Instance(Closing):
     def initialise(self, parameters: dict[str, Any]) -> None:
         """Give the start values and pass the initialisation mode; a used instance is reset before.
 
+        One that refuses the reset is replaced, with a warning: a run does not depend on the one before.
+
         Raises
         ------
         FmuError
@@ -127,8 +135,7 @@ class Instance(Closing):
         if self.dead:
             raise FmuError(f"`{self.called}` has failed for good (fmi2Fatal), a new run needs a new instance")
         if self.used:
-            with self.errors(f"reset {self.owner.who}"):
-                self.slave.reset()
+            self._reset()
         self.used, self.running = True, False
         with self.errors("set up the experiment" + ("" if self.owner.alone else f" of `{self.name}`")):
             self.slave.setupExperiment(startTime=0.0)
@@ -145,6 +152,16 @@ class Instance(Closing):
         with self.errors(f"read the inputs and outputs of {self.owner.who}"):
             for bank in [*self.inputs, *self.outputs]:
                 self._mover("Get", bank)()
+
+    def _reset(self) -> None:
+        try:
+            with self.errors(f"reset {self.owner.who}"):
+                self.slave.reset()
+        except FmuError as error:
+            reason = error.message.partition(": ")[2]
+            warn_once(f"{self.owner.who}: every run gets a new instance, for it cannot be reset: {reason}")
+            self._free()
+            self._instantiate()
 
     def read(self, variable: Variable) -> float:
         """Read the present value of one variable as a number."""
@@ -190,10 +207,14 @@ class Instance(Closing):
         """Terminate and free the instance; an error on this way out costs no result, it is logged."""
         if self.running:
             self.terminate()
-        if not self.dead and not self.closed:
-            self.slave.freeInstance()
+        if not self.closed:
+            self._free()
         self.running, self.closed = False, True
         self.messages.close()
+
+    def _free(self) -> None:
+        if not self.dead:
+            self.slave.freeInstance()
 
     def terminate(self) -> None:
         """End the run; an FMU that fails in it is told of."""

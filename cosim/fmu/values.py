@@ -90,14 +90,19 @@ def expand(
 def settable(variables: dict[str, Variable], name: str, owner: FmuChoice) -> Variable:
     """Variable that may be given a start value."""
     variable = lookup(variables, name, owner)
-    derived = variable.causality in ("output", "calculatedParameter", "independent")
-    if variable.variability == "constant" or derived:
+    if not is_settable(variable):
         what = "constant" if variable.variability == "constant" else variable.causality
         raise FmuError(
             f"`{owner.name}.{name}` is of causality `{what}`, it cannot be set",
             "parameters and start values of inputs can",
         )
     return variable
+
+
+def is_settable(variable: Variable) -> bool:
+    """Whether a variable may be given a start value."""
+    derived = variable.causality in ("output", "calculatedParameter", "independent")
+    return variable.variability != "constant" and not derived
 
 
 def lookup(variables: dict[str, Variable], name: str, owner: FmuChoice = ALONE) -> Variable:

@@ -5,7 +5,11 @@ from __future__ import annotations
 import ctypes
 import enum
 import mmap
+from collections.abc import Sequence
 from typing import Any
+
+from cosim.process import Arithmetic
+from cosim.warned import warn_once
 
 NAME = 400
 """Bytes kept of a name."""
@@ -58,6 +62,9 @@ class Page(ctypes.Structure):
 class Place:
     """Where a run is; a field of `page` is written before each call of foreign code.
 
+    After each stage the processor calculates as before: what an FMU changes of that would change the numbers
+    of others, and its own from one run to the next.
+
     Parameters
     ----------
     file
@@ -67,30 +74,60 @@ class Place:
     def __init__(self, file: int | None = None) -> None:
         size = ctypes.sizeof(Page)
         self.page: Any = Page.from_buffer(bytearray(size) if file is None else mmap.mmap(file, size))
+        self.arithmetic = Arithmetic()
 
     def begin(self, fmu: str, plant: str, steps: int, period: float) -> None:
         """Forget the run before; `period` is the communication step in s."""
+        self.at(Stage.NONE)
+        self.arithmetic = Arithmetic()
+        self._write(fmu, plant, steps, period)
+
+    def clear(self) -> None:
+        """Forget what another process noted."""
+        self._write("", "", 0, 0.0)
+
+    def _write(self, fmu: str, plant: str, steps: int, period: float) -> None:
         page = self.page
         page.fmu, page.plant = fmu.encode()[: NAME - 1], plant.encode()[: NAME - 1]
         page.stage, page.step, page.steps, page.period = Stage.NONE, 0, steps, period
 
-    def clear(self) -> None:
-        """Forget everything."""
-        self.begin("", "", 0, 0.0)
-
     def at(self, stage: Stage, fmu: str = "") -> None:
         """Note whose code runs now; of several FMUs, of which."""
+        # the steps of a run are one stage, which `end_steps` ends
+        if stage != Stage.STEP and self.arithmetic.put_back():
+            text = f"{self.who()} changed how the processor calculates (rounding, denormals or traps)"
+            warn_once(f"{text} {self.when()}".rstrip() + "; it was put back")
         self.page.fmu = fmu.encode()[: NAME - 1] or self.page.fmu
         self.page.stage = stage
+
+    def end_steps(self, fmus: Sequence[str]) -> None:
+        """Note that the steps of these FMUs are done."""
+        self.page.step = 0
+        self.page.fmu, self.page.stage = "`, `".join(fmus).encode()[: NAME - 1], Stage.STEP_BOTH
+        self.at(Stage.NONE)
 
     def who(self) -> str:
         """Whose code runs, empty if that of neither FMU nor plant."""
         stage = self.page.stage
-        fmu = f"the FMU `{self.page.fmu.decode(errors='ignore')}`"
-        plant = f"the plant `{self.page.plant.decode(errors='ignore')}`"
-        if stage == Stage.STEP_BOTH:
-            return f"{fmu} or {plant}" if self.page.plant else fmu
-        return fmu if stage in FMU else plant if stage in PLANT else ""
+        fmu, plant = self.names()
+        return (
+            fmu
+            if stage in FMU
+            else plant
+            if stage in PLANT
+            else self.ran()
+            if stage == Stage.STEP_BOTH
+            else ""
+        )
+
+    def ran(self) -> str:
+        """Whose code this run is about, empty if there is none."""
+        return " or ".join(name for name in self.names() if name)
+
+    def names(self) -> tuple[str, str]:
+        """FMU and plant, empty where there is none."""
+        fmu, plant = (name.decode(errors="ignore") for name in (self.page.fmu, self.page.plant))
+        return f"the FMU `{fmu}`" if fmu else "", f"the plant `{plant}`" if plant else ""
 
     def when(self) -> str:
         """Moment of the run, with time and step where there is one; empty if that is not known."""

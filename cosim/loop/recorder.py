@@ -13,6 +13,8 @@ from cosim.fmu.archive import DisplayUnit, FmuFile, Variable
 from cosim.fmu.instance import BASE, Instance
 from cosim.loop.condition import Program
 from cosim.loop.plant import Plant, one_each
+from cosim.trace.columns import Columns
+from cosim.warned import warn_once
 
 
 class Sink(Protocol):
@@ -138,6 +140,19 @@ def columns(fmus: Sequence[Instance], plant: Plant) -> dict[str, Variable | None
         **{f"{fmu.name}.{variable.name}": variable for fmu, variable in [*idle(fmus), *moved]},
         **{f"plant.{channel.name}": None for channel in plant.truths},
     }
+
+
+def report_unlisted(fmus: Sequence[Instance], columns: Columns) -> None:
+    """Log which outputs had a value that is none of the items of their enumeration."""
+    for fmu in fmus:
+        for variable in (v for bank in fmu.outputs for v in bank.variables if v.items):
+            name = f"{fmu.name}.{variable.name}"
+            values = columns[name]
+            odd = np.flatnonzero(~np.isin(values, [number for _, number in variable.items]))
+            if odd.size:
+                items = ", ".join(f"`{number}` {item}" for item, number in variable.items)
+                when = f"t = {columns['time'][odd[0]]:.9g} s"
+                warn_once(f"`{name}` is `{values[odd[0]]:g}` at {when}, which is none of its items: {items}")
 
 
 def units(fmus: Sequence[Instance], plant: Plant) -> dict[str, str]:

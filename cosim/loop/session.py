@@ -72,6 +72,7 @@ class Session(Closing):
             files = fmus.open_files(scenario)
             self.place.at(Stage.BUILD_PLANT)
             self.plant = open_plant(scenario, previous)
+            self.place.at(Stage.NONE)
             self.has_plant = True
             try:
                 self._open(files, engine, log_events, previous)
@@ -166,6 +167,7 @@ class Session(Closing):
             fmus.initialise(scenario, self.fmus, place)
             place.at(Stage.RESET_PLANT)
             reference.reset_plant(self.plant, scenario, child(seed, "plant"))
+            place.at(Stage.NONE)
             result = self._result(seed)
             parts = Parts(
                 scenario, self.fmus, self.plant, seed, self.stop, self.when, progress, interrupt, place
@@ -180,9 +182,9 @@ class Session(Closing):
                 trace=structured(done.table, list(self.columns)) if file is None else None,
                 file=file,
             )
-            place.at(Stage.NONE)
             self.complete = True
             idle.report_unmet(scenario, result.injected)
+            recorder.report_unlisted(self.fmus, result.columns)
             metrics = measured(scenario.metric, self.metrics, result.columns)
         return replace(result, metrics=metrics, criteria=criteria.judge(scenario.criterion, metrics))
 

@@ -15,7 +15,15 @@ from cosim.closing import Closing
 
 STALLED = 60.0
 """Silence in the middle of a message after which the other side is given up, s."""
-LENGTH = struct.Struct("!Q")
+MARK = b"\xc0sim\r\n\x1a\0"
+"""Stands before each number of a message and behind its end: other bytes in between are found."""
+NUMBER = struct.Struct(f"!{len(MARK)}sQ")
+MOST_PARTS, MOST_BYTES = 1 << 20, 1 << 44
+"""More than a message has."""
+
+
+class NoMessageError(Exception):
+    """What came was written by somebody else, or into the middle of a message."""
 
 
 @dataclass(frozen=True)
@@ -61,10 +69,11 @@ class MessageChannel(Closing):
             *(array.raw() for array in arrays),
         ]
         with self.lock:
-            self.end.sendall(LENGTH.pack(len(parts)))
+            self.end.sendall(NUMBER.pack(MARK, len(parts)))
             for part in parts:
-                self.end.sendall(LENGTH.pack(memoryview(part).nbytes))
+                self.end.sendall(NUMBER.pack(MARK, memoryview(part).nbytes))
                 self.end.sendall(part)
+            self.end.sendall(MARK)
 
     def waits(self, timeout: float | None) -> bool:
         """Whether there is something to receive, the end of the connection included, within so many s."""
@@ -79,15 +88,27 @@ class MessageChannel(Closing):
         ------
         EOFError, OSError
             The other side is gone, or silent in the middle of the message.
+        NoMessageError
+            Bytes came that are no message.
         """
         self.end.settimeout(None)
-        (count,) = LENGTH.unpack(self._take(LENGTH.size))
+        count = self._number(MOST_PARTS)
         self.end.settimeout(STALLED)
         try:
-            body, *arrays = [self._take(LENGTH.unpack(self._take(LENGTH.size))[0]) for _ in range(count)]
+            body, *arrays = [self._take(self._number(MOST_BYTES)) for _ in range(count)]
+            if self._take(len(MARK)) != MARK:
+                raise NoMessageError
+        except (MemoryError, ValueError):
+            raise NoMessageError from None
         finally:
             self.end.settimeout(None)
         return Parcel(body, arrays)
+
+    def _number(self, most: int) -> int:
+        mark, number = NUMBER.unpack(self._take(NUMBER.size))
+        if mark != MARK or number > most:
+            raise NoMessageError
+        return int(number)
 
     def _take(self, size: int) -> bytearray:
         taken = bytearray(size)

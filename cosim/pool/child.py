@@ -9,12 +9,12 @@ import socket
 import subprocess
 import sys
 import tempfile
-from dataclasses import dataclass
-from typing import IO
+from dataclasses import dataclass, field
+from typing import IO, Any
 
 from cosim.errors import CosimError
 from cosim.pool.channel import MessageChannel
-from cosim.pool.limits import memory_of
+from cosim.pool.limits import memory_of, process_of
 
 LONGEST_OUTPUT = 300
 """Characters kept of what a worker process said last."""
@@ -35,8 +35,12 @@ class Child:
         Tasks that it was given.
     busy
         Whether it has not answered the last of them.
+    spoilt
+        Whether a run changed it so that the next would not be as in a fresh one.
     said
         The last line that it logged.
+    offspring
+        Processes that it started, as far as they were noted.
     killed
         Whether it was killed, and all that it started.
     """
@@ -48,7 +52,9 @@ class Child:
     ready: bool = False
     tasks: int = 0
     busy: bool = False
+    spoilt: bool = False
     said: str = ""
+    offspring: list[Any] = field(default_factory=list)
     killed: bool = False
 
     def kill(self) -> None:
@@ -56,9 +62,18 @@ class Child:
         # once: what it started may outlive it, but the number is not its own for ever
         if not self.killed:
             self.killed = True
+            self.note_offspring()
             with contextlib.suppress(ProcessLookupError, PermissionError):
                 os.killpg(self.process.pid, signal.SIGKILL)
+            for process in self.offspring:
+                with contextlib.suppress(Exception):  # psutil says with one of its own that it is gone
+                    process.kill()
             self.process.wait()
+
+    def note_offspring(self) -> None:
+        """Note, while it lives, what left its group of processes and would be lost to sight with it."""
+        with contextlib.suppress(Exception):  # psutil says with one of its own that it is gone
+            self.offspring += process_of(self.process.pid).children(recursive=True)
 
     def release(self) -> None:
         """Give back what belonged to it; it is gone."""
@@ -110,6 +125,8 @@ def spawn(page: int, memory: float | None, relay: bool) -> Child:
             start_new_session=True,  # Ctrl-C is for the parent to handle
             env={**os.environ, "PYTHONPATH": os.pathsep.join(map(os.path.abspath, sys.path))},
         )
+    # psutil is imported while the process starts, and needed where that ends
+    process_of(process.pid)
     return Child(process, MessageChannel(ours), memory, output)
 
 

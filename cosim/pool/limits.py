@@ -67,9 +67,14 @@ def unkept(limits: Limits) -> list[str]:
     return [f"`{name}`" for name, value in zip(names, wanted, strict=True) if value is not None]
 
 
+def process_of(number: int | None = None) -> Any:
+    """Process of a number, None is this one, as psutil sees it."""
+    return importlib.import_module("psutil").Process(number)
+
+
 def memory_of(process: int | None = None) -> Any:
-    """Memory of a process, None is this one, as psutil tells it: resident is `rss`, in bytes."""
-    return importlib.import_module("psutil").Process(process).memory_info()
+    """Memory of a process, None is this one: resident is `rss`, in bytes."""
+    return process_of(process).memory_info()
 
 
 def system_confines() -> bool:

@@ -17,6 +17,7 @@ from typing import Any
 from cosim.closing import Closing
 from cosim.errors import CosimError
 from cosim.loop.place import Place
+from cosim.pool.channel import NoMessageError
 from cosim.pool.child import Child, ending, no_start, spawn
 from cosim.pool.job import Order, Task, WorkerError
 from cosim.pool.limits import Limits, isolates, system_confines
@@ -73,6 +74,8 @@ class Worker(Closing):
         self.closed = False
         with tempfile.TemporaryFile() as page:
             page.truncate(4096)
+            # what is written to each descriptor there is overwrites no name in it
+            page.seek(0, os.SEEK_END)
             self.page = os.dup(page.fileno())
         self.place = Place(self.page)
 
@@ -98,7 +101,8 @@ class Worker(Closing):
         if self.doubtful(outcome):
             log.info("%s; the run is done once more in a fresh process", outcome.message)
             outcome = self.attempt(task, watch, None)
-        if self.limits.process_per_run or (self.child and self.child.memory != self.confined):
+        child = self.child
+        if self.limits.process_per_run or (child and (child.spoilt or child.memory != self.confined)):
             self.finish()
         return outcome
 
@@ -125,6 +129,8 @@ class Worker(Closing):
             return self.outcome(child, watch)
         except (EOFError, OSError):
             return self.crashed(child)
+        except NoMessageError:
+            return self.garbled(child)
 
     def start(self, memory: float | None) -> Child:
         """Process that is alive and confined to so much memory; another is started where there is none."""
@@ -153,7 +159,9 @@ class Worker(Closing):
                     end = self.deadline(child)
                 elif kind == "done":
                     child.busy = False
-                    return content
+                    outcome, fit = content
+                    child.spoilt = not fit
+                    return outcome
             elif left == 0.0:
                 return self.too_long(child)
             elif child.process.poll() is not None and not child.channel.waits(0.0):
@@ -165,7 +173,11 @@ class Worker(Closing):
 
     def message(self, child: Child) -> tuple[str, Any]:
         """Next message of a process; what it logs is told."""
-        kind, content = child.channel.receive().open()
+        parcel = child.channel.receive()
+        try:
+            kind, content = parcel.open()
+        except Exception:  # pickle has many
+            raise NoMessageError from None
         if kind == "log":
             child.said = content[2]
             self.told(content)
@@ -196,6 +208,15 @@ class Worker(Closing):
         who = self.place.who()
         return WorkerError("memory", f"{text}, {who} took them {self.place.when()}".rstrip() if who else text)
 
+    def garbled(self, child: Child) -> WorkerError:
+        """End a process from which something else came than it sent; returns the error."""
+        self.kill()
+        how = "what comes from the worker process is no message"
+        if not child.ready:
+            raise no_start(how)
+        who = self.place.ran() or "a task"
+        return WorkerError("crashed", f"{who} wrote to a file that is not its own: {how}")
+
     def crashed(self, child: Child) -> WorkerError:
         """Error that tells how the process ended, what it was doing and what it said last."""
         with contextlib.suppress(subprocess.TimeoutExpired):
@@ -206,7 +227,7 @@ class Worker(Closing):
         how += f"; its last words: {said}" if said else ""
         if not child.ready:
             raise no_start(how)
-        who = self.place.who() or "the worker process"
+        who = self.place.who() or self.place.ran() or "the worker process"
         return WorkerError("crashed", f"{who} crashed {self.place.when()}".rstrip() + f": {how}")
 
     def finish(self) -> None:
@@ -218,10 +239,11 @@ class Worker(Closing):
         end = time.monotonic() + GRACE
         late = True
         try:
+            child.note_offspring()
             child.channel.send(None)
             while (left := end - time.monotonic()) > 0.0 and child.channel.waits(left):
                 self.message(child)
-        except (EOFError, OSError):
+        except (EOFError, OSError, NoMessageError):
             late = False
         finally:
             self.kill()

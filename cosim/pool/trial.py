@@ -28,7 +28,7 @@ class Import:
             plant.plant_class(self.name, self.folder)
         except SystemExit as error:
             raise plant.exited(self.name, error) from error
-        bench.place.clear()
+        bench.place.at(Stage.NONE)
 
 
 def import_plant(name: str, folder: Path) -> None:

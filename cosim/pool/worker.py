@@ -14,8 +14,9 @@ import threading
 import traceback
 from typing import Any
 
+from cosim import process
 from cosim.closing import Closing
-from cosim.errors import CosimError, unforeseen
+from cosim.errors import CosimError, UnforeseenError, unforeseen
 from cosim.loop.engines import Engine
 from cosim.loop.place import Place, Stage
 from cosim.loop.reference import Progress
@@ -26,10 +27,11 @@ from cosim.pool.limits import confine
 from cosim.scenario.model import Scenario
 
 READY, LOG, DONE = "ready", "log", "done"
-"""Kinds of messages of a worker process: everything is imported; a line of its log; the outcome."""
+"""Kinds of messages of a worker process: everything is imported; a line of its log; the outcome of a task,
+and whether the process is fit for another."""
 IDLE = 600.0
 """A worker process that got no task for so long ends, s; the next task starts another one."""
-PR_SET_PDEATHSIG = 1
+PR_SET_PDEATHSIG, PR_SET_CHILD_SUBREAPER = 1, 36
 
 log = logging.getLogger("cosim")
 
@@ -111,8 +113,10 @@ def main(end: int, page: int, parent: int, memory: float | None) -> None:
     told = Forward(channel)
     with JobRunner(Place(page)) as runner:
         channel.send((READY, None))
+        before = process.belongings()
         while (order := awaited(tasks)) is not None:
-            channel.send((DONE, refusal or done(runner, order, told)))
+            outcome = refusal or done(runner, order, told)
+            channel.send((DONE, looked_over(outcome, before, runner.place)))
     # the interpreter would look through all that was imported for circles, which takes longer than the rest
     gc.freeze()
 
@@ -153,6 +157,20 @@ def done(runner: JobRunner, order: Order | CosimError, told: Forward) -> Any:
     return outcome
 
 
+def looked_over(outcome: Any, before: dict[str, object], place: Place) -> tuple[Any, bool]:
+    """Outcome, and whether the next run would find this process as it was; what changed of it is told."""
+    changed = process.changed(before)
+    if not changed:
+        return outcome, True
+    told = f"{place.ran() or 'a task'} changed {changed} of its process"
+    if isinstance(outcome, CosimError):
+        cause = outcome.__cause__ if isinstance(outcome, UnforeseenError) else outcome.message
+        outcome.message = f"{told}: {cause}"
+        return outcome, False
+    log.warning("%s: the next run gets another", told)
+    return outcome, False
+
+
 def listen(channel: MessageChannel, tasks: queue.SimpleQueue[Parcel]) -> None:
     """Take in tasks; when the other side is gone the process ends at once, even from within a run."""
     try:
@@ -163,8 +181,12 @@ def listen(channel: MessageChannel, tasks: queue.SimpleQueue[Parcel]) -> None:
 
 
 def die_with(parent: int) -> None:
-    """End with the parent process, however that ends and even while code of C keeps the GIL."""
+    """End with the parent process, however that ends and even while code of C keeps the GIL.
+
+    What a run starts stays below this process, where it is found and ended with it.
+    """
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+        ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1)
         if os.getppid() != parent:
             os._exit(0)

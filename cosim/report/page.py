@@ -126,6 +126,8 @@ def document(file: Path) -> dict[str, str]:
     check()
     from markdown_it import MarkdownIt
 
+    if paths.is_there(file) and not paths.is_file(file):
+        raise CosimError(f"cannot read `{paths.shown(file)}`: it is no regular file")
     try:
         content = file.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:

@@ -217,6 +217,11 @@ def place_of(layers: Layers, key: str, origin: str) -> Place:
         place, own = tables[section]
         return [*place, name] if name in own else [*place, "parameters", name.removeprefix("parameters.")]
     items = [root for root in IDENTITY if root != "fmu"]
+    if section in (*tables, "loop", *items) and not name.strip("."):
+        entries = layers.table.get(section, [])
+        names = [entry.get(IDENTITY[section]) for entry in entries] if is_tables(entries) else []
+        known = closest("", [f"{section}.{name}" for name in names])
+        raise ScenarioError(f"{origin}: nothing is named behind `{section}.`", known)
     if section in items and name:
         return find_item(layers, section, name, origin)
     if section == "loop" and name:

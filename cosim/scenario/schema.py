@@ -32,10 +32,9 @@ def described(kind: Any) -> dict[str, Any]:
     properties = {}
     for field in fields:
         entry = {**schema(hints[field.name]), **limits(field.metadata)}
-        unit = field.metadata.get("unit", "")
-        text = texts.get(field.name, "")
-        text = f"{text} ({unit})" if unit and f" {unit}" not in text else text
-        properties[toml_key(field)] = {**entry, **({"description": text} if text else {}), **default(field)}
+        text = texts.get(field.name, "") or field.metadata.get("description", "")
+        told = explained(text, field.metadata.get("unit", ""))
+        properties[toml_key(field)] = {**entry, **told, **default(field)}
     return {
         "type": "object",
         "description": (inspect.getdoc(kind) or "").partition("\n")[0],
@@ -43,6 +42,26 @@ def described(kind: Any) -> dict[str, Any]:
         "required": [toml_key(field) for field in fields if is_required(field)],
         "additionalProperties": False,
     }
+
+
+def explained(text: str, unit: str) -> dict[str, Any]:
+    """Describe what something is, and its unit."""
+    is_told = unit in ("", "1") or re.search(rf" {re.escape(unit)}(\W|$)", text)
+    text = text if is_told else f"{text} ({unit})".lstrip()
+    return {"description": text} if text else {}
+
+
+def parameters(entries: Mapping[str, dict[str, Any]]) -> dict[str, Any]:
+    """Describe a table of these parameters, whose dotted names may be given as tables in tables, too."""
+    flat: dict[str, Any] = {"type": "object", "properties": {}, "additionalProperties": False}
+    for name, entry in entries.items():
+        flat["properties"][name] = entry
+        table, (*around, last) = flat, name.split(".")
+        for part in around:
+            inner = {"type": "object", "properties": {}, "additionalProperties": False}
+            table = table["properties"].setdefault(part, inner)
+        table.get("properties", {})[last] = entry
+    return flat
 
 
 def schema(kind: Any) -> dict[str, Any]:
@@ -65,6 +84,8 @@ def schema(kind: Any) -> dict[str, Any]:
 
 def limits(metadata: Mapping[str, Any]) -> dict[str, Any]:
     """Range of a number; ends that only exclude infinity and NaN are left out, JSON has neither."""
+    if "options" in metadata:
+        return {"enum": list(metadata["options"])}
     low, high = metadata.get("minimum", -math.inf), metadata.get("maximum", math.inf)
     found: dict[str, Any] = {}
     if low == math.ulp(0.0):

@@ -1,4 +1,7 @@
-"""TOML tables to dataclasses: unknown keys, wrong types and values out of range name their key."""
+"""TOML tables to dataclasses: unknown keys, wrong types and values out of range name their key.
+
+Why this is no library stands in ARCHITECTURE.md, "The validator".
+"""
 
 from __future__ import annotations
 

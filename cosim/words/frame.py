@@ -11,7 +11,7 @@ from cosim import extras
 def dataframe(columns: Mapping[str, Any], units: Mapping[str, str]) -> Any:
     """Make a `pandas.DataFrame` whose `attrs["units"]` holds the units."""
     problem = "a data frame needs pandas, which is not installed"
-    pandas = extras.needed("pandas", problem, "`pip install pandas`")
+    pandas = extras.needed("pandas", problem, extras.hint("frames"))
     frame = pandas.DataFrame(dict(columns))
     frame.attrs["units"] = dict(units)
     return frame

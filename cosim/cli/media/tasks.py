@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from typer import Argument, Option
 
+from cosim import paths
 from cosim.errors import CosimError
 from cosim.trace.endings import READ, listed
 
@@ -59,6 +60,12 @@ def recorded(source: str, loop: str, changes: tuple[str, ...], bench: Bench) -> 
     name = loop or str(trace.about.get("scenario", ""))
     if not name:
         raise CosimError(f"`{source}` does not tell its scenario", "name it behind the trace")
+    if not loop:
+        try:
+            paths.find_scenario(name)
+        except CosimError as error:
+            hint = "the file of the scenario may be named behind the trace"
+            raise CosimError(f"the scenario of `{source}` is not found: {error.message}", hint) from None
     return of_trace(load(name, changes), trace)
 
 

@@ -18,6 +18,12 @@ ONCE = {
     },
     "reference": {"ratio": "dob: simulated time / wall time"},
     "sweep": {"ratio": "2 x rate of one core alone / rate of the sweep"},
+    "start": {"help": "processor time of `cosim --help`", "list": "processor time of `cosim list`"},
+    "isolation": {
+        "run": "`cosim run --in-process` of next to no simulated time",
+        "isolated": "  the same in a process of its own",
+    },
+    "planning": {"time": "plan of a large study: time", "megabytes": "  memory of its process"},
     "memory": {"megabytes": "memory of all its processes", "ratio": "  / that of a fifth of the runs"},
 }
 """Quantities of the bench for each value of a row."""
@@ -43,6 +49,8 @@ def rows(bench: list[dict[str, float | str]]) -> dict[str, dict[str, Values]]:
     cost: dict[str, dict[str, float]] = {
         name: {value: found[quantity] for value, quantity in values.items()} for name, values in ONCE.items()
     }
+    isolation = cost["isolation"]
+    isolation["added"] = 1e3 * (isolation["isolated"] - isolation["run"])
     loops: dict[str, dict[str, float]] = {}
     for loop in LOOPS:
         cost[f"{loop}: a sample"] = {

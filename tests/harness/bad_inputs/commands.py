@@ -84,6 +84,11 @@ LINES: dict[str, Case] = {
     "new the other way round": Case(
         given("new", "model.xml", "probe.fmu"), ("`model.xml` is no FMU", "the FMU comes first")
     ),
+    "new of a scenario": Case(given("new", "lag.toml"), ("`lag.toml` is no FMU", "ends in `.fmu`")),
+    "seed beyond all": Case((*RUN, "--seed", "9" * 23), ("'--seed'", "is not in the range")),
+    "report a device": Case(
+        given("report", "lag.toml", "--document", "/dev/zero"), ("cannot read `/dev/zero`", "no regular file")
+    ),
     "run a study": Case(given("run", "study.toml"), ("`study.toml` is a study", "`cosim sweep study.toml`")),
     "run an optimization": Case(
         given("run", "best.toml"), ("`best.toml` is an optimization", "`cosim optimize best.toml`")
@@ -98,7 +103,7 @@ LINES: dict[str, Case] = {
         for file, option in FULL.items()
     },
     "sweep of nothing": Case(given("sweep", "no.toml"), ("the study file `no.toml` does not exist",)),
-    "sweep of a folder": Case(given("sweep", "cache"), ("the study file `cache` does not exist",)),
+    "sweep of a folder": Case(given("sweep", "cache"), ("the study file `cache` is no regular file",)),
     "sweep of a long name": Case(given("sweep", f"{LONG}.toml"), ("the study file `aaaa",)),
     "sweep of a scenario": Case(
         given("sweep", "lag.toml"), ("`lag.toml` is a scenario", "`cosim run lag.toml`")
@@ -125,8 +130,8 @@ LINES: dict[str, Case] = {
     "sweep on an empty cluster": Case(
         given("sweep", "study.toml", "--cluster", ""), ("`--cluster` is empty",)
     ),
-    "optimize a pipe": Case(given("optimize", "pipe/results.jsonl"), ("does not exist",)),
-    "new of a folder": Case(given("new", "./"), ("the FMU file `./` does not exist",)),
+    "optimize a pipe": Case(given("optimize", "pipe/results.jsonl"), ("is no regular file",)),
+    "new of a folder": Case(given("new", "./"), ("the FMU file `./` is no regular file",)),
     "no workers": Case(given("sweep", "study.toml", "--workers", "0"), ("--workers",)),
     "sweep with an unknown engine": Case(given("sweep", "study.toml", "--engine", "x"), ("`x`",)),
 }

@@ -261,6 +261,10 @@ WARNED: dict[str, tuple[Build, tuple[str, ...]]] = {
         ("cannot terminate `Probe`", "terminate failed on purpose", "fmi2Terminate returned fmi2Error"),
     ),
     "terminate fatal": (defect("terminate_fatal"), ("cannot terminate `Probe`", "returned fmi2Fatal")),
+    "no item of its enumeration": (
+        defect("item"),
+        ("`controller.mode_out` is `77` at t = 0.003 s, which is none of its items: `1` Off, `2` Slow",),
+    ),
     "another version": (defect("version_3"), ("`broken.fmu`: `fmi2GetVersion` returns `3.0`, not `2.0`",)),
     "no version told": (defect("version_null"), ("`fmi2GetVersion` returns nothing",)),
     "another platform": (defect("platform"), ("`fmi2GetTypesPlatform` returns `nonsense`, not `default`",)),

@@ -112,6 +112,15 @@ def test_what_a_library_started_ends_with_its_crash(lag: Path, broken_library: b
     check_refusal(("killed by SIGSEGV",), done.returncode, done.stdout, done.stderr)
 
 
+def test_what_a_library_started_and_set_free_ends_with_the_command(lag: Path, broken_library: bytes) -> None:
+    fmus.defect("runaway")(lag / "broken.fmu", broken_library)
+    done = test_cli.cosim("run", "lag.toml", "--set", "controller.fmu=broken.fmu")
+    assert done.returncode == 0, done.stderr
+    status = Path("/proc", (lag / "runaway").read_text(), "status")
+    # a zombie is dead, too
+    assert not status.exists() or "State:\tZ" in status.read_text()
+
+
 @pytest.mark.parametrize("name", ["numpy", "json", "random"])
 def test_a_file_named_as_a_package_harms_no_worker(name: str, lag: Path) -> None:
     (lag / f"{name}.py").write_text("raise SystemExit('not the package')\n")

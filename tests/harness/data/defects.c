@@ -1,11 +1,17 @@
 /* The probe with one defect, which the GUID of its model description names after `defect:`. */
+#define _GNU_SOURCE
+#include <fenv.h>
+#include <locale.h>
 #include <signal.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
 #include "fmi2Functions.h"
 #undef fmi2Instantiate
 #undef fmi2ExitInitializationMode
 #undef fmi2DoStep
 #undef fmi2GetReal
 #undef fmi2Terminate
+#undef fmi2Reset
 #undef fmi2GetVersion
 #undef fmi2GetTypesPlatform
 #define fmi2Instantiate probe_instantiate
@@ -13,6 +19,7 @@
 #define fmi2DoStep probe_do_step
 #define fmi2GetReal probe_get_real
 #define fmi2Terminate probe_terminate
+#define fmi2Reset probe_reset
 #define fmi2GetVersion probe_get_version
 #define fmi2GetTypesPlatform probe_get_types_platform
 #include "probe.c"
@@ -21,15 +28,32 @@
 #undef fmi2DoStep
 #undef fmi2GetReal
 #undef fmi2Terminate
+#undef fmi2Reset
 #undef fmi2GetVersion
 #undef fmi2GetTypesPlatform
 
 #define LONG 1000000
+#define LAUGH "\x80\x05ha ha ha ha ha ha ha"
 static char defect[64];
 static int is(const char *name) { return strcmp(defect, name) == 0; }
 
 const char *fmi2GetVersion(void) { return is("version_3") ? "3.0" : is("version_null") ? NULL : fmi2Version; }
 const char *fmi2GetTypesPlatform(void) { return is("platform") ? "nonsense" : fmi2TypesPlatform; }
+
+static void handle(int number) {}
+
+/* what a library may do to the process that it is in */
+static void change_process(void) {
+    struct rlimit none = {0, 0};
+    if (is("rounding")) fesetround(FE_UPWARD);
+    if (is("traps")) feenableexcept(FE_ALL_EXCEPT);
+    if (is("locale")) setlocale(LC_ALL, "C");
+    if (is("umask")) umask(0777);
+    if (is("folder") && chdir("/")) abort();
+    if (is("variables")) setenv("LIBRARY_WAS_HERE", "1", 1);
+    if (is("handler")) signal(SIGUSR1, handle);
+    if (is("files")) setrlimit(RLIMIT_NOFILE, &none);
+}
 
 fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
                               const fmi2CallbackFunctions *functions, fmi2Boolean visible, fmi2Boolean logging) {
@@ -41,6 +65,15 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     if (is("instantiate_null")) return NULL;
     if (is("exit_in_instantiate")) exit(0);
     if (is("fork")) fork();
+    if (is("runaway") && fork() == 0) {
+        if (fork() != 0) _exit(0);
+        setsid();
+        FILE *file = fopen("runaway", "w");
+        fprintf(file, "%d", (int)getpid());
+        fclose(file);
+        for (;;) sleep(1);
+    }
+    change_process();
     return probe_instantiate(name, type, guid, resources, functions, visible, logging);
 }
 
@@ -59,6 +92,11 @@ fmi2Status fmi2Terminate(fmi2Component c) {
         return fmi2Error;
     }
     return is("terminate_fatal") ? fmi2Fatal : probe_terminate(c);
+}
+
+fmi2Status fmi2Reset(fmi2Component c) {
+    if (is("reset_error")) tell(c, fmi2Error, "logStatusError", "reset failed on purpose", 0.0);
+    return is("reset_error") ? fmi2Error : is("reset_fatal") ? fmi2Fatal : probe_reset(c);
 }
 
 fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2Real value[]) {
@@ -102,6 +140,9 @@ static void break_process(Probe *p) {
         memset(block - 16, 0x41, 16);
         free(block);
     }
+    if (is("item")) p->integer[MODE] = 77;
+    if (is("rounding_in_step")) fesetround(FE_UPWARD);
+    if (is("garbage")) for (int i = 3; i < 64; i++) if (write(i, LAUGH, sizeof LAUGH) < 0) continue;
     if (is("close_files")) for (int i = 0; i < 256; i++) close(i);
     if (is("log_spam")) for (int i = 0; i < 20000; i++) tell(p, fmi2Warning, "logStatusWarning", "spam", 0.0);
 }

@@ -13,9 +13,13 @@ from typing import Any
 
 import pytest
 
+from cosim.cli.tasks import Schema
 from cosim.optimize.problem import problem_schema
+from cosim.pool.worker import JobRunner
 from cosim.scenario.model import scenario_schema
 from cosim.sweep.study import study_schema
+
+from ..loop.several import LOOP, fmu
 
 ROOT = Path(__file__).resolve().parents[3]
 SCENARIOS = sorted((ROOT / "scenarios").rglob("*.toml"))
@@ -89,6 +93,68 @@ def test_an_injection_has_one_beginning_and_one_kind(fault: dict[str, Any], fits
     assert (problems(scenario_schema(), table) == []) == fits
 
 
+def filled(loop: str) -> dict[str, Any]:
+    """Make the schema with the FMUs and the plant of a scenario."""
+    with JobRunner() as runner:
+        found: dict[str, Any] = runner.call(Schema(loop))
+    return found
+
+
+@pytest.mark.parametrize("file", SCENARIOS, ids=lambda file: file.relative_to(ROOT).as_posix())
+def test_every_scenario_fits_the_schema_with_its_own_fmu_and_plant(file: Path) -> None:
+    assert problems(filled(str(file)), tomllib.loads(file.read_text())) == []
+
+
+@pytest.mark.parametrize(
+    ("table", "name", "value", "place"),
+    [
+        ("controller", "approach.velocity", 1e-4, ""),
+        ("controller", "approach.velocity", 1.0, "approach.velocity"),
+        ("controller", "approach", {"velocitty": 1e-4}, "approach"),
+        ("controller", "approach", {"velocity": "fast"}, "approach.velocity"),
+        ("controller", "law", "Papper", "law"),
+        ("controller", "current", 0.0, "."),
+        ("plant", "mass", 5.0, ""),
+        ("plant", "mass", -5.0, "mass"),
+        ("plant", "mas", 5.0, "."),
+    ],
+)
+def test_parameters_are_checked_by_their_own_names_and_ranges(
+    table: str, name: str, value: Any, place: str
+) -> None:
+    changed = copy.deepcopy(DOB)
+    changed[table]["parameters"] = {name: value}
+    assert problems(scenario_schema(), changed) == []
+    inside = f"{table}.parameters"
+    wanted = {"": [], ".": [inside]}.get(place, [f"{inside}.{place}"])
+    assert problems(filled("dob"), changed) == wanted
+
+
+def test_parameters_carry_their_texts_units_and_defaults() -> None:
+    tables = filled("dob")["properties"]
+    plant = tables["plant"]["properties"]["parameters"]["properties"]
+    assert plant["timestep"] == {
+        "type": "number",
+        "minimum": 1e-6,
+        "maximum": 1e-3,
+        "description": "Plant step (s)",
+        "default": 5e-5,
+    }
+    controller = tables["controller"]["properties"]["parameters"]["properties"]
+    assert controller["law"]["enum"][::2] == ["Default", "Paper"]
+    assert controller["stage.mass"]["description"] == "Nominal moving mass M_n (kg)"
+    assert controller["stage"]["properties"]["mass"] == controller["stage.mass"]
+
+
+def test_of_several_fmus_each_has_its_own_parameters(folder: Path) -> None:
+    bias = LOOP + fmu("first", bias=[0.5, 0.25], gain=2) + fmu("second")
+    (folder / "two.toml").write_text(bias)
+    schema, table = filled("two.toml"), tomllib.loads(bias)
+    assert problems(schema, table) == []
+    table["fmu"][1]["parameters"] = {"bias": [0.5], "gian": 2.0}
+    assert sorted(problems(schema, table)) == ["fmu.1.parameters", "fmu.1.parameters.bias"]
+
+
 OPTIMIZATION = {
     "scenario": "dob",
     "vary": [{"key": "controller.gain", "minimum": 0.1, "maximum": 1.0, "distribution": "log-uniform"}],
@@ -137,3 +203,13 @@ def test_the_command_prints_strict_json(kind: list[str]) -> None:
     done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT, check=True)
     wanted = SCHEMAS[(kind or ["scenario"])[0]]()
     assert json.loads(done.stdout) == json.loads(json.dumps(wanted, allow_nan=False))
+
+
+def test_the_command_takes_a_scenario_for_scenarios_alone() -> None:
+    command = [sys.executable, "-m", "cosim", "schema"]
+    done = subprocess.run([*command, "--for", "dob"], capture_output=True, text=True, cwd=ROOT, check=True)
+    assert json.loads(done.stdout) == json.loads(json.dumps(filled("dob"), allow_nan=False))
+    wrong = [*command, "study", "--for", "dob"]
+    refused = subprocess.run(wrong, capture_output=True, text=True, cwd=ROOT, check=False)
+    assert (refused.returncode, refused.stdout) == (2, "")
+    assert "error: `--for` makes a schema of scenarios alone" in refused.stderr

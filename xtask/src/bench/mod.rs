@@ -39,6 +39,8 @@ const EXIT_GOAL: f64 = 10_000.0;
 /// What `cosim --help` and `cosim list` may cost against a Python that does nothing.
 const HELP_GOAL: f64 = 10.0;
 const LIST_GOAL: f64 = 20.0;
+/// The same in processor time, s.
+const START_UP_GOALS: (f64, f64) = (0.2, 0.4);
 /// What a closed loop may cost against its plant alone, and against MuJoCo's bare steps.
 const NATIVE_GOAL: f64 = 1.08;
 const BARE_GOAL: f64 = 1.25;
@@ -182,6 +184,8 @@ fn start_up_rows(costs: &start_up::StartUpCosts) -> Vec<Row> {
     let (nothing, help, list) = (costs.nothing.summary(), costs.help.summary(), costs.list.summary());
     vec![
         Row::new("processor time of `python -c pass`", "s", nothing),
+        Row::new("processor time of `cosim --help`", "s", help).goal(START_UP_GOALS.0),
+        Row::new("processor time of `cosim list`", "s", list).goal(START_UP_GOALS.1),
         Row::ratio("`cosim --help` / `python -c pass`", help.over(nothing)).goal(HELP_GOAL),
         Row::ratio("`cosim list` / `python -c pass`", list.over(nothing)).goal(LIST_GOAL),
     ]

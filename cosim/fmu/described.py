@@ -1,0 +1,86 @@
+"""JSON schema of scenario files with what may be set of certain FMUs and of a certain plant."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import re
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from cosim.fmu.archive import Variable
+from cosim.fmu.values import is_settable
+from cosim.scenario import schema
+from cosim.scenario.model import ALONE, Scenario, scenario_schema
+
+TYPES = {"Real": "number", "Integer": "integer"}
+
+
+def filled_schema(
+    scenario: Scenario, variables: Mapping[str, Mapping[str, dict[str, Any]]], plant: Any
+) -> dict[str, Any]:
+    """JSON schema of a scenario file with the FMUs and the plant of one scenario.
+
+    Parameters
+    ----------
+    variables
+        What may be set of each FMU, by the names of the FMUs.
+    plant
+        Dataclass of the plant's parameters.
+    """
+    found = scenario_schema()
+    parts = found["properties"]
+    tables = {name: {"parameters": schema.parameters(entries)} for name, entries in variables.items()}
+    if scenario.fmu:
+        parts["fmu"]["items"]["allOf"] = [
+            {"if": {"properties": {"name": {"const": name}}}, "then": {"properties": table}}
+            for name, table in tables.items()
+        ]
+    else:
+        parts["controller"]["properties"] |= tables[ALONE.name]
+    parts["plant"]["properties"]["parameters"] = schema.parameters(schema.described(plant)["properties"])
+    return {**found, "title": f"Scenario of cosim with FMU and plant of {scenario.name}"}
+
+
+def settable_variables(variables: Iterable[Variable]) -> dict[str, dict[str, Any]]:
+    """Describe what may stand among the parameters, by name; an array as a whole and by its elements."""
+    found: dict[str, dict[str, Any]] = {}
+    for variable in filter(is_settable, variables):
+        found[variable.name] = entry = described(variable)
+        if array := re.fullmatch(r"(.+)\[\d+\]", variable.name):
+            whole = found.setdefault(array[1], {"type": "array", "items": entry, "minItems": 0})
+            whole["minItems"] = whole["maxItems"] = whole["minItems"] + 1
+    return found
+
+
+def described(variable: Variable) -> dict[str, Any]:
+    """Describe one variable: type, range, start value, and what it is."""
+    told = schema.explained(variable.description, variable.unit)
+    if variable.kind == "Enumeration":
+        names = {str(number): name for name, number in variable.items}
+        values = [value for item in variable.items for value in item]
+        return {"enum": values, **told, **default(names.get(variable.start))}
+    if variable.kind == "Boolean":
+        start = variable.start in ("true", "1") if variable.start else None
+        return {"enum": [True, False, 0, 1], **told, **default(start)}
+    if variable.kind == "String":
+        return {"type": "string", **told, **default(variable.start or None)}
+    numbers = {"minimum": variable.minimum, "maximum": variable.maximum, "default": variable.start}
+    found: dict[str, Any] = {"type": TYPES[variable.kind], **told}
+    for name, text in numbers.items():
+        with contextlib.suppress(ValueError):
+            found[name] = int(text) if variable.kind == "Integer" else finite(text)
+    return found
+
+
+def default(value: str | bool | None) -> dict[str, Any]:
+    """Describe a start value, where there is one."""
+    return {} if value is None else {"default": value}
+
+
+def finite(text: str) -> float:
+    """Read a number that JSON can say."""
+    number = float(text)
+    if not math.isfinite(number):
+        raise ValueError(text)
+    return number

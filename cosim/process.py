@@ -1,0 +1,107 @@
+"""What foreign code may change of the process it runs in, so that other runs in it have other results."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import signal
+import sys
+from typing import Any
+
+MOST_SIGNALS = 64
+ARITHMETIC_ROOM, ACTION_ROOM = 64, 256
+"""Bytes that hold an `fenv_t` and a `struct sigaction` of any system."""
+DRAWING = b"PYOPENGL_PLATFORM="
+"""Environment variable that MuJoCo sets where it draws, and nobody else reads."""
+HANDLER = ctypes.sizeof(ctypes.c_void_p)
+"""Bytes of the latter that are the handler; it comes first."""
+_c: Any = ctypes.CDLL(None) if os.name == "posix" else None
+SYSTEM = (sys.platform, os.uname().machine if hasattr(_c, "fegetenv") else "")
+CONTROL = {
+    # control word of the x87 at 0, MXCSR without its flags at 28 and 4
+    ("linux", "x86_64"): 0x0F3F | 0xFFC0 << 8 * 28,
+    ("darwin", "x86_64"): 0x0F3F | 0xFFC0 << 8 * 4,
+    # FPCR
+    ("linux", "aarch64"): 0xFFFF_FFFF,
+    ("darwin", "arm64"): 0xFFFF_FFFF << 8 * 8,
+}.get(SYSTEM, 0)
+"""Bits of an `fenv_t` that say how is calculated: rounding, denormals, precision, traps; 0 is not known."""
+
+
+class Arithmetic:
+    """How the processor calculates in this thread, as it was when this was made."""
+
+    def __init__(self) -> None:
+        self.noted = ctypes.create_string_buffer(ARITHMETIC_ROOM)
+        self.control = self._look(self.noted)
+
+    @staticmethod
+    def _look(room: Any) -> int:
+        if not CONTROL:
+            return 0
+        _c.fegetenv(room)
+        return int.from_bytes(room.raw, "little") & CONTROL
+
+    def put_back(self) -> bool:
+        """Calculate as before; whether that was changed. No number is calculated here, traps may be on."""
+        if self._look(ctypes.create_string_buffer(ARITHMETIC_ROOM)) == self.control:
+            return False
+        _c.fesetenv(self.noted)
+        return True
+
+
+def belongings() -> dict[str, object]:
+    """Look at what belongs to the process as a whole, by what it is called; about 0.1 ms."""
+    import locale
+    import resource
+
+    mask = os.umask(0o077)
+    os.umask(mask)
+    kinds = {getattr(resource, name) for name in dir(resource) if name.startswith("RLIMIT_")}
+    limits = [resource.getrlimit(kind) for kind in sorted(kinds)]
+    return {
+        "working directory": folder(),
+        "`umask`": mask,
+        "locale": locale.setlocale(locale.LC_ALL),
+        "environment variables": environment(),
+        "signal handling": signals(),
+        "resource limits": limits,
+    }
+
+
+def folder() -> str:
+    """Working directory, empty if it is gone."""
+    try:
+        return os.getcwd()  # noqa: PTH109
+    except OSError:
+        return ""
+
+
+def environment() -> list[bytes]:
+    """Environment variables as code of C sees them, which may not tell Python of its changes."""
+    found: list[bytes] = []
+    try:
+        place = ctypes.POINTER(ctypes.c_char_p).in_dll(_c, "environ")
+    except ValueError:  # a system that hides it
+        found = [name + b"=" + value for name, value in os.environb.items()]
+    else:
+        while place and (text := place[len(found)]) is not None:
+            found.append(text)
+    return [text for text in found if not text.startswith(DRAWING)]
+
+
+def signals() -> list[object]:
+    """Handlers of all signals, those that are blocked, and whether a timer runs."""
+    blocked = signal.pthread_sigmask(signal.SIG_BLOCK, ())
+    found: list[object] = [blocked, signal.getitimer(signal.ITIMER_REAL)[0] > 0.0]
+    room = ctypes.create_string_buffer(ACTION_ROOM)
+    for number in range(1, MOST_SIGNALS + 1):
+        _c.sigaction(number, None, room)
+        found.append(room[:HANDLER])
+    return found
+
+
+def changed(before: dict[str, object]) -> str:
+    """Name what is not as it was, empty if all is."""
+    now = belongings()
+    return " and ".join(f"the {name}" for name, value in before.items() if now[name] != value)
