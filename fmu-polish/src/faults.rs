@@ -4,7 +4,7 @@ use control_blocks::{SafeEnd, ticks};
 use nalgebra::Vector3;
 
 use crate::force::contact::{ContactMonitor, Measurement};
-use crate::interface::{Fault, Parameters, State, Vars};
+use crate::interface::{Fault, Measured, Parameters, State, Vars};
 use crate::monitoring::axis::AxisMonitor;
 use crate::monitoring::force::{ForceMonitor, ForceSample};
 use crate::monitoring::numbers::Numbers;
@@ -12,7 +12,7 @@ use crate::reading::{Doubt, Reading};
 
 /// From what a fault is found.
 pub struct Evidence<'a> {
-    /// State of the last sample.
+    /// State of the last sample; of a commission that of a job which is watched alike.
     pub state: State,
     /// The zero of the sensor is being taken.
     pub taring: bool,
@@ -42,6 +42,8 @@ pub struct Evidence<'a> {
     pub stable: bool,
     /// The ball slides as fast as it should.
     pub slides: bool,
+    /// What a commission has measured cannot be used.
+    pub rejected: bool,
     /// The job has used up its time.
     pub overdue: bool,
 }
@@ -64,7 +66,11 @@ impl Evidence<'_> {
 
 /// The gravest fault of one sample: first what can be read, then the axes, then the force, and at last what comes of them.
 pub fn find(p: &Parameters, seen: &Evidence) -> Option<Fault> {
-    readings(p, seen).or_else(|| start(p, seen)).or_else(|| axes(p, seen)).or_else(|| job(p, seen))
+    readings(p, seen).or_else(|| start(p, seen)).or_else(|| axes(p, seen)).or_else(|| job(p, seen)).or_else(|| rejected(seen))
+}
+
+fn rejected(seen: &Evidence) -> Option<Fault> {
+    seen.rejected.then_some(Fault::CommissionRejected)
 }
 
 fn first<const N: usize>(faults: [(Fault, bool); N]) -> Option<Fault> {
@@ -153,7 +159,9 @@ impl Fault {
             }
             LostForce | ForceJump | FrozenForce | PositionError | SurfaceError | Saturation | NoisyForce
             | Oscillation => SafeEnd::Retract,
-            ForceError | WrongStiffness | UnstableLoop | UnloadTimeout | NoProgress | NoSliding => SafeEnd::Retract,
+            ForceError | WrongStiffness | UnstableLoop | UnloadTimeout | NoProgress | NoSliding | CommissionRejected => {
+                SafeEnd::Retract
+            }
             Stroke | EmergencyStop | TareRejected | NotAtStart => SafeEnd::Stop,
             LostReading | ReadingJump | FrozenReading | FollowingError | DriveSign | WeakDrive => SafeEnd::DriveOff,
         }
@@ -239,7 +247,36 @@ pub fn numbers(vars: &Vars) -> String {
             output.sliding.friction
         ),
         Fault::NoProgress => format!(" = `{:.1} s`: `{:.1} s` {place}", n.time_limit, n.time),
+        Fault::CommissionRejected => commission_rejected(p, &output.measured),
     }
+}
+
+/// What was measured, and what it must be.
+fn commission_rejected(p: &Parameters, m: &Measured) -> String {
+    let most = p.commission.deviation_max;
+    format!(
+        ": stiffness `{:.0} +- {:.0} N/m`, across `{:.0} +- {:.0} N/m`, friction `{:.3} +- {:.3}`, drives `{:.1} +- {:.1} 1/s`, \
+         `{:.2} +- {:.2}`, `{:.0} +- {:.0} rad/s`, delay `{:.2} +- {:.2}` samples, sensor turned by `{:.3} +- {:.3} rad`; limits \
+         half and twice what was told, `commission.deviation_max` = `{most}` of it, \
+         `commission.delay_deviation_max` = `{}`, and `25 deg` of phase for the force loop",
+        m.stiffness,
+        m.stiffness_deviation,
+        m.lateral_stiffness,
+        m.lateral_stiffness_deviation,
+        m.friction,
+        m.friction_deviation,
+        m.position_gain,
+        m.position_gain_deviation,
+        m.feedforward,
+        m.feedforward_deviation,
+        m.velocity_bandwidth,
+        m.velocity_bandwidth_deviation,
+        m.io_delay,
+        m.io_delay_deviation,
+        m.sensor_rotation,
+        m.sensor_rotation_deviation,
+        p.commission.delay_deviation_max
+    )
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+mod commission;
 mod faults;
 mod hostile;
 mod job;

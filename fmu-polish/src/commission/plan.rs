@@ -1,0 +1,147 @@
+//! How far, how hard and how long the commission moves, from its bounds.
+//!
+//! In the air every axis follows pulses alone: a drive with position and velocity loop and at most all of its velocity fed forward has
+//! a largest gain below 2 for loops from half to twice as fast as told, so a reference that keeps half of the travel keeps it whole. It
+//! is made above the place where it begins: nothing goes down before the excitation is over.
+//!
+//! Pressed is by eq. 4 alone, without integral, on a contact of up to twice the told stiffness k. The open loop is an integrator of the
+//! gain g = 2 k K_f / B_d with lags that add up to tau: M_d / B_d, the sensor, two and a half samples beside the delay, and the axis, whose position is
+//! (1 - K_ff) v / K_pp + K_ff v / w_ff behind a steady velocity v, twice that for loops half as fast. No lag of the time constant t turns the phase at w by
+//! more than w t, so where the gain is 1, at no more than g, the margin is at least pi / 2 - g tau. The damping is raised
+//! until g tau = 0.6 rad, 56 degrees of margin; a softer contact crosses earlier and has more.
+
+use control_blocks::{DELAY_MAX, Multisine, quintic_duration, ticks};
+use serde::{Deserialize, Serialize};
+
+use crate::interface::Parameters;
+
+/// Ratio of stiffness and of the bandwidths of the drives to what was told, or its reciprocal, that the commission can bear.
+pub const RATIO_MAX: f64 = 2.0;
+/// Samples of delay more than told that it can bear.
+const DELAY_SPREAD: i32 = 2;
+/// Phase (rad) that all lags of the force loop may take at its crossing.
+const PHASE: f64 = 0.6;
+/// Travel over the largest offset from where a job may begin.
+const OFFSETS: f64 = 2.0;
+/// Period of the excitation (s), and how many are measured.
+const PERIOD: f64 = 0.25;
+const PERIODS: u32 = 12;
+/// Share of the largest velocity that the excitation of an axis may take.
+const VELOCITY_SHARE: f64 = 0.25;
+/// Times (s) in which the excitation grows and fades, settles, and rests.
+const RAMP: f64 = 0.5;
+const SETTLE: f64 = 0.25;
+const REST: f64 = 0.2;
+/// Ramps of the force, up and down, that are measured; the time of each, and the time for which it then stands, s.
+pub const PRESSES: u32 = 8;
+const PRESS: f64 = 0.8;
+const STAND: f64 = 0.4;
+/// Force between the presses over the largest.
+const LOW: f64 = 0.2;
+/// Periods of rubbing to and fro, along the path and beside it; the first tells nothing but the mean force.
+pub const RUBS: u32 = 7;
+/// A commission may take longer than its motions by this share.
+const TIME_SPARE: f64 = 1.25;
+
+/// The motions of a commission.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Plan {
+    /// Excitation of every axis.
+    pub sines: Multisine,
+    /// Way up before it, m.
+    pub rise: f64,
+    /// Time of that way, s.
+    pub rise_time: f64,
+    /// Samples in which the excitation grows, and in which it fades.
+    pub ramp: u32,
+    /// Samples until what is left of the growing has died out.
+    pub settle: u32,
+    /// Samples that are measured, whole periods.
+    pub measured: u32,
+    /// Samples until the axes stand.
+    pub rest: u32,
+    /// Damping of the force law, N s/m.
+    pub damping: f64,
+    /// Largest force, and that between the presses, N.
+    pub force: [f64; 2],
+    /// Change of the wanted force, N/s.
+    pub force_rate: f64,
+    /// Samples of a press, and of them those with a ramp.
+    pub press: [u32; 2],
+    /// Samples of a quarter of a rubbing motion.
+    pub quarter: u32,
+    /// Its speed, m/s.
+    pub speed: f64,
+}
+
+impl Plan {
+    /// The plan for these bounds.
+    pub fn new(p: &Parameters) -> Self {
+        let (dt, travel, force) = (p.sample_period, travel(p), force(p));
+        let unit = Multisine { amplitude: 1.0, period: ticks(PERIOD, dt).max(1), sample_period: dt };
+        let by_travel = travel / (RATIO_MAX * unit.reach());
+        let by_velocity = VELOCITY_SHARE * p.velocity_max / unit.velocity_max();
+        let (low, ramp) = (LOW * force, ticks(PRESS, dt).max(1));
+        let quarter = ticks(0.5 * travel / p.approach.velocity, dt).max(1);
+        Self {
+            sines: Multisine { amplitude: by_travel.min(by_velocity), ..unit },
+            rise: travel,
+            rise_time: quintic_duration(travel, p.retract.velocity).max(dt),
+            ramp: ticks(RAMP, dt).max(1),
+            settle: ticks(SETTLE, dt),
+            measured: PERIODS * unit.period,
+            rest: ticks(REST, dt),
+            damping: damping(p),
+            force: [force, low],
+            force_rate: (force - low) / PRESS,
+            press: [ramp + ticks(STAND, dt), ramp],
+            quarter,
+            speed: 0.5 * travel / (f64::from(quarter) * dt),
+        }
+    }
+
+    /// Samples of the excitation, from rest to rest.
+    pub fn excitation(&self) -> u32 {
+        2 * self.ramp + self.settle + self.measured + self.rest
+    }
+
+    /// Longest time of all motions, s.
+    fn duration(&self, p: &Parameters) -> f64 {
+        let down = (self.rise + p.approach.travel_max) / p.approach.velocity;
+        let samples = self.excitation() + (PRESSES + 2) * self.press[0] + 8 * RUBS * self.quarter;
+        let out = p.settle.time_max + p.retract.distance / p.retract.velocity;
+        p.tare_time + self.rise_time + down + f64::from(samples) * p.sample_period + out
+    }
+}
+
+/// Damping (N s/m) with which the force is stable on every machine that the commission is for.
+fn damping(p: &Parameters) -> f64 {
+    let (stiffness, drive) = (RATIO_MAX * p.impedance.gain * p.stiffness_nominal, &p.drive);
+    let samples = f64::from((p.io_delay + DELAY_SPREAD).min(DELAY_MAX as i32)) + 0.5;
+    let axis = (1.0 - drive.feedforward) / drive.position_gain + drive.feedforward / drive.feedforward_bandwidth;
+    let filter = if p.force.filter_bandwidth > 0.0 { p.force.filter_bandwidth.recip() } else { 0.0 };
+    let lags = samples * p.sample_period + p.sensor_bandwidth.recip() + filter + RATIO_MAX * axis;
+    // k / B (lags + M / B) = PHASE is a quadratic in B
+    let half = 0.5 * stiffness * lags / PHASE;
+    p.impedance.damping.max(half + (half * half + stiffness * p.impedance.mass / PHASE).sqrt())
+}
+
+/// Farthest way (m) beside and above the begin: `commission.travel`, or as far as a job may begin beside the path, to both sides.
+pub fn travel(p: &Parameters) -> f64 {
+    if p.commission.travel > 0.0 { p.commission.travel } else { OFFSETS * p.limits.start_offset }
+}
+
+/// Force (N) with which it presses: `commission.force`, or that of the job.
+pub fn force(p: &Parameters) -> f64 {
+    if p.commission.force > 0.0 { p.commission.force } else { p.force.target }
+}
+
+/// Longest commission (s): `commission.time`, or what its motions take and some more.
+pub fn time(p: &Parameters) -> f64 {
+    if p.commission.time > 0.0 { p.commission.time } else { TIME_SPARE * least_time(p) }
+}
+
+/// Time (s) that the motions of a commission take at most.
+pub fn least_time(p: &Parameters) -> f64 {
+    Plan::new(p).duration(p)
+}
