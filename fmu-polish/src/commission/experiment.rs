@@ -281,8 +281,8 @@ impl Experiment {
         {
             self.found.stiffness.push(slope);
         }
-        // the last one goes up, and the force stays
-        if number > PRESSES && tick + 1 == press {
+        // the last one has gone up, and the force stays
+        if number == PRESSES + 2 && tick + 1 == press {
             self.enter(Phase::Rub);
         }
     }

@@ -40,6 +40,8 @@ const STAND: f64 = 0.4;
 const LOW: f64 = 0.2;
 /// Periods of rubbing to and fro, along the path and beside it; the first tells nothing but the mean force.
 pub const RUBS: u32 = 7;
+/// Way of rubbing to each side over the travel: a hollow of 3 mm leans by less than a degree on it.
+const RUB_SHARE: f64 = 0.25;
 /// A commission may take longer than its motions by this share.
 const TIME_SPARE: f64 = 1.25;
 
@@ -82,7 +84,8 @@ impl Plan {
         let by_travel = travel / (RATIO_MAX * unit.reach());
         let by_velocity = VELOCITY_SHARE * p.velocity_max / unit.velocity_max();
         let (low, ramp) = (LOW * force, ticks(PRESS, dt).max(1));
-        let quarter = ticks(0.5 * travel / p.approach.velocity, dt).max(1);
+        let side = RUB_SHARE * travel;
+        let quarter = ticks(side / p.approach.velocity, dt).max(1);
         Self {
             sines: Multisine { amplitude: by_travel.min(by_velocity), ..unit },
             rise: travel,
@@ -96,7 +99,7 @@ impl Plan {
             force_rate: (force - low) / PRESS,
             press: [ramp + ticks(STAND, dt), ramp],
             quarter,
-            speed: 0.5 * travel / (f64::from(quarter) * dt),
+            speed: side / (f64::from(quarter) * dt),
         }
     }
 
@@ -108,7 +111,7 @@ impl Plan {
     /// Longest time of all motions, s.
     fn duration(&self, p: &Parameters) -> f64 {
         let down = (self.rise + p.approach.travel_max) / p.approach.velocity;
-        let samples = self.excitation() + (PRESSES + 2) * self.press[0] + 8 * RUBS * self.quarter;
+        let samples = self.excitation() + (PRESSES + 3) * self.press[0] + 8 * RUBS * self.quarter;
         let out = p.settle.time_max + p.retract.distance / p.retract.velocity;
         p.tare_time + self.rise_time + down + f64::from(samples) * p.sample_period + out
     }

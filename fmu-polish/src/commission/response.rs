@@ -3,13 +3,14 @@
 //! With the velocity U of the pulses and the position Y of a tone at the frequency w an axis obeys
 //!
 //! ```text
-//! Y = T H exp(-j w T_s d) U,   T = V (K_pp + F) / (s + V K_pp),   F = K_ff s / (1 + s / w_ff),   V = A / (s^2 + A),
+//! Y = T H exp(-j w T_s d) U,   T = V (K_pp + F) / (s + V K_pp),   F = K_ff s / (1 + s / w_ff),   V = A / (s^2 + b s + A),
 //! ```
 //!
-//! A = w_v (s + w_i), s = j w, with the held velocity H and the delay d in samples. Found are ln K_pp, K_ff, ln w_v and d, which all axes have in
-//! common; `drive.feedforward_bandwidth` and `drive.velocity_integral` are believed, as they hardly differ from the others below
-//! 100 Hz. From N = K_pp + F and D = s + V K_pp follow dT/dK_pp = V (1 - T) / D, dT/dF = V / D, dT/dV = (N - T K_pp) / D,
-//! and dV/d ln w_v = V (1 - V).
+//! A = w_v (s + w_i), s = j w, with the held velocity H and the delay d in samples. Found are ln K_pp, K_ff, ln w_v, d and b, which all
+//! axes have in common; `drive.feedforward_bandwidth` and `drive.velocity_integral` are believed. The friction of the guides takes about
+//! the same share b of every tone, as the sign of a sum of many tones goes with it (random-input describing function), so b
+//! belongs to the excitation and is told to nobody. From N = K_pp + F and D = s + V K_pp follow dT/dK_pp = V (1 - T) / D,
+//! dT/dF = V / D, dT/dV = (N - T K_pp) / D, dV/d ln w_v = V (1 - V), and dV/db = -s V^2 / A.
 
 use control_blocks::{
     Estimate, HARMONICS, NoEstimate, Observation, PeriodicSpectra, SpectralLine, TONES, least_squares,
@@ -17,11 +18,14 @@ use control_blocks::{
 use nalgebra::{Complex, SVector};
 
 use crate::commission::plan::Plan;
-use crate::force::response::{axis, hold};
+use crate::force::response::{hold, rubbed_axis};
 use crate::interface::{Drive, Parameters};
 
-/// Unknowns ln K_pp, K_ff, ln w_v, d.
-pub type Unknowns = SVector<f64, 4>;
+/// Unknowns ln K_pp, K_ff, ln w_v, d, b.
+type Unknowns = SVector<f64, UNKNOWNS>;
+
+/// How many they are.
+const UNKNOWNS: usize = 5;
 
 /// No tone counts as known better than to this share: the friction of the guides is no linear part.
 const LEAST_DEVIATION: f64 = 3e-3;
@@ -46,7 +50,7 @@ impl<'a> Tone<'a> {
 
     /// Response from the velocity of the pulses to the position, s.
     fn response(&self, x: &Unknowns) -> Complex<f64> {
-        axis(&drive(self.drive, x), self.omega) * self.late(x)
+        rubbed_axis(&drive(self.drive, x), x[4], self.omega) * self.late(x)
     }
 
     fn late(&self, x: &Unknowns) -> Complex<f64> {
@@ -54,19 +58,20 @@ impl<'a> Tone<'a> {
     }
 
     /// Derivatives of the response by the unknowns.
-    fn gradient(&self, x: &Unknowns) -> [Complex<f64>; 4] {
+    fn gradient(&self, x: &Unknowns) -> [Complex<f64>; UNKNOWNS] {
         let (found, s) = (drive(self.drive, x), Complex::new(0.0, self.omega));
         let push = found.velocity_bandwidth * (s + found.velocity_integral);
-        let velocity = push / (s * s + push);
+        let velocity = push / (s * (s + x[4]) + push);
         let ahead = s / (1.0 + s / found.feedforward_bandwidth);
         let (gain, denominator) = (found.position_gain, s + velocity * found.position_gain);
-        let whole = axis(&found, self.omega);
+        let whole = rubbed_axis(&found, x[4], self.omega);
         let by_velocity = (gain + found.feedforward * ahead - whole * gain) / denominator;
         let by = [
             gain * velocity * (1.0 - whole) / denominator,
             velocity * ahead / denominator,
             velocity * (1.0 - velocity) * by_velocity,
             Complex::new(0.0, -self.sample) * whole,
+            -s * velocity * velocity / push * by_velocity,
         ];
         by.map(|part| part * self.late(x))
     }
@@ -89,19 +94,19 @@ fn drive(told: &Drive, x: &Unknowns) -> Drive {
 ///
 /// # Errors
 /// When it does not tell them apart.
-pub fn response(p: &Parameters, plan: &Plan, spectra: &[PeriodicSpectra; AXES]) -> Result<Estimate<4>, NoEstimate> {
+pub fn response(p: &Parameters, plan: &Plan, spectra: &[PeriodicSpectra; AXES]) -> Result<Estimate<UNKNOWNS>, NoEstimate> {
     let frequencies = plan.sines.frequencies();
     let tones: [Tone; AXES * TONES] =
         std::array::from_fn(|i| Tone::new(p, frequencies[i % TONES], spectra[i / TONES].line(i % TONES)));
     let d = &p.drive;
     let told =
-        Unknowns::from([d.position_gain.ln(), d.feedforward, d.velocity_bandwidth.ln(), f64::from(p.io_delay)]);
+        Unknowns::from([d.position_gain.ln(), d.feedforward, d.velocity_bandwidth.ln(), f64::from(p.io_delay), 0.0]);
     // the variances are those at what was told, then at what was found
     let first = fit(&tones, told, &told)?;
     fit(&tones, first.value, &first.value)
 }
 
-fn fit(tones: &[Tone; AXES * TONES], start: Unknowns, at: &Unknowns) -> Result<Estimate<4>, NoEstimate> {
+fn fit(tones: &[Tone; AXES * TONES], start: Unknowns, at: &Unknowns) -> Result<Estimate<UNKNOWNS>, NoEstimate> {
     let deviations: [f64; AXES * TONES] = std::array::from_fn(|i| tones[i].deviation(at));
     least_squares(start, 2 * AXES * HARMONICS.len(), |i, x| {
         let (tone, imaginary) = (&tones[i / 2], i % 2 == 1);

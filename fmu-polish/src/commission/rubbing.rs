@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::force::stiffness::Slope;
 use crate::interface::Parameters;
-use crate::motion::felt_motion::FeltMotion;
+use crate::motion::felt_motion::{FeltMotion, felt_noise};
 
 /// Share of the friction up to which the slope is that of a ball that sticks.
 const STICKS: f64 = 0.7;
@@ -112,7 +112,7 @@ impl Rubbing {
         let friction = self.weighted.norm() / work;
         self.sliding.push(friction);
         self.direction += self.work;
-        let stiffness = Slope::common(&self.lines, STEP_NOISE * p.encoder_resolution);
+        let stiffness = Slope::common(&self.lines, STEP_NOISE * p.encoder_resolution * felt_noise(p));
         let angle = (plane(&self.work) * plane(&self.direction).conj()).arg();
         Some(Period { friction: friction / normal, stiffness, angle })
     }

@@ -7,10 +7,15 @@ use crate::interface::{Drive, Parameters};
 
 /// Response of an axis from commanded to true position at `omega` rad/s.
 pub fn axis(d: &Drive, omega: f64) -> Complex<f64> {
+    rubbed_axis(d, 0.0, omega)
+}
+
+/// The same where friction takes `damping` (1/s) of the velocity.
+pub fn rubbed_axis(d: &Drive, damping: f64, omega: f64) -> Complex<f64> {
     let s = Complex::new(0.0, omega);
-    // velocity loop: s v = w_v (1 + w_i / s) (v_ref - v)
+    // velocity loop: s v = w_v (1 + w_i / s) (v_ref - v) - b v
     let push = d.velocity_bandwidth * (s + d.velocity_integral);
-    let velocity = push / (s * s + push);
+    let velocity = push / (s * (s + damping) + push);
     // v_ref = K_pp (x_c - x) + K_ff / (1 + s / w_ff) s x_c
     let ahead = d.feedforward * s / (1.0 + s / d.feedforward_bandwidth);
     velocity * (d.position_gain + ahead) / (s + velocity * d.position_gain)

@@ -37,6 +37,15 @@ impl FeltMotion {
     }
 }
 
+/// What is left of white noise of the place, over its deviation. With the lag l in samples, a = exp(-l) and c = (1 - a) / l the place is felt by
+/// 1 - c in its own sample and by c (1 - a) a^(k-1) k samples later.
+pub fn felt_noise(p: &Parameters) -> f64 {
+    let lag = p.sensor_bandwidth * p.sample_period;
+    let keep = (-lag).exp();
+    let late = (1.0 - keep) / lag;
+    ((1.0 - late).powi(2) + late * late * (1.0 - keep) / (1.0 + keep)).sqrt()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

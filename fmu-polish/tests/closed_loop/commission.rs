@@ -18,7 +18,9 @@ fn trial() {
         };
         build.late = (seed % 2) as usize;
         build.turned = near(1.0) - 1.0;
-        if seed == 700 { build = Build::NOMINAL; }
+        if seed == 700 { build = Build::NOMINAL; build.drive_friction=0.0; }
+if seed == 701 { build = Build::NOMINAL; }
+if seed == 702 { build = Build::NOMINAL; build.drive_friction=0.5;}
         let mut p = Parameters::START;
         p.commission.apply = true;
         let mut run = Loop::new(&p, build, seed);
