@@ -255,8 +255,8 @@ pub fn numbers(vars: &Vars) -> String {
 fn commission_rejected(p: &Parameters, m: &Measured) -> String {
     let most = p.commission.deviation_max;
     format!(
-        ": stiffness `{:.0} +- {:.0} N/m`, across `{:.0} +- {:.0} N/m`, friction `{:.3} +- {:.3}`, drives `{:.1} +- {:.1} 1/s`, \
-         `{:.2} +- {:.2}`, `{:.0} +- {:.0} rad/s`, delay `{:.2} +- {:.2}` samples, sensor turned by `{:.3} +- {:.3} rad`; limits \
+        ": stiffness `{:.0} +- {:.0} N/m`, across `{:.0} +- {:.0} N/m`, friction `{:.3} +- {:.3}`, drives `{:.3} +- {:.3}` times as \
+         fast and `{:.3} +- {:.3}` fed forward, delay `{:.2} +- {:.2}` samples, sensor turned by `{:.3} +- {:.3} rad`; limits \
          half and twice what was told, `commission.deviation_max` = `{most}` of it, \
          `commission.delay_deviation_max` = `{}`, and `25 deg` of phase for the force loop",
         m.stiffness,
@@ -265,12 +265,10 @@ fn commission_rejected(p: &Parameters, m: &Measured) -> String {
         m.lateral_stiffness_deviation,
         m.friction,
         m.friction_deviation,
-        m.position_gain,
-        m.position_gain_deviation,
+        m.drive_gain,
+        m.drive_gain_deviation,
         m.feedforward,
         m.feedforward_deviation,
-        m.velocity_bandwidth,
-        m.velocity_bandwidth_deviation,
         m.io_delay,
         m.io_delay_deviation,
         m.sensor_rotation,

@@ -266,18 +266,14 @@ mod variables {
         #[var(unit = ONE)] pub friction: f64,
         /// Its standard deviation
         #[var(unit = ONE)] pub friction_deviation: f64,
-        /// Gain of the position loop of the drives
-        #[var(unit = PER_SECOND)] pub position_gain: f64,
+        /// How fast the loops of the drives are, `drive.position_gain` and `drive.velocity_bandwidth`, over what was told
+        #[var(unit = ONE)] pub drive_gain: f64,
         /// Its standard deviation
-        #[var(unit = PER_SECOND)] pub position_gain_deviation: f64,
+        #[var(unit = ONE)] pub drive_gain_deviation: f64,
         /// Part of the velocity that the drives feed forward, through `drive.feedforward_bandwidth`
         #[var(unit = ONE)] pub feedforward: f64,
         /// Its standard deviation
         #[var(unit = ONE)] pub feedforward_deviation: f64,
-        /// Bandwidth of the velocity loop of the drives
-        #[var(unit = RADIAN_PER_SECOND as "Hz")] pub velocity_bandwidth: f64,
-        /// Its standard deviation
-        #[var(unit = RADIAN_PER_SECOND as "Hz")] pub velocity_bandwidth_deviation: f64,
         /// Samples between a command and its action, not rounded
         #[var(unit = ONE)] pub io_delay: f64,
         /// Its standard deviation
@@ -514,8 +510,8 @@ mod variables {
     }
     /// Bounds of the state `Commission`, and what becomes of its results
     pub struct Commission {
-        /// Farthest way beside and above where it begins; 0: twice `limits.start_offset`
-        #[var(unit = METRE as "um", range = 0.0..=0.01, source = "derived: as far as a job may begin beside the path, to both sides")] pub travel: f64,
+        /// Farthest way beside and above where it begins; 0: four times `limits.start_offset`
+        #[var(unit = METRE as "um", range = 0.0..=0.01, source = "our choice: faster than the guides roll, and within `limits.position_error`")] pub travel: f64,
         /// Force with which it presses; 0: `force.target`
         #[var(unit = NEWTON, range = 0.0..=100.0, source = "derived: stiffness and friction are those of the job")] pub force: f64,
         /// Longest time; 0: what its motions take, a quarter more

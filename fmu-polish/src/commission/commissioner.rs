@@ -101,8 +101,8 @@ impl Commissioner {
         let (rotation, direction) = mounting(shown, [&frame.tangent, &beside]);
         let [stiffness, friction, lateral, angle] =
             [found.stiffness, found.friction, found.lateral, found.angle].map(|scatter| measure(&scatter));
-        if let Ok(drive) = response(p, plan, spectra) {
-            let (value, gain, bandwidth) = (drive.value, drive.value[0].exp(), drive.value[2].exp());
+        if let Ok(drive) = response(p, &self.told.drive, plan, spectra) {
+            let (value, gain) = (drive.value, drive.value[0].exp());
             self.measured = Measured {
                 stiffness: stiffness[0],
                 stiffness_deviation: stiffness[1],
@@ -110,14 +110,12 @@ impl Commissioner {
                 lateral_stiffness_deviation: lateral[1],
                 friction: friction[0],
                 friction_deviation: friction[1],
-                position_gain: gain,
-                position_gain_deviation: gain * drive.sigma(0),
+                drive_gain: gain,
+                drive_gain_deviation: gain * drive.sigma(0),
                 feedforward: value[1],
                 feedforward_deviation: drive.sigma(1),
-                velocity_bandwidth: bandwidth,
-                velocity_bandwidth_deviation: bandwidth * drive.sigma(2),
-                io_delay: value[3],
-                io_delay_deviation: drive.sigma(3),
+                io_delay: value[2],
+                io_delay_deviation: drive.sigma(2),
                 sensor_rotation: rotation,
                 sensor_rotation_deviation: angle[1],
                 sensor_direction_y: direction,

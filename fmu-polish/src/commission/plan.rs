@@ -6,7 +6,7 @@
 //!
 //! Pressed is by eq. 4 alone, without integral, on a contact of up to twice the told stiffness k. The open loop is an integrator of the
 //! gain g = 2 k K_f / B_d with lags that add up to tau: M_d / B_d, the sensor, two and a half samples beside the delay, and the axis, whose position is
-//! (1 - K_ff) v / K_pp + K_ff v / w_ff behind a steady velocity v, twice that for loops half as fast. No lag of the time constant t turns the phase at w by
+//! (1 - K_ff) / K_pp + K_ff / w_ff late, twice that for loops half as fast. No lag of the time constant t turns the phase at w by
 //! more than w t, so where the gain is 1, at no more than g, the margin is at least pi / 2 - g tau. The damping is raised
 //! until g tau = 0.6 rad, 56 degrees of margin; a softer contact crosses earlier and has more.
 
@@ -22,12 +22,12 @@ const DELAY_SPREAD: i32 = 2;
 /// Phase (rad) that all lags of the force loop may take at its crossing.
 const PHASE: f64 = 0.6;
 /// Travel over the largest offset from where a job may begin.
-const OFFSETS: f64 = 2.0;
+const OFFSETS: f64 = 4.0;
 /// Period of the excitation (s), and how many are measured.
 const PERIOD: f64 = 0.25;
 const PERIODS: u32 = 12;
 /// Share of the largest velocity that the excitation of an axis may take.
-const VELOCITY_SHARE: f64 = 0.25;
+const VELOCITY_SHARE: f64 = 0.5;
 /// Times (s) in which the excitation grows and fades, settles, and rests.
 const RAMP: f64 = 0.5;
 const SETTLE: f64 = 0.25;
@@ -41,7 +41,7 @@ const LOW: f64 = 0.2;
 /// Periods of rubbing to and fro, along the path and beside it; the first tells nothing but the mean force.
 pub const RUBS: u32 = 7;
 /// Way of rubbing to each side over the travel: a hollow of 3 mm leans by less than a degree on it.
-const RUB_SHARE: f64 = 0.25;
+const RUB_SHARE: f64 = 0.125;
 /// A commission may take longer than its motions by this share.
 const TIME_SPARE: f64 = 1.25;
 

@@ -75,12 +75,7 @@ impl Values {
 
     /// What follows from a measurement, from these that were told.
     pub fn derived(self, p: &Parameters, m: &Measured) -> Self {
-        let drive = Drive {
-            position_gain: m.position_gain,
-            feedforward: m.feedforward.clamp(0.0, 1.0),
-            velocity_bandwidth: m.velocity_bandwidth,
-            ..self.drive
-        };
+        let drive = self.drive.faster(m.drive_gain, m.feedforward.clamp(0.0, 1.0));
         Self {
             stiffness: m.stiffness,
             // the same gain of the loop
@@ -110,19 +105,16 @@ impl Values {
 /// Whether a measurement is sure enough, and of a machine that this controller can hold: `told` is what it took it for.
 pub fn acceptable(p: &Parameters, told: &Values, m: &Measured) -> bool {
     let sure = |value: f64, deviation: f64| value > 0.0 && deviation <= p.commission.deviation_max * value;
-    let near = |value: f64, told: f64| (RATIO_MAX.recip()..=RATIO_MAX).contains(&(value / told));
+    let near = |ratio: f64| (RATIO_MAX.recip()..=RATIO_MAX).contains(&ratio);
     let contact = [
         (m.stiffness, m.stiffness_deviation),
         (m.friction, m.friction_deviation),
         (m.lateral_stiffness, m.lateral_stiffness_deviation),
     ];
-    let drives = [
-        (m.position_gain, m.position_gain_deviation, told.drive.position_gain),
-        (m.velocity_bandwidth, m.velocity_bandwidth_deviation, told.drive.velocity_bandwidth),
-    ];
     contact.iter().all(|(value, deviation)| sure(*value, *deviation))
-        && near(m.stiffness, told.stiffness)
-        && drives.iter().all(|(value, deviation, told)| sure(*value, *deviation) && near(*value, *told))
+        && near(m.stiffness / told.stiffness)
+        && sure(m.drive_gain, m.drive_gain_deviation)
+        && near(m.drive_gain)
         && m.feedforward_deviation <= p.commission.deviation_max
         && m.io_delay_deviation <= p.commission.delay_deviation_max
         && (-0.5..DELAY_MAX as f64 + 0.5).contains(&m.io_delay)

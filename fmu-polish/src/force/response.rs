@@ -5,17 +5,29 @@ use nalgebra::Complex;
 use super::impedance::Coefficients;
 use crate::interface::{Drive, Parameters};
 
-/// Response of an axis from commanded to true position at `omega` rad/s.
-pub fn axis(d: &Drive, omega: f64) -> Complex<f64> {
-    rubbed_axis(d, 0.0, omega)
+impl Drive {
+    /// With loops that are so many times as fast, and so much velocity fed forward.
+    pub fn faster(&self, times: f64, feedforward: f64) -> Self {
+        Self {
+            position_gain: times * self.position_gain,
+            velocity_bandwidth: times * self.velocity_bandwidth,
+            feedforward,
+            ..*self
+        }
+    }
 }
 
-/// The same where friction takes `damping` (1/s) of the velocity.
-pub fn rubbed_axis(d: &Drive, damping: f64, omega: f64) -> Complex<f64> {
+/// Response of an axis from commanded to true position at `omega` rad/s.
+pub fn axis(d: &Drive, omega: f64) -> Complex<f64> {
+    rolling_axis(d, 0.0, omega)
+}
+
+/// The same on guides that pull back like a spring, `spring` in 1/s2.
+pub fn rolling_axis(d: &Drive, spring: f64, omega: f64) -> Complex<f64> {
     let s = Complex::new(0.0, omega);
-    // velocity loop: s v = w_v (1 + w_i / s) (v_ref - v) - b v
+    // velocity loop: s v = w_v (1 + w_i / s) (v_ref - v) - c x
     let push = d.velocity_bandwidth * (s + d.velocity_integral);
-    let velocity = push / (s * (s + damping) + push);
+    let velocity = push / (s * s + spring + push);
     // v_ref = K_pp (x_c - x) + K_ff / (1 + s / w_ff) s x_c
     let ahead = d.feedforward * s / (1.0 + s / d.feedforward_bandwidth);
     velocity * (d.position_gain + ahead) / (s + velocity * d.position_gain)

@@ -36,7 +36,7 @@ if seed == 702 { build = Build::NOMINAL; build.drive_friction=0.5;}
         let m = run.output.measured;
         println!("{:?} {:?} t={} most={most} {build:?}", run.output.state, run.output.fault, run.time());
         println!("  k {:.0}+-{:.0} / {:.0}  lat {:.0}+-{:.0}/{:.0} mu {:.4}+-{:.4}/{:.4}", m.stiffness, m.stiffness_deviation, build.stiffness, m.lateral_stiffness, m.lateral_stiffness_deviation, build.lateral, m.friction, m.friction_deviation, build.friction);
-        println!("  kp {:.2}+-{:.2}/{:.2} ff {:.3}+-{:.3}/{:.3} wv {:.1}+-{:.1}/{:.1} d {:.3}+-{:.3}/{} rot {:.4}+-{:.4}/{:.4} {} {}", m.position_gain, m.position_gain_deviation, 80.0*build.drive_gain, m.feedforward, m.feedforward_deviation, build.feedforward, m.velocity_bandwidth, m.velocity_bandwidth_deviation, 500.0*build.drive_gain, m.io_delay, m.io_delay_deviation, 1+build.late, m.sensor_rotation, m.sensor_rotation_deviation, build.turned, m.sensor_direction_y, m.sensor_direction_z);
+        println!("  g {:.3}+-{:.3}/{:.3} ff {:.3}+-{:.3}/{:.3} d {:.3}+-{:.3}/{} rot {:.4}+-{:.4}/{:.4} {} {}", m.drive_gain, m.drive_gain_deviation, build.drive_gain, m.feedforward, m.feedforward_deviation, build.feedforward, m.io_delay, m.io_delay_deviation, 1+build.late, m.sensor_rotation, m.sensor_rotation_deviation, build.turned, m.sensor_direction_y, m.sensor_direction_z);
         println!("  {:?}", run.parameters.stick_slip.velocity);
     }
 }
