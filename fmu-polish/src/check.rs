@@ -157,12 +157,12 @@ fn stick_slip_sweep(p: &Parameters) -> Result<(), ParameterError> {
     })
 }
 
-/// The motion beside the path is a position error, and the rubbing must be longer than an encoder can tell.
+/// The rubbing must be longer than an encoder can tell.
 fn commission_travel(p: &Parameters) -> Result<(), ParameterError> {
-    let (least, most) = (TRAVEL_STEPS * p.encoder_resolution, p.limits.position_error);
-    let travel = Parameter::new("commission.travel", plan::travel(p), "m", "with less the encoders tell nothing");
-    travel.must_be((least..most).contains(&plan::travel(p)), || {
-        format!("`0`, or from `{least} m`, `{TRAVEL_STEPS}` steps of the encoders, to below `limits.position_error` = `{most} m`")
+    let (travel, least) = (plan::travel(p), TRAVEL_STEPS * p.encoder_resolution);
+    let hint = "with less the encoders tell nothing";
+    Parameter::new("commission.travel", travel, "m", hint).must_be(travel >= least, || {
+        format!("`0`, or at least `{least} m`, `{TRAVEL_STEPS}` steps of the encoders")
     })
 }
 

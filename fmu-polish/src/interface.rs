@@ -510,8 +510,8 @@ mod variables {
     }
     /// Bounds of the state `Commission`, and what becomes of its results
     pub struct Commission {
-        /// Farthest way beside and above where it begins; 0: four times `limits.start_offset`
-        #[var(unit = METRE as "um", range = 0.0..=0.01, source = "our choice: faster than the guides roll, and within `limits.position_error`")] pub travel: f64,
+        /// Farthest way beside and above where it begins; 0: what an excitation at half of `velocity_max` takes
+        #[var(unit = METRE as "um", range = 0.0..=0.01, source = "derived: four times the reach of the excitation")] pub travel: f64,
         /// Force with which it presses; 0: `force.target`
         #[var(unit = NEWTON, range = 0.0..=100.0, source = "derived: stiffness and friction are those of the job")] pub force: f64,
         /// Longest time; 0: what its motions take, a quarter more

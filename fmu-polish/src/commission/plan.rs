@@ -1,8 +1,9 @@
 //! How far, how hard and how long the commission moves, from its bounds.
 //!
 //! In the air every axis follows pulses alone: a drive with position and velocity loop and at most all of its velocity fed forward has
-//! a largest gain below 2 for loops from half to twice as fast as told, so a reference that keeps half of the travel keeps it whole. It
-//! is made above the place where it begins: nothing goes down before the excitation is over.
+//! a largest gain below 2 for loops from half to twice as fast as told. The excitation is made half of the travel above the place
+//! where it begins, and its reference reaches no farther than a quarter of the travel: so the axes go no farther than half of it, and
+//! not below where they began. Two axes at once are beside it by less than 0.71 of the travel.
 //!
 //! Pressed is by eq. 4 alone, without integral, on a contact of up to twice the told stiffness k. The open loop is an integrator of the
 //! gain g = 2 k K_f / B_d with lags that add up to tau: M_d / B_d, the sensor, two and a half samples beside the delay, and the axis, whose position is
@@ -21,8 +22,6 @@ pub const RATIO_MAX: f64 = 2.0;
 const DELAY_SPREAD: i32 = 2;
 /// Phase (rad) that all lags of the force loop may take at its crossing.
 const PHASE: f64 = 0.6;
-/// Travel over the largest offset from where a job may begin.
-const OFFSETS: f64 = 4.0;
 /// Period of the excitation (s), and how many are measured.
 const PERIOD: f64 = 0.25;
 const PERIODS: u32 = 12;
@@ -33,15 +32,15 @@ const RAMP: f64 = 0.5;
 const SETTLE: f64 = 0.25;
 const REST: f64 = 0.2;
 /// Ramps of the force, up and down, that are measured; the time of each, and the time for which it then stands, s.
-pub const PRESSES: u32 = 8;
-const PRESS: f64 = 0.8;
-const STAND: f64 = 0.4;
+pub const PRESSES: u32 = 6;
+const PRESS: f64 = 0.6;
+const STAND: f64 = 0.2;
 /// Force between the presses over the largest.
 const LOW: f64 = 0.2;
 /// Periods of rubbing to and fro, along the path and beside it; the first tells nothing but the mean force.
 pub const RUBS: u32 = 7;
-/// Way of rubbing to each side over the travel: a hollow of 3 mm leans by less than a degree on it.
-const RUB_SHARE: f64 = 0.125;
+/// Way of rubbing to each side over the travel, at most, and over the largest offset from where a job may begin.
+const RUB_SHARES: [f64; 2] = [0.25, 0.5];
 /// A commission may take longer than its motions by this share.
 const TIME_SPARE: f64 = 1.25;
 
@@ -80,16 +79,15 @@ impl Plan {
     /// The plan for these bounds.
     pub fn new(p: &Parameters) -> Self {
         let (dt, travel, force) = (p.sample_period, travel(p), force(p));
-        let unit = Multisine { amplitude: 1.0, period: ticks(PERIOD, dt).max(1), sample_period: dt };
-        let by_travel = travel / (RATIO_MAX * unit.reach());
-        let by_velocity = VELOCITY_SHARE * p.velocity_max / unit.velocity_max();
+        let unit = Multisine { amplitude: 1.0, ..fastest(p) };
+        let amplitude = fastest(p).amplitude.min(0.5 * travel / (RATIO_MAX * unit.reach()));
         let (low, ramp) = (LOW * force, ticks(PRESS, dt).max(1));
-        let side = RUB_SHARE * travel;
+        let side = (RUB_SHARES[0] * travel).min(RUB_SHARES[1] * p.limits.start_offset);
         let quarter = ticks(side / p.approach.velocity, dt).max(1);
         Self {
-            sines: Multisine { amplitude: by_travel.min(by_velocity), ..unit },
-            rise: travel,
-            rise_time: quintic_duration(travel, p.retract.velocity).max(dt),
+            sines: Multisine { amplitude, ..unit },
+            rise: 0.5 * travel,
+            rise_time: quintic_duration(0.5 * travel, p.retract.velocity).max(dt),
             ramp: ticks(RAMP, dt).max(1),
             settle: ticks(SETTLE, dt),
             measured: PERIODS * unit.period,
@@ -129,9 +127,16 @@ fn damping(p: &Parameters) -> f64 {
     p.impedance.damping.max(half + (half * half + stiffness * p.impedance.mass / PHASE).sqrt())
 }
 
-/// Farthest way (m) beside and above the begin: `commission.travel`, or as far as a job may begin beside the path, to both sides.
+/// The fastest excitation that leaves the drives their share of the velocity.
+fn fastest(p: &Parameters) -> Multisine {
+    let dt = p.sample_period;
+    let unit = Multisine { amplitude: 1.0, period: ticks(PERIOD, dt).max(1), sample_period: dt };
+    Multisine { amplitude: VELOCITY_SHARE * p.velocity_max / unit.velocity_max(), ..unit }
+}
+
+/// Farthest way (m) beside and above the begin: `commission.travel`, or what the fastest excitation takes.
 pub fn travel(p: &Parameters) -> f64 {
-    if p.commission.travel > 0.0 { p.commission.travel } else { OFFSETS * p.limits.start_offset }
+    if p.commission.travel > 0.0 { p.commission.travel } else { 2.0 * RATIO_MAX * fastest(p).reach() }
 }
 
 /// Force (N) with which it presses: `commission.force`, or that of the job.
