@@ -161,9 +161,8 @@ fn stick_slip_sweep(p: &Parameters) -> Result<(), ParameterError> {
 fn commission_travel(p: &Parameters) -> Result<(), ParameterError> {
     let (travel, least) = (plan::travel(p), TRAVEL_STEPS * p.encoder_resolution);
     let hint = "with less the encoders tell nothing";
-    Parameter::new("commission.travel", travel, "m", hint).must_be(travel >= least, || {
-        format!("`0`, or at least `{least} m`, `{TRAVEL_STEPS}` steps of the encoders")
-    })
+    Parameter::new("commission.travel", travel, "m", hint)
+        .must_be(travel >= least, || format!("`0`, or at least `{least} m`, `{TRAVEL_STEPS}` steps of the encoders"))
 }
 
 fn commission_force(p: &Parameters) -> Result<(), ParameterError> {

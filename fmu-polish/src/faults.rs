@@ -66,7 +66,11 @@ impl Evidence<'_> {
 
 /// The gravest fault of one sample: first what can be read, then the axes, then the force, and at last what comes of them.
 pub fn find(p: &Parameters, seen: &Evidence) -> Option<Fault> {
-    readings(p, seen).or_else(|| start(p, seen)).or_else(|| axes(p, seen)).or_else(|| job(p, seen)).or_else(|| rejected(seen))
+    readings(p, seen)
+        .or_else(|| start(p, seen))
+        .or_else(|| axes(p, seen))
+        .or_else(|| job(p, seen))
+        .or_else(|| rejected(seen))
 }
 
 fn rejected(seen: &Evidence) -> Option<Fault> {
@@ -159,9 +163,8 @@ impl Fault {
             }
             LostForce | ForceJump | FrozenForce | PositionError | SurfaceError | Saturation | NoisyForce
             | Oscillation => SafeEnd::Retract,
-            ForceError | WrongStiffness | UnstableLoop | UnloadTimeout | NoProgress | NoSliding | CommissionRejected => {
-                SafeEnd::Retract
-            }
+            ForceError | WrongStiffness | UnstableLoop | UnloadTimeout | NoProgress | NoSliding
+            | CommissionRejected => SafeEnd::Retract,
             Stroke | EmergencyStop | TareRejected | NotAtStart => SafeEnd::Stop,
             LostReading | ReadingJump | FrozenReading | FollowingError | DriveSign | WeakDrive => SafeEnd::DriveOff,
         }

@@ -276,7 +276,8 @@ impl Experiment {
             let way = -sample.position.dot(&sample.now.frame.normal);
             self.slope.update(way, sample.now.force.normal, self.plan.force[0]);
         }
-        if tick + 1 == ramp && number > 1
+        if tick + 1 == ramp
+            && number > 1
             && let Some(slope) = self.slope.slope()
         {
             self.found.stiffness.push(slope);

@@ -179,7 +179,10 @@ impl ForceMonitor {
             let depth = p.limits.frozen_way + p.limits.surface_slope * answer.way;
             answer.frozen.unanswered() <= BAND * p.sensor_resolution + sample.stiffness * depth * share.abs()
         };
-        self.answers.iter().zip(sample.normal.iter()).any(|(answer, share)| share.abs() > CARRIES && !felt(answer, *share))
+        self.answers
+            .iter()
+            .zip(sample.normal.iter())
+            .any(|(answer, share)| share.abs() > CARRIES && !felt(answer, *share))
     }
 }
 

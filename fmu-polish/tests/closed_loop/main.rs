@@ -1,8 +1,8 @@
 //! The controller in closed loop with a robot.
 
+mod commission;
 #[path = "../common/mod.rs"]
 mod common;
-mod commission;
 mod faults;
 mod hostile;
 mod job;
