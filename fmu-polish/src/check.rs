@@ -203,6 +203,12 @@ mod tests {
         (|p| p.stick_slip.half_period = 100, "stick_slip.half_period", "`100 samples`", "`0.0005 m`"),
         (|p| p.stick_slip.ratio = 60.0, "stick_slip.half_period", "`10 samples`", "`0.0006 m`"),
         (|p| p.stick_slip.sliding = 0.02, "stick_slip.sliding", "`0.02 m/s`", "`stick_slip.velocity_max` = `0.02 m/s`"),
+        (|p| p.sensor_direction_y = 0, "sensor.direction.y", "`0`", "`-1`"),
+        (|p| p.sensor_direction_z = 0, "sensor.direction.z", "`0`", "`-1`"),
+        (|p| p.commission.travel = 4e-5, "commission.travel", "`0.00004 m`", "`50` steps"),
+        (|p| p.commission.force = 17.0, "commission.force", "`17 N`", "`16.66"),
+        (|p| p.commission.force = 0.5, "commission.force", "`0.5 N`", "`0.6 N`"),
+        (|p| p.commission.time = 5.0, "commission.time", "`5 s`", "`27."),
         (|p| p.stick_slip.velocity = 0.06, "stick_slip.velocity", "`0.06 m/s`", "`0.05 m/s`"),
     ];
 

@@ -305,6 +305,7 @@ mod tests {
         stiffness_ratio: f64,
         stable: bool,
         slides: bool,
+        rejected: bool,
         overdue: bool,
     }
 
@@ -326,6 +327,7 @@ mod tests {
                 stiffness_ratio: 1.0,
                 stable: true,
                 slides: true,
+                rejected: false,
                 overdue: false,
             }
         }
@@ -333,10 +335,22 @@ mod tests {
         fn fault(&self) -> Option<Fault> {
             let (contact, force, axes) = (ContactMonitor::default(), ForceMonitor::default(), AxisMonitor::new(&P));
             let Self {
-                state, taring, halted, ticks, travelled, zero, stiffness_ratio, stable, slides, overdue, ..
+                state,
+                taring,
+                halted,
+                ticks,
+                travelled,
+                zero,
+                stiffness_ratio,
+                stable,
+                slides,
+                rejected,
+                overdue,
+                ..
             } = *self;
             let (raw, stiffness) = (&self.reading.force, P.stiffness_nominal);
-            let sample = &ForceSample { state, raw, now: &self.now, stiffness, way: 0.0 };
+            let sample =
+                &ForceSample { state, raw, now: &self.now, normal: &self.now.frame.normal, stiffness, way: 0.0 };
             let (reading, now, contact, axes, force) = (&self.reading, &self.now, &contact, &axes, &force);
             let told = Evidence {
                 state,
@@ -354,6 +368,7 @@ mod tests {
                 stiffness_ratio,
                 stable,
                 slides,
+                rejected,
                 overdue,
             };
             find(&P, &told)
@@ -363,8 +378,8 @@ mod tests {
     /// A fault, the states in which it counts, and what takes its value to so many times its limit.
     type Limit = (Fault, &'static [State], fn(&mut Sample, f64));
 
-    const WORKING: &[State] = &[Approach, Settle, Follow, Unload, Retract];
-    const MOVING: &[State] = &[Approach, Settle, Follow, Unload, Retract, State::Fault];
+    const WORKING: &[State] = &[Approach, Settle, Follow, Unload, Retract, State::Commission];
+    const MOVING: &[State] = &[Approach, Settle, Follow, Unload, Retract, State::Commission, State::Fault];
 
     fn samples(times: f64, limit: f64) -> u32 {
         (times * limit).ceil() as u32
@@ -403,6 +418,7 @@ mod tests {
             (Fault::UnstableLoop, &[Settle, Follow, Unload], |s, x| s.stable = x <= 1.0),
             (Fault::NoSliding, &[Follow], |s, x| s.slides = x <= 1.0),
             (Fault::NoProgress, WORKING, |s, x| s.overdue = x > 1.0),
+            (Fault::CommissionRejected, State::ALL, |s, x| s.rejected = x > 1.0),
         ];
         for (i, (fault, counts, take_to)) in limits.iter().enumerate() {
             for state in State::ALL.iter().copied() {
@@ -441,6 +457,7 @@ mod tests {
             noise: 0.4567,
             force_error: [1.234, 1.0],
         };
+        vars.output.measured = Measured { stiffness: 123_456.7, stiffness_deviation: 1234.5, ..Measured::START };
         vars.output.error = ErrorOutput { tangential: 3e-3, lateral: -4e-3, normal: 2e-3 };
         for (fault, told) in [
             (Fault::WeakDrive, "; it does `0.30` of what it is told"),
@@ -454,6 +471,7 @@ mod tests {
             (Fault::ForceError, "`1.23 N`, limit `1.00 N`"),
             (Fault::LostForce, " = `5` at `0.000` of the path: raw force `0 0 0 N`"),
             (Fault::ReadingJump, " = `5`: position `0 0 0 m`"),
+            (Fault::CommissionRejected, ": stiffness `123457 +- 1234 N/m`, across `0 +- 0 N/m`"),
             (Fault::NotAtStart, ": `-0.002000 m` above it, `0.005000 m` beside"),
         ] {
             vars.output.fault = fault;

@@ -144,6 +144,19 @@ mod tests {
     }
 
     #[test]
+    fn a_commission_begins_at_rest_alone_and_a_job_comes_first() {
+        let asked = Events { commission: true, ..ON };
+        for state in State::ALL.iter().copied() {
+            let begins = matches!(state, State::Idle | State::Done);
+            assert_eq!(next(state, &asked), if begins { State::Commission } else { state });
+        }
+        assert_eq!(next(State::Idle, &Events { ready: true, ..asked }), State::Approach);
+        let over = Events { commissioned: true, ..ON };
+        assert_eq!(next(State::Commission, &over), State::Idle);
+        assert_eq!(next(State::Commission, &Events { contact: true, retracted: true, ..ON }), State::Commission);
+    }
+
+    #[test]
     fn without_enable_the_tool_leaves() {
         let off = Events { enabled: false, contact: true, settled: true, ..ON };
         let expected =

@@ -266,9 +266,21 @@ mod tests {
     }
 
     #[test]
-    fn an_enable_that_was_never_off_starts_nothing() {
+    fn an_enable_or_a_commission_that_was_never_off_starts_nothing() {
         let mut reader = Reader::new();
-        let on = Input { enable: true, ..Input::START };
-        assert!((0..10).all(|_| !reader.read(&P, &on, K).start));
+        let on = Input { enable: true, commission: true, ..Input::START };
+        assert!((0..10).map(|_| reader.read(&P, &on, K)).all(|now| !now.start && !now.begin_commission));
+    }
+
+    #[test]
+    fn a_commission_is_an_edge_of_a_good_sample() {
+        let mut reader = Reader::new();
+        reader.read(&P, &resting(), K);
+        let on = Input { commission: true, ..resting() };
+        let lost = Input { force: Axes::all(f64::NAN), ..on.clone() };
+        assert!(!reader.read(&P, &lost, K).begin_commission);
+        assert!(reader.read(&P, &on, K).begin_commission);
+        let after = reader.read(&P, &on, K);
+        assert!(after.commission && !after.begin_commission);
     }
 }

@@ -153,3 +153,82 @@ pub fn time(p: &Parameters) -> f64 {
 pub fn least_time(p: &Parameters) -> f64 {
     Plan::new(p).duration(p)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::force::impedance::Coefficients;
+    use crate::force::margin::phase_margin;
+    use crate::force::response::axis;
+    use control_blocks::HARMONICS;
+
+    const RATIOS: [f64; 4] = [0.5, 0.7, 1.3, 2.0];
+
+    #[test]
+    fn the_force_is_stable_on_every_machine_that_it_is_for() {
+        for io_delay in 0..=4 {
+            let told = Parameters { io_delay, ..Parameters::START };
+            let law = Coefficients { integral: 0.0, ..Coefficients::new(&told, Plan::new(&told).damping) };
+            for (ratio, late) in RATIOS.into_iter().flat_map(|ratio| [(ratio, 0), (ratio, DELAY_SPREAD)]) {
+                let mut p = told.clone();
+                p.io_delay += late;
+                p.drive = p.drive.faster(ratio, p.drive.feedforward);
+                let margin = phase_margin(&p, &law, RATIO_MAX * p.stiffness_nominal).to_degrees();
+                assert!(margin > 90.0 - PHASE.to_degrees(), "{io_delay} + {late}, {ratio}: {margin}");
+                assert!(phase_margin(&p, &law, p.stiffness_nominal / RATIO_MAX).to_degrees() > margin);
+            }
+        }
+    }
+
+    #[test]
+    fn all_lags_of_the_loop_together_take_the_phase_that_they_may() {
+        let mut p = Parameters { io_delay: 3, ..Parameters::START };
+        (p.impedance.damping, p.force.filter_bandwidth) = (10.0, 200.0);
+        let damping = Plan::new(&p).damping;
+        let axis = 0.2 / 80.0 + 0.8 / 628.3;
+        let lags = 5.5e-3 + 1.0 / 1256.6 + 1.0 / 200.0 + 2.0 * axis + p.impedance.mass / damping;
+        assert!((2.0 * 178e3 / damping * lags / PHASE - 1.0).abs() < 1e-9, "{damping}");
+        p.impedance.damping = 2.0 * damping;
+        assert_eq!(Plan::new(&p).damping, 2.0 * damping);
+    }
+
+    #[test]
+    fn no_axis_goes_farther_than_half_of_the_travel() {
+        for (travel, ratio, feedforward) in
+            RATIOS.into_iter().flat_map(|ratio| [(0.0, ratio, 0.3), (2e-4, ratio, 0.8), (0.0, ratio, 1.0)])
+        {
+            let mut p = Parameters::START;
+            p.commission.travel = travel;
+            let plan = Plan::new(&p);
+            let drive = p.drive.faster(ratio, feedforward);
+            let tones = plan.sines.frequencies().into_iter().zip(HARMONICS);
+            let way: f64 = tones.map(|(omega, h)| axis(&drive, omega).norm() / f64::from(h).sqrt()).sum();
+            assert!(plan.sines.amplitude * way <= plan.rise, "{travel} {ratio} {feedforward}: {way}");
+            assert_eq!(plan.rise, 0.5 * super::travel(&p));
+        }
+    }
+
+    #[test]
+    fn bounds_of_the_defaults_and_bounds_that_are_told() {
+        let mut p = Parameters::START;
+        let near = |value: f64, expected: f64| assert!((value / expected - 1.0).abs() < 1e-6, "{value} {expected}");
+        near(travel(&p), 4.0 * Plan::new(&p).sines.reach());
+        near(Plan::new(&p).sines.velocity_max(), 0.5 * p.velocity_max);
+        near(force(&p), 5.0);
+        let plan = Plan::new(&p);
+        near(f64::from(plan.quarter) * 1e-3 * plan.speed, 0.5 * p.limits.start_offset);
+        // tare, up, down, 4.45 s of excitation, nine presses, 14 periods of 0.4 s, unloading and out
+        let rise = 1.875 * plan.rise / p.retract.velocity;
+        let down = (plan.rise + p.approach.travel_max) / p.approach.velocity;
+        near(least_time(&p), 0.1 + rise + down + 4.45 + 9.0 * 0.8 + 14.0 * 0.4 + 2.1);
+        near(time(&p), 1.25 * least_time(&p));
+        (p.commission.travel, p.commission.force, p.commission.time) = (1e-4, 3.0, 33.0);
+        near(travel(&p), 1e-4);
+        near(Plan::new(&p).sines.reach(), 0.25e-4);
+        near(force(&p), 3.0);
+        near(time(&p), 33.0);
+        let plan = Plan::new(&p);
+        near(f64::from(plan.quarter) * 1e-3 * plan.speed, 0.25e-4);
+        near(plan.force[1], 0.6);
+    }
+}

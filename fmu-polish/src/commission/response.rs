@@ -120,3 +120,77 @@ fn fit(tones: &[Tone; AXES * TONES], start: Unknowns, at: &Unknowns) -> Result<E
         }
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    const P: Parameters = Parameters::START;
+
+    /// What is found of axes with these unknowns, from their answer to the excitation with `noise` (m) on the positions.
+    fn answer(p: &Parameters, x: Unknowns, noise: f64, seed: u64) -> Result<Estimate<UNKNOWNS>, NoEstimate> {
+        let plan = Plan::new(p);
+        let tones = plan.sines.frequencies().map(|omega| Tone::new(p, &p.drive, omega, SpectralLine::default()));
+        let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(seed);
+        let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
+        let mut spectra: [PeriodicSpectra; AXES] = Default::default();
+        for (i, k) in (0..AXES).flat_map(|i| (0..plan.measured).map(move |k| (i, k))) {
+            let (mut velocity, mut position) = (0.0, 0.3 + noise * normal());
+            for tone in &tones {
+                // each tone moves by 10 um
+                let turn = tone.sample * f64::from(k % plan.sines.period);
+                let phasor = Complex::from_polar(10e-6 * tone.omega, turn);
+                velocity += phasor.re;
+                position += (phasor * tone.response(&x)).re;
+            }
+            spectra[i].update(plan.sines.period, velocity, position);
+        }
+        response(p, &p.drive, &plan, &spectra)
+    }
+
+    #[test]
+    fn every_unknown_is_found_far_from_what_was_told() {
+        for truth in [[0.0, 0.8, 1.0, 0.0], [-0.5, 0.4, 0.0, 3e3], [0.6, 1.0, 2.6, -2e3]] {
+            let value = answer(&P, Unknowns::from(truth), 0.0, 1).unwrap().value;
+            let spread = [1e-6, 1e-6, 1e-6, 1e-2];
+            (0..UNKNOWNS).for_each(|i| assert!((value[i] - truth[i]).abs() < spread[i], "{truth:?}: {value}"));
+        }
+    }
+
+    #[test]
+    fn the_deviation_is_the_scatter_of_the_estimates() {
+        let truth = Unknowns::from([0.2, 0.7, 1.3, 1e3]);
+        // much noise, so that the least deviation of a tone does not count
+        let all: Vec<_> = (0..60).map(|seed| answer(&P, truth, 5e-6, seed).unwrap()).collect();
+        for i in 0..UNKNOWNS {
+            let told = all.iter().map(|one| one.sigma(i)).sum::<f64>() / all.len() as f64;
+            let scatter = all.iter().map(|one| (one.value[i] - truth[i]).powi(2)).sum::<f64>() / all.len() as f64;
+            let ratio = scatter.sqrt() / told;
+            assert!((0.6..1.4).contains(&ratio), "{i}: {ratio}");
+        }
+    }
+
+    #[test]
+    fn the_derivatives_are_those_of_the_response() {
+        let drive = P.drive;
+        let tone = Tone::new(&P, &drive, 250.0, SpectralLine::default());
+        let x = Unknowns::from([0.3, 0.6, 1.4, 2e3]);
+        for (i, by) in tone.gradient(&x).into_iter().enumerate() {
+            let step = [1e-6, 1e-6, 1e-6, 1e-1][i];
+            let mut near = [x, x];
+            (near[0][i], near[1][i]) = (x[i] - step, x[i] + step);
+            let expected = (tone.response(&near[1]) - tone.response(&near[0])) / (2.0 * step);
+            assert!((by - expected).norm() < 1e-6 * expected.norm(), "{i}: {by} {expected}");
+        }
+    }
+
+    #[test]
+    fn axes_that_do_not_answer_tell_nothing() {
+        let plan = Plan::new(&P);
+        let mut spectra: [PeriodicSpectra; AXES] = Default::default();
+        (0..plan.measured).for_each(|_| spectra.iter_mut().for_each(|axis| axis.update(plan.sines.period, 0.0, 1.0)));
+        assert!(response(&P, &P.drive, &plan, &spectra).is_err());
+    }
+}

@@ -131,3 +131,81 @@ pub fn mounting(shown: [&Vector3<f64>; 2], along: [&Vector3<f64>; 2]) -> (f64, i
     let turned = |shown: Complex<f64>, along: Complex<f64>| along * if mirrored { shown } else { shown.conj() };
     ((turned(a, e) / a.norm() + turned(b, f) / b.norm()).arg(), if mirrored { -1 } else { 1 })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::force::orientation::Orientation;
+    use control_blocks::Welford;
+
+    const QUARTER: u32 = 100;
+
+    /// What rubbing to and fro by 50 um along `along` tells of a tip of `stiffness` N/m that slides at `friction` N under 5 N along
+    /// `normal`, as the sensor of the parameters shows it behind its lag: friction, stiffness, and the direction.
+    fn rubbed(
+        p: &Parameters,
+        stiffness: f64,
+        friction: f64,
+        along: &Vector3<f64>,
+        normal: &Vector3<f64>,
+    ) -> ([Welford; 2], Vector3<f64>) {
+        const FINE: u32 = 50;
+        let (mut rubbing, mut found) = (Rubbing::default(), [Welford::default(); 2]);
+        let (mut bend, mut felt, mut x) = (0.0f64, Vector3::zeros(), 0.3e-6);
+        for k in 0..7 * 4 * QUARTER {
+            let forth = !matches!(k / QUARTER % 4, 1 | 2);
+            if matches!(k % (4 * QUARTER), QUARTER) || k % (4 * QUARTER) == 3 * QUARTER {
+                rubbing.turn();
+            }
+            let reading = (along * x).map(|x| (x * 1e6).round() * 1e-6);
+            rubbing.take(p, &Orientation::of(p).shown(&felt), &reading, along, forth);
+            let way = if forth { 0.5e-6 } else { -0.5e-6 } / f64::from(FINE);
+            for _ in 0..FINE {
+                x += way;
+                bend = (bend - way).clamp(-friction / stiffness, friction / stiffness);
+                let force = 5.0 * normal + along * (bend * stiffness);
+                felt += (force - felt) * (p.sample_period / f64::from(FINE) * p.sensor_bandwidth);
+            }
+            if (k + 1).is_multiple_of(4 * QUARTER)
+                && let Some(period) = rubbing.close(p)
+            {
+                found[0].push(period.friction);
+                assert!(period.angle.abs() < 1e-3);
+                period.stiffness.into_iter().for_each(|stiffness| found[1].push(stiffness));
+            }
+        }
+        (found, rubbing.direction)
+    }
+
+    #[test]
+    fn friction_and_stiffness_are_told_whatever_the_mounting() {
+        let p =
+            Parameters { sensor_rotation: 2.0, sensor_direction_y: -1, sensor_direction_z: -1, ..Parameters::START };
+        let (along, normal) = (Vector3::new(0.6, 0.0, 0.8), Vector3::new(-0.8, 0.0, 0.6));
+        for (p, along, normal) in [(&Parameters::START, Vector3::x(), Vector3::z()), (&p, along, normal)] {
+            for (stiffness, friction) in [(209e3, 1.0), (100e3, 1.3), (300e3, 0.7)] {
+                let ([mu, tip], _) = rubbed(p, stiffness, friction, &along, &normal);
+                assert_eq!((mu.count(), tip.count()), (6.0, 5.0));
+                assert!((mu.mean() / (friction / 5.0) - 1.0).abs() < 0.01, "{stiffness} {friction}: {mu:?}");
+                assert!((tip.mean() / stiffness - 1.0).abs() < 0.05, "{stiffness} {friction}: {tip:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_ball_that_never_slides_tells_no_stiffness_of_sticking() {
+        let ([_, tip], _) = rubbed(&Parameters::START, 10e3, 3.0, &Vector3::x(), &Vector3::z());
+        assert!(tip.count() == 0.0 || tip.mean() < 20e3, "{tip:?}");
+    }
+
+    #[test]
+    fn every_mounting_is_found_from_two_directions() {
+        let along = [Vector3::new(0.6, 0.8, 0.0), Vector3::new(-0.8, 0.6, 0.0)];
+        for (rotation, y) in [(0.0, 1), (0.5, 1), (-0.5, -1), (3.0, -1), (-2.0, 1)] {
+            let p = Parameters { sensor_rotation: rotation, sensor_direction_y: y, ..Parameters::START };
+            let shown = along.map(|along| rubbed(&p, 209e3, 1.0, &along, &Vector3::z()).1);
+            let (angle, direction) = mounting([&shown[0], &shown[1]], [&along[0], &along[1]]);
+            assert!((angle - rotation).abs() < 1e-3 && direction == y, "{rotation} {y}: {angle} {direction}");
+        }
+    }
+}

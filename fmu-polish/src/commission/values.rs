@@ -120,3 +120,117 @@ pub fn acceptable(p: &Parameters, told: &Values, m: &Measured) -> bool {
         && (-0.5..DELAY_MAX as f64 + 0.5).contains(&m.io_delay)
         && m.sensor_rotation_deviation <= p.commission.deviation_max
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A good measurement of a robot that is softer and slower than told.
+    const GOOD: Measured = Measured {
+        stiffness: 142.4e3,
+        stiffness_deviation: 1e3,
+        lateral_stiffness: 100e3,
+        lateral_stiffness_deviation: 2e3,
+        friction: 0.2,
+        friction_deviation: 0.001,
+        drive_gain: 0.8,
+        drive_gain_deviation: 0.004,
+        feedforward: 1.02,
+        feedforward_deviation: 0.002,
+        io_delay: 1.7,
+        io_delay_deviation: 0.01,
+        sensor_rotation: 0.3,
+        sensor_rotation_deviation: 0.001,
+        sensor_direction_y: -1,
+        sensor_direction_z: 1,
+        ..Measured::START
+    };
+
+    fn derived(p: &Parameters, m: &Measured) -> Parameters {
+        let (mut found, told) = (p.clone(), Values::of(p));
+        told.derived(p, m).put(&mut found, &[told, told]);
+        found
+    }
+
+    #[test]
+    fn what_is_put_is_what_was_taken() {
+        let (mut p, told) = (Parameters::START, Values::of(&Parameters::START));
+        told.put(&mut p, &[told, told]);
+        assert_eq!(p, Parameters::START);
+        let values = told.derived(&p, &GOOD);
+        values.put(&mut p, &[told, told]);
+        assert_eq!(Values::of(&p), values);
+        assert_eq!((p.stiffness_nominal, p.impedance.damping, p.io_delay), (142.4e3, 8e3, 2));
+        assert_eq!((p.drive.position_gain, p.drive.velocity_bandwidth, p.drive.feedforward), (64.0, 400.0, 1.0));
+        assert_eq!((p.sensor_rotation, p.sensor_direction_y, p.sensor_direction_z), (0.3, -1, 1));
+        let names = values.entries().map(|(name, _)| name);
+        assert!(names.contains(&"stick_slip.velocity") && names.contains(&"sensor.direction.y"));
+    }
+
+    #[test]
+    fn what_was_tuned_meanwhile_counts() {
+        let told = Values::of(&Parameters::START);
+        let values = told.derived(&Parameters::START, &GOOD);
+        let mut p = Parameters::START;
+        (p.impedance.damping, p.stick_slip.velocity) = (7e3, 9e-3);
+        values.put(&mut p, &[told, told]);
+        assert_eq!((p.impedance.damping, p.stick_slip.velocity, p.stiffness_nominal), (7e3, 9e-3, 142.4e3));
+        // back to what was told, from what was in force
+        let tuned = Values::of(&p);
+        values.put(&mut p, &[tuned, told]);
+        assert_eq!(p.impedance.damping, values.damping);
+        told.put(&mut p, &[told, values]);
+        assert_eq!(p, Parameters::START);
+    }
+
+    #[test]
+    fn the_ball_slides_as_fast_as_the_told_axes_move() {
+        let p = Parameters::START;
+        let told = Measured { drive_gain: 1.0, feedforward: 0.8, lateral_stiffness: 1e15, ..GOOD };
+        assert!((derived(&p, &told).stick_slip.velocity / 10e-3 - 1.0).abs() < 1e-9);
+        // 10 um to each side in 10 ms
+        let soft = derived(&p, &Measured { lateral_stiffness: 100e3, ..told });
+        let more = 2.0 * 10e-6 / 10e-3 / axis(&p.drive, 314.159).norm();
+        assert!((soft.stick_slip.velocity - 10e-3 - more).abs() < 1e-8, "{}", soft.stick_slip.velocity);
+        // never more than it may be raised to
+        assert_eq!(derived(&p, &Measured { lateral_stiffness: 5e3, ..told }).stick_slip.velocity, 20e-3);
+        let slow = Measured { drive_gain: 0.6, feedforward: 0.6, ..told };
+        assert!(derived(&p, &slow).stick_slip.velocity > 11e-3);
+        let changes: [fn(&mut Parameters); 3] =
+            [|p| p.stick_slip.mode = Mode::Off, |p| p.stick_slip.ratio = 5.0, |p| p.stick_slip.velocity = 0.0];
+        for change in changes {
+            let mut p = Parameters::START;
+            change(&mut p);
+            assert_eq!(derived(&p, &GOOD).stick_slip.velocity, p.stick_slip.velocity);
+        }
+    }
+
+    #[test]
+    fn each_limit_of_a_measurement_is_the_last_value_that_is_accepted() {
+        let p = Parameters::START;
+        type Set = fn(&mut Measured, f64);
+        let with = |set: Set, x: f64| {
+            let mut m = GOOD;
+            set(&mut m, x);
+            acceptable(&p, &Values::of(&p), &m)
+        };
+        let limits: [(Set, f64, f64); 12] = [
+            (|m, x| m.stiffness_deviation = x, 14.24e3, 14.25e3),
+            (|m, x| m.stiffness = x, 356e3, 357e3),
+            (|m, x| m.stiffness = x, 89e3, 88.9e3),
+            (|m, x| m.lateral_stiffness_deviation = x, 10e3, 10.1e3),
+            (|m, x| m.friction_deviation = x, 0.02, 0.0201),
+            (|m, x| m.drive_gain_deviation = x, 0.08, 0.0801),
+            (|m, x| m.drive_gain = x, 2.0, 2.01),
+            (|m, x| m.drive_gain = x, 0.5, 0.499),
+            (|m, x| m.feedforward_deviation = x, 0.1, 0.101),
+            (|m, x| m.io_delay_deviation = x, 0.25, 0.251),
+            (|m, x| m.io_delay = x, -0.5, -0.51),
+            (|m, x| m.sensor_rotation_deviation = x, 0.1, 0.101),
+        ];
+        for (i, (set, last, first)) in limits.into_iter().enumerate() {
+            assert_eq!((with(set, last), with(set, first)), (true, false), "{i}");
+        }
+        assert!(!acceptable(&p, &Values::of(&p), &Measured::START));
+    }
+}
