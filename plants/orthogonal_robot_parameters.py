@@ -79,7 +79,7 @@ class OrthogonalRobotParameters:
     )
     stribeck_speed: float = parameter(1e-3, "m/s", "Slip speed of the Stribeck curve", 1e-5, 1.0)
     sensor_turn: float = parameter(
-        0.0, "rad", "Angle about the axis of the tip by which the force sensor is mounted turned", -math.pi, math.pi
+        0.0, "rad", "Angle about the tip by which the force sensor is mounted turned", -math.pi, math.pi
     )
     force_bandwidth: float = parameter(200.0, "Hz", "Filter of the force sensor", 1.0, 5e3)
     force_noise: float = parameter(0.05, "N", "Noise of the force sensor, deviation", 0.0, 10.0)

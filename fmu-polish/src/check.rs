@@ -208,7 +208,7 @@ mod tests {
         (|p| p.commission.travel = 4e-5, "commission.travel", "`0.00004 m`", "`50` steps"),
         (|p| p.commission.force = 17.0, "commission.force", "`17 N`", "`16.66"),
         (|p| p.commission.force = 0.5, "commission.force", "`0.5 N`", "`0.6 N`"),
-        (|p| p.commission.time = 5.0, "commission.time", "`5 s`", "`27."),
+        (|p| p.commission.time = 5.0, "commission.time", "`5 s`", "`24.2"),
         (|p| p.stick_slip.velocity = 0.06, "stick_slip.velocity", "`0.06 m/s`", "`0.05 m/s`"),
     ];
 

@@ -54,12 +54,12 @@ def machines(few: tuple[int, int] | None = None) -> list[Machine]:
 
 
 def relative(found: Sequence[Machine], name: str) -> np.ndarray:
-    """What was measured of every robot over the truth, less 1."""
+    """Compare what was measured of every robot with the truth: their ratio, less 1."""
     return np.array([one[name] / one.truth(name) - 1.0 for one in found])
 
 
 def absolute(found: Sequence[Machine], name: str) -> np.ndarray:
-    """What was measured of every robot less the truth."""
+    """Compare what was measured of every robot with the truth: their difference."""
     return np.array([one[name] - one.truth(name) for one in found])
 
 
@@ -139,9 +139,7 @@ def test_a_sensor_that_counts_two_axes_the_other_way_is_found_and_used() -> None
     result = run("polish/commission", *changes)
     assert value(result, "good") == 1.0
     assert value(result, "rotation") == pytest.approx(0.4, abs=0.03)
-    told = run(
-        "polish", "wire.controller.force.z.scale=-1", "loop.duration=4", "plant.sensor_turn=0.4"
-    )
+    told = run("polish", "wire.controller.force.z.scale=-1", "loop.duration=4", "plant.sensor_turn=0.4")
     assert value(told, "done") == 0.0
 
 

@@ -101,26 +101,29 @@ impl Commissioner {
         let (rotation, direction) = mounting(shown, [&frame.tangent, &beside]);
         let [stiffness, friction, lateral, angle] =
             [found.stiffness, found.friction, found.lateral, found.angle].map(|scatter| measure(&scatter));
+        self.measured = Measured {
+            stiffness: stiffness[0],
+            stiffness_deviation: stiffness[1],
+            lateral_stiffness: lateral[0],
+            lateral_stiffness_deviation: lateral[1],
+            friction: friction[0],
+            friction_deviation: friction[1],
+            sensor_rotation: rotation,
+            sensor_rotation_deviation: angle[1],
+            sensor_direction_y: direction,
+            sensor_direction_z: self.in_force.sensor_direction_z,
+            ..Measured::START
+        };
         if let Ok(drive) = response(p, &self.told.drive, plan, spectra) {
             let (value, gain) = (drive.value, drive.value[0].exp());
             self.measured = Measured {
-                stiffness: stiffness[0],
-                stiffness_deviation: stiffness[1],
-                lateral_stiffness: lateral[0],
-                lateral_stiffness_deviation: lateral[1],
-                friction: friction[0],
-                friction_deviation: friction[1],
                 drive_gain: gain,
                 drive_gain_deviation: gain * drive.sigma(0),
                 feedforward: value[1],
                 feedforward_deviation: drive.sigma(1),
                 io_delay: value[2],
                 io_delay_deviation: drive.sigma(2),
-                sensor_rotation: rotation,
-                sensor_rotation_deviation: angle[1],
-                sensor_direction_y: direction,
-                sensor_direction_z: self.in_force.sensor_direction_z,
-                ..Measured::START
+                ..self.measured
             };
         }
         self.complete = acceptable(p, &self.told, &self.measured);
