@@ -92,6 +92,8 @@ class OrthogonalRobot(Plant):
             tip, stiffness = spec.joint(f"tip_{axis}"), share * p.tip_stiffness
             tip.stiffness[0] = stiffness
             tip.damping[0] = 2.0 * p.tip_damping * math.sqrt(stiffness * p.tip_mass)
+        if p.sensor_turn != 0.0:
+            spec.site("sensor").quat = math.cos(0.5 * p.sensor_turn), 0.0, 0.0, math.sin(0.5 * p.sensor_turn)
         # encoders show the centre of a ball that hangs
         spec.joint("tip_z").springref = -p.tip_mass * spec.option.gravity[2] / p.tip_stiffness
 

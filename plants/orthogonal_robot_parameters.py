@@ -78,6 +78,9 @@ class OrthogonalRobotParameters:
         "our choice: none; wood on steel has 1.2",
     )
     stribeck_speed: float = parameter(1e-3, "m/s", "Slip speed of the Stribeck curve", 1e-5, 1.0)
+    sensor_turn: float = parameter(
+        0.0, "rad", "Angle about the tip by which the force sensor is mounted turned", -math.pi, math.pi
+    )
     force_bandwidth: float = parameter(200.0, "Hz", "Filter of the force sensor", 1.0, 5e3)
     force_noise: float = parameter(0.05, "N", "Noise of the force sensor, deviation", 0.0, 10.0)
     force_resolution: float = parameter(

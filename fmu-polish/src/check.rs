@@ -2,11 +2,14 @@
 
 use control_blocks::{Parameter, ParameterError, check_all};
 
+use crate::commission::plan;
 use crate::force::impedance::{Coefficients, damping};
 use crate::force::margin::{self, LEAST};
 use crate::interface::{Force, Mode, Parameters};
 use crate::motion::{sliding, stick_slip};
 
+/// Least travel of a commission, in steps of the encoders.
+const TRAVEL_STEPS: f64 = 50.0;
 /// Samples per time constant of the loop, at least.
 const SAMPLES_PER_LOOP: f64 = 10.0;
 
@@ -20,6 +23,8 @@ pub fn check(p: &Parameters) -> Result<(), ParameterError> {
         &[
             force_limit,
             force_range,
+            sensor_direction_y,
+            sensor_direction_z,
             lost_force,
             contact_force,
             position_gain,
@@ -30,6 +35,9 @@ pub fn check(p: &Parameters) -> Result<(), ParameterError> {
             stick_slip_velocity,
             stick_slip_sliding,
             stick_slip_sweep,
+            commission_travel,
+            commission_force,
+            commission_time,
         ],
     )
 }
@@ -43,6 +51,18 @@ fn force_range(p: &Parameters) -> Result<(), ParameterError> {
     let range = Parameter::new("sensor.range", p.sensor_range, "N", "the sensor must show the force that is a fault");
     let limit = p.limits.force;
     range.must_be(p.sensor_range > limit, || format!("more than `limits.force` = `{limit} N`"))
+}
+
+fn sensor_direction_y(p: &Parameters) -> Result<(), ParameterError> {
+    sensor_direction("sensor.direction.y", p.sensor_direction_y)
+}
+
+fn sensor_direction_z(p: &Parameters) -> Result<(), ParameterError> {
+    sensor_direction("sensor.direction.z", p.sensor_direction_z)
+}
+
+fn sensor_direction(name: &'static str, value: i32) -> Result<(), ParameterError> {
+    Parameter::new(name, value, "", "an axis counts one way or the other").must_be(value != 0, || "`1` or `-1`".into())
 }
 
 fn lost_force(p: &Parameters) -> Result<(), ParameterError> {
@@ -86,7 +106,7 @@ fn phase_margin(p: &Parameters) -> Result<(), ParameterError> {
     let proportional = Coefficients { integral: 0.0, ..following };
     let bare = Parameters { force: Force { filter_bandwidth: 0.0, ..p.force }, ..p.clone() };
     let margin = |p: &Parameters, law: &Coefficients| margin::phase_margin(p, law, p.stiffness_nominal);
-    let least = margin(p, &settling).min(margin(p, &following));
+    let least = margin::least(p);
     let parameter = if margin(p, &settling).min(margin(p, &proportional)) >= LEAST {
         Parameter::new("force.integral_time", p.force.integral_time, "s", hint)
     } else if margin(&bare, &settling).min(margin(&bare, &proportional)) >= LEAST {
@@ -137,6 +157,31 @@ fn stick_slip_sweep(p: &Parameters) -> Result<(), ParameterError> {
     })
 }
 
+/// The rubbing must be longer than an encoder can tell.
+fn commission_travel(p: &Parameters) -> Result<(), ParameterError> {
+    let (travel, least) = (plan::travel(p), TRAVEL_STEPS * p.encoder_resolution);
+    let hint = "with less the encoders tell nothing";
+    Parameter::new("commission.travel", travel, "m", hint)
+        .must_be(travel >= least, || format!("`0`, or at least `{least} m`, `{TRAVEL_STEPS}` steps of the encoders"))
+}
+
+fn commission_force(p: &Parameters) -> Result<(), ParameterError> {
+    let (least, most) = (p.approach.contact_force, p.limits.force / 1.5);
+    let hint = "between the presses a part of it is left, which must not be a lost contact";
+    let force = Parameter::new("commission.force", plan::force(p), "N", hint);
+    force.must_be((least..=most).contains(&plan::force(p)), || {
+        format!("`0`, or from `{least} N`, `approach.contact_force`, to `{most} N`, `limits.force` / 1.5")
+    })
+}
+
+fn commission_time(p: &Parameters) -> Result<(), ParameterError> {
+    let hint = "or every commission ends in `NoProgress`";
+    let (value, least) = (p.commission.time, plan::least_time(p));
+    Parameter::new("commission.time", value, "s", hint).must_be(value == 0.0 || value >= least, || {
+        format!("`0`, or at least `{least} s`, the time that its motions take")
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -158,6 +203,12 @@ mod tests {
         (|p| p.stick_slip.half_period = 100, "stick_slip.half_period", "`100 samples`", "`0.0005 m`"),
         (|p| p.stick_slip.ratio = 60.0, "stick_slip.half_period", "`10 samples`", "`0.0006 m`"),
         (|p| p.stick_slip.sliding = 0.02, "stick_slip.sliding", "`0.02 m/s`", "`stick_slip.velocity_max` = `0.02 m/s`"),
+        (|p| p.sensor_direction_y = 0, "sensor.direction.y", "`0`", "`-1`"),
+        (|p| p.sensor_direction_z = 0, "sensor.direction.z", "`0`", "`-1`"),
+        (|p| p.commission.travel = 4e-5, "commission.travel", "`0.00004 m`", "`50` steps"),
+        (|p| p.commission.force = 17.0, "commission.force", "`17 N`", "`16.66"),
+        (|p| p.commission.force = 0.5, "commission.force", "`0.5 N`", "`0.6 N`"),
+        (|p| p.commission.time = 5.0, "commission.time", "`5 s`", "`24.2"),
         (|p| p.stick_slip.velocity = 0.06, "stick_slip.velocity", "`0.06 m/s`", "`0.05 m/s`"),
     ];
 

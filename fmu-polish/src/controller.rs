@@ -1,19 +1,23 @@
 //! One sample of the whole law: read, measure, decide, move, report.
 
+mod commissioning;
+
 use control_blocks::{ParameterError, SafeEnd, ramp, ticks};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use crate::check::check;
+use crate::commission::commissioner::Commissioner;
 use crate::faults::{self, Evidence};
 use crate::force::contact::{ContactMonitor, Measurement};
 use crate::force::normal_motion::{NormalMeasurement, NormalMotion, PathState};
+use crate::force::orientation::Orientation;
 use crate::force::sensor::ForceSensor;
 use crate::interface::{Fault, ForceOutput, Input, MisalignmentOutput, Output, Parameters, SlidingOutput, State};
 use crate::machine::{Events, graver, next};
 use crate::monitoring::axis::AxisMonitor;
 use crate::monitoring::force::{ForceMonitor, ForceSample};
-use crate::monitoring::job::JobTime;
+use crate::monitoring::job::{JobTime, budget};
 use crate::monitoring::numbers::Numbers;
 use crate::motion::position::PositionFeedback;
 use crate::motion::pulses::Remainder;
@@ -61,6 +65,7 @@ pub struct Controller {
     axes: AxisMonitor,
     force: ForceMonitor,
     time: JobTime,
+    commissioner: Commissioner,
 }
 
 impl Controller {
@@ -93,6 +98,7 @@ impl Controller {
             axes: AxisMonitor::new(p),
             force: ForceMonitor::default(),
             time: JobTime::default(),
+            commissioner: Commissioner::new(p),
         })
     }
 
@@ -101,7 +107,7 @@ impl Controller {
         &self.path
     }
 
-    /// One sample; parameters that are not tunable must be those of [`Controller::new`].
+    /// One sample; parameters that are not tunable must be those of [`Controller::new`] with [`Controller::bring_into_force`].
     pub fn tick(&mut self, input: &Input, parameters: &Parameters, output: &mut Output) {
         let p = parameters;
         if self.at_rest() {
@@ -112,6 +118,9 @@ impl Controller {
         self.decide(p, &reading, &now);
         let parts = self.act(p, &reading, &now);
         *output = self.report(p, &now, &parts);
+        if self.state == State::Commission {
+            self.learn(p, &reading, &now, output);
+        }
     }
 
     /// Nothing is commanded and nothing measured: what moves the machine now is not this controller.
@@ -136,12 +145,15 @@ impl Controller {
     /// State machine.
     fn decide(&mut self, p: &Parameters, reading: &Reading, now: &Measurement) {
         let steady = self.setpoint >= p.force.target * reading.force_override;
-        self.contact.update(p, self.state, now, steady);
+        self.contact.update(p, self.role(), now, steady);
         self.time.update(self.state, self.taring);
         let zero = self.tare(p, reading);
         self.axes.update(p, &reading.position);
+        self.direct(reading, zero);
         let events = Events {
             fault: self.fault(p, reading, now, zero),
+            commission: reading.begin_commission && self.at_rest(),
+            commissioned: self.commissioner.experiment.over(),
             enabled: reading.enabled,
             reset: reading.reset,
             ready: zero.is_some(),
@@ -155,7 +167,7 @@ impl Controller {
         let state = next(self.state, &events);
         self.ticks = self.ticks.saturating_add(1);
         if state != self.state {
-            self.enter(p, state, &events, now);
+            self.enter(p, state, &events, reading, now);
             (self.state, self.ticks) = (state, 0);
         }
     }
@@ -168,12 +180,13 @@ impl Controller {
         zero: Option<Vector3<f64>>,
     ) -> Option<Fault> {
         let stiffness = self.normal.stiffness;
-        let sample = ForceSample { state: self.state, raw: &reading.force, now, stiffness, way: self.way };
+        let (state, normal) = (self.role(), Orientation::of(p).shown(&now.frame.normal));
+        let sample = ForceSample { state, raw: &reading.force, now, normal: &normal, stiffness, way: self.way };
         self.force.update(p, &sample);
         let stable = !self.state.pressing() || self.normal.stable(p);
         let (stiffness_ratio, overdue) = (self.normal.stiffness_ratio(p), self.time.over());
-        let Self { state, taring, ticks, travelled, halted, ref contact, ref axes, ref force, .. } = *self;
-        let (sample, taring) = (&sample, taring || zero.is_some());
+        let Self { taring, halted, ref contact, ref axes, ref force, .. } = *self;
+        let (sample, taring, (ticks, travelled)) = (&sample, taring || zero.is_some(), self.progress());
         faults::find(
             p,
             &Evidence {
@@ -192,6 +205,7 @@ impl Controller {
                 stiffness_ratio,
                 stable,
                 slides: !self.sliding.too_little,
+                rejected: self.state == State::Commission && self.commissioner.rejected,
                 overdue,
             },
         )
@@ -213,24 +227,26 @@ impl Controller {
 
     /// Takes the zero of the sensor (N) after `enable`; none until there are enough samples.
     fn tare(&mut self, p: &Parameters, reading: &Reading) -> Option<Vector3<f64>> {
-        if self.state != State::Idle || !reading.fresh {
+        if !matches!(self.state, State::Idle | State::Commission) || !reading.fresh {
             return None;
         }
-        if reading.start {
-            self.restart(p, reading);
+        if self.state == State::Idle {
+            if reading.start {
+                self.restart(p, reading, budget(p, &self.path));
+            }
+            self.taring &= reading.enabled;
         }
-        self.taring &= reading.enabled;
         let zero = if self.taring { self.sensor.tare(p, &reading.force) } else { None };
         self.taring &= zero.is_none();
         zero
     }
 
-    /// Forgets the last job.
-    fn restart(&mut self, p: &Parameters, reading: &Reading) {
+    /// Forgets the last job; the new one may take `time` s.
+    fn restart(&mut self, p: &Parameters, reading: &Reading, time: f64) {
         self.sensor.restart();
-        self.axes.restart(&reading.position);
+        self.axes.restart(p, &reading.position);
         self.force.restart();
-        self.time.restart(p, &self.path);
+        self.time.restart(p, time);
         self.taring = true;
         self.fault = Fault::None;
         self.place = Place::default();
@@ -238,16 +254,20 @@ impl Controller {
     }
 
     /// What happens once, when `state` begins.
-    fn enter(&mut self, p: &Parameters, state: State, events: &Events, now: &Measurement) {
+    fn enter(&mut self, p: &Parameters, state: State, events: &Events, reading: &Reading, now: &Measurement) {
         // a way out goes on
         if (self.state, state) != (State::Retract, State::Fault) {
             self.travelled = 0.0;
+        }
+        let moving = self.role().moving();
+        if self.state == State::Commission {
+            self.commissioner.end();
         }
         match state {
             State::Fault => {
                 self.fault = events.fault.unwrap_or(Fault::None);
                 self.taring = false;
-                self.halted = self.fault.safe_end() != SafeEnd::Retract || !self.state.moving();
+                self.halted = self.fault.safe_end() != SafeEnd::Retract || !moving;
             }
             State::Idle => (self.fault, self.halted, self.taring) = (Fault::None, false, false),
             State::Approach => self.contact = ContactMonitor::default(),
@@ -261,6 +281,7 @@ impl Controller {
                 (self.feed, self.k, self.sliding) = (0.0, 0, Sliding::default());
             }
             State::Unload => self.normal.unload(),
+            State::Commission => self.commission(p, reading),
             State::Retract | State::Done => (),
         }
         self.way = 0.0;
@@ -279,6 +300,7 @@ impl Controller {
             State::Retract | State::Fault => self.travel(p, p.retract.velocity),
             State::Settle | State::Unload => self.settle(p, reading, now),
             State::Follow => self.follow(p, reading, now),
+            State::Commission => self.experiment(p, now),
         }
     }
 
@@ -364,7 +386,7 @@ impl Controller {
             state: self.state,
             fault: self.fault,
             drive_enable: self.state != State::Fault || self.fault.safe_end() != SafeEnd::DriveOff,
-            in_contact: self.state.pressing() && touching(p, now),
+            in_contact: self.role().pressing() && touching(p, now),
             done: self.state == State::Done && self.place.s >= self.path.length(),
             stiffness_estimate: self.normal.stiffness,
             sliding: SlidingOutput {
@@ -375,6 +397,7 @@ impl Controller {
             misalignment: MisalignmentOutput { shift: shift.into(), rx: turn.x, ry: turn.y, rz: turn.z },
             ripple_frozen: self.normal.ripple.frozen() || self.normal.turns.frozen(),
             path_length: self.path.length(),
+            measured: self.commissioner.measured,
             numbers: self.numbers(p, now),
         }
     }

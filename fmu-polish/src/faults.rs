@@ -4,7 +4,7 @@ use control_blocks::{SafeEnd, ticks};
 use nalgebra::Vector3;
 
 use crate::force::contact::{ContactMonitor, Measurement};
-use crate::interface::{Fault, Parameters, State, Vars};
+use crate::interface::{Fault, Measured, Parameters, State, Vars};
 use crate::monitoring::axis::AxisMonitor;
 use crate::monitoring::force::{ForceMonitor, ForceSample};
 use crate::monitoring::numbers::Numbers;
@@ -12,7 +12,7 @@ use crate::reading::{Doubt, Reading};
 
 /// From what a fault is found.
 pub struct Evidence<'a> {
-    /// State of the last sample.
+    /// State of the last sample; of a commission that of a job which is watched alike.
     pub state: State,
     /// The zero of the sensor is being taken.
     pub taring: bool,
@@ -42,6 +42,8 @@ pub struct Evidence<'a> {
     pub stable: bool,
     /// The ball slides as fast as it should.
     pub slides: bool,
+    /// What a commission has measured cannot be used.
+    pub rejected: bool,
     /// The job has used up its time.
     pub overdue: bool,
 }
@@ -64,7 +66,15 @@ impl Evidence<'_> {
 
 /// The gravest fault of one sample: first what can be read, then the axes, then the force, and at last what comes of them.
 pub fn find(p: &Parameters, seen: &Evidence) -> Option<Fault> {
-    readings(p, seen).or_else(|| start(p, seen)).or_else(|| axes(p, seen)).or_else(|| job(p, seen))
+    readings(p, seen)
+        .or_else(|| start(p, seen))
+        .or_else(|| axes(p, seen))
+        .or_else(|| job(p, seen))
+        .or_else(|| rejected(seen))
+}
+
+fn rejected(seen: &Evidence) -> Option<Fault> {
+    seen.rejected.then_some(Fault::CommissionRejected)
 }
 
 fn first<const N: usize>(faults: [(Fault, bool); N]) -> Option<Fault> {
@@ -153,7 +163,8 @@ impl Fault {
             }
             LostForce | ForceJump | FrozenForce | PositionError | SurfaceError | Saturation | NoisyForce
             | Oscillation => SafeEnd::Retract,
-            ForceError | WrongStiffness | UnstableLoop | UnloadTimeout | NoProgress | NoSliding => SafeEnd::Retract,
+            ForceError | WrongStiffness | UnstableLoop | UnloadTimeout | NoProgress | NoSliding
+            | CommissionRejected => SafeEnd::Retract,
             Stroke | EmergencyStop | TareRejected | NotAtStart => SafeEnd::Stop,
             LostReading | ReadingJump | FrozenReading | FollowingError | DriveSign | WeakDrive => SafeEnd::DriveOff,
         }
@@ -239,7 +250,34 @@ pub fn numbers(vars: &Vars) -> String {
             output.sliding.friction
         ),
         Fault::NoProgress => format!(" = `{:.1} s`: `{:.1} s` {place}", n.time_limit, n.time),
+        Fault::CommissionRejected => commission_rejected(p, &output.measured),
     }
+}
+
+/// What was measured, and what it must be.
+fn commission_rejected(p: &Parameters, m: &Measured) -> String {
+    let most = p.commission.deviation_max;
+    format!(
+        ": stiffness `{:.0} +- {:.0} N/m`, across `{:.0} +- {:.0} N/m`, friction `{:.3} +- {:.3}`, drives `{:.3} +- {:.3}` times as \
+         fast and `{:.3} +- {:.3}` fed forward, delay `{:.2} +- {:.2}` samples, sensor turned by `{:.3} +- {:.3} rad`; limits \
+         half and twice what was told, `commission.deviation_max` = `{most}` of it, \
+         `commission.delay_deviation_max` = `{}`, and `25 deg` of phase for the force loop",
+        m.stiffness,
+        m.stiffness_deviation,
+        m.lateral_stiffness,
+        m.lateral_stiffness_deviation,
+        m.friction,
+        m.friction_deviation,
+        m.drive_gain,
+        m.drive_gain_deviation,
+        m.feedforward,
+        m.feedforward_deviation,
+        m.io_delay,
+        m.io_delay_deviation,
+        m.sensor_rotation,
+        m.sensor_rotation_deviation,
+        p.commission.delay_deviation_max
+    )
 }
 
 #[cfg(test)]
@@ -267,6 +305,7 @@ mod tests {
         stiffness_ratio: f64,
         stable: bool,
         slides: bool,
+        rejected: bool,
         overdue: bool,
     }
 
@@ -288,6 +327,7 @@ mod tests {
                 stiffness_ratio: 1.0,
                 stable: true,
                 slides: true,
+                rejected: false,
                 overdue: false,
             }
         }
@@ -295,10 +335,22 @@ mod tests {
         fn fault(&self) -> Option<Fault> {
             let (contact, force, axes) = (ContactMonitor::default(), ForceMonitor::default(), AxisMonitor::new(&P));
             let Self {
-                state, taring, halted, ticks, travelled, zero, stiffness_ratio, stable, slides, overdue, ..
+                state,
+                taring,
+                halted,
+                ticks,
+                travelled,
+                zero,
+                stiffness_ratio,
+                stable,
+                slides,
+                rejected,
+                overdue,
+                ..
             } = *self;
             let (raw, stiffness) = (&self.reading.force, P.stiffness_nominal);
-            let sample = &ForceSample { state, raw, now: &self.now, stiffness, way: 0.0 };
+            let sample =
+                &ForceSample { state, raw, now: &self.now, normal: &self.now.frame.normal, stiffness, way: 0.0 };
             let (reading, now, contact, axes, force) = (&self.reading, &self.now, &contact, &axes, &force);
             let told = Evidence {
                 state,
@@ -316,6 +368,7 @@ mod tests {
                 stiffness_ratio,
                 stable,
                 slides,
+                rejected,
                 overdue,
             };
             find(&P, &told)
@@ -325,8 +378,8 @@ mod tests {
     /// A fault, the states in which it counts, and what takes its value to so many times its limit.
     type Limit = (Fault, &'static [State], fn(&mut Sample, f64));
 
-    const WORKING: &[State] = &[Approach, Settle, Follow, Unload, Retract];
-    const MOVING: &[State] = &[Approach, Settle, Follow, Unload, Retract, State::Fault];
+    const WORKING: &[State] = &[Approach, Settle, Follow, Unload, Retract, State::Commission];
+    const MOVING: &[State] = &[Approach, Settle, Follow, Unload, Retract, State::Commission, State::Fault];
 
     fn samples(times: f64, limit: f64) -> u32 {
         (times * limit).ceil() as u32
@@ -365,6 +418,7 @@ mod tests {
             (Fault::UnstableLoop, &[Settle, Follow, Unload], |s, x| s.stable = x <= 1.0),
             (Fault::NoSliding, &[Follow], |s, x| s.slides = x <= 1.0),
             (Fault::NoProgress, WORKING, |s, x| s.overdue = x > 1.0),
+            (Fault::CommissionRejected, State::ALL, |s, x| s.rejected = x > 1.0),
         ];
         for (i, (fault, counts, take_to)) in limits.iter().enumerate() {
             for state in State::ALL.iter().copied() {
@@ -403,6 +457,7 @@ mod tests {
             noise: 0.4567,
             force_error: [1.234, 1.0],
         };
+        vars.output.measured = Measured { stiffness: 123_456.7, stiffness_deviation: 1234.5, ..Measured::START };
         vars.output.error = ErrorOutput { tangential: 3e-3, lateral: -4e-3, normal: 2e-3 };
         for (fault, told) in [
             (Fault::WeakDrive, "; it does `0.30` of what it is told"),
@@ -416,6 +471,7 @@ mod tests {
             (Fault::ForceError, "`1.23 N`, limit `1.00 N`"),
             (Fault::LostForce, " = `5` at `0.000` of the path: raw force `0 0 0 N`"),
             (Fault::ReadingJump, " = `5`: position `0 0 0 m`"),
+            (Fault::CommissionRejected, ": stiffness `123457 +- 1234 N/m`, across `0 +- 0 N/m`"),
             (Fault::NotAtStart, ": `-0.002000 m` above it, `0.005000 m` beside"),
         ] {
             vars.output.fault = fault;

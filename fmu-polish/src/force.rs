@@ -6,6 +6,7 @@ pub mod impedance;
 pub mod margin;
 pub mod misalignment;
 pub mod normal_motion;
+pub mod orientation;
 pub mod response;
 pub mod ripple;
 pub mod sensor;

@@ -30,6 +30,8 @@ mod variables {
         Done,
         /// At rest, or moving out; `reset_fault` ends it
         Fault,
+        /// Measures the machine above the begin of the path and on it; `commission` = false or a rising edge of `enable` ends it
+        Commission,
     }
     /// Why the controller is in the state `Fault`
     pub enum Fault {
@@ -95,6 +97,8 @@ mod variables {
         #[hint("check the wires of the force sensor")] LostForce,
         /// The force was farther from the last than the fastest motion can bring it for more samples than `limits.lost_samples`
         #[hint("check shield and plug of the force sensor, and what the tool has hit")] ForceJump,
+        /// What the commission has measured is not sure enough, or not what this controller can hold
+        #[hint("allow more `commission.travel` or `commission.force`, look for play and vibration, and check `stiffness.nominal`, `drive` and `io_delay`")] CommissionRejected,
     }
     /// Which law polishes; Paper takes the paper's value where there is one and the parameter was not set
     pub enum Law {
@@ -137,6 +141,8 @@ mod variables {
     #[inputs] pub struct Input {
         /// Rising edge starts a job: zero of the sensor, approach, ...; false ends it: the tool leaves
         pub enable: bool,
+        /// Rising edge in `Idle` or `Done` begins the commission: the machine measures itself; false breaks it off
+        pub commission: bool,
         /// Stops the motion at once, in contact too; this controller alone has it: its force stays when the motion stops
         pub estop: bool,
         /// Rising edge ends a fault, once the tool is at rest
@@ -185,6 +191,7 @@ mod variables {
         #[var(name = "ripple.frozen")] pub ripple_frozen: bool,
         /// Length of the path along the contact points
         #[var(name = "path.length", unit = METRE as "mm")] pub path_length: f64,
+        pub measured: Measured,
         /// What is told with the fault.
         #[var(hidden, start = Numbers::START)] pub numbers: Numbers,
     }
@@ -243,6 +250,43 @@ mod variables {
         /// Estimated rotation of the mold about z
         #[var(unit = RADIAN as "deg")] pub rz: f64,
     }
+    /// What the commission has measured, each with its standard deviation; 0 before
+    pub struct Measured {
+        /// The last commission came to its end, and its results are good; false from the next one on
+        pub valid: bool,
+        /// Stiffness of tool and contact along the normal
+        #[var(unit = NEWTON_PER_METRE as "N/mm")] pub stiffness: f64,
+        /// Its standard deviation
+        #[var(unit = NEWTON_PER_METRE as "N/mm")] pub stiffness_deviation: f64,
+        /// Stiffness of the tip across the normal
+        #[var(unit = NEWTON_PER_METRE as "N/mm")] pub lateral_stiffness: f64,
+        /// Its standard deviation
+        #[var(unit = NEWTON_PER_METRE as "N/mm")] pub lateral_stiffness_deviation: f64,
+        /// Friction coefficient of the ball on the mold
+        #[var(unit = ONE)] pub friction: f64,
+        /// Its standard deviation
+        #[var(unit = ONE)] pub friction_deviation: f64,
+        /// How fast the loops of the drives are, `drive.position_gain` and `drive.velocity_bandwidth`, over what was told
+        #[var(unit = ONE)] pub drive_gain: f64,
+        /// Its standard deviation
+        #[var(unit = ONE)] pub drive_gain_deviation: f64,
+        /// Part of the velocity that the drives feed forward, through `drive.feedforward_bandwidth`
+        #[var(unit = ONE)] pub feedforward: f64,
+        /// Its standard deviation
+        #[var(unit = ONE)] pub feedforward_deviation: f64,
+        /// Samples between a command and its action, not rounded
+        #[var(unit = ONE)] pub io_delay: f64,
+        /// Its standard deviation
+        #[var(unit = ONE)] pub io_delay_deviation: f64,
+        /// Angle by which the force sensor is mounted turned about z
+        #[var(unit = RADIAN as "deg")] pub sensor_rotation: f64,
+        /// Its standard deviation
+        #[var(unit = RADIAN as "deg")] pub sensor_rotation_deviation: f64,
+        /// -1 where the force sensor counts its y the other way
+        pub sensor_direction_y: i32,
+        /// -1 where the force sensor counts its z the other way
+        pub sensor_direction_z: i32,
+    }
     /// What is set before the job, or tuned
     #[parameters] pub struct Parameters {
         pub law: Law,
@@ -268,6 +312,12 @@ mod variables {
         #[var(name = "sensor.range", unit = NEWTON, range = 1.0..=1e5, start = 100.0, source = "our choice: a usual sensor")] pub sensor_range: f64,
         /// Step of the force sensor
         #[var(name = "sensor.resolution", unit = NEWTON, range = 1e-6..=10.0, start = 0.178, source = "paper: 1 um at 178 N/mm")] pub sensor_resolution: f64,
+        /// Angle by which the force sensor is mounted turned about z: it shows a force along x at minus this angle
+        #[var(name = "sensor.rotation", unit = RADIAN as "deg", range = -3.2..=3.2, source = "our choice: as the axes")] pub sensor_rotation: f64,
+        /// -1 where the force sensor counts its y the other way
+        #[var(name = "sensor.direction.y", range = -1..=1, start = 1, source = "our choice: as the axes")] pub sensor_direction_y: i32,
+        /// -1 where the force sensor counts its z the other way
+        #[var(name = "sensor.direction.z", range = -1..=1, start = 1, source = "our choice: as the axes")] pub sensor_direction_z: i32,
         pub path: Path,
         pub feed: Feed,
         pub force: Force,
@@ -285,6 +335,7 @@ mod variables {
         pub settle: Settle,
         pub retract: Retract,
         pub limits: Limits,
+        pub commission: Commission,
     }
     /// Linear model of an axis from its pulses to its position: position loop, velocity feedforward, velocity loop. It tells the
     /// phases of the ripple and the margin of the force loop, and `FollowingError` is measured from it.
@@ -456,6 +507,23 @@ mod variables {
         #[var(unit = ONE, range = 1e-3..=1.0, start = 0.1, source = "our choice: a mold that is 6 deg askew")] pub surface_slope: f64,
         /// Longest time of a job; 0 for the time it plans without overrides, four times the path
         #[var(unit = SECOND, range = 0.0..=1e6, source = "derived: tare, way down, settling, unloading, way out, and the path")] pub job_time: f64,
+    }
+    /// Bounds of the state `Commission`, and what becomes of its results
+    pub struct Commission {
+        /// Farthest way beside and above where it begins; 0: what an excitation at half of `velocity_max` takes
+        #[var(unit = METRE as "um", range = 0.0..=0.01, source = "derived: four times the reach of the excitation")] pub travel: f64,
+        /// Force with which it presses; 0: `force.target`
+        #[var(unit = NEWTON, range = 0.0..=100.0, source = "derived: stiffness and friction are those of the job")] pub force: f64,
+        /// Longest time; 0: what its motions take, a quarter more
+        #[var(unit = SECOND, range = 0.0..=1e6, source = "derived: 1.25 times the motions")] pub time: f64,
+        /// Largest relative standard deviation of stiffness, friction and drive, and that of the rotation in rad; above it is `CommissionRejected`
+        #[var(unit = ONE, range = 1e-6..=0.5, start = 0.1, source = "our choice: a tenth is what the law bears without notice")] pub deviation_max: f64,
+        /// Largest standard deviation of the delay, samples; above it is `CommissionRejected`
+        #[var(unit = ONE, range = 1e-3..=2.0, start = 0.25, source = "our choice: two of them to the next half sample")] pub delay_deviation_max: f64,
+        /// Use what was measured in place of what was told
+        #[var(source = "our choice: first look, then trust")] pub apply: bool,
+        /// File that a good commission writes: JSON, the parameters that it derives; empty: none
+        pub export: String,
     }
 }
 

@@ -10,9 +10,9 @@ impl State {
         matches!(self, Self::Settle | Self::Follow | Self::Unload)
     }
 
-    /// Whether the machine moves for the job.
+    /// Whether the machine moves for the job, or to measure itself.
     pub fn moving(self) -> bool {
-        self.pressing() || matches!(self, Self::Approach | Self::Retract)
+        self.pressing() || matches!(self, Self::Approach | Self::Retract | Self::Commission)
     }
 }
 
@@ -21,6 +21,10 @@ impl State {
 pub struct Events {
     /// Something is wrong.
     pub fault: Option<Fault>,
+    /// A commission is asked for.
+    pub commission: bool,
+    /// The commission has come to its end, or was broken off and the tool is out.
+    pub commissioned: bool,
     /// `enable` is set.
     pub enabled: bool,
     /// Rising edge of `reset_fault`.
@@ -47,12 +51,14 @@ pub fn graver(fault: Fault, found: Fault) -> Fault {
 
 /// The state after `state`.
 pub fn next(state: State, events: &Events) -> State {
-    use State::{Approach, Done, Fault, Follow, Idle, Retract, Settle, Unload};
+    use State::{Approach, Commission, Done, Fault, Follow, Idle, Retract, Settle, Unload};
     match state {
         Fault if events.reset && events.retracted && events.fault.is_none() => Idle,
         Fault => Fault,
         _ if events.fault.is_some() => Fault,
         Idle if events.ready => Approach,
+        Idle | Done if events.commission => Commission,
+        Commission if events.commissioned => Idle,
         Approach if !events.enabled => Retract,
         Settle | Follow if !events.enabled => Unload,
         Approach if events.contact => Settle,
@@ -71,6 +77,8 @@ mod tests {
 
     const ON: Events = Events {
         fault: None,
+        commission: false,
+        commissioned: false,
         enabled: true,
         reset: false,
         ready: false,
@@ -133,6 +141,19 @@ mod tests {
             }
         }
         assert_eq!(graver(Fault::ForceLimit, Fault::LostContact), Fault::ForceLimit);
+    }
+
+    #[test]
+    fn a_commission_begins_at_rest_alone_and_a_job_comes_first() {
+        let asked = Events { commission: true, ..ON };
+        for state in State::ALL.iter().copied() {
+            let begins = matches!(state, State::Idle | State::Done);
+            assert_eq!(next(state, &asked), if begins { State::Commission } else { state });
+        }
+        assert_eq!(next(State::Idle, &Events { ready: true, ..asked }), State::Approach);
+        let over = Events { commissioned: true, ..ON };
+        assert_eq!(next(State::Commission, &over), State::Idle);
+        assert_eq!(next(State::Commission, &Events { contact: true, retracted: true, ..ON }), State::Commission);
     }
 
     #[test]

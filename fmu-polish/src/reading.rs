@@ -33,6 +33,10 @@ pub struct Reading {
     pub stopped: bool,
     /// Rising edge of `enable`.
     pub start: bool,
+    /// `commission` is set.
+    pub commission: bool,
+    /// Rising edge of `commission`.
+    pub begin_commission: bool,
     /// Rising edge of `reset_fault`.
     pub reset: bool,
     /// Every reading is of this sample.
@@ -62,8 +66,9 @@ pub struct Reader {
     force: [JumpGuard; 3],
     lost: [Consecutive; 2],
     invalid: Consecutive,
-    /// `enable` of the last sample; set before the first, so that nothing moves by itself
+    /// `enable` and `commission` of the last sample; set before the first, so that nothing moves by itself
     enabled: bool,
+    commission: bool,
     reset: Edge,
 }
 
@@ -77,15 +82,16 @@ impl Reader {
             lost: [Consecutive::NONE; 2],
             invalid: Consecutive::NONE,
             enabled: true,
+            commission: true,
             reset: Edge::default(),
         }
     }
 
-    /// Believes the sample to come wherever it is, as outside a job anything may move the machine; but with `enable`,
-    /// when a job may begin with it, only after too many doubts.
+    /// Believes the sample to come wherever it is, as outside a job anything may move the machine; but with `enable`
+    /// or `commission`, when something may begin with it, only after too many doubts.
     pub fn rest(&mut self, p: &Parameters, input: &Input) {
         let doubted = doubted(&self.position).max(doubted(&self.force));
-        if !input.enable || doubted > p.limits.lost_samples.unsigned_abs() {
+        if !(input.enable || input.commission) || doubted > p.limits.lost_samples.unsigned_abs() {
             (self.position, self.force) = Default::default();
         }
     }
@@ -104,6 +110,8 @@ impl Reader {
             enabled: input.enable,
             stopped: input.estop,
             start: input.enable && !self.enabled,
+            commission: input.commission,
+            begin_commission: input.commission && !self.commission,
             reset: self.reset.rises(input.reset_fault),
             fresh: false,
             position_doubt: Doubt { lost: lost[0], doubted: doubted(&self.position) },
@@ -115,9 +123,10 @@ impl Reader {
         let fresh = [reading.position_doubt, reading.force_doubt] == [Doubt::default(); 2];
         // an edge counts with the first good sample
         if fresh {
-            self.enabled = input.enable;
+            (self.enabled, self.commission) = (input.enable, input.commission);
         }
-        Reading { fresh, start: fresh && reading.start, ..reading }
+        let (start, begin_commission) = (fresh && reading.start, fresh && reading.begin_commission);
+        Reading { fresh, start, begin_commission, ..reading }
     }
 
     /// Takes the overrides; samples in a row that were none.
@@ -257,9 +266,21 @@ mod tests {
     }
 
     #[test]
-    fn an_enable_that_was_never_off_starts_nothing() {
+    fn an_enable_or_a_commission_that_was_never_off_starts_nothing() {
         let mut reader = Reader::new();
-        let on = Input { enable: true, ..Input::START };
-        assert!((0..10).all(|_| !reader.read(&P, &on, K).start));
+        let on = Input { enable: true, commission: true, ..Input::START };
+        assert!((0..10).map(|_| reader.read(&P, &on, K)).all(|now| !now.start && !now.begin_commission));
+    }
+
+    #[test]
+    fn a_commission_is_an_edge_of_a_good_sample() {
+        let mut reader = Reader::new();
+        reader.read(&P, &resting(), K);
+        let on = Input { commission: true, ..resting() };
+        let lost = Input { force: Axes::all(f64::NAN), ..on.clone() };
+        assert!(!reader.read(&P, &lost, K).begin_commission);
+        assert!(reader.read(&P, &on, K).begin_commission);
+        let after = reader.read(&P, &on, K);
+        assert!(after.commission && !after.begin_commission);
     }
 }

@@ -27,10 +27,25 @@ fn no_sample_of_a_job_allocates() {
     }
 }
 
+#[test]
+fn no_sample_of_a_commission_that_is_applied_allocates() {
+    let mut p = Parameters::START;
+    p.commission.apply = true;
+    let mut run = Loop::new(&p, Build { drive_gain: 0.8, late: 1, ..Build::NOMINAL }, 402);
+    let mut k = 0;
+    while !run.output.measured.valid {
+        k += 1;
+        run.step_with(|input| (input.enable, input.commission) = (false, k > 50));
+        assert_eq!(run.output.fault, Fault::None);
+    }
+    run.step_with(|input| input.enable = false);
+    assert_eq!((run.output.state, run.parameters.io_delay), (State::Idle, 2));
+}
+
 /// A fault, what is different from the start, and what the inputs say in a state.
 type Case = (Fault, fn(&mut Parameters, &mut Build), fn(State, &mut Input));
 
-const CASES: [Case; 30] = [
+const CASES: [Case; 31] = [
     (Fault::ForceLimit, |_, _| (), |state, input| set(state == State::Follow, &mut input.force.z, 30.0)),
     (Fault::SettleTimeout, |p, _| p.impedance.damping = 5e6, |_, _| ()),
     (Fault::LostContact, |_, _| (), |state, input| set(state == State::Follow, &mut input.force, Axes::ZERO)),
@@ -69,7 +84,13 @@ const CASES: [Case; 30] = [
     ),
     (Fault::NoProgress, |p, _| p.limits.job_time = 2.0, |_, _| ()),
     (Fault::NoSliding, |p, _| p.stick_slip.half_period = 1, |_, _| ()),
+    (Fault::CommissionRejected, |p, _| p.commission.deviation_max = 1e-4, commission),
 ];
+
+/// Asks for a commission and for no job.
+fn commission(_: State, input: &mut Input) {
+    (input.enable, input.commission) = (false, true);
+}
 
 fn set<T>(now: bool, place: &mut T, value: T) {
     if now {
@@ -108,8 +129,12 @@ fn no_sample_around_a_fault_allocates() {
                 (Fault::Stroke, State::Approach) => run.parameters.stroke = Axes::all(1e-6),
                 _ => (),
             }
-            run.step_with(|input| hostile(state, input));
-            assert!(run.time() < 20.0, "{fault:?}: {:?}", run.output);
+            let first = run.time() < 0.05;
+            run.step_with(|input| {
+                hostile(state, input);
+                input.commission &= !first;
+            });
+            assert!(run.time() < 25.0, "{fault:?}: {:?}", run.output);
         }
         assert_eq!(run.output.fault, fault);
         (0..400).for_each(|_| run.step());

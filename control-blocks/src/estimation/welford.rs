@@ -22,6 +22,11 @@ impl Welford {
         self.squares += deviation * (x - self.mean);
     }
 
+    /// How many samples there were.
+    pub fn count(&self) -> f64 {
+        self.count
+    }
+
     /// Mean of the samples, 0 without any.
     pub fn mean(&self) -> f64 {
         self.mean
@@ -52,6 +57,7 @@ mod tests {
             let mean = x.iter().sum::<f64>() / x.len() as f64;
             let sum: f64 = x.iter().map(|x| (x - mean).powi(2)).sum();
             let sigma = (sum / (x.len() - 1) as f64).sqrt();
+            assert_eq!(welford.count(), 20_000.0);
             assert!((welford.mean() - mean).abs() < 1e-10 * (1.0 + offset), "{offset}: {}", welford.mean());
             assert!((welford.sigma() / sigma - 1.0).abs() < 1e-8, "{offset}: {}", welford.sigma());
         }

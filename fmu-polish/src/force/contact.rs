@@ -71,6 +71,11 @@ impl ContactMonitor {
         self.touching.count() >= p.approach.contact_samples.unsigned_abs()
     }
 
+    /// The mean force points into the material along the unit normal `normal`.
+    pub fn pulls(&self, normal: &Vector3<f64>) -> bool {
+        self.force.dot(normal) < 0.0
+    }
+
     /// The force is settled.
     pub fn settled(&self, p: &Parameters) -> bool {
         self.settled.count() >= ticks(p.settle.hold_time, p.sample_period).max(1)

@@ -6,7 +6,7 @@
 
 use nalgebra::Complex;
 
-use super::impedance::Coefficients;
+use super::impedance::{Coefficients, damping};
 use super::response::loop_gain;
 use crate::interface::Parameters;
 
@@ -38,6 +38,13 @@ pub fn phase_margin(p: &Parameters, law: &Coefficients, stiffness: f64) -> f64 {
     if before.norm() < 1.0 { margin } else { f64::NEG_INFINITY }
 }
 
+/// The least of the margins of settling and following at the nominal stiffness, each with its own damping.
+pub fn least(p: &Parameters) -> f64 {
+    let settling = Coefficients { integral: 0.0, ..Coefficients::new(p, p.impedance.damping) };
+    let following = Coefficients::new(p, damping(p, p.stiffness_nominal));
+    phase_margin(p, &settling, p.stiffness_nominal).min(phase_margin(p, &following, p.stiffness_nominal))
+}
+
 /// The phase between -360 and 0 degrees where two integrators begin, rad.
 fn initial(gain: Complex<f64>) -> f64 {
     let phase = gain.arg();
@@ -46,7 +53,6 @@ fn initial(gain: Complex<f64>) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::impedance::damping;
     use super::*;
 
     const P: Parameters = Parameters::START;

@@ -3,24 +3,47 @@
 use nalgebra::Complex;
 
 use super::impedance::Coefficients;
-use crate::interface::Parameters;
+use crate::interface::{Drive, Parameters};
+
+impl Drive {
+    /// With loops that are so many times as fast, and so much velocity fed forward.
+    pub fn faster(&self, times: f64, feedforward: f64) -> Self {
+        Self {
+            position_gain: times * self.position_gain,
+            velocity_bandwidth: times * self.velocity_bandwidth,
+            feedforward,
+            ..*self
+        }
+    }
+}
 
 /// Response of an axis from commanded to true position at `omega` rad/s.
-pub fn axis(p: &Parameters, omega: f64) -> Complex<f64> {
-    let (d, s) = (&p.drive, Complex::new(0.0, omega));
-    // velocity loop: s v = w_v (1 + w_i / s) (v_ref - v)
+pub fn axis(d: &Drive, omega: f64) -> Complex<f64> {
+    rolling_axis(d, 0.0, omega)
+}
+
+/// The same on guides that pull back like a spring, `spring` in 1/s2.
+pub fn rolling_axis(d: &Drive, spring: f64, omega: f64) -> Complex<f64> {
+    let s = Complex::new(0.0, omega);
+    // velocity loop: s v = w_v (1 + w_i / s) (v_ref - v) - c x
     let push = d.velocity_bandwidth * (s + d.velocity_integral);
-    let velocity = push / (s * s + push);
+    let velocity = push / (s * s + spring + push);
     // v_ref = K_pp (x_c - x) + K_ff / (1 + s / w_ff) s x_c
     let ahead = d.feedforward * s / (1.0 + s / d.feedforward_bandwidth);
     velocity * (d.position_gain + ahead) / (s + velocity * d.position_gain)
+}
+
+/// Way (m) of a velocity (m/s) that is held for a sample, at `omega` rad/s.
+pub fn hold(p: &Parameters, omega: f64) -> Complex<f64> {
+    let (s, dt) = (Complex::new(0.0, omega), p.sample_period);
+    (1.0 - (-s * dt).exp()) / (s * s * dt)
 }
 
 /// Force error (N) over velocity (m/s) along the normal at `omega` rad/s, force loop open; stiffness in N/m.
 pub fn open(p: &Parameters, stiffness: f64, omega: f64) -> Complex<f64> {
     let (s, dt) = (Complex::new(0.0, omega), p.sample_period);
     // a velocity that is held for a sample, and begins to act some samples later
-    let hold = (1.0 - (-s * dt).exp()) / (s * s * dt);
+    let hold = hold(p, omega);
     let late = (-s * dt * f64::from(p.io_delay)).exp();
     let sensor = 1.0 / (1.0 + s / p.sensor_bandwidth);
     let filter = match p.force.filter_bandwidth {
@@ -30,7 +53,7 @@ pub fn open(p: &Parameters, stiffness: f64, omega: f64) -> Complex<f64> {
             (1.0 - keep) / (1.0 - keep * (-s * dt).exp())
         }
     };
-    stiffness * hold * late * axis(p, omega) * sensor * filter
+    stiffness * hold * late * axis(&p.drive, omega) * sensor * filter
 }
 
 /// Gain of the opened force loop: the response times the force law.
@@ -54,11 +77,11 @@ mod tests {
 
     #[test]
     fn the_axis_follows_slowly_and_not_fast() {
-        assert!((axis(&P, 0.1) - 1.0).norm() < 1e-3);
+        assert!((axis(&P.drive, 0.1) - 1.0).norm() < 1e-3);
         // amplitude of a triangle of 100 um at 50 Hz
-        let at_50 = axis(&P, 314.16);
+        let at_50 = axis(&P.drive, 314.16);
         assert!((at_50.norm() - 0.90).abs() < 0.02 && (at_50.arg() + 1.11).abs() < 0.03, "{at_50}");
-        assert!(axis(&P, 6283.0).norm() < 0.01);
+        assert!(axis(&P.drive, 6283.0).norm() < 0.01);
     }
 
     #[test]
@@ -82,7 +105,7 @@ mod tests {
         // the filter of its samples, f += (1 - e^(-w dt)) (x - f)
         let share = 1.0 - (-500.0 * dt).exp();
         let filter = share / (1.0 - (1.0 - share) * (-s * dt).exp());
-        let expected = held * axis(&p, omega) / (1.0 + s / p.sensor_bandwidth) * filter;
+        let expected = held * axis(&p.drive, omega) / (1.0 + s / p.sensor_bandwidth) * filter;
         let open = open(&p, 1.0, omega);
         assert!((open - expected).norm() < 1e-12 * expected.norm(), "{open} {expected}");
         // slow enough it is a first-order lag of the same bandwidth

@@ -4,6 +4,7 @@ use control_blocks::ticks;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
+use super::orientation::Orientation;
 use crate::interface::{ForceMode, Parameters};
 
 /// A measured force.
@@ -65,7 +66,7 @@ impl ForceSensor {
             0.0 => 0.0,
             bandwidth => (-bandwidth * p.sample_period).exp(),
         };
-        let unfiltered = raw - self.zero;
+        let unfiltered = Orientation::of(p).work(&(raw - self.zero));
         self.filtered = self.filtered * keep + unfiltered * (1.0 - keep);
         let (vector, norm, along) = (self.filtered, self.filtered.norm(), self.filtered.dot(normal));
         let controlled = match p.force.mode {

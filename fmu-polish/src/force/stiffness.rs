@@ -27,9 +27,13 @@ pub struct Slope {
 impl Slope {
     /// Takes the force `force` (N) at the way `way` (m) into the material, on the way to `target` N.
     pub fn update(&mut self, way: f64, force: f64, target: f64) {
-        if force < FORCE_MIN || force > TARGET_SHARE * target {
-            return;
+        if force >= FORCE_MIN && force <= TARGET_SHARE * target {
+            self.take(way, force);
         }
+    }
+
+    /// Takes the force `force` (N) at the way `way` (m).
+    pub fn take(&mut self, way: f64, force: f64) {
         let (way_0, force_0) = *self.origin.get_or_insert((way, force));
         let (x, y) = (way - way_0, force - force_0);
         self.count += 1.0;
@@ -41,13 +45,28 @@ impl Slope {
 
     /// Stiffness, N/m, near `nominal`; `nominal` itself if the samples say nothing.
     pub fn stiffness(&self, nominal: f64) -> f64 {
+        self.slope().map_or(nominal, |slope| slope.clamp(RATIO.0 * nominal, RATIO.1 * nominal))
+    }
+
+    /// Slope, N/m, if the samples tell one.
+    pub fn slope(&self) -> Option<f64> {
         let n = self.count;
         let spread = n * self.way_way - self.way * self.way;
         if n < SAMPLES_MIN || spread < (n * SPREAD_MIN).powi(2) {
-            return nominal;
+            return None;
         }
-        let slope = (n * self.way_force - self.way * self.force) / spread;
-        slope.clamp(RATIO.0 * nominal, RATIO.1 * nominal)
+        Some((n * self.way_force - self.way * self.force) / spread)
+    }
+
+    /// Slope (N/m) that lines of different heights have in common, where the noise of each way has the deviation `noise` (m): it
+    /// would flatten them.
+    pub fn common(lines: &[Self], noise: f64) -> Option<f64> {
+        let sums = lines.iter().filter(|line| line.count > 0.0).fold((0.0, 0.0), |(products, squares), line| {
+            let n = line.count;
+            let square = line.way_way - line.way * line.way / n - n * noise * noise;
+            (products + line.way_force - line.way * line.force / n, squares + square)
+        });
+        (sums.1 > 0.0).then(|| sums.0 / sums.1)
     }
 }
 
@@ -64,6 +83,23 @@ mod tests {
             slope.update(0.3 + (way * 1e6).round() * 1e-6, 240e3 * way + noise, 5.0);
         }
         assert!((slope.stiffness(178e3) / 240e3 - 1.0).abs() < 0.03, "{}", slope.stiffness(178e3));
+    }
+
+    #[test]
+    fn lines_of_different_heights_have_their_slope_in_common_and_steps_of_the_way_do_not_flatten_it() {
+        for (step, tolerance) in [(1e-9, 1e-3), (1e-6, 0.02)] {
+            let mut lines = [Slope::default(); 40];
+            for (i, line) in lines.iter_mut().enumerate() {
+                // 4 um, from anywhere within a step
+                (0..8).for_each(|k| {
+                    let way = 0.5e-6 * f64::from(k) + 0.37e-6 * i as f64;
+                    line.take((way / step).round() * step, 200e3 * way - 7.0 * i as f64);
+                });
+            }
+            let found = Slope::common(&lines, step / 12f64.sqrt()).unwrap();
+            assert!((found / 200e3 - 1.0).abs() < tolerance, "{step}: {found}");
+        }
+        assert_eq!(Slope::common(&[Slope::default(); 2], 0.0), None);
     }
 
     #[test]

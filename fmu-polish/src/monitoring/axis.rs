@@ -120,8 +120,9 @@ impl AxisMonitor {
         Self { model: Model::new(p), axes: Default::default() }
     }
 
-    /// Begins at rest at the reading `position`, m.
-    pub fn restart(&mut self, position: &Vector3<f64>) {
+    /// Begins at rest at the reading `position` (m), with the drives of now.
+    pub fn restart(&mut self, p: &Parameters, position: &Vector3<f64>) {
+        self.model = Model::new(p);
         for (axis, reading) in self.axes.iter_mut().zip(position.iter()) {
             *axis = Axis::starting(*reading);
         }

@@ -71,6 +71,8 @@ pub struct ForceSample<'a> {
     pub raw: &'a Vector3<f64>,
     /// What it says.
     pub now: &'a Measurement,
+    /// The normal as the sensor shows it.
+    pub normal: &'a Vector3<f64>,
     /// Stiffness in use, N/m.
     pub stiffness: f64,
     /// Way along the path in this sample, m.
@@ -88,7 +90,7 @@ impl ForceMonitor {
         for (still, raw) in self.still.iter_mut().zip(sample.raw.iter()) {
             still.update(*raw, 0.0, 0.0);
         }
-        self.update_noise(p, sample.raw.dot(&sample.now.frame.normal));
+        self.update_noise(p, sample.raw.dot(sample.normal));
         self.update_answer(p, sample);
         self.update_error(p, sample);
     }
@@ -125,7 +127,7 @@ impl ForceMonitor {
             self.answers = Default::default();
             return;
         }
-        let normal = sample.now.frame.normal;
+        let normal = sample.normal;
         for ((answer, raw), share) in self.answers.iter_mut().zip(sample.raw.iter()).zip(normal.iter()) {
             answer.way += sample.way;
             let before = answer.mean.unwrap_or(*raw);
@@ -143,7 +145,7 @@ impl ForceMonitor {
         let end = p.sensor_range - 0.5 * p.sensor_resolution;
         let faults = [
             (Fault::Saturation, sample.raw.amax() >= end),
-            (Fault::FrozenForce, self.stands(p, &sample.now.frame.normal) || self.unanswered(p, sample)),
+            (Fault::FrozenForce, self.stands(p, sample.normal) || self.unanswered(p, sample)),
             (Fault::NoisyForce, self.noise() > p.limits.force_noise),
         ];
         faults.into_iter().find_map(|(fault, holds)| holds.then_some(fault))
@@ -177,8 +179,10 @@ impl ForceMonitor {
             let depth = p.limits.frozen_way + p.limits.surface_slope * answer.way;
             answer.frozen.unanswered() <= BAND * p.sensor_resolution + sample.stiffness * depth * share.abs()
         };
-        let normal = &sample.now.frame.normal;
-        self.answers.iter().zip(normal.iter()).any(|(answer, share)| share.abs() > CARRIES && !felt(answer, *share))
+        self.answers
+            .iter()
+            .zip(sample.normal.iter())
+            .any(|(answer, share)| share.abs() > CARRIES && !felt(answer, *share))
     }
 }
 

@@ -17,10 +17,10 @@ pub struct JobTime {
 }
 
 impl JobTime {
-    /// A new job along `path`.
-    pub fn restart(&mut self, p: &Parameters, path: &CentrePath) {
+    /// A new job that may take `time` s.
+    pub fn restart(&mut self, p: &Parameters, time: f64) {
         self.progress.restart();
-        self.limit = ticks(budget(p, path), p.sample_period);
+        self.limit = ticks(time, p.sample_period);
     }
 
     /// Takes one sample; no state gives time back.
@@ -82,12 +82,12 @@ mod tests {
     #[test]
     fn only_a_job_takes_time_and_it_may_take_all_of_it() {
         let (mut p, path) = job();
-        p.limits.job_time = 7.0 * p.sample_period;
+        p.limits.job_time = 8.0 * p.sample_period;
         let mut time = JobTime::default();
-        time.restart(&p, &path);
+        time.restart(&p, budget(&p, &path));
         let all = State::ALL.iter().copied();
         for (k, state) in all.clone().filter(|state| state.moving()).chain([State::Unload, State::Settle]).enumerate() {
-            assert_eq!(time.seconds(&p), (k as f64 * p.sample_period, 7.0 * p.sample_period));
+            assert_eq!(time.seconds(&p), (k as f64 * p.sample_period, 8.0 * p.sample_period));
             time.update(state, false);
             assert!(!time.over());
         }

@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::force::contact::Measurement;
 use crate::interface::{Mode, Parameters};
+use crate::motion::felt_motion::FeltMotion;
 
 /// Time over which it is measured, s: whole periods.
 const WINDOW_TIME: f64 = 0.2;
@@ -30,10 +31,7 @@ const FELT: f64 = 2.0;
 /// The measurement and what it adds to K_v; by default nothing is known.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Sliding {
-    /// last force across the normal (N) and last place of the axes (m)
-    before: Option<(Vector3<f64>, Vector3<f64>)>,
-    /// way that the sensor has not felt yet, m
-    unfelt: Vector3<f64>,
+    motion: FeltMotion,
     samples: u32,
     /// W, J
     work: f64,
@@ -60,9 +58,7 @@ impl Sliding {
         let normal = &now.frame.normal;
         let across = |v: &Vector3<f64>| v - normal * normal.dot(v);
         let force = across(&now.force.unfiltered);
-        if let Some((last, from)) = self.before.replace((force, *position)) {
-            let felt = self.felt(p, &(position - from));
-            let mean = 0.5 * (last + force);
+        if let Some((mean, felt)) = self.motion.step(p, &force, position) {
             let work = if touching { -mean.dot(&felt) } else { 0.0 };
             self.work += work;
             self.weighted += mean.norm() * work;
@@ -72,16 +68,6 @@ impl Sliding {
         if self.samples >= window(p) {
             self.judge(p);
         }
-    }
-
-    /// The part of a way (m) that the sensor feels in this sample: first-order lag of a steady motion between two samples.
-    fn felt(&mut self, p: &Parameters, way: &Vector3<f64>) -> Vector3<f64> {
-        let lag = p.sensor_bandwidth * p.sample_period;
-        let keep = (-lag).exp();
-        let unfelt = self.unfelt * keep + way * ((1.0 - keep) / lag);
-        let felt = way + self.unfelt - unfelt;
-        self.unfelt = unfelt;
-        felt
     }
 
     fn judge(&mut self, p: &Parameters) {
@@ -135,7 +121,7 @@ pub fn wanted(p: &Parameters) -> f64 {
 }
 
 /// The largest K_v, m/s: that of the parameters, what the feed leaves of the drives, and no sweep that is a position error.
-fn highest(p: &Parameters) -> f64 {
+pub fn highest(p: &Parameters) -> f64 {
     let sweep = f64::from(p.stick_slip.half_period) * p.sample_period;
     let left = p.velocity_max - p.feed.velocity;
     p.stick_slip.velocity_max.min(left).min(2.0 * SWEEP * p.limits.position_error / sweep)

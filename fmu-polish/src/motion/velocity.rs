@@ -12,7 +12,7 @@ pub struct VelocityParts {
     pub normal: f64,
     /// Along the tangent.
     pub tangential: f64,
-    /// Of the position feedback.
+    /// Of the position feedback, or of a commission in the air.
     pub position: Vector3<f64>,
     /// Of the stick-slip, along `sideways`.
     pub stick_slip: f64,

@@ -1,5 +1,6 @@
 //! The controller in closed loop with a robot.
 
+mod commission;
 #[path = "../common/mod.rs"]
 mod common;
 mod faults;

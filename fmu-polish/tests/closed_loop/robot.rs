@@ -43,6 +43,14 @@ pub struct Build {
     pub height: f64,
     /// What becomes of the pulses of each axis.
     pub pulses: Vector3<f64>,
+    /// Samples by which pulses act later than one.
+    pub late: usize,
+    /// Share of the velocity that the drives feed forward.
+    pub feedforward: f64,
+    /// Angle about z by which the force sensor is turned, rad.
+    pub turned: f64,
+    /// What becomes of each axis of the sensor.
+    pub signs: Vector3<f64>,
 }
 
 impl Build {
@@ -56,6 +64,10 @@ impl Build {
         shift: Vector3::new(0.0, 0.0, 0.0),
         height: 0.2e-3,
         pulses: Vector3::new(1.0, 1.0, 1.0),
+        late: 0,
+        feedforward: 0.8,
+        turned: 0.0,
+        signs: Vector3::new(1.0, 1.0, 1.0),
     };
 }
 
@@ -91,7 +103,7 @@ impl Axis {
         self.reference += told * DT;
         self.ahead += (told - self.ahead) * DT * drive.feedforward_bandwidth;
         let wanted =
-            build.drive_gain * drive.position_gain * (self.reference - self.position) + drive.feedforward * self.ahead;
+            build.drive_gain * drive.position_gain * (self.reference - self.position) + build.feedforward * self.ahead;
         let lag = wanted - self.velocity;
         self.integral += drive.velocity_integral * lag * DT;
         build.drive_gain * drive.velocity_bandwidth * (lag + self.integral)
@@ -103,7 +115,8 @@ impl Axis {
 pub struct Robot {
     random: Pcg64Mcg,
     axes: [Axis; 3],
-    pending: Vector3<i32>,
+    /// pulses that have not acted, the newest first
+    pending: [Vector3<i32>; 3],
     /// lateral deflection of the tip, m
     bend: Vector3<f64>,
     filtered: Vector3<f64>,
@@ -122,7 +135,7 @@ impl Robot {
         Self {
             random: Pcg64Mcg::seed_from_u64(seed),
             axes: [axis(start.x), axis(start.y), axis(start.z)],
-            pending: Vector3::zeros(),
+            pending: [Vector3::zeros(); 3],
             bend: Vector3::zeros(),
             filtered: WEIGHT,
             build,
@@ -138,13 +151,18 @@ impl Robot {
 
     /// What the force sensor says, N.
     pub fn force(&mut self) -> Vector3<f64> {
-        let noisy = self.filtered + Vector3::from_fn(|_, _| SENSOR_NOISE * self.normal());
+        let f = self.filtered;
+        let (sin, cos) = self.build.turned.sin_cos();
+        let shown = Vector3::new(f.x * cos + f.y * sin, f.y * cos - f.x * sin, f.z).component_mul(&self.build.signs);
+        let noisy = shown + Vector3::from_fn(|_, _| SENSOR_NOISE * self.normal());
         noisy.map(|f| (f / SENSOR_STEP).round() * SENSOR_STEP)
     }
 
     /// One communication step; the pulses act from the next step on. Without `enable` the motors give no force.
     pub fn advance(&mut self, pulses: Vector3<i32>, enable: bool) {
-        let told = std::mem::replace(&mut self.pending, pulses).map(|count| 1e-6 * f64::from(count) / STEP);
+        let told = self.pending[self.build.late].map(|count| 1e-6 * f64::from(count) / STEP);
+        self.pending.rotate_right(1);
+        self.pending[0] = pulses;
         let told = told.component_mul(&self.build.pulses);
         for _ in 0..SUBSTEPS {
             let load = self.contact();

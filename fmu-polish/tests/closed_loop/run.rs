@@ -90,7 +90,10 @@ impl Loop {
         input.enable &= self.steps > 0;
         let Self { controller, parameters, output, .. } = self;
         // `tests/allocation.rs` has an allocator that ends the test here
-        assert_no_alloc(|| controller.tick(&input, parameters, output));
+        assert_no_alloc(|| {
+            controller.bring_into_force(parameters);
+            controller.tick(&input, parameters, output);
+        });
         let pulses = self.output.pulses;
         self.robot.advance(Vector3::new(pulses.x, pulses.y, pulses.z), self.output.drive_enable);
         self.steps += 1;

@@ -1,0 +1,8 @@
+//! The machine measured by its own controller: a bounded motion, what it tells, and what is made of it.
+
+pub mod commissioner;
+pub mod experiment;
+pub mod plan;
+pub mod response;
+pub mod rubbing;
+pub mod values;

@@ -1,0 +1,151 @@
+//! The commission as the controller sees it: what moves, what was found, and which values are in force.
+
+use control_blocks::Welford;
+use serde::{Deserialize, Serialize};
+
+use crate::commission::experiment::{Experiment, Milestone, Sample};
+use crate::commission::response::response;
+use crate::commission::rubbing::mounting;
+use crate::commission::values::{Values, acceptable};
+use crate::force::margin;
+use crate::interface::{Measured, Parameters};
+
+/// Fewest samples of which a scatter is told.
+const SAMPLES_MIN: f64 = 4.0;
+
+/// One commission after the other.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Commissioner {
+    /// The present or last experiment.
+    pub experiment: Experiment,
+    /// What was measured.
+    pub measured: Measured,
+    /// The result cannot be used.
+    pub rejected: bool,
+    /// all was measured, and is good so far
+    complete: bool,
+    told: Values,
+    /// what the last good commission derives
+    derived: Values,
+    in_force: Values,
+    /// what was in force in the last sample
+    before: Values,
+}
+
+impl Commissioner {
+    /// Nothing measured so far.
+    pub fn new(p: &Parameters) -> Self {
+        let told = Values::of(p);
+        Self {
+            experiment: Experiment::new(p),
+            measured: Measured::START,
+            rejected: false,
+            complete: false,
+            told,
+            derived: told,
+            in_force: told,
+            before: told,
+        }
+    }
+
+    /// Begins at rest, with what was told.
+    pub fn begin(&mut self, p: &Parameters) {
+        self.experiment = Experiment::new(p);
+        (self.measured, self.rejected, self.complete) = (Measured::START, false, false);
+    }
+
+    /// Leaves the mold in order, before its end.
+    pub fn break_off(&mut self) {
+        self.experiment.leave();
+        self.complete = false;
+    }
+
+    /// The tool has left: without a good result what was told counts.
+    pub fn end(&mut self) {
+        if !self.measured.valid {
+            self.in_force = self.told;
+        }
+    }
+
+    /// Puts the values in force in place of those that the parameters have.
+    pub fn put(&mut self, p: &mut Parameters) {
+        self.in_force.put(p, &[self.told, self.before]);
+        self.before = self.in_force;
+    }
+
+    /// Names and values of what a good commission derives.
+    pub fn derived(&self) -> [(&'static str, f64); 10] {
+        self.derived.entries()
+    }
+
+    /// Takes what this sample has read and sent.
+    pub fn observe(&mut self, p: &Parameters, sample: &Sample) {
+        match self.experiment.observe(p, sample) {
+            Milestone::None => {}
+            Milestone::Touched => {
+                // what is pressed on the mold pushes back
+                if sample.contact.pulls(&sample.now.frame.normal) {
+                    self.in_force.sensor_direction_z *= -1;
+                }
+            }
+            Milestone::Measured => self.identify(p, sample),
+            Milestone::Over => self.finish(p),
+        }
+    }
+
+    fn identify(&mut self, p: &Parameters, sample: &Sample) {
+        let Experiment { plan, spectra, found, rubbing, .. } = &self.experiment;
+        let frame = &sample.now.frame;
+        let beside = frame.normal.cross(&frame.tangent);
+        let shown = [&rubbing[0].direction, &rubbing[1].direction];
+        let (rotation, direction) = mounting(shown, [&frame.tangent, &beside]);
+        let [stiffness, friction, lateral, angle] =
+            [found.stiffness, found.friction, found.lateral, found.angle].map(|scatter| measure(&scatter));
+        self.measured = Measured {
+            stiffness: stiffness[0],
+            stiffness_deviation: stiffness[1],
+            lateral_stiffness: lateral[0],
+            lateral_stiffness_deviation: lateral[1],
+            friction: friction[0],
+            friction_deviation: friction[1],
+            sensor_rotation: rotation,
+            sensor_rotation_deviation: angle[1],
+            sensor_direction_y: direction,
+            sensor_direction_z: self.in_force.sensor_direction_z,
+            ..Measured::START
+        };
+        if let Ok(drive) = response(p, &self.told.drive, plan, spectra) {
+            let (value, gain) = (drive.value, drive.value[0].exp());
+            self.measured = Measured {
+                drive_gain: gain,
+                drive_gain_deviation: gain * drive.sigma(0),
+                feedforward: value[1],
+                feedforward_deviation: drive.sigma(1),
+                io_delay: value[2],
+                io_delay_deviation: drive.sigma(2),
+                ..self.measured
+            };
+        }
+        self.complete = acceptable(p, &self.told, &self.measured);
+        self.rejected = !self.complete;
+        if self.complete {
+            self.derived = self.told.derived(p, &self.measured);
+            self.in_force = self.derived;
+        }
+    }
+
+    /// Judges what was derived, which is in force by now.
+    fn finish(&mut self, p: &Parameters) {
+        self.measured.valid = self.complete && margin::least(p) >= margin::LEAST;
+        self.rejected = self.complete && !self.measured.valid;
+        if !p.commission.apply {
+            self.in_force = self.told;
+        }
+    }
+}
+
+/// Mean of a scatter and the deviation of the mean; zeros where there is too little.
+fn measure(scatter: &Welford) -> [f64; 2] {
+    let count = scatter.count();
+    if count < SAMPLES_MIN { [0.0; 2] } else { [scatter.mean(), scatter.sigma() / count.sqrt()] }
+}

@@ -1,0 +1,316 @@
+//! The motion of a commission: up, excite the axes there, down to the mold, press, rub along and beside the path, and out.
+
+use control_blocks::{PeriodicSpectra, Quintic, Trajectory, Welford, minimum_jerk, ramp};
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+use crate::commission::plan::{PRESSES, Plan, RUBS};
+use crate::commission::rubbing::{Period, Rubbing};
+use crate::force::contact::{ContactMonitor, Measurement};
+use crate::force::impedance::{Coefficients, ForceLaw};
+use crate::force::stiffness::Slope;
+use crate::interface::{Parameters, State};
+use crate::motion::velocity::VelocityParts;
+
+/// Part of the experiment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+enum Phase {
+    Tare,
+    Rise,
+    Excite,
+    Approach,
+    Press,
+    Rub,
+    Unload,
+    Retract,
+    Over,
+}
+
+/// What has just been reached.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Milestone {
+    /// Nothing new.
+    None,
+    /// The tool has touched the mold.
+    Touched,
+    /// All is measured; the tool leaves.
+    Measured,
+    /// It is out again.
+    Over,
+}
+
+/// What a sample has read and sent.
+#[derive(Clone, Copy, Debug)]
+pub struct Sample<'a> {
+    /// What the force sensor shows beyond its zero, N.
+    pub shown: &'a Vector3<f64>,
+    /// Place of the axes, m.
+    pub position: &'a Vector3<f64>,
+    /// Velocity that was sent in pulses, m/s.
+    pub sent: &'a Vector3<f64>,
+    /// What is measured.
+    pub now: &'a Measurement,
+    /// Counters and means of the contact.
+    pub contact: &'a ContactMonitor,
+}
+
+/// What pressing and rubbing have told; by default nothing.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub struct Found {
+    /// Stiffness along the normal, N/m.
+    pub stiffness: Welford,
+    /// Friction coefficient.
+    pub friction: Welford,
+    /// Stiffness across the normal, N/m.
+    pub lateral: Welford,
+    /// Scatter of the directions, rad.
+    pub angle: Welford,
+}
+
+impl Found {
+    fn take(&mut self, period: &Period) {
+        self.friction.push(period.friction);
+        self.angle.push(period.angle);
+        if let Some(stiffness) = period.stiffness {
+            self.lateral.push(stiffness);
+        }
+    }
+}
+
+/// One experiment, sample by sample.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Experiment {
+    /// Its motions.
+    pub plan: Plan,
+    /// Answer of each axis to the excitation: velocity and position.
+    pub spectra: [PeriodicSpectra; 3],
+    /// What the contact has told.
+    pub found: Found,
+    /// Rubbing along the path and beside it.
+    pub rubbing: [Rubbing; 2],
+    /// Wanted force, N.
+    pub setpoint: f64,
+    /// Samples of this phase.
+    pub ticks: u32,
+    /// Way of this phase along the normal, m.
+    pub travelled: f64,
+    phase: Phase,
+    way: Quintic,
+    law: ForceLaw,
+    slope: Slope,
+}
+
+impl Experiment {
+    /// An experiment that begins at rest.
+    pub fn new(p: &Parameters) -> Self {
+        let plan = Plan::new(p);
+        let way = Quintic::new(Trajectory::resting(0.0), plan.rise, plan.rise_time);
+        Self {
+            plan,
+            spectra: Default::default(),
+            found: Found::default(),
+            rubbing: Default::default(),
+            setpoint: 0.0,
+            ticks: 0,
+            travelled: 0.0,
+            phase: Phase::Tare,
+            way,
+            law: ForceLaw::default(),
+            slope: Slope::default(),
+        }
+    }
+
+    /// The state of a job that is watched as this part is.
+    pub fn like(&self) -> State {
+        match self.phase {
+            Phase::Tare | Phase::Over => State::Idle,
+            Phase::Rise | Phase::Excite | Phase::Approach => State::Approach,
+            Phase::Press | Phase::Rub => State::Follow,
+            Phase::Unload => State::Unload,
+            Phase::Retract => State::Retract,
+        }
+    }
+
+    /// It has come to its end, or was broken off and is out.
+    pub fn over(&self) -> bool {
+        self.phase == Phase::Over
+    }
+
+    /// The zero of the sensor is known.
+    pub fn tared(&mut self) {
+        self.enter(Phase::Rise);
+    }
+
+    /// Leaves in order.
+    pub fn leave(&mut self) {
+        match self.phase {
+            Phase::Tare | Phase::Rise | Phase::Excite => self.enter(Phase::Over),
+            Phase::Approach => self.enter(Phase::Retract),
+            Phase::Press | Phase::Rub => self.enter(Phase::Unload),
+            Phase::Unload | Phase::Retract | Phase::Over => {}
+        }
+    }
+
+    /// The velocity of this sample.
+    pub fn act(&mut self, p: &Parameters, now: &Measurement) -> VelocityParts {
+        let dt = p.sample_period;
+        let still = VelocityParts::default();
+        match self.phase {
+            Phase::Tare | Phase::Over => still,
+            Phase::Rise => {
+                let at = |ticks: u32| self.way.at(f64::from(ticks) * dt).position;
+                VelocityParts { normal: (at(self.ticks + 1) - at(self.ticks)) / dt, ..still }
+            }
+            Phase::Excite => {
+                let velocity = (self.excitation(self.ticks + 1) - self.excitation(self.ticks)) / dt;
+                VelocityParts { position: Vector3::from_element(velocity), ..still }
+            }
+            Phase::Approach => self.travel(p, -p.approach.velocity),
+            Phase::Retract if self.travelled < p.retract.distance => self.travel(p, p.retract.velocity),
+            Phase::Retract => still,
+            Phase::Press | Phase::Unload => VelocityParts { normal: self.press(p, now), ..still },
+            Phase::Rub => {
+                let normal = self.press(p, now);
+                let speed = if self.forth(self.ticks) { self.plan.speed } else { -self.plan.speed };
+                let [along, beside] = if self.beside(self.ticks) { [0.0, speed] } else { [speed, 0.0] };
+                VelocityParts {
+                    normal,
+                    tangential: along,
+                    stick_slip: beside,
+                    sideways: now.frame.normal.cross(&now.frame.tangent),
+                    ..still
+                }
+            }
+        }
+    }
+
+    /// Takes what this sample has read and sent, and goes on.
+    pub fn observe(&mut self, p: &Parameters, sample: &Sample) -> Milestone {
+        let tick = self.ticks;
+        self.ticks += 1;
+        match self.phase {
+            Phase::Rise if self.way.over(f64::from(self.ticks) * p.sample_period) => self.enter(Phase::Excite),
+            Phase::Excite => self.excite(tick, sample),
+            Phase::Approach if sample.contact.contact(p) => {
+                self.enter(Phase::Press);
+                self.law.velocity = -p.approach.velocity;
+                self.setpoint = sample.now.force.norm;
+                return Milestone::Touched;
+            }
+            Phase::Press => self.learn_stiffness(tick, sample),
+            Phase::Rub => {
+                self.rub(p, tick, sample);
+                if self.ticks >= 2 * RUBS * 4 * self.plan.quarter {
+                    self.enter(Phase::Unload);
+                    return Milestone::Measured;
+                }
+            }
+            Phase::Unload if sample.contact.unloaded(p) => self.enter(Phase::Retract),
+            Phase::Retract if self.travelled >= p.retract.distance && sample.contact.free(p) => {
+                self.enter(Phase::Over);
+                return Milestone::Over;
+            }
+            _ => {}
+        }
+        Milestone::None
+    }
+
+    fn enter(&mut self, phase: Phase) {
+        (self.phase, self.ticks, self.travelled) = (phase, 0, 0.0);
+    }
+
+    fn travel(&mut self, p: &Parameters, velocity: f64) -> VelocityParts {
+        self.travelled += velocity.abs() * p.sample_period;
+        VelocityParts { normal: velocity, ..VelocityParts::default() }
+    }
+
+    /// Sines that grow and fade, m.
+    fn excitation(&self, tick: u32) -> f64 {
+        let Plan { ramp, settle, measured, .. } = self.plan;
+        let fades = ramp + settle + measured;
+        let share = if tick < fades {
+            f64::from(tick) / f64::from(ramp)
+        } else {
+            1.0 - f64::from(tick - fades) / f64::from(ramp)
+        };
+        minimum_jerk(share.clamp(0.0, 1.0)) * self.plan.sines.at(u64::from(tick)).position
+    }
+
+    fn excite(&mut self, tick: u32, sample: &Sample) {
+        let Plan { ramp, settle, measured, .. } = self.plan;
+        if (ramp + settle..ramp + settle + measured).contains(&tick) {
+            let signals = sample.sent.iter().zip(sample.position.iter());
+            for (spectra, (velocity, position)) in self.spectra.iter_mut().zip(signals) {
+                spectra.update(self.plan.sines.period, *velocity, *position);
+            }
+        }
+        if self.ticks >= self.plan.excitation() {
+            self.enter(Phase::Approach);
+        }
+    }
+
+    /// Velocity (m/s) of the force law towards the wanted force.
+    fn press(&mut self, p: &Parameters, now: &Measurement) -> f64 {
+        let [most, low] = self.plan.force;
+        let target = match self.phase {
+            Phase::Unload => 0.0,
+            Phase::Press if self.falls() => low,
+            _ => most,
+        };
+        self.setpoint = ramp(self.setpoint, target, self.plan.force_rate * p.sample_period);
+        self.law.step(&Coefficients::new(p, self.plan.damping), self.setpoint - now.force.controlled)
+    }
+
+    /// Every second press is one back to the low force; the first two only settle.
+    fn falls(&self) -> bool {
+        !(self.ticks / self.plan.press[0]).is_multiple_of(2)
+    }
+
+    fn learn_stiffness(&mut self, tick: u32, sample: &Sample) {
+        let [press, ramp] = self.plan.press;
+        let (number, tick) = (tick / press, tick % press);
+        if tick == 0 {
+            self.slope = Slope::default();
+        }
+        if tick < ramp {
+            let way = -sample.position.dot(&sample.now.frame.normal);
+            self.slope.update(way, sample.now.force.normal, self.plan.force[0]);
+        }
+        if tick + 1 == ramp
+            && number > 1
+            && let Some(slope) = self.slope.slope()
+        {
+            self.found.stiffness.push(slope);
+        }
+        // the last one has gone up, and the force stays
+        if number == PRESSES + 2 && tick + 1 == press {
+            self.enter(Phase::Rub);
+        }
+    }
+
+    /// Whether it rubs beside the path at this tick, no longer along it.
+    fn beside(&self, tick: u32) -> bool {
+        tick >= RUBS * 4 * self.plan.quarter
+    }
+
+    /// Whether it rubs forth: a quarter of a period from the middle, half of one back, and a quarter to the middle.
+    fn forth(&self, tick: u32) -> bool {
+        !matches!(tick / self.plan.quarter % 4, 1 | 2)
+    }
+
+    fn rub(&mut self, p: &Parameters, tick: u32, sample: &Sample) {
+        let (beside, forth, quarter) = (self.beside(tick), self.forth(tick), self.plan.quarter);
+        let frame = &sample.now.frame;
+        let along = if beside { frame.normal.cross(&frame.tangent) } else { frame.tangent };
+        let rubbing = &mut self.rubbing[usize::from(beside)];
+        if matches!(tick % (4 * quarter), turn if turn == quarter || turn == 3 * quarter) {
+            rubbing.turn();
+        }
+        rubbing.take(p, sample.shown, sample.position, &along, forth);
+        if (tick + 1).is_multiple_of(4 * quarter)
+            && let Some(period) = rubbing.close(p)
+        {
+            self.found.take(&period);
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! Ways of the axes held against the forces across them, through the lag of the sensor: else a bent tip would seem to do work.
+
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+use crate::interface::Parameters;
+
+/// Between two samples; by default before the first.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct FeltMotion {
+    /// last force (N) and last place of the axes (m)
+    before: Option<(Vector3<f64>, Vector3<f64>)>,
+    /// way that the sensor has not felt yet, m
+    unfelt: Vector3<f64>,
+}
+
+impl FeltMotion {
+    /// Takes the force (N) and the place (m) of a sample; the mean force since the last one, and the way that was felt in that time.
+    pub fn step(
+        &mut self,
+        p: &Parameters,
+        force: &Vector3<f64>,
+        position: &Vector3<f64>,
+    ) -> Option<(Vector3<f64>, Vector3<f64>)> {
+        let (last, from) = self.before.replace((*force, *position))?;
+        Some((0.5 * (last + force), self.felt(p, &(position - from))))
+    }
+
+    /// The part of a way (m) that the sensor feels in this sample: first-order lag of a steady motion between two samples.
+    fn felt(&mut self, p: &Parameters, way: &Vector3<f64>) -> Vector3<f64> {
+        let lag = p.sensor_bandwidth * p.sample_period;
+        let keep = (-lag).exp();
+        let unfelt = self.unfelt * keep + way * ((1.0 - keep) / lag);
+        let felt = way + self.unfelt - unfelt;
+        self.unfelt = unfelt;
+        felt
+    }
+}
+
+/// What is left of white noise of the place, over its deviation. With the lag l in samples, a = exp(-l) and c = (1 - a) / l the place is felt by
+/// 1 - c in its own sample and by c (1 - a) a^(k-1) k samples later.
+pub fn felt_noise(p: &Parameters) -> f64 {
+    let lag = p.sensor_bandwidth * p.sample_period;
+    let keep = (-lag).exp();
+    let late = (1.0 - keep) / lag;
+    ((1.0 - late).powi(2) + late * late * (1.0 - keep) / (1.0 + keep)).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_steady_motion_is_felt_a_time_constant_late() {
+        let p = Parameters::START;
+        let (mut motion, mut felt) = (FeltMotion::default(), 0.0);
+        let force = Vector3::y();
+        assert_eq!(motion.step(&p, &force, &Vector3::zeros()), None);
+        for k in 1..=50 {
+            let (mean, way) = motion.step(&p, &(force * f64::from(k + 1)), &(Vector3::x() * f64::from(k))).unwrap();
+            assert_eq!(mean, force * (f64::from(k) + 0.5));
+            felt += way.x;
+        }
+        let late = 1.0 / (p.sensor_bandwidth * p.sample_period);
+        assert!((felt - (50.0 - late)).abs() < 1e-9, "{felt}");
+    }
+}

@@ -1,0 +1,340 @@
+//! The state `Commission`: what it finds on robots that nobody has measured, and what it keeps to.
+
+use fmu_polish::interface::{Fault, Input, Parameters, State};
+use nalgebra::Vector3;
+use rand::{RngExt, SeedableRng};
+
+use crate::robot::Build;
+use crate::run::Loop;
+
+/// Longest commission, s.
+const LIMIT: f64 = 30.0;
+
+/// Asks for a commission and for nothing else.
+fn ask(input: &mut Input) {
+    (input.enable, input.commission) = (false, true);
+}
+
+/// Asks for nothing.
+fn rest(input: &mut Input) {
+    (input.enable, input.commission) = (false, false);
+}
+
+/// Steps into the commission, and `time` s on.
+fn begin(run: &mut Loop, time: f64) {
+    (0..50).for_each(|_| run.step_with(rest));
+    run.step_with(ask);
+    assert_eq!(run.output.state, State::Commission, "{:?}", run.output);
+    let until = run.time() + time;
+    while run.time() < until {
+        run.step_with(ask);
+    }
+}
+
+/// Runs until the commission is over; the farthest way beside, above and below where it began (m), and the largest force, N.
+fn commission(run: &mut Loop) -> [f64; 4] {
+    begin(run, 0.0);
+    let (start, mut most) = (run.robot.position(), [0.0f64; 4]);
+    while run.output.state == State::Commission {
+        run.step_with(ask);
+        let way = run.robot.position() - start;
+        let pressed = run.robot.normal_force;
+        let now = [way.x.hypot(way.y), way.z, if pressed > 0.0 { 0.0 } else { -way.z }, pressed];
+        most.iter_mut().zip(now).for_each(|(most, now)| *most = most.max(now));
+        assert!(run.time() < LIMIT, "{:?}", run.output);
+    }
+    most
+}
+
+/// A robot that is not what the controller was told: everything within 30 %, one sample more of delay or none.
+fn unknown(seed: u64) -> Build {
+    let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(seed);
+    let mut near = |x: f64| x * random.random_range(0.7..1.3);
+    Build {
+        stiffness: near(178e3),
+        lateral: near(209e3),
+        friction: near(0.2),
+        drive_friction: near(2.0),
+        drive_gain: near(1.0),
+        feedforward: near(0.75),
+        turned: near(2.0) - 2.0,
+        late: (seed % 2) as usize,
+        ..Build::NOMINAL
+    }
+}
+
+fn applied() -> Parameters {
+    let mut p = Parameters::START;
+    p.commission.apply = true;
+    p
+}
+
+#[test]
+fn unknown_robots_are_measured_within_their_bounds() {
+    for seed in 700..710 {
+        let build = unknown(seed);
+        let mut run = Loop::new(&Parameters::START, build, seed);
+        let [beside, above, below, pressed] = commission(&mut run);
+        let m = &run.output.measured;
+        assert_eq!((run.output.state, run.output.fault, m.valid), (State::Idle, Fault::None, true), "{seed}: {m:?}");
+        // half of the travel up and to either side, and back to the mold, which is 0.2 mm below
+        assert!(
+            beside < 0.36e-3 * 2f64.sqrt() && above < 0.713e-3 && below < 0.21e-3,
+            "{seed}: {beside} {above} {below}"
+        );
+        assert!((5.0..5.4).contains(&pressed), "{seed}: {pressed}");
+        let near = |value: f64, truth: f64, share: f64| {
+            assert!((value / truth - 1.0).abs() < share, "{seed}: {m:?} {build:?}")
+        };
+        near(m.stiffness, build.stiffness, 0.02);
+        near(m.lateral_stiffness, build.lateral, 0.06);
+        near(m.friction, build.friction, 0.03);
+        // the friction of the guides, 20 kg, stiffens the loops
+        near(m.drive_gain, 1.09 * build.drive_gain, 0.06);
+        near(m.feedforward, build.feedforward - 0.04, 0.06);
+        // the substeps of the robot act a tenth of a sample earlier
+        assert!((m.io_delay + 0.1 - 1.0 - build.late as f64).abs() < 0.05, "{seed}: {m:?}");
+        assert!((m.sensor_rotation - build.turned).abs() < 0.02, "{seed}: {m:?} {build:?}");
+        assert_eq!((m.sensor_direction_y, m.sensor_direction_z), (1, 1));
+    }
+}
+
+#[test]
+fn the_deviations_are_the_scatter_of_the_commissions() {
+    let found: Vec<_> = (0..12)
+        .map(|seed| {
+            let mut run = Loop::new(&Parameters::START, Build::NOMINAL, 720 + seed);
+            commission(&mut run);
+            let m = run.output.measured;
+            [
+                [m.stiffness, m.stiffness_deviation],
+                [m.friction, m.friction_deviation],
+                [m.lateral_stiffness, m.lateral_stiffness_deviation],
+                [m.sensor_rotation, m.sensor_rotation_deviation],
+            ]
+        })
+        .collect();
+    for i in 0..4 {
+        let mean = |of: &dyn Fn(&[f64; 2]) -> f64| found.iter().map(|one| of(&one[i])).sum::<f64>() / 12.0;
+        let middle = mean(&|one| one[0]);
+        let scatter = mean(&|one| (one[0] - middle).powi(2)).sqrt();
+        let told = mean(&|one| one[1]);
+        assert!((0.3..2.0).contains(&(scatter / told)), "{i}: {scatter} {told}");
+    }
+}
+
+#[test]
+fn what_was_measured_is_used_on_request_and_the_robot_polishes_as_ever() {
+    for apply in [false, true] {
+        let mut p = Parameters::START;
+        p.commission.apply = apply;
+        let mut run = Loop::new(&p, unknown(731), 731);
+        commission(&mut run);
+        let (m, told) = (run.output.measured, Parameters::START.stiffness_nominal);
+        (0..100).for_each(|_| run.step_with(rest));
+        assert_eq!(run.parameters.stiffness_nominal, if apply { m.stiffness } else { told });
+        assert_eq!(run.parameters.io_delay, if apply { m.io_delay.round() as i32 } else { 1 });
+        let folder = tempfile::tempdir().unwrap();
+        p.commission.export = folder.path().join("found.json").to_str().unwrap().into();
+        run.controller.export(&p).unwrap();
+        let file = std::fs::read_to_string(&p.commission.export).unwrap();
+        assert!(file.contains(&format!("\"stiffness.nominal\": {:e},", m.stiffness)), "{file}");
+        run.input.enable = true;
+        let job = run.job(60.0).expect("polished");
+        assert!(job.deviation < 0.08 && job.gain > 2.5, "{apply}: {job:?}");
+        assert!(!apply || (job.deviation < 0.056 && job.gain > 4.0), "{job:?}");
+        // with what was measured the axes are where their model says
+        assert!(run.output.following.vector().amax() < 20e-6, "{apply}: {:?}", run.output.following);
+    }
+}
+
+#[test]
+fn every_mounting_of_the_sensor_is_found() {
+    for (turned, y, z) in [(0.0, 1.0, -1.0), (2.0, -1.0, 1.0), (-3.0, -1.0, -1.0)] {
+        let build = Build { turned, signs: Vector3::new(1.0, y, z), ..Build::NOMINAL };
+        let mut run = Loop::new(&applied(), build, 740);
+        let [_, _, _, pressed] = commission(&mut run);
+        let m = &run.output.measured;
+        assert!(m.valid && pressed < 5.4, "{turned}: {pressed} {:?}", run.output);
+        assert!((m.sensor_rotation - turned).abs() < 0.02, "{turned}: {m:?}");
+        assert_eq!((f64::from(m.sensor_direction_y), f64::from(m.sensor_direction_z)), (y, z));
+        (0..100).for_each(|_| run.step_with(rest));
+        let job = run.job(60.0).unwrap_or_else(|| panic!("{turned}: {:?}", run.output.fault));
+        assert!(job.deviation < 0.056 && job.gain > 4.0, "{turned}: {job:?}");
+    }
+}
+
+#[test]
+fn it_is_broken_off_by_commission_and_by_enable_out_of_the_mold_and_into_rest() {
+    // at the zero of the sensor, on the way up, in the excitation, on the way down, pressing, rubbing, and on the way out
+    for time in [0.05, 0.15, 3.0, 5.4, 8.0, 17.0, 19.2] {
+        for enable in [false, true] {
+            // counts z the other way: what was told would press the tool into the mold
+            let build = Build { signs: Vector3::new(1.0, 1.0, -1.0), ..unknown(751) };
+            let mut run = Loop::new(&applied(), build, 750);
+            begin(&mut run, time);
+            assert_eq!(run.output.state, State::Commission, "{time}: {:?}", run.output.fault);
+            let mut most = run.robot.normal_force;
+            let after = run.time();
+            while run.output.state == State::Commission {
+                run.step_with(|input| (input.enable, input.commission) = (enable, enable));
+                most = most.max(run.robot.normal_force);
+                assert!(run.time() < after + 1.0, "{time}: {:?}", run.output);
+            }
+            for _ in 0..1000 {
+                // nothing begins again without a new edge
+                run.step_with(|input| (input.enable, input.commission) = (enable, enable));
+                assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::None), "{time} {enable}");
+                assert_eq!(run.output.velocity.normal, 0.0);
+            }
+            assert!(run.robot.normal_force == 0.0 && most < 5.4, "{time} {enable}: {most}");
+            assert!(!run.output.measured.valid);
+            assert_eq!(run.parameters, applied());
+        }
+    }
+}
+
+#[test]
+fn it_never_begins_by_itself_nor_in_a_job() {
+    let mut run = Loop::new(&Parameters::START, Build::NOMINAL, 760);
+    for _ in 0..300 {
+        // true from the first sample on is no edge
+        run.step_with(ask);
+        assert_eq!((run.output.state, run.output.velocity.z), (State::Idle, 0.0));
+    }
+    run.step_with(rest);
+    run.input.enable = true;
+    assert!(run.run_to(State::Follow, 5.0));
+    (0..200).for_each(|_| run.step_with(|input| input.commission = true));
+    assert_eq!(run.output.state, State::Follow);
+}
+
+#[test]
+fn a_second_commission_begins_anew_with_what_was_told() {
+    let build = unknown(761);
+    let mut run = Loop::new(&applied(), build, 761);
+    commission(&mut run);
+    let first = run.output.measured;
+    run.step_with(rest);
+    assert_eq!(run.parameters.stiffness_nominal, first.stiffness);
+    run.step_with(ask);
+    assert_eq!((run.output.state, run.output.measured.valid), (State::Commission, false));
+    let limit = run.time() + LIMIT;
+    while run.output.state == State::Commission && run.time() < limit {
+        run.step_with(ask);
+    }
+    let second = run.output.measured;
+    assert!(second.valid && (second.stiffness / first.stiffness - 1.0).abs() < 0.01, "{second:?}");
+    assert!((second.drive_gain / first.drive_gain - 1.0).abs() < 0.02, "{second:?}");
+    run.step_with(rest);
+    assert!((run.parameters.impedance.damping / (1e4 * second.stiffness / 178e3) - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn what_cannot_be_told_is_rejected_with_its_numbers_and_the_tool_leaves() {
+    let cases: [fn(&mut Parameters, &mut Build); 4] = [
+        |p, _| p.commission.deviation_max = 1e-4,
+        |p, _| p.commission.delay_deviation_max = 1e-3,
+        // a contact four times as soft as told
+        |p, build| (p.limits.stiffness_ratio, build.stiffness) = (4.0, 60e3),
+        |_, build| build.friction = 0.0,
+    ];
+    for (i, change) in cases.into_iter().enumerate() {
+        let (mut p, mut build) = (applied(), Build::NOMINAL);
+        change(&mut p, &mut build);
+        let mut run = Loop::new(&p, build, 770);
+        commission(&mut run);
+        assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::CommissionRejected), "{i}");
+        assert!(!run.output.measured.valid && run.output.drive_enable);
+        (0..1000).for_each(|_| run.step_with(rest));
+        assert!(run.robot.normal_force == 0.0 && run.output.velocity.normal == 0.0);
+        run.step_with(|input| (input.enable, input.commission, input.reset_fault) = (false, false, true));
+        assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::None));
+        assert_eq!(run.parameters, p);
+    }
+}
+
+#[test]
+fn a_loop_without_its_margin_with_what_was_found_is_rejected() {
+    let mut p = applied();
+    // enough on the robot that was told
+    p.impedance.bandwidth = 100.0;
+    let slow = Build { drive_gain: 0.55, feedforward: 0.3, late: 1, ..Build::NOMINAL };
+    let mut run = Loop::new(&p, slow, 771);
+    commission(&mut run);
+    assert_eq!(run.output.fault, Fault::CommissionRejected, "{:?}", run.output);
+    let m = run.output.measured;
+    assert!(m.stiffness > 0.0 && !m.valid);
+}
+
+#[test]
+fn drives_and_sensors_that_fail_are_found_while_it_measures() {
+    type Break = fn(&mut Loop, &mut Input);
+    let drive: Break = |run, _| run.robot.build.pulses.z = 0.0;
+    let turned: Break = |run, _| run.robot.build.pulses.x = -1.0;
+    let cases: [(f64, Break, &[Fault]); 7] = [
+        (3.0, drive, &[Fault::FrozenReading, Fault::WeakDrive, Fault::FollowingError]),
+        (3.0, turned, &[Fault::DriveSign, Fault::FollowingError]),
+        (3.0, |_, input| input.position.x = f64::NAN, &[Fault::LostReading]),
+        (5.3, |_, input| input.force.z = 0.0, &[Fault::FrozenForce]),
+        (8.0, |_, input| input.force.z = f64::NAN, &[Fault::LostForce]),
+        (8.0, |_, input| input.force.z = 3.0, &[Fault::FrozenForce, Fault::ForceError]),
+        (16.0, |_, input| input.estop = true, &[Fault::EmergencyStop]),
+    ];
+    for (i, (time, change, faults)) in cases.into_iter().enumerate() {
+        let mut run = Loop::new(&Parameters::START, Build::NOMINAL, 780);
+        begin(&mut run, time);
+        let (until, mut most) = (run.time() + 2.0, 0.0f64);
+        while run.output.state == State::Commission && run.time() < until {
+            let mut broken = Input::START;
+            change(&mut run, &mut broken);
+            run.step_with(|input| {
+                ask(input);
+                let Input { position, force, estop, .. } = broken.clone();
+                input.estop = estop;
+                if position.x.is_nan() {
+                    input.position.x = position.x;
+                }
+                if force.z != 0.0 || time == 5.3 {
+                    input.force.z = force.z;
+                }
+            });
+            most = most.max(run.robot.normal_force);
+        }
+        assert!(faults.contains(&run.output.fault), "{i}: {:?}", run.output);
+        assert!(most < 16.0, "{i}: {most}");
+    }
+}
+
+#[test]
+fn one_bad_sample_now_and_then_does_not_matter() {
+    let mut run = Loop::new(&Parameters::START, Build::NOMINAL, 790);
+    begin(&mut run, 0.0);
+    let mut k = 0;
+    while run.output.state == State::Commission {
+        k += 1;
+        run.step_with(|input| {
+            ask(input);
+            if k % 100 == 0 {
+                (input.force.x, input.position.y) = (f64::NAN, 0.3);
+            }
+        });
+    }
+    let m = &run.output.measured;
+    assert!(m.valid && (m.stiffness / 178e3 - 1.0).abs() < 0.02 && (m.friction / 0.2 - 1.0).abs() < 0.03, "{m:?}");
+}
+
+#[test]
+fn state_bytes_continue_a_commission_bit_for_bit() {
+    for time in [0.05, 4.0, 8.0, 17.0, 19.3] {
+        let mut run = Loop::new(&applied(), unknown(795), 795);
+        begin(&mut run, time);
+        let mut copy = run.reloaded();
+        while run.output.state == State::Commission {
+            run.step_with(ask);
+            copy.step_with(ask);
+            assert_eq!(copy.output, run.output, "{time}");
+        }
+        assert!(run.output.measured.valid);
+    }
+}

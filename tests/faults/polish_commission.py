@@ -1,0 +1,152 @@
+"""Faults of the polishing robot in the state `Commission`: rows of the matrix in `polish.py`."""
+
+from __future__ import annotations
+
+from cosim.scenario.injection import Injection
+from cosim.scenario.model import Signal
+
+from .matrix import Row
+
+FORCE = "max(plant.contact_force)"
+BESIDE = "max(hypot(plant.axis_x - first(plant.axis_x), plant.axis_y - first(plant.axis_y)))"
+DOWN = "max(first(plant.axis_z) - plant.axis_z)"
+ABOVE = "still above the mold"
+TRAVEL = "half of `commission.travel`, `limits.following_error`, and 1.3 mm that 31 kg coast from 14 mm/s"
+SEEN = "5 N, and 0.25 s of `limits.still_time` at what the law makes of a force that does not rise"
+TOUCH = "0.25 s of `limits.still_time` at `approach.velocity`, 50 um of them in the air: 75 um at 178 N/mm"
+HELD = "5 N and the ripple of the law"
+
+MEASURING = 'controller.state == "Commission"'
+SIGNALS = (
+    Signal("controller.commission", (0.0, 0.01), (False, True)),
+    Signal("controller.enable", (0.0,), (False,)),
+)
+# the way out takes 0.1 s more
+LASTS = ("loop.duration=21", "loop.stop_when=time > 20.5")
+UP, EXCITED, DOWNWARDS, PRESSED, ALONG, ACROSS = 0.15, 2.5, 5.6, 8.0, 14.0, 17.0
+"""Times in the parts of the commission, s."""
+
+
+def commission(
+    name: str,
+    faults: str,
+    after: float,
+    to: str,
+    *,
+    most: float,
+    why: str,
+    truth: str = FORCE,
+    **kind: object,
+) -> Row:
+    """Row of the state `Commission`: what goes wrong so long after its beginning."""
+    inject = (Injection(to, when=MEASURING, after=after, **kind),)  # type: ignore[arg-type]
+    unit = "N" if truth == FORCE else "m"
+    return Row(
+        f"commission: {name}", tuple(faults.split()), truth, most, why, inject, SIGNALS, LASTS, unit=unit
+    )
+
+
+def changed(name: str, faults: str, *changes: str, most: float = 5.6, why: str = HELD) -> Row:
+    """Row of a robot that cannot be measured."""
+    return Row(
+        f"commission: {name}",
+        tuple(faults.split()),
+        FORCE,
+        most,
+        why,
+        (),
+        SIGNALS,
+        (*LASTS, *changes),
+        unit="N",
+    )
+
+
+READINGS = (
+    commission(
+        "encoder x frozen while it excites", "FrozenReading", EXCITED, "controller.position.x",
+        truth=BESIDE, most=1.8e-3, why=TRAVEL, frozen=True,
+    ),
+    commission(
+        "encoder z lost on the way up", "LostReading", UP, "controller.position.z",
+        most=0.0, why=ABOVE, value=float("nan"),
+    ),
+    commission(
+        "encoder y jumps by 10 mm while it excites", "ReadingJump", EXCITED, "controller.position.y",
+        truth=BESIDE, most=1.8e-3, why=TRAVEL, offset=10e-3,
+    ),
+    commission(
+        "force stands on the way down", "FrozenForce", DOWNWARDS, "controller.force.z",
+        most=14.0, why=TOUCH, frozen=True,
+    ),
+    commission(
+        "force stands while it presses", "FrozenForce", PRESSED, "controller.force.z",
+        most=13.0, why=SEEN, frozen=True,
+    ),
+    commission(
+        "force stands while it rubs", "FrozenForce", ALONG, "controller.force.z",
+        most=13.0, why=SEEN, frozen=True,
+    ),
+    commission(
+        "force x lost while it rubs", "LostForce", ACROSS, "controller.force.x",
+        most=5.6, why=HELD, value=float("nan"),
+    ),
+    commission(
+        "force ten times as noisy while it rubs", "NoisyForce", ALONG, "controller.force.z",
+        most=6.6, why="5 N, and what the law makes of the noise", noise=0.5,
+    ),
+)  # fmt: skip
+
+DRIVES = (
+    commission(
+        "pulses x of the wrong sign while it excites", "DriveSign", EXCITED, "plant.pulses_x",
+        truth=BESIDE, most=1.8e-3, why=TRAVEL, scale=-1.0,
+    ),
+    commission(
+        "pulses z of the wrong sign on the way up", "DriveSign", 0.11, "plant.pulses_z",
+        truth=DOWN, most=0.2e-3, why="`limits.following_error` below where it began", scale=-1.0,
+    ),
+    commission(
+        "pulses y lost while it excites", "FrozenReading", EXCITED, "plant.pulses_y",
+        truth=BESIDE, most=1.8e-3, why=TRAVEL, value=0.0,
+    ),
+    commission(
+        "drive z at 0.3 while it excites", "WeakDrive", EXCITED, "plant.pulses_z",
+        truth=DOWN, most=0.2e-3, why=ABOVE, scale=0.3,
+    ),
+    commission(
+        "pulses z lost while it presses", "ForceError FrozenReading", PRESSED, "plant.pulses_z",
+        most=5.6, why=HELD, value=0.0,
+    ),
+    commission(
+        "drive z runs down with 5 mm/s while it rubs", "DriveSign", ALONG, "plant.pulses_z",
+        most=32.0, why="`limits.following_error` at 178 N/mm, 5 N, and 8 kg with 5 mm/s: 6 N", value=-5.0,
+    ),
+)  # fmt: skip
+
+ROBOTS = (
+    Row(
+        "commission: no mold",
+        ("ApproachTimeout",),
+        FORCE,
+        0.0,
+        "there is none",
+        (),
+        (*SIGNALS, Signal("plant.mold_lift", (0.0, 0.0), (0.0, -3e-3))),
+        LASTS,
+        unit="N",
+    ),
+    changed(
+        "a tip and a mold a third as stiff as told",
+        "CommissionRejected",
+        "controller.stiffness.nominal=500e3",
+        "controller.impedance.damping=28e3",
+    ),
+    changed("a mold without friction", "CommissionRejected", "plant.friction=0.01"),
+    changed(
+        "drives a third as fast as told",
+        "CommissionRejected",
+        "plant.drive_gain=0.3",
+    ),
+)
+
+ROWS = (*READINGS, *DRIVES, *ROBOTS)
