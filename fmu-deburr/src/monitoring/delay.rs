@@ -11,6 +11,7 @@ use control_blocks::SentCommands;
 use serde::{Deserialize, Serialize};
 
 use crate::interface::{Fault, Parameters};
+use crate::learning::drive::ToldDrive;
 use crate::monitoring::finding::{Finding, Numbers};
 use crate::path::kinematics::{AXES, Joints};
 
@@ -58,7 +59,8 @@ impl DelayMonitor {
     fn compare(&mut self, p: &Parameters, axis: usize, change: f64, sent: &SentCommands) {
         // all axes in what they move the tip by
         let scale = p.limits.axis[axis].error_max;
-        let lag = (2.0 * p.model_damping / (p.model_natural_frequency * p.sample_period)).min(1.0);
+        let ToldDrive { damping, frequency, period, .. } = ToldDrive::new(p, axis);
+        let lag = (2.0 * damping / (frequency * period)).min(1.0);
         let commanded = |late: usize| (sent.before(late) - sent.before(late + 1)) * p.sample_period / scale;
         let modelled = std::array::from_fn(|d| (1.0 - lag) * commanded(d) + lag * commanded(d + 1));
         self.all.add(change / scale, &modelled);
