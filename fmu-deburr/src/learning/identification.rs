@@ -71,17 +71,13 @@ impl<'a, R: BareRun> Identification<'a, R> {
 
     /// The weights; the covariance takes what is left for noise of the readings, new in each sample.
     ///
-    /// Noise n of the position is in what is left as u[k] = -n[k] - sum w (n[k+j+1] - n[k+j]), j the samples of the weights: mostly in
-    /// differences, of which slow instruments see next to nothing. So sum z u is the sum of n[m] times what the same filter makes
-    /// of z, backward, and the variance of n is that of u over the squares of the filter.
+    /// The servo answers to noise n of the position as to any error, and the drive follows: e = sum w dy holds for that, too. What is
+    /// left is the noise of dy, u[k] = -sum w (n[k+j+1] - n[k+j]), j the samples of the weights: differences, of which slow instruments
+    /// see next to nothing. So sum z u is the sum of n[m] times what the same filter, backward, makes of z, and the variance of n
+    /// is that of u over the squares of the filter.
     pub fn weights_of_noise(&self) -> Weights {
         let [a, b, c] = self.weights;
-        let differences = [a, b - a, c - b, -c];
-        let mut squares: f64 = 1.0 + differences.iter().map(|share| share * share).sum::<f64>();
-        if self.first == 0 {
-            // the present sample is that of the first weight, too
-            squares -= 2.0 * differences[0];
-        }
+        let squares: f64 = [a, b - a, c - b, c].iter().map(|share| share * share).sum();
         let left: f64 = (0..self.samples()).map(|k| self.left(k).powi(2)).sum();
         let variance = left / squares / self.run.count().saturating_sub(TAPS).max(1) as f64;
         self.with(self.regression.covariance_of(variance, (0..self.samples()).map(|m| self.seen(m))))
@@ -89,7 +85,7 @@ impl<'a, R: BareRun> Identification<'a, R> {
 
     /// How the noise of sample `m` comes into sum z u.
     fn seen(&self, m: isize) -> [f64; TAPS] {
-        let mut sum = self.instruments(m).map(|z| -z);
+        let mut sum = [0.0; TAPS];
         for (tap, weight) in self.weights.iter().enumerate() {
             let at = m - self.first - tap as isize;
             let (late, early) = (self.instruments(at), self.instruments(at - 1));

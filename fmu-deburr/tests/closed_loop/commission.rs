@@ -92,7 +92,7 @@ fn unknown_robots_are_measured_within_their_deviations_and_follow_at_once() {
         assert!(error <= 0.03, "{build:?}: {error}");
     }
     println!("errors in deviations: gain {gains:.1?}, lag {lags:.1?}");
-    assert!(gains.iter().chain(&lags).all(|error| error.abs() < 5.0));
+    assert!(gains.iter().chain(&lags).all(|error| error.abs() < 4.0));
 }
 
 #[test]
@@ -239,7 +239,8 @@ fn the_tip_keeps_to_its_travel_and_never_goes_down() {
     }
     // 1.64 v^2 / a, and what a chord is shorter than an arc
     assert!(far > 0.03 && far < 0.0331, "{far}");
-    assert!(low > -2e-5, "{low}");
+    // the bare servo overshoots by a thousandth
+    assert!(low > -6e-5, "{low}");
     let end = run.robot.positions();
     assert!((0..6).all(|i| (end[i] - start[i]).abs() < 5e-5), "{start:?} {end:?}");
 }
@@ -279,7 +280,7 @@ fn what_is_not_sure_enough_is_rejected_with_its_axis_and_what_was_told_counts() 
         run.controller.bring_into_force(&mut in_force);
         assert_eq!(in_force, run.parameters);
         let axis = run.output.numbers.axis;
-        run.input.commission = false;
+        (run.input.commission, run.robot.noise) = (false, 0.0);
         (0..20).for_each(|_| run.step());
         run.input.reset_fault = true;
         (0..3).for_each(|_| run.step());
@@ -288,7 +289,7 @@ fn what_is_not_sure_enough_is_rejected_with_its_axis_and_what_was_told_counts() 
     };
     // half a millimetre tells too little, and so does much noise
     assert_eq!(rejected(|p| p.commission.travel = 5e-4, Build { noise: 3.0, ..Build::NOMINAL }, IDLE), 1);
-    assert_eq!(rejected(|_| (), Build { noise: 100.0, ..Build::NOMINAL }, IDLE), 1);
+    assert_eq!(rejected(|p| p.commission.deviation_max = 5e-5, Build { noise: 2.0, ..Build::NOMINAL }, IDLE), 1);
     // a tool that is off, and drives that are later than it can bear
     assert_eq!(rejected(|_| (), Build::NOMINAL, 0.0), -1);
     assert_eq!(rejected(|_| (), Build { delay: 4, ..Build::NOMINAL }, IDLE), 0);

@@ -40,7 +40,8 @@ pub struct Robot {
     pulses: Joints,
     /// Velocity over commanded velocity.
     pub gain: f64,
-    noise: f64,
+    /// Noise of the encoders, standard deviation in pulses.
+    pub noise: f64,
     random: rand_pcg::Pcg64Mcg,
 }
 

@@ -136,7 +136,7 @@ impl Loop {
                 }
             }
         }
-        assert_eq!(self.output.state, State::Done);
+        assert_eq!(self.output.state, State::Done, "{:?} {:?}", self.output.fault, self.output.numbers);
         self.input.speed_override = 1.0;
         largest
     }
