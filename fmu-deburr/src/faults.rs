@@ -2,7 +2,7 @@
 
 use control_blocks::SafeEnd;
 
-use crate::commission::values::{DELAY_SPREAD, Rejection};
+use crate::commission::values::{Rejection, delays};
 use crate::interface::{Fault, Output, Parameters, Vars};
 use crate::monitoring::finding::{Finding, Numbers};
 
@@ -129,8 +129,11 @@ fn measured(p: &Parameters, output: &Output) -> String {
     }
     match axis {
         0 => format!(
-            ": they answer after `{:.3}` samples, limits 0 and `io_delay` = `{}` less and more by {DELAY_SPREAD}",
-            m.io_delay, p.io_delay
+            ": they answer after `{:.3}` samples, limits `{}` and `{}` for `io_delay` = `{}`",
+            m.io_delay,
+            delays(p.io_delay).start(),
+            delays(p.io_delay).end(),
+            p.io_delay
         ),
         _ => format!(
             ": the tool idles at `{:.1} rad/s`, deviation `{:.2} rad/s`, limits half and twice `load.idle_speed` = `{:.1} rad/s` and \
@@ -218,6 +221,30 @@ mod tests {
             vars.output.fault = *fault;
             let silent = matches!(fault, Fault::None | Fault::BankEmpty);
             assert_eq!(numbers(&vars).is_empty(), silent, "{fault:?}");
+        }
+    }
+
+    #[test]
+    fn a_rejected_commission_tells_what_it_has_measured_and_the_limits() {
+        let mut vars = <Vars as fmi2_export::Interface>::START;
+        vars.output.fault = Fault::CommissionRejected;
+        vars.output.measured.io_delay = 3.21;
+        let drive = &mut vars.output.measured.axis[1];
+        (drive.gain, drive.gain_deviation, drive.delay, drive.delay_deviation) = (0.81, 0.003, 2.5, 0.01);
+        vars.output.measured.idle_speed = 123.4;
+        for (what, parts) in [
+            (
+                Rejection::Drive(2),
+                ["axis 2: gain `0.8100`, deviation `0.0030`", "`commission.deviation_max` = `0.002`", "`2.500`"],
+            ),
+            (Rejection::Delay, ["after `3.210` samples", "limits `0` and `3`", "`io_delay` = `1`"]),
+            (Rejection::Tool, ["idles at `123.4 rad/s`", "`load.idle_speed` = `1885.0 rad/s`", "`0.002` of it"]),
+        ] {
+            let found = find(&vars.in_force, &Signs { commission: Some(what), job: (8, 7), ..GOOD });
+            assert_eq!(found.fault, Fault::CommissionRejected);
+            vars.output.numbers = found.numbers;
+            let told = numbers(&vars);
+            assert!(parts.iter().all(|part| told.contains(part)), "{told}");
         }
     }
 

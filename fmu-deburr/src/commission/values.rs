@@ -1,15 +1,16 @@
 //! The parameters that a commission derives, and how.
 
+use control_blocks::DELAY_MAX;
 use serde::{Deserialize, Serialize};
 
-use crate::interface::{Measured, Parameters};
+use crate::interface::{Measured, MeasuredAxis, Parameters};
 use crate::learning::feedforward::CREDIBLE;
 use crate::path::kinematics::{AXES, Joints};
 
 /// Samples by which an axis may be later or earlier than all, the same that `WrongDelay` allows.
 const APART: f64 = 0.75;
 /// Samples of delay more or less than told that it can bear.
-pub const DELAY_SPREAD: i32 = 2;
+const DELAY_SPREAD: i32 = 2;
 /// Idle speeds over that which was told that are those of a tool.
 const IDLE: std::ops::RangeInclusive<f64> = 0.5..=2.0;
 
@@ -92,6 +93,11 @@ pub fn rounded(measured: &Measured) -> i32 {
     measured.io_delay.round() as i32
 }
 
+/// The delays that a controller can bear that was told `io_delay`.
+pub fn delays(io_delay: i32) -> std::ops::RangeInclusive<i32> {
+    (io_delay - DELAY_SPREAD).max(0)..=(io_delay + DELAY_SPREAD).min(DELAY_MAX as i32)
+}
+
 /// What cannot be used of a measurement by a controller that was `told`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Rejection {
@@ -105,8 +111,8 @@ pub enum Rejection {
 
 /// Why a measurement cannot be used.
 pub fn rejection(p: &Parameters, told: &Values, m: &Measured) -> Option<Rejection> {
-    let delay = told.io_delay - DELAY_SPREAD..=told.io_delay + DELAY_SPREAD;
-    let bad = |axis: &crate::interface::MeasuredAxis| {
+    let delay = delays(told.io_delay);
+    let bad = |axis: &MeasuredAxis| {
         !(CREDIBLE.contains(&axis.gain)
             && axis.gain_deviation <= p.commission.deviation_max * axis.gain
             && axis.delay_deviation <= p.commission.delay_deviation_max
@@ -115,7 +121,7 @@ pub fn rejection(p: &Parameters, told: &Values, m: &Measured) -> Option<Rejectio
     if let Some(i) = m.axis.iter().position(bad) {
         return Some(Rejection::Drive(i as i32 + 1));
     }
-    if m.io_delay < -0.5 || !delay.contains(&rounded(m)) {
+    if !delay.contains(&rounded(m)) {
         return Some(Rejection::Delay);
     }
     let idles = IDLE.contains(&(m.idle_speed / told.idle_speed))
@@ -126,7 +132,6 @@ pub fn rejection(p: &Parameters, told: &Values, m: &Measured) -> Option<Rejectio
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::interface::MeasuredAxis;
 
     /// A good measurement of a machine whose drives do four fifths, two samples late.
     fn good() -> Measured {
