@@ -373,7 +373,7 @@ impl Controller {
         });
         *saturated = (0..AXES).any(|i| velocity[i].abs() >= p.axis[i].velocity_max);
         (*state, *fault, *numbers) = (self.state, self.fault, self.numbers);
-        measured.clone_from(&self.commissioner.measured);
+        *measured = self.commissioner.measured;
         *drive_enable = self.state != State::Fault || self.fault.safe_end() != SafeEnd::DriveOff;
         *path = self.run.report(&self.path, self.on_path, self.state == State::Done && self.job.moves());
         *learn = self.learner.report(p, self.job == Mode::Learn || self.learned, self.learned);

@@ -149,7 +149,7 @@ mod tests {
             io_delay_deviation: 5e-3,
             idle_speed: 1700.0,
             idle_speed_deviation: 0.1,
-            axis: std::array::from_fn(|_| axis.clone()),
+            axis: [axis; AXES],
             ..Measured::START
         }
     }

@@ -76,7 +76,7 @@ fn unknown_robots_are_measured_within_their_deviations_and_follow_at_once() {
         let build = unknown(seed);
         let mut run = resting(&applied(), &build);
         let time = commission(&mut run);
-        let m = run.output.measured.clone();
+        let m = run.output.measured;
         assert_eq!((run.output.state, run.output.fault, m.valid), (State::Idle, Fault::None, true), "{build:?}: {m:?}");
         assert!(time < 40.0, "{time}");
         assert_eq!(m.io_delay.round() as usize, build.delay, "{build:?}: {m:?}");
