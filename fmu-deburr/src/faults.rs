@@ -117,7 +117,9 @@ fn measured(p: &Parameters, output: &Output) -> String {
     let (m, axis) = (&output.measured, output.numbers.axis);
     if let Some(drive) = axis.checked_sub(1).and_then(|i| m.axis.get(i as usize)) {
         return format!(
-            ": axis {axis}: gain `{:.4}`, deviation `{:.4}`, limits half and twice and `commission.deviation_max` = `{}` of it;              delay `{:.3}` samples, deviation `{:.3}`, limits the `{:.3}` of all axes, less and more by 0.75, and              `commission.delay_deviation_max` = `{}`",
+            ": axis {axis}: gain `{:.4}`, deviation `{:.4}`, limits half and twice and `commission.deviation_max` = `{}` of it; \
+             delay `{:.3}` samples, deviation `{:.3}`, limits the `{:.0}` of all axes, less and more by 0.75, and \
+             `commission.delay_deviation_max` = `{}`; lag `{:.2} ms`, limit a tenth of a sample below 0",
             drive.gain,
             drive.gain_deviation,
             p.commission.deviation_max,
@@ -125,6 +127,7 @@ fn measured(p: &Parameters, output: &Output) -> String {
             drive.delay_deviation,
             m.io_delay.round(),
             p.commission.delay_deviation_max,
+            1e3 * drive.lag,
         );
     }
     match axis {

@@ -316,7 +316,7 @@ mod variables {
         pub model_natural_frequency: f64,
         /// Damping ratio of the nominal velocity loop, eq. 1; for NormOptimal, `FollowingError` and `WrongDelay`
         #[var(name = "model.damping", unit = ONE, range = 0.05..=5.0, start = 0.52, source = "paper")] pub model_damping: f64,
-        pub model: Model,
+        pub model: DriveModel,
         pub lookup: Lookup,
         pub bank: Bank,
         pub load: Load,
@@ -338,15 +338,15 @@ mod variables {
         pub maximum: f64,
     }
     /// What is told of each drive beside `model.natural_frequency` and `model.damping`.
-    pub struct Model {
-        pub axis: [ModelAxis; 6],
+    pub struct DriveModel {
+        pub axis: [AxisModel; 6],
     }
     /// One drive.
-    pub struct ModelAxis {
+    pub struct AxisModel {
         /// Velocity over commanded velocity of drive {n}
         #[var(unit = ONE, range = 0.1..=10.0, start = 1.0, source = "paper: a drive does what it is told")] pub gain: f64,
         /// Lag 2 zeta / wn of drive {n} beyond `io_delay`; 0 for that of `model.natural_frequency` and `model.damping`
-        #[var(unit = SECOND as "ms", range = 0.0..=0.1, source = "derived: 2 zeta / wn of eq. 1")] pub lag: f64,
+        #[var(unit = SECOND as "ms", range = 0.0..=0.1, source = "derived: 2 zeta / wn of eq. 1; below 10 us it is one of 10 us")] pub lag: f64,
     }
     /// Geometry of the robot.
     pub struct Arm {

@@ -4,11 +4,14 @@ use control_blocks::DELAY_MAX;
 use serde::{Deserialize, Serialize};
 
 use crate::interface::{Measured, MeasuredAxis, Parameters};
+use crate::learning::drive::LAG_MIN;
 use crate::learning::feedforward::CREDIBLE;
 use crate::path::kinematics::{AXES, Joints};
 
 /// Samples by which an axis may be later or earlier than all, the same that `WrongDelay` allows.
 const APART: f64 = 0.75;
+/// Samples by which a drive may seem to act before its command: one without a lag, and noise.
+const EARLY: f64 = 0.1;
 /// Samples of delay more or less than told that it can bear.
 const DELAY_SPREAD: i32 = 2;
 /// Idle speeds over that which was told that are those of a tool.
@@ -52,8 +55,8 @@ impl Values {
         Self {
             io_delay: rounded(measured),
             gain: measured.axis.each_ref().map(|axis| axis.gain),
-            // 0 is the nominal one
-            lag: measured.axis.each_ref().map(|axis| axis.lag.max(f64::MIN_POSITIVE)),
+            // 0 would be the nominal one
+            lag: measured.axis.each_ref().map(|axis| axis.lag.max(LAG_MIN)),
             idle_speed: measured.idle_speed,
             scale: self.scale * measured.idle_speed / self.idle_speed,
         }
@@ -116,6 +119,7 @@ pub fn rejection(p: &Parameters, told: &Values, m: &Measured) -> Option<Rejectio
         !(CREDIBLE.contains(&axis.gain)
             && axis.gain_deviation <= p.commission.deviation_max * axis.gain
             && axis.delay_deviation <= p.commission.delay_deviation_max
+            && axis.lag > -EARLY * p.sample_period
             && (axis.delay - f64::from(rounded(m))).abs() <= APART)
     };
     if let Some(i) = m.axis.iter().position(bad) {
@@ -188,7 +192,8 @@ mod tests {
         };
         type Case = (fn(&mut Measured, f64), f64, f64, Rejection);
         let idle = p.load.idle_speed;
-        let cases: [Case; 11] = [
+        let cases: [Case; 12] = [
+            (|m, x| m.axis[3].lag = x, -9.9e-4, -1.01e-3, Rejection::Drive(4)),
             (|m, x| m.axis[2].gain_deviation = x, 1.59e-3, 1.61e-3, Rejection::Drive(3)),
             (|m, x| m.axis[0].gain = x, 2.0, 2.01, Rejection::Drive(1)),
             (|m, x| m.axis[0].gain = x, 0.5, 0.49, Rejection::Drive(1)),

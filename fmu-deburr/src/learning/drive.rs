@@ -7,6 +7,8 @@ use crate::learning::identification::{TAPS, Weights};
 
 /// Standard deviation of the gain of a drive that was not identified.
 const SPREAD: f64 = 0.3;
+/// Least lag that is told from none, s.
+pub(crate) const LAG_MIN: f64 = 1e-5;
 
 /// A velocity drive as it is told, and the position loop around it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,7 +41,11 @@ impl ToldDrive {
         Self {
             servo_gain: p.servo_gain[axis],
             gain: told.gain,
-            frequency: if told.lag > 0.0 { 2.0 * p.model_damping / told.lag } else { p.model_natural_frequency },
+            frequency: if told.lag > 0.0 {
+                2.0 * p.model_damping / told.lag.max(LAG_MIN)
+            } else {
+                p.model_natural_frequency
+            },
             damping: p.model_damping,
             delay: p.io_delay as usize,
             period: p.sample_period,

@@ -104,6 +104,27 @@ fn a_feed_that_swings_is_followed_as_well() {
 }
 
 #[test]
+fn learning_goes_on_from_there() {
+    let mut p = applied();
+    p.learn.repetitions = 0;
+    let mut run = resting(&p, &Build { gain: 1.25, dynamics: 0.8, delay: 2, ..Build::NOMINAL });
+    commission(&mut run);
+    let found = run.output.axis[2];
+    assert!(run.finish(Mode::Learn));
+    let learned = run.output.axis[2];
+    assert!(
+        (learned.gain - found.gain).abs() < 1e-3 && (learned.lag - found.lag).abs() < 1e-4,
+        "{found:?} {learned:?}"
+    );
+    // what stands on the path keeps what the commission has found
+    assert_eq!(
+        (run.output.axis[1].gain, run.output.bank.status),
+        (run.output.measured.axis[1].gain, BankStatus::Learned)
+    );
+    assert!(worst(&mut run) <= 0.03);
+}
+
+#[test]
 fn only_on_request_is_what_was_measured_used() {
     let mut run = resting(&Parameters::START, &Build { gain: 0.8, ..Build::NOMINAL });
     commission(&mut run);
