@@ -219,6 +219,10 @@ mod variables {
         #[var(unit = SECOND as "ms")] pub lag: f64,
         /// Its standard deviation
         #[var(unit = SECOND as "ms")] pub lag_deviation: f64,
+        /// Natural frequency of drive {n}; 0 where nothing tells it
+        #[var(unit = RADIAN_PER_SECOND as "Hz")] pub natural_frequency: f64,
+        /// Its standard deviation
+        #[var(unit = RADIAN_PER_SECOND as "Hz")] pub natural_frequency_deviation: f64,
         /// Samples between a command and its action on axis {n}, not rounded, less the lag of the nominal drive
         #[var(unit = ONE)] pub delay: f64,
         /// Its standard deviation
@@ -347,6 +351,8 @@ mod variables {
         #[var(unit = ONE, range = 0.1..=10.0, start = 1.0, source = "paper: a drive does what it is told")] pub gain: f64,
         /// Lag 2 zeta / wn of drive {n} beyond `io_delay`; 0 for that of `model.natural_frequency` and `model.damping`
         #[var(unit = SECOND as "ms", range = 0.0..=0.1, source = "derived: 2 zeta / wn of eq. 1; below 10 us it is one of 10 us")] pub lag: f64,
+        /// Natural frequency of drive {n}; 0 for the one that has this lag with `model.damping`
+        #[var(unit = RADIAN_PER_SECOND as "Hz", range = 0.0..=1e5, source = "derived: 2 zeta / lag")] pub natural_frequency: f64,
     }
     /// Geometry of the robot.
     pub struct Arm {

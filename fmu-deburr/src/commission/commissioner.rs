@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::commission::estimation::Response;
 use crate::commission::experiment::Experiment;
 use crate::commission::plan::room;
-use crate::commission::values::{Rejection, Values, rejection, rounded};
+use crate::commission::values::{ENTRIES, Rejection, Values, rejection, rounded};
 use crate::interface::{Measured, MeasuredAxis, Parameters};
 use crate::learning::drive::Drive;
 use crate::path::kinematics::{AXES, Joints};
@@ -91,7 +91,7 @@ impl Commissioner {
     }
 
     /// Names and values of what a good commission derives, with the speeds that `p` tells.
-    pub fn derived(&self, p: &Parameters) -> [(&'static str, f64); 2 * AXES + 4] {
+    pub fn derived(&self, p: &Parameters) -> [(&'static str, f64); ENTRIES] {
         self.derived.entries(p)
     }
 
@@ -137,6 +137,8 @@ impl Commissioner {
             gain_deviation: self.responses[i].gain[1],
             lag: self.responses[i].late[0] - whole,
             lag_deviation: self.responses[i].late[1],
+            natural_frequency: self.responses[i].frequency[0],
+            natural_frequency_deviation: self.responses[i].frequency[1],
             delay: delays[i][0],
             delay_deviation: delays[i][1],
         });

@@ -13,8 +13,9 @@ use crate::interface::Parameters;
 use crate::learning::drive::{Drive, ToldDrive};
 use crate::learning::identification::Identification;
 
-/// Nothing counts as known better than this: what three weights leave out of a drive. Share of the gain, and samples.
-const LEAST_DEVIATION: [f64; 2] = [1e-4, 1e-3];
+/// Nothing counts as known better than this: what three weights leave out of a drive. Share of the gain, samples, and samples^2
+/// of 1/(wn T)^2.
+const LEAST_DEVIATION: [f64; 3] = [1e-4, 1e-3, 0.03];
 /// Most samples of delay that are looked for, as `WrongDelay` does.
 const DELAY_MAX: f64 = 6.0;
 
@@ -25,6 +26,8 @@ pub struct Response {
     pub gain: [f64; 2],
     /// How late the drive is as a whole, s.
     pub late: [f64; 2],
+    /// Natural frequency, rad/s; zeros where nothing tells it.
+    pub frequency: [f64; 2],
 }
 
 impl Response {
@@ -35,13 +38,17 @@ impl Response {
             let mut drive = Drive::of(told, &Identification::new(told, strokes, room).weights_of_noise());
             drive.gain[1] = drive.gain[1].hypot(LEAST_DEVIATION[0] * drive.gain[0]);
             drive.lag[1] = drive.lag[1].hypot(LEAST_DEVIATION[1] * told.period);
-            Self { gain: drive.gain, late: [drive.lag[0] + told.delay as f64 * told.period, drive.lag[1]] }
+            // d(wn)/d(mu) = -wn/(2 mu)
+            let wn = drive.frequency[0];
+            drive.frequency[1] = drive.frequency[1].hypot(0.5 * LEAST_DEVIATION[2] * wn * (wn * told.period).powi(2));
+            let late = [drive.lag[0] + told.delay as f64 * told.period, drive.lag[1]];
+            Self { gain: drive.gain, late, frequency: drive.frequency }
         };
         // the weights lie around the delay that was told, then around the one that was found
         let rough = identify(&told);
         let delay = rough.delay(p).round().clamp(0.0, DELAY_MAX) as usize;
         let found = identify(&ToldDrive { delay, ..told });
-        let finite = found.gain.iter().chain(&found.late).all(|value| value.is_finite());
+        let finite = found.gain.iter().chain(&found.late).chain(&found.frequency).all(|value| value.is_finite());
         if finite { found } else { Self::default() }
     }
 
@@ -109,6 +116,9 @@ mod tests {
                     (response.late[0] - late).abs() < 1.5e-4,
                     "{gain} {frequency} {damping} {delay}: {response:?} {late}"
                 );
+                let [wn, deviation] = response.frequency;
+                assert!((wn - drive.frequency).abs() < 2.0 * deviation, "{drive:?}: {response:?}");
+                assert!(deviation < 0.25 * wn, "{drive:?}: {response:?}");
                 assert_eq!(response.delay(&p).round() as usize, delay);
             }
         }

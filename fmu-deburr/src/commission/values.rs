@@ -17,12 +17,37 @@ const DELAY_SPREAD: i32 = 2;
 /// Idle speeds over that which was told that are those of a tool.
 const IDLE: std::ops::RangeInclusive<f64> = 0.5..=2.0;
 
+/// A natural frequency is used where its standard deviation is at most this share of it.
+const FREQUENCY_SURE: f64 = 0.2;
+/// Names of the parameters of the drives.
+const GAINS: [&str; AXES] = [
+    "model.axis1.gain",
+    "model.axis2.gain",
+    "model.axis3.gain",
+    "model.axis4.gain",
+    "model.axis5.gain",
+    "model.axis6.gain",
+];
+const LAGS: [&str; AXES] =
+    ["model.axis1.lag", "model.axis2.lag", "model.axis3.lag", "model.axis4.lag", "model.axis5.lag", "model.axis6.lag"];
+const FREQUENCIES: [&str; AXES] = [
+    "model.axis1.natural_frequency",
+    "model.axis2.natural_frequency",
+    "model.axis3.natural_frequency",
+    "model.axis4.natural_frequency",
+    "model.axis5.natural_frequency",
+    "model.axis6.natural_frequency",
+];
+/// How many parameters a commission derives.
+pub const ENTRIES: usize = 3 * AXES + 4;
+
 /// All parameters that a commission derives.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Values {
     io_delay: i32,
     gain: Joints,
     lag: Joints,
+    frequency: Joints,
     idle_speed: f64,
     /// share of the told speeds of target and limit
     scale: f64,
@@ -35,6 +60,7 @@ impl Values {
             io_delay: p.io_delay,
             gain: p.model.axis.each_ref().map(|axis| axis.gain),
             lag: p.model.axis.each_ref().map(|axis| axis.lag),
+            frequency: p.model.axis.each_ref().map(|axis| axis.natural_frequency),
             idle_speed: p.load.idle_speed,
             scale: p.load.scale,
         }
@@ -44,7 +70,7 @@ impl Values {
     pub fn put(&self, p: &mut Parameters) {
         p.io_delay = self.io_delay;
         for (i, axis) in p.model.axis.iter_mut().enumerate() {
-            (axis.gain, axis.lag) = (self.gain[i], self.lag[i]);
+            (axis.gain, axis.lag, axis.natural_frequency) = (self.gain[i], self.lag[i], self.frequency[i]);
         }
         (p.load.idle_speed, p.load.scale) = (self.idle_speed, self.scale);
     }
@@ -57,37 +83,36 @@ impl Values {
             gain: measured.axis.each_ref().map(|axis| axis.gain),
             // 0 would be the nominal one
             lag: measured.axis.each_ref().map(|axis| axis.lag.max(LAG_MIN)),
+            // one that is not sure follows from the lag
+            frequency: measured.axis.each_ref().map(|axis| {
+                let sure = axis.natural_frequency_deviation <= FREQUENCY_SURE * axis.natural_frequency;
+                if sure { axis.natural_frequency } else { 0.0 }
+            }),
             idle_speed: measured.idle_speed,
             scale: self.scale * measured.idle_speed / self.idle_speed,
         }
     }
 
     /// Their names and values, with the speeds that `p` tells.
-    pub fn entries(&self, p: &Parameters) -> [(&'static str, f64); 2 * AXES + 4] {
-        const GAINS: [&str; AXES] = [
-            "model.axis1.gain",
-            "model.axis2.gain",
-            "model.axis3.gain",
-            "model.axis4.gain",
-            "model.axis5.gain",
-            "model.axis6.gain",
+    pub fn entries(&self, p: &Parameters) -> [(&'static str, f64); ENTRIES] {
+        let all: [(&[&'static str], &[f64]); 4] = [
+            (
+                &["io_delay", "load.idle_speed", "load.spindle_speed", "limits.spindle_speed_min"],
+                &[
+                    f64::from(self.io_delay),
+                    self.idle_speed,
+                    self.scale * p.load.spindle_speed,
+                    self.scale * p.limits.spindle_speed_min,
+                ],
+            ),
+            (&GAINS, &self.gain),
+            (&LAGS, &self.lag),
+            (&FREQUENCIES, &self.frequency),
         ];
-        const LAGS: [&str; AXES] = [
-            "model.axis1.lag",
-            "model.axis2.lag",
-            "model.axis3.lag",
-            "model.axis4.lag",
-            "model.axis5.lag",
-            "model.axis6.lag",
-        ];
-        std::array::from_fn(|k| match k {
-            0 => ("io_delay", f64::from(self.io_delay)),
-            1 => ("load.idle_speed", self.idle_speed),
-            2 => ("load.spindle_speed", self.scale * p.load.spindle_speed),
-            3 => ("limits.spindle_speed_min", self.scale * p.limits.spindle_speed_min),
-            k if k < 4 + AXES => (GAINS[k - 4], self.gain[k - 4]),
-            k => (LAGS[k - 4 - AXES], self.lag[k - 4 - AXES]),
-        })
+        let mut entries = [("", 0.0); ENTRIES];
+        let values = all.iter().flat_map(|(names, values)| names.iter().zip(*values));
+        entries.iter_mut().zip(values).for_each(|(entry, (name, value))| *entry = (name, *value));
+        entries
     }
 }
 
@@ -144,6 +169,8 @@ mod tests {
             gain_deviation: 1e-3,
             lag: 5e-3,
             lag_deviation: 1e-4,
+            natural_frequency: 220.0,
+            natural_frequency_deviation: 20.0,
             delay: 2.13,
             delay_deviation: 0.01,
         };
@@ -178,6 +205,12 @@ mod tests {
             (told("io_delay"), told("model.axis6.gain"), told("model.axis1.lag")),
             (Some(2.0), Some(0.8), Some(5e-3))
         );
+        assert_eq!(told("model.axis2.natural_frequency"), Some(220.0));
+        let mut unsure = good();
+        unsure.axis[1].natural_frequency_deviation = 45.0;
+        let unsure = Values::of(&Parameters::START).with(&unsure);
+        assert_eq!(unsure.frequency, [220.0, 0.0, 220.0, 220.0, 220.0, 220.0]);
+        assert!(entries.iter().all(|entry| !entry.0.is_empty()));
         assert_eq!(told("limits.spindle_speed_min"), Some(p.load.scale * p.limits.spindle_speed_min));
         assert_eq!(told("load.spindle_speed"), Some(p.load.scale * p.load.spindle_speed));
     }

@@ -35,18 +35,21 @@ impl Parameters {
 }
 
 impl ToldDrive {
-    /// The drive of the axis `axis` (from 0): of a lag that is told the natural frequency follows.
+    /// The drive of the axis `axis` (from 0); where its lag is told, frequency or damping follow.
     pub fn new(p: &Parameters, axis: usize) -> Self {
         let told = &p.model.axis[axis];
+        let lag = told.lag.max(LAG_MIN);
+        let (frequency, damping) = match (told.natural_frequency > 0.0, told.lag > 0.0) {
+            (true, true) => (told.natural_frequency, 0.5 * lag * told.natural_frequency),
+            (true, false) => (told.natural_frequency, p.model_damping),
+            (false, true) => (2.0 * p.model_damping / lag, p.model_damping),
+            (false, false) => (p.model_natural_frequency, p.model_damping),
+        };
         Self {
             servo_gain: p.servo_gain[axis],
             gain: told.gain,
-            frequency: if told.lag > 0.0 {
-                2.0 * p.model_damping / told.lag.max(LAG_MIN)
-            } else {
-                p.model_natural_frequency
-            },
-            damping: p.model_damping,
+            frequency,
+            damping,
             delay: p.io_delay as usize,
             period: p.sample_period,
         }
@@ -93,6 +96,8 @@ pub struct Drive {
     pub gain: [f64; 2],
     /// Lag beyond the delay, 2 zeta/wn of eq. 1, and its standard deviation, s.
     pub lag: [f64; 2],
+    /// Natural frequency wn, and its standard deviation, rad/s; zeros where nothing tells it.
+    pub frequency: [f64; 2],
 }
 
 impl Drive {
@@ -100,7 +105,8 @@ impl Drive {
     pub fn told(told: &ToldDrive) -> Self {
         let (first, weights) = told.weights();
         let unknown = Self::of(told, &Weights { first, weights, covariance: told.uncertain() });
-        Self { gain: [told.gain, unknown.gain[1]], lag: [told.lag(), unknown.lag[1]] }
+        let frequency = [told.frequency, unknown.frequency[1]];
+        Self { gain: [told.gain, unknown.gain[1]], lag: [told.lag(), unknown.lag[1]], frequency }
     }
 
     /// What weights and their covariance say of it.
@@ -114,11 +120,18 @@ impl Drive {
             let pairs = (0..TAPS).flat_map(|i| (0..TAPS).map(move |k| (i, k)));
             pairs.map(|(i, k)| slope(i) * covariance[i][k] * slope(k)).sum::<f64>().max(0.0).sqrt()
         };
+        let square = (0..TAPS).map(|tap| place(tap).powi(2) * weights[tap]).sum::<f64>() / sum;
+        let delay = told.delay as f64;
+        // mu = 1/(wn T)^2, from the second moment d^2 + 2 d lambda + 2 mu - 1/6
+        let mu = 0.5 * (square - 2.0 * delay * mean + delay * delay + 1.0 / 6.0);
+        let by_weight = |tap| 0.5 * (place(tap).powi(2) - square - 2.0 * delay * (place(tap) - mean)) / sum;
+        let frequency = if mu > 0.0 { mu.sqrt().recip() / told.period } else { 0.0 };
         let gain = told.bare_lag() / sum;
         let late = deviation(&|tap| (place(tap) - mean) / sum);
         Self {
             gain: [gain, gain * deviation(&|_| 1.0 / sum)],
-            lag: [mean - told.delay as f64, late].map(|samples| samples * told.period),
+            lag: [mean - delay, late].map(|samples| samples * told.period),
+            frequency: [frequency, if mu > 0.0 { 0.5 * frequency * deviation(&by_weight) / mu } else { 0.0 }],
         }
     }
 }
@@ -133,7 +146,9 @@ mod tests {
         for (delay, gain, lag) in [(0, 1.0, 0.0), (1, 0.7, 2e-3), (2, 1.3, 6.9e-3), (3, 2.0, 0.012)] {
             p.io_delay = delay;
             (p.model.axis[3].gain, p.model.axis[3].lag) = (gain, lag);
+            p.model.axis[3].natural_frequency = if delay > 1 { 200.0 } else { 0.0 };
             let told = ToldDrive::new(&p, 3);
+            assert!(delay < 2 || told.frequency == 200.0);
             assert!((told.lag() - if lag > 0.0 { lag } else { p.nominal_lag() }).abs() < 1e-15);
             let (first, weights) = told.weights();
             let moment = |order: i32| -> f64 {
@@ -147,6 +162,7 @@ mod tests {
             assert!((moment(2) / sum - square).abs() < 1e-12);
             let said = Drive::of(&told, &Weights { first, weights, covariance: told.uncertain() });
             assert!((said.gain[0] - gain).abs() < 1e-12 && (said.lag[0] - told.lag()).abs() < 1e-12, "{said:?}");
+            assert!((said.frequency[0] / told.frequency - 1.0).abs() < 1e-9, "{said:?}");
             assert_eq!(Drive::told(&told).gain[0], gain);
         }
     }

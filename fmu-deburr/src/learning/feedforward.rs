@@ -209,7 +209,7 @@ mod tests {
                 run(&p, &machine, &path, &bare, 1).iter().map(|error| error.map(f64::round)).collect();
             let mut feedforward = Feedforward::new(&p, 1000);
             feedforward.identify(&p, &path, &start, &bare, &errors);
-            let Drive { gain: [told, deviation], lag: [lag, late] } = feedforward.drives[2];
+            let Drive { gain: [told, deviation], lag: [lag, late], .. } = feedforward.drives[2];
             assert!((told - gain).abs() < 3.0 * deviation && deviation < 3e-3, "{gain}: {told} {deviation}");
             assert!((lag - 2.0 * damping / frequency).abs() < 3.0 * late && late < 1e-3, "{frequency}: {lag} {late}");
             for factor in [1.0, 0.3] {

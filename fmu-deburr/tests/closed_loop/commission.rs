@@ -85,6 +85,8 @@ fn unknown_robots_are_measured_within_their_deviations_and_follow_at_once() {
             gains.push((axis.gain - build.gain) / axis.gain_deviation);
             lags.push((axis.lag - lag) / axis.lag_deviation);
             assert!(axis.gain_deviation < 1e-3 && axis.lag_deviation < 3e-4, "{build:?}: {axis:?}");
+            let off = axis.natural_frequency - 280.0 * build.dynamics;
+            assert!(off.abs() < 4.0 * axis.natural_frequency_deviation, "{build:?}: {axis:?}");
         }
         assert_eq!((run.output.bank.status, run.output.bank.patterns), (BankStatus::Computed, 5));
         let error = worst(&mut run);
@@ -156,6 +158,7 @@ fn the_file_of_the_results_is_taken_as_parameters() {
     for (i, axis) in p.model.axis.iter_mut().enumerate() {
         axis.gain = found[&format!("model.axis{}.gain", i + 1)];
         axis.lag = found[&format!("model.axis{}.lag", i + 1)];
+        axis.natural_frequency = found[&format!("model.axis{}.natural_frequency", i + 1)];
     }
     let mut other = resting(&p, &build);
     assert_eq!(other.controller.bank().patterns(), run.controller.bank().patterns());
