@@ -2,14 +2,16 @@
 
 use control_blocks::{Parameter, ParameterError, check_all};
 
+use crate::commission::{plan, values};
 use crate::interface::Parameters;
 use crate::path::taught_path::TaughtPath;
 use crate::run::PREVIEW_MAX;
 
 /// Checks all combinations; the first that fails is the error.
 pub fn check(p: &Parameters, path: &TaughtPath) -> Result<(), ParameterError> {
-    check_all(p, &[travel, bandwidth, lead, lead_in, lead_out, preview])?;
-    speed_min(p, path)
+    check_all(p, &[travel, bandwidth, lead, lead_in, lead_out, preview, commission_apply])?;
+    speed_min(p, path)?;
+    commission_time(p, path)
 }
 
 fn travel(p: &Parameters) -> Result<(), ParameterError> {
@@ -65,6 +67,29 @@ fn speed_min(p: &Parameters, path: &TaughtPath) -> Result<(), ParameterError> {
     speed.must_be(value <= taught, || format!("at most the taught speed, `{taught} m/s`"))
 }
 
+fn commission_apply(p: &Parameters) -> Result<(), ParameterError> {
+    let delays = values::delays(p.io_delay);
+    let fits =
+        |io_delay: &i32| check_all(&Parameters { io_delay: *io_delay, ..p.clone() }, &[lead, lead_in, preview]).is_ok();
+    let good = !p.commission.apply || [delays.start(), delays.end()].into_iter().all(fits);
+    let hint = "the delay that it finds has to fit them; or lower `io_delay` to what it is";
+    Parameter::new("commission.apply", p.commission.apply, "", hint).must_be(good, || {
+        format!(
+            "`false`, or `learn.lead`, `learn.lead_in` and `lookup.preview` that fit every `io_delay` from `{}` to `{}`",
+            delays.start(),
+            delays.end()
+        )
+    })
+}
+
+fn commission_time(p: &Parameters, path: &TaughtPath) -> Result<(), ParameterError> {
+    let (value, least) = (p.commission.time, plan::least_time(p, path.speed));
+    let time = Parameter::new("commission.time", value, "s", "or every commission ends in `NoProgress`");
+    time.must_be(value == 0.0 || value >= least, || {
+        format!("`0`, or at least `{least:.1} s`, the time that its motions take")
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -79,13 +104,17 @@ mod tests {
         (|p| p.learn.lead_out = 30, "learn.lead_out", "`30`", "at least `31`"),
         (|p| p.lookup.preview = 0.08, "lookup.preview", "`0.08 s`", "`-0.01` to `0.07 s`"),
         (|p| p.load.speed_min = 0.2, "load.speed_min", "`0.2 m/s`", "`0.1 m/s`"),
+        (|p| p.commission.time = 20.0, "commission.time", "`20 s`", "at least `27"),
+        (|p| (p.commission.apply, p.learn.lead) = (true, 8), "commission.apply", "`true`", "`0` to `3`"),
     ];
 
     #[test]
     fn each_limit_belongs_to_what_is_allowed() {
         let path = straight(0.1);
         type Change = fn(&mut Parameters);
-        let cases: [(Change, Change); 5] = [
+        let cases: [(Change, Change); 6] = [
+            // two samples more of delay, for the lead-in of 10
+            (|p| (p.commission.apply, p.learn.lead) = (true, 7), |p| (p.commission.apply, p.learn.lead) = (true, 8)),
             (|p| p.axis[2].maximum = p.axis[2].minimum + 1e-9, |p| p.axis[2].maximum = p.axis[2].minimum),
             (|p| p.learn.bandwidth = 90.0 * std::f64::consts::PI, |p| p.learn.bandwidth = 90.1 * std::f64::consts::PI),
             (|p| p.lookup.preview = -0.01, |p| p.lookup.preview = -0.0101),

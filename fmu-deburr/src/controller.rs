@@ -1,5 +1,6 @@
 //! One sample of the whole law: read, decide, refer, compensate, command, report.
 
+mod commissioning;
 mod following;
 mod watching;
 
@@ -9,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::bank::kept::KeptPatterns;
 use crate::bank::pattern_bank::PatternBank;
 use crate::check::check;
+use crate::commission::commissioner::Commissioner;
 use crate::interface::{AxisOutput, BankStatus, Fault, Input, Mode, Output, Parameters, State};
 use crate::learning::feedforward::Feedforward;
 use crate::learning::learner::Learner;
@@ -38,6 +40,12 @@ pub struct Controller {
     kept: KeptPatterns,
     feedforward: Feedforward,
     learner: Learner,
+    commissioner: Commissioner,
+    /// a commission goes on, or stops
+    commissioning: bool,
+    /// an edge of `commission` waits for axes at rest
+    commission_asked: bool,
+    commission: Edge,
     /// something is being learned; all of it was learned
     learning: bool,
     learned: bool,
@@ -99,7 +107,7 @@ impl Controller {
         if p.bank.compute {
             bank.fill(|pattern| feedforward.fill(p, &path, &start, pattern));
         }
-        let learner = Learner::new(p, bank.longest());
+        let (learner, commissioner) = (Learner::new(p, bank.longest()), Commissioner::new(p, path.speed));
         let (load, run, kept) =
             (LoadControl::new(path.speed), Run::new(p, &path, &[0.0; AXES]), KeptPatterns::new(&bank));
         Ok(Self {
@@ -109,6 +117,10 @@ impl Controller {
             kept,
             feedforward,
             learner,
+            commissioner,
+            commissioning: false,
+            commission_asked: false,
+            commission: Edge::default(),
             learning: false,
             learned: false,
             load,
@@ -170,10 +182,14 @@ impl Controller {
         self.long_step = true;
     }
 
-    /// One sample: reads the inputs, writes the outputs.
+    /// One sample: reads the inputs, writes the outputs. The parameters must be those of [`Controller::new`] with
+    /// [`Controller::bring_into_force`], but for the tunable ones.
     pub fn tick(&mut self, input: &Input, p: &Parameters, output: &mut Output) {
         if !self.learning && !self.changed {
             self.origin = output.bank.status;
+        }
+        if self.commissioner.take_renewed() {
+            self.change_drives(p);
         }
         let before = self.reader.positions();
         let motions = self.sent.map(|sent| sent.before(p.io_delay as usize) * p.sample_period);
@@ -186,6 +202,7 @@ impl Controller {
         self.decide(p, input, &reading, found, (at_rest, grown));
         self.advance(p, &reading, input.hold);
         let velocity = self.command(p, &reading);
+        self.observe_commission(p, &reading);
         self.report(p, &velocity, output);
     }
 
@@ -205,6 +222,7 @@ impl Controller {
         let (before, mode) = (self.state, input.mode);
         let end = self.escalate(found, before != State::Off || input.enable);
         self.disabled = !input.enable || self.disabled && before == State::Stop;
+        self.ask_for_commission(input.commission);
         self.state = next(
             before,
             &Events {
@@ -215,6 +233,9 @@ impl Controller {
                 hold: input.hold,
                 reset: self.reset.rises(input.reset_fault) && at_rest,
                 end,
+                commission: self.commission_asked && at_rest && !input.hold,
+                break_off: !input.commission || input.hold,
+                commissioning: self.commissioning,
                 fault: found.is_fault(),
                 inside: self.inside,
                 grown,
@@ -230,6 +251,7 @@ impl Controller {
             self.enter(p, reading, before);
         }
         self.take_mode(before, input);
+        self.commissioning &= matches!(self.state, State::Commission | State::Stop | State::Retract);
         if self.learning && (self.job != Mode::Learn || !self.state.closed()) {
             (self.learning, self.changed) = (false, self.kept.end(&mut self.bank) || self.changed);
         }
@@ -238,8 +260,9 @@ impl Controller {
     /// What `mode` asks for where it is no job: nothing moves by itself afterwards.
     fn take_mode(&mut self, before: State, input: &Input) {
         let mode = input.mode;
-        // after a fault, or after an edge of `enable` that came during a stop
-        let ignored = !self.state.closed() || before == State::Fault;
+        // after a fault, after a commission, or after an edge of `enable` that came during a stop
+        let commissioned = self.commissioning && self.state == State::Idle;
+        let ignored = !self.state.closed() || before == State::Fault || commissioned;
         if self.state == State::Off && !input.enable {
             // a mode that changes now does not begin with `enable`
             self.job = if self.asked.is_none_or(|asked| asked == mode) { Mode::Idle } else { mode };
@@ -253,6 +276,9 @@ impl Controller {
 
     fn enter(&mut self, p: &Parameters, reading: &Reading, before: State) {
         self.progress = Progress::Busy;
+        if before == State::Commission && !self.commissioner.finished {
+            self.commissioner.break_off();
+        }
         if before == State::Fault {
             (self.fault, self.numbers) = (Fault::None, Numbers::START);
         }
@@ -273,6 +299,7 @@ impl Controller {
             State::Retract => (self.route, self.on_path) = (Route::out(p, &self.joints), false),
             State::Settle => self.rested = Consecutive::NONE,
             State::Run => self.begin_run(p),
+            State::Commission => self.begin_commission(p),
             _ => {}
         }
         if !before.closed() {
@@ -331,7 +358,7 @@ impl Controller {
 
     fn report(&mut self, p: &Parameters, velocity: &Joints, output: &mut Output) {
         let reference = servo::pulses(p, &self.joints);
-        let Output { axis, saturated, state, fault, drive_enable, path, learn, load, bank, numbers } = output;
+        let Output { axis, saturated, state, fault, drive_enable, path, learn, load, bank, numbers, measured } = output;
         *axis = std::array::from_fn(|i| AxisOutput {
             velocity: velocity[i],
             reference: reference[i] * p.axis[i].pulse,
@@ -346,6 +373,7 @@ impl Controller {
         });
         *saturated = (0..AXES).any(|i| velocity[i].abs() >= p.axis[i].velocity_max);
         (*state, *fault, *numbers) = (self.state, self.fault, self.numbers);
+        *measured = self.commissioner.measured;
         *drive_enable = self.state != State::Fault || self.fault.safe_end() != SafeEnd::DriveOff;
         *path = self.run.report(&self.path, self.on_path, self.state == State::Done && self.job.moves());
         *learn = self.learner.report(p, self.job == Mode::Learn || self.learned, self.learned);

@@ -2,6 +2,7 @@
 
 use control_blocks::SafeEnd;
 
+use crate::commission::values::{Rejection, delays};
 use crate::interface::{Fault, Output, Parameters, Vars};
 use crate::monitoring::finding::{Finding, Numbers};
 
@@ -16,6 +17,8 @@ pub struct Signs {
     pub run: Finding,
     /// A job begins that needs patterns, and there are none.
     pub nothing_learned: bool,
+    /// Why what was measured cannot be used.
+    pub commission: Option<Rejection>,
     /// Of the tool that cuts.
     pub tool: Finding,
     /// Samples of the job, and how many it may take.
@@ -24,14 +27,25 @@ pub struct Signs {
 
 /// The first that is found, causes before consequences.
 pub fn find(p: &Parameters, signs: &Signs) -> Finding {
-    let &Signs { inputs, axes, run, nothing_learned, tool, job: (samples, most) } = signs;
+    let &Signs { inputs, axes, run, nothing_learned, commission, tool, job: (samples, most) } = signs;
     let empty = if nothing_learned { Finding::plain(Fault::BankEmpty) } else { Finding::NONE };
+    let rejected = commission.map_or(Finding::NONE, rejected);
     let seconds = |samples: u64| samples as f64 * p.sample_period;
     let late = match samples > most {
         true => Finding::beyond(Fault::NoProgress, seconds(samples), seconds(most)),
         false => Finding::NONE,
     };
-    [inputs, axes, run, empty, tool, late].into_iter().find(Finding::is_fault).unwrap_or(Finding::NONE)
+    [inputs, axes, run, empty, rejected, tool, late].into_iter().find(Finding::is_fault).unwrap_or(Finding::NONE)
+}
+
+/// The number of its axis; 0 is the delay of all, -1 the tool.
+fn rejected(what: Rejection) -> Finding {
+    let axis = match what {
+        Rejection::Drive(axis) => axis,
+        Rejection::Delay => 0,
+        Rejection::Tool => -1,
+    };
+    Finding { fault: Fault::CommissionRejected, numbers: Numbers { axis, ..Numbers::START } }
 }
 
 impl Fault {
@@ -49,7 +63,7 @@ impl Fault {
             | Self::SpindleSlow
             | Self::NoCut
             | Self::NoProgress => SafeEnd::Retract,
-            Self::PatternTooLarge | Self::BankEmpty => SafeEnd::Stop,
+            Self::PatternTooLarge | Self::BankEmpty | Self::CommissionRejected => SafeEnd::Stop,
             // a command would be one for another place or another drive
             Self::LostReading
             | Self::ReadingJump
@@ -86,6 +100,7 @@ pub fn numbers(Vars { input, output, in_force: p, .. }: &Vars) -> String {
             let who = if axis == 0 { "they answer".to_owned() } else { format!("axis {axis} answers") };
             format!(": {who} after `{value}` samples, `io_delay` = `{limit}`")
         }
+        Fault::CommissionRejected => measured(p, output),
         Fault::PatternTooLarge => format!(": limit `{} pulses`", p.limits.pulses_max),
         Fault::SpindleSlow => format!(": `spindle_speed` = `{value:.1} rad/s`, limit `{limit:.1} rad/s`"),
         Fault::LongStep => format!(": limit `{} s`", p.sample_period),
@@ -94,6 +109,40 @@ pub fn numbers(Vars { input, output, in_force: p, .. }: &Vars) -> String {
             None => format!(": it changed by `{value:.2} rad/s`, at least `{limit} rad/s`"),
         },
         Fault::NoProgress => format!(": `{value:.1} s`, limit `{limit:.1} s`"),
+    }
+}
+
+/// What was measured and cannot be used, with its limits.
+fn measured(p: &Parameters, output: &Output) -> String {
+    let (m, axis) = (&output.measured, output.numbers.axis);
+    if let Some(drive) = axis.checked_sub(1).and_then(|i| m.axis.get(i as usize)) {
+        return format!(
+            ": axis {axis}: gain `{:.4}`, deviation `{:.4}`, limits half and twice and `commission.deviation_max` = `{}` of it; \
+             delay `{:.3}` samples, deviation `{:.3}`, limits the `{:.0}` of all axes, less and more by 0.75, and \
+             `commission.delay_deviation_max` = `{}`; lag `{:.2} ms`, limit a tenth of a sample below 0",
+            drive.gain,
+            drive.gain_deviation,
+            p.commission.deviation_max,
+            drive.delay,
+            drive.delay_deviation,
+            m.io_delay.round(),
+            p.commission.delay_deviation_max,
+            1e3 * drive.lag,
+        );
+    }
+    match axis {
+        0 => format!(
+            ": they answer after `{:.3}` samples, limits `{}` and `{}` for `io_delay` = `{}`",
+            m.io_delay,
+            delays(p.io_delay).start(),
+            delays(p.io_delay).end(),
+            p.io_delay
+        ),
+        _ => format!(
+            ": the tool idles at `{:.1} rad/s`, deviation `{:.2} rad/s`, limits half and twice `load.idle_speed` = `{:.1} rad/s` and \
+             `commission.deviation_max` = `{}` of it",
+            m.idle_speed, m.idle_speed_deviation, p.load.idle_speed, p.commission.deviation_max
+        ),
     }
 }
 
@@ -117,6 +166,7 @@ mod tests {
         axes: Finding::NONE,
         run: Finding::NONE,
         nothing_learned: false,
+        commission: None,
         tool: Finding::NONE,
         job: (7, 7),
     };
@@ -150,7 +200,7 @@ mod tests {
                     SafeEnd::Retract
                 }
                 Fault::SpindleSlow | Fault::NoCut | Fault::NoProgress => SafeEnd::Retract,
-                Fault::PatternTooLarge | Fault::BankEmpty => SafeEnd::Stop,
+                Fault::PatternTooLarge | Fault::BankEmpty | Fault::CommissionRejected => SafeEnd::Stop,
                 _ => SafeEnd::DriveOff,
             };
             assert_eq!(fault.safe_end(), expected, "{fault:?}");
@@ -174,6 +224,30 @@ mod tests {
             vars.output.fault = *fault;
             let silent = matches!(fault, Fault::None | Fault::BankEmpty);
             assert_eq!(numbers(&vars).is_empty(), silent, "{fault:?}");
+        }
+    }
+
+    #[test]
+    fn a_rejected_commission_tells_what_it_has_measured_and_the_limits() {
+        let mut vars = <Vars as fmi2_export::Interface>::START;
+        vars.output.fault = Fault::CommissionRejected;
+        vars.output.measured.io_delay = 3.21;
+        let drive = &mut vars.output.measured.axis[1];
+        (drive.gain, drive.gain_deviation, drive.delay, drive.delay_deviation) = (0.81, 0.003, 2.5, 0.01);
+        vars.output.measured.idle_speed = 123.4;
+        for (what, parts) in [
+            (
+                Rejection::Drive(2),
+                ["axis 2: gain `0.8100`, deviation `0.0030`", "`commission.deviation_max` = `0.002`", "`2.500`"],
+            ),
+            (Rejection::Delay, ["after `3.210` samples", "limits `0` and `3`", "`io_delay` = `1`"]),
+            (Rejection::Tool, ["idles at `123.4 rad/s`", "`load.idle_speed` = `1885.0 rad/s`", "`0.002` of it"]),
+        ] {
+            let found = find(&vars.in_force, &Signs { commission: Some(what), job: (8, 7), ..GOOD });
+            assert_eq!(found.fault, Fault::CommissionRejected);
+            vars.output.numbers = found.numbers;
+            let told = numbers(&vars);
+            assert!(parts.iter().all(|part| told.contains(part)), "{told}");
         }
     }
 

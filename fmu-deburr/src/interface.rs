@@ -64,6 +64,8 @@ mod variables {
         Fault,
         /// Draws the tool back out of the part after a fault
         Retract,
+        /// Measures its drives with small motions about the place where it stands, in air, and comes back to it
+        Commission,
     }
     /// Why the controller is in the state Fault
     pub enum Fault {
@@ -107,6 +109,8 @@ mod variables {
         #[hint("look at the speed sensor of the tool and its link")] LostSpindle,
         /// The tool speed changed faster than `limits.spindle_slew` while deburring, for more than `limits.lost_samples` samples
         #[hint("has the tool stalled? look at its speed sensor, or raise `limits.spindle_slew`")] SpindleJump,
+        /// What the commission has measured of a drive or of the tool is not sure enough, or not what this controller can hold
+        #[hint("is the tool on, and free? allow more `commission.travel`, look for friction, noise and readings that are late, and check `axisN.pulse`, `io_delay` and `load.idle_speed`")] CommissionRejected,
     }
     /// Law in force; Paper leaves `bank.format` and the sign of `load.k2` alone
     pub enum Law {
@@ -159,6 +163,9 @@ mod variables {
         pub hold: bool,
         /// Part of the taught speed in DryRun, Playback and Deburr, limited to 0 to 1
         #[var(unit = ONE, start = 1.0, accepts_nan)] pub speed_override: f64,
+        /// Rising edge in `Idle` or `Done` measures the drives and the tool, once the axes are at rest; false, `hold`, no `enable` or
+        /// another `mode` breaks off: decelerate, `Idle`
+        pub commission: bool,
         /// Rising edge ends a fault once the axes are at rest
         pub reset_fault: bool,
     }
@@ -182,6 +189,44 @@ mod variables {
         pub bank: BankOutput,
         /// What is told with the fault.
         #[var(hidden, start = Numbers::START)] pub numbers: Numbers,
+        pub measured: Measured,
+    }
+    /// What the commission has measured, each with its standard deviation; 0 before.
+    pub struct Measured {
+        /// The last commission came to its end, and its results are good; false from the next one on
+        pub valid: bool,
+        /// Samples between a command and its action, not rounded: mean of all axes, less the lag of the nominal drive
+        #[var(unit = ONE)] pub io_delay: f64,
+        /// Its standard deviation
+        #[var(unit = ONE)] pub io_delay_deviation: f64,
+        /// Tool speed without load
+        #[var(unit = RADIAN_PER_SECOND as "rpm")] pub idle_speed: f64,
+        /// Standard deviation of that, without the steps of the reading
+        #[var(unit = RADIAN_PER_SECOND as "rpm")] pub idle_speed_deviation: f64,
+        /// Noise of the reading of the tool speed, standard deviation of a sample
+        #[var(unit = RADIAN_PER_SECOND as "rpm")] pub spindle_noise: f64,
+        /// Standard deviation of that
+        #[var(unit = RADIAN_PER_SECOND as "rpm")] pub spindle_noise_deviation: f64,
+        pub axis: [MeasuredAxis; 6],
+    }
+    /// What was measured of one drive.
+    pub struct MeasuredAxis {
+        /// Velocity over commanded velocity of drive {n}
+        #[var(unit = ONE)] pub gain: f64,
+        /// Its standard deviation
+        #[var(unit = ONE)] pub gain_deviation: f64,
+        /// Lag of drive {n} beyond `measured.io_delay` in whole samples
+        #[var(unit = SECOND as "ms")] pub lag: f64,
+        /// Its standard deviation
+        #[var(unit = SECOND as "ms")] pub lag_deviation: f64,
+        /// Natural frequency of drive {n}; 0 where nothing tells it
+        #[var(unit = RADIAN_PER_SECOND as "Hz")] pub natural_frequency: f64,
+        /// Its standard deviation
+        #[var(unit = RADIAN_PER_SECOND as "Hz")] pub natural_frequency_deviation: f64,
+        /// Samples between a command and its action on axis {n}, not rounded, less the lag of the nominal drive
+        #[var(unit = ONE)] pub delay: f64,
+        /// Its standard deviation
+        #[var(unit = ONE)] pub delay_deviation: f64,
     }
     /// Outputs of one axis.
     pub struct AxisOutput {
@@ -197,11 +242,11 @@ mod variables {
         #[var(unit = JOINT[INDEX] as SHOWN[INDEX])] pub rms: f64,
         /// Largest control error of axis {n} in the last finished repetition
         #[var(unit = JOINT[INDEX] as SHOWN[INDEX])] pub peak: f64,
-        /// Velocity over commanded velocity of drive {n}, as identified by `Learn`; before that, and where the axis hardly moves, of the nominal drive
+        /// Velocity over commanded velocity of drive {n}, as identified by `Learn`; before that, and where the axis hardly moves, of the drive as it is told
         #[var(unit = ONE, start = 1.0)] pub gain: f64,
         /// Standard deviation of that; 0.3 where nothing is known
         #[var(unit = ONE, start = 0.3)] pub gain_deviation: f64,
-        /// Lag of drive {n} beyond `io_delay`, 2 zeta / wn of eq. 1, as identified by `Learn` or of the nominal drive
+        /// Lag of drive {n} beyond `io_delay`, 2 zeta / wn of eq. 1, as identified by `Learn` or of the drive as it is told
         #[var(unit = SECOND as "ms")] pub lag: f64,
         /// Standard deviation of that
         #[var(unit = SECOND as "ms")] pub lag_deviation: f64,
@@ -275,10 +320,12 @@ mod variables {
         pub model_natural_frequency: f64,
         /// Damping ratio of the nominal velocity loop, eq. 1; for NormOptimal, `FollowingError` and `WrongDelay`
         #[var(name = "model.damping", unit = ONE, range = 0.05..=5.0, start = 0.52, source = "paper")] pub model_damping: f64,
+        pub model: DriveModel,
         pub lookup: Lookup,
         pub bank: Bank,
         pub load: Load,
         pub limits: Limits,
+        pub commission: Commission,
     }
     /// One axis.
     pub struct Axis {
@@ -293,6 +340,19 @@ mod variables {
         /// Upper end of the travel of axis {n}
         #[var(unit = JOINT[INDEX] as SHOWN[INDEX], range = -100.0..=100.0, start = [3.2, 1.0, 2.0, 6.3, 6.3, 6.3][INDEX], source = "our choice")]
         pub maximum: f64,
+    }
+    /// What is told of each drive beside `model.natural_frequency` and `model.damping`.
+    pub struct DriveModel {
+        pub axis: [AxisModel; 6],
+    }
+    /// One drive.
+    pub struct AxisModel {
+        /// Velocity over commanded velocity of drive {n}
+        #[var(unit = ONE, range = 0.1..=10.0, start = 1.0, source = "paper: a drive does what it is told")] pub gain: f64,
+        /// Lag 2 zeta / wn of drive {n} beyond `io_delay`; 0 for that of `model.natural_frequency` and `model.damping`
+        #[var(unit = SECOND as "ms", range = 0.0..=0.1, source = "derived: 2 zeta / wn of eq. 1; below 10 us it is one of 10 us")] pub lag: f64,
+        /// Natural frequency of drive {n}; 0 for the one that has this lag with `model.damping`
+        #[var(unit = RADIAN_PER_SECOND as "Hz", range = 0.0..=1e5, source = "derived: 2 zeta / lag")] pub natural_frequency: f64,
     }
     /// Geometry of the robot.
     pub struct Arm {
@@ -385,6 +445,10 @@ mod variables {
     pub struct Load {
         /// Regulate the feed by the cutting load in Deburr; false keeps the taught speed
         #[var(start = true, tunable)] pub enable: bool,
+        /// Tool speed without load for which `load.spindle_speed` and `limits.spindle_speed_min` are told
+        #[var(unit = RADIAN_PER_SECOND as "rpm", range = 10.0..=1e5, start = 18_000.0 * RPM, source = "our choice: 2 poles at 300 Hz")] pub idle_speed: f64,
+        /// Share of these two that is in force.
+        #[var(hidden, start = 1.0)] pub scale: f64,
         /// Target tool speed N_nom
         #[var(unit = RADIAN_PER_SECOND as "rpm", range = 10.0..=1e5, start = 17_300.0 * RPM, tunable, source = "paper: 17,300 rpm")] pub spindle_speed: f64,
         /// Gain K1 for each 10 ms, the paper's sample period
@@ -397,6 +461,24 @@ mod variables {
         #[var(unit = METRE_PER_SECOND as "mm/s", range = 0.0..=1.0, start = 0.004, tunable, source = "our choice")] pub speed_min: f64,
         /// Time at the slowest feed that is an overload
         #[var(unit = SECOND, range = 0.0..=60.0, start = 0.2, tunable, source = "our choice")] pub overload_time: f64,
+    }
+    /// Bounds of the state `Commission`, and what becomes of its results.
+    pub struct Commission {
+        /// Farthest way of the tip with each axis from the place where it stands; 0 for what the taught speed and
+        /// `feed.acceleration` need, at most 50 mm
+        #[var(unit = METRE as "mm", range = 0.0..=0.5, source = "derived: 1.64 v^2 / a, 33 mm")] pub travel: f64,
+        /// Largest acceleration of the tip, which is what the drives need force for; 0 for `feed.acceleration`
+        #[var(unit = METRE_PER_SECOND_SQUARED, range = 0.0..=50.0, source = "derived: that of the path")] pub acceleration: f64,
+        /// Longest time; 0 for what its motions take, a quarter more and 1 s
+        #[var(unit = SECOND, range = 0.0..=1e6, source = "derived: 1.25 times the motions + 1 s")] pub time: f64,
+        /// Largest relative standard deviation of gains and idle speed; above it is `CommissionRejected`
+        #[var(unit = ONE, range = 1e-6..=0.5, start = 0.002, source = "our choice: 0.01 mm of the lag V/Kp at 100 mm/s across 45 degrees")] pub deviation_max: f64,
+        /// Largest standard deviation of the delay of an axis, samples; above it is `CommissionRejected`
+        #[var(unit = ONE, range = 1e-4..=0.5, start = 0.05, source = "our choice: 0.5 ms, 0.01 mm at 0.35 m/s2")] pub delay_deviation_max: f64,
+        /// Use what was measured in place of what was told, and compute the patterns with it
+        #[var(source = "our choice: first look, then trust")] pub apply: bool,
+        /// File that a good commission writes: JSON, the parameters that it derives; empty: none
+        pub export: String,
     }
     /// What is a fault beyond.
     pub struct Limits {

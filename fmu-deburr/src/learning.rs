@@ -1,6 +1,8 @@
 //! Iterative learning control: the control patterns, how repetitions renew them, and the lookup between their speeds.
 
+pub mod drive;
 pub mod feedforward;
+pub(crate) mod identification;
 pub mod learner;
 pub mod lookup;
 pub(crate) mod nominal;

@@ -5,6 +5,7 @@
 
 pub mod bank;
 mod check;
+mod commission;
 pub mod controller;
 mod faults;
 mod fingerprint;
@@ -29,7 +30,7 @@ use path::path_file;
 impl Model for Controller {
     // `longest_step` as measured: docs/communication-step.md
     const INFO: Info =
-        Info { name: "VariableSpeedDeburring", state_version: 6, stop_time: 10.0, longest_step: 1.0, ..package!() };
+        Info { name: "VariableSpeedDeburring", state_version: 7, stop_time: 10.0, longest_step: 1.0, ..package!() };
     type Vars = Vars;
 
     fn calculate(vars: &mut Vars) {
@@ -58,7 +59,13 @@ impl Model for Controller {
     }
 
     fn sample(&mut self, vars: &mut Vars, env: &mut Env) -> Result<(), Error> {
+        let before = vars.output.measured.valid;
+        self.bring_into_force(&mut vars.in_force);
         self.tick(&vars.input, &vars.in_force, &mut vars.output);
+        if vars.output.measured.valid && !before && !vars.in_force.commission.export.is_empty() {
+            // a machine does not stop because a file cannot be written
+            self.export(&vars.in_force).unwrap_or_else(|error| env.warn(error));
+        }
         if self.take_export() {
             let bank = &mut vars.output.bank;
             let written = storage::export(&vars.in_force, self.path(), self.bank(), bank);

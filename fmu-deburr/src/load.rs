@@ -27,7 +27,8 @@ impl LoadControl {
 
     /// Wanted feed (m/s) for the tool speed `n` (rad/s) while the feed is `realised` (m/s), at most `taught` (m/s).
     pub fn step(&mut self, p: &Parameters, n: f64, realised: f64, taught: f64) -> f64 {
-        let Load { spindle_speed: nominal, k1, k2, speed_min, .. } = p.load;
+        let Load { k1, k2, speed_min, .. } = p.load;
+        let nominal = p.load.scale * p.load.spindle_speed;
         let before = self.before.replace(n).unwrap_or(n);
         // eq. 5, with the sign of K2 that damps: a falling speed lowers the feed
         let period = p.sample_period / PERIOD;

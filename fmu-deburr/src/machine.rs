@@ -52,6 +52,12 @@ pub struct Events {
     pub reset: bool,
     /// How the fault ends that stopped the job, if one did.
     pub end: Option<SafeEnd>,
+    /// A commission is asked for, and the axes are at rest.
+    pub commission: bool,
+    /// The commission is to be broken off.
+    pub break_off: bool,
+    /// What stops is a commission.
+    pub commissioning: bool,
     /// Something is wrong in this sample.
     pub fault: bool,
     /// The tool may be in the part.
@@ -82,7 +88,7 @@ fn ending(state: State, end: SafeEnd, events: &Events) -> State {
     let retracts = end == SafeEnd::Retract && events.inside;
     match state {
         _ if end == SafeEnd::DriveOff => State::Fault,
-        State::Approach | State::Run => State::Stop,
+        State::Approach | State::Run | State::Commission => State::Stop,
         State::Stop | State::Retract if !over => state,
         State::Idle | State::Settle | State::Done | State::Stop if retracts => State::Retract,
         _ => State::Fault,
@@ -96,7 +102,8 @@ fn going_on(state: State, events: &Events) -> State {
     match state {
         State::Off | State::Fault | State::Retract => State::Idle,
         State::Idle | State::Settle | State::Done if !enable => State::Off,
-        State::Approach | State::Run if !enable => State::Stop,
+        State::Approach | State::Run | State::Commission if !enable => State::Stop,
+        State::Idle | State::Done if mode == job && events.commission => State::Commission,
         State::Idle | State::Done if mode == job => state,
         State::Idle | State::Done => match mode {
             Mode::Idle => State::Idle,
@@ -105,6 +112,7 @@ fn going_on(state: State, events: &Events) -> State {
         },
         State::Stop if !over => State::Stop,
         State::Stop if disabled => State::Off,
+        State::Stop if events.commissioning => State::Idle,
         State::Stop if mode != job => State::Idle,
         State::Stop if hold => State::Stop,
         State::Stop if events.learned => State::Done,
@@ -118,7 +126,9 @@ fn going_on(state: State, events: &Events) -> State {
         State::Settle if over && !hold => State::Run,
         State::Run if progress == Progress::Again => State::Approach,
         State::Run if over => State::Done,
-        State::Approach | State::Settle | State::Run => state,
+        State::Commission if events.break_off || mode != job => State::Stop,
+        State::Commission if over => State::Idle,
+        State::Approach | State::Settle | State::Run | State::Commission => state,
     }
 }
 
@@ -134,6 +144,9 @@ mod tests {
         hold: false,
         reset: false,
         end: None,
+        commission: false,
+        break_off: false,
+        commissioning: false,
         fault: false,
         inside: true,
         grown: false,
@@ -147,7 +160,7 @@ mod tests {
         for state in State::ALL.iter().filter(|state| **state != State::Retract) {
             let expected = match state {
                 State::Fault => State::Fault,
-                State::Approach | State::Run | State::Stop => State::Stop,
+                State::Approach | State::Run | State::Stop | State::Commission => State::Stop,
                 _ => State::Off,
             };
             assert_eq!(next(*state, &Events { enable: false, disabled: true, ..EVENTS }), expected, "{state:?}");
@@ -261,5 +274,34 @@ mod tests {
     fn another_mode_while_it_settles_ends_the_job() {
         assert_eq!(next(State::Settle, &Events { mode: Mode::Learn, ..EVENTS }), State::Idle);
         assert_eq!(next(State::Settle, &EVENTS), State::Settle);
+    }
+
+    #[test]
+    fn a_commission_begins_where_the_pose_is_held_and_ends_in_idle() {
+        let asked = Events { commission: true, ..EVENTS };
+        for state in State::ALL {
+            let begins = state.waits();
+            assert_eq!(next(*state, &asked) == State::Commission, begins || *state == State::Commission, "{state:?}");
+        }
+        // a job that is asked for as well comes first
+        assert_eq!(next(State::Done, &Events { mode: Mode::Learn, ..asked }), State::Approach);
+        assert_eq!(next(State::Done, &Events { enable: false, ..asked }), State::Off);
+        let over = Events { progress: Progress::Over, ..EVENTS };
+        assert_eq!(next(State::Commission, &EVENTS), State::Commission);
+        assert_eq!(next(State::Commission, &over), State::Idle);
+        for broken in [
+            Events { break_off: true, ..over },
+            Events { mode: Mode::Learn, ..over },
+            Events { enable: false, ..over },
+            Events { end: Some(SafeEnd::Stop), ..over },
+        ] {
+            assert_eq!(next(State::Commission, &broken), State::Stop);
+        }
+        let stops = Events { commissioning: true, ..EVENTS };
+        assert_eq!(next(State::Stop, &stops), State::Stop);
+        assert_eq!(next(State::Stop, &Events { progress: Progress::Over, ..stops }), State::Idle);
+        // without going on with a mode that came meanwhile
+        assert_eq!(next(State::Stop, &Events { progress: Progress::Over, mode: Mode::Learn, ..stops }), State::Idle);
+        assert_eq!(next(State::Stop, &Events { progress: Progress::Over, disabled: true, ..stops }), State::Off);
     }
 }

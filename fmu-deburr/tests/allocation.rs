@@ -45,7 +45,10 @@ impl Loop {
     }
 
     fn tick(&mut self) {
-        assert_no_alloc(|| self.controller.tick(&self.input, &self.parameters, &mut self.output));
+        assert_no_alloc(|| {
+            self.controller.bring_into_force(&mut self.parameters);
+            self.controller.tick(&self.input, &self.parameters, &mut self.output);
+        });
     }
 
     fn step_until(&mut self, condition: impl Fn(&Output) -> bool) {
@@ -78,6 +81,24 @@ fn no_sample_of_a_job_allocates() {
     }
 }
 
+#[test]
+fn a_commission_that_is_applied_and_one_that_is_broken_off() {
+    let mut run = Loop::new(|p| p.commission.apply = true);
+    (run.input.spindle_speed, run.share) = (1884.0, 0.9);
+    for valid in [true, false] {
+        run.input.commission = false;
+        (0..200).for_each(|_| run.step());
+        run.input.commission = true;
+        run.step_until(|output| output.state == State::Commission);
+        (0..100).for_each(|_| run.step());
+        run.input.commission = valid;
+        run.step_until(|output| output.state == State::Idle);
+        (0..10).for_each(|_| run.step());
+        assert_eq!((run.output.measured.valid, run.output.bank.patterns), (valid, if valid { 5 } else { 0 }));
+        assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::None));
+    }
+}
+
 /// A job on its way, on a machine and with inputs that lead to a fault.
 fn towards(fault: Fault) -> Loop {
     let running = |mode: Mode, change: fn(&mut Parameters)| {
@@ -93,6 +114,13 @@ fn towards(fault: Fault) -> Loop {
     let mut run = match fault {
         Fault::None | Fault::BankEmpty => Loop::new(nothing),
         Fault::PatternTooLarge => running(Mode::Learn, nothing),
+        Fault::CommissionRejected => {
+            // the tool is off
+            let mut run = Loop::new(|_| ());
+            run.input.spindle_speed = 0.0;
+            (0..100).for_each(|_| run.step());
+            run
+        }
         Fault::Oscillation => Loop::new(|p| (p.servo_gain, p.lookup.enable) = ([150.0; 6], false)),
         Fault::NoCut => running(Mode::Deburr, |p| p.limits.spindle_change = 2.0),
         Fault::WrongDelay => running(Mode::DryRun, |p| p.io_delay = 3),
@@ -134,6 +162,7 @@ fn towards(fault: Fault) -> Loop {
         Fault::LongStep => run.controller.begin_long_step(),
         Fault::Oscillation => run.input.mode = Mode::DryRun,
         Fault::FollowingError => run.share = 3.0,
+        Fault::CommissionRejected => run.input.commission = true,
         Fault::None | Fault::PatternTooLarge | Fault::NoCut | Fault::WrongDelay | Fault::NoProgress => {}
         Fault::FrozenSpindle => {}
     }
@@ -144,10 +173,11 @@ fn towards(fault: Fault) -> Loop {
 fn no_fault_allocates() {
     for fault in Fault::ALL.iter().skip(1) {
         let mut run = towards(*fault);
-        for _ in 0..2000 {
+        for _ in 0..4500 {
             run.step();
         }
         assert_eq!((run.output.state, run.output.fault), (State::Fault, *fault));
+        run.input.commission = false;
         (run.input.spindle_speed, run.input.speed_override, run.share) = (1885.0, 1.0, 1.0);
         if *fault == Fault::LostReading {
             run.input.axis = run.output.axis.map(|axis| AxisInput { position: axis.reference });

@@ -84,6 +84,11 @@ impl PatternBank {
         self.usable = self.patterns.len();
     }
 
+    /// The patterns are for commands that act after so many samples.
+    pub fn tell_delay(&mut self, io_delay: i32) {
+        self.identity.io_delay = io_delay as u16;
+    }
+
     /// Largest compensation of all patterns, pulses.
     pub fn largest(&self) -> f64 {
         self.patterns.iter().map(Pattern::largest).fold(0.0, f64::max)

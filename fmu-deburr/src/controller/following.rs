@@ -15,7 +15,7 @@ impl Controller {
     pub(super) fn advance(&mut self, p: &Parameters, reading: &Reading, hold: bool) {
         self.compensation = [0.0; AXES];
         let waits = hold || self.job != Mode::Learn && reading.share == 0.0;
-        if !waits && self.job.moves() && !self.state.waits() {
+        if self.state == State::Commission || !waits && self.job.moves() && !self.state.waits() {
             self.elapsed.count();
         }
         match self.state {
@@ -28,6 +28,11 @@ impl Controller {
                 let near = (0..AXES).all(|i| self.error[i].abs() * p.axis[i].pulse <= p.limits.axis[i].error_max);
                 let rested = self.rested.update(near);
                 self.finish_if(rested >= ticks(p.transfer.settle_time, p.sample_period));
+            }
+            State::Commission => self.follow_commission(p),
+            State::Stop if self.commissioning && self.route.over() => {
+                let stands = self.commissioner.experiment.stop(&mut self.joints, p.sample_period);
+                self.finish_if(stands);
             }
             State::Stop if !self.on_path => {
                 self.follow_route(p, true);
@@ -45,7 +50,7 @@ impl Controller {
         }
     }
 
-    fn follow_route(&mut self, p: &Parameters, hold: bool) {
+    pub(super) fn follow_route(&mut self, p: &Parameters, hold: bool) {
         self.joints = self.route.step(p.sample_period, hold);
         self.inside = self.route.inside();
         self.finish_if(self.route.over());

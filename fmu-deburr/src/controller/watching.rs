@@ -75,7 +75,8 @@ impl Controller {
         let starts = input.enable && self.state.waits() && input.mode != self.job;
         let empty = self.compensates(p, input.mode) && self.bank.patterns().is_empty();
         let tool = self.watch_tool(p, reading);
-        let works = self.job.moves() && !self.state.waits() && self.state.closed();
+        let commissions = self.state == State::Commission;
+        let works = commissions || self.job.moves() && !self.state.waits() && self.state.closed();
         faults::find(
             p,
             &Signs {
@@ -83,6 +84,7 @@ impl Controller {
                 axes,
                 run: std::mem::replace(&mut self.ended, Finding::NONE),
                 nothing_learned: starts && empty,
+                commission: if commissions { self.commissioner.rejected } else { None },
                 tool,
                 job: if works { (self.elapsed.samples(), self.budget) } else { (0, 0) },
             },

@@ -90,6 +90,11 @@ impl Learner {
         }
     }
 
+    /// The drives are those that are told now.
+    pub fn tell(&mut self, p: &Parameters) {
+        self.nominal = std::array::from_fn(|axis| Nominal::new(p, axis));
+    }
+
     /// Begins with the first speed.
     pub fn start(&mut self) {
         (self.speed, self.repetition, self.best_repetition) = (0, 0, 0);

@@ -7,6 +7,8 @@ use nalgebra::{Matrix3, Vector3};
 
 /// Least variance of what no weights explain: a count, which is in every error of whole pulses.
 const COUNT: f64 = 1.0;
+/// Least variance of the noise of a reading: that of a whole count.
+const ROUNDING: f64 = 1.0 / 12.0;
 
 /// Sums over the samples.
 #[derive(Clone, Copy, Debug)]
@@ -15,13 +17,14 @@ pub struct Regression {
     instruments: Matrix3<f64>,
     target: Vector3<f64>,
     prior: Vector3<f64>,
+    known: Matrix3<f64>,
 }
 
 impl Regression {
     /// Before the first sample; `variance` is that of each of the weights `prior`.
     pub fn new(prior: &[f64; 3], variance: f64) -> Self {
         let (known, prior) = (Matrix3::identity() * (COUNT / variance), Vector3::from(*prior));
-        Self { moment: known, instruments: known, target: known * prior, prior }
+        Self { moment: known, instruments: known, target: known * prior, prior, known }
     }
 
     /// Takes a sample: instruments, signals, and what they are to explain.
@@ -41,6 +44,13 @@ impl Regression {
     pub fn covariance(&self, variance: f64) -> [[f64; 3]; 3] {
         let inverse = self.moment.try_inverse().unwrap_or_else(Matrix3::zeros);
         (inverse * self.instruments * inverse.transpose() * variance.max(COUNT)).into()
+    }
+
+    /// Covariance of the weights for noise of a variance that comes into sum z u with these vectors, one for each sample.
+    pub fn covariance_of(&self, variance: f64, vectors: impl Iterator<Item = [f64; 3]>) -> [[f64; 3]; 3] {
+        let inverse = self.moment.try_inverse().unwrap_or_else(Matrix3::zeros);
+        let sum = vectors.map(Vector3::from).fold(Matrix3::zeros(), |sum, vector| sum + vector * vector.transpose());
+        (inverse * (sum * variance.max(ROUNDING) + self.known) * inverse.transpose()).into()
     }
 }
 

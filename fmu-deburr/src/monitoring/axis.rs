@@ -142,8 +142,10 @@ impl AxisMonitor {
         self.nominal.step(&mut self.model, reference + compensation);
         let moved = (reference * pulse - self.reference).abs();
         self.reference = reference * pulse;
-        let lag = moved / (kp * p.sample_period);
-        let [slow, fast] = FADING.map(|fading| (-fading * kp * p.sample_period).exp());
+        // turns of the loop in a sample
+        let turns = kp * p.model.axis[axis].gain * p.sample_period;
+        let lag = moved / turns;
+        let [slow, fast] = FADING.map(|fading| (-fading * turns).exp());
         (self.lag, self.tail) = ((self.lag * slow).max(lag), (self.tail * fast).max(lag));
         let limit = SWING * kp * p.limits.axis[axis].error_max;
         self.swings = self.swing.update(velocity, limit, SWINGS.1);

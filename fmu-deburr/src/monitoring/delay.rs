@@ -11,6 +11,7 @@ use control_blocks::SentCommands;
 use serde::{Deserialize, Serialize};
 
 use crate::interface::{Fault, Parameters};
+use crate::learning::drive::ToldDrive;
 use crate::monitoring::finding::{Finding, Numbers};
 use crate::path::kinematics::{AXES, Joints};
 
@@ -20,6 +21,9 @@ const DELAYS: usize = 7;
 const CLEAR: f64 = 0.8;
 /// Part of the changes of an axis alone that its delay may leave; an axis that stands has those of the servo's answer to noise.
 const MOVED: f64 = 0.25;
+/// Largest factor: no drive does more of what it is told. The servo's answer to a reading that flickers is a share Kp T of it, so that
+/// such a reading would be 1/(Kp T) times what was commanded.
+const FACTOR_MAX: f64 = 2.5;
 /// Samples by which it has to be another one.
 const ANOTHER: f64 = 0.75;
 
@@ -58,7 +62,8 @@ impl DelayMonitor {
     fn compare(&mut self, p: &Parameters, axis: usize, change: f64, sent: &SentCommands) {
         // all axes in what they move the tip by
         let scale = p.limits.axis[axis].error_max;
-        let lag = (2.0 * p.model_damping / (p.model_natural_frequency * p.sample_period)).min(1.0);
+        let ToldDrive { damping, frequency, period, .. } = ToldDrive::new(p, axis);
+        let lag = (2.0 * damping / (frequency * period)).min(1.0);
         let commanded = |late: usize| (sent.before(late) - sent.before(late + 1)) * p.sample_period / scale;
         let modelled = std::array::from_fn(|d| (1.0 - lag) * commanded(d) + lag * commanded(d + 1));
         self.all.add(change / scale, &modelled);
@@ -96,7 +101,9 @@ impl Sums {
 
     /// What the delay leaves unexplained.
     fn left(&self, delay: usize) -> f64 {
-        self.answer - self.product[delay].powi(2) / self.square[delay].max(f64::MIN_POSITIVE)
+        let (product, square) = (self.product[delay], self.square[delay]);
+        let factor = (product / square.max(f64::MIN_POSITIVE)).clamp(0.0, FACTOR_MAX);
+        self.answer - factor * (2.0 * product - factor * square)
     }
 
     /// The delay, between two samples, that leaves the least; `best` is the whole one.
@@ -143,6 +150,26 @@ mod tests {
         for delay in 0..5 {
             for (gain, noise) in [(1.0, 0.0), (0.7, 0.0), (1.3, 2.0), (1.0, 20.0), (1.0, 200.0)] {
                 assert_eq!(found(delay, delay as usize, gain, noise), Finding::NONE, "{delay} {gain} {noise}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_reading_that_flickers_on_an_axis_that_stands_tells_no_delay() {
+        for io_delay in 0..4 {
+            for step in 2..9 {
+                let mut p = Parameters::START;
+                p.io_delay = io_delay;
+                let (mut monitor, mut sent) = (DelayMonitor::default(), [SentCommands::default(); AXES]);
+                for k in 0..400 {
+                    // a count more in one sample of some, to which the servo answers
+                    let count = if k % step == 0 { 2.5e-6 } else { 0.0 };
+                    let mut positions = [0.0; AXES];
+                    positions[1] = count;
+                    monitor.update(&p, &positions, &sent);
+                    sent[1].send(-13.0 * count);
+                }
+                assert_eq!(monitor.found(&p), Finding::NONE, "{io_delay} {step}");
             }
         }
     }

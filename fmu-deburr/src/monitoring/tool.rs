@@ -30,7 +30,7 @@ impl ToolMonitor {
 
     /// Takes the tool speed (rad/s) of a sample in which the tool cuts, and the way since the last one (m).
     pub fn update(&mut self, p: &Parameters, speed: f64, way: f64) -> Finding {
-        let (least, bridged) = (p.limits.spindle_speed_min, p.limits.lost_samples.unsigned_abs());
+        let (least, bridged) = (p.load.scale * p.limits.spindle_speed_min, p.limits.lost_samples.unsigned_abs());
         self.hold(p, speed, way);
         if self.slow.update(speed < least) > bridged {
             return Finding::beyond(Fault::SpindleSlow, speed, least);

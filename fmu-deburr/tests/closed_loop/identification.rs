@@ -31,7 +31,7 @@ fn one_run_leaves_hundredths_on_machines_that_are_three_tenths_off() {
     p.learn.repetitions = 0;
     for gain in [0.7, 1.0, 1.3] {
         for dynamics in [0.7, 1.0, 1.3] {
-            let mut run = Loop::new(&p, &Build { gain, dynamics, delay: 1 });
+            let mut run = Loop::new(&p, &Build { gain, dynamics, ..Build::NOMINAL });
             run.step();
             let time = time(&mut run, Mode::Learn);
             assert!(time <= 10.0 && run.output.bank.patterns == 5, "{time} s, {:?}", run.output.bank);

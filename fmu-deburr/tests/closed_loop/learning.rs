@@ -109,7 +109,7 @@ fn recorded_speed_and_preview_are_what_makes_it_good() {
 #[test]
 fn the_preview_suits_machines_that_are_a_fifth_off() {
     for (gain, dynamics) in [(0.8, 0.8), (1.2, 1.2)] {
-        let mut run = Loop::new(&parameters(&Parameters::START, 1), &Build { gain, dynamics, delay: 1 });
+        let mut run = Loop::new(&parameters(&Parameters::START, 1), &Build { gain, dynamics, ..Build::NOMINAL });
         assert!(run.finish(Mode::Learn));
         let error = worst(&mut run, swinging(2.0));
         println!("gain and natural frequency {gain}: {error:.3} mm");
@@ -166,7 +166,7 @@ fn three_repetitions_adapt_a_bank_to_another_machine() {
     let mut nominal = Loop::new(&parameters(&Parameters::START, 1), &Build::NOMINAL);
     assert!(nominal.finish(Mode::Learn));
     for (gain, dynamics) in [(0.8, 0.8), (1.2, 0.8), (1.2, 1.2)] {
-        let build = Build { gain, dynamics, delay: 1 };
+        let build = Build { gain, dynamics, ..Build::NOMINAL };
         let foreign = adapted(&nominal, &build, LearningLaw::LeadFilter, 0);
         assert!(foreign[0] > 0.8, "{foreign:.3?}");
         let filter = adapted(&nominal, &build, LearningLaw::LeadFilter, 3);

@@ -1,5 +1,6 @@
 //! The controller in closed loop with a native robot: learning, playback, modes, faults, laws, state bytes.
 
+mod commission;
 mod errors;
 mod faults;
 mod identification;

@@ -3,6 +3,8 @@
 use fmu_deburr::interface::Parameters;
 use fmu_deburr::path::{AXES, Joints};
 use nalgebra::{Matrix3, Matrix4, Vector3};
+use rand::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
 
 /// Communication step, s.
 pub const STEP: f64 = 0.01;
@@ -14,13 +16,17 @@ pub struct Build {
     pub gain: f64,
     /// Natural frequency of the drives over that of eq. 1.
     pub dynamics: f64,
+    /// Damping ratio over that of eq. 1.
+    pub damping: f64,
     /// Samples between a command and its action.
     pub delay: usize,
+    /// Noise of the encoders, standard deviation in pulses.
+    pub noise: f64,
 }
 
 impl Build {
     /// As the paper says.
-    pub const NOMINAL: Self = Self { gain: 1.0, dynamics: 1.0, delay: 1 };
+    pub const NOMINAL: Self = Self { gain: 1.0, dynamics: 1.0, damping: 1.0, delay: 1, noise: 0.0 };
 }
 
 /// The robot, sampled exactly.
@@ -32,13 +38,17 @@ pub struct Robot {
     axes: [Vector3<f64>; AXES],
     sent: Vec<Joints>,
     pulses: Joints,
-    gain: f64,
+    /// Velocity over commanded velocity.
+    pub gain: f64,
+    /// Noise of the encoders, standard deviation in pulses.
+    pub noise: f64,
+    random: rand_pcg::Pcg64Mcg,
 }
 
 impl Robot {
     /// At rest at `joints`.
     pub fn new(build: &Build, joints: &Joints) -> Self {
-        let (wn, zeta) = (280.0 * build.dynamics, 0.52);
+        let (wn, zeta) = (280.0 * build.dynamics, 0.52 * build.damping);
         let mut continuous = Matrix4::zeros();
         (continuous[(0, 1)], continuous[(1, 2)]) = (STEP, STEP);
         (continuous[(2, 1)], continuous[(2, 2)]) = (-wn * wn * STEP, -2.0 * zeta * wn * STEP);
@@ -51,12 +61,17 @@ impl Robot {
             sent: vec![[0.0; AXES]; build.delay],
             pulses: Parameters::START.pulses(),
             gain: build.gain,
+            noise: build.noise,
+            random: rand_pcg::Pcg64Mcg::seed_from_u64(1998),
         }
     }
 
     /// Encoder readings.
-    pub fn read(&self) -> Joints {
-        std::array::from_fn(|i| (self.axes[i][0] / self.pulses[i]).floor() * self.pulses[i])
+    pub fn read(&mut self) -> Joints {
+        std::array::from_fn(|i| {
+            let noise: f64 = if self.noise > 0.0 { StandardNormal.sample(&mut self.random) } else { 0.0 };
+            (self.axes[i][0] / self.pulses[i] + self.noise * noise).floor() * self.pulses[i]
+        })
     }
 
     /// True positions.

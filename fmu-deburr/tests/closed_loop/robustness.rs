@@ -28,7 +28,8 @@ fn random_inputs_do_no_harm() {
         let mut run = Loop::new(&p, &Build::NOMINAL);
         run.parameters.lookup.enable = seed % 2 == 0;
         let mut dice = Dice(seed);
-        for _ in 0..6000 {
+        for k in 0..6000 {
+            run.input.commission = k / 150 % 3 == 1;
             if dice.roll(300) == 0 {
                 run.input.mode = Mode::ALL[dice.roll(6) as usize];
             }

@@ -77,7 +77,8 @@ impl Loop {
 
     /// Takes the encoder readings in.
     pub fn read(&mut self) {
-        self.set_positions(&self.robot.read());
+        let positions = self.robot.read();
+        self.set_positions(&positions);
     }
 
     /// Takes other readings in.
@@ -88,7 +89,14 @@ impl Loop {
     /// One communication step.
     pub fn step(&mut self) {
         self.read();
-        self.controller.tick(&self.input, &self.parameters, &mut self.output);
+        self.tick();
+    }
+
+    /// The same with the inputs as they are.
+    pub fn tick(&mut self) {
+        let mut in_force = self.parameters.clone();
+        self.controller.bring_into_force(&mut in_force);
+        self.controller.tick(&self.input, &in_force, &mut self.output);
         self.robot.advance(&self.output.axis.map(|axis| axis.velocity));
     }
 
@@ -128,7 +136,7 @@ impl Loop {
                 }
             }
         }
-        assert_eq!(self.output.state, State::Done);
+        assert_eq!(self.output.state, State::Done, "{:?} {:?}", self.output.fault, self.output.numbers);
         self.input.speed_override = 1.0;
         largest
     }

@@ -1,0 +1,152 @@
+//! The commission as the controller sees it: what moves, what was found, and which values are in force.
+
+use control_blocks::Welford;
+use serde::{Deserialize, Serialize};
+
+use crate::commission::estimation::Response;
+use crate::commission::experiment::Experiment;
+use crate::commission::plan::room;
+use crate::commission::values::{ENTRIES, Rejection, Values, rejection, rounded};
+use crate::interface::{Measured, MeasuredAxis, Parameters};
+use crate::learning::drive::Drive;
+use crate::path::kinematics::{AXES, Joints};
+
+/// One commission after the other.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Commissioner {
+    /// The present or last experiment.
+    pub experiment: Experiment,
+    /// What was measured.
+    pub measured: Measured,
+    /// Why the result cannot be used.
+    pub rejected: Option<Rejection>,
+    /// The experiment has come to its end, and its result is good.
+    pub finished: bool,
+    responses: [Response; AXES],
+    tool: Welford,
+    /// samples of the tool
+    samples: u32,
+    told: Values,
+    /// what the last good commission derives
+    derived: Values,
+    in_force: Values,
+    renewed: bool,
+    room: Vec<f64>,
+}
+
+impl Commissioner {
+    /// Nothing measured so far; `speed` is that of the path, m/s.
+    pub fn new(p: &Parameters, speed: f64) -> Self {
+        let told = Values::of(p);
+        Self {
+            experiment: Experiment::new(p, speed),
+            measured: Measured::START,
+            rejected: None,
+            finished: false,
+            responses: [Response::default(); AXES],
+            tool: Welford::default(),
+            samples: 0,
+            told,
+            derived: told,
+            in_force: told,
+            renewed: false,
+            room: vec![0.0; room(p, speed)],
+        }
+    }
+
+    /// Begins at rest at `start` (rad or m) with what is in force.
+    pub fn begin(&mut self, p: &Parameters, speed: f64, start: &Joints) {
+        self.experiment.begin(p, speed, start);
+        (self.measured, self.rejected, self.finished) = (Measured::START, None, false);
+        (self.tool, self.samples) = (Welford::default(), 0);
+    }
+
+    /// Ends before its end: what was told counts.
+    pub fn break_off(&mut self) {
+        self.bring_into_force(self.told);
+    }
+
+    /// Values in force, in place of those that the parameters have.
+    pub fn put(&self, p: &mut Parameters) {
+        self.in_force.put(p);
+    }
+
+    /// Whether other values are in force since this was last asked.
+    pub fn take_renewed(&mut self) -> bool {
+        std::mem::take(&mut self.renewed)
+    }
+
+    /// Whether what was measured is in force.
+    pub fn applied(&self) -> bool {
+        self.in_force != self.told
+    }
+
+    /// Tells how sure the drives are that are in force.
+    pub fn tell_deviations(&self, drives: &mut [Drive; AXES]) {
+        if self.applied() {
+            for (drive, measured) in drives.iter_mut().zip(&self.measured.axis) {
+                (drive.gain[1], drive.lag[1]) = (measured.gain_deviation, measured.lag_deviation);
+            }
+        }
+    }
+
+    /// Names and values of what a good commission derives, with the speeds that `p` tells.
+    pub fn derived(&self, p: &Parameters) -> [(&'static str, f64); ENTRIES] {
+        self.derived.entries(p)
+    }
+
+    /// Takes the control errors (counts) and the tool speed (rad/s) of this sample.
+    pub fn observe(&mut self, p: &Parameters, error: &Joints, tool: f64) {
+        self.tool.push(tool);
+        self.samples += 1;
+        if self.experiment.observe(p, error) {
+            let axis = self.experiment.axis;
+            self.responses[axis] = Response::of(p, axis, &self.experiment.strokes, &mut self.room);
+            self.experiment.go_on();
+            if self.experiment.axis == AXES {
+                self.finish(p);
+            }
+        }
+    }
+
+    fn finish(&mut self, p: &Parameters) {
+        self.measured = self.tell(p);
+        self.rejected = rejection(p, &self.told, &self.measured);
+        if self.rejected.is_none() {
+            (self.measured.valid, self.finished) = (true, true);
+            self.derived = self.told.with(&self.measured);
+            self.bring_into_force(if p.commission.apply { self.derived } else { self.told });
+        }
+    }
+
+    fn tell(&self, p: &Parameters) -> Measured {
+        let (dt, count) = (p.sample_period, AXES as f64);
+        let delays = self.responses.map(|one| [one.delay(p), one.late[1] / dt]);
+        let mut measured = Measured {
+            io_delay: delays.iter().map(|delay| delay[0]).sum::<f64>() / count,
+            io_delay_deviation: delays.iter().map(|delay| delay[1].powi(2)).sum::<f64>().sqrt() / count,
+            idle_speed: self.tool.mean(),
+            idle_speed_deviation: self.tool.sigma() / f64::from(self.samples).sqrt(),
+            spindle_noise: self.tool.sigma(),
+            spindle_noise_deviation: self.tool.sigma() / (2.0 * f64::from(self.samples)).sqrt(),
+            ..Measured::START
+        };
+        let whole = f64::from(rounded(&measured)) * dt;
+        measured.axis = std::array::from_fn(|i| MeasuredAxis {
+            gain: self.responses[i].gain[0],
+            gain_deviation: self.responses[i].gain[1],
+            lag: self.responses[i].late[0] - whole,
+            lag_deviation: self.responses[i].late[1],
+            natural_frequency: self.responses[i].frequency[0],
+            natural_frequency_deviation: self.responses[i].frequency[1],
+            delay: delays[i][0],
+            delay_deviation: delays[i][1],
+        });
+        measured
+    }
+
+    fn bring_into_force(&mut self, values: Values) {
+        self.renewed |= values != self.in_force;
+        self.in_force = values;
+    }
+}

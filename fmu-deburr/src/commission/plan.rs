@@ -1,0 +1,235 @@
+//! How far, how fast and how long the commission moves, from its bounds.
+//!
+//! One axis after the other goes to and fro while all others hold the place, each time from rest to rest by a motion of least jerk
+//! (quintic) of the way D in the time T. Its speed peaks at 15/8 D/T, its acceleration at 5.77 D/T^2. Strokes as quick as the path is
+//! taught and as hard as it is fed tell of the drives what the path asks of them; both peak where D = 1.64 v^2/a, which is
+//! the travel if nothing else is told. The reference does not go beyond D, for a motion from rest to rest is monotone, and the bare servo
+//! goes beyond its reference by a thousandth of the way.
+//!
+//! Nothing but the position loop holds the axes: L = g Kp G(s)/s e^(-s tau) with the hold, T/2, and the delay in tau. As G is flat there
+//! it crosses at g Kp with the phase margin pi/2 - g Kp (d T + T/2 + 2 zeta/wn). For the paper's loop, a drive of 1.3 times its gain, two samples
+//! of delay and a lag of 6.9 ms (wn 0.7, zeta 1.3 times what is told) these are 59 degrees; a weaker, quicker or earlier drive has more.
+//!
+//! Each stroke goes to the side where the tip comes away from the part, against the tool; where neither side does, where there is
+//! more room. So in all strokes the tip is never nearer to what lies before the tool than it was when it began, and beside it by D at most.
+
+use control_blocks::{quintic_duration, ticks};
+use serde::{Deserialize, Serialize};
+
+use crate::interface::Parameters;
+use crate::path::kinematics::{AXES, Joints};
+
+/// Strokes of each axis, to and fro.
+pub const STROKES: u32 = 4;
+/// Rest after each of them in time constants 1/Kp.
+const REST: f64 = 6.0;
+/// Peak acceleration of a quintic over distance / time^2.
+const QUINTIC_ACCELERATION: f64 = 5.7735;
+/// Longest way if nothing else is told, m.
+const TRAVEL_MAX: f64 = 0.05;
+/// No turning axis moves the tip by less than that of a lever of this length, m: it would turn too far.
+const LEVER_MIN: f64 = 0.1;
+/// A stroke takes at least so many samples.
+const SAMPLES_MIN: f64 = 10.0;
+/// Ways of the tip that differ by less are the same, m.
+const SAME: f64 = 1e-6;
+/// A commission may take longer than its motions by this share and this time, s.
+const TIME_SPARE: (f64, f64) = (1.25, 1.0);
+
+/// The strokes of all axes.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub struct Plan {
+    /// Way from where each axis stands, rad or m.
+    pub way: Joints,
+    /// Time of a stroke, s.
+    pub time: Joints,
+    /// Samples of a stroke and the rest after it.
+    pub samples: [u32; AXES],
+    /// Deceleration of a stroke that is broken off, rad/s2 or m/s2.
+    pub brake: Joints,
+}
+
+impl Plan {
+    /// From the place `joints` (rad or m); `speed` is that of the path, m/s.
+    pub fn new(p: &Parameters, speed: f64, joints: &Joints) -> Self {
+        let levers = levers(p, joints);
+        let way = std::array::from_fn(|i| side(p, joints, i, travel(p, speed) / levers[i]));
+        let time = std::array::from_fn(|i| duration(p, speed, i, way[i], levers[i]));
+        Self {
+            way,
+            time,
+            samples: std::array::from_fn(|i| samples(p, i, time[i])),
+            brake: levers.map(|lever| acceleration(p) / lever),
+        }
+    }
+}
+
+/// How far the tip moves for a unit motion of each axis, at least: m/rad or 1.
+fn levers(p: &Parameters, joints: &Joints) -> Joints {
+    let levers = p.arm.levers(joints);
+    std::array::from_fn(|i| if linear(i) { 1.0 } else { levers[i].abs().max(LEVER_MIN) })
+}
+
+fn linear(axis: usize) -> bool {
+    matches!(axis, 1 | 2)
+}
+
+/// The way of the axis `axis`, at most `most` (rad or m) and within its travel, to the side that is free.
+fn side(p: &Parameters, joints: &Joints, axis: usize, most: f64) -> f64 {
+    let (here, at) = (p.arm.forward(joints), joints[axis]);
+    let away = |way: f64| {
+        let mut there = *joints;
+        there[axis] += way;
+        -(p.arm.forward(&there).tip - here.tip).dot(&here.axis)
+    };
+    let (up, down) = (away(most), away(-most));
+    let [below, above] = [at - p.axis[axis].minimum, p.axis[axis].maximum - at].map(|room| room.max(0.0));
+    let forward = if (up - down).abs() > SAME { up > down } else { above >= below };
+    if forward { most.min(above) } else { -most.min(below) }
+}
+
+/// Time of a stroke of the axis `axis` over `way` (rad or m), s.
+fn duration(p: &Parameters, speed: f64, axis: usize, way: f64, lever: f64) -> f64 {
+    let most = (speed / lever).min(p.transfer.velocity_share * p.axis[axis].velocity_max);
+    let hard = (QUINTIC_ACCELERATION * way.abs() * lever / acceleration(p)).sqrt();
+    quintic_duration(way.abs(), most).max(hard).max(SAMPLES_MIN * p.sample_period)
+}
+
+/// Samples of a stroke of the axis `axis` that takes `time` (s), and of the rest after it.
+fn samples(p: &Parameters, axis: usize, time: f64) -> u32 {
+    ticks(time, p.sample_period) + ticks(REST / p.servo_gain[axis], p.sample_period)
+}
+
+/// Longest time of a stroke of the axis `axis`, wherever it begins, s.
+fn longest(p: &Parameters, speed: f64, axis: usize) -> f64 {
+    let lever = if linear(axis) { 1.0 } else { LEVER_MIN };
+    let travel = travel(p, speed);
+    duration(p, speed, axis, travel / lever, lever)
+}
+
+/// Samples of all strokes of one axis, at most.
+pub fn room(p: &Parameters, speed: f64) -> usize {
+    let of = |i: usize| STROKES * samples(p, i, longest(p, speed, i));
+    (0..AXES).map(of).max().unwrap_or(0) as usize
+}
+
+/// Farthest way (m) of the tip with each axis.
+pub fn travel(p: &Parameters, speed: f64) -> f64 {
+    if p.commission.travel > 0.0 {
+        return p.commission.travel;
+    }
+    // where quintic_duration and the acceleration ask for the same time
+    let both = QUINTIC_ACCELERATION / quintic_duration(1.0, 1.0).powi(2) * speed * speed / acceleration(p);
+    both.min(TRAVEL_MAX)
+}
+
+/// Largest acceleration (m/s2) of the tip with each axis.
+fn acceleration(p: &Parameters) -> f64 {
+    if p.commission.acceleration > 0.0 { p.commission.acceleration } else { p.feed.acceleration }
+}
+
+/// Time of all motions (s), with the way out of the part.
+pub fn least_time(p: &Parameters, speed: f64) -> f64 {
+    let strokes: u32 = (0..AXES).map(|i| STROKES * samples(p, i, longest(p, speed, i))).sum();
+    let slowest = p.axis.iter().fold(f64::INFINITY, |least, axis| least.min(axis.velocity_max));
+    let out = quintic_duration(p.transfer.clearance, p.transfer.velocity_share * slowest).max(p.transfer.time);
+    f64::from(strokes) * p.sample_period + out
+}
+
+/// Longest time (s): `commission.time`, or what the motions take and some more.
+pub fn time(p: &Parameters, speed: f64) -> f64 {
+    let spared = TIME_SPARE.0 * least_time(p, speed) + TIME_SPARE.1;
+    if p.commission.time > 0.0 { p.commission.time } else { spared }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Above the start of the test piece.
+    const ABOVE: Joints = [-0.1, 0.02, 0.7, 0.0, 0.0, 0.0];
+
+    fn near(value: f64, expected: f64) {
+        assert!((value / expected - 1.0).abs() < 1e-3, "{value} {expected}");
+    }
+
+    #[test]
+    fn the_travel_is_given_or_that_of_the_speed_and_acceleration_of_the_path() {
+        let mut p = Parameters::START;
+        near(travel(&p, 0.1), 1.642 * 0.01 / 0.5);
+        near(travel(&p, 0.05), 1.642 * 0.0025 / 0.5);
+        p.commission.acceleration = 1.0;
+        near(travel(&p, 0.1), 1.642 * 0.01);
+        assert_eq!(travel(&p, 1.0), 0.05);
+        p.commission.travel = 0.3;
+        assert_eq!(travel(&p, 1.0), 0.3);
+    }
+
+    #[test]
+    fn strokes_peak_at_the_speed_or_at_the_acceleration() {
+        let mut p = Parameters::START;
+        let plan = Plan::new(&p, 0.1, &ABOVE);
+        // both at once
+        near(1.875 * plan.way[1] / plan.time[1], 0.1);
+        near(5.7735 * plan.way[2] / plan.time[2].powi(2), 0.5);
+        // the reach is the lever of the column, and no lever is shorter than 0.1 m
+        near(plan.way[0].abs() * 0.7, plan.way[1]);
+        near(plan.way[4].abs() * 0.2, plan.way[1]);
+        near(plan.way[5].abs() * 0.1, plan.way[1]);
+        p.commission.travel = 0.2;
+        let plan = Plan::new(&p, 0.1, &ABOVE);
+        near(1.875 * plan.way[1] / plan.time[1], 0.1);
+        assert!(5.7735 * plan.way[1] / plan.time[1].powi(2) < 0.5);
+        p.commission.travel = 0.01;
+        let plan = Plan::new(&p, 0.1, &ABOVE);
+        near(5.7735 * plan.way[1] / plan.time[1].powi(2), 0.5);
+        assert!(1.875 * plan.way[1] / plan.time[1] < 0.1);
+        // an axis that may not turn so fast takes longer
+        (p.axis[5].velocity_max, p.commission.travel) = (0.5, 0.03);
+        let plan = Plan::new(&p, 0.1, &ABOVE);
+        near(1.875 * plan.way[5].abs() / plan.time[5], 0.3 * 0.5);
+    }
+
+    #[test]
+    fn each_axis_goes_away_from_the_part_or_to_where_there_is_room() {
+        let mut p = Parameters::START;
+        let ways = |p: &Parameters, joints: &Joints| Plan::new(p, 0.1, joints).way.map(f64::signum);
+        // up, and to the middle of the travel
+        assert_eq!(ways(&p, &ABOVE), [1.0; AXES]);
+        let mut there = [0.2, 0.9, 1.9, 0.2, 0.0, 0.2];
+        assert_eq!(ways(&p, &there), [-1.0, 1.0, -1.0, -1.0, 1.0, -1.0]);
+        // a tool that is tilted inwards comes away outwards, and the other way round
+        (there[3], there[4]) = (0.0, 0.3);
+        assert_eq!(ways(&p, &there)[2], 1.0);
+        there[4] = -0.3;
+        assert_eq!(ways(&p, &there)[2], -1.0);
+        // an upside down one from below
+        there[4] = 3.1;
+        assert_eq!(ways(&p, &there)[1], -1.0);
+        // no farther than there is room
+        p.axis[1].maximum = 0.91;
+        near(Plan::new(&p, 0.1, &[0.2, 0.9, 1.9, 0.0, 0.0, 0.0]).way[1], 0.01);
+        p.axis[1].maximum = 0.8;
+        assert_eq!(Plan::new(&p, 0.1, &[0.2, 0.9, 1.9, 0.0, 0.0, 0.0]).way[1], 0.0);
+    }
+
+    #[test]
+    fn there_is_room_for_every_stroke_wherever_it_begins() {
+        let mut p = Parameters::START;
+        p.axis[4].velocity_max = 0.4;
+        for joints in [ABOVE, [0.0, 0.0, 0.05, 0.0, 0.0, 0.0], [1.0, 0.5, 1.9, 0.5, 0.5, 0.5]] {
+            let plan = Plan::new(&p, 0.1, &joints);
+            assert!(plan.samples.iter().all(|samples| (STROKES * samples) as usize <= room(&p, 0.1)), "{plan:?}");
+            let all = plan.samples.iter().map(|samples| 0.01 * f64::from(STROKES * samples)).sum::<f64>();
+            assert!(all + p.transfer.time <= least_time(&p, 0.1) + 1e-9);
+        }
+        near(time(&p, 0.1), 1.25 * least_time(&p, 0.1) + 1.0);
+        p.commission.time = 77.0;
+        assert_eq!(time(&p, 0.1), 77.0);
+        p.commission.time = 0.0;
+        // a long way out at the speed of the slowest axis
+        let short = least_time(&p, 0.1);
+        (p.transfer.clearance, p.axis[1].velocity_max) = (0.9, 0.4);
+        near(least_time(&p, 0.1) - short, 1.875 * 0.9 / (0.3 * 0.4) - p.transfer.time);
+    }
+}

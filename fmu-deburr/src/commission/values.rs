@@ -1,0 +1,252 @@
+//! The parameters that a commission derives, and how.
+
+use control_blocks::DELAY_MAX;
+use serde::{Deserialize, Serialize};
+
+use crate::interface::{Measured, MeasuredAxis, Parameters};
+use crate::learning::drive::LAG_MIN;
+use crate::learning::feedforward::CREDIBLE;
+use crate::path::kinematics::{AXES, Joints};
+
+/// Samples by which an axis may be later or earlier than all, the same that `WrongDelay` allows.
+const APART: f64 = 0.75;
+/// Samples by which a drive may seem to act before its command: one without a lag, and noise.
+const EARLY: f64 = 0.1;
+/// Samples of delay more or less than told that it can bear.
+const DELAY_SPREAD: i32 = 2;
+/// Idle speeds over that which was told that are those of a tool.
+const IDLE: std::ops::RangeInclusive<f64> = 0.5..=2.0;
+
+/// A natural frequency is used where its standard deviation is at most this share of it.
+const FREQUENCY_SURE: f64 = 0.2;
+/// Names of the parameters of the drives.
+const GAINS: [&str; AXES] = [
+    "model.axis1.gain",
+    "model.axis2.gain",
+    "model.axis3.gain",
+    "model.axis4.gain",
+    "model.axis5.gain",
+    "model.axis6.gain",
+];
+const LAGS: [&str; AXES] =
+    ["model.axis1.lag", "model.axis2.lag", "model.axis3.lag", "model.axis4.lag", "model.axis5.lag", "model.axis6.lag"];
+const FREQUENCIES: [&str; AXES] = [
+    "model.axis1.natural_frequency",
+    "model.axis2.natural_frequency",
+    "model.axis3.natural_frequency",
+    "model.axis4.natural_frequency",
+    "model.axis5.natural_frequency",
+    "model.axis6.natural_frequency",
+];
+/// How many parameters a commission derives.
+pub const ENTRIES: usize = 3 * AXES + 4;
+
+/// All parameters that a commission derives.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Values {
+    io_delay: i32,
+    gain: Joints,
+    lag: Joints,
+    frequency: Joints,
+    idle_speed: f64,
+    /// share of the told speeds of target and limit
+    scale: f64,
+}
+
+impl Values {
+    /// Those of the parameters.
+    pub fn of(p: &Parameters) -> Self {
+        Self {
+            io_delay: p.io_delay,
+            gain: p.model.axis.each_ref().map(|axis| axis.gain),
+            lag: p.model.axis.each_ref().map(|axis| axis.lag),
+            frequency: p.model.axis.each_ref().map(|axis| axis.natural_frequency),
+            idle_speed: p.load.idle_speed,
+            scale: p.load.scale,
+        }
+    }
+
+    /// Puts them into the parameters.
+    pub fn put(&self, p: &mut Parameters) {
+        p.io_delay = self.io_delay;
+        for (i, axis) in p.model.axis.iter_mut().enumerate() {
+            (axis.gain, axis.lag, axis.natural_frequency) = (self.gain[i], self.lag[i], self.frequency[i]);
+        }
+        (p.load.idle_speed, p.load.scale) = (self.idle_speed, self.scale);
+    }
+
+    /// Those with what was measured. Target and limit of the tool's speed keep their share of the idle speed: the slip
+    /// of an induction motor is a share of the speed that it has without load.
+    pub fn with(self, measured: &Measured) -> Self {
+        Self {
+            io_delay: rounded(measured),
+            gain: measured.axis.each_ref().map(|axis| axis.gain),
+            // 0 would be the nominal one
+            lag: measured.axis.each_ref().map(|axis| axis.lag.max(LAG_MIN)),
+            // one that is not sure follows from the lag
+            frequency: measured.axis.each_ref().map(|axis| {
+                let sure = axis.natural_frequency_deviation <= FREQUENCY_SURE * axis.natural_frequency;
+                if sure { axis.natural_frequency } else { 0.0 }
+            }),
+            idle_speed: measured.idle_speed,
+            scale: self.scale * measured.idle_speed / self.idle_speed,
+        }
+    }
+
+    /// Their names and values, with the speeds that `p` tells.
+    pub fn entries(&self, p: &Parameters) -> [(&'static str, f64); ENTRIES] {
+        let all: [(&[&'static str], &[f64]); 4] = [
+            (
+                &["io_delay", "load.idle_speed", "load.spindle_speed", "limits.spindle_speed_min"],
+                &[
+                    f64::from(self.io_delay),
+                    self.idle_speed,
+                    self.scale * p.load.spindle_speed,
+                    self.scale * p.limits.spindle_speed_min,
+                ],
+            ),
+            (&GAINS, &self.gain),
+            (&LAGS, &self.lag),
+            (&FREQUENCIES, &self.frequency),
+        ];
+        let mut entries = [("", 0.0); ENTRIES];
+        let values = all.iter().flat_map(|(names, values)| names.iter().zip(*values));
+        entries.iter_mut().zip(values).for_each(|(entry, (name, value))| *entry = (name, *value));
+        entries
+    }
+}
+
+/// The delay in whole samples.
+pub fn rounded(measured: &Measured) -> i32 {
+    measured.io_delay.round() as i32
+}
+
+/// The delays that a controller can bear that was told `io_delay`.
+pub fn delays(io_delay: i32) -> std::ops::RangeInclusive<i32> {
+    (io_delay - DELAY_SPREAD).max(0)..=(io_delay + DELAY_SPREAD).min(DELAY_MAX as i32)
+}
+
+/// What cannot be used of a measurement by a controller that was `told`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Rejection {
+    /// The drive of an axis, from 1.
+    Drive(i32),
+    /// The delay of all.
+    Delay,
+    /// The tool.
+    Tool,
+}
+
+/// Why a measurement cannot be used.
+pub fn rejection(p: &Parameters, told: &Values, m: &Measured) -> Option<Rejection> {
+    let delay = delays(told.io_delay);
+    let bad = |axis: &MeasuredAxis| {
+        !(CREDIBLE.contains(&axis.gain)
+            && axis.gain_deviation <= p.commission.deviation_max * axis.gain
+            && axis.delay_deviation <= p.commission.delay_deviation_max
+            && axis.lag > -EARLY * p.sample_period
+            && (axis.delay - f64::from(rounded(m))).abs() <= APART)
+    };
+    if let Some(i) = m.axis.iter().position(bad) {
+        return Some(Rejection::Drive(i as i32 + 1));
+    }
+    if !delay.contains(&rounded(m)) {
+        return Some(Rejection::Delay);
+    }
+    let idles = IDLE.contains(&(m.idle_speed / told.idle_speed))
+        && m.idle_speed_deviation <= p.commission.deviation_max * m.idle_speed;
+    (!idles).then_some(Rejection::Tool)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A good measurement of a machine whose drives do four fifths, two samples late.
+    fn good() -> Measured {
+        let axis = MeasuredAxis {
+            gain: 0.8,
+            gain_deviation: 1e-3,
+            lag: 5e-3,
+            lag_deviation: 1e-4,
+            natural_frequency: 220.0,
+            natural_frequency_deviation: 20.0,
+            delay: 2.13,
+            delay_deviation: 0.01,
+        };
+        Measured {
+            valid: true,
+            io_delay: 2.13,
+            io_delay_deviation: 5e-3,
+            idle_speed: 1700.0,
+            idle_speed_deviation: 0.1,
+            axis: [axis; AXES],
+            ..Measured::START
+        }
+    }
+
+    #[test]
+    fn what_is_put_is_what_was_taken() {
+        let mut p = Parameters::START;
+        let told = Values::of(&p);
+        told.put(&mut p);
+        assert_eq!(p, Parameters::START);
+        let values = told.with(&good());
+        values.put(&mut p);
+        assert_eq!(Values::of(&p), values);
+        assert_eq!((p.io_delay, p.model.axis[4].gain, p.model.axis[4].lag, p.load.idle_speed), (2, 0.8, 5e-3, 1700.0));
+        // what was told of target and limit stays, and their share is in force
+        assert_eq!(p.load.spindle_speed, Parameters::START.load.spindle_speed);
+        let share = 1700.0 / Parameters::START.load.idle_speed;
+        assert!((p.load.scale - share).abs() < 1e-12);
+        let entries = values.entries(&p);
+        let told = |name| entries.iter().find(|entry| entry.0 == name).map(|entry| entry.1);
+        assert_eq!(
+            (told("io_delay"), told("model.axis6.gain"), told("model.axis1.lag")),
+            (Some(2.0), Some(0.8), Some(5e-3))
+        );
+        assert_eq!(told("model.axis2.natural_frequency"), Some(220.0));
+        let mut unsure = good();
+        unsure.axis[1].natural_frequency_deviation = 45.0;
+        let unsure = Values::of(&Parameters::START).with(&unsure);
+        assert_eq!(unsure.frequency, [220.0, 0.0, 220.0, 220.0, 220.0, 220.0]);
+        assert!(entries.iter().all(|entry| !entry.0.is_empty()));
+        assert_eq!(told("limits.spindle_speed_min"), Some(p.load.scale * p.limits.spindle_speed_min));
+        assert_eq!(told("load.spindle_speed"), Some(p.load.scale * p.load.spindle_speed));
+    }
+
+    #[test]
+    fn each_limit_is_the_last_value_that_is_accepted() {
+        let p = Parameters::START;
+        let found = |set: fn(&mut Measured, f64), x: f64| {
+            let mut m = good();
+            set(&mut m, x);
+            rejection(&p, &Values::of(&p), &m)
+        };
+        type Case = (fn(&mut Measured, f64), f64, f64, Rejection);
+        let idle = p.load.idle_speed;
+        let cases: [Case; 12] = [
+            (|m, x| m.axis[3].lag = x, -9.9e-4, -1.01e-3, Rejection::Drive(4)),
+            (|m, x| m.axis[2].gain_deviation = x, 1.59e-3, 1.61e-3, Rejection::Drive(3)),
+            (|m, x| m.axis[0].gain = x, 2.0, 2.01, Rejection::Drive(1)),
+            (|m, x| m.axis[0].gain = x, 0.5, 0.49, Rejection::Drive(1)),
+            (|m, x| m.axis[5].delay_deviation = x, 0.05, 0.051, Rejection::Drive(6)),
+            (|m, x| m.axis[1].delay = x, 2.74, 2.76, Rejection::Drive(2)),
+            (|m, x| m.axis[1].delay = x, 1.26, 1.24, Rejection::Drive(2)),
+            (|m, x| set_delay(m, x), 3.4, 3.6, Rejection::Delay),
+            (|m, x| set_delay(m, x), -0.49, -0.51, Rejection::Delay),
+            (|m, x| m.idle_speed = x, 2.0 * idle, 2.01 * idle, Rejection::Tool),
+            (|m, x| m.idle_speed = x, 0.5 * idle, 0.49 * idle, Rejection::Tool),
+            (|m, x| m.idle_speed_deviation = x, 3.39, 3.41, Rejection::Tool),
+        ];
+        for (k, (set, last, first, what)) in cases.into_iter().enumerate() {
+            assert_eq!((found(set, last), found(set, first)), (None, Some(what)), "{k}");
+        }
+        assert_eq!(rejection(&p, &Values::of(&p), &Measured::START), Some(Rejection::Drive(1)));
+    }
+
+    fn set_delay(m: &mut Measured, delay: f64) {
+        m.io_delay = delay;
+        m.axis.iter_mut().for_each(|axis| axis.delay = delay);
+    }
+}

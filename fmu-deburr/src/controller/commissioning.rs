@@ -1,0 +1,91 @@
+//! The state `Commission`: what begins, moves and ends it, and what its results change.
+
+use control_blocks::{ParameterError, ResultFile, ticks};
+
+use crate::commission::plan;
+use crate::controller::Controller;
+use crate::interface::{BankStatus, Fault, Parameters, State};
+use crate::machine::Progress;
+use crate::monitoring::finding::Finding;
+use crate::monitoring::watch::Watch;
+use crate::path::route::Route;
+use crate::reading::Reading;
+
+impl Controller {
+    /// Puts what a commission has measured into the parameters, where `commission.apply` says so; before each sample.
+    pub fn bring_into_force(&self, p: &mut Parameters) {
+        self.commissioner.put(p);
+    }
+
+    /// Writes what the last good commission derives into the file `commission.export`.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn export(&self, p: &Parameters) -> Result<(), ParameterError> {
+        let hint = "name a file in a folder that there is and that the importer may write to";
+        ResultFile { name: "commission.export", file: &p.commission.export, hint }.write(&self.commissioner.derived(p))
+    }
+
+    /// An edge of `commission` counts where the pose is held, and waits there for axes at rest.
+    pub(super) fn ask_for_commission(&mut self, commission: bool) {
+        let edge = self.commission.rises(commission);
+        self.commission_asked = self.state.waits() && commission && (self.commission_asked || edge);
+    }
+
+    /// Begins, where the tool may be in the part with the way out of it.
+    pub(super) fn begin_commission(&mut self, p: &Parameters) {
+        let start = if self.inside { p.arm.drawn_back(&self.joints, p.transfer.clearance) } else { self.joints };
+        self.route = if self.inside { Route::out(p, &self.joints) } else { Route::at(&self.joints) };
+        (self.on_path, self.commissioning, self.commission_asked) = (false, true, false);
+        self.elapsed.restart();
+        self.budget = u64::from(ticks(plan::time(p, self.path.speed), p.sample_period));
+        self.commissioner.begin(p, self.path.speed, &start);
+    }
+
+    /// Moves the reference on: out of the part, then axis by axis.
+    pub(super) fn follow_commission(&mut self, p: &Parameters) {
+        if !self.route.over() {
+            self.follow_route(p, false);
+            (self.inside, self.progress) = (true, Progress::Busy);
+            return;
+        }
+        self.inside = false;
+        self.commissioner.experiment.advance(&mut self.joints, p.sample_period);
+        self.finish_if(self.commissioner.finished);
+    }
+
+    /// Takes what this sample has read.
+    pub(super) fn observe_commission(&mut self, p: &Parameters, reading: &Reading) {
+        if self.state == State::Commission && !self.inside && !self.commissioner.finished {
+            self.commissioner.observe(p, &self.error, reading.spindle_speed);
+            self.finish_if(self.commissioner.finished);
+        }
+    }
+
+    /// Other values are in force, at rest: models and patterns are those of the drives as they are told now.
+    pub(super) fn change_drives(&mut self, p: &Parameters) {
+        self.watch = Watch::new(p);
+        self.watch.restart(p, &self.reader.positions());
+        self.learner.tell(p);
+        self.feedforward.tell(p);
+        self.commissioner.tell_deviations(&mut self.feedforward.drives);
+        self.bank.tell_delay(p.io_delay);
+        (self.changed, self.learned, self.origin) = (false, false, BankStatus::Empty);
+        if self.commissioner.applied() || p.bank.compute {
+            self.compute(p);
+        } else {
+            // those that the commission has computed go with it
+            self.bank.limit(0);
+        }
+    }
+
+    fn compute(&mut self, p: &Parameters) {
+        let Self { feedforward, bank, path, start, .. } = self;
+        bank.fill(|pattern| feedforward.fill(p, path, start, pattern));
+        self.origin = BankStatus::Computed;
+        if self.bank.largest() > p.limits.pulses_max {
+            self.bank.limit(0);
+            (self.origin, self.ended) = (BankStatus::Empty, Finding::plain(Fault::PatternTooLarge));
+        }
+    }
+}

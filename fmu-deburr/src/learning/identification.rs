@@ -1,0 +1,128 @@
+//! A drive from a run of the bare servo: the weights with which it would have followed, and how sure they are.
+//!
+//! What the loop makes of rates of the reference are the rates of the position, so the error of the run tells what any
+//! weights w leave: e - sum w dy. Noise is in e and in dy; an instrument that knows of none, what the nominal loop makes of
+//! the reference, keeps it out of the weights. How far they may be from the nominal ones is told beforehand: an axis that
+//! hardly moves keeps the nominal ones, and says so by its standard deviation.
+
+use crate::learning::drive::ToldDrive;
+use crate::learning::nominal::Nominal;
+use crate::learning::regression::Regression;
+
+/// Weights of an axis.
+pub(crate) const TAPS: usize = 3;
+
+/// A run of one axis with the bare servo, counts; a lap may follow the other.
+pub(crate) trait BareRun {
+    /// Number of samples.
+    fn count(&self) -> usize;
+    /// The sample that stands for the sample `index`; none outside the run.
+    fn inside(&self, index: isize) -> Option<usize>;
+    /// How far the reference moves after sample `k`.
+    fn rate(&self, k: usize) -> f64;
+    /// Control error of sample `k`.
+    fn error(&self, k: usize) -> f64;
+}
+
+/// Weights of the rates from the sample `first` after the present one on, with their covariance.
+#[derive(Clone, Copy, Debug)]
+pub struct Weights {
+    /// Sample of the first weight, after the present one.
+    pub first: isize,
+    /// Weights, samples.
+    pub weights: [f64; TAPS],
+    /// Their covariance.
+    pub covariance: [[f64; TAPS]; TAPS],
+}
+
+/// A run that was evaluated.
+pub(crate) struct Identification<'a, R> {
+    run: &'a R,
+    /// rates that the told loop makes of those of the reference
+    modelled: &'a [f64],
+    first: isize,
+    regression: Regression,
+    weights: [f64; TAPS],
+}
+
+impl<'a, R: BareRun> Identification<'a, R> {
+    /// Evaluates a run of a drive that was told like this, in room for all its samples.
+    pub fn new(told: &ToldDrive, run: &'a R, room: &'a mut [f64]) -> Self {
+        let modelled = &mut room[..run.count()];
+        modelled.iter_mut().enumerate().for_each(|(k, value)| *value = run.rate(k));
+        Nominal::of(told).apply(modelled, false);
+        let (first, prior) = told.weights();
+        let regression = Regression::new(&prior, told.spread().powi(2));
+        let mut this = Self { run, modelled, first, regression, weights: prior };
+        for k in 0..this.samples() {
+            let (instruments, answers) = (this.instruments(k), this.answers(k));
+            this.regression.add(&instruments, &answers, this.error(k));
+        }
+        this.weights = this.regression.solve();
+        this
+    }
+
+    /// The weights; the covariance takes what is left for noise of its size that is new in each sample.
+    pub fn weights(&self) -> Weights {
+        let left: f64 = (0..self.samples()).map(|k| self.left(k).powi(2)).sum();
+        let variance = left / self.run.count().saturating_sub(TAPS).max(1) as f64;
+        self.with(self.regression.covariance(variance))
+    }
+
+    /// The weights; the covariance takes what is left for noise of the readings, new in each sample.
+    ///
+    /// The servo answers to noise n of the position as to any error, and the drive follows: e = sum w dy holds for that, too. What is
+    /// left is the noise of dy, u[k] = -sum w (n[k+j+1] - n[k+j]), j the samples of the weights: differences, of which slow instruments
+    /// see next to nothing. So sum z u is the sum of n[m] times what the same filter, backward, makes of z, and the variance of n
+    /// is that of u over the squares of the filter.
+    pub fn weights_of_noise(&self) -> Weights {
+        let [a, b, c] = self.weights;
+        let squares: f64 = [a, b - a, c - b, c].iter().map(|share| share * share).sum();
+        let left: f64 = (0..self.samples()).map(|k| self.left(k).powi(2)).sum();
+        let variance = left / squares / self.run.count().saturating_sub(TAPS).max(1) as f64;
+        self.with(self.regression.covariance_of(variance, (0..self.samples()).map(|m| self.seen(m))))
+    }
+
+    /// How the noise of sample `m` comes into sum z u.
+    fn seen(&self, m: isize) -> [f64; TAPS] {
+        let mut sum = [0.0; TAPS];
+        for (tap, weight) in self.weights.iter().enumerate() {
+            let at = m - self.first - tap as isize;
+            let (late, early) = (self.instruments(at), self.instruments(at - 1));
+            (0..TAPS).for_each(|i| sum[i] += weight * (late[i] - early[i]));
+        }
+        sum
+    }
+
+    fn with(&self, covariance: [[f64; TAPS]; TAPS]) -> Weights {
+        Weights { first: self.first, weights: self.weights, covariance }
+    }
+
+    fn samples(&self) -> isize {
+        self.run.count() as isize
+    }
+
+    fn taps(&self, k: isize, signal: impl Fn(isize) -> f64) -> [f64; TAPS] {
+        std::array::from_fn(|tap| signal(k + self.first + tap as isize))
+    }
+
+    fn error(&self, k: isize) -> f64 {
+        self.run.inside(k).map_or(0.0, |k| self.run.error(k))
+    }
+
+    fn instruments(&self, k: isize) -> [f64; TAPS] {
+        self.taps(k, |k| self.run.inside(k).map_or(0.0, |k| self.modelled[k]))
+    }
+
+    /// How far the position moves after each of the samples.
+    fn answers(&self, k: isize) -> [f64; TAPS] {
+        self.taps(k, |k| {
+            self.run.inside(k).map_or(0.0, |inside| self.run.rate(inside) - self.error(k + 1) + self.error(k))
+        })
+    }
+
+    /// What the weights leave of the error.
+    fn left(&self, k: isize) -> f64 {
+        self.error(k) - self.answers(k).iter().zip(&self.weights).map(|(answer, weight)| answer * weight).sum::<f64>()
+    }
+}

@@ -1,0 +1,422 @@
+//! The state `Commission`: what it finds on robots that nobody has measured, and what it keeps to.
+
+use fmu_deburr::interface::{BankStatus, Fault, Mode, Parameters, State};
+use rand::{RngExt, SeedableRng};
+
+use crate::robot::Build;
+use crate::setup::{Loop, swinging};
+
+/// Tool speed without load, rad/s.
+const IDLE: f64 = 1884.0;
+
+/// A loop at rest in `Idle`, `raised` above the path.
+fn resting(p: &Parameters, build: &Build) -> Loop {
+    let mut run = Loop::new(p, build);
+    run.input.spindle_speed = IDLE;
+    (0..20).for_each(|_| run.step());
+    assert_eq!(run.output.state, State::Idle);
+    run
+}
+
+fn applied() -> Parameters {
+    let mut p = Parameters::START;
+    p.commission.apply = true;
+    p
+}
+
+/// Steps into the commission, and so many samples on.
+fn begin(run: &mut Loop, samples: usize) {
+    run.input.commission = true;
+    for _ in 0..200 {
+        run.step();
+        if run.output.state == State::Commission {
+            break;
+        }
+    }
+    assert_eq!(run.output.state, State::Commission);
+    (0..samples).for_each(|_| run.step());
+}
+
+/// Runs until the commission is over; its time, s.
+fn commission(run: &mut Loop) -> f64 {
+    begin(run, 0);
+    let mut samples = 0;
+    while matches!(run.output.state, State::Commission | State::Stop) {
+        run.step();
+        samples += 1;
+        assert!(samples < 12_000, "{:?}", run.output);
+    }
+    0.01 * f64::from(samples)
+}
+
+/// A robot that is not what the controller was told: gain and dynamics within 30 %, any delay from 0 to 2.
+fn unknown(seed: u64) -> Build {
+    let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(seed);
+    Build {
+        gain: random.random_range(0.7..1.3),
+        dynamics: random.random_range(0.7..1.3),
+        damping: random.random_range(0.7..1.3),
+        delay: random.random_range(0..3),
+        noise: random.random_range(0.0..0.5),
+    }
+}
+
+/// Largest error of the axes 1 and 3 at the tip at five speeds, mm.
+fn worst(run: &mut Loop) -> f64 {
+    [1.0, 0.9, 0.7, 0.5, 0.3].into_iter().fold(0.0, |most, factor| {
+        let errors = run.largest_errors(Mode::Playback, |_| factor);
+        errors[0].max(errors[2]).max(most)
+    })
+}
+
+#[test]
+fn unknown_robots_are_measured_within_their_deviations_and_follow_at_once() {
+    let (mut gains, mut lags) = (Vec::new(), Vec::new());
+    for seed in 70..82 {
+        let build = unknown(seed);
+        let mut run = resting(&applied(), &build);
+        let time = commission(&mut run);
+        let m = run.output.measured;
+        assert_eq!((run.output.state, run.output.fault, m.valid), (State::Idle, Fault::None, true), "{build:?}: {m:?}");
+        assert!(time < 40.0, "{time}");
+        assert_eq!(m.io_delay.round() as usize, build.delay, "{build:?}: {m:?}");
+        let lag = 2.0 * 0.52 * build.damping / (280.0 * build.dynamics);
+        for axis in &m.axis {
+            gains.push((axis.gain - build.gain) / axis.gain_deviation);
+            lags.push((axis.lag - lag) / axis.lag_deviation);
+            assert!(axis.gain_deviation < 1e-3 && axis.lag_deviation < 3e-4, "{build:?}: {axis:?}");
+            let off = axis.natural_frequency - 280.0 * build.dynamics;
+            assert!(off.abs() < 4.0 * axis.natural_frequency_deviation, "{build:?}: {axis:?}");
+        }
+        assert_eq!((run.output.bank.status, run.output.bank.patterns), (BankStatus::Computed, 5));
+        let error = worst(&mut run);
+        println!("{build:?}: {time:.1} s, {error:.3} mm");
+        assert!(error <= 0.03, "{build:?}: {error}");
+    }
+    println!("errors in deviations: gain {gains:.1?}, lag {lags:.1?}");
+    assert!(gains.iter().chain(&lags).all(|error| error.abs() < 4.0));
+}
+
+#[test]
+fn a_feed_that_swings_is_followed_as_well() {
+    let mut run = resting(&applied(), &Build { gain: 0.8, dynamics: 0.75, damping: 1.2, delay: 2, noise: 0.0 });
+    commission(&mut run);
+    let errors = run.largest_errors(Mode::Playback, swinging(1.0));
+    assert!(errors[0] < 0.05 && errors[2] < 0.05, "{errors:?}");
+}
+
+#[test]
+fn learning_goes_on_from_there() {
+    let mut p = applied();
+    p.learn.repetitions = 0;
+    let mut run = resting(&p, &Build { gain: 1.25, dynamics: 0.8, delay: 2, ..Build::NOMINAL });
+    commission(&mut run);
+    let found = run.output.axis[2];
+    assert!(run.finish(Mode::Learn));
+    let learned = run.output.axis[2];
+    assert!(
+        (learned.gain - found.gain).abs() < 1e-3 && (learned.lag - found.lag).abs() < 1e-4,
+        "{found:?} {learned:?}"
+    );
+    // what stands on the path keeps what the commission has found
+    assert_eq!(
+        (run.output.axis[1].gain, run.output.bank.status),
+        (run.output.measured.axis[1].gain, BankStatus::Learned)
+    );
+    assert!(worst(&mut run) <= 0.03);
+}
+
+#[test]
+fn only_on_request_is_what_was_measured_used() {
+    let mut run = resting(&Parameters::START, &Build { gain: 0.8, ..Build::NOMINAL });
+    commission(&mut run);
+    assert!(run.output.measured.valid && (run.output.measured.axis[2].gain - 0.8).abs() < 2e-3);
+    let mut in_force = run.parameters.clone();
+    run.controller.bring_into_force(&mut in_force);
+    assert_eq!(in_force, run.parameters);
+    assert_eq!((run.output.bank.patterns, run.output.axis[2].gain), (0, 1.0));
+}
+
+#[test]
+fn the_file_of_the_results_is_taken_as_parameters() {
+    let build = Build { gain: 1.2, dynamics: 0.8, damping: 1.1, delay: 2, noise: 0.3 };
+    let mut run = resting(&applied(), &build);
+    run.input.spindle_speed = 1700.0;
+    commission(&mut run);
+    let folder = tempfile::tempdir().unwrap();
+    run.parameters.commission.export = folder.path().join("found.json").to_str().unwrap().into();
+    run.controller.export(&run.parameters).unwrap();
+    let told = std::fs::read_to_string(&run.parameters.commission.export).unwrap();
+    let found: std::collections::BTreeMap<String, f64> = serde_json::from_str(&told).unwrap();
+    assert_eq!(found["io_delay"], 2.0);
+    assert_eq!(found["model.axis3.gain"], run.output.measured.axis[2].gain);
+    let share = found["load.spindle_speed"] / run.parameters.load.spindle_speed;
+    assert!((share - found["load.idle_speed"] / run.parameters.load.idle_speed).abs() < 1e-12);
+    // told beforehand, and nothing is commissioned
+    let mut p = Parameters::START;
+    (p.io_delay, p.bank.compute) = (2, true);
+    for (i, axis) in p.model.axis.iter_mut().enumerate() {
+        axis.gain = found[&format!("model.axis{}.gain", i + 1)];
+        axis.lag = found[&format!("model.axis{}.lag", i + 1)];
+        axis.natural_frequency = found[&format!("model.axis{}.natural_frequency", i + 1)];
+    }
+    let mut other = resting(&p, &build);
+    assert_eq!(other.controller.bank().patterns(), run.controller.bank().patterns());
+    assert!(worst(&mut other) <= 0.03);
+}
+
+#[test]
+fn it_is_broken_off_into_rest_and_what_was_told() {
+    type Cause = fn(&mut Loop);
+    let causes: [(Cause, State); 4] = [
+        (|run| run.input.commission = false, State::Idle),
+        (|run| run.input.hold = true, State::Idle),
+        (|run| run.input.mode = Mode::DryRun, State::Idle),
+        (|run| run.input.enable = false, State::Off),
+    ];
+    // in a stroke, in a rest, and in strokes of other axes
+    for samples in [20, 90, 700, 2500] {
+        for (cause, end) in causes {
+            let mut run = resting(&applied(), &Build { gain: 0.9, ..Build::NOMINAL });
+            begin(&mut run, samples);
+            cause(&mut run);
+            let mut speed = run.output.axis.each_ref().map(|axis| axis.reference);
+            let mut before = [0.0; 6];
+            for k in 0..100 {
+                run.step();
+                let now = run.output.axis.each_ref().map(|axis| axis.reference);
+                let step: [f64; 6] = std::array::from_fn(|i| now[i] - speed[i]);
+                // 0.5 m/s2 at the tip, levers of 0.1 m and more, and counts
+                assert!(k == 0 || end == State::Off || (0..6).all(|i| (step[i] - before[i]).abs() < 5.6e-4), "{k}");
+                (speed, before) = (now, step);
+            }
+            assert_eq!((run.output.state, run.output.fault), (end, Fault::None), "{samples}");
+            // nothing begins again without a new edge
+            (run.input.hold, run.input.enable) = (false, true);
+            (0..300).for_each(|_| run.step());
+            assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::None), "{samples}");
+            assert!(run.output.axis.iter().all(|axis| axis.velocity.abs() < 1e-4) && !run.output.measured.valid);
+            let mut in_force = run.parameters.clone();
+            run.controller.bring_into_force(&mut in_force);
+            assert_eq!(in_force, run.parameters);
+        }
+    }
+}
+
+#[test]
+fn a_second_one_that_is_broken_off_takes_back_what_the_first_has_found() {
+    let mut run = resting(&applied(), &Build { gain: 0.8, delay: 2, ..Build::NOMINAL });
+    commission(&mut run);
+    assert_eq!(run.output.bank.patterns, 5);
+    run.input.commission = false;
+    run.step();
+    begin(&mut run, 100);
+    run.input.commission = false;
+    (0..100).for_each(|_| run.step());
+    assert_eq!(
+        (run.output.state, run.output.bank.status, run.output.bank.patterns),
+        (State::Idle, BankStatus::Empty, 0)
+    );
+    assert_eq!(run.output.axis[2].gain, 1.0);
+}
+
+#[test]
+fn it_never_begins_by_itself() {
+    let mut run = Loop::new(&Parameters::START, &Build::NOMINAL);
+    // true from the first sample on is no edge
+    run.input.commission = true;
+    for _ in 0..300 {
+        run.step();
+        assert!(matches!(run.output.state, State::Off | State::Idle));
+    }
+    // nor is one before `enable`, or in a job
+    (run.input.enable, run.input.commission) = (false, false);
+    (0..5).for_each(|_| run.step());
+    run.input.commission = true;
+    run.step();
+    run.input.enable = true;
+    (0..100).for_each(|_| run.step());
+    assert_eq!(run.output.state, State::Idle);
+    run.input.mode = Mode::DryRun;
+    for k in 0..3000 {
+        run.input.commission = run.output.state == State::Run && k % 2 == 0 || run.output.state == State::Done;
+        run.step();
+        assert_ne!(run.output.state, State::Commission);
+        if run.output.state == State::Done {
+            break;
+        }
+    }
+}
+
+#[test]
+fn the_tip_keeps_to_its_travel_and_never_goes_down() {
+    let p = applied();
+    let mut run = resting(&p, &Build { delay: 2, gain: 1.3, ..Build::NOMINAL });
+    let start = run.robot.positions();
+    let tip = p.arm.forward(&start).tip;
+    begin(&mut run, 0);
+    let (mut far, mut low) = (0.0f64, 0.0f64);
+    while run.output.state == State::Commission {
+        run.step();
+        let now = p.arm.forward(&run.robot.positions()).tip;
+        (far, low) = (far.max((now - tip).norm()), low.min(now.z - tip.z));
+    }
+    // 1.64 v^2 / a, and what a chord is shorter than an arc
+    assert!(far > 0.03 && far < 0.0331, "{far}");
+    // the bare servo overshoots by a thousandth
+    assert!(low > -6e-5, "{low}");
+    let end = run.robot.positions();
+    assert!((0..6).all(|i| (end[i] - start[i]).abs() < 5e-5), "{start:?} {end:?}");
+}
+
+#[test]
+fn after_a_run_it_first_comes_out_of_the_part() {
+    let p = applied();
+    let mut run = resting(&p, &Build::NOMINAL);
+    assert!(run.finish(Mode::DryRun));
+    let tip = p.arm.forward(&run.robot.positions()).tip;
+    begin(&mut run, 0);
+    let mut rises = true;
+    while run.output.state == State::Commission {
+        run.step();
+        let way = p.arm.forward(&run.robot.positions()).tip - tip;
+        rises &= way.z > p.transfer.clearance - 2e-4 || way.x.hypot(way.y) < 2e-5;
+    }
+    assert!(rises && run.output.measured.valid, "{:?}", run.output);
+    assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::None));
+    // `mode` is still that of the run, and begins nothing
+    (0..100).for_each(|_| run.step());
+    assert_eq!(run.output.state, State::Idle);
+    assert!(worst(&mut run) <= 0.03);
+}
+
+#[test]
+fn what_is_not_sure_enough_is_rejected_with_its_axis_and_what_was_told_counts() {
+    let rejected = |change: fn(&mut Parameters), build: Build, idle: f64| {
+        let mut p = applied();
+        change(&mut p);
+        let mut run = resting(&p, &build);
+        run.input.spindle_speed = idle;
+        commission(&mut run);
+        assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::CommissionRejected), "{:?}", run.output);
+        assert!(!run.output.measured.valid && run.output.drive_enable);
+        let mut in_force = run.parameters.clone();
+        run.controller.bring_into_force(&mut in_force);
+        assert_eq!(in_force, run.parameters);
+        let axis = run.output.numbers.axis;
+        (run.input.commission, run.robot.noise) = (false, 0.0);
+        (0..20).for_each(|_| run.step());
+        run.input.reset_fault = true;
+        (0..3).for_each(|_| run.step());
+        assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::None));
+        axis
+    };
+    // half a millimetre tells too little, and so does much noise
+    assert_eq!(rejected(|p| p.commission.travel = 5e-4, Build { noise: 3.0, ..Build::NOMINAL }, IDLE), 1);
+    assert_eq!(rejected(|p| p.commission.deviation_max = 5e-5, Build { noise: 2.0, ..Build::NOMINAL }, IDLE), 1);
+    // a tool that is off, and drives that are later than it can bear
+    assert_eq!(rejected(|_| (), Build::NOMINAL, 0.0), -1);
+    assert_eq!(rejected(|_| (), Build { delay: 4, ..Build::NOMINAL }, IDLE), 0);
+}
+
+#[test]
+fn a_drive_that_is_lost_turns_round_or_stands_is_found_at_once() {
+    for samples in [40, 700, 2000] {
+        for (gain, faults) in [
+            (0.0, &[Fault::FrozenReading, Fault::WeakDrive][..]),
+            (-1.0, &[Fault::DriveSign]),
+            (0.2, &[Fault::WeakDrive]),
+        ] {
+            let mut run = resting(&applied(), &Build::NOMINAL);
+            begin(&mut run, samples);
+            run.robot.gain = gain;
+            let start = run.robot.positions();
+            for _ in 0..400 {
+                if run.output.state != State::Commission {
+                    break;
+                }
+                run.step();
+            }
+            assert!(faults.contains(&run.output.fault), "{samples} {gain}: {:?}", run.output);
+            assert!(!run.output.drive_enable && run.output.axis.iter().all(|axis| axis.velocity == 0.0));
+            let far = (0..6).fold(0.0f64, |far, i| far.max((run.robot.positions()[i] - start[i]).abs()));
+            assert!(far < 0.34, "{samples} {gain}: {far}");
+            (0..200).for_each(|_| run.step());
+            assert_eq!((run.output.state, run.output.measured.valid), (State::Fault, false));
+        }
+    }
+}
+
+#[test]
+fn bad_readings_are_bridged_for_a_while_and_then_named() {
+    type Spoil = fn(&mut Loop);
+    let cases: [(Spoil, Fault); 4] = [
+        (|run| run.input.axis[2].position = f64::NAN, Fault::LostReading),
+        (|run| run.input.axis[2].position += 0.02, Fault::ReadingJump),
+        (|run| run.input.spindle_speed = f64::NAN, Fault::LostSpindle),
+        (|run| run.input.speed_override = f64::NAN, Fault::InvalidInput),
+    ];
+    for (spoil, fault) in cases {
+        let mut run = resting(&applied(), &Build { gain: 0.8, ..Build::NOMINAL });
+        begin(&mut run, 0);
+        for k in 0.. {
+            run.read();
+            (run.input.spindle_speed, run.input.speed_override) = (IDLE, 1.0);
+            // two samples of a hundred, now and then
+            if k % 100 > 97 {
+                spoil(&mut run);
+            }
+            run.tick();
+            if run.output.state != State::Commission {
+                break;
+            }
+        }
+        assert!(run.output.measured.valid, "{fault:?}: {:?}", run.output);
+        assert!(
+            run.output.measured.axis.iter().all(|axis| (axis.gain - 0.8).abs() < 4e-3),
+            "{:?}",
+            run.output.measured
+        );
+        run.input.commission = false;
+        run.step();
+        begin(&mut run, 300);
+        for _ in 0..60 {
+            run.read();
+            spoil(&mut run);
+            run.tick();
+        }
+        assert_eq!((run.output.state, run.output.fault), (State::Fault, fault));
+    }
+}
+
+#[test]
+fn it_does_not_take_longer_than_it_may() {
+    let mut p = applied();
+    p.commission.time = 28.0;
+    let mut run = resting(&p, &Build::NOMINAL);
+    // told otherwise when it had begun
+    run.parameters.commission.time = 8.0;
+    commission(&mut run);
+    assert_eq!((run.output.fault, run.output.numbers.limit), (Fault::NoProgress, 8.0));
+}
+
+#[test]
+fn state_bytes_continue_a_commission_bit_for_bit() {
+    for samples in [0, 300, 2700] {
+        let mut run = resting(&applied(), &Build { gain: 1.1, noise: 0.0, ..Build::NOMINAL });
+        begin(&mut run, samples);
+        let mut copy = run.reloaded();
+        while run.output.state == State::Commission {
+            run.step();
+            copy.step();
+            assert_eq!(copy.output, run.output);
+        }
+        assert!(run.output.measured.valid);
+        for _ in 0..5 {
+            run.step();
+            copy.step();
+        }
+        assert_eq!(copy.output, run.output);
+        assert_eq!(copy.controller.bank().patterns(), run.controller.bank().patterns());
+    }
+}
