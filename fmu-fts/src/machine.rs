@@ -42,6 +42,14 @@ impl Request {
     }
 }
 
+impl State {
+    /// Whether a commission is asked for: by a rising edge of `commission` here, or by one `before` that still waits for an arm
+    /// at rest.
+    pub fn asked(self, before: bool, edge: bool, commission: bool) -> bool {
+        matches!(self, Self::Idle | Self::Done) && commission && (before || edge)
+    }
+}
+
 /// What happened in one sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Events {
@@ -53,6 +61,12 @@ pub struct Events {
     pub at_rest: bool,
     /// Something else is asked for.
     pub renewed: bool,
+    /// A commission is asked for.
+    pub commission: bool,
+    /// The commission is to be broken off.
+    pub break_off: bool,
+    /// The commission has come to its end.
+    pub commissioned: bool,
     /// Angle and speed of the arm are known.
     pub arm_known: bool,
     /// Angle and speed of the spindle are known, and where the slide is.
@@ -68,8 +82,13 @@ pub fn next(state: State, mode: Mode, events: &Events) -> State {
     match (state, mode) {
         (State::Fault, _) if events.reset && events.at_rest => State::Idle,
         (State::Fault, _) => State::Fault,
-        (State::Idle, Mode::Idle) => State::Idle,
+        (State::Idle, Mode::Idle) if !events.commission => State::Idle,
         _ if events.fault.is_some() => State::Fault,
+        (State::Commission, _) if !events.break_off && !events.commissioned => State::Commission,
+        // who asks for both gets the job
+        (State::Idle, Mode::Idle) if events.arm_known && events.at_rest => State::Commission,
+        (State::Idle, Mode::Idle) => State::Idle,
+        (State::Done, _) if events.commission && !events.renewed && events.at_rest => State::Commission,
         (_, Mode::Idle) if events.at_rest => State::Idle,
         (_, Mode::Idle) => State::Retract,
         (State::Done, _) if !events.renewed => State::Done,
@@ -98,6 +117,9 @@ mod tests {
         reset: false,
         at_rest: true,
         renewed: false,
+        commission: false,
+        break_off: false,
+        commissioned: false,
         arm_known: true,
         spindle_known: true,
         cut_over: false,

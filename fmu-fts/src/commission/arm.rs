@@ -1,0 +1,136 @@
+//! Inertia, friction, delay and flexure from the response that a commission has measured.
+//!
+//! With the torque U and the angle B of the hub at the frequency w, and N and D of the flexure as in [`crate::servo::flexure`],
+//!
+//! ```text
+//! (-w^2 J D / N + j w b + j 4 F / (pi |B|)) B = H e^(-j w d T_s) U,
+//! ```
+//!
+//! J: inertia, b: viscous friction, F: dry friction, whose torque has the fundamental 4 F / pi in phase with the speed whatever the
+//! amplitude is, d: samples of delay beyond the told ones, H: hold, current loop and told delay, those of the told arm. Over
+//! the response of the told arm, and times N without any pole, it is linear in nearly all of the seven unknowns. Gain of
+//! the drive and inertia leave no trace but their ratio: so the torque is believed, and J, b and F are those that go with it. A delay
+//! of the encoder turns the phase as one of the command does: only their sum leaves a trace.
+//!
+//! The flexure as it is told is one observation more, of little weight: an arm that is told rigid stays rigid.
+
+use std::f64::consts::PI;
+
+use control_blocks::{Estimate, NoEstimate, Observation, least_squares};
+use nalgebra::{Complex, SVector};
+
+use crate::commission::plan::Plan;
+use crate::servo::flexure::{Shape, gradient};
+use crate::servo::nominal::Nominal;
+use crate::servo::response::{FrequencyResponse, Point};
+
+/// J / J_told, d, w_t / told, z, m, b T / J_told and F T^2 / J_told with the unit of time T below.
+pub type Unknowns = SVector<f64, 7>;
+
+/// Standard deviation of a point, over that of the rigid arm: what the model leaves out.
+const POINT_SIGMA: f64 = 2e-3;
+/// Standard deviations of frequency, damping and inertia of the flexure as they are told.
+const TOLD_SIGMA: [f64; 3] = [0.5, 0.05, 0.5];
+/// Unit of time in which all unknowns are of the order of 1, s.
+const UNIT: f64 = 0.1;
+
+/// What a commission knows of the arm, and the standard deviations of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FoundArm {
+    /// Inertia, kg.m2.
+    pub inertia: [f64; 2],
+    /// Viscous friction, N.m.s/rad.
+    pub viscous_friction: [f64; 2],
+    /// Dry friction, N.m.
+    pub dry_friction: [f64; 2],
+    /// Samples of delay.
+    pub delay: [f64; 2],
+    /// Natural frequency of the flexure, rad/s.
+    pub frequency: [f64; 2],
+    /// Damping ratio of it.
+    pub damping: [f64; 2],
+    /// Part of the inertia beyond it.
+    pub share: [f64; 2],
+}
+
+/// A measured point: the response over the told rigid arm, and the amplitude of the hub (rad).
+struct Swing {
+    omega: f64,
+    over_rigid: Complex<f64>,
+    amplitude: f64,
+}
+
+/// What a response is compared with.
+struct Told<'a> {
+    plan: &'a Plan,
+    shape: Shape,
+}
+
+/// The arm that explains a response best.
+///
+/// # Errors
+/// When it does not tell the unknowns apart.
+pub fn find(plan: &Plan, response: &FrequencyResponse) -> Result<FoundArm, NoEstimate> {
+    let told = Told::new(plan);
+    let (points, start) = (response.points(), told.start());
+    let found = least_squares(start, 2 * points.len() + TOLD_SIGMA.len(), |i, x| {
+        if let Some(known) = i.checked_sub(2 * points.len()) {
+            let (unknown, sigma) = (2 + known, TOLD_SIGMA[known]);
+            let mut gradient = Unknowns::zeros();
+            gradient[unknown] = sigma.recip();
+            return Observation { residual: (x[unknown] - start[unknown]) / sigma, gradient };
+        }
+        let swing = told.swing(&points[i / 2]);
+        let residual = |x: &Unknowns| {
+            let residual = told.residual(&swing, x) / POINT_SIGMA;
+            if i % 2 == 0 { residual.re } else { residual.im }
+        };
+        Observation { residual: residual(x), gradient: gradient(residual, x) }
+    })?;
+    Ok(told.arm(&found))
+}
+
+impl<'a> Told<'a> {
+    fn new(plan: &'a Plan) -> Self {
+        Self { plan, shape: Shape::told(&plan.told) }
+    }
+
+    /// The unknowns as they are told.
+    fn start(&self) -> Unknowns {
+        let Nominal { servo, tip, .. } = &self.plan.told;
+        let [inertia, viscous, dry] = [1.0, servo.viscous_friction * UNIT, servo.dry_friction * UNIT * UNIT];
+        Unknowns::from([inertia, 0.0, 1.0, tip.damping, tip.inertia, viscous / servo.inertia, dry / servo.inertia])
+    }
+
+    fn swing(&self, point: &Point) -> Swing {
+        let amplitude = self.plan.amplitude(point.frequency) * point.magnitude;
+        Swing { omega: point.frequency, over_rigid: self.shape.measured(&self.plan.model, point), amplitude }
+    }
+
+    /// N times (e^(-j w d T_s) times the told arm over the measured one, less the found arm), over the told rigid one.
+    fn residual(&self, swing: &Swing, x: &Unknowns) -> Complex<f64> {
+        let &[inertia, delay, frequency, damping, share, viscous, dry] = &x.data.0[0];
+        let (omega, servo) = (swing.omega, &self.plan.told.servo);
+        let [zero, pole] = self.shape.zero_and_pole(omega, [frequency, damping, share]);
+        let slow = omega * UNIT;
+        let drag = viscous / slow + 4.0 * dry / (PI * swing.amplitude * slow * slow);
+        let told = 1.0 - Complex::I * servo.viscous_friction / (omega * servo.inertia) * self.shape.rigid(omega);
+        let late = Complex::from_polar(1.0, -omega * self.plan.told.sample_period * delay);
+        late * told * zero - swing.over_rigid * (pole * inertia - Complex::I * drag * zero)
+    }
+
+    fn arm(&self, found: &Estimate<7>) -> FoundArm {
+        let Nominal { servo, tip, io_delay, .. } = &self.plan.told;
+        let scaled = |i: usize, unit: f64| [unit * found.value[i], unit * found.sigma(i)];
+        let [late, deviation] = scaled(1, 1.0);
+        FoundArm {
+            inertia: scaled(0, servo.inertia),
+            viscous_friction: scaled(5, servo.inertia / UNIT),
+            dry_friction: scaled(6, servo.inertia / (UNIT * UNIT)),
+            delay: [f64::from(*io_delay) + late, deviation],
+            frequency: scaled(2, tip.frequency),
+            damping: scaled(3, 1.0),
+            share: scaled(4, 1.0),
+        }
+    }
+}
