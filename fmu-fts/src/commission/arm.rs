@@ -28,7 +28,9 @@ use crate::servo::response::{FrequencyResponse, Point};
 pub type Unknowns = SVector<f64, 7>;
 
 /// Standard deviation of a point, over that of the rigid arm: what the model leaves out.
-const POINT_SIGMA: f64 = 2e-3;
+const POINT_SIGMA: f64 = 3e-3;
+/// Amplitude (rad) below which dry friction is none: bearings give way like springs before they slide, by some micrometres.
+const PRESLIDING: f64 = 1e-4;
 /// Standard deviations of frequency, damping and inertia of the flexure as they are told.
 const TOLD_SIGMA: [f64; 3] = [0.5, 0.05, 0.5];
 /// Unit of time in which all unknowns are of the order of 1, s.
@@ -72,22 +74,9 @@ struct Told<'a> {
 /// When it does not tell the unknowns apart.
 pub fn find(plan: &Plan, response: &FrequencyResponse) -> Result<FoundArm, NoEstimate> {
     let told = Told::new(plan);
-    let (points, start) = (response.points(), told.start());
-    let found = least_squares(start, 2 * points.len() + TOLD_SIGMA.len(), |i, x| {
-        if let Some(known) = i.checked_sub(2 * points.len()) {
-            let (unknown, sigma) = (2 + known, TOLD_SIGMA[known]);
-            let mut gradient = Unknowns::zeros();
-            gradient[unknown] = sigma.recip();
-            return Observation { residual: (x[unknown] - start[unknown]) / sigma, gradient };
-        }
-        let swing = told.swing(&points[i / 2]);
-        let residual = |x: &Unknowns| {
-            let residual = told.residual(&swing, x) / POINT_SIGMA;
-            if i % 2 == 0 { residual.re } else { residual.im }
-        };
-        Observation { residual: residual(x), gradient: gradient(residual, x) }
-    })?;
-    Ok(told.arm(&found))
+    // the deviations are those at what was told, then at what was found
+    let first = told.fit(response, told.start())?;
+    Ok(told.arm(&told.fit(response, first.value)?))
 }
 
 impl<'a> Told<'a> {
@@ -100,6 +89,25 @@ impl<'a> Told<'a> {
         let Nominal { servo, tip, .. } = &self.plan.told;
         let [inertia, viscous, dry] = [1.0, servo.viscous_friction * UNIT, servo.dry_friction * UNIT * UNIT];
         Unknowns::from([inertia, 0.0, 1.0, tip.damping, tip.inertia, viscous / servo.inertia, dry / servo.inertia])
+    }
+
+    fn fit(&self, response: &FrequencyResponse, at: Unknowns) -> Result<Estimate<7>, NoEstimate> {
+        let (points, told) = (response.points(), self.start());
+        least_squares(at, 2 * points.len() + TOLD_SIGMA.len(), |i, x| {
+            if let Some(known) = i.checked_sub(2 * points.len()) {
+                let (unknown, sigma) = (2 + known, TOLD_SIGMA[known]);
+                let mut gradient = Unknowns::zeros();
+                gradient[unknown] = sigma.recip();
+                return Observation { residual: (x[unknown] - told[unknown]) / sigma, gradient };
+            }
+            let swing = self.swing(&points[i / 2]);
+            let deviation = self.deviation(&swing, &at);
+            let residual = |x: &Unknowns| {
+                let residual = self.residual(&swing, x) / deviation;
+                if i % 2 == 0 { residual.re } else { residual.im }
+            };
+            Observation { residual: residual(x), gradient: gradient(residual, x) }
+        })
     }
 
     fn swing(&self, point: &Point) -> Swing {
@@ -117,6 +125,15 @@ impl<'a> Told<'a> {
         let told = 1.0 - Complex::I * servo.viscous_friction / (omega * servo.inertia) * self.shape.rigid(omega);
         let late = Complex::from_polar(1.0, -omega * self.plan.told.sample_period * delay);
         late * told * zero - swing.over_rigid * (pole * inertia - Complex::I * drag * zero)
+    }
+
+    /// Standard deviation of each part of it.
+    fn deviation(&self, swing: &Swing, x: &Unknowns) -> f64 {
+        let &[_, _, frequency, damping, share, _, dry] = &x.data.0[0];
+        let [zero, _] = self.shape.zero_and_pole(swing.omega, [frequency, damping, share]);
+        let slow = swing.omega * UNIT;
+        let drag = 4.0 * dry / (PI * swing.amplitude * slow * slow) * swing.over_rigid * zero;
+        POINT_SIGMA.hypot(drag.norm() * PRESLIDING / (PRESLIDING + swing.amplitude))
     }
 
     fn arm(&self, found: &Estimate<7>) -> FoundArm {
