@@ -39,29 +39,17 @@ const PHASE: f64 = 0.35;
 /// Largest open loop beyond the crossing.
 const PEAK: f64 = 0.5;
 /// Slow tones over the crossover, and the part of the full size of each.
-const SLOW: [(f64, f64); 10] = [
-    (0.15, 1.0),
-    (0.2, 0.5),
-    (0.27, 1.0),
-    (0.36, 0.5),
-    (0.5, 1.0),
-    (0.7, 0.5),
-    (1.0, 1.0),
-    (1.5, 1.0),
-    (2.3, 1.0),
-    (3.5, 1.0),
-];
+const SLOW: [(f64, f64); 8] =
+    [(0.15, 1.0), (0.2, 0.5), (0.3, 1.0), (0.42, 0.5), (0.6, 1.0), (1.0, 1.0), (1.7, 1.0), (3.0, 1.0)];
 /// Quick tones over the frequency of the flexure.
-const QUICK: [f64; 20] = [
-    0.22, 0.28, 0.34, 0.4, 0.46, 0.52, 0.58, 0.64, 0.7, 0.76, 0.82, 0.88, 0.94, 1.0, 1.07, 1.14, 1.21, 1.28, 1.35, 1.42,
-];
+const QUICK: [f64; 16] = [0.25, 0.32, 0.4, 0.48, 0.56, 0.64, 0.72, 0.8, 0.88, 0.96, 1.04, 1.12, 1.2, 1.28, 1.36, 1.43];
 /// From this share on the tool may swing at its resonance.
 const BENDS_FROM: f64 = 0.44;
 /// Frequency that stands for the flexure of a rigid arm, rad/s; the highest tone, as a part of the sampling rate.
 const RIGID: f64 = TAU * 1200.0;
 const HIGHEST: f64 = 0.2;
 /// Time at a tone before it is measured, s: the integral of the slow loop.
-const SETTLE: f64 = 0.25;
+const SETTLE: f64 = 0.15;
 /// Part of `servo.torque_max` if nothing else is told.
 const TORQUE_SHARE: f64 = 0.2;
 /// Part of `limits.following_error` that a tone may have.
