@@ -228,6 +228,37 @@ mod tests {
     }
 
     #[test]
+    fn a_commission_begins_at_rest_and_ends_in_idle() {
+        let asked = Events { commission: true, ..NOTHING };
+        for state in State::ALL {
+            let (begins, state) = (matches!(state, State::Idle | State::Done), *state);
+            assert_eq!(
+                next(state, Mode::Idle, &asked) == State::Commission,
+                state == State::Idle || state == State::Commission
+            );
+            assert_eq!(
+                next(state, Mode::Hold, &asked) == State::Commission,
+                state == State::Done || state == State::Commission
+            );
+            let edges = [(false, false, false), (false, true, true), (true, false, false), (true, true, begins)];
+            for (before, edge, asked) in edges {
+                assert_eq!(state.asked(before, edge, true), asked || (before && begins), "{state:?}");
+            }
+            assert!(!state.asked(true, true, false));
+        }
+        // not before the arm is known, not in a fault, and who asks for both gets the job
+        assert_eq!(next(State::Idle, Mode::Idle, &Events { arm_known: false, ..asked }), State::Idle);
+        assert_eq!(next(State::Done, Mode::Track, &Events { at_rest: false, ..asked }), State::Done);
+        assert_eq!(next(State::Idle, Mode::Idle, &Events { fault: Some(Fault::LongStep), ..asked }), State::Fault);
+        assert_eq!(next(State::Idle, Mode::Hold, &Events { renewed: true, ..asked }), State::Hold);
+        assert_eq!(next(State::Done, Mode::Hold, &Events { renewed: true, ..asked }), State::Hold);
+        for end in [Events { break_off: true, ..NOTHING }, Events { commissioned: true, ..NOTHING }] {
+            assert_eq!(next(State::Commission, Mode::Idle, &end), State::Idle);
+            assert_eq!(next(State::Commission, Mode::Idle, &Events { at_rest: false, ..end }), State::Retract);
+        }
+    }
+
+    #[test]
     fn nothing_moves_before_the_arm_is_known() {
         let unknown = Events { arm_known: false, ..NOTHING };
         for mode in Mode::ALL {

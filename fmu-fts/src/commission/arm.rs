@@ -151,3 +151,107 @@ impl<'a> Told<'a> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::interface::Parameters;
+    use crate::servo::loop_model::LoopModel;
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    /// The machine as it is told, after `change`.
+    fn machine(change: impl FnOnce(&mut Parameters)) -> Nominal {
+        let mut p = Parameters::START;
+        change(&mut p);
+        (&p).into()
+    }
+
+    /// What the tones of a plan measure on a machine with dry friction, each part with `noise`.
+    fn response(plan: &Plan, truth: &Nominal, noise: f64, seed: u64) -> FrequencyResponse {
+        let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(seed);
+        let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
+        let model = LoopModel::new(*truth, *plan.model.compensator());
+        let mut seen = FrequencyResponse::EMPTY;
+        for tone in &plan.tones {
+            let omega = std::f64::consts::TAU * tone.frequency() / truth.sample_period;
+            let (arm, compensator) = (model.arm(omega), model.open(omega) / model.arm(omega));
+            // hold, current loop and delay of this machine: its response over that of the arm without them
+            let shape = Shape::told(truth);
+            let stiff = -truth.servo.inertia * omega * omega / shape.rigid(omega)
+                + Complex::I * omega * truth.servo.viscous_friction;
+            let mut closed = model.closed(omega);
+            for _ in 0..60 {
+                let amplitude = tone.amplitude * closed.norm();
+                let dry = Complex::I * 4.0 * truth.servo.dry_friction / (PI * amplitude);
+                let open = compensator * arm * stiff / (stiff + dry);
+                closed = open / (open + 1.0);
+            }
+            seen.push(omega, closed * (1.0 + noise * Complex::new(normal(), normal())));
+        }
+        seen
+    }
+
+    #[test]
+    fn every_unknown_is_found_far_from_what_was_told() {
+        let plan = Plan::new(&Parameters::START);
+        for (inertia, dry, frequency, delay, share, damping) in [
+            (1.4e-3, 0.015, 0.75, 2, 0.5, 0.014),
+            (5e-4, 0.007, 1.28, 0, 0.36, 0.026),
+            (8e-4, 0.0, 1.0, 1, 0.4375, 0.02),
+        ] {
+            let truth = machine(|p| {
+                (p.servo.inertia, p.servo.dry_friction, p.servo.viscous_friction) = (inertia, dry, 3e-3);
+                (p.tip.inertia, p.tip.damping, p.io_delay) = (share, damping, delay);
+                p.tip.frequency *= frequency;
+            });
+            let arm = find(&plan, &response(&plan, &truth, 0.0, 1)).unwrap();
+            let near = |[value, deviation]: [f64; 2], expected: f64, spread: f64| {
+                assert!((value - expected).abs() < spread && deviation > 0.0, "{value} {expected}: {arm:?}");
+            };
+            near(arm.inertia, inertia, 1e-3 * inertia);
+            near(arm.viscous_friction, 3e-3, 1e-4);
+            near(arm.dry_friction, dry, 1e-4);
+            near(arm.delay, f64::from(delay), 0.01);
+            near(arm.frequency, truth.tip.frequency, 3e-3 * truth.tip.frequency);
+            near(arm.share, share, 5e-3);
+            near(arm.damping, damping, 1e-3);
+        }
+    }
+
+    #[test]
+    fn the_deviation_is_the_scatter_of_the_estimates() {
+        let plan = Plan::new(&Parameters::START);
+        let truth = machine(|p| p.servo.inertia = 9e-4);
+        // a percent, beside which the deviation of a point does not count
+        let all: Vec<FoundArm> =
+            (0..60).map(|seed| find(&plan, &response(&plan, &truth, 0.01, seed)).unwrap()).collect();
+        type Of = fn(&FoundArm) -> [f64; 2];
+        for (of, expected) in
+            [((|arm| arm.inertia) as Of, 9e-4), (|arm| arm.delay, 1.0), (|arm| arm.frequency, truth.tip.frequency)]
+        {
+            let told = all.iter().map(|arm| of(arm)[1]).sum::<f64>() / all.len() as f64;
+            let scatter = all.iter().map(|arm| (of(arm)[0] - expected).powi(2)).sum::<f64>() / all.len() as f64;
+            let ratio = scatter.sqrt() / told;
+            assert!((0.4..1.6).contains(&ratio), "{expected}: {ratio}");
+        }
+    }
+
+    #[test]
+    fn a_late_encoder_counts_as_delay() {
+        let plan = Plan::new(&Parameters::START);
+        let (now, later) = (machine(|_| ()), machine(|p| p.io_delay = 2));
+        // one sample later in the reading or in the command: the same response of the loop
+        let late = find(&plan, &response(&plan, &later, 0.0, 1)).unwrap();
+        let prompt = find(&plan, &response(&plan, &now, 0.0, 1)).unwrap();
+        assert!((late.delay[0] - prompt.delay[0] - 1.0).abs() < 0.01, "{late:?} {prompt:?}");
+    }
+
+    #[test]
+    fn few_tones_tell_nothing() {
+        let plan = Plan::new(&Parameters::START);
+        assert!(find(&plan, &FrequencyResponse::EMPTY).is_err());
+        let one = FrequencyResponse::from_model(&[300.0], |omega| plan.model.closed(omega));
+        assert!(find(&plan, &one).is_err());
+    }
+}

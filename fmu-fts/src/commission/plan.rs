@@ -205,3 +205,90 @@ pub fn time(p: &Parameters) -> f64 {
 pub fn least_time(p: &Parameters) -> f64 {
     Plan::new(p).experiment(p).duration()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::servo::design::LoopMargins;
+
+    /// Machines of the class that the plan was not made with.
+    fn others(told: &Nominal, mut each: impl FnMut(&Nominal)) {
+        for ratio in [0.5, 0.6, 0.85, 1.3, 1.7, 2.0] {
+            for io_delay in 0..=told.io_delay + DELAY_SPREAD {
+                for factor in [0.7, 0.83, 0.97, 1.13, 1.29, 1.43] {
+                    for damping in [0.5, 1.0, 2.0] {
+                        let mut machine = Nominal { io_delay, ..*told };
+                        machine.servo.inertia /= ratio;
+                        machine.tip.frequency *= factor;
+                        machine.tip.damping *= damping;
+                        each(&machine);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_loop_is_stable_with_margins_on_every_machine_that_it_is_for() {
+        for (bandwidth, damping, delay) in [(230.0, 0.02, 1), (300.0, 0.02, 0), (100.0, 0.005, 3), (230.0, 0.1, 2)] {
+            let mut p = Parameters::START;
+            (p.servo.bandwidth, p.tip.damping, p.io_delay) = (TAU * bandwidth, damping, delay);
+            let (told, plan) = (Nominal::from(&p), Plan::new(&p));
+            others(&told, |machine| {
+                let margins = LoopMargins::of(machine, &LoopModel::new(*machine, *plan.model.compensator()));
+                // 30 degrees, and a factor 2 that the peak leaves whatever its phase is
+                assert!(
+                    margins.phase > 0.52 && margins.gain > 1.9 && margins.sensitivity < 2.1,
+                    "{machine:?}: {margins:?}"
+                );
+            });
+        }
+    }
+
+    #[test]
+    fn no_machine_goes_beyond_travel_torque_or_following_error() {
+        for (way, push) in [(0.0, 0.0), (2e-4, 0.0), (0.0, 0.5)] {
+            let mut p = Parameters::START;
+            (p.commission.travel, p.commission.torque) = (way, push);
+            let plan = Plan::new(&p);
+            let mut most = [0.0f64; 3];
+            others(&Nominal::from(&p), |machine| {
+                let model = LoopModel::new(*machine, *plan.model.compensator());
+                for tone in &plan.tones {
+                    let omega = TAU * tone.frequency() / p.sample_period;
+                    let closed = model.closed(omega);
+                    let tool = (closed * tool_over_hub(&machine.tip, omega)).norm().max(closed.norm());
+                    let sizes = [0.08 * tool, (closed / model.arm(omega)).norm(), 0.08 * (1.0 - closed).norm()];
+                    (0..3).for_each(|i| most[i] = most[i].max(tone.amplitude * sizes[i]));
+                }
+            });
+            // between the machines of the plan there is a little more
+            let limits = [travel(&p), torque(&p), ERROR_SHARE * p.limits.following_error];
+            (0..3).for_each(|i| assert!(most[i] < 1.03 * limits[i], "{way} {push}, {i}: {most:?}"));
+        }
+    }
+
+    #[test]
+    fn the_tones_reach_the_flexure_from_far_below_to_far_above_and_keep_to_the_sampling_rate() {
+        let mut p = Parameters::START;
+        for (hertz, highest) in [(1200.0, 1.43 * 1200.0), (1900.0, 2000.0), (0.0, 1.43 * 1200.0)] {
+            p.tip.frequency = TAU * hertz;
+            let tones = Plan::new(&p).tones;
+            let frequencies: Vec<f64> = tones.iter().map(|tone| tone.frequency() / p.sample_period).collect();
+            assert!(frequencies.is_sorted() && frequencies[0] < 10.0, "{frequencies:?}");
+            assert!(frequencies.last().unwrap() / highest < 1.001 && frequencies.last().unwrap() / highest > 0.9);
+        }
+    }
+
+    #[test]
+    fn bounds_of_the_defaults_and_bounds_that_are_told() {
+        let mut p = Parameters::START;
+        assert_eq!((travel(&p), torque(&p)), (1.75e-3, 1.4));
+        // 24 tones of 0.05 + 0.15 s and at least 0.2 s, and the glide to rest
+        let least = least_time(&p);
+        assert!(least > 24.0 * 0.4 + 0.05 && least < 24.0 * 0.42, "{least}");
+        assert_eq!(time(&p), 1.25 * least + 1.0);
+        (p.commission.travel, p.commission.torque, p.commission.time) = (2e-4, 3.0, 33.0);
+        assert_eq!((travel(&p), torque(&p), time(&p)), (2e-4, 3.0, 33.0));
+    }
+}

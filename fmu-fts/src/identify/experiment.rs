@@ -285,6 +285,22 @@ mod tests {
     }
 
     #[test]
+    fn another_loop_has_other_amplitudes_at_the_same_frequencies() {
+        let p = Parameters::START;
+        let (mut identification, before) = (experiment(&p), experiment(&p));
+        identification.expect(&p, |_| Expected {
+            response: Complex::new(2.0, 0.0),
+            stiffness: 1e3,
+            hub_over_tool: 1.0,
+        });
+        for ((now, before), omega) in identification.tones.iter().zip(&before.tones).zip(p.identify.grid.iter()) {
+            assert_eq!((now.periods, now.samples), (before.periods, before.samples));
+            let expected = Expected { response: Complex::new(2.0, 0.0), stiffness: 1e3, hub_over_tool: 1.0 };
+            assert_eq!(now.amplitude, Tone::new(&p, omega, &expected).amplitude);
+        }
+    }
+
+    #[test]
     fn amplitude_torque_and_acceleration_keep_their_limits() {
         let mut p = Parameters::START;
         p.limits.following_error = 0.1;

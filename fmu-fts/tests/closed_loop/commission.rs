@@ -193,10 +193,10 @@ fn it_begins_from_done_and_the_job_before_does_not_begin_again() {
     assert_eq!(run.output.state, State::Commission, "{:?}", run.output.fault);
     (0..5000).for_each(|_| run.step());
     assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::None));
-    // off and on again it does
-    run.step_with(|input| input.enable = false);
+    // another job does
+    run.input.mode = Mode::Hold;
     run.step();
-    assert_eq!(run.output.state, State::Approach);
+    assert_eq!(run.output.state, State::Hold);
 }
 
 #[test]
@@ -212,8 +212,10 @@ fn another_commission_finds_the_same_again() {
         run.step_with(ask);
     }
     let second = run.output.measured;
-    assert!(second.valid && (second.inertia / first.inertia - 1.0).abs() < 1e-3, "{first:?} {second:?}");
-    assert!((second.tip_frequency / first.tip_frequency - 1.0).abs() < 2e-3, "{first:?} {second:?}");
+    assert!(second.valid, "{second:?}");
+    assert!((second.inertia - first.inertia).abs() < 4.0 * first.inertia_deviation, "{first:?} {second:?}");
+    let change = (second.tip_frequency - first.tip_frequency).abs();
+    assert!(change < 4.0 * first.tip_frequency_deviation, "{first:?} {second:?}");
 }
 
 #[test]
@@ -248,7 +250,7 @@ fn a_drive_that_is_lost_or_turns_round_is_found_before_the_arm_has_gone_far() {
     for time in [0.3, 2.6, 6.0] {
         for (gain, faults) in [
             (0.0, &[Fault::WeakDrive, Fault::FollowingError, Fault::FrozenReading, Fault::CommissionRejected][..]),
-            (-1.0, &[Fault::DriveSign, Fault::FollowingError, Fault::ReadingJump][..]),
+            (-1.0, &[Fault::DriveSign, Fault::WeakDrive, Fault::FollowingError, Fault::ReadingJump][..]),
         ] {
             let mut run = Loop::new(&applied(), &STANDING, 89);
             begin(&mut run, 0.0);
