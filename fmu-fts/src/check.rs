@@ -2,12 +2,27 @@
 
 use control_blocks::{Parameter, ParameterError, check_all};
 
+use crate::commission::plan;
 use crate::interface::{ERROR_HARMONICS, Parameters, SurfaceKind};
+use crate::monitoring::drive::disturbance;
 use crate::tracking::adaptive::QUICKER;
 
 /// Checks all combinations; the first that fails is the error.
 pub fn check(p: &Parameters) -> Result<(), ParameterError> {
-    check_all(p, &[tip_frequency, radii, roll_off, path_harmonics, automatic, time_constant, frequencies])
+    check_all(
+        p,
+        &[
+            tip_frequency,
+            radii,
+            roll_off,
+            path_harmonics,
+            automatic,
+            time_constant,
+            frequencies,
+            commission_torque,
+            commission_time,
+        ],
+    )
 }
 
 fn tip_frequency(p: &Parameters) -> Result<(), ParameterError> {
@@ -62,6 +77,24 @@ fn frequencies(p: &Parameters) -> Result<(), ParameterError> {
     frequencies.at_most(0.2 / p.sample_period, "a fifth of the sampling rate")
 }
 
+fn commission_torque(p: &Parameters) -> Result<(), ParameterError> {
+    let (value, least, most) = (p.commission.torque, disturbance(p), p.limits.torque_share * p.servo.torque_max);
+    let hint = "less than friction and cut tells nothing, and the rest is for control";
+    let torque = Parameter::new("commission.torque", value, "N.m", hint);
+    torque.must_be(value == 0.0 || (least..=most).contains(&value), || {
+        format!(
+            "`0`, or from the disturbances, `{least} N.m`, to `limits.torque_share` of `servo.torque_max`, `{most} N.m`"
+        )
+    })
+}
+
+fn commission_time(p: &Parameters) -> Result<(), ParameterError> {
+    let hint = "or every commission ends in `NoProgress`";
+    let (value, least) = (p.commission.time, plan::least_time(p));
+    Parameter::new("commission.time", value, "s", hint)
+        .must_be(value == 0.0 || value >= least, || format!("`0`, or at least its motions, `{least} s`"))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -71,6 +104,9 @@ mod tests {
         (|p| p.tip.frequency = 1000.0, "tip.frequency", "`1000 rad/s`", "at least `2167"),
         (|p| p.surface.outer_radius = 0.0, "surface.outer_radius", "`0 m`", "`0.0005 m`"),
         (|p| p.identify.grid = "10, 2500".parse().unwrap(), "identify.frequencies", "`2500 Hz`", "`2000 Hz`"),
+        (|p| p.commission.torque = 0.1, "commission.torque", "`0.1 N.m`", "`0.21 N.m`"),
+        (|p| p.commission.torque = 6.4, "commission.torque", "`6.4 N.m`", "`6.3 N.m`"),
+        (|p| p.commission.time = 5.0, "commission.time", "`5 s`", "its motions, `1"),
         (|p| p.afc.tau = 0.05, "afc.tau", "`0.05 s`", "for each of `29` harmonics"),
         (|p| p.servo.roll_off = 2000.0, "servo.roll_off", "`2000 rad/s`", "`2890"),
         (|p| p.surface.kind = SurfaceKind::Wave, "path.harmonics", "`12`", "`surface.wave_harmonic` = `50`"),

@@ -1,11 +1,12 @@
 //! One sample of the whole law: read, decide, refer, act, report.
 
-use control_blocks::{Edge, ParameterError, Progress, Trajectory};
+use control_blocks::{Edge, ParameterError, Progress, ResultFile, Trajectory};
 use serde::{Deserialize, Serialize};
 
 use crate::calibration::calibrator::Calibrator;
 use crate::calibration::cut::Moment;
 use crate::check::check;
+use crate::commission::commissioner::Commissioner;
 use crate::faults::{self, Situation};
 use crate::identify::experiment::Identification;
 use crate::identify::tone::Expected;
@@ -23,7 +24,7 @@ use crate::path::feasibility::needed_torque;
 use crate::path::kinematics::Arm;
 use crate::path::path_table::PathTable;
 use crate::reading::{Reader, Reading};
-use crate::servo::design::design;
+use crate::servo::design::{design, shape};
 use crate::servo::dry_friction::dry_friction;
 use crate::servo::lead_lag::{LeadLag, Recursion};
 use crate::servo::loop_model::LoopModel;
@@ -63,7 +64,16 @@ pub struct Controller {
     recursion: Recursion,
     /// the response is new and not told yet
     response: Option<FrequencyResponse>,
+    /// that of `response.file`
+    told_response: Option<FrequencyResponse>,
     identification: Identification,
+    commissioner: Commissioner,
+    /// `commission` and `enable` in the last sample
+    before: Option<[bool; 2]>,
+    /// an edge of `commission` waits for an arm at rest
+    commission_asked: bool,
+    /// the arm is held by the compensator of the commission
+    slow: bool,
     calibration: Calibrator,
 }
 
@@ -83,9 +93,8 @@ impl Controller {
         let model = LoopModel::new(p, compensator);
         let mut tracker = Tracker::new(p, path, LoopResponse::nominal(model));
         tables.response.iter().for_each(|measured| tracker.take(p, measured));
-        let grid: Vec<f64> = p.identify.grid.iter().collect();
         let identification = Identification::new(p, |omega| expected(&tracker, omega));
-        let known = FrequencyResponse::from_model(&grid, |omega| tracker.response().at(omega));
+        let known = tracker.response().tabulated(p.identify.grid.iter());
         Ok(Self {
             arm,
             compensator,
@@ -109,6 +118,11 @@ impl Controller {
             recursion: Recursion::default(),
             identification,
             response: Some(tables.response.unwrap_or(known)),
+            told_response: tables.response,
+            commissioner: Commissioner::new(p),
+            before: None,
+            commission_asked: false,
+            slow: false,
             calibration: Calibrator::new(p),
         })
     }
@@ -118,9 +132,28 @@ impl Controller {
         self.long_step = true;
     }
 
-    /// One sample; the parameters must be those of [`Controller::new`].
+    /// Puts what a commission has measured into the parameters, where `commission.apply` says so; before each sample.
+    pub fn bring_into_force(&self, p: &mut Parameters) {
+        self.commissioner.put(p);
+    }
+
+    /// Writes what the last good commission derives into the file `commission.export`.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn export(&self, p: &Parameters) -> Result<(), ParameterError> {
+        let hint = "name a file in a folder that there is and that the importer may write to";
+        ResultFile { name: "commission.export", file: &p.commission.export, hint }.write(&self.commissioner.derived())
+    }
+
+    /// One sample; the parameters must be those of [`Controller::new`] with [`Controller::bring_into_force`].
     pub fn tick(&mut self, input: &Input, p: &Parameters, output: &mut Output) {
-        let reading = self.reader.read(p, input, self.torque);
+        if self.commissioner.take_renewed() {
+            self.renew(p);
+        }
+        // a flexure that is measured at its resonance pushes the hub with more than the torque
+        let acting = if self.slow { p.servo.torque_max } else { self.torque };
+        let reading = self.reader.read(p, input, acting);
         self.spindle.update(p, reading.spindle_angle);
         let phasors = self.tracker.locate(p, reading.slide_position, &self.spindle);
         self.decide(p, input, &reading);
@@ -133,6 +166,9 @@ impl Controller {
         self.report(p, torque, &wanted, &reading, output);
         output.afc_frozen = !layers.learning;
         self.long_step = false;
+        if self.state == State::Commission {
+            self.commissioner.conclude(p);
+        }
         if self.on_path() {
             self.feed.update(p, self.spindle.angle, reading.slide_position);
             self.tracker.judge(output.error.tracking, &self.spindle, &phasors);
@@ -144,21 +180,54 @@ impl Controller {
         self.tracker.path().truncation
     }
 
+    /// Another machine is in force: the loop, and what it is expected to do.
+    fn renew(&mut self, p: &Parameters) {
+        self.compensator = shape(&p.into()).0;
+        self.tracker.renew(p, LoopModel::new(p, self.compensator));
+        let told = self.told_response.filter(|_| self.commissioner.as_told());
+        told.iter().for_each(|measured| self.tracker.take(p, measured));
+        let Self { tracker, identification, .. } = self;
+        identification.expect(p, |omega| expected(tracker, omega));
+        self.response = Some(told.unwrap_or_else(|| tracker.response().tabulated(p.identify.grid.iter())));
+    }
+
+    /// What is asked for; while the arm is held for a commission, no job.
+    fn asked(&mut self, input: &Input) -> Mode {
+        let mode = self.request.read(input);
+        if !self.slow {
+            return mode;
+        }
+        self.request.spend();
+        Mode::Idle
+    }
+
+    /// Whether `commission` and `enable` rise.
+    fn edges(&mut self, input: &Input) -> [bool; 2] {
+        let now = [input.commission, input.enable];
+        let before = self.before.replace(now).unwrap_or(now);
+        [0, 1].map(|i| now[i] && !before[i])
+    }
+
     /// State machine.
     fn decide(&mut self, p: &Parameters, input: &Input, reading: &Reading) {
-        let mode = self.request.read(input);
+        let mode = self.asked(input);
         if self.request.renewed() {
             self.job.restart();
         }
+        let [commission, enable] = self.edges(input);
+        self.commission_asked = self.state.asked(self.commission_asked, commission, input.commission);
         // of a fault the last is told
         if self.state != State::Fault {
-            self.late = late(p, self.tracker.path(), self.identification.duration(), self.state, &self.job);
+            self.late = late(p, self.tracker.path(), self.measurements(), self.state, &self.job);
         }
         let events = Events {
             fault: faults::find(p, &self.situation(p, mode, reading)),
             reset: self.reset_fault.rises(input.reset_fault),
             at_rest: !self.ending.braking() && (!self.closed() || self.stands(p)),
             renewed: self.request.renewed(),
+            commission: self.commission_asked && self.reader.arm_velocity(p) == 0.0,
+            break_off: !input.commission || enable || self.request.renewed(),
+            commissioned: self.commissioner.finished,
             arm_known: self.reader.arm_known(),
             spindle_known: self.spindle.known() && self.reader.spindle_known(),
             cut_over: self.left(reading) && self.tracker.path().cut_over(self.joined, reading.slide_position),
@@ -178,6 +247,7 @@ impl Controller {
         }
         if !self.closed() {
             self.reader.begin_arm_anew();
+            self.slow = false;
         }
         if !self.closed() || self.tracker.gone(p) {
             self.reader.begin_anew();
@@ -194,6 +264,7 @@ impl Controller {
             found: if self.closed() { self.watch.find(p, self.arm.length) } else { None },
             feed_lost: self.on_path() && self.feed.lost().is_some(),
             overdue: self.state != State::Fault && self.late.is_some(),
+            rejected: self.state == State::Commission && self.commissioner.rejected,
             path: wanted.then_some(path),
             outside: if self.on_path() {
                 self.left(reading) && !path.cut_over(self.joined, reading.slide_position)
@@ -216,7 +287,23 @@ impl Controller {
 
     /// Whether the arm has come to rest beside the path.
     fn stands(&self, p: &Parameters) -> bool {
-        self.tracker.gone(p) && self.motion.velocity == 0.0 && !self.identification.swinging()
+        self.tracker.gone(p) && self.motion.velocity == 0.0 && !self.swinging()
+    }
+
+    /// Whether the arm swings to be measured.
+    fn swinging(&self) -> bool {
+        self.identification.swinging() || self.commissioner.experiment.swinging()
+    }
+
+    /// Ends a swing.
+    fn stop_swing(&mut self) {
+        self.identification.stop();
+        self.commissioner.experiment.stop();
+    }
+
+    /// Times (s) of an identification, and the longest of a commission.
+    fn measurements(&self) -> [f64; 2] {
+        [self.identification.duration(), self.commissioner.limit()]
     }
 
     /// Whether the position loop is closed.
@@ -233,7 +320,10 @@ impl Controller {
         let closed = self.closed();
         let fault = events.fault.filter(|_| state == State::Fault).unwrap_or(Fault::None);
         self.ending.begin(p, fault, closed && state == State::Fault, self.reader.arm_velocity(p));
-        if !closed {
+        if self.state == State::Commission && !self.commissioner.finished {
+            self.commissioner.break_off();
+        }
+        if !closed || state == State::Commission {
             self.begin(p, reading.arm_angle);
         }
         match state {
@@ -245,8 +335,14 @@ impl Controller {
                     self.identification.restart();
                 }
             }
+            State::Commission => {
+                self.commissioner.begin();
+                self.request.spend();
+                self.job.restart();
+                self.slow = true;
+            }
             State::Retract if self.tracker.gone(p) => {
-                self.identification.stop();
+                self.stop_swing();
                 self.hold.stop(p);
             }
             State::Fault | State::Done | State::Retract => {
@@ -278,7 +374,7 @@ impl Controller {
 
     /// Off the path and out of a swing, to rest at `goal` (rad).
     fn leave(&mut self, p: &Parameters, goal: f64) {
-        self.identification.stop();
+        self.stop_swing();
         if self.tracker.arrived(p) {
             // nothing of what was held before is in the motion
             self.hold = HoldMotion::at(goal);
@@ -356,17 +452,18 @@ impl Controller {
     /// Once the arm holds its angle it swings about it, until the frequency response is complete and in use; what is broken
     /// off fades.
     fn swing(&mut self, p: &Parameters, centre: Trajectory, reading: &Reading) -> Trajectory {
-        let identifies = self.state == State::Identify;
-        let begins = identifies && self.hold.arrived(p) && self.tracker.gone(p) && !self.identification.done();
-        if begins && self.identification.broken_off() {
-            self.identification.restart();
+        let measures = matches!(self.state, State::Identify | State::Commission);
+        let ready = measures && self.hold.arrived(p) && self.tracker.gone(p);
+        let experiment = if self.slow { &mut self.commissioner.experiment } else { &mut self.identification };
+        let begins = ready && !experiment.done();
+        if begins && experiment.broken_off() {
+            experiment.restart();
         }
-        if !begins && !self.identification.swinging() {
+        if !begins && !experiment.swinging() {
             return centre;
         }
-        let saturated = self.recursion.saturated;
-        let position = centre.position + self.identification.step(reading.arm_angle - centre.position, saturated);
-        if identifies && self.identification.done() {
+        let position = centre.position + experiment.step(reading.arm_angle - centre.position, self.recursion.saturated);
+        if self.state == State::Identify && self.identification.done() {
             self.tracker.take(p, self.identification.response());
             self.response = Some(*self.identification.response());
         }
@@ -379,7 +476,7 @@ impl Controller {
             wanted: wanted.motion.position,
             arm_angle: reading.arm_angle,
             torque,
-            swinging: self.identification.swinging(),
+            swinging: self.swinging(),
             learning,
             rms: self.tracker.last_turn().rms,
             spindle_speed: self.spindle.speed,
@@ -410,6 +507,9 @@ impl Controller {
             return self.ending.torque();
         }
         let (error, limit) = (wanted.set_point - reading.arm_angle, p.servo.torque_max);
+        if self.slow {
+            return self.recursion.update(self.commissioner.compensator(), error, limit);
+        }
         let torque = self.recursion.update(&self.compensator, error, limit) + dry_friction(p, wanted.motion);
         torque.clamp(-limit, limit)
     }
@@ -440,6 +540,7 @@ impl Controller {
         output.path_truncation = path.truncation;
         output.numbers = Numbers { late: self.late, fed: self.feed.lost(), table: path.ends(), ..self.watch.numbers() };
         output.calibration = self.calibration.report();
+        output.measured = self.commissioner.measured;
         output.identify_progress = self.identification.progress();
         if let Some(response) = self.response.take() {
             output.response = ResponseOutput::of(&response, self.tracker.response(), &self.tracker.flexure());

@@ -2,9 +2,10 @@
 
 use control_blocks::SafeEnd;
 
+use crate::commission::plan::{DELAY_SPREAD, FLEXURE_MAX};
 use crate::interface::Fault::{FrozenReading, FrozenSlide, FrozenSpindle, LostReading, LostSlide, LostSpindle};
 use crate::interface::Fault::{ReadingJump, SlideJump, SpindleJump};
-use crate::interface::{Fault, Parameters, Vars};
+use crate::interface::{Fault, Measured, Parameters, Vars};
 use crate::monitoring::numbers::Numbers;
 use crate::monitoring::watch::{REVERSALS, SETTLED};
 use crate::path::feasibility::{available_torque, needed_torque};
@@ -26,6 +27,8 @@ pub struct Situation<'a> {
     pub long_step: bool,
     /// The job has taken longer than it may.
     pub overdue: bool,
+    /// The commission has a result that cannot be used.
+    pub rejected: bool,
     /// The path that is asked for, if one is.
     pub path: Option<&'a PathTable>,
     /// The slide is where the path has no table, and it is not the end of the cut.
@@ -65,7 +68,8 @@ impl Fault {
             | Self::SlideJump
             | Self::FrozenSlide
             | Self::NoProgress
-            | Self::Divergence => SafeEnd::Retract,
+            | Self::Divergence
+            | Self::CommissionRejected => SafeEnd::Retract,
             Self::FollowingError
             | Self::LostReading
             | Self::FrozenReading
@@ -103,6 +107,7 @@ pub fn find(p: &Parameters, now: &Situation) -> Option<Fault> {
                 .or(infeasible.then_some(Fault::Infeasible))
         }))
         .or(now.overdue.then_some(Fault::NoProgress))
+        .or(now.rejected.then_some(Fault::CommissionRejected))
 }
 
 /// The numbers behind a fault.
@@ -162,8 +167,31 @@ pub fn numbers(vars: &Vars) -> String {
             ),
             None => format!(": `slide_position` = `{} m`, {lost}", input.slide_position),
         },
+        Fault::CommissionRejected => rejected(p, &output.measured),
         Fault::InvalidInput => format!(": `hold_angle` = `{} rad`, {lost}", input.hold_angle),
     }
+}
+
+/// The numbers of a commission that was rejected.
+fn rejected(p: &Parameters, m: &Measured) -> String {
+    format!(
+        ": inertia `{} kg.m2`, deviation `{} kg.m2`, limits half and twice `servo.inertia` = `{} kg.m2` and `commission.deviation_max` = \
+         `{}` of it; flexure `{} rad/s`, deviation `{} rad/s`, limits `tip.frequency` = `{} rad/s` within a factor of `{FLEXURE_MAX}` and \
+         the same part; delay `{}` samples, deviation `{}`, limits `{DELAY_SPREAD}` more than `io_delay` = `{}` and \
+         `commission.delay_deviation_max` = `{}`; or no loop of 0.3 `servo.bandwidth` with a sensitivity of `commission.sensitivity_max` = `{}`",
+        m.inertia,
+        m.inertia_deviation,
+        p.servo.inertia,
+        p.commission.deviation_max,
+        m.tip_frequency,
+        m.tip_frequency_deviation,
+        p.tip.frequency,
+        m.io_delay,
+        m.io_delay_deviation,
+        p.io_delay,
+        p.commission.delay_deviation_max,
+        p.commission.sensitivity_max,
+    )
 }
 
 /// A warning of a table with too few harmonics.
@@ -188,7 +216,7 @@ mod tests {
                 Fault::None | Fault::Infeasible | Fault::OutsideTable | Fault::InvalidInput => SafeEnd::Retract,
                 Fault::LostSpindle | Fault::SpindleJump | Fault::FrozenSpindle => SafeEnd::Retract,
                 Fault::LostSlide | Fault::SlideJump | Fault::FrozenSlide => SafeEnd::Retract,
-                Fault::NoProgress | Fault::Divergence => SafeEnd::Retract,
+                Fault::NoProgress | Fault::Divergence | Fault::CommissionRejected => SafeEnd::Retract,
                 Fault::LostReading | Fault::FrozenReading | Fault::ReadingJump => SafeEnd::DriveOff,
                 Fault::DriveSign | Fault::WeakDrive | Fault::Oscillation => SafeEnd::DriveOff,
                 Fault::FollowingError | Fault::Saturation | Fault::LongStep => SafeEnd::DriveOff,

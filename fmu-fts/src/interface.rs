@@ -63,6 +63,8 @@ mod variables {
         Done,
         /// No job is asked for any more: leaves the path and the part, or stops beside them; `Idle` comes next
         Retract,
+        /// Measures its machine with small swings where the arm stands
+        Commission,
     }
     /// Why the controller is in the fault state
     pub enum Fault {
@@ -108,6 +110,8 @@ mod variables {
         #[hint("check the slide encoder, or allow more `limits.slide_speed`")] SlideJump,
         /// The slide encoder stands, or does not go on with `limits.feed`, while the path needs it
         #[hint("check the slide encoder; set `limits.feed` to 0 if the slide may stand")] FrozenSlide,
+        /// What the commission has measured is not sure enough, or not what this controller can hold
+        #[hint("allow more `commission.torque`, `commission.travel` or `limits.following_error`, look for play and vibration, and check `servo.inertia`, `servo.current_bandwidth`, `tip.*` and `io_delay`")] CommissionRejected,
     }
     /// How the calibration goes
     pub enum Status {
@@ -158,6 +162,8 @@ mod variables {
         pub enable: bool,
         /// What is asked for; acts while `enable` is true
         pub mode: Mode,
+        /// Rising edge after the first sample measures the machine from `Idle` or `Done`, once the arm is known and at rest; false, a rising edge of `enable` or another `mode` breaks off: stop, `Idle`
+        pub commission: bool,
         /// Rising edge ends a fault, once the arm is out of the part or the drive off; the next job begins when `mode` changes or `enable` rises anew
         pub reset_fault: bool,
         /// Pre-shift the path by the frequency response of the position loop
@@ -214,6 +220,7 @@ mod variables {
         #[var(name = "path.truncation", unit = METRE as "nm")] pub path_truncation: f64,
         pub calibration: CalibrationOutput,
         pub response: ResponseOutput,
+        pub measured: Measured,
         /// Part of the measurement of the response that is over, 0 to 1
         #[var(name = "identify.progress", unit = ONE)] pub identify_progress: f64,
         /// Numbers of the monitors, which are told with a fault.
@@ -278,6 +285,40 @@ mod variables {
         /// Phase of T at this frequency, without jumps
         #[var(unit = RADIAN as "deg")] pub phase: [f64; COUNT_MAX],
     }
+    /// What the commission has measured, each with its standard deviation; 0 before
+    pub struct Measured {
+        /// The last commission came to its end, and its results are good; false from the next one on
+        pub valid: bool,
+        /// Inertia that goes with the commanded torque: its ratio to the gain of the drive is what can be known
+        #[var(unit = KILOGRAM_METRE_SQUARED)] pub inertia: f64,
+        /// Its standard deviation
+        #[var(unit = KILOGRAM_METRE_SQUARED)] pub inertia_deviation: f64,
+        /// Viscous friction, in commanded torque as well
+        #[var(unit = NEWTON_METRE_SECOND)] pub viscous_friction: f64,
+        /// Its standard deviation
+        #[var(unit = NEWTON_METRE_SECOND)] pub viscous_friction_deviation: f64,
+        /// Dry friction, in commanded torque as well
+        #[var(unit = NEWTON_METRE)] pub dry_friction: f64,
+        /// Its standard deviation
+        #[var(unit = NEWTON_METRE)] pub dry_friction_deviation: f64,
+        /// Samples between a command and its reading, not rounded, without half a sample of hold and the current loop of
+        /// `servo.current_bandwidth`; a late encoder counts in it
+        #[var(unit = ONE)] pub io_delay: f64,
+        /// Its standard deviation
+        #[var(unit = ONE)] pub io_delay_deviation: f64,
+        /// Natural frequency of the arm on the locked hub; 0 for an arm that is told rigid
+        #[var(unit = RADIAN_PER_SECOND as "Hz")] pub tip_frequency: f64,
+        /// Its standard deviation
+        #[var(unit = RADIAN_PER_SECOND as "Hz")] pub tip_frequency_deviation: f64,
+        /// Part of the inertia beyond the flexure
+        #[var(unit = ONE)] pub tip_inertia: f64,
+        /// Its standard deviation
+        #[var(unit = ONE)] pub tip_inertia_deviation: f64,
+        /// Damping ratio of the arm on the locked hub
+        #[var(unit = ONE)] pub tip_damping: f64,
+        /// Its standard deviation
+        #[var(unit = ONE)] pub tip_damping_deviation: f64,
+    }
     /// Parameters.
     #[parameters] pub struct Parameters {
         pub law: Law,
@@ -308,6 +349,7 @@ mod variables {
         #[var(name = "hold.speed", unit = RADIAN_PER_SECOND, range = 1e-4..=100.0, start = 2.0, source = "our choice")] pub hold_speed: f64,
         pub limits: Limits,
         pub identify: Identify,
+        pub commission: Commission,
         pub probe: Probe,
         pub calibration: Calibration,
     }
@@ -463,6 +505,25 @@ mod variables {
         #[var(unit = SECOND, range = 1e-3..=100.0, start = 0.2, source = "our choice")] pub average_time: f64,
         /// Time that the measurement takes
         #[var(unit = SECOND, calculated)] pub duration: f64,
+    }
+    /// Bounds of the state `Commission`, and what becomes of its results
+    pub struct Commission {
+        /// Farthest way of the tool from where it begins; 0: `identify.amplitude`
+        #[var(unit = METRE as "mm", range = 0.0..=0.05, start = 0.0, source = "derived: identify.amplitude")] pub travel: f64,
+        /// Largest torque of a tone, at least `limits.disturbance`; 0: a fifth of `servo.torque_max`
+        #[var(unit = NEWTON_METRE, range = 0.0..=1e4, start = 0.0, source = "derived: servo.torque_max / 5")] pub torque: f64,
+        /// Longest time; 0: what its motions take, a quarter more and 1 s
+        #[var(unit = SECOND, range = 0.0..=1e6, start = 0.0, source = "derived: 1.25 times the motions + 1 s")] pub time: f64,
+        /// Largest relative standard deviation of inertia and frequency of the flexure; above it is `CommissionRejected`
+        #[var(unit = ONE, range = 1e-6..=0.5, start = 0.02, source = "derived: what leaves the tip 0.2 um at 500 Hz is 1.3 %")] pub deviation_max: f64,
+        /// Largest standard deviation of the delay, samples; above it is `CommissionRejected`
+        #[var(unit = ONE, range = 1e-3..=2.0, start = 0.25, source = "our choice: two of them to the next half sample")] pub delay_deviation_max: f64,
+        /// Largest sensitivity of the loop that is derived: where `servo.bandwidth` leaves more, it is lowered
+        #[var(unit = ONE, range = 1.3..=3.0, start = 1.8, source = "our choice: 32 degrees of phase and a factor 2.2 of gain")] pub sensitivity_max: f64,
+        /// Use what was measured in place of what was told
+        #[var(source = "our choice: first look, then trust")] pub apply: bool,
+        /// File that a good commission writes: JSON, the parameters that it derives; empty: none
+        pub export: String,
     }
     /// Depth probe on the slide; counts in `Calibrate`.
     pub struct Probe {

@@ -42,6 +42,14 @@ impl Request {
     }
 }
 
+impl State {
+    /// Whether a commission is asked for: by a rising edge of `commission` here, or by one `before` that still waits for an arm
+    /// at rest.
+    pub fn asked(self, before: bool, edge: bool, commission: bool) -> bool {
+        matches!(self, Self::Idle | Self::Done) && commission && (before || edge)
+    }
+}
+
 /// What happened in one sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Events {
@@ -53,6 +61,12 @@ pub struct Events {
     pub at_rest: bool,
     /// Something else is asked for.
     pub renewed: bool,
+    /// A commission is asked for.
+    pub commission: bool,
+    /// The commission is to be broken off.
+    pub break_off: bool,
+    /// The commission has come to its end.
+    pub commissioned: bool,
     /// Angle and speed of the arm are known.
     pub arm_known: bool,
     /// Angle and speed of the spindle are known, and where the slide is.
@@ -68,8 +82,13 @@ pub fn next(state: State, mode: Mode, events: &Events) -> State {
     match (state, mode) {
         (State::Fault, _) if events.reset && events.at_rest => State::Idle,
         (State::Fault, _) => State::Fault,
-        (State::Idle, Mode::Idle) => State::Idle,
+        (State::Idle, Mode::Idle) if !events.commission => State::Idle,
         _ if events.fault.is_some() => State::Fault,
+        (State::Commission, _) if !events.break_off && !events.commissioned => State::Commission,
+        // who asks for both gets the job
+        (State::Idle, Mode::Idle) if events.arm_known && events.at_rest => State::Commission,
+        (State::Idle, Mode::Idle) => State::Idle,
+        (State::Done, _) if events.commission && !events.renewed && events.at_rest => State::Commission,
         (_, Mode::Idle) if events.at_rest => State::Idle,
         (_, Mode::Idle) => State::Retract,
         (State::Done, _) if !events.renewed => State::Done,
@@ -98,6 +117,9 @@ mod tests {
         reset: false,
         at_rest: true,
         renewed: false,
+        commission: false,
+        break_off: false,
+        commissioned: false,
         arm_known: true,
         spindle_known: true,
         cut_over: false,
@@ -202,6 +224,37 @@ mod tests {
         for state in [State::Idle, State::Hold] {
             assert_eq!(next(state, Mode::Track, &unknown), state);
             assert_eq!(next(state, Mode::Hold, &unknown), State::Hold);
+        }
+    }
+
+    #[test]
+    fn a_commission_begins_at_rest_and_ends_in_idle() {
+        let asked = Events { commission: true, ..NOTHING };
+        for state in State::ALL {
+            let (begins, state) = (matches!(state, State::Idle | State::Done), *state);
+            assert_eq!(
+                next(state, Mode::Idle, &asked) == State::Commission,
+                state == State::Idle || state == State::Commission
+            );
+            assert_eq!(
+                next(state, Mode::Hold, &asked) == State::Commission,
+                state == State::Done || state == State::Commission
+            );
+            let edges = [(false, false, false), (false, true, true), (true, false, false), (true, true, begins)];
+            for (before, edge, asked) in edges {
+                assert_eq!(state.asked(before, edge, true), asked || (before && begins), "{state:?}");
+            }
+            assert!(!state.asked(true, true, false));
+        }
+        // not before the arm is known, not in a fault, and who asks for both gets the job
+        assert_eq!(next(State::Idle, Mode::Idle, &Events { arm_known: false, ..asked }), State::Idle);
+        assert_eq!(next(State::Done, Mode::Track, &Events { at_rest: false, ..asked }), State::Done);
+        assert_eq!(next(State::Idle, Mode::Idle, &Events { fault: Some(Fault::LongStep), ..asked }), State::Fault);
+        assert_eq!(next(State::Idle, Mode::Hold, &Events { renewed: true, ..asked }), State::Hold);
+        assert_eq!(next(State::Done, Mode::Hold, &Events { renewed: true, ..asked }), State::Hold);
+        for end in [Events { break_off: true, ..NOTHING }, Events { commissioned: true, ..NOTHING }] {
+            assert_eq!(next(State::Commission, Mode::Idle, &end), State::Idle);
+            assert_eq!(next(State::Commission, Mode::Idle, &Events { at_rest: false, ..end }), State::Retract);
         }
     }
 

@@ -7,5 +7,6 @@ pub mod lead_lag;
 pub mod loop_model;
 pub mod loop_response;
 pub mod margins;
+pub mod nominal;
 pub mod response;
 pub mod response_file;

@@ -73,6 +73,26 @@ fn neither_a_whole_identification_nor_a_fit_allocates() {
 }
 
 #[test]
+fn neither_a_whole_commission_nor_what_it_brings_into_force_allocates() {
+    for apply in [true, false] {
+        let mut p = Parameters::START;
+        // the arm of the bench goes where it is told without a torque
+        (p.commission.apply, p.limits.arm_spread, p.limits.drive_share) = (apply, 0.1, 0.0);
+        let mut bench = Bench::new(p);
+        bench.run(Mode::Idle, 10, |_, _| ());
+        bench.run(Mode::Idle, 110_000, |_, input| input.commission = true);
+        assert_eq!((bench.output.state, bench.output.fault), (State::Fault, Fault::CommissionRejected));
+        bench.run(Mode::Idle, 5000, |_, _| ());
+        let reset = |k: i32, input: &mut Input| (input.commission, input.reset_fault) = (false, k > 5);
+        bench.run(Mode::Idle, 10, reset);
+        bench.run(Mode::Idle, 2000, |_, input| input.commission = true);
+        assert_eq!(bench.output.state, State::Commission);
+        bench.run(Mode::Idle, 2000, |_, input| input.commission = false);
+        assert_eq!(bench.output.state, State::Idle);
+    }
+}
+
+#[test]
 fn an_error_that_grows_from_turn_to_turn_allocates_nothing() {
     let mut p = Parameters::START;
     // the arm of the bench does nothing for its torque

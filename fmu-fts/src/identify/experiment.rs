@@ -42,11 +42,17 @@ pub struct Identification {
 impl Identification {
     /// The experiment before its first sample; `expected` tells about what happens at a frequency (rad/s).
     pub fn new(p: &Parameters, expected: impl Fn(f64) -> Expected) -> Self {
+        let tones = p.identify.grid.iter().map(|omega| Tone::new(p, omega, &expected(omega))).collect();
+        Self::of(p, tones, p.identify.settle_time)
+    }
+
+    /// The experiment of these tones, each measured after the time `settle` (s).
+    pub fn of(p: &Parameters, tones: Vec<Tone>, settle: f64) -> Self {
         Self {
             period: p.sample_period,
-            tones: p.identify.grid.iter().map(|omega| Tone::new(p, omega, &expected(omega))).collect(),
+            tones,
             glide: ticks(p.identify.glide_time, p.sample_period).max(1),
-            settle: ticks(p.identify.settle_time, p.sample_period),
+            settle: ticks(settle, p.sample_period),
             tone: 0,
             tick: 0,
             elapsed: 0,
@@ -56,6 +62,13 @@ impl Identification {
             saturated: false,
             fading: None,
             response: FrequencyResponse::EMPTY,
+        }
+    }
+
+    /// The same frequencies, with what is now expected at each (rad/s).
+    pub fn expect(&mut self, p: &Parameters, expected: impl Fn(f64) -> Expected) {
+        for (tone, omega) in self.tones.iter_mut().zip(p.identify.grid.iter()) {
+            *tone = Tone::new(p, omega, &expected(omega));
         }
     }
 
@@ -269,6 +282,22 @@ mod tests {
         // stages of 0.05 + 0.1 + 0.2 s, and the glide to rest
         assert!((duration(&p) - 32.0 * 0.35 - 0.05).abs() < 1e-9, "{}", duration(&p));
         assert!(angles.last().unwrap().abs() < 1e-3 * p.identify.amplitude / 0.08);
+    }
+
+    #[test]
+    fn another_loop_has_other_amplitudes_at_the_same_frequencies() {
+        let p = Parameters::START;
+        let (mut identification, before) = (experiment(&p), experiment(&p));
+        identification.expect(&p, |_| Expected {
+            response: Complex::new(2.0, 0.0),
+            stiffness: 1e3,
+            hub_over_tool: 1.0,
+        });
+        for ((now, before), omega) in identification.tones.iter().zip(&before.tones).zip(p.identify.grid.iter()) {
+            assert_eq!((now.periods, now.samples), (before.periods, before.samples));
+            let expected = Expected { response: Complex::new(2.0, 0.0), stiffness: 1e3, hub_over_tool: 1.0 };
+            assert_eq!(now.amplitude, Tone::new(&p, omega, &expected).amplitude);
+        }
     }
 
     #[test]

@@ -6,6 +6,7 @@ use nalgebra::Complex;
 use crate::interface::Parameters;
 use crate::servo::lead_lag::LeadLag;
 use crate::servo::loop_model::{ArmPoint, LoopModel};
+use crate::servo::nominal::Nominal;
 
 /// Least phase margin, rad: 30 degrees.
 const PHASE_MARGIN_MIN: f64 = 0.524;
@@ -17,16 +18,46 @@ const PER_OCTAVE: i32 = 96;
 const ABOUT_PEAK: [f64; 9] = [-30.0, -8.0, -2.5, -0.8, 0.0, 0.8, 2.5, 8.0, 30.0];
 /// Least damping ratio for which that is done.
 const DAMPING_MIN: f64 = 1e-6;
+/// Frequencies looked at: 16 octaves at the shortest sample period, and those about the resonance.
+const POINTS_MAX: usize = 16 * PER_OCTAVE as usize + 1 + ABOUT_PEAK.len();
 
 /// How far a loop is from instability.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct LoopMargins {
+pub struct LoopMargins {
     /// Phase margin at the last crossover, rad.
-    phase: f64,
+    pub phase: f64,
     /// Factor on the gain that makes the loop unstable.
-    gain: f64,
+    pub gain: f64,
     /// Largest magnitude of 1 / (1 + L).
-    sensitivity: f64,
+    pub sensitivity: f64,
+}
+
+impl LoopMargins {
+    /// Whether the loop may be closed.
+    pub fn enough(&self) -> bool {
+        self.phase >= PHASE_MARGIN_MIN && self.gain >= GAIN_MARGIN_MIN
+    }
+
+    /// Those of a loop of this machine.
+    pub fn of(nominal: &Nominal, model: &LoopModel) -> Self {
+        margins(model, Grid::new(nominal, model).points())
+    }
+}
+
+/// The compensator that gives `servo.bandwidth`, and the margins that it leaves.
+pub fn shape(nominal: &Nominal) -> (LeadLag, LoopMargins) {
+    let wanted = nominal.servo.bandwidth;
+    // more crossover, more bandwidth
+    let (mut low, mut high) = (0.1 * wanted, 1.5 * wanted);
+    let model = LoopModel::new(*nominal, LeadLag::new(*nominal, low));
+    let grid = Grid::new(nominal, &model);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        let tried = model.with(LeadLag::new(*nominal, middle));
+        if bandwidth(&tried, grid.points()) < wanted { low = middle } else { high = middle }
+    }
+    let compensator = LeadLag::new(*nominal, low);
+    (compensator, margins(&model.with(compensator), grid.points()))
 }
 
 /// The compensator that gives `servo.bandwidth`.
@@ -35,19 +66,8 @@ struct LoopMargins {
 /// When the loop would be without sufficient margins.
 pub fn design(p: &Parameters) -> Result<LeadLag, ParameterError> {
     let wanted = p.servo.bandwidth;
-    // more crossover, more bandwidth
-    let (mut low, mut high) = (0.1 * wanted, 1.5 * wanted);
-    let model = LoopModel::new(p, LeadLag::new(p, low));
-    let grid = grid(p, &model);
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        let tried = model.with(LeadLag::new(p, middle));
-        if bandwidth(&tried, &grid) < wanted { low = middle } else { high = middle }
-    }
-    let compensator = LeadLag::new(p, low);
-    let margins = margins(&model.with(compensator), &grid);
-    let enough = margins.phase >= PHASE_MARGIN_MIN && margins.gain >= GAIN_MARGIN_MIN;
-    require(enough, || ParameterError {
+    let (compensator, margins) = shape(&p.into());
+    require(margins.enough(), || ParameterError {
         name: "servo.bandwidth",
         value: format!("{wanted} rad/s"),
         limit: format!(
@@ -103,18 +123,34 @@ fn lag_left(here: Complex<f64>, there: Complex<f64>) -> f64 {
 
 /// The arm at frequencies from 1 Hz (or below) to half the sampling rate, and about its resonance; it is the same for
 /// every compensator.
-fn grid(p: &Parameters, model: &LoopModel) -> Vec<ArmPoint> {
-    let nyquist = model.nyquist();
-    let ratio = 2f64.powf(-1.0 / f64::from(PER_OCTAVE));
-    let octaves = (nyquist / 3.0).log2().ceil() as i32;
-    let stiffening = (1.0 - p.tip.inertia).sqrt().recip();
-    let (peak, damping) = (p.tip.frequency * stiffening, (p.tip.damping * stiffening).max(DAMPING_MIN));
-    let about = ABOUT_PEAK.iter().map(|width| peak * (1.0 + width * damping));
-    let even = (0..=octaves * PER_OCTAVE).map(|k| nyquist * ratio.powi(k));
-    let lowest = nyquist * ratio.powi(octaves * PER_OCTAVE);
-    let mut frequencies: Vec<f64> = even.chain(about.filter(|omega| *omega > lowest && *omega < nyquist)).collect();
-    frequencies.sort_by(f64::total_cmp);
-    frequencies.into_iter().map(|omega| model.at(omega)).collect()
+struct Grid {
+    points: [ArmPoint; POINTS_MAX],
+    count: usize,
+}
+
+impl Grid {
+    fn new(nominal: &Nominal, model: &LoopModel) -> Self {
+        let (nyquist, tip) = (model.nyquist(), &nominal.tip);
+        let ratio = 2f64.powf(-1.0 / f64::from(PER_OCTAVE));
+        let octaves = (nyquist / 3.0).log2().ceil() as i32;
+        let stiffening = (1.0 - tip.inertia).sqrt().recip();
+        let (peak, damping) = (tip.frequency * stiffening, (tip.damping * stiffening).max(DAMPING_MIN));
+        let about = ABOUT_PEAK.iter().map(|width| peak * (1.0 + width * damping));
+        let even = (0..=octaves * PER_OCTAVE).map(|k| nyquist * ratio.powi(k));
+        let lowest = nyquist * ratio.powi(octaves * PER_OCTAVE);
+        let frequencies = even.chain(about.filter(|omega| *omega > lowest && *omega < nyquist));
+        let mut grid = Self { points: [ArmPoint::REST; POINTS_MAX], count: 0 };
+        for (point, omega) in grid.points.iter_mut().zip(frequencies) {
+            *point = model.at(omega);
+            grid.count += 1;
+        }
+        grid.points[..grid.count].sort_unstable_by(|a, b| a.omega.total_cmp(&b.omega));
+        grid
+    }
+
+    fn points(&self) -> &[ArmPoint] {
+        &self.points[..self.count]
+    }
 }
 
 #[cfg(test)]
@@ -124,13 +160,15 @@ mod tests {
 
     fn designed(p: &Parameters) -> (LoopModel, LoopMargins) {
         let model = LoopModel::new(p, design(p).unwrap());
-        (model, margins(&model, &grid(p, &model)))
+        (model, LoopMargins::of(&Nominal::from(p), &model))
     }
 
     #[test]
     fn the_default_loop_has_the_bandwidth_and_margins_of_the_paper() {
         let (model, margins) = designed(&Parameters::START);
-        assert!((bandwidth(&model, &grid(&Parameters::START, &model)) / TAU - 230.0).abs() < 1e-6);
+        assert!(
+            (bandwidth(&model, Grid::new(&(&Parameters::START).into(), &model).points()) / TAU - 230.0).abs() < 1e-6
+        );
         assert!((margins.phase.to_degrees() - 43.7).abs() < 0.5, "{margins:?}");
         assert!((margins.gain - 5.0).abs() < 0.1, "{margins:?}");
         assert!((margins.sensitivity - 1.59).abs() < 0.01, "{margins:?}");
@@ -145,7 +183,7 @@ mod tests {
             let mut p = Parameters::START;
             p.tip.damping = damping;
             let model = LoopModel::new(&p, LeadLag::new(&p, 500.0));
-            let points: Vec<f64> = grid(&p, &model).iter().map(|point| point.omega).collect();
+            let points: Vec<f64> = Grid::new(&(&p).into(), &model).points().iter().map(|point| point.omega).collect();
             assert!(points.is_sorted() && points[0] <= TAU && *points.last().unwrap() == model.nyquist());
             assert!(points.windows(2).all(|pair| pair[1] / pair[0] < 2f64.powf(1.0001 / 96.0)));
             // two inertias: the free arm swings faster than that on the locked hub, and is damped more
@@ -171,7 +209,7 @@ mod tests {
         let p = Parameters::START;
         let at = |crossover: f64| {
             let model = LoopModel::new(&p, LeadLag::new(&p, crossover));
-            margins(&model, &grid(&p, &model))
+            LoopMargins::of(&Nominal::from(&p), &model)
         };
         let slow = at(1.0);
         assert!(slow.phase == std::f64::consts::PI && slow.gain.is_finite() && slow.gain > 2.0, "{slow:?}");
@@ -193,7 +231,10 @@ mod tests {
             let mut p = Parameters::START;
             p.servo.bandwidth = TAU * frequency;
             let (model, margins) = designed(&p);
-            assert!((bandwidth(&model, &grid(&p, &model)) / TAU - frequency).abs() < 1e-6, "{frequency} Hz");
+            assert!(
+                (bandwidth(&model, Grid::new(&(&p).into(), &model).points()) / TAU - frequency).abs() < 1e-6,
+                "{frequency} Hz"
+            );
             assert!(margins.sensitivity < 2.0, "{frequency} Hz: {margins:?}");
         }
         let mut p = Parameters::START;

@@ -17,6 +17,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::interface::Parameters;
 use crate::servo::loop_model::LoopModel;
+use crate::servo::nominal::Nominal;
 use crate::servo::response::{FrequencyResponse, Point};
 
 /// Up to this share of the natural frequency the flexure is compensated; above, as there.
@@ -59,7 +60,7 @@ impl Flexure {
     /// What a measured response of the position loop `model` tells of the flexure; none if it does not tell it well.
     pub fn found(p: &Parameters, model: &LoopModel, measured: &FrequencyResponse) -> Option<Self> {
         let told = Self::told(p);
-        let shape = Shape { told, inertia: p.tip.inertia, period: p.sample_period };
+        let shape = Shape::told(&p.into());
         let first = measured.points().partition_point(|point| point.frequency < LOOK_FROM * told.frequency);
         let points = &measured.points()[first..];
         if told.frequency == 0.0 || p.tip.inertia == 0.0 {
@@ -89,7 +90,7 @@ impl Flexure {
 type Value = SVector<f64, 5>;
 
 /// What the response of the hub to the torque is compared with.
-struct Shape {
+pub struct Shape {
     told: Flexure,
     /// part of the inertia beyond the flexure, as told
     inertia: f64,
@@ -97,15 +98,31 @@ struct Shape {
 }
 
 impl Shape {
+    /// The flexure as it is told.
+    pub fn told(nominal: &Nominal) -> Self {
+        let Nominal { tip, sample_period, .. } = nominal;
+        let told = Flexure { frequency: tip.frequency, damping: tip.damping, sigma: 0.0 };
+        Self { told, inertia: tip.inertia, period: *sample_period }
+    }
+
     /// N and D at `omega` (rad/s), with the frequency in told ones.
-    fn zero_and_pole(&self, omega: f64, [frequency, damping, inertia]: [f64; 3]) -> [Complex<f64>; 2] {
+    pub fn zero_and_pole(&self, omega: f64, [frequency, damping, inertia]: [f64; 3]) -> [Complex<f64>; 2] {
+        if self.told.frequency == 0.0 {
+            return [Complex::ONE; 2];
+        }
         let x = omega / (frequency * self.told.frequency);
         let spring = Complex::new(1.0, 2.0 * damping * x);
         [spring - x * x, spring - (1.0 - inertia) * x * x]
     }
 
+    /// The rigid arm over the told one, N / D.
+    pub fn rigid(&self, omega: f64) -> Complex<f64> {
+        let [zero, pole] = self.zero_and_pole(omega, [1.0, self.told.damping, self.inertia]);
+        zero / pole
+    }
+
     /// G as it was measured: the told one by the measured L over that of the loop as it is told.
-    fn measured(&self, model: &LoopModel, point: &Point) -> Complex<f64> {
+    pub fn measured(&self, model: &LoopModel, point: &Point) -> Complex<f64> {
         let [zero, pole] = self.zero_and_pole(point.frequency, [1.0, self.told.damping, self.inertia]);
         let t = point.value();
         t / (1.0 - t) / model.open(point.frequency) * zero / pole
@@ -119,9 +136,12 @@ impl Shape {
 }
 
 /// By central differences; all parameters are of the order of 1.
-fn gradient(function: impl Fn(&Value) -> f64, value: &Value) -> Value {
+pub fn gradient<const N: usize>(
+    function: impl Fn(&SVector<f64, N>) -> f64,
+    value: &SVector<f64, N>,
+) -> SVector<f64, N> {
     const STEP: f64 = 1e-5;
-    Value::from_fn(|i, _| {
+    SVector::from_fn(|i, _| {
         let moved = |step: f64| {
             let mut value = *value;
             value[i] += step;

@@ -7,7 +7,7 @@
 use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
-use crate::interface::Parameters;
+use crate::servo::nominal::Nominal;
 
 /// Coefficients of the discrete compensator in falling powers of z.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -20,8 +20,8 @@ pub struct LeadLag {
 
 impl LeadLag {
     /// Compensator for a rigid arm with its crossover at `crossover` (rad/s).
-    pub fn new(p: &Parameters, crossover: f64) -> Self {
-        let servo = &p.servo;
+    pub fn new(nominal: impl Into<Nominal>, crossover: f64) -> Self {
+        let Nominal { servo, sample_period, .. } = nominal.into();
         let (zero, pole) = (crossover / servo.lead, crossover * servo.lead);
         let (integral, roll_off) = (crossover / servo.lag, servo.roll_off);
         let numerator = [zero * integral, zero + integral, 1.0, 0.0];
@@ -30,7 +30,7 @@ impl LeadLag {
         let at = Complex::new(0.0, crossover);
         let gain =
             servo.inertia * crossover * crossover * evaluate(&denominator, at).norm() / evaluate(&numerator, at).norm();
-        let (b, a) = (tustin(&numerator, p.sample_period), tustin(&denominator, p.sample_period));
+        let (b, a) = (tustin(&numerator, sample_period), tustin(&denominator, sample_period));
         Self { numerator: b.map(|x| gain * x / a[0]), denominator: a.map(|x| x / a[0]) }
     }
 
@@ -85,6 +85,7 @@ impl Recursion {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::interface::Parameters;
     use std::f64::consts::TAU;
 
     #[test]

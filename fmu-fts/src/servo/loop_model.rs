@@ -5,8 +5,8 @@
 use nalgebra::{Complex, Matrix3, Matrix4, Vector3};
 use serde::{Deserialize, Serialize};
 
-use crate::interface::Parameters;
 use crate::servo::lead_lag::LeadLag;
+use crate::servo::nominal::Nominal;
 
 /// gain / ((s^2 + a_1 s + a_0)(s / w_c + 1)) sampled with a zero-order hold, falling powers of z.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -67,6 +67,9 @@ pub struct ArmPoint {
 }
 
 impl ArmPoint {
+    /// An arm that no torque moves.
+    pub const REST: Self = Self { omega: 0.0, z: Complex::ONE, arm: Complex::ZERO };
+
     /// Open loop L with a compensator.
     pub fn open(&self, compensator: &LeadLag) -> Complex<f64> {
         self.arm * compensator.response(self.z)
@@ -85,11 +88,10 @@ impl ArmPoint {
 
 impl LoopModel {
     /// The loop of the nominal arm with this compensator.
-    pub fn new(p: &Parameters, compensator: LeadLag) -> Self {
-        let (servo, tip) = (&p.servo, &p.tip);
-        let mode = |gain: f64, a: [f64; 2]| {
-            SampledMode::new(gain / servo.inertia, a, servo.current_bandwidth, p.sample_period)
-        };
+    pub fn new(nominal: impl Into<Nominal>, compensator: LeadLag) -> Self {
+        let Nominal { servo, tip, sample_period, io_delay } = nominal.into();
+        let mode =
+            |gain: f64, a: [f64; 2]| SampledMode::new(gain / servo.inertia, a, servo.current_bandwidth, sample_period);
         let rigid = mode(1.0, [0.0, servo.viscous_friction / servo.inertia]);
         let flexible = (tip.frequency > 0.0 && tip.inertia > 0.0).then(|| {
             // two inertias: the locked arm swings at the zero of the hub's response, the free one at its pole
@@ -97,7 +99,7 @@ impl LoopModel {
             let squared = tip.frequency * tip.frequency * stiffening;
             mode(tip.inertia * stiffening, [squared, 2.0 * tip.damping * tip.frequency * stiffening])
         });
-        Self { period: p.sample_period, delay: p.io_delay, compensator, rigid, flexible }
+        Self { period: sample_period, delay: io_delay, compensator, rigid, flexible }
     }
 
     /// The same loop with another compensator.
@@ -143,6 +145,7 @@ impl LoopModel {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::interface::Parameters;
     use std::f64::consts::TAU;
 
     fn model(p: &Parameters) -> LoopModel {

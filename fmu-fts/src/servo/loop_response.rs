@@ -36,6 +36,13 @@ impl LoopResponse {
         self.model.closed(omega) * if omega < 0.0 { correction.conj() } else { correction }
     }
 
+    /// T at these ascending frequencies, rad/s.
+    pub fn tabulated(&self, frequencies: impl Iterator<Item = f64>) -> FrequencyResponse {
+        let mut table = FrequencyResponse::EMPTY;
+        frequencies.for_each(|omega| table.push(omega, self.at(omega)));
+        table
+    }
+
     /// The nominal loop.
     pub fn model(&self) -> &LoopModel {
         &self.model

@@ -7,6 +7,7 @@ use crate::interface::ERROR_HARMONICS;
 use crate::interface::Parameters;
 use crate::path::path_table::{PathTable, Row};
 use crate::servo::flexure::Flexure;
+use crate::servo::loop_model::LoopModel;
 use crate::servo::loop_response::LoopResponse;
 use crate::servo::response::FrequencyResponse;
 use crate::tracking::adaptive::{AdaptiveFeedforward, PathHarmonic};
@@ -208,6 +209,13 @@ impl Tracker {
         self.flexure = Flexure::found(p, self.response.model(), measured).unwrap_or(self.flexure);
     }
 
+    /// The loop is another: nothing of what was measured and learned of the one before counts.
+    pub fn renew(&mut self, p: &Parameters, model: LoopModel) {
+        self.response = LoopResponse::nominal(model);
+        self.flexure = Flexure::told(p);
+        self.forget();
+    }
+
     /// The response of the position loop that is inverted.
     pub fn response(&self) -> &LoopResponse {
         &self.response
@@ -235,7 +243,6 @@ mod tests {
     use crate::path::depth_table::DepthTable;
     use crate::path::kinematics::Arm;
     use crate::servo::design::design;
-    use crate::servo::loop_model::LoopModel;
 
     /// A tracker of a lens with `harmonics`.
     fn tracker(harmonics: i32) -> (Parameters, Tracker) {

@@ -132,6 +132,11 @@ impl Machine {
         [round(self.state[0], TAU / 8_388_608.0), round(self.spindle, TAU / 1_048_576.0), round(self.slide, 1e-7)]
     }
 
+    /// From now on the drive has another gain.
+    pub fn set_gain(&mut self, gain: f64) {
+        self.build.gain = gain;
+    }
+
     /// True depth of the tool, m.
     pub fn tip_depth(&self) -> f64 {
         ARM_LENGTH * (ARM_ZERO + self.state[1]).sin()

@@ -1,6 +1,7 @@
 //! The controller in closed loop with a native machine: tracking, faults, stability, state bytes; and the calibration on ideal parts.
 
 mod calibration;
+mod commission;
 mod faults;
 mod identify;
 mod law;

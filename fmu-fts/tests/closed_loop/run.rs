@@ -19,7 +19,8 @@ pub struct Loop {
     pub output: Output,
     /// Depth error of the tool in the last sample, m.
     pub tip_error: f64,
-    parameters: Parameters,
+    /// Parameters in force.
+    pub parameters: Parameters,
     steps: u32,
     turned: f64,
 }
@@ -80,6 +81,7 @@ impl Loop {
     /// One communication step with the inputs as they are.
     pub fn step_with_inputs(&mut self) {
         self.machine.in_part = self.time() > 0.5;
+        self.controller.bring_into_force(&mut self.parameters);
         self.controller.tick(&self.input, &self.parameters, &mut self.output);
         self.tip_error = self.output.reference.depth - self.machine.tip_depth();
         self.machine.advance(self.output.torque);

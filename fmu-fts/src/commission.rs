@@ -1,0 +1,7 @@
+//! The machine measured by its own controller: the experiment of an identification under a loop that every such machine
+//! bears, what its response tells of the arm, and what is made of it.
+
+pub mod arm;
+pub mod commissioner;
+pub mod plan;
+pub mod values;

@@ -1,0 +1,156 @@
+//! The commission as the controller sees it: what swings, what was found, and which values are in force.
+
+use serde::{Deserialize, Serialize};
+
+use crate::commission::arm::{FoundArm, find};
+use crate::commission::plan::{self, Plan};
+use crate::commission::values::{Values, acceptable};
+use crate::identify::experiment::Identification;
+use crate::interface::{Measured, Parameters};
+use crate::servo::design::shape;
+use crate::servo::lead_lag::LeadLag;
+
+/// What is left of the bandwidth in each trial that does not leave enough margin, and the least of the wish.
+const NARROWER: f64 = 0.96;
+const BANDWIDTH_MIN: f64 = 0.3;
+
+/// One commission after the other.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Commissioner {
+    /// The tones of the present or last commission.
+    pub experiment: Identification,
+    /// What was measured.
+    pub measured: Measured,
+    /// The result cannot be used.
+    pub rejected: bool,
+    /// The commission has come to its end.
+    pub finished: bool,
+    plan: Plan,
+    /// its longest time, s
+    limit: f64,
+    told: Values,
+    /// what the last good commission derives
+    derived: Values,
+    in_force: Values,
+    renewed: bool,
+}
+
+impl Commissioner {
+    /// Nothing measured so far.
+    pub fn new(p: &Parameters) -> Self {
+        let (plan, told) = (Plan::new(p), Values::of(p));
+        Self {
+            experiment: plan.experiment(p),
+            measured: Measured::START,
+            rejected: false,
+            finished: false,
+            plan,
+            limit: plan::time(p),
+            told,
+            derived: told,
+            in_force: told,
+            renewed: false,
+        }
+    }
+
+    /// Begins at rest, with what was told.
+    pub fn begin(&mut self) {
+        self.experiment.restart();
+        self.measured = Measured::START;
+        (self.rejected, self.finished) = (false, false);
+    }
+
+    /// Ends before its end: what was told counts.
+    pub fn break_off(&mut self) {
+        self.bring_into_force(self.told);
+        self.measured.valid = false;
+    }
+
+    /// Longest time that it may take, s.
+    pub fn limit(&self) -> f64 {
+        self.limit
+    }
+
+    /// The compensator that holds the arm meanwhile.
+    pub fn compensator(&self) -> &LeadLag {
+        self.plan.model.compensator()
+    }
+
+    /// Values in force, in place of those that the parameters have.
+    pub fn put(&self, p: &mut Parameters) {
+        self.in_force.put(p);
+    }
+
+    /// Whether other values are in force since this was last asked.
+    pub fn take_renewed(&mut self) -> bool {
+        std::mem::take(&mut self.renewed)
+    }
+
+    /// Whether what was told is in force.
+    pub fn as_told(&self) -> bool {
+        self.in_force == self.told
+    }
+
+    /// Names and values of what a good commission derives.
+    pub fn derived(&self) -> [(&'static str, f64); 8] {
+        self.derived.entries()
+    }
+
+    /// After a sample: once the swing is over the response tells the arm, and then, one trial in each sample, the bandwidth.
+    pub fn conclude(&mut self, p: &Parameters) {
+        if self.finished || self.rejected || !self.experiment.done() {
+            return;
+        }
+        if self.measured == Measured::START { self.identify(p) } else { self.shape(p) }
+    }
+
+    fn identify(&mut self, p: &Parameters) {
+        if let Ok(arm) = find(&self.plan, self.experiment.response()) {
+            self.measured = measured(&arm);
+        }
+        self.rejected = !acceptable(p, &self.told.nominal, &self.measured);
+        self.derived = self.told.with_arm(&self.measured);
+    }
+
+    /// The bandwidth that is wished, or the largest below it that leaves the margins.
+    fn shape(&mut self, p: &Parameters) {
+        let (_, margins) = shape(&self.derived.nominal);
+        let bandwidth = &mut self.derived.nominal.servo.bandwidth;
+        if !margins.enough() || margins.sensitivity > p.commission.sensitivity_max {
+            *bandwidth *= NARROWER;
+            self.rejected = *bandwidth < BANDWIDTH_MIN * self.told.nominal.servo.bandwidth;
+            return;
+        }
+        (self.measured.valid, self.finished) = (true, true);
+        if p.commission.apply {
+            self.bring_into_force(self.derived);
+        }
+    }
+
+    fn bring_into_force(&mut self, values: Values) {
+        self.renewed |= values != self.in_force;
+        self.in_force = values;
+    }
+}
+
+/// The outputs of an arm.
+fn measured(arm: &FoundArm) -> Measured {
+    let FoundArm { inertia, viscous_friction, dry_friction, delay, frequency, damping, share } = *arm;
+    Measured {
+        valid: false,
+        inertia: inertia[0],
+        inertia_deviation: inertia[1],
+        viscous_friction: viscous_friction[0],
+        viscous_friction_deviation: viscous_friction[1],
+        dry_friction: dry_friction[0],
+        dry_friction_deviation: dry_friction[1],
+        io_delay: delay[0],
+        io_delay_deviation: delay[1],
+        tip_frequency: frequency[0],
+        tip_frequency_deviation: frequency[1],
+        tip_inertia: share[0],
+        tip_inertia_deviation: share[1],
+        tip_damping: damping[0],
+        tip_damping_deviation: damping[1],
+    }
+}

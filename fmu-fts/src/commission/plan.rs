@@ -1,0 +1,294 @@
+//! How far, how hard and how long a commission moves, under which loop.
+//!
+//! The arm is held by the lead-lag of the position loop with so low a crossover w_c that it is stable with g = 1/2 to 2 times
+//! the acceleration for a torque, a flexure of 0.7 to 1.43 times the frequency and half the damping, and two samples more of delay
+//! than told. A rigid arm with the lead of 4 has the open loop g |L|, |L| = 1 at w_c; it crosses at w_c times 0.6 to 1.7, with
+//! atan(4 x) - atan(x / 4) - atan(1 / 10 x), 50 degrees and more, less the delays: w_c = 0.35 / (1.7 tau) leaves them 20
+//! degrees. Beyond its crossover |L| is at most 4 (w_c / w)^2, and at its pole w_p the flexure makes m / (2 z sqrt(1 - m)) of it: the w_c at
+//! which the whole is 1/2 with g = 2 leaves a factor 2 of gain whatever the phase is.
+//!
+//! Each tone is so large that travel, torque and following error keep their bounds on every machine of that class: with the
+//! largest |T|, |K (1 - T)| and |1 - T| of them. About the flexure the torque is what bends it at its resonance half as far as full
+//! torque does at rest, twice as far with g = 2 and half the damping; slow tones alternate in size, so that dry and viscous friction tell apart.
+
+use std::f64::consts::TAU;
+
+use nalgebra::Complex;
+use serde::{Deserialize, Serialize};
+
+use crate::identify::experiment::Identification;
+use crate::identify::tone::{Expected, Tone};
+use crate::interface::{Parameters, Tip};
+use crate::servo::lead_lag::LeadLag;
+use crate::servo::loop_model::LoopModel;
+use crate::servo::nominal::Nominal;
+
+/// Acceleration for a torque, over that of what was told, that a commission can bear; or its reciprocal.
+pub const RATIO_MAX: f64 = 2.0;
+/// Frequency of the flexure over the told one; or its reciprocal.
+pub const FLEXURE_MAX: f64 = 1.43;
+/// Samples of delay more than told.
+pub const DELAY_SPREAD: i32 = 2;
+/// Least damping of a flexure over the told one, and least of all.
+const DAMPING: (f64, f64) = (0.5, 1e-3);
+/// Lead and lag of the compensator.
+const SHAPE: (f64, f64) = (4.0, 10.0);
+/// Largest crossing of a machine over that of the told one, and the phase (rad) that delays may take there.
+const CROSSING: f64 = 1.7;
+const PHASE: f64 = 0.35;
+/// Largest open loop beyond the crossing.
+const PEAK: f64 = 0.5;
+/// Slow tones over the crossover, and the part of the full size of each.
+const SLOW: [(f64, f64); 8] =
+    [(0.15, 1.0), (0.2, 0.5), (0.3, 1.0), (0.42, 0.5), (0.6, 1.0), (1.0, 1.0), (1.7, 1.0), (3.0, 1.0)];
+/// Quick tones over the frequency of the flexure.
+const QUICK: [f64; 16] = [0.25, 0.32, 0.4, 0.48, 0.56, 0.64, 0.72, 0.8, 0.88, 0.96, 1.04, 1.12, 1.2, 1.28, 1.36, 1.43];
+/// From this share on the tool may swing at its resonance.
+const BENDS_FROM: f64 = 0.44;
+/// Frequency that stands for the flexure of a rigid arm, rad/s; the highest tone, as a part of the sampling rate.
+const RIGID: f64 = TAU * 1200.0;
+const HIGHEST: f64 = 0.2;
+/// Time at a tone before it is measured, s: the integral of the slow loop.
+const SETTLE: f64 = 0.15;
+/// Part of `servo.torque_max` if nothing else is told.
+const TORQUE_SHARE: f64 = 0.2;
+/// Part of `limits.following_error` that a tone may have.
+const ERROR_SHARE: f64 = 0.7;
+/// A commission may take longer than its motions by this share and this time, s.
+const TIME_SPARE: (f64, f64) = (1.25, 1.0);
+
+/// Loop and tones of a commission.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Plan {
+    /// The machine as it was told.
+    pub told: Nominal,
+    /// The loop, of the arm as it was told.
+    pub model: LoopModel,
+    /// The tones.
+    pub tones: Vec<Tone>,
+}
+
+impl Plan {
+    /// The plan for these bounds.
+    pub fn new(p: &Parameters) -> Self {
+        let told = Nominal::from(p);
+        let compensator = compensator(&told);
+        let machines = machines(&told, compensator);
+        let tones = tones(&told, crossover(&told)).map(|(omega, part)| tone(p, omega, part, &machines)).collect();
+        Self { told, model: LoopModel::new(told, compensator), tones }
+    }
+
+    /// Amplitude (rad) of the set-point at the tone of this frequency, rad/s.
+    pub fn amplitude(&self, omega: f64) -> f64 {
+        let turns = omega * self.told.sample_period / TAU;
+        let near = |tone: &&Tone| (tone.frequency() / turns - 1.0).abs() < 1e-9;
+        self.tones.iter().find(near).map_or(0.0, |tone| tone.amplitude)
+    }
+
+    /// The experiment, before its first sample.
+    pub fn experiment(&self, p: &Parameters) -> Identification {
+        Identification::of(p, self.tones.clone(), SETTLE)
+    }
+}
+
+/// A machine that the plan is for: the loop on it, and its flexure.
+type Bearable = (LoopModel, Tip);
+
+/// The compensator that holds all of them.
+fn compensator(told: &Nominal) -> LeadLag {
+    let mut slow = *told;
+    (slow.servo.lead, slow.servo.lag) = SHAPE;
+    LeadLag::new(slow, crossover(told))
+}
+
+/// Its crossover w_c on the arm as it was told, rad/s.
+fn crossover(told: &Nominal) -> f64 {
+    let Nominal { sample_period, io_delay, servo, tip } = told;
+    let late = (f64::from(io_delay + DELAY_SPREAD) + 0.5) * sample_period
+        + servo.current_bandwidth.recip()
+        + servo.roll_off.recip();
+    let by_delay = PHASE / (CROSSING * late);
+    // the bandwidth is twice the crossover
+    let by_wish = 0.25 * servo.bandwidth;
+    let whole = (1.0 - tip.inertia).sqrt();
+    let pole = tip.frequency / FLEXURE_MAX / whole;
+    let peak = RATIO_MAX * SHAPE.0 * tip.inertia / (2.0 * damping(told) * whole);
+    let by_flexure = if tip.frequency * tip.inertia > 0.0 { pole * (PEAK / peak).sqrt() } else { f64::INFINITY };
+    by_delay.min(by_wish).min(by_flexure)
+}
+
+/// Least damping of the flexure.
+fn damping(told: &Nominal) -> f64 {
+    (DAMPING.0 * told.tip.damping).max(DAMPING.1)
+}
+
+/// Frequencies of the tones (rad/s) and the part of its full size that each has.
+fn tones(told: &Nominal, crossover: f64) -> impl Iterator<Item = (f64, f64)> {
+    let flexure = if told.tip.frequency > 0.0 { told.tip.frequency } else { RIGID };
+    let slow = SLOW.map(|(share, part)| (share * crossover, part));
+    let quick = QUICK.map(|share| (share * flexure, 1.0));
+    let highest = HIGHEST * TAU / told.sample_period;
+    let above = slow[SLOW.len() - 1].0;
+    slow.into_iter().chain(quick.into_iter().filter(move |(omega, _)| *omega > 1.05 * above && *omega <= highest))
+}
+
+/// The loop on machines at the edges of the class and between.
+fn machines(told: &Nominal, compensator: LeadLag) -> Vec<Bearable> {
+    let mut all = Vec::new();
+    for ratio in [RATIO_MAX.recip(), 1.0, RATIO_MAX] {
+        for io_delay in [0, told.io_delay, told.io_delay + DELAY_SPREAD] {
+            for step in -6..=6 {
+                let mut machine = Nominal { io_delay, ..*told };
+                machine.servo.inertia /= ratio;
+                machine.servo.viscous_friction = 0.0;
+                machine.tip.frequency *= FLEXURE_MAX.powf(f64::from(step) / 6.0);
+                machine.tip.damping = damping(told);
+                all.push((LoopModel::new(machine, compensator), machine.tip));
+            }
+        }
+    }
+    all
+}
+
+/// A tone that keeps all bounds on all machines.
+fn tone(p: &Parameters, omega: f64, part: f64, machines: &[Bearable]) -> Tone {
+    let length = p.tool.arm_length[p.tool.index()];
+    let (mut swing, mut push, mut error) = (0.0f64, 0.0f64, 0.0f64);
+    for (model, tip) in machines {
+        let closed = model.closed(omega);
+        swing = swing.max(closed.norm()).max((closed * tool_over_hub(tip, omega)).norm());
+        push = push.max((closed / model.arm(omega)).norm());
+        error = error.max((1.0 - closed).norm());
+    }
+    let torque = if omega < BENDS_FROM * p.tip.frequency || p.tip.inertia == 0.0 {
+        torque(p)
+    } else {
+        torque(p).min(bending(p))
+    };
+    let most =
+        (travel(p) / length / swing).min(torque / push).min(ERROR_SHARE * p.limits.following_error / length / error);
+    let any = Expected { response: Complex::ONE, stiffness: 1.0, hub_over_tool: 1.0 };
+    Tone { amplitude: part * most, ..Tone::new(p, omega, &any) }
+}
+
+/// Motion of the tool over that of the hub.
+fn tool_over_hub(tip: &Tip, omega: f64) -> Complex<f64> {
+    if tip.frequency == 0.0 {
+        return Complex::ONE;
+    }
+    let x = omega / tip.frequency;
+    let spring = Complex::new(1.0, 2.0 * tip.damping * x);
+    spring / (spring - x * x)
+}
+
+/// Torque (N.m) that bends the flexure at its resonance half as far as `servo.torque_max` does at rest.
+fn bending(p: &Parameters) -> f64 {
+    p.tip.damping.max(DAMPING.1) * p.servo.torque_max / (1.0 - p.tip.inertia).sqrt()
+}
+
+/// Farthest way of the tool (m) from where it was: `commission.travel`, or the amplitude of an identification.
+pub fn travel(p: &Parameters) -> f64 {
+    if p.commission.travel > 0.0 { p.commission.travel } else { p.identify.amplitude }
+}
+
+/// Largest torque (N.m) of a tone: `commission.torque`, or a fifth of the drive's.
+pub fn torque(p: &Parameters) -> f64 {
+    if p.commission.torque > 0.0 { p.commission.torque } else { TORQUE_SHARE * p.servo.torque_max }
+}
+
+/// Longest commission (s): `commission.time`, or what its motions take and some more.
+pub fn time(p: &Parameters) -> f64 {
+    if p.commission.time > 0.0 { p.commission.time } else { TIME_SPARE.0 * least_time(p) + TIME_SPARE.1 }
+}
+
+/// Time (s) that the motions of a commission take.
+pub fn least_time(p: &Parameters) -> f64 {
+    Plan::new(p).experiment(p).duration()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::servo::design::LoopMargins;
+
+    /// Machines of the class that the plan was not made with.
+    fn others(told: &Nominal, mut each: impl FnMut(&Nominal)) {
+        for ratio in [0.5, 0.6, 0.85, 1.3, 1.7, 2.0] {
+            for io_delay in 0..=told.io_delay + DELAY_SPREAD {
+                for factor in [0.7, 0.83, 0.97, 1.13, 1.29, 1.43] {
+                    for damping in [0.5, 1.0, 2.0] {
+                        let mut machine = Nominal { io_delay, ..*told };
+                        machine.servo.inertia /= ratio;
+                        machine.tip.frequency *= factor;
+                        machine.tip.damping *= damping;
+                        each(&machine);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_loop_is_stable_with_margins_on_every_machine_that_it_is_for() {
+        for (bandwidth, damping, delay) in [(230.0, 0.02, 1), (300.0, 0.02, 0), (100.0, 0.005, 3), (230.0, 0.1, 2)] {
+            let mut p = Parameters::START;
+            (p.servo.bandwidth, p.tip.damping, p.io_delay) = (TAU * bandwidth, damping, delay);
+            let (told, plan) = (Nominal::from(&p), Plan::new(&p));
+            others(&told, |machine| {
+                let margins = LoopMargins::of(machine, &LoopModel::new(*machine, *plan.model.compensator()));
+                // 30 degrees, and a factor 2 that the peak leaves whatever its phase is
+                assert!(
+                    margins.phase > 0.52 && margins.gain > 1.9 && margins.sensitivity < 2.1,
+                    "{machine:?}: {margins:?}"
+                );
+            });
+        }
+    }
+
+    #[test]
+    fn no_machine_goes_beyond_travel_torque_or_following_error() {
+        for (way, push) in [(0.0, 0.0), (2e-4, 0.0), (0.0, 0.5)] {
+            let mut p = Parameters::START;
+            (p.commission.travel, p.commission.torque) = (way, push);
+            let plan = Plan::new(&p);
+            let mut most = [0.0f64; 3];
+            others(&Nominal::from(&p), |machine| {
+                let model = LoopModel::new(*machine, *plan.model.compensator());
+                for tone in &plan.tones {
+                    let omega = TAU * tone.frequency() / p.sample_period;
+                    let closed = model.closed(omega);
+                    let tool = (closed * tool_over_hub(&machine.tip, omega)).norm().max(closed.norm());
+                    let sizes = [0.08 * tool, (closed / model.arm(omega)).norm(), 0.08 * (1.0 - closed).norm()];
+                    (0..3).for_each(|i| most[i] = most[i].max(tone.amplitude * sizes[i]));
+                }
+            });
+            // between the machines of the plan there is a little more
+            let limits = [travel(&p), torque(&p), ERROR_SHARE * p.limits.following_error];
+            (0..3).for_each(|i| assert!(most[i] < 1.03 * limits[i], "{way} {push}, {i}: {most:?}"));
+        }
+    }
+
+    #[test]
+    fn the_tones_reach_the_flexure_from_far_below_to_far_above_and_keep_to_the_sampling_rate() {
+        let mut p = Parameters::START;
+        for (hertz, highest) in [(1200.0, 1.43 * 1200.0), (1900.0, 2000.0), (0.0, 1.43 * 1200.0)] {
+            p.tip.frequency = TAU * hertz;
+            let tones = Plan::new(&p).tones;
+            let frequencies: Vec<f64> = tones.iter().map(|tone| tone.frequency() / p.sample_period).collect();
+            assert!(frequencies.is_sorted() && frequencies[0] < 10.0, "{frequencies:?}");
+            assert!(frequencies.last().unwrap() / highest < 1.001 && frequencies.last().unwrap() / highest > 0.9);
+        }
+    }
+
+    #[test]
+    fn bounds_of_the_defaults_and_bounds_that_are_told() {
+        let mut p = Parameters::START;
+        assert_eq!((travel(&p), torque(&p)), (1.75e-3, 1.4));
+        // 24 tones of 0.05 + 0.15 s and at least 0.2 s, and the glide to rest
+        let least = least_time(&p);
+        assert!(least > 24.0 * 0.4 + 0.05 && least < 24.0 * 0.42, "{least}");
+        assert_eq!(time(&p), 1.25 * least + 1.0);
+        (p.commission.travel, p.commission.torque, p.commission.time) = (2e-4, 3.0, 33.0);
+        assert_eq!((travel(&p), torque(&p), time(&p)), (2e-4, 3.0, 33.0));
+    }
+}

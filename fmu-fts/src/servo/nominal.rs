@@ -1,0 +1,24 @@
+//! What the position loop is designed for: arm, drive, delay and sample period.
+
+use serde::{Deserialize, Serialize};
+
+use crate::interface::{Parameters, Servo, Tip};
+
+/// The nominal machine of the loop.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Nominal {
+    /// Sample period, s.
+    pub sample_period: f64,
+    /// Samples between a command and its action.
+    pub io_delay: i32,
+    /// Arm, drive and what is wished of the loop.
+    pub servo: Servo,
+    /// Flexure.
+    pub tip: Tip,
+}
+
+impl From<&Parameters> for Nominal {
+    fn from(p: &Parameters) -> Self {
+        Self { sample_period: p.sample_period, io_delay: p.io_delay, servo: p.servo, tip: p.tip }
+    }
+}

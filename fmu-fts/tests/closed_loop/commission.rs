@@ -1,0 +1,333 @@
+//! The state `Commission`: what it finds on machines that nobody has measured, and what it keeps to.
+
+use std::f64::consts::TAU;
+
+use fmu_fts::interface::{Fault, Input, Mode, Parameters, State};
+use rand::{RngExt, SeedableRng};
+
+use crate::machine::{Build, RPM};
+use crate::run::Loop;
+
+/// Longest commission, s.
+const LIMIT: f64 = 20.0;
+/// The spindle stands, and the tool is in the air.
+const STANDING: Build = Build { speed: |_| 0.0, cutting: [0.0; 3], ..Build::NOMINAL };
+/// An arm that is neither as heavy nor as stiff nor as quick as told.
+const OTHER: Build = Build { gain: 0.75, flexure: 1000.0, damping: 0.016, coulomb: 0.012, delay: 2, ..STANDING };
+
+/// Asks for a commission and for nothing else.
+fn ask(input: &mut Input) {
+    (input.enable, input.mode, input.commission) = (false, Mode::Idle, true);
+}
+
+/// Asks for nothing.
+fn rest(input: &mut Input) {
+    (input.enable, input.mode) = (false, Mode::Idle);
+}
+
+/// Steps into the commission, and `time` s on.
+fn begin(run: &mut Loop, time: f64) {
+    (0..200).for_each(|_| run.step_with(rest));
+    run.step_with(ask);
+    assert_eq!(run.output.state, State::Commission, "{:?}", run.output);
+    let until = run.time() + time;
+    while run.time() < until {
+        run.step_with(ask);
+    }
+}
+
+/// Runs until the commission is over; the farthest way of the tool (m) and the largest torque (N.m).
+fn commission(run: &mut Loop) -> [f64; 2] {
+    begin(run, 0.0);
+    let (start, mut most) = (run.machine.tip_depth(), [0.0f64; 2]);
+    while run.output.state == State::Commission {
+        most = [most[0].max((run.machine.tip_depth() - start).abs()), most[1].max(run.output.torque.abs())];
+        run.step_with(ask);
+        assert!(run.time() < LIMIT, "{:?}", run.output);
+    }
+    most
+}
+
+/// A machine within 30 % of what the controller is told: inertia and gain of the drive, of which the ratio counts.
+fn unknown(seed: u64) -> Build {
+    let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(seed);
+    let mut within = || random.random_range(0.7..1.3);
+    Build {
+        gain: within() / within(),
+        flexure: 1200.0 * within(),
+        damping: 0.02 * within(),
+        coulomb: 0.01 * within(),
+        delay: (seed % 3) as usize,
+        ..STANDING
+    }
+}
+
+fn applied() -> Parameters {
+    let mut p = Parameters::START;
+    p.commission.apply = true;
+    p
+}
+
+#[test]
+fn unknown_machines_are_measured_within_their_deviations() {
+    for seed in 70..79 {
+        let build = unknown(seed);
+        let mut run = Loop::new(&Parameters::START, &build, seed);
+        let [way, torque] = commission(&mut run);
+        let m = &run.output.measured;
+        assert_eq!((run.output.state, run.output.fault, m.valid), (State::Idle, Fault::None, true), "{seed}: {m:?}");
+        assert!(way < 1.75e-3 && torque < 1.4, "{seed}: {way} {torque}");
+        let errors = [
+            (m.inertia - 8e-4 / build.gain) / m.inertia_deviation,
+            (m.viscous_friction - 2e-3 / build.gain) / m.viscous_friction_deviation,
+            (m.dry_friction - build.coulomb / build.gain) / m.dry_friction_deviation,
+            (m.io_delay - build.delay as f64) / m.io_delay_deviation,
+            (m.tip_frequency - TAU * build.flexure) / m.tip_frequency_deviation,
+            (m.tip_inertia - 0.4375) / m.tip_inertia_deviation,
+            (m.tip_damping - build.damping) / m.tip_damping_deviation,
+        ];
+        println!("{seed}: errors in deviations {errors:.1?}, {m:?}");
+        assert!(errors.iter().all(|error| error.abs() < 4.0), "{seed}: {errors:?}");
+        assert!(m.inertia_deviation < 3e-3 * m.inertia && m.io_delay_deviation < 0.05, "{seed}: {m:?}");
+        assert!(m.tip_frequency_deviation < 0.01 * m.tip_frequency, "{seed}: {m:?}");
+    }
+}
+
+#[test]
+fn what_was_measured_is_used_on_request_and_the_lens_is_then_cut_as_ever() {
+    for apply in [false, true] {
+        let mut p = applied();
+        p.commission.apply = apply;
+        let mut run = Loop::new(
+            &p,
+            &Build { cutting: [2.0, 0.1, 0.03], speed: |t| if t < 11.0 { 0.0 } else { 600.0 * RPM }, ..OTHER },
+            83,
+        );
+        commission(&mut run);
+        let (m, servo) = (run.output.measured, run.parameters.servo);
+        let folder = tempfile::tempdir().unwrap();
+        let mut named = p.clone();
+        named.commission.export = folder.path().join("found.json").to_str().unwrap().into();
+        run.controller.export(&named).unwrap();
+        let told = std::fs::read_to_string(&named.commission.export).unwrap();
+        assert!(told.contains(&format!("\"servo.inertia\": {:e},", m.inertia)), "{told}");
+        run.step_with(rest);
+        assert_eq!(run.parameters.servo.inertia, if apply { m.inertia } else { 8e-4 });
+        assert_eq!((run.parameters.io_delay, run.parameters.tip == p.tip), if apply { (2, false) } else { (1, true) });
+        assert!(servo.bandwidth <= p.servo.bandwidth && servo.bandwidth > 0.7 * p.servo.bandwidth);
+        let expected = if apply { m.tip_frequency } else { p.tip.frequency };
+        assert_eq!(run.output.response.tip_frequency, expected);
+        while run.time() < 11.2 {
+            run.step_with(rest);
+        }
+        (run.input.enable, run.input.mode) = (true, Mode::Track);
+        run.run_to(15.0);
+        let measured = run.measure(0.5);
+        println!("{apply}: {measured:.3?}, drive share {:.2}", run.output.path_torque_share);
+        assert_eq!((run.output.state, run.output.fault), (State::Track, Fault::None));
+        assert!(measured.rms < 0.6, "{apply}: {measured:?}");
+        // the torque that the path takes is now the one that is expected
+        assert_eq!((run.output.path_torque_share - 1.0).abs() < 0.05, apply, "{}", run.output.path_torque_share);
+    }
+}
+
+#[test]
+fn it_is_broken_off_into_rest_and_what_was_told() {
+    type Break = fn(&mut Input);
+    let ways: [Break; 3] = [
+        |input| input.commission = false,
+        |input| (input.enable, input.commission) = (true, true),
+        |input| (input.enable, input.mode, input.commission) = (true, Mode::Track, true),
+    ];
+    let p = applied();
+    for time in [0.005, 0.4, 3.0, 7.0] {
+        for way in ways {
+            let mut run = Loop::new(&p, &OTHER, 84);
+            begin(&mut run, time);
+            let quiet = |input: &mut Input| {
+                rest(input);
+                way(input);
+            };
+            run.step_with(quiet);
+            assert!(matches!(run.output.state, State::Retract | State::Idle), "{time}: {:?}", run.output.state);
+            // a swing fades in its glide, and nothing begins again without a new edge
+            (0..3000).for_each(|_| run.step_with(quiet));
+            assert_eq!((run.output.state, run.output.fault, run.output.torque), (State::Idle, Fault::None, 0.0));
+            assert!(!run.output.measured.valid);
+            assert_eq!(run.parameters, p);
+        }
+    }
+}
+
+#[test]
+fn it_never_begins_by_itself_and_no_job_begins_after_it() {
+    let mut run = Loop::new(&Parameters::START, &STANDING, 85);
+    for _ in 0..1000 {
+        // true from the first sample on is no edge
+        run.step_with(ask);
+        assert_eq!(run.output.state, State::Idle);
+    }
+    // the arm holds, and a commission waits for `Idle`
+    let hold = |input: &mut Input| (input.enable, input.mode, input.commission) = (true, Mode::Hold, true);
+    run.step_with(|input| (input.enable, input.mode) = (true, Mode::Hold));
+    (0..100).for_each(|_| run.step_with(hold));
+    assert_eq!(run.output.state, State::Hold);
+}
+
+#[test]
+fn it_begins_from_done_and_the_job_before_does_not_begin_again() {
+    let mut run = Loop::new(&Parameters::START, &Build { cutting: [0.0; 3], ..Build::NOMINAL }, 86);
+    run.run_to(0.6);
+    assert_eq!(run.output.state, State::Track);
+    run.feed(0.2);
+    while run.output.state == State::Track {
+        run.step();
+    }
+    run.feed(0.0);
+    run.run_to(run.time() + 0.5);
+    assert_eq!(run.output.state, State::Done);
+    let still_wanted = |input: &mut Input| input.commission = true;
+    run.step_with(still_wanted);
+    assert_eq!(run.output.state, State::Commission);
+    (0..20_000).for_each(|_| run.step_with(still_wanted));
+    assert_eq!(run.output.state, State::Commission, "{:?}", run.output.fault);
+    (0..5000).for_each(|_| run.step());
+    assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::None));
+    // another job does
+    run.input.mode = Mode::Hold;
+    run.step();
+    assert_eq!(run.output.state, State::Hold);
+}
+
+#[test]
+fn another_commission_finds_the_same_again() {
+    let mut run = Loop::new(&applied(), &OTHER, 87);
+    commission(&mut run);
+    let first = run.output.measured;
+    let start = run.time();
+    (0..1000).for_each(|_| run.step_with(rest));
+    run.step_with(ask);
+    while run.output.state == State::Commission {
+        assert!(run.time() < start + LIMIT, "{:?}", run.output);
+        run.step_with(ask);
+    }
+    let second = run.output.measured;
+    assert!(second.valid, "{second:?}");
+    assert!((second.inertia - first.inertia).abs() < 4.0 * first.inertia_deviation, "{first:?} {second:?}");
+    let change = (second.tip_frequency - first.tip_frequency).abs();
+    assert!(change < 4.0 * first.tip_frequency_deviation, "{first:?} {second:?}");
+}
+
+#[test]
+fn what_is_not_sure_or_not_for_this_controller_is_rejected_with_its_numbers() {
+    let unsure = |p: &mut Parameters| p.commission.deviation_max = 1e-6;
+    let stiff = |p: &mut Parameters| p.commission.sensitivity_max = 1.3;
+    type Change = fn(&mut Parameters);
+    let cases: [(Change, Build); 4] = [
+        (unsure, STANDING),
+        (stiff, OTHER),
+        (|_| (), Build { gain: 0.47, ..STANDING }),
+        (|_| (), Build { flexure: 1750.0, ..STANDING }),
+    ];
+    for (change, build) in cases {
+        let mut p = applied();
+        change(&mut p);
+        let mut run = Loop::new(&p, &build, 88);
+        commission(&mut run);
+        assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::CommissionRejected), "{build:?}");
+        let m = &run.output.measured;
+        assert!(!m.valid && (m.inertia * build.gain / 8e-4 - 1.0).abs() < 0.01, "{build:?}: {m:?}");
+        (0..10_000).for_each(|_| run.step_with(rest));
+        assert_eq!(run.parameters, p);
+        assert!(run.output.drive_enable && run.output.torque == 0.0);
+        run.step_with(|input| (input.enable, input.reset_fault) = (false, true));
+        assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::None));
+    }
+}
+
+#[test]
+fn a_drive_that_is_lost_or_turns_round_is_found_before_the_arm_has_gone_far() {
+    for time in [0.3, 2.6, 6.0] {
+        for (gain, faults) in [
+            (0.0, &[Fault::WeakDrive, Fault::FollowingError, Fault::FrozenReading, Fault::CommissionRejected][..]),
+            (-1.0, &[Fault::DriveSign, Fault::WeakDrive, Fault::FollowingError, Fault::ReadingJump][..]),
+        ] {
+            let mut run = Loop::new(&applied(), &STANDING, 89);
+            begin(&mut run, 0.0);
+            let place = run.machine.tip_depth();
+            begin_over(&mut run, time);
+            run.machine.set_gain(gain);
+            while run.output.state == State::Commission {
+                run.step_with(ask);
+                assert!(run.time() < LIMIT, "{:?}", run.output);
+            }
+            assert!(faults.contains(&run.output.fault), "{time} {gain}: {:?}", run.output.fault);
+            // its travel of 1.75 mm, the following error of 1 mm and the samples until it is told
+            let way = (run.machine.tip_depth() - place).abs();
+            assert!(way < 3.5e-3, "{time} {gain}: {way}");
+        }
+    }
+}
+
+/// Goes on with a commission for `time` s.
+fn begin_over(run: &mut Loop, time: f64) {
+    let until = run.time() + time;
+    while run.time() < until {
+        run.step_with(ask);
+    }
+    assert_eq!(run.output.state, State::Commission);
+}
+
+#[test]
+fn state_bytes_continue_a_commission_bit_for_bit() {
+    for time in [0.01, 4.0, 9.9] {
+        let mut run = Loop::new(&applied(), &OTHER, 90);
+        begin(&mut run, time);
+        let mut copy = run.reloaded();
+        while run.output.state == State::Commission {
+            run.step_with(ask);
+            copy.step_with(ask);
+            assert_eq!(copy.output, run.output);
+        }
+        assert!(run.output.measured.valid);
+    }
+}
+
+#[test]
+fn a_lost_reading_now_and_then_does_not_matter_and_a_lost_encoder_ends_it() {
+    let mut run = Loop::new(&Parameters::START, &OTHER, 91);
+    begin(&mut run, 0.0);
+    let mut k = 0;
+    while run.output.state == State::Commission {
+        k += 1;
+        run.step_with(|input| {
+            ask(input);
+            if k % 100 == 0 {
+                input.arm_angle = f64::NAN;
+            }
+        });
+    }
+    assert!(run.output.measured.valid, "{:?}", run.output);
+    assert!((run.output.measured.inertia * OTHER.gain / 8e-4 - 1.0).abs() < 0.01);
+    let mut run = Loop::new(&Parameters::START, &OTHER, 92);
+    begin(&mut run, 3.0);
+    for _ in 0..10 {
+        run.step_with(|input| {
+            ask(input);
+            input.arm_angle = f64::NAN;
+        });
+    }
+    assert_eq!((run.output.fault, run.output.drive_enable), (Fault::LostReading, false));
+}
+
+#[test]
+fn a_rigid_arm_stays_rigid() {
+    let mut p = applied();
+    (p.tip.frequency, p.tip.inertia) = (0.0, 0.0);
+    let build = Build { flexure: 20_000.0, gain: 0.8, ..STANDING };
+    let mut run = Loop::new(&p, &build, 93);
+    commission(&mut run);
+    let m = &run.output.measured;
+    assert_eq!((run.output.fault, m.valid, m.tip_frequency), (Fault::None, true, 0.0), "{m:?}");
+    assert!((m.inertia * build.gain / 8e-4 - 1.0).abs() < 0.01 && (m.io_delay - 1.0).abs() < 0.1, "{m:?}");
+}

@@ -1,0 +1,190 @@
+"""Fast tool servo on machines that nobody has measured: `studies/fts-commission*.toml`, before and after.
+
+Half of the machines use what the commission has measured, the other half what they were told.
+`pytest -m full -rP` runs the whole studies and prints the tables of `fmu-fts/README.md`.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from .measured import store
+from .samples import studies
+from .samples.runs import run, trace, value
+
+pytestmark = pytest.mark.acceptance
+
+FEW = (6, 93_017)
+"""Machines of the default run, and their seed; no study has it."""
+FEW_AT_500_HZ = (3, 93_018)
+TURN = 2.0 * np.pi
+
+
+class Machine(studies.Machine):
+    """A machine of the study and how it ended."""
+
+    @property
+    def applied(self) -> bool:
+        """Whether it uses what was measured."""
+        return bool(self.changes["controller.commission.apply"])
+
+    @property
+    def inertia(self) -> float:
+        """Inertia that goes with the torque that was told."""
+        inertia = self.changes["plant.hub_inertia"] + self.changes["plant.arm_inertia"]
+        return float(inertia / self.changes["plant.torque_gain"])
+
+    @property
+    def friction(self) -> float:
+        """Dry friction that goes with it."""
+        return float(self.changes["plant.coulomb_friction"] / self.changes["plant.torque_gain"])
+
+    @property
+    def flexure(self) -> float:
+        """Natural frequency of the arm on the locked hub, Hz."""
+        return float(self.changes["plant.flexure_frequency"])
+
+    @property
+    def delay(self) -> int:
+        """Samples between a command and its action."""
+        return int(self.changes["loop.compute_delay"] + self.changes["wire.plant.torque.delay"])
+
+
+def machines(name: str, few: tuple[int, int] | None = None) -> list[Machine]:
+    """Machines of a study, or so many that are drawn anew with a seed."""
+    return [Machine(one.changes, one.result) for one in studies.machines(name, few)]
+
+
+def errors(found: Sequence[Machine]) -> dict[str, np.ndarray]:
+    """What was measured against what is true: shares, and samples of delay."""
+    return {
+        "inertia": np.array([one["inertia"] / one.inertia - 1.0 for one in found]),
+        "friction": np.array([one["dry_friction"] / one.friction - 1.0 for one in found]),
+        "flexure": np.array([one["tip_frequency"] / one.flexure - 1.0 for one in found]),
+        "delay": np.array([one["io_delay"] - one.delay for one in found]),
+    }
+
+
+def ends(those: Sequence[Machine]) -> dict[str, float]:
+    """How machines ended: so many of each kind, and errors (um)."""
+    rms, tip = (np.array([one[name] for one in those]) * 1e6 for name in ("rms", "tip"))
+    return {
+        "machines": len(those),
+        **{name: sum(one[name] > 0.0 for one in those) for name in ("good", "named", "silent")},
+        "rms": float(np.median(rms)), "rms_most": rms.max(), "tip": float(np.median(tip)), "tip_most": tip.max(),
+    }  # fmt: skip
+
+
+def tell(found: Sequence[Machine]) -> None:
+    """Print how the machines ended, apart by whether they use what was measured, and what that was."""
+    for applied in (False, True):
+        print(f"applied {applied}:", ends([one for one in found if one.applied is applied]))
+    for name, error in errors(found).items():
+        print(f"{name}: {error.min():+.4f} to {error.max():+.4f}")
+    for name in ("commissioned", "travel", "swing_torque"):
+        print(f"{name}: at most {max(one[name] for one in found):.4g}")
+    print(f"bandwidth: at least {min(one['bandwidth'] for one in found if one.applied):.0f} Hz")
+
+
+def keep(name: str, found: Sequence[Machine]) -> None:
+    """Keep what the machines ended with, apart by whether they use what was measured."""
+    for row, applied in (("told", False), ("applied", True)):
+        store.measured(name, row, **ends([one for one in found if one.applied is applied]))
+
+
+def keep_measured(found: Sequence[Machine]) -> None:
+    """Keep how true the measurements are."""
+    limits = {
+        f"{name}_{end}": (1.0 if name == "delay" else 100.0) * limit
+        for name, error in errors(found).items()
+        for end, limit in (("least", error.min()), ("most", error.max()))
+    }
+    store.measured(
+        "fts-measured", "found", machines=len(found), seconds=max(one["commissioned"] for one in found),
+        rounded=int(sum(abs(errors(found)["delay"]) < 0.5)),
+        travel=1e3 * max(one["travel"] for one in found), torque=max(one["swing_torque"] for one in found),
+        bandwidth=min(one["bandwidth"] for one in found if one.applied), **limits,
+    )  # fmt: skip
+
+
+def hold(found: Sequence[Machine], least: float) -> None:
+    """Hold the machines that use what was measured against the demand, and all against what it keeps to."""
+    tell(found)
+    applied = [one for one in found if one.applied]
+    assert sum(one["good"] for one in applied) >= least * len(applied)
+    for one in found:
+        assert one["commissioned"] < 120.0
+        assert one["travel"] < 1.75e-3
+        assert one["swing_torque"] < 1.4
+    for name, most in {"inertia": 0.01, "friction": 0.06, "flexure": 0.013, "delay": 0.5}.items():
+        assert abs(errors(found)[name]).max() < most, name
+
+
+def test_a_few_machines() -> None:
+    hold(machines("fts-commission", FEW), 1.0)
+
+
+def test_a_few_machines_at_500_hz() -> None:
+    hold(machines("fts-commission-500hz", FEW_AT_500_HZ), 1.0)
+
+
+@pytest.mark.full
+def test_the_whole_study() -> None:
+    found = machines("fts-commission")
+    assert len(found) == 200
+    hold(found, 0.95)
+    keep("fts-commission", found)
+    keep_measured(found)
+
+
+@pytest.mark.full
+def test_the_whole_study_at_500_hz() -> None:
+    found = machines("fts-commission-500hz")
+    hold(found, 0.95)
+    keep("fts-commission-500hz", found)
+
+
+def test_what_was_measured_is_true_within_its_deviations() -> None:
+    rows = trace(run("fts/commission"))
+    gain = 0.85
+    truth = {
+        "viscous_friction": 2.6e-3 / gain,
+        "dry_friction": 0.013 / gain,
+        "io_delay": 2.0,
+        "tip_frequency": TURN * 930.0,
+        "tip_inertia": 4.2 / 9.6,
+        "tip_damping": 0.016,
+    }
+    for name, expected in truth.items():
+        measured, deviation = (
+            float(rows[f"controller.measured.{name}{kind}"][-1]) for kind in ("", "_deviation")
+        )
+        assert abs(measured - expected) < 4.0 * deviation, name
+
+
+def test_the_file_of_the_results_is_taken_as_parameters(tmp_path: Path) -> None:
+    file = tmp_path / "found.json"
+    result = run("fts/commission", f"controller.commission.export='{file}'")
+    found = json.loads(file.read_text(encoding="utf-8"))
+    assert found["servo.inertia"] == value(result, "inertia")
+    assert found["io_delay"] == round(value(result, "io_delay"))
+    told = [f"controller.{name}={given}" for name, given in found.items()]
+    # told beforehand, and nothing is commissioned
+    changes = (
+        *told,
+        "controller.commission.apply=false",
+        "signal.controller.commission.values=[false, false]",
+    )
+    assert value(run("fts/commission", *changes), "good") == 1.0
+
+
+def test_a_file_that_cannot_be_written_stops_no_machine(tmp_path: Path) -> None:
+    file = tmp_path / "no" / "found.json"
+    result = run("fts/commission", f"controller.commission.export='{file}'")
+    assert value(result, "good") == 1.0
+    assert not file.exists()
