@@ -2,6 +2,7 @@
 
 use control_blocks::{Check, Parameter, ParameterError, check_all};
 
+use crate::commission::plan;
 use crate::interface::Law;
 use crate::interface::Parameters;
 use crate::limits::{GRAVITY, TRIAL_MOVE_MIN, look_ahead, spindle_acceleration};
@@ -11,7 +12,7 @@ use crate::limits::{GRAVITY, TRIAL_MOVE_MIN, look_ahead, spindle_acceleration};
 /// # Errors
 /// When a parameter does not fit the others.
 pub fn check(p: &Parameters) -> Result<(), ParameterError> {
-    const CHECKS: [Check<Parameters>; 14] = [
+    const CHECKS: [Check<Parameters>; 17] = [
         park,
         gap,
         trial,
@@ -26,6 +27,9 @@ pub fn check(p: &Parameters) -> Result<(), ParameterError> {
         rates,
         push_velocities,
         spindle_speed,
+        commission_travel,
+        commission_acceleration,
+        commission_time,
     ];
     check_all(p, &CHECKS)
 }
@@ -148,6 +152,25 @@ fn spindle_speed(p: &Parameters) -> Result<(), ParameterError> {
     let most = ((held * held - rim * rim).sqrt() / eccentricity).sqrt();
     let hint = "or the ring flies off; lower it, `spindle.acceleration` or `ring.eccentricity_max`";
     speed(hint).at_most(most, "what `limits.friction` holds at `ring.eccentricity_max` (eq. 2)")
+}
+
+fn commission_travel(p: &Parameters) -> Result<(), ParameterError> {
+    let hint = "what is not to be met by an approach is not to be met by a commission";
+    Parameter::new("commission.travel", p.commission.travel, "m", hint)
+        .at_most(p.approach.travel_max, "the `approach.travel_max`")
+}
+
+fn commission_acceleration(p: &Parameters) -> Result<(), ParameterError> {
+    let acceleration = Parameter::new("commission.acceleration", p.commission.acceleration, "m/s2", "lower it");
+    acceleration.at_most(p.slide.acceleration_max, "the `slide.acceleration_max`")
+}
+
+fn commission_time(p: &Parameters) -> Result<(), ParameterError> {
+    let hint = "or every commission ends in `NoProgress`";
+    let (value, least) = (p.commission.time, plan::least_time(p));
+    Parameter::new("commission.time", value, "s", hint).must_be(value == 0.0 || value >= least, || {
+        format!("`0`, or at least `{least} s`, the time that its motions take")
+    })
 }
 
 #[cfg(test)]

@@ -6,7 +6,13 @@ use crate::law::Verdict;
 impl State {
     /// Whether a centring is under way or finished, but not faulted.
     pub fn active(self) -> bool {
-        !matches!(self, Self::Idle | Self::Fault)
+        !matches!(self, Self::Idle | Self::Fault | Self::Commission)
+    }
+
+    /// Whether a commission is asked for: by a rising edge of `commission` here, or by one `before` that still waits for a slide at
+    /// rest.
+    pub fn asked(self, before: bool, edge: bool, commission: bool) -> bool {
+        self == Self::Idle && commission && (before || edge)
     }
 
     /// Whether the slide follows the surface of the ring, without contact of the pusher.
@@ -52,17 +58,26 @@ pub struct Events {
     pub stroke_over: bool,
     /// The probe has answered the test before the end.
     pub confirmed: bool,
+    /// A commission is asked for, see [`State::asked`].
+    pub commission: bool,
+    /// The commission is to be broken off.
+    pub break_off: bool,
+    /// The commission has come to its end.
+    pub commissioned: bool,
 }
 
 /// The state after `state` and `events`; a fault comes first, then the end of `enable`.
 pub fn next(state: State, events: &Events) -> State {
-    use State::{Approach, Centred, Collect, Confirm, Fault, Follow, Idle, Model, Push, Settle, Wait};
+    use State::{Approach, Centred, Collect, Commission, Confirm, Fault, Follow, Idle, Model, Push, Settle, Wait};
     match state {
         Fault if events.reset && events.at_rest && events.fault.is_none() => Idle,
         Fault => Fault,
         _ if events.fault.is_some() => Fault,
         Idle if events.start => Approach,
+        Idle if events.commission && events.at_rest => Commission,
         Idle => Idle,
+        Commission if events.break_off || events.commissioned => Idle,
+        Commission => Commission,
         _ if !events.enabled => Idle,
         Approach if events.touched => Follow,
         Follow | Settle if events.settled => Collect,

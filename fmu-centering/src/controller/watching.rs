@@ -2,13 +2,14 @@
 
 use control_blocks::SafeEnd;
 
+use crate::commission::plan;
 use crate::controller::Controller;
 use crate::faults::{Watched, graver};
-use crate::interface::{Fault, Parameters, State};
+use crate::interface::{Fault, Measured, Parameters, State};
 use crate::limits::{job_time, slowest_servo, trial_move};
 use crate::machine::Events;
 use crate::monitoring::{Phase, believable_share};
-use crate::sensing::{Freedom, Reading};
+use crate::sensing::{Freedom, Reading, Servo};
 
 /// Velocity of the slide in the test of the probe (m/s), and the time after which it is at rest there, s.
 const TRIAL_VELOCITY: f64 = 0.01;
@@ -47,10 +48,14 @@ impl Controller {
             estimate: self.estimate.as_ref(),
         };
         let centring = self.state.active() && self.state != State::Centred;
-        if centring {
+        let commission = self.state == State::Commission;
+        if centring || commission {
             self.progress.count();
         }
-        let late = centring && self.progress.samples() > u64::from(p.ticks(job_time(p, view.speed)));
+        let longest = if commission { plan::time(p) } else { job_time(p, view.speed) };
+        let late = (centring || commission) && self.progress.samples() > u64::from(p.ticks(longest));
+        // strokes are for a probe that nothing touches
+        let rejected = commission && (self.commissioner.rejected() || self.calm.probe > p.probe.contact);
         let found = [
             reading.fault,
             (frozen || astray).then_some(Fault::FrozenProbe),
@@ -58,6 +63,7 @@ impl Controller {
             self.supervisor.check(p, &view),
             (self.state.active() && self.table.disobeys(p)).then_some(Fault::SpindleSpeed),
             late.then_some(Fault::NoProgress),
+            rejected.then_some(Fault::CommissionRejected),
         ];
         graver(&found)
     }
@@ -91,16 +97,37 @@ impl Controller {
         if self.state != State::Follow || !events.settled {
             return;
         }
-        self.servo = self.servo_estimator.servo(p);
+        self.servo = self.servo_estimator.servo(p.sample_period);
         if p.learns_servo() && self.servo.is_some_and(|servo| servo.sure() && servo.bandwidth < slowest_servo(p)) {
             events.fault = Some(Fault::SlowServo);
         }
     }
 
-    /// Bandwidth of the servo with which strokes are planned, rad/s: as found where that is sure, else as told.
+    /// The servo as the way to the ring has told it, where no commission knows it better.
+    fn told_on_the_way(&self) -> Option<Servo> {
+        let commissioned = self.commissioner.servo().map_or(f64::INFINITY, |servo| servo.deviation);
+        self.servo.filter(|servo| servo.deviation < commissioned)
+    }
+
+    /// Bandwidth of the servo with which strokes are planned, rad/s: as found on the way to the ring where that is sure, else as
+    /// the parameters in force have it.
     pub(super) fn bandwidth(&self, p: &Parameters) -> f64 {
-        let found = self.servo.filter(|servo| servo.sure() && p.learns_servo());
+        let found = self.told_on_the_way().filter(|servo| servo.sure() && p.learns_servo());
         found.map_or(p.slide.bandwidth, |servo| servo.bandwidth)
+    }
+
+    /// What is known of the machine, of each number the surest.
+    pub(super) fn measured(&self) -> Measured {
+        let commissioned = self.commissioner.measured().clone();
+        match self.told_on_the_way() {
+            Some(servo) => Measured {
+                valid: servo.sure(),
+                slide_bandwidth: servo.bandwidth,
+                slide_bandwidth_deviation: servo.deviation,
+                ..commissioned
+            },
+            None => commissioned,
+        }
     }
 
     /// Moves the slide out and in, and judges what the probe has answered.
