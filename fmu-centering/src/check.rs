@@ -211,6 +211,9 @@ mod tests {
         (|p| p.rates.model = 5000.0, "rates.model", "`5000 Hz`", "`1000 Hz`"),
         (|p| p.push.velocity_min = 0.01, "push.velocity_min", "`0.01 m/s`", "`0.0035 m/s`"),
         (|p| p.push.velocity_max = 3.5, "push.velocity_max", "`3.5 m/s`", "um/s"),
+        (|p| p.commission.travel = 0.16, "commission.travel", "`0.16 m`", "`0.15 m`"),
+        (|p| p.commission.acceleration = 2.6, "commission.acceleration", "`2.6 m/s2`", "`2.56 m/s2`"),
+        (|p| p.commission.time = 8.0, "commission.time", "`8 s`", "`9.009"),
     ];
 
     #[test]

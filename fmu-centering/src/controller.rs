@@ -121,7 +121,7 @@ impl Controller {
 
     /// Whether there is a good commission.
     pub fn commissioned(&self) -> bool {
-        self.commissioner.servo().is_some()
+        self.commissioner.measured().valid
     }
 
     /// One sample. The parameters must be those of [`Controller::new`] with [`Controller::bring_into_force`].

@@ -191,7 +191,7 @@ mod variables {
         /// Since the start, until `centred`
         #[var(unit = SECOND)] pub job_time: f64,
     }
-    /// What a commission has measured, and of the bandwidth the way to the ring where that is surer; each with its standard deviation, 0 before
+    /// What a commission has measured, or without a good one the way to the ring of the bandwidth; each with its standard deviation, 0 before
     pub struct Measured {
         /// The results of the commission are good; without one, the deviation of the bandwidth is at most 5 %
         pub valid: bool,

@@ -157,9 +157,34 @@ mod tests {
     }
 
     #[test]
-    fn without_enable_everything_but_a_fault_is_idle() {
+    fn a_commission_begins_at_rest_and_ends_in_idle() {
+        let commission = Events { commission: true, at_rest: true, ..Events::default() };
+        assert_eq!(next(State::Idle, &commission), State::Commission);
+        assert_eq!(next(State::Idle, &Events { at_rest: false, ..commission }), State::Idle);
+        // who asks for both gets the centring
+        assert_eq!(next(State::Idle, &Events { start: true, enabled: true, ..commission }), State::Approach);
+        let ends = [(true, false), (false, true)].map(|(break_off, commissioned)| Events { break_off, commissioned, ..commission });
+        for events in ends {
+            assert_eq!(next(State::Commission, &events), State::Idle);
+            let fault = Some(Fault::LostReading);
+            assert_eq!(next(State::Commission, &Events { fault, ..events }), State::Fault);
+        }
+    }
+
+    #[test]
+    fn an_edge_waits_in_idle_alone_until_commission_falls() {
+        for &state in State::ALL {
+            let waits = state == State::Idle;
+            assert_eq!([state.asked(false, true, true), state.asked(true, false, true)], [waits; 2]);
+            assert!(!state.asked(true, false, false) && !state.asked(false, false, true));
+        }
+    }
+
+    #[test]
+    fn without_enable_everything_but_a_fault_and_a_commission_is_idle() {
         for state in State::ALL.iter().copied() {
-            let expected = if state == State::Fault { State::Fault } else { State::Idle };
+            let stays = matches!(state, State::Fault | State::Commission);
+            let expected = if stays { state } else { State::Idle };
             assert_eq!(next(state, &Events::default()), expected);
         }
     }

@@ -6,7 +6,6 @@ use crate::commission::experiment::{Experiment, Round};
 use crate::commission::values::Values;
 use crate::interface::{Measured, Parameters};
 use crate::motion::Motion;
-use crate::sensing::Servo;
 
 /// One commission after the other.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -58,12 +57,6 @@ impl Commissioner {
         if !self.measured.valid {
             self.measured = Measured::START;
         }
-    }
-
-    /// The servo that was measured, if that is good.
-    pub fn servo(&self) -> Option<Servo> {
-        let Measured { valid, slide_bandwidth: bandwidth, slide_bandwidth_deviation: deviation, .. } = self.measured;
-        valid.then_some(Servo { bandwidth, deviation })
     }
 
     /// The result cannot be used.

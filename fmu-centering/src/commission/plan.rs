@@ -3,8 +3,8 @@
 //! The slide is held by the servo of its motion board all the time; no loop of this controller is closed around it, so there is
 //! none that a machine which is not as told could make unstable. Its setpoint keeps to travel and acceleration by itself. The
 //! slide follows with e = r - x, of which e'' + 2 zeta w e' + w^2 e = r'': a stable filter of |r''| <= a, so |e| never exceeds
-//! (a / w^2) coth(pi zeta / (2 sqrt(1 - zeta^2))), the peak under an acceleration that turns with every half period: 1.25 a / w^2 at
-//! zeta = 0.7, 2.1 a / w^2 at 0.3. That is what the slide goes beyond its travel.
+//! (a / w^2) coth(pi zeta / (2 sqrt(1 - zeta^2))), the peak under an acceleration that turns with every half period: 1.1 a / w^2 at
+//! zeta = 0.7, 2.2 a / w^2 at 0.3. That is what the slide goes beyond its travel.
 //!
 //! All strokes are on the side of the ring, for the slide waits at the rear end of its way, and end long before it: what an
 //! approach may go without having met a ring is `approach.travel_max`, and a pusher stands `probe.at_pusher` behind its probe.
@@ -91,4 +91,55 @@ fn round_time(p: &Parameters) -> f64 {
         })
         .sum();
     strokes + REST
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::{PI, TAU};
+
+    #[test]
+    fn bounds_of_the_defaults_and_bounds_that_are_told() {
+        let mut p = Parameters::START;
+        let near = |value: f64, expected: f64| assert!((value / expected - 1.0).abs() < 1e-12, "{value} {expected}");
+        // 2.56 m/s2, and a period of 40 Hz
+        near(travel(&p), 2.56 * 0.025f64.powi(2));
+        near(acceleration(&p), 2.56);
+        near(time(&p), 5.0 / 3.0 * least_time(&p) + 1.0);
+        p.slide.bandwidth = TAU * 30.0;
+        near(travel(&p), 2e-3);
+        p.slide.bandwidth = 0.0;
+        near(travel(&p), 2e-3);
+        p.approach.travel_max = 1e-3;
+        near(travel(&p), 1e-3);
+        (p.commission.travel, p.commission.acceleration, p.commission.time) = (5e-4, 1.0, 33.0);
+        assert_eq!((travel(&p), acceleration(&p), time(&p)), (5e-4, 1.0, 33.0));
+    }
+
+    #[test]
+    fn a_round_comes_back_to_where_it_began() {
+        let last = (0..).map_while(stroke).last().unwrap();
+        assert_eq!((last.0, stroke(0).unwrap().0), (0.0, 1.0));
+        assert!((0..).map_while(stroke).all(|(place, _)| (0.0..=1.0).contains(&place)));
+    }
+
+    #[test]
+    fn a_slide_whose_setpoint_turns_at_the_worst_moments_stays_within_what_is_said() {
+        let (w, a, dt) = (TAU * 40.0, 2.56, 1e-6);
+        for (zeta, told) in [(0.7, 1.1), (0.3, 2.2)] {
+            let root = f64::sqrt(1.0 - zeta * zeta);
+            let bound = a / (w * w) / (0.5 * PI * zeta / root).tanh();
+            assert!((bound * w * w / a / told - 1.0).abs() < 0.05, "{bound}");
+            // it turns with every half period of the damped servo
+            let half = PI / (w * root);
+            let (mut error, mut rate, mut most) = (0.0f64, 0.0, 0.0f64);
+            for k in 0..1_000_000 {
+                let turning = if (dt * f64::from(k) / half) as u32 % 2 == 0 { a } else { -a };
+                rate += dt * (turning - 2.0 * zeta * w * rate - w * w * error);
+                error += dt * rate;
+                most = most.max(error.abs());
+            }
+            assert!((most / bound - 1.0).abs() < 1e-3, "{zeta}: {most} {bound}");
+        }
+    }
 }

@@ -9,7 +9,7 @@ use crate::interface::{Fault, Measured, Parameters, State};
 use crate::limits::{job_time, slowest_servo, trial_move};
 use crate::machine::Events;
 use crate::monitoring::{Phase, believable_share};
-use crate::sensing::{Freedom, Reading, Servo};
+use crate::sensing::{Freedom, Reading};
 
 /// Velocity of the slide in the test of the probe (m/s), and the time after which it is at rest there, s.
 const TRIAL_VELOCITY: f64 = 0.01;
@@ -103,30 +103,24 @@ impl Controller {
         }
     }
 
-    /// The servo as the way to the ring has told it, where no commission knows it better.
-    fn told_on_the_way(&self) -> Option<Servo> {
-        let commissioned = self.commissioner.servo().map_or(f64::INFINITY, |servo| servo.deviation);
-        self.servo.filter(|servo| servo.deviation < commissioned)
-    }
-
-    /// Bandwidth of the servo with which strokes are planned, rad/s: as found on the way to the ring where that is sure, else as
-    /// the parameters in force have it.
+    /// Bandwidth of the servo with which strokes are planned, rad/s: as found on the way to the ring where that is sure and no
+    /// commission is in force, else as the parameters in force have it.
     pub(super) fn bandwidth(&self, p: &Parameters) -> f64 {
-        let found = self.told_on_the_way().filter(|servo| servo.sure() && p.learns_servo());
+        let commissioned = p.commission.apply && self.commissioned();
+        let found = self.servo.filter(|servo| servo.sure() && p.learns_servo() && !commissioned);
         found.map_or(p.slide.bandwidth, |servo| servo.bandwidth)
     }
 
-    /// What is known of the machine, of each number the surest.
+    /// What is known of the machine: by a commission, or without a good one by the way to the ring.
     pub(super) fn measured(&self) -> Measured {
-        let commissioned = self.commissioner.measured().clone();
-        match self.told_on_the_way() {
+        match self.servo.filter(|_| !self.commissioned()) {
             Some(servo) => Measured {
                 valid: servo.sure(),
                 slide_bandwidth: servo.bandwidth,
                 slide_bandwidth_deviation: servo.deviation,
-                ..commissioned
+                ..Measured::START
             },
-            None => commissioned,
+            None => self.commissioner.measured().clone(),
         }
     }
 

@@ -134,13 +134,17 @@ impl Ring {
         }
     }
 
-    /// A fine step of a slide with mass.
+    /// A step of a slide with mass, in finer ones.
     fn accelerate(&mut self, servo: &Servo, setpoint: f64, velocity: f64) {
-        let (w, [speed, sum]) = (TAU * servo.frequency, self.moving);
-        let error = servo.share * setpoint - self.free_slide;
-        let force = w * w * (error + sum) + 2.0 * servo.damping * w * (servo.share * velocity - speed);
-        self.moving = [speed + DT * force, sum + DT * servo.integral * error];
-        self.free_slide += DT * self.moving[0];
+        const FINER: u32 = 20;
+        let (w, dt) = (TAU * servo.frequency, DT / f64::from(FINER));
+        for k in 0..FINER {
+            let [speed, sum] = self.moving;
+            let error = servo.share * (setpoint + velocity * dt * f64::from(k)) - self.free_slide;
+            let force = w * w * (error + sum) + 2.0 * servo.damping * w * (servo.share * velocity - speed);
+            self.moving = [speed + dt * force, sum + dt * servo.integral * error];
+            self.free_slide += dt * self.moving[0];
+        }
     }
 
     /// The slide yields up to its compliance; what is left moves the ring.
