@@ -170,8 +170,7 @@ impl Controller {
 
     /// State machine.
     fn decide(&mut self, p: &Parameters, reading: &Reading, due: Due, turned: f64) {
-        self.commission_asked =
-            self.state.asked(self.commission_asked, reading.begin_commission, reading.commission);
+        self.commission_asked = self.state.asked(self.commission_asked, reading.begin_commission, reading.commission);
         let mut events = Events {
             enabled: reading.enabled,
             start: reading.start,

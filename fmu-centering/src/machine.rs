@@ -163,7 +163,11 @@ mod tests {
         assert_eq!(next(State::Idle, &Events { at_rest: false, ..commission }), State::Idle);
         // who asks for both gets the centring
         assert_eq!(next(State::Idle, &Events { start: true, enabled: true, ..commission }), State::Approach);
-        let ends = [(true, false), (false, true)].map(|(break_off, commissioned)| Events { break_off, commissioned, ..commission });
+        let ends = [(true, false), (false, true)].map(|(break_off, commissioned)| Events {
+            break_off,
+            commissioned,
+            ..commission
+        });
         for events in ends {
             assert_eq!(next(State::Commission, &events), State::Idle);
             let fault = Some(Fault::LostReading);

@@ -50,7 +50,8 @@ fn a_centring_of_each_law_and_the_next_one() {
         let visited = visit(&mut run, State::Centred);
         for &state in State::ALL {
             // the default law has its model at all times
-            let passed = !matches!(state, State::Fault | State::Commission) && (state != State::Model || p == Parameters::PAPER);
+            let passed =
+                !matches!(state, State::Fault | State::Commission) && (state != State::Model || p == Parameters::PAPER);
             assert_eq!(visited[state as usize - 1], passed, "{state:?}");
         }
         begin(&mut run);

@@ -134,7 +134,7 @@ mod tests {
             let half = PI / (w * root);
             let (mut error, mut rate, mut most) = (0.0f64, 0.0, 0.0f64);
             for k in 0..1_000_000 {
-                let turning = if (dt * f64::from(k) / half) as u32 % 2 == 0 { a } else { -a };
+                let turning = if ((dt * f64::from(k) / half) as u32).is_multiple_of(2) { a } else { -a };
                 rate += dt * (turning - 2.0 * zeta * w * rate - w * w * error);
                 error += dt * rate;
                 most = most.max(error.abs());

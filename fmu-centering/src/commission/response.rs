@@ -21,7 +21,15 @@ pub fn response(p: &Parameters, fit: &Fit<TERMS>, delay: f64) -> Option<Measured
         slide_damping: damping / (2.0 * w),
         slide_damping_deviation: deviation([-damping / (4.0 * w * stiffness), 0.5 / w, 0.0, 0.0, 0.0, 0.0, 0.0]),
         slide_integral: integral / stiffness,
-        slide_integral_deviation: deviation([-integral / stiffness.powi(2), 0.0, 0.0, 0.0, stiffness.recip(), 0.0, 0.0]),
+        slide_integral_deviation: deviation([
+            -integral / stiffness.powi(2),
+            0.0,
+            0.0,
+            0.0,
+            stiffness.recip(),
+            0.0,
+            0.0,
+        ]),
         io_delay: delay - late / sample,
         io_delay_deviation: deviation([late / (sample * stiffness), 0.0, -sample.recip(), 0.0, 0.0, 0.0, 0.0]),
         ..Measured::START
@@ -72,7 +80,8 @@ mod tests {
             covariance[(i, i)] = step * step;
             let mut moved = factors();
             moved[i] += step;
-            let [before, after] = [factors(), moved].map(|value| response(&P, &Fit { value, covariance }, 1.0).unwrap());
+            let [before, after] =
+                [factors(), moved].map(|value| response(&P, &Fit { value, covariance }, 1.0).unwrap());
             for word in WORDS {
                 let ([value, deviation], change) = (word(&before), word(&after)[0] - word(&before)[0]);
                 assert!((deviation - change.abs()).abs() <= 1e-5 * change.abs() + 1e-12, "{i}: {value} {change}");

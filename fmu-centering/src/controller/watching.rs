@@ -120,7 +120,7 @@ impl Controller {
                 slide_bandwidth_deviation: servo.deviation,
                 ..Measured::START
             },
-            None => self.commissioner.measured().clone(),
+            None => *self.commissioner.measured(),
         }
     }
 

@@ -101,7 +101,7 @@ fn what_was_measured_is_used_on_request_and_kept_in_a_file() {
         let found = format!("\"slide.bandwidth\": {:e},", run.output.measured.slide_bandwidth);
         assert!(told.contains(&found) && told.contains("\"io_delay\": 2"), "{told} {found}");
         // with what was told the ring is not centred sooner
-        let measured = run.output.measured.clone();
+        let measured = run.output.measured;
         run.step_with(rest);
         let centred = run.run_to(State::Centred, run.time() + 30.0);
         assert!(centred || !apply, "{:?}", run.output);
