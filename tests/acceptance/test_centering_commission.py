@@ -116,7 +116,11 @@ def test_the_file_of_the_results_is_taken_as_parameters(tmp_path: Path) -> None:
     assert found["io_delay"] == round(value(result, "io_delay"))
     told = [f"controller.{name}={given}" for name, given in found.items()]
     # told beforehand, and nothing is commissioned
-    changes = (*told, "controller.commission.apply=false", "signal.controller.commission.values=[false, false]")
+    changes = (
+        *told,
+        "controller.commission.apply=false",
+        "signal.controller.commission.values=[false, false]",
+    )
     assert value(run("centering/commission", *changes), "good") == 1.0
 
 

@@ -36,9 +36,15 @@ def row(name: str, faults: str, *inject: Injection, within: tuple[float, str] = 
     return Row(name, tuple(faults.split()), REACH, limit, why, inject, signals, changes, **more)  # type: ignore[arg-type]
 
 
-def done(name: str, *inject: Injection, then: Signal = THEN, changes: tuple[str, ...] = ()) -> Row:
+def done(
+    name: str,
+    *inject: Injection,
+    then: Signal = THEN,
+    within: tuple[float, str] = PRESSED,
+    changes: tuple[str, ...] = (),
+) -> Row:
     """Row of a commission that ends well, and of the centring with what it has measured."""
-    limit, why = PRESSED
+    limit, why = within
     name, all_changes = f"commission: {name}", (*FAST, *APPLIED, *changes)
     return Row(name, (DONE,), RING, limit, why, inject, (COMMISSION, then), all_changes)
 
@@ -60,7 +66,8 @@ ROWS = (
     done("slide is no number for two samples", measuring(SLIDE, value=NAN, duration=2e-3), then=LATER),
     done("slide noise x 20", measuring(SLIDE, after=0.0, noise=4e-7)),
     done("servo of 28 Hz with an integral, 2 samples late", *both(after=0.0, late=1),
-         changes=("plant.servo_bandwidth=28", "plant.servo_integral_time=0.05")),
+         changes=("plant.servo_bandwidth=28", "plant.servo_integral_time=0.05"),
+         within=(5.5e-5, "a push past the axis, as far as the first one of a machine that was told")),
     row("slide encoder frozen", "FrozenReading", measuring(SLIDE, frozen=True), within=LOST),
     row("slide encoder jumps by 10 mm for good", "ReadingJump", measuring(SLIDE, offset=0.01), within=LOST),
     row("slide is no number", "LostReading", measuring(SLIDE, value=NAN), within=LOST),
