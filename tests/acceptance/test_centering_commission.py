@@ -83,8 +83,8 @@ def hold(found: Sequence[Machine], least: float) -> None:
     for applied in (False, True):
         print(f"applied {applied}:", ended(found, applied))
     print(measured(found))
-    applied = [one for one in found if one.applied]
-    assert sum(one["good"] for one in applied) >= least * len(applied)
+    those = [one for one in found if one.applied]
+    assert sum(one["good"] for one in those) >= least * len(those)
     for one in found:
         assert one["commissioned"] < 120.0
         assert one["ahead"] < 2.0e-3
@@ -129,3 +129,10 @@ def test_a_file_that_cannot_be_written_stops_no_machine(tmp_path: Path) -> None:
     result = run("centering/commission", f"controller.commission.export='{file}'")
     assert value(result, "good") == 1.0
     assert not file.exists()
+
+
+@pytest.mark.parametrize(("place", "end"), [(0.022, "centred"), (0.018, "named")])
+def test_a_pusher_elsewhere_than_told_is_found_or_named(place: float, end: str) -> None:
+    result = run("centering/commission", f"plant.probe_at_pusher={place}")
+    assert value(result, end) == 1.0
+    assert value(result, "overshoot") < (5e-5 if end == "centred" else 1.6e-3)
