@@ -79,7 +79,7 @@ def measured(found: Sequence[Machine]) -> dict[str, float]:
 
 
 def hold(found: Sequence[Machine], least: float) -> None:
-    """Hold the machines that use what was measured against the demand; none may end badly in silence."""
+    """Hold the machines that use what was measured against the demand, and what was measured."""
     for applied in (False, True):
         print(f"applied {applied}:", ended(found, applied))
     print(measured(found))
