@@ -6,34 +6,36 @@ use crate::interface::{Measured, Parameters};
 use crate::sensing::{Fit, TERMS};
 
 /// What the factors of x'' = w^2 e + 2 zeta w e' - w^2 t r' + (w^2 / T_i) integral of e say, t later than `delay` samples, with
-/// standard deviations to first order; none if the servo does not go where it should.
+/// standard deviations to first order; none if the servo does not go where it should, or a number is none.
 pub fn response(p: &Parameters, fit: &Fit<TERMS>, delay: f64) -> Option<Measured> {
     let servo = fit.servo()?;
     let [stiffness, damping, late, _, integral, _, _]: [f64; TERMS] = fit.value.into();
     let (w, sample) = (servo.bandwidth, stiffness * p.sample_period);
-    let deviation = |gradient: [f64; TERMS]| {
-        let gradient = SVector::from(gradient);
+    let deviation = |slopes: [(usize, f64); 2]| {
+        let mut gradient = SVector::<f64, TERMS>::zeros();
+        slopes.into_iter().for_each(|(i, slope)| gradient[i] = slope);
         gradient.dot(&(fit.covariance * gradient)).max(0.0).sqrt()
     };
-    Some(Measured {
+    let found = Measured {
         slide_bandwidth: w,
         slide_bandwidth_deviation: servo.deviation,
         slide_damping: damping / (2.0 * w),
-        slide_damping_deviation: deviation([-damping / (4.0 * w * stiffness), 0.5 / w, 0.0, 0.0, 0.0, 0.0, 0.0]),
+        slide_damping_deviation: deviation([(0, -damping / (4.0 * w * stiffness)), (1, 0.5 / w)]),
         slide_integral: integral / stiffness,
-        slide_integral_deviation: deviation([
-            -integral / stiffness.powi(2),
-            0.0,
-            0.0,
-            0.0,
-            stiffness.recip(),
-            0.0,
-            0.0,
-        ]),
+        slide_integral_deviation: deviation([(0, -integral / stiffness.powi(2)), (4, stiffness.recip())]),
         io_delay: delay - late / sample,
-        io_delay_deviation: deviation([late / (sample * stiffness), 0.0, -sample.recip(), 0.0, 0.0, 0.0, 0.0]),
+        io_delay_deviation: deviation([(0, late / (sample * stiffness)), (2, -sample.recip())]),
         ..Measured::START
-    })
+    };
+    let numbers = [
+        found.slide_damping,
+        found.slide_damping_deviation,
+        found.slide_integral,
+        found.slide_integral_deviation,
+        found.io_delay,
+        found.io_delay_deviation,
+    ];
+    numbers.into_iter().all(f64::is_finite).then_some(found)
 }
 
 #[cfg(test)]
@@ -70,6 +72,9 @@ mod tests {
             assert!((value / expected - 1.0).abs() < 1e-12 && deviation == 0.0, "{value} {expected}");
         }
         assert_eq!(response(&P, &Fit { value: -factors(), ..fit }, 1.0), None);
+        let mut covariance = SMatrix::zeros();
+        covariance[(2, 2)] = f64::INFINITY;
+        assert_eq!(response(&P, &Fit { covariance, ..fit }, 1.0), None);
     }
 
     #[test]
