@@ -2,6 +2,7 @@
 
 use control_blocks::{Check, Parameter, ParameterError, check_all};
 
+use crate::commission::plan;
 use crate::interface::Law;
 use crate::interface::Parameters;
 use crate::limits::{GRAVITY, TRIAL_MOVE_MIN, look_ahead, spindle_acceleration};
@@ -11,7 +12,7 @@ use crate::limits::{GRAVITY, TRIAL_MOVE_MIN, look_ahead, spindle_acceleration};
 /// # Errors
 /// When a parameter does not fit the others.
 pub fn check(p: &Parameters) -> Result<(), ParameterError> {
-    const CHECKS: [Check<Parameters>; 14] = [
+    const CHECKS: [Check<Parameters>; 17] = [
         park,
         gap,
         trial,
@@ -26,6 +27,9 @@ pub fn check(p: &Parameters) -> Result<(), ParameterError> {
         rates,
         push_velocities,
         spindle_speed,
+        commission_travel,
+        commission_acceleration,
+        commission_time,
     ];
     check_all(p, &CHECKS)
 }
@@ -150,6 +154,25 @@ fn spindle_speed(p: &Parameters) -> Result<(), ParameterError> {
     speed(hint).at_most(most, "what `limits.friction` holds at `ring.eccentricity_max` (eq. 2)")
 }
 
+fn commission_travel(p: &Parameters) -> Result<(), ParameterError> {
+    let hint = "what is not to be met by an approach is not to be met by a commission";
+    Parameter::new("commission.travel", p.commission.travel, "m", hint)
+        .at_most(p.approach.travel_max, "the `approach.travel_max`")
+}
+
+fn commission_acceleration(p: &Parameters) -> Result<(), ParameterError> {
+    let acceleration = Parameter::new("commission.acceleration", p.commission.acceleration, "m/s2", "lower it");
+    acceleration.at_most(p.slide.acceleration_max, "the `slide.acceleration_max`")
+}
+
+fn commission_time(p: &Parameters) -> Result<(), ParameterError> {
+    let hint = "or every commission ends in `NoProgress`";
+    let (value, least) = (p.commission.time, plan::least_time(p));
+    Parameter::new("commission.time", value, "s", hint).must_be(value == 0.0 || value >= least, || {
+        format!("`0`, or at least `{least} s`, the time that its motions take")
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -188,6 +211,9 @@ mod tests {
         (|p| p.rates.model = 5000.0, "rates.model", "`5000 Hz`", "`1000 Hz`"),
         (|p| p.push.velocity_min = 0.01, "push.velocity_min", "`0.01 m/s`", "`0.0035 m/s`"),
         (|p| p.push.velocity_max = 3.5, "push.velocity_max", "`3.5 m/s`", "um/s"),
+        (|p| p.commission.travel = 0.16, "commission.travel", "`0.16 m`", "`0.15 m`"),
+        (|p| p.commission.acceleration = 2.6, "commission.acceleration", "`2.6 m/s2`", "`2.56 m/s2`"),
+        (|p| p.commission.time = 8.0, "commission.time", "`8 s`", "`9.009"),
     ];
 
     #[test]

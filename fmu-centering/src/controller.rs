@@ -2,13 +2,14 @@
 
 mod watching;
 
-use control_blocks::{Consecutive, ParameterError, Progress, SafeEnd};
+use control_blocks::{Consecutive, ParameterError, Progress, ResultFile, SafeEnd};
 use serde::{Deserialize, Serialize};
 
 use crate::centre::{Centre, Estimate};
 use crate::check::check;
+use crate::commission::Commissioner;
 use crate::faults::{Supervisor, judge, line_moved};
-use crate::interface::{Fault, Input, Measured, MonitorReport, Output, Parameters, PushReport, Setpoint, State};
+use crate::interface::{Fault, Input, MonitorReport, Output, Parameters, PushReport, Setpoint, State};
 use crate::law::{ActiveLaw, Launch, Observation, Verdict};
 use crate::limits::trial_move;
 use crate::machine::{Events, next};
@@ -58,6 +59,9 @@ pub struct Controller {
     report: PushReport,
     started: f64,
     centred: Option<f64>,
+    commissioner: Commissioner,
+    /// an edge of `commission` waits for a slide at rest
+    commission_asked: bool,
 }
 
 impl Controller {
@@ -96,10 +100,31 @@ impl Controller {
             report: PushReport::START,
             started: 0.0,
             centred: None,
+            commissioner: Commissioner::new(p),
+            commission_asked: false,
         })
     }
 
-    /// One sample. The parameters must be those of [`Controller::new`].
+    /// Puts what a commission has measured into the parameters, where `commission.apply` says so; before each sample.
+    pub fn bring_into_force(&self, p: &mut Parameters) {
+        self.commissioner.put(p);
+    }
+
+    /// Writes what the last good commission derives into the file `commission.export`.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn export(&self, p: &Parameters) -> Result<(), ParameterError> {
+        let hint = "name a file in a folder that there is and that the importer may write to";
+        ResultFile { name: "commission.export", file: &p.commission.export, hint }.write(&self.commissioner.derived())
+    }
+
+    /// Whether there is a good commission.
+    pub fn commissioned(&self) -> bool {
+        self.commissioner.measured().valid
+    }
+
+    /// One sample. The parameters must be those of [`Controller::new`] with [`Controller::bring_into_force`].
     pub fn tick(&mut self, input: &Input, p: &Parameters, output: &mut Output) {
         let reading = self.reader.read(p, input, self.freedom(p));
         let due = self.clock.advance(p);
@@ -119,10 +144,14 @@ impl Controller {
         if self.watched(p) {
             self.drive.update(p, &self.motion.setpoint, self.ahead, sample.slide);
             if matches!(self.state, State::Approach | State::Follow) {
-                self.servo_estimator.update(p, &self.motion.setpoint, sample.slide);
+                let delay = f64::from(p.io_delay);
+                self.servo_estimator.update(p.sample_period, delay, &self.motion.setpoint, sample.slide);
             }
         } else {
             self.drive = DriveMonitor::default();
+        }
+        if self.state == State::Commission {
+            self.commissioner.observe(p, &mut self.motion, sample.slide, reading.slide.is_none());
         }
         if reading.jumped {
             self.spindle.restart();
@@ -141,6 +170,7 @@ impl Controller {
 
     /// State machine.
     fn decide(&mut self, p: &Parameters, reading: &Reading, due: Due, turned: f64) {
+        self.commission_asked = self.state.asked(self.commission_asked, reading.begin_commission, reading.commission);
         let mut events = Events {
             enabled: reading.enabled,
             start: reading.start,
@@ -151,6 +181,9 @@ impl Controller {
             settled: self.settle(p),
             collected: self.law.collected(),
             stroke_over: self.state == State::Push && self.law.stroke_over(p, &self.motion),
+            commission: self.commission_asked,
+            break_off: !reading.commission || reading.start,
+            commissioned: self.commissioner.finished(),
             ..Events::default()
         };
         let now = self.observation(p, due);
@@ -238,6 +271,9 @@ impl Controller {
 
     /// What happens once, when `state` begins.
     fn enter(&mut self, p: &Parameters, state: State, events: &Events, launch: Option<Launch>) {
+        if self.state == State::Commission && !self.commissioner.finished() {
+            self.commissioner.break_off();
+        }
         match state {
             // nothing moves by itself after a reset
             State::Idle if self.state == State::Fault => self.fault = Fault::None,
@@ -247,6 +283,12 @@ impl Controller {
                 self.leave(p);
             }
             State::Approach => self.restart(p),
+            State::Commission => {
+                self.motion.start(self.sample.slide);
+                self.progress.restart();
+                self.drive = DriveMonitor::default();
+                self.commissioner.begin(p, &mut self.motion);
+            }
             State::Push => self.launch(p, launch),
             State::Settle => self.retract(p),
             State::Confirm => {
@@ -281,6 +323,7 @@ impl Controller {
         (self.servo_estimator, self.servo) = Default::default();
         (self.fault, self.estimate, self.first, self.surest, self.before) = (Fault::None, None, None, None, None);
         self.line = None;
+        self.commissioner.forget_rejected();
         (self.report, self.started, self.centred) = (PushReport::START, self.clock.time(p), None);
     }
 
@@ -330,7 +373,7 @@ impl Controller {
     fn wished_velocity(&self, p: &Parameters) -> f64 {
         match self.state {
             State::Approach => p.approach.velocity,
-            State::Idle | State::Push | State::Confirm | State::Fault => 0.0,
+            State::Idle | State::Push | State::Confirm | State::Fault | State::Commission => 0.0,
             _ => self.follower.velocity(),
         }
     }
@@ -360,11 +403,7 @@ impl Controller {
                 probe_share: self.trial.share().unwrap_or(1.0),
                 job_time: self.progress.samples() as f64 * p.sample_period,
             },
-            measured: Measured {
-                valid: self.servo.is_some_and(|servo| servo.sure()),
-                slide_bandwidth: self.servo.map_or(0.0, |servo| servo.bandwidth),
-                slide_bandwidth_deviation: self.servo.map_or(0.0, |servo| servo.deviation),
-            },
+            measured: self.measured(),
             numbers: Numbers {
                 following_limit: self.drive.allowed(),
                 forward: self.supervisor.forward(),

@@ -3,10 +3,11 @@
 
 use std::f64::consts::TAU;
 
-use control_blocks::{Consecutive, SafeEnd};
+use control_blocks::{Consecutive, DELAY_MAX, SafeEnd};
 use serde::{Deserialize, Serialize};
 
 use crate::centre::Estimate;
+use crate::commission::plan;
 use crate::interface::{Fault, Input, Parameters, State, Vars};
 use crate::limits::{GRAVITY, held_surface_velocity, job_time, slowest_servo, speed_limit};
 use crate::monitoring::{Numbers, SHARE_ERROR, believable_share};
@@ -61,7 +62,8 @@ impl Fault {
             | Self::Unresolved
             | Self::SlowServo
             | Self::SpindleSpeed
-            | Self::NoProgress => SafeEnd::Retract,
+            | Self::NoProgress
+            | Self::CommissionRejected => SafeEnd::Retract,
         }
     }
 }
@@ -305,18 +307,40 @@ fn of_fault(vars: &Vars, fault: Fault, e: f64) -> String {
             let lasted = match endless {
                 Some([turns, most]) => format!("`{turns:.2}` of `{most}` revolutions without result"),
                 None => {
-                    let limit = job_time(p, speed);
-                    format!("`{:.1} s` of `{limit:.1} s`", output.monitor.job_time)
+                    let (limit, commission) = (job_time(p, speed), plan::time(p));
+                    let lasted = output.monitor.job_time;
+                    format!("`{lasted:.1} s`, limit of a centring `{limit:.1} s`, of a commission `{commission:.1} s`")
                 }
             };
             format!(": {lasted}, B = `{e:.2} um`")
         }
+        Fault::CommissionRejected => of_commission(vars),
         Fault::Unresolved => format!(
             ": B = `{e:.3} um`, standard deviation `{:.3} um`, `tolerance` = `{:.3} um`",
             1e6 * output.eccentricity_sigma,
             1e6 * p.tolerance
         ),
     }
+}
+
+/// The same for a commission that was rejected.
+fn of_commission(vars: &Vars) -> String {
+    let (p, m) = (&vars.in_force, &vars.output.measured);
+    format!(
+        ": bandwidth `{:.1} Hz`, deviation `{:.2} Hz`, limits half and twice `slide.bandwidth` = `{:.1} Hz`, `{:.1} Hz` or more for \
+         `limits.following_error`, and `commission.deviation_max` = `{}` of it; delay `{:.2}` samples, deviation `{:.3}`, limits \
+         `0` to `{DELAY_MAX}` and `commission.delay_deviation_max` = `{}`; probe at `{} m`, free up to `probe.contact` = `{} m`",
+        m.slide_bandwidth / TAU,
+        m.slide_bandwidth_deviation / TAU,
+        p.slide.bandwidth / TAU,
+        slowest_servo(p) / TAU,
+        p.commission.deviation_max,
+        m.io_delay,
+        m.io_delay_deviation,
+        p.commission.delay_deviation_max,
+        vars.input.probe_position,
+        p.probe.contact
+    )
 }
 
 #[cfg(test)]

@@ -41,6 +41,8 @@ mod variables {
         Centred,
         /// Moves back to where it started and holds, or has switched the drive off; a rising edge of `reset_fault` ends it at rest
         Fault,
+        /// Measures the servo of the slide with short strokes before the ring, and comes back
+        Commission,
     }
     /// Why the controller is in the fault state.
     pub enum Fault {
@@ -92,6 +94,8 @@ mod variables {
         #[hint("raise the gains of the servo, or lower `slide.acceleration_max`")] SlowServo,
         /// The spindle does not turn with `spindle.speed`, within 5 %, a second after it was told to
         #[hint("is `spindle.speed_setpoint` wired to the drive, and its sign right? 0 leaves the spindle to others")] SpindleSpeed,
+        /// What the commission has measured is not sure enough, or not what this controller can work with; or the probe touches something
+        #[hint("begin farther from the ring, allow more `commission.travel` or `commission.acceleration`, look for vibration and friction, and check `slide.bandwidth` and `io_delay`")] CommissionRejected,
     }
     /// Which law centres the ring.
     pub enum Law {
@@ -117,6 +121,8 @@ mod variables {
         #[var(unit = METRE as "mm", accepts_nan)] pub probe_position: f64,
         /// Rising edge in Idle begins a centring; false ends it: stop, move back, Idle
         pub enable: bool,
+        /// Rising edge in `Idle` measures the servo of the slide, once the slide is at rest; false, or a rising edge of `enable`, breaks off: stop, move back, Idle
+        pub commission: bool,
         /// Rising edge ends the state Fault once the slide is at rest: Idle, which waits for a rising edge of `enable`
         pub reset_fault: bool,
     }
@@ -185,14 +191,26 @@ mod variables {
         /// Since the start, until `centred`
         #[var(unit = SECOND)] pub job_time: f64,
     }
-    /// What the way to the ring has told of the machine, with its standard deviation; 0 before.
+    /// What a commission has measured, or without a good one the way to the ring of the bandwidth; each with its standard deviation, 0 before
     pub struct Measured {
-        /// The measurement is sure: its deviation is at most 5 %
+        /// The results of the commission are good; without one, the deviation of the bandwidth is at most 5 %
         pub valid: bool,
         /// Bandwidth of the servo of the slide, from setpoint and encoder
         #[var(unit = RADIAN_PER_SECOND as "Hz")] pub slide_bandwidth: f64,
         /// Its standard deviation
         #[var(unit = RADIAN_PER_SECOND as "Hz")] pub slide_bandwidth_deviation: f64,
+        /// Damping ratio of that servo
+        #[var(unit = ONE)] pub slide_damping: f64,
+        /// Its standard deviation
+        #[var(unit = ONE)] pub slide_damping_deviation: f64,
+        /// Integral action of that servo, the reciprocal of its integral time; 0 for none
+        #[var(unit = PER_SECOND)] pub slide_integral: f64,
+        /// Its standard deviation
+        #[var(unit = PER_SECOND)] pub slide_integral_deviation: f64,
+        /// Samples between a setpoint and its action, not rounded
+        #[var(unit = ONE)] pub io_delay: f64,
+        /// Its standard deviation
+        #[var(unit = ONE)] pub io_delay_deviation: f64,
     }
     /// All parameters.
     #[parameters] pub struct Parameters {
@@ -227,6 +245,7 @@ mod variables {
         pub stroke: StrokePlan,
         pub learn: Learn,
         pub tap: Tap,
+        pub commission: Commission,
         pub limits: Limits,
     }
     /// The part.
@@ -389,6 +408,23 @@ mod variables {
         #[var(unit = NEWTON_PER_METRE, range = 1e4..=1e9, start = 5e6, source = "our choice")] pub tip_stiffness: f64,
         /// Moving mass of the slide, for the first tap
         #[var(unit = KILOGRAM, range = 0.1..=1e3, start = 8.0, source = "our choice")] pub slide_mass: f64,
+    }
+    /// Bounds of the state `Commission`, and what becomes of its results.
+    pub struct Commission {
+        /// Farthest way towards the ring from where it begins; 0: the way of which a stroke there and back takes four periods of the servo, at most a tenth of `probe.at_pusher`
+        #[var(unit = METRE as "mm", range = 0.0..=0.1, start = 0.0, source = "derived: a (2 pi / w)^2")] pub travel: f64,
+        /// Acceleration of the strokes, and with the moving mass their force; 0: `slide.acceleration_max`
+        #[var(unit = METRE_PER_SECOND_SQUARED, range = 0.0..=100.0, start = 0.0, source = "derived: as all moves")] pub acceleration: f64,
+        /// Longest time; 0: what five rounds of strokes take, of which three are needed, and 1 s
+        #[var(unit = SECOND, range = 0.0..=1e6, start = 0.0, source = "derived: 5/3 of the motions + 1 s")] pub time: f64,
+        /// Largest relative standard deviation of the bandwidth; above it is `CommissionRejected`
+        #[var(unit = ONE, range = 1e-6..=0.5, start = 0.02, source = "our choice: feed-forward has twice that error")] pub deviation_max: f64,
+        /// Largest standard deviation of the delay, samples; above it is `CommissionRejected`
+        #[var(unit = ONE, range = 1e-3..=2.0, start = 0.25, source = "our choice: two of them to the next half sample")] pub delay_deviation_max: f64,
+        /// Use what was measured in place of what was told
+        #[var(source = "our choice: first look, then trust")] pub apply: bool,
+        /// File that a good commission writes: JSON, the parameters that it derives; empty: none
+        pub export: String,
     }
     /// What is a fault.
     pub struct Limits {

@@ -6,6 +6,7 @@
 
 mod centre;
 mod check;
+mod commission;
 pub mod controller;
 mod faults;
 pub mod interface;
@@ -27,7 +28,7 @@ use interface::Vars;
 impl Model for Controller {
     // `longest_step` as measured: docs/communication-step.md
     const INFO: Info =
-        Info { name: "RingCentering", state_version: 7, stop_time: 60.0, longest_step: 1.0, ..package!() };
+        Info { name: "RingCentering", state_version: 8, stop_time: 60.0, longest_step: 1.0, ..package!() };
     type Vars = Vars;
 
     fn calculate(vars: &mut Vars) {
@@ -42,8 +43,14 @@ impl Model for Controller {
         Ok(Self::new(&vars.in_force)?)
     }
 
-    fn sample(&mut self, vars: &mut Vars, _: &mut Env) -> Result<(), Error> {
+    fn sample(&mut self, vars: &mut Vars, env: &mut Env) -> Result<(), Error> {
+        let before = self.commissioned();
+        self.bring_into_force(&mut vars.in_force);
         self.tick(&vars.input, &vars.in_force, &mut vars.output);
+        if self.commissioned() && !before && !vars.in_force.commission.export.is_empty() {
+            // a machine does not stop because a file cannot be written
+            self.export(&vars.in_force).unwrap_or_else(|error| env.warn(error));
+        }
         Ok(())
     }
 }

@@ -6,7 +6,13 @@ use crate::law::Verdict;
 impl State {
     /// Whether a centring is under way or finished, but not faulted.
     pub fn active(self) -> bool {
-        !matches!(self, Self::Idle | Self::Fault)
+        !matches!(self, Self::Idle | Self::Fault | Self::Commission)
+    }
+
+    /// Whether a commission is asked for: by a rising edge of `commission` here, or by one `before` that still waits for a slide at
+    /// rest.
+    pub fn asked(self, before: bool, edge: bool, commission: bool) -> bool {
+        self == Self::Idle && commission && (before || edge)
     }
 
     /// Whether the slide follows the surface of the ring, without contact of the pusher.
@@ -52,17 +58,26 @@ pub struct Events {
     pub stroke_over: bool,
     /// The probe has answered the test before the end.
     pub confirmed: bool,
+    /// A commission is asked for, see [`State::asked`].
+    pub commission: bool,
+    /// The commission is to be broken off.
+    pub break_off: bool,
+    /// The commission has come to its end.
+    pub commissioned: bool,
 }
 
 /// The state after `state` and `events`; a fault comes first, then the end of `enable`.
 pub fn next(state: State, events: &Events) -> State {
-    use State::{Approach, Centred, Collect, Confirm, Fault, Follow, Idle, Model, Push, Settle, Wait};
+    use State::{Approach, Centred, Collect, Commission, Confirm, Fault, Follow, Idle, Model, Push, Settle, Wait};
     match state {
         Fault if events.reset && events.at_rest && events.fault.is_none() => Idle,
         Fault => Fault,
         _ if events.fault.is_some() => Fault,
         Idle if events.start => Approach,
+        Idle if events.commission && events.at_rest => Commission,
         Idle => Idle,
+        Commission if events.break_off || events.commissioned => Idle,
+        Commission => Commission,
         _ if !events.enabled => Idle,
         Approach if events.touched => Follow,
         Follow | Settle if events.settled => Collect,
@@ -142,9 +157,38 @@ mod tests {
     }
 
     #[test]
-    fn without_enable_everything_but_a_fault_is_idle() {
+    fn a_commission_begins_at_rest_and_ends_in_idle() {
+        let commission = Events { commission: true, at_rest: true, ..Events::default() };
+        assert_eq!(next(State::Idle, &commission), State::Commission);
+        assert_eq!(next(State::Idle, &Events { at_rest: false, ..commission }), State::Idle);
+        // who asks for both gets the centring
+        assert_eq!(next(State::Idle, &Events { start: true, enabled: true, ..commission }), State::Approach);
+        let ends = [(true, false), (false, true)].map(|(break_off, commissioned)| Events {
+            break_off,
+            commissioned,
+            ..commission
+        });
+        for events in ends {
+            assert_eq!(next(State::Commission, &events), State::Idle);
+            let fault = Some(Fault::LostReading);
+            assert_eq!(next(State::Commission, &Events { fault, ..events }), State::Fault);
+        }
+    }
+
+    #[test]
+    fn an_edge_waits_in_idle_alone_until_commission_falls() {
+        for &state in State::ALL {
+            let waits = state == State::Idle;
+            assert_eq!([state.asked(false, true, true), state.asked(true, false, true)], [waits; 2]);
+            assert!(!state.asked(true, false, false) && !state.asked(false, false, true));
+        }
+    }
+
+    #[test]
+    fn without_enable_everything_but_a_fault_and_a_commission_is_idle() {
         for state in State::ALL.iter().copied() {
-            let expected = if state == State::Fault { State::Fault } else { State::Idle };
+            let stays = matches!(state, State::Fault | State::Commission);
+            let expected = if stays { state } else { State::Idle };
             assert_eq!(next(state, &Events::default()), expected);
         }
     }

@@ -11,5 +11,5 @@ pub use calm::Calm;
 pub use despike::{Despiker, LAG, Measurement};
 pub use rates::{Clock, Due};
 pub use reading::{Freedom, RESOLUTION, Reader, Reading, Sample};
-pub use servo::{Servo, ServoEstimator};
+pub use servo::{Fit, Servo, ServoEstimator, TERMS};
 pub use spindle::Spindle;

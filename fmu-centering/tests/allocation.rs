@@ -50,7 +50,8 @@ fn a_centring_of_each_law_and_the_next_one() {
         let visited = visit(&mut run, State::Centred);
         for &state in State::ALL {
             // the default law has its model at all times
-            let passed = state != State::Fault && (state != State::Model || p == Parameters::PAPER);
+            let passed =
+                !matches!(state, State::Fault | State::Commission) && (state != State::Model || p == Parameters::PAPER);
             assert_eq!(visited[state as usize - 1], passed, "{state:?}");
         }
         begin(&mut run);
@@ -152,9 +153,36 @@ fn disturb(fault: Fault, run: &mut Loop) {
 }
 
 #[test]
+fn a_commission_that_is_broken_off_rejected_and_used() {
+    let mut p = Parameters::START;
+    p.commission.apply = true;
+    let mut ring = Ring::new(4, 2e-4, 0.5);
+    ring.servo = Some(ring::TOLD);
+    let mut run = Loop::new(&p, ring);
+    for touched in [0, 1000, u32::MAX] {
+        step(&mut run, |input| input.enable = false);
+        let mut k = 0;
+        while k == 0 || run.output.state == State::Commission {
+            k += 1;
+            step(&mut run, |input| {
+                (input.enable, input.commission) = (false, k != 500 || touched > 0);
+                input.probe_position = if k > touched && touched > 0 { 3e-4 } else { 0.0 };
+            });
+        }
+        let rejected = touched == 1000;
+        assert_eq!(run.output.fault == Fault::CommissionRejected, rejected, "{:?}", run.output);
+        assert_eq!(run.output.measured.valid, touched == u32::MAX);
+        (0..1000).for_each(|_| step(&mut run, |input| input.enable = false));
+        step(&mut run, |input| (input.enable, input.reset_fault) = (false, true));
+    }
+    visit(&mut run, State::Centred);
+}
+
+#[test]
 fn every_fault_and_what_comes_after_its_reset() {
     for (p, &fault) in LAWS.iter().flat_map(|p| Fault::ALL.iter().map(move |fault| (p, fault))) {
-        if fault == Fault::None {
+        // a commission has a test of its own
+        if matches!(fault, Fault::None | Fault::CommissionRejected) {
             continue;
         }
         let (p, ring) = machine(fault, p.clone());

@@ -2,9 +2,10 @@
 
 use control_blocks::SafeEnd;
 
+use crate::commission::plan;
 use crate::controller::Controller;
 use crate::faults::{Watched, graver};
-use crate::interface::{Fault, Parameters, State};
+use crate::interface::{Fault, Measured, Parameters, State};
 use crate::limits::{job_time, slowest_servo, trial_move};
 use crate::machine::Events;
 use crate::monitoring::{Phase, believable_share};
@@ -47,10 +48,14 @@ impl Controller {
             estimate: self.estimate.as_ref(),
         };
         let centring = self.state.active() && self.state != State::Centred;
-        if centring {
+        let commission = self.state == State::Commission;
+        if centring || commission {
             self.progress.count();
         }
-        let late = centring && self.progress.samples() > u64::from(p.ticks(job_time(p, view.speed)));
+        let longest = if commission { plan::time(p) } else { job_time(p, view.speed) };
+        let late = (centring || commission) && self.progress.samples() > u64::from(p.ticks(longest));
+        // strokes are for a probe that nothing touches
+        let rejected = commission && (self.commissioner.rejected() || self.calm.probe > p.probe.contact);
         let found = [
             reading.fault,
             (frozen || astray).then_some(Fault::FrozenProbe),
@@ -58,6 +63,7 @@ impl Controller {
             self.supervisor.check(p, &view),
             (self.state.active() && self.table.disobeys(p)).then_some(Fault::SpindleSpeed),
             late.then_some(Fault::NoProgress),
+            rejected.then_some(Fault::CommissionRejected),
         ];
         graver(&found)
     }
@@ -91,16 +97,31 @@ impl Controller {
         if self.state != State::Follow || !events.settled {
             return;
         }
-        self.servo = self.servo_estimator.servo(p);
+        self.servo = self.servo_estimator.servo(p.sample_period);
         if p.learns_servo() && self.servo.is_some_and(|servo| servo.sure() && servo.bandwidth < slowest_servo(p)) {
             events.fault = Some(Fault::SlowServo);
         }
     }
 
-    /// Bandwidth of the servo with which strokes are planned, rad/s: as found where that is sure, else as told.
+    /// Bandwidth of the servo with which strokes are planned, rad/s: as found on the way to the ring where that is sure and no
+    /// commission is in force, else as the parameters in force have it.
     pub(super) fn bandwidth(&self, p: &Parameters) -> f64 {
-        let found = self.servo.filter(|servo| servo.sure() && p.learns_servo());
+        let commissioned = p.commission.apply && self.commissioned();
+        let found = self.servo.filter(|servo| servo.sure() && p.learns_servo() && !commissioned);
         found.map_or(p.slide.bandwidth, |servo| servo.bandwidth)
+    }
+
+    /// What is known of the machine: by a commission, or without a good one by the way to the ring.
+    pub(super) fn measured(&self) -> Measured {
+        match self.servo.filter(|_| !self.commissioned()) {
+            Some(servo) => Measured {
+                valid: servo.sure(),
+                slide_bandwidth: servo.bandwidth,
+                slide_bandwidth_deviation: servo.deviation,
+                ..Measured::START
+            },
+            None => *self.commissioner.measured(),
+        }
     }
 
     /// Moves the slide out and in, and judges what the probe has answered.

@@ -258,7 +258,7 @@ fn each_fault_is_told_in_its_own_words() {
     let monitor = &mut vars.output.monitor;
     (monitor.following_error, monitor.drive_share, monitor.job_time) = (0.0015, 0.25, 12.34);
     vars.output.numbers = Numbers { following_limit: 0.0012, forward: 0.5, endless: None, line: None, first: 10.0e-6 };
-    vars.in_force.limits.job_time = 10.0;
+    (vars.in_force.limits.job_time, vars.in_force.commission.time) = (10.0, 15.9);
     vars.output.state = State::Centred;
     assert_eq!(numbers(&vars), "; eccentricity `12.35 um`");
     vars.output.state = State::Fault;
@@ -290,7 +290,7 @@ fn each_fault_is_told_in_its_own_words() {
         (Fault::FrozenReading, &format!(": slide at `0.25 m`, {drive}")),
         (Fault::DriveSign, &format!(": {drive}")),
         (Fault::FollowingError, &format!(": {drive}")),
-        (Fault::NoProgress, ": `12.3 s` of `10.0 s`, B = `12.35 um`"),
+        (Fault::NoProgress, ": `12.3 s`, limit of a centring `10.0 s`, of a commission `15.9 s`, B = `12.35 um`"),
         (Fault::Spindle, ": `2.094 rad/s`, `0.50` of its turning forwards, at least `0.9`; `rates.collect` = `66 Hz`"),
         (Fault::Unresolved, ": B = `12.346 um`, standard deviation `2.500 um`, `tolerance` = `2.500 um`"),
     ];
@@ -298,6 +298,16 @@ fn each_fault_is_told_in_its_own_words() {
         vars.output.fault = fault;
         assert_eq!(numbers(&vars), expected, "{fault:?}");
     }
+    let measured = &mut vars.output.measured;
+    (measured.slide_bandwidth, measured.slide_bandwidth_deviation) = (188.5, 9.43);
+    (measured.io_delay, measured.io_delay_deviation) = (1.254, 0.3127);
+    vars.output.fault = Fault::CommissionRejected;
+    assert_eq!(
+        numbers(&vars),
+        ": bandwidth `30.0 Hz`, deviation `1.50 Hz`, limits half and twice `slide.bandwidth` = `40.0 Hz`, `13.9 Hz` or more for \
+         `limits.following_error`, and `commission.deviation_max` = `0.02` of it; delay `1.25` samples, deviation `0.313`, limits \
+         `0` to `8` and `commission.delay_deviation_max` = `0.25`; probe at `0.0125 m`, free up to `probe.contact` = `0.0002 m`"
+    );
     (vars.output.fault, vars.output.numbers.line) = (Fault::ProbeJump, Some([2e-4, 1.3e-4]));
     assert_eq!(numbers(&vars), ": the centred surface is `0.200 mm` from where it was, limit `0.130 mm`");
     (vars.output.fault, vars.output.numbers.endless) = (Fault::NoProgress, Some([1.1003, 1.1]));

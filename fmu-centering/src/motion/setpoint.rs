@@ -40,7 +40,12 @@ impl Motion {
 
     /// Begins a move to rest at `end` m with at most `velocity` m/s.
     pub fn go(&mut self, p: &Parameters, end: f64, velocity: f64) {
-        let profile = Trapezoid::new(self.setpoint, end, velocity, p.slide.acceleration_max);
+        self.go_gently(end, velocity, p.slide.acceleration_max);
+    }
+
+    /// The same with an acceleration of its own, m/s2.
+    pub fn go_gently(&mut self, end: f64, velocity: f64, acceleration: f64) {
+        let profile = Trapezoid::new(self.setpoint, end, velocity, acceleration);
         self.course = Some(Course { profile, ticks: 0 });
     }
 

@@ -75,6 +75,10 @@ pub struct Reading {
     pub start: bool,
     /// Rising edge of `reset_fault`.
     pub reset: bool,
+    /// `commission` is set.
+    pub commission: bool,
+    /// Rising edge of `commission`.
+    pub begin_commission: bool,
 }
 
 /// Remembers what one reading needs from the ones before; by default nothing, before the first sample.
@@ -89,21 +93,25 @@ pub struct Reader {
     begun: bool,
     enable: Edge,
     reset: Edge,
+    commission: Edge,
 }
 
 impl Reader {
     /// Reads one sample.
     pub fn read(&mut self, p: &Parameters, input: &Input, freedom: Freedom) -> Reading {
         let (start, reset) = (self.enable.rises(input.enable), self.reset.rises(input.reset_fault));
-        // an `enable` that stands from the first sample on has not risen
-        let start = std::mem::replace(&mut self.begun, true) && start;
+        let begin_commission = self.commission.rises(input.commission);
+        // what stands from the first sample on has not risen
+        let begun = std::mem::replace(&mut self.begun, true);
+        let (start, begin_commission) = (begun && start, begun && begin_commission);
         let number = |value: f64, most: f64| if believable(value, most) { value } else { f64::NAN };
         let raw = Sample {
             angle: number(input.spindle_angle, ANGLE_MAX),
             slide: number(input.slide_position, POSITION_MAX),
             probe: number(input.probe_position, POSITION_MAX),
         };
-        Reading { enabled: input.enable, start, reset, ..self.believe(p, &raw, freedom) }
+        let (enabled, commission) = (input.enable, input.commission);
+        Reading { enabled, start, reset, commission, begin_commission, ..self.believe(p, &raw, freedom) }
     }
 
     /// Bridges what the machine cannot have done.

@@ -5,17 +5,25 @@
 //! is that of the bilinear transform, so that derivatives are exact in the filter's own terms and no encoder is
 //! differentiated. Then x'' is linear in w^2, 2 zeta w and b: least squares with their covariance.
 //!
+//! More terms have numbers only where the motion was made for them, in a commission: an integral action adds w^2 / T_i times
+//! the integral of e. A delay other than told leaves r' of e, r'' of e', and r of that integral; and a reading that is off by a
+//! constant leaves 1. The fit takes the first terms or all of them.
+//!
 //! Residuals of filtered signals are alike for twice the time of the filter; they count as one. An integral action that the
-//! model lacks enlarges them and with them the deviation: 2 % at an integral time of 50 ms.
+//! fit lacks enlarges them and with them the deviation: 2 % at an integral time of 50 ms.
 
-use control_blocks::{SentCommands, Trajectory};
-use nalgebra::{Matrix3, Vector3};
+use control_blocks::{DELAY_MAX, SentCommands, Trajectory};
+use nalgebra::{SMatrix, SVector};
 use serde::{Deserialize, Serialize};
 
 use crate::interface::{Law, Parameters};
 
 /// Time constant of the filter, s: a servo of 40 Hz (our choice; it weights, it does not bias).
 const FILTER_TIME: f64 = 4e-3;
+/// Terms of the regression: e, e', r', r'', the integral of e, r, and a constant.
+pub const TERMS: usize = 7;
+/// Those of a motion that was not made for it.
+const FEW_TERMS: usize = 3;
 /// Most of the bandwidth that its standard deviation may be, for the bandwidth to count: feed-forward has twice that error.
 const DEVIATION_MAX: f64 = 0.05;
 
@@ -70,6 +78,28 @@ impl Servo {
     }
 }
 
+/// Factors of the first `N` terms, and their covariance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fit<const N: usize> {
+    /// Factors.
+    pub value: SVector<f64, N>,
+    /// Their covariance.
+    pub covariance: SMatrix<f64, N, N>,
+}
+
+impl<const N: usize> Fit<N> {
+    /// Natural frequency of the servo; none if it does not go where it should.
+    pub fn servo(&self) -> Option<Servo> {
+        let stiffness = self.value[0];
+        if stiffness <= 0.0 {
+            return None;
+        }
+        let bandwidth = stiffness.sqrt();
+        let servo = Servo { bandwidth, deviation: self.covariance[(0, 0)].sqrt() / (2.0 * bandwidth) };
+        (servo.bandwidth.is_finite() && servo.deviation.is_finite()).then_some(servo)
+    }
+}
+
 /// Sums of the regression; by default before the first sample.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct ServoEstimator {
@@ -80,16 +110,18 @@ pub struct ServoEstimator {
     position: Filtered,
     velocity: Filtered,
     slide: Filtered,
-    information: Matrix3<f64>,
-    product: Vector3<f64>,
+    /// integral of the filtered error, m.s
+    integral: f64,
+    error: f64,
+    information: SMatrix<f64, TERMS, TERMS>,
+    product: SVector<f64, TERMS>,
     square: f64,
     samples: u32,
 }
 
 impl ServoEstimator {
-    /// Takes the last setpoint and the position of the slide (m) that may answer it.
-    pub fn update(&mut self, p: &Parameters, setpoint: &Trajectory, slide: f64) {
-        let dt = p.sample_period;
+    /// Takes the last setpoint and the position of the slide (m) that may answer it, `delay` samples after that.
+    pub fn update(&mut self, dt: f64, delay: f64, setpoint: &Trajectory, slide: f64) {
         let [start, before] = *self.places.get_or_insert_with(|| {
             self.sent[0] = SentCommands::resting(setpoint.position);
             [slide, slide]
@@ -99,12 +131,16 @@ impl ServoEstimator {
         for (sent, mean) in self.sent.iter_mut().zip(means) {
             sent.send(mean);
         }
-        let [position, velocity] = self.sent.map(|sent| sent.before(p.io_delay.unsigned_abs() as usize));
+        let [position, velocity] = self.sent.map(|sent| between(&sent, delay));
         self.position.update(position - start, dt);
         self.velocity.update(velocity, dt);
         self.slide.update(0.5 * (before + slide) - start, dt);
         let error = self.position.twice - self.slide.twice;
-        let terms = Vector3::new(error, self.velocity.twice - self.slide.rate(), self.velocity.twice);
+        self.integral += 0.5 * (self.error + error) * dt;
+        self.error = error;
+        let [place, velocity, acceleration] = [self.position.twice, self.velocity.twice, self.velocity.rate()];
+        let late = velocity - self.slide.rate();
+        let terms = SVector::from([error, late, velocity, acceleration, self.integral, place, 1.0]);
         let acceleration = self.slide.rate_of_rate(slide - start);
         self.information += terms * terms.transpose();
         self.product += terms * acceleration;
@@ -113,24 +149,34 @@ impl ServoEstimator {
     }
 
     /// The servo, if the motion so far tells it at all.
-    pub fn servo(&self, p: &Parameters) -> Option<Servo> {
+    pub fn servo(&self, dt: f64) -> Option<Servo> {
+        self.fit::<FEW_TERMS>(dt)?.servo()
+    }
+
+    /// The first `N` terms, if the motion so far tells them apart.
+    pub fn fit<const N: usize>(&self, dt: f64) -> Option<Fit<N>> {
+        let information = self.information.fixed_view::<N, N>(0, 0).into_owned();
+        let product = self.product.fixed_rows::<N>(0).into_owned();
         // in units in which each term alone has the information 1
-        let unit = self.information.diagonal().map(|x| x.sqrt().recip());
-        let scaled = self.information.component_mul(&(unit * unit.transpose()));
+        let unit = information.diagonal().map(|x| x.sqrt().recip());
+        let scaled = information.component_mul(&(unit * unit.transpose()));
         let inverse = scaled.cholesky()?.inverse().component_mul(&(unit * unit.transpose()));
-        let value = inverse * self.product;
-        let alike = (2.0 * FILTER_TIME / p.sample_period).max(1.0);
-        let independent = f64::from(self.samples) / alike - 3.0;
-        if independent < 1.0 || value.x <= 0.0 {
+        let value = inverse * product;
+        let alike = (2.0 * FILTER_TIME / dt).max(1.0);
+        let independent = f64::from(self.samples) / alike - N as f64;
+        if independent < 1.0 {
             return None;
         }
         // of as many residuals as are independent
-        let variance = (self.square - value.dot(&self.product)).max(0.0) / independent;
-        let deviation = (inverse[(0, 0)] * variance).sqrt();
-        let bandwidth = value.x.sqrt();
-        let servo = Servo { bandwidth, deviation: deviation / (2.0 * bandwidth) };
-        (servo.bandwidth.is_finite() && servo.deviation.is_finite()).then_some(servo)
+        let variance = (self.square - value.dot(&product)).max(0.0) / independent;
+        Some(Fit { value, covariance: inverse * variance })
     }
+}
+
+/// What was sent `delay` samples before the newest, also between two samples.
+fn between(sent: &SentCommands, delay: f64) -> f64 {
+    let (whole, part) = (delay as usize, delay.fract());
+    sent.before(whole) * (1.0 - part) + sent.before((whole + 1).min(DELAY_MAX)) * part
 }
 
 #[cfg(test)]
@@ -155,7 +201,7 @@ mod tests {
         let mut estimator = ServoEstimator::default();
         for k in 0..1500 {
             let noise: f64 = StandardNormal.sample(&mut random);
-            estimator.update(&P, &setpoint, x + 1e-7 * noise);
+            estimator.update(dt, f64::from(P.io_delay), &setpoint, x + 1e-7 * noise);
             setpoint.step(if k < 1000 { 5e-3 } else { 0.0 }, P.slide.acceleration_max, dt);
             waiting.push_back(setpoint);
             let acts = waiting.pop_front().unwrap();
@@ -169,7 +215,7 @@ mod tests {
                 x += v * fine;
             }
         }
-        estimator.servo(&P)
+        estimator.servo(P.sample_period)
     }
 
     #[test]
@@ -203,8 +249,8 @@ mod tests {
     fn a_slide_that_does_not_move_tells_nothing() {
         let mut estimator = ServoEstimator::default();
         let rest = Trajectory { position: 0.1, ..Trajectory::default() };
-        (0..1000).for_each(|_| estimator.update(&P, &rest, 0.1));
-        assert_eq!(estimator.servo(&P), None);
+        (0..1000).for_each(|_| estimator.update(P.sample_period, 1.0, &rest, 0.1));
+        assert_eq!(estimator.servo(P.sample_period), None);
     }
 
     #[test]

@@ -94,6 +94,7 @@ fn hostile_inputs_never_give_a_wild_output() {
             spindle_angle: pick(2e-3 * f64::from(k)),
             slide_position: pick(0.08),
             probe_position: pick(0.0195),
+            commission: random.random_bool(if calm { 0.999 } else { 0.5 }),
             enable: random.random_bool(if calm { 0.999 } else { 0.5 }),
             reset_fault: random.random_bool(0.5),
         };

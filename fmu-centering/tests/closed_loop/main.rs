@@ -1,6 +1,7 @@
 //! The controller in closed loop with a ring: centring, laws, faults, enable and reset, hostile inputs, state bytes.
 
 mod centering;
+mod commission;
 mod enable;
 mod faults;
 mod hostile;

@@ -30,6 +30,24 @@ const SPINDLE_STEP: f64 = TAU / 4000.0;
 /// Amplitudes of two and three lobes, m.
 const LOBES: [f64; 2] = [2e-6, 1e-6];
 
+/// A servo of the slide with mass, in place of a lag.
+#[derive(Clone, Copy, Debug)]
+pub struct Servo {
+    /// Natural frequency, Hz.
+    pub frequency: f64,
+    /// Damping ratio.
+    pub damping: f64,
+    /// Integral action: reciprocal of the integral time, 1/s.
+    pub integral: f64,
+    /// Samples between a setpoint and its action, at most 3.
+    pub delay: usize,
+    /// Share of the setpoint's motion that it takes.
+    pub share: f64,
+}
+
+/// One of 40 Hz as the controller is told.
+pub const TOLD: Servo = Servo { frequency: 40.0, damping: 0.7, integral: 0.0, delay: 1, share: 1.0 };
+
 /// The machine at one instant.
 #[derive(Clone)]
 pub struct Ring {
@@ -50,9 +68,14 @@ pub struct Ring {
     pub pusher_friction: f64,
     /// How far the slide yields before the ring moves, m.
     pub compliance: f64,
+    /// Servo of the slide; none: a lag without mass.
+    pub servo: Option<Servo>,
+    /// Velocity of a slide with mass (m/s) and integral of its error, m.
+    moving: [f64; 2],
     free_slide: f64,
     deflection: f64,
-    pending: [f64; 2],
+    /// Setpoints, the newest first.
+    pending: [[f64; 2]; 4],
 }
 
 impl Ring {
@@ -68,9 +91,11 @@ impl Ring {
             lobe_phase: 1.0,
             pusher_friction: 0.12,
             compliance: 4e-6,
+            servo: None,
+            moving: [0.0; 2],
             free_slide: 0.0,
             deflection: 0.0,
-            pending: [0.0; 2],
+            pending: [[0.0; 2]; 4],
         }
     }
 
@@ -93,14 +118,32 @@ impl Ring {
         [angle, rounded(self.slide(), SLIDE_STEP), rounded(probe, PROBE_STEP)]
     }
 
-    /// One communication step; the setpoint (m, m/s) acts from the next step on.
+    /// One communication step; the setpoint (m, m/s) acts from the next step on, or after the delay of the servo.
     pub fn advance(&mut self, position: f64, velocity: f64) {
-        let [position, velocity] = std::mem::replace(&mut self.pending, [position, velocity]);
+        self.pending.rotate_right(1);
+        self.pending[0] = [position, velocity];
+        let [position, velocity] = self.pending[self.servo.map_or(1, |servo| servo.delay)];
         for k in 0..SUBSTEPS {
             let setpoint = position + velocity * DT * f64::from(k);
-            self.free_slide += DT * (velocity + (setpoint - self.free_slide) / SERVO_TIME);
+            match self.servo {
+                Some(servo) => self.accelerate(&servo, setpoint, velocity),
+                None => self.free_slide += DT * (velocity + (setpoint - self.free_slide) / SERVO_TIME),
+            }
             self.angle += DT * self.speed;
             self.push();
+        }
+    }
+
+    /// A step of a slide with mass, in finer ones.
+    fn accelerate(&mut self, servo: &Servo, setpoint: f64, velocity: f64) {
+        const FINER: u32 = 20;
+        let (w, dt) = (TAU * servo.frequency, DT / f64::from(FINER));
+        for k in 0..FINER {
+            let [speed, sum] = self.moving;
+            let error = servo.share * (setpoint + velocity * dt * f64::from(k)) - self.free_slide;
+            let force = w * w * (error + sum) + 2.0 * servo.damping * w * (servo.share * velocity - speed);
+            self.moving = [speed + dt * force, sum + dt * servo.integral * error];
+            self.free_slide += dt * self.moving[0];
         }
     }
 

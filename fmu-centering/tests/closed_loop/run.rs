@@ -38,6 +38,13 @@ impl Loop {
         }
     }
 
+    /// Parameters in force.
+    pub fn in_force(&self) -> Parameters {
+        let mut p = self.parameters.clone();
+        self.controller.bring_into_force(&mut p);
+        p
+    }
+
     /// The same loop, with the law from its state bytes.
     pub fn reloaded(&self) -> Self {
         let bytes = postcard::to_allocvec(&self.controller).unwrap();
@@ -58,8 +65,9 @@ impl Loop {
     pub fn step_with(&mut self, change: impl FnOnce(&mut Input)) {
         let [spindle_angle, slide_position, probe_position] = self.ring.read();
         let enable = self.steps >= IDLE;
-        let mut input = Input { spindle_angle, slide_position, probe_position, enable, reset_fault: false };
+        let mut input = Input { spindle_angle, slide_position, probe_position, enable, ..Input::START };
         change(&mut input);
+        self.controller.bring_into_force(&mut self.parameters);
         self.controller.tick(&input, &self.parameters, &mut self.output);
         self.ring.advance(self.output.slide.position_setpoint, self.output.slide.velocity_setpoint);
         self.steps += 1;

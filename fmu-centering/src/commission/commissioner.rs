@@ -1,0 +1,107 @@
+//! The commission as the controller sees it: what was found, and which values are in force.
+
+use serde::{Deserialize, Serialize};
+
+use crate::commission::experiment::{Experiment, Round};
+use crate::commission::values::Values;
+use crate::interface::{Measured, Parameters};
+use crate::motion::Motion;
+
+/// One commission after the other.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Commissioner {
+    experiment: Experiment,
+    measured: Measured,
+    rejected: bool,
+    finished: bool,
+    told: Values,
+    /// what the last good commission derives
+    derived: Values,
+    in_force: Values,
+}
+
+impl Commissioner {
+    /// Nothing measured so far.
+    pub fn new(p: &Parameters) -> Self {
+        let told = Values::of(p);
+        Self {
+            experiment: Experiment::default(),
+            measured: Measured::START,
+            rejected: false,
+            finished: false,
+            told,
+            derived: told,
+            in_force: told,
+        }
+    }
+
+    /// Begins where the setpoint is at rest.
+    pub fn begin(&mut self, p: &Parameters, motion: &mut Motion) {
+        self.experiment = Experiment::begin(p, motion);
+        (self.measured, self.rejected, self.finished) = (Measured::START, false, false);
+    }
+
+    /// Ends before its end: what was told counts.
+    pub fn break_off(&mut self) {
+        self.in_force = self.told;
+        self.measured.valid = false;
+    }
+
+    /// What was measured, also of a commission that was rejected.
+    pub fn measured(&self) -> &Measured {
+        &self.measured
+    }
+
+    /// Forgets what was rejected.
+    pub fn forget_rejected(&mut self) {
+        if !self.measured.valid {
+            self.measured = Measured::START;
+        }
+    }
+
+    /// The result cannot be used.
+    pub fn rejected(&self) -> bool {
+        self.rejected
+    }
+
+    /// The experiment has come to its end.
+    pub fn finished(&self) -> bool {
+        self.finished
+    }
+
+    /// Values in force, in place of those that the parameters have.
+    pub fn put(&self, p: &mut Parameters) {
+        self.in_force.put(p);
+    }
+
+    /// Names and values of what a good commission derives.
+    pub fn derived(&self) -> [(&'static str, f64); 2] {
+        self.derived.entries()
+    }
+
+    /// Takes the position of the slide (m), read or bridged, beside the last setpoint, and leads the slide on.
+    pub fn observe(&mut self, p: &Parameters, motion: &mut Motion, slide: f64, bridged: bool) {
+        self.experiment.observe(p, &motion.setpoint, slide, bridged);
+        if let Some(round) = self.experiment.advance(p, motion) {
+            self.conclude(p, round);
+        }
+    }
+
+    /// Takes what a round has told.
+    fn conclude(&mut self, p: &Parameters, round: Round) {
+        let Round { last, found, shift } = round;
+        self.measured = found.unwrap_or(Measured::START);
+        if !last {
+            return;
+        }
+        if !self.told.accept(p, &self.measured, shift) {
+            self.rejected = true;
+            return;
+        }
+        (self.measured.valid, self.finished) = (true, true);
+        self.derived = self.told.with(&self.measured);
+        if p.commission.apply {
+            self.in_force = self.derived;
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! The motion of a commission: rounds of strokes from where it began, towards the ring and back.
+
+use control_blocks::{DELAY_MAX, Trajectory};
+use serde::{Deserialize, Serialize};
+
+use crate::commission::plan::{self, REST, ROUNDS};
+use crate::commission::response::response;
+use crate::interface::{Measured, Parameters};
+use crate::motion::Motion;
+use crate::sensing::ServoEstimator;
+
+/// What a round has told.
+#[derive(Clone, Debug)]
+pub struct Round {
+    /// It was the last one.
+    pub last: bool,
+    /// The servo, if the motion tells it.
+    pub found: Option<Measured>,
+    /// By how much the delay was found to be another than that with which the round began, samples.
+    pub shift: f64,
+}
+
+/// One experiment, sample by sample; by default before the first.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Experiment {
+    estimator: ServoEstimator,
+    /// delay with which this round is fitted, samples
+    delay: f64,
+    round: u32,
+    /// number of the stroke under way
+    stroke: usize,
+    /// where it began, m
+    start: f64,
+    /// a reading of this round was lost
+    spoilt: bool,
+}
+
+impl Experiment {
+    /// Begins with the first stroke from where the setpoint is at rest.
+    pub fn begin(p: &Parameters, motion: &mut Motion) -> Self {
+        let new = Self { delay: f64::from(p.io_delay), start: motion.setpoint.position, ..Self::default() };
+        new.lead(p, motion);
+        new
+    }
+
+    /// Takes the last setpoint and the position of the slide (m), read or bridged.
+    pub fn observe(&mut self, p: &Parameters, setpoint: &Trajectory, slide: f64, bridged: bool) {
+        self.estimator.update(p.sample_period, self.delay, setpoint, slide);
+        self.spoilt |= bridged;
+    }
+
+    /// Goes on to the next stroke where one has arrived; what the round has told that is over with it.
+    pub fn advance(&mut self, p: &Parameters, motion: &mut Motion) -> Option<Round> {
+        let last = plan::stroke(self.stroke + 1).is_none();
+        if !motion.arrived(p, if last { REST } else { 0.0 }) {
+            return None;
+        }
+        self.stroke = if last { 0 } else { self.stroke + 1 };
+        let round = last.then(|| self.close(p)).flatten();
+        self.lead(p, motion);
+        round
+    }
+
+    /// Begins the motion of this stroke.
+    fn lead(&self, p: &Parameters, motion: &mut Motion) {
+        if let Some((place, speed)) = plan::stroke(self.stroke) {
+            let end = self.start + place * plan::travel(p);
+            motion.go_gently(end, speed * p.approach.velocity, plan::acceleration(p));
+        }
+    }
+
+    /// Ends a round; one in which a reading was lost is done again and tells nothing.
+    fn close(&mut self, p: &Parameters) -> Option<Round> {
+        let estimator = std::mem::take(&mut self.estimator);
+        if std::mem::take(&mut self.spoilt) {
+            return None;
+        }
+        self.round += 1;
+        let found = estimator.fit(p.sample_period).and_then(|fit| response(p, &fit, self.delay));
+        let delay = found.as_ref().map_or(self.delay, |found| found.io_delay.clamp(0.0, DELAY_MAX as f64));
+        let shift = delay - std::mem::replace(&mut self.delay, delay);
+        Some(Round { last: self.round == ROUNDS, found, shift })
+    }
+}

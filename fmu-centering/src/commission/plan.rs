@@ -1,0 +1,145 @@
+//! How far, how hard and how long the commission moves, from its bounds.
+//!
+//! The slide is held by the servo of its motion board all the time; no loop of this controller is closed around it, so there is
+//! none that a machine which is not as told could make unstable. Its setpoint keeps to travel and acceleration by itself. The
+//! slide follows with e = r - x, of which e'' + 2 zeta w e' + w^2 e = r'': a stable filter of |r''| <= a, so |e| never exceeds
+//! (a / w^2) coth(pi zeta / (2 sqrt(1 - zeta^2))), the peak under an acceleration that turns with every half period: 1.1 a / w^2 at
+//! zeta = 0.7, 2.2 a / w^2 at 0.3. That is what the slide goes beyond its travel.
+//!
+//! All strokes are on the side of the ring, for the slide waits at the rear end of its way, and end long before it: what an
+//! approach may go without having met a ring is `approach.travel_max`, and a pusher stands `probe.at_pusher` behind its probe.
+
+use crate::interface::Parameters;
+use crate::limits::slowest_servo;
+use crate::motion::duration;
+
+/// Places of the strokes in travels, and their speeds in `approach.velocity`. The quick ones turn at many frequencies around
+/// that of the servo; the slow ones are long at rest or at one speed, where only an integral action still moves the slide.
+const STROKES: [(f64, f64); 14] = [
+    (1.0, 1.0),
+    (0.0, 1.0),
+    (0.5, 1.0),
+    (0.25, 1.0),
+    (0.75, 1.0),
+    (0.6, 1.0),
+    (0.7, 1.0),
+    (0.1, 1.0),
+    (0.15, 1.0),
+    (0.05, 1.0),
+    (0.3, 1.0),
+    (0.0, 1.0),
+    (1.0, 0.05),
+    (0.0, 0.05),
+];
+/// How often a round does them all.
+const REPEATS: usize = 3;
+/// Rounds: each with the delay that the one before has found. More of them, where a reading was lost in one.
+pub const ROUNDS: u32 = 3;
+const ROUNDS_SPARE: u32 = 2;
+/// Rest at the end of a round, until the slide is still, s.
+pub const REST: f64 = 0.3;
+/// Period of the longest stroke there and back in periods of the servo, and largest share of `probe.at_pusher`.
+const PERIODS: f64 = 4.0;
+const PUSHER_SHARE: f64 = 0.1;
+/// A commission may take longer than its motions by this time, s.
+const TIME_SPARE: f64 = 1.0;
+
+/// Place (travels from the start) and speed (in `approach.velocity`) of a stroke; none behind the last one of a round.
+pub fn stroke(number: usize) -> Option<(f64, f64)> {
+    (number < REPEATS * STROKES.len()).then(|| STROKES[number % STROKES.len()])
+}
+
+/// Farthest place towards the ring (m) from where it begins: `commission.travel`, or that from which the longest stroke there and
+/// back, 4 (d / a)^(1/2), takes four periods of the servo.
+pub fn travel(p: &Parameters) -> f64 {
+    if p.commission.travel > 0.0 {
+        return p.commission.travel;
+    }
+    let servo = if p.slide.bandwidth > 0.0 { p.slide.bandwidth } else { slowest_servo(p) };
+    let period = PERIODS * std::f64::consts::TAU / servo;
+    let way = acceleration(p) * (0.25 * period).powi(2);
+    way.min(PUSHER_SHARE * p.probe.at_pusher).min(p.approach.travel_max)
+}
+
+/// Acceleration (m/s2) of the strokes: `commission.acceleration`, or that of all moves.
+pub fn acceleration(p: &Parameters) -> f64 {
+    if p.commission.acceleration > 0.0 { p.commission.acceleration } else { p.slide.acceleration_max }
+}
+
+/// Longest commission (s): `commission.time`, or what its motions take and some more.
+pub fn time(p: &Parameters) -> f64 {
+    if p.commission.time > 0.0 {
+        return p.commission.time;
+    }
+    f64::from(ROUNDS + ROUNDS_SPARE) * round_time(p) + TIME_SPARE
+}
+
+/// Time (s) that the motions of a commission take.
+pub fn least_time(p: &Parameters) -> f64 {
+    f64::from(ROUNDS) * round_time(p)
+}
+
+/// Time (s) of a round.
+fn round_time(p: &Parameters) -> f64 {
+    let mut place = 0.0;
+    let strokes: f64 = (0..)
+        .map_while(stroke)
+        .map(|(next, speed)| {
+            let way = (next - std::mem::replace(&mut place, next)) * travel(p);
+            // a stroke ends with a sample
+            duration(way.abs(), speed * p.approach.velocity, acceleration(p)) + p.sample_period
+        })
+        .sum();
+    strokes + REST
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::{PI, TAU};
+
+    #[test]
+    fn bounds_of_the_defaults_and_bounds_that_are_told() {
+        let mut p = Parameters::START;
+        let near = |value: f64, expected: f64| assert!((value / expected - 1.0).abs() < 1e-12, "{value} {expected}");
+        // 2.56 m/s2, and a period of 40 Hz
+        near(travel(&p), 2.56 * 0.025f64.powi(2));
+        near(acceleration(&p), 2.56);
+        near(time(&p), 5.0 / 3.0 * least_time(&p) + 1.0);
+        p.slide.bandwidth = TAU * 30.0;
+        near(travel(&p), 2e-3);
+        p.slide.bandwidth = 0.0;
+        near(travel(&p), 2e-3);
+        p.approach.travel_max = 1e-3;
+        near(travel(&p), 1e-3);
+        (p.commission.travel, p.commission.acceleration, p.commission.time) = (5e-4, 1.0, 33.0);
+        assert_eq!((travel(&p), acceleration(&p), time(&p)), (5e-4, 1.0, 33.0));
+    }
+
+    #[test]
+    fn a_round_comes_back_to_where_it_began() {
+        let last = (0..).map_while(stroke).last().unwrap();
+        assert_eq!((last.0, stroke(0).unwrap().0), (0.0, 1.0));
+        assert!((0..).map_while(stroke).all(|(place, _)| (0.0..=1.0).contains(&place)));
+    }
+
+    #[test]
+    fn a_slide_whose_setpoint_turns_at_the_worst_moments_stays_within_what_is_said() {
+        let (w, a, dt) = (TAU * 40.0, 2.56, 1e-6);
+        for (zeta, told) in [(0.7, 1.1), (0.3, 2.2)] {
+            let root = f64::sqrt(1.0 - zeta * zeta);
+            let bound = a / (w * w) / (0.5 * PI * zeta / root).tanh();
+            assert!((bound * w * w / a / told - 1.0).abs() < 0.05, "{bound}");
+            // it turns with every half period of the damped servo
+            let half = PI / (w * root);
+            let (mut error, mut rate, mut most) = (0.0f64, 0.0, 0.0f64);
+            for k in 0..1_000_000 {
+                let turning = if ((dt * f64::from(k) / half) as u32).is_multiple_of(2) { a } else { -a };
+                rate += dt * (turning - 2.0 * zeta * w * rate - w * w * error);
+                error += dt * rate;
+                most = most.max(error.abs());
+            }
+            assert!((most / bound - 1.0).abs() < 1e-3, "{zeta}: {most} {bound}");
+        }
+    }
+}

@@ -1,0 +1,134 @@
+//! Bandwidth, damping, integral action and delay of the servo, from the factors of its regression and their covariance.
+
+use nalgebra::SVector;
+
+use crate::interface::{Measured, Parameters};
+use crate::sensing::{Fit, TERMS};
+
+/// What the factors of x'' = w^2 e + 2 zeta w e' - w^2 t r' + (w^2 / T_i) integral of e say, t later than `delay` samples, with
+/// standard deviations to first order; none if the servo does not go where it should, or a number is none.
+pub fn response(p: &Parameters, fit: &Fit<TERMS>, delay: f64) -> Option<Measured> {
+    let servo = fit.servo()?;
+    let [stiffness, damping, late, _, integral, _, _]: [f64; TERMS] = fit.value.into();
+    let (w, sample) = (servo.bandwidth, stiffness * p.sample_period);
+    let deviation = |slopes: [(usize, f64); 2]| {
+        let mut gradient = SVector::<f64, TERMS>::zeros();
+        slopes.into_iter().for_each(|(i, slope)| gradient[i] = slope);
+        gradient.dot(&(fit.covariance * gradient)).max(0.0).sqrt()
+    };
+    let found = Measured {
+        slide_bandwidth: w,
+        slide_bandwidth_deviation: servo.deviation,
+        slide_damping: damping / (2.0 * w),
+        slide_damping_deviation: deviation([(0, -damping / (4.0 * w * stiffness)), (1, 0.5 / w)]),
+        slide_integral: integral / stiffness,
+        slide_integral_deviation: deviation([(0, -integral / stiffness.powi(2)), (4, stiffness.recip())]),
+        io_delay: delay - late / sample,
+        io_delay_deviation: deviation([(0, late / (sample * stiffness)), (2, -sample.recip())]),
+        ..Measured::START
+    };
+    let numbers = [
+        found.slide_damping,
+        found.slide_damping_deviation,
+        found.slide_integral,
+        found.slide_integral_deviation,
+        found.io_delay,
+        found.io_delay_deviation,
+    ];
+    numbers.into_iter().all(f64::is_finite).then_some(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use control_blocks::Trajectory;
+    use nalgebra::SMatrix;
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    use crate::sensing::ServoEstimator;
+
+    const P: Parameters = Parameters::START;
+    /// A number of a measurement and its standard deviation.
+    type Word = fn(&Measured) -> [f64; 2];
+    const WORDS: [Word; 4] = [
+        |m| [m.slide_bandwidth, m.slide_bandwidth_deviation],
+        |m| [m.slide_damping, m.slide_damping_deviation],
+        |m| [m.slide_integral, m.slide_integral_deviation],
+        |m| [m.io_delay, m.io_delay_deviation],
+    ];
+
+    /// What 200 rad/s, the damping 0.6, an integral time of 0.1 s and 1.5 samples more than told are in the regression.
+    fn factors() -> SVector<f64, TERMS> {
+        SVector::from([4e4, 240.0, -60.0, 0.0, 4e5, 0.0, 0.0])
+    }
+
+    #[test]
+    fn the_factors_are_told_in_the_words_of_a_servo() {
+        let fit = Fit { value: factors(), covariance: SMatrix::zeros() };
+        let m = response(&P, &fit, 1.0).unwrap();
+        for (word, expected) in WORDS.iter().zip([200.0, 0.6, 10.0, 2.5]) {
+            let [value, deviation] = word(&m);
+            assert!((value / expected - 1.0).abs() < 1e-12 && deviation == 0.0, "{value} {expected}");
+        }
+        assert_eq!(response(&P, &Fit { value: -factors(), ..fit }, 1.0), None);
+        let mut covariance = SMatrix::zeros();
+        covariance[(2, 2)] = f64::INFINITY;
+        assert_eq!(response(&P, &Fit { covariance, ..fit }, 1.0), None);
+    }
+
+    #[test]
+    fn the_deviations_are_the_slopes_of_these_words() {
+        for i in 0..TERMS {
+            let step = 1e-6 * factors()[i].abs().max(1.0);
+            let mut covariance = SMatrix::zeros();
+            covariance[(i, i)] = step * step;
+            let mut moved = factors();
+            moved[i] += step;
+            let [before, after] =
+                [factors(), moved].map(|value| response(&P, &Fit { value, covariance }, 1.0).unwrap());
+            for word in WORDS {
+                let ([value, deviation], change) = (word(&before), word(&after)[0] - word(&before)[0]);
+                assert!((deviation - change.abs()).abs() <= 1e-5 * change.abs() + 1e-12, "{i}: {value} {change}");
+            }
+        }
+    }
+
+    /// What is found of a servo whose setpoint goes along many sines, read with this noise (m).
+    fn found(noise: f64, seed: u64) -> Measured {
+        const FINE: u32 = 100;
+        const SINES: [[f64; 2]; 4] = [[7.0, 0.0], [45.0, 1.0], [130.0, 2.0], [260.0, 3.0]];
+        let (w, zeta, integral, dt) = (220.0, 0.6, 8.0, P.sample_period);
+        let fine = dt / f64::from(FINE);
+        let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(seed);
+        let (mut x, mut v, mut sum, mut newest) = (0.0, 0.0, 0.0, Trajectory::default());
+        let mut estimator = ServoEstimator::default();
+        for k in 0..4000 {
+            let normal: f64 = StandardNormal.sample(&mut random);
+            estimator.update(dt, 1.0, &newest, x + noise * normal);
+            let t = f64::from(k) * dt;
+            let velocity = SINES.iter().map(|[omega, phase]| 0.004 * ((omega * t + phase).sin() - phase.sin())).sum();
+            let next = Trajectory { position: newest.position + newest.velocity * dt, velocity, acceleration: 0.0 };
+            let acts = std::mem::replace(&mut newest, next);
+            for i in 0..FINE {
+                let error = acts.position + acts.velocity * fine * f64::from(i) - x;
+                v += fine * (w * w * (error + sum) + 2.0 * zeta * w * (acts.velocity - v));
+                sum += fine * integral * error;
+                x += fine * v;
+            }
+        }
+        response(&P, &estimator.fit(dt).unwrap(), 1.0).unwrap()
+    }
+
+    #[test]
+    fn the_deviation_covers_the_scatter_of_the_estimates() {
+        let all: Vec<Measured> = (0..24).map(|seed| found(3e-7, seed)).collect();
+        for (word, truth) in WORDS.iter().zip([220.0, 0.6, 8.0, 1.0]) {
+            let mean = |i: usize| all.iter().map(|m| word(m)[i]).sum::<f64>() / 24.0;
+            let scatter = (all.iter().map(|m| (word(m)[0] - mean(0)).powi(2)).sum::<f64>() / 23.0).sqrt();
+            println!("{truth}: mean {}, scatter {scatter}, told {}", mean(0), mean(1));
+            assert!((0.7..5.0).contains(&(mean(1) / scatter)), "{truth}: {} {scatter}", mean(1));
+            assert!((mean(0) / truth - 1.0).abs() < 0.02, "{truth}: {}", mean(0));
+        }
+    }
+}

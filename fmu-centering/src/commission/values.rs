@@ -1,0 +1,114 @@
+//! The parameters that a commission derives, and whether what it has measured can be used.
+
+use control_blocks::DELAY_MAX;
+use serde::{Deserialize, Serialize};
+
+use crate::interface::{Measured, Parameters};
+use crate::limits::slowest_servo;
+
+/// Ratio of the bandwidth over that of what was told, that is still the machine that was meant; or its reciprocal (our choice).
+const RATIO_MAX: f64 = 2.0;
+
+/// All parameters that a commission derives.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Values {
+    bandwidth: f64,
+    io_delay: i32,
+}
+
+impl Values {
+    /// Those of the parameters.
+    pub fn of(p: &Parameters) -> Self {
+        Self { bandwidth: p.slide.bandwidth, io_delay: p.io_delay }
+    }
+
+    /// Puts them into the parameters.
+    pub fn put(&self, p: &mut Parameters) {
+        (p.slide.bandwidth, p.io_delay) = (self.bandwidth, self.io_delay);
+    }
+
+    /// Their names and values.
+    pub fn entries(&self) -> [(&'static str, f64); 2] {
+        [("slide.bandwidth", self.bandwidth), ("io_delay", f64::from(self.io_delay))]
+    }
+
+    /// Those with what was measured; who told no bandwidth, for no feed-forward, gets none.
+    pub fn with(self, measured: &Measured) -> Self {
+        let bandwidth = if self.bandwidth > 0.0 { measured.slide_bandwidth } else { 0.0 };
+        Self { bandwidth, io_delay: measured.io_delay.round() as i32 }
+    }
+
+    /// Whether a measurement is sure enough, and of a servo that this controller can work with; `shift` (samples) is what its
+    /// last round has found of the delay that the round before had not.
+    pub fn accept(&self, p: &Parameters, m: &Measured, shift: f64) -> bool {
+        let ratio = m.slide_bandwidth / self.bandwidth;
+        m.slide_bandwidth_deviation <= p.commission.deviation_max * m.slide_bandwidth
+            && m.io_delay_deviation.max(shift.abs()) <= p.commission.delay_deviation_max
+            && m.slide_bandwidth >= slowest_servo(p)
+            && (self.bandwidth == 0.0 || (RATIO_MAX.recip()..=RATIO_MAX).contains(&ratio))
+            && (-0.5..DELAY_MAX as f64 + 0.5).contains(&m.io_delay)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    const P: Parameters = Parameters::START;
+    /// A good measurement of a servo of 30 Hz that acts two samples late.
+    const GOOD: Measured = Measured {
+        slide_bandwidth: TAU * 30.0,
+        slide_bandwidth_deviation: 0.1,
+        io_delay: 1.9,
+        io_delay_deviation: 0.01,
+        ..Measured::START
+    };
+
+    #[test]
+    fn what_is_put_is_what_was_taken() {
+        let mut p = P;
+        Values::of(&P).put(&mut p);
+        assert_eq!(p, P);
+        let values = Values::of(&P).with(&GOOD);
+        values.put(&mut p);
+        assert_eq!((Values::of(&p), p.slide.bandwidth, p.io_delay), (values, TAU * 30.0, 2));
+        assert_eq!(values.entries(), [("slide.bandwidth", TAU * 30.0), ("io_delay", 2.0)]);
+        // no feed-forward stays none
+        p.slide.bandwidth = 0.0;
+        assert_eq!(Values::of(&p).with(&GOOD).bandwidth, 0.0);
+        assert!(Values::of(&p).accept(&p, &GOOD, 0.0));
+    }
+
+    #[test]
+    fn each_limit_is_the_last_value_that_is_accepted() {
+        type Set = fn(&mut Measured, f64);
+        let limits: [(Set, f64, f64); 6] = [
+            (|m, x| m.slide_bandwidth_deviation = x * TAU * 30.0, 0.019_99, 0.020_01),
+            (|m, x| m.io_delay_deviation = x, 0.25, 0.251),
+            (|m, x| m.slide_bandwidth = TAU * x, 79.9, 80.1),
+            (|m, x| m.slide_bandwidth = TAU * x, 20.1, 19.9),
+            (|m, x| m.io_delay = x, 8.49, 8.5),
+            (|m, x| m.io_delay = x, -0.5, -0.51),
+        ];
+        for (set, last, first) in limits {
+            let with = |x: f64| {
+                let mut m = GOOD;
+                set(&mut m, x);
+                Values::of(&P).accept(&P, &m, 0.0)
+            };
+            assert_eq!((with(last), with(first)), (true, false), "{last} {first}");
+        }
+        let shifted = |shift: f64| Values::of(&P).accept(&P, &GOOD, shift);
+        assert!(shifted(-0.25) && !shifted(-0.26) && !shifted(0.26));
+        assert!(!Values::of(&P).accept(&P, &Measured::START, 0.0));
+        // slower than 13.9 Hz the slide does not keep to 1 mm
+        let mut slow = P;
+        slow.slide.bandwidth = TAU * 20.0;
+        let at = |hertz: f64| {
+            let m = Measured { slide_bandwidth: TAU * hertz, ..GOOD };
+            Values::of(&slow).accept(&slow, &m, 0.0)
+        };
+        assert!(at(14.0) && !at(13.9));
+    }
+}

@@ -1,0 +1,316 @@
+//! The state `Commission`: what it finds on machines that nobody has measured, and what it keeps to.
+
+use std::f64::consts::TAU;
+
+use fmu_centering::interface::{Fault, Input, Parameters, State};
+use rand::{RngExt, SeedableRng};
+
+use crate::ring::{Ring, Servo, TOLD};
+use crate::run::Loop;
+
+const P: Parameters = Parameters::START;
+
+/// Asks for a commission and for nothing else.
+fn ask(input: &mut Input) {
+    (input.enable, input.commission) = (false, true);
+}
+
+/// Asks for nothing.
+fn rest(input: &mut Input) {
+    input.enable = false;
+}
+
+/// A machine with this servo.
+fn machine(p: &Parameters, servo: Servo) -> Loop {
+    let mut ring = Ring::new(3, 3e-4, 1.0);
+    ring.servo = Some(servo);
+    Loop::new(p, ring)
+}
+
+/// Steps into the commission, and `time` s on.
+fn begin(run: &mut Loop, time: f64) {
+    run.step_with(rest);
+    run.step_with(ask);
+    assert_eq!(run.output.state, State::Commission, "{:?}", run.output);
+    let until = run.time() + time;
+    while run.time() < until {
+        run.step_with(ask);
+    }
+}
+
+/// Runs until the commission is over; how far the slide went, back and towards the ring, m.
+fn commission(run: &mut Loop) -> [f64; 2] {
+    begin(run, 0.0);
+    let start = run.ring.slide();
+    let mut reach = [0.0f64; 2];
+    while run.output.state == State::Commission {
+        run.step_with(ask);
+        let place = run.ring.slide() - start;
+        reach = [reach[0].min(place), reach[1].max(place)];
+        assert!(run.time() < 30.0, "{:?}", run.output);
+    }
+    reach
+}
+
+/// A servo that is not as told: bandwidth within 30 %, any delay from 0 to 2, other damping, with integral action or without.
+fn unknown(seed: u64) -> Servo {
+    let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(seed);
+    Servo {
+        frequency: random.random_range(28.0..52.0),
+        damping: random.random_range(0.4..1.0),
+        integral: if random.random_bool(0.5) { random.random_range(2.0..20.0) } else { 0.0 },
+        delay: random.random_range(0..3),
+        share: 1.0,
+    }
+}
+
+#[test]
+fn unknown_machines_are_measured_and_the_slide_keeps_to_its_way() {
+    for seed in 0..16 {
+        let servo = unknown(seed);
+        let mut run = machine(&P, servo);
+        let [back, ahead] = commission(&mut run);
+        let m = &run.output.measured;
+        assert_eq!((run.output.state, run.output.fault, m.valid), (State::Idle, Fault::None, true), "{servo:?}: {m:?}");
+        // what samples of 1 ms do to a servo of 50 Hz
+        assert!((m.slide_bandwidth / (TAU * servo.frequency) - 1.0).abs() < 0.01, "{servo:?}: {m:?}");
+        assert!((m.slide_damping / servo.damping - 1.0).abs() < 0.02, "{servo:?}: {m:?}");
+        assert!((m.slide_integral - servo.integral).abs() < 0.5 + 3.0 * m.slide_integral_deviation, "{servo:?}: {m:?}");
+        assert!((m.io_delay - servo.delay as f64).abs() < 0.02 + 3.0 * m.io_delay_deviation, "{servo:?}: {m:?}");
+        assert!(m.slide_bandwidth_deviation < 0.004 * m.slide_bandwidth && m.io_delay_deviation < 0.02, "{m:?}");
+        // 1.6 mm and what the slide goes beyond its setpoint: 1.7 a / w^2 at the damping 0.4
+        assert!(back > -1.8e-4 && ahead < 1.6e-3 + 1.8e-4, "{servo:?}: {back} to {ahead} m");
+        assert!(run.time() < 10.0 && run.ring.gap() > 0.06, "{} s", run.time());
+    }
+}
+
+#[test]
+fn what_was_measured_is_used_on_request_and_kept_in_a_file() {
+    for apply in [false, true] {
+        let mut p = P;
+        p.commission.apply = apply;
+        let mut run = machine(&p, Servo { frequency: 28.0, delay: 2, ..TOLD });
+        commission(&mut run);
+        let in_force = run.in_force();
+        let expected = if apply { (28.0, 2) } else { (40.0, 1) };
+        assert!((in_force.slide.bandwidth / TAU / expected.0 - 1.0).abs() < 0.01 && in_force.io_delay == expected.1);
+        let folder = tempfile::tempdir().unwrap();
+        p.commission.export = folder.path().join("found.json").to_str().unwrap().into();
+        run.controller.export(&p).unwrap();
+        let told = std::fs::read_to_string(&p.commission.export).unwrap();
+        let found = format!("\"slide.bandwidth\": {:e},", run.output.measured.slide_bandwidth);
+        assert!(told.contains(&found) && told.contains("\"io_delay\": 2"), "{told} {found}");
+        // with what was told the ring is not centred sooner
+        let measured = run.output.measured;
+        run.step_with(rest);
+        let centred = run.run_to(State::Centred, run.time() + 30.0);
+        assert!(centred || !apply, "{:?}", run.output);
+        assert!(!centred || run.ring.eccentricity() < 2.65e-6);
+        // the way to the ring tells less
+        assert_eq!(run.output.measured, measured);
+    }
+}
+
+#[test]
+fn it_is_broken_off_by_commission_and_by_enable_into_rest_and_what_was_told() {
+    let mut p = P;
+    p.commission.apply = true;
+    for time in [0.01, 0.1, 1.0, 4.0] {
+        for enable in [false, true] {
+            let mut run = machine(&p, Servo { frequency: 30.0, ..TOLD });
+            let start = run.output.slide.position_setpoint;
+            begin(&mut run, time);
+            let mut before = run.output.slide.velocity_setpoint;
+            for k in 0..1000 {
+                // nothing begins again without a new edge
+                run.step_with(|input| (input.enable, input.commission) = (enable, enable));
+                assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::None), "{time} {enable} {k}");
+                let speed = run.output.slide.velocity_setpoint;
+                assert!((speed - before).abs() <= 2.56e-3 * 1.001, "{time}: {before} to {speed} m/s");
+                before = speed;
+            }
+            assert!(before == 0.0 && (run.output.slide.position_setpoint - start).abs() < 1e-12);
+            assert!(!run.output.measured.valid);
+            assert_eq!(run.in_force(), p);
+        }
+    }
+}
+
+#[test]
+fn a_good_one_that_is_followed_by_a_broken_one_counts_no_more() {
+    let mut p = P;
+    p.commission.apply = true;
+    let mut run = machine(&p, Servo { frequency: 30.0, ..TOLD });
+    commission(&mut run);
+    assert_ne!(run.in_force(), p);
+    begin(&mut run, 1.0);
+    run.step_with(rest);
+    assert_eq!((run.in_force(), run.output.state), (p, State::Idle));
+}
+
+#[test]
+fn it_never_begins_by_itself_and_waits_for_rest() {
+    let mut run = machine(&P, TOLD);
+    for _ in 0..1000 {
+        // true from the first sample on is no edge
+        run.step_with(ask);
+        assert_eq!(run.output.state, State::Idle);
+    }
+    (0..300).for_each(|_| run.step_with(|input| input.commission = false));
+    assert_eq!(run.output.state, State::Approach);
+    // on the way back an edge waits, and is forgotten when it falls
+    for waits in [true, false] {
+        let mut run = run.clone();
+        run.step_with(rest);
+        run.step_with(ask);
+        assert_eq!(run.output.state, State::Idle);
+        run.step_with(|input| (input.enable, input.commission) = (false, waits));
+        for _ in 0..2000 {
+            run.step_with(|input| (input.enable, input.commission) = (false, waits));
+            assert!(run.output.state == State::Idle || run.output.slide.velocity_setpoint.abs() < 0.07);
+        }
+        assert_eq!(run.output.state, if waits { State::Commission } else { State::Idle });
+    }
+}
+
+#[test]
+fn a_table_is_not_turned_for_it_and_a_ring_that_is_met_ends_it() {
+    let mut run = machine(&Parameters { spindle_speed: 2.0, ..P }, TOLD);
+    begin(&mut run, 1.0);
+    assert_eq!(run.output.spindle_speed_setpoint, 0.0);
+    for _ in 0..20 {
+        run.step_with(|input| {
+            ask(input);
+            input.probe_position = 3e-4;
+        });
+    }
+    assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::CommissionRejected));
+}
+
+#[test]
+fn a_bound_of_travel_and_of_acceleration_that_is_told_is_kept() {
+    let mut p = P;
+    (p.commission.travel, p.commission.acceleration) = (8e-4, 1.0);
+    let mut run = machine(&p, Servo { frequency: 35.0, ..TOLD });
+    begin(&mut run, 0.0);
+    let (mut most, mut before) = (0.0f64, run.output.slide.velocity_setpoint);
+    while run.output.state == State::Commission {
+        run.step_with(ask);
+        let setpoint = &run.output.slide;
+        most = most.max(setpoint.position_setpoint);
+        assert!(setpoint.position_setpoint >= -1e-12);
+        assert!((setpoint.velocity_setpoint - before).abs() < 1.001e-3);
+        before = setpoint.velocity_setpoint;
+    }
+    assert!((most / 8e-4 - 1.0).abs() < 1e-9, "{most}");
+    assert!(run.output.measured.valid && (run.output.measured.slide_bandwidth / TAU / 35.0 - 1.0).abs() < 0.005);
+}
+
+#[test]
+fn an_excitation_that_is_too_weak_is_rejected_with_its_numbers() {
+    let mut p = P;
+    p.commission.travel = 2e-7;
+    let mut run = machine(&p, TOLD);
+    commission(&mut run);
+    assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::CommissionRejected));
+    assert!(!run.output.measured.valid, "{:?}", run.output.measured);
+    (0..1000).for_each(|_| run.step_with(rest));
+    assert!(run.output.drive_enable && run.output.slide.velocity_setpoint == 0.0);
+    run.step_with(|input| (input.enable, input.reset_fault) = (false, true));
+    assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::None));
+    // what was rejected does not stand beside what the way to the ring tells
+    run.step_with(rest);
+    run.step();
+    assert_eq!(run.output.state, State::Approach);
+    assert_eq!(run.output.measured.io_delay, 0.0);
+}
+
+#[test]
+fn a_servo_that_is_not_the_one_that_was_meant_is_rejected() {
+    for (frequency, told) in [(40.0, 90.0), (40.0, 18.0)] {
+        let mut p = P;
+        p.slide.bandwidth = TAU * told;
+        let mut run = machine(&p, Servo { frequency, ..TOLD });
+        commission(&mut run);
+        assert_eq!(run.output.fault, Fault::CommissionRejected, "{told}: {:?}", run.output);
+        assert!((run.output.measured.slide_bandwidth / TAU / frequency - 1.0).abs() < 0.01);
+        assert_eq!(run.in_force(), p);
+    }
+}
+
+#[test]
+fn a_drive_that_is_lost_or_turns_round_is_found_at_once() {
+    for time in [0.0, 2.0] {
+        for (share, faults) in [(0.0, &[Fault::FrozenReading, Fault::WeakDrive][..]), (-1.0, &[Fault::DriveSign])] {
+            let mut run = machine(&P, TOLD);
+            begin(&mut run, time);
+            let place = run.ring.slide();
+            run.ring.servo = Some(Servo { share, ..TOLD });
+            let until = run.time() + 1.0;
+            while run.output.state == State::Commission && run.time() < until {
+                run.step_with(ask);
+            }
+            assert!(faults.contains(&run.output.fault) || time > 0.0, "{time} {share}: {:?}", run.output);
+            assert!(!run.output.drive_enable && (run.ring.slide() - place).abs() < 3e-3);
+        }
+    }
+}
+
+#[test]
+fn a_round_with_a_lost_reading_is_done_again_and_too_many_end_it() {
+    let lose = |every: u32| {
+        let mut run = machine(&P, Servo { frequency: 33.0, ..TOLD });
+        begin(&mut run, 0.0);
+        let mut k = 0;
+        while run.output.state == State::Commission {
+            k += 1;
+            run.step_with(|input| {
+                ask(input);
+                input.slide_position = if k % every == every / 2 { f64::NAN } else { input.slide_position };
+            });
+        }
+        run
+    };
+    let few = lose(6000);
+    assert!(few.output.measured.valid && (few.output.measured.slide_bandwidth / TAU / 33.0 - 1.0).abs() < 0.004);
+    assert!(few.time() > 11.0, "{} s", few.time());
+    let many = lose(1000);
+    assert_eq!((many.output.fault, many.output.measured.valid), (Fault::NoProgress, false));
+}
+
+#[test]
+fn every_other_reading_that_is_lost_ends_it_by_its_name() {
+    type Spoil = fn(&mut Input);
+    let spoils: [(Spoil, Fault); 4] = [
+        (|input| input.slide_position = f64::NAN, Fault::LostReading),
+        (|input| input.slide_position += 0.01, Fault::ReadingJump),
+        (|input| input.probe_position = f64::NAN, Fault::LostProbe),
+        (|input| input.spindle_angle = f64::NAN, Fault::LostSpindle),
+    ];
+    for (spoil, fault) in spoils {
+        let mut run = machine(&P, TOLD);
+        begin(&mut run, 1.0);
+        run.spoil(|input| {
+            ask(input);
+            spoil(input);
+        });
+        assert_eq!((run.output.state, run.output.fault), (State::Fault, fault));
+    }
+}
+
+#[test]
+fn state_bytes_continue_a_commission_bit_for_bit() {
+    let mut p = P;
+    p.commission.apply = true;
+    for time in [0.05, 2.9, 5.0] {
+        let mut run = machine(&p, Servo { frequency: 45.0, ..TOLD });
+        begin(&mut run, time);
+        let mut copy = run.reloaded();
+        while run.output.state == State::Commission {
+            run.step_with(ask);
+            copy.step_with(ask);
+            assert_eq!(copy.output, run.output);
+        }
+        assert!(run.output.measured.valid);
+    }
+}

@@ -1,0 +1,138 @@
+"""Centring on machines that nobody has measured: `studies/centering-commission.toml`, before and after.
+
+Half of the machines use what the commission has measured, the other half what they were told.
+`pytest -m full -rP` runs the whole study and prints the table of `fmu-centering/README.md`.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from math import tau
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from .measured import store
+from .samples import studies
+from .samples.runs import run, value
+
+pytestmark = pytest.mark.acceptance
+
+FEW = (8, 92_043)
+"""Machines of the default run, and their seed; no study has it."""
+
+
+class Machine(studies.Machine):
+    """A machine of the study and how it ended."""
+
+    @property
+    def applied(self) -> bool:
+        """Whether it uses what was measured."""
+        return bool(self.changes["controller.commission.apply"])
+
+    @property
+    def delay(self) -> int:
+        """Samples between a setpoint and its action."""
+        return int(self.changes["loop.compute_delay"]) + 1
+
+    @property
+    def bandwidth_error(self) -> float:
+        """Measured bandwidth over the true one, less 1."""
+        return self["bandwidth"] / (tau * float(self.changes["plant.servo_bandwidth"])) - 1.0
+
+    @property
+    def integral_error(self) -> float:
+        """Measured integral action less the true one, 1/s."""
+        return self["integral"] - 1.0 / float(self.changes["plant.servo_integral_time"])
+
+
+def machines(few: tuple[int, int] | None = None) -> list[Machine]:
+    """Machines of the study, or so many that are drawn anew with a seed."""
+    return [Machine(one.changes, one.result) for one in studies.machines("centering-commission", few)]
+
+
+def ended(found: Sequence[Machine], applied: bool) -> dict[str, float]:
+    """Sum up how the machines ended that use what was measured, or those that do not."""
+    those = [one for one in found if one.applied is applied]
+    times = np.array([one["time_to_centre"] for one in those if one["centred"]])
+    ends = {name: float(sum(one[name] > 0.0 for one in those)) for name in ("good", "named", "silent")}
+    return {
+        "machines": float(len(those)), **ends, "median": float(np.median(times)),
+        "high": float(np.percentile(times, 95)), "most": float(times.max()),
+        "overshoot": 1e6 * float(np.percentile([one["overshoot"] for one in those], 95)),
+    }  # fmt: skip
+
+
+def measured(found: Sequence[Machine]) -> dict[str, float]:
+    """Sum up what was measured."""
+    bandwidth = 100.0 * np.array([one.bandwidth_error for one in found])
+    integral = np.array([one.integral_error for one in found])
+    delay = np.array([one["io_delay"] - one.delay for one in found])
+    return {
+        "machines": float(len(found)), "seconds": max(one["commissioned"] for one in found),
+        "bandwidth_least": float(bandwidth.min()), "bandwidth_most": float(bandwidth.max()),
+        "integral": float(abs(integral).max()), "delay_least": float(delay.min()),
+        "delay_most": float(delay.max()), "rounded": float(sum(abs(delay) < 0.5)),
+    }  # fmt: skip
+
+
+def hold(found: Sequence[Machine], least: float) -> None:
+    """Hold the machines that use what was measured against the demand, and what was measured."""
+    for applied in (False, True):
+        print(f"applied {applied}:", ended(found, applied))
+    print(measured(found))
+    those = [one for one in found if one.applied]
+    assert sum(one["good"] for one in those) >= least * len(those)
+    for one in found:
+        assert one["commissioned"] < 120.0
+        assert one["ahead"] < 2.0e-3
+        assert one["back"] < 2.5e-4
+        assert one.bandwidth_error == pytest.approx(0.0, abs=0.02)
+        assert one.integral_error == pytest.approx(0.0, abs=1.0)
+        assert one["io_delay"] == pytest.approx(one.delay, abs=0.3)
+
+
+def test_a_few_machines() -> None:
+    hold(machines(FEW), 1.0)
+
+
+@pytest.mark.full
+def test_the_whole_study() -> None:
+    found = machines()
+    assert len(found) == 200
+    hold(found, 0.95)
+    for name, applied in (("told", False), ("applied", True)):
+        store.measured("centering-commission", name, **ended(found, applied))
+    store.measured("centering-measured", "found", **measured(found))
+
+
+def test_the_file_of_the_results_is_taken_as_parameters(tmp_path: Path) -> None:
+    file = tmp_path / "found.json"
+    result = run("centering/commission", f"controller.commission.export='{file}'")
+    found = json.loads(file.read_text(encoding="utf-8"))
+    assert found["slide.bandwidth"] == value(result, "bandwidth")
+    assert found["io_delay"] == round(value(result, "io_delay"))
+    told = [f"controller.{name}={given}" for name, given in found.items()]
+    # told beforehand, and nothing is commissioned
+    changes = (
+        *told,
+        "controller.commission.apply=false",
+        "signal.controller.commission.values=[false, false]",
+    )
+    assert value(run("centering/commission", *changes), "good") == 1.0
+
+
+def test_a_file_that_cannot_be_written_stops_no_machine(tmp_path: Path) -> None:
+    file = tmp_path / "no" / "found.json"
+    result = run("centering/commission", f"controller.commission.export='{file}'")
+    assert value(result, "good") == 1.0
+    assert not file.exists()
+
+
+@pytest.mark.parametrize(("place", "end"), [(0.022, "centred"), (0.018, "named")])
+def test_a_pusher_elsewhere_than_told_is_found_or_named(place: float, end: str) -> None:
+    result = run("centering/commission", f"plant.probe_at_pusher={place}")
+    assert value(result, end) == 1.0
+    assert value(result, "overshoot") < (5e-5 if end == "centred" else 1.6e-3)
