@@ -34,6 +34,7 @@ equation
   controller.enable = time > 0.05;
   controller.hold = false;
   controller.speed_override = 1.0;
+  controller.commission = false;
   controller.reset_fault = false;
   annotation (
     experiment(StopTime = 12.0, Interval = 1e-2, Tolerance = 1e-8),

@@ -23,6 +23,7 @@ equation
   controller.slide_position = place;
   controller.mode = Integer(MachiningFMUs.RotaryFastToolServo.Mode.Track);
   controller.enable = true;
+  controller.commission = false;
   controller.reset_fault = false;
   controller.feedforward_enable = true;
   controller.afc_enable = true;

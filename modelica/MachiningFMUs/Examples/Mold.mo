@@ -44,6 +44,7 @@ equation
   controller.force_override = 1.0;
   controller.enable = time > 0.01;
   controller.estop = false;
+  controller.commission = false;
   controller.reset_fault = false;
   annotation (
     experiment(StopTime = 12.0, Interval = 1e-3, Tolerance = 1e-8),

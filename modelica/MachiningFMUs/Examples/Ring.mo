@@ -43,6 +43,7 @@ equation
   controller.slide_position = slide;
   controller.probe_position = min(max(collapse, 0.0), stroke);
   controller.enable = time > 0.01;
+  controller.commission = false;
   controller.reset_fault = false;
   annotation (
     experiment(StopTime = 15.0, Interval = 1e-3, Tolerance = 1e-8),
