@@ -18,6 +18,7 @@ from cosim.acceptance.job import RecordedJob
 from cosim.errors import CosimError
 from cosim.report import page, sweeps
 from cosim.report.job import FilmJob, ToldJob
+from cosim.report.sections import Chapter
 from cosim.show.bar import bar
 from cosim.writing import check_text, whole
 
@@ -101,7 +102,7 @@ def write(contents: Contents, options: runner.RunOptions, file: Path) -> Written
     return Written(found, [sweep["passed"] for sweep in swept])
 
 
-def told(contents: Contents, options: runner.RunOptions) -> tuple[runner.Outcomes, list[page.Chapter]]:
+def told(contents: Contents, options: runner.RunOptions) -> tuple[runner.Outcomes, list[Chapter]]:
     """Run the scenarios; returns outcomes and the chapters of those that could be run."""
     if not contents.scenarios:
         return {}, []
@@ -126,7 +127,7 @@ def told(contents: Contents, options: runner.RunOptions) -> tuple[runner.Outcome
         return found, list(chapters.values())
 
 
-def filmed(jobs: Mapping[str, ToldJob], options: runner.RunOptions) -> Iterator[tuple[str, page.Chapter]]:
+def filmed(jobs: Mapping[str, ToldJob], options: runner.RunOptions) -> Iterator[tuple[str, Chapter]]:
     """Film runs; what comes of each is a part of its chapter, why there is no film as well."""
     films = {
         name: FilmJob(job.scenario, job.seed, job.engine, film=job.chapter.with_suffix(".mp4"))
@@ -143,7 +144,7 @@ def filmed(jobs: Mapping[str, ToldJob], options: runner.RunOptions) -> Iterator[
                 yield name, shown_film(films[name].film)
 
 
-def shown_film(film: Path) -> page.Chapter:
+def shown_film(film: Path) -> Chapter:
     """Film and picture of a chapter; of a film that is too large for a page the picture alone."""
     video, still = (base64.b64encode(file.read_bytes()).decode() for file in (film, film.with_suffix(".jpg")))
     size = film.stat().st_size

@@ -56,7 +56,9 @@ pub fn run(workspace: &Workspace) -> Result<bool> {
         }
         held
     };
-    process::header(&format!("results, plots and this table are in `{FOLDER}`; open `{FOLDER}/{PAGE}` in a browser{made}"));
+    process::header(&format!(
+        "results, plots and this table are in `{FOLDER}`; open `{FOLDER}/{PAGE}` in a browser{made}"
+    ));
     Ok(held)
 }
 

@@ -16,6 +16,7 @@ from lxml import html
 
 import cosim
 from cosim.errors import CosimError
+from cosim.physics import CHOICE
 from cosim.replay import enlarge, film, renderer
 from cosim.replay.film import Shot
 from cosim.replay.motion import Recorded, motion, of_result
@@ -219,13 +220,13 @@ def test_without_a_renderer_there_is_a_hint(monkeypatch: pytest.MonkeyPatch) -> 
     def fails(name: str) -> Any:
         raise AttributeError("no library `libEGL.so`")
 
-    monkeypatch.delenv(renderer.CHOICE, raising=False)
+    monkeypatch.delenv(CHOICE, raising=False)
     monkeypatch.setattr("cosim.extras.needed", lambda *_: None)
     monkeypatch.setattr("importlib.import_module", fails)
     with pytest.raises(CosimError, match=r"no picture can be drawn here: .* fails: no library") as caught:
         renderer.graphics((32, 32))
     assert "libegl1" in caught.value.hint
-    monkeypatch.setenv(renderer.CHOICE, "wrong")
+    monkeypatch.setenv(CHOICE, "wrong")
     with pytest.raises(CosimError, match="`MUJOCO_GL` is `wrong`"):
         renderer.graphics((32, 32))
 

@@ -60,7 +60,7 @@ def test_a_loop_is_told_by_a_number_that_a_paper_knows(claims: list[dict[str, An
 def written(name: str, *claims: dict[str, Any]) -> dict[str, Any]:
     """Chapter of a run without plots."""
     texts = dict.fromkeys(("title", "command", "simulated", "plant", "verdict", "no_film"), "x")
-    empty = {
+    empty: dict[str, Any] = {
         key: [] for key in ("story", "fmus", "metrics", "settings", "injected", "charts", "views", "undrawn")
     }
     told = {"measured": "2 um", "limit": "<= 3 um", "source": "our choice", "origin": "choice"}
