@@ -11,6 +11,7 @@ from typing import Any
 MOST_SIGNALS = 64
 ARITHMETIC_ROOM, ACTION_ROOM = 64, 256
 """Bytes that hold an `fenv_t` and a `struct sigaction` of any system."""
+LIMITS = "resource limits"
 DRAWING = b"PYOPENGL_PLATFORM="
 """Environment variable that MuJoCo sets where it draws, and nobody else reads."""
 HANDLER = ctypes.sizeof(ctypes.c_void_p)
@@ -65,7 +66,7 @@ def belongings() -> dict[str, object]:
         "locale": locale.setlocale(locale.LC_ALL),
         "environment variables": environment(),
         "signal handling": signals(),
-        "resource limits": limits,
+        LIMITS: limits,
     }
 
 

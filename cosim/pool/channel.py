@@ -17,13 +17,18 @@ STALLED = 60.0
 """Silence in the middle of a message after which the other side is given up, s."""
 MARK = b"\xc0sim\r\n\x1a\0"
 """Stands before each number of a message and behind its end: other bytes in between are found."""
-NUMBER = struct.Struct(f"!{len(MARK)}sQ")
-MOST_PARTS, MOST_BYTES = 1 << 20, 1 << 44
-"""More than a message has."""
+NUMBER = struct.Struct(f"!{len(MARK)}sQQ")
+"""The mark, a number, and the same number with all bits turned."""
+ALL_BITS = 2**64 - 1
 
 
 class NoMessageError(Exception):
     """What came was written by somebody else, or into the middle of a message."""
+
+
+def numbered(number: int) -> bytes:
+    """Bytes of a number, which cannot come about by chance."""
+    return NUMBER.pack(MARK, number, number ^ ALL_BITS)
 
 
 @dataclass(frozen=True)
@@ -69,9 +74,9 @@ class MessageChannel(Closing):
             *(array.raw() for array in arrays),
         ]
         with self.lock:
-            self.end.sendall(NUMBER.pack(MARK, len(parts)))
+            self.end.sendall(numbered(len(parts)))
             for part in parts:
-                self.end.sendall(NUMBER.pack(MARK, memoryview(part).nbytes))
+                self.end.sendall(numbered(memoryview(part).nbytes))
                 self.end.sendall(part)
             self.end.sendall(MARK)
 
@@ -92,23 +97,22 @@ class MessageChannel(Closing):
             Bytes came that are no message.
         """
         self.end.settimeout(None)
-        count = self._number(MOST_PARTS)
+        count = self._number()
         self.end.settimeout(STALLED)
         try:
-            body, *arrays = [self._take(self._number(MOST_BYTES)) for _ in range(count)]
+            body, *arrays = [self._take(self._number()) for _ in range(count)]
             if self._take(len(MARK)) != MARK:
                 raise NoMessageError
-        except (MemoryError, ValueError):
-            raise NoMessageError from None
         finally:
             self.end.settimeout(None)
         return Parcel(body, arrays)
 
-    def _number(self, most: int) -> int:
-        mark, number = NUMBER.unpack(self._take(NUMBER.size))
-        if mark != MARK or number > most:
+    def _number(self) -> int:
+        came = self._take(NUMBER.size)
+        number = int(NUMBER.unpack(came)[1])
+        if came != numbered(number):
             raise NoMessageError
-        return int(number)
+        return number
 
     def _take(self, size: int) -> bytearray:
         taken = bytearray(size)

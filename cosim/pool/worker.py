@@ -163,9 +163,9 @@ def looked_over(outcome: Any, before: dict[str, object], place: Place) -> tuple[
     if not changed:
         return outcome, True
     told = f"{place.ran() or 'a task'} changed {changed} of its process"
-    if isinstance(outcome, CosimError):
-        cause = outcome.__cause__ if isinstance(outcome, UnforeseenError) else outcome.message
-        outcome.message = f"{told}: {cause}"
+    unforeseen_one = isinstance(outcome, UnforeseenError)
+    if unforeseen_one or (isinstance(outcome, CosimError) and process.LIMITS in changed):
+        outcome.message = f"{told}: {outcome.__cause__ if unforeseen_one else outcome.message}"
         return outcome, False
     log.warning("%s: the next run gets another", told)
     return outcome, False

@@ -1,0 +1,42 @@
+"""Bytes of others in a connection are no message, wherever they came in."""
+
+from __future__ import annotations
+
+import socket
+
+import numpy as np
+import pytest
+
+from cosim.pool.channel import MessageChannel, NoMessageError
+
+
+def sent(message: object) -> bytes:
+    """Bytes of a message on its way."""
+    ours, theirs = socket.socketpair()
+    with MessageChannel(ours) as channel, theirs:
+        channel.send(message)
+        channel.end.shutdown(socket.SHUT_WR)
+        return b"".join(iter(lambda: theirs.recv(1 << 16), b""))
+
+
+def received(stream: bytes) -> object:
+    """Message of what came."""
+    ours, theirs = socket.socketpair()
+    with MessageChannel(ours) as channel, theirs:
+        theirs.sendall(stream)
+        theirs.shutdown(socket.SHUT_WR)
+        return channel.receive().open()
+
+
+def test_a_message_comes_as_it_was_sent() -> None:
+    name, values = received(sent(("trace", np.arange(5.0))))  # type: ignore[misc]
+    assert name == "trace"
+    assert values.tolist() == [0.0, 1.0, 2.0, 3.0, 4.0]
+
+
+@pytest.mark.parametrize("foreign", [b"x", b"\x80\x05]\x94." * 9, b"\xff" * 4096, bytes(64)])
+def test_bytes_of_others_are_found_at_any_place(foreign: bytes) -> None:
+    whole = sent(("trace", np.arange(5.0)))
+    for place in range(0, len(whole), 5):
+        with pytest.raises((NoMessageError, EOFError)):
+            received(whole[:place] + foreign + whole[place:])
