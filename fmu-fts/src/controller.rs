@@ -167,7 +167,7 @@ impl Controller {
         output.afc_frozen = !layers.learning;
         self.long_step = false;
         if self.state == State::Commission {
-            self.commissioner.conclude(p);
+            self.commissioner.conclude(p, reading.arm_angle);
         }
         if self.on_path() {
             self.feed.update(p, self.spindle.angle, reading.slide_position);

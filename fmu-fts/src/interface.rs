@@ -111,7 +111,7 @@ mod variables {
         /// The slide encoder stands, or does not go on with `limits.feed`, while the path needs it
         #[hint("check the slide encoder; set `limits.feed` to 0 if the slide may stand")] FrozenSlide,
         /// What the commission has measured is not sure enough, or not what this controller can hold
-        #[hint("allow more `commission.torque`, `commission.travel` or `limits.following_error`, look for play and vibration, and check `servo.inertia`, `servo.current_bandwidth`, `tip.*` and `io_delay`")] CommissionRejected,
+        #[hint("allow more `commission.torque`, `commission.travel` or `limits.following_error`, look for play and vibration, and check the arm encoder, `servo.inertia`, `servo.current_bandwidth`, `tip.*` and `io_delay`")] CommissionRejected,
     }
     /// How the calibration goes
     pub enum Status {

@@ -61,7 +61,7 @@ def machines(name: str, few: tuple[int, int] | None = None) -> list[Machine]:
 
 
 def errors(found: Sequence[Machine]) -> dict[str, np.ndarray]:
-    """What was measured against what is true: shares, and samples of delay."""
+    """Compare what was measured with what is true: shares, and samples of delay."""
     return {
         "inertia": np.array([one["inertia"] / one.inertia - 1.0 for one in found]),
         "friction": np.array([one["dry_friction"] / one.friction - 1.0 for one in found]),
@@ -76,8 +76,11 @@ def ends(those: Sequence[Machine]) -> dict[str, float]:
     return {
         "machines": len(those),
         **{name: sum(one[name] > 0.0 for one in those) for name in ("good", "named", "silent")},
-        "rms": float(np.median(rms)), "rms_most": rms.max(), "tip": float(np.median(tip)), "tip_most": tip.max(),
-    }  # fmt: skip
+        "rms": float(np.median(rms)),
+        "rms_most": rms.max(),
+        "tip": float(np.median(tip)),
+        "tip_most": tip.max(),
+    }
 
 
 def tell(found: Sequence[Machine]) -> None:

@@ -24,7 +24,7 @@ SLOW, MIDDLE, QUICK = 1.1, 4.0, 7.0
 def commission(
     name: str, faults: tuple[str, ...], limit: float, why: str, after: float, to: str, **kind: object
 ) -> Row:
-    """What goes wrong so long after the beginning of a commission."""
+    """Row of what goes wrong so long after the beginning of a commission."""
     inject = (Injection(to, when=MEASURING, after=after, **kind),)  # type: ignore[arg-type]
     return Row(name, faults, ASTRAY, limit, why, inject, (), LASTS, "fts/commission", "m")
 
@@ -53,7 +53,7 @@ ROWS = (
     commission(
         "commission: arm encoder NaN", ("LostReading",), 3.25e-3, LEFT, MIDDLE, ARM, value=float("nan")
     ),
-    commission("commission: arm encoder 1 mrad off", ("ReadingJump",), 3.25e-3, LEFT, SLOW, ARM, offset=1e-3),
+    commission("commission: arm encoder 5 mrad off", ("ReadingJump",), 3.25e-3, LEFT, SLOW, ARM, offset=5e-3),
     commission("commission: torque lost in a slow swing", WEAK, 3.25e-3, LEFT, SLOW, TORQUE, value=0.0),
     commission("commission: torque lost about the flexure", WEAK, 3.25e-3, LEFT, QUICK, TORQUE, value=0.0),
     commission(

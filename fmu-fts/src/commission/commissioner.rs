@@ -1,5 +1,6 @@
 //! The commission as the controller sees it: what swings, what was found, and which values are in force.
 
+use control_blocks::ticks;
 use serde::{Deserialize, Serialize};
 
 use crate::commission::arm::{FoundArm, find};
@@ -13,6 +14,9 @@ use crate::servo::lead_lag::LeadLag;
 /// What is left of the bandwidth in each trial that does not leave enough margin, and the least of the wish.
 const NARROWER: f64 = 0.96;
 const BANDWIDTH_MIN: f64 = 0.3;
+
+/// Time in which a swinging arm must be seen to move, s: three tones, about the zero of the flexure the hub hardly does.
+const STANDS: f64 = 1.2;
 
 /// One commission after the other.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -33,6 +37,9 @@ pub struct Commissioner {
     derived: Values,
     in_force: Values,
     renewed: bool,
+    /// last reading of the arm (rad), and the samples for which it has stood
+    angle: f64,
+    still: u32,
 }
 
 impl Commissioner {
@@ -50,6 +57,8 @@ impl Commissioner {
             derived: told,
             in_force: told,
             renewed: false,
+            angle: 0.0,
+            still: 0,
         }
     }
 
@@ -57,7 +66,7 @@ impl Commissioner {
     pub fn begin(&mut self) {
         self.experiment.restart();
         self.measured = Measured::START;
-        (self.rejected, self.finished) = (false, false);
+        (self.rejected, self.finished, self.still) = (false, false, 0);
     }
 
     /// Ends before its end: what was told counts.
@@ -96,8 +105,12 @@ impl Commissioner {
         self.derived.entries()
     }
 
-    /// After a sample: once the swing is over the response tells the arm, and then, one trial in each sample, the bandwidth.
-    pub fn conclude(&mut self, p: &Parameters) {
+    /// After a sample with the arm at `angle` (rad): once the swing is over the response tells the arm, and then, one trial in each
+    /// sample, the bandwidth. An arm that seems to stand tells nothing, and may be anywhere.
+    pub fn conclude(&mut self, p: &Parameters, angle: f64) {
+        let before = std::mem::replace(&mut self.angle, angle);
+        self.still = if angle == before { self.still + 1 } else { 0 };
+        self.rejected |= self.still > ticks(STANDS, p.sample_period);
         if self.finished || self.rejected || !self.experiment.done() {
             return;
         }

@@ -321,6 +321,21 @@ fn a_lost_reading_now_and_then_does_not_matter_and_a_lost_encoder_ends_it() {
 }
 
 #[test]
+fn an_encoder_that_stands_where_swings_are_small_is_not_waited_for() {
+    let mut run = Loop::new(&Parameters::START, &OTHER, 94);
+    begin(&mut run, 6.0);
+    let (held, begin) = (run.input.arm_angle, run.time());
+    while run.output.state == State::Commission {
+        run.step_with(|input| {
+            ask(input);
+            input.arm_angle = held;
+        });
+    }
+    assert_eq!(run.output.fault, Fault::CommissionRejected);
+    assert!(run.time() - begin < 1.25, "{}", run.time() - begin);
+}
+
+#[test]
 fn a_rigid_arm_stays_rigid() {
     let mut p = applied();
     (p.tip.frequency, p.tip.inertia) = (0.0, 0.0);

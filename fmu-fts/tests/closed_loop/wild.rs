@@ -85,6 +85,7 @@ fn survives(random: &mut Pcg64Mcg) -> bool {
             slide_position: p.tool.centre_offset[0] - p.tool.arm_length[0] - radius,
             enable: true,
             mode: if k < 100 { Mode::Hold } else { Mode::Track },
+            commission: k % 2 == 1,
             ..Input::START
         };
         controller.tick(&input, &p, &mut output);
