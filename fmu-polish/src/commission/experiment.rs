@@ -1,11 +1,11 @@
 //! The motion of a commission: up, excite the axes there, down to the mold, press, rub along and beside the path, and out.
 
-use control_blocks::{PeriodicSpectra, Quintic, Trajectory, Welford, minimum_jerk, ramp};
+use control_blocks::{PeriodicSpectra, Quintic, Trajectory, minimum_jerk, ramp};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use crate::commission::plan::{PRESSES, Plan, RUBS};
-use crate::commission::rubbing::{Period, Rubbing};
+use crate::commission::rubbing::{Found, Rubbing};
 use crate::force::contact::{ContactMonitor, Measurement};
 use crate::force::impedance::{Coefficients, ForceLaw};
 use crate::force::stiffness::Slope;
@@ -52,29 +52,6 @@ pub struct Sample<'a> {
     pub now: &'a Measurement,
     /// Counters and means of the contact.
     pub contact: &'a ContactMonitor,
-}
-
-/// What pressing and rubbing have told; by default nothing.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-pub struct Found {
-    /// Stiffness along the normal, N/m.
-    pub stiffness: Welford,
-    /// Friction coefficient.
-    pub friction: Welford,
-    /// Stiffness across the normal, N/m.
-    pub lateral: Welford,
-    /// Scatter of the directions, rad.
-    pub angle: Welford,
-}
-
-impl Found {
-    fn take(&mut self, period: &Period) {
-        self.friction.push(period.friction);
-        self.angle.push(period.angle);
-        if let Some(stiffness) = period.stiffness {
-            self.lateral.push(stiffness);
-        }
-    }
 }
 
 /// One experiment, sample by sample.
@@ -261,7 +238,7 @@ impl Experiment {
         self.law.step(&Coefficients::new(p, self.plan.damping), self.setpoint - now.force.controlled)
     }
 
-    /// Every second press is one back to the low force; the first two only settle.
+    /// Every second press is one back to the low force.
     fn falls(&self) -> bool {
         !(self.ticks / self.plan.press[0]).is_multiple_of(2)
     }

@@ -5,11 +5,11 @@
 //! where it begins, and its reference reaches no farther than a quarter of the travel: so the axes go no farther than half of it, and
 //! not below where they began. Two axes at once are beside it by less than 0.71 of the travel.
 //!
-//! Pressed is by eq. 4 alone, without integral, on a contact of up to twice the told stiffness k. The open loop is an integrator of the
-//! gain g = 2 k K_f / B_d with lags that add up to tau: M_d / B_d, the sensor, two and a half samples beside the delay, and the axis, whose position is
-//! (1 - K_ff) / K_pp + K_ff / w_ff late, twice that for loops half as fast. No lag of the time constant t turns the phase at w by
-//! more than w t, so where the gain is 1, at no more than g, the margin is at least pi / 2 - g tau. The damping is raised
-//! until g tau = 0.6 rad, 56 degrees of margin; a softer contact crosses earlier and has more.
+//! Pressed is by eq. 4 alone, without integral, on a contact of up to twice the told stiffness k. The open loop is an integrator of
+//! the gain g = 2 k K_f / B_d with lags that add up to tau: M_d / B_d, the sensor, two and a half samples beside the delay, and the
+//! axis, (1 - K_ff) / K_pp + K_ff / w_ff late, twice that for loops half as fast. No lag of the time constant t turns the phase at w
+//! by more than w t, so where the gain is 1, at no more than g, the margin is at least pi / 2 - g tau. The damping is raised until
+//! g tau = 0.6 rad, 56 degrees of margin; a softer contact crosses earlier and has more.
 
 use control_blocks::{DELAY_MAX, Multisine, quintic_duration, ticks};
 use serde::{Deserialize, Serialize};

@@ -1,8 +1,9 @@
 //! Friction, lateral stiffness and mounting of the sensor from slow motion to and fro across the normal, at a held force.
 //!
-//! Everything is told in the axes of the sensor, whose mounting is unknown. The mean force of a period of the motion is the normal force: the friction changes its
-//! sign within. What is left across it does the work W = -sum(F dx), now a vector: it points where the sensor shows the direction of the
-//! motion, and with Q = -sum(|F| F dx) the friction is |Q| / |W| (`motion/sliding.rs`: what bends comes back).
+//! Everything is told in the axes of the sensor, whose mounting is unknown. The mean force of a period of the motion is the normal
+//! force: the friction changes its sign within. What is left across it does the work W = -sum(F dx), now a vector: it points where
+//! the sensor shows the direction of the motion, and with Q = -sum(|F| F dx) the friction is |Q| / |W| (`motion/sliding.rs`: what
+//! bends comes back).
 //!
 //! Behind a turning point the ball sticks, and the force goes from one friction to the other with the stiffness of the
 //! tip: the slope in the middle of that way, where the friction of the periods before says that it sticks.
@@ -40,6 +41,30 @@ pub struct Rubbing {
     pub direction: Vector3<f64>,
     /// friction, N
     sliding: Welford,
+}
+
+/// What pressing and rubbing have told; by default nothing.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub struct Found {
+    /// Stiffness along the normal, N/m.
+    pub stiffness: Welford,
+    /// Friction coefficient.
+    pub friction: Welford,
+    /// Stiffness across the normal, N/m.
+    pub lateral: Welford,
+    /// Scatter of the directions, rad.
+    pub angle: Welford,
+}
+
+impl Found {
+    /// Takes what a period of rubbing tells.
+    pub fn take(&mut self, period: &Period) {
+        self.friction.push(period.friction);
+        self.angle.push(period.angle);
+        if let Some(stiffness) = period.stiffness {
+            self.lateral.push(stiffness);
+        }
+    }
 }
 
 /// What a period tells.
@@ -123,8 +148,8 @@ pub fn plane(v: &Vector3<f64>) -> Complex<f64> {
     Complex::new(v.x, v.y)
 }
 
-/// How the sensor is mounted, from the directions that it shows of motions along the unit vectors `along`: angle about z (rad), and -1 where its
-/// y counts the other way. It shows e exp(-j a) of a direction e, or the conjugate of that.
+/// How the sensor is mounted, from the directions that it shows of motions along the unit vectors `along`: angle about z (rad), and
+/// -1 where its y counts the other way. It shows e exp(-j a) of a direction e, or the conjugate of that.
 pub fn mounting(shown: [&Vector3<f64>; 2], along: [&Vector3<f64>; 2]) -> (f64, i32) {
     let ([a, b], [e, f]) = (shown.map(plane), along.map(plane));
     let mirrored = (a.conj() * b).im * (e.conj() * f).im < 0.0;

@@ -37,8 +37,8 @@ impl FeltMotion {
     }
 }
 
-/// What is left of white noise of the place, over its deviation. With the lag l in samples, a = exp(-l) and c = (1 - a) / l the place is felt by
-/// 1 - c in its own sample and by c (1 - a) a^(k-1) k samples later.
+/// What is left of white noise of the place, over its deviation. With the lag 1 / l in samples, a = exp(-l) and c = (1 - a) / l the
+/// place is felt by 1 - c in its own sample and by c (1 - a) a^(k-1) k samples later.
 pub fn felt_noise(p: &Parameters) -> f64 {
     let lag = p.sensor_bandwidth * p.sample_period;
     let keep = (-lag).exp();
@@ -49,6 +49,23 @@ pub fn felt_noise(p: &Parameters) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn noise_of_the_place_is_felt_less_by_its_share() {
+        for bandwidth in [300.0, 1256.6, 1e4] {
+            let p = Parameters { sensor_bandwidth: bandwidth, ..Parameters::START };
+            // the answer to one sample that is off is the way felt since the beginning
+            let (mut motion, mut place, mut squares) = (FeltMotion::default(), 0.0, 0.0);
+            motion.step(&p, &Vector3::zeros(), &Vector3::zeros());
+            for k in 0..200 {
+                let off = if k == 0 { Vector3::x() } else { Vector3::zeros() };
+                let (_, way) = motion.step(&p, &Vector3::zeros(), &off).unwrap();
+                place += way.x;
+                squares += place * place;
+            }
+            assert!((squares.sqrt() / felt_noise(&p) - 1.0).abs() < 1e-9, "{bandwidth}: {squares}");
+        }
+    }
 
     #[test]
     fn a_steady_motion_is_felt_a_time_constant_late() {
