@@ -159,8 +159,14 @@ def label(tokens: Sequence[Any]) -> None:
 
 def words(content: str) -> Any:
     """Line of Markdown as HTML: code and emphasis, while links and HTML are shown as they are."""
-    from markdown_it import MarkdownIt
     from markupsafe import Markup
 
-    plain = ("link", "image", "autolink", "html_inline")
-    return Markup(MarkdownIt("commonmark").disable([*plain]).renderInline(content))
+    return Markup(line_of_words().renderInline(content))
+
+
+@functools.cache
+def line_of_words() -> Any:
+    """Renderer of lines, which takes longer to be made than a line to be rendered."""
+    from markdown_it import MarkdownIt
+
+    return MarkdownIt("commonmark").disable(["link", "image", "autolink", "html_inline"])
