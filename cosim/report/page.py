@@ -161,12 +161,12 @@ def words(content: str) -> Any:
     """Line of Markdown as HTML: code and emphasis, while links and HTML are shown as they are."""
     from markupsafe import Markup
 
-    return Markup(line_of_words().renderInline(content))
+    return Markup(renderer_of_lines().renderInline(content))
 
 
 @functools.cache
-def line_of_words() -> Any:
-    """Renderer of lines, which takes longer to be made than a line to be rendered."""
+def renderer_of_lines() -> Any:
+    """Make the renderer of lines once, which takes longer than to render one."""
     from markdown_it import MarkdownIt
 
     return MarkdownIt("commonmark").disable(["link", "image", "autolink", "html_inline"])
