@@ -161,8 +161,14 @@ def label(tokens: Sequence[Any]) -> None:
 
 def words(content: str) -> Any:
     """Line of Markdown as HTML: code and emphasis, while links and HTML are shown as they are."""
-    from markdown_it import MarkdownIt
     from markupsafe import Markup
 
-    plain = ("link", "image", "autolink", "html_inline")
-    return Markup(MarkdownIt("commonmark").disable([*plain]).renderInline(content))
+    return Markup(renderer_of_lines().renderInline(content))
+
+
+@functools.cache
+def renderer_of_lines() -> Any:
+    """Make the renderer of lines once, which takes longer than to render one."""
+    from markdown_it import MarkdownIt
+
+    return MarkdownIt("commonmark").disable(["link", "image", "autolink", "html_inline"])
