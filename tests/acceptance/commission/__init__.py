@@ -1,0 +1,1 @@
+"""Machines that nobody has measured, before and after the state `Commission`."""
