@@ -11,7 +11,6 @@ pub mod controller;
 mod faults;
 mod identify;
 pub mod interface;
-mod json_table;
 pub mod lists;
 mod machine;
 mod monitoring;

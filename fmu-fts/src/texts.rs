@@ -1,5 +1,7 @@
 //! What stands behind the texts among the parameters: lists of numbers, and tables in files.
 
+pub mod json_table;
+
 use std::path::Path;
 
 use control_blocks::ParameterError;

@@ -11,7 +11,7 @@ from dataclasses import replace
 from cosim.scenario.injection import Injection
 from cosim.scenario.model import Signal
 
-from . import centering_commission
+from .commission import centering as commission
 from .matrix import DONE, Matrix, Row
 
 # 45 rpm and the largest plant step: short runs
@@ -186,6 +186,6 @@ MATRIX = Matrix(
         row("drive does a third, paper's law", "WeakDrive", *both(scale=0.3), changes=PAPER),
         row("spindle encoder frozen, paper's law", "FrozenSpindle",
             collecting(SPINDLE, frozen=True), changes=PAPER),
-        *centering_commission.ROWS,
+        *commission.ROWS,
     ),
 )  # fmt: skip

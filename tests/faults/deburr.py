@@ -5,7 +5,7 @@ from dataclasses import replace
 from cosim.scenario.injection import Injection
 from cosim.scenario.model import Signal
 
-from . import deburr_commission
+from .commission import deburr as commission
 from .matrix import DONE, Matrix, Row
 
 TIP = "max(abs(plant.deviation[controller.path.distance > 0]))"
@@ -343,7 +343,7 @@ def still(axis: str) -> str:
 def lasting(row: Row) -> Row:
     """Row that goes on after the fault or the end of the job: nothing may move by itself."""
     again = any(signal.to in ("controller.enable", "controller.mode") for signal in row.signals)
-    commissions = row in deburr_commission.ROWS
+    commissions = row in commission.ROWS
     end = 32.0 if commissions else 18.8 if again else 8.4
     return replace(row, changes=(*row.changes, f"loop.duration={end}", "loop.stop_when=''"))
 
@@ -356,5 +356,5 @@ MATRIX = Matrix(
         " and (last(plant.finish_high) < 1e-3)"
     ),
     rest=" and ".join(f"({still(axis)})" for axis in "xyz"),
-    rows=tuple(lasting(row) for row in (*ROWS, *deburr_commission.ROWS)),
+    rows=tuple(lasting(row) for row in (*ROWS, *commission.ROWS)),
 )

@@ -5,7 +5,7 @@ from dataclasses import replace
 from cosim.scenario.injection import Injection
 from cosim.scenario.model import Signal
 
-from . import dob_commission
+from .commission import dob as commission
 from .matrix import DONE, Matrix, Row
 
 POSITION = "controller.position"
@@ -430,5 +430,5 @@ MATRIX = Matrix(
         " & ~any(controller.contact & (plant.touched == 0))"
     ),
     rest="max(abs(plant.velocity[time > last(time) - 0.002])) < 1e-4",
-    rows=tuple(replace(row, changes=(*SHORT, *row.changes)) for row in (*ROWS, *dob_commission.ROWS)),
+    rows=tuple(replace(row, changes=(*SHORT, *row.changes)) for row in (*ROWS, *commission.ROWS)),
 )

@@ -13,7 +13,7 @@ import math
 from cosim.scenario.injection import Injection
 from cosim.scenario.model import Signal
 
-from . import fts_commission
+from .commission import fts as commission
 from .matrix import DONE, Matrix, Row
 
 BEGIN = 0.53
@@ -262,6 +262,6 @@ MATRIX = Matrix(
             "slide runs out of the table",
             changes=("plant.feed=5e-4", "controller.surface.inner_radius=0.0275"),
         ),
-        *fts_commission.ROWS,
+        *commission.ROWS,
     ),
 )

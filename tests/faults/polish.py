@@ -5,7 +5,7 @@ from __future__ import annotations
 from cosim.scenario.injection import Injection
 from cosim.scenario.model import Signal
 
-from . import polish_commission
+from .commission import polish as commission
 from .matrix import DONE, Matrix, Row
 
 # three times the feed of the scenario: the runs get shorter
@@ -442,6 +442,6 @@ MATRIX = Matrix(
         "max(hypot(hypot(diff(plant.axis_x), diff(plant.axis_y)), diff(plant.axis_z))"
         "[time > last(time) - 0.05]) < 1e-6"
     ),
-    rows=(*SENSOR, *ENCODERS, *DRIVES, *REST, *polish_commission.ROWS),
+    rows=(*SENSOR, *ENCODERS, *DRIVES, *REST, *commission.ROWS),
     stop="time > 1e3",
 )

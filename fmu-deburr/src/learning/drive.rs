@@ -3,12 +3,24 @@
 use serde::{Deserialize, Serialize};
 
 use crate::interface::Parameters;
-use crate::learning::identification::{TAPS, Weights};
 
+/// Weights of an axis.
+pub(crate) const TAPS: usize = 3;
 /// Standard deviation of the gain of a drive that was not identified.
 const SPREAD: f64 = 0.3;
 /// Least lag that is told from none, s.
 pub(crate) const LAG_MIN: f64 = 1e-5;
+
+/// Weights of the rates from the sample `first` after the present one on, with their covariance.
+#[derive(Clone, Copy, Debug)]
+pub struct Weights {
+    /// Sample of the first weight, after the present one.
+    pub first: isize,
+    /// Weights, samples.
+    pub weights: [f64; TAPS],
+    /// Their covariance.
+    pub covariance: [[f64; TAPS]; TAPS],
+}
 
 /// A velocity drive as it is told, and the position loop around it.
 #[derive(Clone, Copy, Debug, PartialEq)]

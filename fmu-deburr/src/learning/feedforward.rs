@@ -13,8 +13,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::interface::Parameters;
-use crate::learning::drive::{Drive, ToldDrive};
-use crate::learning::identification::{BareRun, Identification, TAPS};
+use crate::learning::drive::{Drive, TAPS, ToldDrive};
+use crate::learning::identification::{BareRun, Identification};
 use crate::learning::pattern::Pattern;
 use crate::learning::rates::Rates;
 use crate::path::kinematics::{AXES, Joints};

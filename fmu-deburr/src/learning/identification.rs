@@ -5,12 +5,9 @@
 //! the reference, keeps it out of the weights. How far they may be from the nominal ones is told beforehand: an axis that
 //! hardly moves keeps the nominal ones, and says so by its standard deviation.
 
-use crate::learning::drive::ToldDrive;
+use crate::learning::drive::{TAPS, ToldDrive, Weights};
 use crate::learning::nominal::Nominal;
 use crate::learning::regression::Regression;
-
-/// Weights of an axis.
-pub(crate) const TAPS: usize = 3;
 
 /// A run of one axis with the bare servo, counts; a lap may follow the other.
 pub(crate) trait BareRun {
@@ -22,17 +19,6 @@ pub(crate) trait BareRun {
     fn rate(&self, k: usize) -> f64;
     /// Control error of sample `k`.
     fn error(&self, k: usize) -> f64;
-}
-
-/// Weights of the rates from the sample `first` after the present one on, with their covariance.
-#[derive(Clone, Copy, Debug)]
-pub struct Weights {
-    /// Sample of the first weight, after the present one.
-    pub first: isize,
-    /// Weights, samples.
-    pub weights: [f64; TAPS],
-    /// Their covariance.
-    pub covariance: [[f64; TAPS]; TAPS],
 }
 
 /// A run that was evaluated.

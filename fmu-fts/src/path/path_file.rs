@@ -7,9 +7,9 @@ use nalgebra::Complex;
 use serde::Deserialize;
 
 use crate::interface::Parameters;
-use crate::json_table::Table;
 use crate::lists::harmonics::HIGHEST;
 use crate::path::depth_table::DepthTable;
+use crate::texts::json_table::Table;
 
 /// Rows of a table.
 const ROWS: (f64, f64) = (3.0, 2000.0);
@@ -79,7 +79,7 @@ fn row(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::json_table::tests::{assert_refusals, with_resource};
+    use crate::texts::json_table::tests::{assert_refusals, with_resource};
 
     fn read_text(text: &str) -> Result<DepthTable, String> {
         with_resource("path.json", text, |place| read("path.json", Some(place), &Parameters::START))

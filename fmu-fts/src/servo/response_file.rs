@@ -7,9 +7,9 @@ use control_blocks::{FileParameter, ParameterError};
 use nalgebra::Complex;
 use serde::Deserialize;
 
-use crate::json_table::Table;
 use crate::lists::frequencies::COUNT_MAX;
 use crate::servo::response::FrequencyResponse;
+use crate::texts::json_table::Table;
 
 /// The file: three lists of equal length.
 #[derive(Debug, Deserialize)]
@@ -53,7 +53,7 @@ pub fn read(file: &str, resources: Option<&Path>) -> Result<FrequencyResponse, P
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::json_table::tests::{assert_refusals, with_resource};
+    use crate::texts::json_table::tests::{assert_refusals, with_resource};
 
     fn read_text(text: &str) -> Result<FrequencyResponse, String> {
         with_resource("response.json", text, |place| read("response.json", Some(place)))

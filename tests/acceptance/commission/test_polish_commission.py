@@ -13,9 +13,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from .measured import store
-from .samples import studies
-from .samples.runs import run, value
+from ..measured import store
+from ..samples import studies
+from ..samples.runs import run, value
 
 pytestmark = pytest.mark.acceptance
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from cosim.scenario.injection import Injection
 from cosim.scenario.model import Signal
 
-from .matrix import Row
+from ..matrix import Row
 
 AXIS1, AXIS3 = ("controller.axis1.position", "controller.axis3.position")
 DRIVE1, DRIVE3 = ("plant.axis1_velocity", "plant.axis3_velocity")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from cosim.scenario.injection import Injection
 
-from .matrix import Row
+from ..matrix import Row
 
 ARM, TORQUE = "controller.arm_angle", "plant.torque"
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from cosim.scenario.injection import Injection
 from cosim.scenario.model import Signal
 
-from .matrix import DONE, Row
+from ..matrix import DONE, Row
 
 PROBE, SLIDE, SPINDLE = (
     f"controller.{name}" for name in ("probe_position", "slide_position", "spindle_angle")

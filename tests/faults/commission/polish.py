@@ -5,7 +5,7 @@ from __future__ import annotations
 from cosim.scenario.injection import Injection
 from cosim.scenario.model import Signal
 
-from .matrix import Row
+from ..matrix import Row
 
 FORCE = "max(plant.contact_force)"
 BESIDE = "max(hypot(plant.axis_x - first(plant.axis_x), plant.axis_y - first(plant.axis_y)))"

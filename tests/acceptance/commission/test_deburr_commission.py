@@ -15,9 +15,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from .measured import store
-from .samples import studies
-from .samples.runs import run, trace, value
+from ..measured import store
+from ..samples import studies
+from ..samples.runs import run, trace, value
 
 pytestmark = pytest.mark.acceptance
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from cosim.scenario.injection import Injection
 from cosim.scenario.model import Signal
 
-from .matrix import Row
+from ..matrix import Row
 
 POSITION, CURRENT = "controller.position", "plant.current"
 

@@ -1,0 +1,1 @@
+"""Rows of the fault matrices for controllers that measure their machine."""
