@@ -60,9 +60,14 @@ def path(chart: Chart, name: str, y: Array, mask: Any, value: Evaluate, trace: C
 
 
 def beside(name: str, x: Array, y: Array, error: Array) -> list[Line]:
-    """Way that a path should be, and its error across it, so many times larger that it is seen."""
+    """Way that a path should be, and its error across it, so many times larger that it is seen.
+
+    There is none where nothing moves.
+    """
     along = np.gradient(x) + 1j * np.gradient(y) if len(x) > 1 else np.zeros(len(x))
     moved = np.abs(along) > 0.0
+    if not moved.any():
+        return []
     left = 1j * along[moved] / np.abs(along[moved])
     wanted, error = (x + 1j * y)[moved] - error[moved] * left, error[moved]
     size, most = np.ptp(wanted.real) + np.ptp(wanted.imag), np.max(np.abs(error), initial=0.0)

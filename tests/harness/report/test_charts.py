@@ -280,6 +280,9 @@ def test_a_path_with_an_error_is_drawn_beside_where_it_should_be() -> None:
     first, last = (np.array(drawn[1])[:, place] for place in (0, -1))
     assert first[1] - first[0] == pytest.approx(0.0, abs=1e-6)
     assert last[1] - last[0] == pytest.approx(0.4 * 2**0.5, rel=1e-3)
+    # there may be no such rows, or nothing that moves in them
+    assert lines(replace(chart, parts=("time > 9",)), trace) == {}
+    assert lines(replace(chart, x="plant.e * 0", y=("plant.e * 0",)), trace) == {}
 
 
 def test_whole_numbers_are_told_at_whole_numbers() -> None:
