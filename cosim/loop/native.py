@@ -159,8 +159,7 @@ def run(parts: Parts, chunk: int = PROGRESS_EVERY) -> Recording:
             parts.interrupt()
     except Exception as error:
         raise reference.located(error, fmu, scenario, stepper.k) from error
-    finally:
-        parts.place.end_steps([choice.shown for choice in scenario.fmus])
+    parts.place.end_steps([choice.shown for choice in scenario.fmus])
     return Recording(recorder.recorded(done), done, links.begins)
 
 

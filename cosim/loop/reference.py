@@ -116,8 +116,7 @@ def run(parts: Parts) -> Recording:
                 progress(k, loop.steps)
     except (Exception, SystemExit) as error:
         raise located(error, fmu, scenario, k) from error
-    finally:
-        place.end_steps([choice.shown for choice in scenario.fmus])
+    place.end_steps([choice.shown for choice in scenario.fmus])
     return Recording(recorder.recorded(k + 1), k + 1, links.begins)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import socket
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,7 +20,7 @@ def sent(message: object) -> bytes:
         return b"".join(iter(lambda: theirs.recv(1 << 16), b""))
 
 
-def received(stream: bytes) -> object:
+def received(stream: bytes) -> Any:
     """Message of what came."""
     ours, theirs = socket.socketpair()
     with MessageChannel(ours) as channel, theirs:
@@ -29,7 +30,7 @@ def received(stream: bytes) -> object:
 
 
 def test_a_message_comes_as_it_was_sent() -> None:
-    name, values = received(sent(("trace", np.arange(5.0))))  # type: ignore[misc]
+    name, values = received(sent(("trace", np.arange(5.0))))
     assert name == "trace"
     assert values.tolist() == [0.0, 1.0, 2.0, 3.0, 4.0]
 
