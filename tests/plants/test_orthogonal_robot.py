@@ -378,3 +378,16 @@ def test_wood_sticks_better_than_it_slides() -> None:
         share = np.abs(rows["friction_x"][20:]) / rows["contact_force"][20:]
         assert share.max() == pytest.approx(0.2 * ratio, rel=0.05)
         assert share[300:].mean() < 0.2 * (1.02 + 0.9 * (ratio - 1.0))
+
+
+def test_a_turned_sensor_shows_the_same_force_in_its_own_axes() -> None:
+    # pressed and pulled along x
+    def told(k: int) -> tuple[float, float, float]:
+        return (2.0 if k < 20 else 0.0, 0.0, 0.0)
+
+    straight, turned = (run(robot(**PRESSED, sensor_turn=turn), 300, told) for turn in (0.0, 0.5))
+    force, shown = vector(straight, "force")[-1], vector(turned, "force")[-1]
+    assert abs(force[0]) > 0.5
+    rotation = np.array([[np.cos(0.5), np.sin(0.5)], [-np.sin(0.5), np.cos(0.5)]])
+    assert shown[:2] == pytest.approx(rotation @ force[:2], abs=1e-6)
+    assert shown[2] == pytest.approx(force[2], abs=1e-9)

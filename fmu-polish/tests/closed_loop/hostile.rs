@@ -46,6 +46,35 @@ fn check(p: &Parameters, output: &Output) {
 }
 
 #[test]
+fn hostile_inputs_in_a_commission_never_give_a_wild_output() {
+    let mut p = Parameters::START;
+    p.commission.apply = true;
+    let mut run = Loop::new(&p, Build::NOMINAL, 72);
+    let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(73);
+    let wild = [f64::NAN, f64::INFINITY, -1e308, 1e3, -1e3, 0.0, 1e-3, -2.0];
+    let (mut seen, mut measured) = ([0; 10], 0);
+    for k in 0..150_000 {
+        let calm = (k / 30_000) % 2 == 0;
+        let [rare, off] = [0.005, 0.001].map(|share| !calm && random.random_bool(share));
+        let (value, which) = (wild[random.random_range(0..wild.len())], random.random_range(0..4));
+        run.step_with(|input: &mut Input| {
+            (input.enable, input.commission, input.reset_fault) =
+                (off && which == 0, !off && k % 25_000 > 10, k % 50 == 0);
+            let fields = [&mut input.position.x, &mut input.position.z, &mut input.force.x, &mut input.force.z];
+            if let (true, Some(field)) = (rare, fields.into_iter().nth(which)) {
+                *field = value;
+            }
+        });
+        check(&p, &run.output);
+        let m = &run.output.measured;
+        assert!(m.stiffness.is_finite() && m.drive_gain.is_finite() && m.sensor_rotation.is_finite(), "{m:?}");
+        seen[run.output.state as usize] += 1;
+        measured += u32::from(m.valid);
+    }
+    assert!(seen[State::Commission as usize] > 0 && seen[State::Fault as usize] > 0 && measured > 0, "{seen:?}");
+}
+
+#[test]
 fn hostile_inputs_never_give_a_wild_output() {
     let p = Parameters::START;
     let mut run = Loop::new(&p, Build::NOMINAL, 70);
