@@ -7,8 +7,9 @@
 //! goes beyond its reference by a thousandth of the way.
 //!
 //! Nothing but the position loop holds the axes: L = g Kp G(s)/s e^(-s tau) with the hold, T/2, and the delay in tau. As G is flat there
-//! it crosses at g Kp with the phase margin pi/2 - g Kp (d T + T/2 + 2 zeta/wn). For the paper's loop, a drive of 1.3 times its gain, two samples
-//! of delay and a lag of 6.9 ms (wn 0.7, zeta 1.3 times what is told) these are 59 degrees; a weaker, quicker or earlier drive has more.
+//! it crosses at g Kp with the phase margin pi/2 - g Kp (d T + T/2 + 2 zeta/wn). For the paper's loop, a drive of 1.3 times its gain,
+//! two samples of delay and a lag of 6.9 ms (wn 0.7, zeta 1.3 times what is told) these are 59 degrees; a weaker, quicker or
+//! earlier drive has more.
 //!
 //! Each stroke goes to the side where the tip comes away from the part, against the tool; where neither side does, where there is
 //! more room. So in all strokes the tip is never nearer to what lies before the tool than it was when it began, and beside it by D at most.
