@@ -232,10 +232,7 @@ mod tests {
         let asked = Events { commission: true, ..NOTHING };
         for state in State::ALL {
             let (begins, state) = (matches!(state, State::Idle | State::Done), *state);
-            assert_eq!(
-                next(state, Mode::Idle, &asked) == State::Commission,
-                state == State::Idle || state == State::Commission
-            );
+            assert_eq!(next(state, Mode::Idle, &asked) == State::Commission, begins || state == State::Commission);
             assert_eq!(
                 next(state, Mode::Hold, &asked) == State::Commission,
                 state == State::Done || state == State::Commission
