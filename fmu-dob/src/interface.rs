@@ -387,7 +387,7 @@ mod variables {
         /// Contact instants in the bank, one per sample
         #[var(range = 10..=1000, start = 300, source = "our choice")] pub onsets: i32,
         /// Alarm level of the log-likelihood ratio
-        #[var(unit = ONE, range = 1.0..=1e3, start = 15.0, source = "measured: no false alarm in hours")] pub threshold: f64,
+        #[var(unit = ONE, range = 1.0..=1e3, start = 15.0, source = "measured: 2 false alarms in 10 hours")] pub threshold: f64,
     }
     /// Two-stage touch: what looks like a contact but is not sure of it is touched again; needs `detector` = Glr
     pub struct Touch {
