@@ -1,4 +1,4 @@
-//! The position loop as designed: sampled arm with its flexure, current loop and delay under the lead-lag compensator.
+//! The position loop as designed: sampled arm with its flexure, current loop and delays under the lead-lag compensator.
 //!
 //! Each mode of the arm, behind the current loop, is sampled exactly with its zero-order hold; the arm is their sum.
 
@@ -97,7 +97,7 @@ impl LoopModel {
             let squared = tip.frequency * tip.frequency * stiffening;
             mode(tip.inertia * stiffening, [squared, 2.0 * tip.damping * tip.frequency * stiffening])
         });
-        Self { period: p.sample_period, delay: p.io_delay, compensator, rigid, flexible }
+        Self { period: p.sample_period, delay: p.loop_delay(), compensator, rigid, flexible }
     }
 
     /// The same loop with another compensator.
