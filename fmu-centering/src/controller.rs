@@ -58,6 +58,7 @@ pub struct Controller {
     report: PushReport,
     started: f64,
     centred: Option<f64>,
+    long_step: bool,
 }
 
 impl Controller {
@@ -96,7 +97,13 @@ impl Controller {
             report: PushReport::START,
             started: 0.0,
             centred: None,
+            long_step: false,
         })
+    }
+
+    /// The next samples have the inputs of one communication step that is too long.
+    pub fn begin_long_step(&mut self) {
+        self.long_step = true;
     }
 
     /// One sample. The parameters must be those of [`Controller::new`].
@@ -105,6 +112,7 @@ impl Controller {
         let due = self.clock.advance(p);
         let turned = self.observe(p, &reading, due);
         self.decide(p, &reading, due, turned);
+        self.long_step = false;
         self.move_on(p, due);
         *output = self.report(p);
     }

@@ -27,7 +27,7 @@ use interface::Vars;
 impl Model for Controller {
     // `longest_step` as measured: docs/communication-step.md
     const INFO: Info =
-        Info { name: "RingCentering", state_version: 7, stop_time: 60.0, longest_step: 1.0, ..package!() };
+        Info { name: "RingCentering", state_version: 8, stop_time: 60.0, longest_step: 1.0, ..package!() };
     type Vars = Vars;
 
     fn calculate(vars: &mut Vars) {
@@ -40,6 +40,10 @@ impl Model for Controller {
 
     fn initialise(vars: &mut Vars, _: &mut Env) -> Result<Self, Error> {
         Ok(Self::new(&vars.in_force)?)
+    }
+
+    fn begin_long_step(&mut self) {
+        self.begin_long_step();
     }
 
     fn sample(&mut self, vars: &mut Vars, _: &mut Env) -> Result<(), Error> {

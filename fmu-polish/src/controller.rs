@@ -61,6 +61,7 @@ pub struct Controller {
     axes: AxisMonitor,
     force: ForceMonitor,
     time: JobTime,
+    long_step: bool,
 }
 
 impl Controller {
@@ -93,12 +94,18 @@ impl Controller {
             axes: AxisMonitor::new(p),
             force: ForceMonitor::default(),
             time: JobTime::default(),
+            long_step: false,
         })
     }
 
     /// The path.
     pub fn path(&self) -> &CentrePath {
         &self.path
+    }
+
+    /// The next samples have the inputs of one communication step that is too long.
+    pub fn begin_long_step(&mut self) {
+        self.long_step = true;
     }
 
     /// One sample; parameters that are not tunable must be those of [`Controller::new`].
@@ -110,6 +117,7 @@ impl Controller {
         let reading = self.reader.read(p, input, self.normal.stiffness);
         let now = self.measure(p, &reading);
         self.decide(p, &reading, &now);
+        self.long_step = false;
         let parts = self.act(p, &reading, &now);
         *output = self.report(p, &now, &parts);
     }
@@ -172,7 +180,7 @@ impl Controller {
         self.force.update(p, &sample);
         let stable = !self.state.pressing() || self.normal.stable(p);
         let (stiffness_ratio, overdue) = (self.normal.stiffness_ratio(p), self.time.over());
-        let Self { state, taring, ticks, travelled, halted, ref contact, ref axes, ref force, .. } = *self;
+        let Self { state, taring, ticks, travelled, halted, long_step, ref contact, ref axes, ref force, .. } = *self;
         let (sample, taring) = (&sample, taring || zero.is_some());
         faults::find(
             p,
@@ -193,6 +201,7 @@ impl Controller {
                 stable,
                 slides: !self.sliding.too_little,
                 overdue,
+                long_step,
             },
         )
     }

@@ -44,6 +44,8 @@ pub struct Evidence<'a> {
     pub slides: bool,
     /// The job has used up its time.
     pub overdue: bool,
+    /// The samples of this communication step have the same inputs.
+    pub long_step: bool,
 }
 
 impl Evidence<'_> {
@@ -76,6 +78,7 @@ fn readings(p: &Parameters, seen: &Evidence) -> Option<Fault> {
     let beyond = reading.position.abs() - 0.5 * p.stroke.vector();
     first([
         (Fault::EmergencyStop, reading.stopped),
+        (Fault::LongStep, seen.moves() && seen.long_step),
         (Fault::LostReading, seen.moves() && reading.position_doubt.lost > most),
         (Fault::ReadingJump, seen.moves() && reading.position_doubt.doubted > most),
         (Fault::Stroke, seen.moves() && beyond.max() > 0.0),
@@ -155,7 +158,9 @@ impl Fault {
             | Oscillation => SafeEnd::Retract,
             ForceError | WrongStiffness | UnstableLoop | UnloadTimeout | NoProgress | NoSliding => SafeEnd::Retract,
             Stroke | EmergencyStop | TareRejected | NotAtStart => SafeEnd::Stop,
-            LostReading | ReadingJump | FrozenReading | FollowingError | DriveSign | WeakDrive => SafeEnd::DriveOff,
+            LostReading | ReadingJump | FrozenReading | FollowingError | DriveSign | WeakDrive | LongStep => {
+                SafeEnd::DriveOff
+            }
         }
     }
 }
@@ -239,6 +244,7 @@ pub fn numbers(vars: &Vars) -> String {
             output.sliding.friction
         ),
         Fault::NoProgress => format!(" = `{:.1} s`: `{:.1} s` {place}", n.time_limit, n.time),
+        Fault::LongStep => format!(": limit `{} s`", p.sample_period),
     }
 }
 
@@ -268,6 +274,7 @@ mod tests {
         stable: bool,
         slides: bool,
         overdue: bool,
+        long_step: bool,
     }
 
     impl Sample {
@@ -289,13 +296,25 @@ mod tests {
                 stable: true,
                 slides: true,
                 overdue: false,
+                long_step: false,
             }
         }
 
         fn fault(&self) -> Option<Fault> {
             let (contact, force, axes) = (ContactMonitor::default(), ForceMonitor::default(), AxisMonitor::new(&P));
             let Self {
-                state, taring, halted, ticks, travelled, zero, stiffness_ratio, stable, slides, overdue, ..
+                state,
+                taring,
+                halted,
+                ticks,
+                travelled,
+                zero,
+                stiffness_ratio,
+                stable,
+                slides,
+                overdue,
+                long_step,
+                ..
             } = *self;
             let (raw, stiffness) = (&self.reading.force, P.stiffness_nominal);
             let sample = &ForceSample { state, raw, now: &self.now, stiffness, way: 0.0 };
@@ -317,6 +336,7 @@ mod tests {
                 stable,
                 slides,
                 overdue,
+                long_step,
             };
             find(&P, &told)
         }
@@ -336,6 +356,7 @@ mod tests {
     fn at_its_limit_nothing_is_a_fault_and_beyond_it_is_one_where_it_counts() {
         let limits: &[Limit] = &[
             (Fault::EmergencyStop, State::ALL, |s, x| s.reading.stopped = x > 1.0),
+            (Fault::LongStep, MOVING, |s, x| s.long_step = x > 1.0),
             (Fault::LostReading, MOVING, |s, x| s.reading.position_doubt.lost = samples(x, 5.0)),
             (Fault::ReadingJump, MOVING, |s, x| s.reading.position_doubt.doubted = samples(x, 5.0)),
             (Fault::LostForce, WORKING, |s, x| s.reading.force_doubt.lost = samples(x, 5.0)),
@@ -416,6 +437,7 @@ mod tests {
             (Fault::ForceError, "`1.23 N`, limit `1.00 N`"),
             (Fault::LostForce, " = `5` at `0.000` of the path: raw force `0 0 0 N`"),
             (Fault::ReadingJump, " = `5`: position `0 0 0 m`"),
+            (Fault::LongStep, ": limit `0.001 s`"),
             (Fault::NotAtStart, ": `-0.002000 m` above it, `0.005000 m` beside"),
         ] {
             vars.output.fault = fault;

@@ -23,7 +23,7 @@ use interface::Vars;
 impl Model for Controller {
     // `longest_step` as measured: docs/communication-step.md
     const INFO: Info =
-        Info { name: "StickSlipPolishing", state_version: 5, stop_time: 60.0, longest_step: 1.0, ..package!() };
+        Info { name: "StickSlipPolishing", state_version: 6, stop_time: 60.0, longest_step: 1.0, ..package!() };
     type Vars = Vars;
 
     fn numbers(vars: &Vars) -> String {
@@ -35,6 +35,10 @@ impl Model for Controller {
         let controller = Self::new(&vars.in_force, &points)?;
         vars.output.path_length = controller.path().length();
         Ok(controller)
+    }
+
+    fn begin_long_step(&mut self) {
+        self.begin_long_step();
     }
 
     fn sample(&mut self, vars: &mut Vars, env: &mut Env) -> Result<(), Error> {

@@ -52,6 +52,7 @@ impl Controller {
         }
         let late = centring && self.progress.samples() > u64::from(p.ticks(job_time(p, view.speed)));
         let found = [
+            (self.long_step && self.state.active()).then_some(Fault::LongStep),
             reading.fault,
             (frozen || astray).then_some(Fault::FrozenProbe),
             self.drive.fault(p),
