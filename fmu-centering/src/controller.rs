@@ -62,6 +62,7 @@ pub struct Controller {
     commissioner: Commissioner,
     /// an edge of `commission` waits for a slide at rest
     commission_asked: bool,
+    long_step: bool,
 }
 
 impl Controller {
@@ -102,7 +103,13 @@ impl Controller {
             centred: None,
             commissioner: Commissioner::new(p),
             commission_asked: false,
+            long_step: false,
         })
+    }
+
+    /// The next samples have the inputs of one communication step that is too long.
+    pub fn begin_long_step(&mut self) {
+        self.long_step = true;
     }
 
     /// Puts what a commission has measured into the parameters, where `commission.apply` says so; before each sample.
@@ -130,6 +137,7 @@ impl Controller {
         let due = self.clock.advance(p);
         let turned = self.observe(p, &reading, due);
         self.decide(p, &reading, due, turned);
+        self.long_step = false;
         self.move_on(p, due);
         *output = self.report(p);
     }

@@ -44,7 +44,8 @@ impl Fault {
             | Self::FrozenReading
             | Self::FollowingError
             | Self::DriveSign
-            | Self::WeakDrive => SafeEnd::DriveOff,
+            | Self::WeakDrive
+            | Self::LongStep => SafeEnd::DriveOff,
             Self::None
             | Self::NoPart
             | Self::RingTooSmall
@@ -295,6 +296,7 @@ fn of_fault(vars: &Vars, fault: Fault, e: f64) -> String {
             format!(": `{speed:.3} rad/s`, `spindle.speed` = `{} rad/s`, within `{TOLERANCE}` of it", p.spindle_speed)
         }
         Fault::LostReading | Fault::ReadingJump => format!(": slide at `{slide_position} m` {row}"),
+        Fault::LongStep => format!(": limit `{} s`", p.sample_period),
         Fault::FrozenReading => format!(": slide at `{slide_position} m`, {error}"),
         Fault::FollowingError | Fault::DriveSign | Fault::WeakDrive => format!(": {error}"),
         Fault::SlowServo => format!(

@@ -61,7 +61,7 @@ mod variables {
         /// The probe is NaN, infinite or absurd for more than `limits.lost_samples` samples
         #[hint("check the probe and its link")] LostProbe,
         /// The probe is for more than `limits.lost_samples` samples where neither slide nor ring can have brought it, or the ring's centred surface is elsewhere than before
-        #[hint("check counter and cable of the probe, and of the slide; was the ring touched?")] ProbeJump,
+        #[hint("check counter and cable of the probe, and of the slide, and the scale of the spindle encoder; was the ring touched?")] ProbeJump,
         /// The probe keeps its value although slide or ring moves, or does not answer the slide by what that moves
         #[hint("is the probe jammed, its link dead, or its scale wrong? was the ring touched?")] FrozenProbe,
         /// The slide encoder is NaN, infinite or absurd for more than `limits.lost_samples` samples
@@ -83,7 +83,7 @@ mod variables {
         /// The slide encoder is for more than `limits.lost_samples` samples where the slide cannot have gone
         #[hint("check counter and cable of the slide encoder")] ReadingJump,
         /// The slide encoder keeps its value although the slide should move
-        #[hint("check the slide encoder; or the slide is blocked, or its drive is dead")] FrozenReading,
+        #[hint("check the slide encoder; or the slide is blocked, or its drive is dead, or later than `io_delay`")] FrozenReading,
         /// The spindle encoder is NaN, infinite or absurd for more than `limits.lost_samples` samples
         #[hint("check the spindle encoder and its link")] LostSpindle,
         /// The spindle encoder is for more than `limits.lost_samples` samples where the spindle cannot have gone
@@ -96,6 +96,8 @@ mod variables {
         #[hint("is `spindle.speed_setpoint` wired to the drive, and its sign right? 0 leaves the spindle to others")] SpindleSpeed,
         /// What the commission has measured is not sure enough, or not what this controller can work with; or the probe touches something
         #[hint("begin farther from the ring, allow more `commission.travel` or `commission.acceleration`, look for vibration and friction, and check `slide.bandwidth` and `io_delay`")] CommissionRejected,
+        /// The communication step is longer than a sample: several samples have the same inputs, and of their commands the last alone is seen
+        #[hint("set the communication step of the importer to `sample_period`")] LongStep,
     }
     /// Which law centres the ring.
     pub enum Law {

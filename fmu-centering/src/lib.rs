@@ -43,6 +43,10 @@ impl Model for Controller {
         Ok(Self::new(&vars.in_force)?)
     }
 
+    fn begin_long_step(&mut self) {
+        self.begin_long_step();
+    }
+
     fn sample(&mut self, vars: &mut Vars, env: &mut Env) -> Result<(), Error> {
         let before = self.commissioned();
         self.bring_into_force(&mut vars.in_force);

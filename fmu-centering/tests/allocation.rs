@@ -112,6 +112,7 @@ fn machine(fault: Fault, mut p: Parameters) -> (Parameters, Ring) {
 fn disturb(fault: Fault, run: &mut Loop) {
     match fault {
         Fault::NoPart => run.ring.present = false,
+        Fault::LongStep => run.controller.begin_long_step(),
         Fault::FrozenSpindle => run.ring.speed = 0.0,
         Fault::Centrifugal => run.ring.speed = SPEED * 130.0 / 20.0,
         _ => {}

@@ -221,12 +221,14 @@ impl Controller {
         let (at_rest, grown) = signs;
         let (before, mode) = (self.state, input.mode);
         let end = self.escalate(found, before != State::Off || input.enable);
-        self.disabled = !input.enable || self.disabled && before == State::Stop;
+        // nothing begins from a place that is not known
+        let enable = input.enable && self.reader.placed();
+        self.disabled = !enable || self.disabled && before == State::Stop;
         self.ask_for_commission(input.commission);
         self.state = next(
             before,
             &Events {
-                enable: input.enable,
+                enable,
                 disabled: self.disabled,
                 mode,
                 job: self.job,
@@ -250,7 +252,7 @@ impl Controller {
         if self.state != before || begins {
             self.enter(p, reading, before);
         }
-        self.take_mode(before, input);
+        self.take_mode(before, mode, enable);
         self.commissioning &= matches!(self.state, State::Commission | State::Stop | State::Retract);
         if self.learning && (self.job != Mode::Learn || !self.state.closed()) {
             (self.learning, self.changed) = (false, self.kept.end(&mut self.bank) || self.changed);
@@ -258,18 +260,17 @@ impl Controller {
     }
 
     /// What `mode` asks for where it is no job: nothing moves by itself afterwards.
-    fn take_mode(&mut self, before: State, input: &Input) {
-        let mode = input.mode;
+    fn take_mode(&mut self, before: State, mode: Mode, enable: bool) {
         // after a fault, after a commission, or after an edge of `enable` that came during a stop
         let commissioned = self.commissioning && self.state == State::Idle;
         let ignored = !self.state.closed() || before == State::Fault || commissioned;
-        if self.state == State::Off && !input.enable {
+        if self.state == State::Off && !enable {
             // a mode that changes now does not begin with `enable`
             self.job = if self.asked.is_none_or(|asked| asked == mode) { Mode::Idle } else { mode };
         } else if ignored || self.state == State::Idle && mode == Mode::Idle {
             self.job = mode;
         }
-        if input.enable {
+        if enable {
             self.asked = Some(mode);
         }
     }

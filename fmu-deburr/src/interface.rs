@@ -84,7 +84,7 @@ mod variables {
         /// An axis does less than 0.7 of what it is told
         #[hint("is the drive at a limit of force or speed, does something brake, are `axisN.pulse` and `io_delay` right?")] WeakDrive,
         /// An axis was farther from its reference, or from where its loop brings it, than `limits.axisN.error_max` allows
-        #[hint("did the tool collide, and are `io_delay` and `axisN.pulse` right?")] FollowingError,
+        #[hint("did the tool collide, and are `io_delay` and `axisN.pulse` right? in the rest after a run: trim the offset of the drive, check the encoder")] FollowingError,
         /// With patterns an axis was farther from its reference than `limits.axisN.pattern_error`
         #[hint("patterns belong to a machine: learn on with `learn.from_bank`, or learn anew")] PatternMismatch,
         /// The axes, or one of them, answer after another number of samples, 0 to 6, than `io_delay`

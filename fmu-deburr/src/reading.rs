@@ -1,7 +1,8 @@
 //! Checks the inputs of a sample: what can be used, what stands in for the rest, and what is wrong.
 //!
 //! What is no number, or beyond any machine, is bridged like a jump; before there was a good one nothing can stand in for a
-//! reading, and for the override rest does.
+//! reading, and for the override rest does. The first reading may be the bad one: where the second is elsewhere, nothing is known
+//! of the axis until two agree.
 
 use control_blocks::{Consecutive, JumpGuard, Reach, believable};
 use serde::{Deserialize, Serialize};
@@ -59,6 +60,10 @@ struct AxisReader {
     carried: f64,
     /// fastest motion in a sample, fading
     fastest: f64,
+    /// two readings in a row have agreed
+    confirmed: bool,
+    /// readings that were elsewhere than the one before, as long as no two have agreed
+    disputed: u32,
 }
 
 impl AxisReader {
@@ -67,9 +72,25 @@ impl AxisReader {
         self.carried += motion;
         self.fastest = motion.abs().max(FADING * self.fastest);
         let reach = Reach { motion: (OTHER_WAY * self.fastest).max(anywhere), spread };
-        let believed = self.guard.update(position - self.carried, reach);
+        let unexplained = position - self.carried;
+        if !self.confirmed && self.guard.believed().is_some() && position.is_finite() {
+            self.confirmed = self.guard.reaches(unexplained, reach);
+            self.disputed = self.disputed.saturating_add(u32::from(!self.confirmed));
+        }
+        let motion = if self.confirmed { reach.motion } else { f64::INFINITY };
+        let believed = self.guard.update(unexplained, Reach { motion, ..reach });
         // the difference does not come back to the last bit
         if self.guard.doubted() == 0 { position } else { believed + self.carried }
+    }
+
+    /// Whether it is known where the axis is.
+    fn placed(&self) -> bool {
+        self.guard.believed().is_some() && (self.confirmed || self.disputed == 0)
+    }
+
+    /// Readings in a row that cannot be used.
+    fn lost(&self) -> u32 {
+        self.guard.doubted().max(if self.confirmed { 0 } else { self.disputed })
     }
 }
 
@@ -77,6 +98,11 @@ impl Reader {
     /// The positions that were used last, rad or m; zeros before.
     pub fn positions(&self) -> Joints {
         self.used.unwrap_or_default().positions
+    }
+
+    /// Whether it is known where all axes are.
+    pub fn placed(&self) -> bool {
+        self.axes.iter().all(AxisReader::placed)
     }
 
     /// Reads one sample: what to use, and what is wrong with it.
@@ -112,11 +138,10 @@ impl Reader {
     /// The input that was doubted too long.
     fn doubted(&self, p: &Parameters, input: &Input) -> Finding {
         let bridged = p.limits.lost_samples.unsigned_abs();
-        let lost = |guard: &JumpGuard| guard.doubted() > if guard.believed().is_some() { bridged } else { 0 };
-        let (fault, axis) = if let Some(i) = self.axes.iter().position(|axis| lost(&axis.guard)) {
+        let (fault, axis) = if let Some(i) = self.axes.iter().position(|axis| axis.lost() > bridged) {
             let number = believable(input.axis[i].position, POSITION_MAX);
             (if number { Fault::ReadingJump } else { Fault::LostReading }, i as i32 + 1)
-        } else if lost(&self.spindle) {
+        } else if self.spindle.doubted() > bridged {
             let number = believable(input.spindle_speed, SPINDLE_MAX);
             (if number { Fault::SpindleJump } else { Fault::LostSpindle }, 0)
         } else if self.invalid.count() > bridged {
@@ -167,13 +192,16 @@ mod tests {
                     Fault::LostSpindle
                 };
                 // nothing to bridge a reading with
-                let (nothing, found) = Reader::default().read(&p, &bad, &known);
-                let told = if fault == Fault::InvalidInput { Fault::None } else { fault };
-                assert_eq!((nothing.positions, found.fault), (if placed { [0.5; AXES] } else { [0.0; AXES] }, told));
+                let mut reader = Reader::default();
+                let (nothing, found) = reader.read(&p, &bad, &known);
+                assert_eq!((nothing.positions, found), (if placed { [0.5; AXES] } else { [0.0; AXES] }, Finding::NONE));
                 assert_eq!(
                     (nothing.share > 0.0, nothing.spindle_speed > 0.0),
-                    (placed && told != Fault::None, placed && told == Fault::None)
+                    (placed && fault != Fault::InvalidInput, fault == Fault::InvalidInput)
                 );
+                assert_eq!(reader.placed(), placed);
+                let told = [0; 3].map(|_| reader.read(&p, &bad, &known).1.fault);
+                assert_eq!(told, [Fault::None, Fault::None, fault]);
                 let mut reader = Reader::default();
                 let (used, _) = reader.read(&p, &good, &known);
                 for _ in 0..3 {
@@ -198,6 +226,32 @@ mod tests {
             let fault = if axis == 3 { Fault::LostReading } else { Fault::LostSpindle };
             assert_eq!((found[3].fault, found[3].numbers.axis), (fault, axis));
         }
+    }
+
+    #[test]
+    fn a_first_sample_that_is_wrong_is_forgotten_when_two_agree() {
+        let p = Parameters::START;
+        for (wrong, first) in [(0.53, true), (-0.2, true), (0.53, false)] {
+            let mut reader = Reader::default();
+            let readings = if first { [wrong, 0.5, 0.5, 0.5, 0.5] } else { [0.5, wrong, 0.5, 0.5, 0.5] };
+            let placed = readings.map(|position| {
+                assert_eq!(reader.read(&p, &at(position), &REST).1, Finding::NONE);
+                reader.placed()
+            });
+            assert_eq!(placed, [true, false, first, true, true], "{wrong} {first}");
+            for _ in 0..10 {
+                let (reading, found) = reader.read(&p, &at(0.5), &REST);
+                assert_eq!((reading.positions, found), ([0.5; AXES], Finding::NONE));
+            }
+        }
+    }
+
+    #[test]
+    fn readings_of_which_no_two_agree_are_told() {
+        let (p, mut reader) = (Parameters::START, Reader::default());
+        let found = [0.1, 0.2, 0.1, 0.3, 0.1].map(|position| reader.read(&p, &at(position), &REST).1.fault);
+        assert_eq!(found, [Fault::None, Fault::None, Fault::None, Fault::None, Fault::ReadingJump]);
+        assert!(!reader.placed());
     }
 
     #[test]
@@ -231,7 +285,9 @@ mod tests {
     fn a_reading_that_stays_away_is_told_with_its_axis() {
         let p = Parameters::START;
         let mut reader = Reader::default();
-        reader.read(&p, &at(0.5), &REST);
+        for _ in 0..2 {
+            reader.read(&p, &at(0.5), &REST);
+        }
         let mut moved = at(0.5);
         moved.axis[2].position = 0.52;
         let found = [0; 4].map(|_| reader.read(&p, &moved, &REST).1);

@@ -50,9 +50,9 @@ mod variables {
         /// `position_valid` was false, or `position` NaN, infinite or beyond 1 km, for too many samples in a row
         #[hint("check the encoder and its link")] LostReading,
         /// `position` stands although the stage must have moved
-        #[hint("check the encoder and its link; a position without any noise at rest needs `limits.rest_time` = 0")] FrozenReading,
+        #[hint("check the encoder and its link; is the drive later than `io_delay`? a position without any noise at rest needs `limits.rest_time` = 0")] FrozenReading,
         /// `position` is where the stage cannot be, for too many samples in a row
-        #[hint("check the encoder, its link and its noise against `limits.jump`")] ReadingJump,
+        #[hint("check the encoder, its link and its noise against `limits.jump`; does the drive do more than `stage.force_constant` says?")] ReadingJump,
         /// `spindle_speed` changes faster than a spindle can, for too many samples in a row
         #[hint("check the signal of the spindle, or raise `limits.spindle_acceleration`")] SpindleJump,
         /// The stage is too far from its reference
@@ -387,7 +387,7 @@ mod variables {
         /// Contact instants in the bank, one per sample
         #[var(range = 10..=1000, start = 300, source = "our choice")] pub onsets: i32,
         /// Alarm level of the log-likelihood ratio
-        #[var(unit = ONE, range = 1.0..=1e3, start = 15.0, source = "measured: no false alarm in hours")] pub threshold: f64,
+        #[var(unit = ONE, range = 1.0..=1e3, start = 15.0, source = "measured: 2 false alarms in 10 hours")] pub threshold: f64,
     }
     /// Two-stage touch: what looks like a contact but is not sure of it is touched again; needs `detector` = Glr
     pub struct Touch {

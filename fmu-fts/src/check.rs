@@ -1,17 +1,25 @@
 //! Checks of parameters against each other; single ranges are in the variable table of the FMU.
 
-use control_blocks::{Parameter, ParameterError, check_all};
+use control_blocks::{DELAY_MAX, Parameter, ParameterError, check_all};
 
 use crate::commission::plan;
 use crate::interface::{ERROR_HARMONICS, Parameters, SurfaceKind};
 use crate::monitoring::drive::disturbance;
 use crate::tracking::adaptive::QUICKER;
 
+impl Parameters {
+    /// Samples from a command to the reading of the arm that answers it.
+    pub fn loop_delay(&self) -> i32 {
+        self.io_delay + self.arm_delay
+    }
+}
+
 /// Checks all combinations; the first that fails is the error.
 pub fn check(p: &Parameters) -> Result<(), ParameterError> {
     check_all(
         p,
         &[
+            loop_delay,
             tip_frequency,
             radii,
             roll_off,
@@ -23,6 +31,13 @@ pub fn check(p: &Parameters) -> Result<(), ParameterError> {
             commission_time,
         ],
     )
+}
+
+fn loop_delay(p: &Parameters) -> Result<(), ParameterError> {
+    let most = DELAY_MAX as i32 - p.io_delay;
+    let delay =
+        Parameter::new("arm_delay", p.arm_delay, "", "the loop bears no more; use a quicker link to the encoder");
+    delay.must_be(p.arm_delay <= most, || format!("at most `{most}`, `{DELAY_MAX}` less `io_delay` = `{}`", p.io_delay))
 }
 
 fn tip_frequency(p: &Parameters) -> Result<(), ParameterError> {
@@ -101,6 +116,7 @@ mod tests {
     use control_blocks::{Refusal, assert_refusals};
 
     const REFUSALS: &[Refusal<Parameters>] = &[
+        (|p| (p.io_delay, p.arm_delay) = (6, 3), "arm_delay", "`3`", "at most `2`"),
         (|p| p.tip.frequency = 1000.0, "tip.frequency", "`1000 rad/s`", "at least `2167"),
         (|p| p.surface.outer_radius = 0.0, "surface.outer_radius", "`0 m`", "`0.0005 m`"),
         (|p| p.identify.grid = "10, 2500".parse().unwrap(), "identify.frequencies", "`2500 Hz`", "`2000 Hz`"),

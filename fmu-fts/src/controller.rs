@@ -20,7 +20,7 @@ use crate::motion::ending::Ending;
 use crate::motion::hold::{HoldMotion, duration};
 use crate::motion::sweep::sweep;
 use crate::path::depth_table::DepthTable;
-use crate::path::feasibility::needed_torque;
+use crate::path::feasibility::{infeasible, needed_torque};
 use crate::path::kinematics::Arm;
 use crate::path::path_table::PathTable;
 use crate::reading::{Reader, Reading};
@@ -154,7 +154,7 @@ impl Controller {
         // a flexure that is measured at its resonance pushes the hub with more than the torque
         let acting = if self.slow { p.servo.torque_max } else { self.torque };
         let reading = self.reader.read(p, input, acting);
-        self.spindle.update(p, reading.spindle_angle);
+        self.spindle.update(p, reading.spindle_angle, self.reader.spindle_begins());
         let phasors = self.tracker.locate(p, reading.slide_position, &self.spindle);
         self.decide(p, input, &reading);
         let layers = self.layers(p, input);
@@ -229,7 +229,7 @@ impl Controller {
             break_off: !input.commission || enable || self.request.renewed(),
             commissioned: self.commissioner.finished,
             arm_known: self.reader.arm_known(),
-            spindle_known: self.spindle.known() && self.reader.spindle_known(),
+            spindle_known: self.spindle_known(p),
             cut_over: self.left(reading) && self.tracker.path().cut_over(self.joined, reading.slide_position),
             arrived: self.tracker.arrived(p),
         };
@@ -266,18 +266,20 @@ impl Controller {
             overdue: self.state != State::Fault && self.late.is_some(),
             rejected: self.state == State::Commission && self.commissioner.rejected,
             path: wanted.then_some(path),
-            outside: if self.on_path() {
-                self.left(reading) && !path.cut_over(self.joined, reading.slide_position)
-            } else {
-                !path.covers(reading.slide_position)
-            },
-            spindle_speed: self.spindle.speed,
+            outside: self.left(reading) && !(self.on_path() && path.cut_over(self.joined, reading.slide_position)),
+            spindle_speed: if self.reader.spindle_begins() { 0.0 } else { self.spindle.speed },
         }
     }
 
     /// Whether the arm is on the path: the end of the table may be the end of the cut.
     fn on_path(&self) -> bool {
         matches!(self.state, State::Ready | State::Track)
+    }
+
+    /// Whether a path can begin: a speed that is too much for it may be one of a bad reading, and waits for the next.
+    fn spindle_known(&self, p: &Parameters) -> bool {
+        let doubtful = self.reader.spindle_begins() && infeasible(p, self.tracker.path(), self.spindle.speed);
+        self.spindle.known() && self.reader.spindle_known() && !doubtful
     }
 
     /// Whether the slide is seen where the path has no table.

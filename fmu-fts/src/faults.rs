@@ -8,7 +8,7 @@ use crate::interface::Fault::{ReadingJump, SlideJump, SpindleJump};
 use crate::interface::{Fault, Measured, Parameters, Vars};
 use crate::monitoring::numbers::Numbers;
 use crate::monitoring::watch::{REVERSALS, SETTLED};
-use crate::path::feasibility::{available_torque, needed_torque};
+use crate::path::feasibility::{available_torque, infeasible};
 use crate::path::path_table::PathTable;
 use crate::reading::{Loss, Missing};
 
@@ -33,7 +33,7 @@ pub struct Situation<'a> {
     pub path: Option<&'a PathTable>,
     /// The slide is where the path has no table, and it is not the end of the cut.
     pub outside: bool,
-    /// Spindle speed, rad/s.
+    /// Spindle speed, rad/s; 0 while it is not sure.
     pub spindle_speed: f64,
 }
 
@@ -99,7 +99,7 @@ pub fn find(p: &Parameters, now: &Situation) -> Option<Fault> {
         .or(now.found)
         .or(missing.hold.then_some(Fault::InvalidInput))
         .or(now.path.and_then(|path| {
-            let infeasible = needed_torque(p, path, spindle_speed) > available_torque(p);
+            let infeasible = infeasible(p, path, spindle_speed);
             of(missing.spindle, [LostSpindle, FrozenSpindle, SpindleJump])
                 .or(of(missing.slide, [LostSlide, FrozenSlide, SlideJump]))
                 .or(now.feed_lost.then_some(FrozenSlide))

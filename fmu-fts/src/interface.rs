@@ -228,7 +228,7 @@ mod variables {
     }
     /// Where the tool should be, before feedforward and cancellation.
     pub struct ReferenceOutput {
-        /// Wanted depth z of the tool-nose centre below the arm axis, eq. 2
+        /// Wanted depth z of the tool-nose centre below the arm axis, eq. 2; `arm_delay` samples ago, as the reading of the arm
         #[var(unit = METRE as "um")] pub depth: f64,
         /// Wanted encoder angle b_d = asin(z / R_a) - b_0
         #[var(unit = RADIAN as "deg")] pub angle: f64,
@@ -326,6 +326,8 @@ mod variables {
         #[var(unit = SECOND as "us", range = 2e-5..=1e-3, start = 1e-4, source = "paper: 10 kHz")] pub sample_period: f64,
         /// Samples between a command and its action; 1 for a standard master, 0 if the command acts at once
         #[var(range = 0..=DELAY_MAX as i32, start = 1, source = "our choice: what a standard master does")] pub io_delay: i32,
+        /// Samples by which the reading of the arm is older than that of the spindle; with `io_delay` at most 8
+        #[var(range = 0..=DELAY_MAX as i32, start = 0, source = "our choice: both encoders on one link")] pub arm_delay: i32,
         pub tool: Tool,
         pub surface: Surface,
         pub path: Path,

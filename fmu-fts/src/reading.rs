@@ -114,6 +114,11 @@ impl Reader {
         self.spindle.known() && self.slide.known()
     }
 
+    /// Whether two readings of the spindle have told its speed and no third has confirmed it yet.
+    pub fn spindle_begins(&self) -> bool {
+        self.spindle.begins()
+    }
+
     /// Believes the next readings of spindle and slide that were lost; where no path is followed there is time for it.
     pub fn begin_anew(&mut self) {
         for (axis, missing) in [(&mut self.spindle, self.missing.spindle), (&mut self.slide, self.missing.slide)] {
@@ -238,6 +243,48 @@ mod tests {
                 assert!(reader.known());
             }
         }
+    }
+
+    #[test]
+    fn a_first_sample_that_is_wrong_is_forgotten() {
+        let p = Parameters::START;
+        let bads: [fn(&mut Input); 6] = [
+            |i| i.arm_angle += 0.1,
+            |i| i.arm_angle = f64::NAN,
+            |i| i.spindle_angle -= 1.0,
+            // as if it stood, and then turned twice as fast
+            |i| i.spindle_angle += 6.283e-3,
+            |i| i.slide_position -= 0.02,
+            |i| i.slide_position = f64::NAN,
+        ];
+        for bad in bads {
+            for begin in [0, 137, 500] {
+                let (mut reader, mut first) = (Reader::default(), on_path(begin));
+                bad(&mut first);
+                reader.read(&p, &first, 0.4);
+                for k in begin + 1..begin + 1000 {
+                    let (truth, reading) = (on_path(k), reader.read(&p, &on_path(k), 0.4));
+                    let read = (reading.arm_angle, reading.spindle_angle, reading.slide_position);
+                    assert_eq!(read, (truth.arm_angle, truth.spindle_angle, truth.slide_position), "sample {k}");
+                    assert_eq!(reader.missing(), &Missing::default());
+                    // the loop is not closed on a velocity that the bad one has made
+                    let velocity = if reader.arm_known() { reader.arm_velocity(&p) } else { 0.0 };
+                    assert!(velocity.abs() < 3.0, "{begin} {k}: {velocity}");
+                    assert!(reader.known() || k < begin + 4, "{begin} {k}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn an_encoder_that_only_jumps_from_its_first_sample_on_is_told() {
+        let (p, mut reader) = (Parameters::START, Reader::default());
+        for k in 0..40 {
+            let arm_angle = 0.1 * (1.7 * f64::from(k)).sin();
+            reader.read(&p, &Input { arm_angle, ..on_path(k) }, 0.4);
+            assert!(!reader.arm_known());
+        }
+        assert_eq!(reader.missing().arm, Some(Loss::Jump));
     }
 
     #[test]

@@ -66,6 +66,7 @@ pub struct Controller {
     force: ForceMonitor,
     time: JobTime,
     commissioner: Commissioner,
+    long_step: bool,
 }
 
 impl Controller {
@@ -99,12 +100,18 @@ impl Controller {
             force: ForceMonitor::default(),
             time: JobTime::default(),
             commissioner: Commissioner::new(p),
+            long_step: false,
         })
     }
 
     /// The path.
     pub fn path(&self) -> &CentrePath {
         &self.path
+    }
+
+    /// The next samples have the inputs of one communication step that is too long.
+    pub fn begin_long_step(&mut self) {
+        self.long_step = true;
     }
 
     /// One sample; parameters that are not tunable must be those of [`Controller::new`] with [`Controller::bring_into_force`].
@@ -116,6 +123,7 @@ impl Controller {
         let reading = self.reader.read(p, input, self.normal.stiffness);
         let now = self.measure(p, &reading);
         self.decide(p, &reading, &now);
+        self.long_step = false;
         let parts = self.act(p, &reading, &now);
         *output = self.report(p, &now, &parts);
         if self.state == State::Commission {
@@ -185,7 +193,7 @@ impl Controller {
         self.force.update(p, &sample);
         let stable = !self.state.pressing() || self.normal.stable(p);
         let (stiffness_ratio, overdue) = (self.normal.stiffness_ratio(p), self.time.over());
-        let Self { taring, halted, ref contact, ref axes, ref force, .. } = *self;
+        let Self { taring, halted, long_step, ref contact, ref axes, ref force, .. } = *self;
         let (sample, taring, (ticks, travelled)) = (&sample, taring || zero.is_some(), self.progress());
         faults::find(
             p,
@@ -207,6 +215,7 @@ impl Controller {
                 slides: !self.sliding.too_little,
                 rejected: self.state == State::Commission && self.commissioner.rejected,
                 overdue,
+                long_step,
             },
         )
     }

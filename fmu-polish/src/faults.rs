@@ -46,6 +46,8 @@ pub struct Evidence<'a> {
     pub rejected: bool,
     /// The job has used up its time.
     pub overdue: bool,
+    /// The samples of this communication step have the same inputs.
+    pub long_step: bool,
 }
 
 impl Evidence<'_> {
@@ -86,6 +88,7 @@ fn readings(p: &Parameters, seen: &Evidence) -> Option<Fault> {
     let beyond = reading.position.abs() - 0.5 * p.stroke.vector();
     first([
         (Fault::EmergencyStop, reading.stopped),
+        (Fault::LongStep, seen.moves() && seen.long_step),
         (Fault::LostReading, seen.moves() && reading.position_doubt.lost > most),
         (Fault::ReadingJump, seen.moves() && reading.position_doubt.doubted > most),
         (Fault::Stroke, seen.moves() && beyond.max() > 0.0),
@@ -166,7 +169,9 @@ impl Fault {
             ForceError | WrongStiffness | UnstableLoop | UnloadTimeout | NoProgress | NoSliding
             | CommissionRejected => SafeEnd::Retract,
             Stroke | EmergencyStop | TareRejected | NotAtStart => SafeEnd::Stop,
-            LostReading | ReadingJump | FrozenReading | FollowingError | DriveSign | WeakDrive => SafeEnd::DriveOff,
+            LostReading | ReadingJump | FrozenReading | FollowingError | DriveSign | WeakDrive | LongStep => {
+                SafeEnd::DriveOff
+            }
         }
     }
 }
@@ -251,6 +256,7 @@ pub fn numbers(vars: &Vars) -> String {
         ),
         Fault::NoProgress => format!(" = `{:.1} s`: `{:.1} s` {place}", n.time_limit, n.time),
         Fault::CommissionRejected => commission_rejected(p, &output.measured),
+        Fault::LongStep => format!(": limit `{} s`", p.sample_period),
     }
 }
 
@@ -307,6 +313,7 @@ mod tests {
         slides: bool,
         rejected: bool,
         overdue: bool,
+        long_step: bool,
     }
 
     impl Sample {
@@ -329,6 +336,7 @@ mod tests {
                 slides: true,
                 rejected: false,
                 overdue: false,
+                long_step: false,
             }
         }
 
@@ -346,6 +354,7 @@ mod tests {
                 slides,
                 rejected,
                 overdue,
+                long_step,
                 ..
             } = *self;
             let (raw, stiffness) = (&self.reading.force, P.stiffness_nominal);
@@ -370,6 +379,7 @@ mod tests {
                 slides,
                 rejected,
                 overdue,
+                long_step,
             };
             find(&P, &told)
         }
@@ -389,6 +399,7 @@ mod tests {
     fn at_its_limit_nothing_is_a_fault_and_beyond_it_is_one_where_it_counts() {
         let limits: &[Limit] = &[
             (Fault::EmergencyStop, State::ALL, |s, x| s.reading.stopped = x > 1.0),
+            (Fault::LongStep, MOVING, |s, x| s.long_step = x > 1.0),
             (Fault::LostReading, MOVING, |s, x| s.reading.position_doubt.lost = samples(x, 5.0)),
             (Fault::ReadingJump, MOVING, |s, x| s.reading.position_doubt.doubted = samples(x, 5.0)),
             (Fault::LostForce, WORKING, |s, x| s.reading.force_doubt.lost = samples(x, 5.0)),
@@ -472,6 +483,7 @@ mod tests {
             (Fault::LostForce, " = `5` at `0.000` of the path: raw force `0 0 0 N`"),
             (Fault::ReadingJump, " = `5`: position `0 0 0 m`"),
             (Fault::CommissionRejected, ": stiffness `123457 +- 1234 N/m`, across `0 +- 0 N/m`"),
+            (Fault::LongStep, ": limit `0.001 s`"),
             (Fault::NotAtStart, ": `-0.002000 m` above it, `0.005000 m` beside"),
         ] {
             vars.output.fault = fault;

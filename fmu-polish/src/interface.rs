@@ -92,13 +92,15 @@ mod variables {
         /// The job took longer than `limits.job_time`
         #[hint("raise it, or `feed_override`")] NoProgress,
         /// The ball slid at less than 0.9 of `stick_slip.sliding`, with K_v raised as far as `stick_slip.velocity_max` and the sweep let it
-        #[hint("raise `stick_slip.half_period` or `stick_slip.velocity_max`, take a tip that is stiffer across its axis, or lower `stick_slip.sliding`")] NoSliding,
+        #[hint("raise `stick_slip.half_period` or `stick_slip.velocity_max`, take a tip that is stiffer across its axis, or lower `stick_slip.sliding`; check scale and sign of the force across the tip")] NoSliding,
         /// The force was NaN, infinite or beyond any sensor for more samples than `limits.lost_samples`
         #[hint("check the wires of the force sensor")] LostForce,
         /// The force was farther from the last than the fastest motion can bring it for more samples than `limits.lost_samples`
         #[hint("check shield and plug of the force sensor, and what the tool has hit")] ForceJump,
         /// What the commission has measured is not sure enough, or not what this controller can hold
         #[hint("allow more `commission.travel` or `commission.force`, look for play and vibration, and check `stiffness.nominal`, `drive` and `io_delay`")] CommissionRejected,
+        /// The communication step is longer than a sample: several samples have the same inputs, and of their commands the last alone is seen
+        #[hint("set the communication step of the importer to `sample_period`")] LongStep,
     }
     /// Which law polishes; Paper takes the paper's value where there is one and the parameter was not set
     pub enum Law {

@@ -38,6 +38,10 @@ impl Model for Controller {
         Ok(controller)
     }
 
+    fn begin_long_step(&mut self) {
+        self.begin_long_step();
+    }
+
     fn sample(&mut self, vars: &mut Vars, env: &mut Env) -> Result<(), Error> {
         let (frozen, measured) = (vars.output.ripple_frozen, vars.output.measured.valid);
         self.bring_into_force(&mut vars.in_force);

@@ -45,7 +45,7 @@ fn no_sample_of_a_commission_that_is_applied_allocates() {
 /// A fault, what is different from the start, and what the inputs say in a state.
 type Case = (Fault, fn(&mut Parameters, &mut Build), fn(State, &mut Input));
 
-const CASES: [Case; 31] = [
+const CASES: [Case; 32] = [
     (Fault::ForceLimit, |_, _| (), |state, input| set(state == State::Follow, &mut input.force.z, 30.0)),
     (Fault::SettleTimeout, |p, _| p.impedance.damping = 5e6, |_, _| ()),
     (Fault::LostContact, |_, _| (), |state, input| set(state == State::Follow, &mut input.force, Axes::ZERO)),
@@ -85,6 +85,7 @@ const CASES: [Case; 31] = [
     (Fault::NoProgress, |p, _| p.limits.job_time = 2.0, |_, _| ()),
     (Fault::NoSliding, |p, _| p.stick_slip.half_period = 1, |_, _| ()),
     (Fault::CommissionRejected, |p, _| p.commission.deviation_max = 1e-4, commission),
+    (Fault::LongStep, |_, _| (), |_, _| ()),
 ];
 
 /// Asks for a commission and for no job.
@@ -126,6 +127,7 @@ fn no_sample_around_a_fault_allocates() {
                 (Fault::UnstableLoop, State::Follow) => run.parameters.impedance.gain = 20.0,
                 (Fault::Oscillation, State::Follow) => run.robot.build.stiffness = 540e3,
                 (Fault::SurfaceError, State::Settle) => run.parameters.limits.surface_error = 1e-7,
+                (Fault::LongStep, State::Follow) => run.controller.begin_long_step(),
                 (Fault::Stroke, State::Approach) => run.parameters.stroke = Axes::all(1e-6),
                 _ => (),
             }

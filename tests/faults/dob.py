@@ -44,6 +44,9 @@ TOUCH = "a touch as in the nominal run, 0.42 um in 99 of 100"
 FALL = "drive lost: the weight left over, 0.5 N, takes 10.4 kg to `limits.following_error` = 20 um"
 WILD = "5 A, 97 N: 9.3 m/s2 for the time to `limits.following_error` = 20 um and the 4 samples after it"
 
+LIKE_A_TOUCH = "it stops before the surface, for a contact that is none"
+SAME_FORCE = "the servo moves the slide along with it, with the force of a touch"
+
 ROWS = (
     # the encoder
     Row(
@@ -199,6 +202,35 @@ ROWS = (
         changes=TWICE,
     ),
     Row("encoder drifts by 2 um/s", (DONE,), DEEP, 4.2e-7, TOUCH, (wrong(POSITION, ramp=2e-6),)),
+    Row(
+        "encoder drifts by -4 um/s",
+        (),
+        DEEP,
+        1e-9,
+        LIKE_A_TOUCH,
+        (wrong(POSITION, ramp=-4e-6),),
+        untold=SAME_FORCE,
+    ),
+    Row(
+        "encoder 5 nm off from now on",
+        (),
+        DEEP,
+        1e-9,
+        LIKE_A_TOUCH,
+        (wrong(POSITION, offset=5e-9),),
+        untold=SAME_FORCE,
+    ),
+    Row(
+        "first sample of encoder and spindle signal wrong, 1 um and 0",
+        (DONE,),
+        DEEP,
+        4.2e-7,
+        TOUCH,
+        (
+            at(0.0, duration=1e-4, offset=1e-6),
+            at(0.0, "controller.spindle_speed", duration=1e-4, value=0.0),
+        ),
+    ),
     Row(
         "encoder noise of 10 nm, twenty times",
         ("ReadingJump", "LearnRejected"),
@@ -357,7 +389,23 @@ ROWS = (
         "a touch, and 3 samples of 10 nm",
         (at(0.0, CURRENT, late=3),),
     ),
+    Row(
+        "current 0.05 A off from now on",
+        ("ContactRejected",),
+        DEEP,
+        1e-9,
+        "found before the surface",
+        (wrong(CURRENT, offset=0.05),),
+    ),
     # what the controller is told
+    Row(
+        "a job of more time than it may take",
+        ("NoProgress",),
+        DEEP,
+        1e-9,
+        "found before the surface",
+        changes=("controller.limits.job_time=0.3",),
+    ),
     Row("mass told 30 % too small", (DONE,), DEEP, 4.2e-7, TOUCH, changes=("controller.stage.mass=7.3",)),
     Row(
         "thrust told twice too large",

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 
+import cosim
 from cosim.scenario.injection import Injection
 from cosim.scenario.model import Signal
 
@@ -26,7 +27,18 @@ AFTER = f"max(plant.tip_depth[time >= {TOLD}]) - at(plant.tip_depth, {TOLD})"
 """Beyond where the tool is when the fault is told."""
 EARLY = "max(plant.tip_depth) - max(controller.reference.depth)"
 """Beyond the deepest of the path, where the fault is there from the beginning."""
-OFF = "max(abs((plant.tip_depth - controller.reference.depth)[time > 0.5]))"
+FORM = next(
+    metric.value.removeprefix("std(").removesuffix("[time > last(time) - 0.5])")
+    for metric in cosim.load("fts/machine").metric
+    if metric.name == "form"
+)
+"""Depth of the tool below the lens that was asked for, at its true place on the part; but for a constant."""
+WANTED = f"({FORM} - plant.tip_depth + controller.reference.depth)"
+PLACED = f"({FORM} - mean({WANTED}[(time > {BEGIN} - 0.1) & (time < {BEGIN})]))"
+"""The same without what the controller wants in the turn before the faults begin."""
+OFF = f'max(abs({PLACED}[(time > {BEGIN}) & (controller.state == "Track")]))'
+FOLLOWED = "max(abs((plant.tip_depth - controller.reference.depth)[time > 0.5]))"
+"""Beside what the controller wants, out of the part as well."""
 BRAKED = "v (5 T_s + J v / (2 l T_max)), and 0.06 mm for an inertia that is not the told one"
 COASTS = "J v^2 / (2 l^2 F): the arm coasts against 2 N of the cut"
 CONTROLLED = "5 % of the path's 1.75 mm: under control"
@@ -76,12 +88,21 @@ def borne(
     return Row(name, (DONE,), OFF, 20e-6, GOOD, inject, signals, changes, unit="m")
 
 
+LATE, LATER = ((f"wire.controller.arm_angle.delay={samples}",) for samples in (1, 2))
+
+
+def untold(name: str, most: float, why: str, *inject: Injection, changes: tuple[str, ...] = ()) -> Row:
+    """Fault that no reading tells, and what it costs."""
+    reason = "every reading is as that of a good machine at another place or time"
+    return Row(name, (), OFF, most, why, inject, changes=changes, unit="m", untold=reason)
+
+
 MATRIX = Matrix(
     scenario="fts",
     seed=71_301,
     good=(
-        '(last(controller.fault) == "None") & (max(abs((plant.tip_depth - controller.reference.depth)'
-        "[time > last(time) - 0.1])) < 20e-6)"
+        '(last(controller.fault) == "None")'
+        f' & ((last(controller.state) == "Done") | (max(abs({PLACED}[time > last(time) - 0.1])) < 20e-6))'
     ),
     rest=(
         '(last(controller.state) == "Track")'
@@ -115,6 +136,18 @@ MATRIX = Matrix(
         ),
         braked("every second sample of the arm lost", "FrozenReading", *at_once(ARM, drop=0.5)),
         braked("arm encoder 3 samples late", "ReadingJump", *at_once(ARM, late=3)),
+        borne(
+            "first sample of all three encoders wrong: 0.1 rad, 1 rad, 20 mm",
+            Injection(ARM, from_time=0.0, duration=STEP, offset=0.1),
+            Injection(SPINDLE, from_time=0.0, duration=STEP, offset=-1.0),
+            Injection(SLIDE, from_time=0.0, duration=STEP, offset=0.02),
+        ),
+        untold(
+            "spindle read 1 sample late, its first sample twice",
+            40e-6,
+            "v of 0.22 m/s for a sample: 22 um",
+            changes=("wire.controller.spindle_angle.delay=1",),
+        ),
         borne("one spike of the arm encoder, 0.1 rad", *spike(ARM, 0.1)),
         borne(
             "one sample of the arm encoder is no number",
@@ -141,6 +174,22 @@ MATRIX = Matrix(
             changes=("controller.limits.feed=1e-5",),
         ),
         borne("one spike of the slide encoder, 20 mm", *spike(SLIDE, 0.02)),
+        untold(
+            "slide encoder drifts by 0.1 mm/s",
+            70e-6,
+            "dz/dx = x / R = 0.23 of the 0.15 mm until the end, twice",
+            *at_once(SLIDE, ramp=1e-4),
+        ),
+        untold(
+            "spindle encoder drifts by 0.1 rad/s",
+            0.7e-3,
+            "twice the angle of 0.15 rad until the end, of 1.75 mm",
+            *at_once(SPINDLE, ramp=0.1),
+        ),
+        borne("arm read 1 sample late, told", changes=(*LATE, "controller.arm_delay=1")),
+        borne("arm read 2 samples late, told", changes=(*LATER, "controller.arm_delay=2")),
+        untold("arm read 1 sample late, not told", 40e-6, "v of 0.22 m/s for a sample: 22 um", changes=LATE),
+        untold("arm read 2 samples late, not told", 70e-6, "the same for two samples: 44 um", changes=LATER),
         left("hold angle is no number", "InvalidInput", *at_once("controller.hold_angle", value=math.nan)),
         lost("torque with the wrong sign", "DriveSign", *at_once(TORQUE, scale=-1.0)),
         lost(
@@ -218,6 +267,24 @@ MATRIX = Matrix(
             changes=("plant.cutting_force=60.0", "controller.limits.disturbance=5.0"),
         ),
         Row(
+            "slide outside of the table at the start",
+            ("OutsideTable",),
+            AFTER,
+            10e-6,
+            "found before anything moves",
+            changes=("controller.surface.outer_radius=0.029",),
+            unit="m",
+        ),
+        Row(
+            "spindle faster than the torque for the path",
+            ("Infeasible",),
+            AFTER,
+            10e-6,
+            "found before anything moves",
+            changes=("plant.spindle_speed=420.0",),
+            unit="m",
+        ),
+        Row(
             "communication in steps of two samples",
             ("LongStep",),
             AFTER,
@@ -258,9 +325,14 @@ MATRIX = Matrix(
             signals=(Signal("controller.enable", (0.0, BEGIN, BEGIN + 0.05), (True, False, True)),),
             unit="m",
         ),
-        borne(
+        Row(
             "slide runs out of the table",
+            (DONE,),
+            FOLLOWED,
+            20e-6,
+            GOOD,
             changes=("plant.feed=5e-4", "controller.surface.inner_radius=0.0275"),
+            unit="m",
         ),
         *commission.ROWS,
     ),

@@ -43,6 +43,9 @@ class Row:
         Unit of the excursion, where the expression does not tell it.
     sequence
         Whether all of `faults` must come, in their order: one that is found while another is ended.
+    untold
+        Why no reading of the machine tells this fault, in one line, which the page says; empty for all that
+        must be told.
     """
 
     name: str
@@ -56,6 +59,7 @@ class Row:
     scenario: str = ""
     unit: str = ""
     sequence: bool = False
+    untold: str = ""
 
 
 @dataclass(frozen=True)

@@ -134,6 +134,10 @@ def beyond(row: Row, excursion: Measured) -> str:
 def unmet(row: Row, found: tuple[str, ...], good: bool) -> Iterator[str]:
     """Sentences about what was found and is not right, or was not found."""
     right = " or ".join(f"`{name}`" for name in row.faults)
+    if row.untold and good:
+        yield "nothing was to be told: the job is done and good"
+    if not found and row.untold:
+        return
     if not found and DONE not in row.faults:
         yield f"silent: no fault, {right} is right"
     if not found and DONE in row.faults and not good:

@@ -33,14 +33,18 @@ def page(name: str, matrix: Matrix, outcomes: Sequence[Outcome]) -> str:
         change for change in changes(matrix.rows[0]) if all(change in changes(row) for row in matrix.rows)
     ]
     everywhere = f", all with {', '.join(common)}" if common else ""
+    untold = sum(not one.found for one in outcomes if one.row.untold)
     silent = sum(any(told.startswith("silent") for told in one.problems) for one in outcomes)
+    quiet = f"Silent are {silent}"
+    if untold:
+        quiet += f", but for {untold} that no reading tells, with the reason"
     runs = f"run of the loop `{matrix.scenario}` (seed {matrix.seed}){everywhere}"
     lines = [
         f"# Faults of fmu-{name}",
         "",
         f"{len(outcomes)} faults, one in each {runs}.",
         "In brackets is what a row changes beside that.",
-        f"Silent are {silent}: neither a right fault is told nor is the job done and good. The excursion is",
+        f"{quiet}: neither a right fault is told nor is the job done and good. The excursion is",
         "what the machine truly does until its safe end, the limit what it must not exceed.",
         f"`python -m tests.faults {name}` writes this page; a test compares it with the runs.",
         "",
@@ -61,7 +65,8 @@ def line(one: Outcome, common: Sequence[str]) -> str:
     elsewhere = [f"in `{one.row.scenario}`"] if one.row.scenario else []
     changed = [*elsewhere, *(change for change in changes(one.row) if change not in common)]
     name = f"{one.row.name} ({', '.join(changed)})" if changed else one.row.name
-    found = " then ".join(f"`{name}`" for name in one.found) or "the job is done and good"
+    quiet = f"not told: {one.row.untold}" if one.row.untold else "the job is done and good"
+    found = " then ".join(f"`{name}`" for name in one.found) or quiet
     if one.problems:
         found = f"**{'; '.join(one.problems)}**"
     after = "" if math.isnan(one.after) else text(one.after, "s", DIGITS)

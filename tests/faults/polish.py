@@ -26,14 +26,15 @@ COAST = "`limits.following_error`, 50 um of stick-slip, 0.59 mm coasting: 31 kg,
 
 def row(
     name: str, faults: str, *inject: Injection, most: float = 5.6, why: str = HELD, truth: str = FORCE,
-    changes: tuple[str, ...] = (), signals: tuple[Signal, ...] = (), sequence: bool = False,
+    changes: tuple[str, ...] = (), signals: tuple[Signal, ...] = (), sequence: bool = False, untold: str = "",
 ) -> Row:  # fmt: skip
     """One row; the largest true force counts if nothing else is said."""
     unit = "m" if truth == BESIDE else "N"
     changed = (*QUICK, *changes)
     return Row(
-        name, tuple(faults.split()), truth, most, why, inject, signals, changed, unit=unit, sequence=sequence
-    )
+        name, tuple(faults.split()), truth, most, why, inject, signals, changed, unit=unit,
+        sequence=sequence, untold=untold,
+    )  # fmt: skip
 
 
 def midway(to: str, **kind: float) -> Injection:
@@ -42,6 +43,13 @@ def midway(to: str, **kind: float) -> Injection:
 
 
 SENSOR = (
+    row(
+        "first sample of position and force wrong, 1 mm and 30 N",
+        "None",
+        Injection("controller.position.x", 0.0, duration=1e-3, offset=1e-3),
+        Injection("controller.force.z", 0.0, duration=1e-3, offset=30.0),
+        changes=WHOLE,
+    ),
     row(
         "force stands before the start",
         "FrozenForce",
@@ -77,6 +85,21 @@ SENSOR = (
         midway("controller.force.z", frozen=True),
         most=13.0,
         why=SEEN,
+    ),
+    row(
+        "nine of ten force samples lost on the path",
+        "",
+        midway("controller.force.z", drop=0.9),
+        most=8.3,
+        why="5 N, and what the law adds in the 10 ms for which a sample stands",
+        untold="a sensor of such a step stands as long by itself",
+        changes=WHOLE,
+    ),
+    row(
+        "force across the tip with the wrong sign",
+        "NoSliding",
+        Injection("controller.force.y", 0.0, scale=-1.0),
+        changes=WHOLE,
     ),
     row("force stands at 4.5 N", "FrozenForce", midway("controller.force.z", value=4.5), most=13.0, why=SEEN),
     row(
@@ -374,6 +397,20 @@ REST = (
         changes=("controller.limits.job_time=1.6",),
     ),
     row("override is no number", "InvalidInput", midway("controller.feed_override", value=float("nan"))),
+    row(
+        "zero of the force sensor 5 N off",
+        "TareRejected",
+        Injection("controller.force.z", 0.0, offset=5.0),
+        most=0.0,
+        why="nothing moves yet",
+    ),
+    row(
+        "communication step of two samples",
+        "LongStep",
+        changes=("loop.step=2e-3", "loop.substeps=20"),
+        most=0.0,
+        why="told in the first sample of the job: nothing moves",
+    ),
     row(
         "a tip that bends more than the sweep is long",
         "NoSliding",

@@ -74,6 +74,16 @@ def test_one_that_is_not_told_is_silent_and_says_all_that_is_wrong(outcomes: lis
     ]
 
 
+def test_what_no_reading_tells_is_no_success_either(outcomes: list[Outcome]) -> None:
+    row = replace(ROWS[1], faults=("LostReading",), untold="one picometre")
+    assert list(unmet(row, (), good=False)) == []
+    assert list(unmet(row, (), good=True)) == ["nothing was to be told: the job is done and good"]
+    assert list(unmet(row, ("Saturation",), good=False)) == ["`Saturation` was told, `LostReading` is right"]
+    told = page.page("dob", MATRIX, [replace(outcomes[1], row=row), outcomes[2]])
+    assert "Silent are 1, but for 1 that no reading tells, with the reason: neither" in told
+    assert "| not told: one picometre |" in told
+
+
 def test_a_fault_that_is_not_right_is_no_success(outcomes: list[Outcome]) -> None:
     told = list(unmet(ROWS[1], ("LostReading",), good=True))
     assert told == ["`LostReading` was told, `None` is right"]

@@ -35,14 +35,18 @@ impl JumpGuard {
         self.believed = self.believed.map(|believed| believed + motion);
     }
 
+    /// Whether the machine can be at `reading`; before any believed one nothing speaks against it.
+    pub fn reaches(&self, reading: f64, reach: Reach) -> bool {
+        let samples = f64::from(self.doubted.saturating_add(1));
+        let allowed = samples * reach.motion + reach.spread;
+        reading.is_finite() && self.believed.is_none_or(|believed| (reading - believed).abs() <= allowed)
+    }
+
     /// The reading to use: `reading` where the machine can be there, else the last that was believed.
     ///
     /// A reading that is not finite is not believed; without any believed one it is 0.
     pub fn update(&mut self, reading: f64, reach: Reach) -> f64 {
-        let samples = f64::from(self.doubted.saturating_add(1));
-        let allowed = samples * reach.motion + reach.spread;
-        let near = self.believed.is_none_or(|believed| (reading - believed).abs() <= allowed);
-        if reading.is_finite() && near {
+        if self.reaches(reading, reach) {
             *self = Self { believed: Some(reading), doubted: 0 };
         } else {
             self.doubted = self.doubted.saturating_add(1);

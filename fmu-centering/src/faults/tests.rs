@@ -61,7 +61,7 @@ fn no_change_of_state_gives_back_the_turning_since_the_last_push() {
 fn only_a_slide_that_knows_its_place_goes_back() {
     for &fault in Fault::ALL {
         let readings = [Fault::LostReading, Fault::ReadingJump, Fault::FrozenReading];
-        let own = [Fault::FollowingError, Fault::DriveSign, Fault::WeakDrive];
+        let own = [Fault::FollowingError, Fault::DriveSign, Fault::WeakDrive, Fault::LongStep];
         let end = if own.contains(&fault) || readings.contains(&fault) { SafeEnd::DriveOff } else { SafeEnd::Retract };
         assert_eq!(fault.safe_end(), end, "{fault:?}");
     }

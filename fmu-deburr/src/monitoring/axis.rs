@@ -6,6 +6,10 @@
 //! learned, foreign or none. A pattern that grows is explained by the model, and found by its error: `error_max` + V/Kp; the
 //! error of a bare servo of half its gain is twice V/Kp.
 //!
+//! A drive has an offset: at rest it stands where the command cancels that, so what is commanded there is not unanswered. What was
+//! commanded when the reading last moved while the model stood tells the offset, within what the band of the reading hides. A reading
+//! that drifts looks the same; the rest after a run tells either where it is large.
+//!
 //! A limit that is passed asks for the cause: a reading that stands, a command that swings, the sign and the strength of
 //! the answer.
 
@@ -33,6 +37,10 @@ const MEMORY: f64 = 4.0;
 const EXCITED: f64 = 20.0;
 /// Counts within which a reading stands.
 const BAND: f64 = 1.5;
+/// Counts in a sample below which the model stands, and for how many times 1/Kp until the axis does, too.
+const STANDS: (f64, f64) = (0.1, 4.0);
+/// Counts from its place that a reading may be held to have come to rest: the band, half of it in its last step, and rounding.
+const HIDDEN: f64 = 3.0;
 /// Share of the commanded motion below which a drive is weak.
 const WEAK: f64 = 0.7;
 /// Share below which it goes the other way.
@@ -54,6 +62,10 @@ pub struct AxisMonitor {
     reference: f64,
     before: f64,
     frozen: Frozen,
+    /// motion in a sample that the command makes up for at rest, rad or m
+    offset: f64,
+    /// time for which the model has stood, s
+    rest: f64,
     response: Response,
     swing: Reversals,
     swings: u32,
@@ -106,6 +118,8 @@ impl AxisMonitor {
             reference: 0.0,
             before: 0.0,
             frozen: Frozen::default(),
+            offset: 0.0,
+            rest: f64::INFINITY,
             response: Response::default(),
             swing: Reversals::default(),
             swings: 0,
@@ -119,7 +133,7 @@ impl AxisMonitor {
     pub fn restart(&mut self, position: f64, pulse: f64) {
         let place = position / pulse;
         self.model = LoopState::resting(place.round());
-        (self.lag, self.tail) = (0.0, 0.0);
+        (self.lag, self.tail, self.offset, self.rest) = (0.0, 0.0, 0.0, f64::INFINITY);
         (self.reference, self.before) = (place.round() * pulse, position);
         (self.frozen, self.response, self.swing, self.swings) =
             (Frozen::default(), Response::default(), Reversals::default(), 0);
@@ -139,7 +153,9 @@ impl AxisMonitor {
     /// Takes what was sent: reference and compensation in counts, and the velocity command (rad/s or m/s).
     pub fn command(&mut self, p: &Parameters, axis: usize, reference: f64, compensation: f64, velocity: f64) {
         let (kp, pulse) = (p.servo_gain[axis], p.axis[axis].pulse);
-        self.nominal.step(&mut self.model, reference + compensation);
+        let stood = self.nominal.step(&mut self.model, reference + compensation);
+        let stands = (self.model.position() - stood).abs() < STANDS.0;
+        self.rest = if stands { self.rest + p.sample_period } else { 0.0 };
         let moved = (reference * pulse - self.reference).abs();
         self.reference = reference * pulse;
         // turns of the loop in a sample
@@ -155,7 +171,7 @@ impl AxisMonitor {
     pub fn look(&mut self, p: &Parameters, axis: usize, motion: &Motion, expected: Expectation) -> Verdict {
         let Motion { position, commanded, error } = *motion;
         let (pulse, limits) = (p.axis[axis].pulse, &p.limits.axis[axis]);
-        self.frozen.update(position, commanded, BAND * pulse);
+        self.expect(p, axis, position, commanded);
         self.response.update(commanded, position - self.before, MEMORY);
         self.before = position;
         let bridged = p.limits.lost_samples.unsigned_abs();
@@ -185,6 +201,17 @@ impl AxisMonitor {
             return self.wrong(axis, consequence, error.abs(), most, p);
         }
         Verdict::Good
+    }
+
+    /// Takes a reading and the motion that was commanded, less the offset of the drive.
+    fn expect(&mut self, p: &Parameters, axis: usize, position: f64, commanded: f64) {
+        let (kp, pulse) = (p.servo_gain[axis], p.axis[axis].pulse);
+        let hidden = HIDDEN * pulse * kp * p.sample_period;
+        let beyond = commanded - self.offset;
+        self.frozen.update(position, beyond - beyond.clamp(-hidden, hidden), BAND * pulse);
+        if self.frozen.still() == 0 && kp * self.rest > STANDS.1 {
+            self.offset = commanded;
+        }
     }
 
     fn wrong(&self, axis: usize, consequence: Fault, value: f64, limit: f64, p: &Parameters) -> Verdict {
@@ -310,6 +337,45 @@ mod tests {
         let (_, finding) = Bench::new().faulted(|moved, at| (moved - 240.0, at)).unwrap();
         assert!(finding.numbers.value > finding.numbers.limit, "{finding:?}");
         assert!(matches!(finding.fault, Fault::FollowingError | Fault::WeakDrive), "{finding:?}");
+    }
+
+    #[test]
+    fn a_drive_with_an_offset_stands_where_its_command_cancels_it() {
+        // 1 and 2 mm/s of 1 m/s, for a minute after a motion
+        for offset in [2.0, -2.0, 4.0] {
+            let mut bench = Bench::new();
+            for k in 0..6000 {
+                let speed = if (200..400).contains(&k) { 0.02 } else { 0.0 };
+                let verdict = bench.step(speed, Expectation::Bare, |moved, at| (moved + offset, at));
+                assert_eq!(verdict, Verdict::Good, "{offset}, sample {k}");
+            }
+            // and its encoder freezes still
+            let said = (0..100).map(|_| bench.step(0.02, Expectation::Bare, |_, at| (0.0, at)));
+            let Some(Verdict::Wrong(finding)) = said.into_iter().find(|said| *said != Verdict::Good) else { panic!() };
+            assert_eq!(finding.fault, Fault::FrozenReading);
+        }
+    }
+
+    #[test]
+    fn a_reading_that_freezes_just_before_the_rest_is_told_before_the_axis_has_crept_a_millimetre() {
+        // 0.5 to 0.05 mm are left
+        for left in [100.0, 50.0, 10.0] {
+            let mut bench = Bench::new();
+            for _ in 0..50 {
+                bench.step(0.0, Expectation::Bare, |moved, at| (moved, at));
+            }
+            bench.reference += left;
+            let mut crept = 0.0;
+            let said = (0..4000).map(|_| {
+                crept += bench.sent.before(1) * bench.p.sample_period;
+                bench.step(0.0, Expectation::Bare, |_, at| (0.0, at))
+            });
+            let Some(Verdict::Wrong(finding)) = said.into_iter().find(|said| *said != Verdict::Good) else {
+                panic!("{left}")
+            };
+            assert_eq!(finding.fault, Fault::FrozenReading);
+            assert!(crept < 1.6e-3, "{left}: {crept}");
+        }
     }
 
     #[test]

@@ -103,8 +103,8 @@ fn compensator(told: &Nominal) -> LeadLag {
 
 /// Its crossover w_c on the arm as it was told, rad/s.
 fn crossover(told: &Nominal) -> f64 {
-    let Nominal { sample_period, io_delay, servo, tip } = told;
-    let late = (f64::from(io_delay + DELAY_SPREAD) + 0.5) * sample_period
+    let Nominal { sample_period, servo, tip, .. } = told;
+    let late = (f64::from(told.loop_delay() + DELAY_SPREAD) + 0.5) * sample_period
         + servo.current_bandwidth.recip()
         + servo.roll_off.recip();
     let by_delay = PHASE / (CROSSING * late);

@@ -46,7 +46,7 @@ impl Values {
     /// Those with the arm that was measured; friction that is not significant stays as it is.
     pub fn with_arm(self, m: &Measured) -> Self {
         let known = |value: f64, deviation: f64, old: f64| if value > SIGNIFICANT * deviation { value } else { old };
-        let Nominal { servo, sample_period, .. } = self.nominal;
+        let Nominal { servo, .. } = self.nominal;
         let servo = Servo {
             inertia: m.inertia,
             viscous_friction: known(m.viscous_friction, m.viscous_friction_deviation, servo.viscous_friction),
@@ -59,7 +59,7 @@ impl Values {
             damping: m.tip_damping.clamp(0.0, 0.5),
             ..self.nominal.tip
         };
-        Self { nominal: Nominal { servo, tip, io_delay: m.io_delay.round().max(0.0) as i32, sample_period } }
+        Self { nominal: Nominal { servo, tip, io_delay: m.io_delay.round().max(0.0) as i32, ..self.nominal } }
     }
 }
 
@@ -68,7 +68,7 @@ impl Values {
 pub fn acceptable(p: &Parameters, told: &Nominal, m: &Measured) -> bool {
     let within = |value: f64, told: f64, factor: f64| value * factor >= told && value <= factor * told;
     let sure = |value: f64, deviation: f64| deviation <= p.commission.deviation_max * value.abs();
-    let longest = f64::from((told.io_delay + DELAY_SPREAD).min(DELAY_MAX as i32));
+    let longest = f64::from((told.io_delay + DELAY_SPREAD).min(DELAY_MAX as i32 - told.arm_delay));
     within(m.inertia, told.servo.inertia, RATIO_MAX)
         && sure(m.inertia, m.inertia_deviation)
         && within(m.tip_frequency, told.tip.frequency, FLEXURE_MAX)

@@ -55,7 +55,7 @@ impl DriveWatch {
         let dt = p.sample_period;
         let [before, earlier] = self.readings;
         self.readings = [Some(arm_angle), before];
-        let late = p.io_delay as usize;
+        let late = p.loop_delay() as usize;
         let torques = self.sent.before(late) + self.sent.before((late + 1).min(DELAY_MAX));
         self.sent.send(torque);
         if let Some((before, earlier)) = before.zip(earlier) {

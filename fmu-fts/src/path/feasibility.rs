@@ -13,6 +13,11 @@ pub fn available_torque(p: &Parameters) -> f64 {
     p.limits.torque_share * p.servo.torque_max
 }
 
+/// Whether a path needs more than it may at a spindle speed (rad/s).
+pub fn infeasible(p: &Parameters, path: &PathTable, speed: f64) -> bool {
+    needed_torque(p, path, speed) > available_torque(p)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

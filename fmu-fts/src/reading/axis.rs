@@ -3,6 +3,9 @@
 //! An axis has inertia: with the velocity v of its last two readings, n samples later it is at y + n v T_s, within
 //! n w + a T_s^2 n (n + 1) / 2 for the spread w of a reading and the acceleration a that may come. A reading elsewhere, none at
 //! all, and one that stands while the axis moves (v T_s > w) are lost; y + n v T_s stands in for them.
+//!
+//! Two readings make a velocity, the third confirms both. Until then each is believed and the velocity is taken anew, for the first
+//! may be the bad one.
 
 use control_blocks::{JumpGuard, Reach, believable, wrap};
 use serde::{Deserialize, Serialize};
@@ -49,8 +52,13 @@ pub struct GuardedAxis {
     /// the last believed reading and the velocity that it and the one before give, per sample
     last: Option<f64>,
     velocity: Option<f64>,
-    /// it was seen to move
+    /// a reading was where the two before it said
+    confirmed: bool,
+    /// place and velocity can be used
+    known: bool,
+    /// it was seen to move, and was read several times where it stood before
     moved: bool,
+    stood: bool,
     /// samples since the last believed reading
     age: u32,
     /// readings lost, less what the good ones gave back
@@ -67,23 +75,33 @@ impl GuardedAxis {
         self.age = self.age.saturating_add(1).min(axis.lost + 1);
         let (velocity, n) = (self.velocity.unwrap_or_default(), f64::from(self.age));
         let (valid, again) = (believable(raw, axis.most), self.raw.replace(raw) == Some(raw));
-        let stands = again && velocity.abs() > axis.spread;
+        let stands = again && velocity.abs() > axis.spread && (self.confirmed || self.stood);
         self.guard.shift(velocity);
-        // two readings make a velocity, two equal ones may be one that was read twice
-        let unknown = self.velocity.is_none() || (axis.runs && !self.moved);
-        let motion = if unknown { f64::INFINITY } else { axis.motion };
+        // two equal readings may be one that was read twice
+        let begins = self.velocity.is_none() || (axis.runs && !self.moved);
         let spread = n * axis.spread + 0.5 * axis.change * n * (n + 1.0);
         // what was lost for good is not believed again before `begin_anew`
         let given_up = self.exhausted(axis);
         let usable = valid && !stands && !given_up;
         // a last bit may flicker, and all that is lost in a row must stand
         self.standing &= self.last.is_some_and(|last| (raw - last).abs() <= axis.spread);
-        let used = self.guard.update(if usable { raw } else { f64::NAN }, Reach { motion, spread });
+        let raw = if usable { raw } else { f64::NAN };
+        let reach = Reach { motion: axis.motion, spread };
+        self.confirmed |= !begins && self.guard.reaches(raw, reach);
+        let motion = if self.confirmed { axis.motion } else { f64::INFINITY };
+        let used = self.guard.update(raw, Reach { motion, spread });
         if self.guard.doubted() == 0 {
             self.velocity = self.last.replace(used).map(|last| (used - last) / n);
+            self.stood = !self.moved && n > 1.0;
             self.moved |= self.velocity.is_some_and(|velocity| velocity != 0.0);
-            self.spent = (self.spent - REGAINED).max(0.0);
-            (self.standing, self.loss) = (true, None);
+            self.standing = true;
+            if begins || self.confirmed {
+                self.spent = (self.spent - REGAINED).max(0.0);
+                self.loss = None;
+            } else {
+                self.spent += 1.0;
+                self.loss = Some(Loss::Jump);
+            }
             // what runs and was read several times has run for as long
             if self.moved || !(again && axis.runs) {
                 self.age = 0;
@@ -98,6 +116,8 @@ impl GuardedAxis {
                 Loss::Jump
             });
         }
+        let rests = self.velocity.is_some_and(|velocity| velocity.abs() <= axis.motion + axis.spread);
+        self.known = self.velocity.is_some() && self.loss.is_none() && (self.confirmed || axis.runs || rests);
         used
     }
 
@@ -119,9 +139,14 @@ impl GuardedAxis {
         self.loss.filter(|_| self.exhausted(axis))
     }
 
-    /// Whether place and velocity are known.
+    /// Whether place and velocity are known; of what runs already when two readings tell them, of what may rest when these agree.
     pub fn known(&self) -> bool {
-        self.velocity.is_some() && self.loss.is_none()
+        self.known
+    }
+
+    /// Whether two readings have told them and no third has confirmed them yet.
+    pub fn begins(&self) -> bool {
+        self.velocity.is_some() && !self.confirmed
     }
 
     /// Velocity that the last two believed readings give, per sample; 0 before there are two.

@@ -75,7 +75,7 @@ pub fn design(p: &Parameters) -> Result<LeadLag, ParameterError> {
              `{:.2}` (at least `{GAIN_MARGIN_MIN}`)",
             margins.phase, margins.gain
         ),
-        hint: "wish for less bandwidth, more `servo.lead`, or a faster drive (`io_delay`, `servo.current_bandwidth`)",
+        hint: "wish for less bandwidth, more `servo.lead`, or less delay (`io_delay`, `arm_delay`, `servo.current_bandwidth`)",
     })?;
     Ok(compensator)
 }
@@ -261,5 +261,12 @@ mod tests {
             designed(&p).1.phase.to_degrees()
         });
         assert!(phases[0] > phases[1] && phases[1] > phases[2] && phases[2] > 38.0, "{phases:?}");
+        // a late reading is as bad as a late command, and refused with the margins where too little is left
+        let late = |arm_delay: i32| design(&Parameters { io_delay: 0, arm_delay, ..Parameters::START });
+        let mut p = Parameters::START;
+        (p.io_delay, p.arm_delay) = (0, 2);
+        assert_eq!(designed(&p).1.phase.to_degrees(), phases[2]);
+        let refused = late(6).map(|_| ()).unwrap_err();
+        assert!(refused.limit.contains("a phase margin of `0."), "{refused:?}");
     }
 }

@@ -8,10 +8,10 @@ use crate::interface::Parameters;
 /// Below this speed the torque goes through zero with a slope, rad/s; so that a held arm is left in peace.
 const FRICTION_SPEED: f64 = 0.02;
 
-/// Torque (N.m) for a wanted motion of the hub, ahead by what the drive is late.
+/// Torque (N.m) for a wanted motion of the hub as it is read, ahead by what reading and drive are late.
 pub fn dry_friction(p: &Parameters, motion: Trajectory) -> f64 {
     let servo = &p.servo;
-    let late = (f64::from(p.io_delay) + 0.5) * p.sample_period + 1.0 / servo.current_bandwidth;
+    let late = (f64::from(p.loop_delay()) + 0.5) * p.sample_period + 1.0 / servo.current_bandwidth;
     let velocity = motion.velocity + late * motion.acceleration;
     servo.dry_friction * (velocity / FRICTION_SPEED).clamp(-1.0, 1.0)
 }

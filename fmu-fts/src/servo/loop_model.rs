@@ -1,4 +1,4 @@
-//! The position loop as designed: sampled arm with its flexure, current loop and delay under the lead-lag compensator.
+//! The position loop as designed: sampled arm with its flexure, current loop and delays under the lead-lag compensator.
 //!
 //! Each mode of the arm, behind the current loop, is sampled exactly with its zero-order hold; the arm is their sum.
 
@@ -89,7 +89,8 @@ impl ArmPoint {
 impl LoopModel {
     /// The loop of the nominal arm with this compensator.
     pub fn new(nominal: impl Into<Nominal>, compensator: LeadLag) -> Self {
-        let Nominal { servo, tip, sample_period, io_delay } = nominal.into();
+        let nominal = nominal.into();
+        let (delay, Nominal { servo, tip, sample_period, .. }) = (nominal.loop_delay(), nominal);
         let mode =
             |gain: f64, a: [f64; 2]| SampledMode::new(gain / servo.inertia, a, servo.current_bandwidth, sample_period);
         let rigid = mode(1.0, [0.0, servo.viscous_friction / servo.inertia]);
@@ -99,7 +100,7 @@ impl LoopModel {
             let squared = tip.frequency * tip.frequency * stiffening;
             mode(tip.inertia * stiffening, [squared, 2.0 * tip.damping * tip.frequency * stiffening])
         });
-        Self { period: sample_period, delay: io_delay, compensator, rigid, flexible }
+        Self { period: sample_period, delay, compensator, rigid, flexible }
     }
 
     /// The same loop with another compensator.

@@ -11,6 +11,8 @@ pub struct Nominal {
     pub sample_period: f64,
     /// Samples between a command and its action.
     pub io_delay: i32,
+    /// Samples from an angle of the arm to its reading.
+    pub arm_delay: i32,
     /// Arm, drive and what is wished of the loop.
     pub servo: Servo,
     /// Flexure.
@@ -19,6 +21,14 @@ pub struct Nominal {
 
 impl From<&Parameters> for Nominal {
     fn from(p: &Parameters) -> Self {
-        Self { sample_period: p.sample_period, io_delay: p.io_delay, servo: p.servo, tip: p.tip }
+        let Parameters { sample_period, io_delay, arm_delay, servo, tip, .. } = *p;
+        Self { sample_period, io_delay, arm_delay, servo, tip }
+    }
+}
+
+impl Nominal {
+    /// Samples from a command to the reading of the arm that answers it.
+    pub fn loop_delay(&self) -> i32 {
+        self.io_delay + self.arm_delay
     }
 }

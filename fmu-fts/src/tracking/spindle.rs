@@ -2,7 +2,7 @@
 //!
 //! The path uses the raw angle, so that it follows every irregularity of the spindle; only the speed is filtered.
 
-use control_blocks::Unwrapper;
+use control_blocks::{SentCommands, Unwrapper};
 use serde::{Deserialize, Serialize};
 
 use crate::interface::Parameters;
@@ -12,6 +12,8 @@ use crate::interface::Parameters;
 pub struct Spindle {
     samples: u8,
     unwrapper: Unwrapper,
+    /// the last readings, the newest first, rad
+    readings: SentCommands,
     /// Angle without wraps since the first sample, rad.
     pub angle: f64,
     /// Estimated speed, rad/s.
@@ -20,14 +22,18 @@ pub struct Spindle {
 }
 
 impl Spindle {
-    /// Takes the angle reading (rad, wrapped or not) of one sample.
-    pub fn update(&mut self, p: &Parameters, raw: f64) {
+    /// Takes the angle reading (rad, wrapped or not) of one sample; while it `begins` the last step alone is the speed.
+    pub fn update(&mut self, p: &Parameters, raw: f64, begins: bool) {
         let step = self.unwrapper.step(raw).unwrap_or(0.0);
         self.angle += step;
+        if self.samples == 0 {
+            self.readings = SentCommands::resting(raw);
+        }
+        self.readings.send(raw);
         match self.samples {
-            // the second sample gives the loop a speed to begin with
             0 => self.locked_angle = self.angle,
-            1 => (self.locked_angle, self.speed) = (self.angle, step / p.sample_period),
+            // the second sample gives the loop a speed to begin with
+            samples if samples == 1 || begins => (self.locked_angle, self.speed) = (self.angle, step / p.sample_period),
             _ => self.follow(p.pll_bandwidth, p.sample_period),
         }
         self.samples = (self.samples + 1).min(2);
@@ -46,9 +52,9 @@ impl Spindle {
         self.samples == 2
     }
 
-    /// The spindle angle as read, rad.
-    pub fn raw(&self) -> f64 {
-        self.unwrapper.reading().unwrap_or(0.0)
+    /// The spindle angle as read when the arm was where it is read now, rad.
+    pub fn raw(&self, p: &Parameters) -> f64 {
+        self.readings.before(p.arm_delay as usize)
     }
 }
 
@@ -65,7 +71,7 @@ mod tests {
         let (mut spindle, mut angle, dt) = (Spindle::default(), 5.0f64, p.sample_period);
         for k in 0..ticks(time, dt) {
             let read = if wrap { angle.rem_euclid(TAU) } else { angle };
-            spindle.update(&p, (read / QUANTUM).round() * QUANTUM);
+            spindle.update(&p, (read / QUANTUM).round() * QUANTUM, false);
             angle += speed(f64::from(k) * dt) * dt;
         }
         (spindle, angle - 5.0)
@@ -97,12 +103,25 @@ mod tests {
     }
 
     #[test]
+    fn an_arm_that_is_read_late_belongs_to_an_earlier_angle() {
+        let (mut p, mut spindle) = (Parameters::START, Spindle::default());
+        (0..=20).for_each(|k| spindle.update(&p, 0.01 * f64::from(k), false));
+        for (delay, angle) in [(0, 0.2), (1, 0.19), (8, 0.12)] {
+            p.arm_delay = delay;
+            assert!((spindle.raw(&p) - angle).abs() < 1e-12);
+        }
+    }
+
+    #[test]
     fn the_second_sample_gives_the_speed() {
         let p = Parameters::START;
         let mut spindle = Spindle::default();
-        spindle.update(&p, 1.0);
+        spindle.update(&p, 1.0, false);
         assert_eq!(spindle.speed, 0.0);
-        spindle.update(&p, 1.0 + 6e-3);
+        spindle.update(&p, 1.0 + 6e-3, false);
         assert!((spindle.speed - 60.0).abs() < 1e-9);
+        // the first was not where the spindle was
+        spindle.update(&p, 1.0 + 16e-3, true);
+        assert!((spindle.speed - 100.0).abs() < 1e-9);
     }
 }

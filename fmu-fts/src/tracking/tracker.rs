@@ -87,7 +87,7 @@ impl Tracker {
 
     /// Takes the slide position (m) and the spindle of this sample; gives e^(j n theta).
     pub fn locate(&mut self, p: &Parameters, slide_position: f64, spindle: &Spindle) -> Phasors {
-        let phasors = Phasors::new(spindle.raw(), self.highest);
+        let phasors = Phasors::new(spindle.raw(p), self.highest);
         self.path.interpolate(slide_position, &mut self.row);
         let (depth, speed, arm) = (self.row.depth(phasors.from_zero()), spindle.speed, self.path.arm());
         let angle = arm.angle(depth.value);
@@ -258,8 +258,8 @@ mod tests {
     /// Locates 25 mm from the axis, with the spindle at `angle` (rad) and 100 rad/s.
     fn locate(p: &Parameters, tracker: &mut Tracker, angle: f64) -> Phasors {
         let mut spindle = Spindle::default();
-        spindle.update(p, angle - 100.0 * p.sample_period);
-        spindle.update(p, angle);
+        spindle.update(p, angle - 100.0 * p.sample_period, false);
+        spindle.update(p, angle, false);
         tracker.locate(p, 0.025, &spindle)
     }
 

@@ -4,6 +4,7 @@
 //! the part on the arm, ripple in step with the spindle, encoders with their resolution. Values are our choice, as those
 //! of the controller's nominal arm; the ripple is what leaves 1.2 um at the twelfth harmonic.
 
+use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
 use nalgebra::{Matrix5, SMatrix, SVector};
@@ -47,6 +48,8 @@ pub struct Build {
     pub radius: f64,
     /// Samples between a command and its action.
     pub delay: usize,
+    /// Samples by which the arm is read late.
+    pub arm_delay: usize,
     /// Encoders with their resolution.
     pub quantised: bool,
 }
@@ -65,6 +68,7 @@ impl Build {
         speed: |_| 600.0 * RPM,
         radius: 0.03,
         delay: 1,
+        arm_delay: 0,
         quantised: true,
     };
 
@@ -91,6 +95,8 @@ pub struct Machine {
     /// angles of hub and arm, their velocities, torque
     state: SVector<f64, 5>,
     pending: Vec<f64>,
+    /// readings of the arm on their way
+    seen: VecDeque<f64>,
     noise: f64,
     time: f64,
     spindle: f64,
@@ -116,6 +122,7 @@ impl Machine {
             input,
             state: SVector::zeros(),
             pending: vec![0.0; build.delay],
+            seen: vec![0.0; build.arm_delay + 1].into(),
             noise: 0.0,
             time: 0.0,
             spindle,
@@ -129,7 +136,7 @@ impl Machine {
     /// Readings of arm (rad), spindle (rad) and slide (m).
     pub fn read(&self) -> [f64; 3] {
         let round = |x: f64, quantum: f64| if self.build.quantised { (x / quantum).round() * quantum } else { x };
-        [round(self.state[0], TAU / 8_388_608.0), round(self.spindle, TAU / 1_048_576.0), round(self.slide, 1e-7)]
+        [round(self.seen[0], TAU / 8_388_608.0), round(self.spindle, TAU / 1_048_576.0), round(self.slide, 1e-7)]
     }
 
     /// From now on the drive has another gain.
@@ -150,6 +157,8 @@ impl Machine {
         for _ in 0..SUBSTEPS {
             self.substep(told);
         }
+        self.seen.pop_front();
+        self.seen.push_back(self.state[0]);
     }
 
     fn substep(&mut self, told: f64) {

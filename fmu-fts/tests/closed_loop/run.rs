@@ -1,5 +1,7 @@
 //! The controller on the machine, one communication step at a time.
 
+use std::collections::VecDeque;
+
 use fmu_fts::controller::Controller;
 use fmu_fts::interface::{Input, Mode, Output, Parameters};
 use fmu_fts::texts::Tables;
@@ -19,6 +21,8 @@ pub struct Loop {
     pub output: Output,
     /// Depth error of the tool in the last sample, m.
     pub tip_error: f64,
+    /// depths of the tool, as old as the reference is last, m
+    tips: VecDeque<f64>,
     /// Parameters in force.
     pub parameters: Parameters,
     steps: u32,
@@ -49,6 +53,7 @@ impl Loop {
             input: Input { enable: true, mode: Mode::Track, ..Input::START },
             output: Output::START,
             tip_error: 0.0,
+            tips: vec![0.0; p.arm_delay as usize].into(),
             parameters: p.clone(),
             steps: 0,
             turned: 0.0,
@@ -83,7 +88,8 @@ impl Loop {
         self.machine.in_part = self.time() > 0.5;
         self.controller.bring_into_force(&mut self.parameters);
         self.controller.tick(&self.input, &self.parameters, &mut self.output);
-        self.tip_error = self.output.reference.depth - self.machine.tip_depth();
+        self.tips.push_front(self.machine.tip_depth());
+        self.tip_error = self.output.reference.depth - self.tips.pop_back().unwrap_or_default();
         self.machine.advance(self.output.torque);
         self.steps += 1;
     }

@@ -3,7 +3,7 @@
 use fmu_fts::interface::{Afc, Fault, Limits, Parameters, State, SurfaceKind, Tip};
 use fmu_fts::lists::harmonics::Harmonics;
 
-use crate::machine::{Build, RPM};
+use crate::machine::{Build, RPM, STEP};
 use crate::run::{Loop, Measured};
 
 /// Which layers are on.
@@ -95,6 +95,23 @@ fn without_compensation_the_flexure_bends_by_its_share_of_the_acceleration() {
     let (all, _) = tracked(&p, &at(|_| 2400.0 * RPM), Layers::All, 2.5);
     // 453 m/s^2 over (2 pi 1200 Hz)^2 are 8 um, 5.6 um rms
     assert!(all.rms < 0.5 && all.tip > 5.0 && all.tip < 6.5);
+}
+
+#[test]
+fn an_arm_that_is_read_late_is_on_its_path_where_that_is_told() {
+    for late in [1, 2] {
+        let told = Parameters { arm_delay: late as i32, ..Parameters::START };
+        let build = Build { arm_delay: late, ..Build::NOMINAL };
+        let errors = [Parameters::START, told].map(|p| {
+            let mut run = Loop::new(&p, &build, 5);
+            run.run_to(1.5);
+            run.measure(0.3)
+        });
+        // 1.75 mm at 20 Hz for as long, seen by no encoder
+        let lag = 1e6 * 1.75e-3 * std::f64::consts::TAU * 20.0 * late as f64 * STEP / 2f64.sqrt();
+        assert!(errors.iter().all(|error| error.rms < 0.6), "{late}: {errors:?}");
+        assert!((errors[0].tip / lag - 1.0).abs() < 0.6 && errors[1].tip < 0.6, "{late}: {lag} {errors:?}");
+    }
 }
 
 #[test]
