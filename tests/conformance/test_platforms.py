@@ -109,7 +109,13 @@ def case(loop: str, folder: Path) -> Case:
     variables = {variable.name: variable for variable in description.modelVariables}
     inputs = [v for v in variables.values() if v.causality == "input" and v.type != "String"]
     outputs = [v for v in variables.values() if v.causality in ("output", "local") and v.type != "String"]
-    given = [(variables[name], value) for name, value in scenario.controller.parameters.items()]
+    given = []
+    for name, value in scenario.controller.parameters.items():
+        # an array has a variable for each of its elements
+        elements = enumerate(value, start=1) if isinstance(value, list | tuple) else ()
+        given += [(variables[f"{name}[{i}]"], element) for i, element in elements] or [
+            (variables[name], value)
+        ]
 
     rows = max(ROWS, len(trace))
     words = [len(given), len(inputs), len(outputs), rows, rows // 2]
