@@ -190,4 +190,4 @@ def test_a_picture_tells_numbers_as_people_write_them() -> None:
     gap = caption.quantity(of, "plant.gap", "um", 1e6)
     assert [gap(row) for row in range(3)] == ["gap: 0 m", "gap: 15.5 mm", "gap: 0 m"]
     turns = caption.quantity(of, "plant.speed", "rpm", 30.0 / np.pi)
-    assert turns(1) == "speed: 17643 rpm"
+    assert turns(1) == "speed: 17640 rpm"
