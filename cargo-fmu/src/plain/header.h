@@ -3,8 +3,10 @@
  * Written by `cargo fmu --plain-c` from the declaration of the variables; GUID @guid@.
  * Link with `lib@id@.a` and the mathematical library (`-lm`), before glibc 2.34 also with `-lpthread -ldl`. Units are SI.
  *
- * Memory: an instance is made by @id@_new and freed by @id@_free. @id@_step allocates nothing, except in a sample that
- * tells something, and for inputs that are texts.
+ * Memory: an instance is made by @id@_new and freed by @id@_free. It lies where `malloc` puts it and cannot be placed: it
+ * may hold what is as long as parameters and files say. Parameters, inputs and outputs are the caller's, and
+ * nothing keeps a pointer to them. @id@_step allocates nothing, except in a sample that tells something, and for
+ * inputs that are texts.
  * Failures: where something was refused (level 2) the next sample may be tried. After an error (level 3) only
  * @id@_restore, @id@_save, @id@_free and what reads (@id@_read, @id@_period, texts) work; after a fault of the program itself (level 4) only @id@_free.
  * Threads: an instance is used by one at a time, others at once. */
