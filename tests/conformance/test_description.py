@@ -10,6 +10,7 @@ import subprocess
 import sys
 import xml.etree.ElementTree as ElementTree
 import zipfile
+from collections import Counter
 from itertools import pairwise
 from pathlib import Path
 
@@ -188,6 +189,21 @@ def test_the_documentation_is_well_formed_and_lists_every_variable(fmu: Fmu) -> 
         if (head.tag, text.tag) == ("h3", "p")
     }
     assert told.get("limits", "").endswith("."), told
+
+
+def test_the_block_shows_every_port_or_its_large_group(fmu: Fmu) -> None:
+    page = ElementTree.fromstring(read(fmu, "documentation/index.html"))
+    (block,) = [part for part in page.iter() if part.get("aria-label") == "Inputs and outputs"]
+    _, *shown = ["".join(text.itertext()) for text in block.iter() if text.tag == "text"]
+    expected = []
+    for causality in ("input", "output"):
+        # an array is one port
+        names = dict.fromkeys(re.sub(r"\[\d+]$", "", variable.name) for variable in fmu.variables(causality))
+        groups = Counter(name.partition(".")[0] for name in names if "." in name)
+        large = {group: f"{group}.* {count} {causality}s" for group, count in groups.items() if count > 4}
+        expected += dict.fromkeys(large.get(name.partition(".")[0], name) for name in names)
+    found = [port if ".*" in port else re.sub(r"(\[1\.\.\d+])?( .*)?$", "", port) for port in shown]
+    assert found == expected
 
 
 def test_the_page_names_nothing_that_is_not_in_the_fmu(fmu: Fmu) -> None:

@@ -1,4 +1,4 @@
-//! The block with its ports, as SVG: inputs on the left, outputs on the right, each with its unit.
+//! The block with its ports, as SVG: inputs on the left, outputs on the right, each with its unit; a large group is one port.
 
 use crate::description::cells::Cells;
 use crate::description::xml::escape;
@@ -11,12 +11,30 @@ const HEAD: usize = 44;
 const ARROW: usize = 44;
 const LETTER: usize = 8;
 
+/// Number of variables of a group that still have ports of their own.
+const SINGLE: usize = 4;
+
+/// What the arrows mean, below the picture.
+const LEGEND: &str = "<p>A filled arrow is a Real, an open one is not, and a thick one is a whole group.</p>\n";
+
+/// A line with an arrow.
+struct Port {
+    name: String,
+    /// Behind the name: the unit, or the number of variables.
+    behind: String,
+    /// Where the row of the variable is, or of the first one of the group.
+    row: &'static str,
+    /// Styles of the line and of its arrow.
+    line: &'static str,
+    head: &'static str,
+}
+
 /// The picture.
 pub fn write<V>(name: &str, table: &[Variable<V>]) -> String {
-    let of = |role: Role| table.iter().filter(move |row| row.role() == role);
-    let rows = of(Role::Input).count().max(of(Role::Output).count());
-    let widest = |role: Role| of(role).map(letters).max().unwrap_or_default();
-    let inside = (widest(Role::Input) + widest(Role::Output) + 6).max(name.len() + 8) * LETTER;
+    let (inputs, outputs) = (ports(table, Role::Input, "inputs"), ports(table, Role::Output, "outputs"));
+    let rows = inputs.len().max(outputs.len());
+    let widest = |ports: &[Port]| ports.iter().map(Port::letters).max().unwrap_or_default();
+    let inside = (widest(&inputs) + widest(&outputs) + 6).max(name.len() + 8) * LETTER;
     let (right, width) = (ARROW + inside, 2 * ARROW + inside);
     let (block, height) = (HEAD + rows * ROW, HEAD + rows * ROW + 2);
     let mut svg = format!(
@@ -25,42 +43,74 @@ pub fn write<V>(name: &str, table: &[Variable<V>]) -> String {
         width / 2,
         escape(name)
     );
-    for (row, y) in of(Role::Input).zip((HEAD + ROW / 2..).step_by(ROW)) {
-        port(&mut svg, row, y, [4, ARROW - 10, ARROW], ARROW + 10, "");
+    for (port, y) in inputs.iter().zip((HEAD + ROW / 2..).step_by(ROW)) {
+        port.draw(&mut svg, y, [4, ARROW - 10, ARROW], ARROW + 10, "");
     }
-    for (row, y) in of(Role::Output).zip((HEAD + ROW / 2..).step_by(ROW)) {
-        port(&mut svg, row, y, [right, width - 14, width - 4], right - 10, " class=\"r\"");
+    for (port, y) in outputs.iter().zip((HEAD + ROW / 2..).step_by(ROW)) {
+        port.draw(&mut svg, y, [right, width - 14, width - 4], right - 10, " class=\"r\"");
     }
-    svg + "</svg>\n</div>\n"
+    svg + "</svg>\n</div>\n" + LEGEND
 }
 
-/// A line with an arrow, an open one for what is no Real, and the name.
-fn port<V>(svg: &mut String, row: &Variable<V>, y: usize, [from, head, tip]: [usize; 3], x: usize, class: &str) {
-    let (name, unit) = (Cells::of(row).name, unit(row));
-    let unit = if unit.is_empty() { String::new() } else { format!(" <tspan class=\"u\">{}</tspan>", escape(unit)) };
-    let fill =
-        if matches!(row.kind, Kind::Real { .. }) { "" } else { " style=\"fill:var(--paper);stroke:var(--soft)\"" };
-    writeln!(
-        svg,
-        "<line x1=\"{from}\" y1=\"{y}\" x2=\"{head}\" y2=\"{y}\"/><path d=\"M{head} {}L{tip} {y}L{head} {}z\"{fill}/>\
-         <a href=\"#{}\"><text{class} x=\"{x}\" y=\"{}\">{}{unit}</text></a>",
-        y - 5,
-        y + 5,
-        row.name,
-        y + 4,
-        escape(&name)
-    )
-    .expect("writing to a String");
+/// The ports of one side, in the order of the table; a large group stands where its first variable does.
+fn ports<V>(table: &[Variable<V>], role: Role, what: &str) -> Vec<Port> {
+    let rows: Vec<_> = table.iter().filter(|row| row.role() == role).collect();
+    let group = |row: &Variable<V>| row.name.split_once('.').map(|(group, _)| group);
+    let (mut ports, mut drawn) = (Vec::new(), Vec::new());
+    for row in &rows {
+        let members = rows.iter().filter(|other| group(other) == group(row)).count();
+        match group(row) {
+            Some(group) if members > SINGLE => {
+                if !drawn.contains(&group) {
+                    drawn.push(group);
+                    ports.push(Port {
+                        name: format!("{group}.*"),
+                        behind: format!("{members} {what}"),
+                        row: row.name,
+                        line: " style=\"stroke-width:4\"",
+                        head: "",
+                    });
+                }
+            }
+            _ => ports.push(Port::of(row)),
+        }
+    }
+    ports
 }
 
-/// Letters of a port: its name as it is drawn, a blank and the unit.
-fn letters<V>(row: &Variable<V>) -> usize {
-    Cells::of(row).name.chars().count() + 1 + unit(row).chars().count()
-}
+impl Port {
+    /// The port of a variable.
+    fn of<V>(row: &Variable<V>) -> Self {
+        let (real, unit) = match &row.kind {
+            Kind::Real { real, .. } => (true, real.unit.map_or("", |unit| unit.name)),
+            _ => (false, ""),
+        };
+        let head = if real { "" } else { " style=\"fill:var(--paper);stroke:var(--soft)\"" };
+        Self { name: Cells::of(row).name, behind: unit.to_owned(), row: row.name, line: "", head }
+    }
 
-fn unit<V>(row: &Variable<V>) -> &'static str {
-    match &row.kind {
-        Kind::Real { real, .. } => real.unit.map_or("", |unit| unit.name),
-        _ => "",
+    fn draw(&self, svg: &mut String, y: usize, [from, head, tip]: [usize; 3], x: usize, class: &str) {
+        let behind = match &*self.behind {
+            "" => String::new(),
+            behind => format!(" <tspan class=\"u\">{}</tspan>", escape(behind)),
+        };
+        writeln!(
+            svg,
+            "<line x1=\"{from}\" y1=\"{y}\" x2=\"{head}\" y2=\"{y}\"{}/><path d=\"M{head} {}L{tip} {y}L{head} {}z\"{}/>\
+             <a href=\"#{}\"><text{class} x=\"{x}\" y=\"{}\">{}{behind}</text></a>",
+            self.line,
+            y - 5,
+            y + 5,
+            self.head,
+            self.row,
+            y + 4,
+            escape(&self.name)
+        )
+        .expect("writing to a String");
+    }
+
+    /// Letters of a port: its name, a blank and what stands behind it.
+    fn letters(&self) -> usize {
+        self.name.chars().count() + 1 + self.behind.chars().count()
     }
 }

@@ -19,11 +19,13 @@ TROUBLES = ("Runtime.exceptionThrown", "Runtime.consoleAPICalled", "Log.entryAdd
 LOADED = "location.protocol === 'file:' && document.readyState === 'complete'"
 OWN = ("file:", "data:", "blob:", "chrome")
 QUESTION = """(async () => {
+  // on a small screen `innerWidth` grows with what is too wide
+  const width = document.documentElement.clientWidth;
   const outside = [...document.querySelectorAll("article *, main *")].filter((part) =>
     !part.closest(".md-typeset__scrollwrap, pre, .output, .scroll") &&
-    part.getBoundingClientRect().right > innerWidth + 1);
+    part.getBoundingClientRect().right > width + 1);
   return {
-    sideways: document.documentElement.scrollWidth > innerWidth,
+    sideways: document.documentElement.scrollWidth > width,
     outside: outside.map((part) => part.outerHTML.slice(0, 80)),
     colour: getComputedStyle(document.body).backgroundColor,
   };
