@@ -344,6 +344,15 @@ ROWS = (
         changes=("loop.step=0.02", "loop.substeps=20"),
     ),
     Row(
+        "gain of axis 3 seven times as high, with no patterns",
+        ("Oscillation",),
+        TIP,
+        8.5e-3,
+        "1 mm, half the lag of 0.55 mm, and what the swing makes of it until it turns for the third time",
+        changes=("controller.servo.gain[3]=90",),
+        scenario="deburr/learn",
+    ),
+    Row(
         "encoder 1 frozen while it learns",
         ("FrozenReading",),
         TIP,
