@@ -86,7 +86,7 @@ impl AxisMonitor {
             model: LoopState::default(),
             lag: Lag::default(),
             answer: Answer::default(),
-            unanswered: Unanswered::default(),
+            unanswered: Unanswered::resting(0.0),
             unexplained: Consecutive::NONE,
             far: Consecutive::NONE,
             off: Consecutive::NONE,
@@ -98,7 +98,7 @@ impl AxisMonitor {
         let place = (position / pulse).round();
         self.model = LoopState::resting(place);
         (self.lag, self.answer) = (Lag::resting(place * pulse), Answer::resting(position));
-        self.unanswered = Unanswered::default();
+        self.unanswered = Unanswered::resting(position);
         (self.unexplained, self.far, self.off) = (Consecutive::NONE, Consecutive::NONE, Consecutive::NONE);
     }
 
@@ -128,7 +128,7 @@ impl AxisMonitor {
         self.answer.update(position, commanded);
         let unanswered = self.unanswered.motion();
         if self.unanswered.stands(p) && unanswered > limits.error_max {
-            return self.wrong(axis, Fault::FrozenReading, unanswered, limits.error_max, p);
+            return self.wrong(axis, Fault::FollowingError, unanswered, limits.error_max, p);
         }
         let bridged = p.limits.lost_samples.unsigned_abs();
         let residual = self.residual(position, pulse).abs();
@@ -156,8 +156,14 @@ impl AxisMonitor {
 
     fn wrong(&self, axis: usize, consequence: Fault, value: f64, limit: f64, p: &Parameters) -> Verdict {
         let pulse = p.axis[axis].pulse;
-        let frozen = self.unanswered.stands(p) && self.unanswered.motion() > EXCITED * pulse;
-        let cause = if frozen { Some(Fault::FrozenReading) } else { self.answer.cause(pulse) };
+        let explained = self.unanswered.explained();
+        let cause = match self.unanswered.motion() > EXCITED * pulse {
+            _ if !self.unanswered.stands(p) => self.answer.cause(pulse),
+            // it stands where the command makes up for an offset
+            _ if explained => None,
+            true => Some(Fault::FrozenReading),
+            false => self.answer.cause(pulse),
+        };
         let numbers = Numbers { axis: axis as i32 + 1, value, limit, share: self.answer.share(pulse) };
         Verdict::Wrong(Finding { fault: cause.unwrap_or(consequence), numbers })
     }

@@ -1,4 +1,8 @@
 //! What the answer of an axis says of its drive: the sign and the strength of it, and a command that swings.
+//!
+//! An offset of the drive moves the axis against what is commanded to make up for it, as a drive of the wrong sign does. Of an answer
+//! that is the command and something else, always the same, nothing is said of sign and strength: it is that if what such a one leaves
+//! of the answer is less than a quarter of what a drive of any strength leaves, both as least squares.
 
 use control_blocks::{Response, Reversals};
 use serde::{Deserialize, Serialize};
@@ -18,11 +22,50 @@ const SWING: f64 = 0.1;
 /// Reversals of a loop that is not stable, and the longest time between two, samples.
 const SWINGS: (u32, u32) = (3, 20);
 
+/// Share of what a drive of another strength leaves, below which an answer is that of a drive with an offset.
+const SHIFTED: f64 = 0.25;
+
+/// Sums of an answer m to commands c with the memory of the response.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+struct Sums {
+    weight: f64,
+    answer: f64,
+    command: f64,
+    product: f64,
+    shift: f64,
+    shifts: f64,
+}
+
+impl Sums {
+    fn update(&mut self, commanded: f64, moved: f64) {
+        let keep = 1.0 - MEMORY.recip();
+        let shift = moved - commanded;
+        for (sum, term) in [
+            (&mut self.weight, 1.0),
+            (&mut self.answer, moved * moved),
+            (&mut self.command, commanded * commanded),
+            (&mut self.product, commanded * moved),
+            (&mut self.shift, shift),
+            (&mut self.shifts, shift * shift),
+        ] {
+            *sum = keep * *sum + term;
+        }
+    }
+
+    /// Whether an offset explains the answer and no strength does.
+    fn shifted(&self) -> bool {
+        let scaled = self.answer - self.product * self.product / self.command.max(f64::MIN_POSITIVE);
+        let shifted = self.shifts - self.shift * self.shift / self.weight.max(1.0);
+        shifted < SHIFTED * scaled
+    }
+}
+
 /// The answer of an axis to its commands.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Answer {
     before: f64,
     response: Response,
+    sums: Sums,
     swing: Reversals,
     swings: u32,
 }
@@ -41,7 +84,9 @@ impl Answer {
 
     /// Takes a reading and the motion that was commanded for the sample that it ends, rad or m.
     pub fn update(&mut self, position: f64, commanded: f64) {
-        self.response.update(commanded, position - self.before, MEMORY);
+        let moved = position - self.before;
+        self.response.update(commanded, moved, MEMORY);
+        self.sums.update(commanded, moved);
         self.before = position;
     }
 
@@ -56,6 +101,7 @@ impl Answer {
             return Some(Fault::Oscillation);
         }
         match self.share(pulse) {
+            _ if self.sums.shifted() => None,
             Some(share) if share < OPPOSITE => Some(Fault::DriveSign),
             Some(share) if share < WEAK => Some(Fault::WeakDrive),
             _ => None,

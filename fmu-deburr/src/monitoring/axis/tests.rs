@@ -236,3 +236,51 @@ fn a_compensation_moves_the_model_as_the_reference_does() {
     (0..300).for_each(|_| monitor.command(&p, 2, 100.0, 40.0, 0.0));
     assert!((monitor.model.position() - 140.0).abs() < 1e-6);
 }
+
+/// The first thing that is said in half a minute in which an offset (counts in a sample) comes in the sample `begin`, after a motion
+/// of 0.1 m/s for so many samples.
+fn said_of_an_offset(offset: f64, begin: usize, motion: usize) -> Option<Fault> {
+    let mut bench = Bench::new();
+    let said = (0..3000).map(|k| {
+        let (speed, beside) = (if k < motion { 0.1 } else { 0.0 }, if k < begin { 0.0 } else { offset });
+        bench.step(speed, Expectation::Bare, |moved, at| (moved + beside, at))
+    });
+    match said.into_iter().find(|said| *said != Verdict::Good) {
+        Some(Verdict::Wrong(finding)) => Some(finding.fault),
+        _ => None,
+    }
+}
+
+#[test]
+fn an_offset_that_comes_in_motion_is_good_or_a_following_error_and_no_frozen_reading() {
+    // 0.5 mm/s: 38 um beside
+    for offset in [1.0, -1.0] {
+        assert_eq!(said_of_an_offset(offset, 150, 200), None, "{offset}");
+    }
+    // 1 to 10 mm/s
+    for offset in [2.0, -2.0, 10.0, -20.0, 20.0] {
+        assert_eq!(said_of_an_offset(offset, 150, 200), Some(Fault::FollowingError), "{offset}");
+    }
+}
+
+#[test]
+fn an_offset_that_comes_at_rest_or_with_the_first_sample_is_no_frozen_reading() {
+    for (offset, begin) in [(1.0, 0), (-1.0, 100)] {
+        assert_eq!(said_of_an_offset(offset, begin, 0), None, "{offset} from {begin}");
+    }
+    for (offset, begin) in [(4.0, 0), (-10.0, 0), (20.0, 0), (10.0, 100), (-20.0, 100)] {
+        let said = said_of_an_offset(offset, begin, 0);
+        assert!(matches!(said, None | Some(Fault::FollowingError)), "{offset} from {begin}: {said:?}");
+    }
+}
+
+#[test]
+fn a_drive_with_a_large_offset_has_neither_the_wrong_sign_nor_too_little_strength() {
+    // 20 and 40 mm/s from the first sample on
+    for offset in [40.0, -40.0, 80.0] {
+        let mut bench = Bench::new();
+        let said = (0..200).map(|_| bench.step(0.0, Expectation::Bare, |moved, at| (moved + offset, at)));
+        let Some(Verdict::Wrong(finding)) = said.into_iter().find(|said| *said != Verdict::Good) else { panic!() };
+        assert_eq!(finding.fault, Fault::FollowingError, "{finding:?}");
+    }
+}
