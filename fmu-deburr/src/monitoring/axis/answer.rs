@@ -25,9 +25,9 @@ const SWINGS: (u32, u32) = (3, 20);
 /// Share of what a drive of another strength leaves, below which an answer is that of a drive with an offset.
 const SHIFTED: f64 = 0.25;
 
-/// Sums of an answer m to commands c with the memory of the response.
+/// AnswerSums of an answer m to commands c with the memory of the response.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-struct Sums {
+struct AnswerSums {
     weight: f64,
     answer: f64,
     command: f64,
@@ -36,7 +36,7 @@ struct Sums {
     shifts: f64,
 }
 
-impl Sums {
+impl AnswerSums {
     fn update(&mut self, commanded: f64, moved: f64) {
         let keep = 1.0 - MEMORY.recip();
         let shift = moved - commanded;
@@ -65,7 +65,7 @@ impl Sums {
 pub struct Answer {
     before: f64,
     response: Response,
-    sums: Sums,
+    sums: AnswerSums,
     swing: Reversals,
     swings: u32,
 }
