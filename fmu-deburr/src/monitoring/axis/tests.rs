@@ -252,23 +252,18 @@ fn said_of_an_offset(offset: f64, begin: usize, motion: usize) -> Option<Fault> 
 }
 
 #[test]
-fn an_offset_that_comes_in_motion_is_good_or_a_following_error_and_no_frozen_reading() {
-    // 0.5 mm/s: 38 um beside
-    for offset in [1.0, -1.0] {
-        assert_eq!(said_of_an_offset(offset, 150, 200), None, "{offset}");
-    }
+fn an_offset_that_comes_in_motion_is_a_following_error_and_no_frozen_reading() {
     // 1 to 10 mm/s
     for offset in [2.0, -2.0, 10.0, -20.0, 20.0] {
         assert_eq!(said_of_an_offset(offset, 150, 200), Some(Fault::FollowingError), "{offset}");
     }
+    // 0.1 mm/s are hidden by the band of the reading
+    assert_eq!(said_of_an_offset(0.2, 150, 200), None);
 }
 
 #[test]
 fn an_offset_that_comes_at_rest_or_with_the_first_sample_is_no_frozen_reading() {
-    for (offset, begin) in [(1.0, 0), (-1.0, 100)] {
-        assert_eq!(said_of_an_offset(offset, begin, 0), None, "{offset} from {begin}");
-    }
-    for (offset, begin) in [(4.0, 0), (-10.0, 0), (20.0, 0), (10.0, 100), (-20.0, 100)] {
+    for (offset, begin) in [(1.0, 0), (4.0, 0), (-10.0, 0), (20.0, 0), (10.0, 100), (-20.0, 100)] {
         let said = said_of_an_offset(offset, begin, 0);
         assert!(matches!(said, None | Some(Fault::FollowingError)), "{offset} from {begin}: {said:?}");
     }

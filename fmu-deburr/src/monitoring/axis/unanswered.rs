@@ -3,9 +3,8 @@
 //! A drive has an offset: at rest it stands where the command cancels that, so what is commanded there is not unanswered. What was
 //! commanded when the reading last moved while the model stood tells the offset, within what the band of the reading hides. One that
 //! comes in motion, or at once where the axis stands, has come to rest before the model has: what the reading moved less than was
-//! commanded, in its last way of a band, tells it then. A reading that freezes has moved as commanded until then. What stands farther
-//! than `rest_error` beside its reference by that is a fault, but not one of the reading. A reading that drifts looks as an offset does;
-//! the rest after a run tells either where it is large.
+//! commanded, in its last way of a band, tells it then. What it leaves unanswered is a fault, but not one of the reading, which had moved
+//! as commanded if it froze. A reading that drifts looks as an offset does; the rest after a run tells either where it is large.
 
 use control_blocks::Frozen;
 use serde::{Deserialize, Serialize};
@@ -67,11 +66,8 @@ impl Unanswered {
         let (kp, pulse) = (p.servo_gain[axis], p.axis[axis].pulse);
         let turns = kp * p.sample_period;
         let hidden = HIDDEN * pulse * turns;
-        let most = turns * p.limits.axis[axis].rest_error;
-        // an offset explains it, or nothing has to
-        let beyond = [0.0, self.offset, self.missing.clamp(-most, most)].map(|offset| commanded - offset);
-        let least = beyond.into_iter().min_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(commanded);
-        self.frozen.update(position, least - least.clamp(-hidden, hidden), BAND * pulse);
+        let beyond = commanded - self.offset;
+        self.frozen.update(position, beyond - beyond.clamp(-hidden, hidden), BAND * pulse);
         (self.commanded, self.samples) = (self.commanded + commanded, self.samples.saturating_add(1));
         if self.frozen.still() == 0 {
             self.missing = (self.commanded - (position - self.place)) / f64::from(self.samples);
