@@ -371,6 +371,19 @@ ROWS = (
         sequence=True,
     ),
     Row(
+        "tool speed 0, then encoder 3 frozen in the retract, drives with 1.05 of their gain",
+        ("SpindleJump", "FrozenReading"),
+        TIP,
+        1.6e-3,
+        "1 mm unanswered in the pose that is held, then closed brakes",
+        (
+            Injection(TOOL, from_time=4.0, value=0.0),
+            Injection(AXIS3, when='controller.state == "Retract"', frozen=True),
+        ),
+        changes=("plant.drive_gain=1.05",),
+        sequence=True,
+    ),
+    Row(
         "communication step of two samples",
         ("LongStep",),
         HEIGHT,

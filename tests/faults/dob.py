@@ -452,6 +452,15 @@ ROWS = (
         (wrong(CURRENT, offset=-0.09),),
         changes=("controller.limits.following_error=6e-7",),
     ),
+    Row(
+        "current with 20 mA of noise from now on",
+        (),
+        DEEP,
+        1e-9,
+        LIKE_A_TOUCH,
+        (wrong(CURRENT, noise=0.02),),
+        untold="0.4 N of noise pass the level of a touch, and are no lasting force",
+    ),
     # what the controller is told
     Row(
         "a job of more time than it may take",

@@ -172,6 +172,15 @@ SENSOR = (
         why="5 N over the share that is shown",
     ),
     row(
+        "force shows half of itself from the path on",
+        "",
+        midway("controller.force.z", scale=0.5),
+        most=11.2,
+        why="5 N over the 0.45 that `limits.stiffness_ratio` allows",
+        untold="a softer tip and a slope of the mold answer alike",
+        changes=WHOLE,
+    ),
+    row(
         "force with the wrong sign",
         "InvalidPath SettleTimeout",
         Injection("controller.force.z", 0.0, scale=-1.0),
@@ -240,6 +249,14 @@ ENCODERS = (
         truth=BESIDE,
         most=0.74e-3,
         why=COAST,
+    ),
+    row(
+        "encoder z is 50 um off",
+        "ForceError",
+        midway("controller.position.z", offset=50e-6),
+        most=10.5,
+        why="50 um at 178 N/mm are 9 N, less what the law takes back meanwhile, and 5 N",
+        changes=WHOLE,
     ),
     row(
         "encoder y drifts by 0.2 mm/s",

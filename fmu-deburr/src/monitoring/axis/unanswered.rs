@@ -21,6 +21,8 @@ const HIDDEN: f64 = 3.0;
 /// Share of what is commanded that an offset must leave, at most, to explain it.
 const EXPLAINED: f64 = 0.5;
 
+/// Counts by which a way of the reading is rounded, at its begin and at its end.
+const ROUNDED: f64 = 2.0;
 /// What is commanded that no offset explains, in Kp `error_max`: half of it leaves the axis where no axis may be.
 const LARGEST: f64 = 2.0;
 
@@ -30,8 +32,10 @@ pub struct Unanswered {
     frozen: Frozen,
     /// motion in a sample that the command makes up for at rest, rad or m
     offset: f64,
-    /// what of the commanded motion was missing in the last way of the reading, in a sample, and whether it still is
+    /// what of the commanded motion was missing in the last way of the reading, in a sample, how unsure that is, and whether it
+    /// explains what is commanded now
     missing: f64,
+    unsure: f64,
     explained: bool,
     /// where the reading last moved to, what was commanded since, rad or m, and in how many samples
     place: f64,
@@ -48,6 +52,7 @@ impl Unanswered {
             frozen: Frozen::default(),
             offset: 0.0,
             missing: 0.0,
+            unsure: 0.0,
             explained: false,
             place: position,
             commanded: 0.0,
@@ -71,13 +76,15 @@ impl Unanswered {
         (self.commanded, self.samples) = (self.commanded + commanded, self.samples.saturating_add(1));
         if self.frozen.still() == 0 {
             self.missing = (self.commanded - (position - self.place)) / f64::from(self.samples);
+            self.unsure = ROUNDED * pulse / f64::from(self.samples);
             if kp * self.rest > STANDS.1 {
                 self.offset = commanded;
             }
             (self.place, self.commanded, self.samples) = (position, 0.0, 0);
         }
         let large = LARGEST * turns * p.limits.axis[axis].error_max;
-        self.explained = commanded.abs() < large && (commanded - self.missing).abs() < EXPLAINED * commanded.abs();
+        let told = self.unsure.max((commanded - self.missing).abs()) < EXPLAINED * commanded.abs();
+        self.explained = told && commanded.abs() < large;
     }
 
     /// Whether the reading has stood for longer than is bridged.
