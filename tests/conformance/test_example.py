@@ -59,9 +59,8 @@ def build_cargo_fmu() -> Path:
     return Path(built[0]["executable"])
 
 
-def strangers_copy() -> Path:
+def strangers_copy(folder: Path = FOLDER / "spring") -> Path:
     """Copy the example to where no workspace is around it, with the versions of this project's lock file."""
-    folder = FOLDER / "spring"
     shutil.rmtree(folder, ignore_errors=True)
     shutil.copytree(EXAMPLE, folder, ignore=shutil.ignore_patterns("target", "Cargo.lock"))
     manifest = folder / "Cargo.toml"
@@ -103,6 +102,21 @@ def test_the_crates_for_others_are_packaged_without_a_warning() -> None:
         with tarfile.open(max(crates, key=lambda crate: crate.stat().st_mtime)) as archive:
             files = {member.name.split("/", 1)[1] for member in archive.getmembers()}
         assert {"README.md", "LICENSE-MIT", "LICENSE-APACHE", "src/lib.rs"} <= files
+
+
+@pytest.mark.platforms
+def test_two_folders_give_equal_bytes(tmp_path: Path) -> None:
+    program = build_cargo_fmu()
+    found = []
+    for place in ("here", "some/where/else"):
+        folder = strangers_copy(tmp_path / place / "spring")
+        file = folder / "spring.fmu"
+        run = cargo_fmu(
+            program, folder, "--target-dir", str(tmp_path / place / "build"), "--output", str(file)
+        )
+        assert run.returncode == 0, run.stderr
+        found.append(file.read_bytes())
+    assert found[0] == found[1]
 
 
 @pytest.mark.xdist_group("builds")

@@ -39,7 +39,7 @@ pub fn test(workspace: &Workspace) -> Result<()> {
     setup::native(workspace)?;
     emulators::install(workspace)?;
     let mut pytest = workspace.venv_command("pytest");
-    pytest.args(["-m", "platforms", "-rs", "tests/conformance/test_platforms.py"]);
+    pytest.args(["-m", "platforms", "-rs", "tests/conformance"]);
     process::run("platforms", &mut pytest)
 }
 
