@@ -396,7 +396,7 @@ ROWS = (
         ("Oscillation",),
         TIP,
         1.5e-2,
-        "1 mm and half the lag of 0.55 mm, and a swing that grows threefold until it turns for the third time",
+        "1 mm, half the lag of 0.55 mm, and a swing that grows threefold until its third turn",
         changes=("controller.servo.gain[3]=90", "plant.encoder_noise=0"),
         scenario="deburr/learn",
     ),
