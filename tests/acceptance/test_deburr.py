@@ -133,6 +133,35 @@ def test_a_soft_coupling_at_slower_feeds(share: float) -> None:
     measured("deburr-soft", f"{share}", castings=len(ways), most=1e3 * most, rms=1e3 * rms, force=force)
 
 
+def swung(hertz: float) -> Columns:
+    """Rows of the path in air with couplings of so many hertz, and encoders that count next to nothing."""
+    axes = (1, 3)
+    exact = (*(f"plant.axis{n}_pulse=1e-12" for n in axes), *(f"controller.axis{n}.pulse=1e-9" for n in axes))
+    quiet = ("plant.encoder_noise=0.0", "controller.limits.pulses_max=1e9", *exact)
+    air = ("signal.plant.workpiece.values=[0.0]", "controller.limits.spindle_change=0")
+    return trace(run("deburr/computed", f"plant.coupling_frequency={hertz}", *quiet, *air))
+
+
+@pytest.mark.full
+def test_motors_hardly_move_when_their_loads_swing() -> None:
+    stiff = swung(200.0)
+    for hertz in (20.0, 60.0):
+        rows = swung(hertz)
+        moved = {
+            n: 1e6 * lever * (rows[f"controller.axis{n}.position"] - stiff[f"controller.axis{n}.position"])
+            for n, lever in ((1, 0.75), (3, 1.0))
+        }
+        most = {n: float(np.abs(way).max()) for n, way in moved.items()}
+        rms = {n: float(np.sqrt(np.mean(way**2))) for n, way in moved.items()}
+        tip = 1e6 * float(np.abs(rows["plant.deviation"]).max())
+        # less than half a count
+        assert max(most.values()) <= 2.5
+        measured(
+            "deburr-unseen", f"{hertz:.0f}", tip=tip,
+            rms_1=rms[1], most_1=most[1], rms_3=rms[3], most_3=most[3],
+        )  # fmt: skip
+
+
 def test_a_second_pass_finishes_behind_soft_couplings() -> None:
     most, force = [], []
     for file in ("path.json", "two_passes.json"):
@@ -161,7 +190,8 @@ def test_robots_of_the_study_with_soft_couplings_finish_in_a_second_pass() -> No
             gouge=-1e3 * min(value(result, "gouge") for result in found),
             time=float(np.median([value(result, "cycle") for result in found])),
         )  # fmt: skip
-    assert np.percentile(tips, 99) <= 0.05
+    assert np.mean(tips <= 0.05) >= 0.97
+    assert tips.max() <= 0.06
 
 
 # false faults
