@@ -27,7 +27,8 @@ def text(name: str) -> str:
     lines = [f"| {table['head']} |", "|---" * (table["head"].count("|") + 1) + "|"]
     for row, words in table["rows"]:
         cells = words if "{" in words else f"{words} | {table['cells']}"
-        told = cells.format(**beside(name, row), **kept[row])
+        values: dict[str, Any] = {**beside(name, row), **kept[row]}
+        told = cells.format(**values)
         # what did not happen within any time
         lines.append(f"| {told.replace('inf s', 'never').replace('inf N', 'a fault')} |")
     codes = sorted({str(kept[row]["code"]) for row, _ in table["rows"]})
