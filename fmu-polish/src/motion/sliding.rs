@@ -236,6 +236,25 @@ mod tests {
     }
 
     #[test]
+    fn it_is_raised_to_no_more_than_the_feed_leaves_of_the_drives() {
+        let p = Parameters { velocity_max: P.feed.velocity + 12e-3, ..P };
+        assert!((highest(&p) - 12e-3).abs() < 1e-12);
+    }
+
+    #[test]
+    fn friction_is_that_while_it_slides_and_not_while_it_lies_still() {
+        let p = Parameters { stick_slip: StickSlip { sliding: 0.0, ..P.stick_slip }, ..P };
+        let mut sliding = Sliding::default();
+        // slides for a quarter of the time, against 1 N
+        for k in 0..400 {
+            let (place, force) = (f64::from(k % 200).min(50.0) * 1e-5, if k % 200 < 50 { 1.0 } else { 0.0 });
+            let at = if k < 200 { place } else { 0.5e-3 + place };
+            sliding.update(&p, &Vector3::new(0.0, at, 0.0), &measurement(Vector3::new(0.0, -force, 5.0)), true);
+        }
+        assert!((sliding.friction - 1.0).abs() < 0.1, "{sliding:?}");
+    }
+
+    #[test]
     fn too_little_raises_it_to_the_most_and_is_told_after_a_second_there() {
         // 20 mm/s are the most, 10 mm/s are told
         let slow = |time: f64| moved(&P, 30e3, 3.5, 10e-3, time).0;
