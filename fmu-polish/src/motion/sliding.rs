@@ -242,16 +242,20 @@ mod tests {
     }
 
     #[test]
-    fn friction_is_that_while_it_slides_and_not_while_it_lies_still() {
+    fn friction_is_that_while_it_slides_but_no_less_than_the_force_on_the_whole() {
         let p = Parameters { stick_slip: StickSlip { sliding: 0.0, ..P.stick_slip }, ..P };
-        let mut sliding = Sliding::default();
-        // slides for a quarter of the time, against 1 N
-        for k in 0..400 {
-            let (place, force) = (f64::from(k % 200).min(50.0) * 1e-5, if k % 200 < 50 { 1.0 } else { 0.0 });
-            let at = if k < 200 { place } else { 0.5e-3 + place };
-            sliding.update(&p, &Vector3::new(0.0, at, 0.0), &measurement(Vector3::new(0.0, -force, 5.0)), true);
-        }
-        assert!((sliding.friction - 1.0).abs() < 0.1, "{sliding:?}");
+        // slides for a quarter of the time against `friction` N, and stands under `rest` N
+        let told = |friction: f64, rest: f64| {
+            let mut sliding = Sliding::default();
+            for k in 0..400 {
+                let (period, k) = (f64::from(k / 200), k % 200);
+                let (place, force) = (period * 50.0 + f64::from(k).min(50.0), if k < 50 { friction } else { rest });
+                sliding.update(&p, &Vector3::new(0.0, 1e-5 * place, 0.0), &measurement(-force * Vector3::y()), true);
+            }
+            sliding.friction
+        };
+        assert!((told(1.0, 0.0) - 1.0).abs() < 0.1, "{}", told(1.0, 0.0));
+        assert!((told(0.1, 2.0) - 3f64.sqrt()).abs() < 0.02, "{}", told(0.1, 2.0));
     }
 
     #[test]
