@@ -1,7 +1,7 @@
 """Keep what `cargo mutants` found for the table of mutants.
 
-`python -m tests.acceptance.measured.mutation target/mutants/*` takes the folders that `cargo mutants --output` wrote, each named
-after a controller; the outcomes of `NAME-fresh` are those of a sample that no test was written for.
+`python -m tests.acceptance.measured.mutation target/mutants/*` takes the folders that `cargo mutants --output`
+wrote, each named after a controller; `NAME-fresh` is a sample that no test was written for.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ def lasting(name: str) -> str:
 
 
 def counted(found: dict[str, str], equivalent: Iterable[str] = EQUIVALENT) -> dict[str, float]:
-    """How many mutants there are, how many were caught, and their share in percent of those that are not equivalent."""
+    """How many mutants there are, how many were caught, and the percentage of those not equivalent."""
     same = [name for name, outcome in found.items() if outcome not in CAUGHT and lasting(name) in equivalent]
     caught = [outcome for outcome in found.values() if outcome in CAUGHT]
     return {
