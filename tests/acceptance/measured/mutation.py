@@ -1,7 +1,7 @@
 """Keep what `cargo mutants` found for the table of mutants.
 
-`python -m tests.acceptance.measured.mutation target/mutants/*` takes the folders that `cargo mutants --output`
-wrote, each named after a controller; `NAME-fresh` is a sample that no test was written for.
+`python -m tests.acceptance.measured.mutation target/mutants/*` takes the folders of `cargo mutants --output`,
+each named after a controller; `NAME-fresh` is a sample that no test was written for.
 """
 
 from __future__ import annotations
