@@ -7,7 +7,6 @@ each named after a controller; `NAME-fresh` is a sample that no test was written
 from __future__ import annotations
 
 import json
-import re
 import sys
 import tomllib
 from collections.abc import Iterable
@@ -16,7 +15,7 @@ from pathlib import Path
 from .store import FOLDER, HERE, Values, code, load
 
 EQUIVALENT: dict[str, str] = tomllib.loads((HERE / "equivalent.toml").read_text("utf-8"))
-"""Mutants that no test can tell from the law, without their lines, and the reason."""
+"""Mutants that no test can tell from the law, and why."""
 CAUGHT = ("CaughtMutant", "Timeout")
 """A law that does not come to an end is caught, too."""
 
@@ -28,14 +27,9 @@ def outcomes(folder: Path) -> dict[str, str]:
     return {one["scenario"]["Mutant"]["name"]: one["summary"] for one in mutants}
 
 
-def lasting(name: str) -> str:
-    """Name of a mutant without its line."""
-    return re.sub(r":\d+:\d+: ", ": ", name)
-
-
 def counted(found: dict[str, str], equivalent: Iterable[str] = EQUIVALENT) -> dict[str, float]:
     """How many mutants there are, how many were caught, and the percentage of those not equivalent."""
-    same = [name for name, outcome in found.items() if outcome not in CAUGHT and lasting(name) in equivalent]
+    same = [name for name, outcome in found.items() if outcome not in CAUGHT and name in equivalent]
     caught = [outcome for outcome in found.values() if outcome in CAUGHT]
     return {
         "tried": len(found),
