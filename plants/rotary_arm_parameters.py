@@ -37,7 +37,14 @@ class RotaryArmParameters:
     torque_limit: float = parameter(
         7.0, "N.m", "Largest torque", 1e-3, 1e3, "derived: 500 m/s^2 at 8e-4 kg.m2 needs 5.0, 25 % more"
     )
-    torque_gain: float = parameter(1.0, "1", "Torque per commanded torque", 0.1, 10.0)
+    torque_gain: float = parameter(
+        0.97,
+        "1",
+        "Torque per commanded torque",
+        0.1,
+        10.0,
+        "our choice: 3 % weaker than told, as a motor may be",
+    )
     torque_resolution: float = parameter(
         14.0 / 65_536.0, "N.m", "Step of the torque command", 0.0, 1.0, "our choice: 16 bit for +-7 N.m"
     )

@@ -121,7 +121,8 @@ class Renderer:
         mujoco.mjr_readPixels(colours, depth, rectangle, self.drawer)
         # graphics count lines from below, and nothing is as far as it gets
         colours, nothing = colours[::-1], depth[::-1] == 0.0
-        return np.where(nothing[..., None], behind, colours)
+        np.copyto(colours, behind, where=nothing[..., None])
+        return colours
 
 
 def place(model: Any, data: Any, qpos: Array, draw: Callable[[], None] = lambda: None) -> None:

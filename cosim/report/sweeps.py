@@ -15,7 +15,6 @@ from cosim.report import charts, courses
 from cosim.report.courses import Line
 from cosim.scenario.model import Chart
 from cosim.show import marks
-from cosim.show.figure import can_plot
 from cosim.sweep import influence, overview, study
 from cosim.sweep.check import check_charts
 from cosim.sweep.command import Options, run_study
@@ -41,9 +40,9 @@ def check(file: Path) -> None:
 
 
 def told(file: Path, workers: int | None, engine: str, quiet: bool) -> dict[str, Any]:
-    """Do what is left of a study, as `cosim sweep` does, and tell all of it."""
+    """Do what is left of a study, as `cosim sweep --no-plots` does, and tell it; pages have own charts."""
     folder = folder_of(None, Path(f"{file.stem}.sweep"))
-    options = Options(file, folder, workers, engine=engine, plots=can_plot(), quiet=quiet)
+    options = Options(file, folder, workers, engine=engine, plots=False, quiet=quiet)
 
     def tell(plan: Plan, store: Store, found: Survey) -> dict[str, Any]:
         known = columns(plan.scenario, plan.cases)

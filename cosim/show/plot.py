@@ -35,9 +35,10 @@ def save(scenario: Scenario, result: Result, path: Path) -> None:
     Raises
     ------
     CosimError
-        The result holds no trace, or the file cannot be written.
+        The result holds no trace, the scenario wants drawn what is not in it, or the file cannot be written.
     """
     trace = result.columns
+    drawable.check(scenario, {name: result.items.get(name) for name in trace})
     panels = scenario.plot.panels or default_panels(trace, result)
     windows = [np.ones(len(trace["time"]), dtype=bool), *zoomed(scenario, result, trace)]
     marked = marks.marked(scenario, result)

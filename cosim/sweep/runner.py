@@ -73,8 +73,9 @@ def save_traces(plan: Plan, store: Store, found: Survey, pool: Pool, plots: bool
     names = {number: f"{number:06d}-{plan.runs.hash(number)[:8]}.npz" for number in chosen(plan, found)}
     files = {number: folder / name for number, name in names.items()}
     missing = [number for number, file in files.items() if not file.exists()]
-    if missing:
-        make(folder)
+    if not missing:
+        return
+    make(folder)
     for run, outcome in outcomes(plan, missing, pool, keep_trace=True):
         before = store.row(run)
         if not isinstance(outcome, Result) or before is None:
@@ -87,7 +88,10 @@ def save_traces(plan: Plan, store: Store, found: Survey, pool: Pool, plots: bool
         file = files[run.number]
         outcome.save_trace(file)
         if run.number in drawn:
-            plot.save(plan.job(run).scenario, outcome, file.with_suffix(".svg"))
+            try:
+                plot.save(plan.job(run).scenario, outcome, file.with_suffix(".svg"))
+            except CosimError as error:
+                log.warning("run %d is not plotted: %s", run.number, error)
 
 
 def make(folder: Path) -> None:

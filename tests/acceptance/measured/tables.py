@@ -1,6 +1,7 @@
 """The tables of the documents: rows of what is kept, with the words of `tables.toml`.
 
 A table stands on a page between two marks, which name it. A row `TABLE#ROW` is one of another table.
+Words may name a value of another row of the same: `{row[value]}`.
 """
 
 from __future__ import annotations
@@ -26,8 +27,10 @@ def text(name: str) -> str:
     lines = [f"| {table['head']} |", "|---" * (table["head"].count("|") + 1) + "|"]
     for row, words in table["rows"]:
         cells = words if "{" in words else f"{words} | {table['cells']}"
+        values: dict[str, Any] = {**beside(name, row), **kept[row]}
+        told = cells.format(**values)
         # what did not happen within any time
-        lines.append(f"| {cells.format(**kept[row]).replace('inf s', 'never').replace('inf N', 'a fault')} |")
+        lines.append(f"| {told.replace('inf s', 'never').replace('inf N', 'a fault')} |")
     codes = sorted({str(kept[row]["code"]) for row, _ in table["rows"]})
     command = table.get("command") or f"pytest {table['tests']}"
     told = f"`{command}` measures it, here with version {', '.join(codes)}."
@@ -36,8 +39,12 @@ def text(name: str) -> str:
 
 def own(name: str, row: str) -> Values:
     """Take what is kept for a row of a table, or of the one that the row names."""
-    other, _, key = row.rpartition("#")
-    return load(other or name)[key]
+    return beside(name, row)[row.rpartition("#")[2]]
+
+
+def beside(name: str, row: str) -> dict[str, Values]:
+    """Rows of the table that a row is of."""
+    return load(row.rpartition("#")[0] or name)
 
 
 def told_of_measurements(page: str) -> str:

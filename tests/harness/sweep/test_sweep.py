@@ -130,6 +130,21 @@ def test_the_summary_as_json_counts_and_plots_are_drawn(study: Path, folder: Pat
     assert file.read_text().startswith("<?xml")
 
 
+def test_a_plot_that_cannot_be_made_costs_no_row(study: Path, folder: Path) -> None:
+    with (folder / "lag.toml").open("a") as file:
+        file.write('\n[[plot.panels]]\ncolumns = ["plant.y"]\n')
+    traces = '\n[traces]\nworst = 1\nfailed = 0\nmetric = "end"\n'
+    (folder / "grid.toml").write_text(studies.GRID + traces)
+    command = [sys.executable, "-m", "cosim", "sweep", "grid.toml"]
+    variables = {**os.environ, "PYTHONPATH": str(studies.ROOT)}
+    done = subprocess.run(command, capture_output=True, text=True, env=variables, check=False)
+    problem = "`plot.panels[0].columns` names `plant.y`, which is no column of the trace"
+    assert f"is not plotted: {problem}" in " ".join(done.stderr.split())
+    assert done.returncode == 1
+    assert len(studies.rows(study)) == 12
+    assert [file.suffix for file in (study / "traces").iterdir()] == [".npz"]
+
+
 def told(file: Path) -> list[str]:
     """Texts of a figure: matplotlib draws letters and leaves the text as a comment."""
     return [unescape(text).strip() for text in re.findall(r"<!-- (.*?) -->", file.read_text())]
