@@ -147,6 +147,27 @@ mod tests {
     }
 
     #[test]
+    fn the_derivatives_are_those_of_the_difference() {
+        let (p, x) = (Parameters::START, Unknowns::from([2.0, 1.0, 3.0, -20.0]));
+        let line = SpectralLine {
+            input: Complex::new(0.3, -0.2),
+            output: Complex::new(1e-6, 4e-6),
+            ..SpectralLine::default()
+        };
+        let tone = Tone::new(&p, 300.0, line);
+        let (_, gradient) = tone.difference(&x);
+        for (i, step) in [1e-3, 1e-3, 1.0, 1.0].into_iter().enumerate() {
+            let at = |sign: f64| {
+                let mut x = x;
+                x[i] += sign * step;
+                tone.difference(&x).0
+            };
+            let slope = (at(1.0) - at(-1.0)) / (2.0 * step);
+            assert!((slope - gradient[i]).norm() < 1e-6 * slope.norm(), "{i}: {slope} {}", gradient[i]);
+        }
+    }
+
+    #[test]
     fn a_current_that_scatters_with_its_answer_is_no_noise() {
         let (p, x) = (Parameters::START, Unknowns::from([2.0, 1.0, 3.0, -20.0]));
         let mut tone = Tone::new(&p, 300.0, SpectralLine::default());
