@@ -191,6 +191,7 @@ mod tests {
         (|p| p.commission.force = 100.0, "commission.force", "`100 N`", "`100 N`"),
         (|p| p.commission.force = 0.3, "commission.force", "`0.3 N`", "`guard.force`"),
         (|p| p.commission.time = 5.0, "commission.time", "`5 s`", "`10.8"),
+        (|p| p.touch.evidence = 13.0, "touch.evidence", "`13`", "twice `touch.suspicion`"),
         (|p| p.guard_force = 100.0, "guard.force", "`100 N`", "`100 N`"),
     ];
 

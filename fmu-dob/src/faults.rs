@@ -416,6 +416,15 @@ mod tests {
     }
 
     #[test]
+    fn a_rejected_commission_tells_the_noise_once_that_was_measured_and_the_response_before() {
+        let mut vars = <Vars as fmi2_export::Interface>::START;
+        vars.output.fault = Fault::CommissionRejected;
+        assert!(numbers(&vars).starts_with(": thrust constant `0 N/A`"), "{}", numbers(&vars));
+        vars.output.measured.slope_sigma = 2.5;
+        assert!(numbers(&vars).starts_with(": noise of the slope `2.5 N/s`"), "{}", numbers(&vars));
+    }
+
+    #[test]
     fn a_slow_servo_and_a_hard_braking_may_be_farther_from_the_reference() {
         let near = |p: &Parameters, expected: f64| assert!((following_limit(p) / expected - 1.0).abs() < 1e-9);
         let mut p = Parameters::START;

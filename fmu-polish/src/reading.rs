@@ -195,7 +195,7 @@ mod tests {
 
     #[test]
     fn one_spike_is_not_used() {
-        for (position, force) in [(0.2e-3, 0.0), (0.0, -30.0), (0.0, 20.0), (-5e-3, 0.0)] {
+        for (position, force) in [(0.2e-3, 0.0), (0.0, -30.0), (0.0, 12.0), (-5e-3, 0.0)] {
             let mut reader = Reader::new();
             let before = reader.read(&P, &resting(), K);
             let mut spike = resting();

@@ -95,23 +95,28 @@ mod tests {
     use rand::SeedableRng;
     use rand_distr::{Distribution, StandardNormal};
 
+    /// The stage at `omega` rad/s: its motion over the current that is sent (m/A), and how far (rad) it is behind.
+    fn answer(p: &Parameters, x: Unknowns, omega: f64) -> [f64; 2] {
+        let (push, damping, half) = (x[3] - omega * omega, omega * x[2], 0.5 * omega * p.sample_period);
+        let loop_ratio = omega / p.stage.current_bandwidth;
+        let ratio = x[0] * half.sin() / half / loop_ratio.hypot(1.0) / push.hypot(damping);
+        [ratio, damping.atan2(push) + half * (2.0 * x[1] + 1.0) + loop_ratio.atan()]
+    }
+
     /// What is found of a stage with these unknowns, from its answer to the excitation with `noise` (m) on the position.
     fn found(p: &Parameters, x: Unknowns, noise: f64, seed: u64) -> Result<Estimate<4>, NoEstimate> {
         let plan = Plan::new(p);
-        let tones = plan.sines.frequencies().map(|omega| Tone::new(p, omega, SpectralLine::default()));
+        let answers = plan.sines.frequencies().map(|omega| (omega, answer(p, x, omega)));
         let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(seed);
         let mut spectra = PeriodicSpectra::default();
         let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
         for k in 0..plan.measured {
             let (mut current, mut position) = (0.0, 1e-6 + noise * normal());
-            for tone in &tones {
-                let [left, right] = tone.sides(&x);
+            for (omega, [ratio, late]) in answers {
                 // each tone moves by 0.2 um
-                let amplitude = 2e-7 * (left / right).norm();
-                let phasor =
-                    Complex::from_polar(amplitude, tone.omega * p.sample_period * f64::from(k % plan.sines.period));
-                current += phasor.re;
-                position += (phasor * right / left).re;
+                let phase = omega * p.sample_period * f64::from(k % plan.sines.period);
+                current += 2e-7 / ratio * (phase + late).cos();
+                position += 2e-7 * phase.cos();
             }
             spectra.update(plan.sines.period, current, position);
         }
@@ -139,6 +144,47 @@ mod tests {
             let ratio = scatter.sqrt() / told;
             assert!((0.6..1.4).contains(&ratio), "{i}: {ratio}");
         }
+    }
+
+    #[test]
+    fn the_derivatives_are_those_of_the_difference() {
+        let (p, x) = (Parameters::START, Unknowns::from([2.0, 1.0, 3.0, -20.0]));
+        let line = SpectralLine {
+            input: Complex::new(0.3, -0.2),
+            output: Complex::new(1e-6, 4e-6),
+            ..SpectralLine::default()
+        };
+        let tone = Tone::new(&p, 300.0, line);
+        let (_, gradient) = tone.difference(&x);
+        for (i, step) in [1e-3, 1e-3, 1.0, 1.0].into_iter().enumerate() {
+            let at = |sign: f64| {
+                let mut x = x;
+                x[i] += sign * step;
+                tone.difference(&x).0
+            };
+            let slope = (at(1.0) - at(-1.0)) / (2.0 * step);
+            assert!((slope - gradient[i]).norm() < 1e-6 * slope.norm(), "{i}: {slope} {}", gradient[i]);
+        }
+    }
+
+    #[test]
+    fn a_current_that_scatters_with_its_answer_is_no_noise() {
+        let (p, x) = (Parameters::START, Unknowns::from([2.0, 1.0, 3.0, -20.0]));
+        let mut tone = Tone::new(&p, 300.0, SpectralLine::default());
+        let [left, right] = tone.sides(&x);
+        // by a hundredth of its size, with noise of the answer beside it
+        let answer = right / left;
+        let noise = 1e-3 * (0.01 * answer).norm_sqr();
+        tone.line = SpectralLine {
+            input: Complex::new(1.0, 0.0),
+            output: answer,
+            input_variance: 1e-4,
+            output_variance: 1e-4 * answer.norm_sqr() + noise,
+            covariance: 1e-4 * answer,
+        };
+        let least = LEAST_DEVIATION * right.norm();
+        let expected = (0.5 * noise * left.norm_sqr()).sqrt().hypot(least);
+        assert!((tone.deviation(&x) / expected - 1.0).abs() < 1e-6, "{} {expected}", tone.deviation(&x));
     }
 
     #[test]

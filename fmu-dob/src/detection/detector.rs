@@ -342,6 +342,32 @@ mod tests {
     }
 
     #[test]
+    fn a_detector_with_other_values_predicts_as_a_new_one() {
+        for kind in [DetectorKind::Cusum, DetectorKind::Glr] {
+            let p = Parameters { detector: kind, ..Parameters::START };
+            let mut other = p.clone();
+            other.stage.force_constant *= 1.3;
+            let sigma = |mut detector: Detector| {
+                for k in 0..3000 {
+                    let acted = 0.1 * (f64::from(k) * 0.05).sin();
+                    detector.update(&other, &Sample { position: Some(0.0), acted, ..Sample::default() });
+                    detector.learn();
+                }
+                match detector.method {
+                    Method::Cusum(inner) => inner.0.sigma(),
+                    Method::Glr(inner) => inner.0.sigma(),
+                    _ => unreachable!("{kind:?}"),
+                }
+            };
+            let (old, new) = (Detector::new(&p), Detector::new(&other));
+            let mut renewed = old.clone();
+            renewed.renew(&other);
+            assert!(sigma(old) < 0.9 * sigma(new.clone()), "{kind:?}");
+            assert_eq!(sigma(renewed), sigma(new), "{kind:?}");
+        }
+    }
+
+    #[test]
     fn each_detector_names_itself() {
         for &detector in DetectorKind::ALL {
             let source = Detector::new(&Parameters { detector, ..Parameters::START }).source();

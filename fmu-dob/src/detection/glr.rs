@@ -160,6 +160,25 @@ mod tests {
     }
 
     #[test]
+    fn noise_that_goes_on_alike_weighs_the_same_however_long_it_is_learned() {
+        let learned = |samples: usize| {
+            let mut bank = empty_bank();
+            // to and fro: every correlation keeps its size
+            (0..samples).for_each(|k| bank.learn(if k % 2 == 0 { 1e-6 } else { -1e-6 }));
+            bank.arm(0.0);
+            bank.weight
+        };
+        let ages = empty_bank().correlation.len();
+        let (once, twice, often) = (learned(ages), learned(ages + 1), learned(ages + 100));
+        assert!(
+            once.iter()
+                .zip(&twice)
+                .zip(&often)
+                .all(|((a, b), c)| (b / a - 1.0).abs() < 1e-9 && (c / a - 1.0).abs() < 1e-9)
+        );
+    }
+
+    #[test]
     fn the_template_begins_with_half_a_sample_of_the_ramp() {
         // 1 N/s for half a sample: 50 uN on 10 kg for 0.1 ms
         let first = ready_bank().template[0];

@@ -201,6 +201,22 @@ mod tests {
     }
 
     #[test]
+    fn another_thrust_constant_changes_the_force_in_its_ratio_and_not_the_motion() {
+        let p = Parameters::START;
+        let mut observer = DisturbanceObserver::new(&p);
+        let position = |k: i32| 1e-3 * f64::from(k) * p.sample_period;
+        (0..3000).for_each(|k| observer.update(position(k), 0.01));
+        let mut other = p.clone();
+        other.stage.force_constant *= 0.8;
+        let mut renewed = observer.renewed(&other);
+        assert!((renewed.force() / observer.force() - 0.8).abs() < 1e-9, "{renewed:?}");
+        assert_eq!(renewed.velocity(), observer.velocity());
+        // and so it goes on, by itself
+        renewed.update(position(3000), 0.01);
+        assert!((renewed.force() / observer.force() - 0.8).abs() < 1e-6, "{renewed:?}");
+    }
+
+    #[test]
     fn reseat_keeps_the_force() {
         let p = Parameters::START;
         let mut observer = DisturbanceObserver::new(&p);

@@ -81,6 +81,17 @@ fn unknown_machines_are_measured_within_their_deviations() {
         assert!((m.position_noise / noise - 1.0).abs() < 0.05, "{seed}: {m:?}");
         assert!(m.force_constant_deviation < 2e-3 * m.force_constant, "{seed}: {m:?}");
         assert!(m.io_delay_deviation < 0.06, "{seed}: {m:?}");
+        assert!(m.damping_deviation < 2.0, "{seed}: {m:?}");
+        let deviations = [
+            m.damping_deviation,
+            m.stiffness_deviation,
+            m.position_noise_deviation,
+            m.force_noise_deviation,
+            m.disturbance_walk_deviation,
+            m.force_sigma_deviation,
+            m.slope_sigma_deviation,
+        ];
+        assert!(deviations.iter().all(|deviation| *deviation > 0.0), "{seed}: {m:?}");
     }
     println!("errors in deviations: thrust {thrusts:.1?}, delay {delays:.1?}, friction {frictions:.1?}");
     // the ripple of the thrust, 1 %, is no noise

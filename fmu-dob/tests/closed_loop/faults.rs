@@ -449,3 +449,18 @@ fn the_reference_lies_where_the_stage_is_while_the_drive_is_off() {
     let way = run.slide.place() - from;
     assert!(way.abs() > 1e-4, "{way} m");
 }
+
+#[test]
+fn a_force_that_is_left_behind_the_retract_rejects_the_contact() {
+    for push in [0.0, 0.6] {
+        let mut run = Loop::new(&Parameters::START, 30, 90e-6);
+        assert!(run.run_to(State::Retract, 3.0), "{:?}", run.output);
+        run.slide.push = push;
+        while run.output.state == State::Retract {
+            run.step();
+            assert!(run.time() < 4.0, "{:?}", run.output);
+        }
+        let expected = if push > 0.0 { (State::Fault, Fault::ContactRejected) } else { (State::Done, Fault::None) };
+        assert_eq!((run.output.state, run.output.fault), expected, "{push}: {:?}", run.output);
+    }
+}

@@ -224,6 +224,17 @@ mod tests {
     }
 
     #[test]
+    fn two_directions_that_disagree_count_the_same_however_strongly_each_is_felt() {
+        let shown = |angle: f64, size: f64| size * Vector3::new(angle.cos(), -angle.sin(), 0.0);
+        for size in [0.2, 1.0, 30.0] {
+            // the second is a quarter of a turn further
+            let second = shown(0.4 - std::f64::consts::FRAC_PI_2, 2.0);
+            let (angle, direction) = mounting([&shown(0.2, size), &second], [&Vector3::x(), &Vector3::y()]);
+            assert!((angle - 0.3).abs() < 1e-12 && direction == 1, "{size}: {angle} {direction}");
+        }
+    }
+
+    #[test]
     fn every_mounting_is_found_from_two_directions() {
         let along = [Vector3::new(0.6, 0.8, 0.0), Vector3::new(-0.8, 0.6, 0.0)];
         for (rotation, y) in [(0.0, 1), (0.5, 1), (-0.5, -1), (3.0, -1), (-2.0, 1)] {

@@ -215,7 +215,7 @@ mod tests {
             set(&mut m, x);
             acceptable(&p, &Values::of(&p), &m)
         };
-        let limits: [(Set, f64, f64); 12] = [
+        let limits: [(Set, f64, f64); 13] = [
             (|m, x| m.stiffness_deviation = x, 14.24e3, 14.25e3),
             (|m, x| m.stiffness = x, 356e3, 357e3),
             (|m, x| m.stiffness = x, 89e3, 88.9e3),
@@ -227,6 +227,7 @@ mod tests {
             (|m, x| m.feedforward_deviation = x, 0.1, 0.101),
             (|m, x| m.io_delay_deviation = x, 0.25, 0.251),
             (|m, x| m.io_delay = x, -0.5, -0.51),
+            (|m, x| m.io_delay = x, DELAY_MAX as f64 + 0.49, DELAY_MAX as f64 + 0.5),
             (|m, x| m.sensor_rotation_deviation = x, 0.1, 0.101),
         ];
         for (i, (set, last, first)) in limits.into_iter().enumerate() {

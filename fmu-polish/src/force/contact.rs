@@ -110,3 +110,38 @@ impl ContactMonitor {
         self.lateral.atan2(self.force.dot(normal))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A second under the force `force` (N) with the normal z.
+    fn under(p: &Parameters, force: Vector3<f64>) -> ContactMonitor {
+        let (zero, normal) = (Vector3::zeros(), Vector3::z());
+        let frame = Frame { centre: zero, contact: zero, normal, tangent: Vector3::x(), ratio: 1.0, feed_max: 1.0 };
+        let error = ErrorOutput { tangential: 0.0, lateral: 0.0, normal: 0.0 };
+        let force =
+            MeasuredForce { vector: force, unfiltered: force, norm: force.norm(), normal: force.z, controlled: 5.0 };
+        let now = Measurement { frame, force, force_error: 0.0, offset: zero, error, surface: 0.0 };
+        let mut monitor = ContactMonitor::default();
+        (0..1000).for_each(|_| monitor.update(p, State::Follow, &now, true));
+        monitor
+    }
+
+    #[test]
+    fn a_force_has_a_direction_from_twice_the_contact_force_on() {
+        for contact in [0.3, 0.5, 2.0] {
+            let mut p = Parameters::START;
+            p.approach.contact_force = contact;
+            let askew = |share: f64| under(&p, share * contact * Vector3::x()).misdirected(&p, &Vector3::z());
+            assert_eq!([askew(1.99), askew(2.01)], [false, true], "{contact}");
+            assert!(!under(&p, 9.0 * contact * Vector3::z()).misdirected(&p, &Vector3::z()));
+        }
+    }
+
+    #[test]
+    fn a_force_pulls_where_it_points_into_the_material_and_none_does_not() {
+        let pulls = |force: f64| under(&Parameters::START, force * Vector3::z()).pulls(&Vector3::z());
+        assert_eq!([-1.0, 0.0, 1.0].map(pulls), [true, false, false]);
+    }
+}

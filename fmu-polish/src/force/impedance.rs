@@ -102,6 +102,17 @@ mod tests {
     }
 
     #[test]
+    fn an_error_that_stays_is_integrated_within_its_time() {
+        // after T_i the integral has added K_f / B_d E
+        let p = Parameters { force: crate::interface::Force { integral_time: 0.2, ..P.force }, ..P };
+        let (law, mut force_law) = (Coefficients::new(&p, 5e3), ForceLaw::default());
+        (0..200).for_each(|_| {
+            force_law.integrate(&law, 0.5);
+        });
+        assert!((force_law.integral + p.impedance.gain / 5e3 * 0.5).abs() < 1e-12, "{force_law:?}");
+    }
+
+    #[test]
     fn damping_follows_the_stiffness() {
         assert_eq!(damping(&P, 178e3), 178e3 / 35.0);
         assert_eq!(damping(&Parameters::PAPER, 178e3), 10e3);

@@ -168,6 +168,16 @@ mod tests {
         let law = Coefficients::new(&P, damping(&P, K));
         let mut learning = TurnLearning::default();
         assert!((0..1000).all(|_| learning.step(&P, &law, K, &Vector3::x(), 1.0) == 0.0));
+        // a curve so sharp that only the lower harmonics are slow enough: none is learned
+        let highest = FREQUENCY_SHARE * std::f64::consts::TAU / P.sample_period;
+        for (share, moves) in [(0.99, true), (1.01, false)] {
+            let (turn, mut learning) = (share * highest / HARMONICS as f64 * P.sample_period, TurnLearning::default());
+            let mut step = |k: u32| {
+                let theta = turn * f64::from(k);
+                learning.step(&P, &law, K, &Vector3::new(theta.cos(), theta.sin(), 0.0), 0.5)
+            };
+            assert_eq!((0..100).any(|k| step(k) != 0.0), moves, "{share}");
+        }
         // a corner within a sample
         assert_eq!(learning.step(&P, &law, K, &-Vector3::x(), 1.0), 0.0);
     }

@@ -198,3 +198,70 @@ fn error_limit(p: &Parameters) -> f64 {
 fn memory(p: &Parameters, time: f64) -> f64 {
     -(-p.sample_period / time).exp_m1()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::force::sensor::MeasuredForce;
+    use crate::interface::ErrorOutput;
+    use crate::path::centre_path::Frame;
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    const P: Parameters = Parameters::START;
+
+    /// What is wrong with the readings `forces` (N) along the normal, and the noise (N) that they have.
+    fn told(p: &Parameters, forces: impl Iterator<Item = f64>) -> (Option<Fault>, f64) {
+        let (zero, normal) = (Vector3::zeros(), Vector3::z());
+        let frame = Frame { centre: zero, contact: zero, normal, tangent: Vector3::x(), ratio: 1.0, feed_max: 1.0 };
+        let error = ErrorOutput { tangential: 0.0, lateral: 0.0, normal: 0.0 };
+        let (mut monitor, mut fault) = (ForceMonitor::default(), None);
+        for force in forces {
+            let raw = force * normal;
+            let measured =
+                MeasuredForce { vector: raw, unfiltered: raw, norm: force, normal: force, controlled: force };
+            let now = Measurement { frame, force: measured, force_error: 0.0, offset: zero, error, surface: 0.0 };
+            let sample = ForceSample {
+                state: State::Approach,
+                raw: &raw,
+                now: &now,
+                normal: &normal,
+                stiffness: 178e3,
+                way: 0.0,
+            };
+            monitor.update(p, &sample);
+            fault = fault.or(monitor.reading_fault(p, &sample));
+        }
+        (fault, monitor.noise())
+    }
+
+    #[test]
+    fn only_the_last_step_of_the_sensor_is_its_end() {
+        let at = |force: f64| told(&P, std::iter::once(force)).0;
+        assert_eq!(at(P.sensor_range), Some(Fault::Saturation));
+        assert_eq!(at(-P.sensor_range), Some(Fault::Saturation));
+        assert_eq!(at(P.sensor_range - P.sensor_resolution), None);
+    }
+
+    #[test]
+    fn noise_is_told_as_its_deviation_whatever_force_it_lies_on() {
+        let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(7);
+        let sigma = 0.5 * P.limits.force_noise;
+        let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
+        let mut noisy = |slope: f64| told(&P, (0..2000).map(|k| slope * f64::from(k) + sigma * normal())).1;
+        // in 100 ms there are 100 samples, a third of them independent
+        for slope in [0.0, 1e-3] {
+            let found = noisy(slope);
+            assert!((found / sigma - 1.0).abs() < 0.3, "{slope}: {found} of {sigma}");
+        }
+    }
+
+    #[test]
+    fn a_force_that_stands_is_frozen_only_where_that_is_watched() {
+        let mut p = P;
+        let standing = |p: &Parameters| told(p, std::iter::repeat_n(1.0, 5000)).0;
+        assert_eq!(standing(&p), Some(Fault::FrozenForce));
+        p.limits.still_time = 0.0;
+        assert_eq!(standing(&p), None);
+    }
+}

@@ -236,6 +236,29 @@ mod tests {
     }
 
     #[test]
+    fn it_is_raised_to_no_more_than_the_feed_leaves_of_the_drives() {
+        let p = Parameters { velocity_max: P.feed.velocity + 12e-3, ..P };
+        assert!((highest(&p) - 12e-3).abs() < 1e-12);
+    }
+
+    #[test]
+    fn friction_is_that_while_it_slides_but_no_less_than_the_force_on_the_whole() {
+        let p = Parameters { stick_slip: StickSlip { sliding: 0.0, ..P.stick_slip }, ..P };
+        // slides for a quarter of the time against `friction` N, and stands under `rest` N
+        let told = |friction: f64, rest: f64| {
+            let mut sliding = Sliding::default();
+            for k in 0..400 {
+                let (period, k) = (f64::from(k / 200), k % 200);
+                let (place, force) = (period * 50.0 + f64::from(k).min(50.0), if k < 50 { friction } else { rest });
+                sliding.update(&p, &Vector3::new(0.0, 1e-5 * place, 0.0), &measurement(-force * Vector3::y()), true);
+            }
+            sliding.friction
+        };
+        assert!((told(1.0, 0.0) - 1.0).abs() < 0.1, "{}", told(1.0, 0.0));
+        assert!((told(0.1, 2.0) - 3f64.sqrt()).abs() < 0.02, "{}", told(0.1, 2.0));
+    }
+
+    #[test]
     fn too_little_raises_it_to_the_most_and_is_told_after_a_second_there() {
         // 20 mm/s are the most, 10 mm/s are told
         let slow = |time: f64| moved(&P, 30e3, 3.5, 10e-3, time).0;

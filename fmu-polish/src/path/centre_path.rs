@@ -192,6 +192,17 @@ mod tests {
     }
 
     #[test]
+    fn the_tangent_lies_in_a_bent_surface_from_end_to_end() {
+        let up = |k: u32| Vector3::new((0.05 * f64::from(k)).sin(), 0.0, (0.05 * f64::from(k)).cos());
+        let point = |k: u32| Point { contact: RADIUS * up(k), normal: up(k), feed: 1.0, line: 0 };
+        let path = CentrePath::new(&P, &(0..20).map(point).collect::<Vec<_>>());
+        for k in 0..=100 {
+            let frame = path.frame(path.seek(Place::default(), 0.01 * f64::from(k) * path.length()));
+            assert!(frame.tangent.dot(&frame.normal).abs() < 1e-12 && frame.tangent.x > 0.0, "{k}: {frame:?}");
+        }
+    }
+
+    #[test]
     fn the_feed_keeps_the_turn_rate_and_can_always_brake() {
         let mut p = P;
         (p.feed.turn_rate_max, p.feed.acceleration) = (2.0, 0.05);

@@ -118,3 +118,17 @@ fn neighbours(a: &Point, b: &Point, p: &Parameters) -> Result<(), ClError> {
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_may_be_as_far_apart_as_the_limit_says() {
+        let at = |x: f64| Point { contact: Vector3::new(x, 0.0, 0.0), normal: Vector3::z(), feed: 1e-3, line: 1 };
+        let gap = |x: f64| neighbours(&at(0.0), &at(x), &Parameters::START);
+        assert!(gap(SPACING_MAX).is_ok());
+        let told = gap(1.01 * SPACING_MAX).unwrap_err().to_string();
+        assert!(told.contains("`0.2020 mm`") && told.contains("`0.2 mm`"), "{told}");
+    }
+}

@@ -47,6 +47,16 @@ fn the_default_mode_holds_the_force_and_slides_far() {
 }
 
 #[test]
+fn a_job_that_begins_with_an_override_settles_at_its_share_of_the_force() {
+    for share in [0.5, 1.5] {
+        let mut run = Loop::new(&Parameters::START, Build::NOMINAL, 101);
+        run.input.force_override = share;
+        let job = finished("override", &mut run);
+        assert!((job.mean - 5.0 * share).abs() <= 0.05 && job.settle <= 0.75, "{share}: {job:?}");
+    }
+}
+
+#[test]
 fn the_law_as_printed_holds_the_norm_of_the_force() {
     let job = job("printed", &without(printed()), Build::NOMINAL, 102);
     // friction is part of the norm: N = F_d / sqrt(1 + mu^2)
