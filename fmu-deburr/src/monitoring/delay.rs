@@ -1,7 +1,8 @@
 //! After how many samples the axes answer: the delay that explains their accelerations, against `io_delay`.
 //!
 //! For each delay d the changes of the commanded motion m_d, late by d samples and by the lag 2 zeta/wn of the drive, are
-//! compared with the changes of the measured motion a. What the best factor leaves is J_d = sum a^2 - (sum a m_d)^2 / sum m_d^2,
+//! compared with the changes of the measured motion a, both smoothed alike: of noise in the reading, whose changes of changes are
+//! quick, next to nothing stays, of a motion that comes a sample later enough. What the best factor leaves is J_d = sum a^2 - (sum a m_d)^2 / sum m_d^2,
 //! so that the gain of the drive does not count. Noise of the reading is in every J_d, and a little more in those of long delays,
 //! because the servo answers to it: by a tenth at Kp T = 0.13. So a delay is believed only where it leaves less than 0.8 of what
 //! `io_delay` leaves. Between the samples J_d is a parabola. Its vertex is the delay with what the lag of the drive differs from
@@ -24,6 +25,8 @@ const MOVED: f64 = 0.25;
 /// Largest factor: no drive does more of what it is told. The servo's answer to a reading that flickers is a share Kp T of it, so that
 /// such a reading would be 1/(Kp T) times what was commanded.
 const FACTOR_MAX: f64 = 2.5;
+/// What is left of the last sample's smoothed change in the next.
+const SMOOTHED: f64 = 0.85;
 /// Samples by which it has to be another one.
 const ANOTHER: f64 = 0.75;
 
@@ -35,11 +38,19 @@ struct Sums {
     square: [f64; DELAYS],
 }
 
+/// Changes of one axis in a sample: measured, and commanded with each delay.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Changes {
+    answer: f64,
+    modelled: [f64; DELAYS],
+}
+
 /// Watches the axes, each alone and all together.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct DelayMonitor {
     all: Sums,
     axis: [Sums; AXES],
+    smoothed: [Changes; AXES],
     before: Option<Joints>,
     motion: Option<Joints>,
 }
@@ -66,8 +77,10 @@ impl DelayMonitor {
         let lag = (2.0 * damping / (frequency * period)).min(1.0);
         let commanded = |late: usize| (sent.before(late) - sent.before(late + 1)) * p.sample_period / scale;
         let modelled = std::array::from_fn(|d| (1.0 - lag) * commanded(d) + lag * commanded(d + 1));
-        self.all.add(change / scale, &modelled);
-        self.axis[axis].add(change / scale, &modelled);
+        let smoothed = &mut self.smoothed[axis];
+        smoothed.follow(&Changes { answer: change / scale, modelled });
+        self.all.add(smoothed);
+        self.axis[axis].add(smoothed);
     }
 
     /// What is wrong so far: another delay than `io_delay`, of all axes or of one.
@@ -90,11 +103,20 @@ impl DelayMonitor {
     }
 }
 
+impl Changes {
+    /// Smooths what comes.
+    fn follow(&mut self, now: &Self) {
+        let smooth = |old: &mut f64, new: f64| *old += (1.0 - SMOOTHED) * (new - *old);
+        smooth(&mut self.answer, now.answer);
+        self.modelled.iter_mut().zip(now.modelled).for_each(|(old, new)| smooth(old, new));
+    }
+}
+
 impl Sums {
-    fn add(&mut self, change: f64, modelled: &[f64; DELAYS]) {
-        self.answer += change * change;
-        for (d, modelled) in modelled.iter().enumerate() {
-            self.product[d] += change * modelled;
+    fn add(&mut self, changes: &Changes) {
+        self.answer += changes.answer * changes.answer;
+        for (d, modelled) in changes.modelled.iter().enumerate() {
+            self.product[d] += changes.answer * modelled;
             self.square[d] += modelled * modelled;
         }
     }
@@ -151,6 +173,14 @@ mod tests {
             for (gain, noise) in [(1.0, 0.0), (0.7, 0.0), (1.3, 2.0), (1.0, 20.0), (1.0, 200.0)] {
                 assert_eq!(found(delay, delay as usize, gain, noise), Finding::NONE, "{delay} {gain} {noise}");
             }
+        }
+    }
+
+    #[test]
+    fn a_delay_of_one_sample_more_or_less_is_found_under_noise_of_a_count() {
+        for (told, true_delay) in [(1, 0), (1, 2), (0, 1), (2, 1), (3, 4)] {
+            let found = found(told, true_delay, 1.0, 1.0);
+            assert_eq!((found.fault, found.numbers.value), (Fault::WrongDelay, true_delay as f64), "{told} {true_delay}");
         }
     }
 
