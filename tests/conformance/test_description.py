@@ -195,7 +195,7 @@ def test_the_block_shows_every_port_or_its_large_group(fmu: Fmu) -> None:
     page = ElementTree.fromstring(read(fmu, "documentation/index.html"))
     (block,) = [part for part in page.iter() if part.get("aria-label") == "Inputs and outputs"]
     _, *shown = ["".join(text.itertext()) for text in block.iter() if text.tag == "text"]
-    expected = []
+    expected: list[str] = []
     for causality in ("input", "output"):
         # an array is one port
         names = dict.fromkeys(re.sub(r"\[\d+]$", "", variable.name) for variable in fmu.variables(causality))
