@@ -295,6 +295,8 @@ impl Controller {
                 self.motion.start(self.sample.slide);
                 self.progress.restart();
                 self.drive = DriveMonitor::default();
+                // what an approach has told is not what is measured now
+                self.servo = None;
                 self.commissioner.begin(p, &mut self.motion);
             }
             State::Push => self.launch(p, launch),

@@ -61,6 +61,8 @@ pub struct Controller {
     /// `enable` was false during the present stop
     disabled: bool,
     state: State,
+    /// the pose is held in `Fault`
+    holds: bool,
     fault: Fault,
     numbers: Numbers,
     /// what is being done
@@ -133,6 +135,7 @@ impl Controller {
             long_step: false,
             disabled: false,
             state: State::Off,
+            holds: false,
             fault: Fault::None,
             numbers: Numbers::START,
             job: Mode::Idle,
@@ -193,7 +196,7 @@ impl Controller {
         }
         let before = self.reader.positions();
         let motions = self.sent.map(|sent| sent.before(p.io_delay as usize) * p.sample_period);
-        let known = Known { motions: &motions, closed: self.state.closed(), cuts: self.cuts() };
+        let known = Known { motions: &motions, closed: self.closed(), cuts: self.cuts() };
         let (reading, found) = self.reader.read(p, input, &known);
         let at_rest = servo::at_rest(p, &reading.positions, &before);
         let (axes, grown) = self.watch_axes(p, &reading, &motions);
@@ -204,6 +207,11 @@ impl Controller {
         let velocity = self.command(p, &reading);
         self.observe_commission(p, &reading);
         self.report(p, &velocity, output);
+    }
+
+    /// The position loop is closed: after a fault that the drives can mend the pose is held where the safe end has come to.
+    fn closed(&self) -> bool {
+        self.state.closed() || self.state == State::Fault && self.holds && self.fault.safe_end() != SafeEnd::DriveOff
     }
 
     /// The tool cuts.
@@ -299,6 +307,7 @@ impl Controller {
             }
             State::Retract => (self.route, self.on_path) = (Route::out(p, &self.joints), false),
             State::Settle => self.rested = Consecutive::NONE,
+            State::Fault => self.holds = before.closed(),
             State::Run => self.begin_run(p),
             State::Commission => self.begin_commission(p),
             _ => {}
@@ -338,7 +347,7 @@ impl Controller {
 
     /// Velocity commands, rad/s or m/s.
     fn command(&mut self, p: &Parameters, reading: &Reading) -> Joints {
-        if !self.state.closed() {
+        if !self.closed() {
             self.sent.iter_mut().for_each(|sent| sent.send(0.0));
             return [0.0; AXES];
         }

@@ -7,6 +7,9 @@ use crate::interface::{ERROR_HARMONICS, Parameters, SurfaceKind};
 use crate::monitoring::drive::disturbance;
 use crate::tracking::adaptive::QUICKER;
 
+/// The flexure is at least so many times as quick as the position loop.
+const TIP_OVER_LOOP: f64 = 1.5;
+
 impl Parameters {
     /// Samples from a command to the reading of the arm that answers it.
     pub fn loop_delay(&self) -> i32 {
@@ -41,11 +44,16 @@ fn loop_delay(p: &Parameters) -> Result<(), ParameterError> {
 }
 
 fn tip_frequency(p: &Parameters) -> Result<(), ParameterError> {
-    let (value, least) = (p.tip.frequency, 1.5 * p.servo.bandwidth);
+    let (value, least) = (p.tip.frequency, least_tip_frequency(p.servo.bandwidth));
     let frequency = Parameter::new("tip.frequency", value, "rad/s", "use a stiffer arm or less `servo.bandwidth`");
     frequency.must_be(value == 0.0 || value >= least, || {
-        format!("`0` (rigid) or at least `{least} rad/s`, 1.5 times `servo.bandwidth`")
+        format!("`0` (rigid) or at least `{least} rad/s`, {TIP_OVER_LOOP} times `servo.bandwidth`")
     })
+}
+
+/// Lowest frequency (rad/s) of a flexure that a loop of this bandwidth (rad/s) bears.
+pub fn least_tip_frequency(bandwidth: f64) -> f64 {
+    TIP_OVER_LOOP * bandwidth
 }
 
 fn radii(p: &Parameters) -> Result<(), ParameterError> {
@@ -79,10 +87,20 @@ fn automatic(p: &Parameters) -> Result<(), ParameterError> {
 
 /// All harmonics together learn with 2 N / tau, which the position loop must bear: measured by the eigenvalues of both.
 fn time_constant(p: &Parameters) -> Result<(), ParameterError> {
-    let quicker = if p.feedforward_adaptive && p.feedforward_harmonics > 0 { QUICKER } else { 0.0 };
-    let count = p.afc.cancelled.iter().count() as f64 + quicker;
+    let (count, least) = (learned(p), least_time_constant(p, p.servo.bandwidth));
     let tau = Parameter::new("afc.tau", p.afc.tau, "s", "cancel fewer harmonics, or wish for more `servo.bandwidth`");
-    tau.at_least(5.0 * count / p.servo.bandwidth, format_args!("5 / `servo.bandwidth` for each of `{count}` harmonics"))
+    tau.at_least(least, format_args!("5 / `servo.bandwidth` for each of `{count}` harmonics"))
+}
+
+/// Shortest `afc.tau` (s) that a loop of this bandwidth (rad/s) bears.
+pub fn least_time_constant(p: &Parameters, bandwidth: f64) -> f64 {
+    5.0 * learned(p) / bandwidth
+}
+
+/// Harmonics that are learned at once, the quick ones as often as they count.
+fn learned(p: &Parameters) -> f64 {
+    let quicker = if p.feedforward_adaptive && p.feedforward_harmonics > 0 { QUICKER } else { 0.0 };
+    p.afc.cancelled.iter().count() as f64 + quicker
 }
 
 fn frequencies(p: &Parameters) -> Result<(), ParameterError> {

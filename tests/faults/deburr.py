@@ -15,6 +15,9 @@ BEYOND = "max(plant.tip_z - controller.axis2.position) - min(plant.tip_z - contr
 HEIGHT = "first(plant.tip_z) - min(plant.tip_z)"
 """Way of the tip down towards the path, of 20 mm."""
 
+FROM_REST = "max(hypot(plant.tip_x - first(plant.tip_x), plant.tip_y - first(plant.tip_y)))"
+"""Way of the tip beside where it was at first."""
+
 AXIS1, AXIS2, AXIS3 = ("controller.axis1.position", "controller.axis2.position", "controller.axis3.position")
 DRIVE1, DRIVE3 = ("plant.axis1_velocity", "plant.axis3_velocity")
 TOOL = "controller.spindle_speed"
@@ -73,7 +76,7 @@ ROWS = (
     ),
     Row(
         "encoder 3 drifts by 20 mm/s",
-        ("PatternMismatch", "FrozenReading"),
+        ("PatternMismatch", "FollowingError"),
         TIP,
         4.1e-3,
         "0.5 mm of error are 6.5 mm/s over Kp; the way until then, and of the retract",
@@ -108,11 +111,43 @@ ROWS = (
     ),
     Row(
         "drive 3 with an offset of 5 mm/s",
-        ("FollowingError", "FrozenReading"),
+        ("FollowingError",),
         TIP,
         5.8e-4,
         "the offset over Kp, 0.38 mm, and what patterns leave",
         at(0.0, DRIVE3, offset=5e-3),
+    ),
+    Row(
+        "drive 3 with an offset of 5 mm/s from the burr on",
+        ("FollowingError",),
+        TIP,
+        5.8e-4,
+        "the offset over Kp, 0.38 mm, and what patterns leave",
+        at(4.0, DRIVE3, offset=5e-3),
+    ),
+    Row(
+        "drive 3 with an offset of -10 mm/s from the burr on",
+        ("PatternMismatch", "FollowingError"),
+        TIP,
+        8.4e-4,
+        "the offset over Kp, 0.77 mm, and what patterns leave",
+        at(4.0, DRIVE3, offset=-1e-2),
+    ),
+    Row(
+        "drive 3 with an offset of 20 mm/s from the first sample on",
+        ("FollowingError",),
+        FROM_REST,
+        1.9e-3,
+        "1 mm and 4 samples of 0.2 mm, then closed brakes",
+        at(0.0, DRIVE3, offset=2e-2),
+    ),
+    Row(
+        "drive 2 with an offset of -5 mm/s from the first sample on",
+        ("FollowingError",),
+        BEYOND,
+        1.3e-5,
+        "the reading tells all of it, but for the half of a count and its noise",
+        at(0.0, "plant.axis2_velocity", offset=-5e-3),
     ),
     Row(
         "first sample of encoder 3 and of the tool wrong, 20 mm and 0",
@@ -336,12 +371,34 @@ ROWS = (
         sequence=True,
     ),
     Row(
+        "tool speed 0, then encoder 3 frozen in the retract, drives with 1.05 of their gain",
+        ("SpindleJump", "FrozenReading"),
+        TIP,
+        1.6e-3,
+        "1 mm unanswered in the pose that is held, then closed brakes",
+        (
+            Injection(TOOL, from_time=4.0, value=0.0),
+            Injection(AXIS3, when='controller.state == "Retract"', frozen=True),
+        ),
+        changes=("plant.drive_gain=1.05",),
+        sequence=True,
+    ),
+    Row(
         "communication step of two samples",
         ("LongStep",),
         HEIGHT,
         1e-5,
         "the first sample, before any motion",
         changes=("loop.step=0.02", "loop.substeps=20"),
+    ),
+    Row(
+        "gain of axis 3 seven times as high, with no patterns",
+        ("Oscillation",),
+        TIP,
+        1.5e-2,
+        "1 mm, half the lag of 0.55 mm, and a swing that grows threefold until its third turn",
+        changes=("controller.servo.gain[3]=90", "plant.encoder_noise=0"),
+        scenario="deburr/learn",
     ),
     Row(
         "encoder 1 frozen while it learns",

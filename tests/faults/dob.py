@@ -21,6 +21,8 @@ SHORT = (
 TWICE = ("controller.touch.confirm=true", "controller.touch.suspicion=2.0", "loop.duration=1.5")
 """So much is suspected that a second touch begins in the air."""
 
+FEEBLE = ("controller.stage.current_max=0.3", "plant.current_limit=0.3")
+
 DEEP = "max(maximum(plant.depth, 0.0)[controller.drive_enable])"
 """Travel beyond the first possible touch while the drive is on; a drift without it is not counted."""
 ASTRAY = "max(abs(plant.position - controller.reference.position)[controller.drive_enable])"
@@ -324,6 +326,23 @@ ROWS = (
         TOUCH,
         (at(0.0, "controller.spindle_speed", noise=9.4),),
     ),
+    Row(
+        "the floor shakes with 0.1 N while it learns",
+        ("LearnRejected",),
+        DEEP,
+        1e-9,
+        "found before the surface",
+        changes=("plant.floor_force=0.1",),
+    ),
+    Row(
+        "spindle still runs up while it learns",
+        ("LearnTimeout",),
+        DEEP,
+        1e-9,
+        "found before the surface",
+        (wrong("controller.spindle_speed", LEARN, after=0.0, ramp=3000.0),),
+        changes=("controller.limits.learn_time=0.2",),
+    ),
     # the drive
     Row("current of the wrong sign", ("DriveSign",), ASTRAY, 3e-5, WILD, (at(0.0, CURRENT, scale=-1.0),)),
     Row(
@@ -397,6 +416,51 @@ ROWS = (
         "found before the surface",
         (wrong(CURRENT, offset=0.05),),
     ),
+    Row(
+        "current 0.25 A off from now on, of 0.3 A",
+        ("Saturation",),
+        CRUISING,
+        2e-5,
+        FALL,
+        (wrong(CURRENT, offset=-0.25),),
+        changes=FEEBLE,
+    ),
+    Row(
+        "drive of 0.3 A five times as strong as told from now on",
+        ("Oscillation",),
+        CRUISING,
+        5e-6,
+        "five times 0.3 A, 2.8 m/s2 to and fro, for 6 turns of 1.4 ms",
+        (wrong(CURRENT, scale=5.0),),
+        changes=("controller.stage.current_max=0.3",),
+    ),
+    Row(
+        "current 0.05 A off while settling, 0.5 N allowed",
+        ("Overload",),
+        DEEP,
+        1e-9,
+        "found before the surface",
+        (at(0.1, CURRENT, offset=0.05),),
+        changes=("controller.limits.disturbance=0.5",),
+    ),
+    Row(
+        "current 0.09 A off from now on, 0.6 um of distance allowed",
+        ("FollowingError",),
+        CRUISING,
+        1e-6,
+        "the distance allowed, and 4 samples at 0.1 mm/s",
+        (wrong(CURRENT, offset=-0.09),),
+        changes=("controller.limits.following_error=6e-7",),
+    ),
+    Row(
+        "current with 20 mA of noise from now on",
+        (),
+        DEEP,
+        1e-9,
+        LIKE_A_TOUCH,
+        (wrong(CURRENT, noise=0.02),),
+        untold="0.4 N of noise pass the level of a touch, and are no lasting force",
+    ),
     # what the controller is told
     Row(
         "a job of more time than it may take",
@@ -416,6 +480,14 @@ ROWS = (
         changes=("controller.stage.force_constant=39",),
     ),
     Row("delay told one sample too short", (DONE,), DEEP, 4.2e-7, TOUCH, changes=("controller.io_delay=0",)),
+    Row(
+        "communication step of two samples",
+        ("LongStep",),
+        "max(maximum(plant.depth, 0.0))",
+        1e-9,
+        "told in the first sample, 38 um before the surface",
+        changes=("loop.step=2e-4", "loop.substeps=4", "loop.duration=0.02"),
+    ),
     # the machine and its operator
     Row(
         "work so soft that the detector does not see it",
@@ -439,7 +511,7 @@ ROWS = (
         DEEP,
         1e-9,
         "it never gets there",
-        changes=("plant.damping=1e4", "plant.current_limit=0.3", "controller.stage.current_max=0.3"),
+        changes=("plant.damping=1e4", *FEEBLE),
     ),
     Row(
         "restart behind the retract",

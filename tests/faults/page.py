@@ -43,7 +43,7 @@ def page(name: str, matrix: Matrix, outcomes: Sequence[Outcome]) -> str:
         f"# Faults of fmu-{name}",
         "",
         f"{len(outcomes)} faults, one in each {runs}.",
-        "In brackets is what a row changes beside that.",
+        "In brackets is what a row changes beside it. Each fault of the controller is told at least once.",
         f"{quiet}: neither a right fault is told nor is the job done and good. The excursion is",
         "what the machine truly does until its safe end, the limit what it must not exceed.",
         f"`python -m tests.faults {name}` writes this page; a test compares it with the runs.",

@@ -12,6 +12,8 @@ from .matrix import DONE, Matrix, Row
 QUICK = ("controller.feed.velocity=0.006", "loop.duration=2.1")
 WHOLE = ("loop.duration=4.1",)
 """The job to its end."""
+SINKING = (0.0, *(0.8 + 0.05 * step for step in range(11)))
+"""Times of steps of 10 um, s."""
 MIDWAY = {"when": 'controller.state == "Follow"', "after": 0.5}
 FORCE = "max(plant.contact_force)"
 BESIDE = "max(hypot(plant.axis_x - controller.desired.x, plant.axis_y - controller.desired.y))"
@@ -170,6 +172,15 @@ SENSOR = (
         why="5 N over the share that is shown",
     ),
     row(
+        "force shows half of itself from the path on",
+        "",
+        midway("controller.force.z", scale=0.5),
+        most=11.2,
+        why="5 N over the 0.45 that `limits.stiffness_ratio` allows",
+        untold="a softer tip and a slope of the mold answer alike",
+        changes=WHOLE,
+    ),
+    row(
         "force with the wrong sign",
         "InvalidPath SettleTimeout",
         Injection("controller.force.z", 0.0, scale=-1.0),
@@ -240,6 +251,14 @@ ENCODERS = (
         why=COAST,
     ),
     row(
+        "encoder z is 50 um off",
+        "ForceError",
+        midway("controller.position.z", offset=50e-6),
+        most=10.5,
+        why="50 um at 178 N/mm are 9 N, less what the law takes back meanwhile, and 5 N",
+        changes=WHOLE,
+    ),
+    row(
         "encoder y drifts by 0.2 mm/s",
         "FollowingError",
         midway("controller.position.y", ramp=0.2e-3),
@@ -255,6 +274,22 @@ ENCODERS = (
         most=0.15e-3,
         why="50 um of stick-slip, and the lag of feed and reversal on both axes",
         changes=WHOLE,
+    ),
+    row(
+        "encoder y 0.16 m off before the start",
+        "Stroke",
+        Injection("controller.position.y", 0.0, offset=0.16),
+        most=0.0,
+        why="told in the first sample of the job: nothing moves",
+    ),
+    row(
+        "encoder x 80 um off, 60 um allowed",
+        "PositionError",
+        midway("controller.position.x", offset=80e-6),
+        truth=BESIDE,
+        most=0.13e-3,
+        why="80 um, and 50 um of stick-slip",
+        changes=("controller.limits.position_error=60e-6",),
     ),
     row(
         "encoder x jumps by 10 mm",
@@ -361,6 +396,35 @@ REST = (
         changes=("controller.pulses.size=2e-6",),
         most=0.0,
         why="still above the mold",
+    ),
+    row(
+        "stiffness told half, damping for a loop three times as fast",
+        "UnstableLoop",
+        changes=(
+            "controller.stiffness.nominal=90e3",
+            "controller.impedance.adaptive=false",
+            "controller.impedance.damping=1e3",
+        ),
+    ),
+    row(
+        "mold sinks by 0.1 mm in half a second, 50 um allowed",
+        "SurfaceError",
+        signals=(Signal("plant.mold_lift", SINKING, tuple(-1e-5 * step for step in range(len(SINKING)))),),
+        changes=("controller.limits.surface_error=5e-5",),
+    ),
+    row(
+        "settling of more time than it may take",
+        "SettleTimeout",
+        changes=("controller.settle.time_max=0.05",),
+    ),
+    row(
+        "sensor of 25.5 N whose zero is 1.5 N off, and a step of the mold",
+        "Saturation",
+        Injection("controller.force.z", 0.0, offset=1.5),
+        signals=(Signal("plant.mold_lift", (0.0, 1.5), (0.0, 1.5e-4)),),
+        changes=("controller.sensor.range=25.5",),
+        most=32.0,
+        why="the step of 0.15 mm at 178 N/mm, and 5 N",
     ),
     row(
         "mold 0.6 mm beside",

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 import pytest
 
 from . import matrix, page
-from .matrix import Row
-from .outcome import Runner
+from .matrix import DONE, Row
+from .outcome import FAULT, Runner
 
 LEAST = 20
 """Rows of a matrix."""
@@ -37,6 +37,14 @@ def test_each_page_has_its_matrix() -> None:
 def test_a_matrix_has_rows_enough_of_different_names(name: str) -> None:
     rows = [row.name for row in matrix.load(name).rows]
     assert len(set(rows)) == len(rows) >= LEAST
+
+
+@pytest.mark.parametrize("name", matrix.names())
+def test_each_fault_of_the_controller_is_told_in_a_row(runners: dict[str, Runner], name: str) -> None:
+    runner = runners[name]
+    told = {fault for outcome in runner.outcomes() for fault in outcome.found}
+    assert runner.session is not None
+    assert set(runner.session.columns[FAULT] or ()) == told | {DONE}
 
 
 @pytest.mark.parametrize("name", matrix.names())

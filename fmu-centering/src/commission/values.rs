@@ -35,7 +35,7 @@ impl Values {
     /// Those with what was measured; who told no bandwidth, for no feed-forward, gets none.
     pub fn with(self, measured: &Measured) -> Self {
         let bandwidth = if self.bandwidth > 0.0 { measured.slide_bandwidth } else { 0.0 };
-        Self { bandwidth, io_delay: measured.io_delay.round() as i32 }
+        Self { bandwidth, io_delay: measured.io_delay.round().max(0.0) as i32 }
     }
 
     /// Whether a measurement is sure enough, and of a servo that this controller can work with; `shift` (samples) is what its

@@ -57,7 +57,7 @@ impl Controller {
         // strokes are for a probe that nothing touches
         let rejected = commission && (self.commissioner.rejected() || self.calm.probe > p.probe.contact);
         let found = [
-            (self.long_step && self.state.active()).then_some(Fault::LongStep),
+            (self.long_step && (self.state.active() || commission)).then_some(Fault::LongStep),
             reading.fault,
             (frozen || astray).then_some(Fault::FrozenProbe),
             self.drive.fault(p),

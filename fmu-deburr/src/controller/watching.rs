@@ -13,7 +13,7 @@ use crate::reading::Reading;
 impl Controller {
     /// Looks at the axes while their loops are closed: what is wrong, and whether a pattern grows.
     pub(super) fn watch_axes(&mut self, p: &Parameters, reading: &Reading, motions: &Joints) -> (Finding, bool) {
-        if !self.state.closed() {
+        if !self.closed() {
             return (Finding::NONE, false);
         }
         if self.state == State::Run {

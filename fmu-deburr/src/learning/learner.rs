@@ -2,11 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::interface::{LearnOutput, LearningLaw, Parameters};
-use crate::learning::nominal::Nominal;
-use crate::learning::norm_optimal::{Work, solve};
+use crate::interface::{LearnOutput, Parameters};
+use crate::learning::errors::{ErrorSums, Errors};
 use crate::learning::pattern::Pattern;
-use crate::learning::zero_phase::{PAD, ZeroPhase};
+use crate::learning::renewal::Renewal;
 use crate::path::kinematics::{AXES, Joints};
 
 /// An error that is so many times that of the bare servo ends the learning of a speed.
@@ -25,19 +24,6 @@ pub enum Next {
     TooLarge,
 }
 
-/// Control error of one repetition.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Errors {
-    /// Root mean square, rad or m.
-    pub rms: Joints,
-    /// Largest magnitude, rad or m.
-    pub peak: Joints,
-    /// Root mean square of the sum over all axes at the tip, m.
-    pub cost: f64,
-    /// Largest of any axis, at the tip, m.
-    pub tip: f64,
-}
-
 /// Learning between two samples.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Learner {
@@ -53,20 +39,8 @@ pub struct Learner {
     first_cost: f64,
     best: Vec<Joints>,
     record: Vec<Joints>,
-    /// sums over the samples of this repetition
-    sums: Errors,
-    count: usize,
-    filter: ZeroPhase,
-    nominal: [Nominal; AXES],
-    values: Vec<f64>,
-    room: [Vec<f64>; 3],
-}
-
-impl Parameters {
-    /// By how many samples the learning looks ahead: `learn.lead` beyond `io_delay`.
-    pub(crate) fn shift(&self) -> usize {
-        (self.learn.lead + self.io_delay).max(0) as usize
-    }
+    sums: ErrorSums,
+    renewal: Renewal,
 }
 
 impl Learner {
@@ -81,18 +55,14 @@ impl Learner {
             first_cost: 0.0,
             best: vec![[0.0; AXES]; samples],
             record: vec![[0.0; AXES]; samples],
-            sums: Errors::default(),
-            count: 0,
-            filter: ZeroPhase::new(p.learn.bandwidth, p.sample_period),
-            nominal: std::array::from_fn(|axis| Nominal::new(p, axis)),
-            values: vec![0.0; samples],
-            room: [(); 3].map(|()| vec![0.0; samples + 2 * PAD]),
+            sums: ErrorSums::default(),
+            renewal: Renewal::new(p, samples),
         }
     }
 
     /// The drives are those that are told now.
     pub fn tell(&mut self, p: &Parameters) {
-        self.nominal = std::array::from_fn(|axis| Nominal::new(p, axis));
+        self.renewal.tell(p);
     }
 
     /// Begins with the first speed.
@@ -103,20 +73,13 @@ impl Learner {
 
     /// Begins the repetition again.
     pub fn restart(&mut self) {
-        (self.sums, self.count) = (Errors::default(), 0);
+        self.sums = ErrorSums::default();
     }
 
     /// Takes the control error of the sample `index` (pulses); `levers` tell how far the tip moves with each axis.
     pub fn record(&mut self, index: usize, error: &Joints, pulses: &Joints, levers: &Joints) {
         self.record[index] = *error;
-        self.count += 1;
-        for i in 0..AXES {
-            let error = error[i] * pulses[i];
-            self.sums.rms[i] += error * error;
-            self.sums.peak[i] = self.sums.peak[i].max(error.abs());
-            self.sums.cost += (error * levers[i]) * (error * levers[i]);
-            self.sums.tip = self.sums.tip.max((error * levers[i]).abs());
-        }
+        self.sums.take(error, pulses, levers);
     }
 
     /// Whether the present run is that of the bare servo which tells of the drives.
@@ -145,7 +108,7 @@ impl Learner {
         let least = self.judge(pattern);
         let diverged = self.first_cost > 0.0 && self.errors.cost > DIVERGED * self.first_cost;
         if self.repetition < p.learn.repetitions && !diverged && !self.converged(p, least) {
-            self.renew(p, pattern);
+            self.renewal.renew(p, &self.record, pattern);
             self.repetition += 1;
             if pattern.largest() <= p.limits.pulses_max {
                 return Next::Repeat;
@@ -192,9 +155,7 @@ impl Learner {
 
     /// Takes the errors of a repetition; the smallest one before.
     fn judge(&mut self, pattern: &Pattern) -> f64 {
-        let count = self.count.max(1) as f64;
-        let Errors { rms, cost, .. } = self.sums;
-        self.errors = Errors { rms: rms.map(|sum| (sum / count).sqrt()), cost: (cost / count).sqrt(), ..self.sums };
+        self.errors = self.sums.errors();
         self.restart();
         if self.repetition == 0 {
             (self.first_cost, self.best_cost) = (self.errors.cost, f64::INFINITY);
@@ -210,45 +171,6 @@ impl Learner {
     fn restore(&self, pattern: &mut Pattern) {
         pattern.samples.iter_mut().zip(&self.best).for_each(|(sample, best)| sample.compensation = *best);
     }
-
-    fn renew(&mut self, p: &Parameters, pattern: &mut Pattern) {
-        for axis in 0..AXES {
-            let count = pattern.len();
-            for k in 0..count {
-                let ahead = ahead(k, p.shift(), count, pattern.cyclic);
-                let (now, later) = (self.record[k][axis], self.record[ahead][axis]);
-                let compensation = pattern.samples[k].compensation[axis];
-                self.values[k] = match p.learn.law {
-                    LearningLaw::Plain | LearningLaw::LeadFilter => compensation + later,
-                    LearningLaw::NormOptimal => now,
-                };
-            }
-            self.transform(p, count, axis, pattern.cyclic);
-            for (sample, value) in pattern.samples.iter_mut().zip(&self.values) {
-                let compensation = &mut sample.compensation[axis];
-                *compensation = if p.learn.law == LearningLaw::NormOptimal { *compensation + value } else { *value };
-            }
-        }
-    }
-
-    /// What the law makes of the values of one axis as a whole.
-    fn transform(&mut self, p: &Parameters, count: usize, axis: usize, cyclic: bool) {
-        let values = &mut self.values[..count];
-        let [a, b, c] = &mut self.room;
-        match p.learn.law {
-            LearningLaw::Plain => {}
-            LearningLaw::LeadFilter => self.filter.filter(values, a, cyclic),
-            LearningLaw::NormOptimal => {
-                let mut work = Work { residual: &mut a[..count], direction: &mut b[..count], product: &mut c[..count] };
-                solve(&self.nominal[axis], p.learn.weight, values, &mut work);
-            }
-        }
-    }
-}
-
-/// Number of the sample `shift` later: in the next lap, or the last one.
-fn ahead(k: usize, shift: usize, count: usize, cyclic: bool) -> usize {
-    if cyclic { (k + shift) % count } else { (k + shift).min(count - 1) }
 }
 
 #[cfg(test)]
@@ -266,30 +188,6 @@ mod tests {
             learner.record(k, &[error(k); AXES], &[1e-6; AXES], &[1.0; AXES]);
         }
         learner.finish(p, pattern)
-    }
-
-    #[test]
-    fn plain_is_pattern_plus_error_in_whole_pulses() {
-        let (mut learner, mut pattern) = setup(&Parameters::PAPER);
-        let mut p = Parameters::PAPER;
-        p.io_delay = 0;
-        for _ in 0..2 {
-            assert_eq!(repeat(&mut learner, &p, &mut pattern, |k| k as f64), Next::Repeat);
-        }
-        for (k, sample) in pattern.samples.iter().enumerate() {
-            assert_eq!(sample.compensation, [2.0 * k as f64; AXES]);
-        }
-    }
-
-    #[test]
-    fn the_lead_reads_the_error_ahead_and_the_end_stays() {
-        let mut p = Parameters::PAPER;
-        (p.io_delay, p.learn.lead) = (1, 2);
-        let (mut learner, mut pattern) = setup(&p);
-        repeat(&mut learner, &p, &mut pattern, |k| k as f64);
-        let last = pattern.len() - 1;
-        assert_eq!(pattern.samples[5].compensation[0], 8.0);
-        assert_eq!(pattern.samples[last].compensation[0], last as f64);
     }
 
     #[test]
@@ -379,49 +277,6 @@ mod tests {
     }
 
     #[test]
-    fn errors_are_told_in_physical_units() {
-        let p = Parameters::START;
-        let (mut learner, mut pattern) = setup(&p);
-        repeat(&mut learner, &p, &mut pattern, |k| if k % 2 == 0 { 3.0 } else { -4.0 });
-        let Errors { rms, peak, cost, .. } = learner.errors;
-        assert!((rms[0] - 12.5_f64.sqrt() * 1e-6).abs() < 1e-8 && (peak[5] - 4e-6).abs() < 1e-15);
-        assert!((cost - 75.0_f64.sqrt() * 1e-6).abs() < 1e-7);
-    }
-
-    #[test]
-    fn with_the_filter_the_renewed_pattern_is_smooth_and_with_the_model_it_is_the_solution() {
-        for law in [LearningLaw::LeadFilter, LearningLaw::NormOptimal] {
-            let mut p = Parameters::START;
-            (p.io_delay, p.learn.lead, p.learn.law) = (0, 0, law);
-            let (mut learner, mut pattern) = setup(&p);
-            let step = |k: usize| if k < 30 { 0.0 } else { 100.0 };
-            repeat(&mut learner, &p, &mut pattern, step);
-            let mut expected: Vec<f64> = (0..pattern.len()).map(step).collect();
-            let mut room = vec![vec![0.0; pattern.len() + 2 * PAD]; 3];
-            let [a, b, c] = room.as_mut_slice() else { panic!() };
-            let count = pattern.len();
-            match law {
-                LearningLaw::LeadFilter => {
-                    ZeroPhase::new(p.learn.bandwidth, p.sample_period).filter(&mut expected, a, false);
-                }
-                _ => {
-                    let mut work =
-                        Work { residual: &mut a[..count], direction: &mut b[..count], product: &mut c[..count] };
-                    solve(&Nominal::new(&p, 4), p.learn.weight, &mut expected, &mut work);
-                }
-            }
-            for (sample, value) in pattern.samples.iter().zip(&expected) {
-                assert!((sample.compensation[4] - value).abs() < 1e-9, "{law:?}");
-            }
-            // a second one adds to it
-            repeat(&mut learner, &p, &mut pattern, |_| 0.0);
-            if law == LearningLaw::NormOptimal {
-                assert!((pattern.samples[40].compensation[4] - expected[40]).abs() < 1e-9);
-            }
-        }
-    }
-
-    #[test]
     fn the_outputs_count_speeds_from_one_and_stay_at_the_last() {
         let p = Parameters::PAPER;
         let (mut learner, mut pattern) = setup(&p);
@@ -436,12 +291,5 @@ mod tests {
         }
         let told = learner.report(&p, true, true);
         assert_eq!((told.speed_index, told.done, told.cost), (5, true, learner.errors.cost));
-    }
-
-    #[test]
-    fn the_sample_ahead_is_in_the_next_lap_or_the_last_one() {
-        for (k, cyclic, expected) in [(5, true, 8), (8, true, 1), (5, false, 8), (8, false, 9), (0, true, 3)] {
-            assert_eq!(ahead(k, 3, 10, cyclic), expected, "{k} {cyclic}");
-        }
     }
 }

@@ -50,7 +50,8 @@ fn random_inputs_do_no_harm() {
                     assert!(value.is_finite());
                 }
                 assert!(axis.velocity.abs() <= limits.velocity_max);
-                assert!(axis.velocity == 0.0 || !matches!(run.output.state, State::Off | State::Fault));
+                let held = run.output.state == State::Fault && run.output.drive_enable;
+                assert!(axis.velocity == 0.0 || held || !matches!(run.output.state, State::Off | State::Fault));
             }
             assert!(run.output.path.distance >= 0.0 && run.output.path.distance <= run.output.path.length);
         }

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::commission::experiment::{Experiment, Milestone};
 use crate::commission::plan::DELAY_SPREAD;
 use crate::commission::response::response;
-use crate::commission::values::{Values, acceptable, quiet};
+use crate::commission::values::{Values, acceptable};
 use crate::interface::{ForceOutput, Measured, Parameters};
 use crate::motion::stability::longest_delay;
 
@@ -119,7 +119,9 @@ impl Commissioner {
                 ..Measured::START
             };
         }
-        self.rejected = !acceptable(p, p.stage.force_constant, self.longest_delay, &self.measured);
+        // near what is in force, with which it is held, and near what was told, so that one commission after another goes nowhere
+        let near = [p.stage.force_constant, self.told.force_constant];
+        self.rejected = !near.into_iter().all(|told| acceptable(p, told, self.longest_delay, &self.measured));
         if !self.rejected {
             self.bring_into_force(self.told.with_response(&self.measured));
         }
@@ -142,7 +144,7 @@ impl Commissioner {
             slope_sigma_deviation: slope.deviation,
             ..self.measured
         };
-        self.rejected = !quiet(p, &self.measured);
+        self.rejected = !self.told.quiet(p, &self.measured);
         if self.rejected {
             return;
         }

@@ -18,7 +18,7 @@ const GUARD_GROWTH: f64 = 3.0;
 /// All parameters that a commission derives.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Values {
-    force_constant: f64,
+    pub force_constant: f64,
     io_delay: i32,
     guard_force: f64,
     force_left: f64,
@@ -71,7 +71,7 @@ impl Values {
 
     /// Those with the response that was measured.
     pub fn with_response(self, measured: &Measured) -> Self {
-        Self { force_constant: measured.force_constant, io_delay: measured.io_delay.round() as i32, ..self }
+        Self { force_constant: measured.force_constant, io_delay: measured.io_delay.round().max(0.0) as i32, ..self }
     }
 
     /// Those with the noise that was measured; what is not significant stays as it is. The limit of the noise only gets tighter.
@@ -91,17 +91,18 @@ impl Values {
             ..self
         }
     }
+
+    /// Whether the noise is one in which a touch is felt, by these limits as they were told: one that is there to refuse noise does
+    /// not grow with it, in one commission or in many.
+    pub fn quiet(&self, p: &Parameters, m: &Measured) -> bool {
+        m.slope_sigma <= self.slope_sigma_max && guard(p, m) <= GUARD_GROWTH * self.guard_force
+    }
 }
 
 /// Force (N) of the guard that this noise, and what is sure of this cogging, never reach.
 pub fn guard(p: &Parameters, m: &Measured) -> f64 {
     let stiffness = (m.stiffness.abs() - SIGNIFICANT * m.stiffness_deviation).max(0.0);
     f64::max(GUARD.0 * m.force_sigma, GUARD.1 * stiffness * p.approach.travel_max)
-}
-
-/// Whether the noise is one in which a touch is felt: a limit that is there to refuse noise does not grow with it.
-pub fn quiet(p: &Parameters, m: &Measured) -> bool {
-    m.slope_sigma <= p.limits.slope_sigma_max && guard(p, m) <= GUARD_GROWTH * p.guard_force
 }
 
 /// Whether a response is sure enough, and one that this controller can hold: `told` is what it took for the thrust constant,
@@ -176,10 +177,13 @@ mod tests {
         let mut found = p.clone();
         Values::of(&p).with_noise(&p, &Measured { slope_sigma: 2.0, ..GOOD }).put(&mut found);
         assert_eq!(found.limits.slope_sigma_max, 5.0);
-        let with = |slope_sigma, force_sigma| quiet(&p, &Measured { slope_sigma, force_sigma, ..GOOD });
+        let told = Values::of(&p);
+        // what an earlier commission has brought into force moves no limit
+        found.guard_force = 3.0 * p.guard_force;
+        let with = |slope_sigma, force_sigma| told.quiet(&found, &Measured { slope_sigma, force_sigma, ..GOOD });
         // 5 N/s, and a guard of three times 0.4 N
         assert_eq!([with(5.0, 0.06), with(5.1, 0.06), with(5.0, 0.0601)], [true, false, false]);
-        let stiff = |stiffness| quiet(&p, &Measured { stiffness, stiffness_deviation: 10.0, ..GOOD });
+        let stiff = |stiffness| told.quiet(&found, &Measured { stiffness, stiffness_deviation: 10.0, ..GOOD });
         // 150 N/m less three deviations of 10 for 5 mm, and as much again
         assert_eq!([stiff(-149.0), stiff(-151.0)], [true, false]);
     }

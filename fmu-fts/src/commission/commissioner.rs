@@ -3,6 +3,7 @@
 use control_blocks::ticks;
 use serde::{Deserialize, Serialize};
 
+use crate::check::{least_time_constant, least_tip_frequency};
 use crate::commission::arm::{FoundArm, find};
 use crate::commission::plan::{self, Plan};
 use crate::commission::values::{Values, acceptable};
@@ -10,6 +11,7 @@ use crate::identify::experiment::Identification;
 use crate::interface::{Measured, Parameters};
 use crate::servo::design::shape;
 use crate::servo::lead_lag::LeadLag;
+use crate::servo::nominal::Nominal;
 
 /// What is left of the bandwidth in each trial that does not leave enough margin, and the least of the wish.
 const NARROWER: f64 = 0.96;
@@ -125,13 +127,15 @@ impl Commissioner {
         self.derived = self.told.with_arm(&self.measured);
     }
 
-    /// The bandwidth that is wished, or the largest below it that leaves the margins.
+    /// The bandwidth that is wished, or the largest below it that leaves the margins, and for which the other parameters can be taken.
     fn shape(&mut self, p: &Parameters) {
         let (_, margins) = shape(&self.derived.nominal);
-        let bandwidth = &mut self.derived.nominal.servo.bandwidth;
-        if !margins.enough() || margins.sensitivity > p.commission.sensitivity_max {
-            *bandwidth *= NARROWER;
-            self.rejected = *bandwidth < BANDWIDTH_MIN * self.told.nominal.servo.bandwidth;
+        let Nominal { servo, tip, .. } = &mut self.derived.nominal;
+        let soft = tip.frequency > 0.0 && tip.frequency < least_tip_frequency(servo.bandwidth);
+        if soft || !margins.enough() || margins.sensitivity > p.commission.sensitivity_max {
+            servo.bandwidth *= NARROWER;
+            self.rejected = servo.bandwidth < BANDWIDTH_MIN * self.told.nominal.servo.bandwidth
+                || p.afc.tau < least_time_constant(p, servo.bandwidth);
             return;
         }
         (self.measured.valid, self.finished) = (true, true);

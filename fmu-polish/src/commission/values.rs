@@ -118,6 +118,7 @@ pub fn acceptable(p: &Parameters, told: &Values, m: &Measured) -> bool {
         && m.feedforward_deviation <= p.commission.deviation_max
         && m.io_delay_deviation <= p.commission.delay_deviation_max
         && (-0.5..DELAY_MAX as f64 + 0.5).contains(&m.io_delay)
+        && m.sensor_rotation.is_finite()
         && m.sensor_rotation_deviation <= p.commission.deviation_max
 }
 

@@ -125,8 +125,7 @@ def hold(found: Sequence[Machine], least: float) -> None:
         assert one["commissioned"] < 120.0
         assert one["travel"] < 1.75e-3
         assert one["swing_torque"] < 1.4
-    # 3 % of the flexure are 6 % of what the tip swings beyond the hub; told wrong by 30 %, all of that
-    # is 3.3 um
+    # 3 % of it are 6 % of what the tip swings beyond the hub, of which 30 % are 3.3 um at most
     for name, most in {"inertia": 0.01, "friction": 0.06, "flexure": 0.03, "delay": 0.5}.items():
         assert abs(errors(found)[name]).max() < most, name
     assert np.quantile(abs(errors(found)["flexure"]), 0.95) < 0.02

@@ -175,5 +175,6 @@ ROWS = (
         0.0,
         AXIS3,
         noise=2.5e-4,
+        duration=26.0,
     ),
 )

@@ -113,6 +113,17 @@ ROWS = (
         value=0.0,
     ),
     Row(
+        "commission: encoder drifts by 20 um/s",
+        (),
+        ASTRAY,
+        2.1e-4,
+        "the drift for the 10 s of a commission, and half a micrometre of the excitation",
+        (Injection(POSITION, when=MEASURING, after=3.0, ramp=2e-5),),
+        (COMMISSION, AT_REST),
+        ("loop.duration=11", 'loop.stop_when=controller.state == "Fault"'),
+        untold="a steady motion needs no force: the servo moves the slide along with it",
+    ),
+    Row(
         "commission: the slide is held",
         ("WeakDrive", "FollowingError", "Overload", "FrozenReading", "CommissionRejected"),
         ASTRAY,

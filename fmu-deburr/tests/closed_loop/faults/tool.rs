@@ -101,6 +101,25 @@ fn a_long_way_without_a_cut_is_told_before_the_end_of_the_path() {
 }
 
 #[test]
+fn in_a_fault_with_live_drives_the_pose_is_held() {
+    let mut run = running(Mode::Deburr);
+    run.parameters.limits.idle_way = 0.1;
+    (0..500).for_each(|k| {
+        run.input.spindle_speed = if k < 20 { 1850.0 } else { 1885.0 };
+        run.step();
+    });
+    stands_with(&run, Fault::NoCut);
+    let place = run.robot.positions();
+    // drives with an offset of 2 mm/s: they stand where the loop makes up for it
+    for _ in 0..300 {
+        run.step();
+        run.robot.advance(&[2e-3; 6]);
+    }
+    let moved = (0..6).map(|i| (run.robot.positions()[i] - place[i]).abs()).fold(0.0, f64::max);
+    assert!(run.output.drive_enable && (1e-5..5e-4).contains(&moved), "{moved} {:?}", run.output.fault);
+}
+
+#[test]
 fn a_tool_reading_that_freezes_under_load_is_told_in_half_a_second_and_the_tool_drawn_back() {
     let mut p = Parameters::START;
     p.lookup.enable = false;

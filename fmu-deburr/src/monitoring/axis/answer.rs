@@ -1,0 +1,110 @@
+//! What the answer of an axis says of its drive: the sign and the strength of it, and a command that swings.
+//!
+//! An offset of the drive moves the axis against what is commanded to make up for it, as a drive of the wrong sign does. Of an answer
+//! that is the command and something else, always the same, nothing is said of sign and strength: it is that if what such a one leaves
+//! of the answer is less than a quarter of what a drive of any strength leaves, both as least squares.
+
+use control_blocks::{Response, Reversals};
+use serde::{Deserialize, Serialize};
+
+use crate::interface::{Fault, Parameters};
+
+/// Samples over which the answer of an axis is compared with its command.
+const MEMORY: f64 = 4.0;
+/// Counts of motion in a sample from which there is an answer to compare.
+pub const EXCITED: f64 = 20.0;
+/// Share of the commanded motion below which a drive is weak.
+const WEAK: f64 = 0.7;
+/// Share below which it goes the other way.
+const OPPOSITE: f64 = -0.2;
+/// Share of the command for `error_max` from which a command swings.
+const SWING: f64 = 0.1;
+/// Reversals of a loop that is not stable, and the longest time between two, samples.
+const SWINGS: (u32, u32) = (3, 20);
+
+/// Share of what a drive of another strength leaves, below which an answer is that of a drive with an offset.
+const SHIFTED: f64 = 0.25;
+
+/// AnswerSums of an answer m to commands c with the memory of the response.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+struct AnswerSums {
+    weight: f64,
+    answer: f64,
+    command: f64,
+    product: f64,
+    shift: f64,
+    shifts: f64,
+}
+
+impl AnswerSums {
+    fn update(&mut self, commanded: f64, moved: f64) {
+        let keep = 1.0 - MEMORY.recip();
+        let shift = moved - commanded;
+        for (sum, term) in [
+            (&mut self.weight, 1.0),
+            (&mut self.answer, moved * moved),
+            (&mut self.command, commanded * commanded),
+            (&mut self.product, commanded * moved),
+            (&mut self.shift, shift),
+            (&mut self.shifts, shift * shift),
+        ] {
+            *sum = keep * *sum + term;
+        }
+    }
+
+    /// Whether an offset explains the answer and no strength does.
+    fn shifted(&self) -> bool {
+        let scaled = self.answer - self.product * self.product / self.command.max(f64::MIN_POSITIVE);
+        let shifted = self.shifts - self.shift * self.shift / self.weight.max(1.0);
+        shifted < SHIFTED * scaled
+    }
+}
+
+/// The answer of an axis to its commands.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Answer {
+    before: f64,
+    response: Response,
+    sums: AnswerSums,
+    swing: Reversals,
+    swings: u32,
+}
+
+impl Answer {
+    /// At rest at a position (rad or m).
+    pub fn resting(position: f64) -> Self {
+        Self { before: position, ..Self::default() }
+    }
+
+    /// Takes the velocity command (rad/s or m/s) that was sent to the axis `axis` (from 0).
+    pub fn command(&mut self, p: &Parameters, axis: usize, velocity: f64) {
+        let limit = SWING * p.servo_gain[axis] * p.limits.axis[axis].error_max;
+        self.swings = self.swing.update(velocity, limit, SWINGS.1);
+    }
+
+    /// Takes a reading and the motion that was commanded for the sample that it ends, rad or m.
+    pub fn update(&mut self, position: f64, commanded: f64) {
+        let moved = position - self.before;
+        self.response.update(commanded, moved, MEMORY);
+        self.sums.update(commanded, moved);
+        self.before = position;
+    }
+
+    /// Share of the commanded motion that was done; none where too little was commanded.
+    pub fn share(&self, pulse: f64) -> Option<f64> {
+        self.response.share((EXCITED * pulse).powi(2))
+    }
+
+    /// What a drive of this answer is a fault by, if anything.
+    pub fn cause(&self, pulse: f64) -> Option<Fault> {
+        if self.swings >= SWINGS.0 {
+            return Some(Fault::Oscillation);
+        }
+        match self.share(pulse) {
+            _ if self.sums.shifted() => None,
+            Some(share) if share < OPPOSITE => Some(Fault::DriveSign),
+            Some(share) if share < WEAK => Some(Fault::WeakDrive),
+            _ => None,
+        }
+    }
+}

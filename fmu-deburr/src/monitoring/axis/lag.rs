@@ -1,0 +1,59 @@
+//! The lag of the bare servo: how far a drive of another gain may be from the model of its loop.
+//!
+//! It is held at its peak and fades. A drive of gain g leaves (1/g - 1)/((1 + s/(g Kp)) (1 + s/Kp)) of the lag, later by both time
+//! constants. Where the lag is at most that peak, e^(f Kp t) times what is held, it is at most (1/g - 1)/((1 - f/g)(1 - f)): with
+//! f = 0.06 half of it at g = 0.7.
+
+use serde::{Deserialize, Serialize};
+
+use crate::interface::Parameters;
+
+/// It fades with so many times Kp, in motion and in the rest after it.
+const FADING: [f64; 2] = [0.06, 0.5];
+
+/// What is left of V/Kp.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub struct Lag {
+    /// Held at its peak, rad or m.
+    pub peak: f64,
+    /// The same that fades faster, in the rest after a run, rad or m.
+    pub tail: f64,
+    reference: f64,
+}
+
+impl Lag {
+    /// At rest at a reference (rad or m).
+    pub fn resting(reference: f64) -> Self {
+        Self { peak: 0.0, tail: 0.0, reference }
+    }
+
+    /// Takes the reference (rad or m) that was sent to the axis `axis` (from 0).
+    pub fn command(&mut self, p: &Parameters, axis: usize, reference: f64) {
+        let moved = (reference - self.reference).abs();
+        self.reference = reference;
+        // turns of the loop in a sample
+        let turns = p.servo_gain[axis] * p.model.axis[axis].gain * p.sample_period;
+        let lag = moved / turns;
+        let [slow, fast] = FADING.map(|fading| (-fading * turns).exp());
+        (self.peak, self.tail) = ((self.peak * slow).max(lag), (self.tail * fast).max(lag));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_lag_of_the_bare_servo_is_held_and_fades() {
+        let p = Parameters::START;
+        let kp = p.servo_gain[2];
+        let mut held = Lag::resting(0.0);
+        // 0.1 m/s for a sample, and then rest: a lag of V/Kp
+        held.command(&p, 2, 1e-3);
+        let lag = 0.1 / kp;
+        assert!((held.peak - lag).abs() < 1e-12 && (held.tail - lag).abs() < 1e-12);
+        held.command(&p, 2, 1e-3);
+        let faded = |share: f64| lag * (-share * kp * p.sample_period).exp();
+        assert!((held.peak - faded(0.06)).abs() < 1e-12 && (held.tail - faded(0.5)).abs() < 1e-12);
+    }
+}
