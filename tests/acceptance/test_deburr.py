@@ -32,6 +32,8 @@ BURRS = tuple(range(72_001, 72_051))
 
 RESOURCES = ROOT / "fmu-deburr/resources"
 KP = 13.0
+TOLD: Changes = ("plant.drive_frequency=280.0", "plant.encoder_noise=0.0", "plant.spindle_noise=0.0")
+"""The robot that the controller is told of, which is the paper's."""
 
 
 def errors(result: cosim.Result) -> tuple[float, float]:
@@ -401,7 +403,7 @@ def test_a_full_disk_leaves_the_old_bank_as_it_was(tmp_path: Path) -> None:
 
 @pytest.mark.full
 def test_the_bank_of_the_fmu_is_what_914_s_of_learning_give(tmp_path: Path) -> None:
-    result = learn(tmp_path / "bank.bin")
+    result = learn(tmp_path / "bank.bin", *TOLD)
     assert trace(result)["time"][-1] > 900.0
     # the bank that comes with the FMU was learned like this
     assert (tmp_path / "bank.bin").read_bytes() == (RESOURCES / "bank.bin").read_bytes()
@@ -411,7 +413,7 @@ def test_the_bank_of_the_fmu_is_what_914_s_of_learning_give(tmp_path: Path) -> N
 @pytest.mark.parametrize("delay", DELAYS)
 def test_plain_repetitions_reach_half_a_millimetre(delay: int, tmp_path: Path) -> None:
     # with a delay the error grows earlier: the renewal has to stop at the best, as the paper's Fig. 7 says
-    law = (*PLAIN[delay], *DELAYS[delay])
+    law = (*PLAIN[delay], *DELAYS[delay], *TOLD)
     learn(tmp_path / "bank.bin", *law)
     result = run("deburr/constant", *law, f"controller.bank.import='{tmp_path / 'bank.bin'}'")
     told(f"plain, delay {delay}", result)

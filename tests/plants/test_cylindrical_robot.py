@@ -22,6 +22,8 @@ Law = Callable[[float, dict[str, float]], dict[str, float]]
 
 TICK = 0.01
 RIGID: dict[str, Any] = {"flexible": False, "coulomb_friction": 0.0}
+PAPER: dict[str, Any] = {"drive_frequency": 280.0}
+"""The drives of the closed forms, eq. 1."""
 UNIFORM: dict[str, Any] = {
     "burr_height_least": 4e-3, "burr_height_most": 4e-3, "burr_thickness_least": 2e-3,
     "burr_thickness_most": 2e-3, "burr_gaps": 0.0,
@@ -29,7 +31,7 @@ UNIFORM: dict[str, Any] = {
 
 
 def robot(duration: float = 20.0, seed: int = 1, **changes: Any) -> CylindricalRobot:
-    plant = CylindricalRobot(CylindricalRobotParameters(**changes))
+    plant = CylindricalRobot(CylindricalRobotParameters(**{**PAPER, **changes}))
     plant.reset(seed, duration)
     return plant
 
@@ -388,4 +390,5 @@ def test_noise_is_told_to_the_harness() -> None:
     readings = robot(encoder_noise=2.0, spindle_noise=0.5).readings
     assert [channel.noise for channel in readings[:3]] == [2.0 * TURN / 640_000, 5e-6, 1e-5]
     assert readings[6].noise == 0.5
-    assert all(channel.noise == 0.0 for channel in robot().readings)
+    assert all(channel.noise > 0.0 for channel in robot().readings)
+    assert not any(channel.noise for channel in robot(encoder_noise=0.0, spindle_noise=0.0).readings)

@@ -18,10 +18,11 @@ Torque = Callable[[float], float]
 TURN = 2.0 * math.pi
 TICK = 1e-4
 
-# nothing but inertias, flexure, current loop and a spindle at constant speed
+# nothing but inertias, flexure, current loop and a spindle at constant speed; a command is the torque
 QUIET = RotaryArmParameters(
-    viscous_friction=0.0, coulomb_friction=0.0, ripple_torque=0.0, hum_torque=0.0, cutting_force=0.0,
-    cutting_force_twice=0.0, cutting_noise=0.0, spindle_ripple=0.0, spindle_ripple_twelfth=0.0, feed=0.0,
+    torque_gain=1.0, viscous_friction=0.0, coulomb_friction=0.0, ripple_torque=0.0, hum_torque=0.0,
+    cutting_force=0.0, cutting_force_twice=0.0, cutting_noise=0.0, spindle_ripple=0.0,
+    spindle_ripple_twelfth=0.0, feed=0.0,
 )  # fmt: skip
 
 

@@ -68,7 +68,7 @@ def test_slide_follows_a_straight_line_of_setpoints_without_lag() -> None:
     plant = ring(part_present=False, servo_damping=0.2)
     trace = run(plant, at_rest(1e-4), 0.1, 1e-4)
     peak = trace["slide_position"].argmax() * 1e-4
-    assert peak == pytest.approx(0.5 / (40.0 * math.sqrt(1.0 - 0.2**2)), rel=0.03)
+    assert peak == pytest.approx(0.5 / (plant.parameters.servo_bandwidth * math.sqrt(1.0 - 0.2**2)), rel=0.03)
 
 
 def test_error_motion_has_no_line_at_one_cycle_per_turn() -> None:
