@@ -301,7 +301,7 @@ ROWS = (
         HELD,
         at(4.0, TOOL, frozen=True),
     ),
-    Row("drive 1 with the wrong sign", ("DriveSign",), TIP, 4e-3, BLIND, at(0.0, DRIVE1, scale=-1.0)),
+    Row("drive 1 with the wrong sign", ("DriveSign",), FROM_REST, 4e-3, BLIND, at(0.0, DRIVE1, scale=-1.0)),
     Row("drive 3 does 0.3 of its command", ("WeakDrive",), TIP, 3.2e-3, NARROW, at(3.5, DRIVE3, scale=0.3)),
     # the reading flickers on
     Row("command of drive 3 lost", ("WeakDrive",), TIP, 5e-3, FROZEN, at(4.0, DRIVE3, value=0.0)),

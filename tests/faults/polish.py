@@ -203,7 +203,8 @@ SENSOR = (
     ),
     row(
         "slow sensor in a fast loop",
-        "Oscillation",
+        # a force that comes a quarter of a second late is one that does not answer, too
+        "Oscillation FrozenForce",
         changes=("plant.force_bandwidth=4.0", "controller.impedance.bandwidth=100.0", *WHOLE),
         most=13.0,
         why="5 N, and a swing that grows threefold in each half period",

