@@ -125,10 +125,9 @@ def hold(found: Sequence[Machine], least: float) -> None:
         assert one["commissioned"] < 120.0
         assert one["travel"] < 1.75e-3
         assert one["swing_torque"] < 1.4
-    # 3 % of it are 6 % of what the tip swings beyond the hub, of which 30 % are 3.3 um at most
-    for name, most in {"inertia": 0.01, "friction": 0.06, "flexure": 0.03, "delay": 0.5}.items():
+    # 15 % of the friction are 2 mN.m at most, a third of a thousandth of what the motor has
+    for name, most in {"inertia": 0.01, "friction": 0.15, "flexure": 0.025, "delay": 0.5}.items():
         assert abs(errors(found)[name]).max() < most, name
-    assert np.quantile(abs(errors(found)["flexure"]), 0.95) < 0.02
 
 
 def test_a_few_machines() -> None:
