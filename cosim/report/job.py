@@ -14,7 +14,7 @@ from cosim.writing import write
 
 FILM_SIZE = (800, 600)
 """Width and height of a film on the page, pixels."""
-FILM_SECONDS = 6.0
+FILM_SECONDS = 5.0
 
 
 @dataclass(frozen=True)

@@ -40,9 +40,9 @@ def check(file: Path) -> None:
 
 
 def told(file: Path, workers: int | None, engine: str, quiet: bool) -> dict[str, Any]:
-    """Do what is left of a study, as `cosim sweep --no-plots` does, and tell it; pages have own charts."""
+    """Do what is left of a study as `cosim sweep` does, without the plots and traces that no page shows."""
     folder = folder_of(None, Path(f"{file.stem}.sweep"))
-    options = Options(file, folder, workers, engine=engine, plots=False, quiet=quiet)
+    options = Options(file, folder, workers, engine=engine, plots=False, quiet=quiet, traces=False)
 
     def tell(plan: Plan, store: Store, found: Survey) -> dict[str, Any]:
         known = columns(plan.scenario, plan.cases)

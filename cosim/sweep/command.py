@@ -45,6 +45,7 @@ class Options:
     again: bool = False
     plots: bool = True
     quiet: bool = False
+    traces: bool = True
 
     def __post_init__(self) -> None:
         """Refuse an address that was forgotten: the runs would be done here."""
@@ -81,7 +82,8 @@ def run_study(options: Options, take: Callable[[Plan, Store, Survey], T]) -> T:
         finally:
             found = survey(plan, store)
             summarise(plan, found, store.folder, options.plots)
-        save_traces(plan, store, found, pool_of(plan, options), options.plots)
+        if options.traces:
+            save_traces(plan, store, found, pool_of(plan, options), options.plots)
         return take(plan, store, found)
 
 
