@@ -396,9 +396,9 @@ ROWS = (
         "gain of axis 3 seven times as high, with no patterns",
         ("Oscillation",),
         TIP,
-        1.5e-2,
+        8.5e-3,
         "1 mm, half the lag of 0.55 mm, and a swing that grows threefold until its third turn",
-        changes=("controller.servo.gain[3]=90", "plant.encoder_noise=0"),
+        changes=("controller.servo.gain[3]=90", "plant.encoder_noise=0", "plant.drive_frequency=280"),
         scenario="deburr/learn",
     ),
     Row(
