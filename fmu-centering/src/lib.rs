@@ -51,7 +51,7 @@ impl Model for Controller {
         let before = self.commissioned();
         self.bring_into_force(&mut vars.in_force);
         self.tick(&vars.input, &vars.in_force, &mut vars.output);
-        if self.commissioned() && !before && !vars.in_force.commission.export.is_empty() {
+        if self.commissioned() && !before {
             // a machine does not stop because a file cannot be written
             self.export(&vars.in_force).unwrap_or_else(|error| env.warn(error));
         }

@@ -1,6 +1,6 @@
 //! Checks of parameters against each other; single ranges are in the variable table of the FMU.
 
-use control_blocks::{Parameter, ParameterError, check_all};
+use control_blocks::{Parameter, ParameterError, check_all, check_commission_time};
 
 use crate::commission::{plan, values};
 use crate::interface::Parameters;
@@ -83,11 +83,7 @@ fn commission_apply(p: &Parameters) -> Result<(), ParameterError> {
 }
 
 fn commission_time(p: &Parameters, path: &TaughtPath) -> Result<(), ParameterError> {
-    let (value, least) = (p.commission.time, plan::least_time(p, path.speed));
-    let time = Parameter::new("commission.time", value, "s", "or every commission ends in `NoProgress`");
-    time.must_be(value == 0.0 || value >= least, || {
-        format!("`0`, or at least `{least:.1} s`, the time that its motions take")
-    })
+    check_commission_time(p.commission.time, || plan::least_time(p, path.speed))
 }
 
 #[cfg(test)]

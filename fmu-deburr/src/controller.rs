@@ -4,7 +4,7 @@ mod commissioning;
 mod following;
 mod watching;
 
-use control_blocks::{Consecutive, Edge, ParameterError, Progress as Elapsed, SafeEnd, SentCommands};
+use control_blocks::{Consecutive, Edge, ParameterError, Progress as Elapsed, SafeEnd, SentCommands, WaitingRequest};
 use serde::{Deserialize, Serialize};
 
 use crate::bank::kept::KeptPatterns;
@@ -44,7 +44,7 @@ pub struct Controller {
     /// a commission goes on, or stops
     commissioning: bool,
     /// an edge of `commission` waits for axes at rest
-    commission_asked: bool,
+    commission_asked: WaitingRequest,
     commission: Edge,
     /// something is being learned; all of it was learned
     learning: bool,
@@ -121,7 +121,7 @@ impl Controller {
             learner,
             commissioner,
             commissioning: false,
-            commission_asked: false,
+            commission_asked: WaitingRequest::default(),
             commission: Edge::default(),
             learning: false,
             learned: false,
@@ -192,7 +192,7 @@ impl Controller {
             self.origin = output.bank.status;
         }
         if self.commissioner.take_renewed() {
-            self.change_drives(p);
+            self.renew(p);
         }
         let before = self.reader.positions();
         let motions = self.sent.map(|sent| sent.before(p.io_delay as usize) * p.sample_period);
@@ -232,7 +232,8 @@ impl Controller {
         // nothing begins from a place that is not known
         let enable = input.enable && self.reader.placed();
         self.disabled = !enable || self.disabled && before == State::Stop;
-        self.ask_for_commission(input.commission);
+        let edge = self.commission.rises(input.commission);
+        let asked = self.commission_asked.update(before.waits(), edge, input.commission);
         self.state = next(
             before,
             &Events {
@@ -243,7 +244,7 @@ impl Controller {
                 hold: input.hold,
                 reset: self.reset.rises(input.reset_fault) && at_rest,
                 end,
-                commission: self.commission_asked && at_rest && !input.hold,
+                commission: asked && at_rest && !input.hold,
                 break_off: !input.commission || input.hold,
                 commissioning: self.commissioning,
                 fault: found.is_fault(),

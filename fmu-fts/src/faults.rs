@@ -1,8 +1,8 @@
 //! Every fault is named here, how it ends, and the numbers that are told with it.
 
-use control_blocks::SafeEnd;
+use control_blocks::{DELAY_SPREAD, SafeEnd};
 
-use crate::commission::plan::{DELAY_SPREAD, FLEXURE_MAX};
+use crate::commission::plan::FLEXURE_MAX;
 use crate::interface::Fault::{FrozenReading, FrozenSlide, FrozenSpindle, LostReading, LostSlide, LostSpindle};
 use crate::interface::Fault::{ReadingJump, SlideJump, SpindleJump};
 use crate::interface::{Fault, Measured, Parameters, Vars};

@@ -1,6 +1,6 @@
 //! The commission as the controller sees it: what moves, what was found, and which values are in force.
 
-use control_blocks::Welford;
+use control_blocks::{InForce, Welford};
 use serde::{Deserialize, Serialize};
 
 use crate::commission::experiment::{Experiment, Milestone, Sample};
@@ -22,12 +22,9 @@ pub struct Commissioner {
     pub measured: Measured,
     /// The result cannot be used.
     pub rejected: bool,
-    /// all was measured, and is good so far
-    complete: bool,
-    told: Values,
-    /// what the last good commission derives
-    derived: Values,
-    in_force: Values,
+    /// All was measured, and is good so far; the tool leaves.
+    pub finished: bool,
+    values: InForce<Values>,
     /// what was in force in the last sample
     before: Values,
 }
@@ -40,10 +37,8 @@ impl Commissioner {
             experiment: Experiment::new(p),
             measured: Measured::START,
             rejected: false,
-            complete: false,
-            told,
-            derived: told,
-            in_force: told,
+            finished: false,
+            values: InForce::new(told),
             before: told,
         }
     }
@@ -51,31 +46,31 @@ impl Commissioner {
     /// Begins at rest, with what was told.
     pub fn begin(&mut self, p: &Parameters) {
         self.experiment = Experiment::new(p);
-        (self.measured, self.rejected, self.complete) = (Measured::START, false, false);
+        (self.measured, self.rejected, self.finished) = (Measured::START, false, false);
     }
 
     /// Leaves the mold in order, before its end.
     pub fn break_off(&mut self) {
         self.experiment.leave();
-        self.complete = false;
+        self.finished = false;
     }
 
     /// The tool has left: without a good result what was told counts.
     pub fn end(&mut self) {
         if !self.measured.valid {
-            self.in_force = self.told;
+            self.values.restore();
         }
     }
 
     /// Puts the values in force in place of those that the parameters have.
     pub fn put(&mut self, p: &mut Parameters) {
-        self.in_force.put(p, &[self.told, self.before]);
-        self.before = self.in_force;
+        self.values.now().put(p, &[self.values.told(), self.before]);
+        self.before = self.values.now();
     }
 
     /// Names and values of what a good commission derives.
     pub fn derived(&self) -> [(&'static str, f64); 10] {
-        self.derived.entries()
+        self.values.derived().entries()
     }
 
     /// Takes what this sample has read and sent.
@@ -85,7 +80,7 @@ impl Commissioner {
             Milestone::Touched => {
                 // what is pressed on the mold pushes back
                 if sample.contact.pulls(&sample.now.frame.normal) {
-                    self.in_force.sensor_direction_z *= -1;
+                    self.values.bring(self.values.now().turned());
                 }
             }
             Milestone::Measured => self.identify(p, sample),
@@ -111,10 +106,10 @@ impl Commissioner {
             sensor_rotation: rotation,
             sensor_rotation_deviation: angle[1],
             sensor_direction_y: direction,
-            sensor_direction_z: self.in_force.sensor_direction_z,
+            sensor_direction_z: self.values.now().sensor_direction_z,
             ..Measured::START
         };
-        if let Ok(drive) = response(p, &self.told.drive, plan, spectra) {
+        if let Ok(drive) = response(p, &self.values.told().drive, plan, spectra) {
             let (value, gain) = (drive.value, drive.value[0].exp());
             self.measured = Measured {
                 drive_gain: gain,
@@ -126,20 +121,21 @@ impl Commissioner {
                 ..self.measured
             };
         }
-        self.complete = acceptable(p, &self.told, &self.measured);
-        self.rejected = !self.complete;
-        if self.complete {
-            self.derived = self.told.derived(p, &self.measured);
-            self.in_force = self.derived;
+        let told = self.values.told();
+        self.finished = acceptable(p, &told, &self.measured);
+        self.rejected = !self.finished;
+        if self.finished {
+            // on the way out, too: the sensor is as it was found
+            self.values.conclude(told.derived(p, &self.measured), true);
         }
     }
 
     /// Judges what was derived, which is in force by now.
     fn finish(&mut self, p: &Parameters) {
-        self.measured.valid = self.complete && margin::least(p) >= margin::LEAST;
-        self.rejected = self.complete && !self.measured.valid;
+        self.measured.valid = self.finished && margin::least(p) >= margin::LEAST;
+        self.rejected = self.finished && !self.measured.valid;
         if !p.commission.apply {
-            self.in_force = self.told;
+            self.values.restore();
         }
     }
 }

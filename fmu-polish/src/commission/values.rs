@@ -2,10 +2,9 @@
 
 use std::f64::consts::PI;
 
-use control_blocks::DELAY_MAX;
+use control_blocks::{DELAY_MAX, RATIO_MAX, sure, whole_delay, within_factor};
 use serde::{Deserialize, Serialize};
 
-use crate::commission::plan::RATIO_MAX;
 use crate::force::response::axis;
 use crate::interface::{Drive, Measured, Mode, Parameters};
 use crate::motion::sliding::highest;
@@ -73,6 +72,11 @@ impl Values {
         ]
     }
 
+    /// With the z of the sensor the other way.
+    pub fn turned(self) -> Self {
+        Self { sensor_direction_z: -self.sensor_direction_z, ..self }
+    }
+
     /// What follows from a measurement, from these that were told.
     pub fn derived(self, p: &Parameters, m: &Measured) -> Self {
         let drive = self.drive.faster(m.drive_gain, m.feedforward.clamp(0.0, 1.0));
@@ -81,7 +85,7 @@ impl Values {
             // the same gain of the loop
             damping: self.damping * m.stiffness / self.stiffness,
             drive,
-            io_delay: (m.io_delay.round() as i32).clamp(0, DELAY_MAX as i32),
+            io_delay: whole_delay(m.io_delay),
             sensor_rotation: m.sensor_rotation,
             sensor_direction_y: m.sensor_direction_y,
             sensor_direction_z: m.sensor_direction_z,
@@ -104,22 +108,21 @@ impl Values {
 
 /// Whether a measurement is sure enough, and of a machine that this controller can hold: `told` is what it took it for.
 pub fn acceptable(p: &Parameters, told: &Values, m: &Measured) -> bool {
-    let sure = |value: f64, deviation: f64| value > 0.0 && deviation <= p.commission.deviation_max * value;
-    let near = |ratio: f64| (RATIO_MAX.recip()..=RATIO_MAX).contains(&ratio);
+    let share = p.commission.deviation_max;
     let contact = [
         (m.stiffness, m.stiffness_deviation),
         (m.friction, m.friction_deviation),
         (m.lateral_stiffness, m.lateral_stiffness_deviation),
     ];
-    contact.iter().all(|(value, deviation)| sure(*value, *deviation))
-        && near(m.stiffness / told.stiffness)
-        && sure(m.drive_gain, m.drive_gain_deviation)
-        && near(m.drive_gain)
-        && m.feedforward_deviation <= p.commission.deviation_max
+    contact.iter().all(|(value, deviation)| *value > 0.0 && sure(*value, *deviation, share))
+        && within_factor(m.stiffness, told.stiffness, RATIO_MAX)
+        && sure(m.drive_gain, m.drive_gain_deviation, share)
+        && within_factor(m.drive_gain, 1.0, RATIO_MAX)
+        && m.feedforward_deviation <= share
         && m.io_delay_deviation <= p.commission.delay_deviation_max
-        && (-0.5..DELAY_MAX as f64 + 0.5).contains(&m.io_delay)
+        && (0..=DELAY_MAX as i32).contains(&whole_delay(m.io_delay))
         && m.sensor_rotation.is_finite()
-        && m.sensor_rotation_deviation <= p.commission.deviation_max
+        && m.sensor_rotation_deviation <= share
 }
 
 #[cfg(test)]
@@ -226,7 +229,7 @@ mod tests {
             (|m, x| m.drive_gain = x, 0.5, 0.499),
             (|m, x| m.feedforward_deviation = x, 0.1, 0.101),
             (|m, x| m.io_delay_deviation = x, 0.25, 0.251),
-            (|m, x| m.io_delay = x, -0.5, -0.51),
+            (|m, x| m.io_delay = x, -0.49, -0.5),
             (|m, x| m.io_delay = x, DELAY_MAX as f64 + 0.49, DELAY_MAX as f64 + 0.5),
             (|m, x| m.sensor_rotation_deviation = x, 0.1, 0.101),
         ];
