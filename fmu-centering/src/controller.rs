@@ -113,7 +113,7 @@ impl Controller {
     }
 
     /// Puts what a commission has measured into the parameters, where `commission.apply` says so; before each sample.
-    pub fn bring_into_force(&self, p: &mut Parameters) {
+    pub fn bring_into_force(&mut self, p: &mut Parameters) {
         self.commissioner.put(p);
     }
 
@@ -416,6 +416,7 @@ impl Controller {
                 job_time: self.progress.samples() as f64 * p.sample_period,
             },
             measured: self.measured(),
+            told: Some(self.commissioner.told()),
             numbers: Numbers {
                 following_limit: self.drive.allowed(),
                 forward: self.supervisor.forward(),

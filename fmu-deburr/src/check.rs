@@ -9,9 +9,17 @@ use crate::run::PREVIEW_MAX;
 
 /// Checks all combinations; the first that fails is the error.
 pub fn check(p: &Parameters, path: &TaughtPath) -> Result<(), ParameterError> {
-    check_all(p, &[travel, bandwidth, lead, lead_in, lead_out, preview, commission_apply])?;
+    check_all(p, &[travel, bandwidth, lead_out, check_delay, commission_apply])?;
     speed_min(p, path)?;
     commission_time(p, path)
+}
+
+/// What the samples of delay must fit, the only ones of what a commission derives that others depend on.
+///
+/// # Errors
+/// When a parameter does not fit them.
+pub fn check_delay(p: &Parameters) -> Result<(), ParameterError> {
+    check_all(p, &[lead, lead_in, preview])
 }
 
 fn travel(p: &Parameters) -> Result<(), ParameterError> {
@@ -69,8 +77,7 @@ fn speed_min(p: &Parameters, path: &TaughtPath) -> Result<(), ParameterError> {
 
 fn commission_apply(p: &Parameters) -> Result<(), ParameterError> {
     let delays = values::delays(p.io_delay);
-    let fits =
-        |io_delay: &i32| check_all(&Parameters { io_delay: *io_delay, ..p.clone() }, &[lead, lead_in, preview]).is_ok();
+    let fits = |io_delay: &i32| check_delay(&Parameters { io_delay: *io_delay, ..p.clone() }).is_ok();
     let good = !p.commission.apply || [delays.start(), delays.end()].into_iter().all(fits);
     let hint = "the delay that it finds has to fit them; or lower `io_delay` to what it is";
     Parameter::new("commission.apply", p.commission.apply, "", hint).must_be(good, || {

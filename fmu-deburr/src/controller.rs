@@ -369,7 +369,8 @@ impl Controller {
 
     fn report(&mut self, p: &Parameters, velocity: &Joints, output: &mut Output) {
         let reference = servo::pulses(p, &self.joints);
-        let Output { axis, saturated, state, fault, drive_enable, path, learn, load, bank, numbers, measured } = output;
+        let Output { axis, saturated, state, fault, drive_enable, path, learn, load, bank, numbers, measured, told } =
+            output;
         *axis = std::array::from_fn(|i| AxisOutput {
             velocity: velocity[i],
             reference: reference[i] * p.axis[i].pulse,
@@ -384,7 +385,7 @@ impl Controller {
         });
         *saturated = (0..AXES).any(|i| velocity[i].abs() >= p.axis[i].velocity_max);
         (*state, *fault, *numbers) = (self.state, self.fault, self.numbers);
-        *measured = self.commissioner.measured;
+        (*measured, *told) = (self.commissioner.measured, Some(self.commissioner.told()));
         *drive_enable = self.state != State::Fault || self.fault.safe_end() != SafeEnd::DriveOff;
         *path = self.run.report(&self.path, self.on_path, self.state == State::Done && self.job.moves());
         *learn = self.learner.report(p, self.job == Mode::Learn || self.learned, self.learned);

@@ -13,13 +13,22 @@ use crate::motion::travel::arming_travel;
 const LEARN_WINDOWS: usize = 5;
 
 /// Checks all combinations; the first that fails is the error.
+///
+/// # Errors
+/// When a parameter does not fit the others.
 pub fn check(p: &Parameters) -> Result<(), ParameterError> {
+    check_all(p, &[direction, velocity_bandwidth, stability])?;
+    check_derived(p)
+}
+
+/// All but those that a commission cannot change: it knows the longest delay at which the loop is stable.
+///
+/// # Errors
+/// When a parameter does not fit the others.
+pub fn check_derived(p: &Parameters) -> Result<(), ParameterError> {
     check_all(
         p,
         &[
-            direction,
-            velocity_bandwidth,
-            stability,
             settle_time,
             learn_time,
             travel,

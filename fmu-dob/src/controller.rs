@@ -114,7 +114,7 @@ impl Controller {
     }
 
     /// Puts what a commission has measured into the parameters, where `commission.apply` says so; before each sample.
-    pub fn bring_into_force(&self, p: &mut Parameters) {
+    pub fn bring_into_force(&mut self, p: &mut Parameters) {
         self.commissioner.put(p);
     }
 
@@ -419,6 +419,7 @@ impl Controller {
             tracking_error: direction * error,
             measured: self.commissioner.measured,
             drive_share: self.monitors.drive.share().unwrap_or(1.0),
+            told: Some(self.commissioner.told()),
             numbers: self.numbers,
         };
     }

@@ -8,13 +8,14 @@ pub struct InForce<V> {
     told: V,
     derived: V,
     now: V,
+    proposed: Option<V>,
     renewed: bool,
 }
 
 impl<V: Copy + PartialEq> InForce<V> {
     /// What was told is in force.
     pub fn new(told: V) -> Self {
-        Self { told, derived: told, now: told, renewed: false }
+        Self { told, derived: told, now: told, proposed: None, renewed: false }
     }
 
     /// Those that were told.
@@ -37,6 +38,16 @@ impl<V: Copy + PartialEq> InForce<V> {
         self.now == self.told
     }
 
+    /// Proposes values, which come into force if the parameters with them fit each other.
+    pub fn propose(&mut self, values: V) {
+        self.proposed = Some(values);
+    }
+
+    /// What was proposed since this was last asked; asked before a sample, when the parameters are at hand to be checked with it.
+    pub fn take_proposed(&mut self) -> Option<V> {
+        self.proposed.take()
+    }
+
     /// Brings values into force.
     pub fn bring(&mut self, values: V) {
         self.renewed |= values != self.now;
@@ -49,8 +60,9 @@ impl<V: Copy + PartialEq> InForce<V> {
         self.bring(if apply { derived } else { self.told });
     }
 
-    /// Brings what was told back into force.
+    /// Brings what was told back into force, and forgets what was proposed.
     pub fn restore(&mut self) {
+        self.proposed = None;
         self.bring(self.told);
     }
 
@@ -75,6 +87,16 @@ mod tests {
         assert!(values.take_renewed() && !values.take_renewed());
         values.restore();
         assert_eq!((values.derived(), values.now(), values.take_renewed()), (3, 1, true));
+    }
+
+    #[test]
+    fn what_is_proposed_is_asked_for_once_and_not_in_force() {
+        let mut values = InForce::new(1);
+        values.propose(2);
+        assert_eq!((values.now(), values.take_proposed(), values.take_proposed()), (1, Some(2), None));
+        values.propose(3);
+        values.restore();
+        assert_eq!((values.take_proposed(), values.take_renewed()), (None, false));
     }
 
     #[test]

@@ -4,7 +4,7 @@ use control_blocks::{DELAY_MAX, RATIO_MAX, sure, whole_delay, within_factor};
 use serde::{Deserialize, Serialize};
 
 use crate::interface::{Measured, Parameters};
-use crate::limits::slowest_servo;
+use crate::limits::{servo_damping, slowest_servo};
 
 /// All parameters that a commission derives.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -41,6 +41,7 @@ impl Values {
         sure(m.slide_bandwidth, m.slide_bandwidth_deviation, p.commission.deviation_max)
             && m.io_delay_deviation.max(shift.abs()) <= p.commission.delay_deviation_max
             && m.slide_bandwidth >= slowest_servo(p)
+            && servo_damping(p, m.slide_bandwidth).contains(&m.slide_damping)
             && (self.bandwidth == 0.0 || within_factor(m.slide_bandwidth, self.bandwidth, RATIO_MAX))
             && (0..=DELAY_MAX as i32).contains(&whole_delay(m.io_delay))
     }
@@ -56,6 +57,7 @@ mod tests {
     const GOOD: Measured = Measured {
         slide_bandwidth: TAU * 30.0,
         slide_bandwidth_deviation: 0.1,
+        slide_damping: 0.7,
         io_delay: 1.9,
         io_delay_deviation: 0.01,
         ..Measured::START
@@ -79,11 +81,14 @@ mod tests {
     #[test]
     fn each_limit_is_the_last_value_that_is_accepted() {
         type Set = fn(&mut Measured, f64);
-        let limits: [(Set, f64, f64); 6] = [
+        let limits: [(Set, f64, f64); 8] = [
             (|m, x| m.slide_bandwidth_deviation = x * TAU * 30.0, 0.019_99, 0.020_01),
             (|m, x| m.io_delay_deviation = x, 0.25, 0.251),
             (|m, x| m.slide_bandwidth = TAU * x, 79.9, 80.1),
             (|m, x| m.slide_bandwidth = TAU * x, 20.1, 19.9),
+            // 60 /s over 30 Hz, and where that takes 45 degrees
+            (|m, x| m.slide_damping = x, 0.32, 0.316),
+            (|m, x| m.slide_damping = x, 1.411, 1.412),
             (|m, x| m.io_delay = x, 8.49, 8.5),
             (|m, x| m.io_delay = x, -0.49, -0.5),
         ];

@@ -3,6 +3,7 @@
 use control_blocks::{InForce, Welford, whole_delay};
 use serde::{Deserialize, Serialize};
 
+use crate::check::check_delay;
 use crate::commission::estimation::Response;
 use crate::commission::experiment::Experiment;
 use crate::commission::plan::room;
@@ -58,9 +59,25 @@ impl Commissioner {
         self.values.restore();
     }
 
-    /// Values in force, in place of those that the parameters have.
-    pub fn put(&self, p: &mut Parameters) {
+    /// Puts the values in force in place of those that the parameters have; what was derived since the last sample only if the
+    /// parameters with it fit each other.
+    pub fn put(&mut self, p: &mut Parameters) {
+        if let Some(derived) = self.values.take_proposed() {
+            derived.put(p);
+            self.finished = check_delay(p).is_ok();
+            self.measured.valid = self.finished;
+            if self.finished {
+                self.values.conclude(derived, p.commission.apply);
+            } else {
+                self.rejected = Some(Rejection::Values);
+            }
+        }
         self.values.now().put(p);
+    }
+
+    /// Values that were told.
+    pub fn told(&self) -> Values {
+        self.values.told()
     }
 
     /// Whether other values are in force since this was last asked.
@@ -106,8 +123,7 @@ impl Commissioner {
         let told = self.values.told();
         self.rejected = rejection(p, &told, &self.measured);
         if self.rejected.is_none() {
-            (self.measured.valid, self.finished) = (true, true);
-            self.values.conclude(told.derived(&self.measured), p.commission.apply);
+            self.values.propose(told.derived(&self.measured));
         }
     }
 

@@ -126,6 +126,8 @@ pub enum Rejection {
     Delay,
     /// The tool.
     Tool,
+    /// The parameters do not fit what follows from it.
+    Values,
 }
 
 /// Why a measurement cannot be used.

@@ -13,8 +13,11 @@ use crate::reading::Reading;
 
 impl Controller {
     /// Puts what a commission has measured into the parameters, where `commission.apply` says so; before each sample.
-    pub fn bring_into_force(&self, p: &mut Parameters) {
+    pub fn bring_into_force(&mut self, p: &mut Parameters) {
         self.commissioner.put(p);
+        if self.state == State::Commission && self.commissioner.finished {
+            self.progress = Progress::Over;
+        }
     }
 
     /// Writes what the last good commission derives into the file `commission.export`.
@@ -51,7 +54,6 @@ impl Controller {
     pub(super) fn observe_commission(&mut self, p: &Parameters, reading: &Reading) {
         if self.state == State::Commission && !self.inside && !self.commissioner.finished {
             self.commissioner.observe(p, &self.error, reading.spindle_speed);
-            self.finish_if(self.commissioner.finished);
         }
     }
 

@@ -3,6 +3,7 @@
 use control_blocks::{InForce, Trajectory, bearable_delays};
 use serde::{Deserialize, Serialize};
 
+use crate::check::check_derived;
 use crate::commission::experiment::{Experiment, Milestone};
 use crate::commission::response::response;
 use crate::commission::values::{Values, acceptable};
@@ -40,7 +41,7 @@ impl Commissioner {
         }
     }
 
-    /// Begins at rest at `start` m with what was told; `held` is the force (N) that holds the stage.
+    /// Begins at rest at `start` m with what is in force; `held` is the force (N) that holds the stage.
     pub fn begin(&mut self, p: &Parameters, start: f64, held: f64) {
         self.experiment = Experiment::new(p, start);
         (self.measured, self.held) = (Measured::START, held);
@@ -53,9 +54,27 @@ impl Commissioner {
         self.measured.valid = false;
     }
 
-    /// Values in force, in place of those that the parameters have.
-    pub fn put(&self, p: &mut Parameters) {
+    /// Puts the values in force in place of those that the parameters have; what was found since the last sample only if the
+    /// parameters with it fit each other. The response is in force for the strokes, so that the noise is that of the law with it.
+    pub fn put(&mut self, p: &mut Parameters) {
+        if let Some(found) = self.values.take_proposed() {
+            found.put(p);
+            self.rejected = check_derived(p).is_err();
+            match (self.rejected, self.experiment.over()) {
+                (true, _) => {}
+                (false, false) => self.values.bring(found),
+                (false, true) => {
+                    (self.measured.valid, self.finished) = (true, true);
+                    self.values.conclude(found, p.commission.apply);
+                }
+            }
+        }
         self.values.now().put(p);
+    }
+
+    /// Values that were told.
+    pub fn told(&self) -> Values {
+        self.values.told()
     }
 
     /// Whether other values are in force since this was last asked.
@@ -94,7 +113,7 @@ impl Commissioner {
         }
     }
 
-    /// Thrust, delay, friction and stiffness; they are in force for the strokes, so that the noise is that of the law with them.
+    /// Thrust, delay, friction and stiffness.
     fn identify(&mut self, p: &Parameters) {
         if let Ok(found) = response(p, &self.experiment.plan, &self.experiment.spectra) {
             let (value, mass) = (found.value, p.stage.mass);
@@ -115,7 +134,7 @@ impl Commissioner {
         let near = [p.stage.force_constant, told.force_constant];
         self.rejected = !near.into_iter().all(|told| acceptable(p, told, self.longest_delay, &self.measured));
         if !self.rejected {
-            self.values.bring(told.with_response(&self.measured));
+            self.values.propose(told.with_response(&self.measured));
         }
     }
 
@@ -138,10 +157,8 @@ impl Commissioner {
         };
         let told = self.values.told();
         self.rejected = !told.quiet(p, &self.measured);
-        if self.rejected {
-            return;
+        if !self.rejected {
+            self.values.propose(told.derived(p, &self.measured));
         }
-        (self.measured.valid, self.finished) = (true, true);
-        self.values.conclude(told.derived(p, &self.measured), p.commission.apply);
     }
 }

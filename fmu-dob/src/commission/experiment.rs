@@ -71,6 +71,11 @@ impl Experiment {
         matches!(self.phase, Phase::Back | Phase::Excite)
     }
 
+    /// Whether all strokes are over.
+    pub fn over(&self) -> bool {
+        self.strokes >= STROKES
+    }
+
     /// The reference of this sample after that of the one before.
     pub fn reference(&mut self, now: &Trajectory, dt: f64) -> Trajectory {
         let time = f64::from(self.tick + 1) * dt;
@@ -151,6 +156,6 @@ impl Experiment {
             self.noise.close();
             (self.strokes, self.tick) = (self.strokes + 1, 0);
         }
-        if self.strokes < STROKES { Milestone::None } else { Milestone::Finished }
+        if self.over() { Milestone::Finished } else { Milestone::None }
     }
 }

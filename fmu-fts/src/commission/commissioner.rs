@@ -60,7 +60,7 @@ impl Commissioner {
         }
     }
 
-    /// Begins at rest, with what was told.
+    /// Begins at rest, under the loop of the arm as it was told.
     pub fn begin(&mut self) {
         self.experiment.restart();
         self.measured = Measured::START;
@@ -71,6 +71,11 @@ impl Commissioner {
     pub fn break_off(&mut self) {
         self.values.restore();
         self.measured.valid = false;
+    }
+
+    /// Values that were told.
+    pub fn told(&self) -> Values {
+        self.values.told()
     }
 
     /// Longest time that it may take, s.

@@ -59,16 +59,20 @@ impl Values {
     }
 }
 
+/// Longest delay (samples) that a commission can bear which was `told` of the machine.
+pub fn longest_delay(told: &Nominal) -> i32 {
+    (told.io_delay + DELAY_SPREAD).min(DELAY_MAX as i32 - told.arm_delay)
+}
+
 /// Whether an arm was measured surely enough, and is one of those that the commission is for; `told` is the machine that it took
 /// for it.
 pub fn acceptable(p: &Parameters, told: &Nominal, m: &Measured) -> bool {
     let share = p.commission.deviation_max;
-    let longest = (told.io_delay + DELAY_SPREAD).min(DELAY_MAX as i32 - told.arm_delay);
     within_factor(m.inertia, told.servo.inertia, RATIO_MAX)
         && sure(m.inertia, m.inertia_deviation, share)
         && within_factor(m.tip_frequency, told.tip.frequency, FLEXURE_MAX)
         && sure(m.tip_frequency, m.tip_frequency_deviation, share)
-        && (0..=longest).contains(&whole_delay(m.io_delay))
+        && (0..=longest_delay(told)).contains(&whole_delay(m.io_delay))
         && m.io_delay_deviation <= p.commission.delay_deviation_max
 }
 

@@ -3,11 +3,11 @@
 use control_blocks::{InForce, Welford};
 use serde::{Deserialize, Serialize};
 
+use crate::check::check;
 use crate::commission::experiment::{Experiment, Milestone, Sample};
 use crate::commission::response::response;
 use crate::commission::rubbing::mounting;
 use crate::commission::values::{Values, acceptable};
-use crate::force::margin;
 use crate::interface::{Measured, Parameters};
 
 /// Fewest samples of which a scatter is told.
@@ -43,7 +43,7 @@ impl Commissioner {
         }
     }
 
-    /// Begins at rest, with what was told.
+    /// Begins at rest, with what is in force.
     pub fn begin(&mut self, p: &Parameters) {
         self.experiment = Experiment::new(p);
         (self.measured, self.rejected, self.finished) = (Measured::START, false, false);
@@ -62,10 +62,28 @@ impl Commissioner {
         }
     }
 
-    /// Puts the values in force in place of those that the parameters have.
+    /// Puts the values in force in place of those that the parameters have; what was derived since the last sample only if the
+    /// parameters with it fit each other, and then on the way out, too: the sensor is as it was found.
     pub fn put(&mut self, p: &mut Parameters) {
-        self.values.now().put(p, &[self.values.told(), self.before]);
-        self.before = self.values.now();
+        if let Some(derived) = self.values.take_proposed() {
+            self.put_values(p, derived);
+            self.finished = check(p).is_ok();
+            self.rejected = !self.finished;
+            if self.finished {
+                self.values.conclude(derived, true);
+            }
+        }
+        self.put_values(p, self.values.now());
+    }
+
+    fn put_values(&mut self, p: &mut Parameters, values: Values) {
+        values.put(p, [self.values.told(), self.before]);
+        self.before = values;
+    }
+
+    /// Values that were told.
+    pub fn told(&self) -> Values {
+        self.values.told()
     }
 
     /// Names and values of what a good commission derives.
@@ -122,18 +140,15 @@ impl Commissioner {
             };
         }
         let told = self.values.told();
-        self.finished = acceptable(p, &told, &self.measured);
-        self.rejected = !self.finished;
-        if self.finished {
-            // on the way out, too: the sensor is as it was found
-            self.values.conclude(told.derived(p, &self.measured), true);
+        self.rejected = !acceptable(p, &told, &self.measured);
+        if !self.rejected {
+            self.values.propose(told.derived(p, &self.measured));
         }
     }
 
-    /// Judges what was derived, which is in force by now.
+    /// The tool is out.
     fn finish(&mut self, p: &Parameters) {
-        self.measured.valid = self.finished && margin::least(p) >= margin::LEAST;
-        self.rejected = self.finished && !self.measured.valid;
+        self.measured.valid = self.finished;
         if !p.commission.apply {
             self.values.restore();
         }

@@ -41,7 +41,7 @@ impl Values {
     }
 
     /// Puts them into the parameters; a tunable one that is none of `known` was tuned meanwhile, and that counts.
-    pub fn put(&self, p: &mut Parameters, known: &[Self; 2]) {
+    pub fn put(&self, p: &mut Parameters, known: [Self; 2]) {
         p.stiffness_nominal = self.stiffness;
         p.drive = self.drive;
         p.io_delay = self.io_delay;
@@ -152,17 +152,17 @@ mod tests {
 
     fn derived(p: &Parameters, m: &Measured) -> Parameters {
         let (mut found, told) = (p.clone(), Values::of(p));
-        told.derived(p, m).put(&mut found, &[told, told]);
+        told.derived(p, m).put(&mut found, [told, told]);
         found
     }
 
     #[test]
     fn what_is_put_is_what_was_taken() {
         let (mut p, told) = (Parameters::START, Values::of(&Parameters::START));
-        told.put(&mut p, &[told, told]);
+        told.put(&mut p, [told, told]);
         assert_eq!(p, Parameters::START);
         let values = told.derived(&p, &GOOD);
-        values.put(&mut p, &[told, told]);
+        values.put(&mut p, [told, told]);
         assert_eq!(Values::of(&p), values);
         assert_eq!((p.stiffness_nominal, p.impedance.damping, p.io_delay), (142.4e3, 8e3, 2));
         assert_eq!((p.drive.position_gain, p.drive.velocity_bandwidth, p.drive.feedforward), (64.0, 400.0, 1.0));
@@ -177,13 +177,13 @@ mod tests {
         let values = told.derived(&Parameters::START, &GOOD);
         let mut p = Parameters::START;
         (p.impedance.damping, p.stick_slip.velocity) = (7e3, 9e-3);
-        values.put(&mut p, &[told, told]);
+        values.put(&mut p, [told, told]);
         assert_eq!((p.impedance.damping, p.stick_slip.velocity, p.stiffness_nominal), (7e3, 9e-3, 142.4e3));
         // back to what was told, from what was in force
         let tuned = Values::of(&p);
-        values.put(&mut p, &[tuned, told]);
+        values.put(&mut p, [tuned, told]);
         assert_eq!(p.impedance.damping, values.damping);
-        told.put(&mut p, &[told, values]);
+        told.put(&mut p, [told, values]);
         assert_eq!(p, Parameters::START);
     }
 
