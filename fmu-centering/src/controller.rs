@@ -113,7 +113,7 @@ impl Controller {
     }
 
     /// Puts what a commission has measured into the parameters, where `commission.apply` says so; before each sample.
-    pub fn bring_into_force(&mut self, p: &mut Parameters) {
+    pub fn bring_into_force(&self, p: &mut Parameters) {
         self.commissioner.put(p);
     }
 

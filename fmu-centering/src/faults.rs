@@ -7,7 +7,6 @@ use control_blocks::{Consecutive, DELAY_MAX, SafeEnd};
 use serde::{Deserialize, Serialize};
 
 use crate::centre::Estimate;
-use crate::check::check;
 use crate::commission::{Values, plan};
 use crate::interface::{Fault, Input, Parameters, State, Vars};
 use crate::limits::{GRAVITY, held_surface_velocity, job_time, servo_damping, slowest_servo, speed_limit};
@@ -329,16 +328,7 @@ fn of_fault(vars: &Vars, fault: Fault, e: f64) -> String {
 /// The same for a commission that was rejected, with the parameters as they were told.
 fn of_commission(vars: &Vars) -> String {
     let (mut p, m) = (vars.in_force.clone(), &vars.output.measured);
-    let told = vars.output.told.unwrap_or_else(|| Values::of(&p));
-    told.put(&mut p);
-    let free = vars.input.probe_position <= p.probe.contact;
-    if free && told.accept(&p, m, 0.0) {
-        let mut found = p.clone();
-        told.derived(m).put(&mut found);
-        if let Err(error) = check(&found) {
-            return format!(": {}", error.of_derived());
-        }
-    }
+    vars.output.told.unwrap_or_else(|| Values::of(&p)).put(&mut p);
     let damping = servo_damping(&p, m.slide_bandwidth);
     format!(
         ": bandwidth `{:.1} Hz`, deviation `{:.2} Hz`, limits half and twice `slide.bandwidth` = `{:.1} Hz` as told, `{:.1} Hz` or more for \

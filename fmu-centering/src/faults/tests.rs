@@ -313,16 +313,6 @@ fn each_fault_is_told_in_its_own_words() {
     vars.output.told = Some(crate::commission::Values::of(&vars.in_force));
     vars.in_force.slide.bandwidth = 300.0;
     assert!(numbers(&vars).contains("`slide.bandwidth` = `40.0 Hz` as told"), "{}", numbers(&vars));
-    // and one that the parameters do not bear is told by its name
-    let measured = &mut vars.output.measured;
-    (measured.slide_bandwidth, measured.slide_bandwidth_deviation, measured.slide_damping) = (188.5, 0.1, 0.7);
-    (measured.io_delay_deviation, vars.input.probe_position) = (0.01, 0.0);
-    vars.in_force.push.velocity_min = 2.0;
-    let message = numbers(&vars);
-    assert!(
-        message.contains("do not fit: parameter `push.velocity_min` would be `2 m/s`, must be at most"),
-        "{message}"
-    );
     (vars.output.fault, vars.output.numbers.line) = (Fault::ProbeJump, Some([2e-4, 1.3e-4]));
     assert_eq!(numbers(&vars), ": the centred surface is `0.200 mm` from where it was, limit `0.130 mm`");
     (vars.output.fault, vars.output.numbers.endless) = (Fault::NoProgress, Some([1.1003, 1.1]));
