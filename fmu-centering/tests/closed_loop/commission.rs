@@ -246,7 +246,8 @@ fn a_servo_that_swings_or_creeps_is_rejected() {
         let mut run = machine(&P, Servo { damping, ..TOLD });
         commission(&mut run);
         assert_eq!(run.output.fault, fault, "{damping}: {:?}", run.output);
-        assert!((run.output.measured.slide_damping / damping - 1.0).abs() < 0.03, "{:?}", run.output.measured);
+        // a servo that creeps shows little of it in strokes that turn at the frequency of one that does not
+        assert!((run.output.measured.slide_damping / damping - 1.0).abs() < 0.04, "{:?}", run.output.measured);
     }
 }
 
