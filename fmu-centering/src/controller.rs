@@ -416,7 +416,6 @@ impl Controller {
                 job_time: self.progress.samples() as f64 * p.sample_period,
             },
             measured: self.measured(),
-            told: Some(self.commissioner.told()),
             numbers: Numbers {
                 following_limit: self.drive.allowed(),
                 forward: self.supervisor.forward(),

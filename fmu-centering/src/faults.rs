@@ -7,7 +7,7 @@ use control_blocks::{Consecutive, DELAY_MAX, SafeEnd};
 use serde::{Deserialize, Serialize};
 
 use crate::centre::Estimate;
-use crate::commission::{Values, plan};
+use crate::commission::plan;
 use crate::interface::{Fault, Input, Parameters, State, Vars};
 use crate::limits::{GRAVITY, held_surface_velocity, job_time, servo_damping, slowest_servo, speed_limit};
 use crate::monitoring::{Numbers, SHARE_ERROR, believable_share};
@@ -325,11 +325,10 @@ fn of_fault(vars: &Vars, fault: Fault, e: f64) -> String {
     }
 }
 
-/// The same for a commission that was rejected, with the parameters as they were told.
+/// The same for a commission that was rejected, after which what was told is in force.
 fn of_commission(vars: &Vars) -> String {
-    let (mut p, m) = (vars.in_force.clone(), &vars.output.measured);
-    vars.output.told.unwrap_or_else(|| Values::of(&p)).put(&mut p);
-    let damping = servo_damping(&p, m.slide_bandwidth);
+    let (p, m) = (&vars.in_force, &vars.output.measured);
+    let damping = servo_damping(p, m.slide_bandwidth);
     format!(
         ": bandwidth `{:.1} Hz`, deviation `{:.2} Hz`, limits half and twice `slide.bandwidth` = `{:.1} Hz` as told, `{:.1} Hz` or more for \
          `limits.following_error`, and `commission.deviation_max` = `{}` of it; damping `{:.2}`, limits `{:.2}` to `{:.2}` for \
@@ -338,7 +337,7 @@ fn of_commission(vars: &Vars) -> String {
         m.slide_bandwidth / TAU,
         m.slide_bandwidth_deviation / TAU,
         p.slide.bandwidth / TAU,
-        slowest_servo(&p) / TAU,
+        slowest_servo(p) / TAU,
         p.commission.deviation_max,
         m.slide_damping,
         damping.start(),

@@ -114,7 +114,7 @@ pub fn numbers(Vars { input, output, in_force: p, .. }: &Vars) -> String {
     }
 }
 
-/// What was measured and cannot be used, with its limits.
+/// What was measured and cannot be used, with its limits; what was told is in force again.
 fn measured(p: &Parameters, output: &Output) -> String {
     let (m, axis) = (&output.measured, output.numbers.axis);
     if let Some(drive) = axis.checked_sub(1).and_then(|i| m.axis.get(i as usize)) {
@@ -132,25 +132,23 @@ fn measured(p: &Parameters, output: &Output) -> String {
             1e3 * drive.lag,
         );
     }
-    let mut told = p.clone();
-    let values = output.told.unwrap_or_else(|| Values::of(p));
-    values.put(&mut told);
     match axis {
         0 => format!(
             ": they answer after `{:.3}` samples, limits `{}` and `{}` for `io_delay` = `{}` as told",
             m.io_delay,
-            delays(told.io_delay).start(),
-            delays(told.io_delay).end(),
-            told.io_delay
+            delays(p.io_delay).start(),
+            delays(p.io_delay).end(),
+            p.io_delay
         ),
         -1 => format!(
             ": the tool idles at `{:.1} rad/s`, deviation `{:.2} rad/s`, limits half and twice `load.idle_speed` = `{:.1} rad/s` as told \
              and `commission.deviation_max` = `{}` of it",
-            m.idle_speed, m.idle_speed_deviation, told.load.idle_speed, p.commission.deviation_max
+            m.idle_speed, m.idle_speed_deviation, p.load.idle_speed, p.commission.deviation_max
         ),
         _ => {
-            values.derived(m).put(&mut told);
-            check_delay(&told).err().map_or_else(String::new, |error| format!(": {}", error.of_derived()))
+            let mut found = p.clone();
+            Values::of(p).derived(m).put(&mut found);
+            check_delay(&found).err().map_or_else(String::new, |error| format!(": {}", error.of_derived()))
         }
     }
 }
@@ -244,9 +242,7 @@ mod tests {
         let drive = &mut vars.output.measured.axis[1];
         (drive.gain, drive.gain_deviation, drive.delay, drive.delay_deviation) = (0.81, 0.003, 2.5, 0.01);
         vars.output.measured.idle_speed = 123.4;
-        // what another commission has brought into force before was not told
-        vars.output.told = Some(Values::of(&vars.in_force));
-        (vars.in_force.io_delay, vars.in_force.load.idle_speed, vars.in_force.learn.lead_in) = (2, 1500.0, 2);
+        vars.in_force.learn.lead_in = 2;
         for (what, parts) in [
             (
                 Rejection::Drive(2),

@@ -223,22 +223,20 @@ pub fn disturbance_limit(p: &Parameters) -> f64 {
     f64::max(0.5 * p.stage.force_constant * p.stage.current_max, p.guard_force + p.stage.mass * hardest(p))
 }
 
-/// What cannot be used of a commission, by the parameters in force and those that were told.
+/// What cannot be used of a commission, after which what was told is in force.
 fn rejected(p: &Parameters, output: &Output) -> String {
-    let (mut told, m) = (p.clone(), &output.measured);
-    let values = output.told.unwrap_or_else(|| Values::of(p));
-    values.put(&mut told);
-    let longest = longest_delay(&told, *bearable_delays(told.io_delay).end() as usize);
-    let constants = [p.stage.force_constant, told.stage.force_constant];
+    let (told, m) = (Values::of(p), &output.measured);
+    let longest = longest_delay(p, *bearable_delays(p.io_delay).end() as usize);
+    let constants = [output.numbers.force_constant, p.stage.force_constant];
     let noise = m.slope_sigma > 0.0;
     let good = if noise {
-        values.quiet(&told, m)
+        told.quiet(p, m)
     } else {
-        constants.into_iter().all(|constant| acceptable(&told, constant, longest, m))
+        constants.into_iter().all(|constant| acceptable(p, constant, longest, m))
     };
     if good {
-        let mut found = told.clone();
-        let derived = if noise { values.derived(&told, m) } else { values.with_response(m) };
+        let mut found = p.clone();
+        let derived = if noise { told.derived(p, m) } else { told.with_response(m) };
         derived.put(&mut found);
         if let Err(error) = check_derived(&found) {
             return format!(": {}", error.of_derived());
@@ -249,9 +247,9 @@ fn rejected(p: &Parameters, output: &Output) -> String {
             ": noise of the slope `{} N/s`, limit `limits.slope_sigma_max` = `{} N/s` as told; force that noise and cogging ask of \
              the guard `{} N`, limit three times `guard.force` = `{} N` as told",
             m.slope_sigma,
-            told.limits.slope_sigma_max,
-            values::guard(&told, m),
-            told.guard_force
+            p.limits.slope_sigma_max,
+            values::guard(p, m),
+            p.guard_force
         );
     }
     format!(
@@ -260,8 +258,8 @@ fn rejected(p: &Parameters, output: &Output) -> String {
          the loop is stable, and `commission.delay_deviation_max` = `{}`",
         m.force_constant,
         m.force_constant_deviation,
-        told.stage.force_constant,
         p.stage.force_constant,
+        output.numbers.force_constant,
         p.commission.deviation_max,
         m.io_delay,
         m.io_delay_deviation,
@@ -451,9 +449,7 @@ mod tests {
     fn a_rejected_commission_tells_what_was_told_and_what_the_parameters_do_not_bear() {
         let mut vars = <Vars as fmi2_export::Interface>::START;
         vars.output.fault = Fault::CommissionRejected;
-        // what another commission has brought into force before was not told
-        vars.output.told = Some(Values::of(&vars.in_force));
-        (vars.in_force.stage.force_constant, vars.in_force.io_delay) = (25.0, 2);
+        vars.output.numbers.force_constant = 25.0;
         let told = numbers(&vars);
         assert!(
             told.contains("`20 N/A` as told and `25 N/A` in force") && told.contains("limits `0` to `3`"),
@@ -464,8 +460,7 @@ mod tests {
         vars.in_force.commission.force = 0.9 * 20.0 * vars.in_force.stage.current_max;
         let told = numbers(&vars);
         assert!(told.contains("do not fit: parameter `commission.force` would be"), "{told}");
-        // the noise is judged by limits that were told
-        (vars.output.measured.slope_sigma, vars.in_force.limits.slope_sigma_max) = (9.0, 3.0);
+        vars.output.measured.slope_sigma = 9.0;
         assert!(numbers(&vars).contains("`limits.slope_sigma_max` = `5 N/s` as told"), "{}", numbers(&vars));
     }
 

@@ -57,11 +57,6 @@ impl Commissioner {
         self.values.now().put(p);
     }
 
-    /// Values that were told.
-    pub fn told(&self) -> Values {
-        self.values.told()
-    }
-
     /// Names and values of what a good commission derives.
     pub fn derived(&self) -> [(&'static str, f64); 2] {
         self.values.derived().entries()

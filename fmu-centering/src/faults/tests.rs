@@ -309,10 +309,6 @@ fn each_fault_is_told_in_its_own_words() {
          `limits.following_error` and `stroke.feedback`; delay `1.25` samples, deviation `0.313`, limits `0` to `8` and \
          `commission.delay_deviation_max` = `0.25`; probe at `0.0125 m`, free up to `probe.contact` = `0.0002 m`"
     );
-    // what another commission has brought into force before was not told
-    vars.output.told = Some(crate::commission::Values::of(&vars.in_force));
-    vars.in_force.slide.bandwidth = 300.0;
-    assert!(numbers(&vars).contains("`slide.bandwidth` = `40.0 Hz` as told"), "{}", numbers(&vars));
     (vars.output.fault, vars.output.numbers.line) = (Fault::ProbeJump, Some([2e-4, 1.3e-4]));
     assert_eq!(numbers(&vars), ": the centred surface is `0.200 mm` from where it was, limit `0.130 mm`");
     (vars.output.fault, vars.output.numbers.endless) = (Fault::NoProgress, Some([1.1003, 1.1]));
