@@ -330,6 +330,7 @@ impl Controller {
     fn stop(&mut self, p: &Parameters, fault: Fault, reading: &Reading) {
         self.fault = fault;
         self.numbers.force_left = self.force_left();
+        self.numbers.swings = self.monitors.swing.count();
         self.numbers.following_limit = following_limit(p) + self.motion.late(p);
         if fault.safe_end() == SafeEnd::DriveOff {
             self.strayed = reading.position.map_or(0.0, |z| self.motion.reference.position - z);
