@@ -173,7 +173,7 @@ impl Controller {
         if reading.fresh {
             let now = self.observation(p, due);
             self.law.observe(p, &now);
-            self.probe_delay.update(p, &sample);
+            self.probe_delay.update(p, turned, &sample);
         }
         turned
     }
@@ -306,11 +306,11 @@ impl Controller {
                 self.commissioner.begin(p, &mut self.motion);
             }
             State::Push => {
-                self.probe_delay.end();
+                self.probe_delay.end(p);
                 self.launch(p, launch);
             }
             State::Settle => {
-                self.probe_delay.begin(p, self.spindle.speed());
+                self.probe_delay.begin();
                 self.retract(p);
             }
             State::Confirm => {
@@ -324,7 +324,7 @@ impl Controller {
             }
             // at once, or the slide would brake until the next beat
             State::Follow => {
-                self.probe_delay.begin(p, self.spindle.speed());
+                self.probe_delay.begin();
                 self.follower.update(p, &self.calm);
             }
             State::Collect | State::Model | State::Wait => {}

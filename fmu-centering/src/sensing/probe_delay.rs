@@ -28,8 +28,8 @@ const LATE: (f64, f64) = (0.5, 4.0);
 /// The sums of one window, and what the last one has told.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct ProbeDelay {
-    /// samples of the window, while it is open
-    window: Option<u32>,
+    /// turning (rad) in the window, while it is open
+    turned: Option<f64>,
     first: Option<Sample>,
     before: Sample,
     samples: u32,
@@ -40,21 +40,26 @@ pub struct ProbeDelay {
 }
 
 impl ProbeDelay {
-    /// Opens a window with a spindle at `speed` rad/s, for the probe touches and the slide moves.
-    pub fn begin(&mut self, p: &Parameters, speed: f64) {
-        let samples = WINDOW.0.min(WINDOW.1 / speed.abs()) / p.sample_period;
-        let window = (samples >= FEWEST).then_some(samples as u32);
-        *self = Self { window, late: self.late, ..Self::default() };
+    /// Opens a window, for the probe touches and the slide moves.
+    pub fn begin(&mut self) {
+        *self = Self { turned: Some(0.0), late: self.late, ..Self::default() };
     }
 
-    /// Closes a window before its end, as the ring is pushed or lost.
-    pub fn end(&mut self) {
-        self.window = None;
+    /// Closes a window, at its end or as a push begins; what does not tell the delay changes nothing.
+    pub fn end(&mut self, p: &Parameters) {
+        let open = self.turned.take().is_some();
+        if let Some(late) = self.told(p).filter(|_| open && f64::from(self.samples) >= FEWEST) {
+            self.late = late;
+        }
     }
 
-    /// Takes a sample that was measured.
-    pub fn update(&mut self, p: &Parameters, sample: &Sample) {
-        let Some(window) = self.window else { return };
+    /// Takes a sample that was measured, `turned` rad after the one before.
+    pub fn update(&mut self, p: &Parameters, turned: f64, sample: &Sample) {
+        let Some(so_far) = self.turned else { return };
+        if so_far + turned.abs() > WINDOW.1 {
+            return self.end(p);
+        }
+        self.turned = Some(so_far + turned.abs());
         let Some(first) = self.first else {
             (self.first, self.before) = (Some(*sample), *sample);
             return;
@@ -62,16 +67,15 @@ impl ProbeDelay {
         let now = 0.5 * (sample.tip() + self.before.tip()) - first.tip();
         let place = 0.5 * (sample.slide + self.before.slide) - first.slide;
         let velocity = (sample.slide - self.before.slide) / p.sample_period;
-        let time = f64::from(self.samples) / f64::from(window);
+        let time = f64::from(self.samples) * p.sample_period / WINDOW.0;
         let terms = SVector::from([1.0, time, time * time, velocity, place]);
         self.information += terms * terms.transpose();
         self.product += terms * now;
         self.square += now * now;
         self.before = *sample;
         self.samples += 1;
-        if self.samples == window {
-            self.window = None;
-            self.late = self.conclude(p);
+        if self.samples >= p.ticks(WINDOW.0) {
+            self.end(p);
         }
     }
 
@@ -80,12 +84,15 @@ impl ProbeDelay {
         self.late
     }
 
-    fn conclude(&self, p: &Parameters) -> Option<f64> {
+    /// What the window tells, if it does.
+    fn told(&self, p: &Parameters) -> Option<Option<f64>> {
         let all = self.information.cholesky()?.inverse();
         let told = |i: usize| all[(i, i)] * self.information[(i, i)] * INFORMATION_MIN <= 1.0;
-        let share = (all * self.product)[SCALE];
-        if !(told(DELAY) && told(SCALE) && share.abs() <= SCALE_ERROR) {
+        if !(told(DELAY) && told(SCALE)) {
             return None;
+        }
+        if (all * self.product)[SCALE].abs() > SCALE_ERROR {
+            return Some(None);
         }
         // the scale is right
         let covariance = self.information.fixed_view::<SCALE, SCALE>(0, 0).clone_owned().cholesky()?.inverse();
@@ -93,7 +100,7 @@ impl ProbeDelay {
         let factors = covariance * product;
         let variance = (self.square - factors.dot(&product)).max(0.0) / (f64::from(self.samples) - SCALE as f64);
         let least = f64::max(LATE.0 * p.sample_period, LATE.1 * (variance * covariance[(DELAY, DELAY)]).sqrt());
-        Some(factors[DELAY]).filter(|delay| *delay > least)
+        Some(Some(factors[DELAY]).filter(|delay| *delay > least))
     }
 }
 
@@ -111,12 +118,12 @@ mod tests {
     fn told_by(late: usize, scale: f64, speed: f64, slide: impl Fn(f64) -> f64) -> Option<f64> {
         let p = Parameters::START;
         let mut delay = ProbeDelay::default();
-        delay.begin(&p, speed);
+        delay.begin();
         let surface = |k: f64| 0.02 + 5e-4 * (4.7e-3 * k + 1.0).sin();
         for k in 0..300 {
             let then = f64::from(k) - late as f64;
             let probe = scale * (slide(then) - surface(then));
-            delay.update(&p, &Sample { angle: 0.0, slide: slide(f64::from(k)), probe });
+            delay.update(&p, 1e-3 * speed, &Sample { angle: 0.0, slide: slide(f64::from(k)), probe });
         }
         delay.late()
     }
@@ -151,13 +158,13 @@ mod tests {
     }
 
     #[test]
-    fn a_window_that_is_closed_keeps_what_the_one_before_has_told() {
+    fn a_window_that_tells_nothing_keeps_what_the_one_before_has_told() {
         let p = Parameters::START;
         let mut delay = ProbeDelay { late: Some(3e-3), ..ProbeDelay::default() };
-        delay.begin(&p, 4.7);
-        (0..50).for_each(|_| delay.update(&p, &Sample::default()));
-        delay.end();
-        (0..500).for_each(|_| delay.update(&p, &Sample::default()));
+        delay.begin();
+        (0..50).for_each(|_| delay.update(&p, 4.7e-3, &Sample::default()));
+        delay.end(&p);
+        (0..500).for_each(|_| delay.update(&p, 4.7e-3, &Sample::default()));
         assert_eq!(delay.late(), Some(3e-3));
     }
 }
