@@ -64,7 +64,8 @@ impl Fault {
             | Self::SlowServo
             | Self::SpindleSpeed
             | Self::NoProgress
-            | Self::CommissionRejected => SafeEnd::Retract,
+            | Self::CommissionRejected
+            | Self::LateProbe => SafeEnd::Retract,
         }
     }
 }
@@ -73,6 +74,21 @@ impl Fault {
 pub fn graver(found: &[Option<Fault>]) -> Option<Fault> {
     let worse = |a: Fault, b: Fault| if b.safe_end() > a.safe_end() { b } else { a };
     found.iter().copied().flatten().reduce(worse)
+}
+
+/// The cause of a fault with a probe that is `late` s later than the slide: whatever makes no sense of the ring then follows from that.
+pub fn cause(fault: Fault, late: Option<f64>) -> Fault {
+    use Fault::{
+        Centrifugal, Divergence, FrozenProbe, LateProbe, NoProgress, ProbeJump, ProbeRange, PushBudget, Unresolved,
+    };
+    match fault {
+        ProbeRange | Centrifugal | PushBudget | ProbeJump | FrozenProbe | Divergence | Unresolved | NoProgress
+            if late.is_some() =>
+        {
+            LateProbe
+        }
+        _ => fault,
+    }
 }
 
 /// What is watched in one tick.
@@ -223,7 +239,7 @@ pub fn numbers(vars: &Vars) -> String {
 fn of_fault(vars: &Vars, fault: Fault, e: f64) -> String {
     let Vars { input, output, in_force: p, .. } = vars;
     let Input { spindle_angle, slide_position, probe_position, .. } = input;
-    let Numbers { following_limit, forward, endless, line, first } = output.numbers;
+    let Numbers { following_limit, forward, endless, line, first, probe_delay } = output.numbers;
     let (pushes, speed) = (output.push.count, output.spindle_speed);
     let row = format!("for more than `limits.lost_samples` = `{}` samples", p.limits.lost_samples);
     let error = format!(
@@ -281,6 +297,11 @@ fn of_fault(vars: &Vars, fault: Fault, e: f64) -> String {
             };
             format!(": probe at `{probe_position} m`{tested}")
         }
+        Fault::LateProbe => format!(
+            ": `{:.2} ms` after the slide, `sample_period` = `{:.2} ms`",
+            1e3 * probe_delay,
+            1e3 * p.sample_period
+        ),
         Fault::LostSpindle | Fault::SpindleJump => format!(": spindle at `{spindle_angle} rad` {row}"),
         Fault::FrozenSpindle => {
             format!(

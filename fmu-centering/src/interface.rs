@@ -98,6 +98,8 @@ mod variables {
         #[hint("begin farther from the ring, allow more `commission.travel` or `commission.acceleration`, look for vibration and friction, and check `slide.bandwidth` and `io_delay`")] CommissionRejected,
         /// The communication step is longer than a sample: several samples have the same inputs, and of their commands the last alone is seen
         #[hint("set the communication step of the importer to `sample_period`")] LongStep,
+        /// The probe tells later than the slide where it was, and what both say of the ring makes no sense
+        #[hint("read probe and slide at the same moment: look for a filter or a slow link of the probe")] LateProbe,
     }
     /// Which law centres the ring.
     pub enum Law {

@@ -329,6 +329,7 @@ impl Controller {
         self.fault = fault;
         self.numbers.force_left = self.force_left();
         self.numbers.force_constant = p.stage.force_constant;
+        self.numbers.swings = self.monitors.swing.count();
         self.numbers.following_limit = following_limit(p) + self.motion.late(p);
         if fault.safe_end() == SafeEnd::DriveOff {
             self.strayed = reading.position.map_or(0.0, |z| self.motion.reference.position - z);

@@ -17,7 +17,7 @@ const WRONG_WAY: f64 = -0.2;
 const ROW: u32 = 3;
 /// Least limit of the following error (m), and how many times the error of the hardest acceleration it is.
 const FOLLOWING: (f64, f64) = (20e-6, 3.0);
-/// Changes from one limit of the current to the other that make an oscillation.
+/// Changes in a row from one side to the other that make an oscillation.
 const REVERSALS: u32 = 6;
 
 impl Fault {
@@ -65,6 +65,8 @@ pub struct Symptoms<'a> {
     pub limited: u32,
     /// Changes in a row from one limit of the current to the other.
     pub reversals: u32,
+    /// Changes in a row of the inertial force from one side to the other while the reference does not accelerate.
+    pub swings: u32,
     /// Samples in a row with a following error beyond its limit.
     pub astray: u32,
     /// Samples in a row with a disturbance beyond its limit.
@@ -101,7 +103,7 @@ pub fn find(p: &Parameters, symptoms: &Symptoms) -> Option<Fault> {
         (Fault::FrozenReading, s.standing || lost(Loss::Stands)),
         (Fault::ReadingJump, lost(Loss::Jumps)),
         (Fault::LostReading, lost(Loss::Told)),
-        (Fault::Oscillation, s.reversals >= REVERSALS),
+        (Fault::Oscillation, s.reversals.max(s.swings) >= REVERSALS),
         (Fault::Saturation, s.limited > ticks(p.limits.saturated_time, p.sample_period)),
         (Fault::FollowingError, s.astray >= ROW),
         (Fault::Overload, s.overloaded >= ROW),
@@ -164,6 +166,10 @@ pub fn numbers(vars: &Vars) -> String {
         Fault::Overload => format!(": {error}, limit of the disturbance `{} N`", disturbance_limit(p)),
         Fault::DriveSign => format!(": {error}"),
         Fault::WeakDrive => format!(": {error}, least `limits.drive_share` = `{}`", p.limits.drive_share),
+        Fault::Oscillation if output.numbers.swings >= REVERSALS => format!(
+            ": `{REVERSALS}` swings beyond `guard.force` = `{} N` while the reference does not accelerate; {error}",
+            p.guard_force
+        ),
         Fault::Oscillation => {
             format!(": `{REVERSALS}` changes from limit to limit of `stage.current_max` = `{} A`", p.stage.current_max)
         }
@@ -298,6 +304,7 @@ mod tests {
             steady_spindle: true,
             limited: 0,
             reversals: 0,
+            swings: 0,
             astray: 0,
             overloaded: 0,
             share: Some(1.0),
@@ -323,7 +330,7 @@ mod tests {
             set(&mut reading, &mut all, value);
             find(&p, &Symptoms { reading: &reading, ..all })
         };
-        let limits: [(Set, f64, f64, Fault); 15] = [
+        let limits: [(Set, f64, f64, Fault); 16] = [
             (|r, _, x| r.lost = x as u32, 7.0, 8.0, Fault::LostReading),
             (|r, _, x| (r.lost, r.loss) = (x as u32, Loss::Jumps), 7.0, 8.0, Fault::ReadingJump),
             (|r, _, x| (r.lost, r.loss) = (x as u32, Loss::Stands), 7.0, 8.0, Fault::FrozenReading),
@@ -331,6 +338,7 @@ mod tests {
             (|r, _, x| r.invalid = x as u32, 7.0, 8.0, Fault::LostSpindle),
             (|_, s, x| s.limited = x as u32, 9.0, 10.0, Fault::Saturation),
             (|_, s, x| s.reversals = x as u32, 5.0, 6.0, Fault::Oscillation),
+            (|_, s, x| s.swings = x as u32, 5.0, 6.0, Fault::Oscillation),
             (|_, s, x| s.astray = x as u32, 2.0, 3.0, Fault::FollowingError),
             (|_, s, x| s.overloaded = x as u32, 2.0, 3.0, Fault::Overload),
             (|_, s, x| s.share = Some(x), 0.4, 0.39, Fault::WeakDrive),

@@ -250,6 +250,23 @@ fn each_judgement_begins_at_its_limit() {
 }
 
 #[test]
+fn a_late_probe_is_the_cause_of_what_makes_no_sense_of_the_ring_and_of_nothing_else() {
+    let renamed: Vec<Fault> = Fault::ALL.iter().copied().filter(|fault| cause(*fault, Some(2e-3)) != *fault).collect();
+    let of_the_ring = [
+        Fault::ProbeRange,
+        Fault::Centrifugal,
+        Fault::PushBudget,
+        Fault::ProbeJump,
+        Fault::FrozenProbe,
+        Fault::Divergence,
+        Fault::Unresolved,
+        Fault::NoProgress,
+    ];
+    assert_eq!(renamed, of_the_ring);
+    assert!(Fault::ALL.iter().all(|fault| cause(*fault, None) == *fault));
+}
+
+#[test]
 fn each_fault_is_told_in_its_own_words() {
     let mut vars = <Vars as fmi2_export::Interface>::START;
     (vars.output.eccentricity, vars.output.eccentricity_sigma) = (12.3456e-6, 2.5e-6);
@@ -257,7 +274,8 @@ fn each_fault_is_told_in_its_own_words() {
     (vars.input.spindle_angle, vars.input.slide_position, vars.input.probe_position) = (1.5, 0.25, 0.0125);
     let monitor = &mut vars.output.monitor;
     (monitor.following_error, monitor.drive_share, monitor.job_time) = (0.0015, 0.25, 12.34);
-    vars.output.numbers = Numbers { following_limit: 0.0012, forward: 0.5, endless: None, line: None, first: 10.0e-6 };
+    vars.output.numbers =
+        Numbers { following_limit: 0.0012, forward: 0.5, endless: None, line: None, first: 10.0e-6, probe_delay: 2e-3 };
     (vars.in_force.limits.job_time, vars.in_force.commission.time) = (10.0, 15.9);
     vars.output.state = State::Centred;
     assert_eq!(numbers(&vars), "; eccentricity `12.35 um`");
@@ -283,6 +301,7 @@ fn each_fault_is_told_in_its_own_words() {
         ),
         (Fault::LostProbe, &format!(": probe at `0.0125 m` {row}")),
         (Fault::ProbeJump, &format!(": probe at `0.0125 m` {row}")),
+        (Fault::LateProbe, ": `2.00 ms` after the slide, `sample_period` = `1.00 ms`"),
         (Fault::LostSpindle, &format!(": spindle at `1.5 rad` {row}")),
         (Fault::SpindleJump, &format!(": spindle at `1.5 rad` {row}")),
         (Fault::LostReading, &format!(": slide at `0.25 m` {row}")),

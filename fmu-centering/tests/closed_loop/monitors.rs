@@ -56,6 +56,34 @@ fn a_probe_with_another_scale_pushes_nothing() {
     }
 }
 
+/// What ends a centring at 45 rpm whose probe is `late` samples late from `state` on, and the eccentricity then, m.
+fn with_late_probe(late: usize, state: State) -> (Fault, f64) {
+    let mut ring = Ring::new(1, 5e-4, 0.5);
+    ring.speed = 4.71;
+    let mut run = Loop::new(&P, ring);
+    assert!(run.run_to(state, 10.0), "{:?}", run.output);
+    let mut told = std::collections::VecDeque::new();
+    while !matches!(run.output.state, State::Fault | State::Centred) {
+        run.step_with(|input| {
+            told.push_front(input.probe_position);
+            told.truncate(late + 1);
+            input.probe_position = *told.back().unwrap();
+        });
+        assert!(run.time() < 30.0, "{:?}", run.output);
+    }
+    (run.output.fault, run.ring.eccentricity())
+}
+
+#[test]
+fn a_probe_that_is_late_is_named_before_and_after_a_push() {
+    for (late, state) in [(5, State::Approach), (5, State::Push), (10, State::Push)] {
+        let (fault, eccentricity) = with_late_probe(late, state);
+        assert_eq!(fault, Fault::LateProbe, "{late} {state:?}");
+        assert!(eccentricity < 5.1e-4, "{eccentricity} m");
+    }
+    assert_eq!(with_late_probe(0, State::Approach).0, Fault::None);
+}
+
 #[test]
 fn an_encoder_of_the_slide_that_stands_ends_a_stroke_before_the_ring() {
     let run = running(&P, State::Push);
