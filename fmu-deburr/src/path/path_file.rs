@@ -6,6 +6,8 @@ use serde::Deserialize;
 use crate::interface::Parameters;
 use crate::path::geometry::{Block, Pose, Vector};
 use crate::path::taught_path::TaughtPath;
+use crate::registration::fit::{TOUCHES_MIN, geometry};
+use crate::registration::touch::Touch;
 
 /// Largest file, bytes.
 const BYTES_MAX: u64 = 64 << 20;
@@ -15,6 +17,14 @@ const BLOCKS_MAX: usize = 10_000;
 const SPEEDS: (f64, f64) = (1e-3, 2.0);
 /// No place is farther from the base, m.
 const PLACE_MAX: f64 = 100.0;
+/// Most touches of a part.
+const TOUCHES_MAX: usize = 100;
+/// Ways of an approach, m.
+const APPROACHES: (f64, f64) = (1e-4, 0.1);
+/// Largest part of a normal that is not level.
+const LEVEL: f64 = 1e-3;
+/// Largest standard deviation of the angle (rad) that touches of 1 mm may leave.
+const ANGLE_MAX: f64 = 0.1;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -26,6 +36,18 @@ struct File {
     cyclic: bool,
     start: TeachingPoint,
     blocks: Vec<Step>,
+    #[serde(default)]
+    touches: Vec<TouchPoint>,
+}
+
+/// A touch; without `axis` the tool is upright.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TouchPoint {
+    tip_m: [f64; 3],
+    axis: Option<[f64; 3]>,
+    normal: [f64; 3],
+    approach_m: f64,
 }
 
 /// A teaching point; without `axis` the tool keeps its direction.
@@ -82,7 +104,41 @@ fn parse(p: &Parameters, bytes: &[u8]) -> Result<TaughtPath, String> {
         blocks.push(block);
         from = to;
     }
-    TaughtPath::new(blocks, speed, file.cyclic, p.path.corner)
+    let mut path = TaughtPath::new(blocks, speed, file.cyclic, p.path.corner)?;
+    path.touches = touches(&file.touches, upright)?;
+    Ok(path)
+}
+
+fn touches(points: &[TouchPoint], upright: Vector) -> Result<Vec<Touch>, String> {
+    let count = points.len();
+    if count == 0 {
+        return Ok(Vec::new());
+    }
+    require_or((TOUCHES_MIN..=TOUCHES_MAX).contains(&count), || {
+        format!("`touches` has `{count}` entries, limits `{TOUCHES_MIN}` to `{TOUCHES_MAX}`, or none")
+    })?;
+    let read = |(i, point)| touch(point, upright).map_err(|what| format!("touch {}: {what}", i + 1));
+    let touches = points.iter().enumerate().map(read).collect::<Result<Vec<_>, _>>()?;
+    let sure = geometry(&touches).map(|deviations| 1e-3 * deviations[2]);
+    require_or(sure.is_some_and(|sure| sure <= ANGLE_MAX), || {
+        let sure = sure.map_or("nothing".to_owned(), |sure| format!("the angle to `{sure:.3} rad`"));
+        format!("`touches` of 1 mm tell {sure}, limit `{ANGLE_MAX} rad`: they must be on faces across each other, far apart")
+    })?;
+    Ok(touches)
+}
+
+fn touch(point: &TouchPoint, upright: Vector) -> Result<Touch, String> {
+    let TouchPoint { tip_m, axis, normal, approach_m } = point;
+    let pose = pose(&TeachingPoint { tip_m: *tip_m, axis: *axis }, upright)?;
+    let normal = place("normal", normal)?;
+    require_or(normal.norm() > 1e-6, || format!("`normal` has the length `{}`, limit `0.000001`", normal.norm()))?;
+    let normal = normal.normalize();
+    require_or(normal.z.abs() <= LEVEL, || format!("`normal` rises by `{}`, limit `{LEVEL}`: it must be level", normal.z))?;
+    let (low, high) = APPROACHES;
+    require_or(*approach_m >= low && *approach_m <= high, || {
+        format!("`approach_m` is `{approach_m}`, limits `{low}` to `{high}`")
+    })?;
+    Ok(Touch { pose, normal: Vector::new(normal.x, normal.y, 0.0).normalize(), approach: *approach_m })
 }
 
 fn block(step: &Step, from: &Pose) -> Result<(Block, Pose), String> {
