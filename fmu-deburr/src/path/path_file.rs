@@ -272,6 +272,53 @@ mod tests {
         }
     }
 
+    /// A path with these touches.
+    fn touched(touches: &str) -> String {
+        let line = r#"{"type": "line", "to": {"tip_m": [0.8, 0, -0.2]}}"#;
+        file(line).replace(r#""blocks""#, &format!(r#""touches": [{touches}], "blocks""#))
+    }
+
+    fn touch(x: f64, normal: &str, approach: f64) -> String {
+        format!(r#"{{"tip_m": [{x}, 0, -0.2], "normal": {normal}, "approach_m": {approach}}}"#)
+    }
+
+    #[test]
+    fn touches_are_read_with_level_unit_normals_and_an_upright_tool() {
+        let text = [touch(0.7, "[0, 3, 0]", 5e-3), touch(0.8, "[0, 1, 0]", 1e-3)].join(", ");
+        let more = [touch(0.7, "[2, 0, 0.001]", 0.1), touch(0.75, "[0, -1, 0]", 1e-4)].join(", ");
+        let path = read_text(&touched(&format!("{text}, {more}"))).unwrap();
+        let normals: Vec<Vector> = path.touches.iter().map(|touch| touch.normal).collect();
+        assert_eq!(normals, [Vector::y(), Vector::y(), Vector::x(), -Vector::y()]);
+        assert!(path.touches.iter().all(|touch| touch.pose.axis == -Vector::z()));
+        assert_eq!((path.touches[1].pose.tip.x, path.touches[2].approach), (0.8, 0.1));
+        assert!(read_text(&file(r#"{"type": "line", "to": {"tip_m": [0.8, 0, -0.2]}}"#)).unwrap().touches.is_empty());
+    }
+
+    #[test]
+    fn every_malformed_touch_is_refused_with_its_number_field_value_and_limit() {
+        let good = touch(0.7, "[0, 1, 0]", 5e-3);
+        let with = |last: &str| touched(&[&good, &touch(0.8, "[0, 1, 0]", 5e-3), &good, last].join(", "));
+        let cases = [
+            (touched(&[&*good, &good, &good].join(", ")), "`touches` has `3` entries, limits `4` to `100`, or none"),
+            (with(&touch(0.7, "[0, 0, 0]", 5e-3)), "touch 4: `normal` has the length `0`"),
+            (with(&touch(0.7, "[1, 0, 0.01]", 5e-3)), "touch 4: `normal` rises by `0.0099"),
+            (with(&touch(0.7, "[1, 0, 0]", 9e-5)), "touch 4: `approach_m` is `0.00009`, limits `0.0001` to `0.1`"),
+            (with(&touch(0.7, "[1, 0, 0]", 0.11)), "touch 4: `approach_m` is `0.11`"),
+            (with(&touch(700.0, "[1, 0, 0]", 5e-3)), "touch 4: `tip_m` has the entry `700`"),
+            (with(&good), "`touches` of 1 mm tell nothing, limit `0.1 rad`"),
+            (with(&good.replace("normal", "outward")), "unknown field `outward`"),
+        ];
+        for (text, part) in cases {
+            let message = read_text(&text).map(|_| text.clone()).unwrap_err();
+            assert!(message.contains(part), "{message}");
+        }
+        // all of it within a few millimetres
+        let near = |x: f64, normal: &str| touch(0.7 + x, normal, 5e-3);
+        let text = [near(0.0, "[0, 1, 0]"), near(5e-3, "[0, 1, 0]"), near(0.0, "[1, 0, 0]"), near(0.0, "[0, -1, 0]")];
+        let message = read_text(&touched(&text.join(", "))).map(|_| ()).unwrap_err();
+        assert!(message.contains("tell the angle to `0.2"), "{message}");
+    }
+
     #[test]
     fn the_limits_themselves_are_taken() {
         let with = |speed: &str, x: &str| {

@@ -10,6 +10,7 @@ mod learning;
 mod modes;
 mod nominal;
 mod norm_optimal;
+mod registration;
 mod restart;
 mod robot;
 mod robustness;
