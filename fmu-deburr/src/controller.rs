@@ -388,7 +388,21 @@ impl Controller {
 
     fn report(&mut self, p: &Parameters, velocity: &Joints, output: &mut Output) {
         let reference = servo::pulses(p, &self.joints);
-        let Output { axis, saturated, state, fault, drive_enable, path, learn, load, bank, numbers, measured, registration, probe } = output;
+        let Output {
+            axis,
+            saturated,
+            state,
+            fault,
+            drive_enable,
+            path,
+            learn,
+            load,
+            bank,
+            numbers,
+            measured,
+            registration,
+            probe,
+        } = output;
         *axis = std::array::from_fn(|i| AxisOutput {
             velocity: velocity[i],
             reference: reference[i] * p.axis[i].pulse,

@@ -37,7 +37,10 @@ pub fn find(p: &Parameters, signs: &Signs) -> Finding {
         true => Finding::beyond(Fault::NoProgress, seconds(samples), seconds(most)),
         false => Finding::NONE,
     };
-    [inputs, axes, run, empty, rejected, registration, tool, late].into_iter().find(Finding::is_fault).unwrap_or(Finding::NONE)
+    [inputs, axes, run, empty, rejected, registration, tool, late]
+        .into_iter()
+        .find(Finding::is_fault)
+        .unwrap_or(Finding::NONE)
 }
 
 /// The number of its axis; 0 is the delay of all, -1 the tool.
@@ -111,9 +114,13 @@ pub fn numbers(Vars { input, output, in_force: p, .. }: &Vars) -> String {
             format!(": {who} after `{value}` samples, `io_delay` = `{limit}`")
         }
         Fault::CommissionRejected => measured(p, output),
-        Fault::NoPart => format!(": touch {axis}: `{:.2} mm` on the way to it, limit `{:.2} mm`", 1e3 * value, 1e3 * limit),
+        Fault::NoPart => {
+            format!(": touch {axis}: `{:.2} mm` on the way to it, limit `{:.2} mm`", 1e3 * value, 1e3 * limit)
+        }
         Fault::UnexpectedContact => format!(": on the way to touch {axis} `contact` is true {row}"),
-        Fault::FrozenContact => format!(": touch {axis}: `contact` is true {row}, back at `{:.2} mm` of the way", 1e3 * value),
+        Fault::FrozenContact => {
+            format!(": touch {axis}: `contact` is true {row}, back at `{:.2} mm` of the way", 1e3 * value)
+        }
         Fault::TouchMismatch if axis == 0 => ": there is no place of the part that they fit".to_owned(),
         Fault::TouchMismatch => format!(
             ": touch {axis} is `{:.1} um` beside where the others say, limit `{:.1} um`",

@@ -53,7 +53,6 @@ impl Controller {
             self.follow_route(p, false);
             if self.route.over() {
                 self.registrar.arrive();
-                self.inside = true;
             }
         } else {
             let pose = self.registrar.advance(p, &self.path.touches, &self.joints);

@@ -122,7 +122,9 @@ fn touches(points: &[TouchPoint], upright: Vector) -> Result<Vec<Touch>, String>
     let sure = geometry(&touches).map(|deviations| 1e-3 * deviations[2]);
     require_or(sure.is_some_and(|sure| sure <= ANGLE_MAX), || {
         let sure = sure.map_or("nothing".to_owned(), |sure| format!("the angle to `{sure:.3} rad`"));
-        format!("`touches` of 1 mm tell {sure}, limit `{ANGLE_MAX} rad`: they must be on faces across each other, far apart")
+        format!(
+            "`touches` of 1 mm tell {sure}, limit `{ANGLE_MAX} rad`: they must be on faces across each other, far apart"
+        )
     })?;
     Ok(touches)
 }
@@ -133,7 +135,9 @@ fn touch(point: &TouchPoint, upright: Vector) -> Result<Touch, String> {
     let normal = place("normal", normal)?;
     require_or(normal.norm() > 1e-6, || format!("`normal` has the length `{}`, limit `0.000001`", normal.norm()))?;
     let normal = normal.normalize();
-    require_or(normal.z.abs() <= LEVEL, || format!("`normal` rises by `{}`, limit `{LEVEL}`: it must be level", normal.z))?;
+    require_or(normal.z.abs() <= LEVEL, || {
+        format!("`normal` rises by `{}`, limit `{LEVEL}`: it must be level", normal.z)
+    })?;
     let (low, high) = APPROACHES;
     require_or(*approach_m >= low && *approach_m <= high, || {
         format!("`approach_m` is `{approach_m}`, limits `{low}` to `{high}`")

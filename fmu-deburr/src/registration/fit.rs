@@ -51,7 +51,10 @@ fn distance(touch: &Touch, place: Vector2<f64>, lies: &Displacement) -> (f64, Ve
     // d/d angle of R' v is R' v turned back by a quarter
     let arm = lies.back(place) - lies.centre;
     let across = turn(lies.angle, normal);
-    (normal.dot(&(lies.back(place) - point)), Vector3::new(-across.x, -across.y, normal.dot(&Vector2::new(arm.y, -arm.x))))
+    (
+        normal.dot(&(lies.back(place) - point)),
+        Vector3::new(-across.x, -across.y, normal.dot(&Vector2::new(arm.y, -arm.x))),
+    )
 }
 
 /// Finds where the part lies.
@@ -97,7 +100,11 @@ mod tests {
     /// Two faces across each other, with three touches each.
     fn corner() -> Vec<Touch> {
         let along = [-0.03, 0.0, 0.03];
-        along.iter().map(|x| touch(0.7 + x, 0.1, FRAC_PI_2)).chain(along.iter().map(|y| touch(0.8, y - 0.02, 0.0))).collect()
+        along
+            .iter()
+            .map(|x| touch(0.7 + x, 0.1, FRAC_PI_2))
+            .chain(along.iter().map(|y| touch(0.8, y - 0.02, 0.0)))
+            .collect()
     }
 
     /// Tips that touch the displaced faces, coming along the taught normals, farther out by `off` each.
@@ -143,7 +150,10 @@ mod tests {
         let c = centre(&touches);
         let expected = Vector2::new(mean_x + slope * (-0.02 - c.y), mean_y - slope * (0.7 - c.x));
         let lies = found.displacement;
-        assert!((lies.angle - slope).abs() < 1e-8 && (lies.shift - expected).norm() < 1e-9, "{found:?} {slope} {expected}");
+        assert!(
+            (lies.angle - slope).abs() < 1e-8 && (lies.shift - expected).norm() < 1e-9,
+            "{found:?} {slope} {expected}"
+        );
         // the angle rests on four arms of 30 mm; larger residuals than deviations enlarge it
         let residuals = (0..6).map(|i| distance(&touches[i], touched[i].place, &lies).0.powi(2)).sum::<f64>();
         let excess = (residuals / 3.0).sqrt().max(1e-6);

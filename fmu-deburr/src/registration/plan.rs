@@ -41,7 +41,8 @@ pub fn time(p: &Parameters, path: &TaughtPath, from: &Joints, inside: bool) -> f
         let deep = 2.0 * touch.approach;
         // to and fro, twice; up to speed and down again take as long as the speed over the acceleration more
         let seek = (deep + register.speed * bridged) / register.speed + 2.0 * register.speed / p.feed.acceleration;
-        let again = 2.0 * register.retract / register.touch_speed + bridged + 2.0 * register.speed / p.feed.acceleration;
+        let again =
+            2.0 * register.retract / register.touch_speed + bridged + 2.0 * register.speed / p.feed.acceleration;
         time += Route::around(p, &from, &to, inside).time() + seek + again + 2.0 * back_time(p, deep);
         (from, inside) = (to, true);
     }

@@ -71,7 +71,7 @@ impl Touching {
         if self.run.output.state == State::Register {
             self.deep = self.deep.max(inside);
         }
-        self.run.input.contact = self.stuck.unwrap_or(inside > 0.0);
+        self.run.input.contact = self.stuck.unwrap_or(inside > self.run.parameters.register.pretravel);
         self.run.step();
     }
 
@@ -125,7 +125,7 @@ fn parts_are_found_where_they_lie_within_their_deviations() {
     let mut off = Vec::new();
     for seed in 300..330 {
         let part = part(seed);
-        let mut touching = Touching::new(|_| (), &NOISY, part);
+        let mut touching = Touching::new(|p| p.register.pretravel = 2e-5, &NOISY, part);
         let time = touching.register();
         let found = touching.run.output.registration;
         assert_eq!(touching.ended(), (State::Idle, Fault::None), "{part:?}: {found:?}");
@@ -138,7 +138,8 @@ fn parts_are_found_where_they_lie_within_their_deviations() {
         off.push((found.y - part.y) / found.y_deviation);
         off.push((found.angle - part.angle) / found.angle_deviation);
         // the path is that of the part
-        let (start, taught) = (touching.run.controller.path().at(0.0), path_file::read(&Parameters::START, None).unwrap());
+        let (start, taught) =
+            (touching.run.controller.path().at(0.0), path_file::read(&Parameters::START, None).unwrap());
         assert!((touching.back(&start.tip) - taught.at(0.0).tip).norm() < 3e-5, "{part:?}");
     }
     let scatter = (off.iter().map(|off| off * off).sum::<f64>() / off.len() as f64).sqrt();
@@ -149,7 +150,8 @@ fn parts_are_found_where_they_lie_within_their_deviations() {
 #[test]
 fn learned_patterns_follow_the_part() {
     let build = Build { gain: 0.85, ..Build::NOMINAL };
-    let mut touching = Touching::new(|p| p.learn.speeds = "1.0".to_owned(), &build, Part { x: 2e-3, y: -2e-3, angle: 5e-3 });
+    let mut touching =
+        Touching::new(|p| p.learn.speeds = "1.0".to_owned(), &build, Part { x: 2e-3, y: -2e-3, angle: 5e-3 });
     assert!(touching.run.finish(Mode::Learn));
     let taught = touching.run.controller.bank_as_taught(&touching.run.parameters);
     let before = touching.run.largest_errors(Mode::Playback, |_| 1.0);
