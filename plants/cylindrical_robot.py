@@ -9,8 +9,8 @@ wrist. Axis 4 turns the wrist about the vertical, axis 5 tilts it, axis 6 turns 
 With all three at zero the tool points down. The origin is on the axis of the column, at the height of the
 wrist with axis 2 at zero.
 
-The part may lie elsewhere than where its edge was taught, moved and turned about the vertical at its corner. Above the
-edge stands its wall, which a touch probe feels that takes the place of the tool while `probe` is 1.
+The part may lie elsewhere than where its edge is told, moved and turned about the vertical at its corner.
+Above the edge stands its wall, which a touch probe feels that takes the place of the tool while `probe` is 1.
 
 Each drive has a spring-applied brake, as the axes of robots have: without `enable` the drives have no force
 and the brakes are closed, with the largest force of the drive as dry friction (our choice). Enabled again a
@@ -50,7 +50,8 @@ class CylindricalRobot(Plant):
         "distance", "normal", "across", "tx", "ty", "tz", "nx", "ny", "nz", "workpiece",
         "load", "force", "feed", "engagement", "finish_low", "finish_high", "removed", "left",
         "spindle_speed", "spindle_measured", "spindle_torque", "enable",
-        "probe", "contact", "deflection", *(f"hold_{n}" for n in AXES), *(f"{kind}_{n}" for kind in ("speed", "rubs") for n in (1, 3)),
+        "probe", "contact", "deflection",
+        *(f"hold_{n}" for n in AXES), *(f"{kind}_{n}" for kind in ("speed", "rubs") for n in (1, 3)),
     )  # fmt: skip
 
     def name_channels(self, p: CylindricalRobotParameters) -> None:
@@ -265,7 +266,9 @@ class CylindricalRobot(Plant):
         p, wire = self.parameters, self.wire
         wall = (p.burr_begin, self._length - p.burr_end, p.wall_height)
         probe = (p.probe_pretravel, p.probe_travel, p.probe_stiffness, p.probe_end_stiffness)
-        seen = [wire(name) for name in ("distance", "normal", "across", "nx", "ny", "nz", "workpiece", "probe")]
+        seen = [
+            wire(name) for name in ("distance", "normal", "across", "nx", "ny", "nz", "workpiece", "probe")
+        ]
         felt = [wire("contact"), wire("deflection")]
         force = [self._control(f"force_{c}", add=True) for c in "xyz"]
         self.circuit.bind("touch probe", _native.touch_probe(wall, probe), seen, [*felt, *force])
@@ -307,9 +310,9 @@ def edge(p: CylindricalRobotParameters) -> tuple[list[float], list[float], list[
 
 
 def displaced(p: CylindricalRobotParameters, point: list[float], about: list[float]) -> list[float]:
-    """Place of the part moved and turned about the vertical through a place; as it is, to the bit, if it is not."""
+    """Place of the part, moved and turned about the vertical through a place."""
     x, y = point[0] - about[0], point[1] - about[1]
-    # what a turn adds, which is nothing without one
+    # what a turn adds: without one nothing, to the bit
     less, sine = math.cos(p.part_angle) - 1.0, math.sin(p.part_angle)
     return [point[0] + p.part_x + less * x - sine * y, point[1] + p.part_y + less * y + sine * x, point[2]]
 

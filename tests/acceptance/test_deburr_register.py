@@ -109,10 +109,14 @@ def test_a_learned_bank_follows_the_part() -> None:
 def test_a_pretravel_that_is_not_told_is_a_part_that_is_farther_in() -> None:
     # both faces seem farther in: by the pretravel along both normals, and the residual does not tell it
     told, untold = (run("deburr/register", f"controller.register.pretravel={way}") for way in (1e-5, 0.0))
-    moved = np.array(
-        [trace(untold)[f"controller.registration.{axis}"][-1] - trace(told)[f"controller.registration.{axis}"][-1] for axis in "xy"]
-    )  # fmt: skip
+    x, y = (
+        float(
+            trace(untold)[f"controller.registration.{c}"][-1]
+            - trace(told)[f"controller.registration.{c}"][-1]
+        )
+        for c in "xy"
+    )
     heading = np.radians(46.0)
     normals = np.array([[np.sin(heading), -np.cos(heading)], [np.cos(heading), np.sin(heading)]])
-    assert moved @ normals.T == pytest.approx([-1e-5, -1e-5], abs=1e-7)
+    assert normals @ np.array([x, y]) == pytest.approx([-1e-5, -1e-5], abs=1e-7)
     assert value(untold, "residual") == pytest.approx(value(told, "residual"), abs=1e-7)
