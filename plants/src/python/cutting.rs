@@ -4,7 +4,9 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use super::cells::PyElement;
-use crate::elements::cutting::{Burr, Chip, Deburring, Edge, Flute, Milling, Plunge, Reaction, Shapes, TouchProbe, TurnedPart};
+use crate::elements::cutting::{
+    Burr, Chip, Deburring, Edge, Flute, Milling, Plunge, Reaction, Shapes, TouchProbe, TurnedPart,
+};
 
 /// Chip of a round nose on a face (all m; whether the part turns backward): angle, lateral, depth, cutting -> area m2.
 #[pyfunction]

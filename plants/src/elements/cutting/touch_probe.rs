@@ -55,8 +55,7 @@ mod tests {
 
     fn felt(distance: f64, normal: f64, across: f64, part: f64, probe: f64) -> [f64; 5] {
         let wall = (0.03, 0.25);
-        let mut touch =
-            TouchProbe { wall, height: 0.018, pretravel: 1e-5, travel: 4e-3, stiffness: (1e3, 1e6) };
+        let mut touch = TouchProbe { wall, height: 0.018, pretravel: 1e-5, travel: 4e-3, stiffness: (1e3, 1e6) };
         let mut out = [0.0; 5];
         touch.step(&[distance, normal, across, 0.6, -0.8, 0.0, part, probe], &mut out, 1e-3);
         out
