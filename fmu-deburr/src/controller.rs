@@ -5,7 +5,7 @@ mod following;
 mod registering;
 mod watching;
 
-use control_blocks::{Consecutive, Edge, ParameterError, Progress as Elapsed, SafeEnd, SentCommands};
+use control_blocks::{Consecutive, Edge, ParameterError, Progress as Elapsed, SafeEnd, SentCommands, WaitingRequest};
 use serde::{Deserialize, Serialize};
 
 use crate::bank::kept::KeptPatterns;
@@ -47,13 +47,13 @@ pub struct Controller {
     /// a commission goes on, or stops
     commissioning: bool,
     /// an edge of `commission` waits for axes at rest
-    commission_asked: bool,
+    commission_asked: WaitingRequest,
     commission: Edge,
     registrar: Registrar,
     /// a registration goes on, or stops
     registering: bool,
     /// an edge of `register` waits for axes at rest
-    register_asked: bool,
+    register_asked: WaitingRequest,
     register: Edge,
     /// something is being learned; all of it was learned
     learning: bool,
@@ -132,11 +132,11 @@ impl Controller {
             learner,
             commissioner,
             commissioning: false,
-            commission_asked: false,
+            commission_asked: WaitingRequest::default(),
             commission: Edge::default(),
             registrar,
             registering: false,
-            register_asked: false,
+            register_asked: WaitingRequest::default(),
             register: Edge::default(),
             learning: false,
             learned: false,
@@ -207,7 +207,7 @@ impl Controller {
             self.origin = output.bank.status;
         }
         if self.commissioner.take_renewed() {
-            self.change_drives(p);
+            self.renew(p);
         }
         let before = self.reader.positions();
         let motions = self.sent.map(|sent| sent.before(p.io_delay as usize) * p.sample_period);
@@ -247,8 +247,10 @@ impl Controller {
         // nothing begins from a place that is not known
         let enable = input.enable && self.reader.placed();
         self.disabled = !enable || self.disabled && before == State::Stop;
-        self.ask_for_commission(input.commission);
-        self.ask_for_registration(input.register);
+        let edge = self.commission.rises(input.commission);
+        let asked = self.commission_asked.update(before.waits(), edge, input.commission);
+        let edge = self.register.rises(input.register);
+        let touches = self.register_asked.update(before.waits(), edge, input.register);
         let wanted = if before == State::Register { input.register } else { input.commission };
         self.state = next(
             before,
@@ -260,8 +262,8 @@ impl Controller {
                 hold: input.hold,
                 reset: self.reset.rises(input.reset_fault) && at_rest,
                 end,
-                commission: self.commission_asked && at_rest && !input.hold,
-                register: self.register_asked && at_rest && !input.hold,
+                commission: asked && at_rest && !input.hold,
+                register: touches && at_rest && !input.hold,
                 break_off: !wanted || input.hold,
                 measuring: self.commissioning || self.registering,
                 fault: found.is_fault(),
@@ -400,6 +402,7 @@ impl Controller {
             bank,
             numbers,
             measured,
+            told,
             registration,
             probe,
         } = output;
@@ -417,7 +420,7 @@ impl Controller {
         });
         *saturated = (0..AXES).any(|i| velocity[i].abs() >= p.axis[i].velocity_max);
         (*state, *fault, *numbers) = (self.state, self.fault, self.numbers);
-        *measured = self.commissioner.measured;
+        (*measured, *told) = (self.commissioner.measured, Some(self.commissioner.told()));
         (*registration, *probe) = (self.registrar.found, self.registering);
         *drive_enable = self.state != State::Fault || self.fault.safe_end() != SafeEnd::DriveOff;
         *path = self.run.report(&self.path, self.on_path, self.state == State::Done && self.job.moves());

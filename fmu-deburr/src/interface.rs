@@ -17,6 +17,7 @@ mod variables {
     use fmi2_export::Unit;
 
     use crate::learning::speeds::Speeds;
+    use crate::commission::values::Values;
     use crate::monitoring::numbers::Numbers;
 
     const PER_SECOND: Unit = Unit::si("1/s", [0, 0, -1, 0, 0], &[]);
@@ -208,6 +209,8 @@ mod variables {
         pub bank: BankOutput,
         /// What is told with the fault.
         #[var(hidden, start = Numbers::START)] pub numbers: Numbers,
+        /// What was told of the values that a commission derives, for the log.
+        #[var(hidden, start = None)] pub told: Option<Values>,
         pub measured: Measured,
         pub registration: Registration,
         /// The probe is to stand in place of the tool, whose tip it has

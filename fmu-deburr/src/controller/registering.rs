@@ -21,17 +21,11 @@ impl Controller {
         other.bank
     }
 
-    /// An edge of `register` counts where the pose is held, and waits there for axes at rest.
-    pub(super) fn ask_for_registration(&mut self, register: bool) {
-        let edge = self.register.rises(register);
-        self.register_asked = self.state.waits() && register && (self.register_asked || edge);
-    }
-
     /// Begins on the path as it was taught.
     pub(super) fn begin_registration(&mut self, p: &Parameters, reading: &Reading) {
         self.lay(p, Displacement::default()).ok();
         self.registrar.begin(p.arm.forward(&reading.positions).tip);
-        (self.on_path, self.registering, self.register_asked) = (false, true, false);
+        (self.on_path, self.registering) = (false, true);
         self.elapsed.restart();
         self.budget = u64::from(ticks(plan::time(p, &self.path, &self.joints, self.inside), p.sample_period));
         self.go_to_touch(p);

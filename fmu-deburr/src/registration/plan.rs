@@ -5,7 +5,7 @@
 //! was between the tips of two, so half a sample of way is taken off, and what is left is spread evenly over a sample, v T/sqrt(12);
 //! beside it are half a count of the encoders, in both tips, and `register.deviation`.
 
-use control_blocks::{ParameterError, quintic_duration};
+use control_blocks::{ParameterError, commission_time, quintic_duration};
 
 use crate::interface::Parameters;
 use crate::path::feasible;
@@ -14,9 +14,6 @@ use crate::path::kinematics::{AXES, Joints};
 use crate::path::route::Route;
 use crate::path::taught_path::TaughtPath;
 use crate::registration::touch::Touch;
-
-/// Longest time over that of the motions, and seconds beside.
-const MARGIN: (f64, f64) = (1.25, 1.0);
 
 /// Axes at the begin of the approach to a touch, near others.
 pub fn outside(p: &Parameters, touch: &Touch, near: &Joints) -> Joints {
@@ -28,25 +25,27 @@ pub fn back_time(p: &Parameters, way: f64) -> f64 {
     quintic_duration(way.abs(), p.register.speed).max(p.sample_period)
 }
 
-/// Longest time of a registration that begins at rest at `from`, s.
+/// Longest time of a registration that begins at rest at `from`, s: as told, or as of a commission with these motions.
 pub fn time(p: &Parameters, path: &TaughtPath, from: &Joints, inside: bool) -> f64 {
-    if p.register.time > 0.0 {
-        return p.register.time;
-    }
+    commission_time(p.register.time, || motions(p, path, from, inside))
+}
+
+/// Time of all motions, s.
+fn motions(p: &Parameters, path: &TaughtPath, from: &Joints, inside: bool) -> f64 {
     let (mut from, mut inside, mut time) = (*from, inside, 0.0);
     let register = &p.register;
     let bridged = f64::from(p.limits.lost_samples + 1) * p.sample_period;
+    // up to speed and down again takes as long as the speed over the acceleration more
+    let stops = 2.0 * register.speed / p.feed.acceleration;
     for touch in &path.touches {
         let to = outside(p, touch, &from);
         let deep = 2.0 * touch.approach;
-        // to and fro, twice; up to speed and down again take as long as the speed over the acceleration more
-        let seek = (deep + register.speed * bridged) / register.speed + 2.0 * register.speed / p.feed.acceleration;
-        let again =
-            2.0 * register.retract / register.touch_speed + bridged + 2.0 * register.speed / p.feed.acceleration;
+        let seek = deep / register.speed + bridged + stops;
+        let again = 2.0 * register.retract / register.touch_speed + bridged + stops;
         time += Route::around(p, &from, &to, inside).time() + seek + again + 2.0 * back_time(p, deep);
         (from, inside) = (to, true);
     }
-    MARGIN.0 * time + MARGIN.1
+    time
 }
 
 /// Standard deviation of a touch at which the axes are at `joints`, along the normal, m.

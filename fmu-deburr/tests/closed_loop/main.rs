@@ -10,7 +10,6 @@ mod learning;
 mod modes;
 mod nominal;
 mod norm_optimal;
-mod registration;
 mod restart;
 mod robot;
 mod robustness;
