@@ -226,6 +226,18 @@ mod tests {
     }
 
     #[test]
+    fn an_error_that_grows_is_told_with_its_turns_and_where_it_began() {
+        let (p, mut watch) = (Parameters::START, Watch::default());
+        for turn in 0..6 {
+            let rms = 5e-6 * 1.5_f64.powi(turn);
+            watch.update(&p, 0.08, &Sample { rms, spindle_speed: 62.8, ..REST });
+        }
+        assert_eq!(watch.find(&p, 0.08), Some(Fault::Divergence));
+        let Numbers { turns, begin, saturated, .. } = watch.numbers();
+        assert_eq!((turns, begin, saturated), (5, 5e-6, 0.0));
+    }
+
+    #[test]
     fn nothing_goes_on_at_full_torque() {
         for behind in [0.02, 0.001] {
             assert_eq!(at_full_torque(behind).map(Fault::safe_end), Some(SafeEnd::DriveOff));
