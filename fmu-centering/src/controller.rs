@@ -424,3 +424,6 @@ impl Controller {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
