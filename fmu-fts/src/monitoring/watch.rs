@@ -210,6 +210,18 @@ mod tests {
     }
 
     #[test]
+    fn eight_time_constants_themselves_are_not_too_long() {
+        let (mut p, mut watch) = (Parameters::START, Watch::default());
+        p.afc.tau = 1000.0 * p.sample_period / 8.0;
+        let rms = 2.0 * p.limits.tracking_error;
+        let mut found = |samples: u32| {
+            (0..samples).for_each(|_| watch.update(&p, 0.08, &Sample { learning: true, rms, ..REST }));
+            watch.find(&p, 0.08)
+        };
+        assert_eq!((found(1000), found(1)), (None, Some(Fault::NoProgress)));
+    }
+
+    #[test]
     fn a_torque_that_turns_again_and_again_is_an_oscillation() {
         let found = |turns: u32, every: u32| {
             let (p, mut watch) = (Parameters::START, Watch::default());
