@@ -440,3 +440,6 @@ impl Controller {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

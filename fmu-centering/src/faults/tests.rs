@@ -201,6 +201,22 @@ fn a_limit_itself_is_good_but_for_the_end_of_the_stroke_of_the_probe() {
 }
 
 #[test]
+fn no_ring_flies_off_a_table_so_slow_that_friction_holds_it_everywhere() {
+    // 20 rpm: a surface of 0.22 m/s is faster than that of a rim on the axis, and 50 mm off a ring is held
+    let shown = Watched { state: State::Follow, surface: 0.22, ..GOOD };
+    assert!(shown.surface > surface_velocity(0.05, 0.05, GOOD.speed) && !too_fast(&P, GOOD.speed, &ring(0.05)));
+    assert_eq!(fault(shown, 700), None);
+}
+
+#[test]
+fn a_spindle_that_has_come_back_after_as_much_turning_as_there_may_be_has_no_fault_yet() {
+    let mut supervisor = Supervisor::default();
+    let mut turn = |turned: f64| supervisor.check(&P, &Watched { turned, ..GOOD });
+    let half = 0.5 * TURNS_MAX * TAU;
+    assert_eq!([half, -half, 1e-9].map(&mut turn), [None, None, Some(Fault::Spindle)]);
+}
+
+#[test]
 fn nine_tenths_of_the_turning_forwards_are_no_reversal() {
     // of 100 samples as many go back
     let found = |back: u32| {

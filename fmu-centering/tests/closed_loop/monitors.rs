@@ -2,7 +2,7 @@
 
 use fmu_centering::interface::{Fault, Input, Parameters, State};
 
-use crate::ring::{AT_PUSHER, Ring};
+use crate::ring::{AT_PUSHER, Ring, Servo, TOLD};
 use crate::run::{Loop, running};
 
 const P: Parameters = Parameters::START;
@@ -189,6 +189,29 @@ fn a_ring_that_turns_fast_spoils_no_test_of_the_probe() {
         let mut run = Loop::new(&p, ring);
         assert!(run.run_to(State::Centred, 20.0), "{:?}", run.output);
         assert!((run.output.monitor.probe_share - 1.0).abs() < 0.05, "{}", run.output.monitor.probe_share);
+    }
+}
+
+#[test]
+fn a_probe_that_answers_seven_tenths_of_its_test_is_not_believed() {
+    let run = running(&P, State::Confirm);
+    let rest = AT_PUSHER - run.output.pusher_gap;
+    let answers = |_, input: &mut Input| input.probe_position = rest + 0.7 * (input.probe_position - rest);
+    let run = faulted(run, Fault::FrozenProbe, answers);
+    assert!((run.output.monitor.probe_share - 0.7).abs() < 0.02, "{}", run.output.monitor.probe_share);
+}
+
+#[test]
+fn a_servo_that_is_too_slow_has_a_name_where_it_is_learned() {
+    let none = Fault::None;
+    for (frequency, learned, fault) in [(12.0, true, Fault::SlowServo), (12.0, false, none), (40.0, true, none)] {
+        let mut p = P;
+        p.learn.servo = learned;
+        let mut ring = Ring::new(1, 5e-4, 0.5);
+        ring.servo = Some(Servo { frequency, ..TOLD });
+        let mut run = Loop::new(&p, ring);
+        assert_eq!(run.run_to(State::Collect, 5.0), fault == none, "{:?}", run.output);
+        assert_eq!(run.output.fault, fault, "{frequency} Hz, learned: {learned}");
     }
 }
 
