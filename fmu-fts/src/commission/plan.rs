@@ -9,7 +9,8 @@
 //!
 //! Each tone is so large that travel, torque and following error keep their bounds on every machine of that class: with the
 //! largest |T|, |K (1 - T)| and |1 - T| of them. About the flexure the torque is what bends it at its resonance half as far as full
-//! torque does at rest, twice as far with g = 2 and half the damping; slow tones alternate in size, so that dry and viscous friction tell apart.
+//! torque does at rest, twice as far with g = 2 and half the damping, even where that is less than `limits.disturbance`: the thrust of a cut
+//! is not there; slow tones alternate in size, so that dry and viscous friction tell apart.
 
 use std::f64::consts::TAU;
 
@@ -244,7 +245,7 @@ mod tests {
                 let margins = LoopMargins::of(machine, &LoopModel::new(*machine, *plan.model.compensator()), 0.0);
                 // 30 degrees, and a factor 2 that the peak leaves whatever its phase is
                 assert!(
-                    margins.phase > 0.52 && margins.gain > 1.9 && margins.sensitivity < 2.1,
+                    margins.phase > 0.52 && margins.gain > 2.0 && margins.sensitivity < 2.1,
                     "{machine:?}: {margins:?}"
                 );
             });

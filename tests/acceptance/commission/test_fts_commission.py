@@ -105,7 +105,7 @@ def tell(found: Sequence[Machine]) -> None:
 
 
 def keep(found: Sequence[Machine], rows: tuple[str, str]) -> None:
-    """Keep what the machines ended with, in the rows of those that use what they were told and what was measured."""
+    """Keep how the machines ended: a row of those as told, one of those that use what they measured."""
     for row, applied in zip(rows, (False, True), strict=True):
         store.measured("fts-commission", row, **ends([one for one in found if one.applied is applied]))
 
