@@ -178,7 +178,7 @@ def test_what_was_measured_is_true_within_its_deviations() -> None:
         measured, deviation = (
             float(rows[f"controller.measured.{name}{kind}"][-1]) for kind in ("", "_deviation")
         )
-        assert abs(measured - expected) < 4.0 * deviation, name
+        assert abs(measured - expected) < 2.0 * deviation, name
 
 
 def test_the_file_of_the_results_is_taken_as_parameters(tmp_path: Path) -> None:
