@@ -69,7 +69,7 @@ pub struct Plan {
     pub model: LoopModel,
     /// The tones.
     pub tones: Vec<Tone>,
-    /// Standard deviation of a reading of the arm, rad: readings at rest are spread evenly over `limits.arm_spread`.
+    /// Standard deviation of a reading of the arm, rad: readings at rest are spread over six of it, `limits.arm_spread`.
     noise: f64,
 }
 
@@ -80,7 +80,7 @@ impl Plan {
         let compensator = compensator(&told);
         let machines = machines(&told, compensator);
         let tones = tones(&told, crossover(&told)).map(|(omega, part)| tone(p, omega, part, &machines)).collect();
-        let noise = p.limits.arm_spread / 12f64.sqrt();
+        let noise = p.limits.arm_spread / 6.0;
         Self { told, model: LoopModel::new(told, compensator), tones, noise }
     }
 

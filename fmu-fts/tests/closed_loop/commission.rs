@@ -85,7 +85,7 @@ fn unknown_machines_are_measured_within_their_deviations() {
             ([m.viscous_friction, m.viscous_friction_deviation], viscous, [0.03 * viscous, 0.5 * viscous]),
             ([m.dry_friction, m.dry_friction_deviation], dry, [0.01 * dry, 0.1 * dry]),
             ([m.io_delay, m.io_delay_deviation], delay, [0.005, 0.02]),
-            ([m.tip_frequency, m.tip_frequency_deviation], frequency, [5e-3 * frequency, 0.02 * frequency]),
+            ([m.tip_frequency, m.tip_frequency_deviation], frequency, [5e-3 * frequency, 0.015 * frequency]),
             ([m.tip_inertia, m.tip_inertia_deviation], 0.4375, [0.01, 0.05]),
             ([m.tip_damping, m.tip_damping_deviation], build.damping, [2e-3, 0.02]),
         ] {
