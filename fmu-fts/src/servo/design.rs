@@ -38,9 +38,11 @@ impl LoopMargins {
         self.phase >= PHASE_MARGIN_MIN && self.gain >= GAIN_MARGIN_MIN
     }
 
-    /// Those of a loop of this machine.
-    pub fn of(nominal: &Nominal, model: &LoopModel) -> Self {
-        margins(model, Grid::new(nominal, model).points())
+    /// Those of a loop of this machine whose delay is longer than it knows by `late` samples.
+    pub fn of(nominal: &Nominal, model: &LoopModel, late: f64) -> Self {
+        let mut grid = Grid::new(nominal, model);
+        grid.points.iter_mut().for_each(|point| *point = point.later(late * nominal.sample_period));
+        margins(model, grid.points())
     }
 }
 
@@ -160,7 +162,7 @@ mod tests {
 
     fn designed(p: &Parameters) -> (LoopModel, LoopMargins) {
         let model = LoopModel::new(p, design(p).unwrap());
-        (model, LoopMargins::of(&Nominal::from(p), &model))
+        (model, LoopMargins::of(&Nominal::from(p), &model, 0.0))
     }
 
     #[test]
@@ -216,7 +218,7 @@ mod tests {
         let p = Parameters::START;
         let at = |crossover: f64| {
             let model = LoopModel::new(&p, LeadLag::new(&p, crossover));
-            LoopMargins::of(&Nominal::from(&p), &model)
+            LoopMargins::of(&Nominal::from(&p), &model, 0.0)
         };
         let slow = at(1.0);
         assert!(slow.phase == std::f64::consts::PI && slow.gain.is_finite() && slow.gain > 2.0, "{slow:?}");
