@@ -74,11 +74,6 @@ impl Commissioner {
         self.measured.valid = false;
     }
 
-    /// Values that were told.
-    pub fn told(&self) -> Values {
-        self.values.told()
-    }
-
     /// Longest time that it may take, s.
     pub fn limit(&self) -> f64 {
         self.limit

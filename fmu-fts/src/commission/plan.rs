@@ -209,6 +209,9 @@ pub fn least_time(p: &Parameters) -> f64 {
 }
 
 #[cfg(test)]
+mod bounds;
+
+#[cfg(test)]
 mod tests {
     use super::*;
     use crate::servo::design::LoopMargins;

@@ -166,6 +166,13 @@ mod tests {
     }
 
     #[test]
+    fn a_loop_may_be_closed_with_both_margins_and_with_one_of_them_it_may_not() {
+        let enough = |phase: f64, gain: f64| LoopMargins { phase, gain, sensitivity: 1.0 }.enough();
+        let (phase, gain) = (PHASE_MARGIN_MIN, GAIN_MARGIN_MIN);
+        assert!(enough(phase, gain) && !enough(0.999 * phase, 9.0) && !enough(1.5, 0.999 * gain));
+    }
+
+    #[test]
     fn the_default_loop_has_the_bandwidth_and_margins_of_the_paper() {
         let (model, margins) = designed(&Parameters::START);
         assert!(
