@@ -2,6 +2,7 @@
 
 use control_blocks::{SafeEnd, ticks};
 
+use crate::commission::response::loop_spread;
 use crate::commission::{plan, values};
 use crate::interface::{Fault, Measured, Parameters, ThresholdOutput, Vars};
 use crate::monitoring::numbers::{LateContact, Unseen};
@@ -235,14 +236,15 @@ fn rejected(p: &Parameters, m: &Measured) -> String {
     format!(
         ": thrust constant `{} N/A`, deviation `{} N/A`, limits half and twice `stage.force_constant` = `{} N/A` and \
          `commission.deviation_max` = `{}` of it; delay `{}` samples, deviation `{}`, limits the delays at which \
-         the loop is stable and `commission.delay_deviation_max` = `{}`",
+         the loop is stable and `commission.delay_deviation_max` = `{}` beside `{}` of the current loop",
         m.force_constant,
         m.force_constant_deviation,
         p.stage.force_constant,
         p.commission.deviation_max,
         m.io_delay,
         m.io_delay_deviation,
-        p.commission.delay_deviation_max
+        p.commission.delay_deviation_max,
+        loop_spread(p)
     )
 }
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import cosim
+import numpy as np
 from cosim.pool.worker import JobRunner
 from cosim.sweep import study
 from cosim.sweep.designs import Case
@@ -41,3 +43,13 @@ def machines(name: str, few: tuple[int, int] | None = None) -> list[Machine]:
             assert isinstance(result, cosim.Result), result
             found.append(Machine(one.changes, result))
     return found
+
+
+def hold_deviations(found: Sequence[Machine], errors: dict[str, Sequence[float]]) -> None:
+    """Hold the claimed standard deviations, metrics `NAME_deviation`, against the errors of what was measured."""
+    for name, wrong in errors.items():
+        ratio = np.array(wrong) / np.array([one[f"{name}_deviation"] for one in found])
+        rms, high = float(np.sqrt(np.mean(ratio**2))), float(np.percentile(np.abs(ratio), 99))
+        print(f"{name}: errors in claimed deviations {rms:.2f} rms, 99 % below {high:.2f}")
+        assert 0.5 < rms < 1.5, name
+        assert high < 3.5, name
