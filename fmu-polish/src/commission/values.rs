@@ -6,6 +6,7 @@ use control_blocks::DELAY_MAX;
 use serde::{Deserialize, Serialize};
 
 use crate::commission::plan::RATIO_MAX;
+use crate::commission::response::GUIDES;
 use crate::force::response::axis;
 use crate::interface::{Drive, Measured, Mode, Parameters};
 use crate::motion::sliding::highest;
@@ -102,9 +103,11 @@ impl Values {
     }
 }
 
-/// Whether a measurement is sure enough, and of a machine that this controller can hold: `told` is what it took it for.
+/// Whether a measurement is sure enough, and of a machine that this controller can hold: `told` is what it took it for. What the guides
+/// leave to the drives refuses nothing: they are found with that friction as they are used with it.
 pub fn acceptable(p: &Parameters, told: &Values, m: &Measured) -> bool {
-    let sure = |value: f64, deviation: f64| value > 0.0 && deviation <= p.commission.deviation_max * value;
+    let most = p.commission.deviation_max;
+    let sure = |value: f64, deviation: f64| value > 0.0 && deviation <= most * value;
     let near = |ratio: f64| (RATIO_MAX.recip()..=RATIO_MAX).contains(&ratio);
     let contact = [
         (m.stiffness, m.stiffness_deviation),
@@ -113,13 +116,13 @@ pub fn acceptable(p: &Parameters, told: &Values, m: &Measured) -> bool {
     ];
     contact.iter().all(|(value, deviation)| sure(*value, *deviation))
         && near(m.stiffness / told.stiffness)
-        && sure(m.drive_gain, m.drive_gain_deviation)
+        && m.drive_gain_deviation <= most.hypot(GUIDES[0]) * m.drive_gain
         && near(m.drive_gain)
-        && m.feedforward_deviation <= p.commission.deviation_max
+        && m.feedforward_deviation <= most.hypot(GUIDES[1])
         && m.io_delay_deviation <= p.commission.delay_deviation_max
         && (-0.5..DELAY_MAX as f64 + 0.5).contains(&m.io_delay)
         && m.sensor_rotation.is_finite()
-        && m.sensor_rotation_deviation <= p.commission.deviation_max
+        && m.sensor_rotation_deviation <= most
 }
 
 #[cfg(test)]
@@ -221,10 +224,10 @@ mod tests {
             (|m, x| m.stiffness = x, 89e3, 88.9e3),
             (|m, x| m.lateral_stiffness_deviation = x, 10e3, 10.1e3),
             (|m, x| m.friction_deviation = x, 0.02, 0.0201),
-            (|m, x| m.drive_gain_deviation = x, 0.08, 0.0801),
+            (|m, x| m.drive_gain_deviation = x, 0.1312, 0.1313),
             (|m, x| m.drive_gain = x, 2.0, 2.01),
             (|m, x| m.drive_gain = x, 0.5, 0.499),
-            (|m, x| m.feedforward_deviation = x, 0.1, 0.101),
+            (|m, x| m.feedforward_deviation = x, 0.1414, 0.1415),
             (|m, x| m.io_delay_deviation = x, 0.25, 0.251),
             (|m, x| m.io_delay = x, -0.5, -0.51),
             (|m, x| m.io_delay = x, DELAY_MAX as f64 + 0.49, DELAY_MAX as f64 + 0.5),
