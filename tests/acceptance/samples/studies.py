@@ -6,8 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-import cosim
 import numpy as np
+
+import cosim
 from cosim.pool.worker import JobRunner
 from cosim.sweep import study
 from cosim.sweep.designs import Case
@@ -46,7 +47,7 @@ def machines(name: str, few: tuple[int, int] | None = None) -> list[Machine]:
 
 
 def hold_deviations(found: Sequence[Machine], errors: dict[str, Sequence[float]]) -> None:
-    """Hold the claimed standard deviations, metrics `NAME_deviation`, against the errors of what was measured."""
+    """Hold the claimed standard deviations, metrics `NAME_deviation`, against the errors of NAME."""
     for name, wrong in errors.items():
         ratio = np.array(wrong) / np.array([one[f"{name}_deviation"] for one in found])
         rms, high = float(np.sqrt(np.mean(ratio**2))), float(np.percentile(np.abs(ratio), 99))
