@@ -2,12 +2,21 @@
 //! tests. They know neither FMI nor any controller; what runs sample by sample allocates nothing.
 #![forbid(unsafe_code)]
 
+mod commission;
 mod estimation;
 mod monitoring;
 mod motion;
 mod parameters;
 mod sampling;
 
+pub use commission::bounds::{
+    DELAY_SPREAD, RATIO_MAX, SIGNIFICANT, bearable_delays, check_commission_time, commission_time, significant_or,
+    sure, told_or, whole_delay, within_factor,
+};
+pub use commission::excitation::{Excitation, ExcitationTimes};
+pub use commission::export::export_commission;
+pub use commission::in_force::InForce;
+pub use commission::multisine::{HARMONICS, Multisine, TONES};
 pub use estimation::allan::{AllanVariance, of_walk_and_white, walk_and_white};
 pub use estimation::angle::{Unwrapper, wrap, wrap_half_open};
 pub use estimation::canceller::{Canceller, adaptation_gain};
@@ -22,8 +31,7 @@ pub use monitoring::progress::Progress;
 pub use monitoring::response::Response;
 pub use monitoring::reversals::Reversals;
 pub use monitoring::safe_end::SafeEnd;
-pub use motion::multisine::{HARMONICS, Multisine, TONES};
-pub use motion::quintic::{Quintic, minimum_jerk, minimum_jerk_rates, quintic_duration};
+pub use motion::quintic::{QUINTIC_ACCELERATION, Quintic, minimum_jerk, minimum_jerk_rates, quintic_duration};
 pub use motion::ramp::{ramp, ramp_between};
 pub use motion::trajectory::{Trajectory, stopping_distance};
 pub use parameters::check::{Check, Refusal, assert_refusals, check_all};
@@ -31,10 +39,10 @@ pub use parameters::error::{ParameterError, require};
 pub use parameters::file::FileParameter;
 pub use parameters::numbers::{real_numbers, whole_numbers};
 pub use parameters::parameter::Parameter;
-pub use parameters::result_file::ResultFile;
 pub use sampling::consecutive::Consecutive;
 pub use sampling::edge::Edge;
 pub use sampling::input::{believable, with_nonsense};
 pub use sampling::last_good::LastGood;
+pub use sampling::request::WaitingRequest;
 pub use sampling::sent_commands::{DELAY_MAX, SentCommands};
 pub use sampling::ticks::ticks;

@@ -5,4 +5,3 @@ pub mod error;
 pub mod file;
 pub mod numbers;
 pub mod parameter;
-pub mod result_file;

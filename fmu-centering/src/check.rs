@@ -1,6 +1,6 @@
 //! Checks of parameters against each other; single ranges are in the variable table of the FMU.
 
-use control_blocks::{Check, Parameter, ParameterError, check_all};
+use control_blocks::{Check, Parameter, ParameterError, check_all, check_commission_time};
 
 use crate::commission::plan;
 use crate::interface::Law;
@@ -166,11 +166,7 @@ fn commission_acceleration(p: &Parameters) -> Result<(), ParameterError> {
 }
 
 fn commission_time(p: &Parameters) -> Result<(), ParameterError> {
-    let hint = "or every commission ends in `NoProgress`";
-    let (value, least) = (p.commission.time, plan::least_time(p));
-    Parameter::new("commission.time", value, "s", hint).must_be(value == 0.0 || value >= least, || {
-        format!("`0`, or at least `{least} s`, the time that its motions take")
-    })
+    check_commission_time(p.commission.time, || plan::least_time(p))
 }
 
 #[cfg(test)]

@@ -7,3 +7,4 @@ mod response;
 mod values;
 
 pub use commissioner::Commissioner;
+pub use values::Values;

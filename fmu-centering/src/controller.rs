@@ -2,7 +2,7 @@
 
 mod watching;
 
-use control_blocks::{Consecutive, ParameterError, Progress, ResultFile, SafeEnd};
+use control_blocks::{Consecutive, ParameterError, Progress, SafeEnd, WaitingRequest, export_commission};
 use serde::{Deserialize, Serialize};
 
 use crate::centre::{Centre, Estimate};
@@ -61,7 +61,7 @@ pub struct Controller {
     centred: Option<f64>,
     commissioner: Commissioner,
     /// an edge of `commission` waits for a slide at rest
-    commission_asked: bool,
+    commission_asked: WaitingRequest,
     long_step: bool,
 }
 
@@ -102,7 +102,7 @@ impl Controller {
             started: 0.0,
             centred: None,
             commissioner: Commissioner::new(p),
-            commission_asked: false,
+            commission_asked: WaitingRequest::default(),
             long_step: false,
         })
     }
@@ -113,7 +113,7 @@ impl Controller {
     }
 
     /// Puts what a commission has measured into the parameters, where `commission.apply` says so; before each sample.
-    pub fn bring_into_force(&self, p: &mut Parameters) {
+    pub fn bring_into_force(&mut self, p: &mut Parameters) {
         self.commissioner.put(p);
     }
 
@@ -122,13 +122,12 @@ impl Controller {
     /// # Errors
     /// When the file cannot be written.
     pub fn export(&self, p: &Parameters) -> Result<(), ParameterError> {
-        let hint = "name a file in a folder that there is and that the importer may write to";
-        ResultFile { name: "commission.export", file: &p.commission.export, hint }.write(&self.commissioner.derived())
+        export_commission(&p.commission.export, &self.commissioner.derived())
     }
 
     /// Whether there is a good commission.
     pub fn commissioned(&self) -> bool {
-        self.commissioner.measured().valid
+        self.commissioner.measured.valid
     }
 
     /// One sample. The parameters must be those of [`Controller::new`] with [`Controller::bring_into_force`].
@@ -178,7 +177,6 @@ impl Controller {
 
     /// State machine.
     fn decide(&mut self, p: &Parameters, reading: &Reading, due: Due, turned: f64) {
-        self.commission_asked = self.state.asked(self.commission_asked, reading.begin_commission, reading.commission);
         let mut events = Events {
             enabled: reading.enabled,
             start: reading.start,
@@ -189,9 +187,13 @@ impl Controller {
             settled: self.settle(p),
             collected: self.law.collected(),
             stroke_over: self.state == State::Push && self.law.stroke_over(p, &self.motion),
-            commission: self.commission_asked,
+            commission: self.commission_asked.update(
+                self.state == State::Idle,
+                reading.begin_commission,
+                reading.commission,
+            ),
             break_off: !reading.commission || reading.start,
-            commissioned: self.commissioner.finished(),
+            commissioned: self.commissioner.finished,
             ..Events::default()
         };
         let now = self.observation(p, due);
@@ -279,7 +281,7 @@ impl Controller {
 
     /// What happens once, when `state` begins.
     fn enter(&mut self, p: &Parameters, state: State, events: &Events, launch: Option<Launch>) {
-        if self.state == State::Commission && !self.commissioner.finished() {
+        if self.state == State::Commission && !self.commissioner.finished {
             self.commissioner.break_off();
         }
         match state {
@@ -414,6 +416,7 @@ impl Controller {
                 job_time: self.progress.samples() as f64 * p.sample_period,
             },
             measured: self.measured(),
+            told: Some(self.commissioner.told()),
             numbers: Numbers {
                 following_limit: self.drive.allowed(),
                 forward: self.supervisor.forward(),

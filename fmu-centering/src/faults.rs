@@ -7,9 +7,10 @@ use control_blocks::{Consecutive, DELAY_MAX, SafeEnd};
 use serde::{Deserialize, Serialize};
 
 use crate::centre::Estimate;
-use crate::commission::plan;
+use crate::check::check;
+use crate::commission::{Values, plan};
 use crate::interface::{Fault, Input, Parameters, State, Vars};
-use crate::limits::{GRAVITY, held_surface_velocity, job_time, slowest_servo, speed_limit};
+use crate::limits::{GRAVITY, held_surface_velocity, job_time, servo_damping, slowest_servo, speed_limit};
 use crate::monitoring::{Numbers, SHARE_ERROR, believable_share};
 use crate::motion::TOLERANCE;
 
@@ -325,18 +326,33 @@ fn of_fault(vars: &Vars, fault: Fault, e: f64) -> String {
     }
 }
 
-/// The same for a commission that was rejected.
+/// The same for a commission that was rejected, with the parameters as they were told.
 fn of_commission(vars: &Vars) -> String {
-    let (p, m) = (&vars.in_force, &vars.output.measured);
+    let (mut p, m) = (vars.in_force.clone(), &vars.output.measured);
+    let told = vars.output.told.unwrap_or_else(|| Values::of(&p));
+    told.put(&mut p);
+    let free = vars.input.probe_position <= p.probe.contact;
+    if free && told.accept(&p, m, 0.0) {
+        let mut found = p.clone();
+        told.derived(m).put(&mut found);
+        if let Err(error) = check(&found) {
+            return format!(": {}", error.of_derived());
+        }
+    }
+    let damping = servo_damping(&p, m.slide_bandwidth);
     format!(
-        ": bandwidth `{:.1} Hz`, deviation `{:.2} Hz`, limits half and twice `slide.bandwidth` = `{:.1} Hz`, `{:.1} Hz` or more for \
-         `limits.following_error`, and `commission.deviation_max` = `{}` of it; delay `{:.2}` samples, deviation `{:.3}`, limits \
-         `0` to `{DELAY_MAX}` and `commission.delay_deviation_max` = `{}`; probe at `{} m`, free up to `probe.contact` = `{} m`",
+        ": bandwidth `{:.1} Hz`, deviation `{:.2} Hz`, limits half and twice `slide.bandwidth` = `{:.1} Hz` as told, `{:.1} Hz` or more for \
+         `limits.following_error`, and `commission.deviation_max` = `{}` of it; damping `{:.2}`, limits `{:.2}` to `{:.2}` for \
+         `limits.following_error` and `stroke.feedback`; delay `{:.2}` samples, deviation `{:.3}`, limits `0` to `{DELAY_MAX}` and \
+         `commission.delay_deviation_max` = `{}`; probe at `{} m`, free up to `probe.contact` = `{} m`",
         m.slide_bandwidth / TAU,
         m.slide_bandwidth_deviation / TAU,
         p.slide.bandwidth / TAU,
-        slowest_servo(p) / TAU,
+        slowest_servo(&p) / TAU,
         p.commission.deviation_max,
+        m.slide_damping,
+        damping.start(),
+        damping.end(),
         m.io_delay,
         m.io_delay_deviation,
         p.commission.delay_deviation_max,

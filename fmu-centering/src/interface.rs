@@ -11,6 +11,7 @@ mod variables {
     use std::f64::consts::TAU;
 
     use control_blocks::DELAY_MAX;
+    use crate::commission::Values;
     use crate::monitoring::Numbers;
     use fmi2_export::{Unit, units::*};
 
@@ -157,6 +158,8 @@ mod variables {
         pub measured: Measured,
         /// Numbers that are told with a fault.
         #[var(hidden, start = Numbers::START)] pub numbers: Numbers,
+        /// What was told of the values that a commission derives, for the log.
+        #[var(hidden, start = None)] pub told: Option<Values>,
     }
     /// Command to the servo of the slide.
     pub struct Setpoint {

@@ -28,7 +28,7 @@ use interface::Vars;
 impl Model for Controller {
     // `longest_step` as measured: docs/communication-step.md
     const INFO: Info =
-        Info { name: "RingCentering", state_version: 8, stop_time: 60.0, longest_step: 1.0, ..package!() };
+        Info { name: "RingCentering", state_version: 9, stop_time: 60.0, longest_step: 1.0, ..package!() };
     type Vars = Vars;
 
     fn calculate(vars: &mut Vars) {
@@ -51,7 +51,7 @@ impl Model for Controller {
         let before = self.commissioned();
         self.bring_into_force(&mut vars.in_force);
         self.tick(&vars.input, &vars.in_force, &mut vars.output);
-        if self.commissioned() && !before && !vars.in_force.commission.export.is_empty() {
+        if self.commissioned() && !before {
             // a machine does not stop because a file cannot be written
             self.export(&vars.in_force).unwrap_or_else(|error| env.warn(error));
         }

@@ -1,10 +1,11 @@
 //! Speed and look-ahead limits of the machine, eq. 2 and 4 to 9.
 
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, TAU};
+use std::ops::RangeInclusive;
 
 use control_blocks::stopping_distance;
 
-use crate::interface::Parameters;
+use crate::interface::{Law, Parameters};
 
 /// Gravity as the paper takes it, m/s2.
 pub const GRAVITY: f64 = 9.807;
@@ -76,6 +77,24 @@ pub fn job_time(p: &Parameters, speed: f64) -> f64 {
 /// twice that in the other direction when it turns; with a reserve.
 pub fn slowest_servo(p: &Parameters) -> f64 {
     (3.0 * p.slide.acceleration_max / p.limits.following_error).sqrt()
+}
+
+/// Damping ratios of a servo of the bandwidth w (rad/s) that this controller can work with.
+///
+/// Under an acceleration a that turns with every half period a slide is (a / w^2) coth(pi zeta / (2 sqrt(1 - zeta^2))) behind its
+/// setpoint, which must not be `limits.following_error`. In a push the place of the surface is fed back by an integral of the gain k,
+/// with the servo k w^2 / (s (s^2 + 2 zeta w s + w^2)): at w, where its phase is -180 degrees, it is k / (2 zeta w), which must
+/// leave a factor 2; and at k, beyond which it is below 1, the servo takes atan(2 zeta x / (1 - x^2)) of its phase, x = k / w, which
+/// must be at most 45 degrees.
+pub fn servo_damping(p: &Parameters, bandwidth: f64) -> RangeInclusive<f64> {
+    let share = p.slide.acceleration_max / (bandwidth * bandwidth * p.limits.following_error);
+    let turn = FRAC_2_PI * share.min(1.0).atanh();
+    let following = if turn.is_finite() { turn / (1.0 + turn * turn).sqrt() } else { 1.0 };
+    let x = match p.law {
+        Law::Default => p.stroke.feedback / bandwidth,
+        Law::Paper => 0.0,
+    };
+    following.max(x)..=(1.0 - x * x) / (2.0 * x)
 }
 
 /// Way of the slide in the test of the probe, m: half of what leaves the probe on the ring, and 0.2 mm suffice.
@@ -152,5 +171,32 @@ mod tests {
     #[test]
     fn both_directions_are_equally_fast() {
         assert_eq!(surface_velocity(0.01, 0.05, 4.0), surface_velocity(0.01, 0.05, -4.0));
+    }
+
+    #[test]
+    fn a_servo_is_damped_enough_for_its_limits_and_not_too_much() {
+        let mut p = Parameters::START;
+        let range = servo_damping(&p, 200.0);
+        // k / (2 zeta w) = 1/2; tan of 45 degrees is 2 zeta x / (1 - x^2)
+        let x = p.stroke.feedback / 200.0;
+        assert!((p.stroke.feedback / (2.0 * range.start() * 200.0) - 0.5).abs() < 1e-12, "{range:?}");
+        assert!((2.0 * range.end() * x / (1.0 - x * x) - 1.0).abs() < 1e-12, "{range:?}");
+        // without feedback the slide alone decides, by its largest error
+        p.stroke.feedback = 0.0;
+        for (bandwidth, expected) in [(slowest_servo(&p), 0.2155), (2.0 * slowest_servo(&p), 0.0530)] {
+            let range = servo_damping(&p, bandwidth);
+            let zeta = range.start();
+            let peak = (FRAC_PI_2 * zeta / (1.0 - zeta * zeta).sqrt()).tanh().recip();
+            let behind = p.slide.acceleration_max / (bandwidth * bandwidth) * peak;
+            assert!(
+                (behind / p.limits.following_error - 1.0).abs() < 1e-9 && (zeta - expected).abs() < 1e-4,
+                "{range:?}"
+            );
+            assert_eq!(*range.end(), f64::INFINITY);
+        }
+        // one that is too slow whatever its damping, and the law that feeds nothing back
+        assert_eq!(*servo_damping(&p, 0.5 * slowest_servo(&p)).start(), 1.0);
+        (p.stroke.feedback, p.law) = (60.0, Law::Paper);
+        assert_eq!(*servo_damping(&p, 200.0).end(), f64::INFINITY);
     }
 }

@@ -9,12 +9,6 @@ impl State {
         !matches!(self, Self::Idle | Self::Fault | Self::Commission)
     }
 
-    /// Whether a commission is asked for: by a rising edge of `commission` here, or by one `before` that still waits for a slide at
-    /// rest.
-    pub fn asked(self, before: bool, edge: bool, commission: bool) -> bool {
-        self == Self::Idle && commission && (before || edge)
-    }
-
     /// Whether the slide follows the surface of the ring, without contact of the pusher.
     pub fn follows(self) -> bool {
         matches!(self, Self::Follow | Self::Collect | Self::Model | Self::Wait | Self::Centred)
@@ -58,7 +52,7 @@ pub struct Events {
     pub stroke_over: bool,
     /// The probe has answered the test before the end.
     pub confirmed: bool,
-    /// A commission is asked for, see [`State::asked`].
+    /// A commission is asked for, see [`control_blocks::WaitingRequest`].
     pub commission: bool,
     /// The commission is to be broken off.
     pub break_off: bool,
@@ -172,15 +166,6 @@ mod tests {
             assert_eq!(next(State::Commission, &events), State::Idle);
             let fault = Some(Fault::LostReading);
             assert_eq!(next(State::Commission, &Events { fault, ..events }), State::Fault);
-        }
-    }
-
-    #[test]
-    fn an_edge_waits_in_idle_alone_until_commission_falls() {
-        for &state in State::ALL {
-            let waits = state == State::Idle;
-            assert_eq!([state.asked(false, true, true), state.asked(true, false, true)], [waits; 2]);
-            assert!(!state.asked(true, false, false) && !state.asked(false, false, true));
         }
     }
 

@@ -1,6 +1,6 @@
 //! Checks of parameters against each other; single ranges are in the variable table of the FMU.
 
-use control_blocks::{Parameter, ParameterError, check_all};
+use control_blocks::{Parameter, ParameterError, check_all, check_commission_time};
 
 use crate::commission::{plan, values};
 use crate::interface::Parameters;
@@ -9,9 +9,17 @@ use crate::run::PREVIEW_MAX;
 
 /// Checks all combinations; the first that fails is the error.
 pub fn check(p: &Parameters, path: &TaughtPath) -> Result<(), ParameterError> {
-    check_all(p, &[travel, bandwidth, lead, lead_in, lead_out, preview, commission_apply])?;
+    check_all(p, &[travel, bandwidth, lead_out, check_delay, commission_apply])?;
     speed_min(p, path)?;
     commission_time(p, path)
+}
+
+/// What the samples of delay must fit, the only ones of what a commission derives that others depend on.
+///
+/// # Errors
+/// When a parameter does not fit them.
+pub fn check_delay(p: &Parameters) -> Result<(), ParameterError> {
+    check_all(p, &[lead, lead_in, preview])
 }
 
 fn travel(p: &Parameters) -> Result<(), ParameterError> {
@@ -69,8 +77,7 @@ fn speed_min(p: &Parameters, path: &TaughtPath) -> Result<(), ParameterError> {
 
 fn commission_apply(p: &Parameters) -> Result<(), ParameterError> {
     let delays = values::delays(p.io_delay);
-    let fits =
-        |io_delay: &i32| check_all(&Parameters { io_delay: *io_delay, ..p.clone() }, &[lead, lead_in, preview]).is_ok();
+    let fits = |io_delay: &i32| check_delay(&Parameters { io_delay: *io_delay, ..p.clone() }).is_ok();
     let good = !p.commission.apply || [delays.start(), delays.end()].into_iter().all(fits);
     let hint = "the delay that it finds has to fit them; or lower `io_delay` to what it is";
     Parameter::new("commission.apply", p.commission.apply, "", hint).must_be(good, || {
@@ -83,11 +90,7 @@ fn commission_apply(p: &Parameters) -> Result<(), ParameterError> {
 }
 
 fn commission_time(p: &Parameters, path: &TaughtPath) -> Result<(), ParameterError> {
-    let (value, least) = (p.commission.time, plan::least_time(p, path.speed));
-    let time = Parameter::new("commission.time", value, "s", "or every commission ends in `NoProgress`");
-    time.must_be(value == 0.0 || value >= least, || {
-        format!("`0`, or at least `{least:.1} s`, the time that its motions take")
-    })
+    check_commission_time(p.commission.time, || plan::least_time(p, path.speed))
 }
 
 #[cfg(test)]

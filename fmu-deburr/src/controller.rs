@@ -4,7 +4,7 @@ mod commissioning;
 mod following;
 mod watching;
 
-use control_blocks::{Consecutive, Edge, ParameterError, Progress as Elapsed, SafeEnd, SentCommands};
+use control_blocks::{Consecutive, Edge, ParameterError, Progress as Elapsed, SafeEnd, SentCommands, WaitingRequest};
 use serde::{Deserialize, Serialize};
 
 use crate::bank::kept::KeptPatterns;
@@ -44,7 +44,7 @@ pub struct Controller {
     /// a commission goes on, or stops
     commissioning: bool,
     /// an edge of `commission` waits for axes at rest
-    commission_asked: bool,
+    commission_asked: WaitingRequest,
     commission: Edge,
     /// something is being learned; all of it was learned
     learning: bool,
@@ -121,7 +121,7 @@ impl Controller {
             learner,
             commissioner,
             commissioning: false,
-            commission_asked: false,
+            commission_asked: WaitingRequest::default(),
             commission: Edge::default(),
             learning: false,
             learned: false,
@@ -192,7 +192,7 @@ impl Controller {
             self.origin = output.bank.status;
         }
         if self.commissioner.take_renewed() {
-            self.change_drives(p);
+            self.renew(p);
         }
         let before = self.reader.positions();
         let motions = self.sent.map(|sent| sent.before(p.io_delay as usize) * p.sample_period);
@@ -232,7 +232,8 @@ impl Controller {
         // nothing begins from a place that is not known
         let enable = input.enable && self.reader.placed();
         self.disabled = !enable || self.disabled && before == State::Stop;
-        self.ask_for_commission(input.commission);
+        let edge = self.commission.rises(input.commission);
+        let asked = self.commission_asked.update(before.waits(), edge, input.commission);
         self.state = next(
             before,
             &Events {
@@ -243,7 +244,7 @@ impl Controller {
                 hold: input.hold,
                 reset: self.reset.rises(input.reset_fault) && at_rest,
                 end,
-                commission: self.commission_asked && at_rest && !input.hold,
+                commission: asked && at_rest && !input.hold,
                 break_off: !input.commission || input.hold,
                 commissioning: self.commissioning,
                 fault: found.is_fault(),
@@ -368,7 +369,8 @@ impl Controller {
 
     fn report(&mut self, p: &Parameters, velocity: &Joints, output: &mut Output) {
         let reference = servo::pulses(p, &self.joints);
-        let Output { axis, saturated, state, fault, drive_enable, path, learn, load, bank, numbers, measured } = output;
+        let Output { axis, saturated, state, fault, drive_enable, path, learn, load, bank, numbers, measured, told } =
+            output;
         *axis = std::array::from_fn(|i| AxisOutput {
             velocity: velocity[i],
             reference: reference[i] * p.axis[i].pulse,
@@ -383,7 +385,7 @@ impl Controller {
         });
         *saturated = (0..AXES).any(|i| velocity[i].abs() >= p.axis[i].velocity_max);
         (*state, *fault, *numbers) = (self.state, self.fault, self.numbers);
-        *measured = self.commissioner.measured;
+        (*measured, *told) = (self.commissioner.measured, Some(self.commissioner.told()));
         *drive_enable = self.state != State::Fault || self.fault.safe_end() != SafeEnd::DriveOff;
         *path = self.run.report(&self.path, self.on_path, self.state == State::Done && self.job.moves());
         *learn = self.learner.report(p, self.job == Mode::Learn || self.learned, self.learned);

@@ -2,7 +2,8 @@
 
 use control_blocks::SafeEnd;
 
-use crate::commission::values::{Rejection, delays};
+use crate::check::check_delay;
+use crate::commission::values::{Rejection, Values, delays};
 use crate::interface::{Fault, Output, Parameters, Vars};
 use crate::monitoring::finding::{Finding, Numbers};
 
@@ -44,6 +45,7 @@ fn rejected(what: Rejection) -> Finding {
         Rejection::Drive(axis) => axis,
         Rejection::Delay => 0,
         Rejection::Tool => -1,
+        Rejection::Values => -2,
     };
     Finding { fault: Fault::CommissionRejected, numbers: Numbers { axis, ..Numbers::START } }
 }
@@ -131,19 +133,26 @@ fn measured(p: &Parameters, output: &Output) -> String {
             p.commission.delay_deviation_max,
         );
     }
+    let mut told = p.clone();
+    let values = output.told.unwrap_or_else(|| Values::of(p));
+    values.put(&mut told);
     match axis {
         0 => format!(
-            ": they answer after `{:.3}` samples, limits `{}` and `{}` for `io_delay` = `{}`",
+            ": they answer after `{:.3}` samples, limits `{}` and `{}` for `io_delay` = `{}` as told",
             m.io_delay,
-            delays(p.io_delay).start(),
-            delays(p.io_delay).end(),
-            p.io_delay
+            delays(told.io_delay).start(),
+            delays(told.io_delay).end(),
+            told.io_delay
         ),
-        _ => format!(
-            ": the tool idles at `{:.1} rad/s`, deviation `{:.2} rad/s`, limits half and twice `load.idle_speed` = `{:.1} rad/s` and \
-             `commission.deviation_max` = `{}` of it",
-            m.idle_speed, m.idle_speed_deviation, p.load.idle_speed, p.commission.deviation_max
+        -1 => format!(
+            ": the tool idles at `{:.1} rad/s`, deviation `{:.2} rad/s`, limits half and twice `load.idle_speed` = `{:.1} rad/s` as told \
+             and `commission.deviation_max` = `{}` of it",
+            m.idle_speed, m.idle_speed_deviation, told.load.idle_speed, p.commission.deviation_max
         ),
+        _ => {
+            values.derived(m).put(&mut told);
+            check_delay(&told).err().map_or_else(String::new, |error| format!(": {}", error.of_derived()))
+        }
     }
 }
 
@@ -236,13 +245,20 @@ mod tests {
         let drive = &mut vars.output.measured.axis[1];
         (drive.gain, drive.gain_deviation, drive.delay, drive.lag_deviation) = (0.81, 0.003, 2.5, 1e-4);
         vars.output.measured.idle_speed = 123.4;
+        // what another commission has brought into force before was not told
+        vars.output.told = Some(Values::of(&vars.in_force));
+        (vars.in_force.io_delay, vars.in_force.load.idle_speed, vars.in_force.learn.lead_in) = (2, 1500.0, 2);
         for (what, parts) in [
             (
                 Rejection::Drive(2),
                 ["axis 2: gain `0.8100`, deviation `0.0030`", "`commission.deviation_max` = `0.002`", "`2.500`"],
             ),
-            (Rejection::Delay, ["after `3.210` samples", "limits `0` and `3`", "`io_delay` = `1`"]),
-            (Rejection::Tool, ["idles at `123.4 rad/s`", "`load.idle_speed` = `1885.0 rad/s`", "`0.002` of it"]),
+            (Rejection::Delay, ["after `3.210` samples", "limits `0` and `3`", "`io_delay` = `1` as told"]),
+            (
+                Rejection::Tool,
+                ["idles at `123.4 rad/s`", "`load.idle_speed` = `1885.0 rad/s` as told", "`0.002` of it"],
+            ),
+            (Rejection::Values, ["parameter `learn.lead_in` would be `2`", "must be at least `", "do not fit"]),
         ] {
             let found = find(&vars.in_force, &Signs { commission: Some(what), job: (8, 7), ..GOOD });
             assert_eq!(found.fault, Fault::CommissionRejected);

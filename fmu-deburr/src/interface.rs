@@ -17,6 +17,7 @@ mod variables {
     use fmi2_export::Unit;
 
     use crate::learning::speeds::Speeds;
+    use crate::commission::values::Values;
     use crate::monitoring::numbers::Numbers;
 
     const PER_SECOND: Unit = Unit::si("1/s", [0, 0, -1, 0, 0], &[]);
@@ -189,6 +190,8 @@ mod variables {
         pub bank: BankOutput,
         /// What is told with the fault.
         #[var(hidden, start = Numbers::START)] pub numbers: Numbers,
+        /// What was told of the values that a commission derives, for the log.
+        #[var(hidden, start = None)] pub told: Option<Values>,
         pub measured: Measured,
     }
     /// What the commission has measured, each with its standard deviation; 0 before.

@@ -1,6 +1,6 @@
 //! Checks of parameters against each other; single ranges are in the variable table of the FMU.
 
-use control_blocks::{Parameter, ParameterError, check_all, ticks};
+use control_blocks::{Parameter, ParameterError, check_all, check_commission_time, ticks};
 
 use crate::commission::plan;
 use crate::detection::detector::Detector;
@@ -13,13 +13,22 @@ use crate::motion::travel::arming_travel;
 const LEARN_WINDOWS: usize = 5;
 
 /// Checks all combinations; the first that fails is the error.
+///
+/// # Errors
+/// When a parameter does not fit the others.
 pub fn check(p: &Parameters) -> Result<(), ParameterError> {
+    check_all(p, &[direction, velocity_bandwidth, stability])?;
+    check_derived(p)
+}
+
+/// All but those that a commission cannot change: it knows the longest delay at which the loop is stable.
+///
+/// # Errors
+/// When a parameter does not fit the others.
+pub fn check_derived(p: &Parameters) -> Result<(), ParameterError> {
     check_all(
         p,
         &[
-            direction,
-            velocity_bandwidth,
-            stability,
             settle_time,
             learn_time,
             travel,
@@ -149,11 +158,7 @@ fn commission_force(p: &Parameters) -> Result<(), ParameterError> {
 }
 
 fn commission_time(p: &Parameters) -> Result<(), ParameterError> {
-    let hint = "or every commission ends in `NoProgress`";
-    let (value, least) = (p.commission.time, plan::least_time(p));
-    Parameter::new("commission.time", value, "s", hint).must_be(value == 0.0 || value >= least, || {
-        format!("`0`, or at least `{least} s`, the time that its motions take")
-    })
+    check_commission_time(p.commission.time, || plan::least_time(p))
 }
 
 fn guard(p: &Parameters) -> Result<(), ParameterError> {

@@ -2,7 +2,7 @@
 
 mod judging;
 
-use control_blocks::{ParameterError, Progress, ResultFile, RunningLine, SafeEnd, ticks};
+use control_blocks::{ParameterError, Progress, RunningLine, SafeEnd, WaitingRequest, export_commission, ticks};
 use serde::{Deserialize, Serialize};
 
 use crate::check::check;
@@ -55,9 +55,9 @@ pub struct Controller {
     ticks: u32,
     fault: Fault,
     /// an edge of `enable` waits for a stage at rest
-    asked: bool,
+    asked: WaitingRequest,
     /// an edge of `commission` does
-    commission_asked: bool,
+    commission_asked: WaitingRequest,
     aborted: bool,
     /// the approach has not begun to move: the force at rest is taken first
     waiting: bool,
@@ -95,8 +95,8 @@ impl Controller {
             state: State::Idle,
             ticks: 0,
             fault: Fault::None,
-            asked: false,
-            commission_asked: false,
+            asked: WaitingRequest::default(),
+            commission_asked: WaitingRequest::default(),
             aborted: false,
             waiting: false,
             contact: None,
@@ -114,7 +114,7 @@ impl Controller {
     }
 
     /// Puts what a commission has measured into the parameters, where `commission.apply` says so; before each sample.
-    pub fn bring_into_force(&self, p: &mut Parameters) {
+    pub fn bring_into_force(&mut self, p: &mut Parameters) {
         self.commissioner.put(p);
     }
 
@@ -123,8 +123,7 @@ impl Controller {
     /// # Errors
     /// When the file cannot be written.
     pub fn export(&self, p: &Parameters) -> Result<(), ParameterError> {
-        let hint = "name a file in a folder that there is and that the importer may write to";
-        ResultFile { name: "commission.export", file: &p.commission.export, hint }.write(&self.commissioner.derived())
+        export_commission(&p.commission.export, &self.commissioner.derived())
     }
 
     /// One sample. The parameters must be those of [`Controller::new`] with [`Controller::bring_into_force`], but for the tunable
@@ -198,13 +197,12 @@ impl Controller {
     fn decide(&mut self, p: &Parameters, reading: &Reading) {
         let elapsed = self.count(p, reading);
         let settled = self.motion.retreated(p) && self.monitors.relief.known(p);
-        self.asked = self.state.asked(self.asked, reading.begin, reading.enabled);
-        self.commission_asked = self.state.asked(self.commission_asked, reading.begin_commission, reading.commission);
+        let waits = self.state.waits();
         let contact = reading.position.and_then(|_| self.find_contact(p, reading));
         let (suspected, dismissed) = self.doubt(p, reading);
         let events = Events {
-            begin: self.asked,
-            commission: self.commission_asked,
+            begin: self.asked.update(waits, reading.begin, reading.enabled),
+            commission: self.commission_asked.update(waits, reading.begin_commission, reading.commission),
             break_off: !reading.commission || reading.begin,
             commissioned: self.commissioner.finished,
             enabled: reading.enabled,
@@ -421,6 +419,7 @@ impl Controller {
             tracking_error: direction * error,
             measured: self.commissioner.measured,
             drive_share: self.monitors.drive.share().unwrap_or(1.0),
+            told: Some(self.commissioner.told()),
             numbers: self.numbers,
         };
     }

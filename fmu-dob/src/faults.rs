@@ -1,11 +1,14 @@
 //! Every fault is found here, the gravest first; how it ends; and the numbers that are told with it.
 
-use control_blocks::{SafeEnd, ticks};
+use control_blocks::{SafeEnd, bearable_delays, ticks};
 
+use crate::check::check_derived;
+use crate::commission::plan;
 use crate::commission::response::loop_spread;
-use crate::commission::{plan, values};
-use crate::interface::{Fault, Measured, Parameters, ThresholdOutput, Vars};
+use crate::commission::values::{self, Values, acceptable};
+use crate::interface::{Fault, Output, Parameters, ThresholdOutput, Vars};
 use crate::monitoring::numbers::{LateContact, Unseen};
+use crate::motion::stability::longest_delay;
 use crate::motion::travel::{job_limit, learn_limit};
 use crate::reading::{Loss, Reading};
 
@@ -180,7 +183,7 @@ pub fn numbers(vars: &Vars) -> String {
         Fault::NoProgress => {
             format!(": limit of the job `{} s`, of the commission `{} s`", job_limit(p, &p.approach), plan::time(p))
         }
-        Fault::CommissionRejected => rejected(p, &output.measured),
+        Fault::CommissionRejected => rejected(p, output),
         Fault::LongStep => format!(": limit `{} s`", p.sample_period),
         Fault::LostSpindle => format!(": `{} rad/s` {row}", vars.input.spindle_speed),
     }
@@ -221,24 +224,44 @@ pub fn disturbance_limit(p: &Parameters) -> f64 {
     f64::max(0.5 * p.stage.force_constant * p.stage.current_max, p.guard_force + p.stage.mass * hardest(p))
 }
 
-/// Why a commission was rejected: its response, or the noise that was measured after it.
-fn rejected(p: &Parameters, m: &Measured) -> String {
-    if m.slope_sigma > 0.0 {
+/// What cannot be used of a commission, by the parameters in force and those that were told.
+fn rejected(p: &Parameters, output: &Output) -> String {
+    let (mut told, m) = (p.clone(), &output.measured);
+    let values = output.told.unwrap_or_else(|| Values::of(p));
+    values.put(&mut told);
+    let longest = longest_delay(&told, *bearable_delays(told.io_delay).end() as usize);
+    let constants = [p.stage.force_constant, told.stage.force_constant];
+    let noise = m.slope_sigma > 0.0;
+    let good = if noise {
+        values.quiet(&told, m)
+    } else {
+        constants.into_iter().all(|constant| acceptable(&told, constant, longest, m))
+    };
+    if good {
+        let mut found = told.clone();
+        let derived = if noise { values.derived(&told, m) } else { values.with_response(m) };
+        derived.put(&mut found);
+        if let Err(error) = check_derived(&found) {
+            return format!(": {}", error.of_derived());
+        }
+    }
+    if noise {
         return format!(
-            ": noise of the slope `{} N/s`, limit `limits.slope_sigma_max` = `{} N/s`; force that noise and cogging ask of the guard \
-             `{} N`, limit three times `guard.force` = `{} N`",
+            ": noise of the slope `{} N/s`, limit `limits.slope_sigma_max` = `{} N/s` as told; force that noise and cogging ask of \
+             the guard `{} N`, limit three times `guard.force` = `{} N` as told",
             m.slope_sigma,
-            p.limits.slope_sigma_max,
-            values::guard(p, m),
-            p.guard_force
+            told.limits.slope_sigma_max,
+            values::guard(&told, m),
+            told.guard_force
         );
     }
     format!(
-        ": thrust constant `{} N/A`, deviation `{} N/A`, limits half and twice `stage.force_constant` = `{} N/A` and \
-         `commission.deviation_max` = `{}` of it; delay `{}` samples, deviation `{}`, limits the delays at which \
-         the loop is stable and `commission.delay_deviation_max` = `{}` beside `{}` of the current loop",
+        ": thrust constant `{} N/A`, deviation `{} N/A`, limits half and twice `stage.force_constant`, `{} N/A` as told and `{} N/A` in \
+         force, and `commission.deviation_max` = `{}` of it; delay `{}` samples, deviation `{}`, limits `0` to `{longest}`, with which \
+         the loop is stable, and `commission.delay_deviation_max` = `{}` beside `{}` of the current loop",
         m.force_constant,
         m.force_constant_deviation,
+        told.stage.force_constant,
         p.stage.force_constant,
         p.commission.deviation_max,
         m.io_delay,
@@ -424,6 +447,28 @@ mod tests {
         assert!(numbers(&vars).starts_with(": thrust constant `0 N/A`"), "{}", numbers(&vars));
         vars.output.measured.slope_sigma = 2.5;
         assert!(numbers(&vars).starts_with(": noise of the slope `2.5 N/s`"), "{}", numbers(&vars));
+    }
+
+    #[test]
+    fn a_rejected_commission_tells_what_was_told_and_what_the_parameters_do_not_bear() {
+        let mut vars = <Vars as fmi2_export::Interface>::START;
+        vars.output.fault = Fault::CommissionRejected;
+        // what another commission has brought into force before was not told
+        vars.output.told = Some(Values::of(&vars.in_force));
+        (vars.in_force.stage.force_constant, vars.in_force.io_delay) = (25.0, 2);
+        let told = numbers(&vars);
+        assert!(
+            told.contains("`20 N/A` as told and `25 N/A` in force") && told.contains("limits `0` to `3`"),
+            "{told}"
+        );
+        let m = &mut vars.output.measured;
+        (m.force_constant, m.io_delay) = (16.0, 1.0);
+        vars.in_force.commission.force = 0.9 * 20.0 * vars.in_force.stage.current_max;
+        let told = numbers(&vars);
+        assert!(told.contains("do not fit: parameter `commission.force` would be"), "{told}");
+        // the noise is judged by limits that were told
+        (vars.output.measured.slope_sigma, vars.in_force.limits.slope_sigma_max) = (9.0, 3.0);
+        assert!(numbers(&vars).contains("`limits.slope_sigma_max` = `5 N/s` as told"), "{}", numbers(&vars));
     }
 
     #[test]

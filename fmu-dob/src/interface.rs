@@ -8,6 +8,7 @@ pub use variables::*;
 #[fmi2_export::interface]
 mod variables {
     use control_blocks::DELAY_MAX;
+    use crate::commission::values::Values;
     use crate::monitoring::numbers::Numbers;
     use fmi2_export::{Unit, units::*};
 
@@ -175,6 +176,8 @@ mod variables {
         #[var(unit = ONE, start = 1.0)] pub drive_share: f64,
         /// Numbers that are told with a fault.
         #[var(hidden, start = Numbers::START)] pub numbers: Numbers,
+        /// What was told of the values that a commission derives, for the log.
+        #[var(hidden, start = None)] pub told: Option<Values>,
         pub measured: Measured,
     }
     /// What the commission has measured, each with its standard deviation; 0 before

@@ -50,7 +50,7 @@ impl Model for Controller {
         let before = vars.output.measured.valid;
         self.bring_into_force(&mut vars.in_force);
         self.tick(&vars.input, &vars.in_force, &mut vars.output);
-        if vars.output.measured.valid && !before && !vars.in_force.commission.export.is_empty() {
+        if vars.output.measured.valid && !before {
             // a machine does not stop because a file cannot be written
             self.export(&vars.in_force).unwrap_or_else(|error| env.warn(error));
         }

@@ -13,19 +13,18 @@ impl State {
         self.approaching() || matches!(self, Self::Contact | Self::Retract)
     }
 
-    /// Whether an approach, or likewise a commission, is asked for: by a rising edge of `enable` here, or by one `before` that still waits for a
-    /// stage at rest.
-    pub fn asked(self, before: bool, edge: bool, enabled: bool) -> bool {
-        matches!(self, Self::Idle | Self::Done) && enabled && (before || edge)
+    /// Whether an approach or a commission may begin.
+    pub fn waits(self) -> bool {
+        matches!(self, Self::Idle | Self::Done)
     }
 }
 
 /// What happened in one sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Events {
-    /// An approach is asked for, see [`State::asked`].
+    /// An approach is asked for, see [`control_blocks::WaitingRequest`].
     pub begin: bool,
-    /// A commission is asked for, see [`State::asked`].
+    /// A commission is asked for, see [`control_blocks::WaitingRequest`].
     pub commission: bool,
     /// The commission is to be broken off.
     pub break_off: bool,
@@ -165,12 +164,9 @@ mod tests {
     }
 
     #[test]
-    fn an_edge_waits_for_rest_until_enable_falls() {
-        for &state in State::ALL {
-            let waits = matches!(state, State::Idle | State::Done);
-            assert_eq!([state.asked(false, true, true), state.asked(true, false, true)], [waits; 2]);
-            assert!(!state.asked(true, false, false) && !state.asked(false, false, true));
-        }
+    fn a_job_begins_in_idle_or_done() {
+        let waits = State::ALL.iter().filter(|state| state.waits());
+        assert_eq!(waits.copied().collect::<Vec<_>>(), [State::Idle, State::Done]);
     }
 
     #[test]

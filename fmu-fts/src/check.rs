@@ -1,6 +1,6 @@
 //! Checks of parameters against each other; single ranges are in the variable table of the FMU.
 
-use control_blocks::{DELAY_MAX, Parameter, ParameterError, check_all};
+use control_blocks::{DELAY_MAX, Parameter, ParameterError, check_all, check_commission_time};
 
 use crate::commission::plan;
 use crate::interface::{ERROR_HARMONICS, Parameters, SurfaceKind};
@@ -122,10 +122,7 @@ fn commission_torque(p: &Parameters) -> Result<(), ParameterError> {
 }
 
 fn commission_time(p: &Parameters) -> Result<(), ParameterError> {
-    let hint = "or every commission ends in `NoProgress`";
-    let (value, least) = (p.commission.time, plan::least_time(p));
-    Parameter::new("commission.time", value, "s", hint)
-        .must_be(value == 0.0 || value >= least, || format!("`0`, or at least its motions, `{least} s`"))
+    check_commission_time(p.commission.time, || plan::least_time(p))
 }
 
 #[cfg(test)]
@@ -140,7 +137,7 @@ mod tests {
         (|p| p.identify.grid = "10, 2500".parse().unwrap(), "identify.frequencies", "`2500 Hz`", "`2000 Hz`"),
         (|p| p.commission.torque = 0.1, "commission.torque", "`0.1 N.m`", "`0.21 N.m`"),
         (|p| p.commission.torque = 6.4, "commission.torque", "`6.4 N.m`", "`6.3 N.m`"),
-        (|p| p.commission.time = 5.0, "commission.time", "`5 s`", "its motions, `9"),
+        (|p| p.commission.time = 5.0, "commission.time", "`5 s`", "`9"),
         (|p| p.afc.tau = 0.05, "afc.tau", "`0.05 s`", "for each of `29` harmonics"),
         (|p| p.servo.roll_off = 2000.0, "servo.roll_off", "`2000 rad/s`", "`2890"),
         (|p| p.surface.kind = SurfaceKind::Wave, "path.harmonics", "`12`", "`surface.wave_harmonic` = `50`"),

@@ -1,6 +1,6 @@
 //! One sample of the whole law: read, decide, refer, act, report.
 
-use control_blocks::{Edge, ParameterError, Progress, ResultFile, Trajectory};
+use control_blocks::{Edge, ParameterError, Progress, Trajectory, WaitingRequest, export_commission};
 use serde::{Deserialize, Serialize};
 
 use crate::calibration::calibrator::Calibrator;
@@ -71,7 +71,7 @@ pub struct Controller {
     /// `commission` and `enable` in the last sample
     before: Option<[bool; 2]>,
     /// an edge of `commission` waits for an arm at rest
-    commission_asked: bool,
+    commission_asked: WaitingRequest,
     /// the arm is held by the compensator of the commission
     slow: bool,
     calibration: Calibrator,
@@ -121,7 +121,7 @@ impl Controller {
             told_response: tables.response,
             commissioner: Commissioner::new(p),
             before: None,
-            commission_asked: false,
+            commission_asked: WaitingRequest::default(),
             slow: false,
             calibration: Calibrator::new(p),
         })
@@ -142,8 +142,7 @@ impl Controller {
     /// # Errors
     /// When the file cannot be written.
     pub fn export(&self, p: &Parameters) -> Result<(), ParameterError> {
-        let hint = "name a file in a folder that there is and that the importer may write to";
-        ResultFile { name: "commission.export", file: &p.commission.export, hint }.write(&self.commissioner.derived())
+        export_commission(&p.commission.export, &self.commissioner.derived())
     }
 
     /// One sample; the parameters must be those of [`Controller::new`] with [`Controller::bring_into_force`].
@@ -167,7 +166,7 @@ impl Controller {
         output.afc_frozen = !layers.learning;
         self.long_step = false;
         if self.state == State::Commission {
-            self.commissioner.conclude(p, reading.arm_angle);
+            self.commissioner.observe(p, reading.arm_angle);
         }
         if self.on_path() {
             self.feed.update(p, self.spindle.angle, reading.slide_position);
@@ -215,7 +214,7 @@ impl Controller {
             self.job.restart();
         }
         let [commission, enable] = self.edges(input);
-        self.commission_asked = self.state.asked(self.commission_asked, commission, input.commission);
+        let asked = self.commission_asked.update(self.state.waits(), commission, input.commission);
         // of a fault the last is told
         if self.state != State::Fault {
             self.late = late(p, self.tracker.path(), self.measurements(), self.state, &self.job);
@@ -225,7 +224,7 @@ impl Controller {
             reset: self.reset_fault.rises(input.reset_fault),
             at_rest: !self.ending.braking() && (!self.closed() || self.stands(p)),
             renewed: self.request.renewed(),
-            commission: self.commission_asked && self.reader.arm_velocity(p) == 0.0,
+            commission: asked && self.reader.arm_velocity(p) == 0.0,
             break_off: !input.commission || enable || self.request.renewed(),
             commissioned: self.commissioner.finished,
             arm_known: self.reader.arm_known(),
@@ -542,7 +541,7 @@ impl Controller {
         output.path_truncation = path.truncation;
         output.numbers = Numbers { late: self.late, fed: self.feed.lost(), table: path.ends(), ..self.watch.numbers() };
         output.calibration = self.calibration.report();
-        output.measured = self.commissioner.measured;
+        (output.measured, output.told) = (self.commissioner.measured, Some(self.commissioner.told()));
         output.identify_progress = self.identification.progress();
         if let Some(response) = self.response.take() {
             output.response = ResponseOutput::of(&response, self.tracker.response(), &self.tracker.flexure());

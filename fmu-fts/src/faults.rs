@@ -2,10 +2,11 @@
 
 use control_blocks::SafeEnd;
 
-use crate::commission::plan::{DELAY_SPREAD, FLEXURE_MAX};
+use crate::commission::plan::FLEXURE_MAX;
+use crate::commission::values::{Values, longest_delay};
 use crate::interface::Fault::{FrozenReading, FrozenSlide, FrozenSpindle, LostReading, LostSlide, LostSpindle};
 use crate::interface::Fault::{ReadingJump, SlideJump, SpindleJump};
-use crate::interface::{Fault, Measured, Parameters, Vars};
+use crate::interface::{Fault, Output, Parameters, Vars};
 use crate::monitoring::numbers::Numbers;
 use crate::monitoring::watch::{REVERSALS, SETTLED};
 use crate::path::feasibility::{available_torque, infeasible};
@@ -167,28 +168,32 @@ pub fn numbers(vars: &Vars) -> String {
             ),
             None => format!(": `slide_position` = `{} m`, {lost}", input.slide_position),
         },
-        Fault::CommissionRejected => rejected(p, &output.measured),
+        Fault::CommissionRejected => rejected(p, output),
         Fault::InvalidInput => format!(": `hold_angle` = `{} rad`, {lost}", input.hold_angle),
     }
 }
 
-/// The numbers of a commission that was rejected.
-fn rejected(p: &Parameters, m: &Measured) -> String {
+/// The numbers of a commission that was rejected, by the parameters that were told.
+fn rejected(p: &Parameters, output: &Output) -> String {
+    let (mut told, m) = (p.clone(), &output.measured);
+    output.told.unwrap_or_else(|| Values::of(p)).put(&mut told);
     format!(
-        ": inertia `{} kg.m2`, deviation `{} kg.m2`, limits half and twice `servo.inertia` = `{} kg.m2` and `commission.deviation_max` = \
-         `{}` of it; flexure `{} rad/s`, deviation `{} rad/s`, limits `tip.frequency` = `{} rad/s` within a factor of `{FLEXURE_MAX}` and \
-         the same part; delay `{}` samples, deviation `{}`, limits `{DELAY_SPREAD}` more than `io_delay` = `{}` and \
-         `commission.delay_deviation_max` = `{}`; or no loop of 0.3 `servo.bandwidth` with a sensitivity of `commission.sensitivity_max` = `{}`",
+        ": inertia `{} kg.m2`, deviation `{} kg.m2`, limits half and twice `servo.inertia` = `{} kg.m2` as told and \
+         `commission.deviation_max` = `{}` of it; flexure `{} rad/s`, deviation `{} rad/s`, limits `tip.frequency` = `{} rad/s` as told \
+         within a factor of `{FLEXURE_MAX}` and the same part; delay `{}` samples, deviation `{}`, limits `0` to `{}` for `io_delay` = `{}` \
+         as told and `commission.delay_deviation_max` = `{}`; or no loop of 0.3 `servo.bandwidth` with a sensitivity of \
+         `commission.sensitivity_max` = `{}`",
         m.inertia,
         m.inertia_deviation,
-        p.servo.inertia,
+        told.servo.inertia,
         p.commission.deviation_max,
         m.tip_frequency,
         m.tip_frequency_deviation,
-        p.tip.frequency,
+        told.tip.frequency,
         m.io_delay,
         m.io_delay_deviation,
-        p.io_delay,
+        longest_delay(&(&told).into()),
+        told.io_delay,
         p.commission.delay_deviation_max,
         p.commission.sensitivity_max,
     )

@@ -30,7 +30,7 @@ use texts::Tables;
 impl Model for Controller {
     // `longest_step` as measured: docs/communication-step.md
     const INFO: Info =
-        Info { name: "RotaryFastToolServo", state_version: 7, stop_time: 2.0, longest_step: 1.0, ..package!() };
+        Info { name: "RotaryFastToolServo", state_version: 8, stop_time: 2.0, longest_step: 1.0, ..package!() };
     type Vars = Vars;
 
     fn calculate(vars: &mut Vars) {
@@ -60,7 +60,7 @@ impl Model for Controller {
         let before = vars.output.measured.valid;
         self.bring_into_force(&mut vars.in_force);
         self.tick(&vars.input, &vars.in_force, &mut vars.output);
-        if vars.output.measured.valid && !before && !vars.in_force.commission.export.is_empty() {
+        if vars.output.measured.valid && !before {
             // a machine does not stop because a file cannot be written
             self.export(&vars.in_force).unwrap_or_else(|error| env.warn(error));
         }

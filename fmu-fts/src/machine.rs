@@ -43,10 +43,9 @@ impl Request {
 }
 
 impl State {
-    /// Whether a commission is asked for: by a rising edge of `commission` here, or by one `before` that still waits for an arm
-    /// at rest.
-    pub fn asked(self, before: bool, edge: bool, commission: bool) -> bool {
-        matches!(self, Self::Idle | Self::Done) && commission && (before || edge)
+    /// Whether a commission may begin.
+    pub fn waits(self) -> bool {
+        matches!(self, Self::Idle | Self::Done)
     }
 }
 
@@ -237,10 +236,7 @@ mod tests {
                 next(state, Mode::Hold, &asked) == State::Commission,
                 state == State::Done || state == State::Commission
             );
-            for (before, edge) in [(false, false), (false, true), (true, false), (true, true)] {
-                assert_eq!(state.asked(before, edge, true), begins && (before || edge), "{state:?}");
-            }
-            assert!(!state.asked(true, true, false));
+            assert_eq!(state.waits(), begins, "{state:?}");
         }
         // not before the arm is known, not in a fault, and who asks for both gets the job
         assert_eq!(next(State::Idle, Mode::Idle, &Events { arm_known: false, ..asked }), State::Idle);

@@ -2,7 +2,7 @@
 
 mod commissioning;
 
-use control_blocks::{ParameterError, SafeEnd, ramp, ticks};
+use control_blocks::{ParameterError, SafeEnd, WaitingRequest, ramp, ticks};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -19,6 +19,7 @@ use crate::monitoring::axis::AxisMonitor;
 use crate::monitoring::force::{ForceMonitor, ForceSample};
 use crate::monitoring::job::{JobTime, budget};
 use crate::monitoring::numbers::Numbers;
+use crate::monitoring::stillness::Stillness;
 use crate::motion::position::PositionFeedback;
 use crate::motion::pulses::Remainder;
 use crate::motion::sliding::Sliding;
@@ -63,9 +64,12 @@ pub struct Controller {
     /// way along the path in the last sample, m
     way: f64,
     axes: AxisMonitor,
+    stillness: Stillness,
     force: ForceMonitor,
     time: JobTime,
     commissioner: Commissioner,
+    /// an edge of `commission` waits for axes at rest
+    commission_asked: WaitingRequest,
     long_step: bool,
 }
 
@@ -97,9 +101,11 @@ impl Controller {
             remainder: Remainder::new(),
             way: 0.0,
             axes: AxisMonitor::new(p),
+            stillness: Stillness::default(),
             force: ForceMonitor::default(),
             time: JobTime::default(),
             commissioner: Commissioner::new(p),
+            commission_asked: WaitingRequest::default(),
             long_step: false,
         })
     }
@@ -157,10 +163,13 @@ impl Controller {
         self.time.update(self.state, self.taring);
         let zero = self.tare(p, reading);
         self.axes.update(p, &reading.position);
+        self.stillness.update(p, &reading.position);
         self.direct(reading, zero);
+        let waits = matches!(self.state, State::Idle | State::Done);
+        let asked = self.commission_asked.update(waits, reading.begin_commission, reading.commission);
         let events = Events {
             fault: self.fault(p, reading, now, zero),
-            commission: reading.begin_commission && self.at_rest(),
+            commission: asked && reading.fresh && self.at_rest() && self.stillness.at_rest(p),
             commissioned: self.commissioner.experiment.over(),
             enabled: reading.enabled,
             reset: reading.reset,
@@ -407,6 +416,7 @@ impl Controller {
             ripple_frozen: self.normal.ripple.frozen() || self.normal.turns.frozen(),
             path_length: self.path.length(),
             measured: self.commissioner.measured,
+            told: Some(self.commissioner.told()),
             numbers: self.numbers(p, now),
         }
     }

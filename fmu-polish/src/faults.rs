@@ -1,10 +1,12 @@
 //! Every fault is found here, the gravest first; and the numbers that are told with it.
 
-use control_blocks::{SafeEnd, ticks};
+use control_blocks::{DELAY_MAX, SafeEnd, ticks};
 use nalgebra::Vector3;
 
+use crate::check::check;
+use crate::commission::values::{Values, acceptable};
 use crate::force::contact::{ContactMonitor, Measurement};
-use crate::interface::{Fault, Measured, Parameters, State, Vars};
+use crate::interface::{Fault, Output, Parameters, State, Vars};
 use crate::monitoring::axis::AxisMonitor;
 use crate::monitoring::force::{ForceMonitor, ForceSample};
 use crate::monitoring::numbers::Numbers;
@@ -255,19 +257,29 @@ pub fn numbers(vars: &Vars) -> String {
             output.sliding.friction
         ),
         Fault::NoProgress => format!(" = `{:.1} s`: `{:.1} s` {place}", n.time_limit, n.time),
-        Fault::CommissionRejected => commission_rejected(p, &output.measured),
+        Fault::CommissionRejected => commission_rejected(p, output),
         Fault::LongStep => format!(": limit `{} s`", p.sample_period),
     }
 }
 
-/// What was measured, and what it must be.
-fn commission_rejected(p: &Parameters, m: &Measured) -> String {
+/// What was measured, and what it must be, by the parameters that were told.
+fn commission_rejected(p: &Parameters, output: &Output) -> String {
+    let (mut told, m) = (p.clone(), &output.measured);
+    let values = output.told.unwrap_or_else(|| Values::of(p));
+    values.put(&mut told, [values, Values::of(p)]);
+    if acceptable(&told, &values, m) {
+        let mut found = told.clone();
+        values.derived(&told, m).put(&mut found, [values, values]);
+        if let Err(error) = check(&found) {
+            return format!(": {}", error.of_derived());
+        }
+    }
     let most = p.commission.deviation_max;
     format!(
         ": stiffness `{:.0} +- {:.0} N/m`, across `{:.0} +- {:.0} N/m`, friction `{:.3} +- {:.3}`, drives `{:.3} +- {:.3}` times as \
-         fast and `{:.3} +- {:.3}` fed forward, delay `{:.2} +- {:.2}` samples, sensor turned by `{:.3} +- {:.3} rad`; limits \
-         half and twice what was told, `commission.deviation_max` = `{most}` of it, \
-         `commission.delay_deviation_max` = `{}`, and `25 deg` of phase for the force loop",
+         fast as told and `{:.3} +- {:.3}` fed forward, delay `{:.2} +- {:.2}` samples, sensor turned by `{:.3} +- {:.3} rad`; limits \
+         half and twice `stiffness.nominal` = `{:.0} N/m` as told, half and twice as fast, `0` to `{DELAY_MAX}` samples, \
+         `commission.deviation_max` = `{most}` of it, and `commission.delay_deviation_max` = `{}`",
         m.stiffness,
         m.stiffness_deviation,
         m.lateral_stiffness,
@@ -282,6 +294,7 @@ fn commission_rejected(p: &Parameters, m: &Measured) -> String {
         m.io_delay_deviation,
         m.sensor_rotation,
         m.sensor_rotation_deviation,
+        values.stiffness,
         p.commission.delay_deviation_max
     )
 }
@@ -468,7 +481,7 @@ mod tests {
             noise: 0.4567,
             force_error: [1.234, 1.0],
         };
-        vars.output.measured = Measured { stiffness: 123_456.7, stiffness_deviation: 1234.5, ..Measured::START };
+        (vars.output.measured.stiffness, vars.output.measured.stiffness_deviation) = (123_456.7, 1234.5);
         vars.output.error = ErrorOutput { tangential: 3e-3, lateral: -4e-3, normal: 2e-3 };
         for (fault, told) in [
             (Fault::WeakDrive, "; it does `0.30` of what it is told"),
@@ -489,5 +502,23 @@ mod tests {
             vars.output.fault = fault;
             assert!(numbers(&vars).contains(told), "{}", numbers(&vars));
         }
+    }
+
+    #[test]
+    fn a_rejected_commission_tells_what_was_told_and_what_the_parameters_do_not_bear() {
+        let mut vars = <Vars as fmi2_export::Interface>::START;
+        vars.output.fault = Fault::CommissionRejected;
+        // what another commission has brought into force before was not told
+        vars.output.told = Some(Values::of(&vars.in_force));
+        (vars.in_force.stiffness_nominal, vars.in_force.drive.position_gain) = (300e3, 50.0);
+        let told = numbers(&vars);
+        assert!(told.contains("half and twice `stiffness.nominal` = `178000 N/m` as told"), "{told}");
+        let m = &mut vars.output.measured;
+        (m.stiffness, m.lateral_stiffness, m.friction, m.drive_gain, m.io_delay) = (178e3, 200e3, 0.2, 0.6, 1.0);
+        (m.sensor_direction_y, m.sensor_direction_z) = (1, 1);
+        vars.in_force.position.gain.y = 50.0;
+        let told = numbers(&vars);
+        let limit = "parameter `position.gain.y` would be `50 1/s`, must be at most `drive.position_gain` = `48 1/s`";
+        assert!(told.contains(limit), "{told}");
     }
 }

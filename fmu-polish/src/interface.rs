@@ -4,6 +4,7 @@
 #[rustfmt::skip]
 mod variables {
     use crate::axes::Axes;
+    use crate::commission::values::Values;
     use crate::monitoring::numbers::Numbers;
     use control_blocks::DELAY_MAX;
     use fmi2_export::{Unit, units::*};
@@ -196,6 +197,8 @@ mod variables {
         pub measured: Measured,
         /// What is told with the fault.
         #[var(hidden, start = Numbers::START)] pub numbers: Numbers,
+        /// What was told of the values that a commission derives, for the log.
+        #[var(hidden, start = None)] pub told: Option<Values>,
     }
     /// Commanded velocity and its parts.
     pub struct VelocityOutput {
@@ -516,8 +519,8 @@ mod variables {
         #[var(unit = METRE as "um", range = 0.0..=0.01, source = "derived: four times the reach of the excitation")] pub travel: f64,
         /// Force with which it presses; 0: `force.target`
         #[var(unit = NEWTON, range = 0.0..=100.0, source = "derived: stiffness and friction are those of the job")] pub force: f64,
-        /// Longest time; 0: what its motions take, a quarter more
-        #[var(unit = SECOND, range = 0.0..=1e6, source = "derived: 1.25 times the motions")] pub time: f64,
+        /// Longest time; 0: what its motions take, a quarter more and 1 s
+        #[var(unit = SECOND, range = 0.0..=1e6, source = "derived: 1.25 times the motions + 1 s")] pub time: f64,
         /// Largest relative standard deviation of stiffness, friction and drive, beside what guides leave to the drive, and that of the rotation in rad; above it is `CommissionRejected`
         #[var(unit = ONE, range = 1e-6..=0.5, start = 0.1, source = "our choice: a tenth is what the law bears without notice")] pub deviation_max: f64,
         /// Largest standard deviation of the delay, samples; above it is `CommissionRejected`

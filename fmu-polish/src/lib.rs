@@ -24,7 +24,7 @@ use interface::Vars;
 impl Model for Controller {
     // `longest_step` as measured: docs/communication-step.md
     const INFO: Info =
-        Info { name: "StickSlipPolishing", state_version: 6, stop_time: 60.0, longest_step: 1.0, ..package!() };
+        Info { name: "StickSlipPolishing", state_version: 7, stop_time: 60.0, longest_step: 1.0, ..package!() };
     type Vars = Vars;
 
     fn numbers(vars: &Vars) -> String {
@@ -43,10 +43,10 @@ impl Model for Controller {
     }
 
     fn sample(&mut self, vars: &mut Vars, env: &mut Env) -> Result<(), Error> {
-        let (frozen, measured) = (vars.output.ripple_frozen, vars.output.measured.valid);
+        let (frozen, before) = (vars.output.ripple_frozen, vars.output.measured.valid);
         self.bring_into_force(&mut vars.in_force);
         self.tick(&vars.input, &vars.in_force, &mut vars.output);
-        if vars.output.measured.valid && !measured && !vars.in_force.commission.export.is_empty() {
+        if vars.output.measured.valid && !before {
             // a machine does not stop because a file cannot be written
             self.export(&vars.in_force).unwrap_or_else(|error| env.warn(error));
         }

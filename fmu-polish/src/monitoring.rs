@@ -4,4 +4,5 @@ pub mod axis;
 pub mod force;
 pub mod job;
 pub mod numbers;
+pub mod stillness;
 mod swings;

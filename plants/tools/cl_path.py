@@ -3,6 +3,7 @@
     python -m plants.tools.cl_path led led.cls
     python -m plants.tools.cl_path saddle - --outer 0.5e-3
     python -m plants.tools.cl_path saddle dwelling.cls --sweep 6.6e-3
+    python -m plants.tools.cl_path led planned.cls --sweep 6.6e-3 --removal depth.csv
 
 A CAM knows the mold and the tool, not the controller that reads the file, so this lives beside the molds. The
 file names contact points with unit normals out of the material (`GOTO/x,y,z,i,j,k`), lengths in mm.
@@ -15,18 +16,23 @@ import math
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from plants.tools import dwell
 from plants.tools.molds import MOLDS, Mold
+from plants.tools.removal import Process
 
 Array = NDArray[np.float64]
 
 FINE = 2
 """Steps of the spiral in one spacing of its points."""
 MM = 1e3
+FOOTPRINT = Process().footprint(5.0)
+"""Radius of the contact at the force that `fmu-polish` holds by default, m."""
 
 
 @dataclass(frozen=True)
@@ -83,22 +89,6 @@ def leant(normals: Array, angle: float) -> Array:
     return turned
 
 
-def dwelling(points: Array, normals: Array, tool_radius: float, feed: float, sweep: float) -> Array:
-    """Return feeds of the contact points that make the ball slide equally far on every length of the path.
-
-    The centre of the ball goes `ratio` times as far as the contact, and besides swings at `sweep` m/s across
-    the path: on a length it slides `sqrt(ratio^2 + (sweep / feed)^2)` times as far. No feed is
-    more than doubled.
-    """
-    centres = points + tool_radius * normals
-    steps = [np.linalg.norm(np.diff(places, axis=0), axis=1) for places in (centres, points)]
-    ratio = steps[0] / steps[1]
-    ratio = np.append(ratio, ratio[-1])
-    way = np.hypot(ratio, sweep / feed).mean()
-    feeds: Array = sweep / np.sqrt(np.maximum(way**2 - ratio**2, (0.5 * sweep / feed) ** 2))
-    return feeds
-
-
 def cl_text(
     name: str,
     spiral: Spiral,
@@ -106,6 +96,8 @@ def cl_text(
     feed: float = 2e-3,
     lean: float = 0.0,
     sweep: float = 0.0,
+    removal: dwell.DepthMap | None = None,
+    footprint: float = FOOTPRINT,
 ) -> str:
     """Return the CL file of a spiral over a mold.
 
@@ -124,6 +116,10 @@ def cl_text(
     sweep : float
         Mean speed of the stick-slip motion of the ball across the path, m/s: above 0 the feed varies along
         the path, such that the ball slides equally far on every length of it.
+    removal : DepthMap, optional
+        Depths that are wanted instead of an even one; `sweep` must be above 0.
+    footprint : float
+        Radius of the contact of ball and mold, m.
     """
     mold = MOLDS[name]
     points = spiral.contact_points(mold)
@@ -140,7 +136,8 @@ def cl_text(
     ]
     goto = ["GOTO/" + ",".join(f"{number:.6f}" for number in row) for row in rows]
     if sweep > 0.0:
-        feeds = dwelling(points, upright, 0.5 * tool_diameter, feed, sweep)
+        path = points, upright, 0.5 * tool_diameter, feed, sweep
+        feeds = dwell.even(*path) if removal is None else dwell.planned(*path, removal, footprint)
         fedrat = [f"FEDRAT/{60.0 * MM * value:.3f},MMPM" for value in feeds]
         goto = [line for pair in zip(fedrat, goto, strict=True) for line in pair]
     lines += [*goto, "FINI"]
@@ -161,9 +158,11 @@ def main() -> None:
         "spacing": (Spiral.spacing, "distance of the points along the path, m"),
         "tool-diameter": (1e-3, "diameter of the ball, m"),
         "feed": (2e-3, "feed, m/s"),
+        "footprint": (FOOTPRINT, "radius of the contact, m"),
     }
     for option, (default, text) in lengths.items():
-        parser.add_argument(f"--{option}", type=positive, default=default, help=f"{text}; default {default}")
+        told = text if default is None else f"{text}; default {default:.3g}"
+        parser.add_argument(f"--{option}", type=positive, default=default, help=told)
     parser.add_argument("--lean", type=float, default=0.0, help="angle by which the normals are wrong, rad")
     parser.add_argument(
         "--sweep",
@@ -171,14 +170,34 @@ def main() -> None:
         default=0.0,
         help="speed of the ball across the path, m/s; the feed dwells by it",
     )
+    parser.add_argument(
+        "--removal",
+        type=depth_map,
+        metavar="FILE",
+        help="wanted depths, of which only the ratios count: a table with commas, x in mm in its first line, "
+        "y in mm in its first column; needs --sweep",
+    )
     chosen = parser.parse_args()
     outer = chosen.outer or MOLDS[chosen.mold].aperture
     if chosen.inner >= outer:
         parser.error(f"--inner is {chosen.inner:g} m, it must be less than the end of the path, {outer:g} m")
     if outer > MOLDS[chosen.mold].aperture:
         parser.error(f"--outer is {outer:g} m, the mold ends at {MOLDS[chosen.mold].aperture:g} m")
+    if chosen.removal is not None and chosen.sweep == 0.0:
+        parser.error("--removal plans how long the ball sweeps where, so it needs --sweep, the speed of that")
+    if chosen.removal is not None and find_spec("scipy") is None:
+        parser.error("--removal plans with scipy, which is not installed")
     spiral = Spiral(chosen.pick_feed, chosen.inner, outer, chosen.spacing)
-    text = cl_text(chosen.mold, spiral, chosen.tool_diameter, chosen.feed, chosen.lean, chosen.sweep)
+    text = cl_text(
+        chosen.mold,
+        spiral,
+        chosen.tool_diameter,
+        chosen.feed,
+        chosen.lean,
+        chosen.sweep,
+        chosen.removal,
+        chosen.footprint,
+    )
     if chosen.file == "-":
         sys.stdout.write(text)
     else:
@@ -191,6 +210,14 @@ def positive(text: str) -> float:
     if not 0.0 < number < math.inf:
         raise argparse.ArgumentTypeError(f"`{text}` is not a positive number")
     return number
+
+
+def depth_map(text: str) -> dwell.DepthMap:
+    """Read a file of wanted depths."""
+    try:
+        return dwell.DepthMap.read(Path(text))
+    except (OSError, ValueError) as error:
+        raise argparse.ArgumentTypeError(f"cannot read `{text}`: {error}") from None
 
 
 if __name__ == "__main__":

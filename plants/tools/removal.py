@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import machining_native as _native
+from plants.tools.dwell import DepthMap
 from plants.tools.molds import MOLDS, Mold
 
 Array = NDArray[np.float64]
@@ -68,6 +69,10 @@ class Process:
         # stiffness = 2 modulus a with a^3 = 3/4 load radius / modulus
         modulus = (0.5 * stiffness) ** 1.5 / math.sqrt(0.75 * load * radius)
         return cls(modulus=modulus, radius=radius)
+
+    def footprint(self, load: float) -> float:
+        """Radius of the contact under a load (N), m: Hertz."""
+        return math.cbrt(0.75 * load * self.radius / self.modulus)
 
     @property
     def selectivity(self) -> float:
@@ -238,6 +243,16 @@ def evenness(surface: Surface, inner: float, outer: float) -> tuple[float, float
     """Mean removed depth in m and its variation from tile to tile over the mean."""
     depths = _tiles(surface, surface.removed, inner, outer).mean(axis=1)
     return float(depths.mean()), float(depths.std() / depths.mean())
+
+
+def mismatch(surface: Surface, wanted: DepthMap, inner: float, outer: float) -> float:
+    """Variation of the removed depth over the wanted one from tile to tile, over its mean."""
+    place = np.meshgrid(surface.x, surface.y, indexing="ij")
+    depth = wanted.at(np.stack(place, axis=-1).reshape(-1, 2)).reshape(surface.removed.shape)
+    ratios = np.divide(
+        *(_tiles(surface, values, inner, outer).mean(axis=1) for values in (surface.removed, depth))
+    )
+    return float(ratios.std() / ratios.mean())
 
 
 def _tiles(surface: Surface, values: Array, inner: float, outer: float, width: float = 0.2e-3) -> Array:

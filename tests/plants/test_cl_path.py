@@ -107,6 +107,8 @@ def test_a_file_holds_contact_points_and_unit_normals() -> None:
         (("led", "-", "--spacing", "0"), "`0` is not a positive number"),
         (("led", "-", "--inner", "2e-3"), "--inner is 0.002 m"),
         (("led", "-", "--outer", "2e-3"), "--outer is 0.002 m"),
+        (("led", "-", "--removal", "gone.csv", "--sweep", "6e-3"), "cannot read `gone.csv`: "),
+        (("led", "-", "--removal", "plants/README.md", "--sweep", "6e-3"), "no table"),
     ],
 )
 def test_nonsense_is_refused_with_a_reason(arguments: tuple[str, ...], told: str) -> None:

@@ -16,7 +16,7 @@ use std::f64::consts::TAU;
 use num_complex::Complex;
 use serde::{Deserialize, Serialize};
 
-use crate::motion::multisine::{HARMONICS, TONES};
+use crate::commission::multisine::{HARMONICS, TONES};
 
 /// One harmonic: mean of both signals over the periods, and the variances of these means.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]

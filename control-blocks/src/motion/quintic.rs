@@ -15,6 +15,8 @@ use super::trajectory::Trajectory;
 
 /// Peak speed of a quintic between two rests, over its mean speed.
 const PEAK_OVER_MEAN: f64 = 1.875;
+/// Peak acceleration of a quintic between two rests, over distance / duration^2: 10 / 3^(1/2).
+pub const QUINTIC_ACCELERATION: f64 = 5.7735;
 
 /// Duration (s) of a quintic between two rests over `distance` (m or rad) with the peak speed `speed` (m/s or rad/s).
 pub fn quintic_duration(distance: f64, speed: f64) -> f64 {
@@ -131,6 +133,8 @@ mod tests {
         let duration = quintic_duration(0.6, 1.5);
         assert_eq!(duration, 0.75);
         let quintic = Quintic::new(Trajectory::resting(0.0), 0.6, duration);
+        let hardest = (0..=7500).map(|k| quintic.at(1e-4 * f64::from(k)).acceleration).fold(0.0, f64::max);
+        assert!((hardest * duration * duration / 0.6 / QUINTIC_ACCELERATION - 1.0).abs() < 1e-4, "{hardest}");
         let fastest = (0..=1000).map(|k| quintic.at(duration * f64::from(k) / 1000.0).velocity).fold(0.0, f64::max);
         assert!((fastest - 1.5).abs() < 1e-12, "{fastest}");
         assert!((quintic.at(0.5 * duration).velocity - fastest).abs() < 1e-12);

@@ -24,6 +24,16 @@ impl fmt::Display for ParameterError {
 
 impl std::error::Error for ParameterError {}
 
+impl ParameterError {
+    /// The same of a value that a commission has derived.
+    pub fn of_derived(&self) -> String {
+        let Self { name, value, limit, .. } = self;
+        format!(
+            "the values that follow from what was measured do not fit: parameter `{name}` would be `{value}`, must be {limit}"
+        )
+    }
+}
+
 /// Nothing if the condition holds, the error if not.
 ///
 /// # Errors
@@ -47,5 +57,10 @@ mod tests {
         assert_eq!(require(true, error), Ok(()));
         let message = require(false, error).unwrap_err().to_string();
         assert_eq!(message, "parameter `servo.bandwidth` is `9 rad/s`, must be at most `5 rad/s`\nhint: lower it");
+        let derived = error().of_derived();
+        assert!(
+            derived.ends_with("parameter `servo.bandwidth` would be `9 rad/s`, must be at most `5 rad/s`"),
+            "{derived}"
+        );
     }
 }

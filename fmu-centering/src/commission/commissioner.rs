@@ -1,7 +1,9 @@
 //! The commission as the controller sees it: what was found, and which values are in force.
 
+use control_blocks::InForce;
 use serde::{Deserialize, Serialize};
 
+use crate::check::check;
 use crate::commission::experiment::{Experiment, Round};
 use crate::commission::values::Values;
 use crate::interface::{Measured, Parameters};
@@ -11,27 +13,24 @@ use crate::motion::Motion;
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Commissioner {
     experiment: Experiment,
-    measured: Measured,
-    rejected: bool,
-    finished: bool,
-    told: Values,
-    /// what the last good commission derives
-    derived: Values,
-    in_force: Values,
+    /// What was measured, also of a commission that was rejected.
+    pub measured: Measured,
+    /// The result cannot be used.
+    pub rejected: bool,
+    /// The experiment has come to its end, and its result is good.
+    pub finished: bool,
+    values: InForce<Values>,
 }
 
 impl Commissioner {
     /// Nothing measured so far.
     pub fn new(p: &Parameters) -> Self {
-        let told = Values::of(p);
         Self {
             experiment: Experiment::default(),
             measured: Measured::START,
             rejected: false,
             finished: false,
-            told,
-            derived: told,
-            in_force: told,
+            values: InForce::new(Values::of(p)),
         }
     }
 
@@ -43,13 +42,8 @@ impl Commissioner {
 
     /// Ends before its end: what was told counts.
     pub fn break_off(&mut self) {
-        self.in_force = self.told;
+        self.values.restore();
         self.measured.valid = false;
-    }
-
-    /// What was measured, also of a commission that was rejected.
-    pub fn measured(&self) -> &Measured {
-        &self.measured
     }
 
     /// Forgets what was rejected.
@@ -59,24 +53,28 @@ impl Commissioner {
         }
     }
 
-    /// The result cannot be used.
-    pub fn rejected(&self) -> bool {
-        self.rejected
+    /// Puts the values in force in place of those that the parameters have; what was derived since the last sample only if the
+    /// parameters with it fit each other.
+    pub fn put(&mut self, p: &mut Parameters) {
+        if let Some(derived) = self.values.take_proposed() {
+            derived.put(p);
+            self.finished = check(p).is_ok();
+            (self.measured.valid, self.rejected) = (self.finished, !self.finished);
+            if self.finished {
+                self.values.conclude(derived, p.commission.apply);
+            }
+        }
+        self.values.now().put(p);
     }
 
-    /// The experiment has come to its end.
-    pub fn finished(&self) -> bool {
-        self.finished
-    }
-
-    /// Values in force, in place of those that the parameters have.
-    pub fn put(&self, p: &mut Parameters) {
-        self.in_force.put(p);
+    /// Values that were told.
+    pub fn told(&self) -> Values {
+        self.values.told()
     }
 
     /// Names and values of what a good commission derives.
     pub fn derived(&self) -> [(&'static str, f64); 2] {
-        self.derived.entries()
+        self.values.derived().entries()
     }
 
     /// Takes the position of the slide (m), read or bridged, beside the last setpoint, and leads the slide on.
@@ -94,14 +92,10 @@ impl Commissioner {
         if !last {
             return;
         }
-        if !self.told.accept(p, &self.measured, shift) {
-            self.rejected = true;
-            return;
-        }
-        (self.measured.valid, self.finished) = (true, true);
-        self.derived = self.told.with(&self.measured);
-        if p.commission.apply {
-            self.in_force = self.derived;
+        let told = self.values.told();
+        self.rejected = !told.accept(p, &self.measured, shift);
+        if !self.rejected {
+            self.values.propose(told.derived(&self.measured));
         }
     }
 }

@@ -9,6 +9,8 @@
 //! All strokes are on the side of the ring, for the slide waits at the rear end of its way, and end long before it: what an
 //! approach may go without having met a ring is `approach.travel_max`, and a pusher stands `probe.at_pusher` behind its probe.
 
+use control_blocks::{commission_time, told_or};
+
 use crate::interface::Parameters;
 use crate::limits::slowest_servo;
 use crate::motion::duration;
@@ -33,16 +35,14 @@ const STROKES: [(f64, f64); 14] = [
 ];
 /// How often a round does them all.
 const REPEATS: usize = 3;
-/// Rounds: each with the delay that the one before has found. More of them, where a reading was lost in one.
+/// Rounds: each with the delay that the one before has found; and one more, where a reading was lost in one.
 pub const ROUNDS: u32 = 3;
-const ROUNDS_SPARE: u32 = 2;
+const ROUNDS_SPARE: u32 = 1;
 /// Rest at the end of a round, until the slide is still, s.
 pub const REST: f64 = 0.3;
 /// Period of the longest stroke there and back in periods of the servo, and largest share of `probe.at_pusher`.
 const PERIODS: f64 = 4.0;
 const PUSHER_SHARE: f64 = 0.1;
-/// A commission may take longer than its motions by this time, s.
-const TIME_SPARE: f64 = 1.0;
 
 /// Place (travels from the start) and speed (in `approach.velocity`) of a stroke; none behind the last one of a round.
 pub fn stroke(number: usize) -> Option<(f64, f64)> {
@@ -52,26 +52,21 @@ pub fn stroke(number: usize) -> Option<(f64, f64)> {
 /// Farthest place towards the ring (m) from where it begins: `commission.travel`, or that from which the longest stroke there and
 /// back, 4 (d / a)^(1/2), takes four periods of the servo.
 pub fn travel(p: &Parameters) -> f64 {
-    if p.commission.travel > 0.0 {
-        return p.commission.travel;
-    }
-    let servo = if p.slide.bandwidth > 0.0 { p.slide.bandwidth } else { slowest_servo(p) };
-    let period = PERIODS * std::f64::consts::TAU / servo;
-    let way = acceleration(p) * (0.25 * period).powi(2);
-    way.min(PUSHER_SHARE * p.probe.at_pusher).min(p.approach.travel_max)
+    told_or(p.commission.travel, || {
+        let period = PERIODS * std::f64::consts::TAU / told_or(p.slide.bandwidth, || slowest_servo(p));
+        let way = acceleration(p) * (0.25 * period).powi(2);
+        way.min(PUSHER_SHARE * p.probe.at_pusher).min(p.approach.travel_max)
+    })
 }
 
 /// Acceleration (m/s2) of the strokes: `commission.acceleration`, or that of all moves.
 pub fn acceleration(p: &Parameters) -> f64 {
-    if p.commission.acceleration > 0.0 { p.commission.acceleration } else { p.slide.acceleration_max }
+    told_or(p.commission.acceleration, || p.slide.acceleration_max)
 }
 
-/// Longest commission (s): `commission.time`, or what its motions take and some more.
+/// Longest commission (s): `commission.time`, or what its motions and a round more take, and some more.
 pub fn time(p: &Parameters) -> f64 {
-    if p.commission.time > 0.0 {
-        return p.commission.time;
-    }
-    f64::from(ROUNDS + ROUNDS_SPARE) * round_time(p) + TIME_SPARE
+    commission_time(p.commission.time, || f64::from(ROUNDS + ROUNDS_SPARE) * round_time(p))
 }
 
 /// Time (s) that the motions of a commission take.

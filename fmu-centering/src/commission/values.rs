@@ -1,13 +1,10 @@
 //! The parameters that a commission derives, and whether what it has measured can be used.
 
-use control_blocks::DELAY_MAX;
+use control_blocks::{DELAY_MAX, RATIO_MAX, sure, whole_delay, within_factor};
 use serde::{Deserialize, Serialize};
 
 use crate::interface::{Measured, Parameters};
-use crate::limits::slowest_servo;
-
-/// Ratio of the bandwidth over that of what was told, that is still the machine that was meant; or its reciprocal (our choice).
-const RATIO_MAX: f64 = 2.0;
+use crate::limits::{servo_damping, slowest_servo};
 
 /// All parameters that a commission derives.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -33,20 +30,20 @@ impl Values {
     }
 
     /// Those with what was measured; who told no bandwidth, for no feed-forward, gets none.
-    pub fn with(self, measured: &Measured) -> Self {
+    pub fn derived(self, measured: &Measured) -> Self {
         let bandwidth = if self.bandwidth > 0.0 { measured.slide_bandwidth } else { 0.0 };
-        Self { bandwidth, io_delay: measured.io_delay.round().max(0.0) as i32 }
+        Self { bandwidth, io_delay: whole_delay(measured.io_delay) }
     }
 
     /// Whether a measurement is sure enough, and of a servo that this controller can work with; `shift` (samples) is what its
     /// last round has found of the delay that the round before had not.
     pub fn accept(&self, p: &Parameters, m: &Measured, shift: f64) -> bool {
-        let ratio = m.slide_bandwidth / self.bandwidth;
-        m.slide_bandwidth_deviation <= p.commission.deviation_max * m.slide_bandwidth
+        sure(m.slide_bandwidth, m.slide_bandwidth_deviation, p.commission.deviation_max)
             && m.io_delay_deviation.max(shift.abs()) <= p.commission.delay_deviation_max
             && m.slide_bandwidth >= slowest_servo(p)
-            && (self.bandwidth == 0.0 || (RATIO_MAX.recip()..=RATIO_MAX).contains(&ratio))
-            && (-0.5..DELAY_MAX as f64 + 0.5).contains(&m.io_delay)
+            && servo_damping(p, m.slide_bandwidth).contains(&m.slide_damping)
+            && (self.bandwidth == 0.0 || within_factor(m.slide_bandwidth, self.bandwidth, RATIO_MAX))
+            && (0..=DELAY_MAX as i32).contains(&whole_delay(m.io_delay))
     }
 }
 
@@ -60,6 +57,7 @@ mod tests {
     const GOOD: Measured = Measured {
         slide_bandwidth: TAU * 30.0,
         slide_bandwidth_deviation: 0.1,
+        slide_damping: 0.7,
         io_delay: 1.9,
         io_delay_deviation: 0.01,
         ..Measured::START
@@ -70,26 +68,29 @@ mod tests {
         let mut p = P;
         Values::of(&P).put(&mut p);
         assert_eq!(p, P);
-        let values = Values::of(&P).with(&GOOD);
+        let values = Values::of(&P).derived(&GOOD);
         values.put(&mut p);
         assert_eq!((Values::of(&p), p.slide.bandwidth, p.io_delay), (values, TAU * 30.0, 2));
         assert_eq!(values.entries(), [("slide.bandwidth", TAU * 30.0), ("io_delay", 2.0)]);
         // no feed-forward stays none
         p.slide.bandwidth = 0.0;
-        assert_eq!(Values::of(&p).with(&GOOD).bandwidth, 0.0);
+        assert_eq!(Values::of(&p).derived(&GOOD).bandwidth, 0.0);
         assert!(Values::of(&p).accept(&p, &GOOD, 0.0));
     }
 
     #[test]
     fn each_limit_is_the_last_value_that_is_accepted() {
         type Set = fn(&mut Measured, f64);
-        let limits: [(Set, f64, f64); 6] = [
+        let limits: [(Set, f64, f64); 8] = [
             (|m, x| m.slide_bandwidth_deviation = x * TAU * 30.0, 0.019_99, 0.020_01),
             (|m, x| m.io_delay_deviation = x, 0.25, 0.251),
             (|m, x| m.slide_bandwidth = TAU * x, 79.9, 80.1),
             (|m, x| m.slide_bandwidth = TAU * x, 20.1, 19.9),
+            // 60 /s over 30 Hz, and where that takes 45 degrees
+            (|m, x| m.slide_damping = x, 0.32, 0.316),
+            (|m, x| m.slide_damping = x, 1.411, 1.412),
             (|m, x| m.io_delay = x, 8.49, 8.5),
-            (|m, x| m.io_delay = x, -0.5, -0.51),
+            (|m, x| m.io_delay = x, -0.49, -0.5),
         ];
         for (set, last, first) in limits {
             let with = |x: f64| {

@@ -55,7 +55,7 @@ impl Controller {
         let longest = if commission { plan::time(p) } else { job_time(p, view.speed) };
         let late = (centring || commission) && self.progress.samples() > u64::from(p.ticks(longest));
         // strokes are for a probe that nothing touches
-        let rejected = commission && (self.commissioner.rejected() || self.calm.probe > p.probe.contact);
+        let rejected = commission && (self.commissioner.rejected || self.calm.probe > p.probe.contact);
         let found = [
             (self.long_step && (self.state.active() || commission)).then_some(Fault::LongStep),
             reading.fault,
@@ -121,7 +121,7 @@ impl Controller {
                 slide_bandwidth_deviation: servo.deviation,
                 ..Measured::START
             },
-            None => *self.commissioner.measured(),
+            None => self.commissioner.measured,
         }
     }
 

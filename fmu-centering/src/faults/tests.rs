@@ -299,14 +299,29 @@ fn each_fault_is_told_in_its_own_words() {
         assert_eq!(numbers(&vars), expected, "{fault:?}");
     }
     let measured = &mut vars.output.measured;
-    (measured.slide_bandwidth, measured.slide_bandwidth_deviation) = (188.5, 9.43);
+    (measured.slide_bandwidth, measured.slide_bandwidth_deviation, measured.slide_damping) = (188.5, 9.43, 0.284);
     (measured.io_delay, measured.io_delay_deviation) = (1.254, 0.3127);
     vars.output.fault = Fault::CommissionRejected;
     assert_eq!(
         numbers(&vars),
-        ": bandwidth `30.0 Hz`, deviation `1.50 Hz`, limits half and twice `slide.bandwidth` = `40.0 Hz`, `13.9 Hz` or more for \
-         `limits.following_error`, and `commission.deviation_max` = `0.02` of it; delay `1.25` samples, deviation `0.313`, limits \
-         `0` to `8` and `commission.delay_deviation_max` = `0.25`; probe at `0.0125 m`, free up to `probe.contact` = `0.0002 m`"
+        ": bandwidth `30.0 Hz`, deviation `1.50 Hz`, limits half and twice `slide.bandwidth` = `40.0 Hz` as told, `13.9 Hz` or more for \
+         `limits.following_error`, and `commission.deviation_max` = `0.02` of it; damping `0.28`, limits `0.32` to `1.41` for \
+         `limits.following_error` and `stroke.feedback`; delay `1.25` samples, deviation `0.313`, limits `0` to `8` and \
+         `commission.delay_deviation_max` = `0.25`; probe at `0.0125 m`, free up to `probe.contact` = `0.0002 m`"
+    );
+    // what another commission has brought into force before was not told
+    vars.output.told = Some(crate::commission::Values::of(&vars.in_force));
+    vars.in_force.slide.bandwidth = 300.0;
+    assert!(numbers(&vars).contains("`slide.bandwidth` = `40.0 Hz` as told"), "{}", numbers(&vars));
+    // and one that the parameters do not bear is told by its name
+    let measured = &mut vars.output.measured;
+    (measured.slide_bandwidth, measured.slide_bandwidth_deviation, measured.slide_damping) = (188.5, 0.1, 0.7);
+    (measured.io_delay_deviation, vars.input.probe_position) = (0.01, 0.0);
+    vars.in_force.push.velocity_min = 2.0;
+    let message = numbers(&vars);
+    assert!(
+        message.contains("do not fit: parameter `push.velocity_min` would be `2 m/s`, must be at most"),
+        "{message}"
     );
     (vars.output.fault, vars.output.numbers.line) = (Fault::ProbeJump, Some([2e-4, 1.3e-4]));
     assert_eq!(numbers(&vars), ": the centred surface is `0.200 mm` from where it was, limit `0.130 mm`");

@@ -2,13 +2,14 @@
 
 use std::f64::consts::PI;
 
-use control_blocks::Welford;
+use control_blocks::{InForce, Welford, whole_delay};
 use serde::{Deserialize, Serialize};
 
+use crate::check::check_delay;
 use crate::commission::estimation::Response;
 use crate::commission::experiment::Experiment;
 use crate::commission::plan::room;
-use crate::commission::values::{ENTRIES, Rejection, Values, rejection, rounded};
+use crate::commission::values::{ENTRIES, Rejection, Values, rejection};
 use crate::interface::{Measured, MeasuredAxis, Parameters};
 use crate::learning::drive::Drive;
 use crate::path::kinematics::{AXES, Joints};
@@ -31,18 +32,13 @@ pub struct Commissioner {
     tool: Welford,
     /// samples of the tool
     samples: u32,
-    told: Values,
-    /// what the last good commission derives
-    derived: Values,
-    in_force: Values,
-    renewed: bool,
+    values: InForce<Values>,
     room: Vec<f64>,
 }
 
 impl Commissioner {
     /// Nothing measured so far; `speed` is that of the path, m/s.
     pub fn new(p: &Parameters, speed: f64) -> Self {
-        let told = Values::of(p);
         Self {
             experiment: Experiment::new(p, speed),
             measured: Measured::START,
@@ -51,10 +47,7 @@ impl Commissioner {
             responses: [Response::default(); AXES],
             tool: Welford::default(),
             samples: 0,
-            told,
-            derived: told,
-            in_force: told,
-            renewed: false,
+            values: InForce::new(Values::of(p)),
             room: vec![0.0; 2 * room(p, speed)],
         }
     }
@@ -68,22 +61,38 @@ impl Commissioner {
 
     /// Ends before its end: what was told counts.
     pub fn break_off(&mut self) {
-        self.bring_into_force(self.told);
+        self.values.restore();
     }
 
-    /// Values in force, in place of those that the parameters have.
-    pub fn put(&self, p: &mut Parameters) {
-        self.in_force.put(p);
+    /// Puts the values in force in place of those that the parameters have; what was derived since the last sample only if the
+    /// parameters with it fit each other.
+    pub fn put(&mut self, p: &mut Parameters) {
+        if let Some(derived) = self.values.take_proposed() {
+            derived.put(p);
+            self.finished = check_delay(p).is_ok();
+            self.measured.valid = self.finished;
+            if self.finished {
+                self.values.conclude(derived, p.commission.apply);
+            } else {
+                self.rejected = Some(Rejection::Values);
+            }
+        }
+        self.values.now().put(p);
+    }
+
+    /// Values that were told.
+    pub fn told(&self) -> Values {
+        self.values.told()
     }
 
     /// Whether other values are in force since this was last asked.
     pub fn take_renewed(&mut self) -> bool {
-        std::mem::take(&mut self.renewed)
+        self.values.take_renewed()
     }
 
     /// Whether what was measured is in force.
     pub fn applied(&self) -> bool {
-        self.in_force != self.told
+        !self.values.as_told()
     }
 
     /// Tells how sure the drives are that are in force.
@@ -97,7 +106,7 @@ impl Commissioner {
 
     /// Names and values of what a good commission derives, with the speeds that `p` tells.
     pub fn derived(&self, p: &Parameters) -> [(&'static str, f64); ENTRIES] {
-        self.derived.entries(p)
+        self.values.derived().entries(p)
     }
 
     /// Takes the control errors (counts) and the tool speed (rad/s) of this sample.
@@ -116,11 +125,10 @@ impl Commissioner {
 
     fn finish(&mut self, p: &Parameters) {
         self.measured = self.tell(p);
-        self.rejected = rejection(p, &self.told, &self.measured);
+        let told = self.values.told();
+        self.rejected = rejection(p, &told, &self.measured);
         if self.rejected.is_none() {
-            (self.measured.valid, self.finished) = (true, true);
-            self.derived = self.told.with(&self.measured);
-            self.bring_into_force(if p.commission.apply { self.derived } else { self.told });
+            self.values.propose(told.derived(&self.measured));
         }
     }
 
@@ -139,7 +147,7 @@ impl Commissioner {
             spindle_noise_deviation: step.hypot(noise / (2.0 * samples).sqrt()),
             ..Measured::START
         };
-        let whole = f64::from(rounded(&measured)) * dt;
+        let whole = f64::from(whole_delay(measured.io_delay)) * dt;
         measured.axis = std::array::from_fn(|i| MeasuredAxis {
             gain: self.responses[i].gain[0],
             gain_deviation: self.responses[i].gain[1],
@@ -151,11 +159,6 @@ impl Commissioner {
             delay_deviation: spread.hypot(delays[i][1]),
         });
         measured
-    }
-
-    fn bring_into_force(&mut self, values: Values) {
-        self.renewed |= values != self.in_force;
-        self.in_force = values;
     }
 }
 

@@ -14,7 +14,7 @@
 //! Each stroke goes to the side where the tip comes away from the part, against the tool; where neither side does, where there is
 //! more room. So in all strokes the tip is never nearer to what lies before the tool than it was when it began, and beside it by D at most.
 
-use control_blocks::{quintic_duration, ticks};
+use control_blocks::{QUINTIC_ACCELERATION, commission_time, quintic_duration, ticks, told_or};
 use serde::{Deserialize, Serialize};
 
 use crate::interface::Parameters;
@@ -24,8 +24,6 @@ use crate::path::kinematics::{AXES, Joints};
 pub const STROKES: u32 = 4;
 /// Rest after each of them in time constants 1/Kp.
 const REST: f64 = 6.0;
-/// Peak acceleration of a quintic over distance / time^2.
-const QUINTIC_ACCELERATION: f64 = 5.7735;
 /// Longest way if nothing else is told, m.
 const TRAVEL_MAX: f64 = 0.05;
 /// No turning axis moves the tip by less than that of a lever of this length, m: it would turn too far.
@@ -34,8 +32,6 @@ const LEVER_MIN: f64 = 0.1;
 const SAMPLES_MIN: f64 = 10.0;
 /// Ways of the tip that differ by less are the same, m.
 const SAME: f64 = 1e-6;
-/// A commission may take longer than its motions by this share and this time, s.
-const TIME_SPARE: (f64, f64) = (1.25, 1.0);
 
 /// The strokes of all axes.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
@@ -116,17 +112,14 @@ pub fn room(p: &Parameters, speed: f64) -> usize {
 
 /// Farthest way (m) of the tip with each axis.
 pub fn travel(p: &Parameters, speed: f64) -> f64 {
-    if p.commission.travel > 0.0 {
-        return p.commission.travel;
-    }
     // where quintic_duration and the acceleration ask for the same time
     let both = QUINTIC_ACCELERATION / quintic_duration(1.0, 1.0).powi(2) * speed * speed / acceleration(p);
-    both.min(TRAVEL_MAX)
+    told_or(p.commission.travel, || both.min(TRAVEL_MAX))
 }
 
 /// Largest acceleration (m/s2) of the tip with each axis.
 fn acceleration(p: &Parameters) -> f64 {
-    if p.commission.acceleration > 0.0 { p.commission.acceleration } else { p.feed.acceleration }
+    told_or(p.commission.acceleration, || p.feed.acceleration)
 }
 
 /// Time of all motions (s), with the way out of the part.
@@ -139,8 +132,7 @@ pub fn least_time(p: &Parameters, speed: f64) -> f64 {
 
 /// Longest time (s): `commission.time`, or what the motions take and some more.
 pub fn time(p: &Parameters, speed: f64) -> f64 {
-    let spared = TIME_SPARE.0 * least_time(p, speed) + TIME_SPARE.1;
-    if p.commission.time > 0.0 { p.commission.time } else { spared }
+    commission_time(p.commission.time, || least_time(p, speed))
 }
 
 #[cfg(test)]

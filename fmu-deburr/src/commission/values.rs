@@ -1,6 +1,6 @@
 //! The parameters that a commission derives, and how.
 
-use control_blocks::DELAY_MAX;
+use control_blocks::{DELAY_SPREAD, RATIO_MAX, bearable_delays, sure, whole_delay, within_factor};
 use serde::{Deserialize, Serialize};
 
 use crate::interface::{Measured, MeasuredAxis, Parameters};
@@ -12,10 +12,6 @@ use crate::path::kinematics::{AXES, Joints};
 const APART: f64 = 0.75;
 /// Samples by which a drive may seem to act before its command: one without a lag, and noise.
 const EARLY: f64 = 0.1;
-/// Samples of delay more or less than told that it can bear.
-const DELAY_SPREAD: i32 = 2;
-/// Idle speeds over that which was told that are those of a tool.
-const IDLE: std::ops::RangeInclusive<f64> = 0.5..=2.0;
 
 /// A natural frequency is used where its standard deviation is at most this share of it.
 const FREQUENCY_SURE: f64 = 0.2;
@@ -77,9 +73,9 @@ impl Values {
 
     /// Those with what was measured. Target and limit of the tool's speed keep their share of the idle speed: the slip
     /// of an induction motor is a share of the speed that it has without load.
-    pub fn with(self, measured: &Measured) -> Self {
+    pub fn derived(self, measured: &Measured) -> Self {
         Self {
-            io_delay: rounded(measured),
+            io_delay: whole_delay(measured.io_delay),
             gain: measured.axis.each_ref().map(|axis| axis.gain),
             // 0 would be the nominal one
             lag: measured.axis.each_ref().map(|axis| axis.lag.max(LAG_MIN)),
@@ -116,14 +112,9 @@ impl Values {
     }
 }
 
-/// The delay in whole samples.
-pub fn rounded(measured: &Measured) -> i32 {
-    measured.io_delay.round() as i32
-}
-
 /// The delays that a controller can bear that was told `io_delay`.
 pub fn delays(io_delay: i32) -> std::ops::RangeInclusive<i32> {
-    (io_delay - DELAY_SPREAD).max(0)..=(io_delay + DELAY_SPREAD).min(DELAY_MAX as i32)
+    (io_delay - DELAY_SPREAD).max(0)..=*bearable_delays(io_delay).end()
 }
 
 /// What cannot be used of a measurement by a controller that was `told`.
@@ -135,26 +126,28 @@ pub enum Rejection {
     Delay,
     /// The tool.
     Tool,
+    /// The parameters do not fit what follows from it.
+    Values,
 }
 
 /// Why a measurement cannot be used.
 pub fn rejection(p: &Parameters, told: &Values, m: &Measured) -> Option<Rejection> {
-    let delay = delays(told.io_delay);
+    let whole = whole_delay(m.io_delay);
     let bad = |axis: &MeasuredAxis| {
         !(CREDIBLE.contains(&axis.gain)
-            && axis.gain_deviation <= p.commission.deviation_max * axis.gain
+            && sure(axis.gain, axis.gain_deviation, p.commission.deviation_max)
             && axis.lag_deviation <= p.commission.delay_deviation_max * p.sample_period
             && axis.lag > -EARLY * p.sample_period
-            && (axis.delay - f64::from(rounded(m))).abs() <= APART)
+            && (axis.delay - f64::from(whole)).abs() <= APART)
     };
     if let Some(i) = m.axis.iter().position(bad) {
         return Some(Rejection::Drive(i as i32 + 1));
     }
-    if !delay.contains(&rounded(m)) {
+    if !delays(told.io_delay).contains(&whole) {
         return Some(Rejection::Delay);
     }
-    let idles = IDLE.contains(&(m.idle_speed / told.idle_speed))
-        && m.idle_speed_deviation <= p.commission.deviation_max * m.idle_speed;
+    let idles = within_factor(m.idle_speed, told.idle_speed, RATIO_MAX)
+        && sure(m.idle_speed, m.idle_speed_deviation, p.commission.deviation_max);
     (!idles).then_some(Rejection::Tool)
 }
 
@@ -191,7 +184,7 @@ mod tests {
         let told = Values::of(&p);
         told.put(&mut p);
         assert_eq!(p, Parameters::START);
-        let values = told.with(&good());
+        let values = told.derived(&good());
         values.put(&mut p);
         assert_eq!(Values::of(&p), values);
         assert_eq!((p.io_delay, p.model.axis[4].gain, p.model.axis[4].lag, p.load.idle_speed), (2, 0.8, 5e-3, 1700.0));
@@ -208,7 +201,7 @@ mod tests {
         assert_eq!(told("model.axis2.natural_frequency"), Some(220.0));
         let mut unsure = good();
         unsure.axis[1].natural_frequency_deviation = 45.0;
-        let unsure = Values::of(&Parameters::START).with(&unsure);
+        let unsure = Values::of(&Parameters::START).derived(&unsure);
         assert_eq!(unsure.frequency, [220.0, 0.0, 220.0, 220.0, 220.0, 220.0]);
         assert!(entries.iter().all(|entry| !entry.0.is_empty()));
         assert_eq!(told("limits.spindle_speed_min"), Some(p.load.scale * p.limits.spindle_speed_min));

@@ -1,6 +1,6 @@
 //! The state `Commission`: what begins, moves and ends it, and what its results change.
 
-use control_blocks::{ParameterError, ResultFile, ticks};
+use control_blocks::{ParameterError, export_commission, ticks};
 
 use crate::commission::plan;
 use crate::controller::Controller;
@@ -13,8 +13,11 @@ use crate::reading::Reading;
 
 impl Controller {
     /// Puts what a commission has measured into the parameters, where `commission.apply` says so; before each sample.
-    pub fn bring_into_force(&self, p: &mut Parameters) {
+    pub fn bring_into_force(&mut self, p: &mut Parameters) {
         self.commissioner.put(p);
+        if self.state == State::Commission && self.commissioner.finished {
+            self.progress = Progress::Over;
+        }
     }
 
     /// Writes what the last good commission derives into the file `commission.export`.
@@ -22,21 +25,14 @@ impl Controller {
     /// # Errors
     /// When the file cannot be written.
     pub fn export(&self, p: &Parameters) -> Result<(), ParameterError> {
-        let hint = "name a file in a folder that there is and that the importer may write to";
-        ResultFile { name: "commission.export", file: &p.commission.export, hint }.write(&self.commissioner.derived(p))
-    }
-
-    /// An edge of `commission` counts where the pose is held, and waits there for axes at rest.
-    pub(super) fn ask_for_commission(&mut self, commission: bool) {
-        let edge = self.commission.rises(commission);
-        self.commission_asked = self.state.waits() && commission && (self.commission_asked || edge);
+        export_commission(&p.commission.export, &self.commissioner.derived(p))
     }
 
     /// Begins, where the tool may be in the part with the way out of it.
     pub(super) fn begin_commission(&mut self, p: &Parameters) {
         let start = if self.inside { p.arm.drawn_back(&self.joints, p.transfer.clearance) } else { self.joints };
         self.route = if self.inside { Route::out(p, &self.joints) } else { Route::at(&self.joints) };
-        (self.on_path, self.commissioning, self.commission_asked) = (false, true, false);
+        (self.on_path, self.commissioning) = (false, true);
         self.elapsed.restart();
         self.budget = u64::from(ticks(plan::time(p, self.path.speed), p.sample_period));
         self.commissioner.begin(p, self.path.speed, &start);
@@ -58,12 +54,11 @@ impl Controller {
     pub(super) fn observe_commission(&mut self, p: &Parameters, reading: &Reading) {
         if self.state == State::Commission && !self.inside && !self.commissioner.finished {
             self.commissioner.observe(p, &self.error, reading.spindle_speed);
-            self.finish_if(self.commissioner.finished);
         }
     }
 
     /// Other values are in force, at rest: models and patterns are those of the drives as they are told now.
-    pub(super) fn change_drives(&mut self, p: &Parameters) {
+    pub(super) fn renew(&mut self, p: &Parameters) {
         self.watch = Watch::new(p);
         self.watch.restart(p, &self.reader.positions());
         self.learner.tell(p);

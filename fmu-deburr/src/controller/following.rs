@@ -81,7 +81,7 @@ impl Controller {
             self.tool.restart();
         }
         if self.job == Mode::Learn && runs && repetition_over && !self.ended.is_fault() {
-            self.renew(p);
+            self.end_repetition(p);
         } else {
             self.finish_if(!goes_on);
         }
@@ -100,7 +100,7 @@ impl Controller {
     }
 
     /// Ends a repetition.
-    fn renew(&mut self, p: &Parameters) {
+    fn end_repetition(&mut self, p: &Parameters) {
         let speed = self.learner.speed;
         let next = match self.learner.identifies(p) {
             true => self.identify(p),

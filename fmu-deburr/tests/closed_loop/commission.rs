@@ -143,6 +143,24 @@ fn learning_goes_on_from_there() {
 }
 
 #[test]
+fn a_delay_that_the_other_parameters_do_not_fit_is_rejected() {
+    let mut p = Parameters::START;
+    // room for the samples that were told and no more
+    p.learn.lead_in = p.learn.lead + p.io_delay;
+    let mut run = resting(&p, &Build { delay: 2, ..Build::NOMINAL });
+    commission(&mut run);
+    let m = &run.output.measured;
+    assert_eq!(run.output.fault, Fault::CommissionRejected, "{:?}", run.output);
+    assert!(!m.valid && m.io_delay.round() == 2.0, "{m:?}");
+    // two are as they were told
+    p.io_delay = 2;
+    p.learn.lead_in += 1;
+    let mut run = resting(&p, &Build { delay: 2, ..Build::NOMINAL });
+    commission(&mut run);
+    assert!(run.output.measured.valid, "{:?}", run.output);
+}
+
+#[test]
 fn only_on_request_is_what_was_measured_used() {
     let mut run = resting(&Parameters::START, &Build { gain: 0.8, ..Build::NOMINAL });
     commission(&mut run);

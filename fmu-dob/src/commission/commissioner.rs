@@ -1,10 +1,10 @@
 //! The commission as the controller sees it: what moves, what was found, and which values are in force.
 
-use control_blocks::Trajectory;
+use control_blocks::{InForce, Trajectory, bearable_delays};
 use serde::{Deserialize, Serialize};
 
+use crate::check::check_derived;
 use crate::commission::experiment::{Experiment, Milestone};
-use crate::commission::plan::DELAY_SPREAD;
 use crate::commission::response::{loop_spread, response, ripple};
 use crate::commission::values::{Values, acceptable};
 use crate::interface::{ForceOutput, Measured, Parameters};
@@ -19,13 +19,9 @@ pub struct Commissioner {
     pub measured: Measured,
     /// The result cannot be used.
     pub rejected: bool,
-    /// The experiment has come to its end.
+    /// The experiment has come to its end, and its result is good.
     pub finished: bool,
-    told: Values,
-    /// what the last good commission derives
-    derived: Values,
-    in_force: Values,
-    renewed: bool,
+    values: InForce<Values>,
     longest_delay: i32,
     /// force that holds the stage, N
     held: f64,
@@ -34,22 +30,18 @@ pub struct Commissioner {
 impl Commissioner {
     /// Nothing measured so far.
     pub fn new(p: &Parameters) -> Self {
-        let told = Values::of(p);
         Self {
             experiment: Experiment::new(p, 0.0),
             measured: Measured::START,
             rejected: false,
             finished: false,
-            told,
-            derived: told,
-            in_force: told,
-            renewed: false,
-            longest_delay: longest_delay(p, p.io_delay as usize + DELAY_SPREAD),
+            values: InForce::new(Values::of(p)),
+            longest_delay: longest_delay(p, *bearable_delays(p.io_delay).end() as usize),
             held: 0.0,
         }
     }
 
-    /// Begins at rest at `start` m with what was told; `held` is the force (N) that holds the stage.
+    /// Begins at rest at `start` m with what is in force; `held` is the force (N) that holds the stage.
     pub fn begin(&mut self, p: &Parameters, start: f64, held: f64) {
         self.experiment = Experiment::new(p, start);
         (self.measured, self.held) = (Measured::START, held);
@@ -58,23 +50,41 @@ impl Commissioner {
 
     /// Ends before its end: what was told counts.
     pub fn break_off(&mut self) {
-        self.bring_into_force(self.told);
+        self.values.restore();
         self.measured.valid = false;
     }
 
-    /// Values in force, in place of those that the parameters have.
-    pub fn put(&self, p: &mut Parameters) {
-        self.in_force.put(p);
+    /// Puts the values in force in place of those that the parameters have; what was found since the last sample only if the
+    /// parameters with it fit each other. The response is in force for the strokes, so that the noise is that of the law with it.
+    pub fn put(&mut self, p: &mut Parameters) {
+        if let Some(found) = self.values.take_proposed() {
+            found.put(p);
+            self.rejected = check_derived(p).is_err();
+            match (self.rejected, self.experiment.over()) {
+                (true, _) => {}
+                (false, false) => self.values.bring(found),
+                (false, true) => {
+                    (self.measured.valid, self.finished) = (true, true);
+                    self.values.conclude(found, p.commission.apply);
+                }
+            }
+        }
+        self.values.now().put(p);
+    }
+
+    /// Values that were told.
+    pub fn told(&self) -> Values {
+        self.values.told()
     }
 
     /// Whether other values are in force since this was last asked.
     pub fn take_renewed(&mut self) -> bool {
-        std::mem::take(&mut self.renewed)
+        self.values.take_renewed()
     }
 
     /// Names and values of what a good commission derives.
     pub fn derived(&self) -> [(&'static str, f64); 8] {
-        self.derived.entries()
+        self.values.derived().entries()
     }
 
     /// Force (N) that holds the stage.
@@ -103,7 +113,7 @@ impl Commissioner {
         }
     }
 
-    /// Thrust, delay, friction and stiffness; they are in force for the strokes, so that the noise is that of the law with them.
+    /// Thrust, delay, friction and stiffness.
     fn identify(&mut self, p: &Parameters) {
         if let Ok(found) = response(p, &self.experiment.plan, &self.experiment.spectra) {
             let (value, mass) = (found.value, p.stage.mass);
@@ -120,10 +130,11 @@ impl Commissioner {
             };
         }
         // near what is in force, with which it is held, and near what was told, so that one commission after another goes nowhere
-        let near = [p.stage.force_constant, self.told.force_constant];
+        let told = self.values.told();
+        let near = [p.stage.force_constant, told.force_constant];
         self.rejected = !near.into_iter().all(|told| acceptable(p, told, self.longest_delay, &self.measured));
         if !self.rejected {
-            self.bring_into_force(self.told.with_response(&self.measured));
+            self.values.propose(told.with_response(&self.measured));
         }
     }
 
@@ -144,17 +155,10 @@ impl Commissioner {
             slope_sigma_deviation: slope.deviation,
             ..self.measured
         };
-        self.rejected = !self.told.quiet(p, &self.measured);
-        if self.rejected {
-            return;
+        let told = self.values.told();
+        self.rejected = !told.quiet(p, &self.measured);
+        if !self.rejected {
+            self.values.propose(told.derived(p, &self.measured));
         }
-        (self.measured.valid, self.finished) = (true, true);
-        self.derived = self.told.with_response(&self.measured).with_noise(p, &self.measured);
-        self.bring_into_force(if p.commission.apply { self.derived } else { self.told });
-    }
-
-    fn bring_into_force(&mut self, values: Values) {
-        self.renewed |= values != self.in_force;
-        self.in_force = values;
     }
 }

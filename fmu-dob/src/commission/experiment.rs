@@ -2,7 +2,7 @@
 //!
 //! It never goes beyond where it began, towards the workpiece.
 
-use control_blocks::{PeriodicSpectra, Quintic, Trajectory, minimum_jerk, minimum_jerk_rates};
+use control_blocks::{PeriodicSpectra, Quintic, Trajectory};
 use serde::{Deserialize, Serialize};
 
 use crate::commission::noise::Noise;
@@ -71,12 +71,21 @@ impl Experiment {
         matches!(self.phase, Phase::Back | Phase::Excite)
     }
 
+    /// Whether all strokes are over.
+    pub fn over(&self) -> bool {
+        self.strokes >= STROKES
+    }
+
     /// The reference of this sample after that of the one before.
     pub fn reference(&mut self, now: &Trajectory, dt: f64) -> Trajectory {
         let time = f64::from(self.tick + 1) * dt;
         match self.phase {
             Phase::Back | Phase::Return => self.way.at(time),
-            Phase::Excite => self.excitation(time, dt),
+            Phase::Excite => {
+                let mut next = self.plan.excitation.at(self.tick + 1);
+                next.position += self.start - self.plan.back;
+                next
+            }
             Phase::Strokes => {
                 let mut next = *now;
                 next.step(self.stroke_speed(), self.plan.approach.acceleration, dt);
@@ -105,25 +114,6 @@ impl Experiment {
         Milestone::None
     }
 
-    /// Sines that grow and fade: with the share e of m, x = e m, v = e' m + e m', a = e'' m + 2 e' m' + e m''.
-    fn excitation(&self, time: f64, dt: f64) -> Trajectory {
-        let Plan { ramp, settle, measured, .. } = self.plan;
-        let ramp_time = f64::from(ramp) * dt;
-        let fades = f64::from(ramp + settle + measured) * dt;
-        let (share, rate) = if time < ramp_time {
-            (time / ramp_time, ramp_time.recip())
-        } else {
-            (1.0 - ((time - fades) / ramp_time).clamp(0.0, 1.0), -ramp_time.recip())
-        };
-        let (e, [e1, e2]) = (minimum_jerk(share), minimum_jerk_rates(share, rate));
-        let m = self.plan.sines.at(u64::from(self.tick));
-        Trajectory {
-            position: self.start - self.plan.back + e * m.position,
-            velocity: e1 * m.position + e * m.velocity,
-            acceleration: e2 * m.position + 2.0 * e1 * m.velocity + e * m.acceleration,
-        }
-    }
-
     fn arrive(&mut self, next: Phase, p: &Parameters) {
         self.tick += 1;
         if self.way.over(f64::from(self.tick) * p.sample_period) {
@@ -132,12 +122,11 @@ impl Experiment {
     }
 
     fn excite(&mut self, p: &Parameters, current: f64) -> Milestone {
-        let Plan { ramp, settle, measured, .. } = self.plan;
-        if (ramp + settle..ramp + settle + measured).contains(&self.tick) {
-            self.spectra.update(self.plan.sines.period, current, self.place);
+        if self.plan.excitation.measures(self.tick) {
+            self.spectra.update(self.plan.excitation.sines.period, current, self.place);
         }
         self.tick += 1;
-        if self.tick < self.plan.excitation() {
+        if self.tick < self.plan.excitation.samples() {
             return Milestone::None;
         }
         let centre = Trajectory::resting(self.start - self.plan.back);
@@ -167,6 +156,6 @@ impl Experiment {
             self.noise.close();
             (self.strokes, self.tick) = (self.strokes + 1, 0);
         }
-        if self.strokes < STROKES { Milestone::None } else { Milestone::Finished }
+        if self.over() { Milestone::Finished } else { Milestone::None }
     }
 }

@@ -11,16 +11,15 @@
 //! its slow tones and 1 at the quick ones that make most of it. So a reference that keeps half of travel and force keeps them
 //! whole for every such g.
 
-use control_blocks::{DELAY_MAX, Multisine, quintic_duration, ticks};
+use control_blocks::{
+    Excitation, ExcitationTimes, Multisine, QUINTIC_ACCELERATION, RATIO_MAX, bearable_delays, commission_time,
+    quintic_duration, ticks, told_or,
+};
 use serde::{Deserialize, Serialize};
 
 use crate::detection::detector::Detector;
 use crate::interface::{Approach, Parameters, Servo};
 
-/// Ratio of thrust to mass, over that of what was told, that the commission can bear; or its reciprocal.
-pub const RATIO_MAX: f64 = 2.0;
-/// Samples of delay more than told that it can bear.
-pub const DELAY_SPREAD: usize = 2;
 /// Phase (rad) that the delays may take at the crossing of the gain, and that crossing over the bandwidth.
 const PHASE: f64 = 0.35;
 const CROSSING: f64 = 4.03;
@@ -28,19 +27,13 @@ const CROSSING: f64 = 4.03;
 const PERIOD: f64 = 0.5;
 const PERIODS: u32 = 12;
 /// Times (s) in which the excitation grows and fades, settles, and rests.
-const RAMP: f64 = 0.5;
-const SETTLE: f64 = 0.5;
-const REST: f64 = 0.2;
+const TIMES: ExcitationTimes = ExcitationTimes { ramp: 0.5, settle: 0.5, rest: 0.2 };
 /// Strokes at the approach speed, back and forth.
 pub const STROKES: u32 = 4;
 /// The travel is longer than a stroke by this share.
 const TRAVEL_SPARE: f64 = 1.2;
-/// A commission may take longer than its motions by this share and this time, s.
-const TIME_SPARE: (f64, f64) = (1.25, 1.0);
 /// Share of the drive's force that the excitation may take if nothing else is told.
 const DRIVE_SHARE: f64 = 0.5;
-/// Peak acceleration of a quintic over distance / time^2.
-const QUINTIC_ACCELERATION: f64 = 5.7735;
 /// A stage of another mass than told stands at its turns while the reference still moves, at most for this time, s.
 const TURN: f64 = 1e-3;
 
@@ -48,19 +41,11 @@ const TURN: f64 = 1e-3;
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Plan {
     /// Excitation around its centre.
-    pub sines: Multisine,
+    pub excitation: Excitation,
     /// Way from the start back to the centre, m.
     pub back: f64,
     /// Time of that way, s.
     pub way_time: f64,
-    /// Samples in which the excitation grows, and in which it fades.
-    pub ramp: u32,
-    /// Samples until what is left of the growing has died out.
-    pub settle: u32,
-    /// Samples that are measured, whole periods.
-    pub measured: u32,
-    /// Samples until the observer has forgotten the excitation.
-    pub rest: u32,
     /// Strokes: speed and acceleration of the approach.
     pub approach: Approach,
     /// Samples of a stroke at constant speed until the filters have settled, and then those that are learned from.
@@ -79,46 +64,37 @@ impl Plan {
         let by_force = force(p) / (RATIO_MAX * p.stage.mass * unit.acceleration_max());
         let brake = (QUINTIC_ACCELERATION * back / p.retract.deceleration).sqrt();
         Self {
-            sines: Multisine { amplitude: by_travel.min(by_force), ..unit },
+            excitation: Excitation::new(Multisine { amplitude: by_travel.min(by_force), ..unit }, PERIODS, &TIMES),
             back,
             way_time: quintic_duration(back, p.retract.velocity).max(brake).max(dt),
-            ramp: ticks(RAMP, dt).max(1),
-            settle: ticks(SETTLE, dt),
-            measured: PERIODS * unit.period,
-            rest: ticks(REST, dt),
             approach: p.approach,
             stroke: [stroke_settling(p), ticks(p.learn.time, dt)],
             servo: Servo { bandwidth: bandwidth(p), damping: 1.0, ..p.servo },
         }
     }
 
-    /// Samples of the excitation, from rest to rest.
-    pub fn excitation(&self) -> u32 {
-        2 * self.ramp + self.settle + self.measured + self.rest
-    }
-
     /// How far (m) the stage may be from the reference of the excitation, for it may move up to twice as far.
     pub fn astray(&self) -> f64 {
-        RATIO_MAX * self.sines.reach()
+        RATIO_MAX * self.excitation.sines.reach()
     }
 
     /// Motion (m) of the excitation that a living stage may leave unanswered at its turns.
     pub fn unanswered(&self) -> f64 {
-        self.sines.velocity_max() * TURN
+        self.excitation.sines.velocity_max() * TURN
     }
 
     /// Time of all motions, s.
     fn duration(&self) -> f64 {
-        let dt = self.sines.sample_period;
+        let dt = self.excitation.sines.sample_period;
         let stroke =
             2.0 * self.approach.velocity / self.approach.acceleration + f64::from(self.stroke[0] + self.stroke[1]) * dt;
-        2.0 * self.way_time + f64::from(self.excitation()) * dt + f64::from(STROKES) * stroke
+        2.0 * self.way_time + f64::from(self.excitation.samples()) * dt + f64::from(STROKES) * stroke
     }
 }
 
 /// Bandwidth (rad/s) of the servo while it excites.
 fn bandwidth(p: &Parameters) -> f64 {
-    let samples = (p.io_delay as usize + DELAY_SPREAD).min(DELAY_MAX) as f64 + 0.5;
+    let samples = f64::from(*bearable_delays(p.io_delay).end()) + 0.5;
     let late = samples * p.sample_period + p.stage.current_bandwidth.recip() + p.observer.velocity_bandwidth.recip();
     p.servo.bandwidth.min(PHASE / (CROSSING * late))
 }
@@ -137,22 +113,19 @@ pub fn stroke(p: &Parameters) -> f64 {
 
 /// Farthest way back (m): `commission.travel`, or a stroke and some more.
 pub fn travel(p: &Parameters) -> f64 {
-    if p.commission.travel > 0.0 { p.commission.travel } else { TRAVEL_SPARE * stroke(p) }
+    told_or(p.commission.travel, || TRAVEL_SPARE * stroke(p))
 }
 
 /// Largest force (N) beside that which holds the stage: `commission.force`, or that of the hardest braking, at most half of
 /// the drive's and at least the guard's.
 pub fn force(p: &Parameters) -> f64 {
-    if p.commission.force > 0.0 {
-        return p.commission.force;
-    }
     let drive = p.stage.force_constant * p.stage.current_max;
-    (p.stage.mass * p.retract.deceleration).min(DRIVE_SHARE * drive).max(p.guard_force)
+    told_or(p.commission.force, || (p.stage.mass * p.retract.deceleration).min(DRIVE_SHARE * drive).max(p.guard_force))
 }
 
 /// Longest commission (s): `commission.time`, or what its motions take and some more.
 pub fn time(p: &Parameters) -> f64 {
-    if p.commission.time > 0.0 { p.commission.time } else { TIME_SPARE.0 * least_time(p) + TIME_SPARE.1 }
+    commission_time(p.commission.time, || least_time(p))
 }
 
 /// Time (s) that the motions of a commission take.
@@ -164,7 +137,7 @@ pub fn least_time(p: &Parameters) -> f64 {
 mod tests {
     use super::*;
     use crate::motion::stability::radius;
-    use control_blocks::HARMONICS;
+    use control_blocks::{DELAY_SPREAD, HARMONICS};
     use nalgebra::Complex;
 
     const RATIOS: [f64; 4] = [0.5, 0.7, 1.0, 2.0];
@@ -183,7 +156,7 @@ mod tests {
             p.servo = Plan::new(&p).servo;
             (p.servo.disturbance_compensation, p.servo.integral_gain) = (false, 0.0);
             for ratio in RATIOS {
-                for more in 0..=DELAY_SPREAD {
+                for more in 0..=DELAY_SPREAD as usize {
                     let radius = radius(&p, ratio, io_delay as usize + more);
                     assert!(radius < 0.997, "{io_delay} + {more}, {ratio}: {radius}");
                 }
@@ -211,7 +184,8 @@ mod tests {
             p.commission.force = force;
             let plan = Plan::new(&p);
             let sum = |of: &dyn Fn(f64, f64) -> f64| -> f64 {
-                plan.sines
+                plan.excitation
+                    .sines
                     .frequencies()
                     .into_iter()
                     .zip(HARMONICS)
@@ -220,12 +194,13 @@ mod tests {
             };
             for g in RATIOS {
                 let gain = |omega: f64| closed(g, omega / plan.servo.bandwidth);
-                let way = plan.sines.amplitude * sum(&|omega, root| gain(omega) / root);
+                let way = plan.excitation.sines.amplitude * sum(&|omega, root| gain(omega) / root);
                 assert!(way <= plan.back, "{g}: {way}");
-                let push =
-                    p.stage.mass * plan.sines.amplitude * sum(&|omega, root| gain(omega) / g * omega * omega / root);
+                let push = p.stage.mass
+                    * plan.excitation.sines.amplitude
+                    * sum(&|omega, root| gain(omega) / g * omega * omega / root);
                 assert!(push <= super::force(&p), "{g}: {push}");
-                assert!(way - plan.sines.reach() <= plan.astray());
+                assert!(way - plan.excitation.sines.reach() <= plan.astray());
             }
         }
     }

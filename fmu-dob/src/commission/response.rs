@@ -86,7 +86,7 @@ pub fn loop_spread(p: &Parameters) -> f64 {
 /// # Errors
 /// When it does not tell them apart.
 pub fn response(p: &Parameters, plan: &Plan, spectra: &PeriodicSpectra) -> Result<Estimate<4>, NoEstimate> {
-    let frequencies = plan.sines.frequencies();
+    let frequencies = plan.excitation.sines.frequencies();
     let tones: [Tone; TONES] = std::array::from_fn(|i| Tone::new(p, frequencies[i], spectra.line(i)));
     let told = Unknowns::from([p.stage.force_constant / p.stage.mass, f64::from(p.io_delay), 0.0, 0.0]);
     // the variances are those at what was told, then at what was found
@@ -121,19 +121,19 @@ mod tests {
     /// What is found of a stage with these unknowns, from its answer to the excitation with `noise` (m) on the position.
     fn found(p: &Parameters, x: Unknowns, noise: f64, seed: u64) -> Result<Estimate<4>, NoEstimate> {
         let plan = Plan::new(p);
-        let answers = plan.sines.frequencies().map(|omega| (omega, answer(p, x, omega)));
+        let answers = plan.excitation.sines.frequencies().map(|omega| (omega, answer(p, x, omega)));
         let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(seed);
         let mut spectra = PeriodicSpectra::default();
         let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
-        for k in 0..plan.measured {
+        for k in 0..plan.excitation.measured() {
             let (mut current, mut position) = (0.0, 1e-6 + noise * normal());
             for (omega, [ratio, late]) in answers {
                 // each tone moves by 0.2 um
-                let phase = omega * p.sample_period * f64::from(k % plan.sines.period);
+                let phase = omega * p.sample_period * f64::from(k % plan.excitation.sines.period);
                 current += 2e-7 / ratio * (phase + late).cos();
                 position += 2e-7 * phase.cos();
             }
-            spectra.update(plan.sines.period, current, position);
+            spectra.update(plan.excitation.sines.period, current, position);
         }
         response(p, &plan, &spectra)
     }
@@ -206,7 +206,7 @@ mod tests {
     fn a_stage_that_does_not_answer_tells_nothing() {
         let (p, plan) = (Parameters::START, Plan::new(&Parameters::START));
         let mut spectra = PeriodicSpectra::default();
-        (0..plan.measured).for_each(|_| spectra.update(plan.sines.period, 0.0, 1.0));
+        (0..plan.excitation.measured()).for_each(|_| spectra.update(plan.excitation.sines.period, 0.0, 1.0));
         assert!(response(&p, &plan, &spectra).is_err());
     }
 }

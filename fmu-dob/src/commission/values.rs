@@ -1,6 +1,7 @@
 //! The parameters that a commission derives, and how.
 
-use crate::commission::plan::RATIO_MAX;
+use control_blocks::{RATIO_MAX, SIGNIFICANT, significant_or, sure, whole_delay, within_factor};
+
 use crate::commission::response::loop_spread;
 use crate::interface::{Measured, Parameters};
 use serde::{Deserialize, Serialize};
@@ -11,8 +12,6 @@ const GUARD: (f64, f64) = (20.0, 2.0);
 const FORCE_LEFT: f64 = 0.5;
 /// `limits.slope_sigma_max` over the noise of the slope, as the default has it.
 const SLOPE_SIGMA: f64 = 5.0;
-/// A number counts when it is this many of its standard deviations.
-const SIGNIFICANT: f64 = 3.0;
 /// The guard may grow to this many times what was told.
 const GUARD_GROWTH: f64 = 3.0;
 
@@ -72,23 +71,25 @@ impl Values {
 
     /// Those with the response that was measured.
     pub fn with_response(self, measured: &Measured) -> Self {
-        Self { force_constant: measured.force_constant, io_delay: measured.io_delay.round().max(0.0) as i32, ..self }
+        Self { force_constant: measured.force_constant, io_delay: whole_delay(measured.io_delay), ..self }
+    }
+
+    /// Those with all that was measured.
+    pub fn derived(self, p: &Parameters, measured: &Measured) -> Self {
+        self.with_response(measured).with_noise(p, measured)
     }
 
     /// Those with the noise that was measured; what is not significant stays as it is. The limit of the noise only gets tighter.
-    pub fn with_noise(self, p: &Parameters, m: &Measured) -> Self {
-        let known = |value: f64, deviation: f64, old: f64| {
-            if value > SIGNIFICANT * deviation && value > 0.0 { value } else { old }
-        };
+    fn with_noise(self, p: &Parameters, m: &Measured) -> Self {
         // so short a way tells little of the cogging farther on: what was told is not undercut
         let guard_force = guard(p, m).max(self.guard_force);
         Self {
             guard_force,
             force_left: self.force_left.max(FORCE_LEFT * guard_force),
             slope_sigma_max: self.slope_sigma_max.min(SLOPE_SIGMA * m.slope_sigma),
-            disturbance_walk: known(m.disturbance_walk, m.disturbance_walk_deviation, self.disturbance_walk),
-            force_noise: known(m.force_noise, m.force_noise_deviation, self.force_noise),
-            position_noise: known(m.position_noise, m.position_noise_deviation, self.position_noise),
+            disturbance_walk: significant_or(m.disturbance_walk, m.disturbance_walk_deviation, self.disturbance_walk),
+            force_noise: significant_or(m.force_noise, m.force_noise_deviation, self.force_noise),
+            position_noise: significant_or(m.position_noise, m.position_noise_deviation, self.position_noise),
             ..self
         }
     }
@@ -110,11 +111,10 @@ pub fn guard(p: &Parameters, m: &Measured) -> f64 {
 /// `longest` the longest delay at which its loop is stable. The lag of the current loop is in the whole either way, so what it
 /// leaves to the delay beside the noise refuses nothing.
 pub fn acceptable(p: &Parameters, told: f64, longest: i32, m: &Measured) -> bool {
-    let ratio = m.force_constant / told;
-    m.force_constant_deviation <= p.commission.deviation_max * m.force_constant.abs()
+    sure(m.force_constant, m.force_constant_deviation, p.commission.deviation_max)
         && m.io_delay_deviation <= p.commission.delay_deviation_max.hypot(loop_spread(p))
-        && (RATIO_MAX.recip()..=RATIO_MAX).contains(&ratio)
-        && (-0.5..f64::from(longest) + 0.5).contains(&m.io_delay)
+        && within_factor(m.force_constant, told, RATIO_MAX)
+        && (0..=longest).contains(&whole_delay(m.io_delay))
 }
 
 #[cfg(test)]
@@ -146,7 +146,7 @@ mod tests {
         let mut p = Parameters::START;
         Values::of(&p).put(&mut p);
         assert_eq!(p, Parameters::START);
-        let values = Values::of(&p).with_response(&GOOD).with_noise(&p, &GOOD);
+        let values = Values::of(&p).derived(&p, &GOOD);
         values.put(&mut p);
         assert_eq!(Values::of(&p), values);
         assert_eq!((p.stage.force_constant, p.io_delay, p.stage.mass), (24.0, 2, 10.0));
@@ -206,7 +206,7 @@ mod tests {
             (|m, x| m.force_constant = x, 40.0, 40.1),
             (|m, x| m.force_constant = x, 10.0, 9.9),
             (|m, x| m.io_delay = x, 4.49, 4.5),
-            (|m, x| m.io_delay = x, -0.5, -0.51),
+            (|m, x| m.io_delay = x, -0.49, -0.5),
         ];
         for (set, last, first) in limits {
             assert_eq!((with(set, last), with(set, first)), (true, false));

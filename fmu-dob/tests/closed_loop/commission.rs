@@ -208,12 +208,7 @@ fn a_weight_is_held_by_the_same_current_when_another_thrust_constant_comes_into_
             run.step_with(rest);
         }
         begin(&mut run, 0.0);
-        let in_force = |run: &Loop| {
-            let mut in_force = Parameters::START;
-            run.controller.bring_into_force(&mut in_force);
-            in_force.stage.force_constant
-        };
-        while in_force(&run) == 20.0 {
+        while run.parameters.stage.force_constant == 20.0 {
             run.step_with(ask);
             assert_eq!(run.output.state, State::Commission, "{:?}", run.output);
         }
@@ -256,6 +251,27 @@ fn noise_in_which_no_touch_is_felt_is_rejected_and_no_limit_grows_with_it() {
         let mut in_force = p.clone();
         run.controller.bring_into_force(&mut in_force);
         assert_eq!(in_force, p);
+    }
+}
+
+#[test]
+fn what_the_other_parameters_do_not_bear_is_rejected_and_never_used() {
+    for apply in [false, true] {
+        let mut p = Parameters::START;
+        // nearly what the drive that was told can do, and more than this one
+        (p.commission.apply, p.commission.force) = (apply, 0.95 * p.stage.force_constant * p.stage.current_max);
+        let mut run = Loop::new(&p, 96, NO_WORKPIECE);
+        run.slide.strength = 0.8;
+        begin(&mut run, 0.0);
+        while run.output.state == State::Commission {
+            run.step_with(ask);
+            assert_eq!(run.parameters.stage, p.stage);
+        }
+        assert_eq!(run.output.fault, Fault::CommissionRejected, "{:?}", run.output);
+        let m = &run.output.measured;
+        assert!(!m.valid && (m.force_constant / thrust(&run) - 1.0).abs() < 0.015, "{m:?}");
+        (0..100).for_each(|_| run.step_with(rest));
+        assert_eq!(run.parameters, p);
     }
 }
 

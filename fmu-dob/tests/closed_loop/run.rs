@@ -19,7 +19,8 @@ pub struct Loop {
     pub controller: Controller,
     /// The last outputs.
     pub output: Output,
-    parameters: Parameters,
+    /// Parameters of the law, those in force.
+    pub parameters: Parameters,
     steps: u32,
 }
 

@@ -1,6 +1,6 @@
 //! The commission as the controller sees it: what swings, what was found, and which values are in force.
 
-use control_blocks::ticks;
+use control_blocks::{InForce, ticks};
 use serde::{Deserialize, Serialize};
 
 use crate::check::{least_time_constant, least_tip_frequency};
@@ -29,16 +29,14 @@ pub struct Commissioner {
     pub measured: Measured,
     /// The result cannot be used.
     pub rejected: bool,
-    /// The commission has come to its end.
+    /// The commission has come to its end, and its result is good.
     pub finished: bool,
     plan: Plan,
     /// its longest time, s
     limit: f64,
-    told: Values,
-    /// what the last good commission derives
-    derived: Values,
-    in_force: Values,
-    renewed: bool,
+    values: InForce<Values>,
+    /// those with the arm that was measured, whose bandwidth is being found
+    candidate: Values,
     /// last reading of the arm (rad), and the samples for which it has stood
     angle: f64,
     still: u32,
@@ -55,16 +53,14 @@ impl Commissioner {
             finished: false,
             plan,
             limit: plan::time(p),
-            told,
-            derived: told,
-            in_force: told,
-            renewed: false,
+            values: InForce::new(told),
+            candidate: told,
             angle: 0.0,
             still: 0,
         }
     }
 
-    /// Begins at rest, with what was told.
+    /// Begins at rest, under the loop of the arm as it was told.
     pub fn begin(&mut self) {
         self.experiment.restart();
         self.measured = Measured::START;
@@ -73,8 +69,13 @@ impl Commissioner {
 
     /// Ends before its end: what was told counts.
     pub fn break_off(&mut self) {
-        self.bring_into_force(self.told);
+        self.values.restore();
         self.measured.valid = false;
+    }
+
+    /// Values that were told.
+    pub fn told(&self) -> Values {
+        self.values.told()
     }
 
     /// Longest time that it may take, s.
@@ -89,27 +90,27 @@ impl Commissioner {
 
     /// Values in force, in place of those that the parameters have.
     pub fn put(&self, p: &mut Parameters) {
-        self.in_force.put(p);
+        self.values.now().put(p);
     }
 
     /// Whether other values are in force since this was last asked.
     pub fn take_renewed(&mut self) -> bool {
-        std::mem::take(&mut self.renewed)
+        self.values.take_renewed()
     }
 
     /// Whether what was told is in force.
     pub fn as_told(&self) -> bool {
-        self.in_force == self.told
+        self.values.as_told()
     }
 
     /// Names and values of what a good commission derives.
     pub fn derived(&self) -> [(&'static str, f64); 8] {
-        self.derived.entries()
+        self.values.derived().entries()
     }
 
     /// After a sample with the arm at `angle` (rad): once the swing is over the response tells the arm, and then, one trial in each
     /// sample, the bandwidth. An arm that seems to stand tells nothing, and may be anywhere.
-    pub fn conclude(&mut self, p: &Parameters, angle: f64) {
+    pub fn observe(&mut self, p: &Parameters, angle: f64) {
         let before = std::mem::replace(&mut self.angle, angle);
         self.still = if angle == before { self.still + 1 } else { 0 };
         self.rejected |= self.still > ticks(STANDS, p.sample_period);
@@ -123,30 +124,24 @@ impl Commissioner {
         if let Ok(arm) = find(&self.plan, self.experiment.response()) {
             self.measured = measured(&arm);
         }
-        self.rejected = !acceptable(p, &self.told.nominal, &self.measured);
-        self.derived = self.told.with_arm(&self.measured);
+        let told = self.values.told();
+        self.rejected = !acceptable(p, &told.nominal, &self.measured);
+        self.candidate = told.derived(&self.measured);
     }
 
     /// The bandwidth that is wished, or the largest below it that leaves the margins, and for which the other parameters can be taken.
     fn shape(&mut self, p: &Parameters) {
-        let (_, margins) = shape(&self.derived.nominal);
-        let Nominal { servo, tip, .. } = &mut self.derived.nominal;
+        let (_, margins) = shape(&self.candidate.nominal);
+        let Nominal { servo, tip, .. } = &mut self.candidate.nominal;
         let soft = tip.frequency > 0.0 && tip.frequency < least_tip_frequency(servo.bandwidth);
         if soft || !margins.enough() || margins.sensitivity > p.commission.sensitivity_max {
             servo.bandwidth *= NARROWER;
-            self.rejected = servo.bandwidth < BANDWIDTH_MIN * self.told.nominal.servo.bandwidth
+            self.rejected = servo.bandwidth < BANDWIDTH_MIN * self.values.told().nominal.servo.bandwidth
                 || p.afc.tau < least_time_constant(p, servo.bandwidth);
             return;
         }
         (self.measured.valid, self.finished) = (true, true);
-        if p.commission.apply {
-            self.bring_into_force(self.derived);
-        }
-    }
-
-    fn bring_into_force(&mut self, values: Values) {
-        self.renewed |= values != self.in_force;
-        self.in_force = values;
+        self.values.conclude(self.candidate, p.commission.apply);
     }
 }
 

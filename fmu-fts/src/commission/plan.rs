@@ -13,6 +13,7 @@
 
 use std::f64::consts::TAU;
 
+use control_blocks::{DELAY_SPREAD, RATIO_MAX, commission_time, told_or};
 use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
@@ -23,12 +24,8 @@ use crate::servo::lead_lag::LeadLag;
 use crate::servo::loop_model::LoopModel;
 use crate::servo::nominal::Nominal;
 
-/// Acceleration for a torque, over that of what was told, that a commission can bear; or its reciprocal.
-pub const RATIO_MAX: f64 = 2.0;
 /// Frequency of the flexure over the told one; or its reciprocal.
 pub const FLEXURE_MAX: f64 = 1.43;
-/// Samples of delay more than told.
-pub const DELAY_SPREAD: i32 = 2;
 /// Least damping of a flexure over the told one, and least of all.
 const DAMPING: (f64, f64) = (0.5, 1e-3);
 /// Lead and lag of the compensator.
@@ -54,8 +51,6 @@ const SETTLE: f64 = 0.15;
 const TORQUE_SHARE: f64 = 0.2;
 /// Part of `limits.following_error` that a tone may have.
 const ERROR_SHARE: f64 = 0.7;
-/// A commission may take longer than its motions by this share and this time, s.
-const TIME_SPARE: (f64, f64) = (1.25, 1.0);
 
 /// Loop and tones of a commission.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -188,17 +183,17 @@ fn bending(p: &Parameters) -> f64 {
 
 /// Farthest way of the tool (m) from where it was: `commission.travel`, or the amplitude of an identification.
 pub fn travel(p: &Parameters) -> f64 {
-    if p.commission.travel > 0.0 { p.commission.travel } else { p.identify.amplitude }
+    told_or(p.commission.travel, || p.identify.amplitude)
 }
 
 /// Largest torque (N.m) of a tone: `commission.torque`, or a fifth of the drive's.
 pub fn torque(p: &Parameters) -> f64 {
-    if p.commission.torque > 0.0 { p.commission.torque } else { TORQUE_SHARE * p.servo.torque_max }
+    told_or(p.commission.torque, || TORQUE_SHARE * p.servo.torque_max)
 }
 
 /// Longest commission (s): `commission.time`, or what its motions take and some more.
 pub fn time(p: &Parameters) -> f64 {
-    if p.commission.time > 0.0 { p.commission.time } else { TIME_SPARE.0 * least_time(p) + TIME_SPARE.1 }
+    commission_time(p.commission.time, || least_time(p))
 }
 
 /// Time (s) that the motions of a commission take.

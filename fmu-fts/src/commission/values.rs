@@ -1,14 +1,11 @@
 //! The parameters that a commission derives, and how.
 
-use control_blocks::DELAY_MAX;
+use control_blocks::{DELAY_MAX, DELAY_SPREAD, RATIO_MAX, significant_or, sure, whole_delay, within_factor};
 use serde::{Deserialize, Serialize};
 
-use crate::commission::plan::{DELAY_SPREAD, FLEXURE_MAX, RATIO_MAX};
+use crate::commission::plan::FLEXURE_MAX;
 use crate::interface::{Measured, Parameters, Servo, Tip};
 use crate::servo::nominal::Nominal;
-
-/// A friction counts when it is this many of its standard deviations.
-const SIGNIFICANT: f64 = 3.0;
 
 /// All parameters that a commission derives.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -44,13 +41,12 @@ impl Values {
     }
 
     /// Those with the arm that was measured; friction that is not significant stays as it is.
-    pub fn with_arm(self, m: &Measured) -> Self {
-        let known = |value: f64, deviation: f64, old: f64| if value > SIGNIFICANT * deviation { value } else { old };
+    pub fn derived(self, m: &Measured) -> Self {
         let Nominal { servo, .. } = self.nominal;
         let servo = Servo {
             inertia: m.inertia,
-            viscous_friction: known(m.viscous_friction, m.viscous_friction_deviation, servo.viscous_friction),
-            dry_friction: known(m.dry_friction, m.dry_friction_deviation, servo.dry_friction),
+            viscous_friction: significant_or(m.viscous_friction, m.viscous_friction_deviation, servo.viscous_friction),
+            dry_friction: significant_or(m.dry_friction, m.dry_friction_deviation, servo.dry_friction),
             ..servo
         };
         let tip = Tip {
@@ -59,21 +55,24 @@ impl Values {
             damping: m.tip_damping.clamp(0.0, 0.5),
             ..self.nominal.tip
         };
-        Self { nominal: Nominal { servo, tip, io_delay: m.io_delay.round().max(0.0) as i32, ..self.nominal } }
+        Self { nominal: Nominal { servo, tip, io_delay: whole_delay(m.io_delay), ..self.nominal } }
     }
+}
+
+/// Longest delay (samples) that a commission can bear which was `told` of the machine.
+pub fn longest_delay(told: &Nominal) -> i32 {
+    (told.io_delay + DELAY_SPREAD).min(DELAY_MAX as i32 - told.arm_delay)
 }
 
 /// Whether an arm was measured surely enough, and is one of those that the commission is for; `told` is the machine that it took
 /// for it.
 pub fn acceptable(p: &Parameters, told: &Nominal, m: &Measured) -> bool {
-    let within = |value: f64, told: f64, factor: f64| value * factor >= told && value <= factor * told;
-    let sure = |value: f64, deviation: f64| deviation <= p.commission.deviation_max * value.abs();
-    let longest = f64::from((told.io_delay + DELAY_SPREAD).min(DELAY_MAX as i32 - told.arm_delay));
-    within(m.inertia, told.servo.inertia, RATIO_MAX)
-        && sure(m.inertia, m.inertia_deviation)
-        && within(m.tip_frequency, told.tip.frequency, FLEXURE_MAX)
-        && sure(m.tip_frequency, m.tip_frequency_deviation)
-        && (-0.5..longest + 0.5).contains(&m.io_delay)
+    let share = p.commission.deviation_max;
+    within_factor(m.inertia, told.servo.inertia, RATIO_MAX)
+        && sure(m.inertia, m.inertia_deviation, share)
+        && within_factor(m.tip_frequency, told.tip.frequency, FLEXURE_MAX)
+        && sure(m.tip_frequency, m.tip_frequency_deviation, share)
+        && (0..=longest_delay(told)).contains(&whole_delay(m.io_delay))
         && m.io_delay_deviation <= p.commission.delay_deviation_max
 }
 
@@ -106,7 +105,7 @@ mod tests {
         let told = Values::of(&p);
         told.put(&mut p);
         assert_eq!(p, Parameters::START);
-        let values = told.with_arm(&GOOD);
+        let values = told.derived(&GOOD);
         values.put(&mut p);
         assert_eq!(Values::of(&p), values);
         // the viscous friction is not significant, and no damping is negative
@@ -116,7 +115,7 @@ mod tests {
         let entries = values.entries();
         assert!(entries.contains(&("servo.inertia", 9.6e-4)) && entries.contains(&("io_delay", 2.0)));
         // nothing acts before it is sent
-        assert_eq!(told.with_arm(&Measured { io_delay: -0.4, ..GOOD }).nominal.io_delay, 0);
+        assert_eq!(told.derived(&Measured { io_delay: -0.4, ..GOOD }).nominal.io_delay, 0);
     }
 
     #[test]
@@ -136,7 +135,7 @@ mod tests {
             (|m, x| m.tip_frequency = x, 10_781.0, 10_783.0),
             (|m, x| m.tip_frequency = x, 5273.0, 5272.0),
             (|m, x| m.io_delay = x, 3.49, 3.5),
-            (|m, x| m.io_delay = x, -0.5, -0.51),
+            (|m, x| m.io_delay = x, -0.49, -0.5),
             (|m, x| m.io_delay_deviation = x, 0.25, 0.251),
         ];
         for (i, (set, last, first)) in limits.into_iter().enumerate() {

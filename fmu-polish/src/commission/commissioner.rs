@@ -1,13 +1,13 @@
 //! The commission as the controller sees it: what moves, what was found, and which values are in force.
 
-use control_blocks::Welford;
+use control_blocks::{InForce, Welford};
 use serde::{Deserialize, Serialize};
 
+use crate::check::check;
 use crate::commission::experiment::{Experiment, Milestone, Sample};
 use crate::commission::response::{GUIDES, response};
 use crate::commission::rubbing::mounting;
 use crate::commission::values::{Values, acceptable};
-use crate::force::margin;
 use crate::interface::{Measured, Parameters};
 
 /// What the models leave out beside the scatter, as deviations: shares of stiffness, friction and lateral stiffness, and rad of the angle.
@@ -27,12 +27,9 @@ pub struct Commissioner {
     pub measured: Measured,
     /// The result cannot be used.
     pub rejected: bool,
-    /// all was measured, and is good so far
-    complete: bool,
-    told: Values,
-    /// what the last good commission derives
-    derived: Values,
-    in_force: Values,
+    /// All was measured, and is good so far; the tool leaves.
+    pub finished: bool,
+    values: InForce<Values>,
     /// what was in force in the last sample
     before: Values,
 }
@@ -45,42 +42,58 @@ impl Commissioner {
             experiment: Experiment::new(p),
             measured: Measured::START,
             rejected: false,
-            complete: false,
-            told,
-            derived: told,
-            in_force: told,
+            finished: false,
+            values: InForce::new(told),
             before: told,
         }
     }
 
-    /// Begins at rest, with what was told.
+    /// Begins at rest, with what is in force.
     pub fn begin(&mut self, p: &Parameters) {
         self.experiment = Experiment::new(p);
-        (self.measured, self.rejected, self.complete) = (Measured::START, false, false);
+        (self.measured, self.rejected, self.finished) = (Measured::START, false, false);
     }
 
     /// Leaves the mold in order, before its end.
     pub fn break_off(&mut self) {
         self.experiment.leave();
-        self.complete = false;
+        self.finished = false;
     }
 
     /// The tool has left: without a good result what was told counts.
     pub fn end(&mut self) {
         if !self.measured.valid {
-            self.in_force = self.told;
+            self.values.restore();
         }
     }
 
-    /// Puts the values in force in place of those that the parameters have.
+    /// Puts the values in force in place of those that the parameters have; what was derived since the last sample only if the
+    /// parameters with it fit each other, and then on the way out, too: the sensor is as it was found.
     pub fn put(&mut self, p: &mut Parameters) {
-        self.in_force.put(p, &[self.told, self.before]);
-        self.before = self.in_force;
+        if let Some(derived) = self.values.take_proposed() {
+            self.put_values(p, derived);
+            self.finished = check(p).is_ok();
+            self.rejected = !self.finished;
+            if self.finished {
+                self.values.conclude(derived, true);
+            }
+        }
+        self.put_values(p, self.values.now());
+    }
+
+    fn put_values(&mut self, p: &mut Parameters, values: Values) {
+        values.put(p, [self.values.told(), self.before]);
+        self.before = values;
+    }
+
+    /// Values that were told.
+    pub fn told(&self) -> Values {
+        self.values.told()
     }
 
     /// Names and values of what a good commission derives.
     pub fn derived(&self) -> [(&'static str, f64); 10] {
-        self.derived.entries()
+        self.values.derived().entries()
     }
 
     /// Takes what this sample has read and sent.
@@ -90,7 +103,7 @@ impl Commissioner {
             Milestone::Touched => {
                 // what is pressed on the mold pushes back
                 if sample.contact.pulls(&sample.now.frame.normal) {
-                    self.in_force.sensor_direction_z *= -1;
+                    self.values.bring(self.values.now().turned());
                 }
             }
             Milestone::Measured => self.identify(p, sample),
@@ -116,10 +129,10 @@ impl Commissioner {
             sensor_rotation: rotation,
             sensor_rotation_deviation: angle[1].hypot(LEFT_OUT[3]),
             sensor_direction_y: direction,
-            sensor_direction_z: self.in_force.sensor_direction_z,
+            sensor_direction_z: self.values.now().sensor_direction_z,
             ..Measured::START
         };
-        if let Ok(drive) = response(p, &self.told.drive, plan, spectra) {
+        if let Ok(drive) = response(p, &self.values.told().drive, plan, spectra) {
             let (value, gain) = (drive.value, drive.value[0].exp());
             self.measured = Measured {
                 drive_gain: gain,
@@ -131,20 +144,18 @@ impl Commissioner {
                 ..self.measured
             };
         }
-        self.complete = acceptable(p, &self.told, &self.measured);
-        self.rejected = !self.complete;
-        if self.complete {
-            self.derived = self.told.derived(p, &self.measured);
-            self.in_force = self.derived;
+        let told = self.values.told();
+        self.rejected = !acceptable(p, &told, &self.measured);
+        if !self.rejected {
+            self.values.propose(told.derived(p, &self.measured));
         }
     }
 
-    /// Judges what was derived, which is in force by now.
+    /// The tool is out.
     fn finish(&mut self, p: &Parameters) {
-        self.measured.valid = self.complete && margin::least(p) >= margin::LEAST;
-        self.rejected = self.complete && !self.measured.valid;
+        self.measured.valid = self.finished;
         if !p.commission.apply {
-            self.in_force = self.told;
+            self.values.restore();
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The motion of a commission: up, excite the axes there, down to the mold, press, rub along and beside the path, and out.
 
-use control_blocks::{PeriodicSpectra, Quintic, Trajectory, minimum_jerk, ramp};
+use control_blocks::{PeriodicSpectra, Quintic, Trajectory, ramp};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -139,7 +139,8 @@ impl Experiment {
                 VelocityParts { normal: (at(self.ticks + 1) - at(self.ticks)) / dt, ..still }
             }
             Phase::Excite => {
-                let velocity = (self.excitation(self.ticks + 1) - self.excitation(self.ticks)) / dt;
+                let at = |ticks: u32| self.plan.excitation.at(ticks).position;
+                let velocity = (at(self.ticks + 1) - at(self.ticks)) / dt;
                 VelocityParts { position: Vector3::from_element(velocity), ..still }
             }
             Phase::Approach => self.travel(p, -p.approach.velocity),
@@ -201,27 +202,15 @@ impl Experiment {
         VelocityParts { normal: velocity, ..VelocityParts::default() }
     }
 
-    /// Sines that grow and fade, m.
-    fn excitation(&self, tick: u32) -> f64 {
-        let Plan { ramp, settle, measured, .. } = self.plan;
-        let fades = ramp + settle + measured;
-        let share = if tick < fades {
-            f64::from(tick) / f64::from(ramp)
-        } else {
-            1.0 - f64::from(tick - fades) / f64::from(ramp)
-        };
-        minimum_jerk(share.clamp(0.0, 1.0)) * self.plan.sines.at(u64::from(tick)).position
-    }
-
     fn excite(&mut self, tick: u32, sample: &Sample) {
-        let Plan { ramp, settle, measured, .. } = self.plan;
-        if (ramp + settle..ramp + settle + measured).contains(&tick) {
+        let excitation = &self.plan.excitation;
+        if excitation.measures(tick) {
             let signals = sample.sent.iter().zip(sample.position.iter());
             for (spectra, (velocity, position)) in self.spectra.iter_mut().zip(signals) {
-                spectra.update(self.plan.sines.period, *velocity, *position);
+                spectra.update(excitation.sines.period, *velocity, *position);
             }
         }
-        if self.ticks >= self.plan.excitation() {
+        if self.ticks >= excitation.samples() {
             self.enter(Phase::Approach);
         }
     }

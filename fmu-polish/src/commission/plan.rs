@@ -11,15 +11,14 @@
 //! by more than w t, so where the gain is 1, at no more than g, the margin is at least pi / 2 - g tau. The damping is raised until
 //! g tau = 0.6 rad, 56 degrees of margin; a softer contact crosses earlier and has more.
 
-use control_blocks::{DELAY_MAX, Multisine, quintic_duration, ticks};
+use control_blocks::{
+    Excitation, ExcitationTimes, Multisine, RATIO_MAX, bearable_delays, commission_time, quintic_duration, ticks,
+    told_or,
+};
 use serde::{Deserialize, Serialize};
 
 use crate::interface::Parameters;
 
-/// Ratio of stiffness and of the bandwidths of the drives to what was told, or its reciprocal, that the commission can bear.
-pub const RATIO_MAX: f64 = 2.0;
-/// Samples of delay more than told that it can bear.
-const DELAY_SPREAD: i32 = 2;
 /// Phase (rad) that all lags of the force loop may take at its crossing.
 const PHASE: f64 = 0.6;
 /// Period of the excitation (s), and how many are measured.
@@ -28,9 +27,7 @@ const PERIODS: u32 = 12;
 /// Share of the largest velocity that the excitation of an axis may take.
 const VELOCITY_SHARE: f64 = 0.5;
 /// Times (s) in which the excitation grows and fades, settles, and rests.
-const RAMP: f64 = 0.5;
-const SETTLE: f64 = 0.25;
-const REST: f64 = 0.2;
+const TIMES: ExcitationTimes = ExcitationTimes { ramp: 0.5, settle: 0.25, rest: 0.2 };
 /// Ramps of the force, up and down, that are measured; the time of each, and the time for which it then stands, s.
 pub const PRESSES: u32 = 6;
 const PRESS: f64 = 0.6;
@@ -41,26 +38,16 @@ const LOW: f64 = 0.2;
 pub const RUBS: u32 = 7;
 /// Way of rubbing to each side over the travel, at most, and over the largest offset from where a job may begin.
 const RUB_SHARES: [f64; 2] = [0.25, 0.5];
-/// A commission may take longer than its motions by this share.
-const TIME_SPARE: f64 = 1.25;
 
 /// The motions of a commission.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Plan {
     /// Excitation of every axis.
-    pub sines: Multisine,
+    pub excitation: Excitation,
     /// Way up before it, m.
     pub rise: f64,
     /// Time of that way, s.
     pub rise_time: f64,
-    /// Samples in which the excitation grows, and in which it fades.
-    pub ramp: u32,
-    /// Samples until what is left of the growing has died out.
-    pub settle: u32,
-    /// Samples that are measured, whole periods.
-    pub measured: u32,
-    /// Samples until the axes stand.
-    pub rest: u32,
     /// Damping of the force law, N s/m.
     pub damping: f64,
     /// Largest force, and that between the presses, N.
@@ -85,13 +72,9 @@ impl Plan {
         let side = (RUB_SHARES[0] * travel).min(RUB_SHARES[1] * p.limits.start_offset);
         let quarter = ticks(side / p.approach.velocity, dt).max(1);
         Self {
-            sines: Multisine { amplitude, ..unit },
+            excitation: Excitation::new(Multisine { amplitude, ..unit }, PERIODS, &TIMES),
             rise: 0.5 * travel,
             rise_time: quintic_duration(0.5 * travel, p.retract.velocity).max(dt),
-            ramp: ticks(RAMP, dt).max(1),
-            settle: ticks(SETTLE, dt),
-            measured: PERIODS * unit.period,
-            rest: ticks(REST, dt),
             damping: damping(p),
             force: [force, low],
             force_rate: (force - low) / PRESS,
@@ -101,15 +84,10 @@ impl Plan {
         }
     }
 
-    /// Samples of the excitation, from rest to rest.
-    pub fn excitation(&self) -> u32 {
-        2 * self.ramp + self.settle + self.measured + self.rest
-    }
-
     /// Longest time of all motions, s.
     fn duration(&self, p: &Parameters) -> f64 {
         let down = (self.rise + p.approach.travel_max) / p.approach.velocity;
-        let samples = self.excitation() + (PRESSES + 3) * self.press[0] + 8 * RUBS * self.quarter;
+        let samples = self.excitation.samples() + (PRESSES + 3) * self.press[0] + 8 * RUBS * self.quarter;
         let out = p.settle.time_max + p.retract.distance / p.retract.velocity;
         p.tare_time + self.rise_time + down + f64::from(samples) * p.sample_period + out
     }
@@ -118,7 +96,7 @@ impl Plan {
 /// Damping (N s/m) with which the force is stable on every machine that the commission is for.
 fn damping(p: &Parameters) -> f64 {
     let (stiffness, drive) = (RATIO_MAX * p.impedance.gain * p.stiffness_nominal, &p.drive);
-    let samples = f64::from((p.io_delay + DELAY_SPREAD).min(DELAY_MAX as i32)) + 0.5;
+    let samples = f64::from(*bearable_delays(p.io_delay).end()) + 0.5;
     let axis = (1.0 - drive.feedforward) / drive.position_gain + drive.feedforward / drive.feedforward_bandwidth;
     let filter = if p.force.filter_bandwidth > 0.0 { p.force.filter_bandwidth.recip() } else { 0.0 };
     let lags = samples * p.sample_period + p.sensor_bandwidth.recip() + filter + RATIO_MAX * axis;
@@ -136,17 +114,17 @@ fn fastest(p: &Parameters) -> Multisine {
 
 /// Farthest way (m) beside and above the begin: `commission.travel`, or what the fastest excitation takes.
 pub fn travel(p: &Parameters) -> f64 {
-    if p.commission.travel > 0.0 { p.commission.travel } else { 2.0 * RATIO_MAX * fastest(p).reach() }
+    told_or(p.commission.travel, || 2.0 * RATIO_MAX * fastest(p).reach())
 }
 
 /// Force (N) with which it presses: `commission.force`, or that of the job.
 pub fn force(p: &Parameters) -> f64 {
-    if p.commission.force > 0.0 { p.commission.force } else { p.force.target }
+    told_or(p.commission.force, || p.force.target)
 }
 
 /// Longest commission (s): `commission.time`, or what its motions take and some more.
 pub fn time(p: &Parameters) -> f64 {
-    if p.commission.time > 0.0 { p.commission.time } else { TIME_SPARE * least_time(p) }
+    commission_time(p.commission.time, || least_time(p))
 }
 
 /// Time (s) that the motions of a commission take at most.
@@ -160,7 +138,7 @@ mod tests {
     use crate::force::impedance::Coefficients;
     use crate::force::margin::phase_margin;
     use crate::force::response::axis;
-    use control_blocks::HARMONICS;
+    use control_blocks::{DELAY_SPREAD, HARMONICS};
 
     const RATIOS: [f64; 4] = [0.5, 0.7, 1.3, 2.0];
 
@@ -201,9 +179,9 @@ mod tests {
             p.commission.travel = travel;
             let plan = Plan::new(&p);
             let drive = p.drive.faster(ratio, feedforward);
-            let tones = plan.sines.frequencies().into_iter().zip(HARMONICS);
+            let tones = plan.excitation.sines.frequencies().into_iter().zip(HARMONICS);
             let way: f64 = tones.map(|(omega, h)| axis(&drive, omega).norm() / f64::from(h).sqrt()).sum();
-            assert!(plan.sines.amplitude * way <= plan.rise, "{travel} {ratio} {feedforward}: {way}");
+            assert!(plan.excitation.sines.amplitude * way <= plan.rise, "{travel} {ratio} {feedforward}: {way}");
             assert_eq!(plan.rise, 0.5 * super::travel(&p));
         }
     }
@@ -212,8 +190,8 @@ mod tests {
     fn bounds_of_the_defaults_and_bounds_that_are_told() {
         let mut p = Parameters::START;
         let near = |value: f64, expected: f64| assert!((value / expected - 1.0).abs() < 1e-6, "{value} {expected}");
-        near(travel(&p), 4.0 * Plan::new(&p).sines.reach());
-        near(Plan::new(&p).sines.velocity_max(), 0.5 * p.velocity_max);
+        near(travel(&p), 4.0 * Plan::new(&p).excitation.sines.reach());
+        near(Plan::new(&p).excitation.sines.velocity_max(), 0.5 * p.velocity_max);
         near(force(&p), 5.0);
         let plan = Plan::new(&p);
         near(f64::from(plan.quarter) * 1e-3 * plan.speed, 0.5 * p.limits.start_offset);
@@ -224,7 +202,7 @@ mod tests {
         near(time(&p), 1.25 * least_time(&p));
         (p.commission.travel, p.commission.force, p.commission.time) = (1e-4, 3.0, 33.0);
         near(travel(&p), 1e-4);
-        near(Plan::new(&p).sines.reach(), 0.25e-4);
+        near(Plan::new(&p).excitation.sines.reach(), 0.25e-4);
         near(force(&p), 3.0);
         near(time(&p), 33.0);
         let plan = Plan::new(&p);

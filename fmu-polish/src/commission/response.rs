@@ -103,7 +103,7 @@ pub fn response(
     plan: &Plan,
     spectra: &[PeriodicSpectra; AXES],
 ) -> Result<Estimate<UNKNOWNS>, NoEstimate> {
-    let frequencies = plan.sines.frequencies();
+    let frequencies = plan.excitation.sines.frequencies();
     let tones: [Tone; AXES * TONES] =
         std::array::from_fn(|i| Tone::new(p, drive, frequencies[i % TONES], spectra[i / TONES].line(i % TONES)));
     let told = Unknowns::from([0.0, drive.feedforward, f64::from(p.io_delay), 0.0]);
@@ -136,20 +136,21 @@ mod tests {
     /// What is found of axes with these unknowns, from their answer to the excitation with `noise` (m) on the positions.
     fn answer(p: &Parameters, x: Unknowns, noise: f64, seed: u64) -> Result<Estimate<UNKNOWNS>, NoEstimate> {
         let plan = Plan::new(p);
-        let tones = plan.sines.frequencies().map(|omega| Tone::new(p, &p.drive, omega, SpectralLine::default()));
+        let tones =
+            plan.excitation.sines.frequencies().map(|omega| Tone::new(p, &p.drive, omega, SpectralLine::default()));
         let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(seed);
         let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
         let mut spectra: [PeriodicSpectra; AXES] = Default::default();
-        for (i, k) in (0..AXES).flat_map(|i| (0..plan.measured).map(move |k| (i, k))) {
+        for (i, k) in (0..AXES).flat_map(|i| (0..plan.excitation.measured()).map(move |k| (i, k))) {
             let (mut velocity, mut position) = (0.0, 0.3 + noise * normal());
             for tone in &tones {
                 // each tone moves by 10 um
-                let turn = tone.sample * f64::from(k % plan.sines.period);
+                let turn = tone.sample * f64::from(k % plan.excitation.sines.period);
                 let phasor = Complex::from_polar(10e-6 * tone.omega, turn);
                 velocity += phasor.re;
                 position += (phasor * tone.response(&x)).re;
             }
-            spectra[i].update(plan.sines.period, velocity, position);
+            spectra[i].update(plan.excitation.sines.period, velocity, position);
         }
         response(p, &p.drive, &plan, &spectra)
     }
@@ -194,7 +195,8 @@ mod tests {
     fn axes_that_do_not_answer_tell_nothing() {
         let plan = Plan::new(&P);
         let mut spectra: [PeriodicSpectra; AXES] = Default::default();
-        (0..plan.measured).for_each(|_| spectra.iter_mut().for_each(|axis| axis.update(plan.sines.period, 0.0, 1.0)));
+        (0..plan.excitation.measured())
+            .for_each(|_| spectra.iter_mut().for_each(|axis| axis.update(plan.excitation.sines.period, 0.0, 1.0)));
         assert!(response(&P, &P.drive, &plan, &spectra).is_err());
     }
 }

@@ -2,10 +2,9 @@
 
 use std::f64::consts::PI;
 
-use control_blocks::DELAY_MAX;
+use control_blocks::{DELAY_MAX, RATIO_MAX, sure, whole_delay, within_factor};
 use serde::{Deserialize, Serialize};
 
-use crate::commission::plan::RATIO_MAX;
 use crate::commission::response::GUIDES;
 use crate::force::response::axis;
 use crate::interface::{Drive, Measured, Mode, Parameters};
@@ -43,7 +42,7 @@ impl Values {
     }
 
     /// Puts them into the parameters; a tunable one that is none of `known` was tuned meanwhile, and that counts.
-    pub fn put(&self, p: &mut Parameters, known: &[Self; 2]) {
+    pub fn put(&self, p: &mut Parameters, known: [Self; 2]) {
         p.stiffness_nominal = self.stiffness;
         p.drive = self.drive;
         p.io_delay = self.io_delay;
@@ -74,6 +73,11 @@ impl Values {
         ]
     }
 
+    /// With the z of the sensor the other way.
+    pub fn turned(self) -> Self {
+        Self { sensor_direction_z: -self.sensor_direction_z, ..self }
+    }
+
     /// What follows from a measurement, from these that were told.
     pub fn derived(self, p: &Parameters, m: &Measured) -> Self {
         let drive = self.drive.faster(m.drive_gain, m.feedforward.clamp(0.0, 1.0));
@@ -82,7 +86,7 @@ impl Values {
             // the same gain of the loop
             damping: self.damping * m.stiffness / self.stiffness,
             drive,
-            io_delay: (m.io_delay.round() as i32).clamp(0, DELAY_MAX as i32),
+            io_delay: whole_delay(m.io_delay),
             sensor_rotation: m.sensor_rotation,
             sensor_direction_y: m.sensor_direction_y,
             sensor_direction_z: m.sensor_direction_z,
@@ -106,23 +110,21 @@ impl Values {
 /// Whether a measurement is sure enough, and of a machine that this controller can hold: `told` is what it took it for. What the guides
 /// leave to the drives refuses nothing: they are found with that friction as they are used with it.
 pub fn acceptable(p: &Parameters, told: &Values, m: &Measured) -> bool {
-    let most = p.commission.deviation_max;
-    let sure = |value: f64, deviation: f64| value > 0.0 && deviation <= most * value;
-    let near = |ratio: f64| (RATIO_MAX.recip()..=RATIO_MAX).contains(&ratio);
+    let share = p.commission.deviation_max;
     let contact = [
         (m.stiffness, m.stiffness_deviation),
         (m.friction, m.friction_deviation),
         (m.lateral_stiffness, m.lateral_stiffness_deviation),
     ];
-    contact.iter().all(|(value, deviation)| sure(*value, *deviation))
-        && near(m.stiffness / told.stiffness)
-        && m.drive_gain_deviation <= most.hypot(GUIDES[0]) * m.drive_gain
-        && near(m.drive_gain)
-        && m.feedforward_deviation <= most.hypot(GUIDES[1])
+    contact.iter().all(|(value, deviation)| *value > 0.0 && sure(*value, *deviation, share))
+        && within_factor(m.stiffness, told.stiffness, RATIO_MAX)
+        && sure(m.drive_gain, m.drive_gain_deviation, share.hypot(GUIDES[0]))
+        && within_factor(m.drive_gain, 1.0, RATIO_MAX)
+        && m.feedforward_deviation <= share.hypot(GUIDES[1])
         && m.io_delay_deviation <= p.commission.delay_deviation_max
-        && (-0.5..DELAY_MAX as f64 + 0.5).contains(&m.io_delay)
+        && (0..=DELAY_MAX as i32).contains(&whole_delay(m.io_delay))
         && m.sensor_rotation.is_finite()
-        && m.sensor_rotation_deviation <= most
+        && m.sensor_rotation_deviation <= share
 }
 
 #[cfg(test)]
@@ -152,17 +154,17 @@ mod tests {
 
     fn derived(p: &Parameters, m: &Measured) -> Parameters {
         let (mut found, told) = (p.clone(), Values::of(p));
-        told.derived(p, m).put(&mut found, &[told, told]);
+        told.derived(p, m).put(&mut found, [told, told]);
         found
     }
 
     #[test]
     fn what_is_put_is_what_was_taken() {
         let (mut p, told) = (Parameters::START, Values::of(&Parameters::START));
-        told.put(&mut p, &[told, told]);
+        told.put(&mut p, [told, told]);
         assert_eq!(p, Parameters::START);
         let values = told.derived(&p, &GOOD);
-        values.put(&mut p, &[told, told]);
+        values.put(&mut p, [told, told]);
         assert_eq!(Values::of(&p), values);
         assert_eq!((p.stiffness_nominal, p.impedance.damping, p.io_delay), (142.4e3, 8e3, 2));
         assert_eq!((p.drive.position_gain, p.drive.velocity_bandwidth, p.drive.feedforward), (64.0, 400.0, 1.0));
@@ -177,13 +179,13 @@ mod tests {
         let values = told.derived(&Parameters::START, &GOOD);
         let mut p = Parameters::START;
         (p.impedance.damping, p.stick_slip.velocity) = (7e3, 9e-3);
-        values.put(&mut p, &[told, told]);
+        values.put(&mut p, [told, told]);
         assert_eq!((p.impedance.damping, p.stick_slip.velocity, p.stiffness_nominal), (7e3, 9e-3, 142.4e3));
         // back to what was told, from what was in force
         let tuned = Values::of(&p);
-        values.put(&mut p, &[tuned, told]);
+        values.put(&mut p, [tuned, told]);
         assert_eq!(p.impedance.damping, values.damping);
-        told.put(&mut p, &[told, values]);
+        told.put(&mut p, [told, values]);
         assert_eq!(p, Parameters::START);
     }
 
@@ -229,7 +231,7 @@ mod tests {
             (|m, x| m.drive_gain = x, 0.5, 0.499),
             (|m, x| m.feedforward_deviation = x, 0.1414, 0.1415),
             (|m, x| m.io_delay_deviation = x, 0.25, 0.251),
-            (|m, x| m.io_delay = x, -0.5, -0.51),
+            (|m, x| m.io_delay = x, -0.49, -0.5),
             (|m, x| m.io_delay = x, DELAY_MAX as f64 + 0.49, DELAY_MAX as f64 + 0.5),
             (|m, x| m.sensor_rotation_deviation = x, 0.1, 0.101),
         ];

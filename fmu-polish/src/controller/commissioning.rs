@@ -1,6 +1,6 @@
 //! The state `Commission` in a sample: how it is watched, what it moves, and what it learns.
 
-use control_blocks::{ParameterError, ResultFile};
+use control_blocks::{ParameterError, export_commission};
 use nalgebra::Vector3;
 
 use crate::commission::experiment::Sample;
@@ -24,8 +24,7 @@ impl Controller {
     /// # Errors
     /// When the file cannot be written.
     pub fn export(&self, p: &Parameters) -> Result<(), ParameterError> {
-        let hint = "name a file in a folder that there is and that the importer may write to";
-        ResultFile { name: "commission.export", file: &p.commission.export, hint }.write(&self.commissioner.derived())
+        export_commission(&p.commission.export, &self.commissioner.derived())
     }
 
     /// The state; of a commission that of a job which is watched alike.

@@ -1,5 +1,6 @@
 //! The state `Commission`: what it finds on robots that nobody has measured, and what it keeps to.
 
+use fmu_polish::axes::Axes;
 use fmu_polish::interface::{Fault, Input, Parameters, State};
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
@@ -226,6 +227,66 @@ fn it_never_begins_by_itself_nor_in_a_job() {
 }
 
 #[test]
+fn an_edge_waits_for_axes_that_a_hand_moves_and_is_forgotten_when_it_falls() {
+    for waits in [true, false] {
+        let mut run = Loop::new(&Parameters::START, Build::NOMINAL, 762);
+        (0..100).for_each(|_| run.step_with(rest));
+        let mut hand = 0.0;
+        for _ in 0..300 {
+            hand += 5e-6;
+            run.step_with(|input| {
+                ask(input);
+                input.position.x += hand;
+            });
+            assert_eq!(run.output.state, State::Idle);
+        }
+        for k in 0..60 {
+            run.step_with(|input| {
+                (input.enable, input.commission) = (false, waits);
+                input.position.x += hand;
+            });
+            assert_eq!(run.output.state == State::Commission, waits && k >= 49, "{k}");
+        }
+    }
+}
+
+#[test]
+fn an_edge_is_not_lost_while_the_zero_of_a_job_is_taken() {
+    for falls in [false, true] {
+        let mut run = Loop::new(&Parameters::START, Build::NOMINAL, 763);
+        (0..100).for_each(|_| run.step_with(rest));
+        run.step_with(|input| (input.enable, input.commission) = (true, false));
+        for _ in 0..10 {
+            run.step_with(|input| (input.enable, input.commission) = (true, true));
+            assert_eq!(run.output.state, State::Idle);
+        }
+        // the job is given up before it has begun
+        (0..3).for_each(|_| run.step_with(|input| (input.enable, input.commission) = (false, !falls)));
+        assert_eq!(run.output.state, if falls { State::Idle } else { State::Commission });
+    }
+}
+
+#[test]
+fn what_the_other_parameters_do_not_bear_is_rejected_and_never_used() {
+    for apply in [false, true] {
+        let mut p = Parameters::START;
+        // as much as the drives bear that were told, and more than these
+        (p.commission.apply, p.position.gain) = (apply, Axes::all(75.0));
+        let mut run = Loop::new(&p, Build { drive_gain: 0.7, ..Build::NOMINAL }, 772);
+        begin(&mut run, 0.0);
+        while run.output.state == State::Commission {
+            run.step_with(ask);
+            assert_eq!(run.parameters.drive, p.drive, "{:?}", run.output);
+        }
+        let m = run.output.measured;
+        assert_eq!(run.output.fault, Fault::CommissionRejected, "{:?}", run.output);
+        assert!(!m.valid && (0.5..0.9).contains(&m.drive_gain) && m.drive_gain_deviation < 0.1 * m.drive_gain, "{m:?}");
+        (0..1000).for_each(|_| run.step_with(rest));
+        assert_eq!((run.parameters.clone(), run.robot.normal_force), (p, 0.0));
+    }
+}
+
+#[test]
 fn a_second_commission_begins_anew_with_what_was_told() {
     let build = unknown(761);
     let mut run = Loop::new(&applied(), build, 761);
@@ -233,7 +294,9 @@ fn a_second_commission_begins_anew_with_what_was_told() {
     let first = run.output.measured;
     run.step_with(rest);
     assert_eq!(run.parameters.stiffness_nominal, first.stiffness);
-    run.step_with(ask);
+    while run.output.state == State::Idle {
+        run.step_with(ask);
+    }
     assert_eq!((run.output.state, run.output.measured.valid), (State::Commission, false));
     let limit = run.time() + LIMIT;
     while run.output.state == State::Commission && run.time() < limit {

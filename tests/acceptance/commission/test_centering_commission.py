@@ -6,10 +6,8 @@ Half of the machines use what the commission has measured, the other half what t
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from math import tau
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,6 +15,7 @@ import pytest
 from ..measured import store
 from ..samples import studies
 from ..samples.runs import run, value
+from . import machine
 
 pytestmark = pytest.mark.acceptance
 
@@ -24,13 +23,8 @@ FEW = (8, 92_043)
 """Machines of the default run, and their seed; no study has it."""
 
 
-class Machine(studies.Machine):
+class Machine(machine.Machine):
     """A machine of the study and how it ended."""
-
-    @property
-    def applied(self) -> bool:
-        """Whether it uses what was measured."""
-        return bool(self.changes["controller.commission.apply"])
 
     @property
     def delay(self) -> int:
@@ -118,29 +112,6 @@ def test_the_whole_study() -> None:
     for name, applied in (("told", False), ("applied", True)):
         store.measured("centering-commission", name, **ended(found, applied))
     store.measured("centering-measured", "found", **measured(found))
-
-
-def test_the_file_of_the_results_is_taken_as_parameters(tmp_path: Path) -> None:
-    file = tmp_path / "found.json"
-    result = run("centering/commission", f"controller.commission.export='{file}'")
-    found = json.loads(file.read_text(encoding="utf-8"))
-    assert found["slide.bandwidth"] == value(result, "bandwidth")
-    assert found["io_delay"] == round(value(result, "io_delay"))
-    told = [f"controller.{name}={given}" for name, given in found.items()]
-    # told beforehand, and nothing is commissioned
-    changes = (
-        *told,
-        "controller.commission.apply=false",
-        "signal.controller.commission.values=[false, false]",
-    )
-    assert value(run("centering/commission", *changes), "good") == 1.0
-
-
-def test_a_file_that_cannot_be_written_stops_no_machine(tmp_path: Path) -> None:
-    file = tmp_path / "no" / "found.json"
-    result = run("centering/commission", f"controller.commission.export='{file}'")
-    assert value(result, "good") == 1.0
-    assert not file.exists()
 
 
 @pytest.mark.parametrize(("place", "end"), [(0.022, "centred"), (0.018, "named")])

@@ -7,9 +7,7 @@ were told.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,7 +15,8 @@ from numpy.typing import NDArray
 
 from ..measured import store
 from ..samples import studies
-from ..samples.runs import run, trace, value
+from ..samples.runs import run, trace
+from . import machine
 
 pytestmark = pytest.mark.acceptance
 
@@ -28,13 +27,8 @@ FEW = (6, 91_018)
 PERIOD = 0.01
 
 
-class Robot(studies.Machine):
+class Robot(machine.Machine):
     """A robot of the study and how it ended."""
-
-    @property
-    def applied(self) -> bool:
-        """Whether it uses what was measured."""
-        return bool(self.changes["controller.commission.apply"])
 
     @property
     def gain(self) -> float:
@@ -183,33 +177,6 @@ def test_what_was_measured_is_true() -> None:
     # 0.5 rad/s, and the steps of 20,000 rpm over 4096
     noise = np.hypot(0.5, 20_000.0 * np.pi / 30.0 / 4096 / np.sqrt(12.0))
     assert measured["controller.measured.spindle_noise"] == pytest.approx(noise, rel=0.06)
-
-
-def test_the_file_of_the_results_is_taken_as_parameters(tmp_path: Path) -> None:
-    file = tmp_path / "found.json"
-    result = run("deburr/commission", f"controller.commission.export='{file}'")
-    found = json.loads(file.read_text(encoding="utf-8"))
-    assert found["model.axis3.gain"] == value(result, "gain_3")
-    assert found["io_delay"] == round(value(result, "io_delay"))
-    told = [f"controller.{name}={given}" for name, given in found.items()]
-    # told beforehand, and nothing is commissioned
-    changes = (
-        *told,
-        "controller.bank.compute=true",
-        "controller.commission.apply=false",
-        "signal.controller.commission.values=[false, false]",
-    )
-    again = run("deburr/commission", *changes)
-    assert value(again, "good") == 1.0
-    # there is no time of it
-    assert np.isnan(value(again, "commissioned"))
-
-
-def test_a_file_that_cannot_be_written_stops_no_robot(tmp_path: Path) -> None:
-    file = tmp_path / "no" / "found.json"
-    result = run("deburr/commission", f"controller.commission.export='{file}'")
-    assert value(result, "good") == 1.0
-    assert not file.exists()
 
 
 def test_a_tool_that_idles_slower_cuts_at_its_own_speed() -> None:

@@ -6,9 +6,7 @@ Half of the machines use what the commission has measured, the other half what t
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,6 +14,7 @@ import pytest
 from ..measured import store
 from ..samples import studies
 from ..samples.runs import run, trace, value
+from . import machine
 
 pytestmark = pytest.mark.acceptance
 
@@ -24,13 +23,8 @@ FEW = (8, 91_017)
 NOMINAL_MASS = 10.0
 
 
-class Machine(studies.Machine):
+class Machine(machine.Machine):
     """A machine of the study and how it ended."""
-
-    @property
-    def applied(self) -> bool:
-        """Whether it uses what was measured."""
-        return bool(self.changes["controller.commission.apply"])
 
     @property
     def thrust(self) -> float:
@@ -150,26 +144,3 @@ def test_what_was_measured_is_true() -> None:
     assert measured["position_noise"] == pytest.approx(np.hypot(0.5e-9, 1e-9 / np.sqrt(12.0)), rel=0.05)
     assert measured["io_delay"] == pytest.approx(2.0, abs=0.5)
     assert value(result, "force_constant") == pytest.approx(16.0 * 10.0 / 12.0, rel=0.012)
-
-
-def test_the_file_of_the_results_is_taken_as_parameters(tmp_path: Path) -> None:
-    file = tmp_path / "found.json"
-    result = run("dob/commission", f"controller.commission.export='{file}'")
-    found = json.loads(file.read_text(encoding="utf-8"))
-    assert found["stage.force_constant"] == value(result, "force_constant")
-    assert found["io_delay"] == round(value(result, "io_delay"))
-    told = [f"controller.{name}={given}" for name, given in found.items()]
-    # told beforehand, and nothing is commissioned
-    changes = (
-        *told,
-        "controller.commission.apply=false",
-        "signal.controller.commission.values=[false, false]",
-    )
-    assert value(run("dob/commission", *changes), "good") == 1.0
-
-
-def test_a_file_that_cannot_be_written_stops_no_machine(tmp_path: Path) -> None:
-    file = tmp_path / "no" / "found.json"
-    result = run("dob/commission", f"controller.commission.export='{file}'")
-    assert value(result, "good") == 1.0
-    assert not file.exists()

@@ -6,16 +6,15 @@ Half of the machines use what the commission has measured, the other half what t
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from ..measured import store
 from ..samples import studies
-from ..samples.runs import run, trace, value
+from ..samples.runs import run, trace
+from . import machine
 
 pytestmark = pytest.mark.acceptance
 
@@ -25,13 +24,8 @@ FEW_AT_500_HZ = (3, 93_018)
 TURN = 2.0 * np.pi
 
 
-class Machine(studies.Machine):
+class Machine(machine.Machine):
     """A machine of the study and how it ended."""
-
-    @property
-    def applied(self) -> bool:
-        """Whether it uses what was measured."""
-        return bool(self.changes["controller.commission.apply"])
 
     @property
     def inertia(self) -> float:
@@ -166,26 +160,3 @@ def test_what_was_measured_is_true_within_its_deviations() -> None:
             float(rows[f"controller.measured.{name}{kind}"][-1]) for kind in ("", "_deviation")
         )
         assert abs(measured - expected) < 4.0 * deviation, name
-
-
-def test_the_file_of_the_results_is_taken_as_parameters(tmp_path: Path) -> None:
-    file = tmp_path / "found.json"
-    result = run("fts/commission", f"controller.commission.export='{file}'")
-    found = json.loads(file.read_text(encoding="utf-8"))
-    assert found["servo.inertia"] == value(result, "inertia")
-    assert found["io_delay"] == round(value(result, "io_delay"))
-    told = [f"controller.{name}={given}" for name, given in found.items()]
-    # told beforehand, and nothing is commissioned
-    changes = (
-        *told,
-        "controller.commission.apply=false",
-        "signal.controller.commission.values=[false, false]",
-    )
-    assert value(run("fts/commission", *changes), "good") == 1.0
-
-
-def test_a_file_that_cannot_be_written_stops_no_machine(tmp_path: Path) -> None:
-    file = tmp_path / "no" / "found.json"
-    result = run("fts/commission", f"controller.commission.export='{file}'")
-    assert value(result, "good") == 1.0
-    assert not file.exists()

@@ -6,9 +6,7 @@ Half of the robots use what the commission has measured, the other half what the
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,6 +14,7 @@ import pytest
 from ..measured import store
 from ..samples import studies
 from ..samples.runs import run, value
+from . import machine
 
 pytestmark = pytest.mark.acceptance
 
@@ -25,13 +24,8 @@ CONTACT = 1.2e6
 """Stiffness of ball and mold, which no study varies."""
 
 
-class Machine(studies.Machine):
+class Machine(machine.Machine):
     """A robot of the study and how it ended."""
-
-    @property
-    def applied(self) -> bool:
-        """Whether it uses what was measured."""
-        return bool(self.changes["controller.commission.apply"])
 
     def truth(self, name: str) -> float:
         """Value of the plant that a metric measures."""
@@ -156,26 +150,3 @@ def test_a_sensor_that_counts_two_axes_the_other_way_is_found_and_used() -> None
     assert value(result, "rotation") == pytest.approx(0.4, abs=0.03)
     told = run("polish", "wire.controller.force.z.scale=-1", "loop.duration=4", "plant.sensor_turn=0.4")
     assert value(told, "done") == 0.0
-
-
-def test_the_file_of_the_results_is_taken_as_parameters(tmp_path: Path) -> None:
-    file = tmp_path / "found.json"
-    result = run("polish/commission", f"controller.commission.export='{file}'")
-    found = json.loads(file.read_text(encoding="utf-8"))
-    assert found["stiffness.nominal"] == value(result, "stiffness")
-    assert found["io_delay"] == round(value(result, "io_delay"))
-    told = [f"controller.{name}={given}" for name, given in found.items()]
-    # told beforehand, and nothing is commissioned
-    changes = (
-        *told,
-        "controller.commission.apply=false",
-        "signal.controller.commission.values=[false, false]",
-    )
-    assert value(run("polish/commission", *changes), "good") == 1.0
-
-
-def test_a_file_that_cannot_be_written_stops_no_robot(tmp_path: Path) -> None:
-    file = tmp_path / "no" / "found.json"
-    result = run("polish/commission", f"controller.commission.export='{file}'")
-    assert value(result, "good") == 1.0
-    assert not file.exists()

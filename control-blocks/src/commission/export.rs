@@ -1,36 +1,30 @@
-//! Files of results that text parameters name: flat JSON, a parameter and its value on each line.
+//! The file that a good commission writes: flat JSON, a parameter and its value on each line.
 //!
 //! The names are those of the FMI variables, so that what was measured can be set where the controller is used next.
 
 use std::fmt::Write;
 use std::fs;
 
-use super::error::ParameterError;
+use crate::parameters::error::ParameterError;
 
-/// A text parameter that names the file to be written.
-#[derive(Clone, Copy, Debug)]
-pub struct ResultFile<'a> {
-    /// FMI name of the parameter.
-    pub name: &'static str,
-    /// Its value: a path, from the working directory of the importer unless it is whole.
-    pub file: &'a str,
-    /// What to do when it cannot be written.
-    pub hint: &'static str,
-}
+/// What to do when it cannot be written.
+const HINT: &str = "name a file in a folder that there is and that the importer may write to";
 
-impl ResultFile<'_> {
-    /// Writes names and finite values, in their order, in place of what the file held.
-    ///
-    /// # Errors
-    /// When the file cannot be written.
-    pub fn write(&self, values: &[(&str, f64)]) -> Result<(), ParameterError> {
-        fs::write(self.file, json(values)).map_err(|error| ParameterError {
-            name: self.name,
-            value: self.file.to_owned(),
-            limit: format!("a file that can be written: {error}"),
-            hint: self.hint,
-        })
+/// Writes the file that the parameter `commission.export` names, if it names one: names and finite values in their order, in
+/// place of what it held; a path is from the working directory of the importer unless it is whole.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn export_commission(file: &str, values: &[(&str, f64)]) -> Result<(), ParameterError> {
+    if file.is_empty() {
+        return Ok(());
     }
+    fs::write(file, json(values)).map_err(|error| ParameterError {
+        name: "commission.export",
+        value: file.to_owned(),
+        limit: format!("a file that can be written: {error}"),
+        hint: HINT,
+    })
 }
 
 /// The object, a line for each value; whole numbers without a point, as FMI's Integers are.
@@ -70,14 +64,13 @@ mod tests {
         let place = tempfile::tempdir().unwrap();
         let (good, bad) = (place.path().join("found.json"), place.path().join("no/such/found.json"));
         let file = |path: &std::path::Path| {
-            ResultFile { name: "commission.export", file: path.to_str().unwrap(), hint: "name a folder that there is" }
-                .write(&[("a", 1.5)])
-                .map_err(|error| error.to_string())
+            export_commission(path.to_str().unwrap(), &[("a", 1.5)]).map_err(|error| error.to_string())
         };
         assert_eq!(file(&good), Ok(()));
         assert_eq!(fs::read_to_string(&good).unwrap(), "{\n  \"a\": 1.5e0\n}\n");
         let message = file(&bad).unwrap_err();
         assert!(message.contains("commission.export") && message.contains("must be a file that can be written"));
-        assert!(message.ends_with("hint: name a folder that there is"), "{message}");
+        assert!(message.contains("hint: name a file in a folder that there is"), "{message}");
+        assert_eq!(export_commission("", &[("a", 1.5)]), Ok(()));
     }
 }

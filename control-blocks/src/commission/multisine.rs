@@ -9,7 +9,7 @@ use std::f64::consts::{PI, TAU};
 
 use serde::{Deserialize, Serialize};
 
-use super::trajectory::Trajectory;
+use crate::motion::trajectory::Trajectory;
 
 /// Tones of an excitation.
 pub const TONES: usize = 8;

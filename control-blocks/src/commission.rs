@@ -1,0 +1,7 @@
+//! What the state `Commission` of every controller is made of.
+
+pub mod bounds;
+pub mod excitation;
+pub mod export;
+pub mod in_force;
+pub mod multisine;

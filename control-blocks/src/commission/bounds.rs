@@ -1,0 +1,105 @@
+//! For which machines a commission is made, how sure it must be of them, and how long it may take.
+
+use std::ops::RangeInclusive;
+
+use crate::parameters::error::ParameterError;
+use crate::parameters::parameter::Parameter;
+use crate::sampling::sent_commands::DELAY_MAX;
+
+/// A gain, stiffness or bandwidth over that which was told, at most; its reciprocal is the least (our choice).
+pub const RATIO_MAX: f64 = 2.0;
+/// Samples of delay more than told (our choice).
+pub const DELAY_SPREAD: i32 = 2;
+/// What is not measured so surely is not used: this many standard deviations.
+pub const SIGNIFICANT: f64 = 3.0;
+/// A commission may take longer than its motions by this share and this time, s.
+const TIME_SPARE: (f64, f64) = (1.25, 1.0);
+
+/// Whether a value is that which was told within a factor.
+pub fn within_factor(value: f64, told: f64, factor: f64) -> bool {
+    value * factor >= told && value <= factor * told
+}
+
+/// Whether a value is measured with a standard deviation of at most this share of it.
+pub fn sure(value: f64, deviation: f64, share: f64) -> bool {
+    deviation <= share * value.abs()
+}
+
+/// A value where it is significant, else the one that was told.
+pub fn significant_or(value: f64, deviation: f64, told: f64) -> f64 {
+    if value > SIGNIFICANT * deviation && value > 0.0 { value } else { told }
+}
+
+/// A value that a parameter tells, or where that is 0 the one that follows from others.
+pub fn told_or(told: f64, derived: impl FnOnce() -> f64) -> f64 {
+    if told > 0.0 { told } else { derived() }
+}
+
+/// A delay in whole samples; one that is no number is none that a machine has.
+pub fn whole_delay(samples: f64) -> i32 {
+    if samples.is_nan() { i32::MIN } else { samples.round() as i32 }
+}
+
+/// Delays (samples) from 0 to `DELAY_SPREAD` more than told, as far as commands are remembered.
+pub fn bearable_delays(told: i32) -> RangeInclusive<i32> {
+    0..=(told + DELAY_SPREAD).min(DELAY_MAX as i32)
+}
+
+/// Longest commission (s): `commission.time`, or what its motions take and some more.
+pub fn commission_time(told: f64, motions: impl FnOnce() -> f64) -> f64 {
+    told_or(told, || TIME_SPARE.0 * motions() + TIME_SPARE.1)
+}
+
+/// The parameter `commission.time` leaves its motions the time (s) that they take.
+///
+/// # Errors
+/// When it does not.
+pub fn check_commission_time(told: f64, motions: impl FnOnce() -> f64) -> Result<(), ParameterError> {
+    if told == 0.0 {
+        return Ok(());
+    }
+    let (least, hint) = (motions(), "or every commission ends in `NoProgress`");
+    Parameter::new("commission.time", told, "s", hint)
+        .must_be(told >= least, || format!("`0`, or at least `{least} s`, the time that its motions take"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_told_is_met_up_to_the_factor_on_both_sides() {
+        let told = |value: f64| within_factor(value, 20.0, RATIO_MAX);
+        assert_eq!([9.99, 10.0, 20.0, 40.0, 40.01].map(told), [false, true, true, true, false]);
+        assert!(!told(-20.0) && !told(f64::NAN) && within_factor(0.0, 0.0, 2.0));
+    }
+
+    #[test]
+    fn a_value_counts_where_it_is_sure_and_what_is_no_number_never_does() {
+        assert!(sure(-10.0, 0.2, 0.02) && !sure(10.0, 0.21, 0.02) && sure(0.0, 0.0, 0.02));
+        assert!(!sure(f64::NAN, 0.0, 0.02) && !sure(1.0, f64::NAN, 0.02));
+        assert_eq!([3.1, 3.0, -3.1, f64::NAN].map(|value| significant_or(value, 1.0, 7.0)), [3.1, 7.0, 7.0, 7.0]);
+        assert_eq!([significant_or(0.0, 0.0, 7.0), significant_or(1e-9, 0.0, 7.0)], [7.0, 1e-9]);
+    }
+
+    #[test]
+    fn a_delay_is_borne_by_its_whole_samples() {
+        let borne = |told: i32, samples: f64| bearable_delays(told).contains(&whole_delay(samples));
+        assert_eq!([-0.51, -0.5, -0.49, 3.49, 3.5].map(|samples| borne(1, samples)), [false, false, true, true, false]);
+        assert!(!borne(1, f64::NAN) && !borne(1, f64::INFINITY));
+        assert_eq!((whole_delay(1.7), bearable_delays(DELAY_MAX as i32 - 1)), (2, 0..=DELAY_MAX as i32));
+    }
+
+    #[test]
+    fn zero_is_derived_and_the_motions_have_a_quarter_and_a_second_to_spare() {
+        assert_eq!((told_or(0.0, || 3.0), told_or(2.0, || 3.0)), (3.0, 2.0));
+        assert_eq!((commission_time(0.0, || 8.0), commission_time(9.0, || 8.0)), (11.0, 9.0));
+        let check = |told: f64| check_commission_time(told, || 8.0);
+        assert_eq!([check(0.0), check(8.0)], [Ok(()), Ok(())]);
+        let message = check(7.5).unwrap_err().to_string();
+        assert!(
+            message.starts_with("parameter `commission.time` is `7.5 s`, must be `0`, or at least `8 s`"),
+            "{message}"
+        );
+    }
+}
