@@ -128,7 +128,7 @@ fn the_deviations_are_those_of_robots_that_nobody_has_measured() {
         ("gain", 0.4, 1.5),
         ("feedforward", 0.25, 0.9),
         ("delay", 0.3, 1.2),
-        ("rotation", 0.5, 1.5),
+        ("rotation", 0.3, 1.2),
     ];
     for ((what, least, most), errors) in limits.into_iter().zip(errors) {
         let rms = (errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64).sqrt();
