@@ -9,6 +9,9 @@ wrist. Axis 4 turns the wrist about the vertical, axis 5 tilts it, axis 6 turns 
 With all three at zero the tool points down. The origin is on the axis of the column, at the height of the
 wrist with axis 2 at zero.
 
+The part may lie elsewhere than where its edge is told, moved and turned about the vertical at its corner.
+Above the edge stands its wall, which a touch probe feels that takes the place of the tool while `probe` is 1.
+
 Each drive has a spring-applied brake, as the axes of robots have: without `enable` the drives have no force
 and the brakes are closed, with the largest force of the drive as dry friction (our choice). Enabled again a
 drive holds the place where it is.
@@ -47,6 +50,7 @@ class CylindricalRobot(Plant):
         "distance", "normal", "across", "tx", "ty", "tz", "nx", "ny", "nz", "workpiece",
         "load", "force", "feed", "engagement", "finish_low", "finish_high", "removed", "left",
         "spindle_speed", "spindle_measured", "spindle_torque", "enable",
+        "probe", "contact", "deflection",
         *(f"hold_{n}" for n in AXES), *(f"{kind}_{n}" for kind in ("speed", "rubs") for n in (1, 3)),
     )  # fmt: skip
 
@@ -59,11 +63,13 @@ class CylindricalRobot(Plant):
             Channel(
                 "spindle_speed", "rad/s", "Speed of the tool, lagged", p.spindle_noise, p.spindle_resolution
             ),
+            Channel("contact", "1", "1 while the touch probe feels the part"),
         )
         self.commands = (
             *(self._command(n) for n in AXES),
             Channel("workpiece", "1", "1 while the part lies there", minimum=0.0, maximum=1.0),
             Channel("enable", "1", "1 for live drives, 0 for closed brakes", 0.0, 0.0, 0.0, 1.0, start=1.0),
+            Channel("probe", "1", "1 while a touch probe is in place of the tool", minimum=0.0, maximum=1.0),
         )
         self.truths = (
             *vector("tip", "m", "Tip of the tool"),
@@ -81,6 +87,7 @@ class CylindricalRobot(Plant):
             Channel("spindle_speed", "rad/s", "Speed of the tool"),
             Channel("spindle_torque", "N.m", "Torque of the spindle motor"),
             *(Channel(f"axis{n}_force", force_unit(n), f"Force of drive {n}, last plant step") for n in AXES),
+            Channel("probe_deflection", "m", "Way that the touch probe gives way, last plant step"),
         )
 
     def _encoder(self, axis: int) -> Channel:
@@ -169,6 +176,7 @@ class CylindricalRobot(Plant):
         if p.reversal_friction > 0.0:
             self._rub()
         self._cut()
+        self._touch()
         self._channels()
 
     def _place(self) -> None:
@@ -254,19 +262,31 @@ class CylindricalRobot(Plant):
             [wire("spindle_speed"), wire("spindle_measured"), wire("spindle_torque")],
         )
 
+    def _touch(self) -> None:
+        p, wire = self.parameters, self.wire
+        wall = (p.burr_begin, self._length - p.burr_end, p.wall_height)
+        probe = (p.probe_pretravel, p.probe_travel, p.probe_stiffness, p.probe_end_stiffness)
+        seen = [
+            wire(name) for name in ("distance", "normal", "across", "nx", "ny", "nz", "workpiece", "probe")
+        ]
+        felt = [wire("contact"), wire("deflection")]
+        force = [self._control(f"force_{c}", add=True) for c in "xyz"]
+        self.circuit.bind("touch probe", _native.touch_probe(wall, probe), seen, [*felt, *force])
+
     def _channels(self) -> None:
         p, wire, data = self.parameters, self.wire, self.data
         tip = 3 * int(self.model.site("tip").id)
         readings = {f"axis{n}_position": Cell(data.sensordata, n - 1) for n in AXES}
-        readings["spindle_speed"] = wire("spindle_measured")
+        readings |= {"spindle_speed": wire("spindle_measured"), "contact": wire("contact")}
         commands = {f"axis{n}_velocity": self._control(f"axis_{n}", p.drive_gain) for n in AXES}
-        commands |= {"workpiece": wire("workpiece"), "enable": wire("enable")}
+        commands |= {name: wire(name) for name in ("workpiece", "enable", "probe")}
         truths = {f"tip_{c}": Cell(data.site_xpos, tip + i) for i, c in enumerate("xyz")}
         named = {
             "distance": "distance", "deviation": "normal", "deviation_across": "across", "feed": "feed",
             "engagement": "engagement", "cutting_torque": "load", "cutting_force": "force",
             "finish_low": "finish_low", "finish_high": "finish_high", "burr_removed": "removed",
             "burr_left": "left", "spindle_speed": "spindle_speed", "spindle_torque": "spindle_torque",
+            "probe_deflection": "deflection",
         }  # fmt: skip
         truths |= {truth: wire(name) for truth, name in named.items()}
         truths |= {f"axis{n}_force": Cell(data.actuator_force, n - 1) for n in AXES}
@@ -275,17 +295,26 @@ class CylindricalRobot(Plant):
     def _of(self, axis: int, quantity: str) -> float:
         return float(getattr(self.parameters, f"axis{axis}_{quantity}"))
 
-    def _control(self, actuator: str, scale: float = 1.0) -> Cell:
+    def _control(self, actuator: str, scale: float = 1.0, *, add: bool = False) -> Cell:
         address = int(self.model.actuator_ctrladr[self.model.actuator(actuator).id])
-        return Cell(self.data.ctrl, address, scale=scale)
+        return Cell(self.data.ctrl, address, scale=scale, add=add)
 
 
 def edge(p: CylindricalRobotParameters) -> tuple[list[float], list[float], list[float], float]:
-    """Start, corner and end of the edge, and the radius of its corner, m."""
+    """Start, corner and end of the edge where the part lies, and the radius of its corner, m."""
     start, corner, end = (
         [float(getattr(p, f"edge_{point}_{c}")) for c in "xyz"] for point in ("start", "corner", "end")
     )
+    start, corner, end = (displaced(p, point, corner) for point in (start, corner, end))
     return start, corner, end, p.edge_radius
+
+
+def displaced(p: CylindricalRobotParameters, point: list[float], about: list[float]) -> list[float]:
+    """Place of the part, moved and turned about the vertical through a place."""
+    x, y = point[0] - about[0], point[1] - about[1]
+    # what a turn adds: without one nothing, to the bit
+    less, sine = math.cos(p.part_angle) - 1.0, math.sin(p.part_angle)
+    return [point[0] + p.part_x + less * x - sine * y, point[1] + p.part_y + less * y + sine * x, point[2]]
 
 
 def unit(axis: int) -> str:

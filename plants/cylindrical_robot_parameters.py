@@ -159,6 +159,31 @@ class CylindricalRobotParameters:
     edge_end_z: float = parameter(-0.2, "m", "End of the edge", -1.0, 1.0)
     edge_radius: float = parameter(0.015, "m", "Radius of the corner", 0.0, 1.0)
 
+    # where the part lies, and what touches it
+    part_x: float = parameter(0.0, "m", "Shift of the part from where its edge is told", -0.1, 0.1)
+    part_y: float = parameter(0.0, "m", "Shift of the part from where its edge is told", -0.1, 0.1)
+    part_angle: float = parameter(
+        0.0, "rad", "Turn of the part about the vertical through its corner", -1.0, 1.0
+    )
+    wall_height: float = parameter(
+        0.018, "m", "Height of the wall above the edge, along the burr", 0.0, 1.0, "our choice"
+    )
+    probe_pretravel: float = parameter(
+        1e-5,
+        "m",
+        "Way of the touch probe from touch to contact",
+        0.0,
+        1e-3,
+        "our choice: as touch-trigger probes have",
+    )
+    probe_travel: float = parameter(
+        0.01, "m", "Way that it gives way", 1e-4, 0.1, "our choice: 12 degrees of a stylus of 50 mm"
+    )
+    probe_stiffness: float = parameter(
+        1e3, "N/m", "Stiffness of its spring", 0.0, 1e6, "our choice: 1 N for a millimetre"
+    )
+    probe_end_stiffness: float = parameter(1e6, "N/m", "Stiffness at the end of that", 0.0, 1e9, "our choice")
+
     # burr
     burr_height_least: float = parameter(2e-3, "m", "Lowest burr", 0.0, 0.02, "paper")
     burr_height_most: float = parameter(5e-3, "m", "Highest burr", 0.0, 0.02, "paper")

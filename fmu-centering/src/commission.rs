@@ -7,4 +7,3 @@ mod response;
 mod values;
 
 pub use commissioner::Commissioner;
-pub use values::Values;

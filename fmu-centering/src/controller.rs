@@ -8,14 +8,14 @@ use serde::{Deserialize, Serialize};
 use crate::centre::{Centre, Estimate};
 use crate::check::check;
 use crate::commission::Commissioner;
-use crate::faults::{Supervisor, judge, line_moved};
+use crate::faults::{Supervisor, cause, judge, line_moved};
 use crate::interface::{Fault, Input, MonitorReport, Output, Parameters, PushReport, Setpoint, State};
 use crate::law::{ActiveLaw, Launch, Observation, Verdict};
 use crate::limits::trial_move;
 use crate::machine::{Events, next};
 use crate::monitoring::{DriveMonitor, FrozenProbe, Numbers, ProbeTrial};
 use crate::motion::{Follower, Motion, Table};
-use crate::sensing::{Calm, Clock, Due, Reader, Reading, Sample, Servo, ServoEstimator, Spindle};
+use crate::sensing::{Calm, Clock, Due, ProbeDelay, Reader, Reading, Sample, Servo, ServoEstimator, Spindle};
 
 /// Time in which a slide without drive that has not moved stands, s.
 const STILL_TIME: f64 = 0.1;
@@ -32,6 +32,7 @@ pub struct Controller {
     /// of the approach, and what it has told when that was over
     servo_estimator: ServoEstimator,
     servo: Option<Servo>,
+    probe_delay: ProbeDelay,
     trial: ProbeTrial,
     progress: Progress,
     law: ActiveLaw,
@@ -81,6 +82,7 @@ impl Controller {
             drive: DriveMonitor::default(),
             servo_estimator: ServoEstimator::default(),
             servo: None,
+            probe_delay: ProbeDelay::default(),
             trial: ProbeTrial::default(),
             progress: Progress::default(),
             law: ActiveLaw::new(p),
@@ -113,7 +115,7 @@ impl Controller {
     }
 
     /// Puts what a commission has measured into the parameters, where `commission.apply` says so; before each sample.
-    pub fn bring_into_force(&mut self, p: &mut Parameters) {
+    pub fn bring_into_force(&self, p: &mut Parameters) {
         self.commissioner.put(p);
     }
 
@@ -171,6 +173,7 @@ impl Controller {
         if reading.fresh {
             let now = self.observation(p, due);
             self.law.observe(p, &now);
+            self.probe_delay.update(p, turned, &sample);
         }
         turned
     }
@@ -202,6 +205,7 @@ impl Controller {
             self.confirm(p, &mut events);
             self.judge_servo(p, &mut events);
         }
+        events.fault = events.fault.map(|fault| cause(fault, self.probe_delay.late()));
         self.escalate(p, events.fault);
         let ready = self.state == State::Wait && matches!(events.verdict, None | Some(Verdict::Push));
         let ready = ready && self.table.steady(p);
@@ -301,8 +305,14 @@ impl Controller {
                 self.servo = None;
                 self.commissioner.begin(p, &mut self.motion);
             }
-            State::Push => self.launch(p, launch),
-            State::Settle => self.retract(p),
+            State::Push => {
+                self.probe_delay.end(p);
+                self.launch(p, launch);
+            }
+            State::Settle => {
+                self.probe_delay.begin();
+                self.retract(p);
+            }
             State::Confirm => {
                 self.trial = ProbeTrial::default();
                 self.note_trial();
@@ -313,7 +323,10 @@ impl Controller {
                 self.centred = Some(self.clock.time(p));
             }
             // at once, or the slide would brake until the next beat
-            State::Follow => self.follower.update(p, &self.calm),
+            State::Follow => {
+                self.probe_delay.begin();
+                self.follower.update(p, &self.calm);
+            }
             State::Collect | State::Model | State::Wait => {}
         }
     }
@@ -332,7 +345,7 @@ impl Controller {
         self.law.restart(p);
         self.progress.restart();
         (self.frozen, self.drive, self.trial) = Default::default();
-        (self.servo_estimator, self.servo) = Default::default();
+        (self.servo_estimator, self.servo, self.probe_delay) = Default::default();
         (self.fault, self.estimate, self.first, self.surest, self.before) = (Fault::None, None, None, None, None);
         self.line = None;
         self.commissioner.forget_rejected();
@@ -416,14 +429,17 @@ impl Controller {
                 job_time: self.progress.samples() as f64 * p.sample_period,
             },
             measured: self.measured(),
-            told: Some(self.commissioner.told()),
             numbers: Numbers {
                 following_limit: self.drive.allowed(),
                 forward: self.supervisor.forward(),
                 endless: self.supervisor.endless(),
                 line: self.line,
                 first: self.first.unwrap_or_default(),
+                probe_delay: self.probe_delay.late().unwrap_or_default(),
             },
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

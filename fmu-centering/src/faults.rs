@@ -7,8 +7,7 @@ use control_blocks::{Consecutive, DELAY_MAX, SafeEnd};
 use serde::{Deserialize, Serialize};
 
 use crate::centre::Estimate;
-use crate::check::check;
-use crate::commission::{Values, plan};
+use crate::commission::plan;
 use crate::interface::{Fault, Input, Parameters, State, Vars};
 use crate::limits::{GRAVITY, held_surface_velocity, job_time, servo_damping, slowest_servo, speed_limit};
 use crate::monitoring::{Numbers, SHARE_ERROR, believable_share};
@@ -65,7 +64,8 @@ impl Fault {
             | Self::SlowServo
             | Self::SpindleSpeed
             | Self::NoProgress
-            | Self::CommissionRejected => SafeEnd::Retract,
+            | Self::CommissionRejected
+            | Self::LateProbe => SafeEnd::Retract,
         }
     }
 }
@@ -74,6 +74,21 @@ impl Fault {
 pub fn graver(found: &[Option<Fault>]) -> Option<Fault> {
     let worse = |a: Fault, b: Fault| if b.safe_end() > a.safe_end() { b } else { a };
     found.iter().copied().flatten().reduce(worse)
+}
+
+/// The cause of a fault with a probe that is `late` s later than the slide: whatever makes no sense of the ring then follows from that.
+pub fn cause(fault: Fault, late: Option<f64>) -> Fault {
+    use Fault::{
+        Centrifugal, Divergence, FrozenProbe, LateProbe, NoProgress, ProbeJump, ProbeRange, PushBudget, Unresolved,
+    };
+    match fault {
+        ProbeRange | Centrifugal | PushBudget | ProbeJump | FrozenProbe | Divergence | Unresolved | NoProgress
+            if late.is_some() =>
+        {
+            LateProbe
+        }
+        _ => fault,
+    }
 }
 
 /// What is watched in one tick.
@@ -224,7 +239,7 @@ pub fn numbers(vars: &Vars) -> String {
 fn of_fault(vars: &Vars, fault: Fault, e: f64) -> String {
     let Vars { input, output, in_force: p, .. } = vars;
     let Input { spindle_angle, slide_position, probe_position, .. } = input;
-    let Numbers { following_limit, forward, endless, line, first } = output.numbers;
+    let Numbers { following_limit, forward, endless, line, first, probe_delay } = output.numbers;
     let (pushes, speed) = (output.push.count, output.spindle_speed);
     let row = format!("for more than `limits.lost_samples` = `{}` samples", p.limits.lost_samples);
     let error = format!(
@@ -282,6 +297,11 @@ fn of_fault(vars: &Vars, fault: Fault, e: f64) -> String {
             };
             format!(": probe at `{probe_position} m`{tested}")
         }
+        Fault::LateProbe => format!(
+            ": `{:.2} ms` after the slide, `sample_period` = `{:.2} ms`",
+            1e3 * probe_delay,
+            1e3 * p.sample_period
+        ),
         Fault::LostSpindle | Fault::SpindleJump => format!(": spindle at `{spindle_angle} rad` {row}"),
         Fault::FrozenSpindle => {
             format!(
@@ -326,20 +346,10 @@ fn of_fault(vars: &Vars, fault: Fault, e: f64) -> String {
     }
 }
 
-/// The same for a commission that was rejected, with the parameters as they were told.
+/// The same for a commission that was rejected, after which what was told is in force.
 fn of_commission(vars: &Vars) -> String {
-    let (mut p, m) = (vars.in_force.clone(), &vars.output.measured);
-    let told = vars.output.told.unwrap_or_else(|| Values::of(&p));
-    told.put(&mut p);
-    let free = vars.input.probe_position <= p.probe.contact;
-    if free && told.accept(&p, m, 0.0) {
-        let mut found = p.clone();
-        told.derived(m).put(&mut found);
-        if let Err(error) = check(&found) {
-            return format!(": {}", error.of_derived());
-        }
-    }
-    let damping = servo_damping(&p, m.slide_bandwidth);
+    let (p, m) = (&vars.in_force, &vars.output.measured);
+    let damping = servo_damping(p, m.slide_bandwidth);
     format!(
         ": bandwidth `{:.1} Hz`, deviation `{:.2} Hz`, limits half and twice `slide.bandwidth` = `{:.1} Hz` as told, `{:.1} Hz` or more for \
          `limits.following_error`, and `commission.deviation_max` = `{}` of it; damping `{:.2}`, limits `{:.2}` to `{:.2}` for \
@@ -348,7 +358,7 @@ fn of_commission(vars: &Vars) -> String {
         m.slide_bandwidth / TAU,
         m.slide_bandwidth_deviation / TAU,
         p.slide.bandwidth / TAU,
-        slowest_servo(&p) / TAU,
+        slowest_servo(p) / TAU,
         p.commission.deviation_max,
         m.slide_damping,
         damping.start(),

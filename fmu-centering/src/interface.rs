@@ -11,7 +11,6 @@ mod variables {
     use std::f64::consts::TAU;
 
     use control_blocks::DELAY_MAX;
-    use crate::commission::Values;
     use crate::monitoring::Numbers;
     use fmi2_export::{Unit, units::*};
 
@@ -99,6 +98,8 @@ mod variables {
         #[hint("begin farther from the ring, allow more `commission.travel` or `commission.acceleration`, look for vibration and friction, and check `slide.bandwidth` and `io_delay`")] CommissionRejected,
         /// The communication step is longer than a sample: several samples have the same inputs, and of their commands the last alone is seen
         #[hint("set the communication step of the importer to `sample_period`")] LongStep,
+        /// The probe tells later than the slide where it was, and what both say of the ring makes no sense
+        #[hint("read probe and slide at the same moment: look for a filter or a slow link of the probe")] LateProbe,
     }
     /// Which law centres the ring.
     pub enum Law {
@@ -158,8 +159,6 @@ mod variables {
         pub measured: Measured,
         /// Numbers that are told with a fault.
         #[var(hidden, start = Numbers::START)] pub numbers: Numbers,
-        /// What was told of the values that a commission derives, for the log.
-        #[var(hidden, start = None)] pub told: Option<Values>,
     }
     /// Command to the servo of the slide.
     pub struct Setpoint {

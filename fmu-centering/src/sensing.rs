@@ -2,6 +2,7 @@
 
 mod calm;
 mod despike;
+mod probe_delay;
 mod rates;
 mod reading;
 mod servo;
@@ -9,6 +10,7 @@ mod spindle;
 
 pub use calm::Calm;
 pub use despike::{Despiker, LAG, Measurement};
+pub use probe_delay::ProbeDelay;
 pub use rates::{Clock, Due};
 pub use reading::{Freedom, RESOLUTION, Reader, Reading, Sample};
 pub use servo::{Fit, Servo, ServoEstimator, TERMS};

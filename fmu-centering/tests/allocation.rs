@@ -96,7 +96,7 @@ fn machine(fault: Fault, mut p: Parameters) -> (Parameters, Ring) {
             ring = Ring::new(4, 0.02, 0.0);
         }
         Fault::Unresolved => p = Parameters { tolerance: 1e-9, ..Parameters::START },
-        Fault::NoProgress => p.limits.job_time = 2.0,
+        Fault::NoProgress | Fault::LateProbe => p.limits.job_time = 2.0,
         // the table of the test turns by itself
         Fault::SpindleSpeed => p.spindle_speed = 1.5 * SPEED,
         Fault::SlowServo => {
@@ -117,6 +117,7 @@ fn disturb(fault: Fault, run: &mut Loop) {
         Fault::Centrifugal => run.ring.speed = SPEED * 130.0 / 20.0,
         _ => {}
     }
+    let mut told = [0.0; 6];
     let (mut slow, mut speed) = (run.output.slide.position_setpoint, 0.0);
     let (place, probe) = (run.output.slide.position_setpoint, AT_PUSHER - run.output.pusher_gap);
     for k in 0..4000 {
@@ -139,6 +140,11 @@ fn disturb(fault: Fault, run: &mut Loop) {
             Fault::ProbeRange => input.probe_position = probe + fast,
             Fault::LostProbe => input.probe_position = f64::NAN,
             Fault::ProbeJump => input.probe_position += 5e-3,
+            Fault::LateProbe => {
+                told.rotate_right(1);
+                told[0] = input.probe_position;
+                input.probe_position = told[5];
+            }
             Fault::FrozenProbe => input.probe_position = probe,
             Fault::LostSpindle => input.spindle_angle = f64::NAN,
             Fault::SpindleJump => input.spindle_angle += 1.0,
@@ -188,9 +194,16 @@ fn every_fault_and_what_comes_after_its_reset() {
         }
         let (p, ring) = machine(fault, p.clone());
         let mut run = Loop::new(&p, ring);
-        // the drive shows in the approach
-        if ![Fault::FrozenReading, Fault::FollowingError, Fault::DriveSign, Fault::WeakDrive, Fault::SlowServo]
-            .contains(&fault)
+        // drive and delay show in the approach
+        if ![
+            Fault::LateProbe,
+            Fault::FrozenReading,
+            Fault::FollowingError,
+            Fault::DriveSign,
+            Fault::WeakDrive,
+            Fault::SlowServo,
+        ]
+        .contains(&fault)
         {
             visit(&mut run, State::Collect);
         }

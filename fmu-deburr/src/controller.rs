@@ -2,6 +2,7 @@
 
 mod commissioning;
 mod following;
+mod registering;
 mod watching;
 
 use control_blocks::{Consecutive, Edge, ParameterError, Progress as Elapsed, SafeEnd, SentCommands, WaitingRequest};
@@ -27,6 +28,8 @@ use crate::path::kinematics::{AXES, Joints};
 use crate::path::route::Route;
 use crate::path::taught_path::TaughtPath;
 use crate::reading::{Known, Reader, Reading};
+use crate::registration::plan;
+use crate::registration::registrar::Registrar;
 use crate::run::Run;
 use crate::servo;
 
@@ -46,6 +49,12 @@ pub struct Controller {
     /// an edge of `commission` waits for axes at rest
     commission_asked: WaitingRequest,
     commission: Edge,
+    registrar: Registrar,
+    /// a registration goes on, or stops
+    registering: bool,
+    /// an edge of `register` waits for axes at rest
+    register_asked: WaitingRequest,
+    register: Edge,
     /// something is being learned; all of it was learned
     learning: bool,
     learned: bool,
@@ -104,6 +113,8 @@ impl Controller {
     pub fn new(p: &Parameters, path: TaughtPath) -> Result<Self, ParameterError> {
         check(p, &path)?;
         let start = feasible::start(p, &path)?;
+        plan::check(p, &path, &start)?;
+        let registrar = Registrar::new(path.touches.len());
         let mut bank = PatternBank::plan(p, &path)?;
         let mut feedforward = Feedforward::new(p, bank.longest());
         if p.bank.compute {
@@ -123,6 +134,10 @@ impl Controller {
             commissioning: false,
             commission_asked: WaitingRequest::default(),
             commission: Edge::default(),
+            registrar,
+            registering: false,
+            register_asked: WaitingRequest::default(),
+            register: Edge::default(),
             learning: false,
             learned: false,
             load,
@@ -203,7 +218,7 @@ impl Controller {
         let grown = grown && self.abandon_repetition(p);
         let found = self.find_fault(p, &reading, found, axes, input);
         self.decide(p, input, &reading, found, (at_rest, grown));
-        self.advance(p, &reading, input.hold);
+        self.advance(p, &reading, input);
         let velocity = self.command(p, &reading);
         self.observe_commission(p, &reading);
         self.report(p, &velocity, output);
@@ -234,6 +249,9 @@ impl Controller {
         self.disabled = !enable || self.disabled && before == State::Stop;
         let edge = self.commission.rises(input.commission);
         let asked = self.commission_asked.update(before.waits(), edge, input.commission);
+        let edge = self.register.rises(input.register);
+        let touches = self.register_asked.update(before.waits(), edge, input.register);
+        let wanted = if before == State::Register { input.register } else { input.commission };
         self.state = next(
             before,
             &Events {
@@ -245,8 +263,9 @@ impl Controller {
                 reset: self.reset.rises(input.reset_fault) && at_rest,
                 end,
                 commission: asked && at_rest && !input.hold,
-                break_off: !input.commission || input.hold,
-                commissioning: self.commissioning,
+                register: touches && at_rest && !input.hold,
+                break_off: !wanted || input.hold,
+                measuring: self.commissioning || self.registering,
                 fault: found.is_fault(),
                 inside: self.inside,
                 grown,
@@ -263,6 +282,7 @@ impl Controller {
         }
         self.take_mode(before, mode, enable);
         self.commissioning &= matches!(self.state, State::Commission | State::Stop | State::Retract);
+        self.registering &= matches!(self.state, State::Register | State::Stop | State::Retract);
         if self.learning && (self.job != Mode::Learn || !self.state.closed()) {
             (self.learning, self.changed) = (false, self.kept.end(&mut self.bank) || self.changed);
         }
@@ -270,9 +290,9 @@ impl Controller {
 
     /// What `mode` asks for where it is no job: nothing moves by itself afterwards.
     fn take_mode(&mut self, before: State, mode: Mode, enable: bool) {
-        // after a fault, after a commission, or after an edge of `enable` that came during a stop
-        let commissioned = self.commissioning && self.state == State::Idle;
-        let ignored = !self.state.closed() || before == State::Fault || commissioned;
+        // after a fault, a commission or a registration, or after an edge of `enable` that came during a stop
+        let measured = (self.commissioning || self.registering) && self.state == State::Idle;
+        let ignored = !self.state.closed() || before == State::Fault || measured;
         if self.state == State::Off && !enable {
             // a mode that changes now does not begin with `enable`
             self.job = if self.asked.is_none_or(|asked| asked == mode) { Mode::Idle } else { mode };
@@ -311,6 +331,7 @@ impl Controller {
             State::Fault => self.holds = before.closed(),
             State::Run => self.begin_run(p),
             State::Commission => self.begin_commission(p),
+            State::Register => self.begin_registration(p, reading),
             _ => {}
         }
         if !before.closed() {
@@ -369,8 +390,21 @@ impl Controller {
 
     fn report(&mut self, p: &Parameters, velocity: &Joints, output: &mut Output) {
         let reference = servo::pulses(p, &self.joints);
-        let Output { axis, saturated, state, fault, drive_enable, path, learn, load, bank, numbers, measured, told } =
-            output;
+        let Output {
+            axis,
+            saturated,
+            state,
+            fault,
+            drive_enable,
+            path,
+            learn,
+            load,
+            bank,
+            numbers,
+            measured,
+            registration,
+            probe,
+        } = output;
         *axis = std::array::from_fn(|i| AxisOutput {
             velocity: velocity[i],
             reference: reference[i] * p.axis[i].pulse,
@@ -385,7 +419,8 @@ impl Controller {
         });
         *saturated = (0..AXES).any(|i| velocity[i].abs() >= p.axis[i].velocity_max);
         (*state, *fault, *numbers) = (self.state, self.fault, self.numbers);
-        (*measured, *told) = (self.commissioner.measured, Some(self.commissioner.told()));
+        *measured = self.commissioner.measured;
+        (*registration, *probe) = (self.registrar.found, self.registering);
         *drive_enable = self.state != State::Fault || self.fault.safe_end() != SafeEnd::DriveOff;
         *path = self.run.report(&self.path, self.on_path, self.state == State::Done && self.job.moves());
         *learn = self.learner.report(p, self.job == Mode::Learn || self.learned, self.learned);

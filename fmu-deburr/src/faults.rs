@@ -20,6 +20,8 @@ pub struct Signs {
     pub nothing_learned: bool,
     /// Why what was measured cannot be used.
     pub commission: Option<Rejection>,
+    /// Of the touches.
+    pub registration: Finding,
     /// Of the tool that cuts.
     pub tool: Finding,
     /// Samples of the job, and how many it may take.
@@ -28,7 +30,7 @@ pub struct Signs {
 
 /// The first that is found, causes before consequences.
 pub fn find(p: &Parameters, signs: &Signs) -> Finding {
-    let &Signs { inputs, axes, run, nothing_learned, commission, tool, job: (samples, most) } = signs;
+    let &Signs { inputs, axes, run, nothing_learned, commission, registration, tool, job: (samples, most) } = signs;
     let empty = if nothing_learned { Finding::plain(Fault::BankEmpty) } else { Finding::NONE };
     let rejected = commission.map_or(Finding::NONE, rejected);
     let seconds = |samples: u64| samples as f64 * p.sample_period;
@@ -36,7 +38,10 @@ pub fn find(p: &Parameters, signs: &Signs) -> Finding {
         true => Finding::beyond(Fault::NoProgress, seconds(samples), seconds(most)),
         false => Finding::NONE,
     };
-    [inputs, axes, run, empty, rejected, tool, late].into_iter().find(Finding::is_fault).unwrap_or(Finding::NONE)
+    [inputs, axes, run, empty, rejected, registration, tool, late]
+        .into_iter()
+        .find(Finding::is_fault)
+        .unwrap_or(Finding::NONE)
 }
 
 /// The number of its axis; 0 is the delay of all, -1 the tool.
@@ -64,8 +69,16 @@ impl Fault {
             | Self::FrozenSpindle
             | Self::SpindleSlow
             | Self::NoCut
-            | Self::NoProgress => SafeEnd::Retract,
-            Self::PatternTooLarge | Self::BankEmpty | Self::CommissionRejected => SafeEnd::Stop,
+            | Self::NoProgress
+            | Self::NoPart
+            | Self::UnexpectedContact
+            | Self::FrozenContact => SafeEnd::Retract,
+            Self::PatternTooLarge
+            | Self::BankEmpty
+            | Self::CommissionRejected
+            | Self::NoTouches
+            | Self::Misplaced
+            | Self::TouchMismatch => SafeEnd::Stop,
             // a command would be one for another place or another drive
             Self::LostReading
             | Self::ReadingJump
@@ -84,7 +97,7 @@ pub fn numbers(Vars { input, output, in_force: p, .. }: &Vars) -> String {
     let Numbers { axis, value, limit, share } = output.numbers;
     let row = format!("for more than `limits.lost_samples` = `{}` samples", p.limits.lost_samples);
     match output.fault {
-        Fault::None | Fault::BankEmpty => String::new(),
+        Fault::None | Fault::BankEmpty | Fault::NoTouches => String::new(),
         Fault::InvalidInput => format!(": `speed_override` = `{}` {row}", input.speed_override),
         Fault::ReadingJump | Fault::LostReading => {
             let position = axis.checked_sub(1).and_then(|i| input.axis.get(i as usize)).map_or(0.0, |i| i.position);
@@ -103,6 +116,24 @@ pub fn numbers(Vars { input, output, in_force: p, .. }: &Vars) -> String {
             format!(": {who} after `{value}` samples, `io_delay` = `{limit}`")
         }
         Fault::CommissionRejected => measured(p, output),
+        Fault::NoPart => {
+            format!(": touch {axis}: `{:.2} mm` on the way to it, limit `{:.2} mm`", 1e3 * value, 1e3 * limit)
+        }
+        Fault::UnexpectedContact => format!(": on the way to touch {axis} `contact` is true {row}"),
+        Fault::FrozenContact => {
+            format!(": touch {axis}: `contact` is true {row}, back at `{:.2} mm` of the way", 1e3 * value)
+        }
+        Fault::TouchMismatch if axis == 0 => ": there is no place of the part that they fit".to_owned(),
+        Fault::TouchMismatch => format!(
+            ": touch {axis} is `{:.1} um` beside where the others say, limit `{:.1} um`",
+            1e6 * value,
+            1e6 * limit
+        ),
+        Fault::Misplaced => match axis {
+            1 => format!(": it is shifted by `{:.3} mm`, limit `{:.3} mm`", 1e3 * value, 1e3 * limit),
+            2 => format!(": it is turned by `{:.3} mrad`, limit `{:.3} mrad`", 1e3 * value, 1e3 * limit),
+            _ => format!(": the robot cannot follow the path `{value:.4} m` from its start, of `{limit:.4} m`"),
+        },
         Fault::PatternTooLarge => format!(": limit `{} pulses`", p.limits.pulses_max),
         Fault::SpindleSlow => format!(": `spindle_speed` = `{value:.1} rad/s`, limit `{limit:.1} rad/s`"),
         Fault::LongStep => format!(": limit `{} s`", p.sample_period),
@@ -114,7 +145,7 @@ pub fn numbers(Vars { input, output, in_force: p, .. }: &Vars) -> String {
     }
 }
 
-/// What was measured and cannot be used, with its limits.
+/// What was measured and cannot be used, with its limits; what was told is in force again.
 fn measured(p: &Parameters, output: &Output) -> String {
     let (m, axis) = (&output.measured, output.numbers.axis);
     if let Some(drive) = axis.checked_sub(1).and_then(|i| m.axis.get(i as usize)) {
@@ -133,25 +164,23 @@ fn measured(p: &Parameters, output: &Output) -> String {
             p.commission.delay_deviation_max,
         );
     }
-    let mut told = p.clone();
-    let values = output.told.unwrap_or_else(|| Values::of(p));
-    values.put(&mut told);
     match axis {
         0 => format!(
             ": they answer after `{:.3}` samples, limits `{}` and `{}` for `io_delay` = `{}` as told",
             m.io_delay,
-            delays(told.io_delay).start(),
-            delays(told.io_delay).end(),
-            told.io_delay
+            delays(p.io_delay).start(),
+            delays(p.io_delay).end(),
+            p.io_delay
         ),
         -1 => format!(
             ": the tool idles at `{:.1} rad/s`, deviation `{:.2} rad/s`, limits half and twice `load.idle_speed` = `{:.1} rad/s` as told \
              and `commission.deviation_max` = `{}` of it",
-            m.idle_speed, m.idle_speed_deviation, told.load.idle_speed, p.commission.deviation_max
+            m.idle_speed, m.idle_speed_deviation, p.load.idle_speed, p.commission.deviation_max
         ),
         _ => {
-            values.derived(m).put(&mut told);
-            check_delay(&told).err().map_or_else(String::new, |error| format!(": {}", error.of_derived()))
+            let mut found = p.clone();
+            Values::of(p).derived(m).put(&mut found);
+            check_delay(&found).err().map_or_else(String::new, |error| format!(": {}", error.of_derived()))
         }
     }
 }
@@ -177,6 +206,7 @@ mod tests {
         run: Finding::NONE,
         nothing_learned: false,
         commission: None,
+        registration: Finding::NONE,
         tool: Finding::NONE,
         job: (7, 7),
     };
@@ -210,7 +240,9 @@ mod tests {
                     SafeEnd::Retract
                 }
                 Fault::SpindleSlow | Fault::NoCut | Fault::NoProgress => SafeEnd::Retract,
+                Fault::NoPart | Fault::UnexpectedContact | Fault::FrozenContact => SafeEnd::Retract,
                 Fault::PatternTooLarge | Fault::BankEmpty | Fault::CommissionRejected => SafeEnd::Stop,
+                Fault::NoTouches | Fault::Misplaced | Fault::TouchMismatch => SafeEnd::Stop,
                 _ => SafeEnd::DriveOff,
             };
             assert_eq!(fault.safe_end(), expected, "{fault:?}");
@@ -232,7 +264,7 @@ mod tests {
         assert_eq!(numbers(&vars), ": `spindle_speed` = `900.0 rad/s`, limit `1675.5 rad/s`");
         for fault in Fault::ALL {
             vars.output.fault = *fault;
-            let silent = matches!(fault, Fault::None | Fault::BankEmpty);
+            let silent = matches!(fault, Fault::None | Fault::BankEmpty | Fault::NoTouches);
             assert_eq!(numbers(&vars).is_empty(), silent, "{fault:?}");
         }
     }
@@ -245,9 +277,7 @@ mod tests {
         let drive = &mut vars.output.measured.axis[1];
         (drive.gain, drive.gain_deviation, drive.delay, drive.lag_deviation) = (0.81, 0.003, 2.5, 1e-4);
         vars.output.measured.idle_speed = 123.4;
-        // what another commission has brought into force before was not told
-        vars.output.told = Some(Values::of(&vars.in_force));
-        (vars.in_force.io_delay, vars.in_force.load.idle_speed, vars.in_force.learn.lead_in) = (2, 1500.0, 2);
+        vars.in_force.learn.lead_in = 2;
         for (what, parts) in [
             (
                 Rejection::Drive(2),
@@ -293,6 +323,34 @@ mod tests {
             (Fault::NoCut, plain, ": it changed by `2.50 rad/s`, at least `1.25 rad/s`"),
             (Fault::NoCut, Numbers { share: Some(0.25), ..plain }, ": idle for `250.0 mm`, limit `1250.0 mm`"),
             (Fault::NoProgress, plain, ": `2.5 s`, limit `1.2 s`"),
+            (Fault::NoPart, axis, ": touch 1: `2500.00 mm` on the way to it, limit `1250.00 mm`"),
+            (
+                Fault::UnexpectedContact,
+                axis,
+                ": on the way to touch 1 `contact` is true for more than `limits.lost_samples` = `3` samples",
+            ),
+            (
+                Fault::FrozenContact,
+                axis,
+                ": touch 1: `contact` is true for more than `limits.lost_samples` = `3` samples, back at `2500.00 mm` of the way",
+            ),
+            (Fault::TouchMismatch, plain, ": there is no place of the part that they fit"),
+            (
+                Fault::TouchMismatch,
+                axis,
+                ": touch 1 is `2500000.0 um` beside where the others say, limit `1250000.0 um`",
+            ),
+            (Fault::Misplaced, axis, ": it is shifted by `2500.000 mm`, limit `1250.000 mm`"),
+            (
+                Fault::Misplaced,
+                Numbers { axis: 2, ..plain },
+                ": it is turned by `2500.000 mrad`, limit `1250.000 mrad`",
+            ),
+            (
+                Fault::Misplaced,
+                Numbers { axis: 3, ..plain },
+                ": the robot cannot follow the path `2.5000 m` from its start, of `1.2500 m`",
+            ),
         ];
         for (fault, numbers_of, expected) in told {
             (vars.output.fault, vars.output.numbers) = (fault, numbers_of);

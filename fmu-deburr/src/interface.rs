@@ -17,7 +17,6 @@ mod variables {
     use fmi2_export::Unit;
 
     use crate::learning::speeds::Speeds;
-    use crate::commission::values::Values;
     use crate::monitoring::numbers::Numbers;
 
     const PER_SECOND: Unit = Unit::si("1/s", [0, 0, -1, 0, 0], &[]);
@@ -67,6 +66,8 @@ mod variables {
         Retract,
         /// Measures its drives with small motions about the place where it stands, in air, and comes back to it
         Commission,
+        /// Touches the part to find where it lies
+        Register,
     }
     /// Why the controller is in the state Fault
     pub enum Fault {
@@ -112,6 +113,18 @@ mod variables {
         #[hint("has the tool stalled? look at its speed sensor, or raise `limits.spindle_slew`")] SpindleJump,
         /// What the commission has measured of a drive or of the tool is not sure enough, or not what this controller can hold
         #[hint("is the tool on, and free? allow more `commission.travel`, look for friction, noise and readings that are late, and check `axisN.pulse`, `io_delay` and `load.idle_speed`")] CommissionRejected,
+        /// The path has no `touches`
+        #[hint("write at least four into `path.file`, on faces across each other")] NoTouches,
+        /// A touch has come to the end of its way, and nothing was felt
+        #[hint("is there a part, is it where it should be within `approach_m`, and does the probe live?")] NoPart,
+        /// The probe felt something on its way to a touch, where nothing should be
+        #[hint("does the contact of the probe stick? is the part farther out than `approach_m`, or lower than `transfer.clearance` thinks?")] UnexpectedContact,
+        /// The probe is away from the part again and its contact stays
+        #[hint("does the contact of the probe stick, and is `register.retract` more than its travel?")] FrozenContact,
+        /// The touches do not fit together: a part that has only moved and turned would leave less than `limits.touch_residual`
+        #[hint("is there a chip, a burr or another part at that touch?")] TouchMismatch,
+        /// The part lies farther from where it was taught than `limits.shift` or `limits.turn`, or where the robot cannot follow the path
+        #[hint("lay it where it was taught")] Misplaced,
     }
     /// Law in force; Paper leaves `bank.format` and the sign of `load.k2` alone
     pub enum Law {
@@ -167,6 +180,11 @@ mod variables {
         /// Rising edge in `Idle` or `Done` measures the drives and the tool, once the axes are at rest; false, `hold`, no `enable` or
         /// another `mode` breaks off: decelerate, `Idle`
         pub commission: bool,
+        /// Rising edge in `Idle` or `Done` touches the part to find where it lies, once the axes are at rest; false, `hold`, no `enable`
+        /// or another `mode` breaks off: decelerate, `Idle`
+        pub register: bool,
+        /// The probe touches; counts while `probe` is true
+        pub contact: bool,
         /// Rising edge ends a fault once the axes are at rest
         pub reset_fault: bool,
     }
@@ -190,9 +208,31 @@ mod variables {
         pub bank: BankOutput,
         /// What is told with the fault.
         #[var(hidden, start = Numbers::START)] pub numbers: Numbers,
-        /// What was told of the values that a commission derives, for the log.
-        #[var(hidden, start = None)] pub told: Option<Values>,
         pub measured: Measured,
+        pub registration: Registration,
+        /// The probe is to stand in place of the tool, whose tip it has
+        pub probe: bool,
+    }
+    /// Where the part lies, as it was found by touches, each number with its standard deviation; 0 before.
+    pub struct Registration {
+        /// The last registration came to its end, and the path follows it; false from the next one on
+        pub valid: bool,
+        /// Shift of the part along x, at the middle of its touches
+        #[var(unit = METRE as "mm")] pub x: f64,
+        /// Its standard deviation
+        #[var(unit = METRE as "um")] pub x_deviation: f64,
+        /// Shift of the part along y, at the middle of its touches
+        #[var(unit = METRE as "mm")] pub y: f64,
+        /// Its standard deviation
+        #[var(unit = METRE as "um")] pub y_deviation: f64,
+        /// Turn of the part about the vertical
+        #[var(unit = RADIAN as "deg")] pub angle: f64,
+        /// Its standard deviation
+        #[var(unit = RADIAN as "deg")] pub angle_deviation: f64,
+        /// Largest distance of a touch from where the part lies by all of them
+        #[var(unit = METRE as "um")] pub residual: f64,
+        /// Touches that are done
+        pub touches: i32,
     }
     /// What the commission has measured, each with its standard deviation; 0 before.
     pub struct Measured {
@@ -329,6 +369,7 @@ mod variables {
         pub load: Load,
         pub limits: Limits,
         pub commission: Commission,
+        pub register: Register,
     }
     /// One axis.
     pub struct Axis {
@@ -483,6 +524,21 @@ mod variables {
         /// File that a good commission writes: JSON, the parameters that it derives; empty: none
         pub export: String,
     }
+    /// Bounds of the state `Register`, and what is known of the probe.
+    pub struct Register {
+        /// Speed towards the part and back
+        #[var(unit = METRE_PER_SECOND as "mm/s", range = 1e-4..=0.05, start = 5e-3, source = "derived: 0.5 mm of way after the contact")] pub speed: f64,
+        /// Speed of the second touch, which counts
+        #[var(unit = METRE_PER_SECOND as "mm/s", range = 1e-5..=0.01, start = 1e-3, source = "derived: 10 um in a sample, 3 um of deviation")] pub touch_speed: f64,
+        /// Way back between both
+        #[var(unit = METRE as "mm", range = 1e-4..=0.05, start = 1e-3, source = "our choice: more than the way after the contact")] pub retract: f64,
+        /// Way of the probe from its touch to its contact
+        #[var(unit = METRE as "um", range = 0.0..=1e-3, source = "touch a known face")] pub pretravel: f64,
+        /// Standard deviation of a touch beside those of sample and count
+        #[var(unit = METRE as "um", range = 0.0..=1e-3, start = 3e-6, source = "our choice: half a count of noise, and the probe")] pub deviation: f64,
+        /// Longest time; 0 for what its motions take, a quarter more and 1 s
+        #[var(unit = SECOND, range = 0.0..=1e6, source = "derived: 1.25 times the motions + 1 s")] pub time: f64,
+    }
     /// What is a fault beyond.
     pub struct Limits {
         pub axis: [AxisLimits; 6],
@@ -508,6 +564,12 @@ mod variables {
         /// of 0 but for `Learn`, which has its own speeds.
         /// 0 for twice the time at the slowest feed, with motions to the start through the whole travel
         #[var(unit = SECOND, range = 0.0..=1e6, source = "derived")] pub job_time: f64,
+        /// Shift of a registered part that is a fault
+        #[var(unit = METRE as "mm", range = 1e-6..=0.1, start = 4e-3, source = "our choice: 2 mm each way and some turn, within an approach of 5 mm")] pub shift: f64,
+        /// Turn of a registered part that is a fault
+        #[var(unit = RADIAN as "deg", range = 1e-6..=1.0, start = 0.01, source = "our choice: 1 mm at 0.1 m")] pub turn: f64,
+        /// Distance of a touch from where the part lies by all of them that is a fault
+        #[var(unit = METRE as "um", range = 1e-6..=0.01, start = 3e-5, source = "our choice: six deviations of a touch")] pub touch_residual: f64,
     }
     /// What is a fault of one axis.
     pub struct AxisLimits {

@@ -16,6 +16,7 @@ mod machine;
 pub mod monitoring;
 pub mod path;
 mod reading;
+mod registration;
 mod run;
 mod servo;
 
@@ -30,7 +31,7 @@ use path::path_file;
 impl Model for Controller {
     // `longest_step` as measured: docs/communication-step.md
     const INFO: Info =
-        Info { name: "VariableSpeedDeburring", state_version: 8, stop_time: 10.0, longest_step: 1.0, ..package!() };
+        Info { name: "VariableSpeedDeburring", state_version: 9, stop_time: 10.0, longest_step: 1.0, ..package!() };
     type Vars = Vars;
 
     fn calculate(vars: &mut Vars) {
@@ -62,13 +63,16 @@ impl Model for Controller {
         let before = vars.output.measured.valid;
         self.bring_into_force(&mut vars.in_force);
         self.tick(&vars.input, &vars.in_force, &mut vars.output);
+        // a fault is told with what counts from now on
+        self.bring_into_force(&mut vars.in_force);
         if vars.output.measured.valid && !before {
             // a machine does not stop because a file cannot be written
             self.export(&vars.in_force).unwrap_or_else(|error| env.warn(error));
         }
         if self.take_export() {
             let bank = &mut vars.output.bank;
-            let written = storage::export(&vars.in_force, self.path(), self.bank(), bank);
+            let taught = self.bank_as_taught(&vars.in_force);
+            let written = storage::export(&vars.in_force, self.path(), &taught, bank);
             if written { env.event(&bank.message) } else { env.warn(&bank.message) }
         }
         Ok(())

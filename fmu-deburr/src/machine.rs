@@ -54,10 +54,12 @@ pub struct Events {
     pub end: Option<SafeEnd>,
     /// A commission is asked for, and the axes are at rest.
     pub commission: bool,
-    /// The commission is to be broken off.
+    /// A registration is asked for, and the axes are at rest.
+    pub register: bool,
+    /// The commission or registration is to be broken off.
     pub break_off: bool,
-    /// What stops is a commission.
-    pub commissioning: bool,
+    /// What stops is a commission or a registration.
+    pub measuring: bool,
     /// Something is wrong in this sample.
     pub fault: bool,
     /// The tool may be in the part.
@@ -88,7 +90,7 @@ fn ending(state: State, end: SafeEnd, events: &Events) -> State {
     let retracts = end == SafeEnd::Retract && events.inside;
     match state {
         _ if end == SafeEnd::DriveOff => State::Fault,
-        State::Approach | State::Run | State::Commission => State::Stop,
+        State::Approach | State::Run | State::Commission | State::Register => State::Stop,
         State::Stop | State::Retract if !over => state,
         State::Idle | State::Settle | State::Done | State::Stop if retracts => State::Retract,
         _ => State::Fault,
@@ -102,8 +104,9 @@ fn going_on(state: State, events: &Events) -> State {
     match state {
         State::Off | State::Fault | State::Retract => State::Idle,
         State::Idle | State::Settle | State::Done if !enable => State::Off,
-        State::Approach | State::Run | State::Commission if !enable => State::Stop,
+        State::Approach | State::Run | State::Commission | State::Register if !enable => State::Stop,
         State::Idle | State::Done if mode == job && events.commission => State::Commission,
+        State::Idle | State::Done if mode == job && events.register => State::Register,
         State::Idle | State::Done if mode == job => state,
         State::Idle | State::Done => match mode {
             Mode::Idle => State::Idle,
@@ -112,7 +115,7 @@ fn going_on(state: State, events: &Events) -> State {
         },
         State::Stop if !over => State::Stop,
         State::Stop if disabled => State::Off,
-        State::Stop if events.commissioning => State::Idle,
+        State::Stop if events.measuring => State::Idle,
         State::Stop if mode != job => State::Idle,
         State::Stop if hold => State::Stop,
         State::Stop if events.learned => State::Done,
@@ -126,9 +129,9 @@ fn going_on(state: State, events: &Events) -> State {
         State::Settle if over && !hold => State::Run,
         State::Run if progress == Progress::Again => State::Approach,
         State::Run if over => State::Done,
-        State::Commission if events.break_off || mode != job => State::Stop,
-        State::Commission if over => State::Idle,
-        State::Approach | State::Settle | State::Run | State::Commission => state,
+        State::Commission | State::Register if events.break_off || mode != job => State::Stop,
+        State::Commission | State::Register if over => State::Idle,
+        State::Approach | State::Settle | State::Run | State::Commission | State::Register => state,
     }
 }
 
@@ -145,8 +148,9 @@ mod tests {
         reset: false,
         end: None,
         commission: false,
+        register: false,
         break_off: false,
-        commissioning: false,
+        measuring: false,
         fault: false,
         inside: true,
         grown: false,
@@ -160,7 +164,7 @@ mod tests {
         for state in State::ALL.iter().filter(|state| **state != State::Retract) {
             let expected = match state {
                 State::Fault => State::Fault,
-                State::Approach | State::Run | State::Stop | State::Commission => State::Stop,
+                State::Approach | State::Run | State::Stop | State::Commission | State::Register => State::Stop,
                 _ => State::Off,
             };
             assert_eq!(next(*state, &Events { enable: false, disabled: true, ..EVENTS }), expected, "{state:?}");
@@ -286,18 +290,24 @@ mod tests {
         // a job that is asked for as well comes first
         assert_eq!(next(State::Done, &Events { mode: Mode::Learn, ..asked }), State::Approach);
         assert_eq!(next(State::Done, &Events { enable: false, ..asked }), State::Off);
+        // and a registration afterwards
+        assert_eq!(next(State::Done, &Events { register: true, ..asked }), State::Commission);
+        assert_eq!(next(State::Done, &Events { register: true, ..EVENTS }), State::Register);
+        assert_eq!(next(State::Settle, &Events { register: true, ..EVENTS }), State::Settle);
         let over = Events { progress: Progress::Over, ..EVENTS };
-        assert_eq!(next(State::Commission, &EVENTS), State::Commission);
-        assert_eq!(next(State::Commission, &over), State::Idle);
-        for broken in [
-            Events { break_off: true, ..over },
-            Events { mode: Mode::Learn, ..over },
-            Events { enable: false, ..over },
-            Events { end: Some(SafeEnd::Stop), ..over },
-        ] {
-            assert_eq!(next(State::Commission, &broken), State::Stop);
+        for measures in [State::Commission, State::Register] {
+            assert_eq!(next(measures, &EVENTS), measures);
+            assert_eq!(next(measures, &over), State::Idle);
+            for broken in [
+                Events { break_off: true, ..over },
+                Events { mode: Mode::Learn, ..over },
+                Events { enable: false, ..over },
+                Events { end: Some(SafeEnd::Stop), ..over },
+            ] {
+                assert_eq!(next(measures, &broken), State::Stop);
+            }
         }
-        let stops = Events { commissioning: true, ..EVENTS };
+        let stops = Events { measuring: true, ..EVENTS };
         assert_eq!(next(State::Stop, &stops), State::Stop);
         assert_eq!(next(State::Stop, &Events { progress: Progress::Over, ..stops }), State::Idle);
         // without going on with a mode that came meanwhile

@@ -13,3 +13,5 @@ pub use feed::Point;
 pub use geometry::{Block, Pose, Vector};
 pub use kinematics::{AXES, Joints};
 pub use taught_path::TaughtPath;
+
+pub use crate::registration::touch::Touch;

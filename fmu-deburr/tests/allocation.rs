@@ -5,7 +5,7 @@
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 use fmu_deburr::controller::Controller;
 use fmu_deburr::interface::{AxisInput, Fault, Input, Law, LearningLaw, Mode, Output, Parameters, State};
-use fmu_deburr::path::path_file;
+use fmu_deburr::path::{Vector, path_file};
 
 #[global_allocator]
 static ALLOCATOR: AllocDisabler = AllocDisabler;
@@ -18,6 +18,8 @@ struct Loop {
     output: Output,
     told: [f64; 6],
     share: f64,
+    /// what the probe feels, for the way of the tip beyond the taught place of a touch, m
+    feels: fn(usize, f64) -> bool,
 }
 
 impl Loop {
@@ -27,13 +29,14 @@ impl Loop {
         parameters.limits.spindle_change = 0.0;
         parameters.limits.axis.iter_mut().for_each(|axis| axis.pattern_error = 0.1);
         change(&mut parameters);
-        let path = path_file::read(&parameters, None).unwrap();
+        let resources = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("resources");
+        let path = path_file::read(&parameters, Some(&resources)).unwrap();
         let controller = Controller::new(&parameters, path).unwrap();
         let mut input = Input { enable: true, ..Input::START };
         for (axis, position) in input.axis.iter_mut().zip([-0.1, 0.02, 0.7, 0.0, 0.0, 0.0]) {
             axis.position = position;
         }
-        Self { controller, parameters, input, output: Output::START, told: [0.0; 6], share: 1.0 }
+        Self { controller, parameters, input, output: Output::START, told: [0.0; 6], share: 1.0, feels: |_, _| false }
     }
 
     fn step(&mut self) {
@@ -41,6 +44,14 @@ impl Loop {
             self.input.axis[i] = AxisInput { position: self.input.axis[i].position + 0.01 * self.share * self.told[i] };
         }
         self.told = self.output.axis.map(|axis| axis.velocity);
+        let tip = self.parameters.arm.forward(&self.input.axis.map(|axis| axis.position)).tip;
+        let number = self.output.registration.touches as usize;
+        let touch = self.controller.path().touches.get(number);
+        self.input.contact = touch.is_some_and(|touch| {
+            let aside: Vector = tip - touch.pose.tip;
+            let out = aside.dot(&touch.normal);
+            (aside - touch.normal * out).norm() < 1e-3 && (self.feels)(number, -out)
+        });
         self.tick();
     }
 
@@ -99,6 +110,33 @@ fn a_commission_that_is_applied_and_one_that_is_broken_off() {
     }
 }
 
+#[test]
+fn a_registration_that_moves_learned_patterns_and_one_that_is_broken_off() {
+    let mut run = touching(|_, inside| inside > 1e-3);
+    run.input.mode = Mode::Learn;
+    run.step_until(|output| output.state == State::Done);
+    for valid in [true, false] {
+        (run.input.register, run.input.mode) = (false, Mode::Idle);
+        (0..200).for_each(|_| run.step());
+        run.input.register = true;
+        run.step_until(|output| output.state == State::Register);
+        (0..400).for_each(|_| run.step());
+        run.input.register = valid;
+        run.step_until(|output| output.state == State::Idle);
+        assert_eq!((run.output.registration.valid, run.output.fault), (valid, Fault::None));
+        // all faces are farther in by 1 mm: both normals
+        assert_eq!(run.output.registration.x < -1e-3, valid, "{:?}", run.output.registration);
+    }
+}
+
+/// A part with touches, and what its probe feels.
+fn touching(feels: fn(usize, f64) -> bool) -> Loop {
+    let mut run = Loop::new(|p| p.path.file = "touched.json".to_owned());
+    run.feels = feels;
+    (0..100).for_each(|_| run.step());
+    run
+}
+
 /// A job on its way, on a machine and with inputs that lead to a fault.
 fn towards(fault: Fault) -> Loop {
     let running = |mode: Mode, change: fn(&mut Parameters)| {
@@ -121,6 +159,16 @@ fn towards(fault: Fault) -> Loop {
             (0..100).for_each(|_| run.step());
             run
         }
+        Fault::NoTouches => {
+            let mut run = Loop::new(nothing);
+            (0..100).for_each(|_| run.step());
+            run
+        }
+        Fault::NoPart => touching(|_, _| false),
+        Fault::UnexpectedContact => touching(|_, _| true),
+        Fault::FrozenContact => touching(|_, inside| inside > -4.99e-3),
+        Fault::TouchMismatch => touching(|touch, inside| inside > if touch == 2 { 0.0 } else { 1e-3 }),
+        Fault::Misplaced => touching(|_, inside| inside > 4.5e-3),
         Fault::Oscillation => Loop::new(|p| (p.servo_gain, p.lookup.enable) = ([150.0; 6], false)),
         Fault::NoCut => running(Mode::Deburr, |p| p.limits.spindle_change = 2.0),
         Fault::WrongDelay => running(Mode::DryRun, |p| p.io_delay = 3),
@@ -163,6 +211,8 @@ fn towards(fault: Fault) -> Loop {
         Fault::Oscillation => run.input.mode = Mode::DryRun,
         Fault::FollowingError => run.share = 3.0,
         Fault::CommissionRejected => run.input.commission = true,
+        Fault::NoTouches | Fault::NoPart | Fault::UnexpectedContact => run.input.register = true,
+        Fault::FrozenContact | Fault::TouchMismatch | Fault::Misplaced => run.input.register = true,
         Fault::None | Fault::PatternTooLarge | Fault::NoCut | Fault::WrongDelay | Fault::NoProgress => {}
         Fault::FrozenSpindle => {}
     }
@@ -173,11 +223,11 @@ fn towards(fault: Fault) -> Loop {
 fn no_fault_allocates() {
     for fault in Fault::ALL.iter().skip(1) {
         let mut run = towards(*fault);
-        for _ in 0..4500 {
+        for _ in 0..8000 {
             run.step();
         }
         assert_eq!((run.output.state, run.output.fault), (State::Fault, *fault));
-        run.input.commission = false;
+        (run.input.commission, run.input.register) = (false, false);
         (run.input.spindle_speed, run.input.speed_override, run.share) = (1885.0, 1.0, 1.0);
         if *fault == Fault::LostReading {
             run.input.axis = run.output.axis.map(|axis| AxisInput { position: axis.reference });

@@ -328,6 +328,8 @@ impl Controller {
     fn stop(&mut self, p: &Parameters, fault: Fault, reading: &Reading) {
         self.fault = fault;
         self.numbers.force_left = self.force_left();
+        self.numbers.force_constant = p.stage.force_constant;
+        self.numbers.swings = self.monitors.swing.count();
         self.numbers.following_limit = following_limit(p) + self.motion.late(p);
         if fault.safe_end() == SafeEnd::DriveOff {
             self.strayed = reading.position.map_or(0.0, |z| self.motion.reference.position - z);
@@ -419,7 +421,6 @@ impl Controller {
             tracking_error: direction * error,
             measured: self.commissioner.measured,
             drive_share: self.monitors.drive.share().unwrap_or(1.0),
-            told: Some(self.commissioner.told()),
             numbers: self.numbers,
         };
     }

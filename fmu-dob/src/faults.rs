@@ -18,7 +18,7 @@ const WRONG_WAY: f64 = -0.2;
 const ROW: u32 = 3;
 /// Least limit of the following error (m), and how many times the error of the hardest acceleration it is.
 const FOLLOWING: (f64, f64) = (20e-6, 3.0);
-/// Changes from one limit of the current to the other that make an oscillation.
+/// Changes in a row from one side to the other that make an oscillation.
 const REVERSALS: u32 = 6;
 
 impl Fault {
@@ -66,6 +66,8 @@ pub struct Symptoms<'a> {
     pub limited: u32,
     /// Changes in a row from one limit of the current to the other.
     pub reversals: u32,
+    /// Changes in a row of the inertial force from one side to the other while the reference does not accelerate.
+    pub swings: u32,
     /// Samples in a row with a following error beyond its limit.
     pub astray: u32,
     /// Samples in a row with a disturbance beyond its limit.
@@ -102,7 +104,7 @@ pub fn find(p: &Parameters, symptoms: &Symptoms) -> Option<Fault> {
         (Fault::FrozenReading, s.standing || lost(Loss::Stands)),
         (Fault::ReadingJump, lost(Loss::Jumps)),
         (Fault::LostReading, lost(Loss::Told)),
-        (Fault::Oscillation, s.reversals >= REVERSALS),
+        (Fault::Oscillation, s.reversals.max(s.swings) >= REVERSALS),
         (Fault::Saturation, s.limited > ticks(p.limits.saturated_time, p.sample_period)),
         (Fault::FollowingError, s.astray >= ROW),
         (Fault::Overload, s.overloaded >= ROW),
@@ -165,6 +167,10 @@ pub fn numbers(vars: &Vars) -> String {
         Fault::Overload => format!(": {error}, limit of the disturbance `{} N`", disturbance_limit(p)),
         Fault::DriveSign => format!(": {error}"),
         Fault::WeakDrive => format!(": {error}, least `limits.drive_share` = `{}`", p.limits.drive_share),
+        Fault::Oscillation if output.numbers.swings >= REVERSALS => format!(
+            ": `{REVERSALS}` swings beyond `guard.force` = `{} N` while the reference does not accelerate; {error}",
+            p.guard_force
+        ),
         Fault::Oscillation => {
             format!(": `{REVERSALS}` changes from limit to limit of `stage.current_max` = `{} A`", p.stage.current_max)
         }
@@ -224,22 +230,20 @@ pub fn disturbance_limit(p: &Parameters) -> f64 {
     f64::max(0.5 * p.stage.force_constant * p.stage.current_max, p.guard_force + p.stage.mass * hardest(p))
 }
 
-/// What cannot be used of a commission, by the parameters in force and those that were told.
+/// What cannot be used of a commission, after which what was told is in force.
 fn rejected(p: &Parameters, output: &Output) -> String {
-    let (mut told, m) = (p.clone(), &output.measured);
-    let values = output.told.unwrap_or_else(|| Values::of(p));
-    values.put(&mut told);
-    let longest = longest_delay(&told, *bearable_delays(told.io_delay).end() as usize);
-    let constants = [p.stage.force_constant, told.stage.force_constant];
+    let (told, m) = (Values::of(p), &output.measured);
+    let longest = longest_delay(p, *bearable_delays(p.io_delay).end() as usize);
+    let constants = [output.numbers.force_constant, p.stage.force_constant];
     let noise = m.slope_sigma > 0.0;
     let good = if noise {
-        values.quiet(&told, m)
+        told.quiet(p, m)
     } else {
-        constants.into_iter().all(|constant| acceptable(&told, constant, longest, m))
+        constants.into_iter().all(|constant| acceptable(p, constant, longest, m))
     };
     if good {
-        let mut found = told.clone();
-        let derived = if noise { values.derived(&told, m) } else { values.with_response(m) };
+        let mut found = p.clone();
+        let derived = if noise { told.derived(p, m) } else { told.with_response(m) };
         derived.put(&mut found);
         if let Err(error) = check_derived(&found) {
             return format!(": {}", error.of_derived());
@@ -250,9 +254,9 @@ fn rejected(p: &Parameters, output: &Output) -> String {
             ": noise of the slope `{} N/s`, limit `limits.slope_sigma_max` = `{} N/s` as told; force that noise and cogging ask of \
              the guard `{} N`, limit three times `guard.force` = `{} N` as told",
             m.slope_sigma,
-            told.limits.slope_sigma_max,
-            values::guard(&told, m),
-            told.guard_force
+            p.limits.slope_sigma_max,
+            values::guard(p, m),
+            p.guard_force
         );
     }
     format!(
@@ -261,8 +265,8 @@ fn rejected(p: &Parameters, output: &Output) -> String {
          the loop is stable, and `commission.delay_deviation_max` = `{}` beside `{}` of the current loop",
         m.force_constant,
         m.force_constant_deviation,
-        told.stage.force_constant,
         p.stage.force_constant,
+        output.numbers.force_constant,
         p.commission.deviation_max,
         m.io_delay,
         m.io_delay_deviation,
@@ -302,6 +306,7 @@ mod tests {
             steady_spindle: true,
             limited: 0,
             reversals: 0,
+            swings: 0,
             astray: 0,
             overloaded: 0,
             share: Some(1.0),
@@ -327,7 +332,7 @@ mod tests {
             set(&mut reading, &mut all, value);
             find(&p, &Symptoms { reading: &reading, ..all })
         };
-        let limits: [(Set, f64, f64, Fault); 15] = [
+        let limits: [(Set, f64, f64, Fault); 16] = [
             (|r, _, x| r.lost = x as u32, 7.0, 8.0, Fault::LostReading),
             (|r, _, x| (r.lost, r.loss) = (x as u32, Loss::Jumps), 7.0, 8.0, Fault::ReadingJump),
             (|r, _, x| (r.lost, r.loss) = (x as u32, Loss::Stands), 7.0, 8.0, Fault::FrozenReading),
@@ -335,6 +340,7 @@ mod tests {
             (|r, _, x| r.invalid = x as u32, 7.0, 8.0, Fault::LostSpindle),
             (|_, s, x| s.limited = x as u32, 9.0, 10.0, Fault::Saturation),
             (|_, s, x| s.reversals = x as u32, 5.0, 6.0, Fault::Oscillation),
+            (|_, s, x| s.swings = x as u32, 5.0, 6.0, Fault::Oscillation),
             (|_, s, x| s.astray = x as u32, 2.0, 3.0, Fault::FollowingError),
             (|_, s, x| s.overloaded = x as u32, 2.0, 3.0, Fault::Overload),
             (|_, s, x| s.share = Some(x), 0.4, 0.39, Fault::WeakDrive),
@@ -445,17 +451,15 @@ mod tests {
         let mut vars = <Vars as fmi2_export::Interface>::START;
         vars.output.fault = Fault::CommissionRejected;
         assert!(numbers(&vars).starts_with(": thrust constant `0 N/A`"), "{}", numbers(&vars));
-        vars.output.measured.slope_sigma = 2.5;
-        assert!(numbers(&vars).starts_with(": noise of the slope `2.5 N/s`"), "{}", numbers(&vars));
+        vars.output.measured.slope_sigma = 7.5;
+        assert!(numbers(&vars).starts_with(": noise of the slope `7.5 N/s`"), "{}", numbers(&vars));
     }
 
     #[test]
     fn a_rejected_commission_tells_what_was_told_and_what_the_parameters_do_not_bear() {
         let mut vars = <Vars as fmi2_export::Interface>::START;
         vars.output.fault = Fault::CommissionRejected;
-        // what another commission has brought into force before was not told
-        vars.output.told = Some(Values::of(&vars.in_force));
-        (vars.in_force.stage.force_constant, vars.in_force.io_delay) = (25.0, 2);
+        vars.output.numbers.force_constant = 25.0;
         let told = numbers(&vars);
         assert!(
             told.contains("`20 N/A` as told and `25 N/A` in force") && told.contains("limits `0` to `3`"),
@@ -466,8 +470,7 @@ mod tests {
         vars.in_force.commission.force = 0.9 * 20.0 * vars.in_force.stage.current_max;
         let told = numbers(&vars);
         assert!(told.contains("do not fit: parameter `commission.force` would be"), "{told}");
-        // the noise is judged by limits that were told
-        (vars.output.measured.slope_sigma, vars.in_force.limits.slope_sigma_max) = (9.0, 3.0);
+        vars.output.measured.slope_sigma = 9.0;
         assert!(numbers(&vars).contains("`limits.slope_sigma_max` = `5 N/s` as told"), "{}", numbers(&vars));
     }
 

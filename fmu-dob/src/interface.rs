@@ -8,7 +8,6 @@ pub use variables::*;
 #[fmi2_export::interface]
 mod variables {
     use control_blocks::DELAY_MAX;
-    use crate::commission::values::Values;
     use crate::monitoring::numbers::Numbers;
     use fmi2_export::{Unit, units::*};
 
@@ -53,7 +52,7 @@ mod variables {
         /// `position` stands although the stage must have moved
         #[hint("check the encoder and its link; is the drive later than `io_delay`? a position without any noise at rest needs `limits.rest_time` = 0")] FrozenReading,
         /// `position` is where the stage cannot be, for too many samples in a row
-        #[hint("check the encoder, its link and its noise against `limits.jump`; does the drive do more than `stage.force_constant` says?")] ReadingJump,
+        #[hint("check the encoder, its link and its noise against `limits.jump`; does the drive do more than `stage.force_constant` says, or act later than `io_delay`?")] ReadingJump,
         /// `spindle_speed` changes faster than a spindle can, for too many samples in a row
         #[hint("check the signal of the spindle, or raise `limits.spindle_acceleration`")] SpindleJump,
         /// The stage is too far from its reference
@@ -66,8 +65,8 @@ mod variables {
         #[hint("swap the sign of the current or of the encoder, and check `approach.direction`")] DriveSign,
         /// The stage moves far less than the current should move it: the drive is weak or off, or the stage is held
         #[hint("check the amplifier, its cable and its limit, that the stage moves freely, and `stage.force_constant`")] WeakDrive,
-        /// The current goes from limit to limit
-        #[hint("lower `servo.bandwidth` or `observer.bandwidth`, and check `io_delay`")] Oscillation,
+        /// The loop swings: the current from limit to limit, or the stage about a reference that does not accelerate
+        #[hint("check `io_delay` against the delay of drive and encoder, or lower `servo.bandwidth` or `observer.bandwidth`")] Oscillation,
         /// The learned slope is too noisy, not around zero, or silent
         #[hint("check that `spindle_speed` is connected, settle longer, or raise `limits.slope_sigma_max`")] LearnRejected,
         /// Learning did not end
@@ -176,8 +175,6 @@ mod variables {
         #[var(unit = ONE, start = 1.0)] pub drive_share: f64,
         /// Numbers that are told with a fault.
         #[var(hidden, start = Numbers::START)] pub numbers: Numbers,
-        /// What was told of the values that a commission derives, for the log.
-        #[var(hidden, start = None)] pub told: Option<Values>,
         pub measured: Measured,
     }
     /// What the commission has measured, each with its standard deviation; 0 before

@@ -5,3 +5,4 @@ pub mod monitors;
 pub mod numbers;
 pub mod rest;
 pub mod rest_force;
+pub mod swing;

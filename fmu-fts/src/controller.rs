@@ -541,7 +541,7 @@ impl Controller {
         output.path_truncation = path.truncation;
         output.numbers = Numbers { late: self.late, fed: self.feed.lost(), table: path.ends(), ..self.watch.numbers() };
         output.calibration = self.calibration.report();
-        (output.measured, output.told) = (self.commissioner.measured, Some(self.commissioner.told()));
+        output.measured = self.commissioner.measured;
         output.identify_progress = self.identification.progress();
         if let Some(response) = self.response.take() {
             output.response = ResponseOutput::of(&response, self.tracker.response(), &self.tracker.flexure());

@@ -3,10 +3,10 @@
 use control_blocks::SafeEnd;
 
 use crate::commission::plan::FLEXURE_MAX;
-use crate::commission::values::{Values, longest_delay};
+use crate::commission::values::longest_delay;
 use crate::interface::Fault::{FrozenReading, FrozenSlide, FrozenSpindle, LostReading, LostSlide, LostSpindle};
 use crate::interface::Fault::{ReadingJump, SlideJump, SpindleJump};
-use crate::interface::{Fault, Output, Parameters, Vars};
+use crate::interface::{Fault, Measured, Parameters, Vars};
 use crate::monitoring::numbers::Numbers;
 use crate::monitoring::watch::{REVERSALS, SETTLED};
 use crate::path::feasibility::{available_torque, infeasible};
@@ -168,15 +168,13 @@ pub fn numbers(vars: &Vars) -> String {
             ),
             None => format!(": `slide_position` = `{} m`, {lost}", input.slide_position),
         },
-        Fault::CommissionRejected => rejected(p, output),
+        Fault::CommissionRejected => rejected(p, &output.measured),
         Fault::InvalidInput => format!(": `hold_angle` = `{} rad`, {lost}", input.hold_angle),
     }
 }
 
-/// The numbers of a commission that was rejected, by the parameters that were told.
-fn rejected(p: &Parameters, output: &Output) -> String {
-    let (mut told, m) = (p.clone(), &output.measured);
-    output.told.unwrap_or_else(|| Values::of(p)).put(&mut told);
+/// The numbers of a commission that was rejected, after which what was told is in force.
+fn rejected(p: &Parameters, m: &Measured) -> String {
     format!(
         ": inertia `{} kg.m2`, deviation `{} kg.m2`, limits half and twice `servo.inertia` = `{} kg.m2` as told and \
          `commission.deviation_max` = `{}` of it; flexure `{} rad/s`, deviation `{} rad/s`, limits `tip.frequency` = `{} rad/s` as told \
@@ -185,15 +183,15 @@ fn rejected(p: &Parameters, output: &Output) -> String {
          `commission.sensitivity_max` = `{}`",
         m.inertia,
         m.inertia_deviation,
-        told.servo.inertia,
+        p.servo.inertia,
         p.commission.deviation_max,
         m.tip_frequency,
         m.tip_frequency_deviation,
-        told.tip.frequency,
+        p.tip.frequency,
         m.io_delay,
         m.io_delay_deviation,
-        longest_delay(&(&told).into()),
-        told.io_delay,
+        longest_delay(&p.into()),
+        p.io_delay,
         p.commission.delay_deviation_max,
         p.commission.sensitivity_max,
     )

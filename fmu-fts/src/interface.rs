@@ -15,7 +15,6 @@ mod variables {
 
     use crate::lists::frequencies::{COUNT_MAX, Frequencies};
     use crate::lists::harmonics::Harmonics;
-    use crate::commission::values::Values;
     use crate::monitoring::numbers::Numbers;
 
     /// Harmonics of the tracking error that are reported.
@@ -226,8 +225,6 @@ mod variables {
         #[var(name = "identify.progress", unit = ONE)] pub identify_progress: f64,
         /// Numbers of the monitors, which are told with a fault.
         #[var(hidden, start = Numbers::START)] pub numbers: Numbers,
-        /// What was told of the values that a commission derives, for the log.
-        #[var(hidden, start = None)] pub told: Option<Values>,
     }
     /// Where the tool should be, before feedforward and cancellation.
     pub struct ReferenceOutput {

@@ -60,6 +60,8 @@ impl Model for Controller {
         let before = vars.output.measured.valid;
         self.bring_into_force(&mut vars.in_force);
         self.tick(&vars.input, &vars.in_force, &mut vars.output);
+        // a fault is told with what counts from now on
+        self.bring_into_force(&mut vars.in_force);
         if vars.output.measured.valid && !before {
             // a machine does not stop because a file cannot be written
             self.export(&vars.in_force).unwrap_or_else(|error| env.warn(error));

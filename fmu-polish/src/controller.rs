@@ -416,7 +416,6 @@ impl Controller {
             ripple_frozen: self.normal.ripple.frozen() || self.normal.turns.frozen(),
             path_length: self.path.length(),
             measured: self.commissioner.measured,
-            told: Some(self.commissioner.told()),
             numbers: self.numbers(p, now),
         }
     }

@@ -4,7 +4,6 @@
 #[rustfmt::skip]
 mod variables {
     use crate::axes::Axes;
-    use crate::commission::values::Values;
     use crate::monitoring::numbers::Numbers;
     use control_blocks::DELAY_MAX;
     use fmi2_export::{Unit, units::*};
@@ -197,8 +196,6 @@ mod variables {
         pub measured: Measured,
         /// What is told with the fault.
         #[var(hidden, start = Numbers::START)] pub numbers: Numbers,
-        /// What was told of the values that a commission derives, for the log.
-        #[var(hidden, start = None)] pub told: Option<Values>,
     }
     /// Commanded velocity and its parts.
     pub struct VelocityOutput {

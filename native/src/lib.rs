@@ -11,7 +11,7 @@ mod machining_native {
     #[pymodule_export]
     use cosim_engine::python::PyStepper;
     #[pymodule_export]
-    use plants::python::cutting::{chip, deburring, edge, edge_length, flute, plunge, turned_part};
+    use plants::python::cutting::{chip, deburring, edge, edge_length, flute, plunge, touch_probe, turned_part};
     #[pymodule_export]
     use plants::python::drive::{current_loop, induction_spindle, motion_board, pulse_drive, rotation, thrust};
     #[pymodule_export]

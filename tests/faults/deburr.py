@@ -5,6 +5,7 @@ from dataclasses import replace
 from cosim.scenario.injection import Injection
 from cosim.scenario.model import Signal
 
+from . import deburr_registration as registration
 from .commission import deburr as commission
 from .matrix import DONE, Matrix, Row
 
@@ -485,5 +486,5 @@ MATRIX = Matrix(
         " and (last(plant.finish_high) < 1e-3)"
     ),
     rest=" and ".join(f"({still(axis)})" for axis in "xyz"),
-    rows=tuple(lasting(row) for row in (*ROWS, *commission.ROWS)),
+    rows=(*(lasting(row) for row in (*ROWS, *commission.ROWS)), *registration.ROWS),
 )

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from plants.base.plant import PlantError
-from plants.cylindrical_robot import AXES, CylindricalRobot
+from plants.cylindrical_robot import AXES, CylindricalRobot, edge
 from plants.cylindrical_robot_parameters import RPM, TURN, CylindricalRobotParameters
 from plants.tools import burr
 
@@ -390,5 +390,39 @@ def test_noise_is_told_to_the_harness() -> None:
     readings = robot(encoder_noise=2.0, spindle_noise=0.5).readings
     assert [channel.noise for channel in readings[:3]] == [2.0 * TURN / 640_000, 5e-6, 1e-5]
     assert readings[6].noise == 0.5
-    assert all(channel.noise > 0.0 for channel in robot().readings)
+    # all but a switch
+    assert [channel.name for channel in robot().readings if channel.noise == 0.0] == ["contact"]
     assert not any(channel.noise for channel in robot(encoder_noise=0.0, spindle_noise=0.0).readings)
+
+
+def test_a_part_that_is_not_displaced_is_where_it_was_to_the_bit() -> None:
+    p = CylindricalRobotParameters()
+    taught = [[float(getattr(p, f"edge_{point}_{c}")) for c in "xyz"] for point in ("start", "corner", "end")]
+    assert list(edge(p)[:3]) == taught
+
+
+def test_a_displaced_part_is_shifted_and_turned_about_its_corner() -> None:
+    p = CylindricalRobotParameters(part_x=1e-3, part_y=-2e-3, part_angle=0.01)
+    taught = edge(CylindricalRobotParameters())
+    moved = edge(p)
+    assert moved[1] == pytest.approx([taught[1][0] + 1e-3, taught[1][1] - 2e-3, taught[1][2]], abs=1e-15)
+    for a, b in ((taught[0], moved[0]), (taught[2], moved[2])):
+        before, after = (
+            np.array(point[:2]) - np.array(corner[:2]) for point, corner in ((a, taught[1]), (b, moved[1]))
+        )
+        turned = math.atan2(after[1], after[0]) - math.atan2(before[1], before[0])
+        assert turned == pytest.approx(0.01, abs=1e-12)
+        assert np.hypot(*after) == pytest.approx(np.hypot(*before), abs=1e-15)
+
+
+@pytest.mark.parametrize("probe", [1.0, 0.0])
+def test_the_touch_probe_feels_the_wall_beyond_its_pretravel(probe: float) -> None:
+    # the tip begins above the start of its edge; another edge is laid so that it is 0.2 mm inside of the wall
+    p, heading = CylindricalRobotParameters(start_height=0.015), math.radians(46.0)
+    along, out = [math.cos(heading), math.sin(heading)], [math.sin(heading), -math.cos(heading)]
+    x, y = (2e-4 * n - 0.07 * t for n, t in zip(out, along, strict=True))
+    plant = robot(1.0, start_height=p.start_height, part_x=x, part_y=y, **RIGID)
+    columns = run(plant, 3, lambda _, __: {"workpiece": 1.0, "probe": probe})
+    assert columns["read_contact"][-1] == probe
+    assert columns["probe_deflection"][-1] == pytest.approx(2e-4 * probe, abs=2e-6)
+    assert columns["cutting_force"][-1] == 0.0

@@ -3,7 +3,6 @@
 use control_blocks::InForce;
 use serde::{Deserialize, Serialize};
 
-use crate::check::check;
 use crate::commission::experiment::{Experiment, Round};
 use crate::commission::values::Values;
 use crate::interface::{Measured, Parameters};
@@ -53,23 +52,9 @@ impl Commissioner {
         }
     }
 
-    /// Puts the values in force in place of those that the parameters have; what was derived since the last sample only if the
-    /// parameters with it fit each other.
-    pub fn put(&mut self, p: &mut Parameters) {
-        if let Some(derived) = self.values.take_proposed() {
-            derived.put(p);
-            self.finished = check(p).is_ok();
-            (self.measured.valid, self.rejected) = (self.finished, !self.finished);
-            if self.finished {
-                self.values.conclude(derived, p.commission.apply);
-            }
-        }
+    /// Puts the values in force in place of those that the parameters have.
+    pub fn put(&self, p: &mut Parameters) {
         self.values.now().put(p);
-    }
-
-    /// Values that were told.
-    pub fn told(&self) -> Values {
-        self.values.told()
     }
 
     /// Names and values of what a good commission derives.
@@ -95,7 +80,8 @@ impl Commissioner {
         let told = self.values.told();
         self.rejected = !told.accept(p, &self.measured, shift);
         if !self.rejected {
-            self.values.propose(told.derived(&self.measured));
+            (self.measured.valid, self.finished) = (true, true);
+            self.values.conclude(told.derived(&self.measured), p.commission.apply);
         }
     }
 }

@@ -82,3 +82,29 @@ impl Experiment {
         Some(Round { last: self.round == ROUNDS, found, shift })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn its_motions_take_the_time_that_is_told_and_are_not_faster_than_an_approach() {
+        let p = Parameters::START;
+        let mut motion = Motion::default();
+        motion.start(0.1);
+        let mut experiment = Experiment::begin(&p, &mut motion);
+        let (mut samples, mut last) = (0u32, false);
+        while !last {
+            motion.step(&p, 0.0);
+            samples += 1;
+            let setpoint = motion.setpoint;
+            assert!(setpoint.velocity.abs() <= p.approach.velocity && samples < 20_000);
+            experiment.observe(&p, &setpoint, setpoint.position, false);
+            last = experiment.advance(&p, &mut motion).is_some_and(|round| round.last);
+        }
+        // a stroke ends with a sample
+        let strokes = f64::from(ROUNDS) * (0..).map_while(plan::stroke).count() as f64;
+        let early = plan::least_time(&p) - f64::from(samples) * p.sample_period;
+        assert!((0.0..=strokes * p.sample_period).contains(&early), "{early} s");
+    }
+}

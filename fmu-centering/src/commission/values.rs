@@ -35,7 +35,8 @@ impl Values {
         Self { bandwidth, io_delay: whole_delay(measured.io_delay) }
     }
 
-    /// Whether a measurement is sure enough, and of a servo that this controller can work with; `shift` (samples) is what its
+    /// Whether a measurement is sure enough, and of a servo that this controller can work with. The slowest one is all that the checks
+    /// of the parameters ask of what is derived. `shift` (samples) is what its
     /// last round has found of the delay that the round before had not.
     pub fn accept(&self, p: &Parameters, m: &Measured, shift: f64) -> bool {
         sure(m.slide_bandwidth, m.slide_bandwidth_deviation, p.commission.deviation_max)
@@ -50,6 +51,7 @@ impl Values {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::check::check;
     use std::f64::consts::TAU;
 
     const P: Parameters = Parameters::START;
@@ -103,13 +105,19 @@ mod tests {
         let shifted = |shift: f64| Values::of(&P).accept(&P, &GOOD, shift);
         assert!(shifted(-0.25) && !shifted(-0.26) && !shifted(0.26));
         assert!(!Values::of(&P).accept(&P, &Measured::START, 0.0));
-        // slower than 13.9 Hz the slide does not keep to 1 mm
+        // slower than 13.9 Hz the slide does not keep to 1 mm; the feedback of a push asks for more
         let mut slow = P;
-        slow.slide.bandwidth = TAU * 20.0;
+        (slow.slide.bandwidth, slow.stroke.feedback) = (TAU * 20.0, 0.0);
         let at = |hertz: f64| {
             let m = Measured { slide_bandwidth: TAU * hertz, ..GOOD };
             Values::of(&slow).accept(&slow, &m, 0.0)
         };
         assert!(at(14.0) && !at(13.9));
+        // and the checks of the parameters say the same
+        for (hertz, fits) in [(14.0, true), (13.9, false)] {
+            let mut p = slow.clone();
+            Values::of(&slow).derived(&Measured { slide_bandwidth: TAU * hertz, ..GOOD }).put(&mut p);
+            assert_eq!(check(&p).is_ok(), fits, "{hertz}: {:?}", check(&p));
+        }
     }
 }

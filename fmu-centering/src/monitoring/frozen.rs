@@ -186,6 +186,16 @@ mod tests {
     }
 
     #[test]
+    fn an_eighth_of_a_turn_itself_is_not_enough_to_stand() {
+        let mut frozen = FrozenProbe::default();
+        let mut stands = |turned: f64| {
+            frozen.update(&P, Phase::Follow, &Sample { probe: 5e-3, ..Sample::default() }, turned);
+            frozen.stands()
+        };
+        assert_eq!([0.0, TAU / 8.0, 1e-9].map(&mut stands), [false, false, true]);
+    }
+
+    #[test]
     fn without_contact_and_at_the_pusher_it_may_rest() {
         for probe in [0.0, P.probe.at_pusher - 3e-5, P.probe.at_pusher + 3e-5] {
             assert_eq!(broken_in(Phase::Push, 1e-7, |angle| (1e-3 * angle, probe)), None);

@@ -15,9 +15,12 @@ pub struct Numbers {
     pub line: Option<[f64; 2]>,
     /// Eccentricity of the first model, m.
     pub first: f64,
+    /// Time by which the probe is later than the slide, s.
+    pub probe_delay: f64,
 }
 
 impl Numbers {
     /// Before the first centring.
-    pub const START: Self = Self { following_limit: 0.0, forward: 1.0, endless: None, line: None, first: 0.0 };
+    pub const START: Self =
+        Self { following_limit: 0.0, forward: 1.0, endless: None, line: None, first: 0.0, probe_delay: 0.0 };
 }

@@ -312,6 +312,16 @@ mod tests {
     }
 
     #[test]
+    fn a_hand_that_moves_one_of_both_has_moved_something() {
+        for (angle, slide) in [(3.0, 0.1), (1.0, 0.3)] {
+            let mut reader = Reader::default();
+            let jumped = [at(1.0, 0.1, 0.0), at(1.0, 0.1, 0.0), at(angle, slide, 0.0), at(angle, slide, 0.0)]
+                .map(|input| reader.read(&P, &input, Freedom::Hand).jumped);
+            assert_eq!(jumped, [true, false, true, false], "{angle} rad, {slide} m");
+        }
+    }
+
+    #[test]
     fn a_slow_hand_is_no_jump() {
         let mut reader = Reader::default();
         for k in 0..10 {

@@ -246,6 +246,34 @@ mod tests {
     }
 
     #[test]
+    fn between_two_samples_a_ramp_that_was_sent_is_a_ramp() {
+        let mut sent = SentCommands::resting(0.0);
+        (0..20).for_each(|k| sent.send(f64::from(k)));
+        for delay in [0.0, 0.25, 1.0, 2.5, 7.9, DELAY_MAX as f64] {
+            assert!((between(&sent, delay) - (19.0 - delay)).abs() < 1e-12, "{delay}");
+        }
+    }
+
+    #[test]
+    fn residuals_that_are_alike_count_as_one() {
+        // as many as are alike within twice the time of the filter count as one
+        for dt in [1e-3, 5e-4] {
+            let alike = 2.0 * FILTER_TIME / dt;
+            let mut estimator = ServoEstimator::default();
+            let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(1);
+            let mut place = 0.0;
+            let first = (1..1000).find(|_| {
+                let [velocity, noise]: [f64; 2] = std::array::from_fn(|_| StandardNormal.sample(&mut random));
+                place += 5e-3 * velocity * dt;
+                let setpoint = Trajectory { position: place, velocity: 5e-3 * velocity, acceleration: 0.0 };
+                estimator.update(dt, 1.0, &setpoint, place + 1e-5 * noise);
+                estimator.fit::<FEW_TERMS>(dt).is_some()
+            });
+            assert_eq!(first.map(f64::from), Some(alike * (FEW_TERMS + 1) as f64), "{dt} s");
+        }
+    }
+
+    #[test]
     fn a_slide_that_does_not_move_tells_nothing() {
         let mut estimator = ServoEstimator::default();
         let rest = Trajectory { position: 0.1, ..Trajectory::default() };

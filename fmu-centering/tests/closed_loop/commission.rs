@@ -272,14 +272,23 @@ fn a_servo_that_swings_or_creeps_is_rejected() {
         let mut run = machine(&P, Servo { damping, ..TOLD });
         commission(&mut run);
         assert_eq!(run.output.fault, fault, "{damping}: {:?}", run.output);
-        assert!((run.output.measured.slide_damping / damping - 1.0).abs() < 0.02, "{:?}", run.output.measured);
+        // a servo that creeps shows little of it in strokes that turn at the frequency of one that does not
+        assert!((run.output.measured.slide_damping / damping - 1.0).abs() < 0.04, "{:?}", run.output.measured);
     }
 }
 
 #[test]
 fn a_drive_that_is_lost_or_turns_round_is_found_at_once() {
-    for time in [0.0, 2.0] {
-        for (share, faults) in [(0.0, &[Fault::FrozenReading, Fault::WeakDrive][..]), (-1.0, &[Fault::DriveSign])] {
+    // in the first stroke there is no answer before it; later the slide has come half of its way and stands or turns
+    for (time, lost, turned) in [
+        (0.0, &[Fault::FrozenReading, Fault::WeakDrive][..], &[Fault::DriveSign][..]),
+        (
+            2.0,
+            &[Fault::FrozenReading, Fault::WeakDrive, Fault::FollowingError],
+            &[Fault::DriveSign, Fault::FollowingError],
+        ),
+    ] {
+        for (share, faults) in [(0.0, lost), (-1.0, turned)] {
             let mut run = machine(&P, TOLD);
             begin(&mut run, time);
             let place = run.ring.slide();

@@ -2,7 +2,7 @@
 
 use fmu_centering::interface::{Fault, Input, Parameters, State};
 
-use crate::ring::{AT_PUSHER, Ring};
+use crate::ring::{AT_PUSHER, Ring, Servo, TOLD};
 use crate::run::{Loop, running};
 
 const P: Parameters = Parameters::START;
@@ -54,6 +54,34 @@ fn a_probe_with_another_scale_pushes_nothing() {
         (0..5).for_each(|_| run.step());
         faulted(run, Fault::FrozenProbe, |_, input| input.probe_position *= scale);
     }
+}
+
+/// What ends a centring at 45 rpm whose probe is `late` samples late from `state` on, and the eccentricity then, m.
+fn with_late_probe(late: usize, state: State) -> (Fault, f64) {
+    let mut ring = Ring::new(1, 5e-4, 0.5);
+    ring.speed = 4.71;
+    let mut run = Loop::new(&P, ring);
+    assert!(run.run_to(state, 10.0), "{:?}", run.output);
+    let mut told = std::collections::VecDeque::new();
+    while !matches!(run.output.state, State::Fault | State::Centred) {
+        run.step_with(|input| {
+            told.push_front(input.probe_position);
+            told.truncate(late + 1);
+            input.probe_position = *told.back().unwrap();
+        });
+        assert!(run.time() < 30.0, "{:?}", run.output);
+    }
+    (run.output.fault, run.ring.eccentricity())
+}
+
+#[test]
+fn a_probe_that_is_late_is_named_before_and_after_a_push() {
+    for (late, state) in [(5, State::Approach), (5, State::Push), (10, State::Push)] {
+        let (fault, eccentricity) = with_late_probe(late, state);
+        assert_eq!(fault, Fault::LateProbe, "{late} {state:?}");
+        assert!(eccentricity < 5.1e-4, "{eccentricity} m");
+    }
+    assert_eq!(with_late_probe(0, State::Approach).0, Fault::None);
 }
 
 #[test]
@@ -161,6 +189,29 @@ fn a_ring_that_turns_fast_spoils_no_test_of_the_probe() {
         let mut run = Loop::new(&p, ring);
         assert!(run.run_to(State::Centred, 20.0), "{:?}", run.output);
         assert!((run.output.monitor.probe_share - 1.0).abs() < 0.05, "{}", run.output.monitor.probe_share);
+    }
+}
+
+#[test]
+fn a_probe_that_answers_seven_tenths_of_its_test_is_not_believed() {
+    let run = running(&P, State::Confirm);
+    let rest = AT_PUSHER - run.output.pusher_gap;
+    let answers = |_, input: &mut Input| input.probe_position = rest + 0.7 * (input.probe_position - rest);
+    let run = faulted(run, Fault::FrozenProbe, answers);
+    assert!((run.output.monitor.probe_share - 0.7).abs() < 0.02, "{}", run.output.monitor.probe_share);
+}
+
+#[test]
+fn a_servo_that_is_too_slow_has_a_name_where_it_is_learned() {
+    let none = Fault::None;
+    for (frequency, learned, fault) in [(12.0, true, Fault::SlowServo), (12.0, false, none), (40.0, true, none)] {
+        let mut p = P;
+        p.learn.servo = learned;
+        let mut ring = Ring::new(1, 5e-4, 0.5);
+        ring.servo = Some(Servo { frequency, ..TOLD });
+        let mut run = Loop::new(&p, ring);
+        assert_eq!(run.run_to(State::Collect, 5.0), fault == none, "{:?}", run.output);
+        assert_eq!(run.output.fault, fault, "{frequency} Hz, learned: {learned}");
     }
 }
 

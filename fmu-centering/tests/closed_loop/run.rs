@@ -41,7 +41,7 @@ impl Loop {
     /// Parameters in force.
     pub fn in_force(&self) -> Parameters {
         let mut p = self.parameters.clone();
-        self.controller.clone().bring_into_force(&mut p);
+        self.controller.bring_into_force(&mut p);
         p
     }
 

@@ -84,6 +84,11 @@ impl PatternBank {
         self.usable = self.patterns.len();
     }
 
+    /// Changes the patterns that can be used.
+    pub fn change(&mut self, change: impl FnMut(&mut Pattern)) {
+        self.patterns[..self.usable].iter_mut().for_each(change);
+    }
+
     /// The patterns are for commands that act after so many samples.
     pub fn tell_delay(&mut self, io_delay: i32) {
         self.identity.io_delay = io_delay as u16;

@@ -80,11 +80,6 @@ impl Commissioner {
         self.values.now().put(p);
     }
 
-    /// Values that were told.
-    pub fn told(&self) -> Values {
-        self.values.told()
-    }
-
     /// Whether other values are in force since this was last asked.
     pub fn take_renewed(&mut self) -> bool {
         self.values.take_renewed()

@@ -3,7 +3,7 @@
 use control_blocks::ticks;
 
 use crate::controller::Controller;
-use crate::interface::{Fault, Mode, Parameters, State};
+use crate::interface::{Fault, Input, Mode, Parameters, State};
 use crate::learning::learner::Next;
 use crate::machine::Progress;
 use crate::monitoring::finding::Finding;
@@ -12,10 +12,12 @@ use crate::reading::Reading;
 
 impl Controller {
     /// Moves the reference on and finds its compensation.
-    pub(super) fn advance(&mut self, p: &Parameters, reading: &Reading, hold: bool) {
+    pub(super) fn advance(&mut self, p: &Parameters, reading: &Reading, input: &Input) {
+        let hold = input.hold;
         self.compensation = [0.0; AXES];
         let waits = hold || self.job != Mode::Learn && reading.share == 0.0;
-        if self.state == State::Commission || !waits && self.job.moves() && !self.state.waits() {
+        let measures = matches!(self.state, State::Commission | State::Register);
+        if measures || !waits && self.job.moves() && !self.state.waits() {
             self.elapsed.count();
         }
         match self.state {
@@ -30,8 +32,13 @@ impl Controller {
                 self.finish_if(rested >= ticks(p.transfer.settle_time, p.sample_period));
             }
             State::Commission => self.follow_commission(p),
+            State::Register => self.follow_registration(p, reading, input.contact),
             State::Stop if self.commissioning && self.route.over() => {
                 let stands = self.commissioner.experiment.stop(&mut self.joints, p.sample_period);
+                self.finish_if(stands);
+            }
+            State::Stop if self.registering && self.route.over() => {
+                let stands = self.stop_registration(p);
                 self.finish_if(stands);
             }
             State::Stop if !self.on_path => {

@@ -76,7 +76,8 @@ impl Controller {
         let empty = self.compensates(p, input.mode) && self.bank.patterns().is_empty();
         let tool = self.watch_tool(p, reading);
         let commissions = self.state == State::Commission;
-        let works = commissions || self.job.moves() && !self.state.waits() && self.state.closed();
+        let registers = self.state == State::Register;
+        let works = commissions || registers || self.job.moves() && !self.state.waits() && self.state.closed();
         faults::find(
             p,
             &Signs {
@@ -85,6 +86,7 @@ impl Controller {
                 run: std::mem::replace(&mut self.ended, Finding::NONE),
                 nothing_learned: starts && empty,
                 commission: if commissions { self.commissioner.rejected } else { None },
+                registration: if registers { self.registrar.wrong } else { Finding::NONE },
                 tool,
                 job: if works { (self.elapsed.samples(), self.budget) } else { (0, 0) },
             },

@@ -178,4 +178,24 @@ mod tests {
             assert_eq!(Drive::told(&told).gain[0], gain);
         }
     }
+
+    #[test]
+    fn the_deviations_are_the_slopes_of_what_is_said() {
+        let mut p = Parameters::START;
+        p.io_delay = 2;
+        let told = ToldDrive::new(&p, 3);
+        let (first, weights) = told.weights();
+        for tap in 0..TAPS {
+            let step = 1e-6 * told.bare_lag();
+            let (mut covariance, mut moved) = ([[0.0; TAPS]; TAPS], weights);
+            covariance[tap][tap] = step * step;
+            moved[tap] += step;
+            let said = [weights, moved].map(|weights| Drive::of(&told, &Weights { first, weights, covariance }));
+            for of in [|drive: &Drive| drive.gain, |drive: &Drive| drive.lag, |drive: &Drive| drive.frequency] {
+                let [[before, deviation], [after, _]] = [of(&said[0]), of(&said[1])];
+                let change = (after - before).abs();
+                assert!((deviation / change - 1.0).abs() < 1e-3, "{tap}: {deviation} {change}");
+            }
+        }
+    }
 }

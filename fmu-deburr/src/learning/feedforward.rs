@@ -95,11 +95,25 @@ impl Feedforward {
     pub fn fill(&mut self, p: &Parameters, path: &TaughtPath, start: &Joints, pattern: &mut Pattern) {
         self.rates.walk(p, path, start, pattern);
         for (k, sample) in pattern.samples.iter_mut().enumerate() {
-            sample.compensation = std::array::from_fn(|i| {
-                let rate = |tap: usize| self.rates.at(k as isize + self.first[i] + tap as isize)[i];
-                (0..TAPS).fold(0.0, |sum, tap| sum + self.weights[i][tap] * rate(tap))
-            });
+            sample.compensation = self.compensation(k);
         }
+    }
+
+    /// Adds the same to a pattern, `sign` times.
+    pub fn add(&mut self, p: &Parameters, path: &TaughtPath, start: &Joints, sign: f64, pattern: &mut Pattern) {
+        self.rates.walk(p, path, start, pattern);
+        for (k, sample) in pattern.samples.iter_mut().enumerate() {
+            let more = self.compensation(k);
+            sample.compensation = std::array::from_fn(|i| sample.compensation[i] + sign * more[i]);
+        }
+    }
+
+    /// What the sample `k` of the walk needs, pulses.
+    fn compensation(&self, k: usize) -> Joints {
+        std::array::from_fn(|i| {
+            let rate = |tap: usize| self.rates.at(k as isize + self.first[i] + tap as isize)[i];
+            (0..TAPS).fold(0.0, |sum, tap| sum + self.weights[i][tap] * rate(tap))
+        })
     }
 
     /// Takes the weights from the control errors (counts) of a run of the bare servo along a pattern.

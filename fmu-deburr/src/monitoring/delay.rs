@@ -272,6 +272,17 @@ mod tests {
     }
 
     #[test]
+    fn an_axis_alone_is_told_where_its_delay_leaves_less_than_a_quarter_of_it() {
+        let found = |explained: f64| {
+            let mut monitor = DelayMonitor::default();
+            let axis = &mut monitor.axis[4];
+            (axis.answer, axis.square[1], axis.product[3], axis.square[3]) = (1.0, 1.0, explained, explained);
+            monitor.found(&Parameters::START).numbers.axis
+        };
+        assert_eq!([0.75, 0.75 + 1e-9].map(found), [0, 5]);
+    }
+
+    #[test]
     fn another_delay_is_told_with_its_number() {
         for (told, delay) in [(0, 1), (1, 0), (1, 2), (1, 4), (3, 1)] {
             for gain in [0.8, 1.0, 1.2] {

@@ -174,6 +174,17 @@ mod tests {
     }
 
     #[test]
+    fn three_turns_show_how_long_it_may_stand_and_two_do_not() {
+        // one in 40 samples, the first in the 80th: 39 in a row without
+        let after = |samples: u32| {
+            let mut tool = StandingTool::default();
+            (0..=samples).for_each(|k| tool.idles(flickering(k, 20)));
+            told(tool).map(|(k, _)| k)
+        };
+        assert_eq!([159, 160].map(after), [None, Some(391)]);
+    }
+
+    #[test]
     fn one_that_flickers_on_the_path_lives() {
         let mut tool = idled(100, 1);
         for k in 0..10_000 {

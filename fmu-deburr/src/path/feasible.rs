@@ -12,48 +12,94 @@ const NAMES: [(&str, &str); AXES] =
 /// Most places that are looked at.
 const PLACES_MAX: f64 = 2e5;
 
+/// What is in the way of an axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Hindrance {
+    /// The wrist is on the axis of the column.
+    Column,
+    /// The axis (from 0) is at a place beyond its travel.
+    Travel(usize, f64),
+    /// It turns too fast.
+    Speed(usize, f64),
+}
+
+impl Hindrance {
+    /// In words for the user.
+    pub fn told(self, p: &Parameters) -> String {
+        match self {
+            Self::Column => "the wrist is on the axis of the column".to_owned(),
+            Self::Travel(i, value) => {
+                let ((name, unit), axis) = (NAMES[i], &p.axis[i]);
+                format!("`{name}` is `{value:.4} {unit}`, limits `{}` to `{} {unit}`", axis.minimum, axis.maximum)
+            }
+            Self::Speed(i, speed) => {
+                let (name, unit) = NAMES[i];
+                format!("`{name}` turns with `{speed:.3} {unit}/s`, limit `{} {unit}/s`", p.axis[i].velocity_max)
+            }
+        }
+    }
+}
+
+/// A place of the path that the robot cannot follow.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Obstacle {
+    /// Distance from the start of the path, m.
+    pub distance: f64,
+    what: Hindrance,
+    /// drawn back along the tool
+    back: bool,
+}
+
 /// Axes at the start of the path; the whole path is checked at the taught speed.
 ///
 /// # Errors
 /// Names block, distance, axis, value and limit.
 pub fn start(p: &Parameters, path: &TaughtPath) -> Result<Joints, ParameterError> {
-    let wrong = |distance: f64, what: String, hint| {
+    walk(p, path).map_err(|Obstacle { distance, what, back }| {
         let place = path.place(distance);
+        let told = what.told(p);
+        let (told, hint) = match what {
+            Hindrance::Column => (told, "move the part"),
+            Hindrance::Travel(..) if back => (
+                format!("drawn back by `transfer.clearance` = `{} m`, {told}", p.transfer.clearance),
+                "move the part, or lower `transfer.clearance`",
+            ),
+            Hindrance::Travel(..) => (told, "move the part, or widen `axisN.minimum` and `.maximum`"),
+            Hindrance::Speed(..) => (
+                told,
+                "keep the wrist away from the column and the tool away from the vertical, or teach a slower path",
+            ),
+        };
         ParameterError {
             name: "path.file",
             value: p.path.file.clone(),
             limit: format!(
-                "a path the robot can follow: block {}, {:.4} m from its start: {what}",
+                "a path the robot can follow: block {}, {:.4} m from its start: {told}",
                 place.block + 1,
                 place.distance
             ),
             hint,
         }
-    };
+    })
+}
+
+/// Axes at the start of the path, after a walk along all of it.
+///
+/// # Errors
+/// The first place that the robot cannot follow.
+pub fn walk(p: &Parameters, path: &TaughtPath) -> Result<Joints, Obstacle> {
     let step = (path.speed * p.sample_period).max(path.length() / PLACES_MAX);
     let count = (path.length() / step).ceil() as usize;
     let mut before = upright_start(p, path, step, count);
     let mut first = None;
     for k in 0..=count {
         let distance = (k as f64 * step).min(path.length());
-        let joints = p
-            .arm
-            .inverse(&path.at(distance), &before)
-            .ok_or_else(|| wrong(distance, "the wrist is on the axis of the column".to_owned(), "move the part"))?;
-        travel(p, &joints)
-            .map_err(|what| wrong(distance, what, "move the part, or widen `axisN.minimum` and `.maximum`"))?;
-        travel(p, &p.arm.drawn_back(&joints, p.transfer.clearance)).map_err(|what| {
-            let what = format!("drawn back by `transfer.clearance` = `{} m`, {what}", p.transfer.clearance);
-            wrong(distance, what, "move the part, or lower `transfer.clearance`")
-        })?;
+        let wrong = |back: bool| move |what: Hindrance| Obstacle { distance, what, back };
+        let joints = p.arm.inverse(&path.at(distance), &before).ok_or(Hindrance::Column).map_err(wrong(false))?;
+        travel(p, &joints).map_err(wrong(false))?;
+        travel(p, &p.arm.drawn_back(&joints, p.transfer.clearance)).map_err(wrong(true))?;
         if first.is_some() {
-            speed(p, &joints, &before, step / path.speed).map_err(|what| {
-                wrong(
-                    distance,
-                    what,
-                    "keep the wrist away from the column and the tool away from the vertical, or teach a slower path",
-                )
-            })?;
+            speed(p, &joints, &before, step / path.speed).map_err(wrong(false))?;
         }
         before = joints;
         first.get_or_insert(joints);
@@ -71,27 +117,18 @@ fn upright_start(p: &Parameters, path: &TaughtPath, step: f64, count: usize) -> 
     [0.0, 0.0, 0.0, (0..=count).find_map(yaw).unwrap_or(0.0), 0.0, 0.0]
 }
 
-fn travel(p: &Parameters, joints: &Joints) -> Result<(), String> {
-    for (i, axis) in p.axis.iter().enumerate() {
-        let ((name, unit), value) = (NAMES[i], joints[i]);
-        if value < axis.minimum || value > axis.maximum {
-            return Err(format!(
-                "`{name}` is `{value:.4} {unit}`, limits `{}` to `{} {unit}`",
-                axis.minimum, axis.maximum
-            ));
-        }
-    }
-    Ok(())
+/// Whether all axes are within their travel.
+///
+/// # Errors
+/// The first axis that is not.
+pub fn travel(p: &Parameters, joints: &Joints) -> Result<(), Hindrance> {
+    let beyond = |i: &usize| joints[*i] < p.axis[*i].minimum || joints[*i] > p.axis[*i].maximum;
+    (0..AXES).find(beyond).map_or(Ok(()), |i| Err(Hindrance::Travel(i, joints[i])))
 }
 
-fn speed(p: &Parameters, joints: &Joints, before: &Joints, time: f64) -> Result<(), String> {
-    for (i, axis) in p.axis.iter().enumerate() {
-        let ((name, unit), speed) = (NAMES[i], (joints[i] - before[i]).abs() / time);
-        if speed > axis.velocity_max {
-            return Err(format!("`{name}` turns with `{speed:.3} {unit}/s`, limit `{} {unit}/s`", axis.velocity_max));
-        }
-    }
-    Ok(())
+fn speed(p: &Parameters, joints: &Joints, before: &Joints, time: f64) -> Result<(), Hindrance> {
+    let fast = |i: usize| (joints[i] - before[i]).abs() / time;
+    (0..AXES).find(|i| fast(*i) > p.axis[*i].velocity_max).map_or(Ok(()), |i| Err(Hindrance::Speed(i, fast(i))))
 }
 
 #[cfg(test)]
@@ -167,7 +204,7 @@ mod tests {
                 joints[i] = end;
                 assert_eq!(travel(&p, &joints), Ok(()));
                 joints[i] += out;
-                assert!(travel(&p, &joints).unwrap_err().contains(NAMES[i].0));
+                assert!(travel(&p, &joints).unwrap_err().told(&p).contains(NAMES[i].0));
             }
             let moved = |way: f64| {
                 let mut joints = [0.0; AXES];
@@ -175,7 +212,7 @@ mod tests {
                 speed(&p, &joints, &[0.0; AXES], 1.0)
             };
             assert_eq!((moved(1.0), moved(-1.0)), (Ok(()), Ok(())));
-            assert!(moved(1.001).unwrap_err().contains(NAMES[i].0) && moved(-1.001).is_err());
+            assert!(moved(1.001).unwrap_err().told(&p).contains(NAMES[i].0) && moved(-1.001).is_err());
         }
     }
 

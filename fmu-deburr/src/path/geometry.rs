@@ -221,6 +221,9 @@ mod tests {
         assert!(line(1.0001e-4).is_ok() && line(0.9999e-4).is_err());
         let arc = |angle: f64| Block::arc_about(&here, Vector::zeros(), &pose(angle.cos(), angle.sin(), 0.0));
         assert!(arc(1.0001e-4).is_ok() && arc(0.9999e-4).is_err());
+        // just this length, of an eighth of a radian
+        let [from, to] = [0.0f64, 0.125].map(|angle| pose(8e-4 * angle.cos(), 8e-4 * angle.sin(), 0.0));
+        assert_eq!(Block::arc_about(&from, Vector::zeros(), &to).map(|block| block.length), Ok(1e-4));
         let other = |radius: f64| Block::arc_about(&here, Vector::zeros(), &pose(0.0, radius, 0.0));
         assert!(other(1.0 + 0.9e-6).is_ok() && other(1.0 - 0.9e-6).is_ok());
         assert!(other(1.0 + 1.1e-6).is_err() && other(1.0 - 1.1e-6).is_err());

@@ -6,6 +6,8 @@ use serde::Deserialize;
 use crate::interface::Parameters;
 use crate::path::geometry::{Block, Pose, Vector};
 use crate::path::taught_path::TaughtPath;
+use crate::registration::fit::{TOUCHES_MIN, geometry};
+use crate::registration::touch::Touch;
 
 /// Largest file, bytes.
 const BYTES_MAX: u64 = 64 << 20;
@@ -15,6 +17,14 @@ const BLOCKS_MAX: usize = 10_000;
 const SPEEDS: (f64, f64) = (1e-3, 2.0);
 /// No place is farther from the base, m.
 const PLACE_MAX: f64 = 100.0;
+/// Most touches of a part.
+const TOUCHES_MAX: usize = 100;
+/// Ways of an approach, m.
+const APPROACHES: (f64, f64) = (1e-4, 0.1);
+/// Largest part of a normal that is not level.
+const LEVEL: f64 = 1e-3;
+/// Largest standard deviation of the angle (rad) that touches of 1 mm may leave.
+const ANGLE_MAX: f64 = 0.1;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -26,6 +36,18 @@ struct File {
     cyclic: bool,
     start: TeachingPoint,
     blocks: Vec<Step>,
+    #[serde(default)]
+    touches: Vec<TouchPoint>,
+}
+
+/// A touch; without `axis` the tool is upright.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TouchPoint {
+    tip_m: [f64; 3],
+    axis: Option<[f64; 3]>,
+    normal: [f64; 3],
+    approach_m: f64,
 }
 
 /// A teaching point; without `axis` the tool keeps its direction.
@@ -82,7 +104,45 @@ fn parse(p: &Parameters, bytes: &[u8]) -> Result<TaughtPath, String> {
         blocks.push(block);
         from = to;
     }
-    TaughtPath::new(blocks, speed, file.cyclic, p.path.corner)
+    let mut path = TaughtPath::new(blocks, speed, file.cyclic, p.path.corner)?;
+    path.touches = touches(&file.touches, upright)?;
+    Ok(path)
+}
+
+fn touches(points: &[TouchPoint], upright: Vector) -> Result<Vec<Touch>, String> {
+    let count = points.len();
+    if count == 0 {
+        return Ok(Vec::new());
+    }
+    require_or((TOUCHES_MIN..=TOUCHES_MAX).contains(&count), || {
+        format!("`touches` has `{count}` entries, limits `{TOUCHES_MIN}` to `{TOUCHES_MAX}`, or none")
+    })?;
+    let read = |(i, point)| touch(point, upright).map_err(|what| format!("touch {}: {what}", i + 1));
+    let touches = points.iter().enumerate().map(read).collect::<Result<Vec<_>, _>>()?;
+    let sure = geometry(&touches).map(|deviations| 1e-3 * deviations[2]);
+    require_or(sure.is_some_and(|sure| sure <= ANGLE_MAX), || {
+        let sure = sure.map_or("nothing".to_owned(), |sure| format!("the angle to `{sure:.3} rad`"));
+        format!(
+            "`touches` of 1 mm tell {sure}, limit `{ANGLE_MAX} rad`: they must be on faces across each other, far apart"
+        )
+    })?;
+    Ok(touches)
+}
+
+fn touch(point: &TouchPoint, upright: Vector) -> Result<Touch, String> {
+    let TouchPoint { tip_m, axis, normal, approach_m } = point;
+    let pose = pose(&TeachingPoint { tip_m: *tip_m, axis: *axis }, upright)?;
+    let normal = place("normal", normal)?;
+    require_or(normal.norm() > 1e-6, || format!("`normal` has the length `{}`, limit `0.000001`", normal.norm()))?;
+    let normal = normal.normalize();
+    require_or(normal.z.abs() <= LEVEL, || {
+        format!("`normal` rises by `{}`, limit `{LEVEL}`: it must be level", normal.z)
+    })?;
+    let (low, high) = APPROACHES;
+    require_or(*approach_m >= low && *approach_m <= high, || {
+        format!("`approach_m` is `{approach_m}`, limits `{low}` to `{high}`")
+    })?;
+    Ok(Touch { pose, normal: Vector::new(normal.x, normal.y, 0.0).normalize(), approach: *approach_m })
 }
 
 fn block(step: &Step, from: &Pose) -> Result<(Block, Pose), String> {
@@ -214,6 +274,53 @@ mod tests {
             assert!(message.starts_with(start) && message.contains(part), "{message}");
             assert!(message.contains("hint: write {"), "{message}");
         }
+    }
+
+    /// A path with these touches.
+    fn touched(touches: &str) -> String {
+        let line = r#"{"type": "line", "to": {"tip_m": [0.8, 0, -0.2]}}"#;
+        file(line).replace(r#""blocks""#, &format!(r#""touches": [{touches}], "blocks""#))
+    }
+
+    fn touch(x: f64, normal: &str, approach: f64) -> String {
+        format!(r#"{{"tip_m": [{x}, 0, -0.2], "normal": {normal}, "approach_m": {approach}}}"#)
+    }
+
+    #[test]
+    fn touches_are_read_with_level_unit_normals_and_an_upright_tool() {
+        let text = [touch(0.7, "[0, 3, 0]", 5e-3), touch(0.8, "[0, 1, 0]", 1e-3)].join(", ");
+        let more = [touch(0.7, "[2, 0, 0.001]", 0.1), touch(0.75, "[0, -1, 0]", 1e-4)].join(", ");
+        let path = read_text(&touched(&format!("{text}, {more}"))).unwrap();
+        let normals: Vec<Vector> = path.touches.iter().map(|touch| touch.normal).collect();
+        assert_eq!(normals, [Vector::y(), Vector::y(), Vector::x(), -Vector::y()]);
+        assert!(path.touches.iter().all(|touch| touch.pose.axis == -Vector::z()));
+        assert_eq!((path.touches[1].pose.tip.x, path.touches[2].approach), (0.8, 0.1));
+        assert!(read_text(&file(r#"{"type": "line", "to": {"tip_m": [0.8, 0, -0.2]}}"#)).unwrap().touches.is_empty());
+    }
+
+    #[test]
+    fn every_malformed_touch_is_refused_with_its_number_field_value_and_limit() {
+        let good = touch(0.7, "[0, 1, 0]", 5e-3);
+        let with = |last: &str| touched(&[&good, &touch(0.8, "[0, 1, 0]", 5e-3), &good, last].join(", "));
+        let cases = [
+            (touched(&[&*good, &good, &good].join(", ")), "`touches` has `3` entries, limits `4` to `100`, or none"),
+            (with(&touch(0.7, "[0, 0, 0]", 5e-3)), "touch 4: `normal` has the length `0`"),
+            (with(&touch(0.7, "[1, 0, 0.01]", 5e-3)), "touch 4: `normal` rises by `0.0099"),
+            (with(&touch(0.7, "[1, 0, 0]", 9e-5)), "touch 4: `approach_m` is `0.00009`, limits `0.0001` to `0.1`"),
+            (with(&touch(0.7, "[1, 0, 0]", 0.11)), "touch 4: `approach_m` is `0.11`"),
+            (with(&touch(700.0, "[1, 0, 0]", 5e-3)), "touch 4: `tip_m` has the entry `700`"),
+            (with(&good), "`touches` of 1 mm tell nothing, limit `0.1 rad`"),
+            (with(&good.replace("normal", "outward")), "unknown field `outward`"),
+        ];
+        for (text, part) in cases {
+            let message = read_text(&text).map(|_| text.clone()).unwrap_err();
+            assert!(message.contains(part), "{message}");
+        }
+        // all of it within a few millimetres
+        let near = |x: f64, normal: &str| touch(0.7 + x, normal, 5e-3);
+        let text = [near(0.0, "[0, 1, 0]"), near(5e-3, "[0, 1, 0]"), near(0.0, "[1, 0, 0]"), near(0.0, "[0, -1, 0]")];
+        let message = read_text(&touched(&text.join(", "))).map(|_| ()).unwrap_err();
+        assert!(message.contains("tell the angle to `0.2"), "{message}");
     }
 
     #[test]

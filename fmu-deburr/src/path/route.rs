@@ -83,6 +83,11 @@ impl Route {
         self.legs[self.leg].over() || self.legs[self.leg].stands()
     }
 
+    /// Time of all its legs, s.
+    pub fn time(&self) -> f64 {
+        self.legs[..self.count].iter().map(TransferMotion::duration).sum()
+    }
+
     /// Whether the tool may be in the part.
     pub fn inside(&self) -> bool {
         self.inside[self.leg]

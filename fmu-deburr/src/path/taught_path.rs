@@ -4,6 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::fingerprint::Fingerprint;
 use crate::path::geometry::{Block, Pose};
+use crate::registration::displacement::Displacement;
+use crate::registration::touch::Touch;
 
 /// Ends of a path that are closer than this are one place, m.
 const CLOSED: f64 = 1e-6;
@@ -20,6 +22,10 @@ pub struct TaughtPath {
     pub speed: f64,
     /// The path is run again and again without a way back.
     pub cyclic: bool,
+    /// Where its part is touched.
+    pub touches: Vec<Touch>,
+    /// Where its part lies.
+    pub lies: Displacement,
 }
 
 /// A place on the path.
@@ -48,7 +54,7 @@ impl TaughtPath {
                 stops.push(end);
             }
         }
-        let path = Self { blocks, starts, stops, speed, cyclic };
+        let path = Self { blocks, starts, stops, speed, cyclic, touches: Vec::new(), lies: Displacement::default() };
         let gap = path.gap();
         if cyclic && gap > CLOSED {
             return Err(format!("a cyclic path: its ends are `{gap} m` apart, limit `{CLOSED} m`"));
@@ -84,10 +90,10 @@ impl TaughtPath {
         Place { block, distance: distance - self.starts[block] }
     }
 
-    /// Pose at the distance (m) from the start.
+    /// Pose at the distance (m) from the start, where the part lies.
     pub fn at(&self, distance: f64) -> Pose {
         let place = self.place(distance.clamp(0.0, self.length()));
-        self.blocks[place.block].at(place.distance)
+        self.lies.of(&self.blocks[place.block].at(place.distance))
     }
 
     /// Adds what was taught to a fingerprint.

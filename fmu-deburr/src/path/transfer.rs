@@ -45,6 +45,11 @@ impl TransferMotion {
         self.place()
     }
 
+    /// Time of the motion, s.
+    pub fn duration(&self) -> f64 {
+        self.duration
+    }
+
     /// Whether the motion has come to its end.
     pub fn over(&self) -> bool {
         self.time >= self.duration

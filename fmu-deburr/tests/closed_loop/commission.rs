@@ -172,6 +172,18 @@ fn only_on_request_is_what_was_measured_used() {
 }
 
 #[test]
+fn a_lag_and_its_delay_are_as_sure_in_seconds_as_in_samples() {
+    let mut run = resting(&Parameters::START, &Build::NOMINAL);
+    commission(&mut run);
+    let m = run.output.measured;
+    let seconds = m.axis.map(|axis| axis.delay_deviation * run.parameters.sample_period);
+    assert!((0..6).all(|i| (seconds[i] / m.axis[i].lag_deviation - 1.0).abs() < 1e-9), "{m:?}");
+    // of six that are told apart
+    let mean = m.axis.iter().map(|axis| axis.delay_deviation.powi(2)).sum::<f64>().sqrt() / 6.0;
+    assert!((m.io_delay_deviation / mean - 1.0).abs() < 1e-9, "{m:?}");
+}
+
+#[test]
 fn the_file_of_the_results_is_taken_as_parameters() {
     let build = Build { gain: 1.2, dynamics: 0.8, damping: 1.1, delay: 2, noise: 0.3 };
     let mut run = resting(&applied(), &build);

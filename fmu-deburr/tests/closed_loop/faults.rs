@@ -233,6 +233,23 @@ fn a_graver_fault_takes_over_and_a_lighter_one_does_not() {
 }
 
 #[test]
+fn a_run_that_is_too_slow_for_its_job_time_makes_no_progress() {
+    let mut p = Parameters::START;
+    (p.lookup.enable, p.limits.job_time) = (false, 6.0);
+    let mut run = Loop::new(&p, &Build::NOMINAL);
+    run.step();
+    (run.input.mode, run.input.speed_override) = (Mode::DryRun, 0.01);
+    let (mut samples, mut on_path) = (0, 0);
+    while run.output.fault == Fault::None && samples < 2000 {
+        run.step();
+        samples += i32::from(run.output.state != State::Idle);
+        on_path += i32::from(run.output.state == State::Run);
+    }
+    assert_eq!(run.output.fault, Fault::NoProgress, "{:?}", run.output);
+    assert!((samples - 600).abs() < 3 && on_path > 100, "{samples} {on_path}");
+}
+
+#[test]
 fn a_command_at_its_limit_is_told_and_is_no_fault() {
     let mut run = running(Mode::DryRun);
     assert!(!run.output.saturated);

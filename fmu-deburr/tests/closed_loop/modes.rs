@@ -1,5 +1,7 @@
 //! Modes and switches: hold, stop, override, load control, laps.
 
+mod registration;
+
 use fmu_deburr::interface::{BankStatus, Fault, Mode, Parameters, State};
 use fmu_deburr::learning::speeds::Speeds;
 

@@ -21,6 +21,7 @@ fn random_inputs_do_no_harm() {
     const NONSENSE: [f64; 4] = [f64::NAN, f64::INFINITY, 1e300, -1e5];
     let mut p = Parameters::START;
     p.learn.repetitions = 1;
+    p.path.file = "touched.json".to_owned();
     (p.path.taught_speed, p.transfer.time) = (0.5, 0.3);
     p.learn.factors = Speeds::new(&[1.0]).unwrap();
     let mut visited = [false; State::ALL.len() + 1];
@@ -30,6 +31,7 @@ fn random_inputs_do_no_harm() {
         let mut dice = Dice(seed);
         for k in 0..6000 {
             run.input.commission = k / 150 % 3 == 1;
+            (run.input.register, run.input.contact) = (k / 150 % 3 == 2, k / 7 % 40 == 0);
             if dice.roll(300) == 0 {
                 run.input.mode = Mode::ALL[dice.roll(6) as usize];
             }
@@ -52,6 +54,10 @@ fn random_inputs_do_no_harm() {
                 assert!(axis.velocity.abs() <= limits.velocity_max);
                 let held = run.output.state == State::Fault && run.output.drive_enable;
                 assert!(axis.velocity == 0.0 || held || !matches!(run.output.state, State::Off | State::Fault));
+            }
+            let found = &run.output.registration;
+            for value in [found.x, found.x_deviation, found.angle, found.angle_deviation, found.residual] {
+                assert!(value.is_finite());
             }
             assert!(run.output.path.distance >= 0.0 && run.output.path.distance <= run.output.path.length);
         }

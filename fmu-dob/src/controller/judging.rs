@@ -9,11 +9,14 @@ use crate::faults::{self, Symptoms};
 use crate::force::observer::forgetting;
 use crate::interface::{ContactSource, Fault, Parameters, State};
 use crate::monitoring::numbers::Unseen;
+use crate::monitoring::rest_force::RestForce;
 use crate::motion::travel::{late, learn_limit};
 use crate::reading::{Expected, Reading};
 
 /// Something holds the stage above this share of `guard.force`.
 const HELD: f64 = 0.25;
+/// Changes of the inertial force to its other side that a stable loop has as it comes to rest.
+const OVERSHOOTS: u32 = 2;
 
 /// Samples at constant speed until the observer has forgotten the acceleration to it.
 fn started(p: &Parameters) -> u32 {
@@ -88,6 +91,15 @@ impl Controller {
                 monitors.rest.clear();
                 monitors.standing = false;
             }
+            let steady = self.motion.at_rest() || self.state.approaching() && self.motion.cruising();
+            if watching && steady && self.state != State::Commission {
+                if monitors.swing.update(p, monitors.drive.inertia()) && monitors.swing.count() > OVERSHOOTS {
+                    // a stage that swings has no force at rest
+                    monitors.relief = RestForce::default();
+                }
+            } else {
+                monitors.swing.clear();
+            }
             if self.state == State::Retract && self.motion.retreated(p) {
                 monitors.relief.update(p, self.force.notched);
             }
@@ -109,6 +121,7 @@ impl Controller {
             steady_spindle: self.steady_spindle(),
             limited: self.amplifier.limited(),
             reversals: self.amplifier.reversals(),
+            swings: monitors.swing.count(),
             astray: monitors.astray.count(),
             overloaded: monitors.overloaded.count(),
             share: monitors.drive.share(),

@@ -72,6 +72,11 @@ impl DriveResponse {
         (self.steady, self.response, self.doubted) = (self.answers, Response::default(), false);
     }
 
+    /// Force (N) that accelerates the stage, behind the low-passes of the observer.
+    pub fn inertia(&self) -> f64 {
+        self.answers[1]
+    }
+
     /// Share of the thrust that accelerates the stage; none while too little was commanded. Readings in doubt tell no weak
     /// drive, for they show too little motion themselves, but one that goes the wrong way.
     pub fn share(&self) -> Option<f64> {

@@ -7,6 +7,7 @@ use crate::interface::Parameters;
 use crate::monitoring::drive::DriveResponse;
 use crate::monitoring::rest::Rest;
 use crate::monitoring::rest_force::RestForce;
+use crate::monitoring::swing::Swing;
 
 /// What is watched beside the law.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -19,6 +20,8 @@ pub struct Monitors {
     pub standing: bool,
     /// The force behind the retract.
     pub relief: RestForce,
+    /// What is left of a motion.
+    pub swing: Swing,
     /// Samples in a row too far from the reference.
     pub astray: Consecutive,
     /// Samples in a row with too large a disturbance.
@@ -35,6 +38,7 @@ impl Monitors {
             rest: Rest::default(),
             standing: false,
             relief: RestForce::default(),
+            swing: Swing::default(),
             astray: Consecutive::NONE,
             overloaded: Consecutive::NONE,
             job: Progress::default(),

@@ -11,11 +11,15 @@ pub struct Numbers {
     pub force_left: f64,
     /// Largest distance from the reference when the drive went off, m.
     pub following_limit: f64,
+    /// Thrust constant in force when the fault was found, N/A.
+    pub force_constant: f64,
+    /// Swings of the stage, in a row.
+    pub swings: u32,
 }
 
 impl Numbers {
     /// Before the first approach.
-    pub const START: Self = Self { late: None, force_left: 0.0, following_limit: 0.0 };
+    pub const START: Self = Self { late: None, force_left: 0.0, following_limit: 0.0, force_constant: 0.0, swings: 0 };
 }
 
 /// A contact that the force guard has found, and the detector has not.

@@ -13,8 +13,8 @@ pub fn acceleration(servo: &Servo, reference: &Trajectory, position: f64, veloci
         + 2.0 * servo.damping * omega * (reference.velocity - velocity)
 }
 
-/// Two changes of the current from limit to limit belong together within this time, s: an unstable loop swings faster.
-const SWING: f64 = 0.05;
+/// Two changes from one side to the other belong together within this time, s: an unstable loop swings faster.
+pub const SWING: f64 = 0.05;
 
 /// Smallest step of the current command, A.
 pub fn current_step(p: &Parameters) -> f64 {

@@ -464,3 +464,40 @@ fn a_force_that_is_left_behind_the_retract_rejects_the_contact() {
         assert_eq!((run.output.state, run.output.fault), expected, "{push}: {:?}", run.output);
     }
 }
+
+/// A loop in `Retract` whose drive then is `late` samples late and has `strength`, run until the job ends.
+fn late_on_the_way_back(current_max: f64, late: usize, strength: f64) -> Loop {
+    let mut p = Parameters::START;
+    p.stage.current_max = current_max;
+    let mut run = Loop::new(&p, 40, 90e-6);
+    assert!(run.run_to(State::Retract, 3.0), "{:?}", run.output);
+    run.slide.delay += late;
+    run.slide.strength = strength;
+    while run.output.state == State::Retract {
+        run.step();
+        assert!(run.time() < 4.0, "{:?}", run.output);
+    }
+    run
+}
+
+#[test]
+fn done_waits_for_a_stage_that_swings_until_it_stands() {
+    let nominal = late_on_the_way_back(5.0, 0, 1.0).time();
+    let mut run = late_on_the_way_back(5.0, 6, 1.0);
+    assert_eq!((run.output.state, run.output.fault), (State::Done, Fault::None), "{:?}", run.output);
+    assert!(run.time() > nominal + 5e-3, "{} s {nominal} s", run.time());
+    let places: Vec<f64> = (0..100).map(|_| (run.step(), run.slide.place()).1).collect();
+    let way =
+        places.iter().fold(f64::NEG_INFINITY, |a, b| a.max(*b)) - places.iter().fold(f64::INFINITY, |a, b| a.min(*b));
+    // 0.4 N at 130 Hz are 60 nm to and fro
+    assert!(way < 120e-9, "{way} m");
+}
+
+#[test]
+fn a_loop_that_swings_below_the_limit_of_the_current_is_told_before_done() {
+    for current_max in [5.0, 0.3] {
+        let run = late_on_the_way_back(current_max, 7, 1.15);
+        assert!(run.output.current.abs() < current_max);
+        switches_off(run, Fault::Oscillation);
+    }
+}

@@ -3,16 +3,21 @@
 //! With the torque U and the angle B of the hub at the frequency w, and N and D of the flexure as in [`crate::servo::flexure`],
 //!
 //! ```text
-//! (-w^2 J D / N + j w b + j 4 F / (pi |B|)) B = H e^(-j w d T_s) U,
+//! (-w^2 J D / N + j w b + j 4 F (1 + j w t) / (pi |B|)) B = H e^(-j w d T_s) U,
 //! ```
 //!
-//! J: inertia, b: viscous friction, F: dry friction, whose torque has the fundamental 4 F / pi in phase with the speed whatever the
-//! amplitude is, d: samples of delay beyond the told ones, H: hold, current loop and told delay, those of the told arm. Over
-//! the response of the told arm, and times N without any pole, it is linear in nearly all of the seven unknowns. Gain of
+//! J: inertia, b: viscous friction, F: dry friction, whose torque has the fundamental 4 F / pi whatever the amplitude is, t: how long
+//! before the speed it turns round, d: samples of delay beyond the told ones, H: hold, current loop and told delay, those of the told arm.
+//! Over the response of the told arm, and times N without any pole, it is linear in nearly all of the eight unknowns, F t one of them. Gain of
 //! the drive and inertia leave no trace but their ratio: so the torque is believed, and J, b and F are those that go with it. A delay
 //! of the encoder turns the phase as one of the command does: only their sum leaves a trace.
 //!
-//! The flexure as it is told is one observation more, of little weight: an arm that is told rigid stays rigid.
+//! How sure a point is, of its value: what the model leaves out; a reading with the deviation s, of which the mean of n samples leaves
+//! s sqrt(2 / n) in B, and as much of the response of the arm, for the loop answers noise by its sensitivity; and the phase of dry
+//! friction. A small swing has friction like that of a spring, and friction itself bends a slow one: without a loop, its harmonics turn
+//! the speed round early by the sum of 1 / n^2 over the odd n from 3 on, times the share that friction has of the torque.
+//!
+//! The flexure as it is told is one observation more, of little weight: an arm that is told rigid stays rigid. Another is t = 0.
 
 use std::f64::consts::PI;
 
@@ -24,15 +29,20 @@ use crate::servo::flexure::{Shape, gradient};
 use crate::servo::nominal::Nominal;
 use crate::servo::response::{FrequencyResponse, Point};
 
-/// J / J_told, d, w_t / told, z, m, b T / J_told and F T^2 / J_told with the unit of time T below.
-pub type Unknowns = SVector<f64, 7>;
+/// J / J_told, d, w_t / told, z, m, b T / J_told and F T^2 / J_told with the unit of time T below, and F t
+/// as F with the unit of t below.
+pub type Unknowns = SVector<f64, 8>;
 
-/// Standard deviation of a point, of its value: noise, and what the model leaves out.
-const POINT_SIGMA: f64 = 3e-3;
+/// Standard deviation of what the model leaves out of a point, of its value.
+const POINT_SIGMA: f64 = 1e-3;
 /// Amplitude (rad) below which dry friction is none: bearings give way like springs before they slide, by some micrometres.
 const PRESLIDING: f64 = 1e-4;
-/// Fits with the weights of the arm that the one before has found.
-const WEIGHED: u32 = 2;
+/// What friction turns the speed round early by, over its share of the torque: pi^2 / 8 - 1.
+const BENT: f64 = PI * PI / 8.0 - 1.0;
+/// Standard deviation of the time t by which dry friction turns round before the speed, s; and the least friction that does, as F.
+const TURN: (f64, f64) = (1e-4, 1e-3);
+/// Fits, each with the weights of the arm that the one before has found.
+const FITS: u32 = 3;
 /// Standard deviations of frequency, damping and inertia of the flexure as they are told.
 const TOLD_SIGMA: [f64; 3] = [0.5, 0.05, 0.5];
 /// Unit of time in which all unknowns are of the order of 1, s.
@@ -57,13 +67,12 @@ pub struct FoundArm {
     pub share: [f64; 2],
 }
 
-/// A measured point: the response over the told rigid arm, the amplitude of the hub (rad), and how far the closed loop is from
-/// following. An error e of the closed loop T is e / (1 - T) of the response of the arm.
+/// A measured point: the response over the told rigid arm, the amplitude of the hub (rad), and the standard deviation of that.
 struct Swing {
     omega: f64,
     over_rigid: Complex<f64>,
     amplitude: f64,
-    following: f64,
+    noise: f64,
 }
 
 /// What a response is compared with.
@@ -78,12 +87,9 @@ struct Told<'a> {
 /// When it does not tell the unknowns apart.
 pub fn find(plan: &Plan, response: &FrequencyResponse) -> Result<FoundArm, NoEstimate> {
     let told = Told::new(plan);
-    // what noise does to a point depends on the arm: it is alike for all at first, as that of what was told may be far off
-    let start = told.start();
-    let mut found = told.fit(response, start, |swing| told.deviation(swing, &start, POINT_SIGMA))?;
-    for _ in 0..WEIGHED {
-        let at = found.value;
-        found = told.fit(response, at, |swing| told.deviation(swing, &at, told.noise(swing, &at)))?;
+    let mut found = told.fit(response, told.start())?;
+    for _ in 1..FITS {
+        found = told.fit(response, found.value)?;
     }
     Ok(told.arm(&found))
 }
@@ -97,25 +103,23 @@ impl<'a> Told<'a> {
     fn start(&self) -> Unknowns {
         let Nominal { servo, tip, .. } = &self.plan.told;
         let [inertia, viscous, dry] = [1.0, servo.viscous_friction * UNIT, servo.dry_friction * UNIT * UNIT];
-        Unknowns::from([inertia, 0.0, 1.0, tip.damping, tip.inertia, viscous / servo.inertia, dry / servo.inertia])
+        Unknowns::from([inertia, 0.0, 1.0, tip.damping, tip.inertia, viscous / servo.inertia, dry / servo.inertia, 0.0])
     }
 
-    fn fit(
-        &self,
-        response: &FrequencyResponse,
-        at: Unknowns,
-        deviation: impl Fn(&Swing) -> f64,
-    ) -> Result<Estimate<7>, NoEstimate> {
+    /// The fit with the weights of the arm `at`, from there on.
+    fn fit(&self, response: &FrequencyResponse, at: Unknowns) -> Result<Estimate<8>, NoEstimate> {
         let (points, told) = (response.points(), self.start());
-        least_squares(at, 2 * points.len() + TOLD_SIGMA.len(), |i, x| {
-            if let Some(known) = i.checked_sub(2 * points.len()) {
-                let (unknown, sigma) = (2 + known, TOLD_SIGMA[known]);
+        let [frequency, damping, share] = TOLD_SIGMA;
+        let known = [(2, frequency), (3, damping), (4, share), (7, at[6].abs().max(TURN.1))];
+        least_squares(at, 2 * points.len() + known.len(), |i, x| {
+            if let Some(beyond) = i.checked_sub(2 * points.len()) {
+                let (unknown, sigma) = known[beyond];
                 let mut gradient = Unknowns::zeros();
                 gradient[unknown] = sigma.recip();
                 return Observation { residual: (x[unknown] - told[unknown]) / sigma, gradient };
             }
             let swing = self.swing(&points[i / 2]);
-            let deviation = deviation(&swing);
+            let deviation = self.deviation(&swing, &at);
             let residual = |x: &Unknowns| {
                 let residual = self.residual(&swing, x) / deviation;
                 if i % 2 == 0 { residual.re } else { residual.im }
@@ -125,40 +129,33 @@ impl<'a> Told<'a> {
     }
 
     fn swing(&self, point: &Point) -> Swing {
-        let amplitude = self.plan.amplitude(point.frequency) * point.magnitude;
+        let [amplitude, noise] = self.plan.swing(point.frequency);
         let over_rigid = self.shape.measured(&self.plan.model, point);
-        Swing { omega: point.frequency, over_rigid, amplitude, following: (1.0 - point.value()).norm() }
+        Swing { omega: point.frequency, over_rigid, amplitude: amplitude * point.magnitude, noise }
     }
 
     /// N times (e^(-j w d T_s) times the told arm over the measured one, less the found arm), over the told rigid one.
     fn residual(&self, swing: &Swing, x: &Unknowns) -> Complex<f64> {
-        let &[inertia, delay, frequency, damping, share, viscous, dry] = &x.data.0[0];
+        let &[inertia, delay, frequency, damping, share, viscous, dry, turned] = &x.data.0[0];
         let (omega, servo) = (swing.omega, &self.plan.told.servo);
         let [zero, pole] = self.shape.zero_and_pole(omega, [frequency, damping, share]);
-        let slow = omega * UNIT;
-        let drag = viscous / slow + 4.0 * dry / (PI * swing.amplitude * slow * slow);
+        let drag = Complex::new(dry, omega * TURN.0 * turned) * dry_drag(swing) + viscous / (omega * UNIT);
         let told = 1.0 - Complex::I * servo.viscous_friction / (omega * servo.inertia) * self.shape.rigid(omega);
         let late = Complex::from_polar(1.0, -omega * self.plan.told.sample_period * delay);
-        late * told * zero - swing.over_rigid * (pole * inertia - Complex::I * drag * zero)
+        late * told * zero - swing.over_rigid * (pole * inertia - zero * drag * Complex::I)
     }
 
-    /// Standard deviation of each part of it: noise, and the friction that a small swing does not have.
-    fn deviation(&self, swing: &Swing, x: &Unknowns, noise: f64) -> f64 {
-        let &[_, _, frequency, damping, share, _, dry] = &x.data.0[0];
-        let [zero, _] = self.shape.zero_and_pole(swing.omega, [frequency, damping, share]);
-        let slow = swing.omega * UNIT;
-        let drag = 4.0 * dry / (PI * swing.amplitude * slow * slow) * swing.over_rigid * zero;
-        noise.hypot(drag.norm() * PRESLIDING / (PRESLIDING + swing.amplitude))
+    /// Standard deviation of each part of it.
+    fn deviation(&self, swing: &Swing, x: &Unknowns) -> f64 {
+        let &[inertia, _, frequency, damping, share, _, dry, _] = &x.data.0[0];
+        let [zero, pole] = self.shape.zero_and_pole(swing.omega, [frequency, damping, share]);
+        let all = (swing.over_rigid * pole * inertia).norm();
+        let drag = (swing.over_rigid * zero).norm() * dry_drag(swing) * dry.abs();
+        let phase = (PRESLIDING / (PRESLIDING + swing.amplitude)).hypot((BENT * drag / all).min(1.0));
+        (all * POINT_SIGMA.hypot(swing.noise / swing.amplitude)).hypot(drag * phase)
     }
 
-    /// What an error of the closed loop does to it.
-    fn noise(&self, swing: &Swing, x: &Unknowns) -> f64 {
-        let &[inertia, _, frequency, damping, share, ..] = &x.data.0[0];
-        let [_, pole] = self.shape.zero_and_pole(swing.omega, [frequency, damping, share]);
-        POINT_SIGMA * (swing.over_rigid * pole * inertia).norm() / swing.following
-    }
-
-    fn arm(&self, found: &Estimate<7>) -> FoundArm {
+    fn arm(&self, found: &Estimate<8>) -> FoundArm {
         let Nominal { servo, tip, io_delay, .. } = &self.plan.told;
         let scaled = |i: usize, unit: f64| [unit * found.value[i], unit * found.sigma(i)];
         let [late, deviation] = scaled(1, 1.0);
@@ -172,6 +169,12 @@ impl<'a> Told<'a> {
             share: scaled(4, 1.0),
         }
     }
+}
+
+/// Fundamental of the dry friction F = 1 over the torque of the told rigid arm.
+fn dry_drag(swing: &Swing) -> f64 {
+    let slow = swing.omega * UNIT;
+    4.0 / (PI * swing.amplitude * slow * slow)
 }
 
 #[cfg(test)]
@@ -189,9 +192,10 @@ mod tests {
         (&p).into()
     }
 
-    /// What the tones of a plan measure on a machine with dry friction, each part with `noise`.
-    fn response(plan: &Plan, truth: &Nominal, noise: f64, seed: u64) -> FrequencyResponse {
-        let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(seed);
+    /// What the tones of a plan measure on a machine with dry friction, which turns round `turn` (s) before the speed, and with
+    /// `noise` times the errors that a point may have.
+    fn response(plan: &Plan, truth: &Nominal, turn: f64, [noise, seed]: [f64; 2]) -> FrequencyResponse {
+        let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(seed as u64);
         let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
         let model = LoopModel::new(*truth, *plan.model.compensator());
         let mut seen = FrequencyResponse::EMPTY;
@@ -202,14 +206,16 @@ mod tests {
             let shape = Shape::told(truth);
             let stiff = -truth.servo.inertia * omega * omega / shape.rigid(omega)
                 + Complex::I * omega * truth.servo.viscous_friction;
-            let mut closed = model.closed(omega);
+            let (mut open, mut amplitude) = (model.open(omega), 0.0);
             for _ in 0..60 {
-                let amplitude = tone.amplitude * closed.norm();
-                let dry = Complex::I * 4.0 * truth.servo.dry_friction / (PI * amplitude);
-                let open = compensator * arm * stiff / (stiff + dry);
-                closed = open / (open + 1.0);
+                amplitude = tone.amplitude * (open / (open + 1.0)).norm();
+                let dry =
+                    Complex::from_polar(4.0 * truth.servo.dry_friction / (PI * amplitude), omega * turn) * Complex::I;
+                open = compensator * arm * stiff / (stiff + dry);
             }
-            seen.push(omega, closed * (1.0 + noise * Complex::new(normal(), normal())));
+            let deviation = noise * POINT_SIGMA.hypot(plan.swing(omega)[1] / amplitude);
+            open *= 1.0 + deviation * Complex::new(normal(), normal());
+            seen.push(omega, open / (open + 1.0));
         }
         seen
     }
@@ -227,7 +233,7 @@ mod tests {
                 (p.tip.inertia, p.tip.damping, p.io_delay) = (share, damping, delay);
                 p.tip.frequency *= frequency;
             });
-            let arm = find(&plan, &response(&plan, &truth, 0.0, 1)).unwrap();
+            let arm = find(&plan, &response(&plan, &truth, 0.0, [0.0, 1.0])).unwrap();
             let near = |[value, deviation]: [f64; 2], expected: f64, spread: f64| {
                 assert!((value - expected).abs() < spread && deviation > 0.0, "{value} {expected}: {arm:?}");
             };
@@ -245,14 +251,14 @@ mod tests {
     fn the_deviation_is_the_scatter_of_the_estimates() {
         let plan = Plan::new(&Parameters::START);
         let truth = machine(|p| p.servo.inertia = 9e-4);
-        // a percent, beside which the deviation of a point does not count
         let all: Vec<FoundArm> =
-            (0..60).map(|seed| find(&plan, &response(&plan, &truth, 0.01, seed)).unwrap()).collect();
+            (0..60).map(|seed| find(&plan, &response(&plan, &truth, 0.0, [1.0, seed.into()])).unwrap()).collect();
         type Of = fn(&FoundArm) -> [f64; 2];
         let (servo, tip) = (truth.servo, truth.tip);
         for (of, expected) in [
             ((|arm| arm.inertia) as Of, 9e-4),
             (|arm| arm.viscous_friction, servo.viscous_friction),
+            (|arm| arm.dry_friction, servo.dry_friction),
             (|arm| arm.delay, 1.0),
             (|arm| arm.frequency, tip.frequency),
             (|arm| arm.damping, tip.damping),
@@ -261,8 +267,19 @@ mod tests {
             let told = all.iter().map(|arm| of(arm)[1]).sum::<f64>() / all.len() as f64;
             let scatter = all.iter().map(|arm| (of(arm)[0] - expected).powi(2)).sum::<f64>() / all.len() as f64;
             let ratio = scatter.sqrt() / told;
-            // a friction that is not there is taken for some, and makes the flexure less sure than it is
-            assert!((0.4..1.5).contains(&ratio), "{expected}: {ratio}");
+            assert!((0.7..1.3).contains(&ratio), "{expected}: {ratio}");
+        }
+    }
+
+    #[test]
+    fn friction_that_turns_round_before_the_speed_or_after_it_is_not_taken_for_anything_else() {
+        let plan = Plan::new(&Parameters::START);
+        let truth = machine(|p| p.servo.dry_friction = 0.015);
+        for turn in [-1e-4, 1e-4] {
+            let arm = find(&plan, &response(&plan, &truth, turn, [0.0, 1.0])).unwrap();
+            let of = |[value, _]: [f64; 2], expected: f64| value / expected - 1.0;
+            let errors = [of(arm.inertia, 8e-4), of(arm.dry_friction, 0.015), of(arm.frequency, truth.tip.frequency)];
+            assert!(errors[0].abs() < 2e-3 && errors[1].abs() < 0.02 && errors[2].abs() < 5e-3, "{turn}: {errors:?}");
         }
     }
 
@@ -271,9 +288,26 @@ mod tests {
         let plan = Plan::new(&Parameters::START);
         let (now, later) = (machine(|_| ()), machine(|p| p.io_delay = 2));
         // one sample later in the reading or in the command: the same response of the loop
-        let late = find(&plan, &response(&plan, &later, 0.0, 1)).unwrap();
-        let prompt = find(&plan, &response(&plan, &now, 0.0, 1)).unwrap();
+        let late = find(&plan, &response(&plan, &later, 0.0, [0.0, 1.0])).unwrap();
+        let prompt = find(&plan, &response(&plan, &now, 0.0, [0.0, 1.0])).unwrap();
         assert!((late.delay[0] - prompt.delay[0] - 1.0).abs() < 0.01, "{late:?} {prompt:?}");
+    }
+
+    #[test]
+    fn friction_is_as_unsure_as_the_part_of_it_that_a_small_swing_does_not_have() {
+        let plan = Plan::new(&Parameters::START);
+        let (told, servo) = (Told::new(&plan), plan.told.servo);
+        for (omega, amplitude) in [(30.0, 1e-3), (60.0, 1e-3), (60.0, 1e-4)] {
+            let mut x = told.start();
+            x[6] = 0.01 / servo.inertia * UNIT * UNIT;
+            let swing = Swing { omega, over_rigid: Complex::ONE, amplitude, following: 1.0 };
+            // 10 mN.m over what accelerates the arm
+            let drag = 4.0 * 0.01 / (PI * amplitude) / (servo.inertia * omega * omega);
+            let expected = drag * PRESLIDING / (PRESLIDING + amplitude);
+            let deviation = told.deviation(&swing, &x, 0.0);
+            assert!((deviation / expected - 1.0).abs() < 1e-3, "{omega} {amplitude}: {deviation} {expected}");
+            assert!((told.deviation(&swing, &x, 3.0) - 3.0_f64.hypot(deviation)).abs() < 1e-12);
+        }
     }
 
     #[test]

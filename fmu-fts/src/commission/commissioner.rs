@@ -9,8 +9,9 @@ use crate::commission::plan::{self, Plan};
 use crate::commission::values::{Values, acceptable};
 use crate::identify::experiment::Identification;
 use crate::interface::{Measured, Parameters};
-use crate::servo::design::shape;
+use crate::servo::design::{LoopMargins, shape};
 use crate::servo::lead_lag::LeadLag;
+use crate::servo::loop_model::LoopModel;
 use crate::servo::nominal::Nominal;
 
 /// What is left of the bandwidth in each trial that does not leave enough margin, and the least of the wish.
@@ -73,11 +74,6 @@ impl Commissioner {
         self.measured.valid = false;
     }
 
-    /// Values that were told.
-    pub fn told(&self) -> Values {
-        self.values.told()
-    }
-
     /// Longest time that it may take, s.
     pub fn limit(&self) -> f64 {
         self.limit
@@ -131,7 +127,11 @@ impl Commissioner {
 
     /// The bandwidth that is wished, or the largest below it that leaves the margins, and for which the other parameters can be taken.
     fn shape(&mut self, p: &Parameters) {
-        let (_, margins) = shape(&self.candidate.nominal);
+        let (compensator, _) = shape(&self.candidate.nominal);
+        // the loop is designed with whole samples, and judged with the delay that it has
+        let late = self.measured.io_delay - f64::from(self.candidate.nominal.io_delay);
+        let model = LoopModel::new(self.candidate.nominal, compensator);
+        let margins = LoopMargins::of(&self.candidate.nominal, &model, late);
         let Nominal { servo, tip, .. } = &mut self.candidate.nominal;
         let soft = tip.frequency > 0.0 && tip.frequency < least_tip_frequency(servo.bandwidth);
         if soft || !margins.enough() || margins.sensitivity > p.commission.sensitivity_max {

@@ -3,13 +3,14 @@
 //! The arm is held by the lead-lag of the position loop with so low a crossover w_c that it is stable with g = 1/2 to 2 times
 //! the acceleration for a torque, a flexure of 0.7 to 1.43 times the frequency and half the damping, and two samples more of delay
 //! than told. A rigid arm with the lead of 4 has the open loop g |L|, |L| = 1 at w_c; it crosses at w_c times 0.6 to 1.7, with
-//! atan(4 x) - atan(x / 4) - atan(1 / 10 x), 50 degrees and more, less the delays: w_c = 0.35 / (1.7 tau) leaves them 20
+//! atan(4 x) - atan(x / 4) - atan(1 / 10 x), 50 degrees and more, less the delays: w_c = 0.3 / (1.7 tau) leaves them 17
 //! degrees. Beyond its crossover |L| is at most 4 (w_c / w)^2, and at its pole w_p the flexure makes m / (2 z sqrt(1 - m)) of it: the w_c at
 //! which the whole is 1/2 with g = 2 leaves a factor 2 of gain whatever the phase is.
 //!
 //! Each tone is so large that travel, torque and following error keep their bounds on every machine of that class: with the
 //! largest |T|, |K (1 - T)| and |1 - T| of them. About the flexure the torque is what bends it at its resonance half as far as full
-//! torque does at rest, twice as far with g = 2 and half the damping; slow tones alternate in size, so that dry and viscous friction tell apart.
+//! torque does at rest, twice as far with g = 2 and half the damping, even where that is less than `limits.disturbance`: the thrust of a cut
+//! is not there; slow tones alternate in size, so that dry and viscous friction tell apart.
 
 use std::f64::consts::TAU;
 
@@ -32,7 +33,7 @@ const DAMPING: (f64, f64) = (0.5, 1e-3);
 const SHAPE: (f64, f64) = (4.0, 10.0);
 /// Largest crossing of a machine over that of the told one, and the phase (rad) that delays may take there.
 const CROSSING: f64 = 1.7;
-const PHASE: f64 = 0.35;
+const PHASE: f64 = 0.3;
 /// Largest open loop beyond the crossing.
 const PEAK: f64 = 0.5;
 /// Slow tones over the crossover, and the part of the full size of each.
@@ -49,6 +50,8 @@ const HIGHEST: f64 = 0.2;
 const SETTLE: f64 = 0.15;
 /// Part of `servo.torque_max` if nothing else is told.
 const TORQUE_SHARE: f64 = 0.2;
+/// What a machine between those that are tried may do beyond them.
+const BETWEEN: f64 = 1.1;
 /// Part of `limits.following_error` that a tone may have.
 const ERROR_SHARE: f64 = 0.7;
 
@@ -61,6 +64,8 @@ pub struct Plan {
     pub model: LoopModel,
     /// The tones.
     pub tones: Vec<Tone>,
+    /// Standard deviation of a reading of the arm, rad: readings at rest are spread over six of it, `limits.arm_spread`.
+    noise: f64,
 }
 
 impl Plan {
@@ -70,14 +75,16 @@ impl Plan {
         let compensator = compensator(&told);
         let machines = machines(&told, compensator);
         let tones = tones(&told, crossover(&told)).map(|(omega, part)| tone(p, omega, part, &machines)).collect();
-        Self { told, model: LoopModel::new(told, compensator), tones }
+        let noise = p.limits.arm_spread / 6.0;
+        Self { told, model: LoopModel::new(told, compensator), tones, noise }
     }
 
-    /// Amplitude (rad) of the set-point at the tone of this frequency, rad/s.
-    pub fn amplitude(&self, omega: f64) -> f64 {
+    /// Amplitude (rad) of the set-point at the tone of this frequency (rad/s), and standard deviation of each part of what is measured.
+    pub fn swing(&self, omega: f64) -> [f64; 2] {
         let turns = omega * self.told.sample_period / TAU;
         let near = |tone: &&Tone| (tone.frequency() / turns - 1.0).abs() < 1e-9;
-        self.tones.iter().find(near).map_or(0.0, |tone| tone.amplitude)
+        let of = |tone: &Tone| [tone.amplitude, self.noise * (2.0 / f64::from(tone.samples)).sqrt()];
+        self.tones.iter().find(near).map_or([0.0; 2], of)
     }
 
     /// The experiment, before its first sample.
@@ -163,7 +170,7 @@ fn tone(p: &Parameters, omega: f64, part: f64, machines: &[Bearable]) -> Tone {
     let most =
         (travel(p) / length / swing).min(torque / push).min(ERROR_SHARE * p.limits.following_error / length / error);
     let any = Expected { response: Complex::ONE, stiffness: 1.0, hub_over_tool: 1.0 };
-    Tone { amplitude: part * most, ..Tone::new(p, omega, &any) }
+    Tone { amplitude: part * most / BETWEEN, ..Tone::new(p, omega, &any) }
 }
 
 /// Motion of the tool over that of the hub.
@@ -202,6 +209,9 @@ pub fn least_time(p: &Parameters) -> f64 {
 }
 
 #[cfg(test)]
+mod bounds;
+
+#[cfg(test)]
 mod tests {
     use super::*;
     use crate::servo::design::LoopMargins;
@@ -230,10 +240,10 @@ mod tests {
             (p.servo.bandwidth, p.tip.damping, p.io_delay) = (TAU * bandwidth, damping, delay);
             let (told, plan) = (Nominal::from(&p), Plan::new(&p));
             others(&told, |machine| {
-                let margins = LoopMargins::of(machine, &LoopModel::new(*machine, *plan.model.compensator()));
+                let margins = LoopMargins::of(machine, &LoopModel::new(*machine, *plan.model.compensator()), 0.0);
                 // 30 degrees, and a factor 2 that the peak leaves whatever its phase is
                 assert!(
-                    margins.phase > 0.52 && margins.gain > 1.9 && margins.sensitivity < 2.6,
+                    margins.phase > 0.52 && margins.gain > 2.0 && margins.sensitivity < 2.1,
                     "{machine:?}: {margins:?}"
                 );
             });
@@ -257,9 +267,8 @@ mod tests {
                     (0..3).for_each(|i| most[i] = most[i].max(tone.amplitude * sizes[i]));
                 }
             });
-            // between the machines of the plan there is a little more
             let limits = [travel(&p), torque(&p), ERROR_SHARE * p.limits.following_error];
-            (0..3).for_each(|i| assert!(most[i] < 1.1 * limits[i], "{way} {push}, {i}: {most:?}"));
+            (0..3).for_each(|i| assert!(most[i] < limits[i], "{way} {push}, {i}: {most:?}"));
         }
     }
 

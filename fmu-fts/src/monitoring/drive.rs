@@ -167,6 +167,26 @@ mod tests {
     }
 
     #[test]
+    fn what_it_does_now_and_did_when_it_last_moved_is_told_of_more_torque_than_disturbances_have() {
+        let (p, dt) = (Parameters::START, 1e-4);
+        for (torque, tells) in [(0.2, false), (5.0, true)] {
+            let (mut watch, mut angle, mut velocity, mut before) = (DriveWatch::default(), 0.0, 0.0, 0.0);
+            for k in 0..1000 {
+                let command = torque * (TAU * 80.0 * dt * f64::from(k)).cos();
+                watch.update(&p, angle, command);
+                let acceleration = before / p.servo.inertia;
+                angle += dt * (velocity + 0.5 * dt * acceleration);
+                velocity += dt * acceleration;
+                before = command;
+            }
+            for share in [watch.latest(&p), watch.moving(&p)] {
+                assert_eq!(share.is_some_and(|share| (share - 1.0).abs() < 0.05), tells, "{torque}: {share:?}");
+                assert_eq!(share.is_some(), tells, "{torque}: {share:?}");
+            }
+        }
+    }
+
+    #[test]
     fn a_small_torque_says_nothing() {
         assert_eq!(share(1.0, |t| 0.2 * (TAU * 20.0 * t).cos(), 1e-9), None);
         assert_eq!(share(0.0, |_| 5.0, 1e-9), None);

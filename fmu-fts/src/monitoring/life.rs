@@ -105,10 +105,10 @@ mod tests {
                 watch.unanswered(&p, LENGTH) <= 1.0
             });
             let told = told.count() as f64 * p.sample_period;
-            // (|u| - 2 d) t^2 / 2 J, late by the low-pass
+            // (|u| - 2 d) t^2 / 2 J, late by the low-pass of 50 Hz
             let angle = UNANSWERED / LENGTH + p.limits.arm_spread;
             let expected = (2.0 * angle * p.servo.inertia / (torque - 2.0 * disturbance(&p))).sqrt();
-            assert!(told > expected && told < expected + 1.5 / CORNER, "{torque}: {told} {expected}");
+            assert!(told > expected && told < expected + 1.5 / (TAU * 50.0), "{torque}: {told} {expected}");
         }
     }
 

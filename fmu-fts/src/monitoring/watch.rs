@@ -210,6 +210,18 @@ mod tests {
     }
 
     #[test]
+    fn eight_time_constants_themselves_are_not_too_long() {
+        let (mut p, mut watch) = (Parameters::START, Watch::default());
+        p.afc.tau = 1000.0 * p.sample_period / 8.0;
+        let rms = 2.0 * p.limits.tracking_error;
+        let mut found = |samples: u32| {
+            (0..samples).for_each(|_| watch.update(&p, 0.08, &Sample { learning: true, rms, ..REST }));
+            watch.find(&p, 0.08)
+        };
+        assert_eq!((found(1000), found(1)), (None, Some(Fault::NoProgress)));
+    }
+
+    #[test]
     fn a_torque_that_turns_again_and_again_is_an_oscillation() {
         let found = |turns: u32, every: u32| {
             let (p, mut watch) = (Parameters::START, Watch::default());
@@ -223,6 +235,18 @@ mod tests {
         assert_eq!(found(9, 10), Some(Fault::Oscillation));
         // slower than 100 Hz
         assert_eq!(found(20, 60), None);
+    }
+
+    #[test]
+    fn an_error_that_grows_is_told_with_its_turns_and_where_it_began() {
+        let (p, mut watch) = (Parameters::START, Watch::default());
+        for turn in 0..6 {
+            let rms = 5e-6 * 1.5_f64.powi(turn);
+            watch.update(&p, 0.08, &Sample { rms, spindle_speed: 62.8, ..REST });
+        }
+        assert_eq!(watch.find(&p, 0.08), Some(Fault::Divergence));
+        let Numbers { turns, begin, saturated, .. } = watch.numbers();
+        assert_eq!((turns, begin, saturated), (5, 5e-6, 0.0));
     }
 
     #[test]

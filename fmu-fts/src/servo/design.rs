@@ -38,9 +38,11 @@ impl LoopMargins {
         self.phase >= PHASE_MARGIN_MIN && self.gain >= GAIN_MARGIN_MIN
     }
 
-    /// Those of a loop of this machine.
-    pub fn of(nominal: &Nominal, model: &LoopModel) -> Self {
-        margins(model, Grid::new(nominal, model).points())
+    /// Those of a loop of this machine whose delay is longer than it knows by `late` samples.
+    pub fn of(nominal: &Nominal, model: &LoopModel, late: f64) -> Self {
+        let mut grid = Grid::new(nominal, model);
+        grid.points.iter_mut().for_each(|point| *point = point.later(late * nominal.sample_period));
+        margins(model, grid.points())
     }
 }
 
@@ -160,7 +162,14 @@ mod tests {
 
     fn designed(p: &Parameters) -> (LoopModel, LoopMargins) {
         let model = LoopModel::new(p, design(p).unwrap());
-        (model, LoopMargins::of(&Nominal::from(p), &model))
+        (model, LoopMargins::of(&Nominal::from(p), &model, 0.0))
+    }
+
+    #[test]
+    fn a_loop_may_be_closed_with_both_margins_and_with_one_of_them_it_may_not() {
+        let enough = |phase: f64, gain: f64| LoopMargins { phase, gain, sensitivity: 1.0 }.enough();
+        let (phase, gain) = (PHASE_MARGIN_MIN, GAIN_MARGIN_MIN);
+        assert!(enough(phase, gain) && !enough(0.999 * phase, 9.0) && !enough(1.5, 0.999 * gain));
     }
 
     #[test]
@@ -209,7 +218,7 @@ mod tests {
         let p = Parameters::START;
         let at = |crossover: f64| {
             let model = LoopModel::new(&p, LeadLag::new(&p, crossover));
-            LoopMargins::of(&Nominal::from(&p), &model)
+            LoopMargins::of(&Nominal::from(&p), &model, 0.0)
         };
         let slow = at(1.0);
         assert!(slow.phase == std::f64::consts::PI && slow.gain.is_finite() && slow.gain > 2.0, "{slow:?}");

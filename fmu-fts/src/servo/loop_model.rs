@@ -70,6 +70,12 @@ impl ArmPoint {
     /// An arm that no torque moves.
     pub const REST: Self = Self { omega: 0.0, z: Complex::ONE, arm: Complex::ZERO };
 
+    /// The same, by `time` (s) later.
+    #[must_use]
+    pub fn later(self, time: f64) -> Self {
+        Self { arm: self.arm * Complex::from_polar(1.0, -self.omega * time), ..self }
+    }
+
     /// Open loop L with a compensator.
     pub fn open(&self, compensator: &LeadLag) -> Complex<f64> {
         self.arm * compensator.response(self.z)
@@ -201,6 +207,15 @@ mod tests {
         let found = sum / (2.0 * (omega * 1e-4).cos() - 2.0);
         let expected = model(&p).arm(omega);
         assert!((found - expected).norm() < 2e-3 * expected.norm(), "{found} {expected}");
+    }
+
+    #[test]
+    fn what_is_later_by_a_sample_has_a_sample_of_delay_more() {
+        let (p, slow) = (Parameters::START, Parameters { io_delay: 2, ..Parameters::START });
+        for omega in [50.0, 900.0, 7000.0] {
+            let later = model(&p).at(omega).later(p.sample_period);
+            assert!((later.arm / model(&slow).at(omega).arm - 1.0).norm() < 1e-12, "{omega}");
+        }
     }
 
     #[test]

@@ -281,6 +281,19 @@ mod tests {
     }
 
     #[test]
+    fn only_harmonics_of_the_list_are_cancelled_and_of_these_only_the_chosen_where_it_chooses() {
+        let (mut p, tracker) = tracker(24);
+        let cancelled = |p: &Parameters| (1..40).filter(|n| tracker.cancels(p, *n)).collect::<Vec<_>>();
+        p.afc.automatic = false;
+        let listed: Vec<usize> = p.afc.cancelled.iter().collect();
+        assert!(!listed.is_empty() && listed.len() < 39);
+        assert_eq!(cancelled(&p), listed);
+        // nothing has been chosen yet
+        p.afc.automatic = true;
+        assert!(cancelled(&p).is_empty());
+    }
+
+    #[test]
     fn all_harmonics_of_the_path_are_followed() {
         let (p, mut tracker) = tracker(40);
         let phasors = locate(&p, &mut tracker, 0.7);

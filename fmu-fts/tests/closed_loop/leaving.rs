@@ -215,6 +215,24 @@ fn a_job_that_is_switched_off_ends_out_of_the_part_under_control() {
 }
 
 #[test]
+fn an_approach_that_is_switched_off_ends_out_of_the_part() {
+    let p = Parameters::START;
+    let mut run = Loop::new(&p, &Build::NOMINAL, 11);
+    let mut cut = run.clone();
+    cut.run_to(1.0);
+    let least = range(&mut cut, 0.11).0;
+    run.run_to(0.5 * p.approach_time);
+    assert_eq!(run.output.state, State::Approach);
+    run.input.enable = false;
+    run.step();
+    while run.output.state == State::Retract {
+        run.step();
+    }
+    assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::None));
+    assert!(run.machine.tip_depth() < least - 0.9e-3, "{} m, path from {least} m", run.machine.tip_depth());
+}
+
+#[test]
 fn a_held_arm_that_is_switched_off_is_stopped_and_let_go() {
     let mut run = Loop::new(&Parameters::START, &Build::NOMINAL, 11);
     (run.input.mode, run.input.hold_angle) = (Mode::Hold, 0.5);

@@ -86,11 +86,6 @@ impl Commissioner {
         self.before = values;
     }
 
-    /// Values that were told.
-    pub fn told(&self) -> Values {
-        self.values.told()
-    }
-
     /// Names and values of what a good commission derives.
     pub fn derived(&self) -> [(&'static str, f64); 10] {
         self.values.derived().entries()

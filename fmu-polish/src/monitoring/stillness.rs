@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 use crate::interface::Parameters;
 use crate::monitoring::axis::BAND;
 
-/// Time (s) for which axes at rest have stood: with steps of 1 um they are slower than 30 um/s, a hundredth of an approach.
-const REST: f64 = 0.05;
+/// Time (s) for which axes at rest have stood: with steps of 1 um they are slower than 150 um/s, a hundredth of an excitation.
+const REST: f64 = 0.01;
 
 /// The readings, held against a place where they have come to.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]

@@ -240,12 +240,12 @@ fn an_edge_waits_for_axes_that_a_hand_moves_and_is_forgotten_when_it_falls() {
             });
             assert_eq!(run.output.state, State::Idle);
         }
-        for k in 0..60 {
+        for k in 0..30 {
             run.step_with(|input| {
                 (input.enable, input.commission) = (false, waits);
                 input.position.x += hand;
             });
-            assert_eq!(run.output.state == State::Commission, waits && k >= 49, "{k}");
+            assert_eq!(run.output.state == State::Commission, waits && k >= 9, "{k}");
         }
     }
 }

@@ -4,7 +4,9 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use super::cells::PyElement;
-use crate::elements::cutting::{Burr, Chip, Deburring, Edge, Flute, Milling, Plunge, Reaction, Shapes, TurnedPart};
+use crate::elements::cutting::{
+    Burr, Chip, Deburring, Edge, Flute, Milling, Plunge, Reaction, Shapes, TouchProbe, TurnedPart,
+};
 
 /// Chip of a round nose on a face (all m; whether the part turns backward): angle, lateral, depth, cutting -> area m2.
 #[pyfunction]
@@ -73,6 +75,14 @@ pub fn flute(shortfall: f64, tilt: f64, offset: f64) -> PyElement {
 #[pyfunction]
 pub fn plunge(stiffness: f64, chip: f64) -> PyElement {
     PyElement::new(Plunge::new(stiffness, chip))
+}
+
+/// Touch probe at a wall above an edge, all m: ways along the edge between which it stands, and its height; pretravel, travel and
+/// stiffnesses (N/m) of the spring and at its end: distance, normal, across, nx, ny, nz, part, probe -> contact, deflection, fx, fy, fz.
+#[pyfunction]
+pub fn touch_probe(wall: (f64, f64, f64), probe: (f64, f64, f64, f64)) -> PyElement {
+    let ((from, to, height), (pretravel, travel, spring, end)) = (wall, probe);
+    PyElement::new(TouchProbe { wall: (from, to), height, pretravel, travel, stiffness: (spring, end) })
 }
 
 /// Part that a tool turns and a probe reads, all m:

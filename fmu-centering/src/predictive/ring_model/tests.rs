@@ -229,3 +229,26 @@ fn a_ring_that_was_moved_is_no_rough_one() {
     let (count, explained, left) = lost(&|angle| ring(centre, angle) + 2e-6);
     assert_eq!((count, explained, left), (6, true, 0));
 }
+
+#[test]
+fn a_few_measurements_make_no_rough_ring_smooth_and_more_of_them_do() {
+    let centre = Vector2::new(2e-4, 1e-4);
+    let mut model = RingModel::new(Assumptions { noise: 2e-7, ..ASSUMED });
+    let see = |model: &mut RingModel, count: u32, lobe: f64| {
+        for k in 0..count {
+            let angle = TAU * f64::from(k) / f64::from(count);
+            model.observe(angle, ring(centre, angle) + lobe * (7.0 * angle).cos());
+        }
+        model.refine();
+        model.misfit()
+    };
+    let rough = see(&mut model, 200, 1e-6);
+    assert!(rough > 2.0, "{rough}");
+    for (count, kept) in [(2 * STATES as u32, true), (2 * STATES as u32 + 1, false)] {
+        let mut pushed = model.clone();
+        pushed.displaced(centre, 1e-4);
+        let misfit = see(&mut pushed, count, 0.0);
+        assert_eq!(misfit == rough, kept, "{count}: {misfit}");
+        assert!(kept || misfit == 1.0, "{count}: {misfit}");
+    }
+}

@@ -25,7 +25,7 @@ const SWINGS: (u32, u32) = (3, 20);
 /// Share of what a drive of another strength leaves, below which an answer is that of a drive with an offset.
 const SHIFTED: f64 = 0.25;
 
-/// AnswerSums of an answer m to commands c with the memory of the response.
+/// Sums of an answer m to commands c with the memory of the response.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct AnswerSums {
     weight: f64,

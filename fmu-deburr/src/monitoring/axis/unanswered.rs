@@ -102,3 +102,21 @@ impl Unanswered {
         self.frozen.unanswered()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_offset_explains_a_command_of_which_half_would_leave_the_axis_where_none_may_be() {
+        let p = Parameters::START;
+        // twice Kp T of a millimetre
+        for (commanded, explained) in [(2.5e-4, true), (2.7e-4, false), (-2.5e-4, true), (-2.7e-4, false)] {
+            let mut axis = Unanswered::resting(0.0);
+            // a tenth of it is answered, then nothing
+            axis.update(&p, 2, 0.1 * commanded, commanded);
+            axis.update(&p, 2, 0.1 * commanded, commanded);
+            assert_eq!(axis.explained(), explained, "{commanded} m");
+        }
+    }
+}

@@ -7,6 +7,7 @@ mod edge;
 mod flute;
 mod milling;
 mod plunge;
+mod touch_probe;
 mod turned_part;
 
 pub use burr::Burr;
@@ -16,4 +17,5 @@ pub use edge::{Clearance, Edge};
 pub use flute::Flute;
 pub use milling::Milling;
 pub use plunge::Plunge;
+pub use touch_probe::TouchProbe;
 pub use turned_part::{Shapes, TurnedPart};

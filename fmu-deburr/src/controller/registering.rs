@@ -1,0 +1,99 @@
+//! The state `Register`: what begins, moves and ends it, and the path and patterns that follow from it.
+
+use control_blocks::ticks;
+
+use crate::bank::pattern_bank::PatternBank;
+use crate::controller::Controller;
+use crate::interface::{Fault, Parameters};
+use crate::monitoring::finding::{Finding, Numbers};
+use crate::path::feasible::{self, Obstacle};
+use crate::path::route::Route;
+use crate::reading::Reading;
+use crate::registration::displacement::Displacement;
+use crate::registration::plan;
+
+impl Controller {
+    /// The control patterns for the path as it was taught, wherever the part lies.
+    pub fn bank_as_taught(&self, p: &Parameters) -> PatternBank {
+        let mut other = self.clone();
+        // what was taught was checked at the start
+        other.lay(p, Displacement::default()).ok();
+        other.bank
+    }
+
+    /// Begins on the path as it was taught.
+    pub(super) fn begin_registration(&mut self, p: &Parameters, reading: &Reading) {
+        self.lay(p, Displacement::default()).ok();
+        self.registrar.begin(p.arm.forward(&reading.positions).tip);
+        (self.on_path, self.registering) = (false, true);
+        self.elapsed.restart();
+        self.budget = u64::from(ticks(plan::time(p, &self.path, &self.joints, self.inside), p.sample_period));
+        self.go_to_touch(p);
+    }
+
+    fn go_to_touch(&mut self, p: &Parameters) {
+        if let Some(touch) = self.registrar.touch(&self.path.touches) {
+            self.route = Route::around(p, &self.joints, &plan::outside(p, touch, &self.joints), self.inside);
+        }
+    }
+
+    /// Takes what this sample has read, and moves the reference on.
+    pub(super) fn follow_registration(&mut self, p: &Parameters, reading: &Reading, contact: bool) {
+        self.registrar.observe(p, p.arm.forward(&reading.positions).tip, contact);
+        if self.registrar.touch(&self.path.touches).is_none() {
+            return;
+        }
+        if self.registrar.travels() {
+            self.follow_route(p, false);
+            if self.route.over() {
+                self.registrar.arrive();
+            }
+        } else {
+            let pose = self.registrar.advance(p, &self.path.touches, &self.joints);
+            self.joints = p.arm.inverse(&pose, &self.joints).unwrap_or(self.joints);
+            if self.registrar.travels() {
+                self.go_to_touch(p);
+            }
+        }
+        self.finish_if(false);
+        if let Some(lies) = self.registrar.lies {
+            match self.lay(p, lies) {
+                Ok(()) => {
+                    self.registrar.found.valid = true;
+                    self.finish_if(true);
+                }
+                Err(Obstacle { distance, .. }) => {
+                    let numbers = Numbers { axis: 3, value: distance, limit: self.path.length(), share: None };
+                    self.registrar.reject(Finding { fault: Fault::Misplaced, numbers });
+                }
+            }
+        }
+    }
+
+    /// Slows down on the way to the part or back from it; whether it stands.
+    pub(super) fn stop_registration(&mut self, p: &Parameters) -> bool {
+        if self.path.touches.is_empty() {
+            return true;
+        }
+        let (pose, stands) = self.registrar.brake(p, &self.path.touches);
+        self.joints = p.arm.inverse(&pose, &self.joints).unwrap_or(self.joints);
+        stands
+    }
+
+    /// The part lies elsewhere: the path follows it, and the patterns change by what the drives need for the other motion.
+    fn lay(&mut self, p: &Parameters, lies: Displacement) -> Result<(), Obstacle> {
+        let (taught, start) = (self.path.lies, self.start);
+        if lies == taught {
+            return Ok(());
+        }
+        self.path.lies = lies;
+        let there = feasible::walk(p, &self.path).inspect_err(|_| self.path.lies = taught)?;
+        let Self { feedforward, bank, path, .. } = self;
+        for (lies, start, sign) in [(taught, start, -1.0), (lies, there, 1.0)] {
+            path.lies = lies;
+            bank.change(|pattern| feedforward.add(p, path, &start, sign, pattern));
+        }
+        self.start = there;
+        Ok(())
+    }
+}

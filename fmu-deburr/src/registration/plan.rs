@@ -1,0 +1,146 @@
+//! What touching takes: places that the robot must reach, the time, and how sure a touch is.
+//!
+//! At each touch the tip comes from outside at `register.speed`, goes back by `register.retract` from where it has felt the part,
+//! comes again at `register.touch_speed`, and goes back to where it came from. Contact is told by the samples: the surface
+//! was between the tips of two, so half a sample of way is taken off, and what is left is spread evenly over a sample, v T/sqrt(12);
+//! beside it are half a count of the encoders, in both tips, and `register.deviation`.
+
+use control_blocks::{ParameterError, commission_time, quintic_duration};
+
+use crate::interface::Parameters;
+use crate::path::feasible;
+use crate::path::geometry::Vector;
+use crate::path::kinematics::{AXES, Joints};
+use crate::path::route::Route;
+use crate::path::taught_path::TaughtPath;
+use crate::registration::touch::Touch;
+
+/// Axes at the begin of the approach to a touch, near others.
+pub fn outside(p: &Parameters, touch: &Touch, near: &Joints) -> Joints {
+    p.arm.inverse(&touch.at(0.0), near).unwrap_or(*near)
+}
+
+/// Time of a way back (m), s.
+pub fn back_time(p: &Parameters, way: f64) -> f64 {
+    quintic_duration(way.abs(), p.register.speed).max(p.sample_period)
+}
+
+/// Longest time of a registration that begins at rest at `from`, s: as told, or as of a commission with these motions.
+pub fn time(p: &Parameters, path: &TaughtPath, from: &Joints, inside: bool) -> f64 {
+    commission_time(p.register.time, || motions(p, path, from, inside))
+}
+
+/// Time of all motions, s.
+fn motions(p: &Parameters, path: &TaughtPath, from: &Joints, inside: bool) -> f64 {
+    let (mut from, mut inside, mut time) = (*from, inside, 0.0);
+    let register = &p.register;
+    let bridged = f64::from(p.limits.lost_samples + 1) * p.sample_period;
+    // up to speed and down again takes as long as the speed over the acceleration more
+    let stops = 2.0 * register.speed / p.feed.acceleration;
+    for touch in &path.touches {
+        let to = outside(p, touch, &from);
+        let deep = 2.0 * touch.approach;
+        let seek = deep / register.speed + bridged + stops;
+        let again = 2.0 * register.retract / register.touch_speed + bridged + stops;
+        time += Route::around(p, &from, &to, inside).time() + seek + again + 2.0 * back_time(p, deep);
+        (from, inside) = (to, true);
+    }
+    time
+}
+
+/// Standard deviation of a touch at which the axes are at `joints`, along the normal, m.
+pub fn deviation(p: &Parameters, normal: &Vector, joints: &Joints) -> f64 {
+    let tip = p.arm.forward(joints).tip;
+    let count = |i: usize| {
+        let mut moved = *joints;
+        moved[i] += p.axis[i].pulse;
+        (p.arm.forward(&moved).tip - tip).dot(normal)
+    };
+    let counts = (0..AXES).map(|i| count(i).powi(2)).sum::<f64>() / 24.0;
+    let way = p.register.touch_speed * p.sample_period;
+    (way * way / 12.0 + counts + p.register.deviation.powi(2)).sqrt()
+}
+
+/// Every touch must be within the travel of the axes, drawn back along the tool as well.
+///
+/// # Errors
+/// Names the touch, the axis, its value and its limit.
+pub fn check(p: &Parameters, path: &TaughtPath, start: &Joints) -> Result<(), ParameterError> {
+    let wrong = |number: usize, what: String| ParameterError {
+        name: "path.file",
+        value: p.path.file.clone(),
+        limit: format!("a path whose touches the robot can reach: touch {}: {what}", number + 1),
+        hint: "touch elsewhere, from less far, or widen `axisN.minimum` and `.maximum`",
+    };
+    for (number, touch) in path.touches.iter().enumerate() {
+        for way in [0.0, 2.0 * touch.approach] {
+            let joints = p.arm.inverse(&touch.at(way), start);
+            let joints = joints.ok_or_else(|| wrong(number, "the wrist is on the axis of the column".to_owned()))?;
+            for joints in [joints, p.arm.drawn_back(&joints, p.transfer.clearance)] {
+                feasible::travel(p, &joints).map_err(|what| wrong(number, what.told(p)))?;
+            }
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::learning::pattern::tests::straight;
+    use crate::registration::touch::tests::touch;
+
+    fn touched() -> TaughtPath {
+        let mut path = straight(0.1);
+        path.touches = vec![touch(0.7, 0.0, 0.0), touch(0.7, 0.05, 0.0)];
+        path
+    }
+
+    #[test]
+    fn a_touch_is_as_sure_as_a_sample_and_a_count() {
+        let mut p = Parameters::START;
+        (p.register.deviation, p.register.touch_speed) = (0.0, 1e-3);
+        let joints = [0.0, 0.0, 0.7, 0.0, 0.0, 0.0];
+        // out along the arm: 10 um of way in a sample, counts of 5 um, and those of the pitch at the length of the tool
+        let squares = 1e-10 / 12.0 + (25e-12 + (0.2 * p.axis[4].pulse).powi(2)) / 24.0;
+        let sure = deviation(&p, &Vector::new(1.0, 0.0, 0.0), &joints);
+        assert!((sure - squares.sqrt()).abs() < 1e-11, "{sure}");
+        // across it: counts of axis 1 at 0.7 m; the wrist stands above its tip
+        let sure = deviation(&p, &Vector::new(0.0, 1.0, 0.0), &joints);
+        assert!((sure - (1e-10 / 12.0 + (0.7 * p.axis[0].pulse).powi(2) / 24.0).sqrt()).abs() < 1e-9, "{sure}");
+        p.register.deviation = 3e-6;
+        let sure = deviation(&p, &Vector::new(1.0, 0.0, 0.0), &joints);
+        assert!((sure - (squares + 9e-12).sqrt()).abs() < 1e-11, "{sure}");
+    }
+
+    #[test]
+    fn the_time_is_a_quarter_more_than_the_motions_or_as_told() {
+        let (mut p, path) = (Parameters::START, touched());
+        let from = outside(&p, &path.touches[0], &[0.0, 0.0, 0.7, 0.0, 0.0, 0.0]);
+        let register = &p.register;
+        let seek = 1e-2 / register.speed + 0.04 + 2.0 * register.speed / p.feed.acceleration;
+        let again = 2.0 * register.retract / register.touch_speed + 0.04 + 2.0 * register.speed / p.feed.acceleration;
+        let one = seek + again + 2.0 * 1.875 * 1e-2 / register.speed;
+        // up and in again, and for the second one across as well
+        let legs = 5.0 * p.transfer.time;
+        let expected = 1.25 * (2.0 * one + legs) + 1.0;
+        let found = time(&p, &path, &from, true);
+        assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+        p.register.time = 7.0;
+        assert_eq!(time(&p, &path, &from, true), 7.0);
+    }
+
+    #[test]
+    fn a_touch_out_of_reach_is_refused_with_its_number() {
+        let (mut p, path) = (Parameters::START, touched());
+        let start = [0.0, 0.0, 0.7, 0.0, 0.0, 0.0];
+        assert!(check(&p, &path, &start).is_ok());
+        // the second one is farther out
+        p.axis[2].maximum = 0.7055;
+        let message = check(&p, &path, &start).unwrap_err().to_string();
+        assert!(message.contains("touch 2: `axis3` is `0.70") && message.contains("hint:"), "{message}");
+        p = Parameters::START;
+        p.axis[1].maximum = 0.03;
+        assert!(check(&p, &path, &start).unwrap_err().to_string().contains("touch 1: `axis2`"));
+    }
+}

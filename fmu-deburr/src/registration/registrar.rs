@@ -1,0 +1,216 @@
+//! The touches one after the other: to it, until it is felt, back, once more slowly, and back.
+
+use control_blocks::{Consecutive, Quintic, Trajectory};
+use serde::{Deserialize, Serialize};
+
+use crate::interface::{Fault, Parameters, Registration};
+use crate::monitoring::finding::{Finding, Numbers};
+use crate::path::geometry::{Pose, Vector};
+use crate::path::kinematics::Joints;
+use crate::registration::displacement::Displacement;
+use crate::registration::fit::{Touched, fit};
+use crate::registration::plan::{back_time, deviation};
+use crate::registration::touch::Touch;
+
+/// What the tip does at a touch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+enum Phase {
+    /// Comes to the begin of the approach.
+    Travel,
+    /// Goes towards the part.
+    Seek,
+    /// Has felt it, and stops.
+    Brake,
+    /// Goes back.
+    Back,
+}
+
+/// One registration after the other.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Registrar {
+    /// What was found.
+    pub found: Registration,
+    /// What is wrong with it.
+    pub wrong: Finding,
+    /// It has come to its end, and this is where the part lies.
+    pub lies: Option<Displacement>,
+    touched: Vec<Touched>,
+    /// number of the touch, from 0
+    touch: usize,
+    phase: Phase,
+    /// the second time, slowly
+    slow: bool,
+    /// way of the reference from the begin of the approach, m
+    now: Trajectory,
+    back: Quintic,
+    /// time of the way back, s
+    time: f64,
+    contact: Consecutive,
+    /// tip by the last reading, and where the contact began, m
+    tip: Vector,
+    place: Vector,
+}
+
+impl Registrar {
+    /// Nothing registered so far, with room for so many touches.
+    pub fn new(touches: usize) -> Self {
+        Self {
+            found: Registration::START,
+            wrong: Finding::NONE,
+            lies: None,
+            touched: vec![Touched::default(); touches],
+            touch: 0,
+            phase: Phase::Travel,
+            slow: false,
+            now: Trajectory::default(),
+            back: Quintic::resting(0.0),
+            time: 0.0,
+            contact: Consecutive::NONE,
+            tip: Vector::zeros(),
+            place: Vector::zeros(),
+        }
+    }
+
+    /// Begins with the tip at a place.
+    pub fn begin(&mut self, tip: Vector) {
+        (self.found, self.lies) = (Registration::START, None);
+        self.wrong = if self.touched.is_empty() { Finding::plain(Fault::NoTouches) } else { Finding::NONE };
+        (self.touch, self.phase, self.contact, self.tip) = (0, Phase::Travel, Consecutive::NONE, tip);
+    }
+
+    /// The touch that is in turn; none when there is nothing left to do.
+    pub fn touch<'a>(&self, touches: &'a [Touch]) -> Option<&'a Touch> {
+        touches.get(self.touch).filter(|_| !self.wrong.is_fault() && self.lies.is_none())
+    }
+
+    /// Whether the tip is on its way to the begin of an approach.
+    pub fn travels(&self) -> bool {
+        self.phase == Phase::Travel
+    }
+
+    /// The tip is at the begin of the approach.
+    pub fn arrive(&mut self) {
+        self.seek(0.0, false);
+    }
+
+    /// Takes where the tip is by the readings, and whether it feels something.
+    pub fn observe(&mut self, p: &Parameters, tip: Vector, contact: bool) {
+        let bridged = p.limits.lost_samples.unsigned_abs();
+        if self.contact.update(contact) == 1 {
+            self.place = (self.tip + tip) * 0.5;
+        }
+        self.tip = tip;
+        if self.travels() && self.contact.count() > bridged {
+            self.stop_with(Fault::UnexpectedContact, 0.0, 0.0);
+        }
+    }
+
+    /// Moves the reference of the touch in turn on; the pose that it has then.
+    pub fn advance(&mut self, p: &Parameters, touches: &[Touch], joints: &Joints) -> Pose {
+        let touch = &touches[self.touch];
+        let (register, dt) = (&p.register, p.sample_period);
+        let felt = self.contact.count() > p.limits.lost_samples.unsigned_abs();
+        match self.phase {
+            Phase::Travel => {}
+            Phase::Seek if felt => {
+                if self.slow {
+                    self.take(p, touch, joints);
+                }
+                self.phase = Phase::Brake;
+            }
+            Phase::Seek => {
+                let begun = self.back.goal() + register.retract;
+                let most = if self.slow { begun + register.retract } else { 2.0 * touch.approach };
+                if self.now.position >= most {
+                    self.stop_with(Fault::NoPart, self.now.position, most);
+                }
+                let speed = if self.slow { register.touch_speed } else { register.speed };
+                self.now.step(speed, p.feed.acceleration, dt);
+            }
+            Phase::Brake => {
+                self.stop(p);
+                if self.now.velocity == 0.0 {
+                    let way = if self.slow { 0.0 } else { (touch.way(&self.place) - register.retract).max(0.0) };
+                    self.back = Quintic::new(self.now, way, back_time(p, self.now.position - way));
+                    (self.phase, self.time) = (Phase::Back, 0.0);
+                }
+            }
+            Phase::Back => {
+                self.time += dt;
+                self.now = self.back.at(self.time);
+                if self.back.over(self.time) {
+                    self.come_back(p, touches, felt);
+                }
+            }
+        }
+        touch.at(self.now.position)
+    }
+
+    /// Slows the reference of the touch down; the pose that it has then, and whether it stands.
+    pub fn brake(&mut self, p: &Parameters, touches: &[Touch]) -> (Pose, bool) {
+        self.stop(p);
+        (touches[self.touch.min(touches.len() - 1)].at(self.now.position), self.now.velocity == 0.0)
+    }
+
+    fn stop(&mut self, p: &Parameters) {
+        self.now.step(0.0, p.feed.acceleration, p.sample_period);
+    }
+
+    fn seek(&mut self, from: f64, slow: bool) {
+        (self.phase, self.slow, self.now) = (Phase::Seek, slow, Trajectory::resting(from));
+    }
+
+    fn come_back(&mut self, p: &Parameters, touches: &[Touch], felt: bool) {
+        if felt {
+            self.stop_with(Fault::FrozenContact, self.back.goal(), 0.0);
+        } else if !self.slow {
+            self.seek(self.back.goal(), true);
+        } else {
+            self.touch += 1;
+            self.found.touches = self.touch as i32;
+            self.phase = Phase::Travel;
+            if self.touch == touches.len() {
+                self.finish(p, touches);
+            }
+        }
+    }
+
+    /// Takes the place where the contact began.
+    fn take(&mut self, p: &Parameters, touch: &Touch, joints: &Joints) {
+        let place = self.place + touch.normal * p.register.pretravel;
+        self.touched[self.touch] = Touched { place: place.xy(), deviation: deviation(p, &touch.normal, joints) };
+    }
+
+    fn finish(&mut self, p: &Parameters, touches: &[Touch]) {
+        let Ok(fit) = fit(touches, &self.touched) else {
+            self.wrong = Finding::plain(Fault::TouchMismatch);
+            return;
+        };
+        let (lies, [x_deviation, y_deviation, angle_deviation]) = (fit.displacement, fit.deviations);
+        let (worst, residual) = (fit.worst.0, fit.worst.1.abs());
+        (self.found.x, self.found.y, self.found.angle) = (lies.shift.x, lies.shift.y, lies.angle);
+        (self.found.x_deviation, self.found.y_deviation) = (x_deviation, y_deviation);
+        (self.found.angle_deviation, self.found.residual) = (angle_deviation, residual);
+        let (shift, turn) = (lies.shift.norm(), lies.angle.abs());
+        let told = |fault, axis, value, limit| Finding { fault, numbers: Numbers { axis, value, limit, share: None } };
+        self.wrong = if residual > p.limits.touch_residual {
+            told(Fault::TouchMismatch, worst as i32 + 1, residual, p.limits.touch_residual)
+        } else if shift > p.limits.shift {
+            told(Fault::Misplaced, 1, shift, p.limits.shift)
+        } else if turn > p.limits.turn {
+            told(Fault::Misplaced, 2, turn, p.limits.turn)
+        } else {
+            self.lies = Some(lies);
+            return;
+        };
+    }
+
+    /// The path that would follow cannot be run.
+    pub fn reject(&mut self, wrong: Finding) {
+        (self.wrong, self.lies) = (wrong, None);
+    }
+
+    fn stop_with(&mut self, fault: Fault, value: f64, limit: f64) {
+        self.wrong = Finding { fault, numbers: Numbers { axis: self.touch as i32 + 1, value, limit, share: None } };
+    }
+}

@@ -1,0 +1,57 @@
+//! A place where the part is touched.
+
+use nalgebra::Vector2;
+use serde::{Deserialize, Serialize};
+
+use crate::path::geometry::{Pose, Vector};
+
+/// A flat place of the part, as it was taught.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Touch {
+    /// Tip that touches there, and its direction.
+    pub pose: Pose,
+    /// Unit vector out of the part, level.
+    pub normal: Vector,
+    /// Way along the normal from which the tip comes, and to which it goes on inside, m.
+    pub approach: f64,
+}
+
+impl Touch {
+    /// Pose at a way (m) from the begin of the approach towards the part; the taught place is in the middle.
+    pub fn at(&self, way: f64) -> Pose {
+        Pose { tip: self.pose.tip + self.normal * (self.approach - way), ..self.pose }
+    }
+
+    /// Way (m) at which a tip is.
+    pub fn way(&self, tip: &Vector) -> f64 {
+        self.approach - (tip - self.pose.tip).dot(&self.normal)
+    }
+
+    /// Place and normal from above.
+    pub fn level(&self) -> (Vector2<f64>, Vector2<f64>) {
+        (self.pose.tip.xy(), self.normal.xy())
+    }
+}
+
+#[cfg(test)]
+pub mod tests {
+    use super::*;
+
+    /// A touch of an upright tip, from 5 mm.
+    pub fn touch(x: f64, y: f64, angle: f64) -> Touch {
+        let pose = Pose { tip: Vector::new(x, y, -0.185), axis: Vector::new(0.0, 0.0, -1.0) };
+        Touch { pose, normal: Vector::new(angle.cos(), angle.sin(), 0.0), approach: 5e-3 }
+    }
+
+    #[test]
+    fn the_way_goes_from_outside_through_the_taught_place() {
+        let touch = touch(0.7, 0.1, 0.3);
+        for (way, out) in [(0.0, 5e-3), (5e-3, 0.0), (9e-3, -4e-3)] {
+            let pose = touch.at(way);
+            assert!((pose.tip - touch.pose.tip - touch.normal * out).norm() < 1e-15 && pose.axis == touch.pose.axis);
+            // beside the normal the way is the same
+            let aside = pose.tip + Vector::new(-touch.normal.y, touch.normal.x, 1.0);
+            assert!((touch.way(&aside) - way).abs() < 1e-12);
+        }
+    }
+}

@@ -1,0 +1,80 @@
+//! A stage that swings although its reference does not accelerate: a loop that is hardly stable, below the limits of its current.
+//!
+//! The inertial force of such a stage is noise, a quarter of `guard.force` at most, and for a while the ringing of its structure.
+//! Both are quick: a side that lasts for less than the 1 / g of the observer is none of the loop's. What is left of a motion
+//! goes through zero once or twice in a loop with the margins of the check, and twice a period for ever in one without.
+
+use control_blocks::{Consecutive, Reversals, ticks};
+use serde::{Deserialize, Serialize};
+
+use crate::interface::Parameters;
+use crate::motion::servo::SWING;
+
+/// Changes of the inertial force from beyond `guard.force` to beyond it the other way.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub struct Swing {
+    /// samples in a row beyond `guard.force` on either side
+    beyond: [Consecutive; 2],
+    reversals: Reversals,
+    count: u32,
+}
+
+impl Swing {
+    /// Begins again, after an acceleration for instance.
+    pub fn clear(&mut self) {
+        *self = Self::default();
+    }
+
+    /// Takes the inertial force (N) of a sample; whether it has changed its side.
+    pub fn update(&mut self, p: &Parameters, inertia: f64) -> bool {
+        let row = self.beyond[0].update(inertia >= p.guard_force).max(self.beyond[1].update(-inertia >= p.guard_force));
+        let lasting = row >= ticks(p.observer.bandwidth.recip(), p.sample_period);
+        let force = if lasting { inertia } else { 0.0 };
+        let before = self.count;
+        self.count = self.reversals.update(force, p.guard_force, ticks(SWING, p.sample_period));
+        self.count > before
+    }
+
+    /// Changes in a row.
+    pub fn count(&self) -> u32 {
+        self.count
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Changes of side in 300 samples of a force that has `size` and changes its side every `half` samples, and those counted.
+    fn swung(size: f64, half: u32) -> (usize, u32) {
+        let p = Parameters::START;
+        let mut swing = Swing::default();
+        let sides = (0..300u32).filter(|k| {
+            let side = if (k / half).is_multiple_of(2) { 1.0 } else { -1.0 };
+            swing.update(&p, side * size * p.guard_force)
+        });
+        (sides.count(), swing.count())
+    }
+
+    #[test]
+    fn a_swing_beyond_the_force_of_a_contact_is_counted_by_its_half_periods() {
+        assert_eq!(swung(1.0, 30), (9, 9));
+        assert_eq!(swung(0.99, 30), (0, 0));
+    }
+
+    #[test]
+    fn what_is_quicker_than_the_observer_is_no_swing_of_the_loop() {
+        // 1 / g is 15.9 samples
+        assert_eq!([5, 15, 16].map(|half| swung(9.0, half).1), [0, 0, 17]);
+    }
+
+    #[test]
+    fn an_acceleration_ends_a_row() {
+        let p = Parameters::START;
+        let mut swing = Swing::default();
+        (0..60).for_each(|k| _ = swing.update(&p, if k < 30 { 9.0 } else { -9.0 }));
+        assert_eq!(swing.count(), 1);
+        swing.clear();
+        assert_eq!(swing.count(), 0);
+    }
+}
