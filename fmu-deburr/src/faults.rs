@@ -151,16 +151,17 @@ fn measured(p: &Parameters, output: &Output) -> String {
     if let Some(drive) = axis.checked_sub(1).and_then(|i| m.axis.get(i as usize)) {
         return format!(
             ": axis {axis}: gain `{:.4}`, deviation `{:.4}`, limits half and twice and `commission.deviation_max` = `{}` of it; \
-             delay `{:.3}` samples, deviation `{:.3}`, limits the `{:.0}` of all axes, less and more by 0.75, and \
-             `commission.delay_deviation_max` = `{}`; lag `{:.2} ms`, limit a tenth of a sample below 0",
+             delay `{:.3}` samples, limits the `{:.0}` of all axes, less and more by 0.75; \
+             lag `{:.2} ms`, deviation `{:.2} ms`, limits a tenth of a sample below 0, and \
+             `commission.delay_deviation_max` = `{}` samples",
             drive.gain,
             drive.gain_deviation,
             p.commission.deviation_max,
             drive.delay,
-            drive.delay_deviation,
             m.io_delay.round(),
-            p.commission.delay_deviation_max,
             1e3 * drive.lag,
+            1e3 * drive.lag_deviation,
+            p.commission.delay_deviation_max,
         );
     }
     match axis {
@@ -274,7 +275,7 @@ mod tests {
         vars.output.fault = Fault::CommissionRejected;
         vars.output.measured.io_delay = 3.21;
         let drive = &mut vars.output.measured.axis[1];
-        (drive.gain, drive.gain_deviation, drive.delay, drive.delay_deviation) = (0.81, 0.003, 2.5, 0.01);
+        (drive.gain, drive.gain_deviation, drive.delay, drive.lag_deviation) = (0.81, 0.003, 2.5, 1e-4);
         vars.output.measured.idle_speed = 123.4;
         vars.in_force.learn.lead_in = 2;
         for (what, parts) in [

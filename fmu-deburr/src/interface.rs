@@ -240,11 +240,11 @@ mod variables {
         pub valid: bool,
         /// Samples between a command and its action, not rounded: mean of all axes, less the lag of the nominal drive
         #[var(unit = ONE)] pub io_delay: f64,
-        /// Its standard deviation
+        /// Its standard deviation, for drives whose lag is that of the nominal one within 30 %
         #[var(unit = ONE)] pub io_delay_deviation: f64,
         /// Tool speed without load
         #[var(unit = RADIAN_PER_SECOND as "rpm")] pub idle_speed: f64,
-        /// Standard deviation of that, without the steps of the reading
+        /// Standard deviation of that, for a reading of 12 bits
         #[var(unit = RADIAN_PER_SECOND as "rpm")] pub idle_speed_deviation: f64,
         /// Noise of the reading of the tool speed, standard deviation of a sample
         #[var(unit = RADIAN_PER_SECOND as "rpm")] pub spindle_noise: f64,
@@ -268,7 +268,7 @@ mod variables {
         #[var(unit = RADIAN_PER_SECOND as "Hz")] pub natural_frequency_deviation: f64,
         /// Samples between a command and its action on axis {n}, not rounded, less the lag of the nominal drive
         #[var(unit = ONE)] pub delay: f64,
-        /// Its standard deviation
+        /// Its standard deviation, for a drive whose lag is that of the nominal one within 30 %
         #[var(unit = ONE)] pub delay_deviation: f64,
     }
     /// Outputs of one axis.
@@ -517,7 +517,7 @@ mod variables {
         #[var(unit = SECOND, range = 0.0..=1e6, source = "derived: 1.25 times the motions + 1 s")] pub time: f64,
         /// Largest relative standard deviation of gains and idle speed; above it is `CommissionRejected`
         #[var(unit = ONE, range = 1e-6..=0.5, start = 0.002, source = "our choice: 0.01 mm of the lag V/Kp at 100 mm/s across 45 degrees")] pub deviation_max: f64,
-        /// Largest standard deviation of the delay of an axis, samples; above it is `CommissionRejected`
+        /// Largest standard deviation of how late an axis is, delay and lag together, samples; above it is `CommissionRejected`
         #[var(unit = ONE, range = 1e-4..=0.5, start = 0.05, source = "our choice: 0.5 ms, 0.01 mm at 0.35 m/s2")] pub delay_deviation_max: f64,
         /// Use what was measured in place of what was told, and compute the patterns with it
         #[var(source = "our choice: first look, then trust")] pub apply: bool,

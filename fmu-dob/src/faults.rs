@@ -4,6 +4,7 @@ use control_blocks::{SafeEnd, bearable_delays, ticks};
 
 use crate::check::check_derived;
 use crate::commission::plan;
+use crate::commission::response::loop_spread;
 use crate::commission::values::{self, Values, acceptable};
 use crate::interface::{Fault, Output, Parameters, ThresholdOutput, Vars};
 use crate::monitoring::numbers::{LateContact, Unseen};
@@ -261,7 +262,7 @@ fn rejected(p: &Parameters, output: &Output) -> String {
     format!(
         ": thrust constant `{} N/A`, deviation `{} N/A`, limits half and twice `stage.force_constant`, `{} N/A` as told and `{} N/A` in \
          force, and `commission.deviation_max` = `{}` of it; delay `{}` samples, deviation `{}`, limits `0` to `{longest}`, with which \
-         the loop is stable, and `commission.delay_deviation_max` = `{}`",
+         the loop is stable, and `commission.delay_deviation_max` = `{}` beside `{}` of the current loop",
         m.force_constant,
         m.force_constant_deviation,
         p.stage.force_constant,
@@ -269,7 +270,8 @@ fn rejected(p: &Parameters, output: &Output) -> String {
         p.commission.deviation_max,
         m.io_delay,
         m.io_delay_deviation,
-        p.commission.delay_deviation_max
+        p.commission.delay_deviation_max,
+        loop_spread(p)
     )
 }
 

@@ -183,11 +183,11 @@ mod variables {
         pub valid: bool,
         /// Thrust constant that goes with `stage.mass`: their ratio is what can be known
         #[var(unit = NEWTON_PER_AMPERE)] pub force_constant: f64,
-        /// Its standard deviation by noise; a ripple of the thrust comes beside
+        /// Its standard deviation, with a ripple of the thrust of 1 %
         #[var(unit = NEWTON_PER_AMPERE)] pub force_constant_deviation: f64,
         /// Samples between a command and its action, not rounded, without the current loop of `stage.current_bandwidth`
         #[var(unit = ONE)] pub io_delay: f64,
-        /// Its standard deviation by noise; the lag of a current loop or sensor that was not told comes beside
+        /// Its standard deviation, with a current loop that is told within 30 %
         #[var(unit = ONE)] pub io_delay_deviation: f64,
         /// Viscous friction of a stage of `stage.mass`
         #[var(unit = NEWTON_SECOND_PER_METRE)] pub damping: f64,
@@ -436,7 +436,7 @@ mod variables {
         #[var(unit = SECOND, range = 0.0..=1e6, start = 0.0, source = "derived: 1.25 times the motions + 1 s")] pub time: f64,
         /// Largest relative standard deviation of the thrust constant; above it is `CommissionRejected`
         #[var(unit = ONE, range = 1e-6..=0.5, start = 0.02, source = "our choice: a hundredth of what the detector bears")] pub deviation_max: f64,
-        /// Largest standard deviation of the delay, samples; above it is `CommissionRejected`
+        /// Largest standard deviation of the delay, samples, beside what the current loop leaves to it; above it is `CommissionRejected`
         #[var(unit = ONE, range = 1e-3..=2.0, start = 0.25, source = "our choice: two of them to the next half sample")] pub delay_deviation_max: f64,
         /// Use what was measured in place of what was told
         #[var(source = "our choice: first look, then trust")] pub apply: bool,

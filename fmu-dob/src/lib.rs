@@ -23,7 +23,7 @@ impl Model for Controller {
     // `longest_step` as measured: docs/communication-step.md
     const INFO: Info = Info {
         name: "DisturbanceObserverContactDetection",
-        state_version: 10,
+        state_version: 11,
         stop_time: 2.0,
         longest_step: 1.0,
         ..package!()

@@ -518,7 +518,7 @@ mod variables {
         #[var(unit = NEWTON, range = 0.0..=100.0, source = "derived: stiffness and friction are those of the job")] pub force: f64,
         /// Longest time; 0: what its motions take, a quarter more and 1 s
         #[var(unit = SECOND, range = 0.0..=1e6, source = "derived: 1.25 times the motions + 1 s")] pub time: f64,
-        /// Largest relative standard deviation of stiffness, friction and drive, and that of the rotation in rad; above it is `CommissionRejected`
+        /// Largest relative standard deviation of stiffness, friction and drive, beside what guides leave to the drive, and that of the rotation in rad; above it is `CommissionRejected`
         #[var(unit = ONE, range = 1e-6..=0.5, start = 0.1, source = "our choice: a tenth is what the law bears without notice")] pub deviation_max: f64,
         /// Largest standard deviation of the delay, samples; above it is `CommissionRejected`
         #[var(unit = ONE, range = 1e-3..=2.0, start = 0.25, source = "our choice: two of them to the next half sample")] pub delay_deviation_max: f64,

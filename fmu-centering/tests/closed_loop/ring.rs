@@ -43,10 +43,12 @@ pub struct Servo {
     pub delay: usize,
     /// Share of the setpoint's motion that it takes.
     pub share: f64,
+    /// Its own steps in 0.1 ms.
+    pub steps: u32,
 }
 
 /// One of 40 Hz as the controller is told.
-pub const TOLD: Servo = Servo { frequency: 40.0, damping: 0.7, integral: 0.0, delay: 1, share: 1.0 };
+pub const TOLD: Servo = Servo { frequency: 40.0, damping: 0.7, integral: 0.0, delay: 1, share: 1.0, steps: 20 };
 
 /// The machine at one instant.
 #[derive(Clone)]
@@ -136,9 +138,8 @@ impl Ring {
 
     /// A step of a slide with mass, in finer ones.
     fn accelerate(&mut self, servo: &Servo, setpoint: f64, velocity: f64) {
-        const FINER: u32 = 20;
-        let (w, dt) = (TAU * servo.frequency, DT / f64::from(FINER));
-        for k in 0..FINER {
+        let (w, dt) = (TAU * servo.frequency, DT / f64::from(servo.steps));
+        for k in 0..servo.steps {
             let [speed, sum] = self.moving;
             let error = servo.share * (setpoint + velocity * dt * f64::from(k)) - self.free_slide;
             let force = w * w * (error + sum) + 2.0 * servo.damping * w * (servo.share * velocity - speed);

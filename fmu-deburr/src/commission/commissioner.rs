@@ -1,5 +1,7 @@
 //! The commission as the controller sees it: what moves, what was found, and which values are in force.
 
+use std::f64::consts::PI;
+
 use control_blocks::{InForce, Welford, whole_delay};
 use serde::{Deserialize, Serialize};
 
@@ -11,6 +13,9 @@ use crate::commission::values::{ENTRIES, Rejection, Values, rejection};
 use crate::interface::{Measured, MeasuredAxis, Parameters};
 use crate::learning::drive::Drive;
 use crate::path::kinematics::{AXES, Joints};
+
+/// Steps from standstill to the idle speed that a reading of the tool speed has at least, 12 bits.
+const READING_STEPS: f64 = 4096.0;
 
 /// One commission after the other.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -43,7 +48,7 @@ impl Commissioner {
             tool: Welford::default(),
             samples: 0,
             values: InForce::new(Values::of(p)),
-            room: vec![0.0; room(p, speed)],
+            room: vec![0.0; 2 * room(p, speed)],
         }
     }
 
@@ -124,14 +129,17 @@ impl Commissioner {
 
     fn tell(&self, p: &Parameters) -> Measured {
         let (dt, count) = (p.sample_period, AXES as f64);
-        let delays = self.responses.map(|one| [one.delay(p), one.late[1] / dt]);
+        let (delays, spread) = (self.responses.map(|one| [one.delay(p), one.late[1] / dt]), Response::delay_spread(p));
+        let (idle, noise) = (self.tool.mean(), self.tool.sigma());
+        let (samples, step) = (f64::from(self.samples), unseen_step(idle, noise));
         let mut measured = Measured {
             io_delay: delays.iter().map(|delay| delay[0]).sum::<f64>() / count,
-            io_delay_deviation: delays.iter().map(|delay| delay[1].powi(2)).sum::<f64>().sqrt() / count,
-            idle_speed: self.tool.mean(),
-            idle_speed_deviation: self.tool.sigma() / f64::from(self.samples).sqrt(),
-            spindle_noise: self.tool.sigma(),
-            spindle_noise_deviation: self.tool.sigma() / (2.0 * f64::from(self.samples)).sqrt(),
+            // all drives may differ alike from the nominal one
+            io_delay_deviation: spread.hypot(delays.iter().map(|delay| delay[1].powi(2)).sum::<f64>().sqrt() / count),
+            idle_speed: idle,
+            idle_speed_deviation: step.hypot(noise / samples.sqrt()),
+            spindle_noise: noise,
+            spindle_noise_deviation: step.hypot(noise / (2.0 * samples).sqrt()),
             ..Measured::START
         };
         let whole = f64::from(whole_delay(measured.io_delay)) * dt;
@@ -143,8 +151,42 @@ impl Commissioner {
             natural_frequency: self.responses[i].frequency[0],
             natural_frequency_deviation: self.responses[i].frequency[1],
             delay: delays[i][0],
-            delay_deviation: delays[i][1],
+            delay_deviation: spread.hypot(delays[i][1]),
         });
         measured
+    }
+}
+
+/// Standard deviation (rad/s) that the steps of a reading of 12 bits leave to mean and noise of a speed. Noise s carries a mean
+/// across the steps d: of the deviation d/12^(1/2) of a speed that is still it leaves exp(-2 pi^2 s^2/d^2) (Widrow, Kollar 2008).
+fn unseen_step(speed: f64, noise: f64) -> f64 {
+    let step = speed / READING_STEPS;
+    let rounding = step * step / 12.0;
+    let carried = (noise * noise - rounding).max(0.0);
+    rounding.sqrt() * (-2.0 * (PI / step).powi(2) * carried).exp()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_distr::{Distribution, StandardNormal};
+
+    #[test]
+    fn the_speed_of_the_tool_is_as_sure_as_the_steps_of_its_reading_let_it_be() {
+        let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(11);
+        for noise in [0.0, 0.2, 0.5, 2.0] {
+            let (mut squares, step) = (0.0, 2000.0 / READING_STEPS);
+            for _ in 0..200 {
+                let (speed, mut read) = (random.random_range(1999.0..2001.0), Welford::default());
+                for _ in 0..1000 {
+                    let normal: f64 = StandardNormal.sample(&mut random);
+                    read.push(((speed + noise * step * normal) / step).round() * step);
+                }
+                let told = unseen_step(read.mean(), read.sigma()).hypot(read.sigma() / 1000f64.sqrt());
+                squares += ((read.mean() - speed) / told).powi(2) / 200.0;
+            }
+            assert!((0.5..1.5).contains(&squares.sqrt()), "{noise}: {}", squares.sqrt());
+        }
     }
 }

@@ -6,18 +6,30 @@
 //! as `io_delay` counts them: with wn and zeta within 30 % a lag of 3.7 ms is one of 2.0 to 6.9 ms, -0.17 to +0.32 samples of 10 ms beside.
 //! What the rounding takes away belongs to the lag.
 
+use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
 use crate::commission::strokes::Strokes;
 use crate::interface::Parameters;
-use crate::learning::drive::{Drive, ToldDrive};
+use crate::learning::drive::{Drive, LAG_MIN, ToldDrive};
 use crate::learning::identification::Identification;
 
-/// Nothing counts as known better than this: what three weights leave out of a drive. Share of the gain, samples, and samples^2
-/// of 1/(wn T)^2.
-const LEAST_DEVIATION: [f64; 3] = [1e-4, 1e-3, 0.03];
+/// Nothing counts as known better than this: share of the gain, samples, and samples^2 of 1/(wn T)^2. Pulses that are rounded in the loop
+/// are no white noise, and a drive that computes in steps of its own is no lag of second order.
+const LEAST_DEVIATION: [f64; 3] = [4e-5, 2.5e-3, 0.015];
+/// Deviation of the lag 2 zeta/wn from the nominal one, root of the mean square of their ratio less 1, with wn and zeta each evenly
+/// within s = 0.3: ((1 + s^2/3)/(1 - s^2) - ln((1 + s)/(1 - s))/s + 1)^(1/2).
+const LAG_SPREAD: f64 = 0.262;
 /// Most samples of delay that are looked for, as `WrongDelay` does.
 const DELAY_MAX: f64 = 6.0;
+/// How often a drive is evaluated: around the one that was told, then around the one that was found before.
+const PASSES: u32 = 5;
+/// Gain and natural frequency over what was told, or its reciprocal, that are looked for at most.
+const RATIO_MAX: f64 = 2.0;
+/// Least lateness that is looked for, samples.
+const LAG_LEAST: f64 = 0.05;
+/// Steps of the derivatives, as parts of their numbers.
+const STEP: f64 = 1e-4;
 
 /// What the strokes have told of a drive: values with their standard deviations.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -30,32 +42,82 @@ pub struct Response {
     pub frequency: [f64; 2],
 }
 
+/// Unknowns of a drive: gain, how late it is as a whole (samples), and mu = 1/(wn T)^2.
+type Unknowns = Vector3<f64>;
+
 impl Response {
-    /// From the strokes of the axis `axis` (from 0), in `room` for all their samples; zeros where they tell nothing.
+    /// From the strokes of the axis `axis` (from 0), in `room` for twice all their samples; zeros where they tell nothing.
+    ///
+    /// Three weights are short of a drive. So what is found is the drive whose own loop would show the same weights, by
+    /// Newton's method, and with its derivatives the covariance of the weights is that of the unknowns.
     pub fn of(p: &Parameters, axis: usize, strokes: &Strokes, room: &mut [f64]) -> Self {
         let told = ToldDrive::new(p, axis);
-        let mut identify = |told: &ToldDrive| {
-            let mut drive = Drive::of(told, &Identification::new(told, strokes, room).weights_of_noise());
-            drive.gain[1] = drive.gain[1].hypot(LEAST_DEVIATION[0] * drive.gain[0]);
-            drive.lag[1] = drive.lag[1].hypot(LEAST_DEVIATION[1] * told.period);
+        let (modelled, room) = room.split_at_mut(room.len() / 2);
+        let rough = Drive::of(&told, &Identification::new(&told, strokes, modelled).weights_of_noise());
+        let late = rough.lag[0] / told.period + told.delay as f64;
+        let mut x = Unknowns::new(rough.gain[0], late, unknowns(&told)[2]);
+        let mut deviation = Unknowns::zeros();
+        for _ in 0..PASSES {
+            let start = limited(&told, x);
+            let delay = (start[1] - p.nominal_lag() / told.period).round().clamp(0.0, DELAY_MAX) as usize;
+            let told = ToldDrive { delay, ..told };
+            let identification = Identification::new(&drive(&told, &start), strokes, modelled);
+            let mut weights = |x: &Unknowns| Vector3::from(identification.weights_of(&drive(&told, x), room));
+            let (found, here) = (identification.weights_of_noise(), weights(&start));
+            let slopes: [Unknowns; 3] = std::array::from_fn(|i| {
+                let mut near = start;
+                near[i] *= 1.0 + STEP;
+                (weights(&near) - here) / (STEP * start[i])
+            });
+            let Some(inverse) = Matrix3::from_columns(&slopes).try_inverse() else { return Self::default() };
+            x = start + inverse * (Vector3::from(found.weights) - here);
+            let covariance = inverse * Matrix3::from(found.covariance) * inverse.transpose();
+            deviation = covariance.diagonal().map(|variance| variance.max(0.0).sqrt());
+        }
+        let finite = x.iter().chain(deviation.iter()).all(|value| value.is_finite());
+        if finite { Self::told(&told, &x, &deviation) } else { Self::default() }
+    }
+
+    fn told(told: &ToldDrive, x: &Unknowns, deviation: &Unknowns) -> Self {
+        let [gain, late, mu] =
+            [0, 1, 2].map(|i| deviation[i].hypot(LEAST_DEVIATION[i] * if i == 0 { x[0] } else { 1.0 }));
+        let wn = if x[2] > 0.0 { x[2].sqrt().recip() / told.period } else { 0.0 };
+        Self {
+            gain: [x[0], gain],
+            late: [x[1] * told.period, late * told.period],
             // d(wn)/d(mu) = -wn/(2 mu)
-            let wn = drive.frequency[0];
-            drive.frequency[1] = drive.frequency[1].hypot(0.5 * LEAST_DEVIATION[2] * wn * (wn * told.period).powi(2));
-            let late = [drive.lag[0] + told.delay as f64 * told.period, drive.lag[1]];
-            Self { gain: drive.gain, late, frequency: drive.frequency }
-        };
-        // the weights lie around the delay that was told, then around the one that was found
-        let rough = identify(&told);
-        let delay = rough.delay(p).round().clamp(0.0, DELAY_MAX) as usize;
-        let found = identify(&ToldDrive { delay, ..told });
-        let finite = found.gain.iter().chain(&found.late).chain(&found.frequency).all(|value| value.is_finite());
-        if finite { found } else { Self::default() }
+            frequency: [wn, if wn > 0.0 { 0.5 * wn * mu / x[2] } else { 0.0 }],
+        }
     }
 
     /// Samples by which the drive is later than the nominal lag.
     pub fn delay(&self, p: &Parameters) -> f64 {
         (self.late[0] - p.nominal_lag()) / p.sample_period
     }
+
+    /// Standard deviation (samples) of the delay of drives whose lag is the nominal one within 30 %.
+    pub fn delay_spread(p: &Parameters) -> f64 {
+        LAG_SPREAD * p.nominal_lag() / p.sample_period
+    }
+}
+
+fn unknowns(drive: &ToldDrive) -> Unknowns {
+    let late = drive.lag() / drive.period + drive.delay as f64;
+    Unknowns::new(drive.gain, late, (drive.frequency * drive.period).powi(-2))
+}
+
+/// The nearest ones that are looked for.
+fn limited(told: &ToldDrive, x: Unknowns) -> Unknowns {
+    let told = unknowns(told);
+    let near = |i: usize, ratio: f64| x[i].clamp(told[i] / ratio, told[i] * ratio);
+    Unknowns::new(near(0, RATIO_MAX), x[1].clamp(LAG_LEAST, DELAY_MAX + 1.0), near(2, RATIO_MAX * RATIO_MAX))
+}
+
+/// The drive with these unknowns and the delay of `told`.
+fn drive(told: &ToldDrive, x: &Unknowns) -> ToldDrive {
+    let frequency = x[2].sqrt().recip() / told.period;
+    let lag = ((x[1] - told.delay as f64) * told.period).max(LAG_MIN);
+    ToldDrive { gain: x[0], frequency, damping: 0.5 * lag * frequency, ..*told }
 }
 
 #[cfg(test)]
@@ -88,7 +150,7 @@ mod tests {
             nominal.step(&mut state, command);
             strokes.take(reference, reference.round() - read);
         }
-        let mut room = vec![0.0; (STROKES * samples) as usize];
+        let mut room = vec![0.0; 2 * (STROKES * samples) as usize];
         Response::of(&p, AXIS, &strokes, &mut room)
     }
 
@@ -146,7 +208,6 @@ mod tests {
         let p = Parameters::START;
         let mut strokes = Strokes::new(300);
         (0..300).for_each(|k| strokes.take(0.0, f64::from(k % 2)));
-        let response = Response::of(&p, AXIS, &strokes, &mut [0.0; 300]);
-        assert!(response.gain[1] > 0.1, "{response:?}");
+        assert_eq!(Response::of(&p, AXIS, &strokes, &mut [0.0; 600]), Response::default());
     }
 }

@@ -33,6 +33,10 @@ impl Strokes {
 }
 
 impl BareRun for Strokes {
+    fn weight(share: f64) -> f64 {
+        share
+    }
+
     fn count(&self) -> usize {
         self.count
     }

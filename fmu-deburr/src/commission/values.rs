@@ -136,7 +136,7 @@ pub fn rejection(p: &Parameters, told: &Values, m: &Measured) -> Option<Rejectio
     let bad = |axis: &MeasuredAxis| {
         !(CREDIBLE.contains(&axis.gain)
             && sure(axis.gain, axis.gain_deviation, p.commission.deviation_max)
-            && axis.delay_deviation <= p.commission.delay_deviation_max
+            && axis.lag_deviation <= p.commission.delay_deviation_max * p.sample_period
             && axis.lag > -EARLY * p.sample_period
             && (axis.delay - f64::from(whole)).abs() <= APART)
     };
@@ -223,7 +223,7 @@ mod tests {
             (|m, x| m.axis[2].gain_deviation = x, 1.59e-3, 1.61e-3, Rejection::Drive(3)),
             (|m, x| m.axis[0].gain = x, 2.0, 2.01, Rejection::Drive(1)),
             (|m, x| m.axis[0].gain = x, 0.5, 0.49, Rejection::Drive(1)),
-            (|m, x| m.axis[5].delay_deviation = x, 0.05, 0.051, Rejection::Drive(6)),
+            (|m, x| m.axis[5].lag_deviation = x, 4.99e-4, 5.01e-4, Rejection::Drive(6)),
             (|m, x| m.axis[1].delay = x, 2.74, 2.76, Rejection::Drive(2)),
             (|m, x| m.axis[1].delay = x, 1.26, 1.24, Rejection::Drive(2)),
             (|m, x| set_delay(m, x), 3.4, 3.6, Rejection::Delay),

@@ -46,6 +46,11 @@ struct PathRun<'a> {
 }
 
 impl BareRun for PathRun<'_> {
+    // what friction leaves is learned afterwards
+    fn weight(_: f64) -> f64 {
+        1.0
+    }
+
     fn count(&self) -> usize {
         self.rates.count()
     }

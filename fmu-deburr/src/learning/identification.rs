@@ -4,6 +4,9 @@
 //! weights w leave: e - sum w dy. Noise is in e and in dy; an instrument that knows of none, what the nominal loop makes of
 //! the reference, keeps it out of the weights. How far they may be from the nominal ones is told beforehand: an axis that
 //! hardly moves keeps the nominal ones, and says so by its standard deviation.
+//!
+//! Friction F behind a velocity loop adds to the error in proportion to F': where it turns, and nowhere else, for its effect on the
+//! position is in dy. So a sample of a stroke weighs less the slower it is, for where it is slow friction turns and the axis sticks.
 
 use crate::learning::drive::{TAPS, ToldDrive, Weights};
 use crate::learning::nominal::Nominal;
@@ -11,6 +14,8 @@ use crate::learning::regression::Regression;
 
 /// A run of one axis with the bare servo, counts; a lap may follow the other.
 pub(crate) trait BareRun {
+    /// How much a sample tells in which the told loop has this share of its fastest rate.
+    fn weight(share: f64) -> f64;
     /// Number of samples.
     fn count(&self) -> usize;
     /// The sample that stands for the sample `index`; none outside the run.
@@ -27,6 +32,10 @@ pub(crate) struct Identification<'a, R> {
     /// rates that the told loop makes of those of the reference
     modelled: &'a [f64],
     first: isize,
+    /// fastest of these
+    fastest: f64,
+    /// weights of the told drive, and their variance
+    told: ([f64; TAPS], f64),
     regression: Regression,
     weights: [f64; TAPS],
 }
@@ -37,9 +46,11 @@ impl<'a, R: BareRun> Identification<'a, R> {
         let modelled = &mut room[..run.count()];
         modelled.iter_mut().enumerate().for_each(|(k, value)| *value = run.rate(k));
         Nominal::of(told).apply(modelled, false);
+        let fastest = modelled.iter().fold(f64::MIN_POSITIVE, |most, rate| most.max(rate.abs()));
         let (first, prior) = told.weights();
-        let regression = Regression::new(&prior, told.spread().powi(2));
-        let mut this = Self { run, modelled, first, regression, weights: prior };
+        let told = (prior, told.spread().powi(2));
+        let regression = Regression::new(&told.0, told.1);
+        let mut this = Self { run, modelled, first, fastest, told, regression, weights: prior };
         for k in 0..this.samples() {
             let (instruments, answers) = (this.instruments(k), this.answers(k));
             this.regression.add(&instruments, &answers, this.error(k));
@@ -64,9 +75,26 @@ impl<'a, R: BareRun> Identification<'a, R> {
     pub fn weights_of_noise(&self) -> Weights {
         let [a, b, c] = self.weights;
         let squares: f64 = [a, b - a, c - b, c].iter().map(|share| share * share).sum();
-        let left: f64 = (0..self.samples()).map(|k| self.left(k).powi(2)).sum();
-        let variance = left / squares / self.run.count().saturating_sub(TAPS).max(1) as f64;
+        let (left, weight) = (0..self.samples()).fold((0.0, 0.0), |(left, sum), k| {
+            let weight = self.weight(k);
+            (left + weight * self.left(k).powi(2), sum + weight)
+        });
+        let variance = left / squares / (weight - TAPS as f64).max(1.0);
         self.with(self.regression.covariance_of(variance, (0..self.samples()).map(|m| self.seen(m))))
+    }
+
+    /// The weights that the loop of such a drive would show, evaluated in the same way, in room for all its samples.
+    pub fn weights_of(&self, drive: &ToldDrive, room: &mut [f64]) -> [f64; TAPS] {
+        let rates = &mut room[..self.run.count()];
+        rates.iter_mut().enumerate().for_each(|(k, value)| *value = self.run.rate(k));
+        Nominal::of(drive).apply(rates, false);
+        let (mut regression, mut error) = (Regression::new(&self.told.0, self.told.1), 0.0);
+        for k in 0..self.samples() {
+            let answers = self.taps(k, |k| self.run.inside(k).map_or(0.0, |k| rates[k]));
+            regression.add(&self.instruments(k), &answers, error);
+            error += self.run.rate(k as usize) - rates[k as usize];
+        }
+        regression.solve()
     }
 
     /// How the noise of sample `m` comes into sum z u.
@@ -97,7 +125,16 @@ impl<'a, R: BareRun> Identification<'a, R> {
     }
 
     fn instruments(&self, k: isize) -> [f64; TAPS] {
-        self.taps(k, |k| self.run.inside(k).map_or(0.0, |k| self.modelled[k]))
+        let weight = self.weight(k);
+        self.taps(k, |k| weight * self.modelled(k))
+    }
+
+    fn weight(&self, k: isize) -> f64 {
+        R::weight(self.modelled(k + self.first + 1).abs() / self.fastest)
+    }
+
+    fn modelled(&self, k: isize) -> f64 {
+        self.run.inside(k).map_or(0.0, |k| self.modelled[k])
     }
 
     /// How far the position moves after each of the samples.

@@ -17,14 +17,13 @@ pub struct Regression {
     instruments: Matrix3<f64>,
     target: Vector3<f64>,
     prior: Vector3<f64>,
-    known: Matrix3<f64>,
 }
 
 impl Regression {
     /// Before the first sample; `variance` is that of each of the weights `prior`.
     pub fn new(prior: &[f64; 3], variance: f64) -> Self {
         let (known, prior) = (Matrix3::identity() * (COUNT / variance), Vector3::from(*prior));
-        Self { moment: known, instruments: known, target: known * prior, prior, known }
+        Self { moment: known, instruments: known, target: known * prior, prior }
     }
 
     /// Takes a sample: instruments, signals, and what they are to explain.
@@ -50,7 +49,7 @@ impl Regression {
     pub fn covariance_of(&self, variance: f64, vectors: impl Iterator<Item = [f64; 3]>) -> [[f64; 3]; 3] {
         let inverse = self.moment.try_inverse().unwrap_or_else(Matrix3::zeros);
         let sum = vectors.map(Vector3::from).fold(Matrix3::zeros(), |sum, vector| sum + vector * vector.transpose());
-        (inverse * (sum * variance.max(ROUNDING) + self.known) * inverse.transpose()).into()
+        (inverse * sum * variance.max(ROUNDING) * inverse.transpose()).into()
     }
 }
 

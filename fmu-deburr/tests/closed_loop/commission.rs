@@ -71,8 +71,8 @@ fn worst(run: &mut Loop) -> f64 {
 
 #[test]
 fn unknown_robots_are_measured_within_their_deviations_and_follow_at_once() {
-    let (mut gains, mut lags) = (Vec::new(), Vec::new());
-    for seed in 70..82 {
+    let (mut gains, mut lags, mut frequencies, mut delays) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    for seed in 70..100 {
         let build = unknown(seed);
         let mut run = resting(&applied(), &build);
         let time = commission(&mut run);
@@ -86,15 +86,31 @@ fn unknown_robots_are_measured_within_their_deviations_and_follow_at_once() {
             lags.push((axis.lag - lag) / axis.lag_deviation);
             assert!(axis.gain_deviation < 1e-3 && axis.lag_deviation < 3e-4, "{build:?}: {axis:?}");
             let off = axis.natural_frequency - 280.0 * build.dynamics;
-            assert!(off.abs() < 4.0 * axis.natural_frequency_deviation, "{build:?}: {axis:?}");
+            frequencies.push(off / axis.natural_frequency_deviation);
+            delays.push((axis.delay - build.delay as f64) / axis.delay_deviation);
         }
         assert_eq!((run.output.bank.status, run.output.bank.patterns), (BankStatus::Computed, 5));
-        let error = worst(&mut run);
-        println!("{build:?}: {time:.1} s, {error:.3} mm");
-        assert!(error <= 0.03, "{build:?}: {error}");
+        // some of them run the path as well
+        if seed < 82 {
+            let error = worst(&mut run);
+            println!("{build:?}: {time:.1} s, {error:.3} mm");
+            assert!(error <= 0.03, "{build:?}: {error}");
+        }
     }
-    println!("errors in deviations: gain {gains:.1?}, lag {lags:.1?}");
-    assert!(gains.iter().chain(&lags).all(|error| error.abs() < 4.0));
+    // deviations that were three times too small or too large would show; these drives have neither friction nor steps of their own
+    for (what, errors, least, most) in [
+        ("gain", gains, 0.25, 1.0),
+        ("lag", lags, 0.1, 0.4),
+        ("natural frequency", frequencies, 0.3, 1.2),
+        ("delay", delays, 0.5, 1.5),
+    ] {
+        let rms = (errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64).sqrt();
+        println!("{what}: {rms:.2} rms");
+        assert!(
+            (least..most).contains(&rms) && errors.iter().all(|error| error.abs() < 4.0),
+            "{what}: {rms} {errors:?}"
+        );
+    }
 }
 
 #[test]

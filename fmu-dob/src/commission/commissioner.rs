@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::check::check_derived;
 use crate::commission::experiment::{Experiment, Milestone};
-use crate::commission::response::response;
+use crate::commission::response::{loop_spread, response, ripple};
 use crate::commission::values::{Values, acceptable};
 use crate::interface::{ForceOutput, Measured, Parameters};
 use crate::motion::stability::longest_delay;
@@ -114,9 +114,9 @@ impl Commissioner {
             let (value, mass) = (found.value, p.stage.mass);
             self.measured = Measured {
                 force_constant: mass * value[0],
-                force_constant_deviation: mass * found.sigma(0),
+                force_constant_deviation: f64::hypot(mass * found.sigma(0), ripple(mass * value[0])),
                 io_delay: value[1],
-                io_delay_deviation: found.sigma(1),
+                io_delay_deviation: found.sigma(1).hypot(loop_spread(p)),
                 damping: mass * value[2],
                 damping_deviation: mass * found.sigma(2),
                 stiffness: mass * value[3],

@@ -1,7 +1,9 @@
 //! Noise of position and force at the approach speed, stroke by stroke.
 //!
 //! The fourth difference of the position has 1 + 16 + 36 + 16 + 1 = 70 times the variance of white noise, and nothing of a motion
-//! that is slower than some hundred samples. The scatter between the strokes tells how sure each number is.
+//! that is slower than some hundred samples. What adds up are variances, so the mean of the strokes is theirs. The scatter s of n strokes
+//! tells how sure it is, as far as so few of them tell that: Student's distribution of n - 1 degrees has (n - 1) / (n - 3) times the variance
+//! s^2 / n. The root of a variance V that is known to d is known to (V + d)^(1/2) - V^(1/2).
 
 use control_blocks::{AllanVariance, Welford, of_walk_and_white, ticks, walk_and_white};
 use serde::{Deserialize, Serialize};
@@ -13,10 +15,16 @@ use crate::interface::{ForceOutput, Parameters};
 const BLOCKS: [f64; 3] = [0.01, 0.025, 0.05];
 /// Variance of the fourth difference over that of white noise.
 const FOURTH: f64 = 70.0;
+/// Sum of the squares of its autocorrelation.
+const ALIKE: f64 = 12_870.0 / (FOURTH * FOURTH);
 /// Most that a block in the middle may tell of what is not explained, as the logarithm of a variance.
 const UNEXPLAINED_MAX: f64 = 10.0;
-/// What is told of each stroke: noise of position and force, walk of the force, sigma of the slope.
+/// What is told of each stroke, as variances: noise of position and force, walk of the force, sigma of the slope.
 const NUMBERS: usize = 4;
+const POSITION: usize = 0;
+const WHITE: usize = 1;
+const WALK: usize = 2;
+const SLOPE: usize = 3;
 
 /// A number and its standard deviation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -34,6 +42,8 @@ pub struct Noise {
     /// the newest positions of this stroke, the newest first
     positions: [Option<f64>; 4],
     fourth: Welford,
+    /// fourth differences of all strokes
+    fourths: f64,
     slope: Welford,
     allan: [AllanVariance; 3],
     /// Allan variances of the strokes
@@ -49,6 +59,7 @@ impl Noise {
             blocks: BLOCKS.map(|time| ticks(time, p.sample_period).max(1)),
             positions: [None; 4],
             fourth: Welford::default(),
+            fourths: 0.0,
             slope: Welford::default(),
             allan: Default::default(),
             variances: Default::default(),
@@ -75,31 +86,36 @@ impl Noise {
     pub fn close(&mut self) {
         let variances = self.allan.each_ref().map(AllanVariance::variance);
         self.variances.iter_mut().zip(variances).for_each(|(mean, variance)| mean.push(variance));
-        let (walk, white) = self.walk_and_white(variances);
-        let numbers = [self.fourth.sigma() / FOURTH.sqrt(), white.sqrt(), walk.sqrt(), self.slope.sigma()];
+        // that white noise alone, or a walk alone, would have: none is negative, and all scatter
+        let white = f64::from(self.blocks[0]) * variances[0];
+        let walk = variances[2] / of_walk_and_white((1.0, 0.0), self.blocks[2]);
+        let numbers = [self.fourth.sigma().powi(2) / FOURTH, white, walk, self.slope.sigma().powi(2)];
         self.strokes.iter_mut().zip(numbers).for_each(|(stroke, number)| stroke.push(number));
+        self.fourths += self.fourth.count();
         self.positions = [None; 4];
         (self.fourth, self.slope, self.allan) = Default::default();
     }
 
-    /// Noise of the position, m.
+    /// Noise of the position, m. Fourth differences of white noise are alike to C(8, 4 + k) / 70, so that the variance of n of them is known
+    /// to (2 / n sum over k of the squares)^(1/2) of it; that sum is C(16, 8) / 70^2.
     pub fn position(&self) -> Measure {
-        self.measure(0)
+        let variance = self.strokes[POSITION].mean();
+        root(variance, variance * (2.0 * ALIKE / self.fourths.max(1.0)).sqrt())
     }
 
     /// White force in one sample, N.
     pub fn white_force(&self) -> Measure {
-        self.explained(1)
+        self.explained(WHITE)
     }
 
     /// Random walk of the force in one sample, N.
     pub fn walk(&self) -> Measure {
-        self.explained(2)
+        self.explained(WALK)
     }
 
     /// Standard deviation of the slope, N/s.
     pub fn slope(&self) -> Measure {
-        self.measure(3)
+        self.measure(SLOPE)
     }
 
     /// Standard deviation of the force over all strokes (N): what is slow has one value for each of them.
@@ -115,16 +131,29 @@ impl Noise {
     /// A number of the force, less sure by the share of the variance of the block in the middle that walk and white do not explain.
     fn explained(&self, number: usize) -> Measure {
         let variances = self.variances.each_ref().map(Welford::mean);
-        let between = of_walk_and_white(self.walk_and_white(variances), self.blocks[1]);
+        let (walk, white) = self.walk_and_white(variances);
+        let between = of_walk_and_white((walk, white), self.blocks[1]);
         let unexplained = (variances[1] / between).ln().abs().min(UNEXPLAINED_MAX);
-        let Measure { value, deviation } = self.measure(number);
+        // of the means, as that of no stroke is less than 0
+        let variance = if number == WHITE { white } else { walk };
+        let Measure { value, deviation } = root(variance, self.spread(number));
         Measure { value, deviation: f64::hypot(deviation, unexplained * value) }
     }
 
     fn measure(&self, number: usize) -> Measure {
-        let stroke = &self.strokes[number];
-        Measure { value: stroke.mean(), deviation: stroke.sigma() / f64::from(STROKES).sqrt() }
+        root(self.strokes[number].mean(), self.spread(number))
     }
+
+    /// Standard deviation of the mean of a number of all strokes.
+    fn spread(&self, number: usize) -> f64 {
+        let strokes = f64::from(STROKES);
+        self.strokes[number].sigma() * ((strokes - 1.0) / (strokes - 3.0) / strokes).sqrt()
+    }
+}
+
+/// Root of a variance that is known to `spread`.
+fn root(variance: f64, spread: f64) -> Measure {
+    Measure { value: variance.sqrt(), deviation: (variance + spread).sqrt() - variance.sqrt() }
 }
 
 #[cfg(test)]

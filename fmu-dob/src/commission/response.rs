@@ -21,6 +21,11 @@ use crate::interface::Parameters;
 /// Unknowns g, d, b, c.
 pub type Unknowns = SVector<f64, 4>;
 
+/// Ripple of a thrust over the pitch of its magnets, of which a short way tells one value: 1 % is usual, 2^(-1/2) of it as deviation.
+const RIPPLE: f64 = 0.007;
+/// Deviation of the lag of a current loop that is told within 30 %, evenly: 0.3 / 3^(1/2).
+const LOOP_SPREAD: f64 = 0.17;
+
 /// No tone counts as known better than to this share: what the model leaves out.
 const LEAST_DEVIATION: f64 = 1e-4;
 
@@ -64,6 +69,16 @@ impl Tone {
         let by_delay = push * Complex::new(0.0, self.sample);
         (a * line.output - push, [-unit, by_delay, Complex::new(0.0, self.omega) * line.output, line.output])
     }
+}
+
+/// Standard deviation of the thrust constant over that here.
+pub fn ripple(force_constant: f64) -> f64 {
+    RIPPLE * force_constant.abs()
+}
+
+/// Standard deviation of the delay (samples) that the current loop leaves: its lag counts as delay where it is not as told.
+pub fn loop_spread(p: &Parameters) -> f64 {
+    LOOP_SPREAD / (p.stage.current_bandwidth * p.sample_period)
 }
 
 /// The unknowns that explain the excitation best, with their covariance.

@@ -2,6 +2,7 @@
 
 use control_blocks::{RATIO_MAX, SIGNIFICANT, significant_or, sure, whole_delay, within_factor};
 
+use crate::commission::response::loop_spread;
 use crate::interface::{Measured, Parameters};
 use serde::{Deserialize, Serialize};
 
@@ -107,10 +108,11 @@ pub fn guard(p: &Parameters, m: &Measured) -> f64 {
 }
 
 /// Whether a response is sure enough, and one that this controller can hold: `told` is what it took for the thrust constant,
-/// `longest` the longest delay at which its loop is stable.
+/// `longest` the longest delay at which its loop is stable. The lag of the current loop is in the whole either way, so what it
+/// leaves to the delay beside the noise refuses nothing.
 pub fn acceptable(p: &Parameters, told: f64, longest: i32, m: &Measured) -> bool {
     sure(m.force_constant, m.force_constant_deviation, p.commission.deviation_max)
-        && m.io_delay_deviation <= p.commission.delay_deviation_max
+        && m.io_delay_deviation <= p.commission.delay_deviation_max.hypot(loop_spread(p))
         && within_factor(m.force_constant, told, RATIO_MAX)
         && (0..=longest).contains(&whole_delay(m.io_delay))
 }
@@ -200,7 +202,7 @@ mod tests {
         };
         let limits: [(Set, f64, f64); 6] = [
             (|m, x| m.force_constant_deviation = x, 0.48, 0.481),
-            (|m, x| m.io_delay_deviation = x, 0.25, 0.251),
+            (|m, x| m.io_delay_deviation = x.hypot(0.17 / 0.628_318_53), 0.2499, 0.2501),
             (|m, x| m.force_constant = x, 40.0, 40.1),
             (|m, x| m.force_constant = x, 10.0, 9.9),
             (|m, x| m.io_delay = x, 4.49, 4.5),

@@ -19,8 +19,7 @@ pub struct Numbers {
 
 impl Numbers {
     /// Before the first approach.
-    pub const START: Self =
-        Self { late: None, force_left: 0.0, following_limit: 0.0, force_constant: 0.0, swings: 0 };
+    pub const START: Self = Self { late: None, force_left: 0.0, following_limit: 0.0, force_constant: 0.0, swings: 0 };
 }
 
 /// A contact that the force guard has found, and the detector has not.

@@ -54,6 +54,8 @@ fn unknown(p: &Parameters, seed: u64) -> Loop {
     run.slide.strength = random.random_range(0.7..1.3) * 20.0 / 19.4;
     run.slide.delay = random.random_range(0..3);
     run.slide.noise = random.random_range(0.5..2.0);
+    run.slide.loop_speed = random.random_range(0.7..1.3);
+    run.slide.ripple = 0.01 * random.random_range(0.0..std::f64::consts::TAU).sin();
     run
 }
 
@@ -65,27 +67,31 @@ fn thrust(run: &Loop) -> f64 {
 #[test]
 fn unknown_machines_are_measured_within_their_deviations() {
     let p = Parameters::START;
-    let (mut thrusts, mut delays, mut frictions) = (Vec::new(), Vec::new(), Vec::new());
-    for seed in 70..82 {
+    let mut errors: [Vec<f64>; 4] = Default::default();
+    for seed in 120..150 {
         let mut run = unknown(&p, seed);
+        // with none, a current loop faster than told and the slide's steps would leave less than no delay
+        run.slide.delay += 1;
         let [back, ahead] = commission(&mut run);
         let m = &run.output.measured;
         assert_eq!((run.output.state, run.output.fault, m.valid), (State::Idle, Fault::None, true), "{seed}: {m:?}");
         // 90 um back, and never ahead but for the noise of the servo
         assert!(back > -91e-6 && ahead < 0.3e-6, "{seed}: {back} {ahead}");
-        thrusts.push((m.force_constant / thrust(&run) - 1.0) * m.force_constant / m.force_constant_deviation);
-        // the slide's steps of 50 us move it as if commands acted half a sample earlier
-        delays.push((m.io_delay - run.slide.delay as f64 + 0.5) / m.io_delay_deviation);
-        frictions.push((m.damping - 10.0 * 10.0 / run.slide.mass) / m.damping_deviation);
         let noise = f64::hypot(0.5e-9 * run.slide.noise, 1e-9 / 12f64.sqrt());
+        // the slide's steps of 50 us move it as if commands acted half a sample earlier
+        let found = [
+            (m.force_constant - thrust(&run), m.force_constant_deviation),
+            (m.io_delay - run.slide.delay as f64 + 0.5, m.io_delay_deviation),
+            (m.damping - 10.0 * 10.0 / run.slide.mass, m.damping_deviation),
+            (m.position_noise - noise, m.position_noise_deviation),
+        ];
+        errors.iter_mut().zip(found).for_each(|(errors, (error, deviation))| errors.push(error / deviation));
         assert!((m.position_noise / noise - 1.0).abs() < 0.05, "{seed}: {m:?}");
-        assert!(m.force_constant_deviation < 2e-3 * m.force_constant, "{seed}: {m:?}");
-        assert!(m.io_delay_deviation < 0.06, "{seed}: {m:?}");
+        assert!(m.force_constant_deviation < 1e-2 * m.force_constant, "{seed}: {m:?}");
+        assert!(m.io_delay_deviation < 0.3, "{seed}: {m:?}");
         assert!(m.damping_deviation < 2.0, "{seed}: {m:?}");
         let deviations = [
-            m.damping_deviation,
             m.stiffness_deviation,
-            m.position_noise_deviation,
             m.force_noise_deviation,
             m.disturbance_walk_deviation,
             m.force_sigma_deviation,
@@ -93,9 +99,12 @@ fn unknown_machines_are_measured_within_their_deviations() {
         ];
         assert!(deviations.iter().all(|deviation| *deviation > 0.0), "{seed}: {m:?}");
     }
-    println!("errors in deviations: thrust {thrusts:.1?}, delay {delays:.1?}, friction {frictions:.1?}");
-    // the ripple of the thrust, 1 %, is no noise
-    assert!(delays.iter().chain(&frictions).all(|error| error.abs() < 4.0));
+    // deviations that were three times too small or too large would show
+    for (what, errors) in ["thrust", "delay", "friction", "noise"].iter().zip(errors) {
+        let rms = (errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64).sqrt();
+        println!("{what}: {rms:.2} rms");
+        assert!((0.5..1.5).contains(&rms) && errors.iter().all(|error| error.abs() < 4.0), "{what}: {rms} {errors:?}");
+    }
 }
 
 #[test]

@@ -67,6 +67,10 @@ pub struct Slide {
     pub delay: usize,
     /// Noise of encoder, amplifier, air and balancer, over the usual one.
     pub noise: f64,
+    /// Bandwidth of the current loop over the usual one.
+    pub loop_speed: f64,
+    /// Relative ripple of the thrust where it begins.
+    pub ripple: f64,
 }
 
 impl Slide {
@@ -95,6 +99,8 @@ impl Slide {
             mass: MASS,
             delay: 1,
             noise: 1.0,
+            loop_speed: 1.0,
+            ripple: 0.0,
         }
     }
 
@@ -121,9 +127,9 @@ impl Slide {
     }
 
     fn substep(&mut self, sent: f64) {
-        self.current = sent + (self.current - sent) * (-CURRENT_BANDWIDTH * DT).exp();
+        self.current = sent + (self.current - sent) * (-CURRENT_BANDWIDTH * self.loop_speed * DT).exp();
         let phase = TAU * self.position / POLE_PITCH;
-        let motor = self.strength * FORCE_CONSTANT * (1.0 + RIPPLE * phase.sin()) * self.current;
+        let motor = self.strength * FORCE_CONSTANT * (1.0 + self.ripple + RIPPLE * phase.sin()) * self.current;
         let cogging = COGGING[0] * phase.sin() + COGGING[1] * (2.0 * phase).sin();
         let spindle = SPINDLE_FORCE[0] * self.angle.sin() + SPINDLE_FORCE[1] * (2.0 * self.angle).cos();
         let disturbance = self.residual + self.balancer + self.air + cogging + spindle + self.push;

@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use control_blocks::{DELAY_MAX, RATIO_MAX, sure, whole_delay, within_factor};
 use serde::{Deserialize, Serialize};
 
+use crate::commission::response::GUIDES;
 use crate::force::response::axis;
 use crate::interface::{Drive, Measured, Mode, Parameters};
 use crate::motion::sliding::highest;
@@ -106,7 +107,8 @@ impl Values {
     }
 }
 
-/// Whether a measurement is sure enough, and of a machine that this controller can hold: `told` is what it took it for.
+/// Whether a measurement is sure enough, and of a machine that this controller can hold: `told` is what it took it for. What the guides
+/// leave to the drives refuses nothing: they are found with that friction as they are used with it.
 pub fn acceptable(p: &Parameters, told: &Values, m: &Measured) -> bool {
     let share = p.commission.deviation_max;
     let contact = [
@@ -116,9 +118,9 @@ pub fn acceptable(p: &Parameters, told: &Values, m: &Measured) -> bool {
     ];
     contact.iter().all(|(value, deviation)| *value > 0.0 && sure(*value, *deviation, share))
         && within_factor(m.stiffness, told.stiffness, RATIO_MAX)
-        && sure(m.drive_gain, m.drive_gain_deviation, share)
+        && sure(m.drive_gain, m.drive_gain_deviation, share.hypot(GUIDES[0]))
         && within_factor(m.drive_gain, 1.0, RATIO_MAX)
-        && m.feedforward_deviation <= share
+        && m.feedforward_deviation <= share.hypot(GUIDES[1])
         && m.io_delay_deviation <= p.commission.delay_deviation_max
         && (0..=DELAY_MAX as i32).contains(&whole_delay(m.io_delay))
         && m.sensor_rotation.is_finite()
@@ -224,10 +226,10 @@ mod tests {
             (|m, x| m.stiffness = x, 89e3, 88.9e3),
             (|m, x| m.lateral_stiffness_deviation = x, 10e3, 10.1e3),
             (|m, x| m.friction_deviation = x, 0.02, 0.0201),
-            (|m, x| m.drive_gain_deviation = x, 0.08, 0.0801),
+            (|m, x| m.drive_gain_deviation = x, 0.1312, 0.1313),
             (|m, x| m.drive_gain = x, 2.0, 2.01),
             (|m, x| m.drive_gain = x, 0.5, 0.499),
-            (|m, x| m.feedforward_deviation = x, 0.1, 0.101),
+            (|m, x| m.feedforward_deviation = x, 0.1414, 0.1415),
             (|m, x| m.io_delay_deviation = x, 0.25, 0.251),
             (|m, x| m.io_delay = x, -0.49, -0.5),
             (|m, x| m.io_delay = x, DELAY_MAX as f64 + 0.49, DELAY_MAX as f64 + 0.5),

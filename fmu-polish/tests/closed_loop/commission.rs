@@ -101,26 +101,42 @@ fn unknown_robots_are_measured_within_their_bounds() {
 }
 
 #[test]
-fn the_deviations_are_the_scatter_of_the_commissions() {
-    let found: Vec<_> = (0..12)
-        .map(|seed| {
-            let mut run = Loop::new(&Parameters::START, Build::NOMINAL, 720 + seed);
-            commission(&mut run);
-            let m = run.output.measured;
-            [
-                [m.stiffness, m.stiffness_deviation],
-                [m.friction, m.friction_deviation],
-                [m.lateral_stiffness, m.lateral_stiffness_deviation],
-                [m.sensor_rotation, m.sensor_rotation_deviation],
-            ]
-        })
-        .collect();
-    for i in 0..4 {
-        let mean = |of: &dyn Fn(&[f64; 2]) -> f64| found.iter().map(|one| of(&one[i])).sum::<f64>() / 12.0;
-        let middle = mean(&|one| one[0]);
-        let scatter = mean(&|one| (one[0] - middle).powi(2)).sqrt();
-        let told = mean(&|one| one[1]);
-        assert!((0.3..2.0).contains(&(scatter / told)), "{i}: {scatter} {told}");
+fn the_deviations_are_those_of_robots_that_nobody_has_measured() {
+    let mut errors: [Vec<f64>; 7] = Default::default();
+    for seed in 740..770 {
+        let build = unknown(seed);
+        let mut run = Loop::new(&Parameters::START, build, seed);
+        commission(&mut run);
+        let m = &run.output.measured;
+        let found = [
+            (m.stiffness - build.stiffness, m.stiffness_deviation),
+            (m.lateral_stiffness - build.lateral, m.lateral_stiffness_deviation),
+            (m.friction - build.friction, m.friction_deviation),
+            (m.drive_gain - build.drive_gain, m.drive_gain_deviation),
+            (m.feedforward - build.feedforward, m.feedforward_deviation),
+            // the substeps of the robot act a tenth of a sample earlier
+            (m.io_delay + 0.1 - 1.0 - build.late as f64, m.io_delay_deviation),
+            (m.sensor_rotation - build.turned, m.sensor_rotation_deviation),
+        ];
+        errors.iter_mut().zip(found).for_each(|(errors, (error, deviation))| errors.push(error / deviation));
+    }
+    // deviations that were three times too small or too large would show; this robot has less of what the models leave out
+    let limits = [
+        ("stiffness", 0.2, 0.8),
+        ("lateral stiffness", 0.35, 1.2),
+        ("friction", 0.6, 1.8),
+        ("gain", 0.4, 1.5),
+        ("feedforward", 0.25, 0.9),
+        ("delay", 0.3, 1.2),
+        ("rotation", 0.3, 1.2),
+    ];
+    for ((what, least, most), errors) in limits.into_iter().zip(errors) {
+        let rms = (errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64).sqrt();
+        println!("{what}: {rms:.2} rms");
+        assert!(
+            (least..most).contains(&rms) && errors.iter().all(|error| error.abs() < 4.0),
+            "{what}: {rms} {errors:?}"
+        );
     }
 }
 

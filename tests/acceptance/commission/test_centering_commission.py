@@ -88,6 +88,17 @@ def hold(found: Sequence[Machine], least: float) -> None:
         assert one["io_delay"] == pytest.approx(one.delay, abs=0.3)
 
 
+def hold_deviations(found: Sequence[Machine]) -> None:
+    """Hold the claimed standard deviations against the errors of what was measured."""
+    errors = {
+        "bandwidth": [one.bandwidth_error * one["bandwidth"] / (1.0 + one.bandwidth_error) for one in found],
+        "damping": [one["damping"] - one.changes["plant.servo_damping"] for one in found],
+        "integral": [one.integral_error for one in found],
+        "io_delay": [one["io_delay"] - one.delay for one in found],
+    }
+    studies.hold_deviations(found, errors)
+
+
 def test_a_few_machines() -> None:
     hold(machines(FEW), 1.0)
 
@@ -97,6 +108,7 @@ def test_the_whole_study() -> None:
     found = machines()
     assert len(found) == 200
     hold(found, 0.95)
+    hold_deviations(found)
     for name, applied in (("told", False), ("applied", True)):
         store.measured("centering-commission", name, **ended(found, applied))
     store.measured("centering-measured", "found", **measured(found))

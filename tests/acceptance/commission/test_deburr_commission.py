@@ -135,6 +135,21 @@ def hold(found: Sequence[Robot], least: float) -> None:
     assert np.abs(late).max() < 1e-3
 
 
+def hold_deviations(found: Sequence[Robot]) -> None:
+    """Hold the claimed standard deviations against the errors of what was measured."""
+    errors = {
+        "io_delay": [one["io_delay"] - one.delay for one in found],
+        "idle": [one["idle"] for one in found],
+    }
+    for axis in (1, 3):
+        errors[f"gain_{axis}"] = [one[f"gain_{axis}"] - one.gain for one in found]
+        errors[f"late_{axis}"] = [one[f"late_{axis}"] - one.late for one in found]
+        errors[f"frequency_{axis}"] = [
+            one[f"frequency_{axis}"] - one.changes["plant.drive_frequency"] for one in found
+        ]
+    studies.hold_deviations(found, errors)
+
+
 def test_a_few_robots() -> None:
     hold(robots(FEW), 1.0)
 
@@ -144,6 +159,7 @@ def test_the_whole_study() -> None:
     found = robots()
     assert len(found) == 200
     hold(found, 0.95)
+    hold_deviations(found)
     keep(found)
 
 

@@ -105,6 +105,19 @@ def hold(found: Sequence[Machine], least: float) -> None:
         assert abs(one["io_delay"] - one.delay) < 0.5
 
 
+def hold_deviations(found: Sequence[Machine]) -> None:
+    """Hold the claimed standard deviations against the errors of what was measured."""
+    # friction of 10 N.s/m, and noise with the steps of 1 nm
+    noise = [np.hypot(one.changes["plant.encoder_noise"], 1e-9 / np.sqrt(12.0)) for one in found]
+    errors = {
+        "force_constant": [one["force_constant"] - one.thrust for one in found],
+        "io_delay": [one["io_delay"] - one.delay for one in found],
+        "damping": [one["damping"] - 10.0 * NOMINAL_MASS / one.changes["plant.mass"] for one in found],
+        "position_noise": [one["position_noise"] - true for one, true in zip(found, noise, strict=True)],
+    }
+    studies.hold_deviations(found, errors)
+
+
 def test_a_few_machines() -> None:
     hold(machines(FEW), 1.0)
 
@@ -114,6 +127,7 @@ def test_the_whole_study() -> None:
     found = machines()
     assert len(found) == 200
     hold(found, 0.95)
+    hold_deviations(found)
     keep(found)
 
 

@@ -110,6 +110,20 @@ def hold(found: Sequence[Machine], least: float) -> dict[str, dict[str, float]]:
     return rows
 
 
+def hold_deviations(found: Sequence[Machine]) -> None:
+    """Hold the claimed standard deviations against the errors of what was measured."""
+    names = (
+        "stiffness",
+        "lateral_stiffness",
+        "friction",
+        "drive_gain",
+        "feedforward",
+        "io_delay",
+        "rotation",
+    )
+    studies.hold_deviations(found, {name: absolute(found, name).tolist() for name in names})
+
+
 def test_a_few_robots() -> None:
     hold(machines(FEW), 1.0)
 
@@ -119,6 +133,7 @@ def test_the_whole_study() -> None:
     found = machines()
     assert len(found) == 200
     rows = hold(found, 0.95)
+    hold_deviations([one for one in found if one["stiffness"] > 0.0])
     for row, values in rows.items():
         store.measured("polish-commission", row, **values)
     store.measured("polish-measured", "found", **measures(found))

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+
+import numpy as np
 
 import cosim
 from cosim.pool.worker import JobRunner
@@ -41,3 +44,13 @@ def machines(name: str, few: tuple[int, int] | None = None) -> list[Machine]:
             assert isinstance(result, cosim.Result), result
             found.append(Machine(one.changes, result))
     return found
+
+
+def hold_deviations(found: Sequence[Machine], errors: dict[str, Sequence[float]]) -> None:
+    """Hold the claimed standard deviations, metrics `NAME_deviation`, against the errors of NAME."""
+    for name, wrong in errors.items():
+        ratio = np.array(wrong) / np.array([one[f"{name}_deviation"] for one in found])
+        rms, high = float(np.sqrt(np.mean(ratio**2))), float(np.percentile(np.abs(ratio), 99))
+        print(f"{name}: errors in claimed deviations {rms:.2f} rms, 99 % below {high:.2f}")
+        assert 0.5 < rms < 1.5, name
+        assert high < 3.5, name
