@@ -194,9 +194,12 @@ mod tests {
 
     /// Innovations of a stage at nominal mass under `force(t)` N, current 0, after the gain is constant.
     fn innovations(force: impl Fn(f64) -> f64) -> (KalmanFilter, Vec<f64>) {
-        let p = Parameters::START;
+        innovations_of(&Parameters::START, force)
+    }
+
+    fn innovations_of(p: &Parameters, force: impl Fn(f64) -> f64) -> (KalmanFilter, Vec<f64>) {
         let (dt, sub) = (p.sample_period, 100);
-        let mut filter = KalmanFilter::new(&p);
+        let mut filter = KalmanFilter::new(p);
         let (mut z, mut v) = (0.0, 0.0);
         let mut trace = Vec::new();
         for k in 0..6000 {
@@ -218,6 +221,15 @@ mod tests {
         let largest = trace[5000..].iter().fold(0.0, |m, x| f64::max(m, x.abs()));
         assert!(largest < 1e-13, "innovation {largest} m");
         assert!((filter.state[2] - 0.3).abs() < 1e-3, "{}", filter.state[2]);
+    }
+
+    #[test]
+    fn as_many_harmonics_as_there_can_be_are_learned() {
+        let p = Parameters { notch_harmonics: HARMONICS_MAX as i32, ..Parameters::START };
+        let highest = HARMONICS_MAX as f64 * SPEED;
+        let (_, trace) = innovations_of(&p, |t| 0.3 + 0.02 * (highest * t).sin());
+        let largest = trace[5000..].iter().fold(0.0, |m, x| f64::max(m, x.abs()));
+        assert!(largest < 1e-12, "innovation {largest} m");
     }
 
     #[test]
