@@ -172,15 +172,16 @@ fn only_on_request_is_what_was_measured_used() {
 }
 
 #[test]
-fn a_lag_and_its_delay_are_as_sure_in_seconds_as_in_samples() {
+fn a_delay_is_as_sure_as_its_lag_but_for_what_all_drives_may_differ_by() {
     let mut run = resting(&Parameters::START, &Build::NOMINAL);
     commission(&mut run);
     let m = run.output.measured;
-    let seconds = m.axis.map(|axis| axis.delay_deviation * run.parameters.sample_period);
-    assert!((0..6).all(|i| (seconds[i] / m.axis[i].lag_deviation - 1.0).abs() < 1e-9), "{m:?}");
+    let lags = m.axis.map(|axis| (axis.lag_deviation / run.parameters.sample_period).powi(2));
+    let alike: [f64; 6] = std::array::from_fn(|i| m.axis[i].delay_deviation.powi(2) - lags[i]);
+    assert!(alike[0] > 0.0 && alike.iter().all(|all| (all - alike[0]).abs() < 1e-12), "{alike:?}");
     // of six that are told apart
-    let mean = m.axis.iter().map(|axis| axis.delay_deviation.powi(2)).sum::<f64>().sqrt() / 6.0;
-    assert!((m.io_delay_deviation / mean - 1.0).abs() < 1e-9, "{m:?}");
+    let mean = m.io_delay_deviation.powi(2) - lags.iter().sum::<f64>() / 36.0;
+    assert!((mean - alike[0]).abs() < 1e-12, "{mean} {alike:?}");
 }
 
 #[test]
