@@ -24,7 +24,7 @@ const SLOW: f64 = 6.0;
 /// standard deviations; none if the servo does not go where it should, or a number is none.
 pub fn response(p: &Parameters, fit: &Fit<TERMS>, delay: f64) -> Option<Measured> {
     let m = of_factors(p, fit, delay)?;
-    let braked_late = m.slide_damping * m.slide_bandwidth * SERVO_LATE * p.sample_period;
+    let braked_late = braked_late(p, &m);
     Some(Measured {
         slide_bandwidth_deviation: m.slide_bandwidth_deviation.hypot(m.slide_bandwidth * braked_late),
         slide_damping_deviation: m.slide_damping_deviation.hypot(m.slide_damping * braked_late),
@@ -32,6 +32,11 @@ pub fn response(p: &Parameters, fit: &Fit<TERMS>, delay: f64) -> Option<Measured
         io_delay_deviation: m.io_delay_deviation.hypot(LEAST_DELAY),
         ..m
     })
+}
+
+/// Share by which a servo that computes in steps of its own has a larger natural frequency, and damping.
+pub fn braked_late(p: &Parameters, m: &Measured) -> f64 {
+    m.slide_damping * m.slide_bandwidth * SERVO_LATE * p.sample_period
 }
 
 /// The same with the standard deviations of the factors alone, to first order.
