@@ -75,7 +75,7 @@ mod variables {
         /// The spindle keeps reversing, or is too fast for `rates.collect`
         #[hint("turn the spindle evenly in one direction")] Spindle,
         /// The pushes have moved the ring away from the axis by more than `push.critical_distance`
-        #[hint("is `spindle_angle` positive about the upward axis?")] Divergence,
+        #[hint("is `spindle_angle` positive about the upward axis, and is the probe read when the slide is?")] Divergence,
         /// A full revolution does not tell the eccentricity from the tolerance
         #[hint("raise `tolerance`, or mend the noise of the probe")] Unresolved,
         /// The measurements fit no ring for some revolutions, or the centring takes longer than `limits.job_time`

@@ -22,8 +22,9 @@ const FEWEST: f64 = 30.0;
 const INFORMATION_MIN: f64 = 1e-6;
 /// Most of x that is left where the scale of the probe is right.
 const SCALE_ERROR: f64 = 0.2;
-/// A probe is late by more than this share of a sample, and this many standard deviations.
-const LATE: (f64, f64) = (0.5, 4.0);
+/// A probe is late by more than this share of a sample, and this many standard deviations of white noise: a step of the probe leaves
+/// much more than noise, and is not late.
+const LATE: (f64, f64) = (0.5, 12.0);
 
 /// The sums of one window, and what the last one has told.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]

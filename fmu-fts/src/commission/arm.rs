@@ -294,19 +294,22 @@ mod tests {
     }
 
     #[test]
-    fn friction_is_as_unsure_as_the_part_of_it_that_a_small_swing_does_not_have() {
+    fn a_point_is_as_unsure_as_model_reading_and_phase_of_friction_together() {
         let plan = Plan::new(&Parameters::START);
         let (told, servo) = (Told::new(&plan), plan.told.servo);
-        for (omega, amplitude) in [(30.0, 1e-3), (60.0, 1e-3), (60.0, 1e-4)] {
+        for (omega, amplitude) in [(30.0, 1e-3), (60.0, 1e-3), (60.0, 1e-4), (60.0, 0.02), (200.0, 0.01)] {
             let mut x = told.start();
             x[6] = 0.01 / servo.inertia * UNIT * UNIT;
-            let swing = Swing { omega, over_rigid: Complex::ONE, amplitude, following: 1.0 };
             // 10 mN.m over what accelerates the arm
             let drag = 4.0 * 0.01 / (PI * amplitude) / (servo.inertia * omega * omega);
-            let expected = drag * PRESLIDING / (PRESLIDING + amplitude);
-            let deviation = told.deviation(&swing, &x, 0.0);
-            assert!((deviation / expected - 1.0).abs() < 1e-3, "{omega} {amplitude}: {deviation} {expected}");
-            assert!((told.deviation(&swing, &x, 3.0) - 3.0_f64.hypot(deviation)).abs() < 1e-12);
+            let small = PRESLIDING / (PRESLIDING + amplitude);
+            let bent = (BENT * drag).min(1.0);
+            for noise in [0.0, 3.0] {
+                let swing = Swing { omega, over_rigid: Complex::ONE, amplitude, noise: noise * amplitude };
+                let expected = POINT_SIGMA.hypot(noise).hypot(drag * small.hypot(bent));
+                let deviation = told.deviation(&swing, &x);
+                assert!((deviation / expected - 1.0).abs() < 1e-3, "{omega} {amplitude}: {deviation} {expected}");
+            }
         }
     }
 

@@ -106,7 +106,7 @@ def keep(found: Sequence[Machine], rows: tuple[str, str]) -> None:
 
 def keep_measured(found: Sequence[Machine]) -> None:
     """Keep how true the measurements are."""
-    limits = {}
+    limits: dict[str, float] = {}
     for name, error in errors(found).items():
         scale, sure = 1.0 if name in PLAIN else 100.0, deviations(found)[name]
         limits |= {f"{name}_least": scale * error.min(), f"{name}_most": scale * error.max()}
