@@ -2,10 +2,11 @@
 //!
 //! The estimator takes the slide along straight lines between its readings, whose mean over a sample T is that of the slide plus T^2/12
 //! x''. With x'' of the servo that adds T^2/12 (w^2 r'' + 2 zeta w r''') to the right side; in strokes that turn at the servo's own
-//! frequency r''' is -w^2 r', so that 2 zeta w is found (w T)^2/12 too large, and that is taken off.
+//! frequency r''' is -w^2 r', so that 2 zeta w is found (w T)^2/12 too large.
 //!
 //! A servo that computes in steps of its own brakes half a step tau late: x'' = w^2 e + 2 zeta w (e' + tau x''), which is a servo with w
-//! and zeta (1 - 2 zeta w tau)^(-1/2) times as large. No motion tells it from that one, so zeta w tau is part of the deviations.
+//! and zeta (1 - 2 zeta w tau)^(-1/2) times as large. No motion tells it from that one. So zeta w tau is part of the deviations, and of that
+//! of zeta both together, which add up.
 
 use nalgebra::SVector;
 
@@ -24,14 +25,19 @@ const SLOW: f64 = 6.0;
 /// standard deviations; none if the servo does not go where it should, or a number is none.
 pub fn response(p: &Parameters, fit: &Fit<TERMS>, delay: f64) -> Option<Measured> {
     let m = of_factors(p, fit, delay)?;
-    let braked_late = m.slide_damping * m.slide_bandwidth * SERVO_LATE * p.sample_period;
+    let (braked_late, lines) = (braked_late(p, &m), (m.slide_bandwidth * p.sample_period).powi(2) / 12.0);
     Some(Measured {
         slide_bandwidth_deviation: m.slide_bandwidth_deviation.hypot(m.slide_bandwidth * braked_late),
-        slide_damping_deviation: m.slide_damping_deviation.hypot(m.slide_damping * braked_late),
+        slide_damping_deviation: m.slide_damping_deviation.hypot(m.slide_damping * (braked_late + lines)),
         slide_integral_deviation: SLOW.sqrt() * m.slide_integral_deviation,
         io_delay_deviation: m.io_delay_deviation.hypot(LEAST_DELAY),
         ..m
     })
+}
+
+/// Share by which a servo that computes in steps of its own has a larger natural frequency, and damping.
+pub fn braked_late(p: &Parameters, m: &Measured) -> f64 {
+    m.slide_damping * m.slide_bandwidth * SERVO_LATE * p.sample_period
 }
 
 /// The same with the standard deviations of the factors alone, to first order.
@@ -44,13 +50,11 @@ fn of_factors(p: &Parameters, fit: &Fit<TERMS>, delay: f64) -> Option<Measured> 
         slopes.into_iter().for_each(|(i, slope)| gradient[i] = slope);
         gradient.dot(&(fit.covariance * gradient)).max(0.0).sqrt()
     };
-    let line = (1.0 + (w * p.sample_period).powi(2) / 12.0).recip();
-    let by_stiffness = -line * damping / (4.0 * w * stiffness) * (3.0 - 2.0 * line);
     let found = Measured {
         slide_bandwidth: w,
         slide_bandwidth_deviation: servo.deviation,
-        slide_damping: line * damping / (2.0 * w),
-        slide_damping_deviation: deviation([(0, by_stiffness), (1, 0.5 * line / w)]),
+        slide_damping: damping / (2.0 * w),
+        slide_damping_deviation: deviation([(0, -damping / (4.0 * w * stiffness)), (1, 0.5 / w)]),
         slide_integral: integral / stiffness,
         slide_integral_deviation: deviation([(0, -integral / stiffness.powi(2)), (4, stiffness.recip())]),
         io_delay: delay - late / sample,
@@ -97,7 +101,7 @@ mod tests {
     fn the_factors_are_told_in_the_words_of_a_servo() {
         let fit = Fit { value: factors(), covariance: SMatrix::zeros() };
         let m = of_factors(&P, &fit, 1.0).unwrap();
-        for (word, expected) in WORDS.iter().zip([200.0, 0.6 / (1.0 + 0.04 / 12.0), 10.0, 2.5]) {
+        for (word, expected) in WORDS.iter().zip([200.0, 0.6, 10.0, 2.5]) {
             let [value, deviation] = word(&m);
             assert!((value / expected - 1.0).abs() < 1e-12 && deviation == 0.0, "{value} {expected}");
         }

@@ -3,6 +3,7 @@
 use control_blocks::{DELAY_MAX, RATIO_MAX, sure, whole_delay, within_factor};
 use serde::{Deserialize, Serialize};
 
+use crate::commission::response::braked_late;
 use crate::interface::{Measured, Parameters};
 use crate::limits::{servo_damping, slowest_servo};
 
@@ -37,9 +38,9 @@ impl Values {
 
     /// Whether a measurement is sure enough, and of a servo that this controller can work with. The slowest one is all that the checks
     /// of the parameters ask of what is derived. `shift` (samples) is what its
-    /// last round has found of the delay that the round before had not.
+    /// last round has found of the delay that the round before had not. What steps of the servo leave refuses nothing: it acts as it was found.
     pub fn accept(&self, p: &Parameters, m: &Measured, shift: f64) -> bool {
-        sure(m.slide_bandwidth, m.slide_bandwidth_deviation, p.commission.deviation_max)
+        sure(m.slide_bandwidth, m.slide_bandwidth_deviation, p.commission.deviation_max.hypot(braked_late(p, m)))
             && m.io_delay_deviation.max(shift.abs()) <= p.commission.delay_deviation_max
             && m.slide_bandwidth >= slowest_servo(p)
             && servo_damping(p, m.slide_bandwidth).contains(&m.slide_damping)
@@ -84,7 +85,7 @@ mod tests {
     fn each_limit_is_the_last_value_that_is_accepted() {
         type Set = fn(&mut Measured, f64);
         let limits: [(Set, f64, f64); 8] = [
-            (|m, x| m.slide_bandwidth_deviation = x * TAU * 30.0, 0.019_99, 0.020_01),
+            (|m, x| m.slide_bandwidth_deviation = x * TAU * 30.0, 0.021_05, 0.021_07),
             (|m, x| m.io_delay_deviation = x, 0.25, 0.251),
             (|m, x| m.slide_bandwidth = TAU * x, 79.9, 80.1),
             (|m, x| m.slide_bandwidth = TAU * x, 20.1, 19.9),

@@ -172,16 +172,17 @@ fn only_on_request_is_what_was_measured_used() {
 }
 
 #[test]
-fn a_delay_is_as_sure_as_its_lag_but_for_what_all_drives_may_differ_by() {
+fn a_delay_is_as_sure_as_its_lag_and_the_lag_of_the_nominal_drive() {
     let mut run = resting(&Parameters::START, &Build::NOMINAL);
     commission(&mut run);
     let m = run.output.measured;
-    let lags = m.axis.map(|axis| (axis.lag_deviation / run.parameters.sample_period).powi(2));
-    let alike: [f64; 6] = std::array::from_fn(|i| m.axis[i].delay_deviation.powi(2) - lags[i]);
-    assert!(alike[0] > 0.0 && alike.iter().all(|all| (all - alike[0]).abs() < 1e-12), "{alike:?}");
-    // of six that are told apart
-    let mean = m.io_delay_deviation.powi(2) - lags.iter().sum::<f64>() / 36.0;
-    assert!((mean - alike[0]).abs() < 1e-12, "{mean} {alike:?}");
+    // 0.262 of 2 zeta/wn, in samples
+    let spread = 0.262 * 2.0 * 0.52 / 280.0 / 0.01;
+    let late = m.axis.map(|axis| axis.lag_deviation / run.parameters.sample_period);
+    assert!((0..6).all(|i| (m.axis[i].delay_deviation / late[i].hypot(spread) - 1.0).abs() < 1e-9), "{m:?}");
+    // of six that are told apart, of nominal drives that are not
+    let mean = late.iter().map(|late| late.powi(2)).sum::<f64>().sqrt() / 6.0;
+    assert!((m.io_delay_deviation / mean.hypot(spread) - 1.0).abs() < 1e-9, "{m:?}");
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -46,7 +46,7 @@ def machines(name: str, few: tuple[int, int] | None = None) -> list[Machine]:
     return found
 
 
-def hold_deviations(found: Sequence[Machine], errors: dict[str, Sequence[float]]) -> None:
+def hold_deviations(found: Sequence[Machine], errors: Mapping[str, Sequence[float]]) -> None:
     """Hold the claimed standard deviations, metrics `NAME_deviation`, against the errors of NAME."""
     for name, wrong in errors.items():
         ratio = np.array(wrong) / np.array([one[f"{name}_deviation"] for one in found])
