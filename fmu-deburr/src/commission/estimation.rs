@@ -59,7 +59,9 @@ impl Response {
         let mut deviation = Unknowns::zeros();
         for _ in 0..PASSES {
             let start = limited(&told, x);
-            let delay = (start[1] - p.nominal_lag() / told.period).round().clamp(0.0, DELAY_MAX) as usize;
+            // one that leaves it a lag
+            let delay = (start[1] - p.nominal_lag() / told.period).round().min((start[1] - LAG_LEAST).floor());
+            let delay = delay.clamp(0.0, DELAY_MAX) as usize;
             let told = ToldDrive { delay, ..told };
             let identification = Identification::new(&drive(&told, &start), strokes, modelled);
             let mut weights = |x: &Unknowns| Vector3::from(identification.weights_of(&drive(&told, x), room));
