@@ -46,10 +46,13 @@ pub struct Unanswered {
 }
 
 impl Unanswered {
-    /// At rest at a position (rad or m).
+    /// From a position (rad or m) on: what is commanded there is not taken for an offset before the reading has moved, for the loop
+    /// may close while the axis still creeps.
     pub fn resting(position: f64) -> Self {
+        let mut frozen = Frozen::default();
+        frozen.update(position, 0.0, 0.0);
         Self {
-            frozen: Frozen::default(),
+            frozen,
             offset: 0.0,
             missing: 0.0,
             unsure: 0.0,
@@ -106,6 +109,24 @@ impl Unanswered {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_loop_that_closes_while_the_axis_creeps_takes_its_way_for_no_offset() {
+        let p = Parameters::START;
+        let (axis, pulse) = (5, p.axis[5].pulse);
+        let turns = p.servo_gain[axis] * p.sample_period;
+        let mut place = 10.0;
+        let mut unanswered = Unanswered::resting(place * pulse);
+        for k in 0..3000 {
+            // a sample looks and then commands; the model goes as the axis, to 0
+            let commanded = -turns * place;
+            unanswered.update(&p, axis, place.round() * pulse, commanded * pulse);
+            unanswered.expect(&p, commanded);
+            place += commanded;
+            assert!(unanswered.motion() < 5.0 * pulse, "{k}: {}", unanswered.motion() / pulse);
+        }
+        assert!(unanswered.stands(&p));
+    }
 
     #[test]
     fn no_offset_explains_a_command_of_which_half_would_leave_the_axis_where_none_may_be() {
