@@ -8,7 +8,7 @@ use nalgebra::{SMatrix, SVector};
 use serde::{Deserialize, Serialize};
 
 use crate::interface::Parameters;
-use crate::sensing::Sample;
+use crate::sensing::reading::Sample;
 
 /// Longest window (s), and the turning (rad) in which a surface is a parabola: to 1 um at 1 mm of eccentricity.
 const WINDOW: (f64, f64) = (0.2, 0.5);

@@ -280,7 +280,11 @@ fn what_the_other_parameters_do_not_bear_is_rejected_and_never_used() {
         }
         let m = run.output.measured;
         assert_eq!(run.output.fault, Fault::CommissionRejected, "{:?}", run.output);
-        assert!(!m.valid && (0.5..0.9).contains(&m.drive_gain) && m.drive_gain_deviation < 0.1 * m.drive_gain, "{m:?}");
+        // as sure as guides leave it
+        assert!(
+            !m.valid && (0.5..0.9).contains(&m.drive_gain) && m.drive_gain_deviation < 0.15 * m.drive_gain,
+            "{m:?}"
+        );
         (0..1000).for_each(|_| run.step_with(rest));
         assert_eq!((run.parameters.clone(), run.robot.normal_force), (p, 0.0));
     }
