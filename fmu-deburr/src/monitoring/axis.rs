@@ -115,7 +115,9 @@ impl AxisMonitor {
     /// Takes what was sent: reference and compensation in counts, and the velocity command (rad/s or m/s).
     pub fn command(&mut self, p: &Parameters, axis: usize, reference: f64, compensation: f64, velocity: f64) {
         let stood = self.nominal.step(&mut self.model, reference + compensation);
-        self.unanswered.expect(p, self.model.position() - stood);
+        let left = reference + compensation - self.model.position();
+        let moves = (self.model.position() - stood).abs().max(p.servo_gain[axis] * p.sample_period * left.abs());
+        self.unanswered.expect(p, moves);
         self.lag.command(p, axis, reference * p.axis[axis].pulse);
         self.answer.command(p, axis, velocity);
     }

@@ -279,3 +279,17 @@ fn a_drive_with_a_large_offset_has_neither_the_wrong_sign_nor_too_little_strengt
         assert_eq!(finding.fault, Fault::FollowingError, "{finding:?}");
     }
 }
+
+#[test]
+fn a_weak_drive_that_still_creeps_when_its_model_begins_anew_has_no_offset() {
+    let mut bench = Bench::new();
+    let pulse = bench.p.axis[2].pulse;
+    // 8 counts before its place, with commands on their way
+    bench.monitor.restart(10.0 * pulse, pulse);
+    bench.position = 8.0;
+    (0..2).for_each(|_| bench.sent.send(-13.0 * 9.0 * pulse));
+    for k in 0..6000 {
+        let verdict = bench.step(0.0, Expectation::Bare, |moved, at| (0.72 * moved, at));
+        assert_eq!(verdict, Verdict::Good, "{k}");
+    }
+}
