@@ -12,7 +12,19 @@ from .outcome import FAULT, Runner
 
 LEAST = 20
 """Rows of a matrix."""
-ROWS = [(name, row) for name in matrix.names() for row in matrix.load(name).rows]
+
+
+def together(name: str) -> pytest.MarkDecorator:
+    """Return the mark of tests that share the runs of a controller, so that one process makes them all."""
+    return pytest.mark.xdist_group(f"faults-{name}")
+
+
+NAMES = [pytest.param(name, marks=together(name)) for name in matrix.names()]
+ROWS = [
+    pytest.param(name, row, id=f"{name}: {row.name}", marks=together(name))
+    for name in matrix.names()
+    for row in matrix.load(name).rows
+]
 
 
 @pytest.fixture(scope="module")
@@ -24,7 +36,7 @@ def runners() -> Iterator[dict[str, Runner]]:
         runner.close()
 
 
-@pytest.mark.parametrize(("name", "row"), ROWS, ids=[f"{name}: {row.name}" for name, row in ROWS])
+@pytest.mark.parametrize(("name", "row"), ROWS)
 def test_a_fault_is_told_or_does_no_harm(runners: dict[str, Runner], name: str, row: Row) -> None:
     assert runners[name].outcome(row).problems == ()
 
@@ -39,7 +51,7 @@ def test_a_matrix_has_rows_enough_of_different_names(name: str) -> None:
     assert len(set(rows)) == len(rows) >= LEAST
 
 
-@pytest.mark.parametrize("name", matrix.names())
+@pytest.mark.parametrize("name", NAMES)
 def test_each_fault_of_the_controller_is_told_in_a_row(runners: dict[str, Runner], name: str) -> None:
     runner = runners[name]
     told = {fault for outcome in runner.outcomes() for fault in outcome.found}
@@ -47,7 +59,7 @@ def test_each_fault_of_the_controller_is_told_in_a_row(runners: dict[str, Runner
     assert set(runner.session.columns[FAULT] or ()) == told | {DONE}
 
 
-@pytest.mark.parametrize("name", matrix.names())
+@pytest.mark.parametrize("name", NAMES)
 def test_the_page_tells_what_the_runs_give(runners: dict[str, Runner], name: str) -> None:
     found = matrix.load(name)
     now = page.page(name, found, runners[name].outcomes())

@@ -35,6 +35,8 @@ equation
   controller.hold = false;
   controller.speed_override = 1.0;
   controller.commission = false;
+  controller.register = false;
+  controller.contact = false;
   controller.reset_fault = false;
   annotation (
     experiment(StopTime = 12.0, Interval = 1e-2, Tolerance = 1e-8),

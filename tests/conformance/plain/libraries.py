@@ -31,6 +31,8 @@ CONTROLLERS = [
     *(pytest.param(name, marks=pytest.mark.full) for name in RARE),
 ]
 ROWS = 5000
+WORDS = ("export", "import", "register")
+"""Parts of names that C or C++ keeps for itself."""
 WARNINGS = ["-Wall", "-Wextra", "-Werror"]
 
 DRIVER = """
@@ -108,7 +110,7 @@ def compiled(
 def member(variable: ScalarVariable) -> str:
     """Return a variable as the member of a C struct: arrays begin with 0, keywords of C++ end with `_`."""
     name, bracket, number = variable.name.partition("[")
-    name = ".".join(f"{part}_" if part in ("export", "import") else part for part in name.split("."))
+    name = ".".join(f"{part}_" if part in WORDS else part for part in name.split("."))
     return f"{name}[{int(number[:-1]) - 1}]" if bracket else name
 
 

@@ -12,7 +12,7 @@ import pytest
 from fmpy import read_model_description
 
 from ..conftest import ROOT, need
-from .libraries import CONTROLLERS, RARE, compiled
+from .libraries import CONTROLLERS, RARE, WORDS, compiled
 
 PACKAGE = ROOT / "target/modelica/MachiningFMUs"
 UTILITIES = """
@@ -151,7 +151,7 @@ def test_a_block_and_the_code_behind_it_have_one_order(name: str) -> None:
 
     def of_member(member: str) -> str:
         numbered = re.sub(r"\[(\d+)\]", lambda found: f"[{int(found[1]) + 1}]", member)
-        return re.sub(r"(export|import)_", r"\1", flat(numbered))
+        return re.sub(rf"({'|'.join(WORDS)})_", r"\1", flat(numbered))
 
     taken: dict[str, list[str]] = {}
     for member, array, index in re.findall(r"(?:p|in)\.([^ ]+) = (?:\(\w+\))?(\w+)\[(\d+)\];", code):
