@@ -266,14 +266,9 @@ fn a_servo_that_is_not_the_one_that_was_meant_is_rejected() {
 
 #[test]
 fn a_servo_that_swings_or_creeps_is_rejected() {
-    // at 1.8 it is not sure: the bandwidth of a servo that computes in steps of its own
-    for (damping, fault) in [
-        (0.2, Fault::CommissionRejected),
-        (0.3, Fault::None),
-        (1.5, Fault::None),
-        (1.8, Fault::CommissionRejected),
-        (2.2, Fault::CommissionRejected),
-    ] {
+    for (damping, fault) in
+        [(0.2, Fault::CommissionRejected), (0.3, Fault::None), (1.8, Fault::None), (2.2, Fault::CommissionRejected)]
+    {
         let mut run = machine(&P, Servo { damping, ..TOLD });
         commission(&mut run);
         assert_eq!(run.output.fault, fault, "{damping}: {:?}", run.output);
