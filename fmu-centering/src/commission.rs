@@ -3,7 +3,7 @@
 mod commissioner;
 mod experiment;
 pub mod plan;
-mod response;
+pub mod response;
 mod values;
 
 pub use commissioner::Commissioner;

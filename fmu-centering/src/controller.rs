@@ -302,7 +302,7 @@ impl Controller {
                 self.progress.restart();
                 self.drive = DriveMonitor::default();
                 // what an approach has told is not what is measured now
-                self.servo = None;
+                (self.servo, self.probe_delay) = Default::default();
                 self.commissioner.begin(p, &mut self.motion);
             }
             State::Push => {

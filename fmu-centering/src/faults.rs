@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::centre::Estimate;
 use crate::commission::plan;
+use crate::commission::response::braked_late;
 use crate::interface::{Fault, Input, Parameters, State, Vars};
 use crate::limits::{GRAVITY, held_surface_velocity, job_time, servo_damping, slowest_servo, speed_limit};
 use crate::monitoring::{Numbers, SHARE_ERROR, believable_share};
@@ -352,7 +353,7 @@ fn of_commission(vars: &Vars) -> String {
     let damping = servo_damping(p, m.slide_bandwidth);
     format!(
         ": bandwidth `{:.1} Hz`, deviation `{:.2} Hz`, limits half and twice `slide.bandwidth` = `{:.1} Hz` as told, `{:.1} Hz` or more for \
-         `limits.following_error`, and `commission.deviation_max` = `{}` of it; damping `{:.2}`, limits `{:.2}` to `{:.2}` for \
+         `limits.following_error`, and `commission.deviation_max` = `{}` of it beside `{:.4}` of the steps of a servo; damping `{:.2}`, limits `{:.2}` to `{:.2}` for \
          `limits.following_error` and `stroke.feedback`; delay `{:.2}` samples, deviation `{:.3}`, limits `0` to `{DELAY_MAX}` and \
          `commission.delay_deviation_max` = `{}`; probe at `{} m`, free up to `probe.contact` = `{} m`",
         m.slide_bandwidth / TAU,
@@ -360,6 +361,7 @@ fn of_commission(vars: &Vars) -> String {
         p.slide.bandwidth / TAU,
         slowest_servo(p) / TAU,
         p.commission.deviation_max,
+        braked_late(p, m),
         m.slide_damping,
         damping.start(),
         damping.end(),

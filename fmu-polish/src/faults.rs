@@ -4,6 +4,7 @@ use control_blocks::{DELAY_MAX, SafeEnd, ticks};
 use nalgebra::Vector3;
 
 use crate::check::check;
+use crate::commission::response::GUIDES;
 use crate::commission::values::{Values, acceptable};
 use crate::force::contact::{ContactMonitor, Measurement};
 use crate::interface::{Fault, Measured, Parameters, State, Vars};
@@ -277,7 +278,8 @@ fn commission_rejected(p: &Parameters, m: &Measured) -> String {
         ": stiffness `{:.0} +- {:.0} N/m`, across `{:.0} +- {:.0} N/m`, friction `{:.3} +- {:.3}`, drives `{:.3} +- {:.3}` times as \
          fast as told and `{:.3} +- {:.3}` fed forward, delay `{:.2} +- {:.2}` samples, sensor turned by `{:.3} +- {:.3} rad`; limits \
          half and twice `stiffness.nominal` = `{:.0} N/m` as told, half and twice as fast, `0` to `{DELAY_MAX}` samples, \
-         `commission.deviation_max` = `{most}` of it, and `commission.delay_deviation_max` = `{}`",
+         `commission.deviation_max` = `{most}` of it, for drives beside `{}` and `{}` of their guides, and \
+         `commission.delay_deviation_max` = `{}`",
         m.stiffness,
         m.stiffness_deviation,
         m.lateral_stiffness,
@@ -293,6 +295,8 @@ fn commission_rejected(p: &Parameters, m: &Measured) -> String {
         m.sensor_rotation,
         m.sensor_rotation_deviation,
         told.stiffness,
+        GUIDES[0],
+        GUIDES[1],
         p.commission.delay_deviation_max
     )
 }

@@ -15,11 +15,6 @@ impl WaitingRequest {
         self.waits = here && on && (self.waits || edge);
         self.waits
     }
-
-    /// Whether it was asked for in the last sample.
-    pub fn waits(self) -> bool {
-        self.waits
-    }
 }
 
 #[cfg(test)]
@@ -31,11 +26,11 @@ mod tests {
         let mut request = WaitingRequest::default();
         // on without an edge
         assert!(!request.update(true, false, true));
-        assert!(request.update(true, true, true) && request.update(true, false, true) && request.waits());
+        assert!(request.update(true, true, true) && request.update(true, false, true));
         assert!(!request.update(true, false, false) && !request.update(true, false, true));
         assert!(request.update(true, true, true));
         assert!(!request.update(false, false, true) && !request.update(true, false, true));
         // elsewhere an edge is none
-        assert!(!request.update(false, true, true) && !request.waits());
+        assert!(!request.update(false, true, true));
     }
 }

@@ -2,7 +2,7 @@
 
 /// Whole samples of `period` s (positive) in `time` s, rounded; 0 for a negative time.
 pub fn ticks(time: f64, period: f64) -> u32 {
-    // the cast cuts off and keeps to the range; without instructions for it `round` is a call
+    // half up, by a cast that cuts off and keeps to the range: `round` would be a call in every sample
     (time / period + 0.5) as u32
 }
 

@@ -340,8 +340,8 @@ fn each_fault_is_told_in_its_own_words() {
     assert_eq!(
         numbers(&vars),
         ": bandwidth `30.0 Hz`, deviation `1.50 Hz`, limits half and twice `slide.bandwidth` = `40.0 Hz` as told, `13.9 Hz` or more for \
-         `limits.following_error`, and `commission.deviation_max` = `0.02` of it; damping `0.28`, limits `0.32` to `1.41` for \
-         `limits.following_error` and `stroke.feedback`; delay `1.25` samples, deviation `0.313`, limits `0` to `8` and \
+         `limits.following_error`, and `commission.deviation_max` = `0.02` of it beside `0.0027` of the steps of \
+         a servo; damping `0.28`, limits `0.32` to `1.41` for `limits.following_error` and `stroke.feedback`; delay `1.25` samples, deviation `0.313`, limits `0` to `8` and \
          `commission.delay_deviation_max` = `0.25`; probe at `0.0125 m`, free up to `probe.contact` = `0.0002 m`"
     );
     (vars.output.fault, vars.output.numbers.line) = (Fault::ProbeJump, Some([2e-4, 1.3e-4]));

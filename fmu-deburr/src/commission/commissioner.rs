@@ -160,7 +160,11 @@ impl Commissioner {
 /// Standard deviation (rad/s) that the steps of a reading of 12 bits leave to mean and noise of a speed. Noise s carries a mean
 /// across the steps d: of the deviation d/12^(1/2) of a speed that is still it leaves exp(-2 pi^2 s^2/d^2) (Widrow, Kollar 2008).
 fn unseen_step(speed: f64, noise: f64) -> f64 {
-    let step = speed / READING_STEPS;
+    let step = speed.abs() / READING_STEPS;
+    // a tool that stands is at no step
+    if step == 0.0 {
+        return 0.0;
+    }
     let rounding = step * step / 12.0;
     let carried = (noise * noise - rounding).max(0.0);
     rounding.sqrt() * (-2.0 * (PI / step).powi(2) * carried).exp()
@@ -171,6 +175,11 @@ mod tests {
     use super::*;
     use rand::{RngExt, SeedableRng};
     use rand_distr::{Distribution, StandardNormal};
+
+    #[test]
+    fn a_tool_that_stands_is_as_sure_as_its_noise() {
+        assert_eq!([unseen_step(0.0, 0.0), unseen_step(0.0, 0.1)], [0.0, 0.0]);
+    }
 
     #[test]
     fn the_speed_of_the_tool_is_as_sure_as_the_steps_of_its_reading_let_it_be() {

@@ -158,6 +158,8 @@ impl Registrar {
 
     fn seek(&mut self, from: f64, slow: bool) {
         (self.phase, self.slow, self.now) = (Phase::Seek, slow, Trajectory::resting(from));
+        // what was felt before is not where this touch begins
+        self.contact = Consecutive::NONE;
     }
 
     fn come_back(&mut self, p: &Parameters, touches: &[Touch], felt: bool) {

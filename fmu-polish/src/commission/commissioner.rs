@@ -28,7 +28,7 @@ pub struct Commissioner {
     /// The result cannot be used.
     pub rejected: bool,
     /// All was measured, and is good so far; the tool leaves.
-    pub finished: bool,
+    pub complete: bool,
     values: InForce<Values>,
     /// what was in force in the last sample
     before: Values,
@@ -42,7 +42,7 @@ impl Commissioner {
             experiment: Experiment::new(p),
             measured: Measured::START,
             rejected: false,
-            finished: false,
+            complete: false,
             values: InForce::new(told),
             before: told,
         }
@@ -51,13 +51,13 @@ impl Commissioner {
     /// Begins at rest, with what is in force.
     pub fn begin(&mut self, p: &Parameters) {
         self.experiment = Experiment::new(p);
-        (self.measured, self.rejected, self.finished) = (Measured::START, false, false);
+        (self.measured, self.rejected, self.complete) = (Measured::START, false, false);
     }
 
     /// Leaves the mold in order, before its end.
     pub fn break_off(&mut self) {
         self.experiment.leave();
-        self.finished = false;
+        self.complete = false;
     }
 
     /// The tool has left: without a good result what was told counts.
@@ -72,9 +72,9 @@ impl Commissioner {
     pub fn put(&mut self, p: &mut Parameters) {
         if let Some(derived) = self.values.take_proposed() {
             self.put_values(p, derived);
-            self.finished = check(p).is_ok();
-            self.rejected = !self.finished;
-            if self.finished {
+            self.complete = check(p).is_ok();
+            self.rejected = !self.complete;
+            if self.complete {
                 self.values.conclude(derived, true);
             }
         }
@@ -148,7 +148,7 @@ impl Commissioner {
 
     /// The tool is out.
     fn finish(&mut self, p: &Parameters) {
-        self.measured.valid = self.finished;
+        self.measured.valid = self.complete;
         if !p.commission.apply {
             self.values.restore();
         }
