@@ -9,9 +9,6 @@ use serde::{Deserialize, Serialize};
 use crate::detection::kalman::{KalmanFilter, PredictionError};
 use crate::interface::Parameters;
 
-/// Ratios that are compared at a time: one by one each comparison would wait for the one before.
-const LANES: usize = 4;
-
 /// Bank of contact instants, one per sample of age, matched against the innovation of a unit force ramp.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct OnsetBank {
@@ -104,7 +101,8 @@ impl OnsetBank {
     /// Largest log-likelihood ratio of contact sign after one more innovation (m).
     pub fn update(&mut self, innovation: f64) -> f64 {
         self.correlate(innovation);
-        self.ratio = largest(&self.correlation, &self.weight);
+        let ratios = self.correlation.iter().zip(&self.weight).map(|(t, weight)| t * t.abs() * weight);
+        self.ratio = ratios.fold(0.0, f64::max);
         self.ratio
     }
 
@@ -120,19 +118,6 @@ impl OnsetBank {
         self.correlation[0] = 0.0;
         self.correlation.iter_mut().zip(&self.template).for_each(|(t, s)| *t += s * innovation);
     }
-}
-
-/// Largest T_n |T_n| / (2 var T_n), or 0.
-fn largest(correlation: &[f64], weight: &[f64]) -> f64 {
-    let larger = |a: f64, b: f64| if a > b { a } else { b };
-    let ratio = |t: f64, weight: f64| t * t.abs() * weight;
-    let (blocks, rest) = correlation.as_chunks::<LANES>();
-    let (weights, last) = weight.as_chunks::<LANES>();
-    let most = blocks.iter().zip(weights).fold([0.0; LANES], |most, (t, weight)| {
-        std::array::from_fn(|lane| larger(ratio(t[lane], weight[lane]), most[lane]))
-    });
-    let rest = rest.iter().zip(last).map(|(t, weight)| ratio(*t, *weight));
-    rest.chain(most).fold(0.0, |most, ratio| larger(ratio, most))
 }
 
 #[cfg(test)]
@@ -198,21 +183,6 @@ mod tests {
         // 1 N/s for half a sample: 50 uN on 10 kg for 0.1 ms
         let first = ready_bank().template[0];
         assert!((first / -2.5e-14 - 1.0).abs() < 1e-9, "{first}");
-    }
-
-    #[test]
-    fn the_largest_ratio_is_found_wherever_it_is_and_no_number_is_none() {
-        for count in 1..=3 * LANES + 1 {
-            for place in 0..count {
-                let mut correlation = vec![-9.0; count];
-                correlation[(place + 1) % count] = f64::NAN;
-                correlation[place] = 3.0;
-                let weight: Vec<f64> = (0..count).map(|age| if age == place { 0.5 } else { 100.0 }).collect();
-                assert_eq!(largest(&correlation, &weight), 4.5, "{place} of {count}");
-                correlation[place] = -3.0;
-                assert_eq!(largest(&correlation, &weight).to_bits(), 0);
-            }
-        }
     }
 
     #[test]
