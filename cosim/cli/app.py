@@ -81,7 +81,9 @@ def status_of(command: Any) -> int:
         report(error.message, error.hint)
         return COULD_NOT_RUN
     except typer.exceptions.TyperException as error:
-        report(error.format_message(), "`cosim --help` shows commands and options")
+        context = getattr(error, "ctx", None)
+        called = context.command_path if context else "cosim"
+        report(error.format_message(), f"`{called} --help` shows what it takes")
         return COULD_NOT_RUN
     except (KeyboardInterrupt, typer.Abort):
         report("interrupted")

@@ -1,4 +1,4 @@
-"""`cosim --version` and what a shell completes."""
+"""`cosim --version`, what a shell completes, and the help that a wrong command line is pointed to."""
 
 from __future__ import annotations
 
@@ -66,3 +66,12 @@ def test_a_broken_scenario_completes_nothing_and_says_nothing(write: Write, text
     write(name="lag.toml", text=text)
     assert completed("run", "lag.toml", "--set", "controller.") == []
     assert completed("run", "none.toml", "--set", "controller.") == []
+
+
+@pytest.mark.parametrize(
+    ("line", "asked"), [(["new", "-o", "x"], "cosim new"), (["run"], "cosim run"), (["walk"], "cosim")]
+)
+def test_a_wrong_command_line_points_to_the_help_of_its_command(line: list[str], asked: str) -> None:
+    done = cosim(*line)
+    assert done.returncode == 2
+    assert done.stderr.endswith(f"hint: `{asked} --help` shows what it takes\n")
