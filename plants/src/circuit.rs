@@ -7,6 +7,8 @@ use crate::place::Place;
 #[derive(Default)]
 pub struct Circuit {
     elements: Vec<Wired>,
+    /// what outputs are added to, zero at the begin of a step
+    sums: Vec<Place>,
     /// plant steps since the reset
     k: usize,
 }
@@ -19,6 +21,8 @@ struct Wired {
     element: Box<dyn Element>,
     inputs: Vec<Place>,
     outputs: Vec<Place>,
+    /// plant steps for which all inputs have a sample
+    steps: usize,
     read: Vec<f64>,
     written: Vec<f64>,
 }
@@ -56,8 +60,10 @@ pub enum StepError {
 impl Circuit {
     /// Appends an element with one place for each of its ports.
     pub fn bind(&mut self, name: String, element: Box<dyn Element>, inputs: Vec<Place>, outputs: Vec<Place>) {
+        self.sums.extend(outputs.iter().copied().filter(Place::adds));
+        let steps = inputs.iter().map(Place::steps).min().unwrap_or(usize::MAX);
         let (read, written) = (vec![0.0; inputs.len()], vec![0.0; outputs.len()]);
-        self.elements.push(Wired { name, fresh: element.clone(), element, inputs, outputs, read, written });
+        self.elements.push(Wired { name, fresh: element.clone(), element, inputs, outputs, steps, read, written });
     }
 
     /// Back to time zero.
@@ -73,8 +79,7 @@ impl Circuit {
     /// # Errors
     /// When an input is not finite or has ended, or when an element cannot go on.
     pub fn step(&mut self, h: f64) -> Result<(), StepError> {
-        let outputs = self.elements.iter().flat_map(|bound| &bound.outputs);
-        outputs.filter(|place| place.adds()).for_each(Place::clear);
+        self.sums.iter().for_each(Place::clear);
         for bound in &mut self.elements {
             bound.step(self.k, h)?;
         }
@@ -85,18 +90,10 @@ impl Circuit {
 
 impl Wired {
     fn step(&mut self, k: usize, h: f64) -> Result<(), StepError> {
-        for (port, place) in self.inputs.iter().enumerate() {
-            let input = || (self.name.clone(), self.element.ports().inputs[port]);
-            if k >= place.steps() {
-                let (element, input) = input();
-                return Err(StepError::Exhausted { element, input, steps: place.steps() });
-            }
-            let value = place.sample(k);
-            if !value.is_finite() {
-                let (element, input) = input();
-                return Err(StepError::NotFinite { element, input, value });
-            }
-            self.read[port] = value;
+        if !self.take(k)
+            && let Some(error) = self.refused(k)
+        {
+            return Err(error);
         }
         self.element.step(&self.read, &mut self.written, h);
         for (place, value) in self.outputs.iter().zip(&self.written) {
@@ -106,5 +103,31 @@ impl Wired {
             Some(cause) => Err(StepError::Stopped { element: self.name.clone(), cause }),
             None => Ok(()),
         }
+    }
+
+    /// Reads the inputs of plant step `k`; whether all are there and finite.
+    fn take(&mut self, k: usize) -> bool {
+        if k >= self.steps {
+            return false;
+        }
+        let mut finite = true;
+        for (number, place) in self.read.iter_mut().zip(&self.inputs) {
+            *number = place.sample(k);
+            finite &= number.is_finite();
+        }
+        finite
+    }
+
+    /// The first input of plant step `k` that has ended or is not finite.
+    #[cold]
+    fn refused(&self, k: usize) -> Option<StepError> {
+        self.inputs.iter().zip(self.element.ports().inputs).find_map(|(place, &input)| {
+            let (element, steps) = (self.name.clone(), place.steps());
+            if k >= steps {
+                return Some(StepError::Exhausted { element, input, steps });
+            }
+            let value = place.sample(k);
+            (!value.is_finite()).then_some(StepError::NotFinite { element, input, value })
+        })
     }
 }
