@@ -10,7 +10,7 @@ use crate::commission::commissioner::Commissioner;
 use crate::faults::{self, Situation};
 use crate::identify::experiment::Identification;
 use crate::identify::tone::Expected;
-use crate::interface::{ErrorOutput, Fault, Input, Mode, Output, Parameters};
+use crate::interface::{ErrorOutput, Fault, FormOutput, Input, Mode, Output, Parameters};
 use crate::interface::{ReferenceOutput, ResponseOutput, State};
 use crate::machine::{Events, Request, next};
 use crate::monitoring::feed::FeedWatch;
@@ -352,6 +352,7 @@ impl Controller {
             }
             State::Approach => {
                 self.identification.stop();
+                self.correct(p);
                 self.tracker.approach(p);
                 self.feed = FeedWatch::default();
             }
@@ -362,6 +363,13 @@ impl Controller {
             self.tracker.forget();
         }
         self.state = state;
+    }
+
+    /// Another path begins: the form of the lens that was probed counts, unless something of the path before is in the motion.
+    fn correct(&mut self, p: &Parameters) {
+        if p.form.apply && self.tracker.gone(p) {
+            self.tracker.correct(self.calibration.correction());
+        }
     }
 
     /// Closes the loop where the arm is; one that moves is stopped first.
@@ -496,7 +504,7 @@ impl Controller {
     fn calibrate(&mut self, p: &Parameters, input: &Input, reading: &Reading, torque: f64) {
         if self.state == State::Calibrate {
             let &Reading { arm_angle, slide_position, .. } = reading;
-            self.calibration.step(p, input, Moment { arm_angle, torque, slide_position });
+            self.calibration.step(p, input, Moment { arm_angle, torque, slide_position }, self.tracker.path());
         } else {
             self.calibration.rest();
         }
@@ -541,6 +549,7 @@ impl Controller {
         output.path_truncation = path.truncation;
         output.numbers = Numbers { late: self.late, fed: self.feed.lost(), table: path.ends(), ..self.watch.numbers() };
         output.calibration = self.calibration.report();
+        output.form = FormOutput { corrected: path.correction().is_some(), ..self.calibration.form() };
         output.measured = self.commissioner.measured;
         output.identify_progress = self.identification.progress();
         if let Some(response) = self.response.take() {
