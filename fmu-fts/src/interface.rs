@@ -580,6 +580,6 @@ mod variables {
         /// Largest depth of a correction; what is more is `NotForm`
         #[var(unit = METRE as "um", range = 1e-7..=1e-2, start = 1e-4, source = "our choice: more is another part, or another machine")] pub depth_max: f64,
         /// Largest standard deviation of a correction; above it is `Unsure`
-        #[var(unit = METRE as "um", range = 1e-9..=1e-3, start = 0.15e-6, source = "our choice: below what the noise of the cut leaves")] pub deviation_max: f64,
+        #[var(unit = METRE as "um", range = 1e-9..=1e-3, start = 0.2e-6, source = "our choice: a fifth of a micrometre")] pub deviation_max: f64,
     }
 }

@@ -26,7 +26,7 @@ MANY = tuple(range(73_001, 73_121))
 RADIUS, NOSE = 0.1325, 2e-3
 ZONE = (0.02825, 0.02955)
 """Distance of the tool from the spindle axis where both lenses count, m: there the probe has read."""
-CUTS = ((1.0, 3.0), (7.1, 9.1))
+CUTS = ((1.0, 3.8), (8.45, 11.25))
 RINGS, SECTORS = 4, 16
 """The form is what is left of the error in the mean of a cell: six turns, a sixteenth of each."""
 NOISE = 0.15e-6
