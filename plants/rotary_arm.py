@@ -58,9 +58,7 @@ class RotaryArm(Plant):
             Channel("cutting", "1", "1 while the tool is in the part", minimum=0.0, maximum=1.0),
             Channel("probing", "1", "1 while the probe is down on the part", minimum=0.0, maximum=1.0),
             Channel("part_turned", "rad", "Angle to which the spindle is turned for the probe"),
-            Channel(
-                "new_part", "1", "1 while a blank takes the place of the part", minimum=0.0, maximum=1.0
-            ),
+            Channel("new_part", "1", "1 while a blank takes the place of the part", minimum=0.0, maximum=1.0),
         )
         self.truths = (
             Channel("tip_depth", "m", "Depth of the centre of the tool nose from the arm axis"),
