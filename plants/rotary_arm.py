@@ -249,7 +249,8 @@ class RotaryArm(Plant):
             "part_angle": wire("part_angle"),
         }
         told = (
-            "torque", "enable", "speed_change", "slide_velocity", "cutting", "probing", "part_turned", "new_part",
+            "torque", "enable", "speed_change", "slide_velocity", "cutting", "probing", "part_turned",
+            "new_part",
         )  # fmt: skip
         commands = {name: wire(name) for name in told}
         truths = {

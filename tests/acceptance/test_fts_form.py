@@ -1,7 +1,7 @@
 """Form of a lens: cut by machines that are not what the controller is told, probed, corrected, cut again.
 
-What counts is the truth: the depth of the nose of the tool at its true place on the part, against the lens that was
-asked for. The large sample runs with `pytest -m full -rP tests/acceptance/test_fts_form.py`.
+What counts is the truth: the depth of the nose of the tool at its true place on the part, against the lens
+that was asked for. The large sample runs with `pytest -m full -rP tests/acceptance/test_fts_form.py`.
 """
 
 from __future__ import annotations
@@ -30,15 +30,15 @@ CUTS = ((1.0, 3.8), (8.45, 11.25))
 RINGS, SECTORS = 4, 16
 """The form is what is left of the error in the mean of a cell: six turns, a sixteenth of each."""
 NOISE = 0.15e-6
-"""What the noise of the cut leaves in such means, and the probe in the correction, rms: twice 0.1 um of each."""
+"""What the noise of the cut leaves in such means, and the probe in the correction, m rms: 0.1 um of each."""
 
 
 def machine(seed: int) -> tuple[str, ...]:
     """Draw a machine; a third of them is wrong by little.
 
-    Arm length within 0.3 mm; the centre offset, found by turning to the axis, errs with it and by 20 um more; arm zero within
-    1 mrad; thrust of 1 to 4 N, which winds the arm up; arm read a sample late in half of them; radii of nose and
-    ball; drive within 20 %, resonance within 10 %, friction.
+    Arm length within 0.3 mm; the centre offset, found by turning to the axis, errs with it and by 20 um more;
+    arm zero within 1 mrad; thrust of 1 to 4 N, which winds the arm up; arm read a sample late in a third of
+    all; radii of nose and ball; drive within 20 %, resonance within 10 %, friction.
     """
     random = np.random.default_rng(seed)
     scale = 1.0 if random.uniform() > 1.0 / 3.0 else 0.1
@@ -115,8 +115,9 @@ def hold(seeds: Sequence[int]) -> dict[str, dict[str, float]]:
     before, after = (np.array([getattr(one, name) for one in found]) for name in ("before", "after"))
     for seed, one in zip(seeds, found, strict=True):
         print(
-            f"{seed}: {1e6 * one.before:.3f}, then {1e6 * one.after:.3f} um; probed {1e6 * one.probed:.3f} um, "
-            f"deviation {1e6 * one.deviation:.3f} um{'' if one.solved else ', not solved'}"
+            f"{seed}: {1e6 * one.before:.3f}, then {1e6 * one.after:.3f} um, "
+            f"probed {1e6 * one.probed:.3f} um, deviation {1e6 * one.deviation:.3f} um",
+            "" if one.solved else "not solved",
         )
     assert all(one.solved for one in found)
     large = before > 1e-6
