@@ -26,8 +26,8 @@ SOME = (63_001,)
 MANY = tuple(range(64_001, 64_021))
 AS_TOLD = "plant.torque_gain=1.0"
 """The machine of which the response was measured, that of `fts/identify`. With the response of another drive
-feedforward leaves more: 0.54 % of the path in place of 0.26 % where the drive gives 3 % less. Measured on that
-drive it leaves 0.27 %."""
+feedforward leaves more: 0.54 % of the path in place of 0.26 % where the drive gives 3 % less. Measured on
+that drive it leaves 0.27 %."""
 
 # frequency response
 
