@@ -101,8 +101,10 @@ def corrected(seed: int) -> Corrected:
         cell = ring * SECTORS + sector
         means = np.bincount(cell, error[here], RINGS * SECTORS) / np.bincount(cell, minlength=RINGS * SECTORS)
         forms.append(float(np.std(means)))
+    before, after = forms
     return Corrected(
-        *forms,
+        before,
+        after,
         probed=value(result, "before"),
         deviation=value(result, "deviation"),
         solved=bool(value(result, "solved") and value(result, "good")),
