@@ -98,6 +98,7 @@ impl PathTable {
         let [velocity, acceleration] = [1, 2].map(|order| added(correction, order) - added(self.correction, order));
         self.velocity += velocity;
         self.acceleration += acceleration;
+
         self.correction = correction;
     }
 
@@ -391,6 +392,19 @@ mod tests {
         assert!(row.lowest() <= lowest && row.lowest() > lowest - 100e-6, "{} {lowest}", row.lowest());
         assert!(((after.value - before.value) / 2e-5 - here.first).abs() < 1e-11);
         assert!(((after.first - before.first) / 2e-5 - here.second).abs() < 1e-10);
+    }
+
+    #[test]
+    fn a_correction_needs_torque_as_long_as_it_is_in_force() {
+        let mut path = path(&Parameters::START);
+        let bare = [path.velocity, path.acceleration];
+        let mut correction = Correction { span: [0.04, 0.05], coefficients: Default::default() };
+        correction.coefficients[3][1] = Complex::new(0.0, 8e-6);
+        for (share, given) in [(1.0, Some(correction)), (1.0, Some(correction)), (0.0, None)] {
+            path.correct(given);
+            let added = [path.velocity - bare[0], path.acceleration - bare[1]];
+            assert!((added[0] - share * 3e-4).abs() < 1e-12 && (added[1] - share * 9e-4).abs() < 1e-12, "{added:?}");
+        }
     }
 
     #[test]
