@@ -31,7 +31,7 @@ class RotaryArm(Plant):
     wires: ClassVar[tuple[str, ...]] = (
         "torque", "enable", "speed_change", "slide_velocity", "cutting", "feed", "feed_ramp",
         "hum_angle", "hum_angle_next", "cutting_twice", "cutting_noise", "cutting_force",
-        "probing", "probe_lateral", "probe_depth",
+        "probing", "probe_lateral", "probe_depth", "part_turned", "part_angle", "new_part",
         "chip_area", "chip_thrust", "arm_error", "arm_read", "spindle_error", "spindle_read",
     )  # fmt: skip
 
@@ -46,6 +46,7 @@ class RotaryArm(Plant):
             Channel(
                 "probe_lateral", "m", "Place of the probe from the spindle axis", 0.0, p.slide_resolution
             ),
+            Channel("part_angle", "rad", "Angle of the spindle at which the probe reads the part"),
         )
         self.commands = (
             Channel("torque", "N.m", "Torque command of the arm", 0.0, p.torque_resolution, -limit, limit),
@@ -56,6 +57,8 @@ class RotaryArm(Plant):
             Channel("slide_velocity", "m/s", "Slide velocity besides the feed"),
             Channel("cutting", "1", "1 while the tool is in the part", minimum=0.0, maximum=1.0),
             Channel("probing", "1", "1 while the probe is down on the part", minimum=0.0, maximum=1.0),
+            Channel("part_turned", "rad", "Angle to which the spindle is turned for the probe"),
+            Channel("new_part", "1", "1 while a blank takes the place of the part", minimum=0.0, maximum=1.0),
         )
         self.truths = (
             Channel("tip_depth", "m", "Depth of the centre of the tool nose from the arm axis"),
@@ -211,7 +214,12 @@ class RotaryArm(Plant):
         bind("probe_lateral", _native.summing_junction(1), [place], [wire("probe_lateral")])
         bind(
             "part",
-            _native.turned_part(p.tool_radius, p.probe_radius, p.part_radius, p.part_face, p.roughness),
+            _native.turned_part(
+                (p.tool_radius, p.roughness),
+                p.probe_radius,
+                (p.part_radius, p.part_face),
+                round(p.part_diameters),
+            ),
             [
                 self._angle(),
                 *self._nose(),
@@ -219,8 +227,10 @@ class RotaryArm(Plant):
                 self.normals("roughness", steps),
                 wire("probing"),
                 wire("probe_lateral"),
+                wire("part_turned"),
+                wire("new_part"),
             ],
-            [wire("probe_depth")],
+            [wire("probe_depth"), wire("part_angle")],
         )
 
     def _channels(self) -> None:
@@ -236,8 +246,12 @@ class RotaryArm(Plant):
             "slide_position": slide,
             "probe_depth": wire("probe_depth", offset=-p.probe_zero),
             "probe_lateral": wire("probe_lateral", offset=away),
+            "part_angle": wire("part_angle"),
         }
-        told = ("torque", "enable", "speed_change", "slide_velocity", "cutting", "probing")
+        told = (
+            "torque", "enable", "speed_change", "slide_velocity", "cutting", "probing", "part_turned",
+            "new_part",
+        )  # fmt: skip
         commands = {name: wire(name) for name in told}
         truths = {
             "tip_depth": depth,

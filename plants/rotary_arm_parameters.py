@@ -111,6 +111,9 @@ class RotaryArmParameters:
     )
     part_radius: float = parameter(0.05, "m", "Radius of the part", 1e-3, 0.5, "paper: 100 mm")
     part_face: float = parameter(-0.01, "m", "Depth of the face of the blank", -1.0, 1.0)
+    part_diameters: float = parameter(
+        1.0, "1", "Diameters of the part that are kept, rounded: what the probe can read", 1.0, 64.0
+    )
     roughness: float = parameter(3e-8, "m", "What the material adds to a cut, deviation", 0.0, 1e-3)
     probe_radius: float = parameter(1.5e-3, "m", "Radius of the probe ball", 1e-5, 0.02)
     probe_place: float = parameter(

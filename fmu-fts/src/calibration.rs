@@ -3,5 +3,6 @@
 pub mod calibrator;
 pub mod cut;
 pub mod flats;
+pub mod form;
 pub mod store;
 pub mod toroid;

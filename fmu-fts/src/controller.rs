@@ -1,5 +1,10 @@
 //! One sample of the whole law: read, decide, refer, act, report.
 
+mod deciding;
+mod entering;
+mod referring;
+mod reporting;
+
 use control_blocks::{Edge, ParameterError, Progress, Trajectory, WaitingRequest, export_commission};
 use serde::{Deserialize, Serialize};
 
@@ -7,20 +12,15 @@ use crate::calibration::calibrator::Calibrator;
 use crate::calibration::cut::Moment;
 use crate::check::check;
 use crate::commission::commissioner::Commissioner;
-use crate::faults::{self, Situation};
 use crate::identify::experiment::Identification;
 use crate::identify::tone::Expected;
-use crate::interface::{ErrorOutput, Fault, Input, Mode, Output, Parameters};
-use crate::interface::{ReferenceOutput, ResponseOutput, State};
-use crate::machine::{Events, Request, next};
+use crate::interface::{Input, Output, Parameters, State};
+use crate::machine::Request;
 use crate::monitoring::feed::FeedWatch;
-use crate::monitoring::numbers::Numbers;
-use crate::monitoring::watch::{Sample, Watch, late};
+use crate::monitoring::watch::{Sample, Watch};
 use crate::motion::ending::Ending;
-use crate::motion::hold::{HoldMotion, duration};
-use crate::motion::sweep::sweep;
+use crate::motion::hold::HoldMotion;
 use crate::path::depth_table::DepthTable;
-use crate::path::feasibility::{infeasible, needed_torque};
 use crate::path::kinematics::Arm;
 use crate::path::path_table::PathTable;
 use crate::reading::{Reader, Reading};
@@ -31,9 +31,8 @@ use crate::servo::loop_model::LoopModel;
 use crate::servo::loop_response::LoopResponse;
 use crate::servo::response::FrequencyResponse;
 use crate::texts::Tables;
-use crate::tracking::phasors::Phasors;
 use crate::tracking::spindle::Spindle;
-use crate::tracking::tracker::{Layers, Tracker, Wanted};
+use crate::tracking::tracker::{Tracker, Wanted};
 
 /// The controller between two samples.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -190,100 +189,9 @@ impl Controller {
         self.response = Some(told.unwrap_or_else(|| tracker.response().tabulated(p.identify.grid.iter())));
     }
 
-    /// What is asked for; while the arm is held for a commission, no job.
-    fn asked(&mut self, input: &Input) -> Mode {
-        let mode = self.request.read(input);
-        if !self.slow {
-            return mode;
-        }
-        self.request.spend();
-        Mode::Idle
-    }
-
-    /// Whether `commission` and `enable` rise.
-    fn edges(&mut self, input: &Input) -> [bool; 2] {
-        let now = [input.commission, input.enable];
-        let before = self.before.replace(now).unwrap_or(now);
-        [0, 1].map(|i| now[i] && !before[i])
-    }
-
-    /// State machine.
-    fn decide(&mut self, p: &Parameters, input: &Input, reading: &Reading) {
-        let mode = self.asked(input);
-        if self.request.renewed() {
-            self.job.restart();
-        }
-        let [commission, enable] = self.edges(input);
-        let asked = self.commission_asked.update(self.state.waits(), commission, input.commission);
-        // of a fault the last is told
-        if self.state != State::Fault {
-            self.late = late(p, self.tracker.path(), self.measurements(), self.state, &self.job);
-        }
-        let events = Events {
-            fault: faults::find(p, &self.situation(p, mode, reading)),
-            reset: self.reset_fault.rises(input.reset_fault),
-            at_rest: !self.ending.braking() && (!self.closed() || self.stands(p)),
-            renewed: self.request.renewed(),
-            commission: asked && self.reader.arm_velocity(p) == 0.0,
-            break_off: !input.commission || enable || self.request.renewed(),
-            commissioned: self.commissioner.finished,
-            arm_known: self.reader.arm_known(),
-            spindle_known: self.spindle_known(p),
-            cut_over: self.left(reading) && self.tracker.path().cut_over(self.joined, reading.slide_position),
-            arrived: self.tracker.arrived(p),
-        };
-        let state = next(self.state, mode, &events);
-        if state != self.state {
-            if self.state == State::Fault {
-                self.request.spend();
-            }
-            self.enter(p, state, &events, reading);
-        } else if self.state == State::Fault {
-            self.ending.escalate(p, events.fault, self.reader.arm_velocity(p));
-            if !input.enable && self.stands(p) {
-                self.ending.release();
-            }
-        }
-        if !self.closed() {
-            self.reader.begin_arm_anew();
-            self.slow = false;
-        }
-        if !self.closed() || self.tracker.gone(p) {
-            self.reader.begin_anew();
-        }
-    }
-
-    /// What faults are found from.
-    fn situation(&self, p: &Parameters, mode: Mode, reading: &Reading) -> Situation<'_> {
-        let path = self.tracker.path();
-        let wanted = matches!(mode, Mode::Approach | Mode::Track) && !matches!(self.state, State::Fault | State::Done);
-        Situation {
-            missing: self.reader.missing(),
-            long_step: self.long_step,
-            found: if self.closed() { self.watch.find(p, self.arm.length) } else { None },
-            feed_lost: self.on_path() && self.feed.lost().is_some(),
-            overdue: self.state != State::Fault && self.late.is_some(),
-            rejected: self.state == State::Commission && self.commissioner.rejected,
-            path: wanted.then_some(path),
-            outside: self.left(reading) && !(self.on_path() && path.cut_over(self.joined, reading.slide_position)),
-            spindle_speed: if self.reader.spindle_begins() { 0.0 } else { self.spindle.speed },
-        }
-    }
-
     /// Whether the arm is on the path: the end of the table may be the end of the cut.
     fn on_path(&self) -> bool {
         matches!(self.state, State::Ready | State::Track)
-    }
-
-    /// Whether a path can begin: a speed that is too much for it may be one of a bad reading, and waits for the next.
-    fn spindle_known(&self, p: &Parameters) -> bool {
-        let doubtful = self.reader.spindle_begins() && infeasible(p, self.tracker.path(), self.spindle.speed);
-        self.spindle.known() && self.reader.spindle_known() && !doubtful
-    }
-
-    /// Whether the slide is seen where the path has no table.
-    fn left(&self, reading: &Reading) -> bool {
-        self.reader.spindle_known() && !self.tracker.path().covers(reading.slide_position)
     }
 
     /// Whether the arm has come to rest beside the path.
@@ -316,161 +224,6 @@ impl Controller {
         }
     }
 
-    /// What happens once, when `state` begins.
-    fn enter(&mut self, p: &Parameters, state: State, events: &Events, reading: &Reading) {
-        let closed = self.closed();
-        let fault = events.fault.filter(|_| state == State::Fault).unwrap_or(Fault::None);
-        self.ending.begin(p, fault, closed && state == State::Fault, self.reader.arm_velocity(p));
-        if self.state == State::Commission && !self.commissioner.finished {
-            self.commissioner.break_off();
-        }
-        if !closed || state == State::Commission {
-            self.begin(p, reading.arm_angle);
-        }
-        match state {
-            State::Idle => self.tracker.forget(),
-            State::Hold | State::Calibrate => self.leave(p, reading.hold_angle),
-            State::Identify => {
-                self.leave(p, reading.hold_angle);
-                if !self.identification.swinging() {
-                    self.identification.restart();
-                }
-            }
-            State::Commission => {
-                self.commissioner.begin();
-                self.request.spend();
-                self.job.restart();
-                self.slow = true;
-            }
-            State::Retract if self.tracker.gone(p) => {
-                self.stop_swing();
-                self.hold.stop(p);
-            }
-            State::Fault | State::Done | State::Retract => {
-                let out = self.out_of_the_part(p);
-                self.leave(p, out);
-            }
-            State::Approach => {
-                self.identification.stop();
-                self.tracker.approach(p);
-                self.feed = FeedWatch::default();
-            }
-            State::Ready | State::Track if self.state == State::Approach => self.joined = reading.slide_position,
-            State::Ready | State::Track => (),
-        }
-        if state == State::Fault && !self.ending.retracting() {
-            self.tracker.forget();
-        }
-        self.state = state;
-    }
-
-    /// Closes the loop where the arm is; one that moves is stopped first.
-    fn begin(&mut self, p: &Parameters, arm_angle: f64) {
-        self.motion = Trajectory { velocity: self.reader.arm_velocity(p), ..Trajectory::resting(arm_angle) };
-        self.hold = HoldMotion::stopping(p, self.motion);
-        (self.recursion, self.watch) = (Recursion::default(), Watch::default());
-        self.tracker.rest();
-        self.identification.restart();
-    }
-
-    /// Off the path and out of a swing, to rest at `goal` (rad).
-    fn leave(&mut self, p: &Parameters, goal: f64) {
-        self.stop_swing();
-        if self.tracker.arrived(p) {
-            // nothing of what was held before is in the motion
-            self.hold = HoldMotion::at(goal);
-            self.tracker.leave(p, duration(p, self.motion.position, goal));
-            return;
-        }
-        if !self.hold.stops(p) {
-            self.hold.turn(p, goal);
-        }
-        if !self.tracker.gone(p) {
-            self.tracker.leave(p, duration(p, self.motion.position, goal));
-        }
-    }
-
-    /// Angle (rad) at which the tool is `limits.retract` out of the part; where the other end of the arm is, as it is.
-    fn out_of_the_part(&self, p: &Parameters) -> f64 {
-        let angle = self.motion.position;
-        if self.arm.lever(angle) <= 0.0 {
-            return angle;
-        }
-        let depth = self.arm.depth(angle);
-        let least = if self.tracker.gone(p) { depth } else { depth.min(self.tracker.lowest()) };
-        self.arm.angle(least - p.limits.retract)
-    }
-
-    /// Which layers work in this sample.
-    fn layers(&mut self, p: &Parameters, input: &Input) -> Layers {
-        if self.forget.rises(input.afc_reset) || !input.afc_enable {
-            self.tracker.forget();
-        }
-        let steady = !self.recursion.saturated && self.reader.known() && self.spindle.speed.abs() >= p.afc.speed_min;
-        Layers {
-            feedforward: input.feedforward_enable,
-            cancellation: input.afc_enable,
-            learning: input.afc_enable && steady && self.state == State::Track,
-        }
-    }
-
-    /// What the arm should do.
-    fn refer(&mut self, p: &Parameters, reading: &Reading, layers: Layers, phasors: &Phasors) -> Wanted {
-        let wanted = if self.closed() {
-            let held = self.held(p, reading);
-            let held = self.swing(p, held, reading);
-            if self.tracker.gone(p) {
-                self.still(held)
-            } else {
-                self.tracker.follow(p, held, reading.arm_angle, layers, phasors)
-            }
-        } else {
-            self.still(Trajectory::resting(reading.arm_angle))
-        };
-        self.motion = wanted.motion;
-        wanted
-    }
-
-    /// The motion beside the path.
-    fn held(&mut self, p: &Parameters, reading: &Reading) -> Trajectory {
-        match self.state {
-            State::Calibrate if reading.cutting && self.tracker.gone(p) && !self.identification.swinging() => {
-                let motion = sweep(p, self.motion, reading.hold_angle);
-                // what comes after the cut begins here
-                self.hold.go(p, motion, reading.hold_angle);
-                motion
-            }
-            State::Hold | State::Calibrate | State::Identify => self.hold.step(p, reading.hold_angle),
-            _ => self.hold.coast(p),
-        }
-    }
-
-    /// A motion that needs no correction.
-    fn still(&self, motion: Trajectory) -> Wanted {
-        Wanted { motion, depth: self.arm.depth(motion.position), set_point: motion.position }
-    }
-
-    /// Once the arm holds its angle it swings about it, until the frequency response is complete and in use; what is broken
-    /// off fades.
-    fn swing(&mut self, p: &Parameters, centre: Trajectory, reading: &Reading) -> Trajectory {
-        let measures = matches!(self.state, State::Identify | State::Commission);
-        let ready = measures && self.hold.arrived(p) && self.tracker.gone(p);
-        let experiment = if self.slow { &mut self.commissioner.experiment } else { &mut self.identification };
-        let begins = ready && !experiment.done();
-        if begins && experiment.broken_off() {
-            experiment.restart();
-        }
-        if !begins && !experiment.swinging() {
-            return centre;
-        }
-        let position = centre.position + experiment.step(reading.arm_angle - centre.position, self.recursion.saturated);
-        if self.state == State::Identify && self.identification.done() {
-            self.tracker.take(p, self.identification.response());
-            self.response = Some(*self.identification.response());
-        }
-        Trajectory { position, velocity: (position - self.motion.position) / p.sample_period, acceleration: 0.0 }
-    }
-
     /// What the next sample is judged by.
     fn monitor(&mut self, p: &Parameters, torque: f64, wanted: &Wanted, reading: &Reading, learning: bool) {
         let sample = Sample {
@@ -496,7 +249,7 @@ impl Controller {
     fn calibrate(&mut self, p: &Parameters, input: &Input, reading: &Reading, torque: f64) {
         if self.state == State::Calibrate {
             let &Reading { arm_angle, slide_position, .. } = reading;
-            self.calibration.step(p, input, Moment { arm_angle, torque, slide_position });
+            self.calibration.step(p, input, Moment { arm_angle, torque, slide_position }, self.tracker.path());
         } else {
             self.calibration.rest();
         }
@@ -513,39 +266,6 @@ impl Controller {
         }
         let torque = self.recursion.update(&self.compensator, error, limit) + dry_friction(p, wanted.motion);
         torque.clamp(-limit, limit)
-    }
-
-    fn report(&mut self, p: &Parameters, torque: f64, wanted: &Wanted, reading: &Reading, output: &mut Output) {
-        let (turn, path, speed) = (self.tracker.last_turn(), self.tracker.path(), self.spindle.speed);
-        let behind = wanted.motion.position - reading.arm_angle;
-        output.torque = torque;
-        output.state = self.state;
-        output.fault = self.ending.fault();
-        output.drive_enable = self.ending.drive_enable();
-        output.drive_share = self.watch.share(p).unwrap_or(1.0);
-        output.reference = ReferenceOutput { depth: wanted.depth, angle: wanted.motion.position };
-        output.error = ErrorOutput {
-            // of a fault the last error is told
-            tracking: match self.state {
-                State::Fault if !self.closed() => self.watch.following_error(),
-                _ => self.arm.lever(reading.arm_angle) * behind,
-            },
-            rms: turn.rms,
-            peak: turn.peak,
-            harmonic: turn.harmonic.map(|c| c.norm()),
-        };
-        output.spindle_speed = speed;
-        output.saturated = self.closed() && self.recursion.saturated;
-        output.path_torque = needed_torque(p, path, speed);
-        output.path_torque_share = self.tracker.torque_share();
-        output.path_truncation = path.truncation;
-        output.numbers = Numbers { late: self.late, fed: self.feed.lost(), table: path.ends(), ..self.watch.numbers() };
-        output.calibration = self.calibration.report();
-        output.measured = self.commissioner.measured;
-        output.identify_progress = self.identification.progress();
-        if let Some(response) = self.response.take() {
-            output.response = ResponseOutput::of(&response, self.tracker.response(), &self.tracker.flexure());
-        }
     }
 }
 

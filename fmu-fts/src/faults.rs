@@ -6,7 +6,7 @@ use crate::commission::plan::FLEXURE_MAX;
 use crate::commission::values::longest_delay;
 use crate::interface::Fault::{FrozenReading, FrozenSlide, FrozenSpindle, LostReading, LostSlide, LostSpindle};
 use crate::interface::Fault::{ReadingJump, SlideJump, SpindleJump};
-use crate::interface::{Fault, Measured, Parameters, Vars};
+use crate::interface::{Fault, Measured, Parameters, Status, Vars};
 use crate::monitoring::numbers::Numbers;
 use crate::monitoring::watch::{REVERSALS, SETTLED};
 use crate::path::feasibility::{available_torque, infeasible};
@@ -208,6 +208,24 @@ pub fn truncation(vars: &Vars) -> Option<String> {
     })
 }
 
+/// A warning of a probed lens that corrects nothing.
+pub fn form(vars: &Vars) -> Option<String> {
+    let (form, limits) = (&vars.output.form, &vars.in_force.form);
+    match vars.output.calibration.status {
+        Status::NotForm => Some(format!(
+            "the lens asks for a correction of `{:.1e} m`, limit `form.depth_max` = `{:.1e} m`: it corrects nothing\nhint: calibrate \
+             `tool.*` by a toroid and flats, and check that this part was cut on this path",
+            form.largest, limits.depth_max
+        )),
+        Status::Unsure => Some(format!(
+            "the correction has a deviation of `{:.1e} m`, limit `form.deviation_max` = `{:.1e} m`, residuals `{:.1e} m`: it corrects \
+             nothing\nhint: read more places at more angles, all that were cut, on both sides of the axis",
+            form.deviation, limits.deviation_max, vars.output.calibration.residual
+        )),
+        _ => None,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -263,6 +281,22 @@ mod tests {
         vars.in_force.path.harmonics = 12;
         let told = truncation(&vars).unwrap();
         assert!(told.starts_with("`path.harmonics` = `12` leave out up to `"), "{told}");
+    }
+
+    #[test]
+    fn a_lens_that_corrects_nothing_is_told_with_value_and_limit() {
+        let mut vars = <Vars as fmi2_export::Interface>::START;
+        (vars.output.form.largest, vars.output.form.deviation, vars.output.calibration.residual) = (3e-4, 5e-7, 1e-6);
+        for (status, parts) in [
+            (Status::NotForm, ["`3.0e-4 m`", "`form.depth_max` = `1.0e-4 m`", "hint: "]),
+            (Status::Unsure, ["`5.0e-7 m`", "`form.deviation_max` = `2.0e-7 m`, residuals `1.0e-6 m`", "hint: "]),
+        ] {
+            vars.output.calibration.status = status;
+            let told = form(&vars).unwrap();
+            assert!(parts.iter().all(|part| told.contains(part)), "{told}");
+        }
+        vars.output.calibration.status = Status::Solved;
+        assert_eq!(form(&vars), None);
     }
 
     #[test]

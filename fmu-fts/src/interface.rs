@@ -39,6 +39,8 @@ mod variables {
         CalibrateFlats,
         /// Hold `hold_angle` and collect the probed toroid
         CalibrateToroid,
+        /// Hold `hold_angle` and collect the probed lens
+        CalibrateForm,
     }
     /// What the controller is doing
     pub enum State {
@@ -133,6 +135,12 @@ mod variables {
         InvalidProbe,
         /// A sample was left out: 512 are stored
         Full,
+        /// A sample was left out: the probe is where the path has no table
+        OutsidePath,
+        /// The correction would be more than `form.depth_max` somewhere: no error of the form
+        NotForm,
+        /// The correction would be less sure than `form.deviation_max`
+        Unsure,
     }
     /// Which law is in force
     pub enum Law {
@@ -183,6 +191,8 @@ mod variables {
         #[var(unit = METRE as "mm", accepts_nan)] pub depth: f64,
         /// Distance l of the probe from the spindle axis, negative on its other side
         #[var(unit = METRE as "mm", accepts_nan)] pub lateral: f64,
+        /// Angle of the spindle to which the part is turned for the probe; of a lens
+        #[var(unit = RADIAN as "deg", accepts_nan)] pub angle: f64,
         /// Rising edge stores a probed sample; while it stays, one more every `probe.pitch` of way
         pub capture: bool,
     }
@@ -219,6 +229,7 @@ mod variables {
         /// Largest depth that the harmonics of the table leave out
         #[var(name = "path.truncation", unit = METRE as "nm")] pub path_truncation: f64,
         pub calibration: CalibrationOutput,
+        pub form: FormOutput,
         pub response: ResponseOutput,
         pub measured: Measured,
         /// Part of the measurement of the response that is over, 0 to 1
@@ -263,6 +274,17 @@ mod variables {
         #[var(unit = METRE as "um")] pub residual: f64,
         /// Stored samples
         pub samples: i32,
+    }
+    /// Form of the lens that was probed last, and what the path is corrected by.
+    pub struct FormOutput {
+        /// Error of the form: what of the probed depths is smooth, root mean square without the mean
+        #[var(unit = METRE as "um")] pub error: f64,
+        /// Largest depth of the correction that it asks for
+        #[var(unit = METRE as "um")] pub largest: f64,
+        /// Standard deviation of that correction, root mean square over what was probed
+        #[var(unit = METRE as "um")] pub deviation: f64,
+        /// The path that was followed last, or is, is corrected
+        pub corrected: bool,
     }
     /// Frequency response of the position loop that is in use: nominal, from `response.file` or identified.
     pub struct ResponseOutput {
@@ -354,6 +376,7 @@ mod variables {
         pub commission: Commission,
         pub probe: Probe,
         pub calibration: Calibration,
+        pub form: Form,
     }
     /// The two tools of the double-ended arm; one calibration record each.
     pub struct Tool {
@@ -549,5 +572,14 @@ mod variables {
         #[var(unit = RADIAN, range = 1e-9..=1e-2, start = 0.25e-6, source = "derived: encoder step")] pub arm_angle_sigma: f64,
         /// Speed of the arm towards `hold_angle` while a calibration part is cut
         #[var(unit = RADIAN_PER_SECOND, range = 1e-4..=1.0, start = 0.03, source = "our choice: 50 um a turn at 3000 rpm")] pub sweep_speed: f64,
+    }
+    /// Correction of the form by a probed lens; counts in `CalibrateForm` and on the next path.
+    pub struct Form {
+        /// Correct the path of the next cut by what the lens before asks for
+        #[var(source = "our choice: first look, then trust")] pub apply: bool,
+        /// Largest depth of a correction; what is more is `NotForm`
+        #[var(unit = METRE as "um", range = 1e-7..=1e-2, start = 1e-4, source = "our choice: more is another part, or another machine")] pub depth_max: f64,
+        /// Largest standard deviation of a correction; above it is `Unsure`
+        #[var(unit = METRE as "um", range = 1e-9..=1e-3, start = 0.2e-6, source = "our choice: a fifth of a micrometre")] pub deviation_max: f64,
     }
 }

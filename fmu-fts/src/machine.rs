@@ -96,7 +96,7 @@ pub fn next(state: State, mode: Mode, events: &Events) -> State {
         (State::Idle, _) if !events.arm_known => State::Idle,
         (_, Mode::Hold) => State::Hold,
         (_, Mode::Identify) => State::Identify,
-        (_, Mode::CalibrateFlats | Mode::CalibrateToroid) => State::Calibrate,
+        (_, Mode::CalibrateFlats | Mode::CalibrateToroid | Mode::CalibrateForm) => State::Calibrate,
         (State::Approach, _) if !events.arrived => State::Approach,
         (State::Approach | State::Ready | State::Track, Mode::Approach) => State::Ready,
         (State::Approach | State::Ready | State::Track, Mode::Track) => State::Track,
@@ -282,6 +282,7 @@ mod tests {
             assert_eq!(next(*state, Mode::Identify, &NOTHING), State::Identify);
             assert_eq!(next(*state, Mode::CalibrateFlats, &NOTHING), State::Calibrate);
             assert_eq!(next(*state, Mode::CalibrateToroid, &NOTHING), State::Calibrate);
+            assert_eq!(next(*state, Mode::CalibrateForm, &NOTHING), State::Calibrate);
         }
     }
 }

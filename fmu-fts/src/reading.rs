@@ -3,22 +3,17 @@
 //! `limits.lost_samples` of an axis may be lost in a row, and no more than one of three for long.
 
 mod axis;
+mod bounds;
 
-use axis::{Axis, GuardedAxis};
+use axis::GuardedAxis;
+use bounds::{ANGLE_MAX, arm, slide, spindle};
 use control_blocks::{LastGood, believable};
 use serde::{Deserialize, Serialize};
 
 use crate::interface::{Input, Parameters};
-use crate::monitoring::drive::disturbance;
 
 pub use axis::Loss;
 
-/// No encoder counts more turns, rad.
-const ANGLE_MAX: f64 = 1e9;
-/// No machine has a longer axis, m.
-const POSITION_MAX: f64 = 1e3;
-/// Spread of slide readings, m: a hundred steps of 0.1 um.
-const SLIDE_SPREAD: f64 = 1e-5;
 /// Time in which a torque may still act, s: half a period of 250 Hz.
 const RECENT: f64 = 2e-3;
 
@@ -136,49 +131,12 @@ impl Reader {
     }
 }
 
-/// The hub alone, the flexure takes the arm with it later, under disturbances and the torque of the last milliseconds.
-fn arm(p: &Parameters, torque: f64) -> Axis {
-    let (limits, dt) = (&p.limits, p.sample_period);
-    let acceleration = (torque + disturbance(p)) / (p.servo.inertia * (1.0 - p.tip.inertia));
-    Axis {
-        most: ANGLE_MAX,
-        spread: limits.arm_spread,
-        motion: 0.0,
-        change: acceleration * dt * dt,
-        runs: false,
-        lost: limits.lost_samples as u32,
-    }
-}
-
-fn spindle(p: &Parameters) -> Axis {
-    let (limits, dt) = (&p.limits, p.sample_period);
-    Axis {
-        most: ANGLE_MAX,
-        spread: limits.spindle_spread,
-        motion: 0.0,
-        change: limits.spindle_acceleration * dt * dt,
-        runs: true,
-        lost: limits.lost_samples as u32,
-    }
-}
-
-/// The slide is driven by another: its whole speed may come at once.
-fn slide(p: &Parameters) -> Axis {
-    Axis {
-        most: POSITION_MAX,
-        spread: SLIDE_SPREAD,
-        motion: p.limits.slide_speed * p.sample_period,
-        change: 0.0,
-        runs: false,
-        lost: p.limits.lost_samples as u32,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use control_blocks::wrap;
 
     use super::*;
+    use crate::monitoring::drive::disturbance;
 
     /// The arm onto the path of the 0x4 lens at 600 rpm, 1.75 mm at 20 Hz, from rest.
     fn on_path(k: u32) -> Input {

@@ -2,7 +2,7 @@
 
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 use fmu_fts::controller::Controller;
-use fmu_fts::interface::{Fault, Input, Mode, Output, Parameters, State};
+use fmu_fts::interface::{Fault, Input, Mode, Output, Parameters, State, Status};
 use fmu_fts::texts::Tables;
 
 #[global_allocator]
@@ -70,6 +70,22 @@ fn neither_a_whole_identification_nor_a_fit_allocates() {
         });
         assert!(bench.output.calibration.samples > 100);
     }
+}
+
+#[test]
+fn neither_the_form_of_a_lens_nor_its_correction_allocates() {
+    let mut p = Parameters::START;
+    (p.form.apply, p.form.depth_max, p.form.deviation_max, p.limits.arm_spread) = (true, 1e-2, 1e-3, 0.1);
+    let mut bench = Bench::new(p);
+    bench.run(Mode::CalibrateForm, 4000, |k, input| {
+        (input.probe.capture, input.calibration.solve) = (k % 2 == 1, k == 3999);
+        // twenty places at each of twenty angles, and some where nothing is
+        (input.probe.lateral, input.probe.angle) = (0.02 + 1e-3 * f64::from(k / 2 % 20), f64::from(k / 40) * 0.314);
+        input.probe.lateral += if k > 3900 { 0.1 } else { 0.0 };
+    });
+    assert_eq!(bench.output.calibration.status, Status::Solved);
+    bench.run(Mode::Track, 8000, |_, _| ());
+    assert!(bench.output.state == State::Track && bench.output.form.corrected);
 }
 
 #[test]

@@ -25,7 +25,9 @@ README = (Path(__file__).parents[2] / "fmu-fts/README.md").read_text(encoding="u
 SOME = (63_001,)
 MANY = tuple(range(64_001, 64_021))
 AS_TOLD = "plant.torque_gain=1.0"
-"""The machine of `fts/identify`."""
+"""The machine of which the response was measured, that of `fts/identify`. With the response of another drive
+feedforward leaves more: 0.54 % of the path in place of 0.26 % where the drive gives 3 % less. Measured on
+that drive it leaves 0.27 %."""
 
 # frequency response
 
@@ -61,8 +63,12 @@ def test_a_measured_response_can_be_given_back_as_a_file(
 
 def test_the_response_in_the_resources_of_the_fmu_is_that_of_the_machine_as_it_is_told() -> None:
     result = run("fts/feedforward", "controller.response.file='response.json'", AS_TOLD)
-    print(f"{100 * value(result, 'twice') / 1748e-6:.2f} %")
-    assert value(result, "twice") <= 0.005 * 1748e-6
+    weaker = run("fts/feedforward", "controller.response.file='response.json'")
+    shares = [value(one, "twice") / 1748e-6 for one in (result, weaker)]
+    print(" and ".join(f"{100 * share:.2f} %" for share in shares))
+    assert shares[0] <= 0.005
+    # the 3 % that the drive of `fts` is weaker: the response is not its own
+    assert 0.005 < shares[1] <= 0.008
     assert trace(result)["controller.response.frequency[17]"][-1] == 0.0
 
 

@@ -88,6 +88,32 @@ def borne(
     return Row(name, (DONE,), OFF, 20e-6, GOOD, inject, signals, changes, unit="m")
 
 
+OUT = ("plant.feed=5e-4", "controller.surface.inner_radius=0.0275")
+DEPTH = "controller.probe.depth"
+LENS = f'max(abs({PLACED}[(time > 9.45) & (controller.state == "Track")]))'
+"""The second lens, which the probe of the first must not spoil."""
+
+
+def at_the_lens(to: str, begin: float = 4.3, **kind: float | int | bool) -> Injection:
+    """Fault while the first lens is probed."""
+    return Injection(to, from_time=begin, duration=7.0 - begin, **kind)  # type: ignore[arg-type]
+
+
+def probed(name: str, inject: Injection) -> Row:
+    """Fault of the probe on a lens: it corrects nothing, and the next lens is as the first."""
+    return Row(
+        name,
+        (DONE,),
+        LENS,
+        15e-6,
+        "three times the 5 um rms of the lens before: a wrong reading corrects nothing",
+        (inject,),
+        changes=("loop.duration=11.2",),
+        scenario="fts/form",
+        unit="m",
+    )
+
+
 LATE, LATER = ((f"wire.controller.arm_angle.delay={samples}",) for samples in (1, 2))
 
 
@@ -326,14 +352,26 @@ MATRIX = Matrix(
             unit="m",
         ),
         Row(
-            "slide runs out of the table",
+            "slide runs out of the table, drive as told",
             (DONE,),
             FOLLOWED,
             20e-6,
             GOOD,
-            changes=("plant.feed=5e-4", "controller.surface.inner_radius=0.0275", "plant.torque_gain=1.0"),
+            changes=(*OUT, "plant.torque_gain=1.0"),
             unit="m",
         ),
+        Row(
+            "slide runs out of the table",
+            (DONE,),
+            FOLLOWED,
+            25e-6,
+            "20 um, and 0.28 % of 1.75 mm of a drive 3 % weaker, which is learned later than 0.5 s",
+            changes=OUT,
+            unit="m",
+        ),
+        probed("probe gives no number while a lens is read", at_the_lens(DEPTH, value=math.nan)),
+        probed("probe of a lens 0.2 mm off from the middle on", at_the_lens(DEPTH, 5.5, offset=2e-4)),
+        probed("angle of a lens frozen under the probe", at_the_lens("controller.probe.angle", frozen=True)),
         *commission.ROWS,
     ),
 )

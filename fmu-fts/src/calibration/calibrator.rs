@@ -2,16 +2,25 @@
 //!
 //! While `calibration.cut` is set the tool cuts the part; afterwards `probe.capture` stores readings of the probe, the
 //! first at its rising edge and more while it stays set and the probe moves on; `calibration.solve` fits them. All readings
-//! on one flat are averaged: cut and read the same stretch of it, and the arm may wander meanwhile.
+//! on one flat are averaged: cut and read the same stretch of it, and the arm may wander meanwhile. A lens was cut before, on
+//! the path that was followed last.
+
+use std::f64::consts::PI;
 
 use control_blocks::{Edge, NoEstimate};
 use serde::{Deserialize, Serialize};
 
 use crate::calibration::cut::{Cut, Moment};
 use crate::calibration::flats::{self, ArmEstimate, Flat, FlatAccuracy};
+use crate::calibration::form::{self, FormAccuracy, FormReading};
 use crate::calibration::store::Store;
 use crate::calibration::toroid::{self, ProbeAccuracy, ProbePoint};
-use crate::interface::{CalibrationOutput, Input, Mode, Parameters, Status};
+use crate::interface::{CalibrationOutput, FormOutput, Input, Mode, Parameters, ProbeInput, Status};
+use crate::lists::harmonics::HIGHEST;
+use crate::path::correction::Correction;
+use crate::path::path_table::PathTable;
+use crate::path::section::contact;
+use crate::tracking::phasors::Phasors;
 
 /// Samples that can be stored.
 const SAMPLES_MAX: usize = 512;
@@ -19,7 +28,7 @@ const SAMPLES_MAX: usize = 512;
 const TRAVEL_MAX: f64 = 1e-5;
 /// The arm stands still while a flat is cut, rad.
 const SWING_MAX: f64 = 1e-3;
-/// No probe reads more, m.
+/// No probe reads more, m or rad.
 const READING_MAX: f64 = 1e3;
 
 /// Calibration record of the selected tool; a standard deviation is 0 as long as nothing was fitted.
@@ -43,6 +52,9 @@ pub struct Calibrator {
     /// Readings that the newest flat is the mean of.
     readings: u32,
     points: Store<ProbePoint>,
+    lens: Store<FormReading>,
+    correction: Option<Correction>,
+    form: FormOutput,
     /// Lateral position of the last stored sample, m.
     stored_at: f64,
     cutting: Edge,
@@ -69,6 +81,9 @@ impl Calibrator {
             flats: Store::new(SAMPLES_MAX, Flat { arm_angle: 0.0, depth: 0.0 }),
             readings: 0,
             points: Store::new(SAMPLES_MAX, ProbePoint { lateral: 0.0, depth: 0.0 }),
+            lens: Store::new(SAMPLES_MAX, FormReading::default()),
+            correction: None,
+            form: FormOutput::START,
             stored_at: 0.0,
             cutting: Edge::default(),
             capture: Edge::default(),
@@ -78,8 +93,9 @@ impl Calibrator {
         }
     }
 
-    /// One sample in a state of calibration; `now` is what arm and slide do. A change of the mode begins anew.
-    pub fn step(&mut self, p: &Parameters, input: &Input, now: Moment) {
+    /// One sample in a state of calibration; `now` is what arm and slide do, `path` what was followed last. A change of the mode
+    /// begins anew.
+    pub fn step(&mut self, p: &Parameters, input: &Input, now: Moment, path: &PathTable) {
         if std::mem::replace(&mut self.mode, input.mode) != input.mode {
             self.begin();
         }
@@ -93,10 +109,10 @@ impl Calibrator {
         // a reading that is no number has not moved on
         let moved = (input.probe.lateral - self.stored_at).abs() >= p.probe.pitch;
         if rising || (input.probe.capture && moved) {
-            self.store(p, input);
+            self.store(p, input, path);
         }
         if self.solve.rises(input.calibration.solve) {
-            self.status = self.fit(p).map_or_else(Status::from, |()| Status::Solved);
+            self.status = self.fit(p, path);
         }
     }
 
@@ -108,6 +124,16 @@ impl Calibrator {
     /// How it goes.
     pub fn status(&self) -> Status {
         self.status
+    }
+
+    /// What the last lens asks the path to be corrected by; none before.
+    pub fn correction(&self) -> Option<Correction> {
+        self.correction
+    }
+
+    /// The form of the last lens as outputs; whether the path is corrected, only it knows.
+    pub fn form(&self) -> FormOutput {
+        self.form
     }
 
     /// The record as outputs.
@@ -122,29 +148,24 @@ impl Calibrator {
             centre_offset_sigma,
             arm_zero_sigma: arm.zero_sigma,
             residual: self.residual,
-            samples: (self.flats.samples().len() + self.points.samples().len()) as i32,
+            samples: (self.flats.samples().len() + self.points.samples().len() + self.lens.samples().len()) as i32,
         }
     }
 
     fn begin(&mut self) {
         self.flats.clear();
         self.points.clear();
+        self.lens.clear();
         (self.cut, self.readings) = (Cut::default(), 0);
         (self.status, self.residual) = (Status::None, 0.0);
     }
 
-    fn store(&mut self, p: &Parameters, input: &Input) {
+    fn store(&mut self, p: &Parameters, input: &Input, path: &PathTable) {
         let (lateral, depth) = (input.probe.lateral, input.probe.depth);
-        let believable = lateral.abs() <= READING_MAX && depth.abs() <= READING_MAX;
-        let still = match input.mode {
-            Mode::CalibrateFlats => self.cut.swing() <= SWING_MAX,
-            _ => self.cut.travel() <= TRAVEL_MAX,
-        };
-        let refused = match self.cut.mean() {
-            _ if !believable => Some(Status::InvalidProbe),
-            None => Some(Status::NoCut),
-            Some(_) if !still => Some(Status::Moved),
-            Some(cut) => (!self.keep(p, input.mode, cut, ProbePoint { lateral, depth })).then_some(Status::Full),
+        let refused = match input.mode {
+            _ if ![lateral, depth].into_iter().all(believable) => Some(Status::InvalidProbe),
+            Mode::CalibrateForm => self.keep_lens(p, input, path),
+            mode => self.keep(p, mode, ProbePoint { lateral, depth }),
         };
         match refused {
             Some(status) => self.status = status,
@@ -152,14 +173,42 @@ impl Calibrator {
         }
     }
 
-    fn keep(&mut self, p: &Parameters, mode: Mode, cut: Moment, point: ProbePoint) -> bool {
-        match mode {
-            Mode::CalibrateFlats => {
-                let arm_angle = cut.arm_angle - wind_up(p, cut.torque);
-                self.keep_flat(Flat { arm_angle, depth: point.depth })
-            }
-            _ => self.points.push(point),
+    /// Keeps a reading of a part that was cut for it, or says why not.
+    fn keep(&mut self, p: &Parameters, mode: Mode, point: ProbePoint) -> Option<Status> {
+        let flat = mode == Mode::CalibrateFlats;
+        let Some(cut) = self.cut.mean() else { return Some(Status::NoCut) };
+        let still = if flat { self.cut.swing() <= SWING_MAX } else { self.cut.travel() <= TRAVEL_MAX };
+        if !still {
+            return Some(Status::Moved);
         }
+        let kept = if flat {
+            let arm_angle = cut.arm_angle - wind_up(p, cut.torque);
+            self.keep_flat(Flat { arm_angle, depth: point.depth })
+        } else {
+            self.points.push(point)
+        };
+        (!kept).then_some(Status::Full)
+    }
+
+    /// Keeps a reading of a lens, or says why not.
+    fn keep_lens(&mut self, p: &Parameters, input: &Input, path: &PathTable) -> Option<Status> {
+        let &ProbeInput { lateral, depth, angle, .. } = &input.probe;
+        if !believable(angle) {
+            return Some(Status::InvalidProbe);
+        }
+        // beyond the axis lies what was cut half a turn later
+        let (side, angle) = if lateral < 0.0 { (-1.0, angle + PI) } else { (1.0, angle) };
+        let radii = [p.tool.nose_radius[p.tool.index()], p.probe.radius];
+        let found = contact(path, radii, lateral.abs(), Phasors::new(angle, HIGHEST).from_zero());
+        let Some(place) = found else { return Some(Status::OutsidePath) };
+        let reading = FormReading {
+            slide_position: place.slide_position,
+            angle,
+            excess: depth - place.depth,
+            gain: place.gain,
+            slope: side * place.slope,
+        };
+        (!self.lens.push(reading)).then_some(Status::Full)
     }
 
     /// A new flat, or one more reading on the newest.
@@ -177,11 +226,30 @@ impl Calibrator {
         }
     }
 
-    fn fit(&mut self, p: &Parameters) -> Result<(), NoEstimate> {
-        match self.mode {
-            Mode::CalibrateFlats => self.fit_flats(p),
-            _ => self.fit_toroid(p),
-        }
+    fn fit(&mut self, p: &Parameters, path: &PathTable) -> Status {
+        let fitted = match self.mode {
+            Mode::CalibrateFlats => self.fit_flats(p).map(|()| Status::Solved),
+            Mode::CalibrateForm => self.fit_form(p, path),
+            _ => self.fit_toroid(p).map(|()| Status::Solved),
+        };
+        fitted.unwrap_or_else(Status::from)
+    }
+
+    /// What is no error of the form, or not sure, corrects nothing.
+    fn fit_form(&mut self, p: &Parameters, path: &PathTable) -> Result<Status, NoEstimate> {
+        let accuracy =
+            FormAccuracy { depth: p.probe.depth_sigma, lateral: p.probe.lateral_sigma, axis: p.probe.cusp_sigma };
+        let found = form::fit(self.lens.samples(), path.correction(), &accuracy)?;
+        self.form = FormOutput { error: found.error, largest: found.largest, deviation: found.deviation, ..self.form };
+        self.residual = found.residual;
+        Ok(match () {
+            () if found.deviation > p.form.deviation_max => Status::Unsure,
+            () if found.largest > p.form.depth_max => Status::NotForm,
+            () => {
+                self.correction = Some(found.correction);
+                Status::Solved
+            }
+        })
     }
 
     fn fit_flats(&mut self, p: &Parameters) -> Result<(), NoEstimate> {
@@ -216,6 +284,11 @@ impl From<NoEstimate> for Status {
             NoEstimate::NotConverged => Self::NotConverged,
         }
     }
+}
+
+/// Whether a reading of the probe (m, rad) is one.
+fn believable(reading: f64) -> bool {
+    reading.abs() <= READING_MAX
 }
 
 /// Angle (rad) by which the tool stays behind the encoder when the arm carries a torque (N.m): the thrust of the cut.

@@ -11,6 +11,7 @@ use control_blocks::ticks;
 use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
+use crate::identify::glide::{glide, share};
 use crate::identify::tone::{Expected, Tone};
 use crate::interface::Parameters;
 use crate::servo::response::FrequencyResponse;
@@ -138,25 +139,13 @@ impl Identification {
         self.tones.iter().map(|tone| self.glide + self.settle + tone.samples).sum::<u32>() + self.glide
     }
 
-    /// Amplitude (rad) and frequency (periods in a sample) now. Between two tones both glide along a power law, on
-    /// which torque and acceleration stay between those of the tones.
+    /// Amplitude (rad) and frequency (periods in a sample) now.
     fn excitation(&self) -> (f64, f64) {
-        let time = (f64::from(self.tick + 1) / f64::from(self.glide)).min(1.0);
-        // begins and ends level
-        let share = time * time * (3.0 - 2.0 * time);
+        let share = share(self.tick, self.glide);
         if let Some((amplitude, frequency)) = self.fading {
             return ((1.0 - share) * amplitude, frequency);
         }
-        let between = |from: f64, to: f64| from * (to / from).powf(share);
-        match (self.tone.checked_sub(1).map(|i| &self.tones[i]), self.tones.get(self.tone)) {
-            (_, Some(now)) if share >= 1.0 => (now.amplitude, now.frequency()),
-            (Some(old), Some(new)) => {
-                (between(old.amplitude, new.amplitude), between(old.frequency(), new.frequency()))
-            }
-            (None, Some(first)) => (share * first.amplitude, first.frequency()),
-            (Some(last), None) => ((1.0 - share) * last.amplitude, last.frequency()),
-            (None, None) => (0.0, 0.0),
-        }
+        glide(share, self.tone.checked_sub(1).map(|i| &self.tones[i]), self.tones.get(self.tone))
     }
 
     /// Adds one sample to the sums of the tone, and the tone to the response when its periods are whole.

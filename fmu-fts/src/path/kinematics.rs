@@ -57,6 +57,12 @@ impl Arm {
         self.length * (self.zero + angle).cos()
     }
 
+    /// Tangent of phi at a depth z (m): by how much the nose moves sideways for a depth.
+    pub fn angle_tangent(&self, depth: f64) -> f64 {
+        let sine = (depth / self.length).clamp(-SINE_MAX, SINE_MAX);
+        sine / (1.0 - sine * sine).sqrt()
+    }
+
     /// Distance rho (m) of the nose centre from the spindle axis at a slide position (m) and a depth (m).
     pub fn distance(&self, slide_position: f64, depth: f64) -> f64 {
         let sine = (depth / self.length).clamp(-SINE_MAX, SINE_MAX);

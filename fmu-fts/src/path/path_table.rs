@@ -7,6 +7,7 @@ use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
 use crate::lists::harmonics::HIGHEST;
+use crate::path::correction::Correction;
 use crate::path::depth_table::DepthTable;
 use crate::path::fourier::Fourier;
 use crate::path::kinematics::Arm;
@@ -30,6 +31,7 @@ pub struct PathTable {
     pub acceleration: f64,
     /// Largest depth that the harmonics leave out, m.
     pub truncation: f64,
+    correction: Option<Correction>,
 }
 
 /// The path at one slide position.
@@ -83,7 +85,26 @@ impl PathTable {
             velocity,
             acceleration,
             truncation: table.truncation,
+            correction: None,
         }
+    }
+
+    /// Corrects the path, in place of the correction before; harmonics that it does not have are left out.
+    pub fn correct(&mut self, correction: Option<Correction>) {
+        let correction = correction.map(|correction| correction.up_to(self.harmonics()));
+        let added = |correction: Option<Correction>, order| {
+            correction.map_or(0.0, |correction| correction.bound(order) / self.arm.length)
+        };
+        let [velocity, acceleration] = [1, 2].map(|order| added(correction, order) - added(self.correction, order));
+        self.velocity += velocity;
+        self.acceleration += acceleration;
+
+        self.correction = correction;
+    }
+
+    /// The correction that is in force.
+    pub fn correction(&self) -> Option<&Correction> {
+        self.correction.as_ref()
     }
 
     /// Whether the table reaches to a slide position (m).
@@ -116,19 +137,38 @@ impl PathTable {
 
     /// Interpolates at a slide position (m); outside the table the nearest end counts.
     pub fn interpolate(&self, slide_position: f64, row: &mut Row) {
-        let last = (self.rows - 2) as f64;
-        let place = ((slide_position - self.first) / self.step).clamp(-MARGIN, last + 1.0 + MARGIN);
-        let before = place.floor().clamp(0.0, last);
-        let weights = hermite(place - before);
-        // the row before the first one is number 0
-        let (from, width) = (before as usize * self.width(), self.width());
-        let neighbours = &self.values[from..from + 4 * width];
-        let (r0, rest) = neighbours.split_at(width);
-        let (r1, rest) = rest.split_at(width);
-        let (r2, r3) = rest.split_at(width);
+        let (neighbours, t) = self.neighbours(slide_position);
+        let weights = hermite(t);
+        let [r0, r1, r2, r3] = neighbours;
         for ((((value, c0), c1), c2), c3) in row.values.iter_mut().zip(r0).zip(r1).zip(r2).zip(r3) {
             *value = c0 * weights[0] + c1 * weights[1] + c2 * weights[2] + c3 * weights[3];
         }
+        if let Some(correction) = &self.correction {
+            row.add(&correction.harmonics(slide_position), &self.arm);
+        }
+    }
+
+    /// Depth z (m) of the path as it was told, without a correction, and dz/dx, with e^(j n theta), n = 0 first.
+    pub fn told_depth(&self, slide_position: f64, phasors: &[Complex<f64>]) -> [f64; 2] {
+        let (neighbours, t) = self.neighbours(slide_position);
+        let (weights, slopes) = (hermite(t), hermite_slopes(t));
+        let mut found = [0.0; 2];
+        for ((row, weight), slope) in neighbours.iter().zip(weights).zip(slopes) {
+            let depth: f64 = row[..self.depth_count].iter().zip(phasors).map(|(c, phasor)| (c * phasor).re).sum();
+            found[0] += weight * depth;
+            found[1] += slope / self.step * depth;
+        }
+        found
+    }
+
+    /// The four rows about a slide position (m), and its share between the middle two.
+    fn neighbours(&self, slide_position: f64) -> ([&[Complex<f64>]; 4], f64) {
+        let last = (self.rows - 2) as f64;
+        let place = ((slide_position - self.first) / self.step).clamp(-MARGIN, last + 1.0 + MARGIN);
+        let before = place.floor().clamp(0.0, last);
+        // the row before the first one is number 0
+        let (from, width) = (before as usize, self.width());
+        ([0, 1, 2, 3].map(|i| &self.values[(from + i) * width..][..width]), place - before)
     }
 
     /// The arm for which the angles are made.
@@ -147,6 +187,15 @@ impl PathTable {
 }
 
 impl Row {
+    /// Adds harmonics (m) to the depth, and to the angle what they are there: dz = R_a cos(phi) db, phi that of the mean depth.
+    fn add(&mut self, harmonics: &[Complex<f64>], arm: &Arm) {
+        let (depths, angles) = self.values.split_at_mut(self.depth_count);
+        let lever = arm.lever(arm.angle(depths[0].re));
+        depths.iter_mut().zip(harmonics).for_each(|(depth, c)| *depth += c);
+        let corrected = harmonics.iter().take(self.depth_count);
+        angles.iter_mut().zip(corrected).for_each(|(angle, c)| *angle += c / lever);
+    }
+
     /// Depth and derivatives from e^(j n theta), n = 0 first.
     pub fn depth(&self, phasors: &[Complex<f64>]) -> Depth {
         let (mut n, mut depth) = (0.0, Depth { value: 0.0, first: 0.0, second: 0.0 });
@@ -193,6 +242,17 @@ fn continued(rows: &[Vec<Complex<f64>>]) -> Vec<Vec<Complex<f64>>> {
 fn hermite(t: f64) -> [f64; 4] {
     let (t2, t3) = (t * t, t * t * t);
     [0.5 * (2.0 * t2 - t3 - t), 0.5 * (3.0 * t3 - 5.0 * t2) + 1.0, 0.5 * (4.0 * t2 - 3.0 * t3 + t), 0.5 * (t3 - t2)]
+}
+
+/// Derivatives of these weights to `t`.
+fn hermite_slopes(t: f64) -> [f64; 4] {
+    let t2 = t * t;
+    [
+        0.5 * (4.0 * t - 3.0 * t2 - 1.0),
+        0.5 * (9.0 * t2 - 10.0 * t),
+        0.5 * (8.0 * t - 9.0 * t2 + 1.0),
+        0.5 * (3.0 * t2 - 2.0 * t),
+    ]
 }
 
 #[cfg(test)]
@@ -332,6 +392,19 @@ mod tests {
         assert!(row.lowest() <= lowest && row.lowest() > lowest - 100e-6, "{} {lowest}", row.lowest());
         assert!(((after.value - before.value) / 2e-5 - here.first).abs() < 1e-11);
         assert!(((after.first - before.first) / 2e-5 - here.second).abs() < 1e-10);
+    }
+
+    #[test]
+    fn a_correction_needs_torque_as_long_as_it_is_in_force() {
+        let mut path = path(&Parameters::START);
+        let bare = [path.velocity, path.acceleration];
+        let mut correction = Correction { span: [0.04, 0.05], coefficients: Default::default() };
+        correction.coefficients[3][1] = Complex::new(0.0, 8e-6);
+        for (share, given) in [(1.0, Some(correction)), (1.0, Some(correction)), (0.0, None)] {
+            path.correct(given);
+            let added = [path.velocity - bare[0], path.acceleration - bare[1]];
+            assert!((added[0] - share * 3e-4).abs() < 1e-12 && (added[1] - share * 9e-4).abs() < 1e-12, "{added:?}");
+        }
     }
 
     #[test]

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::interface::ERROR_HARMONICS;
 use crate::interface::Parameters;
+use crate::path::correction::Correction;
 use crate::path::path_table::{PathTable, Row};
 use crate::servo::flexure::Flexure;
 use crate::servo::loop_model::LoopModel;
@@ -201,6 +202,11 @@ impl Tracker {
     /// The path.
     pub fn path(&self) -> &PathTable {
         &self.path
+    }
+
+    /// Corrects the path.
+    pub fn correct(&mut self, correction: Option<Correction>) {
+        self.path.correct(correction);
     }
 
     /// Takes a measured response of the position loop, and of the flexure what it tells.

@@ -3,6 +3,9 @@
 use fmu_fts::calibration::calibrator::Calibrator;
 use fmu_fts::calibration::cut::Moment;
 use fmu_fts::interface::{Input, Mode, Parameters, Status};
+use fmu_fts::path::depth_table::DepthTable;
+use fmu_fts::path::kinematics::Arm;
+use fmu_fts::path::path_table::PathTable;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
@@ -16,6 +19,7 @@ const SLIDE: f64 = 0.075;
 struct Bench {
     p: Parameters,
     calibration: Calibrator,
+    path: PathTable,
     input: Input,
     now: Moment,
     /// Arm zero that is true.
@@ -26,11 +30,12 @@ impl Bench {
     fn new(p: Parameters, mode: Mode) -> Self {
         let calibration = Calibrator::new(&p);
         let now = Moment { arm_angle: 0.5, torque: 0.1, slide_position: SLIDE };
-        Self { p, calibration, input: Input { mode, ..Input::START }, now, zero: ZERO }
+        let path = PathTable::new(Arm::new(&p), &DepthTable::of_surface(&p).unwrap(), 24);
+        Self { p, calibration, path, input: Input { mode, ..Input::START }, now, zero: ZERO }
     }
 
     fn step(&mut self) {
-        self.calibration.step(&self.p, &self.input, self.now);
+        self.calibration.step(&self.p, &self.input, self.now, &self.path);
     }
 
     /// Cuts for ten samples as the machine stands.

@@ -3,6 +3,7 @@
 mod calibration;
 mod commission;
 mod faults;
+mod form;
 mod identify;
 mod law;
 mod leaving;

@@ -31,6 +31,7 @@ equation
   controller.hold_angle = 0.0;
   controller.probe_depth = 0.0;
   controller.probe_lateral = 0.0;
+  controller.probe_angle = 0.0;
   controller.probe_capture = false;
   controller.calibration_cut = false;
   controller.calibration_solve = false;

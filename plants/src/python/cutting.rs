@@ -85,11 +85,12 @@ pub fn touch_probe(wall: (f64, f64, f64), probe: (f64, f64, f64, f64)) -> PyElem
     PyElement::new(TouchProbe { wall: (from, to), height, pretravel, travel, stiffness: (spring, end) })
 }
 
-/// Part that a tool turns and a probe reads, all m:
-/// angle, lateral, depth, cutting, normal, probing, probe -> reading.
+/// Part that a tool turns and a probe reads along some diameters, tool (radius, roughness) and part (radius, face), all m:
+/// angle, lateral, depth, cutting, normal, probing, probe, turned, blank -> reading, angle.
 #[pyfunction]
-pub fn turned_part(tool_radius: f64, probe_radius: f64, part_radius: f64, face: f64, roughness: f64) -> PyElement {
-    PyElement::new(TurnedPart::new(Shapes { tool_radius, probe_radius, part_radius, face, roughness }))
+pub fn turned_part(tool: (f64, f64), probe_radius: f64, part: (f64, f64), diameters: usize) -> PyElement {
+    let ((tool_radius, roughness), (part_radius, face)) = (tool, part);
+    PyElement::new(TurnedPart::new(Shapes { tool_radius, probe_radius, part_radius, face, roughness, diameters }))
 }
 
 fn corner_edge(start: [f64; 3], corner: [f64; 3], end: [f64; 3], radius: f64) -> PyResult<Edge> {

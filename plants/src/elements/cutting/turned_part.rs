@@ -1,4 +1,4 @@
-//! Part on a lathe: the section along one diameter that the tool leaves, and a probe that reads it.
+//! Part on a lathe: the sections along some diameters that the tool leaves, and a probe that reads them.
 
 use std::f64::consts::PI;
 
@@ -20,19 +20,23 @@ pub struct Shapes {
     pub face: f64,
     /// roughness that the material adds to each passage of the tool, standard deviation, m
     pub roughness: f64,
+    /// diameters that are kept
+    pub diameters: usize,
 }
 
-/// Depth of a part along the diameter at the spindle angles 0 (positive places) and pi (negative places).
+/// Depth of a part along N diameters: number k at the spindle angles k pi / N (positive places) and half a turn on (negative
+/// places).
 ///
-/// Twice a turn the tool passes the diameter, and while `cutting` is positive its nose takes away what is higher:
+/// Twice a turn the tool passes a diameter, and while `cutting` is positive its nose takes away what is higher:
 /// `lateral` and `depth` place the centre of the nose from the spindle axis and into the part. While `probing` is
-/// positive, `reading` is the depth of the lowest point of a ball that rests on the section at the place `probe`;
-/// otherwise it is 0. The spindle need not stop for it: the section is kept as it was cut.
+/// positive, `reading` is the depth of the lowest point of a ball that rests at the place `probe` on the section which is
+/// nearest to the angle `turned` (rad), of which `angle` is the true one; otherwise both are 0. The spindle need not turn to it: the
+/// sections are kept as they were cut. While `blank` is positive the part is another one, not cut yet.
 #[derive(Clone, Debug)]
 pub struct TurnedPart {
     shapes: Shapes,
-    /// depth at every place from `-part_radius` on, m
-    section: Vec<f64>,
+    /// depth at every place from `-part_radius` on, m, diameter after diameter
+    sections: Vec<Vec<f64>>,
     /// angle, lateral place and depth of the step before
     before: Option<[f64; 3]>,
 }
@@ -41,39 +45,52 @@ impl TurnedPart {
     /// A blank with a flat face.
     pub fn new(shapes: Shapes) -> Self {
         let places = 2 * (shapes.part_radius / PITCH).round() as usize + 1;
-        Self { section: vec![shapes.face; places], before: None, shapes }
+        Self { sections: vec![vec![shapes.face; places]; shapes.diameters.max(1)], before: None, shapes }
     }
 
-    /// The tool moves to `now`; at each half turn on the way it passes the diameter.
+    /// Angle between two diameters, rad.
+    fn pitch(&self) -> f64 {
+        PI / self.sections.len() as f64
+    }
+
+    /// The diameter at the angle number `k`, and 1, or -1 where its negative places are.
+    fn side(&self, k: f64) -> (usize, f64) {
+        let k = k.rem_euclid(2.0 * self.sections.len() as f64) as usize;
+        (k % self.sections.len(), if k < self.sections.len() { 1.0 } else { -1.0 })
+    }
+
+    /// The tool moves to `now`; at each diameter on the way it passes it.
     fn cut(&mut self, now: [f64; 3], roughness: f64) {
         let Some(before) = self.before else { return };
-        let (from, to) = ((before[0] / PI).floor(), (now[0] / PI).floor());
+        let pitch = self.pitch();
+        let (from, to) = ((before[0] / pitch).floor(), (now[0] / pitch).floor());
         if from == to {
             return;
         }
-        // one passage per step: a plant step is far shorter than half a turn
-        let half_turn = from.max(to);
-        let share = (half_turn * PI - before[0]) / (now[0] - before[0]);
+        // one passage per step: a plant step is far shorter than the way to the next diameter
+        let number = from.max(to);
+        let share = (number * pitch - before[0]) / (now[0] - before[0]);
         let [lateral, depth] = [1, 2].map(|i| before[i] + share * (now[i] - before[i]));
-        let side = if half_turn.rem_euclid(2.0) == 0.0 { 1.0 } else { -1.0 };
-        self.pass(side * lateral, depth + roughness);
+        let (diameter, side) = self.side(number);
+        self.pass(diameter, side * lateral, depth + roughness);
     }
 
     /// The nose takes away what is higher than its lower half.
-    fn pass(&mut self, place: f64, depth: f64) {
+    fn pass(&mut self, diameter: usize, place: f64, depth: f64) {
         let nose = self.shapes.tool_radius;
         for i in self.within(place, nose) {
             let across = self.place(i) - place;
-            self.section[i] = self.section[i].max(depth + (nose * nose - across * across).max(0.0).sqrt());
+            let section = &mut self.sections[diameter];
+            section[i] = section[i].max(depth + (nose * nose - across * across).max(0.0).sqrt());
         }
     }
 
-    /// Depth of the lowest point of the ball that rests on the section.
-    fn probe(&self, place: f64) -> f64 {
+    /// Depth of the lowest point of the ball that rests on a section.
+    fn probe(&self, diameter: usize, place: f64) -> f64 {
         let ball = self.shapes.probe_radius;
         let clearance = |i: usize| {
             let across = self.place(i) - place;
-            self.section[i] - (ball * ball - across * across).max(0.0).sqrt()
+            self.sections[diameter][i] - (ball * ball - across * across).max(0.0).sqrt()
         };
         let rest = self.within(place, ball).map(clearance).reduce(f64::min);
         rest.map_or(self.shapes.face, |centre| centre + ball)
@@ -85,7 +102,7 @@ impl TurnedPart {
         // a cast from below zero gives zero
         let first = index(place - reach).ceil() as usize;
         let end = (index(place + reach).floor() + 1.0) as usize;
-        first..end.min(self.section.len())
+        first..end.min(self.sections[0].len())
     }
 
     fn place(&self, i: usize) -> f64 {
@@ -95,17 +112,27 @@ impl TurnedPart {
 
 impl Element for TurnedPart {
     fn ports(&self) -> Ports {
-        Ports { inputs: &["angle", "lateral", "depth", "cutting", "normal", "probing", "probe"], outputs: &["reading"] }
+        Ports {
+            inputs: &["angle", "lateral", "depth", "cutting", "normal", "probing", "probe", "turned", "blank"],
+            outputs: &["reading", "angle"],
+        }
     }
 
     fn step(&mut self, inputs: &[f64], outputs: &mut [f64], _h: f64) {
-        let &[angle, lateral, depth, cutting, normal, probing, probe] = inputs else { return };
+        let &[angle, lateral, depth, cutting, normal, probing, probe, turned, blank] = inputs else { return };
         let now = [angle, lateral, depth];
+        if blank > 0.0 {
+            self.sections.iter_mut().for_each(|section| section.fill(self.shapes.face));
+        }
         if cutting > 0.0 {
             self.cut(now, self.shapes.roughness * normal);
         }
         self.before = Some(now);
-        outputs[0] = if probing > 0.0 { self.probe(probe) } else { 0.0 };
+        let number = (turned / self.pitch()).round();
+        let (diameter, side) = self.side(number);
+        let down = probing > 0.0;
+        outputs[0] = if down { self.probe(diameter, side * probe) } else { 0.0 };
+        outputs[1] = if down { number * self.pitch() } else { 0.0 };
     }
 }
 
@@ -113,22 +140,33 @@ impl Element for TurnedPart {
 mod tests {
     use super::*;
 
-    const SHAPES: Shapes =
-        Shapes { tool_radius: 2e-3, probe_radius: 1.5e-3, part_radius: 0.02, face: -1e-3, roughness: 0.0 };
+    const SHAPES: Shapes = Shapes {
+        tool_radius: 2e-3,
+        probe_radius: 1.5e-3,
+        part_radius: 0.02,
+        face: -1e-3,
+        roughness: 0.0,
+        diameters: 1,
+    };
 
     /// Turns the part with the tool at `nose(turns)`, 100 steps a turn.
     fn turn(part: &mut TurnedPart, turns: u32, nose: impl Fn(f64) -> [f64; 2]) {
         for k in 0..=100 * turns {
             let turned = f64::from(k) / 100.0;
             let [lateral, depth] = nose(turned);
-            part.step(&[2.0 * PI * turned + 0.3, lateral, depth, 1.0, 0.0, 0.0, 0.0], &mut [0.0], 1e-4);
+            part.step(&[2.0 * PI * turned + 0.3, lateral, depth, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0], &mut [0.0; 2], 1e-4);
         }
     }
 
     fn read(part: &mut TurnedPart, place: f64) -> f64 {
-        let mut out = [9.0];
-        part.step(&[0.0, 0.0, 0.0, 0.0, 0.0, 1.0, place], &mut out, 1e-4);
-        out[0]
+        read_at(part, place, 0.0)[0]
+    }
+
+    /// Depth, and angle of the diameter, nearest to `turned`.
+    fn read_at(part: &mut TurnedPart, place: f64, turned: f64) -> [f64; 2] {
+        let mut out = [9.0; 2];
+        part.step(&[0.0, 0.0, 0.0, 0.0, 0.0, 1.0, place, turned, 0.0], &mut out, 1e-4);
+        out
     }
 
     #[test]
@@ -137,9 +175,9 @@ mod tests {
         for place in [-0.5, -0.02, -0.0123, 0.0, 0.02, 0.5] {
             assert!((read(&mut part, place) + 1e-3).abs() < 1e-12, "{place}");
         }
-        let mut out = [9.0];
-        part.step(&[0.0; 7], &mut out, 1e-4);
-        assert_eq!(out, [0.0]);
+        let mut out = [9.0; 2];
+        part.step(&[0.0; 9], &mut out, 1e-4);
+        assert_eq!(out, [0.0; 2]);
     }
 
     #[test]
@@ -177,9 +215,9 @@ mod tests {
         let mut part = TurnedPart::new(SHAPES);
         let deep = |_| [0.01, 2e-4];
         turn(&mut part, 1, deep);
-        let before = part.section.clone();
+        let before = part.sections.clone();
         turn(&mut part, 1, |_| [0.01, 1e-4]);
-        assert_eq!(part.section, before);
+        assert_eq!(part.sections, before);
     }
 
     #[test]
@@ -195,11 +233,37 @@ mod tests {
     #[test]
     fn roughness_and_air() {
         let mut part = TurnedPart::new(Shapes { roughness: 1e-7, ..SHAPES });
-        part.step(&[-0.1, 0.01, 0.0, 1.0, 0.0, 0.0, 0.0], &mut [0.0], 1e-4);
-        part.step(&[0.1, 0.01, 0.0, 0.0, 3.0, 0.0, 0.0], &mut [0.0], 1e-4);
+        part.step(&[-0.1, 0.01, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0], &mut [0.0; 2], 1e-4);
+        part.step(&[0.1, 0.01, 0.0, 0.0, 3.0, 0.0, 0.0, 0.0, 0.0], &mut [0.0; 2], 1e-4);
         assert!((read(&mut part, 0.01) + 1e-3).abs() < 1e-12);
-        part.step(&[-0.1, 0.01, 0.0, 1.0, 0.0, 0.0, 0.0], &mut [0.0], 1e-4);
-        part.step(&[0.1, 0.01, 0.0, 1.0, 3.0, 0.0, 0.0], &mut [0.0], 1e-4);
+        part.step(&[-0.1, 0.01, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0], &mut [0.0; 2], 1e-4);
+        part.step(&[0.1, 0.01, 0.0, 1.0, 3.0, 0.0, 0.0, 0.0, 0.0], &mut [0.0; 2], 1e-4);
         assert!((read(&mut part, 0.01) - 2e-3 - 3e-7).abs() < 1e-12);
+    }
+
+    #[test]
+    fn each_of_several_diameters_is_cut_and_read_at_its_two_angles() {
+        let mut part = TurnedPart::new(Shapes { diameters: 4, ..SHAPES });
+        let depth = |angle: f64| 1e-4 * (angle.cos() + 0.5 * (2.0 * angle).sin());
+        turn(&mut part, 2, |turned| [0.01, depth(2.0 * PI * turned + 0.3)]);
+        for k in -3..9 {
+            let angle = f64::from(k) * PI / 4.0;
+            for (place, at) in [(0.01, angle), (-0.01, angle + PI)] {
+                let [read, told] = read_at(&mut part, place, angle + 0.3);
+                // straight between the steps, 63 mrad long: 0.15 um
+                assert!((read - depth(at) - 2e-3).abs() < 2e-7, "{k}, {place}: {read}");
+                assert!((told - angle).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn another_part_is_a_blank() {
+        let mut part = TurnedPart::new(Shapes { diameters: 2, ..SHAPES });
+        turn(&mut part, 1, |_| [0.01, 1e-4]);
+        part.step(&[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], &mut [0.0; 2], 1e-4);
+        assert!(
+            (read(&mut part, 0.01) + 1e-3).abs() < 1e-12 && (read_at(&mut part, 0.01, 1.6)[0] + 1e-3).abs() < 1e-12
+        );
     }
 }

@@ -1,13 +1,13 @@
 """How far the ball slides, by the frequency of the stick-slip motion, as a plot for the README.
 
-python -m tests.acceptance.gain_over_frequency fmu-polish/gain.svg
+python -m tests.acceptance.measured.gain_over_frequency fmu-polish/gain.svg
 """
 
 import sys
 
 import cosim
 
-from .samples.polishing import Run
+from ..samples.polishing import Run
 
 HALF_PERIODS = (1, 2, 3, 4, 5, 7, 10, 14, 20)
 """Samples of 1 ms of one sign."""

@@ -1,0 +1,102 @@
+//! What is asked for, what has happened, and the state that follows.
+
+use crate::controller::Controller;
+use crate::faults::{self, Situation};
+use crate::interface::{Input, Mode, Parameters, State};
+use crate::machine::{Events, next};
+use crate::monitoring::watch::late;
+use crate::path::feasibility::infeasible;
+use crate::reading::Reading;
+
+impl Controller {
+    /// What is asked for; while the arm is held for a commission, no job.
+    fn asked(&mut self, input: &Input) -> Mode {
+        let mode = self.request.read(input);
+        if !self.slow {
+            return mode;
+        }
+        self.request.spend();
+        Mode::Idle
+    }
+
+    /// Whether `commission` and `enable` rise.
+    fn edges(&mut self, input: &Input) -> [bool; 2] {
+        let now = [input.commission, input.enable];
+        let before = self.before.replace(now).unwrap_or(now);
+        [0, 1].map(|i| now[i] && !before[i])
+    }
+
+    /// State machine.
+    pub(super) fn decide(&mut self, p: &Parameters, input: &Input, reading: &Reading) {
+        let mode = self.asked(input);
+        if self.request.renewed() {
+            self.job.restart();
+        }
+        let [commission, enable] = self.edges(input);
+        let asked = self.commission_asked.update(self.state.waits(), commission, input.commission);
+        // of a fault the last is told
+        if self.state != State::Fault {
+            self.late = late(p, self.tracker.path(), self.measurements(), self.state, &self.job);
+        }
+        let events = Events {
+            fault: faults::find(p, &self.situation(p, mode, reading)),
+            reset: self.reset_fault.rises(input.reset_fault),
+            at_rest: !self.ending.braking() && (!self.closed() || self.stands(p)),
+            renewed: self.request.renewed(),
+            commission: asked && self.reader.arm_velocity(p) == 0.0,
+            break_off: !input.commission || enable || self.request.renewed(),
+            commissioned: self.commissioner.finished,
+            arm_known: self.reader.arm_known(),
+            spindle_known: self.spindle_known(p),
+            cut_over: self.left(reading) && self.tracker.path().cut_over(self.joined, reading.slide_position),
+            arrived: self.tracker.arrived(p),
+        };
+        let state = next(self.state, mode, &events);
+        if state != self.state {
+            if self.state == State::Fault {
+                self.request.spend();
+            }
+            self.enter(p, state, &events, reading);
+        } else if self.state == State::Fault {
+            self.ending.escalate(p, events.fault, self.reader.arm_velocity(p));
+            if !input.enable && self.stands(p) {
+                self.ending.release();
+            }
+        }
+        if !self.closed() {
+            self.reader.begin_arm_anew();
+            self.slow = false;
+        }
+        if !self.closed() || self.tracker.gone(p) {
+            self.reader.begin_anew();
+        }
+    }
+
+    /// What faults are found from.
+    fn situation(&self, p: &Parameters, mode: Mode, reading: &Reading) -> Situation<'_> {
+        let path = self.tracker.path();
+        let wanted = matches!(mode, Mode::Approach | Mode::Track) && !matches!(self.state, State::Fault | State::Done);
+        Situation {
+            missing: self.reader.missing(),
+            long_step: self.long_step,
+            found: if self.closed() { self.watch.find(p, self.arm.length) } else { None },
+            feed_lost: self.on_path() && self.feed.lost().is_some(),
+            overdue: self.state != State::Fault && self.late.is_some(),
+            rejected: self.state == State::Commission && self.commissioner.rejected,
+            path: wanted.then_some(path),
+            outside: self.left(reading) && !(self.on_path() && path.cut_over(self.joined, reading.slide_position)),
+            spindle_speed: if self.reader.spindle_begins() { 0.0 } else { self.spindle.speed },
+        }
+    }
+
+    /// Whether a path can begin: a speed that is too much for it may be one of a bad reading, and waits for the next.
+    fn spindle_known(&self, p: &Parameters) -> bool {
+        let doubtful = self.reader.spindle_begins() && infeasible(p, self.tracker.path(), self.spindle.speed);
+        self.spindle.known() && self.reader.spindle_known() && !doubtful
+    }
+
+    /// Whether the slide is seen where the path has no table.
+    fn left(&self, reading: &Reading) -> bool {
+        self.reader.spindle_known() && !self.tracker.path().covers(reading.slide_position)
+    }
+}

@@ -1,0 +1,82 @@
+//! What the arm should do in a sample: held, on the path, on its way between both, or swinging to be measured.
+
+use control_blocks::Trajectory;
+
+use crate::controller::Controller;
+use crate::interface::{Input, Parameters, State};
+use crate::motion::sweep::sweep;
+use crate::reading::Reading;
+use crate::tracking::phasors::Phasors;
+use crate::tracking::tracker::{Layers, Wanted};
+
+impl Controller {
+    /// Which layers work in this sample.
+    pub(super) fn layers(&mut self, p: &Parameters, input: &Input) -> Layers {
+        if self.forget.rises(input.afc_reset) || !input.afc_enable {
+            self.tracker.forget();
+        }
+        let steady = !self.recursion.saturated && self.reader.known() && self.spindle.speed.abs() >= p.afc.speed_min;
+        Layers {
+            feedforward: input.feedforward_enable,
+            cancellation: input.afc_enable,
+            learning: input.afc_enable && steady && self.state == State::Track,
+        }
+    }
+
+    /// What the arm should do.
+    pub(super) fn refer(&mut self, p: &Parameters, reading: &Reading, layers: Layers, phasors: &Phasors) -> Wanted {
+        let wanted = if self.closed() {
+            let held = self.held(p, reading);
+            let held = self.swing(p, held, reading);
+            if self.tracker.gone(p) {
+                self.still(held)
+            } else {
+                self.tracker.follow(p, held, reading.arm_angle, layers, phasors)
+            }
+        } else {
+            self.still(Trajectory::resting(reading.arm_angle))
+        };
+        self.motion = wanted.motion;
+        wanted
+    }
+
+    /// The motion beside the path.
+    fn held(&mut self, p: &Parameters, reading: &Reading) -> Trajectory {
+        match self.state {
+            State::Calibrate if reading.cutting && self.tracker.gone(p) && !self.identification.swinging() => {
+                let motion = sweep(p, self.motion, reading.hold_angle);
+                // what comes after the cut begins here
+                self.hold.go(p, motion, reading.hold_angle);
+                motion
+            }
+            State::Hold | State::Calibrate | State::Identify => self.hold.step(p, reading.hold_angle),
+            _ => self.hold.coast(p),
+        }
+    }
+
+    /// A motion that needs no correction.
+    fn still(&self, motion: Trajectory) -> Wanted {
+        Wanted { motion, depth: self.arm.depth(motion.position), set_point: motion.position }
+    }
+
+    /// Once the arm holds its angle it swings about it, until the frequency response is complete and in use; what is broken
+    /// off fades.
+    fn swing(&mut self, p: &Parameters, centre: Trajectory, reading: &Reading) -> Trajectory {
+        let measures = matches!(self.state, State::Identify | State::Commission);
+        let ready = measures && self.hold.arrived(p) && self.tracker.gone(p);
+        let experiment = if self.slow { &mut self.commissioner.experiment } else { &mut self.identification };
+        let begins = ready && !experiment.done();
+        if begins && experiment.broken_off() {
+            experiment.restart();
+        }
+        if !begins && !experiment.swinging() {
+            return centre;
+        }
+        let position = centre.position + experiment.step(reading.arm_angle - centre.position, self.recursion.saturated);
+        if self.state == State::Identify && self.identification.done() {
+            self.tracker.take(p, self.identification.response());
+            self.response = Some(*self.identification.response());
+        }
+        Trajectory { position, velocity: (position - self.motion.position) / p.sample_period, acceleration: 0.0 }
+    }
+}

@@ -1,0 +1,51 @@
+//! The outputs of a sample.
+
+use crate::controller::Controller;
+use crate::interface::{ErrorOutput, FormOutput, Output, Parameters, ReferenceOutput, ResponseOutput, State};
+use crate::monitoring::numbers::Numbers;
+use crate::path::feasibility::needed_torque;
+use crate::reading::Reading;
+use crate::tracking::tracker::Wanted;
+
+impl Controller {
+    pub(super) fn report(
+        &mut self,
+        p: &Parameters,
+        torque: f64,
+        wanted: &Wanted,
+        reading: &Reading,
+        output: &mut Output,
+    ) {
+        let (turn, path, speed) = (self.tracker.last_turn(), self.tracker.path(), self.spindle.speed);
+        let behind = wanted.motion.position - reading.arm_angle;
+        output.torque = torque;
+        output.state = self.state;
+        output.fault = self.ending.fault();
+        output.drive_enable = self.ending.drive_enable();
+        output.drive_share = self.watch.share(p).unwrap_or(1.0);
+        output.reference = ReferenceOutput { depth: wanted.depth, angle: wanted.motion.position };
+        output.error = ErrorOutput {
+            // of a fault the last error is told
+            tracking: match self.state {
+                State::Fault if !self.closed() => self.watch.following_error(),
+                _ => self.arm.lever(reading.arm_angle) * behind,
+            },
+            rms: turn.rms,
+            peak: turn.peak,
+            harmonic: turn.harmonic.map(|c| c.norm()),
+        };
+        output.spindle_speed = speed;
+        output.saturated = self.closed() && self.recursion.saturated;
+        output.path_torque = needed_torque(p, path, speed);
+        output.path_torque_share = self.tracker.torque_share();
+        output.path_truncation = path.truncation;
+        output.numbers = Numbers { late: self.late, fed: self.feed.lost(), table: path.ends(), ..self.watch.numbers() };
+        output.calibration = self.calibration.report();
+        output.form = FormOutput { corrected: path.correction().is_some(), ..self.calibration.form() };
+        output.measured = self.commissioner.measured;
+        output.identify_progress = self.identification.progress();
+        if let Some(response) = self.response.take() {
+            output.response = ResponseOutput::of(&response, self.tracker.response(), &self.tracker.flexure());
+        }
+    }
+}
