@@ -366,15 +366,15 @@ impl Controller {
         let feed = self.feed;
         let at = PathState { path: &self.path, place: self.place, frame: &now.frame, feed };
         let normal = self.normal.step(p, &contact, self.k, &at);
+        let (share, sideways) = stick_slip::motion(&p.stick_slip, self.k, &now.frame);
         let parts = VelocityParts {
             normal: self.towards(p, now, normal),
             // eq. 2
             tangential: feed * now.frame.ratio,
             position: self.feedback.step(p, &now.offset, &now.frame.normal),
             // eq. 16
-            stick_slip: stick_slip::sign(&p.stick_slip, self.k)
-                * (stick_slip::velocity(&p.stick_slip, feed) + self.sliding.raised(p)),
-            sideways: stick_slip::direction(p.stick_slip.mode, &now.frame),
+            stick_slip: share * (stick_slip::velocity(&p.stick_slip, feed) + self.sliding.raised(p)),
+            sideways,
         };
         self.way = feed * p.sample_period;
         self.place = self.path.seek(self.place, self.place.s + self.way);
