@@ -443,7 +443,7 @@ mod variables {
     }
     /// Learning of what repeats from turn to turn of the path.
     pub struct Turns {
-        /// Share of the force error at the first four harmonics of a turn that is taken back per radian; 0 for none
+        /// Share of the force error at the first four harmonics of a turn that is taken back per radian, half of it of the ripple that turns with the path; 0 for none
         #[var(unit = ONE, range = 0.0..=0.5, start = 0.18, paper = 0.0, source = "measured: 0.3 swings, since the harmonics are so near")] pub gain: f64,
     }
     /// Estimate of a rigid misalignment of the mold and its feedforward.
